@@ -1,0 +1,11 @@
+#include "hal.h"
+
+void jp_hal_tick(const struct jp_hal *hal, struct jp_robot *robot, enum jp_status *written)
+{
+    struct jp_sensors sensors = {0};
+    struct jp_actuation actuation;
+    enum jp_status read = hal->read(hal->context, &sensors);
+
+    jp_robot_tick(robot, *written == JP_OK ? read : *written, &sensors, &actuation);
+    *written = hal->write(hal->context, &actuation);
+}

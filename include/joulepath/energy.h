@@ -1,0 +1,63 @@
+/**
+ * Energy of one segment of constant speed and turn rate (paper eq. 12–19).
+ *
+ * A segment starts with a step of the reference, Δr = [Δv, Δw, σ], from a settled motion (v₋, w₋) whose
+ * steady motor voltages are ul₋, ur₋:
+ *
+ *   E_state = [Δv², Δw², σ², ΔvΔw, Δvσ, Δwσ, ul₋Δv, ul₋Δw, ul₋σ, ur₋Δv, ur₋Δw, ur₋σ, P₋] · a
+ *   E_fri   = [v², w²] · b · (T − Ts)
+ *   E_other = Ps T
+ *
+ * with P₋ = (ul₋² + ur₋²)/Rm, ul₋ = cv v₋ − cw w₋ and ur₋ = cv v₋ + cw w₋.
+ * The model holds for T >= Ts and a settled start.
+ */
+#ifndef JOULEPATH_ENERGY_H
+#define JOULEPATH_ENERGY_H
+
+#include <joulepath/fixed.h>
+#include <joulepath/status.h>
+
+#define JP_ENERGY_TERMS 13
+
+/** Parameters of one robot under one controller; made by tools/identify.py. */
+struct jp_energy_model {
+    jp_q16 a[JP_ENERGY_TERMS];  /**< a1…a13: J per product of m/s, rad/s, rad and V; a13 in s; |a| <= 4 096 */
+    jp_q16 b[2];                /**< b1 J·s/m², b2 J·s/rad²; 0…4 096 */
+    jp_q16 electronics_power;   /**< Ps, W; above 0, at most 256 */
+    jp_q16 settling_time;       /**< Ts, s; 0…60 */
+    jp_q16 voltage_per_speed;   /**< cv, V·s/m; 0…256 */
+    jp_q16 voltage_per_turn_rate; /**< cw, V·s/rad; 0…256 */
+    jp_q16 motor_resistance;    /**< Rm, Ω; above 0, at most 256 */
+};
+
+/** A motion at constant speed and turn rate. */
+struct jp_motion {
+    jp_q24 speed;     /**< v, m/s; |v| <= 8 */
+    jp_q24 turn_rate; /**< w, rad/s; |w| <= 8 */
+};
+
+/** One segment as the reference sees it: a step to (v, w), the heading turned by σ, held for T. */
+struct jp_segment_command {
+    struct jp_motion motion;
+    jp_q24 turn;     /**< σ, rad; |σ| <= 2π */
+    jp_q16 duration; /**< T, s; 0…16 384 */
+};
+
+/** The published parameters (paper Table 2). */
+extern const struct jp_energy_model jp_energy_model_published;
+
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const char **field);
+
+/**
+ * Energy in J of a segment after the settled motion `before` (eq. 19).
+ *
+ * JP_ERR_ARGUMENT: T < Ts, or a field outside its range; *energy is not written.
+ * JP_ERR_OVERFLOW: |E| > 32 767 J; *energy is saturated.
+ * Error against exact arithmetic on the same inputs: at most 0.001 J for motions within 1 m/s and 1 rad/s.
+ * About 60 multiplications and one division; may be called from an ISR.
+ */
+enum jp_status jp_energy_predict(const struct jp_energy_model *model, const struct jp_motion *before,
+                                 const struct jp_segment_command *segment, jp_q16 *energy);
+
+#endif

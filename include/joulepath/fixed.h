@@ -1,0 +1,175 @@
+/**
+ * Saturating fixed-point arithmetic.
+ *
+ * Every operation gives the same bits on every compiler and core, with and
+ * without DSP instructions. Unless a comment says otherwise a function rounds
+ * to nearest (ties toward +infinity), saturates instead of wrapping, has no
+ * failure, runs in bounded time and may be called from an ISR.
+ *
+ * Worst-case error of each function, in units in the last place of its result,
+ * is stated beside it; tests/unit/test_fixed.c and tests/property/ prove it.
+ */
+#ifndef JOULEPATH_FIXED_H
+#define JOULEPATH_FIXED_H
+
+#include <stdint.h>
+
+#if defined(__ARM_FEATURE_DSP) && !defined(JP_NO_DSP)
+#define JP_DSP 1
+#include <arm_acle.h>
+#else
+#define JP_DSP 0
+#endif
+
+_Static_assert(-3 >> 1 == -2, "right shift of a negative number must be arithmetic");
+_Static_assert((int32_t)UINT32_MAX == -1, "conversion to a signed type must wrap");
+
+typedef int32_t jp_q16; /**< Q16.16: ±32 768, step 1.5e-5 */
+typedef int32_t jp_q24; /**< Q8.24: ±128, step 6.0e-8 */
+typedef int32_t jp_q31; /**< Q1.31: [−1, 1), step 4.7e-10 */
+
+/** Wrapping binary angle: 2³² is one turn. Differences are exact for ever; cast one to int32_t for ±½ turn. */
+typedef uint32_t jp_angle;
+
+/** Wrapping count of turns: 2⁵⁶ is one turn, so differences up to ±128 turns are exact for ever. */
+typedef uint64_t jp_phase;
+
+#define JP_Q16_ONE    ((jp_q16)65536)
+#define JP_Q24_ONE    ((jp_q24)16777216)
+#define JP_Q31_MAX    INT32_MAX
+#define JP_PHASE_TURN ((jp_phase)1 << 56)
+
+/** Constant expressions from decimal literals; no floating point reaches the image. */
+#define JP_Q16(x)           ((jp_q16)((x)*65536.0 + ((x) >= 0 ? 0.5 : -0.5)))
+#define JP_Q24(x)           ((jp_q24)((x)*16777216.0 + ((x) >= 0 ? 0.5 : -0.5)))
+#define JP_ANGLE_DEGREES(x) ((jp_angle)(int64_t)((x)*4294967296.0 / 360.0 + ((x) >= 0 ? 0.5 : -0.5)))
+
+/** Nearest value of 32 bits. Exact inside the range. */
+static inline int32_t jp_saturate32(int64_t x)
+{
+    return x > INT32_MAX ? INT32_MAX : x < INT32_MIN ? INT32_MIN : (int32_t)x;
+}
+
+/** a limited to [low, high]; low <= high. */
+static inline int32_t jp_clamp32(int32_t a, int32_t low, int32_t high)
+{
+    return a < low ? low : a > high ? high : a;
+}
+
+/** a + b, saturated. Exact inside the range. One instruction (QADD) where the core has it. */
+static inline int32_t jp_add(int32_t a, int32_t b)
+{
+#if JP_DSP
+    return __qadd(a, b);
+#else
+    return jp_saturate32((int64_t)a + b);
+#endif
+}
+
+/** a − b, saturated. Exact inside the range. One instruction (QSUB) where the core has it. */
+static inline int32_t jp_sub(int32_t a, int32_t b)
+{
+#if JP_DSP
+    return __qsub(a, b);
+#else
+    return jp_saturate32((int64_t)a - b);
+#endif
+}
+
+/** a·b / 2^shift, 1 <= shift <= 62, rounded and saturated: 0.5 ulp. */
+static inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift)
+{
+    int64_t half = (int64_t)1 << (shift - 1);
+    return jp_saturate32(((int64_t)a * b + half) >> shift);
+}
+
+/** Products of equal formats, saturated: 0.5 ulp. jp_q31_multiply(−1, −1) is JP_Q31_MAX. */
+static inline jp_q16 jp_q16_multiply(jp_q16 a, jp_q16 b)
+{
+    return jp_multiply_shift(a, b, 16);
+}
+
+static inline jp_q24 jp_q24_multiply(jp_q24 a, jp_q24 b)
+{
+    return jp_multiply_shift(a, b, 24);
+}
+
+static inline jp_q31 jp_q31_multiply(jp_q31 a, jp_q31 b)
+{
+    return jp_multiply_shift(a, b, 31);
+}
+
+/** accumulator + a·b in 64 bits, saturated at ±2⁶³. Exact inside the range. */
+static inline int64_t jp_multiply_accumulate(int64_t accumulator, int32_t a, int32_t b)
+{
+    int64_t product = (int64_t)a * b;
+    if (product > 0 && accumulator > INT64_MAX - product) {
+        return INT64_MAX;
+    }
+    if (product < 0 && accumulator < INT64_MIN - product) {
+        return INT64_MIN;
+    }
+    return accumulator + product;
+}
+
+/** x / 2^shift, 1 <= shift <= 62, rounded and saturated to 32 bits: 0.5 ulp. */
+static inline int32_t jp_round_shift(int64_t x, unsigned shift)
+{
+    int64_t first_dropped_bit = (x >> (shift - 1)) & 1;
+    return jp_saturate32((x >> shift) + first_dropped_bit);
+}
+
+/** numerator / denominator, rounded (ties away from zero) and saturated: 0.5 ulp.
+ *  A zero denominator saturates by the sign of the numerator; 0/0 is 0. One 64-bit division. */
+int32_t jp_divide(int64_t numerator, int32_t denominator);
+
+/** Quotients of equal formats, as jp_divide. */
+static inline jp_q16 jp_q16_divide(jp_q16 a, jp_q16 b)
+{
+    return jp_divide((int64_t)a * ((int64_t)1 << 16), b);
+}
+
+static inline jp_q24 jp_q24_divide(jp_q24 a, jp_q24 b)
+{
+    return jp_divide((int64_t)a * ((int64_t)1 << 24), b);
+}
+
+static inline jp_q31 jp_q31_divide(jp_q31 a, jp_q31 b)
+{
+    return jp_divide((int64_t)a * ((int64_t)1 << 31), b);
+}
+
+/** Largest integer whose square is <= x. Exact. 32 rounds of shift and subtract. */
+uint32_t jp_square_root(uint64_t x);
+
+/** √x: 0.5 ulp. A negative x gives 0. */
+jp_q16 jp_q16_square_root(jp_q16 x);
+
+/** sin and cos of a wrapping angle: within JP_SIN_ERROR_ULP of the exact value, +1 saturated to JP_Q31_MAX;
+ *  exact at the quarter turns. */
+#define JP_SIN_ERROR_ULP 2
+jp_q31 jp_sin(jp_angle angle);
+jp_q31 jp_cos(jp_angle angle);
+
+/** Direction of (x, y), whose common format does not matter: within JP_ATAN2_ERROR units of 2⁻³² turn
+ *  of the exact value, exact at the eighth turns. (0, 0) gives 0. One 64-bit division. */
+#define JP_ATAN2_ERROR 2
+jp_angle jp_atan2(int32_t y, int32_t x);
+
+/** Radians in Q8.24 to a wrapping angle and back: within 1 unit of 2⁻³² turn; 0.5 ulp. Back: (−π, π]. */
+jp_angle jp_angle_from_radians(jp_q24 radians);
+jp_q24 jp_angle_to_radians(jp_angle angle);
+
+/** Difference of two phases, limited to ±128 turns, as Q8.24 turns. Exact to 2⁻²⁴ turn across every wrap. */
+static inline jp_q24 jp_phase_difference(jp_phase a, jp_phase b)
+{
+    return (jp_q24)((int64_t)(a - b) >> 32);
+}
+
+/** The wrapping angle of a phase. */
+static inline jp_angle jp_phase_angle(jp_phase phase)
+{
+    return (jp_angle)(phase >> 24);
+}
+
+#endif

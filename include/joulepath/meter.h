@@ -1,0 +1,43 @@
+/**
+ * What the robot really spends, by both definitions:
+ *
+ *   model   = ∫ (ul² + ur²)/Rm + Ps dt   (paper eq. 10 and 18)
+ *   battery = ∫ ul il + ur ir + Ps dt    (what leaves the battery; negative power is recuperation)
+ */
+#ifndef JOULEPATH_METER_H
+#define JOULEPATH_METER_H
+
+#include <joulepath/fixed.h>
+#include <joulepath/status.h>
+
+/** Energy, J in Q32.32: ±2.1 GJ, step 2.3e-10 J. */
+typedef int64_t jp_energy;
+
+struct jp_meter_config {
+    uint32_t tick_rate;       /**< calls a second; 100…10 000 */
+    jp_q16 motor_resistance;  /**< Rm, Ω; 0.01…256, Rm · tick_rate at least 64 Ω/s */
+    jp_q16 electronics_power; /**< Ps, W; 0…256 */
+};
+
+struct jp_meter {
+    jp_energy model;
+    jp_energy battery;
+    jp_energy electronics_tick;  /**< Ps for one tick */
+    int64_t tick_per_ohm;        /**< 1/(Rm · tick_rate), 2⁻³² s/Ω */
+    int64_t tick;                /**< 1/tick_rate, 2⁻³² s */
+};
+
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+enum jp_status jp_meter_check(const struct jp_meter_config *config, const char **field);
+
+/** Starts both sums at 0. */
+void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config);
+
+/** One tick at motor voltages (V) and currents (A), left and right. |u| <= 1 024 V, |i| <= 1 024 A.
+ *  Each sum is within 1e-6 of the exact one, or 2e-6 W. Constant time; for the control ISR. */
+void jp_meter_update(struct jp_meter *meter, const jp_q16 voltages[2], const jp_q16 currents[2]);
+
+/** Energy in J as Q16.16, rounded and saturated. */
+jp_q16 jp_energy_to_q16(jp_energy energy);
+
+#endif

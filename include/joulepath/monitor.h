@@ -1,0 +1,73 @@
+/**
+ * Plausibility of the sensors and the limit of tilt.
+ *
+ * A reading out of range, or that jumps farther than physics allows, is replaced by the last good frame; when it stays
+ * so for `confirm_ticks` it is a fault. An IMU that repeats its frame to the bit for `freeze_ticks` is frozen. An
+ * encoder that stops, slips or runs away contradicts the motor current, i = (u − kb ω)/Rm, for `residual_ticks`.
+ */
+#ifndef JOULEPATH_MONITOR_H
+#define JOULEPATH_MONITOR_H
+
+#include <stdbool.h>
+
+#include <joulepath/estimator.h>
+#include <joulepath/sensors.h>
+
+/** Bits of a fault word. */
+enum jp_fault {
+    JP_FAULT_IMU_RANGE = 1 << 0,
+    JP_FAULT_IMU_JUMP = 1 << 1,
+    JP_FAULT_IMU_FROZEN = 1 << 2,
+    JP_FAULT_ENCODER_JUMP = 1 << 3,
+    JP_FAULT_ENCODER_LEFT = 1 << 4,  /**< the left encoder contradicts the left current */
+    JP_FAULT_ENCODER_RIGHT = 1 << 5, /**< the right encoder contradicts the right current */
+    JP_FAULT_CURRENT_RANGE = 1 << 6,
+    JP_FAULT_BUS_VOLTAGE = 1 << 7,
+    JP_FAULT_HARDWARE = 1 << 8 /**< the HAL reported an error */
+};
+
+struct jp_monitor_config {
+    jp_q24 tilt_limit;          /**< |ψ| beyond it is a fall, turn; 0.01…0.25 */
+    jp_q24 gyro_limit;          /**< |rate| beyond it is out of range, turn/s; above 0 */
+    jp_q24 gyro_jump;           /**< change a tick beyond it is implausible, turn/s; above 0 */
+    jp_q24 accel_limit;         /**< |specific force| beyond it is out of range, g; above 1 */
+    uint32_t encoder_jump;      /**< counts a tick beyond it are implausible; above 0 */
+    jp_q16 current_limit;       /**< |i| beyond it is out of range, A; above 0 */
+    jp_q16 voltage_min;         /**< bus voltage, V; above 0 */
+    jp_q16 voltage_max;         /**< V; above voltage_min */
+    jp_q16 motor_resistance;    /**< Rm, Ω; 0.01…256 */
+    jp_q16 back_emf;            /**< kb at the wheel, V per turn/s; above 0 */
+    jp_q16 half_track;          /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
+    jp_q16 current_residual;    /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
+    uint16_t confirm_ticks;     /**< ticks until range and jump become faults; at least 1 */
+    uint16_t freeze_ticks;      /**< equal IMU frames until frozen; 0 is off (a simulated ideal IMU) */
+    uint16_t residual_ticks;    /**< contradicting ticks until an encoder fault; at least 1 */
+};
+
+struct jp_monitor {
+    struct jp_sensors good;     /**< last plausible frame, once started */
+    uint16_t implausible_ticks;
+    uint16_t frozen_ticks;
+    uint16_t residual_ticks[2];
+    bool started;
+};
+
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+enum jp_status jp_monitor_check(const struct jp_monitor_config *config, const char **field);
+
+/** Forgets what it saw. */
+void jp_monitor_start(struct jp_monitor *monitor);
+
+/** Checks one frame and replaces it in place by the last good one when it is implausible or `read` is a failure.
+ *  Returns the confirmed faults, 0 for none. Constant time; for the control ISR. */
+uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
+                            struct jp_sensors *sensors);
+
+/** Compares the currents of `sensors` with the voltages that drove them (left, right) and the rates that the encoders
+ *  show: mean of the wheels relative to the body, and yaw; turn/s. Returns the confirmed encoder faults, 0 for none.
+ *  Constant time; for the control ISR. */
+uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_config *config,
+                           const struct jp_sensors *sensors, const jp_q16 voltages[2], jp_q24 wheel_rate,
+                           jp_q24 yaw_rate);
+
+#endif

@@ -1,0 +1,53 @@
+/**
+ * Reference of the controller: r = [v, w, φ + σ] (paper eq. 2), integrated to angles and shaped.
+ *
+ * The target steps with each segment. A critically damped tracker follows it,
+ *
+ *   θ̈r = (θt − θr)/τ² + 2 (θ̇t − θ̇r)/τ
+ *
+ * and so for yaw: no lag in steady motion, no step in rate or angle. It is linear, so the energy of a segment stays
+ * the quadratic form of energy.h. τ = 0 passes the steps through, as the paper does.
+ */
+#ifndef JOULEPATH_REFERENCE_H
+#define JOULEPATH_REFERENCE_H
+
+#include <joulepath/energy.h>
+#include <joulepath/fixed.h>
+#include <joulepath/status.h>
+
+struct jp_reference_config {
+    uint32_t tick_rate;         /**< calls a second; 100…10 000 */
+    jp_q24 turns_per_metre;     /**< 1/(2πR), turn/m; 0.1…16 */
+    jp_q16 travel_bandwidth;    /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100 */
+    jp_q16 yaw_bandwidth;       /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100 */
+};
+
+/** One axis: where the target is and what the controller shall follow. */
+struct jp_reference_axis {
+    jp_phase target;
+    jp_q24 target_rate; /**< turn/s */
+    jp_phase angle;
+    jp_q24 rate;        /**< turn/s */
+};
+
+struct jp_reference {
+    struct jp_reference_axis wheel; /**< θ */
+    struct jp_reference_axis yaw;   /**< φ */
+    jp_phase phase_per_rate;        /**< angle of one tick at a rate of 2⁻²⁴ turn/s */
+};
+
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+enum jp_status jp_reference_check(const struct jp_reference_config *config, const char **field);
+
+/** Stands at the given angles. */
+void jp_reference_start(struct jp_reference *reference, const struct jp_reference_config *config, jp_phase wheel,
+                        jp_phase yaw);
+
+/** Steps the target: heading by `turn` rad, then speed (m/s) and turn rate (rad/s). |v| <= 8, |w| <= 8. */
+void jp_reference_step(struct jp_reference *reference, const struct jp_reference_config *config,
+                       const struct jp_motion *motion, jp_q24 turn);
+
+/** One tick. Cannot fail; constant time; for the control ISR. */
+void jp_reference_update(struct jp_reference *reference, const struct jp_reference_config *config);
+
+#endif

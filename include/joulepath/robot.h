@@ -1,0 +1,148 @@
+/**
+ * One robot: sensors in, voltages out, a route driven by joules.
+ *
+ *   jp_robot_tick()  at the control rate, from the control interrupt: short and bounded
+ *   jp_robot_work()  from the background loop, between ticks: plans the next segment
+ *
+ *            enable                drive, follow
+ *   idle ───────────▶ balancing ◀──────────────▶ driving        fallen: |ψ| beyond the tilt limit
+ *    ▲                    │       route done, stop   │           fault:  a confirmed sensor or HAL fault
+ *    │      disable       ▼                          ▼
+ *    └───────────── fallen, fault ◀──────────────────┘           motors are off in idle, fallen and fault
+ *
+ * jp_robot_disable() leads to idle from every state and is the only way out of fallen and fault.
+ */
+#ifndef JOULEPATH_ROBOT_H
+#define JOULEPATH_ROBOT_H
+
+#include <stdbool.h>
+
+#include <joulepath/estimator.h>
+#include <joulepath/lqr.h>
+#include <joulepath/meter.h>
+#include <joulepath/monitor.h>
+#include <joulepath/odometry.h>
+#include <joulepath/reference.h>
+#include <joulepath/segment.h>
+
+/** Everything that is fixed for one kind of robot; made by tools/gain_design.py. */
+struct jp_robot_config {
+    const char *name;
+    struct jp_estimator_config estimator;
+    struct jp_reference_config reference;
+    struct jp_lqr_config lqr;
+    struct jp_monitor_config monitor;
+    struct jp_meter_config meter;
+    struct jp_segment_limits limits;
+    jp_q24 metres_per_turn; /**< 2πR, m; 0.0625…4 */
+};
+
+enum jp_robot_state {
+    JP_ROBOT_IDLE,
+    JP_ROBOT_BALANCING,
+    JP_ROBOT_DRIVING,
+    JP_ROBOT_FALLEN,
+    JP_ROBOT_FAULT
+};
+
+/** What the robot shows the world; copied whole and consistent by jp_robot_telemetry(). */
+struct jp_telemetry {
+    enum jp_robot_state state;
+    uint16_t faults;                /**< enum jp_fault bits; kept until disable */
+    uint32_t tick;                  /**< ticks since init, wrapping */
+    struct jp_motion_state motion;  /**< measured */
+    jp_phase reference_wheel;       /**< what the controller follows */
+    jp_phase reference_yaw;
+    jp_q24 reference_wheel_rate;    /**< turn/s */
+    jp_q24 reference_yaw_rate;      /**< turn/s */
+    jp_phase target_yaw;            /**< heading of the route, before shaping */
+    struct jp_point position;       /**< by odometry */
+    struct jp_voltages voltages;
+    jp_energy energy_model;         /**< since init, meter.h */
+    jp_energy energy_battery;
+    uint32_t saturated_ticks;       /**< ticks with a limited voltage, saturating */
+    uint16_t segment;               /**< segments begun since the robot last stood, saturating */
+    uint32_t segment_ticks_left;
+    struct jp_motion command;       /**< of the segment being driven; 0 while balancing */
+    jp_energy segment_energy_model; /**< of the last segment that ended */
+    jp_energy segment_energy_battery;
+    uint16_t segments_ended;        /**< since the robot last stood, saturating */
+};
+
+struct jp_robot {
+    const struct jp_robot_config *config;
+    const struct jp_energy_model *model;
+
+    struct jp_estimator estimator;
+    struct jp_reference reference;
+    struct jp_lqr lqr;
+    struct jp_monitor monitor;
+    struct jp_meter meter;
+    struct jp_odometry odometry;
+
+    struct jp_segment_command next; /**< handed to the tick by `next_full` */
+    uint8_t next_full;
+    uint8_t enable_requested;
+    uint8_t stop_requested;
+    uint8_t disable_requested;
+    bool started;                   /**< a plausible frame was seen */
+
+    jp_energy segment_start_model;
+    jp_energy segment_start_battery;
+
+    const struct jp_point *route;
+    uint16_t route_length;
+    uint16_t route_planned;         /**< segments planned so far */
+    enum jp_status route_status;
+    struct jp_segment planned;      /**< the last segment planned */
+
+    uint32_t sequence;              /**< odd while `telemetry` is written */
+    struct jp_telemetry telemetry;
+};
+
+/**
+ * Prepares a robot in state idle. config and model are kept by pointer.
+ * JP_ERR_ARGUMENT: a pointer is null. JP_ERR_CONFIG: *field names the first field out of range. Not for ISRs.
+ */
+enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config,
+                             const struct jp_energy_model *model, const char **field);
+
+/**
+ * One control tick: sensors to duties. `read` is what the HAL returned for the frame: after an error the last good
+ * frame serves until the fault is confirmed. Constant time; for the control ISR; instructions are in the README.
+ */
+void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
+                   struct jp_actuation *actuation);
+
+/**
+ * A slice of background work: when the current segment nears its end, plans the next one of the route from where the
+ * robot will be. At most one jp_segment_optimise(). Returns the first planning failure of the route (the robot then
+ * stops at the end of the segment), else JP_OK. Not for ISRs.
+ */
+enum jp_status jp_robot_work(struct jp_robot *robot);
+
+/** Idle to balancing, at the next tick. JP_ERR_STATE: not idle, no frame yet, or tilted beyond the limit. */
+enum jp_status jp_robot_enable(struct jp_robot *robot);
+
+/** To idle with motors off, at the next tick; clears faults and the route. */
+void jp_robot_disable(struct jp_robot *robot);
+
+/**
+ * Drives one segment: at once when balancing, after the current one when driving.
+ * JP_ERR_STATE: neither balancing nor driving. JP_ERR_BUSY: one already waits. JP_ERR_ARGUMENT: a field out of range.
+ */
+enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_command *segment);
+
+/**
+ * Drives through `route`, each segment planned for least energy; the array must stay until the robot stands.
+ * Replaces an earlier route. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
+ */
+enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *route, uint16_t length);
+
+/** Brakes to a balanced stand and forgets the route, at the next tick. */
+void jp_robot_stop(struct jp_robot *robot);
+
+/** A consistent copy of the telemetry, from any context of lower priority than the tick. */
+void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry);
+
+#endif

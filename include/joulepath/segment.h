@@ -1,0 +1,80 @@
+/**
+ * Energy-optimal segment to a target point (paper eq. 20–28).
+ *
+ * The segment is an arc: the heading turns by σ at its start, then by the arc angle γ at constant rate, so that
+ *
+ *   d, β = distance of the target and its bearing relative to the heading
+ *   L = d (γ/2)/sin(γ/2),  v = L/T,  w = γ/T,  σ = β − γ/2 (in half a turn either way)
+ *
+ * and (γ, T) minimise the energy model's E within the limits. At fixed γ the best T is the root of a cubic, so one
+ * search over γ is left. An optimum on a limit is found on that limit. |γ| is at most JP_ARC_ANGLE_MAX.
+ */
+#ifndef JOULEPATH_SEGMENT_H
+#define JOULEPATH_SEGMENT_H
+
+#include <joulepath/energy.h>
+
+/** Largest arc angle, rad (324°): beyond it an arc is more than five times its chord. */
+#define JP_ARC_ANGLE_MAX JP_Q24(5.654866776461628)
+
+/** Targets nearer than this, m, have no direction. */
+#define JP_SEGMENT_LENGTH_MIN JP_Q16(0.001)
+
+/** Targets farther than this, m, are outside the arithmetic. */
+#define JP_SEGMENT_LENGTH_MAX JP_Q16(512)
+
+/** Shorter segments are not planned, s. */
+#define JP_SEGMENT_DURATION_MIN JP_Q16(0.125)
+
+/** Evaluations of the model in one jp_segment_optimise(). */
+#define JP_SEGMENT_EVALUATIONS 20
+
+struct jp_segment_limits {
+    jp_q24 speed;     /**< v, m/s; above 0, at most 8 */
+    jp_q24 turn_rate; /**< |w|, rad/s; above 0, at most 8 */
+    jp_q24 turn;      /**< |σ|, rad; 0…π */
+    jp_q16 duration;  /**< T, s; at least Ts, at most 16 384 */
+};
+
+/** A planned segment. */
+struct jp_segment {
+    struct jp_segment_command command;
+    jp_q24 arc;     /**< γ, rad */
+    jp_q16 length;  /**< L, m */
+    jp_q16 energy;  /**< predicted E, J */
+};
+
+/** A point on the plane, in m from the origin of odometry. */
+struct jp_point {
+    jp_q16 x;
+    jp_q16 y;
+};
+
+/** Checks every field against the model. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, const struct jp_energy_model *model,
+                                       const char **field);
+
+/**
+ * Best segment from (`start`, `heading`), in the settled motion `before`, to `target`.
+ * The model and the limits must have passed their checks.
+ *
+ * JP_ERR_ZERO_LENGTH: start and target are nearer than JP_SEGMENT_LENGTH_MIN.
+ * JP_ERR_ARGUMENT: they are farther than JP_SEGMENT_LENGTH_MAX, or `before` is out of its range.
+ * JP_ERR_INFEASIBLE: no arc satisfies the limits (σ cannot reach the bearing, or the arc takes longer than the
+ * duration allows).
+ * JP_ERR_MODEL: the model has no minimum over T (its energy falls without bound as T → 0 outside the limits).
+ * On failure *segment is not written.
+ *
+ * Energy within 1.0001 of the minimum over the feasible set. At most JP_SEGMENT_EVALUATIONS evaluations of the
+ * model, no other loop; Cortex-M4 instructions are in the README. For jp_robot_work(), not for ISRs.
+ */
+enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const struct jp_segment_limits *limits,
+                                   const struct jp_motion *before, const struct jp_point *start, jp_angle heading,
+                                   const struct jp_point *target, struct jp_segment *segment);
+
+/** Where a segment from (start, heading) ends; the heading after it is heading + σ + γ. JP_ERR_OVERFLOW: the end
+ *  does not fit ±32 767 m; *end is saturated. */
+enum jp_status jp_segment_end(const struct jp_segment *segment, const struct jp_point *start, jp_angle heading,
+                              struct jp_point *end, jp_angle *end_heading);
+
+#endif

@@ -1,0 +1,29 @@
+/** One tick's measurements and commands: what the HAL delivers and takes. */
+#ifndef JOULEPATH_SENSORS_H
+#define JOULEPATH_SENSORS_H
+
+#include <joulepath/fixed.h>
+
+/**
+ * Axes of the body: x forward, y left, z up; right-handed, so a pitch forward and a yaw to the left are positive.
+ */
+struct jp_sensors {
+    uint32_t encoder_left;  /**< counts, wrapping; rises when the left wheel drives forward */
+    uint32_t encoder_right; /**< counts, wrapping */
+    jp_q24 pitch_rate;      /**< gyro about y, turn/s */
+    jp_q24 yaw_rate;        /**< gyro about z, turn/s */
+    jp_q24 accel_x;         /**< specific force along x, g */
+    jp_q24 accel_z;         /**< specific force along z, g; +1 at rest and upright */
+    jp_q16 current_left;    /**< motor current, A; positive drives forward */
+    jp_q16 current_right;   /**< motor current, A */
+    jp_q16 bus_voltage;     /**< V */
+};
+
+/** Duty of each bridge: −1…1 of the bus voltage, positive drives forward. */
+struct jp_actuation {
+    jp_q31 duty_left;
+    jp_q31 duty_right;
+    uint8_t enabled; /**< 0: both bridges off (coasting), the duties are 0 */
+};
+
+#endif

@@ -1,0 +1,50 @@
+/**
+ * The baseline that the paper compares with: cubic Bézier curves in time through the waypoints, smooth in position and
+ * velocity, with the arrival times and the velocities at the waypoints optimised for energy (Liu and Sun, IEEE/ASME
+ * T-Mechatronics 19(2), 2014, as the paper describes it).
+ *
+ * The energy that it minimises is the steady and inertial motor power of the robot without its controller's transient,
+ *   ∫ (ul² + ur²)/Rm + Ps dt,   uc = ((β+fw) θ̇ + ½ Iθ θ̈)/α,   ud likewise for yaw,
+ * so that the baseline is planned with the best knowledge that such a planner has, and then driven like the others.
+ */
+#ifndef JOULEPATH_SIM_BEZIER_H
+#define JOULEPATH_SIM_BEZIER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "robot_file.h"
+
+#define BEZIER_WAYPOINTS_MAX 32
+
+struct bezier_point {
+    double x; /**< m */
+    double y; /**< m */
+};
+
+/** Curve i leads from waypoint i to i + 1 in duration[i], with velocity[i] at its start. */
+struct bezier_path {
+    size_t curves;
+    struct bezier_point waypoint[BEZIER_WAYPOINTS_MAX];
+    struct bezier_point velocity[BEZIER_WAYPOINTS_MAX]; /**< m/s */
+    double duration[BEZIER_WAYPOINTS_MAX];              /**< s */
+    double energy;                                      /**< as planned, J */
+};
+
+struct bezier_motion {
+    double speed;     /**< m/s */
+    double turn_rate; /**< rad/s */
+    double heading;   /**< rad */
+};
+
+/**
+ * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX), starting along heading 0 within the robot's
+ * limits of speed and turn rate. False after one line on stderr when the optimiser fails.
+ */
+bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, const struct bezier_point *waypoints,
+                     size_t count);
+
+/** Motion on curve `curve` at `seconds` after its start. */
+struct bezier_motion bezier_motion(const struct bezier_path *path, size_t curve, double seconds);
+
+#endif

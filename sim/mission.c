@@ -1,0 +1,372 @@
+#include "mission.h"
+
+#include <math.h>
+#include <time.h>
+
+#include "error.h"
+#include "progress.h"
+#include "script.h"
+
+#define Q24_ONE  16777216.0
+#define Q16_ONE  65536.0
+#define JOULE    4294967296.0
+#define TURN_Q24 (2 * M_PI / Q24_ONE)
+#define DEGREES  (180 / M_PI)
+
+/** A mission in progress. */
+struct drive {
+    struct mission *mission;
+    const struct scenario *scenario;
+    struct rig rig;
+    struct script script;
+    size_t step;       /**< next step of the script */
+    size_t ended;      /**< steps ended */
+    size_t leg;        /**< being driven */
+    uint64_t leg_tick; /**< its first tick */
+    struct jp_telemetry leg_start;
+    double leg_motor;              /**< the plant's motor energy at its start, J */
+    struct bezier_point reference; /**< where the reference is, m */
+    jp_phase reference_wheel;
+    jp_phase reference_yaw;
+    uint64_t start_tick;
+    FILE *log;
+};
+
+static const struct jp_telemetry *telemetry_of(const struct drive *drive)
+{
+    return &drive->rig.robot.telemetry;
+}
+
+static double seconds(const struct drive *drive, uint64_t ticks)
+{
+    return (double)ticks * world_tick_seconds(&drive->rig.world);
+}
+
+/* The reference's path, integrated from its angles. */
+
+static double phase_turns(jp_phase now, jp_phase before)
+{
+    return (double)(int64_t)(now - before) / 72057594037927936.0;
+}
+
+static void follow_reference(struct drive *drive)
+{
+    const struct jp_telemetry *telemetry = telemetry_of(drive);
+    double rolled = phase_turns(telemetry->reference_wheel, drive->reference_wheel) * 2 * M_PI *
+                    drive->scenario->robot.wheel.radius_m;
+    jp_phase middle = drive->reference_yaw + (jp_phase)((int64_t)(telemetry->reference_yaw - drive->reference_yaw) / 2);
+    double heading = phase_turns(middle, 0) * 2 * M_PI;
+
+    drive->reference.x += rolled * cos(heading);
+    drive->reference.y += rolled * sin(heading);
+    drive->reference_wheel = telemetry->reference_wheel;
+    drive->reference_yaw = telemetry->reference_yaw;
+}
+
+/* The log. */
+
+static void log_header(FILE *log)
+{
+    (void)fprintf(log,
+                  "t_s,x_m,y_m,ref_x_m,ref_y_m,heading_rad,speed_m_s,turn_rate_rad_s,ref_speed_m_s,"
+                  "ref_turn_rate_rad_s,pitch_deg,u_left_v,u_right_v,i_left_a,i_right_a,power_w,energy_j,segment\n");
+}
+
+static void log_row(const struct drive *drive)
+{
+    const struct jp_telemetry *telemetry = telemetry_of(drive);
+    const struct plant *plant = &drive->rig.world.plant;
+    const struct plant_input *input = &drive->rig.world.input;
+    double radius = drive->scenario->robot.wheel.radius_m;
+    double left = (double)telemetry->voltages.left / Q16_ONE;
+    double right = (double)telemetry->voltages.right / Q16_ONE;
+    double power = (left * left + right * right) / drive->scenario->robot.motor.resistance_ohm +
+                   drive->scenario->robot.electronics.power_w;
+    double energy = (double)(telemetry->energy_model - drive->leg_start.energy_model) / JOULE;
+
+    for (size_t i = 0; i < drive->leg; i++) {
+        energy += drive->mission->legs[i].measured_energy;
+    }
+    (void)fprintf(drive->log,
+                  "%.3f,%.5f,%.5f,%.5f,%.5f,%.6f,%.5f,%.6f,%.5f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%zu\n",
+                  seconds(drive, drive->rig.world.tick - drive->start_tick), plant->x, plant->y, drive->reference.x,
+                  drive->reference.y, plant->state.yaw, plant->state.wheel_rate * radius, plant->state.yaw_rate,
+                  telemetry->reference_wheel_rate * TURN_Q24 * radius, telemetry->reference_yaw_rate * TURN_Q24,
+                  plant->state.pitch * DEGREES, left, right, plant_current_left(plant, input),
+                  plant_current_right(plant, input), power, energy, drive->leg + 1);
+}
+
+/* Legs. */
+
+static void begin_leg(struct drive *drive)
+{
+    drive->leg_tick = drive->rig.world.tick;
+    drive->leg_start = *telemetry_of(drive);
+    drive->leg_motor = drive->rig.world.plant.ledger.motor;
+}
+
+static void note_plan(struct mission_leg *leg, const struct jp_segment *segment)
+{
+    leg->planned = true;
+    leg->planned_energy = segment->energy / Q16_ONE;
+    leg->speed = segment->command.motion.speed / Q24_ONE;
+    leg->turn_rate = segment->command.motion.turn_rate / Q24_ONE;
+    leg->arc = segment->arc / Q24_ONE;
+    leg->turn = segment->command.turn / Q24_ONE;
+}
+
+/** Called in the tick that ended the leg, before its physics: telemetry and plant show the same instant. */
+static void end_leg(struct drive *drive)
+{
+    const struct plant *plant = &drive->rig.world.plant;
+    const struct jp_telemetry *telemetry = telemetry_of(drive);
+    struct mission_leg *leg = &drive->mission->legs[drive->leg];
+
+    leg->duration = seconds(drive, drive->rig.world.tick - drive->leg_tick);
+    leg->measured_energy = (double)(telemetry->energy_model - drive->leg_start.energy_model) / JOULE;
+    leg->battery_energy = (double)(telemetry->energy_battery - drive->leg_start.energy_battery) / JOULE;
+    leg->plant_energy =
+        plant->ledger.motor - drive->leg_motor + drive->scenario->robot.electronics.power_w * leg->duration;
+    leg->end = (struct bezier_point){plant->x, plant->y};
+    leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
+    drive->leg++;
+    begin_leg(drive);
+}
+
+/* Strategies. */
+
+/** What the energy model says of a script with one step a leg. */
+static void predict_script(struct drive *drive)
+{
+    struct jp_motion before = {0, 0};
+
+    for (size_t i = 0; i < drive->script.count; i++) {
+        struct jp_segment segment = {.command = drive->script.steps[i].command};
+
+        if (jp_energy_predict(drive->rig.robot.model, &before, &segment.command, &segment.energy) == JP_OK) {
+            note_plan(&drive->mission->legs[i], &segment);
+        }
+        before = segment.command.motion;
+    }
+}
+
+static bool prepare_straight(struct drive *drive, const struct mission *optimal)
+{
+    double durations[BEZIER_WAYPOINTS_MAX];
+
+    for (size_t i = 0; i < optimal->leg_count; i++) {
+        durations[i] = optimal->legs[i].duration;
+    }
+    if (!script_straight(&drive->script, drive->scenario->waypoints, drive->scenario->waypoint_count, durations)) {
+        return false;
+    }
+    predict_script(drive);
+    return true;
+}
+
+static bool prepare_bezier(struct drive *drive)
+{
+    struct bezier_path path;
+
+    return bezier_optimise(&path, &drive->scenario->robot, drive->scenario->waypoints,
+                           drive->scenario->waypoint_count) &&
+           script_bezier(&drive->script, &path);
+}
+
+static bool prepare(struct drive *drive, const struct mission *optimal)
+{
+    switch (drive->mission->strategy) {
+    case MISSION_STRAIGHT:
+        return prepare_straight(drive, optimal);
+    case MISSION_BEZIER:
+        return prepare_bezier(drive);
+    case MISSION_OPTIMAL:
+    default:
+        return true;
+    }
+}
+
+/** Hands the next step of the script over as soon as the robot takes one. */
+static void feed(struct drive *drive)
+{
+    if (drive->step < drive->script.count &&
+        jp_robot_drive(&drive->rig.robot, &drive->script.steps[drive->step].command) == JP_OK) {
+        drive->step++;
+    }
+}
+
+/** The leg that the robot is in after `ended` segments. */
+static size_t current_leg(const struct drive *drive, size_t ended)
+{
+    if (drive->mission->strategy == MISSION_OPTIMAL) {
+        return ended;
+    }
+    return ended < drive->script.count ? drive->script.steps[ended].leg : drive->mission->leg_count;
+}
+
+/** Plans and hands over what the robot shall do next; false when a waypoint cannot be planned. */
+static bool command(struct drive *drive)
+{
+    struct jp_robot *robot = &drive->rig.robot;
+    uint16_t planned = robot->route_planned;
+    enum jp_status status = jp_robot_work(robot);
+
+    if (status != JP_OK) {
+        error_line("waypoint %u: cannot be planned (status %d); move it, or widen the limits of the robot file",
+                   planned + 1U, (int)status);
+        return false;
+    }
+    if (robot->route_planned > planned) {
+        note_plan(&drive->mission->legs[planned], &robot->planned);
+    }
+    feed(drive);
+    return true;
+}
+
+static bool still_stands(const struct drive *drive)
+{
+    const struct jp_telemetry *telemetry = telemetry_of(drive);
+
+    if (telemetry->state == JP_ROBOT_FALLEN || telemetry->state == JP_ROBOT_FAULT) {
+        error_line("leg %zu: the robot %s (faults 0x%x); correct the control group of the robot file", drive->leg + 1,
+                   telemetry->state == JP_ROBOT_FALLEN ? "fell" : "reports a fault", telemetry->faults);
+        return false;
+    }
+    return true;
+}
+
+static void keep_books(struct drive *drive)
+{
+    uint64_t tick = drive->rig.world.tick;
+    uint64_t row_ticks = (uint64_t)(drive->scenario->robot.control.rate_hz / MISSION_LOG_RATE);
+
+    if (tick == drive->start_tick) {
+        begin_leg(drive);
+    }
+    if (current_leg(drive, telemetry_of(drive)->segments_ended) > drive->leg) {
+        end_leg(drive);
+    }
+    follow_reference(drive);
+    if (drive->log != NULL && (tick - drive->start_tick) % row_ticks == 0) {
+        log_row(drive);
+    }
+}
+
+static size_t percent_done(const struct drive *drive)
+{
+    double elapsed = (double)(drive->rig.world.tick - drive->leg_tick);
+    double left = (double)telemetry_of(drive)->segment_ticks_left;
+
+    if (drive->script.count > 0) {
+        return 100 * drive->step / drive->script.count;
+    }
+    return (size_t)(100 * ((double)drive->leg + elapsed / (elapsed + left + 1)) / (double)drive->mission->leg_count);
+}
+
+static bool run(struct drive *drive, const char *progress)
+{
+    struct mission *mission = drive->mission;
+
+    while (drive->leg < mission->leg_count) {
+        if (!command(drive)) {
+            return false;
+        }
+        jp_hal_tick(&drive->rig.hal, &drive->rig.robot, &drive->rig.written);
+        if (!still_stands(drive)) {
+            return false;
+        }
+        keep_books(drive);
+        world_step(&drive->rig.world);
+        if (progress != NULL) {
+            progress_show(progress, percent_done(drive), 100);
+        }
+    }
+    return true;
+}
+
+static void sum_up(struct drive *drive)
+{
+    struct mission *mission = drive->mission;
+    struct mission_leg *total = &mission->total;
+
+    *total = mission->legs[mission->leg_count - 1];
+    total->planned = true;
+    total->planned_energy = total->duration = total->measured_energy = total->plant_energy = total->battery_energy = 0;
+    for (size_t i = 0; i < mission->leg_count; i++) {
+        const struct mission_leg *leg = &mission->legs[i];
+
+        total->planned = total->planned && leg->planned;
+        total->planned_energy += leg->planned_energy;
+        total->duration += leg->duration;
+        total->measured_energy += leg->measured_energy;
+        total->plant_energy += leg->plant_energy;
+        total->battery_energy += leg->battery_energy;
+    }
+    mission->ticks = drive->rig.world.tick - drive->start_tick;
+    mission->saturated_ticks = telemetry_of(drive)->saturated_ticks;
+}
+
+static bool start(struct drive *drive, const struct mission *optimal, struct jp_point *route)
+{
+    const struct scenario *scenario = drive->scenario;
+    const struct robot_entry *entry = rig_find_robot(scenario->robot.name);
+    struct mission *mission = drive->mission;
+
+    if (entry == NULL || !rig_init(&drive->rig, entry,
+                                   scenario->model == SCENARIO_PUBLISHED ? &jp_energy_model_published : entry->energy,
+                                   &scenario->robot, scenario->seed)) {
+        return false;
+    }
+    mission->leg_count = scenario->waypoint_count - 1;
+    for (size_t i = 0; i < mission->leg_count; i++) {
+        mission->legs[i].target = scenario->waypoints[i + 1];
+        route[i].x = (jp_q16)lround(scenario->waypoints[i + 1].x * Q16_ONE);
+        route[i].y = (jp_q16)lround(scenario->waypoints[i + 1].y * Q16_ONE);
+    }
+    if (!prepare(drive, optimal)) {
+        return false;
+    }
+    rig_release(&drive->rig, 0);
+    (void)rig_tick(&drive->rig);
+    drive->start_tick = drive->rig.world.tick;
+    drive->reference_wheel = telemetry_of(drive)->reference_wheel;
+    drive->reference_yaw = telemetry_of(drive)->reference_yaw;
+    if (mission->strategy == MISSION_OPTIMAL) {
+        (void)jp_robot_follow(&drive->rig.robot, route, (uint16_t)mission->leg_count);
+    }
+    return true;
+}
+
+static double wall_clock(void)
+{
+    struct timespec now;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+bool mission_run(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
+                 const struct mission *optimal, FILE *log, const char *progress)
+{
+    struct drive drive = {.mission = mission, .scenario = scenario, .log = log};
+    struct jp_point route[BEZIER_WAYPOINTS_MAX];
+
+    *mission = (struct mission){.strategy = strategy};
+    if (log != NULL) {
+        log_header(log);
+    }
+
+    bool done = start(&drive, optimal, route);
+    double begin = wall_clock();
+
+    done = done && run(&drive, progress);
+    mission->wall_seconds = wall_clock() - begin;
+    if (progress != NULL) {
+        progress_end();
+    }
+    if (done) {
+        sum_up(&drive);
+    }
+    script_free(&drive.script);
+    return done;
+}

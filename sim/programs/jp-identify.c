@@ -1,0 +1,232 @@
+/* Runs the identification experiments of a robot; tools/identify.py fits the energy model to their energies. */
+#include <argp.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../error.h"
+#include "../experiment.h"
+#include "../output.h"
+#include "../progress.h"
+
+#define SEGMENT_SECONDS 10.0
+
+struct arguments {
+    const char *path;
+    const char *output;
+    long count;
+    long seed;
+    double threshold;
+};
+
+/** What one experiment leaves: its segments and the energy of the second at each window. */
+struct record {
+    struct experiment experiment;
+    double *energy;
+};
+
+struct campaign {
+    const struct arguments *arguments;
+    struct robot_file file;
+    const struct robot_entry *entry;
+    struct record *records;
+    size_t count;
+    size_t windows;
+    double window_seconds;
+};
+
+static bool parse_number(const char *text, double low, double high, double *value)
+{
+    char *end;
+
+    *value = strtod(text, &end);
+    return *text != '\0' && *end == '\0' && *value >= low && *value <= high;
+}
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct arguments *arguments = state->input;
+    double value;
+
+    switch (key) {
+    case 'o':
+        arguments->output = argument;
+        return 0;
+    case 'n':
+        if (!parse_number(argument, 20, 1e6, &value)) {
+            argp_error(state, "--count %s: must be a number from 20 to 1000000", argument);
+        }
+        arguments->count = (long)value;
+        return 0;
+    case 's':
+        if (!parse_number(argument, 0, 1e9, &value)) {
+            argp_error(state, "--seed %s: must be a number from 0 to 1000000000", argument);
+        }
+        arguments->seed = (long)value;
+        return 0;
+    case 't':
+        if (!parse_number(argument, 1e-6, 1e3, &arguments->threshold)) {
+            argp_error(state, "--threshold %s: must be a voltage from 1e-6 to 1000", argument);
+        }
+        return 0;
+    case ARGP_KEY_ARG:
+        if (arguments->path != NULL) {
+            argp_error(state, "one robot file only, not also %s", argument);
+        }
+        arguments->path = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (arguments->path == NULL || arguments->output == NULL) {
+            argp_error(state, "a robot file and --output are needed");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static bool run(struct campaign *campaign)
+{
+    struct random random;
+    struct rig rig;
+
+    random_init(&random, (uint64_t)campaign->arguments->seed);
+    for (size_t i = 0; i < campaign->count; i++) {
+        struct record *record = &campaign->records[i];
+
+        experiment_draw(&record->experiment, &campaign->file, &random);
+        record->energy = calloc(campaign->windows + 1, sizeof *record->energy);
+        if (record->energy == NULL ||
+            !rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file,
+                      (uint64_t)campaign->arguments->seed + i)) {
+            return false;
+        }
+        experiment_run(&record->experiment, &rig, SEGMENT_SECONDS, campaign->arguments->threshold, record->energy);
+        if (record->experiment.fell) {
+            error_line("%s: the robot fell in experiment %zu; correct control.weights and run make gains ROBOT=%s",
+                       campaign->arguments->path, i, campaign->file.name);
+            return false;
+        }
+        progress_show("experiments", i + 1, campaign->count);
+    }
+    progress_end();
+    return true;
+}
+
+static double mean_settling(const struct campaign *campaign)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < campaign->count; i++) {
+        sum += campaign->records[i].experiment.settling;
+    }
+    return sum / (double)campaign->count;
+}
+
+/** The settling time on the grid of windows, where the energies are known. */
+static size_t split_window(const struct campaign *campaign)
+{
+    double window = mean_settling(campaign) / campaign->window_seconds;
+
+    return (size_t)fmin(round(window), (double)campaign->windows - 1);
+}
+
+static bool write_table(const struct campaign *campaign, size_t split)
+{
+    struct output output;
+
+    if (!output_open(&output, campaign->arguments->output, "experiments.csv")) {
+        return false;
+    }
+    (void)fprintf(output.stream, "v1_m_s,w1_rad_s,turn1_rad,v2_m_s,w2_rad_s,turn2_rad,u_left_before_v,u_right_before_v,"
+                                 "settling_s,e_state_j,e_steady_j,e_total_j\n");
+    for (size_t i = 0; i < campaign->count; i++) {
+        const struct experiment *e = &campaign->records[i].experiment;
+        const double *energy = campaign->records[i].energy;
+        double total = energy[campaign->windows];
+
+        (void)fprintf(output.stream, "%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.6f,%.6f,%.3f,%.9f,%.9f,%.9f\n", e->first.speed,
+                      e->first.turn_rate, e->first.turn, e->second.speed, e->second.turn_rate, e->second.turn,
+                      e->voltage_left, e->voltage_right, e->settling, energy[split], total - energy[split], total);
+    }
+    return output_commit(&output);
+}
+
+/** Energies at every window, so that the fit can be repeated for other settling times. */
+static bool write_windows(const struct campaign *campaign)
+{
+    struct output output;
+
+    if (!output_open(&output, campaign->arguments->output, "windows.csv")) {
+        return false;
+    }
+    for (size_t i = 0; i < campaign->count; i++) {
+        for (size_t k = 0; k <= campaign->windows; k++) {
+            (void)fprintf(output.stream, "%.9f%c", campaign->records[i].energy[k],
+                          k == campaign->windows ? '\n' : ',');
+        }
+    }
+    return output_commit(&output);
+}
+
+static bool write(const struct campaign *campaign)
+{
+    size_t split = split_window(campaign);
+    double settling = (double)split * campaign->window_seconds;
+    json_t *json = json_pack("{s:s, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "settling_time_s",
+                             settling, "segment_s", SEGMENT_SECONDS, "count", (json_int_t)campaign->count, "seed",
+                             (json_int_t)campaign->arguments->seed, "window_s", campaign->window_seconds,
+                             "settling_threshold_v", campaign->arguments->threshold);
+
+    (void)printf("%zu experiments, mean settling time %.2f s\n", campaign->count, settling);
+    return write_table(campaign, split) && write_windows(campaign) &&
+           output_json(campaign->arguments->output, "experiments.json", json);
+}
+
+static bool identify(const struct arguments *arguments)
+{
+    struct campaign campaign = {.arguments = arguments, .count = (size_t)arguments->count};
+
+    if (!robot_file_load(arguments->path, &campaign.file)) {
+        return false;
+    }
+    campaign.entry = rig_find_robot(campaign.file.name);
+    if (campaign.entry == NULL || !output_directory(arguments->output)) {
+        return false;
+    }
+    campaign.windows =
+        (size_t)lround(SEGMENT_SECONDS * campaign.file.control.rate_hz) / EXPERIMENT_WINDOW_TICKS;
+    campaign.window_seconds = (double)EXPERIMENT_WINDOW_TICKS / campaign.file.control.rate_hz;
+    campaign.records = calloc(campaign.count, sizeof *campaign.records);
+    if (campaign.records == NULL) {
+        error_line("--count %ld: no memory for so many; choose fewer", arguments->count);
+        return false;
+    }
+
+    bool done = run(&campaign) && write(&campaign);
+
+    for (size_t i = 0; i < campaign.count; i++) {
+        free(campaign.records[i].energy);
+    }
+    free(campaign.records);
+    return done;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"output", 'o', "DIR", 0, "where experiments.csv, windows.csv and experiments.json go", 0},
+        {"count", 'n', "N", 0, "experiments (1000)", 0},
+        {"seed", 's', "SEED", 0, "of the random segments (1)", 0},
+        {"threshold", 't', "V", 0,
+         "settled: mean voltages of successive windows of 100 ticks differ by less (0.01 V)", 0},
+        {0},
+    };
+    static const struct argp argp = {options, parse_option, "ROBOT.cfg",
+                                     "Drives random pairs of segments and records their energies.", NULL, NULL, NULL};
+    struct arguments arguments = {.count = 1000, .seed = 1, .threshold = 0.01};
+
+    argp_err_exit_status = ERROR_EXIT;
+    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    return identify(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
+}

@@ -1,0 +1,29 @@
+/** A robot in the loop: the firmware's jp_robot on the simulated HAL of a world. Rigs are independent of each other. */
+#ifndef JOULEPATH_SIM_RIG_H
+#define JOULEPATH_SIM_RIG_H
+
+#include "../hal/sim/hal_sim.h"
+#include "robots.h"
+
+struct rig {
+    struct world world;
+    struct jp_hal hal;
+    struct jp_robot robot;
+    enum jp_status written;
+};
+
+/** The built-in robot of this name, or NULL after one line on stderr that lists them. */
+const struct robot_entry *rig_find_robot(const char *name);
+
+/** Ready and held upright. Prints one line on stderr and returns false when the configuration or model is refused.
+ *  A rig must not be moved after it. */
+bool rig_init(struct rig *rig, const struct robot_entry *entry, const struct jp_energy_model *model,
+              const struct robot_file *file, uint64_t seed);
+
+/** One tick: background work, control, physics. Returns the status of the background work. */
+enum jp_status rig_tick(struct rig *rig);
+
+/** A hand holds the robot at this pitch while it measures the vertical, then lets it balance. */
+void rig_release(struct rig *rig, double pitch_rad);
+
+#endif

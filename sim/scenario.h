@@ -1,0 +1,33 @@
+/** What a simulation runs: a libconfig file in sim/scenarios/. */
+#ifndef JOULEPATH_SIM_SCENARIO_H
+#define JOULEPATH_SIM_SCENARIO_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <joulepath/segment.h>
+
+#include "bezier.h"
+#include "robot_file.h"
+
+#define SCENARIO_NAME_SIZE 64
+
+enum scenario_model { SCENARIO_IDENTIFIED, SCENARIO_PUBLISHED };
+
+struct scenario {
+    char name[SCENARIO_NAME_SIZE];
+    struct robot_file robot;
+    enum scenario_model model;
+    uint64_t seed;
+    size_t waypoint_count;                              /**< 2…BEZIER_WAYPOINTS_MAX, the first is the start */
+    struct bezier_point waypoints[BEZIER_WAYPOINTS_MAX]; /**< m */
+};
+
+/**
+ * Reads and checks a scenario and its robot. On failure prints one line on stderr (file, key or line, what, what to
+ * do), returns false, and *scenario is not to be used.
+ */
+bool scenario_load(const char *path, struct scenario *scenario);
+
+#endif

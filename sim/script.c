@@ -1,0 +1,84 @@
+#include "script.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/** A Bézier path is followed in steps of this length. */
+#define BEZIER_STEP_SECONDS 0.02
+
+static bool allocate(struct script *script, size_t count)
+{
+    script->count = 0;
+    script->steps = calloc(count, sizeof *script->steps);
+    return script->steps != NULL;
+}
+
+static void append(struct script *script, const struct experiment_segment *segment, double seconds, size_t leg)
+{
+    script->steps[script->count++] = (struct script_step){experiment_command(segment, seconds), leg};
+}
+
+/** The turn from one heading to another, −π…π. */
+static double turn_between(double from, double to)
+{
+    return remainder(to - from, 2 * M_PI);
+}
+
+bool script_straight(struct script *script, const struct bezier_point *waypoints, size_t count, const double *durations)
+{
+    double heading = 0;
+
+    if (!allocate(script, count - 1)) {
+        return false;
+    }
+    for (size_t leg = 0; leg + 1 < count; leg++) {
+        double dx = waypoints[leg + 1].x - waypoints[leg].x;
+        double dy = waypoints[leg + 1].y - waypoints[leg].y;
+        double bearing = atan2(dy, dx);
+        struct experiment_segment segment = {hypot(dx, dy) / durations[leg], 0, turn_between(heading, bearing)};
+
+        append(script, &segment, durations[leg], leg);
+        heading = bearing;
+    }
+    return true;
+}
+
+static size_t steps_of(double duration)
+{
+    return (size_t)fmax(round(duration / BEZIER_STEP_SECONDS), 1);
+}
+
+bool script_bezier(struct script *script, const struct bezier_path *path)
+{
+    size_t steps = 0;
+    double heading = 0;
+
+    for (size_t curve = 0; curve < path->curves; curve++) {
+        steps += steps_of(path->duration[curve]);
+    }
+    if (!allocate(script, steps)) {
+        return false;
+    }
+    for (size_t curve = 0; curve < path->curves; curve++) {
+        size_t count = steps_of(path->duration[curve]);
+
+        for (size_t k = 0; k < count; k++) {
+            double middle =
+                BEZIER_STEP_SECONDS * ((double)k + 0.5) * path->duration[curve] / (BEZIER_STEP_SECONDS * (double)count);
+            double end = path->duration[curve] * (double)(k + 1) / (double)count;
+            double end_heading = bezier_motion(path, curve, end).heading;
+            struct experiment_segment segment = {bezier_motion(path, curve, middle).speed,
+                                                 turn_between(heading, end_heading) / BEZIER_STEP_SECONDS, 0};
+
+            append(script, &segment, BEZIER_STEP_SECONDS, curve);
+            heading = end_heading;
+        }
+    }
+    return true;
+}
+
+void script_free(struct script *script)
+{
+    free(script->steps);
+    script->steps = NULL;
+}

@@ -1,0 +1,33 @@
+/** What the energy model and the segment optimiser share: its terms in 64 bits. Private to the core. */
+#ifndef JOULEPATH_ENERGY_TERMS_H
+#define JOULEPATH_ENERGY_TERMS_H
+
+#include <joulepath/energy.h>
+#include <stdbool.h>
+
+/** Fraction bits of every energy in 64 bits. No term of a model in range exceeds 2³² J. */
+#define JP_TERM_BITS 28
+
+/** a·b / 2^shift, 0 < shift < 32, rounded down; the result fits 64 bits. */
+static inline int64_t jp_term_scale(int64_t a, int32_t b, unsigned shift)
+{
+    int64_t high = (a >> 32) * b;
+    int64_t low = (int64_t)((uint64_t)a & UINT32_MAX) * b;
+    return high * ((int64_t)1 << (32 - shift)) + (low >> shift);
+}
+
+/** Energy per unit of Δv, Δw and σ that the previous voltages cause: ul₋ a7 + ur₋ a10 and so on. */
+struct jp_voltage_terms {
+    int64_t speed;     /**< J·s/m in Q28 */
+    int64_t turn_rate; /**< J·s/rad in Q28 */
+    int64_t turn;      /**< J/rad in Q28 */
+    int64_t power;     /**< a13 P₋, J in Q28; P₋ saturates at 2²⁰ W */
+};
+
+void jp_voltage_terms(const struct jp_energy_model *model, const struct jp_motion *before,
+                      struct jp_voltage_terms *terms);
+
+/** Both components within the range of struct jp_motion. */
+bool jp_motion_in_range(const struct jp_motion *motion);
+
+#endif

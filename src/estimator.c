@@ -1,0 +1,117 @@
+#include <joulepath/estimator.h>
+
+#include <stddef.h>
+
+#define TURNS_PER_RADIAN JP_Q24(0.15915494309189535)
+
+/** A gyro with more bias than this, turn/s (18 °/s), is broken; learning stops there. */
+#define GYRO_BIAS_MAX ((int64_t)JP_Q24(0.05) * ((int64_t)1 << 32))
+
+static const char *first_bad_field(const struct jp_estimator_config *config)
+{
+    if (config->tick_rate < 100U || config->tick_rate > 10000U) {
+        return "estimator.tick_rate";
+    }
+    if (config->wheel_per_count == 0U || config->wheel_per_count > JP_PHASE_TURN) {
+        return "estimator.wheel_per_count";
+    }
+    if (config->yaw_per_count == 0U || config->yaw_per_count > JP_PHASE_TURN) {
+        return "estimator.yaw_per_count";
+    }
+    if (config->tracking_gain <= 0 || config->tracking_gain > JP_Q16_ONE) {
+        return "estimator.tracking_gain";
+    }
+    if (config->tracking_rate_gain <= 0 || (uint32_t)config->tracking_rate_gain / 65536U > config->tick_rate) {
+        return "estimator.tracking_rate_gain";
+    }
+    if (config->tilt_gain < 0) {
+        return "estimator.tilt_gain";
+    }
+    if (config->bias_gain < 0) {
+        return "estimator.bias_gain";
+    }
+    return NULL;
+}
+
+enum jp_status jp_estimator_check(const struct jp_estimator_config *config, const char **field)
+{
+    *field = first_bad_field(config);
+    return *field == NULL ? JP_OK : JP_ERR_CONFIG;
+}
+
+static jp_q24 turns_from_phase(int64_t phase)
+{
+    return jp_round_shift(phase, 32);
+}
+
+void jp_estimator_start(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                        const struct jp_sensors *sensors)
+{
+    /* At rest the specific force points up: (−sin ψ, cos ψ) in the body's axes. */
+    jp_phase tilt = (jp_phase)(int64_t)(int32_t)jp_atan2(jp_sub(0, sensors->accel_x), sensors->accel_z);
+
+    *estimator = (struct jp_estimator){
+        .encoder_left = sensors->encoder_left,
+        .encoder_right = sensors->encoder_right,
+        .pitch = tilt << 24,
+        .phase_per_rate = (((jp_phase)1 << 32) + config->tick_rate / 2U) / config->tick_rate,
+    };
+}
+
+/** Follows a measured angle with position and rate (an alpha-beta filter). */
+static void track(struct jp_tracking_loop *loop, const struct jp_estimator_config *config, jp_phase phase_per_rate,
+                  jp_phase measured)
+{
+    jp_phase predicted = loop->angle + (jp_phase)loop->rate * phase_per_rate;
+    int64_t error = (int64_t)(measured - predicted);
+    jp_q24 error_turns = turns_from_phase(error);
+
+    loop->angle = predicted + (jp_phase)((error >> 16) * config->tracking_gain);
+    loop->rate = jp_add(loop->rate, jp_q16_multiply(error_turns, config->tracking_rate_gain));
+}
+
+/** Draws pitch toward the accelerometer's vertical and learns the gyro's bias on the way. */
+static void level(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                  const struct jp_sensors *sensors)
+{
+    jp_angle pitch = jp_phase_angle(estimator->pitch);
+    jp_q31 sine = jp_sin(pitch);
+    jp_q31 cosine = jp_cos(pitch);
+
+    /* sin(ψ_accel − ψ) in g: the part of gravity across the believed vertical; in turns it is /(2π). */
+    int64_t across = -((int64_t)sensors->accel_x * cosine + (int64_t)sensors->accel_z * sine);
+    jp_q24 tilt_error = jp_q24_multiply(jp_round_shift(across, 31), TURNS_PER_RADIAN);
+
+    estimator->pitch += (jp_phase)((int64_t)tilt_error * config->tilt_gain * 2);
+
+    int64_t bias = estimator->gyro_bias - (int64_t)tilt_error * config->bias_gain * 2;
+
+    estimator->gyro_bias = bias > GYRO_BIAS_MAX ? GYRO_BIAS_MAX : bias < -GYRO_BIAS_MAX ? -GYRO_BIAS_MAX : bias;
+}
+
+void jp_estimator_update(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                         const struct jp_sensors *sensors, struct jp_motion_state *state)
+{
+    /* Wrapping differences as signed counts. */
+    int64_t left = (int32_t)(sensors->encoder_left - estimator->encoder_left);
+    int64_t right = (int32_t)(sensors->encoder_right - estimator->encoder_right);
+
+    estimator->encoder_left = sensors->encoder_left;
+    estimator->encoder_right = sensors->encoder_right;
+    estimator->wheel_encoder += (jp_phase)(left + right) * config->wheel_per_count;
+    estimator->yaw_encoder += (jp_phase)(right - left) * config->yaw_per_count;
+    track(&estimator->wheel, config, estimator->phase_per_rate, estimator->wheel_encoder);
+    track(&estimator->yaw, config, estimator->phase_per_rate, estimator->yaw_encoder);
+
+    jp_q24 pitch_rate = jp_sub(sensors->pitch_rate, turns_from_phase(estimator->gyro_bias));
+
+    estimator->pitch += (jp_phase)pitch_rate * estimator->phase_per_rate;
+    level(estimator, config, sensors);
+
+    state->pitch = turns_from_phase((int64_t)estimator->pitch);
+    state->pitch_rate = pitch_rate;
+    state->wheel = estimator->wheel.angle + estimator->pitch;
+    state->wheel_rate = jp_add(estimator->wheel.rate, pitch_rate);
+    state->yaw = estimator->yaw.angle;
+    state->yaw_rate = estimator->yaw.rate;
+}

@@ -1,0 +1,117 @@
+#include <joulepath/lqr.h>
+
+#include <stddef.h>
+
+/** Errors are limited to ±64 turns, so that eight products fit 64 bits. */
+#define ERROR_LIMIT JP_Q24(64)
+
+/** The integrators hold 31 bits above this many bits of 2⁻²⁴ turn·tick. */
+#define INTEGRAL_SHIFT 10
+#define INTEGRAL_LIMIT ((int64_t)INT32_MAX << INTEGRAL_SHIFT)
+
+/** Error (Q24) times gain (Q16) in V. */
+#define PRODUCT_BITS 40
+
+static int64_t magnitude(jp_q16 gain)
+{
+    return gain < 0 ? -(int64_t)gain : gain;
+}
+
+static const char *first_bad_field(const struct jp_lqr_config *config)
+{
+    int64_t common = magnitude(config->wheel) + magnitude(config->pitch) + magnitude(config->wheel_rate) +
+                     magnitude(config->pitch_rate) + magnitude(config->wheel_integral);
+    int64_t difference = magnitude(config->yaw) + magnitude(config->yaw_rate) + magnitude(config->yaw_integral);
+
+    if (config->tick_rate < 100U || config->tick_rate > 10000U) {
+        return "lqr.tick_rate";
+    }
+    if (common == 0 || common > INT32_MAX) {
+        return "lqr.wheel, pitch, wheel_rate, pitch_rate, wheel_integral";
+    }
+    if (difference == 0 || difference > INT32_MAX) {
+        return "lqr.yaw, yaw_rate, yaw_integral";
+    }
+    if (config->pitch_reserve < 0) {
+        return "lqr.pitch_reserve";
+    }
+    return NULL;
+}
+
+enum jp_status jp_lqr_check(const struct jp_lqr_config *config, const char **field)
+{
+    *field = first_bad_field(config);
+    return *field == NULL ? JP_OK : JP_ERR_CONFIG;
+}
+
+/** V per turn·s as V per 2⁻¹⁴ turn·tick, in Q40. */
+static int32_t integral_gain(jp_q16 gain, uint32_t tick_rate)
+{
+    return jp_divide((int64_t)gain * ((int64_t)1 << (PRODUCT_BITS - 16 - 24 + INTEGRAL_SHIFT)), (int32_t)tick_rate);
+}
+
+void jp_lqr_start(struct jp_lqr *lqr, const struct jp_lqr_config *config)
+{
+    *lqr = (struct jp_lqr){
+        .integral_gain_wheel = integral_gain(config->wheel_integral, config->tick_rate),
+        .integral_gain_yaw = integral_gain(config->yaw_integral, config->tick_rate),
+    };
+}
+
+static jp_q24 limited_error(jp_q24 error)
+{
+    return jp_clamp32(error, -ERROR_LIMIT, ERROR_LIMIT);
+}
+
+static jp_q16 volts(int64_t product)
+{
+    return jp_round_shift(product, PRODUCT_BITS - 16);
+}
+
+/** Adds the error unless the limit holds back a voltage that the error would push further. */
+static void integrate(int64_t *integral, jp_q24 error, jp_q16 wanted, jp_q16 given)
+{
+    if ((wanted > given && error > 0) || (wanted < given && error < 0)) {
+        return;
+    }
+
+    int64_t sum = *integral + error;
+
+    *integral = sum > INTEGRAL_LIMIT ? INTEGRAL_LIMIT : sum < -INTEGRAL_LIMIT ? -INTEGRAL_LIMIT : sum;
+}
+
+static int64_t integral_product(int64_t integral, int32_t gain)
+{
+    return (int64_t)(int32_t)(integral >> INTEGRAL_SHIFT) * gain;
+}
+
+void jp_lqr_update(struct jp_lqr *lqr, const struct jp_lqr_config *config, const struct jp_reference *reference,
+                   const struct jp_motion_state *state, jp_q16 limit, struct jp_voltages *voltages)
+{
+    jp_q24 wheel = limited_error(jp_phase_difference(reference->wheel.angle, state->wheel));
+    jp_q24 wheel_rate = limited_error(jp_sub(reference->wheel.rate, state->wheel_rate));
+    jp_q24 yaw = limited_error(jp_phase_difference(reference->yaw.angle, state->yaw));
+    jp_q24 yaw_rate = limited_error(jp_sub(reference->yaw.rate, state->yaw_rate));
+    jp_q24 pitch = limited_error(jp_sub(0, state->pitch));
+    jp_q24 pitch_rate = limited_error(jp_sub(0, state->pitch_rate));
+
+    jp_q16 travel_limit = limit > config->pitch_reserve ? limit - config->pitch_reserve : 0;
+    jp_q16 travel_wanted = volts((int64_t)config->wheel * wheel + (int64_t)config->wheel_rate * wheel_rate +
+                                 integral_product(lqr->wheel_integral, lqr->integral_gain_wheel));
+    jp_q16 travel = jp_clamp32(travel_wanted, -travel_limit, travel_limit);
+    jp_q16 balance = volts((int64_t)config->pitch * pitch + (int64_t)config->pitch_rate * pitch_rate);
+    jp_q16 common_wanted = jp_add(travel, balance);
+    jp_q16 common = jp_clamp32(common_wanted, -limit, limit);
+
+    jp_q16 yaw_limit = limit - (common < 0 ? -common : common);
+    jp_q16 difference_wanted = volts((int64_t)config->yaw * yaw + (int64_t)config->yaw_rate * yaw_rate +
+                                     integral_product(lqr->yaw_integral, lqr->integral_gain_yaw));
+    jp_q16 difference = jp_clamp32(difference_wanted, -yaw_limit, yaw_limit);
+
+    integrate(&lqr->wheel_integral, wheel, jp_add(travel_wanted, balance), common);
+    integrate(&lqr->yaw_integral, yaw, difference_wanted, difference);
+
+    voltages->left = common - difference;
+    voltages->right = common + difference;
+    voltages->saturated = travel != travel_wanted || common != common_wanted || difference != difference_wanted;
+}

@@ -1,0 +1,52 @@
+#include <joulepath/meter.h>
+
+#include <stddef.h>
+
+static const char *first_bad_field(const struct jp_meter_config *config)
+{
+    if (config->tick_rate < 100U || config->tick_rate > 10000U) {
+        return "meter.tick_rate";
+    }
+    /* Below 64 Ω/s the squares of 1 024 V would not fit. */
+    if (config->motor_resistance < JP_Q16(0.01) || config->motor_resistance > JP_Q16(256) ||
+        (int64_t)config->motor_resistance * config->tick_rate < JP_Q16(64)) {
+        return "meter.motor_resistance";
+    }
+    if (config->electronics_power < 0 || config->electronics_power > JP_Q16(256)) {
+        return "meter.electronics_power";
+    }
+    return NULL;
+}
+
+enum jp_status jp_meter_check(const struct jp_meter_config *config, const char **field)
+{
+    *field = first_bad_field(config);
+    return *field == NULL ? JP_OK : JP_ERR_CONFIG;
+}
+
+void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config)
+{
+    int64_t rate = config->tick_rate;
+    int64_t resistance_rate = rate * config->motor_resistance;
+
+    *meter = (struct jp_meter){
+        .electronics_tick = ((int64_t)config->electronics_power * 65536 + rate / 2) / rate,
+        .tick_per_ohm = (((int64_t)1 << 48) + resistance_rate / 2) / resistance_rate,
+        .tick = (((int64_t)1 << 32) + rate / 2) / rate,
+    };
+}
+
+void jp_meter_update(struct jp_meter *meter, const jp_q16 voltages[2], const jp_q16 currents[2])
+{
+    int64_t squares = (int64_t)voltages[0] * voltages[0] + (int64_t)voltages[1] * voltages[1];
+    int64_t power = (int64_t)voltages[0] * currents[0] + (int64_t)voltages[1] * currents[1];
+
+    /* V² and W go from Q32 to Q16, so that the product with the tick fits 64 bits. */
+    meter->model += (((squares >> 16) * meter->tick_per_ohm) >> 16) + meter->electronics_tick;
+    meter->battery += (((power >> 16) * meter->tick) >> 16) + meter->electronics_tick;
+}
+
+jp_q16 jp_energy_to_q16(jp_energy energy)
+{
+    return jp_round_shift(energy, 16);
+}

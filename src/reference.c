@@ -1,0 +1,84 @@
+#include <joulepath/reference.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define TURNS_PER_RADIAN JP_Q24(0.15915494309189535)
+
+static bool bandwidth_is_valid(jp_q16 bandwidth)
+{
+    return bandwidth == 0 || (bandwidth >= JP_Q16(0.1) && bandwidth <= JP_Q16(100));
+}
+
+static const char *first_bad_field(const struct jp_reference_config *config)
+{
+    if (config->tick_rate < 100U || config->tick_rate > 10000U) {
+        return "reference.tick_rate";
+    }
+    if (config->turns_per_metre < JP_Q24(0.1) || config->turns_per_metre > JP_Q24(16)) {
+        return "reference.turns_per_metre";
+    }
+    if (!bandwidth_is_valid(config->travel_bandwidth)) {
+        return "reference.travel_bandwidth";
+    }
+    if (!bandwidth_is_valid(config->yaw_bandwidth)) {
+        return "reference.yaw_bandwidth";
+    }
+    return NULL;
+}
+
+enum jp_status jp_reference_check(const struct jp_reference_config *config, const char **field)
+{
+    *field = first_bad_field(config);
+    return *field == NULL ? JP_OK : JP_ERR_CONFIG;
+}
+
+void jp_reference_start(struct jp_reference *reference, const struct jp_reference_config *config, jp_phase wheel,
+                        jp_phase yaw)
+{
+    *reference = (struct jp_reference){
+        .wheel = {.target = wheel, .angle = wheel},
+        .yaw = {.target = yaw, .angle = yaw},
+        .phase_per_rate = (((jp_phase)1 << 32) + config->tick_rate / 2U) / config->tick_rate,
+    };
+}
+
+void jp_reference_step(struct jp_reference *reference, const struct jp_reference_config *config,
+                       const struct jp_motion *motion, jp_q24 turn)
+{
+    jp_q24 turn_turns = jp_q24_multiply(turn, TURNS_PER_RADIAN);
+
+    reference->wheel.target_rate = jp_q24_multiply(motion->speed, config->turns_per_metre);
+    reference->yaw.target_rate = jp_q24_multiply(motion->turn_rate, TURNS_PER_RADIAN);
+    reference->yaw.target += (jp_phase)turn_turns << 32;
+}
+
+/** Acceleration of the critically damped tracker, turn/s². */
+static jp_q24 tracker_acceleration(const struct jp_reference_axis *axis, jp_q16 bandwidth)
+{
+    jp_q24 angle_error = jp_phase_difference(axis->target, axis->angle);
+    jp_q24 rate_error = jp_sub(axis->target_rate, axis->rate);
+    jp_q24 pull = jp_add(jp_q16_multiply(angle_error, bandwidth), jp_add(rate_error, rate_error));
+
+    return jp_q16_multiply(pull, bandwidth);
+}
+
+static void advance(struct jp_reference_axis *axis, jp_q16 bandwidth, jp_phase phase_per_rate)
+{
+    axis->target += (jp_phase)axis->target_rate * phase_per_rate;
+    if (bandwidth == 0) {
+        axis->angle = axis->target;
+        axis->rate = axis->target_rate;
+        return;
+    }
+    /* 2³²/tick_rate is also the tick's length in 2⁻³² s. */
+    axis->rate = jp_add(axis->rate, jp_multiply_shift(tracker_acceleration(axis, bandwidth),
+                                                      (int32_t)phase_per_rate, 32));
+    axis->angle += (jp_phase)axis->rate * phase_per_rate;
+}
+
+void jp_reference_update(struct jp_reference *reference, const struct jp_reference_config *config)
+{
+    advance(&reference->wheel, config->travel_bandwidth, reference->phase_per_rate);
+    advance(&reference->yaw, config->yaw_bandwidth, reference->phase_per_rate);
+}

@@ -1,0 +1,469 @@
+#include <joulepath/robot.h>
+
+#include <stddef.h>
+
+/** The next segment is planned this long before the current one ends: s⁻¹, so a tenth of a second. */
+#define PLAN_LEAD_RATE 10U
+
+#define SPEED_LIMIT JP_Q24(8)
+#define TURN_LIMIT JP_Q24(6.283185307179586)
+
+static const char *first_bad_field(const struct jp_robot_config *config)
+{
+    uint32_t rate = config->estimator.tick_rate;
+
+    if (config->metres_per_turn < JP_Q24(0.0625) || config->metres_per_turn > JP_Q24(4)) {
+        return "metres_per_turn";
+    }
+    if (config->reference.tick_rate != rate) {
+        return "reference.tick_rate";
+    }
+    if (config->lqr.tick_rate != rate) {
+        return "lqr.tick_rate";
+    }
+    if (config->meter.tick_rate != rate) {
+        return "meter.tick_rate";
+    }
+    return NULL;
+}
+
+static enum jp_status check(const struct jp_robot_config *config, const struct jp_energy_model *model,
+                            const char **field)
+{
+    enum jp_status status = jp_estimator_check(&config->estimator, field);
+
+    if (status == JP_OK) {
+        status = jp_reference_check(&config->reference, field);
+    }
+    if (status == JP_OK) {
+        status = jp_lqr_check(&config->lqr, field);
+    }
+    if (status == JP_OK) {
+        status = jp_monitor_check(&config->monitor, field);
+    }
+    if (status == JP_OK) {
+        status = jp_meter_check(&config->meter, field);
+    }
+    if (status == JP_OK) {
+        status = jp_energy_model_check(model, field);
+    }
+    if (status == JP_OK) {
+        status = jp_segment_limits_check(&config->limits, model, field);
+    }
+    if (status == JP_OK) {
+        *field = first_bad_field(config);
+        status = *field == NULL ? JP_OK : JP_ERR_CONFIG;
+    }
+    return status;
+}
+
+enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config,
+                             const struct jp_energy_model *model, const char **field)
+{
+    if (robot == NULL || config == NULL || model == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    enum jp_status status = check(config, model, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    *robot = (struct jp_robot){.config = config, .model = model};
+    jp_monitor_start(&robot->monitor);
+    jp_meter_start(&robot->meter, &config->meter);
+    return JP_OK;
+}
+
+/*
+ * The background and the tick share single bytes and, guarded by them, `next`. Release and acquire order the rest.
+ */
+static void post(uint8_t *flag, uint8_t value)
+{
+    __atomic_store_n(flag, value, __ATOMIC_RELEASE);
+}
+
+static uint8_t posted(const uint8_t *flag)
+{
+    return __atomic_load_n(flag, __ATOMIC_ACQUIRE);
+}
+
+static bool taken(uint8_t *flag)
+{
+    bool was_posted = posted(flag) != 0U;
+
+    if (was_posted) {
+        post(flag, 0);
+    }
+    return was_posted;
+}
+
+static bool motors_run(const struct jp_telemetry *telemetry)
+{
+    return telemetry->state == JP_ROBOT_BALANCING || telemetry->state == JP_ROBOT_DRIVING;
+}
+
+static uint16_t counted(uint16_t count)
+{
+    return count < UINT16_MAX ? (uint16_t)(count + 1U) : count;
+}
+
+/* The tick. */
+
+/** Both look at the interval since the last tick: its voltages, and the currents at its end. */
+static uint16_t review_motors(struct jp_robot *robot, const struct jp_sensors *sensors)
+{
+    const struct jp_telemetry *telemetry = &robot->telemetry;
+    const jp_q16 voltages[2] = {telemetry->voltages.left, telemetry->voltages.right};
+    const jp_q16 currents[2] = {sensors->current_left, sensors->current_right};
+
+    jp_meter_update(&robot->meter, voltages, currents);
+    if (!motors_run(telemetry)) {
+        return 0;
+    }
+    return jp_monitor_motors(&robot->monitor, &robot->config->monitor, sensors, voltages, robot->estimator.wheel.rate,
+                             robot->estimator.yaw.rate);
+}
+
+static void start_motion(struct jp_robot *robot, const struct jp_sensors *sensors)
+{
+    const struct jp_robot_config *config = robot->config;
+    struct jp_motion_state *motion = &robot->telemetry.motion;
+
+    jp_estimator_start(&robot->estimator, &config->estimator, sensors);
+    jp_estimator_update(&robot->estimator, &config->estimator, sensors, motion);
+    jp_odometry_start(&robot->odometry, config->metres_per_turn, motion);
+    jp_reference_start(&robot->reference, &config->reference, motion->wheel, motion->yaw);
+    robot->started = true;
+}
+
+static void stand(struct jp_robot *robot)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+
+    telemetry->state = JP_ROBOT_BALANCING;
+    telemetry->segment_ticks_left = 0;
+    telemetry->command = (struct jp_motion){0, 0};
+    jp_reference_step(&robot->reference, &robot->config->reference, &telemetry->command, 0);
+}
+
+static void switch_off(struct jp_robot *robot, enum jp_robot_state state)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+
+    telemetry->state = state;
+    telemetry->segment_ticks_left = 0;
+    telemetry->command = (struct jp_motion){0, 0};
+    telemetry->voltages = (struct jp_voltages){0, 0, false};
+    post(&robot->next_full, 0);
+}
+
+static void balance(struct jp_robot *robot)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+
+    jp_reference_start(&robot->reference, &robot->config->reference, telemetry->motion.wheel, telemetry->motion.yaw);
+    jp_lqr_start(&robot->lqr, &robot->config->lqr);
+    telemetry->segment = 0;
+    telemetry->segments_ended = 0;
+    stand(robot);
+}
+
+static void begin_segment(struct jp_robot *robot)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+    const struct jp_segment_command *segment = &robot->next;
+    int64_t ticks = (int64_t)segment->duration * robot->config->estimator.tick_rate;
+
+    if (telemetry->state == JP_ROBOT_BALANCING) {
+        telemetry->segment = 0;
+        telemetry->segments_ended = 0;
+    }
+    jp_reference_step(&robot->reference, &robot->config->reference, &segment->motion, segment->turn);
+    telemetry->state = JP_ROBOT_DRIVING;
+    telemetry->command = segment->motion;
+    telemetry->segment = counted(telemetry->segment);
+    telemetry->segment_ticks_left = (uint32_t)((ticks + JP_Q16_ONE / 2) / JP_Q16_ONE);
+    robot->segment_start_model = robot->meter.model;
+    robot->segment_start_battery = robot->meter.battery;
+    post(&robot->next_full, 0);
+}
+
+static void end_segment(struct jp_robot *robot)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+
+    telemetry->segment_energy_model = robot->meter.model - robot->segment_start_model;
+    telemetry->segment_energy_battery = robot->meter.battery - robot->segment_start_battery;
+    telemetry->segments_ended = counted(telemetry->segments_ended);
+}
+
+/** Idle, fallen and fault: what leads out of them, and into fault. */
+static void rest(struct jp_robot *robot, uint16_t faults)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+
+    if (taken(&robot->disable_requested)) {
+        telemetry->faults = 0;
+        telemetry->state = JP_ROBOT_IDLE;
+    } else if (faults != 0U && telemetry->state == JP_ROBOT_IDLE) {
+        telemetry->faults |= faults;
+        telemetry->state = JP_ROBOT_FAULT;
+    }
+    if (taken(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->started) {
+        balance(robot);
+    }
+    (void)taken(&robot->stop_requested);
+}
+
+/** Balancing and driving: the reasons to switch off, then the hand-over of segments. */
+static void drive(struct jp_robot *robot, uint16_t faults)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+    jp_q24 pitch = telemetry->motion.pitch;
+    jp_q24 limit = robot->config->monitor.tilt_limit;
+
+    if (taken(&robot->disable_requested)) {
+        switch_off(robot, JP_ROBOT_IDLE);
+        return;
+    }
+    if (faults != 0U) {
+        telemetry->faults |= faults;
+        switch_off(robot, JP_ROBOT_FAULT);
+        return;
+    }
+    if (pitch > limit || pitch < -limit) {
+        switch_off(robot, JP_ROBOT_FALLEN);
+        return;
+    }
+
+    bool stop = taken(&robot->stop_requested);
+    bool ended = telemetry->state == JP_ROBOT_DRIVING && telemetry->segment_ticks_left == 0U;
+
+    if (ended) {
+        end_segment(robot);
+    }
+    if (stop) {
+        post(&robot->next_full, 0);
+        stand(robot);
+    } else if ((ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
+        begin_segment(robot);
+    } else if (ended) {
+        stand(robot);
+    }
+}
+
+static void control(struct jp_robot *robot, jp_q16 bus_voltage)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+
+    jp_reference_update(&robot->reference, &robot->config->reference);
+    jp_lqr_update(&robot->lqr, &robot->config->lqr, &robot->reference, &telemetry->motion, bus_voltage,
+                  &telemetry->voltages);
+    if (telemetry->voltages.saturated && telemetry->saturated_ticks < UINT32_MAX) {
+        telemetry->saturated_ticks++;
+    }
+    if (telemetry->segment_ticks_left > 0U) {
+        telemetry->segment_ticks_left--;
+    }
+}
+
+static jp_q31 duty(jp_q16 voltage, jp_q16 bus_voltage)
+{
+    return jp_divide((int64_t)voltage * ((int64_t)1 << 31), bus_voltage);
+}
+
+static void publish(struct jp_robot *robot)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+
+    telemetry->tick++;
+    telemetry->reference_wheel = robot->reference.wheel.angle;
+    telemetry->reference_yaw = robot->reference.yaw.angle;
+    telemetry->reference_wheel_rate = robot->reference.wheel.rate;
+    telemetry->reference_yaw_rate = robot->reference.yaw.rate;
+    telemetry->target_yaw = robot->reference.yaw.target;
+    telemetry->position = jp_odometry_position(&robot->odometry);
+    telemetry->energy_model = robot->meter.model;
+    telemetry->energy_battery = robot->meter.battery;
+}
+
+static void step(struct jp_robot *robot, enum jp_status read, struct jp_sensors *sensors)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+    unsigned faults = jp_monitor_sensors(&robot->monitor, &robot->config->monitor, read, sensors);
+
+    if (robot->monitor.started && !robot->started) {
+        start_motion(robot, sensors);
+    } else if (robot->started) {
+        jp_estimator_update(&robot->estimator, &robot->config->estimator, sensors, &telemetry->motion);
+        jp_odometry_update(&robot->odometry, &telemetry->motion);
+        faults |= review_motors(robot, sensors);
+    }
+    if (motors_run(telemetry)) {
+        drive(robot, (uint16_t)faults);
+    } else {
+        rest(robot, (uint16_t)faults);
+    }
+    if (motors_run(telemetry)) {
+        control(robot, sensors->bus_voltage);
+    }
+}
+
+void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
+                   struct jp_actuation *actuation)
+{
+    struct jp_telemetry *telemetry = &robot->telemetry;
+    struct jp_sensors frame = *sensors;
+
+    __atomic_store_n(&robot->sequence, robot->sequence + 1U, __ATOMIC_RELAXED);
+    __atomic_thread_fence(__ATOMIC_RELEASE);
+    step(robot, read, &frame);
+    publish(robot);
+    __atomic_store_n(&robot->sequence, robot->sequence + 1U, __ATOMIC_RELEASE);
+
+    *actuation = (struct jp_actuation){0, 0, 0};
+    if (motors_run(telemetry)) {
+        actuation->duty_left = duty(telemetry->voltages.left, frame.bus_voltage);
+        actuation->duty_right = duty(telemetry->voltages.right, frame.bus_voltage);
+        actuation->enabled = 1;
+    }
+}
+
+/* The background. */
+
+void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
+{
+    uint32_t before;
+    uint32_t after;
+
+    do {
+        before = __atomic_load_n(&robot->sequence, __ATOMIC_ACQUIRE);
+        *telemetry = robot->telemetry;
+        __atomic_thread_fence(__ATOMIC_ACQUIRE);
+        after = __atomic_load_n(&robot->sequence, __ATOMIC_RELAXED);
+    } while (before != after || (before & 1U) != 0U);
+}
+
+enum jp_status jp_robot_enable(struct jp_robot *robot)
+{
+    struct jp_telemetry telemetry;
+    jp_q24 limit = robot->config->monitor.tilt_limit;
+
+    jp_robot_telemetry(robot, &telemetry);
+    if (telemetry.state != JP_ROBOT_IDLE || !robot->started || telemetry.motion.pitch > limit ||
+        telemetry.motion.pitch < -limit) {
+        return JP_ERR_STATE;
+    }
+    post(&robot->enable_requested, 1);
+    return JP_OK;
+}
+
+void jp_robot_disable(struct jp_robot *robot)
+{
+    robot->route_length = 0;
+    post(&robot->disable_requested, 1);
+}
+
+void jp_robot_stop(struct jp_robot *robot)
+{
+    robot->route_length = 0;
+    post(&robot->stop_requested, 1);
+}
+
+static bool within(int32_t value, int32_t limit)
+{
+    return value >= -limit && value <= limit;
+}
+
+enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_command *segment)
+{
+    struct jp_telemetry telemetry;
+
+    if (!within(segment->motion.speed, SPEED_LIMIT) || !within(segment->motion.turn_rate, SPEED_LIMIT) ||
+        !within(segment->turn, TURN_LIMIT) || segment->duration <= 0 || segment->duration > JP_Q16(16384)) {
+        return JP_ERR_ARGUMENT;
+    }
+    jp_robot_telemetry(robot, &telemetry);
+    if (!motors_run(&telemetry)) {
+        return JP_ERR_STATE;
+    }
+    if (posted(&robot->next_full) != 0U) {
+        return JP_ERR_BUSY;
+    }
+    robot->next = *segment;
+    post(&robot->next_full, 1);
+    return JP_OK;
+}
+
+enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *route, uint16_t length)
+{
+    struct jp_telemetry telemetry;
+
+    if (route == NULL || length == 0U) {
+        return JP_ERR_ARGUMENT;
+    }
+    jp_robot_telemetry(robot, &telemetry);
+    if (!motors_run(&telemetry)) {
+        return JP_ERR_STATE;
+    }
+    robot->route = route;
+    robot->route_length = length;
+    robot->route_planned = 0;
+    robot->route_status = JP_OK;
+    return JP_OK;
+}
+
+/** Where and how the robot will end its current segment: measured position, heading of the route. */
+static void predict_end(const struct jp_telemetry *telemetry, uint32_t tick_rate, struct jp_point *position,
+                        jp_angle *heading)
+{
+    int64_t ticks = telemetry->segment_ticks_left;
+    jp_q24 left = jp_saturate32(ticks * telemetry->command.speed / tick_rate);
+    jp_angle turned = jp_angle_from_radians(jp_saturate32(ticks * telemetry->command.turn_rate / tick_rate));
+    jp_angle now = jp_phase_angle(telemetry->target_yaw);
+    jp_angle mean = now + (jp_angle)((int32_t)turned / 2);
+
+    position->x = jp_add(telemetry->position.x, jp_multiply_shift(left, jp_cos(mean), 39));
+    position->y = jp_add(telemetry->position.y, jp_multiply_shift(left, jp_sin(mean), 39));
+    *heading = now + turned;
+}
+
+/** Plans the segment after the current one and hands it over. */
+static enum jp_status plan_next(struct jp_robot *robot, const struct jp_telemetry *telemetry)
+{
+    const struct jp_robot_config *config = robot->config;
+    struct jp_point start;
+    jp_angle heading;
+
+    predict_end(telemetry, config->estimator.tick_rate, &start, &heading);
+
+    enum jp_status status =
+        jp_segment_optimise(robot->model, &config->limits, &telemetry->command, &start, heading,
+                            &robot->route[robot->route_planned], &robot->planned);
+
+    if (status == JP_OK) {
+        robot->route_planned++;
+        status = jp_robot_drive(robot, &robot->planned.command);
+    }
+    return status;
+}
+
+enum jp_status jp_robot_work(struct jp_robot *robot)
+{
+    struct jp_telemetry telemetry;
+
+    if (robot->route_planned >= robot->route_length || robot->route_status != JP_OK) {
+        return robot->route_status;
+    }
+    jp_robot_telemetry(robot, &telemetry);
+    if (!motors_run(&telemetry)) {
+        robot->route_length = 0;
+        return JP_OK;
+    }
+    if (posted(&robot->next_full) == 0U &&
+        telemetry.segment_ticks_left <= robot->config->estimator.tick_rate / PLAN_LEAD_RATE) {
+        robot->route_status = plan_next(robot, &telemetry);
+    }
+    return robot->route_status;
+}

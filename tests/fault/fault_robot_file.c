@@ -1,0 +1,319 @@
+/* Every way that a robot file can be wrong: one clear line on stderr that names the file and the culprit, no crash. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "../../sim/robot_file.h"
+#include "unity.h"
+
+#define TEXT_MAX 16384
+
+static char folder[] = "/tmp/fault_robot_file.XXXXXX";
+static char path[64];
+static char errors_path[64];
+static char errors[4096];
+static char sound[TEXT_MAX];
+static struct robot_file robot;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* libconfig loses the text of a string without an end. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void)
+{
+    return "leak:libconfig";
+}
+
+/* A new file each time: replacing the content of an old one makes some file systems wait for the disk. */
+static void write_file(const char *text, size_t size)
+{
+    (void)remove(path);
+    FILE *file = fopen(path, "wb");
+    TEST_ASSERT_NOT_NULL(file);
+    TEST_ASSERT_TRUE(fwrite(text, 1, size, file) == size);
+    TEST_ASSERT_TRUE(fclose(file) == 0);
+}
+
+static size_t read_file(const char *name, char *text, size_t size)
+{
+    FILE *file = fopen(name, "rb");
+    TEST_ASSERT_NOT_NULL(file);
+    const size_t length = fread(text, 1, size - 1, file);
+    text[length] = '\0';
+    (void)fclose(file);
+    return length;
+}
+
+/* Loads a file and keeps what it says on stderr. */
+static bool load(const char *name)
+{
+    (void)fflush(stderr);
+    const int saved = dup(STDERR_FILENO);
+    (void)remove(errors_path);
+    FILE *capture = fopen(errors_path, "wb");
+    TEST_ASSERT_NOT_NULL(capture);
+    (void)dup2(fileno(capture), STDERR_FILENO);
+    const bool loaded = robot_file_load(name, &robot);
+    (void)fflush(stderr);
+    (void)dup2(saved, STDERR_FILENO);
+    (void)close(saved);
+    (void)fclose(capture);
+    (void)read_file(errors_path, errors, sizeof errors);
+    return loaded;
+}
+
+static void check_one_line(const char *name)
+{
+    const char *end = strchr(errors, '\n');
+    TEST_ASSERT_TRUE_MESSAGE(strncmp(errors, name, strlen(name)) == 0, errors);
+    TEST_ASSERT_TRUE_MESSAGE(end != NULL && end[1] == '\0', errors);
+}
+
+static void check_refused(const char *name, const char *culprit)
+{
+    TEST_ASSERT_FALSE_MESSAGE(load(name), culprit);
+    check_one_line(name);
+    TEST_ASSERT_TRUE_MESSAGE(strstr(errors, culprit) != NULL, errors);
+}
+
+/* The sound file with the line that sets `key` (group.name) replaced; `line` may be "". */
+static void write_with_line(const char *key, const char *line)
+{
+    char text[TEXT_MAX + 256];
+    char group[64];
+    char name[64];
+    const char *dot = strchr(key, '.');
+    (void)snprintf(group, sizeof group, "\n%.*s: {", (int)(dot - key), key);
+    (void)snprintf(name, sizeof name, " %s = ", dot + 1);
+    const char *start = strstr(sound, group);
+    TEST_ASSERT_NOT_NULL_MESSAGE(start, key);
+    start = strstr(start, name);
+    TEST_ASSERT_NOT_NULL_MESSAGE(start, key);
+    const char *end = strchr(start, '\n');
+    const int length = snprintf(text, sizeof text, "%.*s %s%s", (int)(start - sound), sound, line, end);
+    TEST_ASSERT_TRUE(length > 0 && (size_t)length < sizeof text);
+    write_file(text, (size_t)length);
+}
+
+static void write_with_value(const struct robot_field *field, const char *value)
+{
+    char line[128];
+    const char *name = strchr(field->key, '.') + 1;
+    if (field->count == 1) {
+        (void)snprintf(line, sizeof line, "%s = %s;", name, value);
+    } else {
+        (void)snprintf(line, sizeof line, "%s = (1, 2, 3, 4, 5, 6, 7, %s);", name, value);
+    }
+    write_with_line(field->key, line);
+}
+
+static void test_shipped_files_load(void)
+{
+    TEST_ASSERT_TRUE(load("sim/robots/gao2018.cfg"));
+    TEST_ASSERT_EQUAL_STRING("gao2018", robot.name);
+    TEST_ASSERT_TRUE(robot.motor.resistance_ohm == 6.69 && robot.encoder.counts_per_turn == 4194304);
+    TEST_ASSERT_TRUE(load("sim/robots/courier24.cfg"));
+    TEST_ASSERT_EQUAL_STRING("courier24", robot.name);
+    TEST_ASSERT_EQUAL_STRING("", errors);
+}
+
+static void test_each_field_missing_or_of_another_type(void)
+{
+    for (size_t i = 0; i < robot_field_count; i++) {
+        const char *key = robot_fields[i].key;
+        write_with_line(key, "");
+        check_refused(path, key);
+        write_with_value(&robot_fields[i], "\"text\"");
+        check_refused(path, key);
+        write_with_value(&robot_fields[i], "{ a = 1; }");
+        check_refused(path, key);
+        write_with_value(&robot_fields[i], "true");
+        check_refused(path, key);
+    }
+}
+
+static void test_each_field_outside_its_limits(void)
+{
+    for (size_t i = 0; i < robot_field_count; i++) {
+        const struct robot_field *field = &robot_fields[i];
+        const double outside[] = {field->min - 0.001 * (field->max - field->min) - 1.0,
+                                  field->max + 0.001 * (field->max - field->min) + 1.0};
+        for (int k = 0; k < 2; k++) {
+            char value[64];
+            (void)snprintf(value, sizeof value, field->type == ROBOT_FIELD_WHOLE ? "%.0f" : "%f", outside[k]);
+            write_with_value(field, value);
+            check_refused(path, field->key);
+        }
+        static const char *const unreal[] = {"1e999", "-1e999", "4294967297000000000000.0"};
+        for (size_t k = 0; k < sizeof unreal / sizeof unreal[0]; k++) {
+            write_with_value(field, unreal[k]);
+            check_refused(path, field->key);
+        }
+        write_with_value(field, "nan");
+        check_refused(path, "line ");
+        if (field->type == ROBOT_FIELD_WHOLE) {
+            write_with_value(field, "12.5");
+            check_refused(path, field->key);
+        }
+    }
+}
+
+/* Integers that would wrap into the limits. */
+static void test_huge_integers_do_not_wrap(void)
+{
+    static const char *const huge[] = {"4294986496",           "4294986496L",
+                                       "18446744073709570816", "18446744073709570816L",
+                                       "0x100004B00",          "99999999999999999999999999999999"};
+    for (size_t i = 0; i < sizeof huge / sizeof huge[0]; i++) {
+        char line[96];
+        (void)snprintf(line, sizeof line, "counts_per_turn = %s;", huge[i]);
+        write_with_line("encoder.counts_per_turn", line);
+        check_refused(path, "32 bits");
+    }
+}
+
+static void test_wrong_keys_and_structure(void)
+{
+    write_with_line("wheel.radius_m", "radius_m = 0.09; radius = 0.09;");
+    check_refused(path, "wheel.radius (line");
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(errors, "wheel.radius_m"), errors);
+    write_with_line("wheel.radius_m", "radius_m = 0.09; radius_m = 0.1;");
+    check_refused(path, "line ");
+    write_with_line("wheel.radius_m", "radius_m = ;");
+    check_refused(path, "line ");
+    write_with_line("control.weights", "weights = [1, 2, 3, 4, 5, 6, 7];");
+    check_refused(path, "control.weights");
+    write_with_line("control.weights", "weights = [1, 2, 3, 4, 5, 6, 7, 8, 9];");
+    check_refused(path, "control.weights");
+    write_with_line("control.weights", "weights = [1, 2.0, 3, 4, 5, 6, 7, 8];");
+    check_refused(path, "line ");
+    write_with_line("control.weights", "weights = 3.0;");
+    check_refused(path, "control.weights");
+    write_with_line("pwm.bits", "bits = 12; }; pwm2: { bits = 12;");
+    check_refused(path, "pwm2");
+
+    static const char *const texts[] = {
+        "name = \"a b\";", "name = \"\";", "name = 3;", "wheel = 3;", "wheel = \"x\";", "}", "{", "name"};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        write_file(texts[i], strlen(texts[i]));
+        check_refused(path, "");
+    }
+    const char *include = "name = \"x\";\n  @include \"/tmp\"\n";
+    write_file(include, strlen(include));
+    check_refused(path, "line 2");
+}
+
+static void test_values_that_contradict(void)
+{
+    write_with_line("supply.voltage_v", "voltage_v = 12.0;");
+    check_refused(path, "supply.voltage_v");
+    write_with_line("motor.rotor_inertia_kg_m2", "rotor_inertia_kg_m2 = 0.0;");
+    TEST_ASSERT_TRUE(load(path));
+    write_with_line("motor.friction_nm_s_per_rad", "friction_nm_s_per_rad = 10.0;");
+    check_refused(path, "control.rate_hz");
+}
+
+static void test_files_that_are_no_text(void)
+{
+    write_file("", 0);
+    check_refused(path, "empty");
+    write_file("name\0x", 6);
+    check_refused(path, "zero bytes");
+    char binary[256];
+    for (int i = 0; i < 256; i++) {
+        binary[i] = (char)(255 - i % 255);
+    }
+    write_file(binary, sizeof binary);
+    check_refused(path, "line ");
+    static char large[70000];
+    memset(large, '\n', sizeof large);
+    write_file(large, sizeof large);
+    check_refused(path, "65536");
+    check_refused(folder, "directory");
+    check_refused("/tmp/no/such/robot.cfg", "No such file");
+}
+
+static void test_unreadable_file(void)
+{
+    const uid_t user = geteuid();
+    write_file(sound, strlen(sound));
+    TEST_ASSERT_TRUE(chmod(folder, 0777) == 0 && chmod(path, 0) == 0);
+    if (user == 0) {
+        TEST_ASSERT_TRUE(seteuid(65534) == 0); /* root may read everything, nobody may not */
+    }
+    const bool loaded = load(path);
+    TEST_ASSERT_TRUE(seteuid(user) == 0);
+    TEST_ASSERT_FALSE(loaded);
+    check_one_line(path);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(errors, "Permission denied"), errors);
+}
+
+static void test_truncation_at_every_byte(void)
+{
+    const size_t size = strlen(sound);
+    size_t needed = 0;
+    for (size_t length = 0; length < size; length++) {
+        write_file(sound, length);
+        if (load(path)) {
+            TEST_ASSERT_EQUAL_STRING("", errors);
+            needed = needed == 0 ? length : needed;
+        } else {
+            check_one_line(path);
+            TEST_ASSERT_TRUE_MESSAGE(needed == 0, "a longer part of the file must load too");
+        }
+    }
+    TEST_ASSERT_TRUE_MESSAGE(needed > size - 8, "only the end may be left out");
+}
+
+/* Random bytes anywhere: accepted or refused in one line, never a crash. */
+static void test_random_damage(void)
+{
+    static char text[TEXT_MAX];
+    const size_t size = strlen(sound);
+    unsigned short state[3] = {1, 2, 3};
+    for (int run = 0; run < 3000; run++) {
+        memcpy(text, sound, size);
+        for (int k = 0; k <= run % 4; k++) {
+            text[(size_t)nrand48(state) % size] = (char)nrand48(state);
+        }
+        write_file(text, size);
+        if (!load(path)) {
+            check_one_line(path);
+        }
+    }
+}
+
+int main(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        perror(folder);
+        return 1;
+    }
+    (void)snprintf(path, sizeof path, "%s/robot.cfg", folder);
+    (void)snprintf(errors_path, sizeof errors_path, "%s/errors", folder);
+    UNITY_BEGIN();
+    (void)read_file("sim/robots/courier24.cfg", sound, sizeof sound);
+    (void)printf("random damage: seed {1, 2, 3}\n");
+    RUN_TEST(test_shipped_files_load);
+    RUN_TEST(test_each_field_missing_or_of_another_type);
+    RUN_TEST(test_each_field_outside_its_limits);
+    RUN_TEST(test_huge_integers_do_not_wrap);
+    RUN_TEST(test_wrong_keys_and_structure);
+    RUN_TEST(test_values_that_contradict);
+    RUN_TEST(test_files_that_are_no_text);
+    RUN_TEST(test_unreadable_file);
+    RUN_TEST(test_truncation_at_every_byte);
+    RUN_TEST(test_random_damage);
+    (void)remove(path);
+    (void)remove(errors_path);
+    (void)rmdir(folder);
+    return UNITY_END();
+}

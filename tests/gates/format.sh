@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Every C file is formatted as .clang-format says: `make format`.
+. "$(dirname "$0")/gate.sh"
+
+formatted() {
+    clang-format --dry-run -Werror "$1"
+}
+export -f formatted
+
+mapfile -t files < <(sources '[ch]' include src hal sim tests)
+check_each formatted "${files[@]}"
+finish

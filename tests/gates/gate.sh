@@ -1,0 +1,56 @@
+# Sourced by each gate: checks files in parallel and prints the results in the format of Unity.
+# shellcheck shell=bash
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.." || exit 2
+
+gate=$(basename "$0" .sh)
+results=$(mktemp -d)
+export gate results
+trap 'rm -rf "$results"' EXIT
+
+# check NAME COMMAND...: one test of that name, which passes when COMMAND does; its output explains a failure.
+check() {
+    local name=$1 output place reason
+    shift
+    if output=$("$@" 2>&1); then
+        echo "$name:1:$gate:PASS" >"$results/${name//\//%}"
+        return
+    fi
+    output=${output//"$PWD/"/}
+    reason=$(grep -m1 -E 'error: ' <<<"$output" || grep -m1 -E '^[^ :]+:[0-9]+:' <<<"$output" || head -n 1 <<<"$output")
+    place=$(grep -oE '^[^ :]+:[0-9]+' <<<"$reason" || echo "$name:1")
+    {
+        echo "$place:$gate:FAIL: ${reason##*error: }"
+        sed 's/^/    /' <<<"$output"
+    } >"$results/${name//\//%}"
+}
+export -f check
+
+# check_each FUNCTION FILE...: check FILE FUNCTION FILE, several at once. FUNCTION must be exported.
+check_each() {
+    local function=$1
+    shift
+    [ $# -eq 0 ] || printf '%s\0' "$@" | xargs -0 -P "${JOBS:-$(nproc)}" -I{} bash -c 'check "$1" "$2" "$1"' - {} "$function"
+}
+
+# sources SUFFIX DIRECTORY...: the files of those directories.
+sources() {
+    local suffix=$1
+    shift
+    find "$@" -name "*.$suffix" 2>/dev/null | sort
+}
+
+# Prints all results and their counts; a gate that checked nothing has failed.
+finish() {
+    local passed failed
+    find "$results" -type f -print0 | sort -z | xargs -0 -r cat
+    passed=$(cat "$results"/* 2>/dev/null | grep -cE "^[^ ].*:$gate:PASS$")
+    failed=$(cat "$results"/* 2>/dev/null | grep -cE "^[^ ].*:$gate:FAIL: ")
+    printf '\n-----------------------\n%d Tests %d Failures 0 Ignored \n' $((passed + failed)) "$failed"
+    if [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]; then
+        echo OK
+        exit 0
+    fi
+    echo FAIL
+    exit 1
+}

@@ -1,0 +1,62 @@
+/** Output and exit through the Arm semihosting calls. */
+#include "target.h"
+
+#include <stddef.h>
+
+enum { SYS_WRITE0 = 0x04, SYS_EXIT_EXTENDED = 0x20, ADP_STOPPED_APPLICATION_EXIT = 0x20026 };
+
+static char line[128];
+static size_t length;
+
+static void semihosting_call(uint32_t operation, const void *argument)
+{
+    register uint32_t r0 __asm__("r0") = operation;
+    register const void *r1 __asm__("r1") = argument;
+
+    __asm__ volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
+}
+
+void target_flush(void)
+{
+    line[length] = '\0';
+    length = 0;
+    semihosting_call(SYS_WRITE0, line);
+}
+
+void target_putchar(int character)
+{
+    line[length++] = (char)character;
+    if (character == '\n' || length == sizeof line - 1) {
+        target_flush();
+    }
+}
+
+void target_print(const char *text)
+{
+    while (*text != '\0') {
+        target_putchar(*text++);
+    }
+}
+
+void target_print_number(uint32_t number)
+{
+    char digits[11];
+    size_t i = sizeof digits - 1;
+
+    digits[i] = '\0';
+    do {
+        digits[--i] = (char)('0' + (char)(number % 10));
+        number /= 10;
+    } while (number != 0);
+    target_print(&digits[i]);
+}
+
+_Noreturn void target_exit(int status)
+{
+    const uint32_t block[] = {ADP_STOPPED_APPLICATION_EXIT, (uint32_t)status};
+
+    target_flush();
+    semihosting_call(SYS_EXIT_EXTENDED, block);
+    for (;;) {
+    }
+}

@@ -1,0 +1,54 @@
+"""What the tests of the tools share: paths, the programs, synthetic data."""
+import contextlib
+import importlib
+import io
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+from types import SimpleNamespace
+from unittest import mock
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+TOOLS = ROOT / "tools"
+sys.path.insert(0, str(TOOLS))
+
+import common  # noqa: E402
+import robot_json  # noqa: E402
+
+JP_ROBOT = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-robot"
+ROBOTS = sorted(path.stem for path in (ROOT / "sim" / "robots").glob("*.cfg"))
+
+
+def run_tool(name, *arguments, input=""):
+    """Run a tool with a command line, in this process because its imports take a second; a numerical warning fails."""
+    main = importlib.import_module(name.removesuffix(".py")).main
+    out, err = io.StringIO(), io.StringIO()
+    with (mock.patch("sys.argv", [name, *map(str, arguments)]), mock.patch("sys.stdin", io.StringIO(input)),
+          contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings()):
+        warnings.simplefilter("error", RuntimeWarning)
+        with pytest.raises(SystemExit) as end:
+            common.run(main)
+    return SimpleNamespace(returncode=end.value.code, stdout=out.getvalue(), stderr=err.getvalue())
+
+
+def assert_one_line_error(result, *parts):
+    assert result.returncode == 2, result.stdout + result.stderr
+    lines = result.stderr.splitlines()
+    assert len(lines) == 1, result.stderr
+    for part in parts:
+        assert part in lines[0]
+
+
+def robot_text(name):
+    """Output of jp-robot --json for a robot of the project."""
+    path = ROOT / "sim" / "robots" / f"{name}.cfg"
+    return subprocess.run([JP_ROBOT, path, "--json"], capture_output=True, text=True, check=True).stdout
+
+
+@pytest.fixture(scope="session")
+def gao2018():
+    return robot_json.from_text("gao2018", robot_text("gao2018"))

@@ -1,0 +1,158 @@
+"""tools/identify.py: recovery of known parameters, reports, bad input."""
+import json
+
+import numpy as np
+import pytest
+from conftest import assert_one_line_error, robot_text, run_tool
+
+import identify
+import linear_model
+import robot_json
+
+A = np.array([172.2, 7.57, 13.2, -0.66, -0.94, 1.37, 16.26, -4.39, -1.11, 15.97, 4.27, 1.09, 5.82])
+B = np.array([20.83, 0.93])
+SETTLING, SEGMENT, SEED = 5.82, 10.0, 7
+
+
+def synthetic(robot, count=1000, noise=0.0, seed=3):
+    """Experiments that obey the model with parameters A and B, and noise (J, rms)."""
+    generator = np.random.default_rng(seed)
+    c = {
+        "v1_m_s": generator.uniform(0, 1, count), "w1_rad_s": generator.uniform(-0.35, 0.35, count),
+        "turn1_rad": generator.uniform(-1.4, 1.4, count), "v2_m_s": generator.uniform(0, 1, count),
+        "w2_rad_s": generator.uniform(-0.35, 0.35, count), "turn2_rad": generator.uniform(-1.4, 1.4, count),
+    }
+    left, right = identify.predicted_voltages(robot, c)
+    c["u_left_before_v"], c["u_right_before_v"] = left + 0.002, right - 0.001
+    c["settling_s"] = np.full(count, SETTLING)
+    state = identify.state_regressors(c, left, right, robot.number("motor.resistance_ohm"))
+    c["e_state_j"] = state @ A + noise * generator.standard_normal(count)
+    c["e_steady_j"] = identify.steady_regressors(c, SEGMENT - SETTLING) @ B + noise * generator.standard_normal(count)
+    c["e_total_j"] = c["e_state_j"] + c["e_steady_j"]
+    return c
+
+
+def write(directory, columns, about=None):
+    directory.mkdir(parents=True, exist_ok=True)
+    rows = [",".join(columns)] + [",".join(repr(float(x)) for x in row) for row in zip(*columns.values())]
+    (directory / "experiments.csv").write_text("\n".join(rows) + "\n")
+    about = about or {"robot": "gao2018", "settling_time_s": SETTLING, "segment_s": SEGMENT, "seed": SEED,
+                      "splits": []}
+    (directory / "experiments.json").write_text(json.dumps(about))
+
+
+@pytest.fixture
+def place(tmp_path):
+    """A directory with good experiments, and the tool's arguments for it."""
+    source = tmp_path / "robot.json"
+    source.write_text(robot_text("gao2018"))
+    robot = robot_json.load_json(source)
+    columns = synthetic(robot)
+    # The paper's parameters allow negative energies where a start with σ and ul− nearly cancels; keep physical ones.
+    keep = columns["e_total_j"] > 1
+    columns = {name: values[keep] for name, values in columns.items()}
+    write(tmp_path / "experiments", columns)
+    arguments = ("gao2018", "--robot-json", source, "--experiments", tmp_path / "experiments", "--tables",
+                 tmp_path / "tables")
+    return tmp_path, arguments, columns
+
+
+def test_known_parameters_are_recovered(place):
+    directory, arguments, _ = place
+    result = run_tool("identify.py", *arguments, "--bench", directory / "bench.json")
+    assert result.returncode == 0, result.stderr
+    found = json.loads((directory / "experiments/identification.json").read_text())
+    values = [parameter["value"] for parameter in found["parameters"]]
+    assert np.allclose(values, [*A, *B], atol=1e-6)
+    assert found["validation"]["max_absolute_error_j"] < 1e-6
+    assert found["max_steady_voltage_difference_v"] == pytest.approx(0.002, abs=1e-9)
+    assert found["fit"]["experiments"] + found["validation"]["experiments"] == len(place[2]["e_total_j"])
+    assert (directory / "experiments/identification.png").read_bytes().startswith(b"\x89PNG")
+
+    table = (directory / "tables/energy_gao2018.c").read_text()
+    assert "const struct jp_energy_model jp_energy_model_gao2018 = {" in table
+    assert f"{round(172.2 * 65536)}, /* a1: 172.2 J·s²/m² */" in table
+    assert ".settling_time = 381420," in table
+    bench = json.loads((directory / "bench.json").read_text())
+    assert [figure["unit"] for figure in bench] == ["%", "J"]
+
+
+def test_noise_shows_in_the_validation_error(gao2018):
+    columns = synthetic(gao2018, noise=0.5)
+    columns["e_total_j"] = np.maximum(columns["e_total_j"], 1)
+    experiments = identify.Experiments("test", columns, SETTLING, SEGMENT, SEED)
+    result = identify.identify(gao2018, experiments)
+    # Two noises of 0.5 J rms: mean |error| √2·0.5·√(2/π).
+    assert result.validation.summary()["mean_absolute_error_j"] == pytest.approx(0.564, rel=0.15)
+    assert np.abs(np.array(result.model.a) - A)[[0, 6, 12]].max() < 2
+
+
+def test_equal_seeds_give_equal_bytes(place):
+    directory, arguments, _ = place
+    files = [directory / "tables/energy_gao2018.c", directory / "experiments/identification.json",
+             directory / "experiments/identification.png"]
+    assert run_tool("identify.py", *arguments).returncode == 0
+    first = [path.read_bytes() for path in files]
+    assert run_tool("identify.py", *arguments).returncode == 0
+    assert [path.read_bytes() for path in files] == first
+
+
+def test_linear_prediction_is_recovered_too(gao2018):
+    """The regressors of identify and the linear model's parameters mean the same."""
+    loop = linear_model.design(gao2018)
+    model = linear_model.linear_energy_model(gao2018, loop, SETTLING)
+    columns = synthetic(gao2018)
+    left, right = identify.predicted_voltages(gao2018, columns)
+    state = identify.state_regressors(columns, left, right, model.motor_resistance)
+    columns["e_state_j"] = state @ np.array(model.a)
+    columns["e_steady_j"] = identify.steady_regressors(columns, SEGMENT - SETTLING) @ np.array(model.b)
+    columns["e_total_j"] = columns["e_state_j"] + columns["e_steady_j"]
+    assert columns["e_total_j"].min() > 0
+    result = identify.identify(gao2018, identify.Experiments("test", columns, SETTLING, SEGMENT, SEED))
+    assert np.allclose(result.model.a, model.a, atol=1e-6)
+
+
+@pytest.mark.parametrize("column, value, part", [
+    ("w1_rad_s", 0.0, "rank"),
+    ("turn2_rad", 0.0, "σ"),
+    ("e_total_j", -1.0, "e_total_j"),
+])
+def test_experiments_that_cannot_identify_are_refused(place, column, value, part):
+    directory, arguments, columns = place
+    columns[column] = np.full_like(columns[column], value)
+    write(directory / "experiments", columns)
+    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.csv", part)
+    assert not (directory / "tables").exists()
+
+
+@pytest.mark.parametrize("damage, part", [
+    (lambda text: text.replace("v2_m_s", "v3_m_s", 1), "v2_m_s"),
+    (lambda text: text[:-40], "line"),
+    (lambda text: "\n".join(text.splitlines()[:20]), "at least"),
+    (lambda text: text.replace("\n0.", "\nnan,0.", 1), "line"),
+    (lambda text: "", "line 1"),
+])
+def test_garbled_experiments_are_refused(place, damage, part):
+    directory, arguments, _ = place
+    path = directory / "experiments/experiments.csv"
+    path.write_text(damage(path.read_text()))
+    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.csv", part)
+    assert not (directory / "tables").exists()
+
+
+@pytest.mark.parametrize("about, part", [
+    ({"robot": "courier24", "settling_time_s": 5, "segment_s": 10, "seed": 1}, "robot"),
+    ({"robot": "gao2018", "settling_time_s": 12, "segment_s": 10, "seed": 1}, "settling_time_s"),
+    ({"robot": "gao2018", "settling_time_s": 5, "seed": 1}, "segment_s"),
+    ({"robot": "gao2018", "settling_time_s": "x", "segment_s": 10, "seed": 1}, "garbled"),
+])
+def test_garbled_description_is_refused(place, about, part):
+    directory, arguments, columns = place
+    write(directory / "experiments", columns, about)
+    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json", part)
+
+
+def test_missing_experiments_are_named(place):
+    directory, arguments, _ = place
+    (directory / "experiments/experiments.json").unlink()
+    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json")

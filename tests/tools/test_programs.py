@@ -1,0 +1,17 @@
+"""The tools as programs: help, and the exit status of a wrong command line."""
+import subprocess
+import sys
+
+import pytest
+from conftest import TOOLS
+
+PROGRAMS = ["gain_design.py", "identify.py", "report.py", "figures.py"]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_help_and_wrong_options(name, tmp_path):
+    def run(option):
+        return subprocess.run([sys.executable, TOOLS / name, option], capture_output=True, text=True, check=False,
+                              cwd=tmp_path)
+    assert run("--help").stdout.startswith("usage:")
+    assert run("--nonsense").returncode == 2

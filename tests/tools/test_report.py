@@ -1,0 +1,124 @@
+"""tools/report.py: every section from synthetic results, bad input."""
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+from conftest import assert_one_line_error, run_tool
+from mission_data import write_mission
+
+SECTIONS = ["Segments of the route", "Strategies compared", "Path", "Energy", "Speed and turn rate", "Pitch", "Motors",
+            "Power", "Coordinate error", "The paper&#39;s numbers"]
+
+
+class Page(HTMLParser):
+    """Collects headings, images, and what the page loads from elsewhere."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.images, self.outside, self.rows = [], [], [], 0
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag not in ("meta", "img", "br", "link"):
+            self.open.append(tag)
+        if tag == "img":
+            self.images.append(attributes)
+        self.rows += tag == "tr"
+        self.outside += [value for key, value in attributes.items()
+                         if key in ("src", "href") and not value.startswith("data:")]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+@pytest.fixture
+def mission(tmp_path):
+    write_mission(tmp_path)
+    return tmp_path
+
+
+def change(directory, edit):
+    path = directory / "summary.json"
+    summary = json.loads(path.read_text())
+    edit(summary)
+    path.write_text(json.dumps(summary))
+
+
+def test_the_page_has_every_section_and_needs_nothing_else(mission):
+    result = run_tool("report.py", mission)
+    assert result.returncode == 0, result.stderr
+    text = (mission / "report.html").read_text()
+    headings = re.findall(r"<h2>(.*?)</h2>", text)
+    assert [h.replace("'", "&#39;") for h in headings] == SECTIONS
+    page = Page()
+    page.feed(text)
+    assert page.open == []
+    assert len(page.images) == 7
+    assert all(image["alt"] and image["src"].startswith("data:image/png;base64,") for image in page.images)
+    assert page.outside == []
+    assert "http" not in text
+    for number in ("1\u202f114.06", "1\u202f203.30", "336.97", "100.00"):
+        assert number in text
+
+
+def test_equal_data_give_equal_bytes(mission):
+    assert run_tool("report.py", mission).returncode == 0
+    first = (mission / "report.html").read_bytes()
+    assert run_tool("report.py", mission).returncode == 0
+    assert (mission / "report.html").read_bytes() == first
+
+
+def test_titles_are_text_not_markup(mission):
+    change(mission, lambda s: s["strategies"][0].update(title="<script>alert(1)</script>"))
+    assert run_tool("report.py", mission).returncode == 0
+    text = (mission / "report.html").read_text()
+    assert "<script" not in text and "&lt;script&gt;" in text
+
+
+def test_a_single_strategy_and_no_paper_make_a_page(mission):
+    def edit(summary):
+        del summary["strategies"][1:], summary["paper"]
+        summary["waypoints_m"] = summary["waypoints_m"][:2]
+        summary["strategies"][0]["segments"] = summary["strategies"][0]["segments"][:1]
+    change(mission, edit)
+    assert run_tool("report.py", mission).returncode == 0
+    assert "The paper" not in re.findall(r"<h2>(.*?)</h2>", (mission / "report.html").read_text())
+
+
+@pytest.mark.parametrize("edit, part", [
+    (lambda s: s.pop("strategies"), "strategies"),
+    (lambda s: s.update(strategies=[]), "strategies"),
+    (lambda s: s.update(waypoints_m=[[0, 0], [1]]), "waypoints_m[1]"),
+    (lambda s: s["strategies"][1]["segments"][0].pop("duration_s"), "duration_s"),
+    (lambda s: s["strategies"][0]["segments"][2].update(measured_energy_j="many"), "measured_energy_j"),
+    (lambda s: s["strategies"][0]["total"].update(duration_s=None), "duration_s"),
+    (lambda s: s["strategies"][0].update(log="none.csv"), "none.csv"),
+    (lambda s: s["simulation"].pop("ticks"), "ticks"),
+])
+def test_garbled_summaries_are_refused(mission, edit, part):
+    change(mission, edit)
+    assert_one_line_error(run_tool("report.py", mission), part)
+    assert not (mission / "report.html").exists()
+
+
+@pytest.mark.parametrize("damage, part", [
+    (lambda text: text.replace("pitch_deg", "tilt", 1), "pitch_deg"),
+    (lambda text: text[: len(text) // 2], "line"),
+    (lambda text: text.replace("\n0.02", "\nx", 1), "line 3"),
+    (lambda text: "", "t_s"),
+    (lambda text: text.split("\n", 1)[0] + "\n", "samples"),
+])
+def test_garbled_logs_are_refused(mission, damage, part):
+    path = mission / "log_straight.csv"
+    path.write_text(damage(path.read_text()))
+    assert_one_line_error(run_tool("report.py", mission), "log_straight.csv", part)
+    assert not (mission / "report.html").exists()
+
+
+def test_missing_results_are_named(tmp_path):
+    assert_one_line_error(run_tool("report.py", tmp_path), "summary.json")
+    (tmp_path / "summary.json").write_bytes(b"\xff\xfe")
+    assert_one_line_error(run_tool("report.py", tmp_path), "summary.json")
+
+

@@ -1,0 +1,378 @@
+#!/usr/bin/env python3
+"""Make a page from the results of a mission.
+
+Reads DIR/summary.json and the logs that it names, writes DIR/report.html: one file that needs nothing else. Exit
+status 2: bad input; nothing was written.
+"""
+import argparse
+import csv
+import io
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import jinja2
+import numpy as np
+
+import plots
+from common import ToolError, read_text, run, shown_path, write_whole
+
+LOG_COLUMNS = ("t_s", "x_m", "y_m", "ref_x_m", "ref_y_m", "heading_rad", "speed_m_s", "turn_rate_rad_s",
+               "ref_speed_m_s", "ref_turn_rate_rad_s", "pitch_deg", "u_left_v", "u_right_v", "i_left_a", "i_right_a",
+               "power_w", "energy_j", "segment")
+SUMMARY_KEYS = ("robot", "scenario", "energy_model", "seed", "waypoints_m", "strategies", "simulation")
+STRATEGY_KEYS = ("name", "title", "log", "segments", "total")
+SEGMENT_KEYS = ("index", "target_m", "planned_energy_j", "measured_energy_j", "plant_energy_j", "battery_energy_j",
+                "duration_s", "speed_m_s", "turn_rate_rad_s", "turn_deg", "arc_rad", "end_m", "end_error_m",
+                "error_percent")
+TOTAL_KEYS = ("planned_energy_j", "measured_energy_j", "battery_energy_j", "duration_s", "relative_percent")
+NULLABLE = ("planned_energy_j", "error_percent", "relative_percent", "speed_m_s", "turn_rate_rad_s", "turn_deg",
+            "arc_rad", "plant_energy_j", "battery_energy_j", "end_error_m")
+
+COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN}
+STYLES = {"optimal": "-", "straight": "--", "bezier": "-."}
+
+LOG_ROWS_MAX = 2_000_000
+WIDE = (9.2, 3.4)
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """One way to drive the route: its part of the summary and its log by columns."""
+    about: dict
+    log: dict
+
+    @property
+    def name(self):
+        return self.about["name"]
+
+    @property
+    def title(self):
+        return self.about["title"]
+
+    @property
+    def colour(self):
+        return COLOURS.get(self.name, plots.PURPLE)
+
+    @property
+    def style(self):
+        return STYLES.get(self.name, ":")
+
+
+def _need(path, place, data, keys):
+    if not isinstance(data, dict):
+        raise ToolError(f"{path}: {place}: must be an object")
+    for key in keys:
+        if key not in data:
+            raise ToolError(f"{path}: {place}: key {key} is missing")
+
+
+def _is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _need_numbers(path, place, data, keys):
+    _need(path, place, data, keys)
+    for key in keys:
+        value = data[key]
+        if key.endswith("_m") and isinstance(value, list):
+            _need_point(path, f"{place}.{key}", value)
+        elif not _is_number(value) and not (value is None and key in NULLABLE):
+            raise ToolError(f"{path}: {place}: {key} is {value!r}, not a number")
+
+
+def _need_point(path, place, value):
+    if not (isinstance(value, list) and len(value) == 2 and all(map(_is_number, value))):
+        raise ToolError(f"{path}: {place}: must be [x, y]")
+
+
+def _need_list(path, place, value):
+    if not isinstance(value, list) or not value:
+        raise ToolError(f"{path}: {place}: must be a list that is not empty")
+
+
+def read_summary(path):
+    try:
+        summary = json.loads(read_text(path))
+    except ValueError as error:
+        raise ToolError(f"{path}: no JSON: {error}") from None
+    _need(path, "summary", summary, SUMMARY_KEYS)
+    _need_list(path, "waypoints_m", summary["waypoints_m"])
+    for i, point in enumerate(summary["waypoints_m"]):
+        _need_point(path, f"waypoints_m[{i}]", point)
+    _need_list(path, "strategies", summary["strategies"])
+    for i, strategy in enumerate(summary["strategies"]):
+        place = f"strategies[{i}]"
+        _need(path, place, strategy, STRATEGY_KEYS)
+        _need_list(path, f"{place}.segments", strategy["segments"])
+        for j, segment in enumerate(strategy["segments"]):
+            _need_numbers(path, f"{place}.segments[{j}]", segment, SEGMENT_KEYS)
+        _need_numbers(path, f"{place}.total", strategy["total"], TOTAL_KEYS)
+    _need_numbers(path, "simulation", summary["simulation"], ("ticks", "wall_s", "real_time_factor"))
+    return summary
+
+
+def read_log(path):
+    reader = csv.reader(io.StringIO(read_text(path)))
+    header = next(reader, [])
+    missing = [name for name in LOG_COLUMNS if name not in header]
+    if missing:
+        raise ToolError(f"{path}: line 1: column {missing[0]} is missing")
+    rows = []
+    for row in reader:
+        try:
+            rows.append([float(cell) for cell in row])
+        except ValueError:
+            raise ToolError(f"{path}: line {reader.line_num}: not a number") from None
+        if len(row) != len(header) or not all(map(math.isfinite, rows[-1])):
+            raise ToolError(f"{path}: line {reader.line_num}: {len(header)} finite values expected")
+        if len(rows) > LOG_ROWS_MAX:
+            raise ToolError(f"{path}: more than {LOG_ROWS_MAX} lines")
+    if len(rows) < 2:
+        raise ToolError(f"{path}: fewer than two samples")
+    return dict(zip(header, np.array(rows).T))
+
+
+# ---- figures -------------------------------------------------------------------------------------------------------
+
+def _corner(waypoints):
+    """The inner waypoint with the sharpest turn, or None."""
+    sharpest, corner = 0.0, None
+    for a, b, c in zip(waypoints, waypoints[1:], waypoints[2:]):
+        turn = abs(math.remainder(math.atan2(*(c - b)[::-1]) - math.atan2(*(b - a)[::-1]), math.tau))
+        if turn > sharpest:
+            sharpest, corner = turn, b
+    return corner
+
+
+def _plot_paths(axes, strategies, waypoints):
+    for s in strategies:
+        axes.plot(s.log["x_m"], s.log["y_m"], s.style, color=s.colour, label=s.title)
+    axes.plot(*waypoints.T, "o", color=plots.INK, markersize=5, label="waypoints", zorder=3)
+
+
+def _emptiest_quadrant(strategies, bounds):
+    """Lower-left corner, in shares of the axes, of the quadrant with the fewest samples."""
+    (x0, x1), (y0, y1) = bounds
+    x = np.concatenate([s.log["x_m"] for s in strategies])
+    y = np.concatenate([s.log["y_m"] for s in strategies])
+    right, upper = x > (x0 + x1) / 2, y > (y0 + y1) / 2
+    quadrants = {(0.57, 0.06): right & ~upper, (0.06, 0.57): ~right & upper, (0.06, 0.06): ~right & ~upper,
+                 (0.57, 0.57): right & upper}
+    return min(quadrants, key=lambda corner: int(quadrants[corner].sum()))
+
+
+def draw_path(strategies, waypoints):
+    figure, axes = plots.new_figure(9.2, 7.2)
+    _plot_paths(axes, strategies, waypoints)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.08)
+    axes.set_xlabel("x, m")
+    axes.set_ylabel("y, m")
+    for i, point in enumerate(waypoints):
+        axes.annotate("start" if i == 0 else str(i), point, xytext=(7, -12), textcoords="offset points", fontsize=9)
+    corner = _corner(waypoints)
+    if corner is not None:
+        figure.canvas.draw()
+        place = _emptiest_quadrant(strategies, (axes.get_xlim(), axes.get_ylim()))
+        inset = axes.inset_axes([*place, 0.37, 0.37])
+        _plot_paths(inset, strategies, waypoints)
+        reach = 0.06 * max(np.ptp(waypoints, axis=0).max(), 1.0)
+        inset.set_xlim(corner[0] - reach, corner[0] + reach)
+        inset.set_ylim(corner[1] - reach, corner[1] + reach)
+        inset.set_aspect("equal")
+        inset.tick_params(labelsize=8)
+        inset.set_title("corner, enlarged", fontsize=9, fontweight="normal")
+        axes.indicate_inset_zoom(inset, edgecolor=plots.GREY)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=4)
+    else:
+        axes.legend()
+    return figure
+
+
+def _mark_segments(axes, log):
+    for t in log["t_s"][1:][np.diff(log["segment"]) != 0]:
+        axes.axvline(t, color=plots.GREY, linewidth=0.8, linestyle=":", zorder=0)
+
+
+def _legend_above(axes):
+    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4, borderaxespad=0.2)
+
+
+def _over_time(log, panels):
+    """One panel for each (title, unit, [(column, label, style, colour)])."""
+    width, height = WIDE
+    figure, axes = plots.new_figure(width, height * len(panels), len(panels), sharex=True, squeeze=False)
+    for axis, (title, unit, curves) in zip(axes[:, 0], panels):
+        _mark_segments(axis, log)
+        for column, label, style, colour in curves:
+            axis.plot(log["t_s"], log[column], style, color=colour, label=label, linewidth=1.3)
+        axis.set_title(title)
+        axis.set_ylabel(unit)
+        if len(curves) > 1:
+            _legend_above(axis)
+    axes[-1, 0].set_xlabel("time, s")
+    return figure
+
+
+def draw_motion(log):
+    measured, reference = ("-", plots.BLUE), ("--", plots.ORANGE)
+    return _over_time(log, [
+        ("Speed", "v, m/s", [("speed_m_s", "robot", *measured), ("ref_speed_m_s", "reference", *reference)]),
+        ("Turn rate", "w, rad/s", [("turn_rate_rad_s", "robot", *measured),
+                                   ("ref_turn_rate_rad_s", "reference", *reference)])])
+
+
+def draw_pitch(log):
+    return _over_time(log, [("Pitch, forward positive", "ψ, °", [("pitch_deg", "pitch", "-", plots.BLUE)])])
+
+
+def draw_motors(log):
+    return _over_time(log, [
+        ("Motor voltages", "u, V", [("u_left_v", "left", "-", plots.BLUE), ("u_right_v", "right", "-", plots.ORANGE)]),
+        ("Motor currents", "i, A", [("i_left_a", "left", "-", plots.BLUE), ("i_right_a", "right", "-", plots.ORANGE)])])
+
+
+def draw_power(log):
+    figure = _over_time(log, [("Power, electronics included", "P, W", [("power_w", "power", "-", plots.BLUE)])])
+    # A step of the reference costs hundreds of watts for milliseconds; the steady power must stay legible beside it.
+    if log["power_w"].max() > 20 * max(np.median(log["power_w"]), 1e-3) and log["power_w"].min() > 0:
+        figure.axes[0].set_yscale("log")
+        figure.axes[0].set_title("Power, electronics included (logarithmic)")
+    return figure
+
+
+def draw_energy(strategies):
+    figure, axes = plots.new_figure(*WIDE)
+    for s in strategies:
+        axes.plot(s.log["t_s"], s.log["energy_j"], s.style, color=s.colour, label=s.title)
+        axes.annotate(f"{s.log['energy_j'][-1]:.0f} J", (s.log["t_s"][-1], s.log["energy_j"][-1]), color=s.colour,
+                      xytext=(4, 2), textcoords="offset points", fontsize=9)
+    axes.margins(x=0.08)
+    axes.set_xlabel("time, s")
+    axes.set_ylabel("E, J")
+    axes.set_title("Energy since the start")
+    _legend_above(axes)
+    return figure
+
+
+def draw_coordinate_error(log):
+    width, height = WIDE
+    figure, axes = plots.new_figure(width, height)
+    _mark_segments(axes, log)
+    for axis, colour, style in (("x", plots.BLUE, "-"), ("y", plots.ORANGE, "-")):
+        axes.plot(log["t_s"], log[f"{axis}_m"] - log[f"ref_{axis}_m"], style, color=colour, label=axis, linewidth=1.3)
+    axes.set_title("Coordinates, robot − reference")
+    axes.set_xlabel("time, s")
+    axes.set_ylabel("error, m")
+    _legend_above(axes)
+    return figure
+
+
+def figures(strategies, waypoints):
+    """(title, caption, data URI) of each figure; single-strategy figures show the first one."""
+    first = strategies[0]
+    log, title = first.log, first.title
+    drawn = [
+        ("Path", "Driven paths and waypoints; inset: the sharpest corner.", draw_path(strategies, waypoints)),
+        ("Energy", "Cumulated energy of each strategy, electronics included.", draw_energy(strategies)),
+        ("Speed and turn rate", f"{title}. Dotted lines: a new segment.", draw_motion(log)),
+        ("Pitch", f"{title}.", draw_pitch(log)),
+        ("Motors", f"{title}.", draw_motors(log)),
+        ("Power", f"{title}.", draw_power(log)),
+        ("Coordinate error", f"{title}. Distance between the driven and the planned motion.",
+         draw_coordinate_error(log)),
+    ]
+    return [(name, caption, plots.inline_png(figure, dpi=130)) for name, caption, figure in drawn]
+
+
+# ---- page ----------------------------------------------------------------------------------------------------------
+
+def format_number(value, digits=2, unit=""):
+    """A number with a narrow no-break space between thousands, a true minus and its unit; – for none."""
+    if value is None:
+        return "–"
+    text = f"{value:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
+    return f"{text}\u202f{unit}" if unit else text
+
+
+def headlines(summary):
+    """(value, label) of the numbers at the top."""
+    first = summary["strategies"][0]
+    total = first["total"]
+    cards = [(format_number(total["measured_energy_j"], 1, "J"), f"{first['title']}: the whole route"),
+             (format_number(total["duration_s"], 1, "s"), "driving time")]
+    errors = [abs(s["error_percent"]) for s in first["segments"] if s["error_percent"] is not None]
+    if errors:
+        cards.append((format_number(sum(errors) / len(errors), 2, "%"), "mean error of a segment's predicted energy"))
+    for other in summary["strategies"][1:]:
+        extra = 100 * (other["total"]["measured_energy_j"] / total["measured_energy_j"] - 1)
+        sign = "+" if extra >= 0 else ""
+        cards.append((sign + format_number(extra, 1, "%"), f"energy of {other['title']}, in comparison"))
+    cards.append((format_number(summary["simulation"]["real_time_factor"], 0) + "×", "faster than real time"))
+    return cards
+
+
+def table4(summary):
+    """Energy of each segment by strategy; a row is (label, cells)."""
+    strategies = summary["strategies"]
+    count = max(len(s["segments"]) for s in strategies)
+    rows = []
+    for i in range(count):
+        cells = [format_number(s["segments"][i]["measured_energy_j"]) if i < len(s["segments"]) else "–"
+                 for s in strategies]
+        rows.append((f"segment {strategies[0]['segments'][i]['index']}" if i < len(strategies[0]["segments"])
+                     else f"segment {i + 1}", cells))
+    totals = [s["total"] for s in strategies]
+    rows.append(("total energy, J", [format_number(t["measured_energy_j"]) for t in totals]))
+    rows.append(("planned energy, J", [format_number(t["planned_energy_j"]) for t in totals]))
+    rows.append(("battery energy, J", [format_number(t["battery_energy_j"]) for t in totals]))
+    rows.append(("driving time, s", [format_number(t["duration_s"]) for t in totals]))
+    rows.append(("share of energy, %", [format_number(t["relative_percent"]) for t in totals]))
+    return rows
+
+
+def paper_rows(paper):
+    """The paper's numbers, flattened to (name, text), for comparison."""
+    if not isinstance(paper, dict):
+        return []
+    rows = []
+    for key, value in paper.items():
+        if isinstance(value, list):
+            text = ", ".join(format_number(v) if _is_number(v) else str(v) for v in value)
+        else:
+            text = format_number(value) if _is_number(value) else json.dumps(value, ensure_ascii=False)
+        rows.append((key.replace("_", " "), text))
+    return rows
+
+
+def render(summary, strategies):
+    template = Path(__file__).with_name("report.html.j2")
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,
+                                     lstrip_blocks=True)
+    environment.filters["number"] = format_number
+    waypoints = np.array(summary["waypoints_m"], dtype=float)
+    return environment.from_string(read_text(template)).render(
+        summary=summary, headlines=headlines(summary), first=summary["strategies"][0], strategies=strategies,
+        table4=table4(summary), figures=figures(strategies, waypoints), paper=paper_rows(summary.get("paper")))
+
+
+def load(directory):
+    summary = read_summary(directory / "summary.json")
+    strategies = [Strategy(about, read_log(directory / about["log"])) for about in summary["strategies"]]
+    return summary, strategies
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("directory", metavar="DIR", type=Path, help="holds summary.json and the logs")
+    directory = parser.parse_args().directory
+    page = directory / "report.html"
+    write_whole(page, render(*load(directory)))
+    print(f"wrote {shown_path(page)}")
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,143 @@
+#!/usr/bin/env bash
+# Installs what Joulepath needs on Debian 12 or Ubuntu 22.04 and 24.04: setup.sh [--yes] [sil|test]
+#   sil   the compiler, the libraries of the simulator and the Python tools
+#   test  also the second compiler, the checkers, the Arm tool chain and QEMU (the default)
+# JP_SETUP=skip installs nothing and says what is missing. Exit status 2: something could not be installed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+sil_packages=(build-essential libconfig-dev libjansson-dev libnlopt-dev pkg-config python3-venv)
+test_packages=(gcc-multilib clang clang-format clang-tidy cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
+    qemu-system-arm)
+stamp=.venv/requirements.installed
+
+die() {
+    echo "setup: $*" >&2
+    exit 2
+}
+
+is_installed() {
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+missing_packages() {
+    local package
+    for package in "$@"; do
+        is_installed "$package" || echo "$package"
+    done
+}
+
+# clang's run-time library with the sanitizers; its name holds the version of clang, and older releases keep it in
+# libclang-common.
+clang_runtime() {
+    local version
+    version=$(apt-cache depends clang 2>/dev/null | sed -n 's/.*Depends: clang-\([0-9]*\)$/\1/p' | head -n 1)
+    [ -n "$version" ] || return 0
+    if apt-cache show "libclang-rt-$version-dev" >/dev/null 2>&1; then
+        echo "libclang-rt-$version-dev"
+    else
+        echo "libclang-common-$version-dev"
+    fi
+}
+
+has_clang_runtime() {
+    compgen -G "$(clang -print-resource-dir 2>/dev/null)/lib/*/libclang_rt.asan*" >/dev/null
+}
+
+# With a terminal, asks once.
+confirm() {
+    local answer
+    if [ "$yes" = 1 ] || [ ! -t 0 ] || [ ! -t 1 ]; then
+        return
+    fi
+    read -r -p "Install these? [Y/n] " answer
+    case $answer in
+    '' | [Yy]*) yes=1 ;;
+    *) die "nothing was installed; JP_SETUP=skip goes on without" ;;
+    esac
+}
+
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then
+        "$@"
+    elif command -v sudo >/dev/null; then
+        sudo "$@"
+    else
+        die "not root and no sudo: install as root: ${missing[*]}"
+    fi
+}
+
+# apt is quiet but for its errors.
+install_packages() {
+    echo "setup: apt packages to install: $*"
+    confirm
+    as_root apt-get update -q >/dev/null ||
+        die "apt-get update failed: check the network and /etc/apt/sources.list"
+    if [ "$scope" = test ] && ! has_clang_runtime; then
+        set -- "$@" "$(clang_runtime)"
+        echo "setup: and the run-time library of clang: ${*: -1}"
+    fi
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" >/dev/null ||
+        die "apt-get install failed: $*"
+}
+
+check_packages() {
+    mapfile -t missing < <(missing_packages "${packages[@]}")
+    if [ "$scope" = test ] && [ ${#missing[@]} -eq 0 ] && ! has_clang_runtime; then
+        missing=(clang)
+    fi
+    [ ${#missing[@]} -eq 0 ] && return
+    command -v apt-get >/dev/null || die "no apt-get here; install the counterparts of: ${missing[*]}"
+    install_packages "${missing[@]}"
+}
+
+check_python() {
+    cmp -s tools/requirements.txt "$stamp" && [ -x .venv/bin/python ] && return
+    echo "setup: Python packages to install in .venv: $(grep -v '^#' tools/requirements.txt | tr '\n' ' ')"
+    confirm
+    python3 -m venv --clear .venv >/dev/null || die "python3 -m venv failed: the package python3-venv is missing"
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r tools/requirements.txt ||
+        die "pip could not install tools/requirements.txt: check the network"
+    cp tools/requirements.txt "$stamp"
+}
+
+# For people who manage their own packages.
+report_missing() {
+    local tool absent=()
+    local python=python3 list
+    local tools=(gcc ar pkg-config python3)
+    [ "$scope" = test ] && tools+=(g++ clang clang-format clang-tidy cppcheck arm-none-eabi-gcc qemu-system-arm)
+    for tool in "${tools[@]}"; do
+        command -v "$tool" >/dev/null || absent+=("$tool")
+    done
+    for tool in libconfig jansson nlopt; do
+        pkg-config --exists "$tool" 2>/dev/null || absent+=("$tool")
+    done
+    [ -x .venv/bin/python ] && python=.venv/bin/python
+    for tool in numpy scipy matplotlib jinja2 pytest xdist junitparser; do
+        "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$tool') is None)" 2>/dev/null ||
+            absent+=("python module $tool")
+    done
+    [ ${#absent[@]} -eq 0 ] && return
+    printf -v list '%s, ' "${absent[@]}"
+    die "JP_SETUP=skip, and missing: ${list%, }"
+}
+
+yes=0
+scope=test
+for argument in "$@"; do
+    case $argument in
+    --yes) yes=1 ;;
+    sil | test) scope=$argument ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|test]" ;;
+    esac
+done
+
+packages=("${sil_packages[@]}")
+[ "$scope" = test ] && packages+=("${test_packages[@]}")
+if [ "${JP_SETUP:-}" = skip ]; then
+    report_missing
+    exit 0
+fi
+check_packages
+check_python
