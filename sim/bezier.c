@@ -94,7 +94,7 @@ static double curve_cost(const struct problem *problem, size_t curve)
 {
     double duration = problem->path.duration[curve];
     double dt = duration / SAMPLES;
-    double cost = 0;
+    double sum = 0;
     struct bezier_motion before = bezier_motion(&problem->path, curve, 0);
 
     for (int k = 1; k <= SAMPLES; k++) {
@@ -102,13 +102,13 @@ static double curve_cost(const struct problem *problem, size_t curve)
         double speed = 0.5 * (before.speed + now.speed);
         double turn_rate = 0.5 * (before.turn_rate + now.turn_rate);
 
-        cost += dt * power(problem, speed, (now.speed - before.speed) / dt, turn_rate,
-                           (now.turn_rate - before.turn_rate) / dt);
-        cost += PENALTY * (excess(speed, problem->robot->limits.speed_m_s) +
-                           excess(turn_rate, problem->robot->limits.turn_rate_rad_s));
+        sum += dt * power(problem, speed, (now.speed - before.speed) / dt, turn_rate,
+                          (now.turn_rate - before.turn_rate) / dt);
+        sum += PENALTY * (excess(speed, problem->robot->limits.speed_m_s) +
+                          excess(turn_rate, problem->robot->limits.turn_rate_rad_s));
         before = now;
     }
-    return cost;
+    return sum;
 }
 
 /** Unknowns: speed at the start, then for each curve its duration and the velocity at its end. */
@@ -121,7 +121,7 @@ static void unpack(struct bezier_path *path, const double *x)
     }
 }
 
-static double cost(unsigned n, const double *x, double *gradient, void *data)
+static double path_cost(unsigned n, const double *x, double *gradient, void *data)
 {
     struct problem *problem = data;
     double sum = 0;
@@ -178,7 +178,7 @@ bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, c
 
     nlopt_opt optimiser = nlopt_create(NLOPT_LN_SBPLX, (unsigned)(1 + 3 * problem.path.curves));
 
-    (void)nlopt_set_min_objective(optimiser, cost, &problem);
+    (void)nlopt_set_min_objective(optimiser, path_cost, &problem);
     (void)nlopt_set_lower_bounds(optimiser, low);
     (void)nlopt_set_upper_bounds(optimiser, high);
     (void)nlopt_set_ftol_rel(optimiser, TOLERANCE);

@@ -8,7 +8,7 @@
 #include "rig.h"
 
 /** Settled: from here on the mean voltages of successive windows differ by less than a threshold. */
-#define EXPERIMENT_WINDOW_TICKS 100
+#define EXPERIMENT_WINDOW_TICKS 200
 
 /** One step of the reference and how long it is held. */
 struct experiment_segment {

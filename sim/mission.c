@@ -327,7 +327,6 @@ static bool start(struct drive *drive, const struct mission *optimal, struct jp_
         return false;
     }
     rig_release(&drive->rig, 0);
-    (void)rig_tick(&drive->rig);
     drive->start_tick = drive->rig.world.tick;
     drive->reference_wheel = telemetry_of(drive)->reference_wheel;
     drive->reference_yaw = telemetry_of(drive)->reference_yaw;

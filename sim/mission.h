@@ -20,16 +20,16 @@ enum mission_strategy {
 /** One leg from waypoint to waypoint. */
 struct mission_leg {
     struct bezier_point target;
-    bool planned;          /**< the four lines below hold: one segment, planned before it was driven */
-    double planned_energy; /**< J */
-    double speed;          /**< v, m/s */
-    double turn_rate;      /**< w, rad/s */
-    double arc;            /**< γ, rad */
-    double turn;           /**< σ, rad */
-    double duration;       /**< T, s */
-    double measured_energy; /**< the robot's meter, the paper's definition, J */
-    double plant_energy;    /**< the same from the plant's ledger in double, J */
-    double battery_energy;  /**< the robot's meter, at the battery, J */
+    bool planned;            /**< the four lines below hold: one segment, planned before it was driven */
+    double planned_energy;   /**< J */
+    double speed;            /**< v, m/s */
+    double turn_rate;        /**< w, rad/s */
+    double arc;              /**< γ, rad */
+    double turn;             /**< σ, rad */
+    double duration;         /**< T, s */
+    double measured_energy;  /**< the robot's meter, the paper's definition, J */
+    double plant_energy;     /**< the same from the plant's ledger in double, J */
+    double battery_energy;   /**< the robot's meter, at the battery, J */
     struct bezier_point end; /**< where the robot was, m */
     double end_error;        /**< distance to the target, m */
 };

@@ -65,4 +65,5 @@ void rig_release(struct rig *rig, double pitch_rad)
     }
     (void)jp_robot_enable(&rig->robot);
     plant_release(&rig->world.plant);
+    (void)rig_tick(rig);
 }

@@ -23,7 +23,7 @@ bool rig_init(struct rig *rig, const struct robot_entry *entry, const struct jp_
 /** One tick: background work, control, physics. Returns the status of the background work. */
 enum jp_status rig_tick(struct rig *rig);
 
-/** A hand holds the robot at this pitch while it measures the vertical, then lets it balance. */
+/** A hand holds the robot at this pitch while it measures the vertical, then lets go: it balances. */
 void rig_release(struct rig *rig, double pitch_rad);
 
 #endif

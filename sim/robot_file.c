@@ -300,7 +300,8 @@ static bool check_together(const char *path, const struct robot_file *robot)
 
 static bool load(const char *path, struct robot_file *robot, config_t *config)
 {
-    if (!config_file_parse(path, config) || !check_keys(path, config_root_setting(config)) || !load_name(path, robot, config)) {
+    if (!config_file_parse(path, config) || !check_keys(path, config_root_setting(config)) ||
+        !load_name(path, robot, config)) {
         return false;
     }
     for (size_t i = 0; i < robot_field_count; i++) {

@@ -80,7 +80,8 @@ static bool load_model(const char *path, const config_t *config, struct scenario
         return false;
     }
     if (strcmp(model, "identified") != 0 && strcmp(model, "published") != 0) {
-        error_line("%s: energy_model = \"%s\": must be \"identified\" or \"published\"; correct the value", path, model);
+        error_line("%s: energy_model = \"%s\": must be \"identified\" or \"published\"; correct the value", path,
+                   model);
         return false;
     }
     scenario->model = strcmp(model, "published") == 0 ? SCENARIO_PUBLISHED : SCENARIO_IDENTIFIED;

@@ -20,7 +20,7 @@ struct scenario {
     struct robot_file robot;
     enum scenario_model model;
     uint64_t seed;
-    size_t waypoint_count;                              /**< 2…BEZIER_WAYPOINTS_MAX, the first is the start */
+    size_t waypoint_count;                               /**< 2…BEZIER_WAYPOINTS_MAX, the first is the start */
     struct bezier_point waypoints[BEZIER_WAYPOINTS_MAX]; /**< m */
 };
 

@@ -1,5 +1,8 @@
 #include <joulepath/fixed.h>
 
+_Static_assert(-3 >> 1 == -2, "right shift of a negative number must be arithmetic");
+_Static_assert((int32_t)UINT32_MAX == -1, "conversion to a signed type must wrap");
+
 #define QUARTER_TURN ((jp_angle)1 << 30)
 #define HALF_TURN    ((jp_angle)1 << 31)
 #define EIGHTH_TURN  ((jp_angle)1 << 29)

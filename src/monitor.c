@@ -134,8 +134,8 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
 
     if (read == JP_OK && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
-        frozen = persists(&monitor->frozen_ticks,
-                          config->freeze_ticks != 0U && imu_repeats(&monitor->good, sensors), config->freeze_ticks);
+        frozen = persists(&monitor->frozen_ticks, config->freeze_ticks != 0U && imu_repeats(&monitor->good, sensors),
+                          config->freeze_ticks);
     }
 
     bool confirmed = persists(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);

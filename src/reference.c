@@ -72,8 +72,8 @@ static void advance(struct jp_reference_axis *axis, jp_q16 bandwidth, jp_phase p
         return;
     }
     /* 2³²/tick_rate is also the tick's length in 2⁻³² s. */
-    axis->rate = jp_add(axis->rate, jp_multiply_shift(tracker_acceleration(axis, bandwidth),
-                                                      (int32_t)phase_per_rate, 32));
+    axis->rate =
+        jp_add(axis->rate, jp_multiply_shift(tracker_acceleration(axis, bandwidth), (int32_t)phase_per_rate, 32));
     axis->angle += (jp_phase)axis->rate * phase_per_rate;
 }
 

@@ -6,7 +6,7 @@
 #define PLAN_LEAD_RATE 10U
 
 #define SPEED_LIMIT JP_Q24(8)
-#define TURN_LIMIT JP_Q24(6.283185307179586)
+#define TURN_LIMIT  JP_Q24(6.283185307179586)
 
 static const char *first_bad_field(const struct jp_robot_config *config)
 {
@@ -438,9 +438,8 @@ static enum jp_status plan_next(struct jp_robot *robot, const struct jp_telemetr
 
     predict_end(telemetry, config->estimator.tick_rate, &start, &heading);
 
-    enum jp_status status =
-        jp_segment_optimise(robot->model, &config->limits, &telemetry->command, &start, heading,
-                            &robot->route[robot->route_planned], &robot->planned);
+    enum jp_status status = jp_segment_optimise(robot->model, &config->limits, &telemetry->command, &start, heading,
+                                                &robot->route[robot->route_planned], &robot->planned);
 
     if (status == JP_OK) {
         robot->route_planned++;

@@ -16,6 +16,7 @@
  * COEFFICIENT_BITS.
  */
 #define COEFFICIENT_BITS 27
+#define KINK_MARGIN      1024 /* of x: outside the kink in spite of rounding */
 #define XI_ONE           ((int32_t)1 << 30)
 #define XI_BITS          30
 #define HALF_ARC_MAX     ((int32_t)1932735283) /* 162° as a binary angle */
@@ -38,13 +39,17 @@ struct problem {
     unsigned power_shift;              /* left shift that brings P to 29 bits */
 };
 
+enum limit { LIMIT_NONE, LIMIT_SPEED, LIMIT_TURN_RATE };
+
 /* J*(x) = min over ξ, and its slope by the envelope theorem. */
 struct evaluation {
     int32_t x;
-    int32_t xi;     /* Q30 */
-    int32_t energy; /* J less a constant, in the scale of the problem */
-    int32_t slope;  /* dJ/dx / 16, saturated */
-    int32_t idle;   /* P/ξ */
+    int32_t xi;           /* Q30 */
+    int32_t energy;       /* J less a constant, in the scale of the problem */
+    int32_t slope;        /* dJ/dx / 16, saturated */
+    int32_t slope_inside; /* the same where the limit does not act */
+    int32_t idle;         /* P/ξ */
+    enum limit limit;
 };
 
 /* The arc at x. */
@@ -54,8 +59,6 @@ struct arc {
     int32_t shape;   /* r′ in Q31 */
     int32_t stretch; /* (dr/dx)/r in Q27 */
 };
-
-enum limit { LIMIT_NONE, LIMIT_SPEED, LIMIT_TURN_RATE };
 
 static int32_t multiply_high(int32_t a, int32_t b)
 {
@@ -224,7 +227,7 @@ static int32_t best_xi(const struct problem *p, int32_t x, int32_t s, const stru
     }
     int32_t xi = stationary(p, a, b, xi_guess);
     xi = jp_clamp32(xi, p->xi_min, high);
-    if (xi == high || (slope <= 0 && energy_at_fixed_arc(p, a, b, high) <= energy_at_fixed_arc(p, a, b, xi))) {
+    if (slope <= 0 && energy_at_fixed_arc(p, a, b, high) <= energy_at_fixed_arc(p, a, b, xi)) {
         return high;
     }
     *limit = LIMIT_NONE;
@@ -257,6 +260,8 @@ static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, struc
         e->idle;
     int32_t v_part = multiply31(by_v, v);
     int64_t slope = (int64_t)multiply31(v_part, arc.stretch) + ((int64_t)by_w * xi >> 34) - (by_s >> 4);
+    e->limit = limit;
+    e->slope_inside = jp_saturate32(slope);
     if (limit != LIMIT_NONE) {
         /* ξ dJ/dξ < 0 pushes against the limit, which moves with x. */
         int32_t push = v_part + (int32_t)(((int64_t)by_w * w) >> 31) -
@@ -272,30 +277,92 @@ static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, struc
     e->slope = jp_saturate32(slope);
 }
 
+/* √a for a > 0, at most 1 too large. */
+static uint32_t square_root32(uint32_t a)
+{
+    uint32_t root = (uint32_t)1 << ((32 - leading_zeros(a)) / 2);
+    for (int i = 0; i < 4; i++) {
+        root = (root + a / root) >> 1;
+    }
+    return root;
+}
+
+/*
+ * The minimum of the cubic through two energies and slopes, as a fraction of the bracket in Q30: the root t of
+ * 6k t² + (1 − 6k) t = secant, where k + ½ is the place at which the tangents meet.
+ */
+static uint32_t cubic_minimum(uint32_t secant, uint32_t tangents)
+{
+    int32_t k6 = 6 * (int32_t)(((int32_t)tangents - XI_ONE / 2) >> 4); /* Q26, within ±3 */
+    int32_t linear = (XI_ONE >> 4) - k6;
+    int64_t square = (int64_t)linear * linear + 4 * (int64_t)k6 * (int32_t)(secant >> 4); /* Q52, at most 16 */
+    int64_t root = square > 0 ? (int64_t)square_root32((uint32_t)(square >> 26)) << 13 : 0;
+    int64_t denominator = linear + root;
+    if (denominator <= (int64_t)(secant >> 3)) {
+        return XI_ONE;
+    }
+    return (uint32_t)fraction(secant >> 3, (uint32_t)denominator);
+}
+
 /* Where to look next between two evaluations of opposite slope, and what can still be gained there. */
-static int32_t next_in_bracket(const struct evaluation *a, const struct evaluation *b, bool secant, int32_t *floor)
+static int32_t next_in_bracket(const struct evaluation *a, const struct evaluation *b, bool smooth, int32_t *floor)
 {
     uint32_t width = (uint32_t)b->x - (uint32_t)a->x;
+    uint32_t half = width >> 1;
     uint32_t down = magnitude(a->slope);
     uint32_t up = (uint32_t)b->slope;
     /* The tangents meet at a fraction of the width; no convex function lies below them. */
-    int64_t above = (int64_t)((uint64_t)up * (width >> 1)) + ((int64_t)a->energy - b->energy) * ((int64_t)1 << 26);
-    uint64_t all = ((uint64_t)down + up) * (width >> 1);
-    above = above < 0 ? 0 : above;
-    above = (uint64_t)above > all ? (int64_t)all : above;
+    uint64_t all = ((uint64_t)down + up) * half;
+    int64_t part = (int64_t)((uint64_t)up * half) + ((int64_t)a->energy - b->energy) * ((int64_t)1 << 26);
     unsigned shift = (all >> 32) == 0 ? 0 : 32 - leading_zeros((uint32_t)(all >> 32));
-    uint32_t part = (uint32_t)(all >> shift) == 0
-                        ? 0
-                        : (uint32_t)fraction((uint32_t)((uint64_t)above >> shift), (uint32_t)(all >> shift));
-    uint32_t step = (uint32_t)(((uint64_t)width * part) >> XI_BITS);
+    uint32_t whole = (uint32_t)(all >> shift) + 1U;
+    part = part < 0 ? 0 : part >> shift;
+    uint32_t meet = part >= whole ? (uint32_t)XI_ONE : (uint32_t)fraction((uint32_t)part, whole);
+    uint32_t step = (uint32_t)(((uint64_t)width * meet) >> XI_BITS);
     *floor = jp_saturate32(a->energy - (int64_t)(((uint64_t)down * step) >> 27));
-    if (secant) {
-        uint32_t sum = down + up;
-        step = sum == 0 ? 0 : (uint32_t)(((uint64_t)width * (uint32_t)fraction(down, sum)) >> XI_BITS);
+    if (smooth) {
+        uint32_t secant = (uint32_t)fraction(down, down + up);
+        step = (uint32_t)(((uint64_t)width * cubic_minimum(secant, meet)) >> XI_BITS);
     }
     uint32_t margin = width >> 8;
     step = step < margin ? margin : step > width - margin ? width - margin : step;
     return (int32_t)((uint32_t)a->x + step);
+}
+
+/* The |x| up to 0.9 where sinc x = value in Q29, from `x` on. */
+static int32_t inverse_sinc(int32_t value, int32_t x)
+{
+    for (int i = 0; i < 4; i++) {
+        int32_t derivative;
+        int32_t excess = sinc(multiply31(x, x), &derivative) - value;
+        uint32_t fall = magnitude(multiply_high(x, derivative)); /* -dsinc/dx in Q27 */
+        uint32_t gap = magnitude(excess) >> 2;
+        int32_t step = gap < fall ? fraction(gap, fall) : XI_ONE;
+        int64_t next = excess > 0 ? (int64_t)x + 2 * (int64_t)step : (int64_t)x - 2 * (int64_t)step;
+        x = next > HALF_ARC_MAX ? HALF_ARC_MAX : next < x / 2 ? x / 2 : (int32_t)next;
+    }
+    return x;
+}
+
+/* Where the limit that acts at `outer` but not at `inner` begins to act: J* has a kink there. */
+static bool find_kink(const struct problem *p, const struct evaluation *inner, const struct evaluation *outer,
+                      int32_t *x)
+{
+    int32_t size;
+    if (inner->limit != LIMIT_NONE || outer->limit == LIMIT_NONE) {
+        return false;
+    }
+    if (outer->limit == LIMIT_TURN_RATE) {
+        uint32_t half = (uint32_t)p->turn_rate_limit >> 1;
+        size = half < (uint32_t)inner->xi ? 2 * (fraction(half, (uint32_t)inner->xi) - 1) : INT32_MAX;
+    } else {
+        uint32_t half = (uint32_t)inner->xi >> 3;
+        size = half < (uint32_t)p->speed_limit
+                   ? inverse_sinc(fraction(half, (uint32_t)p->speed_limit) >> 1, (int32_t)magnitude(outer->x))
+                   : 0;
+    }
+    *x = (outer->x < 0) ? -size - KINK_MARGIN : size + KINK_MARGIN;
+    return true;
 }
 
 /* A first step from one evaluation by the curvature of σ² and of the arc's length. */
@@ -321,46 +388,65 @@ static uint32_t next_step(uint32_t step, uint32_t last_slope, uint32_t slope)
     if (slope / 3 >= change) {
         return longest;
     }
-    uint32_t ahead = slope < change ? (uint32_t)(((uint64_t)step * (uint32_t)fraction(slope, change)) >> XI_BITS) : longest / 2;
+    uint32_t ahead =
+        slope < change ? (uint32_t)(((uint64_t)step * (uint32_t)fraction(slope, change)) >> XI_BITS) : longest / 2;
     return ahead + ahead / 4;
+}
+
+/* Whether the minimum is at the kink just inside e; if it is further inside, e becomes its end. */
+static bool settles_kink(struct evaluation *e)
+{
+    if ((e->slope < 0) != (e->slope_inside < 0)) {
+        return true;
+    }
+    if ((e->slope > 0) == (e->x > 0)) {
+        e->slope = e->slope_inside;
+        e->limit = LIMIT_NONE;
+    }
+    return false;
 }
 
 /* The minimum over [low, high], where J* has one; *best keeps the best of all calls. */
 static void search(const struct problem *p, int32_t low, int32_t high, struct evaluation *best)
 {
-    struct evaluation left = {0};
-    struct evaluation right = {0};
-    bool has_left = false;
-    bool has_right = false;
+    struct evaluation left = {.xi = 0};
+    struct evaluation right = {.xi = 0};
+    struct evaluation e = {.xi = 0};
     int32_t x = jp_clamp32(0, low, high);
-    int32_t xi_guess = 0;
     uint32_t step = 0;
     uint32_t last_slope = 0;
+    uint32_t last_width = UINT32_MAX;
+    bool kink_known = false;
+    bool at_kink = false;
     for (int i = 0; i < EVALUATIONS_PER_INTERVAL; i++) {
-        struct evaluation e;
-        evaluate(p, x, xi_guess, &e);
+        evaluate(p, x, e.xi, &e);
 #ifdef EVAL_HOOK
         EVAL_HOOK;
 #endif
-        xi_guess = e.xi;
         if (best->xi == 0 || e.energy < best->energy) {
             *best = e;
+        }
+        if (at_kink && settles_kink(&e)) {
+            return;
         }
         if (e.slope == 0 || (e.slope < 0 && x == high) || (e.slope > 0 && x == low)) {
             return;
         }
-        if (e.slope < 0) {
-            left = e;
-            has_left = true;
-        } else {
-            right = e;
-            has_right = true;
-        }
-        if (has_left && has_right) {
+        *(e.slope < 0 ? &left : &right) = e;
+        at_kink = false;
+        if (left.xi != 0 && right.xi != 0) {
             int32_t floor;
-            x = next_in_bracket(&left, &right, i & 1, &floor);
-            if (best->energy - (int64_t)floor <= (best->idle >> 15) || right.x - (int64_t)left.x < 4) {
-                return;
+            if (!kink_known && (find_kink(p, &left, &right, &x) || find_kink(p, &right, &left, &x))) {
+                kink_known = true;
+                at_kink = x > left.x && x < right.x;
+            }
+            if (!at_kink) {
+                uint32_t width = (uint32_t)right.x - (uint32_t)left.x;
+                x = next_in_bracket(&left, &right, width < last_width, &floor);
+                last_width = width - width / 4;
+                if (best->energy - (int64_t)floor <= (best->idle >> 15) || right.x - (int64_t)left.x < 4) {
+                    return;
+                }
             }
         } else {
             step = i == 0 ? first_step(p, &e) : next_step(step, last_slope, magnitude(e.slope));

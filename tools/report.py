@@ -36,6 +36,9 @@ STYLES = {"optimal": "-", "straight": "--", "bezier": "-."}
 LOG_ROWS_MAX = 2_000_000
 WIDE = (9.2, 3.4)
 
+# Peak over median beyond which power is drawn on a logarithmic axis.
+LOG_SCALE_FROM = 20
+
 
 @dataclass(frozen=True)
 class Strategy:
@@ -105,6 +108,9 @@ def read_summary(path):
     for i, strategy in enumerate(summary["strategies"]):
         place = f"strategies[{i}]"
         _need(path, place, strategy, STRATEGY_KEYS)
+        for key in ("name", "title", "log"):
+            if not isinstance(strategy[key], str) or not strategy[key]:
+                raise ToolError(f"{path}: {place}: {key} must be a text")
         _need_list(path, f"{place}.segments", strategy["segments"])
         for j, segment in enumerate(strategy["segments"]):
             _need_numbers(path, f"{place}.segments[{j}]", segment, SEGMENT_KEYS)
@@ -208,7 +214,8 @@ def _over_time(log, panels):
         _mark_segments(axis, log)
         for column, label, style, colour in curves:
             axis.plot(log["t_s"], log[column], style, color=colour, label=label, linewidth=1.3)
-        axis.set_title(title)
+        if len(panels) > 1:
+            axis.set_title(title)
         axis.set_ylabel(unit)
         if len(curves) > 1:
             _legend_above(axis)
@@ -225,7 +232,7 @@ def draw_motion(log):
 
 
 def draw_pitch(log):
-    return _over_time(log, [("Pitch, forward positive", "ψ, °", [("pitch_deg", "pitch", "-", plots.BLUE)])])
+    return _over_time(log, [("Pitch", "ψ, °", [("pitch_deg", "pitch", "-", plots.BLUE)])])
 
 
 def draw_motors(log):
@@ -235,25 +242,46 @@ def draw_motors(log):
 
 
 def draw_power(log):
-    figure = _over_time(log, [("Power, electronics included", "P, W", [("power_w", "power", "-", plots.BLUE)])])
+    figure = _over_time(log, [("Power", "P, W", [("power_w", "power", "-", plots.BLUE)])])
     # A step of the reference costs hundreds of watts for milliseconds; the steady power must stay legible beside it.
-    if log["power_w"].max() > 20 * max(np.median(log["power_w"]), 1e-3) and log["power_w"].min() > 0:
+    if log["power_w"].min() > 0 and log["power_w"].max() > LOG_SCALE_FROM * np.median(log["power_w"]):
         figure.axes[0].set_yscale("log")
-        figure.axes[0].set_title("Power, electronics included (logarithmic)")
     return figure
 
 
+def _progress(strategy):
+    """Segments driven so far; inside a segment by its share of time."""
+    log = strategy.log
+    # The last sample may lie beyond the last segment, where the robot already brakes.
+    segment = np.minimum(log["segment"], len(strategy.about["segments"]))
+    starts = np.flatnonzero(np.diff(segment, prepend=np.nan) != 0)
+    ends = np.append(starts[1:], len(log["t_s"]) - 1)
+    return np.interp(log["t_s"], np.append(log["t_s"][starts], log["t_s"][-1]), np.arange(len(ends) + 1))
+
+
 def draw_energy(strategies):
-    figure, axes = plots.new_figure(*WIDE)
+    """Energy over time, and what the other strategies spend more than the first at equal progress."""
+    first, others = strategies[0], strategies[1:]
+    width, height = WIDE
+    figure, axes = plots.new_figure(width, height * (2 if others else 1), 2 if others else 1, squeeze=False)
+    total = axes[0, 0]
     for s in strategies:
-        axes.plot(s.log["t_s"], s.log["energy_j"], s.style, color=s.colour, label=s.title)
-        axes.annotate(f"{s.log['energy_j'][-1]:.0f} J", (s.log["t_s"][-1], s.log["energy_j"][-1]), color=s.colour,
-                      xytext=(4, 2), textcoords="offset points", fontsize=9)
-    axes.margins(x=0.08)
-    axes.set_xlabel("time, s")
-    axes.set_ylabel("E, J")
-    axes.set_title("Energy since the start")
-    _legend_above(axes)
+        label = f"{s.title}, {s.log['energy_j'][-1]:.0f} J"
+        total.plot(s.log["t_s"], s.log["energy_j"], s.style, color=s.colour, label=label)
+    total.set_xlabel("time, s")
+    total.set_ylabel("E, J")
+    _legend_above(total)
+    if others:
+        extra = axes[1, 0]
+        extra.axhline(0, color=first.colour)
+        for s in others:
+            progress = _progress(s)
+            base = np.interp(progress, _progress(first), first.log["energy_j"])
+            extra.plot(progress, s.log["energy_j"] - base, s.style, color=s.colour, label=s.title)
+        extra.xaxis.get_major_locator().set_params(integer=True)
+        extra.set_title(f"Energy above: {first.title}")
+        extra.set_xlabel("segments driven")
+        extra.set_ylabel("ΔE, J")
     return figure
 
 
@@ -263,9 +291,8 @@ def draw_coordinate_error(log):
     _mark_segments(axes, log)
     for axis, colour, style in (("x", plots.BLUE, "-"), ("y", plots.ORANGE, "-")):
         axes.plot(log["t_s"], log[f"{axis}_m"] - log[f"ref_{axis}_m"], style, color=colour, label=axis, linewidth=1.3)
-    axes.set_title("Coordinates, robot − reference")
     axes.set_xlabel("time, s")
-    axes.set_ylabel("error, m")
+    axes.set_ylabel("robot − reference, m")
     _legend_above(axes)
     return figure
 
@@ -278,10 +305,10 @@ def figures(strategies, waypoints):
         ("Path", "Driven paths and waypoints; inset: the sharpest corner.", draw_path(strategies, waypoints)),
         ("Energy", "Cumulated energy of each strategy, electronics included.", draw_energy(strategies)),
         ("Speed and turn rate", f"{title}. Dotted lines: a new segment.", draw_motion(log)),
-        ("Pitch", f"{title}.", draw_pitch(log)),
+        ("Pitch", f"{title}. Forward is positive.", draw_pitch(log)),
         ("Motors", f"{title}.", draw_motors(log)),
-        ("Power", f"{title}.", draw_power(log)),
-        ("Coordinate error", f"{title}. Distance between the driven and the planned motion.",
+        ("Power", f"{title}, electronics included.", draw_power(log)),
+        ("Coordinate error", f"{title}. Where the robot is, less where the reference is.",
          draw_coordinate_error(log)),
     ]
     return [(name, caption, plots.inline_png(figure, dpi=130)) for name, caption, figure in drawn]
@@ -309,7 +336,7 @@ def headlines(summary):
     for other in summary["strategies"][1:]:
         extra = 100 * (other["total"]["measured_energy_j"] / total["measured_energy_j"] - 1)
         sign = "+" if extra >= 0 else ""
-        cards.append((sign + format_number(extra, 1, "%"), f"energy of {other['title']}, in comparison"))
+        cards.append((sign + format_number(extra, 2, "%"), f"{other['title']}: energy in comparison"))
     cards.append((format_number(summary["simulation"]["real_time_factor"], 0) + "×", "faster than real time"))
     return cards
 
@@ -329,7 +356,7 @@ def table4(summary):
     rows.append(("planned energy, J", [format_number(t["planned_energy_j"]) for t in totals]))
     rows.append(("battery energy, J", [format_number(t["battery_energy_j"]) for t in totals]))
     rows.append(("driving time, s", [format_number(t["duration_s"]) for t in totals]))
-    rows.append(("share of energy, %", [format_number(t["relative_percent"]) for t in totals]))
+    rows.append(("relative energy, %", [format_number(t["relative_percent"]) for t in totals]))
     return rows
 
 
@@ -360,6 +387,8 @@ def render(summary, strategies):
 
 def load(directory):
     summary = read_summary(directory / "summary.json")
+    for about in summary["strategies"]:
+        about["title"] = about["title"][:1].upper() + about["title"][1:]
     strategies = [Strategy(about, read_log(directory / about["log"])) for about in summary["strategies"]]
     return summary, strategies
 

@@ -21,13 +21,13 @@
 
 /** Parameters of one robot under one controller; made by tools/identify.py. */
 struct jp_energy_model {
-    jp_q16 a[JP_ENERGY_TERMS];  /**< a1…a13: J per product of m/s, rad/s, rad and V; a13 in s; |a| <= 4 096 */
-    jp_q16 b[2];                /**< b1 J·s/m², b2 J·s/rad²; 0…4 096 */
-    jp_q16 electronics_power;   /**< Ps, W; above 0, at most 256 */
-    jp_q16 settling_time;       /**< Ts, s; 0…60 */
-    jp_q16 voltage_per_speed;   /**< cv, V·s/m; 0…256 */
+    jp_q16 a[JP_ENERGY_TERMS];    /**< a1…a13: J per product of m/s, rad/s, rad and V; a13 in s; |a| <= 4 096 */
+    jp_q16 b[2];                  /**< b1 J·s/m², b2 J·s/rad²; 0…4 096 */
+    jp_q16 electronics_power;     /**< Ps, W; above 0, at most 256 */
+    jp_q16 settling_time;         /**< Ts, s; 0…60 */
+    jp_q16 voltage_per_speed;     /**< cv, V·s/m; 0…256 */
     jp_q16 voltage_per_turn_rate; /**< cw, V·s/rad; 0…256 */
-    jp_q16 motor_resistance;    /**< Rm, Ω; above 0, at most 256 */
+    jp_q16 motor_resistance;      /**< Rm, Ω; above 0, at most 256 */
 };
 
 /** A motion at constant speed and turn rate. */

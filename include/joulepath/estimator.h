@@ -12,24 +12,24 @@
 #include <joulepath/status.h>
 
 struct jp_estimator_config {
-    uint32_t tick_rate;         /**< calls a second; 100…10 000 */
-    jp_phase wheel_per_count;   /**< mean wheel angle for one count of (left + right): half a count; 2⁻⁵⁶ turn */
-    jp_phase yaw_per_count;     /**< body yaw for one count of (right − left); 2⁻⁵⁶ turn */
-    jp_q16 tracking_gain;       /**< share of the angle error taken a tick; above 0, at most 1 */
-    jp_q16 tracking_rate_gain;  /**< rate taken from the angle error, 1/s; above 0, at most tick_rate. 1 and tick_rate
-                                     make the plain difference of successive counts */
-    jp_q31 tilt_gain;           /**< share of the accelerometer's tilt error taken a tick; 0 trusts the gyro alone */
-    jp_q31 bias_gain;           /**< share of the tilt error taken as gyro bias (turn/s from turn) a tick; 0 is off */
+    uint32_t tick_rate;        /**< calls a second; 100…10 000 */
+    jp_phase wheel_per_count;  /**< mean wheel angle for one count of (left + right): half a count; 2⁻⁵⁶ turn */
+    jp_phase yaw_per_count;    /**< body yaw for one count of (right − left); 2⁻⁵⁶ turn */
+    jp_q16 tracking_gain;      /**< share of the angle error taken a tick; above 0, at most 1 */
+    jp_q16 tracking_rate_gain; /**< rate taken from the angle error, 1/s; above 0, at most tick_rate. 1 and tick_rate
+                                    make the plain difference of successive counts */
+    jp_q31 tilt_gain;          /**< share of the accelerometer's tilt error taken a tick; 0 trusts the gyro alone */
+    jp_q31 bias_gain;          /**< share of the tilt error taken as gyro bias (turn/s from turn) a tick; 0 is off */
 };
 
 /** Measured motion. Angles in turns, rates in turns a second. */
 struct jp_motion_state {
-    jp_phase wheel;     /**< θ, mean wheel angle in the world */
-    jp_phase yaw;       /**< φ, left turn positive */
-    jp_q24 pitch;       /**< ψ, forward positive; ±½ turn */
-    jp_q24 wheel_rate;  /**< θ̇ */
-    jp_q24 yaw_rate;    /**< φ̇ */
-    jp_q24 pitch_rate;  /**< ψ̇ */
+    jp_phase wheel;    /**< θ, mean wheel angle in the world */
+    jp_phase yaw;      /**< φ, left turn positive */
+    jp_q24 pitch;      /**< ψ, forward positive; ±½ turn */
+    jp_q24 wheel_rate; /**< θ̇ */
+    jp_q24 yaw_rate;   /**< φ̇ */
+    jp_q24 pitch_rate; /**< ψ̇ */
 };
 
 struct jp_tracking_loop {
@@ -44,9 +44,9 @@ struct jp_estimator {
     jp_phase yaw_encoder;   /**< measured φ */
     struct jp_tracking_loop wheel;
     struct jp_tracking_loop yaw;
-    jp_phase pitch;         /**< ψ */
-    int64_t gyro_bias;      /**< 2⁻⁵⁶ turn/s */
-    jp_phase phase_per_rate;/**< angle of one tick at a rate of 2⁻²⁴ turn/s */
+    jp_phase pitch;          /**< ψ */
+    int64_t gyro_bias;       /**< 2⁻⁵⁶ turn/s */
+    jp_phase phase_per_rate; /**< angle of one tick at a rate of 2⁻²⁴ turn/s */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */

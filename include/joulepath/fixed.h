@@ -21,9 +21,6 @@
 #define JP_DSP 0
 #endif
 
-_Static_assert(-3 >> 1 == -2, "right shift of a negative number must be arithmetic");
-_Static_assert((int32_t)UINT32_MAX == -1, "conversion to a signed type must wrap");
-
 typedef int32_t jp_q16; /**< Q16.16: ±32 768, step 1.5e-5 */
 typedef int32_t jp_q24; /**< Q8.24: ±128, step 6.0e-8 */
 typedef int32_t jp_q31; /**< Q1.31: [−1, 1), step 4.7e-10 */
@@ -160,13 +157,13 @@ jp_angle jp_atan2(int32_t y, int32_t x);
 jp_angle jp_angle_from_radians(jp_q24 radians);
 jp_q24 jp_angle_to_radians(jp_angle angle);
 
-/** Difference of two phases, limited to ±128 turns, as Q8.24 turns. Exact to 2⁻²⁴ turn across every wrap. */
+/** Difference of two phases that are within ±128 turns, rounded down to 2⁻²⁴ turn; the same across every wrap. */
 static inline jp_q24 jp_phase_difference(jp_phase a, jp_phase b)
 {
     return (jp_q24)((int64_t)(a - b) >> 32);
 }
 
-/** The wrapping angle of a phase. */
+/** The wrapping angle of a phase, rounded down. */
 static inline jp_angle jp_phase_angle(jp_phase phase)
 {
     return (jp_angle)(phase >> 24);

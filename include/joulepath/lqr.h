@@ -33,8 +33,8 @@ struct jp_lqr_config {
 };
 
 struct jp_lqr {
-    int64_t wheel_integral; /**< Σ eθ, 2⁻²⁴ turn·tick */
-    int64_t yaw_integral;   /**< Σ eφ, 2⁻²⁴ turn·tick */
+    int64_t wheel_integral;     /**< Σ eθ, 2⁻²⁴ turn·tick */
+    int64_t yaw_integral;       /**< Σ eφ, 2⁻²⁴ turn·tick */
     jp_q16 integral_gain_wheel; /**< V per 2⁻¹⁴ turn·tick, from the configuration */
     jp_q16 integral_gain_yaw;
 };

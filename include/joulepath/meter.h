@@ -22,9 +22,9 @@ struct jp_meter_config {
 struct jp_meter {
     jp_energy model;
     jp_energy battery;
-    jp_energy electronics_tick;  /**< Ps for one tick */
-    int64_t tick_per_ohm;        /**< 1/(Rm · tick_rate), 2⁻³² s/Ω */
-    int64_t tick;                /**< 1/tick_rate, 2⁻³² s */
+    jp_energy electronics_tick; /**< Ps for one tick */
+    int64_t tick_per_ohm;       /**< 1/(Rm · tick_rate), 2⁻³² s/Ω */
+    int64_t tick;               /**< 1/tick_rate, 2⁻³² s */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */

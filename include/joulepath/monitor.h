@@ -27,25 +27,25 @@ enum jp_fault {
 };
 
 struct jp_monitor_config {
-    jp_q24 tilt_limit;          /**< |ψ| beyond it is a fall, turn; 0.01…0.25 */
-    jp_q24 gyro_limit;          /**< |rate| beyond it is out of range, turn/s; above 0 */
-    jp_q24 gyro_jump;           /**< change a tick beyond it is implausible, turn/s; above 0 */
-    jp_q24 accel_limit;         /**< |specific force| beyond it is out of range, g; above 1 */
-    uint32_t encoder_jump;      /**< counts a tick beyond it are implausible; above 0 */
-    jp_q16 current_limit;       /**< |i| beyond it is out of range, A; above 0 */
-    jp_q16 voltage_min;         /**< bus voltage, V; above 0 */
-    jp_q16 voltage_max;         /**< V; above voltage_min */
-    jp_q16 motor_resistance;    /**< Rm, Ω; 0.01…256 */
-    jp_q16 back_emf;            /**< kb at the wheel, V per turn/s; above 0 */
-    jp_q16 half_track;          /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
-    jp_q16 current_residual;    /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
-    uint16_t confirm_ticks;     /**< ticks until range and jump become faults; at least 1 */
-    uint16_t freeze_ticks;      /**< equal IMU frames until frozen; 0 is off (a simulated ideal IMU) */
-    uint16_t residual_ticks;    /**< contradicting ticks until an encoder fault; at least 1 */
+    jp_q24 tilt_limit;       /**< |ψ| beyond it is a fall, turn; 0.01…0.25 */
+    jp_q24 gyro_limit;       /**< |rate| beyond it is out of range, turn/s; above 0 */
+    jp_q24 gyro_jump;        /**< change a tick beyond it is implausible, turn/s; above 0 */
+    jp_q24 accel_limit;      /**< |specific force| beyond it is out of range, g; above 1 */
+    uint32_t encoder_jump;   /**< counts a tick beyond it are implausible; above 0 */
+    jp_q16 current_limit;    /**< |i| beyond it is out of range, A; above 0 */
+    jp_q16 voltage_min;      /**< bus voltage, V; above 0 */
+    jp_q16 voltage_max;      /**< V; above voltage_min */
+    jp_q16 motor_resistance; /**< Rm, Ω; 0.01…256 */
+    jp_q16 back_emf;         /**< kb at the wheel, V per turn/s; above 0 */
+    jp_q16 half_track;       /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
+    jp_q16 current_residual; /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
+    uint16_t confirm_ticks;  /**< ticks until range and jump become faults; at least 1 */
+    uint16_t freeze_ticks;   /**< equal IMU frames until frozen; 0 is off (a simulated ideal IMU) */
+    uint16_t residual_ticks; /**< contradicting ticks until an encoder fault; at least 1 */
 };
 
 struct jp_monitor {
-    struct jp_sensors good;     /**< last plausible frame, once started */
+    struct jp_sensors good; /**< last plausible frame, once started */
     uint16_t implausible_ticks;
     uint16_t frozen_ticks;
     uint16_t residual_ticks[2];

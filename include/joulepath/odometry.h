@@ -6,17 +6,18 @@
 #include <joulepath/segment.h>
 
 struct jp_odometry {
-    int64_t x;               /**< m, Q32.32 */
-    int64_t y;               /**< m, Q32.32 */
-    jp_angle wheel;          /**< angles at the last tick */
+    int64_t x;      /**< m, Q32.32 */
+    int64_t y;      /**< m, Q32.32 */
+    jp_angle wheel; /**< angles at the last tick */
     jp_angle heading;
-    jp_q24 metres_per_turn;  /**< 2πR */
+    jp_q24 metres_per_turn; /**< 2πR */
 };
 
 /** Starts at (0, 0), heading along x at yaw 0. metres_per_turn is above 0 and at most 4. */
 void jp_odometry_start(struct jp_odometry *odometry, jp_q24 metres_per_turn, const struct jp_motion_state *state);
 
-/** One tick: the distance rolled, along the mean heading of the tick. |Δθ| is limited to ⅛ turn. Constant time; for the ISR. */
+/** One tick: the distance rolled, along the mean heading of the tick. |Δθ| is limited to ⅛ turn. Constant time; for the
+ * ISR. */
 void jp_odometry_update(struct jp_odometry *odometry, const struct jp_motion_state *state);
 
 /** Position in m, saturated at ±32 767 m. */

@@ -16,10 +16,10 @@
 #include <joulepath/status.h>
 
 struct jp_reference_config {
-    uint32_t tick_rate;         /**< calls a second; 100…10 000 */
-    jp_q24 turns_per_metre;     /**< 1/(2πR), turn/m; 0.1…16 */
-    jp_q16 travel_bandwidth;    /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100 */
-    jp_q16 yaw_bandwidth;       /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100 */
+    uint32_t tick_rate;      /**< calls a second; 100…10 000 */
+    jp_q24 turns_per_metre;  /**< 1/(2πR), turn/m; 0.1…16 */
+    jp_q16 travel_bandwidth; /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100 */
+    jp_q16 yaw_bandwidth;    /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100 */
 };
 
 /** One axis: where the target is and what the controller shall follow. */
@@ -27,7 +27,7 @@ struct jp_reference_axis {
     jp_phase target;
     jp_q24 target_rate; /**< turn/s */
     jp_phase angle;
-    jp_q24 rate;        /**< turn/s */
+    jp_q24 rate; /**< turn/s */
 };
 
 struct jp_reference {

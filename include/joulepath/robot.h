@@ -37,36 +37,30 @@ struct jp_robot_config {
     jp_q24 metres_per_turn; /**< 2πR, m; 0.0625…4 */
 };
 
-enum jp_robot_state {
-    JP_ROBOT_IDLE,
-    JP_ROBOT_BALANCING,
-    JP_ROBOT_DRIVING,
-    JP_ROBOT_FALLEN,
-    JP_ROBOT_FAULT
-};
+enum jp_robot_state { JP_ROBOT_IDLE, JP_ROBOT_BALANCING, JP_ROBOT_DRIVING, JP_ROBOT_FALLEN, JP_ROBOT_FAULT };
 
 /** What the robot shows the world; copied whole and consistent by jp_robot_telemetry(). */
 struct jp_telemetry {
     enum jp_robot_state state;
-    uint16_t faults;                /**< enum jp_fault bits; kept until disable */
-    uint32_t tick;                  /**< ticks since init, wrapping */
-    struct jp_motion_state motion;  /**< measured */
-    jp_phase reference_wheel;       /**< what the controller follows */
+    uint16_t faults;               /**< enum jp_fault bits; kept until disable */
+    uint32_t tick;                 /**< ticks since init, wrapping */
+    struct jp_motion_state motion; /**< measured */
+    jp_phase reference_wheel;      /**< what the controller follows */
     jp_phase reference_yaw;
-    jp_q24 reference_wheel_rate;    /**< turn/s */
-    jp_q24 reference_yaw_rate;      /**< turn/s */
-    jp_phase target_yaw;            /**< heading of the route, before shaping */
-    struct jp_point position;       /**< by odometry */
+    jp_q24 reference_wheel_rate; /**< turn/s */
+    jp_q24 reference_yaw_rate;   /**< turn/s */
+    jp_phase target_yaw;         /**< heading of the route, before shaping */
+    struct jp_point position;    /**< by odometry */
     struct jp_voltages voltages;
-    jp_energy energy_model;         /**< since init, meter.h */
+    jp_energy energy_model; /**< since init, meter.h */
     jp_energy energy_battery;
-    uint32_t saturated_ticks;       /**< ticks with a limited voltage, saturating */
-    uint16_t segment;               /**< segments begun since the robot last stood, saturating */
+    uint32_t saturated_ticks; /**< ticks with a limited voltage, saturating */
+    uint16_t segment;         /**< segments begun since the robot last stood, saturating */
     uint32_t segment_ticks_left;
     struct jp_motion command;       /**< of the segment being driven; 0 while balancing */
     jp_energy segment_energy_model; /**< of the last segment that ended */
     jp_energy segment_energy_battery;
-    uint16_t segments_ended;        /**< since the robot last stood, saturating */
+    uint16_t segments_ended; /**< since the robot last stood, saturating */
 };
 
 struct jp_robot {
@@ -85,18 +79,18 @@ struct jp_robot {
     uint8_t enable_requested;
     uint8_t stop_requested;
     uint8_t disable_requested;
-    bool started;                   /**< a plausible frame was seen */
+    bool started; /**< a plausible frame was seen */
 
     jp_energy segment_start_model;
     jp_energy segment_start_battery;
 
     const struct jp_point *route;
     uint16_t route_length;
-    uint16_t route_planned;         /**< segments planned so far */
+    uint16_t route_planned; /**< segments planned so far */
     enum jp_status route_status;
-    struct jp_segment planned;      /**< the last segment planned */
+    struct jp_segment planned; /**< the last segment planned */
 
-    uint32_t sequence;              /**< odd while `telemetry` is written */
+    uint32_t sequence; /**< odd while `telemetry` is written */
     struct jp_telemetry telemetry;
 };
 

@@ -39,9 +39,9 @@ struct jp_segment_limits {
 /** A planned segment. */
 struct jp_segment {
     struct jp_segment_command command;
-    jp_q24 arc;     /**< γ, rad */
-    jp_q16 length;  /**< L, m */
-    jp_q16 energy;  /**< predicted E, J */
+    jp_q24 arc;    /**< γ, rad */
+    jp_q16 length; /**< L, m */
+    jp_q16 energy; /**< predicted E, J */
 };
 
 /** A point on the plane, in m from the origin of odometry. */

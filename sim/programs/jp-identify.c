@@ -11,6 +11,9 @@
 
 #define SEGMENT_SECONDS 10.0
 
+/** The last part of a segment, for its steady power. */
+#define LAST_SECONDS 1.0
+
 struct arguments {
     const char *path;
     const char *output;
@@ -96,9 +99,8 @@ static bool run(struct campaign *campaign)
 
         experiment_draw(&record->experiment, &campaign->file, &random);
         record->energy = calloc(campaign->windows + 1, sizeof *record->energy);
-        if (record->energy == NULL ||
-            !rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file,
-                      (uint64_t)campaign->arguments->seed + i)) {
+        if (record->energy == NULL || !rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file,
+                                                (uint64_t)campaign->arguments->seed + i)) {
             return false;
         }
         experiment_run(&record->experiment, &rig, SEGMENT_SECONDS, campaign->arguments->threshold, record->energy);
@@ -134,20 +136,22 @@ static size_t split_window(const struct campaign *campaign)
 static bool write_table(const struct campaign *campaign, size_t split)
 {
     struct output output;
+    size_t last = campaign->windows - (size_t)lround(LAST_SECONDS / campaign->window_seconds);
 
     if (!output_open(&output, campaign->arguments->output, "experiments.csv")) {
         return false;
     }
     (void)fprintf(output.stream, "v1_m_s,w1_rad_s,turn1_rad,v2_m_s,w2_rad_s,turn2_rad,u_left_before_v,u_right_before_v,"
-                                 "settling_s,e_state_j,e_steady_j,e_total_j\n");
+                                 "settling_s,e_state_j,e_steady_j,e_last_j,e_total_j\n");
     for (size_t i = 0; i < campaign->count; i++) {
         const struct experiment *e = &campaign->records[i].experiment;
         const double *energy = campaign->records[i].energy;
         double total = energy[campaign->windows];
 
-        (void)fprintf(output.stream, "%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.6f,%.6f,%.3f,%.9f,%.9f,%.9f\n", e->first.speed,
-                      e->first.turn_rate, e->first.turn, e->second.speed, e->second.turn_rate, e->second.turn,
-                      e->voltage_left, e->voltage_right, e->settling, energy[split], total - energy[split], total);
+        (void)fprintf(output.stream, "%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.6f,%.6f,%.3f,%.9f,%.9f,%.9f,%.9f\n",
+                      e->first.speed, e->first.turn_rate, e->first.turn, e->second.speed, e->second.turn_rate,
+                      e->second.turn, e->voltage_left, e->voltage_right, e->settling, energy[split],
+                      total - energy[split], total - energy[last], total);
     }
     return output_commit(&output);
 }
@@ -162,8 +166,7 @@ static bool write_windows(const struct campaign *campaign)
     }
     for (size_t i = 0; i < campaign->count; i++) {
         for (size_t k = 0; k <= campaign->windows; k++) {
-            (void)fprintf(output.stream, "%.9f%c", campaign->records[i].energy[k],
-                          k == campaign->windows ? '\n' : ',');
+            (void)fprintf(output.stream, "%.9f%c", campaign->records[i].energy[k], k == campaign->windows ? '\n' : ',');
         }
     }
     return output_commit(&output);
@@ -173,10 +176,10 @@ static bool write(const struct campaign *campaign)
 {
     size_t split = split_window(campaign);
     double settling = (double)split * campaign->window_seconds;
-    json_t *json = json_pack("{s:s, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "settling_time_s",
-                             settling, "segment_s", SEGMENT_SECONDS, "count", (json_int_t)campaign->count, "seed",
-                             (json_int_t)campaign->arguments->seed, "window_s", campaign->window_seconds,
-                             "settling_threshold_v", campaign->arguments->threshold);
+    json_t *json = json_pack("{s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name,
+                             "settling_time_s", settling, "segment_s", SEGMENT_SECONDS, "last_s", LAST_SECONDS, "count",
+                             (json_int_t)campaign->count, "seed", (json_int_t)campaign->arguments->seed, "window_s",
+                             campaign->window_seconds, "settling_threshold_v", campaign->arguments->threshold);
 
     (void)printf("%zu experiments, mean settling time %.2f s\n", campaign->count, settling);
     return write_table(campaign, split) && write_windows(campaign) &&
@@ -194,8 +197,7 @@ static bool identify(const struct arguments *arguments)
     if (campaign.entry == NULL || !output_directory(arguments->output)) {
         return false;
     }
-    campaign.windows =
-        (size_t)lround(SEGMENT_SECONDS * campaign.file.control.rate_hz) / EXPERIMENT_WINDOW_TICKS;
+    campaign.windows = (size_t)lround(SEGMENT_SECONDS * campaign.file.control.rate_hz) / EXPERIMENT_WINDOW_TICKS;
     campaign.window_seconds = (double)EXPERIMENT_WINDOW_TICKS / campaign.file.control.rate_hz;
     campaign.records = calloc(campaign.count, sizeof *campaign.records);
     if (campaign.records == NULL) {
@@ -218,12 +220,13 @@ int main(int argc, char **argv)
         {"output", 'o', "DIR", 0, "where experiments.csv, windows.csv and experiments.json go", 0},
         {"count", 'n', "N", 0, "experiments (1000)", 0},
         {"seed", 's', "SEED", 0, "of the random segments (1)", 0},
-        {"threshold", 't', "V", 0,
-         "settled: mean voltages of successive windows of 100 ticks differ by less (0.01 V)", 0},
+        {"threshold", 't', "V", 0, "settled: mean voltages of successive windows of 200 ticks differ by less (0.01 V)",
+         0},
         {0},
     };
-    static const struct argp argp = {options, parse_option, "ROBOT.cfg",
-                                     "Drives random pairs of segments and records their energies.", NULL, NULL, NULL};
+    static const struct argp argp = {
+        options, parse_option, "ROBOT.cfg", "Drives random pairs of segments and records their energies.",
+        NULL,    NULL,         NULL};
     struct arguments arguments = {.count = 1000, .seed = 1, .threshold = 0.01};
 
     argp_err_exit_status = ERROR_EXIT;

@@ -160,11 +160,11 @@ static json_t *json_summary(const struct scenario *scenario, const struct missio
         (void)json_array_append_new(driven, json_mission(&missions[i], &missions[MISSION_OPTIMAL]));
     }
     return json_pack("{s:s, s:s, s:s, s:I, s:o, s:o, s:{s:I, s:f, s:f}}", "robot", scenario->robot.name, "scenario",
-                     scenario->name, "energy_model",
-                     scenario->model == SCENARIO_PUBLISHED ? "published" : "identified", "seed",
-                     (json_int_t)scenario->seed, "waypoints_m", waypoints, "strategies", driven, "simulation", "ticks",
-                     (json_int_t)missions[MISSION_OPTIMAL].ticks, "wall_s", missions[MISSION_OPTIMAL].wall_seconds,
-                     "real_time_factor", simulated / missions[MISSION_OPTIMAL].wall_seconds);
+                     scenario->name, "energy_model", scenario->model == SCENARIO_PUBLISHED ? "published" : "identified",
+                     "seed", (json_int_t)scenario->seed, "waypoints_m", waypoints, "strategies", driven, "simulation",
+                     "ticks", (json_int_t)missions[MISSION_OPTIMAL].ticks, "wall_s",
+                     missions[MISSION_OPTIMAL].wall_seconds, "real_time_factor",
+                     simulated / missions[MISSION_OPTIMAL].wall_seconds);
 }
 
 static bool drive(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
@@ -193,8 +193,7 @@ static bool compare(const struct arguments *arguments)
     (void)printf("%s: robot %s, %s energy model, %zu waypoints\n", scenario.name, scenario.robot.name,
                  scenario.model == SCENARIO_PUBLISHED ? "published" : "identified", scenario.waypoint_count);
     for (size_t i = 0; i < MISSION_STRATEGIES; i++) {
-        if (!drive(&missions[i], (enum mission_strategy)i, &scenario, &missions[MISSION_OPTIMAL],
-                   arguments->output)) {
+        if (!drive(&missions[i], (enum mission_strategy)i, &scenario, &missions[MISSION_OPTIMAL], arguments->output)) {
             return false;
         }
         print_mission(&missions[i]);
@@ -209,9 +208,13 @@ int main(int argc, char **argv)
         {"output", 'o', "DIR", 0, "where summary.json and the logs go", 0},
         {0},
     };
-    static const struct argp argp = {options, parse_option, "SCENARIO.cfg",
+    static const struct argp argp = {options,
+                                     parse_option,
+                                     "SCENARIO.cfg",
                                      "Drives a mission by three strategies and compares their energies.",
-                                     NULL,    NULL,         NULL};
+                                     NULL,
+                                     NULL,
+                                     NULL};
     struct arguments arguments = {NULL, NULL};
 
     argp_err_exit_status = ERROR_EXIT;

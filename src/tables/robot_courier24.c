@@ -17,8 +17,8 @@ const struct jp_robot_config jp_robot_courier24 = {
         {
             .tick_rate = 1000U,          /* Hz */
             .turns_per_metre = 29668632, /* 1.768388 turn/m */
-            .travel_bandwidth = 81920,   /* 1.25 rad/s */
-            .yaw_bandwidth = 131072,     /* 2 rad/s */
+            .travel_bandwidth = 65536,   /* 1 rad/s */
+            .yaw_bandwidth = 262144,     /* 4 rad/s */
         },
     .lqr =
         {
@@ -31,7 +31,7 @@ const struct jp_robot_config jp_robot_courier24 = {
             .yaw = 6442901,            /* 98.31086 V/turn */
             .yaw_rate = 1728244,       /* 26.37091 V·s/turn */
             .yaw_integral = 1841513,   /* 28.09926 V/(turn·s) */
-            .pitch_reserve = 786432,   /* 12 V */
+            .pitch_reserve = 235930,   /* 3.6 V */
         },
     .monitor =
         {

@@ -11,7 +11,7 @@ import robot_json
 
 A = np.array([172.2, 7.57, 13.2, -0.66, -0.94, 1.37, 16.26, -4.39, -1.11, 15.97, 4.27, 1.09, 5.82])
 B = np.array([20.83, 0.93])
-SETTLING, SEGMENT, SEED = 5.82, 10.0, 7
+SETTLING, SEGMENT, LAST, SEED = 5.82, 10.0, 1.0, 7
 
 
 def synthetic(robot, count=1000, noise=0.0, seed=3):
@@ -28,6 +28,7 @@ def synthetic(robot, count=1000, noise=0.0, seed=3):
     state = identify.state_regressors(c, left, right, robot.number("motor.resistance_ohm"))
     c["e_state_j"] = state @ A + noise * generator.standard_normal(count)
     c["e_steady_j"] = identify.steady_regressors(c, SEGMENT - SETTLING) @ B + noise * generator.standard_normal(count)
+    c["e_last_j"] = identify.steady_regressors(c, LAST) @ B + noise * generator.standard_normal(count)
     c["e_total_j"] = c["e_state_j"] + c["e_steady_j"]
     return c
 
@@ -36,7 +37,7 @@ def write(directory, columns, about=None):
     directory.mkdir(parents=True, exist_ok=True)
     rows = [",".join(columns)] + [",".join(repr(float(x)) for x in row) for row in zip(*columns.values())]
     (directory / "experiments.csv").write_text("\n".join(rows) + "\n")
-    about = about or {"robot": "gao2018", "settling_time_s": SETTLING, "segment_s": SEGMENT, "seed": SEED,
+    about = about or {"robot": "gao2018", "settling_time_s": SETTLING, "segment_s": SEGMENT, "last_s": LAST, "seed": SEED,
                       "splits": []}
     (directory / "experiments.json").write_text(json.dumps(about))
 

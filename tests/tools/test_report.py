@@ -95,6 +95,7 @@ def test_a_single_strategy_and_no_paper_make_a_page(mission):
     (lambda s: s["strategies"][0]["total"].update(duration_s=None), "duration_s"),
     (lambda s: s["strategies"][0].update(log="none.csv"), "none.csv"),
     (lambda s: s["simulation"].pop("ticks"), "ticks"),
+    (lambda s: s["strategies"][0].update(title=3), "title"),
 ])
 def test_garbled_summaries_are_refused(mission, edit, part):
     change(mission, edit)

@@ -1,0 +1,86 @@
+/* Random missions of courier24 with tilted starts and pushes: no fall, and out of saturation in normal driving.
+ * prop_missions --count N [--seed S] [--verbose] drives N of them. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../sim/trial.h"
+#include "unity.h"
+
+#define ROBOT_FILE "sim/robots/courier24.cfg"
+
+static unsigned long count = 10;
+static unsigned long first_seed = 1;
+static bool verbose;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void describe(const struct trial *trial)
+{
+    static const char *const ends[] = {"done", "fell", "unplanned", "late"};
+
+    (void)printf("seed %llu: %s, faults 0x%x, %zu targets, tilt %+.0f deg, %u pushes, %.1f s, saturated ticks %llu, "
+                 "in normal driving %llu (first at %.2f s), peak %.2f V, pitch %.1f deg (pushed %.1f), off %.3f m\n",
+                 (unsigned long long)trial->seed, ends[trial->end], trial->last.faults, trial->target_count,
+                 trial->tilt_deg, trial->pushes, (double)trial->ticks / 1000,
+                 (unsigned long long)trial->saturated_ticks, (unsigned long long)trial->normal_saturated_ticks,
+                 trial->first_saturated_s, trial->peak_voltage, trial->peak_pitch_deg, trial->peak_pitch_pushed_deg,
+                 trial->end_error);
+}
+
+static void test_random_missions(void)
+{
+    const struct robot_entry *entry = rig_find_robot("courier24");
+    struct robot_file file;
+    unsigned long bad = 0;
+
+    TEST_ASSERT_NOT_NULL(entry);
+    TEST_ASSERT_TRUE(robot_file_load(ROBOT_FILE, &file));
+    (void)printf("%lu random missions from seed %lu\n", count, first_seed);
+    for (unsigned long i = 0; i < count; i++) {
+        struct trial trial;
+
+        TEST_ASSERT_TRUE(trial_run(&trial, entry, &file, first_seed + i));
+
+        bool good = trial.end == TRIAL_DONE && trial.normal_saturated_ticks == 0;
+
+        if (verbose || !good) {
+            describe(&trial);
+        }
+        bad += good ? 0 : 1;
+    }
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, (uint32_t)bad, "missions with a fall, an unplanned target or saturation");
+}
+
+static bool parse(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--verbose") == 0) {
+            verbose = true;
+        } else if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
+            count = strtoul(argv[++i], NULL, 10);
+        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
+            first_seed = strtoul(argv[++i], NULL, 10);
+        } else {
+            (void)fprintf(stderr, "usage: %s [--count N] [--seed S] [--verbose]\n", argv[0]);
+            return false;
+        }
+    }
+    return count > 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (!parse(argc, argv)) {
+        return 2;
+    }
+    UNITY_BEGIN();
+    RUN_TEST(test_random_missions);
+    return UNITY_END();
+}
