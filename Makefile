@@ -4,6 +4,7 @@ CC       ?= cc
 BUILD    ?= build
 UNITY    ?= tests/unity
 ROBOT    ?= gao2018
+SCENARIO ?= sim/scenarios/gao2018_mission.cfg
 JP_SETUP ?= yes
 JOBS     ?= $(shell nproc)
 
@@ -188,10 +189,10 @@ FORCE:
 PARALLEL = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(JOBS)) --output-sync=target
 
 .PHONY: sil
-sil: ## drive the paper's mission in the simulator and write the report to build/sil
+sil: ## drive the paper's mission (or SCENARIO=file) in the simulator and write the report to build/sil
 	@tools/setup.sh sil
 	@$(MAKE) $(PARALLEL) all
-	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/sil
+	$(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
 	$(PYTHON) tools/report.py $(BUILD)/sil
 
 .PHONY: gains

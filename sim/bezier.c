@@ -13,6 +13,10 @@
 /** Start values: a speed near the optimum of the paper's robot, and how far the optimiser may go. */
 #define SPEED_FIRST      0.5
 #define DURATION_STRETCH 4.0
+#define SPEED_MIN        1e-3
+
+/** Slower than this, m/s, is at rest: the direction is that of the acceleration. */
+#define SPEED_REST 1e-9
 
 #define TOLERANCE       1e-7
 #define EVALUATIONS_MAX 60000
@@ -20,10 +24,14 @@
 /** Per J of planned energy and relative excess of a limit. */
 #define PENALTY 1e3
 
+/** Which curves are optimised together. */
 struct problem {
     const struct robot_file *robot;
     struct plant_constants constants;
     struct bezier_path path;
+    size_t first;
+    size_t count;
+    bool free_start; /**< the first curve may start at any speed along heading 0; else from rest */
 };
 
 static double norm(struct bezier_point p)
@@ -66,9 +74,12 @@ struct bezier_motion bezier_motion(const struct bezier_path *path, size_t curve,
     derivatives(path, curve, seconds, &first, &second);
 
     double speed = norm(first);
-    double turn_rate = speed > 1e-9 ? (first.x * second.y - first.y * second.x) / (speed * speed) : 0;
 
-    return (struct bezier_motion){speed, turn_rate, atan2(first.y, first.x)};
+    if (speed < SPEED_REST) {
+        return (struct bezier_motion){0, 0, atan2(second.y, second.x)};
+    }
+    return (struct bezier_motion){speed, (first.x * second.y - first.y * second.x) / (speed * speed),
+                                  atan2(first.y, first.x)};
 }
 
 /** Motor and electronics power of a motion with its accelerations, W. */
@@ -111,13 +122,22 @@ static double curve_cost(const struct problem *problem, size_t curve)
     return sum;
 }
 
-/** Unknowns: speed at the start, then for each curve its duration and the velocity at its end. */
-static void unpack(struct bezier_path *path, const double *x)
+/** Unknowns: for each curve its duration and the velocity at its end; last, the speed at the start if it is free. */
+static size_t unknowns(const struct problem *problem)
 {
-    path->velocity[0] = (struct bezier_point){x[0], 0};
-    for (size_t i = 0; i < path->curves; i++) {
-        path->duration[i] = x[1 + 3 * i];
-        path->velocity[i + 1] = (struct bezier_point){x[2 + 3 * i], x[3 + 3 * i]};
+    return 3 * problem->count + (problem->free_start ? 1 : 0);
+}
+
+static void unpack(struct problem *problem, const double *x)
+{
+    struct bezier_path *path = &problem->path;
+
+    for (size_t i = 0; i < problem->count; i++) {
+        path->duration[problem->first + i] = x[3 * i];
+        path->velocity[problem->first + i + 1] = (struct bezier_point){x[3 * i + 1], x[3 * i + 2]};
+    }
+    if (problem->free_start) {
+        path->velocity[0] = (struct bezier_point){x[3 * problem->count], 0};
     }
 }
 
@@ -128,70 +148,86 @@ static double path_cost(unsigned n, const double *x, double *gradient, void *dat
 
     (void)n;
     (void)gradient;
-    unpack(&problem->path, x);
-    for (size_t i = 0; i < problem->path.curves; i++) {
-        sum += curve_cost(problem, i);
+    unpack(problem, x);
+    for (size_t i = 0; i < problem->count; i++) {
+        sum += curve_cost(problem, problem->first + i);
     }
     return sum;
 }
 
-/** Straight chords at one speed, turning at each waypoint toward the next one but one. */
+/** One speed, and at each waypoint the direction from the one before it to the one after it, as far as it is known. */
 static void first_guess(const struct problem *problem, double *x, double *low, double *high)
 {
-    const struct bezier_path *path = &problem->path;
+    const struct bezier_point *waypoint = &problem->path.waypoint[problem->first];
     double top = problem->robot->limits.speed_m_s;
     double speed = fmin(SPEED_FIRST, 0.5 * top);
 
-    x[0] = 0.5 * speed;
-    low[0] = 1e-3;
-    high[0] = top;
-    for (size_t i = 0; i < path->curves; i++) {
-        struct bezier_point chord = minus(path->waypoint[i + 1], path->waypoint[i]);
-        size_t next = i + 2 <= path->curves ? i + 2 : i + 1;
-        struct bezier_point across = minus(path->waypoint[next], path->waypoint[i]);
-        double duration = norm(chord) / speed;
-        double *p = &x[1 + 3 * i];
+    for (size_t i = 0; i < problem->count; i++) {
+        double chord = norm(minus(waypoint[i + 1], waypoint[i]));
+        struct bezier_point across = minus(waypoint[i + 1 < problem->count ? i + 2 : i + 1], waypoint[i]);
+        size_t k = 3 * i;
 
-        p[0] = duration;
-        p[1] = speed * across.x / norm(across);
-        p[2] = speed * across.y / norm(across);
-        low[1 + 3 * i] = norm(chord) / top;
-        high[1 + 3 * i] = DURATION_STRETCH * duration;
-        low[2 + 3 * i] = low[3 + 3 * i] = -top;
-        high[2 + 3 * i] = high[3 + 3 * i] = top;
+        x[k] = chord / speed;
+        x[k + 1] = speed * across.x / norm(across);
+        x[k + 2] = speed * across.y / norm(across);
+        low[k] = chord / top;
+        high[k] = DURATION_STRETCH * x[k];
+        low[k + 1] = low[k + 2] = -top;
+        high[k + 1] = high[k + 2] = top;
+    }
+    if (problem->free_start) {
+        size_t k = 3 * problem->count;
+
+        x[k] = 0.5 * speed;
+        low[k] = SPEED_MIN;
+        high[k] = top;
     }
 }
 
-bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, const struct bezier_point *waypoints,
-                     size_t count)
+static bool optimise(struct problem *problem)
 {
-    struct problem problem = {.robot = robot, .path = {.curves = count - 1}};
     double x[1 + 3 * BEZIER_WAYPOINTS_MAX];
     double low[1 + 3 * BEZIER_WAYPOINTS_MAX];
     double high[1 + 3 * BEZIER_WAYPOINTS_MAX];
-    struct plant plant;
+    double energy;
+    nlopt_opt optimiser = nlopt_create(NLOPT_LN_SBPLX, (unsigned)unknowns(problem));
 
-    plant_init(&plant, robot);
-    problem.constants = plant.constants;
-    memcpy(problem.path.waypoint, waypoints, count * sizeof *waypoints);
-    first_guess(&problem, x, low, high);
-
-    nlopt_opt optimiser = nlopt_create(NLOPT_LN_SBPLX, (unsigned)(1 + 3 * problem.path.curves));
-
-    (void)nlopt_set_min_objective(optimiser, path_cost, &problem);
+    first_guess(problem, x, low, high);
+    (void)nlopt_set_min_objective(optimiser, path_cost, problem);
     (void)nlopt_set_lower_bounds(optimiser, low);
     (void)nlopt_set_upper_bounds(optimiser, high);
     (void)nlopt_set_ftol_rel(optimiser, TOLERANCE);
     (void)nlopt_set_maxeval(optimiser, EVALUATIONS_MAX);
 
-    nlopt_result result = nlopt_optimize(optimiser, x, &problem.path.energy);
+    nlopt_result result = nlopt_optimize(optimiser, x, &energy);
 
     nlopt_destroy(optimiser);
     if (result < 0) {
-        error_line("Bézier baseline: the optimiser failed (%d); move the waypoints apart", (int)result);
+        error_line("Bézier curve %zu: the optimiser failed (%d); move the waypoints apart", problem->first + 1,
+                   (int)result);
         return false;
     }
-    unpack(&problem.path, x);
+    unpack(problem, x);
+    return true;
+}
+
+bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, const struct bezier_point *waypoints,
+                     size_t count, enum bezier_scope scope)
+{
+    struct problem problem = {.robot = robot, .path = {.curves = count - 1}};
+    size_t together = scope == BEZIER_ROUTE ? problem.path.curves : 1;
+    struct plant plant;
+
+    plant_init(&plant, robot);
+    problem.constants = plant.constants;
+    problem.count = together;
+    problem.free_start = scope == BEZIER_ROUTE;
+    memcpy(problem.path.waypoint, waypoints, count * sizeof *waypoints);
+    for (problem.first = 0; problem.first < problem.path.curves; problem.first += together) {
+        if (!optimise(&problem)) {
+            return false;
+        }
+    }
     *path = problem.path;
     return true;
 }

@@ -28,7 +28,11 @@ struct bezier_path {
     struct bezier_point waypoint[BEZIER_WAYPOINTS_MAX];
     struct bezier_point velocity[BEZIER_WAYPOINTS_MAX]; /**< m/s */
     double duration[BEZIER_WAYPOINTS_MAX];              /**< s */
-    double energy;                                      /**< as planned, J */
+};
+
+enum bezier_scope {
+    BEZIER_SEGMENT, /**< one curve after the other, as a local planner works (and ours); smooth from rest */
+    BEZIER_ROUTE    /**< all curves together, and the first may start with a step of speed, as ours does */
 };
 
 struct bezier_motion {
@@ -38,11 +42,11 @@ struct bezier_motion {
 };
 
 /**
- * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX), starting along heading 0 within the robot's
+ * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX) within the robot's
  * limits of speed and turn rate. False after one line on stderr when the optimiser fails.
  */
 bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, const struct bezier_point *waypoints,
-                     size_t count);
+                     size_t count, enum bezier_scope scope);
 
 /** Motion on curve `curve` at `seconds` after its start. */
 struct bezier_motion bezier_motion(const struct bezier_path *path, size_t curve, double seconds);

@@ -164,12 +164,12 @@ static bool prepare_straight(struct drive *drive, const struct mission *optimal)
     return true;
 }
 
-static bool prepare_bezier(struct drive *drive)
+static bool prepare_bezier(struct drive *drive, enum bezier_scope scope)
 {
     struct bezier_path path;
 
     return bezier_optimise(&path, &drive->scenario->robot, drive->scenario->waypoints,
-                           drive->scenario->waypoint_count) &&
+                           drive->scenario->waypoint_count, scope) &&
            script_bezier(&drive->script, &path);
 }
 
@@ -179,20 +179,33 @@ static bool prepare(struct drive *drive, const struct mission *optimal)
     case MISSION_STRAIGHT:
         return prepare_straight(drive, optimal);
     case MISSION_BEZIER:
-        return prepare_bezier(drive);
+        return prepare_bezier(drive, BEZIER_SEGMENT);
+    case MISSION_BEZIER_ROUTE:
+        return prepare_bezier(drive, BEZIER_ROUTE);
     case MISSION_OPTIMAL:
     default:
         return true;
     }
 }
 
-/** Hands the next step of the script over as soon as the robot takes one. */
-static void feed(struct drive *drive)
+/** Hands the next step of the script over as soon as the robot takes one; false when it refuses the step. */
+static bool feed(struct drive *drive)
 {
-    if (drive->step < drive->script.count &&
-        jp_robot_drive(&drive->rig.robot, &drive->script.steps[drive->step].command) == JP_OK) {
+    enum jp_status status;
+
+    if (drive->step >= drive->script.count) {
+        return true;
+    }
+    status = jp_robot_drive(&drive->rig.robot, &drive->script.steps[drive->step].command);
+    if (status == JP_OK) {
         drive->step++;
     }
+    if (status == JP_ERR_ARGUMENT) {
+        error_line("leg %zu: the path bends or hurries more than the robot takes; move the waypoints apart",
+                   drive->leg + 1);
+        return false;
+    }
+    return true;
 }
 
 /** The leg that the robot is in after `ended` segments. */
@@ -219,8 +232,7 @@ static bool command(struct drive *drive)
     if (robot->route_planned > planned) {
         note_plan(&drive->mission->legs[planned], &robot->planned);
     }
-    feed(drive);
-    return true;
+    return feed(drive);
 }
 
 static bool still_stands(const struct drive *drive)

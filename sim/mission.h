@@ -13,9 +13,10 @@
 enum mission_strategy {
     MISSION_OPTIMAL,  /**< jp_robot_follow: each segment planned for least energy */
     MISSION_STRAIGHT, /**< straight chords, with the times of the optimal mission */
-    MISSION_BEZIER    /**< energy-optimised cubic Bézier curves */
+    MISSION_BEZIER,      /**< energy-optimised cubic Bézier curves, one after the other */
+    MISSION_BEZIER_ROUTE /**< energy-optimised cubic Bézier curves, the whole route together */
 };
-#define MISSION_STRATEGIES 3
+#define MISSION_STRATEGIES 4
 
 /** One leg from waypoint to waypoint. */
 struct mission_leg {

@@ -51,7 +51,8 @@ static size_t steps_of(double duration)
 bool script_bezier(struct script *script, const struct bezier_path *path)
 {
     size_t steps = 0;
-    double heading = 0;
+    double heading = bezier_motion(path, 0, 0).heading;
+    double turn = turn_between(0, heading);
 
     for (size_t curve = 0; curve < path->curves; curve++) {
         steps += steps_of(path->duration[curve]);
@@ -68,10 +69,11 @@ bool script_bezier(struct script *script, const struct bezier_path *path)
             double end = path->duration[curve] * (double)(k + 1) / (double)count;
             double end_heading = bezier_motion(path, curve, end).heading;
             struct experiment_segment segment = {bezier_motion(path, curve, middle).speed,
-                                                 turn_between(heading, end_heading) / BEZIER_STEP_SECONDS, 0};
+                                                 turn_between(heading, end_heading) / BEZIER_STEP_SECONDS, turn};
 
             append(script, &segment, BEZIER_STEP_SECONDS, curve);
             heading = end_heading;
+            turn = 0;
         }
     }
     return true;

@@ -52,10 +52,10 @@ enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const 
     return JP_OK;
 }
 
-/* V in Q16 times J/V in Q16, twice: Q32 to Q28. */
+/* V in Q18 times J/V in Q16: Q34 to Q28. */
 static int64_t voltage_term(int32_t left, int32_t right, jp_q16 a_left, jp_q16 a_right)
 {
-    return ((int64_t)left * a_left + (int64_t)right * a_right) >> (32 - JP_TERM_BITS);
+    return ((int64_t)left * a_left + (int64_t)right * a_right) >> (34 - JP_TERM_BITS);
 }
 
 void jp_voltage_terms(const struct jp_energy_model *model, const struct jp_motion *before,
@@ -63,14 +63,14 @@ void jp_voltage_terms(const struct jp_energy_model *model, const struct jp_motio
 {
     int64_t common = (int64_t)model->voltage_per_speed * before->speed;
     int64_t difference = (int64_t)model->voltage_per_turn_rate * before->turn_rate;
-    int32_t left = (int32_t)((common - difference) >> 24);
-    int32_t right = (int32_t)((common + difference) >> 24);
+    int32_t left = (int32_t)((common - difference) >> 22);
+    int32_t right = (int32_t)((common + difference) >> 22);
     const jp_q16 *a = model->a;
     terms->speed = voltage_term(left, right, a[6], a[9]);
     terms->turn_rate = voltage_term(left, right, a[7], a[10]);
     terms->turn = voltage_term(left, right, a[8], a[11]);
-    int64_t squares = (int64_t)left * left + (int64_t)right * right; /* Q32, at most 2⁵⁷ */
-    int64_t power = squares / model->motor_resistance;               /* Q16 */
+    int64_t squares = (int64_t)left * left + (int64_t)right * right; /* Q36, at most 2⁶¹ */
+    int64_t power = (squares >> 4) / model->motor_resistance;        /* Q16 */
     power = power > POWER_MAX ? POWER_MAX : power;
     terms->power = jp_term_scale(power, a[12], 32 - JP_TERM_BITS);
 }
@@ -81,6 +81,28 @@ static int64_t product_term(jp_q16 a, int32_t x, int32_t y)
     return jp_term_scale(((int64_t)a * x) >> 8, y, 28);
 }
 
+enum jp_status jp_energy_total(const struct jp_energy_model *model, const struct jp_motion *before,
+                               const struct jp_voltage_terms *voltage, const struct jp_segment_command *segment,
+                               jp_q16 *energy)
+{
+    const jp_q16 *a = model->a;
+    int32_t v = segment->motion.speed;
+    int32_t w = segment->motion.turn_rate;
+    int32_t dv = v - before->speed;
+    int32_t dw = w - before->turn_rate;
+    int32_t turn = segment->turn;
+    int64_t state = product_term(a[0], dv, dv) + product_term(a[1], dw, dw) + product_term(a[2], turn, turn) +
+                    product_term(a[3], dv, dw) + product_term(a[4], dv, turn) + product_term(a[5], dw, turn) +
+                    jp_term_scale(voltage->speed, dv, 24) + jp_term_scale(voltage->turn_rate, dw, 24) +
+                    jp_term_scale(voltage->turn, turn, 24) + voltage->power;
+    int64_t friction = product_term(model->b[0], v, v) + product_term(model->b[1], w, w);
+    int64_t total = state + jp_term_scale(friction, segment->duration - model->settling_time, 16) +
+                    (((int64_t)model->electronics_power * segment->duration) >> (32 - JP_TERM_BITS));
+    int64_t rounded = (total + ((int64_t)1 << (JP_TERM_BITS - 17))) >> (JP_TERM_BITS - 16);
+    *energy = jp_saturate32(rounded);
+    return rounded == *energy ? JP_OK : JP_ERR_OVERFLOW;
+}
+
 enum jp_status jp_energy_predict(const struct jp_energy_model *model, const struct jp_motion *before,
                                  const struct jp_segment_command *segment, jp_q16 *energy)
 {
@@ -89,22 +111,7 @@ enum jp_status jp_energy_predict(const struct jp_energy_model *model, const stru
         !in_range(segment->duration, model->settling_time, JP_Q16(16384))) {
         return JP_ERR_ARGUMENT;
     }
-    const jp_q16 *a = model->a;
-    int32_t v = segment->motion.speed;
-    int32_t w = segment->motion.turn_rate;
-    int32_t dv = v - before->speed;
-    int32_t dw = w - before->turn_rate;
-    int32_t turn = segment->turn;
     struct jp_voltage_terms voltage;
     jp_voltage_terms(model, before, &voltage);
-    int64_t state = product_term(a[0], dv, dv) + product_term(a[1], dw, dw) + product_term(a[2], turn, turn) +
-                    product_term(a[3], dv, dw) + product_term(a[4], dv, turn) + product_term(a[5], dw, turn) +
-                    jp_term_scale(voltage.speed, dv, 24) + jp_term_scale(voltage.turn_rate, dw, 24) +
-                    jp_term_scale(voltage.turn, turn, 24) + voltage.power;
-    int64_t friction = product_term(model->b[0], v, v) + product_term(model->b[1], w, w);
-    int64_t total = state + jp_term_scale(friction, segment->duration - model->settling_time, 16) +
-                    (((int64_t)model->electronics_power * segment->duration) >> (32 - JP_TERM_BITS));
-    int64_t rounded = (total + ((int64_t)1 << (JP_TERM_BITS - 17))) >> (JP_TERM_BITS - 16);
-    *energy = jp_saturate32(rounded);
-    return rounded == *energy ? JP_OK : JP_ERR_OVERFLOW;
+    return jp_energy_total(model, before, &voltage, segment, energy);
 }

@@ -27,6 +27,11 @@ struct jp_voltage_terms {
 void jp_voltage_terms(const struct jp_energy_model *model, const struct jp_motion *before,
                       struct jp_voltage_terms *terms);
 
+/** Energy of a segment whose arguments are in range: JP_OK, or JP_ERR_OVERFLOW with *energy saturated. */
+enum jp_status jp_energy_total(const struct jp_energy_model *model, const struct jp_motion *before,
+                               const struct jp_voltage_terms *voltage, const struct jp_segment_command *segment,
+                               jp_q16 *energy);
+
 /** Both components within the range of struct jp_motion. */
 bool jp_motion_in_range(const struct jp_motion *motion);
 

@@ -21,7 +21,7 @@ static const char *first_bad_field(const struct jp_estimator_config *config)
     if (config->tracking_gain <= 0 || config->tracking_gain > JP_Q16_ONE) {
         return "estimator.tracking_gain";
     }
-    if (config->tracking_rate_gain <= 0 || (uint32_t)config->tracking_rate_gain / 65536U > config->tick_rate) {
+    if (config->tracking_rate_gain <= 0 || config->tracking_rate_gain > (int64_t)config->tick_rate * JP_Q16_ONE) {
         return "estimator.tracking_rate_gain";
     }
     if (config->tilt_gain < 0) {
@@ -42,6 +42,12 @@ enum jp_status jp_estimator_check(const struct jp_estimator_config *config, cons
 static jp_q24 turns_from_phase(int64_t phase)
 {
     return jp_round_shift(phase, 32);
+}
+
+/** The phase without its full turns: ±½ turn. */
+static int64_t within_half_turn(jp_phase phase)
+{
+    return (int64_t)(phase << 8) >> 8;
 }
 
 void jp_estimator_start(struct jp_estimator *estimator, const struct jp_estimator_config *config,
@@ -108,7 +114,7 @@ void jp_estimator_update(struct jp_estimator *estimator, const struct jp_estimat
     estimator->pitch += (jp_phase)pitch_rate * estimator->phase_per_rate;
     level(estimator, config, sensors);
 
-    state->pitch = turns_from_phase((int64_t)estimator->pitch);
+    state->pitch = turns_from_phase(within_half_turn(estimator->pitch));
     state->pitch_rate = pitch_rate;
     state->wheel = estimator->wheel.angle + estimator->pitch;
     state->wheel_rate = jp_add(estimator->wheel.rate, pitch_rate);

@@ -9,6 +9,9 @@
 #define INTEGRAL_SHIFT 10
 #define INTEGRAL_LIMIT ((int64_t)INT32_MAX << INTEGRAL_SHIFT)
 
+/** Largest gain of an integral, Q16: of a tick it is 2^INTEGRAL_SHIFT / tick_rate of it. */
+#define INTEGRAL_GAIN_LIMIT(tick_rate) (((int64_t)INT32_MAX * (tick_rate)) >> INTEGRAL_SHIFT)
+
 /** Error (Q24) times gain (Q16) in V. */
 #define PRODUCT_BITS 40
 
@@ -31,6 +34,13 @@ static const char *first_bad_field(const struct jp_lqr_config *config)
     }
     if (difference == 0 || difference > INT32_MAX) {
         return "lqr.yaw, yaw_rate, yaw_integral";
+    }
+    /* The gain for one tick has to fit, too. */
+    if (magnitude(config->wheel_integral) > INTEGRAL_GAIN_LIMIT(config->tick_rate)) {
+        return "lqr.wheel_integral";
+    }
+    if (magnitude(config->yaw_integral) > INTEGRAL_GAIN_LIMIT(config->tick_rate)) {
+        return "lqr.yaw_integral";
     }
     if (config->pitch_reserve < 0) {
         return "lqr.pitch_reserve";
@@ -69,9 +79,11 @@ static jp_q16 volts(int64_t product)
 }
 
 /** Adds the error unless the limit holds back a voltage that the error would push further. */
-static void integrate(int64_t *integral, jp_q24 error, jp_q16 wanted, jp_q16 given)
+static void integrate(int64_t *integral, jp_q24 error, int32_t gain, jp_q16 wanted, jp_q16 given)
 {
-    if ((wanted > given && error > 0) || (wanted < given && error < 0)) {
+    jp_q24 push = gain < 0 ? -error : error;
+
+    if ((wanted > given && push > 0) || (wanted < given && push < 0)) {
         return;
     }
 
@@ -108,8 +120,8 @@ void jp_lqr_update(struct jp_lqr *lqr, const struct jp_lqr_config *config, const
                                      integral_product(lqr->yaw_integral, lqr->integral_gain_yaw));
     jp_q16 difference = jp_clamp32(difference_wanted, -yaw_limit, yaw_limit);
 
-    integrate(&lqr->wheel_integral, wheel, jp_add(travel_wanted, balance), common);
-    integrate(&lqr->yaw_integral, yaw, difference_wanted, difference);
+    integrate(&lqr->wheel_integral, wheel, lqr->integral_gain_wheel, jp_add(travel_wanted, balance), common);
+    integrate(&lqr->yaw_integral, yaw, lqr->integral_gain_yaw, difference_wanted, difference);
 
     voltages->left = common - difference;
     voltages->right = common + difference;

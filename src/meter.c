@@ -36,14 +36,19 @@ void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config
     };
 }
 
+/** a·b of Q32 numbers, rounded down: the halves of a one by one, because the whole product needs 80 bits. */
+static int64_t multiply_q32(int64_t a, uint32_t b)
+{
+    return (a >> 32) * b + (int64_t)(((uint64_t)(uint32_t)a * b) >> 32);
+}
+
 void jp_meter_update(struct jp_meter *meter, const jp_q16 voltages[2], const jp_q16 currents[2])
 {
     int64_t squares = (int64_t)voltages[0] * voltages[0] + (int64_t)voltages[1] * voltages[1];
     int64_t power = (int64_t)voltages[0] * currents[0] + (int64_t)voltages[1] * currents[1];
 
-    /* V² and W go from Q32 to Q16, so that the product with the tick fits 64 bits. */
-    meter->model += (((squares >> 16) * meter->tick_per_ohm) >> 16) + meter->electronics_tick;
-    meter->battery += (((power >> 16) * meter->tick) >> 16) + meter->electronics_tick;
+    meter->model += multiply_q32(squares, (uint32_t)meter->tick_per_ohm) + meter->electronics_tick;
+    meter->battery += multiply_q32(power, (uint32_t)meter->tick) + meter->electronics_tick;
 }
 
 jp_q16 jp_energy_to_q16(jp_energy energy)

@@ -107,12 +107,6 @@ static uint16_t jumps(const struct jp_monitor_config *config, const struct jp_se
     return (uint16_t)faults;
 }
 
-static bool imu_repeats(const struct jp_sensors *a, const struct jp_sensors *b)
-{
-    return a->pitch_rate == b->pitch_rate && a->yaw_rate == b->yaw_rate && a->accel_x == b->accel_x &&
-           a->accel_z == b->accel_z;
-}
-
 /** Counts ticks in a row; true once there are `limit`. */
 static bool persists(uint16_t *ticks, bool condition, uint16_t limit)
 {
@@ -126,6 +120,24 @@ static bool persists(uint16_t *ticks, bool condition, uint16_t limit)
     return *ticks >= limit;
 }
 
+/** True once one channel has repeated itself to the bit for so long. */
+static bool imu_frozen(struct jp_monitor *monitor, const struct jp_monitor_config *config,
+                       const struct jp_sensors *sensors)
+{
+    const struct jp_sensors *before = &monitor->good;
+    const bool repeats[JP_IMU_CHANNELS] = {sensors->pitch_rate == before->pitch_rate,
+                                           sensors->yaw_rate == before->yaw_rate, sensors->accel_x == before->accel_x,
+                                           sensors->accel_z == before->accel_z};
+    bool frozen = false;
+
+    for (unsigned i = 0; i < JP_IMU_CHANNELS; i++) {
+        if (persists(&monitor->frozen_ticks[i], config->freeze_ticks != 0U && repeats[i], config->freeze_ticks)) {
+            frozen = true;
+        }
+    }
+    return frozen;
+}
+
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
                             struct jp_sensors *sensors)
 {
@@ -134,8 +146,7 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
 
     if (read == JP_OK && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
-        frozen = persists(&monitor->frozen_ticks, config->freeze_ticks != 0U && imu_repeats(&monitor->good, sensors),
-                          config->freeze_ticks);
+        frozen = imu_frozen(monitor, config, sensors);
     }
 
     bool confirmed = persists(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);

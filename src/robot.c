@@ -166,6 +166,7 @@ static void balance(struct jp_robot *robot)
     jp_lqr_start(&robot->lqr, &robot->config->lqr);
     telemetry->segment = 0;
     telemetry->segments_ended = 0;
+    post(&robot->next_full, 0); /* a segment handed over while the robot switched off */
     stand(robot);
 }
 
@@ -203,14 +204,19 @@ static void rest(struct jp_robot *robot, uint16_t faults)
 {
     struct jp_telemetry *telemetry = &robot->telemetry;
 
-    if (taken(&robot->disable_requested)) {
+    if (taken(&robot->disable_requested) && telemetry->state != JP_ROBOT_IDLE) {
+        /* Failed sensors left a pitch and a position that mean nothing. */
+        if (telemetry->state == JP_ROBOT_FAULT) {
+            robot->started = false;
+        }
         telemetry->faults = 0;
         telemetry->state = JP_ROBOT_IDLE;
+        jp_monitor_start(&robot->monitor);
     } else if (faults != 0U && telemetry->state == JP_ROBOT_IDLE) {
         telemetry->faults |= faults;
         telemetry->state = JP_ROBOT_FAULT;
     }
-    if (taken(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->started) {
+    if (taken(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->monitor.started) {
         balance(robot);
     }
     (void)taken(&robot->stop_requested);
@@ -225,6 +231,7 @@ static void drive(struct jp_robot *robot, uint16_t faults)
 
     if (taken(&robot->disable_requested)) {
         switch_off(robot, JP_ROBOT_IDLE);
+        jp_monitor_start(&robot->monitor);
         return;
     }
     if (faults != 0U) {
@@ -244,7 +251,6 @@ static void drive(struct jp_robot *robot, uint16_t faults)
         end_segment(robot);
     }
     if (stop) {
-        post(&robot->next_full, 0);
         stand(robot);
     } else if ((ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
         begin_segment(robot);
@@ -295,7 +301,7 @@ static void step(struct jp_robot *robot, enum jp_status read, struct jp_sensors 
 
     if (robot->monitor.started && !robot->started) {
         start_motion(robot, sensors);
-    } else if (robot->started) {
+    } else if (robot->monitor.started) {
         jp_estimator_update(&robot->estimator, &robot->config->estimator, sensors, &telemetry->motion);
         jp_odometry_update(&robot->odometry, &telemetry->motion);
         faults |= review_motors(robot, sensors);
@@ -351,7 +357,7 @@ enum jp_status jp_robot_enable(struct jp_robot *robot)
     jp_q24 limit = robot->config->monitor.tilt_limit;
 
     jp_robot_telemetry(robot, &telemetry);
-    if (telemetry.state != JP_ROBOT_IDLE || !robot->started || telemetry.motion.pitch > limit ||
+    if (telemetry.state != JP_ROBOT_IDLE || !robot->monitor.started || telemetry.motion.pitch > limit ||
         telemetry.motion.pitch < -limit) {
         return JP_ERR_STATE;
     }
@@ -359,15 +365,24 @@ enum jp_status jp_robot_enable(struct jp_robot *robot)
     return JP_OK;
 }
 
-void jp_robot_disable(struct jp_robot *robot)
+/** Also the segment of it that waits. */
+static void forget_route(struct jp_robot *robot)
 {
     robot->route_length = 0;
+    robot->route_status = JP_OK;
+    post(&robot->next_full, 0);
+}
+
+void jp_robot_disable(struct jp_robot *robot)
+{
+    forget_route(robot);
+    post(&robot->enable_requested, 0);
     post(&robot->disable_requested, 1);
 }
 
 void jp_robot_stop(struct jp_robot *robot)
 {
-    robot->route_length = 0;
+    forget_route(robot);
     post(&robot->stop_requested, 1);
 }
 
@@ -407,10 +422,10 @@ enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *ro
     if (!motors_run(&telemetry)) {
         return JP_ERR_STATE;
     }
+    forget_route(robot);
     robot->route = route;
     robot->route_length = length;
     robot->route_planned = 0;
-    robot->route_status = JP_OK;
     return JP_OK;
 }
 

@@ -15,17 +15,22 @@
  * with v′ = r′ξ, w′ = xξ and thirteen numbers in J, which share one power of two so that the largest has
  * COEFFICIENT_BITS.
  */
-#define COEFFICIENT_BITS 27
-#define KINK_MARGIN      1024 /* of x: outside the kink in spite of rounding */
-#define XI_ONE           ((int32_t)1 << 30)
-#define XI_BITS          30
-#define HALF_ARC_MAX     ((int32_t)1932735283) /* 162° as a binary angle */
-#define TWO_PI           JP_Q24(6.283185307179586)
-#define PI_Q29           ((int32_t)1686629713)
-#define SQUARE_MAX       ((int64_t)1739461755) /* 0.81 in Q31 */
-#define FOUR_PI_Q27      ((int32_t)1686629713)
+#define COEFFICIENT_BITS     27
+#define FLAT_SHIFT           14
+#define GAIN_SHIFT           15
+#define GAIN_SHIFT_SMOOTH    20
+#define KINK_MARGIN          1024 /* of x: outside the kink in spite of rounding */
+#define XI_ONE               ((int32_t)1 << 30)
+#define XI_BITS              30
+#define HALF_ARC_MAX         ((int32_t)1932735283) /* 162° as a binary angle */
+#define TWO_PI               JP_Q24(6.283185307179586)
+#define INV_PI_Q30           ((int32_t)341782637)
+#define PI_Q29               ((int32_t)1686629713)
+#define SINC_ONE             ((int32_t)1 << 29)
+#define SINC_AT_HALF_ARC_MAX ((int32_t)58675913)
+#define FOUR_PI_Q27          ((int32_t)1686629713)
 
-enum { EVALUATIONS_PER_INTERVAL = JP_SEGMENT_EVALUATIONS / 2, INNER_STEPS_MAX = 8 };
+enum { INNER_STEPS_MAX = 8 };
 
 struct problem {
     int32_t vv2, vw, ww2, vs, ws, ss2; /* quadratic; vv, ww and ss doubled */
@@ -50,6 +55,18 @@ struct evaluation {
     int32_t slope_inside; /* the same where the limit does not act */
     int32_t idle;         /* P/ξ */
     enum limit limit;
+};
+
+/* A search for the minimum over x: the ends of its bracket, which have ξ = 0 until they are found. */
+struct search {
+    struct evaluation left, right;
+    int32_t low, high;
+    uint32_t step, slope; /* of the last step down */
+    uint32_t width_expected;
+    bool flat;                          /* the tangents promised no gain */
+    enum limit left_limit, right_limit; /* of the last bracket */
+    enum limit inside;                  /* that acts inside the last kink */
+    int32_t kink_xi;
 };
 
 /* The arc at x. */
@@ -106,6 +123,12 @@ static int32_t fraction(uint32_t a, uint32_t b)
     return (int32_t)(((uint64_t)(a << zeros) * inverse) >> 32);
 }
 
+/* a/b in Q31 for 0 <= a < b, to 2⁻²⁸, saturated. */
+static int32_t fraction_q31(uint32_t a, uint32_t b)
+{
+    return jp_saturate32(2 * (int64_t)fraction(a, b));
+}
+
 /* sin(πx)/(πx) in Q29 and its derivative with respect to x²: minimax polynomials, 6·10⁻⁹ of the value. With x² in
  * Q31 each Horner step drops one fraction bit. */
 static int32_t sinc(int32_t square, int32_t *derivative)
@@ -119,7 +142,7 @@ static int32_t sinc(int32_t square, int32_t *derivative)
         slope = d[i] + multiply_high(slope, square);
     }
     *derivative = slope;
-    return ((int32_t)1 << 29) + multiply_high(value, square);
+    return SINC_ONE + multiply_high(value, square);
 }
 
 static void arc_at(int32_t x, struct arc *arc)
@@ -191,7 +214,7 @@ static int32_t stationary(const struct problem *p, int32_t a, int32_t b, int32_t
         } else {
             tau = numerator >= denominator ? XI_ONE : fraction((uint32_t)numerator, (uint32_t)denominator);
         }
-        if (magnitude(last - tau) <= (uint32_t)tau >> 7) {
+        if (magnitude(last - tau) <= (uint32_t)tau >> 5) {
             break;
         }
     }
@@ -234,7 +257,8 @@ static int32_t best_xi(const struct problem *p, int32_t x, int32_t s, const stru
     return xi;
 }
 
-static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, struct evaluation *e)
+/* `inside` is the limit on the inner side of x, where x is a kink. */
+static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, enum limit inside, struct evaluation *e)
 {
     struct arc arc;
     enum limit limit;
@@ -266,8 +290,12 @@ static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, struc
         /* ξ dJ/dξ < 0 pushes against the limit, which moves with x. */
         int32_t push = v_part + (int32_t)(((int64_t)by_w * w) >> 31) -
                        (int32_t)(((int64_t)friction_v * v + (int64_t)friction_w * w) >> 32) - e->idle;
+        int32_t by_speed = multiply31(push, arc.stretch);
+        if (inside == LIMIT_SPEED) {
+            e->slope_inside = jp_saturate32(slope - by_speed);
+        }
         if (limit == LIMIT_SPEED) {
-            slope -= multiply31(push, arc.stretch);
+            slope -= by_speed;
         } else {
             inverse = reciprocal(magnitude(x), &zeros);
             int64_t by_turn_rate = ((int64_t)push * inverse) >> (35 - zeros);
@@ -304,64 +332,106 @@ static uint32_t cubic_minimum(uint32_t secant, uint32_t tangents)
     return (uint32_t)fraction(secant >> 3, (uint32_t)denominator);
 }
 
-/* Where to look next between two evaluations of opposite slope, and what can still be gained there. */
-static int32_t next_in_bracket(const struct evaluation *a, const struct evaluation *b, bool smooth, int32_t *floor)
+/* Energy along a slope; twice what a parabola gains when the step leads to its minimum. */
+static int64_t gain(uint32_t slope, uint32_t step)
 {
+    return (int64_t)(((uint64_t)slope * step) >> 27);
+}
+
+/* Where in a bracket to look next: at the cubic's minimum, or after a step that narrowed it little, at the tangents'.
+ * False if neither promises a gain on `best`. */
+static bool step_inside(struct search *search, const struct evaluation *best, int32_t *x)
+{
+    const struct evaluation *a = &search->left;
+    const struct evaluation *b = &search->right;
     uint32_t width = (uint32_t)b->x - (uint32_t)a->x;
     uint32_t half = width >> 1;
     uint32_t down = magnitude(a->slope);
     uint32_t up = (uint32_t)b->slope;
-    /* The tangents meet at a fraction of the width; no convex function lies below them. */
     uint64_t all = ((uint64_t)down + up) * half;
     int64_t part = (int64_t)((uint64_t)up * half) + ((int64_t)a->energy - b->energy) * ((int64_t)1 << 26);
     unsigned shift = (all >> 32) == 0 ? 0 : 32 - leading_zeros((uint32_t)(all >> 32));
-    uint32_t whole = (uint32_t)(all >> shift) + 1U;
+    uint32_t whole = (uint32_t)(all >> shift);
     part = part < 0 ? 0 : part >> shift;
     uint32_t meet = part >= whole ? (uint32_t)XI_ONE : (uint32_t)fraction((uint32_t)part, whole);
     uint32_t step = (uint32_t)(((uint64_t)width * meet) >> XI_BITS);
-    *floor = jp_saturate32(a->energy - (int64_t)(((uint64_t)down * step) >> 27));
-    if (smooth) {
-        uint32_t secant = (uint32_t)fraction(down, down + up);
-        step = (uint32_t)(((uint64_t)width * cubic_minimum(secant, meet)) >> XI_BITS);
+    int64_t floor = a->energy - (int64_t)(((uint64_t)down * step) >> 27);
+    uint32_t cubic = cubic_minimum((uint32_t)fraction(down, down + up), meet);
+    uint32_t cubic_step = (uint32_t)(((uint64_t)width * cubic) >> XI_BITS);
+
+    bool flat = best->energy - floor <= best->idle >> FLAT_SHIFT && (a->limit != LIMIT_NONE || b->limit != LIMIT_NONE);
+    int64_t least_gain =
+        best->idle >> (a->limit == LIMIT_NONE && b->limit == LIMIT_NONE ? GAIN_SHIFT_SMOOTH : GAIN_SHIFT);
+    if (floor > best->energy || (flat && search->flat) || gain(down, cubic_step) <= least_gain ||
+        gain(up, width - cubic_step) <= least_gain) {
+        return false;
     }
+    search->flat = flat;
+    if (width < search->width_expected) {
+        step = cubic_step;
+    }
+    search->width_expected = width - width / 4;
     uint32_t margin = width >> 8;
     step = step < margin ? margin : step > width - margin ? width - margin : step;
-    return (int32_t)((uint32_t)a->x + step);
+    *x = (int32_t)((uint32_t)a->x + step);
+    return true;
 }
 
-/* The |x| up to 0.9 where sinc x = value in Q29, from `x` on. */
-static int32_t inverse_sinc(int32_t value, int32_t x)
+/* The x of 0…0.9 where sinc x = value in Q29: a series in 1 − sinc for x², then Newton. */
+static int32_t inverse_sinc(int32_t value)
 {
-    for (int i = 0; i < 4; i++) {
+    int32_t u = (SINC_ONE - value) << 1; /* Q30 */
+    u = u < 1 ? 1 : u;
+    int32_t series = XI_ONE + multiply_high(u, 1288490189) + multiply_high(multiply_high(u, u) << 2, 1202590843);
+    int32_t square = multiply_high(multiply_high(u, 1305455232) << 2, series) << 1;
+    int32_t x = (int32_t)(square_root32((uint32_t)square + 1U) << 16);
+    for (int i = 0; i < 2; i++) {
         int32_t derivative;
         int32_t excess = sinc(multiply31(x, x), &derivative) - value;
         uint32_t fall = magnitude(multiply_high(x, derivative)); /* -dsinc/dx in Q27 */
         uint32_t gap = magnitude(excess) >> 2;
-        int32_t step = gap < fall ? fraction(gap, fall) : XI_ONE;
-        int64_t next = excess > 0 ? (int64_t)x + 2 * (int64_t)step : (int64_t)x - 2 * (int64_t)step;
-        x = next > HALF_ARC_MAX ? HALF_ARC_MAX : next < x / 2 ? x / 2 : (int32_t)next;
+        int32_t step = gap < fall ? fraction(gap, fall) >> 2 : 0; /* Q28 */
+        x = excess > 0 ? x + step * 8 : x - step * 8;
     }
-    return x;
+    return x < 0 ? 0 : x > HALF_ARC_MAX ? HALF_ARC_MAX : x;
 }
 
-/* Where the limit that acts at `outer` but not at `inner` begins to act: J* has a kink there. */
-static bool find_kink(const struct problem *p, const struct evaluation *inner, const struct evaluation *outer,
-                      int32_t *x)
+/* The x up to ½ where x sinc x = chord in Q30. */
+static int32_t half_arc_of_chord(int32_t chord)
 {
-    int32_t size;
-    if (inner->limit != LIMIT_NONE || outer->limit == LIMIT_NONE) {
+    int32_t sine = chord >= INV_PI_Q30 ? XI_ONE : (int32_t)((int64_t)chord * PI_Q29 >> 29);
+    int32_t square = XI_ONE - (int32_t)((int64_t)sine * sine >> XI_BITS);
+    int32_t x = (int32_t)jp_atan2(sine >> 1, (int32_t)(square_root32((uint32_t)square + 1U) << 14));
+    int32_t derivative;
+    int32_t s = multiply31(x, x);
+    int32_t value = sinc(s, &derivative);
+    int32_t slope = value + 4 * multiply_high(s, derivative); /* Q29 */
+    int32_t missing = 2 * chord - multiply31(x, value) * 4;   /* Q31 */
+    return slope > SINC_ONE / 16 ? x + (int32_t)((int64_t)missing * SINC_ONE / slope) : x;
+}
+
+/* Where another limit begins to act between `inner` and `outer`: J* has a kink there. *xi is the ξ at the kink. */
+static bool find_kink(const struct problem *p, const struct evaluation *inner, const struct evaluation *outer,
+                      int32_t *x, int32_t *xi)
+{
+    int32_t size = INT32_MAX;
+    *xi = inner->xi;
+    if (inner->limit == LIMIT_NONE && outer->limit == LIMIT_TURN_RATE) {
+        uint32_t half = (uint32_t)p->turn_rate_limit >> 1;
+        size = half < (uint32_t)inner->xi ? fraction_q31(half, (uint32_t)inner->xi) : INT32_MAX;
+    } else if (inner->limit == LIMIT_NONE && outer->limit == LIMIT_SPEED) {
+        uint32_t part = (uint32_t)inner->xi >> 3;
+        size = part < (uint32_t)p->speed_limit ? inverse_sinc(fraction(part, (uint32_t)p->speed_limit) >> 1) : 0;
+    } else if (inner->limit == LIMIT_SPEED && outer->limit == LIMIT_TURN_RATE) {
+        uint32_t part = (uint32_t)p->turn_rate_limit >> 4;
+        size =
+            part < (uint32_t)p->speed_limit ? half_arc_of_chord(fraction(part, (uint32_t)p->speed_limit)) : INT32_MAX;
+        *xi = p->turn_rate_limit < size ? fraction((uint32_t)p->turn_rate_limit, (uint32_t)size) : XI_ONE;
+    }
+    if (size >= HALF_ARC_MAX - KINK_MARGIN) {
         return false;
     }
-    if (outer->limit == LIMIT_TURN_RATE) {
-        uint32_t half = (uint32_t)p->turn_rate_limit >> 1;
-        size = half < (uint32_t)inner->xi ? 2 * (fraction(half, (uint32_t)inner->xi) - 1) : INT32_MAX;
-    } else {
-        uint32_t half = (uint32_t)inner->xi >> 3;
-        size = half < (uint32_t)p->speed_limit
-                   ? inverse_sinc(fraction(half, (uint32_t)p->speed_limit) >> 1, (int32_t)magnitude(outer->x))
-                   : 0;
-    }
-    *x = (outer->x < 0) ? -size - KINK_MARGIN : size + KINK_MARGIN;
+    *x = outer->x < 0 ? -size - KINK_MARGIN : size + KINK_MARGIN;
     return true;
 }
 
@@ -393,66 +463,94 @@ static uint32_t next_step(uint32_t step, uint32_t last_slope, uint32_t slope)
     return ahead + ahead / 4;
 }
 
-/* Whether the minimum is at the kink just inside e; if it is further inside, e becomes its end. */
-static bool settles_kink(struct evaluation *e)
+/* Whether the minimum is at the kink just inside e; if it is further inside, e becomes the end of its bracket. */
+static bool settles_kink(const struct search *search, struct evaluation *e)
 {
+    if (magnitude(e->xi - search->kink_xi) > (uint32_t)search->kink_xi >> 14) {
+        return false; /* another limit acts */
+    }
     if ((e->slope < 0) != (e->slope_inside < 0)) {
         return true;
     }
     if ((e->slope > 0) == (e->x > 0)) {
         e->slope = e->slope_inside;
-        e->limit = LIMIT_NONE;
+        e->limit = search->inside;
     }
     return false;
 }
 
-/* The minimum over [low, high], where J* has one; *best keeps the best of all calls. */
-static void search(const struct problem *p, int32_t low, int32_t high, struct evaluation *best)
+/* Whether a kink lies in the bracket that was not looked at yet. */
+static bool step_to_kink(const struct problem *p, struct search *search, int32_t *x)
 {
-    struct evaluation left = {.xi = 0};
-    struct evaluation right = {.xi = 0};
+    const struct evaluation *left = &search->left;
+    const struct evaluation *right = &search->right;
+    if (left->limit == search->left_limit && right->limit == search->right_limit) {
+        return false;
+    }
+    search->left_limit = left->limit;
+    search->right_limit = right->limit;
+    int32_t kink;
+    if (!find_kink(p, left, right, &kink, &search->kink_xi) && !find_kink(p, right, left, &kink, &search->kink_xi)) {
+        return false;
+    }
+    search->inside = magnitude(left->x) < magnitude(right->x) ? left->limit : right->limit;
+    if (kink <= left->x || kink >= right->x) {
+        return false;
+    }
+    *x = kink;
+    return true;
+}
+
+/* Where to look next on the way down from e, before there is a bracket. False if J* cannot fall below `best` there,
+ * with a factor of 2 because it is not quite convex. */
+static bool step_down(const struct problem *p, struct search *search, const struct evaluation *e,
+                      const struct evaluation *best, int32_t *x)
+{
+    int32_t end = e->slope < 0 ? search->high : search->low;
+    uint32_t room = e->slope < 0 ? (uint32_t)end - (uint32_t)e->x : (uint32_t)e->x - (uint32_t)end;
+    uint32_t slope = magnitude(e->slope);
+    if (e->energy - 2 * gain(slope, room) > best->energy) {
+        return false;
+    }
+    search->step = search->slope == 0 ? first_step(p, e) : next_step(search->step, search->slope, slope);
+    search->slope = slope;
+    if (gain(slope, search->step) <= e->idle >> GAIN_SHIFT_SMOOTH) {
+        return false;
+    }
+    if (search->step >= room) {
+        *x = end;
+    } else {
+        *x = (int32_t)(e->slope < 0 ? (uint32_t)e->x + search->step : (uint32_t)e->x - search->step);
+    }
+    return true;
+}
+
+/* The minimum over [low, high], where J* has one; *best keeps the best of all calls. */
+static void find_minimum(const struct problem *p, int32_t low, int32_t high, int *evaluations, struct evaluation *best)
+{
+    struct search search = {.low = low, .high = high, .width_expected = UINT32_MAX};
     struct evaluation e = {.xi = 0};
-    int32_t x = jp_clamp32(0, low, high);
-    uint32_t step = 0;
-    uint32_t last_slope = 0;
-    uint32_t last_width = UINT32_MAX;
-    bool kink_known = false;
+    int32_t x = jp_clamp32(-best->x, low, high); /* the mirror image of the other side's minimum */
     bool at_kink = false;
-    for (int i = 0; i < EVALUATIONS_PER_INTERVAL; i++) {
-        evaluate(p, x, e.xi, &e);
+    bool more = true;
+    for (; more && *evaluations > 0; (*evaluations)--) {
+        evaluate(p, x, e.xi, search.inside, &e);
 #ifdef EVAL_HOOK
         EVAL_HOOK;
 #endif
         if (best->xi == 0 || e.energy < best->energy) {
             *best = e;
         }
-        if (at_kink && settles_kink(&e)) {
-            return;
+        if ((at_kink && settles_kink(&search, &e)) || e.slope == 0 || x == (e.slope < 0 ? high : low)) {
+            more = false;
+            continue;
         }
-        if (e.slope == 0 || (e.slope < 0 && x == high) || (e.slope > 0 && x == low)) {
-            return;
-        }
-        *(e.slope < 0 ? &left : &right) = e;
-        at_kink = false;
-        if (left.xi != 0 && right.xi != 0) {
-            int32_t floor;
-            if (!kink_known && (find_kink(p, &left, &right, &x) || find_kink(p, &right, &left, &x))) {
-                kink_known = true;
-                at_kink = x > left.x && x < right.x;
-            }
-            if (!at_kink) {
-                uint32_t width = (uint32_t)right.x - (uint32_t)left.x;
-                x = next_in_bracket(&left, &right, width < last_width, &floor);
-                last_width = width - width / 4;
-                if (best->energy - (int64_t)floor <= (best->idle >> 15) || right.x - (int64_t)left.x < 4) {
-                    return;
-                }
-            }
+        *(e.slope < 0 ? &search.left : &search.right) = e;
+        if (search.left.xi == 0 || search.right.xi == 0) {
+            more = step_down(p, &search, &e, best, &x);
         } else {
-            step = i == 0 ? first_step(p, &e) : next_step(step, last_slope, magnitude(e.slope));
-            last_slope = magnitude(e.slope);
-            int64_t next = e.slope < 0 ? (int64_t)e.x + step : (int64_t)e.x - step;
-            x = next > high ? high : next < low ? low : (int32_t)next;
+            at_kink = step_to_kink(p, &search, &x);
+            more = at_kink || step_inside(&search, best, &x);
         }
     }
 }
@@ -474,13 +572,14 @@ static unsigned excess_bits(uint64_t a)
 
 /* d/Tmin and so on; d in Q22, Tmin in Q16. */
 static void build(struct problem *p, const struct jp_energy_model *model, const struct jp_segment_limits *limits,
-                  const struct jp_motion *before, uint32_t distance, jp_q16 time_min)
+                  const struct jp_motion *before, const struct jp_voltage_terms *voltage, uint32_t distance,
+                  jp_q16 time_min)
 {
     const jp_q16 *a = model->a;
-    int32_t speed = (int32_t)(((uint64_t)distance << 21) / (uint32_t)time_min);   /* 16 d/Tmin in Q23 */
-    int32_t turn_rate = (int32_t)(((uint64_t)TWO_PI << 16) / (uint32_t)time_min); /* Q24 */
-    struct jp_voltage_terms voltage;
-    jp_voltage_terms(model, before, &voltage);
+    unsigned zeros;
+    uint32_t inverse = reciprocal((uint32_t)time_min, &zeros);
+    int32_t speed = (int32_t)(((uint64_t)distance * inverse) >> (41 - zeros));             /* 16 d/Tmin in Q23 */
+    int32_t turn_rate = (int32_t)(((uint64_t)(uint32_t)TWO_PI * inverse) >> (46 - zeros)); /* Q24 */
     int32_t v = before->speed;
     int32_t w = before->turn_rate;
     int64_t transient_v = ((int64_t)a[0] * 65536 - (int64_t)model->b[0] * model->settling_time) >> 4;
@@ -492,9 +591,9 @@ static void build(struct problem *p, const struct jp_energy_model *model, const 
     term[3] = jp_term_scale(jp_term_scale((int64_t)a[4] * 4096, speed, 23), PI_Q29, 29);
     term[4] = jp_term_scale(jp_term_scale((int64_t)a[5] * 4096, turn_rate, 24), PI_Q29, 29);
     term[5] = jp_term_scale(jp_term_scale((int64_t)a[2] * 8192, PI_Q29, 29), PI_Q29, 29);
-    term[6] = jp_term_scale(voltage.speed - (((int64_t)a[0] * 2 * v + (int64_t)a[3] * w) >> 12), speed, 23);
-    term[7] = jp_term_scale(voltage.turn_rate - (((int64_t)a[1] * 2 * w + (int64_t)a[3] * v) >> 12), turn_rate, 24);
-    term[8] = jp_term_scale(voltage.turn - (((int64_t)a[4] * v + (int64_t)a[5] * w) >> 12), PI_Q29, 29);
+    term[6] = jp_term_scale(voltage->speed - (((int64_t)a[0] * 2 * v + (int64_t)a[3] * w) >> 12), speed, 23);
+    term[7] = jp_term_scale(voltage->turn_rate - (((int64_t)a[1] * 2 * w + (int64_t)a[3] * v) >> 12), turn_rate, 24);
+    term[8] = jp_term_scale(voltage->turn - (((int64_t)a[4] * v + (int64_t)a[5] * w) >> 12), PI_Q29, 29);
     term[9] =
         jp_term_scale(jp_term_scale(jp_term_scale((int64_t)model->b[0] << 13, speed, 23), time_min, 16), speed, 23);
     term[10] = jp_term_scale(jp_term_scale(jp_term_scale((int64_t)model->b[1] << 13, turn_rate, 24), time_min, 16),
@@ -512,43 +611,28 @@ static void build(struct problem *p, const struct jp_energy_model *model, const 
     }
     p->power = p->power < 1 ? 1 : p->power;
     p->power_shift = leading_zeros((uint32_t)p->power) - 3;
-    p->speed_limit =
-        speed == 0 ? INT32_MAX : jp_saturate32((int64_t)(((uint64_t)(uint32_t)limits->speed << 30) / (uint32_t)speed));
-    p->turn_rate_limit = jp_saturate32((int64_t)(((uint64_t)(uint32_t)limits->turn_rate << 31) / (uint32_t)turn_rate));
-    p->xi_min = (int32_t)(((uint64_t)(uint32_t)time_min << 30) / (uint32_t)limits->duration);
+    uint32_t half_limit = (uint32_t)limits->speed >> 1;
+    p->speed_limit = half_limit < (uint32_t)speed ? fraction_q31(half_limit, (uint32_t)speed) : INT32_MAX;
+    p->turn_rate_limit =
+        limits->turn_rate < turn_rate ? fraction_q31((uint32_t)limits->turn_rate, (uint32_t)turn_rate) : INT32_MAX;
+    p->xi_min = fraction((uint32_t)time_min, (uint32_t)limits->duration);
 }
 
-/* The largest |x| whose duration the limits allow: turn rate. */
-static int32_t half_arc_by_turn_rate(const struct problem *p)
+/* The largest |x| whose duration the limits allow. */
+static int32_t longest_half_arc(const struct problem *p)
 {
-    uint64_t x = ((uint64_t)(uint32_t)p->turn_rate_limit << XI_BITS) / (uint32_t)p->xi_min;
-    return x < (uint64_t)HALF_ARC_MAX ? (int32_t)x : HALF_ARC_MAX;
-}
-
-/*
- * The largest |x| whose duration the limits allow: speed, sinc x = ξmin/(vmax Tmin/d). sinc falls and is convex in x²,
- * so Newton from 0 stays on the feasible side.
- */
-static int32_t half_arc_by_speed(const struct problem *p)
-{
-    uint64_t bound = ((uint64_t)(uint32_t)p->xi_min << 26) / (uint32_t)p->speed_limit + 1; /* Q29 */
-    if (bound >= (uint64_t)1 << 29) {
-        return 0;
+    int32_t x = HALF_ARC_MAX;
+    int32_t turn_rate = p->turn_rate_limit >> 1;
+    if (turn_rate < multiply31(p->xi_min, x)) {
+        x = fraction_q31((uint32_t)turn_rate, (uint32_t)p->xi_min);
     }
-    int32_t square = 0;
-    for (int i = 0; i < 5; i++) {
-        int32_t derivative;
-        int32_t excess = sinc(square, &derivative) - (int32_t)bound;
-        if (excess <= 0) {
-            break;
-        }
-        int64_t next = square + (((int64_t)fraction((uint32_t)excess, magnitude(derivative))) << 1);
-        if (next >= SQUARE_MAX) {
-            return HALF_ARC_MAX;
-        }
-        square = (int32_t)next;
+    uint32_t slowest = (uint32_t)p->xi_min >> 3;
+    int32_t sinc_min = slowest < (uint32_t)p->speed_limit ? fraction(slowest, (uint32_t)p->speed_limit) >> 1 : SINC_ONE;
+    if (sinc_min > SINC_AT_HALF_ARC_MAX) {
+        int32_t by_speed = inverse_sinc(sinc_min);
+        x = by_speed < x ? by_speed : x;
     }
-    return (int32_t)jp_square_root((uint64_t)(uint32_t)square << 31);
+    return x;
 }
 
 static jp_q16 ceiling_quotient(uint64_t numerator, uint32_t denominator)
@@ -570,7 +654,10 @@ static void store(const struct jp_energy_model *model, const struct jp_segment_l
     arc_at(best->x, &arc);
     uint64_t length = ((uint64_t)distance * (uint32_t)arc.shape) >> 27; /* Q22 */
     jp_q24 angle = arc_angle(best->x);
-    jp_q16 duration = ceiling_quotient((uint64_t)(uint32_t)time_min << XI_BITS, (uint32_t)best->xi);
+    unsigned zeros;
+    uint32_t inverse = reciprocal((uint32_t)best->xi, &zeros);
+    jp_q16 duration = (jp_q16)(((uint64_t)(uint32_t)time_min * inverse) >> (32 - zeros));
+    duration = jp_clamp32(duration, time_min, limits->duration);
     if ((uint64_t)duration * (uint32_t)limits->speed < length << 18) {
         duration = ceiling_quotient(length << 18, (uint32_t)limits->speed);
     }
@@ -590,23 +677,36 @@ static void store(const struct jp_energy_model *model, const struct jp_segment_l
     };
 }
 
-static enum jp_status distance_between(const struct jp_point *from, const struct jp_point *to, int64_t *dx, int64_t *dy,
-                                       uint32_t *distance)
+/* Distance in Q22 and direction of `to`. */
+static enum jp_status polar(const struct jp_point *from, const struct jp_point *to, uint32_t *distance,
+                            jp_angle *direction)
 {
-    *dx = (int64_t)to->x - from->x;
-    *dy = (int64_t)to->y - from->y;
-    if (absolute64(*dx) > JP_SEGMENT_LENGTH_MAX || absolute64(*dy) > JP_SEGMENT_LENGTH_MAX) {
+    int64_t dx = (int64_t)to->x - from->x;
+    int64_t dy = (int64_t)to->y - from->y;
+    if (absolute64(dx) > JP_SEGMENT_LENGTH_MAX || absolute64(dy) > JP_SEGMENT_LENGTH_MAX) {
         return JP_ERR_ARGUMENT;
     }
-    uint64_t square = (uint64_t)(*dx * *dx + *dy * *dy);
-    if (square > (uint64_t)((int64_t)JP_SEGMENT_LENGTH_MAX * JP_SEGMENT_LENGTH_MAX)) {
+    int64_t square = dx * dx + dy * dy;
+    if (square > (int64_t)JP_SEGMENT_LENGTH_MAX * JP_SEGMENT_LENGTH_MAX) {
         return JP_ERR_ARGUMENT;
     }
-    if (square < (uint64_t)((int64_t)JP_SEGMENT_LENGTH_MIN * JP_SEGMENT_LENGTH_MIN)) {
+    if (square < (int64_t)JP_SEGMENT_LENGTH_MIN * JP_SEGMENT_LENGTH_MIN) {
         return JP_ERR_ZERO_LENGTH;
     }
-    *distance = jp_square_root(square << 12);
+    *direction = jp_atan2((int32_t)dy, (int32_t)dx);
+    *distance = (uint32_t)((dx * jp_cos(*direction) + dy * jp_sin(*direction)) >> 25);
     return JP_OK;
+}
+
+/* The shortest duration of any arc, in Q16. */
+static jp_q16 shortest_duration(const struct jp_energy_model *model, const struct jp_segment_limits *limits,
+                                uint32_t distance)
+{
+    jp_q16 duration = model->settling_time < JP_SEGMENT_DURATION_MIN ? JP_SEGMENT_DURATION_MIN : model->settling_time;
+    uint64_t scaled = (uint64_t)distance << 18;
+    return (uint64_t)(uint32_t)duration * (uint32_t)limits->speed >= scaled
+               ? duration
+               : ceiling_quotient(scaled, (uint32_t)limits->speed);
 }
 
 enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const struct jp_segment_limits *limits,
@@ -616,30 +716,28 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
     if (!model || !limits || !before || !start || !target || !segment || !jp_motion_in_range(before)) {
         return JP_ERR_ARGUMENT;
     }
-    int64_t dx;
-    int64_t dy;
     uint32_t distance;
-    enum jp_status status = distance_between(start, target, &dx, &dy, &distance);
+    jp_angle direction;
+    enum jp_status status = polar(start, target, &distance, &direction);
     if (status != JP_OK) {
         return status;
     }
-    jp_q16 time_min = ceiling_quotient((uint64_t)distance << 18, (uint32_t)limits->speed);
-    time_min = time_min < model->settling_time ? model->settling_time : time_min;
-    time_min = time_min < JP_SEGMENT_DURATION_MIN ? JP_SEGMENT_DURATION_MIN : time_min;
+    jp_q16 time_min = shortest_duration(model, limits, distance);
     if (time_min > limits->duration) {
         return JP_ERR_INFEASIBLE;
     }
     struct problem p;
-    build(&p, model, limits, before, distance, time_min);
-    jp_angle bearing = jp_atan2((int32_t)dy, (int32_t)dx) - heading;
+    struct jp_voltage_terms voltage;
+    jp_voltage_terms(model, before, &voltage);
+    build(&p, model, limits, before, &voltage, distance, time_min);
+    jp_angle bearing = direction - heading;
     p.bearing = (int32_t)bearing;
-    int32_t reach = half_arc_by_turn_rate(&p);
-    int32_t by_speed = half_arc_by_speed(&p);
-    reach = reach < by_speed ? reach : by_speed;
+    int32_t reach = longest_half_arc(&p);
     uint32_t turn_angle = jp_angle_from_radians(limits->turn);
     int64_t turn = turn_angle > INT32_MAX ? INT32_MAX : turn_angle;
     turn = turn > 0 && turn < INT32_MAX ? turn - 1 : turn;
-    struct evaluation best = {0};
+    int evaluations = JP_SEGMENT_EVALUATIONS;
+    struct evaluation best = {.xi = 0};
     for (int side = 0; side < 2; side++) {
         int64_t centre = p.bearing;
         if (side == 1) {
@@ -650,7 +748,7 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
         low = low < -reach ? -reach : low;
         high = high > reach ? reach : high;
         if (low <= high) {
-            search(&p, (int32_t)low, (int32_t)high, &best);
+            find_minimum(&p, (int32_t)low, (int32_t)high, &evaluations, &best);
         }
     }
     if (best.xi == 0) {
@@ -658,7 +756,7 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
     }
     struct jp_segment result;
     store(model, limits, distance, bearing, time_min, &best, &result);
-    status = jp_energy_predict(model, before, &result.command, &result.energy);
+    status = jp_energy_total(model, before, &voltage, &result.command, &result.energy);
     if (status == JP_OK && result.energy <= 0) {
         return JP_ERR_MODEL;
     }

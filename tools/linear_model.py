@@ -18,8 +18,8 @@ YAW = (2, 5, 7)           # φ φ̇ ∫φ
 # The Riccati solver is good to about 1e-10 and its last digits differ between libraries.
 GAIN_DIGITS = 7
 
-# Voltage within which a transition counts as settled: gao2018 then settles in 5.8 s on average, as the paper says.
-SETTLED_VOLTS = 0.12
+# Voltage within which a transition counts as settled, as in the paper.
+SETTLED_VOLTS = 0.01
 SEGMENT_SECONDS = 10.0
 
 

@@ -2,8 +2,9 @@
  * Plausibility of the sensors and the limit of tilt.
  *
  * A reading out of range, or that jumps farther than physics allows, is replaced by the last good frame; when it stays
- * so for `confirm_ticks` it is a fault. An IMU that repeats its frame to the bit for `freeze_ticks` is frozen. An
- * encoder that stops, slips or runs away contradicts the motor current, i = (u − kb ω)/Rm, for `residual_ticks`.
+ * so for `confirm_ticks` it is a fault. An IMU is frozen when one of its channels repeats itself to the bit for
+ * `freeze_ticks`. An encoder that stops, slips or runs away contradicts the motor current, i = (u − kb ω)/Rm, for
+ * `residual_ticks`.
  */
 #ifndef JOULEPATH_MONITOR_H
 #define JOULEPATH_MONITOR_H
@@ -26,6 +27,9 @@ enum jp_fault {
     JP_FAULT_HARDWARE = 1 << 8 /**< the HAL reported an error */
 };
 
+/** Pitch rate, yaw rate, acceleration along x and z. */
+#define JP_IMU_CHANNELS 4
+
 struct jp_monitor_config {
     jp_q24 tilt_limit;       /**< |ψ| beyond it is a fall, turn; 0.01…0.25 */
     jp_q24 gyro_limit;       /**< |rate| beyond it is out of range, turn/s; above 0 */
@@ -40,14 +44,14 @@ struct jp_monitor_config {
     jp_q16 half_track;       /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
     jp_q16 current_residual; /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
     uint16_t confirm_ticks;  /**< ticks until range and jump become faults; at least 1 */
-    uint16_t freeze_ticks;   /**< equal IMU frames until frozen; 0 is off (a simulated ideal IMU) */
+    uint16_t freeze_ticks;   /**< equal readings of an IMU channel until frozen; 0 is off (a simulated ideal IMU) */
     uint16_t residual_ticks; /**< contradicting ticks until an encoder fault; at least 1 */
 };
 
 struct jp_monitor {
     struct jp_sensors good; /**< last plausible frame, once started */
     uint16_t implausible_ticks;
-    uint16_t frozen_ticks;
+    uint16_t frozen_ticks[JP_IMU_CHANNELS];
     uint16_t residual_ticks[2];
     bool started;
 };

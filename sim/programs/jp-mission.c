@@ -1,4 +1,4 @@
-/* Drives a scenario's mission by three strategies in closed loop and compares their energies. */
+/* Drives a scenario's mission by four strategies in closed loop and compares their energies. */
 #include <argp.h>
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +18,7 @@ static const struct {
     [MISSION_OPTIMAL] = {"optimal", "energy-optimal segments", "log_optimal.csv"},
     [MISSION_STRAIGHT] = {"straight", "straight chords, same times", "log_straight.csv"},
     [MISSION_BEZIER] = {"bezier", "energy-optimised cubic Bézier", "log_bezier.csv"},
+    [MISSION_BEZIER_ROUTE] = {"bezier_route", "Bézier, whole route at once", "log_bezier_route.csv"},
 };
 
 struct arguments {
@@ -211,7 +212,7 @@ int main(int argc, char **argv)
     static const struct argp argp = {options,
                                      parse_option,
                                      "SCENARIO.cfg",
-                                     "Drives a mission by three strategies and compares their energies.",
+                                     "Drives a mission by four strategies and compares their energies.",
                                      NULL,
                                      NULL,
                                      NULL};

@@ -23,14 +23,14 @@ const struct jp_robot_config jp_robot_gao2018 = {
     .lqr =
         {
             .tick_rate = 1000U,        /* Hz */
-            .wheel = -721409,          /* -11.00782 V/turn */
-            .pitch = -28130484,        /* -429.2371 V/turn */
-            .wheel_rate = -1151000,    /* -17.56287 V·s/turn */
-            .pitch_rate = -3653593,    /* -55.7494 V·s/turn */
-            .wheel_integral = -179533, /* -2.739459 V/(turn·s) */
-            .yaw = 33441889,           /* 510.2827 V/turn */
-            .yaw_rate = 19331227,      /* 294.9711 V·s/turn */
-            .yaw_integral = 8206252,   /* 125.2175 V/(turn·s) */
+            .wheel = -1925492,         /* -29.38068 V/turn */
+            .pitch = -38354701,        /* -585.2463 V/turn */
+            .wheel_rate = -1854113,    /* -28.29152 V·s/turn */
+            .pitch_rate = -7206879,    /* -109.9682 V·s/turn */
+            .wheel_integral = -779191, /* -11.88951 V/(turn·s) */
+            .yaw = 46877806,           /* 715.2985 V/turn */
+            .yaw_rate = 26268648,      /* 400.8278 V·s/turn */
+            .yaw_integral = 33779343,  /* 515.4319 V/(turn·s) */
             .pitch_reserve = 0,        /* 0 V */
         },
     .monitor =

@@ -37,8 +37,8 @@ def write(directory, columns, about=None):
     directory.mkdir(parents=True, exist_ok=True)
     rows = [",".join(columns)] + [",".join(repr(float(x)) for x in row) for row in zip(*columns.values())]
     (directory / "experiments.csv").write_text("\n".join(rows) + "\n")
-    about = about or {"robot": "gao2018", "settling_time_s": SETTLING, "segment_s": SEGMENT, "last_s": LAST, "seed": SEED,
-                      "splits": []}
+    about = about or {"robot": "gao2018", "settling_time_s": SETTLING, "segment_s": SEGMENT, "last_s": LAST,
+                      "seed": SEED}
     (directory / "experiments.json").write_text(json.dumps(about))
 
 
@@ -81,7 +81,7 @@ def test_known_parameters_are_recovered(place):
 def test_noise_shows_in_the_validation_error(gao2018):
     columns = synthetic(gao2018, noise=0.5)
     columns["e_total_j"] = np.maximum(columns["e_total_j"], 1)
-    experiments = identify.Experiments("test", columns, SETTLING, SEGMENT, SEED)
+    experiments = identify.Experiments("test", columns, SETTLING, SEGMENT, LAST, SEED)
     result = identify.identify(gao2018, experiments)
     # Two noises of 0.5 J rms: mean |error| √2·0.5·√(2/π).
     assert result.validation.summary()["mean_absolute_error_j"] == pytest.approx(0.564, rel=0.15)
@@ -107,9 +107,10 @@ def test_linear_prediction_is_recovered_too(gao2018):
     state = identify.state_regressors(columns, left, right, model.motor_resistance)
     columns["e_state_j"] = state @ np.array(model.a)
     columns["e_steady_j"] = identify.steady_regressors(columns, SEGMENT - SETTLING) @ np.array(model.b)
+    columns["e_last_j"] = identify.steady_regressors(columns, LAST) @ np.array(model.b)
     columns["e_total_j"] = columns["e_state_j"] + columns["e_steady_j"]
     assert columns["e_total_j"].min() > 0
-    result = identify.identify(gao2018, identify.Experiments("test", columns, SETTLING, SEGMENT, SEED))
+    result = identify.identify(gao2018, identify.Experiments("test", columns, SETTLING, SEGMENT, LAST, SEED))
     assert np.allclose(result.model.a, model.a, atol=1e-6)
 
 
@@ -142,9 +143,10 @@ def test_garbled_experiments_are_refused(place, damage, part):
 
 
 @pytest.mark.parametrize("about, part", [
-    ({"robot": "courier24", "settling_time_s": 5, "segment_s": 10, "seed": 1}, "robot"),
-    ({"robot": "gao2018", "settling_time_s": 12, "segment_s": 10, "seed": 1}, "settling_time_s"),
+    ({"robot": "courier24", "settling_time_s": 5, "segment_s": 10, "last_s": 1, "seed": 1}, "robot"),
+    ({"robot": "gao2018", "settling_time_s": 12, "segment_s": 10, "last_s": 1, "seed": 1}, "settling_time_s"),
     ({"robot": "gao2018", "settling_time_s": 5, "seed": 1}, "segment_s"),
+    ({"robot": "gao2018", "settling_time_s": 5, "segment_s": 10, "last_s": 10, "seed": 1}, "last_s"),
     ({"robot": "gao2018", "settling_time_s": "x", "segment_s": 10, "seed": 1}, "garbled"),
 ])
 def test_garbled_description_is_refused(place, about, part):

@@ -1,0 +1,299 @@
+/* How fast the simulator runs, how good the optimiser's segment and predictions are when driven, and how the robot
+ * that can be built masters random missions. Prints figures as JSON, progress on stderr. */
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "../../sim/experiment.h"
+#include "../../sim/mission.h"
+#include "../../sim/progress.h"
+#include "../../sim/trial.h"
+
+#define THREADS 2
+
+/* The paper's search by hand: arc angles, rad, and durations, s. */
+#define ARC_MIN       0.1
+#define ARC_STEP      0.01
+#define ARCS          91
+#define DURATION_MIN  26.0
+#define DURATION_STEP 0.05
+#define DURATIONS     121
+
+/* Its first segment, from rest along x. */
+#define TARGET_X 10.0
+#define TARGET_Y 10.0
+
+#define TRIALS     1000
+#define TRIAL_SEED 1
+#define REPEATS    5
+
+/* Work for THREADS threads: task(context, i) for each i below count. */
+struct work {
+    void (*task)(void *context, size_t index);
+    void *context;
+    size_t count;
+    atomic_size_t next;
+    const char *name;
+    pthread_mutex_t lock;
+    size_t done;
+};
+
+static void fail(const char *what)
+{
+    (void)fprintf(stderr, "bench_mission: %s\n", what);
+    exit(1);
+}
+
+static void *work_on(void *argument)
+{
+    struct work *work = argument;
+    size_t index = atomic_fetch_add(&work->next, 1);
+
+    while (index < work->count) {
+        work->task(work->context, index);
+        (void)pthread_mutex_lock(&work->lock);
+        progress_show(work->name, ++work->done, work->count);
+        (void)pthread_mutex_unlock(&work->lock);
+        index = atomic_fetch_add(&work->next, 1);
+    }
+    return NULL;
+}
+
+static void in_parallel(const char *name, void (*task)(void *, size_t), void *context, size_t count)
+{
+    struct work work = {.task = task, .context = context, .count = count, .name = name};
+    pthread_t threads[THREADS];
+
+    (void)pthread_mutex_init(&work.lock, NULL);
+    for (int i = 0; i < THREADS; i++) {
+        if (pthread_create(&threads[i], NULL, work_on, &work) != 0) {
+            fail("no thread");
+        }
+    }
+    for (int i = 0; i < THREADS; i++) {
+        (void)pthread_join(threads[i], NULL);
+    }
+    (void)pthread_mutex_destroy(&work.lock);
+    progress_end();
+}
+
+/* Figures. */
+
+static void print_figure(const char *name, double value, const char *unit, const char *bound)
+{
+    static bool began;
+
+    (void)printf(
+        "%s\n {\"name\": \"%s\", \"value\": %.9g, \"unit\": \"%s\", \"bound\": %s, \"command\": \"make figures\"}",
+        began ? "," : "[", name, value, unit, bound);
+    began = true;
+}
+
+#define NONE            "null"
+#define AT_LEAST(value) "{\"op\": \">=\", \"value\": " #value "}"
+#define AT_MOST(value)  "{\"op\": \"<=\", \"value\": " #value "}"
+#define EQUAL_TO(value) "{\"op\": \"==\", \"value\": " #value "}"
+
+/* The mission: speed, prediction, comparison. */
+
+static double speed_of_simulation(const struct scenario *scenario)
+{
+    double best = 0;
+
+    for (int i = 0; i < REPEATS; i++) {
+        struct mission mission;
+
+        if (!mission_run(&mission, MISSION_OPTIMAL, scenario, NULL, NULL, NULL)) {
+            fail("the mission failed");
+        }
+        best = fmax(best, (double)mission.ticks / scenario->robot.control.rate_hz / mission.wall_seconds);
+    }
+    return best;
+}
+
+static double worst_prediction(const struct mission *mission)
+{
+    double worst = 0;
+
+    for (size_t i = 0; i < mission->leg_count; i++) {
+        worst = fmax(worst, fabs(mission->legs[i].planned_energy / mission->legs[i].measured_energy - 1));
+    }
+    return worst;
+}
+
+static void bench_mission(const struct scenario *scenario)
+{
+    struct mission missions[MISSION_STRATEGIES];
+
+    for (int i = 0; i < MISSION_STRATEGIES; i++) {
+        if (!mission_run(&missions[i], (enum mission_strategy)i, scenario, missions, NULL, NULL)) {
+            fail("the mission failed");
+        }
+    }
+
+    double optimal = missions[MISSION_OPTIMAL].total.measured_energy;
+
+    print_figure("closed-loop simulation, gao2018 at 1 kHz on one core", speed_of_simulation(scenario), "× real time",
+                 AT_LEAST(200));
+    print_figure("mission, worst segment, predicted against driven energy", 100 * worst_prediction(missions), "%",
+                 AT_MOST(1));
+    print_figure("mission, energy driven", optimal, "J", NONE);
+    print_figure("mission, straight chords relative to the optimum",
+                 100 * missions[MISSION_STRAIGHT].total.measured_energy / optimal, "%", NONE);
+    print_figure("mission, Bézier curves relative to the optimum",
+                 100 * missions[MISSION_BEZIER].total.measured_energy / optimal, "%", NONE);
+}
+
+/* The first segment against the grid. */
+
+struct grid {
+    const struct robot_entry *entry;
+    const struct robot_file *file;
+    double energy[ARCS * DURATIONS];
+};
+
+static double grid_arc(size_t index)
+{
+    return ARC_MIN + ARC_STEP * (double)(index / DURATIONS);
+}
+
+static double grid_duration(size_t index)
+{
+    return DURATION_MIN + DURATION_STEP * (double)(index % DURATIONS);
+}
+
+/** Drives one segment from rest; its energy by the robot's own meter, J. */
+static double driven_energy(const struct grid *grid, const struct jp_segment_command *command)
+{
+    struct rig rig;
+
+    if (!rig_init(&rig, grid->entry, grid->entry->energy, grid->file, 1)) {
+        fail("the robot was refused");
+    }
+    rig_release(&rig, 0);
+    if (jp_robot_drive(&rig.robot, command) != JP_OK) {
+        fail("a segment was refused");
+    }
+    do {
+        (void)rig_tick(&rig);
+    } while (rig.robot.telemetry.state == JP_ROBOT_DRIVING);
+    if (rig.robot.telemetry.segments_ended != 1) {
+        fail("the robot fell");
+    }
+    return (double)rig.robot.telemetry.segment_energy_model / 4294967296.0;
+}
+
+static void drive_grid_point(void *context, size_t index)
+{
+    struct grid *grid = context;
+    double arc = grid_arc(index);
+    double duration = grid_duration(index);
+    double length = hypot(TARGET_X, TARGET_Y) * (arc / 2) / sin(arc / 2);
+    struct experiment_segment segment = {
+        .speed = length / duration, .turn_rate = arc / duration, .turn = atan2(TARGET_Y, TARGET_X) - arc / 2};
+    struct jp_segment_command command = experiment_command(&segment, duration);
+
+    grid->energy[index] = driven_energy(grid, &command);
+}
+
+static size_t best_of(const struct grid *grid)
+{
+    size_t best = 0;
+
+    for (size_t i = 1; i < ARCS * DURATIONS; i++) {
+        best = grid->energy[i] < grid->energy[best] ? i : best;
+    }
+    return best;
+}
+
+static void bench_segment(const struct robot_entry *entry, const struct robot_file *file)
+{
+    static struct grid grid;
+    const struct jp_motion rest = {0, 0};
+    const struct jp_point origin = {0, 0};
+    const struct jp_point target = {JP_Q16(TARGET_X), JP_Q16(TARGET_Y)};
+    struct jp_segment planned;
+
+    grid.entry = entry;
+    grid.file = file;
+    if (jp_segment_optimise(entry->energy, &entry->config->limits, &rest, &origin, 0, &target, &planned) != JP_OK) {
+        fail("no plan");
+    }
+    in_parallel("grid", drive_grid_point, &grid, ARCS * DURATIONS);
+
+    size_t best = best_of(&grid);
+    double ours = driven_energy(&grid, &planned.command);
+
+    print_figure("first segment, driven energy of the plan over the best of 11011 driven", ours / grid.energy[best], "",
+                 AT_MOST(1.001));
+    print_figure("first segment, plan: energy driven", ours, "J", NONE);
+    print_figure("first segment, plan: arc angle", planned.arc / 16777216.0, "rad", NONE);
+    print_figure("first segment, plan: duration", planned.command.duration / 65536.0, "s", NONE);
+    print_figure("first segment, best of the grid: energy driven", grid.energy[best], "J", NONE);
+    print_figure("first segment, best of the grid: arc angle", grid_arc(best), "rad", NONE);
+    print_figure("first segment, best of the grid: duration", grid_duration(best), "s", NONE);
+}
+
+/* Random missions. */
+
+struct trials {
+    const struct robot_entry *entry;
+    struct robot_file file;
+    struct trial all[TRIALS];
+};
+
+static void drive_trial(void *context, size_t index)
+{
+    struct trials *trials = context;
+
+    if (!trial_run(&trials->all[index], trials->entry, &trials->file, TRIAL_SEED + index)) {
+        fail("the robot was refused");
+    }
+}
+
+static void bench_trials(void)
+{
+    static struct trials trials;
+    double done = 0;
+    double falls = 0;
+    double saturated = 0;
+    double peak = 0;
+    double hours = 0;
+
+    trials.entry = rig_find_robot("courier24");
+    if (trials.entry == NULL || !robot_file_load("sim/robots/courier24.cfg", &trials.file)) {
+        fail("no courier24");
+    }
+    in_parallel("random missions", drive_trial, &trials, TRIALS);
+    for (size_t i = 0; i < TRIALS; i++) {
+        const struct trial *trial = &trials.all[i];
+
+        done += trial->end == TRIAL_DONE ? 1 : 0;
+        falls += trial->end == TRIAL_FELL ? 1 : 0;
+        saturated += (double)trial->normal_saturated_ticks;
+        peak = fmax(peak, trial->peak_voltage);
+        hours += (double)trial->ticks / trials.file.control.rate_hz / 3600;
+    }
+    print_figure("random missions of courier24, driven to the end", done, "", EQUAL_TO(1000));
+    print_figure("random missions, falls", falls, "", EQUAL_TO(0));
+    print_figure("random missions, saturated ticks in normal driving", saturated, "", EQUAL_TO(0));
+    print_figure("random missions, peak voltage in normal driving", peak, "V", NONE);
+    print_figure("random missions, driving time", hours, "h", NONE);
+}
+
+int main(void)
+{
+    struct scenario scenario;
+    const struct robot_entry *entry = rig_find_robot("gao2018");
+
+    if (entry == NULL || !scenario_load("sim/scenarios/gao2018_mission.cfg", &scenario)) {
+        return 1;
+    }
+    bench_mission(&scenario);
+    bench_segment(entry, &scenario.robot);
+    bench_trials();
+    (void)printf("\n]\n");
+    return 0;
+}

@@ -1,0 +1,235 @@
+"""Every way that input and output of jp-mission and jp-identify can be wrong: one clear line on stderr, exit status 2,
+nothing half-written, what was there before as it was."""
+import os
+import resource
+import signal
+import stat
+
+import pytest
+from conftest import ROOT, assert_one_line_error, run
+
+MISSION_FILES = ["log_optimal.csv", "log_straight.csv", "log_bezier.csv", "summary.json"]
+IDENTIFY_FILES = ["experiments.csv", "windows.csv", "experiments.json"]
+OLD = "from an earlier run\n"
+
+
+def mission(scenario, output, **options):
+    return run("jp-mission", scenario, "--output", output, **options)
+
+
+def identify(output, *arguments, **options):
+    return run("jp-identify", ROOT / "sim/robots/gao2018.cfg", "--count", 20, "--output", output, *arguments,
+               **options)
+
+
+@pytest.fixture
+def output(tmp_path):
+    """An output folder with the files of an earlier run."""
+    folder = tmp_path / "out"
+    folder.mkdir()
+    for name in MISSION_FILES + IDENTIFY_FILES:
+        (folder / name).write_text(OLD)
+    return folder
+
+
+def assert_untouched(folder):
+    assert sorted(path.name for path in folder.iterdir()) == sorted(MISSION_FILES + IDENTIFY_FILES)
+    for path in folder.iterdir():
+        assert path.read_text() == OLD, path
+
+
+# ---- scenario ------------------------------------------------------------------------------------------------------
+
+LINES = {
+    "name": 'name = "short";\n',
+    "robot": 'robot = "robot.cfg";\n',
+    "energy_model": 'energy_model = "identified";\n',
+    "seed": "seed = 1;\n",
+    "waypoints": "waypoints = ( [0.0, 0.0], [2.0, 0.5], [3.0, 2.0] );\n",
+}
+
+WRONG_LINES = [  # key, its line, what the message must hold besides file and key
+    ("name", "", "missing"),
+    ("name", "name = 3;\n", "text"),
+    ("name", 'name = "";\n', "text"),
+    ("name", f'name = "{"x" * 64}";\n', "63"),
+    ("robot", "", "missing"),
+    ("robot", "robot = 1;\n", "text"),
+    ("energy_model", "", "missing"),
+    ("energy_model", 'energy_model = "guessed";\n', "guessed"),
+    ("energy_model", "energy_model = true;\n", "text"),
+    ("seed", "", "whole number"),
+    ("seed", "seed = -1;\n", "whole number"),
+    ("seed", "seed = 1.5;\n", "whole number"),
+    ("seed", "seed = 1e10;\n", "whole number"),
+    ("seed", 'seed = "1";\n', "whole number"),
+    ("waypoints", "", "list"),
+    ("waypoints", "waypoints = 5;\n", "list"),
+    ("waypoints", "waypoints = ();\n", "list"),
+    ("waypoints", "waypoints = ( [0.0, 0.0] );\n", "list"),
+    ("waypoints", "waypoints = ( " + ", ".join(f"[{i}.0, 0.0]" for i in range(33)) + " );\n", "32"),
+    ("waypoints[0]", "waypoints = ( [1.0, 0.0], [2.0, 0.0] );\n", "odometry starts"),
+    ("waypoints[1]", "waypoints = ( [0.0, 0.0], [0.0, 0.0] );\n", "coincides"),
+    ("waypoints[2]", "waypoints = ( [0.0, 0.0], [1.0, 1.0], [1.0, 1.001] );\n", "coincides"),
+    ("waypoints[1]", "waypoints = ( [0.0, 0.0], [600.0, 0.0] );\n", "512"),
+    ("waypoints[1]", "waypoints = ( [0.0, 0.0], [1e5, 0.0] );\n", "two numbers"),
+    ("waypoints[1]", "waypoints = ( [0.0, 0.0], [1e999, 0.0] );\n", "two numbers"),
+    ("waypoints[1]", "waypoints = ( [0.0, 0.0], [1.0] );\n", "two numbers"),
+    ("waypoints[1]", "waypoints = ( [0.0, 0.0], [1.0, 2.0, 3.0] );\n", "two numbers"),
+    ("waypoints[1]", 'waypoints = ( [0.0, 0.0], ["a", "b"] );\n', "two numbers"),
+    ("waypoints[1]", "waypoints = ( [0.0, 0.0], 7 );\n", "two numbers"),
+    ("waypoints[1]", "waypoints = ( [0.0, 0.0], { x = 1.0; } );\n", "two numbers"),
+    ("colour", LINES["seed"] + "colour = 3;\n", "unknown key"),
+    ("Seed", "Seed = 1;\n", "unknown key"),
+]
+
+
+@pytest.mark.parametrize(("key", "line", "reason"), WRONG_LINES)
+def test_wrong_line_of_a_scenario(scenario, output, key, line, reason):
+    replaced = LINES.get(key.split("[")[0], LINES["seed"])
+    text = scenario.read_text()
+    assert replaced in text
+    scenario.write_text(text.replace(replaced, line))
+    assert_one_line_error(mission(scenario, output), scenario, key, reason)
+    assert_untouched(output)
+
+
+@pytest.mark.parametrize("text", ["waypoints = ( [0.0, nan], [inf, 0.0] );", "name = ", "{", "\0", "name = \"x", "é;",
+                                  'name = "a"; name = "b";', '@include "missing.cfg"\n'])
+def test_scenario_that_cannot_be_parsed(scenario, output, text):
+    scenario.write_text(text)
+    assert_one_line_error(mission(scenario, output), scenario)
+    assert_untouched(output)
+
+
+def test_scenario_that_cannot_be_read(scenario, output, tmp_path):
+    assert_one_line_error(mission(tmp_path / "none.cfg", output), "none.cfg", "No such file")
+    assert_one_line_error(mission(tmp_path, output), tmp_path)
+    scenario.write_text("")
+    assert_one_line_error(mission(scenario, output), scenario, "name")
+    scenario.write_text("#" * 100000)
+    assert_one_line_error(mission(scenario, output), scenario)
+    assert_untouched(output)
+
+
+def test_robot_that_is_missing(scenario, output):
+    (scenario.parent / "robot.cfg").unlink()
+    assert_one_line_error(mission(scenario, output), scenario.parent / "robot.cfg", "No such file")
+    assert_untouched(output)
+
+
+def test_robot_that_is_wrong(scenario, output):
+    robot = scenario.parent / "robot.cfg"
+    robot.write_text(robot.read_text().replace("mass_kg", "mass_pounds", 1))
+    assert_one_line_error(mission(scenario, output), robot, "mass_pounds")
+    assert_untouched(output)
+
+
+def test_robot_without_gains(scenario, output):
+    robot = scenario.parent / "robot.cfg"
+    robot.write_text(robot.read_text().replace('name = "gao2018"', 'name = "nobody"'))
+    assert_one_line_error(mission(scenario, output), "nobody", "make gains ROBOT=nobody", "gao2018")
+    assert_one_line_error(run("jp-identify", robot, "--output", output), "nobody", "make gains ROBOT=nobody")
+    assert_untouched(output)
+
+
+# Behind the robot: σ is at most 80° and the arc 324°, so the one waypoint before makes no difference.
+def test_waypoint_out_of_reach_in_the_time_allowed(scenario, output):
+    scenario.write_text(scenario.read_text().replace(LINES["waypoints"], "waypoints = ( [0.0, 0.0], [-511.0, 0.0] );"))
+    result = mission(scenario, output)
+    if result.returncode != 0:
+        assert_one_line_error(result, "waypoint 1", "cannot be planned")
+        assert_untouched(output)
+
+
+@pytest.mark.parametrize("arguments", [[], ["--output"], ["a.cfg"], ["--output", "out"], ["--nonsense"],
+                                       ["a.cfg", "b.cfg", "--output", "out"]])
+@pytest.mark.parametrize("program", ["jp-mission", "jp-identify"])
+def test_wrong_command_lines(program, arguments, tmp_path):
+    result = run(program, *arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr != ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("arguments", [["--count", "5"], ["--count", "nan"], ["--count", "1e9"], ["--count", "x"],
+                                       ["--seed", "-1"], ["--seed", "inf"], ["--threshold", "0"],
+                                       ["--threshold", "nan"], ["--count", ""]])
+def test_numbers_out_of_range(output, arguments):
+    result = run("jp-identify", ROOT / "sim/robots/gao2018.cfg", "--output", output, *arguments)
+    assert result.returncode == 2
+    assert arguments[0] in result.stderr
+    assert_untouched(output)
+
+
+# ---- output --------------------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("start", ["jp-mission", "jp-identify"])
+def test_output_that_is_a_file(scenario, tmp_path, start):
+    place = tmp_path / "place"
+    place.write_text(OLD)
+    for path in [place, place / "below"]:
+        result = mission(scenario, path) if start == "jp-mission" else identify(path)
+        assert_one_line_error(result, place, "--output")
+        assert place.read_text() == OLD
+
+
+def test_output_that_cannot_be_made(scenario):
+    assert_one_line_error(mission(scenario, "/proc/none"), "/proc/none")
+    assert_one_line_error(mission(scenario, ""), "output directory")
+    assert_one_line_error(mission(scenario, "x/" * 600), "output directory")
+    assert_one_line_error(identify("/proc/none"), "/proc/none")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_output_that_is_read_only(scenario, output):
+    output.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    assert_one_line_error(mission(scenario, output), output, "Permission denied")
+    output.chmod(stat.S_IRWXU)
+    assert_untouched(output)
+
+
+@pytest.mark.parametrize("name", MISSION_FILES)
+def test_disk_is_full_for_one_file_of_the_mission(scenario, output, name):
+    (output / f"{name}.part").symlink_to("/dev/full")
+    assert_one_line_error(mission(scenario, output), output / name, "No space left on device")
+    assert_untouched(output)
+
+
+@pytest.mark.parametrize("name", IDENTIFY_FILES)
+def test_disk_is_full_for_one_file_of_the_identification(output, name):
+    (output / f"{name}.part").symlink_to("/dev/full")
+    assert_one_line_error(identify(output), output / name, "No space left on device")
+    assert_untouched(output)
+
+
+@pytest.mark.parametrize("name", MISSION_FILES)
+def test_place_of_one_file_is_taken_by_a_folder(scenario, output, name):
+    (output / name).unlink()
+    (output / name).mkdir()
+    assert_one_line_error(mission(scenario, output), output / name)
+    assert not list(output.glob("*.part"))
+
+
+def limit_file_size(size):
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    return limit
+
+
+def test_every_write_fails_once(scenario, output, tmp_path):
+    """The n-th block of the longest file cannot be written, for every n."""
+    assert mission(scenario, tmp_path / "whole").returncode == 0
+    longest = max(path.stat().st_size for path in (tmp_path / "whole").iterdir())
+    for size in [0, 1, *range(4096, longest, 4096), longest - 1]:
+        assert_one_line_error(mission(scenario, output, preexec_fn=limit_file_size(size)), output, "File too large")
+        assert_untouched(output)
+
+
+def test_success_replaces_what_was_there(scenario, output):
+    result = mission(scenario, output)
+    assert result.returncode == 0, result.stderr
+    assert result.stderr == ""
+    assert sorted(path.name for path in output.iterdir()) == sorted(MISSION_FILES + IDENTIFY_FILES)
+    assert all((output / name).read_text() != OLD for name in MISSION_FILES)

@@ -1,0 +1,225 @@
+/* The reference: configuration, steps, exact integration across wraps, the critically damped tracker. */
+#include <joulepath/reference.h>
+#include <joulepath/robot.h>
+
+#include "unity.h"
+
+extern const struct jp_robot_config jp_robot_gao2018;
+extern const struct jp_robot_config jp_robot_courier24;
+
+static struct jp_reference_config config;
+static struct jp_reference reference;
+
+void setUp(void)
+{
+    config = jp_robot_courier24.reference;
+}
+
+void tearDown(void)
+{
+}
+
+static void start(jp_phase wheel, jp_phase yaw)
+{
+    jp_reference_start(&reference, &config, wheel, yaw);
+}
+
+static void step(jp_q24 speed, jp_q24 turn_rate, jp_q24 turn)
+{
+    const struct jp_motion motion = {speed, turn_rate};
+
+    jp_reference_step(&reference, &config, &motion, turn);
+}
+
+static void run(int32_t ticks)
+{
+    for (int32_t i = 0; i < ticks; i++) {
+        jp_reference_update(&reference, &config);
+    }
+}
+
+static void expect_config(const char *expected)
+{
+    const char *field = "";
+    enum jp_status status = jp_reference_check(&config, &field);
+
+    if (expected == NULL) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, status);
+        TEST_ASSERT_NULL(field);
+    } else {
+        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, status);
+        TEST_ASSERT_EQUAL_STRING(expected, field);
+    }
+    config = jp_robot_courier24.reference;
+}
+
+#define FIELD(member, value, expected)                                                                                 \
+    do {                                                                                                               \
+        config.member = (value);                                                                                       \
+        expect_config(expected);                                                                                       \
+    } while (0)
+
+static void test_checks_every_field_at_its_limits(void)
+{
+    expect_config(NULL);
+    FIELD(tick_rate, 99, "reference.tick_rate");
+    FIELD(tick_rate, 100, NULL);
+    FIELD(tick_rate, 10000, NULL);
+    FIELD(tick_rate, 10001, "reference.tick_rate");
+    FIELD(turns_per_metre, JP_Q24(0.1) - 1, "reference.turns_per_metre");
+    FIELD(turns_per_metre, JP_Q24(0.1), NULL);
+    FIELD(turns_per_metre, JP_Q24(16), NULL);
+    FIELD(turns_per_metre, JP_Q24(16) + 1, "reference.turns_per_metre");
+    FIELD(travel_bandwidth, -1, "reference.travel_bandwidth");
+    FIELD(travel_bandwidth, 0, NULL);
+    FIELD(travel_bandwidth, 1, "reference.travel_bandwidth");
+    FIELD(travel_bandwidth, JP_Q16(0.1) - 1, "reference.travel_bandwidth");
+    FIELD(travel_bandwidth, JP_Q16(0.1), NULL);
+    FIELD(travel_bandwidth, JP_Q16(100), NULL);
+    FIELD(travel_bandwidth, JP_Q16(100) + 1, "reference.travel_bandwidth");
+    FIELD(yaw_bandwidth, -1, "reference.yaw_bandwidth");
+    FIELD(yaw_bandwidth, 0, NULL);
+    FIELD(yaw_bandwidth, 1, "reference.yaw_bandwidth");
+    FIELD(yaw_bandwidth, JP_Q16(0.1) - 1, "reference.yaw_bandwidth");
+    FIELD(yaw_bandwidth, JP_Q16(0.1), NULL);
+    FIELD(yaw_bandwidth, JP_Q16(100), NULL);
+    FIELD(yaw_bandwidth, JP_Q16(100) + 1, "reference.yaw_bandwidth");
+}
+
+static void test_stands_where_it_starts(void)
+{
+    start(12345, (jp_phase)0 - 77);
+    run(1000);
+    TEST_ASSERT_EQUAL_UINT64(12345, reference.wheel.angle);
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)0 - 77, reference.yaw.angle);
+    TEST_ASSERT_EQUAL_INT32(0, reference.wheel.rate);
+    TEST_ASSERT_EQUAL_INT32(0, reference.yaw.rate);
+}
+
+static void test_step_converts_to_turns(void)
+{
+    start(0, 0);
+    step(JP_Q24(1), JP_Q24(6.283185307179586), JP_Q24(-3.141592653589793));
+    TEST_ASSERT_EQUAL_INT32(config.turns_per_metre, reference.wheel.target_rate);
+    TEST_ASSERT_INT32_WITHIN(3, JP_Q24_ONE, reference.yaw.target_rate);
+    TEST_ASSERT_INT32_WITHIN(2, -JP_Q24_ONE / 2, jp_phase_difference(reference.yaw.target, 0));
+    TEST_ASSERT_EQUAL_UINT64(0, reference.wheel.target);
+
+    config.turns_per_metre = JP_Q24(16); /* 8 m/s just leaves the format */
+    step(JP_Q24(8), JP_Q24(-8), 0);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, reference.wheel.target_rate);
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q24(-1.2732395447351628), reference.yaw.target_rate);
+    step(JP_Q24(-8), 0, 0);
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, reference.wheel.target_rate);
+    TEST_ASSERT_EQUAL_INT32(0, reference.yaw.target_rate);
+}
+
+static void test_without_shaping_steps_pass_through(void)
+{
+    config = jp_robot_gao2018.reference;
+    start(0, 0);
+    step(JP_Q24(1), 0, JP_Q24(1));
+    run(1);
+    TEST_ASSERT_EQUAL_INT32(config.turns_per_metre, reference.wheel.rate);
+    TEST_ASSERT_EQUAL_UINT64(reference.wheel.target, reference.wheel.angle);
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)(uint32_t)config.turns_per_metre * reference.phase_per_rate,
+                             reference.wheel.angle);
+    TEST_ASSERT_EQUAL_UINT64(reference.yaw.target, reference.yaw.angle);
+    TEST_ASSERT_EQUAL_INT32(0, reference.yaw.rate);
+}
+
+static void test_integration_is_exact_through_the_wrap(void)
+{
+    start((jp_phase)0 - 1000, 0);
+    step(JP_Q24(-8), 0, 0);
+    run(20000);
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)0 - 1000 +
+                                 (jp_phase)(int64_t)reference.wheel.target_rate * reference.phase_per_rate * 20000U,
+                             reference.wheel.target);
+}
+
+static void test_speed_step_is_followed_without_lag_or_overshoot(void)
+{
+    start(0, 0);
+    step(JP_Q24(1), JP_Q24(-0.35), 0);
+    for (int32_t i = 0; i < 15000; i++) {
+        jp_q24 before = reference.wheel.rate;
+
+        run(1);
+        /* 2/τ of the step at first: no step in the rate. */
+        TEST_ASSERT_INT32_WITHIN(config.turns_per_metre / 350, before, reference.wheel.rate);
+    }
+    TEST_ASSERT_INT32_WITHIN(400, reference.wheel.target_rate, reference.wheel.rate);
+    /* Each tick moves the target first: the tracker is ahead of it by the way of one tick. */
+    TEST_ASSERT_INT32_WITHIN(400, -reference.wheel.target_rate / 1000,
+                             jp_phase_difference(reference.wheel.target, reference.wheel.angle));
+    TEST_ASSERT_INT32_WITHIN(400, reference.yaw.target_rate, reference.yaw.rate);
+    TEST_ASSERT_INT32_WITHIN(400, -reference.yaw.target_rate / 1000,
+                             jp_phase_difference(reference.yaw.target, reference.yaw.angle));
+}
+
+static void test_turn_is_followed_without_overshoot(void)
+{
+    start(0, 0);
+    step(0, 0, JP_Q24(1.3962634));
+
+    jp_q24 turn = jp_phase_difference(reference.yaw.target, 0);
+
+    /* Below half a step of rate a tick nothing pulls: 500 steps of turn/s² are 125 of angle at 2 rad/s. */
+    for (int32_t i = 0; i < 10000; i++) {
+        run(1);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(turn + 130, jp_phase_difference(reference.yaw.angle, 0));
+    }
+    TEST_ASSERT_INT32_WITHIN(200, turn, jp_phase_difference(reference.yaw.angle, 0));
+    TEST_ASSERT_EQUAL_UINT64(0, reference.wheel.angle);
+}
+
+static void test_start_angle_does_not_matter_to_the_bit(void)
+{
+    const jp_phase offset = (jp_phase)0 - 12345678901234567U;
+
+    start(0, 0);
+    step(JP_Q24(1), JP_Q24(0.3), JP_Q24(0.5));
+
+    struct jp_reference other = reference;
+
+    other.wheel.angle += offset;
+    other.wheel.target += offset;
+    other.yaw.angle += offset;
+    other.yaw.target += offset;
+    for (int32_t i = 0; i < 5000; i++) {
+        run(1);
+        jp_reference_update(&other, &config);
+    }
+    TEST_ASSERT_EQUAL_UINT64(reference.wheel.angle + offset, other.wheel.angle);
+    TEST_ASSERT_EQUAL_UINT64(reference.yaw.angle + offset, other.yaw.angle);
+    TEST_ASSERT_EQUAL_INT32(reference.wheel.rate, other.wheel.rate);
+    TEST_ASSERT_EQUAL_INT32(reference.yaw.rate, other.yaw.rate);
+}
+
+static void test_far_target_saturates(void)
+{
+    config.travel_bandwidth = JP_Q16(100);
+    start(0, 0);
+    reference.wheel.target = JP_PHASE_TURN * 127;
+    run(1);
+    /* INT32_MAX turn/s² for one tick. */
+    TEST_ASSERT_INT32_WITHIN(2, INT32_MAX / 1000, reference.wheel.rate);
+    run(5000);
+    TEST_ASSERT_TRUE(reference.wheel.rate != 0);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_checks_every_field_at_its_limits);
+    RUN_TEST(test_stands_where_it_starts);
+    RUN_TEST(test_step_converts_to_turns);
+    RUN_TEST(test_without_shaping_steps_pass_through);
+    RUN_TEST(test_integration_is_exact_through_the_wrap);
+    RUN_TEST(test_speed_step_is_followed_without_lag_or_overshoot);
+    RUN_TEST(test_turn_is_followed_without_overshoot);
+    RUN_TEST(test_start_angle_does_not_matter_to_the_bit);
+    RUN_TEST(test_far_target_saturates);
+    return UNITY_END();
+}
