@@ -168,8 +168,8 @@ static bool prepare_bezier(struct drive *drive, enum bezier_scope scope)
 {
     struct bezier_path path;
 
-    return bezier_optimise(&path, &drive->scenario->robot, drive->scenario->waypoints,
-                           drive->scenario->waypoint_count, scope) &&
+    return bezier_optimise(&path, &drive->scenario->robot, drive->scenario->waypoints, drive->scenario->waypoint_count,
+                           scope) &&
            script_bezier(&drive->script, &path);
 }
 
@@ -225,8 +225,8 @@ static bool command(struct drive *drive)
     enum jp_status status = jp_robot_work(robot);
 
     if (status != JP_OK) {
-        error_line("waypoint %u: cannot be planned (status %d); move it, or widen the limits of the robot file",
-                   planned + 1U, (int)status);
+        error_line("%s: waypoints[%u]: cannot be planned (status %d); move it, or widen the limits of the robot file",
+                   drive->scenario->name, planned + 1U, (int)status);
         return false;
     }
     if (robot->route_planned > planned) {

@@ -68,35 +68,58 @@ bool output_open(struct output *output, const char *directory, const char *name)
     return output->stream != NULL || failed(output);
 }
 
-bool output_commit(struct output *output)
+bool output_open_json(struct output *output, const char *directory, const char *name, json_t *value)
 {
-    bool written = ferror(output->stream) == 0;
+    bool opened = output_open(output, directory, name);
 
-    written = fclose(output->stream) == 0 && written;
-    if (written && rename(output->temporary, output->path) == 0) {
-        return true;
-    }
-    (void)failed(output);
-    (void)remove(output->temporary);
-    return false;
-}
-
-void output_discard(struct output *output)
-{
-    (void)fclose(output->stream);
-    (void)remove(output->temporary);
-}
-
-bool output_json(const char *directory, const char *name, json_t *value)
-{
-    struct output output;
-    bool written = output_open(&output, directory, name);
-
-    if (written) {
-        (void)json_dumpf(value, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
-        (void)fputc('\n', output.stream);
-        written = output_commit(&output);
+    if (opened) {
+        (void)json_dumpf(value, output->stream, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+        (void)fputc('\n', output->stream);
     }
     json_decref(value);
+    return opened;
+}
+
+static bool complete(struct output *output)
+{
+    bool written = fflush(output->stream) == 0 && ferror(output->stream) == 0;
+
+    if (!written) {
+        (void)failed(output);
+    }
     return written;
+}
+
+static bool put_into_place(struct output *output)
+{
+    bool closed = fclose(output->stream) == 0;
+
+    output->stream = NULL;
+    return (closed && rename(output->temporary, output->path) == 0) || failed(output);
+}
+
+bool output_commit(struct output *outputs, size_t count)
+{
+    bool done = true;
+
+    for (size_t i = 0; i < count && done; i++) {
+        done = complete(&outputs[i]);
+    }
+    for (size_t i = 0; i < count && done; i++) {
+        done = put_into_place(&outputs[i]);
+    }
+    if (!done) {
+        output_discard(outputs, count);
+    }
+    return done;
+}
+
+void output_discard(struct output *outputs, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (outputs[i].stream != NULL) {
+            (void)fclose(outputs[i].stream);
+        }
+        (void)remove(outputs[i].temporary);
+    }
 }

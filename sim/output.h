@@ -1,6 +1,6 @@
 /**
- * Files that appear whole or not at all: written beside their place, renamed into it when complete. Each failure is
- * one line on stderr that names the path and the reason.
+ * Files that appear whole and together or not at all: written beside their places, renamed into them when all are
+ * complete. Each failure is one line on stderr that names the path and the reason.
  */
 #ifndef JOULEPATH_SIM_OUTPUT_H
 #define JOULEPATH_SIM_OUTPUT_H
@@ -23,13 +23,13 @@ bool output_directory(const char *path);
 /** Opens directory/name for writing. */
 bool output_open(struct output *output, const char *directory, const char *name);
 
-/** Puts the file into its place. */
-bool output_commit(struct output *output);
+/** Opens directory/name, writes `value` and takes the reference to it. */
+bool output_open_json(struct output *output, const char *directory, const char *name, json_t *value);
+
+/** Puts `count` files into their places once all of them are complete; otherwise drops them all. */
+bool output_commit(struct output *outputs, size_t count);
 
 /** Drops what was written. */
-void output_discard(struct output *output);
-
-/** Writes directory/name and takes the reference to `value`. */
-bool output_json(const char *directory, const char *name, json_t *value);
+void output_discard(struct output *outputs, size_t count);
 
 #endif

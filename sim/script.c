@@ -8,7 +8,10 @@
 
 static bool allocate(struct script *script, size_t count)
 {
-    script->count = 0;
+    *script = (struct script){NULL, 0};
+    if (count == 0) {
+        return false;
+    }
     script->steps = calloc(count, sizeof *script->steps);
     return script->steps != NULL;
 }

@@ -36,10 +36,12 @@ void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config
     };
 }
 
-/** a·b of Q32 numbers, rounded down: the halves of a one by one, because the whole product needs 80 bits. */
+/** a·b of Q32 numbers, rounded: the halves of a one by one, because the whole product needs 80 bits. */
 static int64_t multiply_q32(int64_t a, uint32_t b)
 {
-    return (a >> 32) * b + (int64_t)(((uint64_t)(uint32_t)a * b) >> 32);
+    const uint64_t low = (uint64_t)(uint32_t)a * b + ((uint64_t)1 << 31);
+
+    return (a >> 32) * b + (int64_t)(low >> 32);
 }
 
 void jp_meter_update(struct jp_meter *meter, const jp_q16 voltages[2], const jp_q16 currents[2])

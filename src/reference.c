@@ -5,9 +5,11 @@
 
 #define TURNS_PER_RADIAN JP_Q24(0.15915494309189535)
 
-static bool bandwidth_is_valid(jp_q16 bandwidth)
+/** Beyond a quarter of the tick rate the tracker's steps would overshoot. */
+static bool bandwidth_is_valid(jp_q16 bandwidth, uint32_t tick_rate)
 {
-    return bandwidth == 0 || (bandwidth >= JP_Q16(0.1) && bandwidth <= JP_Q16(100));
+    return bandwidth == 0 || (bandwidth >= JP_Q16(0.1) && bandwidth <= JP_Q16(100) &&
+                              (uint32_t)bandwidth <= tick_rate * ((uint32_t)JP_Q16_ONE / 4U));
 }
 
 static const char *first_bad_field(const struct jp_reference_config *config)
@@ -18,10 +20,10 @@ static const char *first_bad_field(const struct jp_reference_config *config)
     if (config->turns_per_metre < JP_Q24(0.1) || config->turns_per_metre > JP_Q24(16)) {
         return "reference.turns_per_metre";
     }
-    if (!bandwidth_is_valid(config->travel_bandwidth)) {
+    if (!bandwidth_is_valid(config->travel_bandwidth, config->tick_rate)) {
         return "reference.travel_bandwidth";
     }
-    if (!bandwidth_is_valid(config->yaw_bandwidth)) {
+    if (!bandwidth_is_valid(config->yaw_bandwidth, config->tick_rate)) {
         return "reference.yaw_bandwidth";
     }
     return NULL;

@@ -250,11 +250,9 @@ static void drive(struct jp_robot *robot, uint16_t faults)
     if (ended) {
         end_segment(robot);
     }
-    if (stop) {
-        stand(robot);
-    } else if ((ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
+    if (!stop && (ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
         begin_segment(robot);
-    } else if (ended) {
+    } else if (stop || ended) {
         stand(robot);
     }
 }

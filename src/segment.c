@@ -283,33 +283,30 @@ static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, enum 
         (int32_t)(((int64_t)(by_v + p->lv) * v + (int64_t)(by_w + p->lw) * w + (int64_t)(by_s + p->ls) * s) >> 32) +
         e->idle;
     int32_t v_part = multiply31(by_v, v);
-    int64_t slope = (int64_t)multiply31(v_part, arc.stretch) + ((int64_t)by_w * xi >> 34) - (by_s >> 4);
+    int32_t slope = multiply31(v_part, arc.stretch) + (int32_t)((int64_t)by_w * xi >> 34) - (by_s >> 4);
     e->limit = limit;
-    e->slope_inside = jp_saturate32(slope);
+    e->slope_inside = slope;
     if (limit != LIMIT_NONE) {
         /* ξ dJ/dξ < 0 pushes against the limit, which moves with x. */
         int32_t push = v_part + (int32_t)(((int64_t)by_w * w) >> 31) -
                        (int32_t)(((int64_t)friction_v * v + (int64_t)friction_w * w) >> 32) - e->idle;
-        int32_t by_speed = multiply31(push, arc.stretch);
-        if (inside == LIMIT_SPEED) {
-            e->slope_inside = jp_saturate32(slope - by_speed);
+        int32_t at_speed = slope - multiply31(push, arc.stretch);
+        inverse = reciprocal(magnitude(x) | 1U, &zeros);
+        int64_t by_turn_rate = ((int64_t)push * inverse) >> (35 - zeros);
+        int32_t at_turn_rate = jp_saturate32(x > 0 ? slope - by_turn_rate : slope + by_turn_rate);
+        if (inside != LIMIT_NONE) {
+            e->slope_inside = inside == LIMIT_SPEED ? at_speed : at_turn_rate;
         }
-        if (limit == LIMIT_SPEED) {
-            slope -= by_speed;
-        } else {
-            inverse = reciprocal(magnitude(x), &zeros);
-            int64_t by_turn_rate = ((int64_t)push * inverse) >> (35 - zeros);
-            slope += x > 0 ? -by_turn_rate : by_turn_rate;
-        }
+        slope = limit == LIMIT_SPEED ? at_speed : at_turn_rate;
     }
-    e->slope = jp_saturate32(slope);
+    e->slope = slope;
 }
 
 /* √a for a > 0, at most 1 too large. */
 static uint32_t square_root32(uint32_t a)
 {
     uint32_t root = (uint32_t)1 << ((32 - leading_zeros(a)) / 2);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 3; i++) {
         root = (root + a / root) >> 1;
     }
     return root;
@@ -352,18 +349,19 @@ static bool step_inside(struct search *search, const struct evaluation *best, in
     int64_t part = (int64_t)((uint64_t)up * half) + ((int64_t)a->energy - b->energy) * ((int64_t)1 << 26);
     unsigned shift = (all >> 32) == 0 ? 0 : 32 - leading_zeros((uint32_t)(all >> 32));
     uint32_t whole = (uint32_t)(all >> shift);
-    part = part < 0 ? 0 : part >> shift;
-    uint32_t meet = part >= whole ? (uint32_t)XI_ONE : (uint32_t)fraction((uint32_t)part, whole);
+    part >>= shift;
+    bool convex = part > 0 && part < whole; /* the tangents meet between the ends */
+    uint32_t meet = convex ? (uint32_t)fraction((uint32_t)part, whole) : XI_ONE / 2;
     uint32_t step = (uint32_t)(((uint64_t)width * meet) >> XI_BITS);
-    int64_t floor = a->energy - (int64_t)(((uint64_t)down * step) >> 27);
+    int64_t floor = a->energy - gain(down, step);
     uint32_t cubic = cubic_minimum((uint32_t)fraction(down, down + up), meet);
     uint32_t cubic_step = (uint32_t)(((uint64_t)width * cubic) >> XI_BITS);
 
-    bool flat = best->energy - floor <= best->idle >> FLAT_SHIFT && (a->limit != LIMIT_NONE || b->limit != LIMIT_NONE);
-    int64_t least_gain =
-        best->idle >> (a->limit == LIMIT_NONE && b->limit == LIMIT_NONE ? GAIN_SHIFT_SMOOTH : GAIN_SHIFT);
-    if (floor > best->energy || (flat && search->flat) || gain(down, cubic_step) <= least_gain ||
-        gain(up, width - cubic_step) <= least_gain) {
+    bool smooth = a->limit == LIMIT_NONE && b->limit == LIMIT_NONE;
+    bool flat = !smooth && best->energy - floor <= best->idle >> FLAT_SHIFT;
+    int64_t least_gain = best->idle >> (smooth ? GAIN_SHIFT_SMOOTH : GAIN_SHIFT);
+    if (convex && (floor > best->energy || (flat && search->flat) || gain(down, cubic_step) <= least_gain ||
+                   gain(up, width - cubic_step) <= least_gain)) {
         return false;
     }
     search->flat = flat;
@@ -422,10 +420,11 @@ static bool find_kink(const struct problem *p, const struct evaluation *inner, c
     } else if (inner->limit == LIMIT_NONE && outer->limit == LIMIT_SPEED) {
         uint32_t part = (uint32_t)inner->xi >> 3;
         size = part < (uint32_t)p->speed_limit ? inverse_sinc(fraction(part, (uint32_t)p->speed_limit) >> 1) : 0;
-    } else if (inner->limit == LIMIT_SPEED && outer->limit == LIMIT_TURN_RATE) {
+    } else if (inner->limit != LIMIT_NONE && outer->limit != inner->limit && outer->limit != LIMIT_NONE) {
         uint32_t part = (uint32_t)p->turn_rate_limit >> 4;
         size =
             part < (uint32_t)p->speed_limit ? half_arc_of_chord(fraction(part, (uint32_t)p->speed_limit)) : INT32_MAX;
+        size = outer->limit == LIMIT_TURN_RATE ? size : INT32_MAX - size;
         *xi = p->turn_rate_limit < size ? fraction((uint32_t)p->turn_rate_limit, (uint32_t)size) : XI_ONE;
     }
     if (size >= HALF_ARC_MAX - KINK_MARGIN) {
@@ -458,9 +457,9 @@ static uint32_t next_step(uint32_t step, uint32_t last_slope, uint32_t slope)
     if (slope / 3 >= change) {
         return longest;
     }
-    uint32_t ahead =
-        slope < change ? (uint32_t)(((uint64_t)step * (uint32_t)fraction(slope, change)) >> XI_BITS) : longest / 2;
-    return ahead + ahead / 4;
+    uint32_t ahead = (uint32_t)(((uint64_t)step * (uint32_t)fraction(slope >> 2, change)) >> (XI_BITS - 2));
+    ahead += ahead / 4;
+    return ahead < longest ? ahead : longest;
 }
 
 /* Whether the minimum is at the kink just inside e; if it is further inside, e becomes the end of its bracket. */
@@ -490,10 +489,11 @@ static bool step_to_kink(const struct problem *p, struct search *search, int32_t
     search->left_limit = left->limit;
     search->right_limit = right->limit;
     int32_t kink;
-    if (!find_kink(p, left, right, &kink, &search->kink_xi) && !find_kink(p, right, left, &kink, &search->kink_xi)) {
+    bool left_inside = magnitude(left->x) < magnitude(right->x);
+    search->inside = left_inside ? left->limit : right->limit;
+    if (!find_kink(p, left_inside ? left : right, left_inside ? right : left, &kink, &search->kink_xi)) {
         return false;
     }
-    search->inside = magnitude(left->x) < magnitude(right->x) ? left->limit : right->limit;
     if (kink <= left->x || kink >= right->x) {
         return false;
     }
@@ -525,19 +525,35 @@ static bool step_down(const struct problem *p, struct search *search, const stru
     return true;
 }
 
+/* Leaves the ends of the bracket open: clearing them costs more than a step. */
+static void begin(struct search *search, int32_t low, int32_t high)
+{
+    search->left.xi = 0;
+    search->right.xi = 0;
+    search->low = low;
+    search->high = high;
+    search->step = 0;
+    search->slope = 0;
+    search->width_expected = UINT32_MAX;
+    search->flat = false;
+    search->left_limit = LIMIT_NONE;
+    search->right_limit = LIMIT_NONE;
+    search->inside = LIMIT_NONE;
+    search->kink_xi = 0;
+}
+
 /* The minimum over [low, high], where J* has one; *best keeps the best of all calls. */
 static void find_minimum(const struct problem *p, int32_t low, int32_t high, int *evaluations, struct evaluation *best)
 {
-    struct search search = {.low = low, .high = high, .width_expected = UINT32_MAX};
-    struct evaluation e = {.xi = 0};
+    struct search search;
+    struct evaluation e;
+    begin(&search, low, high);
+    e.xi = 0;
     int32_t x = jp_clamp32(-best->x, low, high); /* the mirror image of the other side's minimum */
     bool at_kink = false;
     bool more = true;
     for (; more && *evaluations > 0; (*evaluations)--) {
         evaluate(p, x, e.xi, search.inside, &e);
-#ifdef EVAL_HOOK
-        EVAL_HOOK;
-#endif
         if (best->xi == 0 || e.energy < best->energy) {
             *best = e;
         }
@@ -558,6 +574,13 @@ static void find_minimum(const struct problem *p, int32_t low, int32_t high, int
 static int64_t absolute64(int64_t a)
 {
     return a < 0 ? -a : a;
+}
+
+/* Has the highest bit of a, or of −a − 1. */
+static uint64_t magnitude_bits(int64_t a)
+{
+    uint64_t sign = 0U - (uint64_t)(a < 0);
+    return (uint64_t)a ^ sign;
 }
 
 /* How far right a must go to have COEFFICIENT_BITS. */
@@ -594,21 +617,27 @@ static void build(struct problem *p, const struct jp_energy_model *model, const 
     term[6] = jp_term_scale(voltage->speed - (((int64_t)a[0] * 2 * v + (int64_t)a[3] * w) >> 12), speed, 23);
     term[7] = jp_term_scale(voltage->turn_rate - (((int64_t)a[1] * 2 * w + (int64_t)a[3] * v) >> 12), turn_rate, 24);
     term[8] = jp_term_scale(voltage->turn - (((int64_t)a[4] * v + (int64_t)a[5] * w) >> 12), PI_Q29, 29);
-    term[9] =
-        jp_term_scale(jp_term_scale(jp_term_scale((int64_t)model->b[0] << 13, speed, 23), time_min, 16), speed, 23);
-    term[10] = jp_term_scale(jp_term_scale(jp_term_scale((int64_t)model->b[1] << 13, turn_rate, 24), time_min, 16),
-                             turn_rate, 24);
+    term[9] = jp_term_scale(jp_term_scale((int64_t)model->b[0] << 13, speed, 23), (int32_t)(distance >> 1), 17);
+    term[10] = jp_term_scale(jp_term_scale((int64_t)model->b[1] << 13, turn_rate, 24), TWO_PI, 24);
     term[11] = ((int64_t)model->electronics_power * time_min) >> 4;
-    int64_t all = ((int64_t)model->electronics_power * limits->duration) >> 4;
-    for (int i = 0; i < 12; i++) {
-        all |= absolute64(term[i]) >> (i == 0 || i == 2 || i == 5 || i == 9 || i == 10 ? 1 : 0);
-    }
-    unsigned shift = excess_bits((uint64_t)all);
-    int32_t *out[12] = {&p->vv2, &p->vw, &p->ww2, &p->vs,  &p->ws,  &p->ss2,
-                        &p->lv,  &p->lw, &p->ls,  &p->fv2, &p->fw2, &p->power};
-    for (int i = 0; i < 12; i++) {
-        *out[i] = (int32_t)(term[i] >> shift);
-    }
+    uint64_t doubled = magnitude_bits(term[0]) | magnitude_bits(term[2]) | magnitude_bits(term[5]) | (uint64_t)term[9] |
+                       (uint64_t)term[10];
+    uint64_t single = magnitude_bits(term[1]) | magnitude_bits(term[3]) | magnitude_bits(term[4]) |
+                      magnitude_bits(term[6]) | magnitude_bits(term[7]) | magnitude_bits(term[8]) |
+                      (((uint64_t)(uint32_t)model->electronics_power * (uint32_t)limits->duration) >> 4);
+    unsigned shift = excess_bits(single | doubled >> 1);
+    p->vv2 = (int32_t)(term[0] >> shift);
+    p->vw = (int32_t)(term[1] >> shift);
+    p->ww2 = (int32_t)(term[2] >> shift);
+    p->vs = (int32_t)(term[3] >> shift);
+    p->ws = (int32_t)(term[4] >> shift);
+    p->ss2 = (int32_t)(term[5] >> shift);
+    p->lv = (int32_t)(term[6] >> shift);
+    p->lw = (int32_t)(term[7] >> shift);
+    p->ls = (int32_t)(term[8] >> shift);
+    p->fv2 = (int32_t)(term[9] >> shift);
+    p->fw2 = (int32_t)(term[10] >> shift);
+    p->power = (int32_t)(term[11] >> shift);
     p->power = p->power < 1 ? 1 : p->power;
     p->power_shift = leading_zeros((uint32_t)p->power) - 3;
     uint32_t half_limit = (uint32_t)limits->speed >> 1;
@@ -737,7 +766,9 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
     int64_t turn = turn_angle > INT32_MAX ? INT32_MAX : turn_angle;
     turn = turn > 0 && turn < INT32_MAX ? turn - 1 : turn;
     int evaluations = JP_SEGMENT_EVALUATIONS;
-    struct evaluation best = {.xi = 0};
+    struct evaluation best;
+    best.x = 0;
+    best.xi = 0;
     for (int side = 0; side < 2; side++) {
         int64_t centre = p.bearing;
         if (side == 1) {

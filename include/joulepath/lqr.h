@@ -18,7 +18,8 @@
 #include <joulepath/estimator.h>
 #include <joulepath/reference.h>
 
-/** Gains in V per turn, V·s per turn and V per turn·s. The magnitudes of each row add up to at most 32 767 V. */
+/** Gains in V per turn, V·s per turn and V per turn·s. The magnitudes of each row add up to at most 32 767 V; an
+ *  integral gain is at most 32 767 · tick_rate / 1 024 V per turn·s. */
 struct jp_lqr_config {
     uint32_t tick_rate; /**< calls a second; 100…10 000 */
     jp_q16 wheel;

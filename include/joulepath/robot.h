@@ -6,9 +6,10 @@
  *
  *            enable                drive, follow
  *   idle ───────────▶ balancing ◀──────────────▶ driving        fallen: |ψ| beyond the tilt limit
- *    ▲                    │       route done, stop   │           fault:  a confirmed sensor or HAL fault
- *    │      disable       ▼                          ▼
+ *    ▲  │                 │       route done, stop   │           fault:  a confirmed sensor or HAL fault
+ *    │  └────────────┐    ▼                          ▼
  *    └───────────── fallen, fault ◀──────────────────┘           motors are off in idle, fallen and fault
+ *      disable
  *
  * jp_robot_disable() leads to idle from every state and is the only way out of fallen and fault.
  */
@@ -130,7 +131,7 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
 
 /**
  * Drives through `route`, each segment planned for least energy; the array must stay until the robot stands.
- * Replaces an earlier route. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
+ * Replaces an earlier route and a segment that waits. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
  */
 enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *route, uint16_t length);
 

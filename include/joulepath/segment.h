@@ -27,7 +27,7 @@
 #define JP_SEGMENT_DURATION_MIN JP_Q16(0.125)
 
 /** Evaluations of the model in one jp_segment_optimise(). */
-#define JP_SEGMENT_EVALUATIONS 9
+#define JP_SEGMENT_EVALUATIONS 10
 
 struct jp_segment_limits {
     jp_q24 speed;     /**< v, m/s; above 0, at most 8 */
@@ -65,7 +65,7 @@ enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, c
  * JP_ERR_MODEL: the model has no minimum over T (its energy falls without bound as T → 0 outside the limits).
  * On failure *segment is not written.
  *
- * Energy within 1.0001 of the minimum over the feasible set. At most JP_SEGMENT_EVALUATIONS 9
+ * Energy within 1.0001 of the minimum over the feasible set. At most JP_SEGMENT_EVALUATIONS 10
  * model, no other loop; Cortex-M4 instructions are in the README. For jp_robot_work(), not for ISRs.
  */
 enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const struct jp_segment_limits *limits,

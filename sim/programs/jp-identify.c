@@ -133,57 +133,64 @@ static size_t split_window(const struct campaign *campaign)
     return (size_t)fmin(round(window), (double)campaign->windows - 1);
 }
 
-static bool write_table(const struct campaign *campaign, size_t split)
+static void write_table(const struct campaign *campaign, size_t split, FILE *stream)
 {
-    struct output output;
     size_t last = campaign->windows - (size_t)lround(LAST_SECONDS / campaign->window_seconds);
 
-    if (!output_open(&output, campaign->arguments->output, "experiments.csv")) {
-        return false;
-    }
-    (void)fprintf(output.stream, "v1_m_s,w1_rad_s,turn1_rad,v2_m_s,w2_rad_s,turn2_rad,u_left_before_v,u_right_before_v,"
-                                 "settling_s,e_state_j,e_steady_j,e_last_j,e_total_j\n");
+    (void)fprintf(stream, "v1_m_s,w1_rad_s,turn1_rad,v2_m_s,w2_rad_s,turn2_rad,u_left_before_v,u_right_before_v,"
+                          "settling_s,e_state_j,e_steady_j,e_last_j,e_total_j\n");
     for (size_t i = 0; i < campaign->count; i++) {
         const struct experiment *e = &campaign->records[i].experiment;
         const double *energy = campaign->records[i].energy;
         double total = energy[campaign->windows];
 
-        (void)fprintf(output.stream, "%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.6f,%.6f,%.3f,%.9f,%.9f,%.9f,%.9f\n",
-                      e->first.speed, e->first.turn_rate, e->first.turn, e->second.speed, e->second.turn_rate,
-                      e->second.turn, e->voltage_left, e->voltage_right, e->settling, energy[split],
-                      total - energy[split], total - energy[last], total);
+        (void)fprintf(stream, "%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.6f,%.6f,%.3f,%.9f,%.9f,%.9f,%.9f\n", e->first.speed,
+                      e->first.turn_rate, e->first.turn, e->second.speed, e->second.turn_rate, e->second.turn,
+                      e->voltage_left, e->voltage_right, e->settling, energy[split], total - energy[split],
+                      total - energy[last], total);
     }
-    return output_commit(&output);
 }
 
 /** Energies at every window, so that the fit can be repeated for other settling times. */
-static bool write_windows(const struct campaign *campaign)
+static void write_windows(const struct campaign *campaign, FILE *stream)
 {
-    struct output output;
-
-    if (!output_open(&output, campaign->arguments->output, "windows.csv")) {
-        return false;
-    }
     for (size_t i = 0; i < campaign->count; i++) {
         for (size_t k = 0; k <= campaign->windows; k++) {
-            (void)fprintf(output.stream, "%.9f%c", campaign->records[i].energy[k], k == campaign->windows ? '\n' : ',');
+            (void)fprintf(stream, "%.9f%c", campaign->records[i].energy[k], k == campaign->windows ? '\n' : ',');
         }
     }
-    return output_commit(&output);
+}
+
+static json_t *json_summary(const struct campaign *campaign, size_t split)
+{
+    return json_pack("{s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "settling_time_s",
+                     (double)split * campaign->window_seconds, "segment_s", SEGMENT_SECONDS, "last_s", LAST_SECONDS,
+                     "count", (json_int_t)campaign->count, "seed", (json_int_t)campaign->arguments->seed, "window_s",
+                     campaign->window_seconds, "settling_threshold_v", campaign->arguments->threshold);
 }
 
 static bool write(const struct campaign *campaign)
 {
+    const char *directory = campaign->arguments->output;
     size_t split = split_window(campaign);
-    double settling = (double)split * campaign->window_seconds;
-    json_t *json = json_pack("{s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name,
-                             "settling_time_s", settling, "segment_s", SEGMENT_SECONDS, "last_s", LAST_SECONDS, "count",
-                             (json_int_t)campaign->count, "seed", (json_int_t)campaign->arguments->seed, "window_s",
-                             campaign->window_seconds, "settling_threshold_v", campaign->arguments->threshold);
+    struct output outputs[3];
 
-    (void)printf("%zu experiments, mean settling time %.2f s\n", campaign->count, settling);
-    return write_table(campaign, split) && write_windows(campaign) &&
-           output_json(campaign->arguments->output, "experiments.json", json);
+    (void)printf("%zu experiments, mean settling time %.2f s\n", campaign->count,
+                 (double)split * campaign->window_seconds);
+    if (!output_open(&outputs[0], directory, "experiments.csv")) {
+        return false;
+    }
+    write_table(campaign, split, outputs[0].stream);
+    if (!output_open(&outputs[1], directory, "windows.csv")) {
+        output_discard(outputs, 1);
+        return false;
+    }
+    write_windows(campaign, outputs[1].stream);
+    if (!output_open_json(&outputs[2], directory, "experiments.json", json_summary(campaign, split))) {
+        output_discard(outputs, 2);
+        return false;
+    }
+    return output_commit(outputs, 3);
 }
 
 static bool identify(const struct arguments *arguments)

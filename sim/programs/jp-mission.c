@@ -168,39 +168,58 @@ static json_t *json_summary(const struct scenario *scenario, const struct missio
                      simulated / missions[MISSION_OPTIMAL].wall_seconds);
 }
 
-static bool drive(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
-                  const struct mission *optimal, const char *directory)
-{
-    struct output log;
+/* The files of a comparison: the logs, then the summary. */
+struct files {
+    struct output outputs[MISSION_STRATEGIES + 1];
+    size_t count;
+};
 
-    if (!output_open(&log, directory, strategies[strategy].log)) {
+static bool drive(struct mission *missions, enum mission_strategy strategy, const struct scenario *scenario,
+                  const char *directory, struct files *files)
+{
+    struct output *log = &files->outputs[files->count];
+
+    if (!output_open(log, directory, strategies[strategy].log)) {
         return false;
     }
-    if (!mission_run(mission, strategy, scenario, optimal, log.stream, strategies[strategy].name)) {
-        output_discard(&log);
+    files->count++;
+    return mission_run(&missions[strategy], strategy, scenario, &missions[MISSION_OPTIMAL], log->stream,
+                       strategies[strategy].name);
+}
+
+static bool drive_all(struct mission *missions, const struct scenario *scenario, const char *directory,
+                      struct files *files)
+{
+    for (size_t i = 0; i < MISSION_STRATEGIES; i++) {
+        if (!drive(missions, (enum mission_strategy)i, scenario, directory, files)) {
+            return false;
+        }
+        print_mission(&missions[i]);
+    }
+    print_comparison(missions);
+    if (!output_open_json(&files->outputs[files->count], directory, "summary.json", json_summary(scenario, missions))) {
         return false;
     }
-    return output_commit(&log);
+    files->count++;
+    return true;
 }
 
 static bool compare(const struct arguments *arguments)
 {
     struct scenario scenario;
-    struct mission missions[MISSION_STRATEGIES];
+    struct mission missions[MISSION_STRATEGIES] = {0};
+    struct files files = {.count = 0};
 
     if (!scenario_load(arguments->path, &scenario) || !output_directory(arguments->output)) {
         return false;
     }
     (void)printf("%s: robot %s, %s energy model, %zu waypoints\n", scenario.name, scenario.robot.name,
                  scenario.model == SCENARIO_PUBLISHED ? "published" : "identified", scenario.waypoint_count);
-    for (size_t i = 0; i < MISSION_STRATEGIES; i++) {
-        if (!drive(&missions[i], (enum mission_strategy)i, &scenario, &missions[MISSION_OPTIMAL], arguments->output)) {
-            return false;
-        }
-        print_mission(&missions[i]);
+    if (!drive_all(missions, &scenario, arguments->output, &files)) {
+        output_discard(files.outputs, files.count);
+        return false;
     }
-    print_comparison(missions);
-    return output_json(arguments->output, "summary.json", json_summary(&scenario, missions));
+    return output_commit(files.outputs, files.count);
 }
 
 int main(int argc, char **argv)
@@ -209,13 +228,9 @@ int main(int argc, char **argv)
         {"output", 'o', "DIR", 0, "where summary.json and the logs go", 0},
         {0},
     };
-    static const struct argp argp = {options,
-                                     parse_option,
-                                     "SCENARIO.cfg",
-                                     "Drives a mission by four strategies and compares their energies.",
-                                     NULL,
-                                     NULL,
-                                     NULL};
+    static const struct argp argp = {
+        options, parse_option, "SCENARIO.cfg", "Drives a mission by four strategies and compares their energies.", NULL,
+        NULL,    NULL};
     struct arguments arguments = {NULL, NULL};
 
     argp_err_exit_status = ERROR_EXIT;

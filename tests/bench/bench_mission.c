@@ -142,8 +142,10 @@ static void bench_mission(const struct scenario *scenario)
     print_figure("mission, energy driven", optimal, "J", NONE);
     print_figure("mission, straight chords relative to the optimum",
                  100 * missions[MISSION_STRAIGHT].total.measured_energy / optimal, "%", NONE);
-    print_figure("mission, Bézier curves relative to the optimum",
+    print_figure("mission, Bézier curves, one after the other, relative to the optimum",
                  100 * missions[MISSION_BEZIER].total.measured_energy / optimal, "%", NONE);
+    print_figure("mission, Bézier curves, the whole route at once, relative to the optimum",
+                 100 * missions[MISSION_BEZIER_ROUTE].total.measured_energy / optimal, "%", NONE);
 }
 
 /* The first segment against the grid. */

@@ -10,6 +10,7 @@
 #define SEED    7
 #define WINDOW  60   /* the fault begins at each tick of this window */
 #define HORIZON 1000 /* ticks watched after the first of them */
+#define CALM    200  /* after a glitch */
 #define RIDES   0    /* instead of a number of ticks: the motors stay on, the robot upright */
 
 #define RIDE_PITCH  0.1  /* rad */
@@ -192,11 +193,12 @@ static void note_tick(struct outcome *outcome)
 static void run(struct outcome *outcome, const struct promise *promise, enum activity activity, int delay, int length)
 {
     int off = 0;
+    int horizon = length == 0 ? HORIZON : CALM;
 
     rig = snapshots[activity];
     add_faults(promise, (uint64_t)delay, (uint64_t)length);
     tick(delay);
-    while (off < HORIZON && rig.world.actuation.enabled != 0) {
+    while (off < horizon && rig.world.actuation.enabled != 0) {
         note_tick(outcome);
         tick(1);
         off++;

@@ -115,8 +115,8 @@ static double lqr_worst_millivolts(const struct jp_lqr_config *config, uint64_t 
     struct random random;
     struct jp_reference reference = {0};
     struct jp_motion_state state;
-    struct jp_lqr lqr;
-    struct lqr_oracle oracle;
+    struct jp_lqr lqr = {0};
+    struct lqr_oracle oracle = {0};
     jp_q16 limit = 0;
     double worst = 0;
 

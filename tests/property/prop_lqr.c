@@ -146,7 +146,7 @@ static void test_estimator(void)
     record("gao2018: pitch", "turn", 1e-6, gao.pitch);
     record("gao2018: pitch rate", "turn/s", 1e-9, gao.pitch_rate);
     record("courier24: wheel and yaw angle", "turn", 1e-6, courier.angle);
-    record("courier24: wheel and yaw rate", "turn/s", 1e-5, courier.rate);
+    record("courier24: wheel and yaw rate", "turn/s", 2e-5, courier.rate);
     record("courier24: pitch", "turn", 1e-6, courier.pitch);
     record("courier24: pitch rate", "turn/s", 1e-6, courier.pitch_rate);
 }
@@ -198,8 +198,8 @@ static void test_reference_of(const struct jp_reference_config *config, const ch
         rate = fmax(rate, fabs(lqr_turns(reference.wheel.rate) - wheel.rate));
         rate = fmax(rate, fabs(lqr_turns(reference.yaw.rate) - yaw.rate));
     }
-    record(angle_name, "turn", 5e-5, angle);
-    record(rate_name, "turn/s", 5e-5, rate);
+    record(angle_name, "turn", 2e-5, angle);
+    record(rate_name, "turn/s", 2e-5, rate);
 }
 
 static void test_reference(void)

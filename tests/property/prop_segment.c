@@ -275,7 +275,7 @@ static void randomise_robot(struct jp_energy_model *model)
     model->electronics_power = scaled(model->electronics_power, unit);
     model->voltage_per_speed = scaled(model->voltage_per_speed, speed);
     model->voltage_per_turn_rate = scaled(model->voltage_per_turn_rate, turn_rate);
-    model->settling_time = JP_Q16(uniform(0, 6));
+    model->settling_time = JP_Q16(uniform(4, 8));
 }
 
 static void complete(struct task *t)

@@ -1,6 +1,7 @@
 /**
  * A drive at constant speed and turn rate whose angles are known exactly: the wheels do what the reference's target
- * does, the encoders count it, and estimator, reference and controller follow through every wrap.
+ * does, the encoders count it, and estimator and reference follow through every wrap. Their differences are the errors
+ * of the controller.
  *
  * Every tick of the drive is computed. The angles of the oracle are integers of 128 bits.
  */
@@ -97,9 +98,7 @@ static void wrap_run(struct wrap_drive *drive)
     const uint64_t settled = (uint64_t)WRAP_SETTLING_S * config->estimator.tick_rate;
     struct jp_estimator estimator;
     struct jp_reference reference;
-    struct jp_lqr lqr;
-    struct jp_motion_state state;
-    struct jp_voltages voltages;
+    struct jp_motion_state state = {0};
 
     jp_reference_start(&reference, &config->reference, 0, 0);
     jp_reference_step(&reference, &config->reference, &drive->motion, 0);
@@ -119,7 +118,6 @@ static void wrap_run(struct wrap_drive *drive)
     estimator.yaw_encoder = estimator.yaw.angle = (jp_phase)yaw_first;
     reference.wheel.target = reference.wheel.angle = (jp_phase)wheel_first;
     reference.yaw.target = reference.yaw.angle = (jp_phase)yaw_first;
-    jp_lqr_start(&lqr, &config->lqr);
 
     int64_t wheel_first_error = 0, yaw_first_error = 0, wheel_first_offset = 0, yaw_first_offset = 0;
     int64_t wheel_error = 0, yaw_error = 0, wheel_jump = 0, yaw_jump = 0;
@@ -135,7 +133,6 @@ static void wrap_run(struct wrap_drive *drive)
         yaw_exact += (jp_phase)yaw_step;
         jp_estimator_update(&estimator, &config->estimator, &sensors, &state);
         jp_reference_update(&reference, &config->reference);
-        jp_lqr_update(&lqr, &config->lqr, &reference, &state, JP_Q16(24), &voltages);
 
         const int64_t wheel = (int64_t)(reference.wheel.angle - state.wheel);
         const int64_t yaw = (int64_t)(reference.yaw.angle - state.yaw);

@@ -86,6 +86,21 @@ static void test_checks_every_field_at_its_limits(void)
     FIELD(yaw_bandwidth, JP_Q16(100) + 1, "reference.yaw_bandwidth");
 }
 
+static void test_refuses_a_bandwidth_beyond_a_quarter_of_the_tick_rate(void)
+{
+    config.tick_rate = 100;
+    config.travel_bandwidth = JP_Q16(25);
+    config.yaw_bandwidth = JP_Q16(25) + 1;
+    expect_config("reference.yaw_bandwidth");
+    config = jp_robot_courier24.reference;
+    config.tick_rate = 100;
+    config.travel_bandwidth = JP_Q16(25) + 1;
+    expect_config("reference.travel_bandwidth");
+    config.tick_rate = 100;
+    config.travel_bandwidth = JP_Q16(25);
+    expect_config(NULL);
+}
+
 static void test_stands_where_it_starts(void)
 {
     start(12345, (jp_phase)0 - 77);
@@ -213,6 +228,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_checks_every_field_at_its_limits);
+    RUN_TEST(test_refuses_a_bandwidth_beyond_a_quarter_of_the_tick_rate);
     RUN_TEST(test_stands_where_it_starts);
     RUN_TEST(test_step_converts_to_turns);
     RUN_TEST(test_without_shaping_steps_pass_through);
