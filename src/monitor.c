@@ -37,6 +37,9 @@ static const char *first_bad_field(const struct jp_monitor_config *config)
     if (config->half_track <= 0 || config->half_track > JP_Q16(64)) {
         return "monitor.half_track";
     }
+    if (config->wheel_rate_limit <= 0) {
+        return "monitor.wheel_rate_limit";
+    }
     if (config->current_residual <= 0) {
         return "monitor.current_residual";
     }
@@ -184,6 +187,9 @@ uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_c
     }
     if (persists(&monitor->residual_ticks[1], right, config->residual_ticks)) {
         faults |= JP_FAULT_ENCODER_RIGHT;
+    }
+    if (persists(&monitor->overspeed_ticks, beyond(wheel_rate, config->wheel_rate_limit), config->confirm_ticks)) {
+        faults |= JP_FAULT_OVERSPEED;
     }
     return (uint16_t)faults;
 }

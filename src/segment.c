@@ -46,6 +46,12 @@ struct problem {
 
 enum limit { LIMIT_NONE, LIMIT_SPEED, LIMIT_TURN_RATE };
 
+/* 1/ξ = mantissa 2^exponent, the mantissa 1…2 in Q30; 0 if unknown. */
+struct inverse {
+    uint32_t mantissa;
+    int exponent;
+};
+
 /* J*(x) = min over ξ, and its slope by the envelope theorem. */
 struct evaluation {
     int32_t x;
@@ -54,6 +60,7 @@ struct evaluation {
     int32_t slope;        /* dJ/dx / 16, saturated */
     int32_t slope_inside; /* the same where the limit does not act */
     int32_t idle;         /* P/ξ */
+    struct inverse inverse;
     enum limit limit;
 };
 
@@ -192,7 +199,7 @@ static int bits(int32_t a)
  * Newton on P τ³ − b τ − a with τ = 1/ξ scaled by 2⁻ᵏ, so that the largest root is below 1. From above it converges
  * without overshoot; from anywhere else the first step leads above. Without a root the result has no meaning.
  */
-static int32_t stationary(const struct problem *p, int32_t a, int32_t b, int32_t xi_guess)
+static int32_t stationary(const struct problem *p, int32_t a, int32_t b, const struct inverse *guess)
 {
     int shift = (int)p->power_shift;
     int from_b = (bits(b) + shift - 26) >> 1;
@@ -203,11 +210,14 @@ static int32_t stationary(const struct problem *p, int32_t a, int32_t b, int32_t
     a = shift_signed(a, shift - 3 * k);
     b = shift_signed(b, shift - 2 * k);
     uint32_t unit = (uint32_t)XI_ONE >> k;
-    int32_t tau = xi_guess > 0 && unit < (uint32_t)xi_guess ? fraction(unit, (uint32_t)xi_guess) : XI_ONE;
+    int32_t tau = XI_ONE;
+    if (guess->mantissa != 0 && guess->exponent < k) {
+        tau = (int32_t)(guess->mantissa >> (k - guess->exponent));
+    }
     for (int i = 0; i < INNER_STEPS_MAX; i++) {
         int32_t square = (int32_t)(((int64_t)power * tau >> XI_BITS) * tau >> XI_BITS);
         int32_t numerator = 2 * (int32_t)((int64_t)square * tau >> XI_BITS) + a;
-        int64_t denominator = (int64_t)3 * square - b;
+        int32_t denominator = 3 * square - b;
         int32_t last = tau;
         if (numerator <= 0 || denominator <= 0) {
             tau = denominator <= 0 ? XI_ONE : 1;
@@ -232,8 +242,8 @@ static int32_t energy_at_fixed_arc(const struct problem *p, int32_t a, int32_t b
 }
 
 /* The best ξ at x. */
-static int32_t best_xi(const struct problem *p, int32_t x, int32_t s, const struct arc *arc, int32_t xi_guess,
-                       enum limit *limit)
+static int32_t best_xi(const struct problem *p, int32_t x, int32_t s, const struct arc *arc,
+                       const struct inverse *guess, enum limit *limit)
 {
     int32_t r = arc->shape;
     int32_t rr = multiply31(r, r);
@@ -248,7 +258,7 @@ static int32_t best_xi(const struct problem *p, int32_t x, int32_t s, const stru
     if (slope <= 0 && a >= 0) {
         return high;
     }
-    int32_t xi = stationary(p, a, b, xi_guess);
+    int32_t xi = stationary(p, a, b, guess);
     xi = jp_clamp32(xi, p->xi_min, high);
     if (slope <= 0 && energy_at_fixed_arc(p, a, b, high) <= energy_at_fixed_arc(p, a, b, xi)) {
         return high;
@@ -257,14 +267,29 @@ static int32_t best_xi(const struct problem *p, int32_t x, int32_t s, const stru
     return xi;
 }
 
-/* `inside` is the limit on the inner side of x, where x is a kink. */
-static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, enum limit inside, struct evaluation *e)
+/* `slope` at fixed ξ becomes the slope along a limit, ξ dJ/dξ = push < 0. */
+static int32_t slope_on_limit(int32_t slope, int32_t push, enum limit limit, const struct arc *arc, int32_t x)
+{
+    if (limit == LIMIT_NONE) {
+        return slope;
+    }
+    if (limit == LIMIT_SPEED) {
+        return slope - multiply31(push, arc->stretch);
+    }
+    unsigned zeros;
+    uint32_t inverse = reciprocal(magnitude(x) | 1U, &zeros);
+    int64_t by_turn_rate = ((int64_t)push * inverse) >> (35 - zeros);
+    return jp_saturate32(x > 0 ? slope - by_turn_rate : slope + by_turn_rate);
+}
+
+/* `inside` is the limit on the inner side of x, where x is a kink. Before the call *e holds an evaluation near by. */
+static void evaluate(const struct problem *p, int32_t x, enum limit inside, struct evaluation *e)
 {
     struct arc arc;
     enum limit limit;
     arc_at(x, &arc);
     int32_t s = (int32_t)((uint32_t)p->bearing - (uint32_t)x);
-    int32_t xi = best_xi(p, x, s, &arc, xi_guess, &limit);
+    int32_t xi = best_xi(p, x, s, &arc, &e->inverse, &limit);
     int32_t v = (int32_t)((int64_t)arc.shape * xi >> XI_BITS);
     int32_t w = (int32_t)((int64_t)x * xi >> XI_BITS);
     int32_t friction_v = multiply31(p->fv2, arc.shape);
@@ -275,8 +300,9 @@ static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, enum 
         (int32_t)(((int64_t)p->ww2 * w + (int64_t)p->vw * v + (int64_t)p->ws * s) >> 31) + p->lw + friction_w;
     int32_t by_s = (int32_t)(((int64_t)p->ss2 * s + (int64_t)p->vs * v + (int64_t)p->ws * w) >> 31) + p->ls;
     unsigned zeros;
-    uint32_t inverse = reciprocal((uint32_t)xi, &zeros);
-    e->idle = (int32_t)(((uint64_t)((uint32_t)p->power << zeros) * inverse) >> 32);
+    e->inverse.mantissa = reciprocal((uint32_t)xi, &zeros);
+    e->inverse.exponent = (int)zeros - 2;
+    e->idle = (int32_t)(((uint64_t)((uint32_t)p->power << zeros) * e->inverse.mantissa) >> 32);
     e->x = x;
     e->xi = xi;
     e->energy =
@@ -287,17 +313,10 @@ static void evaluate(const struct problem *p, int32_t x, int32_t xi_guess, enum 
     e->limit = limit;
     e->slope_inside = slope;
     if (limit != LIMIT_NONE) {
-        /* ξ dJ/dξ < 0 pushes against the limit, which moves with x. */
         int32_t push = v_part + (int32_t)(((int64_t)by_w * w) >> 31) -
                        (int32_t)(((int64_t)friction_v * v + (int64_t)friction_w * w) >> 32) - e->idle;
-        int32_t at_speed = slope - multiply31(push, arc.stretch);
-        inverse = reciprocal(magnitude(x) | 1U, &zeros);
-        int64_t by_turn_rate = ((int64_t)push * inverse) >> (35 - zeros);
-        int32_t at_turn_rate = jp_saturate32(x > 0 ? slope - by_turn_rate : slope + by_turn_rate);
-        if (inside != LIMIT_NONE) {
-            e->slope_inside = inside == LIMIT_SPEED ? at_speed : at_turn_rate;
-        }
-        slope = limit == LIMIT_SPEED ? at_speed : at_turn_rate;
+        e->slope_inside = slope_on_limit(slope, push, inside, &arc, x);
+        slope = limit == inside ? e->slope_inside : slope_on_limit(slope, push, limit, &arc, x);
     }
     e->slope = slope;
 }
@@ -548,12 +567,12 @@ static void find_minimum(const struct problem *p, int32_t low, int32_t high, int
     struct search search;
     struct evaluation e;
     begin(&search, low, high);
-    e.xi = 0;
+    e.inverse.mantissa = 0;
     int32_t x = jp_clamp32(-best->x, low, high); /* the mirror image of the other side's minimum */
     bool at_kink = false;
     bool more = true;
     for (; more && *evaluations > 0; (*evaluations)--) {
-        evaluate(p, x, e.xi, search.inside, &e);
+        evaluate(p, x, search.inside, &e);
         if (best->xi == 0 || e.energy < best->energy) {
             *best = e;
         }

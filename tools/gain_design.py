@@ -26,6 +26,8 @@ OFF_AMPERES = 32767.0
 # Encoder steps: twice the wheel speed without load at the supply's voltage, plus what a slow loop may add.
 ENCODER_SPEED_MARGIN = 2.0
 ENCODER_COUNT_MARGIN = 16
+# A runaway is this many times the limit of speed; steps, pushes and braking stay well below.
+OVERSPEED = 2
 CONFIRM_TICKS = 3
 RESIDUAL_TICKS = 50
 
@@ -135,6 +137,8 @@ def monitor_group(robot, to):
         to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 256),
         to.q16("back_emf", back_emf, "V·s/turn", 2**-16, 32767),
         to.q16("half_track", half_track, "wheel turns a body turn", 2**-16, 64),
+        to.q24("wheel_rate_limit", OVERSPEED * robot.positive("limits.speed_m_s") / (
+            TURN * robot.positive("wheel.radius_m")), "turn/s", 2**-24, 127),
         to.q16("current_residual", residual, "A", 2**-16, 32767),
         to.whole("confirm_ticks", CONFIRM_TICKS, "ticks", 1, 65535),
         to.whole("freeze_ticks", robot.number("control.freeze_ticks"), "ticks", 0, 65535),

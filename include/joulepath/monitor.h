@@ -24,7 +24,8 @@ enum jp_fault {
     JP_FAULT_ENCODER_RIGHT = 1 << 5, /**< the right encoder contradicts the right current */
     JP_FAULT_CURRENT_RANGE = 1 << 6,
     JP_FAULT_BUS_VOLTAGE = 1 << 7,
-    JP_FAULT_HARDWARE = 1 << 8 /**< the HAL reported an error */
+    JP_FAULT_HARDWARE = 1 << 8,  /**< the HAL reported an error */
+    JP_FAULT_OVERSPEED = 1 << 9  /**< the wheels run away, as when the gyro is wrong */
 };
 
 /** Pitch rate, yaw rate, acceleration along x and z. */
@@ -42,8 +43,9 @@ struct jp_monitor_config {
     jp_q16 motor_resistance; /**< Rm, Ω; 0.01…256 */
     jp_q16 back_emf;         /**< kb at the wheel, V per turn/s; above 0 */
     jp_q16 half_track;       /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
+    jp_q24 wheel_rate_limit; /**< |mean wheel rate| beyond it is a runaway, turn/s; above 0 */
     jp_q16 current_residual; /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
-    uint16_t confirm_ticks;  /**< ticks until range and jump become faults; at least 1 */
+    uint16_t confirm_ticks;  /**< ticks until range, jump and runaway become faults; at least 1 */
     uint16_t freeze_ticks;   /**< equal readings of an IMU channel until frozen; 0 is off (a simulated ideal IMU) */
     uint16_t residual_ticks; /**< contradicting ticks until an encoder fault; at least 1 */
 };
@@ -53,6 +55,7 @@ struct jp_monitor {
     uint16_t implausible_ticks;
     uint16_t frozen_ticks[JP_IMU_CHANNELS];
     uint16_t residual_ticks[2];
+    uint16_t overspeed_ticks;
     bool started;
 };
 
@@ -68,8 +71,8 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
                             struct jp_sensors *sensors);
 
 /** Compares the currents of `sensors` with the voltages that drove them (left, right) and the rates that the encoders
- *  show: mean of the wheels relative to the body, and yaw; turn/s. Returns the confirmed encoder faults, 0 for none.
- *  Constant time; for the control ISR. */
+ *  show: mean of the wheels relative to the body, and yaw; turn/s. Returns the confirmed encoder and overspeed faults, 0
+ *  for none. Constant time; for the control ISR. */
 uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_config *config,
                            const struct jp_sensors *sensors, const jp_q16 voltages[2], jp_q24 wheel_rate,
                            jp_q24 yaw_rate);

@@ -35,21 +35,22 @@ const struct jp_robot_config jp_robot_courier24 = {
         },
     .monitor =
         {
-            .tilt_limit = 1864135,      /* 0.1111111 turn */
-            .gyro_limit = 23068672,     /* 1.375 turn/s */
-            .gyro_jump = 4660338,       /* 0.2777778 turn/s */
-            .accel_limit = 66437775,    /* 3.96 g */
-            .encoder_jump = 364U,       /* counts a tick */
-            .current_limit = 519045,    /* 7.92 A */
-            .voltage_min = 1179648,     /* 18 V */
-            .voltage_max = 1966080,     /* 30 V */
-            .motor_resistance = 262144, /* 4 Ω */
-            .back_emf = 173718,         /* 2.650719 V·s/turn */
-            .half_track = 109227,       /* 1.666667 wheel turns a body turn */
-            .current_residual = 131072, /* 2 A */
-            .confirm_ticks = 3U,        /* ticks */
-            .freeze_ticks = 50U,        /* ticks */
-            .residual_ticks = 50U,      /* ticks */
+            .tilt_limit = 1864135,        /* 0.1111111 turn */
+            .gyro_limit = 23068672,       /* 1.375 turn/s */
+            .gyro_jump = 1165084,         /* 0.06944444 turn/s */
+            .accel_limit = 66437775,      /* 3.96 g */
+            .encoder_jump = 364U,         /* counts a tick */
+            .current_limit = 519045,      /* 7.92 A */
+            .voltage_min = 1179648,       /* 18 V */
+            .voltage_max = 1966080,       /* 30 V */
+            .motor_resistance = 262144,   /* 4 Ω */
+            .back_emf = 173718,           /* 2.650719 V·s/turn */
+            .half_track = 109227,         /* 1.666667 wheel turns a body turn */
+            .wheel_rate_limit = 59337264, /* 3.536777 turn/s */
+            .current_residual = 32768,    /* 0.5 A */
+            .confirm_ticks = 3U,          /* ticks */
+            .freeze_ticks = 50U,          /* ticks */
+            .residual_ticks = 50U,        /* ticks */
         },
     .meter =
         {

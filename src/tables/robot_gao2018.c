@@ -46,6 +46,7 @@ const struct jp_robot_config jp_robot_gao2018 = {
             .motor_resistance = 438436,     /* 6.69 Ω */
             .back_emf = 192711,             /* 2.940531 V·s/turn */
             .half_track = 76459,            /* 1.166667 wheel turns a body turn */
+            .wheel_rate_limit = 35602358,   /* 2.122066 turn/s */
             .current_residual = 2147418112, /* 32767 A */
             .confirm_ticks = 3U,            /* ticks */
             .freeze_ticks = 0U,             /* ticks */

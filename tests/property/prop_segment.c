@@ -264,8 +264,8 @@ static void randomise_robot(struct jp_energy_model *model)
 {
     static const int powers[JP_ENERGY_TERMS][2] = {{2, 0}, {0, 2}, {0, 0}, {1, 1}, {1, 0}, {0, 1}, {1, 0},
                                                    {0, 1}, {0, 0}, {1, 0}, {0, 1}, {0, 0}, {0, 0}};
-    double speed = log_uniform(0.5, 2);
-    double turn_rate = log_uniform(0.5, 2);
+    double speed = log_uniform(0.8, 1.25);
+    double turn_rate = log_uniform(0.8, 1.25);
     double unit = log_uniform(0.25, 4);
     for (int i = 0; i < JP_ENERGY_TERMS; i++) {
         model->a[i] = scaled(model->a[i], unit * pow(speed, powers[i][0]) * pow(turn_rate, powers[i][1]));

@@ -103,6 +103,8 @@ static void test_checks_every_field_at_its_limits(void)
     FIELD(half_track, 1, NULL);
     FIELD(half_track, JP_Q16(64), NULL);
     FIELD(half_track, JP_Q16(64) + 1, "monitor.half_track");
+    FIELD(wheel_rate_limit, 0, "monitor.wheel_rate_limit");
+    FIELD(wheel_rate_limit, 1, NULL);
     FIELD(current_residual, 0, "monitor.current_residual");
     FIELD(current_residual, 1, NULL);
     FIELD(confirm_ticks, 0, "monitor.confirm_ticks");
@@ -303,6 +305,7 @@ static void test_currents_that_fit_never_contradict(void)
 
 static void test_stopped_encoder_contradicts_its_current(void)
 {
+    config.wheel_rate_limit = JP_Q24(10);
     /* At 5 turn/s 14 V give 0.19 A; from a stopped encoder 3.5 A would be expected. */
     sensors.current_left = JP_Q16(0.19);
     sensors.current_right = JP_Q16(0.19);
@@ -331,6 +334,20 @@ static void test_residual_at_its_limit(void)
     TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_RIGHT, motors(0, 0, 0, 0));
 }
 
+static void test_runaway_on_both_sides_of_its_limit(void)
+{
+    config.current_residual = JP_Q16(1000);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int tick = 1; tick <= 10; tick++) {
+            TEST_ASSERT_EQUAL_HEX16(0, motors(0, 0, sign * config.wheel_rate_limit, 0));
+        }
+        for (int tick = 1; tick <= 10; tick++) {
+            TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_OVERSPEED,
+                                    motors(0, 0, sign * (config.wheel_rate_limit + 1), 0));
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -347,5 +364,6 @@ int main(void)
     RUN_TEST(test_currents_that_fit_never_contradict);
     RUN_TEST(test_stopped_encoder_contradicts_its_current);
     RUN_TEST(test_residual_at_its_limit);
+    RUN_TEST(test_runaway_on_both_sides_of_its_limit);
     return UNITY_END();
 }
