@@ -442,18 +442,45 @@ static void predict_end(const struct jp_telemetry *telemetry, uint32_t tick_rate
     *heading = now + turned;
 }
 
-/** Plans the segment after the current one and hands it over. */
+static enum jp_status optimise(struct jp_robot *robot, const struct jp_motion *before, const struct jp_point *start,
+                               jp_angle heading)
+{
+    return jp_segment_optimise(robot->model, &robot->config->limits, before, start, heading,
+                               &robot->route[robot->route_planned], &robot->planned);
+}
+
+/**
+ * While the shaped reference turns, the robot drives on toward the old heading: by 2τ, the tracker's lag, at the old
+ * speed. As if it had turned at once from a point that much away.
+ */
+static struct jp_point turning_point(const struct jp_robot *robot, const struct jp_motion *before,
+                                     const struct jp_point *start, jp_angle heading)
+{
+    jp_q16 bandwidth = robot->config->reference.yaw_bandwidth;
+    jp_angle turned = heading + jp_angle_from_radians(robot->planned.command.turn);
+    jp_q24 way = bandwidth == 0 ? 0 : jp_q16_divide(jp_add(before->speed, before->speed), bandwidth);
+
+    return (struct jp_point){
+        .x = jp_add(start->x, jp_multiply_shift(way, jp_sub(jp_cos(heading) / 2, jp_cos(turned) / 2), 38)),
+        .y = jp_add(start->y, jp_multiply_shift(way, jp_sub(jp_sin(heading) / 2, jp_sin(turned) / 2), 38)),
+    };
+}
+
+/** Plans the segment after the current one and hands it over: once for the turn, once from where that leads. */
 static enum jp_status plan_next(struct jp_robot *robot, const struct jp_telemetry *telemetry)
 {
-    const struct jp_robot_config *config = robot->config;
+    const struct jp_motion *before = &telemetry->command;
     struct jp_point start;
     jp_angle heading;
 
-    predict_end(telemetry, config->estimator.tick_rate, &start, &heading);
+    predict_end(telemetry, robot->config->estimator.tick_rate, &start, &heading);
 
-    enum jp_status status = jp_segment_optimise(robot->model, &config->limits, &telemetry->command, &start, heading,
-                                                &robot->route[robot->route_planned], &robot->planned);
+    enum jp_status status = optimise(robot, before, &start, heading);
 
+    if (status == JP_OK && before->speed != 0 && robot->config->reference.yaw_bandwidth != 0) {
+        start = turning_point(robot, before, &start, heading);
+        status = optimise(robot, before, &start, heading);
+    }
     if (status == JP_OK) {
         robot->route_planned++;
         status = jp_robot_drive(robot, &robot->planned.command);

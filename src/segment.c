@@ -354,6 +354,18 @@ static int64_t gain(uint32_t slope, uint32_t step)
     return (int64_t)(((uint64_t)slope * step) >> 27);
 }
 
+/* From the nearer end up to four times as far as the cubic's minimum, but not beyond where the tangents meet. */
+static uint32_t overshoot(uint32_t cubic, uint32_t tangents, uint32_t width)
+{
+    if (cubic < width / 2) {
+        uint32_t far = cubic < width / 8 ? 4 * cubic : width / 2;
+        return far < tangents ? far : tangents;
+    }
+    uint32_t left = width - cubic;
+    uint32_t far = width - (left < width / 8 ? 4 * left : width / 2);
+    return far > tangents ? far : tangents;
+}
+
 /* Where in a bracket to look next: at the cubic's minimum, or after a step that narrowed it little, at the tangents'.
  * False if neither promises a gain on `best`. */
 static bool step_inside(struct search *search, const struct evaluation *best, int32_t *x)
@@ -386,6 +398,8 @@ static bool step_inside(struct search *search, const struct evaluation *best, in
     search->flat = flat;
     if (width < search->width_expected) {
         step = cubic_step;
+    } else {
+        step = overshoot(cubic_step, step, width);
     }
     search->width_expected = width - width / 4;
     uint32_t margin = width >> 8;
@@ -520,26 +534,28 @@ static bool step_to_kink(const struct problem *p, struct search *search, int32_t
     return true;
 }
 
-/* Where to look next on the way down from e, before there is a bracket. False if J* cannot fall below `best` there,
- * with a factor of 2 because it is not quite convex. */
+/*
+ * Where to look next on the way down from e, before there is a bracket. False if J* will not fall below `best` there
+ * or hardly at all. J* is not quite convex and the step is a guess, so twice the tangent's fall over twice the step
+ * is allowed for: eight times what a parabola would give.
+ */
 static bool step_down(const struct problem *p, struct search *search, const struct evaluation *e,
                       const struct evaluation *best, int32_t *x)
 {
     int32_t end = e->slope < 0 ? search->high : search->low;
     uint32_t room = e->slope < 0 ? (uint32_t)end - (uint32_t)e->x : (uint32_t)e->x - (uint32_t)end;
     uint32_t slope = magnitude(e->slope);
-    if (e->energy - 2 * gain(slope, room) > best->energy) {
+    uint32_t step = search->slope == 0 ? first_step(p, e) : next_step(search->step, search->slope, slope);
+    if (e->energy - 2 * gain(slope, step < room / 2 ? 2 * step : room) > best->energy ||
+        gain(slope, step) <= e->idle >> GAIN_SHIFT_SMOOTH) {
         return false;
     }
-    search->step = search->slope == 0 ? first_step(p, e) : next_step(search->step, search->slope, slope);
+    search->step = step;
     search->slope = slope;
-    if (gain(slope, search->step) <= e->idle >> GAIN_SHIFT_SMOOTH) {
-        return false;
-    }
-    if (search->step >= room) {
+    if (step >= room) {
         *x = end;
     } else {
-        *x = (int32_t)(e->slope < 0 ? (uint32_t)e->x + search->step : (uint32_t)e->x - search->step);
+        *x = (int32_t)(e->slope < 0 ? (uint32_t)e->x + step : (uint32_t)e->x - step);
     }
     return true;
 }
@@ -713,8 +729,10 @@ static void store(const struct jp_energy_model *model, const struct jp_segment_l
         duration = ceiling_quotient((uint64_t)magnitude(angle) << 16, (uint32_t)limits->turn_rate);
     }
     duration = jp_clamp32(duration, model->settling_time, limits->duration);
-    jp_q24 speed = jp_divide((int64_t)(length << 18), duration);
-    jp_q24 turn_rate = jp_divide((int64_t)angle * 65536, duration);
+    inverse = reciprocal((uint32_t)duration, &zeros);
+    unsigned drop = (length >> 31) == 0 ? 0 : 4;
+    jp_q24 speed = jp_round_shift((int64_t)((length >> drop) * inverse), 44 - zeros - drop);
+    jp_q24 turn_rate = jp_round_shift((int64_t)angle * inverse, 46 - zeros);
     *segment = (struct jp_segment){
         .command = {.motion = {.speed = jp_clamp32(speed, 0, limits->speed),
                                .turn_rate = jp_clamp32(turn_rate, -limits->turn_rate, limits->turn_rate)},

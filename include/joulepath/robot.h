@@ -111,7 +111,7 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
 
 /**
  * A slice of background work: when the current segment nears its end, plans the next one of the route from where the
- * robot will be. At most one jp_segment_optimise(). Returns the first planning failure of the route (the robot then
+ * robot will be. At most two jp_segment_optimise(). Returns the first planning failure of the route (the robot then
  * stops at the end of the segment), else JP_OK. Not for ISRs.
  */
 enum jp_status jp_robot_work(struct jp_robot *robot);
