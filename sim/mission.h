@@ -11,8 +11,8 @@
 #define MISSION_LOG_RATE 50
 
 enum mission_strategy {
-    MISSION_OPTIMAL,  /**< jp_robot_follow: each segment planned for least energy */
-    MISSION_STRAIGHT, /**< straight chords, with the times of the optimal mission */
+    MISSION_OPTIMAL,     /**< jp_robot_follow: each segment planned for least energy */
+    MISSION_STRAIGHT,    /**< straight chords, with the times of the optimal mission */
     MISSION_BEZIER,      /**< energy-optimised cubic Bézier curves, one after the other */
     MISSION_BEZIER_ROUTE /**< energy-optimised cubic Bézier curves, the whole route together */
 };

@@ -15,20 +15,29 @@
  * with v′ = r′ξ, w′ = xξ and thirteen numbers in J, which share one power of two so that the largest has
  * COEFFICIENT_BITS.
  */
-#define COEFFICIENT_BITS     27
-#define FLAT_SHIFT           14
-#define GAIN_SHIFT           15
-#define GAIN_SHIFT_SMOOTH    20
-#define KINK_MARGIN          1024 /* of x: outside the kink in spite of rounding */
-#define XI_ONE               ((int32_t)1 << 30)
-#define XI_BITS              30
-#define HALF_ARC_MAX         ((int32_t)1932735283) /* 162° as a binary angle */
-#define TWO_PI               JP_Q24(6.283185307179586)
-#define INV_PI_Q30           ((int32_t)341782637)
-#define PI_Q29               ((int32_t)1686629713)
+#define COEFFICIENT_BITS 27
+
+#define XI_BITS 30
+#define XI_ONE  ((int32_t)1 << XI_BITS)
+
+#define TWO_PI         JP_Q24(6.283185307179586)
+#define PI_Q29         ((int32_t)1686629713)
+#define FOUR_PI_Q27    PI_Q29
+#define INVERSE_PI_Q30 ((int32_t)341782638)
+
+/* 162° as a binary angle, and sinc there. */
+#define HALF_ARC_MAX         ((int32_t)1932735283)
 #define SINC_ONE             ((int32_t)1 << 29)
 #define SINC_AT_HALF_ARC_MAX ((int32_t)58675913)
-#define FOUR_PI_Q27          ((int32_t)1686629713)
+
+/* Gains below these parts (2⁻ⁿ) of Ps T end the search: between tangents, at a limit, and without a limit, where one
+ * evaluation more also gives the direction of a flat minimum. */
+#define FLAT_SHIFT        14
+#define GAIN_SHIFT        15
+#define GAIN_SHIFT_SMOOTH 20
+
+/* Of x: a point this far outside a kink is outside in spite of rounding. */
+#define KINK_MARGIN 1024
 
 enum { INNER_STEPS_MAX = 8 };
 
@@ -185,7 +194,7 @@ static int32_t xi_limit(const struct problem *p, int32_t x, const struct arc *ar
 
 static int32_t shift_signed(int32_t a, int shift)
 {
-    return shift >= 0 ? (int32_t)((uint32_t)a << shift) : a >> (shift < -31 ? 31 : -shift);
+    return shift >= 0 ? (int32_t)((uint32_t)a << shift) : a >> (shift < -30 ? 30 : -shift);
 }
 
 static int bits(int32_t a)
@@ -430,7 +439,7 @@ static int32_t inverse_sinc(int32_t value)
 /* The x up to ½ where x sinc x = chord in Q30. */
 static int32_t half_arc_of_chord(int32_t chord)
 {
-    int32_t sine = chord >= INV_PI_Q30 ? XI_ONE : (int32_t)((int64_t)chord * PI_Q29 >> 29);
+    int32_t sine = chord >= INVERSE_PI_Q30 ? XI_ONE : (int32_t)((int64_t)chord * PI_Q29 >> 29);
     int32_t square = XI_ONE - (int32_t)((int64_t)sine * sine >> XI_BITS);
     int32_t x = (int32_t)jp_atan2(sine >> 1, (int32_t)(square_root32((uint32_t)square + 1U) << 14));
     int32_t derivative;
@@ -628,7 +637,7 @@ static unsigned excess_bits(uint64_t a)
     return high == 0 ? 0 : 32 - leading_zeros((uint32_t)high);
 }
 
-/* d/Tmin and so on; d in Q22, Tmin in Q16. */
+/* The scaled problem; d in Q22, Tmin in Q16. Every term is in J, Q28. */
 static void build(struct problem *p, const struct jp_energy_model *model, const struct jp_segment_limits *limits,
                   const struct jp_motion *before, const struct jp_voltage_terms *voltage, uint32_t distance,
                   jp_q16 time_min)
@@ -642,37 +651,35 @@ static void build(struct problem *p, const struct jp_energy_model *model, const 
     int32_t w = before->turn_rate;
     int64_t transient_v = ((int64_t)a[0] * 65536 - (int64_t)model->b[0] * model->settling_time) >> 4;
     int64_t transient_w = ((int64_t)a[1] * 65536 - (int64_t)model->b[1] * model->settling_time) >> 4;
-    int64_t term[12];
-    term[0] = jp_term_scale(jp_term_scale(2 * transient_v, speed, 23), speed, 23);
-    term[1] = jp_term_scale(jp_term_scale((int64_t)a[3] * 4096, speed, 23), turn_rate, 24);
-    term[2] = jp_term_scale(jp_term_scale(2 * transient_w, turn_rate, 24), turn_rate, 24);
-    term[3] = jp_term_scale(jp_term_scale((int64_t)a[4] * 4096, speed, 23), PI_Q29, 29);
-    term[4] = jp_term_scale(jp_term_scale((int64_t)a[5] * 4096, turn_rate, 24), PI_Q29, 29);
-    term[5] = jp_term_scale(jp_term_scale((int64_t)a[2] * 8192, PI_Q29, 29), PI_Q29, 29);
-    term[6] = jp_term_scale(voltage->speed - (((int64_t)a[0] * 2 * v + (int64_t)a[3] * w) >> 12), speed, 23);
-    term[7] = jp_term_scale(voltage->turn_rate - (((int64_t)a[1] * 2 * w + (int64_t)a[3] * v) >> 12), turn_rate, 24);
-    term[8] = jp_term_scale(voltage->turn - (((int64_t)a[4] * v + (int64_t)a[5] * w) >> 12), PI_Q29, 29);
-    term[9] = jp_term_scale(jp_term_scale((int64_t)model->b[0] << 13, speed, 23), (int32_t)(distance >> 1), 17);
-    term[10] = jp_term_scale(jp_term_scale((int64_t)model->b[1] << 13, turn_rate, 24), TWO_PI, 24);
-    term[11] = ((int64_t)model->electronics_power * time_min) >> 4;
-    uint64_t doubled = magnitude_bits(term[0]) | magnitude_bits(term[2]) | magnitude_bits(term[5]) | (uint64_t)term[9] |
-                       (uint64_t)term[10];
-    uint64_t single = magnitude_bits(term[1]) | magnitude_bits(term[3]) | magnitude_bits(term[4]) |
-                      magnitude_bits(term[6]) | magnitude_bits(term[7]) | magnitude_bits(term[8]) |
+    int64_t vv2 = jp_term_scale(jp_term_scale(2 * transient_v, speed, 23), speed, 23);
+    int64_t vw = jp_term_scale(jp_term_scale((int64_t)a[3] * 4096, speed, 23), turn_rate, 24);
+    int64_t ww2 = jp_term_scale(jp_term_scale(2 * transient_w, turn_rate, 24), turn_rate, 24);
+    int64_t vs = jp_term_scale(jp_term_scale((int64_t)a[4] * 4096, speed, 23), PI_Q29, 29);
+    int64_t ws = jp_term_scale(jp_term_scale((int64_t)a[5] * 4096, turn_rate, 24), PI_Q29, 29);
+    int64_t ss2 = jp_term_scale(jp_term_scale((int64_t)a[2] * 8192, PI_Q29, 29), PI_Q29, 29);
+    int64_t lv = jp_term_scale(voltage->speed - (((int64_t)a[0] * 2 * v + (int64_t)a[3] * w) >> 12), speed, 23);
+    int64_t lw = jp_term_scale(voltage->turn_rate - (((int64_t)a[1] * 2 * w + (int64_t)a[3] * v) >> 12), turn_rate, 24);
+    int64_t ls = jp_term_scale(voltage->turn - (((int64_t)a[4] * v + (int64_t)a[5] * w) >> 12), PI_Q29, 29);
+    int64_t fv2 = jp_term_scale(jp_term_scale((int64_t)model->b[0] << 13, speed, 23), (int32_t)(distance >> 1), 17);
+    int64_t fw2 = jp_term_scale(jp_term_scale((int64_t)model->b[1] << 13, turn_rate, 24), TWO_PI, 24);
+    int64_t power = ((int64_t)model->electronics_power * time_min) >> 4;
+    uint64_t doubled = magnitude_bits(vv2) | magnitude_bits(ww2) | magnitude_bits(ss2) | (uint64_t)fv2 | (uint64_t)fw2;
+    uint64_t single = magnitude_bits(vw) | magnitude_bits(vs) | magnitude_bits(ws) | magnitude_bits(lv) |
+                      magnitude_bits(lw) | magnitude_bits(ls) |
                       (((uint64_t)(uint32_t)model->electronics_power * (uint32_t)limits->duration) >> 4);
     unsigned shift = excess_bits(single | doubled >> 1);
-    p->vv2 = (int32_t)(term[0] >> shift);
-    p->vw = (int32_t)(term[1] >> shift);
-    p->ww2 = (int32_t)(term[2] >> shift);
-    p->vs = (int32_t)(term[3] >> shift);
-    p->ws = (int32_t)(term[4] >> shift);
-    p->ss2 = (int32_t)(term[5] >> shift);
-    p->lv = (int32_t)(term[6] >> shift);
-    p->lw = (int32_t)(term[7] >> shift);
-    p->ls = (int32_t)(term[8] >> shift);
-    p->fv2 = (int32_t)(term[9] >> shift);
-    p->fw2 = (int32_t)(term[10] >> shift);
-    p->power = (int32_t)(term[11] >> shift);
+    p->vv2 = (int32_t)(vv2 >> shift);
+    p->vw = (int32_t)(vw >> shift);
+    p->ww2 = (int32_t)(ww2 >> shift);
+    p->vs = (int32_t)(vs >> shift);
+    p->ws = (int32_t)(ws >> shift);
+    p->ss2 = (int32_t)(ss2 >> shift);
+    p->lv = (int32_t)(lv >> shift);
+    p->lw = (int32_t)(lw >> shift);
+    p->ls = (int32_t)(ls >> shift);
+    p->fv2 = (int32_t)(fv2 >> shift);
+    p->fw2 = (int32_t)(fw2 >> shift);
+    p->power = (int32_t)(power >> shift);
     p->power = p->power < 1 ? 1 : p->power;
     p->power_shift = leading_zeros((uint32_t)p->power) - 3;
     uint32_t half_limit = (uint32_t)limits->speed >> 1;
@@ -775,6 +782,16 @@ static jp_q16 shortest_duration(const struct jp_energy_model *model, const struc
                : ceiling_quotient(scaled, (uint32_t)limits->speed);
 }
 
+/* The limit of |σ| as a binary angle, rounded to the safe side. */
+static int32_t largest_turn(const struct jp_segment_limits *limits)
+{
+    jp_angle turn = jp_angle_from_radians(limits->turn);
+    if (turn == 0) {
+        return 0;
+    }
+    return turn > INT32_MAX ? INT32_MAX : (int32_t)(turn - 1U);
+}
+
 enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const struct jp_segment_limits *limits,
                                    const struct jp_motion *before, const struct jp_point *start, jp_angle heading,
                                    const struct jp_point *target, struct jp_segment *segment)
@@ -799,9 +816,7 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
     jp_angle bearing = direction - heading;
     p.bearing = (int32_t)bearing;
     int32_t reach = longest_half_arc(&p);
-    uint32_t turn_angle = jp_angle_from_radians(limits->turn);
-    int64_t turn = turn_angle > INT32_MAX ? INT32_MAX : turn_angle;
-    turn = turn > 0 && turn < INT32_MAX ? turn - 1 : turn;
+    int64_t turn = largest_turn(limits);
     int evaluations = JP_SEGMENT_EVALUATIONS;
     struct evaluation best;
     best.x = 0;
@@ -825,7 +840,7 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
     struct jp_segment result;
     store(model, limits, distance, bearing, time_min, &best, &result);
     status = jp_energy_total(model, before, &voltage, &result.command, &result.energy);
-    if (status == JP_OK && result.energy <= 0) {
+    if (result.energy <= 0) {
         return JP_ERR_MODEL;
     }
     *segment = result;

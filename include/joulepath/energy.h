@@ -46,16 +46,17 @@ struct jp_segment_command {
 /** The published parameters (paper Table 2). */
 extern const struct jp_energy_model jp_energy_model_published;
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null.
+ *  Not for ISRs. */
 enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const char **field);
 
 /**
  * Energy in J of a segment after the settled motion `before` (eq. 19).
  *
- * JP_ERR_ARGUMENT: T < Ts, or a field outside its range; *energy is not written.
+ * JP_ERR_ARGUMENT: T < Ts, a field outside its range, or a null pointer; *energy is not written.
  * JP_ERR_OVERFLOW: |E| > 32 767 J; *energy is saturated.
  * Error against exact arithmetic on the same inputs: at most 0.001 J for motions within 1 m/s and 1 rad/s.
- * About 60 multiplications and one division; may be called from an ISR.
+ * P₋ saturates at 2²⁰ W. About 50 multiplications and one 64-bit division; may be called from an ISR.
  */
 enum jp_status jp_energy_predict(const struct jp_energy_model *model, const struct jp_motion *before,
                                  const struct jp_segment_command *segment, jp_q16 *energy);

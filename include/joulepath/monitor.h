@@ -24,8 +24,8 @@ enum jp_fault {
     JP_FAULT_ENCODER_RIGHT = 1 << 5, /**< the right encoder contradicts the right current */
     JP_FAULT_CURRENT_RANGE = 1 << 6,
     JP_FAULT_BUS_VOLTAGE = 1 << 7,
-    JP_FAULT_HARDWARE = 1 << 8,  /**< the HAL reported an error */
-    JP_FAULT_OVERSPEED = 1 << 9  /**< the wheels run away, as when the gyro is wrong */
+    JP_FAULT_HARDWARE = 1 << 8, /**< the HAL reported an error */
+    JP_FAULT_OVERSPEED = 1 << 9 /**< the wheels run away, as when the gyro is wrong */
 };
 
 /** Pitch rate, yaw rate, acceleration along x and z. */
@@ -71,8 +71,8 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
                             struct jp_sensors *sensors);
 
 /** Compares the currents of `sensors` with the voltages that drove them (left, right) and the rates that the encoders
- *  show: mean of the wheels relative to the body, and yaw; turn/s. Returns the confirmed encoder and overspeed faults, 0
- *  for none. Constant time; for the control ISR. */
+ *  show: mean of the wheels relative to the body, and yaw; turn/s. Returns the confirmed encoder and overspeed faults,
+ * 0 for none. Constant time; for the control ISR. */
 uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_config *config,
                            const struct jp_sensors *sensors, const jp_q16 voltages[2], jp_q24 wheel_rate,
                            jp_q24 yaw_rate);

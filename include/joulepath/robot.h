@@ -131,7 +131,8 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
 
 /**
  * Drives through `route`, each segment planned for least energy; the array must stay until the robot stands.
- * Replaces an earlier route and a segment that waits. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
+ * Replaces an earlier route and a segment that waits. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing
+ * nor driving.
  */
 enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *route, uint16_t length);
 

@@ -14,7 +14,7 @@
 
 #include <joulepath/energy.h>
 
-/** Largest arc angle, rad (324°): beyond it an arc is more than five times its chord. */
+/** Largest arc angle, rad (324°): beyond it an arc is more than nine times its chord. */
 #define JP_ARC_ANGLE_MAX JP_Q24(5.654866776461628)
 
 /** Targets nearer than this, m, have no direction. */
@@ -23,17 +23,17 @@
 /** Targets farther than this, m, are outside the arithmetic. */
 #define JP_SEGMENT_LENGTH_MAX JP_Q16(512)
 
-/** Shorter segments are not planned, s. */
+/** Shorter segments are not planned, s, whatever Ts. */
 #define JP_SEGMENT_DURATION_MIN JP_Q16(0.125)
 
-/** Evaluations of the model in one jp_segment_optimise(). */
+/** Most evaluations of the energy over one duration-optimal arc in one jp_segment_optimise(). */
 #define JP_SEGMENT_EVALUATIONS 10
 
 struct jp_segment_limits {
     jp_q24 speed;     /**< v, m/s; above 0, at most 8 */
     jp_q24 turn_rate; /**< |w|, rad/s; above 0, at most 8 */
     jp_q24 turn;      /**< |σ|, rad; 0…π */
-    jp_q16 duration;  /**< T, s; at least Ts, at most 16 384 */
+    jp_q16 duration;  /**< T, s; at least Ts and JP_SEGMENT_DURATION_MIN, at most 16 384 */
 };
 
 /** A planned segment. */
@@ -59,21 +59,29 @@ enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, c
  * The model and the limits must have passed their checks.
  *
  * JP_ERR_ZERO_LENGTH: start and target are nearer than JP_SEGMENT_LENGTH_MIN.
- * JP_ERR_ARGUMENT: they are farther than JP_SEGMENT_LENGTH_MAX, or `before` is out of its range.
+ * JP_ERR_ARGUMENT: they are farther than JP_SEGMENT_LENGTH_MAX, `before` is out of its range, or a pointer is null.
  * JP_ERR_INFEASIBLE: no arc satisfies the limits (σ cannot reach the bearing, or the arc takes longer than the
- * duration allows).
- * JP_ERR_MODEL: the model has no minimum over T (its energy falls without bound as T → 0 outside the limits).
- * On failure *segment is not written.
+ * duration allows); within 1e-4 of a limit either answer is possible.
+ * JP_ERR_MODEL: the least energy is not above 0, which no physical robot reaches.
+ * On these failures *segment is not written.
+ * JP_ERR_OVERFLOW: the energy exceeds 32 767 J: *segment is written with the energy saturated.
  *
- * Energy within 1.0001 of the minimum over the feasible set. At most JP_SEGMENT_EVALUATIONS 10
- * model, no other loop; Cortex-M4 instructions are in the README. For jp_robot_work(), not for ISRs.
+ * The stored v, w, σ and T are within the limits to the last bit. Driven as stored they end within
+ * 1e-5 d + 1e-5 m + T 2⁻²⁴ (1/s) (d + 1 m) of the target. If the target may be reached round the left and round the
+ * right, both are searched; exactly behind, the answer is the same every time.
+ * The energy is within 1.0001 of the minimum over the feasible set for the published robot and its like (each
+ * parameter 10 % off, Ts from 4 s to 8 s); tests/property/prop_segment.c measures it. A model whose energy has two
+ * minima over γ on one side, as may be with a Ts far below the duration, can get the lesser one.
+ * At most JP_SEGMENT_EVALUATIONS evaluations, no other unbounded loop; Cortex-M4 instructions are in the README.
+ * For jp_robot_work(), not for ISRs.
  */
 enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const struct jp_segment_limits *limits,
                                    const struct jp_motion *before, const struct jp_point *start, jp_angle heading,
                                    const struct jp_point *target, struct jp_segment *segment);
 
 /** Where a segment from (start, heading) ends; the heading after it is heading + σ + γ. JP_ERR_OVERFLOW: the end
- *  does not fit ±32 767 m; *end is saturated. */
+ *  does not fit ±32 767 m; *end is saturated. JP_ERR_ARGUMENT: a pointer is null. `end` may be `start`,
+ *  `end_heading` may point to the heading's variable. */
 enum jp_status jp_segment_end(const struct jp_segment *segment, const struct jp_point *start, jp_angle heading,
                               struct jp_point *end, jp_angle *end_heading);
 

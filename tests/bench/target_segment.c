@@ -4,7 +4,7 @@
 #include "cycles.h"
 #include "target.h"
 
-enum { COUNT = 20000, SEED = 99, BAR = 8000 };
+enum { COUNT = 5000, SEED = 7, BAR = 8000 };
 
 struct input {
     struct jp_segment_limits limits;

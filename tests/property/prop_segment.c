@@ -58,7 +58,7 @@ struct row {
 
 static uint64_t seed = 1;
 static uint64_t random_state;
-static unsigned long count = 400;
+static unsigned long count = 2000;
 static struct kind kinds[] = {
     {.name = "paper's limits"},
     {.name = "random limits", .random_limits = true},
