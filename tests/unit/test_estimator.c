@@ -2,14 +2,13 @@
 #include <joulepath/estimator.h>
 #include <joulepath/robot.h>
 
+#include "config_check.h"
 #include "unity.h"
 
 #define TICKS_PER_SECOND 1000
 #define GYRO_BIAS_MAX    JP_Q24(0.05)
 
 extern const struct jp_robot_config jp_robot_gao2018;
-extern const struct jp_robot_config jp_robot_courier24;
-
 static struct jp_estimator_config config;
 static struct jp_estimator estimator;
 static struct jp_sensors sensors;
@@ -35,26 +34,7 @@ static void update(void)
     jp_estimator_update(&estimator, &config, &sensors, &state);
 }
 
-static void expect_config(const char *expected)
-{
-    const char *field = "";
-    enum jp_status status = jp_estimator_check(&config, &field);
-
-    if (expected == NULL) {
-        TEST_ASSERT_EQUAL_INT(JP_OK, status);
-        TEST_ASSERT_NULL(field);
-    } else {
-        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, status);
-        TEST_ASSERT_EQUAL_STRING(expected, field);
-    }
-    config = jp_robot_courier24.estimator;
-}
-
-#define FIELD(member, value, expected)                                                                                 \
-    do {                                                                                                               \
-        config.member = (value);                                                                                       \
-        expect_config(expected);                                                                                       \
-    } while (0)
+DEFINE_EXPECT_CONFIG(estimator)
 
 static void test_checks_every_field_at_its_limits(void)
 {

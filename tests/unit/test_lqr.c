@@ -2,9 +2,8 @@
 #include <joulepath/lqr.h>
 #include <joulepath/robot.h>
 
+#include "config_check.h"
 #include "unity.h"
-
-extern const struct jp_robot_config jp_robot_courier24;
 
 #define TURN ((int64_t)JP_PHASE_TURN)
 
@@ -43,26 +42,7 @@ static void expect(jp_q16 left, jp_q16 right, bool saturated)
     TEST_ASSERT_TRUE(voltages.saturated == saturated);
 }
 
-static void expect_config(const char *expected)
-{
-    const char *field = "";
-    enum jp_status status = jp_lqr_check(&config, &field);
-
-    if (expected == NULL) {
-        TEST_ASSERT_EQUAL_INT(JP_OK, status);
-        TEST_ASSERT_NULL(field);
-    } else {
-        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, status);
-        TEST_ASSERT_EQUAL_STRING(expected, field);
-    }
-    config = jp_robot_courier24.lqr;
-}
-
-#define FIELD(member, value, expected)                                                                                 \
-    do {                                                                                                               \
-        config.member = (value);                                                                                       \
-        expect_config(expected);                                                                                       \
-    } while (0)
+DEFINE_EXPECT_CONFIG(lqr)
 
 #define COMMON_ROW     "lqr.wheel, pitch, wheel_rate, pitch_rate, wheel_integral"
 #define DIFFERENCE_ROW "lqr.yaw, yaw_rate, yaw_integral"

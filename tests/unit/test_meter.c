@@ -2,11 +2,10 @@
 #include <joulepath/meter.h>
 #include <joulepath/robot.h>
 
+#include "config_check.h"
 #include "unity.h"
 
 #define JOULE ((int64_t)1 << 32)
-
-extern const struct jp_robot_config jp_robot_courier24;
 
 static struct jp_meter_config config;
 static struct jp_meter meter;
@@ -33,26 +32,7 @@ static void update(jp_q16 left, jp_q16 right, jp_q16 current_left, jp_q16 curren
     jp_meter_update(&meter, voltages, currents);
 }
 
-static void expect_config(const char *expected)
-{
-    const char *field = "";
-    enum jp_status status = jp_meter_check(&config, &field);
-
-    if (expected == NULL) {
-        TEST_ASSERT_EQUAL_INT(JP_OK, status);
-        TEST_ASSERT_NULL(field);
-    } else {
-        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, status);
-        TEST_ASSERT_EQUAL_STRING(expected, field);
-    }
-    config = jp_robot_courier24.meter;
-}
-
-#define FIELD(member, value, expected)                                                                                 \
-    do {                                                                                                               \
-        config.member = (value);                                                                                       \
-        expect_config(expected);                                                                                       \
-    } while (0)
+DEFINE_EXPECT_CONFIG(meter)
 
 static void test_checks_every_field_at_its_limits(void)
 {

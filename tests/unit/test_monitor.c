@@ -2,9 +2,8 @@
 #include <joulepath/monitor.h>
 #include <joulepath/robot.h>
 
+#include "config_check.h"
 #include "unity.h"
-
-extern const struct jp_robot_config jp_robot_courier24;
 
 static struct jp_monitor_config config;
 static struct jp_monitor monitor;
@@ -48,26 +47,7 @@ static void see_good(void)
     TEST_ASSERT_EQUAL_MEMORY(&good, &sensors, sizeof good);
 }
 
-static void expect_config(const char *expected)
-{
-    const char *field = "";
-    enum jp_status status = jp_monitor_check(&config, &field);
-
-    if (expected == NULL) {
-        TEST_ASSERT_EQUAL_INT(JP_OK, status);
-        TEST_ASSERT_NULL(field);
-    } else {
-        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, status);
-        TEST_ASSERT_EQUAL_STRING(expected, field);
-    }
-    config = jp_robot_courier24.monitor;
-}
-
-#define FIELD(member, value, expected)                                                                                 \
-    do {                                                                                                               \
-        config.member = (value);                                                                                       \
-        expect_config(expected);                                                                                       \
-    } while (0)
+DEFINE_EXPECT_CONFIG(monitor)
 
 static void test_checks_every_field_at_its_limits(void)
 {

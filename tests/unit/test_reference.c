@@ -2,11 +2,10 @@
 #include <joulepath/reference.h>
 #include <joulepath/robot.h>
 
+#include "config_check.h"
 #include "unity.h"
 
 extern const struct jp_robot_config jp_robot_gao2018;
-extern const struct jp_robot_config jp_robot_courier24;
-
 static struct jp_reference_config config;
 static struct jp_reference reference;
 
@@ -38,26 +37,7 @@ static void run(int32_t ticks)
     }
 }
 
-static void expect_config(const char *expected)
-{
-    const char *field = "";
-    enum jp_status status = jp_reference_check(&config, &field);
-
-    if (expected == NULL) {
-        TEST_ASSERT_EQUAL_INT(JP_OK, status);
-        TEST_ASSERT_NULL(field);
-    } else {
-        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, status);
-        TEST_ASSERT_EQUAL_STRING(expected, field);
-    }
-    config = jp_robot_courier24.reference;
-}
-
-#define FIELD(member, value, expected)                                                                                 \
-    do {                                                                                                               \
-        config.member = (value);                                                                                       \
-        expect_config(expected);                                                                                       \
-    } while (0)
+DEFINE_EXPECT_CONFIG(reference)
 
 static void test_checks_every_field_at_its_limits(void)
 {
