@@ -191,7 +191,7 @@ def draw_path(strategies, waypoints):
         inset.tick_params(labelsize=8)
         inset.set_title("corner, enlarged", fontsize=9, fontweight="normal")
         axes.indicate_inset_zoom(inset, edgecolor=plots.GREY)
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=4)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=3)
     else:
         axes.legend()
     return figure
@@ -270,7 +270,7 @@ def draw_energy(strategies):
         total.plot(s.log["t_s"], s.log["energy_j"], s.style, color=s.colour, label=label)
     total.set_xlabel("time, s")
     total.set_ylabel("E, J")
-    _legend_above(total)
+    total.legend(loc="upper left")
     if others:
         extra = axes[1, 0]
         extra.axhline(0, color=first.colour)
