@@ -10,12 +10,14 @@ JOBS     ?= $(shell nproc)
 
 # Set-up makes .venv after this line is read; only without set-up can it be absent.
 PYTHON ?= $(if $(filter skip,$(JP_SETUP)),$(or $(wildcard .venv/bin/python),python3),.venv/bin/python)
+# Pinned too: other versions of clang-format format otherwise.
+CLANG_FORMAT ?= $(if $(filter skip,$(JP_SETUP)),$(or $(wildcard .venv/bin/clang-format),clang-format),.venv/bin/clang-format)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SECONDARY:
 MAKEFLAGS += --no-builtin-rules --no-print-directory
-export JP_SETUP JOBS
+export JP_SETUP JOBS CLANG_FORMAT
 export JP_BUILD := $(abspath $(BUILD))
 
 # ---- Settings: what each variant is compiled with -------------------------------------------------------------------
@@ -212,12 +214,14 @@ identify: ## identify the energy model of ROBOT=name in the simulator: src/table
 .PHONY: figures
 figures: ## run the benches and write their figures to build/figures.json and the README
 	@tools/setup.sh test
-	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) $(TARGET_BENCHES:%=$(BUILD)/bench/%)
+	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) $(TARGET_BENCHES:%=$(BUILD)/bench/%) \
+	    $(BUILD)/host-gcc/prop_segment
 	@rm -f $(BUILD)/bench/*.json
 	@set -e; for b in $(BENCHES); do \
 	    echo "  BENCH $$b"; $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json; done
 	@set -e; for b in $(TARGET_BENCHES); do \
 	    echo "  BENCH $$b"; $(RUN.cortex-m4) $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json </dev/null; done
+	$(BUILD)/host-gcc/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
 	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
 	$(PYTHON) tools/identify.py gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
 	$(PYTHON) tools/figures.py
@@ -324,7 +328,7 @@ size: $(foreach v,cortex-m4 cortex-m0,$(BUILD)/$v/libjoulepath.a) ## flash and R
 
 .PHONY: format
 format: ## format the C sources
-	find include src hal sim tests -name '*.[ch]' -exec clang-format -i {} +
+	find include src hal sim tests -name '*.[ch]' -exec $(CLANG_FORMAT) -i {} +
 
 .PHONY: clean
 clean: ## remove build/

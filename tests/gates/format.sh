@@ -3,7 +3,7 @@
 . "$(dirname "$0")/gate.sh"
 
 formatted() {
-    clang-format --dry-run -Werror "$1"
+    "${CLANG_FORMAT:-clang-format}" --dry-run -Werror "$1"
 }
 export -f formatted
 

@@ -367,11 +367,14 @@ static bool write_json(const char *path)
     if (file == NULL) {
         return false;
     }
-    fprintf(file, "{");
     for (size_t i = 0; i < result_count; i++) {
-        fprintf(file, "%s\n  \"%s\": %.9f", i > 0 ? "," : "", results[i].name, results[i].worst);
+        const struct result *r = &results[i];
+        fprintf(file,
+                "%s\n {\"name\": \"fixed point: %s, worst of %llu inputs\", \"value\": %.9f, \"unit\": \"%s\", "
+                "\"bound\": {\"op\": \"<=\", \"value\": %g}, \"command\": \"make figures\"}",
+                i > 0 ? "," : "[", r->name, (unsigned long long)r->inputs, r->worst, r->unit, r->bound);
     }
-    fprintf(file, "\n}\n");
+    fprintf(file, "\n]\n");
     return fclose(file) == 0;
 }
 
