@@ -164,6 +164,11 @@ $(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(BUILD)/host/libsim.a $(BUILD)/h
 $(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libjoulepath.a
 	$(call link_host,host)
 
+# Property tests at bench length, without the sanitizers.
+$(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libjoulepath.a \
+                       $(UNITY_SOURCE:%=$(BUILD)/host/unity.o)
+	$(call link_host,host)
+
 $(BUILD)/bench/target_%: $(BUILD)/cortex-m4/tests/bench/target_%.o $(TARGET_SUPPORT:%.c=$(BUILD)/cortex-m4/%.o) \
                          $(BUILD)/cortex-m4/libjoulepath.a
 	$(call link_target,cortex-m4)
@@ -215,13 +220,14 @@ identify: ## identify the energy model of ROBOT=name in the simulator: src/table
 figures: ## run the benches and write their figures to build/figures.json and the README
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) $(TARGET_BENCHES:%=$(BUILD)/bench/%) \
-	    $(BUILD)/host-gcc/prop_segment
+	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed
 	@rm -f $(BUILD)/bench/*.json
 	@set -e; for b in $(BENCHES); do \
 	    echo "  BENCH $$b"; $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json; done
 	@set -e; for b in $(TARGET_BENCHES); do \
-	    echo "  BENCH $$b"; $(RUN.cortex-m4) $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json </dev/null; done
-	$(BUILD)/host-gcc/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
+	    echo "  BENCH $$b"; $(RUN.cortex-m4) $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json 2>&1 </dev/null; done
+	$(BUILD)/bench/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
+	$(BUILD)/bench/prop_fixed --exhaustive --json $(BUILD)/bench/fixed.json
 	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
 	$(PYTHON) tools/identify.py gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
 	$(PYTHON) tools/figures.py

@@ -8,7 +8,7 @@ enum jp_status {
     JP_ERR_CONFIG = -2,      /**< a configuration field is outside its range; the call names the field */
     JP_ERR_INFEASIBLE = -3,  /**< no motion satisfies every limit */
     JP_ERR_ZERO_LENGTH = -4, /**< start and target coincide: there is no segment to drive */
-    JP_ERR_MODEL = -5,       /**< the energy model has no minimum: its parameters are not physical */
+    JP_ERR_MODEL = -5,       /**< the energy model's least energy is not above 0: its parameters are not physical */
     JP_ERR_OVERFLOW = -6,    /**< the result does not fit its format; the saturated value is stored */
     JP_ERR_STATE = -7,       /**< not allowed in the present state of the robot */
     JP_ERR_BUSY = -8,        /**< an earlier command still waits to start */

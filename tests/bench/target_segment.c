@@ -1,4 +1,4 @@
-/** Instructions of one jp_segment_optimise() on Cortex-M4: the worst and the mean over random inputs. */
+/** Instructions of one jp_segment_optimise() on Cortex-M4: the worst over random inputs. */
 #include <joulepath/segment.h>
 
 #include "cycles.h"
@@ -69,30 +69,20 @@ static void optimise(void *argument)
 
 int main(void)
 {
-    uint64_t sum = 0;
     uint32_t worst = 0;
-    int worst_index = 0;
 
     for (int i = 0; i < COUNT; i++) {
         struct input input = random_input();
         uint32_t instructions = target_count_instructions(optimise, &input);
 
-        sum += instructions;
-        if (instructions > worst) {
-            worst = instructions;
-            worst_index = i;
-        }
+        worst = instructions > worst ? instructions : worst;
     }
-    target_print("jp_segment_optimise: worst ");
-    target_print_number(worst);
-    target_print(", mean ");
-    target_print_number((uint32_t)(sum / COUNT));
-    target_print(" instructions over ");
+    target_print("[\n{\"name\": \"Cortex-M4: segment optimiser, worst of ");
     target_print_number(COUNT);
-    target_print(" inputs (seed ");
-    target_print_number(SEED);
-    target_print("; the worst is input ");
-    target_print_number((uint32_t)worst_index);
-    target_print(")\n");
-    return worst > BAR;
+    target_print(" inputs\", \"value\": ");
+    target_print_number(worst);
+    target_print(", \"unit\": \"instructions\", \"bound\": {\"op\": \"<=\", \"value\": ");
+    target_print_number(BAR);
+    target_print("}, \"command\": \"make figures\"}\n]\n");
+    return 0;
 }

@@ -1,0 +1,180 @@
+#include "segment_problem.h"
+
+#include "segment_arc.h"
+#include "segment_math.h"
+
+#define TWO_PI JP_Q24(6.283185307179586)
+#define PI_Q29 ((int32_t)1686629713)
+
+/* Of the largest coefficient: sums of a few products with fractions still fit 32 bits. */
+#define COEFFICIENT_BITS 27
+
+/* What turns the unknowns into speeds. */
+struct units {
+    uint32_t speed;     /* below 2³¹: 16 d/Tmin in Q23 */
+    uint32_t turn_rate; /* below 2³¹: 2π/Tmin in Q24 */
+};
+
+/* The coefficients in Q28. */
+struct terms {
+    int64_t vv2, vw, ww2, vs, ws, ss2, lv, lw, ls, fv2, fw2, power;
+};
+
+static struct units units_of(uint32_t distance, jp_q16 time_min)
+{
+    unsigned zeros;
+    uint32_t inverse = reciprocal((uint32_t)time_min, &zeros);
+
+    return (struct units){
+        .speed = (uint32_t)(((uint64_t)distance * inverse) >> (41 - zeros)),
+        .turn_rate = (uint32_t)(((uint64_t)(uint32_t)TWO_PI * inverse) >> (46 - zeros)),
+    };
+}
+
+/* jp_term_scale() for a factor that is not negative, which takes fewer instructions. */
+static int64_t scale_by(int64_t a, uint32_t factor, unsigned shift)
+{
+    int64_t high = (a >> 32) * (int32_t)factor;
+    uint64_t low = (uint64_t)(uint32_t)a * factor;
+
+    return high * ((int64_t)1 << (32 - shift)) + (int64_t)(low >> shift);
+}
+
+static int64_t per_speed(int64_t a, const struct units *units)
+{
+    return scale_by(a, units->speed, 23);
+}
+
+static int64_t per_turn_rate(int64_t a, const struct units *units)
+{
+    return scale_by(a, units->turn_rate, 24);
+}
+
+static int64_t per_half_turn(int64_t a)
+{
+    return scale_by(a, PI_Q29, 29);
+}
+
+/* The friction during Ts, which E does not count, is taken from the squares of v and w. */
+static void quadratic_terms(struct terms *t, const struct jp_energy_model *model, const struct units *units)
+{
+    const jp_q16 *a = model->a;
+    int64_t transient_v = ((int64_t)a[0] * 65536 - (int64_t)model->b[0] * model->settling_time) >> 4;
+    int64_t transient_w = ((int64_t)a[1] * 65536 - (int64_t)model->b[1] * model->settling_time) >> 4;
+
+    t->vv2 = per_speed(per_speed(2 * transient_v, units), units);
+    t->vw = per_turn_rate(per_speed((int64_t)a[3] * 4096, units), units);
+    t->ww2 = per_turn_rate(per_turn_rate(2 * transient_w, units), units);
+    t->vs = per_half_turn(per_speed((int64_t)a[4] * 4096, units));
+    t->ws = per_half_turn(per_turn_rate((int64_t)a[5] * 4096, units));
+    t->ss2 = per_half_turn(per_half_turn((int64_t)a[2] * 8192));
+}
+
+static void linear_terms(struct terms *t, const struct jp_energy_model *model, const struct jp_motion *before,
+                         const struct jp_voltage_terms *voltage, const struct units *units)
+{
+    const jp_q16 *a = model->a;
+    int32_t v = before->speed;
+    int32_t w = before->turn_rate;
+
+    t->lv = per_speed(voltage->speed - (((int64_t)a[0] * 2 * v + (int64_t)a[3] * w) >> 12), units);
+    t->lw = per_turn_rate(voltage->turn_rate - (((int64_t)a[1] * 2 * w + (int64_t)a[3] * v) >> 12), units);
+    t->ls = per_half_turn(voltage->turn - (((int64_t)a[4] * v + (int64_t)a[5] * w) >> 12));
+}
+
+/* v² T is the speed times the length of the arc. */
+static void friction_terms(struct terms *t, const struct jp_energy_model *model, uint32_t distance,
+                           const struct units *units)
+{
+    t->fv2 = scale_by(per_speed((int64_t)model->b[0] << 13, units), distance >> 1, 17);
+    t->fw2 = scale_by(per_turn_rate((int64_t)model->b[1] << 13, units), TWO_PI, 24);
+}
+
+/* Has the highest bit of a, or of −a − 1. */
+static uint64_t magnitude_bits(int64_t a)
+{
+    uint64_t sign = 0U - (uint64_t)(a < 0);
+
+    return (uint64_t)a ^ sign;
+}
+
+/* How far right a must go to have COEFFICIENT_BITS. */
+static unsigned excess_bits(uint64_t a)
+{
+    uint64_t high = a >> COEFFICIENT_BITS;
+
+    if ((high >> 32) != 0) {
+        return 64 - leading_zeros((uint32_t)(high >> 32));
+    }
+    return high == 0 ? 0 : 32 - leading_zeros((uint32_t)high);
+}
+
+/* So that every coefficient and P/ξ at the longest duration fit. */
+static unsigned common_shift(const struct terms *t, uint64_t longest_idle)
+{
+    uint64_t doubled =
+        magnitude_bits(t->vv2) | magnitude_bits(t->ww2) | magnitude_bits(t->ss2) | (uint64_t)t->fv2 | (uint64_t)t->fw2;
+    uint64_t single = magnitude_bits(t->vw) | magnitude_bits(t->vs) | magnitude_bits(t->ws) | magnitude_bits(t->lv) |
+                      magnitude_bits(t->lw) | magnitude_bits(t->ls) | longest_idle;
+
+    return excess_bits(single | doubled >> 1);
+}
+
+static void scale(struct jp_segment_problem *p, const struct terms *t, unsigned shift)
+{
+    p->vv2 = (int32_t)(t->vv2 >> shift);
+    p->vw = (int32_t)(t->vw >> shift);
+    p->ww2 = (int32_t)(t->ww2 >> shift);
+    p->vs = (int32_t)(t->vs >> shift);
+    p->ws = (int32_t)(t->ws >> shift);
+    p->ss2 = (int32_t)(t->ss2 >> shift);
+    p->lv = (int32_t)(t->lv >> shift);
+    p->lw = (int32_t)(t->lw >> shift);
+    p->ls = (int32_t)(t->ls >> shift);
+    p->fv2 = (int32_t)(t->fv2 >> shift);
+    p->fw2 = (int32_t)(t->fw2 >> shift);
+    p->power = (int32_t)(t->power >> shift);
+    p->power = p->power < 1 ? 1 : p->power;
+    p->power_shift = leading_zeros((uint32_t)p->power) - 3;
+}
+
+void jp_segment_problem_build(struct jp_segment_problem *p, const struct jp_energy_model *model,
+                              const struct jp_segment_limits *limits, const struct jp_motion *before,
+                              const struct jp_voltage_terms *voltage, uint32_t distance, jp_angle bearing,
+                              jp_q16 time_min)
+{
+    struct units units = units_of(distance, time_min);
+    struct terms t;
+    uint64_t longest_idle = ((uint64_t)(uint32_t)model->electronics_power * (uint32_t)limits->duration) >> 4;
+
+    quadratic_terms(&t, model, &units);
+    linear_terms(&t, model, before, voltage, &units);
+    friction_terms(&t, model, distance, &units);
+    t.power = ((int64_t)model->electronics_power * time_min) >> 4;
+    scale(p, &t, common_shift(&t, longest_idle));
+    p->bearing = (int32_t)bearing;
+    p->speed_limit = quotient31(limits->speed >> 1, (int32_t)units.speed);
+    p->turn_rate_limit = quotient31(limits->turn_rate, (int32_t)units.turn_rate);
+    p->xi_min = fraction30((uint32_t)time_min, (uint32_t)limits->duration);
+}
+
+int32_t jp_segment_longest_half_arc(const struct jp_segment_problem *p)
+{
+    int32_t x = JP_HALF_ARC_MAX;
+    int32_t turn_rate = p->turn_rate_limit >> 1;
+    uint32_t slowest = (uint32_t)p->xi_min >> 3;
+    int32_t sinc_min = JP_SINC_ONE;
+
+    if (turn_rate < multiply31(p->xi_min, x)) {
+        x = quotient31(turn_rate, p->xi_min);
+    }
+    if (slowest < (uint32_t)p->speed_limit) {
+        sinc_min = fraction30(slowest, (uint32_t)p->speed_limit) >> 1;
+    }
+    if (sinc_min > JP_SINC_AT_HALF_ARC_MAX) {
+        int32_t by_speed = jp_arc_of_sinc(sinc_min);
+
+        x = by_speed < x ? by_speed : x;
+    }
+    return x;
+}
