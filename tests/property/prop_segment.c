@@ -556,9 +556,9 @@ static void write_json(const char *path)
         perror(path);
         exit(1);
     }
-    snprintf(name, sizeof name, "segment optimiser against brute force, worst E/Emin of %lu segments, published model",
+    snprintf(name, sizeof name, "segment optimiser: energy above brute force, worst of %lu segments, published model",
              2 * count);
-    write_figure(file, name, fmax(kinds[0].worst_ratio, kinds[1].worst_ratio), "1", RATIO_BAR);
+    write_figure(file, name, 100 * (fmax(kinds[0].worst_ratio, kinds[1].worst_ratio) - 1), "%", 100 * (RATIO_BAR - 1));
     write_figure(file, "Table 3: largest error of E", table_error.energy, "%", TABLE_ENERGY_BAR);
     write_figure(file, "Table 3: largest error of T", table_error.duration, "%", TABLE_DURATION_BAR);
     write_figure(file, "Table 3: largest error of σ", table_error.turn, "°", TABLE_TURN_BAR);
