@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/** Shows `done` of `total`; cheap enough for each step, it draws only when the picture changes. */
+/** Shows `done` of `total`; cheap enough for each step: it draws only what changes; one bar at a time. */
 void progress_show(const char *what, size_t done, size_t total);
 
 /** Clears the bar. */

@@ -1,0 +1,16 @@
+"""The coefficients in src/fixed.c are those that tools/fixed_polynomials.py prints."""
+import re
+import subprocess
+import sys
+
+from conftest import ROOT
+
+
+def test_coefficients_are_fresh():
+    printed = subprocess.run([sys.executable, ROOT / "tools" / "fixed_polynomials.py"], capture_output=True, text=True,
+                             check=True).stdout
+    made = {abs(int(number)) for number in re.findall(r"^\s+(-?\d+)\s+Q\d+", printed, re.M)}
+    source = (ROOT / "src" / "fixed.c").read_text(encoding="utf-8")
+    used = {int(number) for number in re.findall(r"\b(\d{6,10})u\b", source)}
+    assert len(made) == 15
+    assert used == made
