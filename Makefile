@@ -217,7 +217,7 @@ identify: ## identify the energy model of ROBOT=name in the simulator: src/table
 
 # One bench after the other, so that they do not share the cores.
 .PHONY: figures
-figures: ## run the benches and write their figures to build/figures.json and the README
+figures: ## run the benches and write their figures to build/figures.json and the README, with its picture
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) $(TARGET_BENCHES:%=$(BUILD)/bench/%) \
 	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed
@@ -230,6 +230,9 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	$(BUILD)/bench/prop_fixed --exhaustive --json $(BUILD)/bench/fixed.json
 	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
 	$(PYTHON) tools/identify.py gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
+	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/figures
+	$(PYTHON) tools/report.py $(BUILD)/figures
+	cp $(BUILD)/figures/path.png sim/scenarios/gao2018_mission.png
 	$(PYTHON) tools/figures.py
 
 # ---- Tests -----------------------------------------------------------------------------------------------------------

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Make a page from the results of a mission.
 
-Reads DIR/summary.json and the logs that it names, writes DIR/report.html: one file that needs nothing else. Exit
-status 2: bad input; nothing was written.
+Reads DIR/summary.json and the logs that it names, writes DIR/report.html, one file that needs nothing else, and
+DIR/path.png, its first picture. Exit status 2: bad input; nothing was written.
 """
 import argparse
 import csv
@@ -360,20 +360,6 @@ def table4(summary):
     return rows
 
 
-def paper_rows(paper):
-    """The paper's numbers, flattened to (name, text), for comparison."""
-    if not isinstance(paper, dict):
-        return []
-    rows = []
-    for key, value in paper.items():
-        if isinstance(value, list):
-            text = ", ".join(format_number(v) if _is_number(v) else str(v) for v in value)
-        else:
-            text = format_number(value) if _is_number(value) else json.dumps(value, ensure_ascii=False)
-        rows.append((key.replace("_", " "), text))
-    return rows
-
-
 def render(summary, strategies):
     template = Path(__file__).with_name("report.html.j2")
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,
@@ -382,7 +368,7 @@ def render(summary, strategies):
     waypoints = np.array(summary["waypoints_m"], dtype=float)
     return environment.from_string(read_text(template)).render(
         summary=summary, headlines=headlines(summary), first=summary["strategies"][0], strategies=strategies,
-        table4=table4(summary), figures=figures(strategies, waypoints), paper=paper_rows(summary.get("paper")))
+        table4=table4(summary), figures=figures(strategies, waypoints))
 
 
 def load(directory):
@@ -397,9 +383,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("directory", metavar="DIR", type=Path, help="holds summary.json and the logs")
     directory = parser.parse_args().directory
-    page = directory / "report.html"
-    write_whole(page, render(*load(directory)))
-    print(f"wrote {shown_path(page)}")
+    summary, strategies = load(directory)
+    path_picture = plots.png_bytes(draw_path(strategies, np.array(summary["waypoints_m"], dtype=float)), dpi=100)
+    for name, content in (("report.html", render(summary, strategies)), ("path.png", path_picture)):
+        write_whole(directory / name, content)
+        print(f"wrote {shown_path(directory / name)}")
     return 0
 
 
