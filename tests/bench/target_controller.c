@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "cycles.h"
+#include "random.h"
 #include "target.h"
 
 enum { STATES = 2000, TICK_STATES = 300, SEED = 20180917, UPDATE_BAR = 300, TICK_RATE = 1000 };
@@ -15,10 +16,7 @@ static uint32_t random_state = SEED;
 
 static uint32_t random_bits(void)
 {
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 17;
-    random_state ^= random_state << 5;
-    return random_state;
+    return target_random(&random_state);
 }
 
 static int32_t random_within(int32_t limit)

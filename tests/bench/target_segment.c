@@ -2,6 +2,7 @@
 #include <joulepath/segment.h>
 
 #include "cycles.h"
+#include "random.h"
 #include "target.h"
 
 enum { COUNT = 5000, SEED = 7, BAR = 8000 };
@@ -18,10 +19,7 @@ static uint32_t random_state = SEED;
 
 static uint32_t random_bits(void)
 {
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 17;
-    random_state ^= random_state << 5;
-    return random_state;
+    return target_random(&random_state);
 }
 
 static int32_t random_between(int32_t low, int32_t high)
