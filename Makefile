@@ -10,14 +10,15 @@ JOBS     ?= $(shell nproc)
 
 # Set-up makes .venv after this line is read; only without set-up can it be absent.
 PYTHON ?= $(if $(filter skip,$(JP_SETUP)),$(or $(wildcard .venv/bin/python),python3),.venv/bin/python)
-# Pinned too: other versions of clang-format format otherwise.
+# Pinned too: other versions format otherwise, and find other things.
 CLANG_FORMAT ?= $(if $(filter skip,$(JP_SETUP)),$(or $(wildcard .venv/bin/clang-format),clang-format),.venv/bin/clang-format)
+CLANG_TIDY   ?= $(if $(filter skip,$(JP_SETUP)),$(or $(wildcard .venv/bin/clang-tidy),clang-tidy),.venv/bin/clang-tidy)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SECONDARY:
 MAKEFLAGS += --no-builtin-rules --no-print-directory
-export JP_SETUP JOBS CLANG_FORMAT
+export JP_SETUP JOBS CLANG_FORMAT CLANG_TIDY
 export JP_BUILD := $(abspath $(BUILD))
 
 # ---- Settings: what each variant is compiled with -------------------------------------------------------------------

@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 sil_packages=(build-essential libconfig-dev libjansson-dev libnlopt-dev pkg-config python3-venv)
-test_packages=(gcc-multilib clang clang-tidy cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
+test_packages=(gcc-multilib clang cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
     qemu-system-arm)
 stamp=.venv/requirements.installed
 
@@ -106,7 +106,7 @@ report_missing() {
     local tool absent=()
     local python=python3 list
     local tools=(gcc ar pkg-config python3)
-    [ "$scope" = test ] && tools+=(g++ clang clang-tidy cppcheck arm-none-eabi-gcc qemu-system-arm)
+    [ "$scope" = test ] && tools+=(g++ clang cppcheck arm-none-eabi-gcc qemu-system-arm)
     for tool in "${tools[@]}"; do
         command -v "$tool" >/dev/null || absent+=("$tool")
     done

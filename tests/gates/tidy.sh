@@ -4,9 +4,10 @@
 
 : "${GATE_CFLAGS:?is set by the Makefile}"
 
+# clang-tidy comes without a compiler's own headers, such as stdbool.h; gcc's serve.
 examine() {
     read -ra flags <<<"$GATE_CFLAGS"
-    clang-tidy --quiet "$1" -- "${flags[@]}"
+    "${CLANG_TIDY:-clang-tidy}" --quiet "$1" -- "${flags[@]}" -isystem "$(gcc -print-file-name=include)"
 }
 export -f examine
 
