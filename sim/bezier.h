@@ -42,8 +42,8 @@ struct bezier_motion {
 };
 
 /**
- * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX) within the robot's
- * limits of speed and turn rate. False after one line on stderr when the optimiser fails.
+ * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX) within the robot's limits of speed and turn
+ * rate. False after one line on stderr when the optimiser fails.
  */
 bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, const struct bezier_point *waypoints,
                      size_t count, enum bezier_scope scope);

@@ -21,7 +21,7 @@ enum mission_strategy {
 /** One leg from waypoint to waypoint. */
 struct mission_leg {
     struct bezier_point target;
-    bool planned;            /**< the four lines below hold: one segment, planned before it was driven */
+    bool planned;            /**< one segment, planned before it was driven: the plan below holds */
     double planned_energy;   /**< J */
     double speed;            /**< v, m/s */
     double turn_rate;        /**< w, rad/s */

@@ -34,7 +34,8 @@ enum jp_status jp_meter_check(const struct jp_meter_config *config, const char *
 void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config);
 
 /** One tick at motor voltages (V) and currents (A), left and right. |u| <= 1 024 V, |i| <= 1 024 A.
- *  Each sum is within 1e-6 of the exact one, or 2e-6 W. Constant time; for the control ISR. */
+ *  Each sum is within 1e-6 of the exact one, or 3e-6 W; the model's only while Rm · tick_rate is at most 8 000 Ω/s, and
+ *  beyond that in proportion. Constant time; for the control ISR. */
 void jp_meter_update(struct jp_meter *meter, const jp_q16 voltages[2], const jp_q16 currents[2]);
 
 /** Energy in J as Q16.16, rounded and saturated. */

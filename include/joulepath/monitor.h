@@ -72,7 +72,7 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
 
 /** Compares the currents of `sensors` with the voltages that drove them (left, right) and the rates that the encoders
  *  show: mean of the wheels relative to the body, and yaw; turn/s. Returns the confirmed encoder and overspeed faults,
- * 0 for none. Constant time; for the control ISR. */
+ *  0 for none. Constant time; for the control ISR. */
 uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_config *config,
                            const struct jp_sensors *sensors, const jp_q16 voltages[2], jp_q24 wheel_rate,
                            jp_q24 yaw_rate);

@@ -119,8 +119,8 @@ enum jp_status jp_robot_work(struct jp_robot *robot);
 /** Idle to balancing, at the next tick. JP_ERR_STATE: not idle, no frame yet, or tilted beyond the limit. */
 enum jp_status jp_robot_enable(struct jp_robot *robot);
 
-/** To idle with motors off, at the next tick; clears faults and the route. After a fault all motion is measured anew:
- *  position and heading begin at the origin. */
+/** To idle with motors off, at the next tick; clears faults and the route. Enabling again needs a plausible frame after
+ *  that. After a fault all motion is measured anew: position and heading begin at the origin. */
 void jp_robot_disable(struct jp_robot *robot);
 
 /**

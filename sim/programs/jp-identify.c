@@ -99,8 +99,12 @@ static bool run(struct campaign *campaign)
 
         experiment_draw(&record->experiment, &campaign->file, &random);
         record->energy = calloc(campaign->windows + 1, sizeof *record->energy);
-        if (record->energy == NULL || !rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file,
-                                                (uint64_t)campaign->arguments->seed + i)) {
+        if (record->energy == NULL) {
+            error_line("--count %zu: no memory for so many; choose fewer", campaign->count);
+            return false;
+        }
+        if (!rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file,
+                      (uint64_t)campaign->arguments->seed + i)) {
             return false;
         }
         experiment_run(&record->experiment, &rig, SEGMENT_SECONDS, campaign->arguments->threshold, record->energy);
@@ -151,16 +155,6 @@ static void write_table(const struct campaign *campaign, size_t split, FILE *str
     }
 }
 
-/** Energies at every window, so that the fit can be repeated for other settling times. */
-static void write_windows(const struct campaign *campaign, FILE *stream)
-{
-    for (size_t i = 0; i < campaign->count; i++) {
-        for (size_t k = 0; k <= campaign->windows; k++) {
-            (void)fprintf(stream, "%.9f%c", campaign->records[i].energy[k], k == campaign->windows ? '\n' : ',');
-        }
-    }
-}
-
 static json_t *json_summary(const struct campaign *campaign, size_t split)
 {
     return json_pack("{s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "settling_time_s",
@@ -173,7 +167,7 @@ static bool write(const struct campaign *campaign)
 {
     const char *directory = campaign->arguments->output;
     size_t split = split_window(campaign);
-    struct output outputs[3];
+    struct output outputs[2];
 
     (void)printf("%zu experiments, mean settling time %.2f s\n", campaign->count,
                  (double)split * campaign->window_seconds);
@@ -181,16 +175,11 @@ static bool write(const struct campaign *campaign)
         return false;
     }
     write_table(campaign, split, outputs[0].stream);
-    if (!output_open(&outputs[1], directory, "windows.csv")) {
+    if (!output_open_json(&outputs[1], directory, "experiments.json", json_summary(campaign, split))) {
         output_discard(outputs, 1);
         return false;
     }
-    write_windows(campaign, outputs[1].stream);
-    if (!output_open_json(&outputs[2], directory, "experiments.json", json_summary(campaign, split))) {
-        output_discard(outputs, 2);
-        return false;
-    }
-    return output_commit(outputs, 3);
+    return output_commit(outputs, 2);
 }
 
 static bool identify(const struct arguments *arguments)
@@ -224,7 +213,7 @@ static bool identify(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"output", 'o', "DIR", 0, "where experiments.csv, windows.csv and experiments.json go", 0},
+        {"output", 'o', "DIR", 0, "where experiments.csv and experiments.json go", 0},
         {"count", 'n', "N", 0, "experiments (1000)", 0},
         {"seed", 's', "SEED", 0, "of the random segments (1)", 0},
         {"threshold", 't', "V", 0, "settled: mean voltages of successive windows of 200 ticks differ by less (0.01 V)",

@@ -7,7 +7,7 @@ import pytest
 from conftest import ROOT, assert_one_line_error, run
 
 MISSION_FILES = ["log_optimal.csv", "log_straight.csv", "log_bezier.csv", "log_bezier_route.csv", "summary.json"]
-IDENTIFY_FILES = ["experiments.csv", "windows.csv", "experiments.json"]
+IDENTIFY_FILES = ["experiments.csv", "experiments.json"]
 OLD = "from an earlier run\n"
 
 

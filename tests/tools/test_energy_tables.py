@@ -1,16 +1,24 @@
 """The committed energy models are those that `make identify` makes."""
+import dataclasses
 import os
 import re
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
-from conftest import ROBOTS, ROOT, run_tool
+from conftest import ROBOTS, ROOT, robot_text, run_tool
+
+import identify
+import robot_json
 
 JP_IDENTIFY = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-identify"
 
 # Another libm may round the simulated robot's sines differently; the fit moves by less than this share.
 TOLERANCE = 1e-4
+
+# J, of predictions around 60 J, for settling times from 3 s to 9 s.
+SETTLING_TIME_MATTERS = 0.02
 
 
 def integers(text):
@@ -18,8 +26,17 @@ def integers(text):
     return [int(number) for number in re.findall(r"(-?\d+),\s*/\*", body)]
 
 
+def spread_over_settling_times(robot, directory):
+    """Largest change of a prediction, J: Ts only says where the line of steady energy starts."""
+    about = robot_json.from_text(robot, robot_text(robot))
+    experiments = identify.read_experiments(directory, robot)
+    predictions = [identify.identify(about, dataclasses.replace(experiments, settling_time=seconds)).validation.absolute
+                   for seconds in (3.0, experiments.settling_time, 9.0)]
+    return np.ptp(predictions, axis=0).max()
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_model_is_fresh(robot, tmp_path):
+def test_model_is_fresh_and_does_not_hang_on_the_settling_time(robot, tmp_path):
     subprocess.run([JP_IDENTIFY, ROOT / "sim" / "robots" / f"{robot}.cfg", "--output", tmp_path], check=True,
                    capture_output=True)
     result = run_tool("identify.py", ROOT / "sim" / "robots" / f"{robot}.cfg", "--jp-robot",
@@ -30,3 +47,4 @@ def test_model_is_fresh(robot, tmp_path):
     assert len(committed) == 20
     largest = max(map(abs, committed))
     assert made == pytest.approx(committed, rel=TOLERANCE, abs=TOLERANCE * largest), "run make identify"
+    assert spread_over_settling_times(robot, tmp_path) <= SETTLING_TIME_MATTERS
