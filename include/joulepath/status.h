@@ -12,7 +12,13 @@ enum jp_status {
     JP_ERR_OVERFLOW = -6,    /**< the result does not fit its format; the saturated value is stored */
     JP_ERR_STATE = -7,       /**< not allowed in the present state of the robot */
     JP_ERR_BUSY = -8,        /**< an earlier command still waits to start */
-    JP_ERR_HARDWARE = -9     /**< the HAL could not read or write */
+    JP_ERR_HARDWARE = -9,    /**< the HAL could not read or write */
+    JP_ERR_MEMORY = -10,     /**< the memory handed in is too small */
+    JP_ERR_ALIGNMENT = -11,  /**< the memory handed in is not aligned to 8 bytes */
+    JP_ERR_OUTSIDE = -12,    /**< a cell is outside the map */
+    JP_ERR_BLOCKED = -13,    /**< the robot's footprint does not fit there */
+    JP_ERR_STALE = -14,      /**< the map changed without the planner being told: its search is void */
+    JP_ERR_NO_PLAN = -15     /**< there is no path to give */
 };
 
 #endif

@@ -1,0 +1,150 @@
+/**
+ * State lattice: the motions that a planner joins to a route, as constant tables made by tools/lattice.py.
+ *
+ * A state is a cell and one of JP_HEADINGS headings. A primitive leads from the centre of a cell to the centre of
+ * another (or turns in place), from heading to heading. Its cost is a sum of integers,
+ *
+ *   cost = base + Σ over its moves of move(direction, rise)
+ *
+ * where the moves are unit steps that follow the primitive from cell to cell: `rise` is the difference of elevation
+ * between the two cells of a step, move() is the cost of driving it straight, and `base`, never negative, is all that
+ * turning costs on top. So the moves alone are a lower bound of the way between two cells, and the bases alone one of
+ * the way between two headings, and the sum of both bounds is a bound too: energy_field.h lives on it.
+ *
+ * One table of swept cells decides collisions, and with it which changes of the map matter to which primitive; the
+ * cells of the moves are among them.
+ *
+ * All functions are pure and bounded; an ISR may call them.
+ */
+#ifndef JOULEPATH_LATTICE_H
+#define JOULEPATH_LATTICE_H
+
+#include <joulepath/terrain.h>
+
+#define JP_HEADINGS 16
+
+/** Farthest swept cell from the start cell of a primitive, in x and in y. */
+#define JP_SWEEP_REACH 24
+
+/** Most primitives that start at one heading. */
+#define JP_PRIMITIVES_PER_HEADING_MAX 255
+
+/** Unit steps: along an axis, in a knight's move, along a diagonal. Direction d leads along jp_move_offset(d). */
+#define JP_MOVE_DIRECTIONS 16
+enum jp_move_kind { JP_MOVE_AXIS, JP_MOVE_KNIGHT, JP_MOVE_DIAGONAL, JP_MOVE_KINDS };
+
+/**
+ * What a route is charged for.
+ * Physical: the energy out of the battery, potential energy m g Δz, descent gives back a stated share of its work, and
+ * never less than what the electronics draw; unit 1/16 J. Paper: eq. 14 as printed, at least one unit; unit 1/16 J.
+ * Distance: length; unit 1 mm.
+ */
+enum jp_cost_kind { JP_COST_PHYSICAL, JP_COST_PAPER, JP_COST_DISTANCE, JP_COST_KINDS };
+
+/** A cost in the unit of its kind. JP_COST_MAX stands for "no way" and for every sum that would exceed it. */
+typedef uint32_t jp_cost;
+#define JP_COST_MAX       ((jp_cost)0xFFFFFF)
+#define JP_COST_PER_JOULE 16
+
+/** constant + linear·rise + quadratic·rise², in 2⁻¹⁶ cost units; rise in units of jp_elevation. */
+struct jp_polynomial {
+    int32_t constant;
+    int32_t linear;
+    int32_t quadratic;
+};
+
+/** Cost of one unit step by its rise. */
+struct jp_move_cost {
+    struct jp_polynomial climb;   /**< for rise >= bend */
+    struct jp_polynomial descend; /**< for rise < bend */
+    int16_t bend;                 /**< units of jp_elevation */
+    int16_t rise_max;             /**< steeper steps, up or down, are impassable; 1…4096, and no polynomial may exceed
+                                       32 bits up to it */
+    uint16_t floor;               /**< least cost, at least 1 */
+};
+
+struct jp_primitive {
+    int8_t dx; /**< cells from start to end */
+    int8_t dy;
+    uint8_t start; /**< heading, 0…JP_HEADINGS − 1 */
+    uint8_t end;
+    uint16_t base[JP_COST_KINDS]; /**< cost units */
+    uint16_t length;              /**< mm */
+    uint16_t duration;            /**< ms */
+    uint16_t first_move;          /**< index into `moves` */
+    uint16_t first_span;          /**< index into `spans` */
+    uint8_t move_count;
+    uint8_t span_count;
+};
+
+/** Spans of one set of cells. */
+struct jp_cells {
+    uint16_t first_span;
+    uint16_t span_count;
+};
+
+struct jp_lattice {
+    const char *name;
+    jp_q16 resolution;                          /**< m, equal to that of the map */
+    jp_angle heading[JP_HEADINGS];              /**< ascending from 0 */
+    const struct jp_primitive *primitives;      /**< ordered by start heading */
+    const uint16_t *by_end;                     /**< indices of the primitives, ordered by end heading */
+    const uint8_t *moves;                       /**< directions of the unit steps, 0…JP_MOVE_DIRECTIONS − 1 */
+    const struct jp_span *spans;                /**< swept cells relative to a start cell */
+    uint16_t first_from[JP_HEADINGS + 1];       /**< range of the primitives that start at a heading */
+    uint16_t first_to[JP_HEADINGS + 1];         /**< range of `by_end` of those that end at a heading */
+    struct jp_cells footprint[JP_HEADINGS];     /**< cells under the robot that stands at a heading */
+    struct jp_cells reach[JP_HEADINGS];         /**< cells that any primitive from a heading sweeps */
+    struct jp_cells core;                       /**< cells that every primitive sweeps round every cell of its moves */
+    struct jp_move_cost move_costs[JP_COST_KINDS][JP_MOVE_KINDS];
+};
+
+/** Cells that a unit step leads along: (1, 0), (2, 1), (1, 1), (1, 2), (0, 1), … round the circle. */
+struct jp_cell_offset {
+    int8_t dx;
+    int8_t dy;
+};
+extern const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS];
+
+/** Kind of a unit step. */
+static inline enum jp_move_kind jp_move_kind_of(unsigned direction)
+{
+    return direction % 2 != 0   ? JP_MOVE_KNIGHT
+           : direction % 4 != 0 ? JP_MOVE_DIAGONAL
+                                : JP_MOVE_AXIS;
+}
+
+/** a + b, at most JP_COST_MAX, for a and b up to JP_COST_MAX. */
+static inline jp_cost jp_cost_add(jp_cost a, jp_cost b)
+{
+    return a + b > JP_COST_MAX ? JP_COST_MAX : a + b;
+}
+
+/**
+ * Checks tables that did not come from our tool: indices, orders, costs above 0 on every primitive and map.
+ * JP_ERR_CONFIG: *field names the first member that is wrong. JP_ERR_ARGUMENT: a pointer is null.
+ * Work: all tables.
+ */
+enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field);
+
+/** Cost of a unit step; JP_COST_MAX when it is too steep. Two multiplications. */
+jp_cost jp_move_cost(const struct jp_move_cost *cost, int32_t rise);
+
+/** Cost of a primitive from cell (x, y), the ground alone: JP_COST_MAX when a step is too steep. The cells must be on
+ *  the map. Work: its moves. */
+jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
+                          const struct jp_primitive *primitive, int32_t x, int32_t y);
+
+/** Cost of a primitive from cell (x, y); JP_COST_MAX when a cell that it sweeps is blocked or off the map, or a step is
+ *  too steep. Work: its spans and moves. */
+jp_cost jp_lattice_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
+                        const struct jp_primitive *primitive, int32_t x, int32_t y);
+
+/** True when the robot can stand on cell (x, y) at a heading. Work: the spans of its footprint. */
+bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y,
+                          unsigned heading);
+
+/** True unless no robot can be on cell (x, y) whatever its heading. Work: the spans of `core`. */
+bool jp_lattice_is_open(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y);
+
+#endif

@@ -1,0 +1,180 @@
+/**
+ * Route of least energy over a map: Anytime Dynamic A* (Likhachev et al., ICAPS 2005) in one fixed block of memory.
+ *
+ * The search runs on the states of a lattice (lattice.h), from the goal to the robot, so that what it has learnt stays
+ * true while the robot drives; an energy field rooted at the robot steers it (energy_field.h). It first finds a route
+ * within the first ε of the schedule, then improves it ε by ε; after changes of the map it repairs what they touch.
+ * jp_planner_work() does it in slices. The same input gives the same bits on every core.
+ *
+ * When the states do not fit the block, ε goes up; when not even the greediest search fits, the planner searches from
+ * the robot towards the goal and gives the route to the nearest state that it has found: a partial plan.
+ *
+ * A robot that drives has new starts: jp_planner_set_start(). Changes of the map go through jp_planner_set_cell() and
+ * jp_planner_set_elevation(). The map and the lattice must outlive the planner. Nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_PLANNER_H
+#define JOULEPATH_PLANNER_H
+
+#include <joulepath/energy_field.h>
+
+/** ε in 1/256: JP_EPSILON(1.5) is 384. */
+#define JP_EPSILON(x)     ((uint16_t)((x)*256.0 + 0.5))
+#define JP_EPSILON_ONE    ((uint16_t)256)
+#define JP_EPSILON_MAX    ((uint16_t)4096)
+#define JP_EPSILON_LEVELS 4
+
+/** Largest map, cells; width and height also obey JP_TERRAIN_SIDE_MAX. */
+#define JP_PLANNER_CELLS_MAX ((uint32_t)1 << 20)
+
+/** Changed cells that are repaired together. */
+#define JP_PLANNER_CHANGES 64
+
+/** Most states of a block; more memory than that is left unused. */
+#define JP_PLANNER_STATES_MAX ((uint32_t)900000)
+
+struct jp_pose {
+    int16_t x; /**< cell */
+    int16_t y;
+    uint8_t heading; /**< 0…JP_HEADINGS − 1, of the lattice */
+};
+
+/** A goal cell and the headings, bit by bit, that are good to arrive with. */
+struct jp_goal {
+    int16_t x;
+    int16_t y;
+    uint16_t headings; /**< not 0 */
+};
+#define JP_ANY_HEADING ((uint16_t)0xFFFF)
+
+struct jp_planner_config {
+    const struct jp_lattice *lattice; /**< that passed jp_lattice_check(); resolution equal to the map's */
+    enum jp_cost_kind cost;
+    /** Descending, each JP_EPSILON_ONE…JP_EPSILON_MAX; 0 ends the schedule early. Few, large steps are fastest. */
+    uint16_t epsilon[JP_EPSILON_LEVELS];
+};
+
+enum jp_answer {
+    JP_ANSWER_OUT_OF_BUDGET, /**< no route for this start, goal and map yet: go on working */
+    JP_ANSWER_OPTIMAL,       /**< no route of the lattice costs less */
+    JP_ANSWER_WITHIN_BOUND,  /**< no route costs less than cost / bound */
+    JP_ANSWER_PARTIAL,       /**< the route ends before the goal; `cost_left` at least is left */
+    JP_ANSWER_UNREACHABLE,   /**< there is no route: proved, not given up */
+    JP_ANSWER_STALE          /**< the map was changed behind the planner's back: jp_planner_restart() */
+};
+
+/** The last route that was found. It stays as it is until a better or newer one replaces it. */
+struct jp_plan {
+    enum jp_answer answer; /**< JP_ANSWER_OUT_OF_BUDGET: there is none yet */
+    struct jp_pose start;
+    struct jp_pose end;
+    jp_cost cost;        /**< of the route, in the unit of the cost kind */
+    jp_cost cost_left;   /**< lower bound from its end to the goal; 0 unless partial */
+    uint16_t bound;      /**< cost ≤ bound/256 × optimum; 0 when partial */
+    uint16_t step_count; /**< primitives; 0 only when start is goal */
+};
+
+/** What the block holds and what the search has done. */
+struct jp_planner_statistics {
+    uint32_t states_max;   /**< states that fit */
+    uint32_t states;       /**< states in use */
+    uint32_t expansions;   /**< since the last restart */
+    uint32_t restarts;     /**< searches begun anew since init */
+    uint32_t field_bytes;  /**< of the block, for the energy field */
+    uint32_t search_bytes; /**< of the block, for states, their hash and queue: states_max of them */
+};
+
+struct jp_planner_state; /* private */
+
+/** The members are private. */
+struct jp_planner {
+    struct jp_planner_config config;
+    struct jp_terrain *terrain;
+    struct jp_energy_field field;
+
+    struct jp_planner_state *states; /**< open-addressed hash table */
+    uint32_t *buckets;               /**< heads of the queue's lists */
+    uint32_t slot_count;             /**< prime */
+    uint32_t bucket_count;
+    uint32_t lowest_bucket;
+    uint8_t bucket_shift;
+    uint32_t rekey_slot; /**< slots from here on are not in the queue yet */
+
+    uint32_t nearest;    /**< slot of the state from which least is left */
+    jp_cost nearest_bound;
+
+    uint8_t phase;
+    bool is_searching;  /**< there is a search to be repaired */
+    bool is_repaired;   /**< it has been repaired since it began */
+    bool may_be_cheaper; /**< one of the changes may make the map cheaper */
+    uint32_t repair_cursor;
+    bool forward; /**< searches from the robot, for a partial plan */
+    uint8_t level;
+    uint16_t epsilon;
+    uint16_t turns[JP_HEADINGS]; /**< least cost of turning between the root's headings and each heading */
+    struct jp_pose start;
+    struct jp_goal goal;
+    bool has_start;
+    bool has_goal;
+
+    struct jp_cell_change {
+        int16_t x;
+        int16_t y;
+    } changes[JP_PLANNER_CHANGES];
+    uint16_t change_count;
+    uint32_t terrain_version;
+
+    uint8_t *route; /**< of the plan: index of each primitive among those of its heading */
+    uint16_t route_max;
+    enum jp_answer answer;
+    struct jp_plan plan;
+    struct jp_planner_statistics statistics;
+};
+
+/** Bytes of the smallest block for a map, with room for 64 states; 0 when the map is too large. Constant time. */
+size_t jp_planner_size_min(const struct jp_terrain_config *config);
+
+/**
+ * Prepares a planner in `size` bytes of the caller. The statistics say how many states fit.
+ * JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_MEMORY: `size` is below jp_planner_size_min().
+ * JP_ERR_ALIGNMENT: `block` is not aligned to 8 bytes. JP_ERR_ARGUMENT: a pointer is null. Work: all of the block.
+ */
+enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_planner_config *config,
+                               struct jp_terrain *terrain, void *block, size_t size, const char **field);
+
+/** Where the robot is. The search goes on from what it knows. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map,
+ *  or the footprint does not fit; JP_ERR_ARGUMENT: no such heading. The old start stays then. Constant time. */
+enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_pose *start);
+
+/** Where to go. The search begins anew. JP_ERR_OUTSIDE; JP_ERR_BLOCKED: the footprint fits at none of the headings;
+ *  JP_ERR_ARGUMENT: no heading. The old goal stays then. Work: all of the block is cleared. */
+enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_goal *goal);
+
+/** Changes a cell of the map and notes it for repair. As jp_terrain_set_cell(). Work: constant, but for every
+ *  JP_PLANNER_CHANGES-th or far-off one, which repairs those before it. */
+enum jp_status jp_planner_set_cell(struct jp_planner *planner, int32_t x, int32_t y, enum jp_cell cell);
+
+/** The same for an elevation. As jp_terrain_set_elevation(). */
+enum jp_status jp_planner_set_elevation(struct jp_planner *planner, int32_t x, int32_t y, jp_elevation elevation);
+
+/** Forgets the search, not the plan, and begins anew with the map as it is. Work: all of the block is cleared. */
+void jp_planner_restart(struct jp_planner *planner);
+
+/**
+ * Searches on, for at most `expansions` expansions (or as much of other work), and says what is known now.
+ * JP_ANSWER_OUT_OF_BUDGET also without a start or a goal. A better answer may follow until jp_planner_is_idle().
+ */
+enum jp_answer jp_planner_work(struct jp_planner *planner, unsigned expansions);
+
+/** True when more work cannot improve the answer. */
+bool jp_planner_is_idle(const struct jp_planner *planner);
+
+/** The last route, also while a search goes on; it may be of an older start, goal or map. Never null. */
+const struct jp_plan *jp_planner_plan(const struct jp_planner *planner);
+
+/** Primitive of step `index` of the plan; null when there is no such step. `*pose` is moved from its start to its end:
+ *  begin with plan->start and index 0. Constant time. */
+const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, unsigned index, struct jp_pose *pose);
+
+const struct jp_planner_statistics *jp_planner_statistics(const struct jp_planner *planner);
+
+#endif

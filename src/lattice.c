@@ -1,0 +1,186 @@
+#include <joulepath/lattice.h>
+
+const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS] = {
+    {1, 0},  {2, 1},   {1, 1},   {1, 2},   {0, 1},  {-1, 2}, {-1, 1}, {-2, 1},
+    {-1, 0}, {-2, -1}, {-1, -1}, {-1, -2}, {0, -1}, {1, -2}, {1, -1}, {2, -1},
+};
+
+enum { FRACTION_BITS = 16, RISE_MAX = 4096 };
+
+static int64_t evaluate(const struct jp_polynomial *polynomial, int32_t rise)
+{
+    return polynomial->constant + (polynomial->linear + (int64_t)polynomial->quadratic * rise) * rise;
+}
+
+jp_cost jp_move_cost(const struct jp_move_cost *cost, int32_t rise)
+{
+    if (rise > cost->rise_max || rise < -cost->rise_max) {
+        return JP_COST_MAX;
+    }
+    /* jp_lattice_check() has seen that 32 bits are enough. */
+    const struct jp_polynomial *side = rise >= cost->bend ? &cost->climb : &cost->descend;
+    const int32_t value = (side->constant + (side->linear + side->quadratic * rise) * rise) >> FRACTION_BITS;
+
+    return value < cost->floor ? cost->floor : (jp_cost)value;
+}
+
+jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
+                          const struct jp_primitive *primitive, int32_t x, int32_t y)
+{
+    const uint8_t *moves = lattice->moves + primitive->first_move;
+    jp_cost sum = primitive->base[kind];
+    int32_t elevation = jp_terrain_elevation(terrain, x, y);
+
+    for (unsigned i = 0; i < primitive->move_count; i++) {
+        const struct jp_cell_offset offset = jp_move_offsets[moves[i]];
+        x += offset.dx;
+        y += offset.dy;
+        const int32_t next = jp_terrain_elevation(terrain, x, y);
+        sum = jp_cost_add(sum, jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(moves[i])], next - elevation));
+        elevation = next;
+    }
+    return sum;
+}
+
+static bool is_clear(const struct jp_lattice *lattice, const struct jp_terrain *terrain, struct jp_cells cells,
+                     int32_t x, int32_t y)
+{
+    return jp_terrain_is_clear(terrain, lattice->spans + cells.first_span, cells.span_count, x, y);
+}
+
+jp_cost jp_lattice_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
+                        const struct jp_primitive *primitive, int32_t x, int32_t y)
+{
+    const struct jp_cells swept = {primitive->first_span, primitive->span_count};
+
+    return is_clear(lattice, terrain, swept, x, y) ? jp_lattice_energy(lattice, kind, terrain, primitive, x, y)
+                                                   : JP_COST_MAX;
+}
+
+bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y,
+                          unsigned heading)
+{
+    return is_clear(lattice, terrain, lattice->footprint[heading], x, y);
+}
+
+bool jp_lattice_is_open(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    return is_clear(lattice, terrain, lattice->core, x, y);
+}
+
+/** The cost is written over 32 bits, whatever the rise. */
+static bool fits(const struct jp_polynomial *polynomial, int32_t rise)
+{
+    const int64_t value = evaluate(polynomial, rise);
+    const int64_t inner = polynomial->linear + (int64_t)polynomial->quadratic * rise;
+
+    return value <= INT32_MAX && value >= INT32_MIN && inner <= INT32_MAX && inner >= INT32_MIN &&
+           inner * rise <= INT32_MAX && inner * rise >= INT32_MIN;
+}
+
+static bool is_move_cost(const struct jp_move_cost *cost)
+{
+    if (cost->rise_max < 1 || cost->rise_max > RISE_MAX || cost->floor < 1) {
+        return false;
+    }
+    for (int32_t rise = -cost->rise_max; rise <= cost->rise_max; rise++) {
+        if (!fits(rise >= cost->bend ? &cost->climb : &cost->descend, rise)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool are_move_costs(const struct jp_lattice *lattice)
+{
+    for (unsigned kind = 0; kind < JP_COST_KINDS; kind++) {
+        for (unsigned move = 0; move < JP_MOVE_KINDS; move++) {
+            if (!is_move_cost(&lattice->move_costs[kind][move])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool are_headings(const struct jp_lattice *lattice)
+{
+    for (unsigned heading = 1; heading < JP_HEADINGS; heading++) {
+        if (lattice->heading[heading] <= lattice->heading[heading - 1]) {
+            return false;
+        }
+    }
+    return lattice->heading[0] == 0;
+}
+
+/** Its moves lead from its start to its end, and it costs something. */
+static bool is_primitive(const struct jp_lattice *lattice, const struct jp_primitive *primitive)
+{
+    int32_t dx = 0;
+    int32_t dy = 0;
+
+    if (primitive->start >= JP_HEADINGS || primitive->end >= JP_HEADINGS) {
+        return false;
+    }
+    for (unsigned i = 0; i < primitive->move_count; i++) {
+        const uint8_t direction = lattice->moves[primitive->first_move + i];
+        if (direction >= JP_MOVE_DIRECTIONS) {
+            return false;
+        }
+        dx += jp_move_offsets[direction].dx;
+        dy += jp_move_offsets[direction].dy;
+    }
+    for (unsigned kind = 0; kind < JP_COST_KINDS; kind++) {
+        if (primitive->move_count == 0 && primitive->base[kind] == 0) {
+            return false;
+        }
+    }
+    return dx == primitive->dx && dy == primitive->dy;
+}
+
+static bool are_starts(const struct jp_lattice *lattice)
+{
+    if (lattice->first_from[0] != 0) {
+        return false;
+    }
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1]; i++) {
+            if (!is_primitive(lattice, &lattice->primitives[i]) || lattice->primitives[i].start != heading) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool are_ends(const struct jp_lattice *lattice)
+{
+    const unsigned count = lattice->first_from[JP_HEADINGS];
+
+    if (lattice->first_to[0] != 0 || lattice->first_to[JP_HEADINGS] != count) {
+        return false;
+    }
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        for (unsigned i = lattice->first_to[heading]; i < lattice->first_to[heading + 1]; i++) {
+            if (lattice->by_end[i] >= count || lattice->primitives[lattice->by_end[i]].end != heading) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field)
+{
+    if (lattice == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = lattice->resolution <= 0                                                       ? "resolution"
+             : !are_headings(lattice)                                                       ? "heading"
+             : lattice->primitives == NULL || !are_starts(lattice)                          ? "primitives"
+             : lattice->by_end == NULL || !are_ends(lattice)                                ? "by_end"
+             : lattice->spans == NULL || lattice->core.span_count == 0                      ? "spans"
+             : !are_move_costs(lattice)                                                     ? "move_costs"
+                                                                                            : NULL;
+    return *field == NULL ? JP_OK : JP_ERR_CONFIG;
+}

@@ -1,0 +1,126 @@
+#include "planner_repair.h"
+
+#include <string.h>
+
+#include "planner_search.h"
+
+enum {
+    WINDOW = 64,                                   /* cells, wide and high: a word a row */
+    CHANGES_EXTENT = WINDOW - 2 * JP_SWEEP_REACH, /* of the changed cells, so that the window holds all that they touch */
+};
+
+/** Cells where a state of one heading has lost or gained a primitive. */
+struct window {
+    int32_t x; /* of its lower left cell */
+    int32_t y;
+    uint64_t rows[WINDOW];
+};
+
+static struct jp_field_box box_of_changes(const struct jp_planner *planner)
+{
+    struct jp_field_box box = {planner->changes[0].x, planner->changes[0].x, planner->changes[0].y,
+                               planner->changes[0].y};
+
+    for (unsigned i = 1; i < planner->change_count; i++) {
+        const int32_t x = planner->changes[i].x;
+        const int32_t y = planner->changes[i].y;
+        box.first_x = x < box.first_x ? x : box.first_x;
+        box.last_x = x > box.last_x ? x : box.last_x;
+        box.first_y = y < box.first_y ? y : box.first_y;
+        box.last_y = y > box.last_y ? y : box.last_y;
+    }
+    return box;
+}
+
+static bool is_near(int32_t a, int32_t first, int32_t last)
+{
+    return a > last - CHANGES_EXTENT && a < first + CHANGES_EXTENT;
+}
+
+bool repair_fits(const struct jp_planner *planner, int32_t x, int32_t y)
+{
+    if (planner->change_count == 0) {
+        return true;
+    }
+    const struct jp_field_box box = box_of_changes(planner);
+
+    return planner->change_count < JP_PLANNER_CHANGES && is_near(x, box.first_x, box.last_x) &&
+           is_near(y, box.first_y, box.last_y);
+}
+
+/** A state at (change − swept cell) sweeps the change: the reach of the heading, mirrored at the change. */
+static void mark(struct window *window, const struct jp_lattice *lattice, struct jp_cells reach,
+                 const struct jp_cell_change *change)
+{
+    for (unsigned i = 0; i < reach.span_count; i++) {
+        const struct jp_span span = lattice->spans[reach.first_span + i];
+        const int32_t first = change->x - span.last - window->x;
+        const uint64_t bits = (UINT64_C(1) << (span.last - span.first + 1)) - 1;
+
+        window->rows[change->y - span.y - window->y] |= bits << first;
+    }
+}
+
+static void fill_window(struct window *window, const struct jp_planner *planner, unsigned heading)
+{
+    const struct jp_lattice *lattice = planner->config.lattice;
+    const struct jp_field_box box = box_of_changes(planner);
+
+    memset(window, 0, sizeof *window);
+    window->x = box.first_x - JP_SWEEP_REACH;
+    window->y = box.first_y - JP_SWEEP_REACH;
+    for (unsigned i = 0; i < planner->change_count; i++) {
+        mark(window, lattice, lattice->reach[heading], &planner->changes[i]);
+    }
+}
+
+/** The cursor counts heading, row and column of the window. */
+static bool repair_cell(struct jp_planner *planner, const struct window *window, unsigned heading, uint32_t cell)
+{
+    const int32_t x = window->x + (int32_t)(cell % WINDOW);
+    const int32_t y = window->y + (int32_t)(cell / WINDOW);
+
+    return !jp_terrain_contains(planner->terrain, x, y) ||
+           search_repair(planner, search_id(planner, x, y, heading), planner->may_be_cheaper);
+}
+
+/** Repairs within one heading. */
+static enum repair_result repair_heading(struct jp_planner *planner, unsigned heading, unsigned *states)
+{
+    const uint32_t first = heading * WINDOW * WINDOW;
+    struct window window;
+
+    fill_window(&window, planner, heading);
+    while (planner->repair_cursor < first + WINDOW * WINDOW) {
+        const uint32_t cell = planner->repair_cursor - first;
+        const uint64_t rest = window.rows[cell / WINDOW] >> (cell % WINDOW);
+
+        if (rest == 0) {
+            planner->repair_cursor += WINDOW - cell % WINDOW;
+            continue;
+        }
+        if (*states == 0) {
+            return REPAIR_WORKING;
+        }
+        if ((rest & 1) != 0) {
+            --*states;
+            if (!repair_cell(planner, &window, heading, cell)) {
+                return REPAIR_FULL;
+            }
+        }
+        planner->repair_cursor++;
+    }
+    return REPAIR_DONE;
+}
+
+enum repair_result repair_work(struct jp_planner *planner, unsigned *states)
+{
+    while (planner->repair_cursor < JP_HEADINGS * WINDOW * WINDOW) {
+        const enum repair_result result = repair_heading(planner, planner->repair_cursor / (WINDOW * WINDOW), states);
+
+        if (result != REPAIR_DONE) {
+            return result;
+        }
+    }
+    return REPAIR_DONE;
+}

@@ -1,0 +1,141 @@
+#include "planner_route.h"
+
+#include "planner_search.h"
+#include "planner_states.h"
+
+/** A walk along the cheapest ways, from a state to the seed. */
+struct trace {
+    struct jp_pose end; /* where it ended */
+    jp_cost cost;
+    uint32_t steps;
+    bool is_complete;
+};
+
+static uint8_t index_of(const struct jp_lattice *lattice, const struct jp_primitive *primitive)
+{
+    return (uint8_t)(primitive - (lattice->primitives + lattice->first_from[primitive->start]));
+}
+
+static struct jp_pose move(const struct jp_pose *pose, const struct jp_primitive *primitive, bool backward)
+{
+    const int32_t sign = backward ? -1 : 1;
+
+    return (struct jp_pose){(int16_t)(pose->x + sign * primitive->dx), (int16_t)(pose->y + sign * primitive->dy),
+                            backward ? primitive->start : primitive->end};
+}
+
+static jp_cost cost_of(const struct jp_planner *planner, const struct jp_pose *from,
+                       const struct jp_primitive *primitive)
+{
+    return jp_lattice_energy(planner->config.lattice, planner->config.cost, planner->terrain, primitive, from->x,
+                             from->y);
+}
+
+/** Walks at most steps_max steps. When `route` is given it is written: from its start on in a backward search, from its
+ *  end back in a forward one. */
+static struct trace walk(const struct jp_planner *planner, const struct jp_pose *from, uint32_t steps_max,
+                         uint8_t *route, uint32_t route_steps)
+{
+    struct trace trace = {.end = *from};
+
+    while (!search_is_seed(planner, &trace.end) && trace.steps < steps_max) {
+        const struct search_way way = search_cheapest_way(planner, &trace.end);
+        if (way.primitive == NULL) {
+            return trace;
+        }
+        const struct jp_pose next = move(&trace.end, way.primitive, planner->forward);
+        trace.cost = jp_cost_add(
+            trace.cost, cost_of(planner, planner->forward ? &next : &trace.end, way.primitive));
+        if (route != NULL) {
+            route[planner->forward ? route_steps - 1 - trace.steps : trace.steps] =
+                index_of(planner->config.lattice, way.primitive);
+        }
+        trace.end = next;
+        trace.steps++;
+    }
+    trace.is_complete = search_is_seed(planner, &trace.end);
+    return trace;
+}
+
+/** ε of the search, or less where the field proves it. */
+static uint16_t proved_bound(const struct jp_planner *planner, jp_cost cost)
+{
+    const struct jp_goal *goal = &planner->goal;
+    const jp_cost from = search_bound(planner, search_id(planner, planner->start.x, planner->start.y,
+                                                         planner->start.heading));
+    jp_cost least = JP_COST_MAX;
+
+    if (planner->forward) {
+        least = from;
+    } else {
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            if ((goal->headings >> heading) & 1) {
+                const jp_cost bound = search_bound(planner, search_id(planner, goal->x, goal->y, heading));
+                least = bound < least ? bound : least;
+            }
+        }
+        least = least > from ? least - from : 0;
+    }
+    const uint64_t ratio = least == 0 ? UINT64_MAX : ((uint64_t)cost * JP_EPSILON_ONE + least - 1) / least;
+    return ratio < planner->epsilon ? (uint16_t)(ratio < JP_EPSILON_ONE ? JP_EPSILON_ONE : ratio) : planner->epsilon;
+}
+
+static void publish(struct jp_planner *planner, const struct jp_pose *end, jp_cost cost, jp_cost cost_left,
+                    uint32_t steps)
+{
+    struct jp_plan *plan = &planner->plan;
+
+    plan->start = planner->start;
+    plan->end = *end;
+    plan->cost = cost;
+    plan->cost_left = cost_left;
+    plan->step_count = (uint16_t)steps;
+    plan->bound = cost_left > 0 ? 0 : proved_bound(planner, cost);
+    plan->answer = cost_left > 0                     ? JP_ANSWER_PARTIAL
+                   : plan->bound == JP_EPSILON_ONE ? JP_ANSWER_OPTIMAL
+                                                     : JP_ANSWER_WITHIN_BOUND;
+}
+
+/** From the robot on; cut where the route's memory ends. */
+static bool publish_backward(struct jp_planner *planner)
+{
+    const struct trace trace = walk(planner, &planner->start, planner->route_max, NULL, 0);
+
+    if (!trace.is_complete && trace.steps < planner->route_max) {
+        return false;
+    }
+    (void)walk(planner, &planner->start, trace.steps, planner->route, trace.steps);
+    publish(planner, &trace.end, trace.cost,
+            trace.is_complete ? 0 : search_cheapest_way(planner, &trace.end).cost, trace.steps);
+    return true;
+}
+
+/** To the goal, or to the state from which least is left; cut at its far end where the route's memory ends. */
+static bool publish_forward(struct jp_planner *planner)
+{
+    const uint32_t target = search_target(planner);
+    const bool arrived = target != NO_SLOT && planner->states[target].g != JP_COST_MAX;
+    const uint32_t slot = arrived ? target : planner->nearest;
+
+    if (slot == NO_SLOT) {
+        return false;
+    }
+    struct jp_pose end = search_pose(planner, slot);
+    struct trace trace = walk(planner, &end, planner->statistics.states_max, NULL, 0);
+    if (!trace.is_complete) {
+        return false;
+    }
+    if (trace.steps > planner->route_max) {
+        end = walk(planner, &end, trace.steps - planner->route_max, NULL, 0).end;
+        trace = walk(planner, &end, planner->route_max, NULL, 0);
+    }
+    (void)walk(planner, &end, trace.steps, planner->route, trace.steps);
+    publish(planner, &end, trace.cost,
+            search_bound(planner, search_id(planner, end.x, end.y, end.heading)), trace.steps);
+    return true;
+}
+
+bool route_publish(struct jp_planner *planner)
+{
+    return planner->forward ? publish_forward(planner) : publish_backward(planner);
+}

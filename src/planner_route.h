@@ -1,0 +1,11 @@
+/** The route that a search has found, as the plan that the user sees. */
+#ifndef JOULEPATH_PLANNER_ROUTE_H
+#define JOULEPATH_PLANNER_ROUTE_H
+
+#include <joulepath/planner.h>
+
+/** Replaces the plan by the route of the search: optimal or within a bound, or partial when the search runs forward and
+ *  has not arrived or the route does not fit. False, with the old plan kept, when the search holds no route. */
+bool route_publish(struct jp_planner *planner);
+
+#endif

@@ -1,0 +1,456 @@
+#include "planner_search.h"
+
+#include "planner_states.h"
+
+#include <string.h>
+
+enum {
+    EPSILON_BITS = 8,
+    RANGE_PER_TARGET = 2, /* keys up to so many times the expected one are told apart */
+};
+
+uint32_t search_id(const struct jp_planner *planner, int32_t x, int32_t y, unsigned heading)
+{
+    return ((uint32_t)y * planner->terrain->config.width + (uint32_t)x) * JP_HEADINGS + heading;
+}
+
+static struct jp_pose pose_of(const struct jp_planner *planner, uint32_t id)
+{
+    const uint32_t cell = id / JP_HEADINGS;
+    const uint32_t width = planner->terrain->config.width;
+
+    return (struct jp_pose){(int16_t)(cell % width), (int16_t)(cell / width), (uint8_t)(id % JP_HEADINGS)};
+}
+
+struct jp_pose search_pose(const struct jp_planner *planner, uint32_t slot)
+{
+    return pose_of(planner, (uint32_t)planner->states[slot].id);
+}
+
+static uint32_t start_id(const struct jp_planner *planner)
+{
+    return search_id(planner, planner->start.x, planner->start.y, planner->start.heading);
+}
+
+static bool is_goal(const struct jp_planner *planner, const struct jp_pose *pose)
+{
+    return pose->x == planner->goal.x && pose->y == planner->goal.y && (planner->goal.headings >> pose->heading) & 1;
+}
+
+static bool is_start(const struct jp_planner *planner, const struct jp_pose *pose)
+{
+    return pose->x == planner->start.x && pose->y == planner->start.y && pose->heading == planner->start.heading;
+}
+
+bool search_is_seed(const struct jp_planner *planner, const struct jp_pose *pose)
+{
+    return planner->forward ? is_start(planner, pose) : is_goal(planner, pose);
+}
+
+static jp_cost bound_of(const struct jp_planner *planner, const struct jp_pose *pose)
+{
+    return jp_cost_add(jp_energy_field_bound(&planner->field, pose->x, pose->y), planner->turns[pose->heading]);
+}
+
+jp_cost search_bound(const struct jp_planner *planner, uint32_t id)
+{
+    const struct jp_pose pose = pose_of(planner, id);
+
+    return bound_of(planner, &pose);
+}
+
+static uint32_t inflate(uint16_t epsilon, jp_cost bound)
+{
+    return (uint32_t)(((uint64_t)bound * epsilon) >> EPSILON_BITS);
+}
+
+/** min(g, rhs) + ε·bound; a state whose cost rises must come before all that rely on it, so ε is 1 for it. */
+static uint32_t key_of(const struct jp_planner *planner, const struct jp_planner_state *state, jp_cost bound)
+{
+    if (state->g > state->rhs) {
+        return (uint32_t)state->rhs + inflate(planner->epsilon, bound);
+    }
+    return (uint32_t)state->g + bound;
+}
+
+/** Puts a state into the queue if it is inconsistent, else takes it out. */
+static void update(struct jp_planner *planner, uint32_t slot, jp_cost bound)
+{
+    const struct jp_planner_state *state = &planner->states[slot];
+
+    if (slot >= planner->rekey_slot) {
+        return;
+    }
+    if (state->g != state->rhs) {
+        planner_queue_put(planner, slot, key_of(planner, state, bound));
+    } else {
+        planner_queue_remove(planner, slot);
+    }
+}
+
+/** A primitive between two states, seen from one of them. */
+struct edge {
+    const struct jp_primitive *primitive;
+    struct jp_pose from; /* where the robot starts to drive it */
+    struct jp_pose other;
+};
+
+/** Range of the primitives that leave a heading, or arrive at it. */
+static unsigned first_edge(const struct jp_lattice *lattice, bool leaving, unsigned heading)
+{
+    return leaving ? lattice->first_from[heading] : lattice->first_to[heading];
+}
+
+/** Edge `index` of a pose. False when its other end is off the map. */
+static bool edge_at(const struct jp_planner *planner, const struct jp_pose *pose, bool leaving, unsigned index,
+                    struct edge *edge)
+{
+    const struct jp_lattice *lattice = planner->config.lattice;
+    const struct jp_primitive *primitive = &lattice->primitives[leaving ? index : lattice->by_end[index]];
+    const int32_t sign = leaving ? 1 : -1;
+    const int32_t x = pose->x + sign * primitive->dx;
+    const int32_t y = pose->y + sign * primitive->dy;
+
+    edge->primitive = primitive;
+    edge->other = (struct jp_pose){(int16_t)x, (int16_t)y, leaving ? primitive->end : primitive->start};
+    edge->from = leaving ? *pose : edge->other;
+    return jp_terrain_contains(planner->terrain, x, y);
+}
+
+static jp_cost edge_cost(const struct jp_planner *planner, const struct edge *edge)
+{
+    return jp_lattice_cost(planner->config.lattice, planner->config.cost, planner->terrain, edge->primitive,
+                           edge->from.x, edge->from.y);
+}
+
+struct search_way search_cheapest_way(const struct jp_planner *planner, const struct jp_pose *pose)
+{
+    const struct jp_lattice *lattice = planner->config.lattice;
+    const bool leaving = !planner->forward;
+    const unsigned end = first_edge(lattice, leaving, pose->heading + 1U);
+    struct search_way best = {JP_COST_MAX, NULL};
+
+    for (unsigned i = first_edge(lattice, leaving, pose->heading); i < end; i++) {
+        struct edge edge;
+        if (!edge_at(planner, pose, leaving, i, &edge)) {
+            continue;
+        }
+        const uint32_t slot =
+            planner_states_find(planner, search_id(planner, edge.other.x, edge.other.y, edge.other.heading));
+        if (slot == NO_SLOT || planner->states[slot].g >= best.cost) {
+            continue;
+        }
+        const jp_cost cost = jp_cost_add((jp_cost)planner->states[slot].g, edge_cost(planner, &edge));
+        if (cost < best.cost) {
+            best = (struct search_way){cost, edge.primitive};
+        }
+    }
+    return best;
+}
+
+static void set_rhs(struct jp_planner *planner, uint32_t slot, jp_cost rhs, jp_cost bound)
+{
+    planner->states[slot].rhs = rhs & JP_COST_MAX;
+    update(planner, slot, bound);
+}
+
+static void recompute(struct jp_planner *planner, uint32_t slot, const struct jp_pose *pose)
+{
+    if (!search_is_seed(planner, pose)) {
+        set_rhs(planner, slot, search_cheapest_way(planner, pose).cost, bound_of(planner, pose));
+    }
+}
+
+/** Tells a neighbour that the state costs less now. */
+static void offer(struct jp_planner *planner, const struct edge *edge, jp_cost g)
+{
+    const uint32_t id = search_id(planner, edge->other.x, edge->other.y, edge->other.heading);
+    const uint32_t known = planner_states_find(planner, id);
+
+    if (known != NO_SLOT && planner->states[known].rhs <= g) {
+        return;
+    }
+    const jp_cost cost = jp_cost_add(g, edge_cost(planner, edge));
+    if (cost == JP_COST_MAX || (known != NO_SLOT && planner->states[known].rhs <= cost)) {
+        return;
+    }
+    const jp_cost bound = bound_of(planner, &edge->other);
+    if (bound == JP_COST_MAX) {
+        return;
+    }
+    set_rhs(planner, known != NO_SLOT ? known : planner_states_add(planner, id), cost, bound);
+}
+
+/** Tells a neighbour that relied on the state that it costs more now. */
+static void withdraw(struct jp_planner *planner, const struct edge *edge, jp_cost old_g)
+{
+    const uint32_t slot =
+        planner_states_find(planner, search_id(planner, edge->other.x, edge->other.y, edge->other.heading));
+
+    if (slot == NO_SLOT || planner->states[slot].rhs < old_g || planner->states[slot].rhs == JP_COST_MAX) {
+        return;
+    }
+    if (planner->states[slot].rhs == jp_cost_add(old_g, edge_cost(planner, edge))) {
+        recompute(planner, slot, &edge->other);
+    }
+}
+
+/** Remembers the state from which least is left to the goal: where a partial route ends. */
+static void note_nearest(struct jp_planner *planner, uint32_t slot, jp_cost bound)
+{
+    if (planner->nearest == NO_SLOT || bound < planner->nearest_bound) {
+        planner->nearest = slot;
+        planner->nearest_bound = bound;
+    }
+}
+
+static void expand(struct jp_planner *planner, uint32_t slot)
+{
+    const struct jp_lattice *lattice = planner->config.lattice;
+    struct jp_planner_state *state = &planner->states[slot];
+    const struct jp_pose pose = pose_of(planner, (uint32_t)state->id);
+    const bool leaving = planner->forward;
+    const bool cheaper = state->g > state->rhs;
+    const jp_cost g = (jp_cost)(cheaper ? state->rhs : state->g);
+    const unsigned end = first_edge(lattice, leaving, pose.heading + 1U);
+
+    const jp_cost bound = bound_of(planner, &pose);
+
+    planner->statistics.expansions++;
+    state->g = cheaper ? state->rhs : JP_COST_MAX;
+    update(planner, slot, bound);
+    if (cheaper) {
+        note_nearest(planner, slot, bound);
+    }
+    for (unsigned i = first_edge(lattice, leaving, pose.heading); i < end; i++) {
+        struct edge edge;
+        if (!edge_at(planner, &pose, leaving, i, &edge)) {
+            continue;
+        }
+        if (cheaper) {
+            offer(planner, &edge, g);
+        } else {
+            withdraw(planner, &edge, g);
+        }
+    }
+}
+
+uint32_t search_target(const struct jp_planner *planner)
+{
+    uint32_t best = NO_SLOT;
+
+    if (!planner->forward) {
+        return planner_states_find(planner, start_id(planner));
+    }
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const uint32_t slot =
+            (planner->goal.headings >> heading) & 1
+                ? planner_states_find(planner, search_id(planner, planner->goal.x, planner->goal.y, heading))
+                : NO_SLOT;
+        if (slot != NO_SLOT && (best == NO_SLOT || planner->states[slot].g < planner->states[best].g)) {
+            best = slot;
+        }
+    }
+    return best;
+}
+
+/** Key beyond which no state matters to the target. */
+static uint32_t target_key(const struct jp_planner *planner, uint32_t slot)
+{
+    const struct jp_planner_state *state = &planner->states[slot];
+    const jp_cost bound = search_bound(planner, (uint32_t)state->id);
+
+    return (uint32_t)state->g + inflate(planner->epsilon, bound);
+}
+
+static bool is_arrived(const struct jp_planner *planner)
+{
+    const uint32_t slot = search_target(planner);
+
+    if (slot == NO_SLOT) {
+        return false;
+    }
+    const struct jp_planner_state *state = &planner->states[slot];
+    return state->g != JP_COST_MAX && state->g == state->rhs &&
+           planner_queue_lowest_key(planner) > target_key(planner, slot);
+}
+
+static bool has_cost(const struct jp_planner *planner, uint32_t slot)
+{
+    return slot != NO_SLOT && planner->states[slot].g != JP_COST_MAX;
+}
+
+/** Most neighbours that an expansion can add. */
+static uint32_t neighbours_max(const struct jp_lattice *lattice, bool leaving)
+{
+    uint32_t most = 0;
+
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const uint32_t count = first_edge(lattice, leaving, heading + 1U) - first_edge(lattice, leaving, heading);
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+static bool is_full(const struct jp_planner *planner)
+{
+    const struct jp_planner_statistics *statistics = &planner->statistics;
+
+    return statistics->states_max - statistics->states <
+           neighbours_max(planner->config.lattice, planner->forward);
+}
+
+enum search_result search_expand(struct jp_planner *planner, unsigned *expansions)
+{
+    for (;;) {
+        const uint32_t slot = planner_queue_top(planner);
+
+        if (slot == NO_SLOT) {
+            return has_cost(planner, search_target(planner)) ? SEARCH_FOUND : SEARCH_IMPOSSIBLE;
+        }
+        if (planner_queue_is_beyond_range(planner)) {
+            return SEARCH_RANGE;
+        }
+        if (is_arrived(planner)) {
+            return SEARCH_FOUND;
+        }
+        if (*expansions == 0) {
+            return SEARCH_WORKING;
+        }
+        if (is_full(planner)) {
+            return SEARCH_FULL;
+        }
+        expand(planner, slot);
+        --*expansions;
+    }
+}
+
+/** Least cost of the turning alone between the root's headings and each heading. */
+static void find_turns(struct jp_planner *planner, uint16_t root_headings)
+{
+    const struct jp_lattice *lattice = planner->config.lattice;
+    bool changed = true;
+
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        planner->turns[heading] = (root_headings >> heading) & 1 ? 0 : UINT16_MAX;
+    }
+    while (changed) {
+        changed = false;
+        for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
+            const struct jp_primitive *primitive = &lattice->primitives[i];
+            const unsigned near = planner->forward ? primitive->end : primitive->start;
+            const unsigned far = planner->forward ? primitive->start : primitive->end;
+            const uint32_t cost = (uint32_t)planner->turns[near] + primitive->base[planner->config.cost];
+
+            if (cost < planner->turns[far]) {
+                planner->turns[far] = (uint16_t)cost;
+                changed = true;
+            }
+        }
+    }
+}
+
+static void seed(struct jp_planner *planner, int32_t x, int32_t y, unsigned heading)
+{
+    const uint32_t id = search_id(planner, x, y, heading);
+    const jp_cost bound = search_bound(planner, id);
+
+    if (bound != JP_COST_MAX) {
+        set_rhs(planner, planner_states_add(planner, id), 0, bound);
+    }
+}
+
+static void seed_all(struct jp_planner *planner)
+{
+    if (planner->forward) {
+        seed(planner, planner->start.x, planner->start.y, planner->start.heading);
+        return;
+    }
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        if ((planner->goal.headings >> heading) & 1) {
+            seed(planner, planner->goal.x, planner->goal.y, heading);
+        }
+    }
+}
+
+/** The bound of the seed is about what the target will cost. */
+static uint32_t expected_range(const struct jp_planner *planner)
+{
+    const jp_cost bound = planner->forward ? search_bound(planner, start_id(planner))
+                                           : jp_energy_field_bound(&planner->field, planner->goal.x, planner->goal.y);
+
+    return inflate(planner->epsilon, bound) * RANGE_PER_TARGET;
+}
+
+void search_start(struct jp_planner *planner)
+{
+    find_turns(planner, planner->forward ? planner->goal.headings : (uint16_t)(1U << planner->start.heading));
+    planner_states_clear(planner);
+    planner->nearest = NO_SLOT;
+    planner->rekey_slot = planner->slot_count;
+    planner_queue_restart(planner, expected_range(planner));
+    seed_all(planner);
+}
+
+void search_rekey(struct jp_planner *planner, bool widen)
+{
+    const uint32_t range = widen ? (planner->bucket_count - 1) << (planner->bucket_shift + 1) : expected_range(planner);
+
+    planner_queue_restart(planner, range);
+    planner->rekey_slot = 0;
+}
+
+bool search_rekey_work(struct jp_planner *planner, unsigned *slots)
+{
+    while (planner->rekey_slot < planner->slot_count && *slots > 0) {
+        const uint32_t slot = planner->rekey_slot++;
+        struct jp_planner_state *state = &planner->states[slot];
+
+        state->queued = 0;
+        if (state->used && state->g != state->rhs) {
+            update(planner, slot, search_bound(planner, (uint32_t)state->id));
+        }
+        --*slots;
+    }
+    return planner->rekey_slot == planner->slot_count;
+}
+
+void search_rekey_cells(struct jp_planner *planner, const struct jp_field_box *box)
+{
+    for (int32_t y = box->first_y; y <= box->last_y; y++) {
+        for (int32_t x = box->first_x; x <= box->last_x; x++) {
+            for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+                const uint32_t id = search_id(planner, x, y, heading);
+                const uint32_t slot = planner_states_find(planner, id);
+                if (slot != NO_SLOT) {
+                    update(planner, slot, search_bound(planner, id));
+                }
+            }
+        }
+    }
+}
+
+bool search_repair(struct jp_planner *planner, uint32_t id, bool may_be_cheaper)
+{
+    const struct jp_pose pose = pose_of(planner, id);
+    const uint32_t slot = planner_states_find(planner, id);
+
+    if (slot != NO_SLOT) {
+        recompute(planner, slot, &pose);
+        return true;
+    }
+    if (!may_be_cheaper) {
+        return true;
+    }
+    const jp_cost cost = search_cheapest_way(planner, &pose).cost;
+    const jp_cost bound = bound_of(planner, &pose);
+    if (cost == JP_COST_MAX || bound == JP_COST_MAX) {
+        return true;
+    }
+    const uint32_t added = planner_states_add(planner, id);
+    if (added == NO_SLOT) {
+        return false;
+    }
+    set_rhs(planner, added, cost, bound);
+    return true;
+}

@@ -1,0 +1,54 @@
+/** AD* on the states of a planner: one search from a seed (the goal, or the robot) to a target. */
+#ifndef JOULEPATH_PLANNER_SEARCH_H
+#define JOULEPATH_PLANNER_SEARCH_H
+
+#include <joulepath/planner.h>
+
+enum search_result {
+    SEARCH_WORKING,
+    SEARCH_FOUND,      /* the target's cost is within ε of the optimum */
+    SEARCH_IMPOSSIBLE, /* no route leads to the target */
+    SEARCH_FULL,       /* the next expansion may not fit the table */
+    SEARCH_RANGE       /* the queue needs a wider range */
+};
+
+/** Forgets everything and seeds the search. The field must have grown. */
+void search_start(struct jp_planner *planner);
+
+/** Starts to sort the queue anew, for planner->epsilon; `widen` doubles its range. */
+void search_rekey(struct jp_planner *planner, bool widen);
+
+/** Goes on sorting; *slots counts down. True when done. */
+bool search_rekey_work(struct jp_planner *planner, unsigned *slots);
+
+/** Expands states; *expansions counts down to 0. */
+enum search_result search_expand(struct jp_planner *planner, unsigned *expansions);
+
+/** Repairs a state whose outgoing primitives have changed. False when the table is full. */
+bool search_repair(struct jp_planner *planner, uint32_t id, bool may_be_cheaper);
+
+/** Sorts the states of some cells anew, whose bounds have fallen. */
+void search_rekey_cells(struct jp_planner *planner, const struct jp_field_box *box);
+
+/** State where the search has arrived: the robot's, or the cheapest of the goal's; NO_SLOT when it has not. */
+uint32_t search_target(const struct jp_planner *planner);
+
+/** The cheapest way of a state by the neighbours on its seed's side. */
+struct search_way {
+    jp_cost cost;                         /* to the seed; JP_COST_MAX: there is none */
+    const struct jp_primitive *primitive; /* the first on the way, the last of the robot's when searching forward */
+};
+
+struct search_way search_cheapest_way(const struct jp_planner *planner, const struct jp_pose *pose);
+
+/** True at a state with cost 0: the goal's, or the robot's when searching forward. */
+bool search_is_seed(const struct jp_planner *planner, const struct jp_pose *pose);
+
+struct jp_pose search_pose(const struct jp_planner *planner, uint32_t slot);
+
+/** Lower bound of the way between the root and a state. */
+jp_cost search_bound(const struct jp_planner *planner, uint32_t id);
+
+uint32_t search_id(const struct jp_planner *planner, int32_t x, int32_t y, unsigned heading);
+
+#endif
