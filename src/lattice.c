@@ -24,6 +24,40 @@ jp_cost jp_move_cost(const struct jp_move_cost *cost, int32_t rise)
     return value < cost->floor ? cost->floor : (jp_cost)value;
 }
 
+/** Cost of a unit step less that of its rise at `slope`, at least, whatever the rise; in 2⁻¹⁶ cost units. */
+static int64_t least_level_part(const struct jp_move_cost *cost, int32_t slope)
+{
+    int64_t least = INT64_MAX;
+
+    for (int32_t rise = -cost->rise_max; rise <= cost->rise_max; rise++) {
+        const int64_t part = ((int64_t)jp_move_cost(cost, rise) << FRACTION_BITS) - (int64_t)slope * rise;
+        least = part < least ? part : least;
+    }
+    return least;
+}
+
+jp_cost jp_lattice_straight_bound(const struct jp_lattice *lattice, enum jp_cost_kind kind, int32_t dx, int32_t dy,
+                                  int32_t rise)
+{
+    static const int64_t lengths[JP_MOVE_KINDS] = {65536, 146543, 92682}; /* 1, √5, √2 cells in Q16, rounded up */
+    const struct jp_move_cost *costs = lattice->move_costs[kind];
+    const int32_t slope = costs[JP_MOVE_AXIS].climb.linear;
+    int64_t per_cell = INT64_MAX;
+
+    for (unsigned move = 0; move < JP_MOVE_KINDS; move++) {
+        const int64_t part = least_level_part(&costs[move], slope) * (1 << FRACTION_BITS) / lengths[move];
+        per_cell = part < per_cell ? part : per_cell;
+    }
+    if (per_cell < 0) {
+        return 0;
+    }
+    const uint64_t square = (uint64_t)((int64_t)dx * dx + (int64_t)dy * dy);
+    const int64_t cells = jp_square_root(square << FRACTION_BITS); /* Q8 */
+    const int64_t bound = ((per_cell * cells >> FRACTION_BITS / 2) + (int64_t)slope * rise) >> FRACTION_BITS;
+
+    return bound < 0 ? 0 : bound < JP_COST_MAX ? (jp_cost)bound : JP_COST_MAX - 1;
+}
+
 jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
                           const struct jp_primitive *primitive, int32_t x, int32_t y)
 {
@@ -40,6 +74,30 @@ jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind ki
         elevation = next;
     }
     return sum;
+}
+
+void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, struct jp_turns *turns)
+{
+    for (unsigned from = 0; from < JP_HEADINGS; from++) {
+        for (unsigned to = 0; to < JP_HEADINGS; to++) {
+            turns->cost[from][to] = from == to ? 0 : UINT16_MAX;
+        }
+    }
+    for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        uint16_t *cost = &turns->cost[primitive->start][primitive->end];
+        *cost = primitive->base[kind] < *cost ? primitive->base[kind] : *cost;
+    }
+    for (unsigned by = 0; by < JP_HEADINGS; by++) {
+        for (unsigned from = 0; from < JP_HEADINGS; from++) {
+            for (unsigned to = 0; to < JP_HEADINGS; to++) {
+                const uint32_t cost = (uint32_t)turns->cost[from][by] + turns->cost[by][to];
+                if (cost < turns->cost[from][to]) {
+                    turns->cost[from][to] = (uint16_t)cost;
+                }
+            }
+        }
+    }
 }
 
 static bool is_clear(const struct jp_lattice *lattice, const struct jp_terrain *terrain, struct jp_cells cells,
@@ -175,12 +233,12 @@ enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **f
     if (lattice == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *field = lattice->resolution <= 0                                                       ? "resolution"
-             : !are_headings(lattice)                                                       ? "heading"
-             : lattice->primitives == NULL || !are_starts(lattice)                          ? "primitives"
-             : lattice->by_end == NULL || !are_ends(lattice)                                ? "by_end"
-             : lattice->spans == NULL || lattice->core.span_count == 0                      ? "spans"
-             : !are_move_costs(lattice)                                                     ? "move_costs"
-                                                                                            : NULL;
+    *field = lattice->resolution <= 0                                  ? "resolution"
+             : !are_headings(lattice)                                  ? "heading"
+             : lattice->primitives == NULL || !are_starts(lattice)     ? "primitives"
+             : lattice->by_end == NULL || !are_ends(lattice)           ? "by_end"
+             : lattice->spans == NULL || lattice->core.span_count == 0 ? "spans"
+             : !are_move_costs(lattice)                                ? "move_costs"
+                                                                       : NULL;
     return *field == NULL ? JP_OK : JP_ERR_CONFIG;
 }

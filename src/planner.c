@@ -8,6 +8,7 @@
 
 enum phase {
     PHASE_IDLE,   /* nothing to do */
+    PHASE_GUIDE,  /* the guide field grows */
     PHASE_FIELD,  /* the energy field grows, or is repaired */
     PHASE_REPAIR, /* states learn of changed cells */
     PHASE_REKEY,  /* the queue is sorted for another ε */
@@ -17,10 +18,14 @@ enum phase {
 enum {
     ALIGNMENT = 8,
     STATES_MIN = 64,
+    EPSILON_RAISE_DIVISOR = 4,
+    GUIDE_SCALE_MIN = 2,
+    GUIDE_SHARE = 4, /* the guide takes at most this part of the block, if it can be that coarse */
     ROUTE_STEPS_MIN = 256,
     CELLS_PER_ROUTE_STEP = 32, /* of the map: room for a route that winds through all of it */
     /* So much of other work is worth one expansion. */
     FIELD_CELLS_PER_EXPANSION = 8,
+    GUIDE_CELLS_PER_EXPANSION = 2,
     REKEYS_PER_EXPANSION = 32,
     REPAIRS_PER_EXPANSION = 1,
 };
@@ -32,17 +37,23 @@ static size_t route_bytes(const struct jp_terrain_config *config)
     return (steps + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
-static size_t fixed_bytes(const struct jp_terrain_config *config)
-{
-    return jp_energy_field_size(config) + route_bytes(config);
-}
-
 size_t jp_planner_size_min(const struct jp_terrain_config *config)
 {
     if (jp_terrain_size(config) == 0 || (uint32_t)config->width * config->height > JP_PLANNER_CELLS_MAX) {
         return 0;
     }
-    return fixed_bytes(config) + planner_states_size(STATES_MIN);
+    return jp_guide_field_size(config, JP_GUIDE_SCALE_MAX) + route_bytes(config) + planner_states_size(STATES_MIN);
+}
+
+/** The finest guide that leaves most of the block to the states. */
+static unsigned guide_scale(const struct jp_terrain_config *config, size_t size)
+{
+    unsigned scale = GUIDE_SCALE_MIN;
+
+    while (scale < JP_GUIDE_SCALE_MAX && jp_guide_field_size(config, scale) > size / GUIDE_SHARE) {
+        scale++;
+    }
+    return scale;
 }
 
 static bool is_schedule(const uint16_t *epsilon)
@@ -72,6 +83,29 @@ static const char *field_out_of_range(const struct jp_planner_config *config, co
     return jp_planner_size_min(&terrain->config) == 0 ? "terrain" : NULL;
 }
 
+/** Guide, route, and if a state for every cell fits too, the energy field; the states get the rest. */
+static void lay_out(struct jp_planner *planner, uint8_t *block, size_t size)
+{
+    const struct jp_planner_config *config = &planner->config;
+    const struct jp_terrain_config *map = &planner->terrain->config;
+    const unsigned scale = guide_scale(map, size);
+    const size_t guide_bytes = jp_guide_field_size(map, scale);
+    const size_t field_bytes = jp_energy_field_size(map);
+    size_t used = guide_bytes + route_bytes(map);
+
+    jp_guide_field_init(&planner->guide, config->lattice, config->cost, planner->terrain, &planner->turns, scale,
+                        block);
+    planner->route = block + guide_bytes;
+    planner->route_max = (uint16_t)route_bytes(map);
+    planner->statistics.guide_bytes = (uint32_t)guide_bytes;
+    if (used + field_bytes + planner_states_size((uint32_t)map->width * map->height) <= size) {
+        jp_energy_field_init(&planner->field, config->lattice, config->cost, planner->terrain, block + used);
+        planner->statistics.field_bytes = (uint32_t)field_bytes;
+        used += field_bytes;
+    }
+    planner_states_init(planner, block + used, size - used);
+}
+
 enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_planner_config *config,
                                struct jp_terrain *terrain, void *block, size_t size, const char **field)
 {
@@ -88,18 +122,12 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
     if (size < jp_planner_size_min(&terrain->config)) {
         return JP_ERR_MEMORY;
     }
-    uint8_t *bytes = block;
-    const size_t field_bytes = jp_energy_field_size(&terrain->config);
-
     memset(planner, 0, sizeof *planner);
     planner->config = *config;
     planner->terrain = terrain;
     planner->terrain_version = terrain->version;
-    planner->route_max = (uint16_t)route_bytes(&terrain->config);
-    planner->statistics.field_bytes = (uint32_t)field_bytes;
-    jp_energy_field_init(&planner->field, config->lattice, config->cost, terrain, bytes);
-    planner->route = bytes + field_bytes;
-    planner_states_init(planner, bytes + fixed_bytes(&terrain->config), size - fixed_bytes(&terrain->config));
+    jp_lattice_turns(config->lattice, config->cost, &planner->turns);
+    lay_out(planner, block, size);
     planner_states_clear(planner);
     return JP_OK;
 }
@@ -109,21 +137,49 @@ static bool is_ready(const struct jp_planner *planner)
     return planner->has_start && planner->has_goal;
 }
 
-/** Grows the field from the search's target, from scratch; the search follows. */
+static bool has_field(const struct jp_planner *planner)
+{
+    return planner->statistics.field_bytes > 0;
+}
+
+static void begin_field(struct jp_planner *planner)
+{
+    planner->is_field_begun = true;
+    planner->field_heading = planner->start.heading;
+    jp_energy_field_start(&planner->field, planner->start.x, planner->start.y, planner->goal.x, planner->goal.y);
+    planner->phase = PHASE_FIELD;
+}
+
+/** Grows the guide from the search's target. */
+static void begin_guide(struct jp_planner *planner)
+{
+    const struct jp_pose *start = &planner->start;
+    const struct jp_goal *goal = &planner->goal;
+
+    if (planner->forward) {
+        const struct jp_guide_root root = {(uint16_t)goal->x, (uint16_t)goal->y, goal->headings};
+        jp_guide_field_start(&planner->guide, JP_GUIDE_TO_ROOT, &root, (uint16_t)start->x, (uint16_t)start->y);
+    } else {
+        const struct jp_guide_root root = {(uint16_t)start->x, (uint16_t)start->y, (uint16_t)(1U << start->heading)};
+        jp_guide_field_start(&planner->guide, JP_GUIDE_FROM_ROOT, &root, (uint16_t)goal->x, (uint16_t)goal->y);
+    }
+    planner->phase = PHASE_GUIDE;
+}
+
+/** From scratch; the search follows when its field has grown. */
 static void begin(struct jp_planner *planner, bool forward)
 {
-    const int32_t start_x = planner->start.x;
-    const int32_t start_y = planner->start.y;
-
     planner->forward = forward;
     planner->is_searching = false;
     planner->is_repaired = false;
+    planner->is_field_begun = false;
+    planner->is_exact = false;
     planner->change_count = 0;
-    planner->phase = PHASE_FIELD;
-    if (forward) {
-        jp_energy_field_start(&planner->field, JP_FIELD_TO_ROOT, planner->goal.x, planner->goal.y, start_x, start_y);
+    planner->may_be_cheaper = false;
+    if (planner->epsilon == JP_EPSILON_ONE && has_field(planner)) {
+        begin_field(planner);
     } else {
-        jp_energy_field_start(&planner->field, JP_FIELD_FROM_ROOT, start_x, start_y, planner->goal.x, planner->goal.y);
+        begin_guide(planner);
     }
 }
 
@@ -140,10 +196,22 @@ void jp_planner_restart(struct jp_planner *planner)
     }
 }
 
-/** For a search that has not begun. */
-static bool is_field_growing(const struct jp_planner *planner)
+/** Sorts the queue anew where the energy field takes over, or where states wait to be looked at again. */
+static void resume(struct jp_planner *planner)
 {
-    return planner->phase == PHASE_FIELD && !planner->is_searching && !planner->forward;
+    const bool is_exact = planner->is_field_begun && planner->epsilon == JP_EPSILON_ONE;
+
+    if (is_exact != planner->is_exact || !is_exact) {
+        planner->is_exact = is_exact;
+        search_rekey(planner, false);
+    }
+    planner->phase = planner->rekey_slot < planner->slot_count ? PHASE_REKEY : PHASE_SEARCH;
+}
+
+/** True when the search's field is rooted, and the search has not begun. */
+static bool is_beginning(const struct jp_planner *planner)
+{
+    return planner->phase != PHASE_IDLE && !planner->is_searching && !planner->forward;
 }
 
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_pose *start)
@@ -160,17 +228,17 @@ enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_
     planner->start = *start;
     planner->has_start = true;
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
-    if (is_field_growing(planner)) {
-        return JP_OK; /* a field rooted where the robot was is a bound too */
+    if (is_beginning(planner)) {
+        return JP_OK; /* a field rooted where the robot was serves too */
     }
     if (!planner->is_searching || planner->forward ||
-        jp_energy_field_bound(&planner->field, start->x, start->y) == JP_COST_MAX) {
+        (planner->is_field_begun && jp_energy_field_bound(&planner->field, start->x, start->y) == JP_COST_MAX)) {
         jp_planner_restart(planner);
         return JP_OK;
     }
     planner->is_repaired = true;
-    if (planner->phase == PHASE_IDLE) {
-        planner->phase = PHASE_SEARCH;
+    if (planner->phase == PHASE_IDLE || planner->phase == PHASE_SEARCH) {
+        resume(planner);
     }
     return JP_OK;
 }
@@ -209,56 +277,97 @@ static void finish(struct jp_planner *planner, enum jp_answer answer)
     planner->phase = PHASE_IDLE;
 }
 
-static void field_is_grown(struct jp_planner *planner)
+static void begin_search(struct jp_planner *planner)
 {
-    if (planner->is_searching) {
-        const struct jp_field_box box = jp_energy_field_take_lowered(&planner->field);
-        search_rekey_cells(planner, &box);
-        planner->repair_cursor = 0;
-        planner->phase = PHASE_REPAIR;
-        return;
-    }
-    const int32_t x = planner->forward ? planner->start.x : planner->goal.x;
-    const int32_t y = planner->forward ? planner->start.y : planner->goal.y;
-    if (jp_energy_field_bound(&planner->field, x, y) == JP_COST_MAX) {
-        finish(planner, JP_ANSWER_UNREACHABLE);
-        return;
-    }
-    (void)jp_energy_field_take_lowered(&planner->field);
-    search_start(planner);
+    planner->is_exact = planner->is_field_begun && planner->epsilon == JP_EPSILON_ONE;
     planner->is_searching = true;
+    planner->is_alone = true;
+    search_start(planner);
     planner->phase = PHASE_SEARCH;
 }
 
-/** The next smaller ε of the schedule, or nothing more to do. */
-static void go_on(struct jp_planner *planner)
+/** Where the guide sees no way the energy field can prove that there is none. */
+static void guide_is_grown(struct jp_planner *planner)
+{
+    if (!planner->forward && has_field(planner) &&
+        !jp_guide_field_reaches(&planner->guide, planner->goal.x, planner->goal.y)) {
+        begin_field(planner);
+    } else {
+        begin_search(planner);
+    }
+}
+
+static void field_is_grown(struct jp_planner *planner)
+{
+    const struct jp_cell_box lowered = jp_energy_field_take_lowered(&planner->field);
+
+    if (planner->is_searching) {
+        if (planner->is_exact) {
+            search_rekey_cells(planner, &lowered);
+        }
+        planner->repair_cursor = 0;
+        planner->phase = PHASE_REPAIR;
+    } else if (jp_energy_field_bound(&planner->field, planner->goal.x, planner->goal.y) == JP_COST_MAX) {
+        finish(planner, JP_ANSWER_UNREACHABLE);
+    } else {
+        begin_search(planner);
+    }
+}
+
+/** The next smaller ε of the schedule. False when there is none, or nothing can be better. */
+static bool take_next_epsilon(struct jp_planner *planner)
 {
     const unsigned next = planner->level + 1U;
 
-    planner->answer = planner->plan.answer;
-    planner->phase = PHASE_IDLE;
     if (planner->answer != JP_ANSWER_WITHIN_BOUND || planner->forward || next == JP_EPSILON_LEVELS ||
         planner->config.epsilon[next] == 0) {
-        return;
+        return false;
     }
     planner->level = (uint8_t)next;
     planner->epsilon = planner->config.epsilon[next];
-    search_rekey(planner, false);
-    planner->phase = PHASE_REKEY;
+    return true;
 }
 
-/** The states do not fit: keep what there is, else search on with less care, at last from the robot. */
+/** After a plan: on with the states that there are. */
+static void improve(struct jp_planner *planner)
+{
+    planner->answer = planner->plan.answer;
+    planner->phase = PHASE_IDLE;
+    if (!take_next_epsilon(planner)) {
+        return;
+    }
+    planner->is_alone = false;
+    if (planner->epsilon == JP_EPSILON_ONE && has_field(planner) && !planner->is_field_begun) {
+        begin_field(planner);
+    } else {
+        resume(planner);
+    }
+}
+
+/** The states do not fit, and there is a plan: this ε once more without the states of those before it, then the next.
+ */
+static void improve_from_scratch(struct jp_planner *planner)
+{
+    if (!planner->is_exact && (!planner->is_alone || take_next_epsilon(planner))) {
+        begin_search(planner);
+    } else {
+        planner->phase = PHASE_IDLE;
+    }
+}
+
+/** The states do not fit: search with less care, at last from the robot. */
 static void table_is_full(struct jp_planner *planner)
 {
     if (planner->answer != JP_ANSWER_OUT_OF_BUDGET) {
-        planner->phase = PHASE_IDLE;
+        improve_from_scratch(planner);
     } else if (planner->is_repaired) {
         jp_planner_restart(planner);
     } else if (planner->forward) {
         finish(planner, route_publish(planner) ? JP_ANSWER_PARTIAL : JP_ANSWER_OUT_OF_BUDGET);
     } else if (planner->epsilon < JP_EPSILON_MAX) {
-        planner->epsilon = (uint16_t)(planner->epsilon > JP_EPSILON_MAX / 2 ? JP_EPSILON_MAX : planner->epsilon * 2);
-        search_start(planner);
+        const unsigned epsilon = planner->epsilon + planner->epsilon / EPSILON_RAISE_DIVISOR;
+        planner->epsilon = (uint16_t)(epsilon < JP_EPSILON_MAX ? epsilon : JP_EPSILON_MAX);
+        begin_search(planner);
     } else {
         begin(planner, true);
     }
@@ -269,7 +378,7 @@ static void search(struct jp_planner *planner, unsigned *budget)
     switch (search_expand(planner, budget)) {
     case SEARCH_FOUND:
         if (route_publish(planner)) {
-            go_on(planner);
+            improve(planner);
         } else {
             jp_planner_restart(planner);
         }
@@ -291,11 +400,11 @@ static void search(struct jp_planner *planner, unsigned *budget)
 
 static void repair(struct jp_planner *planner, unsigned *budget)
 {
-    switch (repair_work(planner, budget)) {
+    switch (planner->change_count == 0 ? REPAIR_DONE : repair_work(planner, budget)) {
     case REPAIR_DONE:
         planner->change_count = 0;
         planner->may_be_cheaper = false;
-        planner->phase = planner->rekey_slot < planner->slot_count ? PHASE_REKEY : PHASE_SEARCH;
+        resume(planner);
         break;
     case REPAIR_FULL:
         jp_planner_restart(planner);
@@ -311,6 +420,12 @@ static unsigned work(struct jp_planner *planner, unsigned budget)
     unsigned share = 0;
 
     switch ((enum phase)planner->phase) {
+    case PHASE_GUIDE:
+        share = budget * GUIDE_CELLS_PER_EXPANSION;
+        if (jp_guide_field_grow(&planner->guide, &share)) {
+            guide_is_grown(planner);
+        }
+        return share / GUIDE_CELLS_PER_EXPANSION;
     case PHASE_FIELD:
         share = budget * FIELD_CELLS_PER_EXPANSION;
         if (jp_energy_field_grow(&planner->field, &share)) {
@@ -360,11 +475,7 @@ static void note_change(struct jp_planner *planner, int32_t x, int32_t y, bool m
     if (!is_ready(planner)) {
         return;
     }
-    if (!planner->is_searching && planner->phase == PHASE_IDLE) {
-        jp_planner_restart(planner);
-        return;
-    }
-    if (planner->is_searching && planner->forward) {
+    if (planner->forward || (!planner->is_searching && planner->phase == PHASE_IDLE)) {
         jp_planner_restart(planner);
         return;
     }
@@ -375,9 +486,10 @@ static void note_change(struct jp_planner *planner, int32_t x, int32_t y, bool m
         planner->changes[planner->change_count++] = (struct jp_cell_change){(int16_t)x, (int16_t)y};
         planner->may_be_cheaper |= may_be_cheaper;
         planner->is_repaired = true;
-        planner->phase = PHASE_FIELD;
+        planner->repair_cursor = 0;
+        planner->phase = planner->is_field_begun ? PHASE_FIELD : PHASE_REPAIR;
     }
-    if (may_be_cheaper) {
+    if (may_be_cheaper && planner->is_field_begun) {
         jp_energy_field_cell_changed(&planner->field, x, y);
     }
 }

@@ -5,8 +5,9 @@
 #include "planner_search.h"
 
 enum {
-    WINDOW = 64,                                   /* cells, wide and high: a word a row */
-    CHANGES_EXTENT = WINDOW - 2 * JP_SWEEP_REACH, /* of the changed cells, so that the window holds all that they touch */
+    WINDOW = 64, /* cells, wide and high: a word a row */
+    CHANGES_EXTENT =
+        WINDOW - 2 * JP_SWEEP_REACH, /* of the changed cells, so that the window holds all that they touch */
 };
 
 /** Cells where a state of one heading has lost or gained a primitive. */
@@ -16,10 +17,10 @@ struct window {
     uint64_t rows[WINDOW];
 };
 
-static struct jp_field_box box_of_changes(const struct jp_planner *planner)
+static struct jp_cell_box box_of_changes(const struct jp_planner *planner)
 {
-    struct jp_field_box box = {planner->changes[0].x, planner->changes[0].x, planner->changes[0].y,
-                               planner->changes[0].y};
+    struct jp_cell_box box = {planner->changes[0].x, planner->changes[0].x, planner->changes[0].y,
+                              planner->changes[0].y};
 
     for (unsigned i = 1; i < planner->change_count; i++) {
         const int32_t x = planner->changes[i].x;
@@ -42,7 +43,7 @@ bool repair_fits(const struct jp_planner *planner, int32_t x, int32_t y)
     if (planner->change_count == 0) {
         return true;
     }
-    const struct jp_field_box box = box_of_changes(planner);
+    const struct jp_cell_box box = box_of_changes(planner);
 
     return planner->change_count < JP_PLANNER_CHANGES && is_near(x, box.first_x, box.last_x) &&
            is_near(y, box.first_y, box.last_y);
@@ -64,7 +65,7 @@ static void mark(struct window *window, const struct jp_lattice *lattice, struct
 static void fill_window(struct window *window, const struct jp_planner *planner, unsigned heading)
 {
     const struct jp_lattice *lattice = planner->config.lattice;
-    const struct jp_field_box box = box_of_changes(planner);
+    const struct jp_cell_box box = box_of_changes(planner);
 
     memset(window, 0, sizeof *window);
     window->x = box.first_x - JP_SWEEP_REACH;

@@ -44,8 +44,7 @@ static struct trace walk(const struct jp_planner *planner, const struct jp_pose 
             return trace;
         }
         const struct jp_pose next = move(&trace.end, way.primitive, planner->forward);
-        trace.cost = jp_cost_add(
-            trace.cost, cost_of(planner, planner->forward ? &next : &trace.end, way.primitive));
+        trace.cost = jp_cost_add(trace.cost, cost_of(planner, planner->forward ? &next : &trace.end, way.primitive));
         if (route != NULL) {
             route[planner->forward ? route_steps - 1 - trace.steps : trace.steps] =
                 index_of(planner->config.lattice, way.primitive);
@@ -57,27 +56,42 @@ static struct trace walk(const struct jp_planner *planner, const struct jp_pose 
     return trace;
 }
 
-/** ε of the search, or less where the field proves it. */
+/** Lower bound of any route from the robot to one of the goal's headings, obstacles left aside. */
+static jp_cost straight_bound(const struct jp_planner *planner)
+{
+    const struct jp_pose *start = &planner->start;
+    const struct jp_goal *goal = &planner->goal;
+    const int32_t rise = jp_terrain_elevation(planner->terrain, goal->x, goal->y) -
+                         jp_terrain_elevation(planner->terrain, start->x, start->y);
+    uint16_t turn = UINT16_MAX;
+
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const uint16_t cost = planner->turns.cost[start->heading][heading];
+        if ((goal->headings >> heading) & 1 && cost < turn) {
+            turn = cost;
+        }
+    }
+    return jp_cost_add(jp_lattice_straight_bound(planner->config.lattice, planner->config.cost, goal->x - start->x,
+                                                 goal->y - start->y, rise),
+                       turn);
+}
+
+/** What is proved of a route: 1 after an exact search, else by the straight way. */
 static uint16_t proved_bound(const struct jp_planner *planner, jp_cost cost)
 {
-    const struct jp_goal *goal = &planner->goal;
-    const jp_cost from = search_bound(planner, search_id(planner, planner->start.x, planner->start.y,
-                                                         planner->start.heading));
-    jp_cost least = JP_COST_MAX;
+    const jp_cost least = straight_bound(planner);
 
-    if (planner->forward) {
-        least = from;
-    } else {
-        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-            if ((goal->headings >> heading) & 1) {
-                const jp_cost bound = search_bound(planner, search_id(planner, goal->x, goal->y, heading));
-                least = bound < least ? bound : least;
-            }
-        }
-        least = least > from ? least - from : 0;
+    if (planner->is_exact || cost <= least) {
+        return JP_EPSILON_ONE;
     }
-    const uint64_t ratio = least == 0 ? UINT64_MAX : ((uint64_t)cost * JP_EPSILON_ONE + least - 1) / least;
-    return ratio < planner->epsilon ? (uint16_t)(ratio < JP_EPSILON_ONE ? JP_EPSILON_ONE : ratio) : planner->epsilon;
+    const uint64_t ratio = least == 0 ? UINT16_MAX : ((uint64_t)cost * JP_EPSILON_ONE + least - 1) / least;
+    return ratio < UINT16_MAX ? (uint16_t)ratio : UINT16_MAX;
+}
+
+/** A plan for the same start, goal and map that costs less stays. */
+static bool is_worse(const struct jp_planner *planner, jp_cost cost)
+{
+    return planner->answer == JP_ANSWER_WITHIN_BOUND && !planner->is_exact && cost >= planner->plan.cost;
 }
 
 static void publish(struct jp_planner *planner, const struct jp_pose *end, jp_cost cost, jp_cost cost_left,
@@ -91,9 +105,9 @@ static void publish(struct jp_planner *planner, const struct jp_pose *end, jp_co
     plan->cost_left = cost_left;
     plan->step_count = (uint16_t)steps;
     plan->bound = cost_left > 0 ? 0 : proved_bound(planner, cost);
-    plan->answer = cost_left > 0                     ? JP_ANSWER_PARTIAL
+    plan->answer = cost_left > 0                   ? JP_ANSWER_PARTIAL
                    : plan->bound == JP_EPSILON_ONE ? JP_ANSWER_OPTIMAL
-                                                     : JP_ANSWER_WITHIN_BOUND;
+                                                   : JP_ANSWER_WITHIN_BOUND;
 }
 
 /** From the robot on; cut where the route's memory ends. */
@@ -104,9 +118,12 @@ static bool publish_backward(struct jp_planner *planner)
     if (!trace.is_complete && trace.steps < planner->route_max) {
         return false;
     }
+    if (trace.is_complete && is_worse(planner, trace.cost)) {
+        return true;
+    }
     (void)walk(planner, &planner->start, trace.steps, planner->route, trace.steps);
-    publish(planner, &trace.end, trace.cost,
-            trace.is_complete ? 0 : search_cheapest_way(planner, &trace.end).cost, trace.steps);
+    publish(planner, &trace.end, trace.cost, trace.is_complete ? 0 : search_cheapest_way(planner, &trace.end).cost,
+            trace.steps);
     return true;
 }
 
@@ -125,13 +142,13 @@ static bool publish_forward(struct jp_planner *planner)
     if (!trace.is_complete) {
         return false;
     }
-    if (trace.steps > planner->route_max) {
+    const bool is_cut = trace.steps > planner->route_max;
+    if (is_cut) {
         end = walk(planner, &end, trace.steps - planner->route_max, NULL, 0).end;
         trace = walk(planner, &end, planner->route_max, NULL, 0);
     }
     (void)walk(planner, &end, trace.steps, planner->route, trace.steps);
-    publish(planner, &end, trace.cost,
-            search_bound(planner, search_id(planner, end.x, end.y, end.heading)), trace.steps);
+    publish(planner, &end, trace.cost, arrived && !is_cut ? 0 : search_rest(planner, &end), trace.steps);
     return true;
 }
 

@@ -2,8 +2,6 @@
 
 #include "planner_states.h"
 
-#include <string.h>
-
 enum {
     EPSILON_BITS = 8,
     RANGE_PER_TARGET = 2, /* keys up to so many times the expected one are told apart */
@@ -47,42 +45,51 @@ bool search_is_seed(const struct jp_planner *planner, const struct jp_pose *pose
     return planner->forward ? is_start(planner, pose) : is_goal(planner, pose);
 }
 
-static jp_cost bound_of(const struct jp_planner *planner, const struct jp_pose *pose)
+/** Lower bound of the way from where the robot was when the field was begun. */
+jp_cost search_bound(const struct jp_planner *planner, const struct jp_pose *pose)
 {
-    return jp_cost_add(jp_energy_field_bound(&planner->field, pose->x, pose->y), planner->turns[pose->heading]);
+    return jp_cost_add(jp_energy_field_bound(&planner->field, pose->x, pose->y),
+                       planner->turns.cost[planner->field_heading][pose->heading]);
 }
 
-jp_cost search_bound(const struct jp_planner *planner, uint32_t id)
+jp_cost search_rest(const struct jp_planner *planner, const struct jp_pose *pose)
 {
-    const struct jp_pose pose = pose_of(planner, id);
-
-    return bound_of(planner, &pose);
+    return planner->is_exact ? search_bound(planner, pose)
+                             : jp_guide_field_estimate(&planner->guide, pose->x, pose->y, pose->heading);
 }
 
-static uint32_t inflate(uint16_t epsilon, jp_cost bound)
+static uint32_t inflate(const struct jp_planner *planner, jp_cost rest)
 {
-    return (uint32_t)(((uint64_t)bound * epsilon) >> EPSILON_BITS);
+    return (uint32_t)(((uint64_t)rest * planner->epsilon) >> EPSILON_BITS);
 }
 
-/** min(g, rhs) + ε·bound; a state whose cost rises must come before all that rely on it, so ε is 1 for it. */
-static uint32_t key_of(const struct jp_planner *planner, const struct jp_planner_state *state, jp_cost bound)
+/** min(g, rhs) + ε·rest. A state whose cost rises must come before all that rely on it: what is added for it must not
+ *  exceed the truth, so it is the bound or, without one, nothing. */
+static uint32_t key_of(const struct jp_planner *planner, const struct jp_planner_state *state, jp_cost rest)
 {
     if (state->g > state->rhs) {
-        return (uint32_t)state->rhs + inflate(planner->epsilon, bound);
+        return (uint32_t)state->rhs + inflate(planner, rest);
     }
-    return (uint32_t)state->g + bound;
+    return (uint32_t)state->g + (planner->is_exact ? rest : 0);
+}
+
+/** A state that was expanded by an estimate waits for the next ε when it has become cheaper; one that the robot cannot
+ *  get to waits until it can. */
+static bool is_waiting(const struct jp_planner *planner, const struct jp_planner_state *state, jp_cost rest)
+{
+    return planner->is_exact ? rest == JP_COST_MAX : state->closed && state->g > state->rhs;
 }
 
 /** Puts a state into the queue if it is inconsistent, else takes it out. */
-static void update(struct jp_planner *planner, uint32_t slot, jp_cost bound)
+static void update(struct jp_planner *planner, uint32_t slot, jp_cost rest)
 {
     const struct jp_planner_state *state = &planner->states[slot];
 
     if (slot >= planner->rekey_slot) {
         return;
     }
-    if (state->g != state->rhs) {
-        planner_queue_put(planner, slot, key_of(planner, state, bound));
+    if (state->g != state->rhs && !is_waiting(planner, state, rest)) {
+        planner_queue_put(planner, slot, key_of(planner, state, rest));
     } else {
         planner_queue_remove(planner, slot);
     }
@@ -148,16 +155,16 @@ struct search_way search_cheapest_way(const struct jp_planner *planner, const st
     return best;
 }
 
-static void set_rhs(struct jp_planner *planner, uint32_t slot, jp_cost rhs, jp_cost bound)
+static void set_rhs(struct jp_planner *planner, uint32_t slot, const struct jp_pose *pose, jp_cost rhs)
 {
     planner->states[slot].rhs = rhs & JP_COST_MAX;
-    update(planner, slot, bound);
+    update(planner, slot, search_rest(planner, pose));
 }
 
 static void recompute(struct jp_planner *planner, uint32_t slot, const struct jp_pose *pose)
 {
     if (!search_is_seed(planner, pose)) {
-        set_rhs(planner, slot, search_cheapest_way(planner, pose).cost, bound_of(planner, pose));
+        set_rhs(planner, slot, pose, search_cheapest_way(planner, pose).cost);
     }
 }
 
@@ -174,11 +181,7 @@ static void offer(struct jp_planner *planner, const struct edge *edge, jp_cost g
     if (cost == JP_COST_MAX || (known != NO_SLOT && planner->states[known].rhs <= cost)) {
         return;
     }
-    const jp_cost bound = bound_of(planner, &edge->other);
-    if (bound == JP_COST_MAX) {
-        return;
-    }
-    set_rhs(planner, known != NO_SLOT ? known : planner_states_add(planner, id), cost, bound);
+    set_rhs(planner, known != NO_SLOT ? known : planner_states_add(planner, id), &edge->other, cost);
 }
 
 /** Tells a neighbour that relied on the state that it costs more now. */
@@ -196,11 +199,11 @@ static void withdraw(struct jp_planner *planner, const struct edge *edge, jp_cos
 }
 
 /** Remembers the state from which least is left to the goal: where a partial route ends. */
-static void note_nearest(struct jp_planner *planner, uint32_t slot, jp_cost bound)
+static void note_nearest(struct jp_planner *planner, uint32_t slot, jp_cost rest)
 {
-    if (planner->nearest == NO_SLOT || bound < planner->nearest_bound) {
+    if (planner->nearest == NO_SLOT || rest < planner->nearest_rest) {
         planner->nearest = slot;
-        planner->nearest_bound = bound;
+        planner->nearest_rest = rest;
     }
 }
 
@@ -214,13 +217,14 @@ static void expand(struct jp_planner *planner, uint32_t slot)
     const jp_cost g = (jp_cost)(cheaper ? state->rhs : state->g);
     const unsigned end = first_edge(lattice, leaving, pose.heading + 1U);
 
-    const jp_cost bound = bound_of(planner, &pose);
+    const jp_cost rest = search_rest(planner, &pose);
 
     planner->statistics.expansions++;
     state->g = cheaper ? state->rhs : JP_COST_MAX;
-    update(planner, slot, bound);
+    state->closed = cheaper;
+    update(planner, slot, rest);
     if (cheaper) {
-        note_nearest(planner, slot, bound);
+        note_nearest(planner, slot, rest);
     }
     for (unsigned i = first_edge(lattice, leaving, pose.heading); i < end; i++) {
         struct edge edge;
@@ -257,10 +261,9 @@ uint32_t search_target(const struct jp_planner *planner)
 /** Key beyond which no state matters to the target. */
 static uint32_t target_key(const struct jp_planner *planner, uint32_t slot)
 {
-    const struct jp_planner_state *state = &planner->states[slot];
-    const jp_cost bound = search_bound(planner, (uint32_t)state->id);
+    const struct jp_pose pose = search_pose(planner, slot);
 
-    return (uint32_t)state->g + inflate(planner->epsilon, bound);
+    return (uint32_t)planner->states[slot].g + inflate(planner, search_rest(planner, &pose));
 }
 
 static bool is_arrived(const struct jp_planner *planner)
@@ -296,8 +299,7 @@ static bool is_full(const struct jp_planner *planner)
 {
     const struct jp_planner_statistics *statistics = &planner->statistics;
 
-    return statistics->states_max - statistics->states <
-           neighbours_max(planner->config.lattice, planner->forward);
+    return statistics->states_max - statistics->states < neighbours_max(planner->config.lattice, planner->forward);
 }
 
 enum search_result search_expand(struct jp_planner *planner, unsigned *expansions)
@@ -325,66 +327,35 @@ enum search_result search_expand(struct jp_planner *planner, unsigned *expansion
     }
 }
 
-/** Least cost of the turning alone between the root's headings and each heading. */
-static void find_turns(struct jp_planner *planner, uint16_t root_headings)
+static void seed(struct jp_planner *planner, const struct jp_pose *pose)
 {
-    const struct jp_lattice *lattice = planner->config.lattice;
-    bool changed = true;
-
-    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        planner->turns[heading] = (root_headings >> heading) & 1 ? 0 : UINT16_MAX;
-    }
-    while (changed) {
-        changed = false;
-        for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
-            const struct jp_primitive *primitive = &lattice->primitives[i];
-            const unsigned near = planner->forward ? primitive->end : primitive->start;
-            const unsigned far = planner->forward ? primitive->start : primitive->end;
-            const uint32_t cost = (uint32_t)planner->turns[near] + primitive->base[planner->config.cost];
-
-            if (cost < planner->turns[far]) {
-                planner->turns[far] = (uint16_t)cost;
-                changed = true;
-            }
-        }
-    }
-}
-
-static void seed(struct jp_planner *planner, int32_t x, int32_t y, unsigned heading)
-{
-    const uint32_t id = search_id(planner, x, y, heading);
-    const jp_cost bound = search_bound(planner, id);
-
-    if (bound != JP_COST_MAX) {
-        set_rhs(planner, planner_states_add(planner, id), 0, bound);
-    }
+    set_rhs(planner, planner_states_add(planner, search_id(planner, pose->x, pose->y, pose->heading)), pose, 0);
 }
 
 static void seed_all(struct jp_planner *planner)
 {
     if (planner->forward) {
-        seed(planner, planner->start.x, planner->start.y, planner->start.heading);
+        seed(planner, &planner->start);
         return;
     }
-    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        if ((planner->goal.headings >> heading) & 1) {
-            seed(planner, planner->goal.x, planner->goal.y, heading);
+    for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
+        const struct jp_pose pose = {planner->goal.x, planner->goal.y, heading};
+        if (search_is_seed(planner, &pose)) {
+            seed(planner, &pose);
         }
     }
 }
 
-/** The bound of the seed is about what the target will cost. */
+/** What is left at the seed is about what the target will cost. */
 static uint32_t expected_range(const struct jp_planner *planner)
 {
-    const jp_cost bound = planner->forward ? search_bound(planner, start_id(planner))
-                                           : jp_energy_field_bound(&planner->field, planner->goal.x, planner->goal.y);
+    const struct jp_pose goal = {planner->goal.x, planner->goal.y, planner->start.heading};
 
-    return inflate(planner->epsilon, bound) * RANGE_PER_TARGET;
+    return inflate(planner, search_rest(planner, planner->forward ? &planner->start : &goal)) * RANGE_PER_TARGET;
 }
 
 void search_start(struct jp_planner *planner)
 {
-    find_turns(planner, planner->forward ? planner->goal.headings : (uint16_t)(1U << planner->start.heading));
     planner_states_clear(planner);
     planner->nearest = NO_SLOT;
     planner->rekey_slot = planner->slot_count;
@@ -402,28 +373,30 @@ void search_rekey(struct jp_planner *planner, bool widen)
 
 bool search_rekey_work(struct jp_planner *planner, unsigned *slots)
 {
-    while (planner->rekey_slot < planner->slot_count && *slots > 0) {
+    while (planner->rekey_slot<planner->slot_count && * slots> 0) {
         const uint32_t slot = planner->rekey_slot++;
         struct jp_planner_state *state = &planner->states[slot];
 
         state->queued = 0;
+        state->closed = 0;
         if (state->used && state->g != state->rhs) {
-            update(planner, slot, search_bound(planner, (uint32_t)state->id));
+            const struct jp_pose pose = search_pose(planner, slot);
+            update(planner, slot, search_rest(planner, &pose));
         }
         --*slots;
     }
     return planner->rekey_slot == planner->slot_count;
 }
 
-void search_rekey_cells(struct jp_planner *planner, const struct jp_field_box *box)
+void search_rekey_cells(struct jp_planner *planner, const struct jp_cell_box *box)
 {
     for (int32_t y = box->first_y; y <= box->last_y; y++) {
         for (int32_t x = box->first_x; x <= box->last_x; x++) {
-            for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-                const uint32_t id = search_id(planner, x, y, heading);
-                const uint32_t slot = planner_states_find(planner, id);
+            for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
+                const struct jp_pose pose = {(int16_t)x, (int16_t)y, heading};
+                const uint32_t slot = planner_states_find(planner, search_id(planner, x, y, heading));
                 if (slot != NO_SLOT) {
-                    update(planner, slot, search_bound(planner, id));
+                    update(planner, slot, search_rest(planner, &pose));
                 }
             }
         }
@@ -443,14 +416,13 @@ bool search_repair(struct jp_planner *planner, uint32_t id, bool may_be_cheaper)
         return true;
     }
     const jp_cost cost = search_cheapest_way(planner, &pose).cost;
-    const jp_cost bound = bound_of(planner, &pose);
-    if (cost == JP_COST_MAX || bound == JP_COST_MAX) {
+    if (cost == JP_COST_MAX) {
         return true;
     }
     const uint32_t added = planner_states_add(planner, id);
     if (added == NO_SLOT) {
         return false;
     }
-    set_rhs(planner, added, cost, bound);
+    set_rhs(planner, added, &pose, cost);
     return true;
 }

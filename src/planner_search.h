@@ -28,7 +28,7 @@ enum search_result search_expand(struct jp_planner *planner, unsigned *expansion
 bool search_repair(struct jp_planner *planner, uint32_t id, bool may_be_cheaper);
 
 /** Sorts the states of some cells anew, whose bounds have fallen. */
-void search_rekey_cells(struct jp_planner *planner, const struct jp_field_box *box);
+void search_rekey_cells(struct jp_planner *planner, const struct jp_cell_box *box);
 
 /** State where the search has arrived: the robot's, or the cheapest of the goal's; NO_SLOT when it has not. */
 uint32_t search_target(const struct jp_planner *planner);
@@ -46,8 +46,11 @@ bool search_is_seed(const struct jp_planner *planner, const struct jp_pose *pose
 
 struct jp_pose search_pose(const struct jp_planner *planner, uint32_t slot);
 
-/** Lower bound of the way between the root and a state. */
-jp_cost search_bound(const struct jp_planner *planner, uint32_t id);
+/** What is left of the way between a state and the target: a bound in an exact search, else the guide's estimate. */
+jp_cost search_rest(const struct jp_planner *planner, const struct jp_pose *pose);
+
+/** Lower bound of the way to a state from where the robot was when the energy field was begun. */
+jp_cost search_bound(const struct jp_planner *planner, const struct jp_pose *pose);
 
 uint32_t search_id(const struct jp_planner *planner, int32_t x, int32_t y, unsigned heading);
 

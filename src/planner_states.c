@@ -57,8 +57,7 @@ void planner_states_init(struct jp_planner *planner, void *block, size_t size)
     }
     planner->buckets = (uint32_t *)(void *)(planner->states + planner->slot_count);
     planner->statistics.states_max = planner->slot_count * LOAD_NUMERATOR / LOAD_DENOMINATOR;
-    planner->statistics.search_bytes =
-        (uint32_t)(planner->slot_count * sizeof(struct jp_planner_state) + bucket_bytes);
+    planner->statistics.search_bytes = (uint32_t)(planner->slot_count * sizeof(struct jp_planner_state) + bucket_bytes);
 }
 
 void planner_states_clear(struct jp_planner *planner)
@@ -168,7 +167,7 @@ void planner_queue_put(struct jp_planner *planner, uint32_t slot, uint32_t key)
     }
     const uint32_t head = planner->buckets[bucket];
     state->queued = 1;
-    state->bucket = bucket & 0x3FFF;
+    state->bucket = bucket & (BUCKETS_MAX - 1);
     state->previous = NO_SLOT;
     state->next = head & NO_SLOT;
     if (head != NO_SLOT) {

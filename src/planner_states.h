@@ -14,9 +14,10 @@ struct jp_planner_state {
     uint64_t next : 20;
     uint64_t g : 24;   /**< cost that its neighbours know of */
     uint64_t rhs : 24; /**< cost by its neighbours */
-    uint64_t bucket : 14;
+    uint64_t bucket : 12;
     uint64_t used : 1;
     uint64_t queued : 1;
+    uint64_t closed : 1; /**< expanded under this ε; not again before the next */
 };
 
 /** Lays out `size` bytes as slots and buckets. */

@@ -123,7 +123,7 @@ enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_
     if (terrain->unknown[word] & bit_of(x)) {
         return JP_CELL_UNKNOWN;
     }
-    return terrain->blocked[word] & bit_of(x) ? JP_CELL_OCCUPIED : JP_CELL_FREE;
+    return (terrain->blocked[word] & bit_of(x)) != 0 ? JP_CELL_OCCUPIED : JP_CELL_FREE;
 }
 
 jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, int32_t y)

@@ -85,18 +85,23 @@ struct jp_cells {
 
 struct jp_lattice {
     const char *name;
-    jp_q16 resolution;                          /**< m, equal to that of the map */
-    jp_angle heading[JP_HEADINGS];              /**< ascending from 0 */
-    const struct jp_primitive *primitives;      /**< ordered by start heading */
-    const uint16_t *by_end;                     /**< indices of the primitives, ordered by end heading */
-    const uint8_t *moves;                       /**< directions of the unit steps, 0…JP_MOVE_DIRECTIONS − 1 */
-    const struct jp_span *spans;                /**< swept cells relative to a start cell */
-    uint16_t first_from[JP_HEADINGS + 1];       /**< range of the primitives that start at a heading */
-    uint16_t first_to[JP_HEADINGS + 1];         /**< range of `by_end` of those that end at a heading */
-    struct jp_cells footprint[JP_HEADINGS];     /**< cells under the robot that stands at a heading */
-    struct jp_cells reach[JP_HEADINGS];         /**< cells that any primitive from a heading sweeps */
-    struct jp_cells core;                       /**< cells that every primitive sweeps round every cell of its moves */
+    jp_q16 resolution;                      /**< m, equal to that of the map */
+    jp_angle heading[JP_HEADINGS];          /**< ascending from 0 */
+    const struct jp_primitive *primitives;  /**< ordered by start heading */
+    const uint16_t *by_end;                 /**< indices of the primitives, ordered by end heading */
+    const uint8_t *moves;                   /**< directions of the unit steps, 0…JP_MOVE_DIRECTIONS − 1 */
+    const struct jp_span *spans;            /**< swept cells relative to a start cell */
+    uint16_t first_from[JP_HEADINGS + 1];   /**< range of the primitives that start at a heading */
+    uint16_t first_to[JP_HEADINGS + 1];     /**< range of `by_end` of those that end at a heading */
+    struct jp_cells footprint[JP_HEADINGS]; /**< cells under the robot that stands at a heading */
+    struct jp_cells reach[JP_HEADINGS];     /**< cells that any primitive from a heading sweeps */
+    struct jp_cells core;                   /**< cells that every primitive sweeps round every cell of its moves */
     struct jp_move_cost move_costs[JP_COST_KINDS][JP_MOVE_KINDS];
+};
+
+/** What turning costs at least, whatever the way: the least sum of bases from one heading to another. */
+struct jp_turns {
+    uint16_t cost[JP_HEADINGS][JP_HEADINGS]; /**< [from][to]; UINT16_MAX: no primitives lead there */
 };
 
 /** Cells that a unit step leads along: (1, 0), (2, 1), (1, 1), (1, 2), (0, 1), … round the circle. */
@@ -109,9 +114,7 @@ extern const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS];
 /** Kind of a unit step. */
 static inline enum jp_move_kind jp_move_kind_of(unsigned direction)
 {
-    return direction % 2 != 0   ? JP_MOVE_KNIGHT
-           : direction % 4 != 0 ? JP_MOVE_DIAGONAL
-                                : JP_MOVE_AXIS;
+    return direction % 2 != 0 ? JP_MOVE_KNIGHT : direction % 4 != 0 ? JP_MOVE_DIAGONAL : JP_MOVE_AXIS;
 }
 
 /** a + b, at most JP_COST_MAX, for a and b up to JP_COST_MAX. */
@@ -127,8 +130,16 @@ static inline jp_cost jp_cost_add(jp_cost a, jp_cost b)
  */
 enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field);
 
+/** Work: the primitives, and JP_HEADINGS³ additions. */
+void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, struct jp_turns *turns);
+
 /** Cost of a unit step; JP_COST_MAX when it is too steep. Two multiplications. */
 jp_cost jp_move_cost(const struct jp_move_cost *cost, int32_t rise);
+
+/** Lower bound of the ground's part of any way that ends (dx, dy) cells off and `rise` higher, obstacles left aside:
+ *  least cost a length along the straight line, and what its rise takes. Work: all rises of a step, a square root. */
+jp_cost jp_lattice_straight_bound(const struct jp_lattice *lattice, enum jp_cost_kind kind, int32_t dx, int32_t dy,
+                                  int32_t rise);
 
 /** Cost of a primitive from cell (x, y), the ground alone: JP_COST_MAX when a step is too steep. The cells must be on
  *  the map. Work: its moves. */

@@ -2,8 +2,9 @@
  * Route of least energy over a map: Anytime Dynamic A* (Likhachev et al., ICAPS 2005) in one fixed block of memory.
  *
  * The search runs on the states of a lattice (lattice.h), from the goal to the robot, so that what it has learnt stays
- * true while the robot drives; an energy field rooted at the robot steers it (energy_field.h). It first finds a route
- * within the first ε of the schedule, then improves it ε by ε; after changes of the map it repairs what they touch.
+ * true while the robot drives. Two fields rooted at the robot steer it: first the guide's estimate times ε
+ * (guide_field.h), which finds good routes with few states; then, where the block has room for it, the energy field's
+ * bound (energy_field.h), which proves the optimum. After changes of the map the search repairs what they touch.
  * jp_planner_work() does it in slices. The same input gives the same bits on every core.
  *
  * When the states do not fit the block, ε goes up; when not even the greediest search fits, the planner searches from
@@ -16,6 +17,7 @@
 #define JOULEPATH_PLANNER_H
 
 #include <joulepath/energy_field.h>
+#include <joulepath/guide_field.h>
 
 /** ε in 1/256: JP_EPSILON(1.5) is 384. */
 #define JP_EPSILON(x)     ((uint16_t)((x)*256.0 + 0.5))
@@ -49,7 +51,8 @@ struct jp_goal {
 struct jp_planner_config {
     const struct jp_lattice *lattice; /**< that passed jp_lattice_check(); resolution equal to the map's */
     enum jp_cost_kind cost;
-    /** Descending, each JP_EPSILON_ONE…JP_EPSILON_MAX; 0 ends the schedule early. Few, large steps are fastest. */
+    /** Descending, each JP_EPSILON_ONE…JP_EPSILON_MAX; 0 ends the schedule early. Few, large steps are fastest. The
+     *  search proves the optimum under JP_EPSILON_ONE if the statistics say that the block holds the energy field. */
     uint16_t epsilon[JP_EPSILON_LEVELS];
 };
 
@@ -57,7 +60,7 @@ enum jp_answer {
     JP_ANSWER_OUT_OF_BUDGET, /**< no route for this start, goal and map yet: go on working */
     JP_ANSWER_OPTIMAL,       /**< no route of the lattice costs less */
     JP_ANSWER_WITHIN_BOUND,  /**< no route costs less than cost / bound */
-    JP_ANSWER_PARTIAL,       /**< the route ends before the goal; `cost_left` at least is left */
+    JP_ANSWER_PARTIAL,       /**< the route ends before the goal; about `cost_left` is left */
     JP_ANSWER_UNREACHABLE,   /**< there is no route: proved, not given up */
     JP_ANSWER_STALE          /**< the map was changed behind the planner's back: jp_planner_restart() */
 };
@@ -68,8 +71,8 @@ struct jp_plan {
     struct jp_pose start;
     struct jp_pose end;
     jp_cost cost;        /**< of the route, in the unit of the cost kind */
-    jp_cost cost_left;   /**< lower bound from its end to the goal; 0 unless partial */
-    uint16_t bound;      /**< cost ≤ bound/256 × optimum; 0 when partial */
+    jp_cost cost_left;   /**< estimate from its end to the goal; 0 unless partial */
+    uint16_t bound;      /**< proved: cost ≤ bound/256 × optimum; 0 when partial */
     uint16_t step_count; /**< primitives; 0 only when start is goal */
 };
 
@@ -79,7 +82,8 @@ struct jp_planner_statistics {
     uint32_t states;       /**< states in use */
     uint32_t expansions;   /**< since the last restart */
     uint32_t restarts;     /**< searches begun anew since init */
-    uint32_t field_bytes;  /**< of the block, for the energy field */
+    uint32_t guide_bytes;  /**< of the block, for the guide field */
+    uint32_t field_bytes;  /**< of the block, for the energy field; 0: it does not fit */
     uint32_t search_bytes; /**< of the block, for states, their hash and queue: states_max of them */
 };
 
@@ -89,7 +93,12 @@ struct jp_planner_state; /* private */
 struct jp_planner {
     struct jp_planner_config config;
     struct jp_terrain *terrain;
+    struct jp_turns turns;
+    struct jp_guide_field guide;
     struct jp_energy_field field;
+    bool is_field_begun;
+    bool is_exact;         /**< the energy field steers, not the guide */
+    uint8_t field_heading; /**< of the robot when the field was begun */
 
     struct jp_planner_state *states; /**< open-addressed hash table */
     uint32_t *buckets;               /**< heads of the queue's lists */
@@ -99,18 +108,18 @@ struct jp_planner {
     uint8_t bucket_shift;
     uint32_t rekey_slot; /**< slots from here on are not in the queue yet */
 
-    uint32_t nearest;    /**< slot of the state from which least is left */
-    jp_cost nearest_bound;
+    uint32_t nearest; /**< slot of the state from which least is left */
+    jp_cost nearest_rest;
 
     uint8_t phase;
-    bool is_searching;  /**< there is a search to be repaired */
-    bool is_repaired;   /**< it has been repaired since it began */
+    bool is_searching;   /**< there is a search to be repaired */
+    bool is_repaired;    /**< it has been repaired since it began */
+    bool is_alone;       /**< its table holds no states of an earlier ε */
     bool may_be_cheaper; /**< one of the changes may make the map cheaper */
     uint32_t repair_cursor;
     bool forward; /**< searches from the robot, for a partial plan */
     uint8_t level;
     uint16_t epsilon;
-    uint16_t turns[JP_HEADINGS]; /**< least cost of turning between the root's headings and each heading */
     struct jp_pose start;
     struct jp_goal goal;
     bool has_start;

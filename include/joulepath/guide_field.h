@@ -1,0 +1,68 @@
+/**
+ * Guide field: about what it costs, turning included, to drive between a root pose and every part of the map.
+ *
+ * Each coarse cell of `scale` × `scale` cells of the map keeps one cheap chain of unit steps, scaled up, to or from the
+ * root, and the direction of the step at the cell; turning from step to step is charged. So the guide knows of turns,
+ * which a bound of cells alone cannot (energy_field.h). But it is an estimate, neither above nor below the truth: it
+ * tells a search where to look first, and proves nothing. It is not repaired when the map changes.
+ *
+ * Memory: the caller's block, two and a half bytes and one bit a coarse cell. Nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_GUIDE_FIELD_H
+#define JOULEPATH_GUIDE_FIELD_H
+
+#include <joulepath/lattice.h>
+#include <joulepath/wavefront.h>
+
+#define JP_GUIDE_SCALE_MAX 8
+
+/** Which way the robot drives. */
+enum jp_guide_direction {
+    JP_GUIDE_FROM_ROOT, /**< estimates are of the way from the root to a pose */
+    JP_GUIDE_TO_ROOT    /**< from a pose to the root */
+};
+
+/** A cell of the map and the headings, bit by bit, that count there. */
+struct jp_guide_root {
+    uint16_t x;
+    uint16_t y;
+    uint16_t headings; /**< not 0 */
+};
+
+/** The members are private. */
+struct jp_guide_field {
+    const struct jp_lattice *lattice;
+    const struct jp_terrain *terrain;
+    const struct jp_turns *turns;
+    enum jp_cost_kind kind;
+    uint8_t scale;
+    uint8_t shift; /**< values are in 2^shift cost units, rounded down */
+    enum jp_guide_direction direction;
+    struct jp_guide_root root;
+    struct jp_wavefront wave;
+    uint8_t *steps; /**< direction of the step at each coarse cell, two a byte */
+};
+
+/** Bytes for a map of this configuration, a multiple of 8. `scale`: 1…JP_GUIDE_SCALE_MAX. */
+size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scale);
+
+/** Binds a guide to its map, to the lattice's turns for the kind of cost, and to jp_guide_field_size() bytes aligned
+ * to 8. */
+void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
+                         const struct jp_terrain *terrain, const struct jp_turns *turns, unsigned scale, void *block);
+
+/** Starts anew from a root, to grow a quarter beyond the target cell's estimate. Work: all coarse cells are cleared. */
+void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction direction,
+                          const struct jp_guide_root *root, uint16_t target_x, uint16_t target_y);
+
+/** Goes on growing; *cells counts down the coarse cells worked on. True when done. Work: 16 steps a coarse cell, of at
+ *  most scale³ looks at the map each. */
+bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells);
+
+/** True when the guide has found a way to the part of the map around (x, y). */
+bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32_t y);
+
+/** Estimate for a pose; where the guide does not reach, its largest. Valid when the growth is done. Constant time. */
+jp_cost jp_guide_field_estimate(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading);
+
+#endif

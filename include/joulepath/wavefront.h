@@ -1,0 +1,68 @@
+/**
+ * Least values over a grid, growing outward from where they begin: the common part of energy_field.h and guide_field.h.
+ *
+ * Cells whose values have fallen are marked; they are handed out again, about in the order of their values, until none
+ * is left below the horizon. So a wave grows from a root, and so it is repaired when values fall later. No queue: two
+ * bytes and one bit a cell, and the same work in slices as at once. Nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_WAVEFRONT_H
+#define JOULEPATH_WAVEFRONT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define JP_WAVE_VALUE_MAX   ((uint16_t)0xFFFE)
+#define JP_WAVE_NOT_REACHED ((uint16_t)0xFFFF)
+
+/** The members are private. */
+struct jp_wavefront {
+    uint16_t *values;
+    uint32_t *dirty; /**< cells whose values have fallen since they were handed out */
+    uint16_t width;
+    uint16_t height;
+    uint16_t step;      /**< growth of the threshold */
+    uint16_t threshold; /**< cells up to it are handed out */
+    uint16_t lowest;    /**< lowest dirty value above the threshold that this sweep has seen */
+    uint16_t horizon;   /**< values up to it are final when the wave has stopped */
+    bool has_changed;   /**< this sweep has handed out a cell */
+    uint16_t row;       /**< where this sweep is */
+    uint16_t column;
+    uint16_t first_row; /**< rows that may hold dirty cells */
+    uint16_t last_row;
+    uint16_t target_x;
+    uint16_t target_y;
+};
+
+/** Bytes for a grid, a multiple of 8. */
+size_t jp_wavefront_size(uint16_t width, uint16_t height);
+
+/** Binds a wave to its grid and to jp_wavefront_size() bytes aligned to 8. */
+void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, void *block);
+
+/** Nothing is reached; `step`, above 0, is about what neighbours differ by. The wave is to stop a quarter beyond the
+ *  target's value. Work: all cells are cleared. */
+void jp_wavefront_start(struct jp_wavefront *wave, uint16_t step, uint16_t target_x, uint16_t target_y);
+
+static inline uint16_t jp_wavefront_value(const struct jp_wavefront *wave, int32_t x, int32_t y)
+{
+    return wave->values[(size_t)y * wave->width + (size_t)x];
+}
+
+/** Lowers the value of a cell, which will be handed out. Constant time. */
+void jp_wavefront_lower(struct jp_wavefront *wave, int32_t x, int32_t y, uint16_t value);
+
+/** Has a cell handed out again, if it has been reached. Constant time. */
+void jp_wavefront_touch(struct jp_wavefront *wave, int32_t x, int32_t y);
+
+/** After touching: begins again with the lowest values. Constant time. */
+void jp_wavefront_resume(struct jp_wavefront *wave);
+
+/** Hands out a cell whose neighbours are to hear of its value. False when the wave has stopped. Work: in the worst case
+ *  the bits of all cells, twice. */
+bool jp_wavefront_next(struct jp_wavefront *wave, int32_t *x, int32_t *y);
+
+/** True when the wave stopped because nothing was left to reach: a cell that is not reached cannot be. */
+bool jp_wavefront_is_exhausted(const struct jp_wavefront *wave);
+
+#endif
