@@ -74,6 +74,7 @@ TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c
 # A robot is built in when both of its tables are there.
 NAMES          := $(patsubst src/tables/robot_%.c,%,$(wildcard src/tables/robot_*.c))
 ROBOTS         := $(foreach n,$(NAMES),$(if $(wildcard src/tables/energy_$n.c),$n))
+LATTICES       := $(patsubst src/tables/lattice_%.c,%,$(wildcard src/tables/lattice_*.c))
 
 UNIT_TESTS     := $(wildcard tests/unit/test_*.c)
 PROPERTY_TESTS := $(wildcard tests/property/prop_*.c)
@@ -86,7 +87,7 @@ ifneq ($(UNITY_SOURCE),)
 UNIT_TESTS := $(filter-out tests/unit/test_unity.c,$(UNIT_TESTS))
 endif
 
-LIBRARIES = $(shell pkg-config --libs libconfig jansson nlopt) -lm -lpthread
+LIBRARIES = $(shell pkg-config --libs libconfig jansson nlopt ccd) -lm -lpthread
 
 # ---- Programs --------------------------------------------------------------------------------------------------------
 
@@ -185,7 +186,12 @@ $(BUILD)/robots.c: FORCE
 	   for r in $(ROBOTS); do echo "    {\"$$r\", &jp_robot_$$r, &jp_energy_model_$$r},"; done; \
 	   echo '    {NULL, NULL, NULL},'; \
 	   echo '};'; \
-	   echo 'const size_t robot_count = sizeof robots / sizeof robots[0] - 1;'; } >$@.new
+	   echo 'const size_t robot_count = sizeof robots / sizeof robots[0] - 1;'; \
+	   for l in $(LATTICES); do echo "extern const struct jp_lattice jp_lattice_$$l;"; done; \
+	   echo 'const struct jp_lattice *const lattices[] = {'; \
+	   for l in $(LATTICES); do echo "    &jp_lattice_$$l,"; done; \
+	   echo '    NULL,'; \
+	   echo '};'; } >$@.new
 	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 
 .PHONY: FORCE
@@ -215,6 +221,12 @@ identify: ## identify the energy model of ROBOT=name in the simulator: src/table
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot $(BUILD)/bin/jp-identify
 	$(BUILD)/bin/jp-identify sim/robots/$(ROBOT).cfg --output $(BUILD)/identify/$(ROBOT)
 	$(PYTHON) tools/identify.py $(ROBOT)
+
+.PHONY: lattice
+lattice: ## make the state lattice of ROBOT=name: src/tables/lattice_name.c
+	@tools/setup.sh sil
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-lattice
+	$(PYTHON) tools/lattice.py $(ROBOT)
 
 # One bench after the other, so that they do not share the cores.
 .PHONY: figures

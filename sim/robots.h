@@ -1,10 +1,12 @@
-/** The robots built into the host programs: one for each src/tables/robot_<name>.c. The Makefile writes the list. */
+/** The robots and lattices built into the host programs: one for each src/tables/robot_<name>.c and lattice_<name>.c.
+ *  The Makefile writes the lists. */
 #ifndef SIM_ROBOTS_H
 #define SIM_ROBOTS_H
 
 #include <stddef.h>
 
 #include <joulepath/energy.h>
+#include <joulepath/lattice.h>
 
 struct jp_robot_config;
 
@@ -17,5 +19,8 @@ struct robot_entry {
 /** `robot_count` entries, then one with null pointers. */
 extern const struct robot_entry robots[];
 extern const size_t robot_count;
+
+/** The last is null. */
+extern const struct jp_lattice *const lattices[];
 
 #endif

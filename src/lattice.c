@@ -12,7 +12,7 @@ static int64_t evaluate(const struct jp_polynomial *polynomial, int32_t rise)
     return polynomial->constant + (polynomial->linear + (int64_t)polynomial->quadratic * rise) * rise;
 }
 
-jp_cost jp_move_cost(const struct jp_move_cost *cost, int32_t rise)
+jp_cost jp_move_cost(const struct jp_slope_cost *cost, int32_t rise)
 {
     if (rise > cost->rise_max || rise < -cost->rise_max) {
         return JP_COST_MAX;
@@ -25,7 +25,7 @@ jp_cost jp_move_cost(const struct jp_move_cost *cost, int32_t rise)
 }
 
 /** Cost of a unit step less that of its rise at `slope`, at least, whatever the rise; in 2⁻¹⁶ cost units. */
-static int64_t least_level_part(const struct jp_move_cost *cost, int32_t slope)
+static int64_t least_level_part(const struct jp_slope_cost *cost, int32_t slope)
 {
     int64_t least = INT64_MAX;
 
@@ -40,7 +40,7 @@ jp_cost jp_lattice_straight_bound(const struct jp_lattice *lattice, enum jp_cost
                                   int32_t rise)
 {
     static const int64_t lengths[JP_MOVE_KINDS] = {65536, 146543, 92682}; /* 1, √5, √2 cells in Q16, rounded up */
-    const struct jp_move_cost *costs = lattice->move_costs[kind];
+    const struct jp_slope_cost *costs = lattice->move_costs[kind];
     const int32_t slope = costs[JP_MOVE_AXIS].climb.linear;
     int64_t per_cell = INT64_MAX;
 
@@ -136,7 +136,7 @@ static bool fits(const struct jp_polynomial *polynomial, int32_t rise)
            inner * rise <= INT32_MAX && inner * rise >= INT32_MIN;
 }
 
-static bool is_move_cost(const struct jp_move_cost *cost)
+static bool is_move_cost(const struct jp_slope_cost *cost)
 {
     if (cost->rise_max < 1 || cost->rise_max > RISE_MAX || cost->floor < 1) {
         return false;

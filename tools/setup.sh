@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-sil_packages=(build-essential libconfig-dev libjansson-dev libnlopt-dev pkg-config python3-venv)
+sil_packages=(build-essential libccd-dev libconfig-dev libjansson-dev libnlopt-dev pkg-config python3-venv)
 test_packages=(gcc-multilib clang cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
     qemu-system-arm)
 stamp=.venv/requirements.installed
@@ -110,11 +110,11 @@ report_missing() {
     for tool in "${tools[@]}"; do
         command -v "$tool" >/dev/null || absent+=("$tool")
     done
-    for tool in libconfig jansson nlopt; do
+    for tool in ccd libconfig jansson nlopt; do
         pkg-config --exists "$tool" 2>/dev/null || absent+=("$tool")
     done
     [ -x .venv/bin/python ] && python=.venv/bin/python
-    for tool in numpy scipy matplotlib jinja2 pytest xdist junitparser; do
+    for tool in numpy scipy matplotlib jinja2 PIL yaml pytest xdist junitparser; do
         "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$tool') is None)" 2>/dev/null ||
             absent+=("python module $tool")
     done

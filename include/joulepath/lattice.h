@@ -54,7 +54,7 @@ struct jp_polynomial {
 };
 
 /** Cost of one unit step by its rise. */
-struct jp_move_cost {
+struct jp_slope_cost {
     struct jp_polynomial climb;   /**< for rise >= bend */
     struct jp_polynomial descend; /**< for rise < bend */
     int16_t bend;                 /**< units of jp_elevation */
@@ -96,7 +96,7 @@ struct jp_lattice {
     struct jp_cells footprint[JP_HEADINGS]; /**< cells under the robot that stands at a heading */
     struct jp_cells reach[JP_HEADINGS];     /**< cells that any primitive from a heading sweeps */
     struct jp_cells core;                   /**< cells that every primitive sweeps round every cell of its moves */
-    struct jp_move_cost move_costs[JP_COST_KINDS][JP_MOVE_KINDS];
+    struct jp_slope_cost move_costs[JP_COST_KINDS][JP_MOVE_KINDS];
 };
 
 /** What turning costs at least, whatever the way: the least sum of bases from one heading to another. */
@@ -134,7 +134,7 @@ enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **f
 void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, struct jp_turns *turns);
 
 /** Cost of a unit step; JP_COST_MAX when it is too steep. Two multiplications. */
-jp_cost jp_move_cost(const struct jp_move_cost *cost, int32_t rise);
+jp_cost jp_move_cost(const struct jp_slope_cost *cost, int32_t rise);
 
 /** Lower bound of the ground's part of any way that ends (dx, dy) cells off and `rise` higher, obstacles left aside:
  *  least cost a length along the straight line, and what its rise takes. Work: all rises of a step, a square root. */

@@ -20,7 +20,8 @@ import common  # noqa: E402
 import robot_json  # noqa: E402
 
 JP_ROBOT = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-robot"
-ROBOTS = sorted(path.stem for path in (ROOT / "sim" / "robots").glob("*.cfg"))
+# The balancers: those with a controller.
+ROBOTS = sorted(path.stem.removeprefix("robot_") for path in (ROOT / "src" / "tables").glob("robot_*.c"))
 
 
 def run_tool(name, *arguments, input=""):

@@ -5,7 +5,7 @@ import sys
 import pytest
 from conftest import TOOLS
 
-PROGRAMS = ["gain_design.py", "identify.py", "report.py", "figures.py"]
+PROGRAMS = ["gain_design.py", "identify.py", "lattice.py", "report.py", "figures.py"]
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
