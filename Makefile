@@ -31,7 +31,7 @@ SANITIZE := -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-saniti
 ARM      := -mthumb -ffunction-sections -fdata-sections -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
 
 HOST_TESTS   := host-gcc host-clang host-gcc-m32 host-clang-m32
-TARGET_TESTS := cortex-m4 cortex-m4-nodsp cortex-m0
+TARGET_TESTS := cortex-m4 cortex-m4-nodsp cortex-m0 cortex-m7
 ARM_VARIANTS := $(TARGET_TESTS) cortex-m4-os cortex-m0-o2
 VARIANTS     := host $(HOST_TESTS) $(ARM_VARIANTS)
 
@@ -50,16 +50,19 @@ FLAGS.host-clang-m32  = $(HOST) $(SANITIZE)
 FLAGS.cortex-m4       = $(ARM) -mcpu=cortex-m4 -O2
 FLAGS.cortex-m4-nodsp = $(ARM) -mcpu=cortex-m4 -O2 -DJP_NO_DSP
 FLAGS.cortex-m4-os    = $(ARM) -mcpu=cortex-m4 -Os
+FLAGS.cortex-m7       = $(ARM) -mcpu=cortex-m7 -O2
 FLAGS.cortex-m0       = $(ARM) -mcpu=cortex-m0 -Os
 FLAGS.cortex-m0-o2    = $(ARM) -mcpu=cortex-m0 -O2
 
 BOARD.cortex-m4       = mps2-an386
 BOARD.cortex-m4-nodsp = mps2-an386
+BOARD.cortex-m7       = mps2-an500
 BOARD.cortex-m0       = microbit
 
 # A count of instructions needs a clock that counts them; the micro:bit has no use for it.
 RUN.cortex-m4       = qemu-system-arm -M mps2-an386 -icount shift=0 $(SEMIHOSTING)
 RUN.cortex-m4-nodsp = $(RUN.cortex-m4)
+RUN.cortex-m7       = qemu-system-arm -M mps2-an500 -icount shift=0 $(SEMIHOSTING)
 RUN.cortex-m0       = qemu-system-arm -M microbit $(SEMIHOSTING)
 SEMIHOSTING         = -nographic -semihosting-config enable=on,target=native -kernel
 
@@ -68,7 +71,7 @@ SEMIHOSTING         = -nographic -semihosting-config enable=on,target=native -ke
 CORE           := $(wildcard src/*.c src/tables/*.c)
 SIM            := $(wildcard sim/*.c hal/*.c hal/sim/*.c)
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
-BENCHES        := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c))
+BENCHES        := $(filter-out bench_plan,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
 TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c))
 
 # A robot is built in when both of its tables are there.
@@ -78,6 +81,7 @@ LATTICES       := $(patsubst src/tables/lattice_%.c,%,$(wildcard src/tables/latt
 
 UNIT_TESTS     := $(wildcard tests/unit/test_*.c)
 PROPERTY_TESTS := $(wildcard tests/property/prop_*.c)
+BITS_TESTS     := $(wildcard tests/bits/test_*.c)
 FAULT_TESTS    := $(wildcard tests/fault/fault_*.c)
 TARGET_SUPPORT := tests/target/start.c tests/target/semihosting.c tests/target/cycles.c
 
@@ -153,6 +157,13 @@ define link_host
 	$Q$(COMPILER.$1) $(FLAGS.$1) $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -o $@
 endef
 
+# Without the simulator's libraries, which a 32-bit host need not have.
+define link_core
+	@mkdir -p $(@D)
+	$(call SAY,LD $@)
+	$Q$(COMPILER.$1) $(FLAGS.$1) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
+endef
+
 define link_target
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)
@@ -165,6 +176,12 @@ $(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(BUILD)/host/libsim.a $(BUILD)/h
 
 $(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libjoulepath.a
 	$(call link_host,host)
+
+$(BUILD)/bench/target_planner: $(BUILD)/cortex-m7/tests/bench/target_planner.o $(TARGET_SUPPORT:%.c=$(BUILD)/cortex-m7/%.o) \
+                               $(BUILD)/cortex-m7/sim/scene.o $(BUILD)/cortex-m7/libjoulepath.a
+	$(call link_target,cortex-m7)
+
+$(BUILD)/bench/bench_plan: $(BUILD)/host/tests/bench/plain_dijkstra.o
 
 # Property tests at bench length, without the sanitizers.
 $(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libjoulepath.a \
@@ -209,6 +226,22 @@ sil: ## drive the paper's mission (or SCENARIO=file) in the simulator and write 
 	$(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
 	$(PYTHON) tools/report.py $(BUILD)/sil
 
+# The skid-steered robot plans unless another one is asked for. IMPORT holds options of tools/import_map.py, such as
+# --cell-size 1 for a MovingAI map or a --window.
+PLAN_ROBOT = $(if $(filter file,$(origin ROBOT)),zhang2018,$(ROBOT))
+PLAN_TASK  = $(if $(START),--start=$(START)) $(if $(GOAL),--goal=$(GOAL))
+MAP       ?= jacksboro
+
+.PHONY: plan
+plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name IMPORT=options) and write the report to build/plan
+	@tools/setup.sh sil
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-plan
+	@rm -rf $(BUILD)/plan
+	$(PYTHON) tools/import_map.py $(MAP) $(BUILD)/plan/map.json --resolution 0.2 $(IMPORT)
+	$(BUILD)/bin/jp-plan $(BUILD)/plan/map.json --robot sim/robots/$(PLAN_ROBOT).cfg $(PLAN_TASK) \
+	    --output $(BUILD)/plan; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) tools/plan_report.py $(BUILD)/plan && exit $$status
+
 .PHONY: gains
 gains: ## design the controller of ROBOT=name: sim/robots/name.cfg to src/tables/robot_name.c
 	@tools/setup.sh sil
@@ -228,19 +261,44 @@ lattice: ## make the state lattice of ROBOT=name: src/tables/lattice_name.c
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-lattice
 	$(PYTHON) tools/lattice.py $(ROBOT)
 
+# Maps of others, where they are. MovingAI cells become as large as lets the robot through and the map fit.
+DATA ?= ../shared/data
+MAPS := $(patsubst $(DATA)/%,$(BUILD)/maps/%.json,$(wildcard $(DATA)/*.map $(DATA)/*.yaml))
+
+$(BUILD)/maps/Berlin_1_256.map.json: CELL_SIZE = 0.8
+CELL_SIZE = 1
+
+$(BUILD)/maps/%.map.json: $(DATA)/%.map tools/import_map.py
+	$Q$(PYTHON) tools/import_map.py $< $@ --cell-size $(CELL_SIZE) --resolution 0.2
+
+$(BUILD)/maps/%.yaml.json: $(DATA)/%.yaml tools/import_map.py
+	$Q$(PYTHON) tools/import_map.py $< $@ --resolution 0.2
+
+.PHONY: bench-plan
+bench-plan: ## measure the planner on the 20 scenes and the maps in DATA=dir; tables in the README
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_plan $(MAPS)
+	@mkdir -p $(BUILD)/bench-plan
+	$(BUILD)/bench/bench_plan --rows $(BUILD)/bench-plan/rows.json $(MAPS) >$(BUILD)/bench/bench_plan.json
+	$(PYTHON) tools/bench_plan.py $(BUILD)/bench-plan/rows.json
+
 # One bench after the other, so that they do not share the cores.
 .PHONY: figures
 figures: ## run the benches and write their figures to build/figures.json and the README, with its picture
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) $(TARGET_BENCHES:%=$(BUILD)/bench/%) \
-	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed
+	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed $(BUILD)/bench/prop_planner
 	@rm -f $(BUILD)/bench/*.json
+	@$(MAKE) bench-plan
 	@set -e; for b in $(BENCHES); do \
 	    echo "  BENCH $$b"; $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json; done
 	@set -e; for b in $(TARGET_BENCHES); do \
-	    echo "  BENCH $$b"; $(RUN.cortex-m4) $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json 2>&1 </dev/null; done
+	    echo "  BENCH $$b"; \
+	    case $$b in target_planner) run="$(RUN.cortex-m7)" ;; *) run="$(RUN.cortex-m4)" ;; esac; \
+	    $$run $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json 2>&1 </dev/null; done
 	$(BUILD)/bench/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
 	$(BUILD)/bench/prop_fixed --exhaustive --json $(BUILD)/bench/fixed.json
+	$(BUILD)/bench/prop_planner --count 100000 --json $(BUILD)/bench/planner.json
 	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
 	$(PYTHON) tools/identify.py gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
 	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/figures
@@ -265,12 +323,14 @@ UNIT_LOGS     := $(foreach v,$(HOST_TESTS) $(TARGET_TESTS),$(patsubst %,$(LOGS)/
 PROPERTY_LOGS := $(patsubst %,$(LOGS)/host-gcc/%.log,$(call names,$(PROPERTY_TESTS)))
 FAULT_LOGS    := $(patsubst %,$(LOGS)/host-gcc/%.log,$(call names,$(FAULT_TESTS)))
 TARGET_LOGS   := $(LOGS)/cortex-m4/test_cycles.log
+BITS_VARIANTS := host-gcc host-gcc-m32 cortex-m4 cortex-m7
+BITS_LOGS     := $(foreach v,$(BITS_VARIANTS),$(patsubst %,$(LOGS)/$v/%.log,$(call names,$(BITS_TESTS))))
 SIL_LOGS      := $(LOGS)/pytest/sil.xml
 TOOLS_LOGS    := $(LOGS)/pytest/tools.xml
 GATE_LOGS     := $(patsubst %,$(LOGS)/gates/%.log,symbols compile includes format cppcheck tidy)
-TEST_LOGS     := $(SIL_LOGS) $(TOOLS_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
+TEST_LOGS     := $(SIL_LOGS) $(TOOLS_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(BITS_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
 
-EXPECTED = unit $(UNIT_LOGS) property $(PROPERTY_LOGS) fault $(FAULT_LOGS) target $(TARGET_LOGS) \
+EXPECTED = unit $(UNIT_LOGS) bits $(BITS_LOGS) property $(PROPERTY_LOGS) fault $(FAULT_LOGS) target $(TARGET_LOGS) \
            sil $(SIL_LOGS) tools $(TOOLS_LOGS) gates $(GATE_LOGS)
 
 .PHONY: test
@@ -286,9 +346,7 @@ test_logs: $(TEST_LOGS)
 
 define host_test_rules
 $(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath.a
-	@mkdir -p $$(@D)
-	$$(call SAY,LD $$@)
-	$$Q$(COMPILER.$1) $(FLAGS.$1) $$(filter %.o,$$^) $$(filter %.a,$$^) -lm -o $$@
+	$$(call link_core,$1)
 
 $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
 	$$(call SAY,RUN $$<)
@@ -310,6 +368,15 @@ $(foreach v,$(TARGET_TESTS),$(eval $(call target_test_rules,$v)))
 $(BUILD)/cortex-m4/test_cycles: $(BUILD)/cortex-m4/tests/target/test_cycles.o $(TARGET_SUPPORT:%.c=$(BUILD)/cortex-m4/%.o) \
                                 $(if $(UNITY_SOURCE),$(BUILD)/cortex-m4/unity.o) tests/target/mps2-an386.ld
 	$(call link_target,cortex-m4)
+
+# Equal bits on every core; with scenes, which are integers only.
+define bits_rules
+$(BUILD)/$1/test_%_bits: $(BUILD)/$1/tests/bits/test_%_bits.o $(BUILD)/$1/sim/scene.o \
+                         $(if $(filter cortex%,$1),$(TARGET_SUPPORT:%.c=$(BUILD)/$1/%.o)) \
+                         $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath.a
+	$$(call $(if $(filter cortex%,$1),link_target,link_core),$1)
+endef
+$(foreach v,$(BITS_VARIANTS),$(eval $(call bits_rules,$v)))
 
 HOST_TEST_PARTS := $(if $(UNITY_SOURCE),$(BUILD)/host-gcc/unity.o) $(BUILD)/host-gcc/libsim.a $(BUILD)/host-gcc/libjoulepath.a
 

@@ -22,10 +22,11 @@ enum {
     GUIDE_SCALE_MIN = 2,
     GUIDE_SHARE = 4, /* the guide takes at most this part of the block, if it can be that coarse */
     ROUTE_STEPS_MIN = 256,
+    ROUTES = 2,                /* the plan's and the one that is being traced */
     CELLS_PER_ROUTE_STEP = 32, /* of the map: room for a route that winds through all of it */
     /* So much of other work is worth one expansion. */
     FIELD_CELLS_PER_EXPANSION = 8,
-    GUIDE_CELLS_PER_EXPANSION = 2,
+    GUIDE_CELLS_PER_EXPANSION = 1,
     REKEYS_PER_EXPANSION = 32,
     REPAIRS_PER_EXPANSION = 1,
 };
@@ -42,15 +43,18 @@ size_t jp_planner_size_min(const struct jp_terrain_config *config)
     if (jp_terrain_size(config) == 0 || (uint32_t)config->width * config->height > JP_PLANNER_CELLS_MAX) {
         return 0;
     }
-    return jp_guide_field_size(config, JP_GUIDE_SCALE_MAX) + route_bytes(config) + planner_states_size(STATES_MIN);
+    return jp_guide_field_size(config, JP_GUIDE_SCALE_MAX) + ROUTES * route_bytes(config) +
+           jp_planner_states_size(STATES_MIN);
 }
 
-/** The finest guide that leaves most of the block to the states. */
+/** The finest guide that leaves most of the block to the states, and enough of them. */
 static unsigned guide_scale(const struct jp_terrain_config *config, size_t size)
 {
+    const size_t spare = size - route_bytes(config) - jp_planner_states_size(STATES_MIN);
+    const size_t most = spare < size / GUIDE_SHARE ? spare : size / GUIDE_SHARE;
     unsigned scale = GUIDE_SCALE_MIN;
 
-    while (scale < JP_GUIDE_SCALE_MAX && jp_guide_field_size(config, scale) > size / GUIDE_SHARE) {
+    while (scale < JP_GUIDE_SCALE_MAX && jp_guide_field_size(config, scale) > most) {
         scale++;
     }
     return scale;
@@ -91,19 +95,20 @@ static void lay_out(struct jp_planner *planner, uint8_t *block, size_t size)
     const unsigned scale = guide_scale(map, size);
     const size_t guide_bytes = jp_guide_field_size(map, scale);
     const size_t field_bytes = jp_energy_field_size(map);
-    size_t used = guide_bytes + route_bytes(map);
+    size_t used = guide_bytes + ROUTES * route_bytes(map);
 
     jp_guide_field_init(&planner->guide, config->lattice, config->cost, planner->terrain, &planner->turns, scale,
                         block);
     planner->route = block + guide_bytes;
+    planner->spare_route = planner->route + route_bytes(map);
     planner->route_max = (uint16_t)route_bytes(map);
     planner->statistics.guide_bytes = (uint32_t)guide_bytes;
-    if (used + field_bytes + planner_states_size((uint32_t)map->width * map->height) <= size) {
+    if (used + field_bytes + jp_planner_states_size((uint32_t)map->width * map->height) <= size) {
         jp_energy_field_init(&planner->field, config->lattice, config->cost, planner->terrain, block + used);
         planner->statistics.field_bytes = (uint32_t)field_bytes;
         used += field_bytes;
     }
-    planner_states_init(planner, block + used, size - used);
+    jp_planner_states_init(planner, block + used, size - used);
 }
 
 enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_planner_config *config,
@@ -128,7 +133,7 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
     planner->terrain_version = terrain->version;
     jp_lattice_turns(config->lattice, config->cost, &planner->turns);
     lay_out(planner, block, size);
-    planner_states_clear(planner);
+    jp_planner_states_clear(planner);
     return JP_OK;
 }
 
@@ -190,8 +195,8 @@ void jp_planner_restart(struct jp_planner *planner)
     planner->level = 0;
     planner->epsilon = planner->config.epsilon[0];
     planner->statistics.expansions = 0;
-    planner->statistics.restarts++;
     if (is_ready(planner)) {
+        planner->statistics.restarts++;
         begin(planner, false);
     }
 }
@@ -203,7 +208,7 @@ static void resume(struct jp_planner *planner)
 
     if (is_exact != planner->is_exact || !is_exact) {
         planner->is_exact = is_exact;
-        search_rekey(planner, false);
+        jp_search_rekey(planner, false);
     }
     planner->phase = planner->rekey_slot < planner->slot_count ? PHASE_REKEY : PHASE_SEARCH;
 }
@@ -212,6 +217,13 @@ static void resume(struct jp_planner *planner)
 static bool is_beginning(const struct jp_planner *planner)
 {
     return planner->phase != PHASE_IDLE && !planner->is_searching && !planner->forward;
+}
+
+/** True when the robot is where the energy field's root cannot get to: the field says nothing of its ways. */
+static bool is_cut_off(const struct jp_planner *planner)
+{
+    return planner->is_field_begun &&
+           jp_energy_field_bound(&planner->field, planner->start.x, planner->start.y) == JP_COST_MAX;
 }
 
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_pose *start)
@@ -231,8 +243,7 @@ enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_
     if (is_beginning(planner)) {
         return JP_OK; /* a field rooted where the robot was serves too */
     }
-    if (!planner->is_searching || planner->forward ||
-        (planner->is_field_begun && jp_energy_field_bound(&planner->field, start->x, start->y) == JP_COST_MAX)) {
+    if (!planner->is_searching || planner->forward || (planner->phase != PHASE_FIELD && is_cut_off(planner))) {
         jp_planner_restart(planner);
         return JP_OK;
     }
@@ -282,7 +293,7 @@ static void begin_search(struct jp_planner *planner)
     planner->is_exact = planner->is_field_begun && planner->epsilon == JP_EPSILON_ONE;
     planner->is_searching = true;
     planner->is_alone = true;
-    search_start(planner);
+    jp_search_start(planner);
     planner->phase = PHASE_SEARCH;
 }
 
@@ -301,9 +312,11 @@ static void field_is_grown(struct jp_planner *planner)
 {
     const struct jp_cell_box lowered = jp_energy_field_take_lowered(&planner->field);
 
-    if (planner->is_searching) {
+    if (is_cut_off(planner)) {
+        jp_planner_restart(planner);
+    } else if (planner->is_searching) {
         if (planner->is_exact) {
-            search_rekey_cells(planner, &lowered);
+            jp_search_rekey_cells(planner, &lowered);
         }
         planner->repair_cursor = 0;
         planner->phase = PHASE_REPAIR;
@@ -363,7 +376,7 @@ static void table_is_full(struct jp_planner *planner)
     } else if (planner->is_repaired) {
         jp_planner_restart(planner);
     } else if (planner->forward) {
-        finish(planner, route_publish(planner) ? JP_ANSWER_PARTIAL : JP_ANSWER_OUT_OF_BUDGET);
+        finish(planner, jp_route_publish(planner) ? planner->plan.answer : JP_ANSWER_OUT_OF_BUDGET);
     } else if (planner->epsilon < JP_EPSILON_MAX) {
         const unsigned epsilon = planner->epsilon + planner->epsilon / EPSILON_RAISE_DIVISOR;
         planner->epsilon = (uint16_t)(epsilon < JP_EPSILON_MAX ? epsilon : JP_EPSILON_MAX);
@@ -375,9 +388,9 @@ static void table_is_full(struct jp_planner *planner)
 
 static void search(struct jp_planner *planner, unsigned *budget)
 {
-    switch (search_expand(planner, budget)) {
+    switch (jp_search_expand(planner, budget)) {
     case SEARCH_FOUND:
-        if (route_publish(planner)) {
+        if (jp_route_publish(planner)) {
             improve(planner);
         } else {
             jp_planner_restart(planner);
@@ -390,7 +403,7 @@ static void search(struct jp_planner *planner, unsigned *budget)
         table_is_full(planner);
         break;
     case SEARCH_RANGE:
-        search_rekey(planner, true);
+        jp_search_rekey(planner, true);
         planner->phase = PHASE_REKEY;
         break;
     case SEARCH_WORKING:
@@ -400,7 +413,7 @@ static void search(struct jp_planner *planner, unsigned *budget)
 
 static void repair(struct jp_planner *planner, unsigned *budget)
 {
-    switch (planner->change_count == 0 ? REPAIR_DONE : repair_work(planner, budget)) {
+    switch (planner->change_count == 0 ? REPAIR_DONE : jp_repair_work(planner, budget)) {
     case REPAIR_DONE:
         planner->change_count = 0;
         planner->may_be_cheaper = false;
@@ -437,7 +450,7 @@ static unsigned work(struct jp_planner *planner, unsigned budget)
         return budget;
     case PHASE_REKEY:
         share = budget * REKEYS_PER_EXPANSION;
-        if (search_rekey_work(planner, &share)) {
+        if (jp_search_rekey_work(planner, &share)) {
             planner->phase = PHASE_SEARCH;
         }
         return share / REKEYS_PER_EXPANSION;
@@ -471,6 +484,9 @@ static void finish_repair(struct jp_planner *planner)
 
 static void note_change(struct jp_planner *planner, int32_t x, int32_t y, bool may_be_cheaper)
 {
+    if (planner->is_searching && !jp_repair_fits(planner, x, y)) {
+        finish_repair(planner); /* begins anew when the states do not fit */
+    }
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
     if (!is_ready(planner)) {
         return;
@@ -480,9 +496,6 @@ static void note_change(struct jp_planner *planner, int32_t x, int32_t y, bool m
         return;
     }
     if (planner->is_searching) {
-        if (!repair_fits(planner, x, y)) {
-            finish_repair(planner);
-        }
         planner->changes[planner->change_count++] = (struct jp_cell_change){(int16_t)x, (int16_t)y};
         planner->may_be_cheaper |= may_be_cheaper;
         planner->is_repaired = true;

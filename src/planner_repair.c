@@ -38,7 +38,7 @@ static bool is_near(int32_t a, int32_t first, int32_t last)
     return a > last - CHANGES_EXTENT && a < first + CHANGES_EXTENT;
 }
 
-bool repair_fits(const struct jp_planner *planner, int32_t x, int32_t y)
+bool jp_repair_fits(const struct jp_planner *planner, int32_t x, int32_t y)
 {
     if (planner->change_count == 0) {
         return true;
@@ -82,7 +82,7 @@ static bool repair_cell(struct jp_planner *planner, const struct window *window,
     const int32_t y = window->y + (int32_t)(cell / WINDOW);
 
     return !jp_terrain_contains(planner->terrain, x, y) ||
-           search_repair(planner, search_id(planner, x, y, heading), planner->may_be_cheaper);
+           jp_search_repair(planner, jp_search_id(planner, x, y, heading), planner->may_be_cheaper);
 }
 
 /** Repairs within one heading. */
@@ -114,7 +114,7 @@ static enum repair_result repair_heading(struct jp_planner *planner, unsigned he
     return REPAIR_DONE;
 }
 
-enum repair_result repair_work(struct jp_planner *planner, unsigned *states)
+enum repair_result jp_repair_work(struct jp_planner *planner, unsigned *states)
 {
     while (planner->repair_cursor < JP_HEADINGS * WINDOW * WINDOW) {
         const enum repair_result result = repair_heading(planner, planner->repair_cursor / (WINDOW * WINDOW), states);

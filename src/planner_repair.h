@@ -5,11 +5,11 @@
 #include <joulepath/planner.h>
 
 /** True when the noted changes and this one can be repaired together. */
-bool repair_fits(const struct jp_planner *planner, int32_t x, int32_t y);
+bool jp_repair_fits(const struct jp_planner *planner, int32_t x, int32_t y);
 
 enum repair_result { REPAIR_WORKING, REPAIR_DONE, REPAIR_FULL };
 
 /** Repairs the states whose primitives sweep a changed cell, from planner->repair_cursor on; *states counts down. */
-enum repair_result repair_work(struct jp_planner *planner, unsigned *states);
+enum repair_result jp_repair_work(struct jp_planner *planner, unsigned *states);
 
 #endif

@@ -38,8 +38,8 @@ static struct trace walk(const struct jp_planner *planner, const struct jp_pose 
 {
     struct trace trace = {.end = *from};
 
-    while (!search_is_seed(planner, &trace.end) && trace.steps < steps_max) {
-        const struct search_way way = search_cheapest_way(planner, &trace.end);
+    while (!jp_search_is_seed(planner, &trace.end) && trace.steps < steps_max) {
+        const struct search_way way = jp_search_cheapest_way(planner, &trace.end);
         if (way.primitive == NULL) {
             return trace;
         }
@@ -52,7 +52,7 @@ static struct trace walk(const struct jp_planner *planner, const struct jp_pose 
         trace.end = next;
         trace.steps++;
     }
-    trace.is_complete = search_is_seed(planner, &trace.end);
+    trace.is_complete = jp_search_is_seed(planner, &trace.end);
     return trace;
 }
 
@@ -110,10 +110,18 @@ static void publish(struct jp_planner *planner, const struct jp_pose *end, jp_co
                                                    : JP_ANSWER_WITHIN_BOUND;
 }
 
+static void take_spare_route(struct jp_planner *planner)
+{
+    uint8_t *route = planner->spare_route;
+
+    planner->spare_route = planner->route;
+    planner->route = route;
+}
+
 /** From the robot on; cut where the route's memory ends. */
 static bool publish_backward(struct jp_planner *planner)
 {
-    const struct trace trace = walk(planner, &planner->start, planner->route_max, NULL, 0);
+    const struct trace trace = walk(planner, &planner->start, planner->route_max, planner->spare_route, 0);
 
     if (!trace.is_complete && trace.steps < planner->route_max) {
         return false;
@@ -121,23 +129,31 @@ static bool publish_backward(struct jp_planner *planner)
     if (trace.is_complete && is_worse(planner, trace.cost)) {
         return true;
     }
-    (void)walk(planner, &planner->start, trace.steps, planner->route, trace.steps);
-    publish(planner, &trace.end, trace.cost, trace.is_complete ? 0 : search_cheapest_way(planner, &trace.end).cost,
+    take_spare_route(planner);
+    publish(planner, &trace.end, trace.cost, trace.is_complete ? 0 : jp_search_cheapest_way(planner, &trace.end).cost,
             trace.steps);
     return true;
+}
+
+/** Of a partial route something is left, also where the guide is too coarse to see it. */
+static jp_cost estimate_left(const struct jp_planner *planner, const struct jp_pose *end)
+{
+    const jp_cost rest = jp_search_rest(planner, end);
+
+    return rest > 0 ? rest : 1;
 }
 
 /** To the goal, or to the state from which least is left; cut at its far end where the route's memory ends. */
 static bool publish_forward(struct jp_planner *planner)
 {
-    const uint32_t target = search_target(planner);
+    const uint32_t target = jp_search_target(planner);
     const bool arrived = target != NO_SLOT && planner->states[target].g != JP_COST_MAX;
     const uint32_t slot = arrived ? target : planner->nearest;
 
     if (slot == NO_SLOT) {
         return false;
     }
-    struct jp_pose end = search_pose(planner, slot);
+    struct jp_pose end = jp_search_pose(planner, slot);
     struct trace trace = walk(planner, &end, planner->statistics.states_max, NULL, 0);
     if (!trace.is_complete) {
         return false;
@@ -147,12 +163,13 @@ static bool publish_forward(struct jp_planner *planner)
         end = walk(planner, &end, trace.steps - planner->route_max, NULL, 0).end;
         trace = walk(planner, &end, planner->route_max, NULL, 0);
     }
-    (void)walk(planner, &end, trace.steps, planner->route, trace.steps);
-    publish(planner, &end, trace.cost, arrived && !is_cut ? 0 : search_rest(planner, &end), trace.steps);
+    (void)walk(planner, &end, trace.steps, planner->spare_route, trace.steps);
+    take_spare_route(planner);
+    publish(planner, &end, trace.cost, arrived && !is_cut ? 0 : estimate_left(planner, &end), trace.steps);
     return true;
 }
 
-bool route_publish(struct jp_planner *planner)
+bool jp_route_publish(struct jp_planner *planner)
 {
     return planner->forward ? publish_forward(planner) : publish_backward(planner);
 }

@@ -6,6 +6,6 @@
 
 /** Replaces the plan by the route of the search: optimal or within a bound, or partial when the search runs forward and
  *  has not arrived or the route does not fit. False, with the old plan kept, when the search holds no route. */
-bool route_publish(struct jp_planner *planner);
+bool jp_route_publish(struct jp_planner *planner);
 
 #endif

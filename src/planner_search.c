@@ -7,7 +7,7 @@ enum {
     RANGE_PER_TARGET = 2, /* keys up to so many times the expected one are told apart */
 };
 
-uint32_t search_id(const struct jp_planner *planner, int32_t x, int32_t y, unsigned heading)
+uint32_t jp_search_id(const struct jp_planner *planner, int32_t x, int32_t y, unsigned heading)
 {
     return ((uint32_t)y * planner->terrain->config.width + (uint32_t)x) * JP_HEADINGS + heading;
 }
@@ -20,14 +20,14 @@ static struct jp_pose pose_of(const struct jp_planner *planner, uint32_t id)
     return (struct jp_pose){(int16_t)(cell % width), (int16_t)(cell / width), (uint8_t)(id % JP_HEADINGS)};
 }
 
-struct jp_pose search_pose(const struct jp_planner *planner, uint32_t slot)
+struct jp_pose jp_search_pose(const struct jp_planner *planner, uint32_t slot)
 {
     return pose_of(planner, (uint32_t)planner->states[slot].id);
 }
 
 static uint32_t start_id(const struct jp_planner *planner)
 {
-    return search_id(planner, planner->start.x, planner->start.y, planner->start.heading);
+    return jp_search_id(planner, planner->start.x, planner->start.y, planner->start.heading);
 }
 
 static bool is_goal(const struct jp_planner *planner, const struct jp_pose *pose)
@@ -40,21 +40,21 @@ static bool is_start(const struct jp_planner *planner, const struct jp_pose *pos
     return pose->x == planner->start.x && pose->y == planner->start.y && pose->heading == planner->start.heading;
 }
 
-bool search_is_seed(const struct jp_planner *planner, const struct jp_pose *pose)
+bool jp_search_is_seed(const struct jp_planner *planner, const struct jp_pose *pose)
 {
     return planner->forward ? is_start(planner, pose) : is_goal(planner, pose);
 }
 
 /** Lower bound of the way from where the robot was when the field was begun. */
-jp_cost search_bound(const struct jp_planner *planner, const struct jp_pose *pose)
+jp_cost jp_search_bound(const struct jp_planner *planner, const struct jp_pose *pose)
 {
     return jp_cost_add(jp_energy_field_bound(&planner->field, pose->x, pose->y),
                        planner->turns.cost[planner->field_heading][pose->heading]);
 }
 
-jp_cost search_rest(const struct jp_planner *planner, const struct jp_pose *pose)
+jp_cost jp_search_rest(const struct jp_planner *planner, const struct jp_pose *pose)
 {
-    return planner->is_exact ? search_bound(planner, pose)
+    return planner->is_exact ? jp_search_bound(planner, pose)
                              : jp_guide_field_estimate(&planner->guide, pose->x, pose->y, pose->heading);
 }
 
@@ -89,9 +89,9 @@ static void update(struct jp_planner *planner, uint32_t slot, jp_cost rest)
         return;
     }
     if (state->g != state->rhs && !is_waiting(planner, state, rest)) {
-        planner_queue_put(planner, slot, key_of(planner, state, rest));
+        jp_planner_queue_put(planner, slot, key_of(planner, state, rest));
     } else {
-        planner_queue_remove(planner, slot);
+        jp_planner_queue_remove(planner, slot);
     }
 }
 
@@ -130,7 +130,7 @@ static jp_cost edge_cost(const struct jp_planner *planner, const struct edge *ed
                            edge->from.x, edge->from.y);
 }
 
-struct search_way search_cheapest_way(const struct jp_planner *planner, const struct jp_pose *pose)
+struct search_way jp_search_cheapest_way(const struct jp_planner *planner, const struct jp_pose *pose)
 {
     const struct jp_lattice *lattice = planner->config.lattice;
     const bool leaving = !planner->forward;
@@ -143,7 +143,7 @@ struct search_way search_cheapest_way(const struct jp_planner *planner, const st
             continue;
         }
         const uint32_t slot =
-            planner_states_find(planner, search_id(planner, edge.other.x, edge.other.y, edge.other.heading));
+            jp_planner_states_find(planner, jp_search_id(planner, edge.other.x, edge.other.y, edge.other.heading));
         if (slot == NO_SLOT || planner->states[slot].g >= best.cost) {
             continue;
         }
@@ -158,21 +158,21 @@ struct search_way search_cheapest_way(const struct jp_planner *planner, const st
 static void set_rhs(struct jp_planner *planner, uint32_t slot, const struct jp_pose *pose, jp_cost rhs)
 {
     planner->states[slot].rhs = rhs & JP_COST_MAX;
-    update(planner, slot, search_rest(planner, pose));
+    update(planner, slot, jp_search_rest(planner, pose));
 }
 
 static void recompute(struct jp_planner *planner, uint32_t slot, const struct jp_pose *pose)
 {
-    if (!search_is_seed(planner, pose)) {
-        set_rhs(planner, slot, pose, search_cheapest_way(planner, pose).cost);
+    if (!jp_search_is_seed(planner, pose)) {
+        set_rhs(planner, slot, pose, jp_search_cheapest_way(planner, pose).cost);
     }
 }
 
 /** Tells a neighbour that the state costs less now. */
 static void offer(struct jp_planner *planner, const struct edge *edge, jp_cost g)
 {
-    const uint32_t id = search_id(planner, edge->other.x, edge->other.y, edge->other.heading);
-    const uint32_t known = planner_states_find(planner, id);
+    const uint32_t id = jp_search_id(planner, edge->other.x, edge->other.y, edge->other.heading);
+    const uint32_t known = jp_planner_states_find(planner, id);
 
     if (known != NO_SLOT && planner->states[known].rhs <= g) {
         return;
@@ -181,14 +181,14 @@ static void offer(struct jp_planner *planner, const struct edge *edge, jp_cost g
     if (cost == JP_COST_MAX || (known != NO_SLOT && planner->states[known].rhs <= cost)) {
         return;
     }
-    set_rhs(planner, known != NO_SLOT ? known : planner_states_add(planner, id), &edge->other, cost);
+    set_rhs(planner, known != NO_SLOT ? known : jp_planner_states_add(planner, id), &edge->other, cost);
 }
 
 /** Tells a neighbour that relied on the state that it costs more now. */
 static void withdraw(struct jp_planner *planner, const struct edge *edge, jp_cost old_g)
 {
     const uint32_t slot =
-        planner_states_find(planner, search_id(planner, edge->other.x, edge->other.y, edge->other.heading));
+        jp_planner_states_find(planner, jp_search_id(planner, edge->other.x, edge->other.y, edge->other.heading));
 
     if (slot == NO_SLOT || planner->states[slot].rhs < old_g || planner->states[slot].rhs == JP_COST_MAX) {
         return;
@@ -217,7 +217,7 @@ static void expand(struct jp_planner *planner, uint32_t slot)
     const jp_cost g = (jp_cost)(cheaper ? state->rhs : state->g);
     const unsigned end = first_edge(lattice, leaving, pose.heading + 1U);
 
-    const jp_cost rest = search_rest(planner, &pose);
+    const jp_cost rest = jp_search_rest(planner, &pose);
 
     planner->statistics.expansions++;
     state->g = cheaper ? state->rhs : JP_COST_MAX;
@@ -239,17 +239,17 @@ static void expand(struct jp_planner *planner, uint32_t slot)
     }
 }
 
-uint32_t search_target(const struct jp_planner *planner)
+uint32_t jp_search_target(const struct jp_planner *planner)
 {
     uint32_t best = NO_SLOT;
 
     if (!planner->forward) {
-        return planner_states_find(planner, start_id(planner));
+        return jp_planner_states_find(planner, start_id(planner));
     }
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
         const uint32_t slot =
             (planner->goal.headings >> heading) & 1
-                ? planner_states_find(planner, search_id(planner, planner->goal.x, planner->goal.y, heading))
+                ? jp_planner_states_find(planner, jp_search_id(planner, planner->goal.x, planner->goal.y, heading))
                 : NO_SLOT;
         if (slot != NO_SLOT && (best == NO_SLOT || planner->states[slot].g < planner->states[best].g)) {
             best = slot;
@@ -261,21 +261,21 @@ uint32_t search_target(const struct jp_planner *planner)
 /** Key beyond which no state matters to the target. */
 static uint32_t target_key(const struct jp_planner *planner, uint32_t slot)
 {
-    const struct jp_pose pose = search_pose(planner, slot);
+    const struct jp_pose pose = jp_search_pose(planner, slot);
 
-    return (uint32_t)planner->states[slot].g + inflate(planner, search_rest(planner, &pose));
+    return (uint32_t)planner->states[slot].g + inflate(planner, jp_search_rest(planner, &pose));
 }
 
 static bool is_arrived(const struct jp_planner *planner)
 {
-    const uint32_t slot = search_target(planner);
+    const uint32_t slot = jp_search_target(planner);
 
     if (slot == NO_SLOT) {
         return false;
     }
     const struct jp_planner_state *state = &planner->states[slot];
     return state->g != JP_COST_MAX && state->g == state->rhs &&
-           planner_queue_lowest_key(planner) > target_key(planner, slot);
+           jp_planner_queue_lowest_key(planner) > target_key(planner, slot);
 }
 
 static bool has_cost(const struct jp_planner *planner, uint32_t slot)
@@ -302,15 +302,15 @@ static bool is_full(const struct jp_planner *planner)
     return statistics->states_max - statistics->states < neighbours_max(planner->config.lattice, planner->forward);
 }
 
-enum search_result search_expand(struct jp_planner *planner, unsigned *expansions)
+enum search_result jp_search_expand(struct jp_planner *planner, unsigned *expansions)
 {
     for (;;) {
-        const uint32_t slot = planner_queue_top(planner);
+        const uint32_t slot = jp_planner_queue_top(planner);
 
         if (slot == NO_SLOT) {
-            return has_cost(planner, search_target(planner)) ? SEARCH_FOUND : SEARCH_IMPOSSIBLE;
+            return has_cost(planner, jp_search_target(planner)) ? SEARCH_FOUND : SEARCH_IMPOSSIBLE;
         }
-        if (planner_queue_is_beyond_range(planner)) {
+        if (jp_planner_queue_is_beyond_range(planner)) {
             return SEARCH_RANGE;
         }
         if (is_arrived(planner)) {
@@ -329,7 +329,7 @@ enum search_result search_expand(struct jp_planner *planner, unsigned *expansion
 
 static void seed(struct jp_planner *planner, const struct jp_pose *pose)
 {
-    set_rhs(planner, planner_states_add(planner, search_id(planner, pose->x, pose->y, pose->heading)), pose, 0);
+    set_rhs(planner, jp_planner_states_add(planner, jp_search_id(planner, pose->x, pose->y, pose->heading)), pose, 0);
 }
 
 static void seed_all(struct jp_planner *planner)
@@ -340,7 +340,7 @@ static void seed_all(struct jp_planner *planner)
     }
     for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
         const struct jp_pose pose = {planner->goal.x, planner->goal.y, heading};
-        if (search_is_seed(planner, &pose)) {
+        if (jp_search_is_seed(planner, &pose)) {
             seed(planner, &pose);
         }
     }
@@ -351,27 +351,27 @@ static uint32_t expected_range(const struct jp_planner *planner)
 {
     const struct jp_pose goal = {planner->goal.x, planner->goal.y, planner->start.heading};
 
-    return inflate(planner, search_rest(planner, planner->forward ? &planner->start : &goal)) * RANGE_PER_TARGET;
+    return inflate(planner, jp_search_rest(planner, planner->forward ? &planner->start : &goal)) * RANGE_PER_TARGET;
 }
 
-void search_start(struct jp_planner *planner)
+void jp_search_start(struct jp_planner *planner)
 {
-    planner_states_clear(planner);
+    jp_planner_states_clear(planner);
     planner->nearest = NO_SLOT;
     planner->rekey_slot = planner->slot_count;
-    planner_queue_restart(planner, expected_range(planner));
+    jp_planner_queue_restart(planner, expected_range(planner));
     seed_all(planner);
 }
 
-void search_rekey(struct jp_planner *planner, bool widen)
+void jp_search_rekey(struct jp_planner *planner, bool widen)
 {
     const uint32_t range = widen ? (planner->bucket_count - 1) << (planner->bucket_shift + 1) : expected_range(planner);
 
-    planner_queue_restart(planner, range);
+    jp_planner_queue_restart(planner, range);
     planner->rekey_slot = 0;
 }
 
-bool search_rekey_work(struct jp_planner *planner, unsigned *slots)
+bool jp_search_rekey_work(struct jp_planner *planner, unsigned *slots)
 {
     while (planner->rekey_slot<planner->slot_count && * slots> 0) {
         const uint32_t slot = planner->rekey_slot++;
@@ -380,33 +380,33 @@ bool search_rekey_work(struct jp_planner *planner, unsigned *slots)
         state->queued = 0;
         state->closed = 0;
         if (state->used && state->g != state->rhs) {
-            const struct jp_pose pose = search_pose(planner, slot);
-            update(planner, slot, search_rest(planner, &pose));
+            const struct jp_pose pose = jp_search_pose(planner, slot);
+            update(planner, slot, jp_search_rest(planner, &pose));
         }
         --*slots;
     }
     return planner->rekey_slot == planner->slot_count;
 }
 
-void search_rekey_cells(struct jp_planner *planner, const struct jp_cell_box *box)
+void jp_search_rekey_cells(struct jp_planner *planner, const struct jp_cell_box *box)
 {
     for (int32_t y = box->first_y; y <= box->last_y; y++) {
         for (int32_t x = box->first_x; x <= box->last_x; x++) {
             for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
                 const struct jp_pose pose = {(int16_t)x, (int16_t)y, heading};
-                const uint32_t slot = planner_states_find(planner, search_id(planner, x, y, heading));
+                const uint32_t slot = jp_planner_states_find(planner, jp_search_id(planner, x, y, heading));
                 if (slot != NO_SLOT) {
-                    update(planner, slot, search_rest(planner, &pose));
+                    update(planner, slot, jp_search_rest(planner, &pose));
                 }
             }
         }
     }
 }
 
-bool search_repair(struct jp_planner *planner, uint32_t id, bool may_be_cheaper)
+bool jp_search_repair(struct jp_planner *planner, uint32_t id, bool may_be_cheaper)
 {
     const struct jp_pose pose = pose_of(planner, id);
-    const uint32_t slot = planner_states_find(planner, id);
+    const uint32_t slot = jp_planner_states_find(planner, id);
 
     if (slot != NO_SLOT) {
         recompute(planner, slot, &pose);
@@ -415,11 +415,11 @@ bool search_repair(struct jp_planner *planner, uint32_t id, bool may_be_cheaper)
     if (!may_be_cheaper) {
         return true;
     }
-    const jp_cost cost = search_cheapest_way(planner, &pose).cost;
+    const jp_cost cost = jp_search_cheapest_way(planner, &pose).cost;
     if (cost == JP_COST_MAX) {
         return true;
     }
-    const uint32_t added = planner_states_add(planner, id);
+    const uint32_t added = jp_planner_states_add(planner, id);
     if (added == NO_SLOT) {
         return false;
     }

@@ -30,14 +30,17 @@ static uint32_t bucket_count_for(uint32_t slots)
     return count;
 }
 
-size_t planner_states_size(uint32_t count)
+size_t jp_planner_states_size(uint32_t count)
 {
-    const uint32_t slots = count * LOAD_DENOMINATOR / LOAD_NUMERATOR + 1;
+    uint32_t slots = count * LOAD_DENOMINATOR / LOAD_NUMERATOR + 1;
 
+    while (!is_prime(slots)) {
+        slots++;
+    }
     return slots * sizeof(struct jp_planner_state) + bucket_count_for(slots) * sizeof(uint32_t);
 }
 
-void planner_states_init(struct jp_planner *planner, void *block, size_t size)
+void jp_planner_states_init(struct jp_planner *planner, void *block, size_t size)
 {
     const size_t most = (size_t)JP_PLANNER_STATES_MAX * LOAD_DENOMINATOR / LOAD_NUMERATOR;
     size_t slots = size / sizeof(struct jp_planner_state);
@@ -60,7 +63,7 @@ void planner_states_init(struct jp_planner *planner, void *block, size_t size)
     planner->statistics.search_bytes = (uint32_t)(planner->slot_count * sizeof(struct jp_planner_state) + bucket_bytes);
 }
 
-void planner_states_clear(struct jp_planner *planner)
+void jp_planner_states_clear(struct jp_planner *planner)
 {
     memset(planner->states, 0, planner->slot_count * sizeof *planner->states);
     planner->statistics.states = 0;
@@ -92,14 +95,14 @@ static uint32_t probe(const struct jp_planner *planner, uint32_t id)
     return slot;
 }
 
-uint32_t planner_states_find(const struct jp_planner *planner, uint32_t id)
+uint32_t jp_planner_states_find(const struct jp_planner *planner, uint32_t id)
 {
     const uint32_t slot = probe(planner, id);
 
     return planner->states[slot].used ? slot : NO_SLOT;
 }
 
-uint32_t planner_states_add(struct jp_planner *planner, uint32_t id)
+uint32_t jp_planner_states_add(struct jp_planner *planner, uint32_t id)
 {
     const uint32_t slot = probe(planner, id);
     struct jp_planner_state *state = &planner->states[slot];
@@ -118,7 +121,7 @@ uint32_t planner_states_add(struct jp_planner *planner, uint32_t id)
     return slot;
 }
 
-void planner_queue_restart(struct jp_planner *planner, uint32_t range)
+void jp_planner_queue_restart(struct jp_planner *planner, uint32_t range)
 {
     for (uint32_t i = 0; i < planner->bucket_count; i++) {
         planner->buckets[i] = NO_SLOT;
@@ -130,7 +133,7 @@ void planner_queue_restart(struct jp_planner *planner, uint32_t range)
     }
 }
 
-static void unlink(struct jp_planner *planner, struct jp_planner_state *state)
+static void take_out(struct jp_planner *planner, struct jp_planner_state *state)
 {
     if (state->previous == NO_SLOT) {
         planner->buckets[state->bucket] = (uint32_t)state->next;
@@ -143,14 +146,14 @@ static void unlink(struct jp_planner *planner, struct jp_planner_state *state)
     state->queued = 0;
 }
 
-void planner_queue_remove(struct jp_planner *planner, uint32_t slot)
+void jp_planner_queue_remove(struct jp_planner *planner, uint32_t slot)
 {
     if (planner->states[slot].queued) {
-        unlink(planner, &planner->states[slot]);
+        take_out(planner, &planner->states[slot]);
     }
 }
 
-void planner_queue_put(struct jp_planner *planner, uint32_t slot, uint32_t key)
+void jp_planner_queue_put(struct jp_planner *planner, uint32_t slot, uint32_t key)
 {
     struct jp_planner_state *state = &planner->states[slot];
     const uint32_t last = planner->bucket_count - 1;
@@ -163,7 +166,7 @@ void planner_queue_put(struct jp_planner *planner, uint32_t slot, uint32_t key)
         if (state->bucket == bucket) {
             return;
         }
-        unlink(planner, state);
+        take_out(planner, state);
     }
     const uint32_t head = planner->buckets[bucket];
     state->queued = 1;
@@ -179,7 +182,7 @@ void planner_queue_put(struct jp_planner *planner, uint32_t slot, uint32_t key)
     }
 }
 
-uint32_t planner_queue_top(struct jp_planner *planner)
+uint32_t jp_planner_queue_top(struct jp_planner *planner)
 {
     while (planner->lowest_bucket < planner->bucket_count && planner->buckets[planner->lowest_bucket] == NO_SLOT) {
         planner->lowest_bucket++;
@@ -187,12 +190,12 @@ uint32_t planner_queue_top(struct jp_planner *planner)
     return planner->lowest_bucket < planner->bucket_count ? planner->buckets[planner->lowest_bucket] : NO_SLOT;
 }
 
-uint32_t planner_queue_lowest_key(const struct jp_planner *planner)
+uint32_t jp_planner_queue_lowest_key(const struct jp_planner *planner)
 {
     return planner->lowest_bucket << planner->bucket_shift;
 }
 
-bool planner_queue_is_beyond_range(const struct jp_planner *planner)
+bool jp_planner_queue_is_beyond_range(const struct jp_planner *planner)
 {
     return planner->lowest_bucket == planner->bucket_count - 1;
 }

@@ -21,36 +21,36 @@ struct jp_planner_state {
 };
 
 /** Lays out `size` bytes as slots and buckets. */
-void planner_states_init(struct jp_planner *planner, void *block, size_t size);
+void jp_planner_states_init(struct jp_planner *planner, void *block, size_t size);
 
 /** Bytes that `count` states need, everything counted. */
-size_t planner_states_size(uint32_t count);
+size_t jp_planner_states_size(uint32_t count);
 
 /** Forgets all states. */
-void planner_states_clear(struct jp_planner *planner);
+void jp_planner_states_clear(struct jp_planner *planner);
 
 /** Slot of a state, or NO_SLOT. */
-uint32_t planner_states_find(const struct jp_planner *planner, uint32_t id);
+uint32_t jp_planner_states_find(const struct jp_planner *planner, uint32_t id);
 
 /** Slot of a state that is made, with no cost known, unless it is there; NO_SLOT when the table is full. */
-uint32_t planner_states_add(struct jp_planner *planner, uint32_t id);
+uint32_t jp_planner_states_add(struct jp_planner *planner, uint32_t id);
 
-/** Empties the queue; its keys will range over 0…range. States are taken into it by planner_queue_rekey(). */
-void planner_queue_restart(struct jp_planner *planner, uint32_t range);
+/** Empties the queue; its keys will range over 0…range. States are taken into it by jp_search_rekey_work(). */
+void jp_planner_queue_restart(struct jp_planner *planner, uint32_t range);
 
 /** Puts a state into the queue, or elsewhere in it. */
-void planner_queue_put(struct jp_planner *planner, uint32_t slot, uint32_t key);
+void jp_planner_queue_put(struct jp_planner *planner, uint32_t slot, uint32_t key);
 
 /** Takes a state out of the queue if it is in. */
-void planner_queue_remove(struct jp_planner *planner, uint32_t slot);
+void jp_planner_queue_remove(struct jp_planner *planner, uint32_t slot);
 
 /** Slot of a state with about the lowest key, or NO_SLOT. */
-uint32_t planner_queue_top(struct jp_planner *planner);
+uint32_t jp_planner_queue_top(struct jp_planner *planner);
 
-/** No key in the queue is below it; valid after planner_queue_top(). */
-uint32_t planner_queue_lowest_key(const struct jp_planner *planner);
+/** No key in the queue is below it; valid after jp_planner_queue_top(). */
+uint32_t jp_planner_queue_lowest_key(const struct jp_planner *planner);
 
 /** True when keys that the queue cannot tell apart have come to its head: restart it with a wider range. */
-bool planner_queue_is_beyond_range(const struct jp_planner *planner);
+bool jp_planner_queue_is_beyond_range(const struct jp_planner *planner);
 
 #endif

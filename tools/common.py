@@ -50,6 +50,15 @@ def write_whole(path, content):
         raise ToolError(f"{path}: {error.strerror}") from None
 
 
+def with_block(path, text, mark, block):
+    """The text of a Markdown file with the block between <!-- mark --> and <!-- /mark -->."""
+    start, end = f"<!-- {mark} -->", f"<!-- /{mark} -->"
+    if text.count(start) != 1 or text.count(end) != 1 or text.index(start) > text.index(end):
+        raise ToolError(f"{path}: must hold {start} and, after it, {end}, once each")
+    before, rest = text.split(start)
+    return f"{before}{start}\n{block}\n{end}{rest.split(end)[1]}"
+
+
 def shown_path(path):
     """The path as a person would type it: relative to the working directory where that is shorter."""
     relative = os.path.relpath(path)

@@ -12,13 +12,12 @@ import operator
 from pathlib import Path
 
 import robot_json
-from common import ROOT, ToolError, print_aligned, read_text, run, shown_path, write_whole
+from common import ROOT, ToolError, print_aligned, read_text, run, shown_path, with_block, write_whole
 
 KEYS = {"name": str, "value": (int, float), "unit": str, "bound": (dict, type(None)), "command": str}
 COMPARE = {"<=": operator.le, ">=": operator.ge, "==": operator.eq}
 SIGNS = {"<=": "≤", ">=": "≥", "==": "="}
 
-START, END = "<!-- figures -->", "<!-- /figures -->"
 THIN_SPACE = "\u202f"  # between thousands; does not break
 HEADINGS = ("what", "measured", "bar", "met?", "command")
 
@@ -116,14 +115,6 @@ def markdown(figures):
     return "\n".join(lines)
 
 
-def with_table(path, text, table):
-    """The README's text with the table between its markers."""
-    if text.count(START) != 1 or text.count(END) != 1 or text.index(START) > text.index(END):
-        raise ToolError(f"{path}: must hold {START} and, after it, {END}, once each")
-    before, rest = text.split(START)
-    return f"{before}{START}\n{table}\n{END}{rest.split(END)[1]}"
-
-
 def arguments():
     build = robot_json.build_directory()
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
@@ -137,7 +128,7 @@ def arguments():
 def main():
     options = arguments()
     figures = collect(options.bench)
-    readme = with_table(options.readme, read_text(options.readme), markdown(figures))
+    readme = with_block(options.readme, read_text(options.readme), "figures", markdown(figures))
     write_whole(options.output, json.dumps(figures, indent=2, ensure_ascii=False) + "\n")
     write_whole(options.readme, readme)
 

@@ -133,6 +133,7 @@ struct jp_planner {
     uint32_t terrain_version;
 
     uint8_t *route; /**< of the plan: index of each primitive among those of its heading */
+    uint8_t *spare_route; /**< the next plan is written here, so that the last one stays whole */
     uint16_t route_max;
     enum jp_answer answer;
     struct jp_plan plan;

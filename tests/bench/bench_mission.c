@@ -105,7 +105,7 @@ static double speed_of_simulation(const struct scenario *scenario)
     for (int i = 0; i < REPEATS; i++) {
         struct mission mission;
 
-        if (!mission_run(&mission, MISSION_OPTIMAL, scenario, NULL, NULL, NULL)) {
+        if (!mission_run(&mission, MISSION_OPTIMAL, scenario, NULL, NULL)) {
             fail("the mission failed");
         }
         best = fmax(best, (double)mission.ticks / scenario->robot.control.rate_hz / mission.wall_seconds);
@@ -128,7 +128,7 @@ static void bench_mission(const struct scenario *scenario)
     struct mission missions[MISSION_STRATEGIES];
 
     for (int i = 0; i < MISSION_STRATEGIES; i++) {
-        if (!mission_run(&missions[i], (enum mission_strategy)i, scenario, missions, NULL, NULL)) {
+        if (!mission_run(&missions[i], (enum mission_strategy)i, scenario, missions, NULL)) {
             fail("the mission failed");
         }
     }

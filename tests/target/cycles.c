@@ -49,3 +49,10 @@ uint32_t target_count_instructions(void (*function)(void *), void *argument)
     /* The empty loop holds the call and one return, which belongs to the function. */
     return ((full - loop) * TICK_INSTRUCTIONS + calls / 2) / calls + 1;
 }
+
+uint32_t target_count_once(void (*function)(void *), void *argument)
+{
+    const uint32_t once = ticks(function, argument, 1);
+
+    return once == TICKS_MAX ? TARGET_COUNT_OVERFLOW : once * TICK_INSTRUCTIONS;
+}

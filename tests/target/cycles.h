@@ -1,5 +1,5 @@
 /**
- * Exact instruction counts on QEMU's mps2-an386 with `-icount shift=0`, where an instruction takes 1 ns and SysTick,
+ * Exact instruction counts on QEMU's mps2 boards with `-icount shift=0`, where an instruction takes 1 ns and SysTick,
  * at 25 MHz, counts every 40th.
  */
 #ifndef CYCLES_H
@@ -16,5 +16,8 @@
  * give TARGET_COUNT_OVERFLOW.
  */
 uint32_t target_count_instructions(void (*function)(void *), void *argument);
+
+/** Instructions of one call of function(argument), to 40; more than 600 million give TARGET_COUNT_OVERFLOW. */
+uint32_t target_count_once(void (*function)(void *), void *argument);
 
 #endif

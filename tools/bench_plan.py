@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Show what bench_plan measured: tables on the terminal, and in the README between <!-- plan --> and <!-- /plan -->.
+
+The README's table is that of the scenes, which come with the project; maps of others are shown on the terminal.
+"""
+import argparse
+import json
+import statistics
+from pathlib import Path
+
+from common import ROOT, ToolError, print_aligned, read_text, run, shown_path, with_block, write_whole
+
+ROUTES = ("optimal", "within bound")
+SCENE_HEADINGS = ("block, KiB", "states that fit", "routes", "optimal", "cost / optimum, median", "worst",
+                  "proved bound, median", "expansions, median")
+MAP_HEADINGS = ("map", "cells", "block, KiB", "routes", "partial", "unreachable", "cost / optimum, median")
+CURVE_HEADINGS = ("price of length, J/m", "energy saved, %", "longer by, %")
+
+
+def read_rows(path):
+    try:
+        rows = json.loads(read_text(path))
+        return rows["scenes"], rows["maps"], rows["curve"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise ToolError(f"{path}: not what bench_plan writes: {error}") from None
+
+
+def grouped(rows, *keys):
+    groups = {}
+    for row in rows:
+        groups.setdefault(tuple(row[key] for key in keys), []).append(row)
+    return groups
+
+
+def median(values, digits):
+    return f"{statistics.median(values):.{digits}f}" if values else "-"
+
+
+def count(rows, *answers):
+    return str(sum(row["answer"] in answers for row in rows))
+
+
+def ratios(rows):
+    return [row["ratio"] for row in rows if row["answer"] in ROUTES and row["ratio"] is not None]
+
+
+def scene_table(rows):
+    for (kib,), group in grouped(rows, "block_kib").items():
+        routes = [row for row in group if row["answer"] in ROUTES]
+        found = ratios(group)
+        yield (str(kib), str(group[0]["states_max"]), f"{len(routes)} of {len(group)}", count(group, "optimal"),
+               median(found, 3), f"{max(found):.3f}" if found else "-", median([row["bound"] for row in routes], 2),
+               median([row["expansions"] for row in group], 0))
+
+
+def map_table(rows):
+    for (name, kib), group in grouped(rows, "map", "block_kib").items():
+        yield (name, f"{group[0]['width']} × {group[0]['height']}", str(kib),
+               f"{count(group, *ROUTES)} of {len(group)}", count(group, "partial"), count(group, "unreachable"),
+               median(ratios(group), 3))
+
+
+def curve_table(rows):
+    for row in rows:
+        yield f"{row['price_j_per_m']:.0f}", f"{row['saved_percent']:.1f}", f"{row['longer_percent']:.1f}"
+
+
+def markdown(headings, rows):
+    lines = ["| " + " | ".join(headings) + " |", "|" + "--:|" * len(headings)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("rows", metavar="ROWS.json", type=Path, help="what bench_plan --rows wrote")
+    parser.add_argument("--readme", metavar="FILE", type=Path, default=ROOT / "README.md", help="default: README.md")
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    scenes, maps, curve = read_rows(options.rows)
+    blocks, prices = list(scene_table(scenes)), list(curve_table(curve))
+    tables = f"{markdown(SCENE_HEADINGS, blocks)}\n\n{markdown(CURVE_HEADINGS, prices)}"
+    write_whole(options.readme, with_block(options.readme, read_text(options.readme), "plan", tables))
+
+    print_aligned([SCENE_HEADINGS, *blocks])
+    print()
+    print_aligned([CURVE_HEADINGS, *prices])
+    if maps:
+        print()
+        print_aligned([MAP_HEADINGS, *map_table(maps)])
+    print(f"\nwrote {shown_path(options.readme)}")
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)
