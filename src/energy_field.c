@@ -130,8 +130,9 @@ void jp_energy_field_cell_changed(struct jp_energy_field *field, int32_t x, int3
 
     for (unsigned i = 0; i < core.span_count; i++) {
         const struct jp_span span = field->lattice->spans[core.first_span + i];
-        for (int32_t dx = span.first; dx <= span.last; dx++) {
-            touch_around(field, x - dx, y - span.y);
+        const int32_t last = x - span.first;
+        for (int32_t cell_x = x - span.last; cell_x <= last; cell_x++) {
+            touch_around(field, cell_x, y - span.y);
         }
     }
     touch_around(field, x, y);

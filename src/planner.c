@@ -50,7 +50,7 @@ size_t jp_planner_size_min(const struct jp_terrain_config *config)
 /** The finest guide that leaves most of the block to the states, and enough of them. */
 static unsigned guide_scale(const struct jp_terrain_config *config, size_t size)
 {
-    const size_t spare = size - route_bytes(config) - jp_planner_states_size(STATES_MIN);
+    const size_t spare = size - ROUTES * route_bytes(config) - jp_planner_states_size(STATES_MIN);
     const size_t most = spare < size / GUIDE_SHARE ? spare : size / GUIDE_SHARE;
     unsigned scale = GUIDE_SCALE_MIN;
 
@@ -85,6 +85,20 @@ static const char *field_out_of_range(const struct jp_planner_config *config, co
         return "epsilon";
     }
     return jp_planner_size_min(&terrain->config) == 0 ? "terrain" : NULL;
+}
+
+/** Most neighbours that an expansion can add, in either direction. */
+static uint16_t neighbours_max(const struct jp_lattice *lattice)
+{
+    unsigned most = 0;
+
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const unsigned leaving = (unsigned)lattice->first_from[heading + 1] - lattice->first_from[heading];
+        const unsigned arriving = (unsigned)lattice->first_to[heading + 1] - lattice->first_to[heading];
+        most = leaving > most ? leaving : most;
+        most = arriving > most ? arriving : most;
+    }
+    return (uint16_t)most;
 }
 
 /** Guide, route, and if a state for every cell fits too, the energy field; the states get the rest. */
@@ -132,6 +146,7 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
     planner->terrain = terrain;
     planner->terrain_version = terrain->version;
     jp_lattice_turns(config->lattice, config->cost, &planner->turns);
+    planner->neighbours_max = neighbours_max(config->lattice);
     lay_out(planner, block, size);
     jp_planner_states_clear(planner);
     return JP_OK;
@@ -228,7 +243,7 @@ static bool is_cut_off(const struct jp_planner *planner)
 
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_pose *start)
 {
-    if (start->heading >= JP_HEADINGS) {
+    if (planner == NULL || start == NULL || start->heading >= JP_HEADINGS) {
         return JP_ERR_ARGUMENT;
     }
     if (!jp_terrain_contains(planner->terrain, start->x, start->y)) {
@@ -258,7 +273,7 @@ enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_g
 {
     bool fits = false;
 
-    if (goal->headings == 0) {
+    if (planner == NULL || goal == NULL || goal->headings == 0) {
         return JP_ERR_ARGUMENT;
     }
     if (!jp_terrain_contains(planner->terrain, goal->x, goal->y)) {
@@ -563,7 +578,7 @@ const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, uns
     return primitive;
 }
 
-const struct jp_planner_statistics *jp_planner_statistics(const struct jp_planner *planner)
+const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner)
 {
     return &planner->statistics;
 }

@@ -216,7 +216,6 @@ static void expand(struct jp_planner *planner, uint32_t slot)
     const bool cheaper = state->g > state->rhs;
     const jp_cost g = (jp_cost)(cheaper ? state->rhs : state->g);
     const unsigned end = first_edge(lattice, leaving, pose.heading + 1U);
-
     const jp_cost rest = jp_search_rest(planner, &pose);
 
     planner->statistics.expansions++;
@@ -283,23 +282,11 @@ static bool has_cost(const struct jp_planner *planner, uint32_t slot)
     return slot != NO_SLOT && planner->states[slot].g != JP_COST_MAX;
 }
 
-/** Most neighbours that an expansion can add. */
-static uint32_t neighbours_max(const struct jp_lattice *lattice, bool leaving)
-{
-    uint32_t most = 0;
-
-    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        const uint32_t count = first_edge(lattice, leaving, heading + 1U) - first_edge(lattice, leaving, heading);
-        most = count > most ? count : most;
-    }
-    return most;
-}
-
 static bool is_full(const struct jp_planner *planner)
 {
-    const struct jp_planner_statistics *statistics = &planner->statistics;
+    const struct jp_planner_counts *statistics = &planner->statistics;
 
-    return statistics->states_max - statistics->states < neighbours_max(planner->config.lattice, planner->forward);
+    return statistics->states_max - statistics->states < planner->neighbours_max;
 }
 
 enum search_result jp_search_expand(struct jp_planner *planner, unsigned *expansions)

@@ -62,7 +62,8 @@ bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells);
 /** True when the guide has found a way to the part of the map around (x, y). */
 bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32_t y);
 
-/** Estimate for a pose; where the guide does not reach, its largest. Valid when the growth is done. Constant time. */
+/** Estimate for a pose; where the guide does not reach, that of its farthest cells without their turning. Valid when
+ * the growth is done. Constant time. */
 jp_cost jp_guide_field_estimate(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading);
 
 #endif

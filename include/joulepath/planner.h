@@ -77,7 +77,7 @@ struct jp_plan {
 };
 
 /** What the block holds and what the search has done. */
-struct jp_planner_statistics {
+struct jp_planner_counts {
     uint32_t states_max;   /**< states that fit */
     uint32_t states;       /**< states in use */
     uint32_t expansions;   /**< since the last restart */
@@ -103,6 +103,7 @@ struct jp_planner {
     struct jp_planner_state *states; /**< open-addressed hash table */
     uint32_t *buckets;               /**< heads of the queue's lists */
     uint32_t slot_count;             /**< prime */
+    uint16_t neighbours_max;         /**< that an expansion can add */
     uint32_t bucket_count;
     uint32_t lowest_bucket;
     uint8_t bucket_shift;
@@ -132,12 +133,12 @@ struct jp_planner {
     uint16_t change_count;
     uint32_t terrain_version;
 
-    uint8_t *route; /**< of the plan: index of each primitive among those of its heading */
+    uint8_t *route;       /**< of the plan: index of each primitive among those of its heading */
     uint8_t *spare_route; /**< the next plan is written here, so that the last one stays whole */
     uint16_t route_max;
     enum jp_answer answer;
     struct jp_plan plan;
-    struct jp_planner_statistics statistics;
+    struct jp_planner_counts statistics;
 };
 
 /** Bytes of the smallest block for a map, with room for 64 states; 0 when the map is too large. Constant time. */
@@ -152,11 +153,12 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
                                struct jp_terrain *terrain, void *block, size_t size, const char **field);
 
 /** Where the robot is. The search goes on from what it knows. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map,
- *  or the footprint does not fit; JP_ERR_ARGUMENT: no such heading. The old start stays then. Constant time. */
+ *  or the footprint does not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then.
+ *  Constant time. */
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_pose *start);
 
 /** Where to go. The search begins anew. JP_ERR_OUTSIDE; JP_ERR_BLOCKED: the footprint fits at none of the headings;
- *  JP_ERR_ARGUMENT: no heading. The old goal stays then. Work: all of the block is cleared. */
+ *  JP_ERR_ARGUMENT: no heading, or a null pointer. The old goal stays then. Work: all of the block is cleared. */
 enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_goal *goal);
 
 /** Changes a cell of the map and notes it for repair. As jp_terrain_set_cell(). Work: constant, but for every
@@ -185,6 +187,6 @@ const struct jp_plan *jp_planner_plan(const struct jp_planner *planner);
  *  begin with plan->start and index 0. Constant time. */
 const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, unsigned index, struct jp_pose *pose);
 
-const struct jp_planner_statistics *jp_planner_statistics(const struct jp_planner *planner);
+const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner);
 
 #endif

@@ -24,11 +24,11 @@ typedef int16_t jp_elevation;
 enum jp_cell { JP_CELL_FREE, JP_CELL_OCCUPIED, JP_CELL_UNKNOWN };
 
 struct jp_terrain_config {
-    uint16_t width;        /**< cells; 1…JP_TERRAIN_SIDE_MAX */
-    uint16_t height;       /**< cells; 1…JP_TERRAIN_SIDE_MAX */
-    jp_q16 resolution;     /**< side of a cell, m; above 0 */
-    bool has_elevation;    /**< without it the ground is level */
-    bool unknown_is_free;  /**< whether the robot may drive over unknown cells */
+    uint16_t width;       /**< cells; 1…JP_TERRAIN_SIDE_MAX */
+    uint16_t height;      /**< cells; 1…JP_TERRAIN_SIDE_MAX */
+    jp_q16 resolution;    /**< side of a cell, m; above 0 */
+    bool has_elevation;   /**< without it the ground is level */
+    bool unknown_is_free; /**< whether the robot may drive over unknown cells */
 };
 
 /** The members are private; read them with the calls below. */
@@ -62,7 +62,8 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
 /** True when the cell is on the map. Constant time. */
 bool jp_terrain_contains(const struct jp_terrain *terrain, int32_t x, int32_t y);
 
-/** Sets what is known of a cell. JP_ERR_OUTSIDE: it is not on the map. JP_ERR_ARGUMENT: no such state. Constant time. */
+/** Sets what is known of a cell. JP_ERR_OUTSIDE: it is not on the map. JP_ERR_ARGUMENT: no such state. Constant time.
+ */
 enum jp_status jp_terrain_set_cell(struct jp_terrain *terrain, int32_t x, int32_t y, enum jp_cell cell);
 
 /** Sets the elevation of a cell. JP_ERR_OUTSIDE: it is not on the map. JP_ERR_STATE: the map has no elevation.

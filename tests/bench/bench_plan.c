@@ -22,21 +22,24 @@ static const struct jp_lattice *const lattice = &jp_lattice_zhang2018;
 #define KIB     ((size_t)1024)
 
 /* The schedule of the README's example. */
-#define SCHEDULE {JP_EPSILON(1.35), JP_EPSILON(1.2), JP_EPSILON(1.1), JP_EPSILON_ONE}
+#define SCHEDULE                                                                                                       \
+    {                                                                                                                  \
+        JP_EPSILON(1.35), JP_EPSILON(1.2), JP_EPSILON(1.1), JP_EPSILON_ONE                                             \
+    }
 
 enum {
-    SLICE = 32,         /* expansions */
+    SLICE = 32, /* expansions */
     AMPLE_KIB = 8192,
-    FULL_KIB = 24576,   /* holds every search to the optimum */
-    REPLANS = 10,       /* a scene */
-    AHEAD = 12,         /* primitives from the robot to the change */
-    SQUARE_SIDE = 3,    /* cells that change together */
+    FULL_KIB = 24576, /* holds every search to the optimum */
+    REPLANS = 10,     /* a scene */
+    AHEAD = 12,       /* primitives from the robot to the change */
+    SQUARE_SIDE = 3,  /* cells that change together */
     NEAR_CELLS = 15,
-    UNDER_CELLS = 6,    /* from the robot's middle to cells that it does not cover */
+    UNDER_CELLS = 6, /* from the robot's middle to cells that it does not cover */
     REPLAN_SEED = 1,
     MAP_TASKS = 3,
     MAP_SEED = 1,
-    ROUNDS = 5,         /* of each timing; the median counts */
+    ROUNDS = 5, /* of each timing; the median counts */
 };
 
 static const unsigned sizes_kib[] = {64, 128, 256, 512, AMPLE_KIB};
@@ -53,7 +56,7 @@ struct task {
 struct outcome {
     struct jp_plan plan;
     enum jp_answer answer;
-    struct jp_planner_statistics statistics;
+    struct jp_planner_counts statistics;
     double first_s; /* to the first route */
     double total_s;
 };
@@ -189,17 +192,17 @@ static json_t *json_known(double value)
 
 static void add_row(json_t *rows, const struct task *task, unsigned kib, const struct outcome *outcome, double optimum)
 {
-    const struct jp_planner_statistics *statistics = &outcome->statistics;
+    const struct jp_planner_counts *statistics = &outcome->statistics;
     const struct jp_terrain_config *map = &task->terrain->config;
-    json_t *row = json_pack(
-        "{s:s, s:i, s:i, s:i, s:s, s:f, s:f, s:o, s:o, s:f, s:i, s:i, s:i, s:f, s:f, s:b}", "map", task->name, "width",
-        (int)map->width, "height", (int)map->height, "block_kib", (int)kib, "answer", answer_name(outcome->answer),
-        "cost_j", outcome->plan.cost / (double)JP_COST_PER_JOULE, "left_j",
-        outcome->plan.cost_left / (double)JP_COST_PER_JOULE, "optimum_j", json_known(optimum / JP_COST_PER_JOULE),
-        "ratio", json_known(outcome->plan.cost / optimum), "bound", outcome->plan.bound / (double)JP_EPSILON_ONE,
-        "states", (int)statistics->states, "states_max", (int)statistics->states_max, "expansions",
-        (int)statistics->expansions, "first_ms", 1e3 * outcome->first_s, "total_ms", 1e3 * outcome->total_s, "honest",
-        is_honest(outcome, optimum));
+    json_t *row =
+        json_pack("{s:s, s:i, s:i, s:i, s:s, s:f, s:f, s:o, s:o, s:f, s:i, s:i, s:i, s:f, s:f, s:b}", "map", task->name,
+                  "width", (int)map->width, "height", (int)map->height, "block_kib", (int)kib, "answer",
+                  answer_name(outcome->answer), "cost_j", outcome->plan.cost / (double)JP_COST_PER_JOULE, "left_j",
+                  outcome->plan.cost_left / (double)JP_COST_PER_JOULE, "optimum_j",
+                  json_known(optimum / JP_COST_PER_JOULE), "ratio", json_known(outcome->plan.cost / optimum), "bound",
+                  outcome->plan.bound / (double)JP_EPSILON_ONE, "states", (int)statistics->states, "states_max",
+                  (int)statistics->states_max, "expansions", (int)statistics->expansions, "first_ms",
+                  1e3 * outcome->first_s, "total_ms", 1e3 * outcome->total_s, "honest", is_honest(outcome, optimum));
     if (row == NULL || json_array_append_new(rows, row) != 0) {
         fail("no memory");
     }
@@ -219,7 +222,8 @@ static void add_figure(const char *name, double value, const char *unit, const c
     }
 }
 
-static void add_size_figure(unsigned kib, const char *what, double value, const char *unit, const char *op, double bound)
+static void add_size_figure(unsigned kib, const char *what, double value, const char *unit, const char *op,
+                            double bound)
 {
     char name[128];
     (void)snprintf(name, sizeof name, "planner, 20 scenes in %u KiB: %s", kib, what);
@@ -303,7 +307,8 @@ static void bench_size(const struct scene *scenes, unsigned kib, json_t *rows)
     add_size_figure(kib, "wrong claims", (double)dishonest, "", "==", 0);
     add_size_figure(kib, "bytes a state, all counted", bytes, "B", "<=", 20);
     if (routes > 0) {
-        add_size_figure(kib, "cost against the optimum, median", median(ratio, routes), "×", is_mcu ? "<=" : NULL, 1.10);
+        add_size_figure(kib, "cost against the optimum, median", median(ratio, routes), "×", is_mcu ? "<=" : NULL,
+                        1.10);
         add_size_figure(kib, "cost against the optimum, worst", greatest(ratio, routes), "×", is_mcu ? "<=" : NULL,
                         1.25);
     }
@@ -314,8 +319,8 @@ static void bench_size(const struct scene *scenes, unsigned kib, json_t *rows)
                         "×", NULL, 0);
         add_size_figure(kib, "proved optimum, times faster than plain Dijkstra, median",
                         median(total, SCENE_BENCH_COUNT), "×", ">=", 5);
-        add_size_figure(kib, "proved optimum, times faster than plain Dijkstra, least",
-                        least(total, SCENE_BENCH_COUNT), "×", NULL, 0);
+        add_size_figure(kib, "proved optimum, times faster than plain Dijkstra, least", least(total, SCENE_BENCH_COUNT),
+                        "×", NULL, 0);
     }
 }
 
@@ -549,8 +554,9 @@ static void bench_savings(const struct scene *scenes, json_t *curve_rows)
     }
     for (size_t i = 0; i < PRICES; i++) {
         curve[i] = save_at(scenes, shortest, prices[i]);
-        (void)json_array_append_new(curve_rows, json_pack("{s:f, s:f, s:f}", "price_j_per_m", prices[i], "saved_percent",
-                                                          curve[i].energy, "longer_percent", curve[i].length));
+        (void)json_array_append_new(curve_rows,
+                                    json_pack("{s:f, s:f, s:f}", "price_j_per_m", prices[i], "saved_percent",
+                                              curve[i].energy, "longer_percent", curve[i].length));
         progress_show("energy against length", i + 1, PRICES);
     }
     progress_end();
@@ -588,7 +594,8 @@ static void bench_task(const struct task *task, json_t *rows)
     for (unsigned i = 0; i < SIZES; i++) {
         if (jp_planner_size_min(&task->terrain->config) <= sizes_kib[i] * KIB) {
             const struct outcome outcome = plan(&config, task, sizes_kib[i] * KIB);
-            add_row(rows, task, sizes_kib[i], &outcome, best.answer == JP_ANSWER_OPTIMAL ? (double)best.plan.cost : (double)NAN);
+            add_row(rows, task, sizes_kib[i], &outcome,
+                    best.answer == JP_ANSWER_OPTIMAL ? (double)best.plan.cost : (double)NAN);
         }
     }
 }
