@@ -8,7 +8,7 @@ from conftest import ROOT
 WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-I", str(ROOT / "include"), "-I",
             str(ROOT)]
 
-BOARD = """
+BALANCER_BOARD = """
 #include "hal/hal.h"
 enum jp_status board_read(void *context, struct jp_sensors *sensors);
 enum jp_status board_write(void *context, const struct jp_actuation *actuation);
@@ -32,17 +32,40 @@ uint32_t board_time_us(void *context)
 }
 """
 
+PLANNER_BOARD = """
+#include <joulepath/planner.h>
+bool sensed_cell(int32_t *x, int32_t *y, enum jp_cell *cell);
+void drive(const struct jp_primitive *primitive);
+bool sensed_cell(int32_t *x, int32_t *y, enum jp_cell *cell)
+{
+    (void)x;
+    (void)y;
+    (void)cell;
+    return false;
+}
+void drive(const struct jp_primitive *primitive)
+{
+    (void)primitive;
+}
+"""
+
+BOARDS = [PLANNER_BOARD, BALANCER_BOARD]
+
 
 def readme():
     return (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-@pytest.fixture
-def sources(tmp_path):
-    example = re.search(r"^```c\n(.*?)^```", readme(), re.S | re.M)
-    assert example, "README.md has no C example"
-    (tmp_path / "main.c").write_text(example.group(1), encoding="utf-8")
-    (tmp_path / "board.c").write_text(BOARD, encoding="utf-8")
+def examples():
+    found = re.findall(r"^```c\n(.*?)^```", readme(), re.S | re.M)
+    assert len(found) == len(BOARDS), "README.md has lost or gained a C example"
+    return found
+
+
+@pytest.fixture(params=range(2), ids=["planner", "balancer"])
+def sources(request, tmp_path):
+    (tmp_path / "main.c").write_text(examples()[request.param], encoding="utf-8")
+    (tmp_path / "board.c").write_text(BOARDS[request.param], encoding="utf-8")
     core = [*ROOT.glob("src/*.c"), *ROOT.glob("src/tables/*.c"), ROOT / "hal" / "hal.c"]
     return [tmp_path / "main.c", tmp_path / "board.c", *core], tmp_path
 
@@ -52,25 +75,26 @@ def build(command):
     assert result.returncode == 0, result.stderr
 
 
-def test_first_example_builds_on_the_host(sources):
+def test_example_builds_on_the_host(sources):
     files, directory = sources
     build(["gcc", *WARNINGS, *files, "-o", directory / "example"])
 
 
-def test_first_example_builds_for_a_microcontroller(sources):
+def test_example_builds_for_a_microcontroller(sources):
     files, directory = sources
     build(["arm-none-eabi-gcc", "-mcpu=cortex-m4", "-mthumb", "-Os", "--specs=nosys.specs", *WARNINGS, *files, "-o",
            directory / "example.elf"])
 
 
-def test_figures_are_in_the_readme():
-    table = re.search(r"<!-- figures -->\n(.*?)<!-- /figures -->", readme(), re.S)
-    assert table, "README.md has lost the marks of its table"
+@pytest.mark.parametrize("mark, command", [("figures", "make figures"), ("plan", "make bench-plan")])
+def test_figures_are_in_the_readme(mark, command):
+    table = re.search(rf"<!-- {mark} -->\n(.*?)<!-- /{mark} -->", readme(), re.S)
+    assert table, f"README.md has lost the marks of its table {mark}"
     rows = [line for line in table.group(1).splitlines() if line.startswith("|")]
-    assert len(rows) > 2, "the table is empty: run make figures"
+    assert len(rows) > 2, f"the table is empty: run {command}"
 
 
 def test_commands_are_targets():
-    targets = set(re.findall(r"^([a-z]+):.*##", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M))
-    named = set(re.findall(r"make ([a-z]+)", readme()))
+    targets = set(re.findall(r"^([a-z-]+):.*##", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M))
+    named = set(re.findall(r"make ([a-z-]+)", readme()))
     assert named <= targets, f"README.md names {sorted(named - targets)}, which the Makefile has not"
