@@ -103,7 +103,7 @@ endif
 
 .PHONY: help
 help: ## this list
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 12
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
 
 .PHONY: all
 all: $(PROGRAMS) $(BUILD)/host/libjoulepath.a ## build the host programs in build/bin and the library
@@ -304,6 +304,8 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/figures
 	$(PYTHON) tools/report.py $(BUILD)/figures
 	cp $(BUILD)/figures/path.png sim/scenarios/gao2018_mission.png
+	$(MAKE) plan
+	cp $(BUILD)/plan/plan.png sim/scenarios/jacksboro_plan.png
 	$(PYTHON) tools/figures.py
 
 # ---- Tests -----------------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@
 
 #include "robot_file.h"
 
-#define BEZIER_WAYPOINTS_MAX 32
+#define BEZIER_WAYPOINTS_MAX 128
 
 struct bezier_point {
     double x; /**< m */

@@ -29,7 +29,7 @@ struct drive {
     jp_phase reference_wheel;
     jp_phase reference_yaw;
     uint64_t start_tick;
-    FILE *log;
+    struct mission_view view;
 };
 
 static const struct jp_telemetry *telemetry_of(const struct drive *drive)
@@ -87,7 +87,7 @@ static void log_row(const struct drive *drive)
     for (size_t i = 0; i < drive->leg; i++) {
         energy += drive->mission->legs[i].measured_energy;
     }
-    (void)fprintf(drive->log,
+    (void)fprintf(drive->view.log,
                   "%.3f,%.5f,%.5f,%.5f,%.5f,%.6f,%.5f,%.6f,%.5f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%zu\n",
                   seconds(drive, drive->rig.world.tick - drive->start_tick), plant->x, plant->y, drive->reference.x,
                   drive->reference.y, plant->state.yaw, plant->state.wheel_rate * radius, plant->state.yaw_rate,
@@ -259,8 +259,13 @@ static void keep_books(struct drive *drive)
         end_leg(drive);
     }
     follow_reference(drive);
-    if (drive->log != NULL && (tick - drive->start_tick) % row_ticks == 0) {
+    if (drive->view.log != NULL && (tick - drive->start_tick) % row_ticks == 0) {
         log_row(drive);
+    }
+    if (drive->view.watch != NULL) {
+        const struct plant *plant = &drive->rig.world.plant;
+
+        drive->view.watch(drive->view.context, (struct bezier_point){plant->x, plant->y}, plant->state.yaw);
     }
 }
 
@@ -275,7 +280,7 @@ static size_t percent_done(const struct drive *drive)
     return (size_t)(100 * ((double)drive->leg + elapsed / (elapsed + left + 1)) / (double)drive->mission->leg_count);
 }
 
-static bool run(struct drive *drive, const char *progress)
+static bool run(struct drive *drive)
 {
     struct mission *mission = drive->mission;
 
@@ -289,8 +294,8 @@ static bool run(struct drive *drive, const char *progress)
         }
         keep_books(drive);
         world_step(&drive->rig.world);
-        if (progress != NULL) {
-            progress_show(progress, percent_done(drive), 100);
+        if (drive->view.progress != NULL) {
+            progress_show(drive->view.progress, percent_done(drive), 100);
         }
     }
     return true;
@@ -357,22 +362,25 @@ static double wall_clock(void)
 }
 
 bool mission_run(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
-                 const struct mission *optimal, FILE *log, const char *progress)
+                 const struct mission *optimal, const struct mission_view *view)
 {
-    struct drive drive = {.mission = mission, .scenario = scenario, .log = log};
+    struct drive drive = {.mission = mission, .scenario = scenario};
     struct jp_point route[BEZIER_WAYPOINTS_MAX];
 
     *mission = (struct mission){.strategy = strategy};
-    if (log != NULL) {
-        log_header(log);
+    if (view != NULL) {
+        drive.view = *view;
+    }
+    if (drive.view.log != NULL) {
+        log_header(drive.view.log);
     }
 
     bool done = start(&drive, optimal, route);
     double begin = wall_clock();
 
-    done = done && run(&drive, progress);
+    done = done && run(&drive);
     mission->wall_seconds = wall_clock() - begin;
-    if (progress != NULL) {
+    if (drive.view.progress != NULL) {
         progress_end();
     }
     if (done) {

@@ -45,12 +45,20 @@ struct mission {
     double wall_seconds;
 };
 
+/** Who looks on; members that are NULL do not. */
+struct mission_view {
+    FILE *log;            /**< takes a row every 1/MISSION_LOG_RATE s */
+    const char *progress; /**< name of the bar */
+    /** Called every tick with where the robot is, m and rad. */
+    void (*watch)(void *context, struct bezier_point position, double heading);
+    void *context;
+};
+
 /**
  * Drives the scenario and fills *mission. `optimal` is the mission already driven by MISSION_OPTIMAL, whose times
- * MISSION_STRAIGHT takes; NULL for the others. Rows go to `log` unless it is NULL; `progress` names the bar, NULL for
- * none. False after one line on stderr.
+ * MISSION_STRAIGHT takes; NULL for the others. `view` may be NULL. False after one line on stderr.
  */
 bool mission_run(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
-                 const struct mission *optimal, FILE *log, const char *progress);
+                 const struct mission *optimal, const struct mission_view *view);
 
 #endif

@@ -34,14 +34,12 @@ static bool check_keys(const char *path, const config_setting_t *root)
     return true;
 }
 
-static bool text(const char *path, const config_t *config, const char *key, const char **value)
+static bool text(const char *path, const config_t *config, const char *key, size_t size, const char **value)
 {
-    if (config_lookup_string(config, key, value) == CONFIG_TRUE && (*value)[0] != '\0' &&
-        strlen(*value) < SCENARIO_NAME_SIZE) {
+    if (config_lookup_string(config, key, value) == CONFIG_TRUE && (*value)[0] != '\0' && strlen(*value) < size) {
         return true;
     }
-    error_line("%s: %s: missing or no text of 1 to %d characters; add %s = \"…\";", path, key, SCENARIO_NAME_SIZE - 1,
-               key);
+    error_line("%s: %s: missing or no text of 1 to %zu characters; add %s = \"…\";", path, key, size - 1, key);
     return false;
 }
 
@@ -49,7 +47,7 @@ static bool load_name(const char *path, const config_t *config, struct scenario 
 {
     const char *name;
 
-    if (!text(path, config, "name", &name)) {
+    if (!text(path, config, "name", SCENARIO_NAME_SIZE, &name)) {
         return false;
     }
     memcpy(scenario->name, name, strlen(name) + 1);
@@ -60,10 +58,10 @@ static bool load_name(const char *path, const config_t *config, struct scenario 
 static bool load_robot(const char *path, const config_t *config, struct scenario *scenario)
 {
     char folder[PATH_SIZE];
-    char robot_path[PATH_SIZE + SCENARIO_NAME_SIZE];
+    char robot_path[2 * PATH_SIZE];
     const char *robot;
 
-    if (!text(path, config, "robot", &robot)) {
+    if (!text(path, config, "robot", PATH_SIZE, &robot)) {
         return false;
     }
     (void)snprintf(folder, sizeof folder, "%s", path);
@@ -76,7 +74,7 @@ static bool load_model(const char *path, const config_t *config, struct scenario
 {
     const char *model;
 
-    if (!text(path, config, "energy_model", &model)) {
+    if (!text(path, config, "energy_model", SCENARIO_NAME_SIZE, &model)) {
         return false;
     }
     if (strcmp(model, "identified") != 0 && strcmp(model, "published") != 0) {

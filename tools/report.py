@@ -5,18 +5,15 @@ Reads DIR/summary.json and the logs that it names, writes DIR/report.html, one f
 DIR/path.png, its first picture. Exit status 2: bad input; nothing was written.
 """
 import argparse
-import csv
-import io
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import jinja2
 import numpy as np
 
 import plots
-from common import ToolError, read_text, run, shown_path, write_whole
+from common import ToolError, run, shown_path, write_whole
+from results import (format_number, is_number, need, need_list, need_point, read_columns, read_json, render_page)
 
 LOG_COLUMNS = ("t_s", "x_m", "y_m", "ref_x_m", "ref_y_m", "heading_rad", "speed_m_s", "turn_rate_rad_s",
                "ref_speed_m_s", "ref_turn_rate_rad_s", "pitch_deg", "u_left_v", "u_right_v", "i_left_a", "i_right_a",
@@ -33,7 +30,6 @@ NULLABLE = ("planned_energy_j", "error_percent", "relative_percent", "speed_m_s"
 COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN}
 STYLES = {"optimal": "-", "straight": "--", "bezier": "-."}
 
-LOG_ROWS_MAX = 2_000_000
 WIDE = (9.2, 3.4)
 
 # Peak over median beyond which power is drawn on a logarithmic axis.
@@ -63,81 +59,35 @@ class Strategy:
         return STYLES.get(self.name, ":")
 
 
-def _need(path, place, data, keys):
-    if not isinstance(data, dict):
-        raise ToolError(f"{path}: {place}: must be an object")
-    for key in keys:
-        if key not in data:
-            raise ToolError(f"{path}: {place}: key {key} is missing")
-
-
-def _is_number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
 def _need_numbers(path, place, data, keys):
-    _need(path, place, data, keys)
+    need(path, place, data, keys)
     for key in keys:
         value = data[key]
         if key.endswith("_m") and isinstance(value, list):
-            _need_point(path, f"{place}.{key}", value)
-        elif not _is_number(value) and not (value is None and key in NULLABLE):
+            need_point(path, f"{place}.{key}", value)
+        elif not is_number(value) and not (value is None and key in NULLABLE):
             raise ToolError(f"{path}: {place}: {key} is {value!r}, not a number")
 
 
-def _need_point(path, place, value):
-    if not (isinstance(value, list) and len(value) == 2 and all(map(_is_number, value))):
-        raise ToolError(f"{path}: {place}: must be [x, y]")
-
-
-def _need_list(path, place, value):
-    if not isinstance(value, list) or not value:
-        raise ToolError(f"{path}: {place}: must be a list that is not empty")
-
-
 def read_summary(path):
-    try:
-        summary = json.loads(read_text(path))
-    except ValueError as error:
-        raise ToolError(f"{path}: no JSON: {error}") from None
-    _need(path, "summary", summary, SUMMARY_KEYS)
-    _need_list(path, "waypoints_m", summary["waypoints_m"])
+    summary = read_json(path)
+    need(path, "summary", summary, SUMMARY_KEYS)
+    need_list(path, "waypoints_m", summary["waypoints_m"])
     for i, point in enumerate(summary["waypoints_m"]):
-        _need_point(path, f"waypoints_m[{i}]", point)
-    _need_list(path, "strategies", summary["strategies"])
+        need_point(path, f"waypoints_m[{i}]", point)
+    need_list(path, "strategies", summary["strategies"])
     for i, strategy in enumerate(summary["strategies"]):
         place = f"strategies[{i}]"
-        _need(path, place, strategy, STRATEGY_KEYS)
+        need(path, place, strategy, STRATEGY_KEYS)
         for key in ("name", "title", "log"):
             if not isinstance(strategy[key], str) or not strategy[key]:
                 raise ToolError(f"{path}: {place}: {key} must be a text")
-        _need_list(path, f"{place}.segments", strategy["segments"])
+        need_list(path, f"{place}.segments", strategy["segments"])
         for j, segment in enumerate(strategy["segments"]):
             _need_numbers(path, f"{place}.segments[{j}]", segment, SEGMENT_KEYS)
         _need_numbers(path, f"{place}.total", strategy["total"], TOTAL_KEYS)
     _need_numbers(path, "simulation", summary["simulation"], ("ticks", "wall_s", "real_time_factor"))
     return summary
-
-
-def read_log(path):
-    reader = csv.reader(io.StringIO(read_text(path)))
-    header = next(reader, [])
-    missing = [name for name in LOG_COLUMNS if name not in header]
-    if missing:
-        raise ToolError(f"{path}: line 1: column {missing[0]} is missing")
-    rows = []
-    for row in reader:
-        try:
-            rows.append([float(cell) for cell in row])
-        except ValueError:
-            raise ToolError(f"{path}: line {reader.line_num}: not a number") from None
-        if len(row) != len(header) or not all(map(math.isfinite, rows[-1])):
-            raise ToolError(f"{path}: line {reader.line_num}: {len(header)} finite values expected")
-        if len(rows) > LOG_ROWS_MAX:
-            raise ToolError(f"{path}: more than {LOG_ROWS_MAX} lines")
-    if len(rows) < 2:
-        raise ToolError(f"{path}: fewer than two samples")
-    return dict(zip(header, np.array(rows).T))
 
 
 # ---- figures -------------------------------------------------------------------------------------------------------
@@ -316,14 +266,6 @@ def figures(strategies, waypoints):
 
 # ---- page ----------------------------------------------------------------------------------------------------------
 
-def format_number(value, digits=2, unit=""):
-    """A number with a narrow no-break space between thousands, a true minus and its unit; – for none."""
-    if value is None:
-        return "–"
-    text = f"{value:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
-    return f"{text}\u202f{unit}" if unit else text
-
-
 def headlines(summary):
     """(value, label) of the numbers at the top."""
     first = summary["strategies"][0]
@@ -361,21 +303,17 @@ def table4(summary):
 
 
 def render(summary, strategies):
-    template = Path(__file__).with_name("report.html.j2")
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,
-                                     lstrip_blocks=True)
-    environment.filters["number"] = format_number
     waypoints = np.array(summary["waypoints_m"], dtype=float)
-    return environment.from_string(read_text(template)).render(
-        summary=summary, headlines=headlines(summary), first=summary["strategies"][0], strategies=strategies,
-        table4=table4(summary), figures=figures(strategies, waypoints))
+    return render_page("report.html.j2", summary=summary, headlines=headlines(summary),
+                       first=summary["strategies"][0], strategies=strategies, table4=table4(summary),
+                       figures=figures(strategies, waypoints))
 
 
 def load(directory):
     summary = read_summary(directory / "summary.json")
     for about in summary["strategies"]:
         about["title"] = about["title"][:1].upper() + about["title"][1:]
-    strategies = [Strategy(about, read_log(directory / about["log"])) for about in summary["strategies"]]
+    strategies = [Strategy(about, read_columns(directory / about["log"], LOG_COLUMNS)) for about in summary["strategies"]]
     return summary, strategies
 
 

@@ -183,8 +183,10 @@ static bool drive(struct mission *missions, enum mission_strategy strategy, cons
         return false;
     }
     files->count++;
-    return mission_run(&missions[strategy], strategy, scenario, &missions[MISSION_OPTIMAL], log->stream,
-                       strategies[strategy].name);
+
+    const struct mission_view view = {.log = log->stream, .progress = strategies[strategy].name};
+
+    return mission_run(&missions[strategy], strategy, scenario, &missions[MISSION_OPTIMAL], &view);
 }
 
 static bool drive_all(struct mission *missions, const struct scenario *scenario, const char *directory,

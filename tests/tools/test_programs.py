@@ -5,7 +5,8 @@ import sys
 import pytest
 from conftest import TOOLS
 
-PROGRAMS = ["gain_design.py", "identify.py", "lattice.py", "report.py", "figures.py"]
+PROGRAMS = ["bench_plan.py", "figures.py", "gain_design.py", "identify.py", "import_map.py", "lattice.py",
+            "plan_report.py", "report.py"]
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
