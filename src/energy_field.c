@@ -1,6 +1,8 @@
 #include <joulepath/energy_field.h>
 #include <string.h>
 
+#include "field_unit.h"
+
 enum {
     LEVEL_WAYS_PER_RANGE = 4, /* the range of values, in level ways across the map */
     STEPS_PER_THRESHOLD = 4,  /* few enough to be near the order of values, many enough for few sweeps */
@@ -19,23 +21,6 @@ void jp_energy_field_init(struct jp_energy_field *field, const struct jp_lattice
     field->terrain = terrain;
     field->kind = kind;
     jp_wavefront_init(&field->wave, terrain->config.width, terrain->config.height, block);
-}
-
-static jp_cost level_step(const struct jp_energy_field *field)
-{
-    return jp_move_cost(&field->lattice->move_costs[field->kind][JP_MOVE_AXIS], 0);
-}
-
-static uint8_t shift_for(const struct jp_energy_field *field)
-{
-    const struct jp_terrain_config *config = &field->terrain->config;
-    const uint32_t range = ((uint32_t)config->width + config->height) * level_step(field) * LEVEL_WAYS_PER_RANGE;
-    uint8_t shift = 0;
-
-    while (range >> shift > JP_WAVE_VALUE_MAX) {
-        shift++;
-    }
-    return shift;
 }
 
 static void lower(struct jp_energy_field *field, int32_t x, int32_t y, uint16_t value)
@@ -60,11 +45,10 @@ struct jp_cell_box jp_energy_field_take_lowered(struct jp_energy_field *field)
 void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_t root_y, int32_t target_x,
                            int32_t target_y)
 {
-    field->shift = shift_for(field);
-    const uint32_t step = (level_step(field) * STEPS_PER_THRESHOLD >> field->shift) + 1;
+    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_WAYS_PER_RANGE);
+    const uint32_t step = (field_level_step(field->lattice, field->kind) * STEPS_PER_THRESHOLD >> field->shift) + 1;
 
-    jp_wavefront_start(&field->wave, (uint16_t)(step < JP_WAVE_VALUE_MAX ? step : JP_WAVE_VALUE_MAX),
-                       (uint16_t)target_x, (uint16_t)target_y);
+    jp_wavefront_start(&field->wave, field_value(step), (uint16_t)target_x, (uint16_t)target_y);
     (void)jp_energy_field_take_lowered(field);
     lower(field, root_x, root_y, 0);
 }
@@ -86,7 +70,7 @@ static void relax(struct jp_energy_field *field, int32_t x, int32_t y)
         const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(direction)],
                                           jp_terrain_elevation(terrain, nx, ny) - elevation);
         const uint32_t sum = here + (step >> field->shift);
-        const uint16_t value = (uint16_t)(sum < JP_WAVE_VALUE_MAX ? sum : JP_WAVE_VALUE_MAX);
+        const uint16_t value = field_value(sum);
         if (step != JP_COST_MAX && value < jp_wavefront_value(&field->wave, nx, ny) &&
             jp_lattice_is_open(field->lattice, terrain, nx, ny)) {
             lower(field, nx, ny, value);

@@ -1,6 +1,8 @@
 #include <joulepath/guide_field.h>
 #include <string.h>
 
+#include "field_unit.h"
+
 enum {
     ALIGNMENT = 8,
     LEVEL_WAYS_PER_RANGE = 6, /* the range of values, in level ways across the map */
@@ -42,23 +44,6 @@ void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *
     field->steps = (uint8_t *)block + jp_wavefront_size(width, height);
 }
 
-static jp_cost level_step(const struct jp_guide_field *field)
-{
-    return jp_move_cost(&field->lattice->move_costs[field->kind][JP_MOVE_AXIS], 0);
-}
-
-static uint8_t shift_for(const struct jp_guide_field *field)
-{
-    const struct jp_terrain_config *config = &field->terrain->config;
-    const uint32_t range = ((uint32_t)config->width + config->height) * level_step(field) * LEVEL_WAYS_PER_RANGE;
-    uint8_t shift = 0;
-
-    while (range >> shift > JP_WAVE_VALUE_MAX) {
-        shift++;
-    }
-    return shift;
-}
-
 static unsigned step_at(const struct jp_guide_field *field, int32_t x, int32_t y)
 {
     const size_t index = (size_t)y * field->wave.width + (size_t)x;
@@ -82,11 +67,10 @@ void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction 
 
     field->direction = direction;
     field->root = *root;
-    field->shift = shift_for(field);
-    const uint32_t step = (level_step(field) * scale >> field->shift) + 1;
+    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_WAYS_PER_RANGE);
+    const uint32_t step = (field_level_step(field->lattice, field->kind) * scale >> field->shift) + 1;
 
-    jp_wavefront_start(&field->wave, (uint16_t)(step < JP_WAVE_VALUE_MAX ? step : JP_WAVE_VALUE_MAX), target_x / scale,
-                       target_y / scale);
+    jp_wavefront_start(&field->wave, field_value(step), target_x / scale, target_y / scale);
     jp_wavefront_lower(&field->wave, root->x / scale, root->y / scale, 0);
 }
 
@@ -185,7 +169,7 @@ static void relax_step(struct jp_guide_field *field, int32_t x, int32_t y, unsig
     const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(heading)],
                                       (from_root ? rise : -rise) / field->scale);
     const uint32_t sum = here + ((step * field->scale + turn_at(field, x, y, heading)) >> field->shift);
-    const uint16_t value = (uint16_t)(sum < JP_WAVE_VALUE_MAX ? sum : JP_WAVE_VALUE_MAX);
+    const uint16_t value = field_value(sum);
 
     if (step == JP_COST_MAX || value >= jp_wavefront_value(&field->wave, nx, ny) ||
         !is_step_open(field, from_root ? x : nx, from_root ? y : ny, heading)) {

@@ -209,7 +209,6 @@ void jp_planner_restart(struct jp_planner *planner)
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
     planner->level = 0;
     planner->epsilon = planner->config.epsilon[0];
-    planner->statistics.expansions = 0;
     if (is_ready(planner)) {
         planner->statistics.restarts++;
         begin(planner, false);
@@ -426,13 +425,24 @@ static void search(struct jp_planner *planner, unsigned *budget)
     }
 }
 
+/** When the proved route is lost, the guide finds the next one sooner than the proof does. */
+static void states_are_repaired(struct jp_planner *planner)
+{
+    planner->change_count = 0;
+    planner->may_be_cheaper = false;
+    if (planner->is_exact && !jp_route_is_intact(planner)) {
+        planner->level = 0;
+        planner->epsilon = planner->config.epsilon[0];
+        planner->is_alone = false;
+    }
+    resume(planner);
+}
+
 static void repair(struct jp_planner *planner, unsigned *budget)
 {
     switch (planner->change_count == 0 ? REPAIR_DONE : jp_repair_work(planner, budget)) {
     case REPAIR_DONE:
-        planner->change_count = 0;
-        planner->may_be_cheaper = false;
-        resume(planner);
+        states_are_repaired(planner);
         break;
     case REPAIR_FULL:
         jp_planner_restart(planner);

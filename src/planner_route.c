@@ -173,3 +173,28 @@ bool jp_route_publish(struct jp_planner *planner)
 {
     return planner->forward ? publish_forward(planner) : publish_backward(planner);
 }
+
+static bool is_same_pose(const struct jp_pose *a, const struct jp_pose *b)
+{
+    return a->x == b->x && a->y == b->y && a->heading == b->heading;
+}
+
+bool jp_route_is_intact(const struct jp_planner *planner)
+{
+    const struct jp_pose *start = &planner->start;
+    const uint32_t slot = jp_planner_states_find(planner, jp_search_id(planner, start->x, start->y, start->heading));
+    struct jp_pose pose = planner->plan.start;
+    bool is_ahead = is_same_pose(&pose, start);
+    jp_cost cost = 0;
+
+    for (unsigned i = 0; i < planner->plan.step_count; i++) {
+        const struct jp_pose from = pose;
+        const struct jp_primitive *step = jp_planner_step(planner, i, &pose);
+        if (is_ahead) {
+            cost = jp_cost_add(cost, jp_lattice_cost(planner->config.lattice, planner->config.cost, planner->terrain,
+                                                     step, from.x, from.y));
+        }
+        is_ahead = is_ahead || is_same_pose(&pose, start);
+    }
+    return is_ahead && slot != NO_SLOT && cost == planner->states[slot].g;
+}

@@ -8,4 +8,7 @@
  *  has not arrived or the route does not fit. False, with the old plan kept, when the search holds no route. */
 bool jp_route_publish(struct jp_planner *planner);
 
+/** True when the plan leads on from where the robot is now and costs what the search knew before the last changes. */
+bool jp_route_is_intact(const struct jp_planner *planner);
+
 #endif

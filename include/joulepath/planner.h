@@ -80,7 +80,7 @@ struct jp_plan {
 struct jp_planner_counts {
     uint32_t states_max;   /**< states that fit */
     uint32_t states;       /**< states in use */
-    uint32_t expansions;   /**< since the last restart */
+    uint32_t expansions;   /**< since init */
     uint32_t restarts;     /**< searches begun anew since init */
     uint32_t guide_bytes;  /**< of the block, for the guide field */
     uint32_t field_bytes;  /**< of the block, for the energy field; 0: it does not fit */
