@@ -202,6 +202,9 @@ static bool are_starts(const struct jp_lattice *lattice)
         return false;
     }
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        if (lattice->first_from[heading + 1] - lattice->first_from[heading] > JP_PRIMITIVES_PER_HEADING_MAX) {
+            return false;
+        }
         for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1]; i++) {
             if (!is_primitive(lattice, &lattice->primitives[i]) || lattice->primitives[i].start != heading) {
                 return false;
@@ -228,17 +231,66 @@ static bool are_ends(const struct jp_lattice *lattice)
     return true;
 }
 
+static bool is_near(const struct jp_span *span)
+{
+    return span->y >= -JP_SWEEP_REACH && span->y <= JP_SWEEP_REACH && span->first >= -JP_SWEEP_REACH &&
+           span->last <= JP_SWEEP_REACH && span->first <= span->last;
+}
+
+/** True when one span of the cells holds all of another. */
+static bool holds(const struct jp_lattice *lattice, struct jp_cells cells, const struct jp_span *span)
+{
+    for (unsigned i = 0; i < cells.span_count; i++) {
+        const struct jp_span *other = &lattice->spans[cells.first_span + i];
+        if (other->y == span->y && other->first <= span->first && other->last >= span->last) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/** The reach of a heading is near, and holds what its primitives sweep. */
+static bool is_reach(const struct jp_lattice *lattice, unsigned heading)
+{
+    const struct jp_cells reach = lattice->reach[heading];
+
+    for (unsigned i = 0; i < reach.span_count; i++) {
+        if (!is_near(&lattice->spans[reach.first_span + i])) {
+            return false;
+        }
+    }
+    for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        for (unsigned span = 0; span < primitive->span_count; span++) {
+            if (!holds(lattice, reach, &lattice->spans[primitive->first_span + span])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool are_spans(const struct jp_lattice *lattice)
+{
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        if (!is_reach(lattice, heading)) {
+            return false;
+        }
+    }
+    return lattice->core.span_count > 0;
+}
+
 enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field)
 {
     if (lattice == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *field = lattice->resolution <= 0                                  ? "resolution"
-             : !are_headings(lattice)                                  ? "heading"
-             : lattice->primitives == NULL || !are_starts(lattice)     ? "primitives"
-             : lattice->by_end == NULL || !are_ends(lattice)           ? "by_end"
-             : lattice->spans == NULL || lattice->core.span_count == 0 ? "spans"
-             : !are_move_costs(lattice)                                ? "move_costs"
-                                                                       : NULL;
+    *field = lattice->resolution <= 0                              ? "resolution"
+             : !are_headings(lattice)                              ? "heading"
+             : lattice->primitives == NULL || !are_starts(lattice) ? "primitives"
+             : lattice->by_end == NULL || !are_ends(lattice)       ? "by_end"
+             : lattice->spans == NULL || !are_spans(lattice)       ? "spans"
+             : !are_move_costs(lattice)                            ? "move_costs"
+                                                                   : NULL;
     return *field == NULL ? JP_OK : JP_ERR_CONFIG;
 }

@@ -84,8 +84,8 @@ static uint16_t proved_bound(const struct jp_planner *planner, jp_cost cost)
     if (planner->is_exact || cost <= least) {
         return JP_EPSILON_ONE;
     }
-    const uint64_t ratio = least == 0 ? UINT16_MAX : ((uint64_t)cost * JP_EPSILON_ONE + least - 1) / least;
-    return ratio < UINT16_MAX ? (uint16_t)ratio : UINT16_MAX;
+    const uint64_t ratio = least == 0 ? JP_BOUND_NONE : ((uint64_t)cost * JP_EPSILON_ONE + least - 1) / least;
+    return ratio < JP_BOUND_NONE ? (uint16_t)ratio : JP_BOUND_NONE;
 }
 
 /** A plan for the same start, goal and map that costs less stays. */

@@ -46,7 +46,7 @@ bool jp_search_is_seed(const struct jp_planner *planner, const struct jp_pose *p
 }
 
 /** Lower bound of the way from where the robot was when the field was begun. */
-jp_cost jp_search_bound(const struct jp_planner *planner, const struct jp_pose *pose)
+static jp_cost bound_of(const struct jp_planner *planner, const struct jp_pose *pose)
 {
     return jp_cost_add(jp_energy_field_bound(&planner->field, pose->x, pose->y),
                        planner->turns.cost[planner->field_heading][pose->heading]);
@@ -54,7 +54,7 @@ jp_cost jp_search_bound(const struct jp_planner *planner, const struct jp_pose *
 
 jp_cost jp_search_rest(const struct jp_planner *planner, const struct jp_pose *pose)
 {
-    return planner->is_exact ? jp_search_bound(planner, pose)
+    return planner->is_exact ? bound_of(planner, pose)
                              : jp_guide_field_estimate(&planner->guide, pose->x, pose->y, pose->heading);
 }
 
@@ -63,12 +63,19 @@ static uint32_t inflate(const struct jp_planner *planner, jp_cost rest)
     return (uint32_t)(((uint64_t)rest * planner->epsilon) >> EPSILON_BITS);
 }
 
+/** The queue does not order the keys within a bucket. */
+static uint32_t bucket_width(const struct jp_planner *planner)
+{
+    return UINT32_C(1) << planner->bucket_shift;
+}
+
 /** min(g, rhs) + ε·rest. A state whose cost rises must come before all that rely on it: what is added for it must not
- *  exceed the truth, so it is the bound or, without one, nothing. */
+ *  exceed the truth, so it is the bound or, without one, nothing; and the others are a bucket behind. Else states that
+ *  rely on each other would raise each other step by step. */
 static uint32_t key_of(const struct jp_planner *planner, const struct jp_planner_state *state, jp_cost rest)
 {
     if (state->g > state->rhs) {
-        return (uint32_t)state->rhs + inflate(planner, rest);
+        return (uint32_t)state->rhs + inflate(planner, rest) + bucket_width(planner);
     }
     return (uint32_t)state->g + (planner->is_exact ? rest : 0);
 }
@@ -262,7 +269,7 @@ static uint32_t target_key(const struct jp_planner *planner, uint32_t slot)
 {
     const struct jp_pose pose = jp_search_pose(planner, slot);
 
-    return (uint32_t)planner->states[slot].g + inflate(planner, jp_search_rest(planner, &pose));
+    return (uint32_t)planner->states[slot].g + inflate(planner, jp_search_rest(planner, &pose)) + bucket_width(planner);
 }
 
 static bool is_arrived(const struct jp_planner *planner)

@@ -49,9 +49,6 @@ struct jp_pose jp_search_pose(const struct jp_planner *planner, uint32_t slot);
 /** What is left of the way between a state and the target: a bound in an exact search, else the guide's estimate. */
 jp_cost jp_search_rest(const struct jp_planner *planner, const struct jp_pose *pose);
 
-/** Lower bound of the way to a state from where the robot was when the energy field was begun. */
-jp_cost jp_search_bound(const struct jp_planner *planner, const struct jp_pose *pose);
-
 uint32_t jp_search_id(const struct jp_planner *planner, int32_t x, int32_t y, unsigned heading);
 
 #endif

@@ -124,7 +124,8 @@ static inline jp_cost jp_cost_add(jp_cost a, jp_cost b)
 }
 
 /**
- * Checks tables that did not come from our tool: indices, orders, costs above 0 on every primitive and map.
+ * Checks tables that did not come from our tool: indices, orders, costs above 0 on every primitive and map, and that
+ * the reach of each heading holds what its primitives sweep.
  * JP_ERR_CONFIG: *field names the first member that is wrong. JP_ERR_ARGUMENT: a pointer is null.
  * Work: all tables.
  */

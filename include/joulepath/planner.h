@@ -4,8 +4,9 @@
  * The search runs on the states of a lattice (lattice.h), from the goal to the robot, so that what it has learnt stays
  * true while the robot drives. Two fields rooted at the robot steer it: first the guide's estimate times ε
  * (guide_field.h), which finds good routes with few states; then, where the block has room for it, the energy field's
- * bound (energy_field.h), which proves the optimum. After changes of the map the search repairs what they touch.
- * jp_planner_work() does it in slices. The same input gives the same bits on every core.
+ * bound (energy_field.h), which proves the optimum. After changes of the map the search repairs what they touch; when a
+ * proved route is lost, the guide finds a new one before the proof goes on. jp_planner_work() does it in slices. The
+ * same input gives the same bits on every core.
  *
  * When the states do not fit the block, ε goes up; when not even the greediest search fits, the planner searches from
  * the robot towards the goal and gives the route to the nearest state that it has found: a partial plan.
@@ -24,6 +25,9 @@
 #define JP_EPSILON_ONE    ((uint16_t)256)
 #define JP_EPSILON_MAX    ((uint16_t)4096)
 #define JP_EPSILON_LEVELS 4
+
+/** In place of a bound too large to be written: nothing is proved. */
+#define JP_BOUND_NONE ((uint16_t)0xFFFF)
 
 /** Largest map, cells; width and height also obey JP_TERRAIN_SIDE_MAX. */
 #define JP_PLANNER_CELLS_MAX ((uint32_t)1 << 20)
@@ -72,7 +76,7 @@ struct jp_plan {
     struct jp_pose end;
     jp_cost cost;        /**< of the route, in the unit of the cost kind */
     jp_cost cost_left;   /**< estimate from its end to the goal; 0 unless partial */
-    uint16_t bound;      /**< proved: cost ≤ bound/256 × optimum; 0 when partial */
+    uint16_t bound;      /**< proved: cost ≤ bound/256 × optimum; JP_BOUND_NONE: nothing; 0 when partial */
     uint16_t step_count; /**< primitives; 0 only when start is goal */
 };
 

@@ -181,7 +181,8 @@ static bool is_honest(const struct outcome *outcome, double optimum)
 {
     const double ratio = outcome->plan.cost / optimum;
     return isnan(optimum) || outcome->answer == JP_ANSWER_PARTIAL ||
-           (is_route(outcome->answer) && ratio >= 1 && ratio <= outcome->plan.bound / (double)JP_EPSILON_ONE);
+           (is_route(outcome->answer) && ratio >= 1 &&
+            (ratio <= outcome->plan.bound / (double)JP_EPSILON_ONE || outcome->plan.bound == JP_BOUND_NONE));
 }
 
 /* An unknown optimum is NaN. */

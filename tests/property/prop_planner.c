@@ -339,7 +339,8 @@ static bool is_right_route(const struct trial *t, double optimum)
     if (plan->bound < JP_EPSILON_ONE || (plan->step_count == 0) != (optimum == 0)) {
         return note("bound or steps", t, optimum);
     }
-    if (plan->cost < optimum || plan->cost * 256.0 > plan->bound * optimum) {
+    const bool is_proved = plan->bound != JP_BOUND_NONE;
+    if (plan->cost < optimum || (is_proved && plan->cost * 256.0 > plan->bound * optimum)) {
         return note("cost", t, optimum);
     }
     return plan->answer != JP_ANSWER_OPTIMAL || plan->cost == optimum ? true : note("not optimal", t, optimum);

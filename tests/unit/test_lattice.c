@@ -162,6 +162,26 @@ static void test_check_of_spans(void)
     expect_bad("spans");
     copy.core.span_count = 0;
     expect_bad("spans");
+    copy.reach[3].span_count--; /* the last row of what is swept is outside */
+    expect_bad("spans");
+}
+
+/* The first reach is looked at first, so that no other span is needed. */
+static void test_check_of_the_reach(void)
+{
+    static const struct jp_span wrong[] = {
+        {-JP_SWEEP_REACH - 1, 0, 0},
+        {JP_SWEEP_REACH + 1, 0, 0},
+        {0, -JP_SWEEP_REACH - 1, 0},
+        {0, 0, JP_SWEEP_REACH + 1},
+        {0, 1, 0},
+    };
+
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        copy.spans = &wrong[i];
+        copy.reach[0] = (struct jp_cells){0, 1};
+        expect_bad("spans");
+    }
 }
 
 static void test_check_of_move_costs(void)
@@ -496,6 +516,7 @@ int main(void)
     RUN_TEST(test_check_of_a_turn_that_costs_nothing);
     RUN_TEST(test_check_of_the_order_by_end);
     RUN_TEST(test_check_of_spans);
+    RUN_TEST(test_check_of_the_reach);
     RUN_TEST(test_check_of_move_costs);
     RUN_TEST(test_physical_cost_of_a_straight_step);
     RUN_TEST(test_descent_costs_the_electronics);
