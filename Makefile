@@ -299,6 +299,11 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	$(BUILD)/bench/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
 	$(BUILD)/bench/prop_fixed --exhaustive --json $(BUILD)/bench/fixed.json
 	$(BUILD)/bench/prop_planner --count 100000 --json $(BUILD)/bench/planner.json
+	@rm -f $(BITS_LOGS)
+	@$(MAKE) $(PARALLEL) $(BITS_LOGS)
+	@printf '[{"name": "planner: same routes, costs and expansions on %s, of %d", "value": %d, "unit": "",\n  "bound": {"op": "==", "value": %d}, "command": "make figures"}]\n' \
+	    "x86-64, -m32, Cortex-M4 and M7" $(words $(BITS_LOGS)) $$(grep -lx OK $(BITS_LOGS) | wc -l) $(words $(BITS_LOGS)) \
+	    >$(BUILD)/bench/bits.json
 	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
 	$(PYTHON) tools/identify.py gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
 	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/figures
