@@ -26,6 +26,8 @@ ROM_MAX = 32 * 1024
 PRIMITIVE_SIZE, INDEX_SIZE, SPAN_SIZE, LATTICE_SIZE = 20, 2, 3, 576
 
 UNITS_PER_JOULE = 16  # JP_COST_PER_JOULE
+SWEEP_REACH = 24  # JP_SWEEP_REACH
+BRANCHES_MAX = 255  # JP_PRIMITIVES_PER_HEADING_MAX
 
 LINE_WIDTH = 120
 
@@ -55,8 +57,9 @@ class Pool:
 class Tables:
     """A lattice of jp-lattice, laid out for struct jp_lattice."""
 
-    def __init__(self, name, data):
+    def __init__(self, name, data, label=None):
         self.name = name
+        self.label = label or name  # in errors
         self.data = data
         self.primitives = sorted(data["primitives"], key=lambda primitive: primitive["start"])
         self.by_end = sorted(range(len(self.primitives)), key=lambda i: self.primitives[i]["end"])
@@ -67,9 +70,20 @@ class Tables:
         self.footprint = [self._cells(cells) for cells in data["footprint"]]
         self.reach = [self._cells(cells) for cells in data["reach"]]
         self.core = self._cells(data["core"])
+        self._check_limits()
+
+    def _check_limits(self):
         if self.rom_size > ROM_MAX:
-            raise ToolError(f"{name}: {self.rom_size} bytes of tables, at most {ROM_MAX} are allowed; "
+            raise ToolError(f"{self.label}: {self.rom_size} bytes of tables, at most {ROM_MAX} are allowed; "
                             "import fewer primitives, or larger cells")
+        farthest = max(abs(number) for cells in self.data["reach"] for row in cells for number in row)
+        if farthest > SWEEP_REACH:
+            raise ToolError(f"{self.label}: a primitive sweeps cells {farthest} cells from its start, at most "
+                            f"{SWEEP_REACH} are allowed; import shorter primitives, or larger cells")
+        branches = max(last - first for first, last in zip(self.first_from, self.first_from[1:]))
+        if branches > BRANCHES_MAX:
+            raise ToolError(f"{self.label}: {branches} primitives start at one heading, at most {BRANCHES_MAX} are "
+                            "allowed; import fewer")
 
     @property
     def rom_size(self):
@@ -81,7 +95,7 @@ class Tables:
 
     def _checked(self, index, what, value, high):
         if not 0 <= value <= high:
-            raise ToolError(f"{self.name}: primitive {index}: {what} is {value}, must be 0 to {high}")
+            raise ToolError(f"{self.label}: primitive {index}: {what} is {value}, must be 0 to {high}")
         return value
 
     def _cells(self, rows):
@@ -264,7 +278,7 @@ def imported(robot_path, tables, path):
     name = re.sub(r"[^a-z0-9]+", "_", f"{robot_path.stem}_{path.stem}".lower())
     data = run_on_primitives(robot_path, path, primitives)
     command = f"tools/lattice.py {robot_path.stem} --import {path.name}"
-    return data, {tables / f"lattice_{name}.c": table_text(Tables(name, data), command, path.name)}
+    return data, {tables / f"lattice_{name}.c": table_text(Tables(name, data, shown_path(path)), command, path.name)}
 
 
 def print_lattice(data):
