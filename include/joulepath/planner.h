@@ -56,14 +56,16 @@ struct jp_planner_config {
     const struct jp_lattice *lattice; /**< that passed jp_lattice_check(); resolution equal to the map's */
     enum jp_cost_kind cost;
     /** Descending, each JP_EPSILON_ONE…JP_EPSILON_MAX; 0 ends the schedule early. Few, large steps are fastest. The
-     *  search proves the optimum under JP_EPSILON_ONE if the statistics say that the block holds the energy field. */
+     *  search proves the optimum under JP_EPSILON_ONE if the block holds the energy field (the statistics say so) and
+     *  the states of every ε. */
     uint16_t epsilon[JP_EPSILON_LEVELS];
 };
 
 enum jp_answer {
-    JP_ANSWER_OUT_OF_BUDGET, /**< no route for this start, goal and map yet: go on working */
+    JP_ANSWER_OUT_OF_BUDGET, /**< no route for this start, goal and map yet: go on working; when idle, the
+                                  block is too small for any */
     JP_ANSWER_OPTIMAL,       /**< no route of the lattice costs less */
-    JP_ANSWER_WITHIN_BOUND,  /**< no route costs less than cost / bound */
+    JP_ANSWER_WITHIN_BOUND,  /**< no route costs less than cost / bound, where a bound is proved */
     JP_ANSWER_PARTIAL,       /**< the route ends before the goal; about `cost_left` is left */
     JP_ANSWER_UNREACHABLE,   /**< there is no route: proved, not given up */
     JP_ANSWER_STALE          /**< the map was changed behind the planner's back: jp_planner_restart() */
@@ -77,7 +79,7 @@ struct jp_plan {
     jp_cost cost;        /**< of the route, in the unit of the cost kind */
     jp_cost cost_left;   /**< estimate from its end to the goal; 0 unless partial */
     uint16_t bound;      /**< proved: cost ≤ bound/256 × optimum; JP_BOUND_NONE: nothing; 0 when partial */
-    uint16_t step_count; /**< primitives; 0 only when start is goal */
+    uint16_t step_count; /**< primitives; 0 when start is goal, or a partial plan gets no nearer */
 };
 
 /** What the block holds and what the search has done. */
@@ -158,7 +160,7 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
 
 /** Where the robot is. The search goes on from what it knows. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map,
  *  or the footprint does not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then.
- *  Constant time. */
+ *  Constant time, but where the search must begin anew: then as jp_planner_restart(). */
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_pose *start);
 
 /** Where to go. The search begins anew. JP_ERR_OUTSIDE; JP_ERR_BLOCKED: the footprint fits at none of the headings;
@@ -172,7 +174,8 @@ enum jp_status jp_planner_set_cell(struct jp_planner *planner, int32_t x, int32_
 /** The same for an elevation. As jp_terrain_set_elevation(). */
 enum jp_status jp_planner_set_elevation(struct jp_planner *planner, int32_t x, int32_t y, jp_elevation elevation);
 
-/** Forgets the search, not the plan, and begins anew with the map as it is. Work: all of the block is cleared. */
+/** Forgets the search, not the plan, and begins anew with the map as it is. Work: the fields are cleared; the states
+ *  are, in one of the slices of work that follow. */
 void jp_planner_restart(struct jp_planner *planner);
 
 /**
