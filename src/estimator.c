@@ -95,8 +95,8 @@ static void level(struct jp_estimator *estimator, const struct jp_estimator_conf
     estimator->gyro_bias = bias > GYRO_BIAS_MAX ? GYRO_BIAS_MAX : bias < -GYRO_BIAS_MAX ? -GYRO_BIAS_MAX : bias;
 }
 
-void jp_estimator_update(struct jp_estimator *estimator, const struct jp_estimator_config *config,
-                         const struct jp_sensors *sensors, struct jp_motion_state *state)
+static void count(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                  const struct jp_sensors *sensors)
 {
     /* Wrapping differences as signed counts. */
     int64_t left = (int32_t)(sensors->encoder_left - estimator->encoder_left);
@@ -106,6 +106,25 @@ void jp_estimator_update(struct jp_estimator *estimator, const struct jp_estimat
     estimator->encoder_right = sensors->encoder_right;
     estimator->wheel_encoder += (jp_phase)(left + right) * config->wheel_per_count;
     estimator->yaw_encoder += (jp_phase)(right - left) * config->yaw_per_count;
+}
+
+void jp_estimator_resume(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                         const struct jp_sensors *sensors, struct jp_motion_state *state)
+{
+    jp_phase wheel = estimator->wheel_encoder;
+    jp_phase yaw = estimator->yaw_encoder;
+
+    /* The loops jump with the counts and keep their rates. */
+    count(estimator, config, sensors);
+    estimator->wheel.angle += estimator->wheel_encoder - wheel;
+    estimator->yaw.angle += estimator->yaw_encoder - yaw;
+    jp_estimator_update(estimator, config, sensors, state);
+}
+
+void jp_estimator_update(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                         const struct jp_sensors *sensors, struct jp_motion_state *state)
+{
+    count(estimator, config, sensors);
     track(&estimator->wheel, config, estimator->phase_per_rate, estimator->wheel_encoder);
     track(&estimator->yaw, config, estimator->phase_per_rate, estimator->yaw_encoder);
 

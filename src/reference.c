@@ -45,6 +45,27 @@ void jp_reference_start(struct jp_reference *reference, const struct jp_referenc
     };
 }
 
+/** A critically damped tracker whose target is 2τ times its rate ahead comes to rest there without turning back. */
+static void coast(struct jp_reference_axis *axis, jp_q16 bandwidth, jp_q24 rate)
+{
+    if (bandwidth == 0) {
+        return;
+    }
+
+    /* Turns in Q24, then as a phase in 2⁻⁵⁶. */
+    int64_t way = (int64_t)rate * (2 * JP_Q16_ONE) / bandwidth;
+
+    axis->rate = rate;
+    axis->target += (jp_phase)way << 32;
+}
+
+void jp_reference_coast(struct jp_reference *reference, const struct jp_reference_config *config, jp_q24 wheel_rate,
+                        jp_q24 yaw_rate)
+{
+    coast(&reference->wheel, config->travel_bandwidth, wheel_rate);
+    coast(&reference->yaw, config->yaw_bandwidth, yaw_rate);
+}
+
 void jp_reference_step(struct jp_reference *reference, const struct jp_reference_config *config,
                        const struct jp_motion *motion, jp_q24 turn)
 {

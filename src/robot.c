@@ -130,9 +130,14 @@ static void start_motion(struct jp_robot *robot, const struct jp_sensors *sensor
     const struct jp_robot_config *config = robot->config;
     struct jp_motion_state *motion = &robot->telemetry.motion;
 
-    jp_estimator_start(&robot->estimator, &config->estimator, sensors);
-    jp_estimator_update(&robot->estimator, &config->estimator, sensors, motion);
-    jp_odometry_start(&robot->odometry, config->metres_per_turn, motion);
+    if (robot->resuming) {
+        jp_estimator_resume(&robot->estimator, &config->estimator, sensors, motion);
+        jp_odometry_update(&robot->odometry, motion);
+    } else {
+        jp_estimator_start(&robot->estimator, &config->estimator, sensors);
+        jp_estimator_update(&robot->estimator, &config->estimator, sensors, motion);
+        jp_odometry_start(&robot->odometry, config->metres_per_turn, motion);
+    }
     jp_reference_start(&robot->reference, &config->reference, motion->wheel, motion->yaw);
     robot->started = true;
 }
@@ -168,6 +173,16 @@ static void balance(struct jp_robot *robot)
     telemetry->segments_ended = 0;
     post(&robot->next_full, 0); /* a segment handed over while the robot switched off */
     stand(robot);
+}
+
+/** Motors on again after a reset: the reference slows down from the speed that the robot has. */
+static void go_on(struct jp_robot *robot)
+{
+    const struct jp_motion_state *motion = &robot->telemetry.motion;
+
+    robot->resuming = false;
+    balance(robot);
+    jp_reference_coast(&robot->reference, &robot->config->reference, motion->wheel_rate, motion->yaw_rate);
 }
 
 static void begin_segment(struct jp_robot *robot)
@@ -299,6 +314,9 @@ static void step(struct jp_robot *robot, enum jp_status read, struct jp_sensors 
 
     if (robot->monitor.started && !robot->started) {
         start_motion(robot, sensors);
+        if (robot->resuming) {
+            go_on(robot);
+        }
     } else if (robot->monitor.started) {
         jp_estimator_update(&robot->estimator, &robot->config->estimator, sensors, &telemetry->motion);
         jp_odometry_update(&robot->odometry, &telemetry->motion);
@@ -334,7 +352,23 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
     }
 }
 
+void jp_robot_snapshot(const struct jp_robot *robot, struct jp_robot_snapshot *snapshot)
+{
+    *snapshot = (struct jp_robot_snapshot){
+        .estimator = robot->estimator,
+        .odometry = robot->odometry,
+        .balancing = motors_run(&robot->telemetry),
+    };
+}
+
 /* The background. */
+
+void jp_robot_resume(struct jp_robot *robot, const struct jp_robot_snapshot *snapshot)
+{
+    robot->estimator = snapshot->estimator;
+    robot->odometry = snapshot->odometry;
+    robot->resuming = snapshot->balancing;
+}
 
 void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
 {

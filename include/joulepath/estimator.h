@@ -57,6 +57,11 @@ enum jp_status jp_estimator_check(const struct jp_estimator_config *config, cons
 void jp_estimator_start(struct jp_estimator *estimator, const struct jp_estimator_config *config,
                         const struct jp_sensors *sensors);
 
+/** Goes on in motion after a gap in which the robot rolled on: `estimator` is that of before the gap. Distance and
+ * heading are right however long it was; pitch and all rates are those of before, so it must be short. */
+void jp_estimator_resume(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                         const struct jp_sensors *sensors, struct jp_motion_state *state);
+
 /** One tick. Cannot fail; constant time; for the control ISR. */
 void jp_estimator_update(struct jp_estimator *estimator, const struct jp_estimator_config *config,
                          const struct jp_sensors *sensors, struct jp_motion_state *state);

@@ -64,6 +64,13 @@ struct jp_telemetry {
     uint16_t segments_ended; /**< since the robot last stood, saturating */
 };
 
+/** What a reset of the controller must not lose. */
+struct jp_robot_snapshot {
+    struct jp_estimator estimator;
+    struct jp_odometry odometry;
+    bool balancing; /**< the motors ran */
+};
+
 struct jp_robot {
     const struct jp_robot_config *config;
     const struct jp_energy_model *model;
@@ -80,7 +87,8 @@ struct jp_robot {
     uint8_t enable_requested;
     uint8_t stop_requested;
     uint8_t disable_requested;
-    bool started; /**< a plausible frame was seen */
+    bool started;  /**< a plausible frame was seen */
+    bool resuming; /**< the first plausible frame goes on from a snapshot */
 
     jp_energy segment_start_model;
     jp_energy segment_start_battery;
@@ -115,6 +123,16 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
  * stops at the end of the segment), else JP_OK. Not for ISRs.
  */
 enum jp_status jp_robot_work(struct jp_robot *robot);
+
+/** What jp_robot_resume() needs, after any tick and in its context. */
+void jp_robot_snapshot(const struct jp_robot *robot, struct jp_robot_snapshot *snapshot);
+
+/**
+ * Between jp_robot_init() and the first tick, after a reset in motion: the first plausible frame goes on from the
+ * snapshot instead of taking the robot to be at rest. If the motors ran the robot balances at once and brakes to a
+ * stand. Pitch is that of the snapshot, so the reset must be short: tens of milliseconds.
+ */
+void jp_robot_resume(struct jp_robot *robot, const struct jp_robot_snapshot *snapshot);
 
 /** Idle to balancing, at the next tick. JP_ERR_STATE: not idle, no frame yet, or tilted beyond the limit. */
 enum jp_status jp_robot_enable(struct jp_robot *robot);

@@ -1,0 +1,416 @@
+#include "ecu.h"
+
+#include "jp_can.h"
+#include "telemetry.h"
+
+/** Without a frame of another controller for so long it is gone, ms. */
+#define CONFLICT_MS 500U
+
+/** Frames that announce a planned segment. */
+#define PLAN_FRAMES 3U
+
+static void count8(uint8_t *count)
+{
+    if (*count < UINT8_MAX) {
+        (*count)++;
+    }
+}
+
+static void count16(uint16_t *count)
+{
+    if (*count < UINT16_MAX) {
+        (*count)++;
+    }
+}
+
+static uint32_t tick_rate(const struct jp_ecu *ecu)
+{
+    return ecu->robot.config->estimator.tick_rate;
+}
+
+/* The board, as jp_hal_tick() sees it. */
+
+static void send(struct jp_ecu *ecu, const struct jp_can_frame *frame, bool *sent)
+{
+    *sent = ecu->port.send(ecu->port.context, frame) == JP_OK;
+    if (!*sent) {
+        count16(&ecu->send_errors);
+    }
+}
+
+static enum jp_status read_sample(void *context, struct jp_sensors *sensors)
+{
+    struct jp_ecu *ecu = context;
+
+    return jp_sample_link_read(&ecu->samples, sensors);
+}
+
+/** The bridges hold their duty for as long as the samples are held, so a short silence is no failure. */
+static enum jp_status write_motor_command(void *context, const struct jp_actuation *actuation)
+{
+    struct jp_ecu *ecu = context;
+    struct jp_can_frame frame;
+    bool sent;
+
+    jp_message_from_actuation(&frame, &ecu->motor_counter, actuation);
+    send(ecu, &frame, &sent);
+    if (sent) {
+        ecu->unsent = 0;
+    } else {
+        count16(&ecu->unsent);
+    }
+    return ecu->unsent > JP_SAMPLE_HOLD_TICKS ? JP_ERR_HARDWARE : JP_OK;
+}
+
+static uint32_t time_us(void *context)
+{
+    const struct jp_ecu *ecu = context;
+
+    return ecu->tick * (1000000U / tick_rate(ecu));
+}
+
+/* Start. */
+
+/** After a reset in motion nobody has commanded anything yet: the robot stands and waits. */
+static void resume(struct jp_ecu *ecu, const struct jp_retained_slot *record)
+{
+    ecu->resets = record->resets + 1U;
+    jp_robot_resume(&ecu->robot, &record->snapshot);
+    if (record->snapshot.balancing) {
+        ecu->operator_link.mode = JP_MODE_STAND;
+        ecu->operator_link.state = JP_OPERATOR_LOST;
+    }
+}
+
+enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *config,
+                           const struct jp_energy_model *model, const struct jp_can_port *port,
+                           struct jp_retained *retained, const char **field)
+{
+    const struct jp_retained_slot *record;
+    enum jp_status status;
+
+    if (ecu == NULL || port == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *ecu = (struct jp_ecu){.port = *port, .retained = retained};
+    status = jp_robot_init(&ecu->robot, config, model, field);
+    if (status != JP_OK) {
+        return status;
+    }
+    ecu->hal = (struct jp_hal){.context = ecu, .read = read_sample, .write = write_motor_command, .time_us = time_us};
+    jp_sample_link_start(&ecu->samples);
+    jp_operator_link_start(&ecu->operator_link, config->estimator.tick_rate);
+    jp_route_link_start(&ecu->routes);
+    record = retained == NULL ? NULL : jp_retained_newest(retained);
+    if (record != NULL) {
+        resume(ecu, record);
+    }
+    return JP_OK;
+}
+
+/* Frames that arrive. */
+
+/** Every data frame of joulepath.dbc that this node receives or sends. */
+static const struct {
+    uint32_t id;
+    uint8_t length;
+    enum { SAMPLE_WHEELS, SAMPLE_BALANCE, SAMPLE_CURRENTS, OPERATOR, OWN, OTHERS } kind;
+} known[] = {
+    {JP_CAN_MOTOR_COMMAND_FRAME_ID, JP_CAN_MOTOR_COMMAND_LENGTH, OWN},
+    {JP_CAN_WHEEL_SENSORS_FRAME_ID, JP_CAN_WHEEL_SENSORS_LENGTH, SAMPLE_WHEELS},
+    {JP_CAN_BALANCE_SENSORS_FRAME_ID, JP_CAN_BALANCE_SENSORS_LENGTH, SAMPLE_BALANCE},
+    {JP_CAN_CURRENT_SENSORS_FRAME_ID, JP_CAN_CURRENT_SENSORS_LENGTH, SAMPLE_CURRENTS},
+    {JP_CAN_OPERATOR_COMMAND_FRAME_ID, JP_CAN_OPERATOR_COMMAND_LENGTH, OPERATOR},
+    {JP_CAN_ROUTE_OFFER_FRAME_ID, JP_CAN_ROUTE_OFFER_LENGTH, OPERATOR},
+    {JP_CAN_WAYPOINT_FRAME_ID, JP_CAN_WAYPOINT_LENGTH, OPERATOR},
+    {JP_CAN_GOAL_FRAME_ID, JP_CAN_GOAL_LENGTH, OPERATOR},
+    {JP_CAN_ECU_STATUS_FRAME_ID, JP_CAN_ECU_STATUS_LENGTH, OWN},
+    {JP_CAN_BATTERY_STATUS_FRAME_ID, JP_CAN_BATTERY_STATUS_LENGTH, OTHERS},
+};
+#define KNOWN (sizeof known / sizeof known[0])
+
+static void count_result(struct jp_ecu_counts *counts, enum jp_e2e_result result)
+{
+    if (result == JP_E2E_CRC) {
+        count8(&counts->crc_errors);
+    } else if (result == JP_E2E_REPEATED || result == JP_E2E_SEQUENCE) {
+        count8(&counts->sequence_errors);
+    }
+}
+
+static void note_conflict(struct jp_ecu *ecu)
+{
+    count8(&ecu->conflicts);
+    ecu->conflict_ticks = (uint16_t)(tick_rate(ecu) * CONFLICT_MS / 1000U);
+}
+
+static void enqueue(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    const uint8_t head = ecu->queue_head;
+    const uint8_t next = (uint8_t)((head + 1U) % JP_ECU_QUEUE);
+
+    if (next == __atomic_load_n(&ecu->queue_tail, __ATOMIC_ACQUIRE)) {
+        count8(&ecu->sample_counts.rejected);
+        return;
+    }
+    ecu->queue[head] = *frame;
+    __atomic_store_n(&ecu->queue_head, next, __ATOMIC_RELEASE);
+}
+
+static void take_sample_part(struct jp_ecu *ecu, enum jp_sample_part part, const struct jp_can_frame *frame)
+{
+    count_result(&ecu->sample_counts, jp_sample_link_accept(&ecu->samples, part, frame));
+}
+
+static void accept_known(struct jp_ecu *ecu, size_t index, const struct jp_can_frame *frame)
+{
+    if (frame->length != known[index].length) {
+        count8(&ecu->sample_counts.malformed);
+        return;
+    }
+    switch (known[index].kind) {
+    case SAMPLE_WHEELS:
+        take_sample_part(ecu, JP_SAMPLE_WHEELS, frame);
+        break;
+    case SAMPLE_BALANCE:
+        take_sample_part(ecu, JP_SAMPLE_BALANCE, frame);
+        break;
+    case SAMPLE_CURRENTS:
+        take_sample_part(ecu, JP_SAMPLE_CURRENTS, frame);
+        break;
+    case OPERATOR:
+        enqueue(ecu, frame);
+        break;
+    case OWN:
+        note_conflict(ecu);
+        break;
+    case OTHERS:
+    default:
+        break;
+    }
+}
+
+bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    const bool was_fresh = ecu->samples.fresh;
+
+    for (size_t i = 0; i < KNOWN; i++) {
+        if (known[i].id == frame->id) {
+            accept_known(ecu, i, frame);
+            return !was_fresh && ecu->samples.fresh;
+        }
+    }
+    count16(&ecu->unknown_frames);
+    return false;
+}
+
+/* The tick. */
+
+static void watch_bus(struct jp_ecu *ecu)
+{
+    const bool bus_off = ecu->port.state(ecu->port.context) == JP_CAN_BUS_OFF;
+
+    if (bus_off && !ecu->was_bus_off) {
+        count8(&ecu->bus_offs);
+    }
+    ecu->was_bus_off = bus_off;
+    if (ecu->conflict_ticks > 0U) {
+        ecu->conflict_ticks--;
+    }
+}
+
+static void retain(struct jp_ecu *ecu)
+{
+    struct jp_robot_snapshot snapshot;
+
+    if (ecu->retained != NULL) {
+        jp_robot_snapshot(&ecu->robot, &snapshot);
+        jp_retained_write(ecu->retained, &snapshot, ecu->resets);
+    }
+}
+
+static void send_telemetry(struct jp_ecu *ecu)
+{
+    struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX];
+    const unsigned count = jp_telemetry_due(ecu, frames);
+    bool sent;
+
+    for (unsigned i = 0; i < count; i++) {
+        send(ecu, &frames[i], &sent);
+    }
+}
+
+void jp_ecu_tick(struct jp_ecu *ecu)
+{
+    watch_bus(ecu);
+    /* Before the first sample there is nothing to control, and that is no fault. */
+    if (ecu->samples.started) {
+        jp_hal_tick(&ecu->hal, &ecu->robot, &ecu->written);
+        retain(ecu);
+    }
+    send_telemetry(ecu);
+    ecu->tick++;
+}
+
+/* The background. */
+
+static void take_operator_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    switch (jp_operator_link_accept(&ecu->operator_link, frame)) {
+    case JP_OPERATOR_CRC:
+        count8(&ecu->operator_counts.crc_errors);
+        break;
+    case JP_OPERATOR_SEQUENCE:
+        count8(&ecu->operator_counts.sequence_errors);
+        break;
+    case JP_OPERATOR_MALFORMED:
+        count8(&ecu->operator_counts.malformed);
+        break;
+    case JP_OPERATOR_OK:
+    default:
+        break;
+    }
+}
+
+static void take_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    switch (frame->id) {
+    case JP_CAN_OPERATOR_COMMAND_FRAME_ID:
+        take_operator_command(ecu, frame);
+        break;
+    case JP_CAN_ROUTE_OFFER_FRAME_ID:
+        count_result(&ecu->operator_counts, jp_route_link_accept_offer(&ecu->routes, frame));
+        break;
+    case JP_CAN_WAYPOINT_FRAME_ID:
+        count_result(&ecu->operator_counts, jp_route_link_accept_waypoint(&ecu->routes, frame));
+        break;
+    case JP_CAN_GOAL_FRAME_ID:
+    default:
+        count_result(&ecu->operator_counts, jp_route_link_accept_goal(&ecu->routes, frame));
+        break;
+    }
+}
+
+static void take_commands(struct jp_ecu *ecu)
+{
+    for (unsigned i = 0; i < JP_ECU_QUEUE; i++) {
+        const uint8_t tail = ecu->queue_tail;
+
+        if (tail == __atomic_load_n(&ecu->queue_head, __ATOMIC_ACQUIRE)) {
+            return;
+        }
+        take_command(ecu, &ecu->queue[tail]);
+        __atomic_store_n(&ecu->queue_tail, (uint8_t)((tail + 1U) % JP_ECU_QUEUE), __ATOMIC_RELEASE);
+    }
+}
+
+static void pass_time(struct jp_ecu *ecu)
+{
+    const uint32_t now = __atomic_load_n(&ecu->tick, __ATOMIC_RELAXED);
+
+    if (jp_operator_link_pass(&ecu->operator_link, now - ecu->worked_tick)) {
+        count8(&ecu->operator_timeouts);
+    }
+    ecu->worked_tick = now;
+}
+
+static void stop(struct jp_ecu *ecu)
+{
+    const bool lost = ecu->operator_link.state == JP_OPERATOR_LOST;
+
+    jp_robot_stop(&ecu->robot);
+    jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, lost ? JP_REASON_TIMEOUT : JP_REASON_COMMAND);
+}
+
+static void stand(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    const bool alive = ecu->operator_link.state == JP_OPERATOR_ALIVE;
+
+    if (state == JP_ROBOT_IDLE && alive) {
+        if (ecu->conflict_ticks > 0U) {
+            count8(&ecu->operator_counts.rejected);
+        } else {
+            (void)jp_robot_enable(&ecu->robot);
+        }
+    } else if (state == JP_ROBOT_DRIVING || ecu->routes.state == JP_ROUTE_DRIVING) {
+        stop(ecu);
+    }
+}
+
+static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    const struct jp_route *route;
+
+    if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
+        return;
+    }
+    route = jp_route_link_take(&ecu->routes, ecu->operator_link.route);
+    if (route != NULL) {
+        ecu->drove = false;
+        (void)jp_robot_follow(&ecu->robot, route->points, route->length);
+    }
+}
+
+static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    switch (ecu->operator_link.mode) {
+    case JP_MODE_STAND:
+        stand(ecu, state);
+        break;
+    case JP_MODE_DRIVE:
+        drive(ecu, state);
+        break;
+    case JP_MODE_OFF:
+    default:
+        if (state != JP_ROBOT_IDLE && ecu->operator_link.state != JP_OPERATOR_NONE) {
+            jp_robot_disable(&ecu->robot);
+        }
+        break;
+    }
+}
+
+/** Notices that the driven route has ended. */
+static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    if (state == JP_ROBOT_DRIVING) {
+        ecu->drove = true;
+    } else if (state != JP_ROBOT_BALANCING) {
+        jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
+    } else if (ecu->drove) {
+        ecu->drove = false;
+        jp_route_link_end(&ecu->routes, JP_ROUTE_DONE, JP_REASON_NONE);
+    }
+}
+
+/** Plans the next segment when it is time, and announces it. */
+static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
+{
+    struct jp_robot *robot = &ecu->robot;
+    const uint16_t planned = robot->route_planned;
+
+    if (__atomic_load_n(&ecu->plan.frames_left, __ATOMIC_ACQUIRE) != 0U) {
+        return;
+    }
+    if (jp_robot_work(robot) != JP_OK) {
+        jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
+    }
+    if (robot->route_planned > planned) {
+        const uint16_t begun = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0;
+
+        ecu->plan.segment = (uint8_t)(begun < UINT8_MAX ? begun + 1U : UINT8_MAX);
+        ecu->plan.planned = robot->planned;
+        __atomic_store_n(&ecu->plan.frames_left, (uint8_t)PLAN_FRAMES, __ATOMIC_RELEASE);
+    }
+}
+
+void jp_ecu_work(struct jp_ecu *ecu)
+{
+    struct jp_telemetry telemetry;
+
+    take_commands(ecu);
+    pass_time(ecu);
+    jp_robot_telemetry(&ecu->robot, &telemetry);
+    watch_route(ecu, telemetry.state);
+    obey(ecu, telemetry.state);
+    plan(ecu, &telemetry);
+}

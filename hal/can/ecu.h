@@ -1,0 +1,95 @@
+/**
+ * The controller of a robot whose sensors, bridges and operator are on CAN: the application of the firmware.
+ *
+ *   jp_ecu_accept()  each frame that arrives: from the receive interrupt, at the priority of the tick
+ *   jp_ecu_tick()    at the control rate: sample in, MotorCommand out, telemetry that is due
+ *   jp_ecu_work()    from the background loop: commands, routes, planning
+ *
+ * Up to JP_SAMPLE_HOLD_TICKS without samples or without the bus are ridden out. A reset is too: what the record in
+ * retained memory holds is taken up at the first sample, and the robot brakes to a balanced stand.
+ */
+#ifndef JOULEPATH_HAL_CAN_ECU_H
+#define JOULEPATH_HAL_CAN_ECU_H
+
+#include <joulepath/robot.h>
+
+#include "../hal.h"
+#include "operator_link.h"
+#include "retained.h"
+#include "route_link.h"
+#include "sample_link.h"
+
+/** Frames of the operator that wait for jp_ecu_work(). */
+#define JP_ECU_QUEUE 32U
+
+/** Counts since the start, saturating. The tick and the background have one each. */
+struct jp_ecu_counts {
+    uint8_t crc_errors;
+    uint8_t sequence_errors;
+    uint8_t malformed;
+    uint8_t rejected;
+};
+
+/** A planned segment that the background hands to the tick to be sent. */
+struct jp_ecu_plan {
+    uint8_t frames_left; /**< to be sent; the background writes the rest while it is 0 */
+    uint8_t segment;
+    struct jp_segment planned;
+};
+
+struct jp_ecu {
+    struct jp_robot robot;
+    struct jp_hal hal;
+    enum jp_status written;
+    struct jp_can_port port;
+    struct jp_retained *retained;
+    uint32_t resets;
+
+    /* Of the tick. */
+    struct jp_sample_link samples;
+    struct jp_ecu_counts sample_counts;
+    uint8_t bus_offs;
+    uint8_t conflicts;
+    uint16_t unknown_frames;
+    uint16_t send_errors;
+    uint8_t motor_counter;
+    uint16_t unsent; /**< ticks in a row whose MotorCommand the bus did not take */
+    bool was_bus_off;
+    uint16_t conflict_ticks; /**< for which another controller still counts as present */
+    uint32_t tick;           /**< since the start, wrapping */
+    uint16_t segments_reported;
+    uint8_t parameter; /**< of the energy model, sent next */
+
+    /* Of the background. */
+    struct jp_operator_link operator_link;
+    struct jp_route_link routes;
+    struct jp_ecu_counts operator_counts;
+    uint8_t operator_timeouts;
+    uint32_t worked_tick; /**< up to which time has passed for it */
+    bool drove;           /**< the robot has begun to drive the route */
+
+    /* From the tick to the background and back. */
+    struct jp_can_frame queue[JP_ECU_QUEUE];
+    uint8_t queue_head; /**< written by jp_ecu_accept() */
+    uint8_t queue_tail; /**< written by jp_ecu_work() */
+    struct jp_ecu_plan plan;
+};
+
+/**
+ * Prepares the application. What the pointers show must stay; retained is memory that start-up does not clear, NULL if
+ * there is none. JP_ERR_ARGUMENT, JP_ERR_CONFIG: as jp_robot_init(). Not for ISRs.
+ */
+enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *config,
+                           const struct jp_energy_model *model, const struct jp_can_port *port,
+                           struct jp_retained *retained, const char **field);
+
+/** Takes one frame. Returns true when a sample is complete, so that the tick may begin. Constant time. */
+bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame);
+
+/** One control tick. Constant time; at most 1 + JP_TELEMETRY_FRAMES_MAX frames are sent. For the control ISR. */
+void jp_ecu_tick(struct jp_ecu *ecu);
+
+/** One slice of background work. At most JP_ECU_QUEUE frames and one jp_robot_work(). Not for ISRs. */
+void jp_ecu_work(struct jp_ecu *ecu);
+
+#endif

@@ -1,0 +1,74 @@
+#include "operator_link.h"
+
+#include "jp_can.h"
+
+void jp_operator_link_start(struct jp_operator_link *link, uint32_t tick_rate)
+{
+    *link = (struct jp_operator_link){.state = JP_OPERATOR_NONE, .timeout = tick_rate * JP_OPERATOR_TIMEOUT_MS / 1000U};
+}
+
+/** Counts equal commands that follow each other without a gap. */
+static void confirm(struct jp_operator_link *link, enum jp_operator_mode mode, uint8_t route)
+{
+    const bool same = link->receiver.gap == 0U && link->heard == mode && link->heard_route == route;
+
+    if (!same) {
+        link->confirmations = 0;
+    }
+    if (link->confirmations < JP_OPERATOR_CONFIRMATIONS) {
+        link->confirmations++;
+    }
+    link->heard = mode;
+    link->heard_route = route;
+}
+
+static void obey(struct jp_operator_link *link)
+{
+    const bool confirmed = link->confirmations >= JP_OPERATOR_CONFIRMATIONS;
+
+    if (link->heard == JP_MODE_STAND) {
+        link->mode = JP_MODE_STAND;
+        link->state = JP_OPERATOR_ALIVE;
+    } else if (link->heard == JP_MODE_OFF && confirmed) {
+        link->mode = JP_MODE_OFF;
+        link->state = JP_OPERATOR_ALIVE;
+    } else if (link->heard == JP_MODE_DRIVE && confirmed && link->state == JP_OPERATOR_ALIVE) {
+        link->mode = JP_MODE_DRIVE;
+        link->route = link->heard_route;
+    }
+}
+
+enum jp_operator_result jp_operator_link_accept(struct jp_operator_link *link, const struct jp_can_frame *frame)
+{
+    struct jp_can_operator_command_t signals;
+    enum jp_e2e_result result = jp_e2e_check(&link->receiver, JP_DATA_ID_OPERATOR_COMMAND, frame->data, frame->length);
+
+    if (result != JP_E2E_OK) {
+        return result == JP_E2E_CRC ? JP_OPERATOR_CRC : JP_OPERATOR_SEQUENCE;
+    }
+    (void)jp_can_operator_command_unpack(&signals, frame->data, frame->length);
+    if (!jp_can_operator_command_mode_is_in_range(signals.mode)) {
+        return JP_OPERATOR_MALFORMED;
+    }
+    link->silence = 0;
+    confirm(link, (enum jp_operator_mode)signals.mode, signals.route_id);
+    obey(link);
+    return JP_OPERATOR_OK;
+}
+
+bool jp_operator_link_pass(struct jp_operator_link *link, uint32_t ticks)
+{
+    if (link->state != JP_OPERATOR_ALIVE) {
+        return false;
+    }
+    link->silence += ticks;
+    if (link->silence < link->timeout) {
+        return false;
+    }
+    link->state = JP_OPERATOR_LOST;
+    link->confirmations = 0;
+    if (link->mode == JP_MODE_DRIVE) {
+        link->mode = JP_MODE_STAND;
+    }
+    return true;
+}

@@ -1,0 +1,75 @@
+/**
+ * Routes and goals that arrive in frames: RouteOffer, then its Waypoints; or Goal.
+ *
+ * A route counts only whole: as many waypoints as offered, none repeated or left out, and the right CRC-32 over all.
+ * The route that is driven stays untouched while the next one is received.
+ */
+#ifndef JOULEPATH_HAL_CAN_ROUTE_LINK_H
+#define JOULEPATH_HAL_CAN_ROUTE_LINK_H
+
+#include "messages.h"
+
+#define JP_ROUTE_LENGTH_MAX 32U
+
+/** RouteId of the last Goal. */
+#define JP_ROUTE_GOAL 0U
+
+/** Values of State in RouteStatus. */
+enum jp_route_state {
+    JP_ROUTE_NONE,
+    JP_ROUTE_RECEIVING,
+    JP_ROUTE_READY,
+    JP_ROUTE_DRIVING,
+    JP_ROUTE_DONE,
+    JP_ROUTE_REJECTED,
+    JP_ROUTE_STOPPED
+};
+
+/** Values of Reason in RouteStatus. */
+enum jp_route_reason {
+    JP_REASON_NONE,
+    JP_REASON_LENGTH,
+    JP_REASON_SEQUENCE,
+    JP_REASON_ROUTE_CRC,
+    JP_REASON_PLAN,
+    JP_REASON_COMMAND,
+    JP_REASON_TIMEOUT,
+    JP_REASON_SWITCHED_OFF
+};
+
+struct jp_route {
+    uint8_t id;
+    uint8_t length;
+    struct jp_point points[JP_ROUTE_LENGTH_MAX];
+};
+
+struct jp_route_link {
+    struct jp_e2e_receiver offer_receiver;
+    struct jp_e2e_receiver waypoint_receiver;
+    struct jp_e2e_receiver goal_receiver;
+    struct jp_route offered;
+    struct jp_route driven;
+    uint8_t received;     /**< waypoints of the offered route */
+    uint32_t crc;         /**< of those */
+    uint32_t offered_crc; /**< that the whole must have */
+    enum jp_route_state state;
+    enum jp_route_reason reason;
+};
+
+/** No route. */
+void jp_route_link_start(struct jp_route_link *link);
+
+/** Take frames of the right length. JP_E2E_OK although the route is rejected: then state and reason say so.
+ *  Constant time. */
+enum jp_e2e_result jp_route_link_accept_offer(struct jp_route_link *link, const struct jp_can_frame *frame);
+enum jp_e2e_result jp_route_link_accept_waypoint(struct jp_route_link *link, const struct jp_can_frame *frame);
+enum jp_e2e_result jp_route_link_accept_goal(struct jp_route_link *link, const struct jp_can_frame *frame);
+
+/** Hands over the ready route of this id, which is then driven; NULL: it is not ready. It stays in place until the next
+ *  call that succeeds. */
+const struct jp_route *jp_route_link_take(struct jp_route_link *link, uint8_t id);
+
+/** The driven route has ended; ignored when none is driven. */
+void jp_route_link_end(struct jp_route_link *link, enum jp_route_state state, enum jp_route_reason reason);
+
+#endif

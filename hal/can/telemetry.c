@@ -1,0 +1,324 @@
+#include "telemetry.h"
+
+#include "jp_can.h"
+
+/* Fraction bits that a signal leaves out. */
+#define RATE_SHIFT    12U /* Q24 to Q12 */
+#define ANGLE_SHIFT   8U  /* Q24 to Q16 */
+#define VOLTAGE_SHIFT 9U  /* Q16 to Q7 */
+
+/** Parameters of struct jp_energy_model: a1…a13, b1, b2 and five more. */
+#define PARAMETERS (JP_ENERGY_TERMS + 7U)
+
+/** A function that fills in one message from the application's state. */
+typedef void fill_function(const struct jp_ecu *ecu, struct jp_can_frame *frame);
+
+static int16_t signal16(int32_t value, unsigned shift)
+{
+    int32_t rounded = jp_round_shift(value, shift);
+
+    return (int16_t)(rounded > INT16_MAX ? INT16_MAX : rounded < INT16_MIN ? INT16_MIN : rounded);
+}
+
+static int32_t limited(int32_t value, int32_t low, int32_t high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+static uint8_t count8(uint32_t value)
+{
+    return (uint8_t)(value > UINT8_MAX ? UINT8_MAX : value);
+}
+
+/** Low bits of a phase in 2⁻⁵⁶ turn, rounded down: an angle within ±½ turn. */
+static int16_t phase_signal(jp_phase phase, unsigned bits)
+{
+    const uint32_t angle = jp_phase_angle(phase);
+
+    return (int16_t)((int32_t)angle >> (32U - bits));
+}
+
+static void status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_can_ecu_status_t signals = {
+        .state = (uint8_t)ecu->robot.telemetry.state,
+        .mode = (uint8_t)ecu->operator_link.mode,
+        .operator=(uint8_t) ecu->operator_link.state,
+        .resets = count8(ecu->resets),
+        .version_major = JP_VERSION_MAJOR,
+        .version_minor = JP_VERSION_MINOR,
+        .version_patch = JP_VERSION_PATCH,
+        .uptime = (ecu->tick / ecu->robot.config->estimator.tick_rate) & 0xFFFFFFU,
+    };
+
+    frame->id = JP_CAN_ECU_STATUS_FRAME_ID;
+    (void)jp_can_ecu_status_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void errors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_ecu_counts *a = &ecu->sample_counts;
+    const struct jp_ecu_counts *b = &ecu->operator_counts;
+    const struct jp_can_ecu_errors_t signals = {
+        .faults = ecu->robot.telemetry.faults,
+        .crc_errors = count8((uint32_t)a->crc_errors + b->crc_errors),
+        .sequence_errors = count8((uint32_t)a->sequence_errors + b->sequence_errors),
+        .operator_timeouts = ecu->operator_timeouts,
+        .bus_offs = ecu->bus_offs,
+        .conflicts = ecu->conflicts,
+        .malformed = count8((uint32_t)a->malformed + b->malformed),
+    };
+
+    frame->id = JP_CAN_ECU_ERRORS_FRAME_ID;
+    (void)jp_can_ecu_errors_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void losses(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_can_ecu_losses_t signals = {
+        .lost_samples = ecu->samples.lost,
+        .unknown_frames = ecu->unknown_frames,
+        .rejected = count8((uint32_t)ecu->sample_counts.rejected + ecu->operator_counts.rejected),
+        .send_errors = ecu->send_errors,
+    };
+
+    frame->id = JP_CAN_ECU_LOSSES_FRAME_ID;
+    (void)jp_can_ecu_losses_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void route_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_route_link *routes = &ecu->routes;
+    const bool offered =
+        routes->state == JP_ROUTE_RECEIVING || routes->state == JP_ROUTE_READY || routes->state == JP_ROUTE_REJECTED;
+    const struct jp_can_route_status_t signals = {
+        .route_id = offered ? routes->offered.id : routes->driven.id,
+        .state = (uint8_t)routes->state,
+        .reason = (uint8_t)routes->reason,
+        .received = routes->received,
+        .length = offered ? routes->offered.length : routes->driven.length,
+        .segment = count8(ecu->robot.telemetry.segment),
+        .segments_ended = count8(ecu->robot.telemetry.segments_ended),
+        .plan_status = (int8_t)ecu->robot.route_status,
+    };
+
+    frame->id = JP_CAN_ROUTE_STATUS_FRAME_ID;
+    (void)jp_can_route_status_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void pose(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const int32_t limit = (int32_t)1 << 25;
+    const struct jp_can_pose_t signals = {
+        .x = limited(telemetry->position.x, -limit, limit - 1),
+        .y = limited(telemetry->position.y, -limit, limit - 1),
+        .heading = phase_signal(telemetry->motion.yaw, 12),
+    };
+
+    frame->id = JP_CAN_POSE_FRAME_ID;
+    (void)jp_can_pose_pack(frame->data, &signals, sizeof frame->data);
+}
+
+/** Wheel rate in turn/s to speed in m/s, both Q24. */
+static jp_q24 speed_of(const struct jp_ecu *ecu, jp_q24 wheel_rate)
+{
+    return jp_q24_multiply(wheel_rate, ecu->robot.config->metres_per_turn);
+}
+
+static void motion(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_motion_state *state = &ecu->robot.telemetry.motion;
+    const struct jp_can_motion_t signals = {
+        .speed = signal16(speed_of(ecu, state->wheel_rate), RATE_SHIFT),
+        .turn_rate = signal16(state->yaw_rate, RATE_SHIFT),
+        .pitch = signal16(state->pitch, ANGLE_SHIFT),
+        .pitch_rate = signal16(state->pitch_rate, RATE_SHIFT),
+    };
+
+    frame->id = JP_CAN_MOTION_FRAME_ID;
+    (void)jp_can_motion_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void reference(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const uint64_t left = ((uint64_t)telemetry->segment_ticks_left << 6) / ecu->robot.config->estimator.tick_rate;
+    const struct jp_can_reference_t signals = {
+        .speed = signal16(speed_of(ecu, telemetry->reference_wheel_rate), RATE_SHIFT),
+        .turn_rate = signal16(telemetry->reference_yaw_rate, RATE_SHIFT),
+        .heading = phase_signal(telemetry->reference_yaw, 16),
+        .segment_time_left = (uint16_t)(left > UINT16_MAX ? UINT16_MAX : left),
+    };
+
+    frame->id = JP_CAN_REFERENCE_FRAME_ID;
+    (void)jp_can_reference_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void motors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_can_motors_t signals = {
+        .voltage_left = signal16(telemetry->voltages.left, VOLTAGE_SHIFT),
+        .voltage_right = signal16(telemetry->voltages.right, VOLTAGE_SHIFT),
+        .saturated_ticks = telemetry->saturated_ticks,
+    };
+
+    frame->id = JP_CAN_MOTORS_FRAME_ID;
+    (void)jp_can_motors_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void energy_spent(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_can_energy_spent_t signals = {.energy = ecu->robot.telemetry.energy_model};
+
+    frame->id = JP_CAN_ENERGY_SPENT_FRAME_ID;
+    (void)jp_can_energy_spent_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void energy_drawn(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_can_energy_drawn_t signals = {.energy = ecu->robot.telemetry.energy_battery};
+
+    frame->id = JP_CAN_ENERGY_DRAWN_FRAME_ID;
+    (void)jp_can_energy_drawn_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static jp_q16 parameter(const struct jp_energy_model *model, uint8_t index)
+{
+    const jp_q16 rest[PARAMETERS - JP_ENERGY_TERMS] = {
+        model->b[0],
+        model->b[1],
+        model->electronics_power,
+        model->settling_time,
+        model->voltage_per_speed,
+        model->voltage_per_turn_rate,
+        model->motor_resistance,
+    };
+
+    return index < JP_ENERGY_TERMS ? model->a[index] : rest[index - JP_ENERGY_TERMS];
+}
+
+static void energy_parameter(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_can_energy_parameter_t signals = {
+        .index = ecu->parameter, .count = PARAMETERS, .value = parameter(ecu->robot.model, ecu->parameter)};
+
+    frame->id = JP_CAN_ENERGY_PARAMETER_FRAME_ID;
+    (void)jp_can_energy_parameter_pack(frame->data, &signals, sizeof frame->data);
+}
+
+/** When each cyclic message is sent, ms; no two in the same millisecond. */
+static const struct {
+    uint16_t period;
+    uint16_t phase;
+    fill_function *fill;
+} schedule[] = {
+    {20, 1, pose},           {20, 5, motion},         {20, 9, reference},         {20, 13, motors},
+    {20, 17, energy_spent},  {100, 3, status},        {100, 23, errors},          {100, 43, losses},
+    {100, 63, route_status}, {100, 83, energy_drawn}, {100, 7, energy_parameter},
+};
+
+static bool take_scheduled(struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const uint32_t ticks_a_ms = ecu->robot.config->estimator.tick_rate / 1000U;
+    const uint32_t ms =
+        ticks_a_ms == 0U ? ecu->tick * (1000U / ecu->robot.config->estimator.tick_rate) : ecu->tick / ticks_a_ms;
+
+    if (ticks_a_ms > 1U && ecu->tick % ticks_a_ms != 0U) {
+        return false;
+    }
+    for (unsigned i = 0; i < sizeof schedule / sizeof schedule[0]; i++) {
+        if (ms % schedule[i].period == schedule[i].phase) {
+            schedule[i].fill(ecu, frame);
+            if (schedule[i].fill == energy_parameter) {
+                ecu->parameter = (uint8_t)((ecu->parameter + 1U) % PARAMETERS);
+            }
+            return true;
+        }
+    }
+    return false;
+}
+
+/* What is sent once, when it happens. */
+
+static void segment_motion(const struct jp_ecu_plan *plan, struct jp_can_frame *frame)
+{
+    const struct jp_can_segment_motion_t signals = {
+        .segment = plan->segment,
+        .speed = plan->planned.command.motion.speed,
+        .turn_rate = plan->planned.command.motion.turn_rate,
+    };
+
+    frame->id = JP_CAN_SEGMENT_MOTION_FRAME_ID;
+    (void)jp_can_segment_motion_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void segment_shape(const struct jp_ecu_plan *plan, struct jp_can_frame *frame)
+{
+    const struct jp_can_segment_shape_t signals = {
+        .segment = plan->segment,
+        .turn = plan->planned.command.turn,
+        .duration = (uint32_t)limited(plan->planned.command.duration, 0, (1 << 28) - 1),
+    };
+
+    frame->id = JP_CAN_SEGMENT_SHAPE_FRAME_ID;
+    (void)jp_can_segment_shape_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void segment_forecast(const struct jp_ecu_plan *plan, struct jp_can_frame *frame)
+{
+    const struct jp_can_segment_forecast_t signals = {.segment = plan->segment, .energy = plan->planned.energy};
+
+    frame->id = JP_CAN_SEGMENT_FORECAST_FRAME_ID;
+    (void)jp_can_segment_forecast_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static bool take_plan(struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    static void (*const fill[])(const struct jp_ecu_plan *, struct jp_can_frame *) = {segment_forecast, segment_shape,
+                                                                                      segment_motion};
+    const uint8_t left = __atomic_load_n(&ecu->plan.frames_left, __ATOMIC_ACQUIRE);
+
+    if (left == 0U) {
+        return false;
+    }
+    fill[left - 1U](&ecu->plan, frame);
+    __atomic_store_n(&ecu->plan.frames_left, (uint8_t)(left - 1U), __ATOMIC_RELEASE);
+    return true;
+}
+
+static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const int32_t limit = (int32_t)1 << 27;
+    const bool ended = telemetry->segments_ended > ecu->segments_reported;
+    const struct jp_can_segment_result_t signals = {
+        .segment = count8(telemetry->segments_ended),
+        .spent = (uint32_t)limited(jp_energy_to_q16(telemetry->segment_energy_model), 0, 2 * limit - 1),
+        .drawn = limited(jp_energy_to_q16(telemetry->segment_energy_battery), -limit, limit - 1),
+    };
+
+    ecu->segments_reported = telemetry->segments_ended;
+    if (!ended) {
+        return false;
+    }
+    frame->id = JP_CAN_SEGMENT_RESULT_FRAME_ID;
+    (void)jp_can_segment_result_pack(frame->data, &signals, sizeof frame->data);
+    return true;
+}
+
+unsigned jp_telemetry_due(struct jp_ecu *ecu, struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX])
+{
+    static bool (*const sources[JP_TELEMETRY_FRAMES_MAX])(struct jp_ecu *, struct jp_can_frame *) = {
+        take_scheduled, take_plan, take_result};
+    unsigned count = 0;
+
+    for (unsigned i = 0; i < JP_TELEMETRY_FRAMES_MAX; i++) {
+        frames[count] = (struct jp_can_frame){.length = JP_CAN_LENGTH_MAX};
+        if (sources[i](ecu, &frames[count])) {
+            count++;
+        }
+    }
+    return count;
+}

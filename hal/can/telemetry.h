@@ -1,0 +1,15 @@
+/** What the application tells the operator: the frames of joulepath.dbc that are due in a tick. */
+#ifndef JOULEPATH_HAL_CAN_TELEMETRY_H
+#define JOULEPATH_HAL_CAN_TELEMETRY_H
+
+#include <joulepath/version.h>
+
+#include "ecu.h"
+
+/** Most frames of one tick. */
+#define JP_TELEMETRY_FRAMES_MAX 3U
+
+/** Fills in the frames that are due in this tick and returns their number. Constant time; for the control ISR. */
+unsigned jp_telemetry_due(struct jp_ecu *ecu, struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX]);
+
+#endif
