@@ -25,7 +25,7 @@ export JP_BUILD := $(abspath $(BUILD))
 
 # Contraction is off so that the host programs give the same numbers under every compiler.
 WARNINGS := -Wall -Wextra -Wconversion -Wshadow -Werror
-COMMON   := -std=c11 -g $(WARNINGS) -Iinclude -I. -I$(UNITY) -MMD -MP
+COMMON   := -std=c11 -g $(WARNINGS) -Iinclude -I. -I$(UNITY) -isystem $(BUILD)/lcm -MMD -MP
 HOST     := -D_GNU_SOURCE -ffp-contract=off -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
 SANITIZE := -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 ARM      := -mthumb -ffunction-sections -fdata-sections -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
@@ -69,10 +69,15 @@ SEMIHOSTING         = -nographic -semihosting-config enable=on,target=native -ke
 # ---- Sources ---------------------------------------------------------------------------------------------------------
 
 CORE           := $(wildcard src/*.c src/tables/*.c)
-SIM            := $(wildcard sim/*.c hal/*.c hal/sim/*.c)
+CAN            := $(wildcard hal/*.c hal/can/*.c)
+SIM            := $(wildcard sim/*.c hal/sim/*.c hal/linux/*.c)
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
 BENCHES        := $(filter-out bench_plan,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
 TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c))
+
+# lcm-gen makes them from sim/lcm/.
+LCM_TYPES      := $(patsubst sim/lcm/%.lcm,%,$(wildcard sim/lcm/*.lcm))
+LCM_HEADERS    := $(LCM_TYPES:%=$(BUILD)/lcm/%.h)
 
 # A robot is built in when both of its tables are there.
 NAMES          := $(patsubst src/tables/robot_%.c,%,$(wildcard src/tables/robot_*.c))
@@ -91,7 +96,7 @@ ifneq ($(UNITY_SOURCE),)
 UNIT_TESTS := $(filter-out tests/unit/test_unity.c,$(UNIT_TESTS))
 endif
 
-LIBRARIES = $(shell pkg-config --libs libconfig jansson nlopt ccd) -lm -lpthread
+LIBRARIES = $(shell pkg-config --libs libconfig jansson nlopt ccd) -llcm -lm -lpthread
 
 # ---- Programs --------------------------------------------------------------------------------------------------------
 
@@ -120,7 +125,7 @@ $(SETTINGS): FORCE
 # A library is made again when a source joined or left it.
 MEMBERS := $(BUILD)/members
 $(MEMBERS): FORCE
-	@mkdir -p $(@D) && echo '$(CORE) $(SIM)' | cmp -s - $@ || echo '$(CORE) $(SIM)' >$@
+	@mkdir -p $(@D) && echo '$(CORE) $(CAN) $(SIM)' | cmp -s - $@ || echo '$(CORE) $(CAN) $(SIM)' >$@
 
 define variant_rules
 $(BUILD)/$1/%.o: %.c Makefile $(SETTINGS)
@@ -131,7 +136,16 @@ $(BUILD)/$1/%.o: %.c Makefile $(SETTINGS)
 $(BUILD)/$1/libjoulepath.a: $(CORE:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 	$$(call archive)
 
-$(BUILD)/$1/libsim.a: $(SIM:%.c=$(BUILD)/$1/%.o) $(BUILD)/$1/robots.o $(MEMBERS)
+$(BUILD)/$1/libcan.a: $(CAN:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
+	$$(call archive)
+
+$(SIM:%.c=$(BUILD)/$1/%.o): | $(LCM_HEADERS)
+
+$(BUILD)/$1/lcm/%.o: $(BUILD)/lcm/%.h
+	@mkdir -p $$(@D)
+	$$Q$$(COMPILER.$1) $$(COMMON) $$(FLAGS.$1) -w -c $(BUILD)/lcm/$$*.c -o $$@
+
+$(BUILD)/$1/libsim.a: $(SIM:%.c=$(BUILD)/$1/%.o) $(LCM_TYPES:%=$(BUILD)/$1/lcm/%.o) $(BUILD)/$1/robots.o $(MEMBERS)
 	$$(call archive)
 
 $(BUILD)/$1/robots.o: $(BUILD)/robots.c
@@ -171,10 +185,10 @@ define link_target
 	    -T$(BOARD.$1).ld $(filter %.o,$^) $(filter %.a,$^) -o $@
 endef
 
-$(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(BUILD)/host/libsim.a $(BUILD)/host/libjoulepath.a
+$(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a $(BUILD)/host/libjoulepath.a
 	$(call link_host,host)
 
-$(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libjoulepath.a
+$(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a $(BUILD)/host/libjoulepath.a
 	$(call link_host,host)
 
 $(BUILD)/bench/target_planner: $(BUILD)/cortex-m7/tests/bench/target_planner.o $(TARGET_SUPPORT:%.c=$(BUILD)/cortex-m7/%.o) \
@@ -184,13 +198,17 @@ $(BUILD)/bench/target_planner: $(BUILD)/cortex-m7/tests/bench/target_planner.o $
 $(BUILD)/bench/bench_plan: $(BUILD)/host/tests/bench/plain_dijkstra.o
 
 # Property tests at bench length, without the sanitizers.
-$(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libjoulepath.a \
+$(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a $(BUILD)/host/libjoulepath.a \
                        $(UNITY_SOURCE:%=$(BUILD)/host/unity.o)
 	$(call link_host,host)
 
 $(BUILD)/bench/target_%: $(BUILD)/cortex-m4/tests/bench/target_%.o $(TARGET_SUPPORT:%.c=$(BUILD)/cortex-m4/%.o) \
                          $(BUILD)/cortex-m4/libjoulepath.a
 	$(call link_target,cortex-m4)
+
+$(BUILD)/lcm/%.h: sim/lcm/%.lcm
+	@mkdir -p $(@D)
+	$Qlcm-gen --c --python --c-cpath $(@D) --c-hpath $(@D) --ppath $(@D) $<
 
 $(BUILD)/robots.c: FORCE
 	@mkdir -p $(@D)
@@ -352,7 +370,7 @@ test: ## build and run every test and gate; the last line counts them
 test_logs: $(TEST_LOGS)
 
 define host_test_rules
-$(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath.a
+$(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a
 	$$(call link_core,$1)
 
 $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
@@ -363,7 +381,8 @@ $(foreach v,$(HOST_TESTS),$(eval $(call host_test_rules,$v)))
 
 define target_test_rules
 $(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(TARGET_SUPPORT:%.c=$(BUILD)/$1/%.o) \
-                    $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath.a tests/target/$(BOARD.$1).ld
+                    $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a \
+                    tests/target/$(BOARD.$1).ld
 	$$(call link_target,$1)
 
 $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
@@ -385,7 +404,7 @@ $(BUILD)/$1/test_%_bits: $(BUILD)/$1/tests/bits/test_%_bits.o $(BUILD)/$1/sim/sc
 endef
 $(foreach v,$(BITS_VARIANTS),$(eval $(call bits_rules,$v)))
 
-HOST_TEST_PARTS := $(if $(UNITY_SOURCE),$(BUILD)/host-gcc/unity.o) $(BUILD)/host-gcc/libsim.a $(BUILD)/host-gcc/libjoulepath.a
+HOST_TEST_PARTS := $(if $(UNITY_SOURCE),$(BUILD)/host-gcc/unity.o) $(BUILD)/host-gcc/libsim.a $(BUILD)/host-gcc/libcan.a $(BUILD)/host-gcc/libjoulepath.a
 
 $(BUILD)/host-gcc/prop_%: $(BUILD)/host-gcc/tests/property/prop_%.o $(HOST_TEST_PARTS)
 	$(call link_host,host-gcc)

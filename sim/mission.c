@@ -65,11 +65,20 @@ static void follow_reference(struct drive *drive)
 
 /* The log. */
 
-static void log_header(FILE *log)
+void mission_log_header(FILE *log)
 {
     (void)fprintf(log,
                   "t_s,x_m,y_m,ref_x_m,ref_y_m,heading_rad,speed_m_s,turn_rate_rad_s,ref_speed_m_s,"
                   "ref_turn_rate_rad_s,pitch_deg,u_left_v,u_right_v,i_left_a,i_right_a,power_w,energy_j,segment\n");
+}
+
+void mission_log_row(FILE *log, const struct mission_row *row)
+{
+    (void)fprintf(log, "%.3f,%.5f,%.5f,%.5f,%.5f,%.6f,%.5f,%.6f,%.5f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%zu\n",
+                  row->time, row->position.x, row->position.y, row->reference.x, row->reference.y, row->heading,
+                  row->speed, row->turn_rate, row->reference_speed, row->reference_turn_rate, row->pitch_deg,
+                  row->voltage_left, row->voltage_right, row->current_left, row->current_right, row->power, row->energy,
+                  row->leg + 1);
 }
 
 static void log_row(const struct drive *drive)
@@ -87,13 +96,24 @@ static void log_row(const struct drive *drive)
     for (size_t i = 0; i < drive->leg; i++) {
         energy += drive->mission->legs[i].measured_energy;
     }
-    (void)fprintf(drive->view.log,
-                  "%.3f,%.5f,%.5f,%.5f,%.5f,%.6f,%.5f,%.6f,%.5f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%zu\n",
-                  seconds(drive, drive->rig.world.tick - drive->start_tick), plant->x, plant->y, drive->reference.x,
-                  drive->reference.y, plant->state.yaw, plant->state.wheel_rate * radius, plant->state.yaw_rate,
-                  telemetry->reference_wheel_rate * TURN_Q24 * radius, telemetry->reference_yaw_rate * TURN_Q24,
-                  plant->state.pitch * DEGREES, left, right, plant_current_left(plant, input),
-                  plant_current_right(plant, input), power, energy, drive->leg + 1);
+    mission_log_row(drive->view.log, &(struct mission_row){
+                                         .time = seconds(drive, drive->rig.world.tick - drive->start_tick),
+                                         .position = {plant->x, plant->y},
+                                         .reference = drive->reference,
+                                         .heading = plant->state.yaw,
+                                         .speed = plant->state.wheel_rate * radius,
+                                         .turn_rate = plant->state.yaw_rate,
+                                         .reference_speed = telemetry->reference_wheel_rate * TURN_Q24 * radius,
+                                         .reference_turn_rate = telemetry->reference_yaw_rate * TURN_Q24,
+                                         .pitch_deg = plant->state.pitch * DEGREES,
+                                         .voltage_left = left,
+                                         .voltage_right = right,
+                                         .current_left = plant_current_left(plant, input),
+                                         .current_right = plant_current_right(plant, input),
+                                         .power = power,
+                                         .energy = energy,
+                                         .leg = drive->leg,
+                                     });
 }
 
 /* Legs. */
@@ -301,9 +321,8 @@ static bool run(struct drive *drive)
     return true;
 }
 
-static void sum_up(struct drive *drive)
+void mission_sum_up(struct mission *mission)
 {
-    struct mission *mission = drive->mission;
     struct mission_leg *total = &mission->total;
 
     *total = mission->legs[mission->leg_count - 1];
@@ -319,8 +338,6 @@ static void sum_up(struct drive *drive)
         total->plant_energy += leg->plant_energy;
         total->battery_energy += leg->battery_energy;
     }
-    mission->ticks = drive->rig.world.tick - drive->start_tick;
-    mission->saturated_ticks = telemetry_of(drive)->saturated_ticks;
 }
 
 static bool start(struct drive *drive, const struct mission *optimal, struct jp_point *route)
@@ -353,7 +370,7 @@ static bool start(struct drive *drive, const struct mission *optimal, struct jp_
     return true;
 }
 
-static double wall_clock(void)
+double mission_wall_clock(void)
 {
     struct timespec now;
 
@@ -372,19 +389,21 @@ bool mission_run(struct mission *mission, enum mission_strategy strategy, const 
         drive.view = *view;
     }
     if (drive.view.log != NULL) {
-        log_header(drive.view.log);
+        mission_log_header(drive.view.log);
     }
 
     bool done = start(&drive, optimal, route);
-    double begin = wall_clock();
+    double begin = mission_wall_clock();
 
     done = done && run(&drive);
-    mission->wall_seconds = wall_clock() - begin;
+    mission->wall_seconds = mission_wall_clock() - begin;
     if (drive.view.progress != NULL) {
         progress_end();
     }
     if (done) {
-        sum_up(&drive);
+        mission->ticks = drive.rig.world.tick - drive.start_tick;
+        mission->saturated_ticks = telemetry_of(&drive)->saturated_ticks;
+        mission_sum_up(mission);
     }
     script_free(&drive.script);
     return done;

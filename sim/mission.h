@@ -45,6 +45,26 @@ struct mission {
     double wall_seconds;
 };
 
+/** One row of the log. */
+struct mission_row {
+    double time; /**< since the start, s */
+    struct bezier_point position;
+    struct bezier_point reference;
+    double heading;   /**< rad */
+    double speed;     /**< m/s */
+    double turn_rate; /**< rad/s */
+    double reference_speed;
+    double reference_turn_rate;
+    double pitch_deg;
+    double voltage_left; /**< V */
+    double voltage_right;
+    double current_left; /**< A */
+    double current_right;
+    double power;  /**< W, the paper's definition */
+    double energy; /**< since the start, J */
+    size_t leg;    /**< from 0 */
+};
+
 /** Who looks on; members that are NULL do not. */
 struct mission_view {
     FILE *log;            /**< takes a row every 1/MISSION_LOG_RATE s */
@@ -60,5 +80,11 @@ struct mission_view {
  */
 bool mission_run(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
                  const struct mission *optimal, const struct mission_view *view);
+
+/** For missions that are driven otherwise: the log, the sums of the legs, the clock in seconds. */
+void mission_log_header(FILE *log);
+void mission_log_row(FILE *log, const struct mission_row *row);
+void mission_sum_up(struct mission *mission);
+double mission_wall_clock(void);
 
 #endif

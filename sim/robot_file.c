@@ -40,6 +40,7 @@ const struct robot_field robot_fields[] = {
     REAL("electronics.power_w", electronics.power_w, 0.001, 256, "W"),
     REAL("supply.voltage_v", supply.voltage_v, 1, 1000, "V"),
     REAL("supply.resistance_ohm", supply.resistance_ohm, 0, 10, "Ω"),
+    REAL("supply.capacity_wh", supply.capacity_wh, 0.1, 250, "Wh"),
     WHOLE("pwm.bits", pwm.bits, 0, 24, "bit"),
     WHOLE("encoder.counts_per_turn", encoder.counts_per_turn, 16, 16777216, "1/turn"),
     REAL("gyro.noise_rms_dps", gyro.noise_rms_dps, 0, 100, "°/s"),

@@ -42,6 +42,7 @@ struct robot_file {
     struct {
         double voltage_v;      /**< without load */
         double resistance_ohm; /**< 0: ideal */
+        double capacity_wh;    /**< of the full battery */
     } supply;
     struct {
         int bits; /**< steps of the duty are 2^-bits; 0: ideal */

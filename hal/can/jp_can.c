@@ -2767,6 +2767,8 @@ int jp_can_sim_time_pack(
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->power, 0u, 0x01u);
+    dst_p[4] |= pack_left_shift_u8(src_p->bus_off, 1u, 0x02u);
+    dst_p[4] |= pack_left_shift_u8(src_p->reset, 2u, 0x04u);
 
     return (8);
 }
@@ -2785,6 +2787,8 @@ int jp_can_sim_time_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->power = unpack_right_shift_u8(src_p[4], 0u, 0x01u);
+    dst_p->bus_off = unpack_right_shift_u8(src_p[4], 1u, 0x02u);
+    dst_p->reset = unpack_right_shift_u8(src_p[4], 2u, 0x04u);
 
     return (0);
 }
@@ -2816,6 +2820,26 @@ bool jp_can_sim_time_power_is_in_range(uint8_t value)
 }
 
 bool jp_can_sim_time_power_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+bool jp_can_sim_time_bus_off_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
+}
+
+bool jp_can_sim_time_bus_off_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+bool jp_can_sim_time_reset_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
+}
+
+bool jp_can_sim_time_reset_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 1.0));
 }

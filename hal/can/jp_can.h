@@ -311,6 +311,8 @@ extern "C" {
 #define JP_CAN_BATTERY_STATUS_ENERGY_LEFT_NAME "EnergyLeft"
 #define JP_CAN_SIM_TIME_TICK_NAME "Tick"
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
+#define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
+#define JP_CAN_SIM_TIME_RESET_NAME "Reset"
 #define JP_CAN_SIM_DONE_TICK_NAME "Tick"
 
 /**
@@ -1340,7 +1342,7 @@ struct jp_can_battery_status_t {
 /**
  * Signals in message SimTime.
  *
- * Lockstep simulation only: the tick begins; what it needs was sent before.
+ * Lockstep simulation only: the tick begins; what it needs was sent before. Sent again when SimDone fails to come.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1353,13 +1355,31 @@ struct jp_can_sim_time_t {
     uint32_t tick;
 
     /**
-     * 0 holds the ECU in reset.
+     * 0: the ECU has no power, and loses its retained memory too.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1
      * Offset: 0
      */
     uint8_t power;
+
+    /**
+     * 1: the ECU's CAN controller is off the bus.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t bus_off;
+
+    /**
+     * 1 holds the ECU in reset.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t reset;
 };
 
 /**
@@ -4458,6 +4478,50 @@ bool jp_can_sim_time_power_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_sim_time_power_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_sim_time_bus_off_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_sim_time_bus_off_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_sim_time_reset_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_sim_time_reset_is_in_phys_range(double value);
 
 /**
  * Pack message SimDone.

@@ -43,6 +43,9 @@ enum jp_operator_result jp_operator_link_accept(struct jp_operator_link *link, c
     struct jp_can_operator_command_t signals;
     enum jp_e2e_result result = jp_e2e_check(&link->receiver, JP_DATA_ID_OPERATOR_COMMAND, frame->data, frame->length);
 
+    if (result == JP_E2E_FIRST) {
+        return JP_OPERATOR_OK;
+    }
     if (result != JP_E2E_OK) {
         return result == JP_E2E_CRC ? JP_OPERATOR_CRC : JP_OPERATOR_SEQUENCE;
     }

@@ -34,9 +34,9 @@ struct jp_operator_link {
 };
 
 enum jp_operator_result {
-    JP_OPERATOR_OK,
+    JP_OPERATOR_OK, /**< obeyed, counted towards being obeyed, or the first */
     JP_OPERATOR_CRC,
-    JP_OPERATOR_SEQUENCE, /**< repeated, late, out of order, or the first */
+    JP_OPERATOR_SEQUENCE, /**< repeated, late or out of order */
     JP_OPERATOR_MALFORMED /**< a signal is out of range */
 };
 

@@ -1,0 +1,217 @@
+/* The firmware's application as a process: the controller of a robot whose body, operator and tools are on a CAN bus.
+ */
+#include <argp.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../hal/linux/periodic.h"
+#include "../../hal/linux/retained_file.h"
+#include "../ecu_node.h"
+#include "../error.h"
+#include "../real_time.h"
+#include "../rig.h"
+
+/** While nothing arrives the loop looks this often whether it shall stop, µs. */
+#define IDLE_US 100000
+
+struct arguments {
+    const char *bus;
+    const char *robot;
+    const char *retained;
+    bool published;
+    bool real_time;
+};
+
+static volatile bool stop_requested;
+
+static void request_stop(int number)
+{
+    (void)number;
+    stop_requested = true;
+}
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct arguments *arguments = state->input;
+
+    switch (key) {
+    case 'b':
+        arguments->bus = argument;
+        return 0;
+    case 'r':
+        arguments->robot = argument;
+        return 0;
+    case 'm':
+        if (strcmp(argument, "identified") != 0 && strcmp(argument, "published") != 0) {
+            argp_error(state, "--model is identified or published, not %s", argument);
+        }
+        arguments->published = strcmp(argument, "published") == 0;
+        return 0;
+    case 'k':
+        arguments->retained = argument;
+        return 0;
+    case 't':
+        arguments->real_time = true;
+        return 0;
+    case ARGP_KEY_END:
+        if (arguments->bus == NULL) {
+            argp_error(state, "--bus is needed");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static void accept_all(struct ecu_node *node, const struct jp_can_link *link, bool *sampled)
+{
+    struct jp_can_frame frame;
+
+    while (!*sampled && link->receive(link->port.context, &frame)) {
+        *sampled = ecu_node_accept(node, &frame);
+    }
+}
+
+static void run_lockstep(struct ecu_node *node, const struct jp_can_link *link)
+{
+    while (!stop_requested) {
+        bool sampled = false;
+
+        if (link->wait(link->port.context, IDLE_US)) {
+            accept_all(node, link, &sampled);
+        }
+    }
+}
+
+/** A tick follows each sample; when one fails to come, half a period later. */
+static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
+{
+    const int64_t period_us = 1000000 / node->entry->config->estimator.tick_rate;
+    int64_t last_us = jp_monotonic_us();
+
+    while (!stop_requested) {
+        const bool running = node->ecu.samples.started;
+        const int64_t deadline_us = last_us + (running ? period_us * 3 / 2 : IDLE_US);
+        bool sampled = false;
+
+        accept_all(node, link, &sampled);
+        if (!sampled && jp_monotonic_us() < deadline_us) {
+            (void)link->wait(link->port.context, deadline_us - jp_monotonic_us());
+            continue;
+        }
+        ecu_node_tick(node);
+        /* Without a sample time goes on by whole periods. */
+        last_us = sampled || !running ? jp_monotonic_us() : last_us + period_us;
+    }
+}
+
+static void print_counts(const struct jp_ecu *ecu)
+{
+    const struct {
+        const char *what;
+        uint32_t count;
+    } rows[] = {
+        {"ticks", ecu->tick},
+        {"resets survived", ecu->resets},
+        {"ticks without a sample", ecu->samples.lost},
+        {"frames with a wrong CRC", (uint32_t)ecu->sample_counts.crc_errors + ecu->operator_counts.crc_errors},
+        {"frames out of sequence", (uint32_t)ecu->sample_counts.sequence_errors + ecu->operator_counts.sequence_errors},
+        {"frames malformed", (uint32_t)ecu->sample_counts.malformed + ecu->operator_counts.malformed},
+        {"frames unknown", ecu->unknown_frames},
+        {"frames of another controller", ecu->conflicts},
+        {"frames that the bus did not take", ecu->send_errors},
+        {"commands rejected", (uint32_t)ecu->sample_counts.rejected + ecu->operator_counts.rejected},
+        {"operator timeouts", ecu->operator_timeouts},
+        {"bus-offs", ecu->bus_offs},
+    };
+
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        (void)printf("%-34s %10" PRIu32 "\n", rows[i].what, rows[i].count);
+    }
+}
+
+static bool open_bus(struct jp_can_link *link, const char *name)
+{
+    char error[256];
+
+    if (!jp_can_link_open(link, name, error, sizeof error)) {
+        error_line("%s", error);
+        return false;
+    }
+    return true;
+}
+
+/** Without a file the record is in the process, and NULL stands for it. */
+static bool open_record(const struct arguments *arguments, struct jp_retained_file *file)
+{
+    char error[256];
+
+    file->retained = NULL;
+    if (arguments->retained != NULL && !jp_retained_file_open(file, arguments->retained, error, sizeof error)) {
+        error_line("%s", error);
+        return false;
+    }
+    return true;
+}
+
+static void run_on(struct ecu_node *node, const struct jp_can_link *link, const struct arguments *arguments)
+{
+    (void)printf("jp-ecu: robot %s on %s, %s\n", node->entry->name, arguments->bus,
+                 arguments->real_time ? "real time" : "lockstep");
+    (void)fflush(stdout);
+    if (arguments->real_time) {
+        (void)real_time_claim();
+        run_real_time(node, link);
+    } else {
+        run_lockstep(node, link);
+    }
+    print_counts(&node->ecu);
+}
+
+static bool run(const struct arguments *arguments)
+{
+    static struct ecu_node node;
+    const struct robot_entry *entry = rig_find_robot(arguments->robot);
+    struct jp_retained_file record;
+    struct jp_can_link link;
+    bool started;
+
+    if (entry == NULL || !open_record(arguments, &record) || !open_bus(&link, arguments->bus)) {
+        return false;
+    }
+    started = ecu_node_init(&node, entry, arguments->published ? &jp_energy_model_published : entry->energy, &link.port,
+                            record.retained);
+    if (started) {
+        run_on(&node, &link, arguments);
+    }
+    link.close(link.port.context);
+    if (record.retained != NULL) {
+        jp_retained_file_close(&record);
+    }
+    return started;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"bus", 'b', "BUS", 0, "can:INTERFACE, slcan:DEVICE or pty:NAME", 0},
+        {"robot", 'r', "NAME", 0, "one of src/tables/ (gao2018)", 0},
+        {"model", 'm', "WHICH", 0, "energy model: identified or published (identified)", 0},
+        {"retained", 'k', "FILE", 0, "memory that survives a restart (none)", 0},
+        {"real-time", 't', NULL, 0, "a tick for each sample, by the clock; otherwise in lockstep with jp-plant", 0},
+        {0},
+    };
+    static const struct argp argp = {
+        options, parse_option, "", "Controls a robot over CAN: the firmware's application.", NULL, NULL, NULL};
+    struct arguments arguments = {.robot = "gao2018"};
+    const struct sigaction action = {.sa_handler = request_stop};
+
+    argp_err_exit_status = ERROR_EXIT;
+    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
+    return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
+}

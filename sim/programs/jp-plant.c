@@ -1,0 +1,315 @@
+/* The simulated robot as a process: sensors, motors and battery on a CAN bus, and an operator that drives a scenario.
+ */
+#include <argp.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../bus_mission.h"
+#include "../can_bus.h"
+#include "../can_relay.h"
+#include "../ecu_node.h"
+#include "../error.h"
+#include "../mission_report.h"
+#include "../output.h"
+#include "../real_time.h"
+
+#define IN_PROCESS "in-process"
+
+static const char *const pace_names[] = {
+    [BUS_MISSION_LOCKSTEP] = "lockstep", [BUS_MISSION_PACED] = "paced", [BUS_MISSION_REAL_TIME] = "real-time"};
+#define PACES (sizeof pace_names / sizeof pace_names[0])
+
+struct arguments {
+    const char *scenario;
+    const char *output;
+    const char *buses[CAN_RELAY_LINKS];
+    size_t bus_count;
+    enum bus_mission_pace pace;
+    bool hosts;
+    double host_seconds;
+};
+
+/** Where the ECU is: in this process, or on other links. */
+struct surroundings {
+    struct can_bus bus;
+    struct ecu_node ecu;
+    struct can_bus_end *ecu_end;
+    struct can_relay relay;
+    struct jp_can_link link;
+};
+
+static volatile bool stop_requested;
+
+static void request_stop(int number)
+{
+    (void)number;
+    stop_requested = true;
+}
+
+static void add_bus(struct arguments *arguments, const char *name, struct argp_state *state)
+{
+    if (arguments->bus_count == CAN_RELAY_LINKS) {
+        argp_error(state, "at most %d buses, not also %s", CAN_RELAY_LINKS, name);
+    }
+    arguments->buses[arguments->bus_count++] = name;
+}
+
+static void set_pace(struct arguments *arguments, const char *name, struct argp_state *state)
+{
+    for (size_t i = 0; i < PACES; i++) {
+        if (strcmp(name, pace_names[i]) == 0) {
+            arguments->pace = (enum bus_mission_pace)i;
+            return;
+        }
+    }
+    argp_error(state, "--pace is lockstep, paced or real-time, not %s", name);
+}
+
+static void set_host(struct arguments *arguments, const char *seconds, struct argp_state *state)
+{
+    char *end = NULL;
+
+    arguments->hosts = true;
+    if (seconds == NULL) {
+        return;
+    }
+    arguments->host_seconds = strtod(seconds, &end);
+    if (end == seconds || *end != '\0' || !(arguments->host_seconds > 0 && arguments->host_seconds < 1e6)) {
+        argp_error(state, "--host takes seconds above 0, not %s", seconds);
+    }
+}
+
+static void check(const struct arguments *arguments, struct argp_state *state)
+{
+    bool in_process = false;
+
+    for (size_t i = 0; i < arguments->bus_count; i++) {
+        in_process = in_process || strcmp(arguments->buses[i], IN_PROCESS) == 0;
+    }
+    if (arguments->scenario == NULL || arguments->bus_count == 0) {
+        argp_error(state, "a scenario and --bus are needed");
+    }
+    if (arguments->output == NULL && !arguments->hosts) {
+        argp_error(state, "--output is needed, or --host");
+    }
+    if (in_process && (arguments->bus_count > 1 || arguments->pace == BUS_MISSION_REAL_TIME || arguments->hosts)) {
+        argp_error(state, "--bus " IN_PROCESS " stands alone, in lockstep");
+    }
+}
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct arguments *arguments = state->input;
+
+    switch (key) {
+    case 'b':
+        add_bus(arguments, argument, state);
+        return 0;
+    case 'p':
+        set_pace(arguments, argument, state);
+        return 0;
+    case 'h':
+        set_host(arguments, argument, state);
+        return 0;
+    case 'o':
+        arguments->output = argument;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (arguments->scenario != NULL) {
+            argp_error(state, "one scenario only, not also %s", argument);
+        }
+        arguments->scenario = argument;
+        return 0;
+    case ARGP_KEY_END:
+        check(arguments, state);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* The bus. */
+
+static void run_ecu(void *context)
+{
+    struct surroundings *surroundings = context;
+    const struct jp_can_link link = can_bus_link(surroundings->ecu_end);
+    struct jp_can_frame frame;
+
+    while (link.receive(link.port.context, &frame)) {
+        (void)ecu_node_accept(&surroundings->ecu, &frame);
+    }
+}
+
+static bool start_ecu(struct surroundings *surroundings, const struct scenario *scenario)
+{
+    const struct robot_entry *entry = rig_find_robot(scenario->robot.name);
+    struct can_bus_end *plant_end;
+    struct jp_can_link link;
+
+    can_bus_init(&surroundings->bus);
+    plant_end = can_bus_attach(&surroundings->bus);
+    surroundings->ecu_end = can_bus_attach(&surroundings->bus);
+    plant_end->others = run_ecu;
+    plant_end->context = surroundings;
+    surroundings->link = can_bus_link(plant_end);
+    link = can_bus_link(surroundings->ecu_end);
+    return entry != NULL &&
+           ecu_node_init(&surroundings->ecu, entry,
+                         scenario->model == SCENARIO_PUBLISHED ? &jp_energy_model_published : entry->energy, &link.port,
+                         NULL);
+}
+
+static bool open_links(struct surroundings *surroundings, const struct arguments *arguments)
+{
+    surroundings->relay.count = 0;
+    surroundings->link = can_relay_link(&surroundings->relay);
+    for (size_t i = 0; i < arguments->bus_count; i++) {
+        struct jp_can_link link;
+        char error[256];
+
+        if (!jp_can_link_open(&link, arguments->buses[i], error, sizeof error)) {
+            error_line("%s", error);
+            surroundings->link.close(surroundings->link.port.context);
+            return false;
+        }
+        (void)can_relay_add(&surroundings->relay, &link);
+    }
+    return true;
+}
+
+static bool open_surroundings(struct surroundings *surroundings, const struct arguments *arguments,
+                              const struct scenario *scenario)
+{
+    if (strcmp(arguments->buses[0], IN_PROCESS) == 0) {
+        return start_ecu(surroundings, scenario);
+    }
+    return open_links(surroundings, arguments);
+}
+
+/* The result. */
+
+static void print_bus(const struct bus_mission *result, enum bus_mission_pace pace)
+{
+    const struct bus_drive *drive = &result->drive;
+
+    (void)printf("\n%-44s %10" PRIu64 "\n", "ticks with the motors on", drive->ticks_driven);
+    (void)printf("%-44s %10" PRIu64 "  (%.4f %%)\n", "of those, commands that missed their deadline", drive->late,
+                 drive->ticks_driven == 0 ? 0.0 : 100.0 * (double)drive->late / (double)drive->ticks_driven);
+    if (pace == BUS_MISSION_REAL_TIME) {
+        (void)printf("%-44s %10" PRIu64 "\n", "periods that the plant's own timer missed", result->missed_periods);
+        (void)printf("%-44s %10.0f\n", "its worst lateness, us", result->worst_lateness_us);
+    }
+    (void)printf("%-44s %10" PRIu64 "\n", "motor commands with a wrong CRC", drive->plant.crc_errors);
+    (void)printf("%-44s %10" PRIu64 "\n", "motor commands out of sequence", drive->plant.sequence_errors);
+    (void)printf("%-44s %10" PRIu64 "\n", "times that the bridges fell silent", drive->plant.silences);
+    (void)printf("%-44s %016" PRIx64 "\n", "fingerprint of trajectory and energies", result->fingerprint);
+}
+
+static json_t *bus_json(const struct bus_mission *result, enum bus_mission_pace pace)
+{
+    const struct bus_drive *drive = &result->drive;
+    char fingerprint[17];
+
+    (void)snprintf(fingerprint, sizeof fingerprint, "%016" PRIx64, result->fingerprint);
+    return json_pack("{s:s, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:s}", "pace", pace_names[pace], "ticks_driven",
+                     (json_int_t)drive->ticks_driven, "commands_late", (json_int_t)drive->late, "timer_missed",
+                     (json_int_t)result->missed_periods, "timer_worst_us", result->worst_lateness_us,
+                     "motor_crc_errors", (json_int_t)drive->plant.crc_errors, "motor_sequence_errors",
+                     (json_int_t)drive->plant.sequence_errors, "bridge_silences", (json_int_t)drive->plant.silences,
+                     "fingerprint", fingerprint);
+}
+
+static json_t *summary(const struct scenario *scenario, const struct bus_mission *result, enum bus_mission_pace pace)
+{
+    json_t *value = mission_json(scenario, &result->mission, 1);
+
+    (void)json_object_set_new(value, "bus", bus_json(result, pace));
+    return value;
+}
+
+static bool drive(const struct arguments *arguments, const struct scenario *scenario, struct surroundings *surroundings)
+{
+    static struct bus_mission result;
+    struct output outputs[2];
+
+    if (!output_directory(arguments->output) ||
+        !output_open(&outputs[0], arguments->output, mission_log_name(MISSION_OPTIMAL))) {
+        return false;
+    }
+
+    const struct mission_view view = {.log = outputs[0].stream, .progress = mission_name(MISSION_OPTIMAL)};
+
+    if (!bus_mission_run(&result, scenario, &surroundings->link, arguments->pace, &view)) {
+        output_discard(outputs, 1);
+        return false;
+    }
+    mission_print(&result.mission);
+    print_bus(&result, arguments->pace);
+    if (!output_open_json(&outputs[1], arguments->output, "summary.json",
+                          summary(scenario, &result, arguments->pace))) {
+        output_discard(outputs, 1);
+        return false;
+    }
+    return output_commit(outputs, 2);
+}
+
+static bool host(const struct arguments *arguments, const struct scenario *scenario, struct surroundings *surroundings)
+{
+    static struct bus_mission result;
+    const bool done = bus_mission_host(&result, scenario, &surroundings->link, arguments->pace, arguments->host_seconds,
+                                       &stop_requested);
+
+    print_bus(&result, arguments->pace);
+    return done;
+}
+
+static bool run(const struct arguments *arguments)
+{
+    static struct surroundings surroundings;
+    struct scenario scenario;
+    bool done;
+
+    if (!scenario_load(arguments->scenario, &scenario) || !open_surroundings(&surroundings, arguments, &scenario)) {
+        return false;
+    }
+    (void)printf("jp-plant: %s, robot %s on %s, %s\n", scenario.name, scenario.robot.name, arguments->buses[0],
+                 pace_names[arguments->pace]);
+    (void)fflush(stdout);
+    if (arguments->pace == BUS_MISSION_REAL_TIME) {
+        (void)real_time_claim();
+    }
+    done = arguments->hosts ? host(arguments, &scenario, &surroundings) : drive(arguments, &scenario, &surroundings);
+    surroundings.link.close(surroundings.link.port.context);
+    return done;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"bus", 'b', "BUS", 0,
+         IN_PROCESS ", can:INTERFACE, slcan:DEVICE or pty:NAME; again for more, frames are passed on between them", 0},
+        {"pace", 'p', "PACE", 0, "lockstep, paced (lockstep, not ahead of the clock) or real-time (lockstep)", 0},
+        {"output", 'o', "DIR", 0, "where summary.json and the log go", 0},
+        {"host", 'h', "SECONDS", OPTION_ARG_OPTIONAL,
+         "be only the body, for an operator elsewhere on the bus; until stopped, or for some simulated seconds", 0},
+        {0},
+    };
+    static const struct argp argp = {options,
+                                     parse_option,
+                                     "SCENARIO.cfg",
+                                     "Simulates a robot on a CAN bus and drives a scenario's route over it.",
+                                     NULL,
+                                     NULL,
+                                     NULL};
+    struct arguments arguments = {.pace = BUS_MISSION_LOCKSTEP};
+    const struct sigaction action = {.sa_handler = request_stop};
+
+    argp_err_exit_status = ERROR_EXIT;
+    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
+    return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
+}
