@@ -18,7 +18,9 @@ static uint32_t time_ms(const struct bus_drive *drive)
 static void take(struct bus_drive *drive, const struct jp_can_frame *frame)
 {
     (void)plant_node_accept(&drive->plant, frame);
-    operator_accept(&drive->operator, frame);
+    if (!drive->conditions.operator_silent) {
+        operator_accept(&drive->operator, frame);
+    }
     ecu_view_accept(&drive->view, frame);
 }
 
@@ -81,7 +83,9 @@ bool bus_drive_lockstep(struct bus_drive *drive)
     if (drive->tick == 0 && !give_tick(drive, TICK_POWER_OFF)) {
         return false;
     }
-    operator_tick(&drive->operator, time_ms(drive), &drive->link.port);
+    if (!drive->conditions.operator_silent) {
+        operator_tick(&drive->operator, time_ms(drive), &drive->link.port);
+    }
     if (!drive->conditions.plant_paused) {
         plant_node_sense(&drive->plant, &drive->link.port);
     }

@@ -17,9 +17,10 @@
 
 /** What happens to the ECU and the plant in a tick. */
 struct bus_drive_conditions {
-    bool ecu_reset;    /**< the ECU has no power */
-    bool ecu_bus_off;  /**< its CAN controller is off the bus */
-    bool plant_paused; /**< the plant stands still and sends nothing, while the ECU goes on */
+    bool ecu_reset;       /**< the ECU has no power */
+    bool ecu_bus_off;     /**< its CAN controller is off the bus */
+    bool plant_paused;    /**< the plant stands still and sends nothing, while the ECU goes on */
+    bool operator_silent; /**< the operator neither sends nor hears */
 };
 
 struct bus_drive {

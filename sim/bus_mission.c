@@ -1,10 +1,10 @@
 #include "bus_mission.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "../hal/linux/periodic.h"
 #include "error.h"
+#include "fingerprint.h"
 #include "progress.h"
 
 #define DEGREES     (180 / M_PI)
@@ -17,10 +17,6 @@
 
 /** A route takes at most this long, s. */
 #define MISSION_TIME_MAX 3600.0
-
-/** FNV-1a, 64 bits. */
-#define FINGERPRINT_START UINT64_C(0xCBF29CE484222325)
-#define FINGERPRINT_PRIME UINT64_C(0x100000001B3)
 
 /** A mission in progress. */
 struct run {
@@ -55,26 +51,17 @@ static double seconds(const struct run *run, uint64_t ticks)
 
 /* The fingerprint. */
 
-static void mix(uint64_t *fingerprint, const void *bytes, size_t size)
-{
-    const unsigned char *byte = bytes;
-
-    for (size_t i = 0; i < size; i++) {
-        *fingerprint = (*fingerprint ^ byte[i]) * FINGERPRINT_PRIME;
-    }
-}
-
 static void note_fingerprint(struct run *run)
 {
     const struct plant *plant = plant_of(run);
     const struct ecu_view *view = &run->result->drive.view;
 
-    mix(&run->result->fingerprint, &plant->x, sizeof plant->x);
-    mix(&run->result->fingerprint, &plant->y, sizeof plant->y);
-    mix(&run->result->fingerprint, &plant->state, sizeof plant->state);
-    mix(&run->result->fingerprint, &plant->ledger, sizeof plant->ledger);
-    mix(&run->result->fingerprint, &view->spent.energy, sizeof view->spent.energy);
-    mix(&run->result->fingerprint, &view->drawn.energy, sizeof view->drawn.energy);
+    fingerprint_add(&run->result->fingerprint, &plant->x, sizeof plant->x);
+    fingerprint_add(&run->result->fingerprint, &plant->y, sizeof plant->y);
+    fingerprint_add(&run->result->fingerprint, &plant->state, sizeof plant->state);
+    fingerprint_add(&run->result->fingerprint, &plant->ledger, sizeof plant->ledger);
+    fingerprint_add(&run->result->fingerprint, &view->spent.energy, sizeof view->spent.energy);
+    fingerprint_add(&run->result->fingerprint, &view->drawn.energy, sizeof view->drawn.energy);
 }
 
 /* The log. */
@@ -296,7 +283,7 @@ static size_t percent_done(const struct run *run)
 
 static bool drive_route(struct run *run)
 {
-    const struct operator *operator= & run->result->drive.operator;
+    const struct operator* operator= & run->result->drive.operator;
 
     while (operator->state != OPERATOR_DONE || run->leg<run->result->mission.leg_count) {
         if (!tick(run)) {

@@ -42,26 +42,47 @@ void jp_e2e_protect(uint8_t *counter, uint8_t data_id, uint8_t *message, size_t 
     jp_e2e_protect_group(counter, data_id, message, length, NULL, 0);
 }
 
-/** Compares the counter with the last one; any right message is the next one's predecessor, but for a repeated one. */
-static enum jp_e2e_result follow(struct jp_e2e_receiver *receiver, uint8_t counter)
+static unsigned steps(uint8_t from, uint8_t to)
 {
-    unsigned step = (unsigned)(counter - receiver->counter) & COUNTER_MASK;
-    bool was_synchronised = receiver->synchronised;
+    return ((unsigned)to - from) & COUNTER_MASK;
+}
 
-    if (receiver->started && step == 0U) {
-        return JP_E2E_REPEATED;
-    }
+static enum jp_e2e_result use(struct jp_e2e_receiver *receiver, uint8_t counter, unsigned step)
+{
     receiver->counter = counter;
-    if (!receiver->started) {
-        receiver->started = true;
-        return JP_E2E_FIRST;
-    }
-    receiver->synchronised = step == 1U || (was_synchronised && step <= JP_E2E_GAP_MAX + 1U);
-    if (!receiver->synchronised) {
-        return JP_E2E_SEQUENCE;
-    }
+    receiver->synchronised = true;
+    receiver->doubted = false;
     receiver->gap = (uint8_t)(step - 1U);
     return JP_E2E_OK;
+}
+
+/** Out of place: an old message, or the first after a long gap. The next one tells. */
+static enum jp_e2e_result doubt(struct jp_e2e_receiver *receiver, uint8_t counter)
+{
+    const bool first = !receiver->synchronised && !receiver->doubted;
+
+    if (receiver->doubted && receiver->doubtful == counter) {
+        return JP_E2E_REPEATED;
+    }
+    if (receiver->doubted && steps(receiver->doubtful, counter) == 1U) {
+        return use(receiver, counter, 1);
+    }
+    receiver->doubted = true;
+    receiver->doubtful = counter;
+    return first ? JP_E2E_FIRST : JP_E2E_SEQUENCE;
+}
+
+static enum jp_e2e_result follow(struct jp_e2e_receiver *receiver, uint8_t counter)
+{
+    const unsigned step = steps(receiver->counter, counter);
+
+    if (receiver->synchronised && step == 0U) {
+        return JP_E2E_REPEATED;
+    }
+    if (receiver->synchronised && step <= JP_E2E_GAP_MAX + 1U) {
+        return use(receiver, counter, step);
+    }
+    return doubt(receiver, counter);
 }
 
 enum jp_e2e_result jp_e2e_check_group(struct jp_e2e_receiver *receiver, uint8_t data_id, const uint8_t *message,

@@ -28,7 +28,7 @@ enum jp_e2e_result jp_route_link_accept_offer(struct jp_route_link *link, const 
     link->offered_crc = signals.route_crc;
     link->received = 0;
     link->crc = JP_ROUTE_CRC_START;
-    link->waypoint_receiver = (struct jp_e2e_receiver){.started = false};
+    link->waypoint_receiver = (struct jp_e2e_receiver){.synchronised = false};
     if (!jp_can_route_offer_route_id_is_in_range(signals.route_id) ||
         !jp_can_route_offer_length_is_in_range(signals.length)) {
         reject(link, JP_REASON_LENGTH);

@@ -12,7 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** More messages lost than this cannot be told from old ones: then two that follow each other are needed. */
+/** After more lost messages than this the next one could be an old one, too: then two that follow each other are
+ * needed, as at the start. */
 #define JP_E2E_GAP_MAX 6U
 
 /** Shortest message, bytes. */
@@ -26,12 +27,14 @@ enum jp_e2e_result {
     JP_E2E_CRC       /**< do not use it: corrupt, or another message */
 };
 
-/** What a receiver keeps for each message; zero-initialised at the start. */
+/** What a receiver keeps for each message; zero-initialised at the start. A late message changes nothing for those that
+ *  come in time. */
 struct jp_e2e_receiver {
-    uint8_t counter;   /**< of the last message that was right in itself */
-    bool started;      /**< there was one */
-    bool synchronised; /**< the last one was in sequence */
-    uint8_t gap;       /**< messages lost before the last one that was used */
+    uint8_t counter;   /**< of the last message that was used */
+    bool synchronised; /**< there was one */
+    bool doubted;      /**< a message came since then that was out of place */
+    uint8_t doubtful;  /**< its counter */
+    uint8_t gap;       /**< messages lost before the last one that was used; 0 after a doubtful one */
 };
 
 /** The CRC-8H2F so far, before its final inversion: begins with JP_E2E_CRC_START. 2 table look-ups a byte. */

@@ -1,0 +1,91 @@
+/* Random missions over a bus on which things go wrong: no fall, no motion without a command, a stop in time, and the route
+ * driven once the bus is well. prop_bus --count N [--seed S] [--verbose] drives N of them. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../sim/bus_trial.h"
+#include "../../sim/rig.h"
+#include "unity.h"
+
+#define ROBOT_FILE "sim/robots/courier24.cfg"
+
+static unsigned long count = 12;
+static unsigned long first_seed = 1;
+static bool verbose;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void describe(const struct bus_trial *trial)
+{
+    (void)printf("seed %" PRIu64 ": %s%s, %.1f s, %u attempts, stop %.2f s %.2f m, off %.3f m, pitch %.1f deg;",
+                 trial->seed, bus_trial_end_name(trial->end), trial->excused ? " (sensors alone do it)" : "",
+                 trial->ticks / 1000.0, trial->attempts, trial->stop_seconds, trial->stop_metres, trial->end_error,
+                 trial->peak_pitch_deg);
+    for (size_t i = 0; i < trial->fault_count; i++) {
+        const struct bus_trial_fault *fault = &trial->faults[i];
+
+        (void)printf(" %s %" PRIu64 "-%" PRIu64 " %.2f", bus_trial_fault_name(fault->kind), fault->from, fault->until,
+                     fault->share);
+    }
+    (void)printf("\n");
+}
+
+static void test_random_missions_with_faults(void)
+{
+    const struct robot_entry *entry = rig_find_robot("courier24");
+    struct robot_file file;
+    unsigned long bad = 0;
+
+    TEST_ASSERT_NOT_NULL(entry);
+    TEST_ASSERT_TRUE(robot_file_load(ROBOT_FILE, &file));
+    (void)printf("%lu random missions from seed %lu\n", count, first_seed);
+    for (unsigned long i = 0; i < count; i++) {
+        struct bus_trial trial;
+
+        bus_trial_draw(&trial, first_seed + i);
+        TEST_ASSERT_TRUE(bus_trial_run(&trial, entry, &file));
+
+        const bool good = trial.end == BUS_TRIAL_DONE || trial.excused;
+
+        if (verbose || !good) {
+            describe(&trial);
+        }
+        bad += good ? 0 : 1;
+    }
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, (uint32_t)bad, "missions that ended badly");
+}
+
+static bool parse(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--verbose") == 0) {
+            verbose = true;
+        } else if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
+            count = strtoul(argv[++i], NULL, 10);
+        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
+            first_seed = strtoul(argv[++i], NULL, 10);
+        } else {
+            (void)fprintf(stderr, "usage: %s [--count N] [--seed S] [--verbose]\n", argv[0]);
+            return false;
+        }
+    }
+    return count > 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (!parse(argc, argv)) {
+        return 2;
+    }
+    UNITY_BEGIN();
+    RUN_TEST(test_random_missions_with_faults);
+    return UNITY_END();
+}
