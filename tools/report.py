@@ -86,7 +86,8 @@ def read_summary(path):
         for j, segment in enumerate(strategy["segments"]):
             _need_numbers(path, f"{place}.segments[{j}]", segment, SEGMENT_KEYS)
         _need_numbers(path, f"{place}.total", strategy["total"], TOTAL_KEYS)
-    _need_numbers(path, "simulation", summary["simulation"], ("ticks", "wall_s", "real_time_factor"))
+    if summary["simulation"] is not None:
+        _need_numbers(path, "simulation", summary["simulation"], ("ticks", "wall_s", "real_time_factor"))
     return summary
 
 
@@ -266,6 +267,12 @@ def figures(strategies, waypoints):
 
 # ---- page ----------------------------------------------------------------------------------------------------------
 
+def origin(summary):
+    """Who drove and how, as far as it is known."""
+    named = (("Robot", "robot"), ("energy model", "energy_model"), ("seed", "seed"))
+    return " · ".join(f"{label} {summary[key]}" for label, key in named if summary[key] is not None)
+
+
 def headlines(summary):
     """(value, label) of the numbers at the top."""
     first = summary["strategies"][0]
@@ -279,7 +286,8 @@ def headlines(summary):
         extra = 100 * (other["total"]["measured_energy_j"] / total["measured_energy_j"] - 1)
         sign = "+" if extra >= 0 else ""
         cards.append((sign + format_number(extra, 2, "%"), f"{other['title']}: energy in comparison"))
-    cards.append((format_number(summary["simulation"]["real_time_factor"], 0) + "×", "faster than real time"))
+    if summary["simulation"] is not None:
+        cards.append((format_number(summary["simulation"]["real_time_factor"], 0) + "×", "faster than real time"))
     return cards
 
 
@@ -304,7 +312,7 @@ def table4(summary):
 
 def render(summary, strategies):
     waypoints = np.array(summary["waypoints_m"], dtype=float)
-    return render_page("report.html.j2", summary=summary, headlines=headlines(summary),
+    return render_page("report.html.j2", summary=summary, origin=origin(summary), headlines=headlines(summary),
                        first=summary["strategies"][0], strategies=strategies, table4=table4(summary),
                        figures=figures(strategies, waypoints))
 

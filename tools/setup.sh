@@ -1,12 +1,16 @@
 #!/usr/bin/env bash
-# Installs what Joulepath needs on Debian 12 or Ubuntu 22.04 and 24.04: setup.sh [--yes] [sil|test]
+# Installs what Joulepath needs on Debian 12 or Ubuntu 22.04 and 24.04: setup.sh [--yes] [sil|vcan|test]
 #   sil   the compiler, the libraries of the simulator and the Python tools
+#   vcan  also the CAN tools and, where this kernel has no vcan, one to emulate (tools/with_vcan.sh)
 #   test  also the second compiler, the checkers, the Arm tool chain and QEMU (the default)
 # JP_SETUP=skip installs nothing and says what is missing. Exit status 2: something could not be installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. tools/vcan/common.sh
 
-sil_packages=(build-essential libccd-dev libconfig-dev libjansson-dev libnlopt-dev pkg-config python3-venv)
+sil_packages=(build-essential libccd-dev libconfig-dev libjansson-dev liblcm-dev libnlopt-dev pkg-config python3-venv)
+vcan_packages=(can-utils iproute2 util-linux)
+emulator_packages=(busybox-static qemu-system-x86 xz-utils)
 test_packages=(gcc-multilib clang cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
     qemu-system-arm)
 stamp=.venv/requirements.installed
@@ -82,7 +86,7 @@ install_packages() {
 }
 
 check_packages() {
-    mapfile -t missing < <(missing_packages "${packages[@]}")
+    mapfile -t missing < <(missing_packages "$@")
     if [ "$scope" = test ] && [ ${#missing[@]} -eq 0 ] && ! has_clang_runtime; then
         missing=(clang)
     fi
@@ -101,6 +105,29 @@ check_python() {
     cp tools/requirements.txt "$stamp"
 }
 
+# Only after the packages: the test of native vcan sends a frame.
+check_vcan() {
+    has_native_vcan && return
+    check_packages "${emulator_packages[@]}"
+    has_vcan_kernel && return
+    echo "setup: this kernel has no vcan; to fetch: a kernel to emulate, into .cache/vcan (70 MB)"
+    confirm
+    tools/vcan/kernel.sh
+}
+
+# What emulating a kernel lacks, where that is needed.
+missing_vcan() {
+    local tool
+    for tool in candump cansend ip unshare; do
+        command -v "$tool" >/dev/null || echo "$tool"
+    done
+    has_native_vcan && return
+    for tool in busybox qemu-system-x86_64; do
+        command -v "$tool" >/dev/null || echo "$tool"
+    done
+    has_vcan_kernel || echo "vcan in this kernel (or the kernel that tools/vcan/kernel.sh fetches)"
+}
+
 # For people who manage their own packages.
 report_missing() {
     local tool absent=()
@@ -113,8 +140,13 @@ report_missing() {
     for tool in ccd libconfig jansson nlopt; do
         pkg-config --exists "$tool" 2>/dev/null || absent+=("$tool")
     done
+    # Debian's lcm.pc asks for GLib's headers, which LCM's do not include.
+    gcc -E -include lcm/lcm.h -x c /dev/null >/dev/null 2>&1 || absent+=(lcm)
+    if [ "$scope" != sil ]; then
+        mapfile -t -O ${#absent[@]} absent < <(missing_vcan)
+    fi
     [ -x .venv/bin/python ] && python=.venv/bin/python
-    for tool in numpy scipy matplotlib jinja2 PIL yaml pytest xdist junitparser; do
+    for tool in numpy scipy matplotlib jinja2 PIL yaml cantools can lcm rich pytest xdist junitparser; do
         "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$tool') is None)" 2>/dev/null ||
             absent+=("python module $tool")
     done
@@ -128,16 +160,18 @@ scope=test
 for argument in "$@"; do
     case $argument in
     --yes) yes=1 ;;
-    sil | test) scope=$argument ;;
-    *) die "usage: tools/setup.sh [--yes] [sil|test]" ;;
+    sil | vcan | test) scope=$argument ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|vcan|test]" ;;
     esac
 done
 
 packages=("${sil_packages[@]}")
+[ "$scope" = sil ] || packages+=("${vcan_packages[@]}")
 [ "$scope" = test ] && packages+=("${test_packages[@]}")
 if [ "${JP_SETUP:-}" = skip ]; then
     report_missing
     exit 0
 fi
-check_packages
+check_packages "${packages[@]}"
 check_python
+[ "$scope" = sil ] || check_vcan

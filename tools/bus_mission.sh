@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Drives a scenario with controller and robot as two programs: bus_mission.sh BUS SCENARIO DIR
+#   BUS  vcan (vcan0 is there; see with_vcan.sh) or slcan (a pseudo-terminal)
+# Writes the report's data and, on vcan, the frames of the bus to DIR. Exit status 2: one line says why.
+set -uo pipefail
+
+die() {
+    echo "bus_mission: $*" >&2
+    exit 2
+}
+
+[ $# -eq 3 ] || die "usage: tools/bus_mission.sh vcan|slcan SCENARIO DIR"
+bus=$1 scenario=$2 output=$3
+programs=${JP_BUILD:-$(dirname "$0")/../build}/bin
+mkdir -p "$output" || die "$output: cannot be made; choose another folder"
+
+robot=$(sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p' "$scenario")
+[ -n "$robot" ] || die "$scenario: names no robot; add robot = \"../robots/name.cfg\";"
+model=$(sed -n 's/^energy_model *= *"\([a-z]*\)".*/\1/p' "$scenario")
+
+case $bus in
+vcan)
+    plant_bus=can:vcan0 ecu_bus=can:vcan0
+    candump -L vcan0 >"$output/candump.log" &
+    ;;
+slcan)
+    line=$(mktemp -u)
+    plant_bus=pty:$line ecu_bus=slcan:$line
+    ;;
+*) die "BUS=$bus: must be vcan or slcan" ;;
+esac
+trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT
+
+"$programs/jp-plant" "$scenario" --bus "$plant_bus" --output "$output" &
+plant=$!
+if [ "$bus" = slcan ]; then
+    for _ in $(seq 100); do
+        [ -e "$line" ] && break
+        sleep 0.05
+    done
+fi
+"$programs/jp-ecu" --bus "$ecu_bus" --robot "$robot" --model "${model:-identified}" >"$output/ecu.log" &
+ecu=$!
+wait "$plant"
+status=$?
+kill "$ecu" 2>/dev/null && wait "$ecu"
+sed 's/^/  /' "$output/ecu.log"
+exit "$status"
