@@ -24,6 +24,7 @@
 #define STAND_TICKS    2000U /* at the end */
 #define ATTEMPTS_MAX   5U
 #define STANDS_BELOW   0.1  /* m/s */
+#define STANDS_WITHIN  0.25 /* m: a push or a corrupt command may make it step */
 #define FALLEN_DEGREES 40.0 /* the tilt limit of courier24 */
 #define ASTRAY_METRES  0.5
 
@@ -37,6 +38,8 @@ struct run {
     uint64_t commanded; /**< the last tick with a Drive command */
     double commanded_x; /**< where the robot was then, m */
     double commanded_y;
+    double stood_x; /**< when it had to stand, m */
+    double stood_y;
     uint64_t stood; /**< ticks since the route was done */
 };
 
@@ -102,7 +105,7 @@ static bool is_outage(enum bus_trial_fault_kind kind)
 static double draw_span(enum bus_trial_fault_kind kind, struct random *random)
 {
     if (is_outage(kind)) {
-        return random_uniform(random, 1, BUS_TRIAL_OUTAGE_MAX + 1);
+        return floor(random_uniform(random, 1, BUS_TRIAL_OUTAGE_MAX + 1));
     }
     if (kind == BUS_TRIAL_SENSOR_FREEZE) {
         return random_uniform(random, 1, FREEZE_MAX);
@@ -134,7 +137,7 @@ static void draw_fault(struct bus_trial *trial, struct random *random)
 
         fault->kind = (enum bus_trial_fault_kind)random_uniform(random, 0, BUS_TRIAL_KINDS);
         fault->from = (uint64_t)from;
-        fault->until = (uint64_t)(from + draw_span(fault->kind, random));
+        fault->until = fault->from + (uint64_t)draw_span(fault->kind, random);
     } while (collides(trial, fault));
     fault->share = random_uniform(random, 0, BUS_TRIAL_SHARE_MAX);
     fault->strength = fault->kind == BUS_TRIAL_DELAY ? DELAY_MAX : FLIP_MAX;
@@ -266,21 +269,30 @@ static bool moves(const struct run *run)
     return fabs(world->plant.state.wheel_rate * world->robot.wheel.radius_m) > STANDS_BELOW;
 }
 
-/** False when it moves although it should stand by now. */
+static void note_stop(struct run *run, double since)
+{
+    const struct plant *plant = &run->drive->plant.world.plant;
+    struct bus_trial *trial = run->trial;
+
+    if (moves(run)) {
+        trial->stop_seconds = fmax(trial->stop_seconds, since);
+        trial->stop_metres = fmax(trial->stop_metres, hypot(plant->x - run->commanded_x, plant->y - run->commanded_y));
+    }
+    run->stood_x = plant->x;
+    run->stood_y = plant->y;
+}
+
+/** False when it goes away from where it should stand by now. */
 static bool watch_motion(struct run *run)
 {
     const struct plant *plant = &run->drive->plant.world.plant;
     const double since = (double)(run->drive->tick - run->commanded) / run->rate;
 
-    if (!moves(run)) {
+    if (since <= BUS_TRIAL_STOP_MAX) {
+        note_stop(run, since);
         return true;
     }
-    if (since > run->trial->stop_seconds) {
-        run->trial->stop_seconds = since;
-        run->trial->stop_metres =
-            fmax(run->trial->stop_metres, hypot(plant->x - run->commanded_x, plant->y - run->commanded_y));
-    }
-    return since <= BUS_TRIAL_STOP_MAX;
+    return hypot(plant->x - run->stood_x, plant->y - run->stood_y) < STANDS_WITHIN;
 }
 
 static bool watch_balance(struct run *run)
@@ -385,6 +397,7 @@ void bus_trial_run_on(struct bus_trial *trial, const struct robot_file *file, co
     while (step(run)) {
     }
     trial->ticks = drive->tick;
+    trial->robot_faults = drive->view.errors.faults;
     trial->end_error = end_error(run);
     if (trial->end == BUS_TRIAL_DONE && trial->end_error > ASTRAY_METRES) {
         trial->end = BUS_TRIAL_ASTRAY;
@@ -457,11 +470,11 @@ bool bus_trial_run(struct bus_trial *trial, const struct robot_entry *entry, con
         abort();
     }
     ran = run_local(trial, entry, file, local);
-    if (ran && trial->end == BUS_TRIAL_FELL) {
+    if (ran && trial->end != BUS_TRIAL_DONE) {
         struct bus_trial rest = only_sensors(trial);
 
         ran = run_local(&rest, entry, file, local);
-        trial->excused = rest.end == BUS_TRIAL_FELL;
+        trial->excused = rest.end == trial->end;
     }
     free(local);
     return ran;

@@ -2,9 +2,9 @@
  * A short random mission over a bus on which things go wrong, one at a time or several together, as a seed draws them.
  *
  * What the controller promises: outages of at most BUS_TRIAL_OUTAGE_MAX ticks, BUS_TRIAL_OUTAGE_GAP apart, and up to
- * BUS_TRIAL_SHARE_MAX of the frames lost, late, swapped, repeated or corrupt do not make the robot fall. Without commands
- * it stands BUS_TRIAL_STOP_MAX seconds later. Whatever comes over the bus, it drives only where the operator sends it, and
- * once the bus is well again it finishes the route.
+ * BUS_TRIAL_SHARE_MAX of the frames lost, late, swapped, repeated or corrupt do not make the robot fall. Without
+ * commands it stands BUS_TRIAL_STOP_MAX seconds later. Whatever comes over the bus, it drives only where the operator
+ * sends it, and once the bus is well again it finishes the route.
  */
 #ifndef JOULEPATH_SIM_BUS_TRIAL_H
 #define JOULEPATH_SIM_BUS_TRIAL_H
@@ -64,13 +64,14 @@ struct bus_trial {
     size_t fault_count;
 
     enum bus_trial_end end;
-    bool excused; /**< it fell, and does so as well when nothing but the sensor's fault is left */
+    bool excused; /**< it ended badly, and does so as well when only the sensors' faults are left */
     uint32_t ticks;
     uint32_t attempts;   /**< to drive the route */
     double stop_seconds; /**< longest from a last command until it stood; 0: was never needed */
     double stop_metres;  /**< and how far it went in that time */
     double end_error;    /**< m */
     double peak_pitch_deg;
+    uint16_t robot_faults; /**< enum jp_fault bits that the ECU reported last */
     uint64_t fingerprint;
 };
 

@@ -45,18 +45,11 @@ void jp_reference_start(struct jp_reference *reference, const struct jp_referenc
     };
 }
 
-/** A critically damped tracker whose target is 2τ times its rate ahead comes to rest there without turning back. */
 static void coast(struct jp_reference_axis *axis, jp_q16 bandwidth, jp_q24 rate)
 {
-    if (bandwidth == 0) {
-        return;
+    if (bandwidth != 0) {
+        axis->rate = rate;
     }
-
-    /* Turns in Q24, then as a phase in 2⁻⁵⁶. */
-    int64_t way = (int64_t)rate * (2 * JP_Q16_ONE) / bandwidth;
-
-    axis->rate = rate;
-    axis->target += (jp_phase)way << 32;
 }
 
 void jp_reference_coast(struct jp_reference *reference, const struct jp_reference_config *config, jp_q24 wheel_rate,

@@ -41,8 +41,9 @@ static void send(struct jp_ecu *ecu, const struct jp_can_frame *frame, bool *sen
 static enum jp_status read_sample(void *context, struct jp_sensors *sensors)
 {
     struct jp_ecu *ecu = context;
+    const struct jp_monitor *monitor = &ecu->robot.monitor;
 
-    return jp_sample_link_read(&ecu->samples, sensors);
+    return jp_sample_link_read(&ecu->samples, monitor->started ? &monitor->good : &ecu->samples.sample, sensors);
 }
 
 /** The bridges hold their duty for as long as the samples are held, so a short silence is no failure. */
@@ -76,6 +77,9 @@ static void resume(struct jp_ecu *ecu, const struct jp_retained_slot *record)
 {
     ecu->resets = record->resets + 1U;
     jp_robot_resume(&ecu->robot, &record->snapshot);
+    /* A sample holds only the low bits of the counts; they go on from those of the record. */
+    jp_sample_link_resume(&ecu->samples, record->snapshot.estimator.encoder_left,
+                          record->snapshot.estimator.encoder_right);
     if (record->snapshot.balancing) {
         ecu->operator_link.mode = JP_MODE_STAND;
         ecu->operator_link.state = JP_OPERATOR_LOST;
@@ -98,7 +102,7 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *con
         return status;
     }
     ecu->hal = (struct jp_hal){.context = ecu, .read = read_sample, .write = write_motor_command, .time_us = time_us};
-    jp_sample_link_start(&ecu->samples);
+    jp_sample_link_start(&ecu->samples, &config->monitor);
     jp_operator_link_start(&ecu->operator_link, config->estimator.tick_rate);
     jp_route_link_start(&ecu->routes);
     record = retained == NULL ? NULL : jp_retained_newest(retained);
@@ -125,6 +129,20 @@ static const struct {
     {JP_CAN_WAYPOINT_FRAME_ID, JP_CAN_WAYPOINT_LENGTH, OPERATOR},
     {JP_CAN_GOAL_FRAME_ID, JP_CAN_GOAL_LENGTH, OPERATOR},
     {JP_CAN_ECU_STATUS_FRAME_ID, JP_CAN_ECU_STATUS_LENGTH, OWN},
+    {JP_CAN_ECU_ERRORS_FRAME_ID, JP_CAN_ECU_ERRORS_LENGTH, OWN},
+    {JP_CAN_ECU_LOSSES_FRAME_ID, JP_CAN_ECU_LOSSES_LENGTH, OWN},
+    {JP_CAN_ROUTE_STATUS_FRAME_ID, JP_CAN_ROUTE_STATUS_LENGTH, OWN},
+    {JP_CAN_POSE_FRAME_ID, JP_CAN_POSE_LENGTH, OWN},
+    {JP_CAN_MOTION_FRAME_ID, JP_CAN_MOTION_LENGTH, OWN},
+    {JP_CAN_REFERENCE_FRAME_ID, JP_CAN_REFERENCE_LENGTH, OWN},
+    {JP_CAN_MOTORS_FRAME_ID, JP_CAN_MOTORS_LENGTH, OWN},
+    {JP_CAN_ENERGY_SPENT_FRAME_ID, JP_CAN_ENERGY_SPENT_LENGTH, OWN},
+    {JP_CAN_ENERGY_DRAWN_FRAME_ID, JP_CAN_ENERGY_DRAWN_LENGTH, OWN},
+    {JP_CAN_SEGMENT_MOTION_FRAME_ID, JP_CAN_SEGMENT_MOTION_LENGTH, OWN},
+    {JP_CAN_SEGMENT_SHAPE_FRAME_ID, JP_CAN_SEGMENT_SHAPE_LENGTH, OWN},
+    {JP_CAN_SEGMENT_FORECAST_FRAME_ID, JP_CAN_SEGMENT_FORECAST_LENGTH, OWN},
+    {JP_CAN_SEGMENT_RESULT_FRAME_ID, JP_CAN_SEGMENT_RESULT_LENGTH, OWN},
+    {JP_CAN_ENERGY_PARAMETER_FRAME_ID, JP_CAN_ENERGY_PARAMETER_LENGTH, OWN},
     {JP_CAN_BATTERY_STATUS_FRAME_ID, JP_CAN_BATTERY_STATUS_LENGTH, OTHERS},
 };
 #define KNOWN (sizeof known / sizeof known[0])
@@ -369,14 +387,16 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
     }
 }
 
-/** Notices that the driven route has ended. */
-static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state)
+/** Notices that the driven route has ended. The robot also stands when the plan of the next segment is late. */
+static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state, bool segment_waits)
 {
+    const bool segment_left = segment_waits || ecu->robot.route_planned < ecu->robot.route_length;
+
     if (state == JP_ROBOT_DRIVING) {
         ecu->drove = true;
     } else if (state != JP_ROBOT_BALANCING) {
         jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
-    } else if (ecu->drove) {
+    } else if (ecu->drove && !segment_left) {
         ecu->drove = false;
         jp_route_link_end(&ecu->routes, JP_ROUTE_DONE, JP_REASON_NONE);
     }
@@ -406,11 +426,14 @@ static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
 void jp_ecu_work(struct jp_ecu *ecu)
 {
     struct jp_telemetry telemetry;
+    bool segment_waits;
 
     take_commands(ecu);
     pass_time(ecu);
+    /* Before the state is read: one that does not wait any more shows in it. */
+    segment_waits = __atomic_load_n(&ecu->robot.next_full, __ATOMIC_ACQUIRE) != 0U;
     jp_robot_telemetry(&ecu->robot, &telemetry);
-    watch_route(ecu, telemetry.state);
+    watch_route(ecu, telemetry.state, segment_waits);
     obey(ecu, telemetry.state);
     plan(ecu, &telemetry);
 }

@@ -58,7 +58,9 @@ struct jp_ecu {
     uint16_t conflict_ticks; /**< for which another controller still counts as present */
     uint32_t tick;           /**< since the start, wrapping */
     uint16_t segments_reported;
-    uint8_t parameter; /**< of the energy model, sent next */
+    uint8_t parameter;      /**< of the energy model, sent next */
+    uint8_t schedule_ms;    /**< millisecond of the telemetry's schedule that comes next */
+    uint32_t schedule_wait; /**< until then, 1/1000 tick */
 
     /* Of the background. */
     struct jp_operator_link operator_link;

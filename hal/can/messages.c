@@ -56,9 +56,8 @@ enum jp_e2e_result jp_message_to_actuation(struct jp_e2e_receiver *receiver, con
     }
     *actuation = (struct jp_actuation){.enabled = signals.enabled};
     if (signals.enabled != 0U) {
-        /* The signal holds one step more than Q31 can. */
-        actuation->duty_left = jp_saturate32((int64_t)signals.duty_left * ((int64_t)1 << DUTY_SHIFT));
-        actuation->duty_right = jp_saturate32((int64_t)signals.duty_right * ((int64_t)1 << DUTY_SHIFT));
+        actuation->duty_left = from_signal(signals.duty_left, DUTY_SHIFT);
+        actuation->duty_right = from_signal(signals.duty_right, DUTY_SHIFT);
     }
     return JP_E2E_OK;
 }

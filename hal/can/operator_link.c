@@ -7,12 +7,12 @@ void jp_operator_link_start(struct jp_operator_link *link, uint32_t tick_rate)
     *link = (struct jp_operator_link){.state = JP_OPERATOR_NONE, .timeout = tick_rate * JP_OPERATOR_TIMEOUT_MS / 1000U};
 }
 
-/** Counts equal commands that follow each other without a gap. */
-static void confirm(struct jp_operator_link *link, enum jp_operator_mode mode, uint8_t route)
+/** Counts equal commands that follow each other without a gap, `before` being the counter of the last one. */
+static void confirm(struct jp_operator_link *link, uint8_t before, enum jp_operator_mode mode, uint8_t route)
 {
-    const bool same = link->receiver.gap == 0U && link->heard == mode && link->heard_route == route;
+    const bool follows = link->receiver.counter == ((before + 1U) & 0x0FU);
 
-    if (!same) {
+    if (!follows || link->heard != mode || link->heard_route != route) {
         link->confirmations = 0;
     }
     if (link->confirmations < JP_OPERATOR_CONFIRMATIONS) {
@@ -32,7 +32,8 @@ static void obey(struct jp_operator_link *link)
     } else if (link->heard == JP_MODE_OFF && confirmed) {
         link->mode = JP_MODE_OFF;
         link->state = JP_OPERATOR_ALIVE;
-    } else if (link->heard == JP_MODE_DRIVE && confirmed && link->state == JP_OPERATOR_ALIVE) {
+    } else if (link->heard == JP_MODE_DRIVE && confirmed && link->state == JP_OPERATOR_ALIVE &&
+               link->mode != JP_MODE_OFF) {
         link->mode = JP_MODE_DRIVE;
         link->route = link->heard_route;
     }
@@ -41,6 +42,7 @@ static void obey(struct jp_operator_link *link)
 enum jp_operator_result jp_operator_link_accept(struct jp_operator_link *link, const struct jp_can_frame *frame)
 {
     struct jp_can_operator_command_t signals;
+    const uint8_t before = link->receiver.counter;
     enum jp_e2e_result result = jp_e2e_check(&link->receiver, JP_DATA_ID_OPERATOR_COMMAND, frame->data, frame->length);
 
     if (result == JP_E2E_FIRST) {
@@ -51,10 +53,11 @@ enum jp_operator_result jp_operator_link_accept(struct jp_operator_link *link, c
     }
     (void)jp_can_operator_command_unpack(&signals, frame->data, frame->length);
     if (!jp_can_operator_command_mode_is_in_range(signals.mode)) {
+        link->confirmations = 0;
         return JP_OPERATOR_MALFORMED;
     }
     link->silence = 0;
-    confirm(link, (enum jp_operator_mode)signals.mode, signals.route_id);
+    confirm(link, before, (enum jp_operator_mode)signals.mode, signals.route_id);
     obey(link);
     return JP_OPERATOR_OK;
 }

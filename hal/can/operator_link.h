@@ -2,8 +2,8 @@
  * Whoever commands the robot: listens to OperatorCommand and notices when it falls silent.
  *
  * Stand is obeyed at once. Off and Drive are obeyed when JP_OPERATOR_CONFIRMATIONS of them follow each other without a
- * gap, so that no corrupt or late frame switches the motors off or sets the robot moving. After a silence Drive is
- * obeyed only once a valid Stand has come.
+ * gap, so that no corrupt or late frame switches the motors off or sets the robot moving. After Off and after a silence
+ * Drive is obeyed only once a valid Stand has come.
  */
 #ifndef JOULEPATH_HAL_CAN_OPERATOR_LINK_H
 #define JOULEPATH_HAL_CAN_OPERATOR_LINK_H

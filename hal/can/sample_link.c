@@ -2,9 +2,19 @@
 
 #define ALL_PARTS ((1U << JP_SAMPLE_PARTS) - 1U)
 
-void jp_sample_link_start(struct jp_sample_link *link)
+/** A count that is farther from where it is expected is not the base of the next one: it would be put a turn of the
+ *  signal's bits away. */
+#define BASE_DISTANCE ((int32_t)1 << (JP_SAMPLE_COUNT_BITS - 3U))
+
+void jp_sample_link_start(struct jp_sample_link *link, const struct jp_monitor_config *limits)
 {
-    *link = (struct jp_sample_link){.started = false};
+    *link = (struct jp_sample_link){.limits = limits};
+}
+
+void jp_sample_link_resume(struct jp_sample_link *link, uint32_t encoder_left, uint32_t encoder_right)
+{
+    link->left.base = encoder_left;
+    link->right.base = encoder_right;
 }
 
 /** In the first two frames the sample's counter stands in the low bits of byte 0, in the last in those of byte 1. */
@@ -21,32 +31,71 @@ static bool parts_belong_together(const struct jp_sample_link *link)
            counter_of(&link->frames[JP_SAMPLE_BALANCE], JP_SAMPLE_BALANCE) == counter;
 }
 
-static int32_t counts_a_tick(uint32_t now, uint32_t before, uint16_t ticks)
+static int32_t distance(uint32_t from, uint32_t to)
 {
-    return (int32_t)(now - before) / (int32_t)ticks;
+    return (int32_t)(to - from);
 }
 
-static void note_pace(struct jp_sample_link *link, const struct jp_sensors *before)
+static bool within(int32_t value, int32_t limit)
 {
-    const uint16_t ticks = (uint16_t)(link->missed + 1U);
+    return value >= -limit && value <= limit;
+}
+
+/** The middle one of the last paces. */
+static int32_t pace(const struct jp_sample_encoder *encoder)
+{
+    for (unsigned i = 0; i < JP_SAMPLE_PACES; i++) {
+        unsigned below = 0;
+        unsigned equal = 0;
+
+        for (unsigned k = 0; k < JP_SAMPLE_PACES; k++) {
+            below += encoder->paces[k] < encoder->paces[i] ? 1U : 0U;
+            equal += encoder->paces[k] == encoder->paces[i] ? 1U : 0U;
+        }
+        if (below <= JP_SAMPLE_PACES / 2U && below + equal > JP_SAMPLE_PACES / 2U) {
+            return encoder->paces[i];
+        }
+    }
+    return 0;
+}
+
+static uint32_t expected(const struct jp_sample_encoder *encoder, uint16_t ticks)
+{
+    return encoder->base + (uint32_t)pace(encoder) * ticks;
+}
+
+/** After the sample's count has been put on the expected one. */
+static void note_count(struct jp_sample_link *link, struct jp_sample_encoder *encoder, uint32_t count, uint16_t ticks)
+{
+    const uint32_t believed = expected(encoder, ticks);
 
     if (link->started) {
-        link->counts_a_tick_left = counts_a_tick(link->sample.encoder_left, before->encoder_left, ticks);
-        link->counts_a_tick_right = counts_a_tick(link->sample.encoder_right, before->encoder_right, ticks);
+        encoder->paces[link->newest] = distance(encoder->last, count) / (int32_t)ticks;
     }
+    encoder->base = !link->started || within(distance(believed, count), BASE_DISTANCE) ? count : believed;
+    encoder->last = count;
 }
 
 static enum jp_e2e_result complete(struct jp_sample_link *link)
 {
-    const struct jp_sensors before = link->sample;
-    enum jp_e2e_result result = jp_message_to_sensors(&link->receiver, link->frames, &link->sample);
+    const uint16_t ticks = (uint16_t)(link->missed + 1U);
+    struct jp_sensors sample = link->sample;
+    enum jp_e2e_result result;
 
-    if (result == JP_E2E_OK) {
-        note_pace(link, &before);
-        link->fresh = true;
-        link->started = true;
+    sample.encoder_left = expected(&link->left, ticks);
+    sample.encoder_right = expected(&link->right, ticks);
+    result = jp_message_to_sensors(&link->receiver, link->frames, &sample);
+    if (result != JP_E2E_OK) {
+        return result;
     }
-    return result;
+    note_count(link, &link->left, sample.encoder_left, ticks);
+    note_count(link, &link->right, sample.encoder_right, ticks);
+    link->newest = (uint8_t)((link->newest + 1U) % JP_SAMPLE_PACES);
+    link->sample = sample;
+    link->catch_up = link->missed > link->catch_up ? link->missed : link->catch_up;
+    link->fresh = true;
+    link->started = true;
+    return JP_E2E_OK;
 }
 
 enum jp_e2e_result jp_sample_link_accept(struct jp_sample_link *link, enum jp_sample_part part,
@@ -64,32 +113,65 @@ enum jp_e2e_result jp_sample_link_accept(struct jp_sample_link *link, enum jp_sa
     return result;
 }
 
-static void go_on(struct jp_sample_link *link)
+/** From `good` towards `sample`, by half of what is plausible in a tick. */
+static uint32_t approach_count(uint32_t good, uint32_t sample, uint32_t limit)
 {
-    link->read.encoder_left += (uint32_t)link->counts_a_tick_left;
-    link->read.encoder_right += (uint32_t)link->counts_a_tick_right;
+    const int32_t step = (int32_t)(limit / 2U);
+    const int32_t left = distance(good, sample);
+
+    return within(left, step) ? sample : good + (uint32_t)(left > 0 ? step : -step);
 }
 
-enum jp_status jp_sample_link_read(struct jp_sample_link *link, struct jp_sensors *sensors)
+static jp_q24 approach_rate(jp_q24 good, jp_q24 sample, jp_q24 limit)
 {
-    if (link->fresh) {
-        link->fresh = false;
-        link->missed = 0;
-        link->read = link->sample;
-        *sensors = link->read;
-        return JP_OK;
+    const jp_q24 step = limit / 2;
+    const jp_q24 left = jp_sub(sample, good);
+
+    return within(left, step) ? sample : good + (left > 0 ? step : -step);
+}
+
+static void read_fresh(struct jp_sample_link *link, const struct jp_sensors *good, struct jp_sensors *sensors)
+{
+    const struct jp_monitor_config *limits = link->limits;
+
+    link->fresh = false;
+    link->missed = 0;
+    *sensors = link->sample;
+    if (link->catch_up == 0U) {
+        return;
     }
-    if (!link->started) {
-        return JP_ERR_HARDWARE;
-    }
+    link->catch_up--;
+    sensors->encoder_left = approach_count(good->encoder_left, link->sample.encoder_left, limits->encoder_jump);
+    sensors->encoder_right = approach_count(good->encoder_right, link->sample.encoder_right, limits->encoder_jump);
+    sensors->pitch_rate = approach_rate(good->pitch_rate, link->sample.pitch_rate, limits->gyro_jump);
+    sensors->yaw_rate = approach_rate(good->yaw_rate, link->sample.yaw_rate, limits->gyro_jump);
+}
+
+/** False when the gap is too long. */
+static bool bridge(struct jp_sample_link *link, const struct jp_sensors *good, struct jp_sensors *sensors)
+{
     if (link->lost < UINT16_MAX) {
         link->lost++;
     }
     if (link->missed >= JP_SAMPLE_HOLD_TICKS) {
-        return JP_ERR_HARDWARE;
+        return false;
     }
     link->missed++;
-    go_on(link);
-    *sensors = link->read;
-    return JP_OK;
+    *sensors = *good;
+    sensors->encoder_left += (uint32_t)pace(&link->left);
+    sensors->encoder_right += (uint32_t)pace(&link->right);
+    return true;
+}
+
+enum jp_status jp_sample_link_read(struct jp_sample_link *link, const struct jp_sensors *good,
+                                   struct jp_sensors *sensors)
+{
+    if (!link->started) {
+        return JP_ERR_HARDWARE;
+    }
+    if (link->fresh) {
+        read_fresh(link, good, sensors);
+        return JP_OK;
+    }
+    return bridge(link, good, sensors) ? JP_OK : JP_ERR_HARDWARE;
 }

@@ -7,6 +7,9 @@
 #define ANGLE_SHIFT   8U  /* Q24 to Q16 */
 #define VOLTAGE_SHIFT 9U  /* Q16 to Q7 */
 
+/** Of a tick, as jp_ecu.schedule_wait counts. */
+#define THOUSANDTHS 1000U
+
 /** Parameters of struct jp_energy_model: a1…a13, b1, b2 and five more. */
 #define PARAMETERS (JP_ENERGY_TERMS + 7U)
 
@@ -208,10 +211,12 @@ static void energy_parameter(const struct jp_ecu *ecu, struct jp_can_frame *fram
     (void)jp_can_energy_parameter_pack(frame->data, &signals, sizeof frame->data);
 }
 
-/** When each cyclic message is sent, ms; no two in the same millisecond. */
+#define SCHEDULE_MS 100U
+
+/** When each cyclic message is sent, ms; no two in the same millisecond. Periods divide SCHEDULE_MS. */
 static const struct {
-    uint16_t period;
-    uint16_t phase;
+    uint8_t period;
+    uint8_t phase;
     fill_function *fill;
 } schedule[] = {
     {20, 1, pose},           {20, 5, motion},         {20, 9, reference},         {20, 13, motors},
@@ -219,17 +224,17 @@ static const struct {
     {100, 63, route_status}, {100, 83, energy_drawn}, {100, 7, energy_parameter},
 };
 
-static bool take_scheduled(struct jp_ecu *ecu, struct jp_can_frame *frame)
+static void blank(struct jp_can_frame *frame)
 {
-    const uint32_t ticks_a_ms = ecu->robot.config->estimator.tick_rate / 1000U;
-    const uint32_t ms =
-        ticks_a_ms == 0U ? ecu->tick * (1000U / ecu->robot.config->estimator.tick_rate) : ecu->tick / ticks_a_ms;
+    *frame = (struct jp_can_frame){.length = JP_CAN_LENGTH_MAX};
+}
 
-    if (ticks_a_ms > 1U && ecu->tick % ticks_a_ms != 0U) {
-        return false;
-    }
+/** The message of one millisecond, if it has one. */
+static bool take_millisecond(struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
     for (unsigned i = 0; i < sizeof schedule / sizeof schedule[0]; i++) {
-        if (ms % schedule[i].period == schedule[i].phase) {
+        if (ecu->schedule_ms % schedule[i].period == schedule[i].phase) {
+            blank(frame);
             schedule[i].fill(ecu, frame);
             if (schedule[i].fill == energy_parameter) {
                 ecu->parameter = (uint8_t)((ecu->parameter + 1U) % PARAMETERS);
@@ -240,14 +245,33 @@ static bool take_scheduled(struct jp_ecu *ecu, struct jp_can_frame *frame)
     return false;
 }
 
+/** The messages of the milliseconds that begin in this tick, whatever the tick rate. */
+static unsigned take_scheduled(struct jp_ecu *ecu, struct jp_can_frame *frames)
+{
+    unsigned count = 0;
+
+    while (ecu->schedule_wait < THOUSANDTHS) {
+        if (take_millisecond(ecu, &frames[count])) {
+            count++;
+        }
+        ecu->schedule_ms = (uint8_t)((ecu->schedule_ms + 1U) % SCHEDULE_MS);
+        /* A millisecond is tick_rate / 1000 ticks. */
+        ecu->schedule_wait += ecu->robot.config->estimator.tick_rate;
+    }
+    ecu->schedule_wait -= THOUSANDTHS;
+    return count;
+}
+
 /* What is sent once, when it happens. */
 
 static void segment_motion(const struct jp_ecu_plan *plan, struct jp_can_frame *frame)
 {
+    const struct jp_motion *planned = &plan->planned.command.motion;
+    const int32_t limit = (int32_t)1 << 27;
     const struct jp_can_segment_motion_t signals = {
         .segment = plan->segment,
-        .speed = plan->planned.command.motion.speed,
-        .turn_rate = plan->planned.command.motion.turn_rate,
+        .speed = limited(planned->speed, -limit, limit - 1),
+        .turn_rate = limited(planned->turn_rate, -limit, limit - 1),
     };
 
     frame->id = JP_CAN_SEGMENT_MOTION_FRAME_ID;
@@ -283,6 +307,7 @@ static bool take_plan(struct jp_ecu *ecu, struct jp_can_frame *frame)
     if (left == 0U) {
         return false;
     }
+    blank(frame);
     fill[left - 1U](&ecu->plan, frame);
     __atomic_store_n(&ecu->plan.frames_left, (uint8_t)(left - 1U), __ATOMIC_RELEASE);
     return true;
@@ -303,6 +328,7 @@ static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
     if (!ended) {
         return false;
     }
+    blank(frame);
     frame->id = JP_CAN_SEGMENT_RESULT_FRAME_ID;
     (void)jp_can_segment_result_pack(frame->data, &signals, sizeof frame->data);
     return true;
@@ -310,15 +336,9 @@ static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 unsigned jp_telemetry_due(struct jp_ecu *ecu, struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX])
 {
-    static bool (*const sources[JP_TELEMETRY_FRAMES_MAX])(struct jp_ecu *, struct jp_can_frame *) = {
-        take_scheduled, take_plan, take_result};
-    unsigned count = 0;
+    unsigned count = take_scheduled(ecu, frames);
 
-    for (unsigned i = 0; i < JP_TELEMETRY_FRAMES_MAX; i++) {
-        frames[count] = (struct jp_can_frame){.length = JP_CAN_LENGTH_MAX};
-        if (sources[i](ecu, &frames[count])) {
-            count++;
-        }
-    }
+    count += take_plan(ecu, &frames[count]) ? 1U : 0U;
+    count += take_result(ecu, &frames[count]) ? 1U : 0U;
     return count;
 }

@@ -1,6 +1,6 @@
 /**
- * One end of a CAN bus on Linux: the port that the application sends on, and what its owner's loop needs. SocketCAN, SLCAN
- * on a serial line and the simulated bus stand behind it.
+ * One end of a CAN bus on Linux: the port that the application sends on, and what its owner's loop needs. SocketCAN,
+ * SLCAN on a serial line and the simulated bus stand behind it.
  */
 #ifndef JOULEPATH_HAL_LINUX_CAN_LINK_H
 #define JOULEPATH_HAL_LINUX_CAN_LINK_H

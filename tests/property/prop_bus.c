@@ -1,5 +1,5 @@
-/* Random missions over a bus on which things go wrong: no fall, no motion without a command, a stop in time, and the route
- * driven once the bus is well. prop_bus --count N [--seed S] [--verbose] drives N of them. */
+/* Random missions over a bus on which things go wrong: no fall, no motion without a command, a stop in time, and the
+ * route driven once the bus is well. prop_bus --count N [--seed S] [--verbose] drives N of them. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,10 +25,11 @@ void tearDown(void)
 
 static void describe(const struct bus_trial *trial)
 {
-    (void)printf("seed %" PRIu64 ": %s%s, %.1f s, %u attempts, stop %.2f s %.2f m, off %.3f m, pitch %.1f deg;",
+    (void)printf("seed %" PRIu64
+                 ": %s%s, %.1f s, %u attempts, stop %.2f s %.2f m, off %.3f m, pitch %.1f deg, faults 0x%x;",
                  trial->seed, bus_trial_end_name(trial->end), trial->excused ? " (sensors alone do it)" : "",
                  trial->ticks / 1000.0, trial->attempts, trial->stop_seconds, trial->stop_metres, trial->end_error,
-                 trial->peak_pitch_deg);
+                 trial->peak_pitch_deg, trial->robot_faults);
     for (size_t i = 0; i < trial->fault_count; i++) {
         const struct bus_trial_fault *fault = &trial->faults[i];
 
