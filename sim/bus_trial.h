@@ -13,7 +13,7 @@
 #include "can_fault.h"
 #include "robots.h"
 
-#define BUS_TRIAL_OUTAGE_MAX 20U
+#define BUS_TRIAL_OUTAGE_MAX 40U
 #define BUS_TRIAL_OUTAGE_GAP 500U
 #define BUS_TRIAL_SHARE_MAX  0.15
 #define BUS_TRIAL_STOP_MAX   6.0

@@ -9,7 +9,7 @@
 #include "world.h"
 
 /** Ticks without a valid MotorCommand after which the bridges switch off; as joulepath.dbc says. */
-#define PLANT_HOLD_TICKS 20U
+#define PLANT_HOLD_TICKS 40U
 
 struct plant_node {
     struct world world;

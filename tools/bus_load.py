@@ -71,7 +71,8 @@ def _arbitration(kind, ids):
     zero, one = np.zeros_like(ids), np.ones_like(ids)
     remote, length = np.full_like(ids, kind.remote), np.full_like(ids, kind.length)
     if kind.extended:
-        parts = [(zero, 1), (ids >> 18, 11), (one, 1), (one, 1), (ids & 0x3FFFF, 18), (remote, 1), (zero, 2), (length, 4)]
+        parts = [(zero, 1), (ids >> 18, 11), (one, 1), (one, 1), (ids & 0x3FFFF, 18), (remote, 1), (zero, 2),
+                 (length, 4)]
     else:
         parts = [(zero, 1), (ids, 11), (remote, 1), (zero, 2), (length, 4)]
     return np.hstack([_bits_of(value, width) for value, width in parts])

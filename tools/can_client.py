@@ -8,6 +8,7 @@ import zlib
 from dataclasses import dataclass, field
 
 import can
+from can.interfaces.slcan import slcanBus
 
 from can_messages import Codec, database, fault_names
 from common import ToolError
@@ -23,7 +24,8 @@ WAYPOINT_PERIOD = 0.002
 HEARTBEAT_TIMEOUT = 1.0  # s without EcuStatus; ten of them were lost then
 ANSWER_TIMEOUT = 3.0     # s for an answer to a command
 STAND_TIMEOUT = 20.0     # s to stand up, or to brake to a stand
-UPLOADS_MAX = 3          # a frame may be lost
+UPLOADS_MAX = 3          # a frame may be lost, or an offer taken for the last client's repeated one
+UPLOAD_TIMEOUT = 1.0     # s for RouteStatus to tell of an upload
 
 GOAL = 0  # the RouteId of the last Goal
 ROUTE_ID_MAX = 255
@@ -42,16 +44,39 @@ def add_bus_argument(parser):
                         help="can:vcan0, slcan:/dev/ttyACM0, or any interface of python-can and its channel")
 
 
+class SerialBus(slcanBus):
+    """python-can's, but reads what has arrived at once: byte by byte it falls behind this bus and loses frames."""
+
+    def _read(self, timeout):
+        deadline = time.monotonic() + (timeout or 0)
+        while True:
+            end = min((place for place in map(self._buffer.find, b"\r\a") if place >= 0), default=-1)
+            if end >= 0:
+                line = self._buffer[:end + 1].decode(errors="replace")
+                del self._buffer[:end + 1]
+                return line
+            self._buffer += self.serialPortOrig.read(max(self.serialPortOrig.in_waiting, 1))
+            if time.monotonic() > deadline:
+                return None
+
+    def _recv_internal(self, timeout):
+        try:
+            return super()._recv_internal(timeout)
+        except (ValueError, IndexError):  # a garbled line, as when bytes were lost
+            return None, False
+
+
 def open_bus(name):
     """The bus of --bus; it takes in only what is meant for an operator."""
     kind, _, channel = name.partition(":")
     if not kind or not channel:
         raise ToolError(f"--bus {name}: must be KIND:CHANNEL, such as can:vcan0")
     bitrate = database().dbc.attributes["Baudrate"].value
-    options = {"sleep_after_open": 0} if kind == "slcan" else {}
     try:
+        if kind == "slcan":
+            return SerialBus(channel, bitrate=bitrate, sleep_after_open=0, can_filters=operator_filters())
         return can.Bus(interface=INTERFACES.get(kind, kind), channel=channel, bitrate=bitrate,
-                       can_filters=operator_filters(), **options)
+                       can_filters=operator_filters())
     except (can.CanError, OSError, ValueError, ImportError) as error:
         hint = f"; is the interface up? ip link set {channel} up" if kind == "can" else ""
         raise ToolError(f"--bus {name}: {' '.join(str(error).split())}{hint}") from None
@@ -229,7 +254,10 @@ class Operator(Listener):
         self._mode, self._goal = "Stand", None
         self._wait(lambda: self.state.state is not None and self.state.get("EcuErrors", "Faults") is not None,
                    ANSWER_TIMEOUT, "no EcuStatus and EcuErrors")
-        self._wait(self._stands, STAND_TIMEOUT, "the robot does not stand")
+        if not self._until(self._stands, STAND_TIMEOUT):
+            pitch = 360 * (self.state.get("Motion", "Pitch") or 0)
+            raise self.error(f"the robot does not stand within {STAND_TIMEOUT:g} s (state {self.state.state}, pitch "
+                             f"{pitch:.0f}°); set it upright")
 
     def _stands(self):
         self._check_upright()
@@ -258,7 +286,7 @@ class Operator(Listener):
         for _ in range(UPLOADS_MAX):
             route_id = self._free_route_id()
             self._offer(route_id, waypoints)
-            self._until(lambda: self.state.route(route_id) in ("Ready", "Rejected"), ANSWER_TIMEOUT)
+            self._until(lambda: self.state.route(route_id) in ("Ready", "Rejected"), UPLOAD_TIMEOUT)
             if self.state.route(route_id) == "Ready":
                 return route_id
         reason = self.state.get("RouteStatus", "Reason") if self.state.route(route_id) == "Rejected" else "no answer"

@@ -69,7 +69,7 @@ def status_line(state):
     parts = [f"{state.state or 'no EcuStatus yet'}",
              f"route {state.get('RouteStatus', 'State')}, {state.get('RouteStatus', 'SegmentsEnded') or 0} of "
              f"{state.get('RouteStatus', 'Length') or 0} waypoints", f"operator {state.get('EcuStatus', 'Operator')}",
-             f"firmware {version}"]
+             f"v{version}"]
     return " · ".join(parts)
 
 

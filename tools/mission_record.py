@@ -9,8 +9,8 @@
 
 Where the telemetry came from does not matter. All units are SI: m, rad, s, V, A, J; turns are converted before. Times
 are those of one clock, whatever its zero, and never fall within one kind of message. Headings may wrap. Segments are
-numbered from 1 since the robot last stood. The record is of the last drive in which a segment ended; a drive begins with
-the plan of segment 1, unless the route before has waypoints left.
+numbered from 1 since the robot last stood. The record is of the last drive in which a segment ended; a drive begins
+with the plan of segment 1, unless the route before has waypoints left.
 """
 import json
 import math

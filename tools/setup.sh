@@ -146,7 +146,7 @@ report_missing() {
         mapfile -t -O ${#absent[@]} absent < <(missing_vcan)
     fi
     [ -x .venv/bin/python ] && python=.venv/bin/python
-    for tool in numpy scipy matplotlib jinja2 PIL yaml cantools can lcm rich pytest xdist junitparser; do
+    for tool in numpy scipy matplotlib jinja2 PIL yaml cantools can serial e2e libconf lcm rich pytest xdist junitparser; do
         "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$tool') is None)" 2>/dev/null ||
             absent+=("python module $tool")
     done

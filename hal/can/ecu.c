@@ -104,7 +104,7 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *con
     ecu->hal = (struct jp_hal){.context = ecu, .read = read_sample, .write = write_motor_command, .time_us = time_us};
     jp_sample_link_start(&ecu->samples, &config->monitor);
     jp_operator_link_start(&ecu->operator_link, config->estimator.tick_rate);
-    jp_route_link_start(&ecu->routes);
+    jp_route_link_start(&ecu->routes, config->estimator.tick_rate);
     record = retained == NULL ? NULL : jp_retained_newest(retained);
     if (record != NULL) {
         resume(ecu, record);
@@ -329,6 +329,7 @@ static void pass_time(struct jp_ecu *ecu)
     if (jp_operator_link_pass(&ecu->operator_link, now - ecu->worked_tick)) {
         count8(&ecu->operator_timeouts);
     }
+    jp_route_link_pass(&ecu->routes, now - ecu->worked_tick);
     ecu->worked_tick = now;
 }
 

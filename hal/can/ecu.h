@@ -20,7 +20,7 @@
 #include "sample_link.h"
 
 /** Frames of the operator that wait for jp_ecu_work(). */
-#define JP_ECU_QUEUE 32U
+#define JP_ECU_QUEUE 64U
 
 /** Counts since the start, saturating. The tick and the background have one each. */
 struct jp_ecu_counts {

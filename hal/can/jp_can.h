@@ -318,7 +318,7 @@ extern "C" {
 /**
  * Signals in message MotorCommand.
  *
- * What the bridges shall do. Without a valid one for 20 ms the bridges switch off.
+ * What the bridges shall do. Without a valid one for 40 ms the bridges switch off.
  *
  * All signal values are as on the CAN bus.
  */
@@ -613,7 +613,7 @@ struct jp_can_route_offer_t {
 /**
  * Signals in message Waypoint.
  *
- * The next waypoint of the offered route. A gap in Counter rejects the offer.
+ * The next waypoint of the offered route. A gap in Counter rejects the offer, and so does a second of silence.
  *
  * All signal values are as on the CAN bus.
  */
@@ -658,7 +658,7 @@ struct jp_can_waypoint_t {
 /**
  * Signals in message Goal.
  *
- * A single waypoint, sent again and again, that Drive with RouteId 0 drives to. Another one is driven to at once.
+ * A single waypoint, sent again and again, that Drive with RouteId 0 drives to. Another one is driven to at once, the same one again only after a Stand.
  *
  * All signal values are as on the CAN bus.
  */

@@ -2,9 +2,9 @@
 
 #include "jp_can.h"
 
-void jp_route_link_start(struct jp_route_link *link)
+void jp_route_link_start(struct jp_route_link *link, uint32_t tick_rate)
 {
-    *link = (struct jp_route_link){.state = JP_ROUTE_NONE};
+    *link = (struct jp_route_link){.state = JP_ROUTE_NONE, .timeout = tick_rate * JP_ROUTE_TIMEOUT_MS / 1000U};
 }
 
 static void reject(struct jp_route_link *link, enum jp_route_reason reason)
@@ -13,20 +13,41 @@ static void reject(struct jp_route_link *link, enum jp_route_reason reason)
     link->reason = reason;
 }
 
+void jp_route_link_pass(struct jp_route_link *link, uint32_t ticks)
+{
+    if (link->state != JP_ROUTE_RECEIVING) {
+        return;
+    }
+    link->silence += ticks;
+    if (link->silence >= link->timeout) {
+        reject(link, JP_REASON_TIMEOUT);
+    }
+}
+
+static bool is_offered(const struct jp_route_link *link, const struct jp_can_route_offer_t *signals)
+{
+    return link->offered.id == signals->route_id && link->offered.length == signals->length &&
+           link->offered_crc == signals->route_crc;
+}
+
 enum jp_e2e_result jp_route_link_accept_offer(struct jp_route_link *link, const struct jp_can_frame *frame)
 {
     struct jp_can_route_offer_t signals;
     enum jp_e2e_result result = jp_e2e_check(&link->offer_receiver, JP_DATA_ID_ROUTE_OFFER, frame->data, frame->length);
 
-    /* The whole route has its own check, so an offer need not follow the one before. */
-    if (result == JP_E2E_CRC || result == JP_E2E_REPEATED) {
+    if (result == JP_E2E_CRC) {
         return result;
     }
     (void)jp_can_route_offer_unpack(&signals, frame->data, frame->length);
+    /* The whole route has its own check, so another offer need not follow the one before: its sender may be new. */
+    if (result == JP_E2E_REPEATED && is_offered(link, &signals)) {
+        return result;
+    }
     link->offered.id = signals.route_id;
     link->offered.length = signals.length;
     link->offered_crc = signals.route_crc;
     link->received = 0;
+    link->silence = 0;
     link->crc = JP_ROUTE_CRC_START;
     link->waypoint_receiver = (struct jp_e2e_receiver){.synchronised = false};
     if (!jp_can_route_offer_route_id_is_in_range(signals.route_id) ||
@@ -41,6 +62,7 @@ enum jp_e2e_result jp_route_link_accept_offer(struct jp_route_link *link, const 
 
 static void append(struct jp_route_link *link, const struct jp_point *point)
 {
+    link->silence = 0;
     link->offered.points[link->received++] = *point;
     link->crc = jp_route_crc(link->crc, point);
     if (link->received < link->offered.length) {

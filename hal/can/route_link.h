@@ -11,6 +11,9 @@
 
 #define JP_ROUTE_LENGTH_MAX 32U
 
+/** Silence between the frames of a route after which it is given up, ms. */
+#define JP_ROUTE_TIMEOUT_MS 1000U
+
 /** RouteId of the last Goal. */
 #define JP_ROUTE_GOAL 0U
 
@@ -50,14 +53,19 @@ struct jp_route_link {
     struct jp_route offered;
     struct jp_route driven;
     uint8_t received;     /**< waypoints of the offered route */
+    uint32_t silence;     /**< ticks since its last frame */
+    uint32_t timeout;     /**< ticks */
     uint32_t crc;         /**< of those */
     uint32_t offered_crc; /**< that the whole must have */
     enum jp_route_state state;
     enum jp_route_reason reason;
 };
 
-/** No route. */
-void jp_route_link_start(struct jp_route_link *link);
+/** No route. tick_rate 100…10 000 Hz. */
+void jp_route_link_start(struct jp_route_link *link, uint32_t tick_rate);
+
+/** `ticks` have passed: a route whose frames fail to come is rejected. */
+void jp_route_link_pass(struct jp_route_link *link, uint32_t ticks);
 
 /** Take frames of the right length. JP_E2E_OK although the route is rejected: then state and reason say so.
  *  Constant time. */

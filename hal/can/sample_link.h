@@ -13,7 +13,7 @@
 #include "messages.h"
 
 /** Ticks without a sample, or without a bus to send on, that are ridden out. */
-#define JP_SAMPLE_HOLD_TICKS 20U
+#define JP_SAMPLE_HOLD_TICKS 40U
 
 /** Differences of counts whose median is the pace: one corrupt count makes two wrong ones. */
 #define JP_SAMPLE_PACES 5U

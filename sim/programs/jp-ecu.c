@@ -93,8 +93,7 @@ static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
     int64_t last_us = jp_monotonic_us();
 
     while (!stop_requested) {
-        const bool running = node->ecu.samples.started;
-        const int64_t deadline_us = last_us + (running ? period_us * 3 / 2 : IDLE_US);
+        const int64_t deadline_us = last_us + period_us * 3 / 2;
         bool sampled = false;
 
         accept_all(node, link, &sampled);
@@ -104,7 +103,7 @@ static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
         }
         ecu_node_tick(node);
         /* Without a sample time goes on by whole periods. */
-        last_us = sampled || !running ? jp_monotonic_us() : last_us + period_us;
+        last_us = sampled ? jp_monotonic_us() : last_us + period_us;
     }
 }
 

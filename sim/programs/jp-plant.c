@@ -204,6 +204,7 @@ static void print_bus(const struct bus_mission *result, enum bus_mission_pace pa
     }
     (void)printf("%-44s %10" PRIu64 "\n", "motor commands with a wrong CRC", drive->plant.crc_errors);
     (void)printf("%-44s %10" PRIu64 "\n", "motor commands out of sequence", drive->plant.sequence_errors);
+    (void)printf("%-44s %#10x\n", "faults that the ECU reports, enum jp_fault", drive->view.errors.faults);
     (void)printf("%-44s %10" PRIu64 "\n", "times that the bridges fell silent", drive->plant.silences);
     (void)printf("%-44s %016" PRIx64 "\n", "fingerprint of trajectory and energies", result->fingerprint);
 }
@@ -244,6 +245,7 @@ static bool drive(const struct arguments *arguments, const struct scenario *scen
 
     if (!bus_mission_run(&result, scenario, &surroundings->link, arguments->pace, &view)) {
         output_discard(outputs, 1);
+        print_bus(&result, arguments->pace);
         return false;
     }
     mission_print(&result.mission);
@@ -305,11 +307,14 @@ int main(int argc, char **argv)
                                      NULL,
                                      NULL};
     struct arguments arguments = {.pace = BUS_MISSION_LOCKSTEP};
-    const struct sigaction action = {.sa_handler = request_stop};
+    /* A second signal ends a host that waits for its ECU. */
+    const struct sigaction action = {.sa_handler = request_stop, .sa_flags = (int)SA_RESETHAND};
 
     argp_err_exit_status = ERROR_EXIT;
     (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
+    if (arguments.hosts) {
+        (void)sigaction(SIGINT, &action, NULL);
+        (void)sigaction(SIGTERM, &action, NULL);
+    }
     return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

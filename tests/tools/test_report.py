@@ -86,6 +86,14 @@ def test_a_single_strategy_makes_a_page(mission):
     assert (mission / "path.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_what_a_recorded_drive_does_not_know_is_left_out(mission):
+    change(mission, lambda s: s.update(robot=None, energy_model=None, seed=None, simulation=None))
+    assert run_tool("report.py", mission).returncode == 0
+    text = re.sub(r"data:image[^\"]*", "", (mission / "report.html").read_text())
+    assert "<title>gao2018_table3 · Joulepath</title>" in text
+    assert not any(part in text for part in ("None", "seed", "energy model", "real time", "Simulated"))
+
+
 @pytest.mark.parametrize("edit, part", [
     (lambda s: s.pop("strategies"), "strategies"),
     (lambda s: s.update(strategies=[]), "strategies"),
@@ -95,6 +103,8 @@ def test_a_single_strategy_makes_a_page(mission):
     (lambda s: s["strategies"][0]["total"].update(duration_s=None), "duration_s"),
     (lambda s: s["strategies"][0].update(log="none.csv"), "none.csv"),
     (lambda s: s["simulation"].pop("ticks"), "ticks"),
+    (lambda s: s.update(simulation={}), "ticks"),
+    (lambda s: s.pop("simulation"), "simulation"),
     (lambda s: s["strategies"][0].update(title=3), "title"),
 ])
 def test_garbled_summaries_are_refused(mission, edit, part):

@@ -1,0 +1,211 @@
+"""A stand-in for the ECU on python-can's virtual bus: says what a test wants said, at ten times the pace."""
+import struct
+import threading
+import time
+import zlib
+
+import can
+import can_client
+import cantools
+from conftest import ROOT
+
+DATABASE = cantools.database.load_file(ROOT / "hal/can/joulepath.dbc", strict=True)
+DATA_IDS = {256: 79, 257: 82, 258: 87, 259: 71}
+
+STATUS_PERIOD = 0.01   # s
+SEGMENT_TIME = 0.05    # s
+CONFIRMATIONS = 3
+
+
+def short_patience(monkeypatch):
+    """The operator waits long enough for this ECU on a busy machine, and no longer."""
+    for name, seconds in (("ANSWER_TIMEOUT", 2.0), ("STAND_TIMEOUT", 1.5), ("UPLOAD_TIMEOUT", 1.0),
+                          ("HEARTBEAT_TIMEOUT", 1.0), ("COMMAND_PERIOD", 0.02)):
+        monkeypatch.setattr(can_client, name, seconds)
+
+
+def crc_8h2f(data):
+    """Bit by bit: polynomial 0x2F, start and final inversion 0xFF."""
+    crc = 0xFF
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc << 1 ^ (0x2F if crc & 0x80 else 0)) & 0xFF
+    return crc ^ 0xFF
+
+
+def is_protected(frame):
+    return frame.data[0] == crc_8h2f(bytes(frame.data[1:]) + bytes([DATA_IDS[frame.arbitration_id]]))
+
+
+def telemetry(name, **signals):
+    """A frame of an unprotected message; signals left out are 0, values are raw but for those with a fraction."""
+    message = DATABASE.get_message_by_name(name)
+    data = message.encode({signal.name: 0 for signal in message.signals} | signals, strict=False)
+    return can.Message(arbitration_id=message.frame_id, data=data, is_extended_id=False)
+
+
+class FakeEcu:
+    """Runs in a thread of its own between start and end of a `with`.
+
+    `trouble` names what goes wrong: silent, reject, reject once, deaf, stays down, fallen, fault, falls, restarts,
+    conflict, loses operator, stops, other operator.
+    """
+
+    def __init__(self, channel, trouble=None):
+        self.channel, self.trouble = channel, trouble
+        self.state, self.mode, self.operator = "Idle", "Off", "None"
+        self.resets = self.conflicts = self.faults = 0
+        self.route_id, self.route_state, self.reason = 0, "None", "None"
+        self.points, self.driven, self.segment, self.ended = [], [], 0, 0
+        self.energy = 100.0
+        self.commands, self.violations = [], []
+        self._counters, self._confirmed, self._last = {}, 0, None
+        self._offer, self._offers, self._segment_end = None, 0, None
+        self._running = True
+        if trouble in ("fallen", "fault"):
+            self.state = trouble.capitalize()
+            self.faults = 16 + 512 if trouble == "fault" else 0
+
+    def __enter__(self):
+        self._bus = can.Bus(interface="virtual", channel=self.channel)
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._running = False
+        self._thread.join()
+        self._bus.shutdown()
+
+    def _run(self):
+        next_status = 0.0
+        while self._running:
+            frame = self._bus.recv(0.002)
+            if frame is not None and self.trouble != "silent":
+                self._take(frame)
+            if time.monotonic() >= next_status and self.trouble != "silent":
+                next_status = time.monotonic() + STATUS_PERIOD
+                self._work()
+                self._tell()
+
+    # ---- frames in
+
+    def _take(self, frame):
+        if not is_protected(frame):
+            self.violations.append(f"CRC of {frame}")
+            return
+        counter = frame.data[1] & 0x0F
+        last = self._counters.get(frame.arbitration_id)
+        if last is not None and counter != (last + 1) % 16:
+            self.violations.append(f"counter {counter} after {last} of 0x{frame.arbitration_id:x}")
+        self._counters[frame.arbitration_id] = counter
+        signals = DATABASE.decode_message(frame.arbitration_id, frame.data, scaling=False, decode_choices=False)
+        {256: self._command, 257: self._offered, 258: self._waypoint, 259: self._goal}[frame.arbitration_id](signals)
+
+    def _command(self, signals):
+        mode, route = ("Off", "Stand", "Drive")[signals["Mode"]], signals["RouteId"]
+        if not self.commands or self.commands[-1] != (mode, route):
+            self.commands.append((mode, route))
+        self._confirmed = self._confirmed + 1 if (mode, route) == self._last else 1
+        self._last = (mode, route)
+        if self.trouble == "deaf":
+            return
+        if mode == "Stand":
+            self._stand()
+        elif self._confirmed >= CONFIRMATIONS:
+            self._confirm(mode, route)
+
+    def _stand(self):
+        self.mode, self.operator = "Stand", "Alive"
+        if self.state == "Idle" and self.trouble != "stays down":
+            self.state = "Balancing"
+        elif self.state == "Driving":
+            self.state, self.route_state, self.reason = "Balancing", "Stopped", "Command"
+
+    def _confirm(self, mode, route):
+        self.mode = mode
+        if mode == "Off":
+            self.state, self.faults = "Idle", 0
+        elif route == self.route_id and self.route_state == "Ready":
+            self.state, self.route_state = "Driving", "Driving"
+            self.driven, self.segment, self.ended = list(self.points), 0, 0
+            self._next_segment()
+
+    def _offered(self, signals):
+        self._offers += 1
+        self._offer, self.points = signals, []
+        self.route_id, self.route_state, self.reason = signals["RouteId"], "Receiving", "None"
+
+    def _waypoint(self, signals):
+        self.points.append((signals["X"], signals["Y"]))
+        if len(self.points) < self._offer["Length"]:
+            return
+        crc = zlib.crc32(b"".join(struct.pack("<ii", *point) for point in self.points))
+        rejected = self.trouble == "reject" or self.trouble == "reject once" and self._offers == 1
+        if rejected or crc != self._offer["RouteCrc"]:
+            self.route_state, self.reason = "Rejected", "Sequence" if rejected else "RouteCrc"
+        else:
+            self.route_state = "Ready"
+
+    def _goal(self, signals):
+        if self.route_state not in ("Driving", "Done"):
+            self.route_id, self.route_state, self.points = 0, "Ready", [(signals["X"], signals["Y"])]
+
+    # ---- the drive
+
+    def _next_segment(self):
+        self.segment += 1
+        self._segment_end = time.monotonic() + SEGMENT_TIME
+        self._send("SegmentMotion", Segment=self.segment, Speed=0.5, TurnRate=0.25)
+        self._send("SegmentShape", Segment=self.segment, Turn=0.5, Duration=SEGMENT_TIME)
+        self._send("SegmentForecast", Segment=self.segment, Energy=10.0)
+
+    def _work(self):
+        self.energy += 0.5
+        if self.state != "Driving" or time.monotonic() < self._segment_end:
+            return
+        self.ended += 1
+        self._send("SegmentResult", Segment=self.ended, Spent=10.5, Drawn=8.25)
+        if self.trouble is not None:
+            self._go_wrong()
+        elif self.ended == len(self.driven):
+            self.state, self.route_state = "Balancing", "Done"
+        else:
+            self._next_segment()
+
+    def _go_wrong(self):
+        self._segment_end = float("inf")
+        if self.trouble == "falls":
+            self.state, self.route_state, self.reason = "Fallen", "Stopped", "Switched off"
+        elif self.trouble == "restarts":
+            self.state, self.resets, self.route_state = "Balancing", 1, "None"
+        elif self.trouble == "conflict":
+            self.conflicts = 1
+        elif self.trouble == "loses operator":
+            self.operator = "Lost"
+        elif self.trouble == "stops":
+            self.state, self.route_state, self.reason = "Balancing", "Stopped", "Plan"
+        elif self.trouble == "goes silent":
+            self.trouble = "silent"
+        elif self.trouble == "other operator":
+            self._bus.send(can.Message(arbitration_id=256, data=bytes(4), is_extended_id=False))
+
+    # ---- frames out
+
+    def _send(self, name, **signals):
+        self._bus.send(telemetry(name, **signals))
+
+    def _tell(self):
+        self._send("EcuStatus", State=self.state, Mode=self.mode, Operator=self.operator, Resets=self.resets,
+                   VersionMajor=1, VersionMinor=2, VersionPatch=3)
+        self._send("EcuErrors", Faults=self.faults, Conflicts=self.conflicts, CrcErrors=7)
+        self._send("EcuLosses", LostSamples=2)
+        self._send("RouteStatus", RouteId=self.route_id, State=self.route_state, Reason=self.reason,
+                   Length=len(self.points), Segment=self.segment, SegmentsEnded=self.ended)
+        self._send("Pose", X=1.5, Y=-2.5, Heading=0.25)
+        self._send("Motion", Speed=0.5)
+        self._send("Reference", Speed=0.5, SegmentTimeLeft=0.015625)
+        self._send("EnergySpent", Energy=self.energy)
+        self._send("EnergyDrawn", Energy=self.energy / 2)
+        self._send("BatteryStatus", Voltage=24.5, Current=1.5, StateOfCharge=0.75, EnergyLeft=72.5)
