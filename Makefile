@@ -237,12 +237,21 @@ FORCE:
 # Every core works unless make was called with -j.
 PARALLEL = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(JOBS)) --output-sync=target
 
+# BUS=vcan or slcan: controller and robot are two programs on a bus.
+DRIVE.      = $(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
+DRIVE.slcan = tools/bus_mission.sh slcan $(SCENARIO) $(BUILD)/sil
+DRIVE.vcan  = tools/with_vcan.sh -- tools/bus_mission.sh vcan $(SCENARIO) $(BUILD)/sil
+BUS        ?=
+
 .PHONY: sil
-sil: ## drive the paper's mission (or SCENARIO=file) in the simulator and write the report to build/sil
-	@tools/setup.sh sil
+sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan or slcan; report in build/sil
+	$(if $(DRIVE.$(BUS)),,$(error BUS=$(BUS): must be vcan or slcan))
+	@tools/setup.sh $(if $(filter vcan,$(BUS)),vcan,sil)
 	@$(MAKE) $(PARALLEL) all
-	$(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
+	@rm -rf $(BUILD)/sil
+	$(DRIVE.$(BUS))
 	$(PYTHON) tools/report.py $(BUILD)/sil
+	$(if $(BUS),$(PYTHON) tools/show_frames.py $(BUILD)/sil/frames.log)
 
 # The skid-steered robot plans unless another one is asked for. IMPORT holds options of tools/import_map.py, such as
 # --cell-size 1 for a MovingAI map or a --window.
@@ -265,6 +274,11 @@ gains: ## design the controller of ROBOT=name: sim/robots/name.cfg to src/tables
 	@tools/setup.sh sil
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
 	$(PYTHON) tools/gain_design.py --initial-energy $(ROBOT)
+
+.PHONY: codec
+codec: ## make the C codec of the CAN messages from hal/can/joulepath.dbc
+	@tools/setup.sh sil
+	$(PYTHON) tools/can_codec.py
 
 .PHONY: identify
 identify: ## identify the energy model of ROBOT=name in the simulator: src/tables/energy_name.c
@@ -352,7 +366,7 @@ BITS_VARIANTS := host-gcc host-gcc-m32 cortex-m4 cortex-m7
 BITS_LOGS     := $(foreach v,$(BITS_VARIANTS),$(patsubst %,$(LOGS)/$v/%.log,$(call names,$(BITS_TESTS))))
 SIL_LOGS      := $(LOGS)/pytest/sil.xml
 TOOLS_LOGS    := $(LOGS)/pytest/tools.xml
-GATE_LOGS     := $(patsubst %,$(LOGS)/gates/%.log,symbols compile includes format cppcheck tidy)
+GATE_LOGS     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware compile includes format cppcheck tidy)
 TEST_LOGS     := $(SIL_LOGS) $(TOOLS_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(BITS_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
 
 EXPECTED = unit $(UNIT_LOGS) bits $(BITS_LOGS) property $(PROPERTY_LOGS) fault $(FAULT_LOGS) target $(TARGET_LOGS) \
@@ -424,12 +438,17 @@ $(LOGS)/pytest/%.xml: $(PROGRAMS)
 	$(call SAY,RUN pytest tests/$*)
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -n $(JOBS) -p no:cacheprovider --junitxml=$@ tests/$*
 
-GATE_LIBRARIES := $(foreach v,cortex-m4 cortex-m4-os cortex-m0 cortex-m0-o2,$(BUILD)/$v/libjoulepath.a)
+GATE_LIBRARIES := $(foreach v,cortex-m4 cortex-m4-os cortex-m0 cortex-m0-o2,$(BUILD)/$v/libjoulepath.a $(BUILD)/$v/libcan.a)
+GATE_IMAGES    := $(BUILD)/cortex-m4/test_ecu $(BUILD)/cortex-m0/test_ecu
 export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target $(HOST)
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/symbols.sh $(GATE_LIBRARIES)
+
+$(LOGS)/gates/firmware.log: $(GATE_IMAGES)
+	$(call SAY,RUN gate firmware)
+	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/firmware.sh $(GATE_IMAGES)
 
 $(LOGS)/gates/%.log: tests/gates/%.sh
 	$(call SAY,RUN gate $*)

@@ -461,6 +461,18 @@ static struct bus_trial only_sensors(const struct bus_trial *trial)
     return rest;
 }
 
+/** The robot switched off because it noticed a sensor that was really frozen. */
+static bool noticed_frozen_sensor(const struct bus_trial *trial)
+{
+    const unsigned noticed = JP_FAULT_IMU_FROZEN | JP_FAULT_ENCODER_LEFT | JP_FAULT_ENCODER_RIGHT;
+    bool frozen = false;
+
+    for (size_t i = 0; i < trial->fault_count; i++) {
+        frozen = frozen || (trial->faults[i].kind == BUS_TRIAL_SENSOR_FREEZE && trial->faults[i].from < trial->ticks);
+    }
+    return frozen && trial->end == BUS_TRIAL_FELL && (trial->robot_faults & noticed) != 0U;
+}
+
 bool bus_trial_run(struct bus_trial *trial, const struct robot_entry *entry, const struct robot_file *file)
 {
     struct local *local = malloc(sizeof *local);
@@ -470,7 +482,8 @@ bool bus_trial_run(struct bus_trial *trial, const struct robot_entry *entry, con
         abort();
     }
     ran = run_local(trial, entry, file, local);
-    if (ran && trial->end != BUS_TRIAL_DONE) {
+    trial->excused = noticed_frozen_sensor(trial);
+    if (ran && trial->end != BUS_TRIAL_DONE && !trial->excused) {
         struct bus_trial rest = only_sensors(trial);
 
         ran = run_local(&rest, entry, file, local);

@@ -64,7 +64,7 @@ struct bus_trial {
     size_t fault_count;
 
     enum bus_trial_end end;
-    bool excused; /**< it ended badly, and does so as well when only the sensors' faults are left */
+    bool excused; /**< by a frozen sensor: the ECU names it, or the mission ends so without any other fault as well */
     uint32_t ticks;
     uint32_t attempts;   /**< to drive the route */
     double stop_seconds; /**< longest from a last command until it stood; 0: was never needed */

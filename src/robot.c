@@ -301,6 +301,7 @@ static void publish(struct jp_robot *robot)
     telemetry->reference_yaw = robot->reference.yaw.angle;
     telemetry->reference_wheel_rate = robot->reference.wheel.rate;
     telemetry->reference_yaw_rate = robot->reference.yaw.rate;
+    telemetry->target_wheel = robot->reference.wheel.target;
     telemetry->target_yaw = robot->reference.yaw.target;
     telemetry->position = jp_odometry_position(&robot->odometry);
     telemetry->energy_model = robot->meter.model;
@@ -461,12 +462,21 @@ enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *ro
     return JP_OK;
 }
 
+/** What a standing robot has yet to roll, m: it may still be on its way to where it shall stand. */
+static jp_q24 way_to_stand(const struct jp_robot *robot, const struct jp_telemetry *telemetry)
+{
+    jp_q24 turns = jp_round_shift((int64_t)(telemetry->target_wheel - telemetry->motion.wheel), 32);
+
+    return telemetry->state == JP_ROBOT_BALANCING ? jp_q24_multiply(turns, robot->config->metres_per_turn) : 0;
+}
+
 /** Where and how the robot will end its current segment: measured position, heading of the route. */
-static void predict_end(const struct jp_telemetry *telemetry, uint32_t tick_rate, struct jp_point *position,
+static void predict_end(const struct jp_robot *robot, const struct jp_telemetry *telemetry, struct jp_point *position,
                         jp_angle *heading)
 {
+    uint32_t tick_rate = robot->config->estimator.tick_rate;
     int64_t ticks = telemetry->segment_ticks_left;
-    jp_q24 left = jp_saturate32(ticks * telemetry->command.speed / tick_rate);
+    jp_q24 left = jp_saturate32(ticks * telemetry->command.speed / tick_rate + way_to_stand(robot, telemetry));
     jp_angle turned = jp_angle_from_radians(jp_saturate32(ticks * telemetry->command.turn_rate / tick_rate));
     jp_angle now = jp_phase_angle(telemetry->target_yaw);
     jp_angle mean = now + (jp_angle)((int32_t)turned / 2);
@@ -507,7 +517,7 @@ static enum jp_status plan_next(struct jp_robot *robot, const struct jp_telemetr
     struct jp_point start;
     jp_angle heading;
 
-    predict_end(telemetry, robot->config->estimator.tick_rate, &start, &heading);
+    predict_end(robot, telemetry, &start, &heading);
 
     enum jp_status status = optimise(robot, before, &start, heading);
 

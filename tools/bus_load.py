@@ -25,7 +25,7 @@ STUFF_RUN = 5      # equal bits after which one is stuffed
 CRC_BITS, CRC_POLYNOMIAL = 15, 0x4599
 
 BAR_PERCENT = 60
-COMMAND = "make bench"
+COMMAND = "make figures"
 
 
 # ---- worst case ----------------------------------------------------------------------------------------------------

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Drives a scenario with controller and robot as two programs: bus_mission.sh BUS SCENARIO DIR
 #   BUS  vcan (vcan0 is there; see with_vcan.sh) or slcan (a pseudo-terminal)
-# Writes the report's data and, on vcan, the frames of the bus to DIR. Exit status 2: one line says why.
+# Writes the report's data and all frames (frames.log) to DIR; on vcan also what candump saw of telemetry and commands
+# (candump.log). Exit status 2: one line says why.
 set -uo pipefail
 
 die() {
@@ -21,7 +22,7 @@ model=$(sed -n 's/^energy_model *= *"\([a-z]*\)".*/\1/p' "$scenario")
 case $bus in
 vcan)
     plant_bus=can:vcan0 ecu_bus=can:vcan0
-    candump -L vcan0 >"$output/candump.log" &
+    candump -L vcan0,100:700 >"$output/candump.log" &
     ;;
 slcan)
     line=$(mktemp -u)
@@ -31,7 +32,7 @@ slcan)
 esac
 trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT
 
-"$programs/jp-plant" "$scenario" --bus "$plant_bus" --output "$output" &
+"$programs/jp-plant" "$scenario" --bus "$plant_bus" --output "$output" --frames &
 plant=$!
 if [ "$bus" = slcan ]; then
     for _ in $(seq 100); do

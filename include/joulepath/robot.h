@@ -50,6 +50,7 @@ struct jp_telemetry {
     jp_phase reference_yaw;
     jp_q24 reference_wheel_rate; /**< turn/s */
     jp_q24 reference_yaw_rate;   /**< turn/s */
+    jp_phase target_wheel;       /**< where the wheels shall be, before shaping */
     jp_phase target_yaw;         /**< heading of the route, before shaping */
     struct jp_point position;    /**< by odometry */
     struct jp_voltages voltages;

@@ -8,6 +8,7 @@
 
 #include "../bus_mission.h"
 #include "../can_bus.h"
+#include "../can_log.h"
 #include "../can_relay.h"
 #include "../ecu_node.h"
 #include "../error.h"
@@ -15,7 +16,8 @@
 #include "../output.h"
 #include "../real_time.h"
 
-#define IN_PROCESS "in-process"
+#define IN_PROCESS  "in-process"
+#define FRAMES_NAME "frames.log"
 
 static const char *const pace_names[] = {
     [BUS_MISSION_LOCKSTEP] = "lockstep", [BUS_MISSION_PACED] = "paced", [BUS_MISSION_REAL_TIME] = "real-time"};
@@ -24,6 +26,7 @@ static const char *const pace_names[] = {
 struct arguments {
     const char *scenario;
     const char *output;
+    bool frames; /**< are logged */
     const char *buses[CAN_RELAY_LINKS];
     size_t bus_count;
     enum bus_mission_pace pace;
@@ -115,6 +118,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case 'o':
         arguments->output = argument;
+        return 0;
+    case 'f':
+        arguments->frames = true;
         return 0;
     case ARGP_KEY_ARG:
         if (arguments->scenario != NULL) {
@@ -231,31 +237,70 @@ static json_t *summary(const struct scenario *scenario, const struct bus_mission
     return value;
 }
 
+/** The files of a drive: the log, the frames if they are wanted, then the summary. */
+struct files {
+    struct output outputs[3];
+    size_t count;
+};
+
+static bool open_file(struct files *files, const char *directory, const char *name)
+{
+    return output_open(&files->outputs[files->count], directory, name) && ++files->count > 0;
+}
+
+static bool open_files(struct files *files, const struct arguments *arguments)
+{
+    files->count = 0;
+    if (!output_directory(arguments->output) ||
+        !open_file(files, arguments->output, mission_log_name(MISSION_OPTIMAL))) {
+        return false;
+    }
+    if (arguments->frames && !open_file(files, arguments->output, FRAMES_NAME)) {
+        output_discard(files->outputs, files->count);
+        return false;
+    }
+    return true;
+}
+
+static bool drive_route(struct bus_mission *result, const struct arguments *arguments, const struct scenario *scenario,
+                        const struct jp_can_link *link, const struct files *files)
+{
+    const struct mission_view view = {.log = files->outputs[0].stream, .progress = mission_name(MISSION_OPTIMAL)};
+    struct can_log log = {.inner = *link,
+                          .interface = "can0",
+                          .tick = &result->drive.tick,
+                          .rate_hz = (uint32_t)scenario->robot.control.rate_hz};
+
+    if (!arguments->frames) {
+        return bus_mission_run(result, scenario, link, arguments->pace, &view);
+    }
+    log.stream = files->outputs[1].stream;
+
+    const struct jp_can_link logged = can_log_link(&log);
+
+    return bus_mission_run(result, scenario, &logged, arguments->pace, &view);
+}
+
 static bool drive(const struct arguments *arguments, const struct scenario *scenario, struct surroundings *surroundings)
 {
     static struct bus_mission result;
-    struct output outputs[2];
+    struct files files;
+    bool done;
 
-    if (!output_directory(arguments->output) ||
-        !output_open(&outputs[0], arguments->output, mission_log_name(MISSION_OPTIMAL))) {
+    if (!open_files(&files, arguments)) {
         return false;
     }
-
-    const struct mission_view view = {.log = outputs[0].stream, .progress = mission_name(MISSION_OPTIMAL)};
-
-    if (!bus_mission_run(&result, scenario, &surroundings->link, arguments->pace, &view)) {
-        output_discard(outputs, 1);
-        print_bus(&result, arguments->pace);
-        return false;
+    done = drive_route(&result, arguments, scenario, &surroundings->link, &files);
+    if (done) {
+        mission_print(&result.mission);
     }
-    mission_print(&result.mission);
     print_bus(&result, arguments->pace);
-    if (!output_open_json(&outputs[1], arguments->output, "summary.json",
-                          summary(scenario, &result, arguments->pace))) {
-        output_discard(outputs, 1);
+    if (!done || !output_open_json(&files.outputs[files.count], arguments->output, "summary.json",
+                                   summary(scenario, &result, arguments->pace))) {
+        output_discard(files.outputs, files.count);
         return false;
     }
-    return output_commit(outputs, 2);
+    return output_commit(files.outputs, files.count + 1);
 }
 
 static bool host(const struct arguments *arguments, const struct scenario *scenario, struct surroundings *surroundings)
@@ -295,6 +340,7 @@ int main(int argc, char **argv)
          IN_PROCESS ", can:INTERFACE, slcan:DEVICE or pty:NAME; again for more, frames are passed on between them", 0},
         {"pace", 'p', "PACE", 0, "lockstep, paced (lockstep, not ahead of the clock) or real-time (lockstep)", 0},
         {"output", 'o', "DIR", 0, "where summary.json and the log go", 0},
+        {"frames", 'f', NULL, 0, "also write DIR/" FRAMES_NAME ", all frames as candump -L does, in simulated time", 0},
         {"host", 'h', "SECONDS", OPTION_ARG_OPTIONAL,
          "be only the body, for an operator elsewhere on the bus; until stopped, or for some simulated seconds", 0},
         {0},

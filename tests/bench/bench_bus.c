@@ -1,0 +1,298 @@
+/* Random missions over a faulty bus, many at once in this process, or a few against an ECU elsewhere:
+ *
+ *   bench_bus                      the campaign: 10 000 missions; figures as JSON, tables on stderr
+ *   bench_bus --bus can:vcan0      50 of them on that bus, in lockstep with jp-ecu --robot courier24, compared bit for
+ * bit
+ *
+ * --count N and --seed S choose others. */
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../sim/bus_trial.h"
+#include "../../sim/progress.h"
+#include "../../sim/rig.h"
+
+#define THREADS 2
+
+#define ROBOT_NAME "courier24"
+#define ROBOT_FILE "sim/robots/courier24.cfg"
+
+#define CAMPAIGN 10000U
+#define SAMPLE   50U
+
+struct campaign {
+    const struct robot_entry *entry;
+    struct robot_file file;
+    struct bus_trial *trials;
+    size_t count;
+    atomic_size_t next;
+    pthread_mutex_t lock;
+    size_t done;
+};
+
+static void fail(const char *what)
+{
+    (void)fprintf(stderr, "bench_bus: %s\n", what);
+    exit(2);
+}
+
+static bool is_good(const struct bus_trial *trial)
+{
+    return trial->end == BUS_TRIAL_DONE || trial->excused;
+}
+
+/* Driving them. */
+
+static void *work_on(void *argument)
+{
+    struct campaign *campaign = argument;
+
+    for (size_t i = atomic_fetch_add(&campaign->next, 1); i < campaign->count;
+         i = atomic_fetch_add(&campaign->next, 1)) {
+        if (!bus_trial_run(&campaign->trials[i], campaign->entry, &campaign->file)) {
+            exit(2);
+        }
+        (void)pthread_mutex_lock(&campaign->lock);
+        progress_show("faulty bus", ++campaign->done, campaign->count);
+        (void)pthread_mutex_unlock(&campaign->lock);
+    }
+    return NULL;
+}
+
+static void run_in_process(struct campaign *campaign)
+{
+    pthread_t threads[THREADS];
+
+    for (int i = 0; i < THREADS; i++) {
+        if (pthread_create(&threads[i], NULL, work_on, campaign) != 0) {
+            fail("no thread");
+        }
+    }
+    for (int i = 0; i < THREADS; i++) {
+        (void)pthread_join(threads[i], NULL);
+    }
+    progress_end();
+}
+
+/** Returns how many runs on the bus were the same to the bit as in this process. */
+static size_t run_on_bus(struct campaign *campaign, const char *name)
+{
+    struct jp_can_link link;
+    char error[256];
+    size_t equal = 0;
+
+    if (!jp_can_link_open(&link, name, error, sizeof error)) {
+        fail(error);
+    }
+    for (size_t i = 0; i < campaign->count; i++) {
+        struct bus_trial here = campaign->trials[i];
+
+        if (!bus_trial_run(&here, campaign->entry, &campaign->file)) {
+            exit(2);
+        }
+        bus_trial_run_on(&campaign->trials[i], &campaign->file, &link);
+        campaign->trials[i].excused = here.excused && campaign->trials[i].end == here.end;
+        equal += campaign->trials[i].fingerprint == here.fingerprint ? 1 : 0;
+        progress_show(name, i + 1, campaign->count);
+    }
+    progress_end();
+    link.close(link.port.context);
+    return equal;
+}
+
+/* The tables. */
+
+static void print_bad(const struct bus_trial *trial)
+{
+    (void)fprintf(stderr, "seed %" PRIu64 ": %s, %.1f s, faults %#x:", trial->seed, bus_trial_end_name(trial->end),
+                  trial->ticks / 1000.0, trial->robot_faults);
+    for (size_t i = 0; i < trial->fault_count; i++) {
+        (void)fprintf(stderr, " %s %" PRIu64 "-%" PRIu64, bus_trial_fault_name(trial->faults[i].kind),
+                      trial->faults[i].from, trial->faults[i].until);
+    }
+    (void)fprintf(stderr, "\n");
+}
+
+static bool has(const struct bus_trial *trial, enum bus_trial_fault_kind kind)
+{
+    for (size_t i = 0; i < trial->fault_count; i++) {
+        if (trial->faults[i].kind == kind) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void print_kind(const struct campaign *campaign, enum bus_trial_fault_kind kind)
+{
+    size_t alone = 0;
+    size_t combined = 0;
+    size_t excused = 0;
+    size_t bad = 0;
+    double pitch = 0;
+
+    for (size_t i = 0; i < campaign->count; i++) {
+        const struct bus_trial *trial = &campaign->trials[i];
+
+        if (!has(trial, kind)) {
+            continue;
+        }
+        alone += trial->fault_count == 1;
+        combined += trial->fault_count > 1;
+        excused += trial->excused;
+        bad += !is_good(trial);
+        if (!trial->excused && trial->peak_pitch_deg > pitch) {
+            pitch = trial->peak_pitch_deg;
+        }
+    }
+    (void)fprintf(stderr, "%-16s %8zu %9zu %12zu %8zu %12.1f\n", bus_trial_fault_name(kind), alone, combined, excused,
+                  bad, pitch);
+}
+
+static void print_tables(const struct campaign *campaign)
+{
+    (void)fprintf(stderr, "%-16s %8s %9s %12s %8s %12s\n", "fault", "alone", "combined", "sensor fell", "bad",
+                  "peak pitch, °");
+    for (int kind = 0; kind < BUS_TRIAL_KINDS; kind++) {
+        print_kind(campaign, (enum bus_trial_fault_kind)kind);
+    }
+    for (size_t i = 0; i < campaign->count; i++) {
+        if (!is_good(&campaign->trials[i])) {
+            print_bad(&campaign->trials[i]);
+        }
+    }
+}
+
+/* The figures. */
+
+static size_t count_end(const struct campaign *campaign, enum bus_trial_end end)
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < campaign->count; i++) {
+        count += campaign->trials[i].end == end && !campaign->trials[i].excused;
+    }
+    return count;
+}
+
+static void figure(const char *name, double value, const char *unit, const char *op, double bound, const char *command)
+{
+    static bool begun;
+
+    (void)printf("%s{\"name\": \"%s\", \"value\": %.17g, \"unit\": \"%s\", \"bound\": ", begun ? ",\n " : "[", name,
+                 value, unit);
+    if (op == NULL) {
+        (void)printf("null");
+    } else {
+        (void)printf("{\"op\": \"%s\", \"value\": %.17g}", op, bound);
+    }
+    (void)printf(", \"command\": \"%s\"}", command);
+    begun = true;
+}
+
+static void campaign_figures(const struct campaign *campaign)
+{
+    static const char command[] = "build/bench/bench_bus";
+    double seconds = 0;
+    double metres = 0;
+    size_t excused = 0;
+
+    for (size_t i = 0; i < campaign->count; i++) {
+        const struct bus_trial *trial = &campaign->trials[i];
+
+        seconds = trial->stop_seconds > seconds ? trial->stop_seconds : seconds;
+        metres = trial->stop_metres > metres ? trial->stop_metres : metres;
+        excused += trial->excused;
+    }
+    figure("faulty bus: random missions, in process", (double)campaign->count, "", ">=", CAMPAIGN, command);
+    figure("faulty bus: falls that the sensors' faults alone do not make", (double)count_end(campaign, BUS_TRIAL_FELL),
+           "", "==", 0, command);
+    figure("faulty bus: missions that a frozen sensor alone ends", (double)excused, "", NULL, 0, command);
+    figure("faulty bus: missions with motion but without a command", (double)count_end(campaign, BUS_TRIAL_MOVED), "",
+           "==", 0, command);
+    figure("faulty bus: ended elsewhere than commanded", (double)count_end(campaign, BUS_TRIAL_ASTRAY), "", "==", 0,
+           command);
+    figure("faulty bus: not finished once the bus was well", (double)count_end(campaign, BUS_TRIAL_LATE), "", "==", 0,
+           command);
+    figure("faulty bus: longest stop, from the last command to the stand", seconds, "s", "<=", BUS_TRIAL_STOP_MAX,
+           command);
+    figure("faulty bus: way of the longest stop", metres, "m", NULL, 0, command);
+    (void)printf("]\n");
+}
+
+static void sample_figures(const struct campaign *campaign, size_t equal)
+{
+    static const char command[] = "make figures";
+    size_t good = 0;
+
+    for (size_t i = 0; i < campaign->count; i++) {
+        good += is_good(&campaign->trials[i]);
+    }
+    figure("faulty bus over vcan: random missions well ended", (double)good, "", "==", (double)campaign->count,
+           command);
+    figure("faulty bus over vcan: the same bits as in process", (double)equal, "", "==", (double)campaign->count,
+           command);
+    (void)printf("]\n");
+}
+
+/* The command line. */
+
+struct options {
+    const char *bus;
+    size_t count;
+    uint64_t seed;
+};
+
+static struct options parse(int argc, char **argv)
+{
+    struct options options = {.seed = 1};
+
+    for (int i = 1; i + 1 < argc; i += 2) {
+        if (strcmp(argv[i], "--bus") == 0) {
+            options.bus = argv[i + 1];
+        } else if (strcmp(argv[i], "--count") == 0) {
+            options.count = strtoul(argv[i + 1], NULL, 10);
+        } else if (strcmp(argv[i], "--seed") == 0) {
+            options.seed = strtoul(argv[i + 1], NULL, 10);
+        } else {
+            fail("usage: bench_bus [--bus BUS] [--count N] [--seed S]");
+        }
+    }
+    if (argc % 2 == 0) {
+        fail("usage: bench_bus [--bus BUS] [--count N] [--seed S]");
+    }
+    if (options.count == 0) {
+        options.count = options.bus == NULL ? CAMPAIGN : SAMPLE;
+    }
+    return options;
+}
+
+int main(int argc, char **argv)
+{
+    static struct campaign campaign;
+    const struct options options = parse(argc, argv);
+
+    campaign.entry = rig_find_robot(ROBOT_NAME);
+    campaign.count = options.count;
+    campaign.trials = calloc(options.count, sizeof *campaign.trials);
+    if (campaign.entry == NULL || campaign.trials == NULL || !robot_file_load(ROBOT_FILE, &campaign.file)) {
+        fail("no robot, or no memory");
+    }
+    (void)pthread_mutex_init(&campaign.lock, NULL);
+    for (size_t i = 0; i < campaign.count; i++) {
+        bus_trial_draw(&campaign.trials[i], options.seed + i);
+    }
+    if (options.bus == NULL) {
+        run_in_process(&campaign);
+        campaign_figures(&campaign);
+    } else {
+        sample_figures(&campaign, run_on_bus(&campaign, options.bus));
+    }
+    print_tables(&campaign);
+    free(campaign.trials);
+    return EXIT_SUCCESS;
+}
