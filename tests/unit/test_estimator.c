@@ -311,6 +311,67 @@ static void test_extreme_readings_saturate(void)
     TEST_ASSERT_TRUE(state.pitch >= -JP_Q24_ONE / 2 && state.pitch <= JP_Q24_ONE / 2);
 }
 
+/* A gap in which the robot rolled on */
+
+static void roll(uint32_t left, uint32_t right)
+{
+    sensors.encoder_left += left;
+    sensors.encoder_right += right;
+}
+
+/* Rolls steadily, then over a gap; another estimator sees the gap, too. */
+static void check_resume(uint32_t start_count, uint32_t left, uint32_t right, uint32_t gap)
+{
+    struct jp_estimator seeing;
+    struct jp_motion_state seen;
+    struct jp_motion_state resumed;
+
+    setUp();
+    roll(start_count, start_count);
+    start();
+    for (int32_t i = 0; i < 2000; i++) {
+        roll(left, right);
+        update();
+    }
+    seeing = estimator;
+    for (uint32_t i = 0; i < gap; i++) {
+        roll(left, right);
+        jp_estimator_update(&seeing, &config, &sensors, &seen);
+    }
+    roll(left, right);
+    jp_estimator_update(&seeing, &config, &sensors, &seen);
+    jp_estimator_resume(&estimator, &config, &sensors, &resumed);
+    TEST_ASSERT_EQUAL_UINT64(seeing.wheel_encoder, estimator.wheel_encoder);
+    TEST_ASSERT_EQUAL_UINT64(seeing.yaw_encoder, estimator.yaw_encoder);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.002), 0, jp_phase_difference(seen.wheel, resumed.wheel));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.002), 0, jp_phase_difference(seen.yaw, resumed.yaw));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.15), seen.wheel_rate, resumed.wheel_rate);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.15), seen.yaw_rate, resumed.yaw_rate);
+}
+
+static void test_resuming_keeps_distance_heading_and_rates(void)
+{
+    check_resume(0, 20, 30, 0);
+    check_resume(0, 20, 30, 40);
+    check_resume(0, 0U - 15U, 25, 40);
+    check_resume(0U - 2000U * 20U - 300U, 20, 30, 40); /* the counts wrap in the gap */
+    check_resume(0, 0, 0, 1000);
+}
+
+static void test_resuming_keeps_pitch_and_the_gyros_bias(void)
+{
+    start();
+    config.tilt_gain = 0;
+    config.bias_gain = 0;
+    estimator.pitch = JP_PHASE_TURN / 40;
+    estimator.gyro_bias = (int64_t)JP_Q24(0.01) * ((int64_t)1 << 32);
+    sensors.pitch_rate = JP_Q24(0.01);
+    roll(500, 500);
+    jp_estimator_resume(&estimator, &config, &sensors, &state);
+    TEST_ASSERT_INT32_WITHIN(1, JP_Q24_ONE / 40, state.pitch);
+    TEST_ASSERT_EQUAL_INT32(0, state.pitch_rate);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -328,5 +389,7 @@ int main(void)
     RUN_TEST(test_learning_stops_at_a_broken_gyro);
     RUN_TEST(test_without_gains_the_accelerometer_is_not_heard);
     RUN_TEST(test_extreme_readings_saturate);
+    RUN_TEST(test_resuming_keeps_distance_heading_and_rates);
+    RUN_TEST(test_resuming_keeps_pitch_and_the_gyros_bias);
     return UNITY_END();
 }

@@ -204,6 +204,68 @@ static void test_far_target_saturates(void)
     TEST_ASSERT_TRUE(reference.wheel.rate != 0);
 }
 
+/* A robot that moves when the reference starts */
+
+static void coast(jp_q24 wheel_rate, jp_q24 yaw_rate)
+{
+    jp_reference_coast(&reference, &config, wheel_rate, yaw_rate);
+}
+
+static void test_without_shaping_coasting_changes_nothing(void)
+{
+    struct jp_reference before;
+
+    config.travel_bandwidth = 0;
+    config.yaw_bandwidth = 0;
+    start(12345, 678);
+    before = reference;
+    coast(JP_Q24(1), JP_Q24(-1));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &reference, sizeof before);
+}
+
+static void test_coasting_begins_at_the_rates_of_the_robot(void)
+{
+    start(12345, 678);
+    coast(JP_Q24(1), JP_Q24(-0.5));
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(1), reference.wheel.rate);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(-0.5), reference.yaw.rate);
+    TEST_ASSERT_EQUAL_UINT64(12345, reference.wheel.angle);
+    TEST_ASSERT_EQUAL_UINT64(678, reference.yaw.angle);
+    run(1); /* 2/τ of the rate a second */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0001), JP_Q24(1 - 2 * 0.001), reference.wheel.rate);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0001), JP_Q24(-0.5 + 8 * 0.0005), reference.yaw.rate);
+}
+
+/* Of a critically damped tracker that starts with rate r: r t exp(−t/τ), most at τ. */
+static void check_coasting(jp_q24 rate)
+{
+    jp_q24 farthest = 0;
+
+    start(0, 0);
+    coast(rate, -rate);
+    for (int32_t i = 1; i <= 10000; i++) {
+        jp_q24 way;
+
+        run(1);
+        way = jp_phase_difference(reference.wheel.angle, 0);
+        farthest = rate > 0 ? (way > farthest ? way : farthest) : (way < farthest ? way : farthest);
+        if (i == 250) { /* τ of the yaw */
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), -rate / 1000 * 92, jp_phase_difference(reference.yaw.angle, 0));
+        }
+    }
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), rate / 10000 * 3679, farthest);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), 0, reference.wheel.rate);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), 0, reference.yaw.rate);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), 0, jp_phase_difference(reference.wheel.angle, 0));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), 0, jp_phase_difference(reference.yaw.angle, 0));
+}
+
+static void test_coasting_ends_at_rest_where_it_began(void)
+{
+    check_coasting(JP_Q24(1));
+    check_coasting(-JP_Q24(0.7));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -217,5 +279,8 @@ int main(void)
     RUN_TEST(test_turn_is_followed_without_overshoot);
     RUN_TEST(test_start_angle_does_not_matter_to_the_bit);
     RUN_TEST(test_far_target_saturates);
+    RUN_TEST(test_without_shaping_coasting_changes_nothing);
+    RUN_TEST(test_coasting_begins_at_the_rates_of_the_robot);
+    RUN_TEST(test_coasting_ends_at_rest_where_it_began);
     return UNITY_END();
 }
