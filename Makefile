@@ -331,6 +331,8 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	$(BUILD)/bench/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
 	$(BUILD)/bench/prop_fixed --exhaustive --json $(BUILD)/bench/fixed.json
 	$(BUILD)/bench/prop_planner --count 100000 --json $(BUILD)/bench/planner.json
+	$(PYTHON) tools/bench_bus.py
+	$(PYTHON) tools/show_frames.py $(BUILD)/bus/vcan/frames.log --readme
 	@rm -f $(BITS_LOGS)
 	@$(MAKE) $(PARALLEL) $(BITS_LOGS)
 	@printf '[{"name": "planner: same routes, costs and expansions on %s, of %d", "value": %d, "unit": "",\n  "bound": {"op": "==", "value": %d}, "command": "make figures"}]\n' \

@@ -3,13 +3,14 @@
 
 Drives a scenario in lockstep in one process, over SLCAN and over vcan, and compares them byte by byte; drives 50 missions
 of the faulty bus over vcan; drives a scenario in real time over SLCAN and counts the deadlines that were missed. Prints a
-table and writes figures for tools/figures.py. Exit status 2: a program failed; nothing was written.
+table, writes figures for tools/figures.py and leaves the missions in build/bus. Exit status 2: a program failed; nothing was written.
 """
 import argparse
 import json
 import os
+import shutil
 import subprocess
-import tempfile
+import sys
 import time
 from pathlib import Path
 
@@ -101,10 +102,12 @@ def main():
     options = parser.parse_args()
     build = Path(os.path.abspath(robot_json.build_directory()))
     path = options.bench or build / "bench/bus.json"
-    with tempfile.TemporaryDirectory(dir=build) as folder:
-        figures = list(measure(build, Path(folder)))
-        call([".venv/bin/python", "tools/bus_load.py", "--log", Path(folder) / "in process/frames.log", "--bench",
-              path.with_name("bus_load.json")])
+    folder = build / "bus"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    figures = list(measure(build, folder))
+    call([sys.executable, "tools/bus_load.py", "--log", folder / "vcan/frames.log", "--bench",
+          path.with_name("bus_load.json")])
     print_aligned([("what", "measured"), *((f["name"], f"{f['value']:.6g} {f['unit']}".strip()) for f in figures)])
     write_whole(path, json.dumps(figures, indent=2) + "\n")
     print(f"wrote {shown_path(path)}")
