@@ -128,7 +128,7 @@ $(MEMBERS): FORCE
 	@mkdir -p $(@D) && echo '$(CORE) $(CAN) $(SIM)' | cmp -s - $@ || echo '$(CORE) $(CAN) $(SIM)' >$@
 
 define variant_rules
-$(BUILD)/$1/%.o: %.c Makefile $(SETTINGS)
+$(BUILD)/$1/%.o: %.c Makefile $(SETTINGS) $(if $(filter host%,$1),| $(LCM_HEADERS))
 	@mkdir -p $$(@D)
 	$$(call SAY,CC $$@)
 	$$Q$$(COMPILER.$1) $$(COMMON) $$(FLAGS.$1) -c $$< -o $$@
@@ -138,8 +138,6 @@ $(BUILD)/$1/libjoulepath.a: $(CORE:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 
 $(BUILD)/$1/libcan.a: $(CAN:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 	$$(call archive)
-
-$(SIM:%.c=$(BUILD)/$1/%.o): | $(LCM_HEADERS)
 
 $(BUILD)/$1/lcm/%.o: $(BUILD)/lcm/%.h
 	@mkdir -p $$(@D)
@@ -206,9 +204,11 @@ $(BUILD)/bench/target_%: $(BUILD)/cortex-m4/tests/bench/target_%.o $(TARGET_SUPP
                          $(BUILD)/cortex-m4/libjoulepath.a
 	$(call link_target,cortex-m4)
 
-$(BUILD)/lcm/%.h: sim/lcm/%.lcm
-	@mkdir -p $(@D)
-	$Qlcm-gen --c --python --c-cpath $(@D) --c-hpath $(@D) --ppath $(@D) $<
+# All at once: they share a Python package.
+$(LCM_HEADERS) &: $(LCM_TYPES:%=sim/lcm/%.lcm)
+	@rm -rf $(BUILD)/lcm
+	@mkdir -p $(BUILD)/lcm
+	$Qlcm-gen --c --python --c-cpath $(BUILD)/lcm --c-hpath $(BUILD)/lcm --ppath $(BUILD)/lcm $^
 
 $(BUILD)/robots.c: FORCE
 	@mkdir -p $(@D)
@@ -442,7 +442,7 @@ $(LOGS)/pytest/%.xml: $(PROGRAMS)
 
 GATE_LIBRARIES := $(foreach v,cortex-m4 cortex-m4-os cortex-m0 cortex-m0-o2,$(BUILD)/$v/libjoulepath.a $(BUILD)/$v/libcan.a)
 GATE_IMAGES    := $(BUILD)/cortex-m4/test_ecu $(BUILD)/cortex-m0/test_ecu
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target $(HOST)
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST)
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)
@@ -452,7 +452,7 @@ $(LOGS)/gates/firmware.log: $(GATE_IMAGES)
 	$(call SAY,RUN gate firmware)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/firmware.sh $(GATE_IMAGES)
 
-$(LOGS)/gates/%.log: tests/gates/%.sh
+$(LOGS)/gates/%.log: tests/gates/%.sh | $(LCM_HEADERS)
 	$(call SAY,RUN gate $*)
 	$Q$(RUN) $@ $(GATE_LIMIT) $<
 

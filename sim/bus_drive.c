@@ -1,7 +1,9 @@
 #include "bus_drive.h"
 
-/** Waiting is divided, so that a simulated ECU gets its turns too. */
-#define WAIT_US 100000
+#include "../hal/linux/periodic.h"
+
+/** An ECU that does not answer is asked again so often. */
+#define ASK_AGAIN_US 100000
 
 void bus_drive_init(struct bus_drive *drive, const struct robot_file *robot, uint64_t seed,
                     const struct jp_can_link *link)
@@ -19,7 +21,7 @@ static void take(struct bus_drive *drive, const struct jp_can_frame *frame)
 {
     (void)plant_node_accept(&drive->plant, frame);
     if (!drive->conditions.operator_silent) {
-        operator_accept(&drive->operator, frame);
+        operator_accept(&drive->commander, frame);
     }
     ecu_view_accept(&drive->view, frame);
 }
@@ -47,23 +49,34 @@ static bool is_answer(const struct jp_can_frame *frame, uint32_t tick)
            jp_can_sim_done_unpack(&done, frame->data, frame->length) == 0 && done.tick == tick;
 }
 
-/** Lets the ECU have the tick, and asks again while it does not answer. */
-static bool give_tick(struct bus_drive *drive, uint32_t tick)
+/** Frames of others must not pass for the ECU's: the clock says when it is time to ask again. */
+static bool await_answer(struct bus_drive *drive, uint32_t tick)
 {
     const struct jp_can_link *link = &drive->link;
+    const int64_t end_us = jp_monotonic_us() + ASK_AGAIN_US;
     struct jp_can_frame frame;
 
-    send_time(drive, tick);
-    for (int64_t waited = 0; waited < BUS_DRIVE_PATIENCE * INT64_C(1000000);) {
+    for (bool waiting = true; waiting; waiting = link->wait(link->port.context, ASK_AGAIN_US)) {
         while (link->receive(link->port.context, &frame)) {
             if (is_answer(&frame, tick)) {
                 return true;
             }
             take(drive, &frame);
+            if (jp_monotonic_us() >= end_us) {
+                return false;
+            }
         }
-        if (!link->wait(link->port.context, WAIT_US)) {
-            waited += WAIT_US;
-            send_time(drive, tick);
+    }
+    return false;
+}
+
+/** Lets the ECU have the tick, and asks again while it does not answer. */
+static bool give_tick(struct bus_drive *drive, uint32_t tick)
+{
+    for (int64_t waited = 0; waited < BUS_DRIVE_PATIENCE * INT64_C(1000000); waited += ASK_AGAIN_US) {
+        send_time(drive, tick);
+        if (await_answer(drive, tick)) {
+            return true;
         }
     }
     return false;
@@ -84,7 +97,7 @@ bool bus_drive_lockstep(struct bus_drive *drive)
         return false;
     }
     if (!drive->conditions.operator_silent) {
-        operator_tick(&drive->operator, time_ms(drive), &drive->link.port);
+        operator_tick(&drive->commander, time_ms(drive), &drive->link.port);
     }
     if (!drive->conditions.plant_paused) {
         plant_node_sense(&drive->plant, &drive->link.port);
@@ -109,6 +122,6 @@ void bus_drive_real_time(struct bus_drive *drive)
     }
     step(drive);
     drive->tick++;
-    operator_tick(&drive->operator, time_ms(drive), &link->port);
+    operator_tick(&drive->commander, time_ms(drive), &link->port);
     plant_node_sense(&drive->plant, &link->port);
 }

@@ -26,7 +26,7 @@ struct bus_drive_conditions {
 struct bus_drive {
     struct jp_can_link link;
     struct plant_node plant;
-    struct operator operator;
+    struct bus_operator commander;
     struct ecu_view view;
     struct bus_drive_conditions conditions;
     uint32_t tick;         /**< since the start, pauses included */

@@ -265,7 +265,7 @@ static bool hand_over_route(struct run *run)
         route[i].x = (jp_q16)lround(run->scenario->waypoints[i + 1].x * Q16_ONE);
         route[i].y = (jp_q16)lround(run->scenario->waypoints[i + 1].y * Q16_ONE);
     }
-    if (!operator_route(&run->result->drive.operator, route, count)) {
+    if (!operator_route(&run->result->drive.commander, route, count)) {
         error_line("%s: waypoints: one is beyond ±512 m, which the bus does not carry; move it", run->scenario->name);
         return false;
     }
@@ -281,17 +281,28 @@ static size_t percent_done(const struct run *run)
                     (double)run->result->mission.leg_count);
 }
 
+/** Of two controllers each tells of its own route, so that nothing certain would be heard. */
+static bool is_alone(const struct run *run)
+{
+    if (run->result->drive.view.errors.conflicts == 0U) {
+        return true;
+    }
+    error_line("leg %zu: another controller sends with the ECU's ids; take it off the bus and restart jp-ecu",
+               run->leg + 1);
+    return false;
+}
+
 static bool drive_route(struct run *run)
 {
-    const struct operator* operator= & run->result->drive.operator;
+    const struct bus_operator *commander = &run->result->drive.commander;
 
-    while (operator->state != OPERATOR_DONE || run->leg<run->result->mission.leg_count) {
-        if (!tick(run)) {
+    while (commander->state != OPERATOR_DONE || run->leg < run->result->mission.leg_count) {
+        if (!tick(run) || !is_alone(run)) {
             return false;
         }
         keep_books(run);
-        if (operator->state == OPERATOR_FAILED) {
-            error_line("leg %zu: %s", run->leg + 1, operator_reason(operator));
+        if (commander->state == OPERATOR_FAILED) {
+            error_line("leg %zu: %s", run->leg + 1, operator_reason(commander));
             return false;
         }
         if (seconds(run, run->result->drive.tick) > MISSION_TIME_MAX) {

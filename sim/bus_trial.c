@@ -255,7 +255,7 @@ static void note_command(struct run *run)
 {
     const struct bus_drive *drive = run->drive;
 
-    if (drive->operator.state == OPERATOR_DRIVING && !drive->conditions.operator_silent) {
+    if (drive->commander.state == OPERATOR_DRIVING && !drive->conditions.operator_silent) {
         run->commanded = drive->tick;
         run->commanded_x = drive->plant.world.plant.x;
         run->commanded_y = drive->plant.world.plant.y;
@@ -321,8 +321,8 @@ static void send_again(struct run *run)
     for (size_t i = 0; i < trial->fault_count; i++) {
         well = well && run->drive->tick > trial->faults[i].until + BUS_TRIAL_OUTAGE_GAP;
     }
-    if (run->drive->operator.state == OPERATOR_FAILED && well && trial->attempts<ATTEMPTS_MAX) {
-        (void)operator_route(&run->drive->operator, trial->targets, trial->target_count);
+    if (run->drive->commander.state == OPERATOR_FAILED && well && trial->attempts < ATTEMPTS_MAX) {
+        (void)operator_route(&run->drive->commander, trial->targets, trial->target_count);
         trial->attempts++;
     }
 }
@@ -343,7 +343,7 @@ static bool goes_on(struct run *run)
         trial->end = BUS_TRIAL_LATE;
         return false;
     }
-    run->stood = run->drive->operator.state == OPERATOR_DONE ? run->stood + 1 : 0;
+    run->stood = run->drive->commander.state == OPERATOR_DONE ? run->stood + 1 : 0;
     return run->stood < STAND_TICKS || run->drive->tick < (uint32_t)FAULTS_UNTIL;
 }
 
@@ -393,7 +393,7 @@ void bus_trial_run_on(struct bus_trial *trial, const struct robot_file *file, co
     trial->end = BUS_TRIAL_DONE;
     trial->fingerprint = FINGERPRINT_START;
     trial->attempts = 1;
-    (void)operator_route(&drive->operator, trial->targets, trial->target_count);
+    (void)operator_route(&drive->commander, trial->targets, trial->target_count);
     while (step(run)) {
     }
     trial->ticks = drive->tick;

@@ -1,5 +1,7 @@
 #include "can_relay.h"
 
+#include "../hal/linux/periodic.h"
+
 /** With several links each is looked at this often while waiting, µs. */
 #define POLL_US 50
 
@@ -63,13 +65,16 @@ static bool wait(void *context, int64_t timeout_us)
     if (relay->count == 1) {
         return relay->links[0].wait(relay->links[0].port.context, timeout_us);
     }
-    for (int64_t waited = 0; timeout_us < 0 || waited <= timeout_us; waited += POLL_US) {
+
+    const int64_t start = jp_monotonic_us();
+
+    do {
         for (size_t i = 0; i < relay->count; i++) {
             if (relay->links[i].wait(relay->links[i].port.context, i == 0 ? POLL_US : 0)) {
                 return true;
             }
         }
-    }
+    } while (timeout_us < 0 || jp_monotonic_us() - start < timeout_us);
     return false;
 }
 

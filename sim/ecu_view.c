@@ -3,7 +3,8 @@
 /** Unpacks the frame if it is this message; `then` follows when it was. */
 #define TAKE(message, MESSAGE, member, then)                                                                           \
     case JP_CAN_##MESSAGE##_FRAME_ID:                                                                                  \
-        if (jp_can_##message##_unpack(&view->member, frame->data, frame->length) == 0) {                               \
+        if (frame->length == JP_CAN_##MESSAGE##_LENGTH) {                                                              \
+            (void)jp_can_##message##_unpack(&view->member, frame->data, frame->length);                                \
             then;                                                                                                      \
         }                                                                                                              \
         break

@@ -353,9 +353,9 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
     }
 }
 
-void jp_robot_snapshot(const struct jp_robot *robot, struct jp_robot_snapshot *snapshot)
+void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot)
 {
-    *snapshot = (struct jp_robot_snapshot){
+    *snapshot = (struct jp_snapshot){
         .estimator = robot->estimator,
         .odometry = robot->odometry,
         .balancing = motors_run(&robot->telemetry),
@@ -364,7 +364,7 @@ void jp_robot_snapshot(const struct jp_robot *robot, struct jp_robot_snapshot *s
 
 /* The background. */
 
-void jp_robot_resume(struct jp_robot *robot, const struct jp_robot_snapshot *snapshot)
+void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot)
 {
     robot->estimator = snapshot->estimator;
     robot->odometry = snapshot->odometry;

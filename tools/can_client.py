@@ -261,7 +261,8 @@ class Operator(Listener):
 
     def _stands(self):
         self._check_upright()
-        return self.state.state == "Balancing" and self.state.get("EcuStatus", "Mode") == "Stand"
+        status = [self.state.get("EcuStatus", signal) for signal in ("State", "Mode", "Operator")]
+        return status == ["Balancing", "Stand", "Alive"]  # one that lost its operator stands too, but obeys no Drive
 
     def _check_upright(self):
         if self.state.state in DOWN:
@@ -316,7 +317,7 @@ class Operator(Listener):
         reason = self.state.get("RouteStatus", "Reason")
         if route in ("Stopped", "Rejected"):
             raise self.error(f"the robot stopped on the way: {reason}{self._plan_status()}")
-        if self.state.get("EcuStatus", "Operator") == "Lost" and route == "Driving":
+        if self.state.get("EcuStatus", "OperatorState") == "Lost" and route == "Driving":
             raise self.error("the ECU has lost the operator's commands; the robot brakes to a stand")
         return route if route in ("Driving", "Done") else None
 

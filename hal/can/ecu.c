@@ -1,5 +1,7 @@
 #include "ecu.h"
 
+#include <string.h>
+
 #include "jp_can.h"
 #include "telemetry.h"
 
@@ -72,18 +74,39 @@ static uint32_t time_us(void *context)
 
 /* Start. */
 
+static bool within(int64_t value, int64_t limit)
+{
+    return value >= -limit && value <= limit;
+}
+
+/** The motors ran, and the numbers can be this robot's: chance or another firmware, too, makes a check come right. */
+static bool can_go_on(const struct jp_robot_config *config, const struct jp_snapshot *snapshot)
+{
+    const struct jp_estimator *estimator = &snapshot->estimator;
+    const struct jp_odometry *odometry = &snapshot->odometry;
+    const uint64_t second = estimator->phase_per_rate * config->estimator.tick_rate;
+    uint8_t balancing;
+
+    /* A bool must not be read before it is known to be one. */
+    memcpy(&balancing, &snapshot->balancing, sizeof balancing);
+    return balancing == 1U && within((int64_t)(second - ((uint64_t)1 << 32)), config->estimator.tick_rate) &&
+           within(estimator->gyro_bias, (int64_t)JP_PHASE_TURN) && within(odometry->x, INT64_MAX / 2) &&
+           within(odometry->y, INT64_MAX / 2) && odometry->metres_per_turn == config->metres_per_turn;
+}
+
 /** After a reset in motion nobody has commanded anything yet: the robot stands and waits. */
 static void resume(struct jp_ecu *ecu, const struct jp_retained_slot *record)
 {
     ecu->resets = record->resets + 1U;
+    if (!can_go_on(ecu->robot.config, &record->snapshot)) {
+        return;
+    }
     jp_robot_resume(&ecu->robot, &record->snapshot);
     /* A sample holds only the low bits of the counts; they go on from those of the record. */
     jp_sample_link_resume(&ecu->samples, record->snapshot.estimator.encoder_left,
                           record->snapshot.estimator.encoder_right);
-    if (record->snapshot.balancing) {
-        ecu->operator_link.mode = JP_MODE_STAND;
-        ecu->operator_link.state = JP_OPERATOR_LOST;
-    }
+    ecu->operator_link.mode = JP_MODE_STAND;
+    ecu->operator_link.state = JP_OPERATOR_LOST;
 }
 
 enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *config,
@@ -239,7 +262,7 @@ static void watch_bus(struct jp_ecu *ecu)
 
 static void retain(struct jp_ecu *ecu)
 {
-    struct jp_robot_snapshot snapshot;
+    struct jp_snapshot snapshot;
 
     if (ecu->retained != NULL) {
         jp_robot_snapshot(&ecu->robot, &snapshot);

@@ -1065,7 +1065,7 @@ int jp_can_ecu_status_pack(
 
     dst_p[0] |= pack_left_shift_u8(src_p->state, 0u, 0x07u);
     dst_p[0] |= pack_left_shift_u8(src_p->mode, 3u, 0x18u);
-    dst_p[0] |= pack_left_shift_u8(src_p->operator, 5u, 0x60u);
+    dst_p[0] |= pack_left_shift_u8(src_p->operator_state, 5u, 0x60u);
     dst_p[1] |= pack_left_shift_u8(src_p->resets, 0u, 0xffu);
     dst_p[2] |= pack_left_shift_u8(src_p->version_major, 0u, 0xffu);
     dst_p[3] |= pack_left_shift_u8(src_p->version_minor, 0u, 0xffu);
@@ -1088,7 +1088,7 @@ int jp_can_ecu_status_unpack(
 
     dst_p->state = unpack_right_shift_u8(src_p[0], 0u, 0x07u);
     dst_p->mode = unpack_right_shift_u8(src_p[0], 3u, 0x18u);
-    dst_p->operator = unpack_right_shift_u8(src_p[0], 5u, 0x60u);
+    dst_p->operator_state = unpack_right_shift_u8(src_p[0], 5u, 0x60u);
     dst_p->resets = unpack_right_shift_u8(src_p[1], 0u, 0xffu);
     dst_p->version_major = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
     dst_p->version_minor = unpack_right_shift_u8(src_p[3], 0u, 0xffu);
@@ -1129,12 +1129,12 @@ bool jp_can_ecu_status_mode_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-bool jp_can_ecu_status_operator_is_in_range(uint8_t value)
+bool jp_can_ecu_status_operator_state_is_in_range(uint8_t value)
 {
     return (value <= 2u);
 }
 
-bool jp_can_ecu_status_operator_is_in_phys_range(double value)
+bool jp_can_ecu_status_operator_state_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 2.0));
 }

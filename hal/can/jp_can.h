@@ -163,9 +163,9 @@ extern "C" {
 #define JP_CAN_ECU_STATUS_MODE_STAND_CHOICE (1u)
 #define JP_CAN_ECU_STATUS_MODE_DRIVE_CHOICE (2u)
 
-#define JP_CAN_ECU_STATUS_OPERATOR_NONE_CHOICE (0u)
-#define JP_CAN_ECU_STATUS_OPERATOR_ALIVE_CHOICE (1u)
-#define JP_CAN_ECU_STATUS_OPERATOR_LOST_CHOICE (2u)
+#define JP_CAN_ECU_STATUS_OPERATOR_STATE_NONE_CHOICE (0u)
+#define JP_CAN_ECU_STATUS_OPERATOR_STATE_ALIVE_CHOICE (1u)
+#define JP_CAN_ECU_STATUS_OPERATOR_STATE_LOST_CHOICE (2u)
 
 #define JP_CAN_ROUTE_STATUS_STATE_NONE_CHOICE (0u)
 #define JP_CAN_ROUTE_STATUS_STATE_RECEIVING_CHOICE (1u)
@@ -250,7 +250,7 @@ extern "C" {
 #define JP_CAN_GOAL_Y_NAME "Y"
 #define JP_CAN_ECU_STATUS_STATE_NAME "State"
 #define JP_CAN_ECU_STATUS_MODE_NAME "Mode"
-#define JP_CAN_ECU_STATUS_OPERATOR_NAME "Operator"
+#define JP_CAN_ECU_STATUS_OPERATOR_STATE_NAME "OperatorState"
 #define JP_CAN_ECU_STATUS_RESETS_NAME "Resets"
 #define JP_CAN_ECU_STATUS_VERSION_MAJOR_NAME "VersionMajor"
 #define JP_CAN_ECU_STATUS_VERSION_MINOR_NAME "VersionMinor"
@@ -733,7 +733,7 @@ struct jp_can_ecu_status_t {
      * Scale: 1
      * Offset: 0
      */
-    uint8_t operator;
+    uint8_t operator_state;
 
     /**
      * Restarts since power-on, up to 255.
@@ -2552,7 +2552,7 @@ bool jp_can_ecu_status_mode_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_ecu_status_operator_is_in_range(uint8_t value);
+bool jp_can_ecu_status_operator_state_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2565,7 +2565,7 @@ bool jp_can_ecu_status_operator_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_ecu_status_operator_is_in_phys_range(double value);
+bool jp_can_ecu_status_operator_state_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.

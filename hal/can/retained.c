@@ -35,7 +35,7 @@ const struct jp_retained_slot *jp_retained_newest(const struct jp_retained *reta
     return (int32_t)(a->sequence - b->sequence) > 0 ? a : b;
 }
 
-void jp_retained_write(struct jp_retained *retained, const struct jp_robot_snapshot *snapshot, uint32_t resets)
+void jp_retained_write(struct jp_retained *retained, const struct jp_snapshot *snapshot, uint32_t resets)
 {
     const struct jp_retained_slot *newest = jp_retained_newest(retained);
     struct jp_retained_slot *slot = newest == &retained->slots[0] ? &retained->slots[1] : &retained->slots[0];

@@ -9,7 +9,7 @@
 #include <joulepath/robot.h>
 
 struct jp_retained_slot {
-    struct jp_robot_snapshot snapshot;
+    struct jp_snapshot snapshot;
     uint32_t sequence; /**< one more in each write, wrapping */
     uint32_t resets;
     uint32_t check; /**< sum of all words before it; see retained.c */
@@ -23,6 +23,6 @@ struct jp_retained {
 const struct jp_retained_slot *jp_retained_newest(const struct jp_retained *retained);
 
 /** Replaces the older slot. For the control ISR. */
-void jp_retained_write(struct jp_retained *retained, const struct jp_robot_snapshot *snapshot, uint32_t resets);
+void jp_retained_write(struct jp_retained *retained, const struct jp_snapshot *snapshot, uint32_t resets);
 
 #endif

@@ -46,7 +46,7 @@ static void status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
     const struct jp_can_ecu_status_t signals = {
         .state = (uint8_t)ecu->robot.telemetry.state,
         .mode = (uint8_t)ecu->operator_link.mode,
-        .operator=(uint8_t) ecu->operator_link.state,
+        .operator_state = (uint8_t)ecu->operator_link.state,
         .resets = count8(ecu->resets),
         .version_major = JP_VERSION_MAJOR,
         .version_minor = JP_VERSION_MINOR,

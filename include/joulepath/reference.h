@@ -43,8 +43,8 @@ enum jp_status jp_reference_check(const struct jp_reference_config *config, cons
 void jp_reference_start(struct jp_reference *reference, const struct jp_reference_config *config, jp_phase wheel,
                         jp_phase yaw);
 
-/** After jp_reference_start(), when the robot moves at these rates (turn/s): the shaped reference slows down from them and
- *  comes to rest where it started, as after a step to rest. Nothing changes without shaping. */
+/** After jp_reference_start(), when the robot moves at these rates (turn/s): the shaped reference slows down from them
+ * and comes to rest where it started, as after a step to rest. Nothing changes without shaping. */
 void jp_reference_coast(struct jp_reference *reference, const struct jp_reference_config *config, jp_q24 wheel_rate,
                         jp_q24 yaw_rate);
 

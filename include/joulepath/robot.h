@@ -66,7 +66,7 @@ struct jp_telemetry {
 };
 
 /** What a reset of the controller must not lose. */
-struct jp_robot_snapshot {
+struct jp_snapshot {
     struct jp_estimator estimator;
     struct jp_odometry odometry;
     bool balancing; /**< the motors ran */
@@ -126,14 +126,14 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
 enum jp_status jp_robot_work(struct jp_robot *robot);
 
 /** What jp_robot_resume() needs, after any tick and in its context. */
-void jp_robot_snapshot(const struct jp_robot *robot, struct jp_robot_snapshot *snapshot);
+void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot);
 
 /**
  * Between jp_robot_init() and the first tick, after a reset in motion: the first plausible frame goes on from the
  * snapshot instead of taking the robot to be at rest. If the motors ran the robot balances at once and brakes to a
  * stand. Pitch is that of the snapshot, so the reset must be short: tens of milliseconds.
  */
-void jp_robot_resume(struct jp_robot *robot, const struct jp_robot_snapshot *snapshot);
+void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot);
 
 /** Idle to balancing, at the next tick. JP_ERR_STATE: not idle, no frame yet, or tilted beyond the limit. */
 enum jp_status jp_robot_enable(struct jp_robot *robot);

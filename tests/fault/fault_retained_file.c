@@ -33,7 +33,7 @@ static void open_file(void)
 
 static void write_record(uint32_t resets)
 {
-    const struct jp_robot_snapshot snapshot = {.balancing = true};
+    const struct jp_snapshot snapshot = {.balancing = true};
 
     jp_retained_write(file.retained, &snapshot, resets);
 }

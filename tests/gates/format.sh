@@ -7,6 +7,6 @@ formatted() {
 }
 export -f formatted
 
-mapfile -t files < <(sources '[ch]' include src hal sim tests)
+mapfile -t files < <(written_by_hand '[ch]' include src hal sim tests)
 check_each formatted "${files[@]}"
 finish

@@ -11,6 +11,6 @@ examine() {
 }
 export -f examine
 
-mapfile -t files < <(sources c src hal sim)
+mapfile -t files < <(written_by_hand c src hal sim)
 check_each examine "${files[@]}"
 finish

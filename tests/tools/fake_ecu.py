@@ -197,7 +197,7 @@ class FakeEcu:
         self._bus.send(telemetry(name, **signals))
 
     def _tell(self):
-        self._send("EcuStatus", State=self.state, Mode=self.mode, Operator=self.operator, Resets=self.resets,
+        self._send("EcuStatus", State=self.state, Mode=self.mode, OperatorState=self.operator, Resets=self.resets,
                    VersionMajor=1, VersionMinor=2, VersionPatch=3)
         self._send("EcuErrors", Faults=self.faults, Conflicts=self.conflicts, CrcErrors=7)
         self._send("EcuLosses", LostSamples=2)

@@ -118,7 +118,7 @@ def driving_state():
     state = RobotState()
     state.segments = {1: SegmentEnergy(10.0, 10.5, 9.0), 2: SegmentEnergy(20.0)}
     state.latest = {
-        "EcuStatus": {"State": "Driving", "Operator": "Alive", "VersionMajor": 1, "VersionMinor": 2, "VersionPatch": 3,
+        "EcuStatus": {"State": "Driving", "OperatorState": "Alive", "VersionMajor": 1, "VersionMinor": 2, "VersionPatch": 3,
                       "Resets": 0},
         "RouteStatus": {"State": "Driving", "Segment": 2, "SegmentsEnded": 1, "Length": 3},
         "SegmentShape": {"Segment": 2, "Duration": 8.0}, "Reference": {"SegmentTimeLeft": 2.0},

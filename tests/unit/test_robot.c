@@ -764,7 +764,7 @@ static void test_start_counts_do_not_matter_to_the_bit(void)
 
 /* A reset of the controller */
 
-static struct jp_robot_snapshot snapshot;
+static struct jp_snapshot snapshot;
 
 /* Another controller that knows but the snapshot. */
 static void reset(void)
