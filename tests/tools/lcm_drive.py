@@ -1,5 +1,6 @@
 """A drive over LCM, each program a process: jp-plant and jp-ecu on pseudo-terminals, jp-lcm, lcm-logger and
-lcm_report.py --live beside them. Then a goal far away, on the way to which jp-lcm is told to stop. To be run in a network namespace of its own; says in DIR/drive.json how all ended.
+lcm_report.py --live beside them. Then a goal far away, on the way to which jp-lcm is told to stop. To be run in a
+network namespace of its own; says in DIR/drive.json how all ended.
 
     lcm_drive.py DIR X,Y ...
 """
@@ -44,8 +45,8 @@ class Stage:
         with (self.directory / f"{name}.out").open("wb") as out, (self.directory / f"{name}.err").open("wb") as err:
             self.processes[name] = subprocess.Popen([str(word) for word in command], stdout=out, stderr=err)
 
-    def said(self, name, text):
-        return text in (self.directory / f"{name}.out").read_text()
+    def said(self, name, text, times=1):
+        return (self.directory / f"{name}.out").read_text().count(text) >= times
 
     def wait(self, name):
         return self.processes[name].wait(PATIENCE)
@@ -122,7 +123,8 @@ def drive(stage, points):
     link.publish("JP_ROUTE", route_message(points))
     codes = {"live": stage.wait("live")}
     link.publish("JP_GOAL", goal_message(30, 0))
-    wait_for("motion towards the goal", lambda: speed_heard(link) > 0.1)
+    # After the route the robot still moves a little before it stands.
+    wait_for("motion towards the goal", lambda: stage.said("jp-lcm", "driving", 2) and speed_heard(link) > 0.1)
     # The order in which people stop them: the gateway bids the robot farewell while it is still there.
     for name in ("jp-lcm", "lcm-logger", "jp-plant", "jp-ecu"):
         codes[name] = stage.stop(name)

@@ -441,6 +441,21 @@ static void test_a_lost_operator_does_not_switch_an_idle_robot_on(void)
     expect_state(JP_ROBOT_IDLE);
 }
 
+static void test_a_fault_stays_until_the_operator_switches_off(void)
+{
+    run(3);
+    sensors.bus_voltage = 0;
+    run(10);
+    sensors.bus_voltage = JP_Q16(24);
+    expect_state(JP_ROBOT_FAULT);
+    run(1000); /* nobody is there */
+    expect_state(JP_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX8(JP_FAULT_BUS_VOLTAGE, bus.last[1][0]);
+    hold(JP_MODE_OFF, 0, 4);
+    expect_state(JP_ROBOT_IDLE);
+    TEST_ASSERT_EQUAL_HEX8(0, bus.last[1][0]);
+}
+
 /* Frames that must not be taken */
 
 static void give(uint32_t id, uint8_t length)
@@ -913,6 +928,7 @@ int main(void)
     RUN_TEST(test_silence_stops_a_driving_robot_within_500_ms);
     RUN_TEST(test_after_a_silence_only_stand_and_then_drive_set_it_moving);
     RUN_TEST(test_a_lost_operator_does_not_switch_an_idle_robot_on);
+    RUN_TEST(test_a_fault_stays_until_the_operator_switches_off);
     RUN_TEST(test_unknown_remote_and_extended_frames_are_counted);
     RUN_TEST(test_wrong_lengths_are_counted);
     RUN_TEST(test_frames_of_others_are_neither_taken_nor_counted);

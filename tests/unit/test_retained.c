@@ -134,6 +134,28 @@ static void test_one_flipped_bit_leaves_the_record_before(void)
     }
 }
 
+static void test_swapped_words_leave_the_record_before(void)
+{
+    uint32_t words[SLOT_BYTES / sizeof(uint32_t)];
+    size_t offset;
+
+    write(1);
+    write(2);
+    torn = retained;
+    offset = (size_t)((const uint8_t *)jp_retained_newest(&retained) - (const uint8_t *)&retained);
+    for (size_t i = 0; i + 1U < sizeof words / sizeof words[0]; i++) {
+        uint32_t word;
+
+        retained = torn;
+        memcpy(words, (const uint8_t *)&retained + offset, sizeof words);
+        word = words[i];
+        words[i] = words[i + 1U];
+        words[i + 1U] = word;
+        memcpy((uint8_t *)&retained + offset, words, sizeof words);
+        expect(words[i] == words[i + 1U] ? 2 : 1);
+    }
+}
+
 /* Torn writes */
 
 /* The slot's first bytes are those of the new record, the others those of `rest`. */
@@ -205,6 +227,7 @@ int main(void)
     RUN_TEST(test_memory_full_of_one_byte_is_refused);
     RUN_TEST(test_random_memory_is_refused_and_can_be_written);
     RUN_TEST(test_one_flipped_bit_leaves_the_record_before);
+    RUN_TEST(test_swapped_words_leave_the_record_before);
     RUN_TEST(test_a_write_cut_off_at_any_byte_leaves_the_record_before);
     RUN_TEST(test_a_first_write_cut_off_leaves_nothing);
     return UNITY_END();

@@ -288,14 +288,17 @@ static void test_the_pace_is_the_median_of_the_last_five(void)
     expect_read(JP_OK, left + 50U, 0);
 }
 
+/* Half the range away: on the way back it would be taken for a turn of the bits. */
 static void test_one_corrupt_count_changes_neither_pace_nor_base(void)
 {
     begin();
     roll(40, 40);
-    sensors.encoder_left ^= 1U << 20;
+    sensors.encoder_left ^= 1U << 21;
+    measure(40, 40);
+    TEST_ASSERT_EQUAL_INT(JP_E2E_OK, give_all());
+    TEST_ASSERT_EQUAL_INT(JP_OK, take());
+    sensors.encoder_left ^= 1U << 21;
     sample(40, 40);
-    sensors.encoder_left ^= 1U << 20;
-    sample(40, 40); /* not a turn of the 22 bits away */
     expect_read(JP_OK, sensors.encoder_left + 40U, sensors.encoder_right + 40U);
 }
 
@@ -401,6 +404,24 @@ static void test_counts_go_on_far_beyond_the_bits_of_a_sample(void)
     }
 }
 
+/* Farther than half the range of the bits. */
+static void test_counts_of_fast_wheels_go_on_after_a_gap(void)
+{
+    const uint32_t fast = 150000;
+
+    begin();
+    roll(fast, 0U - fast);
+    hold(JP_SAMPLE_HOLD_TICKS);
+    sensors.encoder_left += fast * JP_SAMPLE_HOLD_TICKS;
+    sensors.encoder_right -= fast * JP_SAMPLE_HOLD_TICKS;
+    for (unsigned i = 0; i < JP_SAMPLE_HOLD_TICKS; i++) {
+        measure(fast, 0U - fast);
+        TEST_ASSERT_EQUAL_INT(JP_E2E_OK, give_all());
+        TEST_ASSERT_EQUAL_INT(JP_OK, take());
+    }
+    sample(fast, 0U - fast);
+}
+
 static void test_counts_resume_where_they_were(void)
 {
     for (uint32_t i = 0; i < 1000; i++) {
@@ -450,6 +471,7 @@ int main(void)
     RUN_TEST(test_what_is_no_rate_and_no_count_is_read_at_once);
     RUN_TEST(test_without_a_gap_a_jump_is_read_at_once);
     RUN_TEST(test_counts_go_on_far_beyond_the_bits_of_a_sample);
+    RUN_TEST(test_counts_of_fast_wheels_go_on_after_a_gap);
     RUN_TEST(test_counts_resume_where_they_were);
     RUN_TEST(test_lost_ticks_saturate);
     return UNITY_END();
