@@ -309,6 +309,7 @@ static void take_operator_command(struct jp_ecu *ecu, const struct jp_can_frame 
         break;
     case JP_OPERATOR_OK:
     default:
+        ecu->commanded = true;
         break;
     }
 }
@@ -364,16 +365,21 @@ static void stop(struct jp_ecu *ecu)
     jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, lost ? JP_REASON_TIMEOUT : JP_REASON_COMMAND);
 }
 
+/** Motors on, unless the robot leans too far or another controller is there: each command is refused anew. */
+static void stand_up(struct jp_ecu *ecu)
+{
+    const bool refused = ecu->conflict_ticks > 0U || jp_robot_enable(&ecu->robot) != JP_OK;
+
+    if (refused && ecu->commanded) {
+        count8(&ecu->operator_counts.rejected);
+    }
+}
+
 static void stand(struct jp_ecu *ecu, enum jp_robot_state state)
 {
-    const bool alive = ecu->operator_link.state == JP_OPERATOR_ALIVE;
-
-    if (state == JP_ROBOT_IDLE && alive) {
-        if (ecu->conflict_ticks > 0U) {
-            count8(&ecu->operator_counts.rejected);
-        } else {
-            (void)jp_robot_enable(&ecu->robot);
-        }
+    jp_route_link_forget_goal(&ecu->routes);
+    if (state == JP_ROBOT_IDLE && ecu->operator_link.state == JP_OPERATOR_ALIVE) {
+        stand_up(ecu);
     } else if (state == JP_ROBOT_DRIVING || ecu->routes.state == JP_ROUTE_DRIVING) {
         stop(ecu);
     }
@@ -452,6 +458,7 @@ void jp_ecu_work(struct jp_ecu *ecu)
     struct jp_telemetry telemetry;
     bool segment_waits;
 
+    ecu->commanded = false;
     take_commands(ecu);
     pass_time(ecu);
     /* Before the state is read: one that does not wait any more shows in it. */

@@ -68,6 +68,7 @@ struct jp_ecu {
     struct jp_ecu_counts operator_counts;
     uint8_t operator_timeouts;
     uint32_t worked_tick; /**< up to which time has passed for it */
+    bool commanded;       /**< a valid OperatorCommand came since the last work */
     bool drove;           /**< the robot has begun to drive the route */
 
     /* From the tick to the background and back. */

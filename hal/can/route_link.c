@@ -131,6 +131,13 @@ const struct jp_route *jp_route_link_take(struct jp_route_link *link, uint8_t id
     return &link->driven;
 }
 
+void jp_route_link_forget_goal(struct jp_route_link *link)
+{
+    if (link->state == JP_ROUTE_DONE && link->driven.id == JP_ROUTE_GOAL) {
+        link->state = JP_ROUTE_NONE;
+    }
+}
+
 void jp_route_link_end(struct jp_route_link *link, enum jp_route_state state, enum jp_route_reason reason)
 {
     if (link->state == JP_ROUTE_DRIVING) {

@@ -77,6 +77,9 @@ enum jp_e2e_result jp_route_link_accept_goal(struct jp_route_link *link, const s
  *  call that succeeds. */
 const struct jp_route *jp_route_link_take(struct jp_route_link *link, uint8_t id);
 
+/** A goal that was reached may be given again. */
+void jp_route_link_forget_goal(struct jp_route_link *link);
+
 /** The driven route has ended; ignored when none is driven. */
 void jp_route_link_end(struct jp_route_link *link, enum jp_route_state state, enum jp_route_reason reason);
 

@@ -111,15 +111,19 @@ static void oracle_take_command(struct command_oracle *oracle, const struct jp_c
     }
 }
 
+/** An offer that comes twice is one. */
 static void oracle_take_offer(struct command_oracle *oracle, const struct jp_can_frame *frame)
 {
+    const struct jp_route *old = &oracle->offered;
+    const uint32_t crc = (uint32_t)oracle_bits(frame, 32, 32);
+    const bool same = old->id == frame->data[2] && old->length == frame->data[3] && oracle->offered_crc == crc;
     const enum jp_e2e_result result = jp_e2e_check(&oracle->offer_receiver, JP_DATA_ID_ROUTE_OFFER, frame->data, 8);
 
-    if (result == JP_E2E_CRC || result == JP_E2E_REPEATED) {
+    if (result == JP_E2E_CRC || (result == JP_E2E_REPEATED && same)) {
         return;
     }
     oracle->offered = (struct jp_route){.id = frame->data[2], .length = frame->data[3]};
-    oracle->offered_crc = (uint32_t)oracle_bits(frame, 32, 32);
+    oracle->offered_crc = crc;
     oracle->received = 0;
     oracle->broken = oracle->offered.id == 0U || oracle->offered.length == 0U || oracle->offered.length > 32U;
 }

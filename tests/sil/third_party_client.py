@@ -53,7 +53,8 @@ class Robot:
     def drive(self, points):
         """What went wrong, or None."""
         # One that has lost its last operator balances, but needs a Stand of the new one.
-        if not (self.wait("EcuStatus", "State", ["Balancing"], 20) and self.wait("EcuStatus", "Operator", ["Alive"], 20)):
+        stands = self.wait("EcuStatus", "State", ["Balancing"], 20)
+        if not stands or not self.wait("EcuStatus", "OperatorState", ["Alive"], 20):
             return "the robot does not stand up"
         for _ in range(3):  # a frame may be lost
             route_id = self.heard.get("RouteStatus", {}).get("RouteId", 0) % 255 + 1

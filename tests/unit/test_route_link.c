@@ -442,6 +442,17 @@ static void test_another_goal_is_ready_while_the_first_is_driven_to(void)
     expect(JP_ROUTE_READY, JP_REASON_NONE);
 }
 
+static void test_a_goal_that_was_reached_and_forgotten_is_ready_again(void)
+{
+    drive_to_goal(here);
+    jp_route_link_forget_goal(&link);
+    expect(JP_ROUTE_DRIVING, JP_REASON_NONE);
+    jp_route_link_end(&link, JP_ROUTE_DONE, JP_REASON_NONE);
+    jp_route_link_forget_goal(&link);
+    TEST_ASSERT_EQUAL_INT(JP_E2E_OK, give_goal(here));
+    expect(JP_ROUTE_READY, JP_REASON_NONE);
+}
+
 static void test_a_goal_after_a_stop_is_ready_again(void)
 {
     drive_to_goal(here);
@@ -505,6 +516,7 @@ int main(void)
     RUN_TEST(test_a_goal_is_a_route_of_one_waypoint);
     RUN_TEST(test_a_goal_sent_again_is_driven_to_once);
     RUN_TEST(test_another_goal_is_ready_while_the_first_is_driven_to);
+    RUN_TEST(test_a_goal_that_was_reached_and_forgotten_is_ready_again);
     RUN_TEST(test_a_goal_after_a_stop_is_ready_again);
     RUN_TEST(test_a_goal_at_the_waypoint_of_a_route_is_another_task);
     RUN_TEST(test_corrupt_repeated_and_late_goals_do_nothing);
