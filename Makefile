@@ -319,7 +319,8 @@ bench-plan: ## measure the planner on the 20 scenes and the maps in DATA=dir; ta
 figures: ## run the benches and write their figures to build/figures.json and the README, with its picture
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) $(TARGET_BENCHES:%=$(BUILD)/bench/%) \
-	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed $(BUILD)/bench/prop_planner
+	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed $(BUILD)/bench/prop_planner \
+	    $(BUILD)/host-gcc/prop_decoders
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
 	@set -e; for b in $(BENCHES); do \
@@ -331,6 +332,7 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	$(BUILD)/bench/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
 	$(BUILD)/bench/prop_fixed --exhaustive --json $(BUILD)/bench/fixed.json
 	$(BUILD)/bench/prop_planner --count 100000 --json $(BUILD)/bench/planner.json
+	$(BUILD)/host-gcc/prop_decoders --count 100000000 --json $(BUILD)/bench/decoders.json
 	$(PYTHON) tools/bench_bus.py
 	$(PYTHON) tools/show_frames.py $(BUILD)/bus/vcan/frames.log --readme
 	@rm -f $(BITS_LOGS)

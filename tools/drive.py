@@ -68,7 +68,7 @@ def status_line(state):
     version = ".".join(str(state.get("EcuStatus", f"Version{part}")) for part in ("Major", "Minor", "Patch"))
     parts = [f"{state.state or 'no EcuStatus yet'}",
              f"route {state.get('RouteStatus', 'State')}, {state.get('RouteStatus', 'SegmentsEnded') or 0} of "
-             f"{state.get('RouteStatus', 'Length') or 0} waypoints", f"operator {state.get('EcuStatus', 'Operator')}",
+             f"{state.get('RouteStatus', 'Length') or 0} waypoints", f"operator {state.get('EcuStatus', 'OperatorState')}",
              f"v{version}"]
     return " · ".join(parts)
 
@@ -158,7 +158,7 @@ class PlainView:
 
     def __call__(self, state):
         if state.state is not None:
-            self._show("state", f"{state.state}, operator {state.get('EcuStatus', 'Operator')}")
+            self._show("state", f"{state.state}, operator {state.get('EcuStatus', 'OperatorState')}")
             self._show("faults", ", ".join(state.faults) or None)
         if "RouteStatus" in state.latest:
             self._show("route", f"{state.get('RouteStatus', 'RouteId')} {state.get('RouteStatus', 'State')}")

@@ -281,7 +281,8 @@ static bool drive_route(struct bus_mission *result, const struct arguments *argu
     return bus_mission_run(result, scenario, &logged, arguments->pace, &view);
 }
 
-static bool drive(const struct arguments *arguments, const struct scenario *scenario, struct surroundings *surroundings)
+static bool drive_scenario(const struct arguments *arguments, const struct scenario *scenario,
+                           struct surroundings *surroundings)
 {
     static struct bus_mission result;
     struct files files;
@@ -328,7 +329,8 @@ static bool run(const struct arguments *arguments)
     if (arguments->pace == BUS_MISSION_REAL_TIME) {
         (void)real_time_claim();
     }
-    done = arguments->hosts ? host(arguments, &scenario, &surroundings) : drive(arguments, &scenario, &surroundings);
+    done = arguments->hosts ? host(arguments, &scenario, &surroundings)
+                            : drive_scenario(arguments, &scenario, &surroundings);
     surroundings.link.close(surroundings.link.port.context);
     return done;
 }
