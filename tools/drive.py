@@ -68,8 +68,8 @@ def status_line(state):
     version = ".".join(str(state.get("EcuStatus", f"Version{part}")) for part in ("Major", "Minor", "Patch"))
     parts = [f"{state.state or 'no EcuStatus yet'}",
              f"route {state.get('RouteStatus', 'State')}, {state.get('RouteStatus', 'SegmentsEnded') or 0} of "
-             f"{state.get('RouteStatus', 'Length') or 0} waypoints", f"operator {state.get('EcuStatus', 'OperatorState')}",
-             f"v{version}"]
+             f"{state.get('RouteStatus', 'Length') or 0} waypoints",
+             f"operator {state.get('EcuStatus', 'OperatorState')}", f"v{version}"]
     return " · ".join(parts)
 
 

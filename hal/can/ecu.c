@@ -410,7 +410,8 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
         break;
     case JP_MODE_OFF:
     default:
-        if (state != JP_ROBOT_IDLE && ecu->operator_link.state != JP_OPERATOR_NONE) {
+        /* In idle, too: motors that the next tick would switch on. */
+        if (ecu->operator_link.state != JP_OPERATOR_NONE) {
             jp_robot_disable(&ecu->robot);
         }
         break;

@@ -535,6 +535,20 @@ static void test_frames_with_its_own_ids_are_conflicts(void)
     TEST_ASSERT_EQUAL_UINT8(UINT8_MAX, ecu.conflicts);
 }
 
+static void test_off_withdraws_a_stand_that_the_tick_has_not_seen(void)
+{
+    run(3);
+    hold(JP_MODE_OFF, 0, 3);
+    command(JP_MODE_STAND, 0);
+    jp_ecu_work(&ecu);
+    for (unsigned i = 0; i < JP_OPERATOR_CONFIRMATIONS; i++) {
+        command(JP_MODE_OFF, 0);
+    }
+    jp_ecu_work(&ecu);
+    run(3);
+    expect_state(JP_ROBOT_IDLE);
+}
+
 static void test_beside_another_controller_the_robot_does_not_stand_up(void)
 {
     run(3);
@@ -933,6 +947,7 @@ int main(void)
     RUN_TEST(test_unknown_remote_and_extended_frames_are_counted);
     RUN_TEST(test_wrong_lengths_are_counted);
     RUN_TEST(test_frames_of_others_are_neither_taken_nor_counted);
+    RUN_TEST(test_off_withdraws_a_stand_that_the_tick_has_not_seen);
     RUN_TEST(test_frames_with_its_own_ids_are_conflicts);
     RUN_TEST(test_beside_another_controller_the_robot_does_not_stand_up);
     RUN_TEST(test_another_controller_does_not_switch_a_standing_robot_off);
