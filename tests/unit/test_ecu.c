@@ -545,7 +545,7 @@ static void test_off_withdraws_a_stand_that_the_tick_has_not_seen(void)
         command(JP_MODE_OFF, 0);
     }
     jp_ecu_work(&ecu);
-    run(3);
+    jp_ecu_tick(&ecu);
     expect_state(JP_ROBOT_IDLE);
 }
 
