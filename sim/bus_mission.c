@@ -224,8 +224,10 @@ static bool tick(struct run *run)
     if (bus_drive_lockstep(drive)) {
         return true;
     }
-    error_line("no ECU answered for %d s; start jp-ecu on the same bus, in lockstep like this program",
-               BUS_DRIVE_PATIENCE);
+    error_line("no ECU answered for %d s%s", BUS_DRIVE_PATIENCE,
+               drive->link.port.state(drive->link.port.context) == JP_CAN_DOWN
+                   ? ", and the bus is down; bring it back and start jp-ecu on it, in lockstep like this program"
+                   : "; start jp-ecu on the same bus, in lockstep like this program");
     return false;
 }
 
@@ -351,14 +353,14 @@ bool bus_mission_run(struct bus_mission *result, const struct scenario *scenario
 }
 
 bool bus_mission_host(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
-                      enum bus_mission_pace pace, double duration, const volatile bool *stop)
+                      enum bus_mission_pace pace, double duration, bool (*stop)(void))
 {
     struct run run = {.result = result, .scenario = scenario, .pace = pace};
     bool running = true;
 
     prepare(&run, link);
     start_clock(&run);
-    while (running && !*stop && (duration <= 0 || seconds(&run, result->drive.tick) < duration)) {
+    while (running && !stop() && (duration <= 0 || seconds(&run, result->drive.tick) < duration)) {
         running = tick(&run);
         note_fingerprint(&run);
     }

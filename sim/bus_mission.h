@@ -30,9 +30,9 @@ struct bus_mission {
 bool bus_mission_run(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
                      enum bus_mission_pace pace, const struct mission_view *view);
 
-/** The body alone: runs for `seconds` (0: for ever, until `stop` becomes true) for an operator elsewhere on the bus.
+/** The body alone: runs for `seconds` (0: for ever, until `stop` says so) for an operator elsewhere on the bus.
  * False after one line on stderr: in lockstep the ECU did not answer. */
 bool bus_mission_host(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
-                      enum bus_mission_pace pace, double seconds, const volatile bool *stop);
+                      enum bus_mission_pace pace, double seconds, bool (*stop)(void));
 
 #endif

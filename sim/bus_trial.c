@@ -3,9 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "can_bus.h"
-#include "ecu_node.h"
 #include "fingerprint.h"
+#include "local_ecu.h"
 
 #define DEGREES (180 / M_PI)
 #define Q16_ONE 65536.0
@@ -408,41 +407,14 @@ void bus_trial_run_on(struct bus_trial *trial, const struct robot_file *file, co
 
 /* In one process. */
 
-struct local {
-    struct can_bus bus;
-    struct can_bus_end *ecu_end;
-    struct ecu_node ecu;
-};
-
-static void run_ecu(void *context)
-{
-    struct local *local = context;
-    const struct jp_can_link link = can_bus_link(local->ecu_end);
-    struct jp_can_frame frame;
-
-    while (link.receive(link.port.context, &frame)) {
-        (void)ecu_node_accept(&local->ecu, &frame);
-    }
-}
-
 static bool run_local(struct bus_trial *trial, const struct robot_entry *entry, const struct robot_file *file,
-                      struct local *local)
+                      struct local_ecu *ecu)
 {
-    struct can_bus_end *plant_end;
-    struct jp_can_link ecu_link;
+    struct jp_can_link link;
 
-    can_bus_init(&local->bus);
-    plant_end = can_bus_attach(&local->bus);
-    local->ecu_end = can_bus_attach(&local->bus);
-    plant_end->others = run_ecu;
-    plant_end->context = local;
-    ecu_link = can_bus_link(local->ecu_end);
-    if (!ecu_node_init(&local->ecu, entry, entry->energy, &ecu_link.port, NULL)) {
+    if (!local_ecu_start(ecu, entry, entry->energy, &link)) {
         return false;
     }
-
-    const struct jp_can_link link = can_bus_link(plant_end);
-
     bus_trial_run_on(trial, file, &link);
     return true;
 }
@@ -475,7 +447,7 @@ static bool noticed_frozen_sensor(const struct bus_trial *trial)
 
 bool bus_trial_run(struct bus_trial *trial, const struct robot_entry *entry, const struct robot_file *file)
 {
-    struct local *local = malloc(sizeof *local);
+    struct local_ecu *local = malloc(sizeof *local);
     bool ran;
 
     if (local == NULL) {

@@ -2,17 +2,18 @@
  */
 #include <argp.h>
 #include <inttypes.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "../../hal/linux/periodic.h"
 #include "../../hal/linux/retained_file.h"
+#include "../bus_open.h"
 #include "../ecu_node.h"
 #include "../error.h"
 #include "../real_time.h"
 #include "../rig.h"
+#include "../stop_signal.h"
 
 /** While nothing arrives the loop looks this often whether it shall stop, µs. */
 #define IDLE_US 100000
@@ -24,14 +25,6 @@ struct arguments {
     bool published;
     bool real_time;
 };
-
-static volatile bool stop_requested;
-
-static void request_stop(int number)
-{
-    (void)number;
-    stop_requested = true;
-}
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
@@ -77,7 +70,7 @@ static void accept_all(struct ecu_node *node, const struct jp_can_link *link, bo
 
 static void run_lockstep(struct ecu_node *node, const struct jp_can_link *link)
 {
-    while (!stop_requested) {
+    while (!stop_signal_came()) {
         bool sampled = false;
 
         if (link->wait(link->port.context, IDLE_US)) {
@@ -92,7 +85,7 @@ static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
     const int64_t period_us = 1000000 / node->entry->config->estimator.tick_rate;
     int64_t last_us = jp_monotonic_us();
 
-    while (!stop_requested) {
+    while (!stop_signal_came()) {
         const int64_t deadline_us = last_us + period_us * 3 / 2;
         bool sampled = false;
 
@@ -132,17 +125,6 @@ static void print_counts(const struct jp_ecu *ecu)
     }
 }
 
-static bool open_bus(struct jp_can_link *link, const char *name)
-{
-    char error[256];
-
-    if (!jp_can_link_open(link, name, error, sizeof error)) {
-        error_line("%s", error);
-        return false;
-    }
-    return true;
-}
-
 /** Without a file the record is in the process, and NULL stands for it. */
 static bool open_record(const struct arguments *arguments, struct jp_retained_file *file)
 {
@@ -178,7 +160,7 @@ static bool run(const struct arguments *arguments)
     struct jp_can_link link;
     bool started;
 
-    if (entry == NULL || !open_record(arguments, &record) || !open_bus(&link, arguments->bus)) {
+    if (entry == NULL || !open_record(arguments, &record) || !bus_open(&link, arguments->bus)) {
         return false;
     }
     started = ecu_node_init(&node, entry, arguments->published ? &jp_energy_model_published : entry->energy, &link.port,
@@ -206,11 +188,9 @@ int main(int argc, char **argv)
     static const struct argp argp = {
         options, parse_option, "", "Controls a robot over CAN: the firmware's application.", NULL, NULL, NULL};
     struct arguments arguments = {.robot = "gao2018"};
-    const struct sigaction action = {.sa_handler = request_stop};
 
     argp_err_exit_status = ERROR_EXIT;
     (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
+    stop_signal_catch();
     return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

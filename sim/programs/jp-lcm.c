@@ -1,7 +1,6 @@
 /* The gateway between LCM and a robot on CAN as a process: goals and routes in, telemetry out. */
 #include <argp.h>
 #include <inttypes.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,8 +8,10 @@
 #include <unistd.h>
 
 #include "../../hal/linux/periodic.h"
+#include "../bus_open.h"
 #include "../error.h"
 #include "../lcm_gateway.h"
+#include "../stop_signal.h"
 
 #define DEFAULT_URL "udpm://239.255.76.67:7667?ttl=0"
 #define URL_PREFIX  "udpm://"
@@ -24,14 +25,6 @@ struct arguments {
     const char *bus;
     const char *url;
 };
-
-static volatile bool stop_requested;
-
-static void request_stop(int number)
-{
-    (void)number;
-    stop_requested = true;
-}
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
@@ -173,7 +166,7 @@ static void serve(struct lcm_gateway *gateway, const char *bus, int64_t offset_u
     enum operator_state said = OPERATOR_IDLE;
     enum jp_can_state bus_said = JP_CAN_ON;
 
-    while (!stop_requested) {
+    while (!stop_signal_came()) {
         pass(gateway, time_us(offset_us));
         if (gateway->commander.state != said) {
             said = gateway->commander.state;
@@ -229,7 +222,6 @@ static bool run_on(const struct arguments *arguments, const struct jp_can_link *
 static bool run(const struct arguments *arguments)
 {
     struct jp_can_link link;
-    char error[256];
     bool served;
 
     if (strncmp(arguments->url, URL_PREFIX, strlen(URL_PREFIX)) != 0) {
@@ -237,8 +229,7 @@ static bool run(const struct arguments *arguments)
                    arguments->url);
         return false;
     }
-    if (!jp_can_link_open(&link, arguments->bus, error, sizeof error)) {
-        error_line("%s", error);
+    if (!bus_open(&link, arguments->bus)) {
         return false;
     }
     served = run_on(arguments, &link);
@@ -257,11 +248,9 @@ int main(int argc, char **argv)
         options, parse_option, "",  "Carries goals and routes from LCM to a robot on CAN, and its telemetry back.",
         NULL,    NULL,         NULL};
     struct arguments arguments = {.url = DEFAULT_URL};
-    const struct sigaction action = {.sa_handler = request_stop};
 
     argp_err_exit_status = ERROR_EXIT;
     (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
+    stop_signal_catch();
     return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

@@ -2,19 +2,19 @@
  */
 #include <argp.h>
 #include <inttypes.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "../bus_mission.h"
-#include "../can_bus.h"
+#include "../bus_open.h"
 #include "../can_log.h"
 #include "../can_relay.h"
-#include "../ecu_node.h"
 #include "../error.h"
+#include "../local_ecu.h"
 #include "../mission_report.h"
 #include "../output.h"
 #include "../real_time.h"
+#include "../stop_signal.h"
 
 #define IN_PROCESS  "in-process"
 #define FRAMES_NAME "frames.log"
@@ -36,20 +36,10 @@ struct arguments {
 
 /** Where the ECU is: in this process, or on other links. */
 struct surroundings {
-    struct can_bus bus;
-    struct ecu_node ecu;
-    struct can_bus_end *ecu_end;
+    struct local_ecu ecu;
     struct can_relay relay;
     struct jp_can_link link;
 };
-
-static volatile bool stop_requested;
-
-static void request_stop(int number)
-{
-    (void)number;
-    stop_requested = true;
-}
 
 static void add_bus(struct arguments *arguments, const char *name, struct argp_state *state)
 {
@@ -138,34 +128,14 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 /* The bus. */
 
-static void run_ecu(void *context)
-{
-    struct surroundings *surroundings = context;
-    const struct jp_can_link link = can_bus_link(surroundings->ecu_end);
-    struct jp_can_frame frame;
-
-    while (link.receive(link.port.context, &frame)) {
-        (void)ecu_node_accept(&surroundings->ecu, &frame);
-    }
-}
-
 static bool start_ecu(struct surroundings *surroundings, const struct scenario *scenario)
 {
     const struct robot_entry *entry = rig_find_robot(scenario->robot.name);
-    struct can_bus_end *plant_end;
-    struct jp_can_link link;
 
-    can_bus_init(&surroundings->bus);
-    plant_end = can_bus_attach(&surroundings->bus);
-    surroundings->ecu_end = can_bus_attach(&surroundings->bus);
-    plant_end->others = run_ecu;
-    plant_end->context = surroundings;
-    surroundings->link = can_bus_link(plant_end);
-    link = can_bus_link(surroundings->ecu_end);
     return entry != NULL &&
-           ecu_node_init(&surroundings->ecu, entry,
-                         scenario->model == SCENARIO_PUBLISHED ? &jp_energy_model_published : entry->energy, &link.port,
-                         NULL);
+           local_ecu_start(&surroundings->ecu, entry,
+                           scenario->model == SCENARIO_PUBLISHED ? &jp_energy_model_published : entry->energy,
+                           &surroundings->link);
 }
 
 static bool open_links(struct surroundings *surroundings, const struct arguments *arguments)
@@ -174,10 +144,8 @@ static bool open_links(struct surroundings *surroundings, const struct arguments
     surroundings->link = can_relay_link(&surroundings->relay);
     for (size_t i = 0; i < arguments->bus_count; i++) {
         struct jp_can_link link;
-        char error[256];
 
-        if (!jp_can_link_open(&link, arguments->buses[i], error, sizeof error)) {
-            error_line("%s", error);
+        if (!bus_open(&link, arguments->buses[i])) {
             surroundings->link.close(surroundings->link.port.context);
             return false;
         }
@@ -308,7 +276,7 @@ static bool host(const struct arguments *arguments, const struct scenario *scena
 {
     static struct bus_mission result;
     const bool done = bus_mission_host(&result, scenario, &surroundings->link, arguments->pace, arguments->host_seconds,
-                                       &stop_requested);
+                                       stop_signal_came);
 
     print_bus(&result, arguments->pace);
     return done;
@@ -355,14 +323,11 @@ int main(int argc, char **argv)
                                      NULL,
                                      NULL};
     struct arguments arguments = {.pace = BUS_MISSION_LOCKSTEP};
-    /* A second signal ends a host that waits for its ECU. */
-    const struct sigaction action = {.sa_handler = request_stop, .sa_flags = (int)SA_RESETHAND};
 
     argp_err_exit_status = ERROR_EXIT;
     (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
     if (arguments.hosts) {
-        (void)sigaction(SIGINT, &action, NULL);
-        (void)sigaction(SIGTERM, &action, NULL);
+        stop_signal_catch();
     }
     return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }
