@@ -88,6 +88,7 @@ UNIT_TESTS     := $(wildcard tests/unit/test_*.c)
 PROPERTY_TESTS := $(wildcard tests/property/prop_*.c)
 BITS_TESTS     := $(wildcard tests/bits/test_*.c)
 FAULT_TESTS    := $(wildcard tests/fault/fault_*.c)
+VCAN_TESTS     := $(wildcard tests/vcan/vcan_*.c)
 TARGET_SUPPORT := tests/target/start.c tests/target/semihosting.c tests/target/cycles.c
 
 # With the real Unity its one source file joins each test, and the self-test of our header is left out.
@@ -370,11 +371,12 @@ BITS_VARIANTS := host-gcc host-gcc-m32 cortex-m4 cortex-m7
 BITS_LOGS     := $(foreach v,$(BITS_VARIANTS),$(patsubst %,$(LOGS)/$v/%.log,$(call names,$(BITS_TESTS))))
 SIL_LOGS      := $(LOGS)/pytest/sil.xml
 TOOLS_LOGS    := $(LOGS)/pytest/tools.xml
+VCAN_LOGS     := $(LOGS)/pytest/vcan.xml $(LOGS)/pytest/vcan_results.xml
 GATE_LOGS     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware compile includes format cppcheck tidy)
-TEST_LOGS     := $(SIL_LOGS) $(TOOLS_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(BITS_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
+TEST_LOGS     := $(VCAN_LOGS) $(SIL_LOGS) $(TOOLS_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(BITS_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
 
 EXPECTED = unit $(UNIT_LOGS) bits $(BITS_LOGS) property $(PROPERTY_LOGS) fault $(FAULT_LOGS) target $(TARGET_LOGS) \
-           sil $(SIL_LOGS) tools $(TOOLS_LOGS) gates $(GATE_LOGS)
+           sil $(SIL_LOGS) vcan $(VCAN_LOGS) tools $(TOOLS_LOGS) gates $(GATE_LOGS)
 
 .PHONY: test
 test: ## build and run every test and gate; the last line counts them
@@ -441,6 +443,20 @@ $(LOGS)/host-gcc/fault_%.log: $(BUILD)/host-gcc/fault_%
 $(LOGS)/pytest/%.xml: $(PROGRAMS)
 	$(call SAY,RUN pytest tests/$*)
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -n $(JOBS) -p no:cacheprovider --junitxml=$@ tests/$*
+
+$(BUILD)/host-gcc/vcan_%: $(BUILD)/host-gcc/tests/vcan/vcan_%.o $(HOST_TEST_PARTS)
+	$(call link_host,host-gcc)
+
+# All in one emulated kernel: it takes a while to boot. What is slow in it comes after it.
+$(LOGS)/pytest/vcan.xml: $(PROGRAMS) $(patsubst %,$(BUILD)/host-gcc/%,$(call names,$(VCAN_TESTS)))
+	$(call SAY,RUN pytest tests/vcan)
+	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) tools/with_vcan.sh --interfaces 2 -- \
+	    $(PYTHON) -m pytest -q -p no:cacheprovider --junitxml=$@ tests/vcan/test_vcan.py
+
+$(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
+	$(call SAY,RUN pytest tests/vcan/test_vcan_results.py)
+	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -p no:cacheprovider --junitxml=$@ \
+	    tests/vcan/test_vcan_results.py
 
 GATE_LIBRARIES := $(foreach v,cortex-m4 cortex-m4-os cortex-m0 cortex-m0-o2,$(BUILD)/$v/libjoulepath.a $(BUILD)/$v/libcan.a)
 GATE_IMAGES    := $(BUILD)/cortex-m4/test_ecu $(BUILD)/cortex-m0/test_ecu

@@ -48,13 +48,18 @@ static enum jp_status read_sample(void *context, struct jp_sensors *sensors)
     return jp_sample_link_read(&ecu->samples, monitor->started ? &monitor->good : &ecu->samples.sample, sensors);
 }
 
-/** The bridges hold their duty for as long as the samples are held, so a short silence is no failure. */
+/** The bridges hold their duty for as long as the samples are held, so a short silence is no failure. Those that
+ * another controller drives are left to it: the bridges take a command of either. */
 static enum jp_status write_motor_command(void *context, const struct jp_actuation *actuation)
 {
     struct jp_ecu *ecu = context;
     struct jp_can_frame frame;
     bool sent;
 
+    ecu->owns_bridges = ecu->owns_bridges || actuation->enabled != 0U;
+    if (!ecu->owns_bridges && ecu->conflict_ticks > 0U) {
+        return JP_OK;
+    }
     jp_message_from_actuation(&frame, &ecu->motor_counter, actuation);
     send(ecu, &frame, &sent);
     if (sent) {

@@ -56,6 +56,7 @@ struct jp_ecu {
     uint16_t unsent; /**< ticks in a row whose MotorCommand the bus did not take */
     bool was_bus_off;
     uint16_t conflict_ticks; /**< for which another controller still counts as present */
+    bool owns_bridges;       /**< has switched them on since the start */
     uint32_t tick;           /**< since the start, wrapping */
     uint16_t segments_reported;
     uint8_t parameter;      /**< of the energy model, sent next */

@@ -1,13 +1,14 @@
 """What the tests of the host programs share: where they are, a short scenario, and how a failure must look."""
-import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-BIN = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin"
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from programs import BIN, ROOT, assert_one_line_error  # noqa: E402, F401 - for the tests
 
 SCENARIO = """\
 name = "short";
@@ -21,15 +22,6 @@ waypoints = ( [0.0, 0.0], [2.0, 0.5], [3.0, 2.0] );
 def run(program, *arguments, **options):
     return subprocess.run([BIN / program, *map(str, arguments)], capture_output=True, text=True, check=False,
                           timeout=120, **options)
-
-
-def assert_one_line_error(result, *parts):
-    """Exit status 2 and a single line on stderr that holds all parts."""
-    assert result.returncode == 2, result.stdout + result.stderr
-    lines = result.stderr.splitlines()
-    assert len(lines) == 1, result.stderr
-    for part in parts:
-        assert str(part) in lines[0], lines[0]
 
 
 @pytest.fixture

@@ -65,7 +65,7 @@ class Robot:
         else:
             return f"the route is not taken: {self.heard.get('RouteStatus')}"
         self.command = {"Mode": "Drive", "RouteId": route_id}
-        if not self.wait("RouteStatus", "State", ["Driving"], 2):
+        if not self.wait("RouteStatus", "State", ["Driving"], 5):
             return f"the robot does not set off: {self.heard}"
         self.wait("RouteStatus", "State", ["Done", "Stopped"], 3600)
         return None if str(self.heard["RouteStatus"]["State"]) == "Done" else f"the robot stopped: {self.heard}"

@@ -1,0 +1,161 @@
+"""The programs as processes, for tests/sil and tests/vcan: how they start and end, what they say, how a failure must
+look."""
+import contextlib
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+ROOT = Path(__file__).resolve().parents[1]
+BUILD = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve()
+BIN = BUILD / "bin"
+VCAN_RESULTS = BUILD / "test/vcan"  # from inside tools/with_vcan.sh to outside
+CANDUMP = "candump.log"
+THIRD_PARTY_CLIENT = ROOT / "tests/sil/third_party_client.py"
+LOG = "log_optimal.csv"
+
+LIMIT = 120  # s, for what takes seconds on an idle machine
+CLIENT_ATTEMPTS = 3
+CLIENT_LATE = ("Timeout", "has lost the operator's commands")
+SILENCES = "times that the bridges fell silent"
+COUNT = re.compile(r"^ *(\S.*?) {2,}(\w+)(?:  \(.*\))?$", re.MULTILINE)
+
+
+def write_scenario(path, *waypoints, robot="gao2018"):
+    """A scenario that begins at the origin."""
+    points = ", ".join(f"[{x}, {y}]" for x, y in [(0.0, 0.0), *waypoints])
+    path.write_text(f'name = "short";\nrobot = "{ROOT}/sim/robots/{robot}.cfg";\nenergy_model = "identified";\n'
+                    f"seed = 1;\nwaypoints = ( {points} );\n")
+    return path
+
+
+def write_vcan_scenario(path):
+    """Short even in an emulated kernel."""
+    return write_scenario(path, (0.5, 0.2))
+
+
+def wait_until(condition, what, limit=LIMIT):
+    end = time.monotonic() + limit
+    while not condition():
+        assert time.monotonic() < end, f"{what}: not within {limit} s"
+        time.sleep(0.005)
+
+
+class Program:
+    """A process whose output is in files, so that it can be read while it runs."""
+
+    def __init__(self, folder, name, command):
+        self.out, self.err = folder / f"{name}.out", folder / f"{name}.err"
+        with self.out.open("w") as out, self.err.open("w") as err:
+            self.process = subprocess.Popen([str(part) for part in command], stdin=subprocess.DEVNULL, stdout=out,
+                                            stderr=err, env=dict(os.environ, PYTHONUNBUFFERED="1"))
+
+    @property
+    def running(self):
+        return self.process.poll() is None
+
+    def says(self, text):
+        wait_until(lambda: text in self.out.read_text() or not self.running, f"{self.out.name} says {text}")
+        assert text in self.out.read_text(), self.err.read_text()
+
+    def wait(self, limit=LIMIT):
+        """The result as of subprocess.run(), and the numbers of its table by their names."""
+        self.process.wait(limit)
+        stdout = self.out.read_text()
+        return SimpleNamespace(returncode=self.process.returncode, stdout=stdout, stderr=self.err.read_text(),
+                               counts={name: int(number, 16) if "fingerprint" in name else int(number, 0)
+                                       for name, number in COUNT.findall(stdout)})
+
+    def stop(self, with_signal=signal.SIGTERM):
+        self.process.send_signal(with_signal)
+        return self.wait()
+
+
+class Programs:
+    """Starts programs; ends what still runs at the end of a `with`."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self._started = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for program in self._started:
+            with contextlib.suppress(ProcessLookupError):
+                program.process.kill()
+            program.process.wait()
+
+    def start(self, *command):
+        name = f"{len(self._started)}-{Path(command[0]).name}"
+        program = Program(self.folder, name, command)
+        self._started.append(program)
+        return program
+
+    def ecu(self, bus, *options):
+        return self.start(BIN / "jp-ecu", "--bus", bus, *options)
+
+    def plant(self, scenario, *options):
+        return self.start(BIN / "jp-plant", scenario, *options)
+
+    def tool(self, name, *options):
+        return self.start(sys.executable, ROOT / name, *options)
+
+
+def assert_one_line_error(result, *parts):
+    """Exit status 2 and a single line on stderr that holds all parts."""
+    assert result.returncode == 2, result.stdout + result.stderr
+    lines = result.stderr.splitlines()
+    assert len(lines) == 1, result.stderr
+    for part in parts:
+        assert str(part) in lines[0], lines[0]
+
+
+def assert_done(program):
+    result = program.wait()
+    assert (result.returncode, result.stderr) == (0, ""), result.stdout + result.stderr
+    return result
+
+
+def assert_client_drives(start):
+    """start() starts a client. Without its commands for 500 ms the robot stands: on a busy machine it tries again."""
+    for _ in range(CLIENT_ATTEMPTS):
+        result = start().wait()
+        if result.returncode == 0:
+            return
+        assert result.returncode == 1 and any(text in result.stderr for text in CLIENT_LATE), result.stderr
+    raise AssertionError(result.stderr)
+
+
+def assert_stopped(ecu):
+    """What it has counted."""
+    result = ecu.stop()
+    assert (result.returncode, result.stderr) == (0, "")
+    return result.counts
+
+
+def drive_in_process(scenario, output):
+    """The drive that all others must equal."""
+    subprocess.run([BIN / "jp-plant", scenario, "--bus", "in-process", "--output", output], check=True,
+                   stdout=subprocess.DEVNULL, timeout=LIMIT)
+    return output
+
+
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def assert_same_drive(folder, other):
+    """Trajectory and energies of every tick, the log's bytes, and the summary but for the wall's clock."""
+    one, two = summary(folder), summary(other)
+    assert one["bus"]["fingerprint"] == two["bus"]["fingerprint"]
+    assert (folder / LOG).read_bytes() == (other / LOG).read_bytes()
+    for result in (one, two):
+        del result["simulation"]["wall_s"], result["simulation"]["real_time_factor"]
+    assert one == two

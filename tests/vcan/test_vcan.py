@@ -1,0 +1,128 @@
+"""jp-ecu and jp-plant on virtual CAN interfaces, beside the tools of others.
+
+For tools/with_vcan.sh --interfaces 2: vcan0 stays as it is, vcan1 is switched off and removed. An emulated kernel is
+slow, so the drives are short, and the first one's results are examined outside by test_vcan_results.py.
+"""
+import shutil
+import subprocess
+import time
+
+import pytest
+from programs import (BUILD, CANDUMP, LIMIT, LOG, SILENCES, THIRD_PARTY_CLIENT, VCAN_RESULTS, Programs,
+                      assert_client_drives, assert_done, assert_one_line_error, assert_same_drive, assert_stopped,
+                      summary, write_vcan_scenario)
+
+# Every 4 ms, which is the clock of an emulated kernel.
+FLOOD = ["cangen", "vcan0", "-g", "4", "-c", "72", "-I", "555", "-L", "8"]
+FLOOD_MIN = 5  # frames a simulated ms: half of what CAN carries, and the robot's own take the other half
+
+
+@pytest.fixture(name="programs")
+def fixture_programs(tmp_path):
+    with Programs(tmp_path) as programs:
+        yield programs
+
+
+@pytest.fixture(name="short")
+def fixture_short(tmp_path):
+    return write_vcan_scenario(tmp_path / "short.cfg")
+
+
+@pytest.fixture(name="vcan1")
+def fixture_vcan1():
+    """An interface that a test may switch off and remove."""
+    yield "vcan1"
+    subprocess.run(["ip", "link", "add", "vcan1", "type", "vcan"], stderr=subprocess.DEVNULL, check=False)
+    ip_link("set", "vcan1", "up")
+
+
+def ip_link(*arguments):
+    subprocess.run(["ip", "link", *arguments], check=True)
+
+
+def drive(programs, scenario, output):
+    """The counts of the plant and of the ECU."""
+    ecu = programs.ecu("can:vcan0")
+    plant = assert_done(programs.plant(scenario, "--bus", "can:vcan0", "--output", output))
+    return plant.counts, assert_stopped(ecu)
+
+
+def test_a_drive_is_dumped(programs, short, tmp_path):
+    shutil.rmtree(VCAN_RESULTS, ignore_errors=True)
+    dump = programs.start("candump", "-L", "vcan0")
+    plant, ecu = drive(programs, short, tmp_path / "drive")
+    dump.stop()
+    assert plant["of those, commands that missed their deadline"] == ecu["ticks without a sample"] == 0
+    shutil.copytree(tmp_path / "drive", VCAN_RESULTS)
+    shutil.copy(dump.out, VCAN_RESULTS / CANDUMP)
+
+
+def test_a_full_bus(programs, short, tmp_path):
+    programs.start(*FLOOD)
+    plant, ecu = drive(programs, short, tmp_path / "drive")
+    assert ecu["frames unknown"] > FLOOD_MIN * ecu["ticks"]
+    assert plant[SILENCES] == plant["faults that the ECU reports, enum jp_fault"] == 0
+    assert summary(tmp_path / "drive")["strategies"][0]["segments"][0]["end_error_m"] < 0.1
+    if ecu["ticks without a sample"] == 0:  # a kernel that ran over has lost some
+        assert_same_drive(tmp_path / "drive", VCAN_RESULTS)
+
+
+def test_random_frames_end_a_mission(programs, short, tmp_path):
+    """As many as the kernel takes, those of the robot's own ids among them."""
+    programs.ecu("can:vcan0")
+    programs.start("cangen", "vcan0", "-g", "0", "-i")
+    assert_one_line_error(programs.plant(short, "--bus", "can:vcan0", "--output", tmp_path / "drive").wait())
+    assert not (tmp_path / "drive" / LOG).exists()
+
+
+def test_a_second_controller_ends_a_mission(programs, short, tmp_path):
+    ecus = [programs.ecu("can:vcan0") for _ in range(2)]
+    plant = programs.plant(short, "--bus", "can:vcan0", "--output", tmp_path / "drive")
+    assert_one_line_error(plant.wait(), "another controller", "take it off the bus")
+    for ecu in ecus:
+        assert assert_stopped(ecu)["frames of another controller"] > 0
+
+
+def test_clients_drive_it(programs, short):
+    ecu = programs.ecu("can:vcan0")
+    plant = programs.plant(short, "--bus", "can:vcan0", "--host", "--pace", "paced")
+    assert_client_drives(lambda: programs.tool(THIRD_PARTY_CLIENT, "--bus", "can:vcan0", "0.5,0.2"))
+    assert_client_drives(lambda: programs.tool("tools/drive.py", "--bus", "can:vcan0", "--route", "1,0.4"))
+    assert plant.stop().counts[SILENCES] == 0
+    assert assert_stopped(ecu)["frames with a wrong CRC"] == 0
+
+
+def test_an_interface_goes_down_and_up(programs, short, vcan1):
+    """Simulated time waits for it."""
+    ecu = programs.ecu(f"can:{vcan1}")
+    plant = programs.plant(short, "--bus", f"can:{vcan1}", "--host=2", "--pace", "paced")
+    plant.says("jp-plant")
+    time.sleep(0.5)
+    ip_link("set", vcan1, "down")
+    time.sleep(0.5)
+    assert plant.running and ecu.running
+    ip_link("set", vcan1, "up")
+    assert_done(plant)
+    assert assert_stopped(ecu)["ticks"] >= 2000
+
+
+def test_an_interface_that_does_not_come_back(programs, short, vcan1):
+    """The plant gives up; the ECU goes on when there is an interface of that name again."""
+    ecu = programs.ecu(f"can:{vcan1}")
+    plant = programs.plant(short, "--bus", f"can:{vcan1}", "--host", "--pace", "paced")
+    plant.says("jp-plant")
+    time.sleep(0.5)
+    ip_link("del", vcan1)
+    result = plant.wait()
+    assert_one_line_error(result, "no ECU answered for 10 s", "the bus is down")
+    ip_link("add", vcan1, "type", "vcan")
+    ip_link("set", vcan1, "up")
+    assert_done(programs.plant(short, "--bus", f"can:{vcan1}", "--host=0.1"))
+    assert_stopped(ecu)
+
+
+def test_the_link_itself():
+    """In C, a program of its own."""
+    result = subprocess.run([BUILD / "host-gcc/vcan_socketcan"], capture_output=True, text=True, check=False,
+                            timeout=LIMIT)
+    assert result.returncode == 0 and " 0 Failures 0 Ignored" in result.stdout, result.stdout + result.stderr
