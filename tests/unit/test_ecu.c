@@ -549,6 +549,37 @@ static void test_off_withdraws_a_stand_that_the_tick_has_not_seen(void)
     expect_state(JP_ROBOT_IDLE);
 }
 
+static void test_the_bridges_are_left_to_another_controller(void)
+{
+    unsigned commands;
+
+    run(3);
+    give(JP_CAN_MOTOR_COMMAND_FRAME_ID, 8);
+    commands = bus.commands;
+    run(499);
+    TEST_ASSERT_EQUAL_UINT(commands, bus.commands);
+    run(1);
+    TEST_ASSERT_EQUAL_UINT(commands + 1U, bus.commands);
+}
+
+static void test_bridges_of_its_own_are_not_left_to_another_controller(void)
+{
+    unsigned commands;
+
+    run(3);
+    hold(JP_MODE_STAND, 0, 4);
+    expect_state(JP_ROBOT_BALANCING);
+    give(JP_CAN_MOTOR_COMMAND_FRAME_ID, 8);
+    commands = bus.commands;
+    run(10);
+    TEST_ASSERT_EQUAL_UINT(commands + 10U, bus.commands);
+    hold(JP_MODE_OFF, 0, 5);
+    expect_state(JP_ROBOT_IDLE);
+    commands = bus.commands;
+    run(10);
+    TEST_ASSERT_EQUAL_UINT(commands + 10U, bus.commands);
+}
+
 static void test_beside_another_controller_the_robot_does_not_stand_up(void)
 {
     run(3);
@@ -949,6 +980,8 @@ int main(void)
     RUN_TEST(test_frames_of_others_are_neither_taken_nor_counted);
     RUN_TEST(test_off_withdraws_a_stand_that_the_tick_has_not_seen);
     RUN_TEST(test_frames_with_its_own_ids_are_conflicts);
+    RUN_TEST(test_the_bridges_are_left_to_another_controller);
+    RUN_TEST(test_bridges_of_its_own_are_not_left_to_another_controller);
     RUN_TEST(test_beside_another_controller_the_robot_does_not_stand_up);
     RUN_TEST(test_another_controller_does_not_switch_a_standing_robot_off);
     RUN_TEST(test_corrupt_commands_and_samples_are_counted);

@@ -13,7 +13,7 @@ from programs import (BUILD, CANDUMP, LIMIT, LOG, SILENCES, THIRD_PARTY_CLIENT, 
                       summary, write_vcan_scenario)
 
 # Every 4 ms, which is the clock of an emulated kernel.
-FLOOD = ["cangen", "vcan0", "-g", "4", "-c", "72", "-I", "555", "-L", "8"]
+FLOOD = ["cangen", "vcan0", "-g", "4", "-c", "48", "-I", "555", "-L", "8"]
 FLOOD_MIN = 5  # frames a simulated ms: half of what CAN carries, and the robot's own take the other half
 
 
@@ -40,10 +40,10 @@ def ip_link(*arguments):
     subprocess.run(["ip", "link", *arguments], check=True)
 
 
-def drive(programs, scenario, output):
+def drive(programs, scenario, output, pace="lockstep"):
     """The counts of the plant and of the ECU."""
     ecu = programs.ecu("can:vcan0")
-    plant = assert_done(programs.plant(scenario, "--bus", "can:vcan0", "--output", output))
+    plant = assert_done(programs.plant(scenario, "--bus", "can:vcan0", "--output", output, "--pace", pace))
     return plant.counts, assert_stopped(ecu)
 
 
@@ -59,7 +59,7 @@ def test_a_drive_is_dumped(programs, short, tmp_path):
 
 def test_a_full_bus(programs, short, tmp_path):
     programs.start(*FLOOD)
-    plant, ecu = drive(programs, short, tmp_path / "drive")
+    plant, ecu = drive(programs, short, tmp_path / "drive", "paced")
     assert ecu["frames unknown"] > FLOOD_MIN * ecu["ticks"]
     assert plant[SILENCES] == plant["faults that the ECU reports, enum jp_fault"] == 0
     assert summary(tmp_path / "drive")["strategies"][0]["segments"][0]["end_error_m"] < 0.1
