@@ -75,12 +75,18 @@ static void take_time(struct ecu_node *node, const struct jp_can_sim_time_t *tim
 /** A tick that was already done is only answered again. */
 static void take_tick(struct ecu_node *node, const struct jp_can_sim_time_t *time)
 {
-    if (!node->answered || time->tick != node->last_tick) {
+    const bool asked_again = node->answered && time->tick == node->last_tick;
+    const bool leaves_answer = node->other_answers && node->running && !node->ecu.owns_bridges;
+
+    if (!asked_again) {
         take_time(node, time);
     }
     node->answered = true;
     node->last_tick = time->tick;
-    answer(node, time->tick);
+    node->other_answers = false;
+    if (asked_again || !leaves_answer) {
+        answer(node, time->tick);
+    }
 }
 
 bool ecu_node_accept(struct ecu_node *node, const struct jp_can_frame *frame)
@@ -92,5 +98,6 @@ bool ecu_node_accept(struct ecu_node *node, const struct jp_can_frame *frame)
         take_tick(node, &time);
         return false;
     }
+    node->other_answers = node->other_answers || frame->id == JP_CAN_SIM_DONE_FRAME_ID;
     return node->running && !node->bus_off && jp_ecu_accept(&node->ecu, frame);
 }

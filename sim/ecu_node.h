@@ -20,6 +20,7 @@ struct ecu_node {
     bool bus_off;
     bool answered; /**< in lockstep: last_tick holds */
     uint32_t last_tick;
+    bool other_answers; /**< another ECU has answered the last tick */
 };
 
 /** Boots. retained NULL: a record of its own, empty. Prints one line on stderr and returns false when the configuration
@@ -27,7 +28,9 @@ struct ecu_node {
 bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
                    const struct jp_can_port *bus, struct jp_retained *retained);
 
-/** Takes a frame. In lockstep SimTime runs a tick, which SimDone ends. True when a sample is complete. */
+/** Takes a frame. In lockstep SimTime runs a tick, which SimDone ends. Beside another ECU that answers, one that does
+ * not drive the bridges leaves the answer to it: the tick is done when the one that drives them is. True when a sample
+ * is complete. */
 bool ecu_node_accept(struct ecu_node *node, const struct jp_can_frame *frame);
 
 /** One tick: background work, then control. */
