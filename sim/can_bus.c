@@ -16,7 +16,6 @@ struct can_bus_end *can_bus_attach(struct can_bus *bus)
     end->bus = bus;
     end->head = 0;
     end->count = 0;
-    end->lost = 0;
     end->others = NULL;
     end->context = NULL;
     return end;
@@ -25,7 +24,6 @@ struct can_bus_end *can_bus_attach(struct can_bus *bus)
 static void deliver(struct can_bus_end *end, const struct jp_can_frame *frame)
 {
     if (end->count == CAN_BUS_QUEUE) {
-        end->lost++;
         return;
     }
     end->queue[(end->head + end->count) % CAN_BUS_QUEUE] = *frame;

@@ -19,7 +19,6 @@ struct can_bus_end {
     struct jp_can_frame queue[CAN_BUS_QUEUE];
     size_t head;
     size_t count;
-    uint64_t lost; /**< frames that found the queue full */
     /** What others on the bus do while this end waits; NULL: nothing. */
     void (*others)(void *context);
     void *context;

@@ -5,13 +5,12 @@
 #include <string.h>
 
 #include "../../sim/trial.h"
+#include "options.h"
 #include "unity.h"
 
 #define ROBOT_FILE "sim/robots/courier24.cfg"
 
-static unsigned long count = 10;
-static unsigned long first_seed = 1;
-static bool verbose;
+static struct options options = {.count = 10, .seed = 1};
 
 void setUp(void)
 {
@@ -42,15 +41,15 @@ static void test_random_missions(void)
 
     TEST_ASSERT_NOT_NULL(entry);
     TEST_ASSERT_TRUE(robot_file_load(ROBOT_FILE, &file));
-    (void)printf("%lu random missions from seed %lu\n", count, first_seed);
-    for (unsigned long i = 0; i < count; i++) {
+    (void)printf("%lu random missions from seed %llu\n", options.count, options.seed);
+    for (unsigned long i = 0; i < options.count; i++) {
         struct trial trial;
 
-        TEST_ASSERT_TRUE(trial_run(&trial, entry, &file, first_seed + i));
+        TEST_ASSERT_TRUE(trial_run(&trial, entry, &file, options.seed + i));
 
         bool good = trial.end == TRIAL_DONE && trial.normal_saturated_ticks == 0;
 
-        if (verbose || !good) {
+        if (options.verbose || !good) {
             describe(&trial);
         }
         bad += good ? 0 : 1;
@@ -58,28 +57,9 @@ static void test_random_missions(void)
     TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, (uint32_t)bad, "missions with a fall, an unplanned target or saturation");
 }
 
-static bool parse(int argc, char **argv)
-{
-    for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--verbose") == 0) {
-            verbose = true;
-        } else if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
-            count = strtoul(argv[++i], NULL, 10);
-        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
-            first_seed = strtoul(argv[++i], NULL, 10);
-        } else {
-            (void)fprintf(stderr, "usage: %s [--count N] [--seed S] [--verbose]\n", argv[0]);
-            return false;
-        }
-    }
-    return count > 0;
-}
-
 int main(int argc, char **argv)
 {
-    if (!parse(argc, argv)) {
-        return 2;
-    }
+    options = parse_options(argc, argv, options);
     UNITY_BEGIN();
     RUN_TEST(test_random_missions);
     return UNITY_END();

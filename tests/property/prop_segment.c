@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "options.h"
 #include "unity.h"
 
 #define PI             3.14159265358979323846
@@ -575,17 +576,11 @@ static void write_json(const char *path)
 
 int main(int argc, char **argv)
 {
-    const char *json = NULL;
-    for (int i = 1; i + 1 < argc; i += 2) {
-        if (strcmp(argv[i], "--count") == 0) {
-            count = strtoul(argv[i + 1], NULL, 0);
-        } else if (strcmp(argv[i], "--seed") == 0) {
-            seed = strtoull(argv[i + 1], NULL, 0);
-        } else if (strcmp(argv[i], "--json") == 0) {
-            json = argv[i + 1];
-        }
-    }
-    seed = seed == 0 ? 1 : seed;
+    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = 1});
+    const char *json = options.json;
+
+    count = options.count;
+    seed = options.seed;
     printf("seed %llu\n", (unsigned long long)seed);
     UNITY_BEGIN();
     RUN_TEST(test_table_3);
