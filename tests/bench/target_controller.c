@@ -1,13 +1,27 @@
-/** Instructions of jp_lqr_update() and of a whole jp_robot_tick() on Cortex-M4: the worst over random states. */
-#include <joulepath/robot.h>
+/**
+ * Instructions of jp_lqr_update() and of a tick: the worst over random states and readings, for each thing that a tick
+ * can do while the motors run. From the registers of the sensors to those of the PWM it is the STM32F405's drivers on
+ * memory in the place of the registers. Built for ARMv6-M it counts a Cortex-M0's, which an M4 executes the same.
+ */
+#include "hal/stm32f4/devices.h"
 
 #include <stddef.h>
 
 #include "cycles.h"
 #include "random.h"
 #include "target.h"
+#include "tests/unit/stm32_fake.h"
 
-enum { STATES = 2000, TICK_STATES = 300, SEED = 20180917, UPDATE_BAR = 300, TICK_RATE = 1000 };
+enum { STATES = 2000, TICK_STATES = 100, SEED = 20180917, TICK_RATE = 1000 };
+
+/* A bar of 0 is none. */
+#if defined __ARM_ARCH_6M__
+enum { UPDATE_BAR = 0, TICK_BAR = 6000 };
+#elif defined __ARM_ARCH_7EM__
+enum { UPDATE_BAR = 300, TICK_BAR = 1200 };
+#else
+enum { UPDATE_BAR = 0, TICK_BAR = 0 };
+#endif
 
 extern const struct jp_robot_config jp_robot_courier24;
 extern const struct jp_energy_model jp_energy_model_courier24;
@@ -84,83 +98,312 @@ static uint32_t worst_update(void)
 /* The whole tick */
 
 static struct jp_robot_config config;
+static struct jp_robot prepared;
 static struct jp_robot robot;
 static struct jp_sensors sensors;
+static enum jp_status read;
 static struct jp_actuation actuation;
 
-static void run_tick(void *argument)
+static struct jp_devices devices;
+static struct jp_hal hal;
+
+static void ignore_frame(void *context, const struct jp_can_frame *frame)
+{
+    (void)context;
+    (void)frame;
+}
+
+/* An end of the converter's range every fourth time. */
+static uint32_t random_reading(void)
+{
+    const uint32_t bits = random_bits();
+
+    return (bits & 3U) == 0U ? (bits >> 2 & 1U) * 4095U : bits >> 20;
+}
+
+static void change_registers(void)
+{
+    ADC1.JDR1 = random_reading();
+    ADC1.JDR2 = random_reading();
+    ADC1.JDR3 = random_reading();
+    TIM4.CNT = random_bits() & 0xFFFFU;
+    TIM2.CNT = random_bits() & 0xFFFFU;
+    for (unsigned i = 0; i < sizeof devices.imu.received; i++) {
+        devices.imu.received[i] = (random_bits() & 0x300U) == 0U ? 0 : (uint8_t)random_bits();
+    }
+}
+
+static void restore(void *argument)
 {
     (void)argument;
-    jp_robot_tick(&robot, JP_OK, &sensors, &actuation);
+    devices.imu.state = JP_IMU_FRESH;
+    robot = prepared;
 }
 
-/** The segment ends and the next one begins. */
-static void run_change(void *argument)
+/** As jp_hal_tick() until the bridges have their duties; the robot gets the sample that its state is made for. */
+static void restore_and_control(void *argument)
 {
-    robot.telemetry.segment_ticks_left = 0;
-    robot.next_full = 1;
-    run_tick(argument);
+    struct jp_sensors decoded;
+
+    restore(argument);
+    (void)hal.read(hal.context, &decoded);
+    jp_robot_control(&robot, read, &sensors, &actuation);
+    (void)hal.write(hal.context, &actuation);
 }
 
-/** Driving at a random state; the sensors' values stay, so that every tick does the same. */
-static bool prepare_tick(void)
+static void restore_and_tick(void *argument)
 {
-    const struct jp_segment_command segment = {
-        {random_within(JP_Q24(1)), random_within(JP_Q24(0.35))}, random_within(JP_Q24(1.4)), JP_Q16(100)};
+    restore_and_control(argument);
+    jp_robot_account(&robot);
+}
+
+static void tick(void)
+{
+    jp_robot_tick(&prepared, JP_OK, &sensors, &actuation);
+}
+
+/** The first frame of a robot at rest was seen. Every check runs, none is confirmed. */
+static bool prepare_idle(void)
+{
     const char *field;
 
     config = jp_robot_courier24;
+    config.monitor.confirm_ticks = UINT16_MAX;
     config.monitor.freeze_ticks = UINT16_MAX;
-    config.monitor.current_residual = JP_Q16(1000);
+    config.monitor.residual_ticks = UINT16_MAX;
+    read = JP_OK;
     sensors = (struct jp_sensors){.encoder_left = random_bits(),
                                   .encoder_right = random_bits(),
                                   .accel_z = JP_Q24_ONE,
                                   .bus_voltage = JP_Q16(24)};
-    if (jp_robot_init(&robot, &config, &jp_energy_model_courier24, &field) != JP_OK) {
+    if (jp_robot_init(&prepared, &config, &jp_energy_model_courier24, &field) != JP_OK) {
         return false;
     }
-    run_tick(NULL);
-    if (jp_robot_enable(&robot) != JP_OK) {
-        return false;
-    }
-    run_tick(NULL);
-    if (jp_robot_drive(&robot, &segment) != JP_OK) {
-        return false;
-    }
-    run_tick(NULL);
-    robot.estimator.pitch = random_phase(JP_Q24(0.06));
-    robot.estimator.wheel.rate = random_within(JP_Q24(2));
-    robot.estimator.yaw.rate = random_within(JP_Q24(0.2));
-    robot.odometry.x = (int64_t)random_within(JP_Q24(100)) * 256;
+    tick();
+    return true;
+}
+
+/** Another frame for the tick to come: new encoder counts, rates, currents and voltage. */
+static void change_sensors(void)
+{
+    sensors.encoder_left += (uint32_t)random_within(5);
+    sensors.encoder_right += (uint32_t)random_within(5);
+    sensors.pitch_rate += random_within(JP_Q24(0.02));
+    sensors.yaw_rate += random_within(JP_Q24(0.02));
+    sensors.accel_x += random_within(JP_Q24(0.05));
+    sensors.accel_z += random_within(JP_Q24(0.05));
     sensors.current_left = random_within(JP_Q16(5));
     sensors.current_right = random_within(JP_Q16(5));
-    return robot.telemetry.state == JP_ROBOT_DRIVING;
+    sensors.bus_voltage = JP_Q16(24) + random_within(JP_Q16(1));
 }
 
-/** 0 when a state could not be prepared or was left. */
-static uint32_t worst_tick(void (*run)(void *))
+/** Balancing at a random state of motion; a quarter of the states are far off, so that every limit acts. */
+static bool prepare_standing(void)
 {
-    uint32_t worst = 0;
-
-    for (int i = 0; i < TICK_STATES; i++) {
-        if (!prepare_tick()) {
-            return 0;
-        }
-
-        uint32_t instructions = target_count_instructions(run, NULL);
-
-        if (robot.telemetry.state != JP_ROBOT_DRIVING) {
-            return 0;
-        }
-        worst = instructions > worst ? instructions : worst;
+    if (!prepare_idle() || jp_robot_enable(&prepared) != JP_OK) {
+        return false;
     }
-    return worst;
+    tick();
+
+    const int32_t scale = (random_bits() & 3U) == 0U ? 60 : 1;
+
+    prepared.estimator.pitch = random_phase(JP_Q24(0.06));
+    prepared.estimator.wheel.rate = random_within(JP_Q24(2));
+    prepared.estimator.yaw.rate = random_within(JP_Q24(0.2));
+    prepared.reference.wheel.angle += random_phase(JP_Q24(0.2) * scale);
+    prepared.reference.yaw.angle += random_phase(JP_Q24(0.2) * scale);
+    prepared.lqr.wheel_integral = (int64_t)random_within(JP_Q24_ONE) * TICK_RATE * scale;
+    prepared.lqr.yaw_integral = (int64_t)random_within(JP_Q24_ONE) * TICK_RATE * scale;
+    prepared.odometry.x = (int64_t)random_within(JP_Q24(100)) * 256;
+    change_sensors();
+    return true;
 }
 
-static void print_figure(const char *name, uint32_t instructions, uint32_t bar)
+static bool hand_over_segment(void)
 {
-    target_print("{\"name\": \"Cortex-M4: ");
+    const struct jp_segment_command segment = {
+        {random_within(JP_Q24(1)), random_within(JP_Q24(0.35))}, random_within(JP_Q24(1.4)), JP_Q16(100)};
+
+    return jp_robot_drive(&prepared, &segment) == JP_OK;
+}
+
+static bool prepare_driving(void)
+{
+    if (!prepare_standing() || !hand_over_segment()) {
+        return false;
+    }
+    tick();
+    change_sensors();
+    return prepared.telemetry.state == JP_ROBOT_DRIVING;
+}
+
+/** Currents and rates contradict each other and every channel repeats itself: all counters count. */
+static bool prepare_suspicion(void)
+{
+    bool driving = prepare_driving();
+
+    tick();
+    prepared.monitor.good.encoder_left--;
+    sensors.current_left = JP_Q16(15);
+    sensors.current_right = JP_Q16(-15);
+    return driving;
+}
+
+static bool prepare_implausible(void)
+{
+    bool driving = prepare_driving();
+
+    sensors.pitch_rate = INT32_MIN;
+    sensors.yaw_rate = INT32_MAX;
+    sensors.accel_z = INT32_MIN;
+    sensors.encoder_right += INT32_MAX;
+    sensors.current_right = INT32_MIN;
+    sensors.bus_voltage = INT32_MIN;
+    return driving;
+}
+
+static bool prepare_silence(void)
+{
+    read = JP_ERR_HARDWARE;
+    return prepare_driving();
+}
+
+static bool prepare_start(void)
+{
+    return prepare_standing() && hand_over_segment();
+}
+
+static bool prepare_next(void)
+{
+    bool driving = prepare_driving() && hand_over_segment();
+
+    prepared.telemetry.segment_ticks_left = 0;
+    return driving;
+}
+
+static bool prepare_end(void)
+{
+    bool driving = prepare_driving();
+
+    prepared.telemetry.segment_ticks_left = 0;
+    return driving;
+}
+
+static bool prepare_stop(void)
+{
+    bool driving = prepare_driving();
+
+    jp_robot_stop(&prepared);
+    return driving;
+}
+
+static bool prepare_enable(void)
+{
+    bool idle = prepare_idle();
+
+    change_sensors();
+    return idle && jp_robot_enable(&prepared) == JP_OK;
+}
+
+/** The controller was reset while it drove. */
+static bool prepare_resume(void)
+{
+    struct jp_snapshot snapshot;
+    const char *field;
+
+    if (!prepare_driving()) {
+        return false;
+    }
+    jp_robot_snapshot(&prepared, &snapshot);
+    if (jp_robot_init(&prepared, &config, &jp_energy_model_courier24, &field) != JP_OK) {
+        return false;
+    }
+    jp_robot_resume(&prepared, &snapshot);
+    return true;
+}
+
+static bool prepare_fall(void)
+{
+    bool driving = prepare_driving();
+
+    prepared.estimator.pitch = (jp_phase)JP_Q24(0.2) << 32;
+    return driving;
+}
+
+static bool prepare_fault(void)
+{
+    bool driving = prepare_suspicion();
+
+    config.monitor.residual_ticks = 1;
+    config.monitor.freeze_ticks = 1;
+    return driving;
+}
+
+static bool prepare_disable(void)
+{
+    bool driving = prepare_driving();
+
+    jp_robot_disable(&prepared);
+    return driving;
+}
+
+struct tick_case {
+    const char *name;
+    bool (*prepare)(void);
+    enum jp_robot_state after;
+};
+
+enum { DRIVING = 1 };
+
+static const struct tick_case tick_cases[] = {
+    {"while balancing", prepare_standing, JP_ROBOT_BALANCING},
+    {"while driving", prepare_driving, JP_ROBOT_DRIVING},
+    {"while every check suspects", prepare_suspicion, JP_ROBOT_DRIVING},
+    {"with an implausible frame", prepare_implausible, JP_ROBOT_DRIVING},
+    {"without a frame", prepare_silence, JP_ROBOT_DRIVING},
+    {"that begins the first segment", prepare_start, JP_ROBOT_DRIVING},
+    {"that begins the next segment", prepare_next, JP_ROBOT_DRIVING},
+    {"that ends the last segment", prepare_end, JP_ROBOT_BALANCING},
+    {"that stops", prepare_stop, JP_ROBOT_BALANCING},
+    {"that switches on", prepare_enable, JP_ROBOT_BALANCING},
+    {"that goes on after a reset", prepare_resume, JP_ROBOT_BALANCING},
+    {"that finds a fall", prepare_fall, JP_ROBOT_FALLEN},
+    {"that finds a fault", prepare_fault, JP_ROBOT_FAULT},
+    {"that switches off", prepare_disable, JP_ROBOT_IDLE},
+};
+
+#define CASES (sizeof tick_cases / sizeof tick_cases[0])
+
+struct worst {
+    uint32_t control; /**< sensor decode to PWM */
+    uint32_t tick;    /**< all of it */
+};
+
+/** False: a state could not be prepared, or the tick led elsewhere. */
+static bool measure(const struct tick_case *tick_case, struct worst *worst)
+{
+    const uint32_t restoring = target_count_instructions(restore, NULL);
+
+    *worst = (struct worst){0, 0};
+    for (int i = 0; i < TICK_STATES; i++) {
+        if (!tick_case->prepare()) {
+            return false;
+        }
+        change_registers();
+        worst->control = target_count_worst(worst->control + restoring, restore_and_control, NULL) - restoring;
+        worst->tick = target_count_worst(worst->tick + restoring, restore_and_tick, NULL) - restoring;
+        if (robot.telemetry.state != tick_case->after) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void print_figure(const char *name, const char *detail, uint32_t instructions, uint32_t bar)
+{
+    target_print("{\"name\": \"" TARGET_CORE ": ");
     target_print(name);
+    target_print(detail);
     target_print("\", \"value\": ");
     target_print_number(instructions);
     target_print(", \"unit\": \"instructions\", \"bound\": ");
@@ -176,20 +419,31 @@ static void print_figure(const char *name, uint32_t instructions, uint32_t bar)
 
 int main(void)
 {
-    uint32_t tick = worst_tick(run_tick);
-    uint32_t change = worst_tick(run_change);
+    struct worst worst[CASES];
+    size_t first = 0;
+    uint32_t longest = 0;
 
-    if (tick == 0 || change == 0) {
-        target_print("a robot left its state\n");
-        return 1;
+    stm32_fake_reset();
+    jp_devices_start(&devices, ignore_frame, NULL);
+    hal = jp_devices_hal(&devices);
+    for (size_t i = 0; i < CASES; i++) {
+        if (!measure(&tick_cases[i], &worst[i])) {
+            target_print("a robot left its state\n");
+            return 1;
+        }
+        first = worst[i].control > worst[first].control ? i : first;
+        longest = worst[i].tick > longest ? worst[i].tick : longest;
     }
     target_print("[\n");
-    print_figure("controller tick (errors, integrators, gain product, limits), worst of 2 000 states", worst_update(),
-                 UPDATE_BAR);
+    print_figure("controller tick (errors, integrators, gain product, limits), worst of 2 000 states", "",
+                 worst_update(), UPDATE_BAR);
     target_print(",\n");
-    print_figure("jp_robot_tick() while driving, worst of 300 states", tick, 0);
+    print_figure("sensor decode to PWM, worst of 14 kinds of tick: one ", tick_cases[first].name, worst[first].control,
+                 TICK_BAR);
     target_print(",\n");
-    print_figure("jp_robot_tick() that begins a segment, worst of 300 states", change, 0);
+    print_figure("sensor decode to PWM ", tick_cases[DRIVING].name, worst[DRIVING].control, 0);
+    target_print(",\n");
+    print_figure("whole tick, odometry, energy and motor checks after the PWM included, worst", "", longest, 0);
     target_print("\n]\n");
     return 0;
 }

@@ -53,7 +53,7 @@ int main(void)
     for (uint32_t i = 0; i < SCENE_BENCH_COUNT; i++) {
         plan_scene(SCENE_BENCH_FIRST + i);
     }
-    target_print("[\n{\"name\": \"Cortex-M7: slice of 32 expansions of the planner in 256 KiB, worst of ");
+    target_print("[\n{\"name\": \"" TARGET_CORE ": slice of 32 expansions of the planner in 256 KiB, worst of ");
     target_print_number(slices);
     target_print("\", \"value\": ");
     target_print_number(worst_slice);

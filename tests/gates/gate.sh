@@ -8,6 +8,14 @@ results=$(mktemp -d)
 export gate results
 trap 'rm -rf "$results"' EXIT
 
+# tools_of VARIANT[/NAME]: prefix of the binary tools for what was built for it.
+tools_of() {
+    case $1 in
+    rv32*) echo riscv64-unknown-elf- ;;
+    *) echo arm-none-eabi- ;;
+    esac
+}
+
 # check NAME COMMAND...: one test of that name, which passes when COMMAND does; its output explains a failure.
 check() {
     local name=$1 output place reason

@@ -6,18 +6,18 @@
 
 allowed='^(memcpy|memset|memmove|__aeabi_mem(cpy|set|move|clr)[48]?'
 allowed+='|__aeabi_(u?idiv|u?idivmod|u?ldivmod|lmul|llsl|llsr|lasr|lcmp|ulcmp|idiv0|ldiv0)'
-allowed+='|__gnu_thumb1_case_[a-z]+|__(ctz|clz|popcount)[sd]i2|jp_[a-z0-9_]+)$'
+allowed+='|__gnu_thumb1_case_[a-z]+|__(u?div|u?mod|mul|ashl|ashr|lshr)di3|__(ctz|clz|popcount)[sd]i2|jp_[a-z0-9_]+)$'
 
 # Symbols of the object that the core must not reference.
 foreign_symbols() {
-    ! arm-none-eabi-nm --undefined-only --format=posix "$1" | awk '{print $1}' | grep -vE "$allowed" |
+    ! "$(tools_of "$2")nm" --undefined-only --format=posix "$1" | awk '{print $1}' | grep -vE "$allowed" |
         sed "s|^|$2: error: references |" | grep .
 }
 
 # Sections .data and .bss with something in them.
 writable_data() {
-    ! arm-none-eabi-size -A "$1" | awk -v object="$2" \
-        '$1 ~ /^\.(data|bss)/ && $1 !~ /^\.data\.rel\.ro/ && $2 > 0 {print object ": error: " $2 " bytes in " $1}' | grep .
+    ! "$(tools_of "$2")size" -A "$1" | awk -v object="$2" \
+        '$1 ~ /^\.s?(data|bss)/ && $1 !~ /^\.data\.rel\.ro/ && $2 > 0 {print object ": error: " $2 " bytes in " $1}' | grep .
 }
 
 examine() {
@@ -28,7 +28,7 @@ for library in "$@"; do
     variant=$(basename "$(dirname "$library")")
     objects=$results.objects
     mkdir -p "$objects"
-    arm-none-eabi-ar x --output "$objects" "$library" || check "$variant" false
+    "$(tools_of "$variant")ar" x --output "$objects" "$library" || check "$variant" false
     rm -f "$objects/jp_can.o"
     for object in "$objects"/*.o; do
         [ -e "$object" ] && check "$variant/$(basename "$object")" examine "$object" "$variant/$(basename "$object")"

@@ -1,4 +1,4 @@
-#include "cycles.h"
+#include "../cycles.h"
 
 #include <stdbool.h>
 
@@ -48,6 +48,19 @@ uint32_t target_count_instructions(void (*function)(void *), void *argument)
     }
     /* The empty loop holds the call and one return, which belongs to the function. */
     return ((full - loop) * TICK_INSTRUCTIONS + calls / 2) / calls + 1;
+}
+
+uint32_t target_count_worst(uint32_t worst, void (*function)(void *), void *argument)
+{
+    const uint32_t once = target_count_once(function, argument);
+
+    if (once < TARGET_COUNT_OVERFLOW - TICK_INSTRUCTIONS && once + TICK_INSTRUCTIONS <= worst) {
+        return worst;
+    }
+
+    const uint32_t exact = target_count_instructions(function, argument);
+
+    return exact > worst ? exact : worst;
 }
 
 uint32_t target_count_once(void (*function)(void *), void *argument)

@@ -1,4 +1,5 @@
-/** Output and exit through the Arm semihosting calls. */
+/** Output and exit through semihosting, whose calls are the same on Arm and RISC-V. */
+#include "board.h"
 #include "target.h"
 
 #include <stddef.h>
@@ -8,19 +9,11 @@ enum { SYS_WRITE0 = 0x04, SYS_EXIT_EXTENDED = 0x20, ADP_STOPPED_APPLICATION_EXIT
 static char line[128];
 static size_t length;
 
-static void semihosting_call(uint32_t operation, const void *argument)
-{
-    register uint32_t r0 __asm__("r0") = operation;
-    register const void *r1 __asm__("r1") = argument;
-
-    __asm__ volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
-}
-
 void target_flush(void)
 {
     line[length] = '\0';
     length = 0;
-    semihosting_call(SYS_WRITE0, line);
+    target_semihosting(SYS_WRITE0, line);
 }
 
 void target_putchar(int character)
@@ -56,7 +49,7 @@ _Noreturn void target_exit(int status)
     const uint32_t block[] = {ADP_STOPPED_APPLICATION_EXIT, (uint32_t)status};
 
     target_flush();
-    semihosting_call(SYS_EXIT_EXTENDED, block);
+    target_semihosting(SYS_EXIT_EXTENDED, block);
     for (;;) {
     }
 }

@@ -1,0 +1,5 @@
+/** An image that holds the whole library, for measuring. */
+int main(void)
+{
+    return 0;
+}

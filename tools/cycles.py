@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Worst-case instructions on each core, from the benches that ran there.
+
+Arguments: their figures, build/bench/target_NAME-VARIANT.json. Of several figures of a row the greatest counts. Prints a
+table and writes build/numbers/cycles.json. Exit status 2: bad input, nothing was written.
+"""
+import argparse
+import re
+from pathlib import Path
+
+import core_numbers
+import figures
+from common import ToolError, run
+
+# What a figure of a bench counts for.
+ROWS = {
+    "jp_robot_tick": r"jp_robot_tick\(\)",
+    "jp_segment_optimise": r"segment optimiser",
+    "jp_planner_work, 32 expansions": r"slice of 32 expansions",
+}
+
+
+def tabulate(paths):
+    table = {row: {} for row in ROWS}
+    for path in paths:
+        core = core_numbers.core_of(path.stem.partition("-")[2])
+        for figure in figures.read_bench(path):
+            for row, pattern in ROWS.items():
+                if re.search(pattern, figure["name"]):
+                    table[row][core] = max(int(figure["value"]), table[row].get(core, 0))
+    for row, values in table.items():
+        if not values:
+            raise ToolError(f"{row}: no bench counted it")
+    return table
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("benches", metavar="FILE", type=Path, nargs="+")
+    core_numbers.add_arguments(parser)
+    options = parser.parse_args()
+    core_numbers.show("cycles", tabulate(options.benches), options.diff)
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)
