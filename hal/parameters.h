@@ -1,0 +1,73 @@
+/**
+ * What a robot learns and calibrates, kept over power-off: a record of fixed bytes, little-endian, in a store.
+ *
+ * It belongs to one robot under one controller: jp_robot_identity() of the configuration is in it. All calls are for
+ * the background loop.
+ */
+#ifndef JOULEPATH_HAL_PARAMETERS_H
+#define JOULEPATH_HAL_PARAMETERS_H
+
+#include <joulepath/robot.h>
+
+#include "store.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Of the record's format; one more with every change of it. */
+#define JP_PARAMETERS_VERSION 1U
+
+/** Bytes of the record: version, robot, 20 numbers of the energy model, gyro bias, 2 zeros of currents. */
+#define JP_PARAMETERS_LENGTH (4U + 4U + 4U * 20U + 8U + 2U * 2U)
+
+/** A gyro with more bias is broken: 0.05 turn/s (18 °/s), in 2⁻⁵⁶ turn/s. */
+#define JP_PARAMETERS_GYRO_BIAS_MAX ((int64_t)JP_Q24(0.05) * ((int64_t)1 << 32))
+
+struct jp_parameters {
+    struct jp_energy_model energy;
+    int64_t gyro_bias;           /**< as in struct jp_estimator, 2⁻⁵⁶ turn/s; ±JP_PARAMETERS_GYRO_BIAS_MAX */
+    uint16_t current_zero_left;  /**< the converter's reading without current, counts; 0: not calibrated */
+    uint16_t current_zero_right; /**< counts */
+};
+
+/** CRC-32 over name and all fields of the configuration: the same on every core. About 190 bytes. */
+uint32_t jp_robot_identity(const struct jp_robot_config *config);
+
+/** The energy model built in, no bias, and currents not calibrated. */
+void jp_parameters_default(struct jp_parameters *parameters, const struct jp_energy_model *built_in);
+
+/**
+ * Checks every field, but whether the zeros suit the board, which knows it: jp_robot_init() of this robot will take the
+ * model. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null.
+ */
+enum jp_status jp_parameters_check(const struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                   const char **field);
+
+/** Whether they are worth a write: another energy model, a bias that is 0.0001 turn/s (0.036 °/s) off, or a zero that
+ * is 4 counts off. */
+bool jp_parameters_differ(const struct jp_parameters *a, const struct jp_parameters *b);
+
+void jp_parameters_encode(const struct jp_parameters *parameters, uint32_t identity,
+                          uint8_t record[JP_PARAMETERS_LENGTH]);
+
+/**
+ * The parameters of a record. *parameters is written on JP_OK only. JP_ERR_CONFIG: *field says what does not fit:
+ * "version" (another format), "length", "robot" (of another robot or controller), or the first field out of range.
+ */
+enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                    const uint8_t *record, uint16_t length, const char **field);
+
+/** Those of an open store. As jp_parameters_decode(), and JP_ERR_EMPTY: nothing is stored. */
+enum jp_status jp_parameters_load(struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                  const struct jp_store *store, const char **field);
+
+/** Checks and stores them. As jp_parameters_check() and jp_store_write(). */
+enum jp_status jp_parameters_save(const struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                  struct jp_store *store, const char **field);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,354 @@
+/* What the firmware keeps: its bytes, whose it is, and each field that cannot be. */
+#include "hal/parameters.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define NOR_WORDS 128U
+
+#include "nor_flash.h"
+
+#include "unity.h"
+
+extern const struct jp_robot_config jp_robot_gao2018;
+extern const struct jp_robot_config jp_robot_courier24;
+extern const struct jp_energy_model jp_energy_model_courier24;
+
+static struct jp_robot_config config;
+static struct jp_parameters parameters;
+static struct jp_parameters found;
+static uint8_t record[JP_PARAMETERS_LENGTH + 1U];
+static const char *field;
+
+void setUp(void)
+{
+    config = jp_robot_courier24;
+    jp_parameters_default(&parameters, &jp_energy_model_courier24);
+    parameters.gyro_bias = -123456789012345;
+    parameters.current_zero_left = 2047;
+    parameters.current_zero_right = 0xFEDC;
+    memset(&found, 0xA5, sizeof found);
+    field = NULL;
+}
+
+void tearDown(void)
+{
+}
+
+static void encode(void)
+{
+    jp_parameters_encode(&parameters, jp_robot_identity(&config), record);
+}
+
+static enum jp_status decode(uint16_t length)
+{
+    return jp_parameters_decode(&found, &config, record, length, &field);
+}
+
+static void expect_found(void)
+{
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&parameters.energy, &found.energy, sizeof found.energy));
+    TEST_ASSERT_EQUAL_INT64(parameters.gyro_bias, found.gyro_bias);
+    TEST_ASSERT_EQUAL_UINT16(parameters.current_zero_left, found.current_zero_left);
+    TEST_ASSERT_EQUAL_UINT16(parameters.current_zero_right, found.current_zero_right);
+}
+
+/* Refused with this name, and nothing is touched. */
+static void expect_refused(uint16_t length, const char *expected)
+{
+    struct jp_parameters before;
+
+    memset(&before, 0xA5, sizeof before);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, decode(length));
+    TEST_ASSERT_EQUAL_STRING(expected, field);
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&before, &found, sizeof found));
+}
+
+/* The record */
+
+static void test_parameters_come_back(void)
+{
+    encode();
+    TEST_ASSERT_EQUAL_INT(JP_OK, decode(JP_PARAMETERS_LENGTH));
+    expect_found();
+}
+
+static void test_defaults_are_those_built_in(void)
+{
+    jp_parameters_default(&parameters, &jp_energy_model_published);
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&jp_energy_model_published, &parameters.energy, sizeof parameters.energy));
+    TEST_ASSERT_EQUAL_INT64(0, parameters.gyro_bias);
+    TEST_ASSERT_EQUAL_UINT16(0, parameters.current_zero_left);
+    TEST_ASSERT_EQUAL_UINT16(0, parameters.current_zero_right);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_check(&parameters, &config, &field));
+}
+
+/* Each byte at its place: another version of the firmware must find it there. */
+static void test_the_record_is_little_endian_and_without_gaps(void)
+{
+    jp_q16 *const model = parameters.energy.a;
+
+    for (uint32_t i = 0; i < 20U; i++) {
+        const uint32_t word = 0x04030201U + 0x04040404U * (i + 2U);
+
+        memcpy((uint8_t *)model + sizeof(jp_q16) * i, &word, sizeof word);
+    }
+    parameters.gyro_bias = 0x605F5E5D5C5B5A59;
+    parameters.current_zero_left = 0x6261;
+    parameters.current_zero_right = 0x6463;
+    jp_parameters_encode(&parameters, 0x08070605U, record);
+    TEST_ASSERT_EQUAL_HEX32(JP_PARAMETERS_VERSION, record[0] | (uint32_t)record[1] << 8 | (uint32_t)record[2] << 16 |
+                                                       (uint32_t)record[3] << 24);
+    for (uint8_t i = 4; i < JP_PARAMETERS_LENGTH; i++) {
+        TEST_ASSERT_EQUAL_UINT8(i + 1U, record[i]);
+    }
+    TEST_ASSERT_EQUAL_UINT32(100, JP_PARAMETERS_LENGTH);
+}
+
+/* The order of members is part of the format. */
+static void test_the_numbers_of_the_model_are_in_their_order(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(0, offsetof(struct jp_energy_model, a));
+    TEST_ASSERT_EQUAL_UINT32(52, offsetof(struct jp_energy_model, b));
+    TEST_ASSERT_EQUAL_UINT32(60, offsetof(struct jp_energy_model, electronics_power));
+    TEST_ASSERT_EQUAL_UINT32(64, offsetof(struct jp_energy_model, settling_time));
+    TEST_ASSERT_EQUAL_UINT32(68, offsetof(struct jp_energy_model, voltage_per_speed));
+    TEST_ASSERT_EQUAL_UINT32(72, offsetof(struct jp_energy_model, voltage_per_turn_rate));
+    TEST_ASSERT_EQUAL_UINT32(76, offsetof(struct jp_energy_model, motor_resistance));
+}
+
+static void test_another_version_is_refused(void)
+{
+    encode();
+    for (unsigned bit = 0; bit < 32U; bit++) {
+        record[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+        expect_refused(JP_PARAMETERS_LENGTH, "version");
+        expect_refused(JP_PARAMETERS_LENGTH + 1U, "version");
+        record[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+    }
+}
+
+static void test_another_length_is_refused(void)
+{
+    encode();
+    for (uint16_t length = 0; length <= JP_PARAMETERS_LENGTH + 1U; length++) {
+        if (length != JP_PARAMETERS_LENGTH) {
+            expect_refused(length, "length");
+        }
+    }
+}
+
+/* The robot */
+
+static void test_another_robot_is_refused(void)
+{
+    encode();
+    config = jp_robot_gao2018;
+    expect_refused(JP_PARAMETERS_LENGTH, "robot");
+}
+
+/* On every core the same: zlib.crc32(bytes(182)). */
+static void test_the_identity_is_the_crc_of_name_and_numbers(void)
+{
+    struct jp_robot_config none;
+
+    memset(&none, 0, sizeof none);
+    none.name = "";
+    TEST_ASSERT_EQUAL_HEX32(0x375F63F9U, jp_robot_identity(&none));
+    none.name = "x";
+    TEST_ASSERT_TRUE(jp_robot_identity(&none) != 0x375F63F9U);
+    none.name = NULL;
+    TEST_ASSERT_EQUAL_HEX32(0x375F63F9U, jp_robot_identity(&none));
+}
+
+/* Bytes that are no field: padding and the name's pointer. */
+#define NUMBERS_SIZE                                                                                                   \
+    (36U + sizeof(struct jp_reference_config) + sizeof(struct jp_lqr_config) + 58U + sizeof(struct jp_meter_config) +  \
+     sizeof(struct jp_segment_limits) + sizeof(jp_q24))
+
+static void test_every_number_of_the_configuration_counts(void)
+{
+    const uint32_t identity = jp_robot_identity(&config);
+    const char *const name = config.name;
+    size_t counting = 0;
+
+    for (size_t i = 0; i < sizeof config; i++) {
+        ((uint8_t *)&config)[i] ^= 0x10U;
+
+        const bool is_name = config.name != name;
+
+        config.name = name;
+        counting += !is_name && jp_robot_identity(&config) != identity ? 1U : 0U;
+        if (!is_name) {
+            ((uint8_t *)&config)[i] ^= 0x10U;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(NUMBERS_SIZE, counting);
+    TEST_ASSERT_EQUAL_HEX32(identity, jp_robot_identity(&config));
+}
+
+static void test_the_name_counts(void)
+{
+    const uint32_t identity = jp_robot_identity(&config);
+    static const char copy[] = "courier24";
+
+    config.name = copy;
+    TEST_ASSERT_EQUAL_HEX32(identity, jp_robot_identity(&config));
+    config.name = copy + 1;
+    TEST_ASSERT_TRUE(identity != jp_robot_identity(&config));
+}
+
+/* Fields */
+
+/* This value of one field is refused by its name, in a record and when it is to be saved. */
+#define REFUSED(member, value, expected)                                                                               \
+    do {                                                                                                               \
+        setUp();                                                                                                       \
+        parameters.member = (value);                                                                                   \
+        encode();                                                                                                      \
+        expect_refused(JP_PARAMETERS_LENGTH, (expected));                                                              \
+        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_check(&parameters, &config, &field));                       \
+        TEST_ASSERT_EQUAL_STRING((expected), field);                                                                   \
+    } while (0)
+
+#define TAKEN(member, value)                                                                                           \
+    do {                                                                                                               \
+        setUp();                                                                                                       \
+        parameters.member = (value);                                                                                   \
+        encode();                                                                                                      \
+        TEST_ASSERT_EQUAL_INT(JP_OK, decode(JP_PARAMETERS_LENGTH));                                                    \
+        expect_found();                                                                                                \
+    } while (0)
+
+static void test_numbers_out_of_range_are_refused_by_name(void)
+{
+    REFUSED(energy.a[0], INT32_MAX, "a1");
+    REFUSED(energy.a[12], INT32_MIN, "a13");
+    REFUSED(energy.b[0], -1, "b1");
+    REFUSED(energy.b[1], INT32_MAX, "b2");
+    REFUSED(energy.electronics_power, 0, "electronics_power");
+    REFUSED(energy.settling_time, -1, "settling_time");
+    REFUSED(energy.voltage_per_speed, -1, "voltage_per_speed");
+    REFUSED(energy.voltage_per_turn_rate, INT32_MAX, "voltage_per_turn_rate");
+    REFUSED(energy.motor_resistance, 0, "motor_resistance");
+    REFUSED(gyro_bias, JP_PARAMETERS_GYRO_BIAS_MAX + 1, "gyro_bias");
+    REFUSED(gyro_bias, -JP_PARAMETERS_GYRO_BIAS_MAX - 1, "gyro_bias");
+    REFUSED(gyro_bias, INT64_MIN, "gyro_bias");
+}
+
+static void test_the_edges_of_the_ranges_are_taken(void)
+{
+    TAKEN(gyro_bias, JP_PARAMETERS_GYRO_BIAS_MAX);
+    TAKEN(gyro_bias, -JP_PARAMETERS_GYRO_BIAS_MAX);
+    TAKEN(energy.a[3], JP_Q16(4096));
+    TAKEN(energy.a[3], -JP_Q16(4096));
+    TAKEN(energy.motor_resistance, 1);
+    TAKEN(current_zero_left, UINT16_MAX);
+    TAKEN(current_zero_right, 0);
+}
+
+/* jp_robot_init() would refuse it. */
+static void test_a_model_that_the_limits_exclude_is_refused(void)
+{
+    config.limits.duration = JP_Q16(30);
+    parameters.energy.settling_time = JP_Q16(30) + 1;
+    encode();
+    expect_refused(JP_PARAMETERS_LENGTH, "duration");
+}
+
+static void test_null_is_an_argument(void)
+{
+    encode();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(NULL, &config, record, 1, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(&found, NULL, record, 1, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(&found, &config, NULL, 1, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(&found, &config, record, 1, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_check(NULL, &config, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_check(&parameters, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_check(&parameters, &config, NULL));
+}
+
+/* In a store */
+
+static struct nor_flash nor;
+static struct jp_store store;
+
+static void expect_differ(bool differ)
+{
+    TEST_ASSERT_EQUAL(differ, jp_parameters_differ(&parameters, &found));
+    TEST_ASSERT_EQUAL(differ, jp_parameters_differ(&found, &parameters));
+}
+
+static void test_only_what_is_worth_a_write_differs(void)
+{
+    const int64_t step = (int64_t)(0.0001 * 16777216 + 0.5) * 4294967296;
+
+    found = parameters;
+    expect_differ(false);
+    found.gyro_bias = parameters.gyro_bias + step;
+    expect_differ(false);
+    found.gyro_bias++;
+    expect_differ(true);
+    found = parameters;
+    found.current_zero_left = (uint16_t)(found.current_zero_left + 4U);
+    expect_differ(false);
+    found.current_zero_left++;
+    expect_differ(true);
+    found = parameters;
+    found.current_zero_right = (uint16_t)(found.current_zero_right - 5U);
+    expect_differ(true);
+    found = parameters;
+    found.energy.a[12]++;
+    expect_differ(true);
+}
+
+static void test_they_live_in_a_store(void)
+{
+    struct jp_flash flash;
+
+    nor_start(&nor, 1);
+    flash = nor_interface(&nor);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, jp_store_open(&store, &flash));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, jp_parameters_load(&found, &config, &store, &field));
+    for (int64_t bias = 1; bias < 10; bias++) {
+        parameters.gyro_bias = bias;
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_save(&parameters, &config, &store, &field));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_store_open(&store, &flash));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_load(&found, &config, &store, &field));
+        expect_found();
+    }
+
+    const unsigned long steps = nor.steps;
+
+    parameters.gyro_bias = INT64_MAX;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_save(&parameters, &config, &store, &field));
+    TEST_ASSERT_EQUAL_STRING("gyro_bias", field);
+    TEST_ASSERT_EQUAL_UINT32(steps, nor.steps);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_load(&found, &jp_robot_gao2018, &store, &field));
+    TEST_ASSERT_EQUAL_STRING("robot", field);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_store_write(&store, (const uint8_t *)"other", 5));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_load(&found, &config, &store, &field));
+    TEST_ASSERT_EQUAL_STRING("length", field);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_parameters_come_back);
+    RUN_TEST(test_defaults_are_those_built_in);
+    RUN_TEST(test_the_record_is_little_endian_and_without_gaps);
+    RUN_TEST(test_the_numbers_of_the_model_are_in_their_order);
+    RUN_TEST(test_another_version_is_refused);
+    RUN_TEST(test_another_length_is_refused);
+    RUN_TEST(test_another_robot_is_refused);
+    RUN_TEST(test_the_identity_is_the_crc_of_name_and_numbers);
+    RUN_TEST(test_every_number_of_the_configuration_counts);
+    RUN_TEST(test_the_name_counts);
+    RUN_TEST(test_numbers_out_of_range_are_refused_by_name);
+    RUN_TEST(test_the_edges_of_the_ranges_are_taken);
+    RUN_TEST(test_a_model_that_the_limits_exclude_is_refused);
+    RUN_TEST(test_null_is_an_argument);
+    RUN_TEST(test_only_what_is_worth_a_write_differs);
+    RUN_TEST(test_they_live_in_a_store);
+    return UNITY_END();
+}
