@@ -7,7 +7,7 @@ static void work(void *context)
     struct jp_can_frame frame;
 
     while (link.receive(link.port.context, &frame)) {
-        (void)ecu_node_accept(&ecu->node, &frame);
+        (void)jp_lockstep_accept(&ecu->node.lockstep, &frame);
     }
 }
 

@@ -117,8 +117,8 @@ def assert_one_line_error(result, *parts):
         assert str(part) in lines[0], lines[0]
 
 
-def assert_done(program):
-    result = program.wait()
+def assert_done(program, limit=LIMIT):
+    result = program.wait(limit)
     assert (result.returncode, result.stderr) == (0, ""), result.stdout + result.stderr
     return result
 

@@ -89,12 +89,11 @@ static bool can_go_on(const struct jp_robot_config *config, const struct jp_snap
 {
     const struct jp_estimator *estimator = &snapshot->estimator;
     const struct jp_odometry *odometry = &snapshot->odometry;
-    const uint64_t second = estimator->phase_per_rate * config->estimator.tick_rate;
     uint8_t balancing;
 
     /* A bool must not be read before it is known to be one. */
     memcpy(&balancing, &snapshot->balancing, sizeof balancing);
-    return balancing == 1U && within((int64_t)(second - ((uint64_t)1 << 32)), config->estimator.tick_rate) &&
+    return balancing == 1U && estimator->phase_per_rate == jp_phase_per_rate(config->estimator.tick_rate) &&
            within(estimator->gyro_bias, (int64_t)JP_PHASE_TURN) && within(odometry->x, INT64_MAX / 2) &&
            within(odometry->y, INT64_MAX / 2) && odometry->metres_per_turn == config->metres_per_turn;
 }
@@ -140,6 +139,17 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *con
     return JP_OK;
 }
 
+void jp_ecu_use_board(struct jp_ecu *ecu, const struct jp_hal *board)
+{
+    ecu->hal = *board;
+    ecu->has_board = true;
+}
+
+void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *report)
+{
+    ecu->reset_report = report;
+}
+
 /* Frames that arrive. */
 
 /** Every data frame of joulepath.dbc that this node receives or sends. */
@@ -171,6 +181,8 @@ static const struct {
     {JP_CAN_SEGMENT_FORECAST_FRAME_ID, JP_CAN_SEGMENT_FORECAST_LENGTH, OWN},
     {JP_CAN_SEGMENT_RESULT_FRAME_ID, JP_CAN_SEGMENT_RESULT_LENGTH, OWN},
     {JP_CAN_ENERGY_PARAMETER_FRAME_ID, JP_CAN_ENERGY_PARAMETER_LENGTH, OWN},
+    {JP_CAN_RESET_REPORT_FRAME_ID, JP_CAN_RESET_REPORT_LENGTH, OWN},
+    {JP_CAN_CRASH_REPORT_FRAME_ID, JP_CAN_CRASH_REPORT_LENGTH, OWN},
     {JP_CAN_BATTERY_STATUS_FRAME_ID, JP_CAN_BATTERY_STATUS_LENGTH, OTHERS},
 };
 #define KNOWN (sizeof known / sizeof known[0])
@@ -290,7 +302,7 @@ void jp_ecu_tick(struct jp_ecu *ecu)
 {
     watch_bus(ecu);
     /* Before the first sample there is nothing to control, and that is no fault. */
-    if (ecu->samples.started) {
+    if (ecu->has_board || ecu->samples.started) {
         jp_hal_tick(&ecu->hal, &ecu->robot, &ecu->written);
         retain(ecu);
     }

@@ -1,5 +1,6 @@
 /**
- * The controller of a robot whose sensors, bridges and operator are on CAN: the application of the firmware.
+ * The controller of a robot whose operator is on CAN, and its sensors and bridges on CAN too or the board's own: the
+ * application of the firmware.
  *
  *   jp_ecu_accept()  each frame that arrives: from the receive interrupt, at the priority of the tick
  *   jp_ecu_tick()    at the control rate: sample in, MotorCommand out, telemetry that is due
@@ -14,10 +15,15 @@
 #include <joulepath/robot.h>
 
 #include "../hal.h"
+#include "../post_mortem.h"
 #include "operator_link.h"
 #include "retained.h"
 #include "route_link.h"
 #include "sample_link.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /** Frames of the operator that wait for jp_ecu_work(). */
 #define JP_ECU_QUEUE 64U
@@ -43,7 +49,9 @@ struct jp_ecu {
     enum jp_status written;
     struct jp_can_port port;
     struct jp_retained *retained;
+    const struct jp_reset_report *reset_report; /**< NULL: not known */
     uint32_t resets;
+    bool has_board; /**< sensors and bridges are the board's own */
 
     /* Of the tick. */
     struct jp_sample_link samples;
@@ -87,6 +95,13 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *con
                            const struct jp_energy_model *model, const struct jp_can_port *port,
                            struct jp_retained *retained, const char **field);
 
+/** Sensors and bridges are the board's own, not on the bus. Right after jp_ecu_init(); what board->context shows must
+ *  stay. */
+void jp_ecu_use_board(struct jp_ecu *ecu, const struct jp_hal *board);
+
+/** The report is sent again and again. Right after jp_ecu_init(); it must stay. */
+void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *report);
+
 /** Takes one frame. Returns true when a sample is complete, so that the tick may begin. Constant time. */
 bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame);
 
@@ -95,5 +110,9 @@ void jp_ecu_tick(struct jp_ecu *ecu);
 
 /** One slice of background work. At most JP_ECU_QUEUE frames and one jp_robot_work(). Not for ISRs. */
 void jp_ecu_work(struct jp_ecu *ecu);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

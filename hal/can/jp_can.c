@@ -2646,6 +2646,103 @@ bool jp_can_energy_parameter_value_is_in_phys_range(double value)
     return ((value >= -32768.0) && (value <= 32767.99998474121));
 }
 
+int jp_can_reset_report_pack(
+    uint8_t *dst_p,
+    const struct jp_can_reset_report_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->cause, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->crashes, 0u, 0xffu);
+    dst_p[2] |= pack_left_shift_u16(src_p->exception, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->exception, 8u, 0xffu);
+    dst_p[4] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_reset_report_unpack(
+    struct jp_can_reset_report_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->cause = unpack_right_shift_u8(src_p[0], 0u, 0x0fu);
+    dst_p->crashes = unpack_right_shift_u8(src_p[1], 0u, 0xffu);
+    dst_p->exception = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->exception |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->tick = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_reset_report_init(struct jp_can_reset_report_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_reset_report_t));
+
+    return 0;
+}
+
+bool jp_can_reset_report_cause_is_in_range(uint8_t value)
+{
+    return (value <= 6u);
+}
+
+bool jp_can_reset_report_cause_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 6.0));
+}
+
+bool jp_can_reset_report_crashes_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_reset_report_crashes_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_reset_report_exception_is_in_range(uint16_t value)
+{
+    return (value <= 511u);
+}
+
+bool jp_can_reset_report_exception_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 511.0));
+}
+
+bool jp_can_reset_report_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_reset_report_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
 int jp_can_battery_status_pack(
     uint8_t *dst_p,
     const struct jp_can_battery_status_t *src_p,
@@ -2749,6 +2846,83 @@ bool jp_can_battery_status_energy_left_is_in_range(uint16_t value)
 bool jp_can_battery_status_energy_left_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 1023.984375));
+}
+
+int jp_can_crash_report_pack(
+    uint8_t *dst_p,
+    const struct jp_can_crash_report_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->program_counter, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->program_counter, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->program_counter, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->program_counter, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u32(src_p->fault_status, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->fault_status, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->fault_status, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->fault_status, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_crash_report_unpack(
+    struct jp_can_crash_report_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->program_counter = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->program_counter |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->program_counter |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->program_counter |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->fault_status = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->fault_status |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->fault_status |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->fault_status |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_crash_report_init(struct jp_can_crash_report_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_crash_report_t));
+
+    return 0;
+}
+
+bool jp_can_crash_report_program_counter_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_crash_report_program_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+bool jp_can_crash_report_fault_status_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_crash_report_fault_status_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
 int jp_can_sim_time_pack(

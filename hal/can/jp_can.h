@@ -68,7 +68,9 @@ extern "C" {
 #define JP_CAN_SEGMENT_FORECAST_FRAME_ID (0x18cu)
 #define JP_CAN_SEGMENT_RESULT_FRAME_ID (0x18du)
 #define JP_CAN_ENERGY_PARAMETER_FRAME_ID (0x18eu)
+#define JP_CAN_RESET_REPORT_FRAME_ID (0x18fu)
 #define JP_CAN_BATTERY_STATUS_FRAME_ID (0x190u)
+#define JP_CAN_CRASH_REPORT_FRAME_ID (0x191u)
 #define JP_CAN_SIM_TIME_FRAME_ID (0x7f0u)
 #define JP_CAN_SIM_DONE_FRAME_ID (0x7f1u)
 
@@ -96,7 +98,9 @@ extern "C" {
 #define JP_CAN_SEGMENT_FORECAST_LENGTH (8u)
 #define JP_CAN_SEGMENT_RESULT_LENGTH (8u)
 #define JP_CAN_ENERGY_PARAMETER_LENGTH (8u)
+#define JP_CAN_RESET_REPORT_LENGTH (8u)
 #define JP_CAN_BATTERY_STATUS_LENGTH (8u)
+#define JP_CAN_CRASH_REPORT_LENGTH (8u)
 #define JP_CAN_SIM_TIME_LENGTH (8u)
 #define JP_CAN_SIM_DONE_LENGTH (4u)
 
@@ -124,7 +128,9 @@ extern "C" {
 #define JP_CAN_SEGMENT_FORECAST_IS_EXTENDED (0)
 #define JP_CAN_SEGMENT_RESULT_IS_EXTENDED (0)
 #define JP_CAN_ENERGY_PARAMETER_IS_EXTENDED (0)
+#define JP_CAN_RESET_REPORT_IS_EXTENDED (0)
 #define JP_CAN_BATTERY_STATUS_IS_EXTENDED (0)
+#define JP_CAN_CRASH_REPORT_IS_EXTENDED (0)
 #define JP_CAN_SIM_TIME_IS_EXTENDED (0)
 #define JP_CAN_SIM_DONE_IS_EXTENDED (0)
 
@@ -146,7 +152,9 @@ extern "C" {
 #define JP_CAN_ENERGY_SPENT_CYCLE_TIME_MS (20u)
 #define JP_CAN_ENERGY_DRAWN_CYCLE_TIME_MS (100u)
 #define JP_CAN_ENERGY_PARAMETER_CYCLE_TIME_MS (100u)
+#define JP_CAN_RESET_REPORT_CYCLE_TIME_MS (100u)
 #define JP_CAN_BATTERY_STATUS_CYCLE_TIME_MS (100u)
+#define JP_CAN_CRASH_REPORT_CYCLE_TIME_MS (100u)
 
 /* Signal choices. */
 #define JP_CAN_OPERATOR_COMMAND_MODE_OFF_CHOICE (0u)
@@ -184,6 +192,14 @@ extern "C" {
 #define JP_CAN_ROUTE_STATUS_REASON_TIMEOUT_CHOICE (6u)
 #define JP_CAN_ROUTE_STATUS_REASON_SWITCHED_OFF_CHOICE (7u)
 
+#define JP_CAN_RESET_REPORT_CAUSE_POWER_ON_CHOICE (0u)
+#define JP_CAN_RESET_REPORT_CAUSE_BROWN_OUT_CHOICE (1u)
+#define JP_CAN_RESET_REPORT_CAUSE_PIN_CHOICE (2u)
+#define JP_CAN_RESET_REPORT_CAUSE_SOFTWARE_CHOICE (3u)
+#define JP_CAN_RESET_REPORT_CAUSE_WATCHDOG_CHOICE (4u)
+#define JP_CAN_RESET_REPORT_CAUSE_FAULT_CHOICE (5u)
+#define JP_CAN_RESET_REPORT_CAUSE_STACK_OVERFLOW_CHOICE (6u)
+
 /* Frame Names. */
 #define JP_CAN_MOTOR_COMMAND_NAME "MotorCommand"
 #define JP_CAN_WHEEL_SENSORS_NAME "WheelSensors"
@@ -208,7 +224,9 @@ extern "C" {
 #define JP_CAN_SEGMENT_FORECAST_NAME "SegmentForecast"
 #define JP_CAN_SEGMENT_RESULT_NAME "SegmentResult"
 #define JP_CAN_ENERGY_PARAMETER_NAME "EnergyParameter"
+#define JP_CAN_RESET_REPORT_NAME "ResetReport"
 #define JP_CAN_BATTERY_STATUS_NAME "BatteryStatus"
+#define JP_CAN_CRASH_REPORT_NAME "CrashReport"
 #define JP_CAN_SIM_TIME_NAME "SimTime"
 #define JP_CAN_SIM_DONE_NAME "SimDone"
 
@@ -305,10 +323,16 @@ extern "C" {
 #define JP_CAN_ENERGY_PARAMETER_INDEX_NAME "Index"
 #define JP_CAN_ENERGY_PARAMETER_COUNT_NAME "Count"
 #define JP_CAN_ENERGY_PARAMETER_VALUE_NAME "Value"
+#define JP_CAN_RESET_REPORT_CAUSE_NAME "Cause"
+#define JP_CAN_RESET_REPORT_CRASHES_NAME "Crashes"
+#define JP_CAN_RESET_REPORT_EXCEPTION_NAME "Exception"
+#define JP_CAN_RESET_REPORT_TICK_NAME "Tick"
 #define JP_CAN_BATTERY_STATUS_VOLTAGE_NAME "Voltage"
 #define JP_CAN_BATTERY_STATUS_CURRENT_NAME "Current"
 #define JP_CAN_BATTERY_STATUS_STATE_OF_CHARGE_NAME "StateOfCharge"
 #define JP_CAN_BATTERY_STATUS_ENERGY_LEFT_NAME "EnergyLeft"
+#define JP_CAN_CRASH_REPORT_PROGRAM_COUNTER_NAME "ProgramCounter"
+#define JP_CAN_CRASH_REPORT_FAULT_STATUS_NAME "FaultStatus"
 #define JP_CAN_SIM_TIME_TICK_NAME "Tick"
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
 #define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
@@ -1299,6 +1323,51 @@ struct jp_can_energy_parameter_t {
 };
 
 /**
+ * Signals in message ResetReport.
+ *
+ * Why the firmware started. Sent where the board knows it, not in lockstep.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_reset_report_t {
+    /**
+     * What the last reset was.
+     *
+     * Range: 0..6 (0..6 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t cause;
+
+    /**
+     * Watchdog, fault, stack and brown-out resets with less than 10 s between them; from 3 on the robot stays off until it is commanded.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crashes;
+
+    /**
+     * Of the last crash: number of the core's exception, 0 if there was none since power-on.
+     *
+     * Range: 0..511 (0..511 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t exception;
+
+    /**
+     * Of the last crash: ticks since the start before it.
+     *
+     * Range: 0..4294967295 (0..4294967295 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+};
+
+/**
  * Signals in message BatteryStatus.
  *
  * From the battery's management.
@@ -1337,6 +1406,33 @@ struct jp_can_battery_status_t {
      * Offset: 0
      */
     uint16_t energy_left;
+};
+
+/**
+ * Signals in message CrashReport.
+ *
+ * Of the last crash since power-on; follows ResetReport.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_crash_report_t {
+    /**
+     * Instruction at fault.
+     *
+     * Range: 0..4294967295 (0..4294967295 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t program_counter;
+
+    /**
+     * The core's configurable fault status register (CFSR).
+     *
+     * Range: 0..4294967295 (0..4294967295 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t fault_status;
 };
 
 /**
@@ -4274,6 +4370,131 @@ bool jp_can_energy_parameter_value_is_in_range(int32_t value);
 bool jp_can_energy_parameter_value_is_in_phys_range(double value);
 
 /**
+ * Pack message ResetReport.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_reset_report_pack(
+    uint8_t *dst_p,
+    const struct jp_can_reset_report_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message ResetReport.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_reset_report_unpack(
+    struct jp_can_reset_report_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from ResetReport.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_reset_report_init(struct jp_can_reset_report_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_reset_report_cause_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_reset_report_cause_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_reset_report_crashes_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_reset_report_crashes_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_reset_report_exception_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_reset_report_exception_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_reset_report_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_reset_report_tick_is_in_phys_range(double value);
+
+/**
  * Pack message BatteryStatus.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -4397,6 +4618,87 @@ bool jp_can_battery_status_energy_left_is_in_range(uint16_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_battery_status_energy_left_is_in_phys_range(double value);
+
+/**
+ * Pack message CrashReport.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_crash_report_pack(
+    uint8_t *dst_p,
+    const struct jp_can_crash_report_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message CrashReport.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_crash_report_unpack(
+    struct jp_can_crash_report_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from CrashReport.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_crash_report_init(struct jp_can_crash_report_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_crash_report_program_counter_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_crash_report_program_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_crash_report_fault_status_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_crash_report_fault_status_is_in_phys_range(double value);
 
 /**
  * Pack message SimTime.

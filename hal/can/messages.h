@@ -12,6 +12,10 @@
 
 #include "can.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** E2EDataId of joulepath.dbc. */
 enum jp_data_id {
     JP_DATA_ID_MOTOR_COMMAND = 0x4D,
@@ -46,5 +50,9 @@ enum jp_e2e_result jp_message_to_sensors(struct jp_e2e_receiver *receiver,
 /** What RouteCrc of an empty route is, and goes on with one more waypoint: CRC-32 as in zlib. 16 table look-ups. */
 #define JP_ROUTE_CRC_START 0U
 uint32_t jp_route_crc(uint32_t crc, const struct jp_point *waypoint);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,6 +10,10 @@
 
 #include "messages.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define JP_OPERATOR_CONFIRMATIONS 3U
 
 /** Silence that counts as lost, ms; OperatorCommand is sent every 100 ms. */
@@ -48,5 +52,9 @@ enum jp_operator_result jp_operator_link_accept(struct jp_operator_link *link, c
 
 /** `ticks` have passed. True when the operator has just been lost: the mode is then stand, or stays off. */
 bool jp_operator_link_pass(struct jp_operator_link *link, uint32_t ticks);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -8,6 +8,10 @@
 
 #include <joulepath/robot.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct jp_retained_slot {
     struct jp_snapshot snapshot;
     uint32_t sequence; /**< one more in each write, wrapping */
@@ -24,5 +28,9 @@ const struct jp_retained_slot *jp_retained_newest(const struct jp_retained *reta
 
 /** Replaces the older slot. For the control ISR. */
 void jp_retained_write(struct jp_retained *retained, const struct jp_snapshot *snapshot, uint32_t resets);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

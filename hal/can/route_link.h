@@ -9,6 +9,10 @@
 
 #include "messages.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define JP_ROUTE_LENGTH_MAX 32U
 
 /** Silence between the frames of a route after which it is given up, ms. */
@@ -82,5 +86,9 @@ void jp_route_link_forget_goal(struct jp_route_link *link);
 
 /** The driven route has ended; ignored when none is driven. */
 void jp_route_link_end(struct jp_route_link *link, enum jp_route_state state, enum jp_route_reason reason);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

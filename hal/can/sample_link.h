@@ -12,6 +12,10 @@
 
 #include "messages.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Ticks without a sample, or without a bus to send on, that are ridden out. */
 #define JP_SAMPLE_HOLD_TICKS 40U
 
@@ -56,5 +60,9 @@ enum jp_e2e_result jp_sample_link_accept(struct jp_sample_link *link, enum jp_sa
  *  more than JP_SAMPLE_HOLD_TICKS, or none yet; *sensors is not written. For the control ISR. */
 enum jp_status jp_sample_link_read(struct jp_sample_link *link, const struct jp_sensors *good,
                                    struct jp_sensors *sensors);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

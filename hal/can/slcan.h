@@ -14,6 +14,10 @@
 
 #include "can.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Longest line with its CR, bytes: a 29-bit id and 8 bytes of data. */
 #define JP_SLCAN_LINE_MAX 27U
 
@@ -62,5 +66,9 @@ enum jp_slcan_item jp_slcan_decode(struct jp_slcan_decoder *decoder, uint8_t byt
  * JP_SLCAN_LINE_MAX steps; for the receive interrupt.
  */
 bool jp_slcan_adapter_take(struct jp_slcan_adapter *adapter, uint8_t byte, const char **answer);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -111,12 +111,12 @@ static void route_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void pose(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_point position = jp_odometry_position(&ecu->robot.odometry);
     const int32_t limit = (int32_t)1 << 25;
     const struct jp_can_pose_t signals = {
-        .x = limited(telemetry->position.x, -limit, limit - 1),
-        .y = limited(telemetry->position.y, -limit, limit - 1),
-        .heading = phase_signal(telemetry->motion.yaw, 12),
+        .x = limited(position.x, -limit, limit - 1),
+        .y = limited(position.y, -limit, limit - 1),
+        .heading = phase_signal(ecu->robot.telemetry.motion.yaw, 12),
     };
 
     frame->id = JP_CAN_POSE_FRAME_ID;
@@ -145,12 +145,13 @@ static void motion(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void reference(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_reference *shaped = &ecu->robot.reference;
     const uint64_t left = ((uint64_t)telemetry->segment_ticks_left << 6) / ecu->robot.config->estimator.tick_rate;
     const struct jp_can_reference_t signals = {
-        .speed = signal16(speed_of(ecu, telemetry->reference_wheel_rate), RATE_SHIFT),
-        .turn_rate = signal16(telemetry->reference_yaw_rate, RATE_SHIFT),
-        .heading = phase_signal(telemetry->reference_yaw, 16),
+        .speed = signal16(speed_of(ecu, shaped->wheel.rate), RATE_SHIFT),
+        .turn_rate = signal16(shaped->yaw.rate, RATE_SHIFT),
+        .heading = phase_signal(shaped->yaw.angle, 16),
         .segment_time_left = (uint16_t)(left > UINT16_MAX ? UINT16_MAX : left),
     };
 
@@ -160,7 +161,7 @@ static void reference(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void motors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
     const struct jp_can_motors_t signals = {
         .voltage_left = signal16(telemetry->voltages.left, VOLTAGE_SHIFT),
         .voltage_right = signal16(telemetry->voltages.right, VOLTAGE_SHIFT),
@@ -173,7 +174,7 @@ static void motors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void energy_spent(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_can_energy_spent_t signals = {.energy = ecu->robot.telemetry.energy_model};
+    const struct jp_can_energy_spent_t signals = {.energy = ecu->robot.meter.model};
 
     frame->id = JP_CAN_ENERGY_SPENT_FRAME_ID;
     (void)jp_can_energy_spent_pack(frame->data, &signals, sizeof frame->data);
@@ -181,7 +182,7 @@ static void energy_spent(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void energy_drawn(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_can_energy_drawn_t signals = {.energy = ecu->robot.telemetry.energy_battery};
+    const struct jp_can_energy_drawn_t signals = {.energy = ecu->robot.meter.battery};
 
     frame->id = JP_CAN_ENERGY_DRAWN_FRAME_ID;
     (void)jp_can_energy_drawn_pack(frame->data, &signals, sizeof frame->data);
@@ -211,18 +212,57 @@ static void energy_parameter(const struct jp_ecu *ecu, struct jp_can_frame *fram
     (void)jp_can_energy_parameter_pack(frame->data, &signals, sizeof frame->data);
 }
 
+static void reset_report(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_reset_report *report = ecu->reset_report;
+    const struct jp_can_reset_report_t signals = {
+        .cause = (uint8_t)report->cause,
+        .crashes = count8(report->crashes),
+        .exception = (uint16_t)report->crash.exception,
+        .tick = report->crash.tick,
+    };
+
+    frame->id = JP_CAN_RESET_REPORT_FRAME_ID;
+    (void)jp_can_reset_report_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void crash_report(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_crash *crash = &ecu->reset_report->crash;
+    const struct jp_can_crash_report_t signals = {.program_counter = crash->pc, .fault_status = crash->status};
+
+    frame->id = JP_CAN_CRASH_REPORT_FRAME_ID;
+    (void)jp_can_crash_report_pack(frame->data, &signals, sizeof frame->data);
+}
+
 #define SCHEDULE_MS 100U
 
 /** When each cyclic message is sent, ms; no two in the same millisecond. Periods divide SCHEDULE_MS. */
-static const struct {
+static const struct cyclic {
     uint8_t period;
     uint8_t phase;
     fill_function *fill;
+    bool of_reset; /**< sent where the reset is known */
 } schedule[] = {
-    {20, 1, pose},           {20, 5, motion},         {20, 9, reference},         {20, 13, motors},
-    {20, 17, energy_spent},  {100, 3, status},        {100, 23, errors},          {100, 43, losses},
-    {100, 63, route_status}, {100, 83, energy_drawn}, {100, 7, energy_parameter},
+    {20, 1, pose, false},
+    {20, 5, motion, false},
+    {20, 9, reference, false},
+    {20, 13, motors, false},
+    {20, 17, energy_spent, false},
+    {100, 3, status, false},
+    {100, 23, errors, false},
+    {100, 43, losses, false},
+    {100, 63, route_status, false},
+    {100, 83, energy_drawn, false},
+    {100, 7, energy_parameter, false},
+    {100, 27, reset_report, true},
+    {100, 47, crash_report, true},
 };
+
+static bool is_due(const struct jp_ecu *ecu, const struct cyclic *cyclic)
+{
+    return ecu->schedule_ms % cyclic->period == cyclic->phase && (!cyclic->of_reset || ecu->reset_report != NULL);
+}
 
 static void blank(struct jp_can_frame *frame)
 {
@@ -233,7 +273,7 @@ static void blank(struct jp_can_frame *frame)
 static bool take_millisecond(struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     for (unsigned i = 0; i < sizeof schedule / sizeof schedule[0]; i++) {
-        if (ecu->schedule_ms % schedule[i].period == schedule[i].phase) {
+        if (is_due(ecu, &schedule[i])) {
             blank(frame);
             schedule[i].fill(ecu, frame);
             if (schedule[i].fill == energy_parameter) {
@@ -315,7 +355,7 @@ static bool take_plan(struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
     const int32_t limit = (int32_t)1 << 27;
     const bool ended = telemetry->segments_ended > ecu->segments_reported;
     const struct jp_can_segment_result_t signals = {

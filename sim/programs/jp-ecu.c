@@ -64,7 +64,7 @@ static void accept_all(struct ecu_node *node, const struct jp_can_link *link, bo
     struct jp_can_frame frame;
 
     while (!*sampled && link->receive(link->port.context, &frame)) {
-        *sampled = ecu_node_accept(node, &frame);
+        *sampled = jp_lockstep_accept(&node->lockstep, &frame);
     }
 }
 
@@ -82,7 +82,7 @@ static void run_lockstep(struct ecu_node *node, const struct jp_can_link *link)
 /** A tick follows each sample; when one fails to come, half a period later. */
 static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
 {
-    const int64_t period_us = 1000000 / node->entry->config->estimator.tick_rate;
+    const int64_t period_us = 1000000 / node->lockstep.config->estimator.tick_rate;
     int64_t last_us = jp_monotonic_us();
 
     while (!stop_signal_came()) {
@@ -94,7 +94,7 @@ static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
             (void)link->wait(link->port.context, deadline_us - jp_monotonic_us());
             continue;
         }
-        ecu_node_tick(node);
+        jp_lockstep_tick(&node->lockstep);
         /* Without a sample time goes on by whole periods. */
         last_us = sampled ? jp_monotonic_us() : last_us + period_us;
     }
@@ -140,7 +140,7 @@ static bool open_record(const struct arguments *arguments, struct jp_retained_fi
 
 static void run_on(struct ecu_node *node, const struct jp_can_link *link, const struct arguments *arguments)
 {
-    (void)printf("jp-ecu: robot %s on %s, %s\n", node->entry->name, arguments->bus,
+    (void)printf("jp-ecu: robot %s on %s, %s\n", arguments->robot, arguments->bus,
                  arguments->real_time ? "real time" : "lockstep");
     (void)fflush(stdout);
     if (arguments->real_time) {
@@ -149,7 +149,7 @@ static void run_on(struct ecu_node *node, const struct jp_can_link *link, const 
     } else {
         run_lockstep(node, link);
     }
-    print_counts(&node->ecu);
+    print_counts(&node->lockstep.ecu);
 }
 
 static bool run(const struct arguments *arguments)

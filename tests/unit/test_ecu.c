@@ -479,7 +479,7 @@ static void test_unknown_remote_and_extended_frames_are_counted(void)
     }
     give(0x000, 8);
     give(0x7FF, 0);
-    give(0x191, 8);
+    give(0x192, 8);
     TEST_ASSERT_EQUAL_UINT16(count + 3U, ecu.unknown_frames);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.sample_counts.malformed);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.conflicts);
@@ -779,7 +779,7 @@ static void test_a_reset_in_motion_balances_from_the_first_sample_on(void)
     struct jp_point position;
 
     make_driving();
-    position = ecu.robot.telemetry.position;
+    position = jp_odometry_position(&ecu.robot.odometry);
     reset();
     TEST_ASSERT_EQUAL_UINT32(1, ecu.resets);
     expect_operator(JP_OPERATOR_LOST, JP_MODE_STAND);
@@ -790,8 +790,8 @@ static void test_a_reset_in_motion_balances_from_the_first_sample_on(void)
     tick();
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, ecu.robot.telemetry.state);
     TEST_ASSERT_EQUAL_UINT(1, bus.commands);
-    TEST_ASSERT_INT32_WITHIN(8, position.x, ecu.robot.telemetry.position.x);
-    TEST_ASSERT_INT32_WITHIN(8, position.y, ecu.robot.telemetry.position.y);
+    TEST_ASSERT_INT32_WITHIN(8, position.x, jp_odometry_position(&ecu.robot.odometry).x);
+    TEST_ASSERT_INT32_WITHIN(8, position.y, jp_odometry_position(&ecu.robot.odometry).y);
     run(1000);
     expect_state(JP_ROBOT_BALANCING);
     expect_operator(JP_OPERATOR_LOST, JP_MODE_STAND);
@@ -886,7 +886,7 @@ static void other_wheels(struct jp_snapshot *snapshot)
 
 static void other_tick_rate(struct jp_snapshot *snapshot)
 {
-    snapshot->estimator.phase_per_rate *= 2U;
+    snapshot->estimator.phase_per_rate *= 2;
 }
 
 static void wild_bias(struct jp_snapshot *snapshot)
@@ -924,11 +924,11 @@ static void test_a_reset_keeps_pose_beyond_the_range_of_a_sample(void)
     sensors.encoder_left = far;
     make_balancing();
     TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.estimator.encoder_left);
-    before = ecu.robot.telemetry;
+    jp_robot_telemetry(&ecu.robot, &before);
     reset();
     run(3);
     TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.estimator.encoder_left);
-    TEST_ASSERT_EQUAL_INT32(before.position.x, ecu.robot.telemetry.position.x);
+    TEST_ASSERT_EQUAL_INT32(before.position.x, jp_odometry_position(&ecu.robot.odometry).x);
     TEST_ASSERT_EQUAL_UINT64(before.motion.yaw, ecu.robot.telemetry.motion.yaw);
 }
 

@@ -11,7 +11,7 @@ extern const struct jp_energy_model jp_energy_model_courier24;
 static struct jp_robot_config config;
 static struct jp_ecu ecu;
 static struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX];
-static struct jp_telemetry *const telemetry = &ecu.robot.telemetry;
+static struct jp_tick_telemetry *const telemetry = &ecu.robot.telemetry;
 
 static enum jp_status swallow(void *context, const struct jp_can_frame *frame)
 {
@@ -25,6 +25,13 @@ static enum jp_can_state always_on(void *context)
     (void)context;
     return JP_CAN_ON;
 }
+
+static const struct jp_reset_report reset_report = {
+    .cause = JP_RESET_STACK,
+    .crashes = 2,
+    .crash =
+        {.cause = JP_RESET_STACK, .exception = 0x104, .pc = 0x0800C123U, .status = 0x00020010U, .tick = 0x01020304U},
+};
 
 static void start(uint32_t tick_rate)
 {
@@ -159,10 +166,12 @@ static void test_route_status_shows_the_offered_route_until_it_is_driven(void)
 
 static void test_pose(void)
 {
-    telemetry->position = (struct jp_point){-70000, INT32_MAX};
+    ecu.robot.odometry.x = -70000 * ((int64_t)1 << 16);
+    ecu.robot.odometry.y = INT64_MAX;
     telemetry->motion.yaw = 7 * JP_PHASE_TURN - JP_PHASE_TURN / 4;
     EXPECT_FRAME(0x184, 0x90, 0xEE, 0xFE, 0xFF, 0xFF, 0xFF, 0x07, 0xC0);
-    telemetry->position = (struct jp_point){INT32_MIN, 0};
+    ecu.robot.odometry.x = INT64_MIN;
+    ecu.robot.odometry.y = 0;
     telemetry->motion.yaw = 0;
     EXPECT_FRAME(0x184, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x00);
 }
@@ -178,9 +187,9 @@ static void test_motion(void)
 
 static void test_reference(void)
 {
-    telemetry->reference_wheel_rate = JP_Q24(0.5);
-    telemetry->reference_yaw_rate = INT32_MIN;
-    telemetry->reference_yaw = JP_PHASE_TURN / 4;
+    ecu.robot.reference.wheel.rate = JP_Q24(0.5);
+    ecu.robot.reference.yaw.rate = INT32_MIN;
+    ecu.robot.reference.yaw.angle = JP_PHASE_TURN / 4;
     telemetry->segment_ticks_left = 1500;
     EXPECT_FRAME(0x186, 0x00, 0x08, 0x00, 0x80, 0x00, 0x40, 0x60, 0x00);
     telemetry->segment_ticks_left = UINT32_MAX;
@@ -197,8 +206,8 @@ static void test_motors(void)
 
 static void test_energies(void)
 {
-    telemetry->energy_model = 0x0123456789ABCDEF;
-    telemetry->energy_battery = -2;
+    ecu.robot.meter.model = 0x0123456789ABCDEF;
+    ecu.robot.meter.battery = -2;
     EXPECT_FRAME(0x188, 0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01);
     EXPECT_FRAME(0x189, 0xFE, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF);
 }
@@ -235,6 +244,29 @@ static void announce(uint8_t segment)
         .segment = segment,
         .planned = {.command = {{JP_Q24(8), -JP_Q24(8)}, -23425413, JP_Q16(2)}, .energy = -JP_Q16(3)},
     };
+}
+
+static void test_the_last_reset_is_reported_where_it_is_known(void)
+{
+    struct jp_reset_report report = reset_report;
+
+    jp_ecu_report_reset(&ecu, &report);
+    EXPECT_FRAME(0x18F, 0x06, 0x02, 0x04, 0x01, 0x04, 0x03, 0x02, 0x01);
+    EXPECT_FRAME(0x191, 0x23, 0xC1, 0x00, 0x08, 0x10, 0x00, 0x02, 0x00);
+    report = (struct jp_reset_report){.cause = JP_RESET_WATCHDOG, .crashes = 256};
+    EXPECT_FRAME(0x18F, 0x04, 0xFF, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00);
+    EXPECT_FRAME(0x191, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00);
+}
+
+static void test_no_reset_is_reported_where_none_is_known(void)
+{
+    for (unsigned tick = 0; tick < 200; tick++) {
+        const unsigned count = jp_telemetry_due(&ecu, frames);
+
+        for (unsigned i = 0; i < count; i++) {
+            TEST_ASSERT_TRUE(frames[i].id < 0x18F);
+        }
+    }
 }
 
 static void test_a_plan_is_announced_once_in_three_frames(void)
@@ -286,6 +318,8 @@ static const struct {
     {JP_CAN_ENERGY_SPENT_FRAME_ID, JP_CAN_ENERGY_SPENT_CYCLE_TIME_MS},
     {JP_CAN_ENERGY_DRAWN_FRAME_ID, JP_CAN_ENERGY_DRAWN_CYCLE_TIME_MS},
     {JP_CAN_ENERGY_PARAMETER_FRAME_ID, JP_CAN_ENERGY_PARAMETER_CYCLE_TIME_MS},
+    {JP_CAN_RESET_REPORT_FRAME_ID, JP_CAN_RESET_REPORT_CYCLE_TIME_MS},
+    {JP_CAN_CRASH_REPORT_FRAME_ID, JP_CAN_CRASH_REPORT_CYCLE_TIME_MS},
 };
 #define CYCLIC (sizeof cyclic / sizeof cyclic[0])
 
@@ -314,6 +348,7 @@ static unsigned check_cycles(uint32_t tick_rate)
     unsigned most = 0;
 
     start(tick_rate);
+    jp_ecu_report_reset(&ecu, &reset_report);
     for (uint32_t tick = 0; tick < 2U * tick_rate; tick++) {
         const unsigned count = jp_telemetry_due(&ecu, frames);
 
@@ -358,6 +393,7 @@ static void test_a_plan_and_a_result_join_the_fullest_tick(void)
     unsigned most = 0;
 
     start(100);
+    jp_ecu_report_reset(&ecu, &reset_report);
     for (uint16_t tick = 0; tick < 100; tick++) {
         unsigned count;
 
@@ -383,6 +419,8 @@ int main(void)
     RUN_TEST(test_motors);
     RUN_TEST(test_energies);
     RUN_TEST(test_the_energy_model_is_sent_one_parameter_after_the_other);
+    RUN_TEST(test_the_last_reset_is_reported_where_it_is_known);
+    RUN_TEST(test_no_reset_is_reported_where_none_is_known);
     RUN_TEST(test_a_plan_is_announced_once_in_three_frames);
     RUN_TEST(test_a_result_is_told_once);
     RUN_TEST(test_cycle_times_are_those_of_the_dbc);

@@ -110,6 +110,9 @@ CASE(fail_int64, TEST_ASSERT_EQUAL_INT64(INT64_MIN, INT64_MAX))
 CASE(fail_uint64, TEST_ASSERT_EQUAL_UINT64_MESSAGE(UINT64_MAX, 0, "why"))
 CASE(fail_hex8, TEST_ASSERT_EQUAL_HEX8(0xAB, 0xC))
 CASE(fail_hex32, TEST_ASSERT_EQUAL_HEX32(-1, 0))
+CASE(fail_bits, TEST_ASSERT_BITS(0xF0, 0x2A, 0x3A))
+CASE(fail_bits_high, TEST_ASSERT_BITS_HIGH(6, 3))
+CASE(fail_bits_low, TEST_ASSERT_BITS_LOW(6, 3))
 CASE(fail_wide_int, TEST_ASSERT_EQUAL_INT(0, INT64_C(1) << 32))
 CASE(fail_not_equal, TEST_ASSERT_NOT_EQUAL_INT32(5, 5))
 CASE(fail_greater, TEST_ASSERT_GREATER_THAN_INT32(5, 5))
@@ -145,6 +148,12 @@ static void test_failures_of_numbers(void)
     EXPECT_FAILURE(" Expected 18446744073709551615 Was 0. why", fail_uint64);
     EXPECT_FAILURE(" Expected 0xAB Was 0x0C", fail_hex8);
     EXPECT_FAILURE(" Expected 0xFFFFFFFF Was 0x00000000", fail_hex32);
+    EXPECT_FAILURE(" Expected 0x00000020 Was 0x00000030", fail_bits);
+    EXPECT_FAILURE(" Expected 0x00000006 Was 0x00000002", fail_bits_high);
+    EXPECT_FAILURE(" Expected 0x00000000 Was 0x00000002", fail_bits_low);
+    TEST_ASSERT_BITS(0x0F, 0x2A, 0x3A);
+    TEST_ASSERT_BITS_HIGH(6, 7);
+    TEST_ASSERT_BITS_LOW(6, 9);
     EXPECT_FAILURE(" Expected 0 Was 4294967296", fail_wide_int);
     EXPECT_FAILURE(" Expected 5 to be not equal to 5", fail_not_equal);
     EXPECT_FAILURE(" Expected 5 to be greater than 5", fail_greater);

@@ -481,6 +481,11 @@ static inline int unity_end(void)
 #define TEST_ASSERT_EQUAL_PTR_MESSAGE(expected, actual, message)                                                       \
     unity_compare(UNITY_EQUAL, UNITY_TYPE_POINTER, (int64_t)(uintptr_t)(expected), (int64_t)(uintptr_t)(actual),       \
                   __LINE__, message)
+/* Of the bits in mask: as expected, all 1, all 0. */
+#define TEST_ASSERT_BITS(mask, expected, actual) TEST_ASSERT_EQUAL_HEX32((mask) & (expected), (mask) & (actual))
+#define TEST_ASSERT_BITS_HIGH(mask, actual)      TEST_ASSERT_BITS(mask, UINT32_MAX, actual)
+#define TEST_ASSERT_BITS_LOW(mask, actual)       TEST_ASSERT_BITS(mask, 0U, actual)
+
 #define TEST_ASSERT_EQUAL_STRING(expected, actual)                  unity_string(expected, actual, __LINE__, NULL)
 #define TEST_ASSERT_EQUAL_STRING_MESSAGE(expected, actual, message) unity_string(expected, actual, __LINE__, message)
 #define TEST_ASSERT_EQUAL_STRING_LEN(expected, actual, length)                                                         \

@@ -1,0 +1,116 @@
+/**
+ * The core's registers and instructions that the firmware itself uses; names as in the programming manual PM0214. The
+ * addresses are in peripherals.ld.
+ */
+#ifndef JOULEPATH_HAL_STM32F4_CORTEX_M_H
+#define JOULEPATH_HAL_STM32F4_CORTEX_M_H
+
+#include "stm32f405.h"
+
+/** System control block. */
+struct cortex_scb {
+    uint32_t CPUID;
+    uint32_t ICSR;
+    uint32_t VTOR;
+    uint32_t AIRCR;
+    uint32_t SCR;
+    uint32_t CCR;
+    uint8_t SHPR[12]; /**< priorities of the system exceptions 4 to 15 */
+    uint32_t SHCSR;
+    uint32_t CFSR;
+    uint32_t HFSR;
+    uint32_t DFSR;
+    uint32_t MMFAR;
+    uint32_t BFAR;
+    uint32_t AFSR;
+};
+
+#define ICSR_VECTACTIVE   0x1FFU
+#define AIRCR_VECTKEY     (0x5FAU << 16)
+#define AIRCR_SYSRESETREQ (1U << 2)
+#define CCR_DIV_0_TRP     (1U << 4)
+#define SHCSR_MEMFAULTENA (1U << 16)
+#define SHCSR_BUSFAULTENA (1U << 17)
+#define SHCSR_USGFAULTENA (1U << 18)
+#define CFSR_DACCVIOL     (1U << 1)
+#define CFSR_MSTKERR      (1U << 4)
+#define CFSR_MMARVALID    (1U << 7)
+#define CFSR_STKERR       (1U << 12)
+#define CFSR_BFARVALID    (1U << 15)
+
+struct cortex_systick {
+    uint32_t CSR;
+    uint32_t RVR;
+    uint32_t CVR;
+};
+
+#define SYSTICK_ENABLE    (1U << 0)
+#define SYSTICK_TICKINT   (1U << 1)
+#define SYSTICK_CLKSOURCE (1U << 2)
+
+/** Memory protection unit. */
+struct cortex_mpu {
+    uint32_t TYPE;
+    uint32_t CTRL;
+    uint32_t RNR;
+    uint32_t RBAR;
+    uint32_t RASR;
+};
+
+#define MPU_ENABLE     (1U << 0)
+#define MPU_PRIVDEFENA (1U << 2)
+#define RBAR_VALID     (1U << 4)
+#define RASR_ENABLE    (1U << 0)
+#define RASR_SIZE_POS  1U
+#define RASR_XN        (1U << 28)
+
+extern volatile struct cortex_scb SCB;
+extern volatile struct cortex_systick SYSTICK;
+extern volatile struct cortex_mpu MPU;
+
+_Static_assert(sizeof(struct cortex_scb) == 0x40, "SCB");
+
+/** Only the upper 4 bits of a priority count. */
+#define NVIC_PRIORITY(level) ((uint8_t)((level) << 4))
+
+static inline void interrupts_off(void)
+{
+    __asm__ volatile("cpsid i" ::: "memory");
+}
+
+static inline void interrupts_on(void)
+{
+    __asm__ volatile("cpsie i" ::: "memory");
+}
+
+/** An interrupt that comes while they are off ends it too. */
+static inline void wait_for_interrupt(void)
+{
+    __asm__ volatile("dsb\n wfi" ::: "memory");
+}
+
+static inline void finish_writes(void)
+{
+    __asm__ volatile("dsb\n isb" ::: "memory");
+}
+
+static inline void nvic_enable(unsigned irq, unsigned level)
+{
+    NVIC.IPR[irq] = NVIC_PRIORITY(level);
+    NVIC.ISER[irq / 32U] = 1U << (irq % 32U);
+}
+
+static inline void nvic_pend(unsigned irq)
+{
+    NVIC.ISPR[irq / 32U] = 1U << (irq % 32U);
+}
+
+_Noreturn static inline void system_reset(void)
+{
+    finish_writes();
+    SCB.AIRCR = AIRCR_VECTKEY | AIRCR_SYSRESETREQ;
+    for (;;) {
+    }
+}
+
+#endif

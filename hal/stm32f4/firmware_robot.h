@@ -1,0 +1,19 @@
+/** The robot that the image is for: `make firmware ROBOT=name`. */
+#ifndef JOULEPATH_HAL_STM32F4_FIRMWARE_ROBOT_H
+#define JOULEPATH_HAL_STM32F4_FIRMWARE_ROBOT_H
+
+#include <joulepath/robot.h>
+
+#ifndef FIRMWARE_ROBOT_NAME
+#error "FIRMWARE_ROBOT_NAME is set by the Makefile"
+#endif
+
+#define ROBOT_JOIN(prefix, name)   prefix##name
+#define ROBOT_SYMBOL(prefix, name) ROBOT_JOIN(prefix, name)
+#define FIRMWARE_ROBOT             ROBOT_SYMBOL(jp_robot_, FIRMWARE_ROBOT_NAME)
+#define FIRMWARE_ENERGY_MODEL      ROBOT_SYMBOL(jp_energy_model_, FIRMWARE_ROBOT_NAME)
+
+extern const struct jp_robot_config FIRMWARE_ROBOT;
+extern const struct jp_energy_model FIRMWARE_ENERGY_MODEL;
+
+#endif

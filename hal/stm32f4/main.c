@@ -1,0 +1,333 @@
+/**
+ * The firmware of one robot on the STM32F405.
+ *
+ *   control interrupt  every 1 ms: sample in, duties out, telemetry            jp_ecu_tick()
+ *   main loop          after each tick: commands, routes, planning             jp_ecu_work()
+ *
+ * The operator is on CAN or, where the controller for it has no bus, on the serial line as SLCAN. With the strap set
+ * sensors and bridges are simulated there too: on CAN in real time, on the serial line in lockstep.
+ */
+#include "../can/lockstep.h"
+#include "../parameters.h"
+#include "cortex_m.h"
+#include "devices.h"
+#include "fault.h"
+#include "firmware_robot.h"
+#include "flash.h"
+#include "interrupts.h"
+#include "serial.h"
+#include "supervision.h"
+#include "timer.h"
+
+#define SERIAL_BAUD 1000000U
+
+/** The slow timer wakes the main loop and notices that no sample comes. */
+#define SLOW_TIMER_HZ 2000U
+
+/** Without a sample for so long the tick goes on without it, in half periods of the tick. */
+#define SAMPLE_LATE 3U
+
+/** A start that took longer, as without the crystal, is too long to go on in motion. */
+#define SHORT_START_US 40000U
+
+static struct jp_devices devices;
+static struct jp_serial serial;
+static struct jp_lockstep node;
+static struct jp_reset_report reset_report;
+static struct jp_flash flash;
+static struct jp_store store;
+static struct jp_parameters parameters; /**< in use */
+__attribute__((section(".noinit"))) static struct jp_retained retained;
+
+/** Control ticks since the start; written by the control interrupt. */
+static volatile uint32_t ticks;
+
+/** Half periods since the last sample on CAN, where samples come from there. */
+static volatile uint32_t sample_age;
+
+static bool has_simulated_body(void)
+{
+    return devices.on_bus;
+}
+
+/* Interrupts. Control, CAN and the slow timer have one priority. */
+
+void DMA2_Stream0_IRQHandler(void)
+{
+    if (!has_simulated_body()) {
+        jp_devices_on_imu(&devices);
+    }
+    jp_ecu_tick(&node.ecu);
+    jp_fault_tick = node.ecu.tick;
+    ticks++;
+}
+
+void ADC_IRQHandler(void)
+{
+    if (jp_devices_on_sample(&devices)) {
+        nvic_pend(CONTROL_IRQ);
+    }
+}
+
+void CAN1_RX0_IRQHandler(void)
+{
+    jp_can_controller_on_receive(&devices.can);
+}
+
+void CAN1_TX_IRQHandler(void)
+{
+    jp_can_controller_on_transmit(&devices.can);
+}
+
+void CAN1_SCE_IRQHandler(void)
+{
+    jp_can_controller_on_error(&devices.can);
+}
+
+void USART1_IRQHandler(void)
+{
+    jp_serial_on_receive(&serial);
+}
+
+void SysTick_Handler(void)
+{
+    if (has_simulated_body() && devices.has_can && ++sample_age == SAMPLE_LATE) {
+        sample_age = 1;
+        nvic_pend(CONTROL_IRQ);
+    }
+}
+
+void NMI_Handler(void)
+{
+    if (jp_clock_on_failure()) {
+        jp_bridges_off();
+        system_reset();
+    }
+    jp_fault_handler();
+}
+
+/** The supply fails: bridges off while there is voltage to do it, and a reset when it has come back. */
+void PVD_IRQHandler(void)
+{
+    jp_bridges_off();
+    while (jp_supply_is_low()) {
+    }
+    system_reset();
+}
+
+/** In the CAN receive interrupt. */
+static void take_frame(void *context, const struct jp_can_frame *frame)
+{
+    (void)context;
+    if (jp_ecu_accept(&node.ecu, frame) && has_simulated_body()) {
+        sample_age = 0;
+        nvic_pend(CONTROL_IRQ);
+    }
+}
+
+/** Returns after the tick, which interrupts the caller. */
+static void tick_in_interrupt(struct jp_ecu *ecu)
+{
+    (void)ecu;
+    nvic_pend(CONTROL_IRQ);
+    finish_writes();
+}
+
+/* Start. */
+
+static void start_slow_timer(uint32_t core_hz)
+{
+    SYSTICK.RVR = core_hz / SLOW_TIMER_HZ - 1U;
+    SYSTICK.CVR = 0;
+    SYSTICK.CSR = SYSTICK_CLKSOURCE | SYSTICK_TICKINT | SYSTICK_ENABLE;
+}
+
+/** What the timers counted during the reset is lost; they go on from the counts of the record. */
+static void resume_encoders(void)
+{
+    const struct jp_retained_slot *record = jp_retained_newest(&retained);
+
+    if (record != NULL) {
+        devices.encoders.count_left = record->snapshot.estimator.encoder_left;
+        devices.encoders.count_right = record->snapshot.estimator.encoder_right;
+    }
+}
+
+static void load_parameters(void)
+{
+    const char *field;
+
+    flash = jp_flash_interface();
+    (void)jp_store_open(&store, &flash);
+    if (jp_parameters_load(&parameters, &FIRMWARE_ROBOT, &store, &field) != JP_OK) {
+        jp_parameters_default(&parameters, &FIRMWARE_ENERGY_MODEL);
+    }
+}
+
+static bool may_go_on(void)
+{
+    return reset_report.may_go_on && (has_simulated_body() || jp_timer_us() < SHORT_START_US);
+}
+
+static bool start_application(void)
+{
+    const char *field;
+    struct jp_can_port port = jp_can_controller_port(&devices.can);
+
+    if (!devices.has_can) {
+        jp_serial_port(&serial, &port);
+    }
+    if (!may_go_on()) {
+        retained = (struct jp_retained){0};
+    }
+    if (jp_lockstep_start(&node, &FIRMWARE_ROBOT, &parameters.energy, &port, &retained, tick_in_interrupt, &field) !=
+        JP_OK) {
+        return false;
+    }
+    if (!has_simulated_body()) {
+        const struct jp_hal hal = jp_devices_hal(&devices);
+
+        resume_encoders();
+        jp_ecu_use_board(&node.ecu, &hal);
+        jp_robot_know_gyro_bias(&node.ecu.robot, parameters.gyro_bias);
+    }
+    return true;
+}
+
+static void start_interrupts(void)
+{
+    SCB.SHPR[11] = NVIC_PRIORITY(PRIORITY_CONTROL); /* SysTick */
+    nvic_enable(PVD_IRQn, PRIORITY_SUPPLY);
+    nvic_enable(USART1_IRQn, PRIORITY_SERIAL);
+    nvic_enable(ADC_IRQn, PRIORITY_CONTROL);
+    nvic_enable(CONTROL_IRQ, PRIORITY_CONTROL);
+    nvic_enable(CAN1_RX0_IRQn, PRIORITY_CONTROL);
+    nvic_enable(CAN1_TX_IRQn, PRIORITY_CONTROL);
+    nvic_enable(CAN1_SCE_IRQn, PRIORITY_CONTROL);
+}
+
+/* The main loop. */
+
+static void sleep(void)
+{
+    const bool is_quiet = jp_serial_flush(&serial);
+
+    interrupts_off();
+    if (is_quiet && !jp_serial_has_input(&serial)) {
+        wait_for_interrupt();
+    }
+    interrupts_on();
+}
+
+/** Body and time are simulated at the other end of the serial line. */
+static _Noreturn void run_lockstep(void)
+{
+    struct jp_can_frame frame;
+
+    for (;;) {
+        while (jp_serial_receive(&serial, &frame)) {
+            (void)jp_lockstep_accept(&node, &frame);
+            jp_watchdog_feed();
+        }
+        jp_watchdog_feed();
+        sleep();
+    }
+}
+
+static void take_serial_frames(void)
+{
+    struct jp_can_frame frame;
+
+    while (!devices.has_can && jp_serial_receive(&serial, &frame)) {
+        interrupts_off();
+        (void)jp_ecu_accept(&node.ecu, &frame);
+        interrupts_on();
+    }
+}
+
+/** What was learned. A write may stop the core for half a second: motors off. */
+static void keep_parameters(const struct jp_telemetry *telemetry)
+{
+    struct jp_parameters learned = parameters;
+    const char *field;
+
+    learned.gyro_bias = telemetry->gyro_bias;
+    learned.current_zero_left = devices.analog.zero_left;
+    learned.current_zero_right = devices.analog.zero_right;
+    if (!jp_parameters_differ(&learned, &parameters)) {
+        return;
+    }
+    jp_watchdog_relax(true);
+    if (jp_parameters_save(&learned, &FIRMWARE_ROBOT, &store, &field) == JP_OK) {
+        parameters.gyro_bias = learned.gyro_bias;
+        parameters.current_zero_left = learned.current_zero_left;
+        parameters.current_zero_right = learned.current_zero_right;
+    }
+    jp_watchdog_relax(false);
+}
+
+/** Once each time that the robot was switched off. */
+static void watch_for_rest(void)
+{
+    static bool rested = true;
+    struct jp_telemetry telemetry;
+
+    if (has_simulated_body()) {
+        return;
+    }
+    jp_robot_telemetry(&node.ecu.robot, &telemetry);
+    if (telemetry.state == JP_ROBOT_IDLE && !rested) {
+        keep_parameters(&telemetry);
+    }
+    rested = telemetry.state == JP_ROBOT_IDLE;
+}
+
+/** The watchdog is fed only when the tick came and the work was done. */
+static _Noreturn void run(void)
+{
+    uint32_t worked = ticks;
+    const uint32_t healthy_ticks = JP_HEALTHY_MS / 1000U * FIRMWARE_ROBOT.estimator.tick_rate;
+
+    for (;;) {
+        take_serial_frames();
+        if (worked != ticks) {
+            worked = ticks;
+            jp_ecu_work(&node.ecu);
+            watch_for_rest();
+            jp_watchdog_feed();
+            if (worked == healthy_ticks) {
+                jp_post_mortem_forgive(&jp_post_mortem);
+            }
+        }
+        sleep();
+    }
+}
+
+/** A robot whose configuration is refused does nothing. */
+static _Noreturn void stay_off(void)
+{
+    for (;;) {
+        jp_bridges_off();
+        jp_watchdog_feed();
+    }
+}
+
+int main(void)
+{
+    jp_post_mortem_open(&jp_post_mortem, jp_reset_cause(), &reset_report);
+    jp_devices_start(&devices, take_frame, NULL);
+    jp_serial_start(&serial, jp_clock_frequencies(devices.clock).apb2, SERIAL_BAUD);
+    load_parameters();
+    jp_supply_watch();
+    jp_watchdog_start();
+    if (!start_application()) {
+        stay_off();
+    }
+    start_slow_timer(jp_clock_core_hz(devices.clock));
+    start_interrupts();
+    if (has_simulated_body() && !devices.has_can) {
+        run_lockstep();
+    }
+    jp_ecu_report_reset(&node.ecu, &reset_report);
+    run();
+}

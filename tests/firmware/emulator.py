@@ -1,0 +1,102 @@
+"""QEMU with the image: its serial line, and its debugger's stub to break things with."""
+import re
+import socket
+import subprocess
+import time
+
+from programs import BUILD, Program, wait_until
+
+LINE = re.compile(r"char device redirected to (\S+) ")
+PC = 15
+NOWHERE = 0x00000000  # forbidden by the MPU
+
+
+def image(robot):
+    return BUILD / f"firmware/{robot}/joulepath.elf"
+
+
+def address_of(symbol, robot):
+    names = subprocess.run(["arm-none-eabi-nm", image(robot)], capture_output=True, text=True, check=True).stdout
+    return int(re.search(rf"^(\w+) \w {symbol}$", names, re.MULTILINE)[1], 16)
+
+
+class Debugger:
+    """The part of GDB's remote protocol that a test needs."""
+
+    def __init__(self, path):
+        self._socket = socket.socket(socket.AF_UNIX)
+        self._socket.connect(str(path))
+        self._socket.settimeout(10)
+        self._ask(b"?")
+        self._ask(b"qXfer:features:read:target.xml:0,fff")  # from now on it takes single registers
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._socket.close()
+
+    def _send(self, payload):
+        self._socket.sendall(b"$" + payload + b"#%02x" % (sum(payload) % 256))
+
+    def _receive(self):
+        text = b""
+        while not re.search(rb"\$[^#]*#..", text):
+            text += self._socket.recv(4096)
+        self._socket.sendall(b"+")
+        return re.search(rb"\$([^#]*)#..", text)[1]
+
+    def _ask(self, payload):
+        self._send(payload)
+        return self._receive()
+
+    def go_on(self):
+        self._send(b"c")
+
+    def stop(self):
+        self._socket.sendall(b"\x03")
+        self._receive()
+
+    def word(self, address):
+        """None: not readable where the program is now, such as early in its start."""
+        answer = self._ask(b"m%x,4" % address)
+        return None if answer.startswith(b"E") else int.from_bytes(bytes.fromhex(answer.decode()), "little")
+
+    def jump(self, address):
+        """The next instruction is that one."""
+        assert self._ask(b"P%x=%s" % (PC, address.to_bytes(4, "little").hex().encode())) == b"OK"
+
+
+class Emulator(Program):
+    """The image for a robot on QEMU's STM32F405, running; `line` is its USART1."""
+
+    def __init__(self, folder, robot, *, debug=False):
+        self._stub, self._robot = folder / "stub", robot
+        options = ["-gdb", f"unix:{self._stub},server=on,wait=off"] if debug else []
+        super().__init__(folder, "qemu", ["qemu-system-arm", "-M", "netduinoplus2", "-nographic", "-monitor", "none",
+                                          "-serial", "pty", "-kernel", image(robot), *options])
+        wait_until(lambda: LINE.search(self.out.read_text()) or not self.running, "the line of QEMU")
+        wait_until(lambda: self._stub.exists() or not debug or not self.running, "the stub of QEMU")
+        found = LINE.search(self.out.read_text())
+        assert found, self.err.read_text()
+        self.line = found[1]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+    def crash(self, tick, plant):
+        """Makes the program go astray after so many ticks of a drive, as a corrupt return address would."""
+        debugger = Debugger(self._stub)
+        counter = address_of("jp_fault_tick", self._robot)
+        while (debugger.word(counter) or 0) < tick:
+            debugger.go_on()
+            time.sleep(0.5)
+            assert plant.running, plant.err.read_text()
+            debugger.stop()
+        debugger.jump(NOWHERE)
+        debugger.go_on()
+        return debugger

@@ -1,0 +1,56 @@
+"""The processor in the loop: the image in QEMU drives the simulated robot over SLCAN as the host's program does."""
+import subprocess
+
+import pytest
+from emulator import Emulator
+from programs import (LIMIT, ROOT, SILENCES, Programs, assert_done, assert_same_drive, drive_in_process,
+                      write_scenario)
+
+ROUTE = [(0.5, 0.2)]
+LONGER = [(1.0, 0.2), (1.5, 1.0)]
+MID_DRIVE = 4000  # ticks
+PATIENCE = 300  # s: some 150 ticks a second on a busy machine
+
+
+@pytest.fixture(name="programs")
+def fixture_programs(tmp_path):
+    with Programs(tmp_path) as programs:
+        yield programs
+
+
+@pytest.mark.parametrize("robot", ["gao2018", "courier24"])
+def test_the_image_drives_as_the_program_does(programs, tmp_path, robot):
+    scenario = write_scenario(tmp_path / "short.cfg", *ROUTE, robot=robot)
+    expected = drive_in_process(scenario, tmp_path / "in-process")
+    with Emulator(tmp_path, robot) as emulator:
+        plant = programs.plant(scenario, "--bus", f"slcan:{emulator.line}", "--output", tmp_path / "pil", "--frames")
+        assert_done(plant, limit=PATIENCE)
+    assert_same_drive(expected, tmp_path / "pil")
+
+
+def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path):
+    """The program goes astray: the fault handler resets, and the robot goes on from its record before the bridges fall
+    silent. The operator sees that the controller has restarted."""
+    scenario = write_scenario(tmp_path / "longer.cfg", *LONGER)
+    with Emulator(tmp_path, "gao2018", debug=True) as emulator:
+        plant = programs.plant(scenario, "--bus", f"slcan:{emulator.line}", "--output", tmp_path / "pil")
+        with emulator.crash(MID_DRIVE, plant):
+            result = plant.wait(PATIENCE)
+    assert result.stderr == "leg 1: the ECU has restarted and knows no route\n"
+    assert result.counts[SILENCES] == 0
+    assert result.counts["faults that the ECU reports, enum jp_fault"] == 0
+    assert result.counts["motor commands out of sequence"] == 1
+
+
+@pytest.mark.parametrize(("robot", "model", "says"), [
+    ("gao2018", "published", 'energy_model = "published", but the image has the identified one'),
+    ("zhang2018", "identified", "is not there; run make firmware ROBOT=zhang2018"),
+])
+def test_a_scenario_that_the_image_cannot_drive_is_refused(tmp_path, robot, model, says):
+    scenario = write_scenario(tmp_path / "short.cfg", *ROUTE, robot=robot)
+    scenario.write_text(scenario.read_text().replace('"identified"', f'"{model}"'))
+    result = subprocess.run([ROOT / "tools/bus_mission.sh", "pil", scenario, tmp_path / "out"], capture_output=True,
+                            text=True, check=False, timeout=LIMIT)
+    assert result.returncode == 2
+    assert says in result.stderr
+    assert len(result.stderr.splitlines()) == 1
