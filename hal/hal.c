@@ -6,6 +6,7 @@ void jp_hal_tick(const struct jp_hal *hal, struct jp_robot *robot, enum jp_statu
     struct jp_actuation actuation;
     enum jp_status read = hal->read(hal->context, &sensors);
 
-    jp_robot_tick(robot, *written == JP_OK ? read : *written, &sensors, &actuation);
+    jp_robot_control(robot, *written == JP_OK ? read : *written, &sensors, &actuation);
     *written = hal->write(hal->context, &actuation);
+    jp_robot_account(robot);
 }

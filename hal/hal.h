@@ -8,6 +8,10 @@
 
 #include <joulepath/robot.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct jp_hal {
     void *context; /**< handed to each function */
 
@@ -27,5 +31,9 @@ struct jp_hal {
  * `written` is the caller's, JP_OK at the start: a failed write counts as a fault in the next tick.
  */
 void jp_hal_tick(const struct jp_hal *hal, struct jp_robot *robot, enum jp_status *written);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,0 +1,147 @@
+"""`make package`: the same bytes every time, and firmware that CMake builds from it for a host and for cores."""
+import re
+import subprocess
+import tarfile
+
+import pytest
+from conftest import CLEAN, PROGRAMS, ROOT, WARNINGS, cmake_project, command, configure, make
+
+# Compiler, flags of the core, flags of its C library.
+CORES = {
+    "cortex-m0": ("arm-none-eabi-", "-mthumb -mcpu=cortex-m0", "--specs=nosys.specs"),
+    "cortex-m4": ("arm-none-eabi-", "-mthumb -mcpu=cortex-m4", "--specs=nosys.specs"),
+    "rv32imac": ("riscv64-unknown-elf-", "-march=rv32imac -mabi=ilp32", "--specs=picolibc.specs"),
+}
+
+def add(package):
+    return f"add_subdirectory({package} joulepath)\n"
+
+
+def user_of(target, program, name="user"):
+    return (f"add_executable({name} {program})\ntarget_link_libraries({name} PRIVATE joulepath::{target})\n"
+            f"target_compile_options({name} PRIVATE {' '.join(WARNINGS)})\n")
+
+
+def build_project(directory, body, *definitions):
+    configure(cmake_project(directory, body), directory / "build", *definitions)
+    command("cmake", "--build", directory / "build", "--parallel", "2")
+
+
+def objects_of(build, compiler_prefix=""):
+    listing = command(f"{compiler_prefix}ar", "t", build / "joulepath" / "libjoulepath.a").split()
+    return {name.split(".")[0] for name in listing}
+
+
+def test_it_holds_what_firmware_needs_and_no_more(package):
+    assert sorted(path.name for path in package.iterdir()) == [
+        "CMakeLists.txt", "LICENSE", "README.md", "hal", "include", "library.json", "src", "zephyr"]
+    folders = {str(path.relative_to(package)) for path in (package / "hal").iterdir() if path.is_dir()}
+    assert folders == {"hal/can", "hal/skeleton"}
+    for folder in ("include/joulepath", "src", "src/tables", "hal/can"):
+        here = {path.name for path in (ROOT / folder).glob("*.[ch]")}
+        assert {path.name for path in (package / folder).glob("*.[ch]")} == here
+
+
+def test_its_links_lead_somewhere(package):
+    for name in ("hal/README.md", "hal/skeleton/board.c", "hal/skeleton/main.c"):
+        assert (package / name).is_file()
+    assert "](hal/README.md)" in (package / "README.md").read_text("utf-8")
+
+
+def test_it_is_the_same_every_time(package, build, version, tmp_path):
+    archive = package.parent / f"{package.name}.tar.gz"
+    make(f"BUILD={tmp_path}", "package", TZ="Asia/Tokyo", LC_ALL="C")
+    assert (tmp_path / "package" / archive.name).read_bytes() == archive.read_bytes()
+
+
+def test_the_archive_holds_the_directory_and_nothing_of_this_machine(package, tmp_path):
+    with tarfile.open(f"{package}.tar.gz") as archive:
+        members = archive.getmembers()
+        archive.extractall(tmp_path, filter="data")
+    assert {(member.uid, member.gid, member.uname, member.gname) for member in members} == {(0, 0, "", "")}
+    assert len({member.mtime for member in members}) == 1
+    command("diff", "-r", package, tmp_path / package.name)
+    for path in package.rglob("*"):
+        assert path.is_dir() or str(ROOT).encode() not in path.read_bytes(), path
+
+
+def test_a_usage_error_is_one_line():
+    result = subprocess.run([ROOT / "tools" / "packaging" / "package.sh"], capture_output=True, text=True, check=False)
+    assert (result.returncode, len(result.stderr.splitlines())) == (2, 1)
+
+
+def test_programs_in_c_and_cpp_add_it_as_a_subdirectory(package, tmp_path):
+    in_cpp = tmp_path / "firmware.cpp"
+    in_cpp.write_bytes((PROGRAMS / "firmware.c").read_bytes())
+    users = {"consumer": ("joulepath", PROGRAMS / "consumer.c"), "firmware": ("hal", PROGRAMS / "firmware.c"),
+             "in_cpp": ("hal", in_cpp)}
+    build_project(tmp_path, add(package) + "".join(user_of(*user, name) for name, user in users.items()))
+    for name in users:
+        command(tmp_path / "build" / name)
+
+
+def test_a_program_fetches_the_archive(package, tmp_path):
+    fetch = (f"include(FetchContent)\nFetchContent_Declare(joulepath URL {package}.tar.gz)\n"
+             "FetchContent_MakeAvailable(joulepath)\n")
+    build_project(tmp_path, fetch + user_of("joulepath", PROGRAMS / "consumer.c"))
+    command(tmp_path / "build" / "user")
+
+
+def test_only_the_tables_of_the_named_robots_are_built_in(package, tmp_path):
+    build_project(tmp_path, add(package) + user_of("joulepath", PROGRAMS / "consumer.c"),
+                  "-DJOULEPATH_ROBOTS=courier24")
+    objects = objects_of(tmp_path / "build")
+    assert {"robot_courier24", "energy_courier24"} <= objects
+    assert not any("gao2018" in name or "zhang2018" in name for name in objects)
+
+
+def test_a_robot_without_tables_is_an_error(package, tmp_path):
+    project = cmake_project(tmp_path, add(package))
+    result = subprocess.run(["cmake", "-S", project, "-B", tmp_path / "build", "-DJOULEPATH_ROBOTS=courier24;rover"],
+                            capture_output=True, text=True, check=False, env=CLEAN)
+    assert result.returncode != 0
+    assert "JOULEPATH_ROBOTS: no table src/tables/*_rover.c" in result.stderr.replace("\n  ", " ")
+
+
+def test_the_version_of_the_cmake_project_is_the_header_s(package, version, tmp_path):
+    ask = (f"get_directory_property(found DIRECTORY {package} DEFINITION PROJECT_VERSION)\n"
+           'message(STATUS "version: ${found}")\n')
+    assert f"version: {version}\n" in configure(cmake_project(tmp_path, add(package) + ask), tmp_path / "build")
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_the_skeleton_is_built_for_a_core_with_a_toolchain_file(package, tmp_path, core):
+    prefix, flags, library = CORES[core]
+    (tmp_path / "toolchain.cmake").write_text(
+        "set(CMAKE_SYSTEM_NAME Generic)\n"
+        "set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)\n"
+        f"set(CMAKE_C_COMPILER {prefix}gcc)\nset(CMAKE_CXX_COMPILER {prefix}g++)\n"
+        f'set(CMAKE_C_FLAGS_INIT "{flags} {library} -Os")\n'
+        f'set(CMAKE_CXX_FLAGS_INIT "{flags}")\n'
+        # What the timer's interrupt of a port refers to.
+        'set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,--gc-sections -Wl,--undefined=control_tick")\n', encoding="utf-8")
+    skeleton = f"{package}/hal/skeleton/main.c {package}/hal/skeleton/board.c"
+    build_project(tmp_path, add(package) + user_of("hal", skeleton),
+                  f"-DCMAKE_TOOLCHAIN_FILE={tmp_path / 'toolchain.cmake'}")
+    symbols = command(f"{prefix}nm", tmp_path / "build" / "user").split()
+    assert {"control_tick", "board_write", "jp_robot_tick", "jp_robot_courier24"} <= set(symbols)
+    assert "jp_robot_gao2018" not in symbols, "a table that nobody uses takes flash"
+
+
+@pytest.mark.parametrize("compiler", [["gcc", "-std=c11", "-x", "c"], ["g++", "-std=c++17", "-x", "c++"]],
+                         ids=["c", "c++"])
+def test_each_header_of_the_hal_compiles_alone(package, compiler):
+    headers = [path for path in package.glob("hal/**/*.h")]
+    assert len(headers) > 10
+    for header in headers:
+        command(*compiler, *WARNINGS, "-fsyntax-only", "-I", package / "include", "-I", package, "-",
+                input=f'#include "{header.relative_to(package)}"\n')
+
+
+def test_every_public_function_has_the_linkage_of_c_in_cpp(package):
+    """Of a header, `clang++` lists each function with the name that the linker will see."""
+    for header in [*package.glob("include/joulepath/*.h"), *package.glob("hal/**/*.h")]:
+        listing = command("clang++", "-std=c++17", "-fsyntax-only", "-Xclang", "-ast-dump=json", "-Xclang",
+                          "-ast-dump-filter=jp_", "-I", package / "include", "-I", package, "-x", "c++", header)
+        names = set(re.findall(r'"mangledName": "(_Z(?!L)\w*jp_\w*)"', listing))
+        assert not names, f"{header.relative_to(package)}: not extern C: {sorted(names)[:3]}"

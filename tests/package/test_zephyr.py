@@ -1,0 +1,94 @@
+"""The Zephyr module: its description, its options and its build.
+
+Zephyr itself is too large to be here. What stands for it: the keys that its module description may have, kconfiglib,
+which is the Kconfig of its build, and its three CMake functions that the module calls.
+"""
+import kconfiglib
+import pytest
+import yaml
+from conftest import PROGRAMS, WARNINGS, cmake_project, command, configure
+
+# Of scripts/zephyr_module.py, which refuses others: the keys of "build" that a library needs.
+BUILD_KEYS = {"cmake", "kconfig"}
+
+# As cmake/modules/extensions.cmake documents them.
+ZEPHYR = """
+add_library(zephyr_interface INTERFACE)
+
+function(zephyr_include_directories)
+  target_include_directories(zephyr_interface INTERFACE ${ARGV})
+endfunction()
+
+macro(zephyr_library_named name)
+  set(ZEPHYR_CURRENT_LIBRARY ${name})
+  add_library(${name} STATIC "")
+  target_link_libraries(${name} PUBLIC zephyr_interface)
+  set_property(GLOBAL APPEND PROPERTY ZEPHYR_LIBS ${name})
+endmacro()
+
+function(zephyr_library_sources)
+  target_sources(${ZEPHYR_CURRENT_LIBRARY} PRIVATE ${ARGV})
+endfunction()
+"""
+
+APPLICATION = """
+get_property(libraries GLOBAL PROPERTY ZEPHYR_LIBS)
+add_executable(app {program})
+target_link_libraries(app PRIVATE -Wl,--whole-archive ${{libraries}} -Wl,--no-whole-archive zephyr_interface)
+target_compile_options(app PRIVATE {warnings})
+"""
+
+
+def configuration(package, tmp_path, *lines):
+    """The symbols that are on after Kconfig has read prj.conf."""
+    top = tmp_path / "Kconfig"
+    top.write_text(f'mainmenu "test"\nsource "{package / "zephyr" / "Kconfig"}"\n', encoding="utf-8")
+    (tmp_path / "prj.conf").write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+    kconfig = kconfiglib.Kconfig(str(top), suppress_traceback=True)
+    kconfig.load_config(str(tmp_path / "prj.conf"))
+    assert kconfig.warnings == []
+    return {name: symbol.str_value for name, symbol in kconfig.syms.items() if name.startswith("JOULEPATH")}
+
+
+def build(package, directory, options, program):
+    switches = "".join(f"set(CONFIG_{name} {value})\n" for name, value in options.items() if value == "y")
+    module = yaml.safe_load((package / "zephyr" / "module.yml").read_text("utf-8"))["build"]["cmake"]
+    application = APPLICATION.format(program=PROGRAMS / program, warnings=" ".join(WARNINGS))
+    project = cmake_project(directory / "app", f"{ZEPHYR}{switches}add_subdirectory({package / module} module)\n"
+                            + application)
+    configure(project, directory / "build")
+    command("cmake", "--build", directory / "build", "--parallel", "2")
+    command(directory / "build" / "app")
+
+
+def test_the_description_names_files_that_are_there(package):
+    module = yaml.safe_load((package / "zephyr" / "module.yml").read_text("utf-8"))
+    assert set(module) == {"name", "build"}
+    assert set(module["build"]) == BUILD_KEYS
+    assert (package / module["build"]["cmake"] / "CMakeLists.txt").is_file()
+    assert (package / module["build"]["kconfig"]).is_file()
+
+
+@pytest.mark.parametrize("lines, expected", [
+    ([], {"JOULEPATH": "n", "JOULEPATH_HAL": "n"}),
+    (["CONFIG_JOULEPATH=y"], {"JOULEPATH": "y", "JOULEPATH_HAL": "y"}),
+    (["CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_HAL=n"], {"JOULEPATH": "y", "JOULEPATH_HAL": "n"}),
+], ids=["off", "on", "without the HAL"])
+def test_options_have_these_values(package, tmp_path, lines, expected):
+    assert configuration(package, tmp_path, *lines) == expected
+
+
+def test_an_application_is_built_with_the_hal(package, tmp_path):
+    build(package, tmp_path, configuration(package, tmp_path, "CONFIG_JOULEPATH=y"), "firmware.c")
+
+
+def test_an_application_is_built_without_the_hal(package, tmp_path):
+    options = configuration(package, tmp_path, "CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_HAL=n")
+    build(package, tmp_path, options, "consumer.c")
+
+
+def test_a_module_that_is_off_builds_nothing(package, tmp_path):
+    project = cmake_project(tmp_path, f"{ZEPHYR}add_subdirectory({package}/zephyr module)\n"
+                            "get_property(libraries GLOBAL PROPERTY ZEPHYR_LIBS)\n"
+                            'message(STATUS "libraries: [${libraries}]")\n')
+    assert "libraries: []" in configure(project, tmp_path / "build")
