@@ -18,7 +18,7 @@ CLANG_TIDY   ?= $(if $(filter skip,$(JP_SETUP)),$(or $(wildcard .venv/bin/clang-
 .DELETE_ON_ERROR:
 .SECONDARY:
 MAKEFLAGS += --no-builtin-rules --no-print-directory
-export JP_SETUP JOBS CLANG_FORMAT CLANG_TIDY
+export JP_SETUP JOBS PYTHON CLANG_FORMAT CLANG_TIDY
 export JP_BUILD := $(abspath $(BUILD))
 
 # ---- Settings: what each variant is compiled with -------------------------------------------------------------------
@@ -28,48 +28,87 @@ WARNINGS := -Wall -Wextra -Wconversion -Wshadow -Werror
 COMMON   := -std=c11 -g $(WARNINGS) -Iinclude -I. -I$(UNITY) -isystem $(BUILD)/lcm -MMD -MP
 HOST     := -D_GNU_SOURCE -ffp-contract=off -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
 SANITIZE := -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
-ARM      := -mthumb -ffunction-sections -fdata-sections -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
+TARGET   := -ffunction-sections -fdata-sections -fcallgraph-info=su -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
+ARM      := $(TARGET) -mthumb
+M4F      := -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16
+RV32     := $(TARGET) -march=rv32imac -mabi=ilp32 --specs=picolibc.specs
 
 HOST_TESTS   := host-gcc host-clang host-gcc-m32 host-clang-m32
-TARGET_TESTS := cortex-m4 cortex-m4-nodsp cortex-m0 cortex-m7
-ARM_VARIANTS := $(TARGET_TESTS) cortex-m4-os cortex-m0-o2
-VARIANTS     := host $(HOST_TESTS) $(ARM_VARIANTS)
+TARGET_TESTS := cortex-m0 cortex-m3 cortex-m4 cortex-m4-nodsp cortex-m7 rv32
+ARM_VARIANTS := $(filter cortex%,$(TARGET_TESTS)) cortex-m0-o2 cortex-m3-os cortex-m4-os cortex-m7-os
+RV_VARIANTS  := rv32 rv32-os
+VARIANTS     := host host-coverage release firmware $(HOST_TESTS) $(ARM_VARIANTS) $(RV_VARIANTS)
+
+# Each core's builds for speed and for size.
+CORES            := cortex-m0 cortex-m3 cortex-m4 cortex-m7 rv32
+SPEED_cortex-m0  := cortex-m0-o2
+SIZE_cortex-m0   := cortex-m0
+SPEED_VARIANTS   := $(foreach c,$(CORES),$(or $(SPEED_$c),$c))
+SIZE_VARIANTS    := $(foreach c,$(CORES),$(or $(SIZE_$c),$c-os))
 
 COMPILER.host            = $(CC)
+COMPILER.release         = $(CC)
+COMPILER.firmware        = arm-none-eabi-gcc
+COMPILER.host-coverage   = gcc
 COMPILER.host-gcc        = gcc
 COMPILER.host-clang      = clang
 COMPILER.host-gcc-m32    = gcc -m32
 COMPILER.host-clang-m32  = clang -m32
 $(foreach v,$(ARM_VARIANTS),$(eval COMPILER.$v = arm-none-eabi-gcc))
+$(foreach v,$(RV_VARIANTS),$(eval COMPILER.$v = riscv64-unknown-elf-gcc))
 
 FLAGS.host            = $(HOST) -O2
+# For others: a newer compiler's warnings must not stop an installation.
+FLAGS.release         = -O2 -Wno-error -ffunction-sections -fdata-sections
+# The core has no floating point, so interrupts need not save its registers.
+FLAGS.firmware        = -mthumb -mcpu=cortex-m4 -O2 -ffunction-sections -fdata-sections -fcallgraph-info=su
+FLAGS.host-coverage   = $(HOST) -O0 --coverage
 FLAGS.host-gcc        = $(HOST) $(SANITIZE) -O2
 FLAGS.host-clang      = $(HOST) $(SANITIZE)
 FLAGS.host-gcc-m32    = $(HOST) $(SANITIZE)
 FLAGS.host-clang-m32  = $(HOST) $(SANITIZE)
-FLAGS.cortex-m4       = $(ARM) -mcpu=cortex-m4 -O2
-FLAGS.cortex-m4-nodsp = $(ARM) -mcpu=cortex-m4 -O2 -DJP_NO_DSP
-FLAGS.cortex-m4-os    = $(ARM) -mcpu=cortex-m4 -Os
-FLAGS.cortex-m7       = $(ARM) -mcpu=cortex-m7 -O2
 FLAGS.cortex-m0       = $(ARM) -mcpu=cortex-m0 -Os
 FLAGS.cortex-m0-o2    = $(ARM) -mcpu=cortex-m0 -O2
+FLAGS.cortex-m3       = $(ARM) -mcpu=cortex-m3 -O2
+FLAGS.cortex-m3-os    = $(ARM) -mcpu=cortex-m3 -Os
+FLAGS.cortex-m4       = $(ARM) $(M4F) -O2
+FLAGS.cortex-m4-nodsp = $(ARM) $(M4F) -O2 -DJP_NO_DSP
+FLAGS.cortex-m4-os    = $(ARM) $(M4F) -Os
+FLAGS.cortex-m7       = $(ARM) -mcpu=cortex-m7 -O2
+FLAGS.cortex-m7-os    = $(ARM) -mcpu=cortex-m7 -Os
+FLAGS.rv32            = $(RV32) -O2
+FLAGS.rv32-os         = $(RV32) -Os
 
-BOARD.cortex-m4       = mps2-an386
-BOARD.cortex-m4-nodsp = mps2-an386
-BOARD.cortex-m7       = mps2-an500
-BOARD.cortex-m0       = microbit
+# Cortex-M4 executes the code of Cortex-M0, and its board has more memory than the micro:bit.
+BOARD.cortex-m0       = arm/microbit
+BOARD.cortex-m0-o2    = arm/mps2-an386
+BOARD.cortex-m3       = arm/mps2-an385
+BOARD.cortex-m3-os    = $(BOARD.cortex-m3)
+BOARD.cortex-m4       = arm/mps2-an386
+BOARD.cortex-m4-nodsp = $(BOARD.cortex-m4)
+BOARD.cortex-m4-os    = $(BOARD.cortex-m4)
+BOARD.cortex-m7       = arm/mps2-an500
+BOARD.cortex-m7-os    = $(BOARD.cortex-m7)
+BOARD.rv32            = riscv/virt
+BOARD.rv32-os         = $(BOARD.rv32)
 
 # A count of instructions needs a clock that counts them; the micro:bit has no use for it.
+RUN.cortex-m0       = qemu-system-arm -M microbit $(SEMIHOSTING)
+RUN.cortex-m0-o2    = $(RUN.cortex-m4)
+RUN.cortex-m3       = qemu-system-arm -M mps2-an385 -icount shift=0 $(SEMIHOSTING)
 RUN.cortex-m4       = qemu-system-arm -M mps2-an386 -icount shift=0 $(SEMIHOSTING)
 RUN.cortex-m4-nodsp = $(RUN.cortex-m4)
 RUN.cortex-m7       = qemu-system-arm -M mps2-an500 -icount shift=0 $(SEMIHOSTING)
-RUN.cortex-m0       = qemu-system-arm -M microbit $(SEMIHOSTING)
+RUN.rv32            = qemu-system-riscv32 -M virt -bios none -icount shift=0 $(SEMIHOSTING)
 SEMIHOSTING         = -nographic -semihosting-config enable=on,target=native -kernel
 
 # ---- Sources ---------------------------------------------------------------------------------------------------------
 
 CORE           := $(wildcard src/*.c src/tables/*.c)
 CAN            := $(wildcard hal/*.c hal/can/*.c)
+STM32F4        := $(wildcard hal/stm32f4/*.c)
+# What needs nothing of the core but registers, which a test can stand in for.
+DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c fault.c main.c),$(STM32F4))
 SIM            := $(wildcard sim/*.c hal/sim/*.c hal/linux/*.c)
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
 BENCHES        := $(filter-out bench_plan,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
@@ -89,13 +128,17 @@ PROPERTY_TESTS := $(wildcard tests/property/prop_*.c)
 BITS_TESTS     := $(wildcard tests/bits/test_*.c)
 FAULT_TESTS    := $(wildcard tests/fault/fault_*.c)
 VCAN_TESTS     := $(wildcard tests/vcan/vcan_*.c)
-TARGET_SUPPORT := tests/target/start.c tests/target/semihosting.c tests/target/cycles.c
+TARGET_SUPPORT := tests/target/start.c tests/target/console.c
 
 # With the real Unity its one source file joins each test, and the self-test of our header is left out.
 UNITY_SOURCE := $(wildcard $(UNITY)/unity.c)
 ifneq ($(UNITY_SOURCE),)
 UNIT_TESTS := $(filter-out tests/unit/test_unity.c,$(UNIT_TESTS))
 endif
+
+# support VARIANT: the objects that a program on a target stands on.
+support = $(patsubst %.c,$(BUILD)/$1/%.o,$(TARGET_SUPPORT) \
+          $(addprefix tests/target/$(dir $(BOARD.$1)),core.c semihosting.c cycles.c))
 
 LIBRARIES = $(shell pkg-config --libs libconfig jansson nlopt ccd) -llcm -lm -lpthread
 
@@ -126,18 +169,25 @@ $(SETTINGS): FORCE
 # A library is made again when a source joined or left it.
 MEMBERS := $(BUILD)/members
 $(MEMBERS): FORCE
-	@mkdir -p $(@D) && echo '$(CORE) $(CAN) $(SIM)' | cmp -s - $@ || echo '$(CORE) $(CAN) $(SIM)' >$@
+	@mkdir -p $(@D) && echo '$(CORE) $(CAN) $(DRIVERS) $(SIM)' | cmp -s - $@ || echo '$(CORE) $(CAN) $(DRIVERS) $(SIM)' >$@
+
+# core_name VARIANT: as people write it.
+core_name = $(patsubst rv%,RV%,$(patsubst cortex-m%,Cortex-M%,$(firstword $(subst -o, ,$1))))
 
 define variant_rules
 $(BUILD)/$1/%.o: %.c Makefile $(SETTINGS) $(if $(filter host%,$1),| $(LCM_HEADERS))
 	@mkdir -p $$(@D)
 	$$(call SAY,CC $$@)
-	$$Q$$(COMPILER.$1) $$(COMMON) $$(FLAGS.$1) -c $$< -o $$@
+	$$Q$$(COMPILER.$1) $$(COMMON) $$(FLAGS.$1) $(if $(BOARD.$1),-DTARGET_CORE='"$(call core_name,$1)"') -c $$< -o $$@
 
 $(BUILD)/$1/libjoulepath.a: $(CORE:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 	$$(call archive)
 
 $(BUILD)/$1/libcan.a: $(CAN:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
+	$$(call archive)
+
+# On fake registers: first, because one of them also stands in for wait.c.
+$(BUILD)/$1/libdrivers.a: $(BUILD)/$1/tests/unit/stm32_fake.o $(DRIVERS:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 	$$(call archive)
 
 $(BUILD)/$1/lcm/%.o: $(BUILD)/lcm/%.h
@@ -180,8 +230,8 @@ endef
 define link_target
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)
-	$Q$(COMPILER.$1) $(FLAGS.$1) -nostartfiles --specs=nano.specs -Wl,--gc-sections -Ltests/target \
-	    -T$(BOARD.$1).ld $(filter %.o,$^) $(filter %.a,$^) -o $@
+	$Q$(COMPILER.$1) $(FLAGS.$1) -nostartfiles $(if $(filter cortex%,$1),--specs=nano.specs) -Wl,--gc-sections \
+	    -Ltests/target -Ttests/target/$(BOARD.$1).ld $(filter %.o,$^) $(filter %.a,$^) -o $@
 endef
 
 $(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a $(BUILD)/host/libjoulepath.a
@@ -190,10 +240,6 @@ $(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(BUILD)/host/libsim.a $(BUILD)/h
 $(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a $(BUILD)/host/libjoulepath.a
 	$(call link_host,host)
 
-$(BUILD)/bench/target_planner: $(BUILD)/cortex-m7/tests/bench/target_planner.o $(TARGET_SUPPORT:%.c=$(BUILD)/cortex-m7/%.o) \
-                               $(BUILD)/cortex-m7/sim/scene.o $(BUILD)/cortex-m7/libjoulepath.a
-	$(call link_target,cortex-m7)
-
 $(BUILD)/bench/bench_plan: $(BUILD)/host/tests/bench/plain_dijkstra.o
 
 # Property tests at bench length, without the sanitizers.
@@ -201,9 +247,46 @@ $(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(BUILD)/host/libsi
                        $(UNITY_SOURCE:%=$(BUILD)/host/unity.o)
 	$(call link_host,host)
 
-$(BUILD)/bench/target_%: $(BUILD)/cortex-m4/tests/bench/target_%.o $(TARGET_SUPPORT:%.c=$(BUILD)/cortex-m4/%.o) \
-                         $(BUILD)/cortex-m4/libjoulepath.a
-	$(call link_target,cortex-m4)
+# What is measured on each core: sizes in the builds for size, instructions in those for speed, and of the stack the worst
+# of both.
+SIZE_IMAGES  := $(SIZE_VARIANTS:%=$(BUILD)/%/whole)
+STACK_IMAGES := $(SIZE_IMAGES) $(SPEED_VARIANTS:%=$(BUILD)/%/whole) $(BUILD)/firmware/whole
+CYCLES       := $(foreach b,$(TARGET_BENCHES),$(SPEED_VARIANTS:%=$(BUILD)/bench/$b-%.json))
+
+define target_bench_rules
+$(BUILD)/$1/target_%: $(BUILD)/$1/tests/bench/target_%.o $(call support,$1) $(BUILD)/$1/sim/scene.o $(BUILD)/$1/libdrivers.a \
+                      $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a
+	$$(call link_target,$1)
+
+$(BUILD)/bench/target_%-$1.json: $(BUILD)/$1/target_%
+	@mkdir -p $$(@D)
+	$$(call SAY,BENCH $$<)
+	$$Q$(RUN.$1) $$< >$$@ 2>&1 </dev/null
+endef
+$(foreach v,$(SPEED_VARIANTS),$(eval $(call target_bench_rules,$v)))
+
+# The image for the STM32F405: of all objects only main.o knows the robot.
+define firmware_rules
+$(BUILD)/firmware/$1/main.o: hal/stm32f4/main.c Makefile $(SETTINGS)
+	@mkdir -p $$(@D)
+	$$(call SAY,CC $$@)
+	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 -c $$< -o $$@
+
+$(BUILD)/firmware/$1/joulepath.elf: $(BUILD)/firmware/$1/main.o $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out %/main.c,$(STM32F4))) \
+                                    $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
+	$$(call link_firmware)
+
+$(BUILD)/firmware/$1/joulepath.bin: $(BUILD)/firmware/$1/joulepath.elf
+	$$Qarm-none-eabi-objcopy -O binary $$< $$@
+endef
+$(foreach r,$(ROBOTS),$(eval $(call firmware_rules,$r)))
+
+define link_firmware
+	@mkdir -p $(@D)
+	$(call SAY,LD $@)
+	$Q$(COMPILER.firmware) $(FLAGS.firmware) -nostartfiles --specs=nano.specs -Wl,--gc-sections -Wl,--fatal-warnings \
+	    -Wl,-Map=$@.map -Lhal/stm32f4 -Tstm32f405.ld $(filter %.o,$^) $(filter %.a,$^) -o $@
+endef
 
 # All at once: they share a Python package.
 $(LCM_HEADERS) &: $(LCM_TYPES:%=sim/lcm/%.lcm)
@@ -238,17 +321,22 @@ FORCE:
 # Every core works unless make was called with -j.
 PARALLEL = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(JOBS)) --output-sync=target
 
-# BUS=vcan or slcan: controller and robot are two programs on a bus.
+# BUS=vcan or slcan: controller and robot are two programs on a bus; pil: the controller is the image in QEMU.
 DRIVE.      = $(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
 DRIVE.slcan = tools/bus_mission.sh slcan $(SCENARIO) $(BUILD)/sil
+DRIVE.pil   = tools/bus_mission.sh pil $(SCENARIO) $(BUILD)/sil
 DRIVE.vcan  = tools/with_vcan.sh -- tools/bus_mission.sh vcan $(SCENARIO) $(BUILD)/sil
 BUS        ?=
 
+SETUP.vcan = vcan
+SETUP.pil  = test
+SCENARIO_ROBOT = $(shell sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p' $(SCENARIO))
+
 .PHONY: sil
-sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan or slcan; report in build/sil
-	$(if $(DRIVE.$(BUS)),,$(error BUS=$(BUS): must be vcan or slcan))
-	@tools/setup.sh $(if $(filter vcan,$(BUS)),vcan,sil)
-	@$(MAKE) $(PARALLEL) all
+sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan, slcan or pil; report in build/sil
+	$(if $(DRIVE.$(BUS)),,$(error BUS=$(BUS): must be vcan, slcan or pil))
+	@tools/setup.sh $(or $(SETUP.$(BUS)),sil)
+	@$(MAKE) $(PARALLEL) all $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(SCENARIO_ROBOT)/joulepath.elf)
 	@rm -rf $(BUILD)/sil
 	$(DRIVE.$(BUS))
 	$(PYTHON) tools/report.py $(BUILD)/sil
@@ -269,6 +357,14 @@ plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name IMPORT=opti
 	$(BUILD)/bin/jp-plan $(BUILD)/plan/map.json --robot sim/robots/$(PLAN_ROBOT).cfg $(PLAN_TASK) \
 	    --output $(BUILD)/plan; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) tools/plan_report.py $(BUILD)/plan && exit $$status
+
+.PHONY: firmware
+firmware: ## build the image for the STM32F405 with ROBOT=name: ELF, bin and map in build/firmware/name
+	$(if $(filter $(ROBOT),$(ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS)))
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/firmware/$(ROBOT)/joulepath.bin
+	@arm-none-eabi-size $(BUILD)/firmware/$(ROBOT)/joulepath.elf
+	@echo 'flash it: st-flash write $(BUILD)/firmware/$(ROBOT)/joulepath.bin 0x08000000'
 
 .PHONY: gains
 gains: ## design the controller of ROBOT=name: sim/robots/name.cfg to src/tables/robot_name.c
@@ -319,27 +415,26 @@ bench-plan: ## measure the planner on the 20 scenes and the maps in DATA=dir; ta
 .PHONY: figures
 figures: ## run the benches and write their figures to build/figures.json and the README, with its picture
 	@tools/setup.sh test
-	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) $(TARGET_BENCHES:%=$(BUILD)/bench/%) \
-	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed $(BUILD)/bench/prop_planner \
+	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) \
+	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed $(BUILD)/bench/prop_planner $(BUILD)/bench/prop_store \
 	    $(BUILD)/host-gcc/prop_decoders
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
+	@$(MAKE) coverage
 	@set -e; for b in $(BENCHES); do \
 	    echo "  BENCH $$b"; $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json; done
-	@set -e; for b in $(TARGET_BENCHES); do \
-	    echo "  BENCH $$b"; \
-	    case $$b in target_planner) run="$(RUN.cortex-m7)" ;; *) run="$(RUN.cortex-m4)" ;; esac; \
-	    $$run $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json 2>&1 </dev/null; done
+	@$(MAKE) size stack cycles test-targets
 	$(BUILD)/bench/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
 	$(BUILD)/bench/prop_fixed --exhaustive --json $(BUILD)/bench/fixed.json
 	$(BUILD)/bench/prop_planner --count 100000 --json $(BUILD)/bench/planner.json
+	$(BUILD)/bench/prop_store --count 10000 --json $(BUILD)/bench/store.json
 	$(BUILD)/host-gcc/prop_decoders --count 100000000 --json $(BUILD)/bench/decoders.json
 	$(PYTHON) tools/bench_bus.py
 	$(PYTHON) tools/show_frames.py $(BUILD)/bus/vcan/frames.log --readme
 	@rm -f $(BITS_LOGS)
 	@$(MAKE) $(PARALLEL) $(BITS_LOGS)
 	@printf '[{"name": "planner: same routes, costs and expansions on %s, of %d", "value": %d, "unit": "",\n  "bound": {"op": "==", "value": %d}, "command": "make figures"}]\n' \
-	    "x86-64, -m32, Cortex-M4 and M7" $(words $(BITS_LOGS)) $$(grep -lx OK $(BITS_LOGS) | wc -l) $(words $(BITS_LOGS)) \
+	    "x86-64, -m32 and five cores" $(words $(BITS_LOGS)) $$(grep -lx OK $(BITS_LOGS) | wc -l) $(words $(BITS_LOGS)) \
 	    >$(BUILD)/bench/bits.json
 	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
 	$(PYTHON) tools/identify.py gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
@@ -349,6 +444,40 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	$(MAKE) plan
 	cp $(BUILD)/plan/plan.png sim/scenarios/jacksboro_plan.png
 	$(PYTHON) tools/figures.py
+
+# The library for programs on this machine. A packager stages it with DESTDIR.
+PREFIX  ?= /usr/local
+DESTDIR ?=
+VERSION  = $(shell sed -n 's/^\#define JP_VERSION_[A-Z]* *//p' include/joulepath/version.h | paste -sd.)
+
+PREFIX_CHECK  = $(if $(filter /%,$(PREFIX)),,$(error PREFIX=$(PREFIX): must be an absolute path))
+INSTALL_ROOT  = $(DESTDIR)$(PREFIX)
+PACKAGE_FILES = $(INSTALL_ROOT)/include/joulepath $(INSTALL_ROOT)/lib/libjoulepath.a $(INSTALL_ROOT)/lib/pkgconfig/joulepath.pc \
+                $(INSTALL_ROOT)/lib/cmake/joulepath $(INSTALL_ROOT)/share/doc/joulepath
+
+.PHONY: install
+install: $(BUILD)/release/libjoulepath.a ## install the library for programs on this machine (PREFIX=/usr/local DESTDIR=)
+	$(PREFIX_CHECK)
+	install -d $(INSTALL_ROOT)/include/joulepath $(INSTALL_ROOT)/lib/pkgconfig $(INSTALL_ROOT)/lib/cmake/joulepath \
+	    $(INSTALL_ROOT)/share/doc/joulepath
+	install -m 644 include/joulepath/*.h $(INSTALL_ROOT)/include/joulepath
+	install -m 644 $< $(INSTALL_ROOT)/lib
+	strip --strip-debug $(INSTALL_ROOT)/lib/libjoulepath.a
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' tools/packaging/joulepath.pc.in | \
+	    install -m 644 /dev/stdin $(INSTALL_ROOT)/lib/pkgconfig/joulepath.pc
+	install -m 644 tools/packaging/joulepathConfig.cmake $(INSTALL_ROOT)/lib/cmake/joulepath
+	sed 's|@VERSION@|$(VERSION)|' tools/packaging/joulepathConfigVersion.cmake.in | \
+	    install -m 644 /dev/stdin $(INSTALL_ROOT)/lib/cmake/joulepath/joulepathConfigVersion.cmake
+	install -m 644 LICENSE $(INSTALL_ROOT)/share/doc/joulepath
+
+.PHONY: uninstall
+uninstall: ## remove what `make install` put there
+	$(PREFIX_CHECK)
+	rm -rf $(PACKAGE_FILES)
+
+.PHONY: package
+package: ## make the source package for CMake, Zephyr, PlatformIO and others in build/package
+	tools/packaging/package.sh $(VERSION) $(BUILD)/package
 
 # ---- Tests -----------------------------------------------------------------------------------------------------------
 
@@ -366,17 +495,19 @@ names         = $(or $(notdir $(basename $1)),no_tests)
 UNIT_LOGS     := $(foreach v,$(HOST_TESTS) $(TARGET_TESTS),$(patsubst %,$(LOGS)/$v/%.log,$(call names,$(UNIT_TESTS))))
 PROPERTY_LOGS := $(patsubst %,$(LOGS)/host-gcc/%.log,$(call names,$(PROPERTY_TESTS)))
 FAULT_LOGS    := $(patsubst %,$(LOGS)/host-gcc/%.log,$(call names,$(FAULT_TESTS)))
-TARGET_LOGS   := $(LOGS)/cortex-m4/test_cycles.log
-BITS_VARIANTS := host-gcc host-gcc-m32 cortex-m4 cortex-m7
+TARGET_LOGS   := $(foreach t,test_cycles dies_of_fault dies_of_overflow,$(SPEED_VARIANTS:%=$(LOGS)/%/$t.log))
+BITS_VARIANTS := host-gcc host-gcc-m32 $(SPEED_VARIANTS)
 BITS_LOGS     := $(foreach v,$(BITS_VARIANTS),$(patsubst %,$(LOGS)/$v/%.log,$(call names,$(BITS_TESTS))))
 SIL_LOGS      := $(LOGS)/pytest/sil.xml
 TOOLS_LOGS    := $(LOGS)/pytest/tools.xml
+FIRMWARE_LOGS := $(LOGS)/firmware/test_faults.log $(LOGS)/pytest/firmware.xml
+PACKAGE_LOGS  := $(LOGS)/pytest/package.xml
 VCAN_LOGS     := $(LOGS)/pytest/vcan.xml $(LOGS)/pytest/vcan_results.xml
-GATE_LOGS     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware compile includes format cppcheck tidy)
-TEST_LOGS     := $(VCAN_LOGS) $(SIL_LOGS) $(TOOLS_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(BITS_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
+GATE_LOGS     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware growth compile includes format cppcheck misra tidy coverage)
+TEST_LOGS     := $(VCAN_LOGS) $(FIRMWARE_LOGS) $(SIL_LOGS) $(TOOLS_LOGS) $(PACKAGE_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(BITS_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
 
-EXPECTED = unit $(UNIT_LOGS) bits $(BITS_LOGS) property $(PROPERTY_LOGS) fault $(FAULT_LOGS) target $(TARGET_LOGS) \
-           sil $(SIL_LOGS) vcan $(VCAN_LOGS) tools $(TOOLS_LOGS) gates $(GATE_LOGS)
+EXPECTED = unit $(UNIT_LOGS) bits $(BITS_LOGS) property $(PROPERTY_LOGS) fault $(FAULT_LOGS) target $(TARGET_LOGS) firmware $(FIRMWARE_LOGS) \
+           sil $(SIL_LOGS) vcan $(VCAN_LOGS) tools $(TOOLS_LOGS) package $(PACKAGE_LOGS) gates $(GATE_LOGS)
 
 .PHONY: test
 test: ## build and run every test and gate; the last line counts them
@@ -386,11 +517,22 @@ test: ## build and run every test and gate; the last line counts them
 	@$(MAKE) -k $(PARALLEL) test_logs || true
 	@$(PYTHON) tools/test_summary.py $(EXPECTED)
 
+# Everything that runs on the emulated cores.
+CORE_LOGS = $(filter $(foreach v,$(TARGET_TESTS) $(SPEED_VARIANTS),$(LOGS)/$v/%),$(UNIT_LOGS) $(BITS_LOGS) $(TARGET_LOGS))
+
+.PHONY: test-targets
+test-targets: ## run the tests of the emulated cores alone: passed, failed and seconds
+	@tools/setup.sh test
+	@$(MAKE) -k $(PARALLEL) $(patsubst $(LOGS)/%.log,$(BUILD)/%,$(CORE_LOGS)) || true
+	@rm -f $(CORE_LOGS)
+	@start=$$(date +%s); $(MAKE) -k $(PARALLEL) $(CORE_LOGS) || true; \
+	    $(PYTHON) tools/target_tests.py --seconds $$(($$(date +%s) - start)) $(CORE_LOGS)
+
 .PHONY: test_logs
 test_logs: $(TEST_LOGS)
 
 define host_test_rules
-$(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a
+$(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libdrivers.a $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a
 	$$(call link_core,$1)
 
 $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
@@ -400,27 +542,55 @@ endef
 $(foreach v,$(HOST_TESTS),$(eval $(call host_test_rules,$v)))
 
 define target_test_rules
-$(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(TARGET_SUPPORT:%.c=$(BUILD)/$1/%.o) \
-                    $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a \
-                    tests/target/$(BOARD.$1).ld
+$(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(call support,$1) \
+                    $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libdrivers.a $(BUILD)/$1/libcan.a \
+                    $(BUILD)/$1/libjoulepath.a tests/target/$(BOARD.$1).ld tests/target/sections.ld
 	$$(call link_target,$1)
 
 $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
 	$$(call SAY,RUN $$<)
 	$$Q$(RUN) $$@ $(UNIT_LIMIT) $(RUN.$1) $$<
 endef
-$(foreach v,$(TARGET_TESTS),$(eval $(call target_test_rules,$v)))
+$(foreach v,$(sort $(TARGET_TESTS) $(SPEED_VARIANTS)),$(eval $(call target_test_rules,$v)))
 
-$(BUILD)/cortex-m4/test_cycles: $(BUILD)/cortex-m4/tests/target/test_cycles.o $(TARGET_SUPPORT:%.c=$(BUILD)/cortex-m4/%.o) \
-                                $(if $(UNITY_SOURCE),$(BUILD)/cortex-m4/unity.o) tests/target/mps2-an386.ld
-	$(call link_target,cortex-m4)
+define support_test_rules
+$(BUILD)/$1/test_cycles: $(BUILD)/$1/tests/target/test_cycles.o $(call support,$1) $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o)
+	$$(call link_target,$1)
+
+$(BUILD)/$1/dies_of_%: $(BUILD)/$1/tests/target/dies_of_%.o $(call support,$1)
+	$$(call link_target,$1)
+
+$(LOGS)/$1/dies_of_%.log: $(BUILD)/$1/dies_of_% tests/target/dies.sh
+	$$(call SAY,RUN $$<)
+	$$Q$(RUN) $$@ $(UNIT_LIMIT) tests/target/dies.sh '$$(DIES_OF_$$*)' $(RUN.$1) $$<
+endef
+$(foreach v,$(SPEED_VARIANTS),$(eval $(call support_test_rules,$v)))
+
+# The whole library and what it needs of the compiler's, to be measured and not to be run.
+define whole_rules
+$(BUILD)/$1/whole: $(BUILD)/$1/tests/target/whole.o $(call support,$1) $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a
+	@mkdir -p $$(@D)
+	$$(call SAY,LD $$@)
+	$$Q$$(COMPILER.$1) $(FLAGS.$1) -nostartfiles $(if $(filter cortex%,$1),--specs=nano.specs) -Wl,--no-gc-sections \
+	    -Ltests/target -Ttests/target/$(BOARD.$1).ld -Wl,--whole-archive $$(filter %.o %.a,$$^) -Wl,--no-whole-archive -o $$@
+endef
+$(foreach v,$(sort $(SPEED_VARIANTS) $(SIZE_VARIANTS)),$(eval $(call whole_rules,$v)))
+
+# The image of the board, whose main.o is apart from the other objects.
+$(BUILD)/firmware/whole: $(BUILD)/firmware/courier24/joulepath.elf
+	@cp $(<D)/main.ci $(@D)
+	@cp $< $@
+
+# What they say last.
+DIES_OF_fault    := fault
+DIES_OF_overflow := stack overflow
 
 # Equal bits on every core; with scenes, which are integers only.
 define bits_rules
 $(BUILD)/$1/test_%_bits: $(BUILD)/$1/tests/bits/test_%_bits.o $(BUILD)/$1/sim/scene.o \
-                         $(if $(filter cortex%,$1),$(TARGET_SUPPORT:%.c=$(BUILD)/$1/%.o)) \
+                         $(if $(BOARD.$1),$(call support,$1)) \
                          $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath.a
-	$$(call $(if $(filter cortex%,$1),link_target,link_core),$1)
+	$$(call $(if $(BOARD.$1),link_target,link_core),$1)
 endef
 $(foreach v,$(BITS_VARIANTS),$(eval $(call bits_rules,$v)))
 
@@ -444,6 +614,18 @@ $(LOGS)/pytest/%.xml: $(PROGRAMS)
 	$(call SAY,RUN pytest tests/$*)
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -n $(JOBS) -p no:cacheprovider --junitxml=$@ tests/$*
 
+# The fault handler alone, whose crashes the image could not tell of.
+$(BUILD)/firmware/test_faults: $(addprefix $(BUILD)/firmware/,tests/firmware/test_faults.o tests/target/console.o \
+                               tests/target/arm/semihosting.o hal/stm32f4/startup.o hal/stm32f4/fault.o) \
+                               $(BUILD)/firmware/libcan.a $(wildcard hal/stm32f4/*.ld)
+	$(call link_firmware)
+
+$(LOGS)/firmware/test_faults.log: $(BUILD)/firmware/test_faults
+	$(call SAY,RUN $<)
+	$Q$(RUN) $@ $(UNIT_LIMIT) qemu-system-arm -M netduinoplus2 $(SEMIHOSTING) $<
+
+$(LOGS)/pytest/firmware.xml: $(ROBOTS:%=$(BUILD)/firmware/%/joulepath.elf)
+
 $(BUILD)/host-gcc/vcan_%: $(BUILD)/host-gcc/tests/vcan/vcan_%.o $(HOST_TEST_PARTS)
 	$(call link_host,host-gcc)
 
@@ -458,17 +640,37 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -p no:cacheprovider --junitxml=$@ \
 	    tests/vcan/test_vcan_results.py
 
-GATE_LIBRARIES := $(foreach v,cortex-m4 cortex-m4-os cortex-m0 cortex-m0-o2,$(BUILD)/$v/libjoulepath.a $(BUILD)/$v/libcan.a)
-GATE_IMAGES    := $(BUILD)/cortex-m4/test_ecu $(BUILD)/cortex-m0/test_ecu
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST)
+GATE_LIBRARIES := $(foreach v,$(SPEED_VARIANTS) $(SIZE_VARIANTS),$(BUILD)/$v/libjoulepath.a $(BUILD)/$v/libcan.a)
+GATE_IMAGES    := $(BUILD)/cortex-m4/test_ecu $(BUILD)/cortex-m0/test_ecu $(BUILD)/rv32/test_ecu
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any"
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/symbols.sh $(GATE_LIBRARIES)
 
+$(LOGS)/gates/growth.log: $(STACK_IMAGES) $(CYCLES)
+	$(call SAY,RUN gate growth)
+	$QPYTHON='$(PYTHON)' $(RUN) $@ $(GATE_LIMIT) tests/gates/growth.sh \
+	    '$(dir $(SIZE_IMAGES))' '$(dir $(STACK_IMAGES))' '$(CYCLES)'
+
 $(LOGS)/gates/firmware.log: $(GATE_IMAGES)
 	$(call SAY,RUN gate firmware)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/firmware.sh $(GATE_IMAGES)
+
+# The unit tests, and the property tests of what no example foresees.
+COVERAGE_TESTS := $(patsubst %,$(BUILD)/host-coverage/%,prop_planner prop_segment prop_telemetry $(call names,$(UNIT_TESTS)))
+
+COVERAGE_PARTS := $(UNITY_SOURCE:%=$(BUILD)/host/unity.o) $(BUILD)/host/libsim.a $(BUILD)/host/libdrivers.a $(BUILD)/host/libcan.a $(BUILD)/host-coverage/libjoulepath.a
+
+$(BUILD)/host-coverage/test_%: $(BUILD)/host/tests/unit/test_%.o $(COVERAGE_PARTS)
+	$(call link_host,host-coverage)
+
+$(BUILD)/host-coverage/prop_%: $(BUILD)/host/tests/property/prop_%.o $(COVERAGE_PARTS)
+	$(call link_host,host-coverage)
+
+$(LOGS)/gates/coverage.log: $(COVERAGE_TESTS)
+	$(call SAY,RUN gate coverage)
+	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/coverage.sh $^
 
 $(LOGS)/gates/%.log: tests/gates/%.sh | $(LCM_HEADERS)
 	$(call SAY,RUN gate $*)
@@ -476,9 +678,34 @@ $(LOGS)/gates/%.log: tests/gates/%.sh | $(LCM_HEADERS)
 
 # ---- Upkeep ----------------------------------------------------------------------------------------------------------
 
-.PHONY: size
-size: $(foreach v,cortex-m4 cortex-m0,$(BUILD)/$v/libjoulepath.a) ## flash and RAM of each module on Cortex-M4 and M0
-	@for l in $^; do echo "$$l"; arm-none-eabi-size -t "$$l"; done
+define measure
+	@tools/setup.sh test
+	+@$(MAKE) -s $(PARALLEL) $2
+	@$(PYTHON) tools/$1.py $(if $(filter %-diff,$@),--diff) $(if $(filter %.json,$2),$2,$(dir $2))
+endef
+
+.PHONY: size stack cycles size-diff stack-diff cycles-diff
+size: ## flash and RAM of each module on five cores
+	$(call measure,size,$(SIZE_IMAGES))
+
+stack: ## worst-case stack of each entry point on five cores
+	$(call measure,stack,$(STACK_IMAGES))
+
+cycles: ## worst-case instructions on five cores
+	$(call measure,cycles,$(CYCLES))
+
+size-diff: ## the same against the last commit's numbers; so stack-diff and cycles-diff
+	$(call measure,size,$(SIZE_IMAGES))
+
+stack-diff:
+	$(call measure,stack,$(STACK_IMAGES))
+
+cycles-diff:
+	$(call measure,cycles,$(CYCLES))
+
+.PHONY: numbers
+numbers: size stack cycles ## accept size, stack and cycles as they are now, and write them into the README
+	@$(PYTHON) tools/growth.py --accept
 
 .PHONY: format
 format: ## format the C sources

@@ -45,8 +45,9 @@ static double volts(jp_q16 voltage)
 static bool drive(struct rig *rig, const struct jp_segment_command *command, uint32_t ticks, double *window_voltage,
                   double *energy)
 {
-    const struct jp_telemetry *telemetry = &rig->robot.telemetry;
-    double electronics = joules(rig->robot.meter.electronics_tick);
+    const struct jp_tick_telemetry *telemetry = &rig->robot.telemetry;
+    const struct jp_meter *meter = &rig->robot.meter;
+    double electronics = joules(meter->electronics_tick);
     jp_energy start = 0;
 
     (void)jp_robot_drive(&rig->robot, command);
@@ -56,7 +57,7 @@ static bool drive(struct rig *rig, const struct jp_segment_command *command, uin
             return false;
         }
         if (tick == 0) {
-            start = telemetry->energy_model;
+            start = meter->model;
         }
         if (window_voltage != NULL) {
             double *window = &window_voltage[2 * (tick / EXPERIMENT_WINDOW_TICKS)];
@@ -64,7 +65,7 @@ static bool drive(struct rig *rig, const struct jp_segment_command *command, uin
             window[0] += volts(telemetry->voltages.left) / EXPERIMENT_WINDOW_TICKS;
             window[1] += volts(telemetry->voltages.right) / EXPERIMENT_WINDOW_TICKS;
             if (tick % EXPERIMENT_WINDOW_TICKS == 0) {
-                energy[tick / EXPERIMENT_WINDOW_TICKS] = joules(telemetry->energy_model - start) - tick * electronics;
+                energy[tick / EXPERIMENT_WINDOW_TICKS] = joules(meter->model - start) - tick * electronics;
             }
         }
     }

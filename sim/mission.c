@@ -32,9 +32,12 @@ struct drive {
     struct mission_view view;
 };
 
-static const struct jp_telemetry *telemetry_of(const struct drive *drive)
+static struct jp_telemetry telemetry_of(const struct drive *drive)
 {
-    return &drive->rig.robot.telemetry;
+    struct jp_telemetry telemetry;
+
+    jp_robot_telemetry(&drive->rig.robot, &telemetry);
+    return telemetry;
 }
 
 static double seconds(const struct drive *drive, uint64_t ticks)
@@ -51,16 +54,16 @@ static double phase_turns(jp_phase now, jp_phase before)
 
 static void follow_reference(struct drive *drive)
 {
-    const struct jp_telemetry *telemetry = telemetry_of(drive);
-    double rolled = phase_turns(telemetry->reference_wheel, drive->reference_wheel) * 2 * M_PI *
+    const struct jp_telemetry telemetry = telemetry_of(drive);
+    double rolled = phase_turns(telemetry.reference_wheel, drive->reference_wheel) * 2 * M_PI *
                     drive->scenario->robot.wheel.radius_m;
-    jp_phase middle = drive->reference_yaw + (jp_phase)((int64_t)(telemetry->reference_yaw - drive->reference_yaw) / 2);
+    jp_phase middle = drive->reference_yaw + (jp_phase)((int64_t)(telemetry.reference_yaw - drive->reference_yaw) / 2);
     double heading = phase_turns(middle, 0) * 2 * M_PI;
 
     drive->reference.x += rolled * cos(heading);
     drive->reference.y += rolled * sin(heading);
-    drive->reference_wheel = telemetry->reference_wheel;
-    drive->reference_yaw = telemetry->reference_yaw;
+    drive->reference_wheel = telemetry.reference_wheel;
+    drive->reference_yaw = telemetry.reference_yaw;
 }
 
 /* The log. */
@@ -83,15 +86,15 @@ void mission_log_row(FILE *log, const struct mission_row *row)
 
 static void log_row(const struct drive *drive)
 {
-    const struct jp_telemetry *telemetry = telemetry_of(drive);
+    const struct jp_telemetry telemetry = telemetry_of(drive);
     const struct plant *plant = &drive->rig.world.plant;
     const struct plant_input *input = &drive->rig.world.input;
     double radius = drive->scenario->robot.wheel.radius_m;
-    double left = (double)telemetry->voltages.left / Q16_ONE;
-    double right = (double)telemetry->voltages.right / Q16_ONE;
+    double left = (double)telemetry.voltages.left / Q16_ONE;
+    double right = (double)telemetry.voltages.right / Q16_ONE;
     double power = (left * left + right * right) / drive->scenario->robot.motor.resistance_ohm +
                    drive->scenario->robot.electronics.power_w;
-    double energy = (double)(telemetry->energy_model - drive->leg_start.energy_model) / JOULE;
+    double energy = (double)(telemetry.energy_model - drive->leg_start.energy_model) / JOULE;
 
     for (size_t i = 0; i < drive->leg; i++) {
         energy += drive->mission->legs[i].measured_energy;
@@ -103,8 +106,8 @@ static void log_row(const struct drive *drive)
                                          .heading = plant->state.yaw,
                                          .speed = plant->state.wheel_rate * radius,
                                          .turn_rate = plant->state.yaw_rate,
-                                         .reference_speed = telemetry->reference_wheel_rate * TURN_Q24 * radius,
-                                         .reference_turn_rate = telemetry->reference_yaw_rate * TURN_Q24,
+                                         .reference_speed = telemetry.reference_wheel_rate * TURN_Q24 * radius,
+                                         .reference_turn_rate = telemetry.reference_yaw_rate * TURN_Q24,
                                          .pitch_deg = plant->state.pitch * DEGREES,
                                          .voltage_left = left,
                                          .voltage_right = right,
@@ -121,7 +124,7 @@ static void log_row(const struct drive *drive)
 static void begin_leg(struct drive *drive)
 {
     drive->leg_tick = drive->rig.world.tick;
-    drive->leg_start = *telemetry_of(drive);
+    drive->leg_start = telemetry_of(drive);
     drive->leg_motor = drive->rig.world.plant.ledger.motor;
 }
 
@@ -139,12 +142,12 @@ static void note_plan(struct mission_leg *leg, const struct jp_segment *segment)
 static void end_leg(struct drive *drive)
 {
     const struct plant *plant = &drive->rig.world.plant;
-    const struct jp_telemetry *telemetry = telemetry_of(drive);
+    const struct jp_telemetry telemetry = telemetry_of(drive);
     struct mission_leg *leg = &drive->mission->legs[drive->leg];
 
     leg->duration = seconds(drive, drive->rig.world.tick - drive->leg_tick);
-    leg->measured_energy = (double)(telemetry->energy_model - drive->leg_start.energy_model) / JOULE;
-    leg->battery_energy = (double)(telemetry->energy_battery - drive->leg_start.energy_battery) / JOULE;
+    leg->measured_energy = (double)(telemetry.energy_model - drive->leg_start.energy_model) / JOULE;
+    leg->battery_energy = (double)(telemetry.energy_battery - drive->leg_start.energy_battery) / JOULE;
     leg->plant_energy =
         plant->ledger.motor - drive->leg_motor + drive->scenario->robot.electronics.power_w * leg->duration;
     leg->end = (struct bezier_point){plant->x, plant->y};
@@ -257,11 +260,11 @@ static bool command(struct drive *drive)
 
 static bool still_stands(const struct drive *drive)
 {
-    const struct jp_telemetry *telemetry = telemetry_of(drive);
+    const struct jp_telemetry telemetry = telemetry_of(drive);
 
-    if (telemetry->state == JP_ROBOT_FALLEN || telemetry->state == JP_ROBOT_FAULT) {
+    if (telemetry.state == JP_ROBOT_FALLEN || telemetry.state == JP_ROBOT_FAULT) {
         error_line("leg %zu: the robot %s (faults 0x%x); correct the control group of the robot file", drive->leg + 1,
-                   telemetry->state == JP_ROBOT_FALLEN ? "fell" : "reports a fault", telemetry->faults);
+                   telemetry.state == JP_ROBOT_FALLEN ? "fell" : "reports a fault", telemetry.faults);
         return false;
     }
     return true;
@@ -275,7 +278,7 @@ static void keep_books(struct drive *drive)
     if (tick == drive->start_tick) {
         begin_leg(drive);
     }
-    if (current_leg(drive, telemetry_of(drive)->segments_ended) > drive->leg) {
+    if (current_leg(drive, telemetry_of(drive).segments_ended) > drive->leg) {
         end_leg(drive);
     }
     follow_reference(drive);
@@ -292,7 +295,7 @@ static void keep_books(struct drive *drive)
 static size_t percent_done(const struct drive *drive)
 {
     double elapsed = (double)(drive->rig.world.tick - drive->leg_tick);
-    double left = (double)telemetry_of(drive)->segment_ticks_left;
+    double left = (double)telemetry_of(drive).segment_ticks_left;
 
     if (drive->script.count > 0) {
         return 100 * drive->step / drive->script.count;
@@ -362,8 +365,8 @@ static bool start(struct drive *drive, const struct mission *optimal, struct jp_
     }
     rig_release(&drive->rig, 0);
     drive->start_tick = drive->rig.world.tick;
-    drive->reference_wheel = telemetry_of(drive)->reference_wheel;
-    drive->reference_yaw = telemetry_of(drive)->reference_yaw;
+    drive->reference_wheel = telemetry_of(drive).reference_wheel;
+    drive->reference_yaw = telemetry_of(drive).reference_yaw;
     if (mission->strategy == MISSION_OPTIMAL) {
         (void)jp_robot_follow(&drive->rig.robot, route, (uint16_t)mission->leg_count);
     }
@@ -402,7 +405,7 @@ bool mission_run(struct mission *mission, enum mission_strategy strategy, const 
     }
     if (done) {
         mission->ticks = drive.rig.world.tick - drive.start_tick;
-        mission->saturated_ticks = telemetry_of(&drive)->saturated_ticks;
+        mission->saturated_ticks = telemetry_of(&drive).saturated_ticks;
         mission_sum_up(mission);
     }
     script_free(&drive.script);

@@ -84,7 +84,7 @@ static void note_saturation(struct run *run, bool normal)
 static void keep_books(struct run *run)
 {
     struct trial *trial = run->trial;
-    const struct jp_telemetry *telemetry = &run->rig.robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = &run->rig.robot.telemetry;
     bool normal = run->rig.world.tick > run->normal_at;
     double pitch = telemetry->motion.pitch / TURN_Q24 * 360;
 
@@ -164,7 +164,7 @@ bool trial_run(struct trial *trial, const struct robot_entry *entry, const struc
     }
     rig_release(&run.rig, trial->tilt_deg / DEGREES);
     drive(&run);
-    trial->last = run.rig.robot.telemetry;
+    jp_robot_telemetry(&run.rig.robot, &trial->last);
     trial->end_error = distance_to_last_target(&run);
     return true;
 }

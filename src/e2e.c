@@ -2,12 +2,12 @@
 
 #define COUNTER_MASK 0x0FU
 
-/** CRC of each nibble, polynomial 0x2F. */
-static const uint8_t nibble_crc[16] = {0x00, 0x2F, 0x5E, 0x71, 0xBC, 0x93, 0xE2, 0xCD,
-                                       0x57, 0x78, 0x09, 0x26, 0xEB, 0xC4, 0xB5, 0x9A};
-
 static uint8_t shift_nibble(uint8_t crc, unsigned nibble)
 {
+    /* CRC of each nibble, polynomial 0x2F. */
+    static const uint8_t nibble_crc[16] = {0x00, 0x2F, 0x5E, 0x71, 0xBC, 0x93, 0xE2, 0xCD,
+                                           0x57, 0x78, 0x09, 0x26, 0xEB, 0xC4, 0xB5, 0x9A};
+
     return (uint8_t)(((unsigned)crc << 4) ^ nibble_crc[((unsigned)crc >> 4) ^ nibble]);
 }
 
@@ -23,7 +23,7 @@ uint8_t jp_e2e_crc(uint8_t crc, const uint8_t *bytes, size_t length)
 static uint8_t message_crc(uint8_t data_id, const uint8_t *message, size_t length, const uint8_t *rest,
                            size_t rest_length)
 {
-    uint8_t crc = jp_e2e_crc(JP_E2E_CRC_START, message + 1, length - 1U);
+    uint8_t crc = jp_e2e_crc(JP_E2E_CRC_START, &message[1], length - 1U);
 
     crc = jp_e2e_crc(crc, rest, rest_length);
     return (uint8_t)~jp_e2e_crc(crc, &data_id, 1);

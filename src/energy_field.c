@@ -16,7 +16,7 @@ size_t jp_energy_field_size(const struct jp_terrain_config *config)
 void jp_energy_field_init(struct jp_energy_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
                           const struct jp_terrain *terrain, void *block)
 {
-    memset(field, 0, sizeof *field);
+    (void)memset(field, 0, sizeof *field);
     field->lattice = lattice;
     field->terrain = terrain;
     field->kind = kind;
@@ -46,7 +46,7 @@ void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_
                            int32_t target_y)
 {
     field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_WAYS_PER_RANGE);
-    const uint32_t step = (field_level_step(field->lattice, field->kind) * STEPS_PER_THRESHOLD >> field->shift) + 1;
+    const uint32_t step = ((field_level_step(field->lattice, field->kind) * STEPS_PER_THRESHOLD) >> field->shift) + 1U;
 
     jp_wavefront_start(&field->wave, field_value(step), (uint16_t)target_x, (uint16_t)target_y);
     (void)jp_energy_field_take_lowered(field);
@@ -83,11 +83,12 @@ bool jp_energy_field_grow(struct jp_energy_field *field, unsigned *cells)
     int32_t x = 0;
     int32_t y = 0;
 
-    for (; *cells > 0; --*cells) {
+    while (*cells > 0U) {
         if (!jp_wavefront_next(&field->wave, &x, &y)) {
             return true;
         }
         relax(field, x, y);
+        --*cells;
     }
     return false;
 }
@@ -132,5 +133,5 @@ jp_cost jp_energy_field_bound(const struct jp_energy_field *field, int32_t x, in
         return JP_COST_MAX;
     }
     const uint32_t bound = value < wave->horizon ? value : wave->horizon;
-    return bound << field->shift < JP_COST_MAX ? bound << field->shift : JP_COST_MAX - 1;
+    return bound << field->shift < JP_COST_MAX ? bound << field->shift : JP_COST_MAX - 1U;
 }

@@ -12,7 +12,7 @@
 static inline int64_t jp_term_scale(int64_t a, int32_t b, unsigned shift)
 {
     int64_t high = (a >> 32) * b;
-    int64_t low = (int64_t)((uint64_t)a & UINT32_MAX) * b;
+    int64_t low = (int64_t)(uint32_t)a * b;
     return high * ((int64_t)1 << (32 - shift)) + (low >> shift);
 }
 

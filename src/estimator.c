@@ -5,7 +5,7 @@
 #define TURNS_PER_RADIAN JP_Q24(0.15915494309189535)
 
 /** A gyro with more bias than this, turn/s (18 °/s), is broken; learning stops there. */
-#define GYRO_BIAS_MAX ((int64_t)JP_Q24(0.05) * ((int64_t)1 << 32))
+#define GYRO_BIAS_MAX JP_Q24(0.05)
 
 static const char *first_bad_field(const struct jp_estimator_config *config)
 {
@@ -60,20 +60,36 @@ void jp_estimator_start(struct jp_estimator *estimator, const struct jp_estimato
         .encoder_left = sensors->encoder_left,
         .encoder_right = sensors->encoder_right,
         .pitch = tilt << 24,
-        .phase_per_rate = (((jp_phase)1 << 32) + config->tick_rate / 2U) / config->tick_rate,
+        .phase_per_rate = jp_phase_per_rate(config->tick_rate),
     };
 }
 
 /** Follows a measured angle with position and rate (an alpha-beta filter). */
-static void track(struct jp_tracking_loop *loop, const struct jp_estimator_config *config, jp_phase phase_per_rate,
-                  jp_phase measured)
+static inline void track(struct jp_tracking_loop *loop, const struct jp_estimator_config *config,
+                         int32_t phase_per_rate, jp_phase measured)
 {
-    jp_phase predicted = loop->angle + (jp_phase)loop->rate * phase_per_rate;
+    jp_phase predicted = loop->angle + jp_phase_step(loop->rate, phase_per_rate);
     int64_t error = (int64_t)(measured - predicted);
     jp_q24 error_turns = turns_from_phase(error);
 
     loop->angle = predicted + (jp_phase)((error >> 16) * config->tracking_gain);
     loop->rate = jp_add(loop->rate, jp_q16_multiply(error_turns, config->tracking_rate_gain));
+}
+
+/** A turn is more than a radian: nothing saturates. */
+static jp_q24 turns(jp_q24 radians)
+{
+    return (jp_q24)((jp_multiply(radians, TURNS_PER_RADIAN) + JP_Q24_ONE / 2) >> 24);
+}
+
+/** The bias within ±GYRO_BIAS_MAX, of whose lower half all bits are 0: the upper half decides. */
+static int64_t limited_bias(int64_t bias)
+{
+    int32_t high = (int32_t)(bias >> 32);
+
+    return high >= GYRO_BIAS_MAX   ? (int64_t)((uint64_t)GYRO_BIAS_MAX << 32)
+           : high < -GYRO_BIAS_MAX ? -(int64_t)((uint64_t)GYRO_BIAS_MAX << 32)
+                                   : bias;
 }
 
 /** Draws pitch toward the accelerometer's vertical and learns the gyro's bias on the way. */
@@ -85,14 +101,12 @@ static void level(struct jp_estimator *estimator, const struct jp_estimator_conf
     jp_q31 cosine = jp_cos(pitch);
 
     /* sin(ψ_accel − ψ) in g: the part of gravity across the believed vertical; in turns it is /(2π). */
-    int64_t across = -((int64_t)sensors->accel_x * cosine + (int64_t)sensors->accel_z * sine);
-    jp_q24 tilt_error = jp_q24_multiply(jp_round_shift(across, 31), TURNS_PER_RADIAN);
+    int64_t across = -(jp_multiply(sensors->accel_x, cosine) + jp_multiply(sensors->accel_z, sine));
+    jp_q24 tilt_error = turns(jp_round_shift(across, 31));
 
-    estimator->pitch += (jp_phase)((int64_t)tilt_error * config->tilt_gain * 2);
+    estimator->pitch += (jp_phase)(jp_multiply(tilt_error, config->tilt_gain) * 2);
 
-    int64_t bias = estimator->gyro_bias - (int64_t)tilt_error * config->bias_gain * 2;
-
-    estimator->gyro_bias = bias > GYRO_BIAS_MAX ? GYRO_BIAS_MAX : bias < -GYRO_BIAS_MAX ? -GYRO_BIAS_MAX : bias;
+    estimator->gyro_bias = limited_bias(estimator->gyro_bias - jp_multiply(tilt_error, config->bias_gain) * 2);
 }
 
 static void count(struct jp_estimator *estimator, const struct jp_estimator_config *config,
@@ -108,6 +122,26 @@ static void count(struct jp_estimator *estimator, const struct jp_estimator_conf
     estimator->yaw_encoder += (jp_phase)(right - left) * config->yaw_per_count;
 }
 
+/** All but the counts. */
+static void follow(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                   const struct jp_sensors *sensors, struct jp_motion_state *state)
+{
+    track(&estimator->wheel, config, estimator->phase_per_rate, estimator->wheel_encoder);
+    track(&estimator->yaw, config, estimator->phase_per_rate, estimator->yaw_encoder);
+
+    jp_q24 pitch_rate = jp_sub(sensors->pitch_rate, turns_from_phase(estimator->gyro_bias));
+
+    estimator->pitch += jp_phase_step(pitch_rate, estimator->phase_per_rate);
+    level(estimator, config, sensors);
+
+    state->pitch = turns_from_phase(within_half_turn(estimator->pitch));
+    state->pitch_rate = pitch_rate;
+    state->wheel = estimator->wheel.angle + estimator->pitch;
+    state->wheel_rate = jp_add(estimator->wheel.rate, pitch_rate);
+    state->yaw = estimator->yaw.angle;
+    state->yaw_rate = estimator->yaw.rate;
+}
+
 void jp_estimator_resume(struct jp_estimator *estimator, const struct jp_estimator_config *config,
                          const struct jp_sensors *sensors, struct jp_motion_state *state)
 {
@@ -118,25 +152,12 @@ void jp_estimator_resume(struct jp_estimator *estimator, const struct jp_estimat
     count(estimator, config, sensors);
     estimator->wheel.angle += estimator->wheel_encoder - wheel;
     estimator->yaw.angle += estimator->yaw_encoder - yaw;
-    jp_estimator_update(estimator, config, sensors, state);
+    follow(estimator, config, sensors, state);
 }
 
 void jp_estimator_update(struct jp_estimator *estimator, const struct jp_estimator_config *config,
                          const struct jp_sensors *sensors, struct jp_motion_state *state)
 {
     count(estimator, config, sensors);
-    track(&estimator->wheel, config, estimator->phase_per_rate, estimator->wheel_encoder);
-    track(&estimator->yaw, config, estimator->phase_per_rate, estimator->yaw_encoder);
-
-    jp_q24 pitch_rate = jp_sub(sensors->pitch_rate, turns_from_phase(estimator->gyro_bias));
-
-    estimator->pitch += (jp_phase)pitch_rate * estimator->phase_per_rate;
-    level(estimator, config, sensors);
-
-    state->pitch = turns_from_phase(within_half_turn(estimator->pitch));
-    state->pitch_rate = pitch_rate;
-    state->wheel = estimator->wheel.angle + estimator->pitch;
-    state->wheel_rate = jp_add(estimator->wheel.rate, pitch_rate);
-    state->yaw = estimator->yaw.angle;
-    state->yaw_rate = estimator->yaw.rate;
+    follow(estimator, config, sensors, state);
 }

@@ -7,6 +7,40 @@ _Static_assert((int32_t)UINT32_MAX == -1, "conversion to a signed type must wrap
 #define HALF_TURN    ((jp_angle)1 << 31)
 #define EIGHTH_TURN  ((jp_angle)1 << 29)
 
+#if JP_LONG_MULTIPLY
+/** Upper half of the product. */
+static inline uint32_t multiply_high(uint32_t a, uint32_t b)
+{
+    return (uint32_t)(((uint64_t)a * b) >> 32);
+}
+#else
+/* By halves: no partial sum leaves 32 bits. */
+int64_t jp_multiply(int32_t a, int32_t b)
+{
+    uint32_t a_low = (uint32_t)a & UINT16_MAX;
+    uint32_t b_low = (uint32_t)b & UINT16_MAX;
+    int32_t a_high = a >> 16;
+    int32_t b_high = b >> 16;
+    uint32_t low = a_low * b_low;
+    int32_t middle = a_high * (int32_t)b_low + (int32_t)(low >> 16);
+    int32_t rest = b_high * (int32_t)a_low + (int32_t)(uint16_t)middle;
+    int32_t high = a_high * b_high + (middle >> 16) + (rest >> 16);
+
+    return (int64_t)(uint64_t)(((uint64_t)(uint32_t)high << 32) | ((uint32_t)rest << 16) | (low & UINT16_MAX));
+}
+
+/** Upper half of the product. */
+static uint32_t multiply_high(uint32_t a, uint32_t b)
+{
+    uint32_t a_low = a & UINT16_MAX;
+    uint32_t b_low = b & UINT16_MAX;
+    uint32_t middle = (a >> 16) * b_low + ((a_low * b_low) >> 16);
+    uint32_t rest = (b >> 16) * a_low + (middle & UINT16_MAX);
+
+    return (a >> 16) * (b >> 16) + (middle >> 16) + (rest >> 16);
+}
+#endif
+
 static uint32_t magnitude32(int32_t x)
 {
     return x < 0 ? 0u - (uint32_t)x : (uint32_t)x;
@@ -19,10 +53,10 @@ static uint64_t magnitude64(int64_t x)
 
 static int32_t signed_saturate(int negative, uint64_t magnitude)
 {
-    if (negative) {
-        return magnitude > INT32_MAX ? INT32_MIN : -(int32_t)magnitude;
+    if (negative != 0) {
+        return magnitude > (uint64_t)INT32_MAX ? INT32_MIN : -(int32_t)magnitude;
     }
-    return magnitude > INT32_MAX ? INT32_MAX : (int32_t)magnitude;
+    return magnitude > (uint64_t)INT32_MAX ? INT32_MAX : (int32_t)magnitude;
 }
 
 int32_t jp_divide(int64_t numerator, int32_t denominator)
@@ -44,7 +78,7 @@ uint32_t jp_square_root(uint64_t x)
 {
     uint64_t remainder = x;
     uint64_t root = 0; /* scaled: its last digit stands at `bit` */
-    for (uint64_t bit = (uint64_t)1 << 62; bit != 0; bit >>= 2) {
+    for (uint64_t bit = (uint64_t)1 << 62; bit != 0U; bit >>= 2) {
         uint64_t trial = root + bit;
         root >>= 1;
         if (remainder >= trial) {
@@ -64,13 +98,7 @@ jp_q16 jp_q16_square_root(jp_q16 x)
     uint64_t scaled = (uint64_t)square << 16;
     uint32_t root = jp_square_root(scaled);
     uint64_t remainder = scaled - (uint64_t)root * root;
-    return (jp_q16)(remainder > root ? root + 1 : root);
-}
-
-/** Upper half of the product. */
-static inline uint32_t multiply_high(uint32_t a, uint32_t b)
-{
-    return (uint32_t)(((uint64_t)a * b) >> 32);
+    return (jp_q16)(remainder > root ? root + 1U : root);
 }
 
 /*
@@ -85,7 +113,7 @@ jp_q31 jp_sin(jp_angle angle)
         folded = HALF_TURN - angle; /* the left half turn mirrors the right one */
     }
     jp_q31 x = jp_add((int32_t)folded, (int32_t)folded);
-    uint32_t square = (uint32_t)((uint64_t)((int64_t)x * x) >> 31);
+    uint32_t square = (uint32_t)((uint64_t)jp_multiply(x, x) >> 31);
 
     uint32_t r = 234719u;                       /* Q36 */
     r = 5387438u - multiply_high(square, r);    /* Q35 */
@@ -94,7 +122,7 @@ jp_q31 jp_sin(jp_angle angle)
     r = 2451551555u - multiply_high(square, r); /* Q32 */
 
     uint32_t complement = ((uint32_t)1 << 31) - square;
-    int64_t correction = (int64_t)x * (int32_t)multiply_high(complement, r);
+    int64_t correction = jp_multiply(x, (int32_t)multiply_high(complement, r));
     return jp_add(x, (int32_t)((correction + ((int64_t)1 << 30)) >> 31));
 }
 
@@ -117,13 +145,13 @@ static uint32_t arctangent(uint32_t t)
     for (unsigned i = 0; i < sizeof coefficients / sizeof coefficients[0]; i++) {
         p = coefficients[i] - multiply_high(z, p);
     }
-    return (multiply_high(t, p) + 2) >> 2;
+    return (multiply_high(t, p) + 2U) >> 2;
 }
 
 /** Angle of the first octant, 0 <= low <= high. */
 static jp_angle octant_angle(uint32_t low, uint32_t high)
 {
-    if (high == 0) {
+    if (high == 0U) {
         return 0;
     }
     if (low == high) {

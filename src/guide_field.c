@@ -12,12 +12,12 @@ enum {
 
 static uint16_t coarse(uint16_t cells, unsigned scale)
 {
-    return (uint16_t)((cells + scale - 1) / scale);
+    return (uint16_t)((cells + scale - 1U) / scale);
 }
 
 static size_t steps_size(uint16_t width, uint16_t height)
 {
-    return ((size_t)width * height / 2 + ALIGNMENT) / ALIGNMENT * ALIGNMENT;
+    return ((size_t)width * height / 2U + ALIGNMENT) / ALIGNMENT * ALIGNMENT;
 }
 
 size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scale)
@@ -34,7 +34,7 @@ void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *
     const uint16_t width = coarse(terrain->config.width, scale);
     const uint16_t height = coarse(terrain->config.height, scale);
 
-    memset(field, 0, sizeof *field);
+    (void)memset(field, 0, sizeof *field);
     field->lattice = lattice;
     field->terrain = terrain;
     field->turns = turns;
@@ -48,16 +48,16 @@ static unsigned step_at(const struct jp_guide_field *field, int32_t x, int32_t y
 {
     const size_t index = (size_t)y * field->wave.width + (size_t)x;
 
-    return (unsigned)(field->steps[index / 2] >> (index % 2 * STEP_BITS)) & STEP_MASK;
+    return (unsigned)(field->steps[index / 2U] >> (index % 2U * STEP_BITS)) & STEP_MASK;
 }
 
 static void set_step(struct jp_guide_field *field, int32_t x, int32_t y, unsigned step)
 {
     const size_t index = (size_t)y * field->wave.width + (size_t)x;
-    const unsigned low = (unsigned)(index % 2) * STEP_BITS;
-    const unsigned kept = field->steps[index / 2] & ~((unsigned)STEP_MASK << low);
+    const unsigned low = (unsigned)(index % 2U) * STEP_BITS;
+    const unsigned kept = field->steps[index / 2U] & ~((unsigned)STEP_MASK << low);
 
-    field->steps[index / 2] = (uint8_t)(kept | step << low);
+    field->steps[index / 2U] = (uint8_t)(kept | (step << low));
 }
 
 void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction direction,
@@ -68,7 +68,7 @@ void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction 
     field->direction = direction;
     field->root = *root;
     field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_WAYS_PER_RANGE);
-    const uint32_t step = (field_level_step(field->lattice, field->kind) * scale >> field->shift) + 1;
+    const uint32_t step = ((field_level_step(field->lattice, field->kind) * scale) >> field->shift) + 1U;
 
     jp_wavefront_start(&field->wave, field_value(step), target_x / scale, target_y / scale);
     jp_wavefront_lower(&field->wave, root->x / scale, root->y / scale, 0);
@@ -79,7 +79,7 @@ static int32_t middle(int32_t coarse_cell, unsigned scale, uint16_t cells)
 {
     const int32_t cell = coarse_cell * (int32_t)scale + (int32_t)scale / 2;
 
-    return cell < cells ? cell : cells - 1;
+    return cell < (int32_t)cells ? cell : (int32_t)cells - 1;
 }
 
 static int32_t elevation_of(const struct jp_guide_field *field, int32_t x, int32_t y)
@@ -135,7 +135,7 @@ static uint32_t turn_at_root(const struct jp_guide_field *field, unsigned headin
     uint32_t least = UINT16_MAX;
 
     for (unsigned i = 0; i < JP_HEADINGS; i++) {
-        if ((field->root.headings >> i) & 1) {
+        if (((field->root.headings >> i) & 1U) != 0U) {
             const uint32_t turn = turn_between(field, i, heading);
             least = turn < least ? turn : least;
         }
@@ -146,7 +146,7 @@ static uint32_t turn_at_root(const struct jp_guide_field *field, unsigned headin
 /** Turning between the step at a coarse cell and a heading farther from the root. */
 static uint32_t turn_at(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading)
 {
-    if (jp_wavefront_value(&field->wave, x, y) == 0) {
+    if (jp_wavefront_value(&field->wave, x, y) == 0U) {
         return turn_at_root(field, heading);
     }
     return turn_between(field, step_at(field, x, y), heading);
@@ -160,14 +160,14 @@ static void relax_step(struct jp_guide_field *field, int32_t x, int32_t y, unsig
     const int32_t ny = y + jp_move_offsets[away].dy;
     const uint32_t here = jp_wavefront_value(&field->wave, x, y);
 
-    if (nx < 0 || ny < 0 || nx >= field->wave.width || ny >= field->wave.height ||
+    if (nx < 0 || ny < 0 || nx >= (int32_t)field->wave.width || ny >= (int32_t)field->wave.height ||
         jp_wavefront_value(&field->wave, nx, ny) <= here) {
         return;
     }
     const unsigned heading = from_root ? away : (away + JP_HEADINGS / 2) % JP_HEADINGS;
     const int32_t rise = elevation_of(field, nx, ny) - elevation_of(field, x, y);
     const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(heading)],
-                                      (from_root ? rise : -rise) / field->scale);
+                                      (from_root ? rise : -rise) / (int32_t)field->scale);
     const uint32_t sum = here + ((step * field->scale + turn_at(field, x, y, heading)) >> field->shift);
     const uint16_t value = field_value(sum);
 
@@ -184,26 +184,28 @@ bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells)
     int32_t x = 0;
     int32_t y = 0;
 
-    for (; *cells > 0; --*cells) {
+    while (*cells > 0U) {
         if (!jp_wavefront_next(&field->wave, &x, &y)) {
             return true;
         }
         for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
             relax_step(field, x, y, direction);
         }
+        --*cells;
     }
     return false;
 }
 
 bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32_t y)
 {
-    return jp_wavefront_value(&field->wave, x / field->scale, y / field->scale) != JP_WAVE_NOT_REACHED;
+    return jp_wavefront_value(&field->wave, x / (int32_t)field->scale, y / (int32_t)field->scale) !=
+           JP_WAVE_NOT_REACHED;
 }
 
 jp_cost jp_guide_field_estimate(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading)
 {
-    const int32_t coarse_x = x / field->scale;
-    const int32_t coarse_y = y / field->scale;
+    const int32_t coarse_x = x / (int32_t)field->scale;
+    const int32_t coarse_y = y / (int32_t)field->scale;
     const uint32_t value = jp_wavefront_value(&field->wave, coarse_x, coarse_y);
 
     if (value >= field->wave.horizon) {

@@ -21,7 +21,7 @@ jp_cost jp_move_cost(const struct jp_slope_cost *cost, int32_t rise)
     const struct jp_polynomial *side = rise >= cost->bend ? &cost->climb : &cost->descend;
     const int32_t value = (side->constant + (side->linear + side->quadratic * rise) * rise) >> FRACTION_BITS;
 
-    return value < cost->floor ? cost->floor : (jp_cost)value;
+    return value < (int32_t)cost->floor ? cost->floor : (jp_cost)value;
 }
 
 /** Cost of a unit step less that of its rise at `slope`, at least, whatever the rise; in 2⁻¹⁶ cost units. */
@@ -44,24 +44,24 @@ jp_cost jp_lattice_straight_bound(const struct jp_lattice *lattice, enum jp_cost
     const int32_t slope = costs[JP_MOVE_AXIS].climb.linear;
     int64_t per_cell = INT64_MAX;
 
-    for (unsigned move = 0; move < JP_MOVE_KINDS; move++) {
+    for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
         const int64_t part = least_level_part(&costs[move], slope) * (1 << FRACTION_BITS) / lengths[move];
         per_cell = part < per_cell ? part : per_cell;
     }
     if (per_cell < 0) {
         return 0;
     }
-    const uint64_t square = (uint64_t)((int64_t)dx * dx + (int64_t)dy * dy);
-    const int64_t cells = jp_square_root(square << FRACTION_BITS); /* Q8 */
-    const int64_t bound = ((per_cell * cells >> FRACTION_BITS / 2) + (int64_t)slope * rise) >> FRACTION_BITS;
+    const int64_t square = (int64_t)dx * dx + (int64_t)dy * dy;
+    const int64_t cells = jp_square_root((uint64_t)square << FRACTION_BITS); /* Q8 */
+    const int64_t bound = (((per_cell * cells) >> (FRACTION_BITS / 2)) + (int64_t)slope * rise) >> FRACTION_BITS;
 
-    return bound < 0 ? 0 : bound < JP_COST_MAX ? (jp_cost)bound : JP_COST_MAX - 1;
+    return bound < 0 ? 0U : bound < (int64_t)JP_COST_MAX ? (jp_cost)bound : JP_COST_MAX - 1U;
 }
 
 jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
                           const struct jp_primitive *primitive, int32_t x, int32_t y)
 {
-    const uint8_t *moves = lattice->moves + primitive->first_move;
+    const uint8_t *moves = &lattice->moves[primitive->first_move];
     jp_cost sum = primitive->base[kind];
     int32_t elevation = jp_terrain_elevation(terrain, x, y);
 
@@ -80,7 +80,7 @@ void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, 
 {
     for (unsigned from = 0; from < JP_HEADINGS; from++) {
         for (unsigned to = 0; to < JP_HEADINGS; to++) {
-            turns->cost[from][to] = from == to ? 0 : UINT16_MAX;
+            turns->cost[from][to] = from == to ? 0U : UINT16_MAX;
         }
     }
     for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
@@ -103,7 +103,7 @@ void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, 
 static bool is_clear(const struct jp_lattice *lattice, const struct jp_terrain *terrain, struct jp_cells cells,
                      int32_t x, int32_t y)
 {
-    return jp_terrain_is_clear(terrain, lattice->spans + cells.first_span, cells.span_count, x, y);
+    return jp_terrain_is_clear(terrain, &lattice->spans[cells.first_span], cells.span_count, x, y);
 }
 
 jp_cost jp_lattice_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
@@ -138,7 +138,7 @@ static bool fits(const struct jp_polynomial *polynomial, int32_t rise)
 
 static bool is_move_cost(const struct jp_slope_cost *cost)
 {
-    if (cost->rise_max < 1 || cost->rise_max > RISE_MAX || cost->floor < 1) {
+    if (cost->rise_max < 1 || cost->rise_max > RISE_MAX || cost->floor < 1U) {
         return false;
     }
     for (int32_t rise = -cost->rise_max; rise <= cost->rise_max; rise++) {
@@ -151,8 +151,8 @@ static bool is_move_cost(const struct jp_slope_cost *cost)
 
 static bool are_move_costs(const struct jp_lattice *lattice)
 {
-    for (unsigned kind = 0; kind < JP_COST_KINDS; kind++) {
-        for (unsigned move = 0; move < JP_MOVE_KINDS; move++) {
+    for (unsigned kind = 0; kind < (unsigned)JP_COST_KINDS; kind++) {
+        for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
             if (!is_move_cost(&lattice->move_costs[kind][move])) {
                 return false;
             }
@@ -164,11 +164,11 @@ static bool are_move_costs(const struct jp_lattice *lattice)
 static bool are_headings(const struct jp_lattice *lattice)
 {
     for (unsigned heading = 1; heading < JP_HEADINGS; heading++) {
-        if (lattice->heading[heading] <= lattice->heading[heading - 1]) {
+        if (lattice->heading[heading] <= lattice->heading[heading - 1U]) {
             return false;
         }
     }
-    return lattice->heading[0] == 0;
+    return lattice->heading[0] == 0U;
 }
 
 /** Its moves lead from its start to its end, and it costs something. */
@@ -188,8 +188,8 @@ static bool is_primitive(const struct jp_lattice *lattice, const struct jp_primi
         dx += jp_move_offsets[direction].dx;
         dy += jp_move_offsets[direction].dy;
     }
-    for (unsigned kind = 0; kind < JP_COST_KINDS; kind++) {
-        if (primitive->move_count == 0 && primitive->base[kind] == 0) {
+    for (unsigned kind = 0; kind < (unsigned)JP_COST_KINDS; kind++) {
+        if (primitive->move_count == 0U && primitive->base[kind] == 0U) {
             return false;
         }
     }
@@ -198,14 +198,14 @@ static bool is_primitive(const struct jp_lattice *lattice, const struct jp_primi
 
 static bool are_starts(const struct jp_lattice *lattice)
 {
-    if (lattice->first_from[0] != 0) {
+    if (lattice->first_from[0] != 0U) {
         return false;
     }
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        if (lattice->first_from[heading + 1] - lattice->first_from[heading] > JP_PRIMITIVES_PER_HEADING_MAX) {
+        if (lattice->first_from[heading + 1U] - lattice->first_from[heading] > JP_PRIMITIVES_PER_HEADING_MAX) {
             return false;
         }
-        for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1]; i++) {
+        for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1U]; i++) {
             if (!is_primitive(lattice, &lattice->primitives[i]) || lattice->primitives[i].start != heading) {
                 return false;
             }
@@ -218,11 +218,11 @@ static bool are_ends(const struct jp_lattice *lattice)
 {
     const unsigned count = lattice->first_from[JP_HEADINGS];
 
-    if (lattice->first_to[0] != 0 || lattice->first_to[JP_HEADINGS] != count) {
+    if (lattice->first_to[0] != 0U || lattice->first_to[JP_HEADINGS] != count) {
         return false;
     }
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        for (unsigned i = lattice->first_to[heading]; i < lattice->first_to[heading + 1]; i++) {
+        for (unsigned i = lattice->first_to[heading]; i < lattice->first_to[heading + 1U]; i++) {
             if (lattice->by_end[i] >= count || lattice->primitives[lattice->by_end[i]].end != heading) {
                 return false;
             }
@@ -259,7 +259,7 @@ static bool is_reach(const struct jp_lattice *lattice, unsigned heading)
             return false;
         }
     }
-    for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1]; i++) {
+    for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1U]; i++) {
         const struct jp_primitive *primitive = &lattice->primitives[i];
         for (unsigned span = 0; span < primitive->span_count; span++) {
             if (!holds(lattice, reach, &lattice->spans[primitive->first_span + span])) {
@@ -277,7 +277,7 @@ static bool are_spans(const struct jp_lattice *lattice)
             return false;
         }
     }
-    return lattice->core.span_count > 0;
+    return lattice->core.span_count > 0U;
 }
 
 enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field)

@@ -2,8 +2,8 @@
 
 #include <stddef.h>
 
-/** Errors are limited to ±64 turns, so that eight products fit 64 bits. */
-#define ERROR_LIMIT JP_Q24(64)
+/** Errors are limited to [−64, 64) turns, so that eight products fit 64 bits. */
+#define ERROR_BITS 31
 
 /** The integrators hold 31 bits above this many bits of 2⁻²⁴ turn·tick. */
 #define INTEGRAL_SHIFT 10
@@ -54,10 +54,15 @@ enum jp_status jp_lqr_check(const struct jp_lqr_config *config, const char **fie
     return *field == NULL ? JP_OK : JP_ERR_CONFIG;
 }
 
-/** V per turn·s as V per 2⁻¹⁴ turn·tick, in Q40. */
+/** V per turn·s as V per 2⁻¹⁴ turn·tick, in Q40, rounded; tick_rate is at most 10 000. */
 static int32_t integral_gain(jp_q16 gain, uint32_t tick_rate)
 {
-    return jp_divide((int64_t)gain * ((int64_t)1 << (PRODUCT_BITS - 16 - 24 + INTEGRAL_SHIFT)), (int32_t)tick_rate);
+    uint32_t size = (uint32_t)magnitude(gain);
+    uint32_t rest = (size % tick_rate) << (PRODUCT_BITS - 16 - 24 + INTEGRAL_SHIFT);
+    uint32_t quotient =
+        ((size / tick_rate) << (PRODUCT_BITS - 16 - 24 + INTEGRAL_SHIFT)) + (rest + tick_rate / 2U) / tick_rate;
+
+    return gain < 0 ? -(int32_t)quotient : (int32_t)quotient;
 }
 
 void jp_lqr_start(struct jp_lqr *lqr, const struct jp_lqr_config *config)
@@ -68,14 +73,22 @@ void jp_lqr_start(struct jp_lqr *lqr, const struct jp_lqr_config *config)
     };
 }
 
+void jp_lqr_restart(struct jp_lqr *lqr)
+{
+    lqr->wheel_integral = 0;
+    lqr->yaw_integral = 0;
+}
+
 static jp_q24 limited_error(jp_q24 error)
 {
-    return jp_clamp32(error, -ERROR_LIMIT, ERROR_LIMIT);
+    return jp_saturate_bits(error, ERROR_BITS);
 }
 
 static jp_q16 volts(int64_t product)
 {
-    return jp_round_shift(product, PRODUCT_BITS - 16);
+    const int64_t half = (int64_t)1 << (PRODUCT_BITS - 16 - 1);
+
+    return jp_saturate32((product + half) >> (PRODUCT_BITS - 16));
 }
 
 /** Adds the error unless the limit holds back a voltage that the error would push further. */
@@ -94,7 +107,7 @@ static void integrate(int64_t *integral, jp_q24 error, int32_t gain, jp_q16 want
 
 static int64_t integral_product(int64_t integral, int32_t gain)
 {
-    return (int64_t)(int32_t)(integral >> INTEGRAL_SHIFT) * gain;
+    return jp_multiply((int32_t)(integral >> INTEGRAL_SHIFT), gain);
 }
 
 void jp_lqr_update(struct jp_lqr *lqr, const struct jp_lqr_config *config, const struct jp_reference *reference,
@@ -108,15 +121,15 @@ void jp_lqr_update(struct jp_lqr *lqr, const struct jp_lqr_config *config, const
     jp_q24 pitch_rate = limited_error(jp_sub(0, state->pitch_rate));
 
     jp_q16 travel_limit = limit > config->pitch_reserve ? limit - config->pitch_reserve : 0;
-    jp_q16 travel_wanted = volts((int64_t)config->wheel * wheel + (int64_t)config->wheel_rate * wheel_rate +
+    jp_q16 travel_wanted = volts(jp_multiply(config->wheel, wheel) + jp_multiply(config->wheel_rate, wheel_rate) +
                                  integral_product(lqr->wheel_integral, lqr->integral_gain_wheel));
     jp_q16 travel = jp_clamp32(travel_wanted, -travel_limit, travel_limit);
-    jp_q16 balance = volts((int64_t)config->pitch * pitch + (int64_t)config->pitch_rate * pitch_rate);
+    jp_q16 balance = volts(jp_multiply(config->pitch, pitch) + jp_multiply(config->pitch_rate, pitch_rate));
     jp_q16 common_wanted = jp_add(travel, balance);
     jp_q16 common = jp_clamp32(common_wanted, -limit, limit);
 
     jp_q16 yaw_limit = limit - (common < 0 ? -common : common);
-    jp_q16 difference_wanted = volts((int64_t)config->yaw * yaw + (int64_t)config->yaw_rate * yaw_rate +
+    jp_q16 difference_wanted = volts(jp_multiply(config->yaw, yaw) + jp_multiply(config->yaw_rate, yaw_rate) +
                                      integral_product(lqr->yaw_integral, lqr->integral_gain_yaw));
     jp_q16 difference = jp_clamp32(difference_wanted, -yaw_limit, yaw_limit);
 

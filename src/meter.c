@@ -9,7 +9,7 @@ static const char *first_bad_field(const struct jp_meter_config *config)
     }
     /* Below 64 Ω/s the squares of 1 024 V would not fit. */
     if (config->motor_resistance < JP_Q16(0.01) || config->motor_resistance > JP_Q16(256) ||
-        (int64_t)config->motor_resistance * config->tick_rate < JP_Q16(64)) {
+        (int64_t)config->motor_resistance * (int64_t)config->tick_rate < JP_Q16(64)) {
         return "meter.motor_resistance";
     }
     if (config->electronics_power < 0 || config->electronics_power > JP_Q16(256)) {
@@ -44,10 +44,12 @@ static int64_t multiply_q32(int64_t a, uint32_t b)
     return (a >> 32) * b + (int64_t)(low >> 32);
 }
 
-void jp_meter_update(struct jp_meter *meter, const jp_q16 voltages[2], const jp_q16 currents[2])
+void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages, const struct jp_sensors *sensors)
 {
-    int64_t squares = (int64_t)voltages[0] * voltages[0] + (int64_t)voltages[1] * voltages[1];
-    int64_t power = (int64_t)voltages[0] * currents[0] + (int64_t)voltages[1] * currents[1];
+    jp_q16 left = voltages->left;
+    jp_q16 right = voltages->right;
+    int64_t squares = jp_multiply(left, left) + jp_multiply(right, right);
+    int64_t power = jp_multiply(left, sensors->current_left) + jp_multiply(right, sensors->current_right);
 
     meter->model += multiply_q32(squares, (uint32_t)meter->tick_per_ohm) + meter->electronics_tick;
     meter->battery += multiply_q32(power, (uint32_t)meter->tick) + meter->electronics_tick;

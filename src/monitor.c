@@ -2,6 +2,9 @@
 
 #include <stddef.h>
 
+/** Rm i fits Q16 volts, V in Q32. */
+#define RESISTIVE_LIMIT ((int64_t)JP_Q16(32767) * JP_Q16_ONE)
+
 static const char *first_bad_field(const struct jp_monitor_config *config)
 {
     if (config->tilt_limit < JP_Q24(0.01) || config->tilt_limit > JP_Q24(0.25)) {
@@ -25,14 +28,17 @@ static const char *first_bad_field(const struct jp_monitor_config *config)
     if (config->voltage_min <= 0) {
         return "monitor.voltage_min";
     }
-    if (config->voltage_max <= config->voltage_min) {
+    if (config->voltage_max <= config->voltage_min || config->voltage_max > JP_Q16(1000)) {
         return "monitor.voltage_max";
     }
     if (config->motor_resistance < JP_Q16(0.01) || config->motor_resistance > JP_Q16(256)) {
         return "monitor.motor_resistance";
     }
-    if (config->back_emf <= 0) {
+    if (config->back_emf <= 0 || config->back_emf >= JP_Q16(256)) {
         return "monitor.back_emf";
+    }
+    if ((int64_t)config->current_limit * config->motor_resistance > RESISTIVE_LIMIT) {
+        return "monitor.current_limit, motor_resistance";
     }
     if (config->half_track <= 0 || config->half_track > JP_Q16(64)) {
         return "monitor.half_track";
@@ -58,23 +64,17 @@ enum jp_status jp_monitor_check(const struct jp_monitor_config *config, const ch
     return *field == NULL ? JP_OK : JP_ERR_CONFIG;
 }
 
-void jp_monitor_start(struct jp_monitor *monitor)
+void jp_monitor_start(struct jp_monitor *monitor, const struct jp_monitor_config *config)
 {
-    *monitor = (struct jp_monitor){.started = false};
+    *monitor = (struct jp_monitor){
+        .residual_limit = jp_q16_multiply(config->current_residual, config->motor_resistance),
+    };
 }
 
+/** |value| > limit, for a limit >= 0: values below −limit wrap round and are large, too. */
 static bool beyond(int32_t value, int32_t limit)
 {
-    return value > limit || value < -limit;
-}
-
-/** |a − b| > limit for wrapping counts. */
-static bool counts_jump(uint32_t a, uint32_t b, uint32_t limit)
-{
-    uint32_t forward = a - b;
-    uint32_t backward = b - a;
-
-    return forward > limit && backward > limit;
+    return (uint32_t)value + (uint32_t)limit > 2U * (uint32_t)limit;
 }
 
 static uint16_t ranges(const struct jp_monitor_config *config, const struct jp_sensors *sensors)
@@ -103,8 +103,8 @@ static uint16_t jumps(const struct jp_monitor_config *config, const struct jp_se
         beyond(jp_sub(sensors->yaw_rate, before->yaw_rate), config->gyro_jump)) {
         faults |= JP_FAULT_IMU_JUMP;
     }
-    if (counts_jump(sensors->encoder_left, before->encoder_left, config->encoder_jump) ||
-        counts_jump(sensors->encoder_right, before->encoder_right, config->encoder_jump)) {
+    if (beyond((int32_t)(sensors->encoder_left - before->encoder_left), (int32_t)config->encoder_jump) ||
+        beyond((int32_t)(sensors->encoder_right - before->encoder_right), (int32_t)config->encoder_jump)) {
         faults |= JP_FAULT_ENCODER_JUMP;
     }
     return (uint16_t)faults;
@@ -124,32 +124,27 @@ static bool persists(uint16_t *ticks, bool condition, uint16_t limit)
 }
 
 /** True once one channel has repeated itself to the bit for so long. */
-static bool imu_frozen(struct jp_monitor *monitor, const struct jp_monitor_config *config,
-                       const struct jp_sensors *sensors)
+static bool imu_frozen(struct jp_monitor *monitor, uint16_t limit, const struct jp_sensors *sensors)
 {
     const struct jp_sensors *before = &monitor->good;
-    const bool repeats[JP_IMU_CHANNELS] = {sensors->pitch_rate == before->pitch_rate,
-                                           sensors->yaw_rate == before->yaw_rate, sensors->accel_x == before->accel_x,
-                                           sensors->accel_z == before->accel_z};
-    bool frozen = false;
+    uint16_t *ticks = monitor->frozen_ticks;
+    bool pitch_rate = persists(&ticks[0], sensors->pitch_rate == before->pitch_rate, limit);
+    bool yaw_rate = persists(&ticks[1], sensors->yaw_rate == before->yaw_rate, limit);
+    bool accel_x = persists(&ticks[2], sensors->accel_x == before->accel_x, limit);
+    bool accel_z = persists(&ticks[3], sensors->accel_z == before->accel_z, limit);
 
-    for (unsigned i = 0; i < JP_IMU_CHANNELS; i++) {
-        if (persists(&monitor->frozen_ticks[i], config->freeze_ticks != 0U && repeats[i], config->freeze_ticks)) {
-            frozen = true;
-        }
-    }
-    return frozen;
+    return pitch_rate || yaw_rate || accel_x || accel_z;
 }
 
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
-                            struct jp_sensors *sensors)
+                            const struct jp_sensors *sensors)
 {
     unsigned suspected = read == JP_OK ? ranges(config, sensors) : (unsigned)JP_FAULT_HARDWARE;
     bool frozen = false;
 
     if (read == JP_OK && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
-        frozen = imu_frozen(monitor, config, sensors);
+        frozen = config->freeze_ticks != 0U && imu_frozen(monitor, config->freeze_ticks, sensors);
     }
 
     bool confirmed = persists(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
@@ -157,29 +152,31 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
     if (suspected == 0U) {
         monitor->good = *sensors;
         monitor->started = true;
-    } else if (monitor->started) {
-        *sensors = monitor->good;
     }
     return (uint16_t)((confirmed ? suspected : 0U) | (frozen ? (unsigned)JP_FAULT_IMU_FROZEN : 0U));
 }
 
-static bool contradicts(const struct jp_monitor_config *config, jp_q16 current, jp_q16 voltage, jp_q24 rate)
+/** Rm i − (u − kb ω): compared as a voltage there is no division. */
+static inline jp_q16 voltage_residual(const struct jp_monitor_config *config, jp_q16 current, jp_q16 voltage,
+                                      jp_q24 rate)
 {
-    jp_q16 back_emf = jp_multiply_shift(rate, config->back_emf, 24);
+    /* Neither saturates: the checked configuration leaves no room for it. */
+    jp_q16 back_emf = (jp_q16)((jp_multiply(rate, config->back_emf) + JP_Q24_ONE / 2) >> 24);
+    jp_q16 resistive = (jp_q16)((jp_multiply(current, config->motor_resistance) + JP_Q16_ONE / 2) >> 16);
 
-    /* Compared as voltages: no division. */
-    jp_q16 residual = jp_sub(jp_q16_multiply(current, config->motor_resistance), jp_sub(voltage, back_emf));
-
-    return beyond(residual, jp_q16_multiply(config->current_residual, config->motor_resistance));
+    return jp_sub(resistive, jp_sub(voltage, back_emf));
 }
 
 uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_config *config,
-                           const struct jp_sensors *sensors, const jp_q16 voltages[2], jp_q24 wheel_rate,
-                           jp_q24 yaw_rate)
+                           const struct jp_voltages *voltages, jp_q24 wheel_rate, jp_q24 yaw_rate)
 {
+    const struct jp_sensors *sensors = &monitor->good;
+    jp_q16 limit = monitor->residual_limit;
     jp_q24 turning = jp_q16_multiply(yaw_rate, config->half_track);
-    bool left = contradicts(config, sensors->current_left, voltages[0], jp_sub(wheel_rate, turning));
-    bool right = contradicts(config, sensors->current_right, voltages[1], jp_add(wheel_rate, turning));
+    bool left =
+        beyond(voltage_residual(config, sensors->current_left, voltages->left, jp_sub(wheel_rate, turning)), limit);
+    bool right =
+        beyond(voltage_residual(config, sensors->current_right, voltages->right, jp_add(wheel_rate, turning)), limit);
     unsigned faults = 0;
 
     if (persists(&monitor->residual_ticks[0], left, config->residual_ticks)) {

@@ -1,7 +1,7 @@
 #include <joulepath/odometry.h>
 
-/** An eighth of a turn in a tick, far beyond any robot, so that the products fit 64 bits. */
-#define ROLLED_LIMIT ((int32_t)1 << 29)
+/** An eighth of a turn in a tick, far beyond any robot, so that the distance fits 32 bits. */
+#define ROLLED_BITS 30
 
 void jp_odometry_start(struct jp_odometry *odometry, jp_q24 metres_per_turn, const struct jp_motion_state *state)
 {
@@ -13,17 +13,17 @@ void jp_odometry_start(struct jp_odometry *odometry, jp_q24 metres_per_turn, con
 }
 
 /** component · distance with the component in Q31 and the distance in Q32 m. */
-static int64_t along(jp_q31 component, int64_t distance)
+static int64_t along(jp_q31 component, int32_t distance)
 {
-    return (component * distance) >> 31;
+    return jp_multiply(component, distance) >> 31;
 }
 
 void jp_odometry_update(struct jp_odometry *odometry, const struct jp_motion_state *state)
 {
     jp_angle wheel = jp_phase_angle(state->wheel);
     jp_angle heading = jp_phase_angle(state->yaw);
-    int64_t rolled = jp_clamp32((int32_t)(wheel - odometry->wheel), -ROLLED_LIMIT, ROLLED_LIMIT);
-    int64_t distance = (rolled * odometry->metres_per_turn) >> 24;
+    int32_t rolled = jp_saturate_bits((int32_t)(wheel - odometry->wheel), ROLLED_BITS);
+    int32_t distance = (int32_t)(jp_multiply(rolled, odometry->metres_per_turn) >> 24);
     jp_angle mean = odometry->heading + (jp_angle)((int32_t)(heading - odometry->heading) / 2);
 
     odometry->wheel = wheel;

@@ -31,6 +31,8 @@ enum {
     REPAIRS_PER_EXPANSION = 1,
 };
 
+_Static_assert(JP_PLANNER_CELLS_MAX / JP_TERRAIN_SIDE_MAX >= JP_TERRAIN_SIDE_MAX, "no map is too large");
+
 static size_t route_bytes(const struct jp_terrain_config *config)
 {
     const size_t steps = ROUTE_STEPS_MIN + (size_t)config->width * config->height / CELLS_PER_ROUTE_STEP;
@@ -40,7 +42,7 @@ static size_t route_bytes(const struct jp_terrain_config *config)
 
 size_t jp_planner_size_min(const struct jp_terrain_config *config)
 {
-    if (jp_terrain_size(config) == 0 || (uint32_t)config->width * config->height > JP_PLANNER_CELLS_MAX) {
+    if (jp_terrain_size(config) == 0U) {
         return 0;
     }
     return jp_guide_field_size(config, JP_GUIDE_SCALE_MAX) + ROUTES * route_bytes(config) +
@@ -65,8 +67,8 @@ static bool is_schedule(const uint16_t *epsilon)
     if (epsilon[0] < JP_EPSILON_ONE || epsilon[0] > JP_EPSILON_MAX) {
         return false;
     }
-    for (unsigned i = 1; i < JP_EPSILON_LEVELS && epsilon[i] != 0; i++) {
-        if (epsilon[i] < JP_EPSILON_ONE || epsilon[i] >= epsilon[i - 1]) {
+    for (unsigned i = 1; i < JP_EPSILON_LEVELS && epsilon[i] != 0U; i++) {
+        if (epsilon[i] < JP_EPSILON_ONE || epsilon[i] >= epsilon[i - 1U]) {
             return false;
         }
     }
@@ -78,13 +80,13 @@ static const char *field_out_of_range(const struct jp_planner_config *config, co
     if (config->lattice == NULL || config->lattice->resolution != terrain->config.resolution) {
         return "lattice";
     }
-    if ((unsigned)config->cost >= JP_COST_KINDS) {
+    if ((unsigned)config->cost >= (unsigned)JP_COST_KINDS) {
         return "cost";
     }
     if (!is_schedule(config->epsilon)) {
         return "epsilon";
     }
-    return jp_planner_size_min(&terrain->config) == 0 ? "terrain" : NULL;
+    return jp_planner_size_min(&terrain->config) == 0U ? "terrain" : NULL;
 }
 
 /** Most neighbours that an expansion can add, in either direction. */
@@ -93,8 +95,8 @@ static uint16_t neighbours_max(const struct jp_lattice *lattice)
     unsigned most = 0;
 
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        const unsigned leaving = (unsigned)lattice->first_from[heading + 1] - lattice->first_from[heading];
-        const unsigned arriving = (unsigned)lattice->first_to[heading + 1] - lattice->first_to[heading];
+        const unsigned leaving = (unsigned)lattice->first_from[heading + 1U] - lattice->first_from[heading];
+        const unsigned arriving = (unsigned)lattice->first_to[heading + 1U] - lattice->first_to[heading];
         most = leaving > most ? leaving : most;
         most = arriving > most ? arriving : most;
     }
@@ -113,16 +115,16 @@ static void lay_out(struct jp_planner *planner, uint8_t *block, size_t size)
 
     jp_guide_field_init(&planner->guide, config->lattice, config->cost, planner->terrain, &planner->turns, scale,
                         block);
-    planner->route = block + guide_bytes;
-    planner->spare_route = planner->route + route_bytes(map);
+    planner->route = &block[guide_bytes];
+    planner->spare_route = &planner->route[route_bytes(map)];
     planner->route_max = (uint16_t)route_bytes(map);
     planner->statistics.guide_bytes = (uint32_t)guide_bytes;
     if (used + field_bytes + jp_planner_states_size((uint32_t)map->width * map->height) <= size) {
-        jp_energy_field_init(&planner->field, config->lattice, config->cost, planner->terrain, block + used);
+        jp_energy_field_init(&planner->field, config->lattice, config->cost, planner->terrain, &block[used]);
         planner->statistics.field_bytes = (uint32_t)field_bytes;
         used += field_bytes;
     }
-    jp_planner_states_init(planner, block + used, size - used);
+    jp_planner_states_init(planner, &block[used], size - used);
 }
 
 enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_planner_config *config,
@@ -141,7 +143,7 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
     if (size < jp_planner_size_min(&terrain->config)) {
         return JP_ERR_MEMORY;
     }
-    memset(planner, 0, sizeof *planner);
+    (void)memset(planner, 0, sizeof *planner);
     planner->config = *config;
     planner->terrain = terrain;
     planner->terrain_version = terrain->version;
@@ -159,7 +161,7 @@ static bool is_ready(const struct jp_planner *planner)
 
 static bool has_field(const struct jp_planner *planner)
 {
-    return planner->statistics.field_bytes > 0;
+    return planner->statistics.field_bytes > 0U;
 }
 
 static void begin_field(struct jp_planner *planner)
@@ -272,14 +274,14 @@ enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_g
 {
     bool fits = false;
 
-    if (planner == NULL || goal == NULL || goal->headings == 0) {
+    if (planner == NULL || goal == NULL || goal->headings == 0U) {
         return JP_ERR_ARGUMENT;
     }
     if (!jp_terrain_contains(planner->terrain, goal->x, goal->y)) {
         return JP_ERR_OUTSIDE;
     }
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        fits |= ((goal->headings >> heading) & 1) != 0 &&
+        fits |= ((goal->headings >> heading) & 1U) != 0U &&
                 jp_lattice_can_stand(planner->config.lattice, planner->terrain, goal->x, goal->y, heading);
     }
     if (!fits) {
@@ -347,7 +349,7 @@ static bool take_next_epsilon(struct jp_planner *planner)
     const unsigned next = planner->level + 1U;
 
     if (planner->answer != JP_ANSWER_WITHIN_BOUND || planner->forward || next == JP_EPSILON_LEVELS ||
-        planner->config.epsilon[next] == 0) {
+        planner->config.epsilon[next] == 0U) {
         return false;
     }
     planner->level = (uint8_t)next;
@@ -421,6 +423,7 @@ static void search(struct jp_planner *planner, unsigned *budget)
         planner->phase = PHASE_REKEY;
         break;
     case SEARCH_WORKING:
+    default:
         break;
     }
 }
@@ -440,7 +443,7 @@ static void states_are_repaired(struct jp_planner *planner)
 
 static void repair(struct jp_planner *planner, unsigned *budget)
 {
-    switch (planner->change_count == 0 ? REPAIR_DONE : jp_repair_work(planner, budget)) {
+    switch (planner->change_count == 0U ? REPAIR_DONE : jp_repair_work(planner, budget)) {
     case REPAIR_DONE:
         states_are_repaired(planner);
         break;
@@ -448,6 +451,7 @@ static void repair(struct jp_planner *planner, unsigned *budget)
         jp_planner_restart(planner);
         break;
     case REPAIR_WORKING:
+    default:
         break;
     }
 }
@@ -493,7 +497,7 @@ enum jp_answer jp_planner_work(struct jp_planner *planner, unsigned expansions)
     if (is_stale(planner)) {
         return JP_ANSWER_STALE;
     }
-    while (expansions > 0 && planner->phase != PHASE_IDLE) {
+    while (expansions > 0U) {
         expansions = work(planner, expansions);
     }
     return planner->answer;
@@ -521,7 +525,8 @@ static void note_change(struct jp_planner *planner, int32_t x, int32_t y, bool m
         return;
     }
     if (planner->is_searching) {
-        planner->changes[planner->change_count++] = (struct jp_cell_change){(int16_t)x, (int16_t)y};
+        planner->changes[planner->change_count] = (struct jp_cell_change){(int16_t)x, (int16_t)y};
+        planner->change_count++;
         planner->may_be_cheaper |= may_be_cheaper;
         planner->is_repaired = true;
         planner->repair_cursor = 0;

@@ -40,7 +40,7 @@ static bool is_near(int32_t a, int32_t first, int32_t last)
 
 bool jp_repair_fits(const struct jp_planner *planner, int32_t x, int32_t y)
 {
-    if (planner->change_count == 0) {
+    if (planner->change_count == 0U) {
         return true;
     }
     const struct jp_cell_box box = box_of_changes(planner);
@@ -67,7 +67,7 @@ static void fill_window(struct window *window, const struct jp_planner *planner,
     const struct jp_lattice *lattice = planner->config.lattice;
     const struct jp_cell_box box = box_of_changes(planner);
 
-    memset(window, 0, sizeof *window);
+    (void)memset(window, 0, sizeof *window);
     window->x = box.first_x - JP_SWEEP_REACH;
     window->y = box.first_y - JP_SWEEP_REACH;
     for (unsigned i = 0; i < planner->change_count; i++) {
@@ -96,14 +96,14 @@ static enum repair_result repair_heading(struct jp_planner *planner, unsigned he
         const uint32_t cell = planner->repair_cursor - first;
         const uint64_t rest = window.rows[cell / WINDOW] >> (cell % WINDOW);
 
-        if (rest == 0) {
+        if (rest == 0U) {
             planner->repair_cursor += WINDOW - cell % WINDOW;
             continue;
         }
         if (*states == 0) {
             return REPAIR_WORKING;
         }
-        if ((rest & 1) != 0) {
+        if ((rest & 1U) != 0U) {
             --*states;
             if (!repair_cell(planner, &window, heading, cell)) {
                 return REPAIR_FULL;

@@ -1,5 +1,7 @@
 #include "planner_route.h"
 
+#include <stddef.h>
+
 #include "planner_search.h"
 #include "planner_states.h"
 
@@ -13,7 +15,9 @@ struct trace {
 
 static uint8_t index_of(const struct jp_lattice *lattice, const struct jp_primitive *primitive)
 {
-    return (uint8_t)(primitive - (lattice->primitives + lattice->first_from[primitive->start]));
+    const ptrdiff_t index = primitive - &lattice->primitives[lattice->first_from[primitive->start]];
+
+    return (uint8_t)index;
 }
 
 static struct jp_pose move(const struct jp_pose *pose, const struct jp_primitive *primitive, bool backward)
@@ -46,7 +50,7 @@ static struct trace walk(const struct jp_planner *planner, const struct jp_pose 
         const struct jp_pose next = move(&trace.end, way.primitive, planner->forward);
         trace.cost = jp_cost_add(trace.cost, cost_of(planner, planner->forward ? &next : &trace.end, way.primitive));
         if (route != NULL) {
-            route[planner->forward ? route_steps - 1 - trace.steps : trace.steps] =
+            route[planner->forward ? route_steps - 1U - trace.steps : trace.steps] =
                 index_of(planner->config.lattice, way.primitive);
         }
         trace.end = next;
@@ -67,7 +71,7 @@ static jp_cost straight_bound(const struct jp_planner *planner)
 
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
         const uint16_t cost = planner->turns.cost[start->heading][heading];
-        if ((goal->headings >> heading) & 1 && cost < turn) {
+        if (((goal->headings >> heading) & 1U) != 0U && cost < turn) {
             turn = cost;
         }
     }
@@ -84,7 +88,7 @@ static uint16_t proved_bound(const struct jp_planner *planner, jp_cost cost)
     if (planner->is_exact || cost <= least) {
         return JP_EPSILON_ONE;
     }
-    const uint64_t ratio = least == 0 ? JP_BOUND_NONE : ((uint64_t)cost * JP_EPSILON_ONE + least - 1) / least;
+    const uint64_t ratio = least == 0U ? JP_BOUND_NONE : ((uint64_t)cost * JP_EPSILON_ONE + least - 1U) / least;
     return ratio < JP_BOUND_NONE ? (uint16_t)ratio : JP_BOUND_NONE;
 }
 
@@ -92,6 +96,14 @@ static uint16_t proved_bound(const struct jp_planner *planner, jp_cost cost)
 static bool is_worse(const struct jp_planner *planner, jp_cost cost)
 {
     return planner->answer == JP_ANSWER_WITHIN_BOUND && !planner->is_exact && cost >= planner->plan.cost;
+}
+
+static enum jp_answer answer_of(const struct jp_plan *plan)
+{
+    if (plan->cost_left > 0U) {
+        return JP_ANSWER_PARTIAL;
+    }
+    return plan->bound == JP_EPSILON_ONE ? JP_ANSWER_OPTIMAL : JP_ANSWER_WITHIN_BOUND;
 }
 
 static void publish(struct jp_planner *planner, const struct jp_pose *end, jp_cost cost, jp_cost cost_left,
@@ -104,10 +116,8 @@ static void publish(struct jp_planner *planner, const struct jp_pose *end, jp_co
     plan->cost = cost;
     plan->cost_left = cost_left;
     plan->step_count = (uint16_t)steps;
-    plan->bound = cost_left > 0 ? 0 : proved_bound(planner, cost);
-    plan->answer = cost_left > 0                   ? JP_ANSWER_PARTIAL
-                   : plan->bound == JP_EPSILON_ONE ? JP_ANSWER_OPTIMAL
-                                                   : JP_ANSWER_WITHIN_BOUND;
+    plan->bound = cost_left > 0U ? 0U : proved_bound(planner, cost);
+    plan->answer = answer_of(plan);
 }
 
 static void take_spare_route(struct jp_planner *planner)
@@ -130,7 +140,7 @@ static bool publish_backward(struct jp_planner *planner)
         return true;
     }
     take_spare_route(planner);
-    publish(planner, &trace.end, trace.cost, trace.is_complete ? 0 : jp_search_cheapest_way(planner, &trace.end).cost,
+    publish(planner, &trace.end, trace.cost, trace.is_complete ? 0U : jp_search_cheapest_way(planner, &trace.end).cost,
             trace.steps);
     return true;
 }
@@ -140,7 +150,7 @@ static jp_cost estimate_left(const struct jp_planner *planner, const struct jp_p
 {
     const jp_cost rest = jp_search_rest(planner, end);
 
-    return rest > 0 ? rest : 1;
+    return rest > 0U ? rest : 1U;
 }
 
 /** To the goal, or to the state from which least is left; cut at its far end where the route's memory ends. */
@@ -165,7 +175,7 @@ static bool publish_forward(struct jp_planner *planner)
     }
     (void)walk(planner, &end, trace.steps, planner->spare_route, trace.steps);
     take_spare_route(planner);
-    publish(planner, &end, trace.cost, arrived && !is_cut ? 0 : estimate_left(planner, &end), trace.steps);
+    publish(planner, &end, trace.cost, arrived && !is_cut ? 0U : estimate_left(planner, &end), trace.steps);
     return true;
 }
 

@@ -32,7 +32,8 @@ static uint32_t start_id(const struct jp_planner *planner)
 
 static bool is_goal(const struct jp_planner *planner, const struct jp_pose *pose)
 {
-    return pose->x == planner->goal.x && pose->y == planner->goal.y && (planner->goal.headings >> pose->heading) & 1;
+    return pose->x == planner->goal.x && pose->y == planner->goal.y &&
+           ((planner->goal.headings >> pose->heading) & 1U) != 0U;
 }
 
 static bool is_start(const struct jp_planner *planner, const struct jp_pose *pose)
@@ -77,7 +78,7 @@ static uint32_t key_of(const struct jp_planner *planner, const struct jp_planner
     if (state->g > state->rhs) {
         return (uint32_t)state->rhs + inflate(planner, rest) + bucket_width(planner);
     }
-    return (uint32_t)state->g + (planner->is_exact ? rest : 0);
+    return (uint32_t)state->g + (planner->is_exact ? rest : 0U);
 }
 
 /** A state that was expanded by an estimate waits for the next ε when it has become cheaper; one that the robot cannot
@@ -254,7 +255,7 @@ uint32_t jp_search_target(const struct jp_planner *planner)
     }
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
         const uint32_t slot =
-            (planner->goal.headings >> heading) & 1
+            ((planner->goal.headings >> heading) & 1U) != 0U
                 ? jp_planner_states_find(planner, jp_search_id(planner, planner->goal.x, planner->goal.y, heading))
                 : NO_SLOT;
         if (slot != NO_SLOT && (best == NO_SLOT || planner->states[slot].g < planner->states[best].g)) {
@@ -368,9 +369,10 @@ void jp_search_rekey(struct jp_planner *planner, bool widen)
 bool jp_search_rekey_work(struct jp_planner *planner, unsigned *slots)
 {
     while (planner->rekey_slot<planner->slot_count && * slots> 0) {
-        const uint32_t slot = planner->rekey_slot++;
+        const uint32_t slot = planner->rekey_slot;
         struct jp_planner_state *state = &planner->states[slot];
 
+        planner->rekey_slot++;
         state->queued = 0;
         state->closed = 0;
         if (state->used && state->g != state->rhs) {

@@ -13,11 +13,11 @@ enum {
 static bool is_prime(uint32_t n)
 {
     for (uint32_t divisor = 2; divisor <= n / divisor; divisor++) {
-        if (n % divisor == 0) {
+        if (n % divisor == 0U) {
             return false;
         }
     }
-    return n > 1;
+    return n > 1U;
 }
 
 static uint32_t bucket_count_for(uint32_t slots)
@@ -58,24 +58,24 @@ void jp_planner_states_init(struct jp_planner *planner, void *block, size_t size
     while (!is_prime(planner->slot_count)) {
         planner->slot_count--;
     }
-    planner->buckets = (uint32_t *)(void *)(planner->states + planner->slot_count);
+    planner->buckets = (uint32_t *)(void *)&planner->states[planner->slot_count];
     planner->statistics.states_max = planner->slot_count * LOAD_NUMERATOR / LOAD_DENOMINATOR;
     planner->statistics.search_bytes = (uint32_t)(planner->slot_count * sizeof(struct jp_planner_state) + bucket_bytes);
 }
 
 void jp_planner_states_clear(struct jp_planner *planner)
 {
-    memset(planner->states, 0, planner->slot_count * sizeof *planner->states);
+    (void)memset(planner->states, 0, planner->slot_count * sizeof *planner->states);
     planner->statistics.states = 0;
 }
 
 /** Of all bits of the id, spread over 32 bits. */
 static uint32_t hash(uint32_t id)
 {
-    uint32_t bits = id * UINT32_C(0x9E3779B1);
+    uint32_t bits = id * 0x9E3779B1U;
 
     bits ^= bits >> 15;
-    return bits * UINT32_C(0x85EBCA77);
+    return bits * 0x85EBCA77U;
 }
 
 /** Slot of the state or the free slot where it belongs. */
@@ -83,7 +83,7 @@ static uint32_t probe(const struct jp_planner *planner, uint32_t id)
 {
     const uint32_t bits = hash(id);
     const uint32_t count = planner->slot_count;
-    const uint32_t step = 1 + (bits & 0x3FF) % (count - 1);
+    const uint32_t step = 1U + (bits & 0x3FFU) % (count - 1U);
     uint32_t slot = (uint32_t)(((uint64_t)bits * count) >> 32);
 
     while (planner->states[slot].used && planner->states[slot].id != id) {
@@ -115,7 +115,7 @@ uint32_t jp_planner_states_add(struct jp_planner *planner, uint32_t id)
     }
     planner->statistics.states++;
     state->used = 1;
-    state->id = id & 0xFFFFFF;
+    state->id = id & 0xFFFFFFU;
     state->g = JP_COST_MAX;
     state->rhs = JP_COST_MAX;
     return slot;
@@ -128,7 +128,7 @@ void jp_planner_queue_restart(struct jp_planner *planner, uint32_t range)
     }
     planner->lowest_bucket = planner->bucket_count;
     planner->bucket_shift = 0;
-    while (range >> planner->bucket_shift >= planner->bucket_count - 1) {
+    while (range >> planner->bucket_shift >= planner->bucket_count - 1U) {
         planner->bucket_shift++;
     }
 }
@@ -156,7 +156,7 @@ void jp_planner_queue_remove(struct jp_planner *planner, uint32_t slot)
 void jp_planner_queue_put(struct jp_planner *planner, uint32_t slot, uint32_t key)
 {
     struct jp_planner_state *state = &planner->states[slot];
-    const uint32_t last = planner->bucket_count - 1;
+    const uint32_t last = planner->bucket_count - 1U;
     uint32_t bucket = key >> planner->bucket_shift;
 
     if (bucket > last) {
@@ -197,5 +197,5 @@ uint32_t jp_planner_queue_lowest_key(const struct jp_planner *planner)
 
 bool jp_planner_queue_is_beyond_range(const struct jp_planner *planner)
 {
-    return planner->lowest_bucket == planner->bucket_count - 1;
+    return planner->lowest_bucket == planner->bucket_count - 1U;
 }

@@ -41,7 +41,7 @@ void jp_reference_start(struct jp_reference *reference, const struct jp_referenc
     *reference = (struct jp_reference){
         .wheel = {.target = wheel, .angle = wheel},
         .yaw = {.target = yaw, .angle = yaw},
-        .phase_per_rate = (((jp_phase)1 << 32) + config->tick_rate / 2U) / config->tick_rate,
+        .phase_per_rate = jp_phase_per_rate(config->tick_rate),
     };
 }
 
@@ -59,18 +59,25 @@ void jp_reference_coast(struct jp_reference *reference, const struct jp_referenc
     coast(&reference->yaw, config->yaw_bandwidth, yaw_rate);
 }
 
-void jp_reference_step(struct jp_reference *reference, const struct jp_reference_config *config,
-                       const struct jp_motion *motion, jp_q24 turn)
+struct jp_reference_step jp_reference_step_to(const struct jp_reference_config *config, const struct jp_motion *motion,
+                                              jp_q24 turn)
 {
-    jp_q24 turn_turns = jp_q24_multiply(turn, TURNS_PER_RADIAN);
+    return (struct jp_reference_step){
+        .wheel_rate = jp_q24_multiply(motion->speed, config->turns_per_metre),
+        .yaw_rate = jp_q24_multiply(motion->turn_rate, TURNS_PER_RADIAN),
+        .turn = jp_q24_multiply(turn, TURNS_PER_RADIAN),
+    };
+}
 
-    reference->wheel.target_rate = jp_q24_multiply(motion->speed, config->turns_per_metre);
-    reference->yaw.target_rate = jp_q24_multiply(motion->turn_rate, TURNS_PER_RADIAN);
-    reference->yaw.target += (jp_phase)turn_turns << 32;
+void jp_reference_apply(struct jp_reference *reference, const struct jp_reference_step *step)
+{
+    reference->wheel.target_rate = step->wheel_rate;
+    reference->yaw.target_rate = step->yaw_rate;
+    reference->yaw.target += (jp_phase)step->turn << 32;
 }
 
 /** Acceleration of the critically damped tracker, turn/s². */
-static jp_q24 tracker_acceleration(const struct jp_reference_axis *axis, jp_q16 bandwidth)
+static inline jp_q24 tracker_acceleration(const struct jp_reference_axis *axis, jp_q16 bandwidth)
 {
     jp_q24 angle_error = jp_phase_difference(axis->target, axis->angle);
     jp_q24 rate_error = jp_sub(axis->target_rate, axis->rate);
@@ -79,18 +86,31 @@ static jp_q24 tracker_acceleration(const struct jp_reference_axis *axis, jp_q16 
     return jp_q16_multiply(pull, bandwidth);
 }
 
-static void advance(struct jp_reference_axis *axis, jp_q16 bandwidth, jp_phase phase_per_rate)
+static void follow(struct jp_reference_axis *axis, jp_q16 bandwidth, int32_t phase_per_rate)
 {
-    axis->target += (jp_phase)axis->target_rate * phase_per_rate;
-    if (bandwidth == 0) {
-        axis->angle = axis->target;
-        axis->rate = axis->target_rate;
-        return;
-    }
+    axis->target += jp_phase_step(axis->target_rate, phase_per_rate);
+
     /* 2³²/tick_rate is also the tick's length in 2⁻³² s. */
-    axis->rate =
-        jp_add(axis->rate, jp_multiply_shift(tracker_acceleration(axis, bandwidth), (int32_t)phase_per_rate, 32));
-    axis->angle += (jp_phase)axis->rate * phase_per_rate;
+    jp_q24 rate = jp_add(axis->rate, jp_multiply_shift(tracker_acceleration(axis, bandwidth), phase_per_rate, 32));
+
+    axis->rate = rate;
+    axis->angle += jp_phase_step(rate, phase_per_rate);
+}
+
+static void pass_through(struct jp_reference_axis *axis, int32_t phase_per_rate)
+{
+    axis->target += jp_phase_step(axis->target_rate, phase_per_rate);
+    axis->angle = axis->target;
+    axis->rate = axis->target_rate;
+}
+
+static void advance(struct jp_reference_axis *axis, jp_q16 bandwidth, int32_t phase_per_rate)
+{
+    if (bandwidth == 0) {
+        pass_through(axis, phase_per_rate);
+    } else {
+        follow(axis, bandwidth, phase_per_rate);
+    }
 }
 
 void jp_reference_update(struct jp_reference *reference, const struct jp_reference_config *config)

@@ -70,8 +70,9 @@ enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_confi
         return status;
     }
     *robot = (struct jp_robot){.config = config, .model = model};
-    jp_monitor_start(&robot->monitor);
+    jp_monitor_start(&robot->monitor, &config->monitor);
     jp_meter_start(&robot->meter, &config->meter);
+    jp_lqr_start(&robot->lqr, &config->lqr);
     return JP_OK;
 }
 
@@ -98,9 +99,9 @@ static bool taken(uint8_t *flag)
     return was_posted;
 }
 
-static bool motors_run(const struct jp_telemetry *telemetry)
+static bool motors_run(enum jp_robot_state state)
 {
-    return telemetry->state == JP_ROBOT_BALANCING || telemetry->state == JP_ROBOT_DRIVING;
+    return state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
 }
 
 static uint16_t counted(uint16_t count)
@@ -110,51 +111,19 @@ static uint16_t counted(uint16_t count)
 
 /* The tick. */
 
-/** Both look at the interval since the last tick: its voltages, and the currents at its end. */
-static uint16_t review_motors(struct jp_robot *robot, const struct jp_sensors *sensors)
-{
-    const struct jp_telemetry *telemetry = &robot->telemetry;
-    const jp_q16 voltages[2] = {telemetry->voltages.left, telemetry->voltages.right};
-    const jp_q16 currents[2] = {sensors->current_left, sensors->current_right};
-
-    jp_meter_update(&robot->meter, voltages, currents);
-    if (!motors_run(telemetry)) {
-        return 0;
-    }
-    return jp_monitor_motors(&robot->monitor, &robot->config->monitor, sensors, voltages, robot->estimator.wheel.rate,
-                             robot->estimator.yaw.rate);
-}
-
-static void start_motion(struct jp_robot *robot, const struct jp_sensors *sensors)
-{
-    const struct jp_robot_config *config = robot->config;
-    struct jp_motion_state *motion = &robot->telemetry.motion;
-
-    if (robot->resuming) {
-        jp_estimator_resume(&robot->estimator, &config->estimator, sensors, motion);
-        jp_odometry_update(&robot->odometry, motion);
-    } else {
-        jp_estimator_start(&robot->estimator, &config->estimator, sensors);
-        jp_estimator_update(&robot->estimator, &config->estimator, sensors, motion);
-        jp_odometry_start(&robot->odometry, config->metres_per_turn, motion);
-    }
-    jp_reference_start(&robot->reference, &config->reference, motion->wheel, motion->yaw);
-    robot->started = true;
-}
-
 static void stand(struct jp_robot *robot)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
     telemetry->state = JP_ROBOT_BALANCING;
     telemetry->segment_ticks_left = 0;
     telemetry->command = (struct jp_motion){0, 0};
-    jp_reference_step(&robot->reference, &robot->config->reference, &telemetry->command, 0);
+    jp_reference_apply(&robot->reference, &(struct jp_reference_step){0, 0, 0});
 }
 
 static void switch_off(struct jp_robot *robot, enum jp_robot_state state)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
     telemetry->state = state;
     telemetry->segment_ticks_left = 0;
@@ -165,59 +134,74 @@ static void switch_off(struct jp_robot *robot, enum jp_robot_state state)
 
 static void balance(struct jp_robot *robot)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
     jp_reference_start(&robot->reference, &robot->config->reference, telemetry->motion.wheel, telemetry->motion.yaw);
-    jp_lqr_start(&robot->lqr, &robot->config->lqr);
+    jp_lqr_restart(&robot->lqr);
     telemetry->segment = 0;
     telemetry->segments_ended = 0;
+    robot->motor_faults = 0;
     post(&robot->next_full, 0); /* a segment handed over while the robot switched off */
     stand(robot);
 }
 
 /** Motors on again after a reset: the reference slows down from the speed that the robot has. */
-static void go_on(struct jp_robot *robot)
+static void go_on(struct jp_robot *robot, const struct jp_sensors *sensors)
 {
-    const struct jp_motion_state *motion = &robot->telemetry.motion;
+    const struct jp_robot_config *config = robot->config;
+    struct jp_motion_state *motion = &robot->telemetry.motion;
 
-    robot->resuming = false;
+    jp_estimator_resume(&robot->estimator, &config->estimator, sensors, motion);
     balance(robot);
-    jp_reference_coast(&robot->reference, &robot->config->reference, motion->wheel_rate, motion->yaw_rate);
+    jp_reference_coast(&robot->reference, &config->reference, motion->wheel_rate, motion->yaw_rate);
+    robot->resuming = false;
+}
+
+static void start_motion(struct jp_robot *robot, const struct jp_sensors *sensors)
+{
+    const struct jp_robot_config *config = robot->config;
+    struct jp_motion_state *motion = &robot->telemetry.motion;
+
+    jp_estimator_start(&robot->estimator, &config->estimator, sensors);
+    robot->estimator.gyro_bias = robot->known_gyro_bias;
+    jp_estimator_update(&robot->estimator, &config->estimator, sensors, motion);
+    jp_odometry_start(&robot->odometry, config->metres_per_turn, motion);
+    jp_reference_start(&robot->reference, &config->reference, motion->wheel, motion->yaw);
+}
+
+/** The first plausible frame. */
+static void begin_motion(struct jp_robot *robot, const struct jp_sensors *sensors)
+{
+    if (robot->resuming) {
+        go_on(robot, sensors);
+    } else {
+        start_motion(robot, sensors);
+    }
+    robot->started = true;
 }
 
 static void begin_segment(struct jp_robot *robot)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
-    const struct jp_segment_command *segment = &robot->next;
-    int64_t ticks = (int64_t)segment->duration * robot->config->estimator.tick_rate;
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+    const struct jp_next_segment *segment = &robot->next;
 
     if (telemetry->state == JP_ROBOT_BALANCING) {
         telemetry->segment = 0;
         telemetry->segments_ended = 0;
     }
-    jp_reference_step(&robot->reference, &robot->config->reference, &segment->motion, segment->turn);
+    jp_reference_apply(&robot->reference, &segment->step);
     telemetry->state = JP_ROBOT_DRIVING;
     telemetry->command = segment->motion;
     telemetry->segment = counted(telemetry->segment);
-    telemetry->segment_ticks_left = (uint32_t)((ticks + JP_Q16_ONE / 2) / JP_Q16_ONE);
-    robot->segment_start_model = robot->meter.model;
-    robot->segment_start_battery = robot->meter.battery;
+    telemetry->segment_ticks_left = segment->ticks;
+    robot->segment_began = true;
     post(&robot->next_full, 0);
-}
-
-static void end_segment(struct jp_robot *robot)
-{
-    struct jp_telemetry *telemetry = &robot->telemetry;
-
-    telemetry->segment_energy_model = robot->meter.model - robot->segment_start_model;
-    telemetry->segment_energy_battery = robot->meter.battery - robot->segment_start_battery;
-    telemetry->segments_ended = counted(telemetry->segments_ended);
 }
 
 /** Idle, fallen and fault: what leads out of them, and into fault. */
 static void rest(struct jp_robot *robot, uint16_t faults)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
     if (taken(&robot->disable_requested) && telemetry->state != JP_ROBOT_IDLE) {
         /* Failed sensors left a pitch and a position that mean nothing. */
@@ -226,7 +210,7 @@ static void rest(struct jp_robot *robot, uint16_t faults)
         }
         telemetry->faults = 0;
         telemetry->state = JP_ROBOT_IDLE;
-        jp_monitor_start(&robot->monitor);
+        jp_monitor_start(&robot->monitor, &robot->config->monitor);
     } else if (faults != 0U && telemetry->state == JP_ROBOT_IDLE) {
         telemetry->faults |= faults;
         telemetry->state = JP_ROBOT_FAULT;
@@ -238,15 +222,16 @@ static void rest(struct jp_robot *robot, uint16_t faults)
 }
 
 /** Balancing and driving: the reasons to switch off, then the hand-over of segments. */
-static void drive(struct jp_robot *robot, uint16_t faults)
+static void drive(struct jp_robot *robot, uint16_t sensor_faults)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+    const uint16_t faults = sensor_faults | robot->motor_faults;
     jp_q24 pitch = telemetry->motion.pitch;
     jp_q24 limit = robot->config->monitor.tilt_limit;
 
     if (taken(&robot->disable_requested)) {
         switch_off(robot, JP_ROBOT_IDLE);
-        jp_monitor_start(&robot->monitor);
+        jp_monitor_start(&robot->monitor, &robot->config->monitor);
         return;
     }
     if (faults != 0U) {
@@ -262,9 +247,7 @@ static void drive(struct jp_robot *robot, uint16_t faults)
     bool stop = taken(&robot->stop_requested);
     bool ended = telemetry->state == JP_ROBOT_DRIVING && telemetry->segment_ticks_left == 0U;
 
-    if (ended) {
-        end_segment(robot);
-    }
+    robot->segment_ended = ended;
     if (!stop && (ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
         begin_segment(robot);
     } else if (stop || ended) {
@@ -274,7 +257,7 @@ static void drive(struct jp_robot *robot, uint16_t faults)
 
 static void control(struct jp_robot *robot, jp_q16 bus_voltage)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
     jp_reference_update(&robot->reference, &robot->config->reference);
     jp_lqr_update(&robot->lqr, &robot->config->lqr, &robot->reference, &telemetry->motion, bus_voltage,
@@ -287,70 +270,128 @@ static void control(struct jp_robot *robot, jp_q16 bus_voltage)
     }
 }
 
-static jp_q31 duty(jp_q16 voltage, jp_q16 bus_voltage)
+/** The next `bits` of a long division: at most 6 with a divisor below 2²⁶. */
+static inline void divide_on(uint32_t *quotient, uint32_t *remainder, uint32_t divisor, unsigned bits)
 {
-    return jp_divide((int64_t)voltage * ((int64_t)1 << 31), bus_voltage);
+    uint32_t dividend = *remainder << bits;
+
+    *quotient = (*quotient << bits) + dividend / divisor;
+    *remainder = dividend % divisor;
 }
 
-static void publish(struct jp_robot *robot)
+/** voltage/bus_voltage, rounded; |voltage| is at most bus_voltage, and that 1 000 V. */
+static inline jp_q31 duty(jp_q16 voltage, jp_q16 bus_voltage)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
+    uint32_t divisor = (uint32_t)bus_voltage;
+    uint32_t remainder = voltage < 0 ? 0U - (uint32_t)voltage : (uint32_t)voltage;
+    uint32_t quotient = 0;
 
-    telemetry->tick++;
-    telemetry->reference_wheel = robot->reference.wheel.angle;
-    telemetry->reference_yaw = robot->reference.yaw.angle;
-    telemetry->reference_wheel_rate = robot->reference.wheel.rate;
-    telemetry->reference_yaw_rate = robot->reference.yaw.rate;
-    telemetry->target_wheel = robot->reference.wheel.target;
-    telemetry->target_yaw = robot->reference.yaw.target;
-    telemetry->position = jp_odometry_position(&robot->odometry);
-    telemetry->energy_model = robot->meter.model;
-    telemetry->energy_battery = robot->meter.battery;
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 1);
+    if (remainder >= divisor - remainder) {
+        quotient++;
+    }
+    if (voltage < 0) {
+        return (int32_t)(0U - quotient);
+    }
+    return quotient > (uint32_t)INT32_MAX ? INT32_MAX : (int32_t)quotient;
 }
 
-static void step(struct jp_robot *robot, enum jp_status read, struct jp_sensors *sensors)
+static void step(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *frame,
+                 struct jp_actuation *actuation)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
-    unsigned faults = jp_monitor_sensors(&robot->monitor, &robot->config->monitor, read, sensors);
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+    const struct jp_sensors *sensors = &robot->monitor.good;
+    const uint16_t faults = jp_monitor_sensors(&robot->monitor, &robot->config->monitor, read, frame);
 
-    if (robot->monitor.started && !robot->started) {
-        start_motion(robot, sensors);
-        if (robot->resuming) {
-            go_on(robot);
-        }
-    } else if (robot->monitor.started) {
+    robot->review_due = robot->monitor.started && robot->started;
+    if (robot->review_due) {
         jp_estimator_update(&robot->estimator, &robot->config->estimator, sensors, &telemetry->motion);
-        jp_odometry_update(&robot->odometry, &telemetry->motion);
-        faults |= review_motors(robot, sensors);
+    } else if (robot->monitor.started) {
+        begin_motion(robot, sensors);
     }
-    if (motors_run(telemetry)) {
-        drive(robot, (uint16_t)faults);
+    if (motors_run(telemetry->state)) {
+        drive(robot, faults);
     } else {
-        rest(robot, (uint16_t)faults);
+        rest(robot, faults);
     }
-    if (motors_run(telemetry)) {
+    if (motors_run(telemetry->state)) {
         control(robot, sensors->bus_voltage);
+        *actuation = (struct jp_actuation){
+            .duty_left = duty(telemetry->voltages.left, sensors->bus_voltage),
+            .duty_right = duty(telemetry->voltages.right, sensors->bus_voltage),
+            .enabled = 1,
+        };
+    } else {
+        *actuation = (struct jp_actuation){.enabled = 0};
     }
+}
+
+void jp_robot_control(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
+                      struct jp_actuation *actuation)
+{
+    __atomic_store_n(&robot->sequence, robot->sequence + 1U, __ATOMIC_RELAXED);
+    __atomic_thread_fence(__ATOMIC_RELEASE);
+    step(robot, read, sensors, actuation);
+}
+
+/* What is left of the tick. */
+
+/** The interval that this tick's sample ended: the voltages that drove it, and the currents at its end. */
+static void review_motors(struct jp_robot *robot)
+{
+    const bool still_run = robot->motors_ran && motors_run(robot->telemetry.state);
+
+    jp_meter_update(&robot->meter, &robot->applied, &robot->monitor.good);
+    if (still_run) {
+        robot->motor_faults = jp_monitor_motors(&robot->monitor, &robot->config->monitor, &robot->applied,
+                                                robot->estimator.wheel.rate, robot->estimator.yaw.rate);
+    }
+}
+
+static void account_segments(struct jp_robot *robot)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    if (robot->segment_ended) {
+        telemetry->segment_energy_model = robot->meter.model - robot->segment_start_model;
+        telemetry->segment_energy_battery = robot->meter.battery - robot->segment_start_battery;
+        telemetry->segments_ended = counted(telemetry->segments_ended);
+    }
+    if (robot->segment_began) {
+        robot->segment_start_model = robot->meter.model;
+        robot->segment_start_battery = robot->meter.battery;
+    }
+    robot->segment_ended = false;
+    robot->segment_began = false;
+}
+
+void jp_robot_account(struct jp_robot *robot)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    if (robot->started) {
+        jp_odometry_update(&robot->odometry, &telemetry->motion);
+    }
+    if (robot->review_due) {
+        review_motors(robot);
+    }
+    account_segments(robot);
+    robot->applied = telemetry->voltages;
+    robot->motors_ran = motors_run(telemetry->state);
+    telemetry->tick++;
+    __atomic_store_n(&robot->sequence, robot->sequence + 1U, __ATOMIC_RELEASE);
 }
 
 void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                    struct jp_actuation *actuation)
 {
-    struct jp_telemetry *telemetry = &robot->telemetry;
-    struct jp_sensors frame = *sensors;
-
-    __atomic_store_n(&robot->sequence, robot->sequence + 1U, __ATOMIC_RELAXED);
-    __atomic_thread_fence(__ATOMIC_RELEASE);
-    step(robot, read, &frame);
-    publish(robot);
-    __atomic_store_n(&robot->sequence, robot->sequence + 1U, __ATOMIC_RELEASE);
-
-    *actuation = (struct jp_actuation){0, 0, 0};
-    if (motors_run(telemetry)) {
-        actuation->duty_left = duty(telemetry->voltages.left, frame.bus_voltage);
-        actuation->duty_right = duty(telemetry->voltages.right, frame.bus_voltage);
-        actuation->enabled = 1;
-    }
+    jp_robot_control(robot, read, sensors, actuation);
+    jp_robot_account(robot);
 }
 
 void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot)
@@ -358,7 +399,7 @@ void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapsho
     *snapshot = (struct jp_snapshot){
         .estimator = robot->estimator,
         .odometry = robot->odometry,
-        .balancing = motors_run(&robot->telemetry),
+        .balancing = motors_run(robot->telemetry.state),
     };
 }
 
@@ -371,6 +412,42 @@ void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot)
     robot->resuming = snapshot->balancing;
 }
 
+void jp_robot_know_gyro_bias(struct jp_robot *robot, int64_t bias)
+{
+    robot->known_gyro_bias = bias;
+}
+
+static void copy_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
+{
+    const struct jp_tick_telemetry *tick = &robot->telemetry;
+    const struct jp_reference *reference = &robot->reference;
+
+    *telemetry = (struct jp_telemetry){
+        .state = tick->state,
+        .faults = tick->faults,
+        .tick = tick->tick,
+        .motion = tick->motion,
+        .reference_wheel = reference->wheel.angle,
+        .reference_yaw = reference->yaw.angle,
+        .reference_wheel_rate = reference->wheel.rate,
+        .reference_yaw_rate = reference->yaw.rate,
+        .target_wheel = reference->wheel.target,
+        .target_yaw = reference->yaw.target,
+        .position = jp_odometry_position(&robot->odometry),
+        .voltages = tick->voltages,
+        .energy_model = robot->meter.model,
+        .energy_battery = robot->meter.battery,
+        .saturated_ticks = tick->saturated_ticks,
+        .segment = tick->segment,
+        .segment_ticks_left = tick->segment_ticks_left,
+        .command = tick->command,
+        .segment_energy_model = tick->segment_energy_model,
+        .segment_energy_battery = tick->segment_energy_battery,
+        .segments_ended = tick->segments_ended,
+        .gyro_bias = robot->estimator.gyro_bias,
+    };
+}
+
 void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
 {
     uint32_t before;
@@ -378,7 +455,7 @@ void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telem
 
     do {
         before = __atomic_load_n(&robot->sequence, __ATOMIC_ACQUIRE);
-        *telemetry = robot->telemetry;
+        copy_telemetry(robot, telemetry);
         __atomic_thread_fence(__ATOMIC_ACQUIRE);
         after = __atomic_load_n(&robot->sequence, __ATOMIC_RELAXED);
     } while (before != after || (before & 1U) != 0U);
@@ -433,13 +510,19 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
         return JP_ERR_ARGUMENT;
     }
     jp_robot_telemetry(robot, &telemetry);
-    if (!motors_run(&telemetry)) {
+    if (!motors_run(telemetry.state)) {
         return JP_ERR_STATE;
     }
     if (posted(&robot->next_full) != 0U) {
         return JP_ERR_BUSY;
     }
-    robot->next = *segment;
+    robot->next = (struct jp_next_segment){
+        .motion = segment->motion,
+        .step = jp_reference_step_to(&robot->config->reference, &segment->motion, segment->turn),
+        .ticks = (uint32_t)(((uint64_t)(uint32_t)segment->duration * robot->config->estimator.tick_rate +
+                             (uint32_t)JP_Q16_ONE / 2U) >>
+                            16),
+    };
     post(&robot->next_full, 1);
     return JP_OK;
 }
@@ -452,7 +535,7 @@ enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *ro
         return JP_ERR_ARGUMENT;
     }
     jp_robot_telemetry(robot, &telemetry);
-    if (!motors_run(&telemetry)) {
+    if (!motors_run(telemetry.state)) {
         return JP_ERR_STATE;
     }
     forget_route(robot);
@@ -474,7 +557,7 @@ static jp_q24 way_to_stand(const struct jp_robot *robot, const struct jp_telemet
 static void predict_end(const struct jp_robot *robot, const struct jp_telemetry *telemetry, struct jp_point *position,
                         jp_angle *heading)
 {
-    uint32_t tick_rate = robot->config->estimator.tick_rate;
+    int64_t tick_rate = robot->config->estimator.tick_rate;
     int64_t ticks = telemetry->segment_ticks_left;
     jp_q24 left = jp_saturate32(ticks * telemetry->command.speed / tick_rate + way_to_stand(robot, telemetry));
     jp_angle turned = jp_angle_from_radians(jp_saturate32(ticks * telemetry->command.turn_rate / tick_rate));
@@ -502,7 +585,7 @@ static struct jp_point turning_point(const struct jp_robot *robot, const struct 
 {
     jp_q16 bandwidth = robot->config->reference.yaw_bandwidth;
     jp_angle turned = heading + jp_angle_from_radians(robot->planned.command.turn);
-    jp_q24 way = bandwidth == 0 ? 0 : jp_q16_divide(jp_add(before->speed, before->speed), bandwidth);
+    jp_q24 way = jp_q16_divide(jp_add(before->speed, before->speed), bandwidth);
 
     return (struct jp_point){
         .x = jp_add(start->x, jp_multiply_shift(way, jp_sub(jp_cos(heading) / 2, jp_cos(turned) / 2), 38)),
@@ -540,7 +623,7 @@ enum jp_status jp_robot_work(struct jp_robot *robot)
         return robot->route_status;
     }
     jp_robot_telemetry(robot, &telemetry);
-    if (!motors_run(&telemetry)) {
+    if (!motors_run(telemetry.state)) {
         robot->route_length = 0;
         return JP_OK;
     }

@@ -17,8 +17,8 @@ static int64_t absolute64(int64_t a)
 
 static jp_q16 ceiling_quotient(uint64_t numerator, uint32_t denominator)
 {
-    uint64_t quotient = (numerator + denominator - 1) / denominator;
-    return quotient > INT32_MAX ? INT32_MAX : (jp_q16)quotient;
+    uint64_t quotient = (numerator + denominator - 1U) / denominator;
+    return quotient > (uint64_t)INT32_MAX ? INT32_MAX : (jp_q16)quotient;
 }
 
 static jp_q24 arc_angle(int32_t x)
@@ -32,7 +32,7 @@ static jp_q16 duration_within(const struct jp_segment_limits *limits, jp_q16 tim
 {
     unsigned zeros;
     uint32_t inverse = reciprocal((uint32_t)xi, &zeros);
-    jp_q16 duration = (jp_q16)(((uint64_t)(uint32_t)time_min * inverse) >> (32 - zeros));
+    jp_q16 duration = (jp_q16)(((uint64_t)(uint32_t)time_min * inverse) >> (32U - zeros));
 
     duration = jp_clamp32(duration, time_min, limits->duration);
     if ((uint64_t)duration * (uint32_t)limits->speed < length << 18) {
@@ -50,9 +50,10 @@ static struct jp_motion motion_along(const struct jp_segment_limits *limits, uin
 {
     unsigned zeros;
     uint32_t inverse = reciprocal((uint32_t)duration, &zeros);
-    unsigned drop = (length >> 31) == 0 ? 0 : 4;
-    jp_q24 speed = jp_round_shift((int64_t)((length >> drop) * inverse), 44 - zeros - drop);
-    jp_q24 turn_rate = jp_round_shift((int64_t)angle * inverse, 46 - zeros);
+    unsigned drop = (length >> 31) == 0U ? 0U : 4U;
+    uint64_t scaled = (length >> drop) * inverse;
+    jp_q24 speed = jp_round_shift((int64_t)scaled, 44U - zeros - drop);
+    jp_q24 turn_rate = jp_round_shift(angle * (int64_t)inverse, 46U - zeros);
 
     return (struct jp_motion){.speed = jp_clamp32(speed, 0, limits->speed),
                               .turn_rate = jp_clamp32(turn_rate, -limits->turn_rate, limits->turn_rate)};
@@ -76,7 +77,7 @@ static void store(const struct jp_segment_limits *limits, uint32_t distance, jp_
                     .turn = jp_clamp32(turn, -limits->turn, limits->turn),
                     .duration = duration},
         .arc = angle,
-        .length = (jp_q16)((length + 32) >> 6),
+        .length = (jp_q16)((length + 32U) >> 6),
     };
 }
 
@@ -116,10 +117,10 @@ static jp_q16 shortest_duration(const struct jp_energy_model *model, const struc
 static int32_t largest_turn(const struct jp_segment_limits *limits)
 {
     jp_angle turn = jp_angle_from_radians(limits->turn);
-    if (turn == 0) {
+    if (turn == 0U) {
         return 0;
     }
-    return turn > INT32_MAX ? INT32_MAX : (int32_t)(turn - 1U);
+    return turn > (jp_angle)INT32_MAX ? INT32_MAX : (int32_t)(uint32_t)(turn - 1U);
 }
 
 /* The best arc: the target may be reached round the left and round the right. Beyond 135° an arc grows so fast that

@@ -50,7 +50,7 @@ static int32_t xi_limit(const struct jp_segment_problem *p, int32_t x, const str
 
 static int32_t shift_signed(int32_t a, int shift)
 {
-    return shift >= 0 ? (int32_t)((uint32_t)a << shift) : a >> (shift < -30 ? 30 : -shift);
+    return shift >= 0 ? (int32_t)((uint32_t)a << shift) : a >> -shift;
 }
 
 static int bits(int32_t a)
@@ -100,7 +100,7 @@ static int32_t stationary(const struct jp_segment_problem *p, const struct cubic
     uint32_t one = (uint32_t)Q30_ONE >> k;
     int32_t tau = Q30_ONE;
 
-    if (guess->mantissa != 0 && guess->exponent < k) {
+    if (guess->mantissa != 0U && guess->exponent < k) {
         tau = (int32_t)(guess->mantissa >> (k - guess->exponent));
     }
     for (int i = 0; i < NEWTON_STEPS_MAX; i++) {
@@ -119,7 +119,8 @@ static int32_t cubic_energy(const struct jp_segment_problem *p, const struct cub
 {
     unsigned zeros;
     uint32_t inverse = reciprocal((uint32_t)xi, &zeros);
-    int32_t idle = (int32_t)(((uint64_t)((uint32_t)p->power << zeros) * inverse) >> 32);
+    uint32_t power = (uint32_t)p->power << zeros;
+    int32_t idle = (int32_t)(((uint64_t)power * inverse) >> 32);
 
     return multiply30(multiply30(c->a / 2, xi) + c->b, xi) + idle;
 }

@@ -27,7 +27,10 @@ static void set_xi(struct jp_evaluation *e, const struct jp_segment_problem *p, 
     e->xi = xi;
     e->inverse.mantissa = reciprocal((uint32_t)xi, &zeros);
     e->inverse.exponent = (int)zeros - 2;
-    e->idle = (int32_t)(((uint64_t)((uint32_t)p->power << zeros) * e->inverse.mantissa) >> 32);
+
+    uint32_t power = (uint32_t)p->power << zeros;
+
+    e->idle = (int32_t)(((uint64_t)power * e->inverse.mantissa) >> 32);
 }
 
 void jp_segment_evaluate(const struct jp_segment_problem *p, int32_t x, enum jp_acting_limit inside,

@@ -59,8 +59,9 @@ static inline int32_t fraction30(uint32_t a, uint32_t b)
 {
     unsigned zeros;
     uint32_t inverse = reciprocal(b, &zeros);
+    uint32_t numerator = a << zeros;
 
-    return (int32_t)(((uint64_t)(a << zeros) * inverse) >> 32);
+    return (int32_t)(((uint64_t)numerator * inverse) >> 32);
 }
 
 /** a/b in Q31 for a >= 0, b > 0, saturated, to 2⁻²⁸. */
@@ -72,7 +73,7 @@ static inline int32_t quotient31(int32_t a, int32_t b)
 /** √a for a > 0, at most 1 too large. */
 static inline uint32_t square_root32(uint32_t a)
 {
-    uint32_t root = (uint32_t)1 << ((32 - leading_zeros(a)) / 2);
+    uint32_t root = (uint32_t)1 << ((32U - leading_zeros(a)) / 2U);
 
     for (int i = 0; i < 3; i++) {
         root = (root + a / root) >> 1;

@@ -26,8 +26,8 @@ static struct units units_of(uint32_t distance, jp_q16 time_min)
     uint32_t inverse = reciprocal((uint32_t)time_min, &zeros);
 
     return (struct units){
-        .speed = (uint32_t)(((uint64_t)distance * inverse) >> (41 - zeros)),
-        .turn_rate = (uint32_t)(((uint64_t)(uint32_t)TWO_PI * inverse) >> (46 - zeros)),
+        .speed = (uint32_t)(((uint64_t)distance * inverse) >> (41U - zeros)),
+        .turn_rate = (uint32_t)(((uint64_t)(uint32_t)TWO_PI * inverse) >> (46U - zeros)),
     };
 }
 
@@ -103,10 +103,10 @@ static unsigned excess_bits(uint64_t a)
 {
     uint64_t high = a >> COEFFICIENT_BITS;
 
-    if ((high >> 32) != 0) {
-        return 64 - leading_zeros((uint32_t)(high >> 32));
+    if ((high >> 32) != 0U) {
+        return 64U - leading_zeros((uint32_t)(high >> 32));
     }
-    return high == 0 ? 0 : 32 - leading_zeros((uint32_t)high);
+    return high == 0U ? 0U : 32U - leading_zeros((uint32_t)high);
 }
 
 /* So that every coefficient and P/ξ at the longest duration fit. */
@@ -117,7 +117,7 @@ static unsigned common_shift(const struct terms *t, uint64_t longest_idle)
     uint64_t single = magnitude_bits(t->vw) | magnitude_bits(t->vs) | magnitude_bits(t->ws) | magnitude_bits(t->lv) |
                       magnitude_bits(t->lw) | magnitude_bits(t->ls) | longest_idle;
 
-    return excess_bits(single | doubled >> 1);
+    return excess_bits(single | (doubled >> 1));
 }
 
 static void scale(struct jp_segment_problem *p, const struct terms *t, unsigned shift)
@@ -135,7 +135,7 @@ static void scale(struct jp_segment_problem *p, const struct terms *t, unsigned 
     p->fw2 = (int32_t)(t->fw2 >> shift);
     p->power = (int32_t)(t->power >> shift);
     p->power = p->power < 1 ? 1 : p->power;
-    p->power_shift = leading_zeros((uint32_t)p->power) - 3;
+    p->power_shift = leading_zeros((uint32_t)p->power) - 3U;
 }
 
 void jp_segment_problem_build(struct jp_segment_problem *p, const struct jp_energy_model *model,

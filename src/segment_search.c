@@ -38,10 +38,10 @@ static int64_t gain(uint32_t slope, uint32_t step)
 /* A first step from one evaluation by the curvature of σ² and of the arc's length. */
 static uint32_t first_step(const struct jp_segment_problem *p, const struct jp_evaluation *e)
 {
-    int64_t curvature = ((int64_t)p->ss2 + 6 * (int64_t)e->idle) >> 5;
+    int64_t curvature = ((int64_t)p->ss2 + 6 * (int64_t)e->idle) >> 5; /* below 2²⁹ */
     uint32_t slope = magnitude(e->slope) >> 1;
 
-    if (curvature <= 0 || curvature > INT32_MAX) {
+    if (curvature <= 0) {
         curvature = 1;
     }
     if (slope >= (uint32_t)curvature) {
@@ -53,16 +53,16 @@ static uint32_t first_step(const struct jp_segment_problem *p, const struct jp_e
 /* A further step in the same direction: to a quarter beyond where the slopes lead, at most four times the last. */
 static uint32_t next_step(uint32_t step, uint32_t last_slope, uint32_t slope)
 {
-    uint32_t longest = step < (1U << 29) ? 4 * step : 1U << 31;
-    uint32_t change = last_slope > slope ? last_slope - slope : 0;
+    uint32_t longest = step < (1U << 29) ? 4U * step : 1U << 31;
+    uint32_t change = last_slope > slope ? last_slope - slope : 0U;
 
-    if (slope / 3 >= change) {
+    if (slope / 3U >= change) {
         return longest;
     }
 
     uint32_t ahead = (uint32_t)(((uint64_t)step * (uint32_t)fraction30(slope >> 2, change)) >> 28);
 
-    ahead += ahead / 4;
+    ahead += ahead / 4U;
     return ahead < longest ? ahead : longest;
 }
 
@@ -78,9 +78,10 @@ static bool step_down(struct search *search, const struct jp_evaluation *e, cons
     int32_t end = rightward ? search->high : search->low;
     uint32_t room = rightward ? (uint32_t)end - (uint32_t)e->x : (uint32_t)e->x - (uint32_t)end;
     uint32_t slope = magnitude(e->slope);
-    uint32_t step = search->slope == 0 ? first_step(search->problem, e) : next_step(search->step, search->slope, slope);
+    uint32_t step =
+        search->slope == 0U ? first_step(search->problem, e) : next_step(search->step, search->slope, slope);
 
-    if (e->energy - 2 * gain(slope, step < room / 2 ? 2 * step : room) > best->energy ||
+    if (e->energy - 2 * gain(slope, step < room / 2U ? 2U * step : room) > best->energy ||
         gain(slope, step) <= e->idle >> GAIN_SHIFT_SMOOTH) {
         return false;
     }
@@ -112,8 +113,9 @@ static uint32_t cubic_minimum(uint32_t secant, uint32_t tangents)
 {
     int32_t k6 = 6 * (int32_t)(((int32_t)tangents - Q30_ONE / 2) >> 4); /* Q26, within ±3 */
     int32_t linear = (Q30_ONE >> 4) - k6;
-    int64_t square = (int64_t)linear * linear + 4 * (int64_t)k6 * (int32_t)(secant >> 4); /* Q52, at most 16 */
-    int64_t root = square > 0 ? (int64_t)square_root32((uint32_t)(square >> 26)) << 13 : 0;
+    int64_t square = (int64_t)linear * linear + 4 * (int64_t)k6 * (int32_t)(secant >> 4); /* Q52, 0…16 */
+    uint32_t radicand = (uint32_t)(square >> 26);
+    int64_t root = (int64_t)square_root32(radicand | (uint32_t)(radicand == 0U)) << 13;
     int64_t denominator = linear + root;
 
     if (denominator <= (int64_t)(secant >> 3)) {
@@ -135,12 +137,12 @@ static struct forecast forecast(const struct jp_evaluation *a, const struct jp_e
     uint32_t up = (uint32_t)b->slope;
     uint64_t all = ((uint64_t)down + up) * half;
     int64_t part = (int64_t)((uint64_t)up * half) + ((int64_t)a->energy - b->energy) * ((int64_t)1 << 26);
-    unsigned shift = (all >> 32) == 0 ? 0 : 32 - leading_zeros((uint32_t)(all >> 32));
+    unsigned shift = (all >> 32) == 0U ? 0U : 32U - leading_zeros((uint32_t)(all >> 32));
     uint32_t whole = (uint32_t)(all >> shift);
 
     part >>= shift;
 
-    bool convex = part > 0 && part < whole;
+    bool convex = part > 0 && part < (int64_t)whole;
     uint32_t meet = convex ? (uint32_t)fraction30((uint32_t)part, whole) : Q30_ONE / 2;
     uint32_t tangents = part_of(width, meet);
 
@@ -155,14 +157,14 @@ static struct forecast forecast(const struct jp_evaluation *a, const struct jp_e
 /* From the nearer end up to four times as far as the cubic's minimum, but not beyond where the tangents meet. */
 static uint32_t overshoot(uint32_t cubic, uint32_t tangents, uint32_t width)
 {
-    if (cubic < width / 2) {
-        uint32_t far = cubic < width / 8 ? 4 * cubic : width / 2;
+    if (cubic < width / 2U) {
+        uint32_t far = cubic < width / 8U ? 4U * cubic : width / 2U;
 
         return far < tangents ? far : tangents;
     }
 
     uint32_t left = width - cubic;
-    uint32_t far = width - (left < width / 8 ? 4 * left : width / 2);
+    uint32_t far = width - (left < width / 8U ? 4U * left : width / 2U);
 
     return far > tangents ? far : tangents;
 }
@@ -189,7 +191,7 @@ static bool step_inside(struct search *search, const struct jp_evaluation *best,
     uint32_t step = width < search->width_expected ? f.cubic : overshoot(f.cubic, f.tangents, width);
 
     search->flat = flat;
-    search->width_expected = width - width / 4;
+    search->width_expected = width - width / 4U;
     step = step < margin ? margin : step > width - margin ? width - margin : step;
     *x = (int32_t)((uint32_t)a->x + step);
     return true;
@@ -214,15 +216,11 @@ static int32_t speed_kink(const struct jp_segment_problem *p, int32_t xi)
     return jp_arc_of_sinc(fraction30(part, (uint32_t)p->speed_limit) >> 1);
 }
 
-/* The |x| up to ½ at which both limits allow the same ξ; beyond ½ it is 1 − x. */
+/* The |x| up to ½ at which both limits allow the same ξ; beyond ½ it is 1 − x. Where both act the limit of the turn
+ * rate is below 1/π of that of the speed. */
 static int32_t corner(const struct jp_segment_problem *p)
 {
-    uint32_t part = (uint32_t)p->turn_rate_limit >> 4;
-
-    if (part >= (uint32_t)p->speed_limit) {
-        return INT32_MAX;
-    }
-    return jp_arc_of_half_chord(fraction30(part, (uint32_t)p->speed_limit));
+    return jp_arc_of_half_chord(fraction30((uint32_t)p->turn_rate_limit >> 4, (uint32_t)p->speed_limit));
 }
 
 /* Where another limit begins to act between `inner` and `outer`, just outside, and the ξ there. */

@@ -5,7 +5,7 @@ enum { WORD_BITS = 32, ALIGNMENT = 8 };
 
 static size_t words_per_row(const struct jp_terrain_config *config)
 {
-    return (config->width + (size_t)WORD_BITS - 1) / WORD_BITS;
+    return (config->width + (size_t)WORD_BITS - 1U) / WORD_BITS;
 }
 
 static size_t plane_words(const struct jp_terrain_config *config)
@@ -15,10 +15,10 @@ static size_t plane_words(const struct jp_terrain_config *config)
 
 static const char *field_out_of_range(const struct jp_terrain_config *config)
 {
-    if (config->width == 0 || config->width > JP_TERRAIN_SIDE_MAX) {
+    if (config->width == 0U || config->width > JP_TERRAIN_SIDE_MAX) {
         return "width";
     }
-    if (config->height == 0 || config->height > JP_TERRAIN_SIDE_MAX) {
+    if (config->height == 0U || config->height > JP_TERRAIN_SIDE_MAX) {
         return "height";
     }
     return config->resolution <= 0 ? "resolution" : NULL;
@@ -29,8 +29,8 @@ size_t jp_terrain_size(const struct jp_terrain_config *config)
     if (config == NULL || field_out_of_range(config) != NULL) {
         return 0;
     }
-    size_t elevations = config->has_elevation ? (size_t)config->width * config->height : 0;
-    return 2 * plane_words(config) * sizeof(uint32_t) + elevations * sizeof(jp_elevation);
+    size_t elevations = config->has_elevation ? (size_t)config->width * config->height : 0U;
+    return 2U * plane_words(config) * sizeof(uint32_t) + elevations * sizeof(jp_elevation);
 }
 
 enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terrain_config *config, void *block,
@@ -43,7 +43,7 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
-    if ((uintptr_t)block % ALIGNMENT != 0) {
+    if ((uintptr_t)block % ALIGNMENT != 0U) {
         return JP_ERR_ALIGNMENT;
     }
     if (size < jp_terrain_size(config)) {
@@ -54,19 +54,19 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
     terrain->version = 0;
     terrain->stride = (uint16_t)words_per_row(config);
     terrain->blocked = block;
-    terrain->unknown = terrain->blocked + words;
-    terrain->elevation = config->has_elevation ? (jp_elevation *)(void *)(terrain->unknown + words) : NULL;
-    memset(terrain->blocked, config->unknown_is_free ? 0 : 0xFF, words * sizeof(uint32_t));
-    memset(terrain->unknown, 0xFF, words * sizeof(uint32_t));
+    terrain->unknown = &terrain->blocked[words];
+    terrain->elevation = config->has_elevation ? (jp_elevation *)(void *)&terrain->unknown[words] : NULL;
+    (void)memset(terrain->blocked, config->unknown_is_free ? 0 : 0xFF, words * sizeof(uint32_t));
+    (void)memset(terrain->unknown, 0xFF, words * sizeof(uint32_t));
     if (terrain->elevation != NULL) {
-        memset(terrain->elevation, 0, (size_t)config->width * config->height * sizeof(jp_elevation));
+        (void)memset(terrain->elevation, 0, (size_t)config->width * config->height * sizeof(jp_elevation));
     }
     return JP_OK;
 }
 
 bool jp_terrain_contains(const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
-    return x >= 0 && x < terrain->config.width && y >= 0 && y < terrain->config.height;
+    return x >= 0 && x < (int32_t)terrain->config.width && y >= 0 && y < (int32_t)terrain->config.height;
 }
 
 static size_t word_of(const struct jp_terrain *terrain, int32_t x, int32_t y)
@@ -120,10 +120,10 @@ enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_
         return JP_CELL_OCCUPIED;
     }
     const size_t word = word_of(terrain, x, y);
-    if (terrain->unknown[word] & bit_of(x)) {
+    if ((terrain->unknown[word] & bit_of(x)) != 0U) {
         return JP_CELL_UNKNOWN;
     }
-    return (terrain->blocked[word] & bit_of(x)) != 0 ? JP_CELL_OCCUPIED : JP_CELL_FREE;
+    return (terrain->blocked[word] & bit_of(x)) != 0U ? JP_CELL_OCCUPIED : JP_CELL_FREE;
 }
 
 jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, int32_t y)
@@ -137,7 +137,7 @@ jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, i
 /** Bits low…high of a word. */
 static uint32_t bit_range(uint32_t low, uint32_t high)
 {
-    return (UINT32_MAX << low) & (UINT32_MAX >> (WORD_BITS - 1 - high));
+    return (UINT32_MAX << low) & (UINT32_MAX >> (WORD_BITS - 1U - high));
 }
 
 static bool is_row_clear(const uint32_t *row, uint32_t first, uint32_t last)
@@ -146,11 +146,11 @@ static bool is_row_clear(const uint32_t *row, uint32_t first, uint32_t last)
     uint32_t low = first % WORD_BITS;
 
     for (; word < last / WORD_BITS; word++, low = 0) {
-        if (row[word] & bit_range(low, WORD_BITS - 1)) {
+        if ((row[word] & bit_range(low, WORD_BITS - 1)) != 0U) {
             return false;
         }
     }
-    return !(row[word] & bit_range(low, last % WORD_BITS));
+    return (row[word] & bit_range(low, last % WORD_BITS)) == 0U;
 }
 
 bool jp_terrain_is_clear(const struct jp_terrain *terrain, const struct jp_span *spans, size_t count, int32_t x,
@@ -161,8 +161,8 @@ bool jp_terrain_is_clear(const struct jp_terrain *terrain, const struct jp_span 
         const int32_t first = x + spans[i].first;
         const int32_t last = x + spans[i].last;
 
-        if (row < 0 || row >= terrain->config.height || first < 0 || last >= terrain->config.width ||
-            !is_row_clear(terrain->blocked + (size_t)row * terrain->stride, (uint32_t)first, (uint32_t)last)) {
+        if (row < 0 || row >= (int32_t)terrain->config.height || first < 0 || last >= (int32_t)terrain->config.width ||
+            !is_row_clear(&terrain->blocked[(size_t)row * terrain->stride], (uint32_t)first, (uint32_t)last)) {
             return false;
         }
     }

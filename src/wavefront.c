@@ -30,7 +30,7 @@ size_t jp_wavefront_size(uint16_t width, uint16_t height)
 
 void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, void *block)
 {
-    memset(wave, 0, sizeof *wave);
+    (void)memset(wave, 0, sizeof *wave);
     wave->width = width;
     wave->height = height;
     wave->values = block;
@@ -48,8 +48,8 @@ static void start_sweep(struct jp_wavefront *wave, uint16_t threshold)
 
 void jp_wavefront_start(struct jp_wavefront *wave, uint16_t step, uint16_t target_x, uint16_t target_y)
 {
-    memset(wave->values, 0xFF, values_size(wave->width, wave->height));
-    memset(wave->dirty, 0, dirty_size(wave->width, wave->height));
+    (void)memset(wave->values, 0xFF, values_size(wave->width, wave->height));
+    (void)memset(wave->dirty, 0, dirty_size(wave->width, wave->height));
     wave->step = step;
     wave->target_x = target_x;
     wave->target_y = target_y;
@@ -64,10 +64,10 @@ static void mark(struct jp_wavefront *wave, int32_t x, int32_t y)
 {
     wave->dirty[(size_t)y * words_per_row(wave->width) + (size_t)x / WORD_BITS] |= UINT32_C(1)
                                                                                    << ((uint32_t)x % WORD_BITS);
-    if (y < wave->first_row) {
+    if (y < (int32_t)wave->first_row) {
         wave->first_row = (uint16_t)y;
     }
-    if (y > wave->last_row) {
+    if (y > (int32_t)wave->last_row) {
         wave->last_row = (uint16_t)y;
     }
 }
@@ -124,11 +124,11 @@ static unsigned lowest_bit(uint32_t word)
 static bool next_in_row(struct jp_wavefront *wave, int32_t *x)
 {
     const size_t words = words_per_row(wave->width);
-    uint32_t *row = wave->dirty + (size_t)wave->row * words;
+    uint32_t *row = &wave->dirty[(size_t)wave->row * words];
 
     for (size_t i = wave->column / WORD_BITS; i < words; i++, wave->column = 0) {
         for (uint32_t rest = row[i] & (UINT32_MAX << (wave->column % WORD_BITS)); rest != 0; rest &= rest - 1) {
-            const uint32_t bit = rest & (~rest + 1);
+            const uint32_t bit = rest & (~rest + 1U);
             const uint32_t column = (uint32_t)(i * WORD_BITS) + lowest_bit(rest);
             const uint16_t value = jp_wavefront_value(wave, (int32_t)column, wave->row);
 

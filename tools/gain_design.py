@@ -133,9 +133,9 @@ def monitor_group(robot, to):
         to.whole("encoder_jump", encoder_jump(robot), "counts a tick", 1, 2**32 - 1),
         to.q16("current_limit", robot.positive("current_sense.full_scale_a") * FULL_SCALE_SHARE, "A", 2**-16, 32767),
         to.q16("voltage_min", voltage_min, "V", 2**-16, 32767),
-        to.q16("voltage_max", voltage_max, "V", 2**-16, 32767),
+        to.q16("voltage_max", voltage_max, "V", 2**-16, 1000),
         to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 256),
-        to.q16("back_emf", back_emf, "V·s/turn", 2**-16, 32767),
+        to.q16("back_emf", back_emf, "V·s/turn", 2**-16, 255),
         to.q16("half_track", half_track, "wheel turns a body turn", 2**-16, 64),
         to.q24("wheel_rate_limit", OVERSPEED * robot.positive("limits.speed_m_s") / (
             TURN * robot.positive("wheel.radius_m")), "turn/s", 2**-24, 127),

@@ -205,7 +205,7 @@ const struct jp_lattice jp_lattice_{tables.name} = {{
 }};
 
 _Static_assert(
-    sizeof primitives + sizeof by_end + sizeof moves + sizeof spans + sizeof jp_lattice_{tables.name} <= {ROM_MAX},
+    sizeof primitives + sizeof by_end + sizeof moves + sizeof spans + sizeof jp_lattice_{tables.name} <= {ROM_MAX}U,
     "the tables of one lattice take at most {ROM_MAX} bytes");
 /* clang-format on */
 """

@@ -2,7 +2,7 @@
 # Installs what Joulepath needs on Debian 12 or Ubuntu 22.04 and 24.04: setup.sh [--yes] [sil|vcan|test]
 #   sil   the compiler, the libraries of the simulator and the Python tools
 #   vcan  also the CAN tools and, where this kernel has no vcan, one to emulate (tools/with_vcan.sh)
-#   test  also the second compiler, the checkers, the Arm tool chain and QEMU (the default)
+#   test  also the second compiler, the checkers, the Arm and RISC-V tool chains and QEMU (the default)
 # JP_SETUP=skip installs nothing and says what is missing. Exit status 2: something could not be installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,8 +11,8 @@ cd "$(dirname "$0")/.."
 sil_packages=(build-essential libccd-dev libconfig-dev libjansson-dev liblcm-dev libnlopt-dev pkg-config python3-venv)
 vcan_packages=(can-utils iproute2 util-linux)
 emulator_packages=(busybox-static qemu-system-x86 xz-utils)
-test_packages=(gcc-multilib clang cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
-    qemu-system-arm)
+test_packages=(gcc-multilib clang cmake cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
+    qemu-system-arm gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
 stamp=.venv/requirements.installed
 
 die() {
@@ -133,7 +133,7 @@ report_missing() {
     local tool absent=()
     local python=python3 list
     local tools=(gcc ar pkg-config python3)
-    [ "$scope" = test ] && tools+=(g++ clang cppcheck arm-none-eabi-gcc qemu-system-arm)
+    [ "$scope" = test ] && tools+=(g++ clang cmake cppcheck arm-none-eabi-gcc qemu-system-arm riscv64-unknown-elf-gcc qemu-system-riscv32)
     for tool in "${tools[@]}"; do
         command -v "$tool" >/dev/null || absent+=("$tool")
     done
@@ -142,11 +142,14 @@ report_missing() {
     done
     # Debian's lcm.pc asks for GLib's headers, which LCM's do not include.
     gcc -E -include lcm/lcm.h -x c /dev/null >/dev/null 2>&1 || absent+=(lcm)
+    if [ "$scope" = test ]; then
+        riscv64-unknown-elf-gcc --specs=picolibc.specs -E -x c /dev/null >/dev/null 2>&1 || absent+=("picolibc for RISC-V")
+    fi
     if [ "$scope" != sil ]; then
         mapfile -t -O ${#absent[@]} absent < <(missing_vcan)
     fi
     [ -x .venv/bin/python ] && python=.venv/bin/python
-    for tool in numpy scipy matplotlib jinja2 PIL yaml cantools can serial e2e libconf lcm rich pytest xdist junitparser; do
+    for tool in numpy scipy matplotlib jinja2 PIL yaml cantools elftools can pyocd serial e2e libconf lcm rich kconfiglib platformio SCons pytest xdist junitparser; do
         "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$tool') is None)" 2>/dev/null ||
             absent+=("python module $tool")
     done

@@ -12,6 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** After more lost messages than this the next one could be an old one, too: then two that follow each other are
  * needed, as at the start. */
 #define JP_E2E_GAP_MAX 6U
@@ -56,5 +60,9 @@ enum jp_e2e_result jp_e2e_check(struct jp_e2e_receiver *receiver, uint8_t data_i
 /** As jp_e2e_check(), for messages of jp_e2e_protect_group(). */
 enum jp_e2e_result jp_e2e_check_group(struct jp_e2e_receiver *receiver, uint8_t data_id, const uint8_t *message,
                                       size_t length, const uint8_t *rest, size_t rest_length);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

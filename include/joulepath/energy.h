@@ -17,6 +17,10 @@
 #include <joulepath/fixed.h>
 #include <joulepath/status.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define JP_ENERGY_TERMS 13
 
 /** Parameters of one robot under one controller; made by tools/identify.py. */
@@ -60,5 +64,9 @@ enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const 
  */
 enum jp_status jp_energy_predict(const struct jp_energy_model *model, const struct jp_motion *before,
                                  const struct jp_segment_command *segment, jp_q16 *energy);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

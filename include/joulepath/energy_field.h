@@ -15,6 +15,10 @@
 #include <joulepath/lattice.h>
 #include <joulepath/wavefront.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** A rectangle of cells, both corners within; empty when last_x < first_x. */
 struct jp_cell_box {
     int32_t first_x;
@@ -57,5 +61,9 @@ struct jp_cell_box jp_energy_field_take_lowered(struct jp_energy_field *field);
 /** Lower bound for a cell of the map; JP_COST_MAX when no way leads there. Valid when the growth is done.
  *  Constant time. */
 jp_cost jp_energy_field_bound(const struct jp_energy_field *field, int32_t x, int32_t y);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

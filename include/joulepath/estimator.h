@@ -11,6 +11,10 @@
 #include <joulepath/sensors.h>
 #include <joulepath/status.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct jp_estimator_config {
     uint32_t tick_rate;        /**< calls a second; 100…10 000 */
     jp_phase wheel_per_count;  /**< mean wheel angle for one count of (left + right): half a count; 2⁻⁵⁶ turn */
@@ -44,9 +48,9 @@ struct jp_estimator {
     jp_phase yaw_encoder;   /**< measured φ */
     struct jp_tracking_loop wheel;
     struct jp_tracking_loop yaw;
-    jp_phase pitch;          /**< ψ */
-    int64_t gyro_bias;       /**< 2⁻⁵⁶ turn/s */
-    jp_phase phase_per_rate; /**< angle of one tick at a rate of 2⁻²⁴ turn/s */
+    jp_phase pitch;         /**< ψ */
+    int64_t gyro_bias;      /**< 2⁻⁵⁶ turn/s */
+    int32_t phase_per_rate; /**< angle of one tick at a rate of 2⁻²⁴ turn/s: jp_phase_per_rate() */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
@@ -65,5 +69,9 @@ void jp_estimator_resume(struct jp_estimator *estimator, const struct jp_estimat
 /** One tick. Cannot fail; constant time; for the control ISR. */
 void jp_estimator_update(struct jp_estimator *estimator, const struct jp_estimator_config *config,
                          const struct jp_sensors *sensors, struct jp_motion_state *state);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

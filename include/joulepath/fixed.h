@@ -21,6 +21,16 @@
 #define JP_DSP 0
 #endif
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__ARM_ARCH_ISA_THUMB) && __ARM_ARCH_ISA_THUMB == 1
+#define JP_LONG_MULTIPLY 0
+#else
+#define JP_LONG_MULTIPLY 1
+#endif
+
 typedef int32_t jp_q16; /**< Q16.16: ±32 768, step 1.5e-5 */
 typedef int32_t jp_q24; /**< Q8.24: ±128, step 6.0e-8 */
 typedef int32_t jp_q31; /**< Q1.31: [−1, 1), step 4.7e-10 */
@@ -44,14 +54,31 @@ typedef uint64_t jp_phase;
 /** Nearest value of 32 bits. Exact inside the range. */
 static inline int32_t jp_saturate32(int64_t x)
 {
-    return x > INT32_MAX ? INT32_MAX : x < INT32_MIN ? INT32_MIN : (int32_t)x;
+    int32_t low = (int32_t)x;
+    int32_t high = (int32_t)(x >> 32);
+
+    /* It fits when the upper half repeats the sign of the lower. */
+    if (high == (low < 0 ? -1 : 0)) {
+        return low;
+    }
+    return high < 0 ? INT32_MIN : INT32_MAX;
 }
 
 /** a limited to [low, high]; low <= high. */
 static inline int32_t jp_clamp32(int32_t a, int32_t low, int32_t high)
 {
-    return a < low ? low : a > high ? high : a;
+    int32_t at_least = a < low ? low : a;
+
+    return at_least > high ? high : at_least;
 }
+
+/** a limited to `bits` bits, a constant of 2…31: −2^(bits − 1)…2^(bits − 1) − 1. One instruction (SSAT) where the core
+ *  has it. */
+#if JP_DSP
+#define jp_saturate_bits(a, bits) ((int32_t)__builtin_arm_ssat(a, bits))
+#else
+#define jp_saturate_bits(a, bits) jp_clamp32(a, -((int32_t)1 << ((bits)-1)), ((int32_t)1 << ((bits)-1)) - 1)
+#endif
 
 /** a + b, saturated. Exact inside the range. One instruction (QADD) where the core has it. */
 static inline int32_t jp_add(int32_t a, int32_t b)
@@ -73,11 +100,23 @@ static inline int32_t jp_sub(int32_t a, int32_t b)
 #endif
 }
 
+/** a·b in 64 bits: exact. A function where the core has no such instruction (ARMv6-M). */
+#if JP_LONG_MULTIPLY
+static inline int64_t jp_multiply(int32_t a, int32_t b)
+{
+    return (int64_t)a * b;
+}
+#else
+int64_t jp_multiply(int32_t a, int32_t b);
+#endif
+
 /** a·b / 2^shift, 1 <= shift <= 62, rounded and saturated: 0.5 ulp. */
 static inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift)
 {
     int64_t half = (int64_t)1 << (shift - 1);
-    return jp_saturate32(((int64_t)a * b + half) >> shift);
+    int64_t rounded = (jp_multiply(a, b) + half) >> shift;
+
+    return shift >= 32U ? (int32_t)rounded : jp_saturate32(rounded);
 }
 
 /** Products of equal formats, saturated: 0.5 ulp. jp_q31_multiply(−1, −1) is JP_Q31_MAX. */
@@ -99,7 +138,7 @@ static inline jp_q31 jp_q31_multiply(jp_q31 a, jp_q31 b)
 /** accumulator + a·b in 64 bits, saturated at ±2⁶³. Exact inside the range. */
 static inline int64_t jp_multiply_accumulate(int64_t accumulator, int32_t a, int32_t b)
 {
-    int64_t product = (int64_t)a * b;
+    int64_t product = jp_multiply(a, b);
     if (product > 0 && accumulator > INT64_MAX - product) {
         return INT64_MAX;
     }
@@ -112,8 +151,10 @@ static inline int64_t jp_multiply_accumulate(int64_t accumulator, int32_t a, int
 /** x / 2^shift, 1 <= shift <= 62, rounded and saturated to 32 bits: 0.5 ulp. */
 static inline int32_t jp_round_shift(int64_t x, unsigned shift)
 {
-    int64_t first_dropped_bit = (x >> (shift - 1)) & 1;
-    return jp_saturate32((x >> shift) + first_dropped_bit);
+    int32_t first_dropped_bit = (int32_t)(x >> (shift - 1)) & 1;
+
+    return shift >= 32U ? jp_add((int32_t)(x >> shift), first_dropped_bit)
+                        : jp_saturate32((x >> shift) + first_dropped_bit);
 }
 
 /** numerator / denominator, rounded (ties away from zero) and saturated: 0.5 ulp.
@@ -160,7 +201,21 @@ jp_q24 jp_angle_to_radians(jp_angle angle);
 /** Difference of two phases that are within ±128 turns, rounded down to 2⁻²⁴ turn; the same across every wrap. */
 static inline jp_q24 jp_phase_difference(jp_phase a, jp_phase b)
 {
-    return (jp_q24)((int64_t)(a - b) >> 32);
+    return (jp_q24)(uint32_t)((a - b) >> 32);
+}
+
+/** 2³²/rate, rounded; rate is 2…2³¹. The angle that one of `rate` ticks a second adds to a phase at 2⁻²⁴ turn/s, and
+ *  the tick's length in 2⁻³² s. One 32-bit division. */
+static inline int32_t jp_phase_per_rate(uint32_t rate)
+{
+    /* 2³² does not fit; 2³² − rate does, and gives 1 less. */
+    return (int32_t)((0U - rate + rate / 2U) / rate + 1U);
+}
+
+/** The angle of one tick at `rate`, Q24 turn/s. */
+static inline jp_phase jp_phase_step(jp_q24 rate, int32_t phase_per_rate)
+{
+    return (jp_phase)jp_multiply(rate, phase_per_rate);
 }
 
 /** The wrapping angle of a phase, rounded down. */
@@ -168,5 +223,9 @@ static inline jp_angle jp_phase_angle(jp_phase phase)
 {
     return (jp_angle)(phase >> 24);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

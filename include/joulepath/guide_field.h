@@ -14,6 +14,10 @@
 #include <joulepath/lattice.h>
 #include <joulepath/wavefront.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define JP_GUIDE_SCALE_MAX 8
 
 /** Which way the robot drives. */
@@ -65,5 +69,9 @@ bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32
 /** Estimate for a pose; where the guide does not reach, that of its farthest cells without their turning. Valid when
  * the growth is done. Constant time. */
 jp_cost jp_guide_field_estimate(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -21,6 +21,10 @@
 
 #include <joulepath/terrain.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define JP_HEADINGS 16
 
 /** Farthest swept cell from the start cell of a primitive, in x and in y. */
@@ -114,7 +118,10 @@ extern const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS];
 /** Kind of a unit step. */
 static inline enum jp_move_kind jp_move_kind_of(unsigned direction)
 {
-    return direction % 2 != 0 ? JP_MOVE_KNIGHT : direction % 4 != 0 ? JP_MOVE_DIAGONAL : JP_MOVE_AXIS;
+    if (direction % 2U != 0U) {
+        return JP_MOVE_KNIGHT;
+    }
+    return direction % 4U != 0U ? JP_MOVE_DIAGONAL : JP_MOVE_AXIS;
 }
 
 /** a + b, at most JP_COST_MAX, for a and b up to JP_COST_MAX. */
@@ -158,5 +165,9 @@ bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terr
 
 /** True unless no robot can be on cell (x, y) whatever its heading. Work: the spans of `core`. */
 bool jp_lattice_is_open(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

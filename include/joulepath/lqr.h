@@ -13,10 +13,12 @@
 #ifndef JOULEPATH_LQR_H
 #define JOULEPATH_LQR_H
 
-#include <stdbool.h>
-
 #include <joulepath/estimator.h>
 #include <joulepath/reference.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /** Gains in V per turn, V·s per turn and V per turn·s. The magnitudes of each row add up to at most 32 767 V; an
  *  integral gain is at most 32 767 · tick_rate / 1 024 V per turn·s. */
@@ -40,23 +42,25 @@ struct jp_lqr {
     jp_q16 integral_gain_yaw;
 };
 
-struct jp_voltages {
-    jp_q16 left;    /**< V */
-    jp_q16 right;   /**< V */
-    bool saturated; /**< a limit changed the command */
-};
-
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
 enum jp_status jp_lqr_check(const struct jp_lqr_config *config, const char **field);
 
-/** Empties the integrators. */
+/** Takes the gains from the configuration and empties the integrators. Two 64-bit divisions. */
 void jp_lqr_start(struct jp_lqr *lqr, const struct jp_lqr_config *config);
+
+/** Empties the integrators. For the control ISR. */
+void jp_lqr_restart(struct jp_lqr *lqr);
 
 /**
  * One tick: errors, integrators, gain product, limits. |ul|, |ur| <= `limit` (V, >= 0).
- * Cannot fail; constant time; for the control ISR. Within 5 mV of exact arithmetic while no error exceeds its format.
+ * Errors are limited to [−64, 64) turns. Within 5 mV of exact arithmetic while no error exceeds its format.
+ * Cannot fail; constant time; for the control ISR.
  */
 void jp_lqr_update(struct jp_lqr *lqr, const struct jp_lqr_config *config, const struct jp_reference *reference,
                    const struct jp_motion_state *state, jp_q16 limit, struct jp_voltages *voltages);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

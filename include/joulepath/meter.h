@@ -7,8 +7,12 @@
 #ifndef JOULEPATH_METER_H
 #define JOULEPATH_METER_H
 
-#include <joulepath/fixed.h>
+#include <joulepath/sensors.h>
 #include <joulepath/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /** Energy, J in Q32.32: ±2.1 GJ, step 2.3e-10 J. */
 typedef int64_t jp_energy;
@@ -33,12 +37,16 @@ enum jp_status jp_meter_check(const struct jp_meter_config *config, const char *
 /** Starts both sums at 0. */
 void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config);
 
-/** One tick at motor voltages (V) and currents (A), left and right. |u| <= 1 024 V, |i| <= 1 024 A.
+/** One tick at these motor voltages and at the currents of `sensors`. |u| <= 1 024 V, |i| <= 1 024 A.
  *  Each sum is within 1e-6 of the exact one, or 3e-6 W; the model's only while Rm · tick_rate is at most 8 000 Ω/s, and
  *  beyond that in proportion. Constant time; for the control ISR. */
-void jp_meter_update(struct jp_meter *meter, const jp_q16 voltages[2], const jp_q16 currents[2]);
+void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages, const struct jp_sensors *sensors);
 
 /** Energy in J as Q16.16, rounded and saturated. */
 jp_q16 jp_energy_to_q16(jp_energy energy);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

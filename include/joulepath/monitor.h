@@ -1,8 +1,8 @@
 /**
  * Plausibility of the sensors and the limit of tilt.
  *
- * A reading out of range, or that jumps farther than physics allows, is replaced by the last good frame; when it stays
- * so for `confirm_ticks` it is a fault. An IMU is frozen when one of its channels repeats itself to the bit for
+ * A reading out of range, or that jumps farther than physics allows, leaves the last good frame; when it stays so for
+ * `confirm_ticks` it is a fault. An IMU is frozen when one of its channels repeats itself to the bit for
  * `freeze_ticks`. An encoder that stops, slips or runs away contradicts the motor current, i = (u − kb ω)/Rm, for
  * `residual_ticks`.
  */
@@ -13,6 +13,10 @@
 
 #include <joulepath/estimator.h>
 #include <joulepath/sensors.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /** Bits of a fault word. */
 enum jp_fault {
@@ -37,11 +41,11 @@ struct jp_monitor_config {
     jp_q24 gyro_jump;        /**< change a tick beyond it is implausible, turn/s; above 0 */
     jp_q24 accel_limit;      /**< |specific force| beyond it is out of range, g; above 1 */
     uint32_t encoder_jump;   /**< counts a tick beyond it are implausible; above 0 */
-    jp_q16 current_limit;    /**< |i| beyond it is out of range, A; above 0 */
+    jp_q16 current_limit;    /**< |i| beyond it is out of range, A; above 0, times Rm at most 32 767 V */
     jp_q16 voltage_min;      /**< bus voltage, V; above 0 */
-    jp_q16 voltage_max;      /**< V; above voltage_min */
+    jp_q16 voltage_max;      /**< V; above voltage_min, at most 1 000 */
     jp_q16 motor_resistance; /**< Rm, Ω; 0.01…256 */
-    jp_q16 back_emf;         /**< kb at the wheel, V per turn/s; above 0 */
+    jp_q16 back_emf;         /**< kb at the wheel, V per turn/s; above 0, below 256 */
     jp_q16 half_track;       /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
     jp_q24 wheel_rate_limit; /**< |mean wheel rate| beyond it is a runaway, turn/s; above 0 */
     jp_q16 current_residual; /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
@@ -51,30 +55,34 @@ struct jp_monitor_config {
 };
 
 struct jp_monitor {
-    struct jp_sensors good; /**< last plausible frame, once started */
+    struct jp_sensors good; /**< last plausible frame, the one to use, once started */
     uint16_t implausible_ticks;
     uint16_t frozen_ticks[JP_IMU_CHANNELS];
     uint16_t residual_ticks[2];
     uint16_t overspeed_ticks;
     bool started;
+    jp_q16 residual_limit; /**< V, from the configuration */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
 enum jp_status jp_monitor_check(const struct jp_monitor_config *config, const char **field);
 
 /** Forgets what it saw. */
-void jp_monitor_start(struct jp_monitor *monitor);
+void jp_monitor_start(struct jp_monitor *monitor, const struct jp_monitor_config *config);
 
-/** Checks one frame and replaces it in place by the last good one when it is implausible or `read` is a failure.
+/** Checks one frame and takes it as the `good` one unless it is implausible or `read` is a failure.
  *  Returns the confirmed faults, 0 for none. Constant time; for the control ISR. */
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
-                            struct jp_sensors *sensors);
+                            const struct jp_sensors *sensors);
 
-/** Compares the currents of `sensors` with the voltages that drove them (left, right) and the rates that the encoders
- *  show: mean of the wheels relative to the body, and yaw; turn/s. Returns the confirmed encoder and overspeed faults,
- *  0 for none. Constant time; for the control ISR. */
+/** Compares the currents of the good frame with the voltages that drove them and the rates that the encoders show: mean
+ *  of the wheels relative to the body, and yaw; turn/s. Returns the confirmed encoder and overspeed faults, 0 for none.
+ *  Constant time; for the control ISR. */
 uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_config *config,
-                           const struct jp_sensors *sensors, const jp_q16 voltages[2], jp_q24 wheel_rate,
-                           jp_q24 yaw_rate);
+                           const struct jp_voltages *voltages, jp_q24 wheel_rate, jp_q24 yaw_rate);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

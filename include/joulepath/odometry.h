@@ -5,6 +5,10 @@
 #include <joulepath/estimator.h>
 #include <joulepath/segment.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct jp_odometry {
     int64_t x;      /**< m, Q32.32 */
     int64_t y;      /**< m, Q32.32 */
@@ -16,11 +20,15 @@ struct jp_odometry {
 /** Starts at (0, 0), heading along x at yaw 0. metres_per_turn is above 0 and at most 4. */
 void jp_odometry_start(struct jp_odometry *odometry, jp_q24 metres_per_turn, const struct jp_motion_state *state);
 
-/** One tick: the distance rolled, along the mean heading of the tick. |Δθ| is limited to ⅛ turn. Constant time; for the
- * ISR. */
+/** One tick: the distance rolled, along the mean heading of the tick. Δθ is limited to [−⅛, ⅛) turn. Constant time;
+ *  for the ISR. */
 void jp_odometry_update(struct jp_odometry *odometry, const struct jp_motion_state *state);
 
 /** Position in m, saturated at ±32 767 m. */
 struct jp_point jp_odometry_position(const struct jp_odometry *odometry);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

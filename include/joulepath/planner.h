@@ -20,6 +20,10 @@
 #include <joulepath/energy_field.h>
 #include <joulepath/guide_field.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** ε in 1/256: JP_EPSILON(1.5) is 384. */
 #define JP_EPSILON(x)     ((uint16_t)((x)*256.0 + 0.5))
 #define JP_EPSILON_ONE    ((uint16_t)256)
@@ -195,5 +199,9 @@ const struct jp_plan *jp_planner_plan(const struct jp_planner *planner);
 const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, unsigned index, struct jp_pose *pose);
 
 const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

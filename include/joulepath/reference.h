@@ -15,6 +15,10 @@
 #include <joulepath/fixed.h>
 #include <joulepath/status.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct jp_reference_config {
     uint32_t tick_rate;      /**< calls a second; 100…10 000 */
     jp_q24 turns_per_metre;  /**< 1/(2πR), turn/m; 0.1…16 */
@@ -30,10 +34,17 @@ struct jp_reference_axis {
     jp_q24 rate; /**< turn/s */
 };
 
+/** A step of the target. */
+struct jp_reference_step {
+    jp_q24 wheel_rate; /**< turn/s */
+    jp_q24 yaw_rate;   /**< turn/s */
+    jp_q24 turn;       /**< turn */
+};
+
 struct jp_reference {
     struct jp_reference_axis wheel; /**< θ */
     struct jp_reference_axis yaw;   /**< φ */
-    jp_phase phase_per_rate;        /**< angle of one tick at a rate of 2⁻²⁴ turn/s */
+    int32_t phase_per_rate;         /**< angle of one tick at a rate of 2⁻²⁴ turn/s: jp_phase_per_rate() */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
@@ -48,11 +59,18 @@ void jp_reference_start(struct jp_reference *reference, const struct jp_referenc
 void jp_reference_coast(struct jp_reference *reference, const struct jp_reference_config *config, jp_q24 wheel_rate,
                         jp_q24 yaw_rate);
 
-/** Steps the target: heading by `turn` rad, then speed (m/s) and turn rate (rad/s). |v| <= 8, |w| <= 8. */
-void jp_reference_step(struct jp_reference *reference, const struct jp_reference_config *config,
-                       const struct jp_motion *motion, jp_q24 turn);
+/** The step to a heading turned by `turn` rad, then speed (m/s) and turn rate (rad/s). |v| <= 8, |w| <= 8. */
+struct jp_reference_step jp_reference_step_to(const struct jp_reference_config *config, const struct jp_motion *motion,
+                                              jp_q24 turn);
+
+/** Steps the target. For the control ISR. */
+void jp_reference_apply(struct jp_reference *reference, const struct jp_reference_step *step);
 
 /** One tick. Cannot fail; constant time; for the control ISR. */
 void jp_reference_update(struct jp_reference *reference, const struct jp_reference_config *config);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

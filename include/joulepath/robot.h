@@ -1,7 +1,8 @@
 /**
  * One robot: sensors in, voltages out, a route driven by joules.
  *
- *   jp_robot_tick()  at the control rate, from the control interrupt: short and bounded
+ *   jp_robot_tick()  at the control rate, from the control interrupt: short and bounded; in two parts, so that the
+ *                    bridges need not wait for the second
  *   jp_robot_work()  from the background loop, between ticks: plans the next segment
  *
  *            enable                drive, follow
@@ -26,6 +27,10 @@
 #include <joulepath/reference.h>
 #include <joulepath/segment.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Everything that is fixed for one kind of robot; made by tools/gain_design.py. */
 struct jp_robot_config {
     const char *name;
@@ -40,7 +45,7 @@ struct jp_robot_config {
 
 enum jp_robot_state { JP_ROBOT_IDLE, JP_ROBOT_BALANCING, JP_ROBOT_DRIVING, JP_ROBOT_FALLEN, JP_ROBOT_FAULT };
 
-/** What the robot shows the world; copied whole and consistent by jp_robot_telemetry(). */
+/** What the robot shows the world; made whole and consistent by jp_robot_telemetry(). */
 struct jp_telemetry {
     enum jp_robot_state state;
     uint16_t faults;               /**< enum jp_fault bits; kept until disable */
@@ -63,6 +68,23 @@ struct jp_telemetry {
     jp_energy segment_energy_model; /**< of the last segment that ended */
     jp_energy segment_energy_battery;
     uint16_t segments_ended; /**< since the robot last stood, saturating */
+    int64_t gyro_bias;       /**< learned, 2⁻⁵⁶ turn/s */
+};
+
+/** The part of the telemetry that the modules do not hold, with the same fields. */
+struct jp_tick_telemetry {
+    enum jp_robot_state state;
+    uint16_t faults;
+    uint16_t segment;
+    uint16_t segments_ended;
+    uint32_t tick;
+    struct jp_motion_state motion;
+    struct jp_voltages voltages;
+    uint32_t saturated_ticks;
+    uint32_t segment_ticks_left;
+    struct jp_motion command;
+    jp_energy segment_energy_model;
+    jp_energy segment_energy_battery;
 };
 
 /** What a reset of the controller must not lose. */
@@ -70,6 +92,13 @@ struct jp_snapshot {
     struct jp_estimator estimator;
     struct jp_odometry odometry;
     bool balancing; /**< the motors ran */
+};
+
+/** A segment as the tick takes it. */
+struct jp_next_segment {
+    struct jp_motion motion;
+    struct jp_reference_step step;
+    uint32_t ticks;
 };
 
 struct jp_robot {
@@ -83,14 +112,24 @@ struct jp_robot {
     struct jp_meter meter;
     struct jp_odometry odometry;
 
-    struct jp_segment_command next; /**< handed to the tick by `next_full` */
+    struct jp_next_segment next; /**< handed to the tick by `next_full` */
     uint8_t next_full;
     uint8_t enable_requested;
     uint8_t stop_requested;
     uint8_t disable_requested;
     bool started;  /**< a plausible frame was seen */
     bool resuming; /**< the first plausible frame goes on from a snapshot */
+    int64_t known_gyro_bias;
 
+    /* From jp_robot_control() to jp_robot_account(). */
+    bool review_due; /**< a sample ended an interval */
+    bool segment_ended;
+    bool segment_began;
+
+    /* From jp_robot_account() to the next tick. */
+    struct jp_voltages applied; /**< since the last tick */
+    bool motors_ran;            /**< since the last tick */
+    uint16_t motor_faults;      /**< enum jp_fault bits */
     jp_energy segment_start_model;
     jp_energy segment_start_battery;
 
@@ -100,8 +139,8 @@ struct jp_robot {
     enum jp_status route_status;
     struct jp_segment planned; /**< the last segment planned */
 
-    uint32_t sequence; /**< odd while `telemetry` is written */
-    struct jp_telemetry telemetry;
+    uint32_t sequence; /**< odd during a tick */
+    struct jp_tick_telemetry telemetry;
 };
 
 /**
@@ -112,9 +151,18 @@ enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_confi
                              const struct jp_energy_model *model, const char **field);
 
 /**
- * One control tick: sensors to duties. `read` is what the HAL returned for the frame: after an error the last good
- * frame serves until the fault is confirmed. Constant time; for the control ISR; instructions are in the README.
+ * The part of a control tick that the bridges wait for: sensors to duties. `read` is what the HAL returned for the
+ * frame: after an error the last good frame serves until the fault is confirmed. jp_robot_account() must follow before
+ * anything else looks at the robot. Constant time; for the control ISR; instructions are in the README.
  */
+void jp_robot_control(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
+                      struct jp_actuation *actuation);
+
+/** The rest of the tick, which can wait until the duties are applied: odometry, energy, motor checks (their faults
+ * switch off in the next tick). Constant time; for the control ISR. */
+void jp_robot_account(struct jp_robot *robot);
+
+/** A whole tick: jp_robot_control(), then jp_robot_account(). */
 void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                    struct jp_actuation *actuation);
 
@@ -134,6 +182,10 @@ void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapsho
  * stand. Pitch is that of the snapshot, so the reset must be short: tens of milliseconds.
  */
 void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot);
+
+/** Between jp_robot_init() and the first tick: the estimator begins with a bias that it learned earlier, 2⁻⁵⁶ turn/s;
+ *  ±0.05 turn/s. */
+void jp_robot_know_gyro_bias(struct jp_robot *robot, int64_t bias);
 
 /** Idle to balancing, at the next tick. JP_ERR_STATE: not idle, no frame yet, or tilted beyond the limit. */
 enum jp_status jp_robot_enable(struct jp_robot *robot);
@@ -160,5 +212,9 @@ void jp_robot_stop(struct jp_robot *robot);
 
 /** A consistent copy of the telemetry, from any context of lower priority than the tick. */
 void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

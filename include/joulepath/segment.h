@@ -14,6 +14,10 @@
 
 #include <joulepath/energy.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Largest arc angle, rad (324°): beyond it an arc is more than nine times its chord. */
 #define JP_ARC_ANGLE_MAX JP_Q24(5.654866776461628)
 
@@ -86,5 +90,9 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
  *  `end_heading` may point to the heading's variable. */
 enum jp_status jp_segment_end(const struct jp_segment *segment, const struct jp_point *start, jp_angle heading,
                               struct jp_point *end, jp_angle *end_heading);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

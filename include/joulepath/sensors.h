@@ -2,6 +2,8 @@
 #ifndef JOULEPATH_SENSORS_H
 #define JOULEPATH_SENSORS_H
 
+#include <stdbool.h>
+
 #include <joulepath/fixed.h>
 
 /**
@@ -17,6 +19,13 @@ struct jp_sensors {
     jp_q16 current_left;    /**< motor current, A; positive drives forward */
     jp_q16 current_right;   /**< motor current, A */
     jp_q16 bus_voltage;     /**< V */
+};
+
+/** What the controller asks of the motors. */
+struct jp_voltages {
+    jp_q16 left;    /**< V */
+    jp_q16 right;   /**< V */
+    bool saturated; /**< a limit changed the command */
 };
 
 /** Duty of each bridge: −1…1 of the bus voltage, positive drives forward. */

@@ -23,6 +23,10 @@
 #include <joulepath/energy.h>
 #include <joulepath/lattice.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Constants of one robot; made by tools/lattice.py from sim/robots/. */
 struct jp_skid_steer_config {
     jp_q24 wheel_radius;      /**< r, m; 0.01…1 */
@@ -77,5 +81,9 @@ enum jp_status jp_skid_steer_power(const struct jp_skid_steer_config *config, en
  */
 enum jp_status jp_skid_steer_energy(const struct jp_skid_steer_config *config, enum jp_cost_kind kind,
                                     const struct jp_motion *motion, jp_q24 rise, jp_q16 duration, jp_q16 *energy);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

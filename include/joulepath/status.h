@@ -18,7 +18,8 @@ enum jp_status {
     JP_ERR_OUTSIDE = -12,    /**< a cell is outside the map */
     JP_ERR_BLOCKED = -13,    /**< the robot's footprint does not fit there */
     JP_ERR_STALE = -14,      /**< the map changed without the planner being told: its search is void */
-    JP_ERR_NO_PLAN = -15     /**< there is no path to give */
+    JP_ERR_NO_PLAN = -15,    /**< there is no path to give */
+    JP_ERR_EMPTY = -16       /**< nothing is stored there */
 };
 
 #endif

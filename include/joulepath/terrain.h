@@ -14,6 +14,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Largest width and height, cells. */
 #define JP_TERRAIN_SIDE_MAX 1024
 
@@ -80,5 +84,9 @@ jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, i
  *  blocked. Work: one or two words of the map a span. */
 bool jp_terrain_is_clear(const struct jp_terrain *terrain, const struct jp_span *spans, size_t count, int32_t x,
                          int32_t y);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

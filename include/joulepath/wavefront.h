@@ -12,6 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define JP_WAVE_VALUE_MAX   ((uint16_t)0xFFFE)
 #define JP_WAVE_NOT_REACHED ((uint16_t)0xFFFF)
 
@@ -64,5 +68,9 @@ bool jp_wavefront_next(struct jp_wavefront *wave, int32_t *x, int32_t *y);
 
 /** True when the wave stopped because nothing was left to reach: a cell that is not reached cannot be. */
 bool jp_wavefront_is_exhausted(const struct jp_wavefront *wave);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

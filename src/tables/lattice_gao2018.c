@@ -291,6 +291,6 @@ const struct jp_lattice jp_lattice_gao2018 = {
 };
 
 _Static_assert(
-    sizeof primitives + sizeof by_end + sizeof moves + sizeof spans + sizeof jp_lattice_gao2018 <= 32768,
+    sizeof primitives + sizeof by_end + sizeof moves + sizeof spans + sizeof jp_lattice_gao2018 <= 32768U,
     "the tables of one lattice take at most 32768 bytes");
 /* clang-format on */

@@ -286,15 +286,16 @@ static jp_q16 motor_current(const struct jp_monitor_config *motor, jp_q16 voltag
 
 static void move_and_measure(struct traffic *traffic, const struct jp_ecu *ecu, struct jp_sensors *sensors)
 {
-    const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_reference *reference = &ecu->robot.reference;
     const struct jp_robot_config *config = ecu->robot.config;
     const double second = 1.0 / config->estimator.tick_rate;
     double wheel = 0;
     double yaw = 0;
 
     if (telemetry->state == JP_ROBOT_BALANCING || telemetry->state == JP_ROBOT_DRIVING) {
-        wheel = wanted_rate(telemetry->reference_wheel_rate, telemetry->reference_wheel, telemetry->motion.wheel);
-        yaw = wanted_rate(telemetry->reference_yaw_rate, telemetry->reference_yaw, telemetry->motion.yaw);
+        wheel = wanted_rate(reference->wheel.rate, reference->wheel.angle, telemetry->motion.wheel);
+        yaw = wanted_rate(reference->yaw.rate, reference->yaw.angle, telemetry->motion.yaw);
     }
 
     const double sum = wheel * second * 0x1p56 / (double)config->estimator.wheel_per_count;
@@ -370,11 +371,11 @@ static void put_point(struct jp_can_frame *frame, const struct jp_point *point)
 
 static struct jp_point random_point(const struct jp_ecu *ecu)
 {
-    const struct jp_point *here = &ecu->robot.telemetry.position;
+    const struct jp_point here = jp_odometry_position(&ecu->robot.odometry);
     const int32_t near = one_in(8) ? JP_Q16(500) : JP_Q16(0.2);
 
-    return (struct jp_point){jp_clamp32(here->x + around(near), -JP_Q16(512), JP_Q16(511)),
-                             jp_clamp32(here->y + around(near), -JP_Q16(512), JP_Q16(511))};
+    return (struct jp_point){jp_clamp32(here.x + around(near), -JP_Q16(512), JP_Q16(511)),
+                             jp_clamp32(here.y + around(near), -JP_Q16(512), JP_Q16(511))};
 }
 
 static void draw_route(struct traffic *traffic, const struct jp_ecu *ecu)
@@ -653,7 +654,7 @@ static void run_tick(struct controller *self)
     seen.ticks++;
     require(self->sent <= 1U + JP_TELEMETRY_FRAMES_MAX, "frames in a tick");
     if (is_running(ecu)) {
-        const struct jp_telemetry *telemetry = &ecu->robot.telemetry;
+        const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
         const jp_q16 most = ecu->robot.monitor.good.bus_voltage;
 
         require(telemetry->voltages.left <= most && telemetry->voltages.left >= -most &&
@@ -820,7 +821,7 @@ static void draw_sound_record(struct jp_retained_slot *slot)
     const uint8_t balancing = (uint8_t)below(2);
 
     randomise(slot, sizeof *slot);
-    slot->snapshot.estimator.phase_per_rate = ((UINT64_C(1) << 32) + rate / 2U) / rate;
+    slot->snapshot.estimator.phase_per_rate = jp_phase_per_rate(rate);
     slot->snapshot.estimator.gyro_bias >>= 20;
     slot->snapshot.odometry.metres_per_turn = config->metres_per_turn;
     slot->snapshot.odometry.x >>= 16;

@@ -184,8 +184,9 @@ static void test_reference_of(const struct jp_reference_config *config, const ch
         if (tick % 4000 == 0) {
             const struct jp_motion motion = {lqr_random_turns(&random, 1), lqr_random_turns(&random, 0.35)};
             const jp_q24 turn = lqr_random_turns(&random, 1.4);
+            const struct jp_reference_step step = jp_reference_step_to(config, &motion, turn);
 
-            jp_reference_step(&reference, config, &motion, turn);
+            jp_reference_apply(&reference, &step);
             wheel.target_rate = lqr_turns(motion.speed) * lqr_turns(config->turns_per_metre);
             yaw.target_rate = lqr_turns(motion.turn_rate) * turns_per_radian;
             yaw.target += lqr_turns(turn) * turns_per_radian;
@@ -250,16 +251,16 @@ static void test_meter_of(const struct jp_meter_config *config, const char *name
     random_init(&random, seed);
     jp_meter_start(&meter, config);
     for (uint32_t tick = 1; tick <= 600000; tick++) {
-        const jp_q16 voltages[2] = {(jp_q16)(random_uniform(&random, -volts, volts) * 65536),
-                                    (jp_q16)(random_uniform(&random, -volts, volts) * 65536)};
-        const jp_q16 currents[2] = {(jp_q16)(random_uniform(&random, -5, 5) * 65536),
-                                    (jp_q16)(random_uniform(&random, -5, 5) * 65536)};
-        const double u[2] = {lqr_volts(voltages[0]), lqr_volts(voltages[1])};
+        const struct jp_voltages voltages = {.left = (jp_q16)(random_uniform(&random, -volts, volts) * 65536),
+                                             .right = (jp_q16)(random_uniform(&random, -volts, volts) * 65536)};
+        const struct jp_sensors sensors = {.current_left = (jp_q16)(random_uniform(&random, -5, 5) * 65536),
+                                           .current_right = (jp_q16)(random_uniform(&random, -5, 5) * 65536)};
+        const double u[2] = {lqr_volts(voltages.left), lqr_volts(voltages.right)};
         const double power = lqr_volts(config->electronics_power);
         const double motors = (u[0] * u[0] + u[1] * u[1]) / lqr_volts(config->motor_resistance);
-        const double delivered = u[0] * lqr_volts(currents[0]) + u[1] * lqr_volts(currents[1]);
+        const double delivered = u[0] * lqr_volts(sensors.current_left) + u[1] * lqr_volts(sensors.current_right);
 
-        jp_meter_update(&meter, voltages, currents);
+        jp_meter_update(&meter, &voltages, &sensors);
         model += (motors + power) / config->tick_rate;
         battery += (delivered + power) / config->tick_rate;
         spent += (fabs(delivered) + power) / config->tick_rate;

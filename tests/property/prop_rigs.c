@@ -47,15 +47,16 @@ static void add_bytes(uint64_t *hash, const void *bytes, size_t size)
 static void add_tick(struct course *course)
 {
     const struct plant *plant = &course->rig.world.plant;
-    const struct jp_telemetry *telemetry = &course->rig.robot.telemetry;
+    struct jp_telemetry telemetry;
 
+    jp_robot_telemetry(&course->rig.robot, &telemetry);
     add_bytes(&course->hash, &plant->state, sizeof plant->state);
     add_bytes(&course->hash, &plant->x, sizeof plant->x);
     add_bytes(&course->hash, &plant->y, sizeof plant->y);
-    add_bytes(&course->hash, &telemetry->voltages.left, sizeof telemetry->voltages.left);
-    add_bytes(&course->hash, &telemetry->voltages.right, sizeof telemetry->voltages.right);
-    add_bytes(&course->hash, &telemetry->energy_model, sizeof telemetry->energy_model);
-    add_bytes(&course->hash, &telemetry->position, sizeof telemetry->position);
+    add_bytes(&course->hash, &telemetry.voltages.left, sizeof telemetry.voltages.left);
+    add_bytes(&course->hash, &telemetry.voltages.right, sizeof telemetry.voltages.right);
+    add_bytes(&course->hash, &telemetry.energy_model, sizeof telemetry.energy_model);
+    add_bytes(&course->hash, &telemetry.position, sizeof telemetry.position);
 }
 
 static bool start(struct course *course, size_t index)

@@ -108,7 +108,7 @@ static void drive_rig(const struct robot_entry *entry, const struct robot_file *
         trace->sign_changes += (rig.world.last_read.encoder_left ^ before) >> 31;
         before = rig.world.last_read.encoder_left;
     }
-    trace->last = rig.robot.telemetry;
+    jp_robot_telemetry(&rig.robot, &trace->last);
     TEST_ASSERT_EQUAL_UINT16(2, trace->last.segments_ended);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, trace->last.state);
 }

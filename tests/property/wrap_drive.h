@@ -99,9 +99,10 @@ static void wrap_run(struct wrap_drive *drive)
     struct jp_estimator estimator;
     struct jp_reference reference;
     struct jp_motion_state state = {0};
+    const struct jp_reference_step step = jp_reference_step_to(&config->reference, &drive->motion, 0);
 
     jp_reference_start(&reference, &config->reference, 0, 0);
-    jp_reference_step(&reference, &config->reference, &drive->motion, 0);
+    jp_reference_apply(&reference, &step);
 
     const wrap_wide wheel_step = (wrap_wide)reference.wheel.target_rate * (wrap_wide)reference.phase_per_rate;
     const wrap_wide yaw_step = (wrap_wide)reference.yaw.target_rate * (wrap_wide)reference.phase_per_rate;

@@ -1,5 +1,6 @@
 /* The energy model: its check, and predictions worked out by hand. */
 #include <joulepath/energy.h>
+#include <stddef.h>
 
 #include "unity.h"
 
@@ -127,6 +128,23 @@ static void test_arguments_out_of_range(void)
     expect_out_of_range(rest, (struct jp_segment_command){rest, 0, JP_Q16(16384) + 1});
 }
 
+static void test_null_pointers(void)
+{
+    const struct jp_energy_model *model = &jp_energy_model_published;
+    const struct jp_segment_command segment = {rest, 0, JP_Q16(10)};
+    const char *field = "none";
+    jp_q16 energy = 77;
+
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_energy_model_check(NULL, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_energy_model_check(model, NULL));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_energy_predict(NULL, &rest, &segment, &energy));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_energy_predict(model, NULL, &segment, &energy));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_energy_predict(model, &rest, NULL, &energy));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_energy_predict(model, &rest, &segment, NULL));
+    TEST_ASSERT_EQUAL_STRING("none", field);
+    TEST_ASSERT_EQUAL_INT32(77, energy);
+}
+
 static void test_overflow_saturates(void)
 {
     struct jp_segment_command segment = {rest, 0, JP_Q16(16384)};
@@ -174,6 +192,7 @@ int main(void)
     RUN_TEST(test_steady_motion);
     RUN_TEST(test_braking);
     RUN_TEST(test_arguments_out_of_range);
+    RUN_TEST(test_null_pointers);
     RUN_TEST(test_overflow_saturates);
     RUN_TEST(test_extreme_model);
     return UNITY_END();

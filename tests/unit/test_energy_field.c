@@ -193,6 +193,19 @@ static void test_no_way_through_a_wall_until_it_opens(void)
     TEST_ASSERT_TRUE(jp_energy_field_bound(&field, 12, 8) < JP_COST_MAX);
 }
 
+static void test_no_way_up_a_cliff(void)
+{
+    for (int32_t y = 0; y < HEIGHT; y++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, 7, y, JP_ELEVATION_ONE));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, 8, y, JP_ELEVATION_ONE));
+    }
+    start_and_grow();
+    TEST_ASSERT_TRUE(jp_energy_field_bound(&field, 6, 5) < JP_COST_MAX);
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, jp_energy_field_bound(&field, 7, 5));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, jp_energy_field_bound(&field, 12, 8));
+    expect_exact(3, 3);
+}
+
 static void test_horizon_bounds_what_is_far(void)
 {
     jp_energy_field_start(&field, 3, 3, 4, 3);
@@ -320,6 +333,7 @@ int main(void)
     RUN_TEST(test_each_kind_of_cost);
     RUN_TEST(test_uphill_costs_more_than_downhill);
     RUN_TEST(test_no_way_through_a_wall_until_it_opens);
+    RUN_TEST(test_no_way_up_a_cliff);
     RUN_TEST(test_horizon_bounds_what_is_far);
     RUN_TEST(test_slices_change_nothing);
     RUN_TEST(test_lowered_cells_are_told_once);

@@ -40,6 +40,13 @@ static void test_saturate_and_clamp(void)
     TEST_ASSERT_EQUAL_INT32(5, jp_clamp32(6, -3, 5));
     TEST_ASSERT_EQUAL_INT32(0, jp_clamp32(0, -3, 5));
     TEST_ASSERT_EQUAL_INT32(7, jp_clamp32(INT32_MIN, 7, 7));
+    TEST_ASSERT_EQUAL_INT32((1 << 30) - 1, jp_saturate_bits(1 << 30, 31));
+    TEST_ASSERT_EQUAL_INT32((1 << 30) - 1, jp_saturate_bits(INT32_MAX, 31));
+    TEST_ASSERT_EQUAL_INT32(-(1 << 30), jp_saturate_bits(INT32_MIN, 31));
+    TEST_ASSERT_EQUAL_INT32(-(1 << 30), jp_saturate_bits(-(1 << 30), 31));
+    TEST_ASSERT_EQUAL_INT32(1, jp_saturate_bits(5, 2));
+    TEST_ASSERT_EQUAL_INT32(-2, jp_saturate_bits(-5, 2));
+    TEST_ASSERT_EQUAL_INT32(-1, jp_saturate_bits(-1, 2));
 }
 
 static void test_add_and_sub_saturate(void)
@@ -252,6 +259,41 @@ static void test_radians(void)
     TEST_ASSERT_UINT32_WITHIN(1, 2697957942u, jp_angle_from_radians(INT32_MIN));
 }
 
+static void test_long_product_is_exact(void)
+{
+    static const int32_t edges[] = {INT32_MIN, INT32_MIN + 1, -65537, -65536, -65535, -1,        0,
+                                    1,         65535,         65536,  65537,  98765,  INT32_MAX, 0x7FFF0000};
+    const size_t count = sizeof edges / sizeof edges[0];
+
+    for (size_t i = 0; i < count; i++) {
+        for (size_t j = 0; j < count; j++) {
+            TEST_ASSERT_EQUAL_INT64((int64_t)edges[i] * edges[j], jp_multiply(edges[i], edges[j]));
+        }
+    }
+    for (uint32_t i = 0; i < 2000; i++) {
+        const int32_t a = (int32_t)(i * 2654435761U);
+        const int32_t b = (int32_t)(i * 2246822519U ^ (i << 16));
+
+        TEST_ASSERT_EQUAL_INT64((int64_t)a * b, jp_multiply(a, b));
+    }
+}
+
+static void test_phase_per_rate_is_rounded(void)
+{
+    for (uint32_t rate = 2; rate <= 10000; rate++) {
+        TEST_ASSERT_EQUAL_INT32((((uint64_t)1 << 32) + rate / 2U) / rate, jp_phase_per_rate(rate));
+    }
+    TEST_ASSERT_EQUAL_INT32(2, jp_phase_per_rate((uint32_t)1 << 31));
+}
+
+static void test_phase_steps_both_ways(void)
+{
+    TEST_ASSERT_EQUAL_UINT64(JP_PHASE_TURN, jp_phase_step(JP_Q24_ONE, 1 << 16) << 16);
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)0 - 3 * (jp_phase)JP_Q24_ONE, jp_phase_step(-JP_Q24_ONE, 3));
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)0 - ((jp_phase)1 << 62),
+                             jp_phase_step(INT32_MIN, INT32_MAX) - ((jp_phase)1 << 31));
+}
+
 static void test_angles_and_phases_wrap(void)
 {
     const jp_angle before = UINT32_MAX - 9;
@@ -353,6 +395,9 @@ int main(void)
     RUN_TEST(test_atan2_is_exact_at_the_eighth_turns);
     RUN_TEST(test_atan2_at_known_directions);
     RUN_TEST(test_radians);
+    RUN_TEST(test_long_product_is_exact);
+    RUN_TEST(test_phase_per_rate_is_rounded);
+    RUN_TEST(test_phase_steps_both_ways);
     RUN_TEST(test_angles_and_phases_wrap);
     RUN_TEST(test_same_bits_on_every_core);
     return UNITY_END();

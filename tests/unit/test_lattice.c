@@ -128,6 +128,8 @@ static void test_check_of_primitives(void)
     expect_bad("primitives");
     copy.first_from[5]++;
     expect_bad("primitives");
+    copy.first_from[1] = JP_PRIMITIVES_PER_HEADING_MAX + 1;
+    expect_bad("primitives");
 }
 
 static void test_check_of_a_turn_that_costs_nothing(void)
@@ -184,6 +186,20 @@ static void test_check_of_the_reach(void)
     }
 }
 
+/* On the row of what a primitive sweeps, but not all of it. */
+static void test_check_of_a_reach_that_is_too_narrow(void)
+{
+    static const struct jp_span spans[] = {{0, -3, 3}, {0, -2, 3}, {0, -3, 2}, {1, -3, 3}};
+
+    for (uint16_t narrow = 1; narrow < sizeof spans / sizeof *spans; narrow++) {
+        copy.spans = spans;
+        copy.reach[0] = (struct jp_cells){narrow, 1};
+        primitives[0].first_span = 0;
+        primitives[0].span_count = 1;
+        expect_bad("spans");
+    }
+}
+
 static void test_check_of_move_costs(void)
 {
     struct jp_slope_cost *cost = &copy.move_costs[JP_COST_PAPER][JP_MOVE_DIAGONAL];
@@ -199,6 +215,45 @@ static void test_check_of_move_costs(void)
     expect_bad("move_costs");
     cost->descend.linear = INT32_MIN;
     expect_bad("move_costs");
+}
+
+/* A climb of one or two units overflows a part of the sum, though not always the sum. */
+static void test_check_of_each_part_of_a_move_cost(void)
+{
+    static const struct jp_polynomial wrong[] = {
+        {INT32_MAX, 1, 0},                              /* the sum, upwards */
+        {INT32_MIN, -1, 0},                             /* and downwards */
+        {-1, INT32_MAX, 1},                             /* the factor of the rise, upwards */
+        {INT32_MAX, INT32_MIN, -1},                     /* and downwards */
+        {-((int32_t)1 << 30), (int32_t)1 << 30, 0},     /* its product with the rise, upwards */
+        {(int32_t)1 << 30, -((int32_t)1 << 30) - 1, 0}, /* and downwards */
+    };
+    struct jp_slope_cost *cost = &copy.move_costs[JP_COST_PAPER][JP_MOVE_DIAGONAL];
+
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        cost->descend = (struct jp_polynomial){0, 0, 0};
+        cost->climb = wrong[i];
+        cost->bend = 0;
+        cost->rise_max = 2;
+        expect_bad("move_costs");
+    }
+}
+
+static void test_straight_bound_is_no_more_than_the_largest_cost(void)
+{
+    const struct jp_lattice *lattice = &jp_lattice_zhang2018;
+
+    TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 0, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 100000, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 0, -100000, 0));
+}
+
+/* Where steep steps cost less than their rise is worth, a way up bounds nothing. */
+static void test_straight_bound_where_steep_steps_are_cheap(void)
+{
+    copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS].climb.quadratic = -1230896;
+    TEST_ASSERT_EQUAL_UINT32(1, jp_move_cost(&copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 54) > 0);
+    TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_straight_bound(&copy, JP_COST_PHYSICAL, 10, 0, 0));
 }
 
 static jp_cost axis_cost(enum jp_cost_kind kind, int32_t rise)
@@ -517,7 +572,11 @@ int main(void)
     RUN_TEST(test_check_of_the_order_by_end);
     RUN_TEST(test_check_of_spans);
     RUN_TEST(test_check_of_the_reach);
+    RUN_TEST(test_check_of_a_reach_that_is_too_narrow);
     RUN_TEST(test_check_of_move_costs);
+    RUN_TEST(test_check_of_each_part_of_a_move_cost);
+    RUN_TEST(test_straight_bound_is_no_more_than_the_largest_cost);
+    RUN_TEST(test_straight_bound_where_steep_steps_are_cheap);
     RUN_TEST(test_physical_cost_of_a_straight_step);
     RUN_TEST(test_descent_costs_the_electronics);
     RUN_TEST(test_paper_cost_of_a_straight_step);

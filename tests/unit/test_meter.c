@@ -26,10 +26,10 @@ static void start(void)
 
 static void update(jp_q16 left, jp_q16 right, jp_q16 current_left, jp_q16 current_right)
 {
-    const jp_q16 voltages[2] = {left, right};
-    const jp_q16 currents[2] = {current_left, current_right};
+    const struct jp_voltages voltages = {left, right, false};
+    const struct jp_sensors sensors = {.current_left = current_left, .current_right = current_right};
 
-    jp_meter_update(&meter, voltages, currents);
+    jp_meter_update(&meter, &voltages, &sensors);
 }
 
 DEFINE_EXPECT_CONFIG(meter)

@@ -23,7 +23,7 @@ void setUp(void)
                                .current_left = 14,
                                .current_right = 15,
                                .bus_voltage = JP_Q16(24)};
-    jp_monitor_start(&monitor);
+    jp_monitor_start(&monitor, &config);
 }
 
 void tearDown(void)
@@ -44,7 +44,7 @@ static void see_good(void)
     good.accel_z ^= 1;
     sensors = good;
     TEST_ASSERT_EQUAL_UINT16(0, check(JP_OK));
-    TEST_ASSERT_EQUAL_MEMORY(&good, &sensors, sizeof good);
+    TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
 }
 
 DEFINE_EXPECT_CONFIG(monitor)
@@ -73,12 +73,16 @@ static void test_checks_every_field_at_its_limits(void)
     FIELD(voltage_min, 1, NULL);
     FIELD(voltage_max, config.voltage_min, "monitor.voltage_max");
     FIELD(voltage_max, config.voltage_min + 1, NULL);
+    FIELD(voltage_max, JP_Q16(1000), NULL);
+    FIELD(voltage_max, JP_Q16(1000) + 1, "monitor.voltage_max");
     FIELD(motor_resistance, JP_Q16(0.01) - 1, "monitor.motor_resistance");
     FIELD(motor_resistance, JP_Q16(0.01), NULL);
     FIELD(motor_resistance, JP_Q16(256), NULL);
     FIELD(motor_resistance, JP_Q16(256) + 1, "monitor.motor_resistance");
     FIELD(back_emf, 0, "monitor.back_emf");
     FIELD(back_emf, 1, NULL);
+    FIELD(back_emf, JP_Q16(256) - 1, NULL);
+    FIELD(back_emf, JP_Q16(256), "monitor.back_emf");
     FIELD(half_track, 0, "monitor.half_track");
     FIELD(half_track, 1, NULL);
     FIELD(half_track, JP_Q16(64), NULL);
@@ -95,15 +99,14 @@ static void test_checks_every_field_at_its_limits(void)
     FIELD(residual_ticks, 1, NULL);
 }
 
-/** The frame in `sensors` is replaced until, with the third, its fault is confirmed; a good one clears it. */
+/** The frame in `sensors` is not taken and, with the third, its fault confirmed; a good one clears it. */
 static void expect_fault(uint16_t fault)
 {
-    struct jp_sensors bad = sensors;
+    const struct jp_sensors bad = sensors;
 
     for (int tick = 1; tick <= 5; tick++) {
-        sensors = bad;
         TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : fault, check(JP_OK));
-        TEST_ASSERT_EQUAL_MEMORY(&good, &sensors, sizeof good);
+        TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
     }
     see_good();
     sensors = bad;
@@ -113,10 +116,8 @@ static void expect_fault(uint16_t fault)
 
 static void expect_plausible(void)
 {
-    struct jp_sensors frame = sensors;
-
     TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
-    TEST_ASSERT_EQUAL_MEMORY(&frame, &sensors, sizeof frame);
+    TEST_ASSERT_EQUAL_MEMORY(&sensors, &monitor.good, sizeof sensors);
     see_good();
 }
 
@@ -203,7 +204,7 @@ static void test_failed_read_repeats_the_last_good_frame(void)
     for (int tick = 1; tick <= 4; tick++) {
         sensors = (struct jp_sensors){.pitch_rate = INT32_MAX};
         TEST_ASSERT_EQUAL_HEX16(tick < 3 ? 0 : JP_FAULT_HARDWARE, check(JP_ERR_HARDWARE));
-        TEST_ASSERT_EQUAL_MEMORY(&good, &sensors, sizeof good);
+        TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
     }
     see_good();
 }
@@ -226,14 +227,14 @@ static void test_start_forgets(void)
     see_good();
     sensors.encoder_left += 0x40000000U;
     (void)check(JP_OK);
-    jp_monitor_start(&monitor);
+    jp_monitor_start(&monitor, &config);
     good.encoder_left += 0x40000000U;
     see_good();
 }
 
 #define FREEZE(member)                                                                                                 \
     do {                                                                                                               \
-        jp_monitor_start(&monitor);                                                                                    \
+        jp_monitor_start(&monitor, &config);                                                                           \
         see_good();                                                                                                    \
         for (int tick = 1; tick <= 4; tick++) {                                                                        \
             struct jp_sensors last = good;                                                                             \
@@ -247,6 +248,14 @@ static void test_start_forgets(void)
         }                                                                                                              \
         see_good();                                                                                                    \
     } while (0)
+
+static void test_a_current_must_not_exceed_the_arithmetic(void)
+{
+    config.motor_resistance = JP_Q16(64);
+    FIELD(current_limit, JP_Q16(511), NULL);
+    config.motor_resistance = JP_Q16(64);
+    FIELD(current_limit, JP_Q16(512), "monitor.current_limit, motor_resistance");
+}
 
 static void test_each_channel_of_the_imu_can_freeze(void)
 {
@@ -267,9 +276,11 @@ static void test_freezing_can_be_off(void)
 
 static uint16_t motors(jp_q16 left_volts, jp_q16 right_volts, jp_q24 wheel_rate, jp_q24 yaw_rate)
 {
-    const jp_q16 voltages[2] = {left_volts, right_volts};
+    const struct jp_voltages voltages = {left_volts, right_volts, false};
 
-    return jp_monitor_motors(&monitor, &config, &sensors, voltages, wheel_rate, yaw_rate);
+    monitor.good = sensors;
+
+    return jp_monitor_motors(&monitor, &config, &voltages, wheel_rate, yaw_rate);
 }
 
 static void test_currents_that_fit_never_contradict(void)
@@ -278,6 +289,7 @@ static void test_currents_that_fit_never_contradict(void)
     sensors.current_left = JP_Q16((10 - 1.5 * 2.650719) / 4);
     sensors.current_right = JP_Q16((10 - 2.5 * 2.650719) / 4);
     config.current_residual = JP_Q16(0.001);
+    jp_monitor_start(&monitor, &config);
     for (int i = 0; i < 200; i++) {
         TEST_ASSERT_EQUAL_HEX16(0, motors(JP_Q16(10), JP_Q16(10), JP_Q24(2), JP_Q24(0.3)));
     }
@@ -317,6 +329,7 @@ static void test_residual_at_its_limit(void)
 static void test_runaway_on_both_sides_of_its_limit(void)
 {
     config.current_residual = JP_Q16(1000);
+    jp_monitor_start(&monitor, &config);
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int tick = 1; tick <= 10; tick++) {
             TEST_ASSERT_EQUAL_HEX16(0, motors(0, 0, sign * config.wheel_rate_limit, 0));
@@ -339,6 +352,7 @@ int main(void)
     RUN_TEST(test_failed_read_repeats_the_last_good_frame);
     RUN_TEST(test_several_faults_at_once);
     RUN_TEST(test_start_forgets);
+    RUN_TEST(test_a_current_must_not_exceed_the_arithmetic);
     RUN_TEST(test_each_channel_of_the_imu_can_freeze);
     RUN_TEST(test_freezing_can_be_off);
     RUN_TEST(test_currents_that_fit_never_contradict);

@@ -92,12 +92,14 @@ static void test_start_angles_do_not_matter(void)
 static void test_way_of_a_tick_is_limited(void)
 {
     jp_odometry_start(&odometry, JP_Q24(4), &state);
-    move(turn / 8, 0);
-    TEST_ASSERT_INT64_WITHIN(8, METRE / 2, odometry.x);
-    move(turn / 4, 0);
-    TEST_ASSERT_INT64_WITHIN(8, METRE, odometry.x);
+    move(-turn / 8, 0);
+    TEST_ASSERT_INT64_WITHIN(8, -METRE / 2, odometry.x);
     move(-turn / 4, 0);
-    TEST_ASSERT_INT64_WITHIN(8, METRE / 2, odometry.x);
+    TEST_ASSERT_INT64_WITHIN(8, -METRE, odometry.x);
+    move(turn / 8, 0); /* 2⁻³² turn too much */
+    TEST_ASSERT_INT64_WITHIN(16, -METRE / 2, odometry.x);
+    move(turn / 4, 0);
+    TEST_ASSERT_INT64_WITHIN(16, 0, odometry.x);
 }
 
 static void test_position_saturates(void)

@@ -857,6 +857,106 @@ static void test_route_that_was_cut_goes_on(void)
     TEST_ASSERT_EQUAL_UINT32(3 * AXIS_COST, jp_planner_plan(&planner)->cost);
 }
 
+/* Not even the first expansion fits: the answer stays open, and nothing more is tried. */
+static void test_block_too_small_for_any_expansion(void)
+{
+    begin();
+    planner.neighbours_max = UINT16_MAX;
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, finish());
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, jp_planner_plan(&planner)->answer);
+    TEST_ASSERT_EQUAL_UINT32(0, jp_planner_statistics(&planner)->expansions);
+}
+
+/* In the smallest block, up to where the search goes on from the robot instead of the goal. */
+static void search_from_the_robot(const struct jp_goal *goal)
+{
+    make_large_map();
+    start_planner(jp_planner_size_min(&map));
+    go(&(const struct jp_pose){4, 4, 12}, goal);
+    while (!planner.forward) {
+        TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
+        (void)jp_planner_work(&planner, 1);
+    }
+}
+
+static void test_start_moves_before_the_search_from_the_robot(void)
+{
+    const struct jp_goal goal = {11, 11, 1U << 10};
+
+    search_from_the_robot(&goal);
+    const uint32_t restarts = jp_planner_statistics(&planner)->restarts;
+    expect_start(JP_OK, 5, 5, 4);
+    TEST_ASSERT_EQUAL_UINT32(restarts + 1, jp_planner_statistics(&planner)->restarts);
+    TEST_ASSERT_FALSE(planner.forward);
+    expect_honest(finish(), &goal);
+    TEST_ASSERT_EQUAL_INT(5, jp_planner_plan(&planner)->start.x);
+}
+
+/* Of a route from the robot the far end is left out, also where the search has arrived. */
+static void test_route_from_the_robot_is_cut(void)
+{
+    make_large_map();
+    for (int16_t x = 4; x <= 12; x++) {
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading += 3) {
+            const struct jp_goal goal = {x, 12, (uint16_t)(1U << heading)};
+            start_planner(jp_planner_size_min(&map));
+            planner.route_max = 2;
+            go(&(const struct jp_pose){3, 3, 4}, &goal);
+            TEST_ASSERT_EQUAL_INT(JP_ANSWER_PARTIAL, finish());
+            TEST_ASSERT_TRUE(jp_planner_plan(&planner)->step_count <= 2);
+            expect_honest(JP_ANSWER_PARTIAL, &goal);
+        }
+    }
+}
+
+/* Occupies a cell so that the planner cannot know: as if its memory had been damaged. */
+static void occupy_secretly(int32_t x, int32_t y)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, x, y, JP_CELL_OCCUPIED));
+    planner.terrain_version = terrain.version;
+}
+
+/* States from which no route leads on are not believed: the search begins anew, with the map as it is. */
+static void test_search_that_leads_nowhere_begins_anew(void)
+{
+    begin();
+    expect_optimal();
+    expect_start(JP_OK, west.x + 1, west.y, 0);
+    occupy_secretly(west.x + 1, west.y);
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_UNREACHABLE, finish());
+    TEST_ASSERT_EQUAL_UINT32(2, jp_planner_statistics(&planner)->restarts);
+}
+
+static void test_search_from_the_robot_that_leads_nowhere(void)
+{
+    const struct jp_goal goal = {11, 11, 1U << 10};
+
+    search_from_the_robot(&goal);
+    while (!planner.is_searching || planner.statistics.states < planner.statistics.states_max / 2) {
+        TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
+        (void)jp_planner_work(&planner, 1);
+    }
+    occupy_secretly(planner.start.x, planner.start.y);
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, finish());
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, jp_planner_plan(&planner)->answer);
+}
+
+/* Downhill all the way the least that a route could cost is nothing, so nothing is proved of one that costs more. */
+static void test_nothing_is_proved_downhill(void)
+{
+    for (int32_t x = 0; x < WIDTH; x++) {
+        for (int32_t y = 0; y < HEIGHT; y++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, x, y, (jp_elevation)(-20 * x)));
+        }
+    }
+    config.epsilon[1] = 0;
+    begin();
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_WITHIN_BOUND, finish());
+    TEST_ASSERT_EQUAL_UINT32(JP_BOUND_NONE, jp_planner_plan(&planner)->bound);
+    TEST_ASSERT_TRUE(jp_planner_plan(&planner)->cost > 0);
+    expect_drivable();
+}
+
 /* The states and their queue */
 
 static void test_costs_saturate(void)
@@ -1042,6 +1142,12 @@ int main(void)
     RUN_TEST(test_partial_plan_is_found_anew_after_a_change);
     RUN_TEST(test_route_is_cut_where_its_memory_ends);
     RUN_TEST(test_route_that_was_cut_goes_on);
+    RUN_TEST(test_block_too_small_for_any_expansion);
+    RUN_TEST(test_start_moves_before_the_search_from_the_robot);
+    RUN_TEST(test_route_from_the_robot_is_cut);
+    RUN_TEST(test_search_that_leads_nowhere_begins_anew);
+    RUN_TEST(test_search_from_the_robot_that_leads_nowhere);
+    RUN_TEST(test_nothing_is_proved_downhill);
     RUN_TEST(test_costs_saturate);
     RUN_TEST(test_table_finds_all_that_it_holds);
     RUN_TEST(test_table_that_is_full);

@@ -26,8 +26,9 @@ static void start(jp_phase wheel, jp_phase yaw)
 static void step(jp_q24 speed, jp_q24 turn_rate, jp_q24 turn)
 {
     const struct jp_motion motion = {speed, turn_rate};
+    const struct jp_reference_step to = jp_reference_step_to(&config, &motion, turn);
 
-    jp_reference_step(&reference, &config, &motion, turn);
+    jp_reference_apply(&reference, &to);
 }
 
 static void run(int32_t ticks)
@@ -117,7 +118,7 @@ static void test_without_shaping_steps_pass_through(void)
     run(1);
     TEST_ASSERT_EQUAL_INT32(config.turns_per_metre, reference.wheel.rate);
     TEST_ASSERT_EQUAL_UINT64(reference.wheel.target, reference.wheel.angle);
-    TEST_ASSERT_EQUAL_UINT64((jp_phase)(uint32_t)config.turns_per_metre * reference.phase_per_rate,
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)((int64_t)config.turns_per_metre * reference.phase_per_rate),
                              reference.wheel.angle);
     TEST_ASSERT_EQUAL_UINT64(reference.yaw.target, reference.yaw.angle);
     TEST_ASSERT_EQUAL_INT32(0, reference.yaw.rate);
@@ -129,7 +130,7 @@ static void test_integration_is_exact_through_the_wrap(void)
     step(JP_Q24(-8), 0, 0);
     run(20000);
     TEST_ASSERT_EQUAL_UINT64((jp_phase)0 - 1000 +
-                                 (jp_phase)(int64_t)reference.wheel.target_rate * reference.phase_per_rate * 20000U,
+                                 (jp_phase)((int64_t)reference.wheel.target_rate * reference.phase_per_rate) * 20000U,
                              reference.wheel.target);
 }
 

@@ -360,7 +360,8 @@ static void test_disable_recovers_from_an_encoder_that_jumped(void)
 static void test_residual_counts_anew_after_disable(void)
 {
     make_balancing();
-    for (uint32_t i = 0; i < config.monitor.residual_ticks; i++) {
+    /* The motors are reviewed after the duties are out, so the next tick switches off. */
+    for (uint32_t i = 0; i <= config.monitor.residual_ticks; i++) {
         expect_state(JP_ROBOT_BALANCING);
         sensors.current_left = JP_Q16(5);
         jp_robot_tick(&robot, JP_OK, &sensors, &actuation);
@@ -551,7 +552,6 @@ static void test_nothing_waits_over_a_disable(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&robot, &one_second));
     disable(); /* balancing again, and stays so */
 
-    robot.next = one_second;
     robot.next_full = 1; /* handed over while the tick switched off */
     jp_robot_disable(&robot);
     run(2);
@@ -706,7 +706,16 @@ static void test_telemetry_is_consistent(void)
 
     struct jp_telemetry copy = telemetry();
 
-    TEST_ASSERT_EQUAL_MEMORY(&robot.telemetry, &copy, sizeof copy);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, copy.state);
+    TEST_ASSERT_EQUAL_UINT32(robot.telemetry.tick, copy.tick);
+    TEST_ASSERT_EQUAL_MEMORY(&robot.telemetry.motion, &copy.motion, sizeof copy.motion);
+    TEST_ASSERT_EQUAL_INT32(robot.telemetry.voltages.left, copy.voltages.left);
+    TEST_ASSERT_EQUAL_INT32(robot.telemetry.voltages.right, copy.voltages.right);
+    TEST_ASSERT_EQUAL_UINT32(robot.telemetry.segment_ticks_left, copy.segment_ticks_left);
+    TEST_ASSERT_EQUAL_UINT16(1, copy.segment);
+    TEST_ASSERT_EQUAL_INT32(robot.reference.wheel.rate, copy.reference_wheel_rate);
+    TEST_ASSERT_EQUAL_UINT64(robot.reference.wheel.target, copy.target_wheel);
+    TEST_ASSERT_EQUAL_INT32(jp_odometry_position(&robot.odometry).x, copy.position.x);
     TEST_ASSERT_EQUAL_UINT64(robot.reference.wheel.angle, copy.reference_wheel);
     TEST_ASSERT_EQUAL_UINT64(robot.reference.yaw.angle, copy.reference_yaw);
     TEST_ASSERT_EQUAL_UINT64(robot.reference.yaw.target, copy.target_yaw);
@@ -732,6 +741,31 @@ static void test_duty_is_the_share_of_the_bus(void)
     robot.telemetry.saturated_ticks = UINT32_MAX;
     run(1);
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, telemetry().saturated_ticks);
+}
+
+static jp_q31 share(jp_q16 voltage)
+{
+    return jp_divide((int64_t)voltage * ((int64_t)1 << 31), sensors.bus_voltage);
+}
+
+static void test_duties_are_rounded_at_every_voltage(void)
+{
+    config.monitor.voltage_min = 1;
+    config.monitor.voltage_max = JP_Q16(1000);
+    config.monitor.current_limit = JP_Q16(4000);
+    init();
+    make_balancing();
+    for (uint32_t i = 0; i < 3000; i++) {
+        const uint32_t random = i * 2654435761U;
+
+        sensors.bus_voltage = JP_Q16(1000) >> (random >> 28);
+        sensors.bus_voltage -= (jp_q16)(random & 0xFFFFU) % sensors.bus_voltage;
+        robot.estimator.pitch = (jp_phase)(int64_t)(int32_t)random << 20;
+        run(1);
+        TEST_ASSERT_EQUAL_INT32(share(telemetry().voltages.left), actuation.duty_left);
+        TEST_ASSERT_EQUAL_INT32(share(telemetry().voltages.right), actuation.duty_right);
+    }
+    expect_state(JP_ROBOT_BALANCING);
 }
 
 static void test_start_counts_do_not_matter_to_the_bit(void)
@@ -886,8 +920,9 @@ static void test_a_resumed_robot_slows_down_from_its_speed(void)
     robot.estimator.yaw.rate = JP_Q24(-0.1);
     reset();
     robot.estimator.wheel.angle =
-        robot.estimator.wheel_encoder - (jp_phase)JP_Q24(0.5) * robot.estimator.phase_per_rate;
-    robot.estimator.yaw.angle = robot.estimator.yaw_encoder + (jp_phase)JP_Q24(0.1) * robot.estimator.phase_per_rate;
+        robot.estimator.wheel_encoder - jp_phase_step(JP_Q24(0.5), robot.estimator.phase_per_rate);
+    robot.estimator.yaw.angle =
+        robot.estimator.yaw_encoder + jp_phase_step(JP_Q24(0.1), robot.estimator.phase_per_rate);
     run(1);
     rate = telemetry().motion.wheel_rate;
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.5), rate);
@@ -971,6 +1006,7 @@ int main(void)
     RUN_TEST(test_follow_replaces_the_waiting_segment);
     RUN_TEST(test_telemetry_is_consistent);
     RUN_TEST(test_duty_is_the_share_of_the_bus);
+    RUN_TEST(test_duties_are_rounded_at_every_voltage);
     RUN_TEST(test_start_counts_do_not_matter_to_the_bit);
     RUN_TEST(test_a_snapshot_tells_whether_the_motors_ran);
     RUN_TEST(test_a_resumed_robot_balances_from_the_first_frame_on);

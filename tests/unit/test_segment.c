@@ -1,5 +1,6 @@
 /* The segment optimiser: the paper's Table 3, every status, symmetry and limits. */
 #include <joulepath/segment.h>
+#include <stddef.h>
 
 #include "unity.h"
 
@@ -291,12 +292,89 @@ static void test_check_names_the_bad_limit(void)
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_segment_limits_check(&limits, &model, &field));
     limits.speed = 0;
     expect_bad_limit("speed");
+    limits.speed = JP_Q24(8) + 1;
+    expect_bad_limit("speed");
+    limits.turn_rate = 0;
+    expect_bad_limit("turn_rate");
     limits.turn_rate = JP_Q24(8) + 1;
     expect_bad_limit("turn_rate");
+    limits.turn = -1;
+    expect_bad_limit("turn");
     limits.turn = JP_Q24(3.15);
     expect_bad_limit("turn");
     limits.duration = model.settling_time - 1;
     expect_bad_limit("duration");
+    limits.duration = JP_Q16(16384) + 1;
+    expect_bad_limit("duration");
+    model.settling_time = 0;
+    limits.duration = JP_SEGMENT_DURATION_MIN - 1;
+    expect_bad_limit("duration");
+}
+
+static void test_widest_limits_pass_their_check(void)
+{
+    const char *field = "none";
+    limits = (struct jp_segment_limits){JP_Q24(8), JP_Q24(8), JP_Q24(3.141592653589793), JP_Q16(16384)};
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_segment_limits_check(&limits, &model, &field));
+    limits = (struct jp_segment_limits){1, 1, 0, model.settling_time};
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_segment_limits_check(&limits, &model, &field));
+}
+
+/* A robot that may turn half round first has its target ahead, wherever it is. */
+static void test_half_a_turn_allowed(void)
+{
+    struct jp_segment ahead;
+    struct jp_segment behind;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, optimise(JP_Q16(5), 0, &ahead));
+    limits.turn = JP_Q24(3.141592653589793);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, optimise(JP_Q16(-5), JP_Q16(-0.001), &behind));
+    expect_limits_met(&behind);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT32(JP_Q24(1.5), magnitude(behind.command.turn));
+    limits = paper_limits;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, optimise(JP_Q16(-5), JP_Q16(-0.001), &ahead));
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(ahead.energy, behind.energy);
+}
+
+/* A robot that was fast has a minimum at an arc of 272° and spends less yet at the longest one. With a wider limit of
+ * the turn the optimum gets no worse, and the longest arc comes within it. */
+static void test_longest_arc_is_looked_at(void)
+{
+    const struct jp_motion fast = {JP_Q24(1.37), JP_Q24(-0.5)};
+    struct jp_segment segment;
+    jp_q16 least = INT32_MAX;
+    limits = (struct jp_segment_limits){JP_Q24(3.4), JP_Q24(1.7), JP_Q24(0.3), JP_Q16(600)};
+    TEST_ASSERT_EQUAL_INT32(JP_OK, optimise_from(fast, JP_Q16(-0.0744), JP_Q16(-0.1142), &segment));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(-4.745), segment.arc);
+    for (limits.turn = 0; limits.turn <= JP_Q24(1.4); limits.turn += JP_Q24(0.05)) {
+        TEST_ASSERT_EQUAL_INT32(JP_OK, optimise_from(fast, JP_Q16(-0.0744), JP_Q16(-0.1142), &segment));
+        expect_limits_met(&segment);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(least, segment.energy - JP_Q16(0.001));
+        least = segment.energy;
+    }
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), -JP_ARC_ANGLE_MAX, segment.arc);
+}
+
+static void test_null_pointers(void)
+{
+    const struct jp_point target = {JP_Q16(1), 0};
+    struct jp_segment segment = {.energy = 77};
+    const char *field = "none";
+    struct jp_point end;
+    jp_angle heading;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_optimise(NULL, &limits, &rest, &origin, 0, &target, &segment));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_optimise(&model, NULL, &rest, &origin, 0, &target, &segment));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_optimise(&model, &limits, NULL, &origin, 0, &target, &segment));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_optimise(&model, &limits, &rest, NULL, 0, &target, &segment));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_optimise(&model, &limits, &rest, &origin, 0, NULL, &segment));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_optimise(&model, &limits, &rest, &origin, 0, &target, NULL));
+    TEST_ASSERT_EQUAL_INT32(77, segment.energy);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_limits_check(NULL, &model, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_limits_check(&limits, NULL, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_limits_check(&limits, &model, NULL));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_end(NULL, &origin, 0, &end, &heading));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_end(&segment, NULL, 0, &end, &heading));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_end(&segment, &origin, 0, NULL, &heading));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_end(&segment, &origin, 0, &end, NULL));
 }
 
 static void test_end_of_an_arc(void)
@@ -322,6 +400,11 @@ static void test_end_outside_the_plane(void)
     TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_segment_end(&segment, &start, 0, &end, &heading));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, end.x);
     TEST_ASSERT_EQUAL_INT32(0, end.y);
+    const struct jp_point far_down = {0, INT32_MIN + JP_Q16(1)};
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW,
+                            jp_segment_end(&segment, &far_down, JP_ANGLE_DEGREES(270), &end, &heading));
+    TEST_ASSERT_EQUAL_INT32(0, end.x);
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, end.y);
 }
 
 int main(void)
@@ -343,6 +426,10 @@ int main(void)
     RUN_TEST(test_negative_energy_is_a_model_error);
     RUN_TEST(test_energy_beyond_its_format);
     RUN_TEST(test_check_names_the_bad_limit);
+    RUN_TEST(test_widest_limits_pass_their_check);
+    RUN_TEST(test_half_a_turn_allowed);
+    RUN_TEST(test_longest_arc_is_looked_at);
+    RUN_TEST(test_null_pointers);
     RUN_TEST(test_end_of_an_arc);
     RUN_TEST(test_end_outside_the_plane);
     return UNITY_END();

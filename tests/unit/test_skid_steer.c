@@ -223,6 +223,23 @@ static void test_arguments_out_of_range(void)
     expect_refused(motion(0, 1), JP_COST_PHYSICAL, 1, JP_Q16(1));
 }
 
+static void test_motions_out_of_range(void)
+{
+    const struct jp_motion fast = {JP_Q24(8) + 1, 0};
+    const struct jp_motion spin = {0, -JP_Q24(8) - 1};
+    const struct jp_motion driven = motion(1, 0);
+    struct jp_skid_steer_sides sides = {77, 77};
+    jp_q16 power = 77;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_skid_steer_wheel_speeds(zhang, &fast, &sides));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_skid_steer_torques(zhang, &spin, 0, &sides));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_skid_steer_power(zhang, JP_COST_PHYSICAL, &fast, 0, &power));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
+                            jp_skid_steer_power(zhang, JP_COST_PHYSICAL, &driven, -JP_Q24_ONE - 1, &power));
+    TEST_ASSERT_EQUAL_INT32(77, sides.left);
+    TEST_ASSERT_EQUAL_INT32(77, sides.right);
+    TEST_ASSERT_EQUAL_INT32(77, power);
+}
+
 static void test_null_pointers(void)
 {
     const struct jp_motion driven = motion(1, 0);
@@ -273,6 +290,22 @@ static void test_currents_and_powers_saturate(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, power);
 }
 
+/* 16384 N · (0.5 + 1) · 8 m/s, at currents and forces within their range. */
+static void test_power_alone_saturates(void)
+{
+    struct jp_skid_steer_config heavy = round_numbers;
+    heavy.weight = JP_Q16(16384);
+    heavy.rolling = JP_Q24(0.5);
+    heavy.torque_per_ampere = JP_Q16(16384);
+    heavy.resistance = 0;
+    const struct jp_motion driven = motion(8, 0);
+    struct jp_skid_steer_sides torques;
+    jp_q16 power = 0;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_skid_steer_torques(&heavy, &driven, JP_Q24_ONE, &torques));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_skid_steer_power(&heavy, JP_COST_PAPER, &driven, JP_Q24_ONE, &power));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, power);
+}
+
 static void test_long_motions_saturate(void)
 {
     const struct jp_motion driven = motion(8, 0);
@@ -310,9 +343,11 @@ int main(void)
     RUN_TEST(test_energy_is_at_least_the_electronics);
     RUN_TEST(test_paper_energy_is_at_least_nothing);
     RUN_TEST(test_arguments_out_of_range);
+    RUN_TEST(test_motions_out_of_range);
     RUN_TEST(test_null_pointers);
     RUN_TEST(test_forces_saturate);
     RUN_TEST(test_currents_and_powers_saturate);
+    RUN_TEST(test_power_alone_saturates);
     RUN_TEST(test_long_motions_saturate);
     RUN_TEST(test_zhang2018_costs_what_table_3_implies);
     return UNITY_END();

@@ -214,6 +214,16 @@ static void test_stops_a_quarter_beyond_the_target(void)
     TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, WIDTH - 1, 0));
 }
 
+/* With a step near the end of the range the horizon would be beyond it. */
+static void test_horizon_ends_with_the_range(void)
+{
+    start(JP_WAVE_VALUE_MAX, WIDTH - 1, HEIGHT - 1);
+    grow();
+    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_VALUE_MAX, wave.horizon);
+    TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
+    expect_values();
+}
+
 static void test_target_behind_a_wall(void)
 {
     for (int y = 0; y < HEIGHT; y++) {
@@ -303,6 +313,7 @@ int main(void)
     RUN_TEST(test_hands_out_in_the_order_of_the_values);
     RUN_TEST(test_is_least_on_random_grids);
     RUN_TEST(test_stops_a_quarter_beyond_the_target);
+    RUN_TEST(test_horizon_ends_with_the_range);
     RUN_TEST(test_target_behind_a_wall);
     RUN_TEST(test_root_at_the_target);
     RUN_TEST(test_touched_cells_are_handed_out_again);

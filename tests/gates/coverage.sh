@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# The host tests execute every line and take every branch of src/. Arguments: test programs whose library counts that.
+# The last lines are a table; build/coverage/index.html shows each line.
+. "$(dirname "$0")/gate.sh"
+
+: "${JP_BUILD:?is set by the Makefile}"
+report=$JP_BUILD/coverage
+export report
+
+run() {
+    "$1"
+}
+
+no_problem_in() {
+    ! grep -F "$1:" "$report/problems"
+}
+export -f run no_problem_in
+
+measure() {
+    "${PYTHON:-python3}" -m gcovr --root . --object-directory "$JP_BUILD/host-coverage" --filter src/ \
+        --json-summary "$report/summary.json" --html-details "$report/index.html" "$JP_BUILD/host-coverage" &&
+        "${PYTHON:-python3}" tools/coverage_report.py "$report/summary.json" "$JP_BUILD/bench/coverage.json" \
+            >"$report/table" 2>"$report/problems"
+}
+
+find "$JP_BUILD/host-coverage" -name '*.gcda' -delete
+rm -rf "$report"
+mkdir -p "$report" "$JP_BUILD/bench"
+check_each run "$@"
+mapfile -t files < <(find src -name '*.[ch]' | sort)
+check gcovr measure
+check_each no_problem_in "${files[@]}"
+cat "$report/table"
+echo "left out:"
+grep -rnE 'GCOVR?_EXCL' src || echo "nothing"
+finish

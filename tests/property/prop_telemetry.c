@@ -1,0 +1,99 @@
+/*
+ * Telemetry read while another thread ticks: whatever the moment, all of it is of one tick.
+ *
+ * prop_telemetry [--count N]
+ * --count is the number of reads.
+ */
+#include <joulepath/robot.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+
+#include "options.h"
+#include "unity.h"
+
+extern const struct jp_robot_config jp_robot_courier24;
+extern const struct jp_energy_model jp_energy_model_courier24;
+
+enum { TICKS_MIN = 1000 };
+
+static unsigned long count = 2000000;
+static struct jp_robot_config config;
+static struct jp_robot robot;
+static atomic_bool stop;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* The wheels are held, and the currents are those of the voltages. */
+static void tick(void)
+{
+    struct jp_sensors sensors = {.accel_z = JP_Q24_ONE, .bus_voltage = JP_Q16(24)};
+    struct jp_actuation actuation;
+
+    sensors.current_left = jp_q16_divide(robot.telemetry.voltages.left, config.monitor.motor_resistance);
+    sensors.current_right = jp_q16_divide(robot.telemetry.voltages.right, config.monitor.motor_resistance);
+    jp_robot_tick(&robot, JP_OK, &sensors, &actuation);
+}
+
+static void *keep_ticking(void *unused)
+{
+    while (!atomic_load(&stop)) {
+        tick();
+    }
+    return unused;
+}
+
+/* So slow that the held wheels do not matter, and long enough for all reads. */
+static void drive_for_long(void)
+{
+    const struct jp_segment_command segment = {{0, 0}, 0, JP_Q16(16384)};
+    const char *field = "";
+
+    config = jp_robot_courier24;
+    config.monitor.freeze_ticks = 0;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &jp_energy_model_courier24, &field));
+    tick();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_enable(&robot));
+    tick();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&robot, &segment));
+    tick();
+}
+
+/* While a segment is driven, the ticks gone by and those to come have one sum. */
+static void test_telemetry_is_of_one_tick(void)
+{
+    struct jp_telemetry telemetry;
+    pthread_t thread;
+
+    drive_for_long();
+    jp_robot_telemetry(&robot, &telemetry);
+    const uint32_t first = telemetry.tick;
+    const uint32_t sum = first + telemetry.segment_ticks_left;
+    unsigned long torn = 0;
+
+    atomic_store(&stop, false);
+    TEST_ASSERT_EQUAL_INT(0, pthread_create(&thread, NULL, keep_ticking, NULL));
+    for (unsigned long i = 0; i < count || telemetry.tick - first < TICKS_MIN; i++) {
+        jp_robot_telemetry(&robot, &telemetry);
+        torn += telemetry.tick + telemetry.segment_ticks_left != sum;
+    }
+    atomic_store(&stop, true);
+    TEST_ASSERT_EQUAL_INT(0, pthread_join(thread, NULL));
+    printf("%lu reads over %u ticks, torn %lu\n", count, (unsigned)(telemetry.tick - first), torn);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, telemetry.state);
+    TEST_ASSERT_EQUAL_UINT64(0, torn);
+}
+
+int main(int argc, char **argv)
+{
+    count = parse_options(argc, argv, (struct options){.count = count, .seed = 1}).count;
+    UNITY_BEGIN();
+    RUN_TEST(test_telemetry_is_of_one_tick);
+    return UNITY_END();
+}
