@@ -108,7 +108,7 @@ CORE           := $(wildcard src/*.c src/tables/*.c)
 CAN            := $(wildcard hal/*.c hal/can/*.c)
 STM32F4        := $(wildcard hal/stm32f4/*.c)
 # What needs nothing of the core but registers, which a test can stand in for.
-DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c fault.c main.c),$(STM32F4))
+DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c cortex_m.c fault.c main.c),$(STM32F4))
 SIM            := $(wildcard sim/*.c hal/sim/*.c hal/linux/*.c)
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
 BENCHES        := $(filter-out bench_plan,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
@@ -416,7 +416,7 @@ bench-plan: ## measure the planner on the 20 scenes and the maps in DATA=dir; ta
 figures: ## run the benches and write their figures to build/figures.json and the README, with its picture
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) \
-	    $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed $(BUILD)/bench/prop_planner $(BUILD)/bench/prop_store \
+	    $(BUILD)/firmware/gao2018/joulepath.elf $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed $(BUILD)/bench/prop_planner $(BUILD)/bench/prop_store \
 	    $(BUILD)/host-gcc/prop_decoders
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
@@ -500,7 +500,7 @@ BITS_VARIANTS := host-gcc host-gcc-m32 $(SPEED_VARIANTS)
 BITS_LOGS     := $(foreach v,$(BITS_VARIANTS),$(patsubst %,$(LOGS)/$v/%.log,$(call names,$(BITS_TESTS))))
 SIL_LOGS      := $(LOGS)/pytest/sil.xml
 TOOLS_LOGS    := $(LOGS)/pytest/tools.xml
-FIRMWARE_LOGS := $(LOGS)/firmware/test_faults.log $(LOGS)/pytest/firmware.xml
+FIRMWARE_LOGS := $(LOGS)/firmware/test_faults.log $(LOGS)/host-gcc/test_main.log $(LOGS)/cortex-m4/test_main.log $(LOGS)/pytest/firmware.xml
 PACKAGE_LOGS  := $(LOGS)/pytest/package.xml
 VCAN_LOGS     := $(LOGS)/pytest/vcan.xml $(LOGS)/pytest/vcan_results.xml
 GATE_LOGS     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware growth compile includes format cppcheck misra tidy coverage)
@@ -616,13 +616,22 @@ $(LOGS)/pytest/%.xml: $(PROGRAMS)
 
 # The fault handler alone, whose crashes the image could not tell of.
 $(BUILD)/firmware/test_faults: $(addprefix $(BUILD)/firmware/,tests/firmware/test_faults.o tests/target/console.o \
-                               tests/target/arm/semihosting.o hal/stm32f4/startup.o hal/stm32f4/fault.o) \
+                               tests/target/arm/semihosting.o hal/stm32f4/startup.o hal/stm32f4/cortex_m.o hal/stm32f4/fault.o) \
                                $(BUILD)/firmware/libcan.a $(wildcard hal/stm32f4/*.ld)
 	$(call link_firmware)
 
 $(LOGS)/firmware/test_faults.log: $(BUILD)/firmware/test_faults
 	$(call SAY,RUN $<)
 	$Q$(RUN) $@ $(UNIT_LIMIT) qemu-system-arm -M netduinoplus2 $(SEMIHOSTING) $<
+
+# main.c on fake registers.
+$(BUILD)/host-gcc/test_main: $(addprefix $(BUILD)/host-gcc/,tests/firmware/test_main.o libdrivers.a libcan.a libjoulepath.a) \
+                             $(if $(UNITY_SOURCE),$(BUILD)/host-gcc/unity.o)
+	$(call link_core,host-gcc)
+
+$(BUILD)/cortex-m4/test_main: $(addprefix $(BUILD)/cortex-m4/,tests/firmware/test_main.o libdrivers.a libcan.a libjoulepath.a) \
+                              $(call support,cortex-m4) $(if $(UNITY_SOURCE),$(BUILD)/cortex-m4/unity.o)
+	$(call link_target,cortex-m4)
 
 $(LOGS)/pytest/firmware.xml: $(ROBOTS:%=$(BUILD)/firmware/%/joulepath.elf)
 
@@ -642,7 +651,7 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 
 GATE_LIBRARIES := $(foreach v,$(SPEED_VARIANTS) $(SIZE_VARIANTS),$(BUILD)/$v/libjoulepath.a $(BUILD)/$v/libcan.a)
 GATE_IMAGES    := $(BUILD)/cortex-m4/test_ecu $(BUILD)/cortex-m0/test_ecu $(BUILD)/rv32/test_ecu
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any"
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=gao2018
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Measure controller and robot as two programs on a bus.
 
-Drives a scenario in lockstep in one process, over SLCAN and over vcan, and compares them byte by byte; drives 50 missions
+Drives a scenario in lockstep in one process, over SLCAN, over vcan and with the firmware's image in QEMU as the
+controller, and compares them byte by byte; drives 50 missions
 of the faulty bus over vcan; drives a scenario in real time over SLCAN and counts the deadlines that were missed. Prints a
 table, writes figures for tools/figures.py and leaves the missions in build/bus. Exit status 2: a program failed; nothing was written.
 """
@@ -21,6 +22,7 @@ SCENARIO = ROOT / "sim/scenarios/gao2018_mission.cfg"
 REAL_TIME_SCENARIO = ROOT / "sim/scenarios/courier24_mission.cfg"
 REAL_TIME_SECONDS = 60  # the scenario takes longer
 LATE_BAR = 0.1  # %
+PIL_SECONDS = 3600  # a byte of the emulated serial line takes some 40 µs
 COMMAND = "make figures"
 
 
@@ -39,10 +41,11 @@ def read_summary(folder):
 
 def drive_everywhere(build, folder):
     """Folders of the same mission by transport."""
-    folders = {name: folder / name for name in ("in process", "SLCAN", "vcan")}
+    folders = {name: folder / name for name in ("in process", "SLCAN", "vcan", "PIL")}
     call([build / "bin/jp-plant", SCENARIO, "--bus", "in-process", "--output", folders["in process"], "--frames"])
     call(["tools/bus_mission.sh", "slcan", SCENARIO, folders["SLCAN"]])
     call(["tools/with_vcan.sh", "--", "tools/bus_mission.sh", "vcan", SCENARIO, folders["vcan"]])
+    call(["tools/bus_mission.sh", "pil", SCENARIO, folders["PIL"]], PIL_SECONDS)
     return folders
 
 
@@ -83,8 +86,8 @@ def measure(build, folder):
     folders = drive_everywhere(build, folder)
     reference = folders["in process"]
     equal = sum(are_equal(reference, other) for other in folders.values())
-    yield figure("reference mission: same frames, trajectory and energies in process, over SLCAN and vcan, of 3", equal,
-                 "", {"op": "==", "value": len(folders)})
+    yield figure("reference mission: same frames, trajectory and energies in process, over SLCAN, over vcan and by the "
+                 "firmware in QEMU (PIL), of 4", equal, "", {"op": "==", "value": len(folders)})
     yield figure("reference mission over a bus: energy", read_summary(reference)["strategies"][0]["total"]
                  ["measured_energy_j"], "J", None)
     yield from sample_on_vcan(build)

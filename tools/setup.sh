@@ -149,7 +149,7 @@ report_missing() {
         mapfile -t -O ${#absent[@]} absent < <(missing_vcan)
     fi
     [ -x .venv/bin/python ] && python=.venv/bin/python
-    for tool in numpy scipy matplotlib jinja2 PIL yaml cantools elftools can pyocd serial e2e libconf lcm rich kconfiglib platformio SCons pytest xdist junitparser; do
+    for tool in numpy scipy matplotlib jinja2 PIL yaml cantools elftools gcovr can pyocd serial e2e libconf lcm rich kconfiglib platformio SCons pytest xdist junitparser; do
         "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$tool') is None)" 2>/dev/null ||
             absent+=("python module $tool")
     done

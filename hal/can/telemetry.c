@@ -239,24 +239,24 @@ static void crash_report(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 /** When each cyclic message is sent, ms; no two in the same millisecond. Periods divide SCHEDULE_MS. */
 static const struct cyclic {
+    fill_function *fill;
     uint8_t period;
     uint8_t phase;
-    fill_function *fill;
     bool of_reset; /**< sent where the reset is known */
 } schedule[] = {
-    {20, 1, pose, false},
-    {20, 5, motion, false},
-    {20, 9, reference, false},
-    {20, 13, motors, false},
-    {20, 17, energy_spent, false},
-    {100, 3, status, false},
-    {100, 23, errors, false},
-    {100, 43, losses, false},
-    {100, 63, route_status, false},
-    {100, 83, energy_drawn, false},
-    {100, 7, energy_parameter, false},
-    {100, 27, reset_report, true},
-    {100, 47, crash_report, true},
+    {pose, 20, 1, false},
+    {motion, 20, 5, false},
+    {reference, 20, 9, false},
+    {motors, 20, 13, false},
+    {energy_spent, 20, 17, false},
+    {status, 100, 3, false},
+    {errors, 100, 23, false},
+    {losses, 100, 43, false},
+    {route_status, 100, 63, false},
+    {energy_drawn, 100, 83, false},
+    {energy_parameter, 100, 7, false},
+    {reset_report, 100, 27, true},
+    {crash_report, 100, 47, true},
 };
 
 static bool is_due(const struct jp_ecu *ecu, const struct cyclic *cyclic)

@@ -73,44 +73,20 @@ _Static_assert(sizeof(struct cortex_scb) == 0x40, "SCB");
 /** Only the upper 4 bits of a priority count. */
 #define NVIC_PRIORITY(level) ((uint8_t)((level) << 4))
 
-static inline void interrupts_off(void)
-{
-    __asm__ volatile("cpsid i" ::: "memory");
-}
+void jp_interrupts_off(void);
+void jp_interrupts_on(void);
 
-static inline void interrupts_on(void)
-{
-    __asm__ volatile("cpsie i" ::: "memory");
-}
+/** Sleeps until an interrupt comes; one that comes while they are off ends it too. */
+void jp_wait_for_interrupt(void);
 
-/** An interrupt that comes while they are off ends it too. */
-static inline void wait_for_interrupt(void)
-{
-    __asm__ volatile("dsb\n wfi" ::: "memory");
-}
+/** What was written has its effect, also an interrupt that it pends. */
+void jp_finish_writes(void);
 
-static inline void finish_writes(void)
-{
-    __asm__ volatile("dsb\n isb" ::: "memory");
-}
+/** Level 0 is the most urgent, 15 the least. */
+void jp_nvic_enable(unsigned irq, unsigned level);
 
-static inline void nvic_enable(unsigned irq, unsigned level)
-{
-    NVIC.IPR[irq] = NVIC_PRIORITY(level);
-    NVIC.ISER[irq / 32U] = 1U << (irq % 32U);
-}
+void jp_nvic_pend(unsigned irq);
 
-static inline void nvic_pend(unsigned irq)
-{
-    NVIC.ISPR[irq / 32U] = 1U << (irq % 32U);
-}
-
-_Noreturn static inline void system_reset(void)
-{
-    finish_writes();
-    SCB.AIRCR = AIRCR_VECTKEY | AIRCR_SYSRESETREQ;
-    for (;;) {
-    }
-}
+_Noreturn void jp_system_reset(void);
 
 #endif

@@ -4,7 +4,8 @@
 #include "cortex_m.h"
 #include "stack_guard.h"
 
-extern uint8_t firmware_main_stack_guard, firmware_handler_stack_guard, firmware_handler_stack_top;
+/* Addresses that the linker script gives. */
+extern uint8_t firmware_main_stack_guard[], firmware_handler_stack_guard[], firmware_handler_stack_top[];
 
 __attribute__((section(".noinit"))) struct jp_post_mortem jp_post_mortem;
 volatile uint32_t jp_fault_tick;
@@ -18,22 +19,23 @@ struct exception_frame {
     uint32_t r0, r1, r2, r3, r12, lr, pc, psr;
 };
 
-static bool is_guard(uint32_t address)
+static bool is_guard(uintptr_t address)
 {
-    return address - (uint32_t)&firmware_main_stack_guard < STACK_GUARD_BYTES ||
-           address - (uint32_t)&firmware_handler_stack_guard < STACK_GUARD_BYTES;
+    return address - (uintptr_t)firmware_main_stack_guard < STACK_GUARD_BYTES ||
+           address - (uintptr_t)firmware_handler_stack_guard < STACK_GUARD_BYTES;
 }
 
 /** In the guard, or below the memory. */
 #define STACKING_FAILED (CFSR_MSTKERR | CFSR_STKERR)
 
 /** A frame that the core could not push is not there. */
-static bool is_frame(uint32_t address)
+static bool is_whole(const struct exception_frame *frame)
 {
-    const uint32_t first = (uint32_t)&firmware_main_stack_guard;
-    const uint32_t last = (uint32_t)&firmware_handler_stack_top - sizeof(struct exception_frame);
+    const uintptr_t address = (uintptr_t)frame;
+    const uintptr_t last = (uintptr_t)firmware_handler_stack_top - sizeof *frame;
 
-    return address >= first && address <= last && (SCB.CFSR & STACKING_FAILED) == 0U && (address & 3U) == 0U;
+    return address >= (uintptr_t)firmware_main_stack_guard && address <= last && address % sizeof frame->r0 == 0U &&
+           (SCB.CFSR & STACKING_FAILED) == 0U;
 }
 
 static bool is_overflow(uint32_t status, uint32_t address)
@@ -50,24 +52,22 @@ static uint32_t fault_address(void)
 }
 
 /** Called by the handlers below, on the stack for faults. */
-_Noreturn void jp_fault_end(uint32_t frame_address);
+_Noreturn void jp_fault_end(const struct exception_frame *frame);
 
-_Noreturn void jp_fault_end(uint32_t frame_address)
+_Noreturn void jp_fault_end(const struct exception_frame *frame)
 {
     struct jp_crash crash = {
         .exception = SCB.ICSR & ICSR_VECTACTIVE, .status = SCB.CFSR, .address = fault_address(), .tick = jp_fault_tick};
 
     jp_bridges_off();
     crash.cause = is_overflow(crash.status, crash.address) ? JP_RESET_STACK : JP_RESET_FAULT;
-    if (is_frame(frame_address)) {
-        const struct exception_frame *frame = (const struct exception_frame *)frame_address;
-
+    if (is_whole(frame)) {
         crash.pc = frame->pc;
         crash.lr = frame->lr;
         crash.psr = frame->psr;
     }
     jp_post_mortem_write(&jp_post_mortem, &crash);
-    system_reset();
+    jp_system_reset();
 }
 
 /** EXC_RETURN in lr tells which stack has the frame. */

@@ -65,7 +65,7 @@ void DMA2_Stream0_IRQHandler(void)
 void ADC_IRQHandler(void)
 {
     if (jp_devices_on_sample(&devices)) {
-        nvic_pend(CONTROL_IRQ);
+        jp_nvic_pend(CONTROL_IRQ);
     }
 }
 
@@ -93,17 +93,16 @@ void SysTick_Handler(void)
 {
     if (has_simulated_body() && devices.has_can && ++sample_age == SAMPLE_LATE) {
         sample_age = 1;
-        nvic_pend(CONTROL_IRQ);
+        jp_nvic_pend(CONTROL_IRQ);
     }
 }
 
+/** The crystal has failed: nothing has the frequency that it was started for. The start takes another clock. */
 void NMI_Handler(void)
 {
-    if (jp_clock_on_failure()) {
-        jp_bridges_off();
-        system_reset();
-    }
-    jp_fault_handler();
+    jp_bridges_off();
+    (void)jp_clock_on_failure();
+    jp_system_reset();
 }
 
 /** The supply fails: bridges off while there is voltage to do it, and a reset when it has come back. */
@@ -112,7 +111,7 @@ void PVD_IRQHandler(void)
     jp_bridges_off();
     while (jp_supply_is_low()) {
     }
-    system_reset();
+    jp_system_reset();
 }
 
 /** In the CAN receive interrupt. */
@@ -121,7 +120,7 @@ static void take_frame(void *context, const struct jp_can_frame *frame)
     (void)context;
     if (jp_ecu_accept(&node.ecu, frame) && has_simulated_body()) {
         sample_age = 0;
-        nvic_pend(CONTROL_IRQ);
+        jp_nvic_pend(CONTROL_IRQ);
     }
 }
 
@@ -129,8 +128,8 @@ static void take_frame(void *context, const struct jp_can_frame *frame)
 static void tick_in_interrupt(struct jp_ecu *ecu)
 {
     (void)ecu;
-    nvic_pend(CONTROL_IRQ);
-    finish_writes();
+    jp_nvic_pend(CONTROL_IRQ);
+    jp_finish_writes();
 }
 
 /* Start. */
@@ -197,13 +196,13 @@ static bool start_application(void)
 static void start_interrupts(void)
 {
     SCB.SHPR[11] = NVIC_PRIORITY(PRIORITY_CONTROL); /* SysTick */
-    nvic_enable(PVD_IRQn, PRIORITY_SUPPLY);
-    nvic_enable(USART1_IRQn, PRIORITY_SERIAL);
-    nvic_enable(ADC_IRQn, PRIORITY_CONTROL);
-    nvic_enable(CONTROL_IRQ, PRIORITY_CONTROL);
-    nvic_enable(CAN1_RX0_IRQn, PRIORITY_CONTROL);
-    nvic_enable(CAN1_TX_IRQn, PRIORITY_CONTROL);
-    nvic_enable(CAN1_SCE_IRQn, PRIORITY_CONTROL);
+    jp_nvic_enable(PVD_IRQn, PRIORITY_SUPPLY);
+    jp_nvic_enable(USART1_IRQn, PRIORITY_SERIAL);
+    jp_nvic_enable(ADC_IRQn, PRIORITY_CONTROL);
+    jp_nvic_enable(CONTROL_IRQ, PRIORITY_CONTROL);
+    jp_nvic_enable(CAN1_RX0_IRQn, PRIORITY_CONTROL);
+    jp_nvic_enable(CAN1_TX_IRQn, PRIORITY_CONTROL);
+    jp_nvic_enable(CAN1_SCE_IRQn, PRIORITY_CONTROL);
 }
 
 /* The main loop. */
@@ -212,11 +211,11 @@ static void sleep(void)
 {
     const bool is_quiet = jp_serial_flush(&serial);
 
-    interrupts_off();
+    jp_interrupts_off();
     if (is_quiet && !jp_serial_has_input(&serial)) {
-        wait_for_interrupt();
+        jp_wait_for_interrupt();
     }
-    interrupts_on();
+    jp_interrupts_on();
 }
 
 /** Body and time are simulated at the other end of the serial line. */
@@ -227,7 +226,6 @@ static _Noreturn void run_lockstep(void)
     for (;;) {
         while (jp_serial_receive(&serial, &frame)) {
             (void)jp_lockstep_accept(&node, &frame);
-            jp_watchdog_feed();
         }
         jp_watchdog_feed();
         sleep();
@@ -239,9 +237,9 @@ static void take_serial_frames(void)
     struct jp_can_frame frame;
 
     while (!devices.has_can && jp_serial_receive(&serial, &frame)) {
-        interrupts_off();
+        jp_interrupts_off();
         (void)jp_ecu_accept(&node.ecu, &frame);
-        interrupts_on();
+        jp_interrupts_on();
     }
 }
 

@@ -5,10 +5,10 @@
 #include "fault.h"
 #include "stack_guard.h"
 
-extern uint32_t firmware_data_start, firmware_data_end, firmware_data_load;
-extern uint32_t firmware_bss_start, firmware_bss_end;
-extern uint8_t firmware_main_stack_guard, firmware_main_stack_top;
-extern uint8_t firmware_handler_stack_guard, firmware_handler_stack_top;
+/* Addresses that the linker script gives. */
+extern uint8_t firmware_data_start[], firmware_data_end[], firmware_data_load[];
+extern uint8_t firmware_bss_start[], firmware_bss_end[];
+extern uint8_t firmware_main_stack_guard[], firmware_handler_stack_guard[], firmware_handler_stack_top[];
 
 int main(void);
 
@@ -16,6 +16,11 @@ extern void (*const jp_vectors[])(void);
 
 /** As SIZE of the MPU: 256 bytes, for fields behind a null pointer. */
 #define NULL_SIZE 7U
+
+static uint32_t address_of(const void *symbol)
+{
+    return (uint32_t)(uintptr_t)symbol;
+}
 
 /** No access for anybody. */
 static void forbid(uint32_t region, uint32_t address, uint32_t size)
@@ -27,13 +32,13 @@ static void forbid(uint32_t region, uint32_t address, uint32_t size)
 /** A stack that grows into its guard, and an access through a null pointer, end in the fault handler. */
 static void guard_memory(void)
 {
-    forbid(0, (uint32_t)&firmware_main_stack_guard, STACK_GUARD_SIZE);
-    forbid(1, (uint32_t)&firmware_handler_stack_guard, STACK_GUARD_SIZE);
+    forbid(0, address_of(firmware_main_stack_guard), STACK_GUARD_SIZE);
+    forbid(1, address_of(firmware_handler_stack_guard), STACK_GUARD_SIZE);
     forbid(2, 0, NULL_SIZE);
     MPU.CTRL = MPU_PRIVDEFENA | MPU_ENABLE;
     SCB.CCR |= CCR_DIV_0_TRP;
     SCB.SHCSR |= SHCSR_MEMFAULTENA | SHCSR_BUSFAULTENA | SHCSR_USGFAULTENA;
-    finish_writes();
+    jp_finish_writes();
 }
 
 /** Not static: the reset handler branches to it once the stacks are set. */
@@ -41,13 +46,12 @@ _Noreturn void jp_startup(void);
 
 _Noreturn void jp_startup(void)
 {
-    memcpy(&firmware_data_start, &firmware_data_load,
-           (size_t)((uint8_t *)&firmware_data_end - (uint8_t *)&firmware_data_start));
-    memset(&firmware_bss_start, 0, (size_t)((uint8_t *)&firmware_bss_end - (uint8_t *)&firmware_bss_start));
-    SCB.VTOR = (uint32_t)jp_vectors;
+    memcpy(firmware_data_start, firmware_data_load, address_of(firmware_data_end) - address_of(firmware_data_start));
+    memset(firmware_bss_start, 0, address_of(firmware_bss_end) - address_of(firmware_bss_start));
+    SCB.VTOR = address_of(jp_vectors);
     guard_memory();
     (void)main();
-    system_reset();
+    jp_system_reset();
 }
 
 /** Handlers keep the stack that the core starts with; the thread gets its own. */
@@ -85,7 +89,7 @@ void DMA2_Stream0_IRQHandler(void) WEAK;
 
 /** Exceptions of the core, then the 82 interrupts of the STM32F405 (RM0090, table 62). */
 __attribute__((section(".vectors"), used)) void (*const jp_vectors[16 + 82])(void) = {
-    (void (*)(void)) & firmware_handler_stack_top,
+    (void (*)(void))firmware_handler_stack_top,
     jp_reset_handler,
     NMI_Handler,
     jp_fault_handler, /* hard fault */

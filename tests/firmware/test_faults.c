@@ -67,15 +67,15 @@ static void read_where_nothing_is(void)
 
 static void crash_with_interrupts_off(void)
 {
-    interrupts_off();
+    jp_interrupts_off();
     jp_crash_by_instruction();
 }
 
 static void raise_unused_interrupt(void)
 {
-    nvic_enable(UNUSED_IRQ, 2);
-    nvic_pend(UNUSED_IRQ);
-    finish_writes();
+    jp_nvic_enable(UNUSED_IRQ, 2);
+    jp_nvic_pend(UNUSED_IRQ);
+    jp_finish_writes();
 }
 
 /** Not a loop to the compiler, and deeper than any stack. */
@@ -107,7 +107,7 @@ static void overflow_handler_stack(void)
 static void crash_in_handler(void)
 {
     SCB.ICSR = 1U << 28; /* PendSV */
-    finish_writes();
+    jp_finish_writes();
 }
 
 void PendSV_Handler(void)
@@ -166,7 +166,7 @@ static const char *problem_of(const struct test *test, const struct jp_reset_rep
         return "another fault status";
     }
     /* Without the bit for Thumb code. */
-    if (test->at_instruction && crash->pc != ((uint32_t)jp_crash_by_instruction & ~1U)) {
+    if (test->at_instruction && crash->pc != ((uint32_t)(uintptr_t)jp_crash_by_instruction & ~1U)) {
         return "another instruction";
     }
     if (crash->tick != stage) {

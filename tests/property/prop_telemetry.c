@@ -17,7 +17,7 @@ extern const struct jp_energy_model jp_energy_model_courier24;
 
 enum { TICKS_MIN = 1000 };
 
-static unsigned long count = 2000000;
+static unsigned long count = 50000; /* up to 500 000: the segment has to last */
 static struct jp_robot_config config;
 static struct jp_robot robot;
 static atomic_bool stop;

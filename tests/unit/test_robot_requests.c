@@ -1,4 +1,5 @@
-/* Requests that meet a robot which cannot serve them: they leave it as it is. Work without anything to plan. */
+/* Requests that meet a robot which cannot serve them: they leave it as it is. Work without anything to plan. What is
+ * known before the first tick. */
 #include <joulepath/robot.h>
 
 #include "unity.h"
@@ -75,6 +76,21 @@ static void test_request_before_the_first_frame(void)
     TEST_ASSERT_EQUAL_UINT8(0, actuation.enabled);
 }
 
+/* A gyro that turns by its bias while the robot stands: known from the first tick, or yet to be learned. */
+static void test_bias_that_is_known(void)
+{
+    const jp_q24 offset = JP_Q24(0.001);
+    struct jp_sensors biased = at_rest;
+
+    biased.pitch_rate = offset;
+    run(&biased, JP_OK, 2);
+    TEST_ASSERT_INT32_WITHIN(offset / 20, offset, telemetry().motion.pitch_rate);
+    init();
+    jp_robot_know_gyro_bias(&robot, (int64_t)offset * ((int64_t)1 << 32));
+    run(&biased, JP_OK, 2);
+    TEST_ASSERT_INT32_WITHIN(offset / 20, 0, telemetry().motion.pitch_rate);
+}
+
 static void follow_corner(void)
 {
     run(&at_rest, JP_OK, 1);
@@ -129,6 +145,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_fault_before_the_request_is_seen);
     RUN_TEST(test_request_before_the_first_frame);
+    RUN_TEST(test_bias_that_is_known);
     RUN_TEST(test_no_work_while_a_segment_waits);
     RUN_TEST(test_turn_without_a_tracker);
     return UNITY_END();
