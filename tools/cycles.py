@@ -14,7 +14,8 @@ from common import ToolError, run
 
 # What a figure of a bench counts for.
 ROWS = {
-    "jp_robot_tick": r"jp_robot_tick\(\)",
+    "sensor decode to PWM": r"sensor decode to PWM",
+    "whole tick": r"whole tick",
     "jp_segment_optimise": r"segment optimiser",
     "jp_planner_work, 32 expansions": r"slice of 32 expansions",
 }
