@@ -329,7 +329,7 @@ DRIVE.vcan  = tools/with_vcan.sh -- tools/bus_mission.sh vcan $(SCENARIO) $(BUIL
 BUS        ?=
 
 SETUP.vcan = vcan
-SETUP.pil  = test
+SETUP.pil  = firmware
 SCENARIO_ROBOT = $(shell sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p' $(SCENARIO))
 
 .PHONY: sil
@@ -361,7 +361,7 @@ plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name IMPORT=opti
 .PHONY: firmware
 firmware: ## build the image for the STM32F405 with ROBOT=name: ELF, bin and map in build/firmware/name
 	$(if $(filter $(ROBOT),$(ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS)))
-	@tools/setup.sh test
+	@tools/setup.sh firmware
 	@$(MAKE) $(PARALLEL) $(BUILD)/firmware/$(ROBOT)/joulepath.bin
 	@arm-none-eabi-size $(BUILD)/firmware/$(ROBOT)/joulepath.elf
 	@echo 'flash it: st-flash write $(BUILD)/firmware/$(ROBOT)/joulepath.bin 0x08000000'

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Installs what Joulepath needs on Debian 12 or Ubuntu 22.04 and 24.04: setup.sh [--yes] [sil|vcan|test]
-#   sil   the compiler, the libraries of the simulator and the Python tools
-#   vcan  also the CAN tools and, where this kernel has no vcan, one to emulate (tools/with_vcan.sh)
-#   test  also the second compiler, the checkers, the Arm and RISC-V tool chains and QEMU (the default)
+# Installs what Joulepath needs on Debian 12 or Ubuntu 22.04 and 24.04: setup.sh [--yes] [sil|firmware|vcan|test]
+#   sil       the compiler, the libraries of the simulator and the Python tools
+#   firmware  also the Arm tool chain and its emulator
+#   vcan      besides sil, the CAN tools and, where this kernel has no vcan, one to emulate (tools/with_vcan.sh)
+#   test      all of it, the second compiler, the checkers and the RISC-V tool chain (the default)
 # JP_SETUP=skip installs nothing and says what is missing. Exit status 2: something could not be installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,9 +12,8 @@ cd "$(dirname "$0")/.."
 sil_packages=(build-essential libccd-dev libconfig-dev libjansson-dev liblcm-dev libnlopt-dev pkg-config python3-venv)
 vcan_packages=(can-utils iproute2 util-linux)
 emulator_packages=(busybox-static qemu-system-x86 xz-utils)
-test_packages=(gcc-multilib clang cmake cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
-    qemu-system-arm gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
-stamp=.venv/requirements.installed
+firmware_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
+test_packages=(gcc-multilib clang cmake cppcheck gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
 
 die() {
     echo "setup: $*" >&2
@@ -95,14 +95,26 @@ check_packages() {
     install_packages "${missing[@]}"
 }
 
-check_python() {
-    cmp -s tools/requirements.txt "$stamp" && [ -x .venv/bin/python ] && return
-    echo "setup: Python packages to install in .venv: $(grep -v '^#' tools/requirements.txt | tr '\n' ' ')"
+# is_current NAME: tools/NAME.txt is what .venv was made from.
+is_current() {
+    cmp -s "tools/$1.txt" ".venv/$1.installed" && [ -x .venv/bin/python ]
+}
+
+install_requirements() {
+    echo "setup: Python packages to install in .venv: $(grep -v '^#' "tools/$1.txt" | tr '\n' ' ')"
     confirm
-    python3 -m venv --clear .venv >/dev/null || die "python3 -m venv failed: the package python3-venv is missing"
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r tools/requirements.txt ||
-        die "pip could not install tools/requirements.txt: check the network"
-    cp tools/requirements.txt "$stamp"
+    [ "$1" != requirements ] || python3 -m venv --clear .venv >/dev/null ||
+        die "python3 -m venv failed: the package python3-venv is missing"
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r "tools/$1.txt" ||
+        die "pip could not install tools/$1.txt: check the network"
+    cp "tools/$1.txt" ".venv/$1.installed"
+}
+
+check_python() {
+    local list
+    for list in "$@"; do
+        is_current "$list" || install_requirements "$list"
+    done
 }
 
 # Only after the packages: the test of native vcan sends a frame.
@@ -133,7 +145,12 @@ report_missing() {
     local tool absent=()
     local python=python3 list
     local tools=(gcc ar pkg-config python3)
-    [ "$scope" = test ] && tools+=(g++ clang cmake cppcheck arm-none-eabi-gcc qemu-system-arm riscv64-unknown-elf-gcc qemu-system-riscv32)
+    local modules=(numpy scipy matplotlib jinja2 PIL yaml cantools can serial e2e libconf lcm rich)
+    [[ $scope != @(firmware|test) ]] || tools+=(arm-none-eabi-gcc qemu-system-arm)
+    if [ "$scope" = test ]; then
+        tools+=(g++ clang cmake cppcheck riscv64-unknown-elf-gcc qemu-system-riscv32)
+        modules+=(elftools gcovr kconfiglib platformio pyocd SCons pytest xdist junitparser)
+    fi
     for tool in "${tools[@]}"; do
         command -v "$tool" >/dev/null || absent+=("$tool")
     done
@@ -145,11 +162,11 @@ report_missing() {
     if [ "$scope" = test ]; then
         riscv64-unknown-elf-gcc --specs=picolibc.specs -E -x c /dev/null >/dev/null 2>&1 || absent+=("picolibc for RISC-V")
     fi
-    if [ "$scope" != sil ]; then
+    if [[ $scope == @(vcan|test) ]]; then
         mapfile -t -O ${#absent[@]} absent < <(missing_vcan)
     fi
     [ -x .venv/bin/python ] && python=.venv/bin/python
-    for tool in numpy scipy matplotlib jinja2 PIL yaml cantools elftools gcovr can pyocd serial e2e libconf lcm rich kconfiglib platformio SCons pytest xdist junitparser; do
+    for tool in "${modules[@]}"; do
         "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$tool') is None)" 2>/dev/null ||
             absent+=("python module $tool")
     done
@@ -163,18 +180,23 @@ scope=test
 for argument in "$@"; do
     case $argument in
     --yes) yes=1 ;;
-    sil | vcan | test) scope=$argument ;;
-    *) die "usage: tools/setup.sh [--yes] [sil|vcan|test]" ;;
+    sil | firmware | vcan | test) scope=$argument ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|firmware|vcan|test]" ;;
     esac
 done
 
 packages=("${sil_packages[@]}")
-[ "$scope" = sil ] || packages+=("${vcan_packages[@]}")
-[ "$scope" = test ] && packages+=("${test_packages[@]}")
+requirements=(requirements)
+[[ $scope != @(firmware|test) ]] || packages+=("${firmware_packages[@]}")
+[[ $scope != @(vcan|test) ]] || packages+=("${vcan_packages[@]}")
+if [ "$scope" = test ]; then
+    packages+=("${test_packages[@]}")
+    requirements+=(requirements-test)
+fi
 if [ "${JP_SETUP:-}" = skip ]; then
     report_missing
     exit 0
 fi
 check_packages "${packages[@]}"
-check_python
-[ "$scope" = sil ] || check_vcan
+check_python "${requirements[@]}"
+[[ $scope != @(vcan|test) ]] || check_vcan
