@@ -1,7 +1,8 @@
 #include "post_mortem.h"
 
 #include <stddef.h>
-#include <string.h>
+
+#include "memory_check.h"
 
 /** Memory that was never written does not add up to this. */
 #define CHECK_START 0x4A50504DU
@@ -10,15 +11,7 @@
 
 static uint32_t check_of(const struct jp_post_mortem *record)
 {
-    uint32_t check = CHECK_START;
-    uint32_t word;
-
-    for (size_t offset = 0; offset < offsetof(struct jp_post_mortem, check); offset += sizeof word) {
-        memcpy(&word, (const uint8_t *)record + offset, sizeof word);
-        /* The rotation makes the order of the words count. */
-        check = ((check << 1) | (check >> 31)) + word;
-    }
-    return check;
+    return jp_memory_check(CHECK_START, record, offsetof(struct jp_post_mortem, check));
 }
 
 static bool is_whole(const struct jp_post_mortem *record)

@@ -27,7 +27,7 @@ MODULES = {
     "end-to-end protection": r"src/e2e",
     "CAN application": r"hal/(can/\w+|hal)",
     "parameters in flash": r"hal/(parameters|store|crc32)",
-    "post-mortem": r"hal/post_mortem",
+    "post-mortem": r"hal/(post_mortem|memory_check)",
     "tables of a robot": r"src/tables/(robot|energy)_courier24",
     "table of a lattice": r"src/tables/lattice_gao2018",
     None: r"src/tables/\w+",  # other robots

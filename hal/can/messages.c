@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "../crc32.h"
 #include "jp_can.h"
 
 /** Fraction bits of the library's value that its signal leaves out. */
@@ -170,25 +171,13 @@ enum jp_e2e_result jp_message_to_sensors(struct jp_e2e_receiver *receiver,
     return result;
 }
 
-static uint32_t crc32_byte(uint32_t crc, uint8_t byte)
-{
-    /* CRC-32 of each nibble, polynomial 0xEDB88320. */
-    static const uint32_t nibbles[16] = {0x00000000, 0x1DB71064, 0x3B6E20C8, 0x26D930AC, 0x76DC4190, 0x6B6B51F4,
-                                         0x4DB26158, 0x5005713C, 0xEDB88320, 0xF00F9344, 0xD6D6A3E8, 0xCB61B38C,
-                                         0x9B64C2B0, 0x86D3D2D4, 0xA00AE278, 0xBDBDF21C};
-
-    crc ^= byte;
-    crc = (crc >> 4) ^ nibbles[crc & 0x0FU];
-    return (crc >> 4) ^ nibbles[crc & 0x0FU];
-}
-
 uint32_t jp_route_crc(uint32_t crc, const struct jp_point *waypoint)
 {
     const uint32_t words[2] = {(uint32_t)waypoint->x, (uint32_t)waypoint->y};
+    uint8_t bytes[sizeof words];
 
-    crc = ~crc;
-    for (unsigned i = 0; i < sizeof words; i++) {
-        crc = crc32_byte(crc, (uint8_t)(words[i / 4U] >> (8U * (i % 4U))));
+    for (unsigned i = 0; i < sizeof bytes; i++) {
+        bytes[i] = (uint8_t)(words[i / 4U] >> (8U * (i % 4U)));
     }
-    return ~crc;
+    return jp_crc32(crc, bytes, sizeof bytes);
 }

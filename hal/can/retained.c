@@ -3,20 +3,14 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "../memory_check.h"
+
 /** Memory that was never written does not add up to this. */
 #define CHECK_START 0x4A503134U
 
 static uint32_t check_of(const struct jp_retained_slot *slot)
 {
-    uint32_t check = CHECK_START;
-    uint32_t word;
-
-    for (size_t offset = 0; offset < offsetof(struct jp_retained_slot, check); offset += sizeof word) {
-        memcpy(&word, (const uint8_t *)slot + offset, sizeof word);
-        /* The rotation makes the order of the words count. */
-        check = ((check << 1) | (check >> 31)) + word;
-    }
-    return check;
+    return jp_memory_check(CHECK_START, slot, offsetof(struct jp_retained_slot, check));
 }
 
 static bool is_whole(const struct jp_retained_slot *slot)

@@ -284,6 +284,7 @@ static void watch_for_rest(void)
 static _Noreturn void run(void)
 {
     uint32_t worked = ticks;
+    bool forgiven = false;
     const uint32_t healthy_ticks = JP_HEALTHY_MS / 1000U * FIRMWARE_ROBOT.estimator.tick_rate;
 
     for (;;) {
@@ -293,8 +294,9 @@ static _Noreturn void run(void)
             jp_ecu_work(&node.ecu);
             watch_for_rest();
             jp_watchdog_feed();
-            if (worked == healthy_ticks) {
+            if (worked >= healthy_ticks && !forgiven) {
                 jp_post_mortem_forgive(&jp_post_mortem);
+                forgiven = true;
             }
         }
         sleep();
