@@ -685,6 +685,19 @@ $(LOGS)/gates/%.log: tests/gates/%.sh | $(LCM_HEADERS)
 	$(call SAY,RUN gate $*)
 	$Q$(RUN) $@ $(GATE_LIMIT) $<
 
+.PHONY: coverage
+coverage: ## lines and branches of src/ that the host tests take: a table, each line in build/coverage/index.html
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(COVERAGE_TESTS)
+	@mkdir -p $(BUILD) && tests/gates/coverage.sh $(COVERAGE_TESTS) >$(BUILD)/coverage.txt; status=$$?; \
+	    grep -v ':PASS$$' $(BUILD)/coverage.txt; exit $$status
+
+.PHONY: misra
+misra: ## check include/ and src/ for MISRA C:2012 and print what is deviated from, how often and why
+	@tools/setup.sh test
+	@mkdir -p $(BUILD) && tests/gates/misra.sh >$(BUILD)/misra.txt; status=$$?; \
+	    grep -v ':PASS$$' $(BUILD)/misra.txt; exit $$status
+
 # ---- Upkeep ----------------------------------------------------------------------------------------------------------
 
 define measure

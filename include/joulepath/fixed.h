@@ -114,9 +114,9 @@ int64_t jp_multiply(int32_t a, int32_t b);
 static inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift)
 {
     int64_t half = (int64_t)1 << (shift - 1);
-    int64_t rounded = (jp_multiply(a, b) + half) >> shift;
+    int64_t scaled = (jp_multiply(a, b) + half) >> shift;
 
-    return shift >= 32U ? (int32_t)rounded : jp_saturate32(rounded);
+    return shift >= 32U ? (int32_t)scaled : jp_saturate32(scaled);
 }
 
 /** Products of equal formats, saturated: 0.5 ulp. jp_q31_multiply(−1, −1) is JP_Q31_MAX. */

@@ -1,5 +1,6 @@
 /* The firmware's start and loop on fake registers: what it decides to be, whom it obeys, and when it feeds the
  * watchdog. */
+#undef FIRMWARE_ROBOT_NAME
 #define FIRMWARE_ROBOT_NAME courier24
 #define main                firmware_main
 #include "hal/stm32f4/main.c"

@@ -124,7 +124,7 @@ def test_the_skeleton_is_built_for_a_core_with_a_toolchain_file(package, tmp_pat
     build_project(tmp_path, add(package) + user_of("hal", skeleton),
                   f"-DCMAKE_TOOLCHAIN_FILE={tmp_path / 'toolchain.cmake'}")
     symbols = command(f"{prefix}nm", tmp_path / "build" / "user").split()
-    assert {"control_tick", "board_write", "jp_robot_tick", "jp_robot_courier24"} <= set(symbols)
+    assert {"control_tick", "board_write", "jp_robot_control", "jp_robot_courier24"} <= set(symbols)
     assert "jp_robot_gao2018" not in symbols, "a table that nobody uses takes flash"
 
 
