@@ -126,16 +126,16 @@ static const struct test {
     bool at_instruction;
     int line;
 } tests[] = {
-    {"an undefined instruction", jp_crash_by_instruction, JP_RESET_FAULT, USAGE, 1U << 16, true, __LINE__},
-    {"a write through a null pointer", write_through_null, JP_RESET_FAULT, MEMORY, CFSR_DACCVIOL, false, __LINE__},
-    {"a call of a null pointer", call_null, JP_RESET_FAULT, MEMORY, 1U << 0, false, __LINE__},
-    {"a division by zero", divide_by_zero, JP_RESET_FAULT, USAGE, 1U << 25, false, __LINE__},
-    {"a read where nothing is", read_where_nothing_is, JP_RESET_FAULT, BUS, 1U << 9, false, __LINE__},
-    {"a crash with interrupts off", crash_with_interrupts_off, JP_RESET_FAULT, HARD, 1U << 16, true, __LINE__},
-    {"a crash in a handler", crash_in_handler, JP_RESET_FAULT, USAGE, 1U << 16, true, __LINE__},
-    {"an interrupt that nobody uses", raise_unused_interrupt, JP_RESET_FAULT, 16 + UNUSED_IRQ, 0, false, __LINE__},
-    {"an overflow of the main stack", overflow_main_stack, JP_RESET_STACK, MEMORY, 0, false, __LINE__},
-    {"an overflow of the handlers' stack", overflow_handler_stack, JP_RESET_STACK, MEMORY, 0, false, __LINE__},
+    {"an_undefined_instruction", jp_crash_by_instruction, JP_RESET_FAULT, USAGE, 1U << 16, true, __LINE__},
+    {"a_write_through_a_null_pointer", write_through_null, JP_RESET_FAULT, MEMORY, CFSR_DACCVIOL, false, __LINE__},
+    {"a_call_of_a_null_pointer", call_null, JP_RESET_FAULT, MEMORY, 1U << 0, false, __LINE__},
+    {"a_division_by_zero", divide_by_zero, JP_RESET_FAULT, USAGE, 1U << 25, false, __LINE__},
+    {"a_read_where_nothing_is", read_where_nothing_is, JP_RESET_FAULT, BUS, 1U << 9, false, __LINE__},
+    {"a_crash_with_interrupts_off", crash_with_interrupts_off, JP_RESET_FAULT, HARD, 1U << 16, true, __LINE__},
+    {"a_crash_in_a_handler", crash_in_handler, JP_RESET_FAULT, USAGE, 1U << 16, true, __LINE__},
+    {"an_interrupt_that_nobody_uses", raise_unused_interrupt, JP_RESET_FAULT, 16 + UNUSED_IRQ, 0, false, __LINE__},
+    {"an_overflow_of_the_main_stack", overflow_main_stack, JP_RESET_STACK, MEMORY, 0, false, __LINE__},
+    {"an_overflow_of_the_handlers_stack", overflow_handler_stack, JP_RESET_STACK, MEMORY, 0, false, __LINE__},
 };
 #define TESTS (sizeof tests / sizeof tests[0])
 

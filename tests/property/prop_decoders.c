@@ -118,7 +118,9 @@ static const struct message {
     {0x18C, 8, FROM_ECU, 0},
     {0x18D, 8, FROM_ECU, 0},
     {0x18E, 8, FROM_ECU, 0},
+    {0x18F, 8, FROM_ECU, 0},
     {0x190, 8, OTHERS, 0},
+    {0x191, 8, FROM_ECU, 0},
 };
 #define MESSAGES (sizeof messages / sizeof messages[0])
 
