@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "energy_terms.h"
+#include "shared.h"
 
 #define MOTION_MAX JP_Q24(8)
 #define TURN_MAX   JP_Q24(6.2831854)
@@ -20,8 +21,20 @@ bool jp_motion_in_range(const struct jp_motion *motion)
 
 enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const char **field)
 {
-    static const char *const a_names[JP_ENERGY_TERMS] = {"a1", "a2", "a3",  "a4",  "a5",  "a6", "a7",
-                                                         "a8", "a9", "a10", "a11", "a12", "a13"};
+    static const char a_names[JP_ENERGY_TERMS][4] = {"a1", "a2", "a3",  "a4",  "a5",  "a6", "a7",
+                                                     "a8", "a9", "a10", "a11", "a12", "a13"};
+    static const struct {
+        const char *name;
+        int32_t low, high;
+    } ranges[] = {
+        {"b1", 0, JP_Q16(4096)},
+        {"b2", 0, JP_Q16(4096)},
+        {"electronics_power", 1, JP_Q16(256)},
+        {"settling_time", 0, JP_Q16(60)},
+        {"voltage_per_speed", 0, JP_Q16(256)},
+        {"voltage_per_turn_rate", 0, JP_Q16(256)},
+        {"motor_resistance", 1, JP_Q16(256)},
+    };
     if (!model || !field) {
         return JP_ERR_ARGUMENT;
     }
@@ -31,29 +44,36 @@ enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const 
             return JP_ERR_CONFIG;
         }
     }
-    const struct {
-        const char *name;
-        int32_t value, low, high;
-    } fields[] = {
-        {"b1", model->b[0], 0, JP_Q16(4096)},
-        {"b2", model->b[1], 0, JP_Q16(4096)},
-        {"electronics_power", model->electronics_power, 1, JP_Q16(256)},
-        {"settling_time", model->settling_time, 0, JP_Q16(60)},
-        {"voltage_per_speed", model->voltage_per_speed, 0, JP_Q16(256)},
-        {"voltage_per_turn_rate", model->voltage_per_turn_rate, 0, JP_Q16(256)},
-        {"motor_resistance", model->motor_resistance, 1, JP_Q16(256)},
-    };
-    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if (!in_range(fields[i].value, fields[i].low, fields[i].high)) {
-            *field = fields[i].name;
+    const int32_t values[] = {model->b[0],
+                              model->b[1],
+                              model->electronics_power,
+                              model->settling_time,
+                              model->voltage_per_speed,
+                              model->voltage_per_turn_rate,
+                              model->motor_resistance};
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        if (!in_range(values[i], ranges[i].low, ranges[i].high)) {
+            *field = ranges[i].name;
             return JP_ERR_CONFIG;
         }
     }
     return JP_OK;
 }
 
+static JP_SHARED int64_t scaled_term(int64_t a, int32_t b, unsigned shift)
+{
+    int64_t high = (a >> 32) * b;
+    int64_t low = (int64_t)(uint32_t)a * b;
+    return high * ((int64_t)1 << (32 - shift)) + (low >> shift);
+}
+
+int64_t jp_term_scale(int64_t a, int32_t b, unsigned shift)
+{
+    return scaled_term(a, b, shift);
+}
+
 /* V in Q18 times J/V in Q16: Q34 to Q28. */
-static int64_t voltage_term(int32_t left, int32_t right, jp_q16 a_left, jp_q16 a_right)
+static JP_SHARED int64_t voltage_term(int32_t left, int32_t right, jp_q16 a_left, jp_q16 a_right)
 {
     return ((int64_t)left * a_left + (int64_t)right * a_right) >> (34 - JP_TERM_BITS);
 }
@@ -72,13 +92,13 @@ void jp_voltage_terms(const struct jp_energy_model *model, const struct jp_motio
     int64_t squares = (int64_t)left * left + (int64_t)right * right; /* Q36, at most 2⁶¹ */
     int64_t power = (squares >> 4) / model->motor_resistance;        /* Q16 */
     power = power > POWER_MAX ? POWER_MAX : power;
-    terms->power = jp_term_scale(power, a[12], 32 - JP_TERM_BITS);
+    terms->power = scaled_term(power, a[12], 32 - JP_TERM_BITS);
 }
 
 /* a·x·y with a in Q16, x and y in Q24: Q28. */
-static int64_t product_term(jp_q16 a, int32_t x, int32_t y)
+static JP_SHARED int64_t product_term(jp_q16 a, int32_t x, int32_t y)
 {
-    return jp_term_scale(((int64_t)a * x) >> 8, y, 28);
+    return scaled_term(((int64_t)a * x) >> 8, y, 28);
 }
 
 enum jp_status jp_energy_total(const struct jp_energy_model *model, const struct jp_motion *before,
@@ -93,10 +113,10 @@ enum jp_status jp_energy_total(const struct jp_energy_model *model, const struct
     int32_t turn = segment->turn;
     int64_t state = product_term(a[0], dv, dv) + product_term(a[1], dw, dw) + product_term(a[2], turn, turn) +
                     product_term(a[3], dv, dw) + product_term(a[4], dv, turn) + product_term(a[5], dw, turn) +
-                    jp_term_scale(voltage->speed, dv, 24) + jp_term_scale(voltage->turn_rate, dw, 24) +
-                    jp_term_scale(voltage->turn, turn, 24) + voltage->power;
+                    scaled_term(voltage->speed, dv, 24) + scaled_term(voltage->turn_rate, dw, 24) +
+                    scaled_term(voltage->turn, turn, 24) + voltage->power;
     int64_t friction = product_term(model->b[0], v, v) + product_term(model->b[1], w, w);
-    int64_t total = state + jp_term_scale(friction, segment->duration - model->settling_time, 16) +
+    int64_t total = state + scaled_term(friction, segment->duration - model->settling_time, 16) +
                     (((int64_t)model->electronics_power * segment->duration) >> (32 - JP_TERM_BITS));
     int64_t rounded = (total + ((int64_t)1 << (JP_TERM_BITS - 17))) >> (JP_TERM_BITS - 16);
     *energy = jp_saturate32(rounded);

@@ -9,12 +9,7 @@
 #define JP_TERM_BITS 28
 
 /** a·b / 2^shift, 0 < shift < 32, rounded down; the result fits 64 bits. */
-static inline int64_t jp_term_scale(int64_t a, int32_t b, unsigned shift)
-{
-    int64_t high = (a >> 32) * b;
-    int64_t low = (int64_t)(uint32_t)a * b;
-    return high * ((int64_t)1 << (32 - shift)) + (low >> shift);
-}
+int64_t jp_term_scale(int64_t a, int32_t b, unsigned shift);
 
 /** Energy per unit of Δv, Δw and σ that the previous voltages cause: ul₋ a7 + ur₋ a10 and so on. */
 struct jp_voltage_terms {

@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "shared.h"
+
 #define TURNS_PER_RADIAN JP_Q24(0.15915494309189535)
 
 /** A gyro with more bias than this, turn/s (18 °/s), is broken; learning stops there. */
@@ -77,7 +79,7 @@ static inline void track(struct jp_tracking_loop *loop, const struct jp_estimato
 }
 
 /** A turn is more than a radian: nothing saturates. */
-static jp_q24 turns(jp_q24 radians)
+static JP_SHARED jp_q24 turns(jp_q24 radians)
 {
     return (jp_q24)((jp_multiply(radians, TURNS_PER_RADIAN) + JP_Q24_ONE / 2) >> 24);
 }
@@ -109,8 +111,8 @@ static void level(struct jp_estimator *estimator, const struct jp_estimator_conf
     estimator->gyro_bias = limited_bias(estimator->gyro_bias - jp_multiply(tilt_error, config->bias_gain) * 2);
 }
 
-static void count(struct jp_estimator *estimator, const struct jp_estimator_config *config,
-                  const struct jp_sensors *sensors)
+static JP_SHARED void count(struct jp_estimator *estimator, const struct jp_estimator_config *config,
+                            const struct jp_sensors *sensors)
 {
     /* Wrapping differences as signed counts. */
     int64_t left = (int32_t)(sensors->encoder_left - estimator->encoder_left);

@@ -7,7 +7,15 @@ _Static_assert((int32_t)UINT32_MAX == -1, "conversion to a signed type must wrap
 #define HALF_TURN    ((jp_angle)1 << 31)
 #define EIGHTH_TURN  ((jp_angle)1 << 29)
 
+/* The copies that are called where the compiler does not write the function in line. */
+extern inline int32_t jp_saturate32(int64_t x);
+extern inline int32_t jp_add(int32_t a, int32_t b);
+extern inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift);
+extern inline int32_t jp_round_shift(int64_t x, unsigned shift);
+
 #if JP_LONG_MULTIPLY
+extern inline int64_t jp_multiply(int32_t a, int32_t b);
+
 /** Upper half of the product. */
 static inline uint32_t multiply_high(uint32_t a, uint32_t b)
 {

@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "shared.h"
+
 /** Errors are limited to [−64, 64) turns, so that eight products fit 64 bits. */
 #define ERROR_BITS 31
 
@@ -84,7 +86,7 @@ static jp_q24 limited_error(jp_q24 error)
     return jp_saturate_bits(error, ERROR_BITS);
 }
 
-static jp_q16 volts(int64_t product)
+static JP_SHARED jp_q16 volts(int64_t product)
 {
     const int64_t half = (int64_t)1 << (PRODUCT_BITS - 16 - 1);
 

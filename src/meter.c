@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "shared.h"
+
 static const char *first_bad_field(const struct jp_meter_config *config)
 {
     if (config->tick_rate < 100U || config->tick_rate > 10000U) {
@@ -37,7 +39,7 @@ void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config
 }
 
 /** a·b of Q32 numbers, rounded: the halves of a one by one, because the whole product needs 80 bits. */
-static int64_t multiply_q32(int64_t a, uint32_t b)
+static JP_SHARED int64_t multiply_q32(int64_t a, uint32_t b)
 {
     const uint64_t low = (uint64_t)(uint32_t)a * b + ((uint64_t)1 << 31);
 

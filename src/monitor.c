@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "shared.h"
+
 /** Rm i fits Q16 volts, V in Q32. */
 #define RESISTIVE_LIMIT ((int64_t)JP_Q16(32767) * JP_Q16_ONE)
 
@@ -77,15 +79,20 @@ static bool beyond(int32_t value, int32_t limit)
     return (uint32_t)value + (uint32_t)limit > 2U * (uint32_t)limit;
 }
 
+static JP_SHARED bool either_beyond(int32_t a, int32_t b, int32_t limit)
+{
+    return beyond(a, limit) || beyond(b, limit);
+}
+
 static uint16_t ranges(const struct jp_monitor_config *config, const struct jp_sensors *sensors)
 {
     unsigned faults = 0;
 
-    if (beyond(sensors->pitch_rate, config->gyro_limit) || beyond(sensors->yaw_rate, config->gyro_limit) ||
-        beyond(sensors->accel_x, config->accel_limit) || beyond(sensors->accel_z, config->accel_limit)) {
+    if (either_beyond(sensors->pitch_rate, sensors->yaw_rate, config->gyro_limit) ||
+        either_beyond(sensors->accel_x, sensors->accel_z, config->accel_limit)) {
         faults |= JP_FAULT_IMU_RANGE;
     }
-    if (beyond(sensors->current_left, config->current_limit) || beyond(sensors->current_right, config->current_limit)) {
+    if (either_beyond(sensors->current_left, sensors->current_right, config->current_limit)) {
         faults |= JP_FAULT_CURRENT_RANGE;
     }
     if (sensors->bus_voltage < config->voltage_min || sensors->bus_voltage > config->voltage_max) {
@@ -99,12 +106,12 @@ static uint16_t jumps(const struct jp_monitor_config *config, const struct jp_se
 {
     unsigned faults = 0;
 
-    if (beyond(jp_sub(sensors->pitch_rate, before->pitch_rate), config->gyro_jump) ||
-        beyond(jp_sub(sensors->yaw_rate, before->yaw_rate), config->gyro_jump)) {
+    if (either_beyond(jp_sub(sensors->pitch_rate, before->pitch_rate), jp_sub(sensors->yaw_rate, before->yaw_rate),
+                      config->gyro_jump)) {
         faults |= JP_FAULT_IMU_JUMP;
     }
-    if (beyond((int32_t)(sensors->encoder_left - before->encoder_left), (int32_t)config->encoder_jump) ||
-        beyond((int32_t)(sensors->encoder_right - before->encoder_right), (int32_t)config->encoder_jump)) {
+    if (either_beyond((int32_t)(sensors->encoder_left - before->encoder_left),
+                      (int32_t)(sensors->encoder_right - before->encoder_right), (int32_t)config->encoder_jump)) {
         faults |= JP_FAULT_ENCODER_JUMP;
     }
     return (uint16_t)faults;
@@ -157,8 +164,8 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
 }
 
 /** Rm i − (u − kb ω): compared as a voltage there is no division. */
-static inline jp_q16 voltage_residual(const struct jp_monitor_config *config, jp_q16 current, jp_q16 voltage,
-                                      jp_q24 rate)
+static JP_SHARED jp_q16 voltage_residual(const struct jp_monitor_config *config, jp_q16 current, jp_q16 voltage,
+                                         jp_q24 rate)
 {
     /* Neither saturates: the checked configuration leaves no room for it. */
     jp_q16 back_emf = (jp_q16)((jp_multiply(rate, config->back_emf) + JP_Q24_ONE / 2) >> 24);

@@ -2,11 +2,13 @@
 
 #include <stddef.h>
 
+#include "energy_terms.h"
+#include "shared.h"
+
 /** The next segment is planned this long before the current one ends: s⁻¹, so a tenth of a second. */
 #define PLAN_LEAD_RATE 10U
 
-#define SPEED_LIMIT JP_Q24(8)
-#define TURN_LIMIT  JP_Q24(6.283185307179586)
+#define TURN_LIMIT JP_Q24(6.283185307179586)
 
 static const char *first_bad_field(const struct jp_robot_config *config)
 {
@@ -79,7 +81,7 @@ enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_confi
 /*
  * The background and the tick share single bytes and, guarded by them, `next`. Release and acquire order the rest.
  */
-static void post(uint8_t *flag, uint8_t value)
+static inline void post(uint8_t *flag, uint8_t value)
 {
     __atomic_store_n(flag, value, __ATOMIC_RELEASE);
 }
@@ -111,7 +113,7 @@ static uint16_t counted(uint16_t count)
 
 /* The tick. */
 
-static void stand(struct jp_robot *robot)
+static JP_SHARED void stand(struct jp_robot *robot)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
@@ -121,7 +123,7 @@ static void stand(struct jp_robot *robot)
     jp_reference_apply(&robot->reference, &(struct jp_reference_step){0, 0, 0});
 }
 
-static void switch_off(struct jp_robot *robot, enum jp_robot_state state)
+static JP_SHARED void switch_off(struct jp_robot *robot, enum jp_robot_state state)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
@@ -422,30 +424,28 @@ static void copy_telemetry(const struct jp_robot *robot, struct jp_telemetry *te
     const struct jp_tick_telemetry *tick = &robot->telemetry;
     const struct jp_reference *reference = &robot->reference;
 
-    *telemetry = (struct jp_telemetry){
-        .state = tick->state,
-        .faults = tick->faults,
-        .tick = tick->tick,
-        .motion = tick->motion,
-        .reference_wheel = reference->wheel.angle,
-        .reference_yaw = reference->yaw.angle,
-        .reference_wheel_rate = reference->wheel.rate,
-        .reference_yaw_rate = reference->yaw.rate,
-        .target_wheel = reference->wheel.target,
-        .target_yaw = reference->yaw.target,
-        .position = jp_odometry_position(&robot->odometry),
-        .voltages = tick->voltages,
-        .energy_model = robot->meter.model,
-        .energy_battery = robot->meter.battery,
-        .saturated_ticks = tick->saturated_ticks,
-        .segment = tick->segment,
-        .segment_ticks_left = tick->segment_ticks_left,
-        .command = tick->command,
-        .segment_energy_model = tick->segment_energy_model,
-        .segment_energy_battery = tick->segment_energy_battery,
-        .segments_ended = tick->segments_ended,
-        .gyro_bias = robot->estimator.gyro_bias,
-    };
+    telemetry->state = tick->state;
+    telemetry->faults = tick->faults;
+    telemetry->tick = tick->tick;
+    telemetry->motion = tick->motion;
+    telemetry->reference_wheel = reference->wheel.angle;
+    telemetry->reference_yaw = reference->yaw.angle;
+    telemetry->reference_wheel_rate = reference->wheel.rate;
+    telemetry->reference_yaw_rate = reference->yaw.rate;
+    telemetry->target_wheel = reference->wheel.target;
+    telemetry->target_yaw = reference->yaw.target;
+    telemetry->position = jp_odometry_position(&robot->odometry);
+    telemetry->voltages = tick->voltages;
+    telemetry->energy_model = robot->meter.model;
+    telemetry->energy_battery = robot->meter.battery;
+    telemetry->saturated_ticks = tick->saturated_ticks;
+    telemetry->segment = tick->segment;
+    telemetry->segment_ticks_left = tick->segment_ticks_left;
+    telemetry->command = tick->command;
+    telemetry->segment_energy_model = tick->segment_energy_model;
+    telemetry->segment_energy_battery = tick->segment_energy_battery;
+    telemetry->segments_ended = tick->segments_ended;
+    telemetry->gyro_bias = robot->estimator.gyro_bias;
 }
 
 void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
@@ -476,7 +476,7 @@ enum jp_status jp_robot_enable(struct jp_robot *robot)
 }
 
 /** Also the segment of it that waits. */
-static void forget_route(struct jp_robot *robot)
+static JP_SHARED void forget_route(struct jp_robot *robot)
 {
     robot->route_length = 0;
     robot->route_status = JP_OK;
@@ -505,8 +505,8 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
 {
     struct jp_telemetry telemetry;
 
-    if (!within(segment->motion.speed, SPEED_LIMIT) || !within(segment->motion.turn_rate, SPEED_LIMIT) ||
-        !within(segment->turn, TURN_LIMIT) || segment->duration <= 0 || segment->duration > JP_Q16(16384)) {
+    if (!jp_motion_in_range(&segment->motion) || !within(segment->turn, TURN_LIMIT) || segment->duration <= 0 ||
+        segment->duration > JP_Q16(16384)) {
         return JP_ERR_ARGUMENT;
     }
     jp_robot_telemetry(robot, &telemetry);
@@ -569,8 +569,8 @@ static void predict_end(const struct jp_robot *robot, const struct jp_telemetry 
     *heading = now + turned;
 }
 
-static enum jp_status optimise(struct jp_robot *robot, const struct jp_motion *before, const struct jp_point *start,
-                               jp_angle heading)
+static JP_SHARED enum jp_status optimise(struct jp_robot *robot, const struct jp_motion *before,
+                                         const struct jp_point *start, jp_angle heading)
 {
     return jp_segment_optimise(robot->model, &robot->config->limits, before, start, heading,
                                &robot->route[robot->route_planned], &robot->planned);

@@ -4,20 +4,24 @@
 #include "segment_math.h"
 #include "segment_problem.h"
 #include "segment_search.h"
+#include "shared.h"
 
 #define FOUR_PI_Q27 ((int32_t)1686629713)
 
 /* 135° as a wrapping angle. */
 #define LONG_HALF_ARC ((uint32_t)3 << 29)
 
-static int64_t absolute64(int64_t a)
+/* The duration, or a longer one in which `way` is not passed too fast: a product of a duration and a limit. */
+static JP_SHARED jp_q16 long_enough(jp_q16 duration, uint64_t way, jp_q24 limit)
 {
-    return a < 0 ? -a : a;
-}
+    uint32_t divisor = (uint32_t)limit;
 
-static jp_q16 ceiling_quotient(uint64_t numerator, uint32_t denominator)
-{
-    uint64_t quotient = (numerator + denominator - 1U) / denominator;
+    if ((uint64_t)(uint32_t)duration * divisor >= way) {
+        return duration;
+    }
+
+    uint64_t quotient = (way + divisor - 1U) / divisor;
+
     return quotient > (uint64_t)INT32_MAX ? INT32_MAX : (jp_q16)quotient;
 }
 
@@ -31,16 +35,12 @@ static jp_q16 duration_within(const struct jp_segment_limits *limits, jp_q16 tim
                               jp_q24 angle)
 {
     unsigned zeros;
-    uint32_t inverse = reciprocal((uint32_t)xi, &zeros);
+    uint32_t inverse = jp_reciprocal((uint32_t)xi, &zeros);
     jp_q16 duration = (jp_q16)(((uint64_t)(uint32_t)time_min * inverse) >> (32U - zeros));
 
     duration = jp_clamp32(duration, time_min, limits->duration);
-    if ((uint64_t)duration * (uint32_t)limits->speed < length << 18) {
-        duration = ceiling_quotient(length << 18, (uint32_t)limits->speed);
-    }
-    if ((uint64_t)duration * (uint32_t)limits->turn_rate < (uint64_t)magnitude(angle) << 16) {
-        duration = ceiling_quotient((uint64_t)magnitude(angle) << 16, (uint32_t)limits->turn_rate);
-    }
+    duration = long_enough(duration, length << 18, limits->speed);
+    duration = long_enough(duration, (uint64_t)magnitude(angle) << 16, limits->turn_rate);
     return duration < limits->duration ? duration : limits->duration;
 }
 
@@ -49,7 +49,7 @@ static struct jp_motion motion_along(const struct jp_segment_limits *limits, uin
                                      jp_q16 duration)
 {
     unsigned zeros;
-    uint32_t inverse = reciprocal((uint32_t)duration, &zeros);
+    uint32_t inverse = jp_reciprocal((uint32_t)duration, &zeros);
     unsigned drop = (length >> 31) == 0U ? 0U : 4U;
     uint64_t scaled = (length >> drop) * inverse;
     jp_q24 speed = jp_round_shift((int64_t)scaled, 44U - zeros - drop);
@@ -85,20 +85,20 @@ static void store(const struct jp_segment_limits *limits, uint32_t distance, jp_
 static enum jp_status polar(const struct jp_point *from, const struct jp_point *to, uint32_t *distance,
                             jp_angle *direction)
 {
-    int64_t dx = (int64_t)to->x - from->x;
-    int64_t dy = (int64_t)to->y - from->y;
-    if (absolute64(dx) > JP_SEGMENT_LENGTH_MAX || absolute64(dy) > JP_SEGMENT_LENGTH_MAX) {
+    int32_t dx = jp_sub(to->x, from->x); /* saturated is too far, too */
+    int32_t dy = jp_sub(to->y, from->y);
+    if (magnitude(dx) > (uint32_t)JP_SEGMENT_LENGTH_MAX || magnitude(dy) > (uint32_t)JP_SEGMENT_LENGTH_MAX) {
         return JP_ERR_ARGUMENT;
     }
-    int64_t square = dx * dx + dy * dy;
+    int64_t square = (int64_t)dx * dx + (int64_t)dy * dy;
     if (square > (int64_t)JP_SEGMENT_LENGTH_MAX * JP_SEGMENT_LENGTH_MAX) {
         return JP_ERR_ARGUMENT;
     }
     if (square < (int64_t)JP_SEGMENT_LENGTH_MIN * JP_SEGMENT_LENGTH_MIN) {
         return JP_ERR_ZERO_LENGTH;
     }
-    *direction = jp_atan2((int32_t)dy, (int32_t)dx);
-    *distance = (uint32_t)((dx * jp_cos(*direction) + dy * jp_sin(*direction)) >> 25);
+    *direction = jp_atan2(dy, dx);
+    *distance = (uint32_t)(((int64_t)dx * jp_cos(*direction) + (int64_t)dy * jp_sin(*direction)) >> 25);
     return JP_OK;
 }
 
@@ -107,10 +107,8 @@ static jp_q16 shortest_duration(const struct jp_energy_model *model, const struc
                                 uint32_t distance)
 {
     jp_q16 duration = model->settling_time < JP_SEGMENT_DURATION_MIN ? JP_SEGMENT_DURATION_MIN : model->settling_time;
-    uint64_t scaled = (uint64_t)distance << 18;
-    return (uint64_t)(uint32_t)duration * (uint32_t)limits->speed >= scaled
-               ? duration
-               : ceiling_quotient(scaled, (uint32_t)limits->speed);
+
+    return long_enough(duration, (uint64_t)distance << 18, limits->speed);
 }
 
 /* The limit of |σ| as a binary angle, rounded to the safe side. */
@@ -135,13 +133,16 @@ static void find_best(const struct jp_segment_problem *p, int64_t turn, struct j
     best->x = 0;
     best->xi = 0;
     for (int side = 0; side < 2; side++) {
-        int64_t low = centre - turn < -reach ? -reach : centre - turn;
-        int64_t high = centre + turn > reach ? reach : centre + turn;
+        int32_t low = jp_saturate32(centre - turn); /* saturated is out of reach */
+        int32_t high = jp_saturate32(centre + turn);
+
+        low = low < -reach ? -reach : low;
+        high = high > reach ? reach : high;
 
         if (low <= high) {
-            jp_segment_find_minimum(p, (int32_t)low, (int32_t)high, &evaluations, best);
+            jp_segment_find_minimum(p, low, high, &evaluations, best);
             if (best->x >= low && best->x <= high) {
-                end = (int32_t)(best->x < 0 ? low : high);
+                end = best->x < 0 ? low : high;
             }
         }
         centre += centre > 0 ? -((int64_t)1 << 32) : (int64_t)1 << 32;

@@ -38,7 +38,7 @@ void jp_arc_at(int32_t x, struct jp_arc *arc)
     arc->square = multiply31(x, x);
     arc->sinc = sinc_of_square(arc->square, &derivative);
 
-    uint32_t inverse = reciprocal((uint32_t)arc->sinc, &zeros);
+    uint32_t inverse = jp_reciprocal((uint32_t)arc->sinc, &zeros);
 
     arc->shape = (int32_t)(uint32_t)(inverse >> (6U - zeros));
     arc->stretch = (int32_t)(((int64_t)multiply32(x, -derivative) * arc->shape) >> 27);
@@ -58,14 +58,14 @@ static int32_t square_of_sinc(int32_t sinc)
 
 int32_t jp_arc_of_sinc(int32_t sinc)
 {
-    int32_t x = (int32_t)(square_root32((uint32_t)square_of_sinc(sinc) + 1U) << 16);
+    int32_t x = (int32_t)(jp_square_root32((uint32_t)square_of_sinc(sinc) + 1U) << 16);
 
     for (int i = 0; i < 2; i++) { /* Newton; gap is always below fall */
         int32_t derivative;
         int32_t excess = sinc_of_square(multiply31(x, x), &derivative) - sinc;
         uint32_t fall = magnitude(multiply32(x, derivative)); /* -dsinc/dx in Q27 */
         uint32_t gap = magnitude(excess) >> 2;
-        int32_t step = fraction30(gap, fall) >> 2; /* Q28 */
+        int32_t step = jp_fraction30(gap, fall) >> 2; /* Q28 */
 
         x = excess > 0 ? x + step * 8 : x - step * 8;
     }
@@ -76,7 +76,7 @@ int32_t jp_arc_of_half_chord(int32_t half_chord)
 {
     int32_t sine = half_chord >= INVERSE_PI_Q30 ? Q30_ONE : (int32_t)((int64_t)half_chord * PI_Q29 >> 29);
     int32_t cosine_squared = Q30_ONE - multiply30(sine, sine);
-    int32_t x = (int32_t)jp_atan2(sine >> 1, (int32_t)(square_root32((uint32_t)cosine_squared + 1U) << 14));
+    int32_t x = (int32_t)jp_atan2(sine >> 1, (int32_t)(jp_square_root32((uint32_t)cosine_squared + 1U) << 14));
 
     /* Newton; |missing| is always below the slope */
     int32_t derivative;
@@ -84,7 +84,7 @@ int32_t jp_arc_of_half_chord(int32_t half_chord)
     int32_t sinc = sinc_of_square(square, &derivative);
     int32_t slope = sinc + 4 * multiply32(square, derivative);  /* Q29 */
     int32_t missing = 2 * half_chord - multiply31(x, sinc) * 4; /* Q31 */
-    int32_t step = fraction30(magnitude(missing), (uint32_t)slope) >> 1;
+    int32_t step = jp_fraction30(magnitude(missing), (uint32_t)slope) >> 1;
 
     return missing < 0 ? x - step : x + step;
 }

@@ -1,6 +1,7 @@
 #include "segment_duration.h"
 
 #include "segment_math.h"
+#include "shared.h"
 
 enum { NEWTON_STEPS_MAX = 8 };
 
@@ -38,7 +39,7 @@ static int32_t xi_limit(const struct jp_segment_problem *p, int32_t x, const str
         *limit = JP_ACTING_SPEED;
     }
     if (magnitude(x) > (uint32_t)p->turn_rate_limit) {
-        int32_t by_turn_rate = fraction30((uint32_t)p->turn_rate_limit, magnitude(x));
+        int32_t by_turn_rate = jp_fraction30((uint32_t)p->turn_rate_limit, magnitude(x));
 
         if (by_turn_rate < xi) {
             xi = by_turn_rate;
@@ -53,9 +54,9 @@ static int32_t shift_signed(int32_t a, int shift)
     return shift >= 0 ? (int32_t)((uint32_t)a << shift) : a >> -shift;
 }
 
-static int bits(int32_t a)
+static JP_SHARED int bits(int32_t a)
 {
-    return a == 0 ? 0 : 32 - (int)leading_zeros(magnitude(a));
+    return a == 0 ? 0 : 32 - (int)jp_leading_zeros(magnitude(a));
 }
 
 /* The scale 2ᵏ that brings the largest root of P τ³ = b τ + a below 1. */
@@ -81,7 +82,7 @@ static int32_t newton_step(int32_t power, int32_t a, int32_t b, int32_t tau)
     if (numerator <= 0) {
         return 1;
     }
-    return numerator >= denominator ? Q30_ONE : fraction30((uint32_t)numerator, (uint32_t)denominator);
+    return numerator >= denominator ? Q30_ONE : jp_fraction30((uint32_t)numerator, (uint32_t)denominator);
 }
 
 /*
@@ -111,14 +112,14 @@ static int32_t stationary(const struct jp_segment_problem *p, const struct cubic
             break;
         }
     }
-    return one < (uint32_t)tau ? fraction30(one, (uint32_t)tau) : Q30_ONE;
+    return one < (uint32_t)tau ? jp_fraction30(one, (uint32_t)tau) : Q30_ONE;
 }
 
 /* J at a fixed arc, less a constant. */
 static int32_t cubic_energy(const struct jp_segment_problem *p, const struct cubic *c, int32_t xi)
 {
     unsigned zeros;
-    uint32_t inverse = reciprocal((uint32_t)xi, &zeros);
+    uint32_t inverse = jp_reciprocal((uint32_t)xi, &zeros);
     uint32_t power = (uint32_t)p->power << zeros;
     int32_t idle = (int32_t)(((uint64_t)power * inverse) >> 32);
 

@@ -13,7 +13,7 @@ static int32_t slope_on_limit(int32_t slope, int32_t push, enum jp_acting_limit 
     }
 
     unsigned zeros;
-    uint32_t inverse = reciprocal(magnitude(x) | 1U, &zeros);
+    uint32_t inverse = jp_reciprocal(magnitude(x) | 1U, &zeros);
     int64_t by_turn_rate = ((int64_t)push * inverse) >> (35 - zeros);
 
     return jp_saturate32(x > 0 ? slope - by_turn_rate : slope + by_turn_rate);
@@ -25,7 +25,7 @@ static void set_xi(struct jp_evaluation *e, const struct jp_segment_problem *p, 
     unsigned zeros;
 
     e->xi = xi;
-    e->inverse.mantissa = reciprocal((uint32_t)xi, &zeros);
+    e->inverse.mantissa = jp_reciprocal((uint32_t)xi, &zeros);
     e->inverse.exponent = (int)zeros - 2;
 
     uint32_t power = (uint32_t)p->power << zeros;

@@ -28,7 +28,7 @@ static inline uint32_t magnitude(int32_t a)
 }
 
 /** Of a > 0. */
-static inline unsigned leading_zeros(uint32_t a)
+inline unsigned jp_leading_zeros(uint32_t a)
 {
 #if defined(__GNUC__)
     return (unsigned)__builtin_clz(a);
@@ -43,9 +43,9 @@ static inline unsigned leading_zeros(uint32_t a)
 }
 
 /** 1/a for a > 0 as 2^zeros/2⁶² times the result, which is 1…2 in Q30, to 2⁻²⁸. */
-static inline uint32_t reciprocal(uint32_t a, unsigned *zeros)
+inline uint32_t jp_reciprocal(uint32_t a, unsigned *zeros)
 {
-    *zeros = leading_zeros(a);
+    *zeros = jp_leading_zeros(a);
 
     uint32_t mantissa = a << *zeros;
     uint32_t guess = UINT32_MAX / ((mantissa >> 16) + 1U);                               /* Q16 */
@@ -55,25 +55,25 @@ static inline uint32_t reciprocal(uint32_t a, unsigned *zeros)
 }
 
 /** a/b in Q30 for 0 <= a <= b, b > 0, to 2⁻²⁸. */
-static inline int32_t fraction30(uint32_t a, uint32_t b)
+inline int32_t jp_fraction30(uint32_t a, uint32_t b)
 {
     unsigned zeros;
-    uint32_t inverse = reciprocal(b, &zeros);
+    uint32_t inverse = jp_reciprocal(b, &zeros);
     uint32_t numerator = a << zeros;
 
     return (int32_t)(((uint64_t)numerator * inverse) >> 32);
 }
 
 /** a/b in Q31 for a >= 0, b > 0, saturated, to 2⁻²⁸. */
-static inline int32_t quotient31(int32_t a, int32_t b)
+inline int32_t jp_quotient31(int32_t a, int32_t b)
 {
-    return a < b ? jp_saturate32(2 * (int64_t)fraction30((uint32_t)a, (uint32_t)b)) : INT32_MAX;
+    return a < b ? jp_saturate32(2 * (int64_t)jp_fraction30((uint32_t)a, (uint32_t)b)) : INT32_MAX;
 }
 
 /** √a for a > 0, at most 1 too large. */
-static inline uint32_t square_root32(uint32_t a)
+inline uint32_t jp_square_root32(uint32_t a)
 {
-    uint32_t root = (uint32_t)1 << ((32U - leading_zeros(a)) / 2U);
+    uint32_t root = (uint32_t)1 << ((32U - jp_leading_zeros(a)) / 2U);
 
     for (int i = 0; i < 3; i++) {
         root = (root + a / root) >> 1;

@@ -2,6 +2,7 @@
 
 #include "segment_arc.h"
 #include "segment_math.h"
+#include "shared.h"
 
 #define TWO_PI JP_Q24(6.283185307179586)
 #define PI_Q29 ((int32_t)1686629713)
@@ -9,10 +10,13 @@
 /* Of the largest coefficient: sums of a few products with fractions still fit 32 bits. */
 #define COEFFICIENT_BITS 27
 
+#define SPEED_BITS     23
+#define TURN_RATE_BITS 24
+
 /* What turns the unknowns into speeds. */
 struct units {
-    uint32_t speed;     /* below 2³¹: 16 d/Tmin in Q23 */
-    uint32_t turn_rate; /* below 2³¹: 2π/Tmin in Q24 */
+    uint32_t speed;     /* below 2³¹: 16 d/Tmin with SPEED_BITS */
+    uint32_t turn_rate; /* below 2³¹: 2π/Tmin with TURN_RATE_BITS */
 };
 
 /* The coefficients in Q28. */
@@ -23,7 +27,7 @@ struct terms {
 static struct units units_of(uint32_t distance, jp_q16 time_min)
 {
     unsigned zeros;
-    uint32_t inverse = reciprocal((uint32_t)time_min, &zeros);
+    uint32_t inverse = jp_reciprocal((uint32_t)time_min, &zeros);
 
     return (struct units){
         .speed = (uint32_t)(((uint64_t)distance * inverse) >> (41U - zeros)),
@@ -32,7 +36,7 @@ static struct units units_of(uint32_t distance, jp_q16 time_min)
 }
 
 /* jp_term_scale() for a factor that is not negative, which takes fewer instructions. */
-static int64_t scale_by(int64_t a, uint32_t factor, unsigned shift)
+static JP_SHARED int64_t scale_by(int64_t a, uint32_t factor, unsigned shift)
 {
     int64_t high = (a >> 32) * (int32_t)factor;
     uint64_t low = (uint64_t)(uint32_t)a * factor;
@@ -42,17 +46,28 @@ static int64_t scale_by(int64_t a, uint32_t factor, unsigned shift)
 
 static int64_t per_speed(int64_t a, const struct units *units)
 {
-    return scale_by(a, units->speed, 23);
+    return scale_by(a, units->speed, SPEED_BITS);
 }
 
 static int64_t per_turn_rate(int64_t a, const struct units *units)
 {
-    return scale_by(a, units->turn_rate, 24);
+    return scale_by(a, units->turn_rate, TURN_RATE_BITS);
 }
 
 static int64_t per_half_turn(int64_t a)
 {
     return scale_by(a, PI_Q29, 29);
+}
+
+/* A parameter of the model in Q16 times a factor with `bits` fraction bits. */
+static int64_t term(jp_q16 a, uint32_t factor, unsigned bits)
+{
+    return ((int64_t)a * (int32_t)factor) >> (bits + 16U - JP_TERM_BITS);
+}
+
+static int64_t doubled_term(jp_q16 a, uint32_t factor, unsigned bits)
+{
+    return term(a, factor, bits - 1U);
 }
 
 /* The friction during Ts, which E does not count, is taken from the squares of v and w. */
@@ -63,11 +78,11 @@ static void quadratic_terms(struct terms *t, const struct jp_energy_model *model
     int64_t transient_w = ((int64_t)a[1] * 65536 - (int64_t)model->b[1] * model->settling_time) >> 4;
 
     t->vv2 = per_speed(per_speed(2 * transient_v, units), units);
-    t->vw = per_turn_rate(per_speed((int64_t)a[3] * 4096, units), units);
+    t->vw = per_turn_rate(term(a[3], units->speed, SPEED_BITS), units);
     t->ww2 = per_turn_rate(per_turn_rate(2 * transient_w, units), units);
-    t->vs = per_half_turn(per_speed((int64_t)a[4] * 4096, units));
-    t->ws = per_half_turn(per_turn_rate((int64_t)a[5] * 4096, units));
-    t->ss2 = per_half_turn(per_half_turn((int64_t)a[2] * 8192));
+    t->vs = per_half_turn(term(a[4], units->speed, SPEED_BITS));
+    t->ws = per_half_turn(term(a[5], units->turn_rate, TURN_RATE_BITS));
+    t->ss2 = per_half_turn(doubled_term(a[2], PI_Q29, 29));
 }
 
 static void linear_terms(struct terms *t, const struct jp_energy_model *model, const struct jp_motion *before,
@@ -86,12 +101,12 @@ static void linear_terms(struct terms *t, const struct jp_energy_model *model, c
 static void friction_terms(struct terms *t, const struct jp_energy_model *model, uint32_t distance,
                            const struct units *units)
 {
-    t->fv2 = scale_by(per_speed((int64_t)model->b[0] << 13, units), distance >> 1, 17);
-    t->fw2 = scale_by(per_turn_rate((int64_t)model->b[1] << 13, units), TWO_PI, 24);
+    t->fv2 = scale_by(doubled_term(model->b[0], units->speed, SPEED_BITS), distance >> 1, 17);
+    t->fw2 = scale_by(doubled_term(model->b[1], units->turn_rate, TURN_RATE_BITS), TWO_PI, 24);
 }
 
 /* Has the highest bit of a, or of −a − 1. */
-static uint64_t magnitude_bits(int64_t a)
+static JP_SHARED uint64_t magnitude_bits(int64_t a)
 {
     uint64_t sign = 0U - (uint64_t)(a < 0);
 
@@ -104,9 +119,9 @@ static unsigned excess_bits(uint64_t a)
     uint64_t high = a >> COEFFICIENT_BITS;
 
     if ((high >> 32) != 0U) {
-        return 64U - leading_zeros((uint32_t)(high >> 32));
+        return 64U - jp_leading_zeros((uint32_t)(high >> 32));
     }
-    return high == 0U ? 0U : 32U - leading_zeros((uint32_t)high);
+    return high == 0U ? 0U : 32U - jp_leading_zeros((uint32_t)high);
 }
 
 /* So that every coefficient and P/ξ at the longest duration fit. */
@@ -120,22 +135,27 @@ static unsigned common_shift(const struct terms *t, uint64_t longest_idle)
     return excess_bits(single | (doubled >> 1));
 }
 
+static JP_SHARED int32_t fitted(int64_t term, unsigned shift)
+{
+    return (int32_t)(term >> shift);
+}
+
 static void scale(struct jp_segment_problem *p, const struct terms *t, unsigned shift)
 {
-    p->vv2 = (int32_t)(t->vv2 >> shift);
-    p->vw = (int32_t)(t->vw >> shift);
-    p->ww2 = (int32_t)(t->ww2 >> shift);
-    p->vs = (int32_t)(t->vs >> shift);
-    p->ws = (int32_t)(t->ws >> shift);
-    p->ss2 = (int32_t)(t->ss2 >> shift);
-    p->lv = (int32_t)(t->lv >> shift);
-    p->lw = (int32_t)(t->lw >> shift);
-    p->ls = (int32_t)(t->ls >> shift);
-    p->fv2 = (int32_t)(t->fv2 >> shift);
-    p->fw2 = (int32_t)(t->fw2 >> shift);
-    p->power = (int32_t)(t->power >> shift);
+    p->vv2 = fitted(t->vv2, shift);
+    p->vw = fitted(t->vw, shift);
+    p->ww2 = fitted(t->ww2, shift);
+    p->vs = fitted(t->vs, shift);
+    p->ws = fitted(t->ws, shift);
+    p->ss2 = fitted(t->ss2, shift);
+    p->lv = fitted(t->lv, shift);
+    p->lw = fitted(t->lw, shift);
+    p->ls = fitted(t->ls, shift);
+    p->fv2 = fitted(t->fv2, shift);
+    p->fw2 = fitted(t->fw2, shift);
+    p->power = fitted(t->power, shift);
     p->power = p->power < 1 ? 1 : p->power;
-    p->power_shift = leading_zeros((uint32_t)p->power) - 3U;
+    p->power_shift = jp_leading_zeros((uint32_t)p->power) - 3U;
 }
 
 void jp_segment_problem_build(struct jp_segment_problem *p, const struct jp_energy_model *model,
@@ -153,9 +173,9 @@ void jp_segment_problem_build(struct jp_segment_problem *p, const struct jp_ener
     t.power = ((int64_t)model->electronics_power * time_min) >> 4;
     scale(p, &t, common_shift(&t, longest_idle));
     p->bearing = (int32_t)bearing;
-    p->speed_limit = quotient31(limits->speed >> 1, (int32_t)units.speed);
-    p->turn_rate_limit = quotient31(limits->turn_rate, (int32_t)units.turn_rate);
-    p->xi_min = fraction30((uint32_t)time_min, (uint32_t)limits->duration);
+    p->speed_limit = jp_quotient31(limits->speed >> 1, (int32_t)units.speed);
+    p->turn_rate_limit = jp_quotient31(limits->turn_rate, (int32_t)units.turn_rate);
+    p->xi_min = jp_fraction30((uint32_t)time_min, (uint32_t)limits->duration);
 }
 
 int32_t jp_segment_longest_half_arc(const struct jp_segment_problem *p)
@@ -166,10 +186,10 @@ int32_t jp_segment_longest_half_arc(const struct jp_segment_problem *p)
     int32_t sinc_min = JP_SINC_ONE;
 
     if (turn_rate < multiply31(p->xi_min, x)) {
-        x = quotient31(turn_rate, p->xi_min);
+        x = jp_quotient31(turn_rate, p->xi_min);
     }
     if (slowest < (uint32_t)p->speed_limit) {
-        sinc_min = fraction30(slowest, (uint32_t)p->speed_limit) >> 1;
+        sinc_min = jp_fraction30(slowest, (uint32_t)p->speed_limit) >> 1;
     }
     if (sinc_min > JP_SINC_AT_HALF_ARC_MAX) {
         int32_t by_speed = jp_arc_of_sinc(sinc_min);

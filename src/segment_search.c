@@ -4,6 +4,7 @@
 
 #include "segment_arc.h"
 #include "segment_math.h"
+#include "shared.h"
 
 /* Gains below these parts (2⁻ⁿ) of Ps T end the search: between tangents, at a limit, and without a limit, where one
  * evaluation more also gives the direction of a flat minimum. */
@@ -28,7 +29,7 @@ struct search {
 };
 
 /* Energy along a slope; twice what a parabola gains when the step leads to its minimum. */
-static int64_t gain(uint32_t slope, uint32_t step)
+static JP_SHARED int64_t gain(uint32_t slope, uint32_t step)
 {
     return (int64_t)(((uint64_t)slope * step) >> 27);
 }
@@ -47,7 +48,7 @@ static uint32_t first_step(const struct jp_segment_problem *p, const struct jp_e
     if (slope >= (uint32_t)curvature) {
         return (uint32_t)1 << 31;
     }
-    return (uint32_t)fraction30(slope, (uint32_t)curvature) << 1;
+    return (uint32_t)jp_fraction30(slope, (uint32_t)curvature) << 1;
 }
 
 /* A further step in the same direction: to a quarter beyond where the slopes lead, at most four times the last. */
@@ -60,7 +61,7 @@ static uint32_t next_step(uint32_t step, uint32_t last_slope, uint32_t slope)
         return longest;
     }
 
-    uint32_t ahead = (uint32_t)(((uint64_t)step * (uint32_t)fraction30(slope >> 2, change)) >> 28);
+    uint32_t ahead = (uint32_t)(((uint64_t)step * (uint32_t)jp_fraction30(slope >> 2, change)) >> 28);
 
     ahead += ahead / 4U;
     return ahead < longest ? ahead : longest;
@@ -115,13 +116,13 @@ static uint32_t cubic_minimum(uint32_t secant, uint32_t tangents)
     int32_t linear = (Q30_ONE >> 4) - k6;
     int64_t square = (int64_t)linear * linear + 4 * (int64_t)k6 * (int32_t)(secant >> 4); /* Q52, 0…16 */
     uint32_t radicand = (uint32_t)(square >> 26);
-    int64_t root = (int64_t)square_root32(radicand | (uint32_t)(radicand == 0U)) << 13;
+    int64_t root = (int64_t)jp_square_root32(radicand | (uint32_t)(radicand == 0U)) << 13;
     int64_t denominator = linear + root;
 
     if (denominator <= (int64_t)(secant >> 3)) {
         return Q30_ONE;
     }
-    return (uint32_t)fraction30(secant >> 3, (uint32_t)denominator);
+    return (uint32_t)jp_fraction30(secant >> 3, (uint32_t)denominator);
 }
 
 static uint32_t part_of(uint32_t width, uint32_t fraction)
@@ -137,19 +138,19 @@ static struct forecast forecast(const struct jp_evaluation *a, const struct jp_e
     uint32_t up = (uint32_t)b->slope;
     uint64_t all = ((uint64_t)down + up) * half;
     int64_t part = (int64_t)((uint64_t)up * half) + ((int64_t)a->energy - b->energy) * ((int64_t)1 << 26);
-    unsigned shift = (all >> 32) == 0U ? 0U : 32U - leading_zeros((uint32_t)(all >> 32));
+    unsigned shift = (all >> 32) == 0U ? 0U : 32U - jp_leading_zeros((uint32_t)(all >> 32));
     uint32_t whole = (uint32_t)(all >> shift);
 
     part >>= shift;
 
     bool convex = part > 0 && part < (int64_t)whole;
-    uint32_t meet = convex ? (uint32_t)fraction30((uint32_t)part, whole) : Q30_ONE / 2;
+    uint32_t meet = convex ? (uint32_t)jp_fraction30((uint32_t)part, whole) : Q30_ONE / 2;
     uint32_t tangents = part_of(width, meet);
 
     return (struct forecast){
         .convex = convex,
         .tangents = tangents,
-        .cubic = part_of(width, cubic_minimum((uint32_t)fraction30(down, down + up), meet)),
+        .cubic = part_of(width, cubic_minimum((uint32_t)jp_fraction30(down, down + up), meet)),
         .floor = a->energy - gain(down, tangents),
     };
 }
@@ -202,7 +203,7 @@ static bool step_inside(struct search *search, const struct jp_evaluation *best,
 /* The |x| at which the limit of the turn rate allows this ξ. */
 static int32_t turn_rate_kink(const struct jp_segment_problem *p, int32_t xi)
 {
-    return quotient31(p->turn_rate_limit >> 1, xi);
+    return jp_quotient31(p->turn_rate_limit >> 1, xi);
 }
 
 /* The |x| at which the limit of the speed allows this ξ. */
@@ -213,14 +214,14 @@ static int32_t speed_kink(const struct jp_segment_problem *p, int32_t xi)
     if (part >= (uint32_t)p->speed_limit) {
         return 0;
     }
-    return jp_arc_of_sinc(fraction30(part, (uint32_t)p->speed_limit) >> 1);
+    return jp_arc_of_sinc(jp_fraction30(part, (uint32_t)p->speed_limit) >> 1);
 }
 
 /* The |x| up to ½ at which both limits allow the same ξ; beyond ½ it is 1 − x. Where both act the limit of the turn
  * rate is below 1/π of that of the speed. */
 static int32_t corner(const struct jp_segment_problem *p)
 {
-    return jp_arc_of_half_chord(fraction30((uint32_t)p->turn_rate_limit >> 4, (uint32_t)p->speed_limit));
+    return jp_arc_of_half_chord(jp_fraction30((uint32_t)p->turn_rate_limit >> 4, (uint32_t)p->speed_limit));
 }
 
 /* Where another limit begins to act between `inner` and `outer`, just outside, and the ξ there. */
@@ -235,7 +236,7 @@ static bool find_kink(const struct jp_segment_problem *p, const struct jp_evalua
     *xi = inner->xi;
     if (inner->limit != JP_ACTING_NONE) {
         size = outer->limit == JP_ACTING_TURN_RATE ? corner(p) : INT32_MAX - corner(p);
-        *xi = p->turn_rate_limit < size ? fraction30((uint32_t)p->turn_rate_limit, (uint32_t)size) : Q30_ONE;
+        *xi = p->turn_rate_limit < size ? jp_fraction30((uint32_t)p->turn_rate_limit, (uint32_t)size) : Q30_ONE;
     } else if (outer->limit == JP_ACTING_TURN_RATE) {
         size = turn_rate_kink(p, inner->xi);
     } else {

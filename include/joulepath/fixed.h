@@ -52,7 +52,7 @@ typedef uint64_t jp_phase;
 #define JP_ANGLE_DEGREES(x) ((jp_angle)(int64_t)((x)*4294967296.0 / 360.0 + ((x) >= 0 ? 0.5 : -0.5)))
 
 /** Nearest value of 32 bits. Exact inside the range. */
-static inline int32_t jp_saturate32(int64_t x)
+inline int32_t jp_saturate32(int64_t x)
 {
     int32_t low = (int32_t)x;
     int32_t high = (int32_t)(x >> 32);
@@ -81,7 +81,7 @@ static inline int32_t jp_clamp32(int32_t a, int32_t low, int32_t high)
 #endif
 
 /** a + b, saturated. Exact inside the range. One instruction (QADD) where the core has it. */
-static inline int32_t jp_add(int32_t a, int32_t b)
+inline int32_t jp_add(int32_t a, int32_t b)
 {
 #if JP_DSP
     return __qadd(a, b);
@@ -102,7 +102,7 @@ static inline int32_t jp_sub(int32_t a, int32_t b)
 
 /** a·b in 64 bits: exact. A function where the core has no such instruction (ARMv6-M). */
 #if JP_LONG_MULTIPLY
-static inline int64_t jp_multiply(int32_t a, int32_t b)
+inline int64_t jp_multiply(int32_t a, int32_t b)
 {
     return (int64_t)a * b;
 }
@@ -111,7 +111,7 @@ int64_t jp_multiply(int32_t a, int32_t b);
 #endif
 
 /** a·b / 2^shift, 1 <= shift <= 62, rounded and saturated: 0.5 ulp. */
-static inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift)
+inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift)
 {
     int64_t half = (int64_t)1 << (shift - 1);
     int64_t scaled = (jp_multiply(a, b) + half) >> shift;
@@ -149,12 +149,13 @@ static inline int64_t jp_multiply_accumulate(int64_t accumulator, int32_t a, int
 }
 
 /** x / 2^shift, 1 <= shift <= 62, rounded and saturated to 32 bits: 0.5 ulp. */
-static inline int32_t jp_round_shift(int64_t x, unsigned shift)
+inline int32_t jp_round_shift(int64_t x, unsigned shift)
 {
-    int32_t first_dropped_bit = (int32_t)(x >> (shift - 1)) & 1;
+    int64_t doubled = x >> (shift - 1);
+    int32_t first_dropped_bit = (int32_t)doubled & 1;
 
-    return shift >= 32U ? jp_add((int32_t)(x >> shift), first_dropped_bit)
-                        : jp_saturate32((x >> shift) + first_dropped_bit);
+    return shift >= 32U ? jp_add((int32_t)(doubled >> 1), first_dropped_bit)
+                        : jp_saturate32((doubled >> 1) + first_dropped_bit);
 }
 
 /** numerator / denominator, rounded (ties away from zero) and saturated: 0.5 ulp.

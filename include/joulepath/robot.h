@@ -101,35 +101,38 @@ struct jp_next_segment {
     uint32_t ticks;
 };
 
+/* What most functions use stands first, where the instructions that reach it are short. */
 struct jp_robot {
     const struct jp_robot_config *config;
     const struct jp_energy_model *model;
-
-    struct jp_estimator estimator;
-    struct jp_reference reference;
-    struct jp_lqr lqr;
-    struct jp_monitor monitor;
-    struct jp_meter meter;
-    struct jp_odometry odometry;
-
-    struct jp_next_segment next; /**< handed to the tick by `next_full` */
     uint8_t next_full;
     uint8_t enable_requested;
     uint8_t stop_requested;
     uint8_t disable_requested;
     bool started;  /**< a plausible frame was seen */
     bool resuming; /**< the first plausible frame goes on from a snapshot */
-    int64_t known_gyro_bias;
 
     /* From jp_robot_control() to jp_robot_account(). */
     bool review_due; /**< a sample ended an interval */
     bool segment_ended;
     bool segment_began;
 
-    /* From jp_robot_account() to the next tick. */
+    bool motors_ran;       /**< since the last tick */
+    uint16_t motor_faults; /**< enum jp_fault bits that the last tick found */
+    uint32_t sequence;     /**< odd during a tick */
+    struct jp_tick_telemetry telemetry;
+
+    struct jp_reference reference;
+    struct jp_monitor monitor;
+    struct jp_estimator estimator;
+    struct jp_lqr lqr;
+    struct jp_meter meter;
+    struct jp_odometry odometry;
+
+    struct jp_next_segment next; /**< handed to the tick by `next_full` */
+    int64_t known_gyro_bias;
+
     struct jp_voltages applied; /**< since the last tick */
-    bool motors_ran;            /**< since the last tick */
-    uint16_t motor_faults;      /**< enum jp_fault bits */
     jp_energy segment_start_model;
     jp_energy segment_start_battery;
 
@@ -138,9 +141,6 @@ struct jp_robot {
     uint16_t route_planned; /**< segments planned so far */
     enum jp_status route_status;
     struct jp_segment planned; /**< the last segment planned */
-
-    uint32_t sequence; /**< odd during a tick */
-    struct jp_tick_telemetry telemetry;
 };
 
 /**

@@ -251,7 +251,7 @@ static void test_straight_bound_is_no_more_than_the_largest_cost(void)
 /* Where steep steps cost less than their rise is worth, a way up bounds nothing. */
 static void test_straight_bound_where_steep_steps_are_cheap(void)
 {
-    copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS].climb.quadratic = -1230896;
+    copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS].climb.quadratic = -700000;
     TEST_ASSERT_EQUAL_UINT32(1, jp_move_cost(&copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 54) > 0);
     TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_straight_bound(&copy, JP_COST_PHYSICAL, 10, 0, 0));
 }
