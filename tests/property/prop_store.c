@@ -170,7 +170,7 @@ static void write_json(const char *path)
             "[\n{\"name\": \"parameter store: power cut at every byte of a write, random sequences\", \"value\": %lu, "
             "\"unit\": \"\",\n  \"bound\": {\"op\": \">=\", \"value\": %d}, \"command\": \"make figures\"},\n"
             "{\"name\": \"parameter store: power cuts in them\", \"value\": %lu, \"unit\": \"\", "
-            "\"command\": \"make figures\"},\n"
+            "\"bound\": null, \"command\": \"make figures\"},\n"
             "{\"name\": \"parameter store: neither old nor new\", \"value\": %lu, \"unit\": \"\",\n"
             "  \"bound\": {\"op\": \"==\", \"value\": 0}, \"command\": \"make figures\"}\n]\n",
             lives, BAR, byte_cuts + rig.cuts, rig.violations);
