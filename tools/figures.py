@@ -107,12 +107,21 @@ def rows(figures):
         yield figure["name"], f"{measured} {figure['unit']}".strip(), bar, met, figure["command"]
 
 
-def markdown(figures):
+def table(figures):
     lines = ["| " + " | ".join(HEADINGS) + " |", "|---|--:|--:|---|---|"]
     for name, measured, bar, met, command in rows(figures):
         cells = [cell.replace("|", "\\|") for cell in (name, measured, bar, met)]
         lines.append("| " + " | ".join([*cells, f"`{command}`"]) + " |")
     return "\n".join(lines)
+
+
+def markdown(figures):
+    """Those with a bar; the others can be unfolded."""
+    rest = [figure for figure in figures if figure["bound"] is None]
+    text = table([figure for figure in figures if figure["bound"] is not None])
+    if rest:
+        text += f"\n\n<details>\n<summary>{len(rest)} more, without a bar</summary>\n\n{table(rest)}\n\n</details>"
+    return text
 
 
 def arguments():

@@ -42,6 +42,18 @@ def test_figures_are_merged_in_order_and_shown(place):
     assert "3 figures, 0 below the bar" in result.stdout
 
 
+def test_figures_without_a_bar_are_to_be_unfolded(place):
+    assert place(a=[figure("plain", 1), figure("barred", 1, bound={"op": "<=", "value": 2})]).returncode == 0
+    shown, folded = (place.path / "README.md").read_text().split("<summary>1 more, without a bar</summary>")
+    assert "| barred |" in shown and "| plain |" not in shown
+    assert "| plain |" in folded and "| barred |" not in folded
+
+
+def test_nothing_is_folded_when_all_have_a_bar(place):
+    assert place(a=[figure("barred", 1, bound={"op": "<=", "value": 2})]).returncode == 0
+    assert "details" not in (place.path / "README.md").read_text()
+
+
 @pytest.mark.parametrize("op, value", [("<=", 0.5), (">=", 1), ("==", 0.6)])
 def test_a_broken_bound_is_written_and_fails(place, op, value):
     result = place(a=[figure("tick", 0.61, "µs", {"op": op, "value": value}), figure("fine", 1)])
