@@ -9,6 +9,7 @@
 
 #include "cycles.h"
 #include "random.h"
+#include "random_registers.h"
 #include "target.h"
 #include "tests/unit/stm32_fake.h"
 
@@ -111,26 +112,6 @@ static void ignore_frame(void *context, const struct jp_can_frame *frame)
 {
     (void)context;
     (void)frame;
-}
-
-/* An end of the converter's range every fourth time. */
-static uint32_t random_reading(void)
-{
-    const uint32_t bits = random_bits();
-
-    return (bits & 3U) == 0U ? (bits >> 2 & 1U) * 4095U : bits >> 20;
-}
-
-static void change_registers(void)
-{
-    ADC1.JDR1 = random_reading();
-    ADC1.JDR2 = random_reading();
-    ADC1.JDR3 = random_reading();
-    TIM4.CNT = random_bits() & 0xFFFFU;
-    TIM2.CNT = random_bits() & 0xFFFFU;
-    for (unsigned i = 0; i < sizeof devices.imu.received; i++) {
-        devices.imu.received[i] = (random_bits() & 0x300U) == 0U ? 0 : (uint8_t)random_bits();
-    }
 }
 
 static void restore(void *argument)
@@ -389,7 +370,7 @@ static bool measure(const struct tick_case *tick_case, struct worst *worst)
         if (!tick_case->prepare()) {
             return false;
         }
-        change_registers();
+        randomise_registers(&devices, &random_state);
         worst->control = target_count_worst(worst->control + restoring, restore_and_control, NULL) - restoring;
         worst->tick = target_count_worst(worst->tick + restoring, restore_and_tick, NULL) - restoring;
         if (robot.telemetry.state != tick_case->after) {

@@ -8,6 +8,7 @@
 
 #include "cycles.h"
 #include "random.h"
+#include "random_registers.h"
 #include "target.h"
 #include "tests/unit/stm32_fake.h"
 
@@ -31,26 +32,6 @@ static uint32_t random_bits(void)
     return target_random(&random_state);
 }
 
-/* An end of the converter's range every fourth time. */
-static uint32_t random_reading(void)
-{
-    const uint32_t bits = random_bits();
-
-    return (bits & 3U) == 0U ? (bits >> 2 & 1U) * 4095U : bits >> 20;
-}
-
-static void change_registers(void)
-{
-    ADC1.JDR1 = random_reading();
-    ADC1.JDR2 = random_reading();
-    ADC1.JDR3 = random_reading();
-    TIM4.CNT = random_bits() & 0xFFFFU;
-    TIM2.CNT = random_bits() & 0xFFFFU;
-    for (unsigned i = 0; i < sizeof devices.imu.received; i++) {
-        devices.imu.received[i] = (random_bits() & 0x300U) == 0U ? 0 : (uint8_t)random_bits();
-    }
-}
-
 static void prepare(void *argument)
 {
     (void)argument;
@@ -69,7 +50,7 @@ static uint32_t worst_read(void)
     uint32_t worst = 0;
 
     for (int i = 0; i < READINGS; i++) {
-        change_registers();
+        randomise_registers(&devices, &random_state);
         worst = target_count_worst(worst, read_sensors, NULL);
     }
     return worst - target_count_instructions(prepare, NULL);
