@@ -8,9 +8,9 @@
  *   torn word     a word whose programming was cut may read as any mix of old and new bits, another one each time. The
  *                 last word of a record, its seal, is programmed when all others stand firm; a record without it may
  *                 have a CRC that fits only now and then, so it is programmed again before anything relies on it.
- *   torn erase    the sector holds anything, and what looks erased may not be: only a sector that was erased in the
- * same session, right before its first record, is taken for erased. worn words    a record is read back; one that did
- * not take is given up, and the next place is tried.
+ *   torn erase    the sector holds anything, and what looks erased may not be: only one that was erased since the
+ *                 store was opened, right before its first record, is taken for erased.
+ *   worn words    a record is read back; one that did not take is given up, and the next place is tried.
  *
  * All calls are for the background loop with motors off: an erase stops some parts for half a second. Call
  * jp_store_open(), jp_store_read(), and once writing is allowed jp_store_settle().
@@ -51,9 +51,8 @@ struct jp_flash {
 /** The newest record and where the next one goes. Its members are private but for those with a comment. */
 struct jp_store {
     const struct jp_flash *flash;
-    uint32_t
-        generation;  /**< of the present sector: changes of sector so far, wrapping; about the erases of a lifetime */
-    uint32_t erases; /**< begun since jp_store_open() */
+    uint32_t generation; /**< of the present sector: changes of sector so far, wrapping */
+    uint32_t erases;     /**< begun since jp_store_open() */
     uint32_t slot;
     uint32_t next;
     uint16_t length;

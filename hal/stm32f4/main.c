@@ -27,7 +27,7 @@
 /** Without a sample for so long the tick goes on without it, in half periods of the tick. */
 #define SAMPLE_LATE 3U
 
-/** A start that took longer, as without the crystal, is too long to go on in motion. */
+/** A start that took longer is too long to go on in motion. */
 #define SHORT_START_US 40000U
 
 static struct jp_devices devices;
@@ -163,9 +163,15 @@ static void load_parameters(void)
     }
 }
 
+/** The time runs from when the clock has started; waiting for a crystal that does not come takes too long, too. */
+static bool was_short_start(void)
+{
+    return devices.clock == JP_CLOCK_CRYSTAL && jp_timer_us() < SHORT_START_US;
+}
+
 static bool may_go_on(void)
 {
-    return reset_report.may_go_on && (has_simulated_body() || jp_timer_us() < SHORT_START_US);
+    return reset_report.may_go_on && (has_simulated_body() || was_short_start());
 }
 
 static bool start_application(void)
@@ -264,20 +270,20 @@ static void keep_parameters(const struct jp_telemetry *telemetry)
     jp_watchdog_relax(false);
 }
 
-/** Once each time that the robot was switched off. */
+/** Once each time that the running motors were switched off: after a fault nothing that was learned is trusted. */
 static void watch_for_rest(void)
 {
-    static bool rested = true;
+    static bool ran;
     struct jp_telemetry telemetry;
 
     if (has_simulated_body()) {
         return;
     }
     jp_robot_telemetry(&node.ecu.robot, &telemetry);
-    if (telemetry.state == JP_ROBOT_IDLE && !rested) {
+    if (telemetry.state == JP_ROBOT_IDLE && ran) {
         keep_parameters(&telemetry);
     }
-    rested = telemetry.state == JP_ROBOT_IDLE;
+    ran = telemetry.state == JP_ROBOT_BALANCING || telemetry.state == JP_ROBOT_DRIVING;
 }
 
 /** The watchdog is fed only when the tick came and the work was done. */

@@ -263,11 +263,89 @@ static void test_a_start_without_the_crystal_does_not_go_on(void)
 {
     run_firmware(sample_and_command_stand, 400);
     reset_by(RCC_CSR_SFTRSTF);
-    TIM5.CNT = 50000;
     fake.crystal = FAKE_NEVER;
     run_firmware(sample, 2);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, node.ecu.robot.telemetry.state);
     TEST_ASSERT_FALSE(bridges_are_on());
+}
+
+/* 0.01 turn/s in 2⁻⁵⁶ turn/s, learned while standing. */
+#define LEARNED_BIAS ((int64_t)JP_Q24(0.01) * ((int64_t)1 << 32))
+
+static void go_on(void (*what)(void), unsigned count)
+{
+    world = what;
+    sleeps_left = count;
+    if (setjmp(out) == 0) {
+        run();
+    }
+}
+
+static void sample_and_command_off(void)
+{
+    if (sleeps % 100U == 50U) {
+        command(JP_MODE_OFF);
+    }
+    sample();
+}
+
+/* The inertial sensor falls silent: the converter's interrupts alone. */
+static void convert_and_command_off(void)
+{
+    ADC1.SR = ADC_SR_JEOC;
+    ADC_IRQHandler();
+    if (node.ecu.robot.telemetry.state == JP_ROBOT_FAULT && sleeps % 100U == 50U) {
+        command(JP_MODE_OFF);
+    }
+}
+
+/* Flash that does not need to be unlocked: its controller has a test of its own. */
+static enum jp_status program_memory(void *context, unsigned sector, uint32_t offset, uint32_t word)
+{
+    (void)context;
+    firmware_store[sector][offset / 4U] &= word;
+    return JP_OK;
+}
+
+static enum jp_status erase_memory(void *context, unsigned sector)
+{
+    (void)context;
+    memset((void *)(uintptr_t)firmware_store[sector], 0xFF, sizeof firmware_store[sector]);
+    return JP_OK;
+}
+
+static void learn(void)
+{
+    run_firmware(sample_and_command_stand, 400);
+    flash.program = program_memory;
+    flash.erase = erase_memory;
+    node.ecu.robot.estimator.gyro_bias = LEARNED_BIAS;
+}
+
+static int64_t stored_bias(void)
+{
+    struct jp_parameters found;
+    const char *field;
+
+    (void)jp_store_open(&store, &flash);
+    return jp_parameters_load(&found, &FIRMWARE_ROBOT, &store, &field) == JP_OK ? found.gyro_bias : 0;
+}
+
+static void test_what_was_learned_is_kept_when_it_is_switched_off(void)
+{
+    learn();
+    go_on(sample_and_command_off, 400);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, node.ecu.robot.telemetry.state);
+    TEST_ASSERT_TRUE(stored_bias() > LEARNED_BIAS * 9 / 10 && stored_bias() < LEARNED_BIAS * 11 / 10);
+}
+
+static void test_nothing_is_kept_after_a_fault(void)
+{
+    learn();
+    go_on(convert_and_command_off, 600);
+    TEST_ASSERT_EQUAL_INT64(0, stored_bias());
+    TEST_ASSERT_FALSE(bridges_are_on());
+    TEST_ASSERT_NOT_EQUAL(0, sleeps);
 }
 
 static void test_a_failing_supply_switches_off_and_resets(void)
@@ -387,6 +465,8 @@ int main(void)
     RUN_TEST(test_the_third_crash_in_a_row_stays_off);
     RUN_TEST(test_ten_seconds_of_health_forgive);
     RUN_TEST(test_a_start_without_the_crystal_does_not_go_on);
+    RUN_TEST(test_what_was_learned_is_kept_when_it_is_switched_off);
+    RUN_TEST(test_nothing_is_kept_after_a_fault);
     RUN_TEST(test_a_failing_supply_switches_off_and_resets);
     RUN_TEST(test_a_failing_crystal_switches_off_and_resets);
     RUN_TEST(test_strapped_it_ticks_with_samples_of_the_bus_and_without_them);
