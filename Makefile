@@ -23,7 +23,7 @@ export JP_BUILD := $(abspath $(BUILD))
 
 # ---- Settings: what each variant is compiled with -------------------------------------------------------------------
 
-# Contraction is off so that the host programs give the same numbers under every compiler.
+# Contraction is off, and on 32 bits SSE computes, so that the host programs give the same numbers under every compiler.
 WARNINGS := -Wall -Wextra -Wconversion -Wshadow -Werror
 COMMON   := -std=c11 -g $(WARNINGS) -Iinclude -I. -I$(UNITY) -isystem $(BUILD)/lcm -MMD -MP
 HOST     := -D_GNU_SOURCE -ffp-contract=off -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
@@ -31,6 +31,8 @@ SANITIZE := -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-saniti
 TARGET   := -ffunction-sections -fdata-sections -fcallgraph-info=su -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
 ARM      := $(TARGET) -mthumb
 M4F      := -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16
+M7F      := -mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-sp-d16
+SSE      := -msse2 -mfpmath=sse
 RV32     := $(TARGET) -march=rv32imac -mabi=ilp32 --specs=picolibc.specs
 
 HOST_TESTS   := host-gcc host-clang host-gcc-m32 host-clang-m32
@@ -45,6 +47,10 @@ SPEED_cortex-m0  := cortex-m0-o2
 SIZE_cortex-m0   := cortex-m0
 SPEED_VARIANTS   := $(foreach c,$(CORES),$(or $(SPEED_$c),$c))
 SIZE_VARIANTS    := $(foreach c,$(CORES),$(or $(SIZE_$c),$c-os))
+
+# Where the float library is: on the hosts and on the cores with an FPU.
+FPU_CORES        := cortex-m4 cortex-m7
+FLOAT_VARIANTS   := host host-coverage release $(HOST_TESTS) $(FPU_CORES) $(FPU_CORES:%=%-os)
 
 COMPILER.host            = $(CC)
 COMPILER.release         = $(CC)
@@ -65,8 +71,8 @@ FLAGS.firmware        = -mthumb -mcpu=cortex-m4 -O2 -ffunction-sections -fdata-s
 FLAGS.host-coverage   = $(HOST) -O0 --coverage
 FLAGS.host-gcc        = $(HOST) $(SANITIZE) -O2
 FLAGS.host-clang      = $(HOST) $(SANITIZE)
-FLAGS.host-gcc-m32    = $(HOST) $(SANITIZE)
-FLAGS.host-clang-m32  = $(HOST) $(SANITIZE)
+FLAGS.host-gcc-m32    = $(HOST) $(SANITIZE) $(SSE)
+FLAGS.host-clang-m32  = $(HOST) $(SANITIZE) $(SSE)
 FLAGS.cortex-m0       = $(ARM) -mcpu=cortex-m0 -Os
 FLAGS.cortex-m0-o2    = $(ARM) -mcpu=cortex-m0 -O2
 FLAGS.cortex-m3       = $(ARM) -mcpu=cortex-m3 -O2
@@ -74,10 +80,13 @@ FLAGS.cortex-m3-os    = $(ARM) -mcpu=cortex-m3 -Os
 FLAGS.cortex-m4       = $(ARM) $(M4F) -O2
 FLAGS.cortex-m4-nodsp = $(ARM) $(M4F) -O2 -DJP_NO_DSP
 FLAGS.cortex-m4-os    = $(ARM) $(M4F) -Os
-FLAGS.cortex-m7       = $(ARM) -mcpu=cortex-m7 -O2
-FLAGS.cortex-m7-os    = $(ARM) -mcpu=cortex-m7 -Os
+FLAGS.cortex-m7       = $(ARM) $(M7F) -O2
+FLAGS.cortex-m7-os    = $(ARM) $(M7F) -Os
 FLAGS.rv32            = $(RV32) -O2
 FLAGS.rv32-os         = $(RV32) -Os
+
+# A square root is one instruction, and nothing is computed in double by mistake.
+FLAGS_FLOAT = -ffp-contract=off -fno-math-errno -Wdouble-promotion
 
 # Cortex-M4 executes the code of Cortex-M0, and its board has more memory than the micro:bit.
 BOARD.cortex-m0       = arm/microbit
@@ -105,6 +114,7 @@ SEMIHOSTING         = -nographic -semihosting-config enable=on,target=native -ke
 # ---- Sources ---------------------------------------------------------------------------------------------------------
 
 CORE           := $(wildcard src/*.c src/tables/*.c)
+FLOAT          := $(wildcard src/float/*.c src/float/tables/*.c)
 CAN            := $(wildcard hal/*.c hal/can/*.c)
 STM32F4        := $(wildcard hal/stm32f4/*.c)
 # What needs nothing of the core but registers, which a test can stand in for.
@@ -113,6 +123,7 @@ SIM            := $(wildcard sim/*.c hal/sim/*.c hal/linux/*.c)
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
 BENCHES        := $(filter-out bench_plan,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
 TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c))
+FLOAT_BENCHES  := $(filter target_teb,$(TARGET_BENCHES))
 
 # lcm-gen makes them from sim/lcm/.
 LCM_TYPES      := $(patsubst sim/lcm/%.lcm,%,$(wildcard sim/lcm/*.lcm))
@@ -125,6 +136,7 @@ LATTICES       := $(patsubst src/tables/lattice_%.c,%,$(wildcard src/tables/latt
 
 UNIT_TESTS     := $(wildcard tests/unit/test_*.c)
 PROPERTY_TESTS := $(wildcard tests/property/prop_*.c)
+FLOAT_TESTS    := $(wildcard tests/float/test_*.c)
 BITS_TESTS     := $(wildcard tests/bits/test_*.c)
 FAULT_TESTS    := $(wildcard tests/fault/fault_*.c)
 VCAN_TESTS     := $(wildcard tests/vcan/vcan_*.c)
@@ -139,6 +151,12 @@ endif
 # support VARIANT: the objects that a program on a target stands on.
 support = $(patsubst %.c,$(BUILD)/$1/%.o,$(TARGET_SUPPORT) \
           $(addprefix tests/target/$(dir $(BOARD.$1)),core.c semihosting.c cycles.c))
+
+# float_library VARIANT: where it has one.
+float_library = $(if $(filter $1,$(FLOAT_VARIANTS)),$(BUILD)/$1/libjoulepath_float.a)
+
+# host_libraries VARIANT: each before what it stands on.
+host_libraries = $(addprefix $(BUILD)/$1/,libsim.a libcan.a libjoulepath_float.a libjoulepath.a)
 
 LIBRARIES = $(shell pkg-config --libs libconfig jansson nlopt ccd) -llcm -lm -lpthread
 
@@ -155,7 +173,7 @@ help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
 
 .PHONY: all
-all: $(PROGRAMS) $(BUILD)/host/libjoulepath.a ## build the host programs in build/bin and the library
+all: $(PROGRAMS) $(call host_libraries,host) ## build the host programs in build/bin and the libraries
 
 .PHONY: setup
 setup: ## install what all targets need (JP_SETUP=skip to manage packages yourself)
@@ -169,7 +187,7 @@ $(SETTINGS): FORCE
 # A library is made again when a source joined or left it.
 MEMBERS := $(BUILD)/members
 $(MEMBERS): FORCE
-	@mkdir -p $(@D) && echo '$(CORE) $(CAN) $(DRIVERS) $(SIM)' | cmp -s - $@ || echo '$(CORE) $(CAN) $(DRIVERS) $(SIM)' >$@
+	@mkdir -p $(@D) && echo '$(CORE) $(FLOAT) $(CAN) $(DRIVERS) $(SIM)' | cmp -s - $@ || echo '$(CORE) $(FLOAT) $(CAN) $(DRIVERS) $(SIM)' >$@
 
 # core_name VARIANT: as people write it.
 core_name = $(patsubst rv%,RV%,$(patsubst cortex-m%,Cortex-M%,$(firstword $(subst -o, ,$1))))
@@ -178,7 +196,12 @@ define variant_rules
 $(BUILD)/$1/%.o: %.c Makefile $(SETTINGS) $(if $(filter host%,$1),| $(LCM_HEADERS))
 	@mkdir -p $$(@D)
 	$$(call SAY,CC $$@)
-	$$Q$$(COMPILER.$1) $$(COMMON) $$(FLAGS.$1) $(if $(BOARD.$1),-DTARGET_CORE='"$(call core_name,$1)"') -c $$< -o $$@
+	$$Q$$(COMPILER.$1) $$(COMMON) $$(FLAGS.$1) $$(MODULE_FLAGS) $(if $(BOARD.$1),-DTARGET_CORE='"$(call core_name,$1)"') -c $$< -o $$@
+
+$(BUILD)/$1/src/float/%.o $(BUILD)/$1/tests/float/%.o: MODULE_FLAGS = $(FLAGS_FLOAT)
+
+$(BUILD)/$1/libjoulepath_float.a: $(FLOAT:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
+	$$(call archive)
 
 $(BUILD)/$1/libjoulepath.a: $(CORE:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 	$$(call archive)
@@ -234,28 +257,28 @@ define link_target
 	    -Ltests/target -Ttests/target/$(BOARD.$1).ld $(filter %.o,$^) $(filter %.a,$^) -o $@
 endef
 
-$(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a $(BUILD)/host/libjoulepath.a
+$(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(call host_libraries,host)
 	$(call link_host,host)
 
-$(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a $(BUILD)/host/libjoulepath.a
+$(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(call host_libraries,host)
 	$(call link_host,host)
 
 $(BUILD)/bench/bench_plan: $(BUILD)/host/tests/bench/plain_dijkstra.o
 
 # Property tests at bench length, without the sanitizers.
-$(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a $(BUILD)/host/libjoulepath.a \
-                       $(UNITY_SOURCE:%=$(BUILD)/host/unity.o)
+$(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(call host_libraries,host) $(UNITY_SOURCE:%=$(BUILD)/host/unity.o)
 	$(call link_host,host)
 
 # What is measured on each core: sizes in the builds for size, instructions in those for speed, and of the stack the worst
 # of both.
 SIZE_IMAGES  := $(SIZE_VARIANTS:%=$(BUILD)/%/whole)
 STACK_IMAGES := $(SIZE_IMAGES) $(SPEED_VARIANTS:%=$(BUILD)/%/whole) $(BUILD)/firmware/whole
-CYCLES       := $(foreach b,$(TARGET_BENCHES),$(SPEED_VARIANTS:%=$(BUILD)/bench/$b-%.json))
+CYCLES       := $(foreach b,$(filter-out $(FLOAT_BENCHES),$(TARGET_BENCHES)),$(SPEED_VARIANTS:%=$(BUILD)/bench/$b-%.json)) \
+                $(foreach b,$(FLOAT_BENCHES),$(FPU_CORES:%=$(BUILD)/bench/$b-%.json))
 
 define target_bench_rules
 $(BUILD)/$1/target_%: $(BUILD)/$1/tests/bench/target_%.o $(call support,$1) $(BUILD)/$1/sim/scene.o $(BUILD)/$1/libdrivers.a \
-                      $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a
+                      $(BUILD)/$1/libcan.a $(call float_library,$1) $(BUILD)/$1/libjoulepath.a
 	$$(call link_target,$1)
 
 $(BUILD)/bench/target_%-$1.json: $(BUILD)/$1/target_%
@@ -358,6 +381,21 @@ plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name IMPORT=opti
 	    --output $(BUILD)/plan; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) tools/plan_report.py $(BUILD)/plan && exit $$status
 
+# A scene from a seed, or a map of others with START and GOAL.
+SCENE      ?= beside-obstacle
+SEED       ?= 1
+PATROL_MAP  = $(if $(filter file,$(origin MAP)),,$(MAP))
+
+.PHONY: patrol
+patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg); report in build/patrol
+	@tools/setup.sh sil
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol
+	@rm -rf $(BUILD)/patrol
+	$(if $(PATROL_MAP),$(PYTHON) tools/import_map.py $(MAP) $(BUILD)/patrol/map.json --resolution 0.05 $(IMPORT))
+	$(BUILD)/bin/jp-patrol $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK),$(SCENE)) --seed=$(SEED) \
+	    --output $(BUILD)/patrol; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) tools/patrol_report.py $(BUILD)/patrol && exit $$status
+
 .PHONY: firmware
 firmware: ## build the image for the STM32F405 with ROBOT=name: ELF, bin and map in build/firmware/name
 	$(if $(filter $(ROBOT),$(ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS)))
@@ -452,19 +490,21 @@ VERSION  = $(shell sed -n 's/^\#define JP_VERSION_[A-Z]* *//p' include/joulepath
 
 PREFIX_CHECK  = $(if $(filter /%,$(PREFIX)),,$(error PREFIX=$(PREFIX): must be an absolute path))
 INSTALL_ROOT  = $(DESTDIR)$(PREFIX)
-PACKAGE_FILES = $(INSTALL_ROOT)/include/joulepath $(INSTALL_ROOT)/lib/libjoulepath.a $(INSTALL_ROOT)/lib/pkgconfig/joulepath.pc \
-                $(INSTALL_ROOT)/lib/cmake/joulepath $(INSTALL_ROOT)/share/doc/joulepath
+PACKAGES      = joulepath joulepath-float
+PACKAGE_FILES = $(INSTALL_ROOT)/include/joulepath $(INSTALL_ROOT)/lib/libjoulepath.a $(INSTALL_ROOT)/lib/libjoulepath_float.a \
+                $(PACKAGES:%=$(INSTALL_ROOT)/lib/pkgconfig/%.pc) $(INSTALL_ROOT)/lib/cmake/joulepath $(INSTALL_ROOT)/share/doc/joulepath
 
 .PHONY: install
-install: $(BUILD)/release/libjoulepath.a ## install the library for programs on this machine (PREFIX=/usr/local DESTDIR=)
+install: $(BUILD)/release/libjoulepath.a $(BUILD)/release/libjoulepath_float.a ## install the library for programs on this machine (PREFIX=/usr/local DESTDIR=)
 	$(PREFIX_CHECK)
 	install -d $(INSTALL_ROOT)/include/joulepath $(INSTALL_ROOT)/lib/pkgconfig $(INSTALL_ROOT)/lib/cmake/joulepath \
 	    $(INSTALL_ROOT)/share/doc/joulepath
 	install -m 644 include/joulepath/*.h $(INSTALL_ROOT)/include/joulepath
-	install -m 644 $< $(INSTALL_ROOT)/lib
-	strip --strip-debug $(INSTALL_ROOT)/lib/libjoulepath.a
-	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' tools/packaging/joulepath.pc.in | \
-	    install -m 644 /dev/stdin $(INSTALL_ROOT)/lib/pkgconfig/joulepath.pc
+	install -m 644 $^ $(INSTALL_ROOT)/lib
+	strip --strip-debug $(addprefix $(INSTALL_ROOT)/lib/,$(^F))
+	set -e; for package in $(PACKAGES); do \
+	    sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' tools/packaging/$$package.pc.in | \
+	    install -m 644 /dev/stdin $(INSTALL_ROOT)/lib/pkgconfig/$$package.pc; done
 	install -m 644 tools/packaging/joulepathConfig.cmake $(INSTALL_ROOT)/lib/cmake/joulepath
 	sed 's|@VERSION@|$(VERSION)|' tools/packaging/joulepathConfigVersion.cmake.in | \
 	    install -m 644 /dev/stdin $(INSTALL_ROOT)/lib/cmake/joulepath/joulepathConfigVersion.cmake
@@ -496,6 +536,7 @@ UNIT_LOGS     := $(foreach v,$(HOST_TESTS) $(TARGET_TESTS),$(patsubst %,$(LOGS)/
 PROPERTY_LOGS := $(patsubst %,$(LOGS)/host-gcc/%.log,$(call names,$(PROPERTY_TESTS)))
 FAULT_LOGS    := $(patsubst %,$(LOGS)/host-gcc/%.log,$(call names,$(FAULT_TESTS)))
 TARGET_LOGS   := $(foreach t,test_cycles dies_of_fault dies_of_overflow,$(SPEED_VARIANTS:%=$(LOGS)/%/$t.log))
+FLOAT_LOGS    := $(foreach v,$(HOST_TESTS) $(FPU_CORES),$(patsubst %,$(LOGS)/$v/%.log,$(call names,$(FLOAT_TESTS))))
 BITS_VARIANTS := host-gcc host-gcc-m32 $(SPEED_VARIANTS)
 BITS_LOGS     := $(foreach v,$(BITS_VARIANTS),$(patsubst %,$(LOGS)/$v/%.log,$(call names,$(BITS_TESTS))))
 SIL_LOGS      := $(LOGS)/pytest/sil.xml
@@ -504,9 +545,9 @@ FIRMWARE_LOGS := $(LOGS)/firmware/test_faults.log $(LOGS)/host-gcc/test_main.log
 PACKAGE_LOGS  := $(LOGS)/pytest/package.xml
 VCAN_LOGS     := $(LOGS)/pytest/vcan.xml $(LOGS)/pytest/vcan_results.xml
 GATE_LOGS     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware growth compile includes format cppcheck misra tidy coverage)
-TEST_LOGS     := $(VCAN_LOGS) $(FIRMWARE_LOGS) $(SIL_LOGS) $(TOOLS_LOGS) $(PACKAGE_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(BITS_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
+TEST_LOGS     := $(VCAN_LOGS) $(FIRMWARE_LOGS) $(SIL_LOGS) $(TOOLS_LOGS) $(PACKAGE_LOGS) $(GATE_LOGS) $(PROPERTY_LOGS) $(FAULT_LOGS) $(BITS_LOGS) $(FLOAT_LOGS) $(UNIT_LOGS) $(TARGET_LOGS)
 
-EXPECTED = unit $(UNIT_LOGS) bits $(BITS_LOGS) property $(PROPERTY_LOGS) fault $(FAULT_LOGS) target $(TARGET_LOGS) firmware $(FIRMWARE_LOGS) \
+EXPECTED = unit $(UNIT_LOGS) float $(FLOAT_LOGS) bits $(BITS_LOGS) property $(PROPERTY_LOGS) fault $(FAULT_LOGS) target $(TARGET_LOGS) firmware $(FIRMWARE_LOGS) \
            sil $(SIL_LOGS) vcan $(VCAN_LOGS) tools $(TOOLS_LOGS) package $(PACKAGE_LOGS) gates $(GATE_LOGS)
 
 .PHONY: test
@@ -518,7 +559,7 @@ test: ## build and run every test and gate; the last line counts them
 	@$(PYTHON) tools/test_summary.py $(EXPECTED)
 
 # Everything that runs on the emulated cores.
-CORE_LOGS = $(filter $(foreach v,$(TARGET_TESTS) $(SPEED_VARIANTS),$(LOGS)/$v/%),$(UNIT_LOGS) $(BITS_LOGS) $(TARGET_LOGS))
+CORE_LOGS = $(filter $(foreach v,$(TARGET_TESTS) $(SPEED_VARIANTS),$(LOGS)/$v/%),$(UNIT_LOGS) $(FLOAT_LOGS) $(BITS_LOGS) $(TARGET_LOGS))
 
 .PHONY: test-targets
 test-targets: ## run the tests of the emulated cores alone: passed, failed and seconds
@@ -533,6 +574,9 @@ test_logs: $(TEST_LOGS)
 
 define host_test_rules
 $(BUILD)/$1/test_%: $(BUILD)/$1/tests/unit/test_%.o $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libdrivers.a $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a
+	$$(call link_core,$1)
+
+$(BUILD)/$1/test_%: $(BUILD)/$1/tests/float/test_%.o $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath_float.a $(BUILD)/$1/libjoulepath.a
 	$$(call link_core,$1)
 
 $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
@@ -553,6 +597,13 @@ $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
 endef
 $(foreach v,$(sort $(TARGET_TESTS) $(SPEED_VARIANTS)),$(eval $(call target_test_rules,$v)))
 
+define float_target_test_rules
+$(BUILD)/$1/test_%: $(BUILD)/$1/tests/float/test_%.o $(call support,$1) $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) \
+                    $(BUILD)/$1/libjoulepath_float.a $(BUILD)/$1/libjoulepath.a
+	$$(call link_target,$1)
+endef
+$(foreach v,$(FPU_CORES),$(eval $(call float_target_test_rules,$v)))
+
 define support_test_rules
 $(BUILD)/$1/test_cycles: $(BUILD)/$1/tests/target/test_cycles.o $(call support,$1) $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o)
 	$$(call link_target,$1)
@@ -568,7 +619,7 @@ $(foreach v,$(SPEED_VARIANTS),$(eval $(call support_test_rules,$v)))
 
 # The whole library and what it needs of the compiler's, to be measured and not to be run.
 define whole_rules
-$(BUILD)/$1/whole: $(BUILD)/$1/tests/target/whole.o $(call support,$1) $(BUILD)/$1/libcan.a $(BUILD)/$1/libjoulepath.a
+$(BUILD)/$1/whole: $(BUILD)/$1/tests/target/whole.o $(call support,$1) $(BUILD)/$1/libcan.a $(call float_library,$1) $(BUILD)/$1/libjoulepath.a
 	@mkdir -p $$(@D)
 	$$(call SAY,LD $$@)
 	$$Q$$(COMPILER.$1) $(FLAGS.$1) -nostartfiles $(if $(filter cortex%,$1),--specs=nano.specs) -Wl,--no-gc-sections \
@@ -594,7 +645,7 @@ $(BUILD)/$1/test_%_bits: $(BUILD)/$1/tests/bits/test_%_bits.o $(BUILD)/$1/sim/sc
 endef
 $(foreach v,$(BITS_VARIANTS),$(eval $(call bits_rules,$v)))
 
-HOST_TEST_PARTS := $(if $(UNITY_SOURCE),$(BUILD)/host-gcc/unity.o) $(BUILD)/host-gcc/libsim.a $(BUILD)/host-gcc/libcan.a $(BUILD)/host-gcc/libjoulepath.a
+HOST_TEST_PARTS := $(if $(UNITY_SOURCE),$(BUILD)/host-gcc/unity.o) $(call host_libraries,host-gcc)
 
 $(BUILD)/host-gcc/prop_%: $(BUILD)/host-gcc/tests/property/prop_%.o $(HOST_TEST_PARTS)
 	$(call link_host,host-gcc)
@@ -649,7 +700,7 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -p no:cacheprovider --junitxml=$@ \
 	    tests/vcan/test_vcan_results.py
 
-GATE_LIBRARIES := $(foreach v,$(SPEED_VARIANTS) $(SIZE_VARIANTS),$(BUILD)/$v/libjoulepath.a $(BUILD)/$v/libcan.a)
+GATE_LIBRARIES := $(foreach v,$(SPEED_VARIANTS) $(SIZE_VARIANTS),$(BUILD)/$v/libjoulepath.a $(call float_library,$v) $(BUILD)/$v/libcan.a)
 GATE_IMAGES    := $(BUILD)/cortex-m4/test_ecu $(BUILD)/cortex-m0/test_ecu $(BUILD)/rv32/test_ecu
 export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=gao2018
 
@@ -666,12 +717,16 @@ $(LOGS)/gates/firmware.log: $(GATE_IMAGES)
 	$(call SAY,RUN gate firmware)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/firmware.sh $(GATE_IMAGES)
 
-# The unit tests, and the property tests of what no example foresees.
-COVERAGE_TESTS := $(patsubst %,$(BUILD)/host-coverage/%,prop_planner prop_segment prop_telemetry $(call names,$(UNIT_TESTS)))
+# The unit tests, also of the float library, and the property tests of what no example foresees.
+COVERAGE_TESTS := $(patsubst %,$(BUILD)/host-coverage/%,prop_planner prop_segment prop_telemetry $(call names,$(UNIT_TESTS)) $(call names,$(FLOAT_TESTS)))
 
-COVERAGE_PARTS := $(UNITY_SOURCE:%=$(BUILD)/host/unity.o) $(BUILD)/host/libsim.a $(BUILD)/host/libdrivers.a $(BUILD)/host/libcan.a $(BUILD)/host-coverage/libjoulepath.a
+COVERAGE_PARTS := $(UNITY_SOURCE:%=$(BUILD)/host/unity.o) $(BUILD)/host/libsim.a $(BUILD)/host/libdrivers.a $(BUILD)/host/libcan.a \
+                  $(BUILD)/host-coverage/libjoulepath_float.a $(BUILD)/host-coverage/libjoulepath.a
 
 $(BUILD)/host-coverage/test_%: $(BUILD)/host/tests/unit/test_%.o $(COVERAGE_PARTS)
+	$(call link_host,host-coverage)
+
+$(BUILD)/host-coverage/test_%: $(BUILD)/host/tests/float/test_%.o $(COVERAGE_PARTS)
 	$(call link_host,host-coverage)
 
 $(BUILD)/host-coverage/prop_%: $(BUILD)/host/tests/property/prop_%.o $(COVERAGE_PARTS)

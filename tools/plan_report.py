@@ -20,7 +20,8 @@ from matplotlib.transforms import Affine2D
 
 import plots
 from common import ToolError, run, shown_path, write_whole
-from results import format_number, is_number, need, need_list, read_columns, read_json, render_page
+from results import (format_number, need, need_list, need_numbers, need_vector, read_columns, read_json,
+                     render_page)
 
 SUMMARY_KEYS = ("robot", "map", "memory", "task_chosen", "start", "goal_m", "routes", "comparison", "drive")
 ROUTE_KEYS = ("name", "title", "file", "cost", "answer", "length_m", "energy_j", "time_s", "climb_m",
@@ -97,18 +98,6 @@ class Route:
 
 
 # ---- input ---------------------------------------------------------------------------------------------------------
-
-def need_numbers(path, place, data, keys):
-    need(path, place, data, keys)
-    for key in keys:
-        if not is_number(data[key]):
-            raise ToolError(f"{path}: {place}: {key} is {data[key]!r}, not a number")
-
-
-def need_vector(path, place, value, length):
-    if not (isinstance(value, list) and len(value) == length and all(map(is_number, value))):
-        raise ToolError(f"{path}: {place}: must be {length} numbers")
-
 
 def read_summary(path):
     summary = read_json(path)

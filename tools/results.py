@@ -34,6 +34,18 @@ def is_number(value):
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
+def need_numbers(path, place, data, keys):
+    need(path, place, data, keys)
+    for key in keys:
+        if not is_number(data[key]):
+            raise ToolError(f"{path}: {place}: {key} is {data[key]!r}, not a number")
+
+
+def need_vector(path, place, value, length):
+    if not (isinstance(value, list) and len(value) == length and all(map(is_number, value))):
+        raise ToolError(f"{path}: {place}: must be {length} numbers")
+
+
 def need_point(path, place, value):
     if not (isinstance(value, list) and len(value) == 2 and all(map(is_number, value))):
         raise ToolError(f"{path}: {place}: must be [x, y]")

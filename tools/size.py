@@ -24,6 +24,12 @@ MODULES = {
     "optimiser": r"src/segment(_\w+)?",
     "planner": r"src/(planner(_\w+)?|lattice|terrain|guide_field|energy_field|wavefront)",
     "skid steer": r"src/skid_steer",
+    "grid planner": r"src/grid_\w+",
+    "path spline": r"src/path_spline",
+    "four wheels": r"src/four_wheel",
+    "pure pursuit": r"src/pure_pursuit",
+    "obstacles": r"src/float/(obstacle\w*|scan_\w+)",
+    "timed elastic band": r"src/float/teb(_\w+)?",
     "end-to-end protection": r"src/e2e",
     "CAN application": r"hal/(can/\w+|hal)",
     "parameters in flash": r"hal/(parameters|store|crc32)",
@@ -99,16 +105,16 @@ def objects(folder):
 
 
 def measure(folder, modules):
-    """{row: bytes} of one variant."""
-    flash = dict.fromkeys([module for module in modules if module], 0)
+    """{row: bytes} of one variant; without an FPU it has not all modules."""
+    flash = {}
     ram = 0
     for name, path in objects(folder).items():
         module = module_of(name, modules)
         if module is not None:
             object_flash, object_ram = measure_object(path)
-            flash[module] += object_flash
+            flash[module] = flash.get(module, 0) + object_flash
             ram += object_ram
-    rows = {f"flash: {module}": size for module, size in flash.items()}
+    rows = {f"flash: {module}": flash[module] for module in modules if module in flash}
     rows["flash: balancer + energy + optimiser"] = sum(flash.get(module, 0) for module in SMALL_ROBOT)
     rows["RAM: variables of all modules"] = ram
     for struct, size in struct_sizes(folder / "whole", STRUCTS).items():

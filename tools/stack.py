@@ -24,9 +24,11 @@ ENTRIES = ("jp_robot_tick", "jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_r
            "jp_segment_optimise", "jp_planner_work")
 FIRMWARE_ENTRIES = ("jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_ecu_work", "DMA2_Stream0_IRQHandler",
                     "CAN1_RX0_IRQHandler", "main")
+FLOAT_ENTRIES = ("jp_obstacles_add_scan",)
 BAR_ENTRY, BAR = "jp_hal_tick", 256  # B
 BAR_CORES = ("Cortex-M4", core_numbers.BOARD_NAME)
 LISTED = ROOT / "tests/target/indirect_calls.json"
+FLOAT_FOLDER = "src/float"  # of a variant that has the float library
 BOARD = "board"  # a listed target that is not the library's: it counts nothing
 
 THUMB = 1  # bit of a function's address
@@ -131,8 +133,8 @@ def read_image(path):
 
 
 def call_graphs(folder):
-    """Those of the library and of the CAN application; of a board also its own."""
-    places = ("src", "hal", "hal/can", *(("hal/stm32f4", ".") if folder.name == core_numbers.FIRMWARE else ()))
+    """Those of the libraries and of the CAN application; of a board also its own."""
+    places = ("src", FLOAT_FOLDER, "hal", "hal/can", *(("hal/stm32f4", ".") if folder.name == core_numbers.FIRMWARE else ()))
     return sorted(path for place in places for path in (folder / place).glob("*.ci"))
 
 
@@ -147,11 +149,17 @@ def graph_of(folder, image, listed):
     return Graph({**disassembled, **functions}, aliases, listed)
 
 
+def entries_of(folder):
+    if folder.name == core_numbers.FIRMWARE:
+        return FIRMWARE_ENTRIES
+    return ENTRIES + FLOAT_ENTRIES if (folder / FLOAT_FOLDER).is_dir() else ENTRIES
+
+
 def measure(folders, listed, show_paths=False):
     table = {entry: {} for entry in ENTRIES}
     for folder in folders:
         graph, core = graph_of(folder, folder / "whole", listed), core_numbers.core_of(folder.name)
-        for entry in FIRMWARE_ENTRIES if folder.name == core_numbers.FIRMWARE else ENTRIES:
+        for entry in entries_of(folder):
             depth, path = graph.worst(entry)
             values = table.setdefault(entry, {})
             values[core] = max(depth, values.get(core, 0))

@@ -8,6 +8,8 @@ import pytest
 from conftest import CLEAN, PROGRAMS, ROOT, WARNINGS, cmake_project, command, configure, make
 
 FIND = "find_package(joulepath {} CONFIG REQUIRED)\n"
+FLOAT_LINK = (f"add_executable(user {PROGRAMS}/float_consumer.c)\n"
+              "target_link_libraries(user PRIVATE joulepath::float)\n")
 LINK = f"add_executable(user {PROGRAMS}/consumer.c)\ntarget_link_libraries(user PRIVATE joulepath::joulepath)\n"
 
 
@@ -19,16 +21,16 @@ def contents_of(directory):
     return {name: (directory / name).read_bytes() for name in files_of(directory)}
 
 
-def pkg_config(installed, *arguments):
-    return command("pkg-config", *arguments, "joulepath",
+def pkg_config(installed, *arguments, package="joulepath"):
+    return command("pkg-config", *arguments, package,
                    env={**CLEAN, "PKG_CONFIG_PATH": str(installed / "lib" / "pkgconfig")}).split()
 
 
 def test_files_are_where_people_expect_them(installed):
     headers = [f"include/joulepath/{path.name}" for path in (ROOT / "include" / "joulepath").glob("*.h")]
     assert files_of(installed) == sorted([
-        *headers, "lib/libjoulepath.a", "lib/pkgconfig/joulepath.pc", "lib/cmake/joulepath/joulepathConfig.cmake",
-        "lib/cmake/joulepath/joulepathConfigVersion.cmake", "share/doc/joulepath/LICENSE"])
+        *headers, "lib/libjoulepath.a", "lib/libjoulepath_float.a", "lib/pkgconfig/joulepath.pc",
+        "lib/pkgconfig/joulepath-float.pc", "lib/cmake/joulepath/joulepathConfig.cmake", "lib/cmake/joulepath/joulepathConfigVersion.cmake", "share/doc/joulepath/LICENSE"])
 
 
 def test_everybody_may_read_the_files(build, tmp_path):
@@ -45,14 +47,24 @@ def test_a_program_uses_it_by_pkg_config(installed, version, tmp_path):
     command(tmp_path / "user")
 
 
+@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["g++", "-std=c++17", "-x", "c++"]], ids=["c", "c++"])
+def test_a_program_uses_the_part_in_floating_point(installed, version, tmp_path, compiler):
+    flags, libraries = (pkg_config(installed, kind, package="joulepath-float") for kind in ("--cflags", "--libs"))
+    assert pkg_config(installed, "--modversion", package="joulepath-float") == [version]
+    command(*compiler, *WARNINGS, *flags, PROGRAMS / "float_consumer.c", "-x", "none", *libraries, "-o",
+            tmp_path / "user")
+    command(tmp_path / "user")
+
+
 def test_a_program_in_cpp_uses_it(installed, tmp_path):
     command("g++", "-std=c++17", *WARNINGS, *pkg_config(installed, "--cflags"), "-x", "c++", PROGRAMS / "consumer.c",
             "-x", "none", *pkg_config(installed, "--libs"), "-o", tmp_path / "user")
     command(tmp_path / "user")
 
 
-def test_a_program_uses_it_by_find_package(installed, version, tmp_path):
-    project = cmake_project(tmp_path / "project", FIND.format(version) + LINK)
+@pytest.mark.parametrize("link", [LINK, FLOAT_LINK], ids=["joulepath", "float"])
+def test_a_program_uses_it_by_find_package(installed, version, tmp_path, link):
+    project = cmake_project(tmp_path / "project", FIND.format(version) + link)
     configure(project, tmp_path / "build", f"-DCMAKE_PREFIX_PATH={installed}")
     command("cmake", "--build", tmp_path / "build")
     command(tmp_path / "build" / "user")

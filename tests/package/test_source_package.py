@@ -37,7 +37,7 @@ def test_it_holds_what_firmware_needs_and_no_more(package):
         "CMakeLists.txt", "LICENSE", "README.md", "hal", "include", "library.json", "src", "zephyr"]
     folders = {str(path.relative_to(package)) for path in (package / "hal").iterdir() if path.is_dir()}
     assert folders == {"hal/can", "hal/skeleton"}
-    for folder in ("include/joulepath", "src", "src/tables", "hal/can"):
+    for folder in ("include/joulepath", "src", "src/tables", "src/float", "hal/can"):
         here = {path.name for path in (ROOT / folder).glob("*.[ch]")}
         assert {path.name for path in (package / folder).glob("*.[ch]")} == here
 
@@ -74,7 +74,7 @@ def test_programs_in_c_and_cpp_add_it_as_a_subdirectory(package, tmp_path):
     in_cpp = tmp_path / "firmware.cpp"
     in_cpp.write_bytes((PROGRAMS / "firmware.c").read_bytes())
     users = {"consumer": ("joulepath", PROGRAMS / "consumer.c"), "firmware": ("hal", PROGRAMS / "firmware.c"),
-             "in_cpp": ("hal", in_cpp)}
+             "in_cpp": ("hal", in_cpp), "float_consumer": ("float", PROGRAMS / "float_consumer.c")}
     build_project(tmp_path, add(package) + "".join(user_of(*user, name) for name, user in users.items()))
     for name in users:
         command(tmp_path / "build" / name)
@@ -85,6 +85,12 @@ def test_a_program_fetches_the_archive(package, tmp_path):
              "FetchContent_MakeAvailable(joulepath)\n")
     build_project(tmp_path, fetch + user_of("joulepath", PROGRAMS / "consumer.c"))
     command(tmp_path / "build" / "user")
+
+
+def test_the_part_in_floating_point_is_built_only_if_it_is_used(package, tmp_path):
+    build_project(tmp_path, add(package) + user_of("joulepath", PROGRAMS / "consumer.c"))
+    assert (tmp_path / "build/joulepath/libjoulepath.a").exists()
+    assert not (tmp_path / "build/joulepath/libjoulepath_float.a").exists()
 
 
 def test_only_the_tables_of_the_named_robots_are_built_in(package, tmp_path):

@@ -1,7 +1,7 @@
 """The Zephyr module: its description, its options and its build.
 
 Zephyr itself is too large to be here. What stands for it: the keys that its module description may have, kconfiglib,
-which is the Kconfig of its build, and its three CMake functions that the module calls.
+which is the Kconfig of its build, and its four CMake functions that the module calls.
 """
 import kconfiglib
 import pytest
@@ -28,6 +28,10 @@ endmacro()
 
 function(zephyr_library_sources)
   target_sources(${ZEPHYR_CURRENT_LIBRARY} PRIVATE ${ARGV})
+endfunction()
+
+function(zephyr_library_compile_options)
+  target_compile_options(${ZEPHYR_CURRENT_LIBRARY} PRIVATE ${ARGV})
 endfunction()
 """
 
@@ -70,10 +74,11 @@ def test_the_description_names_files_that_are_there(package):
 
 
 @pytest.mark.parametrize("lines, expected", [
-    ([], {"JOULEPATH": "n", "JOULEPATH_HAL": "n"}),
-    (["CONFIG_JOULEPATH=y"], {"JOULEPATH": "y", "JOULEPATH_HAL": "y"}),
-    (["CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_HAL=n"], {"JOULEPATH": "y", "JOULEPATH_HAL": "n"}),
-], ids=["off", "on", "without the HAL"])
+    ([], {"JOULEPATH": "n", "JOULEPATH_HAL": "n", "JOULEPATH_FLOAT": "n"}),
+    (["CONFIG_JOULEPATH=y"], {"JOULEPATH": "y", "JOULEPATH_HAL": "y", "JOULEPATH_FLOAT": "n"}),
+    (["CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_HAL=n"], {"JOULEPATH": "y", "JOULEPATH_HAL": "n", "JOULEPATH_FLOAT": "n"}),
+    (["CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_FLOAT=y"], {"JOULEPATH": "y", "JOULEPATH_HAL": "y", "JOULEPATH_FLOAT": "y"}),
+], ids=["off", "on", "without the HAL", "with floating point"])
 def test_options_have_these_values(package, tmp_path, lines, expected):
     assert configuration(package, tmp_path, *lines) == expected
 
@@ -85,6 +90,11 @@ def test_an_application_is_built_with_the_hal(package, tmp_path):
 def test_an_application_is_built_without_the_hal(package, tmp_path):
     options = configuration(package, tmp_path, "CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_HAL=n")
     build(package, tmp_path, options, "consumer.c")
+
+
+def test_an_application_is_built_with_floating_point(package, tmp_path):
+    options = configuration(package, tmp_path, "CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_FLOAT=y")
+    build(package, tmp_path, options, "float_consumer.c")
 
 
 def test_a_module_that_is_off_builds_nothing(package, tmp_path):

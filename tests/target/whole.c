@@ -1,4 +1,4 @@
-/** An image that holds the whole library, for measuring. */
+/** An image that holds the libraries as a whole, for measuring. */
 int main(void)
 {
     return 0;

@@ -6,7 +6,7 @@ import pytest
 from conftest import TOOLS
 
 PROGRAMS = ["bench_plan.py", "figures.py", "gain_design.py", "identify.py", "import_map.py", "lattice.py",
-            "plan_report.py", "report.py"]
+            "patrol_report.py", "plan_report.py", "report.py"]
 
 
 @pytest.mark.parametrize("name", PROGRAMS)

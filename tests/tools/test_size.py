@@ -38,6 +38,13 @@ def test_modules_add_their_objects(measure):
     assert table["flash: optimiser"]["Cortex-M4"] == 120
 
 
+def test_a_core_without_an_fpu_has_no_row_of_the_float_library(measure):
+    _, without = measure({})
+    _, with_it = measure({"src/float/obstacles.o": CODE.format(10)})
+    assert "flash: obstacles" not in without
+    assert with_it["flash: obstacles"] == {"Cortex-M4": 40}
+
+
 @pytest.mark.parametrize("variable, ram, flash", [("int counter[4];", 16, 0), ("int counter[4] = {1};", 16, 16),
                                                   ("static int counter; int *of(void) { return &counter; }", 4, None)])
 def test_variables_are_ram(measure, variable, ram, flash):

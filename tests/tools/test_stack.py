@@ -6,7 +6,7 @@ import pytest
 import stack
 from common import ToolError
 from conftest import assert_one_line_error, run_tool
-from core_fixtures import make_variant
+from core_fixtures import PRELUDE, make_variant
 
 ENTRY = "jp_robot_tick"
 
@@ -50,6 +50,17 @@ def test_a_larger_frame_is_seen(measure):
     before = measure.table()[ENTRY]["Cortex-M4"]
     measure(CHAIN.replace("200", "264"))
     assert measure.table()[ENTRY]["Cortex-M4"] == before + 64
+
+
+def test_the_float_library_has_entries_where_it_is(only_entry, monkeypatch, tmp_path):
+    monkeypatch.setattr(stack, "FLOAT_ENTRIES", ("jp_float_entry",))
+    float_source = PRELUDE + LEAF.format("deep", 300) + "KEEP void jp_float_entry(void) { deep(); }\n"
+    float_source = float_source.replace("use(", "use_too(")
+    one = make_variant(tmp_path, {"src/robot.o": CHAIN, "src/float/obstacles.o": float_source})
+    other = make_variant(tmp_path, {"src/robot.o": CHAIN}, "cortex-m0")
+    table = stack.measure([one, other], {})
+    assert list(table["jp_float_entry"]) == ["Cortex-M4"]
+    assert table["jp_float_entry"]["Cortex-M4"] > 300
 
 
 def test_the_worst_of_several_variants_counts(only_entry, tmp_path):

@@ -1,0 +1,154 @@
+/**
+ * Drives a robot with four steered wheels along a path: turns in place first, then follows a timed elastic band
+ * (teb.h), turns to the goal's heading, and stops whenever something is not as it must be.
+ *
+ *   HELD ─path─▶ TURNING ◀─▶ DRIVING ─▶ TURNING ─▶ ARRIVED
+ *                   │  ▲        │ ▲
+ *                   ▼  │        ▼ │
+ *                  WAITING (stopped: what is in the way may go) ─▶ STOPPED (gave up; the reason says why)
+ *
+ * Where there is no room to turn it first goes STEPPING: with its wheels across, straight to where there is.
+ *
+ * One call of jp_patrol_cycle() a cycle, 5…20 a second, outside interrupts; its twist goes to jp_four_wheel_tick() in
+ * the control tick. In HELD, WAITING, ARRIVED and STOPPED the twist is 0: the wheels stop and keep their angles. A path
+ * is driven once: WAITING ends by itself, STOPPED only by a new path.
+ *
+ * Single-precision floating point: part of libjoulepath_float.
+ */
+#ifndef JOULEPATH_PATROL_H
+#define JOULEPATH_PATROL_H
+
+#include <joulepath/four_wheel.h>
+#include <joulepath/teb.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum jp_patrol_state {
+    JP_PATROL_HELD,
+    JP_PATROL_TURNING,
+    JP_PATROL_DRIVING,
+    JP_PATROL_STEPPING,
+    JP_PATROL_WAITING,
+    JP_PATROL_ARRIVED,
+    JP_PATROL_STOPPED
+};
+
+/** Why the robot waits or has stopped. */
+enum jp_patrol_reason {
+    JP_PATROL_NONE,
+    JP_PATROL_IN_COLLISION, /**< an obstacle overlaps the footprint */
+    JP_PATROL_NO_WAY,       /**< no band keeps off the obstacles, or there is no room to turn in place: plan anew */
+    JP_PATROL_NO_SCAN,      /**< too many scans in a row dropped out */
+    JP_PATROL_LOST,         /**< the laser's pose jumped, or was missing, for too long */
+    JP_PATROL_OFF_PATH,     /**< the robot is farther from its path than the horizon */
+    JP_PATROL_STALLED,      /**< the wheels do not bring the robot on */
+    JP_PATROL_INFEASIBLE    /**< the wheels cannot do what was asked */
+};
+
+struct jp_patrol_config {
+    struct jp_four_wheel_config wheels; /**< of the control tick */
+    struct jp_teb_config teb;           /**< weights 0 for odometry and no_reversing: the plain TEB */
+    struct jp_scan_config scan;
+    bool turns_in_place;      /**< false: the plain TEB, which turns as it drives */
+    float turn_first;         /**< heading error beyond which the robot turns in place before it drives, rad: 30° */
+    float turn_rate;          /**< in place, rad/s */
+    float turn_acceleration;  /**< in place, rad/s² */
+    float turn_clearance;     /**< of the footprint from obstacles in a turn in place or a step, m; 0 or more */
+    float step_speed;         /**< with the wheels across, m/s */
+    float horizon;            /**< length of the path that is planned at a time, m */
+    float position_tolerance; /**< of the goal, m */
+    float heading_tolerance;  /**< of the goal and of turns, rad */
+    float period;             /**< of a cycle, s */
+    float jump;               /**< largest step of the laser's pose away from the prediction, m; the heading: rad */
+    uint16_t waits_max;       /**< cycles to wait before giving up */
+    uint16_t dropouts_max;    /**< scans or poses in a row that may be missing */
+};
+
+/** What is known in a cycle. */
+struct jp_patrol_input {
+    struct jp_plane_pose wheels; /**< integrated from the wheels since the path was given, in any frame */
+    struct jp_plane_speed speed; /**< as the wheels say */
+    struct jp_plane_pose laser;  /**< in the map's frame */
+    bool has_laser;              /**< false: the match failed or dropped out */
+    struct jp_scan scan;         /**< ranges may be null: dropped out */
+    struct jp_plane_pose sensor; /**< of the scanner on the robot */
+};
+
+struct jp_patrol_goal {
+    struct jp_plane_pose pose;
+    bool is_heading_free;
+};
+
+struct jp_patrol_counts {
+    uint32_t cycles;
+    uint32_t turns;      /**< in place, begun */
+    uint32_t steps;      /**< to where there is room to turn, begun */
+    uint32_t waits;      /**< begun */
+    uint32_t infeasible; /**< bands that were of no use */
+    uint32_t laser_missing;
+    uint32_t laser_rejected; /**< jumps */
+    uint32_t scans_missing;
+    uint32_t shapes_dropped; /**< obstacles that did not fit */
+};
+
+/** The members are private but for those with a comment. */
+struct jp_patrol {
+    struct jp_patrol_config config;
+    struct jp_teb teb;             /**< its band may be shown */
+    struct jp_obstacles obstacles; /**< of the last scan */
+    enum jp_patrol_state state;    /**< of the last cycle */
+    enum jp_patrol_reason reason;  /**< of the last cycle */
+    struct jp_plane_pose pose;     /**< of the last cycle, in the map's frame */
+    struct jp_patrol_counts counts;
+    struct jp_teb_result band; /**< of the last cycle that drove */
+
+    const struct jp_path_point *path;
+    uint16_t path_count;
+    uint16_t path_next; /* point that the robot has not passed */
+    struct jp_patrol_goal goal;
+    struct jp_plane_pose wheels; /* of the last cycle */
+    bool has_wheels;
+    bool is_measured;          /* the laser's pose of this cycle is to be trusted */
+    struct jp_plane_pose seen; /* that pose */
+    struct jp_plane_speed command;
+    float sideways; /* of the command: a step to the left, m/s */
+    float turn_target;
+    float turn_sign;
+    struct jp_plane_point step_target;
+    bool is_arriving; /* at the goal: what is left is to stand and to turn */
+    uint16_t waited;
+    uint16_t free_cycles; /* in a row with a way while waiting */
+    uint16_t laser_gap;
+    uint16_t scan_gap;
+    uint16_t unmoved; /* cycles since the robot last got on */
+};
+
+/** Checks the configuration and holds. JP_ERR_CONFIG: *field names the first field out of range. */
+enum jp_status jp_patrol_init(struct jp_patrol *patrol, const struct jp_patrol_config *config, const char **field);
+
+/** Where the robot is, in the map's frame: before the first path, and when something better than odometry knows. */
+enum jp_status jp_patrol_set_pose(struct jp_patrol *patrol, const struct jp_plane_pose *pose);
+
+/** A path of at least two points to the goal, which must outlive the drive. JP_ERR_ARGUMENT: a null pointer, too few
+ *  points, or its end is farther than the position tolerance from the goal; the old one stays then. */
+enum jp_status jp_patrol_follow(struct jp_patrol *patrol, const struct jp_path_point *path, uint16_t count,
+                                const struct jp_patrol_goal *goal);
+
+/** Stops along the path, soon: its end becomes the goal, any heading, and the state ARRIVED then. Where the robot does
+ *  not drive, as jp_patrol_hold(). */
+void jp_patrol_pause(struct jp_patrol *patrol);
+
+/** Stops as fast as the wheels can, keeps their angles and forgets the path. */
+void jp_patrol_hold(struct jp_patrol *patrol);
+
+/** One cycle. *twist is 0 unless the state is TURNING, DRIVING or STEPPING. JP_ERR_ARGUMENT: a null pointer or a value
+ * that is not finite: the twist is 0 and the state STOPPED. */
+enum jp_status jp_patrol_cycle(struct jp_patrol *patrol, const struct jp_patrol_input *input, struct jp_twist *twist);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,162 @@
+/**
+ * Timed elastic band (Rösmann et al., ROBOTIK 2012) for a robot that drives forward and turns in place: n poses and the
+ * n − 1 intervals between them, optimised together.
+ *
+ * Residuals, each times the root of its weight; c and s are the sums of the cosines and sines of two neighbouring headings, d the
+ * step between the poses, l = (c dx + s dy)/2 the signed length of the step:
+ *   non-holonomic   c dy − s dx
+ *   speed           l − speed_max ΔT and −l − reverse_max ΔT, over the reference interval, where above 0
+ *   turn rate       |Δθ| − turn_rate_max ΔT, over the reference interval, where above 0
+ *   turn radius     radius_min |Δθ| − |l|, over the reference interval, where above 0
+ *   acceleration    |Δv|/ΔT − acceleration and |Δω|/ΔT − turn_acceleration, where above 0, from the start's to the goal's
+ *   obstacles       clearance − distance of the footprint, where above 0
+ *   path            distance from the path to be followed
+ *   time            ΔT
+ *   no reversing    −l over the reference interval, where above 0
+ *   odometry        first pose against the wheels' prediction and against the laser's measurement
+ * The Jacobians are analytic. The normal equations are banded, three blocks of 4 × 4 wide; a fixed number of
+ * Levenberg–Marquardt steps, each in O(n), solves them in the object's own memory.
+ *
+ * Single-precision floating point without fused operations: part of libjoulepath_float, for cores with an FPU. The sines are those of
+ * fixed.h, cached for each pose. Nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_TEB_H
+#define JOULEPATH_TEB_H
+
+#include <joulepath/obstacles.h>
+#include <joulepath/path.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define JP_TEB_POSES_MAX 50
+#define JP_TEB_POSES_MIN 3
+#define JP_TEB_NEAR_MAX  4 /**< obstacles that act on one pose: the nearest */
+
+/** Weights of the squared residuals; 0 or more. */
+struct jp_teb_weights {
+    float nonholonomic;
+    float speed;
+    float turn_rate;
+    float turn_radius;
+    float acceleration;
+    float turn_acceleration;
+    float obstacle;
+    float path;
+    float time;
+    float no_reversing; /**< 0: reversing is allowed */
+    float wheel_odometry; /**< of the first pose; 0 with laser_odometry 0: it is where the wheels say */
+    float laser_odometry;
+};
+
+struct jp_teb_config {
+    float speed_max;         /**< m/s; above 0 */
+    float reverse_max;       /**< m/s; above 0 */
+    float turn_rate_max;     /**< rad/s; above 0 */
+    float acceleration;      /**< m/s²; above 0 */
+    float turn_acceleration; /**< rad/s²; above 0 */
+    float radius_min;        /**< m; 0 or more */
+    struct jp_footprint footprint;
+    float clearance;  /**< wanted between footprint and obstacles, m; 0 or more */
+    float interval;   /**< ΔT_ref, s; above 0 */
+    float hysteresis; /**< ΔT_hyst, s; above 0, below the interval */
+    uint8_t rounds;   /**< of resizing and association of obstacles; 1…8 */
+    uint8_t steps;    /**< of Levenberg and Marquardt in a round; 1…16 */
+    struct jp_teb_weights weights;
+};
+
+/** Forward speed, m/s, and turn rate, rad/s. */
+struct jp_plane_speed {
+    float forward;
+    float turn_rate;
+};
+
+/** What is planned from and to. */
+struct jp_teb_task {
+    struct jp_plane_pose start;     /**< as the wheels say */
+    struct jp_plane_pose measured;  /**< as the laser says */
+    bool is_measured;               /**< false: dropped out or not to be trusted; the residual is left out */
+    struct jp_plane_speed speed;    /**< now */
+    struct jp_plane_pose goal;
+    bool is_heading_free;           /**< of the goal: any heading will do */
+    float goal_speed;               /**< m/s; 0…speed_max */
+    const struct jp_path_point *path; /**< to be followed, from near the start to the goal */
+    uint16_t path_count;              /**< 2 or more */
+};
+
+/** A pose of the band. */
+struct jp_teb_pose {
+    struct jp_plane_pose pose;
+    float cosine;
+    float sine;
+    float interval; /**< to the next pose, s */
+};
+
+/** What an optimisation did. */
+struct jp_teb_result {
+    struct jp_plane_pose start; /**< the first pose: wheels and laser together */
+    struct jp_plane_speed speed; /**< to drive at until the next cycle; 0 unless JP_OK */
+    float clearance;             /**< least distance of the band's footprints from obstacles, m */
+    float duration;              /**< s */
+    float cost;
+    uint16_t steps;              /**< taken */
+    uint16_t steps_rejected;
+};
+
+/** Rows of the normal equations: x, y, heading and interval of each pose. */
+#define JP_TEB_BLOCK 4
+#define JP_TEB_ROWS  (JP_TEB_BLOCK * JP_TEB_POSES_MAX)
+#define JP_TEB_BAND  (3 * JP_TEB_BLOCK)
+
+/** The members are private but for poses and count, which may be read. About 25 KiB. */
+struct jp_teb {
+    struct jp_teb_config config;
+    struct jp_teb_pose poses[JP_TEB_POSES_MAX];
+    uint8_t count; /**< 0: no band yet */
+
+    struct jp_teb_weights roots; /**< square roots of the weights, lengths over the reference interval */
+    struct jp_teb_task task;
+    const struct jp_obstacles *obstacles;
+    struct jp_teb_neighbours {
+        struct jp_plane_pose pose; /**< where they were found */
+        float distance[JP_TEB_NEAR_MAX]; /**< from there, ascending */
+        uint8_t shape[JP_TEB_NEAR_MAX];
+        uint8_t count;
+    } near[JP_TEB_POSES_MAX];
+    struct jp_teb_foot {
+        struct jp_plane_point point;  /**< of the path, nearest to the pose */
+        struct jp_plane_point normal; /**< of the path there */
+    } feet[JP_TEB_POSES_MAX];
+    struct jp_teb_equations {
+        float normal[JP_TEB_ROWS][JP_TEB_BAND]; /**< row i: columns from that of its block less two blocks */
+        float gradient[JP_TEB_ROWS];
+    } equations;
+    struct jp_teb_pose kept[JP_TEB_POSES_MAX]; /**< before the last step; so kept_equations */
+    struct jp_teb_equations kept_equations;
+    float damping;
+};
+
+/** Prepares a band without poses. JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_ARGUMENT: a null
+ *  pointer. */
+enum jp_status jp_teb_init(struct jp_teb *teb, const struct jp_teb_config *config, const char **field);
+
+/** Forgets the band: the next plan begins from the path. */
+void jp_teb_clear(struct jp_teb *teb);
+
+/**
+ * One cycle: the band of the last cycle, or the path where there is none, is cut to the task and optimised.
+ * JP_ERR_ARGUMENT: a null pointer, a value that is not finite, a path too short or a goal speed out of its range.
+ * JP_ERR_ZERO_LENGTH: start and goal are less than 1 mm apart.
+ * JP_ERR_BLOCKED: the start's footprint overlaps an obstacle. JP_ERR_INFEASIBLE: the band's does, or the optimisation gave
+ * something that is not finite. After these two the band is forgotten. 
+ * Work: rounds × steps × poses; counted in the README.
+ */
+enum jp_status jp_teb_plan(struct jp_teb *teb, const struct jp_teb_task *task, const struct jp_obstacles *obstacles,
+                           struct jp_teb_result *result);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,147 @@
+#include "four_wheel_file.h"
+
+#include <math.h>
+
+#include "error.h"
+#include "four_wheel_plant.h"
+#include "laser.h"
+
+#define DEGREES_PER_RADIAN (180 / M_PI)
+#define TURN_2_32          4294967296.0
+
+#define REAL(key, member, min, max, unit)                                                                              \
+    {                                                                                                                  \
+        key, offsetof(struct four_wheel_file, member), CONFIG_FIELD_REAL, min, max, unit                               \
+    }
+#define WHOLE(key, member, min, max, unit)                                                                             \
+    {                                                                                                                  \
+        key, offsetof(struct four_wheel_file, member), CONFIG_FIELD_WHOLE, min, max, unit                              \
+    }
+
+/* The core's formats hold every value (joulepath/four_wheel.h). */
+const struct config_field four_wheel_fields[] = {
+    REAL("body.length_m", body.length_m, 0.1, 4, "m"),
+    REAL("body.width_m", body.width_m, 0.1, 4, "m"),
+    REAL("body.wheelbase_m", body.wheelbase_m, 0.05, 4, "m"),
+    REAL("body.track_m", body.track_m, 0.05, 4, "m"),
+    REAL("body.mass_kg", body.mass_kg, 1, 1000, "kg"),
+    REAL("body.inertia_kg_m2", body.inertia_kg_m2, 0.01, 2000, "kg·m²"),
+    REAL("wheel.radius_m", wheel.radius_m, 0.02, 1, "m"),
+    REAL("wheel.inertia_kg_m2", wheel.inertia_kg_m2, 1e-4, 20, "kg·m²"),
+    REAL("steering.limit_deg", steering.limit_deg, 10, 120, "°"),
+    REAL("steering.rate_rad_s", steering.rate_rad_s, 0.1, 50, "rad/s"),
+    REAL("steering.time_constant_s", steering.time_constant_s, 0.005, 1, "s"),
+    REAL("steering.friction_nm", steering.friction_nm, 0, 100, "N·m"),
+    REAL("drive.speed_m_s", drive.speed_m_s, 0.01, 16, "m/s"),
+    REAL("drive.acceleration_m_s2", drive.acceleration_m_s2, 0.01, 20, "m/s²"),
+    REAL("drive.torque_nm", drive.torque_nm, 0.01, 1000, "N·m"),
+    REAL("drive.time_constant_s", drive.time_constant_s, 0.01, 2, "s"),
+    REAL("drive.friction_nm_s_per_rad", drive.friction_nm_s_per_rad, 0, 10, "N·m·s/rad"),
+    REAL("tyre.stiffness_n_s_per_m", tyre.stiffness_n_s_per_m, 10, 100000, "N·s/m"),
+    REAL("tyre.friction", tyre.friction, 0.05, 2, "1"),
+    REAL("tyre.rolling", tyre.rolling, 0, 0.2, "1"),
+    REAL("electronics.power_w", electronics.power_w, 0.01, 1000, "W"),
+    REAL("laser.x_m", laser.x_m, -4, 4, "m"),
+    REAL("laser.y_m", laser.y_m, -4, 4, "m"),
+    WHOLE("laser.beams", laser.beams, 8, LASER_BEAMS_MAX, "1"),
+    REAL("laser.field_deg", laser.field_deg, 10, 360, "°"),
+    REAL("laser.range_m", laser.range_m, 0.5, 100, "m"),
+    REAL("laser.noise_m", laser.noise_m, 0, 0.5, "m"),
+    REAL("laser.rate_hz", laser.rate_hz, 1, FOUR_WHEEL_RATE_HZ, "Hz"),
+    WHOLE("encoder.wheel_counts_per_turn", encoder.wheel_counts_per_turn, 16, 16777216, "1/turn"),
+    WHOLE("encoder.steering_counts_per_turn", encoder.steering_counts_per_turn, 360, 16777216, "1/turn"),
+};
+
+const size_t four_wheel_field_count = sizeof four_wheel_fields / sizeof four_wheel_fields[0];
+
+static bool check_steering(const char *path, const struct four_wheel_file *robot)
+{
+    const double in_place = atan(robot->body.wheelbase_m / robot->body.track_m) * DEGREES_PER_RADIAN;
+
+    if (robot->steering.limit_deg < in_place) {
+        error_line("%s: steering.limit_deg = %.4g: turning in place takes %.4g°, by body.wheelbase_m and body.track_m; "
+                   "correct one of them",
+                   path, robot->steering.limit_deg, in_place);
+        return false;
+    }
+    return true;
+}
+
+static bool check_drive(const char *path, const struct four_wheel_file *robot)
+{
+    const double spin = robot->wheel.inertia_kg_m2 / (robot->wheel.radius_m * robot->wheel.radius_m);
+    const double resistance = robot->tyre.rolling * robot->body.mass_kg * FOUR_WHEEL_GRAVITY / JP_WHEELS;
+    const double force =
+        (robot->body.mass_kg / JP_WHEELS + spin) * robot->drive.acceleration_m_s2 + resistance +
+        robot->drive.friction_nm_s_per_rad * robot->drive.speed_m_s / (robot->wheel.radius_m * robot->wheel.radius_m);
+    const double torque = force * robot->wheel.radius_m;
+
+    if (torque > robot->drive.torque_nm) {
+        error_line("%s: drive.torque_nm = %.4g: drive.acceleration_m_s2 = %.4g takes %.4g N·m; correct one of them",
+                   path, robot->drive.torque_nm, robot->drive.acceleration_m_s2, torque);
+        return false;
+    }
+    return true;
+}
+
+static bool check_footprint(const char *path, const struct four_wheel_file *robot)
+{
+    if (robot->body.wheelbase_m > robot->body.length_m || robot->body.track_m > robot->body.width_m) {
+        error_line(
+            "%s: body.wheelbase_m = %.4g, body.track_m = %.4g: wheels must stand within body.length_m = %.4g and "
+            "body.width_m = %.4g; correct one of them",
+            path, robot->body.wheelbase_m, robot->body.track_m, robot->body.length_m, robot->body.width_m);
+        return false;
+    }
+    return true;
+}
+
+static bool check_laser(const char *path, const struct four_wheel_file *robot)
+{
+    const double ticks = FOUR_WHEEL_RATE_HZ / robot->laser.rate_hz;
+
+    if (fabs(ticks - round(ticks)) > 1e-9 * ticks) {
+        error_line("%s: laser.rate_hz = %.10g: must divide the %d ticks of a second, such as 10; correct the value",
+                   path, robot->laser.rate_hz, FOUR_WHEEL_RATE_HZ);
+        return false;
+    }
+    return true;
+}
+
+static bool check_step(const char *path, const struct four_wheel_file *robot)
+{
+    const double rate = four_wheel_plant_damping_rate(robot);
+
+    if (rate * FOUR_WHEEL_STEP > FOUR_WHEEL_STEP_RATE_MAX) {
+        error_line("%s: tyre.stiffness_n_s_per_m = %.4g: with these masses slip dies out at %.4g/s, the simulator "
+                   "follows %.4g/s; lower it, or correct wheel.inertia_kg_m2",
+                   path, robot->tyre.stiffness_n_s_per_m, rate, FOUR_WHEEL_STEP_RATE_MAX / FOUR_WHEEL_STEP);
+        return false;
+    }
+    return true;
+}
+
+bool four_wheel_file_load(const char *path, struct four_wheel_file *robot)
+{
+    *robot = (struct four_wheel_file){0};
+    return config_fields_load(path, "four_wheel", four_wheel_fields, four_wheel_field_count, robot->name, robot) &&
+           check_footprint(path, robot) && check_steering(path, robot) && check_drive(path, robot) &&
+           check_laser(path, robot) && check_step(path, robot);
+}
+
+static jp_q24 to_q24(double value)
+{
+    return (jp_q24)lround(value * JP_Q24_ONE);
+}
+
+struct jp_four_wheel_config four_wheel_config(const struct four_wheel_file *robot)
+{
+    return (struct jp_four_wheel_config){
+        .wheelbase = to_q24(robot->body.wheelbase_m),
+        .track = to_q24(robot->body.track_m),
+        .steering_limit = (int32_t)lround(robot->steering.limit_deg / 360 * TURN_2_32),
+        .steering_step = (int32_t)lround(robot->steering.rate_rad_s / FOUR_WHEEL_RATE_HZ / (2 * M_PI) * TURN_2_32),
+        .speed_max = to_q24(robot->drive.speed_m_s),
+        .speed_step = to_q24(robot->drive.acceleration_m_s2 / FOUR_WHEEL_RATE_HZ),
+    };
+}

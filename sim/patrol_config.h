@@ -1,0 +1,25 @@
+/** The controller's configuration for a robot and a method. */
+#ifndef JOULEPATH_SIM_PATROL_CONFIG_H
+#define JOULEPATH_SIM_PATROL_CONFIG_H
+
+#include <joulepath/patrol.h>
+#include <joulepath/pure_pursuit.h>
+
+#include "four_wheel_file.h"
+
+/** Cycles in a second; each has FOUR_WHEEL_RATE_HZ / PATROL_CYCLE_HZ ticks. */
+#define PATROL_CYCLE_HZ 10
+
+enum patrol_method {
+    PATROL_IMPROVED, /**< improved TEB */
+    PATROL_PLAIN,    /**< the same band without turning in place, odometry residual and no-reversing term */
+    PATROL_PURSUIT,  /**< pure pursuit of the path, blind to obstacles */
+    PATROL_METHODS
+};
+
+/** For PATROL_PURSUIT as for PATROL_IMPROVED. */
+struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum patrol_method method);
+
+struct jp_pure_pursuit_config patrol_pursuit_config(const struct four_wheel_file *robot);
+
+#endif

@@ -1,0 +1,506 @@
+#include "patrol_mission.h"
+
+#include <joulepath/pure_pursuit.h>
+#include <stdlib.h>
+
+#include "four_wheel_plant.h"
+#include "patrol_path.h"
+#include "scan_match.h"
+
+#define TICK   (1.0 / FOUR_WHEEL_RATE_HZ)
+#define TICKS  (FOUR_WHEEL_RATE_HZ / PATROL_CYCLE_HZ)
+#define PERIOD (1.0 / PATROL_CYCLE_HZ)
+
+/* Slower than this is no motion in a direction, m/s. */
+#define MOTION_SPEED 0.03
+
+/* Arrived when the true pose is this near, m and rad. */
+#define TRUE_TOLERANCE      0.15
+#define TRUE_TURN_TOLERANCE (10 * M_PI / 180)
+
+/* A new path is looked for after so many cycles of waiting, at most so often. */
+#define REPLAN_WAIT 8
+#define REPLANS_MAX 6
+
+/* The robot comes to the goal straight from here where it cannot turn there, m. */
+static const double approaches[] = {0.6, 0.8, 1.0, 1.3, 1.6, 2.0};
+#define APPROACHES (sizeof approaches / sizeof approaches[0])
+
+/* Room that a turn in place should have, m: the most that there is. */
+static const double turn_margins[] = {0.10, 0.06, 0.03};
+#define TURN_MARGINS (sizeof turn_margins / sizeof turn_margins[0])
+
+#define APPROACH_MIN    0.5
+
+/* So near a path needs no map, m. */
+#define STRAIGHT_BELOW 0.15
+
+/* The goal is looked at so often, cycles. */
+#define WATCH_CYCLES 5
+#define TURN_STEPS   36
+
+const char *const patrol_method_names[PATROL_METHODS] = {"improved", "plain", "pursuit"};
+const char *const patrol_outcome_names[PATROL_OUTCOMES] = {"arrived", "missed the goal", "collided", "gave up",
+                                                           "late",    "no path"};
+const char *const patrol_reason_names[JP_PATROL_INFEASIBLE + 1] = {
+    "", "in collision", "no way", "no scan", "lost", "off the path", "stalled", "wheels infeasible"};
+const char *const patrol_state_names[JP_PATROL_STOPPED + 1] = {"held",    "turning", "driving", "stepping",
+                                                               "waiting", "arrived", "stopped"};
+
+struct mission {
+    const struct patrol_task *task;
+    struct patrol_world world;
+    struct four_wheel_plant plant;
+    struct laser_config laser;
+    struct laser_scan scan;
+    struct scan_matcher matcher;
+    struct random random;
+    struct patrol_planner *planner;
+    struct patrol_path path;
+    struct jp_patrol patrol;
+    struct jp_four_wheel_config wheels_config;
+    struct jp_wheels wheels; /* asked of the plant */
+    struct jp_twist twist;
+    struct planar_pose odometry; /* of the wheels */
+    struct planar_pose last_odometry;
+    struct jp_plane_speed speed; /* as the wheels say */
+    struct jp_pure_pursuit pursuit;
+    bool is_pursuing;
+    bool has_approach; /* the path leads to where the robot turns into the goal */
+    struct planar_pose approach;
+    bool is_last_leg; /* straight into the goal */
+    bool is_pausing;  /* to plan anew */
+    unsigned waited;
+    int direction;
+    double time;
+    struct patrol_result *result;
+};
+
+static struct planar_pose to_planar(const struct jp_plane_pose *pose)
+{
+    return (struct planar_pose){(double)pose->x, (double)pose->y, (double)pose->heading};
+}
+
+static struct jp_plane_pose to_plane(const struct planar_pose *pose)
+{
+    return (struct jp_plane_pose){(float)pose->x, (float)pose->y, (float)pose->heading};
+}
+
+/* ---- Paths ---- */
+
+static bool can_turn_at(const struct mission *m, struct planar_pose pose, double margin)
+{
+    for (int i = 0; i < TURN_STEPS; i++) {
+        pose.heading = 2 * M_PI * i / TURN_STEPS;
+        if (!patrol_planner_fits(m->planner, &pose, margin)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool is_straight_free(const struct mission *m, const struct planar_pose *goal, double length)
+{
+    for (double back = 0; back < length; back += 0.05) {
+        const struct planar_pose behind = {-back, 0, 0};
+        const struct planar_pose pose = planar_compose(goal, &behind);
+
+        if (!patrol_planner_fits(m->planner, &pose, 0.02)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool find_approach(struct mission *m, const struct planar_pose *goal, double margin)
+{
+    for (size_t i = 0; i < APPROACHES; i++) {
+        const struct planar_pose behind = {-approaches[i], 0, 0};
+
+        m->approach = planar_compose(goal, &behind);
+        if (can_turn_at(m, m->approach, margin) && is_straight_free(m, goal, approaches[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Where the robot cannot turn at the goal it turns before, and drives straight in. */
+static bool choose_approach(struct mission *m, const struct planar_pose *goal)
+{
+    if (m->task->method != PATROL_IMPROVED) {
+        return false;
+    }
+    for (size_t i = 0; i < TURN_MARGINS; i++) {
+        if (can_turn_at(m, *goal, turn_margins[i])) {
+            return false;
+        }
+        if (find_approach(m, goal, turn_margins[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static struct planar_pose believed_pose(const struct mission *m)
+{
+    return to_planar(&m->patrol.pose);
+}
+
+static bool follow_to(struct mission *m, const struct planar_pose *target)
+{
+    const struct planar_pose from = believed_pose(m);
+    const struct jp_patrol_goal goal = {to_plane(target), false};
+
+    if (!patrol_planner_find(m->planner, &(struct planar_point){from.x, from.y},
+                             &(struct planar_point){target->x, target->y}, &m->path)) {
+        return false;
+    }
+    return jp_patrol_follow(&m->patrol, m->path.points, (uint16_t)m->path.count, &goal) == JP_OK;
+}
+
+/* Straight from the approach into the goal. */
+static bool follow_straight(struct mission *m, const struct planar_pose *target)
+{
+    const struct planar_pose from = believed_pose(m);
+    const double length = hypot(target->x - from.x, target->y - from.y);
+    const struct jp_patrol_goal goal = {to_plane(target), false};
+    const size_t count = (size_t)ceil(length / PATROL_PATH_SPACING) + 1;
+
+    for (size_t i = 0; i < count; i++) {
+        const double share = (double)i / (double)(count - 1);
+
+        m->path.points[i] =
+            (struct jp_path_point){(jp_q16)lround((from.x + share * (target->x - from.x)) * JP_Q16_ONE),
+                                   (jp_q16)lround((from.y + share * (target->y - from.y)) * JP_Q16_ONE)};
+    }
+    m->path.count = count;
+    return jp_patrol_follow(&m->patrol, m->path.points, (uint16_t)count, &goal) == JP_OK;
+}
+
+static bool plan_route(struct mission *m)
+{
+    const struct planar_pose goal = to_planar(&m->task->scene->goal);
+
+    m->is_last_leg = false;
+    m->is_pausing = false;
+    m->has_approach = choose_approach(m, &goal);
+
+    const struct planar_pose *const target = m->has_approach ? &m->approach : &goal;
+    const struct planar_pose from = believed_pose(m);
+
+    return hypot(target->x - from.x, target->y - from.y) < STRAIGHT_BELOW ? follow_straight(m, target)
+                                                                         : follow_to(m, target);
+}
+
+/* ---- Sensors ---- */
+
+static struct planar_pose scanner_on_robot(const struct mission *m)
+{
+    return (struct planar_pose){m->task->robot->laser.x_m, m->task->robot->laser.y_m, 0};
+}
+
+static bool is_scan_missing(const struct mission *m)
+{
+    return m->time >= m->task->faults.scan_dropout_from && m->time < m->task->faults.scan_dropout_until;
+}
+
+/* Takes a scan and matches it; false without a pose to trust. */
+static bool sense(struct mission *m, struct jp_plane_pose *laser_pose)
+{
+    const struct planar_pose mount = scanner_on_robot(m);
+    const struct planar_pose scanner = planar_compose(&m->plant.state.pose, &mount);
+    const struct planar_pose motion = planar_between(&m->last_odometry, &m->odometry);
+    const struct planar_pose back = planar_between(&mount, &(struct planar_pose){0, 0, 0});
+    struct scan_match_result match;
+
+    laser_take(&m->laser, &m->world.map, m->world.shapes, m->world.shape_count, &scanner, &m->random, &m->scan);
+    scan_match_next(&m->matcher, &m->scan, &motion, &match);
+    m->last_odometry = m->odometry;
+
+    struct planar_pose pose = planar_compose(&match.pose, &back);
+
+    if (m->task->faults.jump_at >= 0 && m->time >= m->task->faults.jump_at) {
+        pose.x += m->task->faults.jump_m;
+    }
+    *laser_pose = to_plane(&pose);
+    return match.status == SCAN_MATCH_OK;
+}
+
+static void fill_input(struct mission *m, struct jp_patrol_input *input)
+{
+    const struct planar_pose mount = scanner_on_robot(m);
+
+    *input = (struct jp_patrol_input){.wheels = to_plane(&m->odometry), .speed = m->speed, .sensor = to_plane(&mount)};
+    if (!is_scan_missing(m)) {
+        input->has_laser = sense(m, &input->laser);
+        input->scan =
+            (struct jp_scan){m->scan.ranges, (uint16_t)m->scan.beams, (float)m->scan.first, (float)m->scan.step};
+    }
+}
+
+/* ---- Control ---- */
+
+static void integrate_odometry(struct mission *m)
+{
+    struct jp_twist twist;
+    jp_q24 slip;
+
+    jp_four_wheel_forward(&m->wheels_config, &m->plant.measured, &twist, &slip);
+
+    const double x = (double)twist.x / JP_Q24_ONE * TICK;
+    const double y = (double)twist.y / JP_Q24_ONE * TICK;
+    const double turn = (double)twist.turn_rate / JP_Q24_ONE * TICK;
+    const struct planar_pose half = {0, 0, turn / 2};
+    const struct planar_pose along = {x, y, turn / 2};
+    const struct planar_pose middle = planar_compose(&m->odometry, &half);
+
+    m->odometry = planar_compose(&middle, &along);
+    m->speed = (struct jp_plane_speed){(float)twist.x / (float)JP_Q24_ONE, (float)twist.turn_rate / (float)JP_Q24_ONE};
+}
+
+static void drive_ticks(struct mission *m)
+{
+    for (int i = 0; i < TICKS; i++) {
+        enum jp_steering steering;
+        const double x = m->plant.state.pose.x;
+        const double y = m->plant.state.pose.y;
+
+        (void)jp_four_wheel_tick(&m->wheels_config, &m->twist, &m->wheels, &steering);
+        four_wheel_plant_tick(&m->plant, &m->wheels);
+        patrol_world_step(&m->world, &m->plant.state.pose, TICK);
+        integrate_odometry(m);
+        m->result->length += hypot(m->plant.state.pose.x - x, m->plant.state.pose.y - y);
+        m->result->reversed += m->plant.state.forward < -MOTION_SPEED ? -m->plant.state.forward * TICK : 0;
+    }
+    m->time += PERIOD;
+}
+
+static void count_directions(struct mission *m)
+{
+    const double speed = m->plant.state.forward;
+    const int direction = speed > MOTION_SPEED ? 1 : speed < -MOTION_SPEED ? -1 : 0;
+
+    if (direction != 0) {
+        m->result->direction_changes += m->direction != 0 && direction != m->direction;
+        m->direction = direction;
+    }
+}
+
+/* The last of the path by pure pursuit; TEB's states tell how it is. */
+static void pursue(struct mission *m)
+{
+    const struct jp_path_point position = {(jp_q16)((double)m->patrol.pose.x * JP_Q16_ONE),
+                                           (jp_q16)((double)m->patrol.pose.y * JP_Q16_ONE)};
+    const jp_angle heading = (jp_angle)(int64_t)llround((double)m->patrol.pose.heading / (2 * M_PI) * 4294967296.0);
+    const enum jp_status status =
+        jp_pure_pursuit_tick(&m->pursuit, &position, heading, (jp_q24)((double)m->speed.forward * JP_Q24_ONE),
+                             (jp_q24)(PERIOD * JP_Q24_ONE), &m->twist);
+
+    m->is_pursuing = status == JP_OK;
+}
+
+static void mark_scan(struct mission *m)
+{
+    const struct planar_pose pose = believed_pose(m);
+    const struct planar_pose mount = scanner_on_robot(m);
+    const struct planar_pose scanner = planar_compose(&pose, &mount);
+
+    patrol_planner_mark(m->planner, &m->scan, &scanner);
+}
+
+static void replan(struct mission *m)
+{
+    m->waited = 0;
+    m->result->replans++;
+    mark_scan(m);
+    (void)plan_route(m);
+}
+
+/* What the laser has seen since may leave no room to turn at the goal. */
+static void watch_goal(struct mission *m)
+{
+    const struct planar_pose pose = believed_pose(m);
+    const struct planar_pose goal = to_planar(&m->task->scene->goal);
+    const bool is_far = hypot(goal.x - pose.x, goal.y - pose.y) > APPROACH_MIN;
+
+    mark_scan(m);
+    if (m->patrol.state == JP_PATROL_DRIVING && is_far && !m->has_approach && !m->is_last_leg && !m->is_pausing &&
+        choose_approach(m, &goal)) {
+        jp_patrol_pause(&m->patrol);
+        m->is_pausing = true;
+    }
+}
+
+static bool needs_path(const struct mission *m)
+{
+    const enum jp_patrol_reason reason = m->patrol.reason;
+    const bool is_stuck = m->patrol.state == JP_PATROL_WAITING || m->patrol.state == JP_PATROL_STOPPED;
+
+    return is_stuck && (reason == JP_PATROL_NO_WAY || reason == JP_PATROL_OFF_PATH || reason == JP_PATROL_STALLED) &&
+           m->result->replans < REPLANS_MAX;
+}
+
+static void control(struct mission *m)
+{
+    struct jp_patrol_input input;
+
+    fill_input(m, &input);
+    (void)jp_patrol_cycle(&m->patrol, &input, &m->twist);
+    if (m->task->method == PATROL_PURSUIT) {
+        pursue(m);
+        return;
+    }
+    if (m->is_pausing && (m->patrol.state == JP_PATROL_ARRIVED || m->patrol.state == JP_PATROL_HELD)) {
+        (void)plan_route(m);
+    } else if (m->patrol.state == JP_PATROL_ARRIVED && m->has_approach) {
+        const struct planar_pose goal = to_planar(&m->task->scene->goal);
+
+        m->has_approach = false;
+        m->is_last_leg = true;
+        (void)follow_straight(m, &goal);
+    } else if (needs_path(m) && ++m->waited > REPLAN_WAIT) {
+        replan(m);
+    } else if (m->patrol.counts.cycles % WATCH_CYCLES == 0) {
+        watch_goal(m);
+    }
+}
+
+/* ---- The end ---- */
+
+static bool is_over(const struct mission *m)
+{
+    if (m->world.first_touch != PATROL_TOUCH_NONE || m->time >= m->task->scene->limit_s) {
+        return true;
+    }
+    if (m->task->method == PATROL_PURSUIT) {
+        return !m->is_pursuing;
+    }
+    return m->patrol.state == JP_PATROL_ARRIVED || (m->patrol.state == JP_PATROL_STOPPED && !needs_path(m));
+}
+
+static enum patrol_outcome outcome_of(const struct mission *m)
+{
+    const bool is_near = m->result->position_error <= TRUE_TOLERANCE &&
+                         (m->result->heading_error <= TRUE_TURN_TOLERANCE || m->task->method == PATROL_PURSUIT);
+
+    if (m->world.first_touch != PATROL_TOUCH_NONE) {
+        return PATROL_COLLIDED;
+    }
+    if (m->task->method != PATROL_PURSUIT && m->patrol.state == JP_PATROL_STOPPED) {
+        return PATROL_GAVE_UP;
+    }
+    if (m->time >= m->task->scene->limit_s) {
+        return PATROL_LATE;
+    }
+    return is_near ? PATROL_ARRIVED : PATROL_MISSED;
+}
+
+/* Of motors and electronics. */
+static double energy_of(const struct mission *m)
+{
+    return m->plant.ledger.drive + m->plant.ledger.steering + m->task->robot->electronics.power_w * m->time;
+}
+
+static void judge(struct mission *m)
+{
+    const struct planar_pose goal = to_planar(&m->task->scene->goal);
+    const struct planar_pose believed = believed_pose(m);
+    const struct planar_pose *const pose = &m->plant.state.pose;
+    struct patrol_result *const result = m->result;
+
+    result->time = m->time;
+    result->energy_j = energy_of(m);
+    result->clearance_min = m->world.distance_min;
+    result->position_error = hypot(pose->x - goal.x, pose->y - goal.y);
+    result->heading_error = fabs(planar_wrap(pose->heading - goal.heading));
+    result->odometry_error = hypot(pose->x - believed.x, pose->y - believed.y);
+    result->counts = m->patrol.counts;
+    result->outcome = outcome_of(m);
+    result->reason = m->patrol.reason;
+}
+
+static void show(const struct mission *m)
+{
+    if (m->task->observe != NULL) {
+        const struct patrol_view view = {
+            .time = m->time,
+            .true_pose = to_plane(&m->plant.state.pose),
+            .true_speed = {(float)m->plant.state.forward, (float)m->plant.state.turn_rate},
+            .patrol = &m->patrol,
+            .world = &m->world,
+            .path = m->path.points,
+            .path_count = m->path.count,
+            .clearance = patrol_world_distance(&m->world, PATROL_DISTANCE_MAX),
+            .energy_j = energy_of(m),
+        };
+
+        m->task->observe(m->task->context, &view);
+    }
+}
+
+/* ---- A mission ---- */
+
+static void set_up_world(struct mission *m)
+{
+    const struct four_wheel_file *const robot = m->task->robot;
+    const struct planar_pose start = to_planar(&m->task->scene->start);
+
+    (void)patrol_world_init(&m->world, &m->task->scene->ground, robot->body.length_m, robot->body.width_m, &start);
+    for (size_t i = 0; i < m->task->scene->mover_count; i++) {
+        (void)patrol_world_add(&m->world, &m->task->scene->movers[i]);
+    }
+    four_wheel_plant_init(&m->plant, robot, &start);
+    m->laser = laser_config_of(robot->laser.beams, robot->laser.field_deg * M_PI / 180, robot->laser.range_m,
+                               robot->laser.noise_m);
+    m->laser.dropout = m->task->faults.beam_dropout;
+    random_init(&m->random, m->task->seed);
+
+    const struct planar_pose mount = scanner_on_robot(m);
+    const struct planar_pose scanner = planar_compose(&start, &mount);
+
+    scan_match_init(&m->matcher, &scanner);
+    m->odometry = start;
+    m->last_odometry = start;
+}
+
+static bool set_up_controller(struct mission *m)
+{
+    const struct jp_patrol_config config = patrol_config(m->task->robot, m->task->method);
+    const struct jp_pure_pursuit_config pursuit = patrol_pursuit_config(m->task->robot);
+    const char *field;
+
+    m->wheels_config = four_wheel_config(m->task->robot);
+    m->planner = patrol_planner_new(&m->task->scene->map, m->task->robot);
+    if (jp_patrol_init(&m->patrol, &config, &field) != JP_OK ||
+        jp_patrol_set_pose(&m->patrol, &m->task->scene->start) != JP_OK || !plan_route(m)) {
+        return false;
+    }
+    m->is_pursuing = true;
+    return jp_pure_pursuit_init(&m->pursuit, &pursuit, &field) == JP_OK &&
+           jp_pure_pursuit_follow(&m->pursuit, m->path.points, m->path.count) == JP_OK;
+}
+
+void patrol_mission_run(const struct patrol_task *task, struct patrol_result *result)
+{
+    struct mission *const m = calloc(1, sizeof *m);
+
+    m->task = task;
+    m->result = result;
+    *result = (struct patrol_result){.outcome = PATROL_NO_PATH};
+    set_up_world(m);
+    if (set_up_controller(m)) {
+        result->path_length = m->path.length;
+        result->planner = m->path.counts;
+        while (!is_over(m)) {
+            control(m);
+            show(m);
+            drive_ticks(m);
+            count_directions(m);
+        }
+        judge(m);
+    }
+    patrol_planner_free(m->planner);
+    patrol_world_free(&m->world);
+    free(m);
+}

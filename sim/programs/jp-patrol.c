@@ -1,0 +1,365 @@
+/* Drives the patrol robot through a scene, or over a map of others, by several methods and compares them. */
+#include <argp.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../clearance.h"
+#include "../error.h"
+#include "../output.h"
+#include "../patrol_report.h"
+
+/** Exit code when the outputs were written but the robot did not arrive. */
+#define NOT_ARRIVED_EXIT 1
+
+#define ROBOT_PATH "sim/robots/patrol.cfg"
+#define DEGREES    (180 / M_PI)
+#define ALL        PATROL_METHODS
+
+struct arguments {
+    enum patrol_scene_kind kind; /* PATROL_SCENES: none */
+    uint64_t seed;
+    enum patrol_method method; /* ALL: every one */
+    const char *map_path;
+    struct planar_pose start;
+    struct planar_pose goal;
+    bool has_start;
+    bool has_goal;
+    const char *robot_path;
+    struct patrol_faults faults;
+    const char *output;
+};
+
+/* ---- Command line ---- */
+
+/* Reads "1,2,3". */
+static bool read_numbers(const char *text, double *numbers, unsigned count)
+{
+    const char *rest = text;
+
+    for (unsigned i = 0; i < count; i++) {
+        char *end;
+        numbers[i] = strtod(rest, &end);
+        if (end == rest || !isfinite(numbers[i]) || *end != (i + 1 < count ? ',' : '\0')) {
+            return false;
+        }
+        rest = end + 1;
+    }
+    return true;
+}
+
+static unsigned find_name(const char *name, const char *const *names, unsigned count)
+{
+    unsigned i = 0;
+
+    while (i < count && strcmp(name, names[i]) != 0) {
+        i++;
+    }
+    return i;
+}
+
+static void parse_scene(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    if (arguments->kind != PATROL_SCENES) {
+        argp_error(state, "one scene only, not also %s", text);
+    }
+    arguments->kind = (enum patrol_scene_kind)find_name(text, patrol_scene_names, PATROL_SCENES);
+    if (arguments->kind == PATROL_SCENES) {
+        argp_error(state, "%s: no such scene; see --help", text);
+    }
+}
+
+static void parse_method(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    arguments->method = (enum patrol_method)find_name(text, patrol_method_names, PATROL_METHODS);
+    if (arguments->method == ALL && strcmp(text, "all") != 0) {
+        argp_error(state, "--method %s: must be improved, plain, pursuit or all", text);
+    }
+}
+
+static void parse_seed(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    char *end;
+
+    errno = 0;
+    arguments->seed = strtoull(text, &end, 10);
+    if (end == text || *end != '\0' || text[0] == '-' || errno != 0 || arguments->seed > INT64_MAX) {
+        argp_error(state, "--seed %s: must be a whole number from 0 to 2^63 - 1", text);
+    }
+}
+
+static void parse_place(const char *option, const char *text, struct planar_pose *place, struct argp_state *state)
+{
+    double numbers[3] = {0};
+
+    if (!read_numbers(text, numbers, 3)) {
+        argp_error(state, "%s %s: must be X,Y,DEGREES", option, text);
+    }
+    *place = (struct planar_pose){numbers[0], numbers[1], numbers[2] / DEGREES};
+}
+
+static void parse_beam_dropout(struct patrol_faults *faults, const char *text, struct argp_state *state)
+{
+    if (!read_numbers(text, &faults->beam_dropout, 1) || faults->beam_dropout < 0 || faults->beam_dropout > 1) {
+        argp_error(state, "--beam-dropout %s: must be a share from 0 to 1", text);
+    }
+}
+
+static void parse_scan_dropout(struct patrol_faults *faults, const char *text, struct argp_state *state)
+{
+    double numbers[2] = {0};
+
+    if (!read_numbers(text, numbers, 2) || numbers[0] < 0 || numbers[1] < numbers[0]) {
+        argp_error(state, "--scan-dropout %s: must be FROM,UNTIL, in s", text);
+    }
+    faults->scan_dropout_from = numbers[0];
+    faults->scan_dropout_until = numbers[1];
+}
+
+static void parse_jump(struct patrol_faults *faults, const char *text, struct argp_state *state)
+{
+    double numbers[2] = {0};
+
+    if (!read_numbers(text, numbers, 2) || numbers[0] < 0) {
+        argp_error(state, "--jump %s: must be AT,METRES, from 0 s on", text);
+    }
+    faults->jump_at = numbers[0];
+    faults->jump_m = numbers[1];
+}
+
+static void check(const struct arguments *arguments, struct argp_state *state)
+{
+    const bool has_map = arguments->map_path != NULL;
+
+    if (arguments->output == NULL || (arguments->kind != PATROL_SCENES) == has_map) {
+        argp_error(state, "a scene or --map, not both, and --output are needed");
+    }
+    if (arguments->has_start != has_map || arguments->has_goal != has_map) {
+        argp_error(state, "--map, --start and --goal belong together");
+    }
+}
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct arguments *arguments = state->input;
+
+    switch (key) {
+    case 'n':
+        parse_seed(arguments, argument, state);
+        return 0;
+    case 'e':
+        parse_method(arguments, argument, state);
+        return 0;
+    case 'm':
+        arguments->map_path = argument;
+        return 0;
+    case 's':
+        parse_place("--start", argument, &arguments->start, state);
+        arguments->has_start = true;
+        return 0;
+    case 'g':
+        parse_place("--goal", argument, &arguments->goal, state);
+        arguments->has_goal = true;
+        return 0;
+    case 'r':
+        arguments->robot_path = argument;
+        return 0;
+    case 'b':
+        parse_beam_dropout(&arguments->faults, argument, state);
+        return 0;
+    case 'd':
+        parse_scan_dropout(&arguments->faults, argument, state);
+        return 0;
+    case 'j':
+        parse_jump(&arguments->faults, argument, state);
+        return 0;
+    case 'o':
+        arguments->output = argument;
+        return 0;
+    case ARGP_KEY_ARG:
+        parse_scene(arguments, argument, state);
+        return 0;
+    case ARGP_KEY_END:
+        check(arguments, state);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* ---- Scene ---- */
+
+static bool is_on_map(const struct jp_terrain *map, const struct jp_plane_pose *pose)
+{
+    const double cell = (double)map->config.resolution / JP_Q16_ONE;
+
+    return pose->x >= 0 && (double)pose->x < map->config.width * cell && pose->y >= 0 &&
+           (double)pose->y < map->config.height * cell;
+}
+
+static bool is_place_free(const struct patrol_scene *scene, const struct four_wheel_file *robot, const char *option,
+                          const struct jp_plane_pose *pose)
+{
+    const struct clearance_robot shape = {robot->body.length_m, robot->body.width_m, 0};
+    const struct clearance_pose place = {(double)pose->x, (double)pose->y, (double)pose->heading};
+
+    if (!is_on_map(&scene->ground, pose)) {
+        error_line("%s: outside the map; give a place inside", option);
+        return false;
+    }
+    if (!clearance_at(&scene->ground, &shape, &place)) {
+        error_line("%s: the robot does not fit there: %.2f, %.2f m from the map's south-west corner touches what is "
+                   "not free; give another place",
+                   option, place.x, place.y);
+        return false;
+    }
+    return true;
+}
+
+/* *scene is to be freed either way. */
+static bool find_scene(const struct arguments *arguments, const struct four_wheel_file *robot,
+                       struct patrol_scene *scene)
+{
+    if (arguments->map_path == NULL) {
+        patrol_scene_make(arguments->kind, arguments->seed, scene);
+        return true;
+    }
+    return patrol_scene_load(arguments->map_path, &arguments->start, &arguments->goal, scene) &&
+           is_place_free(scene, robot, "--start", &scene->start) && is_place_free(scene, robot, "--goal", &scene->goal);
+}
+
+/* ---- Drives ---- */
+
+/** The logs and the summary. */
+struct files {
+    struct output outputs[PATROL_METHODS + 1];
+    size_t count;
+};
+
+static FILE *open_log(struct files *files, const char *directory, enum patrol_method method)
+{
+    struct output *output = &files->outputs[files->count];
+
+    if (!output_open(output, directory, patrol_report_log(method))) {
+        return NULL;
+    }
+    files->count++;
+    return output->stream;
+}
+
+static bool drive(struct patrol_report *report, enum patrol_method method, FILE *log)
+{
+    struct patrol_run *run = &report->runs[report->run_count];
+    const struct patrol_task task = {.robot = report->robot,
+                                     .scene = report->scene,
+                                     .method = method,
+                                     .seed = report->seed,
+                                     .faults = report->faults,
+                                     .observe = patrol_record_observe,
+                                     .context = &run->record};
+
+    if (log == NULL) {
+        return false;
+    }
+    run->method = method;
+    patrol_record_init(&run->record, log);
+    report->run_count++;
+    patrol_mission_run(&task, &run->result);
+    return true;
+}
+
+static bool drive_all(const struct arguments *arguments, struct patrol_report *report, struct files *files)
+{
+    for (enum patrol_method method = 0; method < PATROL_METHODS; method++) {
+        const bool is_asked_for = arguments->method == ALL || arguments->method == method;
+        if (is_asked_for && !drive(report, method, open_log(files, arguments->output, method))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool write_summary(const struct patrol_report *report, const char *directory, struct files *files)
+{
+    if (!output_open_json(&files->outputs[files->count], directory, "summary.json", patrol_report_json(report))) {
+        return false;
+    }
+    files->count++;
+    return true;
+}
+
+/* Exit status. */
+static int drive_and_write(const struct arguments *arguments, struct patrol_report *report)
+{
+    struct files files = {.count = 0};
+
+    if (!output_directory(arguments->output)) {
+        return ERROR_EXIT;
+    }
+    if (!drive_all(arguments, report, &files) || !write_summary(report, arguments->output, &files)) {
+        output_discard(files.outputs, files.count);
+        return ERROR_EXIT;
+    }
+    patrol_report_print(report);
+    if (!output_commit(files.outputs, files.count)) {
+        return ERROR_EXIT;
+    }
+    return report->runs[0].result.outcome == PATROL_ARRIVED ? EXIT_SUCCESS : NOT_ARRIVED_EXIT;
+}
+
+static int patrol(const struct arguments *arguments, const struct four_wheel_file *robot)
+{
+    static struct patrol_report report;
+    struct patrol_scene scene = {.block = NULL};
+    int status = ERROR_EXIT;
+
+    if (find_scene(arguments, robot, &scene)) {
+        report = (struct patrol_report){.robot = robot,
+                                        .scene = &scene,
+                                        .map_path = arguments->map_path,
+                                        .seed = arguments->seed,
+                                        .faults = arguments->faults};
+        status = drive_and_write(arguments, &report);
+    }
+    for (size_t i = 0; i < report.run_count; i++) {
+        patrol_record_free(&report.runs[i].record);
+    }
+    patrol_scene_free(&scene);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"seed", 'n', "N", 0, "of the scene and of the noise (default: 1)", 0},
+        {"method", 'e', "METHOD", 0, "improved, plain, pursuit or all (default)", 0},
+        {"map", 'm', "MAP.json", 0, "drive over this map (tools/import_map.py) instead of a scene", 0},
+        {"start", 's', "X,Y,DEG", 0, "on that map, m in its frame", 0},
+        {"goal", 'g', "X,Y,DEG", 0, "likewise", 0},
+        {"robot", 'r', "ROBOT.cfg", 0, "the robot's file (default: " ROBOT_PATH ")", 0},
+        {"beam-dropout", 'b', "SHARE", 0, "this share of the laser's beams has no echo", 0},
+        {"scan-dropout", 'd', "FROM,UNTIL", 0, "no scans in this time, s", 0},
+        {"jump", 'j', "AT,METRES", 0, "the laser's pose jumps so far at this time, s", 0},
+        {"output", 'o', "DIR", 0, "where summary.json and the logs go", 0},
+        {0},
+    };
+    static const struct argp argp = {
+        options,
+        parse_option,
+        "SCENE\n--map=MAP.json --start=X,Y,DEG --goal=X,Y,DEG",
+        "Drives the patrol robot through a scene by the improved and the plain timed elastic band and by pure pursuit, "
+        "and compares them. Scenes: beside-obstacle, l-passage, corridor, doorway, pedestrian, warehouse.\v"
+        "Exit status: 0 the robot arrived by the first method; 1 it did not: the outputs say why; 2 bad input, nothing "
+        "was written.",
+        NULL,
+        NULL,
+        NULL};
+    static struct four_wheel_file robot;
+    struct arguments arguments = {
+        .kind = PATROL_SCENES, .seed = 1, .method = ALL, .robot_path = ROBOT_PATH, .faults.jump_at = -1};
+
+    argp_err_exit_status = ERROR_EXIT;
+    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    return four_wheel_file_load(arguments.robot_path, &robot) ? patrol(&arguments, &robot) : ERROR_EXIT;
+}

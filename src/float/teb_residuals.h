@@ -1,0 +1,11 @@
+/** Residuals of the band and their analytic derivatives. Private to the TEB. */
+#ifndef JOULEPATH_TEB_RESIDUALS_H
+#define JOULEPATH_TEB_RESIDUALS_H
+
+#include <joulepath/teb.h>
+
+/** Sums up the normal equations of the band, in which what may not move is fixed. Half the sum of squares of all
+ *  residuals. */
+float jp_teb_linearise(struct jp_teb *teb);
+
+#endif

@@ -1,0 +1,324 @@
+/* Every way that a four-wheel robot file can be wrong: one clear line on stderr that names the file and the culprit. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "../../sim/four_wheel_file.h"
+#include "unity.h"
+
+#define TEXT_MAX 16384
+
+static char folder[] = "/tmp/fault_four_wheel.XXXXXX";
+static char path[64];
+static char errors_path[64];
+static char errors[4096];
+static char sound[TEXT_MAX];
+static struct four_wheel_file robot;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* libconfig loses the text of a string without an end. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void)
+{
+    return "leak:libconfig";
+}
+
+static void write_file(const char *text, size_t size)
+{
+    (void)remove(path);
+    FILE *file = fopen(path, "wb");
+    TEST_ASSERT_NOT_NULL(file);
+    TEST_ASSERT_TRUE(fwrite(text, 1, size, file) == size);
+    TEST_ASSERT_TRUE(fclose(file) == 0);
+}
+
+static void read_file(const char *name, char *text, size_t size)
+{
+    FILE *file = fopen(name, "rb");
+    TEST_ASSERT_NOT_NULL(file);
+    const size_t length = fread(text, 1, size - 1, file);
+    text[length] = '\0';
+    (void)fclose(file);
+}
+
+/* Loads a file and keeps what it says on stderr. */
+static bool load(const char *name)
+{
+    (void)fflush(stderr);
+    const int saved = dup(STDERR_FILENO);
+    (void)remove(errors_path);
+    FILE *capture = fopen(errors_path, "wb");
+    TEST_ASSERT_NOT_NULL(capture);
+    (void)dup2(fileno(capture), STDERR_FILENO);
+    const bool loaded = four_wheel_file_load(name, &robot);
+    (void)fflush(stderr);
+    (void)dup2(saved, STDERR_FILENO);
+    (void)close(saved);
+    (void)fclose(capture);
+    read_file(errors_path, errors, sizeof errors);
+    return loaded;
+}
+
+static void check_refused(const char *name, const char *culprit)
+{
+    TEST_ASSERT_FALSE_MESSAGE(load(name), culprit);
+    const char *end = strchr(errors, '\n');
+    TEST_ASSERT_TRUE_MESSAGE(strncmp(errors, name, strlen(name)) == 0, errors);
+    TEST_ASSERT_TRUE_MESSAGE(end != NULL && end[1] == '\0', errors);
+    TEST_ASSERT_TRUE_MESSAGE(strstr(errors, culprit) != NULL, errors);
+}
+
+static void replace(const char *start, const char *end, const char *by)
+{
+    char text[TEXT_MAX + 256];
+    const int length = snprintf(text, sizeof text, "%.*s%s%s", (int)(start - sound), sound, by, end);
+    TEST_ASSERT_TRUE(length > 0 && (size_t)length < sizeof text);
+    write_file(text, (size_t)length);
+}
+
+/* The sound file with the line that sets `key` (group.name) replaced; `line` may be "". */
+static void write_with_line(const char *key, const char *line)
+{
+    char group[64];
+    char name[64];
+    const char *dot = strchr(key, '.');
+    (void)snprintf(group, sizeof group, "\n%.*s: {", (int)(dot - key), key);
+    (void)snprintf(name, sizeof name, " %s = ", dot + 1);
+    const char *start = strstr(sound, group);
+    TEST_ASSERT_NOT_NULL_MESSAGE(start, key);
+    start = strstr(start, name);
+    TEST_ASSERT_NOT_NULL_MESSAGE(start, key);
+    replace(start, strchr(start, '\n'), line);
+}
+
+static void write_with_value(const char *key, const char *value)
+{
+    char line[128];
+    (void)snprintf(line, sizeof line, " %s = %s;", strchr(key, '.') + 1, value);
+    write_with_line(key, line);
+}
+
+/* The sound file with one of its first lines, `name = "patrol";` or the type, replaced. */
+static void write_with_head(const char *start_of_line, const char *line)
+{
+    const char *start = strstr(sound, start_of_line);
+    TEST_ASSERT_NOT_NULL_MESSAGE(start, start_of_line);
+    replace(start, strchr(start, '\n'), line);
+}
+
+static void check_value(double expected, double actual, const char *what)
+{
+    TEST_ASSERT_TRUE_MESSAGE(fabs(actual - expected) <= 1e-6 * fabs(expected) + 1e-12, what);
+}
+
+static void test_shipped_file_loads(void)
+{
+    TEST_ASSERT_TRUE(load("sim/robots/patrol.cfg"));
+    TEST_ASSERT_EQUAL_STRING("", errors);
+    TEST_ASSERT_EQUAL_STRING("patrol", robot.name);
+    check_value(0.8, robot.body.length_m, "length");
+    check_value(0.6, robot.body.width_m, "width");
+    check_value(45, robot.body.mass_kg, "mass");
+    check_value(100, robot.steering.limit_deg, "steering limit");
+    check_value(360, robot.laser.beams, "beams");
+    check_value(8, robot.laser.range_m, "range");
+    check_value(51200, robot.encoder.wheel_counts_per_turn, "counts");
+}
+
+static double loaded_value(const struct config_field *field)
+{
+    const char *place = (const char *)&robot + field->offset;
+    if (field->type == CONFIG_FIELD_WHOLE) {
+        int whole;
+        memcpy(&whole, place, sizeof whole);
+        return whole;
+    }
+    double real;
+    memcpy(&real, place, sizeof real);
+    return real;
+}
+
+/* What the file says, by a look at its text. */
+static double written_value(const char *key)
+{
+    char name[64];
+    (void)snprintf(name, sizeof name, "\n%.*s: {", (int)(strchr(key, '.') - key), key);
+    const char *group = strstr(sound, name);
+    TEST_ASSERT_NOT_NULL_MESSAGE(group, key);
+    (void)snprintf(name, sizeof name, " %s = ", strchr(key, '.') + 1);
+    const char *line = strstr(group, name);
+    TEST_ASSERT_NOT_NULL_MESSAGE(line, key);
+    return strtod(line + strlen(name), NULL);
+}
+
+static void test_each_field_is_loaded(void)
+{
+    TEST_ASSERT_TRUE(load("sim/robots/patrol.cfg"));
+    for (size_t i = 0; i < four_wheel_field_count; i++) {
+        const struct config_field *field = &four_wheel_fields[i];
+        check_value(written_value(field->key), loaded_value(field), field->key);
+    }
+}
+
+static void test_configuration_of_the_core(void)
+{
+    TEST_ASSERT_TRUE(load("sim/robots/patrol.cfg"));
+    const struct jp_four_wheel_config config = four_wheel_config(&robot);
+    check_value(0.5 * JP_Q24_ONE, config.wheelbase, "wheelbase");
+    check_value(0.44 * JP_Q24_ONE, config.track, "track");
+    check_value(100.0 / 360 * 4294967296.0, config.steering_limit, "steering limit");
+    check_value(0.03 / (2 * M_PI) * 4294967296.0, config.steering_step, "steering step");
+    check_value(1.5 * JP_Q24_ONE, config.speed_max, "largest speed");
+    check_value(0.01 * JP_Q24_ONE, config.speed_step, "speed step");
+    const char *field = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_check(&config, &field));
+}
+
+static void test_each_field_missing_or_of_another_type(void)
+{
+    for (size_t i = 0; i < four_wheel_field_count; i++) {
+        const char *key = four_wheel_fields[i].key;
+        write_with_line(key, "");
+        check_refused(path, key);
+        write_with_value(key, "\"text\"");
+        check_refused(path, key);
+        write_with_value(key, "{ a = 1; }");
+        check_refused(path, key);
+        write_with_value(key, "true");
+        check_refused(path, key);
+        write_with_value(key, "[1.0, 2.0]");
+        check_refused(path, key);
+    }
+}
+
+static void test_each_field_outside_its_limits(void)
+{
+    for (size_t i = 0; i < four_wheel_field_count; i++) {
+        const struct config_field *field = &four_wheel_fields[i];
+        const double outside[] = {field->min - 0.001 * (field->max - field->min) - 1,
+                                  field->max + 0.001 * (field->max - field->min) + 1};
+        for (int k = 0; k < 2; k++) {
+            char value[64];
+            (void)snprintf(value, sizeof value, field->type == CONFIG_FIELD_WHOLE ? "%.0f" : "%f", outside[k]);
+            write_with_value(field->key, value);
+            check_refused(path, field->key);
+        }
+        write_with_value(field->key, "1e999");
+        check_refused(path, field->key);
+        write_with_value(field->key, "-1e999");
+        check_refused(path, field->key);
+        write_with_value(field->key, "nan");
+        check_refused(path, "line ");
+        if (field->type == CONFIG_FIELD_WHOLE) {
+            write_with_value(field->key, "400.5");
+            check_refused(path, field->key);
+        }
+    }
+}
+
+static void test_unknown_keys(void)
+{
+    write_with_line("wheel.radius_m", " radius_m = 0.1; radius = 0.1;");
+    check_refused(path, "wheel.radius (line");
+    write_with_line("wheel.radius_m", " radius_m = 0.1; }; wheels: { radius_m = 0.1;");
+    check_refused(path, "wheels.radius_m (line");
+    write_with_head("name = ", "name = \"patrol\"; colour = 3;");
+    check_refused(path, "colour (line");
+    write_with_line("wheel.radius_m", " radius_m = 0.1; radius_m = 0.1;");
+    check_refused(path, "line ");
+    write_with_line("wheel.radius_m", " radius_m = ;");
+    check_refused(path, "line ");
+}
+
+static void test_name_and_type(void)
+{
+    static const char *const types[] = {"", "type = 4;", "type = \"skid_steer\";", "type = \"\";"};
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
+        write_with_head("type = ", types[i]);
+        check_refused(path, "type");
+    }
+    static const char *const names[] = {"",
+                                        "name = 4;",
+                                        "name = \"\";",
+                                        "name = \"a b\";",
+                                        "name = \"A\";",
+                                        "name = \"abcdefghijklmnopqrstuvwxyz_012345\";"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        write_with_head("name = ", names[i]);
+        check_refused(path, "name");
+    }
+    check_refused("sim/robots/gao2018.cfg", "type");
+    check_refused("sim/robots/zhang2018.cfg", "type");
+}
+
+static void test_values_that_contradict(void)
+{
+    write_with_value("body.wheelbase_m", "0.81");
+    check_refused(path, "body.wheelbase_m");
+    write_with_value("body.track_m", "0.61");
+    check_refused(path, "body.track_m");
+    write_with_value("steering.limit_deg", "48.6");
+    check_refused(path, "steering.limit_deg");
+    write_with_value("steering.limit_deg", "48.7");
+    TEST_ASSERT_TRUE(load(path));
+    write_with_value("drive.torque_nm", "1.0");
+    check_refused(path, "drive.torque_nm");
+    write_with_value("laser.rate_hz", "30");
+    check_refused(path, "laser.rate_hz");
+    write_with_value("laser.rate_hz", "12.5");
+    TEST_ASSERT_TRUE(load(path));
+    write_with_value("tyre.stiffness_n_s_per_m", "5000");
+    check_refused(path, "tyre.stiffness_n_s_per_m");
+    write_with_value("wheel.inertia_kg_m2", "0.01");
+    check_refused(path, "tyre.stiffness_n_s_per_m");
+}
+
+static void test_files_that_are_none(void)
+{
+    write_file("", 0);
+    check_refused(path, "empty");
+    write_file("type\0x", 6);
+    check_refused(path, "zero bytes");
+    check_refused("/nowhere/patrol.cfg", "No such file");
+    check_refused(folder, "directory");
+    for (size_t cut = 0; cut < strlen(sound); cut += 97) {
+        write_file(sound, cut);
+        check_refused(path, "");
+    }
+}
+
+int main(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        perror(folder);
+        return 1;
+    }
+    (void)snprintf(path, sizeof path, "%s/robot.cfg", folder);
+    (void)snprintf(errors_path, sizeof errors_path, "%s/errors", folder);
+    read_file("sim/robots/patrol.cfg", sound, sizeof sound);
+
+    UNITY_BEGIN();
+    RUN_TEST(test_shipped_file_loads);
+    RUN_TEST(test_each_field_is_loaded);
+    RUN_TEST(test_configuration_of_the_core);
+    RUN_TEST(test_each_field_missing_or_of_another_type);
+    RUN_TEST(test_each_field_outside_its_limits);
+    RUN_TEST(test_unknown_keys);
+    RUN_TEST(test_name_and_type);
+    RUN_TEST(test_values_that_contradict);
+    RUN_TEST(test_files_that_are_none);
+    const int failures = UNITY_END();
+    (void)remove(path);
+    (void)remove(errors_path);
+    (void)rmdir(folder);
+    return failures;
+}

@@ -1,0 +1,20 @@
+/** A program of somebody who uses the part in floating point. Exit status 0: it got a sensible distance. C and C++. */
+#include <joulepath/obstacles.h>
+
+int main(void)
+{
+    static struct jp_obstacles obstacles;
+    const struct jp_footprint footprint = {0.5f, 0.5f, 0.25f};
+    const struct jp_plane_point centre = {0.0f, 0.0f};
+    const struct jp_plane_pose pose = {1.0f, 0.0f, 0.0f};
+    const struct jp_obstacle disc = {{{3.0f, 0.0f}, {0.0f, 0.0f}, {0.0f, 0.0f}, {0.0f, 0.0f}}, 1, 0.5f};
+
+    jp_obstacles_clear(&obstacles, &centre);
+    if (jp_obstacles_add(&obstacles, &disc) != JP_OK) {
+        return 1;
+    }
+
+    const float distance = jp_obstacles_distance(&obstacles, &footprint, &pose);
+
+    return distance > 0.999f && distance < 1.001f ? 0 : 2;
+}
