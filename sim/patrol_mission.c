@@ -30,14 +30,15 @@ static const double approaches[] = {0.6, 0.8, 1.0, 1.3, 1.6, 2.0};
 static const double turn_margins[] = {0.10, 0.06, 0.03};
 #define TURN_MARGINS (sizeof turn_margins / sizeof turn_margins[0])
 
-#define APPROACH_MIN    0.5
+#define APPROACH_MIN 0.5
 
 /* So near a path needs no map, m. */
 #define STRAIGHT_BELOW 0.15
 
 /* The goal is looked at so often, cycles. */
-#define WATCH_CYCLES 5
-#define TURN_STEPS   36
+#define WATCH_CYCLES  5
+#define STRAIGHT_STEP 0.05 /* m */
+#define TURN_STEPS    36
 
 const char *const patrol_method_names[PATROL_METHODS] = {"improved", "plain", "pursuit"};
 const char *const patrol_outcome_names[PATROL_OUTCOMES] = {"arrived", "missed the goal", "collided", "gave up",
@@ -101,8 +102,10 @@ static bool can_turn_at(const struct mission *m, struct planar_pose pose, double
 
 static bool is_straight_free(const struct mission *m, const struct planar_pose *goal, double length)
 {
-    for (double back = 0; back < length; back += 0.05) {
-        const struct planar_pose behind = {-back, 0, 0};
+    const int steps = (int)(length / STRAIGHT_STEP) + 1;
+
+    for (int i = 0; i < steps; i++) {
+        const struct planar_pose behind = {-length * i / steps, 0, 0};
         const struct planar_pose pose = planar_compose(goal, &behind);
 
         if (!patrol_planner_fits(m->planner, &pose, 0.02)) {
@@ -190,7 +193,7 @@ static bool plan_route(struct mission *m)
     const struct planar_pose from = believed_pose(m);
 
     return hypot(target->x - from.x, target->y - from.y) < STRAIGHT_BELOW ? follow_straight(m, target)
-                                                                         : follow_to(m, target);
+                                                                          : follow_to(m, target);
 }
 
 /* ---- Sensors ---- */
@@ -341,16 +344,9 @@ static bool needs_path(const struct mission *m)
            m->result->replans < REPLANS_MAX;
 }
 
-static void control(struct mission *m)
+/* What the state of the drive asks of the planner. */
+static void follow_up(struct mission *m)
 {
-    struct jp_patrol_input input;
-
-    fill_input(m, &input);
-    (void)jp_patrol_cycle(&m->patrol, &input, &m->twist);
-    if (m->task->method == PATROL_PURSUIT) {
-        pursue(m);
-        return;
-    }
     if (m->is_pausing && (m->patrol.state == JP_PATROL_ARRIVED || m->patrol.state == JP_PATROL_HELD)) {
         (void)plan_route(m);
     } else if (m->patrol.state == JP_PATROL_ARRIVED && m->has_approach) {
@@ -366,6 +362,20 @@ static void control(struct mission *m)
     }
 }
 
+static void control(struct mission *m)
+{
+    struct jp_patrol_input input;
+
+    fill_input(m, &input);
+    (void)jp_patrol_cycle(&m->patrol, &input, &m->twist);
+    if (m->task->method == PATROL_PURSUIT) {
+        if (m->patrol.state != JP_PATROL_TURNING) {
+            pursue(m);
+        }
+    } else {
+        follow_up(m);
+    }
+}
 /* ---- The end ---- */
 
 static bool is_over(const struct mission *m)
@@ -427,7 +437,14 @@ static void show(const struct mission *m)
             .time = m->time,
             .true_pose = to_plane(&m->plant.state.pose),
             .true_speed = {(float)m->plant.state.forward, (float)m->plant.state.turn_rate},
-            .patrol = &m->patrol,
+            .believed = m->patrol.pose,
+            .state = m->patrol.state,
+            .reason = m->patrol.reason,
+            .patrol = m->task->method == PATROL_PURSUIT ? NULL : &m->patrol,
+            .wheels = &m->plant.measured,
+            .way = m->path.way,
+            .way_count = m->path.way_count,
+            .replans = m->result->replans,
             .world = &m->world,
             .path = m->path.points,
             .path_count = m->path.count,

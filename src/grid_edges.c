@@ -50,15 +50,18 @@ enum jp_grid_progress jp_grid_edges_mark(struct jp_grid_planner *planner, unsign
 
     for (; planner->cursor + 1U < planner->way.count; planner->cursor++, planner->cursor_part = 0) {
         const struct jp_path_point *from = &planner->way.points[planner->cursor];
-        const int32_t parts = cells_along(planner, from, from + 1);
+        const struct jp_path_point *to = &planner->way.points[planner->cursor + 1U];
+        const int32_t parts = cells_along(planner, from, to);
 
         for (; planner->cursor_part < ((uint32_t)parts + 1U) * rows; planner->cursor_part++, --*budget) {
             if (*budget == 0U) {
                 return GRID_WORKING;
             }
-            const struct jp_path_point at = part_of(from, from + 1, (int32_t)(planner->cursor_part / rows), parts);
+            const uint32_t part = planner->cursor_part / rows;
+            const uint32_t row = planner->cursor_part % rows;
+            const struct jp_path_point at = part_of(from, to, (int32_t)part, parts);
             mark_row(planner, cell_of(planner, at.x),
-                     cell_of(planner, at.y) + (int32_t)(planner->cursor_part % rows) - planner->config.tube);
+                     cell_of(planner, at.y) + (int32_t)row - (int32_t)planner->config.tube);
         }
     }
     return GRID_DONE;
@@ -154,9 +157,10 @@ static bool tell_neighbours(struct jp_grid_planner *planner, int32_t x, int32_t 
 
 enum jp_grid_progress jp_grid_edges_spread(struct jp_grid_planner *planner, unsigned *budget)
 {
-    for (; *budget > 0U; --*budget) {
+    while (*budget > 0U) {
         int32_t x;
         int32_t y;
+        --*budget;
         if (!jp_grid_queue_take(planner, &x, &y)) {
             return GRID_IMPOSSIBLE;
         }
@@ -189,6 +193,12 @@ struct edge {
     uint32_t second;
 };
 
+/** Rise of the cost-to-go along an edge. */
+static jp_q16 slope_of(const struct edge *edge)
+{
+    return (int32_t)(edge->second - edge->first);
+}
+
 static struct jp_path_point point_of(const struct jp_grid_planner *planner, const struct jp_path_point *place)
 {
     const int32_t side = planner->terrain->config.resolution;
@@ -217,7 +227,7 @@ static struct candidate candidate_at(const struct jp_grid_planner *planner, cons
     const int64_t dy = (int64_t)y - planner->place.y;
     struct candidate candidate = {.place = {x, y}};
 
-    candidate.cost = edge->first + (uint32_t)jp_q16_multiply(along, (jp_q16)(edge->second - edge->first));
+    candidate.cost = edge->first + (uint32_t)jp_q16_multiply(along, slope_of(edge));
     candidate.total = candidate.cost + jp_square_root((uint64_t)(dx * dx) + (uint64_t)(dy * dy));
     return candidate;
 }
@@ -260,8 +270,7 @@ static void consider_edge(const struct jp_grid_planner *planner, struct edge *ed
         consider(planner, edge, ONE, best);
     }
     if (edge->first != GRID_COST_MAX && edge->second != GRID_COST_MAX) {
-        consider(planner, edge, best_along(along, across < 0 ? -across : across, (jp_q16)(edge->second - edge->first)),
-                 best);
+        consider(planner, edge, best_along(along, across < 0 ? -across : across, slope_of(edge)), best);
     }
 }
 
@@ -293,7 +302,8 @@ static struct candidate next_place(const struct jp_grid_planner *planner)
 
 enum jp_grid_progress jp_grid_edges_descend(struct jp_grid_planner *planner, unsigned *budget)
 {
-    for (; *budget > 0U; --*budget) {
+    while (*budget > 0U) {
+        --*budget;
         if (!jp_grid_way_add(planner, &planner->other, point_of(planner, &planner->place), true)) {
             return GRID_FULL;
         }

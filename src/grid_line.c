@@ -15,8 +15,8 @@ static bool is_blocked(const struct line *line, int32_t i, int32_t j)
 {
     const struct jp_grid_planner *planner = line->planner;
     const struct jp_terrain_config *map = &planner->terrain->config;
-    const int32_t x = line->mirror_x ? map->width - 1 - i : i;
-    const int32_t y = line->mirror_y ? map->height - 1 - j : j;
+    const int32_t x = line->mirror_x ? (int32_t)map->width - 1 - i : i;
+    const int32_t y = line->mirror_y ? (int32_t)map->height - 1 - j : j;
 
     return line->use_planes ? jp_grid_is_blocked(planner, x, y)
                             : !jp_terrain_is_clear(planner->terrain, planner->disc, planner->disc_rows, x, y);
@@ -106,8 +106,8 @@ static bool is_on_map(const struct jp_grid_planner *planner, const struct jp_pat
 {
     const struct jp_terrain_config *map = &planner->terrain->config;
 
-    return point->x >= 0 && point->x <= map->width * map->resolution && point->y >= 0 &&
-           point->y <= map->height * map->resolution;
+    return point->x >= 0 && point->x <= (int32_t)map->width * map->resolution && point->y >= 0 &&
+           point->y <= (int32_t)map->height * map->resolution;
 }
 
 bool jp_grid_planner_line_is_free(const struct jp_grid_planner *planner, const struct jp_path_point *from,
@@ -128,12 +128,12 @@ bool jp_grid_planner_line_is_free(const struct jp_grid_planner *planner, const s
     }
     line.use_planes = planner->has_planes && planner->version == planner->terrain->version;
     if (line.mirror_x) {
-        line.x0 = map->width * line.side - from->x;
-        line.x1 = map->width * line.side - to->x;
+        line.x0 = (int32_t)map->width * line.side - from->x;
+        line.x1 = (int32_t)map->width * line.side - to->x;
     }
     if (line.mirror_y) {
-        line.y0 = map->height * line.side - from->y;
-        line.y1 = map->height * line.side - to->y;
+        line.y0 = (int32_t)map->height * line.side - from->y;
+        line.y1 = (int32_t)map->height * line.side - to->y;
     }
     if (is_pinched_point(&line, line.x0, line.y0) || is_pinched_point(&line, line.x1, line.y1)) {
         return false;

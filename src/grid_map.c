@@ -35,11 +35,13 @@ void jp_grid_make_disc(struct jp_grid_planner *planner)
     }
 }
 
-static void release(uint32_t *plane, size_t words, int32_t bit, int32_t row)
+static void release(uint32_t *plane, uint32_t words, int32_t bit, int32_t row)
 {
     const uint32_t column = (uint32_t)(bit + 1);
+    const uint32_t line = (uint32_t)(row + 1);
+    const uint32_t mask = UINT32_C(1) << (column % GRID_WORD_BITS);
 
-    plane[(size_t)(row + 1) * words + column / GRID_WORD_BITS] &= ~(UINT32_C(1) << (column % GRID_WORD_BITS));
+    plane[line * words + column / GRID_WORD_BITS] &= ~mask;
 }
 
 static void fill_cell(struct jp_grid_planner *planner, int32_t x, int32_t y)
@@ -68,7 +70,9 @@ bool jp_grid_fill_planes(struct jp_grid_planner *planner, unsigned *budget)
     }
     for (; *budget > 0U && planner->cursor < cells; --*budget) {
         for (unsigned i = 0; i < CELLS_PER_UNIT && planner->cursor < cells; i++, planner->cursor++) {
-            fill_cell(planner, (int32_t)(planner->cursor % width), (int32_t)(planner->cursor / width));
+            const uint32_t x = planner->cursor % width;
+            const uint32_t y = planner->cursor / width;
+            fill_cell(planner, (int32_t)x, (int32_t)y);
         }
     }
     return planner->cursor == cells;

@@ -16,7 +16,8 @@ static inline size_t jp_grid_words(uint16_t cells)
 static inline bool jp_grid_is_blocked(const struct jp_grid_planner *planner, int32_t x, int32_t y)
 {
     const uint32_t column = (uint32_t)(x + 1);
-    const uint32_t word = planner->rows[(size_t)(y + 1) * planner->row_words + column / GRID_WORD_BITS];
+    const uint32_t row = (uint32_t)(y + 1);
+    const uint32_t word = planner->rows[row * planner->row_words + column / GRID_WORD_BITS];
 
     return ((word >> (column % GRID_WORD_BITS)) & 1U) != 0U;
 }

@@ -49,7 +49,7 @@ static const char *field_out_of_range(const struct jp_grid_planner_config *confi
     if (config->clearance < 0 || config->clearance > (int64_t)JP_GRID_CLEARANCE_MAX * map->resolution) {
         return "clearance";
     }
-    return config->tube == 0U || config->tube > JP_GRID_TUBE_MAX ? "tube" : NULL;
+    return config->tube == 0U || (int32_t)config->tube > JP_GRID_TUBE_MAX ? "tube" : NULL;
 }
 
 static size_t align(size_t size)
@@ -90,23 +90,23 @@ static void lay_out(struct jp_grid_planner *planner, uint8_t *block, size_t size
     const struct jp_terrain_config *map = &planner->terrain->config;
     const size_t cells = (size_t)map->width * map->height;
     const size_t spare = (size - fixed_size(map)) / sizeof(struct jp_grid_entry);
-    uint8_t *next = block;
+    size_t used = 0;
 
     planner->points_max = (uint32_t)way_points(map);
     planner->queue_max = (uint32_t)(spare < cells ? spare : cells);
     planner->row_words = (uint16_t)jp_grid_words(map->width);
     planner->column_words = (uint16_t)jp_grid_words(map->height);
-    planner->nodes = (struct jp_grid_node *)(void *)next;
-    next += cells * sizeof(struct jp_grid_node);
-    planner->rows = (uint32_t *)(void *)next;
-    next += plane_size(map->width, map->height);
-    planner->columns = (uint32_t *)(void *)next;
-    next += plane_size(map->height, map->width);
-    planner->way.points = (struct jp_path_point *)(void *)next;
-    next += planner->points_max * sizeof(struct jp_path_point);
-    planner->other.points = (struct jp_path_point *)(void *)next;
-    next += planner->points_max * sizeof(struct jp_path_point);
-    planner->queue = (struct jp_grid_entry *)(void *)next;
+    planner->nodes = (struct jp_grid_node *)(void *)block;
+    used += cells * sizeof(struct jp_grid_node);
+    planner->rows = (uint32_t *)(void *)&block[used];
+    used += plane_size(map->width, map->height);
+    planner->columns = (uint32_t *)(void *)&block[used];
+    used += plane_size(map->height, map->width);
+    planner->way.points = (struct jp_path_point *)(void *)&block[used];
+    used += planner->points_max * sizeof(struct jp_path_point);
+    planner->other.points = (struct jp_path_point *)(void *)&block[used];
+    used += planner->points_max * sizeof(struct jp_path_point);
+    planner->queue = (struct jp_grid_entry *)(void *)&block[used];
     planner->counts.bytes = (uint32_t)(fixed_size(map) + planner->queue_max * sizeof(struct jp_grid_entry));
 }
 
@@ -189,9 +189,7 @@ static bool clear_nodes(struct jp_grid_planner *planner, unsigned *budget)
     const uint32_t cells = jp_grid_cell_count(planner);
 
     for (; *budget > 0U && planner->cursor < cells; --*budget) {
-        const uint32_t left = cells - planner->cursor;
-        const uint32_t count = left < (uint32_t)NODES_PER_UNIT ? left : (uint32_t)NODES_PER_UNIT;
-        for (uint32_t i = 0; i < count; i++, planner->cursor++) {
+        for (unsigned i = 0; i < (unsigned)NODES_PER_UNIT && planner->cursor < cells; i++, planner->cursor++) {
             planner->nodes[planner->cursor] = (struct jp_grid_node){GRID_COST_MAX, 0};
         }
     }

@@ -28,7 +28,7 @@ static void place(struct jp_grid_planner *planner, uint32_t index, struct jp_gri
     node->place = (node->place & ~GRID_ENTRY_MASK) | (index + 1U);
 }
 
-static void raise(struct jp_grid_planner *planner, uint32_t index, struct jp_grid_entry entry)
+static void lift(struct jp_grid_planner *planner, uint32_t index, struct jp_grid_entry entry)
 {
     while (index > 0U && is_before(planner, &entry, &planner->queue[(index - 1U) / 2U])) {
         place(planner, index, planner->queue[(index - 1U) / 2U]);
@@ -37,18 +37,24 @@ static void raise(struct jp_grid_planner *planner, uint32_t index, struct jp_gri
     place(planner, index, entry);
 }
 
+/** The child of an entry that comes first; an entry without children has queue_count or more. */
+static uint32_t first_child(const struct jp_grid_planner *planner, uint32_t index)
+{
+    const uint32_t left = 2U * index + 1U;
+    const uint32_t right = left + 1U;
+
+    return right < planner->queue_count && is_before(planner, &planner->queue[right], &planner->queue[left]) ? right
+                                                                                                             : left;
+}
+
 static void sink(struct jp_grid_planner *planner, uint32_t index, struct jp_grid_entry entry)
 {
-    for (uint32_t child = 2U * index + 1U; child < planner->queue_count; child = 2U * index + 1U) {
-        if (child + 1U < planner->queue_count &&
-            is_before(planner, &planner->queue[child + 1U], &planner->queue[child])) {
-            child++;
-        }
-        if (!is_before(planner, &planner->queue[child], &entry)) {
-            break;
-        }
+    uint32_t child = first_child(planner, index);
+
+    while (child < planner->queue_count && is_before(planner, &planner->queue[child], &entry)) {
         place(planner, index, planner->queue[child]);
         index = child;
+        child = first_child(planner, index);
     }
     place(planner, index, entry);
 }
@@ -69,7 +75,7 @@ bool jp_grid_queue_put(struct jp_grid_planner *planner, int32_t x, int32_t y, ui
             planner->counts.queue_most = planner->queue_count;
         }
     }
-    raise(planner, index - 1U, entry);
+    lift(planner, index - 1U, entry);
     return true;
 }
 
@@ -80,8 +86,8 @@ bool jp_grid_queue_take(struct jp_grid_planner *planner, int32_t *x, int32_t *y)
     }
     const uint32_t cell = planner->queue[0].cell;
 
-    *x = (int32_t)(cell & UINT16_MAX);
-    *y = (int32_t)(cell >> ROW_SHIFT);
+    *x = (uint16_t)cell;
+    *y = (uint16_t)(cell >> ROW_SHIFT);
     node_of(planner, cell)->place &= ~GRID_ENTRY_MASK;
     planner->queue_count--;
     if (planner->queue_count > 0U) {

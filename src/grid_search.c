@@ -36,11 +36,11 @@ static bool can_step(const struct jp_grid_planner *planner, int32_t x, int32_t y
 /** A plane of blocked cells and its words a row. */
 struct plane {
     const uint32_t *words;
-    size_t stride;
+    uint32_t stride;
 };
 
 /** A word of a row of the plane, with the bit behind each bit at its place: that of the cell that a run comes from. */
-static uint32_t bits_behind(const uint32_t *row, size_t word, size_t stride, bool ascending)
+static uint32_t bits_behind(const uint32_t *row, uint32_t word, uint32_t stride, bool ascending)
 {
     if (ascending) {
         return (row[word] << 1) | (word > 0U ? row[word - 1U] >> (GRID_WORD_BITS - 1U) : 1U);
@@ -49,7 +49,7 @@ static uint32_t bits_behind(const uint32_t *row, size_t word, size_t stride, boo
 }
 
 /** Cells of a row at which the cell behind them is blocked and they are not: beside a run they force a neighbour. */
-static uint32_t openings(const uint32_t *row, size_t word, size_t stride, bool ascending)
+static uint32_t openings(const uint32_t *row, uint32_t word, uint32_t stride, bool ascending)
 {
     return bits_behind(row, word, stride, ascending) & ~row[word];
 }
@@ -58,10 +58,11 @@ static uint32_t openings(const uint32_t *row, size_t word, size_t stride, bool a
  *  border ends every run. */
 static uint32_t run_end(const struct plane *plane, int32_t row_index, uint32_t from, bool ascending)
 {
-    const uint32_t *row = &plane->words[(size_t)(row_index + 1) * plane->stride];
-    const uint32_t *below = row - plane->stride;
-    const uint32_t *above = row + plane->stride;
-    size_t word = from / GRID_WORD_BITS;
+    const uint32_t line = (uint32_t)(row_index + 1);
+    const uint32_t *below = &plane->words[(line - 1U) * plane->stride];
+    const uint32_t *row = &plane->words[line * plane->stride];
+    const uint32_t *above = &plane->words[(line + 1U) * plane->stride];
+    uint32_t word = from / GRID_WORD_BITS;
     uint32_t mask =
         ascending ? UINT32_MAX << (from % GRID_WORD_BITS) : UINT32_MAX >> (GRID_WORD_BITS - 1U - from % GRID_WORD_BITS);
 
@@ -72,7 +73,7 @@ static uint32_t run_end(const struct plane *plane, int32_t row_index, uint32_t f
         if (ends != 0U) {
             const uint32_t bit =
                 ascending ? (uint32_t)__builtin_ctz(ends) : GRID_WORD_BITS - 1U - (uint32_t)__builtin_clz(ends);
-            return (uint32_t)word * GRID_WORD_BITS + bit;
+            return word * GRID_WORD_BITS + bit;
         }
         word = ascending ? word + 1U : word - 1U;
         mask = UINT32_MAX;
@@ -90,7 +91,8 @@ static int32_t run_along(const struct plane *plane, int32_t row, int32_t at, int
         return goal_at;
     }
     const uint32_t column = (uint32_t)(end + 1);
-    const uint32_t word = plane->words[(size_t)(row + 1) * plane->stride + column / GRID_WORD_BITS];
+    const uint32_t line = (uint32_t)(row + 1);
+    const uint32_t word = plane->words[line * plane->stride + column / GRID_WORD_BITS];
 
     return ((word >> (column % GRID_WORD_BITS)) & 1U) != 0U ? -1 : end;
 }

@@ -35,10 +35,14 @@ bool jp_grid_way_add(const struct jp_grid_planner *planner, struct jp_grid_way *
 enum jp_grid_progress jp_grid_way_trace(struct jp_grid_planner *planner, unsigned *budget)
 {
     const bool shortcut = planner->config.method == JP_GRID_ANY_ANGLE;
-    int32_t x = (int32_t)(planner->cursor % planner->terrain->config.width);
-    int32_t y = (int32_t)(planner->cursor / planner->terrain->config.width);
+    const uint32_t width = planner->terrain->config.width;
+    const uint32_t column = planner->cursor % width;
+    const uint32_t row = planner->cursor / width;
+    int32_t x = (int32_t)column;
+    int32_t y = (int32_t)row;
 
-    for (; *budget > 0U; --*budget) {
+    while (*budget > 0U) {
+        --*budget;
         if (!jp_grid_way_add(planner, &planner->way, jp_grid_centre(planner, x, y), shortcut)) {
             return GRID_FULL;
         }
@@ -51,7 +55,7 @@ enum jp_grid_progress jp_grid_way_trace(struct jp_grid_planner *planner, unsigne
         x -= jp_grid_directions[planner->cursor_part].dx;
         y -= jp_grid_directions[planner->cursor_part].dy;
         planner->place_cost -= planner->cursor_part % 2U != 0U ? GRID_DIAGONAL : GRID_STRAIGHT;
-        planner->cursor = (uint32_t)y * planner->terrain->config.width + (uint32_t)x;
+        planner->cursor = (uint32_t)y * width + (uint32_t)x;
     }
     return GRID_WORKING;
 }
@@ -117,14 +121,16 @@ static struct jp_path_point slide(const struct jp_grid_planner *planner, const s
 static void tighten_at(struct jp_grid_planner *planner, struct jp_grid_way *way, uint32_t index)
 {
     struct jp_path_point *turn = &way->points[index];
+    const struct jp_path_point *before = &way->points[index - 1U];
+    struct jp_path_point *next = &way->points[index + 1U];
 
-    if (jp_grid_planner_line_is_free(planner, turn - 1, turn + 1)) {
+    if (jp_grid_planner_line_is_free(planner, before, next)) {
         way->count--;
-        (void)memmove(turn, turn + 1, (way->count - index) * sizeof *turn);
+        (void)memmove(turn, next, (way->count - index) * sizeof *turn);
         planner->has_changed = true;
         return;
     }
-    const struct jp_path_point point = slide(planner, turn - 1, turn, turn + 1);
+    const struct jp_path_point point = slide(planner, before, turn, next);
 
     planner->has_changed = planner->has_changed || !is_same(&point, turn);
     *turn = point;

@@ -10,9 +10,6 @@ enum {
     RELIEF_MIN = 16,    /* m, Q16 */
 };
 
-/* Places beside one, nearest first; units of the map. */
-static const int8_t offsets[][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}};
-
 #define SPACING_MIN JP_Q16(1.0 / 256)
 
 /** A knot, and the piece from it to the next one. */
@@ -67,6 +64,7 @@ static struct jp_path_point point_along(const struct knot *knot, int32_t part, i
  *  False: there is none. */
 static bool find_place(const struct spline *spline, const struct knot *knot, int32_t part, struct jp_path_point *place)
 {
+    static const int8_t offsets[][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}};
     const struct jp_path_point exact = point_along(knot, part, knot->length);
 
     for (unsigned i = 0; i < sizeof offsets / sizeof offsets[0]; i++) {
@@ -88,11 +86,11 @@ static bool insert(struct spline *spline, size_t index, jp_q16 part)
     if (spline->count == spline->count_max || !find_place(spline, knot, part, &place)) {
         return false;
     }
-    (void)memmove(knot + 2, knot + 1, (spline->count - index - 1U) * sizeof *knot);
+    (void)memmove(&knot[2], &knot[1], (spline->count - index - 1U) * sizeof *knot);
     knot[1] = (struct knot){.point = place};
     spline->count++;
     measure(knot);
-    measure(knot + 1);
+    measure(&knot[1]);
     return true;
 }
 
@@ -154,19 +152,19 @@ static jp_q24 chord_y(const struct knot *knot)
 /**
  * Slopes m for a continuous second derivative: with w = h/(h + h′) of the chord before a knot and that after it,
  * w′ m₋ + 2 m + w m₊ = 3 (w′ s + w s′), where w′ = 1 − w and s are the slopes of the chords; at the ends, where the
- * second derivative is 0, m + m₊/2 = 3/2 s. Eliminated forward, solved backward; each pivot is at least 1.
+ * second derivative is 0, m + m₊/2 = 3/2 s. Eliminated forward, solved backward; each pivot is at least 3/4.
  */
 static void find_slopes(const struct spline *spline)
 {
-    struct knot *knot = spline->knots;
-    const struct knot *last = &spline->knots[spline->count - 1U];
-    const jp_q24 half = JP_Q24_ONE / 2;
+    struct knot *knots = spline->knots;
+    const size_t last = spline->count - 1U;
 
-    knot->share = half;
-    knot->slope_x = 3 * (chord_x(knot) / 2);
-    knot->slope_y = 3 * (chord_y(knot) / 2);
-    for (knot++; knot < last; knot++) {
-        const struct knot *before = knot - 1;
+    knots[0].share = JP_Q24_ONE / 2;
+    knots[0].slope_x = 3 * (chord_x(&knots[0]) / 2);
+    knots[0].slope_y = 3 * (chord_y(&knots[0]) / 2);
+    for (size_t i = 1; i < last; i++) {
+        const struct knot *before = &knots[i - 1U];
+        struct knot *knot = &knots[i];
         const jp_q24 after = jp_divide((int64_t)before->length * JP_Q24_ONE, before->length + knot->length);
         const jp_q24 rest = JP_Q24_ONE - after;
         const jp_q24 pivot = 2 * JP_Q24_ONE - jp_q24_multiply(rest, before->share);
@@ -176,12 +174,13 @@ static void find_slopes(const struct spline *spline)
         knot->slope_x = jp_q24_divide(x - jp_q24_multiply(rest, before->slope_x), pivot);
         knot->slope_y = jp_q24_divide(y - jp_q24_multiply(rest, before->slope_y), pivot);
     }
-    const jp_q24 pivot = JP_Q24_ONE - knot[-1].share / 2;
-    knot->slope_x = jp_q24_divide(3 * (chord_x(knot - 1) / 2) - knot[-1].slope_x / 2, pivot);
-    knot->slope_y = jp_q24_divide(3 * (chord_y(knot - 1) / 2) - knot[-1].slope_y / 2, pivot);
-    for (; knot > spline->knots; knot--) {
-        knot[-1].slope_x -= jp_q24_multiply(knot[-1].share, knot->slope_x);
-        knot[-1].slope_y -= jp_q24_multiply(knot[-1].share, knot->slope_y);
+    const struct knot *before = &knots[last - 1U];
+    const jp_q24 pivot = JP_Q24_ONE - before->share / 2;
+    knots[last].slope_x = jp_q24_divide(3 * (chord_x(before) / 2) - before->slope_x / 2, pivot);
+    knots[last].slope_y = jp_q24_divide(3 * (chord_y(before) / 2) - before->slope_y / 2, pivot);
+    for (size_t i = last; i > 0U; i--) {
+        knots[i - 1U].slope_x -= jp_q24_multiply(knots[i - 1U].share, knots[i].slope_x);
+        knots[i - 1U].slope_y -= jp_q24_multiply(knots[i - 1U].share, knots[i].slope_y);
     }
 }
 

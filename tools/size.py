@@ -30,6 +30,7 @@ MODULES = {
     "pure pursuit": r"src/pure_pursuit",
     "obstacles": r"src/float/(obstacle\w*|scan_\w+)",
     "timed elastic band": r"src/float/teb(_\w+)?",
+    "patrol": r"src/float/patrol(_\w+)?",
     "end-to-end protection": r"src/e2e",
     "CAN application": r"hal/(can/\w+|hal)",
     "parameters in flash": r"hal/(parameters|store|crc32)",

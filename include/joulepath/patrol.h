@@ -61,6 +61,7 @@ struct jp_patrol_config {
     float position_tolerance; /**< of the goal, m */
     float heading_tolerance;  /**< of the goal and of turns, rad */
     float period;             /**< of a cycle, s */
+    float latency;            /**< from the pose of a cycle to wheels that do what was decided, s; 0…1 */
     float jump;               /**< largest step of the laser's pose away from the prediction, m; the heading: rad */
     uint16_t waits_max;       /**< cycles to wait before giving up */
     uint16_t dropouts_max;    /**< scans or poses in a row that may be missing */

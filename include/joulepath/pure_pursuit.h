@@ -8,6 +8,9 @@
  *                  acceleration × period of the speed now; while v is still too high for κ, κ is
  * lateral_acceleration/v²
  *
+ * A curve is seen a lookahead ahead and braked for from there. Where that is too short a way for `acceleration` the
+ * robot leaves the path in the curve: such a path wants a lower speed or a longer lookahead.
+ *
  * The robot's place on the path is the nearest point within the lookahead ahead of the last one; it never goes back, so
  * a path may cross itself. Beyond its end the path goes on along its last chord. From farther than L it is approached
  * at the foot of the perpendicular. Distances along it are those of its chords.

@@ -12,6 +12,7 @@
  *   obstacles       clearance − distance of the footprint, where above 0
  *   path            distance from the path to be followed
  *   time            ΔT
+ *   slowness        speed_max ΔT − l, over speed_max, where above 0: makes the time convex below the speed limit
  *   no reversing    −l over the reference interval, where above 0
  *   odometry        first pose against the wheels' prediction and against the laser's measurement
  * The Jacobians are analytic. The normal equations are banded, three blocks of 4 × 4 wide; a fixed number of
@@ -45,6 +46,7 @@ struct jp_teb_weights {
     float obstacle;
     float path;
     float time;
+    float slowness;
     float no_reversing; /**< 0: reversing is allowed */
     float wheel_odometry; /**< of the first pose; 0 with laser_odometry 0: it is where the wheels say */
     float laser_odometry;
@@ -61,7 +63,7 @@ struct jp_teb_config {
     float clearance;  /**< wanted between footprint and obstacles, m; 0 or more */
     float interval;   /**< ΔT_ref, s; above 0 */
     float hysteresis; /**< ΔT_hyst, s; above 0, below the interval */
-    uint8_t rounds;   /**< of resizing and association of obstacles; 1…8 */
+    uint8_t rounds;   /**< of association of obstacles; 1…8 */
     uint8_t steps;    /**< of Levenberg and Marquardt in a round; 1…16 */
     struct jp_teb_weights weights;
 };

@@ -48,37 +48,30 @@ static struct way_out past(const struct jp_hull *hull, struct jp_plane_point nor
     return (struct way_out){height >= 0.0f, {height - reach, normal, vertex}};
 }
 
-static void prefer(struct way_out *best, const struct way_out *way)
+static void prefer(struct way_out *best, struct way_out way)
 {
-    const bool is_shorter = way->separation.distance > best->separation.distance;
+    const bool is_shorter = way.separation.distance > best->separation.distance;
 
-    if (way->is_allowed == best->is_allowed ? is_shorter : way->is_allowed) {
-        *best = *way;
+    if (way.is_allowed == best->is_allowed ? is_shorter : way.is_allowed) {
+        *best = way;
     }
 }
 
 /* Of ways equally long the first is taken: over a side of the hull, which turning changes less. */
 struct jp_separation jp_hull_way_out(const struct jp_footprint *footprint, const struct jp_hull *hull)
 {
-    const struct way_out ways[] = {
-        past(hull, (struct jp_plane_point){0.0f, 1.0f}, footprint->half_width),
-        past(hull, (struct jp_plane_point){0.0f, -1.0f}, footprint->half_width),
-        past(hull, (struct jp_plane_point){1.0f, 0.0f}, footprint->rear),
-        past(hull, (struct jp_plane_point){-1.0f, 0.0f}, footprint->front),
-    };
-    struct way_out best = {false, {.distance = -FLT_MAX}};
+    struct way_out best = {.is_allowed = false, .separation.distance = -FLT_MAX};
 
     for (unsigned i = 0; i < hull->count; i++) {
         const struct jp_hull_side side = jp_hull_side(hull, i);
 
         if (side.square > 0.0f) {
-            const struct way_out way = over(footprint, &side);
-
-            prefer(&best, &way);
+            prefer(&best, over(footprint, &side));
         }
     }
-    for (unsigned i = 0; i < sizeof ways / sizeof ways[0]; i++) {
-        prefer(&best, &ways[i]);
-    }
+    prefer(&best, past(hull, (struct jp_plane_point){0.0f, 1.0f}, footprint->half_width));
+    prefer(&best, past(hull, (struct jp_plane_point){0.0f, -1.0f}, footprint->half_width));
+    prefer(&best, past(hull, (struct jp_plane_point){1.0f, 0.0f}, footprint->rear));
+    prefer(&best, past(hull, (struct jp_plane_point){-1.0f, 0.0f}, footprint->front));
     return best.separation;
 }

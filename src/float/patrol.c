@@ -10,8 +10,9 @@
 #define STANDSTILL_SPEED     0.03f
 #define STANDSTILL_TURN_RATE 0.05f
 
-/* A turn looks this far ahead, rad. */
-#define TURN_FORESIGHT 0.2f
+/* A turn looks as far ahead as it needs to stop, and this time, s. */
+#define TURN_FORESIGHT 0.25f
+#define TURN_MARGIN    0.05f /* rad */
 
 /* A step ends this near its target, m. */
 #define STEP_TOLERANCE 0.03f
@@ -60,6 +61,7 @@ static const char *wrong_field(const struct jp_patrol_config *config)
         {config->position_tolerance, least, VALUE_MAX, "position_tolerance"},
         {config->heading_tolerance, least, config->turn_first, "heading_tolerance"},
         {config->period, least, VALUE_MAX, "period"},
+        {config->latency, 0.0f, 1.0f, "latency"},
         {config->jump, least, VALUE_MAX, "jump"},
         {(float)config->waits_max, 1.0f, 10000.0f, "waits_max"},
     };
@@ -340,7 +342,10 @@ static void turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
         return;
     }
     /* What is in the way now stops the turn. */
-    if (!jp_patrol_is_turn_free(patrol, &patrol->pose, jp_plane_clamp(rest, -TURN_FORESIGHT, TURN_FORESIGHT))) {
+    const float rate_now = jp_plane_magnitude(patrol->command.turn_rate);
+    const float ahead = rate_now * (TURN_FORESIGHT + 0.5f * rate_now / config->turn_acceleration) + TURN_MARGIN;
+
+    if (!jp_patrol_is_turn_free(patrol, &patrol->pose, jp_plane_clamp(rest, -ahead, ahead))) {
         wait(patrol, JP_PATROL_NO_WAY);
         return;
     }
@@ -414,12 +419,24 @@ static bool may_turn_at_goal(const struct jp_patrol *patrol, const struct jp_pat
            (patrol->config.turns_in_place && jp_patrol_find_turn(patrol, &there, patrol->goal.pose.heading, &angle));
 }
 
+/* Where a pose will be when the wheels do what is asked of them now. */
+static struct jp_plane_pose after_latency(const struct jp_patrol *patrol, const struct jp_plane_pose *pose,
+                                          const struct jp_plane_speed *speed)
+{
+    const float latency = patrol->config.latency;
+    const struct jp_plane_pose half_turn = {0.0f, 0.0f, 0.5f * latency * speed->turn_rate};
+    const struct jp_plane_pose way = {latency * speed->forward, 0.0f, half_turn.heading};
+    const struct jp_plane_pose middle = jp_plane_compose(pose, &half_turn);
+
+    return jp_plane_compose(&middle, &way);
+}
+
 static struct jp_teb_task task_of(const struct jp_patrol *patrol, const struct jp_patrol_window *window,
                                   const struct jp_plane_speed *speed)
 {
     struct jp_teb_task task = {
-        .start = patrol->pose,
-        .measured = patrol->seen,
+        .start = after_latency(patrol, &patrol->pose, speed),
+        .measured = after_latency(patrol, &patrol->seen, speed),
         .is_measured = patrol->is_measured,
         .speed = *speed,
         .goal = window->end,
@@ -455,8 +472,8 @@ static bool is_command_free(const struct jp_patrol *patrol, const struct jp_plan
     return true;
 }
 
-/* Fastest forward or backward speed now: speeding up takes a while, and at the goal the robot must stop with half of the
- * deceleration that the band may use, as the wheels lag behind. */
+/* Fastest forward or backward speed now: speeding up takes a while, and at the goal the robot must stop with half of
+ * the deceleration that the band may use, as the wheels lag behind. */
 static float speed_limit(const struct jp_patrol *patrol)
 {
     const float acceleration = patrol->config.teb.acceleration;

@@ -15,7 +15,7 @@
 float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose)
 {
     return jp_obstacles_distance(&patrol->obstacles, &patrol->config.teb.footprint, pose) +
-           patrol->config.scan.tolerance;
+           0.5f * patrol->config.scan.tolerance;
 }
 
 bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float angle)

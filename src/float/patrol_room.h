@@ -4,7 +4,8 @@
 
 #include <joulepath/patrol.h>
 
-/** Distance of the footprint at a pose from what the last scan saw, m: the shapes are larger by its tolerance. */
+/** Distance of the footprint at a pose from what the last scan saw, m: the shapes are larger by about
+ *  half of its tolerance. */
 float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose);
 
 /** Whether the footprint keeps its clearance while it turns in place by an angle, which has a sign. */

@@ -126,16 +126,65 @@ static struct deviation deviation_of(const struct seen *seen, const struct run *
     return worst;
 }
 
+/* How far the points of a run lie to the left of their chord. */
+struct offsets {
+    struct jp_plane_point normal; /* of the chord, to the left */
+    float mean;
+    float least;
+    float most;
+};
+
+static struct offsets offsets_of(const struct seen *seen, const struct run *run)
+{
+    const struct jp_plane_point begin = point_of(seen, run->first);
+    const struct jp_plane_point end = point_of(seen, run->last);
+    const float inverse = 1.0f / jp_plane_square_root(square_between(begin, end));
+    struct offsets offsets = {{(begin.y - end.y) * inverse, (end.x - begin.x) * inverse}, 0.0f, 0.0f, 0.0f};
+    float count = 0.0f;
+
+    for (unsigned i = run->first; i <= run->last; i++) {
+        if (is_point(seen, i)) {
+            const struct jp_plane_point point = point_of(seen, i);
+            const float offset = (point.x - begin.x) * offsets.normal.x + (point.y - begin.y) * offsets.normal.y;
+
+            offsets.mean += offset;
+            offsets.least = offset < offsets.least ? offset : offsets.least;
+            offsets.most = offset > offsets.most ? offset : offsets.most;
+            count += 1.0f;
+        }
+    }
+    offsets.mean /= count;
+    return offsets;
+}
+
+static struct jp_plane_point shifted(struct jp_plane_point point, const struct offsets *offsets)
+{
+    return (struct jp_plane_point){point.x + offsets->mean * offsets->normal.x,
+                                   point.y + offsets->mean * offsets->normal.y};
+}
+
+/* A chord through the middle of its points, wide enough for all of them. */
 static void add_chord(struct jp_obstacles *obstacles, const struct seen *seen, const struct run *run,
                       float deviation_square)
 {
-    const float deviation = jp_plane_square_root(deviation_square);
-    struct jp_obstacle shape;
+    const struct jp_plane_point begin = point_of(seen, run->first);
+    const struct jp_plane_point end = point_of(seen, run->last);
+    struct jp_obstacle shape = {.vertices = {begin}, .vertex_count = 1, .radius = seen->config->tolerance};
 
-    shape.vertices[0] = point_of(seen, run->first);
-    shape.vertices[1] = point_of(seen, run->last);
-    shape.vertex_count = run->first == run->last ? 1 : 2;
-    shape.radius = deviation > seen->config->tolerance ? deviation : seen->config->tolerance;
+    if (square_between(begin, end) > 0.0f) {
+        const struct offsets offsets = offsets_of(seen, run);
+        const float to_left = offsets.most - offsets.mean;
+        const float to_right = offsets.mean - offsets.least;
+
+        shape.vertices[0] = shifted(begin, &offsets);
+        shape.vertices[1] = shifted(end, &offsets);
+        shape.vertex_count = 2;
+        shape.radius = to_left > to_right ? to_left : to_right;
+    }
+    /* Points may lie beyond the ends of a chord that could not be split farther. */
+    if (deviation_square > seen->config->tolerance * seen->config->tolerance) {
+        shape.radius += jp_plane_square_root(deviation_square);
+    }
     (void)jp_obstacles_add(obstacles, &shape); /* with the limits of scan and sensor it fits */
 }
 

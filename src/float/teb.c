@@ -8,11 +8,11 @@
 #include "teb_solve.h"
 
 /* Of Levenberg and Marquardt. */
-#define DAMPING_START 1.0e-2f
+#define DAMPING_START 0.1f
 #define DAMPING_MIN   1.0e-5f
 #define DAMPING_MAX   1.0e4f
-#define DAMPING_DOWN  0.2f
-#define DAMPING_UP    8.0f
+#define DAMPING_DOWN  0.5f
+#define DAMPING_UP    3.0f
 
 /* Of the reference interval. */
 #define INTERVAL_MIN_SHARE 0.1f
@@ -22,6 +22,9 @@
 
 /* Scans make obstacles look this much larger, m. */
 #define OVERLAP 0.02f
+
+/* Steps whose mean is the speed to drive at; every band has so many. */
+#define SPEED_STEPS 2U
 
 #define ZERO_LENGTH 1.0e-3f
 
@@ -55,6 +58,7 @@ static const char *wrong_weight(const struct jp_teb_weights *weights)
         {weights->obstacle, "weights.obstacle"},
         {weights->path, "weights.path"},
         {weights->time, "weights.time"},
+        {weights->slowness, "weights.slowness"},
         {weights->no_reversing, "weights.no_reversing"},
         {weights->wheel_odometry, "weights.wheel_odometry"},
         {weights->laser_odometry, "weights.laser_odometry"},
@@ -101,9 +105,10 @@ static const char *wrong_field(const struct jp_teb_config *config)
     return wrong_weight(&config->weights);
 }
 
-static struct jp_teb_weights roots_of(const struct jp_teb_weights *weights, float interval)
+static struct jp_teb_weights roots_of(const struct jp_teb_config *config)
 {
-    const float per_interval = 1.0f / interval;
+    const struct jp_teb_weights *const weights = &config->weights;
+    const float per_interval = 1.0f / config->interval;
 
     return (struct jp_teb_weights){
         .nonholonomic = jp_plane_square_root(weights->nonholonomic),
@@ -115,6 +120,7 @@ static struct jp_teb_weights roots_of(const struct jp_teb_weights *weights, floa
         .obstacle = jp_plane_square_root(weights->obstacle),
         .path = jp_plane_square_root(weights->path),
         .time = jp_plane_square_root(weights->time),
+        .slowness = jp_plane_square_root(weights->slowness) / config->speed_max,
         .no_reversing = jp_plane_square_root(weights->no_reversing) * per_interval,
         .wheel_odometry = jp_plane_square_root(weights->wheel_odometry),
         .laser_odometry = jp_plane_square_root(weights->laser_odometry),
@@ -132,7 +138,7 @@ enum jp_status jp_teb_init(struct jp_teb *teb, const struct jp_teb_config *confi
     }
     (void)memset(teb, 0, sizeof *teb);
     teb->config = *config;
-    teb->roots = roots_of(&config->weights, config->interval);
+    teb->roots = roots_of(config);
     return JP_OK;
 }
 
@@ -193,8 +199,9 @@ static bool take_step(struct jp_teb *teb, float *cost)
 static void optimise(struct jp_teb *teb, struct jp_teb_result *result)
 {
     teb->damping = DAMPING_START;
+    /* Once: a new pose costs steps until it fits. */
+    jp_teb_resize(teb);
     for (unsigned round = 0; round < teb->config.rounds; round++) {
-        jp_teb_resize(teb);
         jp_teb_associate(teb);
         result->cost = jp_teb_linearise(teb);
         for (unsigned step = 0; step < teb->config.steps; step++) {
@@ -226,23 +233,36 @@ static void measure_band(const struct jp_teb *teb, struct jp_teb_result *result)
     }
 }
 
-/* Over the first interval. */
-static struct jp_plane_speed first_speed(const struct jp_teb *teb)
+/* Length of a step along the mean of its headings. */
+static float step_length(const struct jp_teb_pose *from, const struct jp_teb_pose *to)
 {
-    const struct jp_teb_pose *const from = &teb->poses[0];
-    const struct jp_teb_pose *const to = &teb->poses[1];
     const float c = 0.5f * (from->cosine + to->cosine);
     const float s = 0.5f * (from->sine + to->sine);
-    const float length = c * (to->pose.x - from->pose.x) + s * (to->pose.y - from->pose.y);
-    const float inverse = 1.0f / from->interval;
+
+    return c * (to->pose.x - from->pose.x) + s * (to->pose.y - from->pose.y);
+}
+
+/* Mean over the first steps: one alone passes on all noise of where the robot is. */
+static struct jp_plane_speed first_speed(const struct jp_teb *teb)
+{
+    const struct jp_teb_pose *const poses = teb->poses;
     const float reverse = teb->roots.no_reversing > 0.0f ? 0.0f : teb->config.reverse_max;
-    const float forward = jp_plane_clamp(length * inverse, -reverse, teb->config.speed_max);
-    const float magnitude = jp_plane_magnitude(forward);
-    const float by_radius = teb->config.radius_min > 0.0f ? magnitude / teb->config.radius_min : VALUE_MAX;
+    float length = 0.0f;
+    float turn = 0.0f;
+    float duration = 0.0f;
+
+    for (unsigned i = 0; i < SPEED_STEPS; i++) {
+        length += step_length(&poses[i], &poses[i + 1U]);
+        turn += jp_plane_wrap(poses[i + 1U].pose.heading - poses[i].pose.heading);
+        duration += poses[i].interval;
+    }
+
+    const float forward = jp_plane_clamp(length / duration, -reverse, teb->config.speed_max);
+    const float by_radius =
+        teb->config.radius_min > 0.0f ? jp_plane_magnitude(forward) / teb->config.radius_min : VALUE_MAX;
     const float turn_max = by_radius < teb->config.turn_rate_max ? by_radius : teb->config.turn_rate_max;
 
-    return (struct jp_plane_speed){
-        forward, jp_plane_clamp(jp_plane_wrap(to->pose.heading - from->pose.heading) * inverse, -turn_max, turn_max)};
+    return (struct jp_plane_speed){forward, jp_plane_clamp(turn / duration, -turn_max, turn_max)};
 }
 
 /* ---- A cycle ---- */

@@ -105,6 +105,7 @@ static void add_limits(struct sums *sums, unsigned i, const struct step *step)
     add_excess(sums, i, &step->length, 1.0f, config->speed_max * step->interval, config->speed_max, roots->speed);
     add_excess(sums, i, &step->length, -1.0f, config->reverse_max * step->interval, config->reverse_max, roots->speed);
     add_excess(sums, i, &step->length, -1.0f, 0.0f, 0.0f, roots->no_reversing);
+    add_excess(sums, i, &step->length, -1.0f, -config->speed_max * step->interval, -config->speed_max, roots->slowness);
     add_excess(sums, i, &step->turn, turn_sign, config->turn_rate_max * step->interval, config->turn_rate_max,
                roots->turn_rate);
 }

@@ -27,6 +27,7 @@
 #define SIDEWAYS_BAR    0.05 /* m/s, while the wheels go from one twist to another */
 #define CURVATURE_SHARE 0.7  /* of curvature_max, at most, of the paths */
 
+#define ROOM   4    /* radii of the tightest turn, enough to come round from any heading */
 #define INSIDE 1.05 /* part of the path that is passed to what is driven */
 
 enum { POINTS = 4000, TICKS_MAX = 30000 };
@@ -35,7 +36,7 @@ struct pose {
     double x, y, heading;
 };
 
-static unsigned long count = 60;
+static unsigned long count = 40;
 static uint64_t seed = 1;
 static struct random rng;
 
@@ -358,11 +359,13 @@ static void test_four_wheels_follow(void)
     TEST_ASSERT_TRUE(speeds[REFERENCE].wheels <= ERROR_BAR);
 }
 
-/* From beside the path in any direction: the limits hold, and it arrives or says that it is too far off. */
+/* From beside the path in any direction: the limits hold, and it arrives or says that it is too far off. With a
+ * lookahead of ROOM turns' radii it always arrives. */
 static void test_from_beside_the_path(void)
 {
     static struct drive drive;
     unsigned long arrived = 0;
+    unsigned long certain = 0;
 
     for (unsigned long path = 0; path < 4 * count; path++) {
         const struct jp_pure_pursuit_config config = random_config(octaves(0.1, 4));
@@ -376,13 +379,19 @@ static void test_from_beside_the_path(void)
         while ((status = tick(&drive, &twist)) == JP_OK && drive.ticks < TICKS_MAX) {
             move(&drive, twist.x / Q24, twist.turn_rate / Q24);
         }
-        TEST_ASSERT_TRUE(status == JP_ERR_EMPTY || status == JP_ERR_OUTSIDE);
+        const double curvature = config.curvature_max / Q24;
+        const double speed = config.speed / Q24;
+        const bool must_arrive = config.lookahead_max / Q24 * curvature >= ROOM &&
+                                 speed * speed * curvature <= config.lateral_acceleration / Q24;
+        TEST_ASSERT_TRUE(status == JP_ERR_EMPTY || (status == JP_ERR_OUTSIDE && !must_arrive));
+        certain += must_arrive ? 1 : 0;
         TEST_ASSERT_EQUAL_INT32(0, twist.x);
         TEST_ASSERT_EQUAL_INT32(0, twist.turn_rate);
         arrived += status == JP_ERR_EMPTY ? 1 : 0;
     }
-    printf("from beside the path, in any direction: %lu of %lu arrive\n", arrived, 4 * count);
-    TEST_ASSERT_TRUE(10 * arrived >= 9 * 4 * count);
+    printf("from beside the path, in any direction: %lu of %lu arrive, %lu of them must\n", arrived, 4 * count,
+           certain);
+    TEST_ASSERT_TRUE(10 * certain >= count);
 }
 
 static void test_law(void)
