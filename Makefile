@@ -170,7 +170,7 @@ endif
 
 .PHONY: help
 help: ## this list
-	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 14
 
 .PHONY: all
 all: $(PROGRAMS) $(call host_libraries,host) ## build the host programs in build/bin and the libraries
@@ -427,6 +427,14 @@ lattice: ## make the state lattice of ROBOT=name: src/tables/lattice_name.c
 	@tools/setup.sh sil
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-lattice
 	$(PYTHON) tools/lattice.py $(ROBOT)
+
+PATROL_ROBOT = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
+
+.PHONY: patrol-config
+patrol-config: ## make the C tables of the patrol robot's controller (ROBOT=patrol): src/float/tables/patrol_name.c
+	@tools/setup.sh sil
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol-config
+	$(PYTHON) tools/patrol_table.py $(PATROL_ROBOT)
 
 # Maps of others, where they are. MovingAI cells become as large as lets the robot through and the map fit.
 DATA ?= ../shared/data

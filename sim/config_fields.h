@@ -2,7 +2,6 @@
 #ifndef JOULEPATH_SIM_CONFIG_FIELDS_H
 #define JOULEPATH_SIM_CONFIG_FIELDS_H
 
-#include <libconfig.h>
 #include <stdbool.h>
 #include <stddef.h>
 

@@ -1,4 +1,5 @@
-/** Robot files whose type is "four_wheel": four steered and driven wheels and a laser scanner. */
+/** Robot files whose type is "four_wheel": four steered and driven wheels, a laser scanner, and how the robot is
+ * driven. */
 #ifndef JOULEPATH_SIM_FOUR_WHEEL_FILE_H
 #define JOULEPATH_SIM_FOUR_WHEEL_FILE_H
 
@@ -28,6 +29,7 @@ struct four_wheel_file {
         double rate_rad_s;
         double time_constant_s; /**< of the servo, while its rate is not at the limit */
         double friction_nm;     /**< of the contact that turns on the spot, a wheel */
+        double radius_min_m;    /**< of turns while driving, of the robot's centre */
     } steering;
     struct {
         double speed_m_s;         /**< of a wheel's tread */
@@ -57,6 +59,71 @@ struct four_wheel_file {
         int wheel_counts_per_turn;
         int steering_counts_per_turn;
     } encoder;
+    struct {
+        double range_m;     /**< what is farther away is not looked at */
+        double gap_m;       /**< between points of different things */
+        double tolerance_m; /**< of points from the line that stands for them */
+        int beams_min;      /**< fewer points side by side are noise */
+    } scan;
+    struct {
+        double extent_m;      /**< of a thing that may move */
+        double speed_min_m_s; /**< slower things stand */
+        double speed_max_m_s; /**< nothing moves faster */
+        double margin_m;      /**< how far something may be after a second from where its velocity leads */
+    } movers;
+    struct {
+        double speed_m_s;
+        double reverse_m_s;
+        double turn_rate_rad_s;
+        double acceleration_m_s2;
+        double turn_acceleration_rad_s2;
+        double clearance_m; /**< of the footprint from obstacles, wanted */
+        double interval_s;  /**< between two poses */
+        double hysteresis_s;
+        int rounds; /**< of association of obstacles, a cycle */
+        int steps;  /**< of Levenberg and Marquardt, a round */
+    } band;
+    struct { /**< of the band's squared residuals */
+        double nonholonomic_per_m2;
+        double speed_s2_per_m2;
+        double turn_rate_s2_per_rad2;
+        double turn_radius_s2_per_m2;
+        double acceleration_s4_per_m2;
+        double turn_acceleration_s4_per_rad2;
+        double obstacle_per_m2;
+        double path_per_m2;
+        double time_per_s2;
+        double slowness_per_s2;
+        double no_reversing_s2_per_m2;
+        double wheel_odometry_per_m2; /**< and rad², as below */
+        double laser_odometry_per_m2;
+    } weights;
+    struct {
+        double from_deg; /**< heading error beyond which the robot turns in place before it drives */
+        double rate_rad_s;
+        double acceleration_rad_s2;
+        double clearance_m; /**< of the footprint from obstacles, in a turn and in a step */
+        double step_m_s;    /**< with the wheels across, to where there is room to turn */
+    } turning;
+    struct {
+        double horizon_m; /**< of the path that is planned at a time */
+        double position_tolerance_m;
+        double heading_tolerance_deg;
+        double latency_s; /**< from a cycle's pose to wheels that do what was decided */
+        double jump_m;    /**< largest step of the laser's pose away from the prediction; of its heading: rad */
+        double wait_s;    /**< before giving up */
+        int dropouts;     /**< scans that may be missing, and poses that may jump, in a row */
+        double blind_m;   /**< way that the wheels alone may lead */
+    } patrol;
+    struct {
+        double speed_m_s;
+        double lookahead_s;
+        double lookahead_min_m;
+        double lookahead_max_m;
+        double lateral_acceleration_m_s2;
+        double acceleration_m_s2;
+        double tolerance_m; /**< of the path's end */
+    } pursuit;
 };
 
 /** Of struct four_wheel_file. */

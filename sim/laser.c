@@ -176,7 +176,7 @@ static float measured(const struct laser_config *config, double distance, struct
     const bool dropped = config->dropout > 0 && random_uniform(random, 0, 1) < config->dropout;
 
     const bool seen = distance > 0 && range > 0 && range <= config->range_max;
-    return seen && !dropped ? (float)range : 0;
+    return dropped ? LASER_DROPPED : seen ? (float)range : 0;
 }
 
 void laser_take(const struct laser_config *config, const struct solid_map *map, const struct planar_shape *shapes,

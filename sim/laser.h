@@ -16,20 +16,23 @@
 
 #define LASER_BEAMS_MAX 720
 
+/** The range of a beam that dropped out, as in struct jp_scan. */
+#define LASER_DROPPED (-1.0f)
+
 struct laser_config {
     int beams;        /**< 1…LASER_BEAMS_MAX */
     double first;     /**< bearing of beam 0 from straight ahead, rad */
     double step;      /**< from a beam to the next, counterclockwise, rad */
     double range_max; /**< m */
     double noise;     /**< standard deviation, m */
-    double dropout;   /**< probability that a beam gives nothing, 0…1 */
+    double dropout;   /**< probability that a beam drops out, 0…1 */
 };
 
 struct laser_scan {
     int beams;
     double first;
     double step;
-    float ranges[LASER_BEAMS_MAX]; /**< m; 0: nothing within range, or dropped out */
+    float ranges[LASER_BEAMS_MAX]; /**< m; 0: nothing within range; LASER_DROPPED */
 };
 
 /** Beams over a field of view, rad: symmetric about straight ahead, and evenly around in a full turn. No dropouts. */

@@ -2,40 +2,70 @@
 
 #include <math.h>
 
-#define CLEARANCE 0.10 /* wanted, m */
+#define RADIANS_PER_DEGREE (M_PI / 180)
 
-static struct jp_teb_config band_config(const struct four_wheel_file *robot)
+static struct jp_footprint footprint(const struct four_wheel_file *robot)
+{
+    const float half_length = (float)(robot->body.length_m / 2);
+
+    return (struct jp_footprint){half_length, half_length, (float)(robot->body.width_m / 2)};
+}
+
+static struct jp_teb_weights weights(const struct four_wheel_file *robot)
+{
+    return (struct jp_teb_weights){
+        .nonholonomic = (float)robot->weights.nonholonomic_per_m2,
+        .speed = (float)robot->weights.speed_s2_per_m2,
+        .turn_rate = (float)robot->weights.turn_rate_s2_per_rad2,
+        .turn_radius = (float)robot->weights.turn_radius_s2_per_m2,
+        .acceleration = (float)robot->weights.acceleration_s4_per_m2,
+        .turn_acceleration = (float)robot->weights.turn_acceleration_s4_per_rad2,
+        .obstacle = (float)robot->weights.obstacle_per_m2,
+        .path = (float)robot->weights.path_per_m2,
+        .time = (float)robot->weights.time_per_s2,
+        .slowness = (float)robot->weights.slowness_per_s2,
+        .no_reversing = (float)robot->weights.no_reversing_s2_per_m2,
+        .wheel_odometry = (float)robot->weights.wheel_odometry_per_m2,
+        .laser_odometry = (float)robot->weights.laser_odometry_per_m2,
+    };
+}
+
+static struct jp_teb_config band(const struct four_wheel_file *robot)
 {
     return (struct jp_teb_config){
-        .speed_max = 1.0f,
-        .reverse_max = 0.3f,
-        .turn_rate_max = 1.2f,
-        .acceleration = (float)(0.6 * robot->drive.acceleration_m_s2),
-        .turn_acceleration = 2.0f,
-        .radius_min = (float)robot->body.wheelbase_m,
-        .footprint = {(float)(robot->body.length_m / 2), (float)(robot->body.length_m / 2),
-                      (float)(robot->body.width_m / 2)},
-        .clearance = (float)CLEARANCE,
-        .interval = 0.25f,
-        .hysteresis = 0.1f,
-        .rounds = 3,
-        .steps = 4,
-        .weights =
-            {
-                .nonholonomic = 1000.0f,
-                .speed = 20.0f,
-                .turn_rate = 20.0f,
-                .turn_radius = 50.0f,
-                .acceleration = 5.0f,
-                .turn_acceleration = 2.0f,
-                .obstacle = 500.0f,
-                .path = 2.0f,
-                .time = 0.2f,
-                .slowness = 2.0f,
-                .no_reversing = 1000.0f,
-                .wheel_odometry = 1000.0f,
-                .laser_odometry = 10000.0f,
-            },
+        .speed_max = (float)robot->band.speed_m_s,
+        .reverse_max = (float)robot->band.reverse_m_s,
+        .turn_rate_max = (float)robot->band.turn_rate_rad_s,
+        .acceleration = (float)robot->band.acceleration_m_s2,
+        .turn_acceleration = (float)robot->band.turn_acceleration_rad_s2,
+        .radius_min = (float)robot->steering.radius_min_m,
+        .footprint = footprint(robot),
+        .clearance = (float)robot->band.clearance_m,
+        .interval = (float)robot->band.interval_s,
+        .hysteresis = (float)robot->band.hysteresis_s,
+        .rounds = (uint8_t)robot->band.rounds,
+        .steps = (uint8_t)robot->band.steps,
+        .weights = weights(robot),
+    };
+}
+
+static struct jp_scan_config scan(const struct four_wheel_file *robot)
+{
+    return (struct jp_scan_config){
+        .range_max = (float)robot->scan.range_m,
+        .gap = (float)robot->scan.gap_m,
+        .tolerance = (float)robot->scan.tolerance_m,
+        .beams_min = (uint16_t)robot->scan.beams_min,
+    };
+}
+
+static struct jp_movers_config movers(const struct four_wheel_file *robot)
+{
+    return (struct jp_movers_config){
+        .extent = (float)robot->movers.extent_m,
+        .speed_min = (float)robot->movers.speed_min_m_s,
+        .speed_max = (float)robot->movers.speed_max_m_s,
+        .margin = (float)robot->movers.margin_m,
     };
 }
 
@@ -43,22 +73,24 @@ struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum 
 {
     struct jp_patrol_config config = {
         .wheels = four_wheel_config(robot),
-        .teb = band_config(robot),
-        .scan = {.range_max = 5.0f, .gap = 0.35f, .tolerance = 0.04f, .beams_min = 3},
+        .teb = band(robot),
+        .scan = scan(robot),
+        .movers = movers(robot),
         .turns_in_place = true,
-        .turn_first = (float)(30 * M_PI / 180),
-        .turn_rate = 1.0f,
-        .turn_acceleration = 1.5f,
-        .turn_clearance = 0.0f,
-        .step_speed = 0.2f,
-        .horizon = 3.5f,
-        .position_tolerance = 0.08f,
-        .heading_tolerance = (float)(5 * M_PI / 180),
+        .turn_first = (float)(robot->turning.from_deg * RADIANS_PER_DEGREE),
+        .turn_rate = (float)robot->turning.rate_rad_s,
+        .turn_acceleration = (float)robot->turning.acceleration_rad_s2,
+        .turn_clearance = (float)robot->turning.clearance_m,
+        .step_speed = (float)robot->turning.step_m_s,
+        .horizon = (float)robot->patrol.horizon_m,
+        .position_tolerance = (float)robot->patrol.position_tolerance_m,
+        .heading_tolerance = (float)(robot->patrol.heading_tolerance_deg * RADIANS_PER_DEGREE),
         .period = 1.0f / PATROL_CYCLE_HZ,
-        .latency = 0.1f,
-        .jump = 0.3f,
-        .waits_max = 10 * PATROL_CYCLE_HZ,
-        .dropouts_max = 3,
+        .latency = (float)robot->patrol.latency_s,
+        .jump = (float)robot->patrol.jump_m,
+        .waits_max = (uint16_t)lround(robot->patrol.wait_s * PATROL_CYCLE_HZ),
+        .dropouts_max = (uint16_t)robot->patrol.dropouts,
+        .blind_max = (float)robot->patrol.blind_m,
     };
 
     if (method == PATROL_PLAIN) {
@@ -70,16 +102,21 @@ struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum 
     return config;
 }
 
+static jp_q24 to_q24(double value)
+{
+    return (jp_q24)lround(value * JP_Q24_ONE);
+}
+
 struct jp_pure_pursuit_config patrol_pursuit_config(const struct four_wheel_file *robot)
 {
     return (struct jp_pure_pursuit_config){
-        .speed = JP_Q24(1.0),
-        .lookahead_time = JP_Q24(0.5),
-        .lookahead_min = JP_Q24(0.3),
-        .lookahead_max = JP_Q24(2.0),
-        .curvature_max = (jp_q24)lround(1 / robot->body.wheelbase_m * JP_Q24_ONE),
-        .lateral_acceleration = JP_Q24(0.8),
-        .acceleration = JP_Q24(0.8),
-        .tolerance = JP_Q24(0.05),
+        .speed = to_q24(robot->pursuit.speed_m_s),
+        .lookahead_time = to_q24(robot->pursuit.lookahead_s),
+        .lookahead_min = to_q24(robot->pursuit.lookahead_min_m),
+        .lookahead_max = to_q24(robot->pursuit.lookahead_max_m),
+        .curvature_max = to_q24(1 / robot->steering.radius_min_m),
+        .lateral_acceleration = to_q24(robot->pursuit.lateral_acceleration_m_s2),
+        .acceleration = to_q24(robot->pursuit.acceleration_m_s2),
+        .tolerance = to_q24(robot->pursuit.tolerance_m),
     };
 }

@@ -19,8 +19,12 @@
 #define TRUE_TURN_TOLERANCE (10 * M_PI / 180)
 
 /* A new path is looked for after so many cycles of waiting, at most so often. */
-#define REPLAN_WAIT 8
-#define REPLANS_MAX 6
+#define REPLAN_WAIT   8
+#define LAST_LEG_WAIT 30
+#define REPLANS_MAX   6
+
+/* So long after it has given up the drive is looked at, cycles. */
+#define AFTERMATH (2 * PATROL_CYCLE_HZ)
 
 /* The robot comes to the goal straight from here where it cannot turn there, m. */
 static const double approaches[] = {0.6, 0.8, 1.0, 1.3, 1.6, 2.0};
@@ -31,6 +35,12 @@ static const double turn_margins[] = {0.10, 0.06, 0.03};
 #define TURN_MARGINS (sizeof turn_margins / sizeof turn_margins[0])
 
 #define APPROACH_MIN 0.5
+
+/* What the faults' slip is, everywhere. */
+#define SLIP_FRICTION        0.3
+#define SLIP_STIFFNESS_LEFT  0.1
+#define SLIP_STIFFNESS_RIGHT 0.05
+static const struct planar_point slip_pull = {-0.1, 0.15}; /* m/s² */
 
 /* So near a path needs no map, m. */
 #define STRAIGHT_BELOW 0.15
@@ -72,6 +82,7 @@ struct mission {
     bool is_last_leg; /* straight into the goal */
     bool is_pausing;  /* to plan anew */
     unsigned waited;
+    unsigned stopped; /* cycles since it gave up */
     int direction;
     double time;
     struct patrol_result *result;
@@ -203,6 +214,22 @@ static struct planar_pose scanner_on_robot(const struct mission *m)
     return (struct planar_pose){m->task->robot->laser.x_m, m->task->robot->laser.y_m, 0};
 }
 
+static bool has_laser_jumped(const struct mission *m)
+{
+    const struct patrol_faults *const faults = &m->task->faults;
+
+    return faults->jump_at >= 0 && m->time >= faults->jump_at &&
+           (faults->jump_until == 0 || m->time < faults->jump_until);
+}
+
+/* In the one cycle after it. */
+static bool do_wheels_jump(const struct mission *m)
+{
+    const double since = m->time - m->task->faults.jump_at;
+
+    return m->task->faults.jump_at >= 0 && since >= 0 && since < PERIOD;
+}
+
 static bool is_scan_missing(const struct mission *m)
 {
     return m->time >= m->task->faults.scan_dropout_from && m->time < m->task->faults.scan_dropout_until;
@@ -223,7 +250,7 @@ static bool sense(struct mission *m, struct jp_plane_pose *laser_pose)
 
     struct planar_pose pose = planar_compose(&match.pose, &back);
 
-    if (m->task->faults.jump_at >= 0 && m->time >= m->task->faults.jump_at) {
+    if (has_laser_jumped(m)) {
         pose.x += m->task->faults.jump_m;
     }
     *laser_pose = to_plane(&pose);
@@ -234,6 +261,9 @@ static void fill_input(struct mission *m, struct jp_patrol_input *input)
 {
     const struct planar_pose mount = scanner_on_robot(m);
 
+    if (do_wheels_jump(m)) {
+        m->odometry.x += m->task->faults.wheels_jump_m;
+    }
     *input = (struct jp_patrol_input){.wheels = to_plane(&m->odometry), .speed = m->speed, .sensor = to_plane(&mount)};
     if (!is_scan_missing(m)) {
         input->has_laser = sense(m, &input->laser);
@@ -277,6 +307,7 @@ static void drive_ticks(struct mission *m)
         m->result->reversed += m->plant.state.forward < -MOTION_SPEED ? -m->plant.state.forward * TICK : 0;
     }
     m->time += PERIOD;
+    m->stopped = m->patrol.state == JP_PATROL_STOPPED ? m->stopped + 1 : 0;
 }
 
 static void count_directions(struct mission *m)
@@ -355,9 +386,15 @@ static void follow_up(struct mission *m)
         m->has_approach = false;
         m->is_last_leg = true;
         (void)follow_straight(m, &goal);
-    } else if (needs_path(m) && ++m->waited > REPLAN_WAIT) {
-        replan(m);
-    } else if (m->patrol.counts.cycles % WATCH_CYCLES == 0) {
+    } else if (needs_path(m)) {
+        m->waited++;
+        if (m->waited > (m->is_last_leg ? LAST_LEG_WAIT : REPLAN_WAIT)) {
+            replan(m);
+        }
+    } else {
+        m->waited = 0;
+    }
+    if (m->patrol.counts.cycles % WATCH_CYCLES == 0) {
         watch_goal(m);
     }
 }
@@ -380,13 +417,15 @@ static void control(struct mission *m)
 
 static bool is_over(const struct mission *m)
 {
-    if (m->world.first_touch != PATROL_TOUCH_NONE || m->time >= m->task->scene->limit_s) {
+    const bool is_ended_by_touch = m->world.first_touch != PATROL_TOUCH_NONE && !m->task->survives_touches;
+
+    if (is_ended_by_touch || m->time >= m->task->scene->limit_s) {
         return true;
     }
     if (m->task->method == PATROL_PURSUIT) {
         return !m->is_pursuing;
     }
-    return m->patrol.state == JP_PATROL_ARRIVED || (m->patrol.state == JP_PATROL_STOPPED && !needs_path(m));
+    return m->patrol.state == JP_PATROL_ARRIVED || (m->stopped > AFTERMATH && !needs_path(m));
 }
 
 static enum patrol_outcome outcome_of(const struct mission *m)
@@ -458,6 +497,18 @@ static void show(const struct mission *m)
 
 /* ---- A mission ---- */
 
+static void make_slippery(struct four_wheel_plant *plant)
+{
+    const struct four_wheel_patch everywhere = {.low = {-INFINITY, -INFINITY},
+                                                .high = {INFINITY, INFINITY},
+                                                .friction = SLIP_FRICTION,
+                                                .stiffness_left = SLIP_STIFFNESS_LEFT,
+                                                .stiffness_right = SLIP_STIFFNESS_RIGHT,
+                                                .pull = slip_pull};
+
+    (void)four_wheel_plant_add_patch(plant, &everywhere);
+}
+
 static void set_up_world(struct mission *m)
 {
     const struct four_wheel_file *const robot = m->task->robot;
@@ -468,6 +519,9 @@ static void set_up_world(struct mission *m)
         (void)patrol_world_add(&m->world, &m->task->scene->movers[i]);
     }
     four_wheel_plant_init(&m->plant, robot, &start);
+    if (m->task->faults.slip) {
+        make_slippery(&m->plant);
+    }
     m->laser = laser_config_of(robot->laser.beams, robot->laser.field_deg * M_PI / 180, robot->laser.range_m,
                                robot->laser.noise_m);
     m->laser.dropout = m->task->faults.beam_dropout;
@@ -489,8 +543,12 @@ static bool set_up_controller(struct mission *m)
 
     m->wheels_config = four_wheel_config(m->task->robot);
     m->planner = patrol_planner_new(&m->task->scene->map, m->task->robot);
-    if (jp_patrol_init(&m->patrol, &config, &field) != JP_OK ||
-        jp_patrol_set_pose(&m->patrol, &m->task->scene->start) != JP_OK || !plan_route(m)) {
+    if (jp_patrol_init(&m->patrol, &config, &field) != JP_OK) {
+        m->result->outcome = PATROL_GAVE_UP;
+        m->result->reason = JP_PATROL_INFEASIBLE;
+        return false;
+    }
+    if (jp_patrol_set_pose(&m->patrol, &m->task->scene->start) != JP_OK || !plan_route(m)) {
         return false;
     }
     m->is_pursuing = true;

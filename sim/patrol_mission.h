@@ -29,11 +29,14 @@ extern const char *const patrol_state_names[JP_PATROL_STOPPED + 1];
 
 /** What goes wrong, on request. */
 struct patrol_faults {
-    double beam_dropout;       /**< share of the beams without an echo */
-    double scan_dropout_from;  /**< no scans at all from…until, s */
+    double beam_dropout;      /**< share of the beams that drop out */
+    double scan_dropout_from; /**< no scans at all from…until, s */
     double scan_dropout_until;
-    double jump_at;            /**< the laser's pose jumps by jump_m from then on, s; below 0: never */
+    double jump_at;    /**< the laser's pose is off by jump_m from then on, s; below 0: never */
+    double jump_until; /**< 0: for ever */
     double jump_m;
+    double wheels_jump_m; /**< at jump_at the pose of the wheels jumps by so much */
+    bool slip; /**< slippery ground that falls off to one side: wheel odometry goes wrong by some per cent of the way */
 };
 
 struct patrol_view;
@@ -44,6 +47,7 @@ struct patrol_task {
     enum patrol_method method;
     uint64_t seed; /**< of the noise */
     struct patrol_faults faults;
+    bool survives_touches; /**< otherwise the first one ends the drive */
     /** Called every cycle, may be null. */
     void (*observe)(void *context, const struct patrol_view *view);
     void *context;
@@ -57,10 +61,10 @@ struct patrol_view {
     struct jp_plane_pose believed; /**< in the map's frame */
     enum jp_patrol_state state;
     enum jp_patrol_reason reason;
-    const struct jp_wheels *wheels;   /**< as the encoders say */
-    const struct jp_patrol *patrol;   /**< its band may be shown; null for pure pursuit */
+    const struct jp_wheels *wheels; /**< as the encoders say */
+    const struct jp_patrol *patrol; /**< its band may be shown; null for pure pursuit */
     const struct patrol_world *world;
-    const struct jp_path_point *way;  /**< turning points of the planner's way */
+    const struct jp_path_point *way; /**< turning points of the planner's way */
     size_t way_count;
     const struct jp_path_point *path; /**< smoothed */
     size_t path_count;
@@ -72,15 +76,15 @@ struct patrol_view {
 struct patrol_result {
     enum patrol_outcome outcome;
     enum jp_patrol_reason reason;
-    double time;          /**< s */
-    double length;        /**< driven, m */
+    double time;   /**< s */
+    double length; /**< driven, m */
     double energy_j;
-    double reversed;      /**< driven backwards, m: more than slip and noise explain counts as reversing */
+    double reversed;            /**< driven backwards, m: more than slip and noise explain counts as reversing */
     unsigned direction_changes; /**< between forward and backward, and of the turn rate's sign beyond noise */
-    double clearance_min; /**< of the true shapes, m */
-    double position_error; /**< from the goal, m */
-    double heading_error;  /**< rad */
-    double odometry_error; /**< of the pose that the robot believes, at the end, m */
+    double clearance_min;       /**< of the true shapes, m */
+    double position_error;      /**< from the goal, m */
+    double heading_error;       /**< rad */
+    double odometry_error;      /**< of the pose that the robot believes, at the end, m */
     double path_length;
     unsigned replans;
     struct jp_grid_counts planner;

@@ -56,13 +56,16 @@ static void print_scene(const struct patrol_report *report)
 static void print_faults(const struct patrol_faults *faults)
 {
     if (faults->beam_dropout > 0) {
-        (void)printf("fault: %.0f %% of the beams have no echo\n", 100 * faults->beam_dropout);
+        (void)printf("fault: %.0f %% of the beams drop out\n", 100 * faults->beam_dropout);
     }
     if (faults->scan_dropout_until > faults->scan_dropout_from) {
         (void)printf("fault: no scans from %.1f s to %.1f s\n", faults->scan_dropout_from, faults->scan_dropout_until);
     }
     if (faults->jump_at >= 0) {
         (void)printf("fault: the laser's pose jumps by %.2f m at %.1f s\n", faults->jump_m, faults->jump_at);
+    }
+    if (faults->slip) {
+        (void)printf("fault: slippery ground\n");
     }
 }
 
@@ -156,9 +159,9 @@ static json_t *json_pose(const struct jp_plane_pose *pose)
 
 static json_t *json_faults(const struct patrol_faults *faults)
 {
-    return json_pack("{s:f, s:[f, f], s:[f, f]}", "beam_dropout", faults->beam_dropout, "scan_dropout_s",
-                     faults->scan_dropout_from, faults->scan_dropout_until, "jump_s_m", faults->jump_at,
-                     faults->jump_m);
+    return json_pack("{s:f, s:[f, f], s:[f, f], s:b}", "beam_dropout", faults->beam_dropout, "scan_dropout_s",
+                     faults->scan_dropout_from, faults->scan_dropout_until, "jump_s_m", faults->jump_at, faults->jump_m,
+                     "slip", faults->slip);
 }
 
 static json_t *json_planner(const struct patrol_run *run)

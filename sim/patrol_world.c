@@ -15,6 +15,9 @@
 /* Farther than the distance so far by this, m: what is beyond need not be looked at again for as long a motion. */
 #define FORESIGHT 0.2
 
+/* Who walks looks so far ahead, m. */
+#define WALK_AHEAD 0.4
+
 /* ---- Obstacles ------------------------------------------------------------------------------------------------- */
 
 static struct planar_point corner(const struct patrol_obstacle *obstacle, size_t index)
@@ -114,6 +117,36 @@ static double place_obstacles(struct patrol_world *world)
         }
     }
     return world->shape_count == before ? way : INFINITY;
+}
+
+/* Whether a shape that goes on for WALK_AHEAD touches the robot, seen as a disc. */
+static bool is_before_robot(const struct patrol_world *world, const struct planar_shape *shape,
+                            const struct planar_point *velocity)
+{
+    const double speed = hypot(velocity->x, velocity->y);
+    const struct planar_pose ahead = {shape->pose.x + WALK_AHEAD * velocity->x / speed,
+                                      shape->pose.y + WALK_AHEAD * velocity->y / speed, 0};
+    const struct planar_pose there = planar_between(&world->robot.pose, &ahead);
+
+    return hypot(fmax(fabs(there.x) - world->robot.half_length, 0), fmax(fabs(there.y) - world->robot.half_width, 0)) <
+           planar_reach(shape);
+}
+
+/* Nobody walks into the robot: who would, waits. */
+static void let_wait(struct patrol_world *world, double seconds)
+{
+    size_t shape = 0;
+
+    for (size_t i = 0; i < world->obstacle_count; i++) {
+        if (world->time >= world->obstacles[i].appears) {
+            const struct planar_point *const velocity = &world->velocities[shape];
+
+            if ((velocity->x != 0 || velocity->y != 0) && is_before_robot(world, &world->shapes[shape], velocity)) {
+                world->obstacles[i].starts += seconds;
+            }
+            shape++;
+        }
+    }
 }
 
 /* ---- libccd ---------------------------------------------------------------------------------------------------- */
@@ -406,6 +439,7 @@ void patrol_world_step(struct patrol_world *world, const struct planar_pose *pos
 {
     const struct planar_pose from = world->robot.pose;
 
+    let_wait(world, seconds);
     world->time += seconds;
     world->robot.pose = *pose;
     world->slack -= way_between(&from, &world->robot) + place_obstacles(world);

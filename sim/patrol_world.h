@@ -1,6 +1,8 @@
 /**
  * What the patrol robot moves among: a map, moving obstacles, and whether and how nearly it touched any.
  *
+ * Nobody walks into the robot: who would within 0.4 m waits. So a touch is the robot's doing.
+ *
  * Shapes are true: the robot's rectangle, discs, boxes and the map's solid cells. libccd decides whether they touch.
  */
 #ifndef JOULEPATH_SIM_PATROL_WORLD_H

@@ -140,7 +140,7 @@ static void add_side(const struct scan_matcher *matcher, int beam, int side, dou
             return;
         }
         const struct planar_point point = matcher->lines[next].point;
-        if (matcher->ranges[next] == 0) {
+        if (matcher->ranges[next] <= 0) {
             continue;
         }
         if (squared_distance(point, last) > square(reach) || squared_distance(point, centre) > square(reach)) {

@@ -8,11 +8,12 @@
 
 #include <joulepath/lattice.h>
 
-#define SKID_STEER_NAME_SIZE 32
-#define STANDARD_GRAVITY     9.80665
+#include "config_fields.h"
+
+#define STANDARD_GRAVITY 9.80665
 
 struct skid_steer_model {
-    char name[SKID_STEER_NAME_SIZE];
+    char name[CONFIG_NAME_SIZE];
     struct {
         double length_m;
         double width_m; /**< B, between the tracks of the two sides */

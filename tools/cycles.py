@@ -18,6 +18,7 @@ ROWS = {
     "whole tick": r"whole tick",
     "jp_segment_optimise": r"segment optimiser",
     "jp_planner_work, 32 expansions": r"slice of 32 expansions",
+    "jp_teb_plan, 50 poses, 20 obstacles": r"TEB cycle",
 }
 
 

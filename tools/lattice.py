@@ -8,7 +8,6 @@ import argparse
 import json
 import math
 import re
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -236,14 +235,7 @@ def run_jp_lattice(robot_path, options):
     """What jp-lattice makes for a robot."""
     program = robot_json.build_directory() / "bin" / "jp-lattice"
     with tempfile.TemporaryDirectory() as directory:
-        try:
-            result = subprocess.run([program, robot_path, "--output", directory, *options], capture_output=True,
-                                    text=True, check=False)
-        except OSError as error:
-            raise ToolError(f"{program}: {error.strerror}; build it with `make`") from None
-        if result.returncode != 0:
-            lines = result.stderr.strip().splitlines() or [f"{program} failed on {robot_path}"]
-            raise ToolError(lines[-1])
+        robot_json.printed_by(program, robot_path, "--output", directory, *options)
         return json.loads(read_text(Path(directory) / "lattice.json"))
 
 

@@ -101,7 +101,7 @@ def read_summary(path):
     need_vector(path, "start", summary["start"], 3)
     need_vector(path, "goal", summary["goal"], 3)
     check_map(path, summary["map"])
-    need(path, "faults", summary["faults"], ("beam_dropout", "scan_dropout_s", "jump_s_m"))
+    need(path, "faults", summary["faults"], ("beam_dropout", "scan_dropout_s", "jump_s_m", "slip"))
     need_list(path, "methods", summary["methods"])
     for i, method in enumerate(summary["methods"]):
         check_method(path, f"methods[{i}]", method)
@@ -453,13 +453,15 @@ def headlines(summary):
 def fault_lines(faults):
     lines = []
     if faults["beam_dropout"] > 0:
-        lines.append(f"{format_number(100 * faults['beam_dropout'], 0, '%')} of the beams have no echo")
+        lines.append(f"{format_number(100 * faults['beam_dropout'], 0, '%')} of the beams drop out")
     first, end = faults["scan_dropout_s"]
     if end > first:
         lines.append(f"no scans from {first:g} to {end:g}\u202fs")
     when, jump = faults["jump_s_m"]
     if when >= 0:
         lines.append(f"the laser's pose jumps by {format_number(jump, 2, 'm')} at {when:g}\u202fs")
+    if faults["slip"]:
+        lines.append("slippery ground")
     return lines
 
 

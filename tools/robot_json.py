@@ -90,14 +90,18 @@ def load_json(path):
     return from_text(path, read_text(path))
 
 
-def load(path, jp_robot=None):
-    """A robot file, checked by jp-robot."""
-    program = jp_robot or default_jp_robot()
+def printed_by(program, path, *options):
+    """What a program prints about a robot file, which it checks."""
     try:
-        result = subprocess.run([program, path, "--json"], capture_output=True, text=True, check=False)
+        result = subprocess.run([program, path, *options], capture_output=True, text=True, check=False)
     except OSError as error:
-        raise ToolError(f"{program}: {error.strerror}; build it with `make`, or give --jp-robot") from None
+        raise ToolError(f"{program}: {error.strerror}; build it with `make`") from None
     if result.returncode != 0:
         lines = result.stderr.strip().splitlines() or [f"{program} failed on {path}"]
         raise ToolError(lines[-1])
-    return from_text(str(path), result.stdout)
+    return result.stdout
+
+
+def load(path, jp_robot=None):
+    """A robot file, checked by jp-robot."""
+    return from_text(str(path), printed_by(jp_robot or default_jp_robot(), path, "--json"))

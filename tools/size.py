@@ -29,6 +29,7 @@ MODULES = {
     "four wheels": r"src/four_wheel",
     "pure pursuit": r"src/pure_pursuit",
     "obstacles": r"src/float/(obstacle\w*|scan_\w+)",
+    "movers": r"src/float/movers",
     "timed elastic band": r"src/float/teb(_\w+)?",
     "patrol": r"src/float/patrol(_\w+)?",
     "end-to-end protection": r"src/e2e",
@@ -37,6 +38,7 @@ MODULES = {
     "post-mortem": r"hal/(post_mortem|memory_check)",
     "tables of a robot": r"src/tables/(robot|energy)_courier24",
     "table of a lattice": r"src/tables/lattice_gao2018",
+    "tables of a patrol robot": r"src/(float/)?tables/\w+_patrol",
     None: r"src/tables/\w+",  # other robots
 }
 SMALL_ROBOT = ("balancer", "energy", "optimiser")

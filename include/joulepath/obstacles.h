@@ -37,6 +37,8 @@ struct jp_obstacle {
     struct jp_plane_point vertices[JP_OBSTACLE_VERTICES_MAX]; /**< of a polygon counterclockwise */
     uint8_t vertex_count;                                     /**< 1…JP_OBSTACLE_VERTICES_MAX */
     float radius;                                             /**< 0…32 767 */
+    struct jp_plane_point velocity;                           /**< m/s; (0, 0): it stands */
+    float margin; /**< how far it may be after a second from where its velocity leads, m */
 };
 
 /** The nearest obstacles. The members may be read. */

@@ -19,6 +19,7 @@
 #define JOULEPATH_PATROL_H
 
 #include <joulepath/four_wheel.h>
+#include <joulepath/movers.h>
 #include <joulepath/teb.h>
 
 #ifdef __cplusplus
@@ -41,7 +42,7 @@ enum jp_patrol_reason {
     JP_PATROL_IN_COLLISION, /**< an obstacle overlaps the footprint */
     JP_PATROL_NO_WAY,       /**< no band keeps off the obstacles, or there is no room to turn in place: plan anew */
     JP_PATROL_NO_SCAN,      /**< too many scans in a row dropped out */
-    JP_PATROL_LOST,         /**< the laser's pose jumped, or was missing, for too long */
+    JP_PATROL_LOST,         /**< the laser's pose jumped, or was missing, too long */
     JP_PATROL_OFF_PATH,     /**< the robot is farther from its path than the horizon */
     JP_PATROL_STALLED,      /**< the wheels do not bring the robot on */
     JP_PATROL_INFEASIBLE    /**< the wheels cannot do what was asked */
@@ -51,6 +52,7 @@ struct jp_patrol_config {
     struct jp_four_wheel_config wheels; /**< of the control tick */
     struct jp_teb_config teb;           /**< weights 0 for odometry and no_reversing: the plain TEB */
     struct jp_scan_config scan;
+    struct jp_movers_config movers;
     bool turns_in_place;      /**< false: the plain TEB, which turns as it drives */
     float turn_first;         /**< heading error beyond which the robot turns in place before it drives, rad: 30° */
     float turn_rate;          /**< in place, rad/s */
@@ -63,8 +65,9 @@ struct jp_patrol_config {
     float period;             /**< of a cycle, s */
     float latency;            /**< from the pose of a cycle to wheels that do what was decided, s; 0…1 */
     float jump;               /**< largest step of the laser's pose away from the prediction, m; the heading: rad */
-    uint16_t waits_max;       /**< cycles to wait before giving up */
-    uint16_t dropouts_max;    /**< scans or poses in a row that may be missing */
+    uint16_t waits_max;       /**< cycles to wait before giving up; 1…10 000 */
+    uint16_t dropouts_max;    /**< scans that may be missing, and poses that may jump, in a row; at most 10 000 */
+    float blind_max;          /**< way that the wheels alone may lead without a pose of the laser, m */
 };
 
 /** What is known in a cycle. */
@@ -99,6 +102,7 @@ struct jp_patrol {
     struct jp_patrol_config config;
     struct jp_teb teb;             /**< its band may be shown */
     struct jp_obstacles obstacles; /**< of the last scan */
+    struct jp_movers movers;       /**< among them */
     enum jp_patrol_state state;    /**< of the last cycle */
     enum jp_patrol_reason reason;  /**< of the last cycle */
     struct jp_plane_pose pose;     /**< of the last cycle, in the map's frame */
@@ -121,7 +125,9 @@ struct jp_patrol {
     bool is_arriving; /* at the goal: what is left is to stand and to turn */
     uint16_t waited;
     uint16_t free_cycles; /* in a row with a way while waiting */
-    uint16_t laser_gap;
+    uint8_t tries;        /* to go on after waiting since the robot last got on */
+    uint16_t jumps;       /* of the laser's pose, in a row */
+    float blind;          /* way since its last good one, m */
     uint16_t scan_gap;
     uint16_t unmoved; /* cycles since the robot last got on */
 };

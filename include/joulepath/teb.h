@@ -2,24 +2,26 @@
  * Timed elastic band (Rösmann et al., ROBOTIK 2012) for a robot that drives forward and turns in place: n poses and the
  * n − 1 intervals between them, optimised together.
  *
- * Residuals, each times the root of its weight; c and s are the sums of the cosines and sines of two neighbouring headings, d the
- * step between the poses, l = (c dx + s dy)/2 the signed length of the step:
- *   non-holonomic   c dy − s dx
- *   speed           l − speed_max ΔT and −l − reverse_max ΔT, over the reference interval, where above 0
- *   turn rate       |Δθ| − turn_rate_max ΔT, over the reference interval, where above 0
- *   turn radius     radius_min |Δθ| − |l|, over the reference interval, where above 0
- *   acceleration    |Δv|/ΔT − acceleration and |Δω|/ΔT − turn_acceleration, where above 0, from the start's to the goal's
- *   obstacles       clearance − distance of the footprint, where above 0
- *   path            distance from the path to be followed
- *   time            ΔT
- *   slowness        speed_max ΔT − l, over speed_max, where above 0: makes the time convex below the speed limit
- *   no reversing    −l over the reference interval, where above 0
- *   odometry        first pose against the wheels' prediction and against the laser's measurement
+ * Residuals, each times the root of its weight; c and s are the sums of the cosines and sines of two neighbouring
+ * headings, d the step between the poses, l = (c dx + s dy)/2 the signed length of the step, ΔT_ref the reference
+ * interval:
+ * - non-holonomic: c dy − s dx
+ * - speed: (l − speed_max ΔT)/ΔT_ref and (−l − reverse_max ΔT)/ΔT_ref, where above 0
+ * - turn rate: (|Δθ| − turn_rate_max ΔT)/ΔT_ref, where above 0
+ * - turn radius: (radius_min |Δθ| − |l|)/ΔT_ref, where above 0
+ * - acceleration: |Δv|/ΔT − acceleration and |Δω|/ΔT − turn_acceleration, where above 0, from the start's to the goal's
+ * - obstacles: clearance − distance of the footprint, where above 0
+ * - path: distance from the path to be followed
+ * - time: ΔT
+ * - slowness: (speed_max ΔT − l)/speed_max, where above 0: makes the time convex below the speed limit
+ * - no reversing: −l/ΔT_ref, where above 0
+ * - odometry: first pose against the wheels' prediction and against the laser's measurement
+ *
  * The Jacobians are analytic. The normal equations are banded, three blocks of 4 × 4 wide; a fixed number of
  * Levenberg–Marquardt steps, each in O(n), solves them in the object's own memory.
  *
- * Single-precision floating point without fused operations: part of libjoulepath_float, for cores with an FPU. The sines are those of
- * fixed.h, cached for each pose. Nothing here is for ISRs.
+ * Single-precision floating point without fused operations: part of libjoulepath_float, for cores with an FPU. The
+ * sines are those of fixed.h, cached for each pose. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_TEB_H
 #define JOULEPATH_TEB_H
@@ -47,7 +49,7 @@ struct jp_teb_weights {
     float path;
     float time;
     float slowness;
-    float no_reversing; /**< 0: reversing is allowed */
+    float no_reversing;   /**< 0: reversing is allowed */
     float wheel_odometry; /**< of the first pose; 0 with laser_odometry 0: it is where the wheels say */
     float laser_odometry;
 };
@@ -76,13 +78,13 @@ struct jp_plane_speed {
 
 /** What is planned from and to. */
 struct jp_teb_task {
-    struct jp_plane_pose start;     /**< as the wheels say */
-    struct jp_plane_pose measured;  /**< as the laser says */
-    bool is_measured;               /**< false: dropped out or not to be trusted; the residual is left out */
-    struct jp_plane_speed speed;    /**< now */
+    struct jp_plane_pose start;    /**< as the wheels say */
+    struct jp_plane_pose measured; /**< as the laser says */
+    bool is_measured;              /**< false: dropped out or not to be trusted; the residual is left out */
+    struct jp_plane_speed speed;   /**< now */
     struct jp_plane_pose goal;
-    bool is_heading_free;           /**< of the goal: any heading will do */
-    float goal_speed;               /**< m/s; 0…speed_max */
+    bool is_heading_free;             /**< of the goal: any heading will do */
+    float goal_speed;                 /**< m/s; 0…speed_max */
     const struct jp_path_point *path; /**< to be followed, from near the start to the goal */
     uint16_t path_count;              /**< 2 or more */
 };
@@ -97,12 +99,12 @@ struct jp_teb_pose {
 
 /** What an optimisation did. */
 struct jp_teb_result {
-    struct jp_plane_pose start; /**< the first pose: wheels and laser together */
+    struct jp_plane_pose start;  /**< the first pose: wheels and laser together */
     struct jp_plane_speed speed; /**< to drive at until the next cycle; 0 unless JP_OK */
     float clearance;             /**< least distance of the band's footprints from obstacles, m */
     float duration;              /**< s */
     float cost;
-    uint16_t steps;              /**< taken */
+    uint16_t steps; /**< taken */
     uint16_t steps_rejected;
 };
 
@@ -111,7 +113,7 @@ struct jp_teb_result {
 #define JP_TEB_ROWS  (JP_TEB_BLOCK * JP_TEB_POSES_MAX)
 #define JP_TEB_BAND  (3 * JP_TEB_BLOCK)
 
-/** The members are private but for poses and count, which may be read. About 25 KiB. */
+/** The members are private but for poses and count, which may be read. About 26 KiB. */
 struct jp_teb {
     struct jp_teb_config config;
     struct jp_teb_pose poses[JP_TEB_POSES_MAX];
@@ -121,7 +123,8 @@ struct jp_teb {
     struct jp_teb_task task;
     const struct jp_obstacles *obstacles;
     struct jp_teb_neighbours {
-        struct jp_plane_pose pose; /**< where they were found */
+        struct jp_plane_pose pose;       /**< where they were found */
+        float time;                      /**< after which the robot will be there, s */
         float distance[JP_TEB_NEAR_MAX]; /**< from there, ascending */
         uint8_t shape[JP_TEB_NEAR_MAX];
         uint8_t count;
@@ -150,9 +153,9 @@ void jp_teb_clear(struct jp_teb *teb);
  * One cycle: the band of the last cycle, or the path where there is none, is cut to the task and optimised.
  * JP_ERR_ARGUMENT: a null pointer, a value that is not finite, a path too short or a goal speed out of its range.
  * JP_ERR_ZERO_LENGTH: start and goal are less than 1 mm apart.
- * JP_ERR_BLOCKED: the start's footprint overlaps an obstacle. JP_ERR_INFEASIBLE: the band's does, or the optimisation gave
- * something that is not finite. After these two the band is forgotten. 
- * Work: rounds × steps × poses; counted in the README.
+ * JP_ERR_BLOCKED: the start's footprint overlaps an obstacle. JP_ERR_INFEASIBLE: the band's does, or the optimisation
+ * gave something that is not finite. After these two the band is forgotten. Work: rounds × steps × poses; counted in
+ * the README.
  */
 enum jp_status jp_teb_plan(struct jp_teb *teb, const struct jp_teb_task *task, const struct jp_obstacles *obstacles,
                            struct jp_teb_result *result);

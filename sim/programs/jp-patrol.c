@@ -174,6 +174,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case 'j':
         parse_jump(&arguments->faults, argument, state);
         return 0;
+    case 'l':
+        arguments->faults.slip = true;
+        return 0;
     case 'o':
         arguments->output = argument;
         return 0;
@@ -338,9 +341,10 @@ int main(int argc, char **argv)
         {"start", 's', "X,Y,DEG", 0, "on that map, m in its frame", 0},
         {"goal", 'g', "X,Y,DEG", 0, "likewise", 0},
         {"robot", 'r', "ROBOT.cfg", 0, "the robot's file (default: " ROBOT_PATH ")", 0},
-        {"beam-dropout", 'b', "SHARE", 0, "this share of the laser's beams has no echo", 0},
+        {"beam-dropout", 'b', "SHARE", 0, "this share of the laser's beams drops out", 0},
         {"scan-dropout", 'd', "FROM,UNTIL", 0, "no scans in this time, s", 0},
         {"jump", 'j', "AT,METRES", 0, "the laser's pose jumps so far at this time, s", 0},
+        {"slip", 'l', NULL, 0, "the ground is slippery and falls off to one side", 0},
         {"output", 'o', "DIR", 0, "where summary.json and the logs go", 0},
         {0},
     };

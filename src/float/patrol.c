@@ -14,23 +14,31 @@
 #define TURN_FORESIGHT 0.25f
 #define TURN_MARGIN    0.05f /* rad */
 
-/* A step ends this near its target, m. */
-#define STEP_TOLERANCE 0.03f
+/* Obstacles may look this much nearer than they are, m. */
+#define DOUBT 0.05f
 
-/* A command is good when the robot could hold it for so long, in steps, s. */
-#define COMMAND_FORESIGHT 0.3f
-#define COMMAND_STEP      0.1f
+/* A step ends this near its target; one to the goal is at most so long, m. */
+#define STEP_TOLERANCE 0.03f
+#define STEP_REACH     0.4f
+
+/* A command is good when the robot could hold it for so many steps, of so many s. */
+#define COMMAND_STEPS 3U
+#define COMMAND_STEP  0.1f
 
 /* To stop in, beyond what the deceleration takes, m. */
 #define STOP_DISTANCE 0.3f
 
-/* Cycles in a row with a way before the robot goes on. */
+/* Cycles in a row with a way before the robot goes on; twice as many after each time that it did not get on then, so
+ * that it does not try again and again where a way comes and goes. */
 #define FREE_CYCLES 3U
+#define TRIES_MAX   8U
 
 /* Cycles without getting on before the robot counts as stalled, times waits_max. */
 #define STALL_WAITS 2U
 
-#define VALUE_MAX 1000.0f
+#define VALUE_MAX  1000.0f
+#define SPEED_MAX  16.0f /* that a twist may have, m/s and rad/s */
+#define CYCLES_MAX 10000.0f
 
 /* ---- Configuration ---- */
 
@@ -53,17 +61,26 @@ static const char *wrong_field(const struct jp_patrol_config *config)
         {config->scan.tolerance, least, VALUE_MAX, "scan.tolerance"},
         {(float)config->scan.beams_min, 1.0f, VALUE_MAX, "scan.beams_min"},
         {config->turn_first, least, JP_PLANE_PI, "turn_first"},
-        {config->turn_rate, least, VALUE_MAX, "turn_rate"},
+        {config->teb.speed_max, least, SPEED_MAX, "teb.speed_max"},
+        {config->teb.reverse_max, least, SPEED_MAX, "teb.reverse_max"},
+        {config->teb.turn_rate_max, least, SPEED_MAX, "teb.turn_rate_max"},
+        {config->turn_rate, least, SPEED_MAX, "turn_rate"},
         {config->turn_acceleration, least, VALUE_MAX, "turn_acceleration"},
         {config->turn_clearance, 0.0f, VALUE_MAX, "turn_clearance"},
-        {config->step_speed, least, VALUE_MAX, "step_speed"},
+        {config->step_speed, least, SPEED_MAX, "step_speed"},
         {config->horizon, least, VALUE_MAX, "horizon"},
         {config->position_tolerance, least, VALUE_MAX, "position_tolerance"},
         {config->heading_tolerance, least, config->turn_first, "heading_tolerance"},
         {config->period, least, VALUE_MAX, "period"},
         {config->latency, 0.0f, 1.0f, "latency"},
         {config->jump, least, VALUE_MAX, "jump"},
-        {(float)config->waits_max, 1.0f, 10000.0f, "waits_max"},
+        {config->blind_max, 0.0f, VALUE_MAX, "blind_max"},
+        {config->movers.extent, least, VALUE_MAX, "movers.extent"},
+        {config->movers.speed_min, least, VALUE_MAX, "movers.speed_min"},
+        {config->movers.speed_max, config->movers.speed_min, VALUE_MAX, "movers.speed_max"},
+        {config->movers.margin, 0.0f, VALUE_MAX, "movers.margin"},
+        {(float)config->waits_max, 1.0f, CYCLES_MAX, "waits_max"},
+        {(float)config->dropouts_max, 0.0f, CYCLES_MAX, "dropouts_max"},
     };
 
     for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
@@ -88,6 +105,7 @@ enum jp_status jp_patrol_init(struct jp_patrol *patrol, const struct jp_patrol_c
     }
     (void)memset(patrol, 0, sizeof *patrol);
     patrol->config = *config;
+    patrol->scan_gap = UINT16_MAX; /* nothing is driven before the first scan */
     return jp_teb_init(&patrol->teb, &config->teb, field);
 }
 
@@ -194,26 +212,34 @@ static bool uses_laser(const struct jp_patrol *patrol)
     return patrol->config.teb.weights.laser_odometry > 0.0f;
 }
 
+/* Saturates: a gap that lasts for hours must not look like a short one. */
+static uint16_t one_more(uint16_t count)
+{
+    return count < UINT16_MAX ? (uint16_t)(count + 1U) : count;
+}
+
+static bool is_jump(const struct jp_patrol *patrol, const struct jp_plane_pose *laser)
+{
+    const struct jp_plane_pose away = jp_plane_relative(&patrol->pose, laser);
+
+    return jp_plane_length(away.x, away.y) > patrol->config.jump ||
+           jp_plane_magnitude(away.heading) > patrol->config.jump;
+}
+
 static void judge_laser(struct jp_patrol *patrol, const struct jp_patrol_input *input)
 {
     patrol->is_measured = false;
     if (!input->has_laser) {
         patrol->counts.laser_missing++;
-        patrol->laser_gap++;
-        return;
-    }
-
-    const struct jp_plane_pose away = jp_plane_relative(&patrol->pose, &input->laser);
-
-    if (jp_plane_length(away.x, away.y) > patrol->config.jump ||
-        jp_plane_magnitude(away.heading) > patrol->config.jump) {
+    } else if (is_jump(patrol, &input->laser)) {
         patrol->counts.laser_rejected++;
-        patrol->laser_gap++;
-        return;
+        patrol->jumps = one_more(patrol->jumps);
+    } else {
+        patrol->is_measured = true;
+        patrol->seen = input->laser;
+        patrol->jumps = 0;
+        patrol->blind = 0.0f;
     }
-    patrol->laser_gap = 0;
-    patrol->is_measured = true;
-    patrol->seen = input->laser;
 }
 
 /* The wheels' motion since the last cycle, then the laser's judgement of it. */
@@ -223,6 +249,7 @@ static void predict_pose(struct jp_patrol *patrol, const struct jp_patrol_input 
         const struct jp_plane_pose motion = jp_plane_relative(&patrol->wheels, &input->wheels);
 
         patrol->pose = jp_plane_compose(&patrol->pose, &motion);
+        patrol->blind += jp_plane_length(motion.x, motion.y);
     }
     patrol->wheels = input->wheels;
     patrol->has_wheels = true;
@@ -252,62 +279,95 @@ static void look(struct jp_patrol *patrol, const struct jp_patrol_input *input)
 {
     const struct jp_plane_pose sensor = jp_plane_compose(&patrol->pose, &input->sensor);
     const struct jp_plane_point centre = {patrol->pose.x, patrol->pose.y};
+    const float period = patrol->config.period * (float)(patrol->scan_gap + 1U);
     struct jp_obstacles seen;
 
     jp_obstacles_clear(&seen, &centre);
     if (input->scan.ranges == NULL ||
         jp_obstacles_add_scan(&seen, &patrol->config.scan, &input->scan, &sensor) != JP_OK) {
         patrol->counts.scans_missing++;
-        patrol->scan_gap++;
-    } else {
-        patrol->scan_gap = 0;
-        patrol->obstacles = seen;
-        patrol->counts.shapes_dropped += seen.dropped;
+        patrol->scan_gap = one_more(patrol->scan_gap);
+        return;
     }
+    (void)jp_movers_update(&patrol->movers, &patrol->config.movers, &patrol->config.scan, &input->scan, &sensor,
+                           period);
+    jp_movers_mark(&patrol->movers, &patrol->config.movers, &seen);
+    patrol->scan_gap = 0;
+    patrol->obstacles = seen;
+    patrol->counts.shapes_dropped += seen.dropped;
 }
 
 /* ---- Turning in place ---- */
 
+/* The step to the goal, if it is near and not behind. */
+static bool find_step_to_goal(struct jp_patrol *patrol)
+{
+    const struct jp_plane_pose rest = jp_plane_relative(&patrol->pose, &patrol->goal.pose);
+    const struct jp_plane_pose step = {rest.x, rest.y, 0.0f};
+    const float away = jp_plane_length(rest.x, rest.y);
+
+    patrol->step_target = (struct jp_plane_point){patrol->goal.pose.x, patrol->goal.pose.y};
+    return away > STEP_TOLERANCE && away < STEP_REACH && rest.x > -STEP_TOLERANCE &&
+           jp_patrol_is_step_free(patrol, &step);
+}
+
 /* Where a turn to a heading is free: at the goal itself, if the robot has arrived beside it. */
 static bool find_step(struct jp_patrol *patrol, float heading)
 {
-    if (patrol->is_arriving) {
-        const struct jp_plane_pose rest = jp_plane_relative(&patrol->pose, &patrol->goal.pose);
-        const struct jp_plane_pose step = {rest.x, rest.y, 0.0f};
-
-        patrol->step_target = (struct jp_plane_point){patrol->goal.pose.x, patrol->goal.pose.y};
-        return jp_plane_length(rest.x, rest.y) > STEP_TOLERANCE && jp_patrol_is_step_free(patrol, &step);
-    }
-    return jp_patrol_find_step(patrol, heading, &patrol->step_target);
+    return patrol->is_arriving ? find_step_to_goal(patrol) : jp_patrol_find_step(patrol, heading, &patrol->step_target);
 }
 
-static void begin_step(struct jp_patrol *patrol, float heading)
+/* Whether there has been a way for long enough; to be asked once in a cycle with one. */
+static bool may_go_on(struct jp_patrol *patrol)
 {
-    if (find_step(patrol, heading)) {
+    if (patrol->state != JP_PATROL_WAITING) {
+        return true;
+    }
+    patrol->free_cycles++;
+    if (patrol->free_cycles < FREE_CYCLES << patrol->tries) {
+        return false;
+    }
+    if (patrol->tries < TRIES_MAX) {
+        patrol->tries++;
+    }
+    return true;
+}
+
+static void begin_step(struct jp_patrol *patrol)
+{
+    if (may_go_on(patrol)) {
         patrol->state = JP_PATROL_STEPPING;
         patrol->reason = JP_PATROL_NONE;
         patrol->counts.steps++;
-        stand(patrol);
-    } else {
-        patrol->counts.infeasible++;
-        wait(patrol, JP_PATROL_NO_WAY);
     }
+    stand(patrol);
 }
 
-static void begin_turn(struct jp_patrol *patrol, float heading)
+static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
 {
-    float angle;
-
-    if (jp_patrol_find_turn(patrol, &patrol->pose, heading, &angle)) {
+    if (may_go_on(patrol)) {
         patrol->state = JP_PATROL_TURNING;
         patrol->reason = JP_PATROL_NONE;
         patrol->turn_target = heading;
         patrol->turn_sign = angle < 0.0f ? -1.0f : 1.0f;
         patrol->counts.turns++;
         jp_teb_clear(&patrol->teb);
-        stand(patrol);
+    }
+    stand(patrol);
+}
+
+/* Turns in place, from where there is room for it. */
+static void turn_to(struct jp_patrol *patrol, float heading)
+{
+    float angle;
+
+    if (jp_patrol_find_turn(patrol, &patrol->pose, heading, &angle)) {
+        begin_turn(patrol, heading, angle);
+    } else if (find_step(patrol, heading)) {
+        begin_step(patrol);
     } else {
-        begin_step(patrol, heading);
+        patrol->counts.infeasible++;
+        wait(patrol, JP_PATROL_NO_WAY);
     }
 }
 
@@ -463,7 +523,7 @@ static bool is_command_free(const struct jp_patrol *patrol, const struct jp_plan
     const struct jp_plane_pose step = {speed->forward * COMMAND_STEP, 0.0f, speed->turn_rate * COMMAND_STEP};
     struct jp_plane_pose pose = patrol->pose;
 
-    for (float time = 0.0f; time < COMMAND_FORESIGHT; time += COMMAND_STEP) {
+    for (unsigned i = 0; i < COMMAND_STEPS; i++) {
         pose = jp_plane_compose(&pose, &step);
         if (jp_patrol_clearance(patrol, &pose) < 0.0f) {
             return false;
@@ -536,7 +596,7 @@ static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
         patrol->state = JP_PATROL_ARRIVED;
         patrol->path = NULL;
     } else {
-        begin_turn(patrol, patrol->goal.pose.heading);
+        turn_to(patrol, patrol->goal.pose.heading);
     }
 }
 
@@ -552,16 +612,21 @@ static void drive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
     }
     if (jp_patrol_progress(patrol)) {
         patrol->unmoved = 0;
+        patrol->tries = 0;
     }
     jp_patrol_look_ahead(patrol, patrol->config.horizon, &window);
     if (window.distance > patrol->config.horizon) {
         wait(patrol, JP_PATROL_OFF_PATH);
     } else if (must_turn_first(patrol, &window, speed)) {
         correct_pose(patrol);
-        begin_turn(patrol, window.direction);
+        if (find_step_to_goal(patrol)) {
+            begin_step(patrol);
+        } else {
+            turn_to(patrol, window.direction);
+        }
     } else if (!plan_band(patrol, &window, speed, &reason)) {
         wait(patrol, reason);
-    } else if (patrol->state == JP_PATROL_WAITING && ++patrol->free_cycles < FREE_CYCLES) {
+    } else if (!may_go_on(patrol)) {
         stand(patrol);
     } else {
         patrol->state = JP_PATROL_DRIVING;
@@ -574,13 +639,17 @@ static void drive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 /* What forbids any motion now. */
 static enum jp_patrol_reason obstruction(const struct jp_patrol *patrol)
 {
-    if (uses_laser(patrol) && patrol->laser_gap > patrol->config.dropouts_max) {
+    if (uses_laser(patrol) &&
+        (patrol->jumps > patrol->config.dropouts_max || patrol->blind > patrol->config.blind_max)) {
         return JP_PATROL_LOST;
     }
     if (patrol->scan_gap > patrol->config.dropouts_max) {
         return JP_PATROL_NO_SCAN;
     }
-    return jp_patrol_clearance(patrol, &patrol->pose) < 0.0f ? JP_PATROL_IN_COLLISION : JP_PATROL_NONE;
+    /* A step leads out of what may be a collision. */
+    const float least = patrol->state == JP_PATROL_STEPPING ? -DOUBT : 0.0f;
+
+    return jp_patrol_clearance(patrol, &patrol->pose) < least ? JP_PATROL_IN_COLLISION : JP_PATROL_NONE;
 }
 
 static bool is_under_way(const struct jp_patrol *patrol)
@@ -599,11 +668,21 @@ static void count_patience(struct jp_patrol *patrol)
     }
 }
 
+/* Stands where scans see it in a collision that may be none, and can step aside. */
+static bool can_get_clear(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    return patrol->config.turns_in_place && is_standing(speed) && jp_patrol_clearance(patrol, &patrol->pose) > -DOUBT &&
+           jp_patrol_find_step(patrol, patrol->pose.heading, &patrol->step_target);
+}
+
 static void go_on(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const enum jp_patrol_reason reason = obstruction(patrol);
 
-    if (reason != JP_PATROL_NONE) {
+    if (reason == JP_PATROL_IN_COLLISION && can_get_clear(patrol, speed)) {
+        correct_pose(patrol);
+        begin_step(patrol);
+    } else if (reason != JP_PATROL_NONE) {
         correct_pose(patrol);
         wait(patrol, reason);
     } else if (patrol->state == JP_PATROL_TURNING) {

@@ -6,6 +6,9 @@
 #define SWEEP_STEP 0.09f
 #define WAY_STEP   0.05f
 
+/* Of clearances between scans, m. */
+#define NOISE 0.01f
+
 /* Steps that are tried, m and rad. */
 #define STEP_LENGTH  0.15f
 #define STEP_LENGTHS 5U
@@ -49,13 +52,15 @@ bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_p
 bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step)
 {
     const unsigned parts = (unsigned)(jp_plane_length(step->x, step->y) / WAY_STEP) + 1U;
+    const float now = jp_patrol_clearance(patrol, &patrol->pose) - NOISE;
+    const float least = now < patrol->config.turn_clearance ? now : patrol->config.turn_clearance;
 
     for (unsigned i = 1; i <= parts; i++) {
         const float share = (float)i / (float)parts;
         const struct jp_plane_pose part = {share * step->x, share * step->y, 0.0f};
         const struct jp_plane_pose pose = jp_plane_compose(&patrol->pose, &part);
 
-        if (jp_patrol_clearance(patrol, &pose) < patrol->config.turn_clearance) {
+        if (jp_patrol_clearance(patrol, &pose) < least) {
             return false;
         }
     }

@@ -14,7 +14,8 @@ bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plan
 /** The turn in place to a heading: the shorter way round if it is free, else the longer. False when neither is. */
 bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float heading, float *angle);
 
-/** Whether the robot can step by `step`, in its own frame, with its heading as it is. */
+/** Whether the robot can step by `step`, in its own frame, with its heading as it is: it keeps its clearance, or where
+ *  it has less now, does not get nearer. */
 bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step);
 
 /** The shortest of some steps forward or aside after which the turn to a heading is free. False: none is. */

@@ -177,21 +177,21 @@ static void put_band_back(struct jp_teb *teb)
     teb->equations = teb->kept_equations;
 }
 
-/* One step from where the equations are those of the band; true when it lowered the cost. A cost that is not a number
+/* One step from the band that is kept with its equations; true when it lowered the cost. A cost that is not a number
  * never does. */
 static bool take_step(struct jp_teb *teb, float *cost)
 {
     float after = *cost;
 
-    keep_band(teb);
     if (jp_teb_solve(teb)) {
         move_band(teb);
-        after = jp_teb_linearise(teb);
+        after = jp_teb_linearise(teb, *cost);
     }
     if (!(after < *cost)) {
         put_band_back(teb);
         return false;
     }
+    keep_band(teb);
     *cost = after;
     return true;
 }
@@ -203,7 +203,8 @@ static void optimise(struct jp_teb *teb, struct jp_teb_result *result)
     jp_teb_resize(teb);
     for (unsigned round = 0; round < teb->config.rounds; round++) {
         jp_teb_associate(teb);
-        result->cost = jp_teb_linearise(teb);
+        result->cost = jp_teb_linearise(teb, FLT_MAX);
+        keep_band(teb);
         for (unsigned step = 0; step < teb->config.steps; step++) {
             result->steps++;
             if (take_step(teb, &result->cost)) {
@@ -218,6 +219,18 @@ static void optimise(struct jp_teb *teb, struct jp_teb_result *result)
 
 /* ---- Result ---- */
 
+static float clearance_at(const struct jp_teb *teb, unsigned i, float time)
+{
+    float least = JP_OBSTACLE_NONE;
+
+    for (unsigned shape = 0; shape < teb->obstacles->count; shape++) {
+        const float away = jp_teb_distance(teb, i, shape, time, NULL);
+
+        least = away < least ? away : least;
+    }
+    return least;
+}
+
 /* Of the band as far as it matters now. */
 static void measure_band(const struct jp_teb *teb, struct jp_teb_result *result)
 {
@@ -225,7 +238,7 @@ static void measure_band(const struct jp_teb *teb, struct jp_teb_result *result)
     result->duration = 0.0f;
     for (unsigned i = 0; i < teb->count; i++) {
         if (result->duration <= FORESIGHT) {
-            const float away = jp_obstacles_distance(teb->obstacles, &teb->config.footprint, &teb->poses[i].pose);
+            const float away = clearance_at(teb, i, result->duration);
 
             result->clearance = away < result->clearance ? away : result->clearance;
         }

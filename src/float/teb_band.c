@@ -11,6 +11,9 @@
 #define GOAL_JUMP      1.0f
 #define GOAL_TURN_JUMP 1.0f
 
+/* What moves is no less certain than after this, s. */
+#define MARGIN_TIME 1.0f
+
 /* Poses that may have been passed since the last cycle. */
 #define PASSED_MAX 10U
 
@@ -309,13 +312,17 @@ float jp_teb_sweep(const struct jp_footprint *footprint, const struct jp_plane_p
     return pose_distance(a, b) + corner * jp_plane_magnitude(jp_plane_wrap(b->heading - a->heading));
 }
 
-float jp_teb_distance(const struct jp_teb *teb, unsigned i, unsigned shape, struct jp_plane_pose *gradient)
+float jp_teb_distance(const struct jp_teb *teb, unsigned i, unsigned shape, float time, struct jp_plane_pose *gradient)
 {
     const struct jp_teb_pose *const pose = &teb->poses[i];
+    const struct jp_obstacle *const obstacle = &teb->obstacles->shapes[shape];
+    const struct jp_plane_pose meeting = {pose->pose.x - obstacle->velocity.x * time,
+                                          pose->pose.y - obstacle->velocity.y * time, pose->pose.heading};
+    const float margin = obstacle->margin * jp_plane_clamp(time, 0.0f, MARGIN_TIME);
 
-    return jp_obstacle_distance_along(&teb->config.footprint, &pose->pose,
-                                      (struct jp_plane_point){pose->cosine, pose->sine},
-                                      &teb->obstacles->shapes[shape], gradient);
+    return jp_obstacle_distance_along(&teb->config.footprint, &meeting,
+                                      (struct jp_plane_point){pose->cosine, pose->sine}, obstacle, gradient) -
+           margin;
 }
 
 /* In order; only the nearest few are kept. */
@@ -338,8 +345,13 @@ static void add_neighbour(struct jp_teb_neighbours *near, uint8_t shape, float d
     near->shape[k] = shape;
 }
 
-/* `least` holds what each shape is away at least, which spares computing how far the far ones are. */
-static void find_obstacles(struct jp_teb *teb, unsigned i, float *least)
+/* How far a shape is away at least, which spares computing how far the far ones are. */
+struct bound {
+    float least; /* m */
+    float speed; /* of the shape, m/s */
+};
+
+static void find_obstacles(struct jp_teb *teb, unsigned i, struct bound *bounds)
 {
     const float reach = teb->config.clearance + REACH;
     struct jp_teb_neighbours *const near = &teb->near[i];
@@ -347,45 +359,67 @@ static void find_obstacles(struct jp_teb *teb, unsigned i, float *least)
     near->count = 0;
     near->pose = teb->poses[i].pose;
     for (uint8_t shape = 0; shape < teb->obstacles->count; shape++) {
-        if (least[shape] < reach) {
-            least[shape] = jp_teb_distance(teb, i, shape, NULL);
-        }
-        if (least[shape] < reach) {
-            add_neighbour(near, shape, least[shape]);
+        float *const least = &bounds[shape].least;
+
+        if (*least < reach) {
+            *least = jp_teb_distance(teb, i, shape, near->time, NULL);
+            if (*least < reach) {
+                add_neighbour(near, shape, *least);
+            }
         }
     }
 }
 
-static void come_nearer(float *least, unsigned count, float way)
+/* What stands comes nearer by the way of the footprint, what moves also by its own. */
+static void come_nearer(struct bound *bounds, unsigned count, float way, float time)
 {
     for (unsigned shape = 0; shape < count; shape++) {
-        least[shape] -= way;
+        bounds[shape].least -= way + bounds[shape].speed * time;
+    }
+}
+
+static void start_bounds(const struct jp_obstacles *obstacles, struct bound *bounds)
+{
+    for (unsigned shape = 0; shape < obstacles->count; shape++) {
+        const struct jp_plane_point *const velocity = &obstacles->shapes[shape].velocity;
+
+        bounds[shape] = (struct bound){0.0f, jp_plane_length(velocity->x, velocity->y)};
     }
 }
 
 static void set_foot(struct jp_teb *teb, unsigned i, const struct place *place)
 {
-    const struct jp_plane_pose at = pose_at(teb, place);
+    const struct jp_plane_point a = path_point(teb, place->point);
+    const struct jp_plane_point b = path_point(teb, place->point + 1U);
+    const float dx = b.x - a.x;
+    const float dy = b.y - a.y;
+    const float length = jp_plane_length(dx, dy);
+    const float inverse = length > 0.0f ? 1.0f / length : 0.0f;
 
-    teb->feet[i].point = (struct jp_plane_point){at.x, at.y};
-    teb->feet[i].normal = (struct jp_plane_point){-jp_plane_sine(at.heading), jp_plane_cosine(at.heading)};
+    teb->feet[i].point = (struct jp_plane_point){a.x + place->along * dx, a.y + place->along * dy};
+    teb->feet[i].normal = (struct jp_plane_point){-dy * inverse, dx * inverse};
 }
 
 void jp_teb_associate(struct jp_teb *teb)
 {
-    float least[JP_OBSTACLES_MAX] = {0};
+    struct bound bounds[JP_OBSTACLES_MAX];
     unsigned point = 0;
 
+    start_bounds(teb->obstacles, bounds);
     for (unsigned i = 0; i < teb->count; i++) {
         const struct jp_plane_pose *const pose = &teb->poses[i].pose;
         const struct place place = nearest_place(teb, point, pose);
 
         point = place.point;
         set_foot(teb, i, &place);
+        teb->near[i].time = 0.0f;
         if (i > 0U) {
-            come_nearer(least, teb->obstacles->count,
-                        jp_teb_sweep(&teb->config.footprint, &teb->poses[i - 1U].pose, pose));
+            const float interval = teb->poses[i - 1U].interval;
+
+            teb->near[i].time = teb->near[i - 1U].time + interval;
+            come_nearer(bounds, teb->obstacles->count,
+                        jp_teb_sweep(&teb->config.footprint, &teb->poses[i - 1U].pose, pose), interval);
         }
-        find_obstacles(teb, i, least);
+        find_obstacles(teb, i, bounds);
     }
 }

@@ -18,8 +18,9 @@ void jp_teb_associate(struct jp_teb *teb);
 /** At most this much nearer to or farther from any obstacle is the footprint at one pose than at the other, m. */
 float jp_teb_sweep(const struct jp_footprint *footprint, const struct jp_plane_pose *a, const struct jp_plane_pose *b);
 
-/** Distance of the footprint at a pose of the band from a shape, as jp_obstacle_distance(). */
-float jp_teb_distance(const struct jp_teb *teb, unsigned i, unsigned shape, struct jp_plane_pose *gradient);
+/** Distance of the footprint at a pose of the band from where a shape will be after `time`, as jp_obstacle_distance().
+ */
+float jp_teb_distance(const struct jp_teb *teb, unsigned i, unsigned shape, float time, struct jp_plane_pose *gradient);
 
 /** Sets a pose with its sine and cosine. */
 void jp_teb_set_pose(struct jp_teb_pose *pose, const struct jp_plane_pose *to);

@@ -18,15 +18,20 @@ struct step {
     struct valued length;
     struct valued turn;
     float interval;
-    struct valued speed; /* length over the interval */
-    struct valued turn_rate;
 };
 
 /* Where residuals go. */
 struct sums {
     struct jp_teb *teb;
     float cost;
+    float limit;
 };
+
+/* A cost that reaches the limit is of no use. */
+static bool is_useful(const struct sums *sums)
+{
+    return sums->cost < sums->limit;
+}
 
 static void add(struct sums *sums, unsigned first, unsigned width, const float *derivatives, float residual)
 {
@@ -53,17 +58,6 @@ static void add_excess(struct sums *sums, unsigned first, const struct valued *v
 
 /* ---- A step ---- */
 
-static void over_interval(const struct valued *way, float interval, struct valued *rate)
-{
-    const float inverse = 1.0f / interval;
-
-    rate->value = way->value * inverse;
-    for (unsigned i = 0; i < STEP_WIDTH; i++) {
-        rate->derivatives[i] = way->derivatives[i] * inverse;
-    }
-    rate->derivatives[INTERVAL] = -rate->value * inverse;
-}
-
 static void measure_step(const struct jp_teb_pose *from, const struct jp_teb_pose *to, struct step *step)
 {
     const float dx = to->pose.x - from->pose.x;
@@ -77,8 +71,6 @@ static void measure_step(const struct jp_teb_pose *from, const struct jp_teb_pos
         {-c, -s, 0.5f * (from->cosine * dy - from->sine * dx), 0.0f, c, s, 0.5f * (to->cosine * dy - to->sine * dx)}};
     step->turn = (struct valued){jp_plane_wrap(to->pose.heading - from->pose.heading),
                                  {0.0f, 0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 1.0f}};
-    over_interval(&step->length, step->interval, &step->speed);
-    over_interval(&step->turn, step->interval, &step->turn_rate);
 }
 
 static void add_nonholonomic(struct sums *sums, unsigned i)
@@ -90,8 +82,8 @@ static void add_nonholonomic(struct sums *sums, unsigned i)
     const float dy = root * (to->pose.y - from->pose.y);
     const float c = from->cosine + to->cosine;
     const float s = from->sine + to->sine;
-    const float derivatives[STEP_WIDTH] = {root * s,  -root * c, -from->sine * dy - from->cosine * dx, 0.0f, -root * s,
-                                           root * c, -to->sine * dy - to->cosine * dx};
+    const float derivatives[STEP_WIDTH] = {root * s,  -root * c, -from->sine * dy - from->cosine * dx, 0.0f,
+                                           -root * s, root * c,  -to->sine * dy - to->cosine * dx};
 
     add(sums, i, STEP_WIDTH, derivatives, c * dy - s * dx);
 }
@@ -115,13 +107,14 @@ static void add_turn_radius(struct sums *sums, unsigned i, const struct step *st
     const float radius = sums->teb->config.radius_min;
     const float turn_factor = step->turn.value < 0.0f ? -radius : radius;
     const float length_sign = step->length.value < 0.0f ? -1.0f : 1.0f;
-    struct valued lack;
+    struct valued lack = {.value = turn_factor * step->turn.value - length_sign * step->length.value};
 
-    lack.value = turn_factor * step->turn.value - length_sign * step->length.value;
-    for (unsigned k = 0; k < STEP_WIDTH; k++) {
-        lack.derivatives[k] = turn_factor * step->turn.derivatives[k] - length_sign * step->length.derivatives[k];
+    if (lack.value > 0.0f) {
+        for (unsigned k = 0; k < STEP_WIDTH; k++) {
+            lack.derivatives[k] = turn_factor * step->turn.derivatives[k] - length_sign * step->length.derivatives[k];
+        }
+        add_excess(sums, i, &lack, 1.0f, 0.0f, 0.0f, sums->teb->roots.turn_radius);
     }
-    add_excess(sums, i, &lack, 1.0f, 0.0f, 0.0f, sums->teb->roots.turn_radius);
 }
 
 static void add_time(struct sums *sums, unsigned i)
@@ -133,38 +126,54 @@ static void add_time(struct sums *sums, unsigned i)
 
 /* ---- Acceleration ---- */
 
-/* At an end of the band, where the rate beyond it is `outside`; sign 1: at its start. */
-static void add_end_change(struct sums *sums, unsigned i, const struct valued *rate, float interval, float outside,
+static void over_interval(const struct valued *way, float interval, struct valued *rate)
+{
+    const float inverse = 1.0f / interval;
+
+    rate->value = way->value * inverse;
+    for (unsigned i = 0; i < STEP_WIDTH; i++) {
+        rate->derivatives[i] = way->derivatives[i] * inverse;
+    }
+    rate->derivatives[INTERVAL] = -rate->value * inverse;
+}
+
+/* At an end of the band, where the rate beyond it is `outside`. */
+static void add_end_change(struct sums *sums, unsigned i, const struct valued *way, float interval, float outside,
                            float limit, float root)
 {
     const float inverse = 1.0f / interval;
     struct valued change;
 
-    change.value = (rate->value - outside) * inverse;
+    over_interval(way, interval, &change);
+    change.value = (change.value - outside) * inverse;
     for (unsigned k = 0; k < STEP_WIDTH; k++) {
-        change.derivatives[k] = rate->derivatives[k] * inverse;
+        change.derivatives[k] *= inverse;
     }
     change.derivatives[INTERVAL] -= change.value * inverse;
     add_excess(sums, i, &change, change.value < 0.0f ? -1.0f : 1.0f, limit, 0.0f, root);
 }
 
-static void add_change(struct sums *sums, unsigned i, const struct valued *before, const struct valued *after,
-                       float duration, float limit, float root)
+/* Between two steps, `way` being their lengths or turns. The time of the change is the mean of both intervals. */
+static void add_change(struct sums *sums, unsigned i, const struct valued *way, float interval,
+                       const struct valued *next_way, float next_interval, float limit, float root)
 {
-    const float inverse = 1.0f / duration;
-    const float change = (after->value - before->value) * inverse;
+    const float inverse = 2.0f / (interval + next_interval);
+    const float change = (next_way->value / next_interval - way->value / interval) * inverse;
     const float sign = change < 0.0f ? -1.0f : 1.0f;
     const float excess = sign * change - limit;
 
     if (excess > 0.0f && root > 0.0f) {
         const float factor = root * sign * inverse;
         float derivatives[CHANGE_WIDTH] = {0};
+        struct valued before;
+        struct valued after;
 
+        over_interval(way, interval, &before);
+        over_interval(next_way, next_interval, &after);
         for (unsigned k = 0; k < STEP_WIDTH; k++) {
-            derivatives[k] -= factor * before->derivatives[k];
-            derivatives[k + JP_TEB_BLOCK] += factor * after->derivatives[k];
+            derivatives[k] -= factor * before.derivatives[k];
+            derivatives[k + JP_TEB_BLOCK] += factor * after.derivatives[k];
         }
-        /* The duration is the mean of both intervals. */
         derivatives[INTERVAL] -= 0.5f * factor * change;
         derivatives[INTERVAL + JP_TEB_BLOCK] -= 0.5f * factor * change;
         add(sums, i, CHANGE_WIDTH, derivatives, root * excess);
@@ -175,9 +184,9 @@ static void add_start(struct sums *sums, const struct step *step)
 {
     const struct jp_teb *const teb = sums->teb;
 
-    add_end_change(sums, 0, &step->speed, step->interval, teb->task.speed.forward, teb->config.acceleration,
+    add_end_change(sums, 0, &step->length, step->interval, teb->task.speed.forward, teb->config.acceleration,
                    teb->roots.acceleration);
-    add_end_change(sums, 0, &step->turn_rate, step->interval, teb->task.speed.turn_rate, teb->config.turn_acceleration,
+    add_end_change(sums, 0, &step->turn, step->interval, teb->task.speed.turn_rate, teb->config.turn_acceleration,
                    teb->roots.turn_acceleration);
 }
 
@@ -185,17 +194,17 @@ static void add_goal(struct sums *sums, unsigned i, const struct step *step)
 {
     const struct jp_teb *const teb = sums->teb;
 
-    add_end_change(sums, i, &step->speed, step->interval, teb->task.goal_speed, teb->config.acceleration,
+    add_end_change(sums, i, &step->length, step->interval, teb->task.goal_speed, teb->config.acceleration,
                    teb->roots.acceleration);
 }
 
 static void add_acceleration(struct sums *sums, unsigned i, const struct step *before, const struct step *after)
 {
     const struct jp_teb *const teb = sums->teb;
-    const float duration = 0.5f * (before->interval + after->interval);
 
-    add_change(sums, i, &before->speed, &after->speed, duration, teb->config.acceleration, teb->roots.acceleration);
-    add_change(sums, i, &before->turn_rate, &after->turn_rate, duration, teb->config.turn_acceleration,
+    add_change(sums, i, &before->length, before->interval, &after->length, after->interval, teb->config.acceleration,
+               teb->roots.acceleration);
+    add_change(sums, i, &before->turn, before->interval, &after->turn, after->interval, teb->config.turn_acceleration,
                teb->roots.turn_acceleration);
 }
 
@@ -205,7 +214,7 @@ static void add_steps(struct sums *sums)
     const unsigned last = teb->count - 2U;
     struct step steps[2];
 
-    for (unsigned i = 0; i <= last; i++) {
+    for (unsigned i = 0; i <= last && is_useful(sums); i++) {
         struct step *const step = &steps[i % 2U];
 
         measure_step(&teb->poses[i], &teb->poses[i + 1U], step);
@@ -219,7 +228,9 @@ static void add_steps(struct sums *sums)
             add_start(sums, step);
         }
     }
-    add_goal(sums, last, &steps[last % 2U]);
+    if (is_useful(sums)) {
+        add_goal(sums, last, &steps[last % 2U]);
+    }
 }
 
 /* ---- A pose ---- */
@@ -239,13 +250,12 @@ static void add_obstacles(struct sums *sums, unsigned i)
 {
     const struct jp_teb *const teb = sums->teb;
     const struct jp_teb_neighbours *const near = &teb->near[i];
-    const float reach =
-        teb->config.clearance + jp_teb_sweep(&teb->config.footprint, &near->pose, &teb->poses[i].pose);
+    const float reach = teb->config.clearance + jp_teb_sweep(&teb->config.footprint, &near->pose, &teb->poses[i].pose);
     const float root = teb->roots.obstacle;
 
     for (unsigned k = 0; k < near->count && near->distance[k] < reach; k++) {
         struct jp_plane_pose gradient;
-        const float distance = jp_teb_distance(teb, i, near->shape[k], &gradient);
+        const float distance = jp_teb_distance(teb, i, near->shape[k], near->time, &gradient);
 
         if (distance < teb->config.clearance) {
             const float derivatives[JP_TEB_BLOCK] = {-root * gradient.x, -root * gradient.y, -root * gradient.heading};
@@ -273,12 +283,12 @@ static bool has_odometry(const struct jp_teb *teb)
     return teb->roots.laser_odometry > 0.0f && teb->task.is_measured;
 }
 
-static float sum_up(struct jp_teb *teb)
+static float sum_up(struct jp_teb *teb, float limit)
 {
-    struct sums sums = {teb, 0.0f};
+    struct sums sums = {teb, 0.0f, limit};
 
     add_steps(&sums);
-    for (unsigned i = 1; i + 1U < teb->count; i++) {
+    for (unsigned i = 1; i + 1U < teb->count && is_useful(&sums); i++) {
         add_path(&sums, i);
         add_obstacles(&sums, i);
     }
@@ -298,13 +308,13 @@ static void fix_pose(struct jp_teb *teb, unsigned i, bool is_heading_free)
     }
 }
 
-float jp_teb_linearise(struct jp_teb *teb)
+float jp_teb_linearise(struct jp_teb *teb, float limit)
 {
     const unsigned last = teb->count - 1U;
 
     jp_teb_clear_equations(teb);
 
-    const float cost = sum_up(teb);
+    const float cost = sum_up(teb, limit);
 
     if (!has_odometry(teb)) {
         fix_pose(teb, 0, false);

@@ -52,10 +52,11 @@ void jp_teb_fix(struct jp_teb *teb, unsigned row)
 {
     const unsigned rows = row_count(teb);
     const unsigned block_end = (row / JP_TEB_BLOCK + 3U) * JP_TEB_BLOCK;
+    const unsigned end = block_end < rows ? block_end : rows;
 
     (void)memset(teb->equations.normal[row], 0, sizeof teb->equations.normal[row]);
-    for (unsigned below = row + 1U; below < block_end && below < rows; below++) {
-        teb->equations.normal[below][place(below, row)] = 0.0f;
+    for (unsigned i = row + 1U; i < end; i++) {
+        teb->equations.normal[i][place(i, row)] = 0.0f;
     }
     teb->equations.normal[row][place(row, row)] = 1.0f;
     teb->equations.gradient[row] = 0.0f;
@@ -114,7 +115,7 @@ static void factor_left(struct jp_teb *teb, unsigned first, float *entries)
     }
 }
 
-/* What a row of the diagonal's block has beyond the columns left of it and `count` in it. */
+/* Product of two rows of one block over the columns left of that block and `count` within it. */
 static float rest_of_product(const float *row, const float *other, unsigned count)
 {
     return dot_block(row, other) + dot_block(&row[JP_TEB_BLOCK], &other[JP_TEB_BLOCK]) +
@@ -147,18 +148,24 @@ static bool factor_row(struct jp_teb *teb, unsigned row)
     return true;
 }
 
-/* As another row of the factor: what becomes of it is L⁻¹ times the gradient. */
-static void substitute_forward(struct jp_teb *teb, unsigned first)
+/* Of a pose's rows: 0 and 1, the blocks of two poses before and of the pose before, or 2, of the diagonal. */
+static const float *block_of(const struct jp_teb *teb, unsigned pose, unsigned which)
 {
-    float *const gradient = &teb->equations.gradient[first];
+    return &teb->equations.normal[pose * JP_TEB_BLOCK][which * JP_TEB_BLOCK];
+}
 
-    if (first >= 2U * JP_TEB_BLOCK) {
-        subtract_product(gradient, gradient - 2U * JP_TEB_BLOCK, &teb->equations.normal[first][0]);
+/* As another row of the factor: what becomes of it is L⁻¹ times the gradient. */
+static void substitute_forward(struct jp_teb *teb, unsigned pose)
+{
+    float *const gradient = &teb->equations.gradient[pose * JP_TEB_BLOCK];
+
+    if (pose > 1U) {
+        subtract_product(gradient, gradient - 2U * JP_TEB_BLOCK, block_of(teb, pose, 0));
     }
-    if (first >= JP_TEB_BLOCK) {
-        subtract_product(gradient, gradient - JP_TEB_BLOCK, &teb->equations.normal[first][JP_TEB_BLOCK]);
+    if (pose > 0U) {
+        subtract_product(gradient, gradient - JP_TEB_BLOCK, block_of(teb, pose, 1));
     }
-    divide_by_factor(gradient, &teb->equations.normal[first][DIAGONAL_BLOCK]);
+    divide_by_factor(gradient, block_of(teb, pose, 2));
 }
 
 /* entries −= blockᵀ × step */
@@ -186,16 +193,16 @@ static void divide_by_transposed(float *restrict entries, const float *restrict 
     entries[0] = (entries[0] - d * fourth[0] - c * third[0] - b * second[0]) * factor[0];
 }
 
-static void substitute_backward(struct jp_teb *teb, unsigned first)
+static void substitute_backward(struct jp_teb *teb, unsigned pose)
 {
-    float *const gradient = &teb->equations.gradient[first];
+    float *const gradient = &teb->equations.gradient[pose * JP_TEB_BLOCK];
 
-    divide_by_transposed(gradient, &teb->equations.normal[first][DIAGONAL_BLOCK]);
-    if (first >= JP_TEB_BLOCK) {
-        subtract_transposed(gradient - JP_TEB_BLOCK, &teb->equations.normal[first][JP_TEB_BLOCK], gradient);
+    divide_by_transposed(gradient, block_of(teb, pose, 2));
+    if (pose > 0U) {
+        subtract_transposed(gradient - JP_TEB_BLOCK, block_of(teb, pose, 1), gradient);
     }
-    if (first >= 2U * JP_TEB_BLOCK) {
-        subtract_transposed(gradient - 2U * JP_TEB_BLOCK, &teb->equations.normal[first][0], gradient);
+    if (pose > 1U) {
+        subtract_transposed(gradient - 2U * JP_TEB_BLOCK, block_of(teb, pose, 0), gradient);
     }
 }
 
@@ -209,11 +216,11 @@ bool jp_teb_solve(struct jp_teb *teb)
         }
         teb->equations.gradient[row] = -teb->equations.gradient[row];
     }
-    for (unsigned first = 0; first < rows; first += JP_TEB_BLOCK) {
-        substitute_forward(teb, first);
+    for (unsigned pose = 0; pose < teb->count; pose++) {
+        substitute_forward(teb, pose);
     }
-    for (unsigned first = rows; first > 0U; first -= JP_TEB_BLOCK) {
-        substitute_backward(teb, first - JP_TEB_BLOCK);
+    for (unsigned pose = teb->count; pose > 0U; pose--) {
+        substitute_backward(teb, pose - 1U);
     }
     return true;
 }

@@ -1,10 +1,9 @@
 /** Instructions of one jp_teb_plan() of 50 poses among 20 obstacles with the patrol robot's settings, along an aisle of
  *  boxes, between walls of which each pose has four too near, and with boxes all over the way; and the memory for it.
  */
-#include <joulepath/teb.h>
+#include <joulepath/patrol.h>
 
 #include "cycles.h"
-#include "sim/patrol_band.h"
 #include "src/float/plane.h"
 #include "target.h"
 
@@ -12,6 +11,8 @@
 #define SPACING 0.22f /* of the path's points, m */
 
 enum { PATH_POINTS = 60, WARM_CYCLES = 20 };
+
+extern const struct jp_patrol_config jp_patrol_config_patrol;
 
 static struct jp_teb teb;
 static struct jp_obstacles obstacles;
@@ -170,11 +171,9 @@ static void print_work(const char *name, uint32_t instructions)
 
 int main(void)
 {
-    const struct jp_footprint footprint = {0.4f, 0.4f, 0.3f};
-    const struct jp_teb_config config = patrol_band_config(&footprint, 0.5f, 1.0f);
     const char *field = NULL;
 
-    (void)jp_teb_init(&teb, &config, &field);
+    (void)jp_teb_init(&teb, &jp_patrol_config_patrol.teb, &field);
     target_print("[\n");
     build_aisle();
     print_work("TEB cycle, 50 poses, 20 boxes along an aisle, new band", count_cold());

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../../sim/four_wheel_file.h"
+#include "../../sim/patrol_config.h"
 #include "unity.h"
 
 #define TEXT_MAX 16384
@@ -16,6 +16,8 @@ static char errors_path[64];
 static char errors[4096];
 static char sound[TEXT_MAX];
 static struct four_wheel_file robot;
+static struct jp_patrol patrol;
+static struct jp_pure_pursuit pursuit;
 
 void setUp(void)
 {
@@ -225,6 +227,40 @@ static void test_each_field_outside_its_limits(void)
     }
 }
 
+/* The loader leaves nothing for the controllers to find. */
+static void check_accepted(const char *key)
+{
+    for (enum patrol_method method = 0; method < PATROL_METHODS; method++) {
+        const struct jp_patrol_config config = patrol_config(&robot, method);
+        const char *field = key;
+        TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, jp_patrol_init(&patrol, &config, &field), field);
+    }
+    const struct jp_pure_pursuit_config config = patrol_pursuit_config(&robot);
+    const char *field = key;
+    TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, jp_pure_pursuit_init(&pursuit, &config, &field), field);
+}
+
+static void test_what_loads_is_good_for_the_controllers(void)
+{
+    unsigned loaded = 0;
+    for (size_t i = 0; i < four_wheel_field_count; i++) {
+        const struct config_field *field = &four_wheel_fields[i];
+        const double ends[] = {field->min, field->max};
+        for (int k = 0; k < 2; k++) {
+            char value[64];
+            (void)snprintf(value, sizeof value, "%.10g", ends[k]);
+            write_with_value(field->key, value);
+            if (load(path)) {
+                check_accepted(field->key);
+                loaded++;
+            } else {
+                check_refused(path, "correct");
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(loaded > four_wheel_field_count);
+}
+
 static void test_unknown_keys(void)
 {
     write_with_line("wheel.radius_m", " radius_m = 0.1; radius = 0.1;");
@@ -280,6 +316,51 @@ static void test_values_that_contradict(void)
     check_refused(path, "tyre.stiffness_n_s_per_m");
     write_with_value("wheel.inertia_kg_m2", "0.01");
     check_refused(path, "tyre.stiffness_n_s_per_m");
+    write_with_value("band.hysteresis_s", "0.08");
+    check_refused(path, "band.hysteresis_s");
+    write_with_value("band.hysteresis_s", "0.21");
+    check_refused(path, "band.hysteresis_s");
+    write_with_value("band.hysteresis_s", "0.2");
+    TEST_ASSERT_TRUE(load(path));
+}
+
+static void test_radius_that_the_wheels_cannot_steer(void)
+{
+    char text[TEXT_MAX];
+    write_with_value("steering.limit_deg", "48.7");
+    read_file(path, text, sizeof text);
+    TEST_ASSERT_TRUE(load(path));
+    memcpy(sound, text, sizeof text);
+    write_with_value("steering.radius_min_m", "0.43");
+    check_refused(path, "steering.radius_min_m");
+    write_with_value("steering.radius_min_m", "0.44");
+    TEST_ASSERT_TRUE(load(path));
+    read_file("sim/robots/patrol.cfg", sound, sizeof sound);
+}
+
+static void test_values_beyond_others(void)
+{
+    static const struct {
+        const char *key;
+        const char *value;
+        const char *limit;
+    } pairs[] = {
+        {"scan.range_m", "8.01", "laser.range_m"},
+        {"movers.speed_min_m_s", "2.01", "movers.speed_max_m_s"},
+        {"band.speed_m_s", "1.51", "drive.speed_m_s"},
+        {"band.reverse_m_s", "1.51", "drive.speed_m_s"},
+        {"band.acceleration_m_s2", "1.01", "drive.acceleration_m_s2"},
+        {"turning.step_m_s", "1.51", "drive.speed_m_s"},
+        {"patrol.heading_tolerance_deg", "30.1", "turning.from_deg"},
+        {"pursuit.speed_m_s", "1.51", "drive.speed_m_s"},
+        {"pursuit.acceleration_m_s2", "1.01", "drive.acceleration_m_s2"},
+        {"pursuit.lookahead_min_m", "2.01", "pursuit.lookahead_max_m"},
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        write_with_value(pairs[i].key, pairs[i].value);
+        check_refused(path, pairs[i].key);
+        TEST_ASSERT_TRUE_MESSAGE(strstr(errors, pairs[i].limit) != NULL, errors);
+    }
 }
 
 static void test_files_that_are_none(void)
@@ -312,9 +393,12 @@ int main(void)
     RUN_TEST(test_configuration_of_the_core);
     RUN_TEST(test_each_field_missing_or_of_another_type);
     RUN_TEST(test_each_field_outside_its_limits);
+    RUN_TEST(test_what_loads_is_good_for_the_controllers);
     RUN_TEST(test_unknown_keys);
     RUN_TEST(test_name_and_type);
     RUN_TEST(test_values_that_contradict);
+    RUN_TEST(test_radius_that_the_wheels_cannot_steer);
+    RUN_TEST(test_values_beyond_others);
     RUN_TEST(test_files_that_are_none);
     const int failures = UNITY_END();
     (void)remove(path);

@@ -63,12 +63,14 @@ static inline double exact_step_cost(const struct jp_teb_config *config, const s
     const double speed = exact_above(step->length, (double)config->speed_max * step->interval) / reference;
     const double reverse = exact_above(-step->length, (double)config->reverse_max * step->interval) / reference;
     const double turn_rate = exact_above(turn, (double)config->turn_rate_max * step->interval) / reference;
+    const double slowness =
+        exact_above((double)config->speed_max * step->interval, step->length) / (double)config->speed_max;
     const double radius = exact_above((double)config->radius_min * turn, exact_magnitude(step->length)) / reference;
 
     return (double)weights->nonholonomic * exact_square(step->side) +
            (double)weights->speed * (exact_square(speed) + exact_square(reverse)) +
            (double)weights->turn_rate * exact_square(turn_rate) + (double)weights->turn_radius * exact_square(radius) +
-           (double)weights->time * exact_square(step->interval) +
+           (double)weights->time * exact_square(step->interval) + (double)weights->slowness * exact_square(slowness) +
            (double)weights->no_reversing * exact_square(exact_above(-step->length, 0.0) / reference);
 }
 
@@ -105,7 +107,6 @@ static inline double exact_steps_cost(const struct jp_teb *teb, const struct exa
 static inline double exact_pose_cost(const struct jp_teb *teb, unsigned i, const struct exact_pose *exact)
 {
     const struct jp_teb_config *const config = &teb->config;
-    const struct jp_plane_pose pose = {(float)exact->x, (float)exact->y, (float)exact->heading};
     const struct jp_teb_foot *const foot = &teb->feet[i];
     const double aside = (exact->x - (double)foot->point.x) * (double)foot->normal.x +
                          (exact->y - (double)foot->point.y) * (double)foot->normal.y;
@@ -113,6 +114,10 @@ static inline double exact_pose_cost(const struct jp_teb *teb, unsigned i, const
 
     for (unsigned k = 0; k < teb->near[i].count; k++) {
         const struct jp_obstacle *const shape = &teb->obstacles->shapes[teb->near[i].shape[k]];
+        const double time = (double)teb->near[i].time;
+        /* Nearer by its way is as if the robot had gone the other way. */
+        const struct jp_plane_pose pose = {(float)(exact->x - time * (double)shape->velocity.x),
+                                           (float)(exact->y - time * (double)shape->velocity.y), (float)exact->heading};
         const float distance = jp_obstacle_distance(&config->footprint, &pose, shape, NULL);
 
         cost +=

@@ -33,7 +33,22 @@ static inline struct jp_teb_config rig_config(void)
         .hysteresis = 0.1f,
         .rounds = 3,
         .steps = 4,
-        .weights = {1000.0f, 20.0f, 20.0f, 50.0f, 5.0f, 2.0f, 500.0f, 2.0f, 1.0f, 1000.0f, 1000.0f, 10000.0f},
+        .weights =
+            {
+                .nonholonomic = 1000.0f,
+                .speed = 20.0f,
+                .turn_rate = 20.0f,
+                .turn_radius = 50.0f,
+                .acceleration = 5.0f,
+                .turn_acceleration = 2.0f,
+                .obstacle = 500.0f,
+                .path = 2.0f,
+                .time = 0.2f,
+                .slowness = 2.0f,
+                .no_reversing = 1000.0f,
+                .wheel_odometry = 1000.0f,
+                .laser_odometry = 10000.0f,
+            },
     };
 }
 

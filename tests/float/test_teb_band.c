@@ -446,6 +446,20 @@ static void test_feet_stand_on_the_path_below_the_poses(void)
     TEST_ASSERT_NEAR(1e-5f, 3.0f, teb.feet[3].point.y);
 }
 
+static void test_feet_on_a_path_without_length(void)
+{
+    rig_straight(0.0f);
+    teb.count = 3;
+    for (unsigned i = 0; i < 3U; i++) {
+        set_pose(i, 0.1f * (float)i, 0.3f, 0.0f, 0.25f);
+    }
+    associate();
+    for (unsigned i = 0; i < 3U; i++) {
+        TEST_ASSERT_TRUE(teb.feet[i].point.x == 0.0f && teb.feet[i].point.y == 0.0f);
+        TEST_ASSERT_TRUE(teb.feet[i].normal.x == 0.0f && teb.feet[i].normal.y == 0.0f);
+    }
+}
+
 /* A path that comes back near itself: no foot jumps to the way back. */
 static void test_feet_do_not_jump_to_another_part_of_the_path(void)
 {
@@ -503,6 +517,26 @@ static void test_nearest_four_are_kept_in_order(void)
             TEST_ASSERT_NEAR(
                 1e-5f, nearest[k],
                 jp_obstacle_distance(&teb.config.footprint, pose(i), &obstacles.shapes[teb.near[i].shape[k]], NULL));
+        }
+    }
+}
+
+/* Where it will be when the robot is there, not where it is. */
+static void test_obstacle_that_moves_is_near_where_it_meets_the_robot(void)
+{
+    rig_disc(2.0f, 2.0f, 0.1f);
+    obstacles.shapes[0].velocity = (struct jp_plane_point){0.0f, -1.0f};
+    fit();
+    associate();
+    for (unsigned i = 0; i < teb.count; i++) {
+        const float x = pose(i)->x;
+        const float ahead = jp_plane_magnitude(2.0f - x) - 0.4f; /* the disc is at y = 2 − x then */
+        const float aside = jp_plane_magnitude(2.0f - x) - 0.3f;
+        const float away = jp_plane_length(ahead > 0.0f ? ahead : 0.0f, aside > 0.0f ? aside : 0.0f) - 0.1f;
+
+        TEST_ASSERT_NEAR(1e-4f, x, teb.near[i].time);
+        if (jp_plane_magnitude(away - 0.4f) > 0.01f) {
+            TEST_ASSERT_EQUAL_UINT(away < 0.4f ? 1 : 0, teb.near[i].count);
         }
     }
 }
@@ -584,9 +618,11 @@ int main(void)
     RUN_TEST(test_short_last_interval_stays);
     RUN_TEST(test_no_fewer_than_three_poses);
     RUN_TEST(test_feet_stand_on_the_path_below_the_poses);
+    RUN_TEST(test_feet_on_a_path_without_length);
     RUN_TEST(test_feet_do_not_jump_to_another_part_of_the_path);
     RUN_TEST(test_obstacles_within_reach_are_near);
     RUN_TEST(test_nearest_four_are_kept_in_order);
+    RUN_TEST(test_obstacle_that_moves_is_near_where_it_meets_the_robot);
     RUN_TEST(test_no_obstacle_near_a_pose_is_missed);
     RUN_TEST(test_sweep_bounds_how_much_nearer_an_obstacle_comes);
     return UNITY_END();

@@ -95,6 +95,7 @@ static const struct {
     {"obstacle", offsetof(struct jp_teb_weights, obstacle)},
     {"path", offsetof(struct jp_teb_weights, path)},
     {"time", offsetof(struct jp_teb_weights, time)},
+    {"slowness", offsetof(struct jp_teb_weights, slowness)},
     {"no reversing", offsetof(struct jp_teb_weights, no_reversing)},
     {"wheel odometry", offsetof(struct jp_teb_weights, wheel_odometry)},
     {"laser odometry", offsetof(struct jp_teb_weights, laser_odometry)},
@@ -164,6 +165,9 @@ static void random_obstacles(void)
             TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&obstacles, &odd));
         }
     }
+    for (unsigned i = 0; i < obstacles.count; i++) {
+        obstacles.shapes[i].velocity = (struct jp_plane_point){rig_random(0.2f), rig_random(0.2f)};
+    }
     teb.obstacles = &obstacles;
 }
 
@@ -214,7 +218,7 @@ static double cost_of_formulas(void)
 static float linearise(struct recording *into)
 {
     current = into;
-    return jp_teb_linearise(&teb);
+    return jp_teb_linearise(&teb, FLT_MAX);
 }
 
 static void assert_cost(void)
@@ -389,11 +393,33 @@ static void test_derivatives_of_all_terms(void)
 
 /* ---- What is left out ---- */
 
+static void test_cost_that_reaches_the_limit_is_not_completed(void)
+{
+    const struct jp_teb_config config = config_of_all_terms();
+
+    random_problem(&config);
+
+    const float whole = linearise(&recording);
+    const unsigned residuals = recording.count;
+
+    for (unsigned share = 1; share <= 20U; share++) {
+        const float limit = 0.05f * (float)share * whole;
+        const float part = jp_teb_linearise(&teb, limit);
+
+        TEST_ASSERT_TRUE(part >= limit && part <= whole);
+        TEST_ASSERT_TRUE(recording.count <= residuals);
+    }
+    TEST_ASSERT_TRUE(jp_teb_linearise(&teb, 1.01f * whole) == whole);
+    (void)jp_teb_linearise(&teb, 0.05f * whole);
+    TEST_ASSERT_TRUE(recording.count < residuals);
+}
+
 static void test_band_within_all_limits_costs_its_time(void)
 {
     struct jp_teb_config config = config_of_all_terms();
 
     config.weights.time = 2.0f;
+    config.weights.slowness = 0.0f;
     rig_init(&config);
     teb.task = task;
     teb.task.speed.forward = 0.5f;
@@ -509,6 +535,7 @@ int main(void)
     RUN_TEST(test_cost_is_half_the_sum_of_the_squares);
     RUN_TEST(test_derivatives_of_each_term);
     RUN_TEST(test_derivatives_of_all_terms);
+    RUN_TEST(test_cost_that_reaches_the_limit_is_not_completed);
     RUN_TEST(test_band_within_all_limits_costs_its_time);
     RUN_TEST(test_with_both_odometries_only_the_goal_is_fixed);
     RUN_TEST(test_heading_of_the_goal_can_be_free);

@@ -4,11 +4,14 @@
 int main(void)
 {
     static struct jp_obstacles obstacles;
+    static struct jp_obstacle disc;
     const struct jp_footprint footprint = {0.5f, 0.5f, 0.25f};
     const struct jp_plane_point centre = {0.0f, 0.0f};
     const struct jp_plane_pose pose = {1.0f, 0.0f, 0.0f};
-    const struct jp_obstacle disc = {{{3.0f, 0.0f}, {0.0f, 0.0f}, {0.0f, 0.0f}, {0.0f, 0.0f}}, 1, 0.5f};
 
+    disc.vertices[0].x = 3.0f;
+    disc.vertex_count = 1;
+    disc.radius = 0.5f;
     jp_obstacles_clear(&obstacles, &centre);
     if (jp_obstacles_add(&obstacles, &disc) != JP_OK) {
         return 1;

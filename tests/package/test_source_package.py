@@ -27,8 +27,8 @@ def build_project(directory, body, *definitions):
     command("cmake", "--build", directory / "build", "--parallel", "2")
 
 
-def objects_of(build, compiler_prefix=""):
-    listing = command(f"{compiler_prefix}ar", "t", build / "joulepath" / "libjoulepath.a").split()
+def objects_of(build, compiler_prefix="", library="joulepath"):
+    listing = command(f"{compiler_prefix}ar", "t", build / "joulepath" / f"lib{library}.a").split()
     return {name.split(".")[0] for name in listing}
 
 
@@ -37,7 +37,7 @@ def test_it_holds_what_firmware_needs_and_no_more(package):
         "CMakeLists.txt", "LICENSE", "README.md", "hal", "include", "library.json", "src", "zephyr"]
     folders = {str(path.relative_to(package)) for path in (package / "hal").iterdir() if path.is_dir()}
     assert folders == {"hal/can", "hal/skeleton"}
-    for folder in ("include/joulepath", "src", "src/tables", "src/float", "hal/can"):
+    for folder in ("include/joulepath", "src", "src/tables", "src/float", "src/float/tables", "hal/can"):
         here = {path.name for path in (ROOT / folder).glob("*.[ch]")}
         assert {path.name for path in (package / folder).glob("*.[ch]")} == here
 
@@ -99,6 +99,15 @@ def test_only_the_tables_of_the_named_robots_are_built_in(package, tmp_path):
     objects = objects_of(tmp_path / "build")
     assert {"robot_courier24", "energy_courier24"} <= objects
     assert not any("gao2018" in name or "zhang2018" in name for name in objects)
+
+
+def test_a_robot_s_tables_in_floating_point_are_built_in_with_it(package, tmp_path):
+    for robots, tables in (("", {"patrol_patrol"}), ("patrol", {"patrol_patrol"}), ("courier24", set())):
+        place = tmp_path / f"robots_{robots}"
+        build_project(place, add(package) + user_of("float", PROGRAMS / "float_consumer.c"),
+                      f"-DJOULEPATH_ROBOTS={robots}")
+        objects = objects_of(place / "build", library="joulepath_float")
+        assert {name for name in objects if name.startswith("patrol_patrol")} == tables
 
 
 def test_a_robot_without_tables_is_an_error(package, tmp_path):

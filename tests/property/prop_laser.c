@@ -325,10 +325,12 @@ static void test_noise_and_dropouts_are_as_asked(void)
     double sum = 0;
     double squares = 0;
     int seen = 0;
+    int dropped = 0;
     config.dropout = 0.2;
     for (int run = 0; run < 50; run++) {
         laser_take(&config, &map, NULL, 0, &scanner, &noise, &scan);
         for (int i = 0; i < scan.beams; i++) {
+            dropped += scan.ranges[i] == LASER_DROPPED;
             if (scan.ranges[i] > 0) {
                 const double bearing = scanner.heading + scan.first + i * scan.step;
                 const double error = (double)scan.ranges[i] - laser_ray(&map, NULL, 0, &from, bearing, RANGE);
@@ -339,6 +341,7 @@ static void test_noise_and_dropouts_are_as_asked(void)
         }
     }
     check_near(0.8, seen / (50.0 * 720), 0.01, "share of beams");
+    check_near(0.2, dropped / (50.0 * 720), 0.01, "share of dropouts");
     check_near(0, sum / seen, 3e-4, "mean of the noise, m");
     check_near(0.01, sqrt(squares / seen), 2e-4, "deviation of the noise, m");
 }

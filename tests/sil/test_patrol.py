@@ -283,6 +283,17 @@ def test_jump_of_the_laser_is_rejected(tmp_path):
     assert "fault: the laser's pose jumps by 0.80 m at 3.0 s" in result.stdout
 
 
+def test_on_slippery_ground_the_laser_knows_where_the_robot_is(tmp_path):
+    result = patrol(tmp_path / "out", "l-passage", "--slip")
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    improved, plain, _ = summary["methods"]
+    assert improved["odometry_error_m"] < 0.05
+    assert plain["odometry_error_m"] > 2 * improved["odometry_error_m"]
+    assert summary["faults"]["slip"] is True
+    assert "fault: slippery ground" in result.stdout
+
+
 # ---- wrong input ---------------------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("arguments", [

@@ -11,7 +11,7 @@ def figure(name, value):
 
 FIGURES = [figure("x: whole tick", 700), figure("x: whole tick, worst", 900),
            figure("x: sensor decode to PWM, worst", 800), figure("x: controller tick", 5000), figure("x: segment optimiser, worst of 5", 7000),
-           figure("x: slice of 32 expansions of the planner", 70000)]
+           figure("x: slice of 32 expansions of the planner", 70000), figure("x: TEB cycle, 50 poses", 3000000)]
 
 
 @pytest.fixture

@@ -74,8 +74,8 @@ def write_patrol(folder, hidden=True, moving=False, faults=False):
         "robot": "patrol", "scene": "a <room> & more", "robot_size_m": SIZE, "seed": 7,
         "map": {"file": None, "width": WIDTH, "height": HEIGHT, "resolution_m": CELL, "rows": map_rows(hidden)},
         "start": START, "goal": GOAL, "limit_s": 90.0,
-        "faults": {"beam_dropout": 0.25, "scan_dropout_s": [3.0, 5.5], "jump_s_m": [8.0, 0.4]} if faults else
-                  {"beam_dropout": 0.0, "scan_dropout_s": [0.0, 0.0], "jump_s_m": [-1.0, 0.0]},
+        "faults": {"beam_dropout": 0.25, "scan_dropout_s": [3.0, 5.5], "jump_s_m": [8.0, 0.4], "slip": True} if faults else
+                  {"beam_dropout": 0.0, "scan_dropout_s": [0.0, 0.0], "jump_s_m": [-1.0, 0.0], "slip": False},
         "states": ["held", "turning", "driving", "waiting", "arrived", "stopped"], "reasons": ["", "in collision"],
         "methods": methods}
     (folder / "summary.json").write_text(json.dumps(summary))
@@ -127,7 +127,8 @@ def test_the_page_has_every_section_and_needs_nothing_else(tmp_path, moving, fau
     for part in ("gave up: no way", "collided", "arrived", "1\u202f931.0", "0.123", "12.3\u202fcm", "256\u202fKiB",
                  "1\u202f234", "4.70\u202fm"):
         assert part in text, part
-    for fault in ("25\u202f% of the beams", "no scans from 3 to 5.5\u202fs", "jumps by 0.40\u202fm at 8\u202fs"):
+    for fault in ("25\u202f% of the beams", "no scans from 3 to 5.5\u202fs", "jumps by 0.40\u202fm at 8\u202fs",
+                  "slippery ground"):
         assert (fault in text) == faults
 
 

@@ -1,0 +1,60 @@
+/**
+ * Who moves around the robot: small things that stand free in scan after scan are tracked, and their velocities go to
+ * the shapes of the obstacles (obstacles.h), so that the elastic band meets them where they will be.
+ *
+ * A thing is a run of points without a gap, at most `extent` across, in front of what the beams beside it see. An
+ * alpha-beta filter tracks its middle. Part of libjoulepath_float; nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_MOVERS_H
+#define JOULEPATH_MOVERS_H
+
+#include <joulepath/obstacles.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define JP_MOVERS_MAX 8
+
+struct jp_movers_config {
+    float extent;    /**< of a thing that may move, m; above 0 */
+    float speed_min; /**< slower things stand: so much the middle of what is seen may shift, m/s; above 0 */
+    float speed_max; /**< nothing moves faster, m/s; at least speed_min */
+    float margin;    /**< nobody keeps speed and direction: error after a second, m; 0 or more */
+};
+
+struct jp_mover {
+    struct jp_plane_point centre;
+    struct jp_plane_point velocity; /**< m/s */
+    float radius;                   /**< of what was seen of it, m */
+    uint8_t sightings;              /**< in a row; saturates */
+    uint8_t misses;                 /**< in a row */
+};
+
+/** The members may be read. */
+struct jp_movers {
+    struct jp_mover movers[JP_MOVERS_MAX];
+    uint8_t count;
+};
+
+/** Nothing moves. */
+void jp_movers_clear(struct jp_movers *movers);
+
+/**
+ * Takes the next scan, `period` s after the last one, from a sensor whose pose is in a frame that stands. Nothing
+ * changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_EMPTY: as
+ * jp_obstacles_add_scan(). Work: beams + runs × JP_MOVERS_MAX.
+ */
+enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers_config *config,
+                                const struct jp_scan_config *scan_config, const struct jp_scan *scan,
+                                const struct jp_plane_pose *sensor, float period);
+
+/** Gives the shapes of what has moved for a while its velocity and the margin. Work: shapes × JP_MOVERS_MAX. */
+void jp_movers_mark(const struct jp_movers *movers, const struct jp_movers_config *config,
+                    struct jp_obstacles *obstacles);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

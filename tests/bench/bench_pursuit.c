@@ -1,0 +1,363 @@
+/* How exactly pure pursuit keeps the patrol robot on smoothed paths, over its speed: along the planner's paths of the
+ * scenes and around random turning points in a hall, from a stand, with what is on the map only. The pose is the
+ * plant's, or that of laser odometry. Prints figures as JSON; --rows FILE gets a row for each speed. */
+#include <argp.h>
+#include <joulepath/path_spline.h>
+#include <math.h>
+#include <string.h>
+
+#include "../../sim/four_wheel_plant.h"
+#include "../../sim/patrol_config.h"
+#include "../../sim/patrol_path.h"
+#include "../../sim/patrol_scene.h"
+#include "../../sim/scan_match.h"
+#include "figures.h"
+#include "parallel.h"
+
+#define COMMAND    "make bench-patrol"
+#define ROBOT_PATH "sim/robots/patrol.cfg"
+
+#define TICK  (1.0 / FOUR_WHEEL_RATE_HZ)
+#define TICKS (FOUR_WHEEL_RATE_HZ / PATROL_CYCLE_HZ)
+
+/* The bar: so exact, m, at this speed, m/s. */
+#define ERROR_BAR       0.05
+#define SPEED_OF_BAR    1.0
+#define TIME_LIMIT      300.0 /* s */
+#define SCENE_SEEDS     10
+
+/* Open ground. */
+#define OPEN_COURSES    40
+#define OPEN_SIDE       400 /* cells */
+#define OPEN_CELL       0.25 /* m */
+#define TURNING_POINTS  8
+#define LEG_MIN         3.0 /* m */
+#define LEG_MAX         6.0
+#define TURN_MAX        (M_PI / 2)
+#define TUBE_CELLS      8
+
+#define NEAR_SEGMENTS   30 /* of a path, on either side of the one that the robot was at */
+
+static const double speeds[] = {0.25, 0.5, 0.75, 1.0, 1.25};
+enum { SPEEDS = sizeof speeds / sizeof speeds[0], SCENE_COURSES = PATROL_SCENES * SCENE_SEEDS, COURSES = SCENE_COURSES + OPEN_COURSES };
+
+enum pose_source { TRUE_POSE, LASER_POSE, POSE_SOURCES };
+
+/* Distances of the robot's centre from its path, m. */
+struct errors {
+    double largest;
+    double square_sum;
+    double count;
+    bool has_arrived;
+};
+
+struct course {
+    struct patrol_scene scene; /* of a hall only the map */
+    struct patrol_path path;
+    struct errors errors[SPEEDS][POSE_SOURCES];
+};
+
+struct campaign {
+    struct four_wheel_file robot;
+    struct course *courses;
+};
+
+static void fail(const char *what)
+{
+    error_line("bench_pursuit: %s", what);
+    exit(1);
+}
+
+/* ---- Paths of the scenes ---- */
+
+static void plan_scene(struct course *course, const struct four_wheel_file *robot, enum patrol_scene_kind kind,
+                       uint64_t seed)
+{
+    patrol_scene_make(kind, seed, &course->scene);
+
+    const struct jp_plane_pose *start = &course->scene.start;
+    const struct jp_plane_pose *goal = &course->scene.goal;
+    const struct planar_point from = {(double)start->x, (double)start->y};
+    const struct planar_point to = {(double)goal->x, (double)goal->y};
+    struct patrol_planner *planner = patrol_planner_new(&course->scene.map, robot);
+
+    if (planner == NULL || !patrol_planner_find(planner, &from, &to, &course->path)) {
+        fail("a scene without a path");
+    }
+    patrol_planner_free(planner);
+}
+
+/* ---- Paths around random turning points ---- */
+
+static void make_open_ground(struct patrol_scene *scene)
+{
+    const struct jp_terrain_config config = {.width = OPEN_SIDE, .height = OPEN_SIDE, .resolution = JP_Q16(OPEN_CELL)};
+    const size_t size = jp_terrain_size(&config);
+    const char *field = "no memory";
+
+    scene->block = malloc(size);
+    if (jp_terrain_init(&scene->map, &config, scene->block, size, &field) != JP_OK) {
+        fail(field);
+    }
+    for (int i = 0; i < OPEN_SIDE * OPEN_SIDE; i++) {
+        (void)jp_terrain_set_cell(&scene->map, i % OPEN_SIDE, i / OPEN_SIDE, JP_CELL_FREE);
+    }
+}
+
+/* From the middle of the ground, whose border they do not reach. */
+static void draw_turning_points(struct random *random, struct patrol_path *path)
+{
+    struct planar_point point = {OPEN_SIDE * OPEN_CELL / 2, OPEN_SIDE * OPEN_CELL / 2};
+    double bearing = random_uniform(random, -M_PI, M_PI);
+
+    for (path->way_count = 0; path->way_count < TURNING_POINTS; path->way_count++) {
+        const double length = random_uniform(random, LEG_MIN, LEG_MAX);
+        path->way[path->way_count] =
+            (struct jp_path_point){(jp_q16)lround(point.x * JP_Q16_ONE), (jp_q16)lround(point.y * JP_Q16_ONE)};
+        point.x += length * cos(bearing);
+        point.y += length * sin(bearing);
+        bearing += random_uniform(random, -TURN_MAX, TURN_MAX);
+    }
+}
+
+static void smooth(struct course *course, const struct jp_grid_planner *planner)
+{
+    struct patrol_path *path = &course->path;
+    const size_t size = jp_path_spline_size(path->way_count);
+    void *scratch = malloc(size);
+
+    if (scratch == NULL || jp_path_spline(planner, path->way, path->way_count, JP_Q16(PATROL_PATH_SPACING), scratch,
+                                          size, path->points, PATROL_PATH_POINTS_MAX, &path->count) != JP_OK) {
+        fail("no path around the turning points");
+    }
+    free(scratch);
+}
+
+static void plan_open(struct course *course, const struct four_wheel_file *robot, uint64_t seed)
+{
+    const struct jp_grid_planner_config config = {
+        .method = JP_GRID_ANY_ANGLE, .clearance = (jp_q16)(robot->body.width_m / 2 * JP_Q16_ONE), .tube = TUBE_CELLS};
+    struct jp_grid_planner planner;
+    struct random random;
+    const char *field = "no memory";
+
+    make_open_ground(&course->scene);
+    random_init(&random, seed);
+    draw_turning_points(&random, &course->path);
+
+    const size_t size = jp_grid_planner_size(&config, &course->scene.map.config);
+    void *block = malloc(size);
+    if (jp_grid_planner_init(&planner, &config, &course->scene.map, block, size, &field) != JP_OK) {
+        fail(field);
+    }
+    smooth(course, &planner);
+    free(block);
+}
+
+/* ---- A drive ---- */
+
+struct drive {
+    const struct course *course;
+    struct four_wheel_plant plant;
+    struct jp_four_wheel_config wheels_config;
+    struct jp_wheels wheels;
+    struct jp_twist twist;
+    struct jp_pure_pursuit pursuit;
+    struct laser_config laser;
+    struct laser_scan scan;
+    struct scan_matcher matcher;
+    struct random random;
+    struct planar_pose motion; /* since the last scan, as the wheels say */
+    double speed;              /* likewise, m/s */
+    struct solid_map map;
+    size_t near;               /* segment of the path that the robot was nearest to */
+    double time;
+};
+
+static struct planar_point point_at(const struct course *course, size_t index)
+{
+    const struct jp_path_point *point = &course->path.points[index];
+
+    return (struct planar_point){(double)point->x / JP_Q16_ONE, (double)point->y / JP_Q16_ONE};
+}
+
+/* On the path's first point, along it. */
+static struct planar_pose start_of(const struct course *course)
+{
+    const struct planar_point first = point_at(course, 0);
+    const struct planar_point second = point_at(course, 1);
+
+    return (struct planar_pose){first.x, first.y, atan2(second.y - first.y, second.x - first.x)};
+}
+
+static void set_up(struct drive *drive, const struct campaign *campaign, const struct course *course, double speed,
+                   uint64_t seed)
+{
+    const struct four_wheel_file *robot = &campaign->robot;
+    const struct planar_pose start = start_of(course);
+    struct jp_pure_pursuit_config config = patrol_pursuit_config(robot);
+    const char *field = "no memory";
+
+    config.speed = (jp_q24)lround(speed * JP_Q24_ONE);
+    drive->course = course;
+    four_wheel_plant_init(&drive->plant, robot, &start);
+    drive->wheels_config = four_wheel_config(robot);
+    drive->laser = laser_config_of(robot->laser.beams, robot->laser.field_deg * M_PI / 180, robot->laser.range_m,
+                                   robot->laser.noise_m);
+    random_init(&drive->random, seed);
+    scan_match_init(&drive->matcher, &start);
+    if (!solid_map_init(&drive->map, &course->scene.map) ||
+        jp_pure_pursuit_init(&drive->pursuit, &config, &field) != JP_OK ||
+        jp_pure_pursuit_follow(&drive->pursuit, course->path.points, course->path.count) != JP_OK) {
+        fail(field);
+    }
+}
+
+/* The scanner is in the robot's centre. */
+static struct planar_pose laser_pose(struct drive *drive)
+{
+    struct scan_match_result match;
+
+    laser_take(&drive->laser, &drive->map, NULL, 0, &drive->plant.state.pose, &drive->random, &drive->scan);
+    scan_match_next(&drive->matcher, &drive->scan, &drive->motion, &match);
+    drive->motion = (struct planar_pose){0, 0, 0};
+    return match.pose;
+}
+
+static bool pursue(struct drive *drive, enum pose_source source)
+{
+    const struct planar_pose pose = source == TRUE_POSE ? drive->plant.state.pose : laser_pose(drive);
+    const struct jp_path_point position = {(jp_q16)lround(pose.x * JP_Q16_ONE), (jp_q16)lround(pose.y * JP_Q16_ONE)};
+    const jp_angle heading = (jp_angle)llround(pose.heading / (2 * M_PI) * 4294967296.0);
+
+    return jp_pure_pursuit_tick(&drive->pursuit, &position, heading, (jp_q24)(drive->speed * JP_Q24_ONE),
+                                JP_Q24_ONE / PATROL_CYCLE_HZ, &drive->twist) == JP_OK;
+}
+
+static void measure_wheels(struct drive *drive)
+{
+    struct jp_twist twist;
+    jp_q24 slip;
+
+    jp_four_wheel_forward(&drive->wheels_config, &drive->plant.measured, &twist, &slip);
+    const double turn = (double)twist.turn_rate / JP_Q24_ONE * TICK;
+    const struct planar_pose half = {0, 0, turn / 2};
+    const struct planar_pose along = {(double)twist.x / JP_Q24_ONE * TICK, (double)twist.y / JP_Q24_ONE * TICK,
+                                      turn / 2};
+    const struct planar_pose middle = planar_compose(&drive->motion, &half);
+
+    drive->motion = planar_compose(&middle, &along);
+    drive->speed = (double)twist.x / JP_Q24_ONE;
+}
+
+static double segment_distance(const struct course *course, size_t index, const struct planar_point *point)
+{
+    const struct planar_point a = point_at(course, index);
+    const struct planar_point b = point_at(course, index + 1);
+    const struct planar_point way = {b.x - a.x, b.y - a.y};
+    const double along = ((point->x - a.x) * way.x + (point->y - a.y) * way.y) / (way.x * way.x + way.y * way.y);
+    const double share = fmin(fmax(along, 0), 1);
+
+    return hypot(a.x + share * way.x - point->x, a.y + share * way.y - point->y);
+}
+
+/* Paths cross themselves: only what is near the last segment counts. */
+static double path_distance(struct drive *drive, const struct planar_point *point)
+{
+    const size_t segments = drive->course->path.count - 1;
+    const size_t first = drive->near > NEAR_SEGMENTS ? drive->near - NEAR_SEGMENTS : 0;
+    double least = INFINITY;
+
+    for (size_t i = first; i < segments && i <= first + 2 * NEAR_SEGMENTS; i++) {
+        const double distance = segment_distance(drive->course, i, point);
+        drive->near = distance < least ? i : drive->near;
+        least = fmin(least, distance);
+    }
+    return least;
+}
+
+static void note(struct drive *drive, struct errors *errors)
+{
+    const double error =
+        path_distance(drive, &(struct planar_point){drive->plant.state.pose.x, drive->plant.state.pose.y});
+
+    errors->largest = fmax(errors->largest, error);
+    errors->square_sum += error * error;
+    errors->count++;
+}
+
+static struct errors track(const struct campaign *campaign, const struct course *course, double speed,
+                           enum pose_source source, uint64_t seed)
+{
+    struct errors errors = {0};
+    struct drive *drive = calloc(1, sizeof *drive);
+
+    set_up(drive, campaign, course, speed, seed);
+    while (pursue(drive, source) && drive->time < TIME_LIMIT) {
+        for (int i = 0; i < TICKS; i++) {
+            enum jp_steering steering;
+            (void)jp_four_wheel_tick(&drive->wheels_config, &drive->twist, &drive->wheels, &steering);
+            four_wheel_plant_tick(&drive->plant, &drive->wheels);
+            measure_wheels(drive);
+            note(drive, &errors);
+        }
+        drive->time += TICKS * TICK;
+    }
+    errors.has_arrived = drive->pursuit.passed == drive->pursuit.count;
+    solid_map_free(&drive->map);
+    free(drive);
+    return errors;
+}
+
+/* ---- All drives ---- */
+
+static void drive_course(void *context, size_t index)
+{
+    struct campaign *campaign = context;
+    struct course *course = &campaign->courses[index];
+
+    if (index < SCENE_COURSES) {
+        plan_scene(course, &campaign->robot, (enum patrol_scene_kind)(index / SCENE_SEEDS), index % SCENE_SEEDS + 1);
+    } else {
+        plan_open(course, &campaign->robot, index);
+    }
+    for (size_t i = 0; i < SPEEDS; i++) {
+        for (enum pose_source source = TRUE_POSE; source < POSE_SOURCES; source++) {
+            course->errors[i][source] = track(campaign, course, speeds[i], source, index + 1);
+        }
+    }
+}
+
+static struct errors total(const struct campaign *campaign, size_t speed, enum pose_source source)
+{
+    struct errors sum = {.has_arrived = true};
+
+    for (size_t i = 0; i < COURSES; i++) {
+        const struct errors *errors = &campaign->courses[i].errors[speed][source];
+        sum.largest = fmax(sum.largest, errors->largest);
+        sum.square_sum += errors->square_sum;
+        sum.count += errors->count;
+        sum.has_arrived &= errors->has_arrived;
+        if (getenv("DEBUG")) fprintf(stderr, "%zu %.2f %d %.3f %.3f %d\n", i, speeds[speed], source, errors->largest, sqrt(errors->square_sum / errors->count), errors->has_arrived);
+    }
+    return sum;
+}
+
+int main(int argc, char **argv)
+{
+    static struct campaign campaign;
+    (void)argc;
+    (void)argv;
+    if (!four_wheel_file_load(ROBOT_PATH, &campaign.robot)) {
+        return ERROR_EXIT;
+    }
+    campaign.courses = calloc(COURSES, sizeof *campaign.courses);
+    in_parallel("pure pursuit", drive_course, &campaign, COURSES);
+    for (size_t i = 0; i < SPEEDS; i++) {
+        for (enum pose_source source = TRUE_POSE; source < POSE_SOURCES; source++) {
+            const struct errors errors = total(&campaign, i, source);
+            printf("%.2f m/s %s: largest %.4f rms %.4f arrived %d\n", speeds[i], source ? "laser" : "true", errors.largest, sqrt(errors.square_sum / errors.count), errors.has_arrived);
+        }
+    }
+    return 0;
+}
