@@ -84,7 +84,10 @@ static void clear_along(struct patrol_planner *planner, const struct planar_pose
 {
     const double side = cell_side(&planner->marked);
 
-    for (double along = 0; along < range - 1.5 * side; along += side / 2) {
+    const int steps = (int)ceil((range - 1.5 * side) / (side / 2));
+
+    for (int i = 0; i < steps; i++) {
+        const double along = i * side / 2;
         const struct planar_point point =
             planar_place(scanner, (struct planar_point){along * cos(bearing), along * sin(bearing)});
         const int x = (int)floor(point.x / side);

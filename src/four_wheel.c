@@ -372,37 +372,37 @@ static int32_t share_of(const struct jp_four_wheel_config *config, const struct 
 }
 
 /* A wheel's turn, and its speed after it. */
-struct step {
+struct wheel_step {
     int32_t turn;
     jp_q24 speed;
 };
 
-static struct step step_along(const struct way *way, int32_t share)
+static struct wheel_step step_along(const struct way *way, int32_t share)
 {
     const jp_q24 ahead = jp_multiply_shift(way->to, jp_cos((jp_angle)way->error), 31) - way->from;
     const jp_q24 aside = jp_multiply_shift(way->to, jp_sin((jp_angle)way->error), 31);
     const jp_q24 x = way->from + jp_multiply_shift(ahead, share, 30);
     const jp_q24 y = jp_multiply_shift(aside, share, 30);
 
-    return (struct step){(int32_t)jp_atan2(y, x), length(x, y)};
+    return (struct wheel_step){(int32_t)jp_atan2(y, x), length(x, y)};
 }
 
-static struct step step_straight(const struct way *way, int32_t share)
+static struct wheel_step step_straight(const struct way *way, int32_t share)
 {
-    return (struct step){way->error, way->from + jp_multiply_shift(way->to - way->from, share, 30)};
+    return (struct wheel_step){way->error, way->from + jp_multiply_shift(way->to - way->from, share, 30)};
 }
 
-static struct step step_of(const struct way *way, int32_t share)
+static struct wheel_step step_of(const struct way *way, int32_t share)
 {
-    struct step step = way->is_straight ? step_straight(way, share) : step_along(way, share);
+    struct wheel_step step = way->is_straight ? step_straight(way, share) : step_along(way, share);
 
     step.speed = way->is_backward ? -step.speed : step.speed;
     return step;
 }
 
 /* By no more than the limits of a tick, and not past the goal. */
-static void advance(const struct jp_four_wheel_config *config, const struct step *step, const struct jp_wheels *goal,
-                    size_t wheel, struct jp_wheels *wheels)
+static void advance(const struct jp_four_wheel_config *config, const struct wheel_step *step,
+                    const struct jp_wheels *goal, size_t wheel, struct jp_wheels *wheels)
 {
     const int32_t angle = wheels->angle[wheel];
     const jp_q24 speed = wheels->speed[wheel];
@@ -476,8 +476,8 @@ enum jp_status jp_four_wheel_tick(const struct jp_four_wheel_config *config, con
     }
     const int32_t share = common_share(config, ways);
     for (size_t i = 0; i < (size_t)JP_WHEELS; i++) {
-        const struct step step =
-            share == WHOLE_WAY ? (struct step){ways[i].error, goal.speed[i]} : step_of(&ways[i], share);
+        const struct wheel_step step =
+            share == WHOLE_WAY ? (struct wheel_step){ways[i].error, goal.speed[i]} : step_of(&ways[i], share);
         advance(config, &step, &goal, i, wheels);
     }
     *steering = stops ? JP_STEERING_STANDSTILL : steering_of(wheels, &goal);

@@ -185,7 +185,7 @@ struct candidate {
 };
 
 /** An edge between two neighbouring nodes: from (x, y) east or north. */
-struct edge {
+struct grid_edge {
     int32_t x;
     int32_t y;
     bool is_northward;
@@ -194,7 +194,7 @@ struct edge {
 };
 
 /** Rise of the cost-to-go along an edge. */
-static jp_q16 slope_of(const struct edge *edge)
+static jp_q16 slope_of(const struct grid_edge *edge)
 {
     return (int32_t)(edge->second - edge->first);
 }
@@ -219,7 +219,7 @@ static jp_q16 best_along(jp_q16 along, jp_q16 across, jp_q16 slope)
 }
 
 /** A candidate at a point of an edge. Its end is exact even where the cost of its beginning is not known: sums wrap. */
-static struct candidate candidate_at(const struct jp_grid_planner *planner, const struct edge *edge, jp_q16 along)
+static struct candidate candidate_at(const struct jp_grid_planner *planner, const struct grid_edge *edge, jp_q16 along)
 {
     const jp_q16 x = edge->x * ONE + (edge->is_northward ? 0 : along);
     const jp_q16 y = edge->y * ONE + (edge->is_northward ? along : 0);
@@ -238,7 +238,7 @@ static bool leads_down(const struct jp_grid_planner *planner, const struct candi
     return is_node ? candidate->cost <= planner->place_cost : candidate->cost < planner->place_cost;
 }
 
-static void consider(const struct jp_grid_planner *planner, const struct edge *edge, jp_q16 along,
+static void consider(const struct jp_grid_planner *planner, const struct grid_edge *edge, jp_q16 along,
                      struct candidate *best)
 {
     const struct candidate candidate = candidate_at(planner, edge, along);
@@ -252,7 +252,7 @@ static void consider(const struct jp_grid_planner *planner, const struct edge *e
 }
 
 /** Considers an edge: its best point and its ends. */
-static void consider_edge(const struct jp_grid_planner *planner, struct edge *edge, struct candidate *best)
+static void consider_edge(const struct jp_grid_planner *planner, struct grid_edge *edge, struct candidate *best)
 {
     const jp_q16 along = edge->is_northward ? planner->place.y - edge->y * ONE : planner->place.x - edge->x * ONE;
     const jp_q16 across = edge->is_northward ? planner->place.x - edge->x * ONE : planner->place.y - edge->y * ONE;
@@ -278,7 +278,7 @@ static void consider_edge(const struct jp_grid_planner *planner, struct edge *ed
 static void consider_square(const struct jp_grid_planner *planner, int32_t x, int32_t y, struct candidate *best)
 {
     for (int32_t side = 0; side < SIDES; side++) {
-        struct edge edge = {.x = x + (side == 3 ? 1 : 0), .y = y + (side == 1 ? 1 : 0), .is_northward = side >= 2};
+        struct grid_edge edge = {.x = x + (side == 3 ? 1 : 0), .y = y + (side == 1 ? 1 : 0), .is_northward = side >= 2};
         consider_edge(planner, &edge, best);
     }
 }

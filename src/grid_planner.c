@@ -11,7 +11,7 @@ enum {
     NODES_PER_UNIT = 64 /* cleared */
 };
 
-enum phase {
+enum grid_phase {
     NO_TASK,
     PLANES,
     CLEAR,
@@ -146,7 +146,7 @@ static enum jp_status check_cell(const struct jp_grid_planner *planner, const st
                                                                                                       : JP_ERR_BLOCKED;
 }
 
-static void enter(struct jp_grid_planner *planner, enum phase phase)
+static void enter(struct jp_grid_planner *planner, enum grid_phase phase)
 {
     planner->phase = (uint8_t)phase;
     planner->cursor = 0;
@@ -209,7 +209,7 @@ static void start_trace(struct jp_grid_planner *planner)
     planner->place_cost = jp_grid_node(planner, planner->goal.x, planner->goal.y)->g;
 }
 
-static void start_tightening(struct jp_grid_planner *planner, enum phase phase)
+static void start_tightening(struct jp_grid_planner *planner, enum grid_phase phase)
 {
     enter(planner, phase);
     planner->cursor = 1;

@@ -135,25 +135,25 @@ static int64_t chord_distance(struct offset start, struct offset chord)
     return dot(nearest, nearest);
 }
 
-struct place {
+struct path_place {
     size_t chord;
     int64_t distance; /* its square, Q32 */
 };
 
 /* The chord nearest to the robot, at most as far ahead as to where the path leaves the circle of the lookahead. */
-static struct place nearest_place(const struct jp_pure_pursuit *tracker, const struct jp_path_point *position,
-                                  int64_t lookahead)
+static struct path_place nearest_place(const struct jp_pure_pursuit *tracker, const struct jp_path_point *position,
+                                       int64_t lookahead)
 {
     const size_t last = tracker->count - 2U;
     const size_t farthest = tracker->passed + (size_t)JP_PURSUIT_STRIDE;
-    struct place nearest = {tracker->passed, INT64_MAX};
+    struct path_place nearest = {tracker->passed, INT64_MAX};
     bool leaves = false;
 
     for (size_t i = tracker->passed; !leaves && i <= last && i <= farthest; i++) {
         const struct offset end = offset_of(position, &tracker->path[i + 1U]);
         const int64_t distance = chord_distance(offset_of(position, &tracker->path[i]), chord_of(tracker, i));
 
-        nearest = distance <= nearest.distance ? (struct place){i, distance} : nearest;
+        nearest = distance <= nearest.distance ? (struct path_place){i, distance} : nearest;
         leaves = nearest.distance < lookahead && dot(end, end) >= lookahead;
     }
     return nearest;
@@ -306,7 +306,7 @@ enum jp_status jp_pure_pursuit_tick(struct jp_pure_pursuit *tracker, const struc
     const struct jp_pure_pursuit_config *config = &tracker->config;
     const jp_q24 wanted = jp_q24_multiply(config->lookahead_time, magnitude(speed));
     const jp_q24 lookahead = jp_clamp32(wanted, config->lookahead_min, config->lookahead_max);
-    const struct place place = nearest_place(tracker, position, square(lookahead));
+    const struct path_place place = nearest_place(tracker, position, square(lookahead));
     if (place.distance > square(config->lookahead_max)) {
         return JP_ERR_OUTSIDE;
     }

@@ -120,7 +120,7 @@ struct jp_patrol {
     struct jp_plane_speed command;
     float sideways; /* of the command: a step to the left, m/s */
     float turn_target;
-    float turn_sign;
+    float turn_rest; /* the longer way round: more than half a turn */
     struct jp_plane_point step_target;
     bool is_arriving; /* at the goal: what is left is to stand and to turn */
     uint16_t waited;

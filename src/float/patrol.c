@@ -349,7 +349,7 @@ static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
         patrol->state = JP_PATROL_TURNING;
         patrol->reason = JP_PATROL_NONE;
         patrol->turn_target = heading;
-        patrol->turn_sign = angle < 0.0f ? -1.0f : 1.0f;
+        patrol->turn_rest = angle;
         patrol->counts.turns++;
         jp_teb_clear(&patrol->teb);
     }
@@ -371,12 +371,14 @@ static void turn_to(struct jp_patrol *patrol, float heading)
     }
 }
 
-/* What is left of the turn, in its sense; a little too far is a small angle back. */
-static float rest_of_turn(const struct jp_patrol *patrol)
+/* What is left of the turn. Of the angles to its heading it is the one nearest to what was left before: the turn may be
+ * the longer way round. */
+static float rest_of_turn(struct jp_patrol *patrol)
 {
-    const float rest = jp_plane_wrap(patrol->turn_target - patrol->pose.heading);
+    const float rest = patrol->turn_target - patrol->pose.heading;
 
-    return rest * patrol->turn_sign < -0.5f * JP_PLANE_PI ? rest + patrol->turn_sign * 2.0f * JP_PLANE_PI : rest;
+    patrol->turn_rest += jp_plane_wrap(rest - patrol->turn_rest);
+    return patrol->turn_rest;
 }
 
 static void end_turn(struct jp_patrol *patrol)
@@ -427,7 +429,7 @@ static bool is_standing(const struct jp_plane_speed *speed)
 
 /* ---- A step ---- */
 
-static void step(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+static void go_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose target = {patrol->step_target.x, patrol->step_target.y, patrol->pose.heading};
     const struct jp_plane_pose rest = jp_plane_relative(&patrol->pose, &target);
@@ -690,7 +692,7 @@ static void go_on(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
         turn(patrol, speed);
     } else if (patrol->state == JP_PATROL_STEPPING) {
         correct_pose(patrol);
-        step(patrol, speed);
+        go_step(patrol, speed);
     } else {
         drive(patrol, speed);
     }

@@ -70,7 +70,8 @@ bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plan
 /* From straight ahead to both sides in turn. */
 static float step_angle(unsigned i)
 {
-    const float angle = (float)((i + 1U) / 2U) * STEP_ANGLE;
+    const unsigned pair = (i + 1U) / 2U;
+    const float angle = (float)pair * STEP_ANGLE;
 
     return i % 2U == 0U ? angle : -angle;
 }
@@ -78,7 +79,8 @@ static float step_angle(unsigned i)
 bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, struct jp_plane_point *target)
 {
     for (unsigned i = 0; i < STEP_LENGTHS * STEP_ANGLES; i++) {
-        const float length = (float)(i / STEP_ANGLES + 1U) * STEP_LENGTH;
+        const unsigned ring = i / STEP_ANGLES + 1U;
+        const float length = (float)ring * STEP_LENGTH;
         const float angle = step_angle(i % STEP_ANGLES);
         const struct jp_plane_pose step = {length * jp_plane_cosine(angle), length * jp_plane_sine(angle), 0.0f};
         const struct jp_plane_pose there = jp_plane_compose(&patrol->pose, &step);

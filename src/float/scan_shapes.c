@@ -100,7 +100,9 @@ static void add_chord(struct jp_obstacles *obstacles, const struct jp_scan_view 
 {
     const struct jp_plane_point begin = jp_scan_point(view, run->first);
     const struct jp_plane_point end = jp_scan_point(view, run->last);
-    struct jp_obstacle shape = {.vertices = {begin}, .vertex_count = 1, .radius = view->config->tolerance};
+    struct jp_obstacle shape = {.vertex_count = 1, .radius = view->config->tolerance};
+
+    shape.vertices[0] = begin;
 
     if (jp_plane_square_between(begin, end) > 0.0f) {
         const struct offsets offsets = offsets_of(view, run);
@@ -123,7 +125,7 @@ static void add_chord(struct jp_obstacles *obstacles, const struct jp_scan_view 
  * ends. */
 static void add_run(struct jp_obstacles *obstacles, const struct jp_scan_view *view, const struct jp_scan_run *run)
 {
-    struct part parts[DEPTH_MAX + 1];
+    struct part parts[DEPTH_MAX + 1U];
     unsigned count = 1;
     unsigned first = run->first;
 

@@ -240,7 +240,7 @@ static void add_path(struct sums *sums, unsigned i)
     const struct jp_teb_foot *const foot = &sums->teb->feet[i];
     const struct jp_plane_pose *const pose = &sums->teb->poses[i].pose;
     const float root = sums->teb->roots.path;
-    const float derivatives[JP_TEB_BLOCK] = {root * foot->normal.x, root * foot->normal.y};
+    const float derivatives[JP_TEB_BLOCK] = {root * foot->normal.x, root * foot->normal.y, 0.0f, 0.0f};
 
     add(sums, i, JP_TEB_BLOCK, derivatives,
         derivatives[X] * (pose->x - foot->point.x) + derivatives[Y] * (pose->y - foot->point.y));
@@ -258,7 +258,8 @@ static void add_obstacles(struct sums *sums, unsigned i)
         const float distance = jp_teb_distance(teb, i, near->shape[k], near->time, &gradient);
 
         if (distance < teb->config.clearance) {
-            const float derivatives[JP_TEB_BLOCK] = {-root * gradient.x, -root * gradient.y, -root * gradient.heading};
+            const float derivatives[JP_TEB_BLOCK] = {-root * gradient.x, -root * gradient.y, -root * gradient.heading,
+                                                     0.0f};
 
             add(sums, i, JP_TEB_BLOCK, derivatives, root * (teb->config.clearance - distance));
         }

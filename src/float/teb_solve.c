@@ -8,7 +8,7 @@
 #define DIAGONAL_MIN 1.0e-4f
 
 /* Where a row keeps its block of the diagonal. */
-#define DIAGONAL_BLOCK (2U * JP_TEB_BLOCK)
+#define DIAGONAL_BLOCK (2U * (unsigned)JP_TEB_BLOCK)
 
 static unsigned row_count(const struct jp_teb *teb)
 {

@@ -33,7 +33,7 @@
 #define TURNING_POINTS  8
 #define LEG_MIN         3.0 /* m */
 #define LEG_MAX         6.0
-#define TURN_MAX        (M_PI / 2)
+#define TURN_MAX        (M_PI / 3)
 #define TUBE_CELLS      8
 
 #define NEAR_SEGMENTS   30 /* of a path, on either side of the one that the robot was at */

@@ -85,7 +85,7 @@ static inline struct jp_patrol_config rig_config(void)
         .period = RIG_PERIOD,
         .latency = 0.0f,
         .jump = 0.3f,
-        .waits_max = 20,
+        .waits_max = 40,
         .dropouts_max = 3,
         .blind_max = 1.0f,
     };
