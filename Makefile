@@ -121,7 +121,7 @@ STM32F4        := $(wildcard hal/stm32f4/*.c)
 DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c cortex_m.c fault.c main.c),$(STM32F4))
 SIM            := $(wildcard sim/*.c hal/sim/*.c hal/linux/*.c)
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
-BENCHES        := $(filter-out bench_plan,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
+BENCHES        := $(filter-out bench_plan bench_patrol bench_pursuit,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
 TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c))
 FLOAT_BENCHES  := $(filter target_teb,$(TARGET_BENCHES))
 
@@ -457,29 +457,48 @@ bench-plan: ## measure the planner on the 20 scenes and the maps in DATA=dir; ta
 	$(BUILD)/bench/bench_plan --rows $(BUILD)/bench-plan/rows.json $(MAPS) >$(BUILD)/bench/bench_plan.json
 	$(PYTHON) tools/bench_plan.py $(BUILD)/bench-plan/rows.json
 
+.PHONY: bench-patrol
+bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on paths; tables in the README
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol $(BUILD)/bench/bench_pursuit
+	@mkdir -p $(BUILD)/bench-patrol
+	$(BUILD)/bench/bench_patrol --rows $(BUILD)/bench-patrol/scenes.json >$(BUILD)/bench/bench_patrol.json
+	$(BUILD)/bench/bench_pursuit --rows $(BUILD)/bench-patrol/courses.json >$(BUILD)/bench/bench_pursuit.json
+	$(PYTHON) tools/bench_patrol.py $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json
+
+# The maps of others are left out where they are not.
+ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
+
+# Property tests at bench length.
+PROPERTIES := fixed four_wheel four_wheel_plant grid_planner planner scan_match segment store
+ARGS.fixed            = --exhaustive
+ARGS.four_wheel       = --count 1000000
+ARGS.four_wheel_plant = --count 1000
+ARGS.grid_planner     = --count 4000
+ARGS.planner          = --count 100000
+ARGS.scan_match       = --count 40
+ARGS.segment          = --count 10000
+ARGS.store            = --count 10000
+
 # One bench after the other, so that they do not share the cores.
 .PHONY: figures
 figures: ## run the benches and write their figures to build/figures.json and the README, with its picture
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) \
-	    $(BUILD)/firmware/gao2018/joulepath.elf $(BUILD)/bench/prop_segment $(BUILD)/bench/prop_fixed $(BUILD)/bench/prop_planner $(BUILD)/bench/prop_store \
-	    $(BUILD)/host-gcc/prop_decoders
+	    $(BUILD)/firmware/gao2018/joulepath.elf $(PROPERTIES:%=$(BUILD)/bench/prop_%) $(BUILD)/host-gcc/prop_decoders
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
+	@$(MAKE) bench-patrol
 	@$(MAKE) coverage
-	@set -e; for b in $(BENCHES); do \
-	    echo "  BENCH $$b"; $(BUILD)/bench/$$b >$(BUILD)/bench/$$b.json; done
+	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
 	@$(MAKE) size stack cycles test-targets
-	$(BUILD)/bench/prop_segment --count 10000 --json $(BUILD)/bench/segment.json
-	$(BUILD)/bench/prop_fixed --exhaustive --json $(BUILD)/bench/fixed.json
-	$(BUILD)/bench/prop_planner --count 100000 --json $(BUILD)/bench/planner.json
-	$(BUILD)/bench/prop_store --count 10000 --json $(BUILD)/bench/store.json
+	@set -e; $(foreach p,$(PROPERTIES),echo '  BENCH prop_$p'; $(BUILD)/bench/prop_$p $(ARGS.$p) --json $(BUILD)/bench/$p.json;)
 	$(BUILD)/host-gcc/prop_decoders --count 100000000 --json $(BUILD)/bench/decoders.json
 	$(PYTHON) tools/bench_bus.py
 	$(PYTHON) tools/show_frames.py $(BUILD)/bus/vcan/frames.log --readme
 	@rm -f $(BITS_LOGS)
 	@$(MAKE) $(PARALLEL) $(BITS_LOGS)
-	@printf '[{"name": "planner: same routes, costs and expansions on %s, of %d", "value": %d, "unit": "",\n  "bound": {"op": "==", "value": %d}, "command": "make figures"}]\n' \
+	@printf '[{"name": "planner and grid planner: same routes, costs and expansions on %s, of %d", "value": %d, "unit": "",\n  "bound": {"op": "==", "value": %d}, "command": "make figures"}]\n' \
 	    "x86-64, -m32 and five cores" $(words $(BITS_LOGS)) $$(grep -lx OK $(BITS_LOGS) | wc -l) $(words $(BITS_LOGS)) \
 	    >$(BUILD)/bench/bits.json
 	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
@@ -489,6 +508,8 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	cp $(BUILD)/figures/path.png sim/scenarios/gao2018_mission.png
 	$(MAKE) plan
 	cp $(BUILD)/plan/plan.png sim/scenarios/jacksboro_plan.png
+	$(MAKE) patrol SCENE=warehouse
+	cp $(BUILD)/patrol/patrol.png sim/scenarios/patrol_warehouse.png
 	$(PYTHON) tools/figures.py
 
 # The library for programs on this machine. A packager stages it with DESTDIR.

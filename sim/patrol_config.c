@@ -120,3 +120,16 @@ struct jp_pure_pursuit_config patrol_pursuit_config(const struct four_wheel_file
         .tolerance = to_q24(robot->pursuit.tolerance_m),
     };
 }
+
+enum jp_status patrol_pursue(struct jp_pure_pursuit *pursuit, const struct four_wheel_file *robot,
+                             const struct planar_pose *pose, const struct jp_plane_speed *speed, struct jp_twist *twist)
+{
+    const double latency = robot->patrol.latency_s;
+    const struct planar_pose motion = {latency * (double)speed->forward, 0, latency * (double)speed->turn_rate};
+    const struct planar_pose there = planar_bend(pose, &motion);
+    const struct jp_path_point position = {(jp_q16)lround(there.x * JP_Q16_ONE), (jp_q16)lround(there.y * JP_Q16_ONE)};
+    const jp_angle heading = (jp_angle)llround(there.heading / (2 * M_PI) * 4294967296.0);
+
+    return jp_pure_pursuit_tick(pursuit, &position, heading, to_q24((double)speed->forward),
+                                JP_Q24_ONE / PATROL_CYCLE_HZ, twist);
+}

@@ -6,6 +6,7 @@
 #include <joulepath/pure_pursuit.h>
 
 #include "four_wheel_file.h"
+#include "planar.h"
 
 /** Cycles in a second; each has FOUR_WHEEL_RATE_HZ / PATROL_CYCLE_HZ ticks. */
 #define PATROL_CYCLE_HZ 10
@@ -21,5 +22,10 @@ enum patrol_method {
 struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum patrol_method method);
 
 struct jp_pure_pursuit_config patrol_pursuit_config(const struct four_wheel_file *robot);
+
+/** A cycle of pure pursuit, from where the robot will be after its latency: jp_pure_pursuit_tick(). */
+enum jp_status patrol_pursue(struct jp_pure_pursuit *pursuit, const struct four_wheel_file *robot,
+                             const struct planar_pose *pose, const struct jp_plane_speed *speed,
+                             struct jp_twist *twist);
 
 #endif

@@ -45,6 +45,10 @@ static const struct planar_point slip_pull = {-0.1, 0.15}; /* m/s² */
 /* So near a path needs no map, m. */
 #define STRAIGHT_BELOW 0.15
 
+/* The band can end a path in another heading than the path's last points by so much, rad. */
+#define END_TURN   (20 * M_PI / 180)
+#define END_POINTS 5
+
 /* The goal is looked at so often, cycles. */
 #define WATCH_CYCLES  5
 #define STRAIGHT_STEP 0.05 /* m */
@@ -192,19 +196,37 @@ static bool follow_straight(struct mission *m, const struct planar_pose *target)
     return jp_patrol_follow(&m->patrol, m->path.points, (uint16_t)count, &goal) == JP_OK;
 }
 
+static bool go_to(struct mission *m, const struct planar_pose *target)
+{
+    const struct planar_pose from = believed_pose(m);
+
+    return hypot(target->x - from.x, target->y - from.y) < STRAIGHT_BELOW ? follow_straight(m, target)
+                                                                          : follow_to(m, target);
+}
+
+/* Whether the path comes to its end in the heading that is asked for there. */
+static bool ends_along(const struct mission *m, const struct planar_pose *goal)
+{
+    const size_t last = m->path.count - 1;
+    const struct jp_path_point *const end = &m->path.points[last];
+    const struct jp_path_point *const before = &m->path.points[last > END_POINTS ? last - END_POINTS : 0];
+    const double direction = atan2((double)end->y - before->y, (double)end->x - before->x);
+
+    return fabs(planar_wrap(direction - goal->heading)) < END_TURN;
+}
+
 static bool plan_route(struct mission *m)
 {
     const struct planar_pose goal = to_planar(&m->task->scene->goal);
 
     m->is_last_leg = false;
     m->is_pausing = false;
+    m->has_approach = false;
+    if (go_to(m, &goal) && ends_along(m, &goal)) {
+        return true;
+    }
     m->has_approach = choose_approach(m, &goal);
-
-    const struct planar_pose *const target = m->has_approach ? &m->approach : &goal;
-    const struct planar_pose from = believed_pose(m);
-
-    return hypot(target->x - from.x, target->y - from.y) < STRAIGHT_BELOW ? follow_straight(m, target)
-                                                                          : follow_to(m, target);
+    return go_to(m, m->has_approach ? &m->approach : &goal);
 }
 
 /* ---- Sensors ---- */
@@ -281,14 +303,10 @@ static void integrate_odometry(struct mission *m)
 
     jp_four_wheel_forward(&m->wheels_config, &m->plant.measured, &twist, &slip);
 
-    const double x = (double)twist.x / JP_Q24_ONE * TICK;
-    const double y = (double)twist.y / JP_Q24_ONE * TICK;
-    const double turn = (double)twist.turn_rate / JP_Q24_ONE * TICK;
-    const struct planar_pose half = {0, 0, turn / 2};
-    const struct planar_pose along = {x, y, turn / 2};
-    const struct planar_pose middle = planar_compose(&m->odometry, &half);
+    const double seconds = TICK / JP_Q24_ONE;
+    const struct planar_pose motion = {twist.x * seconds, twist.y * seconds, twist.turn_rate * seconds};
 
-    m->odometry = planar_compose(&middle, &along);
+    m->odometry = planar_bend(&m->odometry, &motion);
     m->speed = (struct jp_plane_speed){(float)twist.x / (float)JP_Q24_ONE, (float)twist.turn_rate / (float)JP_Q24_ONE};
 }
 
@@ -324,14 +342,9 @@ static void count_directions(struct mission *m)
 /* The last of the path by pure pursuit; TEB's states tell how it is. */
 static void pursue(struct mission *m)
 {
-    const struct jp_path_point position = {(jp_q16)((double)m->patrol.pose.x * JP_Q16_ONE),
-                                           (jp_q16)((double)m->patrol.pose.y * JP_Q16_ONE)};
-    const jp_angle heading = (jp_angle)(int64_t)llround((double)m->patrol.pose.heading / (2 * M_PI) * 4294967296.0);
-    const enum jp_status status =
-        jp_pure_pursuit_tick(&m->pursuit, &position, heading, (jp_q24)((double)m->speed.forward * JP_Q24_ONE),
-                             (jp_q24)(PERIOD * JP_Q24_ONE), &m->twist);
+    const struct planar_pose pose = believed_pose(m);
 
-    m->is_pursuing = status == JP_OK;
+    m->is_pursuing = patrol_pursue(&m->pursuit, m->task->robot, &pose, &m->speed, &m->twist) == JP_OK;
 }
 
 static void mark_scan(struct mission *m)
@@ -360,7 +373,7 @@ static void watch_goal(struct mission *m)
 
     mark_scan(m);
     if (m->patrol.state == JP_PATROL_DRIVING && is_far && !m->has_approach && !m->is_last_leg && !m->is_pausing &&
-        choose_approach(m, &goal)) {
+        !ends_along(m, &goal) && choose_approach(m, &goal)) {
         jp_patrol_pause(&m->patrol);
         m->is_pausing = true;
     }

@@ -83,6 +83,18 @@ static void print_run(const struct patrol_run *run)
                  (unsigned)result->counts.waits, result->replans);
 }
 
+/* What the robot noticed of faults and of a crowd. */
+static void print_counts(const struct patrol_run *run)
+{
+    const struct jp_patrol_counts *counts = &run->result.counts;
+
+    if (counts->scans_missing + counts->laser_missing + counts->laser_rejected + counts->shapes_dropped > 0) {
+        (void)printf("%s: %u scans missing; poses of the laser: %u missing, %u rejected; %u obstacles did not fit\n",
+                     methods[run->method].title, (unsigned)counts->scans_missing, (unsigned)counts->laser_missing,
+                     (unsigned)counts->laser_rejected, (unsigned)counts->shapes_dropped);
+    }
+}
+
 static void print_path(const struct patrol_run *run)
 {
     const struct jp_grid_counts *planner = &run->result.planner;
@@ -101,6 +113,9 @@ void patrol_report_print(const struct patrol_report *report)
                  "turns", "waits", "replans");
     for (size_t i = 0; i < report->run_count; i++) {
         print_run(&report->runs[i]);
+    }
+    for (size_t i = 0; i < report->run_count; i++) {
+        print_counts(&report->runs[i]);
     }
     print_path(&report->runs[0]);
 }

@@ -50,6 +50,16 @@ static inline struct planar_pose planar_compose(const struct planar_pose *pose, 
     return (struct planar_pose){end.x, end.y, planar_wrap(pose->heading + motion->heading)};
 }
 
+/** `motion` done from `pose` along an arc: to its heading the pose turns evenly. */
+static inline struct planar_pose planar_bend(const struct planar_pose *pose, const struct planar_pose *motion)
+{
+    const struct planar_pose half_turn = {0, 0, motion->heading / 2};
+    const struct planar_pose along = {motion->x, motion->y, motion->heading / 2};
+    const struct planar_pose middle = planar_compose(pose, &half_turn);
+
+    return planar_compose(&middle, &along);
+}
+
 /** The motion from `start` to `end`, in the frame of `start`. */
 static inline struct planar_pose planar_between(const struct planar_pose *start, const struct planar_pose *end)
 {

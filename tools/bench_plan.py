@@ -8,7 +8,8 @@ import json
 import statistics
 from pathlib import Path
 
-from common import ROOT, ToolError, print_aligned, read_text, run, shown_path, with_block, write_whole
+from common import (ROOT, ToolError, markdown_table, print_aligned, read_text, run, shown_path, with_block,
+                    write_whole)
 
 ROUTES = ("optimal", "within bound")
 SCENE_HEADINGS = ("block, KiB", "states that fit", "routes", "optimal", "cost / optimum, median", "worst",
@@ -65,11 +66,6 @@ def curve_table(rows):
         yield f"{row['price_j_per_m']:.0f}", f"{row['saved_percent']:.1f}", f"{row['longer_percent']:.1f}"
 
 
-def markdown(headings, rows):
-    lines = ["| " + " | ".join(headings) + " |", "|" + "--:|" * len(headings)]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
-
-
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("rows", metavar="ROWS.json", type=Path, help="what bench_plan --rows wrote")
@@ -81,7 +77,7 @@ def main():
     options = arguments()
     scenes, maps, curve = read_rows(options.rows)
     blocks, prices = list(scene_table(scenes)), list(curve_table(curve))
-    tables = f"{markdown(SCENE_HEADINGS, blocks)}\n\n{markdown(CURVE_HEADINGS, prices)}"
+    tables = f"{markdown_table(SCENE_HEADINGS, blocks)}\n\n{markdown_table(CURVE_HEADINGS, prices)}"
     write_whole(options.readme, with_block(options.readme, read_text(options.readme), "plan", tables))
 
     print_aligned([SCENE_HEADINGS, *blocks])

@@ -59,6 +59,11 @@ def with_block(path, text, mark, block):
     return f"{before}{start}\n{block}\n{end}{rest.split(end)[1]}"
 
 
+def markdown_table(headings, rows):
+    lines = ["| " + " | ".join(headings) + " |", "|" + "--:|" * len(headings)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
 def shown_path(path):
     """The path as a person would type it: relative to the working directory where that is shorter."""
     relative = os.path.relpath(path)

@@ -17,7 +17,10 @@ ROWS = {
     "sensor decode to PWM": r"sensor decode to PWM",
     "whole tick": r"whole tick",
     "jp_segment_optimise": r"segment optimiser",
-    "jp_planner_work, 32 expansions": r"slice of 32 expansions",
+    "jp_planner_work, 32 expansions": r"slice of 32 expansions of the planner",
+    "jp_grid_planner_work, 32 expansions": r"slice of 32 expansions of the grid planner",
+    "jp_four_wheel_tick": r"four wheels: tick",
+    "jp_pure_pursuit_tick": r"pure pursuit: tick",
     "jp_teb_plan, 50 poses, 20 obstacles": r"TEB cycle",
 }
 

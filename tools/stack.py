@@ -21,10 +21,11 @@ import core_numbers
 from common import ROOT, ToolError, run
 
 ENTRIES = ("jp_robot_tick", "jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_robot_work", "jp_ecu_work",
-           "jp_segment_optimise", "jp_planner_work")
+           "jp_segment_optimise", "jp_planner_work", "jp_four_wheel_tick", "jp_pure_pursuit_tick",
+           "jp_grid_planner_work", "jp_path_spline")
 FIRMWARE_ENTRIES = ("jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_ecu_work", "DMA2_Stream0_IRQHandler",
                     "CAN1_RX0_IRQHandler", "main")
-FLOAT_ENTRIES = ("jp_obstacles_add_scan",)
+FLOAT_ENTRIES = ("jp_obstacles_add_scan", "jp_teb_plan", "jp_patrol_cycle")
 BAR_ENTRY, BAR = "jp_hal_tick", 256  # B
 BAR_CORES = ("Cortex-M4", core_numbers.BOARD_NAME)
 LISTED = ROOT / "tests/target/indirect_calls.json"

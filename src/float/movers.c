@@ -17,6 +17,8 @@
 /* What is seen of a thing may end so far before its shapes do, m. */
 #define RIM 0.15f
 
+/* s */
+#define PERIOD_MIN 0.001f
 #define PERIOD_MAX 10.0f
 
 /* A thing in this scan. */
@@ -85,6 +87,14 @@ static struct jp_mover *match(struct jp_movers *movers, const struct thing *thin
     return nearest;
 }
 
+static struct jp_plane_point limited(struct jp_plane_point velocity, float speed_max)
+{
+    const float speed = jp_plane_length(velocity.x, velocity.y);
+    const float share = speed > speed_max ? speed_max / speed : 1.0f;
+
+    return (struct jp_plane_point){share * velocity.x, share * velocity.y};
+}
+
 static void correct(struct jp_mover *mover, const struct thing *thing, float period, float speed_max)
 {
     const float dx = thing->centre.x - mover->centre.x;
@@ -92,8 +102,9 @@ static void correct(struct jp_mover *mover, const struct thing *thing, float per
 
     mover->centre.x += POSITION_GAIN * dx;
     mover->centre.y += POSITION_GAIN * dy;
-    mover->velocity.x = jp_plane_clamp(mover->velocity.x + SPEED_GAIN * dx / period, -speed_max, speed_max);
-    mover->velocity.y = jp_plane_clamp(mover->velocity.y + SPEED_GAIN * dy / period, -speed_max, speed_max);
+    mover->velocity.x += SPEED_GAIN * dx / period;
+    mover->velocity.y += SPEED_GAIN * dy / period;
+    mover->velocity = limited(mover->velocity, speed_max);
     mover->radius = thing->radius;
     mover->misses = 0;
     if (mover->sightings < UINT8_MAX) {
@@ -141,7 +152,7 @@ enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers
     struct jp_scan_run run;
     struct thing thing;
 
-    if (movers == NULL || config == NULL || !is_config(config) || !(period > 0.0f && period <= PERIOD_MAX)) {
+    if (movers == NULL || config == NULL || !is_config(config) || !(period >= PERIOD_MIN && period <= PERIOD_MAX)) {
         return JP_ERR_ARGUMENT;
     }
 
@@ -165,6 +176,7 @@ static bool is_moving(const struct jp_mover *mover, float speed_min)
     return mover->sightings >= SIGHTINGS_MIN && jp_plane_length(mover->velocity.x, mover->velocity.y) > speed_min;
 }
 
+/* Walls that it passes are longer than it. */
 static void mark(const struct jp_mover *mover, float margin, struct jp_obstacle *shape)
 {
     const struct jp_plane_point *const last = &shape->vertices[shape->vertex_count - 1U];
@@ -172,7 +184,8 @@ static void mark(const struct jp_mover *mover, float margin, struct jp_obstacle 
                                           0.5f * (shape->vertices[0].y + last->y)};
     const float reach = mover->radius + RIM;
 
-    if (jp_plane_square_between(middle, mover->centre) < reach * reach) {
+    if (jp_plane_square_between(middle, mover->centre) < reach * reach &&
+        jp_plane_square_between(middle, *last) < reach * reach) {
         shape->velocity = mover->velocity;
         shape->margin = margin;
     }

@@ -458,9 +458,9 @@ static float goal_heading_error(const struct jp_patrol *patrol)
                : jp_plane_magnitude(jp_plane_wrap(patrol->goal.pose.heading - patrol->pose.heading));
 }
 
-/* As near as it gets: within a third of the tolerance, or within it and past the goal. Once there the robot stands
- * before anything else. */
-static bool is_at_goal(const struct jp_patrol *patrol)
+/* As near as it gets: within a third of the tolerance, or within it and past the goal or at a stand. Once there the robot
+ * stands before anything else. */
+static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->goal.pose);
     const float away = jp_plane_length(there.x, there.y);
@@ -468,7 +468,8 @@ static bool is_at_goal(const struct jp_patrol *patrol)
     const bool is_heading_due =
         !patrol->config.turns_in_place && goal_heading_error(patrol) > patrol->config.heading_tolerance;
 
-    return patrol->is_arriving || (!is_heading_due && away < tolerance && (3.0f * away < tolerance || there.x <= 0.0f));
+    return patrol->is_arriving || (!is_heading_due && away < tolerance &&
+                                   (3.0f * away < tolerance || there.x <= 0.0f || is_standing(speed)));
 }
 
 /* Whether any heading will do to reach the end of the window: the robot turns there afterwards. */
@@ -549,9 +550,13 @@ static float speed_limit(const struct jp_patrol *patrol)
 /* On the same curve. */
 static struct jp_plane_speed reachable(const struct jp_patrol *patrol, const struct jp_plane_speed *wanted)
 {
-    const float share = speed_limit(patrol) / jp_plane_magnitude(wanted->forward);
+    const float limit = speed_limit(patrol);
+    const float speed = jp_plane_magnitude(wanted->forward);
 
-    return share < 1.0f ? (struct jp_plane_speed){wanted->forward * share, wanted->turn_rate * share} : *wanted;
+    if (speed <= limit) {
+        return *wanted;
+    }
+    return (struct jp_plane_speed){wanted->forward * (limit / speed), wanted->turn_rate * (limit / speed)};
 }
 
 /* Plans the band and takes its speed; false, and the reason, when there is no way. */
@@ -607,7 +612,7 @@ static void drive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
     struct jp_patrol_window window;
     enum jp_patrol_reason reason = JP_PATROL_NONE;
 
-    if (is_at_goal(patrol)) {
+    if (is_at_goal(patrol, speed)) {
         correct_pose(patrol);
         arrive(patrol, speed);
         return;

@@ -50,7 +50,7 @@ void jp_patrol_look_ahead(const struct jp_patrol *patrol, float horizon, struct 
     uint16_t i = first;
 
     window->direction = 0.0f;
-    while (i < last && (length < horizon || i == first)) {
+    while (i < last && length < horizon) {
         const struct jp_plane_point next = jp_patrol_path_point(&patrol->path[i + 1U]);
 
         length += jp_plane_length(next.x - point.x, next.y - point.y);

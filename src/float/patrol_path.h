@@ -17,7 +17,7 @@ struct jp_patrol_window {
 /** Moves path_next on to what the robot has not passed; true when it moved. */
 bool jp_patrol_progress(struct jp_patrol *patrol);
 
-/** The path from the robot to the horizon, m. Work: points of the path within it. */
+/** The path from the robot to the horizon, m; above 0. Work: points of the path within it. */
 void jp_patrol_look_ahead(const struct jp_patrol *patrol, float horizon, struct jp_patrol_window *window);
 
 /** Point of the path in m. */

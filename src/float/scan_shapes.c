@@ -57,30 +57,40 @@ static struct deviation deviation_of(const struct jp_scan_view *view, const stru
     return worst;
 }
 
-/* How far the points of a run lie to the left of their chord. */
+/* How far the points of a run lie to the left of their chord, and beyond its ends. */
 struct offsets {
     struct jp_plane_point normal; /* of the chord, to the left */
     float mean;
     float least;
     float most;
+    float beyond;
 };
+
+static float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
 
 static struct offsets offsets_of(const struct jp_scan_view *view, const struct jp_scan_run *run)
 {
     const struct jp_plane_point begin = jp_scan_point(view, run->first);
     const struct jp_plane_point end = jp_scan_point(view, run->last);
-    const float inverse = 1.0f / jp_plane_square_root(jp_plane_square_between(begin, end));
-    struct offsets offsets = {{(begin.y - end.y) * inverse, (end.x - begin.x) * inverse}, 0.0f, 0.0f, 0.0f};
+    const float length = jp_plane_square_root(jp_plane_square_between(begin, end));
+    const struct jp_plane_point along = {(end.x - begin.x) / length, (end.y - begin.y) / length};
+    struct offsets offsets = {.normal = {-along.y, along.x}};
     float count = 0.0f;
 
     for (unsigned i = run->first; i <= run->last; i++) {
         if (jp_scan_is_point(view, i)) {
             const struct jp_plane_point point = jp_scan_point(view, i);
-            const float offset = (point.x - begin.x) * offsets.normal.x + (point.y - begin.y) * offsets.normal.y;
+            const struct jp_plane_point way = {point.x - begin.x, point.y - begin.y};
+            const float offset = way.x * offsets.normal.x + way.y * offsets.normal.y;
+            const float distance = way.x * along.x + way.y * along.y;
 
             offsets.mean += offset;
-            offsets.least = offset < offsets.least ? offset : offsets.least;
-            offsets.most = offset > offsets.most ? offset : offsets.most;
+            offsets.least = -larger(-offset, -offsets.least);
+            offsets.most = larger(offset, offsets.most);
+            offsets.beyond = larger(larger(-distance, distance - length), offsets.beyond);
             count += 1.0f;
         }
     }
@@ -94,29 +104,25 @@ static struct jp_plane_point shifted(struct jp_plane_point point, const struct o
                                    point.y + offsets->mean * offsets->normal.y};
 }
 
-/* A chord through the middle of its points, wide enough for all of them. */
+/* A chord through the middle of its points, wide enough for all of them; around one place a disc. */
 static void add_chord(struct jp_obstacles *obstacles, const struct jp_scan_view *view, const struct jp_scan_run *run,
                       float deviation_square)
 {
     const struct jp_plane_point begin = jp_scan_point(view, run->first);
     const struct jp_plane_point end = jp_scan_point(view, run->last);
-    struct jp_obstacle shape = {.vertex_count = 1, .radius = view->config->tolerance};
-
-    shape.vertices[0] = begin;
+    struct jp_obstacle shape = {.vertex_count = 1};
 
     if (jp_plane_square_between(begin, end) > 0.0f) {
         const struct offsets offsets = offsets_of(view, run);
-        const float to_left = offsets.most - offsets.mean;
-        const float to_right = offsets.mean - offsets.least;
+        const float beside = larger(offsets.most - offsets.mean, offsets.mean - offsets.least);
 
         shape.vertices[0] = shifted(begin, &offsets);
         shape.vertices[1] = shifted(end, &offsets);
         shape.vertex_count = 2;
-        shape.radius = to_left > to_right ? to_left : to_right;
-    }
-    /* Points may lie beyond the ends of a chord that could not be split farther. */
-    if (deviation_square > view->config->tolerance * view->config->tolerance) {
-        shape.radius += jp_plane_square_root(deviation_square);
+        shape.radius = jp_plane_length(beside, offsets.beyond);
+    } else {
+        shape.vertices[0] = begin;
+        shape.radius = view->config->tolerance + jp_plane_square_root(deviation_square);
     }
     (void)jp_obstacles_add(obstacles, &shape); /* with the limits of scan and sensor it fits */
 }

@@ -6,17 +6,13 @@
  *
  * --count N and --seed S choose others. */
 #include <inttypes.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "../../sim/bus_trial.h"
-#include "../../sim/progress.h"
 #include "../../sim/rig.h"
-
-#define THREADS 2
+#include "parallel.h"
 
 #define ROBOT_NAME "courier24"
 #define ROBOT_FILE "sim/robots/courier24.cfg"
@@ -29,9 +25,6 @@ struct campaign {
     struct robot_file file;
     struct bus_trial *trials;
     size_t count;
-    atomic_size_t next;
-    pthread_mutex_t lock;
-    size_t done;
 };
 
 static void fail(const char *what)
@@ -47,35 +40,13 @@ static bool is_good(const struct bus_trial *trial)
 
 /* Driving them. */
 
-static void *work_on(void *argument)
+static void run_trial(void *context, size_t index)
 {
-    struct campaign *campaign = argument;
+    struct campaign *campaign = context;
 
-    for (size_t i = atomic_fetch_add(&campaign->next, 1); i < campaign->count;
-         i = atomic_fetch_add(&campaign->next, 1)) {
-        if (!bus_trial_run(&campaign->trials[i], campaign->entry, &campaign->file)) {
-            exit(2);
-        }
-        (void)pthread_mutex_lock(&campaign->lock);
-        progress_show("faulty bus", ++campaign->done, campaign->count);
-        (void)pthread_mutex_unlock(&campaign->lock);
+    if (!bus_trial_run(&campaign->trials[index], campaign->entry, &campaign->file)) {
+        exit(2);
     }
-    return NULL;
-}
-
-static void run_in_process(struct campaign *campaign)
-{
-    pthread_t threads[THREADS];
-
-    for (int i = 0; i < THREADS; i++) {
-        if (pthread_create(&threads[i], NULL, work_on, campaign) != 0) {
-            fail("no thread");
-        }
-    }
-    for (int i = 0; i < THREADS; i++) {
-        (void)pthread_join(threads[i], NULL);
-    }
-    progress_end();
 }
 
 /** Returns how many runs on the bus were the same to the bit as in this process. */
@@ -282,12 +253,11 @@ int main(int argc, char **argv)
     if (campaign.entry == NULL || campaign.trials == NULL || !robot_file_load(ROBOT_FILE, &campaign.file)) {
         fail("no robot, or no memory");
     }
-    (void)pthread_mutex_init(&campaign.lock, NULL);
     for (size_t i = 0; i < campaign.count; i++) {
         bus_trial_draw(&campaign.trials[i], options.seed + i);
     }
     if (options.bus == NULL) {
-        run_in_process(&campaign);
+        in_parallel("faulty bus", run_trial, &campaign, campaign.count);
         campaign_figures(&campaign);
     } else {
         sample_figures(&campaign, run_on_bus(&campaign, options.bus));

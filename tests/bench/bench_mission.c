@@ -1,17 +1,13 @@
 /* How fast the simulator runs, how good the optimiser's segment and predictions are when driven, and how the robot
  * that can be built masters random missions. Prints figures as JSON, progress on stderr. */
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "../../sim/experiment.h"
 #include "../../sim/mission.h"
-#include "../../sim/progress.h"
 #include "../../sim/trial.h"
-
-#define THREADS 2
+#include "parallel.h"
 
 /* The paper's search by hand: arc angles, rad, and durations, s. */
 #define ARC_MIN       0.1
@@ -29,54 +25,10 @@
 #define TRIAL_SEED 1
 #define REPEATS    5
 
-/* Work for THREADS threads: task(context, i) for each i below count. */
-struct work {
-    void (*task)(void *context, size_t index);
-    void *context;
-    size_t count;
-    atomic_size_t next;
-    const char *name;
-    pthread_mutex_t lock;
-    size_t done;
-};
-
 static void fail(const char *what)
 {
     (void)fprintf(stderr, "bench_mission: %s\n", what);
     exit(1);
-}
-
-static void *work_on(void *argument)
-{
-    struct work *work = argument;
-    size_t index = atomic_fetch_add(&work->next, 1);
-
-    while (index < work->count) {
-        work->task(work->context, index);
-        (void)pthread_mutex_lock(&work->lock);
-        progress_show(work->name, ++work->done, work->count);
-        (void)pthread_mutex_unlock(&work->lock);
-        index = atomic_fetch_add(&work->next, 1);
-    }
-    return NULL;
-}
-
-static void in_parallel(const char *name, void (*task)(void *, size_t), void *context, size_t count)
-{
-    struct work work = {.task = task, .context = context, .count = count, .name = name};
-    pthread_t threads[THREADS];
-
-    (void)pthread_mutex_init(&work.lock, NULL);
-    for (int i = 0; i < THREADS; i++) {
-        if (pthread_create(&threads[i], NULL, work_on, &work) != 0) {
-            fail("no thread");
-        }
-    }
-    for (int i = 0; i < THREADS; i++) {
-        (void)pthread_join(threads[i], NULL);
-    }
-    (void)pthread_mutex_destroy(&work.lock);
-    progress_end();
 }
 
 /* Figures. */

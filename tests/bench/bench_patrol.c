@@ -1,7 +1,6 @@
 /* The patrol robot on its scenes, on firm and on slippery ground: how often each method arrives, collides and drives
  * backwards, in what time, with what energy and how near to what stands there. Prints figures as JSON; --rows FILE gets
  * a row for each scene, ground and method. Bad drives of the improved band and progress on stderr. */
-#include <argp.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -194,30 +193,10 @@ static json_t *json_row(const struct group *group, const struct summary *summary
 
 /* ---- Program ---- */
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    if (key != 'r') {
-        return ARGP_ERR_UNKNOWN;
-    }
-    *(const char **)state->input = argument;
-    return 0;
-}
-
-static const char *parse(int argc, char **argv)
-{
-    static const struct argp_option options[] = {{"rows", 'r', "FILE", 0, "write the scenes' results to FILE", 0}, {0}};
-    static const struct argp parser = {options, parse_option, NULL, "Measures the patrol robot.", NULL, NULL, NULL};
-    const char *path = NULL;
-
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&parser, argc, argv, 0, NULL, &path);
-    return path;
-}
-
 int main(int argc, char **argv)
 {
     static struct campaign campaign;
-    const char *rows_path = parse(argc, argv);
+    const char *rows_path = figures_rows_path(argc, argv, "Measures the patrol robot on its scenes.");
     json_t *figures = json_array();
     json_t *rows = json_array();
 
@@ -235,11 +214,7 @@ int main(int argc, char **argv)
         }
         (void)json_array_append_new(rows, json_row(group, &summary));
     }
-    if (rows_path != NULL && json_dump_file(rows, rows_path, JSON_INDENT(1)) != 0) {
-        error_line("%s: cannot be written", rows_path);
-        return ERROR_EXIT;
-    }
-    json_decref(rows);
+    figures_write_rows(rows, rows_path);
     figures_print(figures);
     return 0;
 }

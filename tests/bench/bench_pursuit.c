@@ -1,10 +1,8 @@
-/* How exactly pure pursuit keeps the patrol robot on smoothed paths, over its speed: along the planner's paths of the
- * scenes and around random turning points in a hall, from a stand, with what is on the map only. The pose is the
- * plant's, or that of laser odometry. Prints figures as JSON; --rows FILE gets a row for each speed. */
-#include <argp.h>
+/* How exactly pure pursuit keeps the patrol robot on smoothed paths, over its speed: on the planner's paths of the
+ * scenes, between what the map shows, and around random turning points on open ground; from a stand along the path. The
+ * pose is the plant's, or that of laser odometry. Prints figures as JSON; --rows FILE gets a row for each speed. */
 #include <joulepath/path_spline.h>
 #include <math.h>
-#include <string.h>
 
 #include "../../sim/four_wheel_plant.h"
 #include "../../sim/patrol_config.h"
@@ -20,28 +18,47 @@
 #define TICK  (1.0 / FOUR_WHEEL_RATE_HZ)
 #define TICKS (FOUR_WHEEL_RATE_HZ / PATROL_CYCLE_HZ)
 
-/* The bar: so exact, m, at this speed, m/s. */
-#define ERROR_BAR       0.05
-#define SPEED_OF_BAR    1.0
-#define TIME_LIMIT      300.0 /* s */
-#define SCENE_SEEDS     10
+#define TIME_LIMIT 300.0 /* s */
+
+/* Of the largest error, m, at this speed, m/s. */
+#define BAR          0.05
+#define SPEED_OF_BAR 1.0
 
 /* Open ground. */
-#define OPEN_COURSES    40
-#define OPEN_SIDE       400 /* cells */
-#define OPEN_CELL       0.25 /* m */
-#define TURNING_POINTS  8
-#define LEG_MIN         3.0 /* m */
-#define LEG_MAX         6.0
-#define TURN_MAX        (M_PI / 3)
-#define TUBE_CELLS      8
+#define OPEN_CELL  0.25 /* m */
+#define LEG_MIN    3.0  /* m */
+#define LEG_MAX    6.0
+#define TURN_MAX   (M_PI / 3)
+#define TUBE_CELLS 8
 
-#define NEAR_SEGMENTS   30 /* of a path, on either side of the one that the robot was at */
-
+/* m/s; the wheels do 1.5. */
 static const double speeds[] = {0.25, 0.5, 0.75, 1.0, 1.25};
-enum { SPEEDS = sizeof speeds / sizeof speeds[0], SCENE_COURSES = PATROL_SCENES * SCENE_SEEDS, COURSES = SCENE_COURSES + OPEN_COURSES };
 
-enum pose_source { TRUE_POSE, LASER_POSE, POSE_SOURCES };
+enum {
+    SPEEDS = sizeof speeds / sizeof speeds[0],
+    SCENE_SEEDS = 20,
+    SCENE_COURSES = PATROL_SCENES * SCENE_SEEDS,
+    OPEN_COURSES = 40,
+    COURSES = SCENE_COURSES + OPEN_COURSES,
+    OPEN_SIDE = 400, /* cells */
+    TURNING_POINTS = 8,
+    NOISE_SEED = 1,
+    NEAR = 30, /* segments of a path, on either side of the one that the robot was at */
+};
+
+/* What is driven, and by which pose. */
+enum kind { OPEN_GROUND, SCENES, SCENES_BY_LASER, KINDS };
+
+static const struct {
+    const char *name;
+    bool is_open;
+    bool has_laser;
+    size_t courses;
+} kinds[KINDS] = {
+    [OPEN_GROUND] = {"paths on open ground", true, false, OPEN_COURSES},
+    [SCENES] = {"paths of scenes", false, false, SCENE_COURSES},
+    [SCENES_BY_LASER] = {"paths of scenes, by laser odometry", false, true, SCENE_COURSES},
+};
 
 /* Distances of the robot's centre from its path, m. */
 struct errors {
@@ -52,14 +69,15 @@ struct errors {
 };
 
 struct course {
-    struct patrol_scene scene; /* of a hall only the map */
+    bool is_open;
+    struct patrol_scene scene; /* of open ground only the map */
     struct patrol_path path;
-    struct errors errors[SPEEDS][POSE_SOURCES];
+    struct errors errors[SPEEDS][KINDS];
 };
 
 struct campaign {
     struct four_wheel_file robot;
-    struct course *courses;
+    struct course courses[COURSES];
 };
 
 static void fail(const char *what)
@@ -167,10 +185,10 @@ struct drive {
     struct laser_scan scan;
     struct scan_matcher matcher;
     struct random random;
-    struct planar_pose motion; /* since the last scan, as the wheels say */
-    double speed;              /* likewise, m/s */
+    struct planar_pose motion;   /* since the last scan, as the wheels say */
+    struct jp_plane_speed speed; /* likewise */
     struct solid_map map;
-    size_t near;               /* segment of the path that the robot was nearest to */
+    size_t near; /* segment of the path that the robot was nearest to */
     double time;
 };
 
@@ -190,8 +208,7 @@ static struct planar_pose start_of(const struct course *course)
     return (struct planar_pose){first.x, first.y, atan2(second.y - first.y, second.x - first.x)};
 }
 
-static void set_up(struct drive *drive, const struct campaign *campaign, const struct course *course, double speed,
-                   uint64_t seed)
+static void set_up(struct drive *drive, const struct campaign *campaign, const struct course *course, double speed)
 {
     const struct four_wheel_file *robot = &campaign->robot;
     const struct planar_pose start = start_of(course);
@@ -204,7 +221,7 @@ static void set_up(struct drive *drive, const struct campaign *campaign, const s
     drive->wheels_config = four_wheel_config(robot);
     drive->laser = laser_config_of(robot->laser.beams, robot->laser.field_deg * M_PI / 180, robot->laser.range_m,
                                    robot->laser.noise_m);
-    random_init(&drive->random, seed);
+    random_init(&drive->random, NOISE_SEED);
     scan_match_init(&drive->matcher, &start);
     if (!solid_map_init(&drive->map, &course->scene.map) ||
         jp_pure_pursuit_init(&drive->pursuit, &config, &field) != JP_OK ||
@@ -224,14 +241,11 @@ static struct planar_pose laser_pose(struct drive *drive)
     return match.pose;
 }
 
-static bool pursue(struct drive *drive, enum pose_source source)
+static enum jp_status pursue(struct drive *drive, bool has_laser)
 {
-    const struct planar_pose pose = source == TRUE_POSE ? drive->plant.state.pose : laser_pose(drive);
-    const struct jp_path_point position = {(jp_q16)lround(pose.x * JP_Q16_ONE), (jp_q16)lround(pose.y * JP_Q16_ONE)};
-    const jp_angle heading = (jp_angle)llround(pose.heading / (2 * M_PI) * 4294967296.0);
+    const struct planar_pose pose = has_laser ? laser_pose(drive) : drive->plant.state.pose;
 
-    return jp_pure_pursuit_tick(&drive->pursuit, &position, heading, (jp_q24)(drive->speed * JP_Q24_ONE),
-                                JP_Q24_ONE / PATROL_CYCLE_HZ, &drive->twist) == JP_OK;
+    return patrol_pursue(&drive->pursuit, drive->plant.robot, &pose, &drive->speed, &drive->twist);
 }
 
 static void measure_wheels(struct drive *drive)
@@ -240,14 +254,12 @@ static void measure_wheels(struct drive *drive)
     jp_q24 slip;
 
     jp_four_wheel_forward(&drive->wheels_config, &drive->plant.measured, &twist, &slip);
-    const double turn = (double)twist.turn_rate / JP_Q24_ONE * TICK;
-    const struct planar_pose half = {0, 0, turn / 2};
-    const struct planar_pose along = {(double)twist.x / JP_Q24_ONE * TICK, (double)twist.y / JP_Q24_ONE * TICK,
-                                      turn / 2};
-    const struct planar_pose middle = planar_compose(&drive->motion, &half);
+    const double seconds = TICK / JP_Q24_ONE;
+    const struct planar_pose motion = {twist.x * seconds, twist.y * seconds, twist.turn_rate * seconds};
 
-    drive->motion = planar_compose(&middle, &along);
-    drive->speed = (double)twist.x / JP_Q24_ONE;
+    drive->motion = planar_bend(&drive->motion, &motion);
+    drive->speed =
+        (struct jp_plane_speed){(float)twist.x / (float)JP_Q24_ONE, (float)twist.turn_rate / (float)JP_Q24_ONE};
 }
 
 static double segment_distance(const struct course *course, size_t index, const struct planar_point *point)
@@ -265,10 +277,10 @@ static double segment_distance(const struct course *course, size_t index, const 
 static double path_distance(struct drive *drive, const struct planar_point *point)
 {
     const size_t segments = drive->course->path.count - 1;
-    const size_t first = drive->near > NEAR_SEGMENTS ? drive->near - NEAR_SEGMENTS : 0;
+    const size_t first = drive->near > NEAR ? drive->near - NEAR : 0;
     double least = INFINITY;
 
-    for (size_t i = first; i < segments && i <= first + 2 * NEAR_SEGMENTS; i++) {
+    for (size_t i = first; i < segments && i <= first + 2 * NEAR; i++) {
         const double distance = segment_distance(drive->course, i, point);
         drive->near = distance < least ? i : drive->near;
         least = fmin(least, distance);
@@ -286,24 +298,34 @@ static void note(struct drive *drive, struct errors *errors)
     errors->count++;
 }
 
-static struct errors track(const struct campaign *campaign, const struct course *course, double speed,
-                           enum pose_source source, uint64_t seed)
+static void drive_tick(struct drive *drive)
+{
+    enum jp_steering steering;
+
+    (void)jp_four_wheel_tick(&drive->wheels_config, &drive->twist, &drive->wheels, &steering);
+    four_wheel_plant_tick(&drive->plant, &drive->wheels);
+    measure_wheels(drive);
+    drive->time += TICK;
+}
+
+static struct errors track(const struct campaign *campaign, const struct course *course, double speed, bool has_laser)
 {
     struct errors errors = {0};
+    enum jp_status status;
     struct drive *drive = calloc(1, sizeof *drive);
 
-    set_up(drive, campaign, course, speed, seed);
-    while (pursue(drive, source) && drive->time < TIME_LIMIT) {
+    if (drive == NULL) {
+        fail("no memory");
+    }
+    set_up(drive, campaign, course, speed);
+    for (status = pursue(drive, has_laser); status == JP_OK && drive->time < TIME_LIMIT;
+         status = pursue(drive, has_laser)) {
         for (int i = 0; i < TICKS; i++) {
-            enum jp_steering steering;
-            (void)jp_four_wheel_tick(&drive->wheels_config, &drive->twist, &drive->wheels, &steering);
-            four_wheel_plant_tick(&drive->plant, &drive->wheels);
-            measure_wheels(drive);
+            drive_tick(drive);
             note(drive, &errors);
         }
-        drive->time += TICKS * TICK;
     }
-    errors.has_arrived = drive->pursuit.passed == drive->pursuit.count;
+    errors.has_arrived = status == JP_ERR_EMPTY;
     solid_map_free(&drive->map);
     free(drive);
     return errors;
@@ -311,53 +333,96 @@ static struct errors track(const struct campaign *campaign, const struct course 
 
 /* ---- All drives ---- */
 
+static void plan_course(struct course *course, const struct four_wheel_file *robot, size_t index)
+{
+    course->is_open = index >= SCENE_COURSES;
+    if (course->is_open) {
+        plan_open(course, robot, index);
+    } else {
+        plan_scene(course, robot, (enum patrol_scene_kind)(index / SCENE_SEEDS), index % SCENE_SEEDS + 1);
+    }
+}
+
 static void drive_course(void *context, size_t index)
 {
     struct campaign *campaign = context;
     struct course *course = &campaign->courses[index];
 
-    if (index < SCENE_COURSES) {
-        plan_scene(course, &campaign->robot, (enum patrol_scene_kind)(index / SCENE_SEEDS), index % SCENE_SEEDS + 1);
-    } else {
-        plan_open(course, &campaign->robot, index);
-    }
-    for (size_t i = 0; i < SPEEDS; i++) {
-        for (enum pose_source source = TRUE_POSE; source < POSE_SOURCES; source++) {
-            course->errors[i][source] = track(campaign, course, speeds[i], source, index + 1);
+    plan_course(course, &campaign->robot, index);
+    for (size_t speed = 0; speed < SPEEDS; speed++) {
+        for (enum kind kind = 0; kind < KINDS; kind++) {
+            if (kinds[kind].is_open == course->is_open) {
+                course->errors[speed][kind] = track(campaign, course, speeds[speed], kinds[kind].has_laser);
+            }
         }
     }
+    patrol_scene_free(&course->scene);
 }
 
-static struct errors total(const struct campaign *campaign, size_t speed, enum pose_source source)
+/* ---- What came of them ---- */
+
+struct summary {
+    double largest; /* m */
+    double rms;
+    size_t arrived;
+};
+
+static struct summary summarise(const struct campaign *campaign, size_t speed, enum kind kind)
 {
-    struct errors sum = {.has_arrived = true};
+    struct summary summary = {0};
+    double square_sum = 0;
+    double count = 0;
 
     for (size_t i = 0; i < COURSES; i++) {
-        const struct errors *errors = &campaign->courses[i].errors[speed][source];
-        sum.largest = fmax(sum.largest, errors->largest);
-        sum.square_sum += errors->square_sum;
-        sum.count += errors->count;
-        sum.has_arrived &= errors->has_arrived;
-        if (getenv("DEBUG")) fprintf(stderr, "%zu %.2f %d %.3f %.3f %d\n", i, speeds[speed], source, errors->largest, sqrt(errors->square_sum / errors->count), errors->has_arrived);
+        const struct errors *errors = &campaign->courses[i].errors[speed][kind];
+        summary.largest = fmax(summary.largest, errors->largest);
+        summary.arrived += errors->has_arrived;
+        square_sum += errors->square_sum;
+        count += errors->count;
     }
-    return sum;
+    summary.rms = sqrt(square_sum / count);
+    return summary;
+}
+
+static void add_figures(json_t *figures, double speed, enum kind kind, const struct summary *summary)
+{
+    figures_add(figures, COMMAND, summary->largest, "m", at_most(BAR),
+                "pure pursuit at %.0f m/s, %zu %s: largest distance from the path", speed, kinds[kind].courses,
+                kinds[kind].name);
+    figures_add(figures, COMMAND, summary->rms, "m", no_bar,
+                "pure pursuit at %.0f m/s, %zu %s: distance from the path, root mean square", speed,
+                kinds[kind].courses, kinds[kind].name);
+}
+
+static json_t *json_row(double speed, enum kind kind, const struct summary *summary)
+{
+    return json_pack("{s:s, s:f, s:i, s:i, s:f, s:f}", "course", kinds[kind].name, "speed_m_s", speed, "drives",
+                     (int)kinds[kind].courses, "arrived", (int)summary->arrived, "largest_m", summary->largest, "rms_m",
+                     summary->rms);
 }
 
 int main(int argc, char **argv)
 {
     static struct campaign campaign;
-    (void)argc;
-    (void)argv;
+    const char *rows_path = figures_rows_path(argc, argv, "Measures how exactly pure pursuit keeps to paths.");
+    json_t *figures = json_array();
+    json_t *rows = json_array();
+
     if (!four_wheel_file_load(ROBOT_PATH, &campaign.robot)) {
         return ERROR_EXIT;
     }
-    campaign.courses = calloc(COURSES, sizeof *campaign.courses);
     in_parallel("pure pursuit", drive_course, &campaign, COURSES);
-    for (size_t i = 0; i < SPEEDS; i++) {
-        for (enum pose_source source = TRUE_POSE; source < POSE_SOURCES; source++) {
-            const struct errors errors = total(&campaign, i, source);
-            printf("%.2f m/s %s: largest %.4f rms %.4f arrived %d\n", speeds[i], source ? "laser" : "true", errors.largest, sqrt(errors.square_sum / errors.count), errors.has_arrived);
+    for (enum kind kind = 0; kind < KINDS; kind++) {
+        for (size_t speed = 0; speed < SPEEDS; speed++) {
+            const struct summary summary = summarise(&campaign, speed, kind);
+
+            if (speeds[speed] == SPEED_OF_BAR) {
+                add_figures(figures, speeds[speed], kind, &summary);
+            }
+            (void)json_array_append_new(rows, json_row(speeds[speed], kind, &summary));
         }
     }
+    figures_write_rows(rows, rows_path);
+    figures_print(figures);
     return 0;
 }

@@ -2,6 +2,7 @@
 #ifndef JOULEPATH_TESTS_BENCH_FIGURES_H
 #define JOULEPATH_TESTS_BENCH_FIGURES_H
 
+#include <argp.h>
 #include <jansson.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -44,6 +45,37 @@ __attribute__((format(printf, 6, 7))) static inline void figures_add(json_t *fig
         error_line("%s: no memory", name);
         exit(1);
     }
+}
+
+static inline error_t figures_parse_option(int key, char *argument, struct argp_state *state)
+{
+    if (key != 'r') {
+        return ARGP_ERR_UNKNOWN;
+    }
+    *(const char **)state->input = argument;
+    return 0;
+}
+
+/** Reads the command line of a bench whose only option is --rows FILE; NULL without it. */
+static inline const char *figures_rows_path(int argc, char **argv, const char *purpose)
+{
+    static const struct argp_option options[] = {{"rows", 'r', "FILE", 0, "write the rows of a table to FILE", 0}, {0}};
+    const struct argp parser = {options, figures_parse_option, NULL, purpose, NULL, NULL, NULL};
+    const char *path = NULL;
+
+    argp_err_exit_status = ERROR_EXIT;
+    (void)argp_parse(&parser, argc, argv, 0, NULL, &path);
+    return path;
+}
+
+/** Writes the rows, unless the path is NULL, and frees them. */
+static inline void figures_write_rows(json_t *rows, const char *path)
+{
+    if (path != NULL && json_dump_file(rows, path, JSON_INDENT(1)) != 0) {
+        error_line("%s: cannot be written", path);
+        exit(ERROR_EXIT);
+    }
+    json_decref(rows);
 }
 
 /** Prints and frees them. */

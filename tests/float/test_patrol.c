@@ -361,6 +361,14 @@ static void test_robot_just_past_the_goal_has_arrived(void)
     TEST_ASSERT_NEAR(1e-6f, 0.0f, robot.x);
 }
 
+static void test_robot_that_stands_near_the_goal_has_arrived(void)
+{
+    rig_straight(-1.0f, 0.0f, 0.07f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.07f, 0.0f, 0.0f, true));
+    rig_cycle();
+    rig_expect(JP_PATROL_ARRIVED, JP_PATROL_NONE);
+}
+
 static void test_hold_forgets_the_path(void)
 {
     rig_go(3.0f, 0.0f);
@@ -866,7 +874,6 @@ static void test_step_stops_for_what_comes_into_it(void)
     rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
     rig_expect_stand();
     wall_count = 3;
-    (void)rig_until(JP_PATROL_STEPPING, 10);
     (void)rig_until(JP_PATROL_ARRIVED, LONG);
 }
 
@@ -886,6 +893,122 @@ static void test_step_ends_when_the_robot_stands(void)
     input.speed.turn_rate = 0.0f;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
     rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+}
+
+/* So near that it looks like a collision: away from it with the wheels across, and on. */
+static void graze(float depth)
+{
+    rig_wall(-2.0f, 0.32f - depth, 3.0f, 0.32f - depth);
+    rig_go(3.0f, -0.2f);
+    rig_cycle();
+}
+
+static void test_robot_steps_away_from_what_it_grazes(void)
+{
+    graze(0.05f);
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_DRIVING, 20);
+    TEST_ASSERT_TRUE(robot.y < -0.05f);
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.steps);
+    (void)rig_until(JP_PATROL_ARRIVED, LONG);
+}
+
+static void test_robot_that_grazes_in_motion_stops_first(void)
+{
+    rig_wall(-2.0f, 0.27f, 3.0f, 0.27f);
+    rig_go(3.0f, -0.2f);
+    rig_sense();
+    input.speed.forward = 0.3f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_IN_COLLISION);
+    input.speed.forward = 0.0f;
+    (void)rig_until(JP_PATROL_STEPPING, 5);
+}
+
+static void test_plain_band_does_not_step(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    graze(0.05f);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_IN_COLLISION);
+}
+
+static void test_robot_that_grazes_on_both_sides_waits(void)
+{
+    rig_wall(-3.0f, -0.27f, 3.0f, -0.27f);
+    graze(0.05f);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_IN_COLLISION);
+}
+
+static void test_step_waits_for_its_way(void)
+{
+    stand_in_a_bay();
+    rig_wall(0.45f, -0.44f, 0.45f, 0.44f);
+    rig_straight(0.0f, 0.0f, 0.4f, 0.28f);
+    rig_straight(0.5f, 0.3f, 2.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(2.0f, 0.3f, 0.0f, true));
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    wall_count--;
+    rig_cycles(2);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect_stand();
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+}
+
+static void test_goal_beside_the_robot_is_stepped_to(void)
+{
+    rig_go(0.05f, 0.3f);
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_ARRIVED, LONG);
+    TEST_ASSERT_NEAR(0.04f, 0.3f, robot.y);
+    TEST_ASSERT_NEAR(1e-4f, 0.0f, robot.heading);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+}
+
+static void test_goal_close_behind_is_turned_to(void)
+{
+    rig_go(-0.3f, 0.1f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+}
+
+static void test_goal_beside_the_robot_is_turned_to_if_no_step_is_free(void)
+{
+    rig_wall(-2.0f, 0.6f, 2.0f, 0.6f);
+    rig_go(0.02f, 0.35f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+}
+
+static void test_goal_in_a_slot_where_no_turn_fits(void)
+{
+    robot.heading = 0.5f * JP_PLANE_PI;
+    rig_init();
+    rig_wall(-0.42f, 0.7f, -0.42f, 4.0f);
+    rig_wall(0.42f, 0.7f, 0.42f, 4.0f);
+    rig_go_to_heading(0.0f, 2.0f, -0.5f * JP_PLANE_PI);
+    (void)rig_until(JP_PATROL_WAITING, LONG);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect_stand();
+}
+
+/* What the latency leaves behind is no matter for the band, but for what is done until then. */
+static void test_command_that_leads_into_something_is_not_given(void)
+{
+    config.latency = 1.0f;
+    rig_init();
+    rig_go(4.0f, 0.0f);
+    rig_cycle();
+    rig_wall(0.5f, -0.5f, 0.5f, 0.5f);
+    rig_sense();
+    patrol.command.forward = 0.8f;
+    input.speed.forward = 1.4f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect_stand();
 }
 
 static void test_no_room_to_turn_anywhere(void)
@@ -990,6 +1113,7 @@ int main(void)
     RUN_TEST(test_robot_turns_at_the_goal);
     RUN_TEST(test_robot_that_comes_with_the_heading_does_not_turn);
     RUN_TEST(test_robot_just_past_the_goal_has_arrived);
+    RUN_TEST(test_robot_that_stands_near_the_goal_has_arrived);
     RUN_TEST(test_hold_forgets_the_path);
     RUN_TEST(test_pause_stops_soon_along_the_path);
     RUN_TEST(test_pause_before_the_goal_ends_at_the_goal);
@@ -1025,6 +1149,16 @@ int main(void)
     RUN_TEST(test_robot_steps_to_where_it_can_turn);
     RUN_TEST(test_step_stops_for_what_comes_into_it);
     RUN_TEST(test_step_ends_when_the_robot_stands);
+    RUN_TEST(test_robot_steps_away_from_what_it_grazes);
+    RUN_TEST(test_robot_that_grazes_in_motion_stops_first);
+    RUN_TEST(test_plain_band_does_not_step);
+    RUN_TEST(test_robot_that_grazes_on_both_sides_waits);
+    RUN_TEST(test_step_waits_for_its_way);
+    RUN_TEST(test_goal_beside_the_robot_is_stepped_to);
+    RUN_TEST(test_goal_close_behind_is_turned_to);
+    RUN_TEST(test_goal_beside_the_robot_is_turned_to_if_no_step_is_free);
+    RUN_TEST(test_goal_in_a_slot_where_no_turn_fits);
+    RUN_TEST(test_command_that_leads_into_something_is_not_given);
     RUN_TEST(test_no_room_to_turn_anywhere);
     RUN_TEST(test_robot_steps_to_the_goal_to_turn_there);
     RUN_TEST(test_robot_at_the_goal_without_room_to_turn_waits);

@@ -72,7 +72,75 @@ static void test_wall_is_one_capsule(void)
     TEST_ASSERT_NEAR(TOLERANCE, 2.0f, obstacles.shapes[0].vertices[0].y);
     TEST_ASSERT_NEAR(TOLERANCE, -2.0f, obstacles.shapes[0].vertices[1].x);
     TEST_ASSERT_NEAR(TOLERANCE, 2.0f, obstacles.shapes[0].vertices[1].y);
-    TEST_ASSERT_TRUE(obstacles.shapes[0].radius == config.tolerance);
+    TEST_ASSERT_NEAR(TOLERANCE, 0.0f, obstacles.shapes[0].radius);
+}
+
+/* Two of three points are nearer by the same: the chord lies at their mean, a third of the way from them. */
+static void test_chord_lies_in_the_middle_of_its_points(void)
+{
+    const float near = 2.0f;
+    const float far = 2.03f;
+
+    for (int i = 61; i <= 119; i++) {
+        see_wall(i, i, i % 3 == 0 ? far : near);
+    }
+    add();
+    TEST_ASSERT_EQUAL_UINT(1, obstacles.count);
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_NEAR(1e-3f, near + (far - near) / 3.0f, obstacles.shapes[0].vertices[i].y);
+    }
+    TEST_ASSERT_NEAR(1e-3f, (far - near) * 2.0f / 3.0f, obstacles.shapes[0].radius);
+}
+
+static bool is_in_a_shape(struct jp_plane_point place)
+{
+    const struct jp_footprint point = {0.0f, 0.0f, 0.0f};
+    const struct jp_plane_pose pose = {place.x, place.y, 0.0f};
+
+    return jp_obstacles_distance(&obstacles, &point, &pose) < TOLERANCE;
+}
+
+static void expect_all_points_in_shapes(void)
+{
+    for (int i = 0; i < scan.count; i++) {
+        if (ranges[i] > 0.0f) {
+            const float angle = scan.first_angle + angle_of(i);
+
+            TEST_ASSERT_TRUE(is_in_a_shape(
+                (struct jp_plane_point){ranges[i] * jp_plane_cosine(angle), ranges[i] * jp_plane_sine(angle)}));
+        }
+    }
+}
+
+/* A wall seen along itself: noise moves points over the ends of the chord. */
+static void test_points_beyond_the_ends_of_a_chord_are_in_its_shape(void)
+{
+    const float noisy[] = {2.0f, 2.03f, 1.985f, 2.01f};
+
+    scan.count = 4;
+    scan.angle_step = 0.001f;
+    memcpy(ranges, noisy, sizeof noisy);
+    add();
+    TEST_ASSERT_EQUAL_UINT(1, obstacles.count);
+    TEST_ASSERT_EQUAL_UINT(2, obstacles.shapes[0].vertex_count);
+    TEST_ASSERT_TRUE(obstacles.shapes[0].radius <= config.tolerance);
+    expect_all_points_in_shapes();
+}
+
+/* Beams so narrow that they all have one direction. */
+static void test_points_around_one_place_are_a_disc(void)
+{
+    scan.count = 3;
+    scan.first_angle = 1.0f;
+    scan.angle_step = 1e-9f;
+    ranges[0] = 1.0f;
+    ranges[1] = 1.02f;
+    ranges[2] = 1.0f;
+    add();
+    TEST_ASSERT_EQUAL_UINT(1, obstacles.count);
+    TEST_ASSERT_EQUAL_UINT(1, obstacles.shapes[0].vertex_count);
+    TEST_ASSERT_NEAR(TOLERANCE, config.tolerance + 0.02f, obstacles.shapes[0].radius);
+    expect_all_points_in_shapes();
 }
 
 static void test_scan_is_seen_from_the_sensor(void)
@@ -85,6 +153,7 @@ static void test_scan_is_seen_from_the_sensor(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add_scan(&obstacles, &config, &scan, &sensor));
     TEST_ASSERT_EQUAL_UINT(1, obstacles.count);
     TEST_ASSERT_EQUAL_UINT(1, obstacles.shapes[0].vertex_count);
+    TEST_ASSERT_TRUE(obstacles.shapes[0].radius == config.tolerance);
     TEST_ASSERT_NEAR(TOLERANCE, 10.0f - 1.41421356f, obstacles.shapes[0].vertices[0].x);
     TEST_ASSERT_NEAR(TOLERANCE, -5.0f + 1.41421356f, obstacles.shapes[0].vertices[0].y);
 }
@@ -163,9 +232,10 @@ static void test_circle_becomes_chords_within_the_tolerance(void)
     TEST_ASSERT_TRUE(obstacles.count >= 5 && obstacles.count <= 16);
     TEST_ASSERT_EQUAL_UINT32(0, obstacles.dropped);
     for (unsigned i = 0; i < obstacles.count; i++) {
-        TEST_ASSERT_TRUE(obstacles.distance[i] > 2.0f - 3.0f * config.tolerance);
-        TEST_ASSERT_TRUE(obstacles.shapes[i].radius == config.tolerance);
+        TEST_ASSERT_TRUE(obstacles.distance[i] > 2.0f - config.tolerance);
+        TEST_ASSERT_TRUE(obstacles.shapes[i].radius > 0.0f && obstacles.shapes[i].radius <= config.tolerance);
     }
+    expect_all_points_in_shapes();
 }
 
 /* Each tooth is higher than the one before, so that each split cuts off one tooth only. */
@@ -267,6 +337,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_nothing_seen_is_nothing_near);
     RUN_TEST(test_wall_is_one_capsule);
+    RUN_TEST(test_chord_lies_in_the_middle_of_its_points);
+    RUN_TEST(test_points_beyond_the_ends_of_a_chord_are_in_its_shape);
+    RUN_TEST(test_points_around_one_place_are_a_disc);
     RUN_TEST(test_scan_is_seen_from_the_sensor);
     RUN_TEST(test_corner_of_a_room_is_split);
     RUN_TEST(test_gap_separates_shapes);

@@ -559,8 +559,33 @@ static void test_every_point_of_a_scan_is_in_a_shape(void)
     TEST_ASSERT_TRUE(full > ROOMS / 20 && full < ROOMS);
 }
 
-static void test_shapes_of_a_scan_are_chords_between_points(void)
+/* Whether a shape is just as wide as its points need: one of them is outside of a shape of 1/√2 of its radius. */
+static bool has_point_near_rim(const struct seen_room *seen, const struct jp_obstacle *shape)
 {
+    const struct jp_footprint point = {0.0f, 0.0f, 0.0f};
+    const double radius = (double)shape->radius;
+
+    for (unsigned i = 0; i < seen->count; i++) {
+        const struct pose pose = {seen->points[i].x, seen->points[i].y, 0};
+        const double from_chord = oracle(&point, &pose, shape).distance + radius;
+
+        if (from_chord > radius / sqrt(2) - DISTANCE_BAR && from_chord < radius + DISTANCE_BAR) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/*
+ * The chord through two points is moved to the mean of the points that it stands for: by no more than the tolerance of
+ * a chord that was split enough, and by no more than its radius, which covers them. Its radius is no larger than two
+ * such points need, one beside it and one beyond its end.
+ */
+static void test_shapes_of_a_scan_are_chords_through_the_middle_of_points(void)
+{
+    unsigned long chords = 0;
+    unsigned long thin = 0;
+
     for (unsigned i = 0; i < ROOMS; i++) {
         struct seen_room seen;
         struct jp_obstacles obstacles;
@@ -570,16 +595,27 @@ static void test_shapes_of_a_scan_are_chords_between_points(void)
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add_scan(&obstacles, &seen.config, &seen.scan, &seen.sensor));
         for (unsigned k = 0; k < obstacles.count; k++) {
             const struct jp_obstacle *const shape = &obstacles.shapes[k];
+            const double tolerance = (double)seen.config.tolerance;
+            const double radius = (double)shape->radius;
 
             TEST_ASSERT_TRUE(shape->vertex_count == 1 || shape->vertex_count == 2);
-            TEST_ASSERT_TRUE(shape->radius == seen.config.tolerance);
+            TEST_ASSERT_TRUE(shape->vertex_count == 2 || shape->radius == seen.config.tolerance);
+            TEST_ASSERT_TRUE(radius < sqrt(5) * tolerance + DISTANCE_BAR);
             for (unsigned v = 0; v < shape->vertex_count; v++) {
                 const struct vector vertex = {(double)shape->vertices[v].x, (double)shape->vertices[v].y};
+                const double shift = shape->vertex_count == 2 ? fmin(radius, tolerance) : 0;
 
-                TEST_ASSERT_TRUE(from_points(&seen, vertex) < DISTANCE_BAR);
+                TEST_ASSERT_TRUE(from_points(&seen, vertex) < shift + DISTANCE_BAR);
+            }
+            if (shape->vertex_count == 2) {
+                TEST_ASSERT_TRUE(has_point_near_rim(&seen, shape));
+                chords++;
+                thin += radius < tolerance / 2;
             }
         }
     }
+    printf("chords: %lu, %lu of them with less than half of the tolerance as radius\n", chords, thin);
+    TEST_ASSERT_TRUE(chords > ROOMS && thin > chords / 10);
 }
 
 int main(int argc, char **argv)
@@ -593,6 +629,6 @@ int main(int argc, char **argv)
     RUN_TEST(test_the_nearest_are_kept);
     RUN_TEST(test_nearest_of_all_is_the_least_distance);
     RUN_TEST(test_every_point_of_a_scan_is_in_a_shape);
-    RUN_TEST(test_shapes_of_a_scan_are_chords_between_points);
+    RUN_TEST(test_shapes_of_a_scan_are_chords_through_the_middle_of_points);
     return UNITY_END();
 }

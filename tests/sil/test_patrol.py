@@ -261,6 +261,7 @@ def test_no_scans_stop_the_robot(tmp_path):
     assert summary["states"][int(last["state"])] in ("stopped", "waiting")
     assert abs(last["speed_m_s"]) < 0.02
     assert "fault: no scans from 2.0 s to 1000.0 s" in table
+    assert f"improved TEB: {method['counts']['scans_missing']} scans missing" in table
     assert summary["faults"]["scan_dropout_s"] == [2, 1000]
 
 
@@ -272,12 +273,22 @@ def test_some_dropouts_do_no_harm(tmp_path):
     assert "fault: 20 % of the beams" in table
 
 
+def test_beams_that_drop_out(tmp_path):
+    summary, table = driven(tmp_path / "out", "l-passage", "--method=improved", "--beam-dropout=0.9", status=1)
+    [method] = summary["methods"]
+    assert (method["outcome"], method["reason"]) == ("gave up", "no scan")
+    assert "gave up: no scan" in table and "fault: 90 % of the beams drop out" in table
+    assert method["clearance_min_m"] > 0 and method["length_m"] < 1
+
+
 def test_jump_of_the_laser_is_rejected(tmp_path):
     result = patrol(tmp_path / "out", "l-passage", "--method=improved", "--jump=3,0.8")
     assert result.returncode in (0, 1), result.stderr
     summary = json.loads((tmp_path / "out/summary.json").read_text())
     [method] = summary["methods"]
     assert method["counts"]["laser_rejected"] > 0
+    assert f", {method['counts']['laser_rejected']} rejected" in result.stdout
+    assert (method["outcome"], method["reason"], result.returncode) == ("gave up", "lost", 1)
     assert method["outcome"] != "collided"
     assert summary["faults"]["jump_s_m"] == [3, 0.8]
     assert "fault: the laser's pose jumps by 0.80 m at 3.0 s" in result.stdout

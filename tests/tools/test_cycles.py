@@ -11,7 +11,9 @@ def figure(name, value):
 
 FIGURES = [figure("x: whole tick", 700), figure("x: whole tick, worst", 900),
            figure("x: sensor decode to PWM, worst", 800), figure("x: controller tick", 5000), figure("x: segment optimiser, worst of 5", 7000),
-           figure("x: slice of 32 expansions of the planner", 70000), figure("x: TEB cycle, 50 poses", 3000000)]
+           figure("x: slice of 32 expansions of the planner", 70000), figure("x: TEB cycle, 50 poses", 3000000),
+           figure("x: slice of 32 expansions of the grid planner, worst of 9", 80000),
+           figure("x: four wheels: tick, worst", 7500), figure("x: pure pursuit: tick, worst", 27000)]
 
 
 @pytest.fixture
@@ -36,6 +38,7 @@ def test_the_worst_of_each_row_and_core_counts(tabulate):
     assert table["whole tick"] == {"Cortex-M0": 901, "Cortex-M4": 900}
     assert table["jp_segment_optimise"] == {"Cortex-M4": 7000}
     assert table["jp_planner_work, 32 expansions"] == {"Cortex-M4": 70000}
+    assert table["jp_grid_planner_work, 32 expansions"] == {"Cortex-M4": 80000}
 
 
 @pytest.mark.parametrize("benches, part", [
