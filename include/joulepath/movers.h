@@ -27,7 +27,7 @@ struct jp_mover {
     struct jp_plane_point centre;
     struct jp_plane_point velocity; /**< m/s */
     float radius;                   /**< of what was seen of it, m */
-    uint8_t sightings;              /**< in a row; saturates */
+    uint8_t sightings;              /**< since it was first seen; saturates */
     uint8_t misses;                 /**< in a row */
 };
 
@@ -41,7 +41,7 @@ struct jp_movers {
 void jp_movers_clear(struct jp_movers *movers);
 
 /**
- * Takes the next scan, `period` s after the last one, from a sensor whose pose is in a frame that stands. Nothing
+ * Takes the next scan, `period` s (0.001…10) after the last one, from a sensor whose pose is in a frame that stands. Nothing
  * changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_EMPTY: as
  * jp_obstacles_add_scan(). Work: beams + runs × JP_MOVERS_MAX.
  */

@@ -69,7 +69,7 @@ struct jp_scan {
 struct jp_scan_config {
     float range_max;    /**< what is farther away is left out; above 0, at most 1 000 */
     float gap;          /**< points farther apart belong to different shapes; above 0, at most 1 000 */
-    float tolerance;    /**< of points from the chord that stands for them; the radius of the shapes; 0.001…1 000 */
+    float tolerance;    /**< of points from the chord that stands for them, and radius of a single point; 0.001…1 000 */
     uint16_t beams_min; /**< fewer points side by side are noise; 1 or more */
 };
 
@@ -85,8 +85,8 @@ enum jp_status jp_obstacles_add(struct jp_obstacles *obstacles, const struct jp_
 
 /**
  * Adds what a scan sees: points side by side without a gap are split until each part lies within the tolerance of its
- * chord (Douglas and Peucker), which becomes a capsule, and a single point a disc. Parts that 12 splits, each within
- * the one before, have not made straight get the radius that they need, so that every point is inside a shape.
+ * chord (Douglas and Peucker). A part becomes a capsule through the middle of its points, just wide enough for all of
+ * them; a single point becomes a disc. At most 12 splits are nested in each other.
  * JP_ERR_ARGUMENT: a null pointer, a value out of its range or a sensor beyond ±31 767 m. JP_ERR_EMPTY: fewer than a
  * quarter of the beams worked, so that the scan cannot be trusted. Then nothing is added. Work: sine and cosine of each
  * beam, once for each split that it is within and twice more: at most 14 times.

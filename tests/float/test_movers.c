@@ -314,17 +314,19 @@ static void test_track_takes_one_thing_of_a_scan(void)
 static void test_nothing_is_faster_than_the_limit(void)
 {
     struct disc *const disc = put_disc(2.0f, 0.0f, RADIUS);
+    float fastest = 0.0f;
 
     config.speed_max = 0.4f;
     walk(disc, (struct jp_plane_point){0.0f, 0.0f}, 3);
     for (unsigned i = 0; i < SETTLED; i++) {
         walk(disc, (struct jp_plane_point){0.35f, 0.35f}, 1);
 
-        const struct jp_plane_point velocity = movers.movers[0].velocity;
+        const float speed = jp_plane_length(movers.movers[0].velocity.x, movers.movers[0].velocity.y);
 
-        TEST_ASSERT_TRUE(jp_plane_length(velocity.x, velocity.y) <= config.speed_max * 1.000001f);
+        TEST_ASSERT_TRUE(speed <= config.speed_max * 1.000001f);
+        fastest = speed > fastest ? speed : fastest;
     }
-    TEST_ASSERT_TRUE(jp_plane_length(movers.movers[0].velocity.x, movers.movers[0].velocity.y) > 0.39f);
+    TEST_ASSERT_TRUE(fastest > 0.999f * config.speed_max);
 }
 
 static void test_what_jumps_too_far_is_another_thing(void)

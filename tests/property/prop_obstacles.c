@@ -474,6 +474,7 @@ struct seen_room {
 static void look_around(struct seen_room *seen)
 {
     const struct room room = random_room((struct vector){(double)seen->sensor.x, (double)seen->sensor.y});
+    const double noise = uniform(0, 0.02);
 
     seen->count = 0;
     for (unsigned i = 0; i < seen->scan.count; i++) {
@@ -481,7 +482,7 @@ static void look_around(struct seen_room *seen)
             (double)seen->sensor.heading + (double)seen->scan.first_angle + i * (double)seen->scan.angle_step;
         const struct vector from = {(double)seen->sensor.x, (double)seen->sensor.y};
 
-        seen->ranges[i] = (float)(cast(&room, from, angle) + uniform(-0.005, 0.005));
+        seen->ranges[i] = (float)(cast(&room, from, angle) + uniform(-noise, noise));
         if (one_of(20) == 0) {
             seen->ranges[i] = one_of(2) ? NAN : 0.0f;
         }
