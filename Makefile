@@ -470,15 +470,17 @@ bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on path
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := fixed four_wheel four_wheel_plant grid_planner planner scan_match segment store
+PROPERTIES := fixed four_wheel four_wheel_plant grid_planner planner pure_pursuit scan_match segment store teb
 ARGS.fixed            = --exhaustive
 ARGS.four_wheel       = --count 1000000
 ARGS.four_wheel_plant = --count 1000
 ARGS.grid_planner     = --count 4000
 ARGS.planner          = --count 100000
+ARGS.pure_pursuit     = --count 400
 ARGS.scan_match       = --count 40
 ARGS.segment          = --count 10000
 ARGS.store            = --count 10000
+ARGS.teb              = --count 500
 
 # One bench after the other, so that they do not share the cores.
 .PHONY: figures

@@ -41,8 +41,8 @@ struct jp_movers {
 void jp_movers_clear(struct jp_movers *movers);
 
 /**
- * Takes the next scan, `period` s (0.001…10) after the last one, from a sensor whose pose is in a frame that stands. Nothing
- * changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_EMPTY: as
+ * Takes the next scan, `period` s (0.001…10) after the last one, from a sensor whose pose is in a frame that stands.
+ * Nothing changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_EMPTY: as
  * jp_obstacles_add_scan(). Work: beams + runs × JP_MOVERS_MAX.
  */
 enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers_config *config,

@@ -67,9 +67,9 @@ struct jp_scan {
 
 /** How a scan becomes shapes. */
 struct jp_scan_config {
-    float range_max;    /**< what is farther away is left out; above 0, at most 1 000 */
-    float gap;          /**< points farther apart belong to different shapes; above 0, at most 1 000 */
-    float tolerance;    /**< of points from the chord that stands for them, and radius of a single point; 0.001…1 000 */
+    float range_max; /**< what is farther away is left out; above 0, at most 1 000 */
+    float gap;       /**< points farther apart belong to different shapes; above 0, at most 1 000 */
+    float tolerance; /**< of points from the chord that stands for them, and radius of a single point; 0.001…1 000 */
     uint16_t beams_min; /**< fewer points side by side are noise; 1 or more */
 };
 
