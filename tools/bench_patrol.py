@@ -9,7 +9,7 @@ from common import (ROOT, ToolError, markdown_table, print_aligned, read_text, r
                     write_whole)
 
 METHODS = ("improved", "plain", "pursuit")
-SCENE_HEADINGS = ("scene", "drives", "arrived cleanly", "collided", "drove backwards", "time, s", "energy, J",
+SCENE_HEADINGS = ("scene", "drives", "arrived", "of them never backwards", "collided", "time, s", "energy, J",
                   "least clearance, cm")
 COURSE_HEADINGS = ("course", "paths")
 
@@ -35,16 +35,16 @@ def triple(methods, key, digits=0, scale=1):
 
 def scene_table(path):
     places = {}
-    for row in read_rows(path, "scene", "slip", "method", "drives", "arrived", "cleanly", "collided", "backwards",
-                         "time_s", "energy_j", "clearance_min_m"):
+    for row in read_rows(path, "scene", "slip", "method", "drives", "arrived", "cleanly", "collided", "time_s",
+                         "energy_j", "clearance_min_m"):
         places.setdefault((row["scene"], row["slip"]), {})[row["method"]] = row
     for (scene, slip), methods in places.items():
         if sorted(methods) != sorted(METHODS):
             raise ToolError(f"{path}: {scene}: must have rows of {', '.join(METHODS)}")
         rows = [methods[method] for method in METHODS]
-        yield (scene + (", slippery" if slip else ""), str(rows[0]["drives"]), triple(rows, "cleanly"),
-               triple(rows, "collided"), triple(rows, "backwards"), triple(rows, "time_s", 1),
-               triple(rows, "energy_j"), triple(rows, "clearance_min_m", 1, 100))
+        yield (scene + (", slippery" if slip else ""), str(rows[0]["drives"]), triple(rows, "arrived"),
+               triple(rows, "cleanly"), triple(rows, "collided"), triple(rows, "time_s", 1), triple(rows, "energy_j"),
+               triple(rows, "clearance_min_m", 1, 100))
 
 
 def course_table(path):
