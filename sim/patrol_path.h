@@ -16,7 +16,7 @@ struct patrol_path {
     size_t count;
     struct jp_path_point way[PATROL_PATH_POINTS_MAX]; /**< turning points */
     size_t way_count;
-    double length; /**< of the points, m */
+    double length;    /**< of the points, m */
     double clearance; /**< that the planner could keep, m */
     struct jp_grid_counts counts;
 };

@@ -130,6 +130,8 @@ enum jp_status jp_patrol_set_pose(struct jp_patrol *patrol, const struct jp_plan
     }
     patrol->pose = *pose;
     patrol->pose.heading = jp_plane_wrap(pose->heading);
+    patrol->jumps = 0;
+    patrol->blind = 0.0f;
     jp_teb_clear(&patrol->teb);
     return JP_OK;
 }

@@ -3,11 +3,11 @@
 
 const struct jp_pure_pursuit_config jp_pure_pursuit_config_patrol = {
     .speed = 16777216,                /* 1 m/s */
-    .lookahead_time = 8388608,        /* 0.5 s */
+    .lookahead_time = 6710886,        /* 0.4 s */
     .lookahead_min = 5033165,         /* 0.3 m */
     .lookahead_max = 33554432,        /* 2 m */
     .curvature_max = 33554432,        /* 2 1/m */
-    .lateral_acceleration = 13421773, /* 0.8 m/s² */
+    .lateral_acceleration = 20132659, /* 1.2 m/s² */
     .acceleration = 13421773,         /* 0.8 m/s² */
     .tolerance = 838861,              /* 0.05 m */
 };

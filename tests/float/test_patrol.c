@@ -129,6 +129,15 @@ static void test_pose_is_taken(void)
     TEST_ASSERT_NEAR(1e-5f, 1.0f, patrol.pose.heading);
 }
 
+static void test_new_pose_ends_what_was_held_against_the_laser(void)
+{
+    patrol.jumps = 9;
+    patrol.blind = 3.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_set_pose(&patrol, &robot));
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.jumps);
+    TEST_ASSERT_NEAR(0.0f, 0.0f, patrol.blind);
+}
+
 static void test_wrong_poses_are_refused(void)
 {
     const float infinity = 1.0f / (not_a_number != not_a_number ? 0.0f : 1.0f);
@@ -1097,6 +1106,7 @@ int main(void)
     RUN_TEST(test_limits_of_counts);
     RUN_TEST(test_wheels_and_band_are_checked);
     RUN_TEST(test_pose_is_taken);
+    RUN_TEST(test_new_pose_ends_what_was_held_against_the_laser);
     RUN_TEST(test_wrong_poses_are_refused);
     RUN_TEST(test_wrong_paths_are_refused_and_the_old_one_stays);
     RUN_TEST(test_goal_may_be_off_the_end_of_the_path_by_the_tolerance);
