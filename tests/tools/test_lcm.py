@@ -115,7 +115,7 @@ def test_messages_come_50_times_a_second(drive):
         seconds = (times[-1] - times[0]) / 1e6
         assert seconds > 8
         assert len(times) - 1 == pytest.approx(50 * seconds + extra, abs=3)
-        assert all(before < after for before, after in zip(times, times[1:]))
+        assert all(before <= after for before, after in zip(times, times[1:]))  # a busy machine sends two at once
 
 
 def test_energy_plan_and_identification_agree(drive):
