@@ -460,8 +460,8 @@ static float goal_heading_error(const struct jp_patrol *patrol)
                : jp_plane_magnitude(jp_plane_wrap(patrol->goal.pose.heading - patrol->pose.heading));
 }
 
-/* As near as it gets: within a third of the tolerance, or within it and past the goal or at a stand. Once there the robot
- * stands before anything else. */
+/* As near as it gets: within a third of the tolerance, or within it and past the goal or at a stand. Once there the
+ * robot stands before anything else. */
 static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->goal.pose);
@@ -470,8 +470,8 @@ static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_spe
     const bool is_heading_due =
         !patrol->config.turns_in_place && goal_heading_error(patrol) > patrol->config.heading_tolerance;
 
-    return patrol->is_arriving || (!is_heading_due && away < tolerance &&
-                                   (3.0f * away < tolerance || there.x <= 0.0f || is_standing(speed)));
+    return patrol->is_arriving ||
+           (!is_heading_due && away < tolerance && (3.0f * away < tolerance || there.x <= 0.0f || is_standing(speed)));
 }
 
 /* Whether any heading will do to reach the end of the window: the robot turns there afterwards. */
