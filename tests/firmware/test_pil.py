@@ -39,7 +39,9 @@ def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path):
     assert result.stderr == "leg 1: the ECU has restarted and knows no route\n"
     assert result.counts[SILENCES] == 0
     assert result.counts["faults that the ECU reports, enum jp_fault"] == 0
-    assert result.counts["motor commands out of sequence"] <= 1  # the counter of 4 bits may begin where it was
+    # The counter of 4 bits begins anew: in sequence by chance, elsewhere, or just before the last one, which is then
+    # repeated.
+    assert result.counts["motor commands out of sequence"] <= 2
 
 
 @pytest.mark.parametrize(("robot", "model", "says"), [
