@@ -27,6 +27,7 @@ class Debugger:
         self._socket = socket.socket(socket.AF_UNIX)
         self._socket.connect(str(path))
         self._socket.settimeout(10)
+        self._unread = b""
         self._ask(b"?")
         self._ask(b"qXfer:features:read:target.xml:0,fff")  # from now on it takes single registers
 
@@ -40,15 +41,18 @@ class Debugger:
         self._socket.sendall(b"$" + payload + b"#%02x" % (sum(payload) % 256))
 
     def _receive(self):
-        text = b""
-        while not re.search(rb"\$[^#]*#..", text):
-            text += self._socket.recv(4096)
+        while not (packet := re.search(rb"\$([^#]*)#..", self._unread)):
+            self._unread += self._socket.recv(4096)
+        self._unread = self._unread[packet.end():]
         self._socket.sendall(b"+")
-        return re.search(rb"\$([^#]*)#..", text)[1]
+        return packet[1]
 
     def _ask(self, payload):
         self._send(payload)
-        return self._receive()
+        answer = self._receive()
+        while payload != b"?" and answer.startswith((b"T", b"S")):  # that it has stopped, told late or twice
+            answer = self._receive()
+        return answer
 
     def go_on(self):
         self._send(b"c")
