@@ -52,7 +52,7 @@ enum jp_grid_method { JP_GRID_OCTILE, JP_GRID_JUMP_POINTS, JP_GRID_ANY_ANGLE };
 
 struct jp_grid_planner_config {
     enum jp_grid_method method;
-    jp_q16 clearance; /**< free distance from a cell's centre, m; 0…JP_GRID_CLEARANCE_MAX cells; 0: a point */
+    jp_q16 clearance; /**< kept from a cell's centre, m; 0…JP_GRID_CLEARANCE_MAX cells; 0: a point */
     uint8_t tube;     /**< cells to each side of the shortcut way that edge nodes may use; 1…JP_GRID_TUBE_MAX */
 };
 

@@ -42,11 +42,6 @@
 
 /* ---- Configuration ---- */
 
-static bool is_within(float value, float low, float high)
-{
-    return value >= low && value <= high;
-}
-
 static const char *wrong_field(const struct jp_patrol_config *config)
 {
     const float least = 1.0e-3f;
@@ -84,7 +79,7 @@ static const char *wrong_field(const struct jp_patrol_config *config)
     };
 
     for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if (!is_within(fields[i].value, fields[i].low, fields[i].high)) {
+        if (!jp_plane_is_between(fields[i].value, fields[i].low, fields[i].high)) {
             return fields[i].name;
         }
     }
@@ -117,15 +112,9 @@ static void stand(struct jp_patrol *patrol)
     patrol->sideways = 0.0f;
 }
 
-static bool is_pose_sound(const struct jp_plane_pose *pose)
-{
-    return is_within(pose->x, -32767.0f, 32767.0f) && is_within(pose->y, -32767.0f, 32767.0f) &&
-           is_within(pose->heading, -VALUE_MAX, VALUE_MAX);
-}
-
 enum jp_status jp_patrol_set_pose(struct jp_patrol *patrol, const struct jp_plane_pose *pose)
 {
-    if (patrol == NULL || pose == NULL || !is_pose_sound(pose)) {
+    if (patrol == NULL || pose == NULL || !jp_plane_is_pose(pose)) {
         return JP_ERR_ARGUMENT;
     }
     patrol->pose = *pose;
@@ -144,7 +133,7 @@ static float point_distance(const struct jp_plane_pose *pose, float x, float y)
 enum jp_status jp_patrol_follow(struct jp_patrol *patrol, const struct jp_path_point *path, uint16_t count,
                                 const struct jp_patrol_goal *goal)
 {
-    if (patrol == NULL || path == NULL || goal == NULL || count < 2U || !is_pose_sound(&goal->pose)) {
+    if (patrol == NULL || path == NULL || goal == NULL || count < 2U || !jp_plane_is_pose(&goal->pose)) {
         return JP_ERR_ARGUMENT;
     }
 
@@ -728,9 +717,9 @@ static void give_command(struct jp_patrol *patrol, struct jp_twist *twist)
 
 static bool is_input_sound(const struct jp_patrol_input *input)
 {
-    return is_pose_sound(&input->wheels) && (!input->has_laser || is_pose_sound(&input->laser)) &&
-           is_pose_sound(&input->sensor) && is_within(input->speed.forward, -VALUE_MAX, VALUE_MAX) &&
-           is_within(input->speed.turn_rate, -VALUE_MAX, VALUE_MAX);
+    return jp_plane_is_pose(&input->wheels) && (!input->has_laser || jp_plane_is_pose(&input->laser)) &&
+           jp_plane_is_pose(&input->sensor) && jp_plane_is_between(input->speed.forward, -VALUE_MAX, VALUE_MAX) &&
+           jp_plane_is_between(input->speed.turn_rate, -VALUE_MAX, VALUE_MAX);
 }
 
 enum jp_status jp_patrol_cycle(struct jp_patrol *patrol, const struct jp_patrol_input *input, struct jp_twist *twist)

@@ -130,4 +130,16 @@ static inline bool jp_plane_is_finite(float x)
     return jp_plane_is_within(x, FLT_MAX);
 }
 
+static inline bool jp_plane_is_between(float x, float low, float high)
+{
+    return x >= low && x <= high;
+}
+
+/** Within the ranges of struct jp_plane_pose. */
+static inline bool jp_plane_is_pose(const struct jp_plane_pose *pose)
+{
+    return jp_plane_is_within(pose->x, JP_PLANE_MAX) && jp_plane_is_within(pose->y, JP_PLANE_MAX) &&
+           jp_plane_is_within(pose->heading, JP_PLANE_HEADING_MAX);
+}
+
 #endif

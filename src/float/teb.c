@@ -28,20 +28,12 @@
 
 #define ZERO_LENGTH 1.0e-3f
 
-/* Largest position, m, and speed that floats resolve well. */
-#define POSITION_MAX 32767.0f
-#define HEADING_MAX  1000.0f
-#define VALUE_MAX    1.0e6f
+#define VALUE_MAX 1.0e6f
 
 #define ROUNDS_MAX 8U
 #define STEPS_MAX  16U
 
 /* ---- Configuration ---- */
-
-static bool is_within(float value, float low, float high)
-{
-    return value >= low && value <= high;
-}
 
 static const char *wrong_weight(const struct jp_teb_weights *weights)
 {
@@ -65,7 +57,7 @@ static const char *wrong_weight(const struct jp_teb_weights *weights)
     };
 
     for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if (!is_within(fields[i].value, 0.0f, VALUE_MAX)) {
+        if (!jp_plane_is_between(fields[i].value, 0.0f, VALUE_MAX)) {
             return fields[i].name;
         }
     }
@@ -98,7 +90,7 @@ static const char *wrong_field(const struct jp_teb_config *config)
     };
 
     for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if (!is_within(fields[i].value, fields[i].low, fields[i].high)) {
+        if (!jp_plane_is_between(fields[i].value, fields[i].low, fields[i].high)) {
             return fields[i].name;
         }
     }
@@ -280,19 +272,14 @@ static struct jp_plane_speed first_speed(const struct jp_teb *teb)
 
 /* ---- A cycle ---- */
 
-static bool is_pose_sound(const struct jp_plane_pose *pose)
-{
-    return is_within(pose->x, -POSITION_MAX, POSITION_MAX) && is_within(pose->y, -POSITION_MAX, POSITION_MAX) &&
-           is_within(pose->heading, -HEADING_MAX, HEADING_MAX);
-}
-
 static bool is_task_sound(const struct jp_teb *teb, const struct jp_teb_task *task)
 {
-    return is_pose_sound(&task->start) && is_pose_sound(&task->goal) &&
-           (!task->is_measured || is_pose_sound(&task->measured)) &&
-           is_within(task->speed.forward, -VALUE_MAX, VALUE_MAX) &&
-           is_within(task->speed.turn_rate, -VALUE_MAX, VALUE_MAX) &&
-           is_within(task->goal_speed, 0.0f, teb->config.speed_max) && task->path != NULL && task->path_count >= 2U;
+    return jp_plane_is_pose(&task->start) && jp_plane_is_pose(&task->goal) &&
+           (!task->is_measured || jp_plane_is_pose(&task->measured)) &&
+           jp_plane_is_between(task->speed.forward, -VALUE_MAX, VALUE_MAX) &&
+           jp_plane_is_between(task->speed.turn_rate, -VALUE_MAX, VALUE_MAX) &&
+           jp_plane_is_between(task->goal_speed, 0.0f, teb->config.speed_max) && task->path != NULL &&
+           task->path_count >= 2U;
 }
 
 enum jp_status jp_teb_plan(struct jp_teb *teb, const struct jp_teb_task *task, const struct jp_obstacles *obstacles,
