@@ -59,6 +59,13 @@ void plant_init(struct plant *plant, const struct robot_file *robot)
     *plant = (struct plant){.constants = constants_of(robot)};
 }
 
+void plant_change(struct plant *plant, const struct robot_file *robot)
+{
+    const double before = plant_mechanical_energy(plant);
+    plant->constants = constants_of(robot);
+    plant->ledger.change += plant_mechanical_energy(plant) - before;
+}
+
 static double current(const struct plant_constants *c, const struct plant_input *input, double voltage, double rate)
 {
     return input->driven ? (voltage - c->volts_per_rate * rate) / c->resistance : 0.0;

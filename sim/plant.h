@@ -42,7 +42,7 @@ struct plant_input {
 
 /**
  * Energies since the start, J. At any time
- * mechanical energy = its start value + electrical − copper − friction − conversion + push − impact.
+ * mechanical energy = its start value + electrical − copper − friction − conversion + push − impact + change.
  */
 struct plant_ledger {
     double electrical; /**< ∫ u i, both motors; falls while they generate */
@@ -52,6 +52,7 @@ struct plant_ledger {
                             gears; 0 for an ideal motor (Kt = Kb), negative while one with Kb > Kt generates */
     double push;       /**< work of push and yaw torque */
     double impact;     /**< mechanical energy that the ground took in a fall, or the hand that holds the robot */
+    double change;     /**< mechanical energy that came with a payload and left with it: plant_change() */
     double motor;      /**< ∫ (ul² + ur²)/Rm: the paper's motor energy; not part of the balance */
 };
 
@@ -92,6 +93,10 @@ struct plant {
 
 /** Upright and at rest at the origin. */
 void plant_init(struct plant *plant, const struct robot_file *robot);
+
+/** From now on the constants are those of `robot`; state and ledger go on, so a payload comes and leaves at the robot's
+ *  own speed. */
+void plant_change(struct plant *plant, const struct robot_file *robot);
 
 /** One Runge–Kutta step (4th order) with constant input; the ledger is integrated with the state. */
 void plant_step(struct plant *plant, const struct plant_input *input, double seconds);

@@ -210,22 +210,34 @@ static bool check_keys(const char *path, config_setting_t *root)
     return true;
 }
 
+/* `source` says where the value comes from. */
+static bool check_value(const char *source, const struct robot_field *field, size_t index, double value)
+{
+    const char *kind = field->type == ROBOT_FIELD_WHOLE ? "a whole number" : "a number";
+    const bool fits = field->type == ROBOT_FIELD_REAL || value == floor(value);
+    if (fits && value >= field->min && value <= field->max) {
+        return true;
+    }
+    char key[ROBOT_LABEL_SIZE];
+    robot_field_label(field, index, key);
+    error_line("%s: %s = %.10g: must be %s from %.10g to %.10g %s; correct the value", source, key, value, kind,
+               field->min, field->max, field->unit);
+    return false;
+}
+
 static bool load_element(const char *path, struct robot_file *robot, const struct robot_field *field,
                          config_setting_t *setting, size_t index)
 {
-    const char *kind = field->type == ROBOT_FIELD_WHOLE ? "a whole number" : "a number";
-    char key[ROBOT_LABEL_SIZE];
-    robot_field_label(field, index, key);
     double value;
     if (!config_file_number(setting, &value)) {
+        char key[ROBOT_LABEL_SIZE];
+        robot_field_label(field, index, key);
         error_line("%s: %s (line %u): must be %s in %s; correct the value", path, key,
-                   config_setting_source_line(setting), kind, field->unit);
+                   config_setting_source_line(setting),
+                   field->type == ROBOT_FIELD_WHOLE ? "a whole number" : "a number", field->unit);
         return false;
     }
-    const bool fits = field->type == ROBOT_FIELD_REAL || value == floor(value);
-    if (!fits || !(value >= field->min && value <= field->max)) {
-        error_line("%s: %s = %.10g: must be %s from %.10g to %.10g %s; correct the value", path, key, value, kind,
-                   field->min, field->max, field->unit);
+    if (!check_value(path, field, index, value)) {
         return false;
     }
     store(robot, field, index, value);
@@ -297,6 +309,18 @@ static bool check_together(const char *path, const struct robot_file *robot)
         return false;
     }
     return true;
+}
+
+bool robot_file_check(const char *source, const struct robot_file *robot)
+{
+    for (size_t i = 0; i < robot_field_count; i++) {
+        for (size_t j = 0; j < robot_fields[i].count; j++) {
+            if (!check_value(source, &robot_fields[i], j, robot_field_value(robot, &robot_fields[i], j))) {
+                return false;
+            }
+        }
+    }
+    return check_together(source, robot);
 }
 
 static bool load(const char *path, struct robot_file *robot, config_t *config)

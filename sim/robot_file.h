@@ -126,4 +126,8 @@ double robot_field_value(const struct robot_file *robot, const struct robot_fiel
  */
 bool robot_file_load(const char *path, struct robot_file *robot);
 
+/** The same checks of a robot that was made otherwise. On failure prints one line on stderr that begins with `source`.
+ */
+bool robot_file_check(const char *source, const struct robot_file *robot);
+
 #endif

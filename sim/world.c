@@ -24,6 +24,22 @@ void world_init(struct world *world, const struct robot_file *robot, uint64_t se
     random_init(&world->random, seed);
 }
 
+static bool counts_alike(const struct robot_file *a, const struct robot_file *b)
+{
+    return a->control.rate_hz == b->control.rate_hz && a->encoder.counts_per_turn == b->encoder.counts_per_turn &&
+           a->wheel.radius_m == b->wheel.radius_m && a->body.width_m == b->body.width_m;
+}
+
+bool world_change_robot(struct world *world, const struct robot_file *robot)
+{
+    if (!counts_alike(&world->robot, robot)) {
+        return false;
+    }
+    world->robot = *robot;
+    plant_change(&world->plant, robot);
+    return true;
+}
+
 double world_tick_seconds(const struct world *world)
 {
     return 1.0 / world->robot.control.rate_hz;
@@ -94,6 +110,8 @@ static uint32_t faulty_value(const struct world_fault *fault, uint32_t measured,
         return last;
     case WORLD_STUCK:
         return (uint32_t)fault->value;
+    case WORLD_SCALED:
+        return (uint32_t)jp_multiply_shift((int32_t)measured, fault->value, 16);
     default:
         break;
     }

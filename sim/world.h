@@ -28,6 +28,7 @@ enum world_channel {
 enum world_fault_kind {
     WORLD_FROZEN, /**< keeps the value of the last read before the fault */
     WORLD_JUMPED, /**< `value` is added: counters wrap, the others saturate */
+    WORLD_SCALED, /**< reads `value`, Q16, times what is measured, saturated; no counter */
     WORLD_STUCK   /**< reads `value` */
 };
 
@@ -35,7 +36,7 @@ enum world_fault_kind {
 struct world_fault {
     enum world_channel channel;
     enum world_fault_kind kind;
-    int32_t value;  /**< in the channel's format of sensors.h */
+    int32_t value;  /**< in the channel's format of sensors.h, but where its kind says else */
     uint64_t from;  /**< tick */
     uint64_t until; /**< tick; 0: for ever */
 };
@@ -59,6 +60,13 @@ struct world {
 
 /** Upright, at rest, bridges off, no faults, tick 0. The robot file is copied. */
 void world_init(struct world *world, const struct robot_file *robot, uint64_t seed);
+
+/**
+ * From now on the world's robot is `robot`, which is copied: plant, supply and instruments. Time, state, noise and
+ * faults go on, and the plant's ledger closes (plant_change()). False, and nothing changed, when control.rate_hz,
+ * encoder.counts_per_turn, wheel.radius_m or body.width_m differ: the encoders would jump.
+ */
+bool world_change_robot(struct world *world, const struct robot_file *robot);
 
 /** One tick of 1/rate_hz under the last actuation, applied at its PWM's resolution from the sagging supply. */
 void world_step(struct world *world);

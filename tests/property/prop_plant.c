@@ -164,16 +164,21 @@ static void test_equations_follow_from_the_lagrangian(void)
     }
 }
 
+static double lagrangian_energy(const struct robot_file *robot, const struct plant_state *s)
+{
+    const double q[3] = {s->wheel, s->pitch, s->yaw};
+    const double v[3] = {s->wheel_rate, s->pitch_rate, s->yaw_rate};
+    const double still[3] = {0};
+    return lagrangian(robot, q, v) - 2.0 * lagrangian(robot, q, still);
+}
+
 static void test_mechanical_energy_is_that_of_the_lagrangian(void)
 {
     for (int run = 0; run < 200; run++) {
         struct plant plant;
         plant_init(&plant, &robots[run % 2]);
         plant.state = random_state();
-        const double q[3] = {plant.state.wheel, plant.state.pitch, plant.state.yaw};
-        const double v[3] = {plant.state.wheel_rate, plant.state.pitch_rate, plant.state.yaw_rate};
-        const double still[3] = {0};
-        const double energy = lagrangian(&robots[run % 2], q, v) - 2.0 * lagrangian(&robots[run % 2], q, still);
+        const double energy = lagrangian_energy(&robots[run % 2], &plant.state);
         check_near(energy, plant_mechanical_energy(&plant), 1e-9, "mechanical energy, J");
     }
 }
@@ -209,6 +214,15 @@ static struct plant_input ledger_input(const struct ledger_run *run, const struc
     return input;
 }
 
+static void check_balance(const struct plant *plant, double start, const char *what)
+{
+    const struct plant_ledger *l = &plant->ledger;
+    const double residual = plant_mechanical_energy(plant) - (start + l->electrical - l->copper - l->friction -
+                                                              l->conversion + l->push - l->impact + l->change);
+    const double throughput = fabs(start) + fabs(l->electrical) + l->copper + l->friction + fabs(l->push);
+    check_below(fabs(residual) / throughput, 1e-8, what);
+}
+
 static void check_ledger(const struct robot_file *robot, const struct ledger_run *run, int ticks)
 {
     struct plant plant;
@@ -226,10 +240,7 @@ static void check_ledger(const struct robot_file *robot, const struct ledger_run
         plant_step(&plant, &input, TICK);
     }
     const struct plant_ledger *l = &plant.ledger;
-    const double residual = plant_mechanical_energy(&plant) -
-                            (start + l->electrical - l->copper - l->friction - l->conversion + l->push - l->impact);
-    const double throughput = fabs(start) + fabs(l->electrical) + l->copper + l->friction + fabs(l->push);
-    check_below(fabs(residual) / throughput, 1e-8, run->name);
+    check_balance(&plant, start, run->name);
     check_near(motor, l->motor, 1e-9 * (1.0 + motor), "the paper's motor energy");
     TEST_ASSERT_TRUE_MESSAGE(plant.fallen == !run->balanced, run->name);
     TEST_ASSERT_TRUE_MESSAGE(run->balanced ? l->impact == 0.0 : l->impact > 0.0, "impact");
@@ -271,6 +282,73 @@ static void test_hand_takes_and_gives_energy(void)
     plant_release(&plant);
     plant_step(&plant, &input, TICK);
     TEST_ASSERT_TRUE(plant.state.pitch != held.pitch);
+}
+
+/* ---- Changes in mid-drive ---- */
+
+static void test_change_enters_what_the_payload_carries(void)
+{
+    for (int run = 0; run < 200; run++) {
+        const struct robot_file *robot = &robots[run % 2];
+        struct robot_file loaded = *robot;
+        loaded.body.mass_kg += 1.0;
+        struct plant plant;
+        plant_init(&plant, robot);
+        plant.state = random_state();
+        const struct plant before = plant;
+
+        plant_change(&plant, &loaded);
+        TEST_ASSERT_EQUAL_MEMORY(&before.state, &plant.state, sizeof before.state);
+        const double carried = lagrangian_energy(&loaded, &plant.state) - lagrangian_energy(robot, &plant.state);
+        check_near(carried, plant.ledger.change, 1e-9, "energy that came");
+        plant_change(&plant, robot);
+        check_near(0.0, plant.ledger.change, 1e-9, "and went");
+        TEST_ASSERT_EQUAL_MEMORY(&before.constants, &plant.constants, sizeof before.constants);
+    }
+}
+
+static void test_change_without_mass_carries_nothing(void)
+{
+    struct robot_file rough = robots[1];
+    rough.ground.friction *= 3.0;
+    rough.motor.friction *= 2.0;
+    rough.motor.resistance_ohm *= 1.1;
+    struct plant plant;
+    plant_init(&plant, &robots[1]);
+    plant.state = random_state();
+    plant_change(&plant, &rough);
+    TEST_ASSERT_TRUE(plant.ledger.change == 0.0);
+    TEST_ASSERT_TRUE(plant.constants.ground_friction == rough.ground.friction);
+    TEST_ASSERT_TRUE(plant.constants.motor_friction == rough.motor.friction);
+    TEST_ASSERT_TRUE(plant.constants.resistance == rough.motor.resistance_ohm);
+}
+
+static void test_ledger_closes_over_changes(void)
+{
+    static const struct ledger_run driven = {"with changes", 5.0, true, 20.0, true};
+    for (int run = 0; run < 10; run++) {
+        const struct robot_file *robot = &robots[run % 2];
+        double moved = 0.0;
+        struct plant plant;
+        plant_init(&plant, robot);
+        plant.state.wheel_rate = random_uniform(&noise, -2, 2);
+        const double start = plant_mechanical_energy(&plant);
+        for (int tick = 0; tick < 10000; tick++) {
+            if (tick % 1000 == 500) {
+                const double change = plant.ledger.change;
+                struct robot_file varied = *robot;
+                varied.body.mass_kg += random_uniform(&noise, -0.3, 1.2);
+                varied.ground.friction *= random_uniform(&noise, 0.5, 2.0);
+                plant_change(&plant, &varied);
+                moved += fabs(plant.ledger.change - change);
+            }
+            const struct plant_input input = ledger_input(&driven, &plant, tick);
+            plant_step(&plant, &input, TICK);
+        }
+        check_balance(&plant, start, driven.name);
+        TEST_ASSERT_FALSE(plant.fallen);
+        TEST_ASSERT_TRUE_MESSAGE(moved > 1.0, "the changes must weigh in the balance");
+    }
 }
 
 /* ---- Known motions ---- */
@@ -444,6 +522,9 @@ int main(void)
     RUN_TEST(test_mechanical_energy_is_that_of_the_lagrangian);
     RUN_TEST(test_ledger_closes);
     RUN_TEST(test_hand_takes_and_gives_energy);
+    RUN_TEST(test_change_enters_what_the_payload_carries);
+    RUN_TEST(test_change_without_mass_carries_nothing);
+    RUN_TEST(test_ledger_closes_over_changes);
     RUN_TEST(test_upright_is_an_unstable_equilibrium);
     RUN_TEST(test_steady_cruise);
     RUN_TEST(test_left_and_right_mirror);

@@ -339,6 +339,8 @@ static void test_faults_act_in_their_ticks(void)
         {.channel = WORLD_ACCEL_X, .kind = WORLD_STUCK, .value = INT32_MIN, .from = 10, .until = 20},
         {.channel = WORLD_ACCEL_Z, .kind = WORLD_JUMPED, .value = INT32_MAX, .from = 10, .until = 20},
         {.channel = WORLD_ENCODER_LEFT, .kind = WORLD_JUMPED, .value = -5, .from = 10},
+        {.channel = WORLD_CURRENT_LEFT, .kind = WORLD_SCALED, .value = JP_Q16(0.5), .from = 10, .until = 20},
+        {.channel = WORLD_CURRENT_RIGHT, .kind = WORLD_SCALED, .value = INT32_MIN, .from = 10, .until = 20},
     };
     for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
         TEST_ASSERT_TRUE(world_add_fault(&world, &faults[i]));
@@ -358,6 +360,8 @@ static void test_faults_act_in_their_ticks(void)
         TEST_ASSERT_EQUAL_INT32(active ? INT32_MAX : expected.accel_z, faulty.accel_z);
         TEST_ASSERT_EQUAL_UINT32(expected.encoder_left - (tick >= 10 ? 5u : 0u), faulty.encoder_left);
         TEST_ASSERT_EQUAL_UINT32(expected.encoder_right, faulty.encoder_right);
+        TEST_ASSERT_INT32_WITHIN(1, expected.current_left / (active ? 2 : 1), faulty.current_left);
+        TEST_ASSERT_EQUAL_INT32(active ? INT32_MIN : expected.current_right, faulty.current_right);
         write_ok(&world, duties(0.05, 0.05));
         write_ok(&sound, duties(0.05, 0.05));
         world_step(&world);
@@ -388,6 +392,56 @@ static void test_hal_failures(void)
     TEST_ASSERT_FALSE(world_add_fault(&world, &read));
 }
 
+/* ---- Changes of the robot ---- */
+
+static void test_changed_robot_is_that_of_the_new_file(void)
+{
+    struct robot_file other = courier;
+    other.body.mass_kg += 1.0;
+    other.supply.voltage_v = 22.0;
+    other.gyro.bias_dps = 5.0;
+    struct world world;
+    world_init(&world, &courier, SEED);
+    for (int tick = 0; tick < 100; tick++) {
+        (void)driven_tick(&world, tick);
+    }
+    const struct plant before = world.plant;
+    const struct jp_sensors sensors = read_ok(&world);
+    TEST_ASSERT_TRUE(world_change_robot(&world, &other));
+
+    struct world fresh;
+    world_init(&fresh, &other, SEED);
+    TEST_ASSERT_EQUAL_MEMORY(&fresh.plant.constants, &world.plant.constants, sizeof fresh.plant.constants);
+    TEST_ASSERT_EQUAL_MEMORY(&before.state, &world.plant.state, sizeof before.state);
+    TEST_ASSERT_TRUE(world.plant.ledger.electrical == before.ledger.electrical);
+    TEST_ASSERT_EQUAL_UINT64(100u, world.tick);
+
+    const struct jp_sensors after = read_ok(&world);
+    TEST_ASSERT_EQUAL_UINT32(sensors.encoder_left, after.encoder_left);
+    TEST_ASSERT_EQUAL_UINT32(sensors.encoder_right, after.encoder_right);
+    check_near(4.5, (from_q24(after.pitch_rate) - from_q24(sensors.pitch_rate)) * 360.0, 1.0, "gyro bias");
+    write_ok(&world, duties(0.0, 0.0));
+    world_step(&world);
+    check_near(22.0 - 0.1 * 4.0 / 22.0, world.bus_voltage, 1e-9, "bus voltage");
+}
+
+static void test_change_that_would_move_the_encoders_is_refused(void)
+{
+    struct robot_file others[4] = {courier, courier, courier, courier};
+    others[0].control.rate_hz *= 2;
+    others[1].encoder.counts_per_turn *= 2;
+    others[2].wheel.radius_m *= 1.01;
+    others[3].body.width_m *= 1.01;
+    struct world world;
+    world_init(&world, &courier, SEED);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        const struct world before = world;
+        others[i].body.mass_kg += 1.0;
+        TEST_ASSERT_FALSE(world_change_robot(&world, &others[i]));
+        TEST_ASSERT_EQUAL_MEMORY(&before, &world, sizeof world);
+    }
+}
+
 int main(void)
 {
     (void)printf("seed %u\n", SEED);
@@ -406,5 +460,7 @@ int main(void)
     RUN_TEST(test_neighbouring_seeds_are_independent);
     RUN_TEST(test_faults_act_in_their_ticks);
     RUN_TEST(test_hal_failures);
+    RUN_TEST(test_changed_robot_is_that_of_the_new_file);
+    RUN_TEST(test_change_that_would_move_the_encoders_is_refused);
     return UNITY_END();
 }
