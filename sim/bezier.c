@@ -28,6 +28,7 @@
 struct problem {
     const struct robot_file *robot;
     struct plant_constants constants;
+    enum energy_kind energy;
     struct bezier_path path;
     size_t first;
     size_t count;
@@ -92,8 +93,13 @@ static double power(const struct problem *problem, double speed, double accelera
     double common = (drag * speed + 0.5 * c->wheel_inertia * acceleration) / (alpha * c->wheel_radius);
     double difference =
         (0.5 * c->yaw_inertia * turn_acceleration / c->half_track + c->half_track * drag * turn_rate) / alpha;
+    /* The motors' energy in the paper is that of motors at rest. */
+    double back_emf = problem->energy == ENERGY_BATTERY ? c->volts_per_rate : 0;
+    double common_drop = common - back_emf * speed / c->wheel_radius;
+    double difference_drop = difference - back_emf * c->half_track * turn_rate;
 
-    return 2 * (common * common + difference * difference) / c->resistance + problem->robot->electronics.power_w;
+    return 2 * (common * common_drop + difference * difference_drop) / c->resistance +
+           problem->robot->electronics.power_w;
 }
 
 static double excess(double value, double limit)
@@ -211,10 +217,10 @@ static bool optimise(struct problem *problem)
     return true;
 }
 
-bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, const struct bezier_point *waypoints,
-                     size_t count, enum bezier_scope scope)
+bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, enum energy_kind energy,
+                     const struct bezier_point *waypoints, size_t count, enum bezier_scope scope)
 {
-    struct problem problem = {.robot = robot, .path = {.curves = count - 1}};
+    struct problem problem = {.robot = robot, .energy = energy, .path = {.curves = count - 1}};
     size_t together = scope == BEZIER_ROUTE ? problem.path.curves : 1;
     struct plant plant;
 

@@ -5,7 +5,8 @@
  *
  * The energy that it minimises is the steady and inertial motor power of the robot without its controller's transient,
  *   ∫ (ul² + ur²)/Rm + Ps dt,   uc = ((β+fw) θ̇ + ½ Iθ θ̈)/α,   ud likewise for yaw,
- * so that the baseline is planned with the best knowledge that such a planner has, and then driven like the others.
+ * or of the battery ∫ ul il + ur ir + Ps dt, so that the baseline is planned with the best knowledge that such a
+ * planner has, and then driven like the others.
  */
 #ifndef JOULEPATH_SIM_BEZIER_H
 #define JOULEPATH_SIM_BEZIER_H
@@ -13,6 +14,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "energy_kind.h"
 #include "robot_file.h"
 
 #define BEZIER_WAYPOINTS_MAX 128
@@ -42,11 +44,11 @@ struct bezier_motion {
 };
 
 /**
- * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX) within the robot's limits of speed and turn
- * rate. False after one line on stderr when the optimiser fails.
+ * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX) for this energy within the robot's limits of
+ * speed and turn rate. False after one line on stderr when the optimiser fails.
  */
-bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, const struct bezier_point *waypoints,
-                     size_t count, enum bezier_scope scope);
+bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, enum energy_kind energy,
+                     const struct bezier_point *waypoints, size_t count, enum bezier_scope scope);
 
 /** Motion on curve `curve` at `seconds` after its start. */
 struct bezier_motion bezier_motion(const struct bezier_path *path, size_t curve, double seconds);

@@ -28,8 +28,8 @@ struct run {
     bool under_way;      /**< the first segment has begun */
     uint64_t start_tick; /**< of it */
     uint64_t leg_tick;   /**< first of the leg */
-    double leg_motor;    /**< the plant's motor energy at its start, J */
-    int64_t start_spent; /**< EnergySpent at the start */
+    double leg_plant;    /**< the plant's motor energy at its start, J */
+    int64_t start_spent; /**< by the ECU's meter at the start, of the scenario's kind */
     size_t leg;
     struct bezier_point reference; /**< where the reference is, m */
 };
@@ -76,6 +76,13 @@ static void follow_reference(struct run *run)
     run->reference.y += rolled * sin(heading);
 }
 
+static int64_t spent(const struct run *run)
+{
+    const struct ecu_view *view = &run->result->drive.view;
+
+    return run->scenario->energy == ENERGY_BATTERY ? view->drawn.energy : view->spent.energy;
+}
+
 static void log_row(const struct run *run)
 {
     const struct plant *plant = plant_of(run);
@@ -83,29 +90,25 @@ static void log_row(const struct run *run)
     const struct plant_input *input = &node->world.input;
     const struct ecu_view *view = &run->result->drive.view;
     const double radius = run->scenario->robot.wheel.radius_m;
-    const double left = view->motors.voltage_left / 128.0;
-    const double right = view->motors.voltage_right / 128.0;
-    const double power = (left * left + right * right) / run->scenario->robot.motor.resistance_ohm +
-                         run->scenario->robot.electronics.power_w;
 
-    mission_log_row(run->view.log, &(struct mission_row){
-                                       .time = seconds(run, tick_of(run) - run->start_tick),
-                                       .position = {plant->x, plant->y},
-                                       .reference = run->reference,
-                                       .heading = plant->state.yaw,
-                                       .speed = plant->state.wheel_rate * radius,
-                                       .turn_rate = plant->state.yaw_rate,
-                                       .reference_speed = view->reference.speed / Q12_ONE,
-                                       .reference_turn_rate = view->reference.turn_rate / Q12_ONE * 2 * M_PI,
-                                       .pitch_deg = plant->state.pitch * DEGREES,
-                                       .voltage_left = left,
-                                       .voltage_right = right,
-                                       .current_left = plant_current_left(plant, input),
-                                       .current_right = plant_current_right(plant, input),
-                                       .power = power,
-                                       .energy = (double)(view->spent.energy - run->start_spent) / ENERGY_ONE,
-                                       .leg = run->leg,
-                                   });
+    mission_log_row(run->view.log, run->scenario,
+                    &(struct mission_row){
+                        .time = seconds(run, tick_of(run) - run->start_tick),
+                        .position = {plant->x, plant->y},
+                        .reference = run->reference,
+                        .heading = plant->state.yaw,
+                        .speed = plant->state.wheel_rate * radius,
+                        .turn_rate = plant->state.yaw_rate,
+                        .reference_speed = view->reference.speed / Q12_ONE,
+                        .reference_turn_rate = view->reference.turn_rate / Q12_ONE * 2 * M_PI,
+                        .pitch_deg = plant->state.pitch * DEGREES,
+                        .voltage_left = view->motors.voltage_left / 128.0,
+                        .voltage_right = view->motors.voltage_right / 128.0,
+                        .current_left = plant_current_left(plant, input),
+                        .current_right = plant_current_right(plant, input),
+                        .energy = (double)(spent(run) - run->start_spent) / ENERGY_ONE,
+                        .leg = run->leg,
+                    });
 }
 
 /* Legs. */
@@ -113,14 +116,14 @@ static void log_row(const struct run *run)
 static void begin_leg(struct run *run)
 {
     run->leg_tick = tick_of(run);
-    run->leg_motor = plant_of(run)->ledger.motor;
+    run->leg_plant = mission_plant_energy(run->scenario, plant_of(run));
 }
 
 /** The first segment begins in the tick that announces it; the plant has stepped on since. */
 static void begin(struct run *run)
 {
     run->under_way = true;
-    run->start_spent = run->result->drive.view.spent.energy;
+    run->start_spent = spent(run);
     run->reference = (struct bezier_point){plant_of(run)->x, plant_of(run)->y};
     begin_leg(run);
     run->leg_tick--;
@@ -160,9 +163,10 @@ static void end_leg(struct run *run)
 
     /* The segment ended with the tick before: the plant has stepped once since. */
     leg->duration = seconds(run, tick_of(run) - 1 - run->leg_tick);
-    leg->measured_energy = segment->spent / Q16_ONE;
     leg->battery_energy = segment->drawn / Q16_ONE;
-    leg->plant_energy = plant->ledger.motor - run->leg_motor + run->scenario->robot.electronics.power_w * leg->duration;
+    leg->measured_energy = run->scenario->energy == ENERGY_BATTERY ? leg->battery_energy : segment->spent / Q16_ONE;
+    leg->plant_energy = mission_plant_energy(run->scenario, plant) - run->leg_plant +
+                        run->scenario->robot.electronics.power_w * leg->duration;
     leg->end = (struct bezier_point){plant->x, plant->y};
     leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
     run->leg++;

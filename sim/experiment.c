@@ -41,9 +41,19 @@ static double volts(jp_q16 voltage)
     return (double)voltage / JP_Q16_ONE;
 }
 
+static jp_energy metered(const struct jp_meter *meter, enum energy_kind kind)
+{
+    return kind == ENERGY_BATTERY ? meter->battery : meter->model;
+}
+
+static jp_energy last_segment(const struct jp_tick_telemetry *telemetry, enum energy_kind kind)
+{
+    return kind == ENERGY_BATTERY ? telemetry->segment_energy_battery : telemetry->segment_energy_model;
+}
+
 /** Drives the waiting segment from its first tick to its last; false after a fall. */
-static bool drive(struct rig *rig, const struct jp_segment_command *command, uint32_t ticks, double *window_voltage,
-                  double *energy)
+static bool drive(struct rig *rig, const struct jp_segment_command *command, enum energy_kind kind, uint32_t ticks,
+                  double *window_voltage, double *energy)
 {
     const struct jp_tick_telemetry *telemetry = &rig->robot.telemetry;
     const struct jp_meter *meter = &rig->robot.meter;
@@ -57,7 +67,7 @@ static bool drive(struct rig *rig, const struct jp_segment_command *command, uin
             return false;
         }
         if (tick == 0) {
-            start = meter->model;
+            start = metered(meter, kind);
         }
         if (window_voltage != NULL) {
             double *window = &window_voltage[2 * (tick / EXPERIMENT_WINDOW_TICKS)];
@@ -65,7 +75,7 @@ static bool drive(struct rig *rig, const struct jp_segment_command *command, uin
             window[0] += volts(telemetry->voltages.left) / EXPERIMENT_WINDOW_TICKS;
             window[1] += volts(telemetry->voltages.right) / EXPERIMENT_WINDOW_TICKS;
             if (tick % EXPERIMENT_WINDOW_TICKS == 0) {
-                energy[tick / EXPERIMENT_WINDOW_TICKS] = joules(meter->model - start) - tick * electronics;
+                energy[tick / EXPERIMENT_WINDOW_TICKS] = joules(metered(meter, kind) - start) - tick * electronics;
             }
         }
     }
@@ -84,7 +94,8 @@ static uint32_t settled_window(const double *window_voltage, uint32_t windows, d
     return settled;
 }
 
-void experiment_run(struct experiment *experiment, struct rig *rig, double seconds, double threshold, double *energy)
+void experiment_run(struct experiment *experiment, struct rig *rig, enum energy_kind kind, double seconds,
+                    double threshold, double *energy)
 {
     double tick = world_tick_seconds(&rig->world);
     uint32_t ticks = (uint32_t)lround(seconds / tick);
@@ -97,15 +108,15 @@ void experiment_run(struct experiment *experiment, struct rig *rig, double secon
         abort();
     }
     rig_release(rig, 0);
-    experiment->fell = !drive(rig, &first, ticks, NULL, NULL);
+    experiment->fell = !drive(rig, &first, kind, ticks, NULL, NULL);
     experiment->voltage_left = volts(rig->robot.telemetry.voltages.left);
     experiment->voltage_right = volts(rig->robot.telemetry.voltages.right);
-    experiment->fell = experiment->fell || !drive(rig, &second, ticks, window_voltage, energy);
+    experiment->fell = experiment->fell || !drive(rig, &second, kind, ticks, window_voltage, energy);
 
     /* One tick more closes the last window. */
     (void)rig_tick(rig);
     energy[windows] =
-        joules(rig->robot.telemetry.segment_energy_model) - ticks * joules(rig->robot.meter.electronics_tick);
+        joules(last_segment(&rig->robot.telemetry, kind)) - ticks * joules(rig->robot.meter.electronics_tick);
     experiment->settling = settled_window(window_voltage, windows, threshold) * EXPERIMENT_WINDOW_TICKS * tick;
     free(window_voltage);
 }

@@ -5,6 +5,7 @@
 #ifndef JOULEPATH_SIM_EXPERIMENT_H
 #define JOULEPATH_SIM_EXPERIMENT_H
 
+#include "energy_kind.h"
 #include "rig.h"
 
 /** Settled: from here on the mean voltages of successive windows differ by less than a threshold. */
@@ -30,10 +31,11 @@ struct experiment {
 void experiment_draw(struct experiment *experiment, const struct robot_file *file, struct random *random);
 
 /**
- * Drives both segments for `seconds` each. energy[k], k = 0…n, is the motors' energy of the second segment up to
- * multiples of EXPERIMENT_WINDOW_TICKS ticks, J, as the robot's own meter measures it. `threshold` in V.
+ * Drives both segments for `seconds` each. energy[k], k = 0…n, is the motors' energy of this kind of the second segment
+ * up to multiples of EXPERIMENT_WINDOW_TICKS ticks, J, as the robot's own meter measures it. `threshold` in V.
  */
-void experiment_run(struct experiment *experiment, struct rig *rig, double seconds, double threshold, double *energy);
+void experiment_run(struct experiment *experiment, struct rig *rig, enum energy_kind kind, double seconds,
+                    double threshold, double *energy);
 
 /** The command that the robot takes. */
 struct jp_segment_command experiment_command(const struct experiment_segment *segment, double seconds);

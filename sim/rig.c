@@ -32,6 +32,16 @@ const struct robot_entry *rig_find_robot(const char *name)
     return NULL;
 }
 
+const struct jp_energy_model *rig_energy_model(const struct robot_entry *entry, enum energy_kind kind)
+{
+    const struct jp_energy_model *model = kind == ENERGY_BATTERY ? entry->energy_battery : entry->energy;
+
+    if (model == NULL) {
+        error_line("%s: no model of the battery's energy; run make identify ROBOT=%s", entry->name, entry->name);
+    }
+    return model;
+}
+
 bool rig_init(struct rig *rig, const struct robot_entry *entry, const struct jp_energy_model *model,
               const struct robot_file *file, uint64_t seed)
 {

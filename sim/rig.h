@@ -3,6 +3,7 @@
 #define JOULEPATH_SIM_RIG_H
 
 #include "../hal/sim/hal_sim.h"
+#include "energy_kind.h"
 #include "robots.h"
 
 struct rig {
@@ -14,6 +15,9 @@ struct rig {
 
 /** The built-in robot of this name, or NULL after one line on stderr that lists them. */
 const struct robot_entry *rig_find_robot(const char *name);
+
+/** The robot's identified model of this energy, or NULL after one line on stderr. */
+const struct jp_energy_model *rig_energy_model(const struct robot_entry *entry, enum energy_kind kind);
 
 /** Ready and held upright. Prints one line on stderr and returns false when the configuration or model is refused.
  *  A rig must not be moved after it. */

@@ -34,6 +34,11 @@ def write_scenario(path, *waypoints, robot="gao2018"):
     return path
 
 
+def with_battery_energy(path):
+    path.write_text(path.read_text() + 'energy = "battery";\n')
+    return path
+
+
 def write_vcan_scenario(path):
     """Short even in an emulated kernel."""
     return write_scenario(path, (0.5, 0.2))

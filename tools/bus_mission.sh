@@ -19,6 +19,7 @@ mkdir -p "$output" || die "$output: cannot be made; choose another folder"
 robot=$(sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p' "$scenario")
 [ -n "$robot" ] || die "$scenario: names no robot; add robot = \"../robots/name.cfg\";"
 model=$(sed -n 's/^energy_model *= *"\([a-z]*\)".*/\1/p' "$scenario")
+energy=$(sed -n 's/^energy *= *"\([a-z]*\)".*/\1/p' "$scenario")
 
 trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT
 case $bus in
@@ -34,6 +35,7 @@ pil)
     image=${JP_BUILD:-$(dirname "$0")/../build}/firmware/$robot/joulepath.elf
     [ -e "$image" ] || die "$image: is not there; run make firmware ROBOT=$robot"
     [ "${model:-identified}" = identified ] || die "$scenario: energy_model = \"$model\", but the image has the identified one"
+    [ "${energy:-motor}" = motor ] || die "$scenario: energy = \"$energy\", but the image has the model of the motors' energy"
     qemu-system-arm -M netduinoplus2 -nographic -monitor none -serial pty -kernel "$image" >"$output/qemu.log" 2>&1 &
     for _ in $(seq 100); do
         line=$(sed -n 's/^char device redirected to \([^ ]*\) .*/\1/p' "$output/qemu.log")
@@ -58,7 +60,7 @@ if [ "$bus" = slcan ]; then
         sleep 0.05
     done
 fi
-"$programs/jp-ecu" --bus "$ecu_bus" --robot "$robot" --model "${model:-identified}" >"$output/ecu.log" &
+"$programs/jp-ecu" --bus "$ecu_bus" --robot "$robot" --model "${model:-identified}" --energy "${energy:-motor}" >"$output/ecu.log" &
 ecu=$!
 wait "$plant"
 status=$?

@@ -133,9 +133,9 @@ STATE_UNITS = ("J·s²/m²", "J·s²/rad²", "J/rad²", "J·s²/(m·rad)", "J·s
 STEADY_UNITS = ("J·s/m²", "J·s/rad²")
 
 
-def energy_table(robot_name, model, command, source, note):
-    """The C table of an energy model (linear_model.EnergyModel)."""
-    to = Converter(f"energy model of {robot_name}")
+def energy_table(name, model, command, source, note):
+    """The C table jp_energy_model_<name> of an energy model (linear_model.EnergyModel)."""
+    to = Converter(f"energy model of {name}")
 
     def array(name, values, units, low, high):
         members = [to.q16(f"{name}{i}", value, unit, low, high)
@@ -152,5 +152,5 @@ def energy_table(robot_name, model, command, source, note):
         to.q16("voltage_per_turn_rate", model.voltage_per_turn_rate, "V·s/rad", 0, 256),
         to.q16("motor_resistance", model.motor_resistance, "Ω", step, 256),
     ]
-    return Table(command, source, note, "joulepath/energy.h", "jp_energy_model", f"jp_energy_model_{robot_name}",
+    return Table(command, source, note, "joulepath/energy.h", "jp_energy_model", f"jp_energy_model_{name}",
                  members)

@@ -7,8 +7,13 @@ The paper fits b on the energy after the settling time and a on the energy befor
 goes into b, and the split matters. Here b is the power of the last second, with terms beside v², w² that take up what is
 left of the transient, and a fits the whole segment's energy less b (T − Ts): Ts only names where the line starts.
 
-Writes src/tables/energy_<robot>.c, and identification.json and identification.png beside the experiments. Exit status
-2: bad input; nothing was written.
+The energy is that of the motors as the paper defines it, (ul² + ur²)/Rm, or what the battery gives them, ul il + ur ir.
+The model takes the power before the segment as P₋ = (ul₋² + ur₋²)/Rm, which is not what the battery sees. Its model has
+*effective* voltages instead, whose squares are the steady power: 2 cv²/Rm = b1 and 2 cw²/Rm = b2, so that a13 = Ts as in
+the paper's.
+
+Writes src/tables/energy_<robot>.c or energy_<robot>_battery.c, and identification.json and identification.png beside the
+experiments. Exit status 2: bad input; nothing was written.
 """
 import argparse
 import csv
@@ -42,11 +47,31 @@ PUBLISHED_MAX_ABSOLUTE_ERROR = 1.0    # J
 
 MEAN_RELATIVE_ERROR_BAR = 0.15  # %
 
+MOTOR, BATTERY = "motor", "battery"
+
 FIT_SHARE = 0.7
 EXPERIMENTS_MIN = 40
 
 # A column that adds less than this to the others is not independent of them.
 RANK_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Wording:
+    """How an energy is called."""
+    suffix: str  # of the table and of the experiments' folder
+    figure: str  # in the name of a figure
+    title: str
+    errors: str  # what they are errors of
+
+
+WORDINGS = {
+    MOTOR: Wording("", "energy model", "energy of the motors", "the motors' energy"),
+    BATTERY: Wording("_battery", "battery energy model", "energy of the battery",
+                     "the energy that the battery gives the motors"),
+}
+EFFECTIVE_VOLTAGES = ("The voltages are effective ones, whose squares over Rm are the power that the battery sees: "
+                      "2 cv²/Rm = b1,\n * 2 cw²/Rm = b2.")
 
 
 @dataclass(frozen=True)
@@ -57,6 +82,7 @@ class Experiments:
     segment: float
     last: float
     seed: int
+    energy: str = MOTOR
 
     @property
     def count(self):
@@ -65,7 +91,7 @@ class Experiments:
 
 @dataclass(frozen=True)
 class Errors:
-    """Prediction of the motors' energy against the measured one."""
+    """Prediction of the energy without the electronics against the measured one."""
     measured: np.ndarray  # J
     absolute: np.ndarray  # J, predicted − measured
     relative: np.ndarray  # %
@@ -102,32 +128,42 @@ def read_rows(path):
     return dict(zip(header, np.array(rows).T))
 
 
-def read_experiments(directory, robot_name):
+def read_experiments(directory, robot_name, energy=MOTOR):
     path = directory / "experiments.json"
     try:
         about = json.loads(read_text(path))
         settling, segment = float(about["settling_time_s"]), float(about["segment_s"])
         last = float(about["last_s"])
-        seed, name = int(about["seed"]), about["robot"]
+        seed, name, measured = int(about["seed"]), about["robot"], about["energy"]
     except (ValueError, TypeError) as error:
         raise ToolError(f"{path}: garbled: {error}") from None
     except KeyError as error:
         raise ToolError(f"{path}: key {error.args[0]} is missing") from None
     if name != robot_name:
         raise ToolError(f"{path}: robot: is {name!r}, expected {robot_name!r}")
+    if measured != energy:
+        raise ToolError(f"{path}: energy: is {measured!r}, expected {energy!r}; run jp-identify --energy {energy}")
     if not 0 < settling < segment:
         raise ToolError(f"{path}: settling_time_s: is {settling:g} s, must be above 0 and below segment_s {segment:g} s")
     if not 0 < last < segment:
         raise ToolError(f"{path}: last_s: is {last:g} s, must be above 0 and below segment_s {segment:g} s")
     source = str(directory / "experiments.csv")
-    return Experiments(source, read_rows(source), settling, segment, last, seed)
+    return Experiments(source, read_rows(source), settling, segment, last, seed, energy)
+
+
+def voltages_before(columns, per_speed, per_turn_rate):
+    """Steady voltages before the second segment, as the library predicts them."""
+    travel, turn = per_speed * columns["v1_m_s"], per_turn_rate * columns["w1_rad_s"]
+    return travel - turn, travel + turn
 
 
 def predicted_voltages(robot, columns):
-    """Steady voltages before the second segment, as the library predicts them."""
-    per_speed, per_turn_rate = linear_model.steady_voltages(robot)
-    travel, turn = per_speed * columns["v1_m_s"], per_turn_rate * columns["w1_rad_s"]
-    return travel - turn, travel + turn
+    return voltages_before(columns, *linear_model.steady_voltages(robot))
+
+
+def effective_voltages(b, resistance):
+    """cv and cw with which (ul² + ur²)/Rm is the steady power b1 v² + b2 w²."""
+    return tuple(np.sqrt(b * resistance / 2).tolist())
 
 
 def state_regressors(columns, left, right, resistance):
@@ -167,7 +203,8 @@ def fit(source, matrix, energies, terms):
 
 def errors_of(source, measured, predicted):
     if np.any(measured <= 0):
-        raise ToolError(f"{source}: e_total_j: an experiment of {measured.min():g} J; the motors' energy is above 0")
+        raise ToolError(f"{source}: e_total_j: an experiment of {measured.min():g} J; ten seconds of driving take more "
+                        "than 0")
     absolute = predicted - measured
     return Errors(measured, absolute, 100 * absolute / measured)
 
@@ -192,8 +229,6 @@ def fit_paper(experiments, state, steady, fitted):
 def identify(robot, experiments):
     source, columns = experiments.source, experiments.columns
     resistance = robot.positive("motor.resistance_ohm")
-    left, right = predicted_voltages(robot, columns)
-    state = state_regressors(columns, left, right, resistance)
     steady = steady_regressors(columns, experiments.segment - experiments.settling_time)
     measured = columns["e_total_j"]
 
@@ -204,35 +239,40 @@ def identify(robot, experiments):
     if b.min() < 0:
         raise ToolError(f"{source}: e_last_j: b{b.argmin() + 1} is {b.min():g}, steady motion cannot gain energy; check "
                         "the robot file")
+    per_speed, per_turn_rate = (effective_voltages(b, resistance) if experiments.energy == BATTERY
+                                else linear_model.steady_voltages(robot))
+    state = state_regressors(columns, *voltages_before(columns, per_speed, per_turn_rate), resistance)
     a = fit(source, state[fitted], (measured - steady @ b)[fitted], TERMS)
 
     def errors(predicted, chosen):
         return errors_of(source, measured[chosen], predicted[chosen])
 
     predicted = state @ a + steady @ b
-    per_speed, per_turn_rate = linear_model.steady_voltages(robot)
     model = linear_model.EnergyModel(tuple(a.tolist()), tuple(b.tolist()), robot.positive("electronics.power_w"),
                                      experiments.settling_time, per_speed, per_turn_rate, resistance)
+    left, right = predicted_voltages(robot, columns)
     difference = max(np.abs(left - columns["u_left_before_v"]).max(), np.abs(right - columns["u_right_before_v"]).max())
     return Identification(model, errors(predicted, fitted), errors(predicted, held_out),
                           errors(fit_paper(experiments, state, steady, fitted), held_out), float(difference))
 
 
-def parameter_rows(model):
-    """(name, term, value, published value, unit) of each parameter."""
-    a = zip([f"a{i}" for i in range(1, 14)], TERMS, model.a, PUBLISHED_A, c_tables.STATE_UNITS)
-    b = zip(["b1", "b2"], STEADY_TERMS, model.b, PUBLISHED_B, c_tables.STEADY_UNITS)
+def parameter_rows(model, energy):
+    """(name, term, value, published value or None, unit) of each parameter."""
+    published_a, published_b = (PUBLISHED_A, PUBLISHED_B) if energy == MOTOR else ([None] * 13, [None] * 2)
+    a = zip([f"a{i}" for i in range(1, 14)], TERMS, model.a, published_a, c_tables.STATE_UNITS)
+    b = zip(["b1", "b2"], STEADY_TERMS, model.b, published_b, c_tables.STEADY_UNITS)
     return [*a, *b]
 
 
 def result_json(robot, experiments, result):
     return {
         "robot": robot.name,
+        "energy": experiments.energy,
         "settling_time_s": experiments.settling_time,
         "segment_s": experiments.segment,
         "seed": experiments.seed,
         "parameters": [{"name": name, "term": term, "value": value, "published": published, "unit": unit}
-                       for name, term, value, published, unit in parameter_rows(result.model)],
+                       for name, term, value, published, unit in parameter_rows(result.model, experiments.energy)],
         "fit": result.fit.summary(),
         "validation": result.validation.summary(),
         "validation_of_the_papers_procedure": result.split.summary(),
@@ -242,14 +282,15 @@ def result_json(robot, experiments, result):
     }
 
 
-def bench_json(robot, result):
+def bench_json(robot, energy, result):
     """The headline numbers for tools/figures.py."""
     summary = result.validation.summary()
     command = f"make identify ROBOT={robot.name}"
+    name = f"{WORDINGS[energy].figure} of {robot.name}"
     return [
-        {"name": f"energy model of {robot.name}, mean error", "value": summary["mean_relative_error_percent"],
+        {"name": f"{name}, mean error", "value": summary["mean_relative_error_percent"],
          "unit": "%", "bound": {"op": "<=", "value": MEAN_RELATIVE_ERROR_BAR}, "command": command},
-        {"name": f"energy model of {robot.name}, largest error", "value": summary["max_absolute_error_j"],
+        {"name": f"{name}, largest error", "value": summary["max_absolute_error_j"],
          "unit": "J", "bound": {"op": "<=", "value": PUBLISHED_MAX_ABSOLUTE_ERROR}, "command": command},
     ]
 
@@ -268,14 +309,14 @@ def _error_axes(axes, values, unit, label, mean):
     histogram.set_title(f"mean |error| {mean:.3g} {unit}", fontweight="normal")
 
 
-def draw(robot, result):
+def draw(robot, energy, result):
     """The validation errors, as the paper's Fig. 5."""
     figure, axes = plots.new_figure(9, 6.2, 2, 2, gridspec_kw={"width_ratios": [3, 1]})
     errors, summary = result.validation, result.validation.summary()
     _error_axes(axes[0], errors.absolute, "J", "absolute error", summary["mean_absolute_error_j"])
     _error_axes(axes[1], errors.relative, "%", "relative error", summary["mean_relative_error_percent"])
-    figure.suptitle(f"Energy model of {robot.name}: {summary['experiments']} validation experiments, energy of the motors",
-                    x=0.01, ha="left", fontsize=12)
+    figure.suptitle(f"Energy model of {robot.name}: {summary['experiments']} validation experiments, "
+                    f"{WORDINGS[energy].title}", x=0.01, ha="left", fontsize=12)
     return plots.png_bytes(figure)
 
 
@@ -283,18 +324,19 @@ def print_result(robot, experiments, result):
     print(f"{robot.name}: {experiments.count} experiments of {experiments.segment:g} s, "
           f"Ts = {experiments.settling_time:g} s, seed {experiments.seed}\n")
     print_aligned([("", "term", "identified", "paper", "unit"),
-                   *((name, term, f"{value:.3f}", f"{published:.2f}", unit)
-                     for name, term, value, published, unit in parameter_rows(result.model))])
+                   *((name, term, f"{value:.3f}", "–" if published is None else f"{published:.2f}", unit)
+                     for name, term, value, published, unit in parameter_rows(result.model, experiments.energy))])
     print()
-    rows = [("energy of the motors", "experiments", "mean error", "largest", "mean error", "largest")]
+    rows = [(WORDINGS[experiments.energy].title, "experiments", "mean error", "largest", "mean error", "largest")]
     for label, errors in (("fit", result.fit), ("validation", result.validation),
                           ("the paper's procedure", result.split)):
         s = errors.summary()
         rows.append((label, str(s["experiments"]), f"{s['mean_relative_error_percent']:.3f} %",
                      f"{s['max_relative_error_percent']:.3f} %", f"{s['mean_absolute_error_j']:.4f} J",
                      f"{s['max_absolute_error_j']:.4f} J"))
-    rows.append(("as published", "300", f"{PUBLISHED_MEAN_RELATIVE_ERROR} %", "", "",
-                 f"{PUBLISHED_MAX_ABSOLUTE_ERROR:g} J"))
+    if experiments.energy == MOTOR:
+        rows.append(("as published", "300", f"{PUBLISHED_MEAN_RELATIVE_ERROR} %", "", "",
+                     f"{PUBLISHED_MAX_ABSOLUTE_ERROR:g} J"))
     print_aligned(rows)
     print(f"\nsteady voltages: predicted within {result.voltage_difference:.4f} V of the measured ones\n")
 
@@ -302,10 +344,13 @@ def print_result(robot, experiments, result):
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("robot", help="robot file, or the name of one in sim/robots")
+    parser.add_argument("--energy", choices=sorted(WORDINGS), default=MOTOR,
+                        help="which energy the experiments measured (default: motor, the paper's)")
     parser.add_argument("--jp-robot", metavar="PATH", help="the program (default: build/bin/jp-robot)")
     parser.add_argument("--robot-json", metavar="FILE", help="output of jp-robot --json, instead of running it")
     parser.add_argument("--experiments", metavar="DIR", type=Path,
-                        help="holds experiments.csv and experiments.json (default: build/identify/<robot>)")
+                        help="holds experiments.csv and experiments.json (default: build/identify/<robot>, of the "
+                             "battery's energy build/identify/<robot>_battery)")
     parser.add_argument("--tables", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
                         help="where the C file goes (default: src/tables)")
     parser.add_argument("--bench", metavar="FILE", type=Path, help="write the headline numbers for figures.py")
@@ -318,22 +363,25 @@ def main():
         robot = robot_json.load_json(options.robot_json)
     else:
         robot = robot_json.load(robot_json.robot_path(options.robot), options.jp_robot)
-    directory = options.experiments or robot_json.build_directory() / "identify" / robot.name
-    experiments = read_experiments(directory, robot.name)
+    wording = WORDINGS[options.energy]
+    name = robot.name + wording.suffix
+    directory = options.experiments or robot_json.build_directory() / "identify" / name
+    experiments = read_experiments(directory, robot.name, options.energy)
     result = identify(robot, experiments)
     mean = result.validation.summary()["mean_relative_error_percent"]
-    table = c_tables.energy_table(
-        robot.name, result.model, f"make identify ROBOT={robot.name}",
-        f"{experiments.count} experiments of jp-identify, seed {experiments.seed}",
-        f"Mean relative error {mean:.2f} % of the motors' energy, on experiments that were not fitted.")
+    note = f"Mean relative error {mean:.2f} % of {wording.errors}, on experiments that were not fitted."
+    if options.energy == BATTERY:
+        note += f"\n * {EFFECTIVE_VOLTAGES}"
+    table = c_tables.energy_table(name, result.model, f"make identify ROBOT={robot.name}",
+                                  f"{experiments.count} experiments of jp-identify, seed {experiments.seed}", note)
     files = {
-        options.tables / f"energy_{robot.name}.c": c_tables.render(table),
+        options.tables / f"energy_{name}.c": c_tables.render(table),
         directory / "identification.json": json.dumps(result_json(robot, experiments, result), indent=2,
                                                       ensure_ascii=False) + "\n",
-        directory / "identification.png": draw(robot, result),
+        directory / "identification.png": draw(robot, options.energy, result),
     }
     if options.bench:
-        files[options.bench] = json.dumps(bench_json(robot, result), indent=2, ensure_ascii=False) + "\n"
+        files[options.bench] = json.dumps(bench_json(robot, options.energy, result), indent=2, ensure_ascii=False) + "\n"
 
     print_result(robot, experiments, result)
     for path, content in files.items():

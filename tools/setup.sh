@@ -145,7 +145,7 @@ report_missing() {
     local tool absent=()
     local python=python3 list
     local tools=(gcc ar pkg-config python3)
-    local modules=(numpy scipy matplotlib jinja2 PIL yaml cantools can serial e2e libconf lcm rich)
+    local modules=(numpy scipy matplotlib jinja2 PIL yaml cantools can serial e2e libconf lcm rich distributed)
     [[ $scope != @(firmware|test) ]] || tools+=(arm-none-eabi-gcc qemu-system-arm)
     if [ "$scope" = test ]; then
         tools+=(g++ clang cmake cppcheck riscv64-unknown-elf-gcc qemu-system-riscv32)

@@ -22,6 +22,7 @@ struct arguments {
     const char *bus;
     const char *robot;
     const char *retained;
+    enum energy_kind energy;
     bool published;
     bool real_time;
 };
@@ -43,6 +44,11 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         }
         arguments->published = strcmp(argument, "published") == 0;
         return 0;
+    case 'e':
+        if (!energy_kind_parse(argument, &arguments->energy)) {
+            argp_error(state, "--energy is motor or battery, not %s", argument);
+        }
+        return 0;
     case 'k':
         arguments->retained = argument;
         return 0;
@@ -52,6 +58,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case ARGP_KEY_END:
         if (arguments->bus == NULL) {
             argp_error(state, "--bus is needed");
+        }
+        if (arguments->published && arguments->energy == ENERGY_BATTERY) {
+            argp_error(state, "--energy battery: the published model is of the motors' energy; leave --model out");
         }
         return 0;
     default:
@@ -152,19 +161,24 @@ static void run_on(struct ecu_node *node, const struct jp_can_link *link, const 
     print_counts(&node->lockstep.ecu);
 }
 
+static const struct jp_energy_model *model_of(const struct arguments *arguments, const struct robot_entry *entry)
+{
+    return arguments->published ? &jp_energy_model_published : rig_energy_model(entry, arguments->energy);
+}
+
 static bool run(const struct arguments *arguments)
 {
     static struct ecu_node node;
     const struct robot_entry *entry = rig_find_robot(arguments->robot);
+    const struct jp_energy_model *model = entry == NULL ? NULL : model_of(arguments, entry);
     struct jp_retained_file record;
     struct jp_can_link link;
     bool started;
 
-    if (entry == NULL || !open_record(arguments, &record) || !bus_open(&link, arguments->bus)) {
+    if (model == NULL || !open_record(arguments, &record) || !bus_open(&link, arguments->bus)) {
         return false;
     }
-    started = ecu_node_init(&node, entry, arguments->published ? &jp_energy_model_published : entry->energy, &link.port,
-                            record.retained);
+    started = ecu_node_init(&node, entry, model, &link.port, record.retained);
     if (started) {
         run_on(&node, &link, arguments);
     }
@@ -181,6 +195,8 @@ int main(int argc, char **argv)
         {"bus", 'b', "BUS", 0, "can:INTERFACE, slcan:DEVICE or pty:NAME", 0},
         {"robot", 'r', "NAME", 0, "one of src/tables/ (gao2018)", 0},
         {"model", 'm', "WHICH", 0, "energy model: identified or published (identified)", 0},
+        {"energy", 'e', "KIND", 0, "what the identified model predicts: energy of the motor or of the battery (motor)",
+         0},
         {"retained", 'k', "FILE", 0, "memory that survives a restart (none)", 0},
         {"real-time", 't', NULL, 0, "a tick for each sample, by the clock; otherwise in lockstep with jp-plant", 0},
         {0},

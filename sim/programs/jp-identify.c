@@ -20,6 +20,7 @@ struct arguments {
     long count;
     long seed;
     double threshold;
+    enum energy_kind energy;
 };
 
 /** What one experiment leaves: its segments and the energy of the second at each window. */
@@ -72,6 +73,11 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
             argp_error(state, "--threshold %s: must be a voltage from 1e-6 to 1000", argument);
         }
         return 0;
+    case 'e':
+        if (!energy_kind_parse(argument, &arguments->energy)) {
+            argp_error(state, "--energy %s: must be motor or battery", argument);
+        }
+        return 0;
     case ARGP_KEY_ARG:
         if (arguments->path != NULL) {
             argp_error(state, "one robot file only, not also %s", argument);
@@ -107,7 +113,8 @@ static bool run(struct campaign *campaign)
                       (uint64_t)campaign->arguments->seed + i)) {
             return false;
         }
-        experiment_run(&record->experiment, &rig, SEGMENT_SECONDS, campaign->arguments->threshold, record->energy);
+        experiment_run(&record->experiment, &rig, campaign->arguments->energy, SEGMENT_SECONDS,
+                       campaign->arguments->threshold, record->energy);
         if (record->experiment.fell) {
             error_line("%s: the robot fell in experiment %zu; correct control.weights and run make gains ROBOT=%s",
                        campaign->arguments->path, i, campaign->file.name);
@@ -157,7 +164,8 @@ static void write_table(const struct campaign *campaign, size_t split, FILE *str
 
 static json_t *json_summary(const struct campaign *campaign, size_t split)
 {
-    return json_pack("{s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "settling_time_s",
+    return json_pack("{s:s, s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "energy",
+                     energy_kind_name(campaign->arguments->energy), "settling_time_s",
                      (double)split * campaign->window_seconds, "segment_s", SEGMENT_SECONDS, "last_s", LAST_SECONDS,
                      "count", (json_int_t)campaign->count, "seed", (json_int_t)campaign->arguments->seed, "window_s",
                      campaign->window_seconds, "settling_threshold_v", campaign->arguments->threshold);
@@ -218,12 +226,13 @@ int main(int argc, char **argv)
         {"seed", 's', "SEED", 0, "of the random segments (1)", 0},
         {"threshold", 't', "V", 0, "settled: mean voltages of successive windows of 200 ticks differ by less (0.01 V)",
          0},
+        {"energy", 'e', "KIND", 0, "motor: (ul² + ur²)/Rm; battery: ul il + ur ir (motor)", 0},
         {0},
     };
     static const struct argp argp = {
         options, parse_option, "ROBOT.cfg", "Drives random pairs of segments and records their energies.",
         NULL,    NULL,         NULL};
-    struct arguments arguments = {.count = 1000, .seed = 1, .threshold = 0.01};
+    struct arguments arguments = {.count = 1000, .seed = 1, .threshold = 0.01, .energy = ENERGY_MOTOR};
 
     argp_err_exit_status = ERROR_EXIT;
     (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);

@@ -131,11 +131,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 static bool start_ecu(struct surroundings *surroundings, const struct scenario *scenario)
 {
     const struct robot_entry *entry = rig_find_robot(scenario->robot.name);
+    const struct jp_energy_model *model = entry == NULL ? NULL : mission_model(scenario, entry);
 
-    return entry != NULL &&
-           local_ecu_start(&surroundings->ecu, entry,
-                           scenario->model == SCENARIO_PUBLISHED ? &jp_energy_model_published : entry->energy,
-                           &surroundings->link);
+    return model != NULL && local_ecu_start(&surroundings->ecu, entry, model, &surroundings->link);
 }
 
 static bool open_links(struct surroundings *surroundings, const struct arguments *arguments)

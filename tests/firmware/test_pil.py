@@ -45,6 +45,7 @@ def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path):
 
 
 @pytest.mark.parametrize(("robot", "model", "says"), [
+    ("gao2018", 'identified";\nenergy = "battery', 'energy = "battery", but the image has the model of the motors'),
     ("gao2018", "published", 'energy_model = "published", but the image has the identified one'),
     ("zhang2018", "identified", "is not there; run make firmware ROBOT=zhang2018"),
 ])

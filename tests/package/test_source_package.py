@@ -97,7 +97,7 @@ def test_only_the_tables_of_the_named_robots_are_built_in(package, tmp_path):
     build_project(tmp_path, add(package) + user_of("joulepath", PROGRAMS / "consumer.c"),
                   "-DJOULEPATH_ROBOTS=courier24")
     objects = objects_of(tmp_path / "build")
-    assert {"robot_courier24", "energy_courier24"} <= objects
+    assert {"robot_courier24", "energy_courier24", "energy_courier24_battery"} <= objects
     assert not any("gao2018" in name or "zhang2018" in name for name in objects)
 
 

@@ -12,7 +12,7 @@ import pytest
 from conftest import run
 from programs import (CLIENT_LATE, LIMIT, LOG, ROOT, SILENCES, THIRD_PARTY_CLIENT, Programs, assert_client_drives,
                       assert_done, assert_one_line_error, assert_same_drive, assert_stopped, drive_in_process, summary,
-                      wait_until, write_scenario)
+                      wait_until, with_battery_energy, write_scenario)
 
 ROUTE = [(2.0, 0.5), (3.0, 2.0)]
 WAY = 0.3  # m
@@ -113,6 +113,18 @@ def test_over_a_serial_line_as_in_one_process(programs, tmp_path, robot):
     counts = assert_stopped(ecu)
     assert [counts[name] for name in NOTHING_WRONG] == [0] * len(NOTHING_WRONG)
     assert counts["ticks"] > 5000
+
+
+def test_an_ecu_that_predicts_the_energy_of_the_battery(programs, tmp_path):
+    scenario = with_battery_energy(write_scenario(tmp_path / "short.cfg", *ROUTE, robot="courier24"))
+    expected = drive_in_process(scenario, tmp_path / "in-process")
+    plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "serial")
+    programs.ecu(f"slcan:{line}", "--robot", "courier24", "--energy", "battery")
+    assert_done(plant)
+    assert_same_drive(tmp_path / "serial", expected)
+    for segment in summary(expected)["strategies"][0]["segments"]:
+        assert segment["measured_energy_j"] == segment["battery_energy_j"]
+        assert segment["planned_energy_j"] == pytest.approx(segment["measured_energy_j"], rel=0.02)
 
 
 def test_the_report_takes_it(in_process):
@@ -341,6 +353,8 @@ def test_a_bus_that_cannot_be_opened(short, tmp_path, bus, parts):
     ("jp-plant", ["SCENARIO", "--bus", "in-process", "--pace", "real-time", "--output", "out"], "stands alone"),
     ("jp-ecu", [], "--bus is needed"),
     ("jp-ecu", ["--bus", "pty:line", "--model", "guessed"], "not guessed"),
+    ("jp-ecu", ["--bus", "pty:line", "--energy", "heat"], "not heat"),
+    ("jp-ecu", ["--bus", "pty:line", "--energy", "battery", "--model", "published"], "of the motors' energy"),
     ("jp-ecu", ["--bus", "pty:line", "--robot", "nobody"], "nobody"),
     ("jp-ecu", ["--bus", "pty:line", "more"], "arguments"),
 ])

@@ -1,4 +1,4 @@
-"""The paper's mission, driven in closed loop by jp-mission."""
+"""The paper's mission, driven in closed loop by jp-mission, for either energy."""
 import json
 import re
 import subprocess
@@ -7,11 +7,12 @@ import sys
 import pytest
 from conftest import ROOT, run
 
-SCENARIO = ROOT / "sim/scenarios/gao2018_mission.cfg"
+SCENARIOS = ROOT / "sim/scenarios"
+SCENARIO = SCENARIOS / "gao2018_mission.cfg"
 
 
-def drive(output):
-    result = run("jp-mission", SCENARIO, "--output", output)
+def drive(output, scenario=SCENARIO):
+    result = run("jp-mission", scenario, "--output", output)
     assert result.returncode == 0, result.stderr
     assert result.stderr == ""
     return output
@@ -97,3 +98,44 @@ def test_report_stands_alone(output):
     assert all(address.startswith(("data:", "#")) for address in loaded)
     assert "<script" not in page
     assert "@import" not in page
+
+
+# ---- energy of the battery -----------------------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def courier(tmp_path_factory):
+    """{energy: its summary} of the courier's mission, and where the battery's logs are."""
+    folders = {energy: drive(tmp_path_factory.mktemp(energy), SCENARIOS / f"courier24_{name}.cfg")
+               for energy, name in (("motor", "mission"), ("battery", "battery"))}
+    return {energy: json.loads((folder / "summary.json").read_text()) for energy, folder in folders.items()}, folders
+
+
+def test_summary_names_the_energy(summary, courier):
+    assert summary["energy"] == "motor"
+    assert [courier[0][energy]["energy"] for energy in ("motor", "battery")] == ["motor", "battery"]
+
+
+def test_battery_energy_is_planned_and_measured_alike(courier):
+    for strategy in courier[0]["battery"]["strategies"]:
+        for segment in strategy["segments"]:
+            assert segment["measured_energy_j"] == segment["battery_energy_j"]
+            # What the plant's exact currents say of the noisy ones that the robot measured.
+            assert segment["measured_energy_j"] == pytest.approx(segment["plant_energy_j"], rel=2e-3)
+            if segment["planned_energy_j"] is not None:
+                assert segment["planned_energy_j"] == pytest.approx(segment["measured_energy_j"], rel=0.01)
+
+
+def test_optimising_for_the_battery_saves_its_energy(courier):
+    motor, battery = (courier[0][energy]["strategies"][0]["total"]["battery_energy_j"] for energy in ("motor", "battery"))
+    assert battery < 0.75 * motor
+
+
+def test_log_of_the_battery_holds_its_power_and_energy(courier):
+    summaries, folders = courier
+    strategy = summaries["battery"]["strategies"][0]
+    lines = (folders["battery"] / strategy["log"]).read_text().splitlines()
+    rows = [dict(zip(lines[0].split(","), map(float, line.split(",")))) for line in lines[1:]]
+    assert rows[-1]["energy_j"] == pytest.approx(strategy["total"]["measured_energy_j"], abs=1)
+    for row in rows[1:]:
+        drawn = row["u_left_v"] * row["i_left_a"] + row["u_right_v"] * row["i_right_a"] + 4
+        assert row["power_w"] == pytest.approx(drawn, abs=0.01)

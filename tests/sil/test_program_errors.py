@@ -56,6 +56,10 @@ WRONG_LINES = [  # key, its line, what the message must hold besides file and ke
     ("energy_model", "", "missing"),
     ("energy_model", 'energy_model = "guessed";\n', "guessed"),
     ("energy_model", "energy_model = true;\n", "text"),
+    ("energy", LINES["seed"] + 'energy = "heat";\n', "heat"),
+    ("energy", LINES["seed"] + 'energy = "";\n', "text"),
+    ("energy", LINES["seed"] + "energy = 2;\n", "text"),
+    ("energy_model", 'energy_model = "published"; energy = "battery";\n', "published model is of the motors"),
     ("seed", "", "whole number"),
     ("seed", "seed = -1;\n", "whole number"),
     ("seed", "seed = 1.5;\n", "whole number"),
@@ -150,7 +154,8 @@ def test_wrong_command_lines(program, arguments, tmp_path):
 
 @pytest.mark.parametrize("arguments", [["--count", "5"], ["--count", "nan"], ["--count", "1e9"], ["--count", "x"],
                                        ["--seed", "-1"], ["--seed", "inf"], ["--threshold", "0"],
-                                       ["--threshold", "nan"], ["--count", ""]])
+                                       ["--threshold", "nan"], ["--count", ""], ["--energy", "heat"],
+                                       ["--energy", ""]])
 def test_numbers_out_of_range(output, arguments):
     result = run("jp-identify", ROOT / "sim/robots/gao2018.cfg", "--output", output, *arguments)
     assert result.returncode == 2

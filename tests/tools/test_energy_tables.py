@@ -26,25 +26,26 @@ def integers(text):
     return [int(number) for number in re.findall(r"(-?\d+),\s*/\*", body)]
 
 
-def spread_over_settling_times(robot, directory):
+def spread_over_settling_times(robot, energy, directory):
     """Largest change of a prediction, J: Ts only says where the line of steady energy starts."""
     about = robot_json.from_text(robot, robot_text(robot))
-    experiments = identify.read_experiments(directory, robot)
+    experiments = identify.read_experiments(directory, robot, energy)
     predictions = [identify.identify(about, dataclasses.replace(experiments, settling_time=seconds)).validation.absolute
                    for seconds in (3.0, experiments.settling_time, 9.0)]
     return np.ptp(predictions, axis=0).max()
 
 
+@pytest.mark.parametrize(("energy", "suffix"), [("motor", ""), ("battery", "_battery")])
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_model_is_fresh_and_does_not_hang_on_the_settling_time(robot, tmp_path):
-    subprocess.run([JP_IDENTIFY, ROOT / "sim" / "robots" / f"{robot}.cfg", "--output", tmp_path], check=True,
-                   capture_output=True)
-    result = run_tool("identify.py", ROOT / "sim" / "robots" / f"{robot}.cfg", "--jp-robot",
+def test_model_is_fresh_and_does_not_hang_on_the_settling_time(robot, energy, suffix, tmp_path):
+    subprocess.run([JP_IDENTIFY, ROOT / "sim" / "robots" / f"{robot}.cfg", "--energy", energy, "--output", tmp_path],
+                   check=True, capture_output=True)
+    result = run_tool("identify.py", ROOT / "sim" / "robots" / f"{robot}.cfg", "--energy", energy, "--jp-robot",
                       JP_IDENTIFY.with_name("jp-robot"), "--experiments", tmp_path, "--tables", tmp_path)
     assert result.returncode == 0, result.stderr
-    made = integers((tmp_path / f"energy_{robot}.c").read_text(encoding="utf-8"))
-    committed = integers((ROOT / "src" / "tables" / f"energy_{robot}.c").read_text(encoding="utf-8"))
+    made = integers((tmp_path / f"energy_{robot}{suffix}.c").read_text(encoding="utf-8"))
+    committed = integers((ROOT / "src" / "tables" / f"energy_{robot}{suffix}.c").read_text(encoding="utf-8"))
     assert len(committed) == 20
     largest = max(map(abs, committed))
     assert made == pytest.approx(committed, rel=TOLERANCE, abs=TOLERANCE * largest), "run make identify"
-    assert spread_over_settling_times(robot, tmp_path) <= SETTLING_TIME_MATTERS
+    assert spread_over_settling_times(robot, energy, tmp_path) <= SETTLING_TIME_MATTERS

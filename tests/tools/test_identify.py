@@ -1,4 +1,4 @@
-"""tools/identify.py: recovery of known parameters, reports, bad input."""
+"""tools/identify.py: recovery of known parameters of both energies, reports, bad input."""
 import json
 
 import numpy as np
@@ -12,10 +12,13 @@ import robot_json
 A = np.array([172.2, 7.57, 13.2, -0.66, -0.94, 1.37, 16.26, -4.39, -1.11, 15.97, 4.27, 1.09, 5.82])
 B = np.array([20.83, 0.93])
 SETTLING, SEGMENT, LAST, SEED = 5.82, 10.0, 1.0, 7
+ABOUT = {"robot": "gao2018", "energy": "motor", "settling_time_s": SETTLING, "segment_s": SEGMENT, "last_s": LAST,
+         "seed": SEED}
 
 
-def synthetic(robot, count=1000, noise=0.0, seed=3):
-    """Experiments that obey the model with parameters A and B, and noise (J, rms)."""
+def synthetic(robot, count=1000, noise=0.0, seed=3, voltages=None):
+    """Experiments that obey the model with parameters A and B, steady voltages cv and cw (default: the robot's), and
+    noise (J, rms)."""
     generator = np.random.default_rng(seed)
     c = {
         "v1_m_s": generator.uniform(0, 1, count), "w1_rad_s": generator.uniform(-0.35, 0.35, count),
@@ -25,7 +28,8 @@ def synthetic(robot, count=1000, noise=0.0, seed=3):
     left, right = identify.predicted_voltages(robot, c)
     c["u_left_before_v"], c["u_right_before_v"] = left + 0.002, right - 0.001
     c["settling_s"] = np.full(count, SETTLING)
-    state = identify.state_regressors(c, left, right, robot.number("motor.resistance_ohm"))
+    before = identify.voltages_before(c, *voltages) if voltages else (left, right)
+    state = identify.state_regressors(c, *before, robot.number("motor.resistance_ohm"))
     c["e_state_j"] = state @ A + noise * generator.standard_normal(count)
     c["e_steady_j"] = identify.steady_regressors(c, SEGMENT - SETTLING) @ B + noise * generator.standard_normal(count)
     c["e_last_j"] = identify.steady_regressors(c, LAST) @ B + noise * generator.standard_normal(count)
@@ -33,12 +37,10 @@ def synthetic(robot, count=1000, noise=0.0, seed=3):
     return c
 
 
-def write(directory, columns, about=None):
+def write(directory, columns, about=ABOUT):
     directory.mkdir(parents=True, exist_ok=True)
     rows = [",".join(columns)] + [",".join(repr(float(x)) for x in row) for row in zip(*columns.values())]
     (directory / "experiments.csv").write_text("\n".join(rows) + "\n")
-    about = about or {"robot": "gao2018", "settling_time_s": SETTLING, "segment_s": SEGMENT, "last_s": LAST,
-                      "seed": SEED}
     (directory / "experiments.json").write_text(json.dumps(about))
 
 
@@ -114,6 +116,68 @@ def test_linear_prediction_is_recovered_too(gao2018):
     assert np.allclose(result.model.a, model.a, atol=1e-6)
 
 
+# ---- energy of the battery -----------------------------------------------------------------------------------------
+
+@pytest.fixture
+def battery_place(place, gao2018):
+    """Experiments whose steady power is not u²/Rm of the robot's voltages, but b1 v² + b2 w²."""
+    directory, arguments, _ = place
+    columns = synthetic(gao2018, voltages=identify.effective_voltages(B, gao2018.number("motor.resistance_ohm")))
+    keep = columns["e_total_j"] > 1
+    columns = {name: values[keep] for name, values in columns.items()}
+    write(directory / "experiments", columns, ABOUT | {"energy": "battery"})
+    return directory, (*arguments, "--energy", "battery")
+
+
+def test_effective_voltages_give_the_steady_power(gao2018):
+    resistance = gao2018.number("motor.resistance_ohm")
+    per_speed, per_turn_rate = identify.effective_voltages(np.array([13.0, 0.4]), resistance)
+    columns = {"v1_m_s": np.array([0.7]), "w1_rad_s": np.array([-0.3])}
+    left, right = identify.voltages_before(columns, per_speed, per_turn_rate)
+    assert (left**2 + right**2) / resistance == pytest.approx(13 * 0.7**2 + 0.4 * 0.3**2)
+
+
+def test_battery_model_is_recovered_with_effective_voltages(battery_place, gao2018):
+    directory, arguments = battery_place
+    result = run_tool("identify.py", *arguments, "--bench", directory / "bench.json")
+    assert result.returncode == 0, result.stderr
+    found = json.loads((directory / "experiments/identification.json").read_text())
+    assert found["energy"] == "battery"
+    assert np.allclose([parameter["value"] for parameter in found["parameters"]], [*A, *B], atol=1e-6)
+    assert {parameter["published"] for parameter in found["parameters"]} == {None}
+    assert found["validation"]["max_absolute_error_j"] < 1e-6
+    # Still that of the robot's own voltages.
+    assert found["max_steady_voltage_difference_v"] == pytest.approx(0.002, abs=1e-9)
+    assert "as published" not in result.stdout
+
+    assert not (directory / "tables/energy_gao2018.c").exists()
+    table = (directory / "tables/energy_gao2018_battery.c").read_text()
+    assert "const struct jp_energy_model jp_energy_model_gao2018_battery = {" in table
+    assert "effective" in table and "2 cv²/Rm = b1" in table
+    resistance = gao2018.number("motor.resistance_ohm")
+    for name, b in (("voltage_per_speed", B[0]), ("voltage_per_turn_rate", B[1])):
+        assert f".{name} = {round((b * resistance / 2)**0.5 * 65536)}," in table
+    names = [figure["name"] for figure in json.loads((directory / "bench.json").read_text())]
+    assert names == ["battery energy model of gao2018, mean error", "battery energy model of gao2018, largest error"]
+
+
+def test_experiments_of_the_other_energy_are_refused(place, battery_place):
+    _, arguments, columns = place
+    directory, battery_arguments = battery_place
+    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json", "energy", "--energy motor")
+    write(directory / "experiments", columns)
+    assert_one_line_error(run_tool("identify.py", *battery_arguments), "experiments.json", "energy", "--energy battery")
+    assert not (directory / "tables").exists()
+
+
+def test_energy_is_one_of_two(place):
+    result = run_tool("identify.py", *place[1], "--energy", "heat")
+    assert result.returncode == 2
+    assert "heat" in result.stderr
+
+
+# ---- bad input -----------------------------------------------------------------------------------------------------
+
 @pytest.mark.parametrize("column, value, part", [
     ("w1_rad_s", 0.0, "rank"),
     ("turn2_rad", 0.0, "σ"),
@@ -143,16 +207,24 @@ def test_garbled_experiments_are_refused(place, damage, part):
 
 
 @pytest.mark.parametrize("about, part", [
-    ({"robot": "courier24", "settling_time_s": 5, "segment_s": 10, "last_s": 1, "seed": 1}, "robot"),
-    ({"robot": "gao2018", "settling_time_s": 12, "segment_s": 10, "last_s": 1, "seed": 1}, "settling_time_s"),
-    ({"robot": "gao2018", "settling_time_s": 5, "seed": 1}, "segment_s"),
-    ({"robot": "gao2018", "settling_time_s": 5, "segment_s": 10, "last_s": 10, "seed": 1}, "last_s"),
-    ({"robot": "gao2018", "settling_time_s": "x", "segment_s": 10, "seed": 1}, "garbled"),
+    ({"robot": "courier24"}, "robot"),
+    ({"energy": "heat"}, "energy"),
+    ({"energy": None}, "energy"),
+    ({"settling_time_s": 12}, "settling_time_s"),
+    ({"last_s": 10}, "last_s"),
+    ({"settling_time_s": "x"}, "garbled"),
 ])
 def test_garbled_description_is_refused(place, about, part):
     directory, arguments, columns = place
-    write(directory / "experiments", columns, about)
+    write(directory / "experiments", columns, ABOUT | about)
     assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json", part)
+
+
+@pytest.mark.parametrize("key", ["robot", "energy", "settling_time_s", "segment_s", "last_s", "seed"])
+def test_description_without_a_key_is_refused(place, key):
+    directory, arguments, columns = place
+    write(directory / "experiments", columns, {name: value for name, value in ABOUT.items() if name != key})
+    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json", key)
 
 
 def test_missing_experiments_are_named(place):
