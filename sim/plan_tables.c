@@ -151,6 +151,15 @@ static void print_task(const struct plan_report *report)
                                         : "as given");
 }
 
+static void print_parameters(const struct plan_report *report)
+{
+    if (report->parameters_path == NULL) {
+        (void)printf("parameters: built in, version %u\n", report->lattice->version);
+    } else {
+        (void)printf("parameters: learned, version %u, %s\n", report->lattice->version, report->parameters_path);
+    }
+}
+
 static void print_memory(const struct plan_report *report)
 {
     const struct jp_planner_counts *statistics = &report->searches[PLAN_ENERGY].statistics;
@@ -188,6 +197,7 @@ static void print_drive(const struct plan_report *report)
 void plan_print(const struct plan_report *report)
 {
     print_task(report);
+    print_parameters(report);
     (void)printf("\n%-18s %9s %10s %9s %8s %10s  %-12s %6s %10s %8s %9s\n", "route", "length m", "energy J", "time s",
                  "climb m", "turning J", "answer", "bound", "expansions", "states", "planned ms");
     for (enum plan_aim aim = 0; aim < PLAN_AIMS; aim++) {
@@ -210,20 +220,27 @@ static json_t *json_number_or_null(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+/* Of the parameters that a route was found with; null without a route. */
+static json_t *json_version(const struct plan_search *search)
+{
+    return search->plan.answer == JP_ANSWER_OUT_OF_BUDGET ? json_null() : json_integer(search->plan.parameter_version);
+}
+
 static json_t *json_search(const struct plan_report *report, enum plan_aim aim)
 {
     const struct plan_search *search = &report->searches[aim];
     const struct sums sums = sums_of_aim(report, aim);
     const bool arrives = plan_search_arrives(search);
 
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:o, s:f, s:I, s:I, s:I, s:f}", "name",
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:o, s:f, s:I, s:I, s:I, s:f, s:o}", "name",
                      aims[aim].name, "title", aims[aim].title, "file", plan_route_files[aim], "cost",
                      costs[search->cost], "answer", answers[search->answer], "length_m", sums.length, "energy_j",
                      sums.energy, "time_s", sums.time, "climb_m", sums.climb, "turning_energy_j", sums.turning, "bound",
                      json_number_or_null(arrives ? (double)search->plan.bound / JP_EPSILON_ONE : NAN),
                      "distance_left_m", arrives ? 0 : distance_left(report, search), "steps",
                      (json_int_t)search->route.count - 1, "expansions", (json_int_t)search->statistics.expansions,
-                     "states", (json_int_t)search->statistics.states, "planning_s", search->planning_s);
+                     "states", (json_int_t)search->statistics.states, "planning_s", search->planning_s,
+                     "parameter_version", json_version(search));
 }
 
 static json_t *json_comparison(const struct plan_report *report)
@@ -248,6 +265,11 @@ static json_t *json_map(const struct plan_report *report)
     return json_pack("{s:s, s:s, s:s, s:i, s:i, s:f, s:b}", "file", report->map_path, "name", map->name, "note",
                      map->note, "width", config->width, "height", config->height, "resolution_m",
                      (double)config->resolution / JP_Q16_ONE, "has_elevation", config->has_elevation);
+}
+
+static json_t *json_parameters(const struct plan_report *report)
+{
+    return json_pack("{s:I, s:s?}", "version", (json_int_t)report->lattice->version, "file", report->parameters_path);
 }
 
 static json_t *json_memory(const struct plan_report *report)
@@ -302,9 +324,10 @@ json_t *plan_json(const struct plan_report *report)
     const struct plan_place start = place_of(report, &report->task.start);
     const struct plan_place goal = goal_of(report);
 
-    return json_pack("{s:s, s:o, s:o, s:b, s:[f, f, f], s:[f, f], s:[o, o], s:o, s:o}", "robot", report->lattice->name,
-                     "map", json_map(report), "memory", json_memory(report), "task_chosen", report->task.is_chosen,
-                     "start", start.x, start.y, start.heading_deg, "goal_m", goal.x, goal.y, "routes",
-                     json_search(report, PLAN_ENERGY), json_search(report, PLAN_DISTANCE), "comparison",
-                     json_comparison(report), "drive", json_drive(report));
+    return json_pack("{s:s, s:o, s:o, s:o, s:b, s:[f, f, f], s:[f, f], s:[o, o], s:o, s:o}", "robot",
+                     report->lattice->name, "map", json_map(report), "parameters", json_parameters(report), "memory",
+                     json_memory(report), "task_chosen", report->task.is_chosen, "start", start.x, start.y,
+                     start.heading_deg, "goal_m", goal.x, goal.y, "routes", json_search(report, PLAN_ENERGY),
+                     json_search(report, PLAN_DISTANCE), "comparison", json_comparison(report), "drive",
+                     json_drive(report));
 }

@@ -136,7 +136,7 @@ static bool fits(const struct jp_polynomial *polynomial, int32_t rise)
            inner * rise <= INT32_MAX && inner * rise >= INT32_MIN;
 }
 
-static bool is_move_cost(const struct jp_slope_cost *cost)
+bool jp_slope_cost_is_valid(const struct jp_slope_cost *cost)
 {
     if (cost->rise_max < 1 || cost->rise_max > RISE_MAX || cost->floor < 1U) {
         return false;
@@ -153,7 +153,7 @@ static bool are_move_costs(const struct jp_lattice *lattice)
 {
     for (unsigned kind = 0; kind < (unsigned)JP_COST_KINDS; kind++) {
         for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
-            if (!is_move_cost(&lattice->move_costs[kind][move])) {
+            if (!jp_slope_cost_is_valid(&lattice->move_costs[kind][move])) {
                 return false;
             }
         }

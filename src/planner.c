@@ -217,6 +217,22 @@ void jp_planner_restart(struct jp_planner *planner)
     }
 }
 
+enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct jp_lattice *lattice)
+{
+    if (planner == NULL || lattice == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (lattice->moves != planner->config.lattice->moves) {
+        return JP_ERR_CONFIG;
+    }
+    planner->config.lattice = lattice;
+    planner->guide.lattice = lattice;
+    planner->field.lattice = lattice;
+    jp_lattice_turns(lattice, planner->config.cost, &planner->turns);
+    jp_planner_restart(planner);
+    return JP_OK;
+}
+
 /** Sorts the queue anew where the energy field takes over, or where states wait to be looked at again. */
 static void resume(struct jp_planner *planner)
 {

@@ -118,6 +118,7 @@ static void publish(struct jp_planner *planner, const struct jp_pose *end, jp_co
     plan->step_count = (uint16_t)steps;
     plan->bound = cost_left > 0U ? 0U : proved_bound(planner, cost);
     plan->answer = answer_of(plan);
+    plan->parameter_version = planner->config.lattice->version;
 }
 
 static void take_spare_route(struct jp_planner *planner)

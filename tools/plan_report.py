@@ -23,7 +23,7 @@ from common import ToolError, run, shown_path, write_whole
 from results import (format_number, need, need_list, need_numbers, need_vector, read_columns, read_json,
                      render_page)
 
-SUMMARY_KEYS = ("robot", "map", "memory", "task_chosen", "start", "goal_m", "routes", "comparison", "drive")
+SUMMARY_KEYS = ("robot", "map", "parameters", "memory", "task_chosen", "start", "goal_m", "routes", "comparison", "drive")
 ROUTE_KEYS = ("name", "title", "file", "cost", "answer", "length_m", "energy_j", "time_s", "climb_m",
               "turning_energy_j", "bound", "distance_left_m", "expansions", "states", "planning_s")
 ROUTE_TEXTS = ("name", "title", "file", "cost", "answer")
@@ -103,6 +103,8 @@ def read_summary(path):
     summary = read_json(path)
     need(path, "summary", summary, SUMMARY_KEYS)
     need(path, "map", summary["map"], ("file", "name", "note"))
+    need(path, "parameters", summary["parameters"], ("version", "file"))
+    need_numbers(path, "parameters", summary["parameters"], ("version",))
     need_numbers(path, "memory", summary["memory"], MEMORY_KEYS)
     need_vector(path, "start", summary["start"], 3)
     need_vector(path, "goal_m", summary["goal_m"], 2)

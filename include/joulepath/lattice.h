@@ -101,6 +101,7 @@ struct jp_lattice {
     struct jp_cells reach[JP_HEADINGS];     /**< cells that any primitive from a heading sweeps */
     struct jp_cells core;                   /**< cells that every primitive sweeps round every cell of its moves */
     struct jp_slope_cost move_costs[JP_COST_KINDS][JP_MOVE_KINDS];
+    uint32_t version; /**< of the parameters that the costs follow (tariff.h); 0: those of the tables */
 };
 
 /** What turning costs at least, whatever the way: the least sum of bases from one heading to another. */
@@ -137,6 +138,9 @@ static inline jp_cost jp_cost_add(jp_cost a, jp_cost b)
  * Work: all tables.
  */
 enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field);
+
+/** True when the cost of every rise fits 32 bits and is above 0. Work: all rises. */
+bool jp_slope_cost_is_valid(const struct jp_slope_cost *cost);
 
 /** Work: the primitives, and JP_HEADINGS³ additions. */
 void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, struct jp_turns *turns);

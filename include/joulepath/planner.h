@@ -80,10 +80,11 @@ struct jp_plan {
     enum jp_answer answer; /**< JP_ANSWER_OUT_OF_BUDGET: there is none yet */
     struct jp_pose start;
     struct jp_pose end;
-    jp_cost cost;        /**< of the route, in the unit of the cost kind */
-    jp_cost cost_left;   /**< estimate from its end to the goal; 0 unless partial */
-    uint16_t bound;      /**< proved: cost ≤ bound/256 × optimum; JP_BOUND_NONE: nothing; 0 when partial */
-    uint16_t step_count; /**< primitives; 0 when start is goal, or a partial plan gets no nearer */
+    jp_cost cost;               /**< of the route, in the unit of the cost kind */
+    jp_cost cost_left;          /**< estimate from its end to the goal; 0 unless partial */
+    uint16_t bound;             /**< proved: cost ≤ bound/256 × optimum; JP_BOUND_NONE: nothing; 0 when partial */
+    uint16_t step_count;        /**< primitives; 0 when start is goal, or a partial plan gets no nearer */
+    uint32_t parameter_version; /**< of the lattice that it was found on: version of lattice.h */
 };
 
 /** What the block holds and what the search has done. */
@@ -161,6 +162,13 @@ size_t jp_planner_size_min(const struct jp_terrain_config *config);
  */
 enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_planner_config *config,
                                struct jp_terrain *terrain, void *block, size_t size, const char **field);
+
+/**
+ * Takes other costs of the same lattice (tariff.h) and begins anew; the plan stands until there is a new one, and says
+ * the version of its own. The lattice before may then be overwritten. JP_ERR_ARGUMENT: a pointer is null;
+ * JP_ERR_CONFIG: it is made of another lattice. Work: as jp_planner_restart(), and jp_lattice_turns().
+ */
+enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct jp_lattice *lattice);
 
 /** Where the robot is. The search goes on from what it knows. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map,
  *  or the footprint does not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then.

@@ -6,6 +6,7 @@
 
 #include "../error.h"
 #include "../output.h"
+#include "../plan_parameters.h"
 #include "../plan_tables.h"
 #include "../rig.h"
 
@@ -19,6 +20,7 @@ struct arguments {
     const char *map_path;
     const char *robot_path;
     const char *output;
+    const char *parameters_path; /* NULL: as built in */
     struct plan_place start;
     struct plan_place goal;
     bool has_start;
@@ -66,6 +68,9 @@ static void check(const struct arguments *arguments, struct argp_state *state)
     if (arguments->has_start && !arguments->start.has_heading) {
         argp_error(state, "--start: must be X,Y,DEGREES");
     }
+    if (arguments->parameters_path != NULL && arguments->cost != JP_COST_PHYSICAL) {
+        argp_error(state, "--parameters: only the physical cost follows what is learned; leave --cost out");
+    }
 }
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -89,6 +94,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case 'm':
         parse_memory(arguments, argument, state);
+        return 0;
+    case 'p':
+        arguments->parameters_path = argument;
         return 0;
     case 'o':
         arguments->output = argument;
@@ -130,6 +138,21 @@ static bool fits(const struct arguments *arguments, const struct map_file *map, 
                arguments->map_path, (double)map->terrain.config.resolution / JP_Q16_ONE, lattice->name,
                (double)lattice->resolution / JP_Q16_ONE, (double)lattice->resolution / JP_Q16_ONE);
     return false;
+}
+
+/* The robot's lattice, charged by what was learned if there is anything. NULL after one line on stderr. */
+static const struct jp_lattice *charged_lattice(const struct arguments *arguments, const struct map_file *map,
+                                                const struct lattice_robot *robot, struct jp_tariff *tariff)
+{
+    const struct jp_lattice *lattice = find_lattice(robot->name);
+
+    if (lattice == NULL || !fits(arguments, map, lattice)) {
+        return NULL;
+    }
+    if (arguments->parameters_path == NULL) {
+        return lattice;
+    }
+    return plan_parameters_load(arguments->parameters_path, robot, lattice, tariff) ? &tariff->lattice : NULL;
 }
 
 static bool find_task(const struct arguments *arguments, const struct map_file *map, const struct jp_lattice *lattice,
@@ -258,20 +281,23 @@ static int write_all(const struct arguments *arguments, const struct lattice_rob
 
 static int plan(const struct arguments *arguments, struct map_file *map, const struct lattice_robot *robot)
 {
+    struct jp_tariff tariff = {.primitives = NULL};
     char *map_path = realpath(arguments->map_path, NULL);
     struct plan_report report = {.map = map,
                                  .map_path = map_path != NULL ? map_path : arguments->map_path,
-                                 .lattice = find_lattice(robot->name),
+                                 .lattice = charged_lattice(arguments, map, robot, &tariff),
+                                 .parameters_path = arguments->parameters_path,
                                  .memory = arguments->memory};
     int status = ERROR_EXIT;
 
-    if (report.lattice != NULL && fits(arguments, map, report.lattice) &&
-        find_task(arguments, map, report.lattice, &report.task) && search_both(arguments, map, &report)) {
+    if (report.lattice != NULL && find_task(arguments, map, report.lattice, &report.task) &&
+        search_both(arguments, map, &report)) {
         status = write_all(arguments, robot, &report);
     }
     for (enum plan_aim aim = 0; aim < PLAN_AIMS; aim++) {
         plan_route_free(&report.searches[aim].route);
     }
+    plan_parameters_free(&tariff);
     free(map_path);
     return status;
 }
@@ -284,6 +310,7 @@ int main(int argc, char **argv)
         {"goal", 'g', "X,Y[,DEG]", 0, "likewise; any heading unless one is given (default: chosen)", 0},
         {"cost", 'c', "KIND", 0, "physical (default) or paper: what the energy-optimal route is charged for", 0},
         {"memory", 'm', "KIB", 0, "the planner's block (default: 8192)", 0},
+        {"parameters", 'p', "FILE.json", 0, "what the robot has learned (default: as built in)", 0},
         {"output", 'o', "DIR", 0, "where summary.json, the routes and the drive go", 0},
         {0},
     };

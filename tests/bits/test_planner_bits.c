@@ -1,11 +1,14 @@
 /* The same route, cost and expansions on every core: a hash over whole plans and replans, equal to a known one. */
 #include <joulepath/planner.h>
+#include <joulepath/tariff.h>
 #include <string.h>
 
 #include "sim/scene.h"
 #include "unity.h"
 
 extern const struct jp_lattice jp_lattice_zhang2018;
+extern const struct jp_lattice jp_lattice_gao2018;
+extern const struct jp_energy_model jp_energy_model_gao2018;
 
 enum {
     SMALL_BLOCK = 256 * 1024,
@@ -14,6 +17,7 @@ enum {
     CHANGES = 8,
     AHEAD = 10, /* primitives from the robot to a change */
     SQUARE = 3, /* cells that change together */
+    PRIMITIVES_MAX = 144,
 };
 
 static uint64_t map_block[(SCENE_TERRAIN_SIZE + 7) / 8];
@@ -21,6 +25,8 @@ static uint64_t block[LARGE_BLOCK / 8];
 static struct jp_terrain terrain;
 static struct jp_planner planner;
 static struct scene_task task;
+static struct jp_primitive primitives[PRIMITIVES_MAX];
+static struct jp_tariff tariff = {.primitives = primitives, .primitives_max = PRIMITIVES_MAX};
 static uint32_t hash;
 
 void setUp(void)
@@ -49,7 +55,7 @@ static void mix_plan(void)
     mix(jp_planner_statistics(&planner)->states);
     for (unsigned i = 0; i < plan->step_count; i++) {
         const struct jp_primitive *step = jp_planner_step(&planner, i, &pose);
-        mix((uint32_t)(step - jp_lattice_zhang2018.primitives));
+        mix((uint32_t)(step - planner.config.lattice->primitives));
     }
 }
 
@@ -135,11 +141,45 @@ static void test_paper_and_distance(void)
     TEST_ASSERT_EQUAL_HEX32(0x6C497B49, hash);
 }
 
+static void test_learned_costs(void)
+{
+    const struct jp_tariff_factors factors = {3, JP_Q16(1.3), JP_Q16(2.1), JP_Q16(0.7)};
+    const struct jp_planner_config config = {&tariff.lattice, JP_COST_PHYSICAL, {JP_EPSILON(1.5)}};
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_factors(&tariff, &jp_lattice_zhang2018, &factors, &field));
+    plan_scene(4, &config, SMALL_BLOCK);
+    mix(jp_planner_plan(&planner)->parameter_version);
+    TEST_ASSERT_EQUAL_HEX32(0x3E5F7B4A, hash);
+}
+
+static void test_costs_by_models(void)
+{
+    struct jp_energy_model learned = jp_energy_model_gao2018;
+    const struct jp_tariff_models models = {1, &jp_energy_model_gao2018, &learned, JP_Q16(1.1)};
+    const char *field = "";
+
+    learned.a[2] += JP_Q16(3.3);
+    learned.b[0] += JP_Q16(7.7);
+    learned.b[1] -= JP_Q16(0.1);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_models(&tariff, &jp_lattice_gao2018, &models, &field));
+    for (unsigned i = 0; i < PRIMITIVES_MAX; i++) {
+        mix(primitives[i].base[JP_COST_PHYSICAL]);
+    }
+    for (unsigned i = 0; i < (unsigned)JP_MOVE_KINDS; i++) {
+        mix((uint32_t)tariff.lattice.move_costs[JP_COST_PHYSICAL][i].climb.constant);
+        mix((uint32_t)tariff.lattice.move_costs[JP_COST_PHYSICAL][i].climb.quadratic);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0xBD671457, hash);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_256_kib);
     RUN_TEST(test_optimum_and_replans);
     RUN_TEST(test_paper_and_distance);
+    RUN_TEST(test_learned_costs);
+    RUN_TEST(test_costs_by_models);
     return UNITY_END();
 }

@@ -51,6 +51,7 @@ def write_plan(folder, elevation=True, drive=False):
     summary = {
         "robot": "rover", "map": {"file": str(folder / "map.json"), "name": "yard", "note": "a <yard> & more",
                                   "width": WIDTH, "height": HEIGHT, "resolution_m": CELL, "has_elevation": elevation},
+        "parameters": {"version": 7, "file": "learned.json"},
         "memory": {"block_bytes": 262144, "guide_bytes": 4096, "field_bytes": 1200, "search_bytes": 250000,
                    "states_max": 13333, "map_bytes": 1360},
         "task_chosen": True, "start": [10.5, -4.4, 30.0], "goal_m": [15.0, -4.4], "routes": routes,
@@ -104,6 +105,7 @@ def test_the_page_has_every_section_and_needs_nothing_else(tmp_path, elevation, 
     assert page.outside == []
     assert "://" not in text
     assert "<h1>Plan over yard</h1>" in text
+    assert "parameters learned, version 7 ·" in text
     for number in ("1\u202f931.0", "2\u202f289.0", "−15.64", "+3.96", "256\u202fKiB", "13\u202f333"):
         assert number in text
     assert ("climbs out" in text) == (elevation and drive)
@@ -155,6 +157,11 @@ def test_the_unreachable_is_named(results):
     assert "difference" not in text
 
 
+def test_parameters_that_are_built_in(results):
+    change(results, lambda summary: summary.update(parameters={"version": 0, "file": None}))
+    assert "parameters built in, version 0 ·" in report(results)
+
+
 def test_a_turned_map(results):
     change(results, lambda data: data.update(origin_m=[10.0, -5.0, 0.5]), "map.json")
     report(results)
@@ -190,6 +197,8 @@ def test_small_and_level_maps(results):
     (lambda s: s.update(goal_m=["x", 2]), "goal_m"),
     (lambda s: s.update(comparison={}), "comparison"),
     (lambda s: s["memory"].pop("states_max"), "states_max"),
+    (lambda s: s.pop("parameters"), "parameters"),
+    (lambda s: s["parameters"].update(version="new"), "version"),
     (lambda s: s["drive"].update(waypoints_m=[[1]]), "drive.waypoints_m[0]"),
     (lambda s: s["drive"]["driven"].pop("energy_j"), "drive.driven"),
     (lambda s: s["map"].update(file="none.json"), "none.json"),

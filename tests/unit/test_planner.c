@@ -133,6 +133,18 @@ static void expect_optimal(void)
     expect_drivable();
 }
 
+/* The lattice with level driving twice as dear. */
+static struct jp_lattice dearer_driving(void)
+{
+    struct jp_lattice dearer = *lattice;
+
+    for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
+        dearer.move_costs[JP_COST_PHYSICAL][move].climb.constant *= 2;
+    }
+    dearer.version = 3;
+    return dearer;
+}
+
 /* What the planner has found after changes is what one finds that begins anew. */
 static void expect_as_if_new(void)
 {
@@ -1094,6 +1106,50 @@ static void test_range_widens_during_a_search(void)
     expect_optimal();
 }
 
+static void test_other_costs_of_the_lattice(void)
+{
+    const struct jp_lattice dearer = dearer_driving();
+    const struct jp_goal north = {12, 4, 1U << 4};
+    const struct jp_plan *plan = jp_planner_plan(&planner);
+
+    start_planner(sizeof block);
+    go(&west, &north);
+    expect_optimal();
+    const jp_cost before = plan->cost;
+    TEST_ASSERT_EQUAL_UINT32(0, plan->parameter_version);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_lattice(&planner, &dearer));
+    TEST_ASSERT_EQUAL_UINT32(before, plan->cost); /* the plan stands, and says what it was made of */
+    TEST_ASSERT_EQUAL_UINT32(0, plan->parameter_version);
+    TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
+    const uint32_t earlier = jp_planner_statistics(&planner)->expansions;
+    (void)finish();
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, plan->answer);
+    TEST_ASSERT_EQUAL_UINT32(3, plan->parameter_version);
+    const uint32_t expansions = jp_planner_statistics(&planner)->expansions - earlier;
+    const jp_cost after = plan->cost;
+    TEST_ASSERT_TRUE(after > before);
+
+    config.lattice = &dearer;
+    start_planner(sizeof block);
+    go(&west, &north);
+    (void)finish();
+    TEST_ASSERT_EQUAL_UINT32(after, plan->cost);
+    TEST_ASSERT_EQUAL_UINT32(3, plan->parameter_version);
+    TEST_ASSERT_EQUAL_UINT32(expansions, jp_planner_statistics(&planner)->expansions);
+}
+
+static void test_lattices_that_are_not_taken(void)
+{
+    struct jp_lattice other = *lattice;
+
+    begin();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_planner_set_lattice(NULL, lattice));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_planner_set_lattice(&planner, NULL));
+    other.moves++;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_planner_set_lattice(&planner, &other));
+    expect_optimal();
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -1155,5 +1211,7 @@ int main(void)
     RUN_TEST(test_queue_moves_a_state_to_its_new_key);
     RUN_TEST(test_queue_tells_when_its_range_ends);
     RUN_TEST(test_range_widens_during_a_search);
+    RUN_TEST(test_other_costs_of_the_lattice);
+    RUN_TEST(test_lattices_that_are_not_taken);
     return UNITY_END();
 }

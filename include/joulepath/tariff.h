@@ -1,0 +1,73 @@
+/**
+ * What a planner is charged, following what the robot has learned: a copy of a lattice, in the caller's RAM, whose
+ * physical costs are those of other parameters. All else is the lattice's own, in ROM.
+ *
+ * Moves are charged by three factors: their level part by `straight`, what a rise adds by `mass`, its losses in the
+ * motors by mass². A slope where gravity pushes the robot against its rolling resistance moves by straight/mass. What
+ * the electronics draw stays the least cost. Bases are charged by the factor `turning` where the factors are measured;
+ * from two energy models each primitive gets the difference that they make at its own speed and turn rate,
+ *
+ *   cost' = cost + Δb1 length²/T + Δb2 σ²/T, in place: cost + Δa3 σ², at least what the electronics draw
+ *
+ * but never less than its moves. So bases are not negative, moves alone and bases alone remain lower bounds, and what
+ * lattice.h promises of a lattice that passes its check holds for its copy. Equal parameters give equal costs, bit for
+ * bit. The costs `paper` and `distance` are as before.
+ *
+ * A planner takes the copy at jp_planner_init() or jp_planner_set_lattice(), and must not be using it while it is
+ * written: who learns on has two, and writes them in turn. Nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_TARIFF_H
+#define JOULEPATH_TARIFF_H
+
+#include <joulepath/energy.h>
+#include <joulepath/lattice.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Range of every factor. */
+#define JP_TARIFF_FACTOR_MIN JP_Q16(0.25)
+#define JP_TARIFF_FACTOR_MAX JP_Q16(4)
+
+/** Measured: energy against that of the tables, JP_TARIFF_FACTOR_MIN…JP_TARIFF_FACTOR_MAX. */
+struct jp_tariff_factors {
+    uint32_t version; /**< of the parameters; the caller's count */
+    jp_q16 straight;  /**< of driving straight on level ground, electronics included */
+    jp_q16 turning;   /**< of all that turning takes on top */
+    jp_q16 mass;      /**< of the robot with its payload */
+};
+
+/** Learned by a robot with an energy model, such as jp_learner_model(). */
+struct jp_tariff_models {
+    uint32_t version;
+    const struct jp_energy_model *built_in; /**< of the lattice's tables; its electronics count for both */
+    const struct jp_energy_model *learned;
+    jp_q16 mass; /**< as above */
+};
+
+struct jp_tariff {
+    struct jp_primitive *primitives; /**< the caller's, first_from[JP_HEADINGS] of the lattice: 20 bytes each */
+    uint16_t primitives_max;
+    struct jp_lattice lattice; /**< to plan on, as long as the tariff lives */
+};
+
+/**
+ * Charges a lattice that passed jp_lattice_check() by factors.
+ * JP_ERR_CONFIG: *field names the first factor out of range. JP_ERR_MEMORY: more primitives than fit.
+ * JP_ERR_OVERFLOW: a cost does not fit its format. JP_ERR_ARGUMENT: a pointer is null. Then tariff->lattice is void.
+ * Work: the primitives and their moves, and all rises of nine unit steps.
+ */
+enum jp_status jp_tariff_by_factors(struct jp_tariff *tariff, const struct jp_lattice *lattice,
+                                    const struct jp_tariff_factors *factors, const char **field);
+
+/** The same by two models. JP_ERR_CONFIG also names what is wrong in a model, and "straight" where they differ by more
+ *  than a factor may. The cruising speed is that of the fastest primitive. Work: also a division a primitive. */
+enum jp_status jp_tariff_by_models(struct jp_tariff *tariff, const struct jp_lattice *lattice,
+                                   const struct jp_tariff_models *models, const char **field);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
