@@ -5,9 +5,10 @@
 #include "energy_terms.h"
 #include "shared.h"
 
-#define MOTION_MAX JP_Q24(8)
-#define TURN_MAX   JP_Q24(6.2831854)
-#define POWER_MAX  ((int64_t)1 << 36) /* 2²⁰ W in Q16 */
+#define MOTION_MAX   JP_Q24(8)
+#define TURN_MAX     JP_Q24(6.2831854)
+#define DURATION_MAX JP_Q16(16384)
+#define POWER_MAX    ((int64_t)1 << 36) /* 2²⁰ W in Q16 */
 
 static bool in_range(int32_t value, int32_t low, int32_t high)
 {
@@ -72,27 +73,34 @@ int64_t jp_term_scale(int64_t a, int32_t b, unsigned shift)
     return scaled_term(a, b, shift);
 }
 
-/* V in Q18 times J/V in Q16: Q34 to Q28. */
-static JP_SHARED int64_t voltage_term(int32_t left, int32_t right, jp_q16 a_left, jp_q16 a_right)
+void jp_steady_voltages(const struct jp_energy_model *model, const struct jp_motion *motion,
+                        struct jp_steady_voltages *steady)
 {
-    return ((int64_t)left * a_left + (int64_t)right * a_right) >> (34 - JP_TERM_BITS);
+    int64_t common = (int64_t)model->voltage_per_speed * motion->speed;
+    int64_t difference = (int64_t)model->voltage_per_turn_rate * motion->turn_rate;
+    steady->left = (int32_t)((common - difference) >> 22);
+    steady->right = (int32_t)((common + difference) >> 22);
+    int64_t squares = (int64_t)steady->left * steady->left + (int64_t)steady->right * steady->right; /* Q36, <= 2⁶¹ */
+    int64_t power = (squares >> 4) / model->motor_resistance;                                        /* Q16 */
+    steady->power = power > POWER_MAX ? POWER_MAX : power;
+}
+
+/* V in Q18 times J/V in Q16: Q34 to Q28. */
+static JP_SHARED int64_t voltage_term(const struct jp_steady_voltages *steady, jp_q16 a_left, jp_q16 a_right)
+{
+    return ((int64_t)steady->left * a_left + (int64_t)steady->right * a_right) >> (34 - JP_TERM_BITS);
 }
 
 void jp_voltage_terms(const struct jp_energy_model *model, const struct jp_motion *before,
                       struct jp_voltage_terms *terms)
 {
-    int64_t common = (int64_t)model->voltage_per_speed * before->speed;
-    int64_t difference = (int64_t)model->voltage_per_turn_rate * before->turn_rate;
-    int32_t left = (int32_t)((common - difference) >> 22);
-    int32_t right = (int32_t)((common + difference) >> 22);
+    struct jp_steady_voltages steady;
+    jp_steady_voltages(model, before, &steady);
     const jp_q16 *a = model->a;
-    terms->speed = voltage_term(left, right, a[6], a[9]);
-    terms->turn_rate = voltage_term(left, right, a[7], a[10]);
-    terms->turn = voltage_term(left, right, a[8], a[11]);
-    int64_t squares = (int64_t)left * left + (int64_t)right * right; /* Q36, at most 2⁶¹ */
-    int64_t power = (squares >> 4) / model->motor_resistance;        /* Q16 */
-    power = power > POWER_MAX ? POWER_MAX : power;
-    terms->power = scaled_term(power, a[12], 32 - JP_TERM_BITS);
+    terms->speed = voltage_term(&steady, a[6], a[9]);
+    terms->turn_rate = voltage_term(&steady, a[7], a[10]);
+    terms->turn = voltage_term(&steady, a[8], a[11]);
+    terms->power = scaled_term(steady.power, a[12], 32 - JP_TERM_BITS);
 }
 
 /* a·x·y with a in Q16, x and y in Q24: Q28. */
@@ -123,12 +131,17 @@ enum jp_status jp_energy_total(const struct jp_energy_model *model, const struct
     return rounded == *energy ? JP_OK : JP_ERR_OVERFLOW;
 }
 
+bool jp_segment_in_range(const struct jp_segment_command *segment, jp_q16 duration_min)
+{
+    return jp_motion_in_range(&segment->motion) && in_range(segment->turn, -TURN_MAX, TURN_MAX) &&
+           in_range(segment->duration, duration_min, DURATION_MAX);
+}
+
 enum jp_status jp_energy_predict(const struct jp_energy_model *model, const struct jp_motion *before,
                                  const struct jp_segment_command *segment, jp_q16 *energy)
 {
     if (!model || !before || !segment || !energy || !jp_motion_in_range(before) ||
-        !jp_motion_in_range(&segment->motion) || !in_range(segment->turn, -TURN_MAX, TURN_MAX) ||
-        !in_range(segment->duration, model->settling_time, JP_Q16(16384))) {
+        !jp_segment_in_range(segment, model->settling_time)) {
         return JP_ERR_ARGUMENT;
     }
     struct jp_voltage_terms voltage;

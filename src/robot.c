@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "energy_terms.h"
+#include "robot_route.h"
 #include "shared.h"
 
 /** The next segment is planned this long before the current one ends: s⁻¹, so a tenth of a second. */
@@ -383,6 +384,7 @@ void jp_robot_account(struct jp_robot *robot)
         review_motors(robot);
     }
     account_segments(robot);
+    robot->reviewed = robot->applied;
     robot->applied = telemetry->voltages;
     robot->motors_ran = motors_run(telemetry->state);
     telemetry->tick++;
@@ -446,6 +448,7 @@ static void copy_telemetry(const struct jp_robot *robot, struct jp_telemetry *te
     telemetry->segment_energy_battery = tick->segment_energy_battery;
     telemetry->segments_ended = tick->segments_ended;
     telemetry->gyro_bias = robot->estimator.gyro_bias;
+    telemetry->dropped_frames = robot->monitor.dropped_frames;
 }
 
 void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
@@ -459,6 +462,29 @@ void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telem
         __atomic_thread_fence(__ATOMIC_ACQUIRE);
         after = __atomic_load_n(&robot->sequence, __ATOMIC_RELAXED);
     } while (before != after || (before & 1U) != 0U);
+}
+
+bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sample)
+{
+    const struct jp_sensors *sensors = &robot->monitor.good;
+    uint32_t before;
+    uint32_t after;
+    bool usable;
+
+    do {
+        before = __atomic_load_n(&robot->sequence, __ATOMIC_ACQUIRE);
+        usable = motors_run(robot->telemetry.state) && robot->monitor.implausible_ticks == 0U;
+        *sample = (struct jp_motor_sample){
+            .voltages = robot->reviewed,
+            .wheel_rate = robot->estimator.wheel.rate,
+            .yaw_rate = robot->estimator.yaw.rate,
+            .current_left = sensors->current_left,
+            .current_right = sensors->current_right,
+        };
+        __atomic_thread_fence(__ATOMIC_ACQUIRE);
+        after = __atomic_load_n(&robot->sequence, __ATOMIC_RELAXED);
+    } while (before != after || (before & 1U) != 0U);
+    return usable;
 }
 
 enum jp_status jp_robot_enable(struct jp_robot *robot)
@@ -553,9 +579,8 @@ static jp_q24 way_to_stand(const struct jp_robot *robot, const struct jp_telemet
     return telemetry->state == JP_ROBOT_BALANCING ? jp_q24_multiply(turns, robot->config->metres_per_turn) : 0;
 }
 
-/** Where and how the robot will end its current segment: measured position, heading of the route. */
-static void predict_end(const struct jp_robot *robot, const struct jp_telemetry *telemetry, struct jp_point *position,
-                        jp_angle *heading)
+void jp_robot_predict_end(const struct jp_robot *robot, const struct jp_telemetry *telemetry, struct jp_point *position,
+                          jp_angle *heading)
 {
     int64_t tick_rate = robot->config->estimator.tick_rate;
     int64_t ticks = telemetry->segment_ticks_left;
@@ -576,16 +601,15 @@ static JP_SHARED enum jp_status optimise(struct jp_robot *robot, const struct jp
                                &robot->route[robot->route_planned], &robot->planned);
 }
 
-/**
- * While the shaped reference turns, the robot drives on toward the old heading: by 2τ, the tracker's lag, at the old
- * speed. As if it had turned at once from a point that much away.
- */
-static struct jp_point turning_point(const struct jp_robot *robot, const struct jp_motion *before,
-                                     const struct jp_point *start, jp_angle heading)
+struct jp_point jp_turning_point(jp_q16 yaw_bandwidth, jp_q24 speed, const struct jp_point *start, jp_angle heading,
+                                 jp_q24 turn)
 {
-    jp_q16 bandwidth = robot->config->reference.yaw_bandwidth;
-    jp_angle turned = heading + jp_angle_from_radians(robot->planned.command.turn);
-    jp_q24 way = jp_q16_divide(jp_add(before->speed, before->speed), bandwidth);
+    if (speed == 0 || yaw_bandwidth == 0) {
+        return *start;
+    }
+
+    jp_angle turned = heading + jp_angle_from_radians(turn);
+    jp_q24 way = jp_q16_divide(jp_add(speed, speed), yaw_bandwidth);
 
     return (struct jp_point){
         .x = jp_add(start->x, jp_multiply_shift(way, jp_sub(jp_cos(heading) / 2, jp_cos(turned) / 2), 38)),
@@ -600,12 +624,13 @@ static enum jp_status plan_next(struct jp_robot *robot, const struct jp_telemetr
     struct jp_point start;
     jp_angle heading;
 
-    predict_end(robot, telemetry, &start, &heading);
+    jp_robot_predict_end(robot, telemetry, &start, &heading);
 
     enum jp_status status = optimise(robot, before, &start, heading);
 
     if (status == JP_OK && before->speed != 0 && robot->config->reference.yaw_bandwidth != 0) {
-        start = turning_point(robot, before, &start, heading);
+        start = jp_turning_point(robot->config->reference.yaw_bandwidth, before->speed, &start, heading,
+                                 robot->planned.command.turn);
         status = optimise(robot, before, &start, heading);
     }
     if (status == JP_OK) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Print the polynomial coefficients of src/fixed.c.
+"""Print the polynomial coefficients of src/fixed.c and src/horizon.c.
 
 Minimax fits by the Remez exchange, in exact rational arithmetic; the standard
 library is enough. Usage: python3 tools/fixed_polynomials.py
@@ -70,6 +70,10 @@ def main():
     # atan(x) = x·P(x²), in turns.
     p, worst = remez(lambda x: math.atan(x) / (2 * math.pi), lambda x, k: x ** (2 * k + 1), 10)
     show("arctangent, P", p, [34] * 10, worst * 2**32, "units of 2^-32 turn")
+
+    # 2^-x = 1 − x·P(x).
+    p, worst = remez(lambda x: 1 - 2**-x, lambda x, k: x ** (k + 1), 6)
+    show("power of 1/2, P", p, [32] * 6, worst * 2**30, "units of 2^-30")
 
 
 if __name__ == "__main__":

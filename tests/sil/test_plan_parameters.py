@@ -229,6 +229,16 @@ def test_balancer_with_its_learned_model(tmp_path, model):
     assert dearer["routes"][0]["energy_j"] == pytest.approx(1.5 * same["routes"][0]["energy_j"], rel=0.05)
 
 
+def test_plans_are_charged_by_what_a_robot_learned_on_a_trip(tmp_path, model):
+    trip = run("jp-trip", BALANCER, "--seed", "4", "--output", tmp_path)  # its ground has 1.6 times the friction
+    assert trip.returncode == 0, trip.stderr
+    learned = json.loads((tmp_path / "parameters.json").read_text())
+    built_in = balancer_plan(tmp_path, model, "built_in")["routes"][0]
+    charged = balancer_plan(tmp_path, learned, "charged")["routes"][0]
+    assert charged["parameter_version"] == learned["version"] > 20
+    assert 1.1 * built_in["energy_j"] < charged["energy_j"] < 2 * built_in["energy_j"]
+
+
 def test_balancer_by_factors(tmp_path):
     summary = balancer_plan(tmp_path, {**ROVER_FACTORS, "robot": "gao2018"})
     assert summary["parameters"]["version"] == 3

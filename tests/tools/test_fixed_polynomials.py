@@ -1,4 +1,4 @@
-"""The coefficients in src/fixed.c are those that tools/fixed_polynomials.py prints."""
+"""The coefficients in src/fixed.c and src/horizon.c are those that tools/fixed_polynomials.py prints."""
 import re
 import subprocess
 import sys
@@ -10,7 +10,7 @@ def test_coefficients_are_fresh():
     printed = subprocess.run([sys.executable, ROOT / "tools" / "fixed_polynomials.py"], capture_output=True, text=True,
                              check=True).stdout
     made = {abs(int(number)) for number in re.findall(r"^\s+(-?\d+)\s+Q\d+", printed, re.M)}
-    source = (ROOT / "src" / "fixed.c").read_text(encoding="utf-8")
+    source = "".join((ROOT / "src" / name).read_text(encoding="utf-8") for name in ("fixed.c", "horizon.c"))
     used = {int(number) for number in re.findall(r"\b(\d{6,10})u\b", source)}
-    assert len(made) == 15
+    assert len(made) == 21
     assert used == made

@@ -1,0 +1,114 @@
+/**
+ * Drives a robot through targets by joules: plans the whole route (route.h), learns from every segment (learner.h), and
+ * says beforehand what a route will take and how sure that is.
+ *
+ *   jp_pilot_work()  from the background loop, between the ticks of jp_robot_tick(): a slice of work a call
+ *
+ * The route is planned anew during each segment, from where the robot will be at its end, with what has been learned
+ * by then; its first segment is handed to the robot. With more targets than legs the horizon recedes. A target passed
+ * late or a slice too few only makes the robot stand and go on from there.
+ *
+ * In libjoulepath_float. jp_robot_follow() is the way to drive a route without it.
+ */
+#ifndef JOULEPATH_PILOT_H
+#define JOULEPATH_PILOT_H
+
+#include <joulepath/learner.h>
+#include <joulepath/robot.h>
+#include <joulepath/route.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Which of the robot's two meters (meter.h) the pilot learns from; model, horizon and learning are of the same. */
+enum jp_pilot_meter { JP_PILOT_MOTORS, JP_PILOT_BATTERY };
+
+struct jp_pilot_config {
+    const struct jp_energy_model *model; /**< built in */
+    const struct jp_horizon *horizon;
+    const struct jp_learning *learning;
+    enum jp_pilot_meter meter;
+    struct jp_route_leg *legs; /**< the caller's memory */
+    uint16_t leg_count;        /**< 1…JP_ROUTE_LEGS_MAX */
+};
+
+/** A segment that is being driven or waits for it. */
+struct jp_pilot_segment {
+    struct jp_energy_start start;
+    struct jp_segment_command command;
+};
+
+enum jp_pilot_phase {
+    JP_PILOT_RESTING,  /**< no route */
+    JP_PILOT_PLANNING, /**< works on a plan */
+    JP_PILOT_DRIVING   /**< a segment was handed over; the next plan begins near the end of the one before it */
+};
+
+/** Private but for the members with a comment. */
+struct jp_pilot {
+    struct jp_pilot_config config;
+    struct jp_robot *robot;
+    struct jp_learner learner;      /**< what is known; its state is worth storing */
+    enum jp_learned learned;        /**< what became of the last segment, once segments_learned_from > 0 */
+    uint32_t segments_learned_from; /**< segments that were handed to the learner */
+    struct jp_energy_model model;   /**< as learned when the last plan began */
+    uint32_t model_version;         /**< of the learner's state then */
+    struct jp_forecast forecast;    /**< of the last plan, all its legs */
+    enum jp_pilot_phase phase;      /**< what the pilot does */
+    struct jp_route route;
+    const struct jp_point *targets;
+    uint16_t target_count;
+    uint16_t targets_planned;
+    enum jp_status status;
+    bool asked;    /* a plan is made that will not be driven */
+    bool answered; /* one was asked for since the last route */
+    bool waiting;  /* a segment was handed over and has not begun */
+    bool driving;
+    uint16_t segment;
+    uint16_t segments_ended;
+    uint32_t stand_tick;
+    struct jp_pilot_segment current;
+    struct jp_pilot_segment next;
+};
+
+/**
+ * Prepares a pilot for a robot that is initialised; pointers are kept. JP_ERR_ARGUMENT: a pointer is null or leg_count
+ * out of range. JP_ERR_CONFIG: *field names the first field of model, horizon, learning or limits out of range. What
+ * was stored is given to jp_learner_restore(&pilot->learner, …) afterwards.
+ */
+enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_config *config, struct jp_robot *robot,
+                             const char **field);
+
+/**
+ * Drives through `targets`, which must stay until the robot stands. Replaces an earlier route; a segment being driven
+ * is driven to its end first. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
+ */
+enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count);
+
+/**
+ * Plans through `targets` from where the robot stands, without driving. JP_ERR_STATE: it is not standing, or follows a
+ * route. JP_ERR_MEMORY: more targets than legs. JP_ERR_ARGUMENT: null or empty.
+ */
+enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count);
+
+/** What jp_pilot_ask() asked: JP_ERR_BUSY until jp_pilot_work() has the plan; JP_ERR_EMPTY: nothing was asked; else as
+ *  jp_pilot_work(). The plan's segments are in the legs. With jp_forecast_reserve() it answers "can I go there and come
+ *  back?". */
+enum jp_status jp_pilot_answer(const struct jp_pilot *pilot, struct jp_forecast *forecast);
+
+/** Brakes to a balanced stand and forgets the route, at the next tick. */
+void jp_pilot_stop(struct jp_pilot *pilot);
+
+/**
+ * A slice of background work: at most one jp_learner_update() and one jp_route_work(). To be called at least every 20
+ * ms while driving, in place of jp_robot_work(). Returns the first failure of planning (the robot then stops at the end
+ * of the segment), else JP_OK.
+ */
+enum jp_status jp_pilot_work(struct jp_pilot *pilot);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,242 @@
+"""tools/horizon.py and tools/closed_loop.py: the committed tables, the loop against the firmware's steps, bad input."""
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from conftest import JP_ROBOT, ROBOTS, ROOT, assert_one_line_error, robot_text, run_tool
+from test_gain_design import changed
+
+import closed_loop
+import horizon
+import linear_model
+import robot_json
+
+DEFINITIONS = (closed_loop.MOTOR, closed_loop.BATTERY)
+
+# Another LAPACK may round the eigenvectors differently, and with them the last digit of a number.
+LAST_DIGITS = 3
+
+
+def robot_of(name, **changes):
+    return robot_json.from_text(f"{name}.json", json.dumps(changed(name, **changes)))
+
+
+def integers(text):
+    """All numbers of a C table, without comments."""
+    body = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    return [int(number) for number in re.findall(r"(?<![\w\[])-?\d+", body[body.index("= {"):])]
+
+
+def read_table(robot, definition):
+    """The committed table of each axis as the firmware has it, in SI units."""
+    numbers = iter(integers((ROOT / "src" / "tables" / f"horizon_{robot}{horizon.SUFFIXES[definition]}.c").read_text()))
+
+    def take(count, scale):
+        return np.array([next(numbers) for _ in range(count)]) / scale
+
+    def axis(steps):
+        count = int(take(1, 1)[0])
+        modes = take(2 * count, 2.0**24).reshape(count, 2)
+        step = np.zeros((2, count))
+        step[:steps] = take(steps * count, 2.0**16).reshape(steps, count)
+        storage = np.zeros((count, count))
+        storage[np.triu_indices(count)] = take(count * (count + 1) // 2, 2.0**28)
+        cross = np.zeros((2, count))
+        cross[:steps] = take(steps * count, 2.0**16).reshape(steps, count)
+        return horizon.Table(modes[:, 0] * math.log(2), modes[:, 1] * math.tau, step, (storage + storage.T) / 2, cross,
+                             take(count, 2.0**16))
+
+    assert take(1, 2.0**16)[0] == horizon.DURATION_MIN
+    tables = axis(1), axis(2)
+    assert next(numbers, None) is None
+    return tables
+
+
+def drive_ticks(axis, definition, resistance, segments, level):
+    """Energy of each segment, J: the loop's voltages and currents, tick by tick and added up."""
+    state, before, energies = np.zeros(axis.size), 0.0, []
+    for segment in segments:
+        speed, turn = segment[level], segment[2] * level
+        state = state + axis.jump(speed - before, turn)
+        before, energy = speed, 0.0
+        for _ in range(round(segment[3] * axis.rate_hz)):
+            volts = axis.voltage @ state + axis.volts_per_unit * speed
+            amperes = (axis.current @ state + axis.amperes_per_unit * speed if definition == closed_loop.BATTERY
+                       else volts / resistance)
+            energy += 2 * volts * amperes / axis.rate_hz
+            state = axis.matrix @ state
+        energies.append(energy)
+    return np.array(energies)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_committed_tables_are_what_the_tool_makes(name, tmp_path):
+    result = run_tool("horizon.py", name, "--jp-robot", JP_ROBOT, "--tables", tmp_path)
+    assert result.returncode == 0, result.stderr
+    for suffix in horizon.SUFFIXES.values():
+        committed = ROOT / "src" / "tables" / f"horizon_{name}{suffix}.c"
+        made = tmp_path / committed.name
+        assert integers(made.read_text()) == pytest.approx(integers(committed.read_text()), rel=1e-6,
+                                                           abs=LAST_DIGITS), f"run `make horizon ROBOT={name}`"
+
+
+@pytest.mark.parametrize("definition", DEFINITIONS)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_committed_tables_forecast_the_energy_of_all_ticks(name, definition):
+    robot = robot_of(name)
+    resistance = robot.positive("motor.resistance_ohm")
+    segments = horizon.random_segments(robot, 20, seed=11)
+    exact, forecast = segments[:, 3] * robot.positive("electronics.power_w"), 0.0
+    for axis, table, level in zip(closed_loop.axes(robot), read_table(name, definition), (0, 1)):
+        chain = horizon.TableChain(axis, closed_loop.energy(axis, definition, resistance), table)
+        ticks = drive_ticks(axis, definition, resistance, segments, level)
+        exact = exact + ticks
+        forecast = forecast + np.array([chain.drive(s[level], s[2] * level, s[3]) for s in segments]) - ticks
+    assert np.abs(forecast / exact).max() <= 2 * horizon.ERROR_MAX
+    assert np.abs(forecast / exact).mean() <= horizon.MEAN_ERROR_MAX
+
+
+@pytest.mark.parametrize("definition", DEFINITIONS)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_stored_energy_is_what_a_transient_spends(name, definition):
+    robot = robot_of(name)
+    resistance = robot.positive("motor.resistance_ohm")
+    for axis in closed_loop.axes(robot):
+        energy = closed_loop.energy(axis, definition, resistance)
+        start = axis.jump(0.8, 0.5)
+        seconds = 300.0
+        spent = drive_ticks(axis, definition, resistance, [(0.8, 0.8, 0.5, seconds)], 0 if axis.name == "travel" else 1)
+        assert energy.stored(start, 0.8) + energy.power * 0.64 * seconds == pytest.approx(spent[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_steady_loop_is_the_plants_steady_motion(name):
+    robot = robot_of(name)
+    for axis, volts in zip(closed_loop.axes(robot), linear_model.steady_voltages(robot)):
+        assert axis.volts_per_unit == pytest.approx(volts, rel=1e-9)
+    # What leaves the battery is friction and copper; what the motors convert to nothing is the difference.
+    power = closed_loop.energy(closed_loop.axes(robot)[0], closed_loop.BATTERY, robot.positive("motor.resistance_ohm")).power
+    speed = 1 / robot.positive("wheel.radius_m")
+    friction = 2 * (robot.number("ground.friction_nm_s_per_rad") + robot.number("motor.friction_nm_s_per_rad")) * speed**2
+    assert power > friction
+
+
+def test_without_filters_the_loop_is_that_of_the_gain_design():
+    """Responses of both models to steps; gao2018's firmware measures rates over a tick and so is half a tick late."""
+    robot = robot_of("gao2018")
+    loop = linear_model.design(robot)
+    responses = linear_model.step_responses(robot, loop, 10)
+    travel, yaw = closed_loop.axes(robot)
+    for axis, step, steady, expected in ((travel, (1, 0), travel.volts_per_unit, responses.speed),
+                                         (yaw, (1, 0), yaw.volts_per_unit, responses.turn_rate),
+                                         (yaw, (0, 1), 0, responses.turn)):
+        state, voltages = axis.jump(*step), []
+        for _ in range(len(expected)):
+            voltages.append(axis.voltage @ state + steady)
+            state = axis.matrix @ state
+        after = slice(100, None)
+        assert voltages[0] == pytest.approx(expected[0], rel=0.01)
+        assert np.abs(np.array(voltages)[after] - expected[after]).max() <= 0.02 * np.abs(expected).max()
+
+
+class Estimated:
+    """src/estimator.c, src/reference.c and src/lqr.c of courier24's travel in plain numbers, on the linear plant."""
+
+    def __init__(self, robot):
+        self.rate = robot.number("control.rate_hz")
+        self.robot, self.loop = robot, linear_model.design(robot)
+        self.f, self.g = linear_model.sampled_plant(self.loop.plant, self.rate)
+        self.state = np.zeros(8)
+        self.target = self.angle = self.angle_rate = self.integral = 0.0
+        self.encoder = self.encoder_rate = self.pitch = self.bias = 0.0
+
+    def measure(self, volts):
+        dt, number = 1 / self.rate, self.robot.number
+        pole = math.exp(-number("control.encoder_bandwidth_rad_s") * dt)
+        predicted = self.encoder + self.encoder_rate * dt
+        error = self.state[0] - self.state[1] - predicted
+        self.encoder = predicted + (1 - pole**2) * error
+        self.encoder_rate += (1 - pole)**2 * self.rate * error
+        rates = self.loop.plant.a @ self.state + self.loop.plant.b @ [volts, volts]
+        felt = (number("wheel.radius_m") * rates[3] + number("accelerometer.height_m") * rates[4]) / 9.81
+        self.pitch += (self.state[4] - self.bias) * dt
+        tilt_error = self.state[1] - felt - self.pitch
+        self.pitch += tilt_error * dt / number("control.tilt_time_constant_s")
+        self.bias -= tilt_error * dt / number("control.tilt_time_constant_s") / number("control.bias_time_constant_s")
+
+    def tick(self, wheel_speed):
+        dt, bandwidth = 1 / self.rate, 1 / self.robot.number("control.travel_shaping_s")
+        pitch_rate = self.state[4] - self.bias
+        self.target += wheel_speed * dt
+        acceleration = bandwidth * (bandwidth * (self.target - self.angle) + 2 * (wheel_speed - self.angle_rate))
+        self.angle_rate += acceleration * dt
+        self.angle += self.angle_rate * dt
+        error = self.angle - self.encoder - self.pitch
+        volts = self.loop.gains.common @ [error, -self.pitch, self.angle_rate - self.encoder_rate - pitch_rate,
+                                          -pitch_rate, self.integral]
+        self.integral += error * dt
+        self.state = self.f @ self.state + self.g @ [volts, volts]
+        self.measure(volts)
+        return volts
+
+
+def test_travel_with_the_estimator_is_the_firmwares():
+    robot = robot_of("courier24")
+    travel, _ = closed_loop.axes(robot)
+    model, state = Estimated(robot), travel.jump(0.8, 0)
+    for _ in range(8000):
+        expected = model.tick(0.8 / robot.number("wheel.radius_m"))
+        assert travel.voltage @ state + 0.8 * travel.volts_per_unit == pytest.approx(expected, abs=1e-6)
+        state = travel.matrix @ state
+
+
+def test_a_levelled_pitch_changes_the_modes():
+    """Without the accelerometer, which feels the robot's own acceleration, the modes are others."""
+    plain = robot_of("courier24", control__tilt_time_constant_s=0.0, control__bias_time_constant_s=0.0)
+    with_level, without = (closed_loop.axes(robot)[0] for robot in (robot_of("courier24"), plain))
+    slow = [horizon.modes_of(robot_of("courier24"), axis).decay for axis in (with_level, without)]
+    assert len(slow[0]) == len(slow[1]) + 1
+
+
+BAD = [
+    ({"control__bias_time_constant_s": 1.0, "control__tilt_time_constant_s": 5.0}, "travel.storage"),
+    ({"control__tilt_time_constant_s": 0.05}, "does not settle"),
+    ({"control__encoder_bandwidth_rad_s": 3.0}, "does not settle"),
+    ({"accelerometer__height_m": "high"}, "accelerometer.height_m"),
+    ({"motor__resistance_ohm": 0.0}, "motor.resistance_ohm"),
+]
+
+
+@pytest.mark.parametrize("changes, part", BAD)
+def test_bad_robots_are_refused_in_one_line_and_leave_nothing(changes, part, tmp_path):
+    source, tables = tmp_path / "robot.json", tmp_path / "tables"
+    source.write_text(json.dumps(changed("courier24", **changes)))
+    assert_one_line_error(run_tool("horizon.py", "courier24", "--robot-json", source, "--tables", tables), "robot.json",
+                          part)
+    assert not tables.exists()
+
+
+LIMITS = [
+    ("MODES_MAX", 3, "travel: 7 modes last longer than 0.5 s, the tables hold 3"),
+    ("CONDITION_MAX", 5, "cannot be told"),
+    ("STEP_MAX", 10, "travel.step"),
+    ("SHARE_MAX", 1, "travel.cross"),
+    ("ERROR_MAX", 1e-9, "miss the linear loop's energy"),
+]
+
+
+@pytest.mark.parametrize("limit, value, part", LIMITS)
+def test_a_robot_beyond_a_limit_is_told_which(limit, value, part, tmp_path, monkeypatch):
+    monkeypatch.setattr(horizon, limit, value)
+    source, tables = tmp_path / "robot.json", tmp_path / "tables"
+    source.write_text(robot_text("courier24"))
+    assert_one_line_error(run_tool("horizon.py", "courier24", "--robot-json", source, "--tables", tables), "robot.json",
+                          part)
+    assert not tables.exists()
+
+
+def test_missing_program_and_missing_robot_are_named(tmp_path):
+    assert_one_line_error(run_tool("horizon.py", "courier24", "--jp-robot", tmp_path / "none"), "none")
+    assert_one_line_error(run_tool("horizon.py", tmp_path / "no.cfg", "--jp-robot", JP_ROBOT), "no.cfg")

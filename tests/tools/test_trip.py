@@ -1,0 +1,101 @@
+"""jp-trip: robots that differ from their file learn on the way, predict a route and drive it."""
+import json
+import math
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import ROOT, assert_one_line_error
+
+BIN = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin"
+ROBOTS = ROOT / "sim/robots"
+COURIER = ROBOTS / "courier24.cfg"
+KEYS = {"seed", "robot", "variation", "fault", "change", "outcome", "segments", "seconds", "predicted_j", "std_j",
+        "measured_j", "inside", "prior_predicted_j", "reserve", "learned", "charge_used", "rejected"}
+
+
+def trip(*arguments, robot=COURIER):
+    return subprocess.run([BIN / "jp-trip", robot, *map(str, arguments)], capture_output=True, text=True, check=False,
+                          timeout=120)
+
+
+def missions(*arguments, robot=COURIER):
+    result = trip(*arguments, robot=robot)
+    assert (result.returncode, result.stderr) == (0, "")
+    return [json.loads(line) for line in result.stdout.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def ten():
+    return missions("--seed", 40, "--count", 10)
+
+
+def test_a_line_for_each_seed_with_every_field(ten):
+    assert [mission["seed"] for mission in ten] == list(range(40, 50))
+    assert all(set(mission) == KEYS for mission in ten)
+    assert all(mission["robot"] == "courier24" for mission in ten)
+    assert all(mission["outcome"] == "done" for mission in ten)
+
+
+def test_inside_means_within_1_96_deviations(ten):
+    for mission in ten:
+        error = abs(mission["measured_j"] - mission["predicted_j"])
+        assert mission["inside"] == (error <= 1.96 * mission["std_j"])
+
+
+def test_what_was_learned_predicts_better_than_what_is_built_in(ten):
+    def mean_error(key):
+        return sum(abs(m["measured_j"] / m[key] - 1) for m in ten) / len(ten)
+    assert mean_error("predicted_j") < 0.01
+    assert mean_error("predicted_j") < mean_error("prior_predicted_j") / 3
+
+
+def test_what_was_learned_is_the_robots_own(ten):
+    for mission in ten:
+        assert abs(mission["learned"]["payload_kg"] - mission["variation"]["payload_kg"]) < 0.7
+    ground = [(m["learned"]["ground_friction"], m["variation"]["ground_friction"]) for m in ten]
+    mean = [sum(column) / len(ground) for column in zip(*ground)]
+    covariance = sum((a - mean[0]) * (b - mean[1]) for a, b in ground)
+    spread = math.sqrt(sum((a - mean[0]) ** 2 for a, _ in ground) * sum((b - mean[1]) ** 2 for _, b in ground))
+    assert covariance / spread > 0.8
+
+
+def test_a_reserve_that_is_asked_for_is_answered_on_the_safe_side(ten):
+    assert all(mission["reserve"]["asked"] for mission in ten)
+    assert not any(mission["reserve"]["answer"] and not mission["reserve"]["true"] for mission in ten)
+
+
+def test_the_same_seed_is_the_same_mission(ten):
+    assert missions("--seed", 43) == [ten[3]]
+
+
+def test_faults_and_changes_come_when_asked_for():
+    disturbed = missions("--seed", 100, "--count", 12, "--faults")
+    assert {m["fault"] for m in disturbed} > {None}
+    assert {m["change"] for m in disturbed} == {None, "ground", "payload"}
+
+
+def test_what_the_last_robot_learned_is_written(tmp_path):
+    missions("--seed", 7, "--count", 2, "--output", tmp_path)
+    parameters = json.loads((tmp_path / "parameters.json").read_text())
+    assert parameters["robot"] == "courier24" and parameters["version"] > 20
+    assert len(parameters["a"]) == 13 and len(parameters["b"]) == 2
+    assert 0.9 < parameters["mass"] < 1.5
+
+
+@pytest.mark.parametrize("arguments, named", [
+    (["--count", "0"], "--count 0"),
+    (["--seed", "x"], "--seed x"),
+    (["--output", "/dev/null/x"], "/dev/null"),
+    (["another.cfg"], "another.cfg"),
+])
+def test_bad_options_end_with_one_line(arguments, named):
+    assert_one_line_error(trip(*arguments), named)
+
+
+def test_a_robot_without_tables_is_refused(tmp_path):
+    path = tmp_path / "other.cfg"
+    path.write_text(COURIER.read_text().replace('"courier24"', '"other"'))
+    assert_one_line_error(trip(robot=path), "other")
+    assert_one_line_error(trip(robot=tmp_path / "missing.cfg"), "missing.cfg")
