@@ -7,13 +7,13 @@
 
 #define IDENTITY_OFFSET 4U
 #define NUMBERS_OFFSET  8U
-#define MODEL_NUMBERS   20U
+#define LEARNED_NUMBERS 23U
 
 /** Less is not worth a write: 0.0001 turn/s in 2⁻⁵⁶ turn/s, and counts. */
 #define BIAS_STEP ((int64_t)JP_Q24(0.0001) * ((int64_t)1 << 32))
 #define ZERO_STEP 4
 
-_Static_assert(sizeof(struct jp_energy_model) == MODEL_NUMBERS * sizeof(jp_q16), "the model is numbers only");
+_Static_assert(sizeof(struct jp_learned_state) == LEARNED_NUMBERS * sizeof(uint32_t), "the state is numbers only");
 _Static_assert(JP_PARAMETERS_LENGTH <= JP_STORE_LENGTH_MAX, "the record fits the store");
 
 /* ---- The robot they belong to ---- */
@@ -96,23 +96,20 @@ uint32_t jp_robot_identity(const struct jp_robot_config *config)
 
 /* ---- Fields ---- */
 
-void jp_parameters_default(struct jp_parameters *parameters, const struct jp_energy_model *built_in)
+void jp_parameters_default(struct jp_parameters *parameters)
 {
-    *parameters = (struct jp_parameters){.energy = *built_in};
+    *parameters = (struct jp_parameters){.gyro_bias = 0};
+    jp_learned_state_start(&parameters->energy, 0);
 }
 
-enum jp_status jp_parameters_check(const struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                   const char **field)
+enum jp_status jp_parameters_check(const struct jp_parameters *parameters, const char **field)
 {
     enum jp_status status;
 
-    if (parameters == NULL || config == NULL || field == NULL) {
+    if (parameters == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    status = jp_energy_model_check(&parameters->energy, field);
-    if (status == JP_OK) {
-        status = jp_segment_limits_check(&config->limits, &parameters->energy, field);
-    }
+    status = jp_learned_state_check(&parameters->energy, field);
     if (status != JP_OK) {
         return status;
     }
@@ -142,7 +139,7 @@ static uint64_t take(const uint8_t **bytes, unsigned size)
     return number;
 }
 
-static int32_t take_q16(const uint8_t **bytes)
+static int32_t take_int32(const uint8_t **bytes)
 {
     return (int32_t)(uint32_t)take(bytes, 4);
 }
@@ -172,21 +169,22 @@ bool jp_parameters_differ(const struct jp_parameters *a, const struct jp_paramet
 void jp_parameters_encode(const struct jp_parameters *parameters, uint32_t identity,
                           uint8_t record[JP_PARAMETERS_LENGTH])
 {
-    const struct jp_energy_model *model = &parameters->energy;
+    const struct jp_learned_state *learned = &parameters->energy;
     uint8_t *end = record;
 
     end = append(end, JP_PARAMETERS_VERSION, 4);
     end = append(end, identity, 4);
-    for (unsigned i = 0; i < JP_ENERGY_TERMS; i++) {
-        end = append(end, (uint32_t)model->a[i], 4);
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        end = append(end, (uint32_t)learned->x[i], 4);
     }
-    end = append(end, (uint32_t)model->b[0], 4);
-    end = append(end, (uint32_t)model->b[1], 4);
-    end = append(end, (uint32_t)model->electronics_power, 4);
-    end = append(end, (uint32_t)model->settling_time, 4);
-    end = append(end, (uint32_t)model->voltage_per_speed, 4);
-    end = append(end, (uint32_t)model->voltage_per_turn_rate, 4);
-    end = append(end, (uint32_t)model->motor_resistance, 4);
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        for (unsigned j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+            end = append(end, (uint32_t)learned->s[i][j], 4);
+        }
+    }
+    end = append(end, (uint32_t)learned->noise_scale, 4);
+    end = append(end, learned->version, 4);
+    end = append(end, learned->identity, 4);
     end = append(end, (uint64_t)parameters->gyro_bias, 8);
     end = append(end, parameters->current_zero_left, 2);
     (void)append(end, parameters->current_zero_right, 2);
@@ -194,39 +192,54 @@ void jp_parameters_encode(const struct jp_parameters *parameters, uint32_t ident
 
 static void decode_numbers(struct jp_parameters *parameters, const uint8_t *bytes)
 {
-    struct jp_energy_model *model = &parameters->energy;
+    struct jp_learned_state *learned = &parameters->energy;
 
-    for (unsigned i = 0; i < JP_ENERGY_TERMS; i++) {
-        model->a[i] = take_q16(&bytes);
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        learned->x[i] = take_int32(&bytes);
     }
-    model->b[0] = take_q16(&bytes);
-    model->b[1] = take_q16(&bytes);
-    model->electronics_power = take_q16(&bytes);
-    model->settling_time = take_q16(&bytes);
-    model->voltage_per_speed = take_q16(&bytes);
-    model->voltage_per_turn_rate = take_q16(&bytes);
-    model->motor_resistance = take_q16(&bytes);
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        for (unsigned j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+            learned->s[i][j] = take_int32(&bytes);
+        }
+    }
+    learned->noise_scale = take_int32(&bytes);
+    learned->version = (uint32_t)take(&bytes, 4);
+    learned->identity = (uint32_t)take(&bytes, 4);
     parameters->gyro_bias = (int64_t)take(&bytes, 8);
     parameters->current_zero_left = (uint16_t)take(&bytes, 2);
     parameters->current_zero_right = (uint16_t)take(&bytes, 2);
 }
 
-/** What about the record's frame does not fit; NULL: nothing. The version comes first: another one has another length.
- */
-static const char *misfit(const struct jp_robot_config *config, const uint8_t *record, uint16_t length)
+/** Whether the record's frame fits. The version comes first: another one has another length. */
+static enum jp_stored frame_of(const struct jp_robot_config *config, const uint8_t *record, uint16_t length)
 {
     const uint8_t *identity = record + IDENTITY_OFFSET;
 
     if (length < NUMBERS_OFFSET) {
-        return "length";
+        return JP_STORED_DAMAGED;
     }
     if (take(&record, 4) != JP_PARAMETERS_VERSION) {
-        return "version";
+        return JP_STORED_OTHER_VERSION;
     }
     if (length != JP_PARAMETERS_LENGTH) {
-        return "length";
+        return JP_STORED_DAMAGED;
     }
-    return take(&identity, 4) != jp_robot_identity(config) ? "robot" : NULL;
+    return take(&identity, 4) != jp_robot_identity(config) ? JP_STORED_OTHER_ROBOT : JP_STORED_TAKEN;
+}
+
+/** What about it does not fit; NULL: nothing. */
+static const char *misfit(enum jp_stored frame)
+{
+    switch (frame) {
+    case JP_STORED_OTHER_VERSION:
+        return "version";
+    case JP_STORED_OTHER_ROBOT:
+        return "robot";
+    case JP_STORED_DAMAGED:
+        return "length";
+    default:
+        return NULL;
+    }
 }
 
 enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const struct jp_robot_config *config,
@@ -238,16 +251,33 @@ enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const stru
     if (parameters == NULL || config == NULL || record == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *field = misfit(config, record, length);
+    *field = misfit(frame_of(config, record, length));
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
     decode_numbers(&found, record + NUMBERS_OFFSET);
-    status = jp_parameters_check(&found, config, field);
+    status = jp_parameters_check(&found, field);
     if (status == JP_OK) {
         *parameters = found;
     }
     return status;
+}
+
+enum jp_stored jp_parameters_start(struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                   const uint8_t *record, uint16_t length)
+{
+    const char *field;
+    enum jp_stored frame;
+
+    jp_parameters_default(parameters);
+    if (length == 0U) {
+        return JP_STORED_NOTHING;
+    }
+    frame = frame_of(config, record, length);
+    if (jp_parameters_decode(parameters, config, record, length, &field) == JP_OK) {
+        return JP_STORED_TAKEN;
+    }
+    return frame == JP_STORED_TAKEN ? JP_STORED_DAMAGED : frame;
 }
 
 enum jp_status jp_parameters_load(struct jp_parameters *parameters, const struct jp_robot_config *config,
@@ -264,7 +294,7 @@ enum jp_status jp_parameters_save(const struct jp_parameters *parameters, const 
                                   struct jp_store *store, const char **field)
 {
     uint8_t record[JP_PARAMETERS_LENGTH];
-    enum jp_status status = jp_parameters_check(parameters, config, field);
+    enum jp_status status = jp_parameters_check(parameters, field);
 
     if (status != JP_OK) {
         return status;

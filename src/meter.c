@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-#include "shared.h"
+#include "multiply_q32.h"
 
 static const char *first_bad_field(const struct jp_meter_config *config)
 {
@@ -36,14 +36,6 @@ void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config
         .tick_per_ohm = (((int64_t)1 << 48) + resistance_rate / 2) / resistance_rate,
         .tick = (((int64_t)1 << 32) + rate / 2) / rate,
     };
-}
-
-/** a·b of Q32 numbers, rounded: the halves of a one by one, because the whole product needs 80 bits. */
-static JP_SHARED int64_t multiply_q32(int64_t a, uint32_t b)
-{
-    const uint64_t low = (uint64_t)(uint32_t)a * b + ((uint64_t)1 << 31);
-
-    return (a >> 32) * b + (int64_t)(low >> 32);
 }
 
 void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages, const struct jp_sensors *sensors)

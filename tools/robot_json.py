@@ -1,4 +1,5 @@
 """A robot file (sim/robots/*.cfg), read through jp-robot, which checks it."""
+import copy
 import json
 import math
 import os
@@ -64,6 +65,14 @@ class Robot:
         if value <= 0:
             raise self.error(key, f"is {value:g}, must be above 0")
         return value
+
+    def varied(self, changes):
+        """The same robot with other numbers by key."""
+        data = copy.deepcopy(self._data)
+        for key, value in changes.items():
+            group, name = key.split(".")
+            data[group][name] = value
+        return Robot(self.source, data)
 
     def _finite(self, key, value):
         if isinstance(value, bool) or not isinstance(value, (int, float)):

@@ -1,0 +1,161 @@
+/**
+ * Learns the energy model while driving, from the measured energy of each segment, and says how sure a forecast is.
+ *
+ * Robots of a kind differ in few ways: ground, payload, motors. tools/learning.py varies them in the robot file and
+ * finds the few directions in which the 15 parameters then move; the learner looks for how far the robot is along
+ * each, x ~ N(0, I) before anything is known:
+ *
+ *   parameters = built-in + D x,    E − E_built-in = f x + noise,    f = Dᵀ φ
+ *
+ * with φ the regressors of horizon.h. Recursive least squares in square-root form (Potter), P = S Sᵀ. Forgetting never
+ * goes beyond what was known before the first segment: S ← S (I + (I − SᵀS)/(2 memory)), the first step of Newton's
+ * iteration from S towards an orthogonal matrix. It keeps every singular value in (0, 1], so that P <= I in fixed
+ * point, whatever is driven and for how long; what is not excited keeps its value and becomes as uncertain as at first.
+ */
+#ifndef JOULEPATH_LEARNER_H
+#define JOULEPATH_LEARNER_H
+
+#include <joulepath/horizon.h>
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define JP_LEARNING_DIRECTIONS 4
+
+/** x of a robot within what tools/learning.py draws is seldom beyond 2; here it saturates. */
+#define JP_LEARNED_MAX JP_Q24(8)
+
+/** A segment further than so many standard deviations from what was expected is an outlier. */
+#define JP_OUTLIER_DEVIATIONS 4
+
+/** What can make a robot spend more or less. */
+enum jp_cause {
+    JP_CAUSE_NONE,    /**< no change so far, or fewer than 10 segments were learned from since; told again up to 40 */
+    JP_CAUSE_GROUND,  /**< the ground's friction changed */
+    JP_CAUSE_PAYLOAD, /**< the payload changed */
+    JP_CAUSE_OTHER    /**< neither of them did by more than twice its standard deviation */
+};
+
+/** One robot under one controller, for one definition of energy; made by tools/learning.py. */
+struct jp_learning {
+    /** D: change of a1…a13, b1 and b2, each in its unit, per unit of x; |D| <= 4 096. */
+    jp_q16 direction[JP_ENERGY_PARAMETERS][JP_LEARNING_DIRECTIONS];
+    jp_q16 ground[JP_LEARNING_DIRECTIONS];  /**< relative change of the ground's friction per unit of x; ±16 */
+    jp_q16 payload[JP_LEARNING_DIRECTIONS]; /**< kg per unit of x; ±256 */
+    jp_q16 ground_deviation;  /**< standard deviation of what x does not tell of it; above 0, at most 16 */
+    jp_q16 payload_deviation; /**< kg; above 0, at most 256 */
+    jp_q16 noise_relative;    /**< standard deviation of a segment's energy about the model: share of it, 0…1, */
+    jp_q16 noise_transient;   /**< share of what the transients of earlier steps add, 0…16, */
+    jp_q16 noise;             /**< and J; above 0, at most 1 024. The three are independent. */
+    uint32_t memory;          /**< segments after which a measurement counts 1/e; 8…1 024 */
+    uint32_t identity;        /**< of the numbers above, not 0: what was learned with others means nothing with these */
+};
+
+/** What became of a measurement. */
+enum jp_learned {
+    JP_LEARNED,         /**< taken */
+    JP_LEARNED_NOTHING, /**< the segment says nothing about any parameter (a stand): nothing is learned or forgotten */
+    JP_LEARNED_OUTLIER, /**< too far from what was expected: left out */
+    JP_LEARNED_CHANGE   /**< too many in a short time are too far: robot or ground changed. x is kept as a first guess,
+                             P begins anew, and this measurement is taken, for at most 64 deviations */
+};
+
+/** What is known. Persistent: hal/parameters.h keeps it. */
+struct jp_learned_state {
+    jp_q24 x[JP_LEARNING_DIRECTIONS];                          /**< |x| <= JP_LEARNED_MAX */
+    int32_t s[JP_LEARNING_DIRECTIONS][JP_LEARNING_DIRECTIONS]; /**< S, Q2.30 */
+    jp_q16 noise_scale; /**< standard deviation of the residuals against the stated one; ¼…8, slowly followed */
+    uint32_t version;   /**< 0: nothing learned; one more with every segment taken, saturating */
+    uint32_t identity;  /**< of the jp_learning that it belongs to */
+};
+
+/** Private but for the members with a comment. */
+struct jp_learner {
+    const struct jp_learning *learning;
+    const struct jp_energy_model *built_in;
+    const struct jp_horizon *horizon;
+    struct jp_learned_state state; /**< to be stored */
+    uint32_t rejected;             /**< outliers since the start, saturating */
+    uint32_t changes;              /**< since the start, saturating */
+    enum jp_cause cause;           /**< of the last change */
+    int32_t alarm;
+    uint32_t since_change;
+    struct jp_learned_state before_change;
+};
+
+/** Energy as expected and how sure that is. */
+struct jp_forecast {
+    jp_q16 energy;    /**< J */
+    jp_q16 deviation; /**< standard deviation, J */
+};
+
+/** Adds up forecasts: what is not known of the parameters adds up, what varies from segment to segment averages out.
+ *  All zero at first. Private. */
+struct jp_forecast_sum {
+    int64_t energy;
+    int64_t gradient[JP_LEARNING_DIRECTIONS];
+    uint64_t variance;
+};
+
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: null. Not for ISRs. */
+enum jp_status jp_learning_check(const struct jp_learning *learning, const char **field);
+
+/** Checks a state but for its identity, as jp_learning_check(). "s": a row is longer than P <= I allows, or so short
+ *  that nothing would be learned any more. */
+enum jp_status jp_learned_state_check(const struct jp_learned_state *state, const char **field);
+
+/** Nothing learned yet, with the jp_learning of this identity; 0: with none, so that no learner goes on from it. */
+void jp_learned_state_start(struct jp_learned_state *state, uint32_t identity);
+
+/** Nothing learned yet. All three must have passed their checks. horizon may be null: then only segments of T >= Ts can
+ *  be told. Pointers are kept. */
+void jp_learner_start(struct jp_learner *learner, const struct jp_learning *learning,
+                      const struct jp_energy_model *built_in, const struct jp_horizon *horizon);
+
+/** Goes on from a stored state, after jp_learner_start(). JP_ERR_CONFIG: *field names what is out of range as
+ *  jp_learned_state_check(), or is "identity"; the learner stays as it is. JP_ERR_ARGUMENT: null. */
+enum jp_status jp_learner_restore(struct jp_learner *learner, const struct jp_learned_state *state, const char **field);
+
+/**
+ * Learns from a segment that was driven: `measured` J, electronics included, from `start`. Not for ISRs.
+ * *learned says what became of it. JP_ERR_ARGUMENT: null, or as jp_energy_regressors(); JP_ERR_OVERFLOW: the energy or
+ * a regressor exceeds its format; nothing is learned and *learned not written. Bounded work: the README tells it.
+ */
+enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_energy_start *start,
+                                 const struct jp_segment_command *segment, jp_q16 measured, enum jp_learned *learned);
+
+/** The energy model as learned: for jp_segment_optimise() and the planner. It passes jp_energy_model_check(): a
+ *  parameter that x would take out of its range is at its edge. */
+void jp_learner_model(const struct jp_learner *learner, struct jp_energy_model *model);
+
+/** Ground friction relative to the robot file (1: as there, at least 0) and payload in kg (0: as there), as learned. */
+void jp_learner_causes(const struct jp_learner *learner, jp_q16 *ground, jp_q16 *payload);
+
+/** Standard deviations of both. Two square roots. */
+void jp_learner_cause_deviations(const struct jp_learner *learner, jp_q16 *ground, jp_q16 *payload);
+
+/** One more segment of a route whose energy is asked for; *start becomes its end. Failures as jp_energy_forecast() and
+ *  jp_energy_regressors(): then neither *sum nor *start is written. At most 65 536 segments. */
+enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forecast_sum *sum,
+                               struct jp_energy_start *start, const struct jp_segment_command *segment);
+
+/** Expectation and standard deviation of the sum. JP_ERR_OVERFLOW: one of them is above 32 767 J, and saturated; also
+ *  the deviation of a sum that a unit of x changes by more than 8 192 J. */
+enum jp_status jp_forecast_total(const struct jp_learner *learner, const struct jp_forecast_sum *sum,
+                                 struct jp_forecast *forecast);
+
+/**
+ * The reserve question: is `available` J enough for this forecast with at least this confidence (one-sided, Q31, ½ to
+ * 0.9999)? *spare: J that are left over at that confidence; negative: what is missing; saturated. The quantile of the
+ * normal distribution is within 0.001 standard deviations. JP_ERR_ARGUMENT: null, or the confidence is out of range.
+ */
+enum jp_status jp_forecast_reserve(const struct jp_forecast *forecast, jp_q16 available, jp_q31 confidence,
+                                   jp_q16 *spare);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

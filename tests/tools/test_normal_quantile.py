@@ -1,0 +1,30 @@
+"""The table in src/normal_quantile.c is the one that tools/normal_quantile.py prints, and as good as the header says."""
+import re
+from statistics import NormalDist
+
+import pytest
+from conftest import ROOT, run_tool
+
+import normal_quantile
+
+STATED_ERROR = 0.001
+
+
+def test_table_is_fresh():
+    printed = run_tool("normal_quantile.py").stdout
+    source = (ROOT / "src" / "normal_quantile.c").read_text(encoding="utf-8")
+    table = re.search(r"quantiles\[\] = \{(.*?)\}", source, re.S)[1]
+    made = [int(number) for number in re.findall(r"\d+", printed.split("\n", maxsplit=1)[1])]
+    assert [int(number) for number in re.findall(r"\d+", table)] == made
+
+
+def test_error_is_as_stated():
+    printed = float(re.match(r"largest error (\S+)", run_tool("normal_quantile.py").stdout)[1])
+    assert 0 < printed < STATED_ERROR
+
+
+def test_entries_halve_the_tail_every_octave():
+    assert normal_quantile.tail(0) == 0.5
+    for entry in range(1, 60):
+        assert normal_quantile.tail(entry + normal_quantile.STEPS) == normal_quantile.tail(entry) / 2
+    assert normal_quantile.quantile(normal_quantile.tail(8)) == pytest.approx(NormalDist().inv_cdf(0.75))
