@@ -1,6 +1,7 @@
 #include <joulepath/segment.h>
 
 #include "segment_arc.h"
+#include "segment_geometry.h"
 #include "segment_math.h"
 #include "segment_problem.h"
 #include "segment_search.h"
@@ -59,18 +60,17 @@ static struct jp_motion motion_along(const struct jp_segment_limits *limits, uin
                               .turn_rate = jp_clamp32(turn_rate, -limits->turn_rate, limits->turn_rate)};
 }
 
-/* The segment of an optimum, without its energy. */
-static void store(const struct jp_segment_limits *limits, uint32_t distance, jp_angle bearing, jp_q16 time_min,
-                  const struct jp_evaluation *best, struct jp_segment *segment)
+void jp_segment_store(const struct jp_segment_limits *limits, uint32_t distance, jp_angle bearing, jp_q16 time_min,
+                      int32_t x, int32_t xi, struct jp_segment *segment)
 {
     struct jp_arc arc;
 
-    jp_arc_at(best->x, &arc);
+    jp_arc_at(x, &arc);
 
     uint64_t length = ((uint64_t)distance * (uint32_t)arc.shape) >> 27; /* Q22 */
-    jp_q24 angle = arc_angle(best->x);
-    jp_q16 duration = duration_within(limits, time_min, best->xi, length, angle);
-    jp_q24 turn = jp_angle_to_radians(bearing - (uint32_t)best->x);
+    jp_q24 angle = arc_angle(x);
+    jp_q16 duration = duration_within(limits, time_min, xi, length, angle);
+    jp_q24 turn = jp_angle_to_radians(bearing - (uint32_t)x);
 
     *segment = (struct jp_segment){
         .command = {.motion = motion_along(limits, length, angle, duration),
@@ -81,9 +81,8 @@ static void store(const struct jp_segment_limits *limits, uint32_t distance, jp_
     };
 }
 
-/* Distance in Q22 and direction of `to`. */
-static enum jp_status polar(const struct jp_point *from, const struct jp_point *to, uint32_t *distance,
-                            jp_angle *direction)
+enum jp_status jp_segment_polar(const struct jp_point *from, const struct jp_point *to, uint32_t *distance,
+                                jp_angle *direction)
 {
     int32_t dx = jp_sub(to->x, from->x); /* saturated is too far, too */
     int32_t dy = jp_sub(to->y, from->y);
@@ -102,11 +101,9 @@ static enum jp_status polar(const struct jp_point *from, const struct jp_point *
     return JP_OK;
 }
 
-/* The shortest duration of any arc, in Q16. */
-static jp_q16 shortest_duration(const struct jp_energy_model *model, const struct jp_segment_limits *limits,
-                                uint32_t distance)
+jp_q16 jp_segment_shortest(jp_q16 least, const struct jp_segment_limits *limits, uint32_t distance)
 {
-    jp_q16 duration = model->settling_time < JP_SEGMENT_DURATION_MIN ? JP_SEGMENT_DURATION_MIN : model->settling_time;
+    jp_q16 duration = least < JP_SEGMENT_DURATION_MIN ? JP_SEGMENT_DURATION_MIN : least;
 
     return long_enough(duration, (uint64_t)distance << 18, limits->speed);
 }
@@ -162,14 +159,14 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
 
     uint32_t distance;
     jp_angle direction;
-    enum jp_status status = polar(start, target, &distance, &direction);
+    enum jp_status status = jp_segment_polar(start, target, &distance, &direction);
 
     if (status != JP_OK) {
         return status;
     }
 
     jp_angle bearing = direction - heading;
-    jp_q16 time_min = shortest_duration(model, limits, distance);
+    jp_q16 time_min = jp_segment_shortest(model->settling_time, limits, distance);
 
     if (time_min > limits->duration) {
         return JP_ERR_INFEASIBLE;
@@ -188,7 +185,7 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
 
     struct jp_segment result;
 
-    store(limits, distance, bearing, time_min, &best, &result);
+    jp_segment_store(limits, distance, bearing, time_min, best.x, best.xi, &result);
     status = jp_energy_total(model, before, &voltage, &result.command, &result.energy);
     if (result.energy <= 0) {
         return JP_ERR_MODEL;

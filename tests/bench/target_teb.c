@@ -5,7 +5,7 @@
 
 #include "cycles.h"
 #include "src/float/plane.h"
-#include "target.h"
+#include "figure.h"
 
 #define PERIOD  0.1f  /* of a cycle, s */
 #define SPACING 0.22f /* of the path's points, m */
@@ -150,22 +150,9 @@ static uint32_t count_warm(void)
 
 /* ---- Figures ---- */
 
-static void print_figure(const char *name, uint32_t value, const char *unit, const char *bound)
-{
-    target_print("{\"name\": \"" TARGET_CORE ": ");
-    target_print(name);
-    target_print("\", \"value\": ");
-    target_print_number(value);
-    target_print(", \"unit\": \"");
-    target_print(unit);
-    target_print("\", \"bound\": {\"op\": \"<=\", \"value\": ");
-    target_print(bound);
-    target_print("}, \"command\": \"make figures\"}");
-}
-
 static void print_work(const char *name, uint32_t instructions)
 {
-    print_figure(name, instructions, "instructions", "5000000");
+    target_print_figure(name, instructions, "instructions", "5000000");
     target_print(",\n");
 }
 
@@ -183,7 +170,7 @@ int main(void)
     print_work("TEB cycle, 50 poses between 20 walls, worst of 20 with the last band", count_warm());
     build_blocked_way();
     print_work("TEB cycle, 50 poses, 20 boxes on the way", count_cold());
-    print_figure("TEB's working memory, 50 poses, 20 obstacles", (uint32_t)(sizeof teb + sizeof obstacles), "bytes",
+    target_print_figure("TEB's working memory, 50 poses, 20 obstacles", (uint32_t)(sizeof teb + sizeof obstacles), "bytes",
                  "32768");
     target_print("\n]\n");
     return 0;

@@ -1,11 +1,11 @@
-"""README.md: its first example is firmware that compiles and links, and its table of figures was made by a command."""
+"""README.md: its examples are firmware that compiles and links, and its table of figures was made by a command."""
 import re
 import subprocess
 
 import pytest
 from conftest import ROOT
 
-WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-I", str(ROOT / "include"), "-I",
+WARNINGS = ["-std=c11", "-fno-math-errno", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-I", str(ROOT / "include"), "-I",
             str(ROOT)]
 
 BALANCER_BOARD = """
@@ -49,7 +49,18 @@ void drive(const struct jp_primitive *primitive)
 }
 """
 
-BOARDS = [PLANNER_BOARD, BALANCER_BOARD]
+PILOT_BOARD = """
+#include <joulepath/pilot.h>
+jp_q16 joules_left(void);
+extern struct jp_robot robot;
+struct jp_robot robot;
+jp_q16 joules_left(void)
+{
+    return JP_Q16(1000);
+}
+"""
+
+BOARDS = [PILOT_BOARD, PLANNER_BOARD, BALANCER_BOARD]
 
 
 def readme():
@@ -62,11 +73,13 @@ def examples():
     return found
 
 
-@pytest.fixture(params=range(2), ids=["planner", "balancer"])
+@pytest.fixture(params=range(3), ids=["pilot", "planner", "balancer"])
 def sources(request, tmp_path):
     (tmp_path / "main.c").write_text(examples()[request.param], encoding="utf-8")
     (tmp_path / "board.c").write_text(BOARDS[request.param], encoding="utf-8")
     core = [*ROOT.glob("src/*.c"), *ROOT.glob("src/tables/*.c"), ROOT / "hal" / "hal.c"]
+    if "pilot.h" in examples()[request.param]:
+        core += ROOT.glob("src/float/*.c")
     return [tmp_path / "main.c", tmp_path / "board.c", *core], tmp_path
 
 
@@ -82,7 +95,7 @@ def test_example_builds_on_the_host(sources):
 
 def test_example_builds_for_a_microcontroller(sources):
     files, directory = sources
-    build(["arm-none-eabi-gcc", "-mcpu=cortex-m4", "-mthumb", "-Os", "--specs=nosys.specs", *WARNINGS, *files, "-o",
+    build(["arm-none-eabi-gcc", "-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard", "-Os", "--specs=nosys.specs", *WARNINGS, *files, "-o",
            directory / "example.elf"])
 
 
