@@ -123,7 +123,7 @@ SIM            := $(wildcard sim/*.c hal/sim/*.c hal/linux/*.c)
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
 BENCHES        := $(filter-out bench_plan bench_patrol bench_pursuit,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
 TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c))
-FLOAT_BENCHES  := $(filter target_teb,$(TARGET_BENCHES))
+FLOAT_BENCHES  := $(filter target_teb target_route,$(TARGET_BENCHES))
 
 # lcm-gen makes them from sim/lcm/.
 LCM_TYPES      := $(patsubst sim/lcm/%.lcm,%,$(wildcard sim/lcm/*.lcm))
@@ -132,6 +132,8 @@ LCM_HEADERS    := $(LCM_TYPES:%=$(BUILD)/lcm/%.h)
 # A robot is built in when both of its tables are there.
 NAMES          := $(patsubst src/tables/robot_%.c,%,$(wildcard src/tables/robot_*.c))
 ROBOTS         := $(foreach n,$(NAMES),$(if $(wildcard src/tables/energy_$n.c),$n))
+BATTERY_MODELS := $(foreach n,$(ROBOTS),$(if $(wildcard src/tables/energy_$n_battery.c),$n_battery))
+PILOT_TABLES   := $(patsubst src/tables/%.c,%,$(wildcard src/tables/horizon_*.c src/tables/learning_*.c))
 LATTICES       := $(patsubst src/tables/lattice_%.c,%,$(wildcard src/tables/lattice_*.c))
 
 UNIT_TESTS     := $(wildcard tests/unit/test_*.c)
@@ -293,7 +295,7 @@ define firmware_rules
 $(BUILD)/firmware/$1/main.o: hal/stm32f4/main.c Makefile $(SETTINGS)
 	@mkdir -p $$(@D)
 	$$(call SAY,CC $$@)
-	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 -c $$< -o $$@
+	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 $(if $(filter learning_$1,$(PILOT_TABLES)),-DFIRMWARE_LEARNS) -c $$< -o $$@
 
 $(BUILD)/firmware/$1/joulepath.elf: $(BUILD)/firmware/$1/main.o $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out %/main.c,$(STM32F4))) \
                                     $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
@@ -317,16 +319,23 @@ $(LCM_HEADERS) &: $(LCM_TYPES:%=sim/lcm/%.lcm)
 	@mkdir -p $(BUILD)/lcm
 	$Qlcm-gen --c --python --c-cpath $(BUILD)/lcm --c-hpath $(BUILD)/lcm --ppath $(BUILD)/lcm $^
 
+# battery_model ROBOT: its model of the battery's energy, when it is identified.
+battery_model = $(if $(filter $1_battery,$(BATTERY_MODELS)),&jp_energy_model_$1_battery,NULL)
+# pilot_tables ROBOT: horizon and learning, of the motors and of the battery, each when there is one.
+pilot_tables  = $(foreach t,horizon_$1 learning_$1 horizon_$1_battery learning_$1_battery,$(if $(filter $t,$(PILOT_TABLES)),&jp_$t,NULL)$(comma))
+comma        := ,
+
 $(BUILD)/robots.c: FORCE
 	@mkdir -p $(@D)
 	@{ echo '#include "sim/robots.h"'; \
-	   for r in $(ROBOTS); do \
-	       echo "extern const struct jp_robot_config jp_robot_$$r;"; \
-	       echo "extern const struct jp_energy_model jp_energy_model_$$r;"; \
+	   for r in $(ROBOTS); do echo "extern const struct jp_robot_config jp_robot_$$r;"; done; \
+	   for m in $(ROBOTS) $(BATTERY_MODELS); do echo "extern const struct jp_energy_model jp_energy_model_$$m;"; done; \
+	   for t in $(patsubst learning_%,learning:%,$(patsubst horizon_%,horizon:%,$(PILOT_TABLES))); do \
+	       echo "extern const struct jp_$${t%%:*} jp_$${t%%:*}_$${t#*:};"; \
 	   done; \
 	   echo 'const struct robot_entry robots[] = {'; \
-	   for r in $(ROBOTS); do echo "    {\"$$r\", &jp_robot_$$r, &jp_energy_model_$$r},"; done; \
-	   echo '    {NULL, NULL, NULL},'; \
+	   $(foreach r,$(ROBOTS),echo '    {"$r", &jp_robot_$r, &jp_energy_model_$r, $(call battery_model,$r), $(call pilot_tables,$r)},';) \
+	   echo '    {.name = NULL},'; \
 	   echo '};'; \
 	   echo 'const size_t robot_count = sizeof robots / sizeof robots[0] - 1;'; \
 	   for l in $(LATTICES); do echo "extern const struct jp_lattice jp_lattice_$$l;"; done; \
@@ -396,6 +405,18 @@ patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg 
 	    --output $(BUILD)/patrol; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) tools/patrol_report.py $(BUILD)/patrol && exit $$status
 
+# The courier unless another one is asked for. CAMPAIGN holds options of tools/campaign.py, such as
+# --faults or --fresh.
+CAMPAIGN_ROBOT = $(if $(filter file,$(origin ROBOT)),courier24,$(ROBOT))
+MISSIONS      ?= 1000
+
+.PHONY: campaign
+campaign: ## run MISSIONS=1000 varied missions of ROBOT=courier24 (SEED=1 SCHEDULER=tcp://host:port CAMPAIGN=options)
+	@tools/setup.sh sil
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-trip
+	$(PYTHON) tools/campaign.py $(CAMPAIGN_ROBOT) --missions $(MISSIONS) --seed $(SEED) \
+	    $(if $(SCHEDULER),--scheduler $(SCHEDULER)) $(CAMPAIGN)
+
 .PHONY: firmware
 firmware: ## build the image for the STM32F405 with ROBOT=name: ELF, bin and map in build/firmware/name
 	$(if $(filter $(ROBOT),$(ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS)))
@@ -410,17 +431,34 @@ gains: ## design the controller of ROBOT=name: sim/robots/name.cfg to src/tables
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
 	$(PYTHON) tools/gain_design.py --initial-energy $(ROBOT)
 
+.PHONY: horizon
+horizon: ## make the tables of the transients of ROBOT=name: src/tables/horizon_name.c and horizon_name_battery.c
+	@tools/setup.sh sil
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	$(PYTHON) tools/horizon.py $(ROBOT)
+
 .PHONY: codec
 codec: ## make the C codec of the CAN messages from hal/can/joulepath.dbc
 	@tools/setup.sh sil
 	$(PYTHON) tools/can_codec.py
 
+# experiments ROBOT ENERGY FOLDER
+experiments = $(BUILD)/bin/jp-identify sim/robots/$1.cfg --energy $2 --output $(BUILD)/identify/$3
+
 .PHONY: identify
-identify: ## identify the energy model of ROBOT=name in the simulator: src/tables/energy_name.c
+identify: ## identify the energy models of ROBOT=name in the simulator: src/tables/energy_name.c and energy_name_battery.c
 	@tools/setup.sh sil
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot $(BUILD)/bin/jp-identify
-	$(BUILD)/bin/jp-identify sim/robots/$(ROBOT).cfg --output $(BUILD)/identify/$(ROBOT)
+	$(call experiments,$(ROBOT),motor,$(ROBOT))
 	$(PYTHON) tools/identify.py $(ROBOT)
+	$(call experiments,$(ROBOT),battery,$(ROBOT)_battery)
+	$(PYTHON) tools/identify.py $(ROBOT) --energy battery
+
+.PHONY: learning
+learning: ## make what ROBOT=name can learn of its energy: src/tables/learning_name.c and learning_name_battery.c
+	@tools/setup.sh sil
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	$(PYTHON) tools/learning.py $(ROBOT)
 
 .PHONY: lattice
 lattice: ## make the state lattice of ROBOT=name: src/tables/lattice_name.c
@@ -470,11 +508,13 @@ bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on path
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := fixed four_wheel four_wheel_plant grid_planner planner pure_pursuit scan_match segment store teb
+PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner pure_pursuit scan_match segment store teb
+ARGS.battery          = --count 100000000
 ARGS.fixed            = --exhaustive
 ARGS.four_wheel       = --count 1000000
 ARGS.four_wheel_plant = --count 1000
 ARGS.grid_planner     = --count 4000
+ARGS.horizon          = --count 1000
 ARGS.planner          = --count 100000
 ARGS.pure_pursuit     = --count 400
 ARGS.scan_match       = --count 40
@@ -496,6 +536,7 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	@$(MAKE) size stack cycles test-targets
 	@set -e; $(foreach p,$(PROPERTIES),echo '  BENCH prop_$p'; $(BUILD)/bench/prop_$p $(ARGS.$p) --json $(BUILD)/bench/$p.json;)
 	$(BUILD)/host-gcc/prop_decoders --count 100000000 --json $(BUILD)/bench/decoders.json
+	$(PYTHON) tools/bench_route.py
 	$(PYTHON) tools/bench_bus.py
 	$(PYTHON) tools/show_frames.py $(BUILD)/bus/vcan/frames.log --readme
 	@rm -f $(BITS_LOGS)
@@ -503,8 +544,11 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	@printf '[{"name": "planner and grid planner: same routes, costs and expansions on %s, of %d", "value": %d, "unit": "",\n  "bound": {"op": "==", "value": %d}, "command": "make figures"}]\n' \
 	    "x86-64, -m32 and five cores" $(words $(BITS_LOGS)) $$(grep -lx OK $(BITS_LOGS) | wc -l) $(words $(BITS_LOGS)) \
 	    >$(BUILD)/bench/bits.json
-	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
+	$(call experiments,gao2018,motor,gao2018)
 	$(PYTHON) tools/identify.py gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
+	$(call experiments,gao2018,battery,gao2018_battery)
+	$(PYTHON) tools/identify.py gao2018 --energy battery --tables $(BUILD)/identify/gao2018_battery \
+	    --bench $(BUILD)/bench/identify_battery.json
 	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/figures
 	$(PYTHON) tools/report.py $(BUILD)/figures
 	cp $(BUILD)/figures/path.png sim/scenarios/gao2018_mission.png
@@ -733,7 +777,7 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 
 GATE_LIBRARIES := $(foreach v,$(SPEED_VARIANTS) $(SIZE_VARIANTS),$(BUILD)/$v/libjoulepath.a $(call float_library,$v) $(BUILD)/$v/libcan.a)
 GATE_IMAGES    := $(BUILD)/cortex-m4/test_ecu $(BUILD)/cortex-m0/test_ecu $(BUILD)/rv32/test_ecu
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=gao2018
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=gao2018 -DFIRMWARE_LEARNS
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)

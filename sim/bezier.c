@@ -15,6 +15,9 @@
 #define DURATION_STRETCH 4.0
 #define SPEED_MIN        1e-3
 
+/** rad/s: any that the robot takes, as for the turn at the start of a segment. Half of it, as samples miss peaks. */
+#define TURN_RATE_MAX 4.0
+
 /** Slower than this, m/s, is at rest: the direction is that of the acceleration. */
 #define SPEED_REST 1e-9
 
@@ -121,8 +124,7 @@ static double curve_cost(const struct problem *problem, size_t curve)
 
         sum += dt * power(problem, speed, (now.speed - before.speed) / dt, turn_rate,
                           (now.turn_rate - before.turn_rate) / dt);
-        sum += PENALTY * (excess(speed, problem->robot->limits.speed_m_s) +
-                          excess(turn_rate, problem->robot->limits.turn_rate_rad_s));
+        sum += PENALTY * (excess(speed, problem->robot->limits.speed_m_s) + excess(turn_rate, TURN_RATE_MAX));
         before = now;
     }
     return sum;

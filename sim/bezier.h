@@ -44,8 +44,9 @@ struct bezier_motion {
 };
 
 /**
- * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX) for this energy within the robot's limits of
- * speed and turn rate. False after one line on stderr when the optimiser fails.
+ * Optimises the path through `count` waypoints (2…BEZIER_WAYPOINTS_MAX) for this energy within the robot's limit of
+ * speed. That of its turn rate is for arcs: curves may turn as sharply as a robot does that begins a segment. False
+ * after one line on stderr when the optimiser fails.
  */
 bool bezier_optimise(struct bezier_path *path, const struct robot_file *robot, enum energy_kind energy,
                      const struct bezier_point *waypoints, size_t count, enum bezier_scope scope);

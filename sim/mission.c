@@ -1,5 +1,6 @@
 #include "mission.h"
 
+#include <joulepath/pilot.h>
 #include <math.h>
 #include <time.h>
 
@@ -18,13 +19,17 @@ struct drive {
     struct mission *mission;
     const struct scenario *scenario;
     struct rig rig;
+    struct jp_point targets[BEZIER_WAYPOINTS_MAX];
+    struct jp_pilot pilot;
+    struct jp_route_leg legs[JP_ROUTE_LEGS_MAX];
+    bool piloted; /**< the pilot plans, not the robot or the script */
     struct script script;
     size_t step;       /**< next step of the script */
     size_t ended;      /**< steps ended */
     size_t leg;        /**< being driven */
     uint64_t leg_tick; /**< its first tick */
     struct jp_telemetry leg_start;
-    double leg_motor;              /**< the plant's motor energy at its start, J */
+    double leg_plant;              /**< the plant's motor energy at its start, J */
     struct bezier_point reference; /**< where the reference is, m */
     jp_phase reference_wheel;
     jp_phase reference_yaw;
@@ -75,13 +80,39 @@ void mission_log_header(FILE *log)
                   "ref_turn_rate_rad_s,pitch_deg,u_left_v,u_right_v,i_left_a,i_right_a,power_w,energy_j,segment\n");
 }
 
-void mission_log_row(FILE *log, const struct mission_row *row)
+static double power(const struct scenario *scenario, const struct mission_row *row)
+{
+    const struct robot_file *robot = &scenario->robot;
+
+    if (scenario->energy == ENERGY_BATTERY) {
+        return row->voltage_left * row->current_left + row->voltage_right * row->current_right +
+               robot->electronics.power_w;
+    }
+    return (row->voltage_left * row->voltage_left + row->voltage_right * row->voltage_right) /
+               robot->motor.resistance_ohm +
+           robot->electronics.power_w;
+}
+
+void mission_log_row(FILE *log, const struct scenario *scenario, const struct mission_row *row)
 {
     (void)fprintf(log, "%.3f,%.5f,%.5f,%.5f,%.5f,%.6f,%.5f,%.6f,%.5f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%zu\n",
                   row->time, row->position.x, row->position.y, row->reference.x, row->reference.y, row->heading,
                   row->speed, row->turn_rate, row->reference_speed, row->reference_turn_rate, row->pitch_deg,
-                  row->voltage_left, row->voltage_right, row->current_left, row->current_right, row->power, row->energy,
-                  row->leg + 1);
+                  row->voltage_left, row->voltage_right, row->current_left, row->current_right, power(scenario, row),
+                  row->energy, row->leg + 1);
+}
+
+static double battery_energy(const struct drive *drive, const struct jp_telemetry *telemetry)
+{
+    return (double)(telemetry->energy_battery - drive->leg_start.energy_battery) / JOULE;
+}
+
+/** Energy of the leg so far, of the scenario's kind, J. */
+static double measured(const struct drive *drive, const struct jp_telemetry *telemetry)
+{
+    return drive->scenario->energy == ENERGY_BATTERY
+               ? battery_energy(drive, telemetry)
+               : (double)(telemetry->energy_model - drive->leg_start.energy_model) / JOULE;
 }
 
 static void log_row(const struct drive *drive)
@@ -90,42 +121,43 @@ static void log_row(const struct drive *drive)
     const struct plant *plant = &drive->rig.world.plant;
     const struct plant_input *input = &drive->rig.world.input;
     double radius = drive->scenario->robot.wheel.radius_m;
-    double left = (double)telemetry.voltages.left / Q16_ONE;
-    double right = (double)telemetry.voltages.right / Q16_ONE;
-    double power = (left * left + right * right) / drive->scenario->robot.motor.resistance_ohm +
-                   drive->scenario->robot.electronics.power_w;
-    double energy = (double)(telemetry.energy_model - drive->leg_start.energy_model) / JOULE;
+    double energy = measured(drive, &telemetry);
 
     for (size_t i = 0; i < drive->leg; i++) {
         energy += drive->mission->legs[i].measured_energy;
     }
-    mission_log_row(drive->view.log, &(struct mission_row){
-                                         .time = seconds(drive, drive->rig.world.tick - drive->start_tick),
-                                         .position = {plant->x, plant->y},
-                                         .reference = drive->reference,
-                                         .heading = plant->state.yaw,
-                                         .speed = plant->state.wheel_rate * radius,
-                                         .turn_rate = plant->state.yaw_rate,
-                                         .reference_speed = telemetry.reference_wheel_rate * TURN_Q24 * radius,
-                                         .reference_turn_rate = telemetry.reference_yaw_rate * TURN_Q24,
-                                         .pitch_deg = plant->state.pitch * DEGREES,
-                                         .voltage_left = left,
-                                         .voltage_right = right,
-                                         .current_left = plant_current_left(plant, input),
-                                         .current_right = plant_current_right(plant, input),
-                                         .power = power,
-                                         .energy = energy,
-                                         .leg = drive->leg,
-                                     });
+    mission_log_row(drive->view.log, drive->scenario,
+                    &(struct mission_row){
+                        .time = seconds(drive, drive->rig.world.tick - drive->start_tick),
+                        .position = {plant->x, plant->y},
+                        .reference = drive->reference,
+                        .heading = plant->state.yaw,
+                        .speed = plant->state.wheel_rate * radius,
+                        .turn_rate = plant->state.yaw_rate,
+                        .reference_speed = telemetry.reference_wheel_rate * TURN_Q24 * radius,
+                        .reference_turn_rate = telemetry.reference_yaw_rate * TURN_Q24,
+                        .pitch_deg = plant->state.pitch * DEGREES,
+                        .voltage_left = (double)telemetry.voltages.left / Q16_ONE,
+                        .voltage_right = (double)telemetry.voltages.right / Q16_ONE,
+                        .current_left = plant_current_left(plant, input),
+                        .current_right = plant_current_right(plant, input),
+                        .energy = energy,
+                        .leg = drive->leg,
+                    });
 }
 
 /* Legs. */
+
+double mission_plant_energy(const struct scenario *scenario, const struct plant *plant)
+{
+    return scenario->energy == ENERGY_BATTERY ? plant->ledger.electrical : plant->ledger.motor;
+}
 
 static void begin_leg(struct drive *drive)
 {
     drive->leg_tick = drive->rig.world.tick;
     drive->leg_start = telemetry_of(drive);
-    drive->leg_motor = drive->rig.world.plant.ledger.motor;
+    drive->leg_plant = mission_plant_energy(drive->scenario, &drive->rig.world.plant);
 }
 
 static void note_plan(struct mission_leg *leg, const struct jp_segment *segment)
@@ -146,10 +178,10 @@ static void end_leg(struct drive *drive)
     struct mission_leg *leg = &drive->mission->legs[drive->leg];
 
     leg->duration = seconds(drive, drive->rig.world.tick - drive->leg_tick);
-    leg->measured_energy = (double)(telemetry.energy_model - drive->leg_start.energy_model) / JOULE;
-    leg->battery_energy = (double)(telemetry.energy_battery - drive->leg_start.energy_battery) / JOULE;
-    leg->plant_energy =
-        plant->ledger.motor - drive->leg_motor + drive->scenario->robot.electronics.power_w * leg->duration;
+    leg->measured_energy = measured(drive, &telemetry);
+    leg->battery_energy = battery_energy(drive, &telemetry);
+    leg->plant_energy = mission_plant_energy(drive->scenario, plant) - drive->leg_plant +
+                        drive->scenario->robot.electronics.power_w * leg->duration;
     leg->end = (struct bezier_point){plant->x, plant->y};
     leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
     drive->leg++;
@@ -173,14 +205,16 @@ static void predict_script(struct drive *drive)
     }
 }
 
-static bool prepare_straight(struct drive *drive, const struct mission *optimal)
+static bool prepare_straight(struct drive *drive, const struct mission *like)
 {
+    const double yaw_bandwidth = drive->rig.robot.config->reference.yaw_bandwidth / Q16_ONE;
     double durations[BEZIER_WAYPOINTS_MAX];
 
-    for (size_t i = 0; i < optimal->leg_count; i++) {
-        durations[i] = optimal->legs[i].duration;
+    for (size_t i = 0; i < like->leg_count; i++) {
+        durations[i] = like->legs[i].duration;
     }
-    if (!script_straight(&drive->script, drive->scenario->waypoints, drive->scenario->waypoint_count, durations)) {
+    if (!script_straight(&drive->script, drive->scenario->waypoints, drive->scenario->waypoint_count, durations,
+                         yaw_bandwidth > 0 ? 2 / yaw_bandwidth : 0)) {
         return false;
     }
     predict_script(drive);
@@ -191,18 +225,73 @@ static bool prepare_bezier(struct drive *drive, enum bezier_scope scope)
 {
     struct bezier_path path;
 
-    return bezier_optimise(&path, &drive->scenario->robot, drive->scenario->waypoints, drive->scenario->waypoint_count,
-                           scope) &&
+    return bezier_optimise(&path, &drive->scenario->robot, drive->scenario->energy, drive->scenario->waypoints,
+                           drive->scenario->waypoint_count, scope) &&
            script_bezier(&drive->script, &path);
 }
 
-static bool prepare(struct drive *drive, const struct mission *optimal)
+static bool cannot_be_planned(const struct drive *drive, size_t leg, enum jp_status status)
+{
+    error_line("%s: waypoints[%zu]: cannot be planned (status %d); move it, or widen the limits of the robot file",
+               drive->scenario->name, leg + 1, (int)status);
+    return false;
+}
+
+static bool prepare_settled_route(struct drive *drive)
+{
+    const struct jp_robot *robot = &drive->rig.robot;
+    const struct jp_route_config config = {.model = robot->model,
+                                           .limits = &robot->config->limits,
+                                           .yaw_bandwidth = robot->config->reference.yaw_bandwidth,
+                                           .legs = drive->legs,
+                                           .leg_count = JP_ROUTE_LEGS_MAX};
+    struct jp_segment segments[BEZIER_WAYPOINTS_MAX];
+    struct mission *mission = drive->mission;
+    const enum jp_status status = script_route(&drive->script, &config, drive->targets, mission->leg_count, segments);
+
+    if (status != JP_OK) {
+        return cannot_be_planned(drive, drive->script.count, status);
+    }
+    for (size_t i = 0; i < mission->leg_count; i++) {
+        note_plan(&mission->legs[i], &segments[i]);
+    }
+    return true;
+}
+
+static bool prepare_route(struct drive *drive, const struct robot_entry *entry)
+{
+    const bool battery = drive->scenario->energy == ENERGY_BATTERY;
+    const struct jp_pilot_config config = {.model = drive->rig.robot.model,
+                                           .horizon = battery ? entry->horizon_battery : entry->horizon,
+                                           .learning = battery ? entry->learning_battery : entry->learning,
+                                           .meter = battery ? JP_PILOT_BATTERY : JP_PILOT_MOTORS,
+                                           .legs = drive->legs,
+                                           .leg_count = JP_ROUTE_LEGS_MAX};
+    const char *field = "";
+
+    if (drive->scenario->model == SCENARIO_PUBLISHED || config.horizon == NULL || config.learning == NULL) {
+        return prepare_settled_route(drive);
+    }
+    drive->piloted = true;
+    if (jp_pilot_init(&drive->pilot, &config, &drive->rig.robot, &field) != JP_OK) {
+        error_line("%s: %s is out of range; run make horizon ROBOT=%s and make learning ROBOT=%s", entry->name, field,
+                   entry->name, entry->name);
+        return false;
+    }
+    return true;
+}
+
+static bool prepare(struct drive *drive, const struct robot_entry *entry, const struct mission *driven)
 {
     switch (drive->mission->strategy) {
     case MISSION_STRAIGHT:
-        return prepare_straight(drive, optimal);
+        return prepare_straight(drive, &driven[MISSION_OPTIMAL]);
     case MISSION_BEZIER:
         return prepare_bezier(drive, BEZIER_SEGMENT);
+    case MISSION_ROUTE:
+        return prepare_route(drive, entry);
+    case MISSION_STRAIGHT_ROUTE:
+        return prepare_straight(drive, &driven[MISSION_ROUTE]);
     case MISSION_BEZIER_ROUTE:
         return prepare_bezier(drive, BEZIER_ROUTE);
     case MISSION_OPTIMAL:
@@ -234,28 +323,47 @@ static bool feed(struct drive *drive)
 /** The leg that the robot is in after `ended` segments. */
 static size_t current_leg(const struct drive *drive, size_t ended)
 {
-    if (drive->mission->strategy == MISSION_OPTIMAL) {
+    if (drive->script.count == 0) {
         return ended;
     }
     return ended < drive->script.count ? drive->script.steps[ended].leg : drive->mission->leg_count;
 }
 
-/** Plans and hands over what the robot shall do next; false when a waypoint cannot be planned. */
-static bool command(struct drive *drive)
+/** A slice of the pilot's work. */
+static bool work_of_pilot(struct drive *drive)
 {
-    struct jp_robot *robot = &drive->rig.robot;
-    uint16_t planned = robot->route_planned;
-    enum jp_status status = jp_robot_work(robot);
+    const struct jp_pilot *pilot = &drive->pilot;
+    const uint16_t planned = pilot->targets_planned;
+    const enum jp_status status = jp_pilot_work(&drive->pilot);
 
     if (status != JP_OK) {
-        error_line("%s: waypoints[%u]: cannot be planned (status %d); move it, or widen the limits of the robot file",
-                   drive->scenario->name, planned + 1U, (int)status);
-        return false;
+        return cannot_be_planned(drive, (size_t)planned + pilot->route.planned, status);
+    }
+    if (pilot->targets_planned > planned) {
+        note_plan(&drive->mission->legs[planned], &drive->legs[0].segment);
+    }
+    return true;
+}
+
+static bool work_of_robot(struct drive *drive)
+{
+    struct jp_robot *robot = &drive->rig.robot;
+    const uint16_t planned = robot->route_planned;
+    const enum jp_status status = jp_robot_work(robot);
+
+    if (status != JP_OK) {
+        return cannot_be_planned(drive, planned, status);
     }
     if (robot->route_planned > planned) {
         note_plan(&drive->mission->legs[planned], &robot->planned);
     }
-    return feed(drive);
+    return true;
+}
+
+/** Plans and hands over what the robot shall do next; false when a waypoint cannot be planned. */
+static bool command(struct drive *drive)
+{
+    return (drive->piloted ? work_of_pilot(drive) : work_of_robot(drive)) && feed(drive);
 }
 
 static bool still_stands(const struct drive *drive)
@@ -343,34 +451,80 @@ void mission_sum_up(struct mission *mission)
     }
 }
 
-static bool start(struct drive *drive, const struct mission *optimal, struct jp_point *route)
+const struct jp_energy_model *mission_model(const struct scenario *scenario, const struct robot_entry *entry)
+{
+    return scenario->model == SCENARIO_PUBLISHED ? &jp_energy_model_published
+                                                 : rig_energy_model(entry, scenario->energy);
+}
+
+/* Asks the pilot, which says nothing of a route that has more targets than it has legs. */
+static bool ask(struct drive *drive)
+{
+    const uint16_t count = (uint16_t)drive->mission->leg_count;
+    struct jp_forecast forecast;
+
+    if (jp_pilot_ask(&drive->pilot, drive->targets, count) != JP_OK) {
+        return true;
+    }
+    while (jp_pilot_answer(&drive->pilot, &forecast) == JP_ERR_BUSY) {
+        if (!work_of_pilot(drive)) {
+            return false;
+        }
+    }
+    drive->mission->forecast = (struct mission_forecast){true, forecast.energy / Q16_ONE, forecast.deviation / Q16_ONE};
+    return true;
+}
+
+/* Plans while the robot stands, so that no time passes. */
+static bool follow_with_pilot(struct drive *drive)
+{
+    if (!ask(drive)) {
+        return false;
+    }
+    (void)jp_pilot_follow(&drive->pilot, drive->targets, (uint16_t)drive->mission->leg_count);
+    while (drive->pilot.targets_planned == 0) {
+        if (!work_of_pilot(drive)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool follow(struct drive *drive)
+{
+    if (drive->piloted) {
+        return follow_with_pilot(drive);
+    }
+    if (drive->mission->strategy == MISSION_OPTIMAL) {
+        (void)jp_robot_follow(&drive->rig.robot, drive->targets, (uint16_t)drive->mission->leg_count);
+    }
+    return true;
+}
+
+static bool start(struct drive *drive, const struct mission *driven)
 {
     const struct scenario *scenario = drive->scenario;
     const struct robot_entry *entry = rig_find_robot(scenario->robot.name);
+    const struct jp_energy_model *model = entry == NULL ? NULL : mission_model(scenario, entry);
     struct mission *mission = drive->mission;
 
-    if (entry == NULL || !rig_init(&drive->rig, entry,
-                                   scenario->model == SCENARIO_PUBLISHED ? &jp_energy_model_published : entry->energy,
-                                   &scenario->robot, scenario->seed)) {
+    if (model == NULL || !rig_init(&drive->rig, entry, model, &scenario->robot, scenario->seed)) {
         return false;
     }
     mission->leg_count = scenario->waypoint_count - 1;
     for (size_t i = 0; i < mission->leg_count; i++) {
         mission->legs[i].target = scenario->waypoints[i + 1];
-        route[i].x = (jp_q16)lround(scenario->waypoints[i + 1].x * Q16_ONE);
-        route[i].y = (jp_q16)lround(scenario->waypoints[i + 1].y * Q16_ONE);
+        drive->targets[i].x = (jp_q16)lround(scenario->waypoints[i + 1].x * Q16_ONE);
+        drive->targets[i].y = (jp_q16)lround(scenario->waypoints[i + 1].y * Q16_ONE);
     }
-    if (!prepare(drive, optimal)) {
+    if (!prepare(drive, entry, driven)) {
         return false;
     }
     rig_release(&drive->rig, 0);
     drive->start_tick = drive->rig.world.tick;
     drive->reference_wheel = telemetry_of(drive).reference_wheel;
     drive->reference_yaw = telemetry_of(drive).reference_yaw;
-    if (mission->strategy == MISSION_OPTIMAL) {
-        (void)jp_robot_follow(&drive->rig.robot, route, (uint16_t)mission->leg_count);
-    }
-    return true;
+    return follow(drive);
 }
 
 double mission_wall_clock(void)
@@ -382,10 +536,9 @@ double mission_wall_clock(void)
 }
 
 bool mission_run(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
-                 const struct mission *optimal, const struct mission_view *view)
+                 const struct mission *driven, const struct mission_view *view)
 {
     struct drive drive = {.mission = mission, .scenario = scenario};
-    struct jp_point route[BEZIER_WAYPOINTS_MAX];
 
     *mission = (struct mission){.strategy = strategy};
     if (view != NULL) {
@@ -395,7 +548,7 @@ bool mission_run(struct mission *mission, enum mission_strategy strategy, const 
         mission_log_header(drive.view.log);
     }
 
-    bool done = start(&drive, optimal, route);
+    bool done = start(&drive, driven);
     double begin = mission_wall_clock();
 
     done = done && run(&drive);

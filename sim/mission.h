@@ -11,12 +11,18 @@
 #define MISSION_LOG_RATE 50
 
 enum mission_strategy {
-    MISSION_OPTIMAL,     /**< jp_robot_follow: each segment planned for least energy */
-    MISSION_STRAIGHT,    /**< straight chords, with the times of the optimal mission */
-    MISSION_BEZIER,      /**< energy-optimised cubic Bézier curves, one after the other */
-    MISSION_BEZIER_ROUTE /**< energy-optimised cubic Bézier curves, the whole route together */
+    /* One segment after the other. */
+    MISSION_OPTIMAL,  /**< jp_robot_follow: each segment planned for least energy */
+    MISSION_STRAIGHT, /**< straight chords, with the times of MISSION_OPTIMAL */
+    MISSION_BEZIER,   /**< energy-optimised cubic Bézier curves */
+    /* The whole route together. */
+    MISSION_ROUTE,          /**< jp_pilot_follow: all segments planned together for least energy, learning on the way.
+                                 Without tables for the pilot, and for the published model, which has none: planned once
+                                 from rest, all segments settled */
+    MISSION_STRAIGHT_ROUTE, /**< straight chords, with the times of MISSION_ROUTE */
+    MISSION_BEZIER_ROUTE    /**< energy-optimised cubic Bézier curves */
 };
-#define MISSION_STRATEGIES 4
+#define MISSION_STRATEGIES 6
 
 /** One leg from waypoint to waypoint. */
 struct mission_leg {
@@ -28,15 +34,23 @@ struct mission_leg {
     double arc;              /**< γ, rad */
     double turn;             /**< σ, rad */
     double duration;         /**< T, s */
-    double measured_energy;  /**< the robot's meter, the paper's definition, J */
+    double measured_energy;  /**< the robot's meter, the scenario's kind of energy, J */
     double plant_energy;     /**< the same from the plant's ledger in double, J */
     double battery_energy;   /**< the robot's meter, at the battery, J */
     struct bezier_point end; /**< where the robot was, m */
     double end_error;        /**< distance to the target, m */
 };
 
+/** What a pilot says before it starts. */
+struct mission_forecast {
+    bool known;       /**< a pilot drives, and has a leg for each target */
+    double energy;    /**< J */
+    double deviation; /**< standard deviation, J */
+};
+
 struct mission {
     enum mission_strategy strategy;
+    struct mission_forecast forecast;
     size_t leg_count;
     struct mission_leg legs[BEZIER_WAYPOINTS_MAX];
     struct mission_leg total; /**< sums; end and end_error of the last leg */
@@ -60,8 +74,7 @@ struct mission_row {
     double voltage_right;
     double current_left; /**< A */
     double current_right;
-    double power;  /**< W, the paper's definition */
-    double energy; /**< since the start, J */
+    double energy; /**< since the start, of the scenario's kind, J */
     size_t leg;    /**< from 0 */
 };
 
@@ -74,16 +87,22 @@ struct mission_view {
     void *context;
 };
 
+/** The energy model that the scenario asks for, or NULL after one line on stderr. */
+const struct jp_energy_model *mission_model(const struct scenario *scenario, const struct robot_entry *entry);
+
 /**
- * Drives the scenario and fills *mission. `optimal` is the mission already driven by MISSION_OPTIMAL, whose times
- * MISSION_STRAIGHT takes; NULL for the others. `view` may be NULL. False after one line on stderr.
+ * Drives the scenario and fills *mission. `driven` holds the missions by strategy, of which straight chords take the
+ * times of the one that they are compared with; NULL for the others. `view` may be NULL. False after one line on
+ * stderr.
  */
 bool mission_run(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
-                 const struct mission *optimal, const struct mission_view *view);
+                 const struct mission *driven, const struct mission_view *view);
 
-/** For missions that are driven otherwise: the log, the sums of the legs, the clock in seconds. */
+/** For missions that are driven otherwise: the plant's motor energy of the scenario's kind in J, the log, the sums of
+ * the legs, the clock in seconds. */
+double mission_plant_energy(const struct scenario *scenario, const struct plant *plant);
 void mission_log_header(FILE *log);
-void mission_log_row(FILE *log, const struct mission_row *row);
+void mission_log_row(FILE *log, const struct scenario *scenario, const struct mission_row *row);
 void mission_sum_up(struct mission *mission);
 double mission_wall_clock(void);
 

@@ -13,6 +13,9 @@ static const struct {
     [MISSION_OPTIMAL] = {"optimal", "energy-optimal segments", "log_optimal.csv"},
     [MISSION_STRAIGHT] = {"straight", "straight chords, same times", "log_straight.csv"},
     [MISSION_BEZIER] = {"bezier", "energy-optimised cubic Bézier", "log_bezier.csv"},
+    [MISSION_ROUTE] = {"route", "energy-optimal, whole route at once", "log_route.csv"},
+    [MISSION_STRAIGHT_ROUTE] = {"straight_route", "straight chords, times of the whole route",
+                                "log_straight_route.csv"},
     [MISSION_BEZIER_ROUTE] = {"bezier_route", "Bézier, whole route at once", "log_bezier_route.csv"},
 };
 
@@ -67,6 +70,10 @@ void mission_print(const struct mission *mission)
         print_leg(label, &mission->legs[i], false);
     }
     print_leg("total", &mission->total, true);
+    if (mission->forecast.known) {
+        (void)printf("forecast before the start: %.2f J, standard deviation %.2f J\n", mission->forecast.energy,
+                     mission->forecast.deviation);
+    }
 }
 
 static double relative_percent(const struct mission *mission, const struct mission *optimal)
@@ -108,6 +115,12 @@ static json_t *json_leg(const struct mission_leg *leg, size_t index)
                      json_point(leg->end), "end_error_m", leg->end_error);
 }
 
+static json_t *json_forecast(const struct mission_forecast *forecast)
+{
+    return forecast->known ? json_pack("{s:f, s:f}", "energy_j", forecast->energy, "deviation_j", forecast->deviation)
+                           : json_null();
+}
+
 static json_t *json_mission(const struct mission *mission, const struct mission *optimal)
 {
     json_t *segments = json_array();
@@ -116,13 +129,13 @@ static json_t *json_mission(const struct mission *mission, const struct mission 
     for (size_t i = 0; i < mission->leg_count; i++) {
         (void)json_array_append_new(segments, json_leg(&mission->legs[i], i));
     }
-    return json_pack("{s:s, s:s, s:s, s:o, s:{s:o, s:f, s:f, s:f, s:f, s:f}, s:I}", "name",
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:{s:o, s:f, s:f, s:f, s:f, s:f}, s:I}", "name",
                      strategies[mission->strategy].name, "title", strategies[mission->strategy].title, "log",
-                     strategies[mission->strategy].log, "segments", segments, "total", "planned_energy_j",
-                     json_planned(total, total->planned_energy), "measured_energy_j", total->measured_energy,
-                     "plant_energy_j", total->plant_energy, "battery_energy_j", total->battery_energy, "duration_s",
-                     total->duration, "relative_percent", relative_percent(mission, optimal), "saturated_ticks",
-                     (json_int_t)mission->saturated_ticks);
+                     strategies[mission->strategy].log, "forecast", json_forecast(&mission->forecast), "segments",
+                     segments, "total", "planned_energy_j", json_planned(total, total->planned_energy),
+                     "measured_energy_j", total->measured_energy, "plant_energy_j", total->plant_energy,
+                     "battery_energy_j", total->battery_energy, "duration_s", total->duration, "relative_percent",
+                     relative_percent(mission, optimal), "saturated_ticks", (json_int_t)mission->saturated_ticks);
 }
 
 json_t *mission_json(const struct scenario *scenario, const struct mission *missions, size_t count)
@@ -137,9 +150,10 @@ json_t *mission_json(const struct scenario *scenario, const struct mission *miss
     for (size_t i = 0; i < count; i++) {
         (void)json_array_append_new(driven, json_mission(&missions[i], &missions[0]));
     }
-    return json_pack("{s:s, s:s, s:s, s:I, s:o, s:o, s:{s:I, s:f, s:f}}", "robot", scenario->robot.name, "scenario",
-                     scenario->name, "energy_model", scenario->model == SCENARIO_PUBLISHED ? "published" : "identified",
-                     "seed", (json_int_t)scenario->seed, "waypoints_m", waypoints, "strategies", driven, "simulation",
-                     "ticks", (json_int_t)missions[0].ticks, "wall_s", missions[0].wall_seconds, "real_time_factor",
-                     simulated / missions[0].wall_seconds);
+    return json_pack("{s:s, s:s, s:s, s:s, s:I, s:o, s:o, s:{s:I, s:f, s:f}}", "robot", scenario->robot.name,
+                     "scenario", scenario->name, "energy_model",
+                     scenario->model == SCENARIO_PUBLISHED ? "published" : "identified", "energy",
+                     energy_kind_name(scenario->energy), "seed", (json_int_t)scenario->seed, "waypoints_m", waypoints,
+                     "strategies", driven, "simulation", "ticks", (json_int_t)missions[0].ticks, "wall_s",
+                     missions[0].wall_seconds, "real_time_factor", simulated / missions[0].wall_seconds);
 }

@@ -5,15 +5,20 @@
 
 #include <stddef.h>
 
-#include <joulepath/energy.h>
 #include <joulepath/lattice.h>
+#include <joulepath/learner.h>
 
 struct jp_robot_config;
 
 struct robot_entry {
     const char *name;
     const struct jp_robot_config *config;
-    const struct jp_energy_model *energy;
+    const struct jp_energy_model *energy;         /**< of the motors */
+    const struct jp_energy_model *energy_battery; /**< of the battery; NULL: not identified */
+    const struct jp_horizon *horizon;             /**< these four: NULL when there is no table */
+    const struct jp_learning *learning;
+    const struct jp_horizon *horizon_battery;
+    const struct jp_learning *learning_battery;
 };
 
 /** `robot_count` entries, then one with null pointers. */

@@ -14,7 +14,7 @@
 /** Waypoints nearer than this, m, coincide. */
 #define DISTANCE_MIN 0.01
 
-static const char *const keys[] = {"name", "robot", "energy_model", "seed", "waypoints"};
+static const char *const keys[] = {"name", "robot", "energy_model", "energy", "seed", "waypoints"};
 
 static bool check_keys(const char *path, const config_setting_t *root)
 {
@@ -26,8 +26,8 @@ static bool check_keys(const char *path, const config_setting_t *root)
             known = known || strcmp(keys[k], config_setting_name(setting)) == 0;
         }
         if (!known) {
-            error_line("%s: %s (line %u): unknown key; the keys are name, robot, energy_model, seed, waypoints", path,
-                       config_setting_name(setting), config_setting_source_line(setting));
+            error_line("%s: %s (line %u): unknown key; the keys are name, robot, energy_model, energy, seed, waypoints",
+                       path, config_setting_name(setting), config_setting_source_line(setting));
             return false;
         }
     }
@@ -83,6 +83,30 @@ static bool load_model(const char *path, const config_t *config, struct scenario
         return false;
     }
     scenario->model = strcmp(model, "published") == 0 ? SCENARIO_PUBLISHED : SCENARIO_IDENTIFIED;
+    return true;
+}
+
+/** Optional: without it the paper's. */
+static bool load_energy(const char *path, const config_t *config, struct scenario *scenario)
+{
+    const char *energy;
+
+    if (config_lookup(config, "energy") == NULL) {
+        return true;
+    }
+    if (!text(path, config, "energy", SCENARIO_NAME_SIZE, &energy)) {
+        return false;
+    }
+    if (!energy_kind_parse(energy, &scenario->energy)) {
+        error_line("%s: energy = \"%s\": must be \"motor\" or \"battery\"; correct the value", path, energy);
+        return false;
+    }
+    if (scenario->energy == ENERGY_BATTERY && scenario->model == SCENARIO_PUBLISHED) {
+        error_line("%s: energy = \"battery\": the published model is of the motors' energy; choose energy_model = "
+                   "\"identified\"",
+                   path);
+        return false;
+    }
     return true;
 }
 
@@ -169,8 +193,8 @@ bool scenario_load(const char *path, struct scenario *scenario)
 
     bool loaded = config_file_parse(path, &config) && check_keys(path, config_root_setting(&config)) &&
                   load_name(path, &config, scenario) && load_robot(path, &config, scenario) &&
-                  load_model(path, &config, scenario) && load_seed(path, &config, scenario) &&
-                  load_waypoints(path, &config, scenario);
+                  load_model(path, &config, scenario) && load_energy(path, &config, scenario) &&
+                  load_seed(path, &config, scenario) && load_waypoints(path, &config, scenario);
 
     config_destroy(&config);
     return loaded;

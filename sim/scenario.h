@@ -9,6 +9,7 @@
 #include <joulepath/segment.h>
 
 #include "bezier.h"
+#include "energy_kind.h"
 #include "robot_file.h"
 
 #define SCENARIO_NAME_SIZE 64
@@ -19,6 +20,7 @@ struct scenario {
     char name[SCENARIO_NAME_SIZE];
     struct robot_file robot;
     enum scenario_model model;
+    enum energy_kind energy; /**< what is predicted, optimised and compared; the published model is of the motors' */
     uint64_t seed;
     size_t waypoint_count;                               /**< 2…BEZIER_WAYPOINTS_MAX, the first is the start */
     struct bezier_point waypoints[BEZIER_WAYPOINTS_MAX]; /**< m */

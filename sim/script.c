@@ -27,21 +27,37 @@ static double turn_between(double from, double to)
     return remainder(to - from, 2 * M_PI);
 }
 
-bool script_straight(struct script *script, const struct bezier_point *waypoints, size_t count, const double *durations)
+static double bearing(struct bezier_point from, struct bezier_point to)
+{
+    return atan2(to.y - from.y, to.x - from.x);
+}
+
+/** Where a robot that drives on by `way` while it turns would have turned at once. */
+static struct bezier_point turning_point(struct bezier_point from, double way, double heading, double turned)
+{
+    return (struct bezier_point){from.x + way * (cos(heading) - cos(turned)),
+                                 from.y + way * (sin(heading) - sin(turned))};
+}
+
+bool script_straight(struct script *script, const struct bezier_point *waypoints, size_t count, const double *durations,
+                     double turn_lag)
 {
     double heading = 0;
+    double speed = 0;
 
     if (!allocate(script, count - 1)) {
         return false;
     }
     for (size_t leg = 0; leg + 1 < count; leg++) {
-        double dx = waypoints[leg + 1].x - waypoints[leg].x;
-        double dy = waypoints[leg + 1].y - waypoints[leg].y;
-        double bearing = atan2(dy, dx);
-        struct experiment_segment segment = {hypot(dx, dy) / durations[leg], 0, turn_between(heading, bearing)};
+        const struct bezier_point to = waypoints[leg + 1];
+        struct bezier_point from =
+            turning_point(waypoints[leg], turn_lag * speed, heading, bearing(waypoints[leg], to));
+        struct experiment_segment segment = {.turn = turn_between(heading, bearing(from, to))};
 
+        speed = hypot(to.x - from.x, to.y - from.y) / durations[leg];
+        segment.speed = speed;
         append(script, &segment, durations[leg], leg);
-        heading = bearing;
+        heading = bearing(from, to);
     }
     return true;
 }
@@ -80,6 +96,67 @@ bool script_bezier(struct script *script, const struct bezier_path *path)
         }
     }
     return true;
+}
+
+/* Where and how the next segment begins. */
+struct place {
+    struct jp_point point;
+    jp_angle heading;
+    struct jp_energy_start motion;
+};
+
+static enum jp_status plan_route(struct jp_route *route, const struct place *place, const struct jp_point *targets,
+                                 size_t count)
+{
+    enum jp_status status =
+        jp_route_begin(route, &place->point, place->heading, &place->motion, targets, (uint16_t)count);
+
+    if (status == JP_OK) {
+        do {
+            status = jp_route_work(route);
+        } while (status == JP_ERR_BUSY);
+    }
+    return status;
+}
+
+/* A segment ends at its target, also when its turn lags. */
+static enum jp_status go_on(const struct jp_route_config *config, struct jp_segment *segment,
+                            const struct jp_point *target, struct place *place)
+{
+    place->point = *target;
+    place->heading += jp_angle_from_radians(segment->command.turn) + jp_angle_from_radians(segment->arc);
+    return jp_energy_forecast(config->model, config->horizon, &place->motion, &segment->command, &segment->energy,
+                              &place->motion);
+}
+
+/* Plans targets[leg] with those behind it, and appends its segment. */
+static enum jp_status append_leg(struct script *script, struct jp_route *route, struct place *place,
+                                 const struct jp_point *targets, size_t count, size_t leg, struct jp_segment *segment)
+{
+    enum jp_status status = plan_route(route, place, &targets[leg], count - leg);
+
+    if (status == JP_OK) {
+        *segment = route->config.legs[0].segment;
+        script->steps[script->count++] = (struct script_step){segment->command, leg};
+        status = go_on(&route->config, segment, &targets[leg], place);
+    }
+    return status;
+}
+
+enum jp_status script_route(struct script *script, const struct jp_route_config *config, const struct jp_point *targets,
+                            size_t count, struct jp_segment *segments)
+{
+    struct place place = {.heading = 0};
+    struct jp_route route;
+    enum jp_status status = jp_route_init(&route, config);
+
+    if (!allocate(script, count)) {
+        return JP_ERR_MEMORY;
+    }
+    for (size_t leg = 0; leg < count && status == JP_OK; leg++) {
+        status = append_leg(script, &route, &place, targets, count, leg, &segments[leg]);
+    }
+    return status;
 }
 
 void script_free(struct script *script)

@@ -159,6 +159,8 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
     if (suspected == 0U) {
         monitor->good = *sensors;
         monitor->started = true;
+    } else {
+        monitor->dropped_frames++;
     }
     return (uint16_t)((confirmed ? suspected : 0U) | (frozen ? (unsigned)JP_FAULT_IMU_FROZEN : 0U));
 }

@@ -16,12 +16,19 @@ from common import ToolError, run
 ROWS = {
     "sensor decode to PWM": r"sensor decode to PWM",
     "whole tick": r"whole tick",
+    "jp_energy_forecast": r"energy forecast",
+    "jp_energy_regressors": r"energy regressors",
+    "jp_learner_update": r"learner: update",
+    "jp_forecast_add": r"learner: forecast",
+    "jp_current_check_update": r"current check: update",
     "jp_segment_optimise": r"segment optimiser",
     "jp_planner_work, 32 expansions": r"slice of 32 expansions of the planner",
     "jp_grid_planner_work, 32 expansions": r"slice of 32 expansions of the grid planner",
     "jp_four_wheel_tick": r"four wheels: tick",
     "jp_pure_pursuit_tick": r"pure pursuit: tick",
     "jp_teb_plan, 50 poses, 20 obstacles": r"TEB cycle",
+    "jp_route, 8 legs": r"route of 8,",
+    "jp_route with transients, 8 legs": r"route of 8 short segments",
 }
 
 

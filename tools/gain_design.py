@@ -47,13 +47,18 @@ def reciprocal(value):
     return 1 / value if value > 0 else 0.0
 
 
+def levelling_gains(robot):
+    """Of the tilt toward the accelerometer's vertical, and of the gyro's bias in rad/s from rad; 0: off."""
+    tilt_gain = reciprocal(robot.number("control.tilt_time_constant_s")) / robot.positive("control.rate_hz")
+    return tilt_gain, tilt_gain * reciprocal(robot.number("control.bias_time_constant_s"))
+
+
 def estimator_group(robot, to):
     rate = robot.positive("control.rate_hz")
     counts = robot.positive("encoder.counts_per_turn")
     yaw_share = robot.positive("wheel.radius_m") / robot.positive("body.width_m")
     angle_gain, rate_gain = tracking_gains(robot.number("control.encoder_bandwidth_rad_s"), rate)
-    tilt_gain = reciprocal(robot.number("control.tilt_time_constant_s")) / rate
-    bias_gain = tilt_gain * reciprocal(robot.number("control.bias_time_constant_s"))
+    tilt_gain, bias_gain = levelling_gains(robot)
     return c_tables.Group("estimator", [
         to.whole("tick_rate", rate, "Hz", 100, 10000),
         to.phase("wheel_per_count", 1 / (2 * counts), "turn"),

@@ -219,9 +219,10 @@ def _summary(source, segments, pose):
              "relative_percent": 100.0}
     about = [_about_segment(index, segment, duration, pose)
              for index, (segment, duration) in enumerate(zip(segments, durations), start=1)]
-    return {"robot": None, "scenario": source, "energy_model": None, "seed": None,
+    return {"robot": None, "scenario": source, "energy_model": None, "energy": None, "seed": None,
             "waypoints_m": [start, *(list(segment.ahead[0]) for segment in segments), *map(list, left)],
-            "strategies": [{"name": STRATEGY, "title": title, "log": LOG_NAME, "segments": about, "total": total}],
+            "strategies": [{"name": STRATEGY, "title": title, "log": LOG_NAME, "forecast": None,
+                            "segments": about, "total": total}],
             "simulation": None}
 
 

@@ -18,8 +18,9 @@ from results import (format_number, is_number, need, need_list, need_point, read
 LOG_COLUMNS = ("t_s", "x_m", "y_m", "ref_x_m", "ref_y_m", "heading_rad", "speed_m_s", "turn_rate_rad_s",
                "ref_speed_m_s", "ref_turn_rate_rad_s", "pitch_deg", "u_left_v", "u_right_v", "i_left_a", "i_right_a",
                "power_w", "energy_j", "segment")
-SUMMARY_KEYS = ("robot", "scenario", "energy_model", "seed", "waypoints_m", "strategies", "simulation")
-STRATEGY_KEYS = ("name", "title", "log", "segments", "total")
+SUMMARY_KEYS = ("robot", "scenario", "energy_model", "energy", "seed", "waypoints_m", "strategies", "simulation")
+STRATEGY_KEYS = ("name", "title", "log", "forecast", "segments", "total")
+FORECAST_KEYS = ("energy_j", "deviation_j")
 SEGMENT_KEYS = ("index", "target_m", "planned_energy_j", "measured_energy_j", "plant_energy_j", "battery_energy_j",
                 "duration_s", "speed_m_s", "turn_rate_rad_s", "turn_deg", "arc_rad", "end_m", "end_error_m",
                 "error_percent")
@@ -27,8 +28,10 @@ TOTAL_KEYS = ("planned_energy_j", "measured_energy_j", "battery_energy_j", "dura
 NULLABLE = ("planned_energy_j", "error_percent", "relative_percent", "speed_m_s", "turn_rate_rad_s", "turn_deg",
             "arc_rad", "plant_energy_j", "battery_energy_j", "end_error_m")
 
-COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN}
-STYLES = {"optimal": "-", "straight": "--", "bezier": "-."}
+# The whole route at once has the style of its counterpart, planned segment by segment.
+COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN, "route": plots.SKY,
+           "straight_route": plots.AMBER, "bezier_route": plots.PURPLE}
+STYLES = {"optimal": "-", "straight": "--", "bezier": "-.", "route": "-", "straight_route": "--", "bezier_route": "-."}
 
 WIDE = (9.2, 3.4)
 
@@ -52,7 +55,7 @@ class Strategy:
 
     @property
     def colour(self):
-        return COLOURS.get(self.name, plots.PURPLE)
+        return COLOURS.get(self.name, plots.GREY)
 
     @property
     def style(self):
@@ -86,6 +89,8 @@ def read_summary(path):
         for j, segment in enumerate(strategy["segments"]):
             _need_numbers(path, f"{place}.segments[{j}]", segment, SEGMENT_KEYS)
         _need_numbers(path, f"{place}.total", strategy["total"], TOTAL_KEYS)
+        if strategy["forecast"] is not None:
+            _need_numbers(path, f"{place}.forecast", strategy["forecast"], FORECAST_KEYS)
     if summary["simulation"] is not None:
         _need_numbers(path, "simulation", summary["simulation"], ("ticks", "wall_s", "real_time_factor"))
     return summary
@@ -221,7 +226,7 @@ def draw_energy(strategies):
         total.plot(s.log["t_s"], s.log["energy_j"], s.style, color=s.colour, label=label)
     total.set_xlabel("time, s")
     total.set_ylabel("E, J")
-    total.legend(loc="upper left")
+    figure.legend(*total.get_legend_handles_labels(), loc="outside upper left", ncols=2)
     if others:
         extra = axes[1, 0]
         extra.axhline(0, color=first.colour)
@@ -269,7 +274,8 @@ def figures(strategies, waypoints):
 
 def origin(summary):
     """Who drove and how, as far as it is known."""
-    named = (("Robot", "robot"), ("energy model", "energy_model"), ("seed", "seed"))
+    named = (("Robot", "robot"), ("energy model", "energy_model"), ("energy of the", "energy"),
+             ("seed", "seed"))
     return " · ".join(f"{label} {summary[key]}" for label, key in named if summary[key] is not None)
 
 
@@ -291,6 +297,18 @@ def headlines(summary):
     return cards
 
 
+def planned_strategies(summary):
+    """Those of which the page shows every segment: the first, and what was foretold before the start."""
+    first, *others = summary["strategies"]
+    return [first, *(other for other in others if other["forecast"] is not None)]
+
+
+def _forecast_cell(forecast):
+    if forecast is None:
+        return "–"
+    return f"{format_number(forecast['energy_j'])} ± {format_number(forecast['deviation_j'])}"
+
+
 def table4(summary):
     """Energy of each segment by strategy; a row is (label, cells)."""
     strategies = summary["strategies"]
@@ -304,6 +322,8 @@ def table4(summary):
     totals = [s["total"] for s in strategies]
     rows.append(("total energy, J", [format_number(t["measured_energy_j"]) for t in totals]))
     rows.append(("planned energy, J", [format_number(t["planned_energy_j"]) for t in totals]))
+    if any(s["forecast"] for s in strategies):
+        rows.append(("forecast before the start, J", [_forecast_cell(s["forecast"]) for s in strategies]))
     rows.append(("battery energy, J", [format_number(t["battery_energy_j"]) for t in totals]))
     rows.append(("driving time, s", [format_number(t["duration_s"]) for t in totals]))
     rows.append(("relative energy, %", [format_number(t["relative_percent"]) for t in totals]))
@@ -313,7 +333,7 @@ def table4(summary):
 def render(summary, strategies):
     waypoints = np.array(summary["waypoints_m"], dtype=float)
     return render_page("report.html.j2", summary=summary, origin=origin(summary), headlines=headlines(summary),
-                       first=summary["strategies"][0], strategies=strategies, table4=table4(summary),
+                       planned=planned_strategies(summary), strategies=strategies, table4=table4(summary),
                        figures=figures(strategies, waypoints))
 
 

@@ -61,7 +61,8 @@ struct jp_monitor {
     uint16_t residual_ticks[2];
     uint16_t overspeed_ticks;
     bool started;
-    jp_q16 residual_limit; /**< V, from the configuration */
+    uint32_t dropped_frames; /**< since the start, wrapping: implausible or not read, the last good one served */
+    jp_q16 residual_limit;   /**< V, from the configuration */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */

@@ -7,14 +7,15 @@
  * The route is planned anew during each segment, from where the robot will be at its end, with what has been learned
  * by then; its first segment is handed to the robot. With more targets than legs the horizon recedes. A target passed
  * late or a slice too few only makes the robot stand and go on from there.
+ * Until it rests nobody else may hand the robot segments or stop it: jp_pilot_stop() does, and after jp_robot_stop()
+ * alone the pilot would drive on.
  *
  * In libjoulepath_float. jp_robot_follow() is the way to drive a route without it.
  */
 #ifndef JOULEPATH_PILOT_H
 #define JOULEPATH_PILOT_H
 
-#include <joulepath/learner.h>
-#include <joulepath/robot.h>
+#include <joulepath/drive_watch.h>
 #include <joulepath/route.h>
 
 #ifdef __cplusplus
@@ -33,7 +34,7 @@ struct jp_pilot_config {
     uint16_t leg_count;        /**< 1…JP_ROUTE_LEGS_MAX */
 };
 
-/** A segment that is being driven or waits for it. */
+/** A segment that is planned or waits to be driven. */
 struct jp_pilot_segment {
     struct jp_energy_start start;
     struct jp_segment_command command;
@@ -51,7 +52,7 @@ struct jp_pilot {
     struct jp_robot *robot;
     struct jp_learner learner;      /**< what is known; its state is worth storing */
     enum jp_learned learned;        /**< what became of the last segment, once segments_learned_from > 0 */
-    uint32_t segments_learned_from; /**< segments that were handed to the learner */
+    uint32_t segments_learned_from; /**< segments that the learner took, outliers too */
     struct jp_energy_model model;   /**< as learned when the last plan began */
     uint32_t model_version;         /**< of the learner's state then */
     struct jp_forecast forecast;    /**< of the last plan, all its legs */
@@ -64,11 +65,7 @@ struct jp_pilot {
     bool asked;    /* a plan is made that will not be driven */
     bool answered; /* one was asked for since the last route */
     bool waiting;  /* a segment was handed over and has not begun */
-    bool driving;
-    uint16_t segment;
-    uint16_t segments_ended;
-    uint32_t stand_tick;
-    struct jp_pilot_segment current;
+    struct jp_drive_watch watch;
     struct jp_pilot_segment next;
 };
 
@@ -92,18 +89,18 @@ enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *ta
  */
 enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count);
 
-/** What jp_pilot_ask() asked: JP_ERR_BUSY until jp_pilot_work() has the plan; JP_ERR_EMPTY: nothing was asked; else as
- *  jp_pilot_work(). The plan's segments are in the legs. With jp_forecast_reserve() it answers "can I go there and come
- *  back?". */
+/** What jp_pilot_ask() asked: JP_ERR_BUSY until jp_pilot_work() has the plan; JP_ERR_EMPTY: nothing was asked since the
+ *  last route, or a stop came before the answer; else as jp_pilot_work(). The plan's segments are in the legs. With
+ *  jp_forecast_reserve() it answers "can I go there and come back?". */
 enum jp_status jp_pilot_answer(const struct jp_pilot *pilot, struct jp_forecast *forecast);
 
 /** Brakes to a balanced stand and forgets the route, at the next tick. */
 void jp_pilot_stop(struct jp_pilot *pilot);
 
 /**
- * A slice of background work: at most one jp_learner_update() and one jp_route_work(). To be called at least every 20
- * ms while driving, in place of jp_robot_work(). Returns the first failure of planning (the robot then stops at the end
- * of the segment), else JP_OK.
+ * A slice of background work: at most one jp_learner_update() and one jp_route_work(). To be called at least leg_count
+ * + JP_ROUTE_ITERATIONS + 2 times in 0.2 s while driving, in place of jp_robot_work(). Returns the first failure of
+ * planning (the robot then stops at the end of the segment), else JP_OK.
  */
 enum jp_status jp_pilot_work(struct jp_pilot *pilot);
 

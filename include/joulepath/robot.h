@@ -19,6 +19,7 @@
 
 #include <stdbool.h>
 
+#include <joulepath/current_check.h>
 #include <joulepath/estimator.h>
 #include <joulepath/lqr.h>
 #include <joulepath/meter.h>
@@ -69,6 +70,7 @@ struct jp_telemetry {
     jp_energy segment_energy_battery;
     uint16_t segments_ended; /**< since the robot last stood, saturating */
     int64_t gyro_bias;       /**< learned, 2⁻⁵⁶ turn/s */
+    uint32_t dropped_frames; /**< ticks without a plausible frame, wrapping; from 0 again after a disable */
 };
 
 /** The part of the telemetry that the modules do not hold, with the same fields. */
@@ -132,7 +134,8 @@ struct jp_robot {
     struct jp_next_segment next; /**< handed to the tick by `next_full` */
     int64_t known_gyro_bias;
 
-    struct jp_voltages applied; /**< since the last tick */
+    struct jp_voltages applied;  /**< since the last tick */
+    struct jp_voltages reviewed; /**< in the interval that the last frame ended */
     jp_energy segment_start_model;
     jp_energy segment_start_battery;
 
@@ -212,6 +215,10 @@ void jp_robot_stop(struct jp_robot *robot);
 
 /** A consistent copy of the telemetry, from any context of lower priority than the tick. */
 void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry);
+
+/** A consistent sample for jp_current_check_update(), from any context of lower priority than the tick. False, and
+ *  *sample is not to be used: the motors are off, or the last tick had no plausible frame. */
+bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sample);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-/* Drives a scenario's mission by four strategies in closed loop and compares their energies. */
+/* Drives a scenario's mission by six strategies in closed loop and compares their energies. */
 #include <argp.h>
 #include <stdlib.h>
 
@@ -53,7 +53,7 @@ static bool drive(struct mission *missions, enum mission_strategy strategy, cons
 
     const struct mission_view view = {.log = log->stream, .progress = mission_name(strategy)};
 
-    return mission_run(&missions[strategy], strategy, scenario, &missions[MISSION_OPTIMAL], &view);
+    return mission_run(&missions[strategy], strategy, scenario, missions, &view);
 }
 
 static bool drive_all(struct mission *missions, const struct scenario *scenario, const char *directory,
@@ -83,8 +83,9 @@ static bool compare(const struct arguments *arguments)
     if (!scenario_load(arguments->path, &scenario) || !output_directory(arguments->output)) {
         return false;
     }
-    (void)printf("%s: robot %s, %s energy model, %zu waypoints\n", scenario.name, scenario.robot.name,
-                 scenario.model == SCENARIO_PUBLISHED ? "published" : "identified", scenario.waypoint_count);
+    (void)printf("%s: robot %s, %s energy model, energy of the %s, %zu waypoints\n", scenario.name, scenario.robot.name,
+                 scenario.model == SCENARIO_PUBLISHED ? "published" : "identified", energy_kind_name(scenario.energy),
+                 scenario.waypoint_count);
     if (!drive_all(missions, &scenario, arguments->output, &files)) {
         output_discard(files.outputs, files.count);
         return false;
@@ -99,7 +100,7 @@ int main(int argc, char **argv)
         {0},
     };
     static const struct argp argp = {
-        options, parse_option, "SCENARIO.cfg", "Drives a mission by four strategies and compares their energies.", NULL,
+        options, parse_option, "SCENARIO.cfg", "Drives a mission by six strategies and compares their energies.", NULL,
         NULL,    NULL};
     struct arguments arguments = {NULL, NULL};
 

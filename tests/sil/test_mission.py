@@ -100,6 +100,95 @@ def test_report_stands_alone(output):
     assert "@import" not in page
 
 
+# ---- the whole route planned together ------------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    """{robot: {strategy: its part of the summary}} of the scenarios with short segments."""
+    folders = {robot: drive(tmp_path_factory.mktemp(robot), SCENARIOS / f"{robot}_short.cfg")
+               for robot in ("gao2018", "courier24")}
+    summaries = {robot: json.loads((folder / "summary.json").read_text()) for robot, folder in folders.items()}
+    return {robot: {strategy["name"]: strategy for strategy in summary["strategies"]}
+            for robot, summary in summaries.items()}
+
+
+def energy(strategies, name):
+    return strategies[name]["total"]["measured_energy_j"]
+
+
+def test_every_strategy_is_driven_and_logged(output, strategies):
+    names = ["optimal", "straight", "bezier", "route", "straight_route", "bezier_route"]
+    assert list(strategies) == names
+    assert {path.name for path in output.glob("log_*.csv")} == {f"log_{name}.csv" for name in names}
+
+
+def test_whole_route_takes_less_than_segment_by_segment(strategies):
+    assert energy(strategies, "route") < energy(strategies, "optimal")
+    assert energy(strategies, "route") < energy(strategies, "straight_route")
+
+
+@pytest.mark.parametrize("robot", ["gao2018", "courier24"])
+def test_short_segments_planned_together_take_least(short, robot):
+    strategies = short[robot]
+    assert energy(strategies, "route") < 0.98 * energy(strategies, "straight_route")
+    assert energy(strategies, "route") < energy(strategies, "bezier") / 1.07
+    assert energy(strategies, "route") < energy(strategies, "optimal") / 1.04
+
+
+@pytest.mark.parametrize("robot", ["gao2018", "courier24"])
+def test_short_segments_are_as_short_as_the_papers(short, robot):
+    durations = [segment["duration_s"] for segment in short[robot]["route"]["segments"]]
+    assert len(durations) == 7
+    assert 2.2 < sum(durations) / 7 < 3.3
+
+
+@pytest.mark.parametrize("robot, least", [("gao2018", 0.005), ("courier24", 0.04)])
+def test_short_segments_take_what_was_planned(short, robot, least):
+    for segment in short[robot]["route"]["segments"]:
+        assert segment["planned_energy_j"] == pytest.approx(segment["measured_energy_j"], rel=least), segment["index"]
+
+
+@pytest.mark.parametrize("robot", ["gao2018", "courier24"])
+def test_forecast_before_the_start_holds(short, robot):
+    route = short[robot]["route"]
+    assert route["forecast"]["energy_j"] == pytest.approx(energy(short[robot], "route"), rel=0.05)
+    assert abs(route["forecast"]["energy_j"] - energy(short[robot], "route")) < 2 * route["forecast"]["deviation_j"]
+    assert all(strategy["forecast"] is None for name, strategy in short[robot].items() if name != "route")
+
+
+@pytest.mark.parametrize("robot", ["gao2018", "courier24"])
+def test_chords_keep_the_times_of_what_they_are_compared_with(short, robot):
+    for chords, like in (("straight", "optimal"), ("straight_route", "route")):
+        for one, other in zip(short[robot][chords]["segments"], short[robot][like]["segments"], strict=True):
+            assert one["duration_s"] == pytest.approx(other["duration_s"], abs=0.0011)
+
+
+@pytest.mark.parametrize("robot", ["gao2018", "courier24"])
+def test_short_segments_end_near_their_targets(short, robot):
+    for name in ("optimal", "straight", "route", "straight_route"):
+        assert max(segment["end_error_m"] for segment in short[robot][name]["segments"]) < 0.25, name
+
+
+def test_chords_begin_where_a_lagging_turn_ends(short):
+    """The courier's turns lag: chords from waypoint to waypoint would pass them by half a metre."""
+    after_a_right_angle = short["courier24"]["straight_route"]["segments"][3]
+    assert after_a_right_angle["end_error_m"] < 0.2
+
+
+def test_whole_route_by_the_published_model(tmp_path):
+    """It has no horizon: planned once, all segments settled, without a forecast."""
+    text = SCENARIO.read_text().replace("identified", "published").replace("../robots", str(ROOT / "sim/robots"))
+    scenario = tmp_path / "published.cfg"
+    scenario.write_text(text)
+    summary = json.loads((drive(tmp_path / "out", scenario) / "summary.json").read_text())
+    strategies = {strategy["name"]: strategy for strategy in summary["strategies"]}
+    route = strategies["route"]
+    # The joint optimum of the paper's segments.
+    assert route["total"]["planned_energy_j"] == pytest.approx(1110.12, abs=0.2)
+    assert energy(strategies, "route") == pytest.approx(1110.12, rel=0.005)
+    assert route["forecast"] is None
+
+
 # ---- energy of the battery -----------------------------------------------------------------------------------------
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,8 @@ import signal
 import pytest
 from conftest import ROOT, assert_one_line_error, run
 
-MISSION_FILES = ["log_optimal.csv", "log_straight.csv", "log_bezier.csv", "log_bezier_route.csv", "summary.json"]
+MISSION_FILES = [*(f"log_{name}.csv" for name in ("optimal", "straight", "bezier", "route", "straight_route",
+                                                  "bezier_route")), "summary.json"]
 IDENTIFY_FILES = ["experiments.csv", "experiments.json"]
 OLD = "from an earlier run\n"
 

@@ -5,7 +5,7 @@ import sys
 import pytest
 from conftest import TOOLS
 
-PROGRAMS = ["bench_plan.py", "figures.py", "gain_design.py", "identify.py", "import_map.py", "lattice.py",
+PROGRAMS = ["bench_plan.py", "bench_route.py", "figures.py", "gain_design.py", "identify.py", "import_map.py", "lattice.py",
             "patrol_report.py", "plan_report.py", "report.py"]
 
 

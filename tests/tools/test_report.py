@@ -4,8 +4,9 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from conftest import assert_one_line_error, run_tool
+from conftest import ROOT, assert_one_line_error, run_tool
 from mission_data import write_mission
+from report import COLOURS, STYLES
 
 SECTIONS = ["Segments of the route", "Strategies compared", "Path", "Energy", "Speed and turn rate", "Pitch", "Motors",
             "Power", "Coordinate error"]
@@ -62,6 +63,35 @@ def test_the_page_has_every_section_and_needs_nothing_else(mission):
         assert number in text
 
 
+def cells(page, row):
+    """The cells of the table row with this label."""
+    return re.findall(r"<td>(.*?)</td>", re.search(rf"<tr[^>]*><td>{row}</td>(.*?)</tr>", page)[1])
+
+
+def test_what_was_foretold_stands_beside_what_was_spent(mission):
+    assert run_tool("report.py", mission).returncode == 0
+    page = (mission / "report.html").read_text()
+    assert cells(page, "forecast before the start, J") == ["–", "–", "–", "1\u202f111.32 ± 24.69"]
+    assert cells(page, "total energy, J")[3] == "1\u202f112.66"
+    # Its segments are shown one by one, as those of the first strategy.
+    assert page.count("what was planned and what the robot spent") == 2
+    assert page.index("Whole route at once: what was planned") < page.index("Strategies compared")
+
+
+def test_without_a_forecast_none_is_shown(mission):
+    change(mission, lambda s: s["strategies"][3].update(forecast=None))
+    assert run_tool("report.py", mission).returncode == 0
+    page = (mission / "report.html").read_text()
+    assert "forecast" not in page and page.count("what was planned and what the robot spent") == 1
+
+
+def test_every_strategy_of_the_simulator_has_a_colour_and_style_of_its_own():
+    report = (ROOT / "sim/mission_report.c").read_text()
+    names = re.findall(r'\[MISSION_\w+\] = \{"(\w+)"', report)
+    assert len(names) >= 6 and set(COLOURS) == set(STYLES) == set(names)
+    assert len(set(COLOURS.values())) == len(names)
+
+
 def test_equal_data_give_equal_bytes(mission):
     assert run_tool("report.py", mission).returncode == 0
     first = (mission / "report.html").read_bytes()
@@ -87,11 +117,11 @@ def test_a_single_strategy_makes_a_page(mission):
 
 
 def test_what_a_recorded_drive_does_not_know_is_left_out(mission):
-    change(mission, lambda s: s.update(robot=None, energy_model=None, seed=None, simulation=None))
+    change(mission, lambda s: s.update(robot=None, energy_model=None, energy=None, seed=None, simulation=None))
     assert run_tool("report.py", mission).returncode == 0
     text = re.sub(r"data:image[^\"]*", "", (mission / "report.html").read_text())
     assert "<title>gao2018_table3 · Joulepath</title>" in text
-    assert not any(part in text for part in ("None", "seed", "energy model", "real time", "Simulated"))
+    assert not any(part in text for part in ("None", "seed", "energy model", "energy of the", "real time", "Simulated"))
 
 
 @pytest.mark.parametrize("edit, part", [
@@ -106,6 +136,9 @@ def test_what_a_recorded_drive_does_not_know_is_left_out(mission):
     (lambda s: s.update(simulation={}), "ticks"),
     (lambda s: s.pop("simulation"), "simulation"),
     (lambda s: s["strategies"][0].update(title=3), "title"),
+    (lambda s: s["strategies"][1].pop("forecast"), "forecast"),
+    (lambda s: s["strategies"][3].update(forecast={"energy_j": 1}), "deviation_j"),
+    (lambda s: s["strategies"][3]["forecast"].update(energy_j="many"), "strategies[3].forecast"),
 ])
 def test_garbled_summaries_are_refused(mission, edit, part):
     change(mission, edit)

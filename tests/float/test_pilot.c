@@ -1,0 +1,730 @@
+/* The pilot: arguments and states, slices, routes shorter and longer than its legs, questions, what replaces or ends a
+ * route, plans that fail or come late. Its robot is a toy that follows its reference with a little lag. */
+#include <joulepath/pilot.h>
+#include <stddef.h>
+
+#include "unity.h"
+
+#define LEGS     4
+#define BUS      JP_Q16(300)
+#define LAG      32 /* ticks */
+#define ASIDE    JP_Q16(0.15)
+#define PATIENCE 60000 /* ticks */
+
+extern const struct jp_robot_config jp_robot_gao2018;
+extern const struct jp_energy_model jp_energy_model_gao2018;
+extern const struct jp_energy_model jp_energy_model_gao2018_battery;
+extern const struct jp_horizon jp_horizon_gao2018;
+extern const struct jp_horizon jp_horizon_gao2018_battery;
+extern const struct jp_learning jp_learning_gao2018;
+extern const struct jp_learning jp_learning_gao2018_battery;
+
+static const struct jp_point slalom[] = {{JP_Q16(1.2), JP_Q16(0.4)}, {JP_Q16(2.4), JP_Q16(0.1)},
+                                         {JP_Q16(3.6), JP_Q16(0.5)}, {JP_Q16(4.9), JP_Q16(0.4)},
+                                         {JP_Q16(6.0), JP_Q16(1.1)}, {JP_Q16(7.2), JP_Q16(1.0)}};
+#define SLALOM (sizeof slalom / sizeof slalom[0])
+static const struct jp_point aside[] = {{JP_Q16(2.6), JP_Q16(1.2)}, {JP_Q16(3.0), JP_Q16(2.6)}};
+
+static struct jp_robot_config robot_config;
+static struct jp_robot robot;
+static struct jp_sensors sensors;
+static jp_phase wheel;
+static jp_phase yaw;
+
+static struct jp_energy_model model;
+static struct jp_horizon horizon;
+static struct jp_learning learning;
+static struct jp_route_leg legs[LEGS];
+static struct jp_pilot_config config;
+static struct jp_pilot pilot;
+static struct jp_forecast forecast;
+
+/* ---- The toy ---- */
+
+static struct jp_telemetry telemetry(void)
+{
+    struct jp_telemetry copy;
+
+    jp_robot_telemetry(&robot, &copy);
+    return copy;
+}
+
+static jp_phase nearer(jp_phase angle, jp_phase reference)
+{
+    return angle + (jp_phase)((int64_t)(reference - angle) / LAG);
+}
+
+static void tick(void)
+{
+    const struct jp_telemetry now = telemetry();
+    struct jp_actuation actuation;
+
+    wheel = nearer(wheel, now.reference_wheel);
+    yaw = nearer(yaw, now.reference_yaw);
+
+    const int64_t sum = (int64_t)wheel / (int64_t)robot_config.estimator.wheel_per_count;
+    const int64_t difference = (int64_t)yaw / (int64_t)robot_config.estimator.yaw_per_count;
+
+    sensors.encoder_left = (uint32_t)((sum - difference) / 2);
+    sensors.encoder_right = (uint32_t)((sum + difference) / 2);
+    sensors.current_left = jp_q16_divide(now.voltages.left, robot_config.monitor.motor_resistance);
+    sensors.current_right = jp_q16_divide(now.voltages.right, robot_config.monitor.motor_resistance);
+    jp_robot_tick(&robot, JP_OK, &sensors, &actuation);
+}
+
+static void ticks(unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        tick();
+    }
+}
+
+static void init(void)
+{
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_init(&robot, &robot_config, &model, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_init(&pilot, &config, &robot, &field));
+}
+
+static void balance(void)
+{
+    tick();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_enable(&robot));
+    tick();
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
+}
+
+void setUp(void)
+{
+    robot_config = jp_robot_gao2018;
+    model = jp_energy_model_gao2018;
+    horizon = jp_horizon_gao2018;
+    learning = jp_learning_gao2018;
+    sensors = (struct jp_sensors){.accel_z = JP_Q24_ONE, .bus_voltage = BUS};
+    wheel = 0;
+    yaw = 0;
+    config = (struct jp_pilot_config){
+        .model = &model, .horizon = &horizon, .learning = &learning, .legs = legs, .leg_count = LEGS};
+    forecast = (struct jp_forecast){-1, -1};
+    init();
+}
+
+void tearDown(void)
+{
+}
+
+static void expect_near(const struct jp_point *target)
+{
+    const struct jp_point position = telemetry().position;
+
+    TEST_ASSERT_INT32_WITHIN(ASIDE, target->x, position.x);
+    TEST_ASSERT_INT32_WITHIN(ASIDE, target->y, position.y);
+}
+
+static void work_and_tick(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+    tick();
+}
+
+/* Works without letting time pass until a plan is made or fails; the slices that it took. */
+static unsigned work_while(enum jp_pilot_phase phase, enum jp_status *status)
+{
+    unsigned slices = 0;
+
+    do {
+        *status = jp_pilot_work(&pilot);
+        slices++;
+    } while (pilot.phase == phase && *status == JP_OK && slices < 1000U);
+    return slices;
+}
+
+/* Until so many segments have ended, each of which is to end near its target. */
+static void drive(const struct jp_point *targets, uint16_t count)
+{
+    unsigned patience = PATIENCE;
+
+    while (telemetry().state != JP_ROBOT_DRIVING && patience > 0U) {
+        work_and_tick();
+        patience--;
+    }
+    for (uint16_t k = 0; k < count; k++) {
+        while (telemetry().segments_ended <= k && patience > 0U) {
+            work_and_tick();
+            patience--;
+        }
+        expect_near(&targets[k]);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(0, patience);
+}
+
+static void expect_rest(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
+}
+
+/* ---- Configuration ---- */
+
+static void expect_bad_arguments(const struct jp_pilot_config *changed)
+{
+    const char *field = "untouched";
+
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_init(&pilot, changed, &robot, &field));
+    TEST_ASSERT_EQUAL_STRING("untouched", field);
+}
+
+static void test_bad_arguments(void)
+{
+    const struct jp_pilot_config good = config;
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_init(NULL, &config, &robot, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_init(&pilot, NULL, &robot, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_init(&pilot, &config, NULL, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_init(&pilot, &config, &robot, NULL));
+    config.model = NULL;
+    expect_bad_arguments(&config);
+    config = good;
+    config.horizon = NULL;
+    expect_bad_arguments(&config);
+    config = good;
+    config.learning = NULL;
+    expect_bad_arguments(&config);
+    config = good;
+    config.legs = NULL;
+    expect_bad_arguments(&config);
+    config = good;
+    config.leg_count = 0;
+    expect_bad_arguments(&config);
+    config.leg_count = JP_ROUTE_LEGS_MAX + 1;
+    expect_bad_arguments(&config);
+}
+
+static void expect_bad_field(const char *expected)
+{
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_pilot_init(&pilot, &config, &robot, &field));
+    TEST_ASSERT_EQUAL_STRING(expected, field);
+}
+
+static void test_field_out_of_range(void)
+{
+    model.electronics_power = -1;
+    expect_bad_field("electronics_power");
+    model = jp_energy_model_gao2018;
+    horizon.duration_min = 0;
+    expect_bad_field("duration_min");
+    horizon = jp_horizon_gao2018;
+    learning.identity = 0;
+    expect_bad_field("identity");
+    learning = jp_learning_gao2018;
+    robot_config.limits.speed = 0;
+    expect_bad_field("speed");
+}
+
+/* ---- Requests ---- */
+
+static void test_requests_without_targets(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_follow(&pilot, NULL, 1));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_follow(&pilot, slalom, 0));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_ask(&pilot, NULL, 1));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_ask(&pilot, slalom, 0));
+    expect_rest();
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_EMPTY, jp_pilot_answer(&pilot, &forecast));
+    TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
+}
+
+static void test_requests_with_motors_off(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_follow(&pilot, slalom, SLALOM));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_ask(&pilot, slalom, 1));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+}
+
+/* ---- Routes ---- */
+
+static void test_route_is_driven(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, LEGS));
+    drive(slalom, LEGS);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT32(LEGS, pilot.segments_learned_from);
+    ticks(200);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT16(LEGS, telemetry().segments_ended);
+}
+
+/* A slice begins the plan, then those that jp_route_work() states; meanwhile the robot stands. */
+static void test_slices_of_a_plan(void)
+{
+    enum jp_status status;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    TEST_ASSERT_EQUAL_UINT32(1, work_while(JP_PILOT_DRIVING, &status));
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_PLANNING, pilot.phase);
+    TEST_ASSERT_EQUAL_UINT32(LEGS + JP_ROUTE_ITERATIONS + 1, work_while(JP_PILOT_PLANNING, &status));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, status);
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_DRIVING, pilot.phase);
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
+    tick();
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_DRIVING, telemetry().state);
+    TEST_ASSERT_EQUAL_INT32(legs[0].segment.command.motion.speed, telemetry().command.speed);
+    TEST_ASSERT_EQUAL_INT32(legs[0].segment.command.motion.turn_rate, telemetry().command.turn_rate);
+}
+
+static void test_more_targets_than_legs(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    drive(slalom, SLALOM);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT32(SLALOM, pilot.segments_learned_from);
+}
+
+static void test_one_leg_at_a_time(void)
+{
+    config.leg_count = 1;
+    init();
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, 3));
+    drive(slalom, 3);
+    expect_rest();
+}
+
+/* The robot's meters are two: what is learned is of the one that was chosen. */
+static void test_energy_of_the_battery(void)
+{
+    model = jp_energy_model_gao2018_battery;
+    horizon = jp_horizon_gao2018_battery;
+    learning = jp_learning_gao2018_battery;
+    config.meter = JP_PILOT_BATTERY;
+    init();
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, 2));
+    drive(slalom, 2);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT32(2, pilot.segments_learned_from);
+}
+
+static void test_next_route_follows_a_stand(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, 1));
+    drive(slalom, 1);
+    expect_rest();
+    ticks(2000);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, aside, 2));
+    drive(aside, 2);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT32(3, pilot.segments_learned_from);
+}
+
+static void test_new_route_while_driving(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    while (telemetry().segment == 0U) {
+        work_and_tick();
+    }
+    ticks(500);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, aside, 2));
+    drive(slalom, 1);
+    while (telemetry().segments_ended < 3U) {
+        work_and_tick();
+    }
+    expect_near(&aside[1]);
+    expect_rest();
+}
+
+static void test_new_route_while_planning(void)
+{
+    enum jp_status status;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, aside, 2));
+    drive(aside, 2);
+    expect_rest();
+}
+
+static void test_stop(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    while (telemetry().segment == 0U) {
+        work_and_tick();
+    }
+    ticks(500);
+    jp_pilot_stop(&pilot);
+    tick();
+    for (unsigned i = 0; i < 500U; i++) {
+        expect_rest();
+        tick();
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, pilot.segments_learned_from);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, aside, 2));
+    drive(aside, 2);
+    expect_rest();
+}
+
+/* Handed over, and not begun when the stop comes. */
+static void test_stop_forgets_the_segment_that_waits(void)
+{
+    enum jp_status status;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    jp_pilot_stop(&pilot);
+    ticks(10);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT16(0, telemetry().segment);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, aside, 2));
+    drive(aside, 2);
+}
+
+/* No slice until the segment has ended: the robot stands, and goes on from there. */
+static void test_late_plan(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, 3));
+    while (telemetry().segment == 0U) {
+        work_and_tick();
+    }
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+    while (telemetry().state == JP_ROBOT_DRIVING) {
+        tick();
+    }
+    ticks(300);
+    while (pilot.phase != JP_PILOT_RESTING) {
+        work_and_tick();
+    }
+    expect_near(&slalom[2]);
+    expect_rest();
+}
+
+/* ---- Plans that fail ---- */
+
+static void expect_failure(const struct jp_point *targets, uint16_t count, enum jp_status expected)
+{
+    enum jp_status status;
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, targets, count));
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(expected, status);
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+    ticks(2);
+    TEST_ASSERT_EQUAL_INT32(expected, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
+}
+
+static void test_target_where_the_robot_stands(void)
+{
+    const struct jp_point here = {0, 0};
+
+    balance();
+    expect_failure(&here, 1, JP_ERR_ZERO_LENGTH);
+}
+
+static void test_targets_that_coincide(void)
+{
+    const struct jp_point twice[] = {slalom[0], slalom[0]};
+
+    balance();
+    expect_failure(twice, 2, JP_ERR_ZERO_LENGTH);
+    TEST_ASSERT_EQUAL_UINT32(1, pilot.route.planned);
+}
+
+/* More than 512 m away; and behind, where no arc within the limits leads. */
+static void test_targets_out_of_reach(void)
+{
+    const struct jp_point far = {JP_Q16(600), 0};
+    const struct jp_point behind = {JP_Q16(-400), 0};
+
+    balance();
+    expect_failure(&far, 1, JP_ERR_ARGUMENT);
+    robot_config.limits.duration = JP_Q16(401);
+    expect_failure(&behind, 1, JP_ERR_INFEASIBLE);
+}
+
+/* Three legs that take about 12 kJ each, and a sum that has no format. */
+static void test_forecast_that_overflows(void)
+{
+    const struct jp_point far[] = {{JP_Q16(500), 0}, {JP_Q16(1000), 0}, {JP_Q16(1500), 0}};
+
+    balance();
+    expect_failure(far, 3, JP_ERR_OVERFLOW);
+}
+
+static void test_failure_is_forgotten_with_the_next_route(void)
+{
+    const struct jp_point here = {0, 0};
+
+    balance();
+    expect_failure(&here, 1, JP_ERR_ZERO_LENGTH);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, 2));
+    drive(slalom, 2);
+    expect_rest();
+}
+
+/* The robot drives the segment to its end. */
+static void test_failure_on_the_way(void)
+{
+    const struct jp_point too_far[] = {slalom[0], {JP_Q16(600), 0}};
+    enum jp_status status = JP_OK;
+
+    config.leg_count = 1;
+    init();
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, too_far, 2));
+    for (unsigned i = 0; i < PATIENCE && status == JP_OK; i++) {
+        status = jp_pilot_work(&pilot);
+        tick();
+    }
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, status);
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_DRIVING, telemetry().state);
+    while (telemetry().state == JP_ROBOT_DRIVING) {
+        TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_work(&pilot));
+        tick();
+    }
+    expect_near(&slalom[0]);
+}
+
+static void test_somebody_else_hands_a_segment_over(void)
+{
+    const struct jp_segment_command other = {{JP_Q24(0.1), 0}, 0, JP_Q16(1)};
+    enum jp_status status;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, 2));
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_drive(&robot, &other));
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_BUSY, status);
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+}
+
+/* ---- Motors off ---- */
+
+static void test_disabled_in_mid_plan(void)
+{
+    enum jp_status status;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    jp_robot_disable(&robot);
+    tick();
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, 2));
+    drive(slalom, 2);
+    expect_rest();
+}
+
+static void test_fallen_while_driving(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    while (telemetry().segment == 0U) {
+        work_and_tick();
+    }
+    robot.estimator.pitch = JP_PHASE_TURN / 4;
+    tick();
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_FALLEN, telemetry().state);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_follow(&pilot, slalom, SLALOM));
+    TEST_ASSERT_EQUAL_UINT32(0, pilot.segments_learned_from);
+}
+
+/* ---- Questions ---- */
+
+/* What the built-in model says of the plan in the legs. */
+static jp_q16 energy_of_legs(uint16_t count)
+{
+    struct jp_energy_start start = {{0, 0}, {{0}, {0}}};
+    jp_q16 sum = 0;
+
+    for (uint16_t k = 0; k < count; k++) {
+        jp_q16 energy = 0;
+
+        TEST_ASSERT_EQUAL_INT32(
+            JP_OK, jp_energy_forecast(&model, &horizon, &start, &legs[k].segment.command, &energy, &start));
+        sum = jp_add(sum, energy);
+    }
+    return sum;
+}
+
+static void test_question(void)
+{
+    enum jp_status status;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, LEGS));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_BUSY, jp_pilot_answer(&pilot, &forecast));
+    TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_BUSY, jp_pilot_answer(&pilot, &forecast));
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, status);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &forecast));
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.05), energy_of_legs(LEGS), forecast.energy);
+    TEST_ASSERT_GREATER_THAN_INT32(0, forecast.deviation);
+    jp_pilot_stop(&pilot);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &forecast));
+    ticks(100);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT16(0, telemetry().segment);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry().position.x);
+}
+
+/* A leg at a time: only the first one's deviation has nothing that planning anew adds. */
+static void test_longer_routes_are_less_sure(void)
+{
+    enum jp_status status;
+    struct jp_forecast one;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 1));
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &one));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, LEGS));
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &forecast));
+    TEST_ASSERT_GREATER_THAN_INT32(2 * one.energy, forecast.energy);
+    TEST_ASSERT_GREATER_THAN_INT32(one.deviation, forecast.deviation);
+}
+
+static void test_question_about_more_targets_than_legs(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_MEMORY, jp_pilot_ask(&pilot, slalom, LEGS + 1));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_EMPTY, jp_pilot_answer(&pilot, &forecast));
+}
+
+static void test_question_in_the_wrong_moment(void)
+{
+    const struct jp_segment_command other = {{JP_Q24(0.1), 0}, 0, JP_Q16(1)};
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 1));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_ask(&pilot, slalom, 1));
+    jp_pilot_stop(&pilot);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_drive(&robot, &other));
+    ticks(2);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_ask(&pilot, slalom, 1));
+}
+
+static void test_question_that_has_no_answer(void)
+{
+    const struct jp_point here = {0, 0};
+    enum jp_status status;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &here, 1));
+    (void)work_while(JP_PILOT_DRIVING, &status);
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ZERO_LENGTH, status);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ZERO_LENGTH, jp_pilot_answer(&pilot, &forecast));
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+}
+
+/* Nobody is to take the last plan's energy for the answer. */
+static void test_question_that_is_given_up(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 2));
+    jp_pilot_stop(&pilot);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_EMPTY, jp_pilot_answer(&pilot, &forecast));
+    tick();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 2));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, aside, 2));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_EMPTY, jp_pilot_answer(&pilot, &forecast));
+    drive(aside, 2);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_EMPTY, jp_pilot_answer(&pilot, &forecast));
+    TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
+}
+
+static void test_question_of_a_robot_that_falls(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 2));
+    robot.estimator.pitch = JP_PHASE_TURN / 4;
+    tick();
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_answer(&pilot, &forecast));
+}
+
+/* A horizon under which what turns leave behind never ends and grows beyond its format: the route is planned, but its
+ * energy cannot be told. */
+static void test_transients_beyond_their_range(void)
+{
+    /* Each turn is of 170° to the left. */
+    static const struct jp_point star[] = {{JP_Q16(-0.985), JP_Q16(0.174)},
+                                           {JP_Q16(-0.045), JP_Q16(-0.168)},
+                                           {JP_Q16(-0.911), JP_Q16(0.332)},
+                                           {JP_Q16(-0.145), JP_Q16(-0.311)}};
+
+    horizon = (struct jp_horizon){.duration_min = JP_Q16(0.5), .yaw = {.count = 1}};
+    horizon.yaw.mode[0].decay = 1;
+    horizon.yaw.step[1][0] = JP_Q16(512);
+    robot_config.limits.turn = JP_Q24(3.14);
+    robot_config.limits.turn_rate = JP_Q24(0.01);
+    balance();
+    expect_failure(star, 4, JP_ERR_OVERFLOW);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_bad_arguments);
+    RUN_TEST(test_field_out_of_range);
+    RUN_TEST(test_requests_without_targets);
+    RUN_TEST(test_requests_with_motors_off);
+    RUN_TEST(test_route_is_driven);
+    RUN_TEST(test_slices_of_a_plan);
+    RUN_TEST(test_more_targets_than_legs);
+    RUN_TEST(test_one_leg_at_a_time);
+    RUN_TEST(test_energy_of_the_battery);
+    RUN_TEST(test_next_route_follows_a_stand);
+    RUN_TEST(test_new_route_while_driving);
+    RUN_TEST(test_new_route_while_planning);
+    RUN_TEST(test_stop);
+    RUN_TEST(test_stop_forgets_the_segment_that_waits);
+    RUN_TEST(test_late_plan);
+    RUN_TEST(test_target_where_the_robot_stands);
+    RUN_TEST(test_targets_that_coincide);
+    RUN_TEST(test_targets_out_of_reach);
+    RUN_TEST(test_forecast_that_overflows);
+    RUN_TEST(test_failure_is_forgotten_with_the_next_route);
+    RUN_TEST(test_failure_on_the_way);
+    RUN_TEST(test_somebody_else_hands_a_segment_over);
+    RUN_TEST(test_disabled_in_mid_plan);
+    RUN_TEST(test_fallen_while_driving);
+    RUN_TEST(test_question);
+    RUN_TEST(test_longer_routes_are_less_sure);
+    RUN_TEST(test_question_about_more_targets_than_legs);
+    RUN_TEST(test_question_in_the_wrong_moment);
+    RUN_TEST(test_question_that_has_no_answer);
+    RUN_TEST(test_question_that_is_given_up);
+    RUN_TEST(test_question_of_a_robot_that_falls);
+    RUN_TEST(test_transients_beyond_their_range);
+    return UNITY_END();
+}
