@@ -604,10 +604,6 @@ static JP_SHARED enum jp_status optimise(struct jp_robot *robot, const struct jp
 struct jp_point jp_turning_point(jp_q16 yaw_bandwidth, jp_q24 speed, const struct jp_point *start, jp_angle heading,
                                  jp_q24 turn)
 {
-    if (speed == 0 || yaw_bandwidth == 0) {
-        return *start;
-    }
-
     jp_angle turned = heading + jp_angle_from_radians(turn);
     jp_q24 way = jp_q16_divide(jp_add(speed, speed), yaw_bandwidth);
 

@@ -10,7 +10,7 @@ void jp_robot_predict_end(const struct jp_robot *robot, const struct jp_telemetr
 
 /**
  * While the shaped reference turns by `turn` rad, the robot drives on toward the old heading: by 2τ, the tracker's lag,
- * at the old speed. As if it had turned at once from the point returned instead of `start`.
+ * at the old speed. As if it had turned at once from the point returned instead of `start`. The bandwidth is above 0.
  */
 struct jp_point jp_turning_point(jp_q16 yaw_bandwidth, jp_q24 speed, const struct jp_point *start, jp_angle heading,
                                  jp_q24 turn);

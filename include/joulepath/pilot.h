@@ -7,8 +7,8 @@
  * The route is planned anew during each segment, from where the robot will be at its end, with what has been learned
  * by then; its first segment is handed to the robot. With more targets than legs the horizon recedes. A target passed
  * late or a slice too few only makes the robot stand and go on from there.
- * Until it rests nobody else may hand the robot segments or stop it: jp_pilot_stop() does, and after jp_robot_stop()
- * alone the pilot would drive on.
+ * Until it rests nobody else may hand the robot segments. A jp_robot_stop() in the middle of one ends the route with
+ * JP_ERR_STATE; jp_pilot_stop() always ends it.
  *
  * In libjoulepath_float. jp_robot_follow() is the way to drive a route without it.
  */
@@ -57,6 +57,8 @@ struct jp_pilot {
     uint32_t model_version;         /**< of the learner's state then */
     struct jp_forecast forecast;    /**< of the last plan, all its legs */
     enum jp_pilot_phase phase;      /**< what the pilot does */
+    uint8_t battery_flags;          /**< the caller's: what jp_battery_update() found last, and what */
+    uint8_t current_findings;       /**< jp_current_check_update() did; 0 where nobody asks them */
     struct jp_route route;
     const struct jp_point *targets;
     uint16_t target_count;

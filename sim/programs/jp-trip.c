@@ -137,7 +137,7 @@ static bool write_parameters(const char *directory, const struct trip *trip, con
 static bool run(const struct arguments *arguments)
 {
     struct robot_file file;
-    struct trip trip;
+    struct trip trip = {0};
 
     if (!robot_file_load(arguments->path, &file)) {
         return false;

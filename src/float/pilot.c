@@ -52,14 +52,18 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
 
 /* Learning */
 
-/* Follows what the robot does, and learns from each segment that ended. */
-static void watch(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+/* Follows what the robot does, and learns from each segment that ended. False: one was cut short, by a fall, a fault or
+ * somebody's jp_robot_stop(). */
+static bool watch(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
-    if (jp_drive_watch_update(&pilot->watch, telemetry, 0, 0)) {
+    const bool drove = pilot->watch.driving;
+
+    if (jp_drive_watch_update(&pilot->watch, telemetry, pilot->battery_flags, pilot->current_findings)) {
         pilot->waiting = false;
     }
     pilot->learned = pilot->watch.learned;
     pilot->segments_learned_from = pilot->watch.learned_from;
+    return !drove || pilot->watch.driving || pilot->watch.evidence != JP_EVIDENCE_INCOMPLETE;
 }
 
 /* Planning */
@@ -178,9 +182,11 @@ enum jp_status jp_pilot_work(struct jp_pilot *pilot)
     struct jp_telemetry telemetry;
 
     jp_robot_telemetry(pilot->robot, &telemetry);
-    watch(pilot, &telemetry);
+
+    const bool drives_as_told = watch(pilot, &telemetry) && motors_run(&telemetry);
+
     if (pilot->phase != JP_PILOT_RESTING) {
-        const enum jp_status status = motors_run(&telemetry) ? go_on(pilot, &telemetry) : JP_ERR_STATE;
+        const enum jp_status status = drives_as_told ? go_on(pilot, &telemetry) : JP_ERR_STATE;
 
         if (status != JP_OK) {
             rest(pilot, status);

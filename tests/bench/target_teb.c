@@ -4,8 +4,8 @@
 #include <joulepath/patrol.h>
 
 #include "cycles.h"
-#include "src/float/plane.h"
 #include "figure.h"
+#include "src/float/plane.h"
 
 #define PERIOD  0.1f  /* of a cycle, s */
 #define SPACING 0.22f /* of the path's points, m */
@@ -170,8 +170,8 @@ int main(void)
     print_work("TEB cycle, 50 poses between 20 walls, worst of 20 with the last band", count_warm());
     build_blocked_way();
     print_work("TEB cycle, 50 poses, 20 boxes on the way", count_cold());
-    target_print_figure("TEB's working memory, 50 poses, 20 obstacles", (uint32_t)(sizeof teb + sizeof obstacles), "bytes",
-                 "32768");
+    target_print_figure("TEB's working memory, 50 poses, 20 obstacles", (uint32_t)(sizeof teb + sizeof obstacles),
+                        "bytes", "32768");
     target_print("\n]\n");
     return 0;
 }
