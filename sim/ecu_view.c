@@ -26,6 +26,8 @@ void ecu_view_accept(struct ecu_view *view, const struct jp_can_frame *frame)
         TAKE(segment_shape, SEGMENT_SHAPE, segment_shape, (void)0);
         TAKE(segment_forecast, SEGMENT_FORECAST, segment_forecast, view->segment_planned = true);
         TAKE(segment_result, SEGMENT_RESULT, segment_result, view->segment_ended = true);
+        TAKE(learned, LEARNED, learned, (void)0);
+        TAKE(learner_status, LEARNER_STATUS, learner, (void)0);
     default:
         break;
     }

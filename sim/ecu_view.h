@@ -22,6 +22,8 @@ struct ecu_view {
     struct jp_can_segment_shape_t segment_shape;
     struct jp_can_segment_forecast_t segment_forecast;
     struct jp_can_segment_result_t segment_result;
+    struct jp_can_learned_t learned;
+    struct jp_can_learner_status_t learner;
     bool heard;           /**< a status came */
     bool segment_begins;  /**< event: SegmentMotion came */
     bool segment_planned; /**< event: SegmentForecast came, the last of a plan */

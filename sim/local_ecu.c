@@ -24,5 +24,5 @@ bool local_ecu_start(struct local_ecu *ecu, const struct robot_entry *entry, con
     other->context = ecu;
     *link = can_bus_link(other);
     own = can_bus_link(ecu->end);
-    return ecu_node_init(&ecu->node, entry, model, &own.port, NULL);
+    return ecu_node_init(&ecu->node, entry, model, &own.port, NULL, NULL);
 }

@@ -73,12 +73,37 @@ class Routes:
         return route
 
 
+class Changes:
+    """What the ECU has learned: a line for each change of robot or ground that it noticed."""
+
+    CAUSES = {"None": "surface or robot changed, learning anew",
+              "Ground": "surface changed, friction {Friction:.2f} ± {FrictionDeviation:.2f} of the robot file's",
+              "Payload": "payload changed, {Payload:+.2f} ± {PayloadDeviation:.2f} kg of the robot file's",
+              "Other": "robot changed, neither surface nor payload"}
+
+    def __init__(self):
+        self.lines = []
+        self._learned, self._told = None, (0, "None")
+
+    def learned(self, signals):
+        self._learned = signals
+
+    def status(self, t, signals):
+        """It follows Learned."""
+        told = (signals["Changes"], str(signals["Cause"]))
+        if told != self._told and signals["Changes"] > 0 and self._learned is not None:
+            self.lines.append(f"{t:.1f} s: {self.CAUSES[told[1]].format(**self._learned)}")
+        self._told = told
+
+
 class Converter:
     """Frames to the record of a drive."""
 
     def __init__(self, source):
         self.record = MissionRecord(source)
         self.known = 0
+        self.changes = Changes()
+        self._first = None
         self._source = source
         self._codec, self._routes = Codec(), Routes()
         self._sample, self._plan = {}, {}
@@ -88,7 +113,8 @@ class Converter:
             "OperatorCommand": self._command, "Pose": self._pose, "Motion": self._motion,
             "Reference": self._reference, "Motors": self._motors, "EnergySpent": self._energy_spent,
             "SegmentMotion": self._segment_motion, "SegmentShape": self._segment_shape,
-            "SegmentForecast": self._segment_forecast, "SegmentResult": self._segment_result}
+            "SegmentForecast": self._segment_forecast, "SegmentResult": self._segment_result,
+            "Learned": self._learned, "LearnerStatus": self._learner_status}
 
     def take(self, frame):
         message = message_of(frame)
@@ -98,6 +124,7 @@ class Converter:
             raise ToolError(f"{self._source}: at {frame.timestamp:.6f} s: {message.name} has {len(frame.data)} bytes "
                             f"instead of {message.length}; damaged, or not a log of joulepath.dbc")
         self.known += 1
+        self._first = frame.timestamp if self._first is None else self._first
         if message.name in SAMPLE:
             self._sample[message.name] = frame
         elif message.name in self._takers:
@@ -169,14 +196,21 @@ class Converter:
         self.record.segment_result(t, signals["Segment"], signals["Spent"], signals["Drawn"])
 
 
+    def _learned(self, _, signals):
+        self.changes.learned(signals)
+
+    def _learner_status(self, t, signals):
+        self.changes.status(t if self._clock.seconds is not None else t - self._first, signals)
+
+
 def convert(path):
-    """The record of the log's drive."""
+    """The record of the log's drive, and what the ECU noticed in the whole log."""
     converter = Converter(path.name)
     for frame in read_frames(path):
         converter.take(frame)
     if converter.known == 0:
         raise ToolError(f"{path}: no frame of joulepath.dbc")
-    return converter.record
+    return converter.record, converter.changes.lines
 
 
 def main():
@@ -184,7 +218,10 @@ def main():
     parser.add_argument("log", metavar="LOG", type=Path, help="of candump, or .asc or .blf")
     parser.add_argument("directory", metavar="DIR", type=Path, help="where the results go")
     options = parser.parse_args()
-    convert(options.log).write(options.directory)
+    record, changes = convert(options.log)
+    record.write(options.directory)
+    for line in changes:
+        print(line)
     for name in (LOG_NAME, SUMMARY_NAME):
         print(f"wrote {shown_path(options.directory / name)}")
     return 0

@@ -11,6 +11,10 @@
 /** Frames that announce a planned segment. */
 #define PLAN_FRAMES 3U
 
+/** Frames that tell what was learned, and how often at the least, s⁻¹. */
+#define LEARNED_FRAMES 2U
+#define LEARNED_RATE   1U
+
 static void count8(uint8_t *count)
 {
     if (*count < UINT8_MAX) {
@@ -150,6 +154,48 @@ void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *repor
     ecu->reset_report = report;
 }
 
+static enum jp_status check_tables(const struct jp_ecu_learning *learning, const char **field)
+{
+    const enum jp_status status = jp_learning_check(learning->learning, field);
+
+    return status == JP_OK && learning->horizon != NULL ? jp_horizon_check(learning->horizon, field) : status;
+}
+
+/** What jp_parameters_start() took was checked, but for the tables with which it was learned. */
+static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *learning)
+{
+    const char *field;
+
+    if (learning->stored != JP_STORED_TAKEN) {
+        return learning->stored;
+    }
+    if (jp_learner_restore(&ecu->learner, learning->state, &field) == JP_OK) {
+        return JP_STORED_TAKEN;
+    }
+    return learning->state->identity == 0U ? JP_STORED_NOTHING : JP_STORED_OTHER_TABLES;
+}
+
+enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *learning, const char **field)
+{
+    const enum jp_status status = check_tables(learning, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    jp_learner_start(&ecu->learner, learning->learning, ecu->robot.model, learning->horizon);
+    ecu->stored = restore(ecu, learning);
+    jp_drive_watch_start(&ecu->watch, &ecu->learner, tick_rate(ecu), learning->of_battery);
+    jp_learner_model(&ecu->learner, &ecu->model);
+    ecu->robot.model = &ecu->model;
+    ecu->learns = true;
+    return JP_OK;
+}
+
+const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu)
+{
+    return ecu->learns ? &ecu->learner.state : NULL;
+}
+
 /* Frames that arrive. */
 
 /** Every data frame of joulepath.dbc that this node receives or sends. */
@@ -184,6 +230,8 @@ static const struct {
     {JP_CAN_RESET_REPORT_FRAME_ID, JP_CAN_RESET_REPORT_LENGTH, OWN},
     {JP_CAN_CRASH_REPORT_FRAME_ID, JP_CAN_CRASH_REPORT_LENGTH, OWN},
     {JP_CAN_BATTERY_STATUS_FRAME_ID, JP_CAN_BATTERY_STATUS_LENGTH, OTHERS},
+    {JP_CAN_LEARNED_FRAME_ID, JP_CAN_LEARNED_LENGTH, OWN},
+    {JP_CAN_LEARNER_STATUS_FRAME_ID, JP_CAN_LEARNER_STATUS_LENGTH, OWN},
 };
 #define KNOWN (sizeof known / sizeof known[0])
 
@@ -412,6 +460,9 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
     route = jp_route_link_take(&ecu->routes, ecu->operator_link.route);
     if (route != NULL) {
         ecu->drove = false;
+        if (ecu->learns) {
+            jp_learner_model(&ecu->learner, &ecu->model);
+        }
         (void)jp_robot_follow(&ecu->robot, route->points, route->length);
     }
 }
@@ -463,11 +514,46 @@ static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
         jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
     }
     if (robot->route_planned > planned) {
+        jp_drive_watch_command(&ecu->watch, &robot->planned.command);
+
         const uint16_t begun = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0;
 
         ecu->plan.segment = (uint8_t)(begun < UINT8_MAX ? begun + 1U : UINT8_MAX);
         ecu->plan.planned = robot->planned;
         __atomic_store_n(&ecu->plan.frames_left, (uint8_t)PLAN_FRAMES, __ATOMIC_RELEASE);
+    }
+}
+
+static void report_learned(struct jp_ecu *ecu)
+{
+    const struct jp_learner *learner = &ecu->learner;
+    struct jp_ecu_learned *learned = &ecu->learned;
+
+    jp_learner_causes(learner, &learned->friction, &learned->payload);
+    jp_learner_cause_deviations(learner, &learned->friction_deviation, &learned->payload_deviation);
+    learned->version = learner->state.version;
+    learned->changes = learner->changes;
+    learned->outliers = learner->rejected;
+    learned->left_out = ecu->watch.left_out;
+    learned->cause = learner->cause;
+    learned->evidence = ecu->watch.evidence;
+    __atomic_store_n(&learned->frames_left, (uint8_t)LEARNED_FRAMES, __ATOMIC_RELEASE);
+}
+
+/** From each segment that ended; it is told then, and now and then. */
+static void learn(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
+{
+    uint32_t segments;
+
+    (void)jp_drive_watch_update(&ecu->watch, telemetry, 0, 0);
+    segments = ecu->watch.learned_from + ecu->watch.left_out;
+    if (segments == ecu->segments_told && ecu->worked_tick - ecu->told_tick < tick_rate(ecu) / LEARNED_RATE) {
+        return;
+    }
+    if (__atomic_load_n(&ecu->learned.frames_left, __ATOMIC_ACQUIRE) == 0U) {
+        report_learned(ecu);
+        ecu->segments_told = segments;
+        ecu->told_tick = ecu->worked_tick;
     }
 }
 
@@ -482,6 +568,9 @@ void jp_ecu_work(struct jp_ecu *ecu)
     /* Before the state is read: one that does not wait any more shows in it. */
     segment_waits = __atomic_load_n(&ecu->robot.next_full, __ATOMIC_ACQUIRE) != 0U;
     jp_robot_telemetry(&ecu->robot, &telemetry);
+    if (ecu->learns) {
+        learn(ecu, &telemetry);
+    }
     watch_route(ecu, telemetry.state, segment_waits);
     obey(ecu, telemetry.state);
     plan(ecu, &telemetry);

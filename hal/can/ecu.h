@@ -12,9 +12,10 @@
 #ifndef JOULEPATH_HAL_CAN_ECU_H
 #define JOULEPATH_HAL_CAN_ECU_H
 
-#include <joulepath/robot.h>
+#include <joulepath/drive_watch.h>
 
 #include "../hal.h"
+#include "../parameters.h"
 #include "../post_mortem.h"
 #include "operator_link.h"
 #include "retained.h"
@@ -41,6 +42,30 @@ struct jp_ecu_plan {
     uint8_t frames_left; /**< to be sent; the background writes the rest while it is 0 */
     uint8_t segment;
     struct jp_segment planned;
+};
+
+/** What a robot learns with, and from where it goes on. */
+struct jp_ecu_learning {
+    const struct jp_horizon *horizon; /**< NULL: only segments of T >= Ts are learned from */
+    const struct jp_learning *learning;
+    bool of_battery;                      /**< model, horizon and learning are of jp_meter.battery */
+    enum jp_stored stored;                /**< what jp_parameters_start() found */
+    const struct jp_learned_state *state; /**< taken with JP_STORED_TAKEN */
+};
+
+/** What was learned, which the background hands to the tick to be sent. */
+struct jp_ecu_learned {
+    uint8_t frames_left; /**< as in struct jp_ecu_plan */
+    jp_q16 friction;
+    jp_q16 friction_deviation;
+    jp_q16 payload;
+    jp_q16 payload_deviation;
+    uint32_t version;
+    uint32_t changes;
+    uint32_t outliers;
+    uint32_t left_out;
+    enum jp_cause cause;
+    enum jp_evidence evidence;
 };
 
 struct jp_ecu {
@@ -79,12 +104,20 @@ struct jp_ecu {
     uint32_t worked_tick; /**< up to which time has passed for it */
     bool commanded;       /**< a valid OperatorCommand came since the last work */
     bool drove;           /**< the robot has begun to drive the route */
+    bool learns;
+    enum jp_stored stored; /**< what of the stored state is in use, or why not */
+    struct jp_learner learner;
+    struct jp_drive_watch watch;
+    struct jp_energy_model model; /**< as learned when the last route began; the robot plans with it */
+    uint32_t segments_told;       /**< in the last report of what was learned */
+    uint32_t told_tick;           /**< of that report */
 
     /* From the tick to the background and back. */
     struct jp_can_frame queue[JP_ECU_QUEUE];
     uint8_t queue_head; /**< written by jp_ecu_accept() */
     uint8_t queue_tail; /**< written by jp_ecu_work() */
     struct jp_ecu_plan plan;
+    struct jp_ecu_learned learned;
 };
 
 /**
@@ -102,13 +135,25 @@ void jp_ecu_use_board(struct jp_ecu *ecu, const struct jp_hal *board);
 /** The report is sent again and again. Right after jp_ecu_init(); it must stay. */
 void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *report);
 
+/**
+ * The ECU learns the energy model from what it drives, and plans each route with what it knows when the route begins.
+ * Right after jp_ecu_init(); what the pointers show must stay, but for the state, which is copied. JP_ERR_CONFIG:
+ * *field names the first field of horizon or learning out of range; JP_ERR_ARGUMENT: learning is null. Then it does not
+ * learn.
+ */
+enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *learning, const char **field);
+
+/** What was learned, to be stored; NULL: it does not learn. For the background. */
+const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu);
+
 /** Takes one frame. Returns true when a sample is complete, so that the tick may begin. Constant time. */
 bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame);
 
 /** One control tick. Constant time; at most 1 + JP_TELEMETRY_FRAMES_MAX frames are sent. For the control ISR. */
 void jp_ecu_tick(struct jp_ecu *ecu);
 
-/** One slice of background work. At most JP_ECU_QUEUE frames and one jp_robot_work(). Not for ISRs. */
+/** One slice of background work. At most JP_ECU_QUEUE frames, one jp_drive_watch_update() and one jp_robot_work(). Not
+ *  for ISRs. */
 void jp_ecu_work(struct jp_ecu *ecu);
 
 #ifdef __cplusplus

@@ -2925,6 +2925,244 @@ bool jp_can_crash_report_fault_status_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
+int jp_can_learned_pack(
+    uint8_t *dst_p,
+    const struct jp_can_learned_t *src_p,
+    size_t size)
+{
+    uint16_t payload;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u16(src_p->friction, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->friction, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u16(src_p->friction_deviation, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->friction_deviation, 8u, 0xffu);
+    payload = (uint16_t)src_p->payload;
+    dst_p[4] |= pack_left_shift_u16(payload, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(payload, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u16(src_p->payload_deviation, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(src_p->payload_deviation, 8u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_learned_unpack(
+    struct jp_can_learned_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint16_t payload;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->friction = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->friction |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->friction_deviation = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->friction_deviation |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    payload = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    payload |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->payload = (int16_t)payload;
+    dst_p->payload_deviation = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
+    dst_p->payload_deviation |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_learned_init(struct jp_can_learned_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_learned_t));
+
+    return 0;
+}
+
+bool jp_can_learned_friction_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_friction_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_learned_friction_deviation_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_friction_deviation_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_learned_payload_is_in_range(int16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_payload_is_in_phys_range(double value)
+{
+    return ((value >= -256.0) && (value <= 255.9921875));
+}
+
+bool jp_can_learned_payload_deviation_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_payload_deviation_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 511.9921875));
+}
+
+int jp_can_learner_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_learner_status_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u16(src_p->version, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->version, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u8(src_p->changes, 0u, 0xffu);
+    dst_p[3] |= pack_left_shift_u8(src_p->outliers, 0u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->left_out, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u8(src_p->cause, 0u, 0x03u);
+    dst_p[5] |= pack_left_shift_u8(src_p->evidence, 2u, 0x1cu);
+    dst_p[5] |= pack_left_shift_u8(src_p->stored, 5u, 0xe0u);
+
+    return (8);
+}
+
+int jp_can_learner_status_unpack(
+    struct jp_can_learner_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->version = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->version |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->changes = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
+    dst_p->outliers = unpack_right_shift_u8(src_p[3], 0u, 0xffu);
+    dst_p->left_out = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->cause = unpack_right_shift_u8(src_p[5], 0u, 0x03u);
+    dst_p->evidence = unpack_right_shift_u8(src_p[5], 2u, 0x1cu);
+    dst_p->stored = unpack_right_shift_u8(src_p[5], 5u, 0xe0u);
+
+    return (0);
+}
+
+int jp_can_learner_status_init(struct jp_can_learner_status_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_learner_status_t));
+
+    return 0;
+}
+
+bool jp_can_learner_status_version_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learner_status_version_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+bool jp_can_learner_status_changes_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learner_status_changes_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_learner_status_outliers_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learner_status_outliers_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_learner_status_left_out_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learner_status_left_out_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_learner_status_cause_is_in_range(uint8_t value)
+{
+    return (value <= 3u);
+}
+
+bool jp_can_learner_status_cause_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+bool jp_can_learner_status_evidence_is_in_range(uint8_t value)
+{
+    return (value <= 5u);
+}
+
+bool jp_can_learner_status_evidence_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 5.0));
+}
+
+bool jp_can_learner_status_stored_is_in_range(uint8_t value)
+{
+    return (value <= 5u);
+}
+
+bool jp_can_learner_status_stored_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 5.0));
+}
+
 int jp_can_sim_time_pack(
     uint8_t *dst_p,
     const struct jp_can_sim_time_t *src_p,

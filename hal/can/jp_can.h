@@ -71,6 +71,8 @@ extern "C" {
 #define JP_CAN_RESET_REPORT_FRAME_ID (0x18fu)
 #define JP_CAN_BATTERY_STATUS_FRAME_ID (0x190u)
 #define JP_CAN_CRASH_REPORT_FRAME_ID (0x191u)
+#define JP_CAN_LEARNED_FRAME_ID (0x192u)
+#define JP_CAN_LEARNER_STATUS_FRAME_ID (0x193u)
 #define JP_CAN_SIM_TIME_FRAME_ID (0x7f0u)
 #define JP_CAN_SIM_DONE_FRAME_ID (0x7f1u)
 
@@ -101,6 +103,8 @@ extern "C" {
 #define JP_CAN_RESET_REPORT_LENGTH (8u)
 #define JP_CAN_BATTERY_STATUS_LENGTH (8u)
 #define JP_CAN_CRASH_REPORT_LENGTH (8u)
+#define JP_CAN_LEARNED_LENGTH (8u)
+#define JP_CAN_LEARNER_STATUS_LENGTH (8u)
 #define JP_CAN_SIM_TIME_LENGTH (8u)
 #define JP_CAN_SIM_DONE_LENGTH (4u)
 
@@ -131,6 +135,8 @@ extern "C" {
 #define JP_CAN_RESET_REPORT_IS_EXTENDED (0)
 #define JP_CAN_BATTERY_STATUS_IS_EXTENDED (0)
 #define JP_CAN_CRASH_REPORT_IS_EXTENDED (0)
+#define JP_CAN_LEARNED_IS_EXTENDED (0)
+#define JP_CAN_LEARNER_STATUS_IS_EXTENDED (0)
 #define JP_CAN_SIM_TIME_IS_EXTENDED (0)
 #define JP_CAN_SIM_DONE_IS_EXTENDED (0)
 
@@ -155,6 +161,8 @@ extern "C" {
 #define JP_CAN_RESET_REPORT_CYCLE_TIME_MS (100u)
 #define JP_CAN_BATTERY_STATUS_CYCLE_TIME_MS (100u)
 #define JP_CAN_CRASH_REPORT_CYCLE_TIME_MS (100u)
+#define JP_CAN_LEARNED_CYCLE_TIME_MS (1000u)
+#define JP_CAN_LEARNER_STATUS_CYCLE_TIME_MS (1000u)
 
 /* Signal choices. */
 #define JP_CAN_OPERATOR_COMMAND_MODE_OFF_CHOICE (0u)
@@ -200,6 +208,25 @@ extern "C" {
 #define JP_CAN_RESET_REPORT_CAUSE_FAULT_CHOICE (5u)
 #define JP_CAN_RESET_REPORT_CAUSE_STACK_OVERFLOW_CHOICE (6u)
 
+#define JP_CAN_LEARNER_STATUS_CAUSE_NONE_CHOICE (0u)
+#define JP_CAN_LEARNER_STATUS_CAUSE_GROUND_CHOICE (1u)
+#define JP_CAN_LEARNER_STATUS_CAUSE_PAYLOAD_CHOICE (2u)
+#define JP_CAN_LEARNER_STATUS_CAUSE_OTHER_CHOICE (3u)
+
+#define JP_CAN_LEARNER_STATUS_EVIDENCE_GOOD_CHOICE (0u)
+#define JP_CAN_LEARNER_STATUS_EVIDENCE_INCOMPLETE_CHOICE (1u)
+#define JP_CAN_LEARNER_STATUS_EVIDENCE_DROPPED_CHOICE (2u)
+#define JP_CAN_LEARNER_STATUS_EVIDENCE_SATURATED_CHOICE (3u)
+#define JP_CAN_LEARNER_STATUS_EVIDENCE_BATTERY_CHOICE (4u)
+#define JP_CAN_LEARNER_STATUS_EVIDENCE_CURRENT_CHOICE (5u)
+
+#define JP_CAN_LEARNER_STATUS_STORED_NOTHING_CHOICE (0u)
+#define JP_CAN_LEARNER_STATUS_STORED_TAKEN_CHOICE (1u)
+#define JP_CAN_LEARNER_STATUS_STORED_OTHER_VERSION_CHOICE (2u)
+#define JP_CAN_LEARNER_STATUS_STORED_OTHER_ROBOT_CHOICE (3u)
+#define JP_CAN_LEARNER_STATUS_STORED_OTHER_TABLES_CHOICE (4u)
+#define JP_CAN_LEARNER_STATUS_STORED_DAMAGED_CHOICE (5u)
+
 /* Frame Names. */
 #define JP_CAN_MOTOR_COMMAND_NAME "MotorCommand"
 #define JP_CAN_WHEEL_SENSORS_NAME "WheelSensors"
@@ -227,6 +254,8 @@ extern "C" {
 #define JP_CAN_RESET_REPORT_NAME "ResetReport"
 #define JP_CAN_BATTERY_STATUS_NAME "BatteryStatus"
 #define JP_CAN_CRASH_REPORT_NAME "CrashReport"
+#define JP_CAN_LEARNED_NAME "Learned"
+#define JP_CAN_LEARNER_STATUS_NAME "LearnerStatus"
 #define JP_CAN_SIM_TIME_NAME "SimTime"
 #define JP_CAN_SIM_DONE_NAME "SimDone"
 
@@ -333,6 +362,17 @@ extern "C" {
 #define JP_CAN_BATTERY_STATUS_ENERGY_LEFT_NAME "EnergyLeft"
 #define JP_CAN_CRASH_REPORT_PROGRAM_COUNTER_NAME "ProgramCounter"
 #define JP_CAN_CRASH_REPORT_FAULT_STATUS_NAME "FaultStatus"
+#define JP_CAN_LEARNED_FRICTION_NAME "Friction"
+#define JP_CAN_LEARNED_FRICTION_DEVIATION_NAME "FrictionDeviation"
+#define JP_CAN_LEARNED_PAYLOAD_NAME "Payload"
+#define JP_CAN_LEARNED_PAYLOAD_DEVIATION_NAME "PayloadDeviation"
+#define JP_CAN_LEARNER_STATUS_VERSION_NAME "Version"
+#define JP_CAN_LEARNER_STATUS_CHANGES_NAME "Changes"
+#define JP_CAN_LEARNER_STATUS_OUTLIERS_NAME "Outliers"
+#define JP_CAN_LEARNER_STATUS_LEFT_OUT_NAME "LeftOut"
+#define JP_CAN_LEARNER_STATUS_CAUSE_NAME "Cause"
+#define JP_CAN_LEARNER_STATUS_EVIDENCE_NAME "Evidence"
+#define JP_CAN_LEARNER_STATUS_STORED_NAME "Stored"
 #define JP_CAN_SIM_TIME_TICK_NAME "Tick"
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
 #define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
@@ -1433,6 +1473,123 @@ struct jp_can_crash_report_t {
      * Offset: 0
      */
     uint32_t fault_status;
+};
+
+/**
+ * Signals in message Learned.
+ *
+ * What driving has taught, where the ECU learns: sent with LearnerStatus when a segment has ended, and every second.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_learned_t {
+    /**
+     * Of the ground, relative to that of the robot file.
+     *
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t friction;
+
+    /**
+     * Its standard deviation.
+     *
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t friction_deviation;
+
+    /**
+     * Beyond that of the robot file.
+     *
+     * Range: -32768..32767 (-256..255.99219 kg)
+     * Scale: 0.0078125
+     * Offset: 0
+     */
+    int16_t payload;
+
+    /**
+     * Its standard deviation.
+     *
+     * Range: 0..65535 (0..511.99219 kg)
+     * Scale: 0.0078125
+     * Offset: 0
+     */
+    uint16_t payload_deviation;
+};
+
+/**
+ * Signals in message LearnerStatus.
+ *
+ * Follows Learned. Counts since the last restart stop at their maximum.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_learner_status_t {
+    /**
+     * Segments learned from, over restarts, up to 65535; 0: nothing is known.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t version;
+
+    /**
+     * How often robot or ground changed.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t changes;
+
+    /**
+     * Segments too far from what was expected.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t outliers;
+
+    /**
+     * Segments whose measured energy cannot be believed.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t left_out;
+
+    /**
+     * Of the last change. None: no change, or fewer than 10 segments were learned from since.
+     *
+     * Range: 0..3 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t cause;
+
+    /**
+     * Whether the energy of the last segment can be believed, else why not.
+     *
+     * Range: 0..5 (0..5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t evidence;
+
+    /**
+     * What the restart found of what was stored; where it does not fit, the built-in model serves.
+     *
+     * Range: 0..5 (0..5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t stored;
 };
 
 /**
@@ -4699,6 +4856,322 @@ bool jp_can_crash_report_fault_status_is_in_range(uint32_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_crash_report_fault_status_is_in_phys_range(double value);
+
+/**
+ * Pack message Learned.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_learned_pack(
+    uint8_t *dst_p,
+    const struct jp_can_learned_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message Learned.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_learned_unpack(
+    struct jp_can_learned_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from Learned.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_learned_init(struct jp_can_learned_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_friction_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_friction_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_friction_deviation_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_friction_deviation_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_payload_is_in_range(int16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_payload_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_payload_deviation_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_payload_deviation_is_in_phys_range(double value);
+
+/**
+ * Pack message LearnerStatus.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_learner_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_learner_status_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message LearnerStatus.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_learner_status_unpack(
+    struct jp_can_learner_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from LearnerStatus.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_learner_status_init(struct jp_can_learner_status_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_version_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_version_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_changes_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_changes_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_outliers_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_outliers_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_left_out_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_left_out_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_cause_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_cause_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_evidence_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_evidence_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_stored_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learner_status_stored_is_in_phys_range(double value);
 
 /**
  * Pack message SimTime.

@@ -35,6 +35,17 @@ enum jp_status jp_lockstep_start(struct jp_lockstep *lockstep, const struct jp_r
     return boot(lockstep, field);
 }
 
+enum jp_status jp_lockstep_learn(struct jp_lockstep *lockstep, const struct jp_ecu_learning *learning,
+                                 const char **field)
+{
+    const enum jp_status status = jp_ecu_learn(&lockstep->ecu, learning, field);
+
+    if (status == JP_OK) {
+        lockstep->learning = *learning;
+    }
+    return status;
+}
+
 void jp_lockstep_tick(struct jp_lockstep *lockstep)
 {
     jp_ecu_work(&lockstep->ecu);
@@ -60,9 +71,10 @@ static void take_time(struct jp_lockstep *lockstep, const struct jp_can_sim_time
     if (time->power == 0U) {
         *lockstep->retained = (struct jp_retained){0};
     }
-    /* The configuration was accepted at the first start, so this one succeeds. */
+    /* The configuration was accepted at the first start, so this one succeeds; so do the tables, if there are any. */
     if (lockstep->running && !was_running) {
         (void)boot(lockstep, &field);
+        (void)jp_ecu_learn(&lockstep->ecu, &lockstep->learning, &field);
     }
     if (lockstep->running) {
         jp_lockstep_tick(lockstep);

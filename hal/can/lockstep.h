@@ -18,6 +18,7 @@ struct jp_lockstep {
     const struct jp_energy_model *model;
     struct jp_can_port bus; /**< as it is */
     struct jp_retained *retained;
+    struct jp_ecu_learning learning;
     void (*tick)(struct jp_ecu *ecu); /**< runs jp_ecu_tick(), on a target in the control interrupt */
     bool running;                     /**< has power and is not held in reset */
     bool bus_off;
@@ -30,6 +31,11 @@ struct jp_lockstep {
 enum jp_status jp_lockstep_start(struct jp_lockstep *lockstep, const struct jp_robot_config *config,
                                  const struct jp_energy_model *model, const struct jp_can_port *bus,
                                  struct jp_retained *retained, void (*tick)(struct jp_ecu *ecu), const char **field);
+
+/** At every boot the ECU begins to learn, from the state that stands there then. Right after jp_lockstep_start(); as
+ *  jp_ecu_learn(), but that the state must stay, too. */
+enum jp_status jp_lockstep_learn(struct jp_lockstep *lockstep, const struct jp_ecu_learning *learning,
+                                 const char **field);
 
 /**
  * Takes a frame. SimTime runs a tick, which SimDone ends: background work, then control. Beside another ECU that

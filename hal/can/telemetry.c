@@ -6,6 +6,8 @@
 #define RATE_SHIFT    12U /* Q24 to Q12 */
 #define ANGLE_SHIFT   8U  /* Q24 to Q16 */
 #define VOLTAGE_SHIFT 9U  /* Q16 to Q7 */
+#define FACTOR_SHIFT  4U  /* Q16 to Q12 */
+#define MASS_SHIFT    9U  /* Q16 to Q7 */
 
 /** Of a tick, as jp_ecu.schedule_wait counts. */
 #define THOUSANDTHS 1000U
@@ -26,6 +28,12 @@ static int16_t signal16(int32_t value, unsigned shift)
 static int32_t limited(int32_t value, int32_t low, int32_t high)
 {
     return value < low ? low : value > high ? high : value;
+}
+
+/** Of a value that is at least 0. */
+static uint16_t signal16u(int32_t value, unsigned shift)
+{
+    return (uint16_t)limited(jp_round_shift(value, shift), 0, UINT16_MAX);
 }
 
 static uint8_t count8(uint32_t value)
@@ -353,6 +361,54 @@ static bool take_plan(struct jp_ecu *ecu, struct jp_can_frame *frame)
     return true;
 }
 
+static void learned_causes(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_ecu_learned *learned = &ecu->learned;
+    const struct jp_can_learned_t signals = {
+        .friction = signal16u(learned->friction, FACTOR_SHIFT),
+        .friction_deviation = signal16u(learned->friction_deviation, FACTOR_SHIFT),
+        .payload = signal16(learned->payload, MASS_SHIFT),
+        .payload_deviation = signal16u(learned->payload_deviation, MASS_SHIFT),
+    };
+
+    frame->id = JP_CAN_LEARNED_FRAME_ID;
+    (void)jp_can_learned_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void learner_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const struct jp_ecu_learned *learned = &ecu->learned;
+    const struct jp_can_learner_status_t signals = {
+        .version = (uint16_t)(learned->version > UINT16_MAX ? UINT16_MAX : learned->version),
+        .changes = count8(learned->changes),
+        .outliers = count8(learned->outliers),
+        .left_out = count8(learned->left_out),
+        .cause = (uint8_t)learned->cause,
+        .evidence = (uint8_t)learned->evidence,
+        .stored = (uint8_t)ecu->stored,
+    };
+
+    frame->id = JP_CAN_LEARNER_STATUS_FRAME_ID;
+    (void)jp_can_learner_status_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static bool take_learned(struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    const uint8_t left = __atomic_load_n(&ecu->learned.frames_left, __ATOMIC_ACQUIRE);
+
+    if (left == 0U) {
+        return false;
+    }
+    blank(frame);
+    if (left == 1U) {
+        learner_status(ecu, frame);
+    } else {
+        learned_causes(ecu, frame);
+    }
+    __atomic_store_n(&ecu->learned.frames_left, (uint8_t)(left - 1U), __ATOMIC_RELEASE);
+    return true;
+}
+
 static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
@@ -378,7 +434,7 @@ unsigned jp_telemetry_due(struct jp_ecu *ecu, struct jp_can_frame frames[JP_TELE
 {
     unsigned count = take_scheduled(ecu, frames);
 
-    count += take_plan(ecu, &frames[count]) ? 1U : 0U;
+    count += take_plan(ecu, &frames[count]) || take_learned(ecu, &frames[count]) ? 1U : 0U;
     count += take_result(ecu, &frames[count]) ? 1U : 0U;
     return count;
 }

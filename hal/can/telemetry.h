@@ -10,8 +10,8 @@
 extern "C" {
 #endif
 
-/** Most frames of one tick: up to 5 of the schedule, which a tick of 10 ms holds, a plan's and a result. From 1 kHz on
- *  no tick holds more than one of the schedule. */
+/** Most frames of one tick: up to 5 of the schedule, which a tick of 10 ms holds, one that announces, and a result.
+ * From 1 kHz on no tick holds more than one of the schedule. */
 #define JP_TELEMETRY_FRAMES_MAX 7U
 
 /** Fills in the frames that are due in this tick and returns their number. Constant time; for the control ISR. */

@@ -2,6 +2,7 @@
 #ifndef JOULEPATH_HAL_STM32F4_FIRMWARE_ROBOT_H
 #define JOULEPATH_HAL_STM32F4_FIRMWARE_ROBOT_H
 
+#include <joulepath/learner.h>
 #include <joulepath/robot.h>
 
 #ifndef FIRMWARE_ROBOT_NAME
@@ -15,5 +16,14 @@
 
 extern const struct jp_robot_config FIRMWARE_ROBOT;
 extern const struct jp_energy_model FIRMWARE_ENERGY_MODEL;
+
+/** It learns if there are tables of the robot: the Makefile says so. */
+#ifdef FIRMWARE_LEARNS
+#define FIRMWARE_HORIZON  ROBOT_SYMBOL(jp_horizon_, FIRMWARE_ROBOT_NAME)
+#define FIRMWARE_LEARNING ROBOT_SYMBOL(jp_learning_, FIRMWARE_ROBOT_NAME)
+
+extern const struct jp_horizon FIRMWARE_HORIZON;
+extern const struct jp_learning FIRMWARE_LEARNING;
+#endif
 
 #endif

@@ -36,7 +36,8 @@ static struct jp_lockstep node;
 static struct jp_reset_report reset_report;
 static struct jp_flash flash;
 static struct jp_store store;
-static struct jp_parameters parameters; /**< in use */
+static struct jp_parameters parameters; /**< as stored */
+static enum jp_stored stored;           /**< what the start found of them */
 __attribute__((section(".noinit"))) static struct jp_retained retained;
 
 /** Control ticks since the start; written by the control interrupt. */
@@ -154,13 +155,13 @@ static void resume_encoders(void)
 
 static void load_parameters(void)
 {
-    const char *field;
+    const uint8_t *record = NULL;
+    uint16_t length = 0;
 
     flash = jp_flash_interface();
     (void)jp_store_open(&store, &flash);
-    if (jp_parameters_load(&parameters, &FIRMWARE_ROBOT, &store, &field) != JP_OK) {
-        jp_parameters_default(&parameters, &FIRMWARE_ENERGY_MODEL);
-    }
+    (void)jp_store_read(&store, &record, &length);
+    stored = jp_parameters_start(&parameters, &FIRMWARE_ROBOT, record, length);
 }
 
 /** The time runs from when the clock has started; waiting for a crystal that does not come takes too long, too. */
@@ -174,6 +175,18 @@ static bool may_go_on(void)
     return reset_report.may_go_on && (has_simulated_body() || was_short_start());
 }
 
+/** Tables that are refused do not keep the robot from driving. */
+static void start_learning(void)
+{
+#ifdef FIRMWARE_LEARNS
+    const struct jp_ecu_learning learning = {
+        .horizon = &FIRMWARE_HORIZON, .learning = &FIRMWARE_LEARNING, .stored = stored, .state = &parameters.energy};
+    const char *field;
+
+    (void)jp_lockstep_learn(&node, &learning, &field);
+#endif
+}
+
 static bool start_application(void)
 {
     const char *field;
@@ -185,10 +198,11 @@ static bool start_application(void)
     if (!may_go_on()) {
         retained = (struct jp_retained){0};
     }
-    if (jp_lockstep_start(&node, &FIRMWARE_ROBOT, &parameters.energy, &port, &retained, tick_in_interrupt, &field) !=
-        JP_OK) {
+    if (jp_lockstep_start(&node, &FIRMWARE_ROBOT, &FIRMWARE_ENERGY_MODEL, &port, &retained, tick_in_interrupt,
+                          &field) != JP_OK) {
         return false;
     }
+    start_learning();
     if (!has_simulated_body()) {
         const struct jp_hal hal = jp_devices_hal(&devices);
 
@@ -252,9 +266,13 @@ static void take_serial_frames(void)
 /** What was learned. A write may stop the core for half a second: motors off. */
 static void keep_parameters(const struct jp_telemetry *telemetry)
 {
+    const struct jp_learned_state *energy = jp_ecu_learned_state(&node.ecu);
     struct jp_parameters learned = parameters;
     const char *field;
 
+    if (energy != NULL) {
+        learned.energy = *energy;
+    }
     learned.gyro_bias = telemetry->gyro_bias;
     learned.current_zero_left = devices.analog.zero_left;
     learned.current_zero_right = devices.analog.zero_right;
@@ -263,9 +281,7 @@ static void keep_parameters(const struct jp_telemetry *telemetry)
     }
     jp_watchdog_relax(true);
     if (jp_parameters_save(&learned, &FIRMWARE_ROBOT, &store, &field) == JP_OK) {
-        parameters.gyro_bias = learned.gyro_bias;
-        parameters.current_zero_left = learned.current_zero_left;
-        parameters.current_zero_right = learned.current_zero_right;
+        parameters = learned;
     }
     jp_watchdog_relax(false);
 }

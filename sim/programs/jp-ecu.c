@@ -11,6 +11,7 @@
 #include "../bus_open.h"
 #include "../ecu_node.h"
 #include "../error.h"
+#include "../learned_line.h"
 #include "../real_time.h"
 #include "../rig.h"
 #include "../stop_signal.h"
@@ -22,6 +23,7 @@ struct arguments {
     const char *bus;
     const char *robot;
     const char *retained;
+    const char *parameters;
     enum energy_kind energy;
     bool published;
     bool real_time;
@@ -52,6 +54,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case 'k':
         arguments->retained = argument;
         return 0;
+    case 'p':
+        arguments->parameters = argument;
+        return 0;
     case 't':
         arguments->real_time = true;
         return 0;
@@ -68,6 +73,13 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     }
 }
 
+/** After a tick: what it learned is told, and kept when the motors went off. */
+static void look(struct ecu_node *node, struct learned_line *line)
+{
+    learned_line_print(line, &node->lockstep.ecu);
+    (void)ecu_node_watch(node);
+}
+
 static void accept_all(struct ecu_node *node, const struct jp_can_link *link, bool *sampled)
 {
     struct jp_can_frame frame;
@@ -79,11 +91,14 @@ static void accept_all(struct ecu_node *node, const struct jp_can_link *link, bo
 
 static void run_lockstep(struct ecu_node *node, const struct jp_can_link *link)
 {
+    struct learned_line line = {0};
+
     while (!stop_signal_came()) {
         bool sampled = false;
 
         if (link->wait(link->port.context, IDLE_US)) {
             accept_all(node, link, &sampled);
+            look(node, &line);
         }
     }
 }
@@ -93,6 +108,7 @@ static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
 {
     const int64_t period_us = 1000000 / node->lockstep.config->estimator.tick_rate;
     int64_t last_us = jp_monotonic_us();
+    struct learned_line line = {0};
 
     while (!stop_signal_came()) {
         const int64_t deadline_us = last_us + period_us * 3 / 2;
@@ -104,6 +120,7 @@ static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
             continue;
         }
         jp_lockstep_tick(&node->lockstep);
+        look(node, &line);
         /* Without a sample time goes on by whole periods. */
         last_us = sampled ? jp_monotonic_us() : last_us + period_us;
     }
@@ -127,6 +144,8 @@ static void print_counts(const struct jp_ecu *ecu)
         {"commands rejected", (uint32_t)ecu->sample_counts.rejected + ecu->operator_counts.rejected},
         {"operator timeouts", ecu->operator_timeouts},
         {"bus-offs", ecu->bus_offs},
+        {"segments learned from", ecu->watch.learned_from},
+        {"segments left out", ecu->watch.left_out},
     };
 
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -151,6 +170,9 @@ static void run_on(struct ecu_node *node, const struct jp_can_link *link, const 
 {
     (void)printf("jp-ecu: robot %s on %s, %s\n", arguments->robot, arguments->bus,
                  arguments->real_time ? "real time" : "lockstep");
+    if (arguments->parameters != NULL) {
+        learned_line_start(&node->lockstep.ecu, arguments->parameters);
+    }
     (void)fflush(stdout);
     if (arguments->real_time) {
         (void)real_time_claim();
@@ -174,19 +196,21 @@ static bool run(const struct arguments *arguments)
     struct jp_retained_file record;
     struct jp_can_link link;
     bool started;
+    bool kept = true;
 
     if (model == NULL || !open_record(arguments, &record) || !bus_open(&link, arguments->bus)) {
         return false;
     }
-    started = ecu_node_init(&node, entry, model, &link.port, record.retained);
+    started = ecu_node_init(&node, entry, model, &link.port, record.retained, arguments->parameters);
     if (started) {
         run_on(&node, &link, arguments);
+        kept = ecu_node_end(&node);
     }
     link.close(link.port.context);
     if (record.retained != NULL) {
         jp_retained_file_close(&record);
     }
-    return started;
+    return started && kept;
 }
 
 int main(int argc, char **argv)
@@ -198,6 +222,8 @@ int main(int argc, char **argv)
         {"energy", 'e', "KIND", 0, "what the identified model predicts: energy of the motor or of the battery (motor)",
          0},
         {"retained", 'k', "FILE", 0, "memory that survives a restart (none)", 0},
+        {"parameters", 'p', "FILE", 0, "what is learned, kept when the motors are switched off and at the end (none)",
+         0},
         {"real-time", 't', NULL, 0, "a tick for each sample, by the clock; otherwise in lockstep with jp-plant", 0},
         {0},
     };

@@ -1,8 +1,10 @@
 /* The firmware's start and loop on fake registers: what it decides to be, whom it obeys, and when it feeds the
  * watchdog. */
 #undef FIRMWARE_ROBOT_NAME
+#undef FIRMWARE_LEARNS
 #define FIRMWARE_ROBOT_NAME courier24
-#define main                firmware_main
+#define FIRMWARE_LEARNS
+#define main firmware_main
 #include "hal/stm32f4/main.c"
 #undef main
 
@@ -339,11 +341,62 @@ static void test_what_was_learned_is_kept_when_it_is_switched_off(void)
     TEST_ASSERT_TRUE(stored_bias() > LEARNED_BIAS * 9 / 10 && stored_bias() < LEARNED_BIAS * 11 / 10);
 }
 
+static struct jp_learned_state stored_energy(void)
+{
+    struct jp_parameters found;
+    const uint8_t *record = NULL;
+    uint16_t length = 0;
+
+    (void)jp_store_open(&store, &flash);
+    (void)jp_store_read(&store, &record, &length);
+    (void)jp_parameters_start(&found, &FIRMWARE_ROBOT, record, length);
+    return found.energy;
+}
+
+static void test_what_was_learned_of_energy_is_there_after_a_restart(void)
+{
+    struct jp_learned_state kept;
+
+    learn();
+    TEST_ASSERT_EQUAL_INT(JP_STORED_NOTHING, node.ecu.stored);
+    node.ecu.learner.state.x[1] = JP_Q24(0.75);
+    node.ecu.learner.state.version = 12;
+    kept = node.ecu.learner.state;
+    go_on(sample, 50);
+    TEST_ASSERT_EQUAL_UINT32(0, stored_energy().version); /* the motors run */
+    go_on(sample_and_command_off, 400);
+    TEST_ASSERT_EQUAL_UINT32(12, stored_energy().version);
+    power_on();
+    run_firmware(sample, 3);
+    TEST_ASSERT_EQUAL_INT(JP_STORED_TAKEN, node.ecu.stored);
+    TEST_ASSERT_EQUAL_MEMORY(&kept, jp_ecu_learned_state(&node.ecu), sizeof kept);
+}
+
+static void test_what_another_robot_learned_is_refused_and_the_built_in_model_serves(void)
+{
+    extern const struct jp_robot_config jp_robot_gao2018;
+    struct jp_parameters others;
+    const char *field;
+
+    run_firmware(nothing, 1);
+    flash.program = program_memory;
+    flash.erase = erase_memory;
+    jp_parameters_default(&others);
+    others.energy.identity = FIRMWARE_LEARNING.identity;
+    others.energy.x[0] = JP_Q24(1);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_save(&others, &jp_robot_gao2018, &store, &field));
+    run_firmware(sample, 3);
+    TEST_ASSERT_EQUAL_INT(JP_STORED_OTHER_ROBOT, node.ecu.stored);
+    TEST_ASSERT_EQUAL_MEMORY(&FIRMWARE_ENERGY_MODEL, node.ecu.robot.model, sizeof(struct jp_energy_model));
+}
+
 static void test_nothing_is_kept_after_a_fault(void)
 {
     learn();
+    node.ecu.learner.state.version = 12;
     go_on(convert_and_command_off, 600);
     TEST_ASSERT_EQUAL_INT64(0, stored_bias());
+    TEST_ASSERT_EQUAL_UINT32(0, stored_energy().version);
     TEST_ASSERT_FALSE(bridges_are_on());
     TEST_ASSERT_NOT_EQUAL(0, sleeps);
 }
@@ -466,6 +519,8 @@ int main(void)
     RUN_TEST(test_ten_seconds_of_health_forgive);
     RUN_TEST(test_a_start_without_the_crystal_does_not_go_on);
     RUN_TEST(test_what_was_learned_is_kept_when_it_is_switched_off);
+    RUN_TEST(test_what_was_learned_of_energy_is_there_after_a_restart);
+    RUN_TEST(test_what_another_robot_learned_is_refused_and_the_built_in_model_serves);
     RUN_TEST(test_nothing_is_kept_after_a_fault);
     RUN_TEST(test_a_failing_supply_switches_off_and_resets);
     RUN_TEST(test_a_failing_crystal_switches_off_and_resets);

@@ -121,6 +121,8 @@ static const struct message {
     {0x18F, 8, FROM_ECU, 0},
     {0x190, 8, OTHERS, 0},
     {0x191, 8, FROM_ECU, 0},
+    {0x192, 8, FROM_ECU, 0},
+    {0x193, 8, FROM_ECU, 0},
 };
 #define MESSAGES (sizeof messages / sizeof messages[0])
 
@@ -500,7 +502,8 @@ struct controller {
     struct ecu_view view;   /**< of what it sends */
     uint32_t bad_bus_one_in;
     uint32_t work_one_in;
-    unsigned sent; /**< frames, in this tick */
+    unsigned sent;     /**< frames, in this tick */
+    uint32_t segments; /**< that the learner has seen end */
 };
 
 static struct controller controller;
@@ -514,6 +517,7 @@ static struct {
     unsigned long stopped; /**< by a fall or a fault */
     unsigned long lost_operators;
     unsigned long full_queues;
+    unsigned long learned; /**< or left out: segments */
 } seen;
 
 static bool is_running(const struct jp_ecu *ecu)
@@ -614,6 +618,17 @@ static void check_ranges(const struct jp_ecu *ecu)
                 samples->missed <= JP_SAMPLE_HOLD_TICKS && samples->catch_up <= JP_SAMPLE_HOLD_TICKS,
             "state of the samples");
     require(ecu->plan.frames_left <= 3U, "frames of a plan");
+    require(ecu->learned.frames_left <= (ecu->learns ? 2U : 0U), "frames of what was learned");
+}
+
+/** Whatever came, it can be stored, and the robot can plan with it. */
+static void check_learned(const struct jp_ecu *ecu)
+{
+    const struct jp_learned_state *state = jp_ecu_learned_state(ecu);
+    const char *field;
+
+    require(state == NULL || jp_learned_state_check(state, &field) == JP_OK, "what was learned is out of range");
+    require(jp_energy_model_check(ecu->robot.model, &field) == JP_OK, "the model that is planned with is out of range");
 }
 
 static uint32_t counted(uint32_t before, bool one_more, uint32_t limit)
@@ -641,6 +656,8 @@ static void check_view(const struct ecu_view *view)
                 view->status.operator_state <= JP_OPERATOR_LOST && view->route.state <= JP_ROUTE_STOPPED &&
                 view->route.reason <= JP_REASON_SWITCHED_OFF,
             "an EcuStatus or RouteStatus out of range");
+    require(view->learner.evidence < JP_EVIDENCES && view->learner.stored <= JP_STORED_DAMAGED,
+            "a LearnerStatus out of range");
 }
 
 static void run_tick(struct controller *self)
@@ -713,6 +730,11 @@ static void run_work(struct controller *self)
     require(ecu->operator_link.mode == self->oracle.mode, "another mode is obeyed than was commanded");
     seen.lost_operators += alive && ecu->operator_link.state == JP_OPERATOR_LOST ? 1U : 0U;
     check_route(self);
+    if (ecu->watch.learned_from + ecu->watch.left_out > self->segments) {
+        seen.learned++;
+        check_learned(ecu);
+    }
+    self->segments = ecu->watch.learned_from + ecu->watch.left_out;
 }
 
 static void execute(struct controller *self)
@@ -742,6 +764,27 @@ static void execute(struct controller *self)
     executions++;
 }
 
+/** What a start may find: any bits that pass for a state, too. */
+static void begin_to_learn(struct controller *self)
+{
+    static struct jp_learned_state state;
+    const struct jp_ecu_learning learning = {
+        .horizon = one_in(4) ? NULL : robot->horizon,
+        .learning = robot->learning,
+        .of_battery = one_in(2),
+        .stored = (enum jp_stored)below(JP_STORED_DAMAGED + 1U),
+        .state = &state,
+    };
+    const char *field;
+
+    jp_learned_state_start(&state, robot->learning->identity - one_in(4));
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        state.x[i] = (jp_q24)below(2U * (uint32_t)JP_LEARNED_MAX + 1U) - JP_LEARNED_MAX;
+    }
+    require(jp_ecu_learn(&self->ecu, &learning, &field) == JP_OK, "tables");
+    check_learned(&self->ecu);
+}
+
 /** A reset: what RAM held is gone but for the record, from which the robot may go on. */
 static void begin_episode(struct controller *self)
 {
@@ -760,15 +803,19 @@ static void begin_episode(struct controller *self)
     self->work_one_in = works[below(sizeof works / sizeof works[0])];
     traffic_begin(&self->traffic);
     require(jp_ecu_init(&self->ecu, robot->config, robot->energy, &port, &self->retained, &field) == JP_OK, "init");
+    if (!one_in(4)) {
+        begin_to_learn(self);
+    }
+    self->segments = 0;
     self->oracle.mode = self->ecu.robot.resuming ? JP_MODE_STAND : JP_MODE_OFF;
 }
 
 static void print_seen(void)
 {
     printf("controller: %lu ticks, %lu times enabled, %lu times resumed, %lu routes begun, %lu segments ended,\n"
-           "            %lu falls and faults, %lu operators lost, %lu frames for a full queue\n",
+           "            %lu falls and faults, %lu operators lost, %lu frames for a full queue, %lu segments judged\n",
            seen.ticks, seen.enabled, seen.resumed, seen.routes, seen.segments, seen.stopped, seen.lost_operators,
-           seen.full_queues);
+           seen.full_queues, seen.learned);
 }
 
 static void test_controller(void)
@@ -784,7 +831,7 @@ static void test_controller(void)
     print_seen();
     TEST_ASSERT_TRUE(count < COVERING_COUNT ||
                      (seen.enabled > 0U && seen.resumed > 0U && seen.routes > 0U && seen.segments > 0U &&
-                      seen.stopped > 0U && seen.lost_operators > 0U && seen.full_queues > 0U));
+                      seen.stopped > 0U && seen.lost_operators > 0U && seen.full_queues > 0U && seen.learned > 0U));
 }
 
 /* ---- The retained record ---- */
@@ -1143,6 +1190,11 @@ static void test_operator(void)
 
 /* ---- The view ---- */
 
+static bool is_viewed(uint32_t id)
+{
+    return (id >= 0x180U && id <= 0x18DU) || id >= 0x192U;
+}
+
 static void test_view(void)
 {
     const unsigned long end = executions + count / 10U;
@@ -1152,7 +1204,7 @@ static void test_view(void)
     for (; executions < end; executions++) {
         const struct jp_can_frame frame = foreign_frame();
         const struct message *message = message_of(frame.id);
-        const bool telemetry = message != NULL && message->id >= 0x180 && message->id <= 0x18D;
+        const bool telemetry = message != NULL && message->kind == FROM_ECU && is_viewed(message->id);
         const struct ecu_view before = view;
 
         ecu_view_accept(&view, &frame);

@@ -30,10 +30,11 @@ void tearDown(void)
 {
 }
 
-/* The wheels are held, and the currents are those of the voltages. */
+/* The wheels are held, the body trembles, and the currents are those of the voltages. */
 static void tick(void)
 {
-    struct jp_sensors sensors = {.accel_z = JP_Q24_ONE, .bus_voltage = JP_Q16(24)};
+    const jp_q24 trembling = robot.telemetry.tick % 2U == 0 ? JP_Q24(0.003) : -JP_Q24(0.003);
+    struct jp_sensors sensors = {.pitch_rate = trembling, .accel_z = JP_Q24_ONE, .bus_voltage = JP_Q16(24)};
     struct jp_actuation actuation;
 
     sensors.current_left = jp_q16_divide(robot.telemetry.voltages.left, config.monitor.motor_resistance);
@@ -90,10 +91,34 @@ static void test_telemetry_is_of_one_tick(void)
     TEST_ASSERT_EQUAL_UINT64(0, torn);
 }
 
+/* The currents of the sensors are those of the voltages that drove the motors. */
+static void test_motors_are_of_one_tick(void)
+{
+    struct jp_motor_sample sample;
+    pthread_t thread;
+    unsigned long torn = 0;
+    unsigned long driven = 0;
+
+    drive_for_long();
+    atomic_store(&stop, false);
+    TEST_ASSERT_EQUAL_INT(0, pthread_create(&thread, NULL, keep_ticking, NULL));
+    for (unsigned long i = 0; i < count || driven < TICKS_MIN; i++) {
+        TEST_ASSERT_TRUE(jp_robot_motors(&robot, &sample));
+        torn += sample.current_left != jp_q16_divide(sample.voltages.left, config.monitor.motor_resistance);
+        torn += sample.current_right != jp_q16_divide(sample.voltages.right, config.monitor.motor_resistance);
+        driven += sample.voltages.left != 0;
+    }
+    atomic_store(&stop, true);
+    TEST_ASSERT_EQUAL_INT(0, pthread_join(thread, NULL));
+    printf("%lu reads of the motors, %lu of them driven, torn %lu\n", count, driven, torn);
+    TEST_ASSERT_EQUAL_UINT64(0, torn);
+}
+
 int main(int argc, char **argv)
 {
     count = parse_options(argc, argv, (struct options){.count = count, .seed = 1}).count;
     UNITY_BEGIN();
     RUN_TEST(test_telemetry_is_of_one_tick);
+    RUN_TEST(test_motors_are_of_one_tick);
     return UNITY_END();
 }

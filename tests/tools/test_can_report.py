@@ -199,6 +199,43 @@ def test_equal_logs_give_equal_files(drive, converted):
     assert [path.read_bytes() for path in sorted(converted.out.iterdir())] == first
 
 
+# ---- what the ECU learned ------------------------------------------------------------------------------------------
+
+def learner(ms, changes, cause, friction=1.0, payload=0.0):
+    frames = [telemetry("Learned", Friction=friction, FrictionDeviation=0.03125, Payload=payload,
+                        PayloadDeviation=0.25),
+              telemetry("LearnerStatus", Version=20, Changes=changes, Cause=cause)]
+    return [moved(frame, timestamp=1000 + ms / 1000) for frame in frames]
+
+
+def lines_of(result):
+    assert result.returncode == 0, result.stderr
+    return [line for line in result.stdout.splitlines() if not line.startswith("wrote ")]
+
+
+def with_learner(drive, *frames):
+    return sorted([*drive, *sum(frames, [])], key=lambda frame: frame.timestamp)
+
+
+def test_changes_are_one_line_each(drive, converted):
+    result = converted(with_learner(
+        drive, learner(100, 0, "None"), learner(2000, 1, "None"), learner(3000, 1, "None"),
+        learner(4340, 1, "Ground", friction=1.5), learner(5000, 1, "Ground", friction=1.75),
+        learner(6000, 2, "Payload", payload=2.5), learner(7000, 2, "Other"), learner(8000, 3, "Payload", payload=-1)))
+    assert lines_of(result) == ["2.0 s: surface or robot changed, learning anew",
+                                "4.3 s: surface changed, friction 1.50 ± 0.03 of the robot file's",
+                                "6.0 s: payload changed, +2.50 ± 0.25 kg of the robot file's",
+                                "7.0 s: robot changed, neither surface nor payload",
+                                "8.0 s: payload changed, -1.00 ± 0.25 kg of the robot file's"]
+
+
+def test_without_a_change_there_is_no_line(drive, converted):
+    restart = [learner(2000, 1, "Ground", friction=1.5), learner(3000, 0, "None"), learner(4000, 1, "Ground")]
+    assert lines_of(converted(with_learner(drive, learner(100, 0, "None")))) == []
+    assert len(lines_of(converted(with_learner(drive, *restart)))) == 2
+    assert lines_of(converted(with_learner(drive, learner(2000, 1, "Ground")[1:]))) == []  # Learned was lost
+
+
 # ---- damage --------------------------------------------------------------------------------------------------------
 
 def without(*identifiers):

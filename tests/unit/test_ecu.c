@@ -8,6 +8,8 @@
 
 extern const struct jp_robot_config jp_robot_courier24;
 extern const struct jp_energy_model jp_energy_model_courier24;
+extern const struct jp_horizon jp_horizon_courier24;
+extern const struct jp_learning jp_learning_courier24;
 
 /* The bus as the test sees it. */
 struct bus {
@@ -18,8 +20,8 @@ struct bus {
     unsigned commands; /* MotorCommands */
     unsigned this_tick;
     unsigned most_in_a_tick;
-    uint8_t last[16][JP_CAN_LENGTH_MAX]; /* frames 0x180 to 0x18F */
-    uint16_t counts[16];
+    uint8_t last[32][JP_CAN_LENGTH_MAX]; /* frames 0x180 to 0x19F */
+    uint16_t counts[32];
 };
 
 static struct bus bus;
@@ -48,9 +50,9 @@ static enum jp_status send(void *context, const struct jp_can_frame *frame)
         to->commands++;
         return JP_OK;
     }
-    TEST_ASSERT_EQUAL_HEX32(0x180, frame->id & ~0xFU);
-    memcpy(to->last[frame->id & 0xFU], frame->data, JP_CAN_LENGTH_MAX);
-    to->counts[frame->id & 0xFU]++;
+    TEST_ASSERT_EQUAL_HEX32(0x180, frame->id & ~0x1FU);
+    memcpy(to->last[frame->id & 0x1FU], frame->data, JP_CAN_LENGTH_MAX);
+    to->counts[frame->id & 0x1FU]++;
     return JP_OK;
 }
 
@@ -467,7 +469,7 @@ static void give(uint32_t id, uint8_t length)
 
 static void test_unknown_remote_and_extended_frames_are_counted(void)
 {
-    static const uint32_t known[] = {0x10, 0x20, 0x21, 0x22, 0x100, 0x101, 0x102, 0x103, 0x180, 0x18E, 0x190};
+    static const uint32_t known[] = {0x10, 0x20, 0x21, 0x22, 0x100, 0x101, 0x102, 0x103, 0x180, 0x18E, 0x190, 0x193};
     uint16_t count = 0;
 
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
@@ -479,7 +481,7 @@ static void test_unknown_remote_and_extended_frames_are_counted(void)
     }
     give(0x000, 8);
     give(0x7FF, 0);
-    give(0x192, 8);
+    give(0x194, 8);
     TEST_ASSERT_EQUAL_UINT16(count + 3U, ecu.unknown_frames);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.sample_counts.malformed);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.conflicts);
@@ -932,17 +934,215 @@ static void test_a_reset_keeps_pose_beyond_the_range_of_a_sample(void)
     TEST_ASSERT_EQUAL_UINT64(before.motion.yaw, ecu.robot.telemetry.motion.yaw);
 }
 
+/* Learning */
+
+#define LEARNED        0x12
+#define LEARNER_STATUS 0x13
+
+static struct jp_ecu_learning learning;
+static struct jp_learned_state state;
+
+static struct jp_can_learner_status_t learner_status(void)
+{
+    struct jp_can_learner_status_t signals;
+
+    TEST_ASSERT_EQUAL_INT(0, jp_can_learner_status_unpack(&signals, bus.last[LEARNER_STATUS], JP_CAN_LENGTH_MAX));
+    return signals;
+}
+
+static struct jp_can_learned_t learned(void)
+{
+    struct jp_can_learned_t signals;
+
+    TEST_ASSERT_EQUAL_INT(0, jp_can_learned_unpack(&signals, bus.last[LEARNED], JP_CAN_LENGTH_MAX));
+    return signals;
+}
+
+static void learn(enum jp_stored stored)
+{
+    const char *field = "";
+
+    learning = (struct jp_ecu_learning){
+        .horizon = &jp_horizon_courier24, .learning = &jp_learning_courier24, .stored = stored, .state = &state};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_learn(&ecu, &learning, &field));
+}
+
+static void drive_route(uint8_t route)
+{
+    offer(route, near_route, 2);
+    for (int i = 0; i < 100 && (i < 5 || ecu.routes.state == JP_ROUTE_DRIVING); i++) {
+        hold(JP_MODE_DRIVE, route, 1);
+    }
+    expect_route(JP_ROUTE_DONE, JP_REASON_NONE);
+}
+
+static void test_tables_out_of_range_are_refused_by_name(void)
+{
+    const char *field = "";
+    struct jp_learning bad_learning = jp_learning_courier24;
+    struct jp_horizon bad_horizon = jp_horizon_courier24;
+    struct jp_ecu_learning bad = {.horizon = &bad_horizon, .learning = &bad_learning};
+
+    bad_learning.identity = 0;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_ecu_learn(&ecu, &bad, &field));
+    TEST_ASSERT_EQUAL_STRING("identity", field);
+    bad_learning.identity = 1;
+    bad_horizon.duration_min = 0;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_ecu_learn(&ecu, &bad, &field));
+    TEST_ASSERT_EQUAL_STRING("duration_min", field);
+    bad.learning = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_learn(&ecu, &bad, &field));
+    TEST_ASSERT_NULL(jp_ecu_learned_state(&ecu));
+    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, ecu.robot.model);
+    bad.learning = &bad_learning;
+    bad.horizon = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_learn(&ecu, &bad, &field));
+}
+
+static void test_without_tables_nothing_is_learned_or_told(void)
+{
+    make_balancing();
+    drive_route(7);
+    TEST_ASSERT_EQUAL_UINT16(0, bus.counts[LEARNED]);
+    TEST_ASSERT_EQUAL_UINT16(0, bus.counts[LEARNER_STATUS]);
+    TEST_ASSERT_NULL(jp_ecu_learned_state(&ecu));
+}
+
+static void test_what_was_learned_is_told_every_second(void)
+{
+    learn(JP_STORED_NOTHING);
+    run(10000);
+    TEST_ASSERT_UINT_WITHIN(1, 10, bus.counts[LEARNED]);
+    TEST_ASSERT_UINT_WITHIN(1, 10, bus.counts[LEARNER_STATUS]);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT(3, bus.most_in_a_tick);
+    TEST_ASSERT_EQUAL_UINT16(4096, learned().friction);
+    TEST_ASSERT_EQUAL_INT16(0, learned().payload);
+    TEST_ASSERT_EQUAL_UINT16(0, learner_status().version);
+    TEST_ASSERT_EQUAL_UINT8(JP_STORED_NOTHING, learner_status().stored);
+}
+
+/* Its wheels are held: what is learned is nonsense, but learned it is. */
+static void test_each_segment_of_a_route_is_taken_and_told(void)
+{
+    jp_q16 friction;
+    jp_q16 payload;
+
+    learn(JP_STORED_NOTHING);
+    make_driving();
+    for (uint16_t segment = 1; segment <= 2; segment++) {
+        while (ecu.robot.telemetry.segments_ended < segment) {
+            hold(JP_MODE_DRIVE, 7, 1);
+        }
+        run(5);
+        TEST_ASSERT_EQUAL_UINT32(segment, ecu.watch.learned_from + ecu.watch.left_out);
+        TEST_ASSERT_EQUAL_UINT32(segment, ecu.segments_told);
+    }
+    TEST_ASSERT_EQUAL_UINT16(ecu.learner.state.version, learner_status().version);
+    TEST_ASSERT_EQUAL_UINT8(ecu.watch.left_out, learner_status().left_out);
+    TEST_ASSERT_EQUAL_UINT8(ecu.watch.evidence, learner_status().evidence);
+    TEST_ASSERT_EQUAL_PTR(&ecu.learner.state, jp_ecu_learned_state(&ecu));
+    jp_learner_causes(&ecu.learner, &friction, &payload);
+    TEST_ASSERT_INT_WITHIN(1, friction >> 4, learned().friction);
+}
+
+/* Of one segment nothing is lost while frames of the report before wait. */
+static void test_a_report_waits_for_the_one_before(void)
+{
+    learn(JP_STORED_NOTHING);
+    make_balancing();
+    ecu.learned.frames_left = 2;
+    ecu.told_tick = ecu.tick - 2000U;
+    ecu.learner.state.version = 9;
+    jp_ecu_work(&ecu);
+    TEST_ASSERT_EQUAL_UINT32(0, ecu.learned.version);
+    tick();
+    tick();
+    jp_ecu_work(&ecu);
+    TEST_ASSERT_EQUAL_UINT32(9, ecu.learned.version);
+    TEST_ASSERT_EQUAL_UINT8(2, ecu.learned.frames_left);
+}
+
+static void test_a_route_is_planned_with_what_was_known_when_it_began(void)
+{
+    struct jp_energy_model then;
+
+    learn(JP_STORED_NOTHING);
+    TEST_ASSERT_EQUAL_PTR(&ecu.model, ecu.robot.model);
+    TEST_ASSERT_EQUAL_MEMORY(&jp_energy_model_courier24, &ecu.model, sizeof ecu.model);
+    make_driving();
+    then = ecu.model;
+    ecu.learner.state.x[0] = JP_Q24(1.5);
+    hold(JP_MODE_DRIVE, 7, 1);
+    TEST_ASSERT_EQUAL_MEMORY(&then, &ecu.model, sizeof then);
+    for (int i = 0; i < 100 && ecu.routes.state == JP_ROUTE_DRIVING; i++) {
+        hold(JP_MODE_DRIVE, 7, 1);
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&then, &ecu.model, sizeof then);
+    ecu.learner.state.x[0] = JP_Q24(1.5);
+    offer(8, near_route, 2);
+    hold(JP_MODE_DRIVE, 8, 4);
+    expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
+    jp_learner_model(&ecu.learner, &then);
+    TEST_ASSERT_EQUAL_MEMORY(&then, &ecu.model, sizeof then);
+    TEST_ASSERT_TRUE(memcmp(&jp_energy_model_courier24, &ecu.model, sizeof then) != 0);
+}
+
+static void expect_stored(enum jp_stored stored, uint32_t version)
+{
+    run(1010);
+    TEST_ASSERT_EQUAL_INT(stored, ecu.stored);
+    TEST_ASSERT_EQUAL_UINT8(stored, learner_status().stored);
+    TEST_ASSERT_EQUAL_UINT16(version, learner_status().version);
+}
+
+static void test_it_goes_on_from_the_stored_state(void)
+{
+    struct jp_energy_model expected;
+
+    jp_learned_state_start(&state, jp_learning_courier24.identity);
+    state.x[0] = -JP_Q24(1);
+    state.version = 31;
+    learn(JP_STORED_TAKEN);
+    TEST_ASSERT_EQUAL_MEMORY(&state, jp_ecu_learned_state(&ecu), sizeof state);
+    jp_learner_model(&ecu.learner, &expected);
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &ecu.model, sizeof expected);
+    TEST_ASSERT_TRUE(memcmp(&jp_energy_model_courier24, &ecu.model, sizeof expected) != 0);
+    expect_stored(JP_STORED_TAKEN, 31);
+}
+
+static void expect_built_in(enum jp_stored given, enum jp_stored stored)
+{
+    start(1000);
+    learn(given);
+    TEST_ASSERT_EQUAL_MEMORY(&jp_energy_model_courier24, &ecu.model, sizeof ecu.model);
+    expect_stored(stored, 0);
+}
+
+static void test_a_stored_state_that_does_not_fit_is_named(void)
+{
+    jp_learned_state_start(&state, jp_learning_courier24.identity + 1U);
+    state.x[0] = JP_Q24(1);
+    state.version = 31;
+    expect_built_in(JP_STORED_TAKEN, JP_STORED_OTHER_TABLES);
+    expect_built_in(JP_STORED_OTHER_ROBOT, JP_STORED_OTHER_ROBOT);
+    expect_built_in(JP_STORED_OTHER_VERSION, JP_STORED_OTHER_VERSION);
+    expect_built_in(JP_STORED_DAMAGED, JP_STORED_DAMAGED);
+    /* Other parameters were stored before anything was learned. */
+    state.identity = 0;
+    expect_built_in(JP_STORED_TAKEN, JP_STORED_NOTHING);
+}
+
 /* Cycle times */
 
 static void check_a_second(uint32_t tick_rate)
 {
-    static const uint16_t expected[16] = {10, 10, 10, 10, 50, 50, 50, 50, 50, 10, 0, 0, 0, 0, 10, 0};
+    static const uint16_t expected[32] = {10, 10, 10, 10, 50, 50, 50, 50, 50, 10, 0, 0, 0, 0, 10, 0};
 
     start(tick_rate);
     (void)give_sample();
     run(tick_rate);
     TEST_ASSERT_EQUAL_UINT(tick_rate, bus.commands);
-    TEST_ASSERT_EQUAL_UINT16_ARRAY(expected, bus.counts, 16);
+    TEST_ASSERT_EQUAL_UINT16_ARRAY(expected, bus.counts, 32);
 }
 
 static void test_a_second_has_the_frames_of_the_dbc(void)
@@ -1000,6 +1200,14 @@ int main(void)
     RUN_TEST(test_after_loss_of_power_nothing_goes_on);
     RUN_TEST(test_only_a_record_that_can_be_this_robots_is_taken_up);
     RUN_TEST(test_a_reset_keeps_pose_beyond_the_range_of_a_sample);
+    RUN_TEST(test_tables_out_of_range_are_refused_by_name);
+    RUN_TEST(test_without_tables_nothing_is_learned_or_told);
+    RUN_TEST(test_what_was_learned_is_told_every_second);
+    RUN_TEST(test_each_segment_of_a_route_is_taken_and_told);
+    RUN_TEST(test_a_report_waits_for_the_one_before);
+    RUN_TEST(test_a_route_is_planned_with_what_was_known_when_it_began);
+    RUN_TEST(test_it_goes_on_from_the_stored_state);
+    RUN_TEST(test_a_stored_state_that_does_not_fit_is_named);
     RUN_TEST(test_a_second_has_the_frames_of_the_dbc);
     return UNITY_END();
 }

@@ -9,6 +9,8 @@
 
 extern const struct jp_robot_config jp_robot_courier24;
 extern const struct jp_energy_model jp_energy_model_courier24;
+extern const struct jp_horizon jp_horizon_courier24;
+extern const struct jp_learning jp_learning_courier24;
 
 static struct jp_lockstep lockstep;
 static struct jp_retained retained;
@@ -183,6 +185,43 @@ static void test_without_power_the_record_is_lost(void)
     TEST_ASSERT_EQUAL_UINT32(0, lockstep.ecu.resets);
 }
 
+/* What was learned and not stored is lost with the power. */
+static void test_after_each_boot_it_learns_on_from_what_is_stored(void)
+{
+    const char *field = "";
+    struct jp_learned_state state;
+    struct jp_ecu_learning learning = {.horizon = &jp_horizon_courier24,
+                                       .learning = &jp_learning_courier24,
+                                       .stored = JP_STORED_TAKEN,
+                                       .state = &state};
+
+    jp_learned_state_start(&state, jp_learning_courier24.identity);
+    state.version = 5;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lockstep_learn(&lockstep, &learning, &field));
+    lockstep.ecu.learner.state.version = 8;
+    state.version = 7;
+    pass(1, 0, 0, 0);
+    pass(2, 1, 0, 0);
+    TEST_ASSERT_EQUAL_UINT32(7, jp_ecu_learned_state(&lockstep.ecu)->version);
+    TEST_ASSERT_EQUAL_PTR(&lockstep.ecu.model, lockstep.ecu.robot.model);
+}
+
+static void test_tables_that_are_refused_are_not_tried_again(void)
+{
+    const char *field = "";
+    struct jp_learning bad = jp_learning_courier24;
+    const struct jp_ecu_learning learning = {.learning = &bad};
+
+    bad.memory = 0;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_lockstep_learn(&lockstep, &learning, &field));
+    TEST_ASSERT_EQUAL_STRING("memory", field);
+    bad.memory = 64;
+    pass(1, 0, 0, 0);
+    pass(2, 1, 0, 0);
+    TEST_ASSERT_NULL(jp_ecu_learned_state(&lockstep.ecu));
+    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, lockstep.ecu.robot.model);
+}
+
 static void test_off_the_bus_nothing_arrives_and_nothing_leaves_but_the_answer(void)
 {
     (void)give_sample();
@@ -229,6 +268,8 @@ int main(void)
     RUN_TEST(test_a_sample_is_told_and_used_in_the_next_tick);
     RUN_TEST(test_reset_holds_the_application_and_counts);
     RUN_TEST(test_without_power_the_record_is_lost);
+    RUN_TEST(test_after_each_boot_it_learns_on_from_what_is_stored);
+    RUN_TEST(test_tables_that_are_refused_are_not_tried_again);
     RUN_TEST(test_off_the_bus_nothing_arrives_and_nothing_leaves_but_the_answer);
     RUN_TEST(test_the_answer_is_left_to_another_ecu_that_drives);
     RUN_TEST(test_without_the_simulators_time_a_tick_can_be_asked_for);

@@ -148,6 +148,42 @@ static void test_another_length_is_refused(void)
     }
 }
 
+/* The start */
+
+static void expect_start(enum jp_stored stored, uint16_t length)
+{
+    struct jp_parameters expected = parameters;
+
+    if (stored != JP_STORED_TAKEN) {
+        jp_parameters_default(&expected);
+    }
+    memset(&found, 0xA5, sizeof found);
+    TEST_ASSERT_EQUAL_INT(stored, jp_parameters_start(&found, &config, record, length));
+    TEST_ASSERT_EQUAL_MEMORY(&expected.energy, &found.energy, sizeof expected.energy);
+    TEST_ASSERT_EQUAL_INT64(expected.gyro_bias, found.gyro_bias);
+    TEST_ASSERT_EQUAL_UINT16(expected.current_zero_left, found.current_zero_left);
+    TEST_ASSERT_EQUAL_UINT16(expected.current_zero_right, found.current_zero_right);
+}
+
+static void test_a_start_tells_what_it_found(void)
+{
+    encode();
+    expect_start(JP_STORED_TAKEN, JP_PARAMETERS_LENGTH);
+    expect_start(JP_STORED_NOTHING, 0);
+    expect_start(JP_STORED_DAMAGED, 7);
+    expect_start(JP_STORED_DAMAGED, JP_PARAMETERS_LENGTH - 1U);
+    expect_start(JP_STORED_DAMAGED, JP_PARAMETERS_LENGTH + 1U);
+    record[8 + 4 * 20] ^= 0xFFU; /* a field out of range */
+    record[8 + 4 * 20 + 3] ^= 0xFFU;
+    expect_start(JP_STORED_DAMAGED, JP_PARAMETERS_LENGTH);
+    encode();
+    record[0]++;
+    expect_start(JP_STORED_OTHER_VERSION, JP_PARAMETERS_LENGTH);
+    encode();
+    config = jp_robot_gao2018;
+    expect_start(JP_STORED_OTHER_ROBOT, JP_PARAMETERS_LENGTH);
+}
+
 /* The robot */
 
 static void test_another_robot_is_refused(void)
@@ -341,6 +377,7 @@ int main(void)
     RUN_TEST(test_another_version_is_refused);
     RUN_TEST(test_another_length_is_refused);
     RUN_TEST(test_another_robot_is_refused);
+    RUN_TEST(test_a_start_tells_what_it_found);
     RUN_TEST(test_the_identity_is_the_crc_of_name_and_numbers);
     RUN_TEST(test_every_number_of_the_configuration_counts);
     RUN_TEST(test_the_name_counts);

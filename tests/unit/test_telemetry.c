@@ -405,6 +405,74 @@ static void test_a_plan_and_a_result_join_the_fullest_tick(void)
     TEST_ASSERT_EQUAL_UINT(JP_TELEMETRY_FRAMES_MAX, most);
 }
 
+/* What was learned: rounded, and limited to what a signal holds. */
+static void expect_learned(const uint8_t causes[8], const uint8_t status[8])
+{
+    unsigned seen = 0;
+
+    ecu.learned.frames_left = 2;
+    for (uint16_t tick = 0; tick < 10; tick++) {
+        const unsigned count = jp_telemetry_due(&ecu, frames);
+
+        for (unsigned i = 0; i < count; i++) {
+            if (frames[i].id == 0x192U || frames[i].id == 0x193U) {
+                TEST_ASSERT_EQUAL_HEX32(0x192U + seen, frames[i].id);
+                TEST_ASSERT_EQUAL_HEX8_ARRAY(seen == 0U ? causes : status, frames[i].data, 8);
+                seen++;
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT(2, seen);
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.learned.frames_left);
+}
+
+static void test_what_was_learned_is_told_once_in_two_frames(void)
+{
+    ecu.stored = JP_STORED_OTHER_TABLES;
+    ecu.learned = (struct jp_ecu_learned){.friction = JP_Q16(1.5),
+                                          .friction_deviation = JP_Q16(0.0625) + 8,
+                                          .payload = -JP_Q16(2.5),
+                                          .payload_deviation = JP_Q16(0.5),
+                                          .version = 0x1234,
+                                          .changes = 3,
+                                          .outliers = 4,
+                                          .left_out = 5,
+                                          .cause = JP_CAUSE_PAYLOAD,
+                                          .evidence = JP_EVIDENCE_CURRENT};
+    expect_learned((const uint8_t[]){0x00, 0x18, 0x01, 0x01, 0xC0, 0xFE, 0x40, 0x00},
+                   (const uint8_t[]){0x34, 0x12, 3, 4, 5, 0x96, 0, 0});
+    ecu.stored = JP_STORED_DAMAGED;
+    ecu.learned = (struct jp_ecu_learned){.friction = INT32_MAX,
+                                          .friction_deviation = JP_Q16(16),
+                                          .payload = INT32_MIN,
+                                          .payload_deviation = INT32_MAX,
+                                          .version = 0x10000,
+                                          .changes = 256,
+                                          .outliers = UINT32_MAX,
+                                          .left_out = 255,
+                                          .cause = JP_CAUSE_OTHER};
+    expect_learned((const uint8_t[]){0xFF, 0xFF, 0xFF, 0xFF, 0x00, 0x80, 0xFF, 0xFF},
+                   (const uint8_t[]){0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xA3, 0, 0});
+}
+
+/* A plan is told first, so that no tick holds more frames than without learning. */
+static void test_what_was_learned_waits_for_a_plan(void)
+{
+    unsigned most = 0;
+
+    announce(1);
+    ecu.learned.frames_left = 2;
+    for (uint16_t tick = 0; tick < 3; tick++) {
+        const unsigned count = jp_telemetry_due(&ecu, frames);
+
+        most = count > most ? count : most;
+        TEST_ASSERT_EQUAL_UINT8(2, ecu.learned.frames_left);
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_UINT(2, most);
+    (void)jp_telemetry_due(&ecu, frames);
+    TEST_ASSERT_EQUAL_UINT8(1, ecu.learned.frames_left);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -423,6 +491,8 @@ int main(void)
     RUN_TEST(test_no_reset_is_reported_where_none_is_known);
     RUN_TEST(test_a_plan_is_announced_once_in_three_frames);
     RUN_TEST(test_a_result_is_told_once);
+    RUN_TEST(test_what_was_learned_is_told_once_in_two_frames);
+    RUN_TEST(test_what_was_learned_waits_for_a_plan);
     RUN_TEST(test_cycle_times_are_those_of_the_dbc);
     RUN_TEST(test_cycle_times_hold_at_every_tick_rate);
     RUN_TEST(test_a_plan_and_a_result_join_the_fullest_tick);

@@ -1,0 +1,175 @@
+"""What jp-ecu learns while it drives a robot on a bus: told there, kept over restarts, refused where it does not fit,
+and noticed when the ground changes."""
+import random
+import re
+import subprocess
+import sys
+
+import pytest
+from conftest import run
+from programs import (ROOT, Programs, assert_client_drives, assert_done, assert_one_line_error, assert_stopped,
+                      wait_until, write_scenario)
+from test_bus import IDLE, Stranger, plant_with_lines
+
+ROUTE = [(2.0, 0.5), (3.0, 2.0), (2.0, 3.0)]
+NOTHING, TAKEN, OTHER_VERSION, OTHER_ROBOT, OTHER_TABLES, DAMAGED = range(6)
+LEARNED_FROM, LEFT_OUT = "segments learned from", "segments left out"
+RECORD_LENGTH = 112  # B
+
+
+@pytest.fixture(name="programs")
+def fixture_programs(tmp_path):
+    with Programs(tmp_path) as programs:
+        yield programs
+
+
+@pytest.fixture(name="drive")
+def fixture_drive(programs, tmp_path):
+    """Drives a route; gives what the ECU counted, and what it said."""
+    def drive(*options, robot="courier24", route=ROUTE):
+        scenario = write_scenario(tmp_path / "route.cfg", *route, robot=robot)
+        plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "out", "--frames")
+        ecu = programs.ecu(f"slcan:{line}", "--robot", robot, *options)
+        assert_done(plant)
+        return assert_stopped(ecu), ecu.out.read_text()
+    return drive
+
+
+def told(tmp_path):
+    """(Version, Stored) of each LearnerStatus in the last drive."""
+    frames = re.findall(r" 193#(\w{16})\n", (tmp_path / "out/frames.log").read_text())
+    numbers = [int.from_bytes(bytes.fromhex(frame), "little") for frame in frames]
+    return [(number & 0xFFFF, number >> 45 & 7) for number in numbers]
+
+
+def versions(tmp_path):
+    """That the bus told, in their order."""
+    return list(dict.fromkeys(version for version, _ in told(tmp_path)))
+
+
+# ---- learning ------------------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize(("robot", "options"), [("courier24", ()), ("gao2018", ()),
+                                                ("courier24", ("--energy", "battery"))])
+def test_each_segment_of_a_route_is_learned_from(drive, tmp_path, robot, options):
+    counts, _ = drive(*options, robot=robot)
+    assert versions(tmp_path) == [0, 1, 2, 3]
+    assert {stored for _, stored in told(tmp_path)} == {NOTHING}
+    assert (counts[LEARNED_FROM], counts[LEFT_OUT]) == (len(ROUTE), 0)
+
+
+def test_a_model_without_tables_is_not_learned(drive, tmp_path):
+    counts, _ = drive("--model", "published", "--parameters", tmp_path / "parameters")
+    assert told(tmp_path) == []
+    assert counts[LEARNED_FROM] == counts[LEFT_OUT] == 0
+
+
+# ---- persistence ---------------------------------------------------------------------------------------------------
+
+def test_a_restart_goes_on_from_what_was_learned(drive, tmp_path):
+    kept = tmp_path / "parameters"
+    _, said = drive("--parameters", kept)
+    assert f"{kept}: nothing learned yet" in said
+    assert kept.stat().st_size == RECORD_LENGTH
+    _, said = drive("--parameters", kept)
+    assert f"{kept}: learned from 3 segments" in said
+    assert told(tmp_path)[0] == (3, TAKEN)
+    assert versions(tmp_path) == [3, 4, 5, 6]
+    assert [path.name for path in tmp_path.glob("parameters*")] == ["parameters"]
+
+
+def test_what_was_learned_is_kept_when_the_motors_are_switched_off(programs, tmp_path):
+    """Then power may fail."""
+    scenario = write_scenario(tmp_path / "route.cfg", *ROUTE)
+    plant, ecu_line, line, other = plant_with_lines(programs, scenario, 3, "--host", "--pace", "paced")
+    options = (f"slcan:{ecu_line}", "--parameters", tmp_path / "parameters")
+    ecu = programs.ecu(*options)
+    points = " ".join(f"{x},{y}" for x, y in ROUTE)
+    assert_client_drives(lambda: programs.tool("tools/drive.py", "--bus", f"slcan:{line}", "--route", points))
+    assert "nothing learned yet" in ecu.out.read_text()
+    before = (tmp_path / "parameters").read_bytes()
+    assert_client_drives(lambda: programs.tool("tools/drive.py", "--bus", f"slcan:{line}", "--off"))
+    stranger = Stranger(other)
+    wait_until(lambda: stranger.ecu_state() == IDLE, "the motors are off")
+    wait_until(lambda: (tmp_path / "parameters").read_bytes() != before, "what was learned is kept")
+    ecu.process.kill()
+    ecu.process.wait()
+    again = programs.ecu(*options)
+    again.says("learned from")
+    version = int(re.search(r"learned from (\d+) segments", again.out.read_text())[1])
+    assert version >= len(ROUTE)
+    assert_stopped(again)
+    plant.stop()
+
+
+def test_what_another_robot_learned_is_refused_and_named(drive, tmp_path):
+    kept = tmp_path / "parameters"
+    drive("--parameters", kept, robot="gao2018")
+    counts, said = drive("--parameters", kept)
+    assert f"{kept}: not used: of another robot; the built-in model serves" in said
+    assert told(tmp_path)[0] == (0, OTHER_ROBOT)
+    assert counts[LEARNED_FROM] == len(ROUTE)
+
+
+def test_what_was_learned_of_the_other_energy_is_refused_and_named(drive, tmp_path):
+    kept = tmp_path / "parameters"
+    drive("--parameters", kept)
+    _, said = drive("--parameters", kept, "--energy", "battery")
+    assert f"{kept}: not used: learned with other tables; the built-in model serves" in said
+    assert told(tmp_path)[0] == (0, OTHER_TABLES)
+
+
+@pytest.mark.parametrize(("record", "stored", "reason"), [
+    (b"\x01" + bytes(99), OTHER_VERSION, "of another version of the firmware"),
+    (b"\x02\x00\x00\x00" + bytes(3), DAMAGED, "damaged"),
+    (b"\x02\x00\x00\x00" + bytes(108), OTHER_ROBOT, "of another robot"),
+    (bytes(1000), OTHER_VERSION, "of another version"),
+])
+def test_a_file_that_is_no_record_of_this_robot(drive, tmp_path, record, stored, reason):
+    kept = tmp_path / "parameters"
+    kept.write_bytes(record)
+    _, said = drive("--parameters", kept, route=[(1.0, 0.2)])
+    assert f"{kept}: not used: {reason}" in said
+    assert told(tmp_path)[0] == (0, stored)
+    assert kept.stat().st_size == RECORD_LENGTH
+
+
+def test_files_that_cannot_be_read_or_written(tmp_path):
+    for path, part in [(tmp_path, "Is a directory"), (tmp_path / "none/parameters", "No such file"),
+                       (tmp_path / ("long" * 100), "name too long")]:
+        result = run("jp-ecu", "--bus", f"pty:{tmp_path / 'line'}", "--parameters", path)
+        assert_one_line_error(result, part, "--parameters")
+    assert list(tmp_path.iterdir()) == []
+
+
+# ---- changes -------------------------------------------------------------------------------------------------------
+
+def rough_robot(folder):
+    """The courier on ground with three times the rolling resistance."""
+    smooth = (ROOT / "sim/robots/courier24.cfg").read_text()
+    rough = folder / "rough.cfg"
+    rough.write_text(re.sub(r"(friction_nm_s_per_rad = )0\.004;", r"\g<1>0.012;", smooth))
+    assert rough.read_text() != smooth
+    return rough
+
+
+def test_a_change_of_surface_is_noticed_and_told(programs, drive, tmp_path):
+    generator = random.Random(1)
+    route = [(1.2 * i, generator.uniform(-0.6, 0.6)) for i in range(1, 15)]
+    drive("--parameters", tmp_path / "parameters", route=route)
+    scenario = write_scenario(tmp_path / "route.cfg", *route, robot="courier24")
+    rough_robot(tmp_path)
+    scenario.write_text(re.sub(r'robot = ".*"', 'robot = "rough.cfg"', scenario.read_text()))
+    plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "out", "--frames")
+    ecu = programs.ecu(f"slcan:{line}", "--robot", "courier24", "--parameters", tmp_path / "parameters")
+    assert_done(plant)
+    assert_stopped(ecu)
+    lines = [line for line in ecu.out.read_text().splitlines() if re.match(r"\d+\.\d s: ", line)]
+    assert lines[0].endswith("surface or robot changed, learning anew")
+    factor = re.fullmatch(r"[\d.]+ s: surface changed, friction ([\d.]+) ± ([\d.]+) of the robot file's", lines[1])
+    assert 1.5 < float(factor[1]) < 3.5 and 0 < float(factor[2]) < 0.5
+    # The log of the bus tells the same.
+    result = subprocess.run([sys.executable, ROOT / "tools/can_report.py", tmp_path / "out/frames.log",
+                             tmp_path / "report"], capture_output=True, text=True, check=True)
+    reported = [line.split(" s: ")[1] for line in result.stdout.splitlines() if " s: " in line]
+    assert reported == [line.split(" s: ")[1] for line in lines]
