@@ -556,6 +556,8 @@ figures: ## run the benches and write their figures to build/figures.json and th
 	cp $(BUILD)/plan/plan.png sim/scenarios/jacksboro_plan.png
 	$(MAKE) patrol SCENE=warehouse
 	cp $(BUILD)/patrol/patrol.png sim/scenarios/patrol_warehouse.png
+	$(MAKE) campaign ROBOT=courier24 SEED=1 MISSIONS=1000 CAMPAIGN='--fresh --bench $(BUILD)/bench/campaign.json'
+	cp $(BUILD)/campaign/courier24/campaign.png sim/scenarios/courier24_campaign.png
 	$(PYTHON) tools/figures.py
 
 # The library for programs on this machine. A packager stages it with DESTDIR.

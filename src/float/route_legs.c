@@ -144,8 +144,8 @@ static struct phasor phasor_of(const struct jp_mode *mode, float time)
         return (struct phasor){size, 0.0f};
     }
 
-    /* Up to 24 halvings of any λ above 2⁻²⁴ the turns fit 64 bits. */
-    const jp_angle angle = (jp_angle)(uint64_t)((int64_t)mode->frequency * (int64_t)(time * Q16_ONE) >> 8);
+    /* At most 16 384 s. */
+    const jp_angle angle = (jp_angle)(uint64_t)(jp_multiply(mode->frequency, (int32_t)(time * Q16_ONE)) >> 8);
 
     return (struct phasor){size * ((float)jp_cos(angle) * 0x1p-31f), size * ((float)jp_sin(angle) * 0x1p-31f)};
 }
