@@ -377,6 +377,25 @@ static void test_stop(void)
     expect_rest();
 }
 
+/* By somebody else: the route is over. */
+static void test_stop_beside_the_pilot(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, SLALOM));
+    while (telemetry().segment == 0U) {
+        work_and_tick();
+    }
+    ticks(500);
+    (void)jp_pilot_work(&pilot);
+    jp_robot_stop(&robot);
+    tick();
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, aside, 2));
+    drive(aside, 2);
+    expect_rest();
+}
+
 /* Handed over, and not begun when the stop comes. */
 static void test_stop_forgets_the_segment_that_waits(void)
 {
@@ -707,6 +726,7 @@ int main(void)
     RUN_TEST(test_new_route_while_driving);
     RUN_TEST(test_new_route_while_planning);
     RUN_TEST(test_stop);
+    RUN_TEST(test_stop_beside_the_pilot);
     RUN_TEST(test_stop_forgets_the_segment_that_waits);
     RUN_TEST(test_late_plan);
     RUN_TEST(test_target_where_the_robot_stands);
