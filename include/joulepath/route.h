@@ -8,7 +8,7 @@
  * E of a segment depends on its own (γ, T) and those before it, so that the Hessian is block-tridiagonal with 2 × 2
  * blocks: a primal-dual interior-point method takes JP_ROUTE_ITERATIONS Newton steps of O(n) each, from the greedy
  * route. With a horizon (horizon.h) the energy includes what unsettled steps hand on to all later segments: their
- * gradient is exact by an adjoint sweep, the Hessian keeps what they hand on to the next one.
+ * gradient is exact by an adjoint sweep, the Hessian stays that of the settled energy.
  * What the last segment's step costs is counted until it is settled.
  *
  * A longer route is planned over a receding horizon: plan as many targets as there are legs, drive the first segment,
