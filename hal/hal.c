@@ -1,4 +1,4 @@
-#include "hal.h"
+#include "hal/hal.h"
 
 void jp_hal_tick(const struct jp_hal *hal, struct jp_robot *robot, enum jp_status *written)
 {

@@ -21,9 +21,6 @@ struct jp_hal {
 
     /** Applies both duties at once; `enabled` 0 switches the bridges off. JP_ERR_HARDWARE: the bridges are off. */
     enum jp_status (*write)(void *context, const struct jp_actuation *actuation);
-
-    /** Free-running time in µs, wrapping at 2³². */
-    uint32_t (*time_us)(void *context);
 };
 
 /**

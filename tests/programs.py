@@ -6,7 +6,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,14 +13,11 @@ from types import SimpleNamespace
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve()
 BIN = BUILD / "bin"
-VCAN_RESULTS = BUILD / "test/vcan"  # from inside tools/with_vcan.sh to outside
+VCAN_RESULTS = BUILD / "test/vcan"  # from inside with_vcan.sh to outside
 CANDUMP = "candump.log"
-THIRD_PARTY_CLIENT = ROOT / "tests/sil/third_party_client.py"
 LOG = "log_optimal.csv"
 
-LIMIT = 120  # s, for what takes seconds on an idle machine
-CLIENT_ATTEMPTS = 3
-CLIENT_LATE = ("Timeout", "has lost the operator's commands", "no EcuStatus for")
+LIMIT = 600  # s, for what takes seconds on an idle machine: something hangs
 SILENCES = "times that the bridges fell silent"
 COUNT = re.compile(r"^ *(\S.*?) {2,}(\w+)(?:  \(.*\))?$", re.MULTILINE)
 
@@ -57,8 +53,8 @@ class Program:
     def __init__(self, folder, name, command):
         self.out, self.err = folder / f"{name}.out", folder / f"{name}.err"
         with self.out.open("w") as out, self.err.open("w") as err:
-            self.process = subprocess.Popen([str(part) for part in command], stdin=subprocess.DEVNULL, stdout=out,
-                                            stderr=err, env=dict(os.environ, PYTHONUNBUFFERED="1"))
+            self.process = subprocess.Popen([str(part) for part in command], cwd=ROOT, stdin=subprocess.DEVNULL,
+                                            stdout=out, stderr=err, env=dict(os.environ, PYTHONUNBUFFERED="1"))
 
     @property
     def running(self):
@@ -109,9 +105,6 @@ class Programs:
     def plant(self, scenario, *options):
         return self.start(BIN / "jp-plant", scenario, *options)
 
-    def tool(self, name, *options):
-        return self.start(sys.executable, ROOT / name, *options)
-
 
 def assert_one_line_error(result, *parts):
     """Exit status 2 and a single line on stderr that holds all parts."""
@@ -126,16 +119,6 @@ def assert_done(program, limit=LIMIT):
     result = program.wait(limit)
     assert (result.returncode, result.stderr) == (0, ""), result.stdout + result.stderr
     return result
-
-
-def assert_client_drives(start):
-    """start() starts a client. One that a busy machine keeps from its commands for 500 ms tries again."""
-    for _ in range(CLIENT_ATTEMPTS):
-        result = start().wait()
-        if result.returncode == 0:
-            return
-        assert result.returncode == 1 and any(text in result.stderr for text in CLIENT_LATE), result.stderr
-    raise AssertionError(result.stderr)
 
 
 def assert_stopped(ecu):

@@ -1,5 +1,7 @@
-"""What the tools share: errors for people, whole files, aligned tables."""
+"""What the tools share: errors for people, command lines, whole files, aligned tables."""
+import argparse
 import os
+import stat
 import sys
 import tempfile
 from pathlib import Path
@@ -23,9 +25,39 @@ def run(main):
     sys.exit(status)
 
 
+class ArgumentParser(argparse.ArgumentParser):
+    """A wrong command line is one line too."""
+
+    def error(self, message):
+        raise ToolError(f"{message.removeprefix('argument ')}; --help lists the options")
+
+
+def whole_number(low, high):
+    """What an option takes."""
+    return _number(int, "a whole number", low, high)
+
+
+def real_number(low, high):
+    """What an option takes."""
+    return _number(float, "a number", low, high)
+
+
+def _number(kind, name, low, high):
+    def number(text):
+        try:
+            value = kind(text)
+        except ValueError:
+            value = None
+        if value is None or not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text}: must be {name} from {low} to {high}")
+        return value
+    return number
+
+
 def read_text(path):
+    """Of a UTF-8 file; a byte-order mark is no part of it."""
     try:
-        return Path(path).read_text(encoding="utf-8")
+        return Path(path).read_text(encoding="utf-8-sig")
     except OSError as error:
         raise ToolError(f"{path}: {error.strerror}") from None
     except UnicodeDecodeError:
@@ -33,30 +65,38 @@ def read_text(path):
 
 
 def write_whole(path, content):
-    """Write a text or bytes file so that it is either the old one or the whole new one."""
-    path = Path(path)
+    """Write a text or bytes file so that it is either the old one or the whole new one. A symbolic link stays, and what
+    it names is written; so does a device or a pipe, which is written to."""
     data = content if isinstance(content, bytes) else content.encode("utf-8")
-    temporary = None
+    path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        if is_regular_or_new(path):
+            replace_file(Path(os.path.realpath(path)), data)
+        else:
+            path.write_bytes(data)
+    except OSError as error:
+        raise ToolError(f"{path}: {error.strerror}") from None
+
+
+def is_regular_or_new(path):
+    try:
+        return stat.S_ISREG(path.stat().st_mode)
+    except FileNotFoundError:
+        return True
+
+
+def replace_file(path, data):
+    """The temporary file has a name of its own, so that two programs may write the same file."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
-    except OSError as error:
-        if temporary is not None and os.path.exists(temporary):
-            os.unlink(temporary)
-        raise ToolError(f"{path}: {error.strerror}") from None
-
-
-def with_block(path, text, mark, block):
-    """The text of a Markdown file with the block between <!-- mark --> and <!-- /mark -->."""
-    start, end = f"<!-- {mark} -->", f"<!-- /{mark} -->"
-    if text.count(start) != 1 or text.count(end) != 1 or text.index(start) > text.index(end):
-        raise ToolError(f"{path}: must hold {start} and, after it, {end}, once each")
-    before, rest = text.split(start)
-    return f"{before}{start}\n{block}\n{end}{rest.split(end)[1]}"
+    except BaseException:
+        os.unlink(temporary)
+        raise
 
 
 def markdown_table(headings, rows):

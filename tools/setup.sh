@@ -1,13 +1,18 @@
 #!/usr/bin/env bash
-# Installs what Joulepath needs on Debian 12 or Ubuntu 22.04 and 24.04: setup.sh [--yes] [sil|firmware|vcan|test]
-#   sil       the compiler, the libraries of the simulator and the Python tools
-#   firmware  also the Arm tool chain and its emulator
-#   vcan      besides sil, the CAN tools and, where this kernel has no vcan, one to emulate (tools/with_vcan.sh)
+# Installs what Joulepath needs on Debian 12 or Ubuntu 22.04 and 24.04: setup.sh [--yes] [SCOPE...]
+#   sil       the compiler, the libraries of the simulator and what its reports need; part of all others
+#   design    what makes tables and imports maps
+#   operate   what speaks with a robot over CAN or LCM
+#   campaign  what runs missions on all cores or a cluster
+#   firmware  the Arm tool chain and its emulator
+#   vcan      operate, the CAN tools and, where this kernel has no vcan, one to emulate (tools/operate/with_vcan.sh)
 #   test      all of it, the second compiler, the checkers and the RISC-V tool chain (the default)
-# JP_SETUP=skip installs nothing and says what is missing. Exit status 2: something could not be installed.
+# Python packages go to .venv, which later calls add to; tools/requirements-*.txt list them.
+# JP_SETUP=skip installs nothing and says what is missing, in the Python that PYTHON names. Exit status 2: something could
+# not be installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-. tools/vcan/common.sh
+. tools/operate/vcan/common.sh
 
 sil_packages=(build-essential libccd-dev libconfig-dev libjansson-dev liblcm-dev libnlopt-dev pkg-config python3-venv)
 vcan_packages=(can-utils iproute2 util-linux)
@@ -77,7 +82,7 @@ install_packages() {
     confirm
     as_root apt-get update -q >/dev/null ||
         die "apt-get update failed: check the network and /etc/apt/sources.list"
-    if [ "$scope" = test ] && ! has_clang_runtime; then
+    if wants test && ! has_clang_runtime; then
         set -- "$@" "$(clang_runtime)"
         echo "setup: and the run-time library of clang: ${*: -1}"
     fi
@@ -87,7 +92,7 @@ install_packages() {
 
 check_packages() {
     mapfile -t missing < <(missing_packages "$@")
-    if [ "$scope" = test ] && [ ${#missing[@]} -eq 0 ] && ! has_clang_runtime; then
+    if wants test && [ ${#missing[@]} -eq 0 ] && ! has_clang_runtime; then
         missing=(clang)
     fi
     [ ${#missing[@]} -eq 0 ] && return
@@ -95,19 +100,20 @@ check_packages() {
     install_packages "${missing[@]}"
 }
 
-# is_current NAME: tools/NAME.txt is what .venv was made from.
+# is_current NAME: .venv has what tools/requirements-NAME.txt lists.
 is_current() {
-    cmp -s "tools/$1.txt" ".venv/$1.installed" && [ -x .venv/bin/python ]
+    cmp -s "tools/requirements-$1.txt" ".venv/$1.installed" && [ -x .venv/bin/python ]
 }
 
 install_requirements() {
-    echo "setup: Python packages to install in .venv: $(grep -v '^#' "tools/$1.txt" | tr '\n' ' ')"
+    local list=tools/requirements-$1.txt
+    echo "setup: Python packages to install in .venv: $(grep -o '^[^# ]*' "$list" | tr '\n' ' ')"
     confirm
-    [ "$1" != requirements ] || python3 -m venv --clear .venv >/dev/null ||
+    [ -x .venv/bin/python ] || python3 -m venv --clear .venv >/dev/null ||
         die "python3 -m venv failed: the package python3-venv is missing"
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r "tools/$1.txt" ||
-        die "pip could not install tools/$1.txt: check the network"
-    cp "tools/$1.txt" ".venv/$1.installed"
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r "$list" ||
+        die "pip could not install $list: check the network"
+    cp "$list" ".venv/$1.installed"
 }
 
 check_python() {
@@ -124,7 +130,7 @@ check_vcan() {
     has_vcan_kernel && return
     echo "setup: this kernel has no vcan; to fetch: a kernel to emulate, into .cache/vcan (70 MB)"
     confirm
-    tools/vcan/kernel.sh
+    tools/operate/vcan/kernel.sh
 }
 
 # What emulating a kernel lacks, where that is needed.
@@ -137,66 +143,99 @@ missing_vcan() {
     for tool in busybox qemu-system-x86_64; do
         command -v "$tool" >/dev/null || echo "$tool"
     done
-    has_vcan_kernel || echo "vcan in this kernel (or the kernel that tools/vcan/kernel.sh fetches)"
+    has_vcan_kernel || echo "vcan in this kernel (or the kernel that tools/operate/vcan/kernel.sh fetches)"
+}
+
+has_module() {
+    "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$1') is None)" 2>/dev/null
+}
+
+# missing_python NAME...: what tools/requirements-NAME.txt list, by the name of its module or program.
+missing_python() {
+    local python=${PYTHON:-} list package module program
+    [ -n "$python" ] || python=$([ -x .venv/bin/python ] && echo .venv/bin/python || echo python3)
+    command -v "$python" >/dev/null || {
+        echo "$python"
+        return
+    }
+    for list in "$@"; do
+        grep -v '^#' "tools/requirements-$list.txt"
+    done | sort -u | while read -r package _ module program; do
+        if [ "$module" = program ]; then
+            command -v "$program" >/dev/null || [ -x ".venv/bin/$program" ] || echo "$program"
+        else
+            has_module "${module:-${package%%==*}}" || echo "python module ${module:-${package%%==*}}"
+        fi
+    done
+}
+
+missing_programs() {
+    local tool tools=(gcc ar pkg-config)
+    ! wants firmware || tools+=(arm-none-eabi-gcc qemu-system-arm)
+    ! wants test || tools+=(g++ clang cmake cppcheck riscv64-unknown-elf-gcc qemu-system-riscv32)
+    for tool in "${tools[@]}"; do
+        command -v "$tool" >/dev/null || echo "$tool"
+    done
+}
+
+missing_libraries() {
+    local library
+    for library in ccd libconfig jansson nlopt; do
+        pkg-config --exists "$library" 2>/dev/null || echo "$library"
+    done
+    # Debian's lcm.pc asks for GLib's headers, which LCM's do not include.
+    gcc -E -include lcm/lcm.h -x c /dev/null >/dev/null 2>&1 || echo lcm
+    ! wants test || riscv64-unknown-elf-gcc --specs=picolibc.specs -E -x c /dev/null >/dev/null 2>&1 ||
+        echo "picolibc for RISC-V"
 }
 
 # For people who manage their own packages.
 report_missing() {
-    local tool absent=()
-    local python=python3 list
-    local tools=(gcc ar pkg-config python3)
-    local modules=(numpy scipy matplotlib jinja2 PIL yaml cantools can serial e2e libconf lcm rich distributed)
-    [[ $scope != @(firmware|test) ]] || tools+=(arm-none-eabi-gcc qemu-system-arm)
-    if [ "$scope" = test ]; then
-        tools+=(g++ clang cmake cppcheck riscv64-unknown-elf-gcc qemu-system-riscv32)
-        modules+=(elftools gcovr kconfiglib platformio pyocd SCons pytest xdist junitparser)
-    fi
-    for tool in "${tools[@]}"; do
-        command -v "$tool" >/dev/null || absent+=("$tool")
-    done
-    for tool in ccd libconfig jansson nlopt; do
-        pkg-config --exists "$tool" 2>/dev/null || absent+=("$tool")
-    done
-    # Debian's lcm.pc asks for GLib's headers, which LCM's do not include.
-    gcc -E -include lcm/lcm.h -x c /dev/null >/dev/null 2>&1 || absent+=(lcm)
-    if [ "$scope" = test ]; then
-        riscv64-unknown-elf-gcc --specs=picolibc.specs -E -x c /dev/null >/dev/null 2>&1 || absent+=("picolibc for RISC-V")
-    fi
-    if [[ $scope == @(vcan|test) ]]; then
-        mapfile -t -O ${#absent[@]} absent < <(missing_vcan)
-    fi
-    [ -x .venv/bin/python ] && python=.venv/bin/python
-    for tool in "${modules[@]}"; do
-        "$python" -c "import importlib.util, sys; sys.exit(importlib.util.find_spec('$tool') is None)" 2>/dev/null ||
-            absent+=("python module $tool")
-    done
+    local absent list
+    mapfile -t absent < <(
+        missing_programs
+        missing_libraries
+        ! wants vcan || missing_vcan
+        missing_python "${requirements[@]}"
+    )
     [ ${#absent[@]} -eq 0 ] && return
     printf -v list '%s, ' "${absent[@]}"
     die "JP_SETUP=skip, and missing: ${list%, }"
 }
 
+# wants SCOPE...: one of them was asked for, or test, which is all.
+wants() {
+    local scope
+    for scope in "$@" test; do
+        [[ " ${scopes[*]} " != *" $scope "* ]] || return 0
+    done
+    return 1
+}
+
 yes=0
-scope=test
+scopes=()
 for argument in "$@"; do
     case $argument in
     --yes) yes=1 ;;
-    sil | firmware | vcan | test) scope=$argument ;;
-    *) die "usage: tools/setup.sh [--yes] [sil|firmware|vcan|test]" ;;
+    sil | design | operate | campaign | firmware | vcan | test) scopes+=("$argument") ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|firmware|vcan|test]..." ;;
     esac
 done
+[ ${#scopes[@]} -gt 0 ] || scopes=(test)
 
 packages=("${sil_packages[@]}")
-requirements=(requirements)
-[[ $scope != @(firmware|test) ]] || packages+=("${firmware_packages[@]}")
-[[ $scope != @(vcan|test) ]] || packages+=("${vcan_packages[@]}")
-if [ "$scope" = test ]; then
-    packages+=("${test_packages[@]}")
-    requirements+=(requirements-test)
-fi
+requirements=(sil)
+! wants firmware || packages+=("${firmware_packages[@]}")
+! wants vcan || packages+=("${vcan_packages[@]}")
+! wants test || packages+=("${test_packages[@]}")
+! wants design || requirements+=(design)
+! wants operate vcan || requirements+=(operate)
+! wants campaign || requirements+=(campaign)
+! wants test || requirements+=(test)
 if [ "${JP_SETUP:-}" = skip ]; then
     report_missing
     exit 0
 fi
 check_packages "${packages[@]}"
 check_python "${requirements[@]}"
-[[ $scope != @(vcan|test) ]] || check_vcan
+! wants vcan || check_vcan

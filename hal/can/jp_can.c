@@ -1352,6 +1352,7 @@ int jp_can_ecu_losses_pack(
     dst_p[4] |= pack_left_shift_u8(src_p->rejected, 0u, 0xffu);
     dst_p[5] |= pack_left_shift_u16(src_p->send_errors, 0u, 0xffu);
     dst_p[6] |= pack_right_shift_u16(src_p->send_errors, 8u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->stand_refusal, 0u, 0x07u);
 
     return (8);
 }
@@ -1372,6 +1373,7 @@ int jp_can_ecu_losses_unpack(
     dst_p->rejected = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
     dst_p->send_errors = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
     dst_p->send_errors |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    dst_p->stand_refusal = unpack_right_shift_u8(src_p[7], 0u, 0x07u);
 
     return (0);
 }
@@ -1431,6 +1433,16 @@ bool jp_can_ecu_losses_send_errors_is_in_range(uint16_t value)
 bool jp_can_ecu_losses_send_errors_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 65535.0));
+}
+
+bool jp_can_ecu_losses_stand_refusal_is_in_range(uint8_t value)
+{
+    return (value <= 4u);
+}
+
+bool jp_can_ecu_losses_stand_refusal_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4.0));
 }
 
 int jp_can_route_status_pack(
@@ -1708,7 +1720,7 @@ int jp_can_motion_pack(
     uint16_t pitch;
     uint16_t pitch_rate;
     uint16_t speed;
-    uint16_t turn_rate;
+    uint16_t yaw_rate;
 
     if (size < 8u) {
         return (-EINVAL);
@@ -1719,9 +1731,9 @@ int jp_can_motion_pack(
     speed = (uint16_t)src_p->speed;
     dst_p[0] |= pack_left_shift_u16(speed, 0u, 0xffu);
     dst_p[1] |= pack_right_shift_u16(speed, 8u, 0xffu);
-    turn_rate = (uint16_t)src_p->turn_rate;
-    dst_p[2] |= pack_left_shift_u16(turn_rate, 0u, 0xffu);
-    dst_p[3] |= pack_right_shift_u16(turn_rate, 8u, 0xffu);
+    yaw_rate = (uint16_t)src_p->yaw_rate;
+    dst_p[2] |= pack_left_shift_u16(yaw_rate, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(yaw_rate, 8u, 0xffu);
     pitch = (uint16_t)src_p->pitch;
     dst_p[4] |= pack_left_shift_u16(pitch, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u16(pitch, 8u, 0xffu);
@@ -1740,7 +1752,7 @@ int jp_can_motion_unpack(
     uint16_t pitch;
     uint16_t pitch_rate;
     uint16_t speed;
-    uint16_t turn_rate;
+    uint16_t yaw_rate;
 
     if (size < 8u) {
         return (-EINVAL);
@@ -1749,9 +1761,9 @@ int jp_can_motion_unpack(
     speed = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
     speed |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
     dst_p->speed = (int16_t)speed;
-    turn_rate = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
-    turn_rate |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
-    dst_p->turn_rate = (int16_t)turn_rate;
+    yaw_rate = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    yaw_rate |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->yaw_rate = (int16_t)yaw_rate;
     pitch = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
     pitch |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
     dst_p->pitch = (int16_t)pitch;
@@ -1783,14 +1795,14 @@ bool jp_can_motion_speed_is_in_phys_range(double value)
     return ((value >= -8.0) && (value <= 7.999755859375));
 }
 
-bool jp_can_motion_turn_rate_is_in_range(int16_t value)
+bool jp_can_motion_yaw_rate_is_in_range(int16_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool jp_can_motion_turn_rate_is_in_phys_range(double value)
+bool jp_can_motion_yaw_rate_is_in_phys_range(double value)
 {
     return ((value >= -8.0) && (value <= 7.999755859375));
 }
@@ -1826,7 +1838,7 @@ int jp_can_reference_pack(
 {
     uint16_t heading;
     uint16_t speed;
-    uint16_t turn_rate;
+    uint16_t yaw_rate;
 
     if (size < 8u) {
         return (-EINVAL);
@@ -1837,9 +1849,9 @@ int jp_can_reference_pack(
     speed = (uint16_t)src_p->speed;
     dst_p[0] |= pack_left_shift_u16(speed, 0u, 0xffu);
     dst_p[1] |= pack_right_shift_u16(speed, 8u, 0xffu);
-    turn_rate = (uint16_t)src_p->turn_rate;
-    dst_p[2] |= pack_left_shift_u16(turn_rate, 0u, 0xffu);
-    dst_p[3] |= pack_right_shift_u16(turn_rate, 8u, 0xffu);
+    yaw_rate = (uint16_t)src_p->yaw_rate;
+    dst_p[2] |= pack_left_shift_u16(yaw_rate, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(yaw_rate, 8u, 0xffu);
     heading = (uint16_t)src_p->heading;
     dst_p[4] |= pack_left_shift_u16(heading, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u16(heading, 8u, 0xffu);
@@ -1856,7 +1868,7 @@ int jp_can_reference_unpack(
 {
     uint16_t heading;
     uint16_t speed;
-    uint16_t turn_rate;
+    uint16_t yaw_rate;
 
     if (size < 8u) {
         return (-EINVAL);
@@ -1865,9 +1877,9 @@ int jp_can_reference_unpack(
     speed = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
     speed |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
     dst_p->speed = (int16_t)speed;
-    turn_rate = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
-    turn_rate |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
-    dst_p->turn_rate = (int16_t)turn_rate;
+    yaw_rate = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    yaw_rate |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->yaw_rate = (int16_t)yaw_rate;
     heading = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
     heading |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
     dst_p->heading = (int16_t)heading;
@@ -1898,14 +1910,14 @@ bool jp_can_reference_speed_is_in_phys_range(double value)
     return ((value >= -8.0) && (value <= 7.999755859375));
 }
 
-bool jp_can_reference_turn_rate_is_in_range(int16_t value)
+bool jp_can_reference_yaw_rate_is_in_range(int16_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool jp_can_reference_turn_rate_is_in_phys_range(double value)
+bool jp_can_reference_yaw_rate_is_in_phys_range(double value)
 {
     return ((value >= -8.0) && (value <= 7.999755859375));
 }

@@ -183,6 +183,12 @@ extern "C" {
 #define JP_CAN_ECU_STATUS_OPERATOR_STATE_ALIVE_CHOICE (1u)
 #define JP_CAN_ECU_STATUS_OPERATOR_STATE_LOST_CHOICE (2u)
 
+#define JP_CAN_ECU_LOSSES_STAND_REFUSAL_NONE_CHOICE (0u)
+#define JP_CAN_ECU_LOSSES_STAND_REFUSAL_NOT_UPRIGHT_CHOICE (1u)
+#define JP_CAN_ECU_LOSSES_STAND_REFUSAL_FALLEN_CHOICE (2u)
+#define JP_CAN_ECU_LOSSES_STAND_REFUSAL_FAULT_CHOICE (3u)
+#define JP_CAN_ECU_LOSSES_STAND_REFUSAL_OTHER_CONTROLLER_CHOICE (4u)
+
 #define JP_CAN_ROUTE_STATUS_STATE_NONE_CHOICE (0u)
 #define JP_CAN_ROUTE_STATUS_STATE_RECEIVING_CHOICE (1u)
 #define JP_CAN_ROUTE_STATUS_STATE_READY_CHOICE (2u)
@@ -314,6 +320,7 @@ extern "C" {
 #define JP_CAN_ECU_LOSSES_UNKNOWN_FRAMES_NAME "UnknownFrames"
 #define JP_CAN_ECU_LOSSES_REJECTED_NAME "Rejected"
 #define JP_CAN_ECU_LOSSES_SEND_ERRORS_NAME "SendErrors"
+#define JP_CAN_ECU_LOSSES_STAND_REFUSAL_NAME "StandRefusal"
 #define JP_CAN_ROUTE_STATUS_ROUTE_ID_NAME "RouteId"
 #define JP_CAN_ROUTE_STATUS_STATE_NAME "State"
 #define JP_CAN_ROUTE_STATUS_REASON_NAME "Reason"
@@ -326,11 +333,11 @@ extern "C" {
 #define JP_CAN_POSE_Y_NAME "Y"
 #define JP_CAN_POSE_HEADING_NAME "Heading"
 #define JP_CAN_MOTION_SPEED_NAME "Speed"
-#define JP_CAN_MOTION_TURN_RATE_NAME "TurnRate"
+#define JP_CAN_MOTION_YAW_RATE_NAME "YawRate"
 #define JP_CAN_MOTION_PITCH_NAME "Pitch"
 #define JP_CAN_MOTION_PITCH_RATE_NAME "PitchRate"
 #define JP_CAN_REFERENCE_SPEED_NAME "Speed"
-#define JP_CAN_REFERENCE_TURN_RATE_NAME "TurnRate"
+#define JP_CAN_REFERENCE_YAW_RATE_NAME "YawRate"
 #define JP_CAN_REFERENCE_HEADING_NAME "Heading"
 #define JP_CAN_REFERENCE_SEGMENT_TIME_LEFT_NAME "SegmentTimeLeft"
 #define JP_CAN_MOTORS_VOLTAGE_LEFT_NAME "VoltageLeft"
@@ -602,7 +609,7 @@ struct jp_can_operator_command_t {
     uint8_t counter;
 
     /**
-     * Stand is obeyed at once, Off and Drive when three follow each other without a gap. A route is driven once.
+     * Stand is obeyed at once, Off and Drive when three follow each other without a gap. Stand stops a driving robot whatever its Counter, so from any node; three Drives follow each other only with no Stand between them. A route is driven once.
      *
      * Range: 0..2 (0..2 -)
      * Scale: 1
@@ -952,6 +959,15 @@ struct jp_can_ecu_losses_t {
      * Offset: 0
      */
     uint16_t send_errors;
+
+    /**
+     * Why the last Stand did not switch the motors on. Fallen and Fault end with Off.
+     *
+     * Range: 0..4 (0..4 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t stand_refusal;
 };
 
 /**
@@ -970,6 +986,8 @@ struct jp_can_route_status_t {
     uint8_t route_id;
 
     /**
+     * Done: the last segment has ended, and the robot passes the last waypoint in motion. It then rolls on, for courier24 up to 0.3 m, and comes back to a balanced stand within 7 s; EnergySpent and EnergyDrawn count that, SegmentResult does not.
+     *
      * Range: 0..6 (0..6 -)
      * Scale: 1
      * Offset: 0
@@ -1083,7 +1101,7 @@ struct jp_can_motion_t {
      * Scale: 0.000244140625
      * Offset: 0
      */
-    int16_t turn_rate;
+    int16_t yaw_rate;
 
     /**
      * Forward is positive.
@@ -1122,7 +1140,7 @@ struct jp_can_reference_t {
      * Scale: 0.000244140625
      * Offset: 0
      */
-    int16_t turn_rate;
+    int16_t yaw_rate;
 
     /**
      * Range: -32768..32767 (-0.5..0.49998 turn)
@@ -1226,6 +1244,8 @@ struct jp_can_segment_motion_t {
     int32_t speed;
 
     /**
+     * Command of the path, in rad/s; what is measured or followed is YawRate, in turn/s.
+     *
      * Range: -134217728..134217727 (-8..8.0 rad/s)
      * Scale: 5.960464477539063e-08
      * Offset: 0
@@ -3247,6 +3267,28 @@ bool jp_can_ecu_losses_send_errors_is_in_range(uint16_t value);
 bool jp_can_ecu_losses_send_errors_is_in_phys_range(double value);
 
 /**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_ecu_losses_stand_refusal_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_ecu_losses_stand_refusal_is_in_phys_range(double value);
+
+/**
  * Pack message RouteStatus.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -3628,7 +3670,7 @@ bool jp_can_motion_speed_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_motion_turn_rate_is_in_range(int16_t value);
+bool jp_can_motion_yaw_rate_is_in_range(int16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3641,7 +3683,7 @@ bool jp_can_motion_turn_rate_is_in_range(int16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_motion_turn_rate_is_in_phys_range(double value);
+bool jp_can_motion_yaw_rate_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3753,7 +3795,7 @@ bool jp_can_reference_speed_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_reference_turn_rate_is_in_range(int16_t value);
+bool jp_can_reference_yaw_rate_is_in_range(int16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3766,7 +3808,7 @@ bool jp_can_reference_turn_rate_is_in_range(int16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_reference_turn_rate_is_in_phys_range(double value);
+bool jp_can_reference_yaw_rate_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.

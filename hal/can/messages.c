@@ -1,9 +1,9 @@
-#include "messages.h"
+#include "hal/can/messages.h"
 
 #include <string.h>
 
-#include "../crc32.h"
-#include "jp_can.h"
+#include "hal/can/jp_can.h"
+#include "hal/storage/crc32.h"
 
 /** Fraction bits of the library's value that its signal leaves out. */
 #define DUTY_SHIFT    7U  /* Q31 to Q24 */

@@ -10,7 +10,7 @@
 #include <joulepath/segment.h>
 #include <joulepath/sensors.h>
 
-#include "can.h"
+#include "hal/can/can.h"
 
 #ifdef __cplusplus
 extern "C" {

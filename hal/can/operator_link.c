@@ -1,6 +1,6 @@
-#include "operator_link.h"
+#include "hal/can/operator_link.h"
 
-#include "jp_can.h"
+#include "hal/can/jp_can.h"
 
 void jp_operator_link_start(struct jp_operator_link *link, uint32_t tick_rate)
 {
@@ -39,6 +39,15 @@ static void obey(struct jp_operator_link *link)
     }
 }
 
+/** Out of sequence: an operator's own old command, or that of another node. Only a stop is safe to take from it. */
+static void obey_stop(struct jp_operator_link *link, const struct jp_can_operator_command_t *signals)
+{
+    if (signals->mode == JP_MODE_STAND) {
+        link->confirmations = 0;
+        link->mode = link->mode == JP_MODE_DRIVE ? JP_MODE_STAND : link->mode;
+    }
+}
+
 enum jp_operator_result jp_operator_link_accept(struct jp_operator_link *link, const struct jp_can_frame *frame)
 {
     struct jp_can_operator_command_t signals;
@@ -48,10 +57,14 @@ enum jp_operator_result jp_operator_link_accept(struct jp_operator_link *link, c
     if (result == JP_E2E_FIRST) {
         return JP_OPERATOR_OK;
     }
-    if (result != JP_E2E_OK) {
-        return result == JP_E2E_CRC ? JP_OPERATOR_CRC : JP_OPERATOR_SEQUENCE;
+    if (result == JP_E2E_CRC) {
+        return JP_OPERATOR_CRC;
     }
     (void)jp_can_operator_command_unpack(&signals, frame->data, frame->length);
+    if (result != JP_E2E_OK) {
+        obey_stop(link, &signals);
+        return JP_OPERATOR_SEQUENCE;
+    }
     if (!jp_can_operator_command_mode_is_in_range(signals.mode)) {
         link->confirmations = 0;
         return JP_OPERATOR_MALFORMED;

@@ -4,11 +4,14 @@
  * Stand is obeyed at once. Off and Drive are obeyed when JP_OPERATOR_CONFIRMATIONS of them follow each other without a
  * gap, so that no corrupt or late frame switches the motors off or sets the robot moving. After Off and after a silence
  * Drive is obeyed only once a valid Stand has come.
+ *
+ * Anybody may stop the robot: a Stand whose counter does not follow that of the operator stops it, too, and Drive is
+ * then obeyed only when JP_OPERATOR_CONFIRMATIONS of them follow each other with no Stand of anybody between them.
  */
 #ifndef JOULEPATH_HAL_CAN_OPERATOR_LINK_H
 #define JOULEPATH_HAL_CAN_OPERATOR_LINK_H
 
-#include "messages.h"
+#include "hal/can/messages.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -40,7 +43,7 @@ struct jp_operator_link {
 enum jp_operator_result {
     JP_OPERATOR_OK, /**< obeyed, counted towards being obeyed, or the first */
     JP_OPERATOR_CRC,
-    JP_OPERATOR_SEQUENCE, /**< repeated, late or out of order */
+    JP_OPERATOR_SEQUENCE, /**< repeated, late or out of order: nothing but a stop was obeyed */
     JP_OPERATOR_MALFORMED /**< a signal is out of range */
 };
 

@@ -1,6 +1,6 @@
-#include "route_link.h"
+#include "hal/can/route_link.h"
 
-#include "jp_can.h"
+#include "hal/can/jp_can.h"
 
 void jp_route_link_start(struct jp_route_link *link, uint32_t tick_rate)
 {
@@ -113,7 +113,7 @@ enum jp_e2e_result jp_route_link_accept_goal(struct jp_route_link *link, const s
     const struct jp_point point = {.x = signals.x, .y = signals.y};
 
     if (!is_driving_to(link, &point)) {
-        link->offered = (struct jp_route){.id = JP_ROUTE_GOAL, .length = 1, .points = {point}};
+        link->offered = (struct jp_route_message){.id = JP_ROUTE_GOAL, .length = 1, .points = {point}};
         link->received = 1;
         link->state = JP_ROUTE_READY;
         link->reason = JP_REASON_NONE;
@@ -121,7 +121,7 @@ enum jp_e2e_result jp_route_link_accept_goal(struct jp_route_link *link, const s
     return JP_E2E_OK;
 }
 
-const struct jp_route *jp_route_link_take(struct jp_route_link *link, uint8_t id)
+const struct jp_route_message *jp_route_link_take(struct jp_route_link *link, uint8_t id)
 {
     if (link->state != JP_ROUTE_READY || link->offered.id != id) {
         return NULL;

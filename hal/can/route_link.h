@@ -7,7 +7,7 @@
 #ifndef JOULEPATH_HAL_CAN_ROUTE_LINK_H
 #define JOULEPATH_HAL_CAN_ROUTE_LINK_H
 
-#include "messages.h"
+#include "hal/can/messages.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -44,7 +44,8 @@ enum jp_route_reason {
     JP_REASON_SWITCHED_OFF
 };
 
-struct jp_route {
+/** What the frames of a route tell. */
+struct jp_route_message {
     uint8_t id;
     uint8_t length;
     struct jp_point points[JP_ROUTE_LENGTH_MAX];
@@ -54,8 +55,8 @@ struct jp_route_link {
     struct jp_e2e_receiver offer_receiver;
     struct jp_e2e_receiver waypoint_receiver;
     struct jp_e2e_receiver goal_receiver;
-    struct jp_route offered;
-    struct jp_route driven;
+    struct jp_route_message offered;
+    struct jp_route_message driven;
     uint8_t received;     /**< waypoints of the offered route */
     uint32_t silence;     /**< ticks since its last frame */
     uint32_t timeout;     /**< ticks */
@@ -79,7 +80,7 @@ enum jp_e2e_result jp_route_link_accept_goal(struct jp_route_link *link, const s
 
 /** Hands over the ready route of this id, which is then driven; NULL: it is not ready. It stays in place until the next
  *  call that succeeds. */
-const struct jp_route *jp_route_link_take(struct jp_route_link *link, uint8_t id);
+const struct jp_route_message *jp_route_link_take(struct jp_route_link *link, uint8_t id);
 
 /** A goal that was reached may be given again. */
 void jp_route_link_forget_goal(struct jp_route_link *link);

@@ -1,4 +1,4 @@
-#include "sample_link.h"
+#include "hal/can/sample_link.h"
 
 #define ALL_PARTS ((1U << JP_SAMPLE_PARTS) - 1U)
 

@@ -10,7 +10,7 @@
 
 #include <joulepath/monitor.h>
 
-#include "messages.h"
+#include "hal/can/messages.h"
 
 #ifdef __cplusplus
 extern "C" {

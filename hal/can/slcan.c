@@ -1,4 +1,4 @@
-#include "slcan.h"
+#include "hal/can/slcan.h"
 
 #include <joulepath/version.h>
 

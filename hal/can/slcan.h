@@ -12,7 +12,7 @@
 
 #include <stdbool.h>
 
-#include "can.h"
+#include "hal/can/can.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-#include "../can/can.h"
+#include "hal/can/can.h"
 
 struct jp_can_link {
     struct jp_can_port port;
@@ -22,16 +22,5 @@ struct jp_can_link {
     /** Gives everything back. */
     void (*close)(void *context);
 };
-
-/**
- * Opens the bus that `name` stands for:
- *
- *   can:vcan0            a network interface of SocketCAN
- *   slcan:/dev/ttyACM0   a serial line that speaks SLCAN (an adapter, a board)
- *   pty:/tmp/ecu         the same on a new pseudo-terminal, whose far end appears under that name
- *
- * False after one line in `error` (at most `size` bytes): what, where, why, what to do.
- */
-bool jp_can_link_open(struct jp_can_link *link, const char *name, char *error, unsigned size);
 
 #endif

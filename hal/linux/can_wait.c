@@ -1,8 +1,8 @@
-#include "can_wait.h"
+#include "hal/linux/can_wait.h"
 
 #include <time.h>
 
-#include "periodic.h"
+#include "hal/linux/periodic.h"
 
 /** How often fetch() looks after the bus while nothing arrives, µs. */
 #define SLICE_US 10000

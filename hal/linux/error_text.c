@@ -1,4 +1,4 @@
-#include "error_text.h"
+#include "hal/linux/error_text.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "periodic.h"
+#include "hal/linux/periodic.h"
 
 #include <errno.h>
 #include <time.h>

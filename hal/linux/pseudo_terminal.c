@@ -1,4 +1,4 @@
-#include "pseudo_terminal.h"
+#include "hal/linux/pseudo_terminal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "error_text.h"
-#include "serial_line.h"
+#include "hal/linux/error_text.h"
+#include "hal/linux/serial_line.h"
 
 /** Whether `path` is a link to this terminal: its own, or that of a dead process whose terminal had the same number. */
 static bool leads_to_terminal(const struct jp_pseudo_terminal *terminal)

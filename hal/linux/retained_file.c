@@ -1,4 +1,4 @@
-#include "retained_file.h"
+#include "hal/linux/retained_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "error_text.h"
+#include "hal/linux/error_text.h"
 
 #define FILE_MODE 0644
 

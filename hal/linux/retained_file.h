@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "../can/retained.h"
+#include "hal/app/retained.h"
 
 struct jp_retained_file {
     int descriptor;

@@ -1,15 +1,15 @@
-#include "serial_can.h"
+#include "hal/linux/serial_can.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../can/slcan.h"
-#include "can_wait.h"
-#include "error_text.h"
-#include "periodic.h"
-#include "pseudo_terminal.h"
-#include "serial_line.h"
+#include "hal/can/slcan.h"
+#include "hal/linux/can_wait.h"
+#include "hal/linux/error_text.h"
+#include "hal/linux/periodic.h"
+#include "hal/linux/pseudo_terminal.h"
+#include "hal/linux/serial_line.h"
 
 /** Without a byte from the adapter for so long it is asked to open the channel again: it may have been reset, µs. */
 #define SILENCE_US 500000

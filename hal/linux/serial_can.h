@@ -6,7 +6,7 @@
 #ifndef JOULEPATH_HAL_LINUX_SERIAL_CAN_H
 #define JOULEPATH_HAL_LINUX_SERIAL_CAN_H
 
-#include "can_link.h"
+#include "hal/linux/can_link.h"
 
 /**
  * Opens the host's end on the serial line `path`, at 1 Mbaud. JP_CAN_DOWN until the adapter has answered, after it has

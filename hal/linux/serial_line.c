@@ -1,4 +1,4 @@
-#include "serial_line.h"
+#include "hal/linux/serial_line.h"
 
 #include <errno.h>
 #include <fcntl.h>

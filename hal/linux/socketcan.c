@@ -1,4 +1,4 @@
-#include "socketcan.h"
+#include "hal/linux/socketcan.h"
 
 #include <errno.h>
 #include <linux/can.h>
@@ -11,9 +11,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "can_wait.h"
-#include "error_text.h"
-#include "periodic.h"
+#include "hal/linux/can_wait.h"
+#include "hal/linux/error_text.h"
+#include "hal/linux/periodic.h"
 
 _Static_assert(JP_CAN_EXTENDED == CAN_EFF_FLAG && JP_CAN_REMOTE == CAN_RTR_FLAG, "the flags of an id are SocketCAN's");
 _Static_assert(JP_CAN_LENGTH_MAX == CAN_MAX_DLEN, "classic frames");
@@ -92,7 +92,7 @@ static bool explain(const char *name, int reason, char *error, unsigned size)
         return jp_error_text(
             error, size,
             "can:%s: this kernel has no CAN; load the modules can, can-raw and vcan, or run this under "
-            "tools/with_vcan.sh, which brings a kernel that has it",
+            "tools/operate/with_vcan.sh, which brings a kernel that has it",
             name);
     case ENODEV:
         return jp_error_text(error, size,

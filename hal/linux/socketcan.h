@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_HAL_LINUX_SOCKETCAN_H
 #define JOULEPATH_HAL_LINUX_SOCKETCAN_H
 
-#include "can_link.h"
+#include "hal/linux/can_link.h"
 
 /**
  * Opens the interface `name`, such as vcan0. It receives what other sockets and nodes send, not its own frames.

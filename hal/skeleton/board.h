@@ -21,7 +21,6 @@ enum jp_status board_start_ticks(uint32_t rate);
 /** The HAL's functions, as hal.h says. */
 enum jp_status board_read(void *context, struct jp_sensors *sensors);
 enum jp_status board_write(void *context, const struct jp_actuation *actuation);
-uint32_t board_time_us(void *context);
 
 /** Both bridges off at once, from any context: fault handlers call it too. */
 void board_bridges_off(void);

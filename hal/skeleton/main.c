@@ -2,15 +2,13 @@
  * A balancer on a board of your own. The interrupt controls, the loop plans and feeds the watchdog; after a fall or a
  * fault the operator switches off and on again.
  */
+#include <joulepath/tables.h>
+
 #include <stddef.h>
 
-#include "board.h"
+#include "hal/skeleton/board.h"
 
-/* Put your robot's here: `make gains` and `make identify` make them. */
-extern const struct jp_robot_config jp_robot_courier24;
-extern const struct jp_energy_model jp_energy_model_courier24;
-
-static const struct jp_hal hal = {NULL, board_read, board_write, board_time_us};
+static const struct jp_hal hal = {NULL, board_read, board_write};
 static struct jp_robot robot;
 static enum jp_status written = JP_OK;
 static bool ticked; /**< since the loop looked last */

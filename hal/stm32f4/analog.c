@@ -1,8 +1,8 @@
-#include "analog.h"
+#include "hal/stm32f4/analog.h"
 
-#include "board.h"
-#include "stm32f405.h"
-#include "wait.h"
+#include "hal/stm32f4/board.h"
+#include "hal/stm32f4/stm32f405.h"
+#include "hal/stm32f4/wait.h"
 
 #define READING_MAX (BOARD_ADC_COUNTS - 1)
 

@@ -14,7 +14,7 @@
 
 #include <joulepath/fixed.h>
 
-#include "pins.h"
+#include "hal/stm32f4/pins.h"
 
 /** Pins: port, number, alternate function. BREAK is the gate drivers' fault output, active low; H and L are the inputs
  *  for the high and the low side. */

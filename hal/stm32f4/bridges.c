@@ -1,7 +1,7 @@
-#include "bridges.h"
+#include "hal/stm32f4/bridges.h"
 
-#include "board.h"
-#include "stm32f405.h"
+#include "hal/stm32f4/board.h"
+#include "hal/stm32f4/stm32f405.h"
 
 #define NANOSECONDS 1000000000U
 

@@ -1,8 +1,8 @@
-#include "can_controller.h"
+#include "hal/stm32f4/can_controller.h"
 
-#include "board.h"
-#include "stm32f405.h"
-#include "wait.h"
+#include "hal/stm32f4/board.h"
+#include "hal/stm32f4/stm32f405.h"
+#include "hal/stm32f4/wait.h"
 
 #define STANDARD_ID_MAX 0x7FFU
 

@@ -12,7 +12,7 @@
 
 #include <stdbool.h>
 
-#include "../can/can.h"
+#include "hal/can/can.h"
 
 /** Frames that wait for a mailbox: more than a tick sends. A power of two. */
 #define JP_CAN_QUEUE 32U

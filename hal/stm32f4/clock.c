@@ -1,8 +1,8 @@
-#include "clock.h"
+#include "hal/stm32f4/clock.h"
 
-#include "board.h"
-#include "stm32f405.h"
-#include "wait.h"
+#include "hal/stm32f4/board.h"
+#include "hal/stm32f4/stm32f405.h"
+#include "hal/stm32f4/wait.h"
 
 #define HSI_HZ       16000000U
 #define CORE_HZ      168000000U

@@ -1,4 +1,4 @@
-#include "cortex_m.h"
+#include "hal/stm32f4/cortex_m.h"
 
 void jp_interrupts_off(void)
 {

@@ -5,7 +5,7 @@
 #ifndef JOULEPATH_HAL_STM32F4_CORTEX_M_H
 #define JOULEPATH_HAL_STM32F4_CORTEX_M_H
 
-#include "stm32f405.h"
+#include "hal/stm32f4/stm32f405.h"
 
 /** System control block. */
 struct cortex_scb {

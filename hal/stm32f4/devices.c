@@ -1,8 +1,8 @@
-#include "devices.h"
+#include "hal/stm32f4/devices.h"
 
-#include "board.h"
-#include "timer.h"
-#include "wait.h"
+#include "hal/stm32f4/board.h"
+#include "hal/stm32f4/timer.h"
+#include "hal/stm32f4/wait.h"
 
 #define PULL_UP_US 20U /* of 40 kΩ, with a cable */
 
@@ -67,13 +67,7 @@ static enum jp_status write_actuation(void *context, const struct jp_actuation *
     return jp_bridges_write(&devices->bridges, actuation);
 }
 
-static uint32_t time_us(void *context)
-{
-    (void)context;
-    return jp_timer_us();
-}
-
 struct jp_hal jp_devices_hal(struct jp_devices *devices)
 {
-    return (struct jp_hal){.context = devices, .read = read_sensors, .write = write_actuation, .time_us = time_us};
+    return (struct jp_hal){.context = devices, .read = read_sensors, .write = write_actuation};
 }

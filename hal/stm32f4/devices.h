@@ -10,13 +10,13 @@
 #ifndef JOULEPATH_HAL_STM32F4_DEVICES_H
 #define JOULEPATH_HAL_STM32F4_DEVICES_H
 
-#include "../hal.h"
-#include "analog.h"
-#include "bridges.h"
-#include "can_controller.h"
-#include "clock.h"
-#include "encoders.h"
-#include "imu.h"
+#include "hal/hal.h"
+#include "hal/stm32f4/analog.h"
+#include "hal/stm32f4/bridges.h"
+#include "hal/stm32f4/can_controller.h"
+#include "hal/stm32f4/clock.h"
+#include "hal/stm32f4/encoders.h"
+#include "hal/stm32f4/imu.h"
 
 struct jp_devices {
     enum jp_clock clock;

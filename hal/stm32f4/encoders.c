@@ -1,7 +1,7 @@
-#include "encoders.h"
+#include "hal/stm32f4/encoders.h"
 
-#include "board.h"
-#include "stm32f405.h"
+#include "hal/stm32f4/board.h"
+#include "hal/stm32f4/stm32f405.h"
 
 /* Fields of the registers. */
 #define SMS_ENCODER_3 3U /* counts the edges of both inputs */

@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_HAL_STM32F4_FAULT_H
 #define JOULEPATH_HAL_STM32F4_FAULT_H
 
-#include "../post_mortem.h"
+#include "hal/storage/post_mortem.h"
 
 /** The record that outlives the reset. */
 extern struct jp_post_mortem jp_post_mortem;

@@ -4,6 +4,7 @@
 
 #include <joulepath/learner.h>
 #include <joulepath/robot.h>
+#include <joulepath/tables.h>
 
 #ifndef FIRMWARE_ROBOT_NAME
 #error "FIRMWARE_ROBOT_NAME is set by the Makefile"
@@ -14,16 +15,10 @@
 #define FIRMWARE_ROBOT             ROBOT_SYMBOL(jp_robot_, FIRMWARE_ROBOT_NAME)
 #define FIRMWARE_ENERGY_MODEL      ROBOT_SYMBOL(jp_energy_model_, FIRMWARE_ROBOT_NAME)
 
-extern const struct jp_robot_config FIRMWARE_ROBOT;
-extern const struct jp_energy_model FIRMWARE_ENERGY_MODEL;
-
 /** It learns if there are tables of the robot: the Makefile says so. */
 #ifdef FIRMWARE_LEARNS
 #define FIRMWARE_HORIZON  ROBOT_SYMBOL(jp_horizon_, FIRMWARE_ROBOT_NAME)
 #define FIRMWARE_LEARNING ROBOT_SYMBOL(jp_learning_, FIRMWARE_ROBOT_NAME)
-
-extern const struct jp_horizon FIRMWARE_HORIZON;
-extern const struct jp_learning FIRMWARE_LEARNING;
 #endif
 
 #endif

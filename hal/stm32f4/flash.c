@@ -1,9 +1,9 @@
-#include "flash.h"
+#include "hal/stm32f4/flash.h"
 
 #include <stddef.h>
 
-#include "stm32f405.h"
-#include "wait.h"
+#include "hal/stm32f4/stm32f405.h"
+#include "hal/stm32f4/wait.h"
 
 #define FIRST_SECTOR 1U
 #define PSIZE_WORD   2U

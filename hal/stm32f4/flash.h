@@ -10,7 +10,7 @@
 #ifndef JOULEPATH_HAL_STM32F4_FLASH_H
 #define JOULEPATH_HAL_STM32F4_FLASH_H
 
-#include "../store.h"
+#include "hal/storage/store.h"
 
 #define JP_FLASH_SECTOR_SIZE 16384U /* bytes */
 

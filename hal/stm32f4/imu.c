@@ -1,8 +1,8 @@
-#include "imu.h"
+#include "hal/stm32f4/imu.h"
 
-#include "board.h"
-#include "stm32f405.h"
-#include "wait.h"
+#include "hal/stm32f4/board.h"
+#include "hal/stm32f4/stm32f405.h"
+#include "hal/stm32f4/wait.h"
 
 /* Registers of the sensor (RM-MPU-6500A). */
 #define SMPLRT_DIV        0x19U

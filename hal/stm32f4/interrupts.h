@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_HAL_STM32F4_INTERRUPTS_H
 #define JOULEPATH_HAL_STM32F4_INTERRUPTS_H
 
-#include "stm32f405.h"
+#include "hal/stm32f4/stm32f405.h"
 
 /** The control interrupt: the end of the IMU's transfer or, when sensors and bridges are simulated, pended by software.
  */

@@ -7,17 +7,17 @@
  * The operator is on CAN or, where the controller for it has no bus, on the serial line as SLCAN. With the strap set
  * sensors and bridges are simulated there too: on CAN in real time, on the serial line in lockstep.
  */
-#include "../can/lockstep.h"
-#include "../parameters.h"
-#include "cortex_m.h"
-#include "devices.h"
-#include "fault.h"
-#include "firmware_robot.h"
-#include "flash.h"
-#include "interrupts.h"
-#include "serial.h"
-#include "supervision.h"
-#include "timer.h"
+#include "hal/app/lockstep.h"
+#include "hal/stm32f4/cortex_m.h"
+#include "hal/stm32f4/devices.h"
+#include "hal/stm32f4/fault.h"
+#include "hal/stm32f4/firmware_robot.h"
+#include "hal/stm32f4/flash.h"
+#include "hal/stm32f4/interrupts.h"
+#include "hal/stm32f4/serial.h"
+#include "hal/stm32f4/supervision.h"
+#include "hal/stm32f4/timer.h"
+#include "hal/storage/parameters.h"
 
 #define SERIAL_BAUD 1000000U
 
@@ -292,10 +292,9 @@ static void watch_for_rest(void)
     static bool ran;
     struct jp_telemetry telemetry;
 
-    if (has_simulated_body()) {
+    if (has_simulated_body() || !jp_robot_telemetry(&node.ecu.robot, &telemetry)) {
         return;
     }
-    jp_robot_telemetry(&node.ecu.robot, &telemetry);
     if (telemetry.state == JP_ROBOT_IDLE && ran) {
         keep_parameters(&telemetry);
     }

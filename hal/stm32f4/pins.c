@@ -1,4 +1,4 @@
-#include "pins.h"
+#include "hal/stm32f4/pins.h"
 
 #define PORT_CLOCKS                                                                                                    \
     (RCC_AHB1ENR_GPIOAEN | RCC_AHB1ENR_GPIOBEN | RCC_AHB1ENR_GPIOCEN | RCC_AHB1ENR_GPIODEN | RCC_AHB1ENR_GPIOEEN)

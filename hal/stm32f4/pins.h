@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "stm32f405.h"
+#include "hal/stm32f4/stm32f405.h"
 
 struct jp_pin {
     volatile struct stm32_gpio *port;

@@ -1,10 +1,10 @@
-#include "serial.h"
+#include "hal/stm32f4/serial.h"
 
 #include <stddef.h>
 
-#include "board.h"
-#include "pins.h"
-#include "stm32f405.h"
+#include "hal/stm32f4/board.h"
+#include "hal/stm32f4/pins.h"
+#include "hal/stm32f4/stm32f405.h"
 
 static uint16_t after(uint16_t index, uint32_t size)
 {

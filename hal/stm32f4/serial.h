@@ -6,8 +6,8 @@
 #ifndef JOULEPATH_HAL_STM32F4_SERIAL_H
 #define JOULEPATH_HAL_STM32F4_SERIAL_H
 
-#include "../can/can.h"
-#include "../can/slcan.h"
+#include "hal/can/can.h"
+#include "hal/can/slcan.h"
 
 /** Bytes; powers of two. A tick's frames are up to 300 of them. */
 #define JP_SERIAL_INPUT  1024U

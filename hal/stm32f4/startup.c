@@ -1,9 +1,9 @@
 /** Vector table and start-up: memory, stacks with their guards, then main() on the main stack. */
 #include <string.h>
 
-#include "cortex_m.h"
-#include "fault.h"
-#include "stack_guard.h"
+#include "hal/stm32f4/cortex_m.h"
+#include "hal/stm32f4/fault.h"
+#include "hal/stm32f4/stack_guard.h"
 
 /* Addresses that the linker script gives. */
 extern uint8_t firmware_data_start[], firmware_data_end[], firmware_data_load[];

@@ -7,8 +7,8 @@
  *
  * A field of one bit is its mask, PERIPHERAL_REGISTER_FIELD; a wider one is a macro that puts its value in place.
  */
-#ifndef JOULEPATH_HAL_STM32F405_H
-#define JOULEPATH_HAL_STM32F405_H
+#ifndef JOULEPATH_HAL_STM32F4_STM32F405_H
+#define JOULEPATH_HAL_STM32F4_STM32F405_H
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
-#include "supervision.h"
+#include "hal/stm32f4/supervision.h"
 
-#include "stm32f405.h"
-#include "wait.h"
+#include "hal/stm32f4/stm32f405.h"
+#include "hal/stm32f4/wait.h"
 
 /** Keys of IWDG_KR. */
 #define KEY_UNLOCK 0x5555U

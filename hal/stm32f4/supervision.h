@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_HAL_STM32F4_SUPERVISION_H
 #define JOULEPATH_HAL_STM32F4_SUPERVISION_H
 
-#include "../post_mortem.h"
+#include "hal/storage/post_mortem.h"
 
 /** The watchdog resets when it was not fed for so long, ms; −32…+88 % by the tolerance of its oscillator (17…47 kHz).
  */

@@ -1,6 +1,6 @@
-#include "timer.h"
+#include "hal/stm32f4/timer.h"
 
-#include "stm32f405.h"
+#include "hal/stm32f4/stm32f405.h"
 
 #define COUNTS_A_SECOND 1000000U
 

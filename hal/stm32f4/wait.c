@@ -1,6 +1,6 @@
-#include "wait.h"
+#include "hal/stm32f4/wait.h"
 
-#include "timer.h"
+#include "hal/stm32f4/timer.h"
 
 #define POLLS_A_MICROSECOND 64U
 

@@ -63,7 +63,7 @@ struct jp_battery {
     uint8_t reason; /**< of the doubt, jp_battery_flag */
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. */
 enum jp_status jp_battery_check(const struct jp_battery_config *config, const char **field);
 
 /**

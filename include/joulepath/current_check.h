@@ -67,8 +67,8 @@ struct jp_current_check_config {
 /** What the currents of one moment belong to. */
 struct jp_motor_sample {
     struct jp_voltages voltages; /**< that drove the motors until then */
-    jp_q24 wheel_rate;           /**< mean of the wheels, relative to the body, turn/s */
-    jp_q24 yaw_rate;             /**< turn/s */
+    jp_turns_per_s wheel_rate;   /**< mean of the wheels, relative to the body, turn/s */
+    jp_turns_per_s yaw_rate;     /**< turn/s */
     jp_q16 current_left;         /**< measured, A */
     jp_q16 current_right;        /**< measured, A */
 };
@@ -124,7 +124,7 @@ struct jp_current_check {
     uint16_t blame_samples;
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. */
 enum jp_status jp_current_check_check(const struct jp_current_check_config *config, const char **field);
 
 /** Nothing is known. Both must have passed their checks; pointers are kept. Of `motors` Rm, kb and W/(2R) are used. */

@@ -23,7 +23,7 @@ extern "C" {
 
 #define JP_ENERGY_TERMS 13
 
-/** Parameters of one robot under one controller; made by tools/identify.py. */
+/** Parameters of one robot under one controller; made by tools/design/identify.py. */
 struct jp_energy_model {
     jp_q16 a[JP_ENERGY_TERMS];    /**< a1…a13: J per product of m/s, rad/s, rad and V; a13 in s; |a| <= 4 096 */
     jp_q16 b[2];                  /**< b1 J·s/m², b2 J·s/rad²; 0…4 096 */
@@ -36,8 +36,8 @@ struct jp_energy_model {
 
 /** A motion at constant speed and turn rate. */
 struct jp_motion {
-    jp_q24 speed;     /**< v, m/s; |v| <= 8 */
-    jp_q24 turn_rate; /**< w, rad/s; |w| <= 8 */
+    jp_q24 speed;               /**< v, m/s; |v| <= 8 */
+    jp_radians_per_s turn_rate; /**< w, rad/s; |w| <= 8 */
 };
 
 /** One segment as the reference sees it: a step to (v, w), the heading turned by σ, held for T. */
@@ -46,9 +46,6 @@ struct jp_segment_command {
     jp_q24 turn;     /**< σ, rad; |σ| <= 2π */
     jp_q16 duration; /**< T, s; 0…16 384 */
 };
-
-/** The published parameters (paper Table 2). */
-extern const struct jp_energy_model jp_energy_model_published;
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null.
  *  Not for ISRs. */

@@ -1,5 +1,6 @@
 /**
  * Energy field: for every cell a lower bound of what driving there from one root cell costs, from the ground alone.
+ * Internal: here only because struct jp_planner holds it.
  *
  * The value of a cell is the cheapest chain of unit steps from the root over cells where the robot may be, each step
  * charged what it costs at least (lattice.h). No route can be cheaper, so the field is an admissible and consistent
@@ -43,6 +44,9 @@ size_t jp_energy_field_size(const struct jp_terrain_config *config);
 /** Binds a field to its map and to jp_energy_field_size() bytes aligned to 8. */
 void jp_energy_field_init(struct jp_energy_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
                           const struct jp_terrain *terrain, void *block);
+
+/** Takes other costs of the same lattice; jp_energy_field_start() is to follow. Constant time. */
+void jp_energy_field_set_lattice(struct jp_energy_field *field, const struct jp_lattice *lattice);
 
 /** Starts anew from a root cell of the map. Work: all cells are cleared. */
 void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_t root_y, int32_t target_x,

@@ -53,7 +53,8 @@ struct jp_estimator {
     int32_t phase_per_rate; /**< angle of one tick at a rate of 2⁻²⁴ turn/s: jp_phase_per_rate() */
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
+ *  for ISRs. */
 enum jp_status jp_estimator_check(const struct jp_estimator_config *config, const char **field);
 
 /** Starts at wheel angle and yaw 0 with the pitch that the accelerometer shows; the robot must be at rest.

@@ -7,7 +7,7 @@
  * failure, runs in bounded time and may be called from an ISR.
  *
  * Worst-case error of each function, in units in the last place of its result,
- * is stated beside it; tests/unit/test_fixed.c and tests/property/ prove it.
+ * is stated beside it; tests/unit/base/test_fixed.c and tests/property/ prove it.
  */
 #ifndef JOULEPATH_FIXED_H
 #define JOULEPATH_FIXED_H
@@ -34,6 +34,9 @@ extern "C" {
 typedef int32_t jp_q16; /**< Q16.16: ±32 768, step 1.5e-5 */
 typedef int32_t jp_q24; /**< Q8.24: ±128, step 6.0e-8 */
 typedef int32_t jp_q31; /**< Q1.31: [−1, 1), step 4.7e-10 */
+
+typedef jp_q24 jp_turns_per_s;   /**< Q8.24 turn/s: what sensors, estimator and references count in */
+typedef jp_q24 jp_radians_per_s; /**< Q8.24 rad/s: what the energy model and its segments count in */
 
 /** Wrapping binary angle: 2³² is one turn. Differences are exact for ever; cast one to int32_t for ±½ turn. */
 typedef uint32_t jp_angle;

@@ -28,7 +28,7 @@
 #ifndef JOULEPATH_GRID_PLANNER_H
 #define JOULEPATH_GRID_PLANNER_H
 
-#include <joulepath/path.h>
+#include <joulepath/point.h>
 #include <joulepath/terrain.h>
 
 #ifdef __cplusplus
@@ -66,7 +66,7 @@ enum jp_grid_answer {
     JP_GRID_FOUND,
     JP_GRID_UNREACHABLE,   /**< proved */
     JP_GRID_OUT_OF_MEMORY, /**< the queue or the turning points are full, or the way exceeds JP_GRID_LENGTH_MAX */
-    JP_GRID_STALE,         /**< the map changed during the search: set the task again */
+    JP_GRID_STALE,         /**< the map changed during the search: start again */
     JP_GRID_NO_TASK
 };
 
@@ -78,14 +78,29 @@ struct jp_grid_counts {
     uint32_t bytes;       /**< of the block that are used */
 };
 
-/** A turning way in a part of the block. Private. */
+/* Private, until jp_grid_planner_size(). */
+
+/** A turning way in a part of the block. */
 struct jp_grid_way {
-    struct jp_path_point *points;
+    struct jp_point *points;
     uint32_t count;
 };
 
-/** The members are private. */
-struct jp_grid_planner {
+/** What a search works at, in this order. */
+enum jp_grid_phase {
+    JP_GRID_FILL_PLANES,
+    JP_GRID_CLEAR,         /**< the nodes, for A* */
+    JP_GRID_SEARCH,        /**< A* */
+    JP_GRID_TRACE,         /**< the octile way; any angle goes on: */
+    JP_GRID_TIGHTEN,       /**< the way by shortcuts */
+    JP_GRID_CLEAR_AGAIN,   /**< the nodes, for the edges */
+    JP_GRID_MARK,          /**< the tube */
+    JP_GRID_SPREAD,        /**< cost-to-go over the tube */
+    JP_GRID_DESCEND,       /**< the way over the edges */
+    JP_GRID_TIGHTEN_OTHER, /**< the same, by shortcuts */
+};
+
+struct jp_grid_planner_internal {
     struct jp_grid_planner_config config;
     const struct jp_terrain *terrain;
     uint32_t version;  /**< of the map that the planes show */
@@ -112,7 +127,8 @@ struct jp_grid_planner {
     struct jp_grid_way way; /**< the answer, or the best until now */
     struct jp_grid_way other;
 
-    uint8_t phase;
+    enum jp_grid_phase phase;
+    enum jp_grid_answer answer;
     bool is_too_long; /**< a way beyond length_max was left out */
     bool has_changed; /**< this pass has moved a turning point */
     uint8_t passes;
@@ -120,9 +136,13 @@ struct jp_grid_planner {
     uint32_t cursor_part; /**< the same within it */
     struct jp_grid_cell start;
     struct jp_grid_cell goal;
-    struct jp_path_point place; /**< of the descent: Q16 cells from the centre of cell (0, 0) */
-    uint32_t place_cost;        /**< cost-to-go there */
+    struct jp_point place; /**< of the descent: Q16 cells from the centre of cell (0, 0) */
+    uint32_t place_cost;   /**< cost-to-go there */
     struct jp_grid_counts counts;
+};
+
+struct jp_grid_planner {
+    struct jp_grid_planner_internal internal;
 };
 
 /** Bytes of the smallest block for a map; 0 when the map or the configuration is out of range. A larger block gives the
@@ -140,22 +160,25 @@ enum jp_status jp_grid_planner_init(struct jp_grid_planner *planner, const struc
 
 /** Begins a search, and forgets the last way. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: start or goal is off the map, or the
  * robot does not fit there; JP_ERR_ARGUMENT: a null pointer. The old task stays then. Constant time. */
-enum jp_status jp_grid_planner_set_task(struct jp_grid_planner *planner, const struct jp_grid_cell *start,
-                                        const struct jp_grid_cell *goal);
+enum jp_status jp_grid_planner_start(struct jp_grid_planner *planner, const struct jp_grid_cell *start,
+                                     const struct jp_grid_cell *goal);
 
 /** Searches on for at most `expansions` expansions or as much of other work. An expansion with jump points reads up to
  *  a bit of every row and column for each cell of four diagonals; long ones count as several. */
 enum jp_grid_answer jp_grid_planner_work(struct jp_grid_planner *planner, unsigned expansions);
 
 /** Turning points of the way found, start and goal included; null and 0 without one. They stay until the next task. */
-const struct jp_path_point *jp_grid_planner_path(const struct jp_grid_planner *planner, size_t *count);
+const struct jp_point *jp_grid_planner_path(const struct jp_grid_planner *planner, size_t *count);
 
 const struct jp_grid_counts *jp_grid_planner_statistics(const struct jp_grid_planner *planner);
 
+/** Side of a cell of the map, m. */
+jp_q16 jp_grid_planner_resolution(const struct jp_grid_planner *planner);
+
 /** True when the line between two points is on the map and free. Work: cells on the line; and for each, the spans of
  * the disc, when the map has changed since the last search began. */
-bool jp_grid_planner_line_is_free(const struct jp_grid_planner *planner, const struct jp_path_point *from,
-                                  const struct jp_path_point *to);
+bool jp_grid_planner_line_is_free(const struct jp_grid_planner *planner, const struct jp_point *from,
+                                  const struct jp_point *to);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,6 @@
 /**
  * Guide field: about what it costs, turning included, to drive between a root pose and every part of the map.
+ * Internal: here only because struct jp_planner holds it.
  *
  * Each coarse cell of `scale` × `scale` cells of the map keeps one cheap chain of unit steps, scaled up, to or from the
  * root, and the direction of the step at the cell; turning from step to step is charged. So the guide knows of turns,
@@ -54,6 +55,9 @@ size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scal
  * to 8. */
 void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
                          const struct jp_terrain *terrain, const struct jp_turns *turns, unsigned scale, void *block);
+
+/** Takes other costs of the same lattice; jp_guide_field_start() is to follow. Constant time. */
+void jp_guide_field_set_lattice(struct jp_guide_field *field, const struct jp_lattice *lattice);
 
 /** Starts anew from a root, to grow a quarter beyond the target cell's estimate. Work: all coarse cells are cleared. */
 void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction direction,

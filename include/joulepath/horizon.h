@@ -49,7 +49,7 @@ struct jp_axis_modes {
     jp_q16 steady[JP_AXIS_MODES];                             /**< h, J/V per m/s or rad/s; ±4 096 */
 };
 
-/** One robot under one controller, for one definition of energy; made by tools/horizon.py. */
+/** One robot under one controller, for one definition of energy; made by tools/design/horizon.py. */
 struct jp_horizon {
     jp_q16 duration_min; /**< shortest segment that the model holds for, s; above 0, at most 60 */
     struct jp_axis_modes travel;

@@ -1,5 +1,5 @@
 /**
- * State lattice: the motions that a planner joins to a route, as constant tables made by tools/lattice.py.
+ * State lattice: the motions that a planner joins to a route, as constant tables made by tools/design/lattice.py.
  *
  * A state is a cell and one of JP_HEADINGS headings. A primitive leads from the centre of a cell to the centre of
  * another (or turns in place), from heading to heading. Its cost is a sum of integers,
@@ -62,8 +62,8 @@ struct jp_slope_cost {
     struct jp_polynomial climb;   /**< for rise >= bend */
     struct jp_polynomial descend; /**< for rise < bend */
     int16_t bend;                 /**< units of jp_elevation */
-    int16_t rise_max;             /**< steeper steps, up or down, are impassable; 1…4096, and no polynomial may exceed
-                                       32 bits up to it */
+    int16_t rise_max;             /**< steeper steps, up or down, are impassable; 1…4096, and no part of
+                                       constant + (linear + quadratic·rise)·rise may exceed 32 bits up to it */
     uint16_t floor;               /**< least cost, at least 1 */
 };
 
@@ -139,7 +139,8 @@ static inline jp_cost jp_cost_add(jp_cost a, jp_cost b)
  */
 enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field);
 
-/** True when the cost of every rise fits 32 bits and is above 0. Work: all rises. */
+/** True when rise_max and floor are in their ranges and jp_move_cost() stays within 32 bits at every rise. Work: all
+ *  rises. */
 bool jp_slope_cost_is_valid(const struct jp_slope_cost *cost);
 
 /** Work: the primitives, and JP_HEADINGS³ additions. */

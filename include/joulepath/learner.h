@@ -1,7 +1,7 @@
 /**
  * Learns the energy model while driving, from the measured energy of each segment, and says how sure a forecast is.
  *
- * Robots of a kind differ in few ways: ground, payload, motors. tools/learning.py varies them in the robot file and
+ * Robots of a kind differ in few ways: ground, payload, motors. tools/design/learning.py varies them in the file and
  * finds the few directions in which the 15 parameters then move; the learner looks for how far the robot is along
  * each, x ~ N(0, I) before anything is known:
  *
@@ -24,7 +24,7 @@ extern "C" {
 
 #define JP_LEARNING_DIRECTIONS 4
 
-/** x of a robot within what tools/learning.py draws is seldom beyond 2; here it saturates. */
+/** x of a robot within what tools/design/learning.py draws is seldom beyond 2; here it saturates. */
 #define JP_LEARNED_MAX JP_Q24(8)
 
 /** A segment further than so many standard deviations from what was expected is an outlier. */
@@ -38,7 +38,7 @@ enum jp_cause {
     JP_CAUSE_OTHER    /**< neither of them did by more than twice its standard deviation */
 };
 
-/** One robot under one controller, for one definition of energy; made by tools/learning.py. */
+/** One robot under one controller, for one definition of energy; made by tools/design/learning.py. */
 struct jp_learning {
     /** D: change of a1…a13, b1 and b2, each in its unit, per unit of x; |D| <= 4 096. */
     jp_q16 direction[JP_ENERGY_PARAMETERS][JP_LEARNING_DIRECTIONS];
@@ -62,7 +62,7 @@ enum jp_learned {
                              P begins anew, and this measurement is taken, for at most 64 deviations */
 };
 
-/** What is known. Persistent: hal/parameters.h keeps it. */
+/** What is known. Persistent: hal/storage/parameters.h keeps it. */
 struct jp_learned_state {
     jp_q24 x[JP_LEARNING_DIRECTIONS];                          /**< |x| <= JP_LEARNED_MAX */
     int32_t s[JP_LEARNING_DIRECTIONS][JP_LEARNING_DIRECTIONS]; /**< S, Q2.30 */
@@ -121,7 +121,7 @@ enum jp_status jp_learner_restore(struct jp_learner *learner, const struct jp_le
 /**
  * Learns from a segment that was driven: `measured` J, electronics included, from `start`. Not for ISRs.
  * *learned says what became of it. JP_ERR_ARGUMENT: null, or as jp_energy_regressors(); JP_ERR_OVERFLOW: the energy or
- * a regressor exceeds its format; nothing is learned and *learned not written. Bounded work: the README tells it.
+ * a regressor exceeds its format; nothing is learned and *learned not written. Bounded work: tests/bench/FIGURES.md.
  */
 enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_energy_start *start,
                                  const struct jp_segment_command *segment, jp_q16 measured, enum jp_learned *learned);

@@ -42,7 +42,8 @@ struct jp_lqr {
     jp_q16 integral_gain_yaw;
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range, of a row that adds up to 0 or to
+ *  too much its first gain. JP_ERR_ARGUMENT: a pointer is null. Not for ISRs. */
 enum jp_status jp_lqr_check(const struct jp_lqr_config *config, const char **field);
 
 /** Takes the gains from the configuration and empties the integrators. Two 64-bit divisions. */

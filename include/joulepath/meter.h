@@ -31,7 +31,8 @@ struct jp_meter {
     int64_t tick;               /**< 1/tick_rate, 2⁻³² s */
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
+ *  for ISRs. */
 enum jp_status jp_meter_check(const struct jp_meter_config *config, const char **field);
 
 /** Starts both sums at 0. */

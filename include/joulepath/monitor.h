@@ -36,20 +36,20 @@ enum jp_fault {
 #define JP_IMU_CHANNELS 4
 
 struct jp_monitor_config {
-    jp_q24 tilt_limit;       /**< |ψ| beyond it is a fall, turn; 0.01…0.25 */
-    jp_q24 gyro_limit;       /**< |rate| beyond it is out of range, turn/s; above 0 */
-    jp_q24 gyro_jump;        /**< change a tick beyond it is implausible, turn/s; above 0 */
-    jp_q24 accel_limit;      /**< |specific force| beyond it is out of range, g; above 1 */
-    uint32_t encoder_jump;   /**< counts a tick beyond it are implausible; above 0 */
-    jp_q16 current_limit;    /**< |i| beyond it is out of range, A; above 0, times Rm at most 32 767 V */
-    jp_q16 voltage_min;      /**< bus voltage, V; above 0 */
-    jp_q16 voltage_max;      /**< V; above voltage_min, at most 1 000 */
-    jp_q16 motor_resistance; /**< Rm, Ω; 0.01…256 */
-    jp_q16 back_emf;         /**< kb at the wheel, V per turn/s; above 0, below 256 */
-    jp_q16 half_track;       /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
-    jp_q24 wheel_rate_limit; /**< |mean wheel rate| beyond it is a runaway, turn/s; above 0 */
-    jp_q16 current_residual; /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
-    uint16_t confirm_ticks;  /**< ticks until range, jump and runaway become faults; at least 1 */
+    jp_q24 tilt_limit;               /**< |ψ| beyond it is a fall, turn; 0.01…0.25 */
+    jp_turns_per_s gyro_limit;       /**< |rate| beyond it is out of range, turn/s; above 0 */
+    jp_turns_per_s gyro_jump;        /**< change a tick beyond it is implausible, turn/s; above 0 */
+    jp_q24 accel_limit;              /**< |specific force| beyond it is out of range, g; above 1 */
+    uint32_t encoder_jump;           /**< counts a tick beyond it are implausible; above 0 */
+    jp_q16 current_limit;            /**< |i| beyond it is out of range, A; above 0, times Rm at most 32 767 V */
+    jp_q16 voltage_min;              /**< bus voltage, V; above 0 */
+    jp_q16 voltage_max;              /**< V; above voltage_min, at most 1 000 */
+    jp_q16 motor_resistance;         /**< Rm, Ω; 0.01…256 */
+    jp_q16 back_emf;                 /**< kb at the wheel, V per turn/s; above 0, below 256 */
+    jp_q16 half_track;               /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
+    jp_turns_per_s wheel_rate_limit; /**< |mean wheel rate| beyond it is a runaway, turn/s; above 0 */
+    jp_q16 current_residual;         /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
+    uint16_t confirm_ticks;          /**< ticks until range, jump and runaway become faults; at least 1 */
     uint16_t freeze_ticks;   /**< equal readings of an IMU channel until frozen; 0 is off (a simulated ideal IMU) */
     uint16_t residual_ticks; /**< contradicting ticks until an encoder fault; at least 1 */
 };
@@ -65,7 +65,8 @@ struct jp_monitor {
     jp_q16 residual_limit;   /**< V, from the configuration */
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
+ *  for ISRs. */
 enum jp_status jp_monitor_check(const struct jp_monitor_config *config, const char **field);
 
 /** Forgets what it saw. */

@@ -19,8 +19,8 @@ extern "C" {
 struct jp_movers_config {
     float extent;    /**< of a thing that may move, m; above 0 */
     float speed_min; /**< slower things stand: so much the middle of what is seen may shift, m/s; above 0 */
-    float speed_max; /**< nothing moves faster, m/s; at least speed_min */
-    float margin;    /**< nobody keeps speed and direction: error after a second, m; 0 or more */
+    float speed_max; /**< nothing moves faster, m/s; speed_min…JP_OBSTACLE_SPEED_MAX */
+    float margin;    /**< nobody keeps speed and direction: error after a second, m; 0…JP_OBSTACLE_MARGIN_MAX */
 };
 
 struct jp_mover {
@@ -42,7 +42,7 @@ void jp_movers_clear(struct jp_movers *movers);
 
 /**
  * Takes the next scan, `period` s (0.001…10) after the last one, from a sensor whose pose is in a frame that stands.
- * Nothing changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_EMPTY: as
+ * Nothing changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_UNRELIABLE: as
  * jp_obstacles_add_scan(). Work: beams + runs × JP_MOVERS_MAX.
  */
 enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers_config *config,

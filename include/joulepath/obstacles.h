@@ -7,6 +7,7 @@
 #ifndef JOULEPATH_OBSTACLES_H
 #define JOULEPATH_OBSTACLES_H
 
+#include <joulepath/plane.h>
 #include <joulepath/status.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -19,26 +20,17 @@ extern "C" {
 #define JP_OBSTACLES_MAX         20
 #define JP_OBSTACLE_VERTICES_MAX 4
 
-/** A place; ±32 767 m. */
-struct jp_plane_point {
-    float x;
-    float y;
-};
-
-/** A place, ±32 767 m, and a heading counterclockwise from the x axis; it wraps: any value of −1 000…1 000. */
-struct jp_plane_pose {
-    float x;
-    float y;
-    float heading;
-};
+/** Fastest along x or y, m/s, and largest margin, m. */
+#define JP_OBSTACLE_SPEED_MAX  1000.0f
+#define JP_OBSTACLE_MARGIN_MAX 1000.0f
 
 /** All points within `radius` of the convex hull of the vertices: disc, capsule, or a polygon with round corners. */
 struct jp_obstacle {
     struct jp_plane_point vertices[JP_OBSTACLE_VERTICES_MAX]; /**< of a polygon counterclockwise */
     uint8_t vertex_count;                                     /**< 1…JP_OBSTACLE_VERTICES_MAX */
     float radius;                                             /**< 0…32 767 */
-    struct jp_plane_point velocity;                           /**< m/s; (0, 0): it stands */
-    float margin; /**< how far it may be after a second from where its velocity leads, m */
+    struct jp_plane_point velocity; /**< m/s, each ±JP_OBSTACLE_SPEED_MAX; (0, 0): it stands */
+    float margin; /**< how far it may be after a second from where its velocity leads, m; 0…JP_OBSTACLE_MARGIN_MAX */
 };
 
 /** The nearest obstacles. The members may be read. */
@@ -87,9 +79,9 @@ enum jp_status jp_obstacles_add(struct jp_obstacles *obstacles, const struct jp_
  * Adds what a scan sees: points side by side without a gap are split until each part lies within the tolerance of its
  * chord (Douglas and Peucker). A part becomes a capsule through the middle of its points, just wide enough for all of
  * them; a single point becomes a disc. At most 12 splits are nested in each other.
- * JP_ERR_ARGUMENT: a null pointer, a value out of its range or a sensor beyond ±31 767 m. JP_ERR_EMPTY: fewer than a
- * quarter of the beams worked, so that the scan cannot be trusted. Then nothing is added. Work: sine and cosine of each
- * beam, once for each split that it is within and twice more: at most 14 times.
+ * JP_ERR_ARGUMENT: a null pointer, a value out of its range or a sensor beyond ±31 767 m. JP_ERR_UNRELIABLE: fewer than
+ * a quarter of the beams worked, so that the scan cannot be trusted. Then nothing is added. Work: sine and cosine of
+ * each beam, once for each split that it is within and twice more: at most 14 times.
  */
 enum jp_status jp_obstacles_add_scan(struct jp_obstacles *obstacles, const struct jp_scan_config *config,
                                      const struct jp_scan *scan, const struct jp_plane_pose *sensor);

@@ -28,8 +28,8 @@ extern "C" {
  * Work: rounds over the knots and the points, each point as jp_grid_planner_line_is_free(). Each round but the last
  * adds a knot or makes a piece straight: at most twice as many rounds as knots fit, as a rule less than ten.
  */
-enum jp_status jp_path_spline(const struct jp_grid_planner *planner, const struct jp_path_point *way, size_t count,
-                              jp_q16 spacing, void *scratch, size_t scratch_size, struct jp_path_point *smooth,
+enum jp_status jp_path_spline(const struct jp_grid_planner *planner, const struct jp_point *way, size_t count,
+                              jp_q16 spacing, void *scratch, size_t scratch_size, struct jp_point *smooth,
                               size_t smooth_max, size_t *smooth_count);
 
 /** Bytes of scratch memory: 28 for each of five knots a turning point, and of eight more. */

@@ -97,39 +97,43 @@ struct jp_patrol_counts {
     uint32_t shapes_dropped; /**< obstacles that did not fit */
 };
 
-/** The members are private but for those with a comment. */
+/** Private. */
+struct jp_patrol_internal {
+    const struct jp_point *path;
+    uint16_t path_count;
+    uint16_t path_next; /**< point that the robot has not passed */
+    struct jp_patrol_goal goal;
+    struct jp_plane_pose wheels; /**< of the last cycle */
+    bool has_wheels;
+    bool is_measured;           /**< the laser's pose of this cycle is to be trusted */
+    struct jp_plane_pose laser; /**< that pose */
+    struct jp_plane_speed command;
+    float sideways; /**< of the command: a step to the left, m/s */
+    float turn_target;
+    float turn_remaining; /**< the longer way round: more than half a turn */
+    struct jp_plane_point step_target;
+    bool is_arriving; /**< at the goal: what is left is to stand and to turn */
+    uint16_t waited;
+    uint16_t free_cycles; /**< in a row with a way while waiting */
+    uint8_t tries;        /**< to go on after waiting since the robot last got on */
+    uint16_t jumps;       /**< of the laser's pose, in a row */
+    float blind;          /**< way since its last good one, m */
+    uint16_t scan_gap;
+    uint16_t unmoved; /**< cycles since the robot last got on */
+};
+
+/** The members but `internal` may be read. */
 struct jp_patrol {
     struct jp_patrol_config config;
     struct jp_teb teb;             /**< its band may be shown */
     struct jp_obstacles obstacles; /**< of the last scan */
     struct jp_movers movers;       /**< among them */
     enum jp_patrol_state state;    /**< of the last cycle */
-    enum jp_patrol_reason reason;  /**< of the last cycle */
+    enum jp_patrol_reason reason;  /**< of the last cycle; JP_PATROL_NONE but where it waits or has stopped */
     struct jp_plane_pose pose;     /**< of the last cycle, in the map's frame */
     struct jp_patrol_counts counts;
     struct jp_teb_result band; /**< of the last cycle that drove */
-
-    const struct jp_path_point *path;
-    uint16_t path_count;
-    uint16_t path_next; /* point that the robot has not passed */
-    struct jp_patrol_goal goal;
-    struct jp_plane_pose wheels; /* of the last cycle */
-    bool has_wheels;
-    bool is_measured;          /* the laser's pose of this cycle is to be trusted */
-    struct jp_plane_pose seen; /* that pose */
-    struct jp_plane_speed command;
-    float sideways; /* of the command: a step to the left, m/s */
-    float turn_target;
-    float turn_rest; /* the longer way round: more than half a turn */
-    struct jp_plane_point step_target;
-    bool is_arriving; /* at the goal: what is left is to stand and to turn */
-    uint16_t waited;
-    uint16_t free_cycles; /* in a row with a way while waiting */
-    uint8_t tries;        /* to go on after waiting since the robot last got on */
-    uint16_t jumps;       /* of the laser's pose, in a row */
-    float blind;          /* way since its last good one, m */
-    uint16_t scan_gap;
-    uint16_t unmoved; /* cycles since the robot last got on */
+    struct jp_patrol_internal internal;
 };
 
 /** Checks the configuration and holds. JP_ERR_CONFIG: *field names the first field out of range. */
@@ -140,7 +144,7 @@ enum jp_status jp_patrol_set_pose(struct jp_patrol *patrol, const struct jp_plan
 
 /** A path of at least two points to the goal, which must outlive the drive. JP_ERR_ARGUMENT: a null pointer, too few
  *  points, or its end is farther than the position tolerance from the goal; the old one stays then. */
-enum jp_status jp_patrol_follow(struct jp_patrol *patrol, const struct jp_path_point *path, uint16_t count,
+enum jp_status jp_patrol_follow(struct jp_patrol *patrol, const struct jp_point *path, uint16_t count,
                                 const struct jp_patrol_goal *goal);
 
 /** Stops along the path, soon: its end becomes the goal, any heading, and the state ARRIVED then. Where the robot does

@@ -46,35 +46,42 @@ enum jp_pilot_phase {
     JP_PILOT_DRIVING   /**< a segment was handed over; the next plan begins near the end of the one before it */
 };
 
-/** Private but for the members with a comment. */
+/** Private: what became of the last jp_pilot_ask(). */
+enum jp_pilot_question { JP_PILOT_NOTHING_ASKED, JP_PILOT_ASKED, JP_PILOT_ANSWERED };
+
+/** Private. */
+struct jp_pilot_internal {
+    struct jp_robot *robot;
+    struct jp_energy_model model; /**< as learned when the last plan began */
+    const struct jp_point *targets;
+    uint16_t target_count;
+    enum jp_pilot_question question;
+    bool is_waiting; /**< a segment was handed over and has not begun */
+    struct jp_drive_watch watch;
+};
+
+/** The members but `internal` may be read, and the two of the caller's be written. */
 struct jp_pilot {
     struct jp_pilot_config config;
-    struct jp_robot *robot;
     struct jp_learner learner;      /**< what is known; its state is worth storing */
     enum jp_learned learned;        /**< what became of the last segment, once segments_learned_from > 0 */
     uint32_t segments_learned_from; /**< segments that the learner took, outliers too */
-    struct jp_energy_model model;   /**< as learned when the last plan began */
-    uint32_t model_version;         /**< of the learner's state then */
+    uint32_t model_version;         /**< of the learner's state when the last plan began */
     struct jp_forecast forecast;    /**< of the last plan, all its legs */
     enum jp_pilot_phase phase;      /**< what the pilot does */
+    enum jp_status status;          /**< as jp_pilot_work() returned it last */
     uint8_t battery_flags;          /**< the caller's: what jp_battery_update() found last, and what */
     uint8_t current_findings;       /**< jp_current_check_update() did; 0 where nobody asks them */
-    struct jp_route route;
-    const struct jp_point *targets;
-    uint16_t target_count;
-    uint16_t targets_planned;
-    enum jp_status status;
-    bool asked;    /* a plan is made that will not be driven */
-    bool answered; /* one was asked for since the last route */
-    bool waiting;  /* a segment was handed over and has not begun */
-    struct jp_drive_watch watch;
-    struct jp_pilot_segment next;
+    struct jp_route route;          /**< the last plan */
+    uint16_t targets_planned;       /**< of the route: their segments were handed over */
+    struct jp_pilot_segment next;   /**< the first segment of the last plan */
+    struct jp_pilot_internal internal;
 };
 
 /**
- * Prepares a pilot for a robot that is initialised; pointers are kept. JP_ERR_ARGUMENT: a pointer is null or leg_count
- * out of range. JP_ERR_CONFIG: *field names the first field of model, horizon, learning or limits out of range. What
- * was stored is given to jp_learner_restore(&pilot->learner, …) afterwards.
+ * Prepares a pilot for a robot that is initialised; pointers are kept. JP_ERR_ARGUMENT: a null pointer. JP_ERR_CONFIG:
+ * *field names the first field that is null or out of range, also within model, horizon, learning or limits. What was
+ * stored is given to jp_learner_restore(&pilot->learner, …) afterwards.
  */
 enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_config *config, struct jp_robot *robot,
                              const char **field);
@@ -91,9 +98,9 @@ enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *ta
  */
 enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count);
 
-/** What jp_pilot_ask() asked: JP_ERR_BUSY until jp_pilot_work() has the plan; JP_ERR_EMPTY: nothing was asked since the
- *  last route, or a stop came before the answer; else as jp_pilot_work(). The plan's segments are in the legs. With
- *  jp_forecast_reserve() it answers "can I go there and come back?". */
+/** What jp_pilot_ask() asked: JP_WORKING until jp_pilot_work() has the plan; JP_ERR_NO_PLAN: nothing was asked since
+ * the last route, or a stop came before the answer; JP_ERR_ARGUMENT: null; else as jp_pilot_work(). The plan's segments
+ *  are in the legs. With jp_forecast_reserve() it answers "can I go there and come back?". */
 enum jp_status jp_pilot_answer(const struct jp_pilot *pilot, struct jp_forecast *forecast);
 
 /** Brakes to a balanced stand and forgets the route, at the next tick. */
@@ -102,7 +109,7 @@ void jp_pilot_stop(struct jp_pilot *pilot);
 /**
  * A slice of background work: at most one jp_learner_update() and one jp_route_work(). To be called at least leg_count
  * + JP_ROUTE_ITERATIONS + 2 times in 0.2 s while driving, in place of jp_robot_work(). Returns the first failure of
- * planning (the robot then stops at the end of the segment), else JP_OK.
+ * planning (the robot then stops at the end of the segment), else JP_OK. JP_ERR_ARGUMENT: null.
  */
 enum jp_status jp_pilot_work(struct jp_pilot *pilot);
 

@@ -42,7 +42,7 @@ extern "C" {
 /** Most states of a block; more memory than that is left unused. */
 #define JP_PLANNER_STATES_MAX ((uint32_t)900000)
 
-struct jp_pose {
+struct jp_lattice_pose {
     int16_t x; /**< cell */
     int16_t y;
     uint8_t heading; /**< 0…JP_HEADINGS − 1, of the lattice */
@@ -78,8 +78,8 @@ enum jp_answer {
 /** The last route that was found. It stays as it is until a better or newer one replaces it. */
 struct jp_plan {
     enum jp_answer answer; /**< JP_ANSWER_OUT_OF_BUDGET: there is none yet */
-    struct jp_pose start;
-    struct jp_pose end;
+    struct jp_lattice_pose start;
+    struct jp_lattice_pose end;
     jp_cost cost;               /**< of the route, in the unit of the cost kind */
     jp_cost cost_left;          /**< estimate from its end to the goal; 0 unless partial */
     uint16_t bound;             /**< proved: cost ≤ bound/256 × optimum; JP_BOUND_NONE: nothing; 0 when partial */
@@ -98,66 +98,97 @@ struct jp_planner_counts {
     uint32_t search_bytes; /**< of the block, for states, their hash and queue: states_max of them */
 };
 
-struct jp_planner_state; /* private */
+/* Private, until jp_planner_size(). */
 
-/** The members are private. */
-struct jp_planner {
+struct jp_planner_state;
+
+/** What the planner works at. */
+enum jp_planner_phase {
+    JP_PLANNER_EMPTY,        /**< idle, and there is no search */
+    JP_PLANNER_GROW_GUIDE,   /**< for a new search */
+    JP_PLANNER_GROW_FIELD,   /**< for a new search */
+    JP_PLANNER_UPDATE_FIELD, /**< from here on there is a search; it waits for the energy field */
+    JP_PLANNER_REPAIR,       /**< states learn of changed cells */
+    JP_PLANNER_REKEY,        /**< the queue is sorted for another ε or a wider range */
+    JP_PLANNER_SEARCH,
+    JP_PLANNER_SETTLED /**< idle, with a search that can be repaired */
+};
+
+/** Whether the energy field has a root, and which heuristic steers the search. */
+enum jp_planner_field {
+    JP_FIELD_UNUSED, /**< no root: the guide steers */
+    JP_FIELD_ROOTED, /**< the guide steers all the same */
+    JP_FIELD_STEERS  /**< the search is exact */
+};
+
+/** Where the search begins. */
+enum jp_planner_direction {
+    JP_PLANNER_FROM_GOAL,
+    JP_PLANNER_FROM_ROBOT /**< for a partial plan */
+};
+
+/** Cells of the map that have changed since the states were right. */
+struct jp_planner_changes {
+    struct jp_cell_change {
+        int16_t x;
+        int16_t y;
+    } cells[JP_PLANNER_CHANGES];
+    uint16_t count;
+    bool may_be_cheaper; /**< one of them may make the map cheaper */
+    uint32_t cursor;     /**< of the repair */
+};
+
+struct jp_planner_internal {
     struct jp_planner_config config;
     struct jp_terrain *terrain;
-    struct jp_turns turns;
-    struct jp_guide_field guide;
-    struct jp_energy_field field;
-    bool is_field_begun;
-    bool is_exact;         /**< the energy field steers, not the guide */
-    uint8_t field_heading; /**< of the robot when the field was begun */
+
+    enum jp_planner_phase phase;
+    enum jp_planner_field field_use;
+    enum jp_planner_direction direction;
+    uint8_t level; /**< of the schedule of ε */
+    uint16_t epsilon;
+    struct jp_lattice_pose start;
+    struct jp_goal goal;
+    bool has_start;
+    bool has_goal;
+    bool is_repaired;      /**< start or map have changed since the planner began anew */
+    bool is_of_one_level;  /**< the table holds no states of an earlier ε */
+    uint8_t field_heading; /**< of the robot when the energy field got its root */
 
     struct jp_planner_state *states; /**< open-addressed hash table */
     uint32_t *buckets;               /**< heads of the queue's lists */
     uint32_t slot_count;             /**< prime */
-    uint16_t neighbours_max;         /**< that an expansion can add */
     uint32_t bucket_count;
     uint32_t lowest_bucket;
-    uint8_t bucket_shift;
     uint32_t rekey_slot; /**< slots from here on are not in the queue yet */
+    uint8_t bucket_shift;
+    uint16_t neighbours_max; /**< that an expansion can add */
+    uint32_t nearest;        /**< slot of the state with the least heuristic */
+    jp_cost nearest_heuristic;
 
-    uint32_t nearest; /**< slot of the state from which least is left */
-    jp_cost nearest_rest;
-
-    uint8_t phase;
-    bool is_searching;   /**< there is a search to be repaired */
-    bool is_repaired;    /**< it has been repaired since it began */
-    bool is_alone;       /**< its table holds no states of an earlier ε */
-    bool may_be_cheaper; /**< one of the changes may make the map cheaper */
-    uint32_t repair_cursor;
-    bool forward; /**< searches from the robot, for a partial plan */
-    uint8_t level;
-    uint16_t epsilon;
-    struct jp_pose start;
-    struct jp_goal goal;
-    bool has_start;
-    bool has_goal;
-
-    struct jp_cell_change {
-        int16_t x;
-        int16_t y;
-    } changes[JP_PLANNER_CHANGES];
-    uint16_t change_count;
     uint32_t terrain_version;
-
     uint8_t *route;       /**< of the plan: index of each primitive among those of its heading */
     uint8_t *spare_route; /**< the next plan is written here, so that the last one stays whole */
     uint16_t route_max;
     enum jp_answer answer;
     struct jp_plan plan;
     struct jp_planner_counts statistics;
+    struct jp_planner_changes changes;
+    struct jp_turns turns;
+    struct jp_guide_field guide;
+    struct jp_energy_field field;
+};
+
+struct jp_planner {
+    struct jp_planner_internal internal;
 };
 
 /** Bytes of the smallest block for a map, with room for 64 states; 0 when the map is too large. Constant time. */
-size_t jp_planner_size_min(const struct jp_terrain_config *config);
+size_t jp_planner_size(const struct jp_terrain_config *config);
 
 /**
  * Prepares a planner in `size` bytes of the caller. The statistics say how many states fit.
- * JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_MEMORY: `size` is below jp_planner_size_min().
+ * JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_MEMORY: `size` is below jp_planner_size().
  * JP_ERR_ALIGNMENT: `block` is not aligned to 8 bytes. JP_ERR_ARGUMENT: a pointer is null. Work: all of the block.
  */
 enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_planner_config *config,
@@ -173,7 +204,7 @@ enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct j
 /** Where the robot is. The search goes on from what it knows. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map,
  *  or the footprint does not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then.
  *  Constant time, but where the search must begin anew: then as jp_planner_restart(). */
-enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_pose *start);
+enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_lattice_pose *start);
 
 /** Where to go. The search begins anew. JP_ERR_OUTSIDE; JP_ERR_BLOCKED: the footprint fits at none of the headings;
  *  JP_ERR_ARGUMENT: no heading, or a null pointer. The old goal stays then. Work: all of the block is cleared. */
@@ -204,7 +235,8 @@ const struct jp_plan *jp_planner_plan(const struct jp_planner *planner);
 
 /** Primitive of step `index` of the plan; null when there is no such step. `*pose` is moved from its start to its end:
  *  begin with plan->start and index 0. Constant time. */
-const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, unsigned index, struct jp_pose *pose);
+const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, unsigned index,
+                                           struct jp_lattice_pose *pose);
 
 const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner);
 

@@ -23,7 +23,7 @@
 #define JOULEPATH_PURE_PURSUIT_H
 
 #include <joulepath/four_wheel.h>
-#include <joulepath/path.h>
+#include <joulepath/point.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -48,7 +48,7 @@ struct jp_pure_pursuit_config {
 /** The members are private. */
 struct jp_pure_pursuit {
     struct jp_pure_pursuit_config config;
-    const struct jp_path_point *path; /* null: none */
+    const struct jp_point *path; /* null: none */
     size_t count;
     size_t passed;  /* first point of the chord that the robot is on; count: arrived */
     int64_t beyond; /* length of the chords after that one, m in Q24 */
@@ -64,16 +64,16 @@ enum jp_status jp_pure_pursuit_init(struct jp_pure_pursuit *tracker, const struc
  * null pointer, fewer than two points, or two neighbours that are equal or farther apart than 64 m; the old path stays.
  * Work: one square root a point.
  */
-enum jp_status jp_pure_pursuit_follow(struct jp_pure_pursuit *tracker, const struct jp_path_point *path, size_t count);
+enum jp_status jp_pure_pursuit_follow(struct jp_pure_pursuit *tracker, const struct jp_point *path, size_t count);
 
 /**
  * The twist for the next tick of `period` s (above 0, at most 1 s), from where the robot is, its heading
  * (counterclockwise from east) and its speed now: the one last asked for, or measured; ±16 m/s. *twist is 0 unless
  * JP_OK. JP_ERR_ARGUMENT: a null pointer, a period or speed out of range. JP_ERR_NO_PLAN: no path. JP_ERR_OUTSIDE: the
- * path is farther away than lookahead_max: stop and plan again. JP_ERR_EMPTY: arrived; it stays so until the next path.
+ * path is farther away than lookahead_max: stop and plan again. JP_ARRIVED: it stays so until the next path.
  */
-enum jp_status jp_pure_pursuit_tick(struct jp_pure_pursuit *tracker, const struct jp_path_point *position,
-                                    jp_angle heading, jp_q24 speed, jp_q24 period, struct jp_twist *twist);
+enum jp_status jp_pure_pursuit_tick(struct jp_pure_pursuit *tracker, const struct jp_point *position, jp_angle heading,
+                                    jp_q24 speed, jp_q24 period, struct jp_twist *twist);
 
 #ifdef __cplusplus
 }

@@ -7,9 +7,14 @@
  *
  * and so for yaw: no lag in steady motion, no step in rate or angle. It is linear, so the energy of a segment stays
  * the quadratic form of energy.h. τ = 0 passes the steps through, as the paper does.
+ *
+ * A change of direction is the exception: the target first rests at speed 0 for `rest_ticks`, counted from when the old
+ * speed ended, so that no row of steps forward and back swings the robot up. The energy model does not know this rest.
  */
 #ifndef JOULEPATH_REFERENCE_H
 #define JOULEPATH_REFERENCE_H
+
+#include <stdbool.h>
 
 #include <joulepath/energy.h>
 #include <joulepath/fixed.h>
@@ -24,30 +29,35 @@ struct jp_reference_config {
     jp_q24 turns_per_metre;  /**< 1/(2πR), turn/m; 0.1…16 */
     jp_q16 travel_bandwidth; /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100, at most tick_rate/4 */
     jp_q16 yaw_bandwidth;    /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100, at most tick_rate/4 */
+    uint32_t rest_ticks;     /**< at speed 0 between forward and back; 0…65 535 */
 };
 
 /** One axis: where the target is and what the controller shall follow. */
 struct jp_reference_axis {
     jp_phase target;
-    jp_q24 target_rate; /**< turn/s */
+    jp_turns_per_s target_rate; /**< turn/s */
     jp_phase angle;
-    jp_q24 rate; /**< turn/s */
+    jp_turns_per_s rate; /**< turn/s */
 };
 
 /** A step of the target. */
 struct jp_reference_step {
-    jp_q24 wheel_rate; /**< turn/s */
-    jp_q24 yaw_rate;   /**< turn/s */
-    jp_q24 turn;       /**< turn */
+    jp_turns_per_s wheel_rate; /**< turn/s */
+    jp_turns_per_s yaw_rate;   /**< turn/s */
+    jp_q24 turn;               /**< turn */
 };
 
 struct jp_reference {
     struct jp_reference_axis wheel; /**< θ */
     struct jp_reference_axis yaw;   /**< φ */
     int32_t phase_per_rate;         /**< angle of one tick at a rate of 2⁻²⁴ turn/s: jp_phase_per_rate() */
+    jp_turns_per_s waiting_rate;    /**< of the wheels, turn/s: begins after the rest; 0: none waits */
+    uint16_t rest_left;             /**< ticks until the direction may change */
+    bool forward;                   /**< the last speed that was not 0 */
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
+ *  for ISRs. */
 enum jp_status jp_reference_check(const struct jp_reference_config *config, const char **field);
 
 /** Stands at the given angles. */
@@ -63,7 +73,7 @@ void jp_reference_coast(struct jp_reference *reference, const struct jp_referenc
 struct jp_reference_step jp_reference_step_to(const struct jp_reference_config *config, const struct jp_motion *motion,
                                               jp_q24 turn);
 
-/** Steps the target. For the control ISR. */
+/** Steps the target, at once or, against the last direction, after the rest. For the control ISR. */
 void jp_reference_apply(struct jp_reference *reference, const struct jp_reference_step *step);
 
 /** One tick. Cannot fail; constant time; for the control ISR. */

@@ -32,7 +32,7 @@
 extern "C" {
 #endif
 
-/** Everything that is fixed for one kind of robot; made by tools/gain_design.py. */
+/** Everything that is fixed for one kind of robot; made by tools/design/gain_design.py. */
 struct jp_robot_config {
     const char *name;
     struct jp_estimator_config estimator;
@@ -54,11 +54,11 @@ struct jp_telemetry {
     struct jp_motion_state motion; /**< measured */
     jp_phase reference_wheel;      /**< what the controller follows */
     jp_phase reference_yaw;
-    jp_q24 reference_wheel_rate; /**< turn/s */
-    jp_q24 reference_yaw_rate;   /**< turn/s */
-    jp_phase target_wheel;       /**< where the wheels shall be, before shaping */
-    jp_phase target_yaw;         /**< heading of the route, before shaping */
-    struct jp_point position;    /**< by odometry */
+    jp_turns_per_s reference_wheel_rate; /**< turn/s */
+    jp_turns_per_s reference_yaw_rate;   /**< turn/s */
+    jp_phase target_wheel;               /**< where the wheels shall be, before shaping */
+    jp_phase target_yaw;                 /**< heading of the route, before shaping */
+    struct jp_point position;            /**< by odometry */
     struct jp_voltages voltages;
     jp_energy energy_model; /**< since init, meter.h */
     jp_energy energy_battery;
@@ -148,7 +148,8 @@ struct jp_robot {
 
 /**
  * Prepares a robot in state idle. config and model are kept by pointer.
- * JP_ERR_ARGUMENT: a pointer is null. JP_ERR_CONFIG: *field names the first field out of range. Not for ISRs.
+ * JP_ERR_ARGUMENT: a pointer is null. JP_ERR_CONFIG: *field names the first field out of range; it is
+ * estimator.tick_rate where another part has not the same. Not for ISRs.
  */
 enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config,
                              const struct jp_energy_model *model, const char **field);
@@ -156,7 +157,7 @@ enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_confi
 /**
  * The part of a control tick that the bridges wait for: sensors to duties. `read` is what the HAL returned for the
  * frame: after an error the last good frame serves until the fault is confirmed. jp_robot_account() must follow before
- * anything else looks at the robot. Constant time; for the control ISR; instructions are in the README.
+ * anything else looks at the robot. Constant time; for the control ISR; instructions: tests/bench/FIGURES.md.
  */
 void jp_robot_control(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                       struct jp_actuation *actuation);
@@ -172,9 +173,20 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
 /**
  * A slice of background work: when the current segment nears its end, plans the next one of the route from where the
  * robot will be. At most two jp_segment_optimise(). Returns the first planning failure of the route (the robot then
- * stops at the end of the segment), else JP_OK. Not for ISRs.
+ * stops at the end of the segment), else JP_OK. Motors that are switched off end the route and are no failure.
+ * JP_ERR_ARGUMENT: null. Not for ISRs.
  */
 enum jp_status jp_robot_work(struct jp_robot *robot);
+
+/** The energy model that it plans with; from any context. */
+const struct jp_energy_model *jp_robot_model(const struct jp_robot *robot);
+
+/** From now on it plans with this model, which must have passed jp_energy_model_check() and is kept by pointer. From
+ *  the context of jp_robot_work(); the tick may go on reading the model before until it ends. */
+void jp_robot_use_model(struct jp_robot *robot, const struct jp_energy_model *model);
+
+/** The last segment that jp_robot_work() planned; it writes it. */
+const struct jp_segment *jp_robot_planned(const struct jp_robot *robot);
 
 /** What jp_robot_resume() needs, after any tick and in its context. */
 void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot);
@@ -190,7 +202,8 @@ void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot)
  *  ±0.05 turn/s. */
 void jp_robot_know_gyro_bias(struct jp_robot *robot, int64_t bias);
 
-/** Idle to balancing, at the next tick. JP_ERR_STATE: not idle, no frame yet, or tilted beyond the limit. */
+/** Idle to balancing, at the next tick. JP_ERR_STATE: not idle, no frame yet, or tilted beyond the limit.
+ *  JP_ERR_ARGUMENT: null. */
 enum jp_status jp_robot_enable(struct jp_robot *robot);
 
 /** To idle with motors off, at the next tick; clears faults and the route. Enabling again needs a plausible frame after
@@ -199,25 +212,35 @@ void jp_robot_disable(struct jp_robot *robot);
 
 /**
  * Drives one segment: at once when balancing, after the current one when driving.
- * JP_ERR_STATE: neither balancing nor driving. JP_ERR_BUSY: one already waits. JP_ERR_ARGUMENT: a field out of range.
+ * JP_ERR_STATE: neither balancing nor driving. JP_ERR_BUSY: one already waits. JP_ERR_ARGUMENT: null, or a field
+ * out of range: |v| <= limits.speed, |w| <= 8 rad/s, |σ| <= 2π, 0 < T <= 16 384 s. No row of segments that are accepted
+ * makes the balancer switch off; between forward and back it rests (reference.h).
  */
 enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_command *segment);
 
 /**
- * Drives through `route`, each segment planned for least energy; the array must stay until the robot stands.
- * Replaces an earlier route and a segment that waits. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing
- * nor driving.
+ * Drives through `route`, each segment planned for least energy; the array must stay until the robot stands. The last
+ * segment ends in motion at the last point; then the robot rolls beyond it and comes back to a balanced stand there.
+ * The telemetry's energies count that, those of the segments do not. Replaces an earlier route and a segment that
+ * waits. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
  */
 enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *route, uint16_t length);
 
 /** Brakes to a balanced stand and forgets the route, at the next tick. */
 void jp_robot_stop(struct jp_robot *robot);
 
-/** A consistent copy of the telemetry, from any context of lower priority than the tick. */
-void jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry);
+/** What the robot does; from any context. */
+enum jp_robot_state jp_robot_state_now(const struct jp_robot *robot);
 
-/** A consistent sample for jp_current_check_update(), from any context of lower priority than the tick. False, and
- *  *sample is not to be used: the motors are off, or the last tick had no plausible frame. */
+/**
+ * A consistent copy of the telemetry. False, and *telemetry is not to be used: a tick is under way, which only those
+ * see who ask from within it, between jp_robot_control() and jp_robot_account(), or from another core. From any
+ * context.
+ */
+bool jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry);
+
+/** A consistent sample for jp_current_check_update(), as jp_robot_telemetry(). False, and *sample is not to be used: a
+ *  tick is under way, the motors are off, or the last tick had no plausible frame. */
 bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sample);
 
 #ifdef __cplusplus

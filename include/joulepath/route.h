@@ -35,70 +35,80 @@ extern "C" {
 /** Limits of one leg: T, v, w to the left, w to the right, σ to the left, σ to the right. */
 #define JP_ROUTE_LIMITS 6
 
-/** One leg; private but for `segment`. */
-struct jp_route_leg {
-    struct jp_segment segment; /**< the plan, once jp_route_work() returned JP_OK */
+/** Private: a leg in real numbers. */
+struct jp_route_leg_internal {
     struct jp_segment greedy;
-    uint32_t distance;  /* 2⁻²² m */
-    jp_angle direction; /* of the chord */
-    float chord;        /* m */
-    float turn;         /* δ, rad */
-    float arc;          /* γ, rad */
-    float pace;         /* 1/T, 1/s */
-    float pace_max;     /* 1/s */
+    uint32_t distance;  /**< 2⁻²² m */
+    jp_angle direction; /**< of the chord */
+    float chord;        /**< m */
+    float turn;         /**< δ, rad */
+    float arc;          /**< γ, rad */
+    float pace;         /**< 1/T, 1/s */
+    float pace_max;     /**< 1/s */
     float slack[JP_ROUTE_LIMITS];
-    float price[JP_ROUTE_LIMITS]; /* multipliers, J */
+    float price[JP_ROUTE_LIMITS]; /**< multipliers, J */
     float v, w, sigma;
     float v_arc, v_pace, v_arc_arc, v_arc_pace;
-    float travel[JP_AXIS_MODES]; /* what is left at the end of the segment, V */
+    float travel[JP_AXIS_MODES]; /**< what is left at the end of the segment, V */
     float yaw[JP_AXIS_MODES];
-    float coupling[2][2]; /* of this leg's step to the one before */
-    float step[2];        /* of arc and pace */
+    float coupling[2][2]; /**< of this leg's step to the one before */
+    float step[2];        /**< of arc and pace */
+};
+
+struct jp_route_leg {
+    struct jp_segment segment; /**< the plan, once jp_route_work() returned JP_OK */
+    struct jp_route_leg_internal internal;
 };
 
 struct jp_route_config {
     const struct jp_energy_model *model;
     const struct jp_horizon *horizon; /**< null: the paper's model, T >= Ts */
     const struct jp_segment_limits *limits;
-    jp_q16 yaw_bandwidth;      /**< of the shaped reference, as in struct jp_reference_config: a turn in motion lags and
-                                    the arc begins beside the target before; 0: not shaped */
+    jp_q16 yaw_bandwidth; /**< of the shaped reference, as in struct jp_reference_config, rad/s; 0.1…100: a turn in
+                               motion lags and the arc begins beside the target before; 0: not shaped */
     struct jp_route_leg *legs; /**< the caller's memory */
     uint16_t leg_count;        /**< 1…JP_ROUTE_LEGS_MAX */
 };
 
-struct jp_route {
-    struct jp_route_config config;
+/** Private. */
+struct jp_route_internal {
     struct jp_point start;
     jp_angle heading;
     struct jp_energy_start before;
     const struct jp_point *targets;
-    uint16_t length;     /**< legs of the plan */
-    uint16_t planned;    /* legs of the greedy start */
-    uint16_t iterations; /* Newton steps taken */
+    uint16_t iterations; /**< Newton steps taken */
     enum jp_status status;
-    jp_q16 greedy_energy; /**< J, of all legs, segment by segment */
-    jp_q16 energy;        /**< J, of all legs as planned */
-    float barrier;        /* J */
+    float barrier; /**< J */
     float barrier_min;
-    float hessian[5][5]; /* of the settled energy over v, w, σ, v before, w before */
+    float hessian[5][5]; /**< of the settled energy over v, w, σ, v before, w before */
 };
 
-/** Keeps the configuration. JP_ERR_ARGUMENT: a pointer but the horizon is null, or leg_count is out of range. The
- * model, the horizon and the limits must have passed their checks; the limits' duration is at least that of the
- * horizon. */
-enum jp_status jp_route_init(struct jp_route *route, const struct jp_route_config *config);
+/** The members but `internal` may be read. */
+struct jp_route {
+    struct jp_route_config config;
+    uint16_t length;      /**< legs of the plan */
+    uint16_t planned;     /**< legs of the greedy start */
+    jp_q16 greedy_energy; /**< J, of all legs, segment by segment */
+    jp_q16 energy;        /**< J, of all legs as planned */
+    struct jp_route_internal internal;
+};
+
+/** Keeps the configuration. JP_ERR_ARGUMENT: a null pointer. JP_ERR_CONFIG: *field names the first field that is null,
+ * but for the horizon, or out of range. The model, the horizon and the limits must have passed their checks; the
+ * limits' duration is at least that of the horizon. */
+enum jp_status jp_route_init(struct jp_route *route, const struct jp_route_config *config, const char **field);
 
 /**
  * Begins a plan from `start` with `heading`, moving as `before`, through the first min(count, leg_count) of `targets`,
  * which must stay until the plan is made. JP_ERR_ARGUMENT: null, or count is 0.
  */
-enum jp_status jp_route_begin(struct jp_route *route, const struct jp_point *start, jp_angle heading,
+enum jp_status jp_route_start(struct jp_route *route, const struct jp_point *start, jp_angle heading,
                               const struct jp_energy_start *before, const struct jp_point *targets, uint16_t count);
 
 /**
- * One slice: a leg of the greedy start, or one Newton step over all legs. JP_ERR_BUSY: there is more to do, call again.
+ * One slice: a leg of the greedy start, or one Newton step over all legs. JP_WORKING: there is more to do, call again.
  * JP_OK: the plan is made: every segment is within the limits, ends at its target as jp_segment_optimise() states, and
- * the route takes at most the energy of the greedy one. JP_ERR_EMPTY: nothing was begun. JP_ERR_ARGUMENT: also that the
+ * the route takes at most the energy of the greedy one. JP_ERR_STATE: nothing was begun. JP_ERR_ARGUMENT: also that the
  * transient is out of its range, or a greedy segment is shorter than the horizon allows. Else what
  * jp_segment_optimise() says of leg `planned`.
  * length + JP_ROUTE_ITERATIONS + 1 slices in all. Instructions are in the README. Not for ISRs.

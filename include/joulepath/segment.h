@@ -13,6 +13,7 @@
 #define JOULEPATH_SEGMENT_H
 
 #include <joulepath/energy.h>
+#include <joulepath/point.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -34,10 +35,10 @@ extern "C" {
 #define JP_SEGMENT_EVALUATIONS 10
 
 struct jp_segment_limits {
-    jp_q24 speed;     /**< v, m/s; above 0, at most 8 */
-    jp_q24 turn_rate; /**< |w|, rad/s; above 0, at most 8 */
-    jp_q24 turn;      /**< |σ|, rad; 0…π */
-    jp_q16 duration;  /**< T, s; at least Ts and JP_SEGMENT_DURATION_MIN, at most 16 384 */
+    jp_q24 speed;               /**< v, m/s; above 0, at most 8 */
+    jp_radians_per_s turn_rate; /**< |w|, rad/s; above 0, at most 8 */
+    jp_q24 turn;                /**< |σ|, rad; 0…π */
+    jp_q16 duration;            /**< T, s; at least Ts and JP_SEGMENT_DURATION_MIN, at most 16 384 */
 };
 
 /** A planned segment. */
@@ -48,13 +49,8 @@ struct jp_segment {
     jp_q16 energy; /**< predicted E, J */
 };
 
-/** A point on the plane, in m from the origin of odometry. */
-struct jp_point {
-    jp_q16 x;
-    jp_q16 y;
-};
-
-/** Checks every field against the model. JP_ERR_CONFIG: *field names the first one out of range. Not for ISRs. */
+/** Checks every field against the model. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a
+ *  pointer is null. Not for ISRs. */
 enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, const struct jp_energy_model *model,
                                        const char **field);
 
@@ -78,7 +74,7 @@ enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, c
  * Of robots like the published one (each parameter 10 % off, Ts from 4 s to 8 s) that is less than one segment in a
  * thousand, with up to 1.005 of the minimum seen; for models far from it (parameters up to four times off, Ts from 0 s
  * to 6 s) up to 1.044 was seen. tests/property/prop_segment.c measures it.
- * At most JP_SEGMENT_EVALUATIONS evaluations, no other unbounded loop; Cortex-M4 instructions are in the README.
+ * At most JP_SEGMENT_EVALUATIONS evaluations, no other unbounded loop; Cortex-M4 instructions: tests/bench/FIGURES.md.
  * For jp_robot_work(), not for ISRs.
  */
 enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const struct jp_segment_limits *limits,

@@ -27,7 +27,7 @@
 extern "C" {
 #endif
 
-/** Constants of one robot; made by tools/lattice.py from sim/robots/. */
+/** Constants of one robot; made by tools/design/lattice.py from sim/robots/. */
 struct jp_skid_steer_config {
     jp_q24 wheel_radius;      /**< r, m; 0.01…1 */
     jp_q24 width;             /**< B, m; 0.05…4 */

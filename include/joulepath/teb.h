@@ -27,7 +27,7 @@
 #define JOULEPATH_TEB_H
 
 #include <joulepath/obstacles.h>
-#include <joulepath/path.h>
+#include <joulepath/point.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,6 +36,9 @@ extern "C" {
 #define JP_TEB_POSES_MAX 50
 #define JP_TEB_POSES_MIN 3
 #define JP_TEB_NEAR_MAX  4 /**< obstacles that act on one pose: the nearest */
+
+/** Scans make obstacles look larger: so far footprint and obstacle may overlap and count as apart, m. */
+#define JP_TEB_OVERLAP_MAX 0.02f
 
 /** Weights of the squared residuals; 0 or more. */
 struct jp_teb_weights {
@@ -83,10 +86,10 @@ struct jp_teb_task {
     bool is_measured;              /**< false: dropped out or not to be trusted; the residual is left out */
     struct jp_plane_speed speed;   /**< now */
     struct jp_plane_pose goal;
-    bool is_heading_free;             /**< of the goal: any heading will do */
-    float goal_speed;                 /**< m/s; 0…speed_max */
-    const struct jp_path_point *path; /**< to be followed, from near the start to the goal */
-    uint16_t path_count;              /**< 2 or more */
+    bool is_heading_free;        /**< of the goal: any heading will do */
+    float goal_speed;            /**< m/s; 0…speed_max */
+    const struct jp_point *path; /**< to be followed, from near the start to the goal */
+    uint16_t path_count;         /**< 2 or more */
 };
 
 /** A pose of the band. */
@@ -113,12 +116,8 @@ struct jp_teb_result {
 #define JP_TEB_ROWS  (JP_TEB_BLOCK * JP_TEB_POSES_MAX)
 #define JP_TEB_BAND  (3 * JP_TEB_BLOCK)
 
-/** The members are private but for poses and count, which may be read. About 26 KiB. */
-struct jp_teb {
-    struct jp_teb_config config;
-    struct jp_teb_pose poses[JP_TEB_POSES_MAX];
-    uint8_t count; /**< 0: no band yet */
-
+/** Private. */
+struct jp_teb_internal {
     struct jp_teb_weights roots; /**< square roots of the weights, lengths over the reference interval */
     struct jp_teb_task task;
     const struct jp_obstacles *obstacles;
@@ -142,6 +141,14 @@ struct jp_teb {
     float damping;
 };
 
+/** The members but `internal` may be read. About 26 KiB. */
+struct jp_teb {
+    struct jp_teb_config config;
+    struct jp_teb_pose poses[JP_TEB_POSES_MAX];
+    uint8_t count; /**< 0: no band yet */
+    struct jp_teb_internal internal;
+};
+
 /** Prepares a band without poses. JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_ARGUMENT: a null
  *  pointer. */
 enum jp_status jp_teb_init(struct jp_teb *teb, const struct jp_teb_config *config, const char **field);
@@ -153,9 +160,9 @@ void jp_teb_clear(struct jp_teb *teb);
  * One cycle: the band of the last cycle, or the path where there is none, is cut to the task and optimised.
  * JP_ERR_ARGUMENT: a null pointer, a value that is not finite, a path too short or a goal speed out of its range.
  * JP_ERR_ZERO_LENGTH: start and goal are less than 1 mm apart.
- * JP_ERR_BLOCKED: the start's footprint overlaps an obstacle. JP_ERR_INFEASIBLE: the band's does, or the optimisation
- * gave something that is not finite. After these two the band is forgotten. Work: rounds × steps × poses; counted in
- * the README.
+ * JP_ERR_BLOCKED: the start's footprint overlaps an obstacle by more than JP_TEB_OVERLAP_MAX. JP_ERR_INFEASIBLE: the
+ * band's does within the next 1.5 s, or the optimisation gave something that is not finite. After these two the band is
+ * forgotten. Work: rounds × steps × poses; counted in tests/bench/FIGURES.md.
  */
 enum jp_status jp_teb_plan(struct jp_teb *teb, const struct jp_teb_task *task, const struct jp_obstacles *obstacles,
                            struct jp_teb_result *result);

@@ -1,5 +1,6 @@
 /**
  * Least values over a grid, growing outward from where they begin: the common part of energy_field.h and guide_field.h.
+ * Internal: here only because struct jp_planner holds it.
  *
  * Cells whose values have fallen are marked; they are handed out again, about in the order of their values, until none
  * is left below the horizon. So a wave grows from a root, and so it is repaired when values fall later. No queue: two

@@ -1,23 +1,26 @@
 /* The firmware's application as a process: the controller of a robot whose body, operator and tools are on a CAN bus.
  */
-#include <argp.h>
 #include <inttypes.h>
+#include <joulepath/tables.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../hal/linux/periodic.h"
-#include "../../hal/linux/retained_file.h"
-#include "../bus_open.h"
-#include "../ecu_node.h"
-#include "../error.h"
-#include "../learned_line.h"
-#include "../real_time.h"
-#include "../rig.h"
-#include "../stop_signal.h"
+#include "hal/linux/periodic.h"
+#include "hal/linux/retained_file.h"
+#include "sim/balancer/rig.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/real_time.h"
+#include "sim/base/stop_signal.h"
+#include "sim/bus/bus_open.h"
+#include "sim/bus/ecu_node.h"
+#include "sim/bus/learned_line.h"
 
 /** While nothing arrives the loop looks this often whether it shall stop, µs. */
 #define IDLE_US 100000
+
+enum { OPTION_RETAINED = COMMAND_LINE_OWN, OPTION_REAL_TIME };
 
 struct arguments {
     const char *bus;
@@ -42,30 +45,31 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case 'm':
         if (strcmp(argument, "identified") != 0 && strcmp(argument, "published") != 0) {
-            argp_error(state, "--model is identified or published, not %s", argument);
+            command_line_refuse(state, "--model is identified or published, not %s", argument);
         }
         arguments->published = strcmp(argument, "published") == 0;
         return 0;
     case 'e':
         if (!energy_kind_parse(argument, &arguments->energy)) {
-            argp_error(state, "--energy is motor or battery, not %s", argument);
+            command_line_refuse(state, "--energy is motor or battery, not %s", argument);
         }
         return 0;
-    case 'k':
+    case OPTION_RETAINED:
         arguments->retained = argument;
         return 0;
     case 'p':
         arguments->parameters = argument;
         return 0;
-    case 't':
+    case OPTION_REAL_TIME:
         arguments->real_time = true;
         return 0;
     case ARGP_KEY_END:
         if (arguments->bus == NULL) {
-            argp_error(state, "--bus is needed");
+            command_line_refuse(state, "--bus is needed");
         }
         if (arguments->published && arguments->energy == ENERGY_BATTERY) {
-            argp_error(state, "--energy battery: the published model is of the motors' energy; leave --model out");
+            command_line_refuse(state,
+                                "--energy battery: the published model is of the motors' energy; leave --model out");
         }
         return 0;
     default:
@@ -73,54 +77,86 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     }
 }
 
-/** After a tick: what it learned is told, and kept when the motors went off. */
-static void look(struct ecu_node *node, struct learned_line *line)
+/** What was told so far. */
+struct told {
+    struct learned_line line;
+    const char *bus;
+    bool bus_on;     /**< at the last look */
+    bool bus_was_on; /**< before that there is nothing to tell */
+};
+
+static void tell_bus(struct told *told, const struct jp_can_link *link)
 {
-    learned_line_print(line, &node->lockstep.ecu);
+    const bool on = link->port.state(link->port.context) != JP_CAN_DOWN;
+
+    if (on != told->bus_on && told->bus_was_on) {
+        (void)printf("jp-ecu: %s is %s\n", told->bus, on ? "back" : "down or gone; waiting for it");
+        (void)fflush(stdout);
+    }
+    told->bus_on = on;
+    told->bus_was_on = told->bus_was_on || on;
+}
+
+/** After a tick: what it learned is told, and kept when the motors went off. */
+static void look(struct ecu_node *node, struct told *told)
+{
+    learned_line_print(&told->line, &node->lockstep.ecu);
     (void)ecu_node_watch(node);
 }
 
-static void accept_all(struct ecu_node *node, const struct jp_can_link *link, bool *sampled)
+/** Until there is no frame left, or a sample is complete. */
+static void accept_in_lockstep(struct jp_lockstep *lockstep, const struct jp_can_link *link)
 {
     struct jp_can_frame frame;
+    bool sampled = false;
 
-    while (!*sampled && link->receive(link->port.context, &frame)) {
-        *sampled = jp_lockstep_accept(&node->lockstep, &frame);
+    while (!sampled && link->receive(link->port.context, &frame)) {
+        sampled = jp_lockstep_accept(lockstep, &frame);
     }
 }
 
-static void run_lockstep(struct ecu_node *node, const struct jp_can_link *link)
+static void run_lockstep(struct ecu_node *node, const struct jp_can_link *link, struct told *told)
 {
-    struct learned_line line = {0};
-
     while (!stop_signal_came()) {
-        bool sampled = false;
-
         if (link->wait(link->port.context, IDLE_US)) {
-            accept_all(node, link, &sampled);
-            look(node, &line);
+            accept_in_lockstep(&node->lockstep, link);
+            look(node, told);
         }
+        tell_bus(told, link);
     }
+}
+
+/** True when a sample is complete. The simulator's time is to the ECU a frame like any other that it does not know. */
+static bool accept_in_real_time(struct jp_ecu *ecu, const struct jp_can_link *link)
+{
+    struct jp_can_frame frame;
+    bool sampled = false;
+
+    while (!sampled && link->receive(link->port.context, &frame)) {
+        sampled = jp_ecu_accept(ecu, &frame);
+    }
+    return sampled;
 }
 
 /** A tick follows each sample; when one fails to come, half a period later. */
-static void run_real_time(struct ecu_node *node, const struct jp_can_link *link)
+static void run_real_time(struct ecu_node *node, const struct jp_can_link *link, struct told *told)
 {
+    struct jp_ecu *const ecu = &node->lockstep.ecu;
     const int64_t period_us = 1000000 / node->lockstep.config->estimator.tick_rate;
     int64_t last_us = jp_monotonic_us();
-    struct learned_line line = {0};
 
     while (!stop_signal_came()) {
         const int64_t deadline_us = last_us + period_us * 3 / 2;
-        bool sampled = false;
+        const bool sampled = accept_in_real_time(ecu, link);
 
-        accept_all(node, link, &sampled);
         if (!sampled && jp_monotonic_us() < deadline_us) {
             (void)link->wait(link->port.context, deadline_us - jp_monotonic_us());
             continue;
         }
-        jp_lockstep_tick(&node->lockstep);
-        look(node, &line);
+        jp_ecu_work(ecu);
+        jp_ecu_tick(ecu);
+        look(node, told);
+        tell_bus(told, link);
         /* Without a sample time goes on by whole periods. */
         last_us = sampled ? jp_monotonic_us() : last_us + period_us;
     }
@@ -168,6 +204,8 @@ static bool open_record(const struct arguments *arguments, struct jp_retained_fi
 
 static void run_on(struct ecu_node *node, const struct jp_can_link *link, const struct arguments *arguments)
 {
+    struct told told = {.bus = arguments->bus};
+
     (void)printf("jp-ecu: robot %s on %s, %s\n", arguments->robot, arguments->bus,
                  arguments->real_time ? "real time" : "lockstep");
     if (arguments->parameters != NULL) {
@@ -176,9 +214,9 @@ static void run_on(struct ecu_node *node, const struct jp_can_link *link, const 
     (void)fflush(stdout);
     if (arguments->real_time) {
         (void)real_time_claim();
-        run_real_time(node, link);
+        run_real_time(node, link, &told);
     } else {
-        run_lockstep(node, link);
+        run_lockstep(node, link, &told);
     }
     print_counts(&node->lockstep.ecu);
 }
@@ -217,22 +255,22 @@ int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         {"bus", 'b', "BUS", 0, "can:INTERFACE, slcan:DEVICE or pty:NAME", 0},
-        {"robot", 'r', "NAME", 0, "one of src/tables/ (gao2018)", 0},
+        {"robot", 'r', "NAME", 0, "of a robot that is built in, from src/tables (gao2018)", 0},
         {"model", 'm', "WHICH", 0, "energy model: identified or published (identified)", 0},
         {"energy", 'e', "KIND", 0, "what the identified model predicts: energy of the motor or of the battery (motor)",
          0},
-        {"retained", 'k', "FILE", 0, "memory that survives a restart (none)", 0},
+        {"retained", OPTION_RETAINED, "FILE", 0, "memory that survives a restart (none)", 0},
         {"parameters", 'p', "FILE", 0, "what is learned, kept when the motors are switched off and at the end (none)",
          0},
-        {"real-time", 't', NULL, 0, "a tick for each sample, by the clock; otherwise in lockstep with jp-plant", 0},
+        {"real-time", OPTION_REAL_TIME, NULL, 0,
+         "a tick for each sample, by the clock; otherwise in lockstep with jp-plant", 0},
         {0},
     };
     static const struct argp argp = {
         options, parse_option, "", "Controls a robot over CAN: the firmware's application.", NULL, NULL, NULL};
     struct arguments arguments = {.robot = "gao2018"};
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    command_line_parse(&argp, argc, argv, &arguments);
     stop_signal_catch();
     return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

@@ -1,24 +1,25 @@
-/* Runs the identification experiments of a robot; tools/identify.py fits the energy model to their energies. */
-#include <argp.h>
+/* Runs the identification experiments of a robot; tools/design/identify.py fits the energy model to their energies. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../error.h"
-#include "../experiment.h"
-#include "../output.h"
-#include "../progress.h"
+#include "sim/balancer/experiment.h"
+#include "sim/balancer/fault_names.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/base/progress.h"
 
 #define SEGMENT_SECONDS 10.0
 
 /** The last part of a segment, for its steady power. */
 #define LAST_SECONDS 1.0
 
+enum { OPTION_THRESHOLD = COMMAND_LINE_OWN };
+
 struct arguments {
-    const char *path;
-    const char *output;
-    long count;
-    long seed;
+    struct command_line common;
+    size_t count;
     double threshold;
     enum energy_kind energy;
 };
@@ -39,58 +40,54 @@ struct campaign {
     double window_seconds;
 };
 
-static bool parse_number(const char *text, double low, double high, double *value)
-{
-    char *end;
-
-    *value = strtod(text, &end);
-    return *text != '\0' && *end == '\0' && *value >= low && *value <= high;
-}
-
 static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     struct arguments *arguments = state->input;
-    double value;
 
     switch (key) {
-    case 'o':
-        arguments->output = argument;
-        return 0;
     case 'n':
-        if (!parse_number(argument, 20, 1e6, &value)) {
-            argp_error(state, "--count %s: must be a number from 20 to 1000000", argument);
-        }
-        arguments->count = (long)value;
+        arguments->count = (size_t)command_line_whole(state, "--count", argument, 20, 1000000);
         return 0;
-    case 's':
-        if (!parse_number(argument, 0, 1e9, &value)) {
-            argp_error(state, "--seed %s: must be a number from 0 to 1000000000", argument);
-        }
-        arguments->seed = (long)value;
-        return 0;
-    case 't':
-        if (!parse_number(argument, 1e-6, 1e3, &arguments->threshold)) {
-            argp_error(state, "--threshold %s: must be a voltage from 1e-6 to 1000", argument);
-        }
+    case OPTION_THRESHOLD:
+        arguments->threshold = command_line_real(state, "--threshold", argument, 1e-6, 1e3);
         return 0;
     case 'e':
         if (!energy_kind_parse(argument, &arguments->energy)) {
-            argp_error(state, "--energy %s: must be motor or battery", argument);
+            command_line_refuse(state, "--energy %s: must be motor or battery", argument);
         }
         return 0;
     case ARGP_KEY_ARG:
-        if (arguments->path != NULL) {
-            argp_error(state, "one robot file only, not also %s", argument);
-        }
-        arguments->path = argument;
+        command_line_take_robot(state, argument, &arguments->common);
         return 0;
     case ARGP_KEY_END:
-        if (arguments->path == NULL || arguments->output == NULL) {
-            argp_error(state, "a robot file and --output are needed");
+        if (arguments->common.robot[0] == '\0') {
+            command_line_refuse(state, "a robot is needed, such as courier24");
         }
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
+    }
+}
+
+static void complain(const struct campaign *campaign, size_t index)
+{
+    const struct experiment *experiment = &campaign->records[index].experiment;
+    const char *path = campaign->arguments->common.robot;
+    const char *robot = campaign->file.name;
+    char faults[FAULTS_NAME_SIZE];
+
+    if (experiment->end == JP_ROBOT_FALLEN) {
+        error_line("%s: the robot fell in experiment %zu; correct control.weights and run make gains ROBOT=%s", path,
+                   index, robot);
+    } else if (experiment->end == JP_ROBOT_FAULT) {
+        faults_name(experiment->faults, faults);
+        error_line("%s: the robot stopped in experiment %zu with the fault: %s; run make gains ROBOT=%s for this file, "
+                   "or correct its sensors, control.weights or limits",
+                   path, index, faults, robot);
+    } else {
+        error_line("%s: the robot refused a segment of experiment %zu; run make gains ROBOT=%s, whose tables are of "
+                   "other limits",
+                   path, index, robot);
     }
 }
 
@@ -99,7 +96,7 @@ static bool run(struct campaign *campaign)
     struct random random;
     struct rig rig;
 
-    random_init(&random, (uint64_t)campaign->arguments->seed);
+    random_init(&random, campaign->arguments->common.seed);
     for (size_t i = 0; i < campaign->count; i++) {
         struct record *record = &campaign->records[i];
 
@@ -110,14 +107,13 @@ static bool run(struct campaign *campaign)
             return false;
         }
         if (!rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file,
-                      (uint64_t)campaign->arguments->seed + i)) {
+                      campaign->arguments->common.seed + i)) {
             return false;
         }
         experiment_run(&record->experiment, &rig, campaign->arguments->energy, SEGMENT_SECONDS,
                        campaign->arguments->threshold, record->energy);
-        if (record->experiment.fell) {
-            error_line("%s: the robot fell in experiment %zu; correct control.weights and run make gains ROBOT=%s",
-                       campaign->arguments->path, i, campaign->file.name);
+        if (record->experiment.end != JP_ROBOT_DRIVING) {
+            complain(campaign, i);
             return false;
         }
         progress_show("experiments", i + 1, campaign->count);
@@ -167,45 +163,45 @@ static json_t *json_summary(const struct campaign *campaign, size_t split)
     return json_pack("{s:s, s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "energy",
                      energy_kind_name(campaign->arguments->energy), "settling_time_s",
                      (double)split * campaign->window_seconds, "segment_s", SEGMENT_SECONDS, "last_s", LAST_SECONDS,
-                     "count", (json_int_t)campaign->count, "seed", (json_int_t)campaign->arguments->seed, "window_s",
-                     campaign->window_seconds, "settling_threshold_v", campaign->arguments->threshold);
+                     "count", (json_int_t)campaign->count, "seed", (json_int_t)campaign->arguments->common.seed,
+                     "window_s", campaign->window_seconds, "settling_threshold_v", campaign->arguments->threshold);
 }
 
 static bool write(const struct campaign *campaign)
 {
-    const char *directory = campaign->arguments->output;
+    const char *directory = campaign->arguments->common.output;
     size_t split = split_window(campaign);
-    struct output outputs[2];
-
     (void)printf("%zu experiments, mean settling time %.2f s\n", campaign->count,
                  (double)split * campaign->window_seconds);
-    if (!output_open(&outputs[0], directory, "experiments.csv")) {
+    FILE *table = output_open(directory, "experiments.csv");
+
+    if (table == NULL) {
         return false;
     }
-    write_table(campaign, split, outputs[0].stream);
-    if (!output_open_json(&outputs[1], directory, "experiments.json", json_summary(campaign, split))) {
-        output_discard(outputs, 1);
+    write_table(campaign, split, table);
+    if (!output_json(directory, "experiments.json", json_summary(campaign, split))) {
+        output_discard();
         return false;
     }
-    return output_commit(outputs, 2);
+    return output_commit();
 }
 
 static bool identify(const struct arguments *arguments)
 {
-    struct campaign campaign = {.arguments = arguments, .count = (size_t)arguments->count};
+    struct campaign campaign = {.arguments = arguments, .count = arguments->count};
 
-    if (!robot_file_load(arguments->path, &campaign.file)) {
+    if (!robot_file_load(arguments->common.robot, &campaign.file)) {
         return false;
     }
     campaign.entry = rig_find_robot(campaign.file.name);
-    if (campaign.entry == NULL || !output_directory(arguments->output)) {
+    if (campaign.entry == NULL || !output_directory(arguments->common.output)) {
         return false;
     }
     campaign.windows = (size_t)lround(SEGMENT_SECONDS * campaign.file.control.rate_hz) / EXPERIMENT_WINDOW_TICKS;
     campaign.window_seconds = (double)EXPERIMENT_WINDOW_TICKS / campaign.file.control.rate_hz;
     campaign.records = calloc(campaign.count, sizeof *campaign.records);
     if (campaign.records == NULL) {
-        error_line("--count %ld: no memory for so many; choose fewer", arguments->count);
+        error_line("--count %zu: no memory for so many; choose fewer", arguments->count);
         return false;
     }
 
@@ -221,20 +217,20 @@ static bool identify(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"output", 'o', "DIR", 0, "where experiments.csv and experiments.json go", 0},
+        OPTION_OUTPUT("build/identify"),
         {"count", 'n', "N", 0, "experiments (1000)", 0},
-        {"seed", 's', "SEED", 0, "of the random segments (1)", 0},
-        {"threshold", 't', "V", 0, "settled: mean voltages of successive windows of 200 ticks differ by less (0.01 V)",
-         0},
+        OPTION_SEED("of the random segments"),
+        {"threshold", OPTION_THRESHOLD, "V", 0,
+         "settled: mean voltages of successive windows of 200 ticks differ by less (0.01 V)", 0},
         {"energy", 'e', "KIND", 0, "motor: (ul² + ur²)/Rm; battery: ul il + ur ir (motor)", 0},
         {0},
     };
     static const struct argp argp = {
-        options, parse_option, "ROBOT.cfg", "Drives random pairs of segments and records their energies.",
+        options, parse_option, "ROBOT", "Drives random pairs of segments and records their energies.",
         NULL,    NULL,         NULL};
-    struct arguments arguments = {.count = 1000, .seed = 1, .threshold = 0.01, .energy = ENERGY_MOTOR};
+    struct arguments arguments = {
+        .common = {.output = "build/identify", .seed = 1}, .count = 1000, .threshold = 0.01, .energy = ENERGY_MOTOR};
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    command_line_parse(&argp, argc, argv, &arguments);
     return identify(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

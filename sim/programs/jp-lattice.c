@@ -1,20 +1,21 @@
-/* Makes the state lattice of a robot; tools/lattice.py turns it into tables. */
-#include <argp.h>
+/* Makes the state lattice of a robot; tools/design/lattice.py turns it into tables. */
 #include <stdlib.h>
 
-#include "../error.h"
-#include "../lattice_costs.h"
-#include "../lattice_generate.h"
-#include "../lattice_json.h"
-#include "../lattice_sets.h"
-#include "../output.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/lattice/lattice_costs.h"
+#include "sim/lattice/lattice_generate.h"
+#include "sim/lattice/lattice_json.h"
+#include "sim/lattice/lattice_sets.h"
 
 /* Cells of the lattices that are made here (section 2.2 of Zhang et al.), m. */
 #define RESOLUTION 0.2
 
+enum { OPTION_PRIMITIVES = COMMAND_LINE_OWN };
+
 struct arguments {
-    const char *path;
-    const char *output;
+    struct command_line common;
     const char *primitives;
 };
 
@@ -23,25 +24,19 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case 'o':
-        arguments->output = argument;
-        return 0;
-    case 'p':
+    case OPTION_PRIMITIVES:
         arguments->primitives = argument;
         return 0;
     case ARGP_KEY_ARG:
-        if (arguments->path != NULL) {
-            argp_error(state, "one robot file only, not also %s", argument);
-        }
-        arguments->path = argument;
+        command_line_take_robot(state, argument, &arguments->common);
         return 0;
     case ARGP_KEY_END:
-        if (arguments->path == NULL || arguments->output == NULL) {
-            argp_error(state, "a robot file and --output are needed");
+        if (arguments->common.robot[0] == '\0') {
+            command_line_refuse(state, "a robot is needed, such as zhang2018");
         }
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
     }
 }
 
@@ -56,11 +51,8 @@ static bool find_primitives(const struct arguments *arguments, struct lattice *l
 
 static bool write(const struct arguments *arguments, const struct lattice *lattice)
 {
-    struct output output;
-
-    return output_directory(arguments->output) &&
-           output_open_json(&output, arguments->output, "lattice.json", lattice_to_json(lattice)) &&
-           output_commit(&output, 1);
+    return output_directory(arguments->common.output) &&
+           output_json(arguments->common.output, "lattice.json", lattice_to_json(lattice)) && output_commit();
 }
 
 static bool make(const struct arguments *arguments)
@@ -68,7 +60,7 @@ static bool make(const struct arguments *arguments)
     static struct lattice_robot robot;
     struct lattice lattice = {.robot = &robot};
 
-    if (!lattice_robot_load(arguments->path, &robot)) {
+    if (!lattice_robot_load(arguments->common.robot, &robot)) {
         return false;
     }
     bool done = find_primitives(arguments, &lattice) && lattice_cover(&lattice);
@@ -83,16 +75,16 @@ static bool make(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"output", 'o', "DIR", 0, "where lattice.json goes", 0},
-        {"primitives", 'p', "FILE", 0, "price these primitives (JSON of tools/lattice.py) instead of choosing some", 0},
+        OPTION_OUTPUT("build/lattice"),
+        {"primitives", OPTION_PRIMITIVES, "FILE", 0,
+         "price these primitives (tools.design.lattice) instead of choosing some", 0},
         {0},
     };
     static const struct argp argp = {
-        options, parse_option, "ROBOT.cfg", "Chooses, sweeps and prices the primitives of a robot's state lattice.",
+        options, parse_option, "ROBOT", "Chooses, sweeps and prices the primitives of a robot's state lattice.",
         NULL,    NULL,         NULL};
-    struct arguments arguments = {0};
+    struct arguments arguments = {.common = {.output = "build/lattice"}};
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    command_line_parse(&argp, argc, argv, &arguments);
     return make(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

@@ -1,5 +1,4 @@
 /* The gateway between LCM and a robot on CAN as a process: goals and routes in, telemetry out. */
-#include <argp.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,11 +6,12 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "../../hal/linux/periodic.h"
-#include "../bus_open.h"
-#include "../error.h"
-#include "../lcm_gateway.h"
-#include "../stop_signal.h"
+#include "hal/linux/periodic.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/stop_signal.h"
+#include "sim/bus/bus_open.h"
+#include "sim/lcm/lcm_gateway.h"
 
 #define DEFAULT_URL "udpm://239.255.76.67:7667?ttl=0"
 #define URL_PREFIX  "udpm://"
@@ -20,6 +20,8 @@
 #define REASON_SIZE 256
 #define US_PER_S    INT64_C(1000000)
 #define NS_PER_US   1000
+
+enum { OPTION_LCM = COMMAND_LINE_OWN };
 
 struct arguments {
     const char *bus;
@@ -34,12 +36,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case 'b':
         arguments->bus = argument;
         return 0;
-    case 'l':
+    case OPTION_LCM:
         arguments->url = argument;
         return 0;
     case ARGP_KEY_END:
         if (arguments->bus == NULL) {
-            argp_error(state, "--bus is needed");
+            command_line_refuse(state, "--bus is needed");
         }
         return 0;
     default:
@@ -116,25 +118,25 @@ static int64_t wall_offset_us(void)
     return now.tv_sec * US_PER_S + now.tv_nsec / NS_PER_US - jp_monotonic_us();
 }
 
-static void say_task(const struct bus_operator *commander)
+static void say_task(const struct jp_operator *commander)
 {
-    switch (commander->state) {
-    case OPERATOR_STANDING_UP:
+    switch (commander->phase) {
+    case JP_OPERATOR_STANDING_UP:
         (void)printf("jp-lcm: standing up for a route of %u points\n", (unsigned)commander->task.length);
         break;
-    case OPERATOR_UPLOADING:
+    case JP_OPERATOR_UPLOADING:
         (void)printf("jp-lcm: uploading a route of %u points\n", (unsigned)commander->task.length);
         break;
-    case OPERATOR_DRIVING:
+    case JP_OPERATOR_DRIVING:
         (void)printf("jp-lcm: driving\n");
         break;
-    case OPERATOR_DONE:
+    case JP_OPERATOR_DONE:
         (void)printf("jp-lcm: done\n");
         break;
-    case OPERATOR_FAILED:
-        error_line("jp-lcm: %s", operator_reason(commander));
+    case JP_OPERATOR_FAILED:
+        error_line("jp-lcm: %s", jp_operator_failure_text(commander->failure));
         break;
-    case OPERATOR_IDLE:
+    case JP_OPERATOR_IDLE:
     default:
         break;
     }
@@ -163,13 +165,13 @@ static void pass(struct lcm_gateway *gateway, uint64_t now_us)
 static void serve(struct lcm_gateway *gateway, const char *bus, int64_t offset_us)
 {
     const struct jp_can_port *port = &gateway->link.port;
-    enum operator_state said = OPERATOR_IDLE;
+    enum jp_operator_phase said = JP_OPERATOR_IDLE;
     enum jp_can_state bus_said = JP_CAN_ON;
 
     while (!stop_signal_came()) {
         pass(gateway, time_us(offset_us));
-        if (gateway->commander.state != said) {
-            said = gateway->commander.state;
+        if (gateway->commander.phase != said) {
+            said = gateway->commander.phase;
             say_task(&gateway->commander);
         }
         if (port->state(port->context) != bus_said) {
@@ -184,7 +186,7 @@ static void bid_farewell(struct lcm_gateway *gateway, int64_t offset_us)
 {
     const uint64_t until_us = time_us(offset_us) + FAREWELL_US;
 
-    operator_stop(&gateway->commander);
+    jp_operator_stop(&gateway->commander);
     while (gateway->commander.commanding && time_us(offset_us) < until_us) {
         pass(gateway, time_us(offset_us));
     }
@@ -241,7 +243,7 @@ int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         {"bus", 'b', "BUS", 0, "can:INTERFACE, slcan:DEVICE or pty:NAME", 0},
-        {"lcm", 'l', "URL", 0, "where LCM is (" DEFAULT_URL ")", 0},
+        {"lcm", OPTION_LCM, "URL", 0, "where LCM is (" DEFAULT_URL ")", 0},
         {0},
     };
     static const struct argp argp = {
@@ -249,8 +251,7 @@ int main(int argc, char **argv)
         NULL,    NULL,         NULL};
     struct arguments arguments = {.url = DEFAULT_URL};
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    command_line_parse(&argp, argc, argv, &arguments);
     stop_signal_catch();
     return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

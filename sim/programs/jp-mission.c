@@ -1,14 +1,14 @@
 /* Drives a scenario's mission by six strategies in closed loop and compares their energies. */
-#include <argp.h>
 #include <stdlib.h>
 
-#include "../error.h"
-#include "../mission_report.h"
-#include "../output.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/missions/mission_report.h"
 
 struct arguments {
     const char *path;
-    const char *output;
+    struct command_line common;
 };
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -16,95 +16,79 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case 'o':
-        arguments->output = argument;
-        return 0;
     case ARGP_KEY_ARG:
-        if (arguments->path != NULL) {
-            argp_error(state, "one scenario only, not also %s", argument);
-        }
-        arguments->path = argument;
+        command_line_take(state, "scenario", argument, &arguments->path);
         return 0;
     case ARGP_KEY_END:
-        if (arguments->path == NULL || arguments->output == NULL) {
-            argp_error(state, "a scenario and --output are needed");
+        if (arguments->path == NULL) {
+            command_line_refuse(state, "a scenario is needed, such as sim/scenarios/gao2018_mission.cfg");
         }
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
     }
 }
 
-/* The files of a comparison: the logs, then the summary. */
-struct files {
-    struct output outputs[MISSION_STRATEGIES + 1];
-    size_t count;
-};
-
+/* The others are compared with the first strategy; one of them that cannot drive the route is a row that says so. */
 static bool drive(struct mission *missions, enum mission_strategy strategy, const struct scenario *scenario,
-                  const char *directory, struct files *files)
+                  const char *directory)
 {
-    struct output *log = &files->outputs[files->count];
+    const struct mission_view view = {.log = output_open(directory, mission_log_name(strategy)),
+                                      .progress = mission_name(strategy)};
 
-    if (!output_open(log, directory, mission_log_name(strategy))) {
+    struct mission *mission = &missions[strategy];
+
+    if (view.log == NULL || mission_run(mission, strategy, scenario, missions, &view)) {
+        return view.log != NULL;
+    }
+    if (strategy == MISSION_OPTIMAL) {
+        mission_complain(mission, scenario);
         return false;
     }
-    files->count++;
-
-    const struct mission_view view = {.log = log->stream, .progress = mission_name(strategy)};
-
-    return mission_run(&missions[strategy], strategy, scenario, missions, &view);
+    return mission->impossible[0] != '\0';
 }
 
-static bool drive_all(struct mission *missions, const struct scenario *scenario, const char *directory,
-                      struct files *files)
+static bool drive_all(struct mission *missions, const struct scenario *scenario, const char *directory)
 {
     for (size_t i = 0; i < MISSION_STRATEGIES; i++) {
-        if (!drive(missions, (enum mission_strategy)i, scenario, directory, files)) {
+        if (!drive(missions, (enum mission_strategy)i, scenario, directory)) {
             return false;
         }
         mission_print(&missions[i]);
     }
     mission_print_comparison(missions, MISSION_STRATEGIES);
-    if (!output_open_json(&files->outputs[files->count], directory, "summary.json",
-                          mission_json(scenario, missions, MISSION_STRATEGIES))) {
-        return false;
-    }
-    files->count++;
-    return true;
+    return output_json(directory, "summary.json", mission_json(scenario, missions, MISSION_STRATEGIES));
 }
 
 static bool compare(const struct arguments *arguments)
 {
     struct scenario scenario;
     struct mission missions[MISSION_STRATEGIES] = {0};
-    struct files files = {.count = 0};
 
-    if (!scenario_load(arguments->path, &scenario) || !output_directory(arguments->output)) {
+    if (!scenario_load(arguments->path, &scenario) || !output_directory(arguments->common.output)) {
         return false;
     }
     (void)printf("%s: robot %s, %s energy model, energy of the %s, %zu waypoints\n", scenario.name, scenario.robot.name,
                  scenario.model == SCENARIO_PUBLISHED ? "published" : "identified", energy_kind_name(scenario.energy),
                  scenario.waypoint_count);
-    if (!drive_all(missions, &scenario, arguments->output, &files)) {
-        output_discard(files.outputs, files.count);
+    if (!drive_all(missions, &scenario, arguments->common.output)) {
+        output_discard();
         return false;
     }
-    return output_commit(files.outputs, files.count);
+    return output_commit();
 }
 
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"output", 'o', "DIR", 0, "where summary.json and the logs go", 0},
+        OPTION_OUTPUT("build/mission"),
         {0},
     };
     static const struct argp argp = {
         options, parse_option, "SCENARIO.cfg", "Drives a mission by six strategies and compares their energies.", NULL,
         NULL,    NULL};
-    struct arguments arguments = {NULL, NULL};
+    struct arguments arguments = {.common = {.output = "build/mission"}};
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    command_line_parse(&argp, argc, argv, &arguments);
     return compare(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

@@ -1,15 +1,16 @@
 /* Checks a patrol robot's file and prints what its controller is set to. */
-#include <argp.h>
 #include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-#include "../error.h"
-#include "../patrol_config.h"
-#include "../patrol_members.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/four_wheel/patrol_config.h"
+#include "sim/four_wheel/patrol_members.h"
 
 struct arguments {
-    const char *path;
-    bool json;
+    struct command_line common;
 };
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -17,20 +18,13 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case 'j':
-        arguments->json = true;
-        return 0;
     case ARGP_KEY_ARG:
-        if (arguments->path != NULL) {
-            argp_error(state, "one robot file only, not also %s", argument);
-        }
-        arguments->path = argument;
+        command_line_take_robot(state, argument, &arguments->common);
         return 0;
     case ARGP_KEY_NO_ARGS:
-        argp_error(state, "a robot file is missing, such as sim/robots/patrol.cfg");
-        return 0;
+        command_line_refuse(state, "a robot is needed, such as patrol");
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
     }
 }
 
@@ -79,19 +73,19 @@ static json_t *json_part(const struct part *part)
 }
 
 /* Its floats read back exactly. */
-static void print_json(const char *robot, const struct part *parts, size_t count)
+static void print_json(const char *robot, const struct part *parts, size_t count, FILE *stream)
 {
     json_t *root = json_pack("{s:s}", "name", robot);
 
     for (size_t i = 0; i < count; i++) {
         (void)json_object_set_new(root, parts[i].name, json_part(&parts[i]));
     }
-    (void)json_dumpf(root, stdout, JSON_INDENT(4) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
-    (void)putchar('\n');
+    (void)json_dumpf(root, stream, JSON_INDENT(4) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
+    (void)fputc('\n', stream);
     json_decref(root);
 }
 
-static void print(const struct four_wheel_file *robot, bool json)
+static bool print(const struct four_wheel_file *robot, const char *json_path)
 {
     const struct jp_patrol_config patrol = patrol_config(robot, PATROL_IMPROVED);
     const struct jp_pure_pursuit_config pursuit = patrol_pursuit_config(robot);
@@ -101,21 +95,27 @@ static void print(const struct four_wheel_file *robot, bool json)
     };
     const size_t count = sizeof parts / sizeof parts[0];
 
-    if (json) {
-        print_json(robot->name, parts, count);
-        return;
+    FILE *json = NULL;
+
+    if (json_path != NULL) {
+        json = output_open(NULL, json_path);
+        if (json == NULL) {
+            return false;
+        }
+        print_json(robot->name, parts, count, json);
     }
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && json != stdout; i++) {
         print_table(&parts[i]);
     }
+    return output_commit();
 }
 
 int main(int argc, char **argv)
 {
-    static const struct argp_option options[] = {{"json", 'j', NULL, 0, "Print JSON instead of a table", 0}, {0}};
+    static const struct argp_option options[] = {OPTION_JSON, {0}};
     static const struct argp argp = {options,
                                      parse_option,
-                                     "FILE",
+                                     "ROBOT",
                                      "Checks a patrol robot's file and prints what its controller is set to: the "
                                      "members of jp_patrol_config and jp_pure_pursuit_config with their units.",
                                      NULL,
@@ -124,15 +124,9 @@ int main(int argc, char **argv)
     struct arguments arguments = {0};
     struct four_wheel_file robot;
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
-    if (!four_wheel_file_load(arguments.path, &robot)) {
+    command_line_parse(&argp, argc, argv, &arguments);
+    if (!four_wheel_file_load(arguments.common.robot, &robot)) {
         return ERROR_EXIT;
     }
-    print(&robot, arguments.json);
-    if (fflush(stdout) != 0 || ferror(stdout)) {
-        error_line("jp-patrol-config: standard output cannot be written; is the disk full?");
-        return ERROR_EXIT;
-    }
-    return 0;
+    return print(&robot, arguments.common.json) ? EXIT_SUCCESS : ERROR_EXIT;
 }

@@ -1,34 +1,41 @@
 /* Drives the patrol robot through a scene, or over a map of others, by several methods and compares them. */
-#include <argp.h>
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../clearance.h"
-#include "../error.h"
-#include "../output.h"
-#include "../patrol_report.h"
+#include "sim/base/clearance.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/missions/patrol_report.h"
 
 /** Exit code when the outputs were written but the robot did not arrive. */
 #define NOT_ARRIVED_EXIT 1
 
-#define ROBOT_PATH "sim/robots/patrol.cfg"
-#define DEGREES    (180 / M_PI)
-#define ALL        PATROL_METHODS
+#define DEGREES (180 / M_PI)
+#define ALL     PATROL_METHODS
+
+enum {
+    OPTION_METHOD = COMMAND_LINE_OWN,
+    OPTION_MAP,
+    OPTION_START,
+    OPTION_GOAL,
+    OPTION_BEAM_DROPOUT,
+    OPTION_SCAN_DROPOUT,
+    OPTION_JUMP,
+    OPTION_SLIP
+};
 
 struct arguments {
     enum patrol_scene_kind kind; /* PATROL_SCENES: none */
-    uint64_t seed;
+    struct command_line common;
     enum patrol_method method; /* ALL: every one */
     const char *map_path;
     struct planar_pose start;
     struct planar_pose goal;
     bool has_start;
     bool has_goal;
-    const char *robot_path;
     struct patrol_faults faults;
-    const char *output;
 };
 
 /* ---- Command line ---- */
@@ -62,11 +69,11 @@ static unsigned find_name(const char *name, const char *const *names, unsigned c
 static void parse_scene(struct arguments *arguments, const char *text, struct argp_state *state)
 {
     if (arguments->kind != PATROL_SCENES) {
-        argp_error(state, "one scene only, not also %s", text);
+        command_line_refuse(state, "one scene only, not also %s", text);
     }
     arguments->kind = (enum patrol_scene_kind)find_name(text, patrol_scene_names, PATROL_SCENES);
     if (arguments->kind == PATROL_SCENES) {
-        argp_error(state, "%s: no such scene; see --help", text);
+        command_line_refuse(state, "%s: no such scene; see --help", text);
     }
 }
 
@@ -74,18 +81,7 @@ static void parse_method(struct arguments *arguments, const char *text, struct a
 {
     arguments->method = (enum patrol_method)find_name(text, patrol_method_names, PATROL_METHODS);
     if (arguments->method == ALL && strcmp(text, "all") != 0) {
-        argp_error(state, "--method %s: must be improved, plain, pursuit or all", text);
-    }
-}
-
-static void parse_seed(struct arguments *arguments, const char *text, struct argp_state *state)
-{
-    char *end;
-
-    errno = 0;
-    arguments->seed = strtoull(text, &end, 10);
-    if (end == text || *end != '\0' || text[0] == '-' || errno != 0 || arguments->seed > INT64_MAX) {
-        argp_error(state, "--seed %s: must be a whole number from 0 to 2^63 - 1", text);
+        command_line_refuse(state, "--method %s: must be improved, plain, pursuit or all", text);
     }
 }
 
@@ -94,7 +90,7 @@ static void parse_place(const char *option, const char *text, struct planar_pose
     double numbers[3] = {0};
 
     if (!read_numbers(text, numbers, 3)) {
-        argp_error(state, "%s %s: must be X,Y,DEGREES", option, text);
+        command_line_refuse(state, "%s %s: must be X,Y,DEGREES", option, text);
     }
     *place = (struct planar_pose){numbers[0], numbers[1], numbers[2] / DEGREES};
 }
@@ -102,7 +98,7 @@ static void parse_place(const char *option, const char *text, struct planar_pose
 static void parse_beam_dropout(struct patrol_faults *faults, const char *text, struct argp_state *state)
 {
     if (!read_numbers(text, &faults->beam_dropout, 1) || faults->beam_dropout < 0 || faults->beam_dropout > 1) {
-        argp_error(state, "--beam-dropout %s: must be a share from 0 to 1", text);
+        command_line_refuse(state, "--beam-dropout %s: must be a share from 0 to 1", text);
     }
 }
 
@@ -111,7 +107,7 @@ static void parse_scan_dropout(struct patrol_faults *faults, const char *text, s
     double numbers[2] = {0};
 
     if (!read_numbers(text, numbers, 2) || numbers[0] < 0 || numbers[1] < numbers[0]) {
-        argp_error(state, "--scan-dropout %s: must be FROM,UNTIL, in s", text);
+        command_line_refuse(state, "--scan-dropout %s: must be FROM,UNTIL, in s", text);
     }
     faults->scan_dropout_from = numbers[0];
     faults->scan_dropout_until = numbers[1];
@@ -122,7 +118,7 @@ static void parse_jump(struct patrol_faults *faults, const char *text, struct ar
     double numbers[2] = {0};
 
     if (!read_numbers(text, numbers, 2) || numbers[0] < 0) {
-        argp_error(state, "--jump %s: must be AT,METRES, from 0 s on", text);
+        command_line_refuse(state, "--jump %s: must be AT,METRES, from 0 s on", text);
     }
     faults->jump_at = numbers[0];
     faults->jump_m = numbers[1];
@@ -132,11 +128,11 @@ static void check(const struct arguments *arguments, struct argp_state *state)
 {
     const bool has_map = arguments->map_path != NULL;
 
-    if (arguments->output == NULL || (arguments->kind != PATROL_SCENES) == has_map) {
-        argp_error(state, "a scene or --map, not both, and --output are needed");
+    if ((arguments->kind != PATROL_SCENES) == has_map) {
+        command_line_refuse(state, "a scene or --map is needed, and not both; see --help");
     }
     if (arguments->has_start != has_map || arguments->has_goal != has_map) {
-        argp_error(state, "--map, --start and --goal belong together");
+        command_line_refuse(state, "--map, --start and --goal belong together");
     }
 }
 
@@ -145,40 +141,31 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case 'n':
-        parse_seed(arguments, argument, state);
-        return 0;
-    case 'e':
+    case OPTION_METHOD:
         parse_method(arguments, argument, state);
         return 0;
-    case 'm':
+    case OPTION_MAP:
         arguments->map_path = argument;
         return 0;
-    case 's':
+    case OPTION_START:
         parse_place("--start", argument, &arguments->start, state);
         arguments->has_start = true;
         return 0;
-    case 'g':
+    case OPTION_GOAL:
         parse_place("--goal", argument, &arguments->goal, state);
         arguments->has_goal = true;
         return 0;
-    case 'r':
-        arguments->robot_path = argument;
-        return 0;
-    case 'b':
+    case OPTION_BEAM_DROPOUT:
         parse_beam_dropout(&arguments->faults, argument, state);
         return 0;
-    case 'd':
+    case OPTION_SCAN_DROPOUT:
         parse_scan_dropout(&arguments->faults, argument, state);
         return 0;
-    case 'j':
+    case OPTION_JUMP:
         parse_jump(&arguments->faults, argument, state);
         return 0;
-    case 'l':
+    case OPTION_SLIP:
         arguments->faults.slip = true;
-        return 0;
-    case 'o':
-        arguments->output = argument;
         return 0;
     case ARGP_KEY_ARG:
         parse_scene(arguments, argument, state);
@@ -187,7 +174,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         check(arguments, state);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
     }
 }
 
@@ -225,7 +212,7 @@ static bool find_scene(const struct arguments *arguments, const struct four_whee
                        struct patrol_scene *scene)
 {
     if (arguments->map_path == NULL) {
-        patrol_scene_make(arguments->kind, arguments->seed, scene);
+        patrol_scene_make(arguments->kind, arguments->common.seed, scene);
         return true;
     }
     return patrol_scene_load(arguments->map_path, &arguments->start, &arguments->goal, scene) &&
@@ -233,23 +220,6 @@ static bool find_scene(const struct arguments *arguments, const struct four_whee
 }
 
 /* ---- Drives ---- */
-
-/** The logs and the summary. */
-struct files {
-    struct output outputs[PATROL_METHODS + 1];
-    size_t count;
-};
-
-static FILE *open_log(struct files *files, const char *directory, enum patrol_method method)
-{
-    struct output *output = &files->outputs[files->count];
-
-    if (!output_open(output, directory, patrol_report_log(method))) {
-        return NULL;
-    }
-    files->count++;
-    return output->stream;
-}
 
 static bool drive(struct patrol_report *report, enum patrol_method method, FILE *log)
 {
@@ -268,44 +238,33 @@ static bool drive(struct patrol_report *report, enum patrol_method method, FILE 
     run->method = method;
     patrol_record_init(&run->record, log);
     report->run_count++;
-    patrol_mission_run(&task, &run->result);
-    return true;
+    return patrol_mission_run(&task, &run->result);
 }
 
-static bool drive_all(const struct arguments *arguments, struct patrol_report *report, struct files *files)
+static bool drive_all(const struct arguments *arguments, struct patrol_report *report)
 {
     for (enum patrol_method method = 0; method < PATROL_METHODS; method++) {
         const bool is_asked_for = arguments->method == ALL || arguments->method == method;
-        if (is_asked_for && !drive(report, method, open_log(files, arguments->output, method))) {
+        if (is_asked_for && !drive(report, method, output_open(arguments->common.output, patrol_report_log(method)))) {
             return false;
         }
     }
     return true;
 }
 
-static bool write_summary(const struct patrol_report *report, const char *directory, struct files *files)
-{
-    if (!output_open_json(&files->outputs[files->count], directory, "summary.json", patrol_report_json(report))) {
-        return false;
-    }
-    files->count++;
-    return true;
-}
-
 /* Exit status. */
 static int drive_and_write(const struct arguments *arguments, struct patrol_report *report)
 {
-    struct files files = {.count = 0};
-
-    if (!output_directory(arguments->output)) {
+    if (!output_directory(arguments->common.output)) {
         return ERROR_EXIT;
     }
-    if (!drive_all(arguments, report, &files) || !write_summary(report, arguments->output, &files)) {
-        output_discard(files.outputs, files.count);
+    if (!drive_all(arguments, report) ||
+        !output_json(arguments->common.output, "summary.json", patrol_report_json(report))) {
+        output_discard();
         return ERROR_EXIT;
     }
     patrol_report_print(report);
-    if (!output_commit(files.outputs, files.count)) {
+    if (!output_commit()) {
         return ERROR_EXIT;
     }
     return report->runs[0].result.outcome == PATROL_ARRIVED ? EXIT_SUCCESS : NOT_ARRIVED_EXIT;
@@ -321,7 +280,7 @@ static int patrol(const struct arguments *arguments, const struct four_wheel_fil
         report = (struct patrol_report){.robot = robot,
                                         .scene = &scene,
                                         .map_path = arguments->map_path,
-                                        .seed = arguments->seed,
+                                        .seed = arguments->common.seed,
                                         .faults = arguments->faults};
         status = drive_and_write(arguments, &report);
     }
@@ -335,17 +294,17 @@ static int patrol(const struct arguments *arguments, const struct four_wheel_fil
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"seed", 'n', "N", 0, "of the scene and of the noise (default: 1)", 0},
-        {"method", 'e', "METHOD", 0, "improved, plain, pursuit or all (default)", 0},
-        {"map", 'm', "MAP.json", 0, "drive over this map (tools/import_map.py) instead of a scene", 0},
-        {"start", 's', "X,Y,DEG", 0, "on that map, m in its frame", 0},
-        {"goal", 'g', "X,Y,DEG", 0, "likewise", 0},
-        {"robot", 'r', "ROBOT.cfg", 0, "the robot's file (default: " ROBOT_PATH ")", 0},
-        {"beam-dropout", 'b', "SHARE", 0, "this share of the laser's beams drops out", 0},
-        {"scan-dropout", 'd', "FROM,UNTIL", 0, "no scans in this time, s", 0},
-        {"jump", 'j', "AT,METRES", 0, "the laser's pose jumps so far at this time, s", 0},
-        {"slip", 'l', NULL, 0, "the ground is slippery and falls off to one side", 0},
-        {"output", 'o', "DIR", 0, "where summary.json and the logs go", 0},
+        OPTION_SEED("of the scene and of the noise"),
+        {"method", OPTION_METHOD, "METHOD", 0, "improved, plain, pursuit or all (default)", 0},
+        {"map", OPTION_MAP, "MAP.json", 0, "drive over this map (tools.design.import_map) instead of a scene", 0},
+        {"start", OPTION_START, "X,Y,DEG", 0, "on that map, m in its frame", 0},
+        {"goal", OPTION_GOAL, "X,Y,DEG", 0, "likewise", 0},
+        OPTION_ROBOT(" (patrol)"),
+        {"beam-dropout", OPTION_BEAM_DROPOUT, "SHARE", 0, "this share of the laser's beams drops out", 0},
+        {"scan-dropout", OPTION_SCAN_DROPOUT, "FROM,UNTIL", 0, "no scans in this time, s", 0},
+        {"jump", OPTION_JUMP, "AT,METRES", 0, "the laser's pose jumps so far at this time, s", 0},
+        {"slip", OPTION_SLIP, NULL, 0, "the ground is slippery and falls off to one side", 0},
+        OPTION_OUTPUT("build/patrol"),
         {0},
     };
     static const struct argp argp = {
@@ -360,10 +319,11 @@ int main(int argc, char **argv)
         NULL,
         NULL};
     static struct four_wheel_file robot;
-    struct arguments arguments = {
-        .kind = PATROL_SCENES, .seed = 1, .method = ALL, .robot_path = ROBOT_PATH, .faults.jump_at = -1};
+    struct arguments arguments = {.kind = PATROL_SCENES,
+                                  .common = {.output = "build/patrol", .robot = "sim/robots/patrol.cfg", .seed = 1},
+                                  .method = ALL,
+                                  .faults.jump_at = -1};
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
-    return four_wheel_file_load(arguments.robot_path, &robot) ? patrol(&arguments, &robot) : ERROR_EXIT;
+    command_line_parse(&argp, argc, argv, &arguments);
+    return four_wheel_file_load(arguments.common.robot, &robot) ? patrol(&arguments, &robot) : ERROR_EXIT;
 }

@@ -1,14 +1,14 @@
 /* Plans a route over a map for least energy and for least distance and compares them; a balancer also drives it. */
-#include <argp.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../error.h"
-#include "../output.h"
-#include "../plan_parameters.h"
-#include "../plan_tables.h"
-#include "../rig.h"
+#include "sim/balancer/rig.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/missions/plan_parameters.h"
+#include "sim/missions/plan_tables.h"
 
 /** Exit code when the outputs were written but the goal was not reached. */
 #define NOT_REACHED_EXIT 1
@@ -16,10 +16,11 @@
 #define MEMORY_KIB     8192
 #define MEMORY_KIB_MAX 1048576
 
+enum { OPTION_START = COMMAND_LINE_OWN, OPTION_GOAL, OPTION_COST, OPTION_MEMORY };
+
 struct arguments {
     const char *map_path;
-    const char *robot_path;
-    const char *output;
+    struct command_line common;
     const char *parameters_path; /* NULL: as built in */
     struct plan_place start;
     struct plan_place goal;
@@ -34,42 +35,36 @@ struct arguments {
 static void parse_place(const char *option, const char *text, struct plan_place *place, struct argp_state *state)
 {
     if (!plan_place_parse(text, place)) {
-        argp_error(state, "%s %s: must be X,Y or X,Y,DEGREES", option, text);
+        command_line_refuse(state, "%s %s: must be X,Y or X,Y,DEGREES", option, text);
     }
 }
 
 static void parse_cost(struct arguments *arguments, const char *text, struct argp_state *state)
 {
     if (strcmp(text, "physical") != 0 && strcmp(text, "paper") != 0) {
-        argp_error(state, "--cost %s: must be physical or paper", text);
+        command_line_refuse(state, "--cost %s: must be physical or paper", text);
     }
     arguments->cost = strcmp(text, "paper") == 0 ? JP_COST_PAPER : JP_COST_PHYSICAL;
 }
 
 static void parse_memory(struct arguments *arguments, const char *text, struct argp_state *state)
 {
-    char *end;
-    const unsigned long kib = strtoul(text, &end, 10);
-
-    if (end == text || *end != '\0' || text[0] == '-' || kib < 1 || kib > MEMORY_KIB_MAX) {
-        argp_error(state, "--memory %s: must be a whole number of KiB from 1 to %d", text, MEMORY_KIB_MAX);
-    }
-    arguments->memory = kib * 1024;
+    arguments->memory = (size_t)command_line_whole(state, "--memory", text, 1, MEMORY_KIB_MAX) * 1024;
 }
 
 static void check(const struct arguments *arguments, struct argp_state *state)
 {
-    if (arguments->map_path == NULL || arguments->robot_path == NULL || arguments->output == NULL) {
-        argp_error(state, "a map, --robot and --output are needed");
+    if (arguments->map_path == NULL || arguments->common.robot[0] == '\0') {
+        command_line_refuse(state, "a map and --robot are needed");
     }
     if (arguments->has_start != arguments->has_goal) {
-        argp_error(state, "give both --start and --goal, or neither");
+        command_line_refuse(state, "give both --start and --goal, or neither");
     }
     if (arguments->has_start && !arguments->start.has_heading) {
-        argp_error(state, "--start: must be X,Y,DEGREES");
+        command_line_refuse(state, "--start: must be X,Y,DEGREES");
     }
     if (arguments->parameters_path != NULL && arguments->cost != JP_COST_PHYSICAL) {
-        argp_error(state, "--parameters: only the physical cost follows what is learned; leave --cost out");
+        command_line_refuse(state, "--parameters: only the physical cost follows what is learned; leave --cost out");
     }
 }
 
@@ -78,40 +73,31 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case 'r':
-        arguments->robot_path = argument;
-        return 0;
-    case 's':
+    case OPTION_START:
         parse_place("--start", argument, &arguments->start, state);
         arguments->has_start = true;
         return 0;
-    case 'g':
+    case OPTION_GOAL:
         parse_place("--goal", argument, &arguments->goal, state);
         arguments->has_goal = true;
         return 0;
-    case 'c':
+    case OPTION_COST:
         parse_cost(arguments, argument, state);
         return 0;
-    case 'm':
+    case OPTION_MEMORY:
         parse_memory(arguments, argument, state);
         return 0;
     case 'p':
         arguments->parameters_path = argument;
         return 0;
-    case 'o':
-        arguments->output = argument;
-        return 0;
     case ARGP_KEY_ARG:
-        if (arguments->map_path != NULL) {
-            argp_error(state, "one map only, not also %s", argument);
-        }
-        arguments->map_path = argument;
+        command_line_take(state, "map", argument, &arguments->map_path);
         return 0;
     case ARGP_KEY_END:
         check(arguments, state);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
     }
 }
 
@@ -133,8 +119,8 @@ static bool fits(const struct arguments *arguments, const struct map_file *map, 
     if (map->terrain.config.resolution == lattice->resolution) {
         return true;
     }
-    error_line("%s: cells of %.4g m, but the lattice of %s has %.4g m; import the map again with tools/import_map.py … "
-               "--resolution %.4g",
+    error_line("%s: cells of %.4g m, but the lattice of %s has %.4g m; import the map again with "
+               "python -m tools.design.import_map … --resolution %.4g",
                arguments->map_path, (double)map->terrain.config.resolution / JP_Q16_ONE, lattice->name,
                (double)lattice->resolution / JP_Q16_ONE, (double)lattice->resolution / JP_Q16_ONE);
     return false;
@@ -164,27 +150,10 @@ static bool find_task(const struct arguments *arguments, const struct map_file *
 
 /* ---- Outputs ---- */
 
-/** Both routes, the scenario, the log of its drive, the summary. */
-struct files {
-    struct output outputs[PLAN_AIMS + 3];
-    size_t count;
-};
-
-static FILE *open_file(struct files *files, const char *directory, const char *name)
-{
-    struct output *output = &files->outputs[files->count];
-
-    if (!output_open(output, directory, name)) {
-        return NULL;
-    }
-    files->count++;
-    return output->stream;
-}
-
-static bool write_routes(const struct plan_report *report, const char *directory, struct files *files)
+static bool write_routes(const struct plan_report *report, const char *directory)
 {
     for (enum plan_aim aim = 0; aim < PLAN_AIMS; aim++) {
-        FILE *stream = open_file(files, directory, plan_route_files[aim]);
+        FILE *stream = output_open(directory, plan_route_files[aim]);
         if (stream == NULL) {
             return false;
         }
@@ -193,25 +162,16 @@ static bool write_routes(const struct plan_report *report, const char *directory
     return true;
 }
 
-static bool write_scenario(const struct plan_drive *drive, const struct arguments *arguments, struct files *files)
+static bool write_scenario(const struct plan_drive *drive, const struct arguments *arguments)
 {
-    FILE *stream = open_file(files, arguments->output, PLAN_SCENARIO_FILE);
-    char *path = realpath(arguments->robot_path, NULL);
+    FILE *stream = output_open(arguments->common.output, PLAN_SCENARIO_FILE);
+    char *path = realpath(arguments->common.robot, NULL);
 
     if (stream != NULL && path != NULL) {
         plan_drive_write(drive, path, stream);
     }
     free(path);
     return stream != NULL;
-}
-
-static bool write_summary(const struct plan_report *report, const char *directory, struct files *files)
-{
-    if (!output_open_json(&files->outputs[files->count], directory, "summary.json", plan_json(report))) {
-        return false;
-    }
-    files->count++;
-    return true;
 }
 
 /* ---- Plan ---- */
@@ -230,7 +190,7 @@ static bool search_both(const struct arguments *arguments, struct map_file *map,
 
 /* Drives the energy-optimal route when the robot is a balancer. *driven is false after one line on stderr. */
 static bool drive(const struct arguments *arguments, const struct lattice_robot *robot, struct plan_report *report,
-                  struct plan_drive *plan_drive, struct files *files, bool *driven)
+                  struct plan_drive *plan_drive, bool *driven)
 {
     const struct plan_search *search = &report->searches[PLAN_ENERGY];
 
@@ -241,9 +201,8 @@ static bool drive(const struct arguments *arguments, const struct lattice_robot 
         *driven = false;
         return true;
     }
-    FILE *log = open_file(files, arguments->output, PLAN_LOG_FILE);
-    if (log == NULL || !write_scenario(plan_drive, arguments, files) ||
-        !plan_drive_run(report->map, robot, plan_drive, log)) {
+    FILE *log = output_open(arguments->common.output, PLAN_LOG_FILE);
+    if (log == NULL || !write_scenario(plan_drive, arguments) || !plan_drive_run(report->map, robot, plan_drive, log)) {
         return false;
     }
     report->drive = plan_drive;
@@ -260,20 +219,18 @@ static bool arrives(const struct plan_report *report)
 static int write_all(const struct arguments *arguments, const struct lattice_robot *robot, struct plan_report *report)
 {
     static struct plan_drive plan_drive;
-    struct files files = {.count = 0};
     bool driven = true;
 
-    if (!output_directory(arguments->output)) {
+    if (!output_directory(arguments->common.output)) {
         return ERROR_EXIT;
     }
-    if (!write_routes(report, arguments->output, &files) ||
-        !drive(arguments, robot, report, &plan_drive, &files, &driven) ||
-        !write_summary(report, arguments->output, &files)) {
-        output_discard(files.outputs, files.count);
+    if (!write_routes(report, arguments->common.output) || !drive(arguments, robot, report, &plan_drive, &driven) ||
+        !output_json(arguments->common.output, "summary.json", plan_json(report))) {
+        output_discard();
         return ERROR_EXIT;
     }
     plan_print(report);
-    if (!output_commit(files.outputs, files.count)) {
+    if (!output_commit()) {
         return ERROR_EXIT;
     }
     return driven && arrives(report) ? EXIT_SUCCESS : NOT_REACHED_EXIT;
@@ -305,20 +262,21 @@ static int plan(const struct arguments *arguments, struct map_file *map, const s
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"robot", 'r', "ROBOT.cfg", 0, "the robot's file; its lattice is built in", 0},
-        {"start", 's', "X,Y,DEG", 0, "m in the map's frame; the nearest of 16 headings (default: chosen)", 0},
-        {"goal", 'g', "X,Y[,DEG]", 0, "likewise; any heading unless one is given (default: chosen)", 0},
-        {"cost", 'c', "KIND", 0, "physical (default) or paper: what the energy-optimal route is charged for", 0},
-        {"memory", 'm', "KIB", 0, "the planner's block (default: 8192)", 0},
+        OPTION_ROBOT(""),
+        {"start", OPTION_START, "X,Y,DEG", 0, "m in the map's frame; the nearest of 16 headings (default: chosen)", 0},
+        {"goal", OPTION_GOAL, "X,Y[,DEG]", 0, "likewise; any heading unless one is given (default: chosen)", 0},
+        {"cost", OPTION_COST, "KIND", 0, "physical (default) or paper: what the energy-optimal route is charged for",
+         0},
+        {"memory", OPTION_MEMORY, "KIB", 0, "the planner's block (default: 8192)", 0},
         {"parameters", 'p', "FILE.json", 0, "what the robot has learned (default: as built in)", 0},
-        {"output", 'o', "DIR", 0, "where summary.json, the routes and the drive go", 0},
+        OPTION_OUTPUT("build/plan"),
         {0},
     };
     static const struct argp argp = {
         options,
         parse_option,
         "MAP.json",
-        "Plans a route over a map (tools/import_map.py) for least energy and for least distance and compares them; "
+        "Plans a route over a map (tools.design.import_map) for least energy and for least distance and compares them; "
         "a balancer drives the first in the simulator.\v"
         "Exit status: 0 both routes reach the goal; 1 not, or the drive could not be made or touched an obstacle: "
         "the outputs say which; 2 bad input, nothing was written.",
@@ -326,12 +284,12 @@ int main(int argc, char **argv)
         NULL,
         NULL};
     static struct lattice_robot robot;
-    struct arguments arguments = {.cost = JP_COST_PHYSICAL, .memory = (size_t)MEMORY_KIB * 1024};
+    struct arguments arguments = {
+        .common = {.output = "build/plan"}, .cost = JP_COST_PHYSICAL, .memory = (size_t)MEMORY_KIB * 1024};
     struct map_file map;
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
-    if (!lattice_robot_load(arguments.robot_path, &robot) || !map_file_load(arguments.map_path, &map)) {
+    command_line_parse(&argp, argc, argv, &arguments);
+    if (!lattice_robot_load(arguments.common.robot, &robot) || !map_file_load(arguments.map_path, &map)) {
         return ERROR_EXIT;
     }
     const int status = plan(&arguments, &map, &robot);

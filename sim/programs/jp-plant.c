@@ -1,20 +1,21 @@
 /* The simulated robot as a process: sensors, motors and battery on a CAN bus, and an operator that drives a scenario.
  */
-#include <argp.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../bus_mission.h"
-#include "../bus_open.h"
-#include "../can_log.h"
-#include "../can_relay.h"
-#include "../error.h"
-#include "../local_ecu.h"
-#include "../mission_report.h"
-#include "../output.h"
-#include "../real_time.h"
-#include "../stop_signal.h"
+#include "sim/balancer/fault_names.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/base/real_time.h"
+#include "sim/base/stop_signal.h"
+#include "sim/bus/bus_open.h"
+#include "sim/bus/can_log.h"
+#include "sim/bus/can_relay.h"
+#include "sim/bus/local_ecu.h"
+#include "sim/missions/bus_mission.h"
+#include "sim/missions/mission_report.h"
 
 #define IN_PROCESS  "in-process"
 #define FRAMES_NAME "frames.log"
@@ -23,9 +24,11 @@ static const char *const pace_names[] = {
     [BUS_MISSION_LOCKSTEP] = "lockstep", [BUS_MISSION_PACED] = "paced", [BUS_MISSION_REAL_TIME] = "real-time"};
 #define PACES (sizeof pace_names / sizeof pace_names[0])
 
+enum { OPTION_PACE = COMMAND_LINE_OWN, OPTION_FRAMES, OPTION_HOST };
+
 struct arguments {
     const char *scenario;
-    const char *output;
+    struct command_line common;
     bool frames; /**< are logged */
     const char *buses[CAN_RELAY_LINKS];
     size_t bus_count;
@@ -44,7 +47,7 @@ struct surroundings {
 static void add_bus(struct arguments *arguments, const char *name, struct argp_state *state)
 {
     if (arguments->bus_count == CAN_RELAY_LINKS) {
-        argp_error(state, "at most %d buses, not also %s", CAN_RELAY_LINKS, name);
+        command_line_refuse(state, "at most %d buses, not also %s", CAN_RELAY_LINKS, name);
     }
     arguments->buses[arguments->bus_count++] = name;
 }
@@ -57,20 +60,14 @@ static void set_pace(struct arguments *arguments, const char *name, struct argp_
             return;
         }
     }
-    argp_error(state, "--pace is lockstep, paced or real-time, not %s", name);
+    command_line_refuse(state, "--pace is lockstep, paced or real-time, not %s", name);
 }
 
 static void set_host(struct arguments *arguments, const char *seconds, struct argp_state *state)
 {
-    char *end = NULL;
-
     arguments->hosts = true;
-    if (seconds == NULL) {
-        return;
-    }
-    arguments->host_seconds = strtod(seconds, &end);
-    if (end == seconds || *end != '\0' || !(arguments->host_seconds > 0 && arguments->host_seconds < 1e6)) {
-        argp_error(state, "--host takes seconds above 0, not %s", seconds);
+    if (seconds != NULL) {
+        arguments->host_seconds = command_line_real(state, "--host", seconds, 1e-3, 1e6);
     }
 }
 
@@ -82,13 +79,10 @@ static void check(const struct arguments *arguments, struct argp_state *state)
         in_process = in_process || strcmp(arguments->buses[i], IN_PROCESS) == 0;
     }
     if (arguments->scenario == NULL || arguments->bus_count == 0) {
-        argp_error(state, "a scenario and --bus are needed");
-    }
-    if (arguments->output == NULL && !arguments->hosts) {
-        argp_error(state, "--output is needed, or --host");
+        command_line_refuse(state, "a scenario and --bus are needed");
     }
     if (in_process && (arguments->bus_count > 1 || arguments->pace == BUS_MISSION_REAL_TIME || arguments->hosts)) {
-        argp_error(state, "--bus " IN_PROCESS " stands alone, in lockstep");
+        command_line_refuse(state, "--bus " IN_PROCESS " stands alone, in lockstep");
     }
 }
 
@@ -100,29 +94,23 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case 'b':
         add_bus(arguments, argument, state);
         return 0;
-    case 'p':
+    case OPTION_PACE:
         set_pace(arguments, argument, state);
         return 0;
-    case 'h':
+    case OPTION_HOST:
         set_host(arguments, argument, state);
         return 0;
-    case 'o':
-        arguments->output = argument;
-        return 0;
-    case 'f':
+    case OPTION_FRAMES:
         arguments->frames = true;
         return 0;
     case ARGP_KEY_ARG:
-        if (arguments->scenario != NULL) {
-            argp_error(state, "one scenario only, not also %s", argument);
-        }
-        arguments->scenario = argument;
+        command_line_take(state, "scenario", argument, &arguments->scenario);
         return 0;
     case ARGP_KEY_END:
         check(arguments, state);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
     }
 }
 
@@ -166,6 +154,7 @@ static bool open_surroundings(struct surroundings *surroundings, const struct ar
 static void print_bus(const struct bus_mission *result, enum bus_mission_pace pace)
 {
     const struct bus_drive *drive = &result->drive;
+    char faults[FAULTS_NAME_SIZE];
 
     (void)printf("\n%-44s %10" PRIu64 "\n", "ticks with the motors on", drive->ticks_driven);
     (void)printf("%-44s %10" PRIu64 "  (%.4f %%)\n", "of those, commands that missed their deadline", drive->late,
@@ -176,7 +165,8 @@ static void print_bus(const struct bus_mission *result, enum bus_mission_pace pa
     }
     (void)printf("%-44s %10" PRIu64 "\n", "motor commands with a wrong CRC", drive->plant.crc_errors);
     (void)printf("%-44s %10" PRIu64 "\n", "motor commands out of sequence", drive->plant.sequence_errors);
-    (void)printf("%-44s %#10x\n", "faults that the ECU reports, enum jp_fault", drive->view.errors.faults);
+    faults_name(drive->view.errors.faults, faults);
+    (void)printf("%-44s %#10x  (%s)\n", "faults that the ECU reports", drive->view.errors.faults, faults);
     (void)printf("%-44s %10" PRIu64 "\n", "times that the bridges fell silent", drive->plant.silences);
     (void)printf("%-44s %016" PRIx64 "\n", "fingerprint of trajectory and energies", result->fingerprint);
 }
@@ -203,36 +193,31 @@ static json_t *summary(const struct scenario *scenario, const struct bus_mission
     return value;
 }
 
-/** The files of a drive: the log, the frames if they are wanted, then the summary. */
+/** The files of a drive besides its summary. */
 struct files {
-    struct output outputs[3];
-    size_t count;
+    FILE *log;
+    FILE *frames; /**< NULL when they are not wanted */
 };
-
-static bool open_file(struct files *files, const char *directory, const char *name)
-{
-    return output_open(&files->outputs[files->count], directory, name) && ++files->count > 0;
-}
 
 static bool open_files(struct files *files, const struct arguments *arguments)
 {
-    files->count = 0;
-    if (!output_directory(arguments->output) ||
-        !open_file(files, arguments->output, mission_log_name(MISSION_OPTIMAL))) {
+    files->frames = NULL;
+    if (!output_directory(arguments->common.output)) {
         return false;
     }
-    if (arguments->frames && !open_file(files, arguments->output, FRAMES_NAME)) {
-        output_discard(files->outputs, files->count);
-        return false;
+    files->log = output_open(arguments->common.output, mission_log_name(MISSION_OPTIMAL));
+    if (files->log != NULL && arguments->frames) {
+        files->frames = output_open(arguments->common.output, FRAMES_NAME);
     }
-    return true;
+    return files->log != NULL && (files->frames != NULL || !arguments->frames);
 }
 
 static bool drive_route(struct bus_mission *result, const struct arguments *arguments, const struct scenario *scenario,
                         const struct jp_can_link *link, const struct files *files)
 {
-    const struct mission_view view = {.log = files->outputs[0].stream, .progress = mission_name(MISSION_OPTIMAL)};
-    struct can_log log = {.inner = *link,
+    const struct mission_view view = {.log = files->log, .progress = mission_name(MISSION_OPTIMAL)};
+    struct can_log log = {.stream = files->frames,
+                          .inner = *link,
                           .interface = "can0",
                           .tick = &result->drive.tick,
                           .rate_hz = (uint32_t)scenario->robot.control.rate_hz};
@@ -240,34 +225,35 @@ static bool drive_route(struct bus_mission *result, const struct arguments *argu
     if (!arguments->frames) {
         return bus_mission_run(result, scenario, link, arguments->pace, &view);
     }
-    log.stream = files->outputs[1].stream;
 
     const struct jp_can_link logged = can_log_link(&log);
 
     return bus_mission_run(result, scenario, &logged, arguments->pace, &view);
 }
 
-static bool drive_scenario(const struct arguments *arguments, const struct scenario *scenario,
-                           struct surroundings *surroundings)
+static bool drive_and_say(const struct arguments *arguments, const struct scenario *scenario,
+                          const struct jp_can_link *link, const struct files *files)
 {
     static struct bus_mission result;
-    struct files files;
-    bool done;
+    const bool done = drive_route(&result, arguments, scenario, link, files);
 
-    if (!open_files(&files, arguments)) {
-        return false;
-    }
-    done = drive_route(&result, arguments, scenario, &surroundings->link, &files);
     if (done) {
         mission_print(&result.mission);
     }
     print_bus(&result, arguments->pace);
-    if (!done || !output_open_json(&files.outputs[files.count], arguments->output, "summary.json",
-                                   summary(scenario, &result, arguments->pace))) {
-        output_discard(files.outputs, files.count);
+    return done && output_json(arguments->common.output, "summary.json", summary(scenario, &result, arguments->pace));
+}
+
+static bool drive_scenario(const struct arguments *arguments, const struct scenario *scenario,
+                           struct surroundings *surroundings)
+{
+    struct files files;
+
+    if (!open_files(&files, arguments) || !drive_and_say(arguments, scenario, &surroundings->link, &files)) {
+        output_discard();
         return false;
     }
-    return output_commit(files.outputs, files.count + 1);
+    return output_commit();
 }
 
 static bool host(const struct arguments *arguments, const struct scenario *scenario, struct surroundings *surroundings)
@@ -280,13 +266,23 @@ static bool host(const struct arguments *arguments, const struct scenario *scena
     return done;
 }
 
+/** Over the bus a route is done when its last segment has ended. */
+static bool ends_with_its_segment(const char *path, const struct scenario *scenario)
+{
+    if (scenario->to_stand) {
+        error_line("%s: end = \"stand\" is for jp-mission; leave it out", path);
+    }
+    return !scenario->to_stand;
+}
+
 static bool run(const struct arguments *arguments)
 {
     static struct surroundings surroundings;
     struct scenario scenario;
     bool done;
 
-    if (!scenario_load(arguments->scenario, &scenario) || !open_surroundings(&surroundings, arguments, &scenario)) {
+    if (!scenario_load(arguments->scenario, &scenario) || !ends_with_its_segment(arguments->scenario, &scenario) ||
+        !open_surroundings(&surroundings, arguments, &scenario)) {
         return false;
     }
     (void)printf("jp-plant: %s, robot %s on %s, %s\n", scenario.name, scenario.robot.name, arguments->buses[0],
@@ -306,10 +302,12 @@ int main(int argc, char **argv)
     static const struct argp_option options[] = {
         {"bus", 'b', "BUS", 0,
          IN_PROCESS ", can:INTERFACE, slcan:DEVICE or pty:NAME; again for more, frames are passed on between them", 0},
-        {"pace", 'p', "PACE", 0, "lockstep, paced (lockstep, not ahead of the clock) or real-time (lockstep)", 0},
-        {"output", 'o', "DIR", 0, "where summary.json and the log go", 0},
-        {"frames", 'f', NULL, 0, "also write DIR/" FRAMES_NAME ", all frames as candump -L does, in simulated time", 0},
-        {"host", 'h', "SECONDS", OPTION_ARG_OPTIONAL,
+        {"pace", OPTION_PACE, "PACE", 0, "lockstep, paced (lockstep, not ahead of the clock) or real-time (lockstep)",
+         0},
+        OPTION_OUTPUT("build/plant"),
+        {"frames", OPTION_FRAMES, NULL, 0,
+         "also write DIR/" FRAMES_NAME ", all frames as candump -L does, in simulated time", 0},
+        {"host", OPTION_HOST, "SECONDS", OPTION_ARG_OPTIONAL,
          "be only the body, for an operator elsewhere on the bus; until stopped, or for some simulated seconds", 0},
         {0},
     };
@@ -320,10 +318,9 @@ int main(int argc, char **argv)
                                      NULL,
                                      NULL,
                                      NULL};
-    struct arguments arguments = {.pace = BUS_MISSION_LOCKSTEP};
+    struct arguments arguments = {.common = {.output = "build/plant"}, .pace = BUS_MISSION_LOCKSTEP};
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    command_line_parse(&argp, argc, argv, &arguments);
     if (arguments.hosts) {
         stop_signal_catch();
     }

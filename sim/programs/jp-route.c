@@ -1,17 +1,17 @@
 /* Plans routes segment by segment and jointly and compares them. */
-#include <argp.h>
-#include <libgen.h>
+#include <joulepath/tables.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../energy_kind.h"
-#include "../error.h"
-#include "../model_file.h"
-#include "../output.h"
-#include "../progress.h"
-#include "../rig.h"
-#include "../route_plan.h"
+#include "sim/balancer/energy_kind.h"
+#include "sim/balancer/rig.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/base/progress.h"
+#include "sim/files/model_file.h"
+#include "sim/missions/route_plan.h"
 
 #define Q16_ONE            65536.0
 #define Q24_ONE            16777216.0
@@ -21,15 +21,16 @@
 #define COLUMN_WIDTH       9
 #define PLANS              2
 
+enum { OPTION_SETTLED = COMMAND_LINE_OWN, OPTION_LEGS };
+
 struct arguments {
-    const char *robot_path;
+    struct command_line common;
     char **route_paths;
     size_t route_count;
     const char *model; /* identified, published or a path */
     enum energy_kind energy;
     bool settled;
     uint16_t legs;
-    const char *json_path; /* NULL: none */
 };
 
 /* What routes are planned with. */
@@ -41,17 +42,6 @@ struct setting {
 
 /* ---- Command line ---- */
 
-static void parse_legs(struct arguments *arguments, const char *text, const struct argp_state *state)
-{
-    char *end;
-    const long legs = strtol(text, &end, 10);
-
-    if (end == text || *end != '\0' || legs < 1 || legs > JP_ROUTE_LEGS_MAX) {
-        argp_failure(state, ERROR_EXIT, 0, "--legs %s: must be a whole number from 1 to %d", text, JP_ROUTE_LEGS_MAX);
-    }
-    arguments->legs = (uint16_t)legs;
-}
-
 static bool is_identified(const struct arguments *arguments)
 {
     return strcmp(arguments->model, "identified") == 0;
@@ -59,11 +49,11 @@ static bool is_identified(const struct arguments *arguments)
 
 static void check(const struct arguments *arguments, const struct argp_state *state)
 {
-    if (arguments->robot_path == NULL || arguments->route_count == 0) {
-        argp_failure(state, ERROR_EXIT, 0, "a robot file and at least one route are needed");
+    if (arguments->common.robot[0] == '\0' || arguments->route_count == 0) {
+        command_line_refuse(state, "--robot and at least one route are needed");
     }
     if (arguments->energy == ENERGY_BATTERY && !is_identified(arguments)) {
-        argp_failure(state, ERROR_EXIT, 0, "--energy battery: only the identified models know it; leave out --model");
+        command_line_refuse(state, "--energy battery: only the identified models know it; leave out --model");
     }
 }
 
@@ -77,30 +67,23 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case 'e':
         if (!energy_kind_parse(argument, &arguments->energy)) {
-            argp_failure(state, ERROR_EXIT, 0, "--energy %s: must be motor or battery", argument);
+            command_line_refuse(state, "--energy %s: must be motor or battery", argument);
         }
         return 0;
-    case 's':
+    case OPTION_SETTLED:
         arguments->settled = true;
         return 0;
-    case 'l':
-        parse_legs(arguments, argument, state);
-        return 0;
-    case 'j':
-        arguments->json_path = argument;
+    case OPTION_LEGS:
+        arguments->legs = (uint16_t)command_line_whole(state, "--legs", argument, 1, JP_ROUTE_LEGS_MAX);
         return 0;
     case ARGP_KEY_ARG:
-        if (arguments->robot_path == NULL) {
-            arguments->robot_path = argument;
-        } else {
-            arguments->route_paths[arguments->route_count++] = argument;
-        }
+        arguments->route_paths[arguments->route_count++] = argument;
         return 0;
     case ARGP_KEY_END:
         check(arguments, state);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
     }
 }
 
@@ -145,7 +128,7 @@ static bool prepare(const struct arguments *arguments, struct setting *setting)
 {
     const char *field = NULL;
 
-    if (!robot_file_load(arguments->robot_path, &setting->file)) {
+    if (!robot_file_load(arguments->common.robot, &setting->file)) {
         return false;
     }
 
@@ -274,12 +257,11 @@ static json_t *json_route(const struct arguments *arguments, const struct settin
                      gain_percent(greedy, joint));
 }
 
-static bool write_json(json_t *value, FILE *stream)
+static void write_json(json_t *value, FILE *stream)
 {
-    const bool written = json_dumpf(value, stream, JSON_REAL_PRECISION(NUMBER_DIGITS)) == 0;
-
+    (void)json_dumpf(value, stream, JSON_REAL_PRECISION(NUMBER_DIGITS));
+    (void)fputc('\n', stream);
     json_decref(value);
-    return written && fputc('\n', stream) != EOF;
 }
 
 /* ---- Routes ---- */
@@ -292,9 +274,11 @@ static bool plan_route(const struct arguments *arguments, const struct setting *
     if (!route_file_load(path, &route) || !route_plan_make(&setting->planner, path, &route, &plan)) {
         return false;
     }
-    print_route(path, &route, &plan);
+    if (json != stdout) {
+        print_route(path, &route, &plan);
+    }
     if (json != NULL) {
-        (void)write_json(json_route(arguments, setting, path, &route, &plan), json);
+        write_json(json_route(arguments, setting, path, &route, &plan), json);
     }
     return true;
 }
@@ -311,53 +295,43 @@ static bool plan_routes(const struct arguments *arguments, const struct setting 
     return planned;
 }
 
-static bool open_json(const char *path, struct output *output)
-{
-    char *directory = strdup(path);
-    char *name = strdup(path);
-    const bool opened = directory != NULL && name != NULL && output_open(output, dirname(directory), basename(name));
-
-    free(directory);
-    free(name);
-    return opened;
-}
-
 static bool run(const struct arguments *arguments)
 {
     static struct setting setting;
-    struct output output;
+    FILE *json = NULL;
 
     if (!prepare(arguments, &setting)) {
         return false;
     }
-    if (arguments->json_path == NULL) {
-        return plan_routes(arguments, &setting, NULL);
+    if (arguments->common.json != NULL) {
+        json = output_open(NULL, arguments->common.json);
+        if (json == NULL) {
+            return false;
+        }
     }
-    if (!open_json(arguments->json_path, &output)) {
+    if (!plan_routes(arguments, &setting, json)) {
+        output_discard();
         return false;
     }
-    if (!plan_routes(arguments, &setting, output.stream)) {
-        output_discard(&output, 1);
-        return false;
-    }
-    return output_commit(&output, 1);
+    return output_commit();
 }
 
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
+        OPTION_ROBOT(""),
         {"model", 'm', "MODEL", 0, "energy model: identified (default), published, or a JSON file of its fields", 0},
         {"energy", 'e', "KIND", 0, "of the identified model: motor (default) or battery", 0},
-        {"settled", 's', NULL, 0, "every segment starts settled, as in the paper, and lasts Ts at least", 0},
-        {"legs", 'l', "N", 0, "segments planned at once; of longer routes one is driven, then N are planned again (64)",
-         0},
-        {"json", 'j', "FILE", 0, "a line for each route", 0},
+        {"settled", OPTION_SETTLED, NULL, 0, "every segment starts settled, as in the paper, and lasts Ts at least", 0},
+        {"legs", OPTION_LEGS, "N", 0,
+         "segments planned at once; of longer routes one is driven, then N are planned again (64)", 0},
+        OPTION_JSON,
         {0},
     };
     static const struct argp argp = {
         options,
         parse_option,
-        "ROBOT.cfg ROUTE...",
+        "ROUTE...",
         "Plans routes for least energy, segment by segment (greedy) and all segments together (joint), and compares "
         "them.\vA ROUTE is a CSV file with the columns x_m, y_m and, for the start, heading_deg, or a JSON file "
         "{\"points_m\": [[x, y], ...], \"heading_deg\": 0}; its first point is the start.",
@@ -371,8 +345,7 @@ int main(int argc, char **argv)
         error_line("jp-route: no memory for so many routes; give fewer");
         return ERROR_EXIT;
     }
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    command_line_parse(&argp, argc, argv, &arguments);
 
     const bool done = run(&arguments);
 

@@ -1,22 +1,22 @@
 /* Missions of robots that differ from their file: learn, predict, drive. One JSON object a line for each seed. */
-#include <argp.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../error.h"
-#include "../output.h"
-#include "../progress.h"
-#include "../trip.h"
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/base/progress.h"
+#include "sim/missions/trip.h"
 
 /* Of the interval that the measured energy shall fall in with 95 %. */
 #define INTERVAL_DEVIATIONS 1.96
 
+enum { OPTION_FAULTS = COMMAND_LINE_OWN };
+
 struct arguments {
-    const char *path;
-    const char *output;
-    long seed;
-    long count;
+    struct command_line common;
+    size_t count;
     bool disturbed;
 };
 
@@ -24,47 +24,27 @@ static const char *const faults[TRIP_FAULTS] = {NULL, "pushes", "dropped samples
 static const char *const changes[TRIP_CHANGES] = {NULL, "ground", "payload"};
 static const char *const outcomes[] = {"done", "fell", "stopped"};
 
-static long parse_number(const char *option, const char *text, long low, long high, struct argp_state *state)
-{
-    char *end;
-    long value = strtol(text, &end, 10);
-
-    if (*text == '\0' || *end != '\0' || value < low || value > high) {
-        argp_failure(state, ERROR_EXIT, 0, "%s %s: must be a whole number from %ld to %ld", option, text, low, high);
-    }
-    return value;
-}
-
 static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case 's':
-        arguments->seed = parse_number("--seed", argument, 0, 1000000000, state);
-        return 0;
     case 'n':
-        arguments->count = parse_number("--count", argument, 1, 1000000, state);
+        arguments->count = (size_t)command_line_whole(state, "--count", argument, 1, 1000000);
         return 0;
-    case 'o':
-        arguments->output = argument;
-        return 0;
-    case 'f':
+    case OPTION_FAULTS:
         arguments->disturbed = true;
         return 0;
     case ARGP_KEY_ARG:
-        if (arguments->path != NULL) {
-            argp_failure(state, ERROR_EXIT, 0, "one robot file only, not also %s", argument);
-        }
-        arguments->path = argument;
+        command_line_take_robot(state, argument, &arguments->common);
         return 0;
     case ARGP_KEY_END:
-        if (arguments->path == NULL) {
-            argp_failure(state, ERROR_EXIT, 0, "a robot file is needed, such as sim/robots/courier24.cfg");
+        if (arguments->common.robot[0] == '\0') {
+            command_line_refuse(state, "a robot is needed, such as courier24");
         }
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_line_option(key, argument, state, &arguments->common);
     }
 }
 
@@ -99,14 +79,11 @@ static json_t *json_trip(const struct trip *trip, const char *robot)
 static bool print_trip(const struct trip *trip, const char *robot)
 {
     json_t *object = json_trip(trip, robot);
-    bool printed =
-        object != NULL && json_dumpf(object, stdout, JSON_COMPACT | JSON_REAL_PRECISION(9)) == 0 && puts("") >= 0;
 
+    (void)json_dumpf(object, stdout, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    (void)puts("");
     json_decref(object);
-    if (!printed) {
-        error_line("standard output: cannot be written; redirect it elsewhere");
-    }
-    return printed;
+    return output_is_said();
 }
 
 /* As jp-plan --parameters reads them. */
@@ -127,11 +104,8 @@ static json_t *json_parameters(const struct trip *trip, const struct robot_file 
 
 static bool write_parameters(const char *directory, const struct trip *trip, const struct robot_file *file)
 {
-    struct output output;
-
-    return output_directory(directory) &&
-           output_open_json(&output, directory, "parameters.json", json_parameters(trip, file)) &&
-           output_commit(&output, 1);
+    return output_directory(directory) && output_json(directory, "parameters.json", json_parameters(trip, file)) &&
+           output_commit();
 }
 
 static bool run(const struct arguments *arguments)
@@ -139,45 +113,43 @@ static bool run(const struct arguments *arguments)
     struct robot_file file;
     struct trip trip = {0};
 
-    if (!robot_file_load(arguments->path, &file)) {
+    if (!robot_file_load(arguments->common.robot, &file)) {
         return false;
     }
 
     const struct robot_entry *entry = rig_find_robot(file.name);
 
-    for (long i = 0; entry != NULL && i < arguments->count; i++) {
-        if (!trip_run(&trip, entry, &file, (uint64_t)(arguments->seed + i), arguments->disturbed) ||
+    for (size_t i = 0; entry != NULL && i < arguments->count; i++) {
+        if (!trip_run(&trip, entry, &file, arguments->common.seed + i, arguments->disturbed) ||
             !print_trip(&trip, file.name)) {
             return false;
         }
-        progress_show("missions", (size_t)i + 1, (size_t)arguments->count);
+        progress_show("missions", i + 1, arguments->count);
     }
     progress_end();
-    return entry != NULL && fflush(stdout) == 0 &&
-           (arguments->output == NULL || write_parameters(arguments->output, &trip, &file));
+    return entry != NULL &&
+           (arguments->common.output == NULL || write_parameters(arguments->common.output, &trip, &file));
 }
 
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"seed", 's', "SEED", 0, "of the first mission (1)", 0},
+        OPTION_SEED("of the first mission"),
         {"count", 'n', "N", 0, "missions, of seeds one after the other (1)", 0},
-        {"output", 'o', "DIR", 0, "where parameters.json goes: what the last robot learned, for jp-plan --parameters",
-         0},
-        {"faults", 'f', NULL, 0, "with faults, and with changes of ground and payload", 0},
+        {"output", 'o', "DIR", 0, "folder of parameters.json: what the last robot learned, for jp-plan (not kept)", 0},
+        {"faults", OPTION_FAULTS, NULL, 0, "with faults, and with changes of ground and payload", 0},
         {0},
     };
     static const struct argp argp = {options,
                                      parse_option,
-                                     "ROBOT.cfg",
+                                     "ROBOT",
                                      "Drives robots that differ from their file: each learns on a way, predicts what a "
                                      "route will take, and drives it.",
                                      NULL,
                                      NULL,
                                      NULL};
-    struct arguments arguments = {.seed = 1, .count = 1};
+    struct arguments arguments = {.common = {.seed = 1}, .count = 1};
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&argp, argc, argv, 0, NULL, &arguments);
+    command_line_parse(&argp, argc, argv, &arguments);
     return run(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
 }

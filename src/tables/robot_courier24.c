@@ -19,6 +19,7 @@ const struct jp_robot_config jp_robot_courier24 = {
             .turns_per_metre = 29668632, /* 1.768388 turn/m */
             .travel_bandwidth = 65536,   /* 1 rad/s */
             .yaw_bandwidth = 262144,     /* 4 rad/s */
+            .rest_ticks = 2188U,         /* ticks */
         },
     .lqr =
         {
@@ -46,7 +47,7 @@ const struct jp_robot_config jp_robot_courier24 = {
             .motor_resistance = 262144,   /* 4 Ω */
             .back_emf = 173718,           /* 2.650719 V·s/turn */
             .half_track = 109227,         /* 1.666667 wheel turns a body turn */
-            .wheel_rate_limit = 59337264, /* 3.536777 turn/s */
+            .wheel_rate_limit = 72105697, /* 4.297834 turn/s */
             .current_residual = 32768,    /* 0.5 A */
             .confirm_ticks = 3U,          /* ticks */
             .freeze_ticks = 50U,          /* ticks */

@@ -19,6 +19,7 @@ const struct jp_robot_config jp_robot_gao2018 = {
             .turns_per_metre = 17801179, /* 1.061033 turn/m */
             .travel_bandwidth = 0,       /* 0 rad/s */
             .yaw_bandwidth = 0,          /* 0 rad/s */
+            .rest_ticks = 2188U,         /* ticks */
         },
     .lqr =
         {
@@ -46,7 +47,7 @@ const struct jp_robot_config jp_robot_gao2018 = {
             .motor_resistance = 438436,     /* 6.69 Ω */
             .back_emf = 192711,             /* 2.940531 V·s/turn */
             .half_track = 76459,            /* 1.166667 wheel turns a body turn */
-            .wheel_rate_limit = 35602358,   /* 2.122066 turn/s */
+            .wheel_rate_limit = 52267481,   /* 3.115385 turn/s */
             .current_residual = 2147418112, /* 32767 A */
             .confirm_ticks = 3U,            /* ticks */
             .freeze_ticks = 0U,             /* ticks */

@@ -10,9 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../sim/bus_trial.h"
-#include "../../sim/rig.h"
-#include "parallel.h"
+#include "hal/linux/can_open.h"
+#include "sim/balancer/rig.h"
+#include "tests/bench/parallel.h"
+#include "tests/support/bus_trial.h"
 
 #define ROBOT_NAME "courier24"
 #define ROBOT_FILE "sim/robots/courier24.cfg"

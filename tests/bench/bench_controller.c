@@ -1,18 +1,17 @@
 /* The controller's figures: 1 000 000 states against floating point; 30 days of driving, every tick of them. */
+#include <joulepath/tables.h>
+
 #include <pthread.h>
 #include <stdio.h>
 
-#include "tests/property/lqr_oracle.h"
-#include "tests/property/wrap_drive.h"
+#include "tests/support/lqr_oracle.h"
+#include "tests/support/wrap_drive.h"
 
 enum { STATES = 1000000, SEED = 20180917, DAYS = 30, THREADS = 2 };
 
 #define BAR_MILLIVOLTS  5.0
 #define BAR_MILLIMETRES 0.1
 #define BAR_DEGREES     0.01
-
-extern const struct jp_robot_config jp_robot_gao2018;
-extern const struct jp_robot_config jp_robot_courier24;
 
 static const struct wrap_geometry courier24 = {&jp_robot_courier24, 5, 3, 19200};
 

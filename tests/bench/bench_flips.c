@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../hal/can/messages.h"
-#include "../../hal/can/route_link.h"
-#include "../../sim/progress.h"
+#include "hal/can/messages.h"
+#include "hal/can/route_link.h"
+#include "sim/base/progress.h"
 
 enum { SEED = 20180905, FRAMES = 10000000, ROUTES = 1000000, FLIPS_MAX = 16, FLIPS_FOUND = 3, DEVIATIONS = 5 };
 
@@ -225,7 +225,7 @@ static void bench_messages(struct tally commands[FLIPS_MAX + 1], struct tally sa
 /* Whole routes. */
 
 struct upload {
-    struct jp_route route;
+    struct jp_route_message route;
     struct jp_can_frame frames[1 + JP_ROUTE_LENGTH_MAX]; /**< the offer, then the waypoints */
 };
 
@@ -249,7 +249,7 @@ static void draw_upload(struct upload *upload)
     uint8_t waypoints = (uint8_t)below(COUNTERS);
     uint32_t crc = JP_ROUTE_CRC_START;
 
-    upload->route = (struct jp_route){.id = (uint8_t)(1U + below(255)), .length = (uint8_t)(1U + below(32))};
+    upload->route = (struct jp_route_message){.id = (uint8_t)(1U + below(255)), .length = (uint8_t)(1U + below(32))};
     for (unsigned i = 0; i < upload->route.length; i++) {
         struct jp_point *point = &upload->route.points[i];
         struct jp_can_frame *frame = &upload->frames[1U + i];
@@ -291,7 +291,7 @@ static void receive(struct jp_route_link *link, const struct upload *upload)
     }
 }
 
-static bool is_same(const struct jp_route *a, const struct jp_route *b)
+static bool is_same(const struct jp_route_message *a, const struct jp_route_message *b)
 {
     return a->id == b->id && a->length == b->length &&
            memcmp(a->points, b->points, a->length * sizeof a->points[0]) == 0;

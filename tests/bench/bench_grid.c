@@ -1,6 +1,6 @@
 /* The grid planner on the MovingAI maps of --data DIR (each NAME.map with its NAME.scen), on the 20 scenes as uniform
  * grids and on open ground: whether its ways are valid and optimal, how many turning points it saves, what jump points
- * save. Judged by tests/property/grid_oracle.h. Prints figures as JSON; a table on stderr. Exit status 2: bad input,
+ * save. Judged by tests/support/grid_oracle.h. Prints figures as JSON; a table on stderr. Exit status 2: bad input,
  * nothing was written. */
 #include <argp.h>
 #include <dirent.h>
@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../sim/error.h"
-#include "../../sim/progress.h"
-#include "../../sim/random.h"
-#include "../../sim/scene.h"
-#include "../property/grid_oracle.h"
+#include "sim/base/error.h"
+#include "sim/base/progress.h"
+#include "sim/base/random.h"
+#include "tests/support/grid_oracle.h"
+#include "tests/support/scene.h"
 
 #define COMMAND "build/bench/bench_grid"
 
@@ -298,7 +298,7 @@ static void create_planner(struct jp_grid_planner *planner, const struct course 
 static bool solve(struct jp_grid_planner *planner, const struct task *task)
 {
     enum jp_grid_answer answer = JP_GRID_NO_TASK;
-    if (jp_grid_planner_set_task(planner, &task->start, &task->goal) == JP_OK) {
+    if (jp_grid_planner_start(planner, &task->start, &task->goal) == JP_OK) {
         do {
             answer = jp_grid_planner_work(planner, SLICE);
         } while (answer == JP_GRID_SEARCHING);
@@ -313,7 +313,7 @@ struct way {
     bool is_valid;
 };
 
-static bool is_centre(const struct course *course, const struct jp_path_point *point, struct jp_grid_cell cell)
+static bool is_centre(const struct course *course, const struct jp_point *point, struct jp_grid_cell cell)
 {
     const double side = course->terrain.config.resolution;
     return fabs(point->x / side - cell.x - 0.5) < TOLERANCE && fabs(point->y / side - cell.y - 0.5) < TOLERANCE;
@@ -323,12 +323,12 @@ static struct way judge(const struct course *course, const struct task *task, co
 {
     const double side = course->terrain.config.resolution;
     size_t count = 0;
-    const struct jp_path_point *points = jp_grid_planner_path(planner, &count);
+    const struct jp_point *points = jp_grid_planner_path(planner, &count);
     struct way way = {0, count > 2 ? (double)(count - 2) : 0,
                       is_centre(course, &points[0], task->start) && is_centre(course, &points[count - 1], task->goal)};
     for (size_t i = 1; i < count; i++) {
-        const struct jp_path_point *a = &points[i - 1];
-        const struct jp_path_point *b = &points[i];
+        const struct jp_point *a = &points[i - 1];
+        const struct jp_point *b = &points[i];
         way.length += hypot((b->x - a->x) / side, (b->y - a->y) / side);
         way.is_valid &= grid_oracle_is_line_free(&course->oracle, a->x / side, a->y / side, b->x / side, b->y / side);
     }
@@ -378,7 +378,7 @@ static void measure(const struct course *course, struct totals *totals)
     }
     progress_end();
     for (int method = 0; method < METHODS; method++) {
-        free(planners[method].nodes); /* begins the block */
+        free(planners[method].internal.nodes); /* begins the block */
     }
     if (graph != NULL) {
         grid_graph_free(graph);

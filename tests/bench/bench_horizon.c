@@ -4,9 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "../../sim/chain.h"
-#include "figures.h"
-#include "parallel.h"
+#include "tests/bench/figures.h"
+#include "tests/bench/parallel.h"
+#include "tests/support/chain.h"
 
 #define COMMAND "make figures"
 
@@ -23,7 +23,7 @@ enum {
 #define PERCENTILE_BAR 2.0 /* % */
 #define PERCENTILE     0.99
 
-/* A robot that stood so long knows its gyro's bias and keeps it over power-off (hal/parameters.h). */
+/* A robot that stood so long knows its gyro's bias and keeps it over power-off (hal/storage/parameters.h). */
 static const double standing = 60; /* s */
 
 static const double shortest = 0.5; /* s */

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "../../sim/chain.h"
-#include "../../sim/variation.h"
-#include "figures.h"
-#include "parallel.h"
+#include "sim/balancer/variation.h"
+#include "tests/bench/figures.h"
+#include "tests/bench/parallel.h"
+#include "tests/support/chain.h"
 
 enum {
     BEFORE = 40,   /* segments until the change */

@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "../../sim/experiment.h"
-#include "../../sim/mission.h"
-#include "../../sim/trial.h"
-#include "parallel.h"
+#include "sim/balancer/experiment.h"
+#include "sim/missions/mission.h"
+#include "tests/bench/parallel.h"
+#include "tests/support/trial.h"
 
 /* The paper's search by hand: arc angles, rad, and durations, s. */
 #define ARC_MIN       0.1
@@ -58,6 +58,7 @@ static double speed_of_simulation(const struct scenario *scenario)
         struct mission mission;
 
         if (!mission_run(&mission, MISSION_OPTIMAL, scenario, NULL, NULL)) {
+            mission_complain(&mission, scenario);
             fail("the mission failed");
         }
         best = fmax(best, (double)mission.ticks / scenario->robot.control.rate_hz / mission.wall_seconds);
@@ -81,6 +82,7 @@ static void bench_mission(const struct scenario *scenario)
 
     for (int i = 0; i < MISSION_STRATEGIES; i++) {
         if (!mission_run(&missions[i], (enum mission_strategy)i, scenario, missions, NULL)) {
+            mission_complain(&missions[i], scenario);
             fail("the mission failed");
         }
     }

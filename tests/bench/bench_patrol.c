@@ -3,11 +3,12 @@
  * a row for each scene, ground and method. Bad drives of the improved band and progress on stderr. */
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "../../sim/patrol_mission.h"
-#include "figures.h"
-#include "parallel.h"
+#include "sim/missions/patrol_mission.h"
+#include "tests/bench/figures.h"
+#include "tests/bench/parallel.h"
 
 #define COMMAND    "make bench-patrol"
 #define ROBOT_PATH "sim/robots/patrol.cfg"
@@ -57,7 +58,9 @@ static void drive(const struct four_wheel_file *robot, const struct group *group
                                      .faults = {.jump_at = -1, .slip = group->place->slip}};
 
     patrol_scene_make(group->place->kind, seed, &scene);
-    patrol_mission_run(&task, result);
+    if (!patrol_mission_run(&task, result)) {
+        abort();
+    }
     patrol_scene_free(&scene);
 }
 

@@ -1,6 +1,8 @@
 /* The planner on rough scenes, and on maps that are given: how good its routes are in blocks of several sizes, how fast
  * it is beside a plain Dijkstra, what a replan costs, what energy is saved at what length. Prints figures as JSON;
  * --rows FILE gets every run. Progress on stderr. */
+#include <joulepath/tables.h>
+
 #include <argp.h>
 #include <jansson.h>
 #include <math.h>
@@ -9,19 +11,18 @@
 #include <string.h>
 #include <time.h>
 
-#include "../../sim/map_file.h"
-#include "../../sim/progress.h"
-#include "../../sim/random.h"
-#include "../../sim/scene.h"
-#include "plain_dijkstra.h"
+#include "sim/base/progress.h"
+#include "sim/base/random.h"
+#include "sim/files/map_file.h"
+#include "tests/bench/plain_dijkstra.h"
+#include "tests/support/scene.h"
 
-extern const struct jp_lattice jp_lattice_zhang2018;
 static const struct jp_lattice *const lattice = &jp_lattice_zhang2018;
 
 #define COMMAND "make bench-plan"
 #define KIB     ((size_t)1024)
 
-/* The schedule of the README's example. */
+/* The schedule of the example in src/search/README.md. */
 #define SCHEDULE                                                                                                       \
     {                                                                                                                  \
         JP_EPSILON(1.35), JP_EPSILON(1.2), JP_EPSILON(1.1), JP_EPSILON_ONE                                             \
@@ -48,7 +49,7 @@ enum { SIZES = sizeof sizes_kib / sizeof sizes_kib[0] };
 struct task {
     const char *name;
     struct jp_terrain *terrain;
-    struct jp_pose start;
+    struct jp_lattice_pose start;
     struct jp_goal goal;
 };
 
@@ -327,9 +328,9 @@ static void bench_size(const struct scene *scenes, unsigned kib, json_t *rows)
 
 /* ---- Replanning ---- */
 
-static struct jp_pose pose_after(const struct jp_planner *planner, unsigned steps)
+static struct jp_lattice_pose pose_after(const struct jp_planner *planner, unsigned steps)
 {
-    struct jp_pose pose = jp_planner_plan(planner)->start;
+    struct jp_lattice_pose pose = jp_planner_plan(planner)->start;
     for (unsigned i = 0; i < steps; i++) {
         (void)jp_planner_step(planner, i, &pose);
     }
@@ -345,7 +346,7 @@ struct replan {
 };
 
 /* A square of cells becomes occupied, or free where it was not. */
-static void change_square(struct jp_planner *planner, const struct jp_terrain *terrain, struct jp_pose place)
+static void change_square(struct jp_planner *planner, const struct jp_terrain *terrain, struct jp_lattice_pose place)
 {
     const bool was_free = jp_terrain_cell(terrain, place.x, place.y) == JP_CELL_FREE;
 
@@ -356,7 +357,8 @@ static void change_square(struct jp_planner *planner, const struct jp_terrain *t
 }
 
 /* The robot stands at the start of the planner, which has its route; then something changes. */
-static struct replan replan_after_change(struct jp_planner *planner, const struct task *task, struct jp_pose place)
+static struct replan replan_after_change(struct jp_planner *planner, const struct task *task,
+                                         struct jp_lattice_pose place)
 {
     static const struct jp_planner_config config = {&jp_lattice_zhang2018, JP_COST_PHYSICAL, {JP_EPSILON_ONE}};
     const uint32_t expanded = jp_planner_statistics(planner)->expansions;
@@ -381,23 +383,23 @@ static struct replan replan_after_change(struct jp_planner *planner, const struc
 }
 
 /* On the route, some primitives ahead of the robot. */
-static struct jp_pose place_on_route(const struct jp_planner *planner, struct random *random)
+static struct jp_lattice_pose place_on_route(const struct jp_planner *planner, struct random *random)
 {
     (void)random;
     return pose_after(planner, AHEAD);
 }
 
 /* Anywhere near the robot but under it. */
-static struct jp_pose place_near(const struct jp_planner *planner, struct random *random)
+static struct jp_lattice_pose place_near(const struct jp_planner *planner, struct random *random)
 {
-    const struct jp_pose robot = jp_planner_plan(planner)->start;
-    struct jp_pose place;
+    const struct jp_lattice_pose robot = jp_planner_plan(planner)->start;
+    struct jp_lattice_pose place;
     double distance = 0;
 
     do {
         const double x = random_uniform(random, -NEAR_CELLS, NEAR_CELLS);
         const double y = random_uniform(random, -NEAR_CELLS, NEAR_CELLS);
-        place = (struct jp_pose){(int16_t)(robot.x + x), (int16_t)(robot.y + y), 0};
+        place = (struct jp_lattice_pose){(int16_t)(robot.x + x), (int16_t)(robot.y + y), 0};
         distance = hypot(x, y);
     } while (distance < UNDER_CELLS || distance > NEAR_CELLS);
     return place;
@@ -413,7 +415,7 @@ struct replans {
 
 /* The robot drives a step between changes, for as long as there is a route. */
 static void replan_scene(const struct scene *scene, struct replans *replans, struct random *random,
-                         struct jp_pose (*choose)(const struct jp_planner *, struct random *))
+                         struct jp_lattice_pose (*choose)(const struct jp_planner *, struct random *))
 {
     const struct jp_planner_config config = {lattice, JP_COST_PHYSICAL, {JP_EPSILON(1.35), JP_EPSILON_ONE}};
     void *block = allocate(FULL_KIB * KIB);
@@ -422,7 +424,7 @@ static void replan_scene(const struct scene *scene, struct replans *replans, str
     start_planner(&planner, &config, &scene->task, block, FULL_KIB * KIB);
     (void)work_until_idle(&planner);
     for (unsigned n = 0; n < REPLANS && jp_planner_plan(&planner)->step_count > AHEAD; n++) {
-        const struct jp_pose robot = pose_after(&planner, 1);
+        const struct jp_lattice_pose robot = pose_after(&planner, 1);
         if (jp_planner_set_start(&planner, &robot) != JP_OK) {
             break;
         }
@@ -438,7 +440,7 @@ static void replan_scene(const struct scene *scene, struct replans *replans, str
 }
 
 static void bench_replans(struct scene *scenes, const char *what, bool has_bar,
-                          struct jp_pose (*choose)(const struct jp_planner *, struct random *))
+                          struct jp_lattice_pose (*choose)(const struct jp_planner *, struct random *))
 {
     static struct replans replans;
     struct random random;
@@ -513,9 +515,9 @@ static struct route measure(const struct jp_planner_config *config, const struct
 
     start_planner(&planner, config, task, block, FULL_KIB * KIB);
     (void)work_until_idle(&planner);
-    struct jp_pose pose = jp_planner_plan(&planner)->start;
+    struct jp_lattice_pose pose = jp_planner_plan(&planner)->start;
     for (unsigned i = 0; i < jp_planner_plan(&planner)->step_count; i++) {
-        const struct jp_pose from = pose;
+        const struct jp_lattice_pose from = pose;
         const struct jp_primitive *step = jp_planner_step(&planner, i, &pose);
         const struct jp_primitive *own = &lattice->primitives[step - config->lattice->primitives];
         route.energy += jp_lattice_energy(lattice, JP_COST_PHYSICAL, task->terrain, own, from.x, from.y) /
@@ -589,7 +591,7 @@ static void bench_savings(const struct scene *scenes, json_t *curve_rows)
 
 /* ---- Maps that are given ---- */
 
-static bool random_pose(struct random *random, const struct jp_terrain *terrain, struct jp_pose *pose)
+static bool random_pose(struct random *random, const struct jp_terrain *terrain, struct jp_lattice_pose *pose)
 {
     enum { TRIES = 100000 };
 
@@ -611,7 +613,7 @@ static void bench_task(const struct task *task, json_t *rows)
     const struct outcome best = plan(&exact, task, 4 * FULL_KIB * KIB);
 
     for (unsigned i = 0; i < SIZES; i++) {
-        if (jp_planner_size_min(&task->terrain->config) <= sizes_kib[i] * KIB) {
+        if (jp_planner_size(&task->terrain->config) <= sizes_kib[i] * KIB) {
             const struct outcome outcome = plan(&config, task, sizes_kib[i] * KIB);
             add_row(rows, task, sizes_kib[i], &outcome,
                     best.answer == JP_ANSWER_OPTIMAL ? (double)best.plan.cost : (double)NAN);
@@ -630,7 +632,7 @@ static void bench_map(const char *path, json_t *rows)
     random_init(&random, MAP_SEED);
     for (unsigned i = 0; i < MAP_TASKS; i++) {
         struct task task = {.name = map.name, .terrain = &map.terrain};
-        struct jp_pose goal;
+        struct jp_lattice_pose goal;
         if (!random_pose(&random, &map.terrain, &task.start) || !random_pose(&random, &map.terrain, &goal)) {
             break;
         }

@@ -2,15 +2,17 @@
  * scenes, between what the map shows, and around random turning points on open ground; from a stand along the path. The
  * pose is the plant's, or that of laser odometry. Prints figures as JSON; --rows FILE gets a row for each speed. */
 #include <joulepath/path_spline.h>
+#include <joulepath/patrol_mission.h>
+#include <joulepath/scan_match.h>
 #include <math.h>
+#include <string.h>
 
-#include "../../sim/four_wheel_plant.h"
-#include "../../sim/patrol_config.h"
-#include "../../sim/patrol_path.h"
-#include "../../sim/patrol_scene.h"
-#include "../../sim/scan_match.h"
-#include "figures.h"
-#include "parallel.h"
+#include "sim/four_wheel/four_wheel_plant.h"
+#include "sim/four_wheel/laser.h"
+#include "sim/four_wheel/patrol_config.h"
+#include "sim/scenes/patrol_scene.h"
+#include "tests/bench/figures.h"
+#include "tests/bench/parallel.h"
 
 #define COMMAND    "make bench-patrol"
 #define ROBOT_PATH "sim/robots/patrol.cfg"
@@ -25,11 +27,12 @@
 #define SPEED_OF_BAR 1.0
 
 /* Open ground. */
-#define OPEN_CELL  0.25 /* m */
-#define LEG_MIN    3.0  /* m */
-#define LEG_MAX    6.0
-#define TURN_MAX   (M_PI / 3)
-#define TUBE_CELLS 8
+#define OPEN_CELL    0.25 /* m */
+#define LEG_MIN      3.0  /* m */
+#define LEG_MAX      6.0
+#define TURN_MAX     (M_PI / 3)
+#define TUBE_CELLS   8
+#define PATH_SPACING 0.1 /* m, as the planner's */
 
 /* m/s; the wheels do 1.5. */
 static const double speeds[] = {0.25, 0.5, 0.75, 1.0, 1.25};
@@ -43,7 +46,8 @@ enum {
     OPEN_SIDE = 400, /* cells */
     TURNING_POINTS = 8,
     NOISE_SEED = 1,
-    NEAR = 30, /* segments of a path, on either side of the one that the robot was at */
+    POINTS_MAX = 4096, /* of a path */
+    NEAR = 30,         /* segments of a path, on either side of the one that the robot was at */
 };
 
 /* What is driven, and by which pose. */
@@ -68,10 +72,15 @@ struct errors {
     bool has_arrived;
 };
 
+struct path {
+    struct jp_point points[POINTS_MAX];
+    size_t count;
+};
+
 struct course {
     bool is_open;
     struct patrol_scene scene; /* of open ground only the map */
-    struct patrol_path path;
+    struct path path;
     struct errors errors[SPEEDS][KINDS];
 };
 
@@ -93,16 +102,28 @@ static void plan_scene(struct course *course, const struct four_wheel_file *robo
 {
     patrol_scene_make(kind, seed, &course->scene);
 
-    const struct jp_plane_pose *start = &course->scene.start;
-    const struct jp_plane_pose *goal = &course->scene.goal;
-    const struct planar_point from = {(double)start->x, (double)start->y};
-    const struct planar_point to = {(double)goal->x, (double)goal->y};
-    struct patrol_planner *planner = patrol_planner_new(&course->scene.map, robot);
+    const struct jp_patrol_mission_config config = {.patrol = patrol_config(robot, PATROL_PURSUIT),
+                                                    .map = &course->scene.map,
+                                                    .points_max = POINTS_MAX,
+                                                    .turns_max = POINTS_MAX / 4};
+    const size_t size = jp_patrol_mission_size(&config);
+    void *block = malloc(size);
+    struct jp_patrol_mission mission;
+    const char *field;
 
-    if (planner == NULL || !patrol_planner_find(planner, &from, &to, &course->path)) {
+    if (block == NULL || jp_patrol_mission_init(&mission, &config, block, size, &field) != JP_OK ||
+        jp_patrol_set_pose(&mission.patrol, &course->scene.start) != JP_OK ||
+        jp_patrol_mission_start(&mission, &course->scene.goal) != JP_OK) {
+        fail("a scene that cannot be planned");
+    }
+    while (jp_patrol_mission_work(&mission, UINT16_MAX) == JP_MISSION_PLANNING) {
+    }
+    if (mission.state != JP_MISSION_UNDER_WAY) {
         fail("a scene without a path");
     }
-    patrol_planner_free(planner);
+    course->path.count = mission.path_count;
+    memcpy(course->path.points, mission.path, mission.path_count * sizeof *mission.path);
+    free(block);
 }
 
 /* ---- Paths around random turning points ---- */
@@ -123,29 +144,27 @@ static void make_open_ground(struct patrol_scene *scene)
 }
 
 /* From the middle of the ground, whose border they do not reach. */
-static void draw_turning_points(struct random *random, struct patrol_path *path)
+static void draw_turning_points(struct random *random, struct jp_point way[TURNING_POINTS])
 {
     struct planar_point point = {OPEN_SIDE * OPEN_CELL / 2, OPEN_SIDE * OPEN_CELL / 2};
     double bearing = random_uniform(random, -M_PI, M_PI);
 
-    for (path->way_count = 0; path->way_count < TURNING_POINTS; path->way_count++) {
+    for (size_t i = 0; i < TURNING_POINTS; i++) {
         const double length = random_uniform(random, LEG_MIN, LEG_MAX);
-        path->way[path->way_count] =
-            (struct jp_path_point){(jp_q16)lround(point.x * JP_Q16_ONE), (jp_q16)lround(point.y * JP_Q16_ONE)};
+        way[i] = (struct jp_point){(jp_q16)lround(point.x * JP_Q16_ONE), (jp_q16)lround(point.y * JP_Q16_ONE)};
         point.x += length * cos(bearing);
         point.y += length * sin(bearing);
         bearing += random_uniform(random, -TURN_MAX, TURN_MAX);
     }
 }
 
-static void smooth(struct course *course, const struct jp_grid_planner *planner)
+static void smooth(struct path *path, const struct jp_grid_planner *planner, const struct jp_point way[TURNING_POINTS])
 {
-    struct patrol_path *path = &course->path;
-    const size_t size = jp_path_spline_size(path->way_count);
+    const size_t size = jp_path_spline_size(TURNING_POINTS);
     void *scratch = malloc(size);
 
-    if (scratch == NULL || jp_path_spline(planner, path->way, path->way_count, JP_Q16(PATROL_PATH_SPACING), scratch,
-                                          size, path->points, PATROL_PATH_POINTS_MAX, &path->count) != JP_OK) {
+    if (scratch == NULL || jp_path_spline(planner, way, TURNING_POINTS, JP_Q16(PATH_SPACING), scratch, size,
+                                          path->points, POINTS_MAX, &path->count) != JP_OK) {
         fail("no path around the turning points");
     }
     free(scratch);
@@ -156,19 +175,20 @@ static void plan_open(struct course *course, const struct four_wheel_file *robot
     const struct jp_grid_planner_config config = {
         .method = JP_GRID_ANY_ANGLE, .clearance = (jp_q16)(robot->body.width_m / 2 * JP_Q16_ONE), .tube = TUBE_CELLS};
     struct jp_grid_planner planner;
+    struct jp_point way[TURNING_POINTS];
     struct random random;
     const char *field = "no memory";
 
     make_open_ground(&course->scene);
     random_init(&random, seed);
-    draw_turning_points(&random, &course->path);
+    draw_turning_points(&random, way);
 
     const size_t size = jp_grid_planner_size(&config, &course->scene.map.config);
     void *block = malloc(size);
     if (jp_grid_planner_init(&planner, &config, &course->scene.map, block, size, &field) != JP_OK) {
         fail(field);
     }
-    smooth(course, &planner);
+    smooth(&course->path, &planner, way);
     free(block);
 }
 
@@ -183,7 +203,8 @@ struct drive {
     struct jp_pure_pursuit pursuit;
     struct laser_config laser;
     struct laser_scan scan;
-    struct scan_matcher matcher;
+    struct jp_scan_matcher matcher;
+    uint64_t matcher_block[8 * LASER_BEAMS_MAX + 8];
     struct random random;
     struct planar_pose motion;   /* since the last scan, as the wheels say */
     struct jp_plane_speed speed; /* likewise */
@@ -194,7 +215,7 @@ struct drive {
 
 static struct planar_point point_at(const struct course *course, size_t index)
 {
-    const struct jp_path_point *point = &course->path.points[index];
+    const struct jp_point *point = &course->path.points[index];
 
     return (struct planar_point){(double)point->x / JP_Q16_ONE, (double)point->y / JP_Q16_ONE};
 }
@@ -208,10 +229,16 @@ static struct planar_pose start_of(const struct course *course)
     return (struct planar_pose){first.x, first.y, atan2(second.y - first.y, second.x - first.x)};
 }
 
+static struct jp_plane_pose to_plane(const struct planar_pose *pose)
+{
+    return (struct jp_plane_pose){(float)pose->x, (float)pose->y, (float)pose->heading};
+}
+
 static void set_up(struct drive *drive, const struct campaign *campaign, const struct course *course, double speed)
 {
     const struct four_wheel_file *robot = &campaign->robot;
     const struct planar_pose start = start_of(course);
+    const struct jp_plane_pose first = to_plane(&start);
     struct jp_pure_pursuit_config config = patrol_pursuit_config(robot);
     const char *field = "no memory";
 
@@ -222,8 +249,9 @@ static void set_up(struct drive *drive, const struct campaign *campaign, const s
     drive->laser = laser_config_of(robot->laser.beams, robot->laser.field_deg * M_PI / 180, robot->laser.range_m,
                                    robot->laser.noise_m);
     random_init(&drive->random, NOISE_SEED);
-    scan_match_init(&drive->matcher, &start);
-    if (!solid_map_init(&drive->map, &course->scene.map) ||
+    if (jp_scan_matcher_init(&drive->matcher, LASER_BEAMS_MAX, drive->matcher_block, sizeof drive->matcher_block) !=
+            JP_OK ||
+        jp_scan_matcher_start(&drive->matcher, &first) != JP_OK || !solid_map_init(&drive->map, &course->scene.map) ||
         jp_pure_pursuit_init(&drive->pursuit, &config, &field) != JP_OK ||
         jp_pure_pursuit_follow(&drive->pursuit, course->path.points, course->path.count) != JP_OK) {
         fail(field);
@@ -233,12 +261,19 @@ static void set_up(struct drive *drive, const struct campaign *campaign, const s
 /* The scanner is in the robot's centre. */
 static struct planar_pose laser_pose(struct drive *drive)
 {
-    struct scan_match_result match;
+    const struct jp_plane_pose motion = to_plane(&drive->motion);
+    struct jp_match_result match;
 
     laser_take(&drive->laser, &drive->map, NULL, 0, &drive->plant.state.pose, &drive->random, &drive->scan);
-    scan_match_next(&drive->matcher, &drive->scan, &drive->motion, &match);
+
+    const struct jp_scan scan = {drive->scan.ranges, (uint16_t)drive->scan.beams, (float)drive->scan.first,
+                                 (float)drive->scan.step};
+
+    if (jp_scan_match(&drive->matcher, &scan, &motion, &match) != JP_OK) {
+        fail("a scan that is none");
+    }
     drive->motion = (struct planar_pose){0, 0, 0};
-    return match.pose;
+    return (struct planar_pose){(double)match.pose.x, (double)match.pose.y, (double)match.pose.heading};
 }
 
 static enum jp_status pursue(struct drive *drive, bool has_laser)
@@ -325,7 +360,7 @@ static struct errors track(const struct campaign *campaign, const struct course 
             note(drive, &errors);
         }
     }
-    errors.has_arrived = status == JP_ERR_EMPTY;
+    errors.has_arrived = status == JP_ARRIVED;
     solid_map_free(&drive->map);
     free(drive);
     return errors;

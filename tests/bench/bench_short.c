@@ -3,10 +3,10 @@
  * JSON, progress on stderr. */
 #include <math.h>
 
-#include "../../sim/mission.h"
-#include "../../sim/random.h"
-#include "figures.h"
-#include "parallel.h"
+#include "sim/base/random.h"
+#include "sim/missions/mission.h"
+#include "tests/bench/figures.h"
+#include "tests/bench/parallel.h"
 
 #define COMMAND "make figures"
 
@@ -33,6 +33,7 @@ static void drive(struct comparison *comparison, const struct scenario *scenario
 {
     for (int i = 0; i < MISSION_STRATEGIES; i++) {
         if (!mission_run(&comparison->missions[i], (enum mission_strategy)i, scenario, comparison->missions, NULL)) {
+            mission_complain(&comparison->missions[i], scenario);
             fail(scenario->name);
         }
     }

@@ -1,4 +1,4 @@
-/** The figures of a bench, for tools/figures.py. */
+/** The figures of a bench, for tools/measure/figures.py. */
 #ifndef JOULEPATH_TESTS_BENCH_FIGURES_H
 #define JOULEPATH_TESTS_BENCH_FIGURES_H
 
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "../../sim/error.h"
+#include "sim/base/error.h"
 
 /** What a figure must be; `op` is NULL for one that is only shown. */
 struct figure_bar {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "../../sim/progress.h"
+#include "sim/base/progress.h"
 
 enum { PARALLEL_THREADS_MAX = 64 };
 

@@ -1,4 +1,4 @@
-#include "plain_dijkstra.h"
+#include "tests/bench/plain_dijkstra.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -145,8 +145,8 @@ static bool is_goal(const struct search *search, const struct jp_goal *goal, uin
            ((goal->headings >> state % JP_HEADINGS) & 1) != 0;
 }
 
-double plain_dijkstra(const struct jp_lattice *lattice, const struct jp_terrain *terrain, const struct jp_pose *start,
-                      const struct jp_goal *goal)
+double plain_dijkstra(const struct jp_lattice *lattice, const struct jp_terrain *terrain,
+                      const struct jp_lattice_pose *start, const struct jp_goal *goal)
 {
     const size_t states = (size_t)terrain->config.width * terrain->config.height * JP_HEADINGS;
     struct search search = {lattice, terrain, allocate(NULL, states * sizeof(double)), {NULL, 0, 0}};

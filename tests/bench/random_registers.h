@@ -1,10 +1,10 @@
 /** Random readings in the STM32F405's registers, for the benches of its drivers. */
-#ifndef BENCH_RANDOM_REGISTERS_H
-#define BENCH_RANDOM_REGISTERS_H
+#ifndef JOULEPATH_TESTS_BENCH_RANDOM_REGISTERS_H
+#define JOULEPATH_TESTS_BENCH_RANDOM_REGISTERS_H
 
 #include "hal/stm32f4/devices.h"
 #include "hal/stm32f4/stm32f405.h"
-#include "random.h"
+#include "tests/target/random.h"
 
 /** An end of the converter's range every fourth time. */
 static inline uint32_t random_reading(uint32_t *state)

@@ -3,15 +3,17 @@
  * can do while the motors run. From the registers of the sensors to those of the PWM it is the STM32F405's drivers on
  * memory in the place of the registers. Built for ARMv6-M it counts a Cortex-M0's, which an M4 executes the same.
  */
+#include <joulepath/tables.h>
+
 #include "hal/stm32f4/devices.h"
 
 #include <stddef.h>
 
-#include "cycles.h"
-#include "random.h"
-#include "random_registers.h"
-#include "target.h"
-#include "tests/unit/stm32_fake.h"
+#include "tests/bench/random_registers.h"
+#include "tests/support/stm32_fake.h"
+#include "tests/target/cycles.h"
+#include "tests/target/random.h"
+#include "tests/target/target.h"
 
 enum { STATES = 2000, TICK_STATES = 100, SEED = 20180917, TICK_RATE = 1000 };
 
@@ -23,9 +25,6 @@ enum { UPDATE_BAR = 300, TICK_BAR = 1200 };
 #else
 enum { UPDATE_BAR = 0, TICK_BAR = 0 };
 #endif
-
-extern const struct jp_robot_config jp_robot_courier24;
-extern const struct jp_energy_model jp_energy_model_courier24;
 
 static uint32_t random_state = SEED;
 

@@ -1,12 +1,13 @@
 /** Instructions of one jp_current_check_update(), the worst over a drive with currents that vary, stands and sensors
  *  that change. */
 #include <joulepath/robot.h>
+#include <joulepath/tables.h>
 
 #include <stddef.h>
 
-#include "cycles.h"
-#include "figure.h"
-#include "random.h"
+#include "tests/target/cycles.h"
+#include "tests/target/figure.h"
+#include "tests/target/random.h"
 
 enum { SAMPLES = 3000, SEED = 6, MEMORY = 512, CHANGE = 400 };
 
@@ -17,8 +18,6 @@ static const struct jp_current_check_config config = {
     .excitation = JP_Q16(0.1),
     .memory = MEMORY,
 };
-
-extern const struct jp_robot_config jp_robot_courier24;
 
 static struct jp_current_check check;
 static struct jp_current_check before;

@@ -6,11 +6,11 @@
 
 #include <stddef.h>
 
-#include "cycles.h"
-#include "random.h"
-#include "random_registers.h"
-#include "target.h"
-#include "tests/unit/stm32_fake.h"
+#include "tests/bench/random_registers.h"
+#include "tests/support/stm32_fake.h"
+#include "tests/target/cycles.h"
+#include "tests/target/random.h"
+#include "tests/target/target.h"
 
 enum { READINGS = 300, SEED = 20261121 };
 

@@ -4,9 +4,9 @@
 #include <joulepath/pure_pursuit.h>
 #include <stddef.h>
 
-#include "cycles.h"
-#include "random.h"
-#include "target.h"
+#include "tests/target/cycles.h"
+#include "tests/target/random.h"
+#include "tests/target/target.h"
 
 enum { STATES = 2000, POINTS = 200, SEED = 4 };
 
@@ -99,13 +99,13 @@ static void tick(void *argument)
 
 struct chase {
     struct jp_pure_pursuit tracker;
-    struct jp_path_point position;
+    struct jp_point position;
     jp_angle heading;
     jp_q24 speed;
     struct jp_twist twist;
 };
 
-static struct jp_path_point path[POINTS];
+static struct jp_point path[POINTS];
 static struct chase chase_before;
 static struct chase chase;
 
@@ -120,11 +120,11 @@ static bool prepare_chase(void)
 
     for (size_t i = 1; i < POINTS; i++) {
         heading += (jp_angle)bend;
-        path[i] = (struct jp_path_point){path[i - 1].x + jp_multiply_shift(spacing, jp_cos(heading), 31),
-                                         path[i - 1].y + jp_multiply_shift(spacing, jp_sin(heading), 31)};
+        path[i] = (struct jp_point){path[i - 1].x + jp_multiply_shift(spacing, jp_cos(heading), 31),
+                                    path[i - 1].y + jp_multiply_shift(spacing, jp_sin(heading), 31)};
     }
-    chase_before.position = (struct jp_path_point){path[at].x + random_between(-JP_Q16(0.2), JP_Q16(0.2)),
-                                                   path[at].y + random_between(-JP_Q16(0.2), JP_Q16(0.2))};
+    chase_before.position = (struct jp_point){path[at].x + random_between(-JP_Q16(0.2), JP_Q16(0.2)),
+                                              path[at].y + random_between(-JP_Q16(0.2), JP_Q16(0.2))};
     chase_before.heading = heading;
     chase_before.speed = random_between(0, JP_Q24(8));
     return jp_pure_pursuit_init(&chase_before.tracker, &pursuit, &field) == JP_OK &&

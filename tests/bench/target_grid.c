@@ -2,9 +2,9 @@
  *  bench. */
 #include <joulepath/grid_planner.h>
 
-#include "cycles.h"
-#include "sim/scene.h"
-#include "target.h"
+#include "tests/support/scene.h"
+#include "tests/target/cycles.h"
+#include "tests/target/target.h"
 
 enum { BLOCK = 880 * 1024, SLICE = 32, TUBE = 8 };
 
@@ -33,7 +33,7 @@ static void plan_scene(uint32_t seed)
     const struct jp_grid_cell start = {(int16_t)task.start.x, (int16_t)task.start.y};
     const struct jp_grid_cell goal = {(int16_t)task.goal.x, (int16_t)task.goal.y};
     (void)jp_grid_planner_init(&planner, &config, &terrain, block, sizeof block, &field);
-    (void)jp_grid_planner_set_task(&planner, &start, &goal);
+    (void)jp_grid_planner_start(&planner, &start, &goal);
     do {
         const uint32_t instructions = target_count_once(work, &planner);
 

@@ -1,15 +1,14 @@
 /** Instructions of jp_energy_forecast() and jp_energy_regressors(): the worst over random segments. */
 #include <joulepath/horizon.h>
+#include <joulepath/tables.h>
 
-#include "cycles.h"
-#include "random.h"
-#include "target.h"
+#include "tests/target/cycles.h"
+#include "tests/target/random.h"
+#include "tests/target/target.h"
 
 enum { COUNT = 2000, SEED = 9 };
 
 /* Of the robots here the one with the most modes. */
-extern const struct jp_energy_model jp_energy_model_courier24;
-extern const struct jp_horizon jp_horizon_courier24;
 
 struct input {
     struct jp_energy_start start;

@@ -1,12 +1,13 @@
 /** Instructions of one jp_learner_update(), the worst over random segments of which some are outliers and changes, and
  * of one jp_forecast_add(). */
 #include <joulepath/learner.h>
+#include <joulepath/tables.h>
 
 #include <stddef.h>
 
-#include "cycles.h"
-#include "figure.h"
-#include "random.h"
+#include "tests/target/cycles.h"
+#include "tests/target/figure.h"
+#include "tests/target/random.h"
 
 #ifdef __ARM_ARCH_7EM__
 #define BOUND "20000"
@@ -15,10 +16,6 @@
 #endif
 
 enum { UPDATES = 2000, SEED = 5, OUTLIER_SHARE = 8 };
-
-extern const struct jp_energy_model jp_energy_model_courier24;
-extern const struct jp_horizon jp_horizon_courier24;
-extern const struct jp_learning jp_learning_courier24;
 
 static struct jp_learner learner;
 static struct jp_learner before;

@@ -1,12 +1,11 @@
 /** Instructions of one jp_planner_work() of 32 expansions: the worst slice of each kind of work over the scenes of the
  *  bench, in 256 KiB. */
 #include <joulepath/planner.h>
+#include <joulepath/tables.h>
 
-#include "cycles.h"
-#include "sim/scene.h"
-#include "target.h"
-
-extern const struct jp_lattice jp_lattice_zhang2018;
+#include "tests/support/scene.h"
+#include "tests/target/cycles.h"
+#include "tests/target/target.h"
 
 enum { BLOCK = 256 * 1024, SLICE = 32 };
 
@@ -35,7 +34,7 @@ static void plan_scene(uint32_t seed)
 
     (void)jp_terrain_init(&terrain, &scene_terrain_config, map_block, sizeof map_block, &field);
     scene_generate(seed, &terrain, &task);
-    const struct jp_pose start = {(int16_t)task.start.x, (int16_t)task.start.y, task.start.heading};
+    const struct jp_lattice_pose start = {(int16_t)task.start.x, (int16_t)task.start.y, task.start.heading};
     const struct jp_goal goal = {(int16_t)task.goal.x, (int16_t)task.goal.y, (uint16_t)(1U << task.goal.heading)};
     (void)jp_planner_init(&planner, &config, &terrain, block, sizeof block, &field);
     (void)jp_planner_set_start(&planner, &start);

@@ -1,10 +1,11 @@
 /** Instructions of a whole jp_route plan of eight legs: greedy start, all Newton steps, result. The worst of random
  * routes that turn by up to 120°: with legs of 1…15 m of the paper's model, with legs of 0.7…2.1 m with a horizon. */
 #include <joulepath/route.h>
+#include <joulepath/tables.h>
 #include <stddef.h>
 
-#include "cycles.h"
-#include "figure.h"
+#include "tests/target/cycles.h"
+#include "tests/target/figure.h"
 
 enum { LEGS = 8, ROUTES = 12 };
 
@@ -13,9 +14,6 @@ struct lengths {
     jp_q16 shortest;
     jp_q16 range;
 };
-
-extern const struct jp_energy_model jp_energy_model_gao2018;
-extern const struct jp_horizon jp_horizon_gao2018;
 
 static struct jp_route_leg legs[LEGS];
 static struct jp_route route;
@@ -52,21 +50,22 @@ static void plan(void *unused)
     static const struct jp_energy_start rest = {{0, 0}, {{0}, {0}}};
 
     (void)unused;
-    (void)jp_route_begin(&route, &origin, 0, &rest, targets, LEGS);
-    while (jp_route_work(&route) == JP_ERR_BUSY) {
+    (void)jp_route_start(&route, &origin, 0, &rest, targets, LEGS);
+    while (jp_route_work(&route) == JP_WORKING) {
     }
 }
 
 static uint32_t worst_of(const struct jp_route_config *config, const struct lengths *lengths)
 {
+    const char *field;
     uint32_t worst = 0;
 
     random_state = 1;
-    (void)jp_route_init(&route, config);
+    (void)jp_route_init(&route, config, &field);
     for (unsigned i = 0; i < ROUTES; i++) {
         draw_route(lengths);
         worst = target_count_worst(worst, plan, NULL);
-        if (route.status != JP_OK) {
+        if (route.internal.status != JP_OK) {
             target_print("a route of the bench cannot be planned\n");
         }
     }

@@ -1,9 +1,10 @@
 /** Instructions of one jp_segment_optimise(): the worst over random inputs. */
 #include <joulepath/segment.h>
+#include <joulepath/tables.h>
 
-#include "cycles.h"
-#include "random.h"
-#include "target.h"
+#include "tests/target/cycles.h"
+#include "tests/target/random.h"
+#include "tests/target/target.h"
 
 enum { COUNT = 5000, SEED = 7 };
 

@@ -2,22 +2,21 @@
  *  boxes, between walls of which each pose has four too near, and with boxes all over the way; and the memory for it.
  */
 #include <joulepath/patrol.h>
+#include <joulepath/tables.h>
 
-#include "cycles.h"
-#include "figure.h"
-#include "src/float/plane.h"
+#include "src/base/plane.h"
+#include "tests/target/cycles.h"
+#include "tests/target/figure.h"
 
 #define PERIOD  0.1f  /* of a cycle, s */
 #define SPACING 0.22f /* of the path's points, m */
 
 enum { PATH_POINTS = 60, WARM_CYCLES = 20 };
 
-extern const struct jp_patrol_config jp_patrol_config_patrol;
-
 static struct jp_teb teb;
 static struct jp_obstacles obstacles;
 
-static struct jp_path_point path[PATH_POINTS];
+static struct jp_point path[PATH_POINTS];
 static struct jp_teb_task task;
 static struct jp_teb_result result;
 static enum jp_status status;
@@ -43,7 +42,7 @@ static void lay_path(float amplitude)
     for (unsigned i = 0; i < PATH_POINTS; i++) {
         const float x = SPACING * (float)i;
 
-        path[i] = (struct jp_path_point){q16(x), q16(path_height(x, amplitude))};
+        path[i] = (struct jp_point){q16(x), q16(path_height(x, amplitude))};
     }
     task = (struct jp_teb_task){
         .start = {0.0f, 0.0f, jp_plane_bearing(1.0f, slope)},

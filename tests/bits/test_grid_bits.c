@@ -1,7 +1,7 @@
 /* The same ways, lengths, expansions and smooth curves on every core: a hash over the scenes, equal to a known one. */
 #include <joulepath/path_spline.h>
 
-#include "sim/scene.h"
+#include "tests/support/scene.h"
 #include "unity.h"
 
 enum {
@@ -15,7 +15,7 @@ enum {
 static uint64_t map_block[(SCENE_TERRAIN_SIZE + 7) / 8];
 static uint64_t block[BLOCK / 8];
 static uint64_t scratch[SCRATCH / 8];
-static struct jp_path_point smooth[POINTS_MAX];
+static struct jp_point smooth[POINTS_MAX];
 static struct jp_terrain terrain;
 static struct jp_grid_planner planner;
 static uint32_t hash;
@@ -34,7 +34,7 @@ static void mix(uint32_t value)
     hash = (hash ^ value) * 16777619u;
 }
 
-static void mix_points(const struct jp_path_point *points, size_t count)
+static void mix_points(const struct jp_point *points, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         mix((uint32_t)points[i].x);
@@ -46,7 +46,7 @@ static void mix_way(void)
 {
     size_t count = 0;
     size_t smooth_count = 0;
-    const struct jp_path_point *way = jp_grid_planner_path(&planner, &count);
+    const struct jp_point *way = jp_grid_planner_path(&planner, &count);
     const struct jp_grid_counts *counts = jp_grid_planner_statistics(&planner);
 
     TEST_ASSERT_NOT_NULL(way);
@@ -71,7 +71,7 @@ static void plan_scene(uint32_t seed, enum jp_grid_method method, jp_q16 clearan
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_init(&planner, &config, &terrain, block, sizeof block, &field));
     const struct jp_grid_cell start = {(int16_t)task.start.x, (int16_t)task.start.y};
     const struct jp_grid_cell goal = {(int16_t)task.goal.x, (int16_t)task.goal.y};
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_set_task(&planner, &start, &goal));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_start(&planner, &start, &goal));
     enum jp_grid_answer answer = JP_GRID_SEARCHING;
     while (answer == JP_GRID_SEARCHING) {
         answer = jp_grid_planner_work(&planner, SLICE);
@@ -92,12 +92,4 @@ static void test_any_angle(void)
     plan_scene(1, JP_GRID_ANY_ANGLE, 0);
     plan_scene(3, JP_GRID_ANY_ANGLE, JP_Q16(0.5));
     TEST_ASSERT_EQUAL_HEX32(0x4D125613, hash);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_octile);
-    RUN_TEST(test_any_angle);
-    return UNITY_END();
 }

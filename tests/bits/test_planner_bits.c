@@ -1,14 +1,11 @@
 /* The same route, cost and expansions on every core: a hash over whole plans and replans, equal to a known one. */
 #include <joulepath/planner.h>
+#include <joulepath/tables.h>
 #include <joulepath/tariff.h>
 #include <string.h>
 
-#include "sim/scene.h"
+#include "tests/support/scene.h"
 #include "unity.h"
-
-extern const struct jp_lattice jp_lattice_zhang2018;
-extern const struct jp_lattice jp_lattice_gao2018;
-extern const struct jp_energy_model jp_energy_model_gao2018;
 
 enum {
     SMALL_BLOCK = 256 * 1024,
@@ -46,7 +43,7 @@ static void mix(uint32_t value)
 static void mix_plan(void)
 {
     const struct jp_plan *plan = jp_planner_plan(&planner);
-    struct jp_pose pose = plan->start;
+    struct jp_lattice_pose pose = plan->start;
 
     mix((uint32_t)plan->answer);
     mix(plan->cost);
@@ -55,7 +52,7 @@ static void mix_plan(void)
     mix(jp_planner_statistics(&planner)->states);
     for (unsigned i = 0; i < plan->step_count; i++) {
         const struct jp_primitive *step = jp_planner_step(&planner, i, &pose);
-        mix((uint32_t)(step - planner.config.lattice->primitives));
+        mix((uint32_t)(step - planner.internal.config.lattice->primitives));
     }
 }
 
@@ -74,7 +71,7 @@ static void plan_scene(uint32_t seed, const struct jp_planner_config *config, si
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&terrain, map, map_block, sizeof map_block, &field));
     scene_generate(seed, &terrain, &task);
-    const struct jp_pose start = {(int16_t)task.start.x, (int16_t)task.start.y, task.start.heading};
+    const struct jp_lattice_pose start = {(int16_t)task.start.x, (int16_t)task.start.y, task.start.heading};
     const struct jp_goal goal = {(int16_t)task.goal.x, (int16_t)task.goal.y, (uint16_t)(1U << task.goal.heading)};
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_init(&planner, config, &terrain, block, size, &field));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &start));
@@ -82,9 +79,9 @@ static void plan_scene(uint32_t seed, const struct jp_planner_config *config, si
     work();
 }
 
-static struct jp_pose pose_after(unsigned steps)
+static struct jp_lattice_pose pose_after(unsigned steps)
 {
-    struct jp_pose pose = jp_planner_plan(&planner)->start;
+    struct jp_lattice_pose pose = jp_planner_plan(&planner)->start;
 
     for (unsigned i = 0; i < steps; i++) {
         (void)jp_planner_step(&planner, i, &pose);
@@ -95,8 +92,8 @@ static struct jp_pose pose_after(unsigned steps)
 /* The robot drives a step, and a square on its route changes. */
 static void drive_and_change(enum jp_cell cell)
 {
-    const struct jp_pose place = pose_after(AHEAD);
-    const struct jp_pose robot = pose_after(1);
+    const struct jp_lattice_pose place = pose_after(AHEAD);
+    const struct jp_lattice_pose robot = pose_after(1);
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &robot));
     for (int32_t i = 0; i < SQUARE * SQUARE; i++) {
@@ -171,15 +168,4 @@ static void test_costs_by_models(void)
         mix((uint32_t)tariff.lattice.move_costs[JP_COST_PHYSICAL][i].climb.quadratic);
     }
     TEST_ASSERT_EQUAL_HEX32(0xBD671457, hash);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_256_kib);
-    RUN_TEST(test_optimum_and_replans);
-    RUN_TEST(test_paper_and_distance);
-    RUN_TEST(test_learned_costs);
-    RUN_TEST(test_costs_by_models);
-    return UNITY_END();
 }

@@ -1,10 +1,11 @@
 /* The longest outage that is promised to be ridden out, of each kind, at times spread over standing up, setting off,
- * driving, braking and standing; and the worst of them that are not: what the robot does then is what the README says.
+ * driving, braking and standing; and the worst of them that are not: what the robot does then is what hal/can/README.md
+ * says.
  */
 #include <string.h>
 
-#include "../../sim/bus_trial.h"
-#include "../../sim/rig.h"
+#include "sim/balancer/rig.h"
+#include "tests/support/bus_trial.h"
 #include "unity.h"
 
 #define ROBOT_FILE "sim/robots/courier24.cfg"
@@ -95,17 +96,4 @@ static void test_strange_frames_do_not_move_a_standing_robot(void)
     struct bus_trial trial = one_fault(BUS_TRIAL_GARBAGE, 150, 20000);
 
     TEST_ASSERT_EQUAL_INT(BUS_TRIAL_DONE, trial.end);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_blackout_is_ridden_out_at_any_time);
-    RUN_TEST(test_bus_off_is_ridden_out_at_any_time);
-    RUN_TEST(test_reset_of_the_controller_is_ridden_out_at_any_time);
-    RUN_TEST(test_pause_of_the_plant_is_ridden_out_at_any_time);
-    RUN_TEST(test_a_long_blackout_ends_with_motors_off_and_a_named_fault);
-    RUN_TEST(test_a_silent_operator_stops_the_robot_and_the_route_goes_on_after_it);
-    RUN_TEST(test_strange_frames_do_not_move_a_standing_robot);
-    return UNITY_END();
 }

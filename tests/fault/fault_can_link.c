@@ -13,7 +13,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "hal/linux/can_link.h"
+#include "hal/linux/can_open.h"
 #include "hal/linux/periodic.h"
 #include "unity.h"
 
@@ -617,7 +617,7 @@ static void test_interfaces_that_are_missing(void)
         (void)close(can);
         check_refused("can:nowhere0", "ip link add dev nowhere0 type vcan; ip link set nowhere0 up");
     } else {
-        check_refused("can:nowhere0", "tools/with_vcan.sh");
+        check_refused("can:nowhere0", "tools/operate/with_vcan.sh");
     }
 }
 
@@ -755,39 +755,7 @@ int main(void)
     (void)snprintf(pty_name, sizeof pty_name, "pty:%s", path);
     (void)snprintf(slcan_name, sizeof slcan_name, "slcan:%s", path);
     UNITY_BEGIN();
-    RUN_TEST(test_frames_of_each_kind_cross_both_ways);
-    RUN_TEST(test_frames_keep_their_order);
-    RUN_TEST(test_waiting_takes_no_frame);
-    RUN_TEST(test_a_wait_lasts_as_long_as_it_shall);
-    RUN_TEST(test_a_signal_ends_an_endless_wait);
-    RUN_TEST(test_frames_that_do_not_exist_are_refused);
-    RUN_TEST(test_an_adapter_is_down_until_a_host_has_come);
-    RUN_TEST(test_a_host_goes_and_another_comes);
-    RUN_TEST(test_a_host_that_dies_is_noticed);
-    RUN_TEST(test_an_adapter_goes_and_another_comes_under_its_name);
-    RUN_TEST(test_waiting_for_a_host_costs_no_processor);
-    RUN_TEST(test_a_silent_adapter_is_down_and_asked_again);
-    RUN_TEST(test_an_adapter_that_was_reset_is_asked_again);
-    RUN_TEST(test_an_adapter_that_says_nothing_more_is_down);
-    RUN_TEST(test_garbage_is_no_answer);
-    RUN_TEST(test_an_adapter_answers_as_an_adapter_does);
-    RUN_TEST(test_a_flood_of_garbage);
-    RUN_TEST(test_what_a_peer_does_not_read_is_refused_and_nothing_taken_is_lost);
-    RUN_TEST(test_a_host_that_never_reads_blocks_no_adapter);
-    RUN_TEST(test_names_of_no_kind);
-    RUN_TEST(test_empty_and_long_names);
-    RUN_TEST(test_serial_lines_that_are_none);
-    RUN_TEST(test_interfaces_that_are_missing);
-    RUN_TEST(test_an_error_fits_whatever_room_there_is);
-    RUN_TEST(test_a_file_is_not_replaced);
-    RUN_TEST(test_a_folder_is_not_replaced);
-    RUN_TEST(test_a_link_to_something_is_not_replaced);
-    RUN_TEST(test_the_terminal_of_another_process_is_not_replaced);
-    RUN_TEST(test_a_link_that_leads_nowhere_is_replaced);
-    RUN_TEST(test_a_link_to_the_new_terminal_itself_is_replaced);
-    RUN_TEST(test_a_name_that_was_taken_over_is_left_alone_at_the_close);
-    RUN_TEST(test_a_name_in_no_folder);
-    RUN_TEST(test_links_give_everything_back);
+    run_tests();
     (void)rmdir(folder);
     return UNITY_END();
 }

@@ -1,9 +1,11 @@
 /* Which energy is meant: names, the models of the robots, a robot without a model of the battery's energy. */
+#include <joulepath/tables.h>
+
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "../../sim/mission.h"
+#include "sim/missions/mission.h"
 #include "unity.h"
 
 static const struct robot_entry *courier;
@@ -120,17 +122,4 @@ static void test_robot_without_a_model_of_the_battery(void)
     TEST_ASSERT_EQUAL_PTR(courier->energy, model_of(&motor, &young));
     TEST_ASSERT_NULL(model_of(&battery, &young));
     TEST_ASSERT_EQUAL_STRING("young: no model of the battery's energy; run make identify ROBOT=young\n", said);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_names);
-    RUN_TEST(test_other_names_are_none);
-    RUN_TEST(test_each_robot_has_both_models);
-    RUN_TEST(test_models_are_in_range);
-    RUN_TEST(test_effective_voltages_are_those_of_the_steady_power);
-    RUN_TEST(test_published_model_is_that_of_the_motors);
-    RUN_TEST(test_robot_without_a_model_of_the_battery);
-    return UNITY_END();
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../../sim/patrol_config.h"
+#include "sim/four_wheel/patrol_config.h"
 #include "unity.h"
 
 #define TEXT_MAX 16384
@@ -136,19 +136,6 @@ static void test_shipped_file_loads(void)
     check_value(51200, robot.encoder.wheel_counts_per_turn, "counts");
 }
 
-static double loaded_value(const struct config_field *field)
-{
-    const char *place = (const char *)&robot + field->offset;
-    if (field->type == CONFIG_FIELD_WHOLE) {
-        int whole;
-        memcpy(&whole, place, sizeof whole);
-        return whole;
-    }
-    double real;
-    memcpy(&real, place, sizeof real);
-    return real;
-}
-
 /* What the file says, by a look at its text. */
 static double written_value(const char *key)
 {
@@ -162,12 +149,18 @@ static double written_value(const char *key)
     return strtod(line + strlen(name), NULL);
 }
 
+static void test_robots_of_another_type(void)
+{
+    check_refused("sim/robots/zhang2018.cfg", "skid_steer robot; needs a four_wheel");
+    check_refused("sim/robots/gao2018.cfg", "balancer robot (as without a type); needs a four_wheel");
+}
+
 static void test_each_field_is_loaded(void)
 {
     TEST_ASSERT_TRUE(load("sim/robots/patrol.cfg"));
-    for (size_t i = 0; i < four_wheel_field_count; i++) {
-        const struct config_field *field = &four_wheel_fields[i];
-        check_value(written_value(field->key), loaded_value(field), field->key);
+    for (size_t i = 0; i < four_wheel_kind.field_count; i++) {
+        const struct config_field *field = &four_wheel_kind.fields[i];
+        check_value(written_value(field->key), config_field_value(&robot, field, 0), field->key);
     }
 }
 
@@ -187,8 +180,8 @@ static void test_configuration_of_the_core(void)
 
 static void test_each_field_missing_or_of_another_type(void)
 {
-    for (size_t i = 0; i < four_wheel_field_count; i++) {
-        const char *key = four_wheel_fields[i].key;
+    for (size_t i = 0; i < four_wheel_kind.field_count; i++) {
+        const char *key = four_wheel_kind.fields[i].key;
         write_with_line(key, "");
         check_refused(path, key);
         write_with_value(key, "\"text\"");
@@ -204,8 +197,8 @@ static void test_each_field_missing_or_of_another_type(void)
 
 static void test_each_field_outside_its_limits(void)
 {
-    for (size_t i = 0; i < four_wheel_field_count; i++) {
-        const struct config_field *field = &four_wheel_fields[i];
+    for (size_t i = 0; i < four_wheel_kind.field_count; i++) {
+        const struct config_field *field = &four_wheel_kind.fields[i];
         const double outside[] = {field->min - 0.001 * (field->max - field->min) - 1,
                                   field->max + 0.001 * (field->max - field->min) + 1};
         for (int k = 0; k < 2; k++) {
@@ -243,8 +236,8 @@ static void check_accepted(const char *key)
 static void test_what_loads_is_good_for_the_controllers(void)
 {
     unsigned loaded = 0;
-    for (size_t i = 0; i < four_wheel_field_count; i++) {
-        const struct config_field *field = &four_wheel_fields[i];
+    for (size_t i = 0; i < four_wheel_kind.field_count; i++) {
+        const struct config_field *field = &four_wheel_kind.fields[i];
         const double ends[] = {field->min, field->max};
         for (int k = 0; k < 2; k++) {
             char value[64];
@@ -258,7 +251,7 @@ static void test_what_loads_is_good_for_the_controllers(void)
             }
         }
     }
-    TEST_ASSERT_TRUE(loaded > four_wheel_field_count);
+    TEST_ASSERT_TRUE(loaded > four_wheel_kind.field_count);
 }
 
 static void test_unknown_keys(void)
@@ -266,7 +259,8 @@ static void test_unknown_keys(void)
     write_with_line("wheel.radius_m", " radius_m = 0.1; radius = 0.1;");
     check_refused(path, "wheel.radius (line");
     write_with_line("wheel.radius_m", " radius_m = 0.1; }; wheels: { radius_m = 0.1;");
-    check_refused(path, "wheels.radius_m (line");
+    check_refused(path, "wheels (line");
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(errors, "write wheel\n"), errors);
     write_with_head("name = ", "name = \"patrol\"; colour = 3;");
     check_refused(path, "colour (line");
     write_with_line("wheel.radius_m", " radius_m = 0.1; radius_m = 0.1;");
@@ -388,18 +382,7 @@ int main(void)
     read_file("sim/robots/patrol.cfg", sound, sizeof sound);
 
     UNITY_BEGIN();
-    RUN_TEST(test_shipped_file_loads);
-    RUN_TEST(test_each_field_is_loaded);
-    RUN_TEST(test_configuration_of_the_core);
-    RUN_TEST(test_each_field_missing_or_of_another_type);
-    RUN_TEST(test_each_field_outside_its_limits);
-    RUN_TEST(test_what_loads_is_good_for_the_controllers);
-    RUN_TEST(test_unknown_keys);
-    RUN_TEST(test_name_and_type);
-    RUN_TEST(test_values_that_contradict);
-    RUN_TEST(test_radius_that_the_wheels_cannot_steer);
-    RUN_TEST(test_values_beyond_others);
-    RUN_TEST(test_files_that_are_none);
+    run_tests();
     const int failures = UNITY_END();
     (void)remove(path);
     (void)remove(errors_path);

@@ -12,9 +12,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../../sim/can_bus.h"
-#include "../../sim/lcm_gateway.h"
-#include "../../sim/random.h"
+#include "sim/base/random.h"
+#include "sim/bus/can_bus.h"
+#include "sim/lcm/lcm_gateway.h"
 #include "unity.h"
 
 #define SEED        20180904u
@@ -160,13 +160,13 @@ static bool is_taken(const char *channel, const struct packet *packet)
     const uint8_t *sent_already = &gateway.commander.command_counter;
     const uint8_t before = *sent_already;
 
-    gateway.commander.state = OPERATOR_IDLE;
+    gateway.commander.phase = JP_OPERATOR_IDLE;
     gateway.commander.commanding = false;
     TEST_ASSERT_EQUAL_INT(0, lcm_publish(lcm, channel, packet->bytes, (unsigned)packet->size));
     now_us += MS;
     lcm_gateway_pass(&gateway, now_us);
 
-    const bool taken = gateway.commander.state != OPERATOR_IDLE;
+    const bool taken = gateway.commander.phase != JP_OPERATOR_IDLE;
 
     /* A task makes itself heard on the bus at once, and nothing else does. */
     TEST_ASSERT_EQUAL_INT(taken, *sent_already != before);
@@ -204,7 +204,7 @@ static uint64_t all_dropped(void)
 static void test_sound_packets_become_the_operators_task(void)
 {
     TEST_ASSERT_TRUE(is_taken("JP_ROUTE", &sound_route));
-    TEST_ASSERT_EQUAL_INT(OPERATOR_STANDING_UP, gateway.commander.state);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.commander.phase);
     TEST_ASSERT_EQUAL_UINT(3, gateway.commander.task.length);
     TEST_ASSERT_EQUAL_INT32(JP_Q16(10), gateway.commander.task.points[0].x);
     TEST_ASSERT_EQUAL_INT32(JP_Q16(-511.5), gateway.commander.task.points[1].x);
@@ -383,7 +383,7 @@ static void test_a_bad_packet_leaves_the_task_alone(void)
     TEST_ASSERT_EQUAL_INT(0, lcm_publish(lcm, "JP_ROUTE", bad.bytes, (unsigned)bad.size));
     lcm_gateway_pass(&gateway, now_us + MS);
     TEST_ASSERT_EQUAL_UINT64(2, all_dropped());
-    TEST_ASSERT_EQUAL_INT(OPERATOR_STANDING_UP, gateway.commander.state);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.commander.phase);
     TEST_ASSERT_EQUAL_UINT(3, gateway.commander.task.length);
     TEST_ASSERT_EQUAL_INT32(JP_Q16(10), gateway.commander.task.points[0].x);
 }
@@ -470,8 +470,8 @@ static void pass(void)
 static void test_telemetry_arrives_in_the_units_of_the_types(void)
 {
     PUT(POSE, pose, .x = JP_Q16(-12.5), .y = JP_Q16(3.25), .heading = -1024);
-    PUT(MOTION, motion, .speed = 4096, .turn_rate = -2048, .pitch = 655, .pitch_rate = 8192);
-    PUT(REFERENCE, reference, .speed = 2048, .turn_rate = 1024, .heading = 16384, .segment_time_left = 96);
+    PUT(MOTION, motion, .speed = 4096, .yaw_rate = -2048, .pitch = 655, .pitch_rate = 8192);
+    PUT(REFERENCE, reference, .speed = 2048, .yaw_rate = 1024, .heading = 16384, .segment_time_left = 96);
     PUT(ECU_STATUS, ecu_status, .state = 2, .mode = 2, .operator_state = 1, .resets = 3);
     PUT(ECU_ERRORS, ecu_errors, .faults = 0x204);
     PUT(ROUTE_STATUS, route_status, .route_id = 9, .state = 3, .length = 7, .segment = 4, .segments_ended = 3,
@@ -646,7 +646,7 @@ static void test_any_frame_is_borne(void)
     TEST_ASSERT_GREATER_THAN_UINT(100, states);
     TEST_ASSERT_GREATER_THAN_UINT(10, plans);
     TEST_ASSERT_EQUAL_UINT64(0, gateway.telemetry.unsent);
-    TEST_ASSERT_EQUAL_INT(OPERATOR_IDLE, gateway.commander.state);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_IDLE, gateway.commander.phase);
 }
 
 static void simulate(uint32_t from, uint32_t until)
@@ -682,7 +682,7 @@ static void test_another_simulation_begins_at_0_again_and_the_task_outlasts_it(v
     TEST_ASSERT_EQUAL_UINT(5 + 50, states);
     TEST_ASSERT_EQUAL_INT64(980000, state.utime);
     TEST_ASSERT_EQUAL_INT(0, gateway.telemetry.planned);
-    TEST_ASSERT_EQUAL_INT(OPERATOR_STANDING_UP, gateway.commander.state);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.commander.phase);
 }
 
 static void test_a_failed_task_is_told_with_its_reason(void)
@@ -701,24 +701,6 @@ int main(void)
     printf("seed %u\n", SEED);
     make_packets();
     UNITY_BEGIN();
-    RUN_TEST(test_sound_packets_become_the_operators_task);
-    RUN_TEST(test_every_truncation_and_extension_is_dropped);
-    RUN_TEST(test_every_flipped_bit_is_dropped_or_leaves_a_sound_packet);
-    RUN_TEST(test_counts_that_are_not_those_of_a_route);
-    RUN_TEST(test_coordinates_at_and_beyond_their_limits);
-    RUN_TEST(test_packets_of_other_types);
-    RUN_TEST(test_junk_is_dropped);
-    RUN_TEST(test_a_bad_packet_leaves_the_task_alone);
-    RUN_TEST(test_each_kind_is_named_at_most_once_a_second);
-    RUN_TEST(test_telemetry_arrives_in_the_units_of_the_types);
-    RUN_TEST(test_plans_results_and_residuals);
-    RUN_TEST(test_lost_frames_of_a_plan_show_as_unknown);
-    RUN_TEST(test_segment_numbers_and_parameters_out_of_range);
-    RUN_TEST(test_a_flood_is_published_at_most_50_times_a_second);
-    RUN_TEST(test_jittering_frames_all_count);
-    RUN_TEST(test_any_frame_is_borne);
-    RUN_TEST(test_in_lockstep_time_is_that_of_the_simulation);
-    RUN_TEST(test_another_simulation_begins_at_0_again_and_the_task_outlasts_it);
-    RUN_TEST(test_a_failed_task_is_told_with_its_reason);
+    run_tests();
     return UNITY_END();
 }

@@ -9,10 +9,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../sim/chain.h"
-#include "../../sim/evidence_names.h"
-#include "../../sim/rig.h"
-#include "../../sim/variation.h"
+#include "sim/balancer/evidence_names.h"
+#include "sim/balancer/rig.h"
+#include "sim/balancer/variation.h"
+#include "tests/support/chain.h"
 #include "unity.h"
 
 static const uint64_t seeds[] = {11, 4};
@@ -417,9 +417,6 @@ int main(void)
 {
     printf("courier24: a fault in %d segments after %d without\n", FAULTY, LEARNING);
     UNITY_BEGIN();
-    RUN_TEST(test_the_last_good_model_of_the_battery_is_kept);
-    RUN_TEST(test_currents_do_not_matter_to_the_energy_of_the_motors);
-    RUN_TEST(test_learns_nothing_from_a_segment_that_was_stopped);
-    RUN_TEST(test_learns_nothing_from_a_segment_that_ends_in_a_fault);
+    run_tests();
     return UNITY_END();
 }

@@ -5,8 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../../sim/map_file.h"
-#include "../../sim/random.h"
+#include "sim/base/random.h"
+#include "sim/files/map_file.h"
 #include "unity.h"
 
 #define SEED      20180900u
@@ -384,21 +384,7 @@ int main(void)
     (void)snprintf(path, sizeof path, "%s/map.json", folder);
     (void)snprintf(errors_path, sizeof errors_path, "%s/errors", folder);
     UNITY_BEGIN();
-    RUN_TEST(test_a_sound_file_loads_with_its_southern_row_last);
-    RUN_TEST(test_note_and_elevation_may_be_absent);
-    RUN_TEST(test_resolution_at_its_limits);
-    RUN_TEST(test_files_that_cannot_be_read);
-    RUN_TEST(test_files_that_are_no_json);
-    RUN_TEST(test_deep_nesting);
-    RUN_TEST(test_missing_and_surplus_keys);
-    RUN_TEST(test_values_of_the_wrong_kind);
-    RUN_TEST(test_sizes_out_of_range);
-    RUN_TEST(test_numbers_out_of_range);
-    RUN_TEST(test_grids_that_do_not_fit_the_size);
-    RUN_TEST(test_wrong_cells);
-    RUN_TEST(test_names_and_notes_that_do_not_fit);
-    RUN_TEST(test_mutations_load_or_are_refused);
-    RUN_TEST(test_every_truncation_is_refused);
+    run_tests();
     (void)remove(path);
     (void)remove(errors_path);
     (void)rmdir(folder);

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../sim/patrol_mission.h"
+#include "sim/missions/patrol_mission.h"
 #include "unity.h"
 
 #define SEED   1
@@ -97,7 +97,7 @@ static void record(void *context, const struct patrol_view *view)
                               .pose = view->true_pose,
                               .forward = (double)view->true_speed.forward,
                               .turn_rate = (double)view->true_speed.turn_rate,
-                              .command = view->patrol->command,
+                              .command = view->patrol->internal.command,
                               .state = view->state,
                               .reason = view->reason,
                               .touch = view->world->touch};
@@ -121,7 +121,7 @@ static void make(enum patrol_scene_kind kind, uint64_t seed)
 static void drive(void)
 {
     sample_count = 0;
-    patrol_mission_run(&task, &result);
+    TEST_ASSERT_TRUE(patrol_mission_run(&task, &result));
     figures.runs++;
     figures.outcomes[result.outcome]++;
     figures.waits = result.counts.waits > figures.waits ? result.counts.waits : figures.waits;
@@ -762,19 +762,4 @@ static void test_wheels_slower_than_the_band(void)
         check_gave_up(samples[stop].time, JP_PATROL_INFEASIBLE);
     }
     report();
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_scans_drop_out);
-    RUN_TEST(test_beams_drop_out);
-    RUN_TEST(test_poses_jump);
-    RUN_TEST(test_things_appear);
-    RUN_TEST(test_more_things_than_fit);
-    RUN_TEST(test_no_path);
-    RUN_TEST(test_start_in_collision);
-    RUN_TEST(test_steering_that_cannot_turn_in_place);
-    RUN_TEST(test_wheels_slower_than_the_band);
-    return UNITY_END();
 }

@@ -136,16 +136,3 @@ static void test_the_shortest_and_the_longest_period(void)
     jp_periodic_start(&periodic, UINT32_MAX);
     TEST_ASSERT_TRUE(periodic.next_ns / 1000 - jp_monotonic_us() > 4290000);
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_clock_counts_microseconds);
-    RUN_TEST(test_ticks_and_missed_periods_are_all_periods);
-    RUN_TEST(test_work_within_the_period_does_not_lengthen_it);
-    RUN_TEST(test_a_long_tick_misses_periods);
-    RUN_TEST(test_the_grid_stays_after_a_pause);
-    RUN_TEST(test_signals_do_not_end_a_wait);
-    RUN_TEST(test_the_shortest_and_the_longest_period);
-    return UNITY_END();
-}

@@ -3,7 +3,7 @@
 #include <joulepath/pilot.h>
 #include <math.h>
 
-#include "../../sim/rig.h"
+#include "sim/balancer/rig.h"
 #include "unity.h"
 
 #define LEGS         4
@@ -181,7 +181,7 @@ static void test_stop_beside_the_pilot(void)
     for (int waits = 0; waits < 2; waits++) {
         follow(slalom, SLALOM);
         run_into_segment(2);
-        while (waits == 1 && !pilot.waiting) {
+        while (waits == 1 && !pilot.internal.is_waiting) {
             (void)tick();
         }
         jp_robot_stop(&rig.robot);
@@ -373,7 +373,7 @@ static void test_ask_while_driving(void)
     follow(slalom, SLALOM);
     run_into_segment(1);
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_ask(&pilot, aside, 2));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, jp_pilot_answer(&pilot, &forecast));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_NO_PLAN, jp_pilot_answer(&pilot, &forecast));
     TEST_ASSERT_EQUAL_INT(JP_OK, run_to_rest());
     TEST_ASSERT_DOUBLE_WITHIN(STAND_MARGIN, 0, distance(&slalom[SLALOM - 1]));
 }
@@ -391,7 +391,7 @@ static void test_ask_then_drive(void)
     do {
         (void)tick();
         status = jp_pilot_answer(&pilot, &forecast);
-    } while (status == JP_ERR_BUSY);
+    } while (status == JP_WORKING);
     TEST_ASSERT_EQUAL_INT(JP_OK, status);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, state());
     follow(slalom, LEGS);
@@ -403,27 +403,4 @@ static void test_ask_then_drive(void)
         }
     }
     TEST_ASSERT_DOUBLE_WITHIN(0.06 * measured, measured, forecast.energy / 65536.0);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_target_is_passed);
-    RUN_TEST(test_one_leg_takes_all_targets_too);
-    RUN_TEST(test_stop_in_mid_segment);
-    RUN_TEST(test_stop_beside_the_pilot);
-    RUN_TEST(test_pushed_over);
-    RUN_TEST(test_fall);
-    RUN_TEST(test_disable_in_mid_plan);
-    RUN_TEST(test_new_route_while_driving);
-    RUN_TEST(test_new_routes_again_and_again);
-    RUN_TEST(test_work_is_called_too_rarely);
-    RUN_TEST(test_slices_that_suffice);
-    RUN_TEST(test_target_where_the_robot_stands);
-    RUN_TEST(test_target_twice);
-    RUN_TEST(test_target_too_far_away);
-    RUN_TEST(test_target_beyond_the_legs_that_cannot_be_planned);
-    RUN_TEST(test_ask_while_driving);
-    RUN_TEST(test_ask_then_drive);
-    return UNITY_END();
 }

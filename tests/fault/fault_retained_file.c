@@ -235,16 +235,7 @@ int main(void)
     }
     (void)snprintf(path, sizeof path, "%s/retained", folder);
     UNITY_BEGIN();
-    RUN_TEST(test_a_new_file_holds_no_record);
-    RUN_TEST(test_an_empty_file_is_a_new_one);
-    RUN_TEST(test_a_record_stays_when_the_file_is_closed);
-    RUN_TEST(test_a_record_outlives_a_killed_process);
-    RUN_TEST(test_a_writer_may_be_killed_at_any_moment);
-    RUN_TEST(test_a_file_of_right_size_but_of_garbage_holds_no_record);
-    RUN_TEST(test_a_file_of_another_size_is_refused_and_kept);
-    RUN_TEST(test_what_is_no_regular_file_is_refused);
-    RUN_TEST(test_a_file_in_use_is_refused);
-    RUN_TEST(test_files_give_everything_back);
+    run_tests();
     (void)rmdir(folder);
     return UNITY_END();
 }

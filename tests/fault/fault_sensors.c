@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../sim/rig.h"
+#include "sim/balancer/rig.h"
 #include "unity.h"
 
 #define SEED    7
@@ -352,15 +352,4 @@ static void test_robot_can_be_enabled_after_a_fault(void)
             restart();
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_lasting_faults_of_courier24);
-    RUN_TEST(test_lasting_faults_of_gao2018);
-    RUN_TEST(test_glitches_are_ridden_out);
-    RUN_TEST(test_failed_writes_are_ridden_out);
-    RUN_TEST(test_robot_can_be_enabled_after_a_fault);
-    return UNITY_END();
 }

@@ -6,7 +6,7 @@
 #define NOR_WORDS  (NOR_SLOTS * 64U)
 #define RIG_LENGTH 5U
 
-#include "store_rig.h"
+#include "tests/support/store_rig.h"
 
 #include "unity.h"
 
@@ -200,17 +200,4 @@ static void test_worn_flash_is_cut(void)
         }
         TEST_ASSERT_EQUAL_UINT32(0, rig.violations);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_writes_reach_every_place);
-    RUN_TEST(test_a_write_is_cut_at_every_step);
-    RUN_TEST(test_a_write_is_cut_and_the_next_one_too);
-    RUN_TEST(test_the_recovery_is_cut_at_every_step);
-    RUN_TEST(test_recoveries_are_cut_again_and_again);
-    RUN_TEST(test_many_writes_are_cut_in_a_row);
-    RUN_TEST(test_worn_flash_is_cut);
-    return UNITY_END();
 }

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "sim/random.h"
-#include "sim/rig.h"
+#include "sim/balancer/rig.h"
+#include "sim/base/random.h"
 #include "unity.h"
 
 #define SEED    41
@@ -72,13 +72,6 @@ static enum jp_status write_now(void *context, const struct jp_actuation *actuat
     return board->board.write(board->board.context, actuation);
 }
 
-static uint32_t time_us(void *context)
-{
-    const struct late_board *board = context;
-
-    return board->board.time_us(board->board.context);
-}
-
 static void start(const struct lateness *lateness)
 {
     const struct robot_entry *entry = rig_find_robot("courier24");
@@ -89,7 +82,7 @@ static void start(const struct lateness *lateness)
     rig_release(&rig, 0.02);
     late = (struct late_board){.board = rig.hal, .lateness = *lateness};
     random_init(&late.random, SEED);
-    rig.hal = (struct jp_hal){.context = &late, .read = read_late, .write = write_now, .time_us = time_us};
+    rig.hal = (struct jp_hal){.context = &late, .read = read_late, .write = write_now};
 }
 
 /* Returns the peak of the pitch, rad. */
@@ -172,14 +165,4 @@ static void test_more_than_the_controller_can_bear_ends_with_motors_off(void)
         TEST_ASSERT_NOT_EQUAL(0, telemetry().faults);
         TEST_ASSERT_EQUAL_INT(0, rig.world.actuation.enabled);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_samples_may_be_old);
-    RUN_TEST(test_samples_may_jitter);
-    RUN_TEST(test_ticks_may_be_left_out);
-    RUN_TEST(test_more_than_the_controller_can_bear_ends_with_motors_off);
-    return UNITY_END();
 }

@@ -5,6 +5,8 @@
 #define FIRMWARE_ROBOT_NAME courier24
 #define FIRMWARE_LEARNS
 #define main firmware_main
+#include <joulepath/tables.h>
+
 #include "hal/stm32f4/main.c"
 #undef main
 
@@ -12,8 +14,8 @@
 #include <string.h>
 
 #include "hal/stm32f4/board.h"
-#include "tests/unit/commands.h"
-#include "tests/unit/stm32_fake.h"
+#include "tests/support/commands.h"
+#include "tests/support/stm32_fake.h"
 
 #include "unity.h"
 
@@ -504,29 +506,4 @@ static void test_without_can_the_operator_is_on_the_line(void)
     run_firmware(order_by_line, 400);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, node.ecu.robot.telemetry.state);
     TEST_ASSERT_TRUE(bridges_are_on());
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_it_starts_with_its_own_body_and_can);
-    RUN_TEST(test_every_interrupt_has_its_priority);
-    RUN_TEST(test_each_sample_is_a_tick_with_work_behind_it);
-    RUN_TEST(test_the_watchdog_is_fed_after_a_tick_only);
-    RUN_TEST(test_it_stands_up_when_told);
-    RUN_TEST(test_a_watchdog_reset_goes_on_to_a_balanced_stand);
-    RUN_TEST(test_the_third_crash_in_a_row_stays_off);
-    RUN_TEST(test_ten_seconds_of_health_forgive);
-    RUN_TEST(test_a_start_without_the_crystal_does_not_go_on);
-    RUN_TEST(test_what_was_learned_is_kept_when_it_is_switched_off);
-    RUN_TEST(test_what_was_learned_of_energy_is_there_after_a_restart);
-    RUN_TEST(test_what_another_robot_learned_is_refused_and_the_built_in_model_serves);
-    RUN_TEST(test_nothing_is_kept_after_a_fault);
-    RUN_TEST(test_a_failing_supply_switches_off_and_resets);
-    RUN_TEST(test_a_failing_crystal_switches_off_and_resets);
-    RUN_TEST(test_strapped_it_ticks_with_samples_of_the_bus_and_without_them);
-    RUN_TEST(test_a_sample_of_the_bus_is_a_tick);
-    RUN_TEST(test_strapped_and_without_can_it_is_in_lockstep);
-    RUN_TEST(test_without_can_the_operator_is_on_the_line);
-    return UNITY_END();
 }

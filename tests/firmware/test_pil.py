@@ -9,7 +9,6 @@ from programs import (LIMIT, ROOT, SILENCES, Programs, assert_done, assert_same_
 ROUTE = [(0.5, 0.2)]
 LONGER = [(1.0, 0.2), (1.5, 1.0)]
 MID_DRIVE = 4000  # ticks
-PATIENCE = 300  # s: some 150 ticks a second on a busy machine
 
 
 @pytest.fixture(name="programs")
@@ -24,7 +23,7 @@ def test_the_image_drives_as_the_program_does(programs, tmp_path, robot):
     expected = drive_in_process(scenario, tmp_path / "in-process")
     with Emulator(tmp_path, robot) as emulator:
         plant = programs.plant(scenario, "--bus", f"slcan:{emulator.line}", "--output", tmp_path / "pil", "--frames")
-        assert_done(plant, limit=PATIENCE)
+        assert_done(plant)
     assert_same_drive(expected, tmp_path / "pil")
 
 
@@ -35,10 +34,10 @@ def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path):
     with Emulator(tmp_path, "gao2018", debug=True) as emulator:
         plant = programs.plant(scenario, "--bus", f"slcan:{emulator.line}", "--output", tmp_path / "pil")
         with emulator.crash(MID_DRIVE, plant):
-            result = plant.wait(PATIENCE)
+            result = plant.wait()
     assert result.stderr == "leg 1: the ECU has restarted and knows no route\n"
     assert result.counts[SILENCES] == 0
-    assert result.counts["faults that the ECU reports, enum jp_fault"] == 0
+    assert result.counts["faults that the ECU reports"] == 0
     # The counter of 4 bits begins anew: in sequence by chance, elsewhere, or just before the last one, which is then
     # repeated.
     assert result.counts["motor commands out of sequence"] <= 2
@@ -52,7 +51,8 @@ def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path):
 def test_a_scenario_that_the_image_cannot_drive_is_refused(tmp_path, robot, model, says):
     scenario = write_scenario(tmp_path / "short.cfg", *ROUTE, robot=robot)
     scenario.write_text(scenario.read_text().replace('"identified"', f'"{model}"'))
-    result = subprocess.run([ROOT / "tools/bus_mission.sh", "pil", scenario, tmp_path / "out"], capture_output=True,
+    result = subprocess.run([ROOT / "tools/operate/bus_mission.sh", "pil", scenario, tmp_path / "out"],
+                            capture_output=True,
                             text=True, check=False, timeout=LIMIT)
     assert result.returncode == 2
     assert says in result.stderr

@@ -19,7 +19,7 @@ export -f run no_problem_in
 measure() {
     "${PYTHON:-python3}" -m gcovr --root . --object-directory "$JP_BUILD/host-coverage" --filter src/ \
         --json-summary "$report/summary.json" --html-details "$report/index.html" "$JP_BUILD/host-coverage" &&
-        "${PYTHON:-python3}" tools/coverage_report.py "$report/summary.json" "$JP_BUILD/bench/coverage.json" \
+        "${PYTHON:-python3}" -m tools.measure.coverage_report "$report/summary.json" "$JP_BUILD/bench/coverage.json" \
             >"$report/table" 2>"$report/problems"
 }
 

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# No number of a core grew by over 5 % without an explanation (tools/growth.py). Arguments: what tools/size.py, stack.py
-# and cycles.py read, one list each; each of them is one test.
+# No number of a core grew by over 5 % without an explanation (growth.py). Arguments: what size.py, stack.py and
+# cycles.py of tools/measure read, one list each; each of them is one test.
 . "$(dirname "$0")/gate.sh"
 
 judge() {
     local kind=$1
     shift
-    "${PYTHON:-.venv/bin/python}" "tools/$kind.py" "$@" && "${PYTHON:-.venv/bin/python}" tools/growth.py "$kind"
+    "${PYTHON:-.venv/bin/python}" -m "tools.measure.$kind" "$@" &&
+        "${PYTHON:-.venv/bin/python}" -m tools.measure.growth "$kind"
 }
 
 for kind in size stack cycles; do

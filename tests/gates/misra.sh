@@ -23,7 +23,8 @@ no_problem_in() {
 export -f no_problem_in
 
 judge() {
-    "${PYTHON:-python3}" tools/misra_report.py "$records" "$scratch/violations" >"$scratch/table" 2>"$scratch/problems"
+    "${PYTHON:-python3}" -m tools.measure.misra_report "$records" "$scratch/violations" \
+        >"$scratch/table" 2>"$scratch/problems"
 }
 
 analyse() {

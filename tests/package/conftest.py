@@ -1,17 +1,29 @@
 """What the tests of the packages share: an installed tree, a source package, programs that use them."""
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from once import once  # noqa: E402
+
 PROGRAMS = Path(__file__).parent
 WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror"]
 
 # What a user of a package has: neither the paths of this build nor its make.
 CLEAN = {name: value for name, value in os.environ.items()
          if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "CFLAGS", "CXXFLAGS", "LDFLAGS", "PKG_CONFIG_PATH")}
+
+
+def core_sources(robot):
+    """What every core compiles: no floating point, the tables of one robot."""
+    single = {path for line in (ROOT / "src/single_precision.txt").read_text("utf-8").split() for path in ROOT.glob(line)}
+    return [path for path in ROOT.glob("src/*/*.c")
+            if path not in single and (path.parent.name != "tables" or path.stem.endswith(f"_{robot}"))]
 
 
 def command(*words, **options):
@@ -46,21 +58,28 @@ def version():
     return text.strip().replace(" ", "")
 
 
+def make_packages(folder):
+    """`make install` compiles in a build directory of its own."""
+    make(f"BUILD={folder}/build", "package")
+    make(f"BUILD={folder}/build", f"PREFIX={folder}/usr", "install")
+
+
 @pytest.fixture(scope="session")
-def build(tmp_path_factory):
-    """A build directory of its own: `make install` compiles there."""
-    return tmp_path_factory.mktemp("build")
+def made(tmp_path_factory):
+    return once(tmp_path_factory, "packages", make_packages)
+
+
+@pytest.fixture(scope="session")
+def build(made):
+    return made / "build"
 
 
 @pytest.fixture(scope="session")
 def package(build, version):
-    make(f"BUILD={build}", "package")
     return build / "package" / f"joulepath-{version}"
 
 
 @pytest.fixture(scope="session")
-def installed(build, tmp_path_factory):
+def installed(made):
     """The prefix of an installation."""
-    prefix = tmp_path_factory.mktemp("installed") / "usr"
-    make(f"BUILD={build}", f"PREFIX={prefix}", "install")
-    return prefix
+    return made / "usr"

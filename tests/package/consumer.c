@@ -1,14 +1,6 @@
 /** A program of somebody who uses the library: plans a segment. Exit status 0: it got a sensible one. C and C++. */
 #include <joulepath/robot.h>
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-extern const struct jp_robot_config jp_robot_courier24;
-extern const struct jp_energy_model jp_energy_model_courier24;
-#ifdef __cplusplus
-}
-#endif
+#include <joulepath/tables.h>
 
 int main(void)
 {

@@ -1,16 +1,9 @@
 /** Firmware of somebody who uses the library and the HAL: ticks a robot whose board gives nothing. Exit status 0: it
  *  stays off. C and C++. */
-#include "hal/can/ecu.h"
-#include "hal/hal.h"
+#include <joulepath/tables.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-extern const struct jp_robot_config jp_robot_courier24;
-extern const struct jp_energy_model jp_energy_model_courier24;
-#ifdef __cplusplus
-}
-#endif
+#include "hal/app/ecu.h"
+#include "hal/hal.h"
 
 static uint8_t switched_on;
 static uint32_t frames;
@@ -29,12 +22,6 @@ static enum jp_status write_nothing(void *context, const struct jp_actuation *ac
     return JP_OK;
 }
 
-static uint32_t no_time(void *context)
-{
-    (void)context;
-    return 0;
-}
-
 static enum jp_status send_nothing(void *context, const struct jp_can_frame *frame)
 {
     (void)context;
@@ -51,7 +38,7 @@ static enum jp_can_state always_on(void *context)
 
 int main(void)
 {
-    static const struct jp_hal hal = {NULL, read_nothing, write_nothing, no_time};
+    static const struct jp_hal hal = {NULL, read_nothing, write_nothing};
     static const struct jp_can_port port = {NULL, send_nothing, always_on};
     static struct jp_robot robot;
     static struct jp_ecu ecu;

@@ -67,7 +67,7 @@ def test_it_is_a_valid_package(package, version, tmp_path):
         manifest = json.load(archive.extractfile("library.json"))
         names = set(archive.getnames())
     assert (manifest["name"], manifest["version"]) == ("joulepath", version)
-    assert {"include/joulepath/robot.h", "src/robot.c", "hal/hal.h", "LICENSE"} <= names
+    assert {"include/joulepath/robot.h", "src/balancer/robot.c", "hal/hal.h", "LICENSE"} <= names
     for header in manifest["headers"]:
         assert header in names or f"include/{header}" in names
 

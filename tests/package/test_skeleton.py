@@ -3,27 +3,31 @@ import itertools
 import re
 
 import pytest
-from conftest import PROGRAMS, ROOT, WARNINGS, command
+from conftest import PROGRAMS, ROOT, WARNINGS, command, core_sources
+from once import once
 
 WRAPPED = ["main", "board_start", "board_start_ticks", "board_read", "board_write", "board_is_switched_on",
            "board_wait", "board_feed_watchdog"]
 ALL = "strwo"
 
-# As the README says of a HAL that cannot write.
+# As hal/README.md says of a HAL that cannot write.
 WRITE_FAULT_TICKS = 4
 
 # Of a run of the bench.
 TICKS = 3000
 
 
+def make_bench(folder):
+    sources = [PROGRAMS / "skeleton_bench.c", *ROOT.glob("hal/skeleton/*.c"), ROOT / "hal" / "hal.c",
+               *core_sources("courier24")]
+    command("gcc", "-std=c11", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", *WARNINGS, "-I",
+            ROOT / "include", "-I", ROOT, *(f"-Wl,--wrap={name}" for name in WRAPPED), *sources, "-o",
+            folder / "bench")
+
+
 @pytest.fixture(scope="session")
 def bench(tmp_path_factory):
-    program = tmp_path_factory.mktemp("skeleton") / "bench"
-    sources = [PROGRAMS / "skeleton_bench.c", *ROOT.glob("hal/skeleton/*.c"), ROOT / "hal" / "hal.c",
-               *ROOT.glob("src/*.c"), *ROOT.glob("src/tables/*_courier24.c")]
-    command("gcc", "-std=c11", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", *WARNINGS, "-I",
-            ROOT / "include", "-I", ROOT, *(f"-Wl,--wrap={name}" for name in WRAPPED), *sources, "-o", program)
-    return program
+    return once(tmp_path_factory, "skeleton", make_bench) / "bench"
 
 
 def subsets():

@@ -1,7 +1,7 @@
 """The Zephyr module: its description, its options and its build.
 
 Zephyr itself is too large to be here. What stands for it: the keys that its module description may have, kconfiglib,
-which is the Kconfig of its build, and its four CMake functions that the module calls.
+which is the Kconfig of its build, and its five CMake functions that the module calls.
 """
 import kconfiglib
 import pytest
@@ -28,6 +28,10 @@ endmacro()
 
 function(zephyr_library_sources)
   target_sources(${ZEPHYR_CURRENT_LIBRARY} PRIVATE ${ARGV})
+endfunction()
+
+function(zephyr_library_include_directories)
+  target_include_directories(${ZEPHYR_CURRENT_LIBRARY} PRIVATE ${ARGV})
 endfunction()
 
 function(zephyr_library_compile_options)

@@ -1,8 +1,9 @@
-/* The arc of src/segment_arc.c against double: shape, derivative and both inverses, over the whole range of x. */
+/* The arc of src/trajectory/segment_arc.c against double: shape, derivative and both inverses, over the whole range of
+ * x. */
 #include <math.h>
 #include <stdio.h>
 
-#include "src/segment_arc.h"
+#include "src/trajectory/segment_arc.h"
 #include "unity.h"
 
 #define PI     3.14159265358979323846
@@ -88,14 +89,4 @@ static void test_arc_of_half_chord(void)
     }
     printf("half chord of its inverse %.2e\n", worst);
     TEST_ASSERT_TRUE(worst <= 5e-8);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_sinc_and_shape);
-    RUN_TEST(test_stretch);
-    RUN_TEST(test_arc_of_sinc);
-    RUN_TEST(test_arc_of_half_chord);
-    return UNITY_END();
 }

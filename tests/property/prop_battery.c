@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../sim/rig.h"
-#include "options.h"
+#include "sim/balancer/rig.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define JOULE    4294967296.0
@@ -365,11 +365,7 @@ int main(int argc, char **argv)
     options = parse_options(argc, argv, options);
     printf("prop_battery: %lu updates, seed %llu\n", options.count, options.seed);
     UNITY_BEGIN();
-    RUN_TEST(test_count_does_not_drift);
-    RUN_TEST(test_small_energies_add_up);
-    RUN_TEST(test_ends_of_the_charge);
-    RUN_TEST(test_readings_of_any_value);
-    RUN_TEST(test_counts_what_leaves_the_battery_of_a_driven_robot);
+    run_tests();
     failures = UNITY_END();
     if (options.json != NULL) {
         write_json(options.json);

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../sim/bus_trial.h"
-#include "../../sim/rig.h"
-#include "options.h"
+#include "sim/balancer/rig.h"
+#include "tests/support/bus_trial.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define ROBOT_FILE "sim/robots/courier24.cfg"
@@ -67,6 +67,6 @@ int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
     UNITY_BEGIN();
-    RUN_TEST(test_random_missions_with_faults);
+    run_tests();
     return UNITY_END();
 }

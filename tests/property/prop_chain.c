@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../sim/chain.h"
-#include "../../sim/variation.h"
+#include "sim/balancer/variation.h"
+#include "tests/support/chain.h"
 #include "unity.h"
 
 #define SEED     20180401u
@@ -142,6 +142,8 @@ static void test_garbled_variations_are_refused(void)
                                         "friction=-1",
                                         "payload=-10.1",
                                         "payload=101",
+                                        "friction=1.5,friction=1",
+                                        "payload=1,friction=1,payload=1",
                                         "colour=1"};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         struct variation variation = variation_none;
@@ -370,23 +372,94 @@ static void test_fault_in_any_tick_is_in_the_segment_that_it_ends(void)
     }
 }
 
+/* ---- Forward and back ---- */
+
+static double random_speed(double limit)
+{
+    static const double ends[] = {-1, 0, 1};
+    const bool full = random_uniform(&noise, 0, 2) < 1;
+
+    return limit * (full ? ends[(int)random_uniform(&noise, 0, 3)] : random_uniform(&noise, -1, 1));
+}
+
+/* Until it can take the next segment; false: the motors are off. */
+static bool drive_to_the_end(struct rig *rig)
+{
+    do {
+        (void)rig_tick(rig);
+        if (!rig->robot.motors_ran) {
+            return false;
+        }
+    } while (rig->robot.next_full != 0U || rig->robot.telemetry.segment_ticks_left > 1U);
+    return true;
+}
+
+static void check_driven(struct rig *rig, const struct robot_file *file, double speed, double seconds)
+{
+    const double turn_rate = file->limits.turn_rate_rad_s;
+    const double turn = file->limits.turn_deg / 180 * M_PI;
+    const struct experiment_segment segment = {
+        .speed = speed,
+        .turn_rate = random_uniform(&noise, -turn_rate, turn_rate),
+        .turn = random_uniform(&noise, -turn, turn),
+    };
+    const struct jp_segment_command command = experiment_command(&segment, seconds);
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&rig->robot, &command));
+    TEST_ASSERT_TRUE_MESSAGE(drive_to_the_end(rig), "a command that was accepted switched the motors off");
+}
+
+static void test_no_step_within_the_limits_switches_off(void)
+{
+    for (int run = 0; run < 100; run++) {
+        const struct robot_file *file = &files[run % 2];
+        struct rig rig;
+
+        start(&rig, run % 2, file);
+        rig_release(&rig, 0);
+        for (int i = 0; i < 20; i++) {
+            check_driven(&rig, file, random_speed(file->limits.speed_m_s), random_uniform(&noise, 0.05, 5));
+        }
+    }
+}
+
+/* At each period, among them those at which the closed loop swings of itself. */
+static void test_full_speed_forward_and_back_at_any_pace(void)
+{
+    for (int run = 0; run < 120; run++) {
+        const struct robot_file *file = &files[run % 2];
+        const double speed = file->limits.speed_m_s;
+        const double seconds = 0.2 + run * 0.05;
+        struct rig rig;
+
+        start(&rig, run % 2, file);
+        rig_release(&rig, 0);
+        for (int i = 0; i < 12; i++) {
+            check_driven(&rig, file, i % 2 == 0 ? speed : -speed, seconds);
+        }
+    }
+}
+
+/* The same between a stand and full speed. */
+static void test_start_and_stop_at_any_pace(void)
+{
+    for (int run = 0; run < 120; run++) {
+        const struct robot_file *file = &files[run % 2];
+        const double seconds = 0.2 + run * 0.05;
+        struct rig rig;
+
+        start(&rig, run % 2, file);
+        rig_release(&rig, 0);
+        for (int i = 0; i < 12; i++) {
+            check_driven(&rig, file, i % 2 == 0 ? file->limits.speed_m_s : 0, seconds);
+        }
+    }
+}
+
 int main(void)
 {
     (void)printf("seed %u\n", SEED);
     UNITY_BEGIN();
-    RUN_TEST(test_no_variation_is_the_file);
-    RUN_TEST(test_variation_acts_on_its_fields_alone);
-    RUN_TEST(test_draws_fill_their_ranges);
-    RUN_TEST(test_parsing_sets_what_is_named);
-    RUN_TEST(test_garbled_variations_are_refused);
-    RUN_TEST(test_check_refuses_what_a_file_may_not_hold);
-    RUN_TEST(test_commands_are_within_their_ranges);
-    RUN_TEST(test_segments_are_back_to_back);
-    RUN_TEST(test_energies_are_those_that_the_robot_tells);
-    RUN_TEST(test_energies_agree_with_the_plant);
-    RUN_TEST(test_state_is_that_of_the_plant);
-    RUN_TEST(test_change_comes_before_its_segment);
-    RUN_TEST(test_fall_ends_the_chain);
-    RUN_TEST(test_fault_in_any_tick_is_in_the_segment_that_it_ends);
+    run_tests();
     return UNITY_END();
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "options.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define Q16_ONE 65536.0
@@ -428,10 +428,6 @@ int main(int argc, char **argv)
     options = parse_options(argc, argv, options);
     printf("prop_current_check: %lu samples, seed %llu\n", options.count, options.seed);
     UNITY_BEGIN();
-    RUN_TEST(test_estimates_are_least_squares);
-    RUN_TEST(test_every_fault_is_found_and_named);
-    RUN_TEST(test_warm_motors_are_no_fault);
-    RUN_TEST(test_no_false_alarm);
-    RUN_TEST(test_standing_changes_nothing);
+    run_tests();
     return UNITY_END();
 }

@@ -12,16 +12,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command_oracle.h"
-#include "hal/can/ecu.h"
+#include "hal/app/ecu.h"
+#include "hal/app/operator.h"
+#include "hal/app/telemetry.h"
 #include "hal/can/slcan.h"
-#include "hal/can/telemetry.h"
-#include "options.h"
-#include "sim/ecu_view.h"
-#include "sim/operator.h"
-#include "sim/plant_node.h"
-#include "sim/rig.h"
-#include "sim/robot_file.h"
+#include "sim/balancer/rig.h"
+#include "sim/balancer/robot_file.h"
+#include "sim/bus/ecu_view.h"
+#include "sim/bus/plant_node.h"
+#include "tests/support/command_oracle.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define ROBOT      "courier24"
@@ -241,7 +241,7 @@ struct traffic {
 
     uint8_t offer_counter;
     uint8_t waypoint_counter;
-    struct jp_route route;
+    struct jp_route_message route;
     unsigned sent; /**< frames of the route */
 
     uint8_t goal_counter;
@@ -498,8 +498,8 @@ struct controller {
     struct jp_retained retained;
     struct traffic traffic;
     struct command_oracle oracle;
-    struct jp_route driven; /**< by the oracle */
-    struct ecu_view view;   /**< of what it sends */
+    struct jp_route_message driven; /**< by the oracle */
+    struct ecu_view view;           /**< of what it sends */
     uint32_t bad_bus_one_in;
     uint32_t work_one_in;
     unsigned sent;     /**< frames, in this tick */
@@ -690,7 +690,7 @@ static void run_tick(struct controller *self)
     check_view(&self->view);
 }
 
-static bool same_route(const struct jp_route *a, const struct jp_route *b)
+static bool same_route(const struct jp_route_message *a, const struct jp_route_message *b)
 {
     return a->id == b->id && a->length == b->length &&
            memcmp(a->points, b->points, a->length * sizeof a->points[0]) == 0;
@@ -700,7 +700,7 @@ static bool same_route(const struct jp_route *a, const struct jp_route *b)
 static void check_route(struct controller *self)
 {
     const struct jp_robot *driver = &self->ecu.robot;
-    const struct jp_route *driven = &self->ecu.routes.driven;
+    const struct jp_route_message *driven = &self->ecu.routes.driven;
 
     require(driver->route_planned >= driver->route_length ||
                 (driver->route == driven->points && driver->route_length == driven->length),
@@ -797,7 +797,7 @@ static void begin_episode(struct controller *self)
         self->retained = (struct jp_retained){.slots = {{.sequence = 0}}};
     }
     self->oracle = (struct command_oracle){.stood = false};
-    self->driven = (struct jp_route){.id = 0};
+    self->driven = (struct jp_route_message){.id = 0};
     self->view = (struct ecu_view){.heard = false};
     self->bad_bus_one_in = bad_buses[below(sizeof bad_buses / sizeof bad_buses[0])];
     self->work_one_in = works[below(sizeof works / sizeof works[0])];
@@ -1098,7 +1098,7 @@ static void test_plant(void)
 
 /* ---- The operator ---- */
 
-static struct bus_operator commander;
+static struct jp_operator commander;
 
 static enum jp_status count_command(void *context, const struct jp_can_frame *frame)
 {
@@ -1108,8 +1108,8 @@ static enum jp_status count_command(void *context, const struct jp_can_frame *fr
     require(message != NULL && message->kind == OPERATORS && frame->length == message->length &&
                 frame->data[0] == oracle_crc8(frame->data, frame->length, message->data_id),
             "a command that is none");
-    require(frame->id != 0x100 || oracle_bits(frame, 12, 2) != JP_MODE_DRIVE || commander.state == OPERATOR_DRIVING ||
-                commander.state == OPERATOR_UPLOADING,
+    require(frame->id != 0x100 || oracle_bits(frame, 12, 2) != JP_MODE_DRIVE ||
+                commander.phase == JP_OPERATOR_DRIVING || commander.phase == JP_OPERATOR_UPLOADING,
             "a Drive of an operator that has nothing to drive");
     return one_in(50) ? JP_ERR_BUSY : JP_OK;
 }
@@ -1140,28 +1140,29 @@ static struct jp_can_frame draw_status(void)
 
 static void check_operator(void)
 {
-    require(commander.state <= OPERATOR_FAILED, "state of the operator");
-    require((operator_reason(&commander) != NULL) == (commander.state == OPERATOR_FAILED), "a failure has a reason");
+    require(commander.phase <= JP_OPERATOR_FAILED, "state of the operator");
+    require((jp_operator_failure_text(commander.failure) != NULL) == (commander.phase == JP_OPERATOR_FAILED),
+            "a failure has a reason");
     require(commander.attempts <= 5U, "attempts");
     require(commander.task.length <= JP_ROUTE_LENGTH_MAX &&
-                (commander.state != OPERATOR_UPLOADING || commander.sent <= commander.task.length + 1U),
+                (commander.phase != JP_OPERATOR_UPLOADING || commander.sent <= commander.task.length + 1U),
             "frames sent");
-    require(commander.task.id != JP_ROUTE_GOAL || commander.state != OPERATOR_UPLOADING, "a route without a number");
+    require(commander.task.id != JP_ROUTE_GOAL || commander.phase != JP_OPERATOR_UPLOADING, "a route without a number");
 }
 
 static void test_operator(void)
 {
     const unsigned long end = executions + count / 10U;
     const struct jp_can_port port = {.send = count_command};
-    const unsigned states = OPERATOR_FAILED + 1U;
-    unsigned long in_state[OPERATOR_FAILED + 1] = {0};
+    const unsigned states = JP_OPERATOR_FAILED + 1U;
+    unsigned long in_state[JP_OPERATOR_FAILED + 1] = {0};
     uint32_t time_ms = (uint32_t)random_bits();
 
-    commander = (struct bus_operator){.state = OPERATOR_IDLE};
+    commander = (struct jp_operator){.phase = JP_OPERATOR_IDLE};
     for (; executions < end; executions++) {
         const struct jp_can_frame frame = draw_status();
 
-        operator_accept(&commander, &frame);
+        jp_operator_accept(&commander, &frame);
         check_operator();
         if (one_in(500)) {
             struct jp_point points[JP_ROUTE_LENGTH_MAX];
@@ -1172,14 +1173,14 @@ static void test_operator(void)
                 points[i].x >>= 6;
                 points[i].y >>= 6;
             }
-            (void)operator_route(&commander, points, length);
+            (void)jp_operator_route(&commander, points, length);
         } else if (one_in(5000)) {
-            operator_stop(&commander);
+            jp_operator_stop(&commander);
         }
         time_ms += below(12);
-        operator_tick(&commander, time_ms, &port);
+        jp_operator_tick(&commander, time_ms, &port);
         check_operator();
-        in_state[commander.state]++;
+        in_state[commander.phase]++;
     }
     printf("operator: %lu idle, %lu standing up, %lu uploading, %lu driving, %lu done, %lu failed\n", in_state[0],
            in_state[1], in_state[2], in_state[3], in_state[4], in_state[5]);
@@ -1220,7 +1221,7 @@ static void test_view(void)
     TEST_ASSERT_TRUE(count < COVERING_COUNT || taken > 0U);
 }
 
-/* For tools/figures.py. */
+/* For tools/measure/figures.py. */
 static void write_json(const char *path, unsigned long sound)
 {
     FILE *file = fopen(path, "w");
@@ -1248,12 +1249,7 @@ int main(int argc, char **argv)
     seed = options.seed;
     printf("seed %llu\n", (unsigned long long)seed);
     UNITY_BEGIN();
-    RUN_TEST(test_controller);
-    RUN_TEST(test_retained_record);
-    RUN_TEST(test_slcan);
-    RUN_TEST(test_plant);
-    RUN_TEST(test_operator);
-    RUN_TEST(test_view);
+    run_tests();
     int failures = UNITY_END();
     if (json != NULL) {
         write_json(json, failures == 0 ? executions : 0);

@@ -154,37 +154,37 @@ static double atan2_error_on_an_edge(uint32_t y)
     return atan2_error((int32_t)y, INT32_MAX);
 }
 
-static void prop_sine(void)
+static void test_sine(void)
 {
     measure("jp_sin", "ulp of Q31", JP_SIN_ERROR_ULP, sine_error);
 }
 
-static void prop_cosine(void)
+static void test_cosine(void)
 {
     measure("jp_cos", "ulp of Q31", JP_SIN_ERROR_ULP, cosine_error);
 }
 
-static void prop_square_root(void)
+static void test_square_root(void)
 {
     measure("jp_square_root", "ulp", 0, square_root_error);
 }
 
-static void prop_q16_square_root(void)
+static void test_q16_square_root(void)
 {
     measure("jp_q16_square_root", "ulp of Q16", 0.5, q16_square_root_error);
 }
 
-static void prop_angle_from_radians(void)
+static void test_angle_from_radians(void)
 {
     measure("jp_angle_from_radians", "2^-32 turn", 1, from_radians_error);
 }
 
-static void prop_angle_to_radians(void)
+static void test_angle_to_radians(void)
 {
     measure("jp_angle_to_radians", "ulp of Q24", 0.5, to_radians_error);
 }
 
-static void prop_atan2_along_an_edge(void)
+static void test_atan2_along_an_edge(void)
 {
     measure("jp_atan2_along_edge", "2^-32 turn", JP_ATAN2_ERROR, atan2_error_on_an_edge);
 }
@@ -230,7 +230,7 @@ static double rounding_error(int32_t result, long double exact)
     return saturated ? 0 : (double)fabsl(result - exact);
 }
 
-static void prop_atan2(void)
+static void test_atan2(void)
 {
     uint64_t state = seed;
     double worst = 0;
@@ -255,7 +255,7 @@ static double atan2_error_all_round(int32_t y, int32_t x)
     return worst;
 }
 
-static void prop_atan2_beside_octant_borders(void)
+static void test_atan2_beside_octant_borders(void)
 {
     uint64_t state = seed;
     double worst = 0;
@@ -269,7 +269,7 @@ static void prop_atan2_beside_octant_borders(void)
     record("jp_atan2_at_borders", "2^-32 turn", JP_ATAN2_ERROR, worst, (uint64_t)(RANDOM_TESTS / 64) * 18 * 8);
 }
 
-static void prop_square_root_beside_squares(void)
+static void test_square_root_beside_squares(void)
 {
     uint64_t state = seed;
     for (int i = 0; i < RANDOM_TESTS; i++) {
@@ -283,7 +283,7 @@ static void prop_square_root_beside_squares(void)
     }
 }
 
-static void prop_multiply_shift(void)
+static void test_multiply_shift(void)
 {
     uint64_t state = seed;
     double worst = 0;
@@ -299,7 +299,7 @@ static void prop_multiply_shift(void)
     record("jp_multiply_shift", "ulp", 0.5, worst, RANDOM_TESTS);
 }
 
-static void prop_round_shift(void)
+static void test_round_shift(void)
 {
     uint64_t state = seed;
     double worst = 0;
@@ -314,7 +314,7 @@ static void prop_round_shift(void)
     record("jp_round_shift", "ulp", 0.5, worst, RANDOM_TESTS);
 }
 
-static void prop_divide(void)
+static void test_divide(void)
 {
     uint64_t state = seed;
     double worst = 0;
@@ -332,7 +332,7 @@ static void prop_divide(void)
     record("jp_divide", "ulp", 0.5, worst, RANDOM_TESTS);
 }
 
-static void prop_sums_saturate(void)
+static void test_sums_saturate(void)
 {
     uint64_t state = seed;
     for (int i = 0; i < RANDOM_TESTS; i++) {
@@ -395,20 +395,7 @@ int main(int argc, char **argv)
     }
     printf("seed %llu\n", (unsigned long long)seed);
     UNITY_BEGIN();
-    RUN_TEST(prop_sine);
-    RUN_TEST(prop_cosine);
-    RUN_TEST(prop_square_root);
-    RUN_TEST(prop_q16_square_root);
-    RUN_TEST(prop_angle_from_radians);
-    RUN_TEST(prop_angle_to_radians);
-    RUN_TEST(prop_atan2_along_an_edge);
-    RUN_TEST(prop_atan2);
-    RUN_TEST(prop_atan2_beside_octant_borders);
-    RUN_TEST(prop_square_root_beside_squares);
-    RUN_TEST(prop_multiply_shift);
-    RUN_TEST(prop_round_shift);
-    RUN_TEST(prop_divide);
-    RUN_TEST(prop_sums_saturate);
+    run_tests();
     int failures = UNITY_END();
     print_table();
     if (json != NULL && !write_json(json)) {

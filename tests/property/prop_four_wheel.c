@@ -11,9 +11,10 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "options.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define Q24      16777216.0
@@ -620,7 +621,7 @@ static void write_figure(FILE *file, const char *name, double value, const char 
     separator = ",\n";
 }
 
-/* For tools/figures.py. */
+/* For tools/measure/figures.py. */
 static void write_json(const char *path)
 {
     char name[160];
@@ -660,13 +661,7 @@ int main(int argc, char **argv)
     printf("seed %llu\n", (unsigned long long)seed);
     random_init(&rng, seed);
     UNITY_BEGIN();
-    RUN_TEST(test_there_and_back);
-    RUN_TEST(test_forward_of_any_wheels);
-    RUN_TEST(test_least_radius_is_feasible_and_least);
-    RUN_TEST(test_a_sliding_wheel_is_told);
-    RUN_TEST(test_constant_twists_are_reached);
-    RUN_TEST(test_any_wheels_come_to_order);
-    RUN_TEST(test_commands_in_motion_drag_no_wheel);
+    run_tests();
     const int failures = UNITY_END();
     if (options.json) {
         write_json(options.json);

@@ -6,9 +6,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "../../sim/four_wheel_plant.h"
-#include "../../sim/random.h"
-#include "options.h"
+#include "sim/base/random.h"
+#include "sim/four_wheel/four_wheel_file.h"
+#include "sim/four_wheel/four_wheel_plant.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define TICK           (1.0 / FOUR_WHEEL_RATE_HZ)
@@ -448,7 +449,7 @@ static void test_patches_are_bounded(void)
     TEST_ASSERT_EQUAL_INT(FOUR_WHEEL_PATCHES_MAX, (int)plant.patch_count);
 }
 
-/* For tools/figures.py. */
+/* For tools/measure/figures.py. */
 static void write_json(const char *path)
 {
     FILE *file = fopen(path, "w");
@@ -475,23 +476,7 @@ int main(int argc, char **argv)
     seed = options.seed;
     printf("seed %llu\n", seed);
     UNITY_BEGIN();
-    RUN_TEST(test_ledger_closes);
-    RUN_TEST(test_kinetic_energy);
-    RUN_TEST(test_at_rest_it_stays);
-    RUN_TEST(test_wheels_without_slip_carry_the_twist);
-    RUN_TEST(test_full_circle_comes_back);
-    RUN_TEST(test_turning_in_place);
-    RUN_TEST(test_steady_drive_pays_the_resistances);
-    RUN_TEST(test_steering_keeps_its_rate_and_limit);
-    RUN_TEST(test_left_and_right_mirror);
-    RUN_TEST(test_motion_is_the_same_everywhere);
-    RUN_TEST(test_encoders_count_what_the_wheels_roll);
-    RUN_TEST(test_braking_distance_on_wet_ground);
-    RUN_TEST(test_ice_keeps_the_momentum);
-    RUN_TEST(test_creep_across_a_slope);
-    RUN_TEST(test_wheel_odometry_holds_on_firm_ground_only);
-    RUN_TEST(test_patches_end_at_their_borders_and_the_first_counts);
-    RUN_TEST(test_patches_are_bounded);
+    run_tests();
     const int failures = UNITY_END();
     printf("energy error: worst %.3g of the turnover\n", worst_energy_error);
     if (options.json != NULL) {

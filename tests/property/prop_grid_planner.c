@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "grid_oracle.h"
-#include "options.h"
+#include "tests/support/grid_oracle.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 enum {
@@ -215,7 +215,7 @@ static double check_way(unsigned long number, struct jp_grid_cell start, struct 
 {
     const double side = trial.map.resolution;
     size_t points = 0;
-    const struct jp_path_point *way = jp_grid_planner_path(&trial.planner, &points);
+    const struct jp_point *way = jp_grid_planner_path(&trial.planner, &points);
     double length = 0;
     TEST_ASSERT_TRUE(points > 0);
     const double off = fmax(hypot(way[0].x / side - start.x - 0.5, way[0].y / side - start.y - 0.5),
@@ -277,7 +277,7 @@ static void check_task(unsigned long number, const struct grid_graph *graph)
     }
     const double optimum = grid_oracle_octile(&trial.oracle, start, goal);
     counts.tasks++;
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_set_task(&trial.planner, &start, &goal));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_start(&trial.planner, &start, &goal));
     const enum jp_grid_answer answer = finish();
     if (answer == JP_GRID_OUT_OF_MEMORY) {
         counts.full++;
@@ -308,7 +308,7 @@ static jp_q16 draw_coordinate(uint16_t cells)
 }
 
 /* The map's unit is far coarser than a touch; what the oracle cannot tell from a touch is left out. */
-static bool is_clear_cut(const struct jp_path_point *a, const struct jp_path_point *b)
+static bool is_clear_cut(const struct jp_point *a, const struct jp_point *b)
 {
     const double length = hypot((double)b->x - a->x, (double)b->y - a->y);
     return length < 1 || 1 / length > 4 * ORACLE_TOUCH * trial.map.resolution;
@@ -318,8 +318,8 @@ static void check_lines(unsigned long number)
 {
     const double side = trial.map.resolution;
     for (int i = 0; i < LINES; i++) {
-        const struct jp_path_point a = {draw_coordinate(trial.map.width), draw_coordinate(trial.map.height)};
-        struct jp_path_point b = {draw_coordinate(trial.map.width), draw_coordinate(trial.map.height)};
+        const struct jp_point a = {draw_coordinate(trial.map.width), draw_coordinate(trial.map.height)};
+        struct jp_point b = {draw_coordinate(trial.map.width), draw_coordinate(trial.map.height)};
         if (below(4) == 0) {
             b.x = a.x;
         } else if (below(4) == 0) {
@@ -387,13 +387,13 @@ static void test_small_queues(void)
         make_oracle();
         trial.config.tube = (uint8_t)(1 + below(8));
         start_planner((enum jp_grid_method)below(3), 0);
-        trial.planner.queue_max = 1 + below(trial.planner.queue_max);
-        trial.planner.points_max = 2 + below(20);
+        trial.planner.internal.queue_max = 1 + below(trial.planner.internal.queue_max);
+        trial.planner.internal.points_max = 2 + below(20);
         if (!draw_cell(&start) || !draw_cell(&goal)) {
             continue;
         }
         const double optimum = grid_oracle_octile(&trial.oracle, start, goal);
-        TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_set_task(&trial.planner, &start, &goal));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_start(&trial.planner, &start, &goal));
         const enum jp_grid_answer answer = finish();
         if (answer == JP_GRID_FOUND) {
             check_found(i, start, goal, optimum, NULL);
@@ -420,7 +420,7 @@ static void test_changes_while_it_searches(void)
         if (!draw_cell(&start) || !draw_cell(&goal)) {
             continue;
         }
-        TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_set_task(&trial.planner, &start, &goal));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_start(&trial.planner, &start, &goal));
         const enum jp_grid_answer before = jp_grid_planner_work(&trial.planner, below(400));
         put((int)below(trial.map.width), (int)below(trial.map.height), JP_CELL_FREE);
         const enum jp_grid_answer after = jp_grid_planner_work(&trial.planner, 1);
@@ -455,9 +455,7 @@ int main(int argc, char **argv)
     seed = options.seed;
     (void)printf("seed %llu, %lu maps\n", (unsigned long long)seed, count);
     UNITY_BEGIN();
-    RUN_TEST(test_random_maps);
-    RUN_TEST(test_small_queues);
-    RUN_TEST(test_changes_while_it_searches);
+    run_tests();
     const int failures = UNITY_END();
     (void)printf("%lu tasks, %lu unreachable, %lu out of memory, %lu lines, at most %.4f of the shortest\n",
                  counts.tasks, counts.unreachable, counts.full, counts.lines, counts.longest_ratio);

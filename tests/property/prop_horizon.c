@@ -7,6 +7,7 @@
  * --count is the number of chains of each kind; 1000 for the full check.
  */
 #include <joulepath/horizon.h>
+#include <joulepath/tables.h>
 
 #include <math.h>
 #include <stdbool.h>
@@ -14,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "options.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846
@@ -595,7 +596,7 @@ static void test_any_table_is_safe(void)
     }
 }
 
-/* For tools/figures.py. */
+/* For tools/measure/figures.py. */
 static void write_json(const char *path)
 {
     FILE *file = fopen(path, "w");
@@ -621,10 +622,7 @@ int main(int argc, char **argv)
     seed = options.seed;
     printf("seed %llu\n", (unsigned long long)seed);
     UNITY_BEGIN();
-    RUN_TEST(test_forecasts_are_the_formula);
-    RUN_TEST(test_forecasts_are_the_energy_of_all_ticks);
-    RUN_TEST(test_weighted_regressors_are_the_forecast);
-    RUN_TEST(test_any_table_is_safe);
+    run_tests();
     int failures = UNITY_END();
     if (options.json) {
         write_json(options.json);

@@ -2,8 +2,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "../../sim/laser.h"
-#include "options.h"
+#include "sim/four_wheel/laser.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define SHAPES 6
@@ -367,17 +367,6 @@ int main(int argc, char **argv)
     seed = options.seed;
     printf("seed %llu\n", seed);
     UNITY_BEGIN();
-    RUN_TEST(test_distances_of_cells);
-    RUN_TEST(test_rays_end_at_the_first_solid_cell);
-    RUN_TEST(test_rays_along_grid_lines);
-    RUN_TEST(test_range_limit);
-    RUN_TEST(test_unknown_cells_are_solid_unless_they_may_be_driven_over);
-    RUN_TEST(test_rays_end_on_shapes);
-    RUN_TEST(test_known_shapes);
-    RUN_TEST(test_beams_of_a_field);
-    RUN_TEST(test_scan_is_made_of_rays);
-    RUN_TEST(test_scanner_within_a_wall_sees_nothing);
-    RUN_TEST(test_noise_and_dropouts_are_as_asked);
-    RUN_TEST(test_same_seed_same_scan);
+    run_tests();
     return UNITY_END();
 }

@@ -4,11 +4,12 @@
  * from the generator; that they obey the robot's motion and end where the tables say is checked too.
  */
 #include <joulepath/lattice.h>
+#include <joulepath/tables.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "sim/lattice_generate.h"
+#include "sim/lattice/lattice_generate.h"
 #include "unity.h"
 
 /* Cells between the samples of the footprint, both ways. */
@@ -19,9 +20,6 @@
 
 /* Between the poses of a path, in equal parts. */
 enum { PARTS = 3 };
-
-extern const struct jp_lattice jp_lattice_zhang2018;
-extern const struct jp_lattice jp_lattice_gao2018;
 
 static struct lattice_robot robots[2];
 static struct lattice lattices[2] = {{.robot = &robots[0], .resolution_m = 0.2},
@@ -263,11 +261,7 @@ int main(void)
     TEST_ASSERT_TRUE(lattice_robot_load("sim/robots/gao2018.cfg", &robots[1]));
     TEST_ASSERT_TRUE(lattice_generate(&lattices[0]));
     TEST_ASSERT_TRUE(lattice_generate(&lattices[1]));
-    RUN_TEST(test_every_point_under_the_robot_is_swept);
-    RUN_TEST(test_no_cell_beside_the_robot_is_swept);
-    RUN_TEST(test_footprints);
-    RUN_TEST(test_primitives_are_drivable);
-    RUN_TEST(test_moves_follow_the_path);
+    run_tests();
     free(lattices[0].primitives);
     free(lattices[1].primitives);
     return UNITY_END();

@@ -6,19 +6,14 @@
  * --count is the number of updates of each test.
  */
 #include <joulepath/learner.h>
+#include <joulepath/tables.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "options.h"
+#include "tests/support/options.h"
 #include "unity.h"
-
-extern const struct jp_energy_model jp_energy_model_courier24;
-extern const struct jp_horizon jp_horizon_courier24;
-extern const struct jp_learning jp_learning_courier24;
-extern const struct jp_energy_model jp_energy_model_gao2018;
-extern const struct jp_learning jp_learning_gao2018;
 
 enum { N = JP_LEARNING_DIRECTIONS, SEQUENCE = 200 };
 
@@ -599,8 +594,6 @@ int main(int argc, char **argv)
     options = parse_options(argc, argv, options);
     printf("seed %llu\n", options.seed);
     UNITY_BEGIN();
-    RUN_TEST(test_against_least_squares_in_information_form);
-    RUN_TEST(test_what_is_not_excited_stays_as_unsure_as_at_first);
-    RUN_TEST(test_any_measurement_leaves_a_state_in_its_ranges);
+    run_tests();
     return UNITY_END();
 }

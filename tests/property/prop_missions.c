@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../sim/trial.h"
-#include "options.h"
+#include "tests/support/options.h"
+#include "tests/support/trial.h"
 #include "unity.h"
 
 #define ROBOT_FILE "sim/robots/courier24.cfg"
@@ -61,6 +61,6 @@ int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
     UNITY_BEGIN();
-    RUN_TEST(test_random_missions);
+    run_tests();
     return UNITY_END();
 }

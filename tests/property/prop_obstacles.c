@@ -12,8 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "options.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846
@@ -624,12 +624,6 @@ int main(int argc, char **argv)
     options = parse_options(argc, argv, options);
     printf("seed %llu\n", options.seed);
     UNITY_BEGIN();
-    RUN_TEST(test_distance_is_that_of_the_oracle);
-    RUN_TEST(test_gradient_is_that_of_the_oracle);
-    RUN_TEST(test_moved_out_by_the_distance_they_are_apart);
-    RUN_TEST(test_the_nearest_are_kept);
-    RUN_TEST(test_nearest_of_all_is_the_least_distance);
-    RUN_TEST(test_every_point_of_a_scan_is_in_a_shape);
-    RUN_TEST(test_shapes_of_a_scan_are_chords_through_the_middle_of_points);
+    run_tests();
     return UNITY_END();
 }

@@ -10,13 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/can/ecu.h"
-#include "sim/can_bus.h"
-#include "sim/can_fault.h"
-#include "sim/operator.h"
-#include "sim/plant_node.h"
-#include "sim/rig.h"
-#include "sim/robot_file.h"
+#include "hal/app/ecu.h"
+#include "hal/app/operator.h"
+#include "sim/balancer/rig.h"
+#include "sim/balancer/robot_file.h"
+#include "sim/bus/can_bus.h"
+#include "sim/bus/plant_node.h"
+#include "tests/support/can_fault.h"
 #include "unity.h"
 
 #define ROBOT      "gao2018"
@@ -42,7 +42,7 @@ struct stage {
     struct jp_can_link operator_link;
     struct plant_node plant;
     struct jp_ecu ecu;
-    struct bus_operator commander;
+    struct jp_operator commander;
     struct random random;
     uint64_t tick;
     struct given given[ROUTES_MAX];
@@ -129,15 +129,15 @@ static void run_operator(void)
 
     can_fault_link_set_tick(&stage.faults, stage.tick);
     while (link->receive(link->port.context, &frame)) {
-        operator_accept(&stage.commander, &frame);
+        jp_operator_accept(&stage.commander, &frame);
     }
     if (stage.given_now < stage.given_count && stage.tick == stage.given[stage.given_now].tick) {
         const struct given *given = &stage.given[stage.given_now++];
 
-        TEST_ASSERT_TRUE(operator_route(&stage.commander, given->points, given->count));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_operator_route(&stage.commander, given->points, given->count));
     }
     /* A clock that wraps on the way. */
-    operator_tick(&stage.commander, (uint32_t)stage.tick - 5000U, &link->port);
+    jp_operator_tick(&stage.commander, (uint32_t)stage.tick - 5000U, &link->port);
 }
 
 static void run_ecu(void)
@@ -163,7 +163,7 @@ static void run_plant(void)
     plant_node_step(&stage.plant);
 }
 
-static bool is_given(const struct jp_route *route, const struct given *given)
+static bool is_given(const struct jp_route_message *route, const struct given *given)
 {
     return route->length == given->count &&
            memcmp(route->points, given->points, given->count * sizeof given->points[0]) == 0;
@@ -200,7 +200,7 @@ static void run_tick(void)
 static bool is_over(void)
 {
     return stage.given_now == stage.given_count &&
-           (stage.commander.state == OPERATOR_DONE || stage.commander.state == OPERATOR_FAILED);
+           (stage.commander.phase == JP_OPERATOR_DONE || stage.commander.phase == JP_OPERATOR_FAILED);
 }
 
 static double distance_to_the_end(void)
@@ -216,16 +216,17 @@ static void check_end(void)
     char where[160];
 
     (void)snprintf(where, sizeof where, "%.3f m from the end, tick %llu, state %d, reason %s", distance_to_the_end(),
-                   (unsigned long long)stage.tick, (int)stage.commander.state,
-                   operator_reason(&stage.commander) ? operator_reason(&stage.commander) : "-");
+                   (unsigned long long)stage.tick, (int)stage.commander.phase,
+                   jp_operator_failure_text(stage.commander.failure) ? jp_operator_failure_text(stage.commander.failure)
+                                                                     : "-");
     TEST_ASSERT_TRUE_MESSAGE(is_over(), where);
-    if (stage.commander.state == OPERATOR_DONE) {
+    if (stage.commander.phase == JP_OPERATOR_DONE) {
         TEST_ASSERT_EQUAL_MESSAGE(JP_ROUTE_DONE, stage.ecu.routes.state, where);
         TEST_ASSERT_EQUAL_MESSAGE(stage.given_count, stage.driven, where);
         TEST_ASSERT_TRUE_MESSAGE(distance_to_the_end() < NEAR_M, where);
-        TEST_ASSERT_NULL(operator_reason(&stage.commander));
+        TEST_ASSERT_NULL(jp_operator_failure_text(stage.commander.failure));
     } else {
-        TEST_ASSERT_NOT_NULL(operator_reason(&stage.commander));
+        TEST_ASSERT_NOT_NULL(jp_operator_failure_text(stage.commander.failure));
     }
 }
 
@@ -243,7 +244,7 @@ static void test_without_faults_every_route_is_driven(void)
         give_routes(1 + i % ROUTES_MAX);
         run_to_the_end();
         check_end();
-        TEST_ASSERT_EQUAL_INT(OPERATOR_DONE, stage.commander.state);
+        TEST_ASSERT_EQUAL_INT(JP_OPERATOR_DONE, stage.commander.phase);
         TEST_ASSERT_EQUAL_UINT(0, stage.ecu.operator_counts.crc_errors);
         TEST_ASSERT_EQUAL_UINT(0, stage.ecu.operator_counts.sequence_errors);
     }
@@ -259,7 +260,7 @@ static void test_with_faults_given_routes_are_driven_or_a_failure_is_told(void)
         add_faults();
         run_to_the_end();
         check_end();
-        done += stage.commander.state == OPERATOR_DONE;
+        done += stage.commander.phase == JP_OPERATOR_DONE;
         /* Whatever became of it, the robot comes to stand and still does not drive anything else. */
         for (unsigned t = 0; t < 3000; t++) {
             run_tick();
@@ -284,7 +285,7 @@ static void test_an_operator_that_dies_leaves_the_robot_standing(void)
         while (stage.tick < silence.from + 8000) {
             run_tick();
         }
-        TEST_ASSERT_EQUAL_INT(OPERATOR_FAILED, stage.commander.state);
+        TEST_ASSERT_EQUAL_INT(JP_OPERATOR_FAILED, stage.commander.phase);
         TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, stage.ecu.robot.telemetry.state);
         TEST_ASSERT_TRUE(fabs(stage.plant.world.plant.state.wheel_rate) < 0.01);
     }
@@ -307,8 +308,6 @@ int main(int argc, char **argv)
         return 2;
     }
     UNITY_BEGIN();
-    RUN_TEST(test_without_faults_every_route_is_driven);
-    RUN_TEST(test_with_faults_given_routes_are_driven_or_a_failure_is_told);
-    RUN_TEST(test_an_operator_that_dies_leaves_the_robot_standing);
+    run_tests();
     return UNITY_END();
 }

@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "grid_oracle.h"
-#include "options.h"
+#include "tests/support/grid_oracle.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 enum { SIDE = 48, WAY_MAX = 220, POINTS_MAX = 20000, SCRATCH_MAX = 1 << 16, KNOTS_MAX = 64 };
@@ -28,7 +28,7 @@ static bool blocked[SIDE * SIDE];
 static uint64_t terrain_block[SIDE * SIDE];
 static uint64_t block[SIDE * SIDE * 2];
 static uint64_t scratch[SCRATCH_MAX / sizeof(uint64_t)];
-static struct jp_path_point smooth[POINTS_MAX];
+static struct jp_point smooth[POINTS_MAX];
 static size_t smooth_count;
 
 void setUp(void)
@@ -73,16 +73,16 @@ static void make_map(uint32_t percent)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_planner_init(&planner, &config, &terrain, block, sizeof block, &field));
 }
 
-static bool draw_way(struct jp_path_point *way, size_t *points)
+static bool draw_way(struct jp_point *way, size_t *points)
 {
     const struct jp_grid_cell start = {(int16_t)below(SIDE), (int16_t)below(SIDE)};
     const struct jp_grid_cell goal = {(int16_t)below(SIDE), (int16_t)below(SIDE)};
-    if (jp_grid_planner_set_task(&planner, &start, &goal) != JP_OK) {
+    if (jp_grid_planner_start(&planner, &start, &goal) != JP_OK) {
         return false;
     }
     while (jp_grid_planner_work(&planner, 1000) == JP_GRID_SEARCHING) {
     }
-    const struct jp_path_point *found = jp_grid_planner_path(&planner, points);
+    const struct jp_point *found = jp_grid_planner_path(&planner, points);
     if (found == NULL || *points < 2) {
         return false;
     }
@@ -90,7 +90,7 @@ static bool draw_way(struct jp_path_point *way, size_t *points)
     return true;
 }
 
-static double distance(const struct jp_path_point *a, const struct jp_path_point *b)
+static double distance(const struct jp_point *a, const struct jp_point *b)
 {
     return hypot((double)a->x - b->x, (double)a->y - b->y);
 }
@@ -105,7 +105,7 @@ static void expect_free(void)
 }
 
 /* In their order. */
-static void expect_turning_points(const struct jp_path_point *way, size_t points)
+static void expect_turning_points(const struct jp_point *way, size_t points)
 {
     size_t next = 0;
     for (size_t i = 0; i < smooth_count && next < points; i++) {
@@ -118,7 +118,7 @@ static void expect_turning_points(const struct jp_path_point *way, size_t points
     TEST_ASSERT_EQUAL_INT32(way[points - 1].y, smooth[smooth_count - 1].y);
 }
 
-static double length_of(const struct jp_path_point *points, size_t number)
+static double length_of(const struct jp_point *points, size_t number)
 {
     double length = 0;
     for (size_t i = 1; i < number; i++) {
@@ -132,7 +132,7 @@ static void test_ways_among_obstacles(void)
     unsigned long ways = 0;
     double longest = 0;
     for (unsigned long i = 0; i < count; i++) {
-        struct jp_path_point way[WAY_MAX];
+        struct jp_point way[WAY_MAX];
         size_t points = 0;
         begin_random(i);
         make_map(below(35));
@@ -172,7 +172,7 @@ static void add_knot(struct spline *spline, double x, double y)
 
 /* The turning points and, beside them, points of the chords eight cells away, or a third of the chord if that is less.
  */
-static void add_knots(struct spline *spline, const struct jp_path_point *way, size_t points)
+static void add_knots(struct spline *spline, const struct jp_point *way, size_t points)
 {
     spline->knots = 0;
     add_knot(spline, way[0].x, way[0].y);
@@ -241,14 +241,14 @@ static void test_textbook_spline(void)
 {
     unsigned long compared = 0;
     for (unsigned long i = 0; i < count; i++) {
-        struct jp_path_point way[8];
+        struct jp_point way[8];
         struct spline spline;
         const size_t points = 2 + below(7);
         begin_random(i);
         make_map(0);
         const uint32_t extent = (uint32_t)(SIDE / 2 * map.resolution);
         for (size_t k = 0; k < points; k++) {
-            way[k] = (struct jp_path_point){(jp_q16)(extent / 2 + below(extent)), (jp_q16)(extent / 2 + below(extent))};
+            way[k] = (struct jp_point){(jp_q16)(extent / 2 + below(extent)), (jp_q16)(extent / 2 + below(extent))};
         }
         const jp_q16 spacing = map.resolution;
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_path_spline(&planner, way, points, spacing, scratch, sizeof scratch, smooth,
@@ -272,7 +272,6 @@ int main(int argc, char **argv)
     seed = options.seed;
     (void)printf("seed %llu, %lu ways\n", (unsigned long long)seed, count);
     UNITY_BEGIN();
-    RUN_TEST(test_ways_among_obstacles);
-    RUN_TEST(test_textbook_spline);
+    run_tests();
     return UNITY_END();
 }

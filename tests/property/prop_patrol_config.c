@@ -1,24 +1,24 @@
 /*
- * sim/patrol_config.h: the tables for firmware are what the simulator drives with, member by member; conversions
- * against an oracle of their own; what the plain method leaves out.
+ * sim/four_wheel/patrol_config.h: the tables for firmware are what the simulator drives with, member by member;
+ * conversions against an oracle of their own; what the plain method leaves out.
  *
  * prop_patrol_config [--count N] [--seed S]
  * --count is the number of robots by chance.
  */
+#include <joulepath/tables.h>
+
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
-#include "options.h"
-#include "sim/patrol_config.h"
-#include "sim/patrol_members.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/four_wheel/patrol_config.h"
+#include "sim/four_wheel/patrol_members.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define ROBOT   "sim/robots/patrol.cfg"
 #define DEGREES (180 / 3.14159265358979323846)
-
-extern const struct jp_patrol_config jp_patrol_config_patrol;
-extern const struct jp_pure_pursuit_config jp_pure_pursuit_config_patrol;
 
 static unsigned long count = 2000;
 static uint64_t seed = 1;
@@ -157,9 +157,9 @@ static const struct link pursuit_links[] = {
 
 static const struct config_field *find_field(const char *key)
 {
-    for (size_t i = 0; i < four_wheel_field_count; i++) {
-        if (strcmp(four_wheel_fields[i].key, key) == 0) {
-            return &four_wheel_fields[i];
+    for (size_t i = 0; i < four_wheel_kind.field_count; i++) {
+        if (strcmp(four_wheel_kind.fields[i].key, key) == 0) {
+            return &four_wheel_kind.fields[i];
         }
     }
     TEST_FAIL_MESSAGE(key);
@@ -218,8 +218,8 @@ static void check_links(const void *config, const struct patrol_member *members,
 /* Any number within its range: the conversion of each does not depend on others. */
 static void change_robot(void)
 {
-    for (size_t i = 0; i < four_wheel_field_count; i++) {
-        const struct config_field *const field = &four_wheel_fields[i];
+    for (size_t i = 0; i < four_wheel_kind.field_count; i++) {
+        const struct config_field *const field = &four_wheel_kind.fields[i];
         const double value = random_uniform(&rng, field->min, field->max);
         const int whole = (int)value;
         char *const place = (char *)&robot + field->offset;
@@ -289,11 +289,6 @@ int main(int argc, char **argv)
     printf("seed %llu\n", (unsigned long long)seed);
     random_init(&rng, seed);
     UNITY_BEGIN();
-    RUN_TEST(test_tables_are_what_the_simulator_drives_with);
-    RUN_TEST(test_no_member_is_left_out);
-    RUN_TEST(test_each_number_arrives_to_the_last_bit_of_its_format);
-    RUN_TEST(test_every_member_comes_from_somewhere);
-    RUN_TEST(test_the_plain_method_leaves_out_four_things);
-    RUN_TEST(test_pure_pursuit_comes_with_the_improved_method);
+    run_tests();
     return UNITY_END();
 }

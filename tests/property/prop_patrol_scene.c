@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../sim/patrol_scene.h"
-#include "options.h"
+#include "sim/scenes/patrol_scene.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define SIDE_MAX 512
@@ -533,17 +533,6 @@ int main(int argc, char **argv)
     options = parse_options(argc, argv, options);
     printf("seeds %llu…%llu of each kind\n", options.seed, options.seed + options.count - 1);
     UNITY_BEGIN();
-    RUN_TEST(test_start_and_goal_have_room);
-    RUN_TEST(test_the_robot_can_set_out_and_dock);
-    RUN_TEST(test_a_way_leads_to_the_goal);
-    RUN_TEST(test_the_map_shows_what_is_there);
-    RUN_TEST(test_an_obstacle_is_beside_the_goal_and_not_on_the_map);
-    RUN_TEST(test_passages_corridors_and_doors_are_narrow);
-    RUN_TEST(test_the_passage_turns_a_corner);
-    RUN_TEST(test_a_pedestrian_crosses_the_way);
-    RUN_TEST(test_pallets_bar_some_aisles);
-    RUN_TEST(test_seeds_vary_the_task);
-    RUN_TEST(test_a_seed_gives_one_scene_whatever_was_in_memory);
-    RUN_TEST(test_every_kind_of_seed_ends);
+    run_tests();
     return UNITY_END();
 }

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "../../sim/patrol_world.h"
-#include "../../sim/random.h"
-#include "office_map.h"
-#include "options.h"
+#include "sim/base/random.h"
+#include "sim/scenes/patrol_world.h"
+#include "tests/support/office_map.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define LENGTH 0.8 /* of the robot, m */
@@ -376,16 +376,6 @@ int main(int argc, char **argv)
     seed = options.seed;
     printf("seed %llu\n", seed);
     UNITY_BEGIN();
-    RUN_TEST(test_distances_and_touches_at_random_poses);
-    RUN_TEST(test_touch_begins_where_the_distance_ends);
-    RUN_TEST(test_kind_of_touch);
-    RUN_TEST(test_steps_find_the_least_distance_and_the_first_touch);
-    RUN_TEST(test_an_obstacle_that_stops);
-    RUN_TEST(test_an_obstacle_that_returns);
-    RUN_TEST(test_an_obstacle_that_loops);
-    RUN_TEST(test_obstacles_that_stand);
-    RUN_TEST(test_velocities);
-    RUN_TEST(test_obstacles_are_bounded);
-    RUN_TEST(test_an_obstacle_that_appears);
+    run_tests();
     return UNITY_END();
 }

@@ -3,8 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../sim/plant.h"
-#include "../../sim/random.h"
+#include "sim/balancer/plant.h"
+#include "sim/balancer/robot_file.h"
+#include "sim/base/random.h"
 #include "unity.h"
 
 #define SEED 20180399u
@@ -518,18 +519,6 @@ int main(void)
 {
     (void)printf("seed %u\n", SEED);
     UNITY_BEGIN();
-    RUN_TEST(test_equations_follow_from_the_lagrangian);
-    RUN_TEST(test_mechanical_energy_is_that_of_the_lagrangian);
-    RUN_TEST(test_ledger_closes);
-    RUN_TEST(test_hand_takes_and_gives_energy);
-    RUN_TEST(test_change_enters_what_the_payload_carries);
-    RUN_TEST(test_change_without_mass_carries_nothing);
-    RUN_TEST(test_ledger_closes_over_changes);
-    RUN_TEST(test_upright_is_an_unstable_equilibrium);
-    RUN_TEST(test_steady_cruise);
-    RUN_TEST(test_left_and_right_mirror);
-    RUN_TEST(test_integration_is_of_fourth_order);
-    RUN_TEST(test_position_follows_an_arc);
-    RUN_TEST(test_damping_rate_bounds_the_fastest_mode);
+    run_tests();
     return UNITY_END();
 }

@@ -12,8 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "options.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define Q16    65536.0
@@ -76,7 +76,7 @@ static jp_q24 q24(double x)
 
 /* A smooth path of `length` whose curvature is a sum of three waves, at most `curvature`. */
 struct road {
-    struct jp_path_point points[POINTS];
+    struct jp_point points[POINTS];
     size_t count;
     struct pose start;
 };
@@ -91,7 +91,7 @@ static void make_road(struct road *road, double length, double spacing, double c
     road->start = pose;
     road->count = (size_t)fmax(2, fmin(POINTS, length / spacing + 1));
     for (size_t i = 0; i < road->count; i++) {
-        road->points[i] = (struct jp_path_point){(jp_q16)lround(pose.x * Q16), (jp_q16)lround(pose.y * Q16)};
+        road->points[i] = (struct jp_point){(jp_q16)lround(pose.x * Q16), (jp_q16)lround(pose.y * Q16)};
         for (int step = 0; step < steps; step++) {
             const double s = ((double)i + (double)step / steps) * spacing;
             double sum = 0;
@@ -239,9 +239,9 @@ static void check_twist(const struct drive *drive, const struct pose *pose, cons
     }
 }
 
-static struct jp_path_point position_of(const struct pose *pose)
+static struct jp_point position_of(const struct pose *pose)
 {
-    return (struct jp_path_point){(jp_q16)lround(pose->x * Q16), (jp_q16)lround(pose->y * Q16)};
+    return (struct jp_point){(jp_q16)lround(pose->x * Q16), (jp_q16)lround(pose->y * Q16)};
 }
 
 static jp_angle heading_of(const struct pose *pose)
@@ -252,7 +252,7 @@ static jp_angle heading_of(const struct pose *pose)
 /* The pose as the tracker sees it. */
 static enum jp_status tick(struct drive *drive, struct jp_twist *twist)
 {
-    const struct jp_path_point position = position_of(&drive->pose);
+    const struct jp_point position = position_of(&drive->pose);
     const struct pose seen = {position.x / Q16, position.y / Q16, drive->pose.heading};
     const enum jp_status status = jp_pure_pursuit_tick(&drive->tracker, &position, heading_of(&drive->pose),
                                                        q24(drive->speed), q24(PERIOD), twist);
@@ -280,7 +280,7 @@ static void move(struct drive *drive, double v, double turn_rate)
 static void check_arrival(const struct drive *drive, double speed)
 {
     const struct jp_pure_pursuit_config *config = &drive->tracker.config;
-    const struct jp_path_point *end = &drive->road.points[drive->road.count - 1];
+    const struct jp_point *end = &drive->road.points[drive->road.count - 1];
     const double distance = hypot(end->x / Q16 - drive->pose.x, end->y / Q16 - drive->pose.y);
     const double tolerance = config->tolerance / Q24;
 
@@ -299,11 +299,11 @@ static void drive_unicycle(struct drive *drive)
         move(drive, twist.x / Q24, twist.turn_rate / Q24);
         status = tick(drive, &twist);
     }
-    TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, status);
+    TEST_ASSERT_EQUAL_INT(JP_ARRIVED, status);
     TEST_ASSERT_EQUAL_INT32(0, twist.x);
     TEST_ASSERT_EQUAL_INT32(0, twist.turn_rate);
     check_arrival(drive, speed);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, tick(drive, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_ARRIVED, tick(drive, &twist));
 }
 
 static void test_unicycle_follows(void)
@@ -351,7 +351,7 @@ static void test_four_wheels_follow(void)
             while ((status = tick(&drive, &twist)) == JP_OK && drive.ticks < TICKS_MAX) {
                 move_wheels(&drive, &twist, &wheels);
             }
-            TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, status);
+            TEST_ASSERT_EQUAL_INT(JP_ARRIVED, status);
             speeds[i].wheels = fmax(speeds[i].wheels, drive.error);
         }
         printf("four wheels at %.2f m/s: largest error %.4f m\n", speeds[i].speed, speeds[i].wheels);
@@ -383,11 +383,11 @@ static void test_from_beside_the_path(void)
         const double speed = config.speed / Q24;
         const bool must_arrive = config.lookahead_max / Q24 * curvature >= ROOM &&
                                  speed * speed * curvature <= config.lateral_acceleration / Q24;
-        TEST_ASSERT_TRUE(status == JP_ERR_EMPTY || (status == JP_ERR_OUTSIDE && !must_arrive));
+        TEST_ASSERT_TRUE(status == JP_ARRIVED || (status == JP_ERR_OUTSIDE && !must_arrive));
         certain += must_arrive ? 1 : 0;
         TEST_ASSERT_EQUAL_INT32(0, twist.x);
         TEST_ASSERT_EQUAL_INT32(0, twist.turn_rate);
-        arrived += status == JP_ERR_EMPTY ? 1 : 0;
+        arrived += status == JP_ARRIVED ? 1 : 0;
     }
     printf("from beside the path, in any direction: %lu of %lu arrive, %lu of them must\n", arrived, 4 * count,
            certain);
@@ -411,7 +411,7 @@ static void write_figure(FILE *file, const char *name, double value, const char 
     separator = ",\n";
 }
 
-/* For tools/figures.py. */
+/* For tools/measure/figures.py. */
 static void write_json(const char *path)
 {
     char name[160];
@@ -444,10 +444,7 @@ int main(int argc, char **argv)
     printf("seed %llu\n", (unsigned long long)seed);
     random_init(&rng, seed);
     UNITY_BEGIN();
-    RUN_TEST(test_unicycle_follows);
-    RUN_TEST(test_four_wheels_follow);
-    RUN_TEST(test_from_beside_the_path);
-    RUN_TEST(test_law);
+    run_tests();
     const int failures = UNITY_END();
     if (options.json) {
         write_json(options.json);

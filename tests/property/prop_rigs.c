@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../sim/rig.h"
+#include "sim/balancer/rig.h"
 #include "unity.h"
 
 #define RIGS  3
@@ -154,13 +154,4 @@ static void test_rigs_in_threads_drive_as_alone(void)
         TEST_ASSERT_EQUAL_INT(0, pthread_join(threads[i], NULL));
     }
     check_equal();
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_trajectories_depend_on_the_seed);
-    RUN_TEST(test_interleaved_rigs_drive_as_alone);
-    RUN_TEST(test_rigs_in_threads_drive_as_alone);
-    return UNITY_END();
 }

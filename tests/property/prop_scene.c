@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../sim/scene.h"
+#include "tests/support/scene.h"
 #include "unity.h"
 
 #define SEEDS       100
@@ -333,14 +333,6 @@ int main(void)
 {
     printf("seeds 1…%d\n", SEEDS);
     UNITY_BEGIN();
-    RUN_TEST(test_free_ground_is_never_steep);
-    RUN_TEST(test_ground_is_hilly);
-    RUN_TEST(test_ground_is_smooth);
-    RUN_TEST(test_obstacles_take_up_the_stated_share);
-    RUN_TEST(test_start_and_goal_are_far_apart_in_the_open);
-    RUN_TEST(test_a_wide_way_leads_to_the_goal);
-    RUN_TEST(test_a_seed_gives_one_scene_whatever_was_in_memory);
-    RUN_TEST(test_every_kind_of_seed_ends);
-    RUN_TEST(test_the_bench_keeps_its_scenes);
+    run_tests();
     return UNITY_END();
 }

@@ -6,6 +6,7 @@
  * --count is the number of random segments of each kind; 10000 for the full check.
  */
 #include <joulepath/segment.h>
+#include <joulepath/tables.h>
 
 #include <math.h>
 #include <stdbool.h>
@@ -13,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "options.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define PI             3.14159265358979323846
@@ -547,7 +548,7 @@ static void write_figure(FILE *file, const char *name, double value, const char 
     separator = ",\n";
 }
 
-/* For tools/figures.py. */
+/* For tools/measure/figures.py. */
 static void write_json(const char *path)
 {
     char name[100];
@@ -583,10 +584,7 @@ int main(int argc, char **argv)
     seed = options.seed;
     printf("seed %llu\n", (unsigned long long)seed);
     UNITY_BEGIN();
-    RUN_TEST(test_table_3);
-    RUN_TEST(test_energy_is_the_least);
-    RUN_TEST(test_any_model_is_safe);
-    RUN_TEST(test_prediction_error);
+    run_tests();
     int failures = UNITY_END();
     if (json) {
         write_json(json);

@@ -3,14 +3,15 @@
  * lattice's sum of base and moves against the model along the way.
  */
 #include <joulepath/skid_steer.h>
+#include <joulepath/tables.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "sim/lattice_costs.h"
-#include "sim/lattice_generate.h"
-#include "sim/random.h"
-#include "sim/skid_steer_model.h"
+#include "sim/base/random.h"
+#include "sim/lattice/lattice_costs.h"
+#include "sim/lattice/lattice_generate.h"
+#include "sim/skid_steer/skid_steer_model.h"
 #include "unity.h"
 
 #define SEED    2018
@@ -23,9 +24,6 @@
 #define ERROR_SHARE 1e-5
 
 #define ROBOT_FILE "sim/robots/zhang2018.cfg"
-
-extern const struct jp_skid_steer_config jp_skid_steer_zhang2018;
-extern const struct jp_lattice jp_lattice_zhang2018;
 
 static struct lattice_robot robot;
 
@@ -367,11 +365,6 @@ int main(void)
 {
     UNITY_BEGIN();
     TEST_ASSERT_TRUE(lattice_robot_load(ROBOT_FILE, &robot));
-    RUN_TEST(test_energy_of_random_robots);
-    RUN_TEST(test_energy_of_zhang2018);
-    RUN_TEST(test_wheel_speeds_and_torques);
-    RUN_TEST(test_calibration);
-    RUN_TEST(test_turning_costs_more_than_driving_straight);
-    RUN_TEST(test_sum_of_base_and_moves);
+    run_tests();
     return UNITY_END();
 }

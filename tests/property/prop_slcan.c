@@ -300,11 +300,6 @@ int main(int argc, char **argv)
     seed = seed == 0 ? 1 : seed;
     printf("seed %llu\n", (unsigned long long)seed);
     UNITY_BEGIN();
-    RUN_TEST(test_frames_come_back_as_they_went);
-    RUN_TEST(test_any_struct_is_encoded_as_a_frame_or_not_at_all);
-    RUN_TEST(test_garbage);
-    RUN_TEST(test_text_that_looks_like_frames);
-    RUN_TEST(test_damaged_frames);
-    RUN_TEST(test_the_next_line_is_read_whatever_came_before);
+    run_tests();
     return UNITY_END();
 }

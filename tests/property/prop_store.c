@@ -7,9 +7,9 @@
 #define NOR_WORDS  (NOR_SLOTS * 64U)
 #define RIG_LENGTH 100U
 
-#include "../fault/store_rig.h"
+#include "tests/support/store_rig.h"
 
-#include "options.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 enum { BAR = 10000, BYTES_OF_WORD = 4, SESSIONS_MAX = 12, WRITES_MAX = 4, STEPS_AHEAD = 50 };
@@ -157,7 +157,7 @@ static void test_lives(void)
     TEST_ASSERT_TRUE(byte_cuts / lives > 50U);
 }
 
-/* For tools/figures.py. */
+/* For tools/measure/figures.py. */
 static void write_json(const char *path)
 {
     FILE *file = fopen(path, "w");
@@ -187,7 +187,7 @@ int main(int argc, char **argv)
     options = parse_options(argc, argv, options);
     printf("seed %llu\n", options.seed);
     UNITY_BEGIN();
-    RUN_TEST(test_lives);
+    run_tests();
     failures = UNITY_END();
     if (options.json != NULL) {
         write_json(options.json);

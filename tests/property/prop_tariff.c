@@ -7,17 +7,15 @@
  * --count is the number of price changes.
  */
 #include <joulepath/planner.h>
+#include <joulepath/tables.h>
 #include <joulepath/tariff.h>
 #include <stdio.h>
+#include <string.h>
 
-#include "options.h"
-#include "planner_oracle.h"
-#include "toy_lattice.h"
+#include "tests/support/options.h"
+#include "tests/support/planner_oracle.h"
+#include "tests/support/toy_lattice.h"
 #include "unity.h"
-
-extern const struct jp_lattice jp_lattice_zhang2018;
-extern const struct jp_lattice jp_lattice_gao2018;
-extern const struct jp_energy_model jp_energy_model_gao2018;
 
 enum {
     SIDE_MIN = 12,
@@ -55,7 +53,7 @@ static struct jp_terrain_config config;
 static uint64_t terrain_block[1024];
 static struct jp_planner planner;
 static _Alignas(8) uint8_t block[AMPLE_BYTES];
-static struct jp_pose start;
+static struct jp_lattice_pose start;
 static struct jp_goal goal;
 
 void setUp(void)
@@ -247,17 +245,18 @@ static void random_map(void)
     }
 }
 
-static struct jp_pose random_pose(void)
+static struct jp_lattice_pose random_pose(void)
 {
-    return (struct jp_pose){(int16_t)below(config.width), (int16_t)below(config.height), (uint8_t)below(JP_HEADINGS)};
+    return (struct jp_lattice_pose){(int16_t)below(config.width), (int16_t)below(config.height),
+                                    (uint8_t)below(JP_HEADINGS)};
 }
 
 /* Start and goal where the robot fits. */
 static bool random_task(void)
 {
     for (int i = 0; i < TRIES; i++) {
-        const struct jp_pose from = random_pose();
-        const struct jp_pose to = random_pose();
+        const struct jp_lattice_pose from = random_pose();
+        const struct jp_lattice_pose to = random_pose();
         start = from;
         goal = (struct jp_goal){to.x, to.y, (uint16_t)(one_in(3) ? JP_ANY_HEADING : 1U << to.heading)};
         if (jp_planner_set_start(&planner, &start) == JP_OK && jp_planner_set_goal(&planner, &goal) == JP_OK) {
@@ -379,7 +378,7 @@ static void test_planner_follows_changing_prices(void)
 
 /* The field that proves the optimum: below the truth from a root, and no primitive overtakes it. */
 static void expect_field_below(const struct jp_energy_field *field, const struct jp_turns *turns,
-                               const struct jp_pose *root)
+                               const struct jp_lattice_pose *root)
 {
     for (int state = 0; state < map.width * map.height * JP_HEADINGS; state++) {
         const int heading = state % JP_HEADINGS;
@@ -543,10 +542,6 @@ int main(int argc, char **argv)
     seed = options.seed;
     printf("seed %llu\n", (unsigned long long)seed);
     UNITY_BEGIN();
-    RUN_TEST(test_tables_are_those_of_other_arithmetic);
-    RUN_TEST(test_planner_follows_changing_prices);
-    RUN_TEST(test_bounds_remain_below_the_truth);
-    RUN_TEST(test_primitives_cost_what_the_model_says);
-    RUN_TEST(test_what_is_unlearned_costs_what_it_did);
+    run_tests();
     return UNITY_END();
 }

@@ -6,16 +6,18 @@
  * --count is the number of tasks.
  */
 #include <joulepath/patrol.h>
+#include <joulepath/tables.h>
 
 #include <math.h>
 #include <nlopt.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "options.h"
-#include "sim/random.h"
-#include "tests/float/teb_formulas.h"
+#include "sim/base/random.h"
+#include "tests/support/options.h"
+#include "tests/support/teb_formulas.h"
 #include "unity.h"
 
 #define PERIOD 0.1 /* of a cycle, s */
@@ -50,11 +52,9 @@ static unsigned long count = 60;
 static uint64_t seed = 1;
 static struct random rng;
 
-extern const struct jp_patrol_config jp_patrol_config_patrol;
-
 static struct jp_teb teb;
 static struct jp_obstacles obstacles;
-static struct jp_path_point path[PATH_POINTS];
+static struct jp_point path[PATH_POINTS];
 static struct jp_teb_task task;
 static struct jp_teb_result result;
 
@@ -104,7 +104,7 @@ static void random_path(double length)
     task.start = (struct jp_plane_pose){(float)uniform(-0.05, 0.05), (float)uniform(-0.05, 0.05),
                                         (float)(heading + uniform(-0.3, 0.3))};
     for (int i = 0; i < PATH_POINTS; i++) {
-        path[i] = (struct jp_path_point){(jp_q16)lround(x * JP_Q16_ONE), (jp_q16)lround(y * JP_Q16_ONE)};
+        path[i] = (struct jp_point){(jp_q16)lround(x * JP_Q16_ONE), (jp_q16)lround(y * JP_Q16_ONE)};
         task.goal = (struct jp_plane_pose){(float)x, (float)y, (float)remainder(heading, 2 * EXACT_PI)};
         x += spacing * cos(heading);
         y += spacing * sin(heading);
@@ -127,7 +127,7 @@ static double distance_from_path(double x, double y)
 static void random_obstacles(void)
 {
     for (int i = 0; i < 30; i++) {
-        const struct jp_path_point *const at = &path[(int)uniform(0, PATH_POINTS)];
+        const struct jp_point *const at = &path[(int)uniform(0, PATH_POINTS)];
         const double radius = uniform(0.02, 0.15);
         const double x = (double)at->x / JP_Q16_ONE + uniform(-1.5, 1.5);
         const double y = (double)at->y / JP_Q16_ONE + uniform(-1.5, 1.5);
@@ -425,7 +425,7 @@ static void write_figure(FILE *file, const char *name, double value, const char 
     separator = ",\n";
 }
 
-/* For tools/figures.py. */
+/* For tools/measure/figures.py. */
 static void write_json(const char *path_name)
 {
     FILE *file = fopen(path_name, "w");
@@ -455,9 +455,7 @@ int main(int argc, char **argv)
     printf("seed %llu\n", (unsigned long long)seed);
     random_init(&rng, seed);
     UNITY_BEGIN();
-    RUN_TEST(test_cycle_after_cycle_keeps_limits_and_gets_on);
-    RUN_TEST(test_the_same_task_has_the_same_bits);
-    RUN_TEST(test_bands_cost_little_more_than_the_least);
+    run_tests();
 
     const int failures = UNITY_END();
 

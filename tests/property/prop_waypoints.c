@@ -1,34 +1,37 @@
 /* Waypoints from routes over random maps: what waypoints.h promises, each by a check of its own: the robot as a cloud
  * of points instead of a rectangle, motion and energy by the library's other calls. prop_waypoints [--count N] [--seed
  * S] */
+#include <joulepath/tables.h>
+#include <joulepath/waypoints.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../sim/plan_search.h"
-#include "../../sim/random.h"
-#include "../../sim/rig.h"
-#include "../../sim/waypoints.h"
+#include "sim/balancer/rig.h"
+#include "sim/base/random.h"
+#include "sim/missions/plan_search.h"
+#include "src/map/clearance.h"
 #include "unity.h"
 
-#define WIDTH        60
-#define HEIGHT       40
-#define CELL_M       ((double)JP_Q16(0.2) / JP_Q16_ONE)
-#define LENGTH_M     0.30
-#define WIDTH_M      0.35
-#define MEMORY       ((size_t)512 * 1024)
-#define CLOUD        13 /* points of the footprint in each direction */
-#define STEP_M       0.01
-#define STEP_RAD     0.02
-#define CLIP_M       0.011 /* a corner may be clipped by this much between two poses that are looked at */
-#define POSES_MAX    4096
-#define Q16_ONE      65536.0
-#define Q24_ONE      16777216.0
-#define TOLERANCE    1e-3 /* m */
-#define MARGIN_MIN_M 0.05 /* of every second map */
-
-extern const struct jp_lattice jp_lattice_gao2018;
+#define WIDTH      60
+#define HEIGHT     40
+#define CELL_M     ((double)JP_Q16(0.2) / JP_Q16_ONE)
+#define LENGTH_M   0.30
+#define WIDTH_M    0.35
+#define MEMORY     ((size_t)512 * 1024)
+#define CLOUD      13 /* points of the footprint in each direction */
+#define STEP_M     0.01
+#define STEP_RAD   0.02
+#define CLIP_M     0.011 /* a corner may be clipped by this much between two poses that are looked at */
+#define POSES_MAX  1024
+#define Q16_ONE    65536.0
+#define Q24_ONE    16777216.0
+#define TURN       4294967296.0
+#define TOLERANCE  1e-3 /* m */
+#define ROUNDING_M 2e-6 /* of a box in cells */
+#define MARGIN_MIN 2    /* steps, of every second map */
 
 static unsigned long count = 100;
 static unsigned long first_seed = 1;
@@ -38,11 +41,12 @@ static struct random noise;
 static struct map_file map;
 static struct plan_task task;
 static struct plan_search search;
-static struct clearance_pose route[POSES_MAX];
+static struct jp_lattice_pose route[POSES_MAX];
 static size_t route_count;
-static struct waypoint waypoints[POSES_MAX];
+static struct jp_waypoints_config config;
+static struct jp_waypoints choice;
+static struct jp_waypoint waypoints[POSES_MAX];
 static size_t waypoint_count;
-static struct waypoints_robot robot;
 
 void setUp(void)
 {
@@ -66,12 +70,12 @@ static void check(bool holds, const char *what, double value)
 
 static void begin_map_of(bool has_elevation)
 {
-    const struct jp_terrain_config config = {WIDTH, HEIGHT, JP_Q16(0.2), has_elevation, false};
+    const struct jp_terrain_config terrain = {WIDTH, HEIGHT, JP_Q16(0.2), has_elevation, false};
     const char *field;
 
-    map = (struct map_file){.block = malloc(jp_terrain_size(&config)), .name = "random"};
+    map = (struct map_file){.block = malloc(jp_terrain_size(&terrain)), .name = "random"};
     TEST_ASSERT_NOT_NULL(map.block);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&map.terrain, &config, map.block, jp_terrain_size(&config), &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&map.terrain, &terrain, map.block, jp_terrain_size(&terrain), &field));
     for (int32_t y = 0; y < HEIGHT; y++) {
         for (int32_t x = 0; x < WIDTH; x++) {
             (void)jp_terrain_set_cell(&map.terrain, x, y, JP_CELL_FREE);
@@ -120,9 +124,7 @@ static bool plan(void)
     TEST_ASSERT_TRUE(plan_search(&map, lattice, JP_COST_PHYSICAL, &task, MEMORY, &search));
     route_count = search.route.way_count;
     TEST_ASSERT_TRUE(route_count <= POSES_MAX);
-    for (size_t i = 0; i < route_count; i++) {
-        route[i] = plan_grid_pose(&map, lattice, &search.route.way[i]);
-    }
+    memcpy(route, search.route.way, route_count * sizeof *route);
     const bool arrives = plan_search_arrives(&search);
     plan_route_free(&search.route);
     return arrives && route_count > 1;
@@ -130,25 +132,27 @@ static bool plan(void)
 
 static void choose(void)
 {
-    waypoint_count = waypoints_choose(&map.terrain, &robot, route, route_count, waypoints);
+    const size_t size = jp_waypoints_size(route_count);
+    void *block = malloc(size);
+    const char *field;
+
+    TEST_ASSERT_NOT_NULL(block);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_waypoints_init(&choice, &config, block, size, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_waypoints_start(&choice, route, route_count));
+    while (jp_waypoints_work(&choice, 1000) == JP_WAYPOINTS_CHOOSING) {
+    }
+    waypoint_count = jp_waypoints_count(&choice);
+    TEST_ASSERT_EQUAL_INT(waypoint_count > 0 ? JP_OK : JP_ERR_NO_PLAN,
+                          jp_waypoints_read(&choice, waypoints, POSES_MAX));
+    free(block);
 }
 
-/* Also among the places beside the route. */
-static void choose_wide(void)
+static struct clearance_pose pose_of(const struct jp_waypoint *waypoint)
 {
-    static struct clearance_pose narrow[POSES_MAX / 3];
+    const struct clearance_pose start = plan_grid_pose(&map, config.lattice, &route[0]);
 
-    TEST_ASSERT_TRUE(route_count <= POSES_MAX / 3);
-    memcpy(narrow, route, route_count * sizeof *route);
-    const size_t wide_count = waypoints_widen(narrow, route_count, CELL_M, route);
-    TEST_ASSERT_EQUAL_UINT(3 * route_count - 4, wide_count);
-    for (size_t i = 0; i < wide_count; i++) {
-        const struct clearance_pose *pose = &narrow[(i + 2) / 3];
-        check(fabs(hypot(route[i].x - pose->x, route[i].y - pose->y) - CELL_M / 2) < CELL_M / 2 + TOLERANCE,
-              "place is beside its pose, x", pose->x);
-    }
-    route_count = wide_count;
-    choose();
+    return (struct clearance_pose){start.x + waypoint->point.x / Q16_ONE, start.y + waypoint->point.y / Q16_ONE,
+                                   waypoint->heading / TURN * 2 * M_PI};
 }
 
 /* ---- Oracles ---- */
@@ -199,24 +203,33 @@ static double distance(const struct clearance_pose *a, const struct clearance_po
 
 /* ---- Properties ---- */
 
-static void check_ends(void)
+/* On its pose of the route, or a cell beside it, across where the route leads there. */
+static void check_place(const struct jp_waypoint *waypoint)
 {
-    const struct clearance_pose *last = &waypoints[waypoint_count - 1].pose;
+    const struct clearance_pose place = pose_of(waypoint);
+    const struct clearance_pose pose = plan_grid_pose(&map, config.lattice, &route[waypoint->pose]);
+    const double dx = place.x - pose.x;
+    const double dy = place.y - pose.y;
 
-    check(distance(&waypoints[0].pose, &route[0]) == 0, "first waypoint is the start", waypoints[0].pose.x);
-    check(waypoints[0].pose.heading == route[0].heading, "heading of the start", waypoints[0].pose.heading);
-    check(distance(last, &route[route_count - 1]) == 0, "last waypoint is the goal", last->x);
+    check(fabs(hypot(dx, dy) - abs(waypoint->side) * CELL_M) < TOLERANCE, "place beside its pose, m", hypot(dx, dy));
+    if (waypoint->side != 0) {
+        const struct jp_lattice_pose *before = &route[waypoint->pose - 1];
+        const struct jp_lattice_pose *after = &route[waypoint->pose + 1];
+        const double across = (after->x - before->x) * dy - (after->y - before->y) * dx;
+        const double along = (after->x - before->x) * dx + (after->y - before->y) * dy;
+        check(waypoint->side * across >= 0 && fabs(along) < TOLERANCE, "place to its side, along", along);
+    }
 }
 
 static void check_order(void)
 {
-    size_t at = 0;
-
+    check(waypoints[0].pose == 0, "first waypoint is the start", waypoints[0].pose);
+    check(waypoints[0].heading == config.lattice->heading[route[0].heading], "heading of the start", 0);
+    check(waypoints[waypoint_count - 1].pose + 1U == route_count, "last waypoint is the goal", (double)waypoint_count);
+    check(waypoints[waypoint_count - 1].side == 0, "goal on the route", waypoints[waypoint_count - 1].side);
     for (size_t i = 0; i < waypoint_count; i++) {
-        while (at < route_count && distance(&route[at], &waypoints[i].pose) > 0) {
-            at++;
-        }
-        check(at < route_count, "waypoint is a pose of the route, in order", (double)i);
+        check(i == 0 || waypoints[i].pose >= waypoints[i - 1].pose, "waypoints in order", (double)i);
+        check_place(&waypoints[i]);
     }
 }
 
@@ -224,11 +237,11 @@ static void check_limits(const struct jp_segment *segment)
 {
     const struct jp_segment_command *command = &segment->command;
 
-    check(abs(command->turn) <= robot.limits->turn, "turn", command->turn / Q24_ONE);
-    check(command->motion.speed > 0 && command->motion.speed <= robot.limits->speed, "speed",
+    check(abs(command->turn) <= config.limits->turn, "turn", command->turn / Q24_ONE);
+    check(command->motion.speed > 0 && command->motion.speed <= config.limits->speed, "speed",
           command->motion.speed / Q24_ONE);
-    check(abs(command->motion.turn_rate) <= robot.limits->turn_rate, "turn rate", command->motion.turn_rate / Q24_ONE);
-    check(command->duration >= robot.model->settling_time, "duration", command->duration / Q16_ONE);
+    check(abs(command->motion.turn_rate) <= config.limits->turn_rate, "turn rate", command->motion.turn_rate / Q24_ONE);
+    check(command->duration >= config.model->settling_time, "duration", command->duration / Q16_ONE);
 }
 
 /* The chord as a straight path, whose heading is its own; turning into it is the arc's matter. */
@@ -240,33 +253,37 @@ static void check_chord(const struct clearance_pose *from, const struct clearanc
     (void)sweep(pose, 0, distance(from, to), 0, 0);
 }
 
-static void check_segment(const struct waypoint *from, const struct waypoint *to)
+static void check_segment(const struct jp_waypoint *from, const struct jp_waypoint *to)
 {
     const struct jp_segment *segment = &to->segment;
     const double time = segment->command.duration / Q16_ONE;
+    const double margin = JP_WAYPOINTS_MARGIN_M * to->margin / JP_WAYPOINTS_MARGIN_STEPS;
+    const struct clearance_pose pose = pose_of(to);
     const struct clearance_pose end =
-        sweep(from->pose, segment->command.turn / Q24_ONE, segment->command.motion.speed / Q24_ONE * time,
-              segment->command.motion.turn_rate / Q24_ONE * time, to->margin_m);
+        sweep(pose_of(from), segment->command.turn / Q24_ONE, segment->command.motion.speed / Q24_ONE * time,
+              segment->command.motion.turn_rate / Q24_ONE * time, margin);
     jp_q16 energy;
 
-    check(distance(&end, &to->pose) < TOLERANCE, "ends beside its waypoint, m", distance(&end, &to->pose));
-    check(fabs(remainder(end.heading - to->pose.heading, 2 * M_PI)) < TOLERANCE, "heading at the end", end.heading);
-    check(to->margin_m >= 0 && to->margin_m <= WAYPOINTS_MARGIN_M, "margin", to->margin_m);
+    check(distance(&end, &pose) < TOLERANCE, "ends beside its waypoint, m", distance(&end, &pose));
+    check(fabs(remainder(end.heading - pose.heading, 2 * M_PI)) < TOLERANCE, "heading at the end", end.heading);
+    check(to->margin <= JP_WAYPOINTS_MARGIN_STEPS, "margin", to->margin);
     TEST_ASSERT_EQUAL_INT(JP_OK,
-                          jp_energy_predict(robot.model, &from->segment.command.motion, &segment->command, &energy));
+                          jp_energy_predict(config.model, &from->segment.command.motion, &segment->command, &energy));
     TEST_ASSERT_EQUAL_INT32(energy, segment->energy);
 }
 
 static void check_waypoints(void)
 {
-    check_ends();
     check_order();
     for (size_t i = 1; i < waypoint_count; i++) {
+        const struct clearance_pose from = pose_of(&waypoints[i - 1]);
+        const struct clearance_pose to = pose_of(&waypoints[i]);
+
         check_limits(&waypoints[i].segment);
-        check_chord(&waypoints[i - 1].pose, &waypoints[i].pose);
+        check_chord(&from, &to);
         check_segment(&waypoints[i - 1], &waypoints[i]);
-        check(i == 1 || i + 1 == waypoint_count || waypoints[i].margin_m >= robot.margin_min_m, "least margin",
-              waypoints[i].margin_m);
+        check(i == 1 || i + 1 == waypoint_count || waypoints[i].margin >= choice.margin_min, "least margin",
+              waypoints[i].margin);
     }
 }
 
@@ -278,28 +295,35 @@ static void test_random_maps(void)
 
     for (unsigned long i = 0; i < count; i++) {
         seed = first_seed + i;
-        robot.margin_min_m = seed % 2 == 0 ? 0 : MARGIN_MIN_M;
+        config.margin_min = seed % 2 == 0 ? 0 : MARGIN_MIN;
         random_init(&noise, seed);
         begin_map();
         scatter();
         if (plan()) {
             routes++;
             choose();
-            choices += waypoint_count > 0;
-            if (waypoint_count == 0) {
-                choose_wide();
-                wide += waypoint_count > 0;
-            }
             if (waypoint_count > 0) {
+                choices++;
+                wide += choice.is_wide;
                 check_waypoints();
             }
         }
         map_file_free(&map);
     }
     (void)printf("%lu maps from seed %lu: %lu routes, waypoints on %lu, beside %lu more\n", count, first_seed, routes,
-                 choices, wide);
+                 choices - wide, wide);
     TEST_ASSERT_TRUE(routes >= count / 4);
-    TEST_ASSERT_TRUE(choices + wide >= routes * 3 / 4);
+    TEST_ASSERT_TRUE(choices >= routes * 3 / 4);
+}
+
+static struct jp_box box_at(const struct clearance_pose *pose, double clip)
+{
+    const double one = JP_CELLS_ONE;
+
+    return (struct jp_box){(jp_cells_q20)lround(pose->x / CELL_M * one), (jp_cells_q20)lround(pose->y / CELL_M * one),
+                           (jp_angle)(int64_t)llround(pose->heading / (2 * M_PI) * TURN),
+                           (jp_cells_q20)lround((LENGTH_M / 2 - clip) / CELL_M * one),
+                           (jp_cells_q20)lround((WIDTH_M / 2 - clip) / CELL_M * one)};
 }
 
 /* The rectangle touches a cell when a point of a fine cloud lies in it, but for corners finer than the cloud. */
@@ -319,9 +343,13 @@ static void test_clearance_at_a_pose(void)
                                             random_uniform(&noise, -1, HEIGHT * CELL_M + 1),
                                             random_uniform(&noise, -7, 7)};
         const bool cloud = cloud_is_free(pose.x, pose.y, pose.heading, 0);
+        const struct jp_box tighter = box_at(&pose, ROUNDING_M);
+        const struct jp_box wider = box_at(&pose, -ROUNDING_M);
         const bool box = clearance_at(&map.terrain, &exact, &pose);
         clear += box;
         check(!box || cloud, "clear, but a point is not, x", pose.x);
+        check(!box || jp_box_is_clear(&map.terrain, &tighter), "clear, but not in integers, x", pose.x);
+        check(box || !jp_box_is_clear(&map.terrain, &wider), "not clear, but in integers, x", pose.x);
         check(!cloud || clearance_at(&map.terrain, &smaller, &pose), "all points clear, but not a smaller box, x",
               pose.x);
     }
@@ -329,12 +357,10 @@ static void test_clearance_at_a_pose(void)
     map_file_free(&map);
 }
 
-static void lead(const struct jp_pose *cells, size_t cell_count)
+static void lead(const struct jp_lattice_pose *cells, size_t cell_count)
 {
     route_count = cell_count;
-    for (size_t i = 0; i < cell_count; i++) {
-        route[i] = plan_grid_pose(&map, &jp_lattice_gao2018, &cells[i]);
-    }
+    memcpy(route, cells, cell_count * sizeof *cells);
 }
 
 static double predicted_energy(void)
@@ -350,13 +376,13 @@ static double predicted_energy(void)
 /* Few points are taken, and more than the ends only because speed in two steps takes less energy than in one. */
 static void test_a_straight_run_takes_few_segments(void)
 {
-    struct jp_pose cells[40];
+    struct jp_lattice_pose cells[40];
 
     begin_map();
     for (size_t i = 0; i < 40; i++) {
-        cells[i] = (struct jp_pose){(int16_t)(5 + i), 20, 0};
+        cells[i] = (struct jp_lattice_pose){(int16_t)(5 + i), 20, 0};
     }
-    lead((struct jp_pose[]){cells[0], cells[39]}, 2);
+    lead((struct jp_lattice_pose[]){cells[0], cells[39]}, 2);
     choose();
     TEST_ASSERT_EQUAL_UINT(2, waypoint_count);
     const double direct = predicted_energy();
@@ -371,16 +397,16 @@ static void test_a_straight_run_takes_few_segments(void)
 /* Round the end of a wall that both straight ways would cross. */
 static void test_a_wall_takes_more_points(void)
 {
-    struct jp_pose cells[50];
+    struct jp_lattice_pose cells[50];
     size_t n = 0;
 
     begin_map();
     block(20, 0, 2, 25, JP_CELL_OCCUPIED);
     for (int16_t i = 0; i < 15; i++) {
-        cells[n++] = (struct jp_pose){(int16_t)(6 + i), (int16_t)(14 + i), 2};
+        cells[n++] = (struct jp_lattice_pose){(int16_t)(6 + i), (int16_t)(14 + i), 2};
     }
     for (int16_t i = 0; i < 15; i++) {
-        cells[n++] = (struct jp_pose){(int16_t)(21 + i), (int16_t)(28 - i), 14};
+        cells[n++] = (struct jp_lattice_pose){(int16_t)(21 + i), (int16_t)(28 - i), 14};
     }
     lead(cells, n);
     choose();
@@ -394,7 +420,7 @@ static void test_no_short_cut_over_a_hill(void)
 {
     static const double tops[] = {0, 2};
     double highest[2] = {0, 0};
-    struct jp_pose cells[120];
+    struct jp_lattice_pose cells[120];
 
     for (int run = 0; run < 2; run++) {
         size_t n = 0;
@@ -405,13 +431,13 @@ static void test_no_short_cut_over_a_hill(void)
                                            (jp_elevation)lround(tops[run] * exp(-square / 70) * JP_ELEVATION_ONE));
         }
         for (int16_t i = 0; i <= 48; i++) {
-            cells[n++] = (struct jp_pose){(int16_t)(6 + i), (int16_t)(10 + (i < 24 ? i : 48 - i)), 2};
+            cells[n++] = (struct jp_lattice_pose){(int16_t)(6 + i), (int16_t)(10 + (i < 24 ? i : 48 - i)), 2};
         }
         lead(cells, n);
         choose();
         TEST_ASSERT_TRUE(waypoint_count > 1);
         for (size_t i = 1; i < waypoint_count; i++) {
-            highest[run] = fmax(highest[run], waypoints[i].pose.y);
+            highest[run] = fmax(highest[run], pose_of(&waypoints[i]).y);
         }
         check_waypoints();
         map_file_free(&map);
@@ -424,7 +450,7 @@ static void test_no_short_cut_over_a_hill(void)
  */
 static void test_no_room_to_turn_is_no_choice(void)
 {
-    const struct jp_pose cells[] = {{30, 20, 0}, {29, 20, 0}};
+    const struct jp_lattice_pose cells[] = {{30, 20, 0}, {29, 20, 0}};
 
     begin_map();
     block(0, 0, WIDTH, 19, JP_CELL_OCCUPIED);
@@ -457,17 +483,14 @@ int main(int argc, char **argv)
     if (!parse(argc, argv) || entry == NULL) {
         return 2;
     }
-    robot = (struct waypoints_robot){.length_m = LENGTH_M,
-                                     .width_m = WIDTH_M,
-                                     .model = entry->energy,
-                                     .limits = &entry->config->limits,
-                                     .step = &jp_lattice_gao2018.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS]};
+    config = (struct jp_waypoints_config){.terrain = &map.terrain,
+                                          .lattice = &jp_lattice_gao2018,
+                                          .model = entry->energy,
+                                          .limits = &entry->config->limits,
+                                          .length = JP_Q24(LENGTH_M),
+                                          .width = JP_Q24(WIDTH_M),
+                                          .reach = 96};
     UNITY_BEGIN();
-    RUN_TEST(test_clearance_at_a_pose);
-    RUN_TEST(test_a_straight_run_takes_few_segments);
-    RUN_TEST(test_a_wall_takes_more_points);
-    RUN_TEST(test_no_short_cut_over_a_hill);
-    RUN_TEST(test_no_room_to_turn_is_no_choice);
-    RUN_TEST(test_random_maps);
+    run_tests();
     return UNITY_END();
 }

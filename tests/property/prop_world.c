@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../hal/sim/hal_sim.h"
+#include "sim/balancer/hal_sim.h"
 #include "unity.h"
 
 #define SEED 20180400u
@@ -265,17 +265,6 @@ static void test_push_lasts_its_ticks(void)
     }
 }
 
-static void test_time_runs_in_microseconds_and_wraps(void)
-{
-    struct world world;
-    world_init(&world, &courier, SEED);
-    const struct jp_hal hal = jp_hal_sim(&world);
-    world_step(&world);
-    TEST_ASSERT_EQUAL_UINT32(1000u, hal.time_us(hal.context));
-    world.tick = 4294968u;
-    TEST_ASSERT_EQUAL_UINT32(704u, hal.time_us(hal.context));
-}
-
 /* ---- Repeatability ---- */
 
 static struct jp_sensors driven_tick(struct world *world, int tick)
@@ -446,21 +435,6 @@ int main(void)
 {
     (void)printf("seed %u\n", SEED);
     UNITY_BEGIN();
-    RUN_TEST(test_accelerometer_reads_the_tilt_at_rest);
-    RUN_TEST(test_accelerometer_and_gyro_in_motion);
-    RUN_TEST(test_encoders_wrap_and_count_the_wheel_against_the_body);
-    RUN_TEST(test_noise_bias_and_steps_are_those_of_the_file);
-    RUN_TEST(test_instruments_saturate_at_full_scale);
-    RUN_TEST(test_supply_sags_with_the_current);
-    RUN_TEST(test_duty_has_the_resolution_of_the_pwm);
-    RUN_TEST(test_disabled_bridges_coast);
-    RUN_TEST(test_push_lasts_its_ticks);
-    RUN_TEST(test_time_runs_in_microseconds_and_wraps);
-    RUN_TEST(test_seed_repeats_every_bit_and_worlds_are_apart);
-    RUN_TEST(test_neighbouring_seeds_are_independent);
-    RUN_TEST(test_faults_act_in_their_ticks);
-    RUN_TEST(test_hal_failures);
-    RUN_TEST(test_changed_robot_is_that_of_the_new_file);
-    RUN_TEST(test_change_that_would_move_the_encoders_is_refused);
+    run_tests();
     return UNITY_END();
 }

@@ -4,18 +4,17 @@
  * prop_wrap [--days N]
  * --days computes every tick of that many days of the courier; the default is some minutes of each robot.
  */
-#include "wrap_drive.h"
+#include <joulepath/tables.h>
+
+#include "tests/support/wrap_drive.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/rig.h"
+#include "sim/balancer/rig.h"
 #include "unity.h"
-
-extern const struct jp_robot_config jp_robot_gao2018;
-extern const struct jp_robot_config jp_robot_courier24;
 
 /** A millimetre of the way and a tenth of a degree. */
 #define WHEEL_BOUND_TURNS 0.001
@@ -156,8 +155,6 @@ int main(int argc, char **argv)
         }
     }
     UNITY_BEGIN();
-    RUN_TEST(test_drives_through_encoder_and_phase_wraps);
-    RUN_TEST(test_drives_for_days);
-    RUN_TEST(test_start_counts_do_not_change_a_bit_of_the_closed_loop);
+    run_tests();
     return UNITY_END();
 }

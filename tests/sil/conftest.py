@@ -8,7 +8,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from programs import BIN, ROOT, assert_one_line_error  # noqa: E402, F401 - for the tests
+from programs import BIN, LIMIT, ROOT, assert_one_line_error  # noqa: E402, F401 - for the tests
 
 SCENARIO = """\
 name = "short";
@@ -21,7 +21,13 @@ waypoints = ( [0.0, 0.0], [2.0, 0.5], [3.0, 2.0] );
 
 def run(program, *arguments, **options):
     return subprocess.run([BIN / program, *map(str, arguments)], capture_output=True, text=True, check=False,
-                          timeout=120, **options)
+                          timeout=LIMIT, **options)
+
+
+def fill_disk(path):
+    """From now on the disk is full for whoever writes there."""
+    path.unlink(missing_ok=True)
+    path.symlink_to("/dev/full")
 
 
 @pytest.fixture

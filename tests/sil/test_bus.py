@@ -4,34 +4,34 @@ import os
 import subprocess
 import sys
 import termios
-import time
 import tty
 from contextlib import suppress
 
 import pytest
 from conftest import run
-from programs import (CLIENT_LATE, LIMIT, LOG, ROOT, SILENCES, THIRD_PARTY_CLIENT, Programs, assert_client_drives,
-                      assert_done, assert_one_line_error, assert_same_drive, assert_stopped, drive_in_process, summary,
-                      wait_until, with_battery_energy, write_scenario)
+from programs import (LOG, ROOT, SILENCES, Programs, assert_done, assert_one_line_error, assert_same_drive,
+                      assert_stopped, drive_in_process, summary, wait_until, with_battery_energy, write_scenario)
+from simulated_time import Host, SimulatedTime
+
+from tools.operate.can_client import RobotError
 
 ROUTE = [(2.0, 0.5), (3.0, 2.0)]
+FAR = (200.0, 0.0)
 WAY = 0.3  # m
 NEXT = (2.0, 1.0)  # after a restart on the way to the first
 PATIENCE = 10  # s that jp-plant waits for an ECU, of the wall's clock
-ATTEMPTS = 5   # for what depends on how soon a busy machine starts a process
 NOTHING_WRONG = ("ticks without a sample", "frames with a wrong CRC", "frames out of sequence", "frames malformed",
                  "frames unknown", "frames of another controller", "frames that the bus did not take",
                  "commands rejected", "operator timeouts", "bus-offs")
 
 # As SLCAN writes them.
-ECU_STATUS, POSE = b"t1808", b"t1848"
+ECU_STATUS, LOSSES, POSE = b"t1808", b"t1828", b"t1848"
 FOREIGN = b"t55581122334455667788\r"
-BUS_FRAMES = 9000  # a second, of 8 bytes, at 1 Mbit/s
-STRANGE = {"unknown": [(b"t5551AB\r", 10), (b"t7F11AB\r", 5)], "remote": [(b"r1004\r", 7)],
-           "extended": [(b"T000000100\r", 3), (b"R1FFFFFFF8\r", 2)],
-           "too short": [(b"t100300A0B0\r", 4), (b"t0220\r", 1)], "too long": [(b"t10080000000000000000\r", 6)]}
+CROWD = 90  # a tick: ten times what CAN carries at 1 Mbit/s
+STRANGE = {"too short": [(b"t100300A0B0\r", 4), (b"t0220\r", 1)], "too long": [(b"t10080000000000000000\r", 6)],
+           "unknown": [(b"t5551AB\r", 10), (b"t7F11AB\r", 5)], "remote": [(b"r1004\r", 7)],
+           "extended": [(b"T000000100\r", 3), (b"R1FFFFFFF8\r", 2)]}
 MALFORMED = ("too short", "too long")
-IDLE, BALANCING, DRIVING = range(3)
 
 
 @pytest.fixture(name="programs")
@@ -43,6 +43,12 @@ def fixture_programs(tmp_path):
 @pytest.fixture(name="short")
 def fixture_short(tmp_path):
     return write_scenario(tmp_path / "short.cfg", *ROUTE)
+
+
+@pytest.fixture(name="far")
+def fixture_far(tmp_path):
+    """A drive that does not end before the test."""
+    return write_scenario(tmp_path / "far.cfg", FAR)
 
 
 @pytest.fixture(name="in_process")
@@ -57,6 +63,13 @@ def plant_with_lines(programs, scenario, count, *options):
     plant = programs.plant(scenario, *(part for line in lines for part in ("--bus", f"pty:{line}")), *options)
     wait_until(lambda: all(line.is_symlink() for line in lines) or not plant.running, "the lines of jp-plant")
     return plant, *lines
+
+
+def wait_until_on_the_way(plant, line):
+    """By what an onlooker hears."""
+    onlooker = Stranger(line)
+    wait_until(lambda: not plant.running or onlooker.x() > WAY, "the robot is on its way")
+    assert plant.running, plant.err.read_text()
 
 
 class Stranger:
@@ -90,8 +103,9 @@ class Stranger:
         wait_until(lambda: self.hears(message) and len(self._heard.split(message)[1]) > 16, message)
         return int.from_bytes(bytes.fromhex(self._heard.split(message)[1][:16].decode()), "little")
 
-    def ecu_state(self):
-        return self.next(ECU_STATUS) & 7
+    def unknown_frames(self):
+        """That the ECU has counted."""
+        return self.next(LOSSES) >> 16 & 0xFFFF
 
     def x(self):
         """Where the ECU thinks to be, m."""
@@ -128,12 +142,24 @@ def test_an_ecu_that_predicts_the_energy_of_the_battery(programs, tmp_path):
 
 
 def test_the_report_takes_it(in_process):
-    result = subprocess.run([sys.executable, ROOT / "tools/report.py", in_process], capture_output=True, text=True,
-                            check=False)
+    result = subprocess.run([sys.executable, "-m", "tools.report.report", in_process], cwd=ROOT, capture_output=True,
+                            text=True, check=False)
     assert (result.returncode, result.stderr) == (0, "")
     page = (in_process / "report.html").read_text()
     energy = summary(in_process)["strategies"][0]["total"]["measured_energy_j"]
     assert f"{energy:.2f}" in page
+
+
+def test_an_ecu_says_that_its_line_is_gone_and_that_it_is_back(programs, tmp_path):
+    scenario = write_scenario(tmp_path / "short.cfg", (0.2, 0.0))
+    plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "first")
+    ecu = programs.ecu(f"slcan:{line}")
+    assert_done(plant)
+    ecu.says(f"slcan:{line} is down or gone; waiting for it")
+    plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "second")
+    ecu.says(f"slcan:{line} is back")
+    assert_done(plant)
+    assert_stopped(ecu)
 
 
 @pytest.mark.parametrize("first", ["ecu", "plant"])
@@ -144,18 +170,17 @@ def test_whoever_starts_first(programs, short, in_process, tmp_path, first):
     second = "plant" if first == "ecu" else "ecu"
     started = {first: start[first](f"pty:{line}")}
     started[first].says(first)
-    time.sleep(0.5)
     started[second] = start[second](f"slcan:{line}")
     assert_done(started["plant"])
     assert_same_drive(tmp_path / "out", in_process)
     assert_stopped(started["ecu"])
 
 
-def test_the_plant_goes_and_comes_back(programs, short, in_process, tmp_path):
+def test_the_plant_goes_and_comes_back(programs, short, far, in_process, tmp_path):
     """The ECU stays, finds the line again, and begins afresh when its power does."""
-    plant, line = plant_with_lines(programs, short, 1, "--output", tmp_path / "out", "--pace", "paced")
+    plant, line, other = plant_with_lines(programs, far, 2, "--output", tmp_path / "out")
     ecu = programs.ecu(f"slcan:{line}", "--retained", tmp_path / "record")
-    time.sleep(2)
+    wait_until_on_the_way(plant, other)
     plant.process.kill()
     plant.wait()
     assert not (tmp_path / "out" / LOG).exists()
@@ -167,77 +192,40 @@ def test_the_plant_goes_and_comes_back(programs, short, in_process, tmp_path):
 
 # ---- an ECU that ends ----------------------------------------------------------------------------------------------
 
-class Host:
-    """A robot on three serial lines: for its ECU, for an operator, and for one who looks on."""
-
-    def __init__(self, programs, scenario, *ecu_options):
-        self._programs, self._ecu_options = programs, ecu_options
-        self.plant, *lines = plant_with_lines(programs, scenario, 3, "--host", "--pace", "paced")
-        self._ecu_line, self.line = lines[:2]
-        self.onlooker = Stranger(lines[2])
-
-    def start_ecu(self):
-        return self._programs.ecu(f"slcan:{self._ecu_line}", *self._ecu_options)
-
-    def drive(self, *route):
-        points = " ".join(f"{x},{y}" for x, y in route)
-        return self._programs.tool("tools/drive.py", "--bus", f"slcan:{self.line}", "--route", points)
-
-    def stop(self):
-        result = self.plant.stop()
-        assert (result.returncode, result.stderr) == (0, "")
-        return result.counts
+@pytest.fixture(name="host")
+def fixture_host(programs, short):
+    with Host(programs, short) as host:
+        yield host
 
 
-def test_an_ecu_killed_while_driving(programs, short, tmp_path):
-    """The robot goes on standing, and knows where it is."""
-    host = Host(programs, short, "--retained", tmp_path / "record")
-    ecu = host.start_ecu()
-    drive = host.drive(*ROUTE)
-    wait_until(lambda: host.onlooker.x() > WAY, "the robot is on its way")
-    ecu.process.kill()
-    ecu.process.wait()
-    ecu = host.start_ecu()
-    result = drive.wait()
-    assert result.returncode == 1
-    assert any(text in result.stderr for text in ("the ECU restarted (restart 1)", *CLIENT_LATE))
-    wait_until(lambda: host.onlooker.ecu_state() == BALANCING, "the robot stands")
-    assert WAY < host.onlooker.x() < ROUTE[0][0]
-    assert_client_drives(lambda: host.drive(NEXT))
+def x_of(state):
+    """Where the ECU thinks to be, m."""
+    return state.get("Pose", "X") or 0.0
+
+
+def test_an_ecu_killed_while_driving(host, tmp_path):
+    """The robot goes on standing, and knows where it is. Whether an ECU is back in real time before the bridges switch
+    off depends on the machine."""
+    ecus = [host.start_ecu("--retained", tmp_path / "record")]
+
+    def kill_on_the_way(state):
+        if x_of(state) > WAY and len(ecus) == 1:
+            ecus[0].process.kill()
+            ecus[0].process.wait()
+            ecus.append(host.start_ecu("--retained", tmp_path / "record"))
+    with pytest.raises(RobotError, match=r"the ECU restarted \(restart 1\)"):
+        host.drive(*ROUTE, watch=kill_on_the_way)
+    state = host.listen_until(lambda state: state.state == "Balancing" and "Pose" in state.latest)
+    assert WAY < x_of(state) < ROUTE[0][0]
+    host.drive(NEXT)
     assert host.stop()[SILENCES] == 0
-    assert assert_stopped(ecu)["resets survived"] == 1
+    assert assert_stopped(ecus[1])["resets survived"] == 1
 
 
-def killed_in_real_time(programs, scenario):
-    """What the operator in jp-plant says to it, how often the bridges fell silent, and the resets survived."""
-    plant, line = plant_with_lines(programs, scenario, 1, "--output", programs.folder, "--pace", "real-time")
-    options = (f"slcan:{line}", "--real-time", "--retained", programs.folder / "record")
-    ecu = programs.ecu(*options)
-    time.sleep(3)
-    ecu.process.kill()
-    ecu.process.wait()
-    ecu = programs.ecu(*options)
-    result = plant.wait()
-    return result.stderr, result.counts[SILENCES], assert_stopped(ecu)["resets survived"]
-
-
-def test_an_ecu_killed_while_driving_in_real_time(tmp_path, short):
-    """It is back before the bridges switch off, if the machine starts it soon enough."""
-    outcomes = []
-    for attempt in range(ATTEMPTS):
-        folder = tmp_path / str(attempt)
-        folder.mkdir()
-        with Programs(folder) as programs:
-            outcomes.append(killed_in_real_time(programs, short))
-        if outcomes[-1] == ("leg 1: the ECU has restarted and knows no route\n", 0, 1):
-            return
-    pytest.fail(str(outcomes))
-
-
-def test_an_ecu_that_does_not_come_back(programs, short, tmp_path):
-    plant, line = plant_with_lines(programs, short, 1, "--output", tmp_path / "out", "--pace", "paced")
+def test_an_ecu_that_does_not_come_back(programs, far, tmp_path):
+    plant, line, other = plant_with_lines(programs, far, 2, "--output", tmp_path / "out")
     ecu = programs.ecu(f"slcan:{line}")
-    time.sleep(0.5)
+    wait_until_on_the_way(plant, other)
     ecu.process.kill()
     assert_one_line_error(plant.wait(), f"no ECU answered for {PATIENCE} s", "start jp-ecu")
     assert list((tmp_path / "out").iterdir()) == []
@@ -247,37 +235,34 @@ def test_an_ecu_that_does_not_come_back(programs, short, tmp_path):
 # ---- others on the bus ---------------------------------------------------------------------------------------------
 
 def test_a_flood(programs, short, tmp_path):
-    """Ten times what CAN can carry: the robot drives as always."""
-    plant, ecu_line, line = plant_with_lines(programs, short, 2, "--output", tmp_path / "out")
-    stranger = Stranger(line)
-    ecu = programs.ecu(f"slcan:{ecu_line}")
-    start, sent = time.monotonic(), 0
-    while plant.running and time.monotonic() < start + LIMIT:
-        sent += stranger.send(FOREIGN * 100)
-        stranger.listen()
-    seconds = time.monotonic() - start
-    counts = assert_done(plant).counts
-    assert sent / len(FOREIGN) / seconds > BUS_FRAMES
-    assert counts["faults that the ECU reports, enum jp_fault"] == counts[SILENCES] == 0
-    segments = summary(tmp_path / "out")["strategies"][0]["segments"]
-    assert max(segment["end_error_m"] for segment in segments) < 0.1
-    counts = assert_stopped(ecu)
+    """The robot drives as always."""
+    plant, line = plant_with_lines(programs, short, 1, "--output", tmp_path / "out")
+    with SimulatedTime(line, crowd=FOREIGN * CROWD) as passing:
+        ecu = programs.ecu(f"slcan:{passing.new_line()}")
+        passing.run(until=lambda: not plant.running)
+        counts = assert_done(plant).counts
+        assert counts["faults that the ECU reports"] == counts[SILENCES] == 0
+        segments = summary(tmp_path / "out")["strategies"][0]["segments"]
+        assert max(segment["end_error_m"] for segment in segments) < 0.1
+        counts = assert_stopped(ecu)
     assert counts["frames unknown"] == 0xFFFF
     assert counts["frames malformed"] == counts["frames of another controller"] == 0
 
 
 def test_strange_frames_are_counted(programs, short):
-    plant, ecu_line, line = plant_with_lines(programs, short, 2, "--host=3", "--pace", "paced")
+    sent = {kind: sum(times for _, times in frames) for kind, frames in STRANGE.items()}
+    malformed = sum(sent[kind] for kind in MALFORMED)
+    unknown = sum(sent.values()) - malformed
+    plant, ecu_line, line = plant_with_lines(programs, short, 2, "--host")
     stranger = Stranger(line)
     ecu = programs.ecu(f"slcan:{ecu_line}")
     wait_until(lambda: stranger.hears(ECU_STATUS), "an EcuStatus")
     for text, times in sum(STRANGE.values(), []):
         stranger.send(text * times)
-    assert_done(plant)
+    wait_until(lambda: stranger.unknown_frames() == unknown, "all of them have arrived")
+    plant.stop()
     counts = assert_stopped(ecu)
-    sent = {kind: sum(times for _, times in frames) for kind, frames in STRANGE.items()}
-    assert counts["frames malformed"] == sum(sent[kind] for kind in MALFORMED)
-    assert counts["frames unknown"] == sum(sent.values()) - counts["frames malformed"]
+    assert (counts["frames malformed"], counts["frames unknown"]) == (malformed, unknown)
     assert counts["ticks without a sample"] == counts["commands rejected"] == 0
 
 
@@ -289,31 +274,27 @@ def test_a_second_controller_ends_a_mission(programs, short, tmp_path):
         assert assert_stopped(ecu)["frames of another controller"] > 0
 
 
-def test_a_second_controller_does_not_disturb_the_first(programs, short):
+def test_a_second_controller_does_not_disturb_the_first(host):
     """It hears another one, and leaves the motors alone."""
-    plant, *lines = plant_with_lines(programs, short, 4, "--host", "--pace", "paced")
-    stranger = Stranger(lines[3])
-    first = programs.ecu(f"slcan:{lines[0]}")
-    client = programs.tool(THIRD_PARTY_CLIENT, "--bus", f"slcan:{lines[2]}", "2,0.5")
-    wait_until(lambda: stranger.ecu_state() == DRIVING, "the robot drives")
-    second = programs.ecu(f"slcan:{lines[1]}")
-    result = client.wait()
-    assert result.returncode == 0 or CLIENT_LATE[0] in result.stderr, result.stderr
-    wait_until(lambda: stranger.ecu_state() == IDLE, "the second one is heard")
-    counts = plant.stop().counts
+    ecus = [host.start_ecu()]
+
+    def start_another(heard):
+        if len(ecus) == 1 and str(heard.get("RouteStatus", {}).get("State")) == "Driving":
+            ecus.append(host.start_ecu(line=host.time.new_line()))
+    host.third_party_drive((2.0, 0.5), watch=start_another)
+    host.listen_until(lambda state: state.state == "Idle")
+    counts = host.stop()
     assert counts[SILENCES] == 0
     assert counts["motor commands out of sequence"] <= 1  # a first one, before it heard any
-    for ecu in (first, second):
+    for ecu in ecus:
         assert assert_stopped(ecu)["frames of another controller"] == 0xFF
 
 
-@pytest.mark.parametrize("tool", [["tools/drive.py", "--route", "0.5,0.1 1,0.5"],
-                                  [THIRD_PARTY_CLIENT, "0.5,0.1", "1,0.5"]], ids=["drive", "third party"])
-def test_a_client_drives_it(programs, short, tool):
-    host = Host(programs, short)
+@pytest.mark.parametrize("drive", [Host.drive, Host.third_party_drive], ids=["drive", "third party"])
+def test_a_client_drives_it(host, drive):
     ecu = host.start_ecu()
-    assert_client_drives(lambda: programs.tool(tool[0], "--bus", f"slcan:{host.line}", *tool[1:]))
-    wait_until(lambda: host.onlooker.ecu_state() == BALANCING, "the robot stands")
+    drive(host, (0.5, 0.1), (1.0, 0.5))
+    assert x_of(host.listen_until(lambda state: state.state == "Balancing" and x_of(state) > 0)) > 0.8
     assert host.stop()["of those, commands that missed their deadline"] == 0
     assert assert_stopped(ecu)["frames with a wrong CRC"] == 0
 
@@ -341,12 +322,11 @@ def test_a_bus_that_cannot_be_opened(short, tmp_path, bus, parts):
     ("jp-plant", ["SCENARIO"], "a scenario and --bus are needed"),
     ("jp-plant", ["--bus", "pty:line"], "a scenario and --bus are needed"),
     ("jp-plant", ["SCENARIO", "SCENARIO", "--bus", "pty:line"], "one scenario only"),
-    ("jp-plant", ["SCENARIO", "--bus", "pty:line"], "--output is needed, or --host"),
     ("jp-plant", ["SCENARIO", *["--bus", "pty:line"] * 5], "at most 4 buses"),
     ("jp-plant", ["SCENARIO", "--pace", "slow"], "not slow"),
-    ("jp-plant", ["SCENARIO", "--host=0"], "seconds above 0, not 0"),
-    ("jp-plant", ["SCENARIO", "--host=soon"], "seconds above 0, not soon"),
-    ("jp-plant", ["SCENARIO", "--host=nan"], "seconds above 0, not nan"),
+    ("jp-plant", ["SCENARIO", "--host=0"], "--host 0: must be a number from 0.001"),
+    ("jp-plant", ["SCENARIO", "--host=soon"], "--host soon: must be a number from 0.001"),
+    ("jp-plant", ["SCENARIO", "--host=nan"], "--host nan: must be a number from 0.001"),
     ("jp-plant", ["SCENARIO", "--bus", "in-process", "--bus", "pty:line", "--output", "out"], "stands alone"),
     ("jp-plant", ["SCENARIO", "--bus", "pty:line", "--bus", "in-process", "--output", "out"], "stands alone"),
     ("jp-plant", ["SCENARIO", "--bus", "in-process", "--host"], "stands alone"),

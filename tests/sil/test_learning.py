@@ -7,9 +7,9 @@ import sys
 
 import pytest
 from conftest import run
-from programs import (ROOT, Programs, assert_client_drives, assert_done, assert_one_line_error, assert_stopped,
-                      wait_until, write_scenario)
-from test_bus import IDLE, Stranger, plant_with_lines
+from programs import ROOT, Programs, assert_done, assert_one_line_error, assert_stopped, write_scenario
+from simulated_time import Host
+from test_bus import plant_with_lines
 
 ROUTE = [(2.0, 0.5), (3.0, 2.0), (2.0, 3.0)]
 NOTHING, TAKEN, OTHER_VERSION, OTHER_ROBOT, OTHER_TABLES, DAMAGED = range(6)
@@ -80,26 +80,19 @@ def test_a_restart_goes_on_from_what_was_learned(drive, tmp_path):
 
 def test_what_was_learned_is_kept_when_the_motors_are_switched_off(programs, tmp_path):
     """Then power may fail."""
-    scenario = write_scenario(tmp_path / "route.cfg", *ROUTE)
-    plant, ecu_line, line, other = plant_with_lines(programs, scenario, 3, "--host", "--pace", "paced")
-    options = (f"slcan:{ecu_line}", "--parameters", tmp_path / "parameters")
-    ecu = programs.ecu(*options)
-    points = " ".join(f"{x},{y}" for x, y in ROUTE)
-    assert_client_drives(lambda: programs.tool("tools/drive.py", "--bus", f"slcan:{line}", "--route", points))
-    assert "nothing learned yet" in ecu.out.read_text()
-    before = (tmp_path / "parameters").read_bytes()
-    assert_client_drives(lambda: programs.tool("tools/drive.py", "--bus", f"slcan:{line}", "--off"))
-    stranger = Stranger(other)
-    wait_until(lambda: stranger.ecu_state() == IDLE, "the motors are off")
-    wait_until(lambda: (tmp_path / "parameters").read_bytes() != before, "what was learned is kept")
-    ecu.process.kill()
-    ecu.process.wait()
-    again = programs.ecu(*options)
-    again.says("learned from")
-    version = int(re.search(r"learned from (\d+) segments", again.out.read_text())[1])
-    assert version >= len(ROUTE)
-    assert_stopped(again)
-    plant.stop()
+    kept = tmp_path / "parameters"
+    with Host(programs, write_scenario(tmp_path / "route.cfg", *ROUTE)) as host:
+        ecu = host.start_ecu("--parameters", kept)
+        host.drive(*ROUTE)
+        assert "nothing learned yet" in ecu.out.read_text()
+        before = kept.read_bytes()
+        host.off()
+        host.time.run(until=lambda: kept.read_bytes() != before)
+        ecu.process.kill()
+        ecu.process.wait()
+        again = host.start_ecu("--parameters", kept)
+        again.says(f"learned from {len(ROUTE)} segments")
+        assert_stopped(again)
 
 
 def test_what_another_robot_learned_is_refused_and_named(drive, tmp_path):
@@ -169,7 +162,7 @@ def test_a_change_of_surface_is_noticed_and_told(programs, drive, tmp_path):
     factor = re.fullmatch(r"[\d.]+ s: surface changed, friction ([\d.]+) ± ([\d.]+) of the robot file's", lines[1])
     assert 1.5 < float(factor[1]) < 3.5 and 0 < float(factor[2]) < 0.5
     # The log of the bus tells the same.
-    result = subprocess.run([sys.executable, ROOT / "tools/can_report.py", tmp_path / "out/frames.log",
-                             tmp_path / "report"], capture_output=True, text=True, check=True)
+    result = subprocess.run([sys.executable, "-m", "tools.operate.can_report", tmp_path / "out/frames.log",
+                             tmp_path / "report"], cwd=ROOT, capture_output=True, text=True, check=True)
     reported = [line.split(" s: ")[1] for line in result.stdout.splitlines() if " s: " in line]
     assert reported == [line.split(" s: ")[1] for line in lines]

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 from conftest import ROOT, run
+from programs import assert_one_line_error, write_scenario
 
 SCENARIOS = ROOT / "sim/scenarios"
 SCENARIO = SCENARIOS / "gao2018_mission.cfg"
@@ -72,6 +73,32 @@ def test_log_ends_where_the_summary_does(output, strategies):
         assert log["energy_j"] == pytest.approx(strategy["total"]["measured_energy_j"], abs=1)
 
 
+@pytest.mark.parametrize("robot", ["gao2018", "courier24"])
+def test_a_mission_that_ends_at_a_stand_counts_the_braking(tmp_path, robot):
+    scenario = write_scenario(tmp_path / "short.cfg", (2.0, 0.5), (3.0, 2.0), robot=robot)
+    moving = json.loads((drive(tmp_path / "moving", scenario) / "summary.json").read_text())["strategies"]
+    scenario.write_text(scenario.read_text() + 'end = "stand";\n')
+    stood = drive(tmp_path / "stood", scenario)
+    for before, after in zip(moving, json.loads((stood / "summary.json").read_text())["strategies"], strict=True):
+        braking, total = after["braking"], after["total"]
+        assert "braking" not in before and before["segments"] == after["segments"]
+        for key in ("measured_energy_j", "plant_energy_j", "battery_energy_j", "duration_s"):
+            assert total[key] == pytest.approx(before["total"][key] + braking[key])
+        assert braking["measured_energy_j"] == pytest.approx(braking["plant_energy_j"], rel=1e-2)
+        rows = (stood / after["log"]).read_text().splitlines()
+        last = dict(zip(rows[0].split(","), map(float, rows[-1].split(",")), strict=True))
+        assert abs(last["speed_m_s"]) < 0.01 and last["energy_j"] == pytest.approx(total["measured_energy_j"], abs=1)
+
+
+def test_an_end_that_is_not_known_is_refused(tmp_path):
+    scenario = write_scenario(tmp_path / "short.cfg", (2.0, 0.5))
+    scenario.write_text(scenario.read_text() + 'end = "wall";\n')
+    assert_one_line_error(run("jp-mission", scenario, "--output", tmp_path / "out"), "short.cfg", 'end = "wall"')
+    scenario.write_text(scenario.read_text().replace("wall", "stand"))
+    assert_one_line_error(run("jp-plant", scenario, "--bus", "in-process", "--output", tmp_path / "out"),
+                          "short.cfg", 'end = "stand"')
+
+
 def without_wall_time(path):
     return re.sub(r'"(wall_s|real_time_factor)": [^,\n]+', r'"\1": 0', path.read_text())
 
@@ -89,8 +116,8 @@ def test_same_bytes_again(output, tmp_path):
 
 
 def test_report_stands_alone(output):
-    result = subprocess.run([sys.executable, ROOT / "tools/report.py", output], capture_output=True, text=True,
-                            check=False)
+    result = subprocess.run([sys.executable, "-m", "tools.report.report", output], cwd=ROOT, capture_output=True,
+                            text=True, check=False)
     assert result.returncode == 0, result.stderr
     page = (output / "report.html").read_text()
     loaded = re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', page) + re.findall(r"url\(([^)]*)\)", page)
@@ -173,6 +200,21 @@ def test_chords_begin_where_a_lagging_turn_ends(short):
     """The courier's turns lag: chords from waypoint to waypoint would pass them by half a metre."""
     after_a_right_angle = short["courier24"]["straight_route"]["segments"][3]
     assert after_a_right_angle["end_error_m"] < 0.2
+
+
+@pytest.mark.parametrize("robot", ["gao2018", "courier24"])
+def test_there_and_back(tmp_path, robot):
+    """A Bézier curve from one leg to the next is too sharp: a row that says so, and the report says it too."""
+    output = drive(tmp_path / "out", write_scenario(tmp_path / "back.cfg", (3.0, 0.0), (0.0, 0.0), robot=robot))
+    by_name = {strategy["name"]: strategy for strategy in json.loads((output / "summary.json").read_text())["strategies"]}
+    assert list(by_name) == ["optimal", "straight", "bezier", "route", "straight_route", "bezier_route"]
+    assert [name for name, about in by_name.items() if "impossible" in about] == ["bezier", "bezier_route"]
+    assert by_name["bezier"]["impossible"].startswith("leg 2: ")
+    assert all(segment["end_error_m"] < 0.5 for about in by_name.values() for segment in about.get("segments", []))
+    rows = run("jp-mission", tmp_path / "back.cfg", "--output", tmp_path / "again").stdout.splitlines()
+    assert re.fullmatch(r"bezier +- +- +-  cannot drive this route", next(row for row in rows if row.startswith("bezier ")))
+    subprocess.run([sys.executable, "-m", "tools.report.report", output], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+    assert "cannot drive this route: leg 2" in (output / "report.html").read_text()
 
 
 def test_whole_route_by_the_published_model(tmp_path):

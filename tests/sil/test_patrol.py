@@ -3,9 +3,10 @@ import csv
 import json
 import math
 import re
+import resource
 
 import pytest
-from conftest import ROOT, assert_one_line_error, run
+from conftest import ROOT, assert_one_line_error, fill_disk, run
 
 ROBOT = ROOT / "sim/robots/patrol.cfg"
 SCENES = ["beside-obstacle", "l-passage", "corridor", "doorway", "pedestrian", "warehouse"]
@@ -250,6 +251,38 @@ def test_goal_behind_a_wall_without_a_door(tmp_path):
     assert "no path" in table and "path: 0 turning points" in table
 
 
+@pytest.mark.parametrize(("goal", "turns"), [("4,3,0", 0), ("4,3,180", 1), ("4,3,-90", 1), ("4.1,3.1,0", None)])
+@pytest.mark.parametrize("resolution", [CELL, 0.1])
+def test_goal_where_the_robot_stands(goal, turns, resolution, tmp_path):
+    """There already, a pure turn, and a place in the next cell."""
+    side = round(6 / resolution)
+    path = write_map(tmp_path / "hall.json", ["." * side] * side, resolution=resolution)
+    summary, table = driven(tmp_path / "out", *on_map(path, "4,3,0", goal))
+    methods = by_name(summary)
+    assert methods["improved"]["outcome"] == methods["pursuit"]["outcome"] == "arrived"
+    assert methods["improved"]["heading_error_deg"] < 10
+    assert "no path" not in table and "nan" not in table
+    if turns is not None:
+        assert methods["improved"]["counts"]["turns"] == turns
+        assert methods["improved"]["length_m"] < 0.1
+
+
+def test_memory_that_runs_out_at_any_place(tmp_path):
+    """Each limit lets the program go a little farther than the one before."""
+    side = 400
+    path = write_map(tmp_path / "hall.json", ["." * side] * side)
+    ends = set()
+    for limit in range(384 << 10, 8 << 20, 64 << 10):  # from what starts the program
+        result = patrol(tmp_path / "out", *on_map(path, "4,3,0", "4,3,0"), "--method=improved",
+                        preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_DATA, (limit, limit)))
+        if result.returncode == 0:
+            break
+        assert_one_line_error(result)
+        ends.add(re.sub(".*: no memory", "no memory", result.stderr))
+    assert result.returncode == 0
+    assert any("drive over it" in end for end in ends), ends
+
+
 # ---- faults --------------------------------------------------------------------------------------------------------
 
 def test_no_scans_stop_the_robot(tmp_path):
@@ -324,10 +357,9 @@ def test_wrong_command_lines(arguments, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_output_is_needed():
-    result = run("jp-patrol", "corridor")
-    assert result.returncode == 2
-    assert "--output" in result.stderr
+def test_default_output(tmp_path):
+    assert run("jp-patrol", "corridor", f"--robot={ROBOT}", "--method=pursuit", cwd=tmp_path).returncode in (0, 1)
+    assert names_in(tmp_path / "build/patrol") == ["log_pursuit.csv", "summary.json"]
 
 
 @pytest.mark.parametrize(("start", "goal", "parts"), [
@@ -372,10 +404,10 @@ def test_disk_is_full_for_one_file(name, tmp_path):
     output.mkdir()
     for file in FILES:
         (output / file).write_text("old")
-    (output / f"{name}.part").symlink_to("/dev/full")
+    fill_disk(output / name)
     assert_one_line_error(patrol(output, "doorway"), output / name, "No space left on device")
     assert names_in(output) == FILES
-    assert all((output / file).read_text() == "old" for file in FILES)
+    assert all((output / file).read_text() == "old" for file in FILES if file != name)
 
 
 def test_help_names_the_scenes():

@@ -1,10 +1,11 @@
 """Every way that input and output of jp-mission and jp-identify can be wrong: one clear line on stderr, exit status 2,
 nothing half-written, what was there before as it was."""
 import resource
+import shutil
 import signal
 
 import pytest
-from conftest import ROOT, assert_one_line_error, run
+from conftest import ROOT, assert_one_line_error, fill_disk, run
 
 MISSION_FILES = [*(f"log_{name}.csv" for name in ("optimal", "straight", "bezier", "route", "straight_route",
                                                   "bezier_route")), "summary.json"]
@@ -31,10 +32,10 @@ def output(tmp_path):
     return folder
 
 
-def assert_untouched(folder):
+def assert_untouched(folder, but=None):
     assert sorted(path.name for path in folder.iterdir()) == sorted(MISSION_FILES + IDENTIFY_FILES)
     for path in folder.iterdir():
-        assert path.read_text() == OLD, path
+        assert path.name == but or path.read_text() == OLD, path
 
 
 # ---- scenario ------------------------------------------------------------------------------------------------------
@@ -128,11 +129,49 @@ def test_robot_that_is_wrong(scenario, output):
     assert_untouched(output)
 
 
+@pytest.mark.parametrize("kind", ["zhang2018", "patrol"])
+def test_robot_of_another_kind(scenario, output, kind):
+    shutil.copy(ROOT / f"sim/robots/{kind}.cfg", scenario.parent / "robot.cfg")
+    type_name = {"zhang2018": "skid_steer", "patrol": "four_wheel"}[kind]
+    for result in (mission(scenario, output), run("jp-identify", scenario.parent / "robot.cfg", "--output", output)):
+        assert_one_line_error(result, scenario.parent / "robot.cfg", f"{type_name} robot; needs a balancer")
+    assert_untouched(output)
+
+
+def test_whole_and_real_coordinates_may_be_mixed(scenario, tmp_path):
+    assert mission(scenario, tmp_path / "real").returncode == 0
+    scenario.write_text(scenario.read_text().replace("[0.0, 0.0], [2.0, 0.5]", "[0, 0], [2, 0.5]"))
+    assert mission(scenario, tmp_path / "mixed").returncode == 0
+    for name in MISSION_FILES[:-1]:
+        assert (tmp_path / "real" / name).read_bytes() == (tmp_path / "mixed" / name).read_bytes()
+
+
 def test_robot_without_gains(scenario, output):
     robot = scenario.parent / "robot.cfg"
     robot.write_text(robot.read_text().replace('name = "gao2018"', 'name = "nobody"'))
     assert_one_line_error(mission(scenario, output), "nobody", "make gains ROBOT=nobody", "gao2018")
     assert_one_line_error(run("jp-identify", robot, "--output", output), "nobody", "make gains ROBOT=nobody")
+    assert_untouched(output)
+
+
+UNDRIVABLE = [  # robot, a line of its file and what it becomes, what the message must hold
+    ("gao2018", "torque_constant_nm_per_a = 0.317;", "torque_constant_nm_per_a = 0.05;", "fell", "control.weights"),
+    ("gao2018", "centre_height_m = 0.159;", "centre_height_m = 0.5;", "fault: overspeed;", "limits"),
+    ("courier24", "noise_rms_dps = 0.1;", "noise_rms_dps = 60.0;", "fault: IMU jump;", "sensors"),
+]
+
+
+@pytest.mark.parametrize("name, before, after, reason, advice", UNDRIVABLE)
+def test_why_a_robot_does_not_drive(tmp_path, output, name, before, after, reason, advice):
+    robot = tmp_path / f"{name}.cfg"
+    text = (ROOT / "sim/robots" / robot.name).read_text()
+    assert text.count(before) == 1
+    robot.write_text(text.replace(before, after))
+    scenario = tmp_path / "scenario.cfg"
+    scenario.write_text("".join(LINES.values()).replace("robot.cfg", robot.name))
+    assert_one_line_error(run("jp-identify", robot, "--count", 20, "--output", output), robot, "experiment", reason, advice,
+                          f"make gains ROBOT={name}")
+    assert_one_line_error(mission(scenario, output), "leg", reason)
     assert_untouched(output)
 
 
@@ -154,9 +193,9 @@ def test_wrong_command_lines(program, arguments, tmp_path):
 
 
 @pytest.mark.parametrize("arguments", [["--count", "5"], ["--count", "nan"], ["--count", "1e9"], ["--count", "x"],
-                                       ["--seed", "-1"], ["--seed", "inf"], ["--threshold", "0"],
-                                       ["--threshold", "nan"], ["--count", ""], ["--energy", "heat"],
-                                       ["--energy", ""]])
+                                       ["--count", "20.5"], ["--seed", "-1"], ["--seed", "inf"], ["--seed", "1.5"],
+                                       ["--threshold", "0"], ["--threshold", "nan"], ["--count", ""],
+                                       ["--energy", "heat"], ["--energy", ""]])
 def test_numbers_out_of_range(output, arguments):
     result = run("jp-identify", ROOT / "sim/robots/gao2018.cfg", "--output", output, *arguments)
     assert result.returncode == 2
@@ -191,16 +230,16 @@ def test_output_that_nobody_may_write(scenario):
 
 @pytest.mark.parametrize("name", MISSION_FILES)
 def test_disk_is_full_for_one_file_of_the_mission(scenario, output, name):
-    (output / f"{name}.part").symlink_to("/dev/full")
+    fill_disk(output / name)
     assert_one_line_error(mission(scenario, output), output / name, "No space left on device")
-    assert_untouched(output)
+    assert_untouched(output, but=name)
 
 
 @pytest.mark.parametrize("name", IDENTIFY_FILES)
 def test_disk_is_full_for_one_file_of_the_identification(output, name):
-    (output / f"{name}.part").symlink_to("/dev/full")
+    fill_disk(output / name)
     assert_one_line_error(identify(output), output / name, "No space left on device")
-    assert_untouched(output)
+    assert_untouched(output, but=name)
 
 
 @pytest.mark.parametrize("name", MISSION_FILES)
@@ -208,7 +247,9 @@ def test_place_of_one_file_is_taken_by_a_folder(scenario, output, name):
     (output / name).unlink()
     (output / name).mkdir()
     assert_one_line_error(mission(scenario, output), output / name)
-    assert not list(output.glob("*.part"))
+    (output / name).rmdir()
+    (output / name).write_text(OLD)
+    assert_untouched(output)
 
 
 def limit_file_size(size):

@@ -18,8 +18,8 @@ DBC = cantools.database.load_file(Path(__file__).resolve().parents[2] / "hal/can
 
 
 class Robot:
-    def __init__(self, bus):
-        self.bus, self.counters, self.heard = bus, {}, {}
+    def __init__(self, bus, clock=time.monotonic):
+        self.bus, self.clock, self.counters, self.heard = bus, clock, {}, {}
         self.command, self.next_command = {"Mode": "Stand", "RouteId": 0}, 0.0
 
     def send(self, name, **signals):
@@ -31,23 +31,29 @@ class Robot:
 
     def wait(self, message, signal, values, seconds):
         """Go on commanding until the signal has one of the values; False: it has not."""
-        end = time.monotonic() + seconds
-        while str(self.heard.get(message, {}).get(signal)) not in values and time.monotonic() < end:
-            if time.monotonic() >= self.next_command:
+        end = self.clock() + seconds
+        while str(self.heard.get(message, {}).get(signal)) not in values and self.clock() < end:
+            if self.clock() >= self.next_command:
                 self.send("OperatorCommand", **self.command)
-                self.next_command = time.monotonic() + 0.1
-            frame = self.bus.recv(0.01)
-            if frame is not None and frame.arbitration_id in (384, 387):
-                name = DBC.get_message_by_frame_id(frame.arbitration_id).name
-                self.heard[name] = DBC.decode_message(name, frame.data)
+                self.next_command = self.clock() + 0.1
+            self.listen(0.01)
         return str(self.heard.get(message, {}).get(signal)) in values
+
+    def listen(self, seconds):
+        """To the next frame."""
+        frame = self.bus.recv(seconds)
+        if frame is not None and frame.arbitration_id in (384, 387):
+            name = DBC.get_message_by_frame_id(frame.arbitration_id).name
+            self.heard[name] = DBC.decode_message(name, frame.data)
 
     def offer(self, route_id, points):
         raw = [round(value * 65536) for point in points for value in point]
         crc = zlib.crc32(struct.pack(f"<{len(raw)}i", *raw))
         self.send("RouteOffer", RouteId=route_id, Length=len(points), RouteCrc=crc)
         for x, y in points:
-            time.sleep(0.002)
+            end = self.clock() + 0.002
+            while self.clock() < end:
+                self.listen(end - self.clock())
             self.send("Waypoint", X=x, Y=y)
 
     def drive(self, points):

@@ -1,6 +1,6 @@
 /** Output and exit through semihosting, whose calls are the same on Arm and RISC-V. */
-#include "board.h"
-#include "target.h"
+#include "tests/target/board.h"
+#include "tests/target/target.h"
 
 #include <stddef.h>
 

@@ -1,8 +1,8 @@
-/** A figure of a bench on an emulated microcontroller, as tools/figures.py reads it. */
+/** A figure of a bench on an emulated microcontroller, as tools/measure/figures.py reads it. */
 #ifndef TARGET_FIGURE_H
 #define TARGET_FIGURE_H
 
-#include "target.h"
+#include "tests/target/target.h"
 
 /** `bound` is the largest value allowed, a number; null: there is none. */
 static inline void target_print_figure(const char *name, uint32_t value, const char *unit, const char *bound)

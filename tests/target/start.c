@@ -1,6 +1,6 @@
 /** Start-up of a program on an emulated board. */
-#include "board.h"
-#include "target.h"
+#include "tests/target/board.h"
+#include "tests/target/target.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /** The instruction counter against blocks of known length. */
-#include "cycles.h"
+#include "tests/target/cycles.h"
 #include "unity.h"
 
 #ifdef __riscv

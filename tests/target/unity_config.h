@@ -2,7 +2,7 @@
 #ifndef UNITY_CONFIG_H
 #define UNITY_CONFIG_H
 
-#include "target.h"
+#include "tests/target/target.h"
 
 #ifndef UNITY_OUTPUT_CHAR
 #define UNITY_OUTPUT_CHAR(c) target_putchar(c)

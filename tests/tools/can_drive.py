@@ -2,8 +2,9 @@
 import math
 
 import can
-from can_messages import Codec
 from fake_ecu import DATABASE, crc_8h2f, telemetry
+
+from tools.operate.can_messages import Codec
 
 SPEED, TURN_RATE, DURATION = 0.5, 0.25, 4.0  # m/s, rad/s in the second segment, s
 POWER = 6.0          # W
@@ -64,8 +65,8 @@ def cyclic(ms):
     x, y, heading, speed, turn_rate = motion(t)
     told = {
         1: ("Pose", {"X": x, "Y": y, "Heading": heading / math.tau}),
-        5: ("Motion", {"Speed": speed, "TurnRate": turn_rate / math.tau, "Pitch": 0.0625}),
-        9: ("Reference", {"Speed": speed, "TurnRate": turn_rate / math.tau, "Heading": heading / math.tau}),
+        5: ("Motion", {"Speed": speed, "YawRate": turn_rate / math.tau, "Pitch": 0.0625}),
+        9: ("Reference", {"Speed": speed, "YawRate": turn_rate / math.tau, "Heading": heading / math.tau}),
         13: ("Motors", {"VoltageLeft": 3.5, "VoltageRight": -2.25}),
         17: ("EnergySpent", {"Energy": 1000 + POWER * (t + BEGIN)})}
     frames = [telemetry(name, **signals) for phase, (name, signals) in told.items() if ms % 20 == phase]

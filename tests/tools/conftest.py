@@ -13,11 +13,11 @@ from unittest import mock
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-TOOLS = ROOT / "tools"
-sys.path.insert(0, str(TOOLS))
+sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
-import common  # noqa: E402
-import robot_json  # noqa: E402
+from tools import common  # noqa: E402
+from tools.design import robot_json  # noqa: E402
+from tools.report import plots  # noqa: E402
 
 JP_ROBOT = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-robot"
 # The balancers: those with a controller.
@@ -26,9 +26,10 @@ ROBOTS = sorted(path.stem.removeprefix("robot_") for path in (ROOT / "src" / "ta
 
 def run_tool(name, *arguments, input=""):
     """Run a tool with a command line, in this process because its imports take a second; a numerical warning fails."""
-    main = importlib.import_module(name.removesuffix(".py")).main
+    main = importlib.import_module(f"tools.{name}").main
+    command = [name.rpartition(".")[2] + ".py", *map(str, arguments)]
     out, err = io.StringIO(), io.StringIO()
-    with (mock.patch("sys.argv", [name, *map(str, arguments)]), mock.patch("sys.stdin", io.StringIO(input)),
+    with (mock.patch("sys.argv", command), mock.patch("sys.stdin", io.StringIO(input)),
           contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings()):
         warnings.simplefilter("error", RuntimeWarning)
         with pytest.raises(SystemExit) as end:
@@ -45,11 +46,22 @@ def assert_one_line_error(result, *parts):
 
 
 def robot_text(name):
-    """Output of jp-robot --json for a robot of the project."""
+    """Output of jp-robot --json=- for a robot of the project."""
     path = ROOT / "sim" / "robots" / f"{name}.cfg"
-    return subprocess.run([JP_ROBOT, path, "--json"], capture_output=True, text=True, check=True).stdout
+    return subprocess.run([JP_ROBOT, path, "--json=-"], capture_output=True, text=True, check=True).stdout
 
 
 @pytest.fixture(scope="session")
 def gao2018():
     return robot_json.from_text("gao2018", robot_text("gao2018"))
+
+
+@pytest.fixture
+def sketched_pictures(monkeypatch):
+    """Small and without a layout, which takes longest; for tests that look at something else."""
+    draw = plots.png_bytes
+    monkeypatch.setattr(plots, "png_bytes", lambda figure, dpi=0: draw(figure, 20))
+    monkeypatch.setitem(plots.plt.rcParams, "figure.constrained_layout.use", False)
+
+
+sketched = pytest.mark.usefixtures("sketched_pictures")

@@ -20,7 +20,7 @@ def make_variant(folder, sources, variant="cortex-m4"):
     for name, source in sources.items():
         path = place / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.with_suffix(".c").write_text(PRELUDE * (name == "src/robot.o") + source)
+        path.with_suffix(".c").write_text(PRELUDE * (name == "src/balancer/robot.o") + source)
         subprocess.run([*compile_, "-std=gnu11", "-g", "-O1", "-w", "-ffunction-sections", "-fdata-sections",
                         "-fcallgraph-info=su", "-c", path.with_suffix(".c"), "-o", path], check=True)
         objects.append(path)

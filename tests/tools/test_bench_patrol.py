@@ -1,11 +1,10 @@
-"""tools/bench_patrol.py: what the patrol robot's benches measured becomes tables, and bad files one line."""
+"""tools/measure/bench_patrol.py: what the patrol robot's benches measured becomes tables, and bad files one line."""
 import json
 
 import pytest
 from conftest import assert_one_line_error, run_tool
 
-README = "before\n<!-- patrol -->\nold\n<!-- /patrol -->\nbetween\n<!-- pursuit -->\nold\n<!-- /pursuit -->\nafter\n"
-
+from tools.measure.figure_store import check_tables
 
 def scene(method, cleanly, time=12.34, slip=False):
     return {"scene": "corridor", "slip": slip, "method": method, "drives": 100, "arrived": cleanly + 1,
@@ -23,25 +22,24 @@ def courses():
             for name in ("paths on ice", "paths of glass") for speed in (0.5, 1.0)]
 
 
-def bench_patrol(folder, scene_rows, course_rows, readme=README):
+def bench_patrol(folder, scene_rows, course_rows):
+    """What it says, and its tables: None when it wrote none."""
     for name, content in (("scenes.json", scene_rows), ("courses.json", course_rows)):
         (folder / name).write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
-    (folder / "README.md").write_text(readme, encoding="utf-8")
-    result = run_tool("bench_patrol.py", folder / "scenes.json", folder / "courses.json", "--readme",
-                      folder / "README.md")
-    return result, (folder / "README.md").read_text(encoding="utf-8")
+    tables = folder / "tables.json"
+    result = run_tool("measure.bench_patrol", folder / "scenes.json", folder / "courses.json", tables)
+    return result, json.loads(tables.read_text(encoding="utf-8")) if tables.exists() else None
 
 
-def test_readme_holds_both_tables(tmp_path):
-    result, readme = bench_patrol(tmp_path, scenes(), courses())
+def test_it_writes_both_tables(tmp_path):
+    result, tables = bench_patrol(tmp_path, scenes(), courses())
     assert result.returncode == 0, result.stderr
-    lines = readme.splitlines()
-    assert lines[0] == "before" and "between" in lines and lines[-1] == "after" and "old" not in readme
-    assert ("| corridor | 100 | 101 / 61 / 1 | 100 / 60 / 0 | 0 / 40 / 100 | 12.3 / 12.3 / – | 457 / 457 / – | "
-            "3.2 / 3.2 / 3.2 |") in lines
-    assert any(line.startswith("| corridor, slippery | 100 | 31 / 21 / 11 | 30 / 20 / 10 |") for line in lines)
-    assert "| course | paths | 0.5 m/s | 1 m/s |" in lines
-    assert "| paths of glass | 40 | 4.1 (0.6) | 4.1 (0.6) |" in lines
+    check_tables("tables.json", tables)
+    assert tables["patrol"]["rows"][0] == ["corridor", "100", "101 / 61 / 1", "100 / 60 / 0", "0 / 40 / 100",
+                                           "12.3 / 12.3 / –", "457 / 457 / –", "3.2 / 3.2 / 3.2"]
+    assert tables["patrol"]["rows"][1][:4] == ["corridor, slippery", "100", "31 / 21 / 11", "30 / 20 / 10"]
+    assert tables["pursuit"]["headings"] == ["course", "paths", "0.5 m/s", "1 m/s"]
+    assert tables["pursuit"]["rows"][1] == ["paths of glass", "40", "4.1 (0.6)", "4.1 (0.6)"]
 
 
 def test_terminal_shows_the_same_numbers(tmp_path):
@@ -63,14 +61,6 @@ def without(rows, key):
     (scenes(), without(courses(), "rms_m"), "courses.json"),
 ])
 def test_bad_rows_are_one_line(tmp_path, scene_rows, course_rows, word):
-    result, kept = bench_patrol(tmp_path, scene_rows, course_rows)
+    result, tables = bench_patrol(tmp_path, scene_rows, course_rows)
     assert_one_line_error(result, word)
-    assert kept == README
-
-
-@pytest.mark.parametrize("mark", ["patrol", "pursuit"])
-def test_readme_without_its_marks_is_refused(tmp_path, mark):
-    readme = README.replace(f"<!-- {mark} -->", "")
-    result, kept = bench_patrol(tmp_path, scenes(), courses(), readme)
-    assert_one_line_error(result, f"<!-- {mark} -->")
-    assert kept == readme
+    assert tables is None

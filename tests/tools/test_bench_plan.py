@@ -1,12 +1,10 @@
-"""tools/bench_plan.py: what bench_plan measured becomes tables, and bad files one line."""
+"""tools/measure/bench_plan.py: what bench_plan measured becomes tables, and bad files one line."""
 import json
-import subprocess
-import sys
 
 import pytest
-from conftest import ROOT
+from conftest import assert_one_line_error, run_tool
 
-README = "before\n<!-- plan -->\nold\n<!-- /plan -->\nafter\n"
+from tools.measure.figure_store import check_tables
 
 
 def row(kib, answer="within bound", ratio=1.25, name="scene 1"):
@@ -21,24 +19,21 @@ def rows():
             "curve": [{"price_j_per_m": 0.0, "saved_percent": 31.4, "longer_percent": 8.0}]}
 
 
-def bench_plan(tmp_path, text, readme=README):
+def bench_plan(tmp_path, text):
+    """What it says, and its tables: None when it wrote none."""
     (tmp_path / "rows.json").write_text(text, encoding="utf-8")
-    (tmp_path / "README.md").write_text(readme, encoding="utf-8")
-    command = [sys.executable, str(ROOT / "tools" / "bench_plan.py"), str(tmp_path / "rows.json"), "--readme",
-               str(tmp_path / "README.md")]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    return result, (tmp_path / "README.md").read_text(encoding="utf-8")
+    tables = tmp_path / "tables.json"
+    result = run_tool("measure.bench_plan", tmp_path / "rows.json", tables)
+    return result, json.loads(tables.read_text(encoding="utf-8")) if tables.exists() else None
 
 
-def test_readme_holds_the_scenes_and_the_curve(tmp_path):
-    result, readme = bench_plan(tmp_path, json.dumps(rows()))
+def test_tables_hold_the_scenes_and_the_curve(tmp_path):
+    result, tables = bench_plan(tmp_path, json.dumps(rows()))
     assert result.returncode == 0, result.stderr
-    lines = readme.splitlines()
-    assert lines[0] == "before" and lines[-1] == "after" and "old" not in readme
-    assert "| 64 | 1234 | 2 of 3 | 1 | 1.125 | 1.250 | 1.50 | 42 |" in lines
-    assert "| 8192 | 1234 | 1 of 1 | 1 | 1.000 | 1.000 | 1.50 | 42 |" in lines
-    assert "| 0 | 31.4 | 8.0 |" in lines
-    assert "depot" not in readme
+    check_tables("tables.json", tables)
+    assert tables["plan"]["rows"] == [["64", "1234", "2 of 3", "1", "1.125", "1.250", "1.50", "42"],
+                                      ["8192", "1234", "1 of 1", "1", "1.000", "1.000", "1.50", "42"]]
+    assert tables["prices"]["rows"] == [["0", "31.4", "8.0"]]
 
 
 def test_maps_of_others_are_shown(tmp_path):
@@ -50,19 +45,13 @@ def test_maps_of_others_are_shown(tmp_path):
 def test_no_route_at_all(tmp_path):
     data = rows()
     data["scenes"] = [row(64, "partial", 0.4)]
-    result, readme = bench_plan(tmp_path, json.dumps(data))
+    result, tables = bench_plan(tmp_path, json.dumps(data))
     assert result.returncode == 0, result.stderr
-    assert "| 64 | 1234 | 0 of 1 | 0 | - | - | - | 42 |" in readme.splitlines()
+    assert tables["plan"]["rows"] == [["64", "1234", "0 of 1", "0", "-", "-", "-", "42"]]
 
 
-@pytest.mark.parametrize("text, readme, word", [
-    ("", README, "rows.json"),
-    ("{}", README, "rows.json"),
-    ("[1]", README, "rows.json"),
-    (json.dumps(rows()), "no marks\n", "<!-- plan -->"),
-])
-def test_bad_input_is_one_line(tmp_path, text, readme, word):
-    result, kept = bench_plan(tmp_path, text, readme)
-    assert result.returncode == 2
-    assert result.stderr.count("\n") == 1 and word in result.stderr
-    assert kept == readme
+@pytest.mark.parametrize("text", ["", "{}", "[1]"])
+def test_bad_input_is_one_line(tmp_path, text):
+    result, tables = bench_plan(tmp_path, text)
+    assert_one_line_error(result, "rows.json")
+    assert tables is None

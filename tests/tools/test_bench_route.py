@@ -1,13 +1,14 @@
-"""tools/bench_route.py: the oracle's energies, gradients and optima; figures of a short run; bad input."""
+"""tools/measure/bench_route.py: the oracle's energies, gradients and optima; figures of a short run; bad input."""
 import json
 import math
 
-import bench_route
 import numpy as np
 import pytest
-import robot_json
 from conftest import JP_ROBOT, ROOT, assert_one_line_error, run_tool
-from route_oracle import Limits, Route
+
+from tools.design import robot_json
+from tools.measure import bench_route
+from tools.measure.route_oracle import Limits, Route
 
 LEGS = 5
 MODES = [None, "transients"]
@@ -105,7 +106,7 @@ def test_plan_may_go_the_other_way_round(tasks):
 
 def test_a_short_run(tmp_path):
     path = tmp_path / "route.json"
-    result = run_tool("bench_route.py", "--routes", 6, "--seed", 3, "--bench", path)
+    result = run_tool("measure.bench_route", "--routes", 6, "--seed", 3, "--bench", path)
     assert result.returncode == 0, result.stderr
     figures = {figure["name"]: figure for figure in json.loads(path.read_text())}
     assert all(name.startswith("route optimiser: ") and figure["command"] == "make figures"
@@ -136,14 +137,11 @@ def test_missing_program_is_named(monkeypatch, tmp_path):
     robot = robot_json.load(ROOT / "sim/robots/gao2018.cfg", JP_ROBOT)
     monkeypatch.setattr(robot_json, "load", lambda *_: robot)
     monkeypatch.setenv("JP_BUILD", str(tmp_path))
-    result = run_tool("bench_route.py", "--bench", tmp_path / "route.json")
+    result = run_tool("measure.bench_route", "--bench", tmp_path / "route.json")
     assert_one_line_error(result, "jp-route", "build it with `make`")
     assert not (tmp_path / "route.json").exists()
 
 
 @pytest.mark.parametrize("routes", ["1", "x"])
-def test_bad_number_of_routes(routes, monkeypatch):
-    monkeypatch.setattr("sys.argv", ["bench_route.py", "--routes", routes])
-    with pytest.raises(SystemExit) as end:
-        bench_route.arguments()
-    assert end.value.code == 2
+def test_bad_number_of_routes(routes):
+    assert_one_line_error(run_tool("measure.bench_route", "--routes", routes), f"--routes: {routes}: must be a whole number")

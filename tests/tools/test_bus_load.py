@@ -1,15 +1,15 @@
-"""tools/bus_load.py: bits against a bit-by-bit reference and known frames, the worst case, logs, figures."""
+"""tools/measure/bus_load.py: bits against a bit-by-bit reference and known frames, the worst case, logs, figures."""
 import itertools
 import json
 import random
 
-import bus_load
 import can
-import figures
 import numpy as np
 import pytest
-from bus_load import Kind, frame_bits, worst_bits
 from conftest import assert_one_line_error, run_tool
+
+from tools.measure import bus_load, figure_store
+from tools.measure.bus_load import Kind, frame_bits, worst_bits
 
 
 # ---- a reference that goes bit by bit --------------------------------------------------------------------------------
@@ -88,7 +88,7 @@ def write_log(path, frames):
 
 
 def test_the_worst_case_is_below_the_bar(tmp_path):
-    result = run_tool("bus_load.py", "--json", tmp_path / "load.json", "--bench", tmp_path / "bench.json")
+    result = run_tool("measure.bus_load", "--json", tmp_path / "load.json", "--bench", tmp_path / "bench.json")
     assert result.returncode == 0, result.stderr
     about = json.loads((tmp_path / "load.json").read_text())
     by_name = {message["name"]: message for message in about["messages"]}
@@ -98,13 +98,13 @@ def test_the_worst_case_is_below_the_bar(tmp_path):
     assert "SimTime" not in by_name and "SimDone" not in by_name
     assert about["worst_percent"] == pytest.approx(sum(m["load_percent"] or 0 for m in about["messages"]))
     assert about["worst_percent"] <= 60
-    shown = figures.read_bench(tmp_path / "bench.json")
+    shown = figure_store.read_figures(tmp_path / "bench.json")
     assert [figure["value"] for figure in shown] == [about["worst_percent"]]
     assert shown[0]["bound"] == {"op": "<=", "value": 60} and shown[0]["unit"] == "%"
 
 
 def test_the_table_is_aligned():
-    lines = run_tool("bus_load.py").stdout.splitlines()
+    lines = run_tool("measure.bus_load").stdout.splitlines()
     assert lines[0].split()[:2] == ["message", "id"] and lines[-1].startswith("sum")
     assert len({len(line) for line in lines[1:] if line.split()[-1] != "–"}) == 1
 
@@ -113,7 +113,7 @@ def test_a_log_is_measured(tmp_path):
     frames = [(100 + i / 1000, standard(0x184, bytes([i % 256] * 8))) for i in range(101)]
     frames += [(100.1, standard(0x555, b"\x01"))]
     write_log(tmp_path / "bus.log", frames)
-    result = run_tool("bus_load.py", "--log", tmp_path / "bus.log", "--json", tmp_path / "load.json")
+    result = run_tool("measure.bus_load", "--log", tmp_path / "bus.log", "--json", tmp_path / "load.json")
     assert result.returncode == 0, result.stderr
     about = json.loads((tmp_path / "load.json").read_text())
     bits = sum(len(reference_bits(frame)) for _, frame in frames)
@@ -130,7 +130,7 @@ def test_in_lockstep_the_simulation_tells_the_time(tmp_path):
     frames = [(i * 3.0, standard(0x7F0, tick.to_bytes(4, "little") + b"\1\0\0\0")) for i, tick in enumerate(ticks)]
     frames += [(9000.0, standard(0x7F1, bytes(4))), (9000.0, standard(0x184, bytes(8)))]
     write_log(tmp_path / "bus.log", frames)
-    run_tool("bus_load.py", "--log", tmp_path / "bus.log", "--json", tmp_path / "load.json")
+    run_tool("measure.bus_load", "--log", tmp_path / "bus.log", "--json", tmp_path / "load.json")
     about = json.loads((tmp_path / "load.json").read_text())
     assert about["log_s"] == pytest.approx(0.2)
     assert about["measured_percent"] == pytest.approx(100 * len(reference_bits(frames[-1][1])) / 0.2 / 1e6)
@@ -144,11 +144,11 @@ def test_in_lockstep_the_simulation_tells_the_time(tmp_path):
 def test_damaged_logs(tmp_path, text, part):
     path = tmp_path / "bad.log"
     path.write_text(text, encoding="latin-1")
-    result = run_tool("bus_load.py", "--log", path, "--json", tmp_path / "load.json")
+    result = run_tool("measure.bus_load", "--log", path, "--json", tmp_path / "load.json")
     assert_one_line_error(result, "bad.log", part)
     assert not (tmp_path / "load.json").exists()
 
 
 @pytest.mark.parametrize("name, part", [("none.log", "No such file"), ("bus.txt", "must end in")])
 def test_logs_that_cannot_be_read(tmp_path, name, part):
-    assert_one_line_error(run_tool("bus_load.py", "--log", tmp_path / name), name, part)
+    assert_one_line_error(run_tool("measure.bus_load", "--log", tmp_path / name), name, part)

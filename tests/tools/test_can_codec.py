@@ -17,7 +17,7 @@ NAMES = {"SAMPLE": "CurrentSensors"}
 
 
 def test_the_codec_is_fresh(tmp_path):
-    assert not run_tool("can_codec.py", "--output", tmp_path).returncode
+    assert not run_tool("design.can_codec", "--output", tmp_path).returncode
     for name in ("jp_can.h", "jp_can.c"):
         assert (tmp_path / name).read_bytes() == (CAN / name).read_bytes(), f"{name} is stale: make codec"
 
@@ -26,7 +26,7 @@ def test_the_codec_is_fresh(tmp_path):
 def test_a_dbc_that_is_not_valid(tmp_path, text):
     path = tmp_path / "bad.dbc"
     path.write_text(text)
-    result = run_tool("can_codec.py", "--dbc", path, "--output", tmp_path / "out")
+    result = run_tool("design.can_codec", "--dbc", path, "--output", tmp_path / "out")
     assert_one_line_error(result, "bad.dbc")
     assert not (tmp_path / "out").exists()
 
@@ -42,6 +42,13 @@ def test_the_raw_value_is_fixed_point(message, signal):
     highest = (1 << signal.length - signal.is_signed) - 1
     # 64 bits are more than a double holds.
     assert lowest <= signal.minimum / signal.scale and signal.maximum / signal.scale <= highest + (signal.length == 64)
+
+
+def test_a_signal_of_one_name_has_one_unit():
+    units = {}
+    for _, signal in SIGNALS:
+        units.setdefault(signal.name, set()).add(signal.unit)
+    assert {name: unit for name, unit in units.items() if len(unit) > 1} == {}
 
 
 @pytest.mark.parametrize("message", DATABASE.messages, ids=lambda message: message.name)

@@ -1,4 +1,4 @@
-"""tools/can_report.py and mission_record.py: logs of a synthetic drive become a page; every damage is one line."""
+"""can_report.py and mission_record.py: logs of a synthetic drive become a page; every damage is one line."""
 import csv
 import json
 import math
@@ -8,13 +8,14 @@ import can
 import can_drive
 import numpy as np
 import pytest
-import report
 from can_drive import DRAWN, DURATION, END, PLANNED, POWER, SPENT, TARGETS, candump
-from can_messages import Codec
-from common import ToolError
 from conftest import assert_one_line_error, run_tool
 from fake_ecu import telemetry
-from mission_record import LOG_FORMAT, MissionRecord
+
+from tools.common import ToolError
+from tools.operate.can_messages import Codec
+from tools.report import report
+from tools.report.mission_record import LOG_FORMAT, MissionRecord
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def converted(tmp_path):
     def convert(frames, name="yard.log"):
         path = tmp_path / name
         path.write_text(frames if isinstance(frames, str) else candump(frames))
-        return run_tool("can_report.py", path, tmp_path / "out")
+        return run_tool("operate.can_report", path, tmp_path / "out")
     convert.out = tmp_path / "out"
     return convert
 
@@ -101,7 +102,7 @@ def test_the_log(drive, converted):
 
 def test_report_makes_a_page_of_it(drive, converted):
     converted(drive)
-    result = run_tool("report.py", converted.out)
+    result = run_tool("report.report", converted.out)
     assert result.returncode == 0, result.stderr
     text = re.sub(r"data:image[^\"]*", "", (converted.out / "report.html").read_text())
     assert "yard.log" in text and "None" not in text and "Simulated" not in text and "real time" not in text
@@ -113,7 +114,7 @@ def test_logs_of_other_tools(drive, converted, tmp_path, name):
     with can.Logger(tmp_path / name) as logger:
         for frame in drive:
             logger(moved(frame, channel=0))
-    result = run_tool("can_report.py", tmp_path / name, tmp_path / "other")
+    result = run_tool("operate.can_report", tmp_path / name, tmp_path / "other")
     assert result.returncode == 0, result.stderr
     ours, theirs = (summary_of(folder)["strategies"] for folder in (converted.out, tmp_path / "other"))
     assert json.dumps(ours)[:200] == json.dumps(theirs)[:200]
@@ -278,13 +279,13 @@ def test_damaged_logs(drive, converted, damage, part):
                                            ("yard.asc", b"date Xyz\n"), ("yard.log", b"\xff\xfe\x00(")])
 def test_files_that_are_no_logs(tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
-    assert_one_line_error(run_tool("can_report.py", tmp_path / name, tmp_path / "out"), name)
+    assert_one_line_error(run_tool("operate.can_report", tmp_path / name, tmp_path / "out"), name)
     assert not (tmp_path / "out").exists()
 
 
 def test_files_that_cannot_be_read_or_written(drive, converted, tmp_path):
-    assert_one_line_error(run_tool("can_report.py", tmp_path / "none.log", tmp_path), "none.log", "No such file")
-    assert_one_line_error(run_tool("can_report.py", tmp_path, tmp_path), "must end in")
+    assert_one_line_error(run_tool("operate.can_report", tmp_path / "none.log", tmp_path), "none.log", "No such file")
+    assert_one_line_error(run_tool("operate.can_report", tmp_path, tmp_path), "must end in")
     converted.out.write_text("a file\n")
     assert_one_line_error(converted(drive), "out")
 

@@ -1,4 +1,4 @@
-"""tools/coverage_report.py: a summary by gcovr becomes a table, figures, and an error for each file with a gap."""
+"""coverage_report.py: a summary by gcovr becomes a table, figures, and an error for each file with a gap."""
 import json
 
 import pytest
@@ -14,7 +14,7 @@ def counts(lines, branches):
 def fixture_report(tmp_path):
     def report(summary):
         (tmp_path / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
-        result = run_tool("coverage_report.py", tmp_path / "summary.json", tmp_path / "figures.json")
+        result = run_tool("measure.coverage_report", tmp_path / "summary.json", tmp_path / "figures.json")
         return result, json.loads((tmp_path / "figures.json").read_text(encoding="utf-8"))
 
     return report
@@ -39,6 +39,6 @@ def test_one_branch_is_missing(report):
 
 
 def test_summary_that_is_not_there(tmp_path):
-    result = run_tool("coverage_report.py", tmp_path / "none.json", tmp_path / "figures.json")
+    result = run_tool("measure.coverage_report", tmp_path / "none.json", tmp_path / "figures.json")
     assert_one_line_error(result, "none.json")
     assert not (tmp_path / "figures.json").exists()

@@ -1,4 +1,4 @@
-"""tools/cycles.py: figures of the benches to a table."""
+"""tools/measure/cycles.py: figures of the benches to a table."""
 import json
 
 import pytest
@@ -31,7 +31,7 @@ def tabulate(monkeypatch, tmp_path):
             paths.append(tmp_path / f"{name}.json")
             paths[-1].write_text(figures if isinstance(figures, str) else json.dumps(figures))
         measured = tmp_path / "build/numbers/cycles.json"
-        return run_tool("cycles.py", *paths), measured
+        return run_tool("measure.cycles", *paths), measured
     return run
 
 

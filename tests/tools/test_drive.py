@@ -1,30 +1,28 @@
-"""tools/drive.py: routes, goals, scenarios, both views, Ctrl-C and every failure, against a stand-in of the ECU."""
+"""drive.py: routes, goals, scenarios, both views, Ctrl-C and every failure, against a stand-in of the ECU."""
+import functools
 import io
 import json
 
-import can_client
-import drive
 import pytest
-from can_client import RobotState, SegmentEnergy
 from conftest import ROOT, assert_one_line_error, run_tool
-from fake_ecu import FakeEcu, short_patience
+from fake_ecu import FakeEcu
 from rich.console import Console
+
+from tools.operate import can_client, drive
+from tools.operate.can_client import RobotState, SegmentEnergy
 
 SCENARIO = ROOT / "sim/scenarios/gao2018_mission.cfg"
 
 
-@pytest.fixture(autouse=True)
-def patience(monkeypatch):
-    short_patience(monkeypatch)
-
-
 @pytest.fixture
-def robot(request, tmp_path):
+def robot(monkeypatch, tmp_path):
     """Runs the tool beside a stand-in of the ECU; ecu and outcome are kept."""
     def run(*arguments, trouble=None):
-        channel = request.node.name
-        with FakeEcu(channel, trouble) as run.ecu:
-            result = run_tool("drive.py", "--bus", f"virtual:{channel}", "--json", tmp_path / "out.json", *arguments)
+        run.ecu = FakeEcu(trouble)
+        monkeypatch.setattr(drive, "open_bus", lambda name: run.ecu)
+        for actor in ("Listener", "Operator"):
+            monkeypatch.setattr(drive, actor, functools.partial(getattr(can_client, actor), clock=run.ecu.clock))
+        result = run_tool("operate.drive", "--bus", "fake:ecu", "--json", tmp_path / "out.json", *arguments)
         run.outcome = json.loads((tmp_path / "out.json").read_text()) if (tmp_path / "out.json").exists() else None
         return result
     return run
@@ -168,15 +166,16 @@ def test_the_views_stand_an_ecu_that_has_said_nothing_yet():
     (["--scenario", "/nonexistent.cfg"], "/nonexistent.cfg: No such file"), (["--bus", "vcan0", "--off"], "--bus vcan0"),
 ])
 def test_bad_arguments(arguments, part):
-    assert_one_line_error(run_tool("drive.py", "--bus", "virtual:bad", *arguments), part)
+    assert_one_line_error(run_tool("operate.drive", "--bus", "virtual:bad", *arguments), part)
 
 
-@pytest.mark.parametrize("arguments", [
-    [], ["--route", "1;2"], ["--route", "1,2,3"], ["--route", "a,b"], ["--goal", "1"], ["--goal", "1,2", "--watch"],
-    ["--route", "1,2", "--speed", "3"]])
-def test_bad_command_lines(arguments):
-    result = run_tool("drive.py", "--bus", "virtual:bad", *arguments)
-    assert result.returncode == 2 and "usage: drive.py" in result.stderr
+@pytest.mark.parametrize("arguments, part", [
+    ([], "--route --scenario --goal"), (["--route", "1;2"], "--route: '1;2': must be X,Y in m"),
+    (["--route", "1,2 1,2,3"], "--route: '1,2,3': must be X,Y in m"),
+    (["--route", "a,b"], "--route: 'a,b': must be X,Y in m"), (["--goal", "1"], "--goal: '1': must be X,Y in m"),
+    (["--goal", "1,2", "--watch"], "--watch: not allowed with"), (["--route", "1,2", "--speed", "3"], "--speed")])
+def test_bad_command_lines(arguments, part):
+    assert_one_line_error(run_tool("operate.drive", "--bus", "virtual:bad", *arguments), "drive.py: ", part, "--help")
 
 
 @pytest.mark.parametrize("text, part", [
@@ -187,4 +186,4 @@ def test_bad_command_lines(arguments):
 def test_bad_scenarios(tmp_path, text, part):
     path = tmp_path / "bad.cfg"
     path.write_text(text)
-    assert_one_line_error(run_tool("drive.py", "--bus", "virtual:bad", "--scenario", path), "bad.cfg", part)
+    assert_one_line_error(run_tool("operate.drive", "--bus", "virtual:bad", "--scenario", path), "bad.cfg", part)

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from conftest import ROBOTS, ROOT, robot_text, run_tool
 
-import identify
-import robot_json
+from tools.design import identify, robot_json
 
 JP_IDENTIFY = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-identify"
 
@@ -40,7 +39,7 @@ def spread_over_settling_times(robot, energy, directory):
 def test_model_is_fresh_and_does_not_hang_on_the_settling_time(robot, energy, suffix, tmp_path):
     subprocess.run([JP_IDENTIFY, ROOT / "sim" / "robots" / f"{robot}.cfg", "--energy", energy, "--output", tmp_path],
                    check=True, capture_output=True)
-    result = run_tool("identify.py", ROOT / "sim" / "robots" / f"{robot}.cfg", "--energy", energy, "--jp-robot",
+    result = run_tool("design.identify", ROOT / "sim" / "robots" / f"{robot}.cfg", "--energy", energy, "--jp-robot",
                       JP_IDENTIFY.with_name("jp-robot"), "--experiments", tmp_path, "--tables", tmp_path)
     assert result.returncode == 0, result.stderr
     made = integers((tmp_path / f"energy_{robot}{suffix}.c").read_text(encoding="utf-8"))

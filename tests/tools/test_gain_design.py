@@ -1,4 +1,5 @@
-"""tools/gain_design.py: bytes of the committed tables, physics of the design, bad input."""
+"""tools/design/gain_design.py: bytes of the committed tables, physics of the design, bad input."""
+import itertools
 import json
 import math
 
@@ -6,9 +7,8 @@ import numpy as np
 import pytest
 from conftest import JP_ROBOT, ROBOTS, ROOT, assert_one_line_error, robot_text, run_tool
 
-import gain_design
-import linear_model
-import robot_json
+from tools.design import estimator_gains, linear_model, reversal, robot_json
+
 
 # The design note's weights, with which it lists a1 173, a2 8.3, a3 13.5, a7 = a10 16.5, a13 5.82.
 NOTE_EXPONENTS = (3.25, 0.09, 6.97, 0.63, 4.71, 6.66, 2.58, 5.90)
@@ -35,14 +35,14 @@ def note_robot():
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_committed_table_is_what_the_tool_makes(name, tmp_path):
-    result = run_tool("gain_design.py", name, "--jp-robot", JP_ROBOT, "--tables", tmp_path)
+    result = run_tool("design.gain_design", name, "--jp-robot", JP_ROBOT, "--tables", tmp_path)
     assert result.returncode == 0, result.stderr
     committed = ROOT / "src" / "tables" / f"robot_{name}.c"
     assert (tmp_path / committed.name).read_bytes() == committed.read_bytes(), f"run `make gains ROBOT={name}`"
 
 
 def test_json_on_standard_input_gives_the_same_table(tmp_path):
-    result = run_tool("gain_design.py", "--robot-json", "-", "--tables", tmp_path, input=robot_text("courier24"))
+    result = run_tool("design.gain_design", "--robot-json", "-", "--tables", tmp_path, input=robot_text("courier24"))
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "robot_courier24.c").read_bytes() == (ROOT / "src/tables/robot_courier24.c").read_bytes()
 
@@ -126,8 +126,8 @@ def test_gains_satisfy_the_riccati_equation(gao2018):
 @pytest.mark.parametrize("bandwidth", [5.0, 60.0, 250.0])
 def test_tracking_loop_is_critically_damped(bandwidth):
     rate = 1000.0
-    angle_gain, rate_gain = gain_design.tracking_gains(bandwidth, rate)
-    # Error of angle and rate from tick to tick, as in src/estimator.c.
+    angle_gain, rate_gain = estimator_gains.tracking_gains(bandwidth, rate)
+    # Error of angle and rate from tick to tick, as in src/balancer/estimator.c.
     matrix = np.array([[1 - angle_gain, (1 - angle_gain) / rate], [-rate_gain, 1 - rate_gain / rate]])
     pole = math.exp(-bandwidth / rate)
     assert np.trace(matrix) == pytest.approx(2 * pole)
@@ -135,16 +135,40 @@ def test_tracking_loop_is_critically_damped(bandwidth):
 
 
 def test_tracking_without_bandwidth_is_the_plain_difference():
-    assert gain_design.tracking_gains(0, 1000.0) == (1.0, 1000.0)
+    assert estimator_gains.tracking_gains(0, 1000.0) == (1.0, 1000.0)
+
+
+def steered(impulse, inputs):
+    """What a response reaches when the inputs come one after the other, the last one first in the sum."""
+    return sum(h * u for h, u in zip(impulse, inputs, strict=True))
+
+
+@pytest.mark.parametrize("rest", [0, 1, 2, 5])
+def test_worst_case_of_forward_and_back_is_that_of_all_rows(rest):
+    def allowed(row):
+        signs = [(at, u) for at, u in enumerate(row) if u]
+        return all(u == w or t - s > rest for (s, u), (t, w) in itertools.pairwise(signs))
+
+    for impulse in np.random.default_rng(1).normal(size=(20, 7)):
+        most = max(steered(impulse, row) for row in itertools.product((-1, 0, 1), repeat=7) if allowed(row))
+        assert reversal.worst_case(impulse, rest) == pytest.approx(most)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_after_the_rest_a_reversal_is_no_worse_than_a_start(name):
+    robot = robot_of(changed(name))
+    turning = reversal.design(robot, linear_model.design(robot).gains)
+    assert 0.5 < turning.rest_s < 5
+    assert 1 < turning.wheel_rate_share < 3
 
 
 def test_initial_energy_never_replaces_an_identified_one(tmp_path):
     arguments = ("courier24", "--jp-robot", JP_ROBOT, "--tables", tmp_path, "--initial-energy")
-    assert run_tool("gain_design.py", *arguments).returncode == 0
+    assert run_tool("design.gain_design", *arguments).returncode == 0
     energy = tmp_path / "energy_courier24.c"
     assert "Predicted from the linear plant; run make identify ROBOT=courier24." in energy.read_text()
     energy.write_text("identified")
-    assert run_tool("gain_design.py", *arguments).returncode == 0
+    assert run_tool("design.gain_design", *arguments).returncode == 0
     assert energy.read_text() == "identified"
 
 
@@ -169,17 +193,26 @@ def test_bad_robots_are_refused_in_one_line_and_leave_nothing(changes, key, tmp_
     source = tmp_path / "robot.json"
     source.write_text(json.dumps(changed("courier24", **changes)))
     tables = tmp_path / "tables"
-    result = run_tool("gain_design.py", "--robot-json", source, "--tables", tables)
+    result = run_tool("design.gain_design", "--robot-json", source, "--tables", tables)
     assert_one_line_error(result, "robot.json", key)
     assert not tables.exists()
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"name": "x"}', '{"name": "no good"}', '{"name": "x", "body": 3}'])
 def test_garbled_json_is_refused(text, tmp_path):
-    result = run_tool("gain_design.py", "--robot-json", "-", "--tables", tmp_path, input=text)
+    result = run_tool("design.gain_design", "--robot-json", "-", "--tables", tmp_path, input=text)
     assert_one_line_error(result, "standard input")
 
 
+@pytest.mark.parametrize("tool", ["gain_design", "horizon", "identify", "learning"])
+def test_a_copy_under_another_name_is_refused(tool, tmp_path):
+    copy = tmp_path / "mine.cfg"
+    copy.write_bytes((ROOT / "sim/robots/courier24.cfg").read_bytes())
+    result = run_tool(f"design.{tool}", copy, "--jp-robot", JP_ROBOT, "--tables", tmp_path / "tables")
+    assert_one_line_error(result, "mine.cfg", "name: is 'courier24'", "same name")
+    assert not (tmp_path / "tables").exists()
+
+
 def test_missing_program_and_missing_robot_are_named(tmp_path):
-    assert_one_line_error(run_tool("gain_design.py", "courier24", "--jp-robot", tmp_path / "none"), "none")
-    assert_one_line_error(run_tool("gain_design.py", tmp_path / "no.cfg", "--jp-robot", JP_ROBOT), "no.cfg")
+    assert_one_line_error(run_tool("design.gain_design", "courier24", "--jp-robot", tmp_path / "none"), "none")
+    assert_one_line_error(run_tool("design.gain_design", tmp_path / "no.cfg", "--jp-robot", JP_ROBOT), "no.cfg")

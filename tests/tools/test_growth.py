@@ -1,14 +1,13 @@
-"""tools/growth.py and the comparison with the last commit: what may grow, what must be explained."""
+"""tools/measure/growth.py and the comparison with the last commit: what may grow, what must be explained."""
 import json
 
-import core_numbers
-import growth
 import pytest
-from common import ToolError
 from conftest import assert_one_line_error, run_tool
 
+from tools.common import ToolError
+from tools.measure import core_numbers, growth
+
 VERSIONS = {"arm-none-eabi-gcc": "12.2.1", "riscv64-unknown-elf-gcc": "12.2.0"}
-README = "# Title\n" + "".join(f"<!-- {kind} -->\nold\n<!-- /{kind} -->\n" for kind in core_numbers.UNITS)
 NAME = "size: energy: Cortex-M4"
 
 
@@ -24,16 +23,14 @@ def compare(monkeypatch, tmp_path):
     monkeypatch.setattr(growth, "compiler_versions", lambda: dict(VERSIONS))
 
     def run(measured, *options, accepted=None, explained=(), compilers=None):
-        path, readme = tmp_path / "numbers.json", tmp_path / "README.md"
+        path = tmp_path / "numbers.json"
         if accepted is not False:
             path.write_text(json.dumps({"compilers": compilers or VERSIONS, **(accepted or tables()),
                                         "explained": list(explained)}))
-        readme.write_text(README)
         for kind, table in measured.items():
             core_numbers.write_measured(kind, table)
-        return run_tool("growth.py", "--accepted", path, "--readme", readme, *options)
+        return run_tool("measure.growth", "--accepted", path, *options)
     run.accepted = lambda: json.loads((tmp_path / "numbers.json").read_text())
-    run.readme = lambda: (tmp_path / "README.md").read_text()
     return run
 
 
@@ -94,21 +91,20 @@ def test_new_and_lost_numbers_fail(compare):
     assert result.returncode == 1 and "size: novelty: Cortex-M4: is measured no more" in result.stdout
 
 
-def test_accepting_writes_numbers_and_tables(compare):
+def test_accepting_writes_numbers(compare):
     more = tables(size=1040)
     more["size"]["novelty"] = {"Cortex-M0": 7}
     result = compare(more, "--accept", explained=[line(1500, name="gone")])
     assert result.returncode == 0, result.stdout + result.stderr
     assert compare.accepted() == {"compilers": VERSIONS, **more, "explained": []}
-    assert "| | Cortex-M0 | Cortex-M4 |\n|---|--:|--:|\n| energy | – | 1040 |\n| novelty | 7 | – |" in compare.readme()
-    assert "old" not in compare.readme()
+    assert core_numbers.markdown(more["size"]) == (
+        "| | Cortex-M0 | Cortex-M4 |\n|---|--:|--:|\n| energy | – | 1040 |\n| novelty | 7 | – |")
 
 
 def test_an_unexplained_growth_is_not_accepted(compare):
     before = tables()
     assert compare(tables(size=1100), "--accept").returncode == 1
     assert compare.accepted()["size"] == before["size"]
-    assert compare.readme() == README
 
 
 def test_an_explained_growth_is_accepted_and_stays_explained(compare):

@@ -1,4 +1,4 @@
-"""tools/horizon.py and tools/closed_loop.py: the committed tables, the loop against the firmware's steps, bad input."""
+"""horizon.py and closed_loop.py: the committed tables, the loop against the firmware's steps, bad input."""
 import json
 import math
 import re
@@ -8,10 +8,7 @@ import pytest
 from conftest import JP_ROBOT, ROBOTS, ROOT, assert_one_line_error, robot_text, run_tool
 from test_gain_design import changed
 
-import closed_loop
-import horizon
-import linear_model
-import robot_json
+from tools.design import closed_loop, horizon, linear_model, robot_json
 
 DEFINITIONS = (closed_loop.MOTOR, closed_loop.BATTERY)
 
@@ -54,26 +51,40 @@ def read_table(robot, definition):
     return tables
 
 
+BLOCK = 1000  # ticks that are reckoned at once
+
+
+def states_after(axis, state, ticks):
+    """The states of so many ticks, beginning with this one, and the one after them."""
+    powers = [np.eye(axis.size)]
+    for _ in range(min(ticks, BLOCK)):
+        powers.append(axis.matrix @ powers[-1])
+    blocks = []
+    for first in range(0, ticks, BLOCK):
+        count = min(BLOCK, ticks - first)
+        blocks.append(np.array(powers[:count]) @ state)
+        state = powers[count] @ state
+    return np.concatenate([np.empty((0, axis.size)), *blocks]), state
+
+
 def drive_ticks(axis, definition, resistance, segments, level):
-    """Energy of each segment, J: the loop's voltages and currents, tick by tick and added up."""
+    """Energy of each segment, J: the loop's voltages and currents of all ticks, added up."""
     state, before, energies = np.zeros(axis.size), 0.0, []
     for segment in segments:
         speed, turn = segment[level], segment[2] * level
         state = state + axis.jump(speed - before, turn)
-        before, energy = speed, 0.0
-        for _ in range(round(segment[3] * axis.rate_hz)):
-            volts = axis.voltage @ state + axis.volts_per_unit * speed
-            amperes = (axis.current @ state + axis.amperes_per_unit * speed if definition == closed_loop.BATTERY
-                       else volts / resistance)
-            energy += 2 * volts * amperes / axis.rate_hz
-            state = axis.matrix @ state
-        energies.append(energy)
+        before = speed
+        states, state = states_after(axis, state, round(segment[3] * axis.rate_hz))
+        volts = states @ axis.voltage + axis.volts_per_unit * speed
+        amperes = (states @ axis.current + axis.amperes_per_unit * speed if definition == closed_loop.BATTERY
+                   else volts / resistance)
+        energies.append(2 * volts @ amperes / axis.rate_hz)
     return np.array(energies)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_committed_tables_are_what_the_tool_makes(name, tmp_path):
-    result = run_tool("horizon.py", name, "--jp-robot", JP_ROBOT, "--tables", tmp_path)
+    result = run_tool("design.horizon", name, "--jp-robot", JP_ROBOT, "--tables", tmp_path)
     assert result.returncode == 0, result.stderr
     for suffix in horizon.SUFFIXES.values():
         committed = ROOT / "src" / "tables" / f"horizon_{name}{suffix}.c"
@@ -142,7 +153,7 @@ def test_without_filters_the_loop_is_that_of_the_gain_design():
 
 
 class Estimated:
-    """src/estimator.c, src/reference.c and src/lqr.c of courier24's travel in plain numbers, on the linear plant."""
+    """src/balancer/estimator.c, src/balancer/reference.c and src/balancer/lqr.c of courier24's travel in plain numbers, on the linear plant."""
 
     def __init__(self, robot):
         self.rate = robot.number("control.rate_hz")
@@ -213,7 +224,7 @@ BAD = [
 def test_bad_robots_are_refused_in_one_line_and_leave_nothing(changes, part, tmp_path):
     source, tables = tmp_path / "robot.json", tmp_path / "tables"
     source.write_text(json.dumps(changed("courier24", **changes)))
-    assert_one_line_error(run_tool("horizon.py", "courier24", "--robot-json", source, "--tables", tables), "robot.json",
+    assert_one_line_error(run_tool("design.horizon", "courier24", "--robot-json", source, "--tables", tables), "robot.json",
                           part)
     assert not tables.exists()
 
@@ -232,11 +243,11 @@ def test_a_robot_beyond_a_limit_is_told_which(limit, value, part, tmp_path, monk
     monkeypatch.setattr(horizon, limit, value)
     source, tables = tmp_path / "robot.json", tmp_path / "tables"
     source.write_text(robot_text("courier24"))
-    assert_one_line_error(run_tool("horizon.py", "courier24", "--robot-json", source, "--tables", tables), "robot.json",
+    assert_one_line_error(run_tool("design.horizon", "courier24", "--robot-json", source, "--tables", tables), "robot.json",
                           part)
     assert not tables.exists()
 
 
 def test_missing_program_and_missing_robot_are_named(tmp_path):
-    assert_one_line_error(run_tool("horizon.py", "courier24", "--jp-robot", tmp_path / "none"), "none")
-    assert_one_line_error(run_tool("horizon.py", tmp_path / "no.cfg", "--jp-robot", JP_ROBOT), "no.cfg")
+    assert_one_line_error(run_tool("design.horizon", "courier24", "--jp-robot", tmp_path / "none"), "none")
+    assert_one_line_error(run_tool("design.horizon", tmp_path / "no.cfg", "--jp-robot", JP_ROBOT), "no.cfg")

@@ -1,13 +1,11 @@
-"""tools/identify.py: recovery of known parameters of both energies, reports, bad input."""
+"""tools/design/identify.py: recovery of known parameters of both energies, reports, bad input."""
 import json
 
 import numpy as np
 import pytest
 from conftest import assert_one_line_error, robot_text, run_tool
 
-import identify
-import linear_model
-import robot_json
+from tools.design import identify, linear_model, robot_json
 
 A = np.array([172.2, 7.57, 13.2, -0.66, -0.94, 1.37, 16.26, -4.39, -1.11, 15.97, 4.27, 1.09, 5.82])
 B = np.array([20.83, 0.93])
@@ -62,7 +60,7 @@ def place(tmp_path):
 
 def test_known_parameters_are_recovered(place):
     directory, arguments, _ = place
-    result = run_tool("identify.py", *arguments, "--bench", directory / "bench.json")
+    result = run_tool("design.identify", *arguments, "--bench", directory / "bench.json")
     assert result.returncode == 0, result.stderr
     found = json.loads((directory / "experiments/identification.json").read_text())
     values = [parameter["value"] for parameter in found["parameters"]]
@@ -80,6 +78,20 @@ def test_known_parameters_are_recovered(place):
     assert [figure["unit"] for figure in bench] == ["%", "J"]
 
 
+@pytest.mark.parametrize("noise, accepted", [(0.3, True), (4.0, False)])
+def test_a_model_that_misses_the_validation_is_refused(place, noise, accepted):
+    directory, arguments, columns = place
+    disturbed = columns["e_total_j"] * (1 + noise / 100 * np.random.default_rng(5).choice([-1, 1], len(columns["v1_m_s"])))
+    write(directory / "experiments", {**columns, "e_total_j": disturbed})
+    result = run_tool("design.identify", *arguments)
+    if accepted:
+        assert result.returncode == 0, result.stderr
+        return
+    assert_one_line_error(result, "experiments.csv", "on average, at most 3 %", "make gains ROBOT=gao2018")
+    assert not (directory / "tables").exists()
+    assert sorted(path.name for path in (directory / "experiments").iterdir()) == ["experiments.csv", "experiments.json"]
+
+
 def test_noise_shows_in_the_validation_error(gao2018):
     columns = synthetic(gao2018, noise=0.5)
     columns["e_total_j"] = np.maximum(columns["e_total_j"], 1)
@@ -94,9 +106,9 @@ def test_equal_seeds_give_equal_bytes(place):
     directory, arguments, _ = place
     files = [directory / "tables/energy_gao2018.c", directory / "experiments/identification.json",
              directory / "experiments/identification.png"]
-    assert run_tool("identify.py", *arguments).returncode == 0
+    assert run_tool("design.identify", *arguments).returncode == 0
     first = [path.read_bytes() for path in files]
-    assert run_tool("identify.py", *arguments).returncode == 0
+    assert run_tool("design.identify", *arguments).returncode == 0
     assert [path.read_bytes() for path in files] == first
 
 
@@ -139,7 +151,7 @@ def test_effective_voltages_give_the_steady_power(gao2018):
 
 def test_battery_model_is_recovered_with_effective_voltages(battery_place, gao2018):
     directory, arguments = battery_place
-    result = run_tool("identify.py", *arguments, "--bench", directory / "bench.json")
+    result = run_tool("design.identify", *arguments, "--bench", directory / "bench.json")
     assert result.returncode == 0, result.stderr
     found = json.loads((directory / "experiments/identification.json").read_text())
     assert found["energy"] == "battery"
@@ -164,14 +176,15 @@ def test_battery_model_is_recovered_with_effective_voltages(battery_place, gao20
 def test_experiments_of_the_other_energy_are_refused(place, battery_place):
     _, arguments, columns = place
     directory, battery_arguments = battery_place
-    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json", "energy", "--energy motor")
+    assert_one_line_error(run_tool("design.identify", *arguments), "experiments.json", "energy", "--energy motor")
     write(directory / "experiments", columns)
-    assert_one_line_error(run_tool("identify.py", *battery_arguments), "experiments.json", "energy", "--energy battery")
+    assert_one_line_error(run_tool("design.identify", *battery_arguments), "experiments.json", "energy",
+                          "--energy battery")
     assert not (directory / "tables").exists()
 
 
 def test_energy_is_one_of_two(place):
-    result = run_tool("identify.py", *place[1], "--energy", "heat")
+    result = run_tool("design.identify", *place[1], "--energy", "heat")
     assert result.returncode == 2
     assert "heat" in result.stderr
 
@@ -187,7 +200,7 @@ def test_experiments_that_cannot_identify_are_refused(place, column, value, part
     directory, arguments, columns = place
     columns[column] = np.full_like(columns[column], value)
     write(directory / "experiments", columns)
-    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.csv", part)
+    assert_one_line_error(run_tool("design.identify", *arguments), "experiments.csv", part)
     assert not (directory / "tables").exists()
 
 
@@ -202,7 +215,7 @@ def test_garbled_experiments_are_refused(place, damage, part):
     directory, arguments, _ = place
     path = directory / "experiments/experiments.csv"
     path.write_text(damage(path.read_text()))
-    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.csv", part)
+    assert_one_line_error(run_tool("design.identify", *arguments), "experiments.csv", part)
     assert not (directory / "tables").exists()
 
 
@@ -217,17 +230,17 @@ def test_garbled_experiments_are_refused(place, damage, part):
 def test_garbled_description_is_refused(place, about, part):
     directory, arguments, columns = place
     write(directory / "experiments", columns, ABOUT | about)
-    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json", part)
+    assert_one_line_error(run_tool("design.identify", *arguments), "experiments.json", part)
 
 
 @pytest.mark.parametrize("key", ["robot", "energy", "settling_time_s", "segment_s", "last_s", "seed"])
 def test_description_without_a_key_is_refused(place, key):
     directory, arguments, columns = place
     write(directory / "experiments", columns, {name: value for name, value in ABOUT.items() if name != key})
-    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json", key)
+    assert_one_line_error(run_tool("design.identify", *arguments), "experiments.json", key)
 
 
 def test_missing_experiments_are_named(place):
     directory, arguments, _ = place
     (directory / "experiments/experiments.json").unlink()
-    assert_one_line_error(run_tool("identify.py", *arguments), "experiments.json")
+    assert_one_line_error(run_tool("design.identify", *arguments), "experiments.json")

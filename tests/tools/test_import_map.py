@@ -1,4 +1,4 @@
-"""tools/import_map.py: every format, every error, and files with random mutations."""
+"""tools/design/import_map.py: every format, every error, and files with random mutations."""
 import io
 import json
 import math
@@ -9,7 +9,7 @@ import pytest
 from conftest import assert_one_line_error, run_tool
 from PIL import Image
 
-import import_map
+from tools.design import import_map
 
 SEED = 20180900
 MUTATIONS = 150  # of each format
@@ -78,7 +78,7 @@ def place(tmp_path):
 
 def run_import(source, *options):
     output = source.parent / "out" / "map.json"
-    return run_tool("import_map.py", source, output, *options), output
+    return run_tool("design.import_map", source, output, *options), output
 
 
 def imported(source, *options):
@@ -340,6 +340,12 @@ def test_asc_without_nodata(place):
     assert "?" not in "".join(imported(place / "land.asc")["rows"])
 
 
+def test_asc_without_nodata_has_that_of_the_format(place):
+    expected = imported(place / "land.asc")
+    (place / "land.asc").write_text(ASC.replace("NODATA_value -9999\n", ""))
+    assert imported(place / "land.asc") == expected
+
+
 def test_asc_scaled_and_resampled_keeps_slopes(place):
     y, x = np.mgrid[:30, :30]
     land = 500 + 20 * x * math.tan(math.radians(10))
@@ -464,7 +470,7 @@ def test_npz_that_is_another_file(place):
 
 def test_jacksboro(tmp_path):
     output = tmp_path / "map.json"
-    result = run_tool("import_map.py", "jacksboro", output)
+    result = run_tool("design.import_map", "jacksboro", output)
     assert result.returncode == 0, result.stderr
     data = check_map(json.loads(output.read_text()))
     assert max(data["width"], data["height"]) == 300
@@ -475,8 +481,21 @@ def test_jacksboro(tmp_path):
 
 # ---- The program ----
 
+@pytest.mark.parametrize("source, output", [("grid.map", "grid.map"), ("grid.map", "link"), ("yard.yaml", "yard.pgm")])
+def test_a_source_is_not_overwritten(place, source, output):
+    (place / "link").symlink_to("grid.map")
+    before = {path.name: path.read_bytes() for path in place.iterdir()}
+    result = run_tool("design.import_map", place / source, place / output)
+    assert_one_line_error(result, f"{output}: ", "another file")
+    assert {path.name: path.read_bytes() for path in place.iterdir()} == before
+
+
+def test_a_device_is_written_to_and_stays(place):
+    assert_one_line_error(run_tool("design.import_map", place / "grid.map", "/dev/full"), "/dev/full: No space left")
+
+
 def test_help_says_that_slopes_stay():
-    result = run_tool("import_map.py", "--help")
+    result = run_tool("design.import_map", "--help")
     assert result.returncode == 0
     assert "slopes stay" in result.stdout
 
@@ -487,8 +506,7 @@ def test_help_says_that_slopes_stay():
 ])
 def test_wrong_options(place, option, value):
     result, output = run_import(place / "yard.yaml", option, value)
-    assert result.returncode == 2
-    assert result.stderr.startswith("usage:")
+    assert_one_line_error(result, option)
     assert not output.exists()
 
 

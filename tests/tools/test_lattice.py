@@ -1,4 +1,4 @@
-"""tools/lattice.py: the committed lattices are fresh; importers of .mprim and Nav2 files; what they refuse."""
+"""tools/design/lattice.py: the committed lattices are fresh; importers of .mprim and Nav2 files; what they refuse."""
 import json
 import math
 import os
@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, assert_one_line_error, run_tool
 
-import lattice
-import lattice_import
+from tools.design import lattice, lattice_import
 
 JP_LATTICE = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-lattice"
 TABLES = ROOT / "src" / "tables"
@@ -34,7 +33,7 @@ int main(void)
 
 
 def make(*arguments):
-    return run_tool("lattice.py", *arguments)
+    return run_tool("design.lattice", *arguments)
 
 
 @pytest.mark.parametrize("name", LATTICES)
@@ -77,8 +76,8 @@ def check_table(path, directory):
     program = directory / "check"
     source = directory / "check.c"
     source.write_text(CHECK)
-    core = [ROOT / "src" / name for name in ("lattice.c", "terrain.c", "fixed.c")]
-    subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-I", ROOT / "include",
+    core = [ROOT / "src" / name for name in ("map/lattice.c", "map/terrain.c", "base/fixed.c", "base/config_check.c")]
+    subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-I", ROOT / "include", "-I", ROOT,
                     f"-DLATTICE=jp_{path.stem}", source, path, *core, "-o", program], check=True)
     result = subprocess.run([program], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout
@@ -155,7 +154,7 @@ def test_import_makes_a_valid_table(name, robot, tmp_path):
     check_table(table, tmp_path)
     text = table.read_text()
     assert f"{80 if name.endswith('mprim') else 32} primitives on cells of 0.1 m" in text
-    assert f"`tools/lattice.py {robot} --import {name}`" in text
+    assert f"`python -m tools.design.lattice {robot} --import {name}`" in text
 
 
 def headings_of(directory, name):
@@ -265,6 +264,13 @@ def test_other_files_are_refused(tmp_path):
     assert_one_line_error(make("zhang2018", "--import", tmp_path / "notes.txt"), "notes.txt", ".mprim")
     (tmp_path / "binary.json").write_bytes(b"\xff\xfe\x00")
     assert_one_line_error(make("zhang2018", "--import", tmp_path / "binary.json"), "binary.json")
+
+
+def test_a_copy_under_another_name_is_refused(tmp_path):
+    copy = tmp_path / "mine.cfg"
+    copy.write_bytes((ROOT / "sim/robots/zhang2018.cfg").read_bytes())
+    assert_one_line_error(make(copy, "--tables", tmp_path / "tables"), "mine.cfg", "name: is 'zhang2018'", "same name")
+    assert not (tmp_path / "tables").exists()
 
 
 def test_unknown_robots_are_refused(tmp_path):

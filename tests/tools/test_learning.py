@@ -1,4 +1,4 @@
-"""tools/learning.py: the committed tables are fresh; regressors and chains against the library's formulas; what it refuses."""
+"""learning.py: the committed tables are fresh; regressors and chains against the library's formulas; what it refuses."""
 import json
 import re
 import zlib
@@ -6,11 +6,9 @@ import zlib
 import numpy as np
 import pytest
 from conftest import ROBOTS, ROOT, assert_one_line_error, robot_text, run_tool
+from once import once
 
-import closed_loop
-import horizon
-import learning
-import robot_json
+from tools.design import closed_loop, horizon, learning, robot_json
 
 SUFFIXES = ("", "_battery")
 
@@ -23,14 +21,17 @@ def courier24():
     return robot_json.from_text("courier24", robot_text("courier24"))
 
 
-@pytest.fixture(scope="module")
+def make_tables(directory):
+    for robot in ROBOTS:
+        result = run_tool("design.learning", robot, "--robot-json", write_robot(directory, robot), "--tables",
+                          directory)
+        assert result.returncode == 0, result.stderr
+
+
+@pytest.fixture(scope="session")
 def made(tmp_path_factory):
     """The tables of both robots, made anew."""
-    directory = tmp_path_factory.mktemp("tables")
-    for robot in ROBOTS:
-        result = run_tool("learning.py", robot, "--robot-json", write_robot(directory, robot), "--tables", directory)
-        assert result.returncode == 0, result.stderr
-    return directory
+    return once(tmp_path_factory, "learning_tables", make_tables)
 
 
 def write_robot(directory, robot, **groups):
@@ -142,16 +143,16 @@ def test_noise_is_found_again(courier24):
 
 def test_bad_input_is_one_line(tmp_path):
     robot = write_robot(tmp_path, "courier24")
-    assert_one_line_error(run_tool("learning.py", "courier24", "--robot-json", tmp_path / "none.json"), "none.json")
-    assert_one_line_error(run_tool("learning.py", "courier24", "--robot-json", robot, "--models", tmp_path),
+    assert_one_line_error(run_tool("design.learning", "courier24", "--robot-json", tmp_path / "none.json"), "none.json")
+    assert_one_line_error(run_tool("design.learning", "courier24", "--robot-json", robot, "--models", tmp_path),
                           "energy_courier24.c")
     (tmp_path / "energy_courier24.c").write_text("nothing", encoding="utf-8")
-    assert_one_line_error(run_tool("learning.py", "courier24", "--robot-json", robot, "--models", tmp_path),
+    assert_one_line_error(run_tool("design.learning", "courier24", "--robot-json", robot, "--models", tmp_path),
                           "settling_time is missing", "make identify")
 
 
 def test_a_robot_too_light_for_the_population_is_refused(tmp_path):
     robot = write_robot(tmp_path, "courier24", body={"mass_kg": 0.2})
-    result = run_tool("learning.py", "courier24", "--robot-json", robot, "--tables", tmp_path)
+    result = run_tool("design.learning", "courier24", "--robot-json", robot, "--tables", tmp_path)
     assert_one_line_error(result, "body.mass_kg")
     assert not list(tmp_path.glob("*.c"))

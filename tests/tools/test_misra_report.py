@@ -1,4 +1,4 @@
-"""tools/misra_report.py: what records cover, what they do not, and records that nothing needs."""
+"""tools/measure/misra_report.py: what records cover, what they do not, and records that nothing needs."""
 import pytest
 from conftest import ROOT, assert_one_line_error, run_tool
 
@@ -14,7 +14,7 @@ def fixture_report(tmp_path, monkeypatch):
         (tmp_path / "records.yaml").write_text(records, encoding="utf-8")
         lines = [f"shifts.c:{line}:{column}: misra-c2012-{rule}\n" for line, column, rule in violations]
         (tmp_path / "violations").write_text("".join(lines) + "shifts.c:1:1: unusedVariable\n", encoding="utf-8")
-        return run_tool("misra_report.py", "records.yaml", "violations")
+        return run_tool("measure.misra_report", "records.yaml", "violations")
 
     return report
 
@@ -56,5 +56,5 @@ def test_class_that_cannot_be_deviated_from(report):
 
 def test_records_of_the_project_are_well_formed(tmp_path):
     (tmp_path / "violations").write_text("", encoding="utf-8")
-    result = run_tool("misra_report.py", ROOT / "tests" / "gates" / "misra.yaml", tmp_path / "violations")
+    result = run_tool("measure.misra_report", ROOT / "tests" / "gates" / "misra.yaml", tmp_path / "violations")
     assert not result.returncode and result.stdout.startswith("0 violations")

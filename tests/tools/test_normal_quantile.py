@@ -1,25 +1,25 @@
-"""The table in src/normal_quantile.c is the one that tools/normal_quantile.py prints, and as good as the header says."""
+"""The table in src/learn/normal_quantile.c is the one that normal_quantile.py prints, and as good as the header says."""
 import re
 from statistics import NormalDist
 
 import pytest
 from conftest import ROOT, run_tool
 
-import normal_quantile
+from tools.design import normal_quantile
 
 STATED_ERROR = 0.001
 
 
 def test_table_is_fresh():
-    printed = run_tool("normal_quantile.py").stdout
-    source = (ROOT / "src" / "normal_quantile.c").read_text(encoding="utf-8")
+    printed = run_tool("design.normal_quantile").stdout
+    source = (ROOT / "src/learn/normal_quantile.c").read_text(encoding="utf-8")
     table = re.search(r"quantiles\[\] = \{(.*?)\}", source, re.S)[1]
     made = [int(number) for number in re.findall(r"\d+", printed.split("\n", maxsplit=1)[1])]
     assert [int(number) for number in re.findall(r"\d+", table)] == made
 
 
 def test_error_is_as_stated():
-    printed = float(re.match(r"largest error (\S+)", run_tool("normal_quantile.py").stdout)[1])
+    printed = float(re.match(r"largest error (\S+)", run_tool("design.normal_quantile").stdout)[1])
     assert 0 < printed < STATED_ERROR
 
 

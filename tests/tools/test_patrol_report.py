@@ -1,14 +1,15 @@
-"""tools/patrol_report.py: page and picture from synthetic results of jp-patrol, bad input."""
+"""tools/report/patrol_report.py: page and picture from synthetic results of jp-patrol, bad input."""
 import json
 import math
 import re
 
 import numpy as np
-import patrol_report
 import pytest
-from conftest import assert_one_line_error, run_tool
+from conftest import assert_one_line_error, run_tool, sketched
 from PIL import Image
 from test_report import Page
+
+from tools.report import patrol_report
 
 WIDTH, HEIGHT, CELL = 120, 80, 0.05
 SIZE = [0.8, 0.6]
@@ -94,7 +95,7 @@ def change(folder, edit):
 
 
 def report(folder):
-    result = run_tool("patrol_report.py", folder)
+    result = run_tool("report.patrol_report", folder)
     assert result.returncode == 0, result.stderr
     return (folder / "report.html").read_text()
 
@@ -132,11 +133,13 @@ def test_the_page_has_every_section_and_needs_nothing_else(tmp_path, moving, fau
         assert (fault in text) == faults
 
 
+@sketched
 def test_texts_are_text_not_markup(results):
     text = report(results)
     assert "<room>" not in text and "&lt;room&gt; &amp; more" in text
 
 
+@sketched
 def test_equal_data_give_equal_bytes(results):
     first = report(results), (results / "patrol.png").read_bytes()
     assert (report(results), (results / "patrol.png").read_bytes()) == first
@@ -192,6 +195,7 @@ def test_a_high_map_has_the_panels_beside_it(tmp_path):
     assert wide[1] > shape_of(tmp_path)[1]
 
 
+@sketched
 def test_methods_that_never_drove(results):
     """No path: the logs have no lines."""
     def edit(summary):
@@ -206,11 +210,13 @@ def test_methods_that_never_drove(results):
     assert share_of(picture(results), patrol_report.LOOKS["plain"]["color"]) < 2e-3  # the legend's
 
 
+@sketched
 def test_one_method_alone(results):
     change(results, lambda summary: summary.update(methods=summary["methods"][1:2]))
     assert "pure pursuit" not in report(results)
 
 
+@sketched
 def test_new_plans_are_told(results):
     change(results, lambda s: s["methods"].__setitem__(0, method_about("improved", 20, plans=3)))
     summary, drives = patrol_report.load(results)
@@ -233,6 +239,7 @@ def test_runs_of_a_state():
     assert patrol_report.spans_of(times, np.ones(6, dtype=bool)) == pytest.approx([(0, 0.5)])
 
 
+@sketched
 def test_what_is_shown_of_a_large_map(results):
     summary, drives = patrol_report.load(results)
     summary["map"].update(width=4000, height=4000)
@@ -283,7 +290,7 @@ def test_robot_is_drawn_where_it_is():
 ])
 def test_garbled_summaries_are_refused(results, edit, part):
     change(results, edit)
-    assert_one_line_error(run_tool("patrol_report.py", results), part)
+    assert_one_line_error(run_tool("report.patrol_report", results), part)
     assert not (results / "report.html").exists() and not (results / "patrol.png").exists()
 
 
@@ -295,8 +302,8 @@ def test_garbled_summaries_are_refused(results, edit, part):
 def test_garbled_logs_are_refused(results, damage, part):
     path = results / "log_plain.csv"
     path.write_text(damage(path.read_text()))
-    assert_one_line_error(run_tool("patrol_report.py", results), "log_plain.csv", part)
+    assert_one_line_error(run_tool("report.patrol_report", results), "log_plain.csv", part)
 
 
 def test_missing_results_are_named(tmp_path):
-    assert_one_line_error(run_tool("patrol_report.py", tmp_path), "summary.json")
+    assert_one_line_error(run_tool("report.patrol_report", tmp_path), "summary.json")

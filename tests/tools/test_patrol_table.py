@@ -1,17 +1,18 @@
-"""tools/patrol_table.py and jp-patrol-config: the committed tables are fresh, numbers read back, what is refused."""
+"""patrol_table.py and jp-patrol-config: the committed tables are fresh, numbers read back, what is refused."""
 import json
 import re
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import JP_ROBOT, ROOT, assert_one_line_error, run_tool
 
-import patrol_table
+from tools.design import patrol_table
 
 PROGRAM = JP_ROBOT.with_name("jp-patrol-config")
 ROBOT = ROOT / "sim" / "robots" / "patrol.cfg"
-TABLES = ("src/float/tables/patrol_patrol.c", "src/tables/pure_pursuit_patrol.c")
+TABLES = ("src/tables/patrol_patrol.c", "src/tables/pure_pursuit_patrol.c")
 
 COMPARE = """
 #include <joulepath/patrol.h>
@@ -27,7 +28,7 @@ int main(void)
 
 
 def make(*arguments):
-    return run_tool("patrol_table.py", *arguments)
+    return run_tool("design.patrol_table", *arguments)
 
 
 def config(*arguments):
@@ -35,7 +36,7 @@ def config(*arguments):
 
 
 def printed():
-    return json.loads(config(ROBOT, "--json").stdout)
+    return json.loads(config(ROBOT, "--json=-").stdout)
 
 
 def changed_robot(path, before, after):
@@ -46,7 +47,7 @@ def changed_robot(path, before, after):
 
 
 def test_committed_tables_are_fresh(tmp_path):
-    result = make("patrol", "--source", tmp_path / "src")
+    result = make("patrol", "--tables", tmp_path / "src/tables")
     assert result.returncode == 0, result.stderr
     made = sorted(path for path in tmp_path.rglob("*") if path.is_file())
     assert made == sorted(tmp_path / table for table in TABLES)
@@ -57,7 +58,7 @@ def test_committed_tables_are_fresh(tmp_path):
 @pytest.mark.parametrize("table", TABLES)
 def test_tables_are_formatted_and_hold_every_member(table):
     text = (ROOT / table).read_text(encoding="utf-8")
-    part = "patrol" if "float" in table else "pure_pursuit"
+    part = Path(table).stem.removesuffix("_patrol")
     names = re.findall(r"\.(\w+) = \S", text)
     assert names == [member["key"].rsplit(".", 1)[-1] for member in printed()[part]]
     for line in text.splitlines():
@@ -65,11 +66,11 @@ def test_tables_are_formatted_and_hold_every_member(table):
 
 
 def test_a_change_of_the_robot_reaches_the_compiler(tmp_path):
-    robot = changed_robot(tmp_path / "robot.cfg", "from_deg = 30.0;", "from_deg = 33.3;")
-    assert make(robot, "--source", tmp_path).returncode == 0
+    robot = changed_robot(tmp_path / "patrol.cfg", "from_deg = 30.0;", "from_deg = 33.3;")
+    assert make(robot, "--tables", tmp_path).returncode == 0
     (tmp_path / "compare.c").write_text(COMPARE)
     subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-I",
-                    ROOT / "include", tmp_path / "compare.c", tmp_path / "float/tables/patrol_patrol.c", "-o",
+                    ROOT / "include", tmp_path / "compare.c", tmp_path / "patrol_patrol.c", "-o",
                     tmp_path / "compare"], check=True)
     shown = subprocess.run([tmp_path / "compare"], capture_output=True, text=True, check=True).stdout.split()
     assert shown == [f"{float(np.float32(np.radians(33.3))):.17g}", f"{float(np.float32(0.3)):.17g}", "100"]
@@ -106,15 +107,22 @@ def test_bad_robots_are_refused_in_one_line_and_leave_nothing(tmp_path):
                                 ("hysteresis_s = 0.1;", "hysteresis_s = 0.01;", "band.hysteresis_s"),
                                 ("horizon_m = 3.5;", "horizon_m = 3.5; mood = 1;", "patrol.mood")):
         robot = changed_robot(tmp_path / "broken.cfg", before, after)
-        assert_one_line_error(make(robot, "--source", tmp_path / "src"), "broken.cfg", part)
-    assert_one_line_error(make("gao2018", "--source", tmp_path / "src"), "gao2018.cfg", "type")
-    assert_one_line_error(make("nobody", "--source", tmp_path / "src"), "nobody.cfg", "No such file")
+        assert_one_line_error(make(robot, "--tables", tmp_path / "src"), "broken.cfg", part)
+    assert_one_line_error(make("gao2018", "--tables", tmp_path / "src"), "gao2018.cfg", "type")
+    assert_one_line_error(make("nobody", "--tables", tmp_path / "src"), "nobody.cfg", "No such file")
+    assert not (tmp_path / "src").exists()
+
+
+def test_a_copy_under_another_name_is_refused(tmp_path):
+    copy = tmp_path / "mine.cfg"
+    copy.write_bytes(ROBOT.read_bytes())
+    assert_one_line_error(make(copy, "--tables", tmp_path / "src"), "mine.cfg", "name: is 'patrol'", "same name")
     assert not (tmp_path / "src").exists()
 
 
 def test_a_missing_program_is_named(tmp_path, monkeypatch):
     monkeypatch.setenv("JP_BUILD", str(tmp_path))
-    assert_one_line_error(make("patrol", "--source", tmp_path / "src"), "jp-patrol-config", "No such file")
+    assert_one_line_error(make("patrol", "--tables", tmp_path / "src"), "jp-patrol-config", "No such file")
 
 
 # ---- jp-patrol-config ------------------------------------------------------------------------------------------------
@@ -137,8 +145,8 @@ def test_table_shows_every_member_in_its_unit():
 
 
 @pytest.mark.parametrize("arguments, part", [
-    ([], "missing"),
-    ([ROBOT, ROBOT], "one robot file only"),
+    ([], "a robot is needed"),
+    ([ROBOT, ROBOT], "one robot only"),
     ([ROBOT, "--colour"], "colour"),
     ([ROOT / "sim" / "robots" / "zhang2018.cfg"], "four_wheel"),
     (["none.cfg"], "No such file"),
@@ -153,4 +161,4 @@ def test_a_full_disk_is_an_error():
     with open("/dev/full", "w", encoding="utf-8") as full:
         result = subprocess.run([PROGRAM, ROBOT], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert result.returncode == 2
-    assert "standard output cannot be written" in result.stderr
+    assert "standard output: cannot write" in result.stderr

@@ -1,18 +1,30 @@
-"""README.md: its examples are firmware that compiles and links, and its table of figures was made by a command."""
+"""The Markdown files: examples are firmware that compiles and links, links lead somewhere, what is named is there, and
+no figure is typed."""
 import re
 import subprocess
 
 import pytest
+import yaml
 from conftest import ROOT
+from once import once
+from tools.measure.figure_pages import BLOCK_MARK, PAGE, VALUE_MARK, bar_value, documents, measured
+from tools.measure.figure_store import STORE, by_name, read_store
 
-WARNINGS = ["-std=c11", "-fno-math-errno", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-I", str(ROOT / "include"), "-I",
-            str(ROOT)]
+LINES_MAX = 200  # of the front page
+FRONT = ROOT / "README.md"
+PACKAGED = ROOT / "tools/packaging"  # its README's links are those of the package
+PAGES = [*documents(ROOT), ROOT / PAGE]
+NAMES = [str(path.relative_to(ROOT)) for path in PAGES]
+WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror"]
+FLAGS = ["-std=c11", "-O0", "-fno-math-errno", "-I", str(ROOT / "include"), "-I", str(ROOT)]
+COMPILERS = {"host": ["gcc"],
+             "cortex-m4": ["arm-none-eabi-gcc", "-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard",
+                           "--specs=nosys.specs"]}
 
 BALANCER_BOARD = """
 #include "hal/hal.h"
 enum jp_status board_read(void *context, struct jp_sensors *sensors);
 enum jp_status board_write(void *context, const struct jp_actuation *actuation);
-uint32_t board_time_us(void *context);
 enum jp_status board_read(void *context, struct jp_sensors *sensors)
 {
     (void)context;
@@ -24,11 +36,6 @@ enum jp_status board_write(void *context, const struct jp_actuation *actuation)
     (void)context;
     (void)actuation;
     return JP_OK;
-}
-uint32_t board_time_us(void *context)
-{
-    (void)context;
-    return 0;
 }
 """
 
@@ -60,54 +67,154 @@ jp_q16 joules_left(void)
 }
 """
 
-BOARDS = [PILOT_BOARD, PLANNER_BOARD, BALANCER_BOARD]
+EXAMPLES = {"README.md": BALANCER_BOARD, "src/search/README.md": PLANNER_BOARD, "src/learn/README.md": PILOT_BOARD}
 
 
-def readme():
-    return (ROOT / "README.md").read_text(encoding="utf-8")
+def text_of(name):
+    return (ROOT / name).read_text(encoding="utf-8")
 
 
-def examples():
-    found = re.findall(r"^```c\n(.*?)^```", readme(), re.S | re.M)
-    assert len(found) == len(BOARDS), "README.md has lost or gained a C example"
-    return found
+def prose(name):
+    """Without blocks of code."""
+    return re.sub(r"^```.*?^```", "", text_of(name), flags=re.S | re.M)
 
 
-@pytest.fixture(params=range(3), ids=["pilot", "planner", "balancer"])
-def sources(request, tmp_path):
-    (tmp_path / "main.c").write_text(examples()[request.param], encoding="utf-8")
-    (tmp_path / "board.c").write_text(BOARDS[request.param], encoding="utf-8")
-    core = [*ROOT.glob("src/*.c"), *ROOT.glob("src/tables/*.c"), ROOT / "hal" / "hal.c"]
-    if "pilot.h" in examples()[request.param]:
-        core += ROOT.glob("src/float/*.c")
-    return [tmp_path / "main.c", tmp_path / "board.c", *core], tmp_path
+def shell_lines(name):
+    return [line for block in re.findall(r"^```sh\n(.*?)^```", text_of(name), re.S | re.M)
+            for line in block.splitlines()]
 
 
-def build(command):
+def test_the_front_page_is_short():
+    assert len(text_of("README.md").splitlines()) <= LINES_MAX
+
+
+# ---- examples ------------------------------------------------------------------------------------------------------
+
+def test_every_example_is_compiled():
+    with_example = {name for name in NAMES if "```c\n" in text_of(name)}
+    assert with_example == set(EXAMPLES)
+
+
+def build(*command):
     result = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
 
 
-def test_example_builds_on_the_host(sources):
-    files, directory = sources
-    build(["gcc", *WARNINGS, *files, "-o", directory / "example"])
+@pytest.fixture(scope="session", params=COMPILERS)
+def library(request, tmp_path_factory):
+    """A compiler, and all of the library that it made."""
+    compiler = COMPILERS[request.param]
+
+    def make(folder):
+        sources = [ROOT / "hal/hal.c", *ROOT.glob("src/**/*.c")]
+        subprocess.run([*compiler, *FLAGS, "-c", *map(str, sources)], cwd=folder, check=True)
+        subprocess.run(["ar", "qcs", "library.a", *map(str, folder.glob("*.o"))], cwd=folder, check=True)
+    return compiler, once(tmp_path_factory, f"library_{request.param}", make) / "library.a"
 
 
-def test_example_builds_for_a_microcontroller(sources):
-    files, directory = sources
-    build(["arm-none-eabi-gcc", "-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard", "-Os", "--specs=nosys.specs", *WARNINGS, *files, "-o",
-           directory / "example.elf"])
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example_builds(name, library, tmp_path):
+    compiler, archive = library
+    (example,) = re.findall(r"^```c\n(.*?)^```", text_of(name), re.S | re.M)
+    (tmp_path / "main.c").write_text(example, encoding="utf-8")
+    (tmp_path / "board.c").write_text(EXAMPLES[name], encoding="utf-8")
+    build(*compiler, *FLAGS, *WARNINGS, tmp_path / "main.c", tmp_path / "board.c", archive, "-lm", "-o",
+                tmp_path / "example")
 
 
-@pytest.mark.parametrize("mark, command", [("figures", "make figures"), ("plan", "make bench-plan")])
-def test_figures_are_in_the_readme(mark, command):
-    table = re.search(rf"<!-- {mark} -->\n(.*?)<!-- /{mark} -->", readme(), re.S)
-    assert table, f"README.md has lost the marks of its table {mark}"
-    rows = [line for line in table.group(1).splitlines() if line.startswith("|")]
-    assert len(rows) > 2, f"the table is empty: run {command}"
+# ---- what is named is there ----------------------------------------------------------------------------------------
+
+def anchors(path):
+    """As GitHub makes them of the headings."""
+    lines = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", path.read_text("utf-8"), flags=re.S | re.M), re.M)
+    return {re.sub(r"[^\w -]", "", line.lower()).replace(" ", "-") for line in lines}
 
 
-def test_commands_are_targets():
-    targets = set(re.findall(r"^([a-z-]+):.*##", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M))
-    named = set(re.findall(r"make ([a-z-]+)", readme()))
-    assert named <= targets, f"README.md names {sorted(named - targets)}, which the Makefile has not"
+@pytest.mark.parametrize("name", NAMES)
+def test_links_lead_somewhere(name):
+    for target in re.findall(r"\]\(([^)]+)\)", prose(name)):
+        if target.startswith(("http://", "https://")):
+            continue
+        file, _, anchor = target.partition("#")
+        place = (ROOT / name).parent
+        if place == PACKAGED:
+            place = ROOT
+        path = place / file if file else ROOT / name
+        assert path.exists(), target
+        assert not anchor or anchor in anchors(path), target
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_commands_are_targets(name):
+    makefiles = [ROOT / "Makefile", *ROOT.glob("tools/make/*.mk")]
+    targets = {target for path in makefiles
+               for words in re.findall(r"^([a-z-]+(?: [a-z-]+)*):", path.read_text("utf-8"), re.M)
+               for target in words.split()}
+    named = set(re.findall(r"(?:`|^)(?:JP_SETUP=skip )?make ([a-z][a-z-]*)(?![\w/-])", text_of(name), re.M))
+    assert named <= targets
+
+
+def is_placeholder(path):
+    return re.search(r"mine|name|<", path) is not None
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_paths_exist(name):
+    for path in re.findall(r"`((?:include|src|hal|sim|tools|tests)/[\w./*-]+)`", text_of(name)):
+        assert is_placeholder(path) or list(ROOT.glob(path)), path
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_programs_and_modules_exist(name):
+    text = text_of(name)
+    for program in re.findall(r"(?:`|^|build/bin/)(jp-[a-z-]+)\b", text, re.M):
+        assert (ROOT / f"sim/programs/{program}.c").exists(), program
+    for module in re.findall(r"\b-m (tools(?:\.\w+)+)", text):
+        assert (ROOT / (module.replace(".", "/") + ".py")).exists(), module
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_options_exist(name):
+    for line in shell_lines(name):
+        program = re.match(r"(?:build/bin/)?(jp-[a-z-]+) ", line)
+        source = program and "\n".join(path.read_text("utf-8") for path in ROOT.glob("sim/**/*.c"))
+        for option in re.findall(r" --([a-z-]+)", line) if program else []:
+            assert f'"{option}"' in source, line
+
+
+def test_the_rooms_are_those_of_the_gate():
+    rooms = yaml.safe_load(text_of("tests/gates/layers.yaml"))["rooms"]
+    layers = {room: below for room, below in rooms.items() if room.startswith("src/")}
+    rows = re.findall(r"^\| `(\w+/)` \|.*\| ([\w, ]*)\|$", text_of("src/README.md"), re.M)
+    assert [f"src/{room[:-1]}" for room, _ in rows] == list(layers)
+    for room, included in rows:
+        if re.fullmatch(r"(\w+, )*\w+ |", included):
+            assert [f"src/{name}" for name in included.strip().split(", ") if name] == layers[f"src/{room[:-1]}"], room
+
+
+# ---- figures -------------------------------------------------------------------------------------------------------
+
+def without_marks(name):
+    """Text in which figures could only have been typed."""
+    return BLOCK_MARK.sub("", VALUE_MARK.sub("", text_of(name)))
+
+
+def without_spaces(text):
+    """Between digits."""
+    return re.sub(r"(?<=\d)[ \u202f](?=\d)", "", text)
+
+
+def test_no_figure_is_typed_on_the_front_page():
+    text = re.sub(r"^```.*?^```", "", without_marks("README.md"), flags=re.S | re.M)
+    assert re.findall(r"\d[\d.,\u202f ]*(?:%|J|B|KiB|KB|×|instructions)(?![\w])", text) == []
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name != PAGE])
+def test_no_figure_is_typed(name):
+    """Nor a bar. Short ones could be anything; of some digits and with a unit it is one of the store's."""
+    figures = [figure for figure in by_name(STORE, read_store(ROOT / STORE)).values() if figure["unit"]]
+    shown = {measured(figure): 3 for figure in figures}
+    shown |= {bar_value(figure): 4 for figure in figures if figure["bound"]}
+    text = without_spaces(without_marks(name))
+    assert [number for number, digits in shown.items() if len(re.sub(r"\D", "", number)) >= digits
+            and re.search(rf"(?<![\w.]){re.escape(without_spaces(number))}(?!\w)", text)] == []

@@ -1,12 +1,14 @@
-"""tools/report.py: every section from synthetic results, bad input."""
+"""tools/report/report.py: every section from synthetic results, bad input."""
 import json
 import re
+import shutil
 from html.parser import HTMLParser
 
 import pytest
-from conftest import ROOT, assert_one_line_error, run_tool
+from conftest import ROOT, assert_one_line_error, run_tool, sketched
 from mission_data import write_mission
-from report import COLOURS, STYLES
+
+from tools.report.report import COLOURS, STYLES
 
 SECTIONS = ["Segments of the route", "Strategies compared", "Path", "Energy", "Speed and turn rate", "Pitch", "Motors",
             "Power", "Coordinate error"]
@@ -33,10 +35,16 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
 
+@pytest.fixture(scope="session")
+def sound_mission(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("mission")
+    write_mission(folder)
+    return folder
+
+
 @pytest.fixture
-def mission(tmp_path):
-    write_mission(tmp_path)
-    return tmp_path
+def mission(sound_mission, tmp_path):
+    return shutil.copytree(sound_mission, tmp_path, dirs_exist_ok=True)
 
 
 def change(directory, edit):
@@ -47,7 +55,7 @@ def change(directory, edit):
 
 
 def test_the_page_has_every_section_and_needs_nothing_else(mission):
-    result = run_tool("report.py", mission)
+    result = run_tool("report.report", mission)
     assert result.returncode == 0, result.stderr
     text = (mission / "report.html").read_text()
     headings = re.findall(r"<h2>(.*?)</h2>", text)
@@ -68,8 +76,9 @@ def cells(page, row):
     return re.findall(r"<td>(.*?)</td>", re.search(rf"<tr[^>]*><td>{row}</td>(.*?)</tr>", page)[1])
 
 
+@sketched
 def test_what_was_foretold_stands_beside_what_was_spent(mission):
-    assert run_tool("report.py", mission).returncode == 0
+    assert run_tool("report.report", mission).returncode == 0
     page = (mission / "report.html").read_text()
     assert cells(page, "forecast before the start, J") == ["–", "–", "–", "1\u202f111.32 ± 24.69"]
     assert cells(page, "total energy, J")[3] == "1\u202f112.66"
@@ -78,47 +87,65 @@ def test_what_was_foretold_stands_beside_what_was_spent(mission):
     assert page.index("Whole route at once: what was planned") < page.index("Strategies compared")
 
 
+@sketched
 def test_without_a_forecast_none_is_shown(mission):
     change(mission, lambda s: s["strategies"][3].update(forecast=None))
-    assert run_tool("report.py", mission).returncode == 0
+    assert run_tool("report.report", mission).returncode == 0
     page = (mission / "report.html").read_text()
     assert "forecast" not in page and page.count("what was planned and what the robot spent") == 1
 
 
 def test_every_strategy_of_the_simulator_has_a_colour_and_style_of_its_own():
-    report = (ROOT / "sim/mission_report.c").read_text()
+    report = (ROOT / "sim/missions/mission_report.c").read_text()
     names = re.findall(r'\[MISSION_\w+\] = \{"(\w+)"', report)
     assert len(names) >= 6 and set(COLOURS) == set(STYLES) == set(names)
     assert len(set(COLOURS.values())) == len(names)
 
 
+@sketched
 def test_equal_data_give_equal_bytes(mission):
-    assert run_tool("report.py", mission).returncode == 0
+    assert run_tool("report.report", mission).returncode == 0
     first = (mission / "report.html").read_bytes()
-    assert run_tool("report.py", mission).returncode == 0
+    assert run_tool("report.report", mission).returncode == 0
     assert (mission / "report.html").read_bytes() == first
 
 
+@sketched
 def test_titles_are_text_not_markup(mission):
     change(mission, lambda s: s["strategies"][0].update(title="<script>alert(1)</script>"))
-    assert run_tool("report.py", mission).returncode == 0
+    assert run_tool("report.report", mission).returncode == 0
     text = (mission / "report.html").read_text()
     assert "<script" not in text and "&lt;script&gt;" in text
 
 
+@sketched
 def test_a_single_strategy_makes_a_page(mission):
     def edit(summary):
         del summary["strategies"][1:]
         summary["waypoints_m"] = summary["waypoints_m"][:2]
         summary["strategies"][0]["segments"] = summary["strategies"][0]["segments"][:1]
     change(mission, edit)
-    assert run_tool("report.py", mission).returncode == 0
+    assert run_tool("report.report", mission).returncode == 0
     assert (mission / "path.png").read_bytes().startswith(b"\x89PNG")
 
 
+@sketched
+def test_a_strategy_that_cannot_drive_the_route_is_said(mission):
+    reason = "leg 2: the path bends more than the robot takes"
+    kept = ("name", "title", "log")
+    change(mission, lambda s: s["strategies"].__setitem__(2, {**{key: s["strategies"][2][key] for key in kept},
+                                                              "impossible": reason}))
+    (mission / "log_bezier.csv").write_text("t_s\n")
+    assert run_tool("report.report", mission).returncode == 0
+    page = (mission / "report.html").read_text()
+    assert f"cannot drive this route: {reason}." in page
+    assert len(cells(page, "total energy, J")) == 3
+
+
+@sketched
 def test_what_a_recorded_drive_does_not_know_is_left_out(mission):
     change(mission, lambda s: s.update(robot=None, energy_model=None, energy=None, seed=None, simulation=None))
-    assert run_tool("report.py", mission).returncode == 0
+    assert run_tool("report.report", mission).returncode == 0
     text = re.sub(r"data:image[^\"]*", "", (mission / "report.html").read_text())
     assert "<title>gao2018_table3 · Joulepath</title>" in text
     assert not any(part in text for part in ("None", "seed", "energy model", "energy of the", "real time", "Simulated"))
@@ -137,12 +164,14 @@ def test_what_a_recorded_drive_does_not_know_is_left_out(mission):
     (lambda s: s.pop("simulation"), "simulation"),
     (lambda s: s["strategies"][0].update(title=3), "title"),
     (lambda s: s["strategies"][1].pop("forecast"), "forecast"),
+    (lambda s: s["strategies"][1].update(impossible=3), "impossible"),
+    (lambda s: s["strategies"][0].update(impossible="no way"), "compared with it"),
     (lambda s: s["strategies"][3].update(forecast={"energy_j": 1}), "deviation_j"),
     (lambda s: s["strategies"][3]["forecast"].update(energy_j="many"), "strategies[3].forecast"),
 ])
 def test_garbled_summaries_are_refused(mission, edit, part):
     change(mission, edit)
-    assert_one_line_error(run_tool("report.py", mission), part)
+    assert_one_line_error(run_tool("report.report", mission), part)
     assert not (mission / "report.html").exists()
 
 
@@ -156,13 +185,13 @@ def test_garbled_summaries_are_refused(mission, edit, part):
 def test_garbled_logs_are_refused(mission, damage, part):
     path = mission / "log_straight.csv"
     path.write_text(damage(path.read_text()))
-    assert_one_line_error(run_tool("report.py", mission), "log_straight.csv", part)
+    assert_one_line_error(run_tool("report.report", mission), "log_straight.csv", part)
     assert not (mission / "report.html").exists()
 
 
 def test_missing_results_are_named(tmp_path):
-    assert_one_line_error(run_tool("report.py", tmp_path), "summary.json")
+    assert_one_line_error(run_tool("report.report", tmp_path), "summary.json")
     (tmp_path / "summary.json").write_bytes(b"\xff\xfe")
-    assert_one_line_error(run_tool("report.py", tmp_path), "summary.json")
+    assert_one_line_error(run_tool("report.report", tmp_path), "summary.json")
 
 

@@ -16,8 +16,8 @@ OLD = "from an earlier run\n"
 
 def route(*arguments, robot="gao2018"):
     path = ROOT / "sim" / "robots" / f"{robot}.cfg"
-    return subprocess.run([JP_ROUTE, path, *map(str, arguments)], capture_output=True, text=True, check=False,
-                          timeout=60)
+    return subprocess.run([JP_ROUTE, "--robot", path, *map(str, arguments)], capture_output=True, text=True, check=False,
+                          timeout=600)
 
 
 def write_csv(path, points, heading=None):
@@ -97,6 +97,20 @@ def test_other_columns_are_left_alone(tmp_path):
     named = tmp_path / "plan.csv"
     named.write_text("z_m, y_m ,name,x_m\n1,0,a,0\n\n2, 10 ,b,10\r\n")
     plan, plain = plans(tmp_path, named, write_json(tmp_path / "plain.json", PAPER[:2]))
+    assert plan["joint"] == plain["joint"]
+
+
+@pytest.mark.parametrize("text", [
+    "\ufeffx_m,y_m\r\n0,0\r\n10,10\r\n",
+    '"x_m","y_m"\n"0","0"\n"10","10"\n',
+    '\ufeff"note, ""quoted""", "x_m" ,"y_m"\n"a, ""b""",0,0\n"",10,10\n',
+    "x_m,y_m,heading_deg\n0,0,0\n10,10,\n",
+    "x_m,y_m,heading_deg\n0,0,\n10,10\n",
+])
+def test_csv_of_spreadsheets(tmp_path, text):
+    path = tmp_path / "route.csv"
+    path.write_text(text, newline="")
+    plan, plain = plans(tmp_path, path, write_json(tmp_path / "plain.json", PAPER[:2]))
     assert plan["joint"] == plain["joint"]
 
 
@@ -183,6 +197,11 @@ def test_table(paper, tmp_path):
     assert len({len(line) for line in lines[1:8]}) == 1
 
 
+def test_json_instead_of_the_table(paper, tmp_path):
+    result = route(paper, "--json=-")
+    assert [json.loads(line) for line in result.stdout.splitlines()] == plans(tmp_path, paper)
+
+
 def test_equal_runs_give_equal_bytes(paper):
     assert route(paper).stdout == route(paper).stdout
 
@@ -195,6 +214,9 @@ def test_equal_runs_give_equal_bytes(paper):
     ("x_m,y_m\n0,0\n", ("1 points",)),
     ("x_m,y_m\n0,0\n1,a\n", ("line 3", "'a'")),
     ("x_m,y_m\n0,0\n1\n", ("line 3", "30000")),
+    ("x_m,y_m\n0,0\n1,\n", ("line 3", "30000")),
+    ('x_m,y_m\n0,0\n1,"2\n', ("line 3", "not a number")),
+    ("x_m,y_m,heading_deg\n0,0,0\n1,0,x\n", ("line 3", "'x'")),
     ("x_m,y_m\n0,0\n40000,0\n", ("line 3", "30000")),
     ("x_m,y_m\n0,0\nnan,0\n", ("line 3",)),
     ("x_m,y_m,heading_deg\n0,0,400\n1,0,0\n", ("heading_deg",)),

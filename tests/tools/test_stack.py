@@ -1,12 +1,12 @@
-"""tools/stack.py: the deepest path, and what has none."""
+"""tools/measure/stack.py: the deepest path, and what has none."""
 import json
 
-import call_graph
 import pytest
-import stack
-from common import ToolError
 from conftest import assert_one_line_error, run_tool
 from core_fixtures import PRELUDE, make_variant
+
+from tools.common import ToolError
+from tools.measure import call_graph, stack
 
 ENTRY = "jp_robot_tick"
 
@@ -22,11 +22,11 @@ def only_entry(monkeypatch, tmp_path):
 def measure(only_entry, tmp_path):
     """Runs the tool on one source; `listed` are the targets of the indirect calls."""
     def run(source, listed=None, variant="cortex-m4"):
-        folder = make_variant(tmp_path, {"src/robot.o": source}, variant)
+        folder = make_variant(tmp_path, {"src/balancer/robot.o": source}, variant)
         path = tmp_path / "indirect_calls.json"
-        path.write_text(json.dumps({call: [t.replace("HERE", str(folder / "src/robot.c")) for t in targets]
+        path.write_text(json.dumps({call: [t.replace("HERE", str(folder / "src/balancer/robot.c")) for t in targets]
                                     for call, targets in (listed or {}).items()}))
-        return run_tool("stack.py", "--paths", "--indirect", path, folder)
+        return run_tool("measure.stack", "--paths", "--indirect", path, folder)
     run.table = lambda: json.loads((tmp_path / "build/numbers/stack.json").read_text())
     run.figures = lambda: json.loads((tmp_path / "build/bench/stack.json").read_text())
     return run
@@ -56,16 +56,16 @@ def test_the_float_library_has_entries_where_it_is(only_entry, monkeypatch, tmp_
     monkeypatch.setattr(stack, "FLOAT_ENTRIES", ("jp_float_entry",))
     float_source = PRELUDE + LEAF.format("deep", 300) + "KEEP void jp_float_entry(void) { deep(); }\n"
     float_source = float_source.replace("use(", "use_too(")
-    one = make_variant(tmp_path, {"src/robot.o": CHAIN, "src/float/obstacles.o": float_source})
-    other = make_variant(tmp_path, {"src/robot.o": CHAIN}, "cortex-m0")
+    one = make_variant(tmp_path, {"src/balancer/robot.o": CHAIN, "src/local/obstacles.o": float_source})
+    other = make_variant(tmp_path, {"src/balancer/robot.o": CHAIN}, "cortex-m0")
     table = stack.measure([one, other], {})
     assert list(table["jp_float_entry"]) == ["Cortex-M4"]
     assert table["jp_float_entry"]["Cortex-M4"] > 300
 
 
 def test_the_worst_of_several_variants_counts(only_entry, tmp_path):
-    one = make_variant(tmp_path / "one", {"src/robot.o": CHAIN})
-    other = make_variant(tmp_path / "other", {"src/robot.o": CHAIN.replace("200", "400")})
+    one = make_variant(tmp_path / "one", {"src/balancer/robot.o": CHAIN})
+    other = make_variant(tmp_path / "other", {"src/balancer/robot.o": CHAIN.replace("200", "400")})
     other = other.rename(other.with_name("cortex-m4-os"))
     table = stack.measure([one, other], {})
     assert table[ENTRY]["Cortex-M4"] > 400
@@ -146,8 +146,8 @@ def test_helpers_of_the_compiler_count(measure, variant, core, least):
 
 
 def test_an_object_of_another_build_is_refused(only_entry, tmp_path):
-    folder = make_variant(tmp_path, {"src/robot.o": CHAIN})
-    path = folder / "src/robot.ci"
+    folder = make_variant(tmp_path, {"src/balancer/robot.o": CHAIN})
+    path = folder / "src/balancer/robot.ci"
     path.write_text(path.read_text().replace(" bytes (static)", "0 bytes (static)"))
     with pytest.raises(ToolError, match="build again"):
         stack.measure([folder], {})
@@ -160,11 +160,11 @@ def test_a_missing_entry_is_an_error(measure):
 @pytest.mark.parametrize("content, part", [("[]", "list of functions"), ('{"read": []}', "list"), ("{", "no JSON")])
 def test_a_garbled_list_is_refused(only_entry, tmp_path, content, part):
     (tmp_path / "list.json").write_text(content)
-    assert_one_line_error(run_tool("stack.py", "--indirect", tmp_path / "list.json", tmp_path), "list.json", part)
+    assert_one_line_error(run_tool("measure.stack", "--indirect", tmp_path / "list.json", tmp_path), "list.json", part)
 
 
 def test_a_folder_without_a_build_is_refused(only_entry, tmp_path):
-    assert_one_line_error(run_tool("stack.py", tmp_path / "cortex-m4"), "cortex-m4", "no call graphs")
+    assert_one_line_error(run_tool("measure.stack", tmp_path / "cortex-m4"), "cortex-m4", "no call graphs")
 
 
 @pytest.mark.parametrize("operation, operands, growth", [

@@ -1,4 +1,4 @@
-"""tools/target_tests.py: the sum of the logs of the emulated cores."""
+"""tools/measure/target_tests.py: the sum of the logs of the emulated cores."""
 import json
 
 import pytest
@@ -17,7 +17,7 @@ def summarise(tmp_path):
             paths[-1].parent.mkdir(exist_ok=True)
             if text is not None:
                 paths[-1].write_text(text)
-        result = run_tool("target_tests.py", "--bench", tmp_path / "targets.json", "--seconds", seconds, *paths)
+        result = run_tool("measure.target_tests", "--bench", tmp_path / "targets.json", "--seconds", seconds, *paths)
         bench = tmp_path / "targets.json"
         return result, json.loads(bench.read_text()) if bench.exists() else None
     return run

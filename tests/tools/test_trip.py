@@ -17,7 +17,7 @@ KEYS = {"seed", "robot", "variation", "fault", "change", "outcome", "segments", 
 
 def trip(*arguments, robot=COURIER):
     return subprocess.run([BIN / "jp-trip", robot, *map(str, arguments)], capture_output=True, text=True, check=False,
-                          timeout=120)
+                          timeout=600)
 
 
 def missions(*arguments, robot=COURIER):

@@ -1,6 +1,7 @@
 /**
  * Assertions and runner with the names and the output of ThrowTheSwitch Unity, in one header that needs no
  * floating point, no heap and no stdio on a target. The real unity.h can take its place: `make test UNITY=<dir>`.
+ * So it includes nothing that the real one does not, lest a test come to need it.
  *
  * Include it from one source file of each test program. UNITY_OUTPUT_CHAR(c) and UNITY_OUTPUT_FLUSH() say where the
  * text goes; UNITY_INCLUDE_CONFIG_H reads them from unity_config.h.
@@ -9,13 +10,11 @@
 #define UNITY_H
 
 #include <setjmp.h>
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <string.h>
 
 #ifdef UNITY_INCLUDE_CONFIG_H
-#include "unity_config.h"
+#include "tests/target/unity_config.h"
 #endif
 
 #ifndef UNITY_OUTPUT_CHAR
@@ -55,8 +54,8 @@ struct unity_state {
     unsigned tests;
     unsigned failures;
     unsigned ignored;
-    bool test_failed;
-    bool test_ignored;
+    _Bool test_failed;
+    _Bool test_ignored;
     jmp_buf abort;
 };
 
@@ -141,7 +140,7 @@ static inline void unity_print_end(void)
 /** Starts the line of a failure; the caller prints the reason, then calls unity_fail_end(). */
 static inline void unity_fail_begin(unsigned line)
 {
-    unity.test_failed = true;
+    unity.test_failed = 1;
     unity_print_head(line, "FAIL:");
 }
 
@@ -167,7 +166,7 @@ static inline _Noreturn void unity_fail(unsigned line, const char *message)
 
 static inline _Noreturn void unity_ignore(unsigned line, const char *message)
 {
-    unity.test_ignored = true;
+    unity.test_ignored = 1;
     unity_print_head(line, "IGNORE");
     if (message != NULL) {
         UnityPrint(": ");
@@ -189,7 +188,7 @@ static inline void unity_message(unsigned line, const char *message)
     unity_print_end();
 }
 
-static inline void unity_check(bool holds, const char *reason, unsigned line, const char *message)
+static inline void unity_check(_Bool holds, const char *reason, unsigned line, const char *message)
 {
     if (!holds) {
         unity_fail_begin(line);
@@ -198,12 +197,12 @@ static inline void unity_check(bool holds, const char *reason, unsigned line, co
     }
 }
 
-static inline bool unity_is_less(struct unity_type type, int64_t a, int64_t b)
+static inline _Bool unity_is_less(struct unity_type type, int64_t a, int64_t b)
 {
     return type.style == UNITY_STYLE_INT ? a < b : (uint64_t)a < (uint64_t)b;
 }
 
-static inline bool unity_holds(enum unity_relation relation, struct unity_type type, int64_t threshold, int64_t actual)
+static inline _Bool unity_holds(enum unity_relation relation, struct unity_type type, int64_t threshold, int64_t actual)
 {
     switch (relation) {
     case UNITY_EQUAL:
@@ -219,7 +218,7 @@ static inline bool unity_holds(enum unity_relation relation, struct unity_type t
     case UNITY_LESS_OR_EQUAL:
         return !unity_is_less(type, threshold, actual);
     }
-    return false;
+    return 0;
 }
 
 static inline void unity_print_difference(struct unity_type type, int64_t expected, int64_t actual)
@@ -256,7 +255,7 @@ static inline void unity_compare(enum unity_relation relation, struct unity_type
     unity_fail_end(message);
 }
 
-static inline bool unity_is_within(struct unity_type type, uint64_t delta, int64_t expected, int64_t actual)
+static inline _Bool unity_is_within(struct unity_type type, uint64_t delta, int64_t expected, int64_t actual)
 {
     uint64_t distance = unity_is_less(type, actual, expected) ? (uint64_t)expected - (uint64_t)actual
                                                               : (uint64_t)actual - (uint64_t)expected;
@@ -285,7 +284,7 @@ static inline void unity_within(struct unity_type type, uint64_t delta, int64_t 
 static inline int64_t unity_element(struct unity_type type, const void *array, size_t index)
 {
     const char *element = (const char *)array + index * type.bytes;
-    bool negative = type.style == UNITY_STYLE_INT;
+    _Bool negative = type.style == UNITY_STYLE_INT;
     uint8_t u8;
     uint16_t u16;
     uint32_t u32;
@@ -293,16 +292,16 @@ static inline int64_t unity_element(struct unity_type type, const void *array, s
 
     switch (type.bytes) {
     case 1:
-        memcpy(&u8, element, 1);
+        __builtin_memcpy(&u8, element, 1);
         return negative ? (int8_t)u8 : u8;
     case 2:
-        memcpy(&u16, element, 2);
+        __builtin_memcpy(&u16, element, 2);
         return negative ? (int16_t)u16 : u16;
     case 4:
-        memcpy(&u32, element, 4);
+        __builtin_memcpy(&u32, element, 4);
         return negative ? (int64_t)(int32_t)u32 : (int64_t)u32;
     default:
-        memcpy(&u64, element, 8);
+        __builtin_memcpy(&u64, element, 8);
         return (int64_t)u64;
     }
 }
@@ -367,7 +366,7 @@ static inline void unity_memory(const void *expected, const void *actual, size_t
     }
 }
 
-static inline void unity_check_strings(bool equal, const char *expected, const char *actual, unsigned line,
+static inline void unity_check_strings(_Bool equal, const char *expected, const char *actual, unsigned line,
                                        const char *message)
 {
     if (!equal) {
@@ -380,27 +379,37 @@ static inline void unity_check_strings(bool equal, const char *expected, const c
     }
 }
 
+/** Of both no more than `length` characters count. */
+static inline _Bool unity_strings_are_equal(const char *expected, const char *actual, size_t length)
+{
+    size_t i = 0;
+
+    if (expected == NULL || actual == NULL) {
+        return expected == actual;
+    }
+    while (i < length && expected[i] == actual[i] && expected[i] != '\0') {
+        i++;
+    }
+    return i == length || expected[i] == actual[i];
+}
+
 static inline void unity_string(const char *expected, const char *actual, unsigned line, const char *message)
 {
-    bool equal = expected != NULL && actual != NULL ? strcmp(expected, actual) == 0 : expected == actual;
-
-    unity_check_strings(equal, expected, actual, line, message);
+    unity_check_strings(unity_strings_are_equal(expected, actual, SIZE_MAX), expected, actual, line, message);
 }
 
 static inline void unity_string_start(const char *expected, const char *actual, size_t length, unsigned line,
                                       const char *message)
 {
-    bool equal = expected != NULL && actual != NULL ? strncmp(expected, actual, length) == 0 : expected == actual;
-
-    unity_check_strings(equal, expected, actual, line, message);
+    unity_check_strings(unity_strings_are_equal(expected, actual, length), expected, actual, line, message);
 }
 
 static inline void unity_run(void (*test)(void), const char *name, unsigned line)
 {
     unity.test = name;
     unity.line = line;
-    unity.test_failed = false;
-    unity.test_ignored = false;
+    unity.test_failed = 0;
+    unity.test_ignored = 0;
     unity.tests++;
     if (setjmp(unity.abort) == 0) {
         setUp();
@@ -421,8 +430,7 @@ static inline void unity_run(void (*test)(void), const char *name, unsigned line
 
 static inline int unity_begin(const char *file)
 {
-    memset(&unity, 0, sizeof unity);
-    unity.file = file;
+    unity = (struct unity_state){.file = file};
     return 0;
 }
 
@@ -836,7 +844,7 @@ static inline void unity_print_double(double value)
 }
 
 /** Unlike `fabs(difference) <= delta` this holds for equal infinities and for two NaNs, as in Unity. */
-static inline bool unity_double_is_within(double delta, double expected, double actual)
+static inline _Bool unity_double_is_within(double delta, double expected, double actual)
 {
     if (isnan(expected) || isnan(actual)) {
         return isnan(expected) && isnan(actual);
@@ -859,7 +867,7 @@ static inline void unity_double_within(double delta, double expected, double act
     }
 }
 
-static inline void unity_double_compare(bool holds, const char *words, double threshold, double actual, unsigned line,
+static inline void unity_double_compare(_Bool holds, const char *words, double threshold, double actual, unsigned line,
                                         const char *message)
 {
     if (!holds) {

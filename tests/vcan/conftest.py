@@ -1,4 +1,4 @@
-"""Finds the module that the tests share. These tests are for tools/with_vcan.sh, but for test_vcan_results.py."""
+"""Finds the module that the tests share. These tests are for with_vcan.sh, but for test_vcan_results.py."""
 import sys
 from pathlib import Path
 

@@ -1,16 +1,15 @@
 """jp-ecu and jp-plant on virtual CAN interfaces, beside the tools of others.
 
-For tools/with_vcan.sh --interfaces 2: vcan0 stays as it is, vcan1 is switched off and removed. An emulated kernel is
+For with_vcan.sh --interfaces 2: vcan0 stays as it is, vcan1 is switched off and removed. An emulated kernel is
 slow, so the drives are short, and the first one's results are examined outside by test_vcan_results.py.
 """
 import shutil
 import subprocess
-import time
 
 import pytest
-from programs import (BUILD, CANDUMP, LIMIT, LOG, SILENCES, THIRD_PARTY_CLIENT, VCAN_RESULTS, Programs,
-                      assert_client_drives, assert_done, assert_one_line_error, assert_same_drive, assert_stopped,
-                      summary, write_vcan_scenario)
+from programs import (BUILD, CANDUMP, LIMIT, LOG, SILENCES, VCAN_RESULTS, Programs, assert_done, assert_one_line_error,
+                      assert_stopped, summary, write_vcan_scenario)
+from simulated_time import Host
 
 # Every 4 ms, which is the clock of an emulated kernel.
 FLOOD = ["cangen", "vcan0", "-g", "4", "-c", "48", "-I", "555", "-L", "8"]
@@ -61,10 +60,8 @@ def test_a_full_bus(programs, short, tmp_path):
     programs.start(*FLOOD)
     plant, ecu = drive(programs, short, tmp_path / "drive", "paced")
     assert ecu["frames unknown"] > FLOOD_MIN * ecu["ticks"]
-    assert plant[SILENCES] == plant["faults that the ECU reports, enum jp_fault"] == 0
+    assert plant[SILENCES] == plant["faults that the ECU reports"] == 0
     assert summary(tmp_path / "drive")["strategies"][0]["segments"][0]["end_error_m"] < 0.1
-    if ecu["ticks without a sample"] == 0:  # a kernel that ran over has lost some
-        assert_same_drive(tmp_path / "drive", VCAN_RESULTS)
 
 
 def test_random_frames_end_a_mission(programs, short, tmp_path):
@@ -84,23 +81,31 @@ def test_a_second_controller_ends_a_mission(programs, short, tmp_path):
 
 
 def test_clients_drive_it(programs, short):
-    ecu = programs.ecu("can:vcan0")
-    plant = programs.plant(short, "--bus", "can:vcan0", "--host", "--pace", "paced")
-    assert_client_drives(lambda: programs.tool(THIRD_PARTY_CLIENT, "--bus", "can:vcan0", "0.5,0.2"))
-    assert_client_drives(lambda: programs.tool("tools/drive.py", "--bus", "can:vcan0", "--route", "1,0.4"))
-    assert plant.stop().counts[SILENCES] == 0
-    assert assert_stopped(ecu)["frames with a wrong CRC"] == 0
+    with Host(programs, short, bus="can:vcan0") as host:
+        ecu = host.start_ecu()
+        host.third_party_drive((0.5, 0.2))
+        host.drive((1.0, 0.4))
+        assert host.stop()[SILENCES] == 0
+        assert assert_stopped(ecu)["frames with a wrong CRC"] == 0
+
+
+def wait_for_frames(programs, interface):
+    assert programs.start("candump", "-n", "100", interface).wait().returncode == 0
+
+
+def assert_runs_on(program):
+    with pytest.raises(subprocess.TimeoutExpired):
+        program.process.wait(0.5)
 
 
 def test_an_interface_goes_down_and_up(programs, short, vcan1):
     """Simulated time waits for it."""
     ecu = programs.ecu(f"can:{vcan1}")
     plant = programs.plant(short, "--bus", f"can:{vcan1}", "--host=2", "--pace", "paced")
-    plant.says("jp-plant")
-    time.sleep(0.5)
+    wait_for_frames(programs, vcan1)
     ip_link("set", vcan1, "down")
-    time.sleep(0.5)
-    assert plant.running and ecu.running
+    assert_runs_on(plant)
+    assert_runs_on(ecu)
     ip_link("set", vcan1, "up")
     assert_done(plant)
     assert assert_stopped(ecu)["ticks"] >= 2000
@@ -110,8 +115,7 @@ def test_an_interface_that_does_not_come_back(programs, short, vcan1):
     """The plant gives up; the ECU goes on when there is an interface of that name again."""
     ecu = programs.ecu(f"can:{vcan1}")
     plant = programs.plant(short, "--bus", f"can:{vcan1}", "--host", "--pace", "paced")
-    plant.says("jp-plant")
-    time.sleep(0.5)
+    wait_for_frames(programs, vcan1)
     ip_link("del", vcan1)
     result = plant.wait()
     assert_one_line_error(result, "no ECU answered for 10 s", "the bus is down")

@@ -14,8 +14,8 @@ def fixture_short(tmp_path):
 
 
 def run_tool(name, *arguments):
-    result = subprocess.run([sys.executable, ROOT / "tools" / name, *arguments], capture_output=True, text=True,
-                            check=False)
+    result = subprocess.run([sys.executable, "-m", f"tools.{name}", *arguments], cwd=ROOT, capture_output=True,
+                            text=True, check=False)
     assert (result.returncode, result.stderr) == (0, "")
 
 
@@ -35,10 +35,10 @@ def test_the_drive_is_that_over_a_serial_line(short, tmp_path):
 
 
 def test_the_candump_log_becomes_a_report(tmp_path):
-    run_tool("can_report.py", VCAN_RESULTS / CANDUMP, tmp_path)
+    run_tool("operate.can_report", VCAN_RESULTS / CANDUMP, tmp_path)
     told, = summary(tmp_path)["strategies"][0]["segments"]
     known, = summary(VCAN_RESULTS)["strategies"][0]["segments"]
     for key in ("planned_energy_j", "measured_energy_j", "battery_energy_j"):
         assert told[key] == pytest.approx(known[key], abs=1e-4)
-    run_tool("report.py", tmp_path)
+    run_tool("report.report", tmp_path)
     assert f"{known['measured_energy_j']:.2f}" in (tmp_path / "report.html").read_text()

@@ -2,7 +2,7 @@
  * The SocketCAN link on virtual interfaces: what others send arrives, bus-off passes, an interface goes down, vanishes
  * and comes back, a full queue is busy.
  *
- * For tools/with_vcan.sh --interfaces 2: vcan0 stays as it is, vcan1 is switched off and removed. Nothing is skipped.
+ * For with_vcan.sh --interfaces 2: vcan0 stays as it is, vcan1 is switched off and removed. Nothing is skipped.
  */
 #include <linux/can.h>
 #include <linux/can/error.h>
@@ -14,7 +14,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "hal/linux/can_link.h"
+#include "hal/linux/can_open.h"
 #include "hal/linux/periodic.h"
 #include "unity.h"
 
@@ -313,23 +313,4 @@ static void test_links_give_everything_back(void)
     after = dup(0);
     (void)close(after);
     TEST_ASSERT_EQUAL_INT(before, after);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_frames_of_each_kind_cross);
-    RUN_TEST(test_own_frames_and_those_of_other_buses_do_not_arrive);
-    RUN_TEST(test_frames_that_do_not_exist_are_refused);
-    RUN_TEST(test_bus_off_lasts_until_the_controller_has_restarted);
-    RUN_TEST(test_bus_off_passes_without_news_too);
-    RUN_TEST(test_error_frames_never_reach_the_application);
-    RUN_TEST(test_an_interface_goes_down_and_up);
-    RUN_TEST(test_an_interface_vanishes_and_is_made_again);
-    RUN_TEST(test_sending_alone_notices_a_lost_interface);
-    RUN_TEST(test_a_full_queue_is_busy);
-    RUN_TEST(test_what_nobody_reads_is_dropped_by_the_kernel_and_the_link_goes_on);
-    RUN_TEST(test_interfaces_that_are_missing_down_or_of_another_kind);
-    RUN_TEST(test_links_give_everything_back);
-    return UNITY_END();
 }

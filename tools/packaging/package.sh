@@ -26,8 +26,8 @@ copy() {
     done
 }
 
-copy LICENSE include/joulepath/*.h src/*.[ch] src/tables/*.c src/float/*.[ch] src/float/tables/*.c
-copy hal/README.md hal/*.[ch] hal/can/*.[ch] hal/can/joulepath.dbc hal/skeleton/*.[ch]
+copy LICENSE include/joulepath/*.h src/*/*.[ch] src/single_precision.txt
+copy hal/README.md hal/*.[ch] hal/storage/*.[ch] hal/can/*.[ch] hal/can/joulepath.dbc hal/app/*.[ch] hal/skeleton/*.[ch]
 install -m 644 tools/packaging/README.md "$tree/README.md"
 install -m 644 tools/packaging/CMakeLists.txt "$tree/CMakeLists.txt"
 install -D -m 644 -t "$tree/zephyr" tools/packaging/zephyr/*

@@ -1,5 +1,5 @@
 /** Vector table of the emulated Cortex-M boards. */
-#include "../board.h"
+#include "tests/target/board.h"
 
 #define CPACR        (*(volatile uint32_t *)0xE000ED88)
 #define CPACR_FPU_ON (UINT32_C(0xF) << 20)

@@ -1,4 +1,4 @@
-#include "../cycles.h"
+#include "tests/target/cycles.h"
 
 #include <stdbool.h>
 

@@ -1,5 +1,5 @@
 /** Calls of the emulator. */
-#include "../board.h"
+#include "tests/target/board.h"
 
 void target_semihosting(uint32_t operation, const void *argument)
 {

@@ -1,5 +1,5 @@
 /** Reset and traps of QEMU's RISC-V board. */
-#include "../board.h"
+#include "tests/target/board.h"
 
 /** QEMU starts at the first byte of the image. */
 __attribute__((naked, used, section(".vectors"))) static void reset(void)

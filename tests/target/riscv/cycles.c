@@ -1,5 +1,5 @@
 /** Counts by the counter of retired instructions, which is exact under -icount. */
-#include "../cycles.h"
+#include "tests/target/cycles.h"
 
 static void empty(void *argument)
 {

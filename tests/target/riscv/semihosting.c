@@ -1,5 +1,5 @@
 /** Calls of the emulator. */
-#include "../board.h"
+#include "tests/target/board.h"
 
 /** The three instructions that mark the call must not be compressed nor stand on two pages. */
 __attribute__((naked)) void target_semihosting(uint32_t operation, const void *argument)

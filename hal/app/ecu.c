@@ -1,0 +1,603 @@
+#include "hal/app/ecu.h"
+
+#include <string.h>
+
+#include "hal/app/telemetry.h"
+#include "hal/can/jp_can.h"
+
+/** Without a frame of another controller for so long it is gone, ms. */
+#define CONFLICT_MS 500U
+
+/** Frames that announce a planned segment. */
+#define PLAN_FRAMES 3U
+
+/** Frames that tell what was learned, and how often at the least, s⁻¹. */
+#define LEARNED_FRAMES 2U
+#define LEARNED_RATE   1U
+
+static void count8(uint8_t *count)
+{
+    if (*count < UINT8_MAX) {
+        (*count)++;
+    }
+}
+
+static void count16(uint16_t *count)
+{
+    if (*count < UINT16_MAX) {
+        (*count)++;
+    }
+}
+
+static uint32_t tick_rate(const struct jp_ecu *ecu)
+{
+    return ecu->robot.config->estimator.tick_rate;
+}
+
+/* The board, as jp_hal_tick() sees it. */
+
+static void send(struct jp_ecu *ecu, const struct jp_can_frame *frame, bool *sent)
+{
+    *sent = ecu->port.send(ecu->port.context, frame) == JP_OK;
+    if (!*sent) {
+        count16(&ecu->send_errors);
+    }
+}
+
+static enum jp_status read_sample(void *context, struct jp_sensors *sensors)
+{
+    struct jp_ecu *ecu = context;
+    const struct jp_monitor *monitor = &ecu->robot.monitor;
+
+    return jp_sample_link_read(&ecu->samples, monitor->started ? &monitor->good : &ecu->samples.sample, sensors);
+}
+
+/** The bridges hold their duty for as long as the samples are held, so a short silence is no failure. Those that
+ * another controller drives are left to it: the bridges take a command of either. */
+static enum jp_status write_motor_command(void *context, const struct jp_actuation *actuation)
+{
+    struct jp_ecu *ecu = context;
+    struct jp_can_frame frame;
+    bool sent;
+
+    ecu->owns_bridges = ecu->owns_bridges || actuation->enabled != 0U;
+    if (!ecu->owns_bridges && ecu->conflict_ticks > 0U) {
+        return JP_OK;
+    }
+    jp_message_from_actuation(&frame, &ecu->motor_counter, actuation);
+    send(ecu, &frame, &sent);
+    if (sent) {
+        ecu->unsent = 0;
+    } else {
+        count16(&ecu->unsent);
+    }
+    return ecu->unsent > JP_SAMPLE_HOLD_TICKS ? JP_ERR_HARDWARE : JP_OK;
+}
+
+/* Start. */
+
+static bool within(int64_t value, int64_t limit)
+{
+    return value >= -limit && value <= limit;
+}
+
+/** The motors ran, and the numbers can be this robot's: chance or another firmware, too, makes a check come right. */
+static bool can_go_on(const struct jp_robot_config *config, const struct jp_snapshot *snapshot)
+{
+    const struct jp_estimator *estimator = &snapshot->estimator;
+    const struct jp_odometry *odometry = &snapshot->odometry;
+    uint8_t balancing;
+
+    /* A bool must not be read before it is known to be one. */
+    memcpy(&balancing, &snapshot->balancing, sizeof balancing);
+    return balancing == 1U && estimator->phase_per_rate == jp_phase_per_rate(config->estimator.tick_rate) &&
+           within(estimator->gyro_bias, (int64_t)JP_PHASE_TURN) && within(odometry->x, INT64_MAX / 2) &&
+           within(odometry->y, INT64_MAX / 2) && odometry->metres_per_turn == config->metres_per_turn;
+}
+
+/** After a reset in motion nobody has commanded anything yet: the robot stands and waits. */
+static void resume(struct jp_ecu *ecu, const struct jp_retained_slot *record)
+{
+    ecu->resets = record->resets + 1U;
+    if (!can_go_on(ecu->robot.config, &record->snapshot)) {
+        return;
+    }
+    jp_robot_resume(&ecu->robot, &record->snapshot);
+    /* A sample holds only the low bits of the counts; they go on from those of the record. */
+    jp_sample_link_resume(&ecu->samples, record->snapshot.estimator.encoder_left,
+                          record->snapshot.estimator.encoder_right);
+    ecu->operator_link.mode = JP_MODE_STAND;
+    ecu->operator_link.state = JP_OPERATOR_LOST;
+}
+
+enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *config,
+                           const struct jp_energy_model *model, const struct jp_can_port *port,
+                           struct jp_retained *retained, const char **field)
+{
+    const struct jp_retained_slot *record;
+    enum jp_status status;
+
+    if (ecu == NULL || port == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *ecu = (struct jp_ecu){.port = *port, .retained = retained};
+    status = jp_robot_init(&ecu->robot, config, model, field);
+    if (status != JP_OK) {
+        return status;
+    }
+    ecu->hal = (struct jp_hal){.context = ecu, .read = read_sample, .write = write_motor_command};
+    jp_sample_link_start(&ecu->samples, &config->monitor);
+    jp_operator_link_start(&ecu->operator_link, config->estimator.tick_rate);
+    jp_route_link_start(&ecu->routes, config->estimator.tick_rate);
+    record = retained == NULL ? NULL : jp_retained_newest(retained);
+    if (record != NULL) {
+        resume(ecu, record);
+    }
+    return JP_OK;
+}
+
+void jp_ecu_use_board(struct jp_ecu *ecu, const struct jp_hal *board)
+{
+    ecu->hal = *board;
+    ecu->has_board = true;
+}
+
+void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *report)
+{
+    ecu->reset_report = report;
+}
+
+static enum jp_status check_tables(const struct jp_ecu_learning *learning, const char **field)
+{
+    if (learning->stored == JP_STORED_TAKEN && learning->state == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = jp_learning_check(learning->learning, field);
+
+    return status == JP_OK && learning->horizon != NULL ? jp_horizon_check(learning->horizon, field) : status;
+}
+
+/** What jp_parameters_start() took was checked, but for the tables with which it was learned. */
+static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *learning)
+{
+    const char *field;
+
+    if (learning->stored != JP_STORED_TAKEN) {
+        return learning->stored;
+    }
+    if (jp_learner_restore(&ecu->learner, learning->state, &field) == JP_OK) {
+        return JP_STORED_TAKEN;
+    }
+    return learning->state->identity == 0U ? JP_STORED_NOTHING : JP_STORED_OTHER_TABLES;
+}
+
+/** The tick reads the model in use, so the other one is written. */
+static void use_learned_model(struct jp_ecu *ecu)
+{
+    struct jp_energy_model *model = &ecu->models[jp_robot_model(&ecu->robot) == &ecu->models[0] ? 1 : 0];
+
+    jp_learner_model(&ecu->learner, model);
+    jp_robot_use_model(&ecu->robot, model);
+}
+
+enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *learning, const char **field)
+{
+    if (ecu == NULL || learning == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = check_tables(learning, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    jp_learner_start(&ecu->learner, learning->learning, jp_robot_model(&ecu->robot), learning->horizon);
+    ecu->stored = restore(ecu, learning);
+    jp_drive_watch_start(&ecu->watch, &ecu->learner, tick_rate(ecu), learning->of_battery);
+    use_learned_model(ecu);
+    ecu->learns = true;
+    return JP_OK;
+}
+
+const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu)
+{
+    return ecu->learns ? &ecu->learner.state : NULL;
+}
+
+/* Frames that arrive. */
+
+/** Every data frame of joulepath.dbc that this node receives or sends. */
+static const struct {
+    uint32_t id;
+    uint8_t length;
+    enum { SAMPLE_WHEELS, SAMPLE_BALANCE, SAMPLE_CURRENTS, OPERATOR, OWN, OTHERS } kind;
+} known[] = {
+    {JP_CAN_MOTOR_COMMAND_FRAME_ID, JP_CAN_MOTOR_COMMAND_LENGTH, OWN},
+    {JP_CAN_WHEEL_SENSORS_FRAME_ID, JP_CAN_WHEEL_SENSORS_LENGTH, SAMPLE_WHEELS},
+    {JP_CAN_BALANCE_SENSORS_FRAME_ID, JP_CAN_BALANCE_SENSORS_LENGTH, SAMPLE_BALANCE},
+    {JP_CAN_CURRENT_SENSORS_FRAME_ID, JP_CAN_CURRENT_SENSORS_LENGTH, SAMPLE_CURRENTS},
+    {JP_CAN_OPERATOR_COMMAND_FRAME_ID, JP_CAN_OPERATOR_COMMAND_LENGTH, OPERATOR},
+    {JP_CAN_ROUTE_OFFER_FRAME_ID, JP_CAN_ROUTE_OFFER_LENGTH, OPERATOR},
+    {JP_CAN_WAYPOINT_FRAME_ID, JP_CAN_WAYPOINT_LENGTH, OPERATOR},
+    {JP_CAN_GOAL_FRAME_ID, JP_CAN_GOAL_LENGTH, OPERATOR},
+    {JP_CAN_ECU_STATUS_FRAME_ID, JP_CAN_ECU_STATUS_LENGTH, OWN},
+    {JP_CAN_ECU_ERRORS_FRAME_ID, JP_CAN_ECU_ERRORS_LENGTH, OWN},
+    {JP_CAN_ECU_LOSSES_FRAME_ID, JP_CAN_ECU_LOSSES_LENGTH, OWN},
+    {JP_CAN_ROUTE_STATUS_FRAME_ID, JP_CAN_ROUTE_STATUS_LENGTH, OWN},
+    {JP_CAN_POSE_FRAME_ID, JP_CAN_POSE_LENGTH, OWN},
+    {JP_CAN_MOTION_FRAME_ID, JP_CAN_MOTION_LENGTH, OWN},
+    {JP_CAN_REFERENCE_FRAME_ID, JP_CAN_REFERENCE_LENGTH, OWN},
+    {JP_CAN_MOTORS_FRAME_ID, JP_CAN_MOTORS_LENGTH, OWN},
+    {JP_CAN_ENERGY_SPENT_FRAME_ID, JP_CAN_ENERGY_SPENT_LENGTH, OWN},
+    {JP_CAN_ENERGY_DRAWN_FRAME_ID, JP_CAN_ENERGY_DRAWN_LENGTH, OWN},
+    {JP_CAN_SEGMENT_MOTION_FRAME_ID, JP_CAN_SEGMENT_MOTION_LENGTH, OWN},
+    {JP_CAN_SEGMENT_SHAPE_FRAME_ID, JP_CAN_SEGMENT_SHAPE_LENGTH, OWN},
+    {JP_CAN_SEGMENT_FORECAST_FRAME_ID, JP_CAN_SEGMENT_FORECAST_LENGTH, OWN},
+    {JP_CAN_SEGMENT_RESULT_FRAME_ID, JP_CAN_SEGMENT_RESULT_LENGTH, OWN},
+    {JP_CAN_ENERGY_PARAMETER_FRAME_ID, JP_CAN_ENERGY_PARAMETER_LENGTH, OWN},
+    {JP_CAN_RESET_REPORT_FRAME_ID, JP_CAN_RESET_REPORT_LENGTH, OWN},
+    {JP_CAN_CRASH_REPORT_FRAME_ID, JP_CAN_CRASH_REPORT_LENGTH, OWN},
+    {JP_CAN_BATTERY_STATUS_FRAME_ID, JP_CAN_BATTERY_STATUS_LENGTH, OTHERS},
+    {JP_CAN_LEARNED_FRAME_ID, JP_CAN_LEARNED_LENGTH, OWN},
+    {JP_CAN_LEARNER_STATUS_FRAME_ID, JP_CAN_LEARNER_STATUS_LENGTH, OWN},
+};
+#define KNOWN (sizeof known / sizeof known[0])
+
+static void count_result(struct jp_ecu_counts *counts, enum jp_e2e_result result)
+{
+    if (result == JP_E2E_CRC) {
+        count8(&counts->crc_errors);
+    } else if (result == JP_E2E_REPEATED || result == JP_E2E_SEQUENCE) {
+        count8(&counts->sequence_errors);
+    }
+}
+
+static void note_conflict(struct jp_ecu *ecu)
+{
+    count8(&ecu->conflicts);
+    ecu->conflict_ticks = (uint16_t)(tick_rate(ecu) * CONFLICT_MS / 1000U);
+}
+
+static void enqueue(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    const uint8_t head = ecu->queue_head;
+    const uint8_t next = (uint8_t)((head + 1U) % JP_ECU_QUEUE);
+
+    if (next == __atomic_load_n(&ecu->queue_tail, __ATOMIC_ACQUIRE)) {
+        count8(&ecu->sample_counts.rejected);
+        return;
+    }
+    ecu->queue[head] = *frame;
+    __atomic_store_n(&ecu->queue_head, next, __ATOMIC_RELEASE);
+}
+
+static void take_sample_part(struct jp_ecu *ecu, enum jp_sample_part part, const struct jp_can_frame *frame)
+{
+    count_result(&ecu->sample_counts, jp_sample_link_accept(&ecu->samples, part, frame));
+}
+
+static void accept_known(struct jp_ecu *ecu, size_t index, const struct jp_can_frame *frame)
+{
+    if (frame->length != known[index].length) {
+        count8(&ecu->sample_counts.malformed);
+        return;
+    }
+    switch (known[index].kind) {
+    case SAMPLE_WHEELS:
+        take_sample_part(ecu, JP_SAMPLE_WHEELS, frame);
+        break;
+    case SAMPLE_BALANCE:
+        take_sample_part(ecu, JP_SAMPLE_BALANCE, frame);
+        break;
+    case SAMPLE_CURRENTS:
+        take_sample_part(ecu, JP_SAMPLE_CURRENTS, frame);
+        break;
+    case OPERATOR:
+        enqueue(ecu, frame);
+        break;
+    case OWN:
+        note_conflict(ecu);
+        break;
+    case OTHERS:
+    default:
+        break;
+    }
+}
+
+bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    const bool was_fresh = ecu->samples.fresh;
+
+    for (size_t i = 0; i < KNOWN; i++) {
+        if (known[i].id == frame->id) {
+            accept_known(ecu, i, frame);
+            return !was_fresh && ecu->samples.fresh;
+        }
+    }
+    count16(&ecu->unknown_frames);
+    return false;
+}
+
+/* The tick. */
+
+static void watch_bus(struct jp_ecu *ecu)
+{
+    const bool bus_off = ecu->port.state(ecu->port.context) == JP_CAN_BUS_OFF;
+
+    if (bus_off && !ecu->was_bus_off) {
+        count8(&ecu->bus_offs);
+    }
+    ecu->was_bus_off = bus_off;
+    if (ecu->conflict_ticks > 0U) {
+        ecu->conflict_ticks--;
+    }
+}
+
+static void retain(struct jp_ecu *ecu)
+{
+    struct jp_snapshot snapshot;
+
+    if (ecu->retained != NULL) {
+        jp_robot_snapshot(&ecu->robot, &snapshot);
+        jp_retained_write(ecu->retained, &snapshot, ecu->resets);
+    }
+}
+
+static void send_telemetry(struct jp_ecu *ecu)
+{
+    struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX];
+    const unsigned count = jp_telemetry_due(ecu, frames);
+    bool sent;
+
+    for (unsigned i = 0; i < count; i++) {
+        send(ecu, &frames[i], &sent);
+    }
+}
+
+void jp_ecu_tick(struct jp_ecu *ecu)
+{
+    watch_bus(ecu);
+    /* Before the first sample there is nothing to control, and that is no fault. */
+    if (ecu->has_board || ecu->samples.started) {
+        jp_hal_tick(&ecu->hal, &ecu->robot, &ecu->written);
+        retain(ecu);
+    }
+    send_telemetry(ecu);
+    ecu->tick++;
+}
+
+/* The background. */
+
+static void take_operator_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    switch (jp_operator_link_accept(&ecu->operator_link, frame)) {
+    case JP_OPERATOR_CRC:
+        count8(&ecu->operator_counts.crc_errors);
+        break;
+    case JP_OPERATOR_SEQUENCE:
+        count8(&ecu->operator_counts.sequence_errors);
+        break;
+    case JP_OPERATOR_MALFORMED:
+        count8(&ecu->operator_counts.malformed);
+        break;
+    case JP_OPERATOR_OK:
+    default:
+        ecu->told_to_stand = ecu->operator_link.heard == JP_MODE_STAND;
+        break;
+    }
+}
+
+static void take_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    switch (frame->id) {
+    case JP_CAN_OPERATOR_COMMAND_FRAME_ID:
+        take_operator_command(ecu, frame);
+        break;
+    case JP_CAN_ROUTE_OFFER_FRAME_ID:
+        count_result(&ecu->operator_counts, jp_route_link_accept_offer(&ecu->routes, frame));
+        break;
+    case JP_CAN_WAYPOINT_FRAME_ID:
+        count_result(&ecu->operator_counts, jp_route_link_accept_waypoint(&ecu->routes, frame));
+        break;
+    case JP_CAN_GOAL_FRAME_ID:
+    default:
+        count_result(&ecu->operator_counts, jp_route_link_accept_goal(&ecu->routes, frame));
+        break;
+    }
+}
+
+static void take_commands(struct jp_ecu *ecu)
+{
+    for (unsigned i = 0; i < JP_ECU_QUEUE; i++) {
+        const uint8_t tail = ecu->queue_tail;
+
+        if (tail == __atomic_load_n(&ecu->queue_head, __ATOMIC_ACQUIRE)) {
+            return;
+        }
+        take_command(ecu, &ecu->queue[tail]);
+        __atomic_store_n(&ecu->queue_tail, (uint8_t)((tail + 1U) % JP_ECU_QUEUE), __ATOMIC_RELEASE);
+    }
+}
+
+static void pass_time(struct jp_ecu *ecu)
+{
+    const uint32_t now = __atomic_load_n(&ecu->tick, __ATOMIC_RELAXED);
+
+    if (jp_operator_link_pass(&ecu->operator_link, now - ecu->worked_tick)) {
+        count8(&ecu->operator_timeouts);
+    }
+    jp_route_link_pass(&ecu->routes, now - ecu->worked_tick);
+    ecu->worked_tick = now;
+}
+
+static void stop(struct jp_ecu *ecu)
+{
+    const bool lost = ecu->operator_link.state == JP_OPERATOR_LOST;
+
+    jp_robot_stop(&ecu->robot);
+    jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, lost ? JP_REASON_TIMEOUT : JP_REASON_COMMAND);
+}
+
+/** Motors on, or why not. */
+static enum jp_refusal stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    if (state == JP_ROBOT_FALLEN) {
+        return JP_REFUSAL_FALLEN;
+    }
+    if (state == JP_ROBOT_FAULT) {
+        return JP_REFUSAL_FAULT;
+    }
+    if (ecu->conflict_ticks > 0U) {
+        return JP_REFUSAL_CONFLICT;
+    }
+    return jp_robot_enable(&ecu->robot) == JP_OK ? JP_REFUSAL_NONE : JP_REFUSAL_NOT_UPRIGHT;
+}
+
+/** Each command is refused anew. */
+static void try_to_stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    const enum jp_refusal refusal = stand_up(ecu, state);
+
+    ecu->refusal = (uint8_t)refusal;
+    if (refusal != JP_REFUSAL_NONE && ecu->told_to_stand) {
+        count8(&ecu->operator_counts.rejected);
+    }
+}
+
+static void stand(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    jp_route_link_forget_goal(&ecu->routes);
+    if (state == JP_ROBOT_DRIVING || ecu->routes.state == JP_ROUTE_DRIVING) {
+        stop(ecu);
+    } else if (state != JP_ROBOT_BALANCING && ecu->operator_link.state == JP_OPERATOR_ALIVE) {
+        try_to_stand_up(ecu, state);
+    }
+}
+
+static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    const struct jp_route_message *route;
+
+    if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
+        return;
+    }
+    route = jp_route_link_take(&ecu->routes, ecu->operator_link.route);
+    if (route != NULL) {
+        ecu->drove = false;
+        if (ecu->learns) {
+            use_learned_model(ecu);
+        }
+        (void)jp_robot_follow(&ecu->robot, route->points, route->length);
+    }
+}
+
+static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    switch (ecu->operator_link.mode) {
+    case JP_MODE_STAND:
+        stand(ecu, state);
+        break;
+    case JP_MODE_DRIVE:
+        drive(ecu, state);
+        break;
+    case JP_MODE_OFF:
+    default:
+        /* In idle, too: motors that the next tick would switch on. */
+        if (ecu->operator_link.state != JP_OPERATOR_NONE) {
+            jp_robot_disable(&ecu->robot);
+        }
+        break;
+    }
+}
+
+/** Notices that the driven route has ended. The robot also stands when the plan of the next segment is late. */
+static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state, bool segment_waits)
+{
+    const bool segment_left = segment_waits || ecu->robot.route_planned < ecu->robot.route_length;
+
+    if (state == JP_ROBOT_DRIVING) {
+        ecu->drove = true;
+    } else if (state != JP_ROBOT_BALANCING) {
+        jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
+    } else if (ecu->drove && !segment_left) {
+        ecu->drove = false;
+        jp_route_link_end(&ecu->routes, JP_ROUTE_DONE, JP_REASON_NONE);
+    }
+}
+
+/** Plans the next segment when it is time, and announces it. */
+static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
+{
+    struct jp_robot *robot = &ecu->robot;
+    const uint16_t planned = robot->route_planned;
+
+    if (__atomic_load_n(&ecu->plan.frames_left, __ATOMIC_ACQUIRE) != 0U) {
+        return;
+    }
+    if (jp_robot_work(robot) != JP_OK) {
+        jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
+    }
+    if (robot->route_planned > planned) {
+        jp_drive_watch_command(&ecu->watch, &jp_robot_planned(robot)->command);
+
+        const uint16_t begun = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0;
+
+        ecu->plan.segment = (uint8_t)(begun < UINT8_MAX ? begun + 1U : UINT8_MAX);
+        __atomic_store_n(&ecu->plan.frames_left, (uint8_t)PLAN_FRAMES, __ATOMIC_RELEASE);
+    }
+}
+
+static void report_learned(struct jp_ecu *ecu)
+{
+    const struct jp_learner *learner = &ecu->learner;
+    struct jp_ecu_learned *learned = &ecu->learned;
+
+    jp_learner_causes(learner, &learned->friction, &learned->payload);
+    jp_learner_cause_deviations(learner, &learned->friction_deviation, &learned->payload_deviation);
+    learned->version = learner->state.version;
+    learned->changes = learner->changes;
+    learned->outliers = learner->rejected;
+    learned->left_out = ecu->watch.left_out;
+    learned->cause = learner->cause;
+    learned->evidence = ecu->watch.evidence;
+    __atomic_store_n(&learned->frames_left, (uint8_t)LEARNED_FRAMES, __ATOMIC_RELEASE);
+}
+
+/** From each segment that ended; it is told then, and now and then. */
+static void learn(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
+{
+    uint32_t segments;
+
+    (void)jp_drive_watch_update(&ecu->watch, telemetry, 0, 0);
+    segments = ecu->watch.learned_from + ecu->watch.left_out;
+    if (segments == ecu->segments_told && ecu->worked_tick - ecu->told_tick < tick_rate(ecu) / LEARNED_RATE) {
+        return;
+    }
+    if (__atomic_load_n(&ecu->learned.frames_left, __ATOMIC_ACQUIRE) == 0U) {
+        report_learned(ecu);
+        ecu->segments_told = segments;
+        ecu->told_tick = ecu->worked_tick;
+    }
+}
+
+void jp_ecu_work(struct jp_ecu *ecu)
+{
+    struct jp_telemetry telemetry;
+    bool segment_waits;
+
+    ecu->told_to_stand = false;
+    take_commands(ecu);
+    pass_time(ecu);
+    /* Before the state is read: one that does not wait any more shows in it. */
+    segment_waits = __atomic_load_n(&ecu->robot.next_full, __ATOMIC_ACQUIRE) != 0U;
+    if (!jp_robot_telemetry(&ecu->robot, &telemetry)) {
+        return;
+    }
+    if (ecu->learns) {
+        learn(ecu, &telemetry);
+    }
+    watch_route(ecu, telemetry.state, segment_waits);
+    obey(ecu, telemetry.state);
+    plan(ecu, &telemetry);
+}

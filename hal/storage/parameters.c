@@ -1,0 +1,304 @@
+#include "hal/storage/parameters.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "hal/storage/crc32.h"
+
+#define IDENTITY_OFFSET 4U
+#define NUMBERS_OFFSET  8U
+#define LEARNED_NUMBERS 23U
+
+/** Less is not worth a write: 0.0001 turn/s in 2⁻⁵⁶ turn/s, and counts. */
+#define BIAS_STEP ((int64_t)JP_Q24(0.0001) * ((int64_t)1 << 32))
+#define ZERO_STEP 4
+
+_Static_assert(sizeof(struct jp_learned_state) == LEARNED_NUMBERS * sizeof(uint32_t), "the state is numbers only");
+_Static_assert(JP_PARAMETERS_LENGTH <= JP_STORE_LENGTH_MAX, "the record fits the store");
+
+/* ---- The robot they belong to ---- */
+
+/** Where the numbers of a configuration are: all but padding and the name's pointer. */
+static const struct span {
+    uint16_t offset;
+    uint8_t size;
+    uint8_t count;
+} numbers[] = {
+#define NUMBERS(first, count)                                                                                          \
+    {                                                                                                                  \
+        (uint16_t) offsetof(struct jp_robot_config, first), (uint8_t)sizeof(((struct jp_robot_config *)NULL)->first),  \
+            (count)                                                                                                    \
+    }
+    NUMBERS(estimator.tick_rate, 1),
+    NUMBERS(estimator.wheel_per_count, 2),
+    NUMBERS(estimator.tracking_gain, 4),
+    NUMBERS(reference.tick_rate, 5),
+    NUMBERS(lqr.tick_rate, 10),
+    NUMBERS(monitor.tilt_limit, 13),
+    NUMBERS(monitor.confirm_ticks, 3),
+    NUMBERS(meter.tick_rate, 3),
+    NUMBERS(limits.speed, 4),
+    NUMBERS(metres_per_turn, 1),
+#undef NUMBERS
+};
+
+/** A number of 2, 4 or 8 bytes in the order of this core. */
+static uint64_t number_at(const uint8_t *bytes, unsigned size)
+{
+    uint16_t number16;
+    uint32_t number32;
+    uint64_t number64;
+
+    switch (size) {
+    case sizeof number16:
+        memcpy(&number16, bytes, sizeof number16);
+        return number16;
+    case sizeof number32:
+        memcpy(&number32, bytes, sizeof number32);
+        return number32;
+    default:
+        memcpy(&number64, bytes, sizeof number64);
+        return number64;
+    }
+}
+
+static void put_number(uint8_t *bytes, uint64_t number, unsigned size)
+{
+    for (unsigned i = 0; i < size; i++) {
+        bytes[i] = (uint8_t)(number >> (8U * i));
+    }
+}
+
+static uint32_t crc_of_span(uint32_t crc, const struct jp_robot_config *config, const struct span *span)
+{
+    const uint8_t *bytes = (const uint8_t *)config + span->offset;
+    uint8_t little_endian[sizeof(uint64_t)];
+
+    for (unsigned i = 0; i < span->count; i++) {
+        put_number(little_endian, number_at(bytes + (size_t)i * span->size, span->size), span->size);
+        crc = jp_crc32(crc, little_endian, span->size);
+    }
+    return crc;
+}
+
+uint32_t jp_robot_identity(const struct jp_robot_config *config)
+{
+    uint32_t crc = 0;
+
+    for (const char *letter = config->name; letter != NULL && *letter != '\0'; letter++) {
+        crc = jp_crc32(crc, (const uint8_t *)letter, 1);
+    }
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        crc = crc_of_span(crc, config, &numbers[i]);
+    }
+    return crc;
+}
+
+/* ---- Fields ---- */
+
+void jp_parameters_default(struct jp_parameters *parameters)
+{
+    *parameters = (struct jp_parameters){.gyro_bias = 0};
+    jp_learned_state_start(&parameters->energy, 0);
+}
+
+enum jp_status jp_parameters_check(const struct jp_parameters *parameters, const char **field)
+{
+    enum jp_status status;
+
+    if (parameters == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    status = jp_learned_state_check(&parameters->energy, field);
+    if (status != JP_OK) {
+        return status;
+    }
+    if (parameters->gyro_bias < -JP_PARAMETERS_GYRO_BIAS_MAX || parameters->gyro_bias > JP_PARAMETERS_GYRO_BIAS_MAX) {
+        *field = "gyro_bias";
+        return JP_ERR_CONFIG;
+    }
+    return JP_OK;
+}
+
+/* ---- The record ---- */
+
+static uint8_t *append(uint8_t *end, uint64_t number, unsigned size)
+{
+    put_number(end, number, size);
+    return end + size;
+}
+
+static uint64_t take(const uint8_t **bytes, unsigned size)
+{
+    uint64_t number = 0;
+
+    for (unsigned i = 0; i < size; i++) {
+        number |= (uint64_t)(*bytes)[i] << (8U * i);
+    }
+    *bytes += size;
+    return number;
+}
+
+static int32_t take_int32(const uint8_t **bytes)
+{
+    return (int32_t)(uint32_t)take(bytes, 4);
+}
+
+static bool is_same(const void *a, const void *b, size_t size)
+{
+    size_t i = 0;
+
+    while (i < size && ((const uint8_t *)a)[i] == ((const uint8_t *)b)[i]) {
+        i++;
+    }
+    return i == size;
+}
+
+static bool is_far(int64_t a, int64_t b, int64_t limit)
+{
+    return a - b > limit || b - a > limit;
+}
+
+bool jp_parameters_differ(const struct jp_parameters *a, const struct jp_parameters *b)
+{
+    return !is_same(&a->energy, &b->energy, sizeof a->energy) || is_far(a->gyro_bias, b->gyro_bias, BIAS_STEP) ||
+           is_far(a->current_zero_left, b->current_zero_left, ZERO_STEP) ||
+           is_far(a->current_zero_right, b->current_zero_right, ZERO_STEP);
+}
+
+void jp_parameters_encode(const struct jp_parameters *parameters, uint32_t identity,
+                          uint8_t record[JP_PARAMETERS_LENGTH])
+{
+    const struct jp_learned_state *learned = &parameters->energy;
+    uint8_t *end = record;
+
+    end = append(end, JP_PARAMETERS_VERSION, 4);
+    end = append(end, identity, 4);
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        end = append(end, (uint32_t)learned->x[i], 4);
+    }
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        for (unsigned j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+            end = append(end, (uint32_t)learned->s[i][j], 4);
+        }
+    }
+    end = append(end, (uint32_t)learned->noise_scale, 4);
+    end = append(end, learned->version, 4);
+    end = append(end, learned->identity, 4);
+    end = append(end, (uint64_t)parameters->gyro_bias, 8);
+    end = append(end, parameters->current_zero_left, 2);
+    (void)append(end, parameters->current_zero_right, 2);
+}
+
+static void decode_numbers(struct jp_parameters *parameters, const uint8_t *bytes)
+{
+    struct jp_learned_state *learned = &parameters->energy;
+
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        learned->x[i] = take_int32(&bytes);
+    }
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        for (unsigned j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+            learned->s[i][j] = take_int32(&bytes);
+        }
+    }
+    learned->noise_scale = take_int32(&bytes);
+    learned->version = (uint32_t)take(&bytes, 4);
+    learned->identity = (uint32_t)take(&bytes, 4);
+    parameters->gyro_bias = (int64_t)take(&bytes, 8);
+    parameters->current_zero_left = (uint16_t)take(&bytes, 2);
+    parameters->current_zero_right = (uint16_t)take(&bytes, 2);
+}
+
+/** Whether the record's frame fits. The version comes first: another one has another length. */
+static enum jp_stored frame_of(const struct jp_robot_config *config, const uint8_t *record, uint16_t length)
+{
+    const uint8_t *identity = record + IDENTITY_OFFSET;
+
+    if (length < NUMBERS_OFFSET) {
+        return JP_STORED_DAMAGED;
+    }
+    if (take(&record, 4) != JP_PARAMETERS_VERSION) {
+        return JP_STORED_OTHER_VERSION;
+    }
+    if (length != JP_PARAMETERS_LENGTH) {
+        return JP_STORED_DAMAGED;
+    }
+    return take(&identity, 4) != jp_robot_identity(config) ? JP_STORED_OTHER_ROBOT : JP_STORED_TAKEN;
+}
+
+/** What about it does not fit; NULL: nothing. */
+static const char *misfit(enum jp_stored frame)
+{
+    switch (frame) {
+    case JP_STORED_OTHER_VERSION:
+        return "version";
+    case JP_STORED_OTHER_ROBOT:
+        return "robot";
+    case JP_STORED_DAMAGED:
+        return "length";
+    default:
+        return NULL;
+    }
+}
+
+enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                    const uint8_t *record, uint16_t length, const char **field)
+{
+    struct jp_parameters found;
+    enum jp_status status;
+
+    if (parameters == NULL || config == NULL || record == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = misfit(frame_of(config, record, length));
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    decode_numbers(&found, record + NUMBERS_OFFSET);
+    status = jp_parameters_check(&found, field);
+    if (status == JP_OK) {
+        *parameters = found;
+    }
+    return status;
+}
+
+enum jp_stored jp_parameters_start(struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                   const uint8_t *record, uint16_t length)
+{
+    const char *field;
+    enum jp_stored frame;
+
+    jp_parameters_default(parameters);
+    if (length == 0U) {
+        return JP_STORED_NOTHING;
+    }
+    frame = frame_of(config, record, length);
+    if (jp_parameters_decode(parameters, config, record, length, &field) == JP_OK) {
+        return JP_STORED_TAKEN;
+    }
+    return frame == JP_STORED_TAKEN ? JP_STORED_DAMAGED : frame;
+}
+
+enum jp_status jp_parameters_load(struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                  const struct jp_store *store, const char **field)
+{
+    const uint8_t *record = NULL;
+    uint16_t length = 0;
+    enum jp_status status = jp_store_read(store, &record, &length);
+
+    return status == JP_OK ? jp_parameters_decode(parameters, config, record, length, field) : status;
+}
+
+enum jp_status jp_parameters_save(const struct jp_parameters *parameters, const struct jp_robot_config *config,
+                                  struct jp_store *store, const char **field)
+{
+    uint8_t record[JP_PARAMETERS_LENGTH];
+    enum jp_status status = jp_parameters_check(parameters, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    jp_parameters_encode(parameters, jp_robot_identity(config), record);
+    return jp_store_write(store, record, sizeof record);
+}

@@ -1,0 +1,113 @@
+/**
+ * Brings a robot with four steered wheels to a goal on a map: plans a path, has it driven by the patrol (patrol.h),
+ * looks whether the goal can be had as planned, and plans anew where the way is blocked.
+ *
+ *   IDLE ─start─▶ PLANNING ◀─▶ UNDER_WAY ─▶ ARRIVED
+ *                     │            │
+ *                     └────────────┴──────▶ GIVEN_UP
+ *
+ * Paths are the any-angle planner's (grid_planner.h) with the widest clearance of a few, smoothed (path_spline.h). What
+ * the scanner sees is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns on a
+ * place before it and drives straight in; when scans show that on the way, it stops and plans again. A patrol that
+ * waits or has stopped for want of a way gets another path after a while, up to six times.
+ *
+ * One call of jp_patrol_mission_cycle() in place of jp_patrol_cycle(), and in the time between them
+ * jp_patrol_mission_work() while the state is PLANNING. Not for ISRs. Single-precision floating point: part of
+ * libjoulepath_float.
+ */
+#ifndef JOULEPATH_PATROL_MISSION_H
+#define JOULEPATH_PATROL_MISSION_H
+
+#include <joulepath/grid_planner.h>
+#include <joulepath/patrol.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum jp_patrol_mission_state {
+    JP_MISSION_IDLE,
+    JP_MISSION_PLANNING, /**< a path is looked for; what is driven meanwhile is the patrol's state */
+    JP_MISSION_UNDER_WAY,
+    JP_MISSION_ARRIVED,
+    JP_MISSION_GIVEN_UP /**< no path, or the patrol has stopped: its reason says why, JP_PATROL_NONE for no path */
+};
+
+struct jp_patrol_mission_config {
+    struct jp_patrol_config
+        patrol; /**< its footprint with 0.15 m around it at most 60 cells from the centre to a corner */
+    const struct jp_terrain *map; /**< what is known before; must outlive the mission and not change */
+    bool turns_before_goal;       /**< where it cannot turn at the goal; only with turns_in_place */
+    uint16_t points_max;          /**< of a path, which has one every 0.1 m; 2 or more */
+    uint16_t turns_max;           /**< turning points of a way, its ends included; 2 or more */
+};
+
+/** Where the present path leads. Private. */
+enum jp_patrol_leg {
+    JP_LEG_GOAL,
+    JP_LEG_APPROACH, /* to where the robot turns into the goal */
+    JP_LEG_LAST,     /* from there straight into it */
+    JP_LEG_PAUSE     /* to a halt, to plan anew */
+};
+
+/** Private. */
+struct jp_patrol_mission_internal {
+    struct jp_plane_pose goal;
+    struct jp_terrain marked;
+    struct jp_grid_planner grid;
+    void *grid_block;
+    size_t grid_size;
+    struct jp_point *paths[2]; /**< the one that is driven, and the one that is made */
+    void *scratch;
+    enum jp_patrol_leg leg;
+    bool is_searching; /**< the grid planner is at work */
+    uint8_t margin;    /**< of the clearances to try */
+    struct jp_plane_pose target;
+    uint16_t waited; /**< cycles without a way */
+    bool is_watch_due;
+};
+
+/** The members but `internal` may be read. */
+struct jp_patrol_mission {
+    struct jp_patrol_mission_config config;
+    struct jp_patrol patrol;
+    enum jp_patrol_mission_state state; /**< of the last call */
+    unsigned replans;                   /**< paths since the start that were given because the one before was blocked */
+    const struct jp_point *path;        /**< the last that was found, smoothed; where it leads is the patrol's matter */
+    uint16_t path_count;                /**< its points; 0 before the first */
+    struct jp_grid_counts counts;       /**< of the search that found it */
+    struct jp_patrol_mission_internal internal;
+};
+
+/** Bytes of the block: the grid planner's, the map's copy, 16 for each of points_max and 140 for each of turns_max. 0:
+ *  the map is out of the planner's range. Constant time. */
+size_t jp_patrol_mission_size(const struct jp_patrol_mission_config *config);
+
+/** Checks the configuration and prepares in `size` bytes of the caller; the patrol then wants a pose. JP_ERR_CONFIG:
+ *  *field names the first field out of range, without "patrol.". JP_ERR_MEMORY, JP_ERR_ALIGNMENT: the block.
+ *  JP_ERR_ARGUMENT: a null pointer. Work: the cells of the map. */
+enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const struct jp_patrol_mission_config *config,
+                                      void *block, size_t size, const char **field);
+
+/** Begins anew, from where the patrol is to a goal. Marks of scans stay. JP_ERR_ARGUMENT: a null pointer or a pose out
+ * of range; then nothing changes. */
+enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const struct jp_plane_pose *goal);
+
+/** Plans on, for at most so many expansions (grid_planner.h) or as long as a smoothing or a look for a place to turn
+ *  takes: 36 times the cells under the robot for each of up to 21 places. */
+enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions);
+
+/** One cycle: that of the patrol, and what comes of it. Failures are those of jp_patrol_cycle(). Every fifth cycle the
+ *  cells along all beams are marked. */
+enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
+                                       struct jp_twist *twist);
+
+/** Turning points of the last way that was searched for, before it was smoothed; null and 0 without one. They stay
+ * until the state is PLANNING again. */
+const struct jp_point *jp_patrol_mission_way(const struct jp_patrol_mission *mission, size_t *count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

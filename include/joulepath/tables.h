@@ -1,0 +1,46 @@
+/**
+ * The tables that ship, in ROM: one for each file of src/tables/, which names the command that made it of a robot file.
+ * Include the header of the module that takes a table. Made by: make tables
+ */
+#ifndef JOULEPATH_TABLES_H
+#define JOULEPATH_TABLES_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct jp_energy_model;
+struct jp_horizon;
+struct jp_lattice;
+struct jp_learning;
+struct jp_patrol_config;
+struct jp_pure_pursuit_config;
+struct jp_robot_config;
+struct jp_skid_steer_config;
+
+extern const struct jp_energy_model jp_energy_model_courier24;
+extern const struct jp_energy_model jp_energy_model_courier24_battery;
+extern const struct jp_energy_model jp_energy_model_gao2018;
+extern const struct jp_energy_model jp_energy_model_gao2018_battery;
+extern const struct jp_energy_model jp_energy_model_published;
+extern const struct jp_horizon jp_horizon_courier24;
+extern const struct jp_horizon jp_horizon_courier24_battery;
+extern const struct jp_horizon jp_horizon_gao2018;
+extern const struct jp_horizon jp_horizon_gao2018_battery;
+extern const struct jp_lattice jp_lattice_gao2018;
+extern const struct jp_lattice jp_lattice_zhang2018;
+extern const struct jp_learning jp_learning_courier24;
+extern const struct jp_learning jp_learning_courier24_battery;
+extern const struct jp_learning jp_learning_gao2018;
+extern const struct jp_learning jp_learning_gao2018_battery;
+extern const struct jp_patrol_config jp_patrol_config_patrol;
+extern const struct jp_pure_pursuit_config jp_pure_pursuit_config_patrol;
+extern const struct jp_robot_config jp_robot_courier24;
+extern const struct jp_robot_config jp_robot_gao2018;
+extern const struct jp_skid_steer_config jp_skid_steer_zhang2018;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,32 @@
+/** The firmware's application on a host: what power and memory are to it on a board. */
+#ifndef JOULEPATH_SIM_BUS_ECU_NODE_H
+#define JOULEPATH_SIM_BUS_ECU_NODE_H
+
+#include "hal/app/lockstep.h"
+#include "hal/linux/can_link.h"
+#include "sim/balancer/robots.h"
+
+struct ecu_node {
+    struct jp_lockstep lockstep;
+    struct jp_retained own_record;   /**< where no other is given */
+    struct jp_parameters parameters; /**< what power-off leaves */
+    const char *path;                /**< of the file that keeps them; NULL: they end with the process */
+    bool ran;                        /**< the motors did at the last look */
+};
+
+/**
+ * Boots. retained NULL: a record of its own, empty. `parameters` is the path of a file that keeps what is learned,
+ * NULL: none. It learns when the robot has tables for this model. Prints one line on stderr and returns false when
+ * configuration or model are refused or the file cannot be read. A node must not be moved after it.
+ */
+bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
+                   const struct jp_can_port *bus, struct jp_retained *retained, const char *parameters);
+
+/** After every tick: when the motors were switched off and there was no fault, what was learned is kept. False after
+ * one line on stderr. */
+bool ecu_node_watch(struct ecu_node *node);
+
+/** Before the process ends: keeps what was learned unless there was a fault. False after one line on stderr. */
+bool ecu_node_end(struct ecu_node *node);
+
+#endif

@@ -1,0 +1,84 @@
+#include "sim/bus/learned_line.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+#define Q16_ONE 65536.0
+
+static double value(jp_q16 number)
+{
+    return number / Q16_ONE;
+}
+
+static const char *misfit(enum jp_stored stored)
+{
+    switch (stored) {
+    case JP_STORED_OTHER_VERSION:
+        return "of another version of the firmware";
+    case JP_STORED_OTHER_ROBOT:
+        return "of another robot";
+    case JP_STORED_OTHER_TABLES:
+        return "learned with other tables";
+    case JP_STORED_DAMAGED:
+    case JP_STORED_NOTHING:
+    case JP_STORED_TAKEN:
+    default:
+        return "damaged";
+    }
+}
+
+void learned_line_start(const struct jp_ecu *ecu, const char *path)
+{
+    if (!ecu->learns) {
+        (void)printf("%s: not used: there are no tables to learn with for this robot and model\n", path);
+    } else if (ecu->stored == JP_STORED_NOTHING) {
+        (void)printf("%s: nothing learned yet\n", path);
+    } else if (ecu->stored == JP_STORED_TAKEN) {
+        (void)printf("%s: learned from %" PRIu32 " segments\n", path, ecu->learner.state.version);
+    } else {
+        (void)printf("%s: not used: %s; the built-in model serves\n", path, misfit(ecu->stored));
+    }
+}
+
+static void print_cause(const struct jp_learner *learner)
+{
+    jp_q16 friction;
+    jp_q16 friction_deviation;
+    jp_q16 payload;
+    jp_q16 payload_deviation;
+
+    jp_learner_causes(learner, &friction, &payload);
+    jp_learner_cause_deviations(learner, &friction_deviation, &payload_deviation);
+    switch (learner->cause) {
+    case JP_CAUSE_GROUND:
+        (void)printf("surface changed, friction %.2f ± %.2f of the robot file's\n", value(friction),
+                     value(friction_deviation));
+        break;
+    case JP_CAUSE_PAYLOAD:
+        (void)printf("payload changed, %+.2f ± %.2f kg of the robot file's\n", value(payload),
+                     value(payload_deviation));
+        break;
+    case JP_CAUSE_OTHER:
+        (void)printf("robot changed, neither surface nor payload\n");
+        break;
+    case JP_CAUSE_NONE:
+    default:
+        (void)printf("surface or robot changed, learning anew\n");
+        break;
+    }
+}
+
+void learned_line_print(struct learned_line *last, const struct jp_ecu *ecu)
+{
+    const struct jp_learner *learner = &ecu->learner;
+
+    if (learner->changes == last->changes && learner->cause == last->cause) {
+        return;
+    }
+    *last = (struct learned_line){.changes = learner->changes, .cause = learner->cause};
+    if (learner->changes > 0U) {
+        (void)printf("%.1f s: ", (double)ecu->tick / ecu->robot.config->estimator.tick_rate);
+        print_cause(learner);
+        (void)fflush(stdout);
+    }
+}

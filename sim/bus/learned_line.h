@@ -1,0 +1,19 @@
+/** What the ECU learned, in a line when it notices that robot or ground changed. */
+#ifndef JOULEPATH_SIM_BUS_LEARNED_LINE_H
+#define JOULEPATH_SIM_BUS_LEARNED_LINE_H
+
+#include "hal/app/ecu.h"
+
+/** What was printed last; all zero at first. */
+struct learned_line {
+    uint32_t changes;
+    enum jp_cause cause;
+};
+
+/** What a start found of stored parameters, after the name of their file. */
+void learned_line_start(const struct jp_ecu *ecu, const char *path);
+
+/** Prints a line on stdout if there is a new change or a cause of it. */
+void learned_line_print(struct learned_line *last, const struct jp_ecu *ecu);
+
+#endif

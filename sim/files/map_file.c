@@ -1,0 +1,271 @@
+#include "sim/files/map_file.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/base/error.h"
+
+#define FORMAT           "joulepath-map-1"
+#define IMPORT           "import the map again with python -m tools.design.import_map"
+#define RESOLUTION_MIN_M 0.001
+#define RESOLUTION_MAX_M 1000.0
+
+/* What a file holds; the strings and arrays belong to its JSON. */
+struct map_text {
+    const char *format;
+    const char *name;
+    const char *note;
+    json_int_t width;
+    json_int_t height;
+    double resolution_m;
+    double origin[3];
+    json_t *rows;
+    json_t *elevations; /* NULL: level */
+};
+
+static bool check_keys(const char *path, json_t *root)
+{
+    static const char *const keys[] = {"format",   "name", "width", "height",     "resolution_m",
+                                       "origin_m", "note", "rows",  "elevation_m"};
+    const char *key;
+    json_t *value;
+    if (!json_is_object(root)) {
+        error_line("%s: is no JSON object; " IMPORT, path);
+        return false;
+    }
+    json_object_foreach(root, key, value)
+    {
+        size_t i = 0;
+        while (i < sizeof keys / sizeof keys[0] && strcmp(key, keys[i]) != 0) {
+            i++;
+        }
+        if (i == sizeof keys / sizeof keys[0]) {
+            error_line("%s: %s: no such key in a map; take it out", path, key);
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Takes the value of a key apart by a format of json_unpack(). */
+static bool unpack(const char *path, json_t *root, const char *key, const char *format, ...)
+{
+    json_t *value = json_object_get(root, key);
+    if (value == NULL) {
+        error_line("%s: %s: the key is missing; " IMPORT, path, key);
+        return false;
+    }
+    json_error_t error;
+    va_list targets;
+    va_start(targets, format);
+    const bool unpacked = json_vunpack_ex(value, &error, JSON_STRICT, format, targets) == 0;
+    va_end(targets);
+    if (!unpacked) {
+        error_line("%s: %s: %s; " IMPORT, path, key, error.text);
+    }
+    return unpacked;
+}
+
+static bool unpack_all(const char *path, json_t *root, struct map_text *text)
+{
+    *text = (struct map_text){.note = "", .elevations = json_object_get(root, "elevation_m")};
+    return check_keys(path, root) && unpack(path, root, "format", "s", &text->format) &&
+           unpack(path, root, "name", "s", &text->name) && unpack(path, root, "width", "I", &text->width) &&
+           unpack(path, root, "height", "I", &text->height) &&
+           unpack(path, root, "resolution_m", "F", &text->resolution_m) &&
+           unpack(path, root, "origin_m", "[F,F,F]", &text->origin[0], &text->origin[1], &text->origin[2]) &&
+           unpack(path, root, "rows", "o", &text->rows) &&
+           (json_object_get(root, "note") == NULL || unpack(path, root, "note", "s", &text->note));
+}
+
+static bool check_side(const char *path, const char *key, json_int_t value)
+{
+    if (value < 1 || value > JP_TERRAIN_SIDE_MAX) {
+        error_line("%s: %s: %" JSON_INTEGER_FORMAT " is not in 1…%d cells; " IMPORT, path, key, value,
+                   JP_TERRAIN_SIDE_MAX);
+        return false;
+    }
+    return true;
+}
+
+static bool check_rows(const char *path, const char *key, const json_t *rows, json_int_t height)
+{
+    if (!json_is_array(rows) || json_array_size(rows) != (size_t)height) {
+        error_line("%s: %s: is no list of %" JSON_INTEGER_FORMAT " rows, the height; " IMPORT, path, key, height);
+        return false;
+    }
+    return true;
+}
+
+static bool check_text(const char *path, const struct map_text *text)
+{
+    if (strcmp(text->format, FORMAT) != 0) {
+        error_line("%s: format: '%s' is not '" FORMAT "'; " IMPORT, path, text->format);
+        return false;
+    }
+    if (text->name[0] == '\0' || strlen(text->name) >= MAP_FILE_NAME_SIZE) {
+        error_line("%s: name: takes 1…%d characters; " IMPORT, path, MAP_FILE_NAME_SIZE - 1);
+        return false;
+    }
+    if (strlen(text->note) >= MAP_FILE_NOTE_SIZE) {
+        error_line("%s: note: takes at most %d characters; shorten it", path, MAP_FILE_NOTE_SIZE - 1);
+        return false;
+    }
+    if (!(text->resolution_m >= RESOLUTION_MIN_M && text->resolution_m <= RESOLUTION_MAX_M)) {
+        error_line("%s: resolution_m: %g is not in %g…%g; " IMPORT, path, text->resolution_m, RESOLUTION_MIN_M,
+                   RESOLUTION_MAX_M);
+        return false;
+    }
+    return check_side(path, "width", text->width) && check_side(path, "height", text->height) &&
+           check_rows(path, "rows", text->rows, text->height) &&
+           (text->elevations == NULL || check_rows(path, "elevation_m", text->elevations, text->height));
+}
+
+/* The file's rows go from north to south. */
+static int32_t y_of(const struct map_text *text, size_t row)
+{
+    return (int32_t)((size_t)text->height - 1 - row);
+}
+
+static bool set_row(const char *path, const struct map_text *text, size_t row, struct jp_terrain *terrain)
+{
+    const json_t *value = json_array_get(text->rows, row);
+    if (!json_is_string(value) || json_string_length(value) != (size_t)text->width) {
+        error_line("%s: rows: row %zu is no text of %" JSON_INTEGER_FORMAT " cells, the width; " IMPORT, path, row + 1,
+                   text->width);
+        return false;
+    }
+    const char *cells = json_string_value(value);
+    for (int32_t x = 0; x < text->width; x++) {
+        enum jp_cell cell;
+        switch (cells[x]) {
+        case '.':
+            cell = JP_CELL_FREE;
+            break;
+        case '#':
+            cell = JP_CELL_OCCUPIED;
+            break;
+        case '?':
+            cell = JP_CELL_UNKNOWN;
+            break;
+        default:
+            error_line("%s: rows: row %zu, cell %d: not one of . # ?; " IMPORT, path, row + 1, (int)x + 1);
+            return false;
+        }
+        (void)jp_terrain_set_cell(terrain, x, y_of(text, row), cell);
+    }
+    return true;
+}
+
+static bool set_elevations(const char *path, const struct map_text *text, size_t row, struct jp_terrain *terrain)
+{
+    const json_t *values = json_array_get(text->elevations, row);
+    if (!json_is_array(values) || json_array_size(values) != (size_t)text->width) {
+        error_line("%s: elevation_m: row %zu is no list of %" JSON_INTEGER_FORMAT " numbers, the width; " IMPORT, path,
+                   row + 1, text->width);
+        return false;
+    }
+    for (int32_t x = 0; x < text->width; x++) {
+        const json_t *value = json_array_get(values, (size_t)x);
+        const double units = round(json_number_value(value) * JP_ELEVATION_ONE);
+        if (!json_is_number(value) || !(fabs(units) <= INT16_MAX)) {
+            error_line("%s: elevation_m: row %zu, cell %d: not a number within ±%.3f m; " IMPORT, path, row + 1,
+                       (int)x + 1, (double)INT16_MAX / JP_ELEVATION_ONE);
+            return false;
+        }
+        (void)jp_terrain_set_elevation(terrain, x, y_of(text, row), (jp_elevation)units);
+    }
+    return true;
+}
+
+static bool fill(const char *path, const struct map_text *text, struct jp_terrain *terrain)
+{
+    for (size_t row = 0; row < (size_t)text->height; row++) {
+        if (!set_row(path, text, row, terrain) ||
+            (text->elevations != NULL && !set_elevations(path, text, row, terrain))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool make_terrain(const char *path, const struct map_text *text, struct map_file *map)
+{
+    const struct jp_terrain_config config = {.width = (uint16_t)text->width,
+                                             .height = (uint16_t)text->height,
+                                             .resolution = (jp_q16)lround(text->resolution_m * JP_Q16_ONE),
+                                             .has_elevation = text->elevations != NULL};
+    const size_t size = jp_terrain_size(&config);
+    const char *field;
+    map->block = malloc(size);
+    if (map->block == NULL || jp_terrain_init(&map->terrain, &config, map->block, size, &field) != JP_OK) {
+        error_line("%s: no memory for the map", path);
+        map_file_free(map);
+        return false;
+    }
+    return true;
+}
+
+static bool build(const char *path, json_t *root, struct map_file *map)
+{
+    struct map_text text;
+    if (!unpack_all(path, root, &text) || !check_text(path, &text) || !make_terrain(path, &text, map)) {
+        return false;
+    }
+    if (!fill(path, &text, &map->terrain)) {
+        map_file_free(map);
+        return false;
+    }
+    (void)snprintf(map->name, sizeof map->name, "%s", text.name);
+    (void)snprintf(map->note, sizeof map->note, "%s", text.note);
+    memcpy(map->origin, text.origin, sizeof map->origin);
+    return true;
+}
+
+/* Open for reading, with something in it; NULL after an error. */
+static FILE *open_map(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    if (file == NULL) {
+        error_line("%s: %s; give the path of a map", path, strerror(errno));
+        return NULL;
+    }
+    const int first = getc(file);
+    if (first == EOF) {
+        error_line("%s: %s; give the path of a map", path, ferror(file) ? strerror(errno) : "the file is empty");
+        (void)fclose(file);
+        return NULL;
+    }
+    (void)ungetc(first, file);
+    return file;
+}
+
+bool map_file_load(const char *path, struct map_file *map)
+{
+    *map = (struct map_file){0};
+    FILE *file = open_map(path);
+    if (file == NULL) {
+        return false;
+    }
+    json_error_t error;
+    json_t *root = json_loadf(file, JSON_REJECT_DUPLICATES, &error);
+    (void)fclose(file);
+    if (root == NULL) {
+        error_line("%s: line %d: %s; " IMPORT, path, error.line, error.text);
+        return false;
+    }
+    const bool built = build(path, root, map);
+    json_decref(root);
+    return built;
+}
+
+void map_file_free(struct map_file *map)
+{
+    free(map->block);
+    map->block = NULL;
+}

@@ -1,0 +1,135 @@
+#include "sim/four_wheel/patrol_config.h"
+
+#include <math.h>
+
+#define RADIANS_PER_DEGREE (M_PI / 180)
+
+static struct jp_footprint footprint(const struct four_wheel_file *robot)
+{
+    const float half_length = (float)(robot->body.length_m / 2);
+
+    return (struct jp_footprint){half_length, half_length, (float)(robot->body.width_m / 2)};
+}
+
+static struct jp_teb_weights weights(const struct four_wheel_file *robot)
+{
+    return (struct jp_teb_weights){
+        .nonholonomic = (float)robot->weights.nonholonomic_per_m2,
+        .speed = (float)robot->weights.speed_s2_per_m2,
+        .turn_rate = (float)robot->weights.turn_rate_s2_per_rad2,
+        .turn_radius = (float)robot->weights.turn_radius_s2_per_m2,
+        .acceleration = (float)robot->weights.acceleration_s4_per_m2,
+        .turn_acceleration = (float)robot->weights.turn_acceleration_s4_per_rad2,
+        .obstacle = (float)robot->weights.obstacle_per_m2,
+        .path = (float)robot->weights.path_per_m2,
+        .time = (float)robot->weights.time_per_s2,
+        .slowness = (float)robot->weights.slowness_per_s2,
+        .no_reversing = (float)robot->weights.no_reversing_s2_per_m2,
+        .wheel_odometry = (float)robot->weights.wheel_odometry_per_m2,
+        .laser_odometry = (float)robot->weights.laser_odometry_per_m2,
+    };
+}
+
+static struct jp_teb_config band(const struct four_wheel_file *robot)
+{
+    return (struct jp_teb_config){
+        .speed_max = (float)robot->band.speed_m_s,
+        .reverse_max = (float)robot->band.reverse_m_s,
+        .turn_rate_max = (float)robot->band.turn_rate_rad_s,
+        .acceleration = (float)robot->band.acceleration_m_s2,
+        .turn_acceleration = (float)robot->band.turn_acceleration_rad_s2,
+        .radius_min = (float)robot->steering.radius_min_m,
+        .footprint = footprint(robot),
+        .clearance = (float)robot->band.clearance_m,
+        .interval = (float)robot->band.interval_s,
+        .hysteresis = (float)robot->band.hysteresis_s,
+        .rounds = (uint8_t)robot->band.rounds,
+        .steps = (uint8_t)robot->band.steps,
+        .weights = weights(robot),
+    };
+}
+
+static struct jp_scan_config scan(const struct four_wheel_file *robot)
+{
+    return (struct jp_scan_config){
+        .range_max = (float)robot->scan.range_m,
+        .gap = (float)robot->scan.gap_m,
+        .tolerance = (float)robot->scan.tolerance_m,
+        .beams_min = (uint16_t)robot->scan.beams_min,
+    };
+}
+
+static struct jp_movers_config movers(const struct four_wheel_file *robot)
+{
+    return (struct jp_movers_config){
+        .extent = (float)robot->movers.extent_m,
+        .speed_min = (float)robot->movers.speed_min_m_s,
+        .speed_max = (float)robot->movers.speed_max_m_s,
+        .margin = (float)robot->movers.margin_m,
+    };
+}
+
+struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum patrol_method method)
+{
+    struct jp_patrol_config config = {
+        .wheels = four_wheel_config(robot),
+        .teb = band(robot),
+        .scan = scan(robot),
+        .movers = movers(robot),
+        .turns_in_place = true,
+        .turn_first = (float)(robot->turning.from_deg * RADIANS_PER_DEGREE),
+        .turn_rate = (float)robot->turning.rate_rad_s,
+        .turn_acceleration = (float)robot->turning.acceleration_rad_s2,
+        .turn_clearance = (float)robot->turning.clearance_m,
+        .step_speed = (float)robot->turning.step_m_s,
+        .horizon = (float)robot->patrol.horizon_m,
+        .position_tolerance = (float)robot->patrol.position_tolerance_m,
+        .heading_tolerance = (float)(robot->patrol.heading_tolerance_deg * RADIANS_PER_DEGREE),
+        .period = 1.0f / PATROL_CYCLE_HZ,
+        .latency = (float)robot->patrol.latency_s,
+        .jump = (float)robot->patrol.jump_m,
+        .waits_max = (uint16_t)lround(robot->patrol.wait_s * PATROL_CYCLE_HZ),
+        .dropouts_max = (uint16_t)robot->patrol.dropouts,
+        .blind_max = (float)robot->patrol.blind_m,
+    };
+
+    if (method == PATROL_PLAIN) {
+        config.turns_in_place = false;
+        config.teb.weights.no_reversing = 0.0f;
+        config.teb.weights.wheel_odometry = 0.0f;
+        config.teb.weights.laser_odometry = 0.0f;
+    }
+    return config;
+}
+
+static jp_q24 to_q24(double value)
+{
+    return (jp_q24)lround(value * JP_Q24_ONE);
+}
+
+struct jp_pure_pursuit_config patrol_pursuit_config(const struct four_wheel_file *robot)
+{
+    return (struct jp_pure_pursuit_config){
+        .speed = to_q24(robot->pursuit.speed_m_s),
+        .lookahead_time = to_q24(robot->pursuit.lookahead_s),
+        .lookahead_min = to_q24(robot->pursuit.lookahead_min_m),
+        .lookahead_max = to_q24(robot->pursuit.lookahead_max_m),
+        .curvature_max = to_q24(1 / robot->steering.radius_min_m),
+        .lateral_acceleration = to_q24(robot->pursuit.lateral_acceleration_m_s2),
+        .acceleration = to_q24(robot->pursuit.acceleration_m_s2),
+        .tolerance = to_q24(robot->pursuit.tolerance_m),
+    };
+}
+
+enum jp_status patrol_pursue(struct jp_pure_pursuit *pursuit, const struct four_wheel_file *robot,
+                             const struct planar_pose *pose, const struct jp_plane_speed *speed, struct jp_twist *twist)
+{
+    const double latency = robot->patrol.latency_s;
+    const struct planar_pose motion = {latency * (double)speed->forward, 0, latency * (double)speed->turn_rate};
+    const struct planar_pose there = planar_bend(pose, &motion);
+    const struct jp_point position = {(jp_q16)lround(there.x * JP_Q16_ONE), (jp_q16)lround(there.y * JP_Q16_ONE)};
+    const jp_angle heading = (jp_angle)llround(there.heading / (2 * M_PI) * 4294967296.0);
+
+    return jp_pure_pursuit_tick(pursuit, &position, heading, to_q24((double)speed->forward),
+                                JP_Q24_ONE / PATROL_CYCLE_HZ, twist);
+}

@@ -1,0 +1,172 @@
+#include "sim/lattice/lattice_costs.h"
+
+#include <math.h>
+
+#include "sim/lattice/lattice_moves.h"
+
+#define UNITS_PER_METRE 1000.0 /* of JP_COST_DISTANCE */
+#define FRACTION        65536.0
+
+/* A base this much below the next whole unit is rounding error of the arithmetic. */
+#define EXACT 1e-6
+
+static double signed_step(const struct lattice_pose *from, const struct lattice_pose *to)
+{
+    const double middle = (from->heading + to->heading) / 2;
+    const double step = hypot(to->x - from->x, to->y - from->y);
+
+    return (to->x - from->x) * cos(middle) + (to->y - from->y) * sin(middle) < 0 ? -step : step;
+}
+
+static void add(const struct lattice *lattice, struct lattice_primitive *primitive, const struct lattice_motion *motion)
+{
+    const struct lattice_robot *robot = lattice->robot;
+    const double length = fabs(motion->speed) * motion->duration;
+
+    primitive->length_m += length;
+    primitive->duration_s += motion->duration;
+    primitive->cost[JP_COST_PHYSICAL] += JP_COST_PER_JOULE * lattice_robot_energy(robot, motion);
+    primitive->cost[JP_COST_PAPER] += JP_COST_PER_JOULE * robot->energy(robot, JP_COST_PAPER, motion);
+    primitive->cost[JP_COST_DISTANCE] += UNITS_PER_METRE * length;
+}
+
+static void turn_in_place(const struct lattice *lattice, struct lattice_primitive *primitive)
+{
+    const struct lattice_path *path = &primitive->path;
+    const double turn = path->poses[path->count - 1].heading - path->poses[0].heading;
+    const double rate = lattice_robot_pivot_rate(lattice->robot, turn);
+
+    add(lattice, primitive, &(struct lattice_motion){0, rate, 0, turn / rate});
+    primitive->cost[JP_COST_DISTANCE] = 1;
+}
+
+static void follow(const struct lattice *lattice, struct lattice_primitive *primitive, double sharpest)
+{
+    const struct lattice_path *path = &primitive->path;
+    const double speed = lattice_robot_speed(lattice->robot, sharpest / lattice->resolution_m);
+
+    for (size_t i = 1; i < path->count; i++) {
+        const double step = signed_step(&path->poses[i - 1], &path->poses[i]) * lattice->resolution_m;
+        const double duration = fabs(step) / speed;
+        const double turn = path->poses[i].heading - path->poses[i - 1].heading;
+        add(lattice, primitive, &(struct lattice_motion){copysign(speed, step), turn / duration, 0, duration});
+    }
+}
+
+void lattice_drive(const struct lattice *lattice, struct lattice_primitive *primitive, double sharpest)
+{
+    primitive->length_m = 0;
+    primitive->duration_s = 0;
+    for (int kind = 0; kind < JP_COST_KINDS; kind++) {
+        primitive->cost[kind] = 0;
+    }
+    if (primitive->dx == 0 && primitive->dy == 0) {
+        turn_in_place(lattice, primitive);
+    } else {
+        follow(lattice, primitive, sharpest);
+    }
+}
+
+/* Cost of driving a unit step straight up a rise in units of jp_elevation, before any floor. */
+static double straight_cost(const struct lattice *lattice, enum jp_cost_kind cost_kind, enum jp_move_kind move,
+                            double rise)
+{
+    const double length = lattice_move_length(move) * lattice->resolution_m;
+    if (cost_kind == JP_COST_DISTANCE) {
+        return UNITS_PER_METRE * length;
+    }
+    const struct lattice_robot *robot = lattice->robot;
+    const double speed = lattice_robot_speed(robot, 0);
+
+    return JP_COST_PER_JOULE *
+           robot->energy(robot, cost_kind, &(struct lattice_motion){speed, 0, rise / JP_ELEVATION_ONE, length / speed});
+}
+
+/* The parabola through the costs of three rises. */
+static struct jp_polynomial fit(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move,
+                                const double rise[3])
+{
+    double constant = 0;
+    double linear = 0;
+    double quadratic = 0;
+
+    for (int i = 0; i < 3; i++) {
+        const double a = rise[(i + 1) % 3];
+        const double b = rise[(i + 2) % 3];
+        const double weight = straight_cost(lattice, kind, move, rise[i]) / ((rise[i] - a) * (rise[i] - b));
+        constant += weight * a * b;
+        linear -= weight * (a + b);
+        quadratic += weight;
+    }
+    /* Only what level driving costs is lowered; a slope adds what it adds. */
+    const double level = straight_cost(lattice, kind, move, 0);
+    return (struct jp_polynomial){(int32_t)floor((constant - level * (1 - lattice->ratio[kind])) * FRACTION),
+                                  (int32_t)round(linear * FRACTION), (int32_t)round(quadratic * FRACTION)};
+}
+
+static uint16_t least_cost(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move)
+{
+    if (kind != JP_COST_PHYSICAL) {
+        return 1;
+    }
+    const double duration = lattice_move_length(move) * lattice->resolution_m / lattice_robot_speed(lattice->robot, 0);
+    return (uint16_t)fmax(1, floor(JP_COST_PER_JOULE * lattice->robot->electronics_power * duration));
+}
+
+static struct jp_slope_cost move_cost(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move)
+{
+    const double run = lattice_move_length(move) * lattice->resolution_m * JP_ELEVATION_ONE;
+    const double steepest = lattice->robot->grade_max * run;
+    const double bend = lattice->robot->grade_bend * run;
+    const double climb[] = {bend, (bend + steepest) / 2, steepest};
+    const double descend[] = {-2 * steepest, (bend - 2 * steepest) / 2, bend};
+
+    return (struct jp_slope_cost){fit(lattice, kind, move, climb), fit(lattice, kind, move, descend),
+                                  (int16_t)ceil(bend), (int16_t)fmax(1, floor(steepest)),
+                                  least_cost(lattice, kind, move)};
+}
+
+static double level_cost(const struct lattice *lattice, enum jp_cost_kind kind,
+                         const struct lattice_primitive *primitive)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < primitive->move_count; i++) {
+        sum += straight_cost(lattice, kind, jp_move_kind_of(primitive->moves[i]), 0);
+    }
+    return sum;
+}
+
+/* The largest ratio that leaves no base below 0. */
+static double ratio(const struct lattice *lattice, enum jp_cost_kind kind)
+{
+    double least = 1;
+
+    for (size_t i = 0; i < lattice->count; i++) {
+        const struct lattice_primitive *primitive = &lattice->primitives[i];
+        if (primitive->move_count > 0) {
+            least = fmin(least, primitive->cost[kind] / level_cost(lattice, kind, primitive));
+        }
+    }
+    return least;
+}
+
+static unsigned base(const struct lattice *lattice, enum jp_cost_kind kind, const struct lattice_primitive *primitive)
+{
+    const double moves = lattice->ratio[kind] * level_cost(lattice, kind, primitive);
+
+    return (unsigned)fmax(0, ceil(primitive->cost[kind] - moves - EXACT));
+}
+
+void lattice_price(struct lattice *lattice)
+{
+    for (enum jp_cost_kind kind = 0; kind < JP_COST_KINDS; kind++) {
+        lattice->ratio[kind] = ratio(lattice, kind);
+        for (enum jp_move_kind move = 0; move < JP_MOVE_KINDS; move++) {
+            lattice->move_costs[kind][move] = move_cost(lattice, kind, move);
+        }
+        for (size_t i = 0; i < lattice->count; i++) {
+            lattice->primitives[i].base[kind] = base(lattice, kind, &lattice->primitives[i]);
+        }
+    }
+}

@@ -1,0 +1,373 @@
+#include "sim/missions/bus_mission.h"
+
+#include <math.h>
+
+#include "hal/linux/periodic.h"
+#include "sim/base/error.h"
+#include "sim/base/fingerprint.h"
+#include "sim/base/progress.h"
+
+#define DEGREES     (180 / M_PI)
+#define Q12_ONE     4096.0
+#define Q16_ONE     65536.0
+#define Q24_ONE     16777216.0
+#define ENERGY_ONE  4294967296.0
+#define ANGLE16_ONE 65536.0
+#define NANOSECONDS 1000000000U
+
+/** A route takes at most this long, s. */
+#define MISSION_TIME_MAX 3600.0
+
+/** A mission in progress. */
+struct run {
+    struct bus_mission *result;
+    const struct scenario *scenario;
+    struct mission_view view;
+    enum bus_mission_pace pace;
+    struct jp_periodic timer;
+    bool under_way;      /**< the first segment has begun */
+    uint64_t start_tick; /**< of it */
+    uint64_t leg_tick;   /**< first of the leg */
+    double leg_plant;    /**< the plant's motor energy at its start, J */
+    int64_t start_spent; /**< by the ECU's meter at the start, of the scenario's kind */
+    size_t leg;
+    struct bezier_point reference; /**< where the reference is, m */
+};
+
+static const struct plant *plant_of(const struct run *run)
+{
+    return &run->result->drive.plant.world.plant;
+}
+
+static uint64_t tick_of(const struct run *run)
+{
+    return run->result->drive.plant.world.tick;
+}
+
+static double seconds(const struct run *run, uint64_t ticks)
+{
+    return (double)ticks * world_tick_seconds(&run->result->drive.plant.world);
+}
+
+/* The fingerprint. */
+
+static void note_fingerprint(struct run *run)
+{
+    const struct plant *plant = plant_of(run);
+    const struct ecu_view *view = &run->result->drive.view;
+
+    fingerprint_add(&run->result->fingerprint, &plant->x, sizeof plant->x);
+    fingerprint_add(&run->result->fingerprint, &plant->y, sizeof plant->y);
+    fingerprint_add(&run->result->fingerprint, &plant->state, sizeof plant->state);
+    fingerprint_add(&run->result->fingerprint, &plant->ledger, sizeof plant->ledger);
+    fingerprint_add(&run->result->fingerprint, &view->spent.energy, sizeof view->spent.energy);
+    fingerprint_add(&run->result->fingerprint, &view->drawn.energy, sizeof view->drawn.energy);
+}
+
+/* The log. */
+
+static void follow_reference(struct run *run)
+{
+    const struct jp_can_reference_t *reference = &run->result->drive.view.reference;
+    const double heading = reference->heading / ANGLE16_ONE * 2 * M_PI;
+    const double rolled = reference->speed / Q12_ONE * world_tick_seconds(&run->result->drive.plant.world);
+
+    run->reference.x += rolled * cos(heading);
+    run->reference.y += rolled * sin(heading);
+}
+
+static int64_t spent(const struct run *run)
+{
+    const struct ecu_view *view = &run->result->drive.view;
+
+    return run->scenario->energy == ENERGY_BATTERY ? view->drawn.energy : view->spent.energy;
+}
+
+static void log_row(const struct run *run)
+{
+    const struct plant *plant = plant_of(run);
+    const struct plant_node *node = &run->result->drive.plant;
+    const struct plant_input *input = &node->world.input;
+    const struct ecu_view *view = &run->result->drive.view;
+    const double radius = run->scenario->robot.wheel.radius_m;
+
+    mission_log_row(run->view.log, run->scenario,
+                    &(struct mission_row){
+                        .time = seconds(run, tick_of(run) - run->start_tick),
+                        .position = {plant->x, plant->y},
+                        .reference = run->reference,
+                        .heading = plant->state.yaw,
+                        .speed = plant->state.wheel_rate * radius,
+                        .turn_rate = plant->state.yaw_rate,
+                        .reference_speed = view->reference.speed / Q12_ONE,
+                        .reference_turn_rate = view->reference.yaw_rate / Q12_ONE * 2 * M_PI,
+                        .pitch_deg = plant->state.pitch * DEGREES,
+                        .voltage_left = view->motors.voltage_left / 128.0,
+                        .voltage_right = view->motors.voltage_right / 128.0,
+                        .current_left = plant_current_left(plant, input),
+                        .current_right = plant_current_right(plant, input),
+                        .energy = (double)(spent(run) - run->start_spent) / ENERGY_ONE,
+                        .leg = run->leg,
+                    });
+}
+
+/* Legs. */
+
+static void begin_leg(struct run *run)
+{
+    run->leg_tick = tick_of(run);
+    run->leg_plant = mission_plant_energy(run->scenario, plant_of(run));
+}
+
+/** The first segment begins in the tick that announces it; the plant has stepped on since. */
+static void begin(struct run *run)
+{
+    run->under_way = true;
+    run->start_spent = spent(run);
+    run->reference = (struct bezier_point){plant_of(run)->x, plant_of(run)->y};
+    begin_leg(run);
+    run->leg_tick--;
+    run->start_tick = run->leg_tick;
+}
+
+static void note_plan(struct run *run)
+{
+    const struct ecu_view *view = &run->result->drive.view;
+    const size_t index = (size_t)view->segment_forecast.segment - 1;
+
+    if (view->segment_forecast.segment == 0 || index >= run->result->mission.leg_count) {
+        return;
+    }
+
+    struct mission_leg *leg = &run->result->mission.legs[index];
+
+    leg->planned = true;
+    leg->planned_energy = view->segment_forecast.energy / Q16_ONE;
+    leg->speed = view->segment_motion.speed / Q24_ONE;
+    leg->turn_rate = view->segment_motion.turn_rate / Q24_ONE;
+    leg->turn = view->segment_shape.turn / Q24_ONE;
+    leg->arc = leg->turn_rate * (view->segment_shape.duration / Q16_ONE);
+}
+
+static void end_leg(struct run *run)
+{
+    const struct plant *plant = plant_of(run);
+    const struct jp_can_segment_result_t *segment = &run->result->drive.view.segment_result;
+    struct mission *mission = &run->result->mission;
+
+    if (run->leg >= mission->leg_count || segment->segment != run->leg + 1) {
+        return;
+    }
+
+    struct mission_leg *leg = &mission->legs[run->leg];
+
+    /* The segment ended with the tick before: the plant has stepped once since. */
+    leg->duration = seconds(run, tick_of(run) - 1 - run->leg_tick);
+    leg->battery_energy = segment->drawn / Q16_ONE;
+    leg->measured_energy = run->scenario->energy == ENERGY_BATTERY ? leg->battery_energy : segment->spent / Q16_ONE;
+    leg->plant_energy = mission_plant_energy(run->scenario, plant) - run->leg_plant +
+                        run->scenario->robot.electronics.power_w * leg->duration;
+    leg->end = (struct bezier_point){plant->x, plant->y};
+    leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
+    run->leg++;
+    begin_leg(run);
+    run->leg_tick--;
+}
+
+static void keep_books(struct run *run)
+{
+    struct ecu_view *view = &run->result->drive.view;
+    const uint64_t row_ticks = (uint64_t)(run->scenario->robot.control.rate_hz / MISSION_LOG_RATE);
+
+    if (view->segment_begins && !run->under_way) {
+        begin(run);
+    }
+    if (view->segment_planned) {
+        note_plan(run);
+    }
+    if (view->segment_ended) {
+        end_leg(run);
+    }
+    view->segment_begins = view->segment_planned = view->segment_ended = false;
+    note_fingerprint(run);
+    if (!run->under_way) {
+        return;
+    }
+    follow_reference(run);
+    if (run->view.log != NULL && (tick_of(run) - run->start_tick) % row_ticks == 0) {
+        log_row(run);
+    }
+    if (run->view.watch != NULL) {
+        const struct plant *plant = plant_of(run);
+
+        run->view.watch(run->view.context, (struct bezier_point){plant->x, plant->y}, plant->state.yaw);
+    }
+}
+
+/* Time. */
+
+static void start_clock(struct run *run)
+{
+    if (run->pace != BUS_MISSION_LOCKSTEP) {
+        jp_periodic_start(&run->timer, NANOSECONDS / (uint32_t)run->scenario->robot.control.rate_hz);
+    }
+}
+
+static bool tick(struct run *run)
+{
+    struct bus_drive *drive = &run->result->drive;
+
+    if (run->pace == BUS_MISSION_REAL_TIME) {
+        (void)jp_periodic_wait(&run->timer);
+        bus_drive_real_time(drive);
+        return true;
+    }
+    if (run->pace == BUS_MISSION_PACED) {
+        (void)jp_periodic_wait(&run->timer);
+    }
+    if (bus_drive_lockstep(drive)) {
+        return true;
+    }
+    error_line("no ECU answered for %d s%s", BUS_DRIVE_PATIENCE,
+               drive->link.port.state(drive->link.port.context) == JP_CAN_DOWN
+                   ? ", and the bus is down; bring it back and start jp-ecu on it, in lockstep like this program"
+                   : "; start jp-ecu on the same bus, in lockstep like this program");
+    return false;
+}
+
+static void note_clock(struct run *run)
+{
+    if (run->pace != BUS_MISSION_LOCKSTEP) {
+        run->result->missed_periods = run->timer.missed;
+        run->result->worst_lateness_us = (double)run->timer.worst_lateness_us;
+    }
+}
+
+/* The whole. */
+
+static void prepare(struct run *run, const struct jp_can_link *link)
+{
+    struct bus_mission *result = run->result;
+
+    *result = (struct bus_mission){.fingerprint = FINGERPRINT_START};
+    bus_drive_init(&result->drive, &run->scenario->robot, run->scenario->seed, link);
+    result->mission.leg_count = run->scenario->waypoint_count - 1;
+    for (size_t i = 0; i < result->mission.leg_count; i++) {
+        result->mission.legs[i].target = run->scenario->waypoints[i + 1];
+    }
+}
+
+static bool hand_over_route(struct run *run)
+{
+    struct jp_point route[JP_ROUTE_LENGTH_MAX];
+    const size_t count = run->result->mission.leg_count;
+
+    if (count > JP_ROUTE_LENGTH_MAX) {
+        error_line("%s: waypoints: %zu after the start, a route on the bus holds at most %u; drive it in parts",
+                   run->scenario->name, count, JP_ROUTE_LENGTH_MAX);
+        return false;
+    }
+    for (size_t i = 0; i < count; i++) {
+        route[i].x = (jp_q16)lround(run->scenario->waypoints[i + 1].x * Q16_ONE);
+        route[i].y = (jp_q16)lround(run->scenario->waypoints[i + 1].y * Q16_ONE);
+    }
+    if (jp_operator_route(&run->result->drive.commander, route, count) != JP_OK) {
+        error_line("%s: waypoints: one is beyond ±512 m, which the bus does not carry; move it", run->scenario->name);
+        return false;
+    }
+    return true;
+}
+
+static size_t percent_done(const struct run *run)
+{
+    const double elapsed = seconds(run, tick_of(run) - run->leg_tick);
+    const double left = run->result->drive.view.reference.segment_time_left / 64.0;
+
+    return (size_t)(100 * ((double)run->leg + elapsed / (elapsed + left + 0.001)) /
+                    (double)run->result->mission.leg_count);
+}
+
+/** Of two controllers each tells of its own route, so that nothing certain would be heard. */
+static bool is_alone(const struct run *run)
+{
+    if (run->result->drive.view.errors.conflicts == 0U) {
+        return true;
+    }
+    error_line("leg %zu: another controller sends with the ECU's ids; take it off the bus and restart jp-ecu",
+               run->leg + 1);
+    return false;
+}
+
+static bool drive_route(struct run *run)
+{
+    const struct jp_operator *commander = &run->result->drive.commander;
+
+    while (commander->phase != JP_OPERATOR_DONE || run->leg < run->result->mission.leg_count) {
+        if (!tick(run) || !is_alone(run)) {
+            return false;
+        }
+        keep_books(run);
+        if (commander->phase == JP_OPERATOR_FAILED) {
+            error_line("leg %zu: %s", run->leg + 1, jp_operator_failure_text(commander->failure));
+            return false;
+        }
+        if (seconds(run, run->result->drive.tick) > MISSION_TIME_MAX) {
+            error_line("leg %zu: not done after %.0f s; look at the frames with candump", run->leg + 1,
+                       MISSION_TIME_MAX);
+            return false;
+        }
+        if (run->view.progress != NULL && run->under_way && run->leg < run->result->mission.leg_count) {
+            progress_show(run->view.progress, percent_done(run), 100);
+        }
+    }
+    return true;
+}
+
+bool bus_mission_run(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
+                     enum bus_mission_pace pace, const struct mission_view *view)
+{
+    struct run run = {.result = result, .scenario = scenario, .pace = pace};
+
+    if (view != NULL) {
+        run.view = *view;
+    }
+    prepare(&run, link);
+    if (!hand_over_route(&run)) {
+        return false;
+    }
+    if (run.view.log != NULL) {
+        mission_log_header(run.view.log);
+    }
+    start_clock(&run);
+
+    const double begin_wall = mission_wall_clock();
+    const bool done = drive_route(&run);
+
+    result->mission.wall_seconds = mission_wall_clock() - begin_wall;
+    result->mission.ticks = run.leg_tick - run.start_tick;
+    result->mission.saturated_ticks = result->drive.view.motors.saturated_ticks;
+    note_clock(&run);
+    if (run.view.progress != NULL) {
+        progress_end();
+    }
+    if (done) {
+        mission_sum_up(&result->mission);
+    }
+    return done;
+}
+
+bool bus_mission_host(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
+                      enum bus_mission_pace pace, double duration, bool (*stop)(void))
+{
+    struct run run = {.result = result, .scenario = scenario, .pace = pace};
+    bool running = true;
+
+    prepare(&run, link);
+    start_clock(&run);
+    while (running && !stop() && (duration <= 0 || seconds(&run, result->drive.tick) < duration)) {
+        running = tick(&run);
+        note_fingerprint(&run);
+    }
+    note_clock(&run);
+    return running;
+}

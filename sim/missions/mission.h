@@ -1,0 +1,116 @@
+/** One scenario driven by one strategy, in closed loop, with what it planned and what it spent. */
+#ifndef JOULEPATH_SIM_MISSIONS_MISSION_H
+#define JOULEPATH_SIM_MISSIONS_MISSION_H
+
+#include <stdio.h>
+
+#include "sim/balancer/rig.h"
+#include "sim/missions/scenario.h"
+
+/** Log rows a second. */
+#define MISSION_LOG_RATE 50
+
+enum mission_strategy {
+    /* One segment after the other. */
+    MISSION_OPTIMAL,  /**< jp_robot_follow: each segment planned for least energy */
+    MISSION_STRAIGHT, /**< straight chords, with the times of MISSION_OPTIMAL */
+    MISSION_BEZIER,   /**< energy-optimised cubic Bézier curves */
+    /* The whole route together. */
+    MISSION_ROUTE,          /**< jp_pilot_follow: all segments planned together for least energy, learning on the way.
+                                 Without tables for the pilot, and for the published model, which has none: planned once
+                                 from rest, all segments settled */
+    MISSION_STRAIGHT_ROUTE, /**< straight chords, with the times of MISSION_ROUTE */
+    MISSION_BEZIER_ROUTE    /**< energy-optimised cubic Bézier curves */
+};
+#define MISSION_STRATEGIES 6
+
+/** One leg from waypoint to waypoint. */
+struct mission_leg {
+    struct bezier_point target;
+    bool planned;            /**< one segment, planned before it was driven: the plan below holds */
+    double planned_energy;   /**< J */
+    double speed;            /**< v, m/s */
+    double turn_rate;        /**< w, rad/s */
+    double arc;              /**< γ, rad */
+    double turn;             /**< σ, rad */
+    double duration;         /**< T, s */
+    double measured_energy;  /**< the robot's meter, the scenario's kind of energy, J */
+    double plant_energy;     /**< the same from the plant's ledger in double, J */
+    double battery_energy;   /**< the robot's meter, at the battery, J */
+    struct bezier_point end; /**< where the robot was, m */
+    double end_error;        /**< distance to the target, m */
+};
+
+/** What a pilot says before it starts. */
+struct mission_forecast {
+    bool known;       /**< a pilot drives, and has a leg for each target */
+    double energy;    /**< J */
+    double deviation; /**< standard deviation, J */
+};
+
+#define MISSION_REASON_SIZE 160
+
+struct mission {
+    enum mission_strategy strategy;
+    char impossible[MISSION_REASON_SIZE]; /**< why the strategy cannot drive the route; empty: it did */
+    struct mission_forecast forecast;
+    size_t leg_count;
+    struct mission_leg legs[BEZIER_WAYPOINTS_MAX];
+    struct mission_leg braking; /**< from the end of the last leg to the stand, if the scenario ends there */
+    struct mission_leg total;   /**< sums; end and end_error of the last of them */
+    uint64_t ticks;
+    uint64_t saturated_ticks;
+    double wall_seconds;
+};
+
+/** One row of the log. */
+struct mission_row {
+    double time; /**< since the start, s */
+    struct bezier_point position;
+    struct bezier_point reference;
+    double heading;   /**< rad */
+    double speed;     /**< m/s */
+    double turn_rate; /**< rad/s */
+    double reference_speed;
+    double reference_turn_rate;
+    double pitch_deg;
+    double voltage_left; /**< V */
+    double voltage_right;
+    double current_left; /**< A */
+    double current_right;
+    double energy; /**< since the start, of the scenario's kind, J */
+    size_t leg;    /**< from 0 */
+};
+
+/** Who looks on; members that are NULL do not. */
+struct mission_view {
+    FILE *log;            /**< takes a row every 1/MISSION_LOG_RATE s */
+    const char *progress; /**< name of the bar */
+    /** Called every tick with where the robot is, m and rad. */
+    void (*watch)(void *context, struct bezier_point position, double heading);
+    void *context;
+};
+
+/** The energy model that the scenario asks for, or NULL after one line on stderr. */
+const struct jp_energy_model *mission_model(const struct scenario *scenario, const struct robot_entry *entry);
+
+/**
+ * Drives the scenario and fills *mission. `driven` holds the missions by strategy, of which straight chords take the
+ * times of the one that they are compared with; NULL for the others. `view` may be NULL. False when the strategy cannot
+ * drive the route, which mission->impossible says, and, with that empty, after one line on stderr.
+ */
+bool mission_run(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
+                 const struct mission *driven, const struct mission_view *view);
+
+/** Says in one line on stderr why the strategy cannot drive the route, if that is so. */
+void mission_complain(const struct mission *mission, const struct scenario *scenario);
+
+/** For missions that are driven otherwise: the plant's motor energy of the scenario's kind in J, the log, the sums of
+ * the legs and the braking, the clock in seconds. */
+double mission_plant_energy(const struct scenario *scenario, const struct plant *plant);
+void mission_log_header(FILE *log);
+void mission_log_row(FILE *log, const struct scenario *scenario, const struct mission_row *row);
+void mission_sum_up(struct mission *mission);
+double mission_wall_clock(void);
+
+#endif

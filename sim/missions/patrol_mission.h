@@ -1,0 +1,96 @@
+/**
+ * A drive of the patrol robot: path by any-angle A*, smoothed; timed elastic band or pure pursuit; wheels, laser,
+ * moving obstacles.
+ */
+#ifndef JOULEPATH_SIM_MISSIONS_PATROL_MISSION_H
+#define JOULEPATH_SIM_MISSIONS_PATROL_MISSION_H
+
+#include <joulepath/patrol_mission.h>
+
+#include "sim/four_wheel/patrol_config.h"
+#include "sim/scenes/patrol_scene.h"
+
+extern const char *const patrol_method_names[PATROL_METHODS];
+
+enum patrol_outcome {
+    PATROL_ARRIVED,  /**< truly at the goal: position and heading within patrol_tolerance */
+    PATROL_MISSED,   /**< the robot thinks so, but it is not */
+    PATROL_COLLIDED, /**< the true shapes touched */
+    PATROL_GAVE_UP,  /**< gave up; the reason says why */
+    PATROL_LATE,     /**< still on its way at the limit */
+    PATROL_NO_PATH,
+    PATROL_OUTCOMES
+};
+
+extern const char *const patrol_outcome_names[PATROL_OUTCOMES];
+extern const char *const patrol_reason_names[JP_PATROL_INFEASIBLE + 1];
+extern const char *const patrol_state_names[JP_PATROL_STOPPED + 1];
+
+/** What goes wrong, on request. */
+struct patrol_faults {
+    double beam_dropout;      /**< share of the beams that drop out */
+    double scan_dropout_from; /**< no scans at all from…until, s */
+    double scan_dropout_until;
+    double jump_at;    /**< the laser's pose is off by jump_m from then on, s; below 0: never */
+    double jump_until; /**< 0: for ever */
+    double jump_m;
+    double wheels_jump_m; /**< at jump_at the pose of the wheels jumps by so much */
+    bool slip; /**< slippery ground that falls off to one side: wheel odometry goes wrong by some per cent of the way */
+};
+
+struct patrol_view;
+
+struct patrol_task {
+    const struct four_wheel_file *robot;
+    const struct patrol_scene *scene;
+    enum patrol_method method;
+    uint64_t seed; /**< of the noise */
+    struct patrol_faults faults;
+    bool survives_touches; /**< otherwise the first one ends the drive */
+    /** Called every cycle, may be null. */
+    void (*observe)(void *context, const struct patrol_view *view);
+    void *context;
+};
+
+/** A cycle, as reports need it. */
+struct patrol_view {
+    double time;
+    struct jp_plane_pose true_pose;
+    struct jp_plane_speed true_speed;
+    struct jp_plane_pose believed; /**< in the map's frame */
+    enum jp_patrol_state state;
+    enum jp_patrol_reason reason;
+    const struct jp_wheels *wheels; /**< as the encoders say */
+    const struct jp_patrol *patrol; /**< its band may be shown; null for pure pursuit */
+    const struct patrol_world *world;
+    const struct jp_point *way; /**< turning points of the planner's way */
+    size_t way_count;
+    const struct jp_point *path; /**< smoothed */
+    size_t path_count;
+    unsigned replans; /**< so far: way and path are others when it has grown */
+    double clearance; /**< of the true shape, m */
+    double energy_j;
+};
+
+struct patrol_result {
+    enum patrol_outcome outcome;
+    enum jp_patrol_reason reason;
+    double time;   /**< s */
+    double length; /**< driven, m */
+    double energy_j;
+    double reversed;            /**< driven backwards, m: more than slip and noise explain counts as reversing */
+    unsigned direction_changes; /**< between forward and backward, and of the turn rate's sign beyond noise */
+    double clearance_min;       /**< of the true shapes, m */
+    double position_error;      /**< from the goal, m */
+    double heading_error;       /**< rad */
+    double odometry_error;      /**< of the pose that the robot believes, at the end, m */
+    double path_length;
+    unsigned replans;
+    struct jp_grid_counts planner;
+    struct jp_patrol_counts counts;
+};
+
+/** Drives to the end. Deterministic for a task. False after one line on stderr: no memory. */
+bool patrol_mission_run(const struct patrol_task *task, struct patrol_result *result);
+
+#endif

@@ -1,0 +1,43 @@
+/** A route of the lattice driven by a balancer in closed loop: waypoints, the simulator, and what became of it. */
+#ifndef JOULEPATH_SIM_MISSIONS_PLAN_DRIVE_H
+#define JOULEPATH_SIM_MISSIONS_PLAN_DRIVE_H
+
+#include <joulepath/waypoints.h>
+
+#include "sim/lattice/lattice_robot.h"
+#include "sim/missions/mission.h"
+#include "sim/missions/plan_search.h"
+
+#define PLAN_SCENARIO_FILE "scenario.cfg"
+#define PLAN_LOG_FILE      "drive.csv"
+
+struct plan_drive {
+    size_t waypoint_count;
+    struct jp_waypoint waypoints[BEZIER_WAYPOINTS_MAX];
+    struct clearance_pose places[BEZIER_WAYPOINTS_MAX]; /**< theirs in the grid's frame; the heading is the route's */
+    double margin_m;                                    /**< least that a predicted segment keeps to obstacles */
+    struct scenario scenario;                           /**< the same waypoints, as the robot's odometry sees them */
+    struct mission mission;
+    double length; /**< driven, m */
+    bool is_clear; /**< the driven path touched no obstacle */
+};
+
+/** Turns a route into waypoints and a scenario. False after one line on stderr. */
+bool plan_drive_prepare(const struct map_file *map, const struct jp_lattice *lattice, const struct lattice_robot *robot,
+                        const struct plan_route *route, struct plan_drive *drive);
+
+/** The scenario as a file for jp-mission. */
+void plan_drive_write(const struct plan_drive *drive, const char *robot_path, FILE *stream);
+
+/** Drives it, with the log of a mission. False after one line on stderr. */
+bool plan_drive_run(const struct map_file *map, const struct lattice_robot *robot, struct plan_drive *drive, FILE *log);
+
+/** Sums over the predicted segments: J, m and s. */
+struct plan_sums {
+    double energy;
+    double length;
+    double time;
+};
+struct plan_sums plan_drive_predicted(const struct plan_drive *drive);
+
+#endif

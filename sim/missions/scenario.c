@@ -1,0 +1,181 @@
+#include "sim/missions/scenario.h"
+
+#include <libgen.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/base/error.h"
+#include "sim/files/config_fields.h"
+#include "sim/files/config_file.h"
+
+#define PATH_SIZE  1024
+#define COORDINATE 10000.0
+
+/** Waypoints nearer than this, m, coincide. */
+#define DISTANCE_MIN 0.01
+
+/* As the file has it. */
+struct texts {
+    char name[SCENARIO_NAME_SIZE];
+    char robot[PATH_SIZE];
+    char model[SCENARIO_NAME_SIZE];
+    char energy[SCENARIO_NAME_SIZE];
+    char end[SCENARIO_NAME_SIZE];
+    int seed;
+};
+
+#define TEXT(key, member, is_optional)                                                                                 \
+    {                                                                                                                  \
+        key, offsetof(struct texts, member), sizeof((struct texts *)0)->member, CONFIG_FIELD_TEXT, 0, 0, "",           \
+            is_optional                                                                                                \
+    }
+
+static const struct config_field fields[] = {
+    TEXT("name", name, false),
+    TEXT("robot", robot, false),
+    TEXT("energy_model", model, false),
+    TEXT("energy", energy, true),
+    TEXT("end", end, true),
+    {"seed", offsetof(struct texts, seed), 1, CONFIG_FIELD_WHOLE, 0, 1e9, "1", false},
+    {"waypoints", 0, BEZIER_WAYPOINTS_MAX, CONFIG_FIELD_LIST, 0, 0, "m", false},
+};
+
+static const struct config_kind kind = {NULL, 0, fields, sizeof fields / sizeof fields[0]};
+
+/** The robot's path is relative to the scenario's folder. */
+static bool load_robot(const char *path, const char *robot, struct scenario *scenario)
+{
+    char folder[PATH_SIZE];
+    char robot_path[2 * PATH_SIZE];
+
+    (void)snprintf(folder, sizeof folder, "%s", path);
+    (void)snprintf(robot_path, sizeof robot_path, "%s%s%s", robot[0] == '/' ? "" : dirname(folder),
+                   robot[0] == '/' ? "" : "/", robot);
+    return robot_file_load(robot_path, &scenario->robot);
+}
+
+static bool set_model(const char *path, const char *model, struct scenario *scenario)
+{
+    if (strcmp(model, "identified") != 0 && strcmp(model, "published") != 0) {
+        error_line("%s: energy_model = \"%s\": must be \"identified\" or \"published\"; correct the value", path,
+                   model);
+        return false;
+    }
+    scenario->model = strcmp(model, "published") == 0 ? SCENARIO_PUBLISHED : SCENARIO_IDENTIFIED;
+    return true;
+}
+
+static bool set_end(const char *path, const char *end, struct scenario *scenario)
+{
+    if (strcmp(end, "segment") != 0 && strcmp(end, "stand") != 0) {
+        error_line("%s: end = \"%s\": must be \"segment\" or \"stand\"; correct the value", path, end);
+        return false;
+    }
+    scenario->to_stand = strcmp(end, "stand") == 0;
+    return true;
+}
+
+static bool set_energy(const char *path, const char *energy, struct scenario *scenario)
+{
+    if (!energy_kind_parse(energy, &scenario->energy)) {
+        error_line("%s: energy = \"%s\": must be \"motor\" or \"battery\"; correct the value", path, energy);
+        return false;
+    }
+    if (scenario->energy == ENERGY_BATTERY && scenario->model == SCENARIO_PUBLISHED) {
+        error_line("%s: energy = \"battery\": the published model is of the motors' energy; choose energy_model = "
+                   "\"identified\"",
+                   path);
+        return false;
+    }
+    return true;
+}
+
+static bool load_waypoint(const char *path, const config_setting_t *setting, unsigned index,
+                          struct bezier_point *waypoint)
+{
+    double value[2];
+
+    for (unsigned k = 0; k < 2; k++) {
+        const config_setting_t *number =
+            config_setting_length(setting) == 2 ? config_setting_get_elem(setting, k) : NULL;
+
+        if (number == NULL || !config_file_number(number, &value[k]) || !(fabs(value[k]) <= COORDINATE)) {
+            error_line("%s: waypoints[%u] (line %u): must be two numbers within ±%g m; write [x, y]", path, index,
+                       config_setting_source_line(setting), COORDINATE);
+            return false;
+        }
+    }
+    *waypoint = (struct bezier_point){value[0], value[1]};
+    return true;
+}
+
+static bool check_distance(const char *path, const struct scenario *scenario, unsigned index)
+{
+    const struct bezier_point *a = &scenario->waypoints[index - 1];
+    const struct bezier_point *b = &scenario->waypoints[index];
+    double distance = hypot(b->x - a->x, b->y - a->y);
+
+    if (distance < DISTANCE_MIN) {
+        error_line("%s: waypoints[%u]: coincides with the one before it; remove one of them", path, index);
+        return false;
+    }
+    if (distance > (double)JP_SEGMENT_LENGTH_MAX / JP_Q16_ONE) {
+        error_line("%s: waypoints[%u]: %.0f m from the one before it, at most %d m are possible; add one between", path,
+                   index, distance, JP_SEGMENT_LENGTH_MAX / JP_Q16_ONE);
+        return false;
+    }
+    return true;
+}
+
+static bool load_waypoints(const char *path, const config_t *config, struct scenario *scenario)
+{
+    const config_setting_t *list = config_lookup(config, "waypoints");
+    int count = list == NULL ? 0 : config_setting_length(list);
+
+    if (count < 2 || count > BEZIER_WAYPOINTS_MAX) {
+        error_line("%s: waypoints: must be a list of 2 to %d points; write ( [0.0, 0.0], [x, y] )", path,
+                   BEZIER_WAYPOINTS_MAX);
+        return false;
+    }
+    scenario->waypoint_count = (size_t)count;
+    for (unsigned i = 0; i < (unsigned)count; i++) {
+        if (!load_waypoint(path, config_setting_get_elem(list, i), i, &scenario->waypoints[i]) ||
+            (i > 0 && !check_distance(path, scenario, i))) {
+            return false;
+        }
+    }
+    if (scenario->waypoints[0].x != 0 || scenario->waypoints[0].y != 0) {
+        error_line("%s: waypoints[0]: odometry starts at [0.0, 0.0]; begin there and shift the others", path);
+        return false;
+    }
+    return true;
+}
+
+static bool load(const char *path, config_t *config, struct scenario *scenario)
+{
+    struct texts texts = {.energy = "motor", .end = "segment"};
+
+    if (!config_file_parse(path, config) || !config_fields_read(path, config, &kind, &texts) ||
+        !load_robot(path, texts.robot, scenario) || !set_model(path, texts.model, scenario) ||
+        !set_energy(path, texts.energy, scenario) || !set_end(path, texts.end, scenario) ||
+        !load_waypoints(path, config, scenario)) {
+        return false;
+    }
+    memcpy(scenario->name, texts.name, sizeof scenario->name);
+    scenario->seed = (uint64_t)texts.seed;
+    return true;
+}
+
+bool scenario_load(const char *path, struct scenario *scenario)
+{
+    config_t config;
+
+    config_init(&config);
+    *scenario = (struct scenario){0};
+
+    const bool loaded = load(path, &config, scenario);
+
+    config_destroy(&config);
+    return loaded;
+}

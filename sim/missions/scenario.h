@@ -1,0 +1,36 @@
+/** What a simulation runs: a libconfig file in sim/scenarios/. */
+#ifndef JOULEPATH_SIM_MISSIONS_SCENARIO_H
+#define JOULEPATH_SIM_MISSIONS_SCENARIO_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <joulepath/segment.h>
+
+#include "sim/balancer/energy_kind.h"
+#include "sim/balancer/robot_file.h"
+#include "sim/missions/bezier.h"
+
+#define SCENARIO_NAME_SIZE 64
+
+enum scenario_model { SCENARIO_IDENTIFIED, SCENARIO_PUBLISHED };
+
+struct scenario {
+    char name[SCENARIO_NAME_SIZE];
+    struct robot_file robot;
+    enum scenario_model model;
+    enum energy_kind energy; /**< what is predicted, optimised and compared; the published model is of the motors' */
+    bool to_stand;           /**< the mission ends, and counts, when the robot stands, not when its last segment does */
+    uint64_t seed;
+    size_t waypoint_count;                               /**< 2…BEZIER_WAYPOINTS_MAX, the first is the start */
+    struct bezier_point waypoints[BEZIER_WAYPOINTS_MAX]; /**< m */
+};
+
+/**
+ * Reads and checks a scenario and its robot. On failure prints one line on stderr (file, key or line, what, what to
+ * do), returns false, and *scenario is not to be used.
+ */
+bool scenario_load(const char *path, struct scenario *scenario);
+
+#endif

@@ -1,0 +1,184 @@
+#include "sim/missions/script.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/** A Bézier path is followed in steps of this length. */
+#define BEZIER_STEP_SECONDS 0.02
+
+/* Of a speed over its limit. */
+#define EXCESS_MAX 1.01
+
+static bool allocate(struct script *script, size_t count)
+{
+    *script = (struct script){NULL, 0};
+    if (count == 0) {
+        return false;
+    }
+    script->steps = calloc(count, sizeof *script->steps);
+    return script->steps != NULL;
+}
+
+static void append(struct script *script, const struct experiment_segment *segment, double seconds, size_t leg)
+{
+    script->steps[script->count++] = (struct script_step){experiment_command(segment, seconds), leg};
+}
+
+/** The turn from one heading to another, −π…π. */
+static double turn_between(double from, double to)
+{
+    return remainder(to - from, 2 * M_PI);
+}
+
+static double bearing(struct bezier_point from, struct bezier_point to)
+{
+    return atan2(to.y - from.y, to.x - from.x);
+}
+
+/** Where a robot that drives on by `way` while it turns would have turned at once. */
+static struct bezier_point turning_point(struct bezier_point from, double way, double heading, double turned)
+{
+    return (struct bezier_point){from.x + way * (cos(heading) - cos(turned)),
+                                 from.y + way * (sin(heading) - sin(turned))};
+}
+
+bool script_straight(struct script *script, const struct bezier_point *waypoints, size_t count, const double *durations,
+                     double turn_lag)
+{
+    double heading = 0;
+    double speed = 0;
+
+    if (!allocate(script, count - 1)) {
+        return false;
+    }
+    for (size_t leg = 0; leg + 1 < count; leg++) {
+        const struct bezier_point to = waypoints[leg + 1];
+        struct bezier_point from =
+            turning_point(waypoints[leg], turn_lag * speed, heading, bearing(waypoints[leg], to));
+        struct experiment_segment segment = {.turn = turn_between(heading, bearing(from, to))};
+
+        speed = hypot(to.x - from.x, to.y - from.y) / durations[leg];
+        segment.speed = speed;
+        append(script, &segment, durations[leg], leg);
+        heading = bearing(from, to);
+    }
+    return true;
+}
+
+static size_t steps_of(double duration)
+{
+    return (size_t)fmax(round(duration / BEZIER_STEP_SECONDS), 1);
+}
+
+bool script_bezier(struct script *script, const struct bezier_path *path)
+{
+    size_t steps = 0;
+    double heading = bezier_motion(path, 0, 0).heading;
+    double turn = turn_between(0, heading);
+
+    for (size_t curve = 0; curve < path->curves; curve++) {
+        steps += steps_of(path->duration[curve]);
+    }
+    if (!allocate(script, steps)) {
+        return false;
+    }
+    for (size_t curve = 0; curve < path->curves; curve++) {
+        size_t count = steps_of(path->duration[curve]);
+
+        for (size_t k = 0; k < count; k++) {
+            double middle =
+                BEZIER_STEP_SECONDS * ((double)k + 0.5) * path->duration[curve] / (BEZIER_STEP_SECONDS * (double)count);
+            double end = path->duration[curve] * (double)(k + 1) / (double)count;
+            double end_heading = bezier_motion(path, curve, end).heading;
+            struct experiment_segment segment = {bezier_motion(path, curve, middle).speed,
+                                                 turn_between(heading, end_heading) / BEZIER_STEP_SECONDS, turn};
+
+            append(script, &segment, BEZIER_STEP_SECONDS, curve);
+            heading = end_heading;
+            turn = 0;
+        }
+    }
+    return true;
+}
+
+void script_keep_limit(struct script *script, jp_q24 speed_max)
+{
+    for (size_t i = 0; i < script->count; i++) {
+        struct jp_segment_command *command = &script->steps[i].command;
+        const double ratio = (double)command->motion.speed / speed_max;
+
+        if (ratio > 1 && ratio <= EXCESS_MAX) {
+            command->motion.speed = speed_max;
+            command->motion.turn_rate = (jp_q24)lround(command->motion.turn_rate / ratio);
+            command->duration = (jp_q16)lround(command->duration * ratio);
+        }
+    }
+}
+
+/* Where and how the next segment begins. */
+struct place {
+    struct jp_point point;
+    jp_angle heading;
+    struct jp_energy_start motion;
+};
+
+static enum jp_status plan_route(struct jp_route *route, const struct place *place, const struct jp_point *targets,
+                                 size_t count)
+{
+    enum jp_status status =
+        jp_route_start(route, &place->point, place->heading, &place->motion, targets, (uint16_t)count);
+
+    if (status == JP_OK) {
+        do {
+            status = jp_route_work(route);
+        } while (status == JP_WORKING);
+    }
+    return status;
+}
+
+/* A segment ends at its target, also when its turn lags. */
+static enum jp_status go_on(const struct jp_route_config *config, struct jp_segment *segment,
+                            const struct jp_point *target, struct place *place)
+{
+    place->point = *target;
+    place->heading += jp_angle_from_radians(segment->command.turn) + jp_angle_from_radians(segment->arc);
+    return jp_energy_forecast(config->model, config->horizon, &place->motion, &segment->command, &segment->energy,
+                              &place->motion);
+}
+
+/* Plans targets[leg] with those behind it, and appends its segment. */
+static enum jp_status append_leg(struct script *script, struct jp_route *route, struct place *place,
+                                 const struct jp_point *targets, size_t count, size_t leg, struct jp_segment *segment)
+{
+    enum jp_status status = plan_route(route, place, &targets[leg], count - leg);
+
+    if (status == JP_OK) {
+        *segment = route->config.legs[0].segment;
+        script->steps[script->count++] = (struct script_step){segment->command, leg};
+        status = go_on(&route->config, segment, &targets[leg], place);
+    }
+    return status;
+}
+
+enum jp_status script_route(struct script *script, const struct jp_route_config *config, const struct jp_point *targets,
+                            size_t count, struct jp_segment *segments)
+{
+    struct place place = {.heading = 0};
+    struct jp_route route;
+    const char *field;
+    enum jp_status status = jp_route_init(&route, config, &field);
+
+    if (!allocate(script, count)) {
+        return JP_ERR_MEMORY;
+    }
+    for (size_t leg = 0; leg < count && status == JP_OK; leg++) {
+        status = append_leg(script, &route, &place, targets, count, leg, &segments[leg]);
+    }
+    return status;
+}
+
+void script_free(struct script *script)
+{
+    free(script->steps);
+    script->steps = NULL;
+}

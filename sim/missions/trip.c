@@ -1,0 +1,350 @@
+#include "sim/missions/trip.h"
+
+#include <joulepath/pilot.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/base/error.h"
+
+#define LEGS TRIP_LEARNING_TARGETS
+
+/* Of the targets: legs in m, turns from leg to leg in rad. */
+#define LEG_MIN  1.0
+#define LEG_MAX  10.0
+#define TURN_MAX 1.6
+
+/* The way back is this much to the left of the way out, m. */
+#define BACK_ASIDE 2.0
+
+/* Beyond it a robot does not finish, s. */
+#define SECONDS_MAX 3600.0
+
+/* A stand before a route begins, s. */
+#define STAND_SECONDS 8.0
+
+/* The available energy is this share of what the built-in model predicts. */
+#define AVAILABLE_MIN 0.8
+#define AVAILABLE_MAX 1.4
+
+#define CONFIDENCE 0.95
+
+#define PUSH_SECONDS  4.0 /* mean time between two */
+#define PUSH_N        3.0
+#define PUSH_TICKS    100
+#define DROP_SECONDS  0.5 /* mean time between two */
+#define OFFSET_A      0.3
+#define GROUND_CHANGE 1.5
+#define PAYLOAD_KG    1.0
+
+struct drive {
+    struct trip *trip;
+    struct rig rig;
+    struct jp_pilot pilot;
+    struct jp_route_leg legs[LEGS];
+    struct jp_point targets[LEGS];
+    struct random random;
+    struct random disturbance;
+    const struct robot_file *file;
+    uint16_t segments_ended;
+    unsigned segments; /* ended, of this route */
+    double energy;     /* of them, J */
+};
+
+static double joules(jp_energy energy)
+{
+    return (double)energy / 4294967296.0;
+}
+
+static double from_q16(jp_q16 value)
+{
+    return (double)value / JP_Q16_ONE;
+}
+
+/* The world. */
+
+static uint64_t ticks_of(const struct drive *drive, double seconds)
+{
+    return (uint64_t)lround(seconds / world_tick_seconds(&drive->rig.world));
+}
+
+static bool happens(struct drive *drive, double mean_seconds)
+{
+    return random_uniform(&drive->disturbance, 0, mean_seconds) < world_tick_seconds(&drive->rig.world);
+}
+
+static void disturb(struct drive *drive)
+{
+    struct world *world = &drive->rig.world;
+
+    if (drive->trip->fault == TRIP_FAULT_PUSHES && happens(drive, PUSH_SECONDS)) {
+        world_push(world, random_uniform(&drive->disturbance, -PUSH_N, PUSH_N), 0, PUSH_TICKS);
+    } else if (drive->trip->fault == TRIP_FAULT_DROPPED_SAMPLES && happens(drive, DROP_SECONDS)) {
+        world->fault_count = 0;
+        (void)world_add_fault(
+            world, &(struct world_fault){.channel = WORLD_HAL_READ, .from = world->tick, .until = world->tick + 1});
+    }
+}
+
+static void begin_fault(struct drive *drive)
+{
+    if (drive->trip->fault == TRIP_FAULT_CURRENT_OFFSET) {
+        (void)world_add_fault(&drive->rig.world, &(struct world_fault){.channel = WORLD_CURRENT_LEFT,
+                                                                       .kind = WORLD_JUMPED,
+                                                                       .value = JP_Q16(OFFSET_A),
+                                                                       .from = drive->rig.world.tick});
+    }
+}
+
+static void change_robot(struct drive *drive)
+{
+    struct trip *trip = drive->trip;
+    struct robot_file varied;
+
+    if (trip->change == TRIP_CHANGE_GROUND) {
+        trip->variation.ground_friction *= GROUND_CHANGE;
+    } else if (trip->change == TRIP_CHANGE_PAYLOAD) {
+        trip->variation.payload_kg += PAYLOAD_KG;
+    }
+    variation_apply(&trip->variation, drive->file, &varied);
+    (void)world_change_robot(&drive->rig.world, &varied);
+}
+
+/* Driving. */
+
+static void tick(struct drive *drive)
+{
+    const struct jp_tick_telemetry *telemetry = &drive->rig.robot.telemetry;
+    const struct world *world = &drive->rig.world;
+    const double electrical = world->plant.ledger.electrical;
+
+    disturb(drive);
+    (void)jp_pilot_work(&drive->pilot);
+    (void)rig_tick(&drive->rig);
+    if (telemetry->segments_ended != drive->segments_ended) {
+        drive->segments_ended = telemetry->segments_ended;
+        if (telemetry->segments_ended != 0) {
+            drive->segments++;
+            drive->energy += joules(telemetry->segment_energy_model);
+        }
+    }
+    drive->trip->charge +=
+        (world->plant.ledger.electrical - electrical + world->robot.electronics.power_w * world_tick_seconds(world)) /
+        world->bus_voltage;
+}
+
+static bool stands(const struct drive *drive)
+{
+    return drive->rig.robot.telemetry.state == JP_ROBOT_BALANCING;
+}
+
+static void stand(struct drive *drive)
+{
+    const uint64_t end = drive->rig.world.tick + ticks_of(drive, STAND_SECONDS);
+
+    while (drive->rig.world.tick < end) {
+        tick(drive);
+    }
+}
+
+/* Until the pilot rests or half of the targets are passed; what stops the robot is the outcome. */
+static void drive_on(struct drive *drive, unsigned until_segment)
+{
+    const uint64_t end = ticks_of(drive, SECONDS_MAX);
+
+    while (drive->pilot.phase != JP_PILOT_RESTING && drive->segments < until_segment && drive->rig.world.tick < end) {
+        tick(drive);
+    }
+
+    const enum jp_robot_state state = drive->rig.robot.telemetry.state;
+
+    if (state == JP_ROBOT_FALLEN) {
+        drive->trip->outcome = TRIP_FELL;
+    } else if (state == JP_ROBOT_FAULT || drive->pilot.status != JP_OK || drive->rig.world.tick >= end) {
+        drive->trip->outcome = TRIP_STOPPED;
+    }
+}
+
+static void follow(struct drive *drive, uint16_t count)
+{
+    drive->segments = 0;
+    drive->segments_ended = drive->rig.robot.telemetry.segments_ended;
+    drive->energy = 0;
+    (void)jp_pilot_follow(&drive->pilot, drive->targets, count);
+}
+
+/* Routes. */
+
+static void draw_targets(struct drive *drive, uint16_t count)
+{
+    double x = from_q16(jp_odometry_position(&drive->rig.robot.odometry).x);
+    double y = from_q16(jp_odometry_position(&drive->rig.robot.odometry).y);
+    double heading = drive->rig.world.plant.state.yaw;
+
+    for (uint16_t i = 0; i < count; i++) {
+        const double length = random_uniform(&drive->random, LEG_MIN, LEG_MAX);
+
+        heading += random_uniform(&drive->random, -TURN_MAX, TURN_MAX);
+        x += length * cos(heading);
+        y += length * sin(heading);
+        drive->targets[i] = (struct jp_point){(jp_q16)lround(x * JP_Q16_ONE), (jp_q16)lround(y * JP_Q16_ONE)};
+    }
+}
+
+static void learn(struct drive *drive)
+{
+    draw_targets(drive, TRIP_LEARNING_TARGETS);
+    follow(drive, TRIP_LEARNING_TARGETS);
+    if (drive->trip->change != TRIP_CHANGE_NONE) {
+        drive_on(drive, 1);
+        change_robot(drive);
+    }
+    drive_on(drive, TRIP_LEARNING_TARGETS + 1);
+}
+
+/* The built-in model's energy of the plan in the legs. */
+static double unlearned_energy(const struct drive *drive)
+{
+    const struct jp_pilot_config *config = &drive->pilot.config;
+    struct jp_energy_start start = drive->pilot.next.start;
+    double sum = 0;
+
+    for (uint16_t k = 0; k < drive->pilot.route.length; k++) {
+        jp_q16 energy = 0;
+
+        (void)jp_energy_forecast(config->model, config->horizon, &start, &config->legs[k].segment.command, &energy,
+                                 &start);
+        sum += from_q16(energy);
+    }
+    return sum;
+}
+
+/* Out, then back beside the way out, to where it stands now; the number of targets. */
+static uint16_t draw_route(struct drive *drive)
+{
+    const uint16_t out = (uint16_t)random_uniform(&drive->random, TRIP_OUT_MIN, TRIP_OUT_MAX + 1);
+    const struct jp_point home = jp_odometry_position(&drive->rig.robot.odometry);
+    const double heading = drive->rig.world.plant.state.yaw;
+    const jp_q16 aside_x = (jp_q16)lround(-BACK_ASIDE * sin(heading) * JP_Q16_ONE);
+    const jp_q16 aside_y = (jp_q16)lround(BACK_ASIDE * cos(heading) * JP_Q16_ONE);
+
+    draw_targets(drive, out);
+    for (uint16_t i = 0; i < out; i++) {
+        const struct jp_point *target = &drive->targets[out - 1 - i];
+
+        drive->targets[out + i] = (struct jp_point){target->x + aside_x, target->y + aside_y};
+    }
+    drive->targets[2 * out] = home;
+    return (uint16_t)(2 * out + 1);
+}
+
+static void ask(struct drive *drive, uint16_t count)
+{
+    struct trip *trip = drive->trip;
+    struct jp_forecast forecast = {0};
+    jp_q16 spare = 0;
+
+    if (jp_pilot_ask(&drive->pilot, drive->targets, count) != JP_OK) {
+        trip->outcome = TRIP_STOPPED;
+        return;
+    }
+    while (jp_pilot_answer(&drive->pilot, &forecast) == JP_WORKING) {
+        tick(drive);
+    }
+    trip->unlearned = unlearned_energy(drive);
+    trip->predicted = from_q16(forecast.energy);
+    trip->deviation = from_q16(forecast.deviation);
+    trip->available = trip->unlearned * random_uniform(&drive->random, AVAILABLE_MIN, AVAILABLE_MAX);
+    (void)jp_forecast_reserve(&forecast, (jp_q16)lround(trip->available * JP_Q16_ONE),
+                              (jp_q31)lround(CONFIDENCE * 2147483648.0), &spare);
+    trip->answer = spare >= 0;
+}
+
+static void go(struct drive *drive)
+{
+    const uint16_t count = draw_route(drive);
+
+    ask(drive, count);
+    if (drive->trip->outcome != TRIP_DONE) {
+        return;
+    }
+    follow(drive, count);
+    drive_on(drive, count + 1U);
+    drive->trip->measured = drive->energy;
+    drive->trip->segments = drive->segments;
+}
+
+/* The whole. */
+
+static void draw_disturbance(struct trip *trip, struct random *random, bool disturbed)
+{
+    const double fault = random_uniform(random, 0, TRIP_FAULTS);
+    const double change = random_uniform(random, 0, TRIP_CHANGES);
+
+    trip->fault = disturbed ? (enum trip_fault)fault : TRIP_FAULT_NONE;
+    trip->change = disturbed ? (enum trip_change)change : TRIP_CHANGE_NONE;
+}
+
+static bool prepare(struct drive *drive, const struct robot_entry *entry)
+{
+    const struct jp_pilot_config config = {.model = entry->energy,
+                                           .horizon = entry->horizon,
+                                           .learning = entry->learning,
+                                           .legs = drive->legs,
+                                           .leg_count = LEGS};
+    struct robot_file varied;
+    const char *field = "";
+
+    variation_apply(&drive->trip->variation, drive->file, &varied);
+    if (!rig_init(&drive->rig, entry, entry->energy, &varied, drive->trip->seed)) {
+        return false;
+    }
+    if (entry->horizon == NULL || entry->learning == NULL ||
+        jp_pilot_init(&drive->pilot, &config, &drive->rig.robot, &field) != JP_OK) {
+        error_line("%s: no tables for learning %s; run make horizon ROBOT=%s and make learning ROBOT=%s", entry->name,
+                   field, entry->name, entry->name);
+        return false;
+    }
+    return true;
+}
+
+static void finish(struct drive *drive)
+{
+    jp_q16 ground;
+    jp_q16 payload;
+
+    jp_learner_causes(&drive->pilot.learner, &ground, &payload);
+    drive->trip->ground = from_q16(ground);
+    drive->trip->payload = from_q16(payload);
+    drive->trip->rejected = drive->pilot.learner.rejected;
+    drive->trip->version = drive->pilot.learner.state.version;
+    jp_learner_model(&drive->pilot.learner, &drive->trip->learned);
+    drive->trip->seconds = (double)drive->rig.world.tick * world_tick_seconds(&drive->rig.world);
+}
+
+bool trip_run(struct trip *trip, const struct robot_entry *entry, const struct robot_file *file, uint64_t seed,
+              bool disturbed)
+{
+    struct drive drive = {.trip = trip, .file = file};
+
+    *trip = (struct trip){.seed = seed};
+    random_init(&drive.random, seed);
+    random_init(&drive.disturbance, seed + ((uint64_t)1 << 40));
+    variation_draw(&drive.random, &trip->variation);
+    draw_disturbance(trip, &drive.random, disturbed);
+    if (!prepare(&drive, entry)) {
+        return false;
+    }
+    rig_release(&drive.rig, 0);
+    stand(&drive);
+    begin_fault(&drive);
+    learn(&drive);
+    if (trip->outcome == TRIP_DONE) {
+        stand(&drive);
+        if (stands(&drive)) {
+            go(&drive);
+        }
+    }
+    finish(&drive);
+    return true;
+}

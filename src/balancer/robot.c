@@ -1,0 +1,663 @@
+#include <joulepath/robot.h>
+
+#include <stddef.h>
+
+#include "src/balancer/robot_route.h"
+#include "src/base/compiler.h"
+#include "src/base/config_check.h"
+#include "src/base/count.h"
+#include "src/energy/energy_terms.h"
+#include "src/trajectory/segment_geometry.h"
+
+/** The next segment is planned this long before the current one ends: s⁻¹, so a tenth of a second. */
+#define PLAN_LEAD_RATE 10U
+
+/** One tick rate, and one way from wheels to metres. */
+static enum jp_status check_relations(const struct jp_robot_config *config, const char **field)
+{
+    const uint32_t rate = config->estimator.tick_rate;
+
+    if (config->metres_per_turn < JP_Q24(0.0625) || config->metres_per_turn > JP_Q24(4)) {
+        return jp_config_refuse("metres_per_turn", field);
+    }
+    if (config->reference.tick_rate != rate || config->lqr.tick_rate != rate || config->meter.tick_rate != rate) {
+        return jp_config_refuse("estimator.tick_rate", field);
+    }
+    return JP_OK;
+}
+
+static enum jp_status check(const struct jp_robot_config *config, const struct jp_energy_model *model,
+                            const char **field)
+{
+    const bool parts_fit =
+        jp_estimator_check(&config->estimator, field) == JP_OK &&
+        jp_reference_check(&config->reference, field) == JP_OK && jp_lqr_check(&config->lqr, field) == JP_OK &&
+        jp_monitor_check(&config->monitor, field) == JP_OK && jp_meter_check(&config->meter, field) == JP_OK &&
+        jp_energy_model_check(model, field) == JP_OK && jp_segment_limits_check(&config->limits, model, field) == JP_OK;
+
+    return parts_fit ? check_relations(config, field) : JP_ERR_CONFIG;
+}
+
+enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config,
+                             const struct jp_energy_model *model, const char **field)
+{
+    if (robot == NULL || config == NULL || model == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    enum jp_status status = check(config, model, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    *robot = (struct jp_robot){.config = config, .model = model};
+    jp_monitor_start(&robot->monitor, &config->monitor);
+    jp_meter_start(&robot->meter, &config->meter);
+    jp_lqr_start(&robot->lqr, &config->lqr);
+    return JP_OK;
+}
+
+/*
+ * The background and the tick share single bytes and, guarded by them, `next`. Release and acquire order the rest.
+ */
+static inline void post(uint8_t *flag, uint8_t value)
+{
+    JP_STORE_RELEASE(flag, value);
+}
+
+static uint8_t posted(const uint8_t *flag)
+{
+    return JP_LOAD_ACQUIRE(flag);
+}
+
+static bool taken(uint8_t *flag)
+{
+    bool was_posted = posted(flag) != 0U;
+
+    if (was_posted) {
+        post(flag, 0);
+    }
+    return was_posted;
+}
+
+static bool motors_run(enum jp_robot_state state)
+{
+    return state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
+}
+
+/* The tick. */
+
+static JP_INLINE_FOR_SPEED void stand(struct jp_robot *robot)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    telemetry->state = JP_ROBOT_BALANCING;
+    telemetry->segment_ticks_left = 0;
+    telemetry->command = (struct jp_motion){0, 0};
+    jp_reference_apply(&robot->reference, &(struct jp_reference_step){0, 0, 0});
+}
+
+static JP_INLINE_FOR_SPEED void switch_off(struct jp_robot *robot, enum jp_robot_state state)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    telemetry->state = state;
+    telemetry->segment_ticks_left = 0;
+    telemetry->command = (struct jp_motion){0, 0};
+    telemetry->voltages = (struct jp_voltages){0, 0, false};
+    post(&robot->next_full, 0);
+}
+
+static void balance(struct jp_robot *robot)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    jp_reference_start(&robot->reference, &robot->config->reference, telemetry->motion.wheel, telemetry->motion.yaw);
+    jp_lqr_restart(&robot->lqr);
+    telemetry->segment = 0;
+    telemetry->segments_ended = 0;
+    robot->motor_faults = 0;
+    post(&robot->next_full, 0); /* a segment handed over while the robot switched off */
+    stand(robot);
+}
+
+/** Motors on again after a reset: the reference slows down from the speed that the robot has. */
+static void go_on(struct jp_robot *robot, const struct jp_sensors *sensors)
+{
+    const struct jp_robot_config *config = robot->config;
+    struct jp_motion_state *motion = &robot->telemetry.motion;
+
+    jp_estimator_resume(&robot->estimator, &config->estimator, sensors, motion);
+    balance(robot);
+    jp_reference_coast(&robot->reference, &config->reference, motion->wheel_rate, motion->yaw_rate);
+    robot->resuming = false;
+}
+
+static void start_motion(struct jp_robot *robot, const struct jp_sensors *sensors)
+{
+    const struct jp_robot_config *config = robot->config;
+    struct jp_motion_state *motion = &robot->telemetry.motion;
+
+    jp_estimator_start(&robot->estimator, &config->estimator, sensors);
+    robot->estimator.gyro_bias = robot->known_gyro_bias;
+    jp_estimator_update(&robot->estimator, &config->estimator, sensors, motion);
+    jp_odometry_start(&robot->odometry, config->metres_per_turn, motion);
+    jp_reference_start(&robot->reference, &config->reference, motion->wheel, motion->yaw);
+}
+
+/** The first plausible frame. */
+static void begin_motion(struct jp_robot *robot, const struct jp_sensors *sensors)
+{
+    if (robot->resuming) {
+        go_on(robot, sensors);
+    } else {
+        start_motion(robot, sensors);
+    }
+    robot->started = true;
+}
+
+static void begin_segment(struct jp_robot *robot)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+    const struct jp_next_segment *segment = &robot->next;
+
+    if (telemetry->state == JP_ROBOT_BALANCING) {
+        telemetry->segment = 0;
+        telemetry->segments_ended = 0;
+    }
+    jp_reference_apply(&robot->reference, &segment->step);
+    telemetry->state = JP_ROBOT_DRIVING;
+    telemetry->command = segment->motion;
+    telemetry->segment = jp_one_more16(telemetry->segment);
+    telemetry->segment_ticks_left = segment->ticks;
+    robot->segment_began = true;
+    post(&robot->next_full, 0);
+}
+
+/** Idle, fallen and fault: what leads out of them, and into fault. */
+static void rest(struct jp_robot *robot, uint16_t faults)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    if (taken(&robot->disable_requested) && telemetry->state != JP_ROBOT_IDLE) {
+        /* Failed sensors left a pitch and a position that mean nothing. */
+        if (telemetry->state == JP_ROBOT_FAULT) {
+            robot->started = false;
+        }
+        telemetry->faults = 0;
+        telemetry->state = JP_ROBOT_IDLE;
+        jp_monitor_start(&robot->monitor, &robot->config->monitor);
+    } else if (faults != 0U && telemetry->state == JP_ROBOT_IDLE) {
+        telemetry->faults |= faults;
+        telemetry->state = JP_ROBOT_FAULT;
+    }
+    if (taken(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->monitor.started) {
+        balance(robot);
+    }
+    (void)taken(&robot->stop_requested);
+}
+
+/** Balancing and driving: the reasons to switch off, then the hand-over of segments. */
+static void drive(struct jp_robot *robot, uint16_t sensor_faults)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+    const uint16_t faults = sensor_faults | robot->motor_faults;
+    jp_q24 pitch = telemetry->motion.pitch;
+    jp_q24 limit = robot->config->monitor.tilt_limit;
+
+    if (taken(&robot->disable_requested)) {
+        switch_off(robot, JP_ROBOT_IDLE);
+        jp_monitor_start(&robot->monitor, &robot->config->monitor);
+        return;
+    }
+    if (faults != 0U) {
+        telemetry->faults |= faults;
+        switch_off(robot, JP_ROBOT_FAULT);
+        return;
+    }
+    if (pitch > limit || pitch < -limit) {
+        switch_off(robot, JP_ROBOT_FALLEN);
+        return;
+    }
+
+    bool stop = taken(&robot->stop_requested);
+    bool ended = telemetry->state == JP_ROBOT_DRIVING && telemetry->segment_ticks_left == 0U;
+
+    robot->segment_ended = ended;
+    if (!stop && (ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
+        begin_segment(robot);
+    } else if (stop || ended) {
+        stand(robot);
+    }
+}
+
+static void control(struct jp_robot *robot, jp_q16 bus_voltage)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    jp_reference_update(&robot->reference, &robot->config->reference);
+    jp_lqr_update(&robot->lqr, &robot->config->lqr, &robot->reference, &telemetry->motion, bus_voltage,
+                  &telemetry->voltages);
+    if (telemetry->voltages.saturated) {
+        telemetry->saturated_ticks = jp_one_more32(telemetry->saturated_ticks);
+    }
+    if (telemetry->segment_ticks_left > 0U) {
+        telemetry->segment_ticks_left--;
+    }
+}
+
+/** The next `bits` of a long division: at most 6 with a divisor below 2²⁶. */
+static inline void divide_on(uint32_t *quotient, uint32_t *remainder, uint32_t divisor, unsigned bits)
+{
+    uint32_t dividend = *remainder << bits;
+
+    *quotient = (*quotient << bits) + dividend / divisor;
+    *remainder = dividend % divisor;
+}
+
+/** voltage/bus_voltage, rounded; |voltage| is at most bus_voltage, and that 1 000 V. */
+static inline jp_q31 duty(jp_q16 voltage, jp_q16 bus_voltage)
+{
+    uint32_t divisor = (uint32_t)bus_voltage;
+    uint32_t remainder = voltage < 0 ? 0U - (uint32_t)voltage : (uint32_t)voltage;
+    uint32_t quotient = 0;
+
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 6);
+    divide_on(&quotient, &remainder, divisor, 1);
+    if (remainder >= divisor - remainder) {
+        quotient++;
+    }
+    if (voltage < 0) {
+        return (int32_t)(0U - quotient);
+    }
+    return quotient > (uint32_t)INT32_MAX ? INT32_MAX : (int32_t)quotient;
+}
+
+static void step(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *frame,
+                 struct jp_actuation *actuation)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+    const struct jp_sensors *sensors = &robot->monitor.good;
+    const uint16_t faults = jp_monitor_sensors(&robot->monitor, &robot->config->monitor, read, frame);
+
+    robot->review_due = robot->monitor.started && robot->started;
+    if (robot->review_due) {
+        jp_estimator_update(&robot->estimator, &robot->config->estimator, sensors, &telemetry->motion);
+    } else if (robot->monitor.started) {
+        begin_motion(robot, sensors);
+    }
+    if (motors_run(telemetry->state)) {
+        drive(robot, faults);
+    } else {
+        rest(robot, faults);
+    }
+    if (motors_run(telemetry->state)) {
+        control(robot, sensors->bus_voltage);
+        *actuation = (struct jp_actuation){
+            .duty_left = duty(telemetry->voltages.left, sensors->bus_voltage),
+            .duty_right = duty(telemetry->voltages.right, sensors->bus_voltage),
+            .enabled = 1,
+        };
+    } else {
+        *actuation = (struct jp_actuation){.enabled = 0};
+    }
+}
+
+void jp_robot_control(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
+                      struct jp_actuation *actuation)
+{
+    JP_STORE(&robot->sequence, robot->sequence + 1U);
+    JP_FENCE_RELEASE();
+    step(robot, read, sensors, actuation);
+}
+
+/* What is left of the tick. */
+
+/** The interval that this tick's sample ended: the voltages that drove it, and the currents at its end. */
+static void review_motors(struct jp_robot *robot)
+{
+    const bool still_run = robot->motors_ran && motors_run(robot->telemetry.state);
+
+    jp_meter_update(&robot->meter, &robot->applied, &robot->monitor.good);
+    if (still_run) {
+        robot->motor_faults = jp_monitor_motors(&robot->monitor, &robot->config->monitor, &robot->applied,
+                                                robot->estimator.wheel.rate, robot->estimator.yaw.rate);
+    }
+}
+
+static void account_segments(struct jp_robot *robot)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    if (robot->segment_ended) {
+        telemetry->segment_energy_model = robot->meter.model - robot->segment_start_model;
+        telemetry->segment_energy_battery = robot->meter.battery - robot->segment_start_battery;
+        telemetry->segments_ended = jp_one_more16(telemetry->segments_ended);
+    }
+    if (robot->segment_began) {
+        robot->segment_start_model = robot->meter.model;
+        robot->segment_start_battery = robot->meter.battery;
+    }
+    robot->segment_ended = false;
+    robot->segment_began = false;
+}
+
+void jp_robot_account(struct jp_robot *robot)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    if (robot->started) {
+        jp_odometry_update(&robot->odometry, &telemetry->motion);
+    }
+    if (robot->review_due) {
+        review_motors(robot);
+    }
+    account_segments(robot);
+    robot->reviewed = robot->applied;
+    robot->applied = telemetry->voltages;
+    robot->motors_ran = motors_run(telemetry->state);
+    telemetry->tick++;
+    JP_STORE_RELEASE(&robot->sequence, robot->sequence + 1U);
+}
+
+void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
+                   struct jp_actuation *actuation)
+{
+    jp_robot_control(robot, read, sensors, actuation);
+    jp_robot_account(robot);
+}
+
+void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot)
+{
+    *snapshot = (struct jp_snapshot){
+        .estimator = robot->estimator,
+        .odometry = robot->odometry,
+        .balancing = motors_run(robot->telemetry.state),
+    };
+}
+
+/* The background. */
+
+const struct jp_energy_model *jp_robot_model(const struct jp_robot *robot)
+{
+    return JP_LOAD_ACQUIRE(&robot->model);
+}
+
+void jp_robot_use_model(struct jp_robot *robot, const struct jp_energy_model *model)
+{
+    JP_STORE_RELEASE(&robot->model, model);
+}
+
+void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot)
+{
+    robot->estimator = snapshot->estimator;
+    robot->odometry = snapshot->odometry;
+    robot->resuming = snapshot->balancing;
+}
+
+const struct jp_segment *jp_robot_planned(const struct jp_robot *robot)
+{
+    return &robot->planned;
+}
+
+void jp_robot_know_gyro_bias(struct jp_robot *robot, int64_t bias)
+{
+    robot->known_gyro_bias = bias;
+}
+
+static void copy_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
+{
+    const struct jp_tick_telemetry *tick = &robot->telemetry;
+    const struct jp_reference *reference = &robot->reference;
+
+    telemetry->state = tick->state;
+    telemetry->faults = tick->faults;
+    telemetry->tick = tick->tick;
+    telemetry->motion = tick->motion;
+    telemetry->reference_wheel = reference->wheel.angle;
+    telemetry->reference_yaw = reference->yaw.angle;
+    telemetry->reference_wheel_rate = reference->wheel.rate;
+    telemetry->reference_yaw_rate = reference->yaw.rate;
+    telemetry->target_wheel = reference->wheel.target;
+    telemetry->target_yaw = reference->yaw.target;
+    telemetry->position = jp_odometry_position(&robot->odometry);
+    telemetry->voltages = tick->voltages;
+    telemetry->energy_model = robot->meter.model;
+    telemetry->energy_battery = robot->meter.battery;
+    telemetry->saturated_ticks = tick->saturated_ticks;
+    telemetry->segment = tick->segment;
+    telemetry->segment_ticks_left = tick->segment_ticks_left;
+    telemetry->command = tick->command;
+    telemetry->segment_energy_model = tick->segment_energy_model;
+    telemetry->segment_energy_battery = tick->segment_energy_battery;
+    telemetry->segments_ended = tick->segments_ended;
+    telemetry->gyro_bias = robot->estimator.gyro_bias;
+    telemetry->dropped_frames = robot->monitor.dropped_frames;
+}
+
+/** False: a tick is under way. */
+static bool begin_copy(const struct jp_robot *robot, uint32_t *sequence)
+{
+    *sequence = JP_LOAD_ACQUIRE(&robot->sequence);
+    return (*sequence & 1U) == 0U;
+}
+
+/** False: a tick came between. */
+static bool copy_is_whole(const struct jp_robot *robot, uint32_t sequence)
+{
+    JP_FENCE_ACQUIRE();
+    return JP_LOAD(&robot->sequence) == sequence;
+}
+
+bool jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
+{
+    uint32_t sequence;
+
+    do {
+        if (!begin_copy(robot, &sequence)) {
+            return false;
+        }
+        copy_telemetry(robot, telemetry);
+    } while (!copy_is_whole(robot, sequence));
+    return true;
+}
+
+bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sample)
+{
+    const struct jp_sensors *sensors = &robot->monitor.good;
+    uint32_t sequence;
+    bool usable;
+
+    do {
+        if (!begin_copy(robot, &sequence)) {
+            return false;
+        }
+        usable = motors_run(robot->telemetry.state) && robot->monitor.implausible_ticks == 0U;
+        *sample = (struct jp_motor_sample){
+            .voltages = robot->reviewed,
+            .wheel_rate = robot->estimator.wheel.rate,
+            .yaw_rate = robot->estimator.yaw.rate,
+            .current_left = sensors->current_left,
+            .current_right = sensors->current_right,
+        };
+    } while (!copy_is_whole(robot, sequence));
+    return usable;
+}
+
+/* One word is of one tick, whenever it is read. */
+enum jp_robot_state jp_robot_state_now(const struct jp_robot *robot)
+{
+    return JP_LOAD(&robot->telemetry.state);
+}
+
+static bool within(int32_t value, int32_t limit)
+{
+    return value >= -limit && value <= limit;
+}
+
+enum jp_status jp_robot_enable(struct jp_robot *robot)
+{
+    if (robot == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (jp_robot_state_now(robot) != JP_ROBOT_IDLE || !robot->monitor.started ||
+        !within(robot->telemetry.motion.pitch, robot->config->monitor.tilt_limit)) {
+        return JP_ERR_STATE;
+    }
+    post(&robot->enable_requested, 1);
+    return JP_OK;
+}
+
+/** Also the segment of it that waits. */
+static JP_INLINE_FOR_SPEED void forget_route(struct jp_robot *robot)
+{
+    robot->route_length = 0;
+    robot->route_status = JP_OK;
+    post(&robot->next_full, 0);
+}
+
+void jp_robot_disable(struct jp_robot *robot)
+{
+    forget_route(robot);
+    post(&robot->enable_requested, 0);
+    post(&robot->disable_requested, 1);
+}
+
+void jp_robot_stop(struct jp_robot *robot)
+{
+    forget_route(robot);
+    post(&robot->stop_requested, 1);
+}
+
+static bool can_be_driven(const struct jp_robot_config *config, const struct jp_segment_command *segment)
+{
+    return within(segment->motion.speed, config->limits.speed) && jp_segment_in_range(segment, 1);
+}
+
+enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_command *segment)
+{
+    if (robot == NULL || segment == NULL || !can_be_driven(robot->config, segment)) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!motors_run(jp_robot_state_now(robot))) {
+        return JP_ERR_STATE;
+    }
+    if (posted(&robot->next_full) != 0U) {
+        return JP_ERR_BUSY;
+    }
+    robot->next = (struct jp_next_segment){
+        .motion = segment->motion,
+        .step = jp_reference_step_to(&robot->config->reference, &segment->motion, segment->turn),
+        .ticks = (uint32_t)(((uint64_t)(uint32_t)segment->duration * robot->config->estimator.tick_rate +
+                             (uint32_t)JP_Q16_ONE / 2U) >>
+                            16),
+    };
+    post(&robot->next_full, 1);
+    return JP_OK;
+}
+
+enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *route, uint16_t length)
+{
+    if (robot == NULL || route == NULL || length == 0U) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!motors_run(jp_robot_state_now(robot))) {
+        return JP_ERR_STATE;
+    }
+    forget_route(robot);
+    robot->route = route;
+    robot->route_length = length;
+    robot->route_planned = 0;
+    return JP_OK;
+}
+
+/** What a standing robot has yet to roll, m: it may still be on its way to where it shall stand. */
+static jp_q24 way_to_stand(const struct jp_robot *robot, const struct jp_telemetry *telemetry)
+{
+    jp_q24 turns = jp_round_shift((int64_t)(telemetry->target_wheel - telemetry->motion.wheel), 32);
+
+    return telemetry->state == JP_ROBOT_BALANCING ? jp_q24_multiply(turns, robot->config->metres_per_turn) : 0;
+}
+
+void jp_robot_predict_end(const struct jp_robot *robot, const struct jp_telemetry *telemetry, struct jp_point *position,
+                          jp_angle *heading)
+{
+    int64_t tick_rate = robot->config->estimator.tick_rate;
+    int64_t ticks = telemetry->segment_ticks_left;
+    jp_q24 left = jp_saturate32(ticks * telemetry->command.speed / tick_rate + way_to_stand(robot, telemetry));
+    jp_angle turned = jp_angle_from_radians(jp_saturate32(ticks * telemetry->command.turn_rate / tick_rate));
+    jp_angle now = jp_phase_angle(telemetry->target_yaw);
+    jp_angle mean = now + (jp_angle)((int32_t)turned / 2);
+
+    position->x = jp_add(telemetry->position.x, jp_multiply_shift(left, jp_cos(mean), 39));
+    position->y = jp_add(telemetry->position.y, jp_multiply_shift(left, jp_sin(mean), 39));
+    *heading = now + turned;
+}
+
+static JP_INLINE_FOR_SPEED enum jp_status optimise(struct jp_robot *robot, const struct jp_motion *before,
+                                                   const struct jp_point *start, jp_angle heading)
+{
+    return jp_segment_optimise(robot->model, &robot->config->limits, before, start, heading,
+                               &robot->route[robot->route_planned], &robot->planned);
+}
+
+/** Plans the segment after the current one and hands it over: once for the turn, once from where that leads. */
+static enum jp_status plan_next(struct jp_robot *robot, const struct jp_telemetry *telemetry)
+{
+    const struct jp_motion *before = &telemetry->command;
+    struct jp_point start;
+    jp_angle heading;
+
+    jp_robot_predict_end(robot, telemetry, &start, &heading);
+
+    enum jp_status status = optimise(robot, before, &start, heading);
+
+    if (status == JP_OK && before->speed != 0 && robot->config->reference.yaw_bandwidth != 0) {
+        start = jp_segment_turning_point(robot->config->reference.yaw_bandwidth, before->speed, &start, heading,
+                                         robot->planned.command.turn);
+        status = optimise(robot, before, &start, heading);
+    }
+    if (status == JP_OK) {
+        status = jp_robot_drive(robot, &robot->planned.command);
+    }
+    if (status == JP_OK) {
+        robot->route_planned++;
+    }
+    return status;
+}
+
+static bool plan_is_due(const struct jp_robot *robot, const struct jp_telemetry *telemetry)
+{
+    return posted(&robot->next_full) == 0U &&
+           telemetry->segment_ticks_left <= robot->config->estimator.tick_rate / PLAN_LEAD_RATE;
+}
+
+enum jp_status jp_robot_work(struct jp_robot *robot)
+{
+    struct jp_telemetry telemetry;
+    enum jp_status status = JP_OK;
+
+    if (robot == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (robot->route_planned >= robot->route_length || robot->route_status != JP_OK ||
+        !jp_robot_telemetry(robot, &telemetry)) {
+        return robot->route_status;
+    }
+    if (!motors_run(telemetry.state)) {
+        status = JP_ERR_STATE;
+    } else if (plan_is_due(robot, &telemetry)) {
+        status = plan_next(robot, &telemetry);
+    }
+    /* Motors that are off, or went off during the plan, end the route; no plan has failed. */
+    if (status == JP_ERR_STATE) {
+        forget_route(robot);
+    } else {
+        robot->route_status = status;
+    }
+    return robot->route_status;
+}

@@ -1,0 +1,186 @@
+#include <joulepath/battery.h>
+
+#include "src/base/config_check.h"
+
+#define ENERGY_STEP ((int64_t)JP_BATTERY_ENERGY_STEP << 32)
+
+struct quotient {
+    int64_t whole;
+    uint32_t fraction; /**< 2⁻³² of one, rounded down */
+};
+
+#define FIELD(member, low, high) JP_CONFIG_FIELD("battery.", struct jp_battery_config, member, low, high)
+
+enum jp_status jp_battery_check(const struct jp_battery_config *config, const char **field)
+{
+    static const struct jp_config_field fields[] = {
+        FIELD(capacity, 60, 262144),
+        FIELD(charge_efficiency, JP_Q16(0.5), JP_Q16_ONE),
+        FIELD(reserve, 0, (jp_q31)1 << 30),
+        FIELD(voltage_min, JP_Q16_ONE, INT32_MAX),
+        FIELD(voltage_max, INT32_MIN, JP_Q16(1000)),
+        FIELD(voltage_jump, 1, INT32_MAX),
+    };
+    const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    if (config->voltage_empty < config->voltage_min) {
+        return jp_config_refuse("battery.voltage_empty", field);
+    }
+    if (config->voltage_full <= config->voltage_empty || config->voltage_full > config->voltage_max) {
+        return jp_config_refuse("battery.voltage_full", field);
+    }
+    if (config->voltage_nominal < config->voltage_empty || config->voltage_nominal > config->voltage_full) {
+        return jp_config_refuse("battery.voltage_nominal", field);
+    }
+    return JP_OK;
+}
+
+/** The dividend is below 2⁶³, the divisor above 0. */
+static struct quotient divide(uint64_t dividend, uint32_t divisor)
+{
+    const uint64_t whole = dividend / divisor;
+    const uint64_t fraction = ((dividend % divisor) << 32) / divisor;
+
+    return (struct quotient){(int64_t)whole, (uint32_t)fraction};
+}
+
+enum jp_status jp_battery_start(struct jp_battery *battery, const struct jp_battery_config *config, jp_charge charge,
+                                jp_energy energy)
+{
+    const jp_charge capacity = (jp_charge)config->capacity << 32;
+
+    if (charge < 0 || charge > capacity) {
+        return JP_ERR_ARGUMENT;
+    }
+    *battery = (struct jp_battery){
+        .charge = charge,
+        .energy = energy,
+        .capacity = capacity,
+        .reserve = (jp_charge)config->capacity * config->reserve * 2,
+    };
+    return JP_OK;
+}
+
+enum jp_status jp_battery_estimate(const struct jp_battery_config *config, jp_q16 open_circuit_voltage,
+                                   jp_charge *charge)
+{
+    if (open_circuit_voltage < config->voltage_min || open_circuit_voltage > config->voltage_max) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const uint32_t span = (uint32_t)(config->voltage_full - config->voltage_empty);
+    const jp_q16 within = jp_clamp32(open_circuit_voltage, config->voltage_empty, config->voltage_full);
+    const struct quotient part = divide((uint64_t)config->capacity * (uint32_t)(within - config->voltage_empty), span);
+
+    *charge = part.whole * ((jp_charge)1 << 32) + (jp_charge)part.fraction;
+    return JP_OK;
+}
+
+/** Why the voltage is not to be believed; 0: it is. */
+static uint8_t doubt_of(struct jp_battery *battery, const struct jp_battery_config *config, jp_q16 voltage)
+{
+    const jp_q16 change = jp_sub(voltage, battery->voltage);
+    uint32_t reason = 0;
+
+    if (voltage < config->voltage_min) {
+        reason |= (uint32_t)JP_BATTERY_VOLTAGE_LOW;
+    }
+    if (voltage > config->voltage_max) {
+        reason |= (uint32_t)JP_BATTERY_VOLTAGE_HIGH;
+    }
+    if (battery->voltage != 0 && (change > config->voltage_jump || change < -config->voltage_jump)) {
+        reason |= (uint32_t)JP_BATTERY_VOLTAGE_JUMP;
+    }
+    battery->voltage = voltage;
+    if (reason != 0U) {
+        battery->doubt = JP_BATTERY_CONFIRM;
+        battery->reason = (uint8_t)reason;
+        return battery->reason;
+    }
+    if (battery->doubt == 0U) {
+        return 0;
+    }
+    battery->doubt--;
+    return battery->reason;
+}
+
+static void draw(struct jp_battery *battery, const struct quotient *charge)
+{
+    const jp_charge borrow = battery->fraction < charge->fraction ? 1 : 0;
+
+    battery->charge -= charge->whole + borrow;
+    battery->fraction -= charge->fraction;
+    if (battery->charge < 0) {
+        battery->charge = 0;
+        battery->fraction = 0;
+    }
+}
+
+/** JP_BATTERY_FULL or 0. */
+static uint32_t recuperate(struct jp_battery *battery, const struct quotient *charge)
+{
+    const uint64_t fraction = (uint64_t)battery->fraction + charge->fraction;
+    const uint64_t carry = fraction >> 32;
+
+    battery->charge += charge->whole + (jp_charge)carry;
+    battery->fraction = (uint32_t)fraction;
+    if (battery->charge < battery->capacity) {
+        return 0;
+    }
+    battery->charge = battery->capacity;
+    battery->fraction = 0;
+    return (uint32_t)JP_BATTERY_FULL;
+}
+
+/** Returns jp_battery_flag bits. */
+static uint32_t count(struct jp_battery *battery, const struct jp_battery_config *config, jp_energy energy)
+{
+    const int64_t drawn = (int64_t)((uint64_t)energy - (uint64_t)battery->energy);
+    const uint32_t voltage = (uint32_t)battery->voltage;
+
+    battery->energy = energy;
+    if (drawn > ENERGY_STEP || drawn < -ENERGY_STEP) {
+        return (uint32_t)JP_BATTERY_ENERGY_JUMP;
+    }
+    if (drawn < 0) {
+        const int64_t regained = -drawn;
+        const struct quotient charge = divide((uint64_t)regained * (uint32_t)config->charge_efficiency, voltage);
+
+        return recuperate(battery, &charge);
+    }
+
+    const struct quotient charge = divide((uint64_t)drawn << 16, voltage);
+
+    draw(battery, &charge);
+    return 0;
+}
+
+uint8_t jp_battery_update(struct jp_battery *battery, const struct jp_battery_config *config, jp_energy energy,
+                          jp_q16 bus_voltage)
+{
+    uint32_t flags = doubt_of(battery, config, bus_voltage);
+
+    if (flags == 0U) {
+        flags = count(battery, config, energy);
+    }
+    if (battery->charge <= battery->reserve) {
+        flags |= (uint32_t)JP_BATTERY_EMPTY;
+    }
+    return (uint8_t)flags;
+}
+
+jp_q31 jp_battery_level(const struct jp_battery *battery)
+{
+    return jp_saturate32((battery->charge >> 1) / (battery->capacity >> 32));
+}
+
+jp_energy jp_battery_energy_left(const struct jp_battery *battery, const struct jp_battery_config *config)
+{
+    const jp_charge usable = battery->charge - battery->reserve;
+    const int64_t low = (int64_t)(uint16_t)usable * config->voltage_nominal;
+
+    return usable < 0 ? 0 : (usable >> 16) * config->voltage_nominal + (low >> 16);
+}

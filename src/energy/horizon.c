@@ -1,0 +1,331 @@
+#include <joulepath/horizon.h>
+
+#include <stddef.h>
+
+#include "src/base/config_check.h"
+#include "src/energy/energy_terms.h"
+
+#define FREQUENCY_MAX    JP_Q24(64)
+#define STEP_MAX         JP_Q16(512)
+#define SHARE_MAX        JP_Q16(4096)
+#define TRANSIENT_MAX    JP_Q16(4096)
+#define DURATION_MIN_MAX JP_Q16(60)
+
+/** How an axis is driven in a segment, in m/s for travel, in rad/s and rad for yaw. */
+struct axis_command {
+    jp_q24 speed;   /**< v or w */
+    jp_q24 step[2]; /**< Δv or Δw, and σ */
+};
+
+enum axis_field { FIELD_MODE, FIELD_STEP, FIELD_CROSS, FIELD_STEADY, FIELDS };
+
+static bool all_within(const jp_q16 *values, uint32_t count, jp_q16 limit)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (values[i] < -limit || values[i] > limit) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool is_paired(const struct jp_mode *mode)
+{
+    return mode->frequency != 0;
+}
+
+static bool in_range(const struct jp_mode *mode)
+{
+    return mode->decay > 0 && mode->frequency >= 0 && mode->frequency <= FREQUENCY_MAX;
+}
+
+static bool match(const struct jp_mode *a, const struct jp_mode *b)
+{
+    return a->decay == b->decay && a->frequency == b->frequency;
+}
+
+static bool modes_are_valid(const struct jp_axis_modes *axis)
+{
+    bool second = false; /* of a pair */
+
+    for (uint32_t i = 0; i < axis->count; i++) {
+        const struct jp_mode *mode = &axis->mode[i];
+
+        if (!in_range(mode) || (second && !match(mode, &axis->mode[i - 1U]))) {
+            return false;
+        }
+        second = is_paired(mode) && !second;
+    }
+    return !second;
+}
+
+/** Of the modes in use; FIELDS: none. */
+static enum axis_field first_bad_field(const struct jp_axis_modes *axis)
+{
+    if (!modes_are_valid(axis)) {
+        return FIELD_MODE;
+    }
+    if (!all_within(axis->step[0], axis->count, STEP_MAX) || !all_within(axis->step[1], axis->count, STEP_MAX)) {
+        return FIELD_STEP;
+    }
+    if (!all_within(axis->cross[0], axis->count, SHARE_MAX) || !all_within(axis->cross[1], axis->count, SHARE_MAX)) {
+        return FIELD_CROSS;
+    }
+    if (!all_within(axis->steady, axis->count, SHARE_MAX)) {
+        return FIELD_STEADY;
+    }
+    return FIELDS;
+}
+
+#define FIELD(member, low, high) JP_CONFIG_FIELD("horizon.", struct jp_horizon, member, low, high)
+
+enum jp_status jp_horizon_check(const struct jp_horizon *horizon, const char **field)
+{
+    static const struct jp_config_field fields[] = {
+        FIELD(duration_min, 1, DURATION_MIN_MAX),
+        FIELD(travel.count, 0, JP_AXIS_MODES),
+        FIELD(yaw.count, 0, JP_AXIS_MODES),
+    };
+    static const char *const travel_names[FIELDS] = {"horizon.travel.mode", "horizon.travel.step",
+                                                     "horizon.travel.cross", "horizon.travel.steady"};
+    static const char *const yaw_names[FIELDS] = {"horizon.yaw.mode", "horizon.yaw.step", "horizon.yaw.cross",
+                                                  "horizon.yaw.steady"};
+    const enum jp_status status = jp_config_check(horizon, fields, JP_CONFIG_COUNT(fields), field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+
+    const enum axis_field travel = first_bad_field(&horizon->travel);
+    const enum axis_field yaw = first_bad_field(&horizon->yaw);
+
+    if (travel != FIELDS) {
+        return jp_config_refuse(travel_names[travel], field);
+    }
+    return yaw == FIELDS ? JP_OK : jp_config_refuse(yaw_names[yaw], field);
+}
+
+/*
+ * 2^-x = 1 − x P(x) for x in [0, 1), in Q30; x in Q32.
+ * P: minimax coefficients by fixed_polynomials.py, in Q32; their signs alternate, so the nested differences stay
+ * positive.
+ */
+static uint32_t power_of_half(uint32_t x)
+{
+    static const uint32_t coefficients[] = {5486705u, 41155296u, 238337602u, 1031757278u, 2977044080u};
+    uint32_t p = 472172u;
+    for (size_t i = 0; i < sizeof coefficients / sizeof coefficients[0]; i++) {
+        p = coefficients[i] - (uint32_t)(((uint64_t)x * p) >> 32);
+    }
+    return ((uint32_t)1 << 30) - (uint32_t)(((uint64_t)x * p) >> 34);
+}
+
+/** What is left after a time, Q30. */
+static int32_t decayed_share(const struct jp_mode *mode, jp_q16 duration)
+{
+    uint64_t halvings = (uint64_t)jp_multiply(mode->decay, duration) >> 8; /* Q32 */
+    uint32_t whole = (uint32_t)(halvings >> 32);
+
+    if (whole > 30U) {
+        return 0;
+    }
+    uint32_t share = power_of_half((uint32_t)halvings) >> whole;
+    return (int32_t)share;
+}
+
+static jp_angle turned_by(const struct jp_mode *mode, jp_q16 duration)
+{
+    return (jp_angle)((uint64_t)jp_multiply(mode->frequency, duration) >> 8);
+}
+
+/** Turns the two modes of a pair. */
+static void rotate(jp_q16 *modes, jp_angle angle)
+{
+    jp_q31 cosine = jp_cos(angle);
+    jp_q31 sine = jp_sin(angle);
+    int64_t first = jp_multiply(modes[0], cosine) - jp_multiply(modes[1], sine);
+    int64_t second = jp_multiply(modes[0], sine) + jp_multiply(modes[1], cosine);
+
+    modes[0] = jp_round_shift(first, 31);
+    modes[1] = jp_round_shift(second, 31);
+}
+
+/** What a segment that begins with `modes` leaves of them: at most 22 000 V. */
+static void advance(const struct jp_axis_modes *axis, const struct axis_command *command, jp_q16 duration,
+                    const jp_q16 *modes, jp_q16 *left)
+{
+    for (uint32_t i = 0; i < axis->count; i++) {
+        int64_t added =
+            jp_multiply(axis->step[0][i], command->step[0]) + jp_multiply(axis->step[1][i], command->step[1]);
+        jp_q16 begun = modes[i] + jp_round_shift(added, 24);
+
+        left[i] = jp_multiply_shift(begun, decayed_share(&axis->mode[i], duration), 30);
+    }
+    bool second = false; /* of a pair */
+    for (uint32_t i = 0; i < axis->count; i++) {
+        bool first = is_paired(&axis->mode[i]) && !second;
+
+        if (first) {
+            rotate(&left[i], turned_by(&axis->mode[i], duration));
+        }
+        second = first;
+    }
+}
+
+static bool limit_transient(const struct jp_axis_modes *axis, jp_q16 *modes)
+{
+    bool within = all_within(modes, axis->count, TRANSIENT_MAX);
+
+    for (uint32_t i = 0; i < axis->count; i++) {
+        modes[i] = jp_clamp32(modes[i], -TRANSIENT_MAX, TRANSIENT_MAX);
+    }
+    return within;
+}
+
+/** S(m, v) + Σ Δ gᵀ m in Q28 J, below 2³³ J. */
+static int64_t stored_energy(const struct jp_axis_modes *axis, const struct axis_command *command, const jp_q16 *modes)
+{
+    const int32_t *storage = axis->storage;
+    int64_t energy = 0;
+
+    for (uint32_t i = 0; i < axis->count; i++) {
+        int64_t linear = jp_multiply(axis->steady[i], command->speed) +
+                         jp_multiply(axis->cross[0][i], command->step[0]) +
+                         jp_multiply(axis->cross[1][i], command->step[1]); /* Q40 */
+        int64_t square = 0;                                                /* Q44 */
+
+        for (uint32_t k = i; k < axis->count; k++) {
+            square += jp_multiply(*storage, modes[k]);
+            storage++;
+        }
+        energy += jp_term_scale((linear >> 12) + (square >> 16), modes[i], 16);
+    }
+    return energy;
+}
+
+/** Adds what the transient of an axis spends in a segment; false when what it leaves had to be limited. */
+static bool drive_axis(const struct jp_axis_modes *axis, const struct axis_command *command, jp_q16 duration,
+                       const jp_q16 *modes, jp_q16 *left, int64_t *energy)
+{
+    const struct axis_command steady = {.speed = command->speed};
+
+    advance(axis, command, duration, modes, left);
+    bool within = limit_transient(axis, left);
+    *energy += stored_energy(axis, command, modes) - stored_energy(axis, &steady, left);
+    return within;
+}
+
+/** *end, and in Q28 J what the transients spend beside the settled energy; false when *end had to be limited. */
+static bool drive(const struct jp_horizon *horizon, const struct jp_energy_start *start,
+                  const struct jp_segment_command *segment, struct jp_energy_start *end, int64_t *energy)
+{
+    *end = (struct jp_energy_start){.motion = segment->motion};
+    *energy = 0;
+    if (!horizon) {
+        return true;
+    }
+    jp_q24 speed = segment->motion.speed;
+    jp_q24 turn_rate = segment->motion.turn_rate;
+    const struct axis_command travel = {speed, {speed - start->motion.speed, 0}};
+    const struct axis_command yaw = {turn_rate, {turn_rate - start->motion.turn_rate, segment->turn}};
+    bool travel_within = drive_axis(&horizon->travel, &travel, segment->duration, start->transient.travel,
+                                    end->transient.travel, energy);
+    bool yaw_within =
+        drive_axis(&horizon->yaw, &yaw, segment->duration, start->transient.yaw, end->transient.yaw, energy);
+    return travel_within && yaw_within;
+}
+
+static bool arguments_are_valid(const struct jp_energy_model *model, const struct jp_horizon *horizon,
+                                const struct jp_energy_start *start, const struct jp_segment_command *segment)
+{
+    if (!model || !start || !segment || !jp_motion_in_range(&start->motion)) {
+        return false;
+    }
+    if (!horizon) {
+        return jp_segment_in_range(segment, model->settling_time);
+    }
+    return jp_segment_in_range(segment, horizon->duration_min) &&
+           all_within(start->transient.travel, JP_AXIS_MODES, TRANSIENT_MAX) &&
+           all_within(start->transient.yaw, JP_AXIS_MODES, TRANSIENT_MAX);
+}
+
+/** Q28 to Q16. */
+static int64_t rounded(int64_t energy)
+{
+    return (energy + ((int64_t)1 << (JP_TERM_BITS - 17))) >> (JP_TERM_BITS - 16);
+}
+
+enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const struct jp_horizon *horizon,
+                                  const struct jp_energy_start *start, const struct jp_segment_command *segment,
+                                  jp_q16 *energy, struct jp_energy_start *end)
+{
+    if (!energy || !end || !arguments_are_valid(model, horizon, start, segment)) {
+        return JP_ERR_ARGUMENT;
+    }
+    struct jp_energy_start next;
+    int64_t transient;
+    bool within = drive(horizon, start, segment, &next, &transient);
+
+    struct jp_voltage_terms voltage;
+    jp_q16 settled;
+    jp_voltage_terms(model, &start->motion, &voltage);
+    enum jp_status status = jp_energy_total(model, &start->motion, &voltage, segment, &settled);
+
+    int64_t total = settled + rounded(transient);
+    *energy = jp_saturate32(total);
+    *end = next;
+    return within && *energy == total ? status : JP_ERR_OVERFLOW;
+}
+
+/** a b with a in Q24 and b in Q24 or Q18, in Q16. */
+static int64_t scaled_product(int32_t a, int32_t b, unsigned shift)
+{
+    return (jp_multiply(a, b) + ((int64_t)1 << (shift - 1U))) >> shift;
+}
+
+enum jp_status jp_energy_regressors(const struct jp_energy_model *model, const struct jp_horizon *horizon,
+                                    const struct jp_energy_start *start, const struct jp_segment_command *segment,
+                                    jp_q16 regressor[JP_ENERGY_PARAMETERS], jp_q16 *rest)
+{
+    if (!regressor || !rest || !arguments_are_valid(model, horizon, start, segment)) {
+        return JP_ERR_ARGUMENT;
+    }
+    struct jp_energy_start end;
+    int64_t transient;
+    bool within = drive(horizon, start, segment, &end, &transient);
+
+    struct jp_steady_voltages before;
+    jp_steady_voltages(model, &start->motion, &before);
+    int32_t v = segment->motion.speed;
+    int32_t w = segment->motion.turn_rate;
+    int32_t dv = v - start->motion.speed;
+    int32_t dw = w - start->motion.turn_rate;
+    int32_t turn = segment->turn;
+    int32_t line = segment->duration - model->settling_time; /* where b counts, Q16 */
+    const int64_t exact[JP_ENERGY_PARAMETERS] = {
+        scaled_product(dv, dv, 32),
+        scaled_product(dw, dw, 32),
+        scaled_product(turn, turn, 32),
+        scaled_product(dv, dw, 32),
+        scaled_product(dv, turn, 32),
+        scaled_product(dw, turn, 32),
+        scaled_product(dv, before.left, 26),
+        scaled_product(dw, before.left, 26),
+        scaled_product(turn, before.left, 26),
+        scaled_product(dv, before.right, 26),
+        scaled_product(dw, before.right, 26),
+        scaled_product(turn, before.right, 26),
+        before.power,
+        scaled_product((int32_t)scaled_product(v, v, 24), line, 24),
+        scaled_product((int32_t)scaled_product(w, w, 24), line, 24),
+    };
+    for (int i = 0; i < JP_ENERGY_PARAMETERS; i++) {
+        regressor[i] = jp_saturate32(exact[i]);
+        within = within && regressor[i] == exact[i];
+    }
+
+    int64_t electronics = jp_multiply(model->electronics_power, segment->duration); /* Q32 */
+    int64_t total = rounded(transient + (electronics >> (32 - JP_TERM_BITS)));
+    *rest = jp_saturate32(total);
+    return within && *rest == total ? JP_OK : JP_ERR_OVERFLOW;
+}

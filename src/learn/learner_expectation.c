@@ -1,0 +1,86 @@
+#include "src/learn/learner_expectation.h"
+
+#include "src/learn/learner_filter.h"
+
+/** Q32 to Q16, rounded; false: it does not fit. */
+static bool narrow(int64_t sum, jp_q16 *value)
+{
+    const int64_t rounded = (sum + ((int64_t)1 << 15)) >> 16;
+
+    *value = jp_saturate32(rounded);
+    return *value == rounded;
+}
+
+static bool sensitivities(const struct jp_learning *learning, const jp_q16 regressor[JP_ENERGY_PARAMETERS],
+                          jp_q16 sensitivity[JP_LEARNING_DIRECTIONS])
+{
+    bool fits = true;
+
+    for (int j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+        int64_t sum = 0;
+
+        for (int i = 0; i < JP_ENERGY_PARAMETERS; i++) {
+            sum += (int64_t)learning->direction[i][j] * regressor[i];
+        }
+        fits = narrow(sum, &sensitivity[j]) && fits;
+    }
+    return fits;
+}
+
+static bool expected_energy(const struct jp_learner *learner, const jp_q16 regressor[JP_ENERGY_PARAMETERS], jp_q16 rest,
+                            struct jp_expectation *expected)
+{
+    const struct jp_energy_model *model = learner->built_in;
+    int64_t sum = (int64_t)rest * JP_Q16_ONE;
+
+    for (int i = 0; i < JP_ENERGY_TERMS; i++) {
+        sum += (int64_t)model->a[i] * regressor[i];
+    }
+    for (int i = JP_ENERGY_TERMS; i < JP_ENERGY_PARAMETERS; i++) {
+        sum += (int64_t)model->b[i - JP_ENERGY_TERMS] * regressor[i];
+    }
+    for (int j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+        sum += ((int64_t)expected->sensitivity[j] * learner->state.x[j]) >> 8;
+    }
+    return narrow(sum, &expected->energy);
+}
+
+static uint64_t variance_of(jp_q16 share, jp_q16 energy)
+{
+    return jp_square(jp_multiply_shift(share, energy, 16));
+}
+
+static jp_q16 noise_of(const struct jp_learner *learner, jp_q16 energy, jp_q16 transient)
+{
+    const struct jp_learning *learning = learner->learning;
+    const uint64_t variance = variance_of(learning->noise, JP_Q16_ONE) + variance_of(learning->noise_relative, energy) +
+                              variance_of(learning->noise_transient, transient);
+    const uint64_t noise = ((uint64_t)jp_square_root(variance) * (uint32_t)learner->state.noise_scale) >> 16;
+
+    if (noise == 0U) {
+        return 1;
+    }
+    return noise > (uint64_t)INT32_MAX ? INT32_MAX : (jp_q16)noise;
+}
+
+enum jp_status jp_learner_expect(const struct jp_learner *learner, const struct jp_energy_start *start,
+                                 const struct jp_segment_command *segment, struct jp_expectation *expected)
+{
+    jp_q16 regressor[JP_ENERGY_PARAMETERS];
+    jp_q16 rest;
+    const enum jp_status status =
+        jp_energy_regressors(learner->built_in, learner->horizon, start, segment, regressor, &rest);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    if (!sensitivities(learner->learning, regressor, expected->sensitivity) ||
+        !expected_energy(learner, regressor, rest, expected)) {
+        return JP_ERR_OVERFLOW;
+    }
+
+    const jp_q16 electronics = jp_q16_multiply(learner->built_in->electronics_power, segment->duration);
+
+    expected->noise = noise_of(learner, expected->energy, jp_sub(rest, electronics));
+    return JP_OK;
+}

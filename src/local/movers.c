@@ -1,0 +1,205 @@
+#include <joulepath/movers.h>
+
+#include "src/base/plane.h"
+#include "src/local/scan_runs.h"
+
+/* Of the filter. */
+#define POSITION_GAIN 0.6f
+#define SPEED_GAIN    0.25f
+
+/* A thing may be so far from where it is expected, beside its fastest way, m. */
+#define GATE 0.15f
+
+/* Before a velocity is believed, and before a thing is forgotten. */
+#define SIGHTINGS_MIN 5U
+#define MISSES_MAX    5U
+
+/* What is seen of a thing may end so far before its shapes do, m. */
+#define RIM 0.15f
+
+/* s */
+#define PERIOD_MIN 0.001f
+#define PERIOD_MAX 10.0f
+
+/* A thing in this scan. */
+struct thing {
+    struct jp_plane_point centre;
+    float radius;
+};
+
+static bool is_config(const struct jp_movers_config *config)
+{
+    return config->extent > 0.0f && config->speed_min > 0.0f &&
+           jp_plane_is_between(config->speed_max, config->speed_min, JP_OBSTACLE_SPEED_MAX) &&
+           jp_plane_is_between(config->margin, 0.0f, JP_OBSTACLE_MARGIN_MAX);
+}
+
+/* Whether a beam beside a run sees past it: farther away, or nothing. The ends of a scan hide what is beside them. */
+static bool is_past(const struct jp_scan_view *view, unsigned beside, unsigned end)
+{
+    return beside < view->scan->count &&
+           (!jp_scan_is_point(view, beside) || view->scan->ranges[beside] > view->scan->ranges[end]);
+}
+
+static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run *run, float extent,
+                       struct thing *thing)
+{
+    const struct jp_plane_point begin = jp_scan_point(view, run->first);
+    const struct jp_plane_point end = jp_scan_point(view, run->last);
+    const float square = jp_plane_square_between(begin, end);
+
+    if (run->points < view->config->beams_min || square > extent * extent ||
+        !is_past(view, run->first - 1U, run->first) || !is_past(view, run->last + 1U, run->last)) {
+        return false;
+    }
+    thing->centre = (struct jp_plane_point){0.5f * (begin.x + end.x), 0.5f * (begin.y + end.y)};
+    thing->radius = 0.5f * jp_plane_square_root(square);
+    return true;
+}
+
+/* ---- Tracks ---- */
+
+static void predict(struct jp_movers *movers, float period)
+{
+    for (unsigned i = 0; i < movers->count; i++) {
+        struct jp_mover *const mover = &movers->movers[i];
+
+        mover->centre.x += period * mover->velocity.x;
+        mover->centre.y += period * mover->velocity.y;
+        mover->misses++;
+    }
+}
+
+/* The nearest track that nothing was found for yet; null when none is near enough. */
+static struct jp_mover *match(struct jp_movers *movers, const struct thing *thing, float gate)
+{
+    struct jp_mover *nearest = NULL;
+    float least = gate * gate;
+
+    for (unsigned i = 0; i < movers->count; i++) {
+        struct jp_mover *const mover = &movers->movers[i];
+        const float square = jp_plane_square_between(mover->centre, thing->centre);
+
+        if (mover->misses > 0U && square < least) {
+            least = square;
+            nearest = mover;
+        }
+    }
+    return nearest;
+}
+
+static struct jp_plane_point limited(struct jp_plane_point velocity, float speed_max)
+{
+    const float speed = jp_plane_length(velocity.x, velocity.y);
+    const float share = speed > speed_max ? speed_max / speed : 1.0f;
+
+    return (struct jp_plane_point){share * velocity.x, share * velocity.y};
+}
+
+static void correct(struct jp_mover *mover, const struct thing *thing, float period, float speed_max)
+{
+    const float dx = thing->centre.x - mover->centre.x;
+    const float dy = thing->centre.y - mover->centre.y;
+
+    mover->centre.x += POSITION_GAIN * dx;
+    mover->centre.y += POSITION_GAIN * dy;
+    mover->velocity.x += SPEED_GAIN * dx / period;
+    mover->velocity.y += SPEED_GAIN * dy / period;
+    mover->velocity = limited(mover->velocity, speed_max);
+    mover->radius = thing->radius;
+    mover->misses = 0;
+    if (mover->sightings < UINT8_MAX) {
+        mover->sightings++;
+    }
+}
+
+static void follow(struct jp_movers *movers, const struct thing *thing, float period, float speed_max)
+{
+    struct jp_mover *const mover = match(movers, thing, GATE + period * speed_max);
+
+    if (mover != NULL) {
+        correct(mover, thing, period, speed_max);
+    } else if (movers->count < JP_MOVERS_MAX) {
+        movers->movers[movers->count] = (struct jp_mover){thing->centre, {0.0f, 0.0f}, thing->radius, 1, 0};
+        movers->count++;
+    }
+}
+
+static void forget(struct jp_movers *movers)
+{
+    uint8_t kept = 0;
+
+    for (unsigned i = 0; i < movers->count; i++) {
+        if (movers->movers[i].misses <= MISSES_MAX) {
+            movers->movers[kept] = movers->movers[i];
+            kept++;
+        }
+    }
+    movers->count = kept;
+}
+
+/* ---- Calls ---- */
+
+void jp_movers_clear(struct jp_movers *movers)
+{
+    movers->count = 0;
+}
+
+enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers_config *config,
+                                const struct jp_scan_config *scan_config, const struct jp_scan *scan,
+                                const struct jp_plane_pose *sensor, float period)
+{
+    struct jp_scan_view view;
+    struct jp_scan_run run;
+    struct thing thing;
+
+    if (movers == NULL || config == NULL || !is_config(config) || !(period >= PERIOD_MIN && period <= PERIOD_MAX)) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = jp_scan_open(&view, scan_config, scan, sensor);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    predict(movers, period);
+    for (unsigned beam = 0; jp_scan_next_run(&view, beam, &run); beam = run.last + 1U) {
+        if (find_thing(&view, &run, config->extent, &thing)) {
+            follow(movers, &thing, period, config->speed_max);
+        }
+    }
+    forget(movers);
+    return JP_OK;
+}
+
+static bool is_moving(const struct jp_mover *mover, float speed_min)
+{
+    return mover->sightings >= SIGHTINGS_MIN && jp_plane_length(mover->velocity.x, mover->velocity.y) > speed_min;
+}
+
+/* Walls that it passes are longer than it. */
+static void mark(const struct jp_mover *mover, float margin, struct jp_obstacle *shape)
+{
+    const struct jp_plane_point *const last = &shape->vertices[shape->vertex_count - 1U];
+    const struct jp_plane_point middle = {0.5f * (shape->vertices[0].x + last->x),
+                                          0.5f * (shape->vertices[0].y + last->y)};
+    const float reach = mover->radius + RIM;
+
+    if (jp_plane_square_between(middle, mover->centre) < reach * reach &&
+        jp_plane_square_between(middle, *last) < reach * reach) {
+        shape->velocity = mover->velocity;
+        shape->margin = margin;
+    }
+}
+
+void jp_movers_mark(const struct jp_movers *movers, const struct jp_movers_config *config,
+                    struct jp_obstacles *obstacles)
+{
+    for (unsigned i = 0; i < movers->count; i++) {
+        if (is_moving(&movers->movers[i], config->speed_min)) {
+            for (unsigned k = 0; k < obstacles->count; k++) {
+                mark(&movers->movers[i], config->margin, &obstacles->shapes[k]);
+            }
+        }
+    }
+}

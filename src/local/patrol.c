@@ -1,0 +1,272 @@
+#include <joulepath/patrol.h>
+
+#include <string.h>
+
+#include "src/base/plane.h"
+#include "src/local/patrol_drive.h"
+#include "src/local/patrol_path.h"
+#include "src/local/patrol_room.h"
+#include "src/local/patrol_sense.h"
+#include "src/local/patrol_state.h"
+#include "src/local/patrol_turn.h"
+
+/* Obstacles may look this much nearer than they are, m. */
+#define DOUBT 0.05f
+
+/* To stop in, beyond what the deceleration takes, m. */
+#define STOP_DISTANCE 0.3f
+
+/* Cycles without getting on before the robot counts as stalled, times waits_max. */
+#define STALL_WAITS 2U
+
+#define VALUE_MAX  1000.0f
+#define SPEED_MAX  16.0f /* that a twist may have, m/s and rad/s */
+#define CYCLES_MAX 10000.0f
+
+/* ---- Configuration ---- */
+
+static const char *wrong_field(const struct jp_patrol_config *config)
+{
+    const float least = 1.0e-3f;
+    const struct {
+        float value;
+        float low;
+        float high;
+        const char *name;
+    } fields[] = {
+        {config->scan.range_max, least, VALUE_MAX, "scan.range_max"},
+        {config->scan.gap, least, VALUE_MAX, "scan.gap"},
+        {config->scan.tolerance, least, VALUE_MAX, "scan.tolerance"},
+        {(float)config->scan.beams_min, 1.0f, VALUE_MAX, "scan.beams_min"},
+        {config->turn_first, least, JP_PLANE_PI, "turn_first"},
+        {config->teb.speed_max, least, SPEED_MAX, "teb.speed_max"},
+        {config->teb.reverse_max, least, SPEED_MAX, "teb.reverse_max"},
+        {config->teb.turn_rate_max, least, SPEED_MAX, "teb.turn_rate_max"},
+        {config->turn_rate, least, SPEED_MAX, "turn_rate"},
+        {config->turn_acceleration, least, VALUE_MAX, "turn_acceleration"},
+        {config->turn_clearance, 0.0f, VALUE_MAX, "turn_clearance"},
+        {config->step_speed, least, SPEED_MAX, "step_speed"},
+        {config->horizon, least, VALUE_MAX, "horizon"},
+        {config->position_tolerance, least, VALUE_MAX, "position_tolerance"},
+        {config->heading_tolerance, least, config->turn_first, "heading_tolerance"},
+        {config->period, least, VALUE_MAX, "period"},
+        {config->latency, 0.0f, 1.0f, "latency"},
+        {config->jump, least, VALUE_MAX, "jump"},
+        {config->blind_max, 0.0f, VALUE_MAX, "blind_max"},
+        {config->movers.extent, least, VALUE_MAX, "movers.extent"},
+        {config->movers.speed_min, least, VALUE_MAX, "movers.speed_min"},
+        {config->movers.speed_max, config->movers.speed_min, VALUE_MAX, "movers.speed_max"},
+        {config->movers.margin, 0.0f, VALUE_MAX, "movers.margin"},
+        {(float)config->waits_max, 1.0f, CYCLES_MAX, "waits_max"},
+        {(float)config->dropouts_max, 0.0f, CYCLES_MAX, "dropouts_max"},
+    };
+
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        if (!jp_plane_is_between(fields[i].value, fields[i].low, fields[i].high)) {
+            return fields[i].name;
+        }
+    }
+    return NULL;
+}
+
+enum jp_status jp_patrol_init(struct jp_patrol *patrol, const struct jp_patrol_config *config, const char **field)
+{
+    if (patrol == NULL || config == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (jp_four_wheel_check(&config->wheels, field) != JP_OK) {
+        return JP_ERR_CONFIG;
+    }
+    *field = wrong_field(config);
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    (void)memset(patrol, 0, sizeof *patrol);
+    patrol->config = *config;
+    patrol->internal.scan_gap = UINT16_MAX; /* nothing is driven before the first scan */
+    return jp_teb_init(&patrol->teb, &config->teb, field);
+}
+
+/* ---- What is asked for ---- */
+
+enum jp_status jp_patrol_set_pose(struct jp_patrol *patrol, const struct jp_plane_pose *pose)
+{
+    if (patrol == NULL || pose == NULL || !jp_plane_is_pose(pose)) {
+        return JP_ERR_ARGUMENT;
+    }
+    patrol->pose = *pose;
+    patrol->pose.heading = jp_plane_wrap(pose->heading);
+    patrol->internal.jumps = 0;
+    patrol->internal.blind = 0.0f;
+    jp_teb_clear(&patrol->teb);
+    return JP_OK;
+}
+
+enum jp_status jp_patrol_follow(struct jp_patrol *patrol, const struct jp_point *path, uint16_t count,
+                                const struct jp_patrol_goal *goal)
+{
+    if (patrol == NULL || path == NULL || goal == NULL || count < 2U || !jp_plane_is_pose(&goal->pose)) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const struct jp_plane_point end = jp_patrol_path_point(&path[count - 1U]);
+
+    if (jp_plane_length(end.x - goal->pose.x, end.y - goal->pose.y) > patrol->config.position_tolerance) {
+        return JP_ERR_ARGUMENT;
+    }
+    patrol->internal.path = path;
+    patrol->internal.path_count = count;
+    patrol->internal.path_next = 0;
+    patrol->internal.goal = *goal;
+    patrol->internal.is_arriving = false;
+    patrol->internal.waited = 0;
+    patrol->internal.unmoved = 0;
+    jp_teb_clear(&patrol->teb);
+    jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
+    return JP_OK;
+}
+
+void jp_patrol_hold(struct jp_patrol *patrol)
+{
+    jp_patrol_enter(patrol, JP_PATROL_HELD, JP_PATROL_NONE);
+}
+
+void jp_patrol_pause(struct jp_patrol *patrol)
+{
+    if (patrol->state == JP_PATROL_DRIVING && !patrol->internal.is_arriving) {
+        struct jp_patrol_window window;
+        const float speed = patrol->internal.command.forward;
+
+        jp_patrol_look_ahead(patrol, speed * speed / patrol->config.teb.acceleration + STOP_DISTANCE, &window);
+        patrol->internal.path_count = (uint16_t)(window.first + window.count);
+        patrol->internal.goal = (struct jp_patrol_goal){window.end, true};
+    } else if (patrol->internal.path != NULL) {
+        jp_patrol_hold(patrol);
+    }
+}
+
+/* ---- A cycle ---- */
+
+static bool is_under_way(const struct jp_patrol *patrol)
+{
+    return patrol->state == JP_PATROL_TURNING || patrol->state == JP_PATROL_DRIVING ||
+           patrol->state == JP_PATROL_STEPPING || patrol->state == JP_PATROL_WAITING;
+}
+
+/* What forbids any motion now. */
+static enum jp_patrol_reason obstruction(const struct jp_patrol *patrol)
+{
+    if (jp_patrol_uses_laser(patrol) &&
+        (patrol->internal.jumps > patrol->config.dropouts_max || patrol->internal.blind > patrol->config.blind_max)) {
+        return JP_PATROL_LOST;
+    }
+    if (patrol->internal.scan_gap > patrol->config.dropouts_max) {
+        return JP_PATROL_NO_SCAN;
+    }
+    /* A step leads out of what may be a collision. */
+    const float least = patrol->state == JP_PATROL_STEPPING ? -DOUBT : 0.0f;
+
+    return jp_patrol_clearance(patrol, &patrol->pose) < least ? JP_PATROL_IN_COLLISION : JP_PATROL_NONE;
+}
+
+static void count_patience(struct jp_patrol *patrol)
+{
+    patrol->internal.unmoved++;
+    if (patrol->state == JP_PATROL_WAITING && ++patrol->internal.waited > patrol->config.waits_max) {
+        jp_patrol_stop(patrol, patrol->reason);
+    } else if (patrol->internal.unmoved > STALL_WAITS * patrol->config.waits_max) {
+        jp_patrol_stop(patrol, JP_PATROL_STALLED);
+    }
+}
+
+/* The step aside of a robot that stands where scans see it in a collision that may be none. */
+static bool find_step_aside(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    return patrol->config.turns_in_place && jp_patrol_is_standing(speed) &&
+           jp_patrol_clearance(patrol, &patrol->pose) > -DOUBT &&
+           jp_patrol_find_step(patrol, patrol->pose.heading, &patrol->internal.step_target);
+}
+
+static void act(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    switch (patrol->state) {
+    case JP_PATROL_TURNING:
+        jp_patrol_correct_pose(patrol);
+        jp_patrol_turn(patrol, speed);
+        break;
+    case JP_PATROL_STEPPING:
+        jp_patrol_correct_pose(patrol);
+        jp_patrol_step(patrol, speed);
+        break;
+    case JP_PATROL_DRIVING:
+    case JP_PATROL_WAITING:
+    default:
+        jp_patrol_drive(patrol, speed);
+        break;
+    }
+}
+
+static void go_on(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const enum jp_patrol_reason reason = obstruction(patrol);
+
+    if (reason == JP_PATROL_NONE) {
+        act(patrol, speed);
+    } else if (reason == JP_PATROL_IN_COLLISION && find_step_aside(patrol, speed)) {
+        jp_patrol_correct_pose(patrol);
+        jp_patrol_begin_step(patrol);
+    } else {
+        jp_patrol_correct_pose(patrol);
+        jp_patrol_wait(patrol, reason);
+    }
+    if (is_under_way(patrol)) {
+        count_patience(patrol);
+    }
+}
+
+static jp_q24 to_q24(float value)
+{
+    return (jp_q24)(value * (float)JP_Q24_ONE);
+}
+
+/* Wheels that cannot do it are not asked to. */
+static void give_command(struct jp_patrol *patrol, struct jp_twist *twist)
+{
+    struct jp_wheels wheels = {{0}, {0}};
+
+    *twist = (struct jp_twist){to_q24(patrol->internal.command.forward), to_q24(patrol->internal.sideways),
+                               to_q24(patrol->internal.command.turn_rate)};
+    if (jp_four_wheel_inverse(&patrol->config.wheels, twist, &wheels) != JP_OK) {
+        jp_patrol_stop(patrol, JP_PATROL_INFEASIBLE);
+        *twist = (struct jp_twist){0, 0, 0};
+    }
+}
+
+static bool is_input_sound(const struct jp_patrol_input *input)
+{
+    return jp_plane_is_pose(&input->wheels) && (!input->has_laser || jp_plane_is_pose(&input->laser)) &&
+           jp_plane_is_pose(&input->sensor) && jp_plane_is_between(input->speed.forward, -VALUE_MAX, VALUE_MAX) &&
+           jp_plane_is_between(input->speed.turn_rate, -VALUE_MAX, VALUE_MAX);
+}
+
+enum jp_status jp_patrol_cycle(struct jp_patrol *patrol, const struct jp_patrol_input *input, struct jp_twist *twist)
+{
+    if (patrol == NULL || input == NULL || twist == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *twist = (struct jp_twist){0, 0, 0};
+    if (!is_input_sound(input)) {
+        jp_patrol_stop(patrol, JP_PATROL_LOST);
+        return JP_ERR_ARGUMENT;
+    }
+    patrol->counts.cycles++;
+    jp_patrol_predict_pose(patrol, input);
+    jp_patrol_look(patrol, input);
+    if (is_under_way(patrol)) {
+        go_on(patrol, &input->speed);
+        give_command(patrol, twist);
+    } else {
+        jp_patrol_correct_pose(patrol);
+    }
+    return JP_OK;
+}

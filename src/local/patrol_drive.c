@@ -1,0 +1,204 @@
+#include "src/local/patrol_drive.h"
+
+#include "src/base/plane.h"
+#include "src/local/patrol_path.h"
+#include "src/local/patrol_room.h"
+#include "src/local/patrol_sense.h"
+#include "src/local/patrol_state.h"
+#include "src/local/patrol_turn.h"
+
+/* A command is good when the robot could hold it for so many steps, of so many s. */
+#define COMMAND_STEPS 3U
+#define COMMAND_STEP  0.1f
+
+static float goal_heading_error(const struct jp_patrol *patrol)
+{
+    return patrol->internal.goal.is_heading_free
+               ? 0.0f
+               : jp_plane_magnitude(jp_plane_wrap(patrol->internal.goal.pose.heading - patrol->pose.heading));
+}
+
+/* As near as it gets: within a third of the tolerance, or within it and past the goal or at a stand. Once there the
+ * robot stands before anything else. */
+static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
+    const float away = jp_plane_length(there.x, there.y);
+    const float tolerance = patrol->config.position_tolerance;
+    const bool is_heading_due =
+        !patrol->config.turns_in_place && goal_heading_error(patrol) > patrol->config.heading_tolerance;
+
+    return patrol->internal.is_arriving ||
+           (!is_heading_due && away < tolerance &&
+            (3.0f * away < tolerance || there.x <= 0.0f || jp_patrol_is_standing(speed)));
+}
+
+/* Whether any heading will do to reach the end of the window: the robot turns there afterwards. */
+static bool may_turn_at_goal(const struct jp_patrol *patrol, const struct jp_patrol_window *window)
+{
+    const struct jp_plane_pose there = {patrol->internal.goal.pose.x, patrol->internal.goal.pose.y,
+                                        window->end.heading};
+    float angle;
+
+    return patrol->internal.goal.is_heading_free ||
+           (patrol->config.turns_in_place &&
+            jp_patrol_find_turn(patrol, &there, patrol->internal.goal.pose.heading, &angle));
+}
+
+/* Where a pose will be when the wheels do what is asked of them now. */
+static struct jp_plane_pose after_latency(const struct jp_patrol *patrol, const struct jp_plane_pose *pose,
+                                          const struct jp_plane_speed *speed)
+{
+    const float latency = patrol->config.latency;
+    const struct jp_plane_pose half_turn = {0.0f, 0.0f, 0.5f * latency * speed->turn_rate};
+    const struct jp_plane_pose way = {latency * speed->forward, 0.0f, half_turn.heading};
+    const struct jp_plane_pose middle = jp_plane_compose(pose, &half_turn);
+
+    return jp_plane_compose(&middle, &way);
+}
+
+static struct jp_teb_task task_of(const struct jp_patrol *patrol, const struct jp_patrol_window *window,
+                                  const struct jp_plane_speed *speed)
+{
+    struct jp_teb_task task = {
+        .start = after_latency(patrol, &patrol->pose, speed),
+        .measured = after_latency(patrol, &patrol->internal.laser, speed),
+        .is_measured = patrol->internal.is_measured,
+        .speed = *speed,
+        .goal = window->end,
+        .goal_speed = window->is_goal ? 0.0f : patrol->config.teb.speed_max,
+        .path = &patrol->internal.path[window->first],
+        .path_count = window->count,
+    };
+
+    if (window->is_goal) {
+        task.is_heading_free = may_turn_at_goal(patrol, window);
+        if (!task.is_heading_free) {
+            task.goal = patrol->internal.goal.pose;
+        } else {
+            task.goal.x = patrol->internal.goal.pose.x;
+            task.goal.y = patrol->internal.goal.pose.y;
+        }
+    }
+    return task;
+}
+
+/* Whether the way is free at this speed until the next cycle's command can act. */
+static bool is_command_free(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const struct jp_plane_pose step = {speed->forward * COMMAND_STEP, 0.0f, speed->turn_rate * COMMAND_STEP};
+    struct jp_plane_pose pose = patrol->pose;
+
+    for (unsigned i = 0; i < COMMAND_STEPS; i++) {
+        pose = jp_plane_compose(&pose, &step);
+        if (jp_patrol_clearance(patrol, &pose) < 0.0f) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Fastest forward or backward speed now: speeding up takes a while, and at the goal the robot must stop with half of
+ * the deceleration that the band may use, as the wheels lag behind. */
+static float speed_limit(const struct jp_patrol *patrol)
+{
+    const float acceleration = patrol->config.teb.acceleration;
+    const float rising = jp_plane_magnitude(patrol->internal.command.forward) + acceleration * patrol->config.period;
+    const float away =
+        jp_plane_length(patrol->internal.goal.pose.x - patrol->pose.x, patrol->internal.goal.pose.y - patrol->pose.y);
+    const float stopping = jp_plane_square_root(acceleration * away);
+
+    return rising < stopping ? rising : stopping;
+}
+
+/* On the same curve. */
+static struct jp_plane_speed reachable(const struct jp_patrol *patrol, const struct jp_plane_speed *wanted)
+{
+    const float limit = speed_limit(patrol);
+    const float speed = jp_plane_magnitude(wanted->forward);
+
+    if (speed <= limit) {
+        return *wanted;
+    }
+    return (struct jp_plane_speed){wanted->forward * (limit / speed), wanted->turn_rate * (limit / speed)};
+}
+
+/* Plans the band and takes its speed; false, and the reason, when there is no way. */
+static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *window,
+                      const struct jp_plane_speed *speed, enum jp_patrol_reason *reason)
+{
+    /* While it waited the wheels slowed down by themselves. */
+    if (patrol->state == JP_PATROL_WAITING) {
+        patrol->internal.command = *speed;
+    }
+
+    const struct jp_teb_task task = task_of(patrol, window, speed);
+    const enum jp_status status = jp_teb_plan(&patrol->teb, &task, &patrol->obstacles, &patrol->band);
+
+    jp_patrol_correct_pose(patrol);
+    if (status == JP_OK) {
+        const struct jp_plane_speed next = reachable(patrol, &patrol->band.speed);
+
+        if (is_command_free(patrol, &next)) {
+            patrol->internal.command = next;
+            return true;
+        }
+    }
+    patrol->counts.infeasible++;
+    *reason = status == JP_ERR_BLOCKED ? JP_PATROL_IN_COLLISION : JP_PATROL_NO_WAY;
+    return false;
+}
+
+static bool must_turn_first(const struct jp_patrol *patrol, const struct jp_patrol_window *window,
+                            const struct jp_plane_speed *speed)
+{
+    return patrol->config.turns_in_place && jp_patrol_is_standing(speed) &&
+           jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading)) > patrol->config.turn_first;
+}
+
+static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    patrol->internal.is_arriving = true;
+    jp_patrol_stand(patrol);
+    if (!jp_patrol_is_standing(speed)) {
+        return;
+    }
+    if (goal_heading_error(patrol) <= patrol->config.heading_tolerance) {
+        jp_patrol_enter(patrol, JP_PATROL_ARRIVED, JP_PATROL_NONE);
+    } else {
+        jp_patrol_turn_to(patrol, patrol->internal.goal.pose.heading);
+    }
+}
+
+void jp_patrol_drive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    struct jp_patrol_window window;
+    enum jp_patrol_reason reason = JP_PATROL_NONE;
+
+    if (is_at_goal(patrol, speed)) {
+        jp_patrol_correct_pose(patrol);
+        arrive(patrol, speed);
+        return;
+    }
+    if (jp_patrol_advance(patrol)) {
+        patrol->internal.unmoved = 0;
+        patrol->internal.tries = 0;
+    }
+    jp_patrol_look_ahead(patrol, patrol->config.horizon, &window);
+    if (window.distance > patrol->config.horizon) {
+        jp_patrol_wait(patrol, JP_PATROL_OFF_PATH);
+    } else if (must_turn_first(patrol, &window, speed)) {
+        jp_patrol_correct_pose(patrol);
+        if (jp_patrol_find_step_to_goal(patrol)) {
+            jp_patrol_begin_step(patrol);
+        } else {
+            jp_patrol_turn_to(patrol, window.direction);
+        }
+    } else if (!plan_band(patrol, &window, speed, &reason)) {
+        jp_patrol_wait(patrol, reason);
+    } else if (!jp_patrol_trust_way(patrol)) {
+        jp_patrol_stand(patrol);
+    } else {
+        jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
+    }
+}

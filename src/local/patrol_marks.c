@@ -1,0 +1,118 @@
+#include "src/local/patrol_marks.h"
+
+#include "src/base/plane.h"
+#include "src/map/clearance.h"
+
+/* Beyond this many cells nothing is on a map. */
+#define CELLS_MAX 1100.0f
+
+float jp_patrol_cell(const struct jp_terrain *map)
+{
+    return (float)map->config.resolution / (float)JP_Q16_ONE;
+}
+
+static float cells_of(const struct jp_terrain *map, float length)
+{
+    return jp_plane_clamp(length / jp_patrol_cell(map), -CELLS_MAX, CELLS_MAX);
+}
+
+int32_t jp_patrol_cell_at(const struct jp_terrain *map, float coordinate)
+{
+    const float cells = cells_of(map, coordinate);
+    const int32_t whole = (int32_t)cells;
+
+    return (float)whole > cells ? whole - 1 : whole;
+}
+
+/* A beam that hit something. */
+struct beam {
+    struct jp_plane_point origin;
+    struct jp_plane_point direction;
+    float range;
+};
+
+static bool find_beam(const struct jp_scan *scan, const struct jp_plane_pose *scanner, uint16_t index,
+                      struct beam *beam)
+{
+    const float bearing = scan->first_angle + (float)index * scan->angle_step;
+
+    beam->origin = (struct jp_plane_point){scanner->x, scanner->y};
+    beam->direction = jp_plane_direction(scanner->heading + bearing);
+    beam->range = scan->ranges[index];
+    return beam->range > 0.0f && jp_plane_is_finite(beam->range);
+}
+
+static void find_cell(const struct jp_terrain *map, const struct beam *beam, float along, int32_t *x, int32_t *y)
+{
+    *x = jp_patrol_cell_at(map, beam->origin.x + along * beam->direction.x);
+    *y = jp_patrol_cell_at(map, beam->origin.y + along * beam->direction.y);
+}
+
+/* Longest way on the map that is worth going, m. */
+static float reach_of(const struct jp_terrain *map)
+{
+    return jp_patrol_cell(map) * (float)(map->config.width + map->config.height);
+}
+
+static int32_t steps_of(float length)
+{
+    const int32_t whole = (int32_t)length;
+
+    return (float)whole < length ? whole + 1 : whole;
+}
+
+static void clear_along(const struct jp_terrain *given, struct jp_terrain *marked, const struct beam *beam)
+{
+    const float side = jp_patrol_cell(given);
+    const float range = jp_plane_clamp(beam->range, 0.0f, reach_of(given));
+    const int32_t steps = steps_of((range - 1.5f * side) / (0.5f * side));
+
+    for (int32_t i = 0; i < steps; i++) {
+        int32_t x;
+        int32_t y;
+
+        find_cell(given, beam, 0.5f * side * (float)i, &x, &y);
+        (void)jp_terrain_set_cell(marked, x, y, jp_terrain_cell(given, x, y));
+    }
+}
+
+void jp_patrol_mark(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
+                    const struct jp_plane_pose *scanner)
+{
+    struct beam beam;
+
+    for (uint16_t i = 0; i < scan->count; i++) {
+        if (find_beam(scan, scanner, i, &beam)) {
+            clear_along(given, marked, &beam);
+        }
+    }
+    for (uint16_t i = 0; i < scan->count; i++) {
+        if (find_beam(scan, scanner, i, &beam)) {
+            int32_t x;
+            int32_t y;
+
+            find_cell(given, &beam, beam.range, &x, &y);
+            (void)jp_terrain_set_cell(marked, x, y, JP_CELL_OCCUPIED);
+        }
+    }
+}
+
+static jp_cells_q20 to_q20(float cells)
+{
+    return (jp_cells_q20)(cells * (float)JP_CELLS_ONE);
+}
+
+bool jp_patrol_fits(const struct jp_terrain *map, const struct jp_footprint *footprint,
+                    const struct jp_plane_pose *pose, float margin)
+{
+    const struct jp_plane_pose ahead = {0.5f * (footprint->front - footprint->rear), 0.0f, 0.0f};
+    const struct jp_plane_pose centre = jp_plane_compose(pose, &ahead);
+    const struct jp_box box = {.x = to_q20(cells_of(map, centre.x)),
+                               .y = to_q20(cells_of(map, centre.y)),
+                               .heading = jp_plane_angle(centre.heading),
+                               .half_length =
+                                   to_q20(cells_of(map, 0.5f * (footprint->front + footprint->rear) + margin)),
+                               .half_width = to_q20(cells_of(map, footprint->half_width + margin))};
+
+    return jp_box_is_clear(map, &box);
+}

@@ -1,0 +1,23 @@
+/** A map with what scans have seen on it, and where the robot fits there. Private to the patrol. */
+#ifndef JOULEPATH_LOCAL_PATROL_MARKS_H
+#define JOULEPATH_LOCAL_PATROL_MARKS_H
+
+#include <joulepath/obstacles.h>
+#include <joulepath/terrain.h>
+
+/** Side of a cell, m. */
+float jp_patrol_cell(const struct jp_terrain *map);
+
+/** The cell that a coordinate, m, lies in. */
+int32_t jp_patrol_cell_at(const struct jp_terrain *map, float coordinate);
+
+/** Marks what a scan saw from the scanner's pose; what its beams went through is as on the given map again. Work: cells
+ *  along all beams, each as far as the map is long. */
+void jp_patrol_mark(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
+                    const struct jp_plane_pose *scanner);
+
+/** Whether the footprint with a margin, m, is free at a pose. Work: the cells under it. */
+bool jp_patrol_fits(const struct jp_terrain *map, const struct jp_footprint *footprint,
+                    const struct jp_plane_pose *pose, float margin);
+
+#endif

@@ -1,0 +1,507 @@
+#include <joulepath/patrol_mission.h>
+
+#include <joulepath/path_spline.h>
+#include <string.h>
+
+#include "src/base/plane.h"
+#include "src/local/patrol_approach.h"
+#include "src/local/patrol_marks.h"
+
+/* Of the parts of the block, bytes. */
+#define ALIGNMENT 8U
+
+/* Of a path's points, m. */
+#define SPACING 0.1f
+
+/* Half as wide as where the any-angle planner looks around the octile way, cells. */
+#define TUBE_CELLS 8
+
+/* Nearer than this a path needs no map, m; nor in the same cell, where the map has none to show. */
+#define STRAIGHT_BELOW 0.15f
+#define DIAGONAL       1.41421356f
+
+/* The band can end a path in another heading than the path's last points by so much, rad. */
+#define END_TURN   (JP_PLANE_PI / 9.0f)
+#define END_POINTS 5U
+
+/* Nearer to the goal it is too late to approach it otherwise, m. */
+#define WATCH_DISTANCE 0.5f
+#define WATCH_CYCLES   5U
+
+/* A new path is looked for after so many cycles without a way, at most so often. */
+#define REPLAN_WAIT   8U
+#define LAST_LEG_WAIT 30U
+#define REPLANS_MAX   6U
+
+/* Corners of the footprint with its margin are at most so far from its centre, cells. */
+#define RADIUS_MAX 60.0f
+
+/* Beyond half the robot's width, m: the widest way that exists is taken. */
+static const float margins[] = {0.15f, 0.10f, 0.05f, 0.02f};
+#define MARGINS (sizeof margins / sizeof margins[0])
+
+/* ---- Memory ---- */
+
+/* Where the parts of the block begin. */
+struct mission_layout {
+    size_t map;
+    size_t paths[2];
+    size_t scratch;
+    size_t grid;
+    size_t end;
+};
+
+static struct jp_grid_planner_config grid_config(const struct jp_patrol_mission_config *config, float margin)
+{
+    const float clearance = (config->patrol.teb.footprint.half_width + margin) * (float)JP_Q16_ONE;
+
+    return (struct jp_grid_planner_config){
+        .method = JP_GRID_ANY_ANGLE, .clearance = (jp_q16)clearance, .tube = TUBE_CELLS};
+}
+
+static size_t aligned(size_t size)
+{
+    return (size + ALIGNMENT - 1U) / ALIGNMENT * ALIGNMENT;
+}
+
+static bool lay_out(const struct jp_patrol_mission_config *config, struct mission_layout *layout)
+{
+    const struct jp_grid_planner_config grid = grid_config(config, margins[0]);
+    const size_t path = aligned(config->points_max * sizeof(struct jp_point));
+    const size_t grid_size = jp_grid_planner_size(&grid, &config->map->config);
+
+    layout->map = 0;
+    layout->paths[0] = aligned(jp_terrain_size(&config->map->config));
+    layout->paths[1] = layout->paths[0] + path;
+    layout->scratch = layout->paths[1] + path;
+    layout->grid = layout->scratch + aligned(jp_path_spline_size(config->turns_max));
+    layout->end = layout->grid + grid_size;
+    return grid_size > 0U;
+}
+
+size_t jp_patrol_mission_size(const struct jp_patrol_mission_config *config)
+{
+    struct mission_layout layout;
+
+    return lay_out(config, &layout) ? layout.end : 0U;
+}
+
+static bool is_footprint_in_range(const struct jp_patrol_mission_config *config)
+{
+    const struct jp_footprint *const footprint = &config->patrol.teb.footprint;
+    const float length = 0.5f * (footprint->front + footprint->rear) + margins[0];
+    const float width = footprint->half_width + margins[0];
+
+    return jp_plane_length(length, width) <= RADIUS_MAX * jp_patrol_cell(config->map);
+}
+
+static const char *wrong_field(const struct jp_patrol_mission_config *config)
+{
+    if (config->map == NULL) {
+        return "map";
+    }
+    if (config->points_max < 2U) {
+        return "points_max";
+    }
+    if (config->turns_max < 2U) {
+        return "turns_max";
+    }
+    return is_footprint_in_range(config) ? NULL : "teb.footprint";
+}
+
+static void copy_map(struct jp_patrol_mission *mission)
+{
+    const struct jp_terrain *const given = mission->config.map;
+
+    for (int32_t y = 0; y < (int32_t)given->config.height; y++) {
+        for (int32_t x = 0; x < (int32_t)given->config.width; x++) {
+            (void)jp_terrain_set_cell(&mission->internal.marked, x, y, jp_terrain_cell(given, x, y));
+        }
+    }
+}
+
+static enum jp_status divide(struct jp_patrol_mission *mission, void *block, size_t size, const char **field)
+{
+    const struct jp_terrain_config *const map = &mission->config.map->config;
+    uint8_t *const bytes = block;
+    struct mission_layout layout;
+
+    if (!lay_out(&mission->config, &layout)) {
+        *field = "map";
+        return JP_ERR_CONFIG;
+    }
+    if (size < layout.end) {
+        return JP_ERR_MEMORY;
+    }
+    mission->internal.paths[0] = (void *)&bytes[layout.paths[0]];
+    mission->internal.paths[1] = (void *)&bytes[layout.paths[1]];
+    mission->internal.scratch = &bytes[layout.scratch];
+    mission->internal.grid_block = &bytes[layout.grid];
+    mission->internal.grid_size = size - layout.grid;
+    return jp_terrain_init(&mission->internal.marked, map, block, layout.paths[0], field);
+}
+
+enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const struct jp_patrol_mission_config *config,
+                                      void *block, size_t size, const char **field)
+{
+    if (mission == NULL || config == NULL || block == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    (void)memset(mission, 0, sizeof *mission);
+
+    const enum jp_status status = jp_patrol_init(&mission->patrol, &config->patrol, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    *field = wrong_field(config);
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    if ((uintptr_t)block % ALIGNMENT != 0U) {
+        return JP_ERR_ALIGNMENT;
+    }
+    mission->config = *config;
+
+    const enum jp_status divided = divide(mission, block, size, field);
+
+    if (divided == JP_OK) {
+        copy_map(mission);
+    }
+    return divided;
+}
+
+/* ---- Paths ---- */
+
+static float distance_to(const struct jp_patrol_mission *mission, const struct jp_plane_pose *target)
+{
+    const struct jp_plane_pose *const from = &mission->patrol.pose;
+
+    return jp_plane_length(target->x - from->x, target->y - from->y);
+}
+
+/* The path that is made becomes the one that is driven, if the patrol takes it. */
+static bool follow(struct jp_patrol_mission *mission, const struct jp_plane_pose *target, uint16_t count)
+{
+    const struct jp_patrol_goal goal = {.pose = *target};
+    struct jp_point *const path = mission->internal.paths[1];
+
+    if (jp_patrol_follow(&mission->patrol, path, count, &goal) != JP_OK) {
+        return false;
+    }
+    mission->internal.paths[1] = mission->internal.paths[0];
+    mission->internal.paths[0] = path;
+    mission->path = path;
+    mission->path_count = count;
+    return true;
+}
+
+static jp_q16 to_q16(float value)
+{
+    const float scaled = value * (float)JP_Q16_ONE;
+
+    return (jp_q16)(scaled < 0.0f ? scaled - 0.5f : scaled + 0.5f);
+}
+
+/* A path straight on, or on the spot: it has at least two points. */
+static bool follow_straight(struct jp_patrol_mission *mission, const struct jp_plane_pose *target)
+{
+    const struct jp_plane_pose *const from = &mission->patrol.pose;
+    const float parts = distance_to(mission, target) / SPACING;
+
+    if (parts > (float)(mission->config.points_max - 2U)) {
+        return false;
+    }
+
+    const uint16_t whole = (uint16_t)parts;
+    const uint16_t last = (uint16_t)((float)whole < parts || whole == 0U ? whole + 1U : whole);
+
+    for (uint16_t i = 0; i <= last; i++) {
+        const float share = (float)i / (float)last;
+
+        mission->internal.paths[1][i] = (struct jp_point){to_q16(from->x + share * (target->x - from->x)),
+                                                          to_q16(from->y + share * (target->y - from->y))};
+    }
+    return follow(mission, target, (uint16_t)(last + 1U));
+}
+
+static bool is_near(const struct jp_patrol_mission *mission)
+{
+    const float diagonal = DIAGONAL * jp_patrol_cell(mission->config.map);
+
+    return distance_to(mission, &mission->internal.target) < (diagonal > STRAIGHT_BELOW ? diagonal : STRAIGHT_BELOW);
+}
+
+static struct jp_grid_cell cell_of(const struct jp_patrol_mission *mission, const struct jp_plane_pose *pose)
+{
+    return (struct jp_grid_cell){(int16_t)jp_patrol_cell_at(&mission->internal.marked, pose->x),
+                                 (int16_t)jp_patrol_cell_at(&mission->internal.marked, pose->y)};
+}
+
+static bool begin_search(struct jp_patrol_mission *mission)
+{
+    const struct jp_grid_planner_config config = grid_config(&mission->config, margins[mission->internal.margin]);
+    const struct jp_grid_cell start = cell_of(mission, &mission->patrol.pose);
+    const struct jp_grid_cell goal = cell_of(mission, &mission->internal.target);
+    const char *field;
+
+    return jp_grid_planner_init(&mission->internal.grid, &config, &mission->internal.marked,
+                                mission->internal.grid_block, mission->internal.grid_size, &field) == JP_OK &&
+           jp_grid_planner_start(&mission->internal.grid, &start, &goal) == JP_OK;
+}
+
+static bool smooth(struct jp_patrol_mission *mission, uint16_t *count)
+{
+    const struct jp_patrol_mission_config *const config = &mission->config;
+    size_t way_count;
+    size_t smooth_count;
+    const struct jp_point *const way = jp_grid_planner_path(&mission->internal.grid, &way_count);
+
+    if (way == NULL || way_count > config->turns_max ||
+        jp_path_spline(&mission->internal.grid, way, way_count, to_q16(SPACING), mission->internal.scratch,
+                       jp_path_spline_size(way_count), mission->internal.paths[1], config->points_max,
+                       &smooth_count) != JP_OK) {
+        return false;
+    }
+    *count = (uint16_t)smooth_count;
+    return true;
+}
+
+enum finding { PENDING, FOUND, NOT_FOUND };
+
+static enum finding as_finding(bool is_followed)
+{
+    return is_followed ? FOUND : NOT_FOUND;
+}
+
+/* Looks for a path to the target, with one clearance after the other. */
+static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
+{
+    uint16_t count;
+
+    if (is_near(mission)) {
+        return as_finding(follow_straight(mission, &mission->internal.target));
+    }
+    if (!mission->internal.is_searching) {
+        mission->internal.is_searching = begin_search(mission);
+    }
+    if (mission->internal.is_searching) {
+        if (jp_grid_planner_work(&mission->internal.grid, expansions) == JP_GRID_SEARCHING) {
+            return PENDING;
+        }
+        mission->internal.is_searching = false;
+        if (smooth(mission, &count)) {
+            mission->counts = *jp_grid_planner_statistics(&mission->internal.grid);
+            return as_finding(follow(mission, &mission->internal.target, count));
+        }
+    }
+    mission->internal.margin++;
+    return mission->internal.margin < MARGINS ? PENDING : NOT_FOUND;
+}
+
+const struct jp_point *jp_patrol_mission_way(const struct jp_patrol_mission *mission, size_t *count)
+{
+    return jp_grid_planner_path(&mission->internal.grid, count);
+}
+
+/* ---- Planning ---- */
+
+static void seek(struct jp_patrol_mission *mission, const struct jp_plane_pose *target)
+{
+    mission->internal.target = *target;
+    mission->internal.margin = 0;
+    mission->internal.is_searching = false;
+    mission->state = JP_MISSION_PLANNING;
+}
+
+static void plan(struct jp_patrol_mission *mission)
+{
+    mission->internal.leg = JP_LEG_GOAL;
+    seek(mission, &mission->internal.goal);
+}
+
+/* Whether the path comes to its end in the heading that is asked for there; on the spot that is the robot's own. */
+static bool ends_along(const struct jp_patrol_mission *mission)
+{
+    const uint16_t last = (uint16_t)(mission->path_count - 1U);
+    const struct jp_point *const end = &mission->path[last];
+    const struct jp_point *const before = &mission->path[last > END_POINTS ? last - END_POINTS : 0U];
+    const bool is_spot = end->x == before->x && end->y == before->y;
+    const float direction = is_spot ? mission->patrol.pose.heading
+                                    : jp_plane_bearing((float)(end->x - before->x), (float)(end->y - before->y));
+
+    return jp_plane_magnitude(jp_plane_wrap(direction - mission->internal.goal.heading)) < END_TURN;
+}
+
+static bool choose_approach(const struct jp_patrol_mission *mission, struct jp_plane_pose *approach)
+{
+    return mission->config.turns_before_goal &&
+           jp_patrol_choose_approach(&mission->internal.marked, &mission->config.patrol.teb.footprint,
+                                     &mission->internal.goal, approach);
+}
+
+static bool needs_path(const struct jp_patrol_mission *mission)
+{
+    const enum jp_patrol_reason reason = mission->patrol.reason;
+    const bool is_stuck = mission->patrol.state == JP_PATROL_WAITING || mission->patrol.state == JP_PATROL_STOPPED;
+
+    return is_stuck && (reason == JP_PATROL_NO_WAY || reason == JP_PATROL_OFF_PATH || reason == JP_PATROL_STALLED) &&
+           mission->replans < REPLANS_MAX;
+}
+
+/* What the patrol's state means when no path is looked for. */
+static enum jp_patrol_mission_state state_of(const struct jp_patrol_mission *mission)
+{
+    switch (mission->patrol.state) {
+    case JP_PATROL_ARRIVED:
+        return JP_MISSION_ARRIVED;
+    case JP_PATROL_HELD:
+        return JP_MISSION_GIVEN_UP;
+    case JP_PATROL_STOPPED:
+        return needs_path(mission) ? JP_MISSION_UNDER_WAY : JP_MISSION_GIVEN_UP;
+    case JP_PATROL_TURNING:
+    case JP_PATROL_DRIVING:
+    case JP_PATROL_STEPPING:
+    case JP_PATROL_WAITING:
+    default:
+        return JP_MISSION_UNDER_WAY;
+    }
+}
+
+static bool is_at_rest(const struct jp_patrol_mission *mission)
+{
+    return mission->patrol.state == JP_PATROL_ARRIVED || mission->patrol.state == JP_PATROL_HELD;
+}
+
+static void end_planning(struct jp_patrol_mission *mission, enum finding finding)
+{
+    if (finding == NOT_FOUND && is_at_rest(mission)) {
+        jp_patrol_hold(&mission->patrol);
+    }
+    mission->state = state_of(mission);
+}
+
+/* Where the robot cannot turn at the goal it turns before, and drives straight in. */
+static void end_search(struct jp_patrol_mission *mission, enum finding finding)
+{
+    struct jp_plane_pose approach;
+
+    if (mission->internal.leg == JP_LEG_GOAL && !(finding == FOUND && ends_along(mission)) &&
+        choose_approach(mission, &approach)) {
+        mission->internal.leg = JP_LEG_APPROACH;
+        seek(mission, &approach);
+    } else {
+        end_planning(mission, finding);
+    }
+}
+
+enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions)
+{
+    if (mission->state == JP_MISSION_PLANNING) {
+        const enum finding finding = find(mission, expansions);
+
+        if (finding != PENDING) {
+            end_search(mission, finding);
+        }
+    }
+    return mission->state;
+}
+
+enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const struct jp_plane_pose *goal)
+{
+    if (mission == NULL || goal == NULL || !jp_plane_is_pose(goal)) {
+        return JP_ERR_ARGUMENT;
+    }
+    jp_patrol_hold(&mission->patrol);
+    mission->internal.goal = *goal;
+    mission->replans = 0;
+    mission->internal.waited = 0;
+    plan(mission);
+    return JP_OK;
+}
+
+/* ---- A cycle ---- */
+
+static void mark(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
+{
+    if (input->scan.ranges != NULL) {
+        const struct jp_plane_pose scanner = jp_plane_compose(&mission->patrol.pose, &input->sensor);
+
+        jp_patrol_mark(mission->config.map, &mission->internal.marked, &input->scan, &scanner);
+    }
+}
+
+/* What the laser has seen since may leave no room to turn at the goal. */
+static void watch_goal(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
+{
+    struct jp_plane_pose approach;
+
+    mark(mission, input);
+    if (mission->patrol.state == JP_PATROL_DRIVING && mission->internal.leg == JP_LEG_GOAL &&
+        distance_to(mission, &mission->internal.goal) > WATCH_DISTANCE && !ends_along(mission) &&
+        choose_approach(mission, &approach)) {
+        jp_patrol_pause(&mission->patrol);
+        mission->internal.leg = JP_LEG_PAUSE;
+    }
+}
+
+static void wait(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
+{
+    mission->internal.waited++;
+    if (mission->internal.waited > (mission->internal.leg == JP_LEG_LAST ? LAST_LEG_WAIT : REPLAN_WAIT)) {
+        mission->internal.waited = 0;
+        mission->replans++;
+        mark(mission, input);
+        plan(mission);
+    }
+}
+
+static void drive_in(struct jp_patrol_mission *mission)
+{
+    mission->internal.leg = JP_LEG_LAST;
+    if (!follow_straight(mission, &mission->internal.goal)) {
+        jp_patrol_hold(&mission->patrol);
+    }
+}
+
+/* What the state of the drive asks of the planner. */
+static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
+{
+    if (mission->internal.leg == JP_LEG_PAUSE && is_at_rest(mission)) {
+        plan(mission);
+    } else if (mission->internal.leg == JP_LEG_APPROACH && mission->patrol.state == JP_PATROL_ARRIVED) {
+        drive_in(mission);
+    } else if (needs_path(mission)) {
+        wait(mission, input);
+    } else {
+        mission->internal.waited = 0;
+    }
+}
+
+enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
+                                       struct jp_twist *twist)
+{
+    if (mission == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = jp_patrol_cycle(&mission->patrol, input, twist);
+
+    if (status != JP_OK || mission->state == JP_MISSION_IDLE) {
+        return status;
+    }
+    mission->internal.is_watch_due =
+        mission->internal.is_watch_due || mission->patrol.counts.cycles % WATCH_CYCLES == 0U;
+    if (mission->state != JP_MISSION_PLANNING) {
+        follow_up(mission, input);
+    }
+    /* A map must not change while a path is looked for. */
+    if (mission->state != JP_MISSION_PLANNING) {
+        if (mission->internal.is_watch_due) {
+            watch_goal(mission, input);
+            mission->internal.is_watch_due = false;
+        }
+        mission->state = state_of(mission);
+    }
+    return status;
+}

@@ -1,0 +1,27 @@
+/** Turns in place, and the steps to where there is room for them. Private to the patrol. */
+#ifndef JOULEPATH_LOCAL_PATROL_TURN_H
+#define JOULEPATH_LOCAL_PATROL_TURN_H
+
+#include <joulepath/patrol.h>
+
+bool jp_patrol_is_standing(const struct jp_plane_speed *speed);
+
+/** Counts a cycle with a way. True when the robot need not wait any longer for it to last. */
+bool jp_patrol_trust_way(struct jp_patrol *patrol);
+
+/** The step to the goal, if it is near and not behind. */
+bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol);
+
+/** Begins the step that was found. */
+void jp_patrol_begin_step(struct jp_patrol *patrol);
+
+/** Begins a turn in place, or a step to where there is room for it; waits where there is none. */
+void jp_patrol_turn_to(struct jp_patrol *patrol, float heading);
+
+/** A cycle of the state TURNING. */
+void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed);
+
+/** A cycle of the state STEPPING. */
+void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed);
+
+#endif

@@ -1,0 +1,324 @@
+#include <joulepath/teb.h>
+
+#include <string.h>
+
+#include "src/base/plane.h"
+#include "src/local/teb_band.h"
+#include "src/local/teb_residuals.h"
+#include "src/local/teb_solve.h"
+
+/* Of Levenberg and Marquardt. */
+#define DAMPING_START 0.1f
+#define DAMPING_MIN   1.0e-5f
+#define DAMPING_MAX   1.0e4f
+#define DAMPING_DOWN  0.5f
+#define DAMPING_UP    3.0f
+
+/* Of the reference interval. */
+#define INTERVAL_MIN_SHARE 0.1f
+
+/* Of a heading in one step, rad. */
+#define STEP_TURN_MAX 900.0f
+
+/* Poses farther away than this are not needed now: an obstacle there may go, s. */
+#define FORESIGHT 1.5f
+
+/* Steps whose mean is the speed to drive at; every band has so many. */
+#define SPEED_STEPS 2U
+
+#define ZERO_LENGTH 1.0e-3f
+
+#define VALUE_MAX 1.0e6f
+
+#define ROUNDS_MAX 8U
+#define STEPS_MAX  16U
+
+/* ---- Configuration ---- */
+
+static const char *wrong_weight(const struct jp_teb_weights *weights)
+{
+    const struct {
+        float value;
+        const char *name;
+    } fields[] = {
+        {weights->nonholonomic, "weights.nonholonomic"},
+        {weights->speed, "weights.speed"},
+        {weights->turn_rate, "weights.turn_rate"},
+        {weights->turn_radius, "weights.turn_radius"},
+        {weights->acceleration, "weights.acceleration"},
+        {weights->turn_acceleration, "weights.turn_acceleration"},
+        {weights->obstacle, "weights.obstacle"},
+        {weights->path, "weights.path"},
+        {weights->time, "weights.time"},
+        {weights->slowness, "weights.slowness"},
+        {weights->no_reversing, "weights.no_reversing"},
+        {weights->wheel_odometry, "weights.wheel_odometry"},
+        {weights->laser_odometry, "weights.laser_odometry"},
+    };
+
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        if (!jp_plane_is_between(fields[i].value, 0.0f, VALUE_MAX)) {
+            return fields[i].name;
+        }
+    }
+    return NULL;
+}
+
+static const char *wrong_field(const struct jp_teb_config *config)
+{
+    const float least = 1.0e-3f;
+    const struct {
+        float value;
+        float low;
+        float high;
+        const char *name;
+    } fields[] = {
+        {config->speed_max, least, VALUE_MAX, "speed_max"},
+        {config->reverse_max, least, VALUE_MAX, "reverse_max"},
+        {config->turn_rate_max, least, VALUE_MAX, "turn_rate_max"},
+        {config->acceleration, least, VALUE_MAX, "acceleration"},
+        {config->turn_acceleration, least, VALUE_MAX, "turn_acceleration"},
+        {config->radius_min, 0.0f, VALUE_MAX, "radius_min"},
+        {config->footprint.front, 0.0f, VALUE_MAX, "footprint.front"},
+        {config->footprint.rear, 0.0f, VALUE_MAX, "footprint.rear"},
+        {config->footprint.half_width, least, VALUE_MAX, "footprint.half_width"},
+        {config->clearance, 0.0f, VALUE_MAX, "clearance"},
+        {config->interval, least, VALUE_MAX, "interval"},
+        {config->hysteresis, least, 0.9f * config->interval, "hysteresis"},
+        {(float)config->rounds, 1.0f, (float)ROUNDS_MAX, "rounds"},
+        {(float)config->steps, 1.0f, (float)STEPS_MAX, "steps"},
+    };
+
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        if (!jp_plane_is_between(fields[i].value, fields[i].low, fields[i].high)) {
+            return fields[i].name;
+        }
+    }
+    return wrong_weight(&config->weights);
+}
+
+static struct jp_teb_weights roots_of(const struct jp_teb_config *config)
+{
+    const struct jp_teb_weights *const weights = &config->weights;
+    const float per_interval = 1.0f / config->interval;
+
+    return (struct jp_teb_weights){
+        .nonholonomic = jp_plane_square_root(weights->nonholonomic),
+        .speed = jp_plane_square_root(weights->speed) * per_interval,
+        .turn_rate = jp_plane_square_root(weights->turn_rate) * per_interval,
+        .turn_radius = jp_plane_square_root(weights->turn_radius) * per_interval,
+        .acceleration = jp_plane_square_root(weights->acceleration),
+        .turn_acceleration = jp_plane_square_root(weights->turn_acceleration),
+        .obstacle = jp_plane_square_root(weights->obstacle),
+        .path = jp_plane_square_root(weights->path),
+        .time = jp_plane_square_root(weights->time),
+        .slowness = jp_plane_square_root(weights->slowness) / config->speed_max,
+        .no_reversing = jp_plane_square_root(weights->no_reversing) * per_interval,
+        .wheel_odometry = jp_plane_square_root(weights->wheel_odometry),
+        .laser_odometry = jp_plane_square_root(weights->laser_odometry),
+    };
+}
+
+enum jp_status jp_teb_init(struct jp_teb *teb, const struct jp_teb_config *config, const char **field)
+{
+    if (teb == NULL || config == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = wrong_field(config);
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    (void)memset(teb, 0, sizeof *teb);
+    teb->config = *config;
+    teb->internal.roots = roots_of(config);
+    return JP_OK;
+}
+
+void jp_teb_clear(struct jp_teb *teb)
+{
+    teb->count = 0;
+}
+
+/* ---- Optimisation ---- */
+
+/* A step of the equations may be anything; a heading that turns farther cannot be wrapped. */
+static bool can_move(const struct jp_teb *teb)
+{
+    for (unsigned i = 0; i < teb->count; i++) {
+        if (!jp_plane_is_within(teb->internal.equations.gradient[i * JP_TEB_BLOCK + 2U], STEP_TURN_MAX)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void move_band(struct jp_teb *teb)
+{
+    const float least = INTERVAL_MIN_SHARE * teb->config.interval;
+
+    for (unsigned i = 0; i < teb->count; i++) {
+        const float *const step = &teb->internal.equations.gradient[i * JP_TEB_BLOCK];
+        struct jp_teb_pose *const pose = &teb->poses[i];
+        const float interval = pose->interval + step[3];
+        const struct jp_plane_pose to = {pose->pose.x + step[0], pose->pose.y + step[1],
+                                         jp_plane_wrap(pose->pose.heading + step[2])};
+
+        jp_teb_set_pose(pose, &to);
+        pose->interval = interval < least ? least : interval;
+    }
+}
+
+static void keep_band(struct jp_teb *teb)
+{
+    (void)memcpy(teb->internal.kept, teb->poses, teb->count * sizeof teb->poses[0]);
+    teb->internal.kept_equations = teb->internal.equations;
+}
+
+static void put_band_back(struct jp_teb *teb)
+{
+    (void)memcpy(teb->poses, teb->internal.kept, teb->count * sizeof teb->poses[0]);
+    teb->internal.equations = teb->internal.kept_equations;
+}
+
+/* One step from the band that is kept with its equations; true when it lowered the cost. A cost that is not a number
+ * never does. */
+static bool take_step(struct jp_teb *teb, float *cost)
+{
+    float after = *cost;
+
+    if (jp_teb_solve(teb) && can_move(teb)) {
+        move_band(teb);
+        after = jp_teb_linearise(teb, *cost);
+    }
+    if (!(after < *cost)) {
+        put_band_back(teb);
+        return false;
+    }
+    keep_band(teb);
+    *cost = after;
+    return true;
+}
+
+static void optimise(struct jp_teb *teb, struct jp_teb_result *result)
+{
+    teb->internal.damping = DAMPING_START;
+    /* Once: a new pose costs steps until it fits. */
+    jp_teb_resize(teb);
+    for (unsigned round = 0; round < teb->config.rounds; round++) {
+        jp_teb_associate(teb);
+        result->cost = jp_teb_linearise(teb, FLT_MAX);
+        keep_band(teb);
+        for (unsigned step = 0; step < teb->config.steps; step++) {
+            result->steps++;
+            if (take_step(teb, &result->cost)) {
+                teb->internal.damping = jp_plane_clamp(teb->internal.damping * DAMPING_DOWN, DAMPING_MIN, DAMPING_MAX);
+            } else {
+                result->steps_rejected++;
+                teb->internal.damping = jp_plane_clamp(teb->internal.damping * DAMPING_UP, DAMPING_MIN, DAMPING_MAX);
+            }
+        }
+    }
+}
+
+/* ---- Result ---- */
+
+static float clearance_at(const struct jp_teb *teb, unsigned i, float time)
+{
+    float least = JP_OBSTACLE_NONE;
+
+    for (unsigned shape = 0; shape < teb->internal.obstacles->count; shape++) {
+        const float away = jp_teb_distance(teb, i, shape, time, NULL);
+
+        least = away < least ? away : least;
+    }
+    return least;
+}
+
+/* Of the band as far as it matters now. */
+static void measure_band(const struct jp_teb *teb, struct jp_teb_result *result)
+{
+    result->clearance = JP_OBSTACLE_NONE;
+    result->duration = 0.0f;
+    for (unsigned i = 0; i < teb->count; i++) {
+        if (result->duration <= FORESIGHT) {
+            const float away = clearance_at(teb, i, result->duration);
+
+            result->clearance = away < result->clearance ? away : result->clearance;
+        }
+        result->duration += i + 1U < teb->count ? teb->poses[i].interval : 0.0f;
+    }
+}
+
+/* Length of a step along the mean of its headings. */
+static float step_length(const struct jp_teb_pose *from, const struct jp_teb_pose *to)
+{
+    const float c = 0.5f * (from->cosine + to->cosine);
+    const float s = 0.5f * (from->sine + to->sine);
+
+    return c * (to->pose.x - from->pose.x) + s * (to->pose.y - from->pose.y);
+}
+
+/* Mean over the first steps: one alone passes on all noise of where the robot is. */
+static struct jp_plane_speed first_speed(const struct jp_teb *teb)
+{
+    const struct jp_teb_pose *const poses = teb->poses;
+    const float reverse = teb->internal.roots.no_reversing > 0.0f ? 0.0f : teb->config.reverse_max;
+    float length = 0.0f;
+    float turn = 0.0f;
+    float duration = 0.0f;
+
+    for (unsigned i = 0; i < SPEED_STEPS; i++) {
+        length += step_length(&poses[i], &poses[i + 1U]);
+        turn += jp_plane_wrap(poses[i + 1U].pose.heading - poses[i].pose.heading);
+        duration += poses[i].interval;
+    }
+
+    const float forward = jp_plane_clamp(length / duration, -reverse, teb->config.speed_max);
+    const float by_radius =
+        teb->config.radius_min > 0.0f ? jp_plane_magnitude(forward) / teb->config.radius_min : VALUE_MAX;
+    const float turn_max = by_radius < teb->config.turn_rate_max ? by_radius : teb->config.turn_rate_max;
+
+    return (struct jp_plane_speed){forward, jp_plane_clamp(turn / duration, -turn_max, turn_max)};
+}
+
+/* ---- A cycle ---- */
+
+static bool is_task_sound(const struct jp_teb *teb, const struct jp_teb_task *task)
+{
+    return jp_plane_is_pose(&task->start) && jp_plane_is_pose(&task->goal) &&
+           (!task->is_measured || jp_plane_is_pose(&task->measured)) &&
+           jp_plane_is_between(task->speed.forward, -VALUE_MAX, VALUE_MAX) &&
+           jp_plane_is_between(task->speed.turn_rate, -VALUE_MAX, VALUE_MAX) &&
+           jp_plane_is_between(task->goal_speed, 0.0f, teb->config.speed_max) && task->path != NULL &&
+           task->path_count >= 2U;
+}
+
+enum jp_status jp_teb_plan(struct jp_teb *teb, const struct jp_teb_task *task, const struct jp_obstacles *obstacles,
+                           struct jp_teb_result *result)
+{
+    if (teb == NULL || task == NULL || obstacles == NULL || result == NULL || !is_task_sound(teb, task)) {
+        return JP_ERR_ARGUMENT;
+    }
+    (void)memset(result, 0, sizeof *result);
+    result->start = task->start;
+    if (jp_plane_length(task->goal.x - task->start.x, task->goal.y - task->start.y) < ZERO_LENGTH) {
+        return JP_ERR_ZERO_LENGTH;
+    }
+    teb->internal.task = *task;
+    teb->internal.obstacles = obstacles;
+    if (jp_obstacles_distance(obstacles, &teb->config.footprint, &task->start) < -JP_TEB_OVERLAP_MAX) {
+        jp_teb_clear(teb);
+        return JP_ERR_BLOCKED;
+    }
+
+    jp_teb_fit_band(teb);
+    optimise(teb, result);
+    measure_band(teb, result);
+    if (result->clearance < -JP_TEB_OVERLAP_MAX || !jp_plane_is_finite(result->cost)) {
+        jp_teb_clear(teb);
+        return JP_ERR_INFEASIBLE;
+    }
+    result->start = teb->poses[0].pose;
+    result->speed = first_speed(teb);
+    return JP_OK;
+}

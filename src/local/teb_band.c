@@ -1,0 +1,425 @@
+#include "src/local/teb_band.h"
+
+#include "src/base/plane.h"
+#include "src/local/obstacle_distance.h"
+
+/* How far beyond the clearance an obstacle may be to act within a round, m. */
+#define REACH 0.3f
+
+/* The band of the last cycle is of no use when the task has moved farther than this from it, m and rad. */
+#define BAND_JUMP      0.5f
+#define GOAL_JUMP      1.0f
+#define GOAL_TURN_JUMP 1.0f
+
+/* What moves is no less certain than after this, s. */
+#define MARGIN_TIME 1.0f
+
+/* Poses that may have been passed since the last cycle. */
+#define PASSED_MAX 10U
+
+/* Of the first step that is left or added when it begins somewhere else. */
+#define LENGTH_SHARE_MIN 0.1f
+#define LENGTH_SHARE_MAX 2.0f
+
+/* Changes of one interval in a pass. */
+#define SPLITS_MAX 3U
+
+static struct jp_plane_point path_point(const struct jp_teb *teb, unsigned i)
+{
+    const struct jp_point *const point = &teb->internal.task.path[i];
+
+    return (struct jp_plane_point){(float)point->x * (1.0f / (float)JP_Q16_ONE),
+                                   (float)point->y * (1.0f / (float)JP_Q16_ONE)};
+}
+
+static float pose_distance(const struct jp_plane_pose *a, const struct jp_plane_pose *b)
+{
+    return jp_plane_length(b->x - a->x, b->y - a->y);
+}
+
+void jp_teb_set_pose(struct jp_teb_pose *pose, const struct jp_plane_pose *to)
+{
+    pose->pose = *to;
+    pose->cosine = jp_plane_cosine(to->heading);
+    pose->sine = jp_plane_sine(to->heading);
+}
+
+/* ---- From the path ---- */
+
+/* Where on the path something is: on the chord after `point`, `along` of it, 0…1. */
+struct chord_place {
+    unsigned point;
+    float along;
+};
+
+/* Nearest point of the chord after `i` to a position. */
+static float chord_distance(const struct jp_teb *teb, unsigned i, const struct jp_plane_pose *pose, float *along)
+{
+    const struct jp_plane_point a = path_point(teb, i);
+    const struct jp_plane_point b = path_point(teb, i + 1U);
+    const float dx = b.x - a.x;
+    const float dy = b.y - a.y;
+    const float square = dx * dx + dy * dy;
+    const float share = square > 0.0f ? ((pose->x - a.x) * dx + (pose->y - a.y) * dy) / square : 0.0f;
+
+    *along = jp_plane_clamp(share, 0.0f, 1.0f);
+    return jp_plane_length(a.x + *along * dx - pose->x, a.y + *along * dy - pose->y);
+}
+
+/* The nearest place from `from` on, as far as the path gets nearer. */
+static struct chord_place nearest_place(const struct jp_teb *teb, unsigned from, const struct jp_plane_pose *pose)
+{
+    struct chord_place place = {from, 0.0f};
+    float best = chord_distance(teb, from, pose, &place.along);
+
+    for (unsigned i = from + 1U; i + 1U < teb->internal.task.path_count; i++) {
+        float along;
+        const float next = chord_distance(teb, i, pose, &along);
+
+        if (next > best) {
+            break;
+        }
+        best = next;
+        place = (struct chord_place){i, along};
+    }
+    return place;
+}
+
+static float chord_length(const struct jp_teb *teb, unsigned i)
+{
+    const struct jp_plane_point a = path_point(teb, i);
+    const struct jp_plane_point b = path_point(teb, i + 1U);
+
+    return jp_plane_length(b.x - a.x, b.y - a.y);
+}
+
+/* Goes on along the path; stops at its end. */
+static void advance(const struct jp_teb *teb, struct chord_place *place, float length)
+{
+    float rest = length;
+
+    for (;;) {
+        const float chord = chord_length(teb, place->point);
+        const float left = (1.0f - place->along) * chord;
+
+        if (rest <= left && chord > 0.0f) {
+            place->along += rest / chord;
+            return;
+        }
+        if (place->point + 2U >= teb->internal.task.path_count) {
+            place->along = 1.0f;
+            return;
+        }
+        rest -= left;
+        place->point++;
+        place->along = 0.0f;
+    }
+}
+
+static float rest_length(const struct jp_teb *teb, const struct chord_place *place)
+{
+    float length = (1.0f - place->along) * chord_length(teb, place->point);
+
+    for (unsigned i = place->point + 1U; i + 1U < teb->internal.task.path_count; i++) {
+        length += chord_length(teb, i);
+    }
+    return length;
+}
+
+static struct jp_plane_pose pose_at(const struct jp_teb *teb, const struct chord_place *place)
+{
+    const struct jp_plane_point a = path_point(teb, place->point);
+    const struct jp_plane_point b = path_point(teb, place->point + 1U);
+
+    return (struct jp_plane_pose){a.x + place->along * (b.x - a.x), a.y + place->along * (b.y - a.y),
+                                  jp_plane_bearing(b.x - a.x, b.y - a.y)};
+}
+
+/* Time that the robot needs at least from one pose to the next. */
+static float least_interval(const struct jp_teb_config *config, const struct jp_plane_pose *from,
+                            const struct jp_plane_pose *to)
+{
+    const float way = pose_distance(from, to) / config->speed_max;
+    const float angle = jp_plane_wrap(to->heading - from->heading);
+    const float turn = jp_plane_magnitude(angle) / config->turn_rate_max;
+    const float longer = way > turn ? way : turn;
+    const float least = config->interval - config->hysteresis;
+
+    return longer > least ? longer : least;
+}
+
+/* The goal, along the path there if any heading will do. */
+static struct jp_plane_pose goal_of(const struct jp_teb *teb, const struct chord_place *end)
+{
+    struct jp_plane_pose goal = teb->internal.task.goal;
+
+    if (teb->internal.task.is_heading_free) {
+        goal.heading = pose_at(teb, end).heading;
+    }
+    return goal;
+}
+
+static void lay_along_path(struct jp_teb *teb)
+{
+    const struct jp_teb_config *const config = &teb->config;
+    struct chord_place place = nearest_place(teb, 0, &teb->internal.task.start);
+    const float length = rest_length(teb, &place);
+    const float steps = length / (config->speed_max * config->interval) + 1.0f;
+    const unsigned count = steps < (float)JP_TEB_POSES_MIN         ? (unsigned)JP_TEB_POSES_MIN
+                           : steps < (float)(JP_TEB_POSES_MAX - 1) ? (unsigned)steps + 1U
+                                                                   : (unsigned)JP_TEB_POSES_MAX;
+    const float spacing = length / (float)(count - 1U);
+
+    teb->count = (uint8_t)count;
+    jp_teb_set_pose(&teb->poses[0], &teb->internal.task.start);
+    for (unsigned i = 1; i < count; i++) {
+        advance(teb, &place, spacing);
+
+        const struct jp_plane_pose pose = i + 1U < count ? pose_at(teb, &place) : goal_of(teb, &place);
+
+        jp_teb_set_pose(&teb->poses[i], &pose);
+        teb->poses[i - 1U].interval = least_interval(config, &teb->poses[i - 1U].pose, &pose);
+    }
+}
+
+/* ---- From the last cycle ---- */
+
+static void remove_poses(struct jp_teb *teb, unsigned first, unsigned count)
+{
+    for (unsigned i = first; i + count < teb->count; i++) {
+        teb->poses[i] = teb->poses[i + count];
+    }
+    teb->count = (uint8_t)(teb->count - count);
+}
+
+/* Number of poses that the robot has passed: those before the nearest one. */
+static unsigned passed_poses(const struct jp_teb *teb)
+{
+    unsigned nearest = 0;
+
+    for (unsigned i = 1; i < PASSED_MAX && i + JP_TEB_POSES_MIN <= teb->count; i++) {
+        if (pose_distance(&teb->poses[i].pose, &teb->internal.task.start) <=
+            pose_distance(&teb->poses[nearest].pose, &teb->internal.task.start)) {
+            nearest = i;
+        }
+    }
+    return nearest;
+}
+
+static bool fits_task(const struct jp_teb *teb)
+{
+    const struct jp_plane_pose *const last = &teb->poses[teb->count - 1U].pose;
+    const float turn = jp_plane_wrap(teb->internal.task.goal.heading - last->heading);
+
+    return pose_distance(last, &teb->internal.task.goal) < GOAL_JUMP &&
+           (teb->internal.task.is_heading_free || jp_plane_magnitude(turn) < GOAL_TURN_JUMP) &&
+           pose_distance(&teb->poses[passed_poses(teb)].pose, &teb->internal.task.start) < BAND_JUMP;
+}
+
+/* Moves the first pose to the start. The speed to the second stays as it was. */
+static void start_from_task(struct jp_teb *teb)
+{
+    const struct jp_footprint *const footprint = &teb->config.footprint;
+    const struct jp_plane_pose *const second = &teb->poses[1].pose;
+    const float before = jp_teb_sweep(footprint, &teb->poses[0].pose, second);
+    const float now = jp_teb_sweep(footprint, &teb->internal.task.start, second);
+
+    if (before > 0.0f) {
+        teb->poses[0].interval *= jp_plane_clamp(now / before, LENGTH_SHARE_MIN, LENGTH_SHARE_MAX);
+    }
+    jp_teb_set_pose(&teb->poses[0], &teb->internal.task.start);
+}
+
+static void cut_to_task(struct jp_teb *teb)
+{
+    const unsigned last = teb->count - 1U;
+    struct jp_plane_pose goal = teb->internal.task.goal;
+    const float more = pose_distance(&teb->poses[last].pose, &goal) / teb->config.speed_max;
+
+    if (teb->internal.task.is_heading_free) {
+        goal.heading = teb->poses[last].pose.heading;
+    }
+    teb->poses[last - 1U].interval += more;
+    jp_teb_set_pose(&teb->poses[last], &goal);
+
+    remove_poses(teb, 0, passed_poses(teb));
+    start_from_task(teb);
+}
+
+void jp_teb_fit_band(struct jp_teb *teb)
+{
+    if (teb->count > 0U && fits_task(teb)) {
+        cut_to_task(teb);
+    } else {
+        lay_along_path(teb);
+    }
+}
+
+/* ---- More or fewer poses ---- */
+
+static void insert_pose(struct jp_teb *teb, unsigned after)
+{
+    for (unsigned i = teb->count; i > after + 1U; i--) {
+        teb->poses[i] = teb->poses[i - 1U];
+    }
+    teb->count++;
+
+    struct jp_teb_pose *const from = &teb->poses[after];
+    const struct jp_plane_pose *const a = &from->pose;
+    const struct jp_plane_pose *const b = &teb->poses[after + 2U].pose;
+    const struct jp_plane_pose middle = {0.5f * (a->x + b->x), 0.5f * (a->y + b->y),
+                                         jp_plane_wrap(a->heading + 0.5f * jp_plane_wrap(b->heading - a->heading))};
+
+    jp_teb_set_pose(&teb->poses[after + 1U], &middle);
+    from->interval *= 0.5f;
+    teb->poses[after + 1U].interval = from->interval;
+}
+
+static void split(struct jp_teb *teb, unsigned i)
+{
+    const float longest = teb->config.interval + teb->config.hysteresis;
+
+    for (unsigned k = 0; k < SPLITS_MAX && teb->poses[i].interval > longest && teb->count < JP_TEB_POSES_MAX; k++) {
+        insert_pose(teb, i);
+    }
+}
+
+static void join(struct jp_teb *teb, unsigned i)
+{
+    const float shortest = teb->config.interval - teb->config.hysteresis;
+
+    while (teb->poses[i].interval < shortest && teb->count > JP_TEB_POSES_MIN && i + 2U < teb->count) {
+        teb->poses[i].interval += teb->poses[i + 1U].interval;
+        remove_poses(teb, i + 1U, 1U);
+    }
+}
+
+void jp_teb_resize(struct jp_teb *teb)
+{
+    for (unsigned i = 0; i + 1U < teb->count; i++) {
+        join(teb, i);
+        split(teb, i);
+    }
+}
+
+/* ---- What is near ---- */
+
+float jp_teb_sweep(const struct jp_footprint *footprint, const struct jp_plane_pose *a, const struct jp_plane_pose *b)
+{
+    const float longer = footprint->front > footprint->rear ? footprint->front : footprint->rear;
+    const float corner = jp_plane_length(longer, footprint->half_width);
+
+    return pose_distance(a, b) + corner * jp_plane_magnitude(jp_plane_wrap(b->heading - a->heading));
+}
+
+float jp_teb_distance(const struct jp_teb *teb, unsigned i, unsigned shape, float time, struct jp_plane_pose *gradient)
+{
+    const struct jp_teb_pose *const pose = &teb->poses[i];
+    const struct jp_obstacle *const obstacle = &teb->internal.obstacles->shapes[shape];
+    const struct jp_plane_pose meeting = {pose->pose.x - obstacle->velocity.x * time,
+                                          pose->pose.y - obstacle->velocity.y * time, pose->pose.heading};
+    const float margin = obstacle->margin * jp_plane_clamp(time, 0.0f, MARGIN_TIME);
+
+    return jp_obstacle_distance_along(&teb->config.footprint, &meeting,
+                                      (struct jp_plane_point){pose->cosine, pose->sine}, obstacle, gradient) -
+           margin;
+}
+
+/* In order; only the nearest few are kept. */
+static void add_neighbour(struct jp_teb_neighbours *near, uint8_t shape, float distance)
+{
+    unsigned k = near->count;
+
+    if (k < JP_TEB_NEAR_MAX) {
+        near->count++;
+    } else if (distance < near->distance[k - 1U]) {
+        k--;
+    } else {
+        return;
+    }
+    for (; k > 0U && near->distance[k - 1U] > distance; k--) {
+        near->distance[k] = near->distance[k - 1U];
+        near->shape[k] = near->shape[k - 1U];
+    }
+    near->distance[k] = distance;
+    near->shape[k] = shape;
+}
+
+/* How far a shape is away at least, which spares computing how far the far ones are. */
+struct bound {
+    float least; /* m */
+    float speed; /* of the shape, m/s */
+};
+
+static void find_obstacles(struct jp_teb *teb, unsigned i, struct bound *bounds)
+{
+    const float reach = teb->config.clearance + REACH;
+    struct jp_teb_neighbours *const near = &teb->internal.near[i];
+
+    near->count = 0;
+    near->pose = teb->poses[i].pose;
+    for (uint8_t shape = 0; shape < teb->internal.obstacles->count; shape++) {
+        float *const least = &bounds[shape].least;
+
+        if (*least < reach) {
+            *least = jp_teb_distance(teb, i, shape, near->time, NULL);
+            if (*least < reach) {
+                add_neighbour(near, shape, *least);
+            }
+        }
+    }
+}
+
+/* What stands comes nearer by the way of the footprint, what moves also by its own. */
+static void come_nearer(struct bound *bounds, unsigned count, float way, float time)
+{
+    for (unsigned shape = 0; shape < count; shape++) {
+        bounds[shape].least -= way + bounds[shape].speed * time;
+    }
+}
+
+static void start_bounds(const struct jp_obstacles *obstacles, struct bound *bounds)
+{
+    for (unsigned shape = 0; shape < obstacles->count; shape++) {
+        const struct jp_plane_point *const velocity = &obstacles->shapes[shape].velocity;
+
+        bounds[shape] = (struct bound){0.0f, jp_plane_length(velocity->x, velocity->y)};
+    }
+}
+
+static void set_foot(struct jp_teb *teb, unsigned i, const struct chord_place *place)
+{
+    const struct jp_plane_point a = path_point(teb, place->point);
+    const struct jp_plane_point b = path_point(teb, place->point + 1U);
+    const float dx = b.x - a.x;
+    const float dy = b.y - a.y;
+    const float length = jp_plane_length(dx, dy);
+    const float inverse = length > 0.0f ? 1.0f / length : 0.0f;
+
+    teb->internal.feet[i].point = (struct jp_plane_point){a.x + place->along * dx, a.y + place->along * dy};
+    teb->internal.feet[i].normal = (struct jp_plane_point){-dy * inverse, dx * inverse};
+}
+
+void jp_teb_associate(struct jp_teb *teb)
+{
+    struct bound bounds[JP_OBSTACLES_MAX];
+    unsigned point = 0;
+
+    start_bounds(teb->internal.obstacles, bounds);
+    for (unsigned i = 0; i < teb->count; i++) {
+        const struct jp_plane_pose *const pose = &teb->poses[i].pose;
+        const struct chord_place place = nearest_place(teb, point, pose);
+
+        point = place.point;
+        set_foot(teb, i, &place);
+        teb->internal.near[i].time = 0.0f;
+        if (i > 0U) {
+            const float interval = teb->poses[i - 1U].interval;
+
+            teb->internal.near[i].time = teb->internal.near[i - 1U].time + interval;
+            come_nearer(bounds, teb->internal.obstacles->count,
+                        jp_teb_sweep(&teb->config.footprint, &teb->poses[i - 1U].pose, pose), interval);
+        }
+        find_obstacles(teb, i, bounds);
+    }
+}

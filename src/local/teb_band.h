@@ -1,0 +1,28 @@
+/** The band's poses: from the path, from the last cycle, more or fewer of them, and what is near them. Private to the
+ *  TEB. */
+#ifndef JOULEPATH_LOCAL_TEB_BAND_H
+#define JOULEPATH_LOCAL_TEB_BAND_H
+
+#include <joulepath/teb.h>
+
+/** Cuts the band of the last cycle to the task, or lays a new one along the path. */
+void jp_teb_fit_band(struct jp_teb *teb);
+
+/** Splits intervals above interval + hysteresis, joins those below interval − hysteresis. Work: poses, at most twice
+ *  JP_TEB_POSES_MAX changes. */
+void jp_teb_resize(struct jp_teb *teb);
+
+/** Finds the obstacles near each pose and its foot on the path. Work: poses × obstacles + points of the path. */
+void jp_teb_associate(struct jp_teb *teb);
+
+/** At most this much nearer to or farther from any obstacle is the footprint at one pose than at the other, m. */
+float jp_teb_sweep(const struct jp_footprint *footprint, const struct jp_plane_pose *a, const struct jp_plane_pose *b);
+
+/** Distance of the footprint at a pose of the band from where a shape will be after `time`, as jp_obstacle_distance().
+ */
+float jp_teb_distance(const struct jp_teb *teb, unsigned i, unsigned shape, float time, struct jp_plane_pose *gradient);
+
+/** Sets a pose with its sine and cosine. */
+void jp_teb_set_pose(struct jp_teb_pose *pose, const struct jp_plane_pose *to);
+
+#endif

@@ -1,0 +1,142 @@
+#include <joulepath/energy_field.h>
+#include <string.h>
+
+#include "src/map/field_unit.h"
+
+enum {
+    LEVEL_WAYS_PER_RANGE = 4, /* the range of values, in level ways across the map */
+    STEPS_PER_THRESHOLD = 4,  /* few enough to be near the order of values, many enough for few sweeps */
+};
+
+size_t jp_energy_field_size(const struct jp_terrain_config *config)
+{
+    return jp_wavefront_size(config->width, config->height);
+}
+
+void jp_energy_field_init(struct jp_energy_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
+                          const struct jp_terrain *terrain, void *block)
+{
+    (void)memset(field, 0, sizeof *field);
+    field->lattice = lattice;
+    field->terrain = terrain;
+    field->kind = kind;
+    jp_wavefront_init(&field->wave, terrain->config.width, terrain->config.height, block);
+}
+
+static void lower(struct jp_energy_field *field, int32_t x, int32_t y, uint16_t value)
+{
+    struct jp_cell_box *box = &field->lowered;
+
+    jp_wavefront_lower(&field->wave, x, y, value);
+    box->first_x = x < box->first_x ? x : box->first_x;
+    box->last_x = x > box->last_x ? x : box->last_x;
+    box->first_y = y < box->first_y ? y : box->first_y;
+    box->last_y = y > box->last_y ? y : box->last_y;
+}
+
+struct jp_cell_box jp_energy_field_take_lowered(struct jp_energy_field *field)
+{
+    const struct jp_cell_box box = field->lowered;
+
+    field->lowered = (struct jp_cell_box){INT32_MAX, INT32_MIN, INT32_MAX, INT32_MIN};
+    return box;
+}
+
+void jp_energy_field_set_lattice(struct jp_energy_field *field, const struct jp_lattice *lattice)
+{
+    field->lattice = lattice;
+}
+
+void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_t root_y, int32_t target_x,
+                           int32_t target_y)
+{
+    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_WAYS_PER_RANGE);
+    const uint32_t step = ((field_level_step(field->lattice, field->kind) * STEPS_PER_THRESHOLD) >> field->shift) + 1U;
+
+    jp_wavefront_start(&field->wave, field_value(step), (uint16_t)target_x, (uint16_t)target_y);
+    (void)jp_energy_field_take_lowered(field);
+    lower(field, root_x, root_y, 0);
+}
+
+/** Tells the neighbours of a cell what it costs to come by way of it. */
+static void relax(struct jp_energy_field *field, int32_t x, int32_t y)
+{
+    const struct jp_terrain *terrain = field->terrain;
+    const uint32_t here = jp_wavefront_value(&field->wave, x, y);
+    const int32_t elevation = jp_terrain_elevation(terrain, x, y);
+
+    for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
+        const int32_t nx = x + jp_move_offsets[direction].dx;
+        const int32_t ny = y + jp_move_offsets[direction].dy;
+
+        if (!jp_terrain_contains(terrain, nx, ny) || jp_wavefront_value(&field->wave, nx, ny) <= here) {
+            continue;
+        }
+        const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(direction)],
+                                          jp_terrain_elevation(terrain, nx, ny) - elevation);
+        const uint32_t sum = here + (step >> field->shift);
+        const uint16_t value = field_value(sum);
+        if (step != JP_COST_MAX && value < jp_wavefront_value(&field->wave, nx, ny) &&
+            jp_lattice_is_open(field->lattice, terrain, nx, ny)) {
+            lower(field, nx, ny, value);
+        }
+    }
+}
+
+bool jp_energy_field_grow(struct jp_energy_field *field, unsigned *cells)
+{
+    int32_t x = 0;
+    int32_t y = 0;
+
+    while (*cells > 0U) {
+        if (!jp_wavefront_next(&field->wave, &x, &y)) {
+            return true;
+        }
+        relax(field, x, y);
+        --*cells;
+    }
+    return false;
+}
+
+/** Those who could come by way of a cell, and those who could go on from it, tell their neighbours again. */
+static void touch_around(struct jp_energy_field *field, int32_t x, int32_t y)
+{
+    for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
+        const int32_t nx = x + jp_move_offsets[direction].dx;
+        const int32_t ny = y + jp_move_offsets[direction].dy;
+
+        if (jp_terrain_contains(field->terrain, nx, ny)) {
+            jp_wavefront_touch(&field->wave, nx, ny);
+        }
+    }
+    if (jp_terrain_contains(field->terrain, x, y)) {
+        jp_wavefront_touch(&field->wave, x, y);
+    }
+}
+
+void jp_energy_field_cell_changed(struct jp_energy_field *field, int32_t x, int32_t y)
+{
+    const struct jp_cells core = field->lattice->core;
+
+    for (unsigned i = 0; i < core.span_count; i++) {
+        const struct jp_span span = field->lattice->spans[core.first_span + i];
+        const int32_t last = x - span.first;
+        for (int32_t cell_x = x - span.last; cell_x <= last; cell_x++) {
+            touch_around(field, cell_x, y - span.y);
+        }
+    }
+    touch_around(field, x, y);
+    jp_wavefront_resume(&field->wave);
+}
+
+jp_cost jp_energy_field_bound(const struct jp_energy_field *field, int32_t x, int32_t y)
+{
+    const struct jp_wavefront *wave = &field->wave;
+    const uint32_t value = jp_wavefront_value(wave, x, y);
+
+    if (value == JP_WAVE_NOT_REACHED && jp_wavefront_is_exhausted(wave)) {
+        return JP_COST_MAX;
+    }
+    const uint32_t bound = value < wave->horizon ? value : wave->horizon;
+    return bound << field->shift < JP_COST_MAX ? bound << field->shift : JP_COST_MAX - 1U;
+}

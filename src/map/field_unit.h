@@ -1,0 +1,33 @@
+/** The unit in which a field keeps its 16-bit values. */
+#ifndef JOULEPATH_MAP_FIELD_UNIT_H
+#define JOULEPATH_MAP_FIELD_UNIT_H
+
+#include <joulepath/lattice.h>
+#include <joulepath/wavefront.h>
+
+/** Cost of a level step along an axis. */
+static inline jp_cost field_level_step(const struct jp_lattice *lattice, enum jp_cost_kind kind)
+{
+    return jp_move_cost(&lattice->move_costs[kind][JP_MOVE_AXIS], 0);
+}
+
+/** Bits to drop from a cost so that so many level ways across the map fit a value. */
+static inline uint8_t field_shift(const struct jp_lattice *lattice, enum jp_cost_kind kind,
+                                  const struct jp_terrain_config *map, unsigned level_ways)
+{
+    const uint32_t range = ((uint32_t)map->width + map->height) * field_level_step(lattice, kind) * level_ways;
+    uint8_t shift = 0;
+
+    while (range >> shift > JP_WAVE_VALUE_MAX) {
+        shift++;
+    }
+    return shift;
+}
+
+/** A sum of values, limited to the largest. */
+static inline uint16_t field_value(uint32_t sum)
+{
+    return (uint16_t)(sum < JP_WAVE_VALUE_MAX ? sum : JP_WAVE_VALUE_MAX);
+}
+
+#endif

@@ -1,0 +1,220 @@
+#include <joulepath/guide_field.h>
+#include <string.h>
+
+#include "src/map/field_unit.h"
+
+enum {
+    ALIGNMENT = 8,
+    LEVEL_WAYS_PER_RANGE = 6, /* the range of values, in level ways across the map */
+    STEP_BITS = 4,
+    STEP_MASK = 15,
+};
+
+static uint16_t coarse(uint16_t cells, unsigned scale)
+{
+    return (uint16_t)((cells + scale - 1U) / scale);
+}
+
+static size_t steps_size(uint16_t width, uint16_t height)
+{
+    return ((size_t)width * height / 2U + ALIGNMENT) / ALIGNMENT * ALIGNMENT;
+}
+
+size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scale)
+{
+    const uint16_t width = coarse(config->width, scale);
+    const uint16_t height = coarse(config->height, scale);
+
+    return jp_wavefront_size(width, height) + steps_size(width, height);
+}
+
+void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
+                         const struct jp_terrain *terrain, const struct jp_turns *turns, unsigned scale, void *block)
+{
+    const uint16_t width = coarse(terrain->config.width, scale);
+    const uint16_t height = coarse(terrain->config.height, scale);
+
+    (void)memset(field, 0, sizeof *field);
+    field->lattice = lattice;
+    field->terrain = terrain;
+    field->turns = turns;
+    field->kind = kind;
+    field->scale = (uint8_t)scale;
+    jp_wavefront_init(&field->wave, width, height, block);
+    field->steps = (uint8_t *)block + jp_wavefront_size(width, height);
+}
+
+static unsigned step_at(const struct jp_guide_field *field, int32_t x, int32_t y)
+{
+    const size_t index = (size_t)y * field->wave.width + (size_t)x;
+
+    return (unsigned)(field->steps[index / 2U] >> (index % 2U * STEP_BITS)) & STEP_MASK;
+}
+
+static void set_step(struct jp_guide_field *field, int32_t x, int32_t y, unsigned step)
+{
+    const size_t index = (size_t)y * field->wave.width + (size_t)x;
+    const unsigned low = (unsigned)(index % 2U) * STEP_BITS;
+    const unsigned kept = field->steps[index / 2U] & ~((unsigned)STEP_MASK << low);
+
+    field->steps[index / 2U] = (uint8_t)(kept | (step << low));
+}
+
+void jp_guide_field_set_lattice(struct jp_guide_field *field, const struct jp_lattice *lattice)
+{
+    field->lattice = lattice;
+}
+
+void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction direction,
+                          const struct jp_guide_root *root, uint16_t target_x, uint16_t target_y)
+{
+    const uint16_t scale = field->scale;
+
+    field->direction = direction;
+    field->root = *root;
+    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_WAYS_PER_RANGE);
+    const uint32_t step = ((field_level_step(field->lattice, field->kind) * scale) >> field->shift) + 1U;
+
+    jp_wavefront_start(&field->wave, field_value(step), target_x / scale, target_y / scale);
+    jp_wavefront_lower(&field->wave, root->x / scale, root->y / scale, 0);
+}
+
+/** A cell of the map that stands for a coarse one. */
+static int32_t middle(int32_t coarse_cell, unsigned scale, uint16_t cells)
+{
+    const int32_t cell = coarse_cell * (int32_t)scale + (int32_t)scale / 2;
+
+    return cell < (int32_t)cells ? cell : (int32_t)cells - 1;
+}
+
+static int32_t elevation_of(const struct jp_guide_field *field, int32_t x, int32_t y)
+{
+    const struct jp_terrain_config *config = &field->terrain->config;
+
+    return jp_terrain_elevation(field->terrain, middle(x, field->scale, config->width),
+                                middle(y, field->scale, config->height));
+}
+
+/** True when the robot can make `scale` steps in a row from a cell of the map. */
+static bool is_chain_open(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned direction)
+{
+    for (unsigned i = 0; i < field->scale; i++) {
+        x += jp_move_offsets[direction].dx;
+        y += jp_move_offsets[direction].dy;
+        if (!jp_lattice_is_open(field->lattice, field->terrain, x, y)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/** True when that is so from any cell of a coarse one, the middle tried first. */
+static bool is_step_open(const struct jp_guide_field *field, int32_t coarse_x, int32_t coarse_y, unsigned direction)
+{
+    const int32_t scale = field->scale;
+    const struct jp_terrain_config *config = &field->terrain->config;
+
+    if (is_chain_open(field, middle(coarse_x, field->scale, config->width),
+                      middle(coarse_y, field->scale, config->height), direction)) {
+        return true;
+    }
+    for (int32_t y = coarse_y * scale; y < (coarse_y + 1) * scale; y++) {
+        for (int32_t x = coarse_x * scale; x < (coarse_x + 1) * scale; x++) {
+            if (is_chain_open(field, x, y, direction)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/** Turning between two headings, of which the first is nearer to the root. */
+static uint32_t turn_between(const struct jp_guide_field *field, unsigned near, unsigned far)
+{
+    return field->direction == JP_GUIDE_FROM_ROOT ? field->turns->cost[near][far] : field->turns->cost[far][near];
+}
+
+/** Least turning between one of the root's headings and another. */
+static uint32_t turn_at_root(const struct jp_guide_field *field, unsigned heading)
+{
+    uint32_t least = UINT16_MAX;
+
+    for (unsigned i = 0; i < JP_HEADINGS; i++) {
+        if (((field->root.headings >> i) & 1U) != 0U) {
+            const uint32_t turn = turn_between(field, i, heading);
+            least = turn < least ? turn : least;
+        }
+    }
+    return least;
+}
+
+/** Turning between the step at a coarse cell and a heading farther from the root. */
+static uint32_t turn_at(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading)
+{
+    if (jp_wavefront_value(&field->wave, x, y) == 0U) {
+        return turn_at_root(field, heading);
+    }
+    return turn_between(field, step_at(field, x, y), heading);
+}
+
+/** Tells the neighbour in one direction, away from the root, what it costs by way of a coarse cell. */
+static void relax_step(struct jp_guide_field *field, int32_t x, int32_t y, unsigned away)
+{
+    const bool from_root = field->direction == JP_GUIDE_FROM_ROOT;
+    const int32_t nx = x + jp_move_offsets[away].dx;
+    const int32_t ny = y + jp_move_offsets[away].dy;
+    const uint32_t here = jp_wavefront_value(&field->wave, x, y);
+
+    if (nx < 0 || ny < 0 || nx >= (int32_t)field->wave.width || ny >= (int32_t)field->wave.height ||
+        jp_wavefront_value(&field->wave, nx, ny) <= here) {
+        return;
+    }
+    const unsigned heading = from_root ? away : (away + JP_HEADINGS / 2) % JP_HEADINGS;
+    const int32_t rise = elevation_of(field, nx, ny) - elevation_of(field, x, y);
+    const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(heading)],
+                                      (from_root ? rise : -rise) / (int32_t)field->scale);
+    const uint32_t sum = here + ((step * field->scale + turn_at(field, x, y, heading)) >> field->shift);
+    const uint16_t value = field_value(sum);
+
+    if (step == JP_COST_MAX || value >= jp_wavefront_value(&field->wave, nx, ny) ||
+        !is_step_open(field, from_root ? x : nx, from_root ? y : ny, heading)) {
+        return;
+    }
+    set_step(field, nx, ny, heading);
+    jp_wavefront_lower(&field->wave, nx, ny, value);
+}
+
+bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells)
+{
+    int32_t x = 0;
+    int32_t y = 0;
+
+    while (*cells > 0U) {
+        if (!jp_wavefront_next(&field->wave, &x, &y)) {
+            return true;
+        }
+        for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
+            relax_step(field, x, y, direction);
+        }
+        --*cells;
+    }
+    return false;
+}
+
+bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32_t y)
+{
+    return jp_wavefront_value(&field->wave, x / (int32_t)field->scale, y / (int32_t)field->scale) !=
+           JP_WAVE_NOT_REACHED;
+}
+
+jp_cost jp_guide_field_estimate(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading)
+{
+    const int32_t coarse_x = x / (int32_t)field->scale;
+    const int32_t coarse_y = y / (int32_t)field->scale;
+    const uint32_t value = jp_wavefront_value(&field->wave, coarse_x, coarse_y);
+
+    if (value >= field->wave.horizon) {
+        return jp_cost_add((jp_cost)field->wave.horizon << field->shift, 0);
+    }
+    return jp_cost_add(value << field->shift, turn_at(field, coarse_x, coarse_y, heading));
+}

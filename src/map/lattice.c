@@ -1,0 +1,297 @@
+#include <joulepath/lattice.h>
+
+const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS] = {
+    {1, 0},  {2, 1},   {1, 1},   {1, 2},   {0, 1},  {-1, 2}, {-1, 1}, {-2, 1},
+    {-1, 0}, {-2, -1}, {-1, -1}, {-1, -2}, {0, -1}, {1, -2}, {1, -1}, {2, -1},
+};
+
+enum { FRACTION_BITS = 16, RISE_MAX = 4096 };
+
+jp_cost jp_move_cost(const struct jp_slope_cost *cost, int32_t rise)
+{
+    if (rise > cost->rise_max || rise < -cost->rise_max) {
+        return JP_COST_MAX;
+    }
+    /* 32 bits are enough: jp_slope_cost_is_valid(). */
+    const struct jp_polynomial *side = rise >= cost->bend ? &cost->climb : &cost->descend;
+    const int32_t value = (side->constant + (side->linear + side->quadratic * rise) * rise) >> FRACTION_BITS;
+
+    return value < (int32_t)cost->floor ? cost->floor : (jp_cost)value;
+}
+
+/** Cost of a unit step less that of its rise at `slope`, at least, whatever the rise; in 2⁻¹⁶ cost units. */
+static int64_t least_level_part(const struct jp_slope_cost *cost, int32_t slope)
+{
+    int64_t least = INT64_MAX;
+
+    for (int32_t rise = -cost->rise_max; rise <= cost->rise_max; rise++) {
+        const int64_t part = ((int64_t)jp_move_cost(cost, rise) << FRACTION_BITS) - (int64_t)slope * rise;
+        least = part < least ? part : least;
+    }
+    return least;
+}
+
+jp_cost jp_lattice_straight_bound(const struct jp_lattice *lattice, enum jp_cost_kind kind, int32_t dx, int32_t dy,
+                                  int32_t rise)
+{
+    static const int64_t lengths[JP_MOVE_KINDS] = {65536, 146543, 92682}; /* 1, √5, √2 cells in Q16, rounded up */
+    const struct jp_slope_cost *costs = lattice->move_costs[kind];
+    const int32_t slope = costs[JP_MOVE_AXIS].climb.linear;
+    int64_t per_cell = INT64_MAX;
+
+    for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
+        const int64_t part = least_level_part(&costs[move], slope) * (1 << FRACTION_BITS) / lengths[move];
+        per_cell = part < per_cell ? part : per_cell;
+    }
+    if (per_cell < 0) {
+        return 0;
+    }
+    const int64_t square = (int64_t)dx * dx + (int64_t)dy * dy;
+    const int64_t cells = jp_square_root((uint64_t)square << FRACTION_BITS); /* Q8 */
+    const int64_t bound = (((per_cell * cells) >> (FRACTION_BITS / 2)) + (int64_t)slope * rise) >> FRACTION_BITS;
+
+    return bound < 0 ? 0U : bound < (int64_t)JP_COST_MAX ? (jp_cost)bound : JP_COST_MAX - 1U;
+}
+
+jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
+                          const struct jp_primitive *primitive, int32_t x, int32_t y)
+{
+    const uint8_t *moves = &lattice->moves[primitive->first_move];
+    jp_cost sum = primitive->base[kind];
+    int32_t elevation = jp_terrain_elevation(terrain, x, y);
+
+    for (unsigned i = 0; i < primitive->move_count; i++) {
+        const struct jp_cell_offset offset = jp_move_offsets[moves[i]];
+        x += offset.dx;
+        y += offset.dy;
+        const int32_t next = jp_terrain_elevation(terrain, x, y);
+        sum = jp_cost_add(sum, jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(moves[i])], next - elevation));
+        elevation = next;
+    }
+    return sum;
+}
+
+void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, struct jp_turns *turns)
+{
+    for (unsigned from = 0; from < JP_HEADINGS; from++) {
+        for (unsigned to = 0; to < JP_HEADINGS; to++) {
+            turns->cost[from][to] = from == to ? 0U : UINT16_MAX;
+        }
+    }
+    for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        uint16_t *cost = &turns->cost[primitive->start][primitive->end];
+        *cost = primitive->base[kind] < *cost ? primitive->base[kind] : *cost;
+    }
+    for (unsigned by = 0; by < JP_HEADINGS; by++) {
+        for (unsigned from = 0; from < JP_HEADINGS; from++) {
+            for (unsigned to = 0; to < JP_HEADINGS; to++) {
+                const uint32_t cost = (uint32_t)turns->cost[from][by] + turns->cost[by][to];
+                if (cost < turns->cost[from][to]) {
+                    turns->cost[from][to] = (uint16_t)cost;
+                }
+            }
+        }
+    }
+}
+
+static bool is_clear(const struct jp_lattice *lattice, const struct jp_terrain *terrain, struct jp_cells cells,
+                     int32_t x, int32_t y)
+{
+    return jp_terrain_is_clear(terrain, &lattice->spans[cells.first_span], cells.span_count, x, y);
+}
+
+jp_cost jp_lattice_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
+                        const struct jp_primitive *primitive, int32_t x, int32_t y)
+{
+    const struct jp_cells swept = {primitive->first_span, primitive->span_count};
+
+    return is_clear(lattice, terrain, swept, x, y) ? jp_lattice_energy(lattice, kind, terrain, primitive, x, y)
+                                                   : JP_COST_MAX;
+}
+
+bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y,
+                          unsigned heading)
+{
+    return is_clear(lattice, terrain, lattice->footprint[heading], x, y);
+}
+
+bool jp_lattice_is_open(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    return is_clear(lattice, terrain, lattice->core, x, y);
+}
+
+static bool is_32_bits(int64_t value)
+{
+    return value >= INT32_MIN && value <= INT32_MAX;
+}
+
+/** True when no part of the sum leaves 32 bits, in the order in which jp_move_cost() computes it. */
+static bool fits(const struct jp_polynomial *polynomial, int32_t rise)
+{
+    const int64_t quadratic = (int64_t)polynomial->quadratic * rise;
+    const int64_t factor = polynomial->linear + quadratic;
+    const int64_t product = factor * rise;
+
+    return is_32_bits(quadratic) && is_32_bits(factor) && is_32_bits(product) &&
+           is_32_bits(polynomial->constant + product);
+}
+
+bool jp_slope_cost_is_valid(const struct jp_slope_cost *cost)
+{
+    if (cost->rise_max < 1 || cost->rise_max > RISE_MAX || cost->floor < 1U) {
+        return false;
+    }
+    for (int32_t rise = -cost->rise_max; rise <= cost->rise_max; rise++) {
+        if (!fits(rise >= cost->bend ? &cost->climb : &cost->descend, rise)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool are_move_costs(const struct jp_lattice *lattice)
+{
+    for (unsigned kind = 0; kind < (unsigned)JP_COST_KINDS; kind++) {
+        for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
+            if (!jp_slope_cost_is_valid(&lattice->move_costs[kind][move])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool are_headings(const struct jp_lattice *lattice)
+{
+    for (unsigned heading = 1; heading < JP_HEADINGS; heading++) {
+        if (lattice->heading[heading] <= lattice->heading[heading - 1U]) {
+            return false;
+        }
+    }
+    return lattice->heading[0] == 0U;
+}
+
+/** Its moves lead from its start to its end, and it costs something. */
+static bool is_primitive(const struct jp_lattice *lattice, const struct jp_primitive *primitive)
+{
+    int32_t dx = 0;
+    int32_t dy = 0;
+
+    if (primitive->start >= JP_HEADINGS || primitive->end >= JP_HEADINGS) {
+        return false;
+    }
+    for (unsigned i = 0; i < primitive->move_count; i++) {
+        const uint8_t direction = lattice->moves[primitive->first_move + i];
+        if (direction >= JP_MOVE_DIRECTIONS) {
+            return false;
+        }
+        dx += jp_move_offsets[direction].dx;
+        dy += jp_move_offsets[direction].dy;
+    }
+    for (unsigned kind = 0; kind < (unsigned)JP_COST_KINDS; kind++) {
+        if (primitive->move_count == 0U && primitive->base[kind] == 0U) {
+            return false;
+        }
+    }
+    return dx == primitive->dx && dy == primitive->dy;
+}
+
+static bool are_starts(const struct jp_lattice *lattice)
+{
+    if (lattice->first_from[0] != 0U) {
+        return false;
+    }
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        if (lattice->first_from[heading + 1U] - lattice->first_from[heading] > JP_PRIMITIVES_PER_HEADING_MAX) {
+            return false;
+        }
+        for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1U]; i++) {
+            if (!is_primitive(lattice, &lattice->primitives[i]) || lattice->primitives[i].start != heading) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool are_ends(const struct jp_lattice *lattice)
+{
+    const unsigned count = lattice->first_from[JP_HEADINGS];
+
+    if (lattice->first_to[0] != 0U || lattice->first_to[JP_HEADINGS] != count) {
+        return false;
+    }
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        for (unsigned i = lattice->first_to[heading]; i < lattice->first_to[heading + 1U]; i++) {
+            if (lattice->by_end[i] >= count || lattice->primitives[lattice->by_end[i]].end != heading) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool is_near(const struct jp_span *span)
+{
+    return span->y >= -JP_SWEEP_REACH && span->y <= JP_SWEEP_REACH && span->first >= -JP_SWEEP_REACH &&
+           span->last <= JP_SWEEP_REACH && span->first <= span->last;
+}
+
+/** True when one span of the cells holds all of another. */
+static bool holds(const struct jp_lattice *lattice, struct jp_cells cells, const struct jp_span *span)
+{
+    for (unsigned i = 0; i < cells.span_count; i++) {
+        const struct jp_span *other = &lattice->spans[cells.first_span + i];
+        if (other->y == span->y && other->first <= span->first && other->last >= span->last) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/** The reach of a heading is near, and holds what its primitives sweep. */
+static bool is_reach(const struct jp_lattice *lattice, unsigned heading)
+{
+    const struct jp_cells reach = lattice->reach[heading];
+
+    for (unsigned i = 0; i < reach.span_count; i++) {
+        if (!is_near(&lattice->spans[reach.first_span + i])) {
+            return false;
+        }
+    }
+    for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1U]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        for (unsigned span = 0; span < primitive->span_count; span++) {
+            if (!holds(lattice, reach, &lattice->spans[primitive->first_span + span])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool are_spans(const struct jp_lattice *lattice)
+{
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        if (!is_reach(lattice, heading)) {
+            return false;
+        }
+    }
+    return lattice->core.span_count > 0U;
+}
+
+enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field)
+{
+    if (lattice == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = lattice->resolution <= 0                              ? "resolution"
+             : !are_headings(lattice)                              ? "heading"
+             : lattice->primitives == NULL || !are_starts(lattice) ? "primitives"
+             : lattice->by_end == NULL || !are_ends(lattice)       ? "by_end"
+             : lattice->spans == NULL || !are_spans(lattice)       ? "spans"
+             : !are_move_costs(lattice)                            ? "move_costs"
+                                                                   : NULL;
+    return *field == NULL ? JP_OK : JP_ERR_CONFIG;
+}

@@ -1,0 +1,175 @@
+#include <joulepath/terrain.h>
+#include <string.h>
+
+#include "src/base/config_check.h"
+
+enum { WORD_BITS = 32, ALIGNMENT = 8 };
+
+static size_t words_per_row(const struct jp_terrain_config *config)
+{
+    return (config->width + (size_t)WORD_BITS - 1U) / WORD_BITS;
+}
+
+static size_t plane_words(const struct jp_terrain_config *config)
+{
+    return words_per_row(config) * config->height;
+}
+
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_terrain_config, member, low, high)
+
+static enum jp_status check(const struct jp_terrain_config *config, const char **field)
+{
+    static const struct jp_config_field fields[] = {
+        FIELD(width, 1, JP_TERRAIN_SIDE_MAX),
+        FIELD(height, 1, JP_TERRAIN_SIDE_MAX),
+        FIELD(resolution, 1, INT32_MAX),
+    };
+
+    return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+}
+
+size_t jp_terrain_size(const struct jp_terrain_config *config)
+{
+    const char *field;
+
+    if (check(config, &field) != JP_OK) {
+        return 0;
+    }
+    size_t elevations = config->has_elevation ? (size_t)config->width * config->height : 0U;
+    return 2U * plane_words(config) * sizeof(uint32_t) + elevations * sizeof(jp_elevation);
+}
+
+enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terrain_config *config, void *block,
+                               size_t size, const char **field)
+{
+    if (terrain == NULL || config == NULL || block == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (check(config, field) != JP_OK) {
+        return JP_ERR_CONFIG;
+    }
+    if ((uintptr_t)block % ALIGNMENT != 0U) {
+        return JP_ERR_ALIGNMENT;
+    }
+    if (size < jp_terrain_size(config)) {
+        return JP_ERR_MEMORY;
+    }
+    const size_t words = plane_words(config);
+    terrain->config = *config;
+    terrain->version = 0;
+    terrain->stride = (uint16_t)words_per_row(config);
+    terrain->blocked = block;
+    terrain->unknown = &terrain->blocked[words];
+    terrain->elevation = config->has_elevation ? (jp_elevation *)(void *)&terrain->unknown[words] : NULL;
+    (void)memset(terrain->blocked, config->unknown_is_free ? 0 : 0xFF, words * sizeof(uint32_t));
+    (void)memset(terrain->unknown, 0xFF, words * sizeof(uint32_t));
+    if (terrain->elevation != NULL) {
+        (void)memset(terrain->elevation, 0, (size_t)config->width * config->height * sizeof(jp_elevation));
+    }
+    return JP_OK;
+}
+
+bool jp_terrain_contains(const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    return x >= 0 && x < (int32_t)terrain->config.width && y >= 0 && y < (int32_t)terrain->config.height;
+}
+
+static size_t word_of(const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    return (size_t)y * terrain->stride + (size_t)x / WORD_BITS;
+}
+
+static uint32_t bit_of(int32_t x)
+{
+    return UINT32_C(1) << ((uint32_t)x % WORD_BITS);
+}
+
+static void set_bit(uint32_t *word, uint32_t bit, bool value)
+{
+    *word = value ? *word | bit : *word & ~bit;
+}
+
+enum jp_status jp_terrain_set_cell(struct jp_terrain *terrain, int32_t x, int32_t y, enum jp_cell cell)
+{
+    if (cell != JP_CELL_FREE && cell != JP_CELL_OCCUPIED && cell != JP_CELL_UNKNOWN) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!jp_terrain_contains(terrain, x, y)) {
+        return JP_ERR_OUTSIDE;
+    }
+    const size_t word = word_of(terrain, x, y);
+    const bool unknown = cell == JP_CELL_UNKNOWN;
+    set_bit(&terrain->blocked[word], bit_of(x),
+            cell == JP_CELL_OCCUPIED || (unknown && !terrain->config.unknown_is_free));
+    set_bit(&terrain->unknown[word], bit_of(x), unknown);
+    terrain->version++;
+    return JP_OK;
+}
+
+enum jp_status jp_terrain_set_elevation(struct jp_terrain *terrain, int32_t x, int32_t y, jp_elevation elevation)
+{
+    if (terrain->elevation == NULL) {
+        return JP_ERR_STATE;
+    }
+    if (!jp_terrain_contains(terrain, x, y)) {
+        return JP_ERR_OUTSIDE;
+    }
+    terrain->elevation[(size_t)y * terrain->config.width + (size_t)x] = elevation;
+    terrain->version++;
+    return JP_OK;
+}
+
+enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    if (!jp_terrain_contains(terrain, x, y)) {
+        return JP_CELL_OCCUPIED;
+    }
+    const size_t word = word_of(terrain, x, y);
+    if ((terrain->unknown[word] & bit_of(x)) != 0U) {
+        return JP_CELL_UNKNOWN;
+    }
+    return (terrain->blocked[word] & bit_of(x)) != 0U ? JP_CELL_OCCUPIED : JP_CELL_FREE;
+}
+
+jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    if (terrain->elevation == NULL || !jp_terrain_contains(terrain, x, y)) {
+        return 0;
+    }
+    return terrain->elevation[(size_t)y * terrain->config.width + (size_t)x];
+}
+
+/** Bits low…high of a word. */
+static uint32_t bit_range(uint32_t low, uint32_t high)
+{
+    return (UINT32_MAX << low) & (UINT32_MAX >> (WORD_BITS - 1U - high));
+}
+
+static bool is_row_clear(const uint32_t *row, uint32_t first, uint32_t last)
+{
+    uint32_t word = first / WORD_BITS;
+    uint32_t low = first % WORD_BITS;
+
+    for (; word < last / WORD_BITS; word++, low = 0) {
+        if ((row[word] & bit_range(low, WORD_BITS - 1)) != 0U) {
+            return false;
+        }
+    }
+    return (row[word] & bit_range(low, last % WORD_BITS)) == 0U;
+}
+
+bool jp_terrain_is_clear(const struct jp_terrain *terrain, const struct jp_span *spans, size_t count, int32_t x,
+                         int32_t y)
+{
+    for (size_t i = 0; i < count; i++) {
+        const int32_t row = y + spans[i].y;
+        const int32_t first = x + spans[i].first;
+        const int32_t last = x + spans[i].last;
+
+        if (row < 0 || row >= (int32_t)terrain->config.height || first < 0 || last >= (int32_t)terrain->config.width ||
+            !is_row_clear(&terrain->blocked[(size_t)row * terrain->stride], (uint32_t)first, (uint32_t)last)) {
+            return false;
+        }
+    }
+    return true;
+}

@@ -1,0 +1,168 @@
+#include <joulepath/wavefront.h>
+#include <string.h>
+
+#include "src/base/compiler.h"
+
+enum { WORD_BITS = 32, ALIGNMENT = 8, MARGIN_DIVISOR = 4 };
+
+static size_t align(size_t size)
+{
+    return (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+}
+
+static size_t words_per_row(uint16_t width)
+{
+    return ((size_t)width + WORD_BITS - 1) / WORD_BITS;
+}
+
+static size_t values_size(uint16_t width, uint16_t height)
+{
+    return (size_t)width * height * sizeof(uint16_t);
+}
+
+static size_t dirty_size(uint16_t width, uint16_t height)
+{
+    return words_per_row(width) * height * sizeof(uint32_t);
+}
+
+size_t jp_wavefront_size(uint16_t width, uint16_t height)
+{
+    return align(values_size(width, height)) + align(dirty_size(width, height));
+}
+
+void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, void *block)
+{
+    (void)memset(wave, 0, sizeof *wave);
+    wave->width = width;
+    wave->height = height;
+    wave->values = block;
+    wave->dirty = (uint32_t *)(void *)((uint8_t *)block + align(values_size(width, height)));
+}
+
+static void start_sweep(struct jp_wavefront *wave, uint16_t threshold)
+{
+    wave->threshold = threshold;
+    wave->lowest = JP_WAVE_NOT_REACHED;
+    wave->has_changed = false;
+    wave->row = wave->first_row;
+    wave->column = 0;
+}
+
+void jp_wavefront_start(struct jp_wavefront *wave, uint16_t step, uint16_t target_x, uint16_t target_y)
+{
+    (void)memset(wave->values, 0xFF, values_size(wave->width, wave->height));
+    (void)memset(wave->dirty, 0, dirty_size(wave->width, wave->height));
+    wave->step = step;
+    wave->target_x = target_x;
+    wave->target_y = target_y;
+    wave->horizon = JP_WAVE_VALUE_MAX;
+    wave->first_row = wave->height;
+    wave->last_row = 0;
+    start_sweep(wave, step);
+    wave->has_changed = true; /* the root is yet to come: sweep again */
+}
+
+static void mark(struct jp_wavefront *wave, int32_t x, int32_t y)
+{
+    wave->dirty[(size_t)y * words_per_row(wave->width) + (size_t)x / WORD_BITS] |= UINT32_C(1)
+                                                                                   << ((uint32_t)x % WORD_BITS);
+    if (y < (int32_t)wave->first_row) {
+        wave->first_row = (uint16_t)y;
+    }
+    if (y > (int32_t)wave->last_row) {
+        wave->last_row = (uint16_t)y;
+    }
+}
+
+void jp_wavefront_lower(struct jp_wavefront *wave, int32_t x, int32_t y, uint16_t value)
+{
+    wave->values[(size_t)y * wave->width + (size_t)x] = value;
+    mark(wave, x, y);
+}
+
+void jp_wavefront_touch(struct jp_wavefront *wave, int32_t x, int32_t y)
+{
+    if (jp_wavefront_value(wave, x, y) != JP_WAVE_NOT_REACHED) {
+        mark(wave, x, y);
+    }
+}
+
+void jp_wavefront_resume(struct jp_wavefront *wave)
+{
+    start_sweep(wave, wave->step);
+}
+
+static uint16_t add_limited(uint32_t a, uint32_t b)
+{
+    return (uint16_t)(a + b > JP_WAVE_VALUE_MAX ? JP_WAVE_VALUE_MAX : a + b);
+}
+
+/** After a sweep: again while cells are handed out, else on to the next dirty value. False when the wave has stopped.
+ */
+static bool next_sweep(struct jp_wavefront *wave)
+{
+    if (wave->has_changed) {
+        start_sweep(wave, wave->threshold);
+        return true;
+    }
+    const uint16_t target = jp_wavefront_value(wave, wave->target_x, wave->target_y);
+
+    if (wave->horizon == JP_WAVE_VALUE_MAX && target <= wave->threshold) {
+        wave->horizon = add_limited(target, target / (uint32_t)MARGIN_DIVISOR + wave->step);
+    }
+    if (wave->lowest == JP_WAVE_NOT_REACHED || wave->lowest > wave->horizon) {
+        return false;
+    }
+    start_sweep(wave, add_limited(wave->lowest, wave->step));
+    return true;
+}
+
+static unsigned lowest_bit(uint32_t word)
+{
+    return JP_TRAILING_ZEROS(word);
+}
+
+/** The next cell of a row up to the threshold. */
+static bool next_in_row(struct jp_wavefront *wave, int32_t *x)
+{
+    const size_t words = words_per_row(wave->width);
+    uint32_t *row = &wave->dirty[(size_t)wave->row * words];
+
+    for (size_t i = wave->column / WORD_BITS; i < words; i++, wave->column = 0) {
+        for (uint32_t rest = row[i] & (UINT32_MAX << (wave->column % WORD_BITS)); rest != 0; rest &= rest - 1) {
+            const uint32_t bit = rest & (~rest + 1U);
+            const uint32_t column = (uint32_t)(i * WORD_BITS) + lowest_bit(rest);
+            const uint16_t value = jp_wavefront_value(wave, (int32_t)column, wave->row);
+
+            if (value <= wave->threshold) {
+                row[i] &= ~bit;
+                wave->column = (uint16_t)column;
+                *x = (int32_t)column;
+                return true;
+            }
+            if (value < wave->lowest) {
+                wave->lowest = value;
+            }
+        }
+    }
+    return false;
+}
+
+bool jp_wavefront_next(struct jp_wavefront *wave, int32_t *x, int32_t *y)
+{
+    do {
+        for (; wave->row <= wave->last_row; wave->row++, wave->column = 0) {
+            if (next_in_row(wave, x)) {
+                *y = wave->row;
+                wave->has_changed = true;
+                return true;
+            }
+        }
+    } while (next_sweep(wave));
+    return false;
+}
+
+bool jp_wavefront_is_exhausted(const struct jp_wavefront *wave)
+{
+    return wave->lowest == JP_WAVE_NOT_REACHED;
+}

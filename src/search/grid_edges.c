@@ -1,0 +1,323 @@
+#include "src/search/grid_edges.h"
+
+enum {
+    ONE = 65536,      /* a cell, Q16 */
+    STEEPEST = 46341, /* 1/√2: at a greater difference the way leads to the diagonal node itself */
+    MARGIN = 1024,    /* that a point of an edge keeps from its ends, which are points of their own; cells, Q16 */
+    SIDES = 4,        /* of a square of four nodes */
+};
+
+/* ---- Tube ---- */
+
+static int32_t cell_of(const struct jp_grid_planner_internal *planner, int32_t metres)
+{
+    return metres / planner->terrain->config.resolution;
+}
+
+/** Cells of a row of the tube, as far as they are on the map. */
+static void mark_row(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
+{
+    const int32_t tube = planner->config.tube;
+
+    for (int32_t i = x - tube; i <= x + tube; i++) {
+        if (jp_terrain_contains(planner->terrain, i, y) && !jp_grid_is_blocked(planner, i, y)) {
+            jp_grid_node(planner, i, y)->place |= GRID_IN_TUBE;
+        }
+    }
+}
+
+/** The place of a part of a piece of the way, of which there is one a cell and a last one. */
+static struct jp_point part_of(const struct jp_point *from, const struct jp_point *to, int32_t part, int32_t parts)
+{
+    return (struct jp_point){from->x + (int32_t)((int64_t)(to->x - from->x) * part / parts),
+                             from->y + (int32_t)((int64_t)(to->y - from->y) * part / parts)};
+}
+
+static int32_t cells_along(const struct jp_grid_planner_internal *planner, const struct jp_point *from,
+                           const struct jp_point *to)
+{
+    const int32_t dx = to->x < from->x ? from->x - to->x : to->x - from->x;
+    const int32_t dy = to->y < from->y ? from->y - to->y : to->y - from->y;
+
+    return cell_of(planner, dx > dy ? dx : dy) + 1;
+}
+
+/** The cursor is the piece; its part counts rows of squares. */
+enum jp_grid_progress jp_grid_edges_mark(struct jp_grid_planner_internal *planner, unsigned *budget)
+{
+    const uint32_t rows = 2U * planner->config.tube + 1U;
+
+    for (; planner->cursor + 1U < planner->way.count; planner->cursor++, planner->cursor_part = 0) {
+        const struct jp_point *from = &planner->way.points[planner->cursor];
+        const struct jp_point *to = &planner->way.points[planner->cursor + 1U];
+        const int32_t parts = cells_along(planner, from, to);
+
+        for (; planner->cursor_part < ((uint32_t)parts + 1U) * rows; planner->cursor_part++, --*budget) {
+            if (*budget == 0U) {
+                return GRID_WORKING;
+            }
+            const uint32_t part = planner->cursor_part / rows;
+            const uint32_t row = planner->cursor_part % rows;
+            const struct jp_point at = part_of(from, to, (int32_t)part, parts);
+            mark_row(planner, cell_of(planner, at.x),
+                     cell_of(planner, at.y) + (int32_t)row - (int32_t)planner->config.tube);
+        }
+    }
+    return GRID_DONE;
+}
+
+/* ---- Cost-to-go ---- */
+
+static uint32_t settled_cost(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
+{
+    if (!jp_terrain_contains(planner->terrain, x, y)) {
+        return GRID_COST_MAX;
+    }
+    const struct jp_grid_node *node = jp_grid_node(planner, x, y);
+
+    return jp_grid_is_settled(node) ? node->g : GRID_COST_MAX;
+}
+
+/** Over the edge between a straight and a diagonal neighbour, at least one of which is settled: g1 + √(1 − d²), its
+ *  minimum over the edge, d = g1 − g2; at the ends of the edge a straight or a diagonal step. */
+static uint32_t cost_over_edge(uint32_t straight, uint32_t diagonal)
+{
+    if (straight <= diagonal) {
+        return straight + GRID_STRAIGHT;
+    }
+    const uint32_t difference = straight - diagonal;
+
+    if (difference >= (uint32_t)STEEPEST) {
+        return diagonal + GRID_DIAGONAL;
+    }
+    const jp_q16 d = (jp_q16)difference;
+
+    return straight + (uint32_t)jp_q16_square_root(ONE - jp_q16_multiply(d, d));
+}
+
+/** Cost of a node over the edges that end at its neighbour in a direction, which is settled. */
+static uint32_t cost_over_neighbour(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
+                                    unsigned direction)
+{
+    const unsigned around = GRID_DIRECTIONS - 1U;
+    uint32_t least = GRID_COST_MAX;
+
+    for (unsigned side = 0; side < 2U; side++) {
+        const unsigned partner = (direction + (side == 0U ? 1U : around)) & around;
+        const struct jp_grid_direction *straight = &jp_grid_directions[direction % 2U == 0U ? direction : partner];
+        const struct jp_grid_direction *diagonal = &jp_grid_directions[direction % 2U == 0U ? partner : direction];
+        if (jp_grid_is_blocked(planner, x + straight->dx, y + straight->dy)) {
+            continue;
+        }
+        const uint32_t cost = cost_over_edge(settled_cost(planner, x + straight->dx, y + straight->dy),
+                                             settled_cost(planner, x + diagonal->dx, y + diagonal->dy));
+        least = cost < least ? cost : least;
+    }
+    return least;
+}
+
+void jp_grid_edges_start(struct jp_grid_planner_internal *planner)
+{
+    planner->queue_count = 0;
+    jp_grid_node(planner, planner->goal.x, planner->goal.y)->g = 0;
+    (void)jp_grid_queue_put(planner, planner->goal.x, planner->goal.y, 0);
+}
+
+/** A node that the tube holds hears that its neighbour in a direction is settled. False: the queue is full. */
+static bool tell(struct jp_grid_planner_internal *planner, int32_t x, int32_t y, unsigned direction)
+{
+    struct jp_grid_node *node = jp_grid_node(planner, x, y);
+    const uint32_t cost = cost_over_neighbour(planner, x, y, direction);
+
+    if (cost >= node->g) {
+        return true;
+    }
+    node->g = cost;
+    return jp_grid_queue_put(planner, x, y, 0);
+}
+
+static bool tell_neighbours(struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
+{
+    for (unsigned direction = 0; direction < (unsigned)GRID_DIRECTIONS; direction++) {
+        const struct jp_grid_direction *d = &jp_grid_directions[direction];
+        const int32_t next_x = x + d->dx;
+        const int32_t next_y = y + d->dy;
+
+        if (!jp_terrain_contains(planner->terrain, next_x, next_y)) {
+            continue;
+        }
+        const struct jp_grid_node *node = jp_grid_node(planner, next_x, next_y);
+        if ((node->place & GRID_IN_TUBE) != 0U && !jp_grid_is_settled(node) &&
+            !tell(planner, next_x, next_y, (direction + GRID_DIRECTIONS / 2U) & (GRID_DIRECTIONS - 1U))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+enum jp_grid_progress jp_grid_edges_spread(struct jp_grid_planner_internal *planner, unsigned *budget)
+{
+    while (*budget > 0U) {
+        int32_t x;
+        int32_t y;
+        --*budget;
+        if (!jp_grid_queue_take(planner, &x, &y)) {
+            return GRID_IMPOSSIBLE;
+        }
+        planner->counts.edge_nodes++;
+        if (x == planner->start.x && y == planner->start.y) {
+            return GRID_DONE;
+        }
+        if (!tell_neighbours(planner, x, y)) {
+            return GRID_FULL;
+        }
+    }
+    return GRID_WORKING;
+}
+
+/* ---- Descent ---- */
+
+/** Where the way may go on: a place and the cost-to-go from it, interpolated, and the way there with it. */
+struct candidate {
+    struct jp_point place;
+    uint32_t cost;
+    uint32_t total;
+};
+
+/** An edge between two neighbouring nodes: from (x, y) east or north. */
+struct grid_edge {
+    int32_t x;
+    int32_t y;
+    bool is_northward;
+    uint32_t first; /* cost-to-go of its ends */
+    uint32_t second;
+};
+
+/** Rise of the cost-to-go along an edge. */
+static jp_q16 slope_of(const struct grid_edge *edge)
+{
+    return (int32_t)(edge->second - edge->first);
+}
+
+static struct jp_point point_of(const struct jp_grid_planner_internal *planner, const struct jp_point *place)
+{
+    const int32_t side = planner->terrain->config.resolution;
+
+    return (struct jp_point){jp_q16_multiply(place->x, side) + side / 2, jp_q16_multiply(place->y, side) + side / 2};
+}
+
+/** Where on an edge of slope `slope` the way from `along`, at a distance across, leads: along − slope·across/√(1 −
+ * slope²).
+ */
+static jp_q16 best_along(jp_q16 along, jp_q16 across, jp_q16 slope)
+{
+    const jp_q16 shift =
+        jp_q16_divide(jp_q16_multiply(slope, across), jp_q16_square_root(ONE - jp_q16_multiply(slope, slope)));
+
+    return jp_clamp32(jp_sub(along, shift), MARGIN, ONE - MARGIN);
+}
+
+/** A candidate at a point of an edge. Its end is exact even where the cost of its beginning is not known: sums wrap. */
+static struct candidate candidate_at(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge,
+                                     jp_q16 along)
+{
+    const jp_q16 x = edge->x * ONE + (edge->is_northward ? 0 : along);
+    const jp_q16 y = edge->y * ONE + (edge->is_northward ? along : 0);
+    const int64_t dx = (int64_t)x - planner->place.x;
+    const int64_t dy = (int64_t)y - planner->place.y;
+    struct candidate candidate = {.place = {x, y}};
+
+    candidate.cost = edge->first + (uint32_t)jp_q16_multiply(along, slope_of(edge));
+    candidate.total = candidate.cost + jp_square_root((uint64_t)(dx * dx) + (uint64_t)(dy * dy));
+    return candidate;
+}
+
+/** Down the slope, or to a node that is as low: so no descent goes in circles. */
+static bool leads_down(const struct jp_grid_planner_internal *planner, const struct candidate *candidate, bool is_node)
+{
+    return is_node ? candidate->cost <= planner->place_cost : candidate->cost < planner->place_cost;
+}
+
+static void consider(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge, jp_q16 along,
+                     struct candidate *best)
+{
+    const struct candidate candidate = candidate_at(planner, edge, along);
+    const struct jp_point from = point_of(planner, &planner->place);
+    const struct jp_point to = point_of(planner, &candidate.place);
+
+    if (candidate.total < best->total && leads_down(planner, &candidate, along == 0 || along == ONE) &&
+        jp_grid_line_is_free(planner, &from, &to)) {
+        *best = candidate;
+    }
+}
+
+/** Considers an edge: its best point and its ends. */
+static void consider_edge(const struct jp_grid_planner_internal *planner, struct grid_edge *edge,
+                          struct candidate *best)
+{
+    const jp_q16 along = edge->is_northward ? planner->place.y - edge->y * ONE : planner->place.x - edge->x * ONE;
+    const jp_q16 across = edge->is_northward ? planner->place.x - edge->x * ONE : planner->place.y - edge->y * ONE;
+
+    edge->first = settled_cost(planner, edge->x, edge->y);
+    edge->second =
+        settled_cost(planner, edge->x + (edge->is_northward ? 0 : 1), edge->y + (edge->is_northward ? 1 : 0));
+    if (across == 0) {
+        return;
+    }
+    if (edge->first != GRID_COST_MAX) {
+        consider(planner, edge, 0, best);
+    }
+    if (edge->second != GRID_COST_MAX) {
+        consider(planner, edge, ONE, best);
+    }
+    if (edge->first != GRID_COST_MAX && edge->second != GRID_COST_MAX) {
+        consider(planner, edge, best_along(along, across < 0 ? -across : across, slope_of(edge)), best);
+    }
+}
+
+/** The four edges of the square whose south-west node is (x, y). */
+static void consider_square(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
+                            struct candidate *best)
+{
+    for (int32_t side = 0; side < SIDES; side++) {
+        struct grid_edge edge = {.x = x + (side == 3 ? 1 : 0), .y = y + (side == 1 ? 1 : 0), .is_northward = side >= 2};
+        consider_edge(planner, &edge, best);
+    }
+}
+
+/** The next place from a node, among the edges of the four squares around it, or from an edge, of the two beside it. */
+static struct candidate next_place(const struct jp_grid_planner_internal *planner)
+{
+    const int32_t x = planner->place.x / ONE;
+    const int32_t y = planner->place.y / ONE;
+    const int32_t first_x = planner->place.x % ONE == 0 ? x - 1 : x;
+    const int32_t first_y = planner->place.y % ONE == 0 ? y - 1 : y;
+    struct candidate best = {.total = GRID_COST_MAX};
+
+    for (int32_t j = first_y; j <= y; j++) {
+        for (int32_t i = first_x; i <= x; i++) {
+            consider_square(planner, i, j, &best);
+        }
+    }
+    return best;
+}
+
+enum jp_grid_progress jp_grid_edges_descend(struct jp_grid_planner_internal *planner, unsigned *budget)
+{
+    while (*budget > 0U) {
+        --*budget;
+        if (!jp_grid_way_add(planner, &planner->other, point_of(planner, &planner->place), true)) {
+            return GRID_FULL;
+        }
+        if (planner->place_cost == 0U) {
+            return GRID_DONE;
+        }
+        const struct candidate next = next_place(planner);
+        if (next.total == GRID_COST_MAX) {
+            return GRID_IMPOSSIBLE;
+        }
+        planner->place = next.place;
+        planner->place_cost = next.cost;
+    }
+    return GRID_WORKING;
+}

@@ -1,0 +1,256 @@
+#include "src/search/grid_search.h"
+
+#include "src/base/compiler.h"
+
+const struct jp_grid_direction jp_grid_directions[GRID_DIRECTIONS] = {{1, 0},  {1, 1},   {0, 1},  {-1, 1},
+                                                                      {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+
+enum { STEPS_PER_UNIT = 16 /* of a diagonal run */ };
+
+static uint32_t distance_along(int32_t a, int32_t b)
+{
+    return (uint32_t)(a < b ? b - a : a - b);
+}
+
+/** Octile distance to the goal. */
+static uint32_t estimate(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
+{
+    const uint32_t dx = distance_along(x, planner->goal.x);
+    const uint32_t dy = distance_along(y, planner->goal.y);
+
+    return dx < dy ? dx * GRID_DIAGONAL + (dy - dx) * GRID_STRAIGHT : dy * GRID_DIAGONAL + (dx - dy) * GRID_STRAIGHT;
+}
+
+static bool is_goal(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
+{
+    return x == planner->goal.x && y == planner->goal.y;
+}
+
+/** True when a step from a cell is free. */
+static bool can_step(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
+                     const struct jp_grid_direction *d)
+{
+    return !jp_grid_is_blocked(planner, x + d->dx, y + d->dy) && !jp_grid_is_blocked(planner, x + d->dx, y) &&
+           !jp_grid_is_blocked(planner, x, y + d->dy);
+}
+
+/* ---- Runs ---- */
+
+/** A plane of blocked cells and its words a row. */
+struct plane {
+    const uint32_t *words;
+    uint32_t stride;
+};
+
+/** A word of a row of the plane, with the bit behind each bit at its place: that of the cell that a run comes from. */
+static uint32_t bits_behind(const uint32_t *row, uint32_t word, uint32_t stride, bool ascending)
+{
+    if (ascending) {
+        return (row[word] << 1) | (word > 0U ? row[word - 1U] >> (GRID_WORD_BITS - 1U) : 1U);
+    }
+    return (row[word] >> 1) | ((word + 1U < stride ? row[word + 1U] & 1U : 1U) << (GRID_WORD_BITS - 1U));
+}
+
+/** Cells of a row at which the cell behind them is blocked and they are not: beside a run they force a neighbour. */
+static uint32_t openings(const uint32_t *row, uint32_t word, uint32_t stride, bool ascending)
+{
+    return bits_behind(row, word, stride, ascending) & ~row[word];
+}
+
+/** The first of the cells that end a run, blocked ones and those with forced neighbours, after bit `from` of a row. The
+ *  border ends every run. */
+static uint32_t run_end(const struct plane *plane, int32_t row_index, uint32_t from, bool ascending)
+{
+    const uint32_t line = (uint32_t)(row_index + 1);
+    const uint32_t *below = &plane->words[(line - 1U) * plane->stride];
+    const uint32_t *row = &plane->words[line * plane->stride];
+    const uint32_t *above = &plane->words[(line + 1U) * plane->stride];
+    uint32_t word = from / GRID_WORD_BITS;
+    uint32_t mask =
+        ascending ? UINT32_MAX << (from % GRID_WORD_BITS) : UINT32_MAX >> (GRID_WORD_BITS - 1U - from % GRID_WORD_BITS);
+
+    for (;;) {
+        const uint32_t ends = (row[word] | openings(below, word, plane->stride, ascending) |
+                               openings(above, word, plane->stride, ascending)) &
+                              mask;
+        if (ends != 0U) {
+            const uint32_t bit = ascending ? JP_TRAILING_ZEROS(ends) : GRID_WORD_BITS - 1U - JP_LEADING_ZEROS(ends);
+            return word * GRID_WORD_BITS + bit;
+        }
+        word = ascending ? word + 1U : word - 1U;
+        mask = UINT32_MAX;
+    }
+}
+
+/** Straight along a row of a plane from `at` to the first cell that needs to be opened; below 0: there is none. */
+static int32_t run_along(const struct plane *plane, int32_t row, int32_t at, int32_t step, int32_t goal_row,
+                         int32_t goal_at)
+{
+    const int32_t end = (int32_t)run_end(plane, row, (uint32_t)(at + 1 + step), step > 0) - 1;
+    const bool passes_goal = row == goal_row && (goal_at - at) * step > 0 && (end - goal_at) * step > 0;
+
+    if (passes_goal) {
+        return goal_at;
+    }
+    const uint32_t column = (uint32_t)(end + 1);
+    const uint32_t line = (uint32_t)(row + 1);
+    const uint32_t word = plane->words[line * plane->stride + column / GRID_WORD_BITS];
+
+    return ((word >> (column % GRID_WORD_BITS)) & 1U) != 0U ? -1 : end;
+}
+
+static bool run_straight(const struct jp_grid_planner_internal *planner, int32_t *x, int32_t *y,
+                         const struct jp_grid_direction *d)
+{
+    const struct plane rows = {planner->rows, planner->row_words};
+    const struct plane columns = {planner->columns, planner->column_words};
+    const int32_t at = d->dy == 0 ? run_along(&rows, *y, *x, d->dx, planner->goal.y, planner->goal.x)
+                                  : run_along(&columns, *x, *y, d->dy, planner->goal.x, planner->goal.y);
+
+    if (at < 0) {
+        return false;
+    }
+    *(d->dy == 0 ? x : y) = at;
+    return true;
+}
+
+static bool has_straight_run(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y, int8_t dx, int8_t dy)
+{
+    const struct jp_grid_direction d = {dx, dy};
+
+    return run_straight(planner, &x, &y, &d);
+}
+
+static bool run_diagonal(const struct jp_grid_planner_internal *planner, int32_t *x, int32_t *y,
+                         const struct jp_grid_direction *d, uint32_t *steps)
+{
+    while (can_step(planner, *x, *y, d)) {
+        *x += d->dx;
+        *y += d->dy;
+        ++*steps;
+        if (is_goal(planner, *x, *y) || has_straight_run(planner, *x, *y, d->dx, 0) ||
+            has_straight_run(planner, *x, *y, 0, d->dy)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- Expansion ---- */
+
+/** Directions, a bit each, that lead on from a cell that was reached in a direction: those not reached as cheaply past
+ *  it. */
+static unsigned directions_on(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y, unsigned direction)
+{
+    const unsigned around = GRID_DIRECTIONS - 1U;
+    unsigned set = 1U << direction;
+
+    if (direction % 2U != 0U) {
+        return set | (1U << (direction - 1U)) | (1U << ((direction + 1U) & around));
+    }
+    const struct jp_grid_direction *d = &jp_grid_directions[direction];
+
+    for (unsigned side = 0; side < 2U; side++) {
+        const unsigned turn = side == 0U ? 1U : around;
+        const struct jp_grid_direction *across = &jp_grid_directions[(direction + 2U * turn) & around];
+        if (jp_grid_is_blocked(planner, x - d->dx + across->dx, y - d->dy + across->dy)) {
+            set |= (1U << ((direction + turn) & around)) | (1U << ((direction + 2U * turn) & around));
+        }
+    }
+    return set;
+}
+
+unsigned jp_grid_search_parent_direction(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
+{
+    return (unsigned)((jp_grid_node(planner, x, y)->place & GRID_DIRECTION_MASK) >> GRID_DIRECTION_SHIFT);
+}
+
+/** Offers a cell a way. False: the queue is full. */
+static bool offer(struct jp_grid_planner_internal *planner, int32_t x, int32_t y, uint32_t g, unsigned direction)
+{
+    struct jp_grid_node *node = jp_grid_node(planner, x, y);
+
+    if (g >= node->g) {
+        return true;
+    }
+    if (g > planner->length_max) {
+        planner->is_too_long = true;
+        return true;
+    }
+    node->g = g;
+    node->place = (node->place & ~GRID_DIRECTION_MASK) | ((uint32_t)direction << GRID_DIRECTION_SHIFT);
+    return jp_grid_queue_put(planner, x, y, estimate(planner, x, y));
+}
+
+/** Where the next cell to open in a direction is. False: there is none. */
+static bool find_next(const struct jp_grid_planner_internal *planner, int32_t *x, int32_t *y, unsigned direction,
+                      uint32_t *steps)
+{
+    const struct jp_grid_direction *d = &jp_grid_directions[direction];
+
+    if (planner->config.method == JP_GRID_OCTILE) {
+        const bool is_free = can_step(planner, *x, *y, d);
+        *x += d->dx;
+        *y += d->dy;
+        return is_free;
+    }
+    return direction % 2U != 0U ? run_diagonal(planner, x, y, d, steps) : run_straight(planner, x, y, d);
+}
+
+static bool expand(struct jp_grid_planner_internal *planner, int32_t x, int32_t y, uint32_t *steps)
+{
+    const uint32_t g = jp_grid_node(planner, x, y)->g;
+    const unsigned arrived = jp_grid_search_parent_direction(planner, x, y);
+    const bool is_pruned = arrived != (unsigned)GRID_NO_DIRECTION && planner->config.method != JP_GRID_OCTILE;
+    const unsigned set = is_pruned ? directions_on(planner, x, y, arrived) : (1U << GRID_DIRECTIONS) - 1U;
+
+    planner->counts.expansions++;
+    for (unsigned direction = 0; direction < (unsigned)GRID_DIRECTIONS; direction++) {
+        int32_t next_x = x;
+        int32_t next_y = y;
+        if (((set >> direction) & 1U) == 0U || !find_next(planner, &next_x, &next_y, direction, steps)) {
+            continue;
+        }
+        const uint32_t along_x = distance_along(x, next_x);
+        const uint32_t along_y = distance_along(y, next_y);
+        const uint32_t length = along_x > along_y ? along_x : along_y;
+        if (!offer(planner, next_x, next_y, g + length * (direction % 2U != 0U ? GRID_DIAGONAL : GRID_STRAIGHT),
+                   direction)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void jp_grid_search_start(struct jp_grid_planner_internal *planner)
+{
+    struct jp_grid_node *node = jp_grid_node(planner, planner->start.x, planner->start.y);
+
+    planner->queue_count = 0;
+    planner->is_too_long = false;
+    node->g = 0;
+    node->place = (uint32_t)GRID_NO_DIRECTION << GRID_DIRECTION_SHIFT;
+    (void)jp_grid_queue_put(planner, planner->start.x, planner->start.y, 0);
+}
+
+enum jp_grid_progress jp_grid_search_work(struct jp_grid_planner_internal *planner, unsigned *budget)
+{
+    while (*budget > 0U) {
+        int32_t x;
+        int32_t y;
+        uint32_t steps = 0;
+        if (!jp_grid_queue_take(planner, &x, &y)) {
+            return planner->is_too_long ? GRID_FULL : GRID_IMPOSSIBLE;
+        }
+        if (is_goal(planner, x, y)) {
+            planner->counts.octile_length = (jp_q16)jp_grid_node(planner, x, y)->g;
+            return GRID_DONE;
+        }
+        if (!expand(planner, x, y, &steps)) {
+            return GRID_FULL;
+        }
+        const unsigned units = 1U + steps / STEPS_PER_UNIT;
+        *budget = *budget > units ? *budget - units : 0U;
+    }
+    return GRID_WORKING;
+}

@@ -1,0 +1,29 @@
+/** A* over the cells to their eight neighbours, step by step or by jump points. Private to the grid planner. */
+#ifndef JOULEPATH_SEARCH_GRID_SEARCH_H
+#define JOULEPATH_SEARCH_GRID_SEARCH_H
+
+#include "src/search/grid_queue.h"
+
+#define GRID_STRAIGHT UINT32_C(65536) /* cost of a step, cells, Q16 */
+#define GRID_DIAGONAL UINT32_C(92682) /* √2, rounded up */
+
+/** Directions go round from east by north; odd ones are diagonal. */
+enum { GRID_DIRECTIONS = 8, GRID_NO_DIRECTION = 8 };
+
+struct jp_grid_direction {
+    int8_t dx;
+    int8_t dy;
+};
+extern const struct jp_grid_direction jp_grid_directions[GRID_DIRECTIONS];
+
+enum jp_grid_progress { GRID_WORKING, GRID_DONE, GRID_IMPOSSIBLE, GRID_FULL };
+
+/** Puts the start into the queue. */
+void jp_grid_search_start(struct jp_grid_planner_internal *planner);
+
+enum jp_grid_progress jp_grid_search_work(struct jp_grid_planner_internal *planner, unsigned *budget);
+
+/** Direction from the parent of a settled cell; GRID_NO_DIRECTION at the start. */
+unsigned jp_grid_search_parent_direction(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y);
+
+#endif

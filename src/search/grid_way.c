@@ -1,0 +1,162 @@
+#include "src/search/grid_way.h"
+
+#include <string.h>
+
+enum {
+    HALVINGS = 8,   /* of a piece that a turning point may move along; as many units of the budget */
+    PASSES_MAX = 12 /* over all turning points, there and back */
+};
+
+static bool is_straight(const struct jp_point *a, const struct jp_point *b, const struct jp_point *c)
+{
+    return (int64_t)(b->x - a->x) * (c->y - b->y) == (int64_t)(b->y - a->y) * (c->x - b->x);
+}
+
+bool jp_grid_way_add(const struct jp_grid_planner_internal *planner, struct jp_grid_way *way, struct jp_point point,
+                     bool shortcut)
+{
+    if (way->count >= 2U) {
+        const struct jp_point *before = &way->points[way->count - 2U];
+        if (shortcut ? jp_grid_line_is_free(planner, before, &point)
+                     : is_straight(before, &way->points[way->count - 1U], &point)) {
+            way->count--;
+        }
+    }
+    if (way->count == planner->points_max) {
+        return false;
+    }
+    way->points[way->count] = point;
+    way->count++;
+    return true;
+}
+
+/** The cursor is the cell that is traced, at its cost; cells that a run passed by may have been opened from elsewhere.
+ */
+enum jp_grid_progress jp_grid_way_trace(struct jp_grid_planner_internal *planner, unsigned *budget)
+{
+    const bool shortcut = planner->config.method == JP_GRID_ANY_ANGLE;
+    const uint32_t width = planner->terrain->config.width;
+    const uint32_t column = planner->cursor % width;
+    const uint32_t row = planner->cursor / width;
+    int32_t x = (int32_t)column;
+    int32_t y = (int32_t)row;
+
+    while (*budget > 0U) {
+        --*budget;
+        if (!jp_grid_way_add(planner, &planner->way, jp_grid_centre(planner, x, y), shortcut)) {
+            return GRID_FULL;
+        }
+        if (jp_grid_node(planner, x, y)->g == planner->place_cost) {
+            planner->cursor_part = jp_grid_search_parent_direction(planner, x, y);
+        }
+        if (planner->cursor_part == (uint32_t)GRID_NO_DIRECTION) {
+            return GRID_DONE;
+        }
+        x -= jp_grid_directions[planner->cursor_part].dx;
+        y -= jp_grid_directions[planner->cursor_part].dy;
+        planner->place_cost -= planner->cursor_part % 2U != 0U ? GRID_DIAGONAL : GRID_STRAIGHT;
+        planner->cursor = (uint32_t)y * width + (uint32_t)x;
+    }
+    return GRID_WORKING;
+}
+
+void jp_grid_way_reverse(struct jp_grid_way *way)
+{
+    for (uint32_t i = 0; i < way->count / 2U; i++) {
+        const struct jp_point point = way->points[i];
+        way->points[i] = way->points[way->count - 1U - i];
+        way->points[way->count - 1U - i] = point;
+    }
+}
+
+static uint64_t distance(const struct jp_point *a, const struct jp_point *b)
+{
+    const int64_t dx = (int64_t)a->x - b->x;
+    const int64_t dy = (int64_t)a->y - b->y;
+
+    return jp_square_root((uint64_t)(dx * dx) + (uint64_t)(dy * dy));
+}
+
+uint64_t jp_grid_way_length(const struct jp_grid_way *way)
+{
+    uint64_t length = 0;
+
+    for (uint32_t i = 1; i < way->count; i++) {
+        length += distance(&way->points[i - 1U], &way->points[i]);
+    }
+    return length;
+}
+
+static struct jp_point middle(const struct jp_point *a, const struct jp_point *b)
+{
+    return (struct jp_point){a->x + (b->x - a->x) / 2, a->y + (b->y - a->y) / 2};
+}
+
+static bool is_same(const struct jp_point *a, const struct jp_point *b)
+{
+    return a->x == b->x && a->y == b->y;
+}
+
+/** The point on the piece from `turn` to `next`, about the farthest one, that `before` sees. */
+static struct jp_point slide(const struct jp_grid_planner_internal *planner, const struct jp_point *before,
+                             const struct jp_point *turn, const struct jp_point *next)
+{
+    struct jp_point near = *turn;
+    struct jp_point far = *next;
+
+    for (unsigned i = 0; i < HALVINGS; i++) {
+        const struct jp_point point = middle(&near, &far);
+        if (jp_grid_line_is_free(planner, before, &point) && jp_grid_line_is_free(planner, &point, next)) {
+            near = point;
+        } else {
+            far = point;
+        }
+    }
+    return near;
+}
+
+/** Takes a turning point out when its neighbours see each other, or else moves it toward the next, so that the way gets
+ *  shorter. */
+static void tighten_at(struct jp_grid_planner_internal *planner, struct jp_grid_way *way, uint32_t index)
+{
+    struct jp_point *turn = &way->points[index];
+    const struct jp_point *before = &way->points[index - 1U];
+    struct jp_point *next = &way->points[index + 1U];
+
+    if (jp_grid_line_is_free(planner, before, next)) {
+        way->count--;
+        (void)memmove(turn, next, (way->count - index) * sizeof *turn);
+        planner->has_changed = true;
+        return;
+    }
+    const struct jp_point point = slide(planner, before, turn, next);
+
+    planner->has_changed = planner->has_changed || !is_same(&point, turn);
+    *turn = point;
+}
+
+/** The cursor is the turning point; after each pass the way is turned round, until two passes have changed nothing. */
+enum jp_grid_progress jp_grid_way_tighten(struct jp_grid_planner_internal *planner, struct jp_grid_way *way,
+                                          unsigned *budget)
+{
+    while (*budget > 0U) {
+        if (planner->cursor + 1U >= way->count) {
+            jp_grid_way_reverse(way);
+            --*budget;
+            planner->passes++;
+            planner->cursor = 1;
+            if (planner->passes % 2U == 0U) {
+                if (!planner->has_changed || planner->passes == (uint8_t)PASSES_MAX) {
+                    return GRID_DONE;
+                }
+                planner->has_changed = false;
+            }
+        } else {
+            const uint32_t count = way->count;
+            tighten_at(planner, way, planner->cursor);
+            *budget = *budget > (unsigned)HALVINGS ? *budget - (unsigned)HALVINGS : 0U;
+            planner->cursor += way->count == count ? 1U : 0U;
+        }
+    }
+    return GRID_WORKING;
+}

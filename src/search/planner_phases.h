@@ -1,0 +1,22 @@
+/** The phases of a planner's work, as a state machine. Private to the planner. */
+#ifndef JOULEPATH_SEARCH_PLANNER_PHASES_H
+#define JOULEPATH_SEARCH_PLANNER_PHASES_H
+
+#include <joulepath/planner.h>
+
+/** Begins anew with the first ε, where start and goal are known. */
+void jp_phases_restart(struct jp_planner_internal *planner);
+
+/** Works for at most so many expansions, or as much of other work. */
+void jp_phases_work(struct jp_planner_internal *planner, unsigned expansions);
+
+/** After a new start: the search goes on from what it knows, where that is true of the new start too. */
+void jp_phases_follow_robot(struct jp_planner_internal *planner);
+
+/** After a change of the map. */
+void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32_t y, bool may_be_cheaper);
+
+/** True when there is nothing to do. */
+bool jp_phases_is_idle(const struct jp_planner_internal *planner);
+
+#endif

@@ -1,0 +1,428 @@
+#include "src/search/planner_search.h"
+
+#include "src/search/planner_states.h"
+
+enum {
+    EPSILON_BITS = 8,
+    RANGE_PER_TARGET = 2, /* keys up to so many times the expected one are told apart */
+};
+
+uint32_t jp_search_id(const struct jp_planner_internal *planner, int32_t x, int32_t y, unsigned heading)
+{
+    return ((uint32_t)y * planner->terrain->config.width + (uint32_t)x) * JP_HEADINGS + heading;
+}
+
+static struct jp_lattice_pose pose_of(const struct jp_planner_internal *planner, uint32_t id)
+{
+    const uint32_t cell = id / JP_HEADINGS;
+    const uint32_t width = planner->terrain->config.width;
+
+    return (struct jp_lattice_pose){(int16_t)(cell % width), (int16_t)(cell / width), (uint8_t)(id % JP_HEADINGS)};
+}
+
+struct jp_lattice_pose jp_search_pose(const struct jp_planner_internal *planner, uint32_t slot)
+{
+    return pose_of(planner, (uint32_t)planner->states[slot].id);
+}
+
+static uint32_t start_id(const struct jp_planner_internal *planner)
+{
+    return jp_search_id(planner, planner->start.x, planner->start.y, planner->start.heading);
+}
+
+static bool is_goal(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    return pose->x == planner->goal.x && pose->y == planner->goal.y &&
+           ((planner->goal.headings >> pose->heading) & 1U) != 0U;
+}
+
+static bool is_start(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    return pose->x == planner->start.x && pose->y == planner->start.y && pose->heading == planner->start.heading;
+}
+
+bool jp_search_is_seed(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    return jp_search_is_forward(planner) ? is_start(planner, pose) : is_goal(planner, pose);
+}
+
+/** Lower bound of the way from where the robot was when the field was begun. */
+static jp_cost bound_of(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    return jp_cost_add(jp_energy_field_bound(&planner->field, pose->x, pose->y),
+                       planner->turns.cost[planner->field_heading][pose->heading]);
+}
+
+jp_cost jp_search_heuristic(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    return jp_search_is_exact(planner) ? bound_of(planner, pose)
+                                       : jp_guide_field_estimate(&planner->guide, pose->x, pose->y, pose->heading);
+}
+
+static uint32_t inflate(const struct jp_planner_internal *planner, jp_cost heuristic)
+{
+    return (uint32_t)(((uint64_t)heuristic * planner->epsilon) >> EPSILON_BITS);
+}
+
+/** The queue does not order the keys within a bucket. */
+static uint32_t bucket_width(const struct jp_planner_internal *planner)
+{
+    return UINT32_C(1) << planner->bucket_shift;
+}
+
+/** min(g, rhs) + ε·h. A state whose cost rises must come before all that rely on it: what is added for it must not
+ *  exceed the truth, so it is the bound or, without one, nothing; and the others are a bucket behind. Else states that
+ *  rely on each other would raise each other step by step. */
+static uint32_t key_of(const struct jp_planner_internal *planner, const struct jp_planner_state *state,
+                       jp_cost heuristic)
+{
+    if (state->g > state->rhs) {
+        return (uint32_t)state->rhs + inflate(planner, heuristic) + bucket_width(planner);
+    }
+    return (uint32_t)state->g + (jp_search_is_exact(planner) ? heuristic : 0U);
+}
+
+/** A state that was expanded by an estimate waits for the next ε when it has become cheaper; one that the robot cannot
+ *  get to waits until it can. */
+static bool is_waiting(const struct jp_planner_internal *planner, const struct jp_planner_state *state,
+                       jp_cost heuristic)
+{
+    return jp_search_is_exact(planner) ? heuristic == JP_COST_MAX : state->closed && state->g > state->rhs;
+}
+
+/** Puts a state into the queue if it is inconsistent, else takes it out. */
+static void update(struct jp_planner_internal *planner, uint32_t slot, jp_cost heuristic)
+{
+    const struct jp_planner_state *state = &planner->states[slot];
+
+    if (slot >= planner->rekey_slot) {
+        return;
+    }
+    if (state->g != state->rhs && !is_waiting(planner, state, heuristic)) {
+        jp_planner_queue_put(planner, slot, key_of(planner, state, heuristic));
+    } else {
+        jp_planner_queue_remove(planner, slot);
+    }
+}
+
+/** A primitive between two states, seen from one of them. */
+struct edge {
+    const struct jp_primitive *primitive;
+    struct jp_lattice_pose from; /* where the robot starts to drive it */
+    struct jp_lattice_pose other;
+};
+
+/** Range of the primitives that leave a heading, or arrive at it. */
+static unsigned first_edge(const struct jp_lattice *lattice, bool leaving, unsigned heading)
+{
+    return leaving ? lattice->first_from[heading] : lattice->first_to[heading];
+}
+
+/** Edge `index` of a pose. False when its other end is off the map. */
+static bool edge_at(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose, bool leaving,
+                    unsigned index, struct edge *edge)
+{
+    const struct jp_lattice *lattice = planner->config.lattice;
+    const struct jp_primitive *primitive = &lattice->primitives[leaving ? index : lattice->by_end[index]];
+    const int32_t sign = leaving ? 1 : -1;
+    const int32_t x = pose->x + sign * primitive->dx;
+    const int32_t y = pose->y + sign * primitive->dy;
+
+    edge->primitive = primitive;
+    edge->other = (struct jp_lattice_pose){(int16_t)x, (int16_t)y, leaving ? primitive->end : primitive->start};
+    edge->from = leaving ? *pose : edge->other;
+    return jp_terrain_contains(planner->terrain, x, y);
+}
+
+static jp_cost edge_cost(const struct jp_planner_internal *planner, const struct edge *edge)
+{
+    return jp_lattice_cost(planner->config.lattice, planner->config.cost, planner->terrain, edge->primitive,
+                           edge->from.x, edge->from.y);
+}
+
+struct search_predecessor jp_search_predecessor(const struct jp_planner_internal *planner,
+                                                const struct jp_lattice_pose *pose)
+{
+    const struct jp_lattice *lattice = planner->config.lattice;
+    const bool leaving = !jp_search_is_forward(planner);
+    const unsigned end = first_edge(lattice, leaving, pose->heading + 1U);
+    struct search_predecessor best = {JP_COST_MAX, NULL};
+
+    for (unsigned i = first_edge(lattice, leaving, pose->heading); i < end; i++) {
+        struct edge edge;
+        if (!edge_at(planner, pose, leaving, i, &edge)) {
+            continue;
+        }
+        const uint32_t slot =
+            jp_planner_states_find(planner, jp_search_id(planner, edge.other.x, edge.other.y, edge.other.heading));
+        if (slot == NO_SLOT || planner->states[slot].g >= best.cost) {
+            continue;
+        }
+        const jp_cost cost = jp_cost_add((jp_cost)planner->states[slot].g, edge_cost(planner, &edge));
+        if (cost < best.cost) {
+            best = (struct search_predecessor){cost, edge.primitive};
+        }
+    }
+    return best;
+}
+
+static void set_rhs(struct jp_planner_internal *planner, uint32_t slot, const struct jp_lattice_pose *pose, jp_cost rhs)
+{
+    planner->states[slot].rhs = rhs & JP_COST_MAX;
+    update(planner, slot, jp_search_heuristic(planner, pose));
+}
+
+static void recompute(struct jp_planner_internal *planner, uint32_t slot, const struct jp_lattice_pose *pose)
+{
+    if (!jp_search_is_seed(planner, pose)) {
+        set_rhs(planner, slot, pose, jp_search_predecessor(planner, pose).cost);
+    }
+}
+
+/** Tells a neighbour that the state costs less now. */
+static void offer(struct jp_planner_internal *planner, const struct edge *edge, jp_cost g)
+{
+    const uint32_t id = jp_search_id(planner, edge->other.x, edge->other.y, edge->other.heading);
+    const uint32_t known = jp_planner_states_find(planner, id);
+
+    if (known != NO_SLOT && planner->states[known].rhs <= g) {
+        return;
+    }
+    const jp_cost cost = jp_cost_add(g, edge_cost(planner, edge));
+    if (cost == JP_COST_MAX || (known != NO_SLOT && planner->states[known].rhs <= cost)) {
+        return;
+    }
+    set_rhs(planner, known != NO_SLOT ? known : jp_planner_states_add(planner, id), &edge->other, cost);
+}
+
+/** Tells a neighbour that relied on the state that it costs more now. */
+static void withdraw(struct jp_planner_internal *planner, const struct edge *edge, jp_cost old_g)
+{
+    const uint32_t slot =
+        jp_planner_states_find(planner, jp_search_id(planner, edge->other.x, edge->other.y, edge->other.heading));
+
+    if (slot == NO_SLOT || planner->states[slot].rhs < old_g || planner->states[slot].rhs == JP_COST_MAX) {
+        return;
+    }
+    if (planner->states[slot].rhs == jp_cost_add(old_g, edge_cost(planner, edge))) {
+        recompute(planner, slot, &edge->other);
+    }
+}
+
+/** Remembers the state from which least is left to the goal: where a partial route ends. */
+static void note_nearest(struct jp_planner_internal *planner, uint32_t slot, jp_cost heuristic)
+{
+    if (planner->nearest == NO_SLOT || heuristic < planner->nearest_heuristic) {
+        planner->nearest = slot;
+        planner->nearest_heuristic = heuristic;
+    }
+}
+
+static void expand(struct jp_planner_internal *planner, uint32_t slot)
+{
+    const struct jp_lattice *lattice = planner->config.lattice;
+    struct jp_planner_state *state = &planner->states[slot];
+    const struct jp_lattice_pose pose = pose_of(planner, (uint32_t)state->id);
+    const bool leaving = jp_search_is_forward(planner);
+    const bool cheaper = state->g > state->rhs;
+    const jp_cost g = (jp_cost)(cheaper ? state->rhs : state->g);
+    const unsigned end = first_edge(lattice, leaving, pose.heading + 1U);
+    const jp_cost heuristic = jp_search_heuristic(planner, &pose);
+
+    planner->statistics.expansions++;
+    state->g = cheaper ? state->rhs : JP_COST_MAX;
+    state->closed = cheaper;
+    update(planner, slot, heuristic);
+    if (cheaper) {
+        note_nearest(planner, slot, heuristic);
+    }
+    for (unsigned i = first_edge(lattice, leaving, pose.heading); i < end; i++) {
+        struct edge edge;
+        if (!edge_at(planner, &pose, leaving, i, &edge)) {
+            continue;
+        }
+        if (cheaper) {
+            offer(planner, &edge, g);
+        } else {
+            withdraw(planner, &edge, g);
+        }
+    }
+}
+
+uint32_t jp_search_target(const struct jp_planner_internal *planner)
+{
+    uint32_t best = NO_SLOT;
+
+    if (!jp_search_is_forward(planner)) {
+        return jp_planner_states_find(planner, start_id(planner));
+    }
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const uint32_t slot =
+            ((planner->goal.headings >> heading) & 1U) != 0U
+                ? jp_planner_states_find(planner, jp_search_id(planner, planner->goal.x, planner->goal.y, heading))
+                : NO_SLOT;
+        if (slot != NO_SLOT && (best == NO_SLOT || planner->states[slot].g < planner->states[best].g)) {
+            best = slot;
+        }
+    }
+    return best;
+}
+
+/** Key beyond which no state matters to the target. */
+static uint32_t target_key(const struct jp_planner_internal *planner, uint32_t slot)
+{
+    const struct jp_lattice_pose pose = jp_search_pose(planner, slot);
+
+    return (uint32_t)planner->states[slot].g + inflate(planner, jp_search_heuristic(planner, &pose)) +
+           bucket_width(planner);
+}
+
+static bool is_arrived(const struct jp_planner_internal *planner)
+{
+    const uint32_t slot = jp_search_target(planner);
+
+    if (slot == NO_SLOT) {
+        return false;
+    }
+    const struct jp_planner_state *state = &planner->states[slot];
+    return state->g != JP_COST_MAX && state->g == state->rhs &&
+           jp_planner_queue_lowest_key(planner) > target_key(planner, slot);
+}
+
+static bool has_cost(const struct jp_planner_internal *planner, uint32_t slot)
+{
+    return slot != NO_SLOT && planner->states[slot].g != JP_COST_MAX;
+}
+
+static bool is_full(const struct jp_planner_internal *planner)
+{
+    const struct jp_planner_counts *statistics = &planner->statistics;
+
+    return statistics->states_max - statistics->states < planner->neighbours_max;
+}
+
+enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigned *expansions)
+{
+    for (;;) {
+        const uint32_t slot = jp_planner_queue_top(planner);
+
+        if (slot == NO_SLOT) {
+            return has_cost(planner, jp_search_target(planner)) ? SEARCH_FOUND : SEARCH_IMPOSSIBLE;
+        }
+        if (jp_planner_queue_is_beyond_range(planner)) {
+            return SEARCH_RANGE;
+        }
+        if (is_arrived(planner)) {
+            return SEARCH_FOUND;
+        }
+        if (*expansions == 0) {
+            return SEARCH_WORKING;
+        }
+        if (is_full(planner)) {
+            return SEARCH_FULL;
+        }
+        expand(planner, slot);
+        --*expansions;
+    }
+}
+
+static void seed(struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    set_rhs(planner, jp_planner_states_add(planner, jp_search_id(planner, pose->x, pose->y, pose->heading)), pose, 0);
+}
+
+static void seed_all(struct jp_planner_internal *planner)
+{
+    if (jp_search_is_forward(planner)) {
+        seed(planner, &planner->start);
+        return;
+    }
+    for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
+        const struct jp_lattice_pose pose = {planner->goal.x, planner->goal.y, heading};
+        if (jp_search_is_seed(planner, &pose)) {
+            seed(planner, &pose);
+        }
+    }
+}
+
+/** What is left at the seed is about what the target will cost. */
+static uint32_t expected_range(const struct jp_planner_internal *planner)
+{
+    const struct jp_lattice_pose goal = {planner->goal.x, planner->goal.y, planner->start.heading};
+
+    return inflate(planner, jp_search_heuristic(planner, jp_search_is_forward(planner) ? &planner->start : &goal)) *
+           RANGE_PER_TARGET;
+}
+
+void jp_search_start(struct jp_planner_internal *planner)
+{
+    jp_planner_states_clear(planner);
+    planner->nearest = NO_SLOT;
+    planner->rekey_slot = planner->slot_count;
+    jp_planner_queue_restart(planner, expected_range(planner));
+    seed_all(planner);
+}
+
+void jp_search_rekey(struct jp_planner_internal *planner, bool widen)
+{
+    const uint32_t range = widen ? (planner->bucket_count - 1) << (planner->bucket_shift + 1) : expected_range(planner);
+
+    jp_planner_queue_restart(planner, range);
+    planner->rekey_slot = 0;
+}
+
+bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots)
+{
+    for (; *slots > 0U && planner->rekey_slot < planner->slot_count; --*slots) {
+        const uint32_t slot = planner->rekey_slot;
+        struct jp_planner_state *state = &planner->states[slot];
+
+        planner->rekey_slot++;
+        state->queued = 0;
+        state->closed = 0;
+        if (state->used && state->g != state->rhs) {
+            const struct jp_lattice_pose pose = jp_search_pose(planner, slot);
+            update(planner, slot, jp_search_heuristic(planner, &pose));
+        }
+    }
+    return planner->rekey_slot == planner->slot_count;
+}
+
+void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_cell_box *box)
+{
+    for (int32_t y = box->first_y; y <= box->last_y; y++) {
+        for (int32_t x = box->first_x; x <= box->last_x; x++) {
+            for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
+                const struct jp_lattice_pose pose = {(int16_t)x, (int16_t)y, heading};
+                const uint32_t slot = jp_planner_states_find(planner, jp_search_id(planner, x, y, heading));
+                if (slot != NO_SLOT) {
+                    update(planner, slot, jp_search_heuristic(planner, &pose));
+                }
+            }
+        }
+    }
+}
+
+bool jp_search_repair(struct jp_planner_internal *planner, uint32_t id, bool may_be_cheaper)
+{
+    const struct jp_lattice_pose pose = pose_of(planner, id);
+    const uint32_t slot = jp_planner_states_find(planner, id);
+
+    if (slot != NO_SLOT) {
+        recompute(planner, slot, &pose);
+        return true;
+    }
+    if (!may_be_cheaper) {
+        return true;
+    }
+    const jp_cost cost = jp_search_predecessor(planner, &pose).cost;
+    if (cost == JP_COST_MAX) {
+        return true;
+    }
+    const uint32_t added = jp_planner_states_add(planner, id);
+    if (added == NO_SLOT) {
+        return false;
+    }
+    set_rhs(planner, added, &pose, cost);
+    return true;
+}

@@ -1,0 +1,67 @@
+/** AD* on the states of a planner: one search from a seed (the goal, or the robot) to a target. */
+#ifndef JOULEPATH_SEARCH_PLANNER_SEARCH_H
+#define JOULEPATH_SEARCH_PLANNER_SEARCH_H
+
+#include <joulepath/planner.h>
+
+enum search_result {
+    SEARCH_WORKING,
+    SEARCH_FOUND,      /* the target's cost is within ε of the optimum */
+    SEARCH_IMPOSSIBLE, /* no route leads to the target */
+    SEARCH_FULL,       /* the next expansion may not fit the table */
+    SEARCH_RANGE       /* the queue needs a wider range */
+};
+
+/** The search is optimal when it ends: the energy field's bound steers it, with ε = 1. */
+static inline bool jp_search_is_exact(const struct jp_planner_internal *planner)
+{
+    return planner->field_use == JP_FIELD_STEERS;
+}
+
+static inline bool jp_search_is_forward(const struct jp_planner_internal *planner)
+{
+    return planner->direction == JP_PLANNER_FROM_ROBOT;
+}
+
+/** Forgets everything and seeds the search. The field must have grown. */
+void jp_search_start(struct jp_planner_internal *planner);
+
+/** Starts to sort the queue anew, for planner->epsilon; `widen` doubles its range. */
+void jp_search_rekey(struct jp_planner_internal *planner, bool widen);
+
+/** Goes on sorting; *slots counts down. True when done. */
+bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots);
+
+/** Expands states; *expansions counts down to 0. */
+enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigned *expansions);
+
+/** Repairs a state whose outgoing primitives have changed. False when the table is full. */
+bool jp_search_repair(struct jp_planner_internal *planner, uint32_t id, bool may_be_cheaper);
+
+/** Sorts the states of some cells anew, whose bounds have fallen. */
+void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_cell_box *box);
+
+/** State where the search has arrived: the robot's, or the cheapest of the goal's; NO_SLOT when it has not. */
+uint32_t jp_search_target(const struct jp_planner_internal *planner);
+
+/** How a state is reached from the seed at least cost, by what its neighbours know. */
+struct search_predecessor {
+    jp_cost cost;                         /* of the state by this neighbour; JP_COST_MAX: there is none */
+    const struct jp_primitive *primitive; /* between the two; the robot drives it away from the seed when the search
+                                             runs forward, else towards it */
+};
+
+struct search_predecessor jp_search_predecessor(const struct jp_planner_internal *planner,
+                                                const struct jp_lattice_pose *pose);
+
+/** True at a state with cost 0: the goal's, or the robot's when searching forward. */
+bool jp_search_is_seed(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
+
+struct jp_lattice_pose jp_search_pose(const struct jp_planner_internal *planner, uint32_t slot);
+
+/** Heuristic, the cost between a state and the target: a bound in an exact search, else the guide's estimate. */
+jp_cost jp_search_heuristic(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
+
+uint32_t jp_search_id(const struct jp_planner_internal *planner, int32_t x, int32_t y, unsigned heading);
+
+#endif

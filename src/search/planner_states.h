@@ -1,0 +1,56 @@
+/** The states of a planner: an open-addressed hash table, and the queue of those to be worked on as lists in it. */
+#ifndef JOULEPATH_SEARCH_PLANNER_STATES_H
+#define JOULEPATH_SEARCH_PLANNER_STATES_H
+
+#include <joulepath/planner.h>
+
+/** No slot, in links and results. */
+#define NO_SLOT ((uint32_t)0xFFFFF)
+
+/** A state of the search: 16 bytes. A slot that is not used is all zero. */
+struct jp_planner_state {
+    uint64_t id : 24; /**< cell · JP_HEADINGS + heading */
+    uint64_t previous : 20;
+    uint64_t next : 20;
+    uint64_t g : 24;   /**< cost that its neighbours know of */
+    uint64_t rhs : 24; /**< cost by its neighbours */
+    uint64_t bucket : 12;
+    uint64_t used : 1;
+    uint64_t queued : 1;
+    uint64_t closed : 1; /**< expanded under this ε; not again before the next */
+};
+
+/** Lays out `size` bytes as slots and buckets. */
+void jp_planner_states_init(struct jp_planner_internal *planner, void *block, size_t size);
+
+/** Bytes that `count` states need, everything counted. */
+size_t jp_planner_states_size(uint32_t count);
+
+/** Forgets all states. */
+void jp_planner_states_clear(struct jp_planner_internal *planner);
+
+/** Slot of a state, or NO_SLOT. */
+uint32_t jp_planner_states_find(const struct jp_planner_internal *planner, uint32_t id);
+
+/** Slot of a state that is made, with no cost known, unless it is there; NO_SLOT when the table is full. */
+uint32_t jp_planner_states_add(struct jp_planner_internal *planner, uint32_t id);
+
+/** Empties the queue; its keys will range over 0…range. States are taken into it by jp_search_rekey_work(). */
+void jp_planner_queue_restart(struct jp_planner_internal *planner, uint32_t range);
+
+/** Puts a state into the queue, or elsewhere in it. */
+void jp_planner_queue_put(struct jp_planner_internal *planner, uint32_t slot, uint32_t key);
+
+/** Takes a state out of the queue if it is in. */
+void jp_planner_queue_remove(struct jp_planner_internal *planner, uint32_t slot);
+
+/** Slot of a state with about the lowest key, or NO_SLOT. */
+uint32_t jp_planner_queue_top(struct jp_planner_internal *planner);
+
+/** No key in the queue is below it; valid after jp_planner_queue_top(). */
+uint32_t jp_planner_queue_lowest_key(const struct jp_planner_internal *planner);
+
+/** True when keys that the queue cannot tell apart have come to its head: restart it with a wider range. */
+bool jp_planner_queue_is_beyond_range(const struct jp_planner_internal *planner);
+
+#endif

@@ -1,0 +1,199 @@
+/**
+ * Dijkstra over all states of a lattice on a small map, in double precision, with a map, swept cells and costs of its
+ * own: what the planner's answers are compared with.
+ */
+#ifndef JOULEPATH_TESTS_SUPPORT_PLANNER_ORACLE_H
+#define JOULEPATH_TESTS_SUPPORT_PLANNER_ORACLE_H
+
+#include <joulepath/planner.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    ORACLE_SIDE_MAX = 48,
+    ORACLE_MARGIN = 2 * JP_SWEEP_REACH, /* blocked cells round the map, so that no look-up leaves the arrays */
+    ORACLE_STRIDE = ORACLE_SIDE_MAX + 2 * ORACLE_MARGIN,
+    ORACLE_CELLS = ORACLE_STRIDE * ORACLE_STRIDE,
+    ORACLE_STATES = ORACLE_SIDE_MAX * ORACLE_SIDE_MAX * JP_HEADINGS,
+    ORACLE_PRIMITIVES = 256,
+    ORACLE_SWEPT = 1 << 15,
+    ORACLE_HEAP = ORACLE_STATES * 12
+};
+
+struct oracle_map {
+    int width;
+    int height;
+    bool is_blocked[ORACLE_CELLS];
+    int elevation[ORACLE_CELLS];
+};
+
+struct oracle_entry {
+    double cost;
+    int state;
+};
+
+struct oracle {
+    const struct jp_lattice *lattice;
+    enum jp_cost_kind kind;
+    int swept[ORACLE_SWEPT]; /* cells of each primitive, as offsets in a map */
+    int first_swept[ORACLE_PRIMITIVES + 1];
+    double distance[ORACLE_STATES];
+    struct oracle_entry heap[ORACLE_HEAP];
+    int heap_count;
+};
+
+static inline int oracle_cell(int x, int y)
+{
+    return (y + ORACLE_MARGIN) * ORACLE_STRIDE + x + ORACLE_MARGIN;
+}
+
+static inline int oracle_state(const struct oracle_map *map, int x, int y, int heading)
+{
+    return (y * map->width + x) * JP_HEADINGS + heading;
+}
+
+/** All blocked, at elevation 0. */
+static inline void oracle_map_clear(struct oracle_map *map, int width, int height)
+{
+    map->width = width;
+    map->height = height;
+    memset(map->elevation, 0, sizeof map->elevation);
+    memset(map->is_blocked, 1, sizeof map->is_blocked);
+}
+
+/** Writes out the swept cells of every primitive once. */
+static inline void oracle_init(struct oracle *oracle, const struct jp_lattice *lattice, enum jp_cost_kind kind)
+{
+    int count = 0;
+
+    oracle->lattice = lattice;
+    oracle->kind = kind;
+    for (int i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        oracle->first_swept[i] = count;
+        for (int k = 0; k < primitive->span_count; k++) {
+            const struct jp_span *span = &lattice->spans[primitive->first_span + k];
+            for (int x = span->first; x <= span->last; x++) {
+                oracle->swept[count++] = span->y * ORACLE_STRIDE + x;
+            }
+        }
+        oracle->first_swept[i + 1] = count;
+    }
+}
+
+/** The polynomial in 2⁻¹⁶ units, rounded down, at least the floor. */
+static inline double oracle_move_cost(const struct jp_slope_cost *cost, int rise)
+{
+    if (abs(rise) > cost->rise_max) {
+        return INFINITY;
+    }
+    const struct jp_polynomial *side = rise < cost->bend ? &cost->descend : &cost->climb;
+    const int64_t exact = side->constant + (int64_t)side->linear * rise + (int64_t)side->quadratic * rise * rise;
+    return fmax(floor((double)exact / 65536.0), cost->floor);
+}
+
+/** Cost of a primitive from (x, y); INFINITY when it cannot be driven. */
+static inline double oracle_edge(const struct oracle *oracle, const struct oracle_map *map, int primitive, int x, int y)
+{
+    static const int kinds[JP_MOVE_DIRECTIONS] = {0, 1, 2, 1, 0, 1, 2, 1, 0, 1, 2, 1, 0, 1, 2, 1};
+    static const int steps[JP_MOVE_DIRECTIONS][2] = {{1, 0},  {2, 1},  {1, 1},  {1, 2},   {0, 1},   {-1, 2},
+                                                     {-1, 1}, {-2, 1}, {-1, 0}, {-2, -1}, {-1, -1}, {-1, -2},
+                                                     {0, -1}, {1, -2}, {1, -1}, {2, -1}};
+    const struct jp_primitive *p = &oracle->lattice->primitives[primitive];
+    int cell = oracle_cell(x, y);
+
+    for (int i = oracle->first_swept[primitive]; i < oracle->first_swept[primitive + 1]; i++) {
+        if (map->is_blocked[cell + oracle->swept[i]]) {
+            return INFINITY;
+        }
+    }
+    double cost = p->base[oracle->kind];
+    for (int i = 0; i < p->move_count; i++) {
+        const int direction = oracle->lattice->moves[p->first_move + i];
+        const int next = cell + steps[direction][1] * ORACLE_STRIDE + steps[direction][0];
+        cost += oracle_move_cost(&oracle->lattice->move_costs[oracle->kind][kinds[direction]],
+                                 map->elevation[next] - map->elevation[cell]);
+        cell = next;
+    }
+    return cost;
+}
+
+static inline void oracle_push(struct oracle *oracle, double cost, int state)
+{
+    int i = oracle->heap_count++;
+
+    for (; i > 0 && oracle->heap[(i - 1) / 2].cost > cost; i = (i - 1) / 2) {
+        oracle->heap[i] = oracle->heap[(i - 1) / 2];
+    }
+    oracle->heap[i] = (struct oracle_entry){cost, state};
+}
+
+static inline struct oracle_entry oracle_pop(struct oracle *oracle)
+{
+    const struct oracle_entry top = oracle->heap[0];
+    const struct oracle_entry last = oracle->heap[--oracle->heap_count];
+    int i = 0;
+
+    for (int child = 1; child < oracle->heap_count; child = 2 * i + 1) {
+        if (child + 1 < oracle->heap_count && oracle->heap[child + 1].cost < oracle->heap[child].cost) {
+            child++;
+        }
+        if (oracle->heap[child].cost >= last.cost) {
+            break;
+        }
+        oracle->heap[i] = oracle->heap[child];
+        i = child;
+    }
+    oracle->heap[i] = last;
+    return top;
+}
+
+static inline void oracle_expand(struct oracle *oracle, const struct oracle_map *map, int state)
+{
+    const int heading = state % JP_HEADINGS;
+    const int x = state / JP_HEADINGS % map->width;
+    const int y = state / JP_HEADINGS / map->width;
+
+    for (int i = oracle->lattice->first_from[heading]; i < oracle->lattice->first_from[heading + 1]; i++) {
+        const struct jp_primitive *p = &oracle->lattice->primitives[i];
+        const double cost = oracle->distance[state] + oracle_edge(oracle, map, i, x, y);
+        if (isinf(cost)) {
+            continue; /* also when the end is off the map, as the robot stands on it */
+        }
+        const int next = oracle_state(map, x + p->dx, y + p->dy, p->end);
+        if (cost < oracle->distance[next]) {
+            oracle->distance[next] = cost;
+            oracle_push(oracle, cost, next);
+        }
+    }
+}
+
+/** Cost of the cheapest route to the goal; INFINITY when there is none. Without a goal the distances of all states are
+ *  found. */
+static inline double oracle_shortest(struct oracle *oracle, const struct oracle_map *map,
+                                     const struct jp_lattice_pose *start, const struct jp_goal *goal)
+{
+    const int first = oracle_state(map, start->x, start->y, start->heading);
+
+    for (int i = 0; i < map->width * map->height * JP_HEADINGS; i++) {
+        oracle->distance[i] = INFINITY;
+    }
+    oracle->heap_count = 0;
+    oracle->distance[first] = 0;
+    oracle_push(oracle, 0, first);
+    while (oracle->heap_count > 0) {
+        const struct oracle_entry top = oracle_pop(oracle);
+        if (top.cost > oracle->distance[top.state]) {
+            continue;
+        }
+        if (goal != NULL && top.state / JP_HEADINGS == goal->y * map->width + goal->x &&
+            (goal->headings >> top.state % JP_HEADINGS & 1) != 0) {
+            return top.cost;
+        }
+        oracle_expand(oracle, map, top.state);
+    }
+    return INFINITY;
+}
+
+#endif

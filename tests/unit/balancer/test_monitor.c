@@ -1,0 +1,343 @@
+/* The monitor: configuration, each limit on both sides, replacement, confirmation, freezing, motor residuals. */
+#include <joulepath/monitor.h>
+#include <joulepath/robot.h>
+#include <joulepath/tables.h>
+
+#include "tests/support/config_check.h"
+#include "unity.h"
+
+static struct jp_monitor_config config;
+static struct jp_monitor monitor;
+static struct jp_sensors good;
+static struct jp_sensors sensors;
+
+void setUp(void)
+{
+    config = jp_robot_courier24.monitor;
+    config.freeze_ticks = 0;
+    good = (struct jp_sensors){.encoder_left = 0xFFFFFFF0U,
+                               .encoder_right = 5,
+                               .pitch_rate = 11,
+                               .yaw_rate = 12,
+                               .accel_x = 13,
+                               .accel_z = JP_Q24_ONE,
+                               .current_left = 14,
+                               .current_right = 15,
+                               .bus_voltage = JP_Q16(24)};
+    jp_monitor_start(&monitor, &config);
+}
+
+void tearDown(void)
+{
+}
+
+static uint16_t check(enum jp_status read)
+{
+    return jp_monitor_sensors(&monitor, &config, read, &sensors);
+}
+
+/** A plausible frame that differs from the last one in all channels of the IMU. */
+static void see_good(void)
+{
+    good.pitch_rate ^= 1;
+    good.yaw_rate ^= 1;
+    good.accel_x ^= 1;
+    good.accel_z ^= 1;
+    sensors = good;
+    TEST_ASSERT_EQUAL_UINT16(0, check(JP_OK));
+    TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
+}
+
+DEFINE_EXPECT_CONFIG(monitor)
+
+static void test_checks_every_field_at_its_limits(void)
+{
+    config = jp_robot_courier24.monitor;
+    expect_config(NULL);
+    FIELD(tilt_limit, JP_Q24(0.01) - 1, "monitor.tilt_limit");
+    FIELD(tilt_limit, JP_Q24(0.01), NULL);
+    FIELD(tilt_limit, JP_Q24(0.25), NULL);
+    FIELD(tilt_limit, JP_Q24(0.25) + 1, "monitor.tilt_limit");
+    FIELD(gyro_limit, 0, "monitor.gyro_limit");
+    FIELD(gyro_limit, 1, NULL);
+    FIELD(gyro_jump, 0, "monitor.gyro_jump");
+    FIELD(gyro_jump, 1, NULL);
+    FIELD(accel_limit, JP_Q24_ONE, "monitor.accel_limit");
+    FIELD(accel_limit, JP_Q24_ONE + 1, NULL);
+    FIELD(encoder_jump, 0, "monitor.encoder_jump");
+    FIELD(encoder_jump, 1, NULL);
+    FIELD(encoder_jump, INT32_MAX, NULL);
+    FIELD(encoder_jump, (uint32_t)INT32_MAX + 1U, "monitor.encoder_jump");
+    FIELD(current_limit, 0, "monitor.current_limit");
+    FIELD(current_limit, 1, NULL);
+    FIELD(voltage_min, 0, "monitor.voltage_min");
+    FIELD(voltage_min, 1, NULL);
+    FIELD(voltage_max, config.voltage_min, "monitor.voltage_max");
+    FIELD(voltage_max, config.voltage_min + 1, NULL);
+    FIELD(voltage_max, JP_Q16(1000), NULL);
+    FIELD(voltage_max, JP_Q16(1000) + 1, "monitor.voltage_max");
+    FIELD(motor_resistance, JP_Q16(0.01) - 1, "monitor.motor_resistance");
+    FIELD(motor_resistance, JP_Q16(0.01), NULL);
+    FIELD(motor_resistance, JP_Q16(256), NULL);
+    FIELD(motor_resistance, JP_Q16(256) + 1, "monitor.motor_resistance");
+    FIELD(back_emf, 0, "monitor.back_emf");
+    FIELD(back_emf, 1, NULL);
+    FIELD(back_emf, JP_Q16(256) - 1, NULL);
+    FIELD(back_emf, JP_Q16(256), "monitor.back_emf");
+    FIELD(half_track, 0, "monitor.half_track");
+    FIELD(half_track, 1, NULL);
+    FIELD(half_track, JP_Q16(64), NULL);
+    FIELD(half_track, JP_Q16(64) + 1, "monitor.half_track");
+    FIELD(wheel_rate_limit, 0, "monitor.wheel_rate_limit");
+    FIELD(wheel_rate_limit, 1, NULL);
+    FIELD(current_residual, 0, "monitor.current_residual");
+    FIELD(current_residual, 1, NULL);
+    FIELD(confirm_ticks, 0, "monitor.confirm_ticks");
+    FIELD(confirm_ticks, 1, NULL);
+    FIELD(freeze_ticks, 0, NULL);
+    FIELD(freeze_ticks, UINT16_MAX, NULL);
+    FIELD(residual_ticks, 0, "monitor.residual_ticks");
+    FIELD(residual_ticks, 1, NULL);
+}
+
+/** The frame in `sensors` is not taken and, with the third, its fault confirmed; a good one clears it. */
+static void expect_fault(uint16_t fault)
+{
+    const struct jp_sensors bad = sensors;
+
+    for (int tick = 1; tick <= 5; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : fault, check(JP_OK));
+        TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
+    }
+    see_good();
+    sensors = bad;
+    TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK)); /* the count began anew */
+    see_good();
+}
+
+static void expect_plausible(void)
+{
+    TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+    TEST_ASSERT_EQUAL_MEMORY(&sensors, &monitor.good, sizeof sensors);
+    see_good();
+}
+
+#define BEYOND(member, value, fault)                                                                                   \
+    do {                                                                                                               \
+        sensors = good;                                                                                                \
+        sensors.member = (value);                                                                                      \
+        expect_fault(fault);                                                                                           \
+    } while (0)
+
+#define WITHIN(member, value)                                                                                          \
+    do {                                                                                                               \
+        sensors = good;                                                                                                \
+        sensors.member = (value);                                                                                      \
+        expect_plausible();                                                                                            \
+    } while (0)
+
+static void test_ranges(void)
+{
+    config.gyro_jump = INT32_MAX;
+    see_good();
+    WITHIN(pitch_rate, config.gyro_limit);
+    WITHIN(pitch_rate, -config.gyro_limit);
+    WITHIN(yaw_rate, config.gyro_limit);
+    WITHIN(accel_x, config.accel_limit);
+    WITHIN(accel_z, -config.accel_limit);
+    WITHIN(current_left, config.current_limit);
+    WITHIN(current_right, -config.current_limit);
+    WITHIN(bus_voltage, config.voltage_min);
+    WITHIN(bus_voltage, config.voltage_max);
+    BEYOND(pitch_rate, config.gyro_limit + 1, JP_FAULT_IMU_RANGE);
+    BEYOND(pitch_rate, -config.gyro_limit - 1, JP_FAULT_IMU_RANGE);
+    BEYOND(yaw_rate, config.gyro_limit + 1, JP_FAULT_IMU_RANGE);
+    BEYOND(yaw_rate, INT32_MIN, JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP);
+    BEYOND(accel_x, config.accel_limit + 1, JP_FAULT_IMU_RANGE);
+    BEYOND(accel_z, -config.accel_limit - 1, JP_FAULT_IMU_RANGE);
+    BEYOND(accel_z, INT32_MIN, JP_FAULT_IMU_RANGE);
+    BEYOND(current_left, config.current_limit + 1, JP_FAULT_CURRENT_RANGE);
+    BEYOND(current_right, -config.current_limit - 1, JP_FAULT_CURRENT_RANGE);
+    BEYOND(bus_voltage, config.voltage_min - 1, JP_FAULT_BUS_VOLTAGE);
+    BEYOND(bus_voltage, config.voltage_max + 1, JP_FAULT_BUS_VOLTAGE);
+}
+
+static void test_jumps(void)
+{
+    see_good();
+    WITHIN(pitch_rate, good.pitch_rate + config.gyro_jump - 1);
+    WITHIN(yaw_rate, good.yaw_rate - config.gyro_jump + 1);
+    WITHIN(encoder_left, good.encoder_left + config.encoder_jump); /* across the wrap */
+    WITHIN(encoder_right, good.encoder_right - config.encoder_jump);
+    BEYOND(pitch_rate, good.pitch_rate + config.gyro_jump + 2, JP_FAULT_IMU_JUMP);
+    BEYOND(yaw_rate, good.yaw_rate - config.gyro_jump - 2, JP_FAULT_IMU_JUMP);
+    BEYOND(encoder_left, good.encoder_left + config.encoder_jump + 1U, JP_FAULT_ENCODER_JUMP);
+    BEYOND(encoder_right, good.encoder_right - config.encoder_jump - 1U, JP_FAULT_ENCODER_JUMP);
+    BEYOND(encoder_left, good.encoder_left + 0x80000000U, JP_FAULT_ENCODER_JUMP);
+}
+
+static void test_first_frame_cannot_jump(void)
+{
+    sensors = good;
+    sensors.pitch_rate = config.gyro_limit;
+    sensors.encoder_left = 0x80000000U;
+    TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+    TEST_ASSERT_TRUE(monitor.started);
+}
+
+static void test_bad_first_frames_do_not_start(void)
+{
+    for (int tick = 1; tick <= 4; tick++) {
+        sensors = good;
+        sensors.bus_voltage = 0;
+        TEST_ASSERT_EQUAL_HEX16(tick < 3 ? 0 : JP_FAULT_BUS_VOLTAGE, check(JP_OK));
+        TEST_ASSERT_FALSE(monitor.started);
+    }
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, check(JP_ERR_HARDWARE));
+    TEST_ASSERT_FALSE(monitor.started);
+    see_good();
+    TEST_ASSERT_TRUE(monitor.started);
+}
+
+static void test_failed_read_repeats_the_last_good_frame(void)
+{
+    see_good();
+    for (int tick = 1; tick <= 4; tick++) {
+        sensors = (struct jp_sensors){.pitch_rate = INT32_MAX};
+        TEST_ASSERT_EQUAL_HEX16(tick < 3 ? 0 : JP_FAULT_HARDWARE, check(JP_ERR_HARDWARE));
+        TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
+    }
+    see_good();
+}
+
+static void test_several_faults_at_once(void)
+{
+    config.confirm_ticks = 1;
+    see_good();
+    sensors.pitch_rate = INT32_MAX;
+    sensors.current_left = INT32_MIN;
+    sensors.bus_voltage = 0;
+    sensors.encoder_left += 0x40000000U;
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP | JP_FAULT_CURRENT_RANGE | JP_FAULT_BUS_VOLTAGE |
+                                JP_FAULT_ENCODER_JUMP,
+                            check(JP_OK));
+}
+
+static void test_start_forgets(void)
+{
+    see_good();
+    sensors.encoder_left += 0x40000000U;
+    (void)check(JP_OK);
+    jp_monitor_start(&monitor, &config);
+    good.encoder_left += 0x40000000U;
+    see_good();
+}
+
+#define FREEZE(member)                                                                                                 \
+    do {                                                                                                               \
+        jp_monitor_start(&monitor, &config);                                                                           \
+        see_good();                                                                                                    \
+        for (int tick = 1; tick <= 4; tick++) {                                                                        \
+            struct jp_sensors last = good;                                                                             \
+            good.pitch_rate ^= 1;                                                                                      \
+            good.yaw_rate ^= 1;                                                                                        \
+            good.accel_x ^= 1;                                                                                         \
+            good.accel_z ^= 1;                                                                                         \
+            good.member = last.member;                                                                                 \
+            sensors = good;                                                                                            \
+            TEST_ASSERT_EQUAL_HEX16(tick < 3 ? 0 : JP_FAULT_IMU_FROZEN, check(JP_OK));                                 \
+        }                                                                                                              \
+        see_good();                                                                                                    \
+    } while (0)
+
+static void test_a_current_must_not_exceed_the_arithmetic(void)
+{
+    config.motor_resistance = JP_Q16(64);
+    FIELD(current_limit, JP_Q16(511), NULL);
+    config.motor_resistance = JP_Q16(64);
+    FIELD(current_limit, JP_Q16(512), "monitor.current_limit");
+}
+
+static void test_each_channel_of_the_imu_can_freeze(void)
+{
+    config.freeze_ticks = 3;
+    FREEZE(pitch_rate);
+    FREEZE(yaw_rate);
+    FREEZE(accel_x);
+    FREEZE(accel_z);
+}
+
+static void test_freezing_can_be_off(void)
+{
+    see_good();
+    for (int i = 0; i < 1000; i++) {
+        TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+    }
+}
+
+static uint16_t motors(jp_q16 left_volts, jp_q16 right_volts, jp_q24 wheel_rate, jp_q24 yaw_rate)
+{
+    const struct jp_voltages voltages = {left_volts, right_volts, false};
+
+    monitor.good = sensors;
+
+    return jp_monitor_motors(&monitor, &config, &voltages, wheel_rate, yaw_rate);
+}
+
+static void test_currents_that_fit_never_contradict(void)
+{
+    /* 10 V at 2 turn/s: (10 − 2 · 2.6507)/4 A; the right wheel turns faster by 2 · 1.6667 · 0.3. */
+    sensors.current_left = JP_Q16((10 - 1.5 * 2.650719) / 4);
+    sensors.current_right = JP_Q16((10 - 2.5 * 2.650719) / 4);
+    config.current_residual = JP_Q16(0.001);
+    jp_monitor_start(&monitor, &config);
+    for (int i = 0; i < 200; i++) {
+        TEST_ASSERT_EQUAL_HEX16(0, motors(JP_Q16(10), JP_Q16(10), JP_Q24(2), JP_Q24(0.3)));
+    }
+}
+
+static void test_stopped_encoder_contradicts_its_current(void)
+{
+    config.wheel_rate_limit = JP_Q24(10);
+    /* At 5 turn/s 14 V give 0.19 A; from a stopped encoder 3.5 A would be expected. */
+    sensors.current_left = JP_Q16(0.19);
+    sensors.current_right = JP_Q16(0.19);
+    for (int tick = 1; tick <= 60; tick++) {
+        /* The left encoder stands: half the mean rate, and a turn to the left. */
+        TEST_ASSERT_EQUAL_HEX16(tick < config.residual_ticks ? 0 : JP_FAULT_ENCODER_LEFT,
+                                motors(JP_Q16(14), JP_Q16(14), JP_Q24(2.5), JP_Q24(2.5 / 1.666667)));
+    }
+    TEST_ASSERT_EQUAL_HEX16(0, motors(JP_Q16(14), JP_Q16(14), JP_Q24(5), 0));
+    for (int tick = 1; tick <= 60; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(tick < config.residual_ticks ? 0 : JP_FAULT_ENCODER_RIGHT,
+                                motors(JP_Q16(14), JP_Q16(14), JP_Q24(2.5), JP_Q24(-2.5 / 1.666667)));
+    }
+}
+
+static void test_residual_at_its_limit(void)
+{
+    config.residual_ticks = 1;
+    sensors.current_left = config.current_residual;
+    sensors.current_right = -config.current_residual;
+    TEST_ASSERT_EQUAL_HEX16(0, motors(0, 0, 0, 0));
+    sensors.current_left++;
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_LEFT, motors(0, 0, 0, 0));
+    sensors.current_left--;
+    sensors.current_right--;
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_RIGHT, motors(0, 0, 0, 0));
+}
+
+static void test_runaway_on_both_sides_of_its_limit(void)
+{
+    config.current_residual = JP_Q16(1000);
+    jp_monitor_start(&monitor, &config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int tick = 1; tick <= 10; tick++) {
+            TEST_ASSERT_EQUAL_HEX16(0, motors(0, 0, sign * config.wheel_rate_limit, 0));
+        }
+        for (int tick = 1; tick <= 10; tick++) {
+            TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_OVERSPEED,
+                                    motors(0, 0, sign * (config.wheel_rate_limit + 1), 0));
+        }
+    }
+}

@@ -1,0 +1,138 @@
+/* The energy meter: configuration, both definitions, recuperation, the ends of the range. */
+#include <joulepath/meter.h>
+#include <joulepath/robot.h>
+#include <joulepath/tables.h>
+
+#include "tests/support/config_check.h"
+#include "unity.h"
+
+#define JOULE ((int64_t)1 << 32)
+
+static struct jp_meter_config config;
+static struct jp_meter meter;
+
+void setUp(void)
+{
+    config = (struct jp_meter_config){.tick_rate = 1024, .motor_resistance = JP_Q16(4)};
+}
+
+void tearDown(void)
+{
+}
+
+static void start(void)
+{
+    jp_meter_start(&meter, &config);
+}
+
+static void update(jp_q16 left, jp_q16 right, jp_q16 current_left, jp_q16 current_right)
+{
+    const struct jp_voltages voltages = {left, right, false};
+    const struct jp_sensors sensors = {.current_left = current_left, .current_right = current_right};
+
+    jp_meter_update(&meter, &voltages, &sensors);
+}
+
+DEFINE_EXPECT_CONFIG(meter)
+
+static void test_checks_every_field_at_its_limits(void)
+{
+    config = jp_robot_courier24.meter;
+    expect_config(NULL);
+    FIELD(tick_rate, 99, "meter.tick_rate");
+    FIELD(tick_rate, 100, NULL);
+    FIELD(tick_rate, 10000, NULL);
+    FIELD(tick_rate, 10001, "meter.tick_rate");
+    FIELD(motor_resistance, JP_Q16(256), NULL);
+    FIELD(motor_resistance, JP_Q16(256) + 1, "meter.motor_resistance");
+    FIELD(motor_resistance, JP_Q16(0.064) + 1, NULL); /* 64 Ω/s at 1 kHz */
+    FIELD(motor_resistance, JP_Q16(0.064) - 1, "meter.motor_resistance");
+    config.tick_rate = 10000;
+    FIELD(motor_resistance, JP_Q16(0.01), NULL);
+    config.tick_rate = 10000;
+    FIELD(motor_resistance, JP_Q16(0.01) - 1, "meter.motor_resistance");
+    FIELD(electronics_power, -1, "meter.electronics_power");
+    FIELD(electronics_power, 0, NULL);
+    FIELD(electronics_power, JP_Q16(256), NULL);
+    FIELD(electronics_power, JP_Q16(256) + 1, "meter.electronics_power");
+}
+
+static void test_both_definitions(void)
+{
+    config.electronics_power = JP_Q16(2);
+    start();
+    for (int i = 0; i < 1024; i++) {
+        update(JP_Q16(6), JP_Q16(-2), JP_Q16(0.5), JP_Q16(-0.25));
+    }
+    TEST_ASSERT_EQUAL_INT64(12 * JOULE, meter.model);              /* (36 + 4)/4 + 2 */
+    TEST_ASSERT_EQUAL_INT64(5 * JOULE + JOULE / 2, meter.battery); /* 3 + 0.5 + 2 */
+}
+
+static void test_braking_returns_energy(void)
+{
+    start();
+    for (int i = 0; i < 1024; i++) {
+        update(JP_Q16(6), JP_Q16(6), JP_Q16(-0.5), JP_Q16(-0.5));
+    }
+    TEST_ASSERT_EQUAL_INT64(-6 * JOULE, meter.battery);
+    TEST_ASSERT_EQUAL_INT64(18 * JOULE, meter.model);
+}
+
+static void test_start_empties(void)
+{
+    start();
+    update(JP_Q16(6), 0, JP_Q16(1), 0);
+    start();
+    TEST_ASSERT_EQUAL_INT64(0, meter.model);
+    TEST_ASSERT_EQUAL_INT64(0, meter.battery);
+}
+
+static void test_electronics_alone(void)
+{
+    config = jp_robot_courier24.meter;
+    start();
+    for (int i = 0; i < 10000; i++) {
+        update(0, 0, 0, 0);
+    }
+    TEST_ASSERT_INT64_WITHIN(5000, 40 * JOULE, meter.model); /* half a step a tick */
+    TEST_ASSERT_EQUAL_INT64(meter.model, meter.battery);
+}
+
+static void test_small_voltages_count(void)
+{
+    /* 2⁻¹⁰ V on 1/16 Ω at 1 024 Hz: 2⁻²⁶ J a tick. */
+    config.motor_resistance = JP_Q16_ONE / 16;
+    start();
+    update(64, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT64(64, meter.model);
+}
+
+static void test_greatest_voltages_and_currents(void)
+{
+    config = (struct jp_meter_config){.tick_rate = 100, .motor_resistance = JP_Q16(0.64), .electronics_power = 0};
+    config.motor_resistance++;
+    start();
+    update(JP_Q16(1024), JP_Q16(-1024), JP_Q16(1024), JP_Q16(-1024));
+    TEST_ASSERT_INT64_WITHIN(JOULE, (int64_t)32767 * JOULE, meter.model);
+    TEST_ASSERT_INT64_WITHIN(JOULE / 100, (int64_t)2097152 * JOULE / 100, meter.battery);
+    update(JP_Q16(1024), JP_Q16(-1024), JP_Q16(-1024), JP_Q16(1024));
+    TEST_ASSERT_INT64_WITHIN(4, 0, meter.battery);
+
+    config = (struct jp_meter_config){.tick_rate = 128, .motor_resistance = JP_Q16(0.5)}; /* 64 Ω/s */
+    start();
+    update(JP_Q16(1024), JP_Q16(-1024), 0, 0);
+    TEST_ASSERT_EQUAL_INT64((int64_t)32768 * JOULE, meter.model);
+}
+
+static void test_energy_in_joules(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, jp_energy_to_q16(0));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(1.5), jp_energy_to_q16(JOULE + JOULE / 2));
+    TEST_ASSERT_EQUAL_INT32(1, jp_energy_to_q16(32768));
+    TEST_ASSERT_EQUAL_INT32(0, jp_energy_to_q16(32767));
+    TEST_ASSERT_EQUAL_INT32(-1, jp_energy_to_q16(-65536));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, jp_energy_to_q16(32768 * JOULE));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, jp_energy_to_q16(-40000 * JOULE));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, jp_energy_to_q16(INT64_MAX));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, jp_energy_to_q16(INT64_MIN));
+}

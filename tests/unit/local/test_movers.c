@@ -1,0 +1,594 @@
+/* Discs that a synthetic scanner sees: which of them are tracked, how well, and which shapes get their velocity. */
+#include <joulepath/movers.h>
+
+#include "src/base/plane.h"
+
+#include "tests/support/near.h"
+
+#define PERIOD 0.1f /* s */
+#define RADIUS 0.25f
+
+/* How well a disc within 4 m is tracked. Beams miss its rims, so the middle of what is seen lies in front of its own.
+ */
+#define PLACE_ERROR 0.12f /* m */
+#define SPEED_ERROR 0.15f /* m/s */
+
+enum { BEAMS = 720, DISCS_MAX = 12, SETTLED = 25, SIGHTINGS_MIN = 5, MISSES_MAX = 5 };
+
+struct disc {
+    struct jp_plane_point centre;
+    float radius;
+};
+
+static const struct jp_plane_pose origin = {0.0f, 0.0f, 0.0f};
+
+static float ranges[BEAMS];
+static struct jp_scan scan;
+static struct jp_scan_config scan_config;
+static struct jp_movers_config config;
+static struct jp_movers movers;
+static struct jp_obstacles obstacles;
+static struct jp_plane_pose sensor;
+static struct disc discs[DISCS_MAX];
+static unsigned disc_count;
+
+/* A whole turn around a sensor on an empty plane; the scan begins and ends behind it. */
+void setUp(void)
+{
+    scan = (struct jp_scan){ranges, BEAMS, -JP_PLANE_PI, 2.0f * JP_PLANE_PI / BEAMS};
+    scan_config = (struct jp_scan_config){.range_max = 10.0f, .gap = 0.3f, .tolerance = 0.04f, .beams_min = 3};
+    config = (struct jp_movers_config){.extent = 0.9f, .speed_min = 0.3f, .speed_max = 2.0f, .margin = 0.35f};
+    sensor = origin;
+    disc_count = 0;
+    jp_movers_clear(&movers);
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- The scanner ---- */
+
+static struct disc *put_disc(float x, float y, float radius)
+{
+    discs[disc_count] = (struct disc){{x, y}, radius};
+    disc_count++;
+    return &discs[disc_count - 1U];
+}
+
+static float range_of_disc(const struct disc *disc, struct jp_plane_point beam)
+{
+    const struct jp_plane_point way = {disc->centre.x - sensor.x, disc->centre.y - sensor.y};
+    const float along = way.x * beam.x + way.y * beam.y;
+    const float across = way.x * beam.y - way.y * beam.x;
+    const float square = disc->radius * disc->radius - across * across;
+
+    return along > 0.0f && square > 0.0f ? along - jp_plane_square_root(square) : 0.0f;
+}
+
+static void take_scan(void)
+{
+    for (unsigned i = 0; i < scan.count; i++) {
+        const struct jp_plane_point beam =
+            jp_plane_direction(sensor.heading + scan.first_angle + (float)i * scan.angle_step);
+
+        ranges[i] = 0.0f;
+        for (unsigned k = 0; k < disc_count; k++) {
+            const float range = range_of_disc(&discs[k], beam);
+
+            if (range > 0.0f && !(ranges[i] > 0.0f && ranges[i] < range)) {
+                ranges[i] = range;
+            }
+        }
+    }
+}
+
+static void update(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_movers_update(&movers, &config, &scan_config, &scan, &sensor, PERIOD));
+}
+
+static void look(void)
+{
+    take_scan();
+    update();
+}
+
+/* Scans of a disc that walks. */
+static void walk(struct disc *disc, struct jp_plane_point velocity, unsigned scans)
+{
+    for (unsigned i = 0; i < scans; i++) {
+        look();
+        disc->centre.x += PERIOD * velocity.x;
+        disc->centre.y += PERIOD * velocity.y;
+    }
+}
+
+static void see_shapes(void)
+{
+    const struct jp_plane_point here = {sensor.x, sensor.y};
+
+    jp_obstacles_clear(&obstacles, &here);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add_scan(&obstacles, &scan_config, &scan, &sensor));
+    jp_movers_mark(&movers, &config, &obstacles);
+}
+
+static bool is_marked(const struct jp_obstacle *shape)
+{
+    return jp_plane_length(shape->velocity.x, shape->velocity.y) > 0.0f || shape->margin > 0.0f;
+}
+
+static unsigned marked(void)
+{
+    unsigned count = 0;
+
+    for (unsigned i = 0; i < obstacles.count; i++) {
+        count += is_marked(&obstacles.shapes[i]) ? 1U : 0U;
+    }
+    return count;
+}
+
+/* ---- What is a thing ---- */
+
+static void test_nothing_is_seen_on_an_empty_plane(void)
+{
+    look();
+    TEST_ASSERT_EQUAL_UINT(0, movers.count);
+}
+
+static void test_disc_is_a_thing_in_its_place(void)
+{
+    (void)put_disc(2.0f, 1.0f, RADIUS);
+    look();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_NEAR(PLACE_ERROR, 2.0f, movers.movers[0].centre.x);
+    TEST_ASSERT_NEAR(PLACE_ERROR, 1.0f, movers.movers[0].centre.y);
+    TEST_ASSERT_NEAR(0.03f, RADIUS, movers.movers[0].radius);
+    TEST_ASSERT_EQUAL_UINT(1, movers.movers[0].sightings);
+    TEST_ASSERT_EQUAL_UINT(0, movers.movers[0].misses);
+}
+
+/* A quarter of a turn from the sensor's right to its front; the disc lies across one end or the other. */
+static void test_what_the_end_of_a_scan_cuts_is_not_a_thing(void)
+{
+    scan.first_angle = -0.5f * JP_PLANE_PI;
+    scan.count = BEAMS / 4;
+
+    struct disc *const disc = put_disc(0.0f, -2.0f, RADIUS);
+
+    look();
+    TEST_ASSERT_TRUE(ranges[0] > 0.0f);
+    TEST_ASSERT_EQUAL_UINT(0, movers.count);
+
+    disc->centre = (struct jp_plane_point){2.0f, 0.0f};
+    look();
+    TEST_ASSERT_TRUE(ranges[scan.count - 1U] > 0.0f);
+    TEST_ASSERT_EQUAL_UINT(0, movers.count);
+
+    disc->centre = (struct jp_plane_point){1.4f, -1.4f};
+    look();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+}
+
+/* The front one hides the right or the left of the one behind it. */
+static void test_what_is_half_hidden_is_not_a_thing(void)
+{
+    const float beside[] = {-0.25f, 0.25f};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        setUp();
+        (void)put_disc(4.0f, 0.0f, 0.4f);
+        look();
+        TEST_ASSERT_EQUAL_UINT(1, movers.count);
+        TEST_ASSERT_NEAR(0.2f, 4.0f, movers.movers[0].centre.x);
+
+        jp_movers_clear(&movers);
+        (void)put_disc(2.0f, beside[i], RADIUS);
+        look();
+        TEST_ASSERT_EQUAL_UINT(1, movers.count);
+        TEST_ASSERT_NEAR(PLACE_ERROR, 2.0f, movers.movers[0].centre.x);
+    }
+}
+
+static void test_thing_stands_in_front_of_what_is_behind_it(void)
+{
+    (void)put_disc(14.0f, 0.0f, 8.0f); /* nearly a wall, too wide to be a thing */
+    look();
+    TEST_ASSERT_EQUAL_UINT(0, movers.count);
+    (void)put_disc(3.0f, 0.0f, RADIUS);
+    look();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_NEAR(PLACE_ERROR, 3.0f, movers.movers[0].centre.x);
+}
+
+static void test_width_of_a_thing_is_limited(void)
+{
+    (void)put_disc(3.0f, 0.0f, 0.44f);
+    look();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    jp_movers_clear(&movers);
+    config.extent = 0.6f;
+    look();
+    TEST_ASSERT_EQUAL_UINT(0, movers.count);
+}
+
+static void test_few_points_are_noise(void)
+{
+    (void)put_disc(4.0f, 0.0f, 0.05f);
+    scan_config.beams_min = 4;
+    look();
+    TEST_ASSERT_EQUAL_UINT(0, movers.count);
+    scan_config.beams_min = 2;
+    look();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+}
+
+/* ---- Tracks ---- */
+
+/* It passes in front of the sensor, from 4 m on one side to 4 m on the other. */
+static void test_walking_disc_is_tracked_with_its_velocity(void)
+{
+    const struct jp_plane_point velocity = {0.4f, -1.2f};
+    struct disc *const disc = put_disc(1.0f, 3.6f, RADIUS);
+
+    for (unsigned i = 0; i < 60U; i++) {
+        walk(disc, velocity, 1);
+        TEST_ASSERT_EQUAL_UINT(1, movers.count);
+        if (i >= SETTLED) {
+            TEST_ASSERT_NEAR(SPEED_ERROR, velocity.x, movers.movers[0].velocity.x);
+            TEST_ASSERT_NEAR(SPEED_ERROR, velocity.y, movers.movers[0].velocity.y);
+            TEST_ASSERT_NEAR(PLACE_ERROR, disc->centre.x - PERIOD * velocity.x, movers.movers[0].centre.x);
+            TEST_ASSERT_NEAR(PLACE_ERROR, disc->centre.y - PERIOD * velocity.y, movers.movers[0].centre.y);
+        }
+    }
+}
+
+/* The sensor drives and turns; in the frame that stands the disc walks as before. */
+static void test_velocity_is_that_over_the_ground(void)
+{
+    const struct jp_plane_point velocity = {-0.9f, 0.5f};
+    struct disc *const disc = put_disc(3.0f, -1.0f, RADIUS);
+
+    for (unsigned i = 0; i < SETTLED; i++) {
+        walk(disc, velocity, 1);
+        sensor.x -= PERIOD * 0.8f;
+        sensor.heading += PERIOD * 0.7f;
+    }
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_NEAR(SPEED_ERROR, velocity.x, movers.movers[0].velocity.x);
+    TEST_ASSERT_NEAR(SPEED_ERROR, velocity.y, movers.movers[0].velocity.y);
+}
+
+/* The longer the period the slower is the same way from scan to scan. */
+static void test_velocity_is_by_the_period(void)
+{
+    struct disc *const disc = put_disc(2.0f, -1.0f, RADIUS);
+
+    for (unsigned i = 0; i < SETTLED; i++) {
+        take_scan();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_movers_update(&movers, &config, &scan_config, &scan, &sensor, 0.2f));
+        disc->centre.y += 0.1f;
+    }
+    TEST_ASSERT_NEAR(SPEED_ERROR, 0.0f, movers.movers[0].velocity.x);
+    TEST_ASSERT_NEAR(SPEED_ERROR, 0.5f, movers.movers[0].velocity.y);
+}
+
+static void test_two_that_meet_keep_their_velocities(void)
+{
+    struct disc *const one = put_disc(3.0f, -1.0f, 0.2f);
+    struct disc *const other = put_disc(2.3f, 1.0f, 0.2f);
+
+    for (unsigned i = 0; i < 20U; i++) {
+        look();
+        one->centre.y += 0.1f;
+        other->centre.y -= 0.1f;
+    }
+    /* The front one hides the other on the way; after that both are seen again. */
+    TEST_ASSERT_EQUAL_UINT(2, movers.count);
+    for (unsigned i = 0; i < 2U; i++) {
+        const float sign = movers.movers[i].centre.x > 2.65f ? 1.0f : -1.0f;
+
+        TEST_ASSERT_NEAR(2.0f * SPEED_ERROR, sign, movers.movers[i].velocity.y);
+        TEST_ASSERT_NEAR(0.1f, 0.9f * sign, movers.movers[i].centre.y);
+    }
+}
+
+/* A second thing beside the first one, within reach of its track. */
+static void test_track_takes_one_thing_of_a_scan(void)
+{
+    scan_config.gap = 0.1f;
+    (void)put_disc(2.0f, 0.0f, 0.1f);
+    look();
+    (void)put_disc(2.0f, 0.33f, 0.1f);
+    look();
+    TEST_ASSERT_EQUAL_UINT(2, movers.count);
+    look();
+    TEST_ASSERT_EQUAL_UINT(2, movers.count);
+    TEST_ASSERT_EQUAL_UINT(3, movers.movers[0].sightings);
+    TEST_ASSERT_EQUAL_UINT(2, movers.movers[1].sightings);
+    TEST_ASSERT_NEAR(0.03f, 0.0f, movers.movers[0].centre.y);
+    TEST_ASSERT_NEAR(0.03f, 0.33f, movers.movers[1].centre.y);
+}
+
+/* It walks aslant, and neither part of its velocity tells that it is too fast. */
+static void test_nothing_is_faster_than_the_limit(void)
+{
+    struct disc *const disc = put_disc(2.0f, 0.0f, RADIUS);
+    float fastest = 0.0f;
+
+    config.speed_max = 0.4f;
+    walk(disc, (struct jp_plane_point){0.0f, 0.0f}, 3);
+    for (unsigned i = 0; i < SETTLED; i++) {
+        walk(disc, (struct jp_plane_point){0.35f, 0.35f}, 1);
+
+        const float speed = jp_plane_length(movers.movers[0].velocity.x, movers.movers[0].velocity.y);
+
+        TEST_ASSERT_TRUE(speed <= config.speed_max * 1.000001f);
+        fastest = speed > fastest ? speed : fastest;
+    }
+    TEST_ASSERT_TRUE(fastest > 0.999f * config.speed_max);
+}
+
+static void test_what_jumps_too_far_is_another_thing(void)
+{
+    struct disc *const disc = put_disc(2.0f, 0.0f, RADIUS);
+
+    look();
+    disc->centre.y += 0.30f; /* of 0.15 m and what is walked in a period at the highest speed, 0.2 m */
+    look();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    disc->centre.y += 0.60f;
+    look();
+    TEST_ASSERT_EQUAL_UINT(2, movers.count);
+}
+
+static void test_sightings_saturate(void)
+{
+    (void)put_disc(2.0f, 0.0f, RADIUS);
+    take_scan();
+    for (unsigned i = 0; i < 300U; i++) {
+        update();
+        TEST_ASSERT_EQUAL_UINT(i < UINT8_MAX ? i + 1U : UINT8_MAX, movers.movers[0].sightings);
+    }
+}
+
+/* ---- Misses ---- */
+
+static void test_hidden_thing_walks_on_and_is_found_again(void)
+{
+    const struct jp_plane_point velocity = {0.0f, 1.0f};
+    struct disc *const disc = put_disc(2.0f, -2.0f, RADIUS);
+
+    walk(disc, velocity, SETTLED);
+    disc->radius = 0.0f; /* not seen */
+    for (unsigned i = 0; i < MISSES_MAX; i++) {
+        walk(disc, velocity, 1);
+        TEST_ASSERT_EQUAL_UINT(1, movers.count);
+        TEST_ASSERT_EQUAL_UINT(i + 1U, movers.movers[0].misses);
+    }
+    TEST_ASSERT_NEAR(MISSES_MAX * PERIOD * SPEED_ERROR + PLACE_ERROR, disc->centre.y - PERIOD * velocity.y,
+                     movers.movers[0].centre.y);
+    disc->radius = RADIUS;
+    look();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_EQUAL_UINT(0, movers.movers[0].misses);
+    TEST_ASSERT_NEAR(2.0f * SPEED_ERROR, velocity.y, movers.movers[0].velocity.y);
+}
+
+/* The one that stays moves up in the list. */
+static void test_thing_that_stays_away_is_forgotten(void)
+{
+    struct disc *const gone = put_disc(2.0f, -2.0f, RADIUS);
+
+    (void)put_disc(2.0f, 2.0f, RADIUS);
+    look();
+    TEST_ASSERT_EQUAL_UINT(2, movers.count);
+    gone->radius = 0.0f;
+    for (unsigned i = 0; i < MISSES_MAX; i++) {
+        look();
+        TEST_ASSERT_EQUAL_UINT(2, movers.count);
+    }
+    look();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_NEAR(PLACE_ERROR, 2.0f, movers.movers[0].centre.y);
+    TEST_ASSERT_EQUAL_UINT(MISSES_MAX + 2, movers.movers[0].sightings);
+}
+
+/* ---- More things than tracks ---- */
+
+static void test_tracks_are_bounded_and_free_again(void)
+{
+    for (unsigned i = 0; i < JP_MOVERS_MAX + 2U; i++) {
+        const struct jp_plane_point direction = jp_plane_direction(-2.5f + 0.5f * (float)i);
+
+        (void)put_disc(2.0f * direction.x, 2.0f * direction.y, 0.2f);
+    }
+    look();
+    TEST_ASSERT_EQUAL_UINT(JP_MOVERS_MAX, movers.count);
+    look();
+    TEST_ASSERT_EQUAL_UINT(JP_MOVERS_MAX, movers.count);
+    for (unsigned i = 0; i < JP_MOVERS_MAX; i++) {
+        TEST_ASSERT_EQUAL_UINT(2, movers.movers[i].sightings);
+        TEST_ASSERT_EQUAL_UINT(0, movers.movers[i].misses);
+    }
+    /* Two leave; when they are forgotten the two that were left out are seen. */
+    discs[0].radius = 0.0f;
+    discs[1].radius = 0.0f;
+    for (unsigned i = 0; i < MISSES_MAX + 2U; i++) {
+        look();
+    }
+    TEST_ASSERT_EQUAL_UINT(JP_MOVERS_MAX, movers.count);
+    TEST_ASSERT_NEAR(PLACE_ERROR, discs[JP_MOVERS_MAX + 1U].centre.x, movers.movers[JP_MOVERS_MAX - 1U].centre.x);
+    TEST_ASSERT_NEAR(PLACE_ERROR, discs[JP_MOVERS_MAX + 1U].centre.y, movers.movers[JP_MOVERS_MAX - 1U].centre.y);
+}
+
+/* ---- Shapes ---- */
+
+static void test_shapes_of_a_walker_get_its_velocity(void)
+{
+    const struct jp_plane_point velocity = {0.5f, 1.0f};
+    struct disc *const walker = put_disc(1.0f, -1.5f, RADIUS);
+
+    (void)put_disc(-2.0f, 0.0f, RADIUS);
+    walk(walker, velocity, SETTLED);
+    see_shapes();
+    TEST_ASSERT_TRUE(obstacles.count >= 2);
+    for (unsigned i = 0; i < obstacles.count; i++) {
+        const struct jp_obstacle *const shape = &obstacles.shapes[i];
+
+        if (shape->vertices[0].x > 0.0f) {
+            TEST_ASSERT_NEAR(SPEED_ERROR, velocity.x, shape->velocity.x);
+            TEST_ASSERT_NEAR(SPEED_ERROR, velocity.y, shape->velocity.y);
+            TEST_ASSERT_TRUE(shape->margin == config.margin);
+        } else {
+            TEST_ASSERT_FALSE(is_marked(shape));
+        }
+    }
+}
+
+static void test_velocity_is_believed_after_some_sightings(void)
+{
+    struct disc *const walker = put_disc(2.0f, -1.0f, RADIUS);
+
+    for (unsigned i = 1; i <= SIGHTINGS_MIN; i++) {
+        walk(walker, (struct jp_plane_point){0.0f, 1.5f}, 1);
+        TEST_ASSERT_TRUE(movers.movers[0].velocity.y > config.speed_min || i < 3U);
+        see_shapes();
+        TEST_ASSERT_EQUAL_UINT(i < SIGHTINGS_MIN ? 0 : obstacles.count, marked());
+    }
+    TEST_ASSERT_TRUE(obstacles.count > 0);
+}
+
+static void test_slow_things_stand(void)
+{
+    struct disc *const walker = put_disc(2.0f, -0.5f, RADIUS);
+
+    walk(walker, (struct jp_plane_point){0.0f, 0.15f}, SETTLED);
+    see_shapes();
+    TEST_ASSERT_EQUAL_UINT(0, marked());
+    config.speed_min = 0.05f;
+    see_shapes();
+    TEST_ASSERT_EQUAL_UINT(obstacles.count, marked());
+}
+
+/* Driving past it at 1 m/s, 1.2 m beside it, and turning: what is seen of it changes all the time. */
+static void test_standing_pillar_seen_on_the_way_is_not_marked(void)
+{
+    (void)put_disc(0.0f, 1.2f, 0.3f);
+    sensor = (struct jp_plane_pose){-3.0f, 0.0f, 0.0f};
+    for (unsigned i = 0; i < 60U; i++) {
+        look();
+        TEST_ASSERT_EQUAL_UINT(1, movers.count);
+        TEST_ASSERT_EQUAL_UINT(i + 1U, movers.movers[0].sightings);
+        see_shapes();
+        TEST_ASSERT_TRUE(obstacles.count > 0);
+        TEST_ASSERT_EQUAL_UINT(0, marked());
+        sensor.x += PERIOD;
+        sensor.heading += 0.5f * PERIOD;
+    }
+}
+
+/* A walker at a place, to be put beside shapes that no scan made. */
+static void put_walker(void)
+{
+    movers.movers[0] = (struct jp_mover){{2.0f, 1.0f}, {0.0f, 1.0f}, 0.2f, SIGHTINGS_MIN, 0};
+    movers.count = 1;
+}
+
+static bool is_marked_between(struct jp_plane_point a, struct jp_plane_point b, uint8_t vertices)
+{
+    const struct jp_obstacle shape = {.vertices = {a, b}, .vertex_count = vertices, .radius = 0.01f};
+
+    jp_obstacles_clear(&obstacles, &a);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&obstacles, &shape));
+    jp_movers_mark(&movers, &config, &obstacles);
+    return is_marked(&obstacles.shapes[0]);
+}
+
+static void test_shapes_beside_a_walker_stand(void)
+{
+    const struct jp_plane_point within = {2.3f, 1.0f};
+    const struct jp_plane_point beyond = {2.4f, 1.0f};
+
+    put_walker();
+    TEST_ASSERT_TRUE(is_marked_between(within, within, 1));
+    TEST_ASSERT_FALSE(is_marked_between(beyond, beyond, 1));
+    TEST_ASSERT_TRUE(is_marked_between((struct jp_plane_point){2.3f, 0.8f}, (struct jp_plane_point){2.3f, 1.2f}, 2));
+    TEST_ASSERT_FALSE(is_marked_between((struct jp_plane_point){2.4f, 0.8f}, (struct jp_plane_point){2.4f, 1.2f}, 2));
+}
+
+static void test_wall_that_a_walker_passes_stands(void)
+{
+    put_walker();
+    TEST_ASSERT_TRUE(is_marked_between((struct jp_plane_point){2.1f, 0.7f}, (struct jp_plane_point){2.1f, 1.3f}, 2));
+    TEST_ASSERT_FALSE(is_marked_between((struct jp_plane_point){2.1f, 0.6f}, (struct jp_plane_point){2.1f, 1.4f}, 2));
+    TEST_ASSERT_FALSE(is_marked_between((struct jp_plane_point){2.1f, -3.0f}, (struct jp_plane_point){2.1f, 5.0f}, 2));
+}
+
+/* ---- What is refused ---- */
+
+/* With a track that any update would change. */
+static void expect(enum jp_status status, float period)
+{
+    put_walker();
+    movers.movers[0].misses = MISSES_MAX;
+    TEST_ASSERT_EQUAL_INT(status, jp_movers_update(&movers, &config, &scan_config, &scan, &sensor, period));
+    TEST_ASSERT_EQUAL_UINT(status == JP_OK ? 0 : 1, movers.count);
+    TEST_ASSERT_EQUAL_UINT(SIGHTINGS_MIN, movers.movers[0].sightings);
+    if (status != JP_OK) {
+        TEST_ASSERT_EQUAL_UINT(MISSES_MAX, movers.movers[0].misses);
+        TEST_ASSERT_TRUE(movers.movers[0].centre.y == 1.0f);
+    }
+}
+
+static void test_null_pointers_are_refused(void)
+{
+    take_scan();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_movers_update(NULL, &config, &scan_config, &scan, &sensor, PERIOD));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_movers_update(&movers, NULL, &scan_config, &scan, &sensor, PERIOD));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_movers_update(&movers, &config, NULL, &scan, &sensor, PERIOD));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_movers_update(&movers, &config, &scan_config, NULL, &sensor, PERIOD));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_movers_update(&movers, &config, &scan_config, &scan, NULL, PERIOD));
+}
+
+static void test_bad_configurations_are_refused(void)
+{
+    volatile float large = FLT_MAX; /* the compiler must not see that it overflows */
+    const float infinity = large * 2.0f;
+    const float not_a_number = infinity - infinity;
+    const struct jp_movers_config bad[] = {
+        {0.0f, 0.3f, 2.0f, 0.3f},         {not_a_number, 0.3f, 2.0f, 0.3f}, {0.9f, 0.0f, 2.0f, 0.3f},
+        {0.9f, not_a_number, 2.0f, 0.3f}, {0.9f, 0.3f, 0.29f, 0.3f},        {0.9f, 0.3f, not_a_number, 0.3f},
+        {0.9f, 0.3f, infinity, 0.3f},     {0.9f, 0.3f, 2.0f, -0.1f},        {0.9f, 0.3f, 2.0f, not_a_number},
+        {0.9f, 0.3f, 2.0f, infinity},     {0.9f, 0.3f, 1000.1f, 0.3f},      {0.9f, 0.3f, 2.0f, 1000.1f},
+    };
+
+    take_scan();
+    for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        config = bad[i];
+        expect(JP_ERR_ARGUMENT, PERIOD);
+    }
+    config = (struct jp_movers_config){.extent = 0.9f, .speed_min = 0.3f, .speed_max = 0.3f, .margin = 0.0f};
+    expect(JP_OK, PERIOD);
+}
+
+static void test_bad_periods_are_refused(void)
+{
+    take_scan();
+    expect(JP_ERR_ARGUMENT, 0.0f);
+    expect(JP_ERR_ARGUMENT, -PERIOD);
+    expect(JP_ERR_ARGUMENT, 0.0009f);
+    expect(JP_ERR_ARGUMENT, 10.1f);
+    expect(JP_OK, 0.001f);
+    expect(JP_OK, 10.0f);
+}
+
+static void test_scan_of_dropouts_is_not_trusted(void)
+{
+    for (unsigned i = 0; i < BEAMS; i++) {
+        ranges[i] = -1.0f;
+    }
+    expect(JP_ERR_UNRELIABLE, PERIOD);
+    scan.count = 1;
+    expect(JP_ERR_ARGUMENT, PERIOD);
+}

@@ -1,0 +1,185 @@
+/* What scans add to a map and take from it again, and where a footprint fits on it. */
+#include "src/local/patrol_marks.h"
+
+#include "src/base/plane.h"
+#include "src/local/patrol_approach.h"
+#include "tests/support/near.h"
+
+enum { SIDE = 60, BEAMS = 4 };
+
+static struct jp_terrain given;
+static struct jp_terrain marked;
+static uint64_t blocks[2][SIDE * 16 / 8];
+static float ranges[BEAMS];
+static const struct jp_scan scan = {ranges, BEAMS, 0.0f, 0.5f * JP_PLANE_PI};
+static const struct jp_footprint footprint = {0.4f, 0.4f, 0.3f};
+
+static void make_map(struct jp_terrain *map, uint64_t *block)
+{
+    const struct jp_terrain_config config = {SIDE, SIDE, JP_Q16(0.125), false, true};
+    const char *field;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(map, &config, block, sizeof blocks[0], &field));
+}
+
+void setUp(void)
+{
+    make_map(&given, blocks[0]);
+    make_map(&marked, blocks[1]);
+    for (int i = 0; i < BEAMS; i++) {
+        ranges[i] = 0.0f;
+    }
+}
+
+void tearDown(void)
+{
+}
+
+static void occupy(struct jp_terrain *map, int x, int y)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(map, x, y, JP_CELL_OCCUPIED));
+}
+
+static bool is_marked(int x, int y)
+{
+    return jp_terrain_cell(&marked, x, y) == JP_CELL_OCCUPIED;
+}
+
+static void test_cells_of_coordinates(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, jp_patrol_cell_at(&given, 0.0f));
+    TEST_ASSERT_EQUAL_INT32(7, jp_patrol_cell_at(&given, 0.99f));
+    TEST_ASSERT_EQUAL_INT32(8, jp_patrol_cell_at(&given, 1.0f));
+    TEST_ASSERT_EQUAL_INT32(-1, jp_patrol_cell_at(&given, -0.01f));
+    TEST_ASSERT_EQUAL_INT32(-8, jp_patrol_cell_at(&given, -1.0f));
+    TEST_ASSERT_TRUE(jp_patrol_cell_at(&given, 32000.0f) > SIDE);
+    TEST_ASSERT_TRUE(jp_patrol_cell_at(&given, -32000.0f) < 0);
+}
+
+static void test_ends_of_beams_are_marked(void)
+{
+    const struct jp_plane_pose scanner = {3.0f, 3.0f, 0.0f};
+
+    ranges[0] = 1.07f;
+    ranges[1] = 2.07f;
+    ranges[2] = 1.57f;
+    ranges[3] = 0.57f;
+    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    TEST_ASSERT_TRUE(is_marked(32, 24));
+    TEST_ASSERT_TRUE(is_marked(24, 40) || is_marked(23, 40));
+    TEST_ASSERT_TRUE(is_marked(11, 24) || is_marked(11, 23));
+    TEST_ASSERT_TRUE(is_marked(24, 19) || is_marked(23, 19));
+}
+
+/* What stands on the given map stays there. */
+static void test_a_beam_clears_what_it_goes_through(void)
+{
+    const struct jp_plane_pose scanner = {3.06f, 3.06f, 0.0f};
+
+    occupy(&given, 28, 24);
+    occupy(&marked, 27, 24);
+    occupy(&marked, 30, 24);
+    occupy(&marked, 27, 25);
+    ranges[0] = 1.0f;
+    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    TEST_ASSERT_FALSE(is_marked(27, 24));
+    TEST_ASSERT_TRUE(is_marked(28, 24));
+    TEST_ASSERT_TRUE(is_marked(27, 25));
+    TEST_ASSERT_TRUE(is_marked(32, 24));
+    /* So near its end it does not say. */
+    occupy(&marked, 31, 24);
+    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    TEST_ASSERT_TRUE(is_marked(31, 24));
+}
+
+static void test_beams_that_hit_nothing_say_nothing(void)
+{
+    const struct jp_plane_pose scanner = {3.06f, 3.06f, 0.0f};
+
+    occupy(&marked, 27, 24);
+    occupy(&marked, 24, 27);
+    occupy(&marked, 21, 24);
+    occupy(&marked, 24, 21);
+    ranges[1] = -1.0f;
+    ranges[2] = __builtin_inff();
+    ranges[3] = __builtin_nanf("");
+    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    TEST_ASSERT_TRUE(is_marked(27, 24));
+    TEST_ASSERT_TRUE(is_marked(24, 27));
+    TEST_ASSERT_TRUE(is_marked(21, 24));
+    TEST_ASSERT_TRUE(is_marked(24, 21));
+}
+
+static void test_a_beam_beyond_the_map(void)
+{
+    const struct jp_plane_pose scanner = {3.06f, 3.06f, 0.0f};
+
+    occupy(&marked, 50, 24);
+    ranges[0] = 1.0e30f;
+    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    TEST_ASSERT_FALSE(is_marked(50, 24));
+}
+
+static void test_where_the_footprint_fits(void)
+{
+    const struct jp_footprint behind = {0.1f, 0.7f, 0.3f};
+    struct jp_plane_pose pose = {3.0f, 3.0f, 0.0f};
+
+    occupy(&marked, 28, 24);
+    TEST_ASSERT_TRUE(jp_patrol_fits(&marked, &footprint, &pose, 0.09f));
+    TEST_ASSERT_FALSE(jp_patrol_fits(&marked, &footprint, &pose, 0.11f));
+    TEST_ASSERT_TRUE(jp_patrol_fits(&marked, &behind, &pose, 0.39f));
+    TEST_ASSERT_FALSE(jp_patrol_fits(&marked, &behind, &pose, 0.41f));
+    pose.heading = 0.5f * JP_PLANE_PI;
+    TEST_ASSERT_TRUE(jp_patrol_fits(&marked, &footprint, &pose, 0.19f));
+    TEST_ASSERT_FALSE(jp_patrol_fits(&marked, &footprint, &pose, 0.21f));
+    pose.x = -20000.0f;
+    TEST_ASSERT_FALSE(jp_patrol_fits(&marked, &footprint, &pose, 0.0f));
+}
+
+/* ---- Approaches ---- */
+
+static const struct jp_plane_pose goal = {4.5f, 3.0f, 0.0f};
+static struct jp_plane_pose approach;
+
+static bool choose(void)
+{
+    return jp_patrol_choose_approach(&marked, &footprint, &goal, &approach);
+}
+
+static void test_where_it_can_turn_it_needs_no_approach(void)
+{
+    TEST_ASSERT_FALSE(choose());
+}
+
+/* An obstacle 0.4 m beside the goal. */
+static void test_the_nearest_place_to_turn_is_the_approach(void)
+{
+    for (int x = 34; x < 40; x++) {
+        occupy(&marked, x, 20);
+    }
+    TEST_ASSERT_TRUE(choose());
+    TEST_ASSERT_NEAR(1.0e-5f, 4.5f - 0.8f, approach.x);
+    TEST_ASSERT_NEAR(1.0e-5f, 3.0f, approach.y);
+    TEST_ASSERT_NEAR(1.0e-5f, 0.0f, approach.heading);
+    /* Nearer to it the way in is blocked. */
+    occupy(&marked, 32, 26);
+    TEST_ASSERT_FALSE(choose());
+}
+
+/* Between two walls 1.25 m apart it can turn with 0.06 m to spare. */
+static void test_little_room_is_taken_where_there_is_no_more(void)
+{
+    for (int x = 0; x < SIDE; x++) {
+        occupy(&marked, x, 18);
+        occupy(&marked, x, 29);
+    }
+    for (int x = 34; x < 40; x++) {
+        occupy(&marked, x, 20);
+        if (x > 35) {
+            occupy(&marked, x, 28);
+        }
+    }
+    TEST_ASSERT_TRUE(choose());
+    TEST_ASSERT_TRUE(approach.x < goal.x - 0.5f);
+}

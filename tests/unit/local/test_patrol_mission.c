@@ -1,0 +1,495 @@
+/* Missions of the patrol robot on small maps: goals straight on, approached, seen to be blocked on the way, planned
+ * anew, given up; and what is refused. */
+#include <joulepath/patrol_mission.h>
+
+#include "tests/support/patrol_rig.h"
+
+enum { SIDE = 80, POINTS_MAX = 200, TURNS_MAX = 20, BLOCK_SIZE = 90000, CYCLES_MAX = 400 };
+
+static struct jp_terrain map;
+static uint64_t map_block[2 * SIDE * SIDE / 64 + 2 * SIDE];
+static struct jp_patrol_mission_config mission_config;
+static struct jp_patrol_mission mission;
+static uint64_t block[BLOCK_SIZE / sizeof(uint64_t)];
+static unsigned planned; /* calls of jp_patrol_mission_work() that had something to do */
+
+static void make_map(jp_q16 resolution)
+{
+    const struct jp_terrain_config terrain = {SIDE, SIDE, resolution, false, true};
+    const char *field;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&map, &terrain, map_block, sizeof map_block, &field));
+}
+
+static void init(void)
+{
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_init(&mission, &mission_config, block, sizeof block, &field));
+    TEST_ASSERT_NULL(field);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_set_pose(&mission.patrol, &robot));
+}
+
+void setUp(void)
+{
+    rig_reset();
+    make_map(JP_Q16(0.1));
+    mission_config = (struct jp_patrol_mission_config){.patrol = rig_config(),
+                                                       .map = &map,
+                                                       .turns_before_goal = true,
+                                                       .points_max = POINTS_MAX,
+                                                       .turns_max = TURNS_MAX};
+    robot = (struct jp_plane_pose){1.5f, 4.05f, 0.0f};
+    init();
+    planned = 0;
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- The world ---- */
+
+static void occupy(float left, float bottom, float right, float top)
+{
+    for (int y = (int)(bottom * 10.0f + 0.5f); y < (int)(top * 10.0f + 0.5f); y++) {
+        for (int x = (int)(left * 10.0f + 0.5f); x < (int)(right * 10.0f + 0.5f); x++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&map, x, y, JP_CELL_OCCUPIED));
+        }
+    }
+}
+
+static void work(void)
+{
+    while (jp_patrol_mission_work(&mission, 50) == JP_MISSION_PLANNING) {
+        planned++;
+    }
+}
+
+static void start(float x, float y, float heading)
+{
+    const struct jp_plane_pose goal = {x, y, heading};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_start(&mission, &goal));
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, mission.state);
+    work();
+}
+
+static void cycle(void)
+{
+    rig_sense();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    work();
+    rig_move();
+}
+
+static void cycles(unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        cycle();
+    }
+}
+
+static void drive_until(enum jp_patrol_mission_state state)
+{
+    for (unsigned i = 0; i < CYCLES_MAX && mission.state != state; i++) {
+        cycle();
+    }
+    TEST_ASSERT_EQUAL_INT(state, mission.state);
+}
+
+static void drive_until_leg(enum jp_patrol_leg leg)
+{
+    for (unsigned i = 0; i < CYCLES_MAX && mission.internal.leg != leg; i++) {
+        cycle();
+    }
+    TEST_ASSERT_EQUAL_INT(leg, mission.internal.leg);
+}
+
+static void expect_at(float x, float y, float heading)
+{
+    TEST_ASSERT_NEAR(0.1f, x, robot.x);
+    TEST_ASSERT_NEAR(0.1f, y, robot.y);
+    TEST_ASSERT_NEAR(0.1f, 0.0f, jp_plane_wrap(robot.heading - heading));
+}
+
+/* What leaves no room to turn at (5.05, 4.05), known or not. */
+static void put_beside_goal(bool is_known)
+{
+    rig_box(4.7f, 3.4f, 5.4f, 3.6f);
+    if (is_known) {
+        occupy(4.7f, 3.4f, 5.4f, 3.6f);
+        init();
+    }
+}
+
+/* Some cell of the map's copy about x between y = 3.5 m and 4.5 m. */
+static bool is_marked(float x)
+{
+    const int32_t column = (int32_t)(x * 10.0f + 0.5f);
+
+    for (int32_t i = 0; i < 3 * 10; i++) {
+        if (jp_terrain_cell(&mission.internal.marked, column - 1 + i % 3, 35 + i / 3) == JP_CELL_OCCUPIED) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- Drives ---- */
+
+static void test_a_goal_straight_on(void)
+{
+    size_t turns;
+
+    start(4.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+    TEST_ASSERT_TRUE(planned > 0);
+    TEST_ASSERT_TRUE(mission.path_count > 20);
+    TEST_ASSERT_TRUE(mission.counts.expansions > 0);
+    TEST_ASSERT_NOT_NULL(jp_patrol_mission_way(&mission, &turns));
+    TEST_ASSERT_EQUAL_UINT(2, turns);
+    drive_until(JP_MISSION_ARRIVED);
+    expect_at(4.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_UINT(0, mission.replans);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_ARRIVED, jp_patrol_mission_work(&mission, 50));
+}
+
+static void test_a_goal_round_a_corner_with_another_heading(void)
+{
+    occupy(2.5f, 0.0f, 3.0f, 5.0f);
+    rig_box(2.5f, 0.0f, 3.0f, 5.0f);
+    init();
+    start(4.05f, 3.05f, 1.5f);
+    drive_until(JP_MISSION_ARRIVED);
+    expect_at(4.05f, 3.05f, 1.5f);
+}
+
+static void test_a_goal_on_the_spot(void)
+{
+    size_t turns = 1;
+
+    start(1.5f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_UINT16(2, mission.path_count);
+    TEST_ASSERT_NULL(jp_patrol_mission_way(&mission, &turns));
+    TEST_ASSERT_EQUAL_UINT(0, turns);
+    drive_until(JP_MISSION_ARRIVED);
+}
+
+/* Nearer than a path on the map: straight, with a point every 0.1 m. */
+static void test_goals_that_are_near(void)
+{
+    start(1.64f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_UINT16(3, mission.path_count);
+    robot = (struct jp_plane_pose){0.0f, -0.05f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_set_pose(&mission.patrol, &robot));
+    start(0.1f, -0.05f, 0.0f);
+    TEST_ASSERT_EQUAL_UINT16(2, mission.path_count);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(-0.05), mission.path[1].y);
+    /* In the same cell of a coarse map. */
+    make_map(JP_Q16(0.5));
+    robot = (struct jp_plane_pose){10.1f, 10.1f, 0.0f};
+    init();
+    start(10.4f, 10.4f, 0.0f);
+    TEST_ASSERT_EQUAL_UINT16(6, mission.path_count);
+}
+
+static void test_a_goal_with_no_room_to_turn_is_approached(void)
+{
+    put_beside_goal(true);
+    robot = (struct jp_plane_pose){5.05f, 6.05f, -1.5f};
+    init();
+    start(5.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_LEG_APPROACH, mission.internal.leg);
+    drive_until_leg(JP_LEG_LAST);
+    TEST_ASSERT_TRUE(robot.x < 4.6f);
+    drive_until(JP_MISSION_ARRIVED);
+    expect_at(5.05f, 4.05f, 0.0f);
+}
+
+static void test_without_approaches_it_goes_straight_to_the_goal(void)
+{
+    mission_config.turns_before_goal = false;
+    put_beside_goal(true);
+    robot = (struct jp_plane_pose){5.05f, 6.05f, -1.5f};
+    init();
+    start(5.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_LEG_GOAL, mission.internal.leg);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+}
+
+static void begin_to_pause(void)
+{
+    put_beside_goal(false);
+    robot = (struct jp_plane_pose){5.05f, 7.05f, -1.5f};
+    init();
+    start(5.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_LEG_GOAL, mission.internal.leg);
+    drive_until_leg(JP_LEG_PAUSE);
+}
+
+static void test_what_the_scanner_sees_at_the_goal_changes_the_path(void)
+{
+    begin_to_pause();
+    drive_until_leg(JP_LEG_APPROACH);
+    TEST_ASSERT_EQUAL_UINT(0, mission.replans);
+    drive_until(JP_MISSION_ARRIVED);
+    expect_at(5.05f, 4.05f, 0.0f);
+}
+
+static void test_a_hold_by_others_ends_a_pause_too(void)
+{
+    begin_to_pause();
+    jp_patrol_hold(&mission.patrol);
+    cycle();
+    TEST_ASSERT_EQUAL_INT(JP_LEG_APPROACH, mission.internal.leg);
+}
+
+static void test_a_hold_by_others_ends_the_mission(void)
+{
+    start(5.05f, 4.05f, 0.0f);
+    cycles(3);
+    jp_patrol_hold(&mission.patrol);
+    cycle();
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_GIVEN_UP, mission.state);
+}
+
+/* ---- Planning anew ---- */
+
+static void test_a_wall_across_the_way_is_gone_round(void)
+{
+    rig_box(4.0f, 1.5f, 4.2f, 5.5f);
+    start(6.05f, 3.05f, 0.0f);
+    drive_until(JP_MISSION_ARRIVED);
+    TEST_ASSERT_TRUE(mission.replans >= 1);
+    expect_at(6.05f, 3.05f, 0.0f);
+}
+
+static void test_a_robot_walled_in_gives_up(void)
+{
+    start(6.05f, 4.05f, 0.0f);
+    rig_box(0.7f, 3.3f, 2.3f, 4.8f);
+    drive_until(JP_MISSION_GIVEN_UP);
+    TEST_ASSERT_EQUAL_UINT(6, mission.replans);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_STOPPED, mission.patrol.state);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_NO_WAY, mission.patrol.reason);
+}
+
+static void test_wheels_that_do_not_turn_get_another_path_then_none(void)
+{
+    mission_config.patrol.waits_max = 5;
+    init();
+    start(6.05f, 4.05f, 0.0f);
+    is_stuck = true;
+    drive_until(JP_MISSION_GIVEN_UP);
+    TEST_ASSERT_EQUAL_UINT(6, mission.replans);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_STALLED, mission.patrol.reason);
+}
+
+static void test_a_robot_off_its_path_gets_one_from_where_it_is(void)
+{
+    start(6.05f, 2.05f, 0.0f);
+    robot = (struct jp_plane_pose){2.05f, 7.05f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_set_pose(&mission.patrol, &robot));
+    cycles(2);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_OFF_PATH, mission.patrol.reason);
+    cycles(10);
+    TEST_ASSERT_EQUAL_UINT(1, mission.replans);
+    TEST_ASSERT_TRUE(mission.path[0].y > JP_Q16(6.9));
+}
+
+/* Another path does not help it. */
+static void test_a_robot_in_a_collision_waits(void)
+{
+    start(6.05f, 4.05f, 0.0f);
+    cycles(2);
+    rig_wall(1.4f, 4.0f, 1.6f, 4.1f);
+    rig_wall(1.4f, 4.1f, 1.6f, 4.0f);
+    is_stuck = true;
+    cycles(20);
+    TEST_ASSERT_EQUAL_UINT(0, mission.replans);
+}
+
+/* On the last leg it waits longer: who stands there may go. */
+static void test_the_last_leg_is_waited_for(void)
+{
+    put_beside_goal(true);
+    robot = (struct jp_plane_pose){5.05f, 6.05f, -1.5f};
+    init();
+    start(5.05f, 4.05f, 0.0f);
+    drive_until_leg(JP_LEG_LAST);
+    rig_wall(4.9f, 3.3f, 4.9f, 4.7f);
+
+    unsigned waited = 0;
+
+    while (mission.replans == 0U && waited < 60U) {
+        cycle();
+        waited++;
+    }
+    TEST_ASSERT_TRUE(waited > 30U && waited < 50U);
+}
+
+static void test_a_missing_scan_marks_nothing(void)
+{
+    start(6.05f, 4.05f, 0.0f);
+    rig_box(4.0f, 3.5f, 4.2f, 4.5f);
+    is_blind = true;
+    cycles(6);
+    TEST_ASSERT_FALSE(is_marked(4.0f));
+    is_blind = false;
+    cycles(6);
+    TEST_ASSERT_TRUE(is_marked(4.0f));
+}
+
+/* ---- No path ---- */
+
+static void expect_no_path(float x, float y)
+{
+    start(x, y, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_GIVEN_UP, mission.state);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_HELD, mission.patrol.state);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_NONE, mission.patrol.reason);
+    TEST_ASSERT_EQUAL_UINT16(0, mission.path_count);
+}
+
+static void test_goals_without_a_path(void)
+{
+    occupy(5.0f, 3.0f, 5.1f, 5.1f);
+    occupy(7.0f, 3.0f, 7.1f, 5.1f);
+    occupy(5.0f, 3.0f, 7.1f, 3.1f);
+    occupy(5.0f, 5.0f, 7.1f, 5.1f);
+    init();
+    expect_no_path(6.05f, 4.05f);
+    expect_no_path(20.0f, 4.05f);
+}
+
+static void test_paths_that_do_not_fit(void)
+{
+    mission_config.points_max = 10;
+    init();
+    expect_no_path(6.05f, 4.05f);
+    mission_config.points_max = 2;
+    init();
+    expect_no_path(1.64f, 4.05f);
+    mission_config.points_max = POINTS_MAX;
+    mission_config.turns_max = 2;
+    occupy(2.5f, 0.0f, 3.0f, 5.0f);
+    init();
+    expect_no_path(4.05f, 3.05f);
+}
+
+static void test_a_planner_without_memory_finds_no_path(void)
+{
+    init();
+    mission.internal.grid_size = 0;
+    expect_no_path(6.05f, 4.05f);
+}
+
+/* The path ends in the middle of a cell. */
+static void test_paths_that_the_patrol_does_not_take(void)
+{
+    mission_config.patrol.position_tolerance = 0.01f;
+    init();
+    expect_no_path(6.02f, 4.02f);
+}
+
+/* The way to the approach fits, the last leg does not. */
+static void test_a_last_leg_that_does_not_fit(void)
+{
+    mission_config.points_max = 5;
+    put_beside_goal(true);
+    robot = (struct jp_plane_pose){4.25f, 4.05f, 0.0f};
+    init();
+    start(5.05f, 4.05f, 0.0f);
+    drive_until(JP_MISSION_GIVEN_UP);
+    TEST_ASSERT_EQUAL_INT(JP_LEG_LAST, mission.internal.leg);
+}
+
+/* ---- Slices ---- */
+
+static void test_a_cycle_while_it_plans(void)
+{
+    const struct jp_plane_pose goal = {6.05f, 4.05f, 0.0f};
+
+    rig_box(3.0f, 3.5f, 3.2f, 4.5f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_start(&mission, &goal));
+    for (int i = 0; i < 7; i++) {
+        rig_sense();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+        rig_expect_stand();
+        TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, jp_patrol_mission_work(&mission, 1));
+        TEST_ASSERT_FALSE(is_marked(3.0f));
+    }
+    work();
+    /* What was left out is made up for. */
+    cycle();
+    TEST_ASSERT_TRUE(is_marked(3.0f));
+}
+
+static void test_an_idle_mission_stands(void)
+{
+    cycles(6);
+    rig_expect_stand();
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_IDLE, mission.state);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_IDLE, jp_patrol_mission_work(&mission, 1));
+}
+
+/* ---- What is refused ---- */
+
+static void expect_field(const char *expected)
+{
+    const char *field = NULL;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG,
+                          jp_patrol_mission_init(&mission, &mission_config, block, sizeof block, &field));
+    TEST_ASSERT_EQUAL_STRING(expected, field);
+    setUp();
+}
+
+static void test_configurations_out_of_range(void)
+{
+    mission_config.patrol.horizon = 0.0f;
+    expect_field("horizon");
+    mission_config.map = NULL;
+    expect_field("map");
+    mission_config.points_max = 1;
+    expect_field("points_max");
+    mission_config.turns_max = 1;
+    expect_field("turns_max");
+    make_map(JP_Q16(0.01));
+    expect_field("teb.footprint");
+    make_map(JP_Q16(52));
+    TEST_ASSERT_EQUAL_UINT(0, jp_patrol_mission_size(&mission_config));
+    expect_field("map");
+}
+
+static void test_blocks_that_do_not_do(void)
+{
+    const size_t size = jp_patrol_mission_size(&mission_config);
+    const char *field;
+
+    TEST_ASSERT_TRUE(size <= sizeof block);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_init(&mission, &mission_config, block, size, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, jp_patrol_mission_init(&mission, &mission_config, block, size - 1U, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ALIGNMENT,
+                          jp_patrol_mission_init(&mission, &mission_config, (char *)block + 4, size, &field));
+}
+
+static void test_arguments_that_are_refused(void)
+{
+    const struct jp_plane_pose far = {40000.0f, 0.0f, 0.0f};
+    const char *field;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_init(NULL, &mission_config, block, sizeof block, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_init(&mission, NULL, block, sizeof block, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT,
+                          jp_patrol_mission_init(&mission, &mission_config, NULL, sizeof block, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT,
+                          jp_patrol_mission_init(&mission, &mission_config, block, sizeof block, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_start(NULL, &robot));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_start(&mission, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_start(&mission, &far));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_cycle(NULL, &input, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_cycle(&mission, NULL, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_IDLE, mission.state);
+}

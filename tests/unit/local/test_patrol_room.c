@@ -1,0 +1,251 @@
+/* Room around a robot: which turns in place and steps are free, and which is taken. */
+#include "tests/support/patrol_rig.h"
+
+#include "src/local/patrol_room.h"
+
+/* Obstacles look smaller than they are by half of the scan's tolerance. */
+#define SHRUNK 0.02f
+
+static const struct jp_plane_pose here = {0.0f, 0.0f, 0.0f};
+
+void setUp(void)
+{
+    const struct jp_plane_point centre = {0.0f, 0.0f};
+
+    rig_reset();
+    jp_obstacles_clear(&patrol.obstacles, &centre);
+}
+
+void tearDown(void)
+{
+}
+
+static void put_box(float left, float bottom, float right, float top)
+{
+    const struct jp_obstacle box = {
+        .vertices = {{left, bottom}, {right, bottom}, {right, top}, {left, top}},
+        .vertex_count = 4,
+    };
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, &box));
+}
+
+/* ---- Clearance ---- */
+
+static void test_clearance(void)
+{
+    const struct jp_plane_pose across = {0.0f, 0.0f, 0.5f * JP_PLANE_PI};
+
+    TEST_ASSERT_TRUE(jp_patrol_clearance(&patrol, &here) > 1.0e8f);
+    put_box(0.9f, -0.5f, 1.0f, 0.5f);
+    TEST_ASSERT_NEAR(1e-4f, 0.5f + SHRUNK, jp_patrol_clearance(&patrol, &here));
+    TEST_ASSERT_NEAR(1e-4f, 0.6f + SHRUNK, jp_patrol_clearance(&patrol, &across));
+    put_box(0.35f, -0.05f, 0.38f, 0.05f);
+    TEST_ASSERT_NEAR(1e-4f, -0.05f + SHRUNK, jp_patrol_clearance(&patrol, &here));
+}
+
+/* ---- Turns ---- */
+
+static void test_turn_without_obstacles(void)
+{
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 0.0f));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 2.0f * JP_PLANE_PI));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, -2.0f * JP_PLANE_PI));
+}
+
+/* The corners reach 0.5 m, the sides 0.3 m. */
+static void test_corner_meets_a_wall_beside(void)
+{
+    put_box(-2.0f, 0.4f, 2.0f, 0.5f);
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 0.2f));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, -0.2f));
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, 0.6f));
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, -0.6f));
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI));
+}
+
+static void test_turn_keeps_its_clearance(void)
+{
+    put_box(-2.0f, 0.56f, 2.0f, 0.66f);
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI));
+    patrol.config.turn_clearance = 0.07f;
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI));
+    patrol.config.turn_clearance = 0.1f;
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI));
+}
+
+static void test_turn_that_begins_in_collision_is_not_free(void)
+{
+    put_box(0.3f, -0.1f, 0.5f, 0.1f);
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, 0.0f));
+}
+
+/* The oracle: thing by thing, whether a point of the footprint passes it, in steps of a tenth of those of the code. */
+static bool passes(float x, float y, float angle)
+{
+    const float distance = jp_plane_length(x, y);
+    bool is_in = false;
+
+    for (unsigned i = 0; i <= 1000U; i++) {
+        const float bearing = jp_plane_bearing(x, y) - angle * (float)i / 1000.0f;
+        const float along = jp_plane_magnitude(distance * jp_plane_cosine(bearing));
+        const float across = jp_plane_magnitude(distance * jp_plane_sine(bearing));
+
+        is_in = is_in || (along < 0.4f && across < 0.3f);
+    }
+    return is_in;
+}
+
+static void test_turns_among_things_all_around(void)
+{
+    for (unsigned i = 0; i < 24U; i++) {
+        const struct jp_plane_point along = jp_plane_direction((float)i * JP_PLANE_PI / 12.0f);
+
+        for (unsigned k = 0; k < 6U; k++) {
+            const float angle = 0.5f * ((float)k - 2.5f);
+            const struct jp_obstacle thing = {
+                .vertices = {{0.44f * along.x, 0.44f * along.y}}, .vertex_count = 1, .radius = 0.06f};
+            const bool is_hit = passes(0.40f * along.x, 0.40f * along.y, angle);
+            const bool is_near = passes(0.36f * along.x, 0.36f * along.y, angle);
+
+            jp_obstacles_clear(&patrol.obstacles, &(struct jp_plane_point){0.0f, 0.0f});
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, &thing));
+            if (is_hit) {
+                TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, angle));
+            } else if (!is_near) {
+                TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, angle));
+            }
+        }
+    }
+}
+
+static void expect_turn(float heading, float expected)
+{
+    float angle = 0.0f;
+
+    TEST_ASSERT_TRUE(jp_patrol_find_turn(&patrol, &here, heading, &angle));
+    TEST_ASSERT_NEAR(1e-4f, expected, angle);
+}
+
+static void test_shorter_way_round_is_taken(void)
+{
+    expect_turn(0.0f, 0.0f);
+    expect_turn(2.0f, 2.0f);
+    expect_turn(-2.0f, -2.0f);
+    expect_turn(4.0f, 4.0f - 2.0f * JP_PLANE_PI);
+}
+
+/* A long nose, and a thing beside it. */
+static void test_longer_way_round_if_the_shorter_is_not_free(void)
+{
+    patrol.config.teb.footprint = (struct jp_footprint){0.6f, 0.2f, 0.3f};
+    put_box(0.36f, 0.36f, 0.41f, 0.41f);
+    expect_turn(1.6f, 1.6f - 2.0f * JP_PLANE_PI);
+    expect_turn(-1.6f, -1.6f);
+    put_box(0.36f, -0.41f, 0.41f, -0.36f);
+
+    float angle;
+
+    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, 1.6f, &angle));
+    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, -1.6f, &angle));
+}
+
+static void test_longer_way_round_to_the_left(void)
+{
+    patrol.config.teb.footprint = (struct jp_footprint){0.6f, 0.2f, 0.3f};
+    put_box(0.36f, -0.41f, 0.41f, -0.36f);
+    expect_turn(-1.6f, 2.0f * JP_PLANE_PI - 1.6f);
+}
+
+/* ---- Steps ---- */
+
+static bool is_step_free(float x, float y)
+{
+    const struct jp_plane_pose step = {x, y, 0.0f};
+
+    return jp_patrol_is_step_free(&patrol, &step);
+}
+
+static void test_step_in_the_frame_of_the_robot(void)
+{
+    patrol.pose = (struct jp_plane_pose){1.0f, 1.0f, 0.5f * JP_PLANE_PI};
+    put_box(0.0f, 2.0f, 2.0f, 2.1f);
+    TEST_ASSERT_TRUE(is_step_free(0.5f, 0.0f));
+    TEST_ASSERT_FALSE(is_step_free(0.7f, 0.0f));
+    TEST_ASSERT_TRUE(is_step_free(0.0f, 0.7f));
+    TEST_ASSERT_TRUE(is_step_free(0.0f, -0.7f));
+}
+
+static void test_step_over_a_thin_thing_is_not_free(void)
+{
+    put_box(0.7f, -0.5f, 0.71f, 0.5f);
+    TEST_ASSERT_FALSE(is_step_free(1.5f, 0.0f));
+}
+
+static void test_step_keeps_its_clearance(void)
+{
+    put_box(-1.0f, 0.35f, 1.0f, 0.4f);
+    TEST_ASSERT_TRUE(is_step_free(0.3f, 0.0f));
+    patrol.config.turn_clearance = 0.06f;
+    TEST_ASSERT_TRUE(is_step_free(0.3f, 0.0f));
+    TEST_ASSERT_FALSE(is_step_free(0.3f, 0.2f));
+}
+
+static bool find_step(float heading, struct jp_plane_point *target)
+{
+    *target = (struct jp_plane_point){9.0f, 9.0f};
+    return jp_patrol_find_step(&patrol, heading, target);
+}
+
+static void test_shortest_step_ahead_is_taken(void)
+{
+    struct jp_plane_point target;
+
+    TEST_ASSERT_TRUE(find_step(1.5f, &target));
+    TEST_ASSERT_NEAR(1e-4f, 0.15f, target.x);
+    TEST_ASSERT_NEAR(1e-4f, 0.0f, target.y);
+}
+
+/* Between walls that end ahead. */
+static void test_step_to_where_the_walls_end(void)
+{
+    struct jp_plane_point target;
+    float angle;
+
+    put_box(-1.0f, 0.4f, 0.2f, 0.45f);
+    put_box(-1.0f, -0.45f, 0.2f, -0.4f);
+    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, 1.5f, &angle));
+    TEST_ASSERT_TRUE(find_step(1.5f, &target));
+    TEST_ASSERT_TRUE(target.x > 0.3f && target.x <= 0.76f);
+
+    const struct jp_plane_pose there = {target.x, target.y, 0.0f};
+
+    TEST_ASSERT_TRUE(jp_patrol_find_turn(&patrol, &there, 1.5f, &angle));
+}
+
+static void test_step_aside_from_a_wall(void)
+{
+    struct jp_plane_point target;
+
+    put_box(-2.0f, 0.4f, 2.0f, 0.5f);
+    put_box(0.6f, -2.0f, 0.7f, 2.0f);
+    TEST_ASSERT_TRUE(find_step(1.5f, &target));
+    TEST_ASSERT_TRUE(target.y < -0.05f);
+    jp_obstacles_clear(&patrol.obstacles, &(struct jp_plane_point){0.0f, 0.0f});
+    put_box(-2.0f, -0.5f, 2.0f, -0.4f);
+    put_box(0.6f, -2.0f, 0.7f, 2.0f);
+    TEST_ASSERT_TRUE(find_step(1.5f, &target));
+    TEST_ASSERT_TRUE(target.y > 0.05f);
+}
+
+static void test_no_step_out_of_a_box(void)
+{
+    struct jp_plane_point target;
+
+    put_box(-0.6f, 0.4f, 0.6f, 0.45f);
+    put_box(-0.6f, -0.45f, 0.6f, -0.4f);
+    put_box(0.5f, -0.4f, 0.6f, 0.4f);
+    put_box(-0.6f, -0.4f, -0.5f, 0.4f);
+    TEST_ASSERT_FALSE(find_step(1.5f, &target));
+    TEST_ASSERT_NEAR(1e-6f, 9.0f, target.x);
+}

@@ -1,0 +1,268 @@
+/* The patrol where there is little room: turns in place and the steps to where they are free. */
+#include "tests/support/patrol_rig.h"
+
+void setUp(void)
+{
+    rig_reset();
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- Stepping ---- */
+
+/* Too narrow to turn, open to the east from x = 0.1 m on. */
+static void stand_in_a_bay(void)
+{
+    rig_wall(-0.6f, 0.45f, 0.1f, 0.45f);
+    rig_wall(-0.6f, -0.45f, 0.1f, -0.45f);
+    rig_wall(-0.6f, -0.45f, -0.6f, 0.45f);
+}
+
+static void leave_the_bay(void)
+{
+    stand_in_a_bay();
+    rig_straight(0.0f, 0.0f, 0.4f, 0.28f);
+    rig_straight(0.5f, 0.3f, 2.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(2.0f, 0.3f, 0.0f, true));
+    (void)rig_until(JP_PATROL_STEPPING, 3);
+}
+
+static void test_robot_steps_to_where_it_can_turn(void)
+{
+    leave_the_bay();
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.steps);
+    while (patrol.state == JP_PATROL_STEPPING) {
+        TEST_ASSERT_TRUE(jp_plane_length(rig_from_q24(twist.x), rig_from_q24(twist.y)) <= config.step_speed + 1e-5f);
+        TEST_ASSERT_EQUAL_INT32(0, twist.turn_rate);
+        rig_cycle();
+    }
+    rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(robot.x > 0.1f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+}
+
+static void test_step_stops_for_what_comes_into_it(void)
+{
+    leave_the_bay();
+    rig_cycles(3);
+    rig_wall(robot.x + 0.45f, -0.4f, robot.x + 0.45f, 0.4f);
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect_stand();
+    wall_count = 3;
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+}
+
+static void test_step_ends_when_the_robot_stands(void)
+{
+    leave_the_bay();
+    patrol.internal.step_target = (struct jp_plane_point){0.0f, 0.0f};
+    rig_sense();
+    input.speed.forward = 0.2f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    input.speed.forward = 0.0f;
+    input.speed.turn_rate = 0.2f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    rig_expect_stand();
+    input.speed.turn_rate = 0.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+}
+
+/* So near that it looks like a collision: away from it with the wheels across, and on. */
+static void graze(float depth)
+{
+    rig_wall(-2.0f, 0.32f - depth, 3.0f, 0.32f - depth);
+    rig_go(3.0f, -0.2f);
+    rig_cycle();
+}
+
+static void test_robot_steps_away_from_what_it_grazes(void)
+{
+    graze(0.05f);
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_DRIVING, 20);
+    TEST_ASSERT_TRUE(robot.y < -0.05f);
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.steps);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+}
+
+static void test_robot_that_grazes_in_motion_stops_first(void)
+{
+    rig_wall(-2.0f, 0.27f, 3.0f, 0.27f);
+    rig_go(3.0f, -0.2f);
+    rig_sense();
+    input.speed.forward = 0.3f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_IN_COLLISION);
+    input.speed.forward = 0.0f;
+    (void)rig_until(JP_PATROL_STEPPING, 5);
+}
+
+static void test_plain_band_does_not_step(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    graze(0.05f);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_IN_COLLISION);
+}
+
+static void test_robot_that_grazes_on_both_sides_waits(void)
+{
+    rig_wall(-3.0f, -0.27f, 3.0f, -0.27f);
+    graze(0.05f);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_IN_COLLISION);
+}
+
+static void test_step_waits_for_its_way(void)
+{
+    stand_in_a_bay();
+    rig_wall(0.45f, -0.44f, 0.45f, 0.44f);
+    rig_straight(0.0f, 0.0f, 0.4f, 0.28f);
+    rig_straight(0.5f, 0.3f, 2.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(2.0f, 0.3f, 0.0f, true));
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    wall_count--;
+    rig_cycles(2);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect_stand();
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+}
+
+static void test_goal_beside_the_robot_is_stepped_to(void)
+{
+    rig_go(0.05f, 0.3f);
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.04f, 0.3f, robot.y);
+    TEST_ASSERT_NEAR(1e-4f, 0.0f, robot.heading);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+}
+
+static void test_goal_close_behind_is_turned_to(void)
+{
+    rig_go(-0.3f, 0.1f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+}
+
+static void test_goal_beside_the_robot_is_turned_to_if_no_step_is_free(void)
+{
+    rig_wall(-2.0f, 0.6f, 2.0f, 0.6f);
+    rig_go(0.02f, 0.35f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+}
+
+static void test_goal_in_a_slot_where_no_turn_fits(void)
+{
+    robot.heading = 0.5f * JP_PLANE_PI;
+    rig_init();
+    rig_wall(-0.42f, 0.7f, -0.42f, 4.0f);
+    rig_wall(0.42f, 0.7f, 0.42f, 4.0f);
+    rig_go_to_heading(0.0f, 2.0f, -0.5f * JP_PLANE_PI);
+    (void)rig_until(JP_PATROL_WAITING, RIG_LONG);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect_stand();
+}
+
+/* What the latency leaves behind is no matter for the band, but for what is done until then. */
+static void test_command_that_leads_into_something_is_not_given(void)
+{
+    config.latency = 1.0f;
+    rig_init();
+    rig_go(4.0f, 0.0f);
+    rig_cycle();
+    rig_wall(0.5f, -0.5f, 0.5f, 0.5f);
+    rig_sense();
+    patrol.internal.command.forward = 0.8f;
+    input.speed.forward = 1.4f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect_stand();
+}
+
+static void test_no_room_to_turn_anywhere(void)
+{
+    rig_box(-0.45f, -0.35f, 0.45f, 0.35f);
+    rig_go(0.0f, 2.0f);
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.infeasible);
+    (void)rig_until(JP_PATROL_STOPPED, config.waits_max + 1U);
+    rig_expect(JP_PATROL_STOPPED, JP_PATROL_NO_WAY);
+}
+
+/* Beside a goal, so near a wall that only at the goal itself there is room to turn. */
+static void arrive_beside_the_goal(float x)
+{
+    config.position_tolerance = 0.3f;
+    robot.x = x;
+    rig_init();
+    rig_wall(-0.54f, -2.0f, -0.54f, 2.0f);
+    rig_straight(-1.0f, 0.0f, 0.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.0f, 1.5f, false));
+    rig_cycle();
+}
+
+static void test_robot_steps_to_the_goal_to_turn_there(void)
+{
+    arrive_beside_the_goal(-0.08f);
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_TURNING, 20);
+    TEST_ASSERT_NEAR(0.035f, 0.0f, robot.x);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.08f, 1.5f, robot.heading);
+}
+
+static void test_robot_at_the_goal_without_room_to_turn_waits(void)
+{
+    rig_wall(0.45f, -2.0f, 0.45f, 2.0f);
+    arrive_beside_the_goal(0.0f);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+}
+
+static void test_robot_beside_the_goal_with_no_way_there_waits(void)
+{
+    rig_wall(0.35f, -2.0f, 0.35f, 2.0f);
+    arrive_beside_the_goal(-0.08f);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+}
+
+/* A long nose: a thing that is in the shorter way round is not in the longer one. */
+static void test_robot_turns_the_longer_way_round(void)
+{
+    float turned = 0.0f;
+
+    config.teb.footprint = (struct jp_footprint){0.6f, 0.2f, 0.3f};
+    rig_init();
+    rig_box(0.36f, 0.36f, 0.41f, 0.41f);
+    rig_straight(-1.0f, 0.0f, 0.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.0f, 0.5f * JP_PLANE_PI, false));
+    while (patrol.state != JP_PATROL_ARRIVED) {
+        rig_cycle();
+        TEST_ASSERT_TRUE(twist.turn_rate <= 0 || turned < -4.0f);
+        turned += rig_from_q24(twist.turn_rate) * RIG_PERIOD;
+        TEST_ASSERT_TRUE(patrol.state != JP_PATROL_WAITING && patrol.counts.cycles < RIG_LONG);
+    }
+    TEST_ASSERT_NEAR(0.1f, -1.5f * JP_PLANE_PI, turned);
+}
+
+/* Where there is no room to turn at the goal the band itself leads into its heading. */
+static void test_goal_without_room_is_reached_with_its_heading(void)
+{
+    rig_wall(3.47f, -3.0f, 3.47f, 3.0f);
+    rig_straight(0.0f, 0.0f, 1.8f, 0.0f);
+    rig_straight(1.9f, 0.02f, 2.6f, 0.7f);
+    rig_straight(2.7f, 0.8f, 3.0f, 1.8f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(3.0f, 1.8f, 0.5f * JP_PLANE_PI, false));
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.08f, 0.5f * JP_PLANE_PI, robot.heading);
+}

@@ -1,0 +1,249 @@
+/* The guide field on a small map: what it says of ways that are known by hand. */
+#include <joulepath/guide_field.h>
+#include <joulepath/tables.h>
+#include <string.h>
+
+#include "tests/support/level_map.h"
+#include "unity.h"
+
+enum {
+    SIDE = 16,
+    AXIS_COST = 224, /* of a level step along an axis, physical */
+    BLOCK_BYTES = 1024
+};
+
+static const struct jp_lattice *const lattice = &jp_lattice_zhang2018;
+static const struct jp_terrain_config map = {
+    .width = SIDE, .height = SIDE, .resolution = JP_Q16(0.2), .has_elevation = true};
+static const struct jp_guide_root west = {4, 8, 1}; /* facing east */
+
+static struct jp_turns turns;
+static struct jp_guide_field guide;
+static uint64_t block[BLOCK_BYTES / 8];
+
+static void init(unsigned scale)
+{
+    TEST_ASSERT_TRUE(jp_guide_field_size(&map, scale) <= sizeof block);
+    jp_guide_field_init(&guide, lattice, JP_COST_PHYSICAL, &terrain, &turns, scale, block);
+}
+
+void setUp(void)
+{
+    make_level_map(&map);
+    jp_lattice_turns(lattice, JP_COST_PHYSICAL, &turns);
+    memset(block, 0x5A, sizeof block);
+    init(1);
+}
+
+void tearDown(void)
+{
+}
+
+static void grow(enum jp_guide_direction direction, const struct jp_guide_root *root)
+{
+    unsigned cells = UINT16_MAX;
+
+    jp_guide_field_start(&guide, direction, root, 12, 12);
+    TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &cells));
+}
+
+static jp_cost estimate(int32_t x, int32_t y, unsigned heading)
+{
+    return jp_guide_field_estimate(&guide, x, y, heading);
+}
+
+static void slope_to_the_east(int rise)
+{
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        TEST_ASSERT_EQUAL_INT(
+            JP_OK, jp_terrain_set_elevation(&terrain, i % SIDE, i / SIDE, (jp_elevation)(rise * (i % SIDE))));
+    }
+}
+
+static void test_size(void)
+{
+    size_t last = SIZE_MAX;
+
+    for (unsigned scale = 1; scale <= JP_GUIDE_SCALE_MAX; scale++) {
+        const size_t side = (SIDE + scale - 1) / scale;
+        const size_t size = jp_guide_field_size(&map, scale);
+        TEST_ASSERT_EQUAL_UINT32(0, size % 8);
+        TEST_ASSERT_TRUE(size * 2 >= 5 * side * side);
+        TEST_ASSERT_TRUE(size <= last);
+        last = size;
+    }
+    TEST_ASSERT_TRUE(jp_guide_field_size(&map, 1) <= 5 * SIDE * SIDE / 2 + 4 * SIDE + 8);
+}
+
+static void test_stays_in_its_block(void)
+{
+    const uint8_t *bytes = (const uint8_t *)block;
+
+    for (unsigned scale = 1; scale <= JP_GUIDE_SCALE_MAX; scale++) {
+        memset(block, 0x5A, sizeof block);
+        init(scale);
+        grow(JP_GUIDE_FROM_ROOT, &west);
+        for (size_t i = jp_guide_field_size(&map, scale); i < sizeof block; i++) {
+            TEST_ASSERT_EQUAL_UINT8(0x5A, bytes[i]);
+        }
+    }
+}
+
+static void test_straight_ahead_costs_its_steps(void)
+{
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    for (int32_t x = 4; x <= 12; x++) {
+        TEST_ASSERT_EQUAL_UINT32((x - 4) * AXIS_COST, estimate(x, 8, 0));
+    }
+}
+
+static void test_straight_to_the_root(void)
+{
+    const struct jp_guide_root east = {12, 8, 1};
+
+    grow(JP_GUIDE_TO_ROOT, &east);
+    for (int32_t x = 4; x <= 12; x++) {
+        TEST_ASSERT_EQUAL_UINT32((12 - x) * AXIS_COST, estimate(x, 8, 0));
+    }
+}
+
+/* At the root, and at the end of a straight way. */
+static void test_turning_is_charged(void)
+{
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        TEST_ASSERT_EQUAL_UINT32(turns.cost[0][heading], estimate(4, 8, heading));
+        TEST_ASSERT_EQUAL_UINT32(5 * AXIS_COST + turns.cost[0][heading], estimate(9, 8, heading));
+    }
+    grow(JP_GUIDE_TO_ROOT, &west);
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        TEST_ASSERT_EQUAL_UINT32(turns.cost[heading][0], estimate(4, 8, heading));
+    }
+    TEST_ASSERT_TRUE(estimate(4, 8, 8) > estimate(4, 8, 1));
+}
+
+/* Behind the robot: it turns by half a circle first. What is beyond the horizon is taken for as far as that. */
+static void test_way_back(void)
+{
+    const struct jp_guide_root east = {10, 8, 1};
+    const jp_cost way_back = turns.cost[0][8] + 5 * AXIS_COST;
+    unsigned cells = UINT16_MAX;
+
+    jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &east, 5, 8);
+    TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &cells));
+    TEST_ASSERT_EQUAL_UINT32(way_back, estimate(5, 8, 8));
+    TEST_ASSERT_TRUE(estimate(5, 8, 0) > estimate(5, 8, 8));
+    grow(JP_GUIDE_FROM_ROOT, &east);
+    TEST_ASSERT_TRUE(estimate(5, 8, 8) < way_back);
+    TEST_ASSERT_EQUAL_UINT32(estimate(5, 8, 8), estimate(4, 8, 3));
+}
+
+static void test_root_of_several_headings(void)
+{
+    const struct jp_guide_root several = {4, 8, 1U << 0 | 1U << 5};
+
+    grow(JP_GUIDE_TO_ROOT, &several);
+    TEST_ASSERT_EQUAL_UINT32(0, estimate(4, 8, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, estimate(4, 8, 5));
+    TEST_ASSERT_EQUAL_UINT32(turns.cost[6][5], estimate(4, 8, 6));
+    grow(JP_GUIDE_TO_ROOT, &(const struct jp_guide_root){4, 8, 0xFFFF});
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        TEST_ASSERT_EQUAL_UINT32(0, estimate(4, 8, heading));
+    }
+}
+
+/* From the root uphill is dear; to the root it is the other way round. */
+static void test_slopes_have_a_direction(void)
+{
+    const struct jp_slope_cost *axis = &lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS];
+
+    slope_to_the_east(10);
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    TEST_ASSERT_EQUAL_UINT32(5 * jp_move_cost(axis, 10), estimate(9, 8, 0));
+    grow(JP_GUIDE_TO_ROOT, &(const struct jp_guide_root){4, 8, 1U << 8});
+    TEST_ASSERT_EQUAL_UINT32(5 * jp_move_cost(axis, -10), estimate(9, 8, 8));
+}
+
+static void test_too_steep_is_no_way(void)
+{
+    slope_to_the_east(200);
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    TEST_ASSERT_FALSE(jp_guide_field_reaches(&guide, 9, 8));
+    TEST_ASSERT_TRUE(jp_guide_field_reaches(&guide, 4, 11));
+}
+
+static void test_wall_is_no_way(void)
+{
+    put_column(8, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    for (unsigned scale = 1; scale <= 4; scale++) {
+        init(scale);
+        grow(JP_GUIDE_FROM_ROOT, &west);
+        TEST_ASSERT_TRUE(jp_guide_field_reaches(&guide, 4, 8));
+        TEST_ASSERT_FALSE(jp_guide_field_reaches(&guide, 12, 12));
+        TEST_ASSERT_EQUAL_UINT32(estimate(12, 12, 0), estimate(12, 4, 7));
+        TEST_ASSERT_TRUE(estimate(12, 12, 0) > estimate(4, 10, 3));
+    }
+}
+
+static void test_way_round_an_obstacle_costs_more(void)
+{
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    const jp_cost free_way = estimate(12, 8, 0);
+    put_column(8, 0, 9, JP_CELL_OCCUPIED);
+    const jp_cost old_estimate = estimate(12, 8, 0);
+    TEST_ASSERT_EQUAL_UINT32(free_way, old_estimate); /* it is not repaired */
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    TEST_ASSERT_TRUE(jp_guide_field_reaches(&guide, 12, 8));
+    TEST_ASSERT_TRUE(estimate(12, 8, 0) > free_way);
+}
+
+/* Level and open, a coarse guide says about what a fine one does. */
+static void test_scales_agree(void)
+{
+    for (unsigned scale = 1; scale <= 4; scale++) {
+        init(scale);
+        grow(JP_GUIDE_FROM_ROOT, &west);
+        const int32_t steps = 12 / (int32_t)scale - 4 / (int32_t)scale;
+        TEST_ASSERT_EQUAL_UINT32((uint32_t)steps * scale * AXIS_COST, estimate(12, 8, 0));
+    }
+}
+
+static void test_slices_change_nothing(void)
+{
+    static jp_cost whole[SIDE][SIDE];
+
+    put_column(8, 0, 9, JP_CELL_OCCUPIED);
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        whole[i / SIDE][i % SIDE] = estimate(i % SIDE, i / SIDE, 3);
+    }
+    for (unsigned slice = 1; slice < 200; slice *= 5) {
+        unsigned cells = 0;
+        jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &west, 12, 12);
+        TEST_ASSERT_FALSE(jp_guide_field_grow(&guide, &cells));
+        do {
+            TEST_ASSERT_EQUAL_UINT32(0, cells);
+            cells = slice;
+        } while (!jp_guide_field_grow(&guide, &cells));
+        for (int32_t i = 0; i < SIDE * SIDE; i++) {
+            TEST_ASSERT_EQUAL_UINT32(whole[i / SIDE][i % SIDE], estimate(i % SIDE, i / SIDE, 3));
+        }
+    }
+}
+
+/* A map whose sides are no multiple of the scale; a root and a target at its far edges. */
+static void test_odd_sides(void)
+{
+    const struct jp_terrain_config odd = {.width = 13, .height = 11, .resolution = JP_Q16(0.2), .has_elevation = true};
+    unsigned cells = UINT16_MAX;
+
+    make_level_map(&odd);
+    for (unsigned scale = 1; scale <= JP_GUIDE_SCALE_MAX; scale++) {
+        init(scale);
+        jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &(const struct jp_guide_root){12, 10, 1}, 0, 0);
+        TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &cells));
+        TEST_ASSERT_TRUE(jp_guide_field_reaches(&guide, 12, 10));
+        TEST_ASSERT_EQUAL_UINT32(0, estimate(12, 10, 0));
+        cells = UINT16_MAX;
+    }
+}

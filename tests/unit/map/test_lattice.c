@@ -1,0 +1,562 @@
+/* The tables of both lattices: their check, costs by hand, swept cells, the core, symmetry. */
+#include <joulepath/lattice.h>
+#include <joulepath/tables.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "unity.h"
+
+enum { SIDE = 29, CENTRE = SIDE / 2, PRIMITIVES_MAX = 160, MOVES_MAX = 512 };
+
+static const struct jp_lattice *const lattices[] = {&jp_lattice_zhang2018, &jp_lattice_gao2018};
+enum { LATTICES = sizeof lattices / sizeof lattices[0] };
+
+static struct jp_terrain terrain;
+static uint64_t block[SIDE * SIDE];
+
+/* A lattice to damage. */
+static struct jp_lattice copy;
+static struct jp_primitive primitives[PRIMITIVES_MAX];
+static uint16_t by_end[PRIMITIVES_MAX];
+static uint8_t moves[MOVES_MAX];
+
+static unsigned count_of(const struct jp_lattice *lattice)
+{
+    return lattice->first_from[JP_HEADINGS];
+}
+
+static size_t move_total(const struct jp_lattice *lattice)
+{
+    size_t total = 0;
+
+    for (unsigned i = 0; i < count_of(lattice); i++) {
+        const size_t end = (size_t)lattice->primitives[i].first_move + lattice->primitives[i].move_count;
+        total = end > total ? end : total;
+    }
+    return total;
+}
+
+/* All free and level. */
+static void reset_terrain(void)
+{
+    const struct jp_terrain_config config = {SIDE, SIDE, JP_Q16(0.2), true, true};
+    const char *field = NULL;
+
+    TEST_ASSERT_TRUE(jp_terrain_size(&config) <= sizeof block);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_init(&terrain, &config, block, sizeof block, &field));
+}
+
+static void reset_copy(void)
+{
+    const struct jp_lattice *source = &jp_lattice_zhang2018;
+    const unsigned count = count_of(source);
+
+    TEST_ASSERT_TRUE(count <= PRIMITIVES_MAX && move_total(source) <= MOVES_MAX);
+    copy = *source;
+    memcpy(primitives, source->primitives, count * sizeof *primitives);
+    memcpy(by_end, source->by_end, count * sizeof *by_end);
+    memcpy(moves, source->moves, move_total(source));
+    copy.primitives = primitives;
+    copy.by_end = by_end;
+    copy.moves = moves;
+}
+
+void setUp(void)
+{
+    reset_terrain();
+    reset_copy();
+}
+
+void tearDown(void)
+{
+}
+
+static void test_tables_pass_their_check(void)
+{
+    for (size_t i = 0; i < LATTICES; i++) {
+        const char *field = "none";
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_lattice_check(lattices[i], &field));
+        TEST_ASSERT_NULL(field);
+    }
+}
+
+static void test_check_wants_pointers(void)
+{
+    const char *field = NULL;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_lattice_check(NULL, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_lattice_check(&copy, NULL));
+}
+
+/* The check of the damaged copy names the field; the copy is whole again afterwards. */
+static void expect_bad(const char *name)
+{
+    const char *field = "none";
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_lattice_check(&copy, &field));
+    TEST_ASSERT_EQUAL_STRING(name, field);
+    reset_copy();
+}
+
+static void test_check_of_resolution_and_headings(void)
+{
+    copy.resolution = 0;
+    expect_bad("resolution");
+    copy.heading[0] = 1;
+    expect_bad("heading");
+    copy.heading[7] = copy.heading[6];
+    expect_bad("heading");
+}
+
+static void test_check_of_primitives(void)
+{
+    copy.primitives = NULL;
+    expect_bad("primitives");
+    primitives[3].start = JP_HEADINGS;
+    expect_bad("primitives");
+    primitives[3].start = 1;
+    expect_bad("primitives");
+    primitives[3].end = JP_HEADINGS;
+    expect_bad("primitives");
+    primitives[1].dx++;
+    expect_bad("primitives");
+    primitives[1].dy--;
+    expect_bad("primitives");
+    moves[primitives[1].first_move] = JP_MOVE_DIRECTIONS;
+    expect_bad("primitives");
+    copy.first_from[0] = 1;
+    expect_bad("primitives");
+    copy.first_from[5]++;
+    expect_bad("primitives");
+    copy.first_from[1] = JP_PRIMITIVES_PER_HEADING_MAX + 1;
+    expect_bad("primitives");
+}
+
+static void test_check_of_a_turn_that_costs_nothing(void)
+{
+    for (unsigned kind = 0; kind < JP_COST_KINDS; kind++) {
+        unsigned i = 0;
+        while (primitives[i].move_count != 0) {
+            i++;
+        }
+        primitives[i].base[kind] = 0;
+        expect_bad("primitives");
+    }
+}
+
+static void test_check_of_the_order_by_end(void)
+{
+    copy.by_end = NULL;
+    expect_bad("by_end");
+    by_end[0] = (uint16_t)count_of(&copy);
+    expect_bad("by_end");
+    by_end[0] = by_end[count_of(&copy) - 1];
+    expect_bad("by_end");
+    copy.first_to[0] = 1;
+    expect_bad("by_end");
+    copy.first_to[JP_HEADINGS]--;
+    expect_bad("by_end");
+}
+
+static void test_check_of_spans(void)
+{
+    copy.spans = NULL;
+    expect_bad("spans");
+    copy.core.span_count = 0;
+    expect_bad("spans");
+    copy.reach[3].span_count--; /* the last row of what is swept is outside */
+    expect_bad("spans");
+}
+
+/* The first reach is looked at first, so that no other span is needed. */
+static void test_check_of_the_reach(void)
+{
+    static const struct jp_span wrong[] = {
+        {-JP_SWEEP_REACH - 1, 0, 0},
+        {JP_SWEEP_REACH + 1, 0, 0},
+        {0, -JP_SWEEP_REACH - 1, 0},
+        {0, 0, JP_SWEEP_REACH + 1},
+        {0, 1, 0},
+    };
+
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        copy.spans = &wrong[i];
+        copy.reach[0] = (struct jp_cells){0, 1};
+        expect_bad("spans");
+    }
+}
+
+/* On the row of what a primitive sweeps, but not all of it. */
+static void test_check_of_a_reach_that_is_too_narrow(void)
+{
+    static const struct jp_span spans[] = {{0, -3, 3}, {0, -2, 3}, {0, -3, 2}, {1, -3, 3}};
+
+    for (uint16_t narrow = 1; narrow < sizeof spans / sizeof *spans; narrow++) {
+        copy.spans = spans;
+        copy.reach[0] = (struct jp_cells){narrow, 1};
+        primitives[0].first_span = 0;
+        primitives[0].span_count = 1;
+        expect_bad("spans");
+    }
+}
+
+static void test_check_of_move_costs(void)
+{
+    struct jp_slope_cost *cost = &copy.move_costs[JP_COST_PAPER][JP_MOVE_DIAGONAL];
+    cost->rise_max = 0;
+    expect_bad("move_costs");
+    cost->rise_max = 4097;
+    expect_bad("move_costs");
+    cost->floor = 0;
+    expect_bad("move_costs");
+    cost->climb.linear = INT32_MAX;
+    expect_bad("move_costs");
+    cost->climb.quadratic = INT32_MAX / 50;
+    expect_bad("move_costs");
+    cost->descend.linear = INT32_MIN;
+    expect_bad("move_costs");
+}
+
+/* A climb of one or two units overflows a part of the sum, though not always the sum. */
+static void test_check_of_each_part_of_a_move_cost(void)
+{
+    static const struct jp_polynomial wrong[] = {
+        {0, INT32_MIN, (int32_t)1 << 30},               /* the quadratic part, upwards */
+        {0, INT32_MAX, -((int32_t)1 << 30) - 1},        /* and downwards */
+        {INT32_MAX, 1, 0},                              /* the sum, upwards */
+        {INT32_MIN, -1, 0},                             /* and downwards */
+        {-1, INT32_MAX, 1},                             /* the factor of the rise, upwards */
+        {INT32_MAX, INT32_MIN, -1},                     /* and downwards */
+        {-((int32_t)1 << 30), (int32_t)1 << 30, 0},     /* its product with the rise, upwards */
+        {(int32_t)1 << 30, -((int32_t)1 << 30) - 1, 0}, /* and downwards */
+    };
+    struct jp_slope_cost *cost = &copy.move_costs[JP_COST_PAPER][JP_MOVE_DIAGONAL];
+
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        cost->descend = (struct jp_polynomial){0, 0, 0};
+        cost->climb = wrong[i];
+        cost->bend = 0;
+        cost->rise_max = 2;
+        expect_bad("move_costs");
+    }
+}
+
+static void test_straight_bound_is_no_more_than_the_largest_cost(void)
+{
+    const struct jp_lattice *lattice = &jp_lattice_zhang2018;
+
+    TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 0, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 100000, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 0, -100000, 0));
+}
+
+/* Where steep steps cost less than their rise is worth, a way up bounds nothing. */
+static void test_straight_bound_where_steep_steps_are_cheap(void)
+{
+    copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS].climb.quadratic = -700000;
+    TEST_ASSERT_EQUAL_UINT32(1, jp_move_cost(&copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 54) > 0);
+    TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_straight_bound(&copy, JP_COST_PHYSICAL, 10, 0, 0));
+}
+
+static jp_cost axis_cost(enum jp_cost_kind kind, int32_t rise)
+{
+    return jp_move_cost(&jp_lattice_zhang2018.move_costs[kind][JP_MOVE_AXIS], rise);
+}
+
+/* 902.21 N (0.0425930 · 0.2 m + rise) at 0.5 m/s: work / 0.78, twice (work · 0.34/4.5739)² · 0.74 for 0.4 s, 10 W. */
+static void test_physical_cost_of_a_straight_step(void)
+{
+    /* 7.6856 J / 0.78 + 0.1932 J + 4 J */
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)(14.0465 * JP_COST_PER_JOULE), axis_cost(JP_COST_PHYSICAL, 0));
+    /* 16.4962 J / 0.78 + 0.8902 J + 4 J */
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)(26.0392 * JP_COST_PER_JOULE), axis_cost(JP_COST_PHYSICAL, 10));
+    /* 3.2803 J / 0.78 + 0.0352 J + 4 J */
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)(8.2407 * JP_COST_PER_JOULE), axis_cost(JP_COST_PHYSICAL, -5));
+}
+
+static void test_descent_costs_the_electronics(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(4 * JP_COST_PER_JOULE, axis_cost(JP_COST_PHYSICAL, -9));
+    TEST_ASSERT_EQUAL_UINT32(4 * JP_COST_PER_JOULE, axis_cost(JP_COST_PHYSICAL, -54));
+}
+
+/* Eq. 14: 70.23 J/m, the motors' work without the electronics, and 0.69 · 902.21 N of rise. */
+static void test_paper_cost_of_a_straight_step(void)
+{
+    /* 14.046 J + 9.8533 J + 0.1932 J */
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)(24.0925 * JP_COST_PER_JOULE), axis_cost(JP_COST_PAPER, 0));
+    /* 14.046 J + 21.1490 J + 0.8902 J + 6.0793 J */
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)(42.1645 * JP_COST_PER_JOULE), axis_cost(JP_COST_PAPER, 10));
+    TEST_ASSERT_EQUAL_UINT32(1, axis_cost(JP_COST_PAPER, -54));
+}
+
+/* 15 degrees over 0.2 m are 54.9 units of elevation. */
+static void test_steeper_than_15_degrees_is_impassable(void)
+{
+    for (unsigned kind = 0; kind < JP_COST_KINDS; kind++) {
+        TEST_ASSERT_TRUE(axis_cost((enum jp_cost_kind)kind, 54) < JP_COST_MAX);
+        TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, axis_cost((enum jp_cost_kind)kind, 55));
+        TEST_ASSERT_TRUE(axis_cost((enum jp_cost_kind)kind, -54) < JP_COST_MAX);
+        TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, axis_cost((enum jp_cost_kind)kind, -55));
+    }
+}
+
+static void test_climbing_costs_more(void)
+{
+    for (size_t l = 0; l < LATTICES; l++) {
+        for (unsigned move = 0; move < JP_MOVE_KINDS; move++) {
+            const struct jp_slope_cost *cost = &lattices[l]->move_costs[JP_COST_PHYSICAL][move];
+            for (int32_t rise = 1; rise <= cost->rise_max; rise++) {
+                TEST_ASSERT_TRUE(jp_move_cost(cost, rise) > jp_move_cost(cost, rise - 1));
+            }
+        }
+    }
+}
+
+static jp_cost level_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind,
+                          const struct jp_primitive *primitive)
+{
+    jp_cost sum = primitive->base[kind];
+
+    for (unsigned i = 0; i < primitive->move_count; i++) {
+        const uint8_t direction = lattice->moves[primitive->first_move + i];
+        sum += jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(direction)], 0);
+    }
+    return sum;
+}
+
+static void test_straight_primitives_cost_their_step(void)
+{
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const struct jp_primitive *straight =
+            &jp_lattice_zhang2018.primitives[jp_lattice_zhang2018.first_from[heading]];
+        TEST_ASSERT_EQUAL_UINT32(1, straight->move_count);
+        TEST_ASSERT_EQUAL_UINT32(heading, jp_lattice_zhang2018.moves[straight->first_move]);
+        TEST_ASSERT_EQUAL_UINT32(heading, straight->end);
+        TEST_ASSERT_EQUAL_UINT32(0, straight->base[JP_COST_PHYSICAL]);
+        TEST_ASSERT_EQUAL_UINT32(0, straight->base[JP_COST_PAPER]);
+    }
+}
+
+/* Within the unit that each step and the base are rounded by. */
+static void test_distance_is_the_length(void)
+{
+    for (size_t l = 0; l < LATTICES; l++) {
+        for (unsigned i = 0; i < count_of(lattices[l]); i++) {
+            const struct jp_primitive *primitive = &lattices[l]->primitives[i];
+            if (primitive->move_count > 0) {
+                TEST_ASSERT_INT32_WITHIN(2 + primitive->move_count, primitive->length,
+                                         (int32_t)level_cost(lattices[l], JP_COST_DISTANCE, primitive));
+            }
+        }
+    }
+}
+
+/* On a plane that rises east by 5 and north by 3 units a cell. */
+static void test_energy_on_a_slope_adds_up(void)
+{
+    for (int y = 0; y < SIDE; y++) {
+        for (int x = 0; x < SIDE; x++) {
+            TEST_ASSERT_EQUAL_INT32(JP_OK,
+                                    jp_terrain_set_elevation(&terrain, x, y, (jp_elevation)(5 * x + 3 * y - 100)));
+        }
+    }
+    const struct jp_lattice *lattice = &jp_lattice_zhang2018;
+    for (unsigned i = 0; i < count_of(lattice); i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        jp_cost sum = primitive->base[JP_COST_PHYSICAL];
+        for (unsigned m = 0; m < primitive->move_count; m++) {
+            const uint8_t direction = lattice->moves[primitive->first_move + m];
+            const int32_t rise = 5 * jp_move_offsets[direction].dx + 3 * jp_move_offsets[direction].dy;
+            sum += jp_move_cost(&lattice->move_costs[JP_COST_PHYSICAL][jp_move_kind_of(direction)], rise);
+        }
+        TEST_ASSERT_EQUAL_UINT32(sum,
+                                 jp_lattice_energy(lattice, JP_COST_PHYSICAL, &terrain, primitive, CENTRE, CENTRE));
+        TEST_ASSERT_EQUAL_UINT32(sum, jp_lattice_cost(lattice, JP_COST_PHYSICAL, &terrain, primitive, CENTRE, CENTRE));
+    }
+}
+
+static bool covers(const struct jp_lattice *lattice, unsigned first_span, unsigned span_count, int x, int y)
+{
+    for (unsigned i = 0; i < span_count; i++) {
+        const struct jp_span span = lattice->spans[first_span + i];
+        if (span.y == y && span.first <= x && x <= span.last) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool sweeps(const struct jp_lattice *lattice, const struct jp_primitive *primitive, int x, int y)
+{
+    return covers(lattice, primitive->first_span, primitive->span_count, x, y);
+}
+
+static bool holds(const struct jp_lattice *lattice, struct jp_cells cells, int x, int y)
+{
+    return covers(lattice, cells.first_span, cells.span_count, x, y);
+}
+
+/* Every primitive that sweeps the one blocked cell is impassable, and no other. */
+static void expect_blocked_by(const struct jp_lattice *lattice, int x, int y)
+{
+    for (unsigned i = 0; i < count_of(lattice); i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        const jp_cost cost = jp_lattice_cost(lattice, JP_COST_PHYSICAL, &terrain, primitive, CENTRE, CENTRE);
+        TEST_ASSERT_EQUAL(sweeps(lattice, primitive, x, y), cost == JP_COST_MAX);
+    }
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        TEST_ASSERT_EQUAL(!holds(lattice, lattice->footprint[heading], x, y),
+                          jp_lattice_can_stand(lattice, &terrain, CENTRE, CENTRE, heading));
+    }
+    TEST_ASSERT_EQUAL(!holds(lattice, lattice->core, x, y), jp_lattice_is_open(lattice, &terrain, CENTRE, CENTRE));
+}
+
+static void test_a_blocked_cell_blocks_what_sweeps_it(void)
+{
+    for (size_t l = 0; l < LATTICES; l++) {
+        for (int y = 0; y < SIDE; y++) {
+            for (int x = 0; x < SIDE; x++) {
+                TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_set_cell(&terrain, x, y, JP_CELL_OCCUPIED));
+                expect_blocked_by(lattices[l], x - CENTRE, y - CENTRE);
+                TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_set_cell(&terrain, x, y, JP_CELL_FREE));
+            }
+        }
+    }
+}
+
+static void test_the_edge_of_the_map_blocks(void)
+{
+    const struct jp_lattice *lattice = &jp_lattice_zhang2018;
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX,
+                             jp_lattice_cost(lattice, JP_COST_PHYSICAL, &terrain, &lattice->primitives[0], 0, CENTRE));
+    TEST_ASSERT_FALSE(jp_lattice_can_stand(lattice, &terrain, SIDE - 1, CENTRE, 0));
+    TEST_ASSERT_FALSE(jp_lattice_is_open(lattice, &terrain, 0, 0));
+}
+
+static void expect_subset(const struct jp_lattice *lattice, struct jp_cells cells, const struct jp_primitive *of,
+                          int dx, int dy)
+{
+    for (unsigned i = 0; i < cells.span_count; i++) {
+        const struct jp_span span = lattice->spans[cells.first_span + i];
+        for (int x = span.first; x <= span.last; x++) {
+            TEST_ASSERT_TRUE(sweeps(lattice, of, x + dx, span.y + dy));
+        }
+    }
+}
+
+static void test_core_and_footprints_are_swept(void)
+{
+    for (size_t l = 0; l < LATTICES; l++) {
+        const struct jp_lattice *lattice = lattices[l];
+        TEST_ASSERT_TRUE(holds(lattice, lattice->core, 0, 0));
+        for (unsigned i = 0; i < count_of(lattice); i++) {
+            const struct jp_primitive *primitive = &lattice->primitives[i];
+            int x = 0;
+            int y = 0;
+            expect_subset(lattice, lattice->core, primitive, x, y);
+            for (unsigned m = 0; m < primitive->move_count; m++) {
+                const uint8_t direction = lattice->moves[primitive->first_move + m];
+                x += jp_move_offsets[direction].dx;
+                y += jp_move_offsets[direction].dy;
+                expect_subset(lattice, lattice->core, primitive, x, y);
+            }
+            expect_subset(lattice, lattice->footprint[primitive->start], primitive, 0, 0);
+            expect_subset(lattice, lattice->footprint[primitive->end], primitive, primitive->dx, primitive->dy);
+        }
+    }
+}
+
+static void test_reach_is_what_the_primitives_sweep(void)
+{
+    for (size_t l = 0; l < LATTICES; l++) {
+        const struct jp_lattice *lattice = lattices[l];
+        for (int cell = 0; cell < SIDE * SIDE; cell++) {
+            const int x = cell % SIDE - CENTRE;
+            const int y = cell / SIDE - CENTRE;
+            for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+                bool swept = false;
+                for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1]; i++) {
+                    swept = swept || sweeps(lattice, &lattice->primitives[i], x, y);
+                }
+                TEST_ASSERT_EQUAL(swept, holds(lattice, lattice->reach[heading], x, y));
+            }
+        }
+    }
+}
+
+/* A symmetry of the map. */
+struct symmetry {
+    int xx, xy, yx, yy; /* of cells */
+    int factor, addend; /* of headings and directions */
+};
+
+static unsigned image_of(const struct symmetry *symmetry, unsigned heading)
+{
+    return (unsigned)(symmetry->factor * (int)heading + symmetry->addend + 2 * JP_HEADINGS) % JP_HEADINGS;
+}
+
+static const struct jp_primitive *find(const struct jp_lattice *lattice, unsigned start, unsigned end, int dx, int dy)
+{
+    for (unsigned i = lattice->first_from[start]; i < lattice->first_from[start + 1]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        if (primitive->end == end && primitive->dx == dx && primitive->dy == dy) {
+            return primitive;
+        }
+    }
+    return NULL;
+}
+
+static void expect_images(const struct jp_lattice *lattice, const struct symmetry *s,
+                          const struct jp_primitive *primitive, const struct jp_primitive *image)
+{
+    TEST_ASSERT_EQUAL_UINT32(primitive->length, image->length);
+    TEST_ASSERT_EQUAL_UINT32(primitive->duration, image->duration);
+    TEST_ASSERT_EQUAL_UINT32(primitive->move_count, image->move_count);
+    for (unsigned kind = 0; kind < JP_COST_KINDS; kind++) {
+        TEST_ASSERT_EQUAL_UINT32(primitive->base[kind], image->base[kind]);
+    }
+    for (unsigned m = 0; m < primitive->move_count; m++) {
+        TEST_ASSERT_EQUAL_UINT32(image_of(s, lattice->moves[primitive->first_move + m]),
+                                 lattice->moves[image->first_move + m]);
+    }
+    for (unsigned i = 0; i < primitive->span_count; i++) {
+        const struct jp_span span = lattice->spans[primitive->first_span + i];
+        for (int x = span.first; x <= span.last; x++) {
+            TEST_ASSERT_TRUE(sweeps(lattice, image, s->xx * x + s->xy * span.y, s->yx * x + s->yy * span.y));
+        }
+    }
+}
+
+static void expect_symmetric(const struct symmetry *s)
+{
+    for (size_t l = 0; l < LATTICES; l++) {
+        for (unsigned i = 0; i < count_of(lattices[l]); i++) {
+            const struct jp_primitive *primitive = &lattices[l]->primitives[i];
+            const struct jp_primitive *image =
+                find(lattices[l], image_of(s, primitive->start), image_of(s, primitive->end),
+                     s->xx * primitive->dx + s->xy * primitive->dy, s->yx * primitive->dx + s->yy * primitive->dy);
+            TEST_ASSERT_NOT_NULL(image);
+            expect_images(lattices[l], s, primitive, image);
+        }
+    }
+}
+
+static void test_quarter_turns_change_nothing(void)
+{
+    expect_symmetric(&(struct symmetry){0, -1, 1, 0, 1, 4});
+}
+
+static void test_reflections_change_nothing(void)
+{
+    expect_symmetric(&(struct symmetry){1, 0, 0, -1, -1, 0});
+    expect_symmetric(&(struct symmetry){0, 1, 1, 0, -1, 4});
+}
+
+static void test_headings_are_those_of_the_unit_steps(void)
+{
+    for (size_t l = 0; l < LATTICES; l++) {
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            const jp_angle exact = jp_atan2(jp_move_offsets[heading].dy, jp_move_offsets[heading].dx);
+            TEST_ASSERT_INT32_WITHIN(JP_ATAN2_ERROR + 1, 0, (int32_t)(lattices[l]->heading[heading] - exact));
+        }
+    }
+}

@@ -1,0 +1,473 @@
+/* The map of the ground, against plain arrays with one entry a cell. */
+#include <string.h>
+
+#include <joulepath/terrain.h>
+
+#include "tests/target/random.h"
+#include "unity.h"
+
+#define SEED        UINT32_C(20180900)
+#define WIDTH_MAX   70
+#define HEIGHT_MAX  9
+#define BLOCK_WORDS 1024 /* 8 KiB: a map of 1 × 1024 cells without elevation */
+#define EDGE        3    /* cells beyond the map that are looked at */
+
+static struct jp_terrain_config config;
+static struct jp_terrain terrain;
+static uint64_t block[BLOCK_WORDS];
+static uint32_t state;
+
+/* The plain arrays. */
+static uint8_t cells[HEIGHT_MAX][WIDTH_MAX];
+static jp_elevation heights[HEIGHT_MAX][WIDTH_MAX];
+
+void setUp(void)
+{
+    config = (struct jp_terrain_config){
+        .width = WIDTH_MAX, .height = HEIGHT_MAX, .resolution = JP_Q16(0.2), .has_elevation = true};
+    state = SEED;
+}
+
+void tearDown(void)
+{
+}
+
+static enum jp_status init(const char **field)
+{
+    return jp_terrain_init(&terrain, &config, block, sizeof block, field);
+}
+
+static void start(void)
+{
+    const char *field = "";
+
+    memset(block, 0x5A, sizeof block);
+    TEST_ASSERT_EQUAL_INT(JP_OK, init(&field));
+    TEST_ASSERT_NULL(field);
+    memset(cells, JP_CELL_UNKNOWN, sizeof cells);
+    memset(heights, 0, sizeof heights);
+}
+
+static int32_t between(int32_t low, int32_t high)
+{
+    return low + (int32_t)(target_random(&state) % (uint32_t)(high - low + 1));
+}
+
+static bool is_inside(int32_t x, int32_t y)
+{
+    return x >= 0 && x < config.width && y >= 0 && y < config.height;
+}
+
+static bool is_drivable(int32_t x, int32_t y)
+{
+    return is_inside(x, y) &&
+           (cells[y][x] == JP_CELL_FREE || (cells[y][x] == JP_CELL_UNKNOWN && config.unknown_is_free));
+}
+
+static bool is_clear(const struct jp_span *spans, size_t count, int32_t x, int32_t y)
+{
+    for (size_t i = 0; i < count; i++) {
+        for (int32_t column = spans[i].first; column <= spans[i].last; column++) {
+            if (!is_drivable(x + column, y + spans[i].y)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static void set(int32_t x, int32_t y, enum jp_cell cell)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, x, y, cell));
+    cells[y][x] = (uint8_t)cell;
+}
+
+static void set_all(enum jp_cell cell)
+{
+    for (int32_t y = 0; y < config.height; y++) {
+        for (int32_t x = 0; x < config.width; x++) {
+            set(x, y, cell);
+        }
+    }
+}
+
+/* Every cell of the map and some round it. */
+static void expect_same(void)
+{
+    for (int32_t y = -EDGE; y < config.height + EDGE; y++) {
+        for (int32_t x = -EDGE; x < config.width + EDGE; x++) {
+            const bool inside = is_inside(x, y);
+            TEST_ASSERT_TRUE(jp_terrain_contains(&terrain, x, y) == inside);
+            TEST_ASSERT_EQUAL_INT(inside ? cells[y][x] : JP_CELL_OCCUPIED, jp_terrain_cell(&terrain, x, y));
+            TEST_ASSERT_EQUAL_INT(inside ? heights[y][x] : 0, jp_terrain_elevation(&terrain, x, y));
+        }
+    }
+}
+
+static void expect_clear(int32_t x, int32_t y, int8_t first, int8_t last)
+{
+    const struct jp_span span = {0, first, last};
+
+    TEST_ASSERT_TRUE(jp_terrain_is_clear(&terrain, &span, 1, x, y) == is_clear(&span, 1, x, y));
+}
+
+/* ---- Start ---- */
+
+static void expect_config(const char *expected)
+{
+    const char *field = "";
+    const enum jp_status status = init(&field);
+
+    if (expected == NULL) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, status);
+        TEST_ASSERT_NULL(field);
+        TEST_ASSERT_NOT_EQUAL(0, jp_terrain_size(&config));
+    } else {
+        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, status);
+        TEST_ASSERT_EQUAL_STRING(expected, field);
+        TEST_ASSERT_EQUAL_UINT32(0, jp_terrain_size(&config));
+    }
+    setUp();
+}
+
+#define FIELD(member, value, expected)                                                                                 \
+    do {                                                                                                               \
+        config.member = (value);                                                                                       \
+        expect_config(expected);                                                                                       \
+    } while (0)
+
+static void test_init_checks_every_field_at_its_limits(void)
+{
+    FIELD(width, 0, "width");
+    FIELD(width, 1, NULL);
+    FIELD(width, 1025, "width");
+    FIELD(width, UINT16_MAX, "width");
+    FIELD(height, 0, "height");
+    FIELD(height, 1, NULL);
+    FIELD(height, 1025, "height");
+    FIELD(height, UINT16_MAX, "height");
+    FIELD(resolution, 0, "resolution");
+    FIELD(resolution, -1, "resolution");
+    FIELD(resolution, INT32_MIN, "resolution");
+    FIELD(resolution, 1, NULL);
+    FIELD(resolution, INT32_MAX, NULL);
+    config.height = 0;
+    FIELD(width, 0, "width"); /* the first of two */
+    config.has_elevation = false;
+    config.width = 1;
+    FIELD(height, 1024, NULL);
+    config.height = 1;
+    FIELD(width, 1024, NULL);
+}
+
+static void test_size_is_two_bits_a_cell_in_words_and_two_bytes_an_elevation(void)
+{
+    static const struct {
+        uint16_t width;
+        uint16_t height;
+        uint32_t planes; /* bytes */
+    } sizes[] = {{1, 1, 8},   {31, 2, 16}, {32, 2, 16},       {33, 2, 32},
+                 {64, 3, 48}, {65, 3, 72}, {300, 300, 24000}, {1024, 1024, 262144}};
+
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        config.width = sizes[i].width;
+        config.height = sizes[i].height;
+        config.has_elevation = false;
+        TEST_ASSERT_EQUAL_UINT32(sizes[i].planes, jp_terrain_size(&config));
+        config.has_elevation = true;
+        TEST_ASSERT_EQUAL_UINT32(sizes[i].planes + 2 * (uint32_t)sizes[i].width * sizes[i].height,
+                                 jp_terrain_size(&config));
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, jp_terrain_size(NULL));
+}
+
+static void test_init_refuses_null_pointers(void)
+{
+    const char *field = "untouched";
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_terrain_init(NULL, &config, block, sizeof block, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_terrain_init(&terrain, NULL, block, sizeof block, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_terrain_init(&terrain, &config, NULL, sizeof block, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_terrain_init(&terrain, &config, block, sizeof block, NULL));
+    TEST_ASSERT_EQUAL_STRING("untouched", field);
+}
+
+static void test_init_refuses_a_small_or_misaligned_block_and_leaves_it_alone(void)
+{
+    const char *field = "";
+    unsigned char *bytes = (unsigned char *)block;
+    const size_t size = jp_terrain_size(&config);
+
+    memset(block, 0x5A, sizeof block);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, jp_terrain_init(&terrain, &config, block, 0, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, jp_terrain_init(&terrain, &config, block, size - 1, &field));
+    for (size_t shift = 1; shift < 8; shift++) {
+        TEST_ASSERT_EQUAL_INT(JP_ERR_ALIGNMENT, jp_terrain_init(&terrain, &config, bytes + shift, size, &field));
+    }
+    for (size_t i = 0; i < sizeof block; i++) {
+        TEST_ASSERT_EQUAL_INT(0x5A, bytes[i]);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&terrain, &config, block, size, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&terrain, &config, bytes + 8, size, &field));
+}
+
+/* Whatever is set stays within the stated size. */
+static void test_nothing_is_written_beyond_the_size(void)
+{
+    const unsigned char *bytes = (const unsigned char *)block;
+    static const uint16_t widths[] = {1, 31, 32, 33, 64, 65, WIDTH_MAX};
+
+    for (size_t i = 0; i < sizeof widths / sizeof widths[0]; i++) {
+        for (int elevation = 0; elevation < 2; elevation++) {
+            config.width = widths[i];
+            config.has_elevation = elevation != 0;
+            start();
+            set_all(JP_CELL_OCCUPIED);
+            for (int32_t x = 0; x < config.width && config.has_elevation; x++) {
+                TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, x, config.height - 1, INT16_MIN));
+            }
+            for (size_t k = jp_terrain_size(&config); k < sizeof block; k++) {
+                TEST_ASSERT_EQUAL_INT(0x5A, bytes[k]);
+            }
+        }
+    }
+}
+
+static void test_starts_unknown_and_level(void)
+{
+    for (int free = 0; free < 2; free++) {
+        config.unknown_is_free = free != 0;
+        start();
+        expect_same();
+        TEST_ASSERT_EQUAL_UINT32(0, terrain.version);
+        expect_clear(0, 0, 0, WIDTH_MAX - 1);
+    }
+}
+
+/* ---- Cells ---- */
+
+static void test_keeps_every_cell_apart(void)
+{
+    static const enum jp_cell kinds[] = {JP_CELL_FREE, JP_CELL_OCCUPIED, JP_CELL_UNKNOWN};
+
+    start();
+    for (int32_t y = 0; y < config.height; y++) {
+        for (int32_t x = 0; x < config.width; x++) {
+            set(x, y, kinds[(x + 2 * y) % 3]);
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, x, y, (jp_elevation)(100 * x - 999 * y)));
+            heights[y][x] = (jp_elevation)(100 * x - 999 * y);
+        }
+    }
+    expect_same();
+}
+
+static void test_changes_a_cell_between_all_kinds(void)
+{
+    start();
+    for (int from = JP_CELL_FREE; from <= JP_CELL_UNKNOWN; from++) {
+        for (int to = JP_CELL_FREE; to <= JP_CELL_UNKNOWN; to++) {
+            for (int32_t x = 30; x <= 34; x++) {
+                set(x, 4, (enum jp_cell)from);
+                set(x, 4, (enum jp_cell)to);
+                expect_clear(x, 4, 0, 0);
+            }
+        }
+    }
+    expect_same();
+}
+
+static void test_refuses_cells_outside_and_unknown_kinds(void)
+{
+    static const int32_t places[][2] = {
+        {-1, 0},        {0, -1},        {WIDTH_MAX, 0}, {0, HEIGHT_MAX}, {INT32_MIN, 0},
+        {INT32_MAX, 0}, {0, INT32_MIN}, {0, INT32_MAX}, {-1, -1},        {WIDTH_MAX, HEIGHT_MAX}};
+
+    start();
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        const int32_t x = places[i][0];
+        const int32_t y = places[i][1];
+        TEST_ASSERT_FALSE(jp_terrain_contains(&terrain, x, y));
+        TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_terrain_set_cell(&terrain, x, y, JP_CELL_FREE));
+        TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_terrain_set_elevation(&terrain, x, y, 1));
+        TEST_ASSERT_EQUAL_INT(JP_CELL_OCCUPIED, jp_terrain_cell(&terrain, x, y));
+        TEST_ASSERT_EQUAL_INT(0, jp_terrain_elevation(&terrain, x, y));
+    }
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_terrain_set_cell(&terrain, 0, 0, (enum jp_cell)3));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_terrain_set_cell(&terrain, -1, 0, (enum jp_cell)3));
+    expect_same();
+    TEST_ASSERT_EQUAL_UINT32(0, terrain.version);
+}
+
+static void test_counts_the_changes(void)
+{
+    start();
+    set(3, 3, JP_CELL_FREE);
+    TEST_ASSERT_EQUAL_UINT32(1, terrain.version);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, 3, 3, 7));
+    TEST_ASSERT_EQUAL_UINT32(2, terrain.version);
+    (void)jp_terrain_cell(&terrain, 3, 3);
+    (void)jp_terrain_elevation(&terrain, 3, 3);
+    expect_clear(3, 3, 0, 0);
+    TEST_ASSERT_EQUAL_UINT32(2, terrain.version);
+}
+
+/* ---- Elevation ---- */
+
+static void test_elevation_takes_its_whole_range(void)
+{
+    static const jp_elevation values[] = {INT16_MIN, INT16_MAX, -1, 0, 1};
+
+    start();
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, (int32_t)i, 2, values[i]));
+        heights[2][i] = values[i];
+    }
+    expect_same();
+}
+
+static void test_a_map_without_elevation_is_level(void)
+{
+    config.has_elevation = false;
+    start();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_terrain_set_elevation(&terrain, 1, 1, 5));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_terrain_set_elevation(&terrain, -1, 1, 5));
+    TEST_ASSERT_EQUAL_UINT32(0, terrain.version);
+    set_all(JP_CELL_FREE);
+    expect_same();
+}
+
+/* ---- Clear spans ---- */
+
+/* One blocked cell, and every span of its row. */
+static void test_finds_one_blocked_cell_in_every_span(void)
+{
+    static const int32_t blocked[] = {0, 1, 30, 31, 32, 33, 62, 63, 64, 65, WIDTH_MAX - 1};
+
+    start();
+    set_all(JP_CELL_FREE);
+    for (size_t i = 0; i < sizeof blocked / sizeof blocked[0]; i++) {
+        set(blocked[i], 5, JP_CELL_OCCUPIED);
+        for (int32_t first = -2; first < WIDTH_MAX + 2; first++) {
+            for (int32_t last = first; last < WIDTH_MAX + 2; last++) {
+                expect_clear(0, 5, (int8_t)first, (int8_t)last);
+            }
+        }
+        set(blocked[i], 5, JP_CELL_FREE);
+    }
+}
+
+/* One free cell in an occupied row. */
+static void test_finds_one_free_cell(void)
+{
+    start();
+    set_all(JP_CELL_OCCUPIED);
+    for (int32_t x = 0; x < WIDTH_MAX; x++) {
+        set(x, 5, JP_CELL_FREE);
+        for (int32_t at = 0; at < WIDTH_MAX; at++) {
+            expect_clear(at, 5, 0, 0);
+            expect_clear(at, 5, 0, 1);
+        }
+        set(x, 5, JP_CELL_OCCUPIED);
+    }
+}
+
+static void test_neighbouring_rows_do_not_matter(void)
+{
+    start();
+    set_all(JP_CELL_OCCUPIED);
+    for (int32_t x = 0; x < WIDTH_MAX; x++) {
+        set(x, 4, JP_CELL_FREE);
+    }
+    expect_clear(0, 4, 0, WIDTH_MAX - 1);
+    expect_clear(0, 3, 0, WIDTH_MAX - 1);
+    expect_clear(0, 5, 0, WIDTH_MAX - 1);
+}
+
+static void test_beyond_the_map_is_blocked_and_no_spans_are_clear(void)
+{
+    const struct jp_span rows[] = {{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+
+    start();
+    set_all(JP_CELL_FREE);
+    for (int32_t y = -2; y < HEIGHT_MAX + 2; y++) {
+        TEST_ASSERT_TRUE(jp_terrain_is_clear(&terrain, rows, 3, 10, y) == (y >= 1 && y <= HEIGHT_MAX - 2));
+    }
+    for (int32_t x = -130; x < WIDTH_MAX + 130; x++) {
+        expect_clear(x, 0, -1, 1);
+        expect_clear(x, HEIGHT_MAX - 1, INT8_MIN, INT8_MAX);
+    }
+    TEST_ASSERT_TRUE(jp_terrain_is_clear(&terrain, rows, 0, -5, -5));
+}
+
+static void test_unknown_cells_follow_the_configuration(void)
+{
+    for (int free = 0; free < 2; free++) {
+        config.unknown_is_free = free != 0;
+        start();
+        set_all(JP_CELL_FREE);
+        set(31, 2, JP_CELL_UNKNOWN);
+        const struct jp_span span = {0, 0, 0};
+        TEST_ASSERT_TRUE(jp_terrain_is_clear(&terrain, &span, 1, 31, 2) == (free != 0));
+        TEST_ASSERT_EQUAL_INT(JP_CELL_UNKNOWN, jp_terrain_cell(&terrain, 31, 2));
+    }
+}
+
+/* ---- Random ---- */
+
+static struct jp_span random_span(void)
+{
+    const int32_t first = between(-20, 20);
+
+    return (struct jp_span){
+        .y = (int8_t)between(-4, 4), .first = (int8_t)first, .last = (int8_t)(first + between(0, 20))};
+}
+
+static void random_change(void)
+{
+    const int32_t x = between(-1, config.width);
+    const int32_t y = between(-1, config.height);
+    const jp_elevation height = (jp_elevation)between(INT16_MIN, INT16_MAX);
+    /* Mostly free, or no span would be clear. */
+    const enum jp_cell cell = between(0, 19) < 18 ? JP_CELL_FREE : (enum jp_cell)between(0, 2);
+    const enum jp_status expected = is_inside(x, y) ? JP_OK : JP_ERR_OUTSIDE;
+
+    TEST_ASSERT_EQUAL_INT(expected, jp_terrain_set_cell(&terrain, x, y, cell));
+    TEST_ASSERT_EQUAL_INT(config.has_elevation ? expected : JP_ERR_STATE,
+                          jp_terrain_set_elevation(&terrain, x, y, height));
+    if (expected == JP_OK) {
+        cells[y][x] = (uint8_t)cell;
+        heights[y][x] = config.has_elevation ? height : 0;
+    }
+}
+
+static int random_look(void)
+{
+    const struct jp_span spans[] = {random_span(), random_span()};
+    const int32_t x = between(-5, config.width + 5);
+    const int32_t y = between(-5, config.height + 5);
+    const size_t count = (size_t)between(0, 2);
+    const bool clear = is_clear(spans, count, x, y);
+
+    TEST_ASSERT_TRUE(jp_terrain_is_clear(&terrain, spans, count, x, y) == clear);
+    return clear && count > 0;
+}
+
+static void test_random_maps_agree_with_plain_arrays(void)
+{
+    int clear = 0;
+
+    for (int map = 0; map < 40; map++) {
+        config.width = (uint16_t)between(1, WIDTH_MAX);
+        config.height = (uint16_t)between(1, HEIGHT_MAX);
+        config.has_elevation = between(0, 1) != 0;
+        config.unknown_is_free = between(0, 1) != 0;
+        start();
+        set_all(JP_CELL_FREE);
+        for (int i = 0; i < 800; i++) {
+            random_change();
+            clear += random_look();
+        }
+        expect_same();
+    }
+    TEST_ASSERT_GREATER_THAN_INT(1000, clear);
+}

@@ -1,0 +1,304 @@
+/* Waves over a grid, against relaxing all cells until nothing changes. */
+#include <joulepath/wavefront.h>
+#include <string.h>
+
+#include "tests/target/random.h"
+#include "unity.h"
+
+enum {
+    WIDTH = 40, /* more than a word of bits */
+    HEIGHT = 7,
+    BLOCK_BYTES = 640,
+    GUARD_BYTES = 32,
+    WALL = 0,
+    WEIGHT_MAX = 9,
+    SEEDS = 20
+};
+
+static const int8_t neighbours[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+
+static struct jp_wavefront wave;
+static uint64_t block[(BLOCK_BYTES + GUARD_BYTES) / 8];
+static uint8_t weights[HEIGHT][WIDTH]; /* what it costs to enter a cell; WALL: it cannot be */
+static uint16_t expected[HEIGHT][WIDTH];
+static uint32_t state;
+static unsigned handed_out;
+
+void setUp(void)
+{
+    memset(block, 0x5A, sizeof block);
+    memset(weights, 1, sizeof weights);
+    state = 20050901;
+    handed_out = 0;
+    TEST_ASSERT_TRUE(jp_wavefront_size(WIDTH, HEIGHT) <= BLOCK_BYTES);
+    jp_wavefront_init(&wave, WIDTH, HEIGHT, block);
+}
+
+void tearDown(void)
+{
+}
+
+static uint32_t below(uint32_t n)
+{
+    return target_random(&state) % n;
+}
+
+static bool is_inside(int32_t x, int32_t y)
+{
+    return x >= 0 && y >= 0 && x < WIDTH && y < HEIGHT;
+}
+
+static void relax(int32_t x, int32_t y)
+{
+    for (int i = 0; i < 4; i++) {
+        const int32_t nx = x + neighbours[i][0];
+        const int32_t ny = y + neighbours[i][1];
+        if (!is_inside(nx, ny) || weights[ny][nx] == WALL) {
+            continue;
+        }
+        const uint16_t value = (uint16_t)(jp_wavefront_value(&wave, x, y) + weights[ny][nx]);
+        if (value < jp_wavefront_value(&wave, nx, ny)) {
+            jp_wavefront_lower(&wave, nx, ny, value);
+        }
+    }
+}
+
+static void grow(void)
+{
+    int32_t x = -1;
+    int32_t y = -1;
+
+    while (jp_wavefront_next(&wave, &x, &y)) {
+        TEST_ASSERT_TRUE(is_inside(x, y));
+        TEST_ASSERT_TRUE(jp_wavefront_value(&wave, x, y) <= wave.threshold);
+        handed_out++;
+        relax(x, y);
+    }
+}
+
+/* From cell (0, 0), as far as (target_x, target_y) and a quarter more. */
+static void start(uint16_t step, uint16_t target_x, uint16_t target_y)
+{
+    jp_wavefront_start(&wave, step, target_x, target_y);
+    jp_wavefront_lower(&wave, 0, 0, 0);
+}
+
+static bool expect_better(int32_t x, int32_t y)
+{
+    bool is_better = false;
+
+    for (int i = 0; i < 4; i++) {
+        const int32_t nx = x + neighbours[i][0];
+        const int32_t ny = y + neighbours[i][1];
+        if (weights[y][x] != WALL && is_inside(nx, ny) && expected[ny][nx] != JP_WAVE_NOT_REACHED &&
+            expected[ny][nx] + weights[y][x] < expected[y][x]) {
+            expected[y][x] = (uint16_t)(expected[ny][nx] + weights[y][x]);
+            is_better = true;
+        }
+    }
+    return is_better;
+}
+
+static void relax_all(void)
+{
+    memset(expected, 0xFF, sizeof expected);
+    expected[0][0] = 0;
+    for (bool is_better = true; is_better;) {
+        is_better = false;
+        for (int32_t y = 0; y < HEIGHT; y++) {
+            for (int32_t x = 0; x < WIDTH; x++) {
+                is_better |= expect_better(x, y);
+            }
+        }
+    }
+}
+
+/* Exact up to the horizon; beyond it not too low. */
+static void expect_values(void)
+{
+    relax_all();
+    for (int32_t y = 0; y < HEIGHT; y++) {
+        for (int32_t x = 0; x < WIDTH; x++) {
+            if (expected[y][x] <= wave.horizon) {
+                TEST_ASSERT_EQUAL_UINT16(expected[y][x], jp_wavefront_value(&wave, x, y));
+            } else {
+                TEST_ASSERT_TRUE(jp_wavefront_value(&wave, x, y) >= expected[y][x]);
+            }
+        }
+    }
+}
+
+static void randomise(unsigned wall_percent)
+{
+    for (int y = 0; y < HEIGHT; y++) {
+        for (int x = 0; x < WIDTH; x++) {
+            weights[y][x] = below(100) < wall_percent ? WALL : (uint8_t)(1 + below(WEIGHT_MAX));
+        }
+    }
+}
+
+static void test_size(void)
+{
+    for (uint16_t width = 1; width < 100; width += 13) {
+        for (uint16_t height = 1; height < 100; height += 17) {
+            const size_t size = jp_wavefront_size(width, height);
+            const size_t cells = (size_t)width * height;
+            TEST_ASSERT_EQUAL_UINT32(0, size % 8);
+            TEST_ASSERT_TRUE(size * 8 >= 17 * cells);
+            TEST_ASSERT_TRUE(size <= 2 * cells + 4U * height * ((width + 31U) / 32) + 16);
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(2 * 1024 * 1024 + 1024 * 1024 / 8, jp_wavefront_size(1024, 1024));
+}
+
+static void test_nothing_reached_without_a_root(void)
+{
+    int32_t x = 0;
+    int32_t y = 0;
+
+    jp_wavefront_start(&wave, 1, 3, 3);
+    TEST_ASSERT_FALSE(jp_wavefront_next(&wave, &x, &y));
+    TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
+    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, 0, 0));
+    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, WIDTH - 1, HEIGHT - 1));
+}
+
+static void test_stays_in_its_block(void)
+{
+    const uint8_t *bytes = (const uint8_t *)block;
+
+    start(3, WIDTH - 1, HEIGHT - 1);
+    grow();
+    for (size_t i = jp_wavefront_size(WIDTH, HEIGHT); i < sizeof block; i++) {
+        TEST_ASSERT_EQUAL_UINT8(0x5A, bytes[i]);
+    }
+}
+
+static void test_reaches_all_of_an_open_grid(void)
+{
+    start(1, WIDTH - 1, HEIGHT - 1);
+    grow();
+    for (int32_t y = 0; y < HEIGHT; y++) {
+        for (int32_t x = 0; x < WIDTH; x++) {
+            TEST_ASSERT_EQUAL_UINT16(x + y, jp_wavefront_value(&wave, x, y));
+        }
+    }
+    TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
+}
+
+/* With a step of the neighbours' difference each cell is handed out about once. */
+static void test_hands_out_in_the_order_of_the_values(void)
+{
+    start(1, WIDTH - 1, HEIGHT - 1);
+    grow();
+    TEST_ASSERT_TRUE(handed_out <= WIDTH * HEIGHT * 3 / 2);
+}
+
+static void test_is_least_on_random_grids(void)
+{
+    for (unsigned seed = 0; seed < SEEDS; seed++) {
+        randomise(seed % 4 * 12);
+        start((uint16_t)(1 + below(30)), (uint16_t)below(WIDTH), (uint16_t)below(HEIGHT));
+        grow();
+        expect_values();
+    }
+}
+
+static void test_stops_a_quarter_beyond_the_target(void)
+{
+    start(2, 8, 0);
+    grow();
+    TEST_ASSERT_EQUAL_UINT16(8 + 2 + 2, wave.horizon);
+    expect_values();
+    TEST_ASSERT_FALSE(jp_wavefront_is_exhausted(&wave));
+    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, WIDTH - 1, 0));
+}
+
+/* With a step near the end of the range the horizon would be beyond it. */
+static void test_horizon_ends_with_the_range(void)
+{
+    start(JP_WAVE_VALUE_MAX, WIDTH - 1, HEIGHT - 1);
+    grow();
+    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_VALUE_MAX, wave.horizon);
+    TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
+    expect_values();
+}
+
+static void test_target_behind_a_wall(void)
+{
+    for (int y = 0; y < HEIGHT; y++) {
+        weights[y][20] = WALL;
+    }
+    start(4, 30, 3);
+    grow();
+    TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
+    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_VALUE_MAX, wave.horizon);
+    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, 30, 3));
+    TEST_ASSERT_EQUAL_UINT16(19, jp_wavefront_value(&wave, 19, 0));
+    expect_values();
+}
+
+static void test_root_at_the_target(void)
+{
+    start(5, 0, 0);
+    grow();
+    TEST_ASSERT_EQUAL_UINT16(5, wave.horizon);
+    expect_values();
+}
+
+/* Through a door that opens later. */
+static void test_touched_cells_are_handed_out_again(void)
+{
+    test_target_behind_a_wall();
+    const unsigned before = handed_out;
+    grow();
+    TEST_ASSERT_EQUAL_UINT32(before, handed_out);
+    weights[3][20] = 1;
+    jp_wavefront_touch(&wave, 19, 3);
+    jp_wavefront_touch(&wave, 21, 3); /* not reached: nothing to hand out */
+    jp_wavefront_resume(&wave);
+    grow();
+    TEST_ASSERT_TRUE(handed_out > before);
+    TEST_ASSERT_EQUAL_UINT16(33, jp_wavefront_value(&wave, 30, 3));
+    expect_values();
+}
+
+static void test_touching_changes_no_value(void)
+{
+    start(1, WIDTH - 1, HEIGHT - 1);
+    grow();
+    const unsigned before = handed_out;
+    jp_wavefront_touch(&wave, 7, 3);
+    jp_wavefront_touch(&wave, WIDTH - 1, HEIGHT - 1);
+    jp_wavefront_resume(&wave);
+    grow();
+    TEST_ASSERT_EQUAL_UINT32(before + 2, handed_out);
+    expect_values();
+}
+
+/* Cells become cheaper, one after the other and while the wave grows. */
+static void test_repair_after_falling_weights(void)
+{
+    for (unsigned seed = 0; seed < SEEDS; seed++) {
+        randomise(20);
+        start((uint16_t)(1 + below(20)), WIDTH - 1, HEIGHT - 1);
+        for (int edit = 0; edit < 10; edit++) {
+            int32_t x = (int32_t)below(WIDTH);
+            int32_t y = (int32_t)below(HEIGHT);
+            weights[y][x] = 1;
+            for (int i = 0; i < 4; i++) {
+                const int32_t nx = x + neighbours[i][0];
+                const int32_t ny = y + neighbours[i][1];
+                if (is_inside(nx, ny)) {
+                    jp_wavefront_touch(&wave, nx, ny);
+                }
+            }
+            jp_wavefront_resume(&wave);
+            for (uint32_t slice = below(50); slice > 0 && jp_wavefront_next(&wave, &x, &y); slice--) {
+                relax(x, y);
+            }
+        }
+        grow();
+        expect_values();
+    }
+}

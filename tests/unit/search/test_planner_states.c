@@ -1,0 +1,196 @@
+/* The planner's states and their queue; costs that change. */
+#include <stddef.h>
+
+#include "src/search/planner_states.h"
+#include "tests/support/planner_rig.h"
+
+void setUp(void)
+{
+    rig_reset();
+}
+
+void tearDown(void)
+{
+}
+
+/* The states and their queue */
+
+static void test_costs_saturate(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, jp_cost_add(JP_COST_MAX, JP_COST_MAX));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, jp_cost_add(JP_COST_MAX - 1, 2));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, jp_cost_add(JP_COST_MAX, 0));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, jp_cost_add(JP_COST_MAX - 2, 1));
+}
+
+/* Ids that differ little, by a factor of the table's size, and by much. */
+static void test_table_finds_all_that_it_holds(void)
+{
+    static const uint32_t strides[] = {1, 16, 4096, 65537};
+
+    for (size_t i = 0; i < sizeof strides / sizeof strides[0]; i++) {
+        start_planner(sizeof block);
+        const uint32_t stride = i == 3 ? planner.internal.slot_count : strides[i];
+        const uint32_t count = planner.internal.statistics.states_max;
+        for (uint32_t k = 0; k < count; k++) {
+            const uint32_t id = k * stride & 0xFFFFFF;
+            TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal, id));
+            const uint32_t slot = jp_planner_states_add(&planner.internal, id);
+            TEST_ASSERT_TRUE(slot < planner.internal.slot_count);
+            TEST_ASSERT_EQUAL_UINT32(slot, jp_planner_states_add(&planner.internal, id));
+            TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, (uint32_t)planner.internal.states[slot].g);
+            TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, (uint32_t)planner.internal.states[slot].rhs);
+        }
+        for (uint32_t k = 0; k < count; k++) {
+            const uint32_t slot = jp_planner_states_find(&planner.internal, k * stride & 0xFFFFFF);
+            TEST_ASSERT_TRUE(slot != NO_SLOT);
+            TEST_ASSERT_EQUAL_UINT32(k * stride & 0xFFFFFF, (uint32_t)planner.internal.states[slot].id);
+        }
+    }
+}
+
+static void test_table_that_is_full(void)
+{
+    start_planner(sizeof block);
+    const uint32_t count = planner.internal.statistics.states_max;
+    for (uint32_t id = 0; id < count; id++) {
+        TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal, id) != NO_SLOT);
+        TEST_ASSERT_EQUAL_UINT32(id + 1, planner.internal.statistics.states);
+    }
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_add(&planner.internal, count));
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal, count));
+    TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal, count - 1) != NO_SLOT);
+    jp_planner_states_clear(&planner.internal);
+    TEST_ASSERT_EQUAL_UINT32(0, planner.internal.statistics.states);
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal, 0));
+    TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal, count) != NO_SLOT);
+}
+
+static uint32_t key_of(uint32_t i)
+{
+    return i * 7919 % 1000;
+}
+
+static void test_queue_gives_the_lowest_first(void)
+{
+    enum { COUNT = 100 };
+    uint32_t last = 0;
+
+    start_planner(sizeof block);
+    jp_planner_queue_restart(&planner.internal, 1000);
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(&planner.internal));
+    for (uint32_t i = 0; i < COUNT; i++) {
+        jp_planner_queue_put(&planner.internal, jp_planner_states_add(&planner.internal, i), key_of(i));
+    }
+    for (uint32_t i = 0; i < COUNT; i++) {
+        const uint32_t slot = jp_planner_queue_top(&planner.internal);
+        TEST_ASSERT_TRUE(slot != NO_SLOT);
+        const uint32_t key = key_of((uint32_t)planner.internal.states[slot].id);
+        TEST_ASSERT_TRUE(jp_planner_queue_lowest_key(&planner.internal) >= last);
+        TEST_ASSERT_TRUE(jp_planner_queue_lowest_key(&planner.internal) <= key);
+        TEST_ASSERT_TRUE(key >> planner.internal.bucket_shift ==
+                         jp_planner_queue_lowest_key(&planner.internal) >> planner.internal.bucket_shift);
+        last = jp_planner_queue_lowest_key(&planner.internal);
+        jp_planner_queue_remove(&planner.internal, slot);
+        jp_planner_queue_remove(&planner.internal, slot); /* of one that is out: nothing */
+    }
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(&planner.internal));
+}
+
+static void test_queue_moves_a_state_to_its_new_key(void)
+{
+    start_planner(sizeof block);
+    jp_planner_queue_restart(&planner.internal, 60);
+    const uint32_t a = jp_planner_states_add(&planner.internal, 1);
+    const uint32_t b = jp_planner_states_add(&planner.internal, 2);
+    const uint32_t c = jp_planner_states_add(&planner.internal, 3);
+    jp_planner_queue_put(&planner.internal, a, 30);
+    jp_planner_queue_put(&planner.internal, b, 30);
+    jp_planner_queue_put(&planner.internal, c, 30);
+    jp_planner_queue_put(&planner.internal, b, 30);
+    jp_planner_queue_put(&planner.internal, b, 10); /* out of the middle of a list */
+    TEST_ASSERT_EQUAL_UINT32(b, jp_planner_queue_top(&planner.internal));
+    TEST_ASSERT_EQUAL_UINT32(10, jp_planner_queue_lowest_key(&planner.internal));
+    jp_planner_queue_put(&planner.internal, b, 50);
+    jp_planner_queue_remove(&planner.internal, a);
+    TEST_ASSERT_EQUAL_UINT32(c, jp_planner_queue_top(&planner.internal));
+    jp_planner_queue_remove(&planner.internal, c);
+    TEST_ASSERT_EQUAL_UINT32(b, jp_planner_queue_top(&planner.internal));
+    jp_planner_queue_put(&planner.internal, a, 0);
+    TEST_ASSERT_EQUAL_UINT32(a, jp_planner_queue_top(&planner.internal));
+}
+
+static void test_queue_tells_when_its_range_ends(void)
+{
+    start_planner(sizeof block);
+    jp_planner_queue_restart(&planner.internal, 1000);
+    const uint32_t near = jp_planner_states_add(&planner.internal, 1);
+    const uint32_t far = jp_planner_states_add(&planner.internal, 2);
+    jp_planner_queue_put(&planner.internal, far, UINT32_MAX);
+    jp_planner_queue_put(&planner.internal, near, 1000);
+    TEST_ASSERT_EQUAL_UINT32(near, jp_planner_queue_top(&planner.internal));
+    TEST_ASSERT_FALSE(jp_planner_queue_is_beyond_range(&planner.internal));
+    jp_planner_queue_remove(&planner.internal, near);
+    TEST_ASSERT_EQUAL_UINT32(far, jp_planner_queue_top(&planner.internal));
+    TEST_ASSERT_TRUE(jp_planner_queue_is_beyond_range(&planner.internal));
+    jp_planner_queue_restart(&planner.internal, 2 * JP_COST_MAX);
+    TEST_ASSERT_TRUE(2 * JP_COST_MAX >> planner.internal.bucket_shift < planner.internal.bucket_count - 1);
+    TEST_ASSERT_TRUE(2 * JP_COST_MAX >> (planner.internal.bucket_shift - 1) >= planner.internal.bucket_count - 1);
+}
+
+/* With the wall all states are searched, whose keys go far beyond what was expected: the range is widened. */
+static void test_range_widens_during_a_search(void)
+{
+    begin();
+    expect_optimal();
+    const uint8_t shift = planner.internal.bucket_shift;
+    wall(true);
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_UNREACHABLE, finish());
+    TEST_ASSERT_TRUE(planner.internal.bucket_shift > shift);
+    wall(false);
+    expect_optimal();
+}
+
+static void test_other_costs_of_the_lattice(void)
+{
+    const struct jp_lattice dearer = dearer_driving();
+    const struct jp_goal north = {12, 4, 1U << 4};
+    const struct jp_plan *plan = jp_planner_plan(&planner);
+
+    start_planner(sizeof block);
+    go(&west, &north);
+    expect_optimal();
+    const jp_cost before = plan->cost;
+    TEST_ASSERT_EQUAL_UINT32(0, plan->parameter_version);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_lattice(&planner, &dearer));
+    TEST_ASSERT_EQUAL_UINT32(before, plan->cost); /* the plan stands, and says what it was made of */
+    TEST_ASSERT_EQUAL_UINT32(0, plan->parameter_version);
+    TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
+    const uint32_t earlier = jp_planner_statistics(&planner)->expansions;
+    (void)finish();
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, plan->answer);
+    TEST_ASSERT_EQUAL_UINT32(3, plan->parameter_version);
+    const uint32_t expansions = jp_planner_statistics(&planner)->expansions - earlier;
+    const jp_cost after = plan->cost;
+    TEST_ASSERT_TRUE(after > before);
+
+    config.lattice = &dearer;
+    start_planner(sizeof block);
+    go(&west, &north);
+    (void)finish();
+    TEST_ASSERT_EQUAL_UINT32(after, plan->cost);
+    TEST_ASSERT_EQUAL_UINT32(3, plan->parameter_version);
+    TEST_ASSERT_EQUAL_UINT32(expansions, jp_planner_statistics(&planner)->expansions);
+}
+
+static void test_lattices_that_are_not_taken(void)
+{
+    struct jp_lattice other = *lattice;
+
+    begin();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_planner_set_lattice(NULL, lattice));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_planner_set_lattice(&planner, NULL));
+    other.moves++;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_planner_set_lattice(&planner, &other));
+    expect_optimal();
+}

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Print the polynomial coefficients of src/base/fixed.c and src/energy/horizon.c.
+
+Minimax fits by the Remez exchange, in exact rational arithmetic; the standard
+library is enough. Usage: python3 -m tools.design.fixed_polynomials
+"""
+import math
+from fractions import Fraction
+
+GRID = 8000
+
+
+def solve(matrix, right):
+    """Solve a linear system of fractions by Gauss-Jordan elimination."""
+    rows = [row + [value] for row, value in zip(matrix, right)]
+    n = len(rows)
+    for i in range(n):
+        pivot = max(range(i, n), key=lambda r: abs(rows[r][i]))
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        rows[i] = [value / rows[i][i] for value in rows[i]]
+        for r in range(n):
+            if r != i:
+                factor = rows[r][i]
+                rows[r] = [a - factor * b for a, b in zip(rows[r], rows[i])]
+    return [row[n] for row in rows]
+
+
+def alternation(error, count):
+    """Abscissae in [0, 1] of the `count` largest adjacent extrema of alternating sign."""
+    points = []
+    for i in range(1, GRID + 1):
+        x = i / GRID
+        e = error(x)
+        if points and (points[-1][1] > 0) == (e > 0):
+            if abs(e) > abs(points[-1][1]):
+                points[-1] = (x, e)
+        else:
+            points.append((x, e))
+    while len(points) > count:
+        points.pop(0 if abs(points[0][1]) < abs(points[-1][1]) else -1)
+    return [x for x, _ in points]
+
+
+def remez(target, basis, count):
+    """Coefficients of basis(x, 0 … count-1) nearest to target(x) on [0, 1], and the largest error."""
+    def error(x):
+        return sum(float(c) * basis(x, k) for k, c in enumerate(coefficients)) - target(x)
+
+    points = [(1 - math.cos(math.pi * (i + 0.5) / (count + 1))) / 2 for i in range(count + 1)]
+    for _ in range(12):
+        rows = [[Fraction(basis(x, k)) for k in range(count)] + [Fraction((-1) ** i)]
+                for i, x in enumerate(points)]
+        coefficients = solve(rows, [Fraction(target(x)) for x in points])[:count]
+        points = alternation(error, count + 1)
+    return coefficients, max(abs(error(i / GRID)) for i in range(GRID + 1))
+
+
+def show(title, coefficients, fraction_bits, worst, unit):
+    print(f"{title}: largest error {worst:.3f} {unit}")
+    for c, bits in zip(coefficients, fraction_bits):
+        print(f"  {round(c * 2**bits):12d}  Q{bits}  {float(c):+.12f}")
+
+
+def main():
+    # sin(πx/2) = x + x(1 − x²)R(x²): the form makes the quarter turns exact.
+    r, worst = remez(lambda x: math.sin(math.pi * x / 2) - x,
+                     lambda x, k: x * (1 - x * x) * x ** (2 * k), 5)
+    show("sine, R", r, range(32, 37), worst * 2**31, "ulp of Q31")
+
+    # atan(x) = x·P(x²), in turns.
+    p, worst = remez(lambda x: math.atan(x) / (2 * math.pi), lambda x, k: x ** (2 * k + 1), 10)
+    show("arctangent, P", p, [34] * 10, worst * 2**32, "units of 2^-32 turn")
+
+    # 2^-x = 1 − x·P(x).
+    p, worst = remez(lambda x: 1 - 2**-x, lambda x, k: x ** (k + 1), 6)
+    show("power of 1/2, P", p, [32] * 6, worst * 2**30, "units of 2^-30")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,320 @@
+#!/usr/bin/env python3
+"""Make the tables of a robot's state lattice: src/tables/lattice_<robot>.c, with jp-lattice.
+
+With --import, the primitives come from an SBPL .mprim file or a Nav2 lattice .json file; jp-lattice sweeps and prices
+them for the robot. Exit status 2: bad input; nothing was written.
+"""
+import json
+import math
+import re
+import tempfile
+from pathlib import Path
+
+from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, write_whole
+from tools.design import c_tables, lattice_import, robot_json
+
+HEADINGS = 16
+KINDS = ("physical", "paper", "distance")
+MOVES = ("axis", "knight", "diagonal")
+
+ROM_MAX = 32 * 1024
+# Bytes on a 32-bit core: struct jp_primitive, an index, a span, struct jp_lattice.
+PRIMITIVE_SIZE, INDEX_SIZE, SPAN_SIZE, LATTICE_SIZE = 20, 2, 3, 580
+
+UNITS_PER_JOULE = 16  # JP_COST_PER_JOULE
+SWEEP_REACH = 24  # JP_SWEEP_REACH
+BRANCHES_MAX = 255  # JP_PRIMITIVES_PER_HEADING_MAX
+
+LINE_WIDTH = 120
+
+
+class Pool:
+    """One table that holds many lists; equal runs are stored once."""
+
+    def __init__(self):
+        self.items = []
+        self._known = {}
+
+    def place(self, items):
+        """Index of the first of `items`, which stand in a row."""
+        key = tuple(items)
+        if key not in self._known:
+            self._known[key] = self._find(key)
+        return self._known[key]
+
+    def _find(self, key):
+        for first in range(len(self.items) - len(key) + 1):
+            if tuple(self.items[first:first + len(key)]) == key:
+                return first
+        self.items.extend(key)
+        return len(self.items) - len(key)
+
+
+class Tables:
+    """A lattice of jp-lattice, laid out for struct jp_lattice."""
+
+    def __init__(self, name, data, label=None):
+        self.name = name
+        self.label = label or name  # in errors
+        self.data = data
+        self.primitives = sorted(data["primitives"], key=lambda primitive: primitive["start"])
+        self.by_end = sorted(range(len(self.primitives)), key=lambda i: self.primitives[i]["end"])
+        self.first_from = self._offsets("start")
+        self.first_to = self._offsets("end")
+        self.moves, self.spans = Pool(), Pool()
+        self.rows = [self._row(i, primitive) for i, primitive in enumerate(self.primitives)]
+        self.footprint = [self._cells(cells) for cells in data["footprint"]]
+        self.reach = [self._cells(cells) for cells in data["reach"]]
+        self.core = self._cells(data["core"])
+        self._check_limits()
+
+    def _check_limits(self):
+        if self.rom_size > ROM_MAX:
+            raise ToolError(f"{self.label}: {self.rom_size} bytes of tables, at most {ROM_MAX} are allowed; "
+                            "import fewer primitives, or larger cells")
+        farthest = max(abs(number) for cells in self.data["reach"] for row in cells for number in row)
+        if farthest > SWEEP_REACH:
+            raise ToolError(f"{self.label}: a primitive sweeps cells {farthest} cells from its start, at most "
+                            f"{SWEEP_REACH} are allowed; import shorter primitives, or larger cells")
+        branches = max(last - first for first, last in zip(self.first_from, self.first_from[1:]))
+        if branches > BRANCHES_MAX:
+            raise ToolError(f"{self.label}: {branches} primitives start at one heading, at most {BRANCHES_MAX} are "
+                            "allowed; import fewer")
+
+    @property
+    def rom_size(self):
+        return (PRIMITIVE_SIZE * len(self.rows) + INDEX_SIZE * len(self.by_end) + len(self.moves.items)
+                + SPAN_SIZE * len(self.spans.items) + LATTICE_SIZE)
+
+    def _offsets(self, key):
+        return [sum(primitive[key] < heading for primitive in self.primitives) for heading in range(HEADINGS + 1)]
+
+    def _checked(self, index, what, value, high):
+        if not 0 <= value <= high:
+            raise ToolError(f"{self.label}: primitive {index}: {what} is {value}, must be 0 to {high}")
+        return value
+
+    def _cells(self, rows):
+        rows = [tuple(row) for row in rows]
+        return self.spans.place(rows), len(rows)
+
+    def _row(self, index, primitive):
+        first_span, span_count = self._cells(primitive["swept"])
+        base = ", ".join(str(self._checked(index, f"its {kind} cost", cost, 65535))
+                         for kind, cost in zip(KINDS, primitive["base"]))
+        length = self._checked(index, "its length in mm", round(1000 * primitive["length_m"]), 65535)
+        duration = self._checked(index, "its duration in ms", round(1000 * primitive["duration_s"]), 65535)
+        first_move = self.moves.place(primitive["moves"])
+        self._checked(index, "the place of its spans", first_span, 65535)
+        self._checked(index, "the number of its spans", span_count, 255)
+        states = ", ".join(str(primitive[key]) for key in ("dx", "dy", "start", "end"))
+        return (f"{{{states}, {{{base}}}, {length}, {duration}, {first_move}, {first_span}, {len(primitive['moves'])}, "
+                f"{span_count}}}")
+
+
+def filled(items):
+    """Items in lines of the width of the code."""
+    lines, line = [], "   "
+    for item in items:
+        if len(line) + len(item) + 2 > LINE_WIDTH:
+            lines.append(line)
+            line = "   "
+        line += f" {item},"
+    return "\n".join([*lines, line])
+
+
+def cells_text(cells):
+    return f"{{{cells[0]}, {cells[1]}}}"
+
+
+def move_cost_text(cost):
+    climb, descend = (", ".join(map(str, cost[side])) for side in ("climb", "descend"))
+    return f"{{{{{climb}}}, {{{descend}}}, {cost['bend']}, {cost['rise_max']}, {cost['floor']}}}"
+
+
+def move_costs_text(costs):
+    blocks = []
+    for kind, cost in zip(KINDS, costs):
+        rows = "\n".join(f"            {move_cost_text(move)}, /* {name} */"
+                         for name, move in zip(MOVES, cost["moves"]))
+        blocks.append(f"        {{\n            /* {kind} */\n{rows}\n        }},")
+    return "\n".join(blocks)
+
+
+def angle(radians):
+    """A wrapping binary angle."""
+    return round(radians / (2 * math.pi) * 2**32) % 2**32
+
+
+def arrays_text(tables):
+    spans = filled("{%d, %d, %d}" % span for span in tables.spans.items)
+    return f"""static const struct jp_primitive primitives[] = {{
+    /* dx, dy, start, end, {{base}}, length, duration, first_move, first_span, move_count, span_count */
+{chr(10).join(f"    {row}," for row in tables.rows)}
+}};
+
+static const uint16_t by_end[] = {{
+{filled(map(str, tables.by_end))}
+}};
+
+static const uint8_t moves[] = {{
+{filled(map(str, tables.moves.items))}
+}};
+
+static const struct jp_span spans[] = {{
+{spans}
+}};"""
+
+
+def lattice_text(tables):
+    data = tables.data
+    return f"""const struct jp_lattice jp_lattice_{tables.name} = {{
+    .name = "{tables.name}",
+    .resolution = {round(data["resolution_m"] * 65536)}, /* {data["resolution_m"]:g} m */
+    .heading = {{
+{filled(f"{angle(heading)}U" for heading in data["headings_rad"])}
+    }},
+    .primitives = primitives,
+    .by_end = by_end,
+    .moves = moves,
+    .spans = spans,
+    .first_from = {{
+{filled(map(str, tables.first_from))}
+    }},
+    .first_to = {{
+{filled(map(str, tables.first_to))}
+    }},
+    .footprint = {{
+{filled(map(cells_text, tables.footprint))}
+    }},
+    .reach = {{
+{filled(map(cells_text, tables.reach))}
+    }},
+    .core = {cells_text(tables.core)},
+    .move_costs = {{
+{move_costs_text(data["costs"])}
+    }},
+}};"""
+
+
+def table_text(tables, command, source):
+    return f"""/* Generated by `{command}` from {source}; do not edit.
+ * {len(tables.rows)} primitives on cells of {tables.data["resolution_m"]:g} m, {tables.rom_size} bytes.
+ */
+#include <joulepath/lattice.h>
+
+/* clang-format off */
+{arrays_text(tables)}
+
+{lattice_text(tables)}
+
+_Static_assert(
+    sizeof primitives + sizeof by_end + sizeof moves + sizeof spans + sizeof jp_lattice_{tables.name} <= {ROM_MAX}U,
+    "the tables of one lattice take at most {ROM_MAX} bytes");
+/* clang-format on */
+"""
+
+
+def skid_steer_table(name, data, command, source):
+    """The C table of a skid-steered robot's constants; ranges as in joulepath/skid_steer.h."""
+    to = c_tables.Converter(f"skid-steer constants of {name}")
+    members = [
+        to.q24("wheel_radius", data["wheel_radius_m"], "m", 0.01, 1),
+        to.q24("width", data["width_m"], "m", 0.05, 4),
+        to.q24("wheelbase", data["wheelbase_m"], "m", 0.02, 4),
+        to.q16("weight", data["weight_n"], "N", 1, 16384),
+        to.q24("rolling", data["rolling"], "", 0, 0.5),
+        to.q24("friction", data["friction"], "", 0, 2),
+        to.q16("torque_per_ampere", data["torque_per_ampere"], "N·m/A", 0.01, 16384),
+        to.q24("resistance", data["resistance_ohm"], "Ω", 0, 100),
+        to.q24("efficiency", data["efficiency"], "", 0.1, 1),
+        to.q24("recuperation", data["recuperation"], "", 0, 1),
+        to.q16("electronics_power", data["electronics_power_w"], "W", 0, 1024),
+        to.q16("distance_energy", data["distance_j_per_m"], "J/m", 0, 1024),
+    ]
+    return c_tables.Table(command, source, "", "joulepath/skid_steer.h", "jp_skid_steer_config",
+                          f"jp_skid_steer_{name}", members)
+
+
+def run_jp_lattice(robot_path, options):
+    """What jp-lattice makes for a robot."""
+    program = robot_json.build_directory() / "bin" / "jp-lattice"
+    with tempfile.TemporaryDirectory() as directory:
+        robot_json.printed_by(program, robot_path, "--output", directory, *options)
+        return json.loads(read_text(Path(directory) / "lattice.json"))
+
+
+def run_on_primitives(robot_path, path, primitives):
+    """What jp-lattice makes of primitives read from a file, which its complaints then name."""
+    with tempfile.TemporaryDirectory() as directory:
+        intermediate = Path(directory) / "primitives.json"
+        write_whole(intermediate, json.dumps(primitives))
+        try:
+            return run_jp_lattice(robot_path, ["--primitives", intermediate])
+        except ToolError as error:
+            raise ToolError(str(error).replace(str(intermediate), str(path))) from None
+
+
+def generated(robot_path, tables):
+    """The files of a lattice that jp-lattice chooses."""
+    name = robot_path.stem
+    data = run_jp_lattice(robot_path, [])
+    command, source = f"make lattice ROBOT={name}", f"sim/robots/{robot_path.name}"
+    files = {tables / f"lattice_{name}.c": table_text(Tables(name, data), command, source)}
+    if "skid_steer" in data:
+        table = skid_steer_table(name, data["skid_steer"], command, source)
+        files[tables / f"skid_steer_{name}.c"] = c_tables.render(table)
+    return data, files
+
+
+def imported(robot_path, tables, path):
+    """The files of a lattice whose primitives another planner made."""
+    primitives, sideways = lattice_import.read_primitives(path)
+    if sideways:
+        print(f"{shown_path(path)}: {sideways} primitives drive sideways and were left out")
+    name = re.sub(r"[^a-z0-9]+", "_", f"{robot_path.stem}_{path.stem}".lower())
+    data = run_on_primitives(robot_path, path, primitives)
+    command = f"python -m tools.design.lattice {robot_path.stem} --import {path.name}"
+    return data, {tables / f"lattice_{name}.c": table_text(Tables(name, data, shown_path(path)), command, path.name)}
+
+
+def print_lattice(data):
+    """The primitives of the first quarter's headings; energies on level ground."""
+    rows = [("heading", "to cell", "to heading", "length", "duration", "turning", "turning, paper")]
+    for primitive in data["primitives"]:
+        if primitive["start"] <= 2:
+            physical, paper, _ = primitive["base"]
+            rows.append((str(primitive["start"]), f"{primitive['dx']}, {primitive['dy']}", str(primitive["end"]),
+                         f"{primitive['length_m']:.3f} m", f"{primitive['duration_s']:.2f} s",
+                         f"{physical / UNITS_PER_JOULE:.1f} J", f"{paper / UNITS_PER_JOULE:.1f} J"))
+    print_aligned(rows)
+
+
+def arguments():
+    parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("robot", help="robot file, or the name of one in sim/robots")
+    parser.add_argument("--import", dest="source", metavar="FILE", type=Path,
+                        help="primitives of an SBPL .mprim or a Nav2 lattice .json file; the table is then "
+                             "lattice_<robot>_<file>.c")
+    parser.add_argument("--tables", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
+                        help="where the C files go (default: src/tables)")
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    robot_path = robot_json.robot_path(options.robot)
+    if options.source:
+        data, files = imported(robot_path, options.tables, options.source)
+    else:
+        data, files = generated(robot_path, options.tables)
+    robot_json.check_name(robot_path, data["robot"])
+    print_lattice(data)
+    for path, content in files.items():
+        write_whole(path, content)
+        print(f"wrote {shown_path(path)}")
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,388 @@
+#!/usr/bin/env python3
+"""Make the tables of what a robot can learn about its energy (struct jp_learning), for both definitions of energy.
+
+Robots of a kind are drawn with other ground friction, payload, motor resistance and motor friction. Each drives the same
+chains of segments under the controller of the robot file. How far the energies then move the 15 parameters of the energy
+model spans few directions; what is left is noise: src/tables/learning_<robot>.c and learning_<robot>_battery.c. Exit
+status 2: bad input; nothing was written.
+"""
+import math
+import re
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy import optimize
+
+from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, write_whole
+from tools.design import c_tables, closed_loop, horizon, linear_model, robot_json
+
+DIRECTIONS = 4   # JP_LEARNING_DIRECTIONS
+PARAMETERS = 15  # JP_ENERGY_PARAMETERS
+NAMES = (*(f"a{i}" for i in range(1, 14)), "b1", "b2")
+
+# The population: factors of the robot file's numbers, and kg.
+GROUND_FACTOR = (0.6, 1.6)
+PAYLOAD_KG = (-0.3, 1.2)
+RESISTANCE_FACTOR = (0.92, 1.12)
+MOTOR_FRICTION_FACTOR = (0.8, 1.25)
+POPULATION = 150
+SEED = 1
+
+# What is driven: chains from standing.
+CHAINS = 50
+CHAIN_SEGMENTS = 20
+SHORT_SHARE = 0.75
+SHORT_SECONDS = (horizon.DURATION_MIN, 10)
+LONG_SECONDS = (10, 60)
+STRAIGHT_SHARE = 0.25  # of segments without a turn rate, and of those without a turn
+
+# Segments after which a measurement counts 1/e.
+MEMORY = 64
+
+# Of the identified model against the simulated robot, as `make identify` tells.
+MODEL_ERROR = 0.003
+
+# Directions that matter less to the energy are rounding.
+SMALLEST_SHARE = 1e-7
+
+FORMAT_MAX = 4096
+
+
+@dataclass(frozen=True)
+class Member:
+    """A robot of the population."""
+    robot: robot_json.Robot
+    ground: float   # relative change of the ground's friction
+    payload: float  # kg
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Of several chains, one after the other; `first` marks those that begin at rest."""
+    speed: np.ndarray
+    turn_rate: np.ndarray
+    turn: np.ndarray
+    seconds: np.ndarray
+    first: np.ndarray
+
+    def __len__(self):
+        return len(self.seconds)
+
+    def before(self, values):
+        """Of the segment before; 0 at rest."""
+        return np.where(self.first, 0, np.roll(values, 1))
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The robot of the file on the segments: energies, and what multiplies the parameters of its model."""
+    energies: np.ndarray    # J of the motors
+    totals: np.ndarray      # J, electronics included
+    transients: np.ndarray  # J that earlier steps add
+    regressors: np.ndarray  # segments × PARAMETERS
+
+
+@dataclass(frozen=True)
+class Learning:
+    """struct jp_learning in SI units."""
+    direction: np.ndarray  # PARAMETERS × DIRECTIONS
+    ground: np.ndarray
+    payload: np.ndarray
+    ground_deviation: float
+    payload_deviation: float
+    noise_relative: float
+    noise_transient: float
+    noise: float
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Mean errors over the population, shares of the energy."""
+    untaught: float  # of the robot file's model, by segment
+    segment: float   # with x known
+    chain: float     # the same, of whole chains
+    shares: np.ndarray  # of the energy that each direction moves, root mean square
+
+
+def draw_segments(robot, generator):
+    count = CHAINS * CHAIN_SEGMENTS
+    turn_rate = robot.positive("limits.turn_rate_rad_s")
+    turn = math.radians(robot.number("limits.turn_deg"))
+
+    def straight(values):
+        return np.where(generator.uniform(size=count) < STRAIGHT_SHARE, 0, values)
+
+    seconds = np.where(generator.uniform(size=count) < SHORT_SHARE, generator.uniform(*SHORT_SECONDS, count),
+                       generator.uniform(*LONG_SECONDS, count))
+    return Segments(generator.uniform(0, robot.positive("limits.speed_m_s"), count),
+                    straight(generator.uniform(-turn_rate, turn_rate, count)),
+                    straight(generator.uniform(-turn, turn, count)), np.round(seconds, 3),
+                    np.arange(count) % CHAIN_SEGMENTS == 0)
+
+
+def draw_member(robot, generator):
+    ground, resistance, friction = (generator.uniform(*factor) for factor in (
+        GROUND_FACTOR, RESISTANCE_FACTOR, MOTOR_FRICTION_FACTOR))
+    payload = generator.uniform(*PAYLOAD_KG)
+    return Member(robot.varied({
+        "ground.friction_nm_s_per_rad": ground * robot.number("ground.friction_nm_s_per_rad"),
+        "body.mass_kg": robot.positive("body.mass_kg") + payload,
+        "motor.resistance_ohm": resistance * robot.positive("motor.resistance_ohm"),
+        "motor.friction_nm_s_per_rad": friction * robot.number("motor.friction_nm_s_per_rad"),
+    }), ground - 1, payload)
+
+
+class _Drive:
+    """The states of an axis over the segments: those that the one before left, and those at either end."""
+
+    def __init__(self, axis, segments):
+        values, vectors = np.linalg.eig(axis.matrix)
+        speed, turn = ((segments.speed, np.zeros(len(segments))) if axis.name == "travel"
+                       else (segments.turn_rate, segments.turn))
+        self.speed = speed
+        self.jump = np.outer(turn, axis.turn) - np.outer(speed - segments.before(speed), axis.steady)
+        covectors = np.linalg.inv(vectors)
+        jumps = self.jump @ covectors.T
+        decay = values.astype(complex)**np.round(segments.seconds * axis.rate_hz)[:, None]
+        left, before = np.zeros(axis.size, complex), np.empty((len(segments), axis.size), complex)
+        for k, first in enumerate(segments.first):
+            before[k] = 0 if first else left
+            left = decay[k] * (before[k] + jumps[k])
+        self.before = (before @ vectors.T).real
+        self.end = ((decay * (before + jumps)) @ vectors.T).real
+
+    def stored(self, energy, states):
+        return np.einsum("ki,ij,kj->k", states, energy.form, states) + self.speed * (states @ energy.linear)
+
+
+def drive(axes, segments, definition, resistance):
+    """Energies of the motors, J, and what of them the transients of earlier steps are."""
+    energies, transients = np.zeros(len(segments)), np.zeros(len(segments))
+    for axis in axes:
+        energy, driven = closed_loop.energy(axis, definition, resistance), _Drive(axis, segments)
+        left = driven.stored(energy, driven.end)
+        spent = driven.stored(energy, driven.before + driven.jump) - left
+        energies += spent + energy.power * driven.speed**2 * segments.seconds
+        transients += spent - driven.stored(energy, driven.jump)
+    return energies, transients
+
+
+@dataclass(frozen=True)
+class BuiltIn:
+    """What the regressors take from the identified model."""
+    settling_time: float
+    voltage_per_speed: float
+    voltage_per_turn_rate: float
+    motor_resistance: float
+
+
+def read_built_in(path):
+    text = read_text(path)
+
+    def number(name):
+        found = re.search(rf"\.{name} = (\d+),", text)
+        if not found:
+            raise ToolError(f"{path}: {name} is missing; run make identify")
+        return int(found[1]) / 2**16
+
+    return BuiltIn(*(number(name) for name in BuiltIn.__dataclass_fields__))
+
+
+def regressors(segments, model):
+    """What multiplies a1…a13 and b1, b2."""
+    v, w, sigma = segments.speed, segments.turn_rate, segments.turn
+    v0, w0 = segments.before(v), segments.before(w)
+    dv, dw = v - v0, w - w0
+    left = model.voltage_per_speed * v0 - model.voltage_per_turn_rate * w0
+    right = model.voltage_per_speed * v0 + model.voltage_per_turn_rate * w0
+    rest = segments.seconds - model.settling_time
+    return np.column_stack([dv**2, dw**2, sigma**2, dv * dw, dv * sigma, dw * sigma, left * dv, left * dw, left * sigma,
+                            right * dv, right * dw, right * sigma, (left**2 + right**2) / model.motor_resistance,
+                            v**2 * rest,
+                            w**2 * rest])
+
+
+# The robot is symmetric: a4 = a5 = 0, a10 = a7, a11 = −a8, a12 = −a9; a column for each number that is free.
+SYMMETRY = np.zeros((PARAMETERS, 10))
+for _column, _signs in enumerate(({1: 1}, {2: 1}, {3: 1}, {6: 1}, {7: 1, 10: 1}, {8: -1, 11: 1}, {9: -1, 12: 1}, {13: 1},
+                                  {14: 1}, {15: 1})):
+    for _parameter, _sign in _signs.items():
+        SYMMETRY[_parameter - 1, _column] = _sign
+
+
+def reference_of(robot, axes, segments, definition, model):
+    energies, transients = drive(axes, segments, definition, robot.positive("motor.resistance_ohm"))
+    totals = energies + segments.seconds * robot.positive("electronics.power_w")
+    if totals.min() <= 0:
+        raise robot.error("electronics.power_w", "a segment gains more energy than the electronics need")
+    return Reference(energies, totals, transients, regressors(segments, model))
+
+
+def signed(vectors):
+    """Columns whose largest element is positive: the sign of a direction is free."""
+    largest = np.abs(vectors).argmax(axis=0)
+    return np.sign(vectors[largest, np.arange(vectors.shape[1])])
+
+
+def find_directions(robot, reference, changes):
+    """Directions of the parameters, how far each member is along them, and the share of the energy that each moves.
+
+    changes: members × segments, J. The segments count relative to their energy."""
+    weights = 1 / reference.totals
+    basis = (reference.regressors @ SYMMETRY) * weights[:, None]
+    fitted = basis @ np.linalg.lstsq(basis, changes.T * weights[:, None], rcond=None)[0]
+    count, members = fitted.shape
+    left, singular, right = np.linalg.svd(fitted / math.sqrt(count * members), full_matrices=False)
+    if not singular[DIRECTIONS - 1] > SMALLEST_SHARE:
+        raise robot.error("ground, motor", f"the population spans fewer than {DIRECTIONS} directions of the parameters")
+    moved = math.sqrt(count) * left[:, :DIRECTIONS] * singular[:DIRECTIONS]
+    directions = np.linalg.lstsq(basis, moved, rcond=None)[0]
+    signs = signed(moved)
+    return (SYMMETRY @ directions) * signs, math.sqrt(members) * right[:DIRECTIONS].T * signs, singular[:DIRECTIONS]
+
+
+def fit_noise(reference, residuals):
+    """Standard deviations: J, share of the energy, share of the transients; the likeliest of independent ones."""
+    squares = np.mean(residuals**2, axis=0)
+    parts = np.column_stack([np.ones(len(squares)), reference.totals**2, reference.transients**2])
+    start = np.log(squares.mean() / 3 / parts.mean(axis=0))
+
+    def cost(logarithms):
+        variances = parts @ np.exp(logarithms)
+        return np.mean(np.log(variances) + squares / variances)
+
+    found = optimize.minimize(cost, start, method="Nelder-Mead",
+                              options={"maxiter": 4000, "maxfev": 4000, "xatol": 1e-6, "fatol": 1e-10})
+    return np.exp(found.x / 2)
+
+
+def learn(robot, segments, members, reference, energies):
+    """The table, and how good it is."""
+    changes = energies - reference.energies
+    directions, x, shares = find_directions(robot, reference, changes)
+    residuals = changes - x @ (reference.regressors @ directions).T
+    noise, relative, transient = fit_noise(reference, residuals)
+
+    def cause(values):
+        coefficients = np.linalg.lstsq(x, values, rcond=None)[0]
+        return coefficients, float(np.std(values - x @ coefficients))
+
+    ground, ground_deviation = cause(np.array([member.ground for member in members]))
+    payload, payload_deviation = cause(np.array([member.payload for member in members]))
+    chains = np.cumsum(segments.first) - 1
+
+    def by_chain(values):
+        return np.add.reduceat(values, np.flatnonzero(np.diff(chains, prepend=-1)), axis=-1)
+
+    quality = Quality(float(np.mean(np.abs(changes / reference.totals))),
+                      float(np.mean(np.abs(residuals / reference.totals))),
+                      float(np.mean(np.abs(by_chain(residuals) / by_chain(reference.totals)))), shares)
+    return Learning(directions, ground, payload, ground_deviation, payload_deviation, math.hypot(relative, MODEL_ERROR),
+                    float(transient), float(noise)), quality
+
+
+def c_table(robot, definition, learning, quality):
+    to = c_tables.Converter(robot.source)
+    units = (*c_tables.STATE_UNITS, *c_tables.STEADY_UNITS)
+
+    def row(number):
+        members = [to.q16(f"direction {number}", value, units[number], -FORMAT_MAX, FORMAT_MAX)
+                   for value in learning.direction[number]]
+        return "{" + ", ".join(member.value for member in members) + "}"
+
+    def column(name, values, unit):
+        members = [to.q16(name, value, unit, -FORMAT_MAX, FORMAT_MAX) for value in values]
+        return c_tables.Array(name, [m.value for m in members], [m.comment for m in members])
+
+    members = [
+        c_tables.Array("direction", [row(number) for number in range(PARAMETERS)],
+                       [f"{name}: {unit}" for name, unit in zip(NAMES, units)]),
+        column("ground", learning.ground, "of the friction"),
+        column("payload", learning.payload, "kg"),
+        to.q16("ground_deviation", learning.ground_deviation, "of the friction", 2**-16, 1),
+        to.q16("payload_deviation", learning.payload_deviation, "kg", 2**-16, 16),
+        to.q16("noise_relative", learning.noise_relative, "of the energy", 0, 1),
+        to.q16("noise_transient", learning.noise_transient, "of what earlier steps left", 0, 16),
+        to.q16("noise", learning.noise, "J", 2**-16, 1024),
+        to.whole("memory", MEMORY, "segments", 8, 1024),
+    ]
+    members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))
+    suffix = horizon.SUFFIXES[definition]
+    shares = ", ".join(f"{100 * share:.2g}" for share in quality.shares)
+    note = (f"Energy {horizon.WORDING[definition]}. Over {POPULATION} robots the directions move it by {shares} %.\n"
+            f" * Mean errors: {100 * quality.untaught:.2g} % of a segment untaught; taught {100 * quality.segment:.2g} %, and "
+            f"{100 * quality.chain:.2g} % of {CHAIN_SEGMENTS} segments.")
+    return c_tables.Table(f"make learning ROBOT={robot.name}", f"sim/robots/{robot.name}.cfg", note, "joulepath/learner.h",
+                          "jp_learning", f"jp_learning_{robot.name}{suffix}", members)
+
+
+def identity_of(members):
+    """A state that was learned with other numbers means nothing with these."""
+    numbers = [value for member in members
+               for value in (member.values if isinstance(member, c_tables.Array) else [member.value])]
+    return zlib.crc32(",".join(numbers).encode()) or 1
+
+
+def make_tables(robot, tables):
+    """{definition: (Learning, Quality)}; `tables` holds the identified models."""
+    models = {definition: read_built_in(tables / f"energy_{robot.name}{suffix}.c")
+              for definition, suffix in horizon.SUFFIXES.items()}
+    generator = np.random.default_rng(SEED)
+    gains = linear_model.design(robot).gains
+    segments = draw_segments(robot, generator)
+    members = [draw_member(robot, generator) for _ in range(POPULATION)]
+    loops = [closed_loop.axes(member.robot, gains) for member in members]
+    nominal, resistance = closed_loop.axes(robot, gains), robot.positive("motor.resistance_ohm")
+    for member, axes in zip(members, loops):
+        if max(np.abs(np.linalg.eigvals(axis.matrix)).max() for axis in axes) >= 1:
+            raise robot.error("control.weights", f"the loop is unstable with {member.payload:.2g} kg of payload and "
+                                                 f"{1 + member.ground:.2g} times the ground's friction")
+    made = {}
+    for definition, model in models.items():
+        reference = reference_of(robot, nominal, segments, definition, model)
+        energies = np.array([drive(axes, segments, definition, resistance)[0] for axes in loops])
+        made[definition] = learn(robot, segments, members, reference, energies)
+    return made
+
+
+def print_tables(robot, tables):
+    print(f"{robot.name}: {POPULATION} robots on {CHAINS} chains of {CHAIN_SEGMENTS} segments\n")
+    rows = [("energy", "before, %", "segment, %", "chain, %", "noise, J", "of energy, %", "of transients", "ground ±",
+             "payload ±, kg")]
+    for definition, (learning, quality) in tables.items():
+        rows.append((definition, *(f"{100 * share:.3f}" for share in (quality.untaught, quality.segment, quality.chain)),
+                     f"{learning.noise:.3f}", f"{100 * learning.noise_relative:.3f}", f"{learning.noise_transient:.3f}",
+                     f"{learning.ground_deviation:.3f}", f"{learning.payload_deviation:.3f}"))
+    print_aligned(rows)
+    print()
+
+
+def arguments():
+    parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("robot", help="robot file, or the name of one in sim/robots")
+    parser.add_argument("--jp-robot", metavar="PATH", help="the program (default: build/bin/jp-robot)")
+    parser.add_argument("--robot-json", metavar="FILE", help="output of jp-robot --json=-, instead of running it")
+    parser.add_argument("--tables", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
+                        help="where the C files go (default: src/tables)")
+    parser.add_argument("--models", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
+                        help="where the identified models energy_*.c are (default: src/tables)")
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    robot = (robot_json.load_json(options.robot_json) if options.robot_json
+             else robot_json.load(robot_json.robot_path(options.robot), options.jp_robot))
+    tables = make_tables(robot, options.models)
+    print_tables(robot, tables)
+    for definition, (learning, quality) in tables.items():
+        path = options.tables / f"learning_{robot.name}{horizon.SUFFIXES[definition]}.c"
+        write_whole(path, c_tables.render(c_table(robot, definition, learning, quality)))
+        print(f"wrote {shown_path(path)}")
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,124 @@
+"""A robot file (sim/robots/*.cfg), read through jp-robot, which checks it."""
+import copy
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from tools.common import ROOT, ToolError, read_text
+
+# The keys that the tools use; jp-robot knows all of them and their ranges.
+GROUPS = ("body", "wheel", "motor", "ground", "electronics", "supply", "encoder", "gyro", "accelerometer",
+          "current_sense", "control", "limits")
+
+
+def build_directory():
+    return Path(os.environ.get("JP_BUILD", ROOT / "build"))
+
+
+def default_jp_robot():
+    return build_directory() / "bin" / "jp-robot"
+
+
+def robot_path(robot):
+    """The file of a robot given by path or by name."""
+    path = Path(robot)
+    return path if path.suffix == ".cfg" else ROOT / "sim" / "robots" / f"{robot}.cfg"
+
+
+class Robot:
+    """Numbers by "group.key"; complaints name the file and the key."""
+
+    def __init__(self, source, data):
+        self.source = source
+        self._data = data
+        self.name = self._checked_name()
+        for group in GROUPS:
+            if not isinstance(data.get(group), dict):
+                raise self.error(group, "the group is missing")
+
+    def _checked_name(self):
+        name = self._data.get("name")
+        if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name):
+            raise self.error("name", "must be a C identifier of small letters, digits and _")
+        return name
+
+    def error(self, key, reason):
+        return ToolError(f"{self.source}: {key}: {reason}")
+
+    def number(self, key):
+        group, name = key.split(".")
+        return self._finite(key, self._data[group].get(name))
+
+    def numbers(self, key, count):
+        group, name = key.split(".")
+        values = self._data[group].get(name)
+        if not isinstance(values, list) or len(values) != count:
+            raise self.error(key, f"must be a list of {count} numbers")
+        return [self._finite(f"{key}[{i}]", value) for i, value in enumerate(values)]
+
+    def positive(self, key):
+        value = self.number(key)
+        if value <= 0:
+            raise self.error(key, f"is {value:g}, must be above 0")
+        return value
+
+    def varied(self, changes):
+        """The same robot with other numbers by key."""
+        data = copy.deepcopy(self._data)
+        for key, value in changes.items():
+            group, name = key.split(".")
+            data[group][name] = value
+        return Robot(self.source, data)
+
+    def _finite(self, key, value):
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise self.error(key, "missing, or not a number")
+        if not math.isfinite(value):
+            raise self.error(key, "not finite")
+        return float(value)
+
+
+def from_text(source, text):
+    try:
+        data = json.loads(text)
+    except ValueError as error:
+        raise ToolError(f"{source}: no JSON: {error}") from None
+    if not isinstance(data, dict):
+        raise ToolError(f"{source}: a robot is a JSON object")
+    return Robot(source, data)
+
+
+def load_json(path):
+    """A robot that jp-robot has printed; - is standard input."""
+    if path == "-":
+        return from_text("standard input", sys.stdin.read())
+    return from_text(path, read_text(path))
+
+
+def printed_by(program, path, *options):
+    """What a program prints about a robot file, which it checks."""
+    try:
+        result = subprocess.run([program, path, *options], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise ToolError(f"{program}: {error.strerror}; build it with `make`") from None
+    if result.returncode != 0:
+        lines = result.stderr.strip().splitlines() or [f"{program} failed on {path}"]
+        raise ToolError(lines[-1])
+    return result.stdout
+
+
+def check_name(path, name):
+    """The tables bear the robot's name: those of another robot must not be overwritten by a copy of its file."""
+    if name != Path(path).stem:
+        raise ToolError(f"{path}: name: is {name!r}, but the file is {Path(path).stem!r}; give both the same name")
+
+
+def load(path, jp_robot=None):
+    """A robot file, checked by jp-robot."""
+    robot = from_text(str(path), printed_by(jp_robot or default_jp_robot(), path, "--json=-"))
+    check_name(path, robot.name)
+    return robot

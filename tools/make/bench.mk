@@ -1,0 +1,156 @@
+# Measure: benches, figures, sizes, stacks and instructions of the cores.
+
+# What is measured on each core: sizes in the builds for size, instructions in those for speed, and of the stack the worst
+# of both.
+SIZE_IMAGES  := $(SIZE_VARIANTS:%=$(BUILD)/%/whole)
+STACK_IMAGES := $(SIZE_IMAGES) $(SPEED_VARIANTS:%=$(BUILD)/%/whole) $(BUILD)/firmware/whole
+CYCLES       := $(foreach b,$(filter-out $(FLOAT_BENCHES),$(TARGET_BENCHES)),$(SPEED_VARIANTS:%=$(BUILD)/bench/$b-%.json)) \
+                $(foreach b,$(FLOAT_BENCHES),$(FPU_CORES:%=$(BUILD)/bench/$b-%.json))
+
+define target_bench_rules
+$(BUILD)/$1/target_%: $(BUILD)/$1/tests/bench/target_%.o $(call support,$1) $(BUILD)/$1/tests/support/scene.o $(BUILD)/$1/libdrivers.a \
+                      $(BUILD)/$1/libcan.a $(call float_library,$1) $(BUILD)/$1/libjoulepath.a
+	$$(call link_target,$1)
+
+$(BUILD)/bench/target_%-$1.json: $(BUILD)/$1/target_%
+	@mkdir -p $$(@D)
+	$$(call SAY,BENCH $$<)
+	$$Q$(RUN.$1) $$< >$$@ 2>&1 </dev/null
+endef
+$(foreach v,$(SPEED_VARIANTS),$(eval $(call target_bench_rules,$v)))
+
+# The whole library and what it needs of the compiler's, to be measured and not to be run.
+define whole_rules
+$(BUILD)/$1/whole: $(BUILD)/$1/tests/target/whole.o $(call support,$1) $(BUILD)/$1/libcan.a $(call float_library,$1) $(BUILD)/$1/libjoulepath.a
+	@mkdir -p $$(@D)
+	$$(call SAY,LD $$@)
+	$$Q$$(COMPILER.$1) $(FLAGS.$1) -nostartfiles $(if $(filter cortex%,$1),--specs=nano.specs) -Wl,--no-gc-sections \
+	    -Ltests/target -Ttests/target/$(BOARD.$1).ld -Wl,--whole-archive $$(filter %.o %.a,$$^) -Wl,--no-whole-archive -o $$@
+endef
+$(foreach v,$(sort $(SPEED_VARIANTS) $(SIZE_VARIANTS)),$(eval $(call whole_rules,$v)))
+
+# The image of the board, whose main.o is apart from the other objects.
+$(BUILD)/firmware/whole: $(BUILD)/firmware/courier24/joulepath.elf
+	@cp $(<D)/main.ci $(@D)
+	@cp $< $@
+
+# Maps of others, where they are. MovingAI cells become as large as lets the robot through and the map fit.
+DATA ?= ../shared/data
+MAPS := $(patsubst $(DATA)/%,$(BUILD)/maps/%.json,$(wildcard $(DATA)/*.map $(DATA)/*.yaml))
+
+$(BUILD)/maps/Berlin_1_256.map.json: CELL_SIZE = 0.8
+CELL_SIZE = 1
+
+$(BUILD)/maps/%.map.json: $(DATA)/%.map tools/design/import_map.py
+	$Q$(PYTHON) -m tools.design.import_map $< $@ --cell-size $(CELL_SIZE) --resolution 0.2
+
+$(BUILD)/maps/%.yaml.json: $(DATA)/%.yaml tools/design/import_map.py
+	$Q$(PYTHON) -m tools.design.import_map $< $@ --resolution 0.2
+
+.PHONY: bench-plan
+bench-plan: ## measure the planner on the 20 scenes and the maps in DATA=dir
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_plan $(MAPS)
+	@mkdir -p $(BUILD)/bench-plan
+	$(BUILD)/bench/bench_plan --rows $(BUILD)/bench-plan/rows.json $(MAPS) >$(BUILD)/bench/bench_plan.json
+	$(PYTHON) -m tools.measure.bench_plan $(BUILD)/bench-plan/rows.json $(BUILD)/bench/bench_plan.tables.json
+
+.PHONY: bench-patrol
+bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on paths
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol $(BUILD)/bench/bench_pursuit
+	@mkdir -p $(BUILD)/bench-patrol
+	$(BUILD)/bench/bench_patrol --rows $(BUILD)/bench-patrol/scenes.json >$(BUILD)/bench/bench_patrol.json
+	$(BUILD)/bench/bench_pursuit --rows $(BUILD)/bench-patrol/courses.json >$(BUILD)/bench/bench_pursuit.json
+	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
+	    $(BUILD)/bench/bench_patrol.tables.json
+
+# The maps of others are left out where they are not.
+ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
+
+# Property tests at bench length.
+PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner pure_pursuit scan_match segment store teb
+ARGS.battery          = --count 100000000
+ARGS.fixed            = --exhaustive
+ARGS.four_wheel       = --count 1000000
+ARGS.four_wheel_plant = --count 1000
+ARGS.grid_planner     = --count 4000
+ARGS.horizon          = --count 1000
+ARGS.planner          = --count 100000
+ARGS.pure_pursuit     = --count 400
+ARGS.scan_match       = --count 40
+ARGS.segment          = --count 10000
+ARGS.store            = --count 10000
+ARGS.teb              = --count 500
+
+# One bench after the other, so that they do not share the cores.
+.PHONY: figures
+figures: ## run all benches, keep their figures in tests/bench/figures.json and make the pages and pictures of them
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) \
+	    $(BUILD)/firmware/gao2018/joulepath.elf $(PROPERTIES:%=$(BUILD)/bench/prop_%) $(BUILD)/host-gcc/prop_decoders
+	@rm -f $(BUILD)/bench/*.json
+	@$(MAKE) bench-plan
+	@$(MAKE) bench-patrol
+	@$(MAKE) coverage
+	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
+	@$(MAKE) size stack cycles test-targets
+	@set -e; $(foreach p,$(PROPERTIES),echo '  BENCH prop_$p'; $(BUILD)/bench/prop_$p $(ARGS.$p) --json $(BUILD)/bench/$p.json;)
+	$(BUILD)/host-gcc/prop_decoders --count 100000000 --json $(BUILD)/bench/decoders.json
+	$(PYTHON) -m tools.measure.bench_route
+	$(PYTHON) -m tools.measure.bench_bus
+	$(PYTHON) -m tools.operate.show_frames $(BUILD)/bus/vcan/frames.log --tables $(BUILD)/bench/frames.tables.json
+	@rm -f $(ALL_BITS_LOGS)
+	@$(MAKE) $(PARALLEL) $(ALL_BITS_LOGS)
+	$(PYTHON) -m tools.measure.bits $(ALL_BITS_LOGS) --output $(BUILD)/bench/bits.json
+	$(call experiments,gao2018,motor,gao2018)
+	$(PYTHON) -m tools.design.identify gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
+	$(call experiments,gao2018,battery,gao2018_battery)
+	$(PYTHON) -m tools.design.identify gao2018 --energy battery --tables $(BUILD)/identify/gao2018_battery \
+	    --bench $(BUILD)/bench/identify_battery.json
+	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/figures
+	$(PYTHON) -m tools.report.report $(BUILD)/figures
+	cp $(BUILD)/figures/path.png sim/scenarios/gao2018_mission.png
+	$(MAKE) plan
+	cp $(BUILD)/plan/plan.png sim/scenarios/jacksboro_plan.png
+	$(MAKE) patrol SCENE=warehouse
+	cp $(BUILD)/patrol/patrol.png sim/scenarios/patrol_warehouse.png
+	$(MAKE) campaign ROBOT=courier24 SEED=1 MISSIONS=1000 CAMPAIGN='--fresh --bench $(BUILD)/bench/campaign.json'
+	cp $(BUILD)/campaign/courier24/campaign.png sim/scenarios/courier24_campaign.png
+	$(PYTHON) -m tools.measure.figures; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.front_picture $(BUILD)/plan sim/scenarios/joulepath.png && exit $$status
+
+.PHONY: pages
+pages: ## make FIGURES.md, and the figures in the READMEs, of tests/bench/figures.json
+	@tools/setup.sh sil
+	$(PYTHON) -m tools.measure.figure_pages
+
+define measure
+	@tools/setup.sh test
+	+@$(MAKE) -s $(PARALLEL) $2
+	@$(PYTHON) -m tools.measure.$1 $(if $(filter %-diff,$@),--diff) $(if $(filter %.json,$2),$2,$(dir $2))
+endef
+
+.PHONY: size stack cycles size-diff stack-diff cycles-diff
+size: ## flash and RAM of each module on five cores
+	$(call measure,size,$(SIZE_IMAGES))
+
+stack: ## worst-case stack of each entry point on five cores
+	$(call measure,stack,$(STACK_IMAGES))
+
+cycles: ## worst-case instructions on five cores
+	$(call measure,cycles,$(CYCLES))
+
+size-diff: ## the same against the last commit's numbers; so stack-diff and cycles-diff
+	$(call measure,size,$(SIZE_IMAGES))
+
+stack-diff:
+	$(call measure,stack,$(STACK_IMAGES))
+
+cycles-diff:
+	$(call measure,cycles,$(CYCLES))
+
+.PHONY: numbers
+numbers: size stack cycles ## accept size, stack and cycles as they are now, and make the pages of them
+	@$(PYTHON) -m tools.measure.growth --accept
+	@$(PYTHON) -m tools.measure.figures $(BUILD)/bench/size.json $(BUILD)/bench/stack.json $(CYCLES)

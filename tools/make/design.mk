@@ -1,0 +1,64 @@
+# From a robot file to tables and codecs.
+
+# A new table is declared too.
+DECLARE = $(PYTHON) -m tools.design.tables_header
+
+.PHONY: tables
+tables: ## declare what is in src/tables/ in include/joulepath/tables.h
+	@tools/setup.sh design
+	$(DECLARE)
+
+.PHONY: gains
+gains: ## design the controller of ROBOT=name: sim/robots/name.cfg to src/tables/robot_name.c
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	$(PYTHON) -m tools.design.gain_design --initial-energy $(ROBOT)
+	@$(DECLARE)
+
+.PHONY: horizon
+horizon: ## make the tables of the transients of ROBOT=name: src/tables/horizon_name.c and horizon_name_battery.c
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	$(PYTHON) -m tools.design.horizon $(ROBOT)
+	@$(DECLARE)
+
+.PHONY: codec
+codec: ## make the C codec of the CAN messages from hal/can/joulepath.dbc
+	@tools/setup.sh operate
+	$(PYTHON) -m tools.design.can_codec
+
+# experiments ROBOT ENERGY FOLDER
+experiments = $(BUILD)/bin/jp-identify sim/robots/$1.cfg --energy $2 --output $(BUILD)/identify/$3
+
+.PHONY: identify
+identify: ## identify the energy models of ROBOT=name in the simulator: src/tables/energy_name.c and energy_name_battery.c
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot $(BUILD)/bin/jp-identify
+	$(call experiments,$(ROBOT),motor,$(ROBOT))
+	$(PYTHON) -m tools.design.identify $(ROBOT)
+	$(call experiments,$(ROBOT),battery,$(ROBOT)_battery)
+	$(PYTHON) -m tools.design.identify $(ROBOT) --energy battery
+	@$(DECLARE)
+
+.PHONY: learning
+learning: ## make what ROBOT=name can learn of its energy: src/tables/learning_name.c and learning_name_battery.c
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	$(PYTHON) -m tools.design.learning $(ROBOT)
+	@$(DECLARE)
+
+.PHONY: lattice
+lattice: ## make the state lattice of ROBOT=name: src/tables/lattice_name.c
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-lattice
+	$(PYTHON) -m tools.design.lattice $(ROBOT)
+	@$(DECLARE)
+
+PATROL_ROBOT = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
+
+.PHONY: patrol-config
+patrol-config: ## make the C tables of the patrol robot's controller (ROBOT=patrol): src/tables/patrol_name.c
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol-config
+	$(PYTHON) -m tools.design.patrol_table $(PATROL_ROBOT)
+	@$(DECLARE)

@@ -1,0 +1,66 @@
+# Look at it: missions, plans, patrols and campaigns in the simulator.
+
+# BUS=vcan or slcan: controller and robot are two programs on a bus; pil: the controller is the image in QEMU.
+DRIVE.      = $(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
+DRIVE.slcan = tools/operate/bus_mission.sh slcan $(SCENARIO) $(BUILD)/sil
+DRIVE.pil   = tools/operate/bus_mission.sh pil $(SCENARIO) $(BUILD)/sil
+DRIVE.vcan  = tools/operate/with_vcan.sh -- tools/operate/bus_mission.sh vcan $(SCENARIO) $(BUILD)/sil
+BUS        ?=
+
+SETUP.slcan = operate
+SETUP.vcan  = vcan
+SETUP.pil   = operate firmware
+SCENARIO_ROBOT = $(shell sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p' $(SCENARIO))
+
+.PHONY: sil
+sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan, slcan or pil; report in build/sil
+	$(if $(DRIVE.$(BUS)),,$(error BUS=$(BUS): must be vcan, slcan or pil))
+	@tools/setup.sh sil $(SETUP.$(BUS))
+	@$(MAKE) $(PARALLEL) all $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(SCENARIO_ROBOT)/joulepath.elf)
+	@rm -rf $(BUILD)/sil
+	$(DRIVE.$(BUS))
+	$(PYTHON) -m tools.report.report $(BUILD)/sil
+	$(if $(BUS),$(PYTHON) -m tools.operate.show_frames $(BUILD)/sil/frames.log)
+
+# The skid-steered robot plans unless another one is asked for. IMPORT holds options of tools.design.import_map, such
+# as --cell-size 1 for a MovingAI map or a --window.
+PLAN_ROBOT = $(if $(filter file,$(origin ROBOT)),zhang2018,$(ROBOT))
+PLAN_TASK  = $(if $(START),--start=$(START)) $(if $(GOAL),--goal=$(GOAL))
+MAP       ?= jacksboro
+
+.PHONY: plan
+plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name IMPORT=options) and write the report to build/plan
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-plan
+	@rm -rf $(BUILD)/plan
+	$(PYTHON) -m tools.design.import_map $(MAP) $(BUILD)/plan/map.json --resolution 0.2 $(IMPORT)
+	$(BUILD)/bin/jp-plan $(BUILD)/plan/map.json --robot sim/robots/$(PLAN_ROBOT).cfg $(PLAN_TASK) \
+	    --output $(BUILD)/plan; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.plan_report $(BUILD)/plan && exit $$status
+
+# A scene from a seed, or a map of others with START and GOAL.
+SCENE      ?= beside-obstacle
+SEED       ?= 1
+PATROL_MAP  = $(if $(filter file,$(origin MAP)),,$(MAP))
+
+.PHONY: patrol
+patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg); report in build/patrol
+	@tools/setup.sh sil $(if $(PATROL_MAP),design)
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol
+	@rm -rf $(BUILD)/patrol
+	$(if $(PATROL_MAP),$(PYTHON) -m tools.design.import_map $(MAP) $(BUILD)/patrol/map.json --resolution 0.05 $(IMPORT))
+	$(BUILD)/bin/jp-patrol $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK),$(SCENE)) --seed=$(SEED) \
+	    --output $(BUILD)/patrol; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol && exit $$status
+
+# The courier unless another one is asked for. CAMPAIGN holds options of tools.campaign.campaign, such as
+# --faults or --fresh.
+CAMPAIGN_ROBOT = $(if $(filter file,$(origin ROBOT)),courier24,$(ROBOT))
+MISSIONS      ?= 1000
+
+.PHONY: campaign
+campaign: ## run MISSIONS=1000 varied missions of ROBOT=courier24 (SEED=1 SCHEDULER=tcp://host:port CAMPAIGN=options)
+	@tools/setup.sh campaign
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-trip
+	$(PYTHON) -m tools.campaign.campaign $(CAMPAIGN_ROBOT) --missions $(MISSIONS) --seed $(SEED) \
+	    $(if $(SCHEDULER),--scheduler $(SCHEDULER)) $(CAMPAIGN)

@@ -1,0 +1,31 @@
+# The image for the STM32F405.
+
+define firmware_rules
+$(BUILD)/firmware/$1/main.o: hal/stm32f4/main.c tools/make/variants.mk $(SETTINGS)
+	@mkdir -p $$(@D)
+	$$(call SAY,CC $$@)
+	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 $(if $(filter learning_$1,$(PILOT_TABLES)),-DFIRMWARE_LEARNS) -c $$< -o $$@
+
+$(BUILD)/firmware/$1/joulepath.elf: $(BUILD)/firmware/$1/main.o $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out %/main.c,$(STM32F4))) \
+                                    $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
+	$$(call link_firmware)
+
+$(BUILD)/firmware/$1/joulepath.bin: $(BUILD)/firmware/$1/joulepath.elf
+	$$Qarm-none-eabi-objcopy -O binary $$< $$@
+endef
+$(foreach r,$(ROBOTS),$(eval $(call firmware_rules,$r)))
+
+define link_firmware
+	@mkdir -p $(@D)
+	$(call SAY,LD $@)
+	$Q$(COMPILER.firmware) $(FLAGS.firmware) -nostartfiles --specs=nano.specs -Wl,--gc-sections -Wl,--fatal-warnings \
+	    -Wl,-Map=$@.map -Lhal/stm32f4 -Tstm32f405.ld $(filter %.o,$^) $(filter %.a,$^) -o $@
+endef
+
+.PHONY: firmware
+firmware: ## build the image for the STM32F405 with ROBOT=name: ELF, bin and map in build/firmware/name
+	$(if $(filter $(ROBOT),$(ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS)))
+	@tools/setup.sh firmware
+	@$(MAKE) $(PARALLEL) $(BUILD)/firmware/$(ROBOT)/joulepath.bin
+	@arm-none-eabi-size $(BUILD)/firmware/$(ROBOT)/joulepath.elf
+	@echo 'flash it: st-flash write $(BUILD)/firmware/$(ROBOT)/joulepath.bin 0x08000000'

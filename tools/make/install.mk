@@ -1,0 +1,36 @@
+# The library for programs on this machine, and the source package.
+
+PREFIX  ?= /usr/local
+DESTDIR ?=
+VERSION  = $(shell sed -n 's/^\#define JP_VERSION_[A-Z]* *//p' include/joulepath/version.h | paste -sd.)
+
+PREFIX_CHECK  = $(if $(filter /%,$(PREFIX)),,$(error PREFIX=$(PREFIX): must be an absolute path))
+INSTALL_ROOT  = $(DESTDIR)$(PREFIX)
+PACKAGES      = joulepath joulepath-float
+PACKAGE_FILES = $(INSTALL_ROOT)/include/joulepath $(INSTALL_ROOT)/lib/libjoulepath.a $(INSTALL_ROOT)/lib/libjoulepath_float.a \
+                $(PACKAGES:%=$(INSTALL_ROOT)/lib/pkgconfig/%.pc) $(INSTALL_ROOT)/lib/cmake/joulepath $(INSTALL_ROOT)/share/doc/joulepath
+
+.PHONY: install
+install: $(BUILD)/release/libjoulepath.a $(BUILD)/release/libjoulepath_float.a ## install the library for programs on this machine (PREFIX=/usr/local DESTDIR=)
+	$(PREFIX_CHECK)
+	install -d $(INSTALL_ROOT)/include/joulepath $(INSTALL_ROOT)/lib/pkgconfig $(INSTALL_ROOT)/lib/cmake/joulepath \
+	    $(INSTALL_ROOT)/share/doc/joulepath
+	install -m 644 include/joulepath/*.h $(INSTALL_ROOT)/include/joulepath
+	install -m 644 $^ $(INSTALL_ROOT)/lib
+	strip --strip-debug $(addprefix $(INSTALL_ROOT)/lib/,$(^F))
+	set -e; for package in $(PACKAGES); do \
+	    sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' tools/packaging/$$package.pc.in | \
+	    install -m 644 /dev/stdin $(INSTALL_ROOT)/lib/pkgconfig/$$package.pc; done
+	install -m 644 tools/packaging/joulepathConfig.cmake $(INSTALL_ROOT)/lib/cmake/joulepath
+	sed 's|@VERSION@|$(VERSION)|' tools/packaging/joulepathConfigVersion.cmake.in | \
+	    install -m 644 /dev/stdin $(INSTALL_ROOT)/lib/cmake/joulepath/joulepathConfigVersion.cmake
+	install -m 644 LICENSE $(INSTALL_ROOT)/share/doc/joulepath
+
+.PHONY: uninstall
+uninstall: ## remove what `make install` put there
+	$(PREFIX_CHECK)
+	rm -rf $(PACKAGE_FILES)
+
+.PHONY: package
+package: ## make the source package for CMake, Zephyr, PlatformIO and others in build/package
+	tools/packaging/package.sh $(VERSION) $(BUILD)/package

@@ -1,0 +1,52 @@
+# Sources: what is in which library, program and test.
+
+# src/single_precision.txt says what needs a floating-point unit.
+SINGLE         := $(strip $(file <src/single_precision.txt))
+FLOAT          := $(wildcard $(SINGLE))
+CORE           := $(filter-out $(FLOAT),$(wildcard src/*/*.c))
+CAN            := $(wildcard hal/*.c hal/storage/*.c hal/can/*.c hal/app/*.c)
+STM32F4        := $(wildcard hal/stm32f4/*.c)
+# What needs nothing of the core but registers, which a test can stand in for.
+DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c cortex_m.c fault.c main.c),$(STM32F4))
+SIM            := $(filter-out sim/programs/%,$(wildcard sim/*/*.c)) $(wildcard hal/linux/*.c)
+SUPPORT        := $(filter-out %/stm32_fake.c,$(wildcard tests/support/*.c))
+PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
+BENCHES        := $(filter-out bench_plan bench_patrol bench_pursuit,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
+TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c))
+FLOAT_BENCHES  := $(filter target_teb target_route,$(TARGET_BENCHES))
+
+# lcm-gen makes them from sim/lcm/.
+LCM_TYPES      := $(patsubst sim/lcm/%.lcm,%,$(wildcard sim/lcm/*.lcm))
+LCM_HEADERS    := $(LCM_TYPES:%=$(BUILD)/lcm/%.h)
+
+# A robot is built in when both of its tables are there.
+NAMES          := $(patsubst src/tables/robot_%.c,%,$(wildcard src/tables/robot_*.c))
+ROBOTS         := $(foreach n,$(NAMES),$(if $(wildcard src/tables/energy_$n.c),$n))
+PILOT_TABLES   := $(patsubst src/tables/%.c,%,$(wildcard src/tables/horizon_*.c src/tables/learning_*.c))
+
+FLOAT_TESTS    := $(foreach s,$(SINGLE),$(wildcard $(patsubst src/%,tests/unit/%,$(dir $s))test_$(notdir $s)))
+UNIT_TESTS     := $(filter-out $(FLOAT_TESTS),$(wildcard tests/unit/*/test_*.c))
+PROPERTY_TESTS := $(wildcard tests/property/prop_*.c)
+BITS_TESTS     := $(wildcard tests/bits/test_*.c)
+FAULT_TESTS    := $(wildcard tests/fault/fault_*.c)
+VCAN_TESTS     := $(wildcard tests/vcan/vcan_*.c)
+TESTS          := $(UNIT_TESTS) $(FLOAT_TESTS) $(PROPERTY_TESTS) $(FAULT_TESTS) $(BITS_TESTS) $(VCAN_TESTS) tests/firmware/test_main.c
+TARGET_SUPPORT := tests/target/start.c tests/target/console.c
+
+# With the real Unity its one source file joins each test, and the self-test of our header is left out.
+UNITY_SOURCE := $(wildcard $(UNITY)/unity.c)
+ifneq ($(UNITY_SOURCE),)
+UNIT_TESTS := $(filter-out tests/unit/unity/test_unity.c,$(UNIT_TESTS))
+endif
+
+# support VARIANT: the objects that a program on a target stands on.
+support = $(patsubst %.c,$(BUILD)/$1/%.o,$(TARGET_SUPPORT) \
+          $(addprefix tests/target/$(dir $(BOARD.$1)),core.c semihosting.c cycles.c))
+
+# float_library VARIANT: where it has one.
+float_library = $(if $(filter $1,$(FLOAT_VARIANTS)),$(BUILD)/$1/libjoulepath_float.a)
+
+# host_libraries VARIANT: each before what it stands on.
+host_libraries = $(addprefix $(BUILD)/$1/,libsupport.a libsim.a libcan.a libjoulepath_float.a libjoulepath.a)
+
+LIBRARIES = $(shell pkg-config --libs libconfig jansson nlopt ccd) -llcm -lm -lpthread

@@ -1,0 +1,92 @@
+# Variants: compilers, flags, boards and emulators.
+
+# Contraction is off, and on 32 bits SSE computes, so that the host programs give the same numbers under every compiler.
+WARNINGS := -Wall -Wextra -Wconversion -Wshadow -Werror
+COMMON   := -std=c11 -g $(WARNINGS) -Iinclude -I. -I$(UNITY) -isystem $(BUILD)/lcm -MMD -MP
+HOST     := -D_GNU_SOURCE -ffp-contract=off -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
+SANITIZE := -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+TARGET   := -ffunction-sections -fdata-sections -fcallgraph-info=su -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
+ARM      := $(TARGET) -mthumb
+M4F      := -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16
+M7F      := -mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-sp-d16
+SSE      := -msse2 -mfpmath=sse
+RV32     := $(TARGET) -march=rv32imac -mabi=ilp32 --specs=picolibc.specs
+
+# Both compilers and both word sizes, in two variants.
+HOST_TESTS     := host-gcc host-clang-m32
+# Thumb-1 for size, DSP and FPU for speed, and another instruction set; `make test-targets` runs the others too.
+UNIT_CORES     := cortex-m0 cortex-m4 rv32
+BITS_CORES     := cortex-m4 rv32
+ALL_UNIT_CORES := cortex-m0 cortex-m3 cortex-m4 cortex-m7 rv32
+ARM_VARIANTS   := $(filter cortex%,$(ALL_UNIT_CORES)) cortex-m0-o2 cortex-m3-os cortex-m4-os cortex-m7-os
+RV_VARIANTS    := rv32 rv32-os
+# Whose numbers `make test` watches.
+GROWTH_CORE     := cortex-m4
+GROWTH_VARIANTS := $(GROWTH_CORE) $(GROWTH_CORE)-os
+VARIANTS     := host host-coverage release firmware $(HOST_TESTS) $(ARM_VARIANTS) $(RV_VARIANTS)
+
+# Each core's builds for speed and for size.
+CORES            := cortex-m0 cortex-m3 cortex-m4 cortex-m7 rv32
+SPEED_cortex-m0  := cortex-m0-o2
+SIZE_cortex-m0   := cortex-m0
+SPEED_VARIANTS   := $(foreach c,$(CORES),$(or $(SPEED_$c),$c))
+SIZE_VARIANTS    := $(foreach c,$(CORES),$(or $(SIZE_$c),$c-os))
+
+# Where the float library is: on the hosts and on the cores with an FPU.
+FPU_CORES        := cortex-m4 cortex-m7
+FLOAT_VARIANTS   := host host-coverage release $(HOST_TESTS) $(FPU_CORES) $(FPU_CORES:%=%-os)
+
+COMPILER.host            = $(CC)
+COMPILER.release         = $(CC)
+COMPILER.firmware        = arm-none-eabi-gcc
+COMPILER.host-coverage   = gcc
+COMPILER.host-gcc        = gcc
+COMPILER.host-clang-m32  = clang -m32
+$(foreach v,$(ARM_VARIANTS),$(eval COMPILER.$v = arm-none-eabi-gcc))
+$(foreach v,$(RV_VARIANTS),$(eval COMPILER.$v = riscv64-unknown-elf-gcc))
+
+FLAGS.host            = $(HOST) -O2
+# For others: a newer compiler's warnings must not stop an installation.
+FLAGS.release         = -O2 -Wno-error -ffunction-sections -fdata-sections
+# The core has no floating point, so interrupts need not save its registers.
+FLAGS.firmware        = -mthumb -mcpu=cortex-m4 -O2 -ffunction-sections -fdata-sections -fcallgraph-info=su
+FLAGS.host-coverage   = $(HOST) -O0 --coverage
+FLAGS.host-gcc        = $(HOST) $(SANITIZE)
+FLAGS.host-clang-m32  = $(HOST) $(SANITIZE) $(SSE)
+FLAGS.cortex-m0       = $(ARM) -mcpu=cortex-m0 -Os
+FLAGS.cortex-m0-o2    = $(ARM) -mcpu=cortex-m0 -O2
+FLAGS.cortex-m3       = $(ARM) -mcpu=cortex-m3 -O2
+FLAGS.cortex-m3-os    = $(ARM) -mcpu=cortex-m3 -Os
+FLAGS.cortex-m4       = $(ARM) $(M4F) -O2
+FLAGS.cortex-m4-os    = $(ARM) $(M4F) -Os
+FLAGS.cortex-m7       = $(ARM) $(M7F) -O2
+FLAGS.cortex-m7-os    = $(ARM) $(M7F) -Os
+FLAGS.rv32            = $(RV32) -O2
+FLAGS.rv32-os         = $(RV32) -Os
+
+# A test is long and runs once: it is quicker to compile it plainly than to run it fast.
+FLAGS_TESTS = $(if $(filter host%,$1),-O0,-O1)
+
+# A square root is one instruction, and nothing is computed in double by mistake.
+FLAGS_FLOAT = -ffp-contract=off -fno-math-errno -Wdouble-promotion
+
+# Cortex-M4 executes the code of Cortex-M0, and its board has more memory than the micro:bit.
+BOARD.cortex-m0       = arm/microbit
+BOARD.cortex-m0-o2    = arm/mps2-an386
+BOARD.cortex-m3       = arm/mps2-an385
+BOARD.cortex-m3-os    = $(BOARD.cortex-m3)
+BOARD.cortex-m4       = arm/mps2-an386
+BOARD.cortex-m4-os    = $(BOARD.cortex-m4)
+BOARD.cortex-m7       = arm/mps2-an500
+BOARD.cortex-m7-os    = $(BOARD.cortex-m7)
+BOARD.rv32            = riscv/virt
+BOARD.rv32-os         = $(BOARD.rv32)
+
+# A count of instructions needs a clock that counts them; the micro:bit has no use for it.
+RUN.cortex-m0       = qemu-system-arm -M microbit $(SEMIHOSTING)
+RUN.cortex-m0-o2    = $(RUN.cortex-m4)
+RUN.cortex-m3       = qemu-system-arm -M mps2-an385 -icount shift=0 $(SEMIHOSTING)
+RUN.cortex-m4       = qemu-system-arm -M mps2-an386 -icount shift=0 $(SEMIHOSTING)
+RUN.cortex-m7       = qemu-system-arm -M mps2-an500 -icount shift=0 $(SEMIHOSTING)
+RUN.rv32            = qemu-system-riscv32 -M virt -bios none -icount shift=0 $(SEMIHOSTING)
+SEMIHOSTING         = -nographic -semihosting-config enable=on,target=native -kernel

@@ -1,0 +1,232 @@
+"""Pages made of the figures: tests/bench/FIGURES.md, and the marks in the README of each room.
+
+  <!-- figure: NAME -->measured<!-- /figure -->     <!-- bar: NAME -->its bar<!-- /bar -->
+  <!-- block: NAME -->
+  a table of figures.json, or size, stack or cycles of tests/target/numbers.json
+  <!-- /block -->
+"""
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from tools.common import ROOT, ArgumentParser, ToolError, markdown_table, read_text, run, shown_path, write_whole
+from tools.measure import core_numbers
+from tools.measure.figure_store import STORE, by_name, is_met, read_json, read_store
+
+PAGE = "tests/bench/FIGURES.md"
+SIGNS = {"<=": "≤", ">=": "≥", "==": "="}
+THIN_SPACE = "\u202f"  # between thousands; does not break
+HEADINGS = ("what", "measured", "bar", "met?", "command")
+VALUE_MARK = re.compile(r"<!-- (figure|bar): (.+?) -->([^<]*)<!-- /\1 -->")
+BLOCK_MARK = re.compile(r"<!-- block: (\w+) -->\n(.*?)<!-- /block -->", re.S)
+
+INTRODUCTION = """# Figures
+
+Made by `make figures`, which runs the benches; nobody types a figure. Instructions are exact counts in QEMU
+(`-icount`), not times. A bar is what a figure must reach; figures without one are only shown. Energies and drives are of simulated
+robots, times of the machine that ran the benches."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page: benches by patterns of their names, and blocks."""
+    title: str
+    text: str = ""
+    benches: str = ""
+    blocks: tuple = ()
+
+
+SECTIONS = (
+    Section("Planner", "Rough scenes of 60 × 60 m, 300 × 300 cells × 16 headings. \"Optimum\" is the optimum of the "
+            "lattice, proved and compared with a plain Dijkstra.", r"bench_plan|planner"),
+    Section("Plans by the size of the block", blocks=("plan",)),
+    Section("Energy against length", "Each metre has a price besides its energy.", blocks=("prices",)),
+    Section("Grid planner", "Shortest paths over occupancy grids.", r"bench_grid|grid_planner"),
+    Section("Segments of any length", "Predicted against driven energy.", r"bench_horizon|horizon"),
+    Section("Learner", "Error of the predicted energy after so many segments.", r"bench_learner"),
+    Section("Campaign", "Robots that differ from their file, each on a mission of its own.", r"campaign"),
+    Section("Missions", "The reference mission in closed loop, and random missions.", r"bench_mission"),
+    Section("Routes of short segments", "Energies relative to those of segments that are planned together.",
+            r"bench_short"),
+    Section("Route optimiser", "Plans against the best of many starts of scipy.", r"route"),
+    Section("Segment optimiser", "Plans against brute force and the paper's Table 3.", r"segment"),
+    Section("Energy models", "", r"identify(_battery)?"),
+    Section("Battery", "", r"battery"),
+    Section("Controller", "", r"bench_controller"),
+    Section("The patrol robot", "", r"bench_patrol"),
+    Section("The patrol robot by scene", "Improved band / plain band / pure pursuit. Pursuit has arrived at the goal "
+            "whatever its heading. Times and energies are the means of those that arrived.", blocks=("patrol",)),
+    Section("Pure pursuit", "", r"bench_pursuit|pure_pursuit"),
+    Section("Pure pursuit by speed", "Largest distance from the path (and root mean square), cm; speeds are those of "
+            "straight parts. The tightest bends of the scenes' paths are tighter than the robot can drive; from 1.25 "
+            "m/s on it leaves them.", blocks=("pursuit",)),
+    Section("Elastic band", "", r"teb"),
+    Section("Four wheels", "", r"four_wheel(_plant)?"),
+    Section("Laser odometry", "", r"scan_match"),
+    Section("Faulty bus", "Missions on a bus on which frames are lost, late, repeated and corrupt.", r"bench_bus"),
+    Section("Bus", "", r"bus|bench_flips|decoders"),
+    Section("Parameter store", "", r"store"),
+    Section("Fixed point", "Every input, or random ones where there are too many.", r"fixed"),
+    Section("Equal bits", "", r"bits"),
+    Section("Tests", "", r"coverage|targets"),
+    Section("Size", "Bytes. Flash is code and constants of gcc `-Os`, without the compiler's helpers for 64-bit "
+            "arithmetic; the planner's block is yours to size.", r"size", ("size",)),
+    Section("Stack", "Bytes: the deepest path in the call graph, the worst of `-Os` and `-O2`. Not counted: what the "
+            "core pushes for an interrupt, and the functions of your board; those of the STM32F405 are in its column.",
+            r"stack", ("stack",)),
+    Section("Instructions", "gcc `-O2`, the worst over random inputs.", r"target_.*", ("cycles",)),
+)
+
+
+def format_value(value):
+    """Three digits or so for a person; whole numbers exactly."""
+    if float(value).is_integer() and abs(value) < 1e15:
+        return f"{int(value):,}".replace(",", THIN_SPACE)
+    magnitude = abs(value)
+    if magnitude >= 1000:
+        return f"{value:,.1f}".replace(",", THIN_SPACE)
+    if magnitude >= 1:
+        return f"{value:.2f}"
+    return f"{value:.3g}"
+
+
+def _as_number(text):
+    return float(text.replace(THIN_SPACE, ""))
+
+
+def _with_unit(text, figure):
+    return f"{text} {figure['unit']}".strip()
+
+
+def measured(figure):
+    """With its unit; all digits where rounding would hide which of value and bar is the greater."""
+    value, bound = figure["value"], figure["bound"]
+    shown = format_value(value)
+    if bound and value != bound["value"] and _as_number(shown) == _as_number(format_value(bound["value"])):
+        shown = repr(value)
+    return _with_unit(shown, figure)
+
+
+def bar_value(figure):
+    """With its unit."""
+    return _with_unit(format_value(figure["bound"]["value"]), figure)
+
+
+def bar(figure):
+    bound = figure["bound"]
+    return "–" if bound is None else f"{SIGNS[bound['op']]} {format_value(bound['value'])}"
+
+
+def row(figure):
+    met = "–" if figure["bound"] is None else "yes" if is_met(figure) else "**no**"
+    return figure["name"], measured(figure), bar(figure), met, figure["command"]
+
+
+def _cell(text):
+    return text.replace("|", "\\|")
+
+
+def table(figures):
+    """Those with a bar come first."""
+    lines = ["| " + " | ".join(HEADINGS) + " |", "|---|--:|--:|---|---|"]
+    for figure in sorted(figures, key=lambda figure: figure["bound"] is None):
+        *cells, command = row(figure)
+        lines.append("| " + " | ".join([*(_cell(cell) for cell in cells), f"`{command}`"]) + " |")
+    return "\n".join(lines)
+
+
+def miss_table(store):
+    figures = by_name("figures", store)
+    lines = ["| what | measured | bar | reason |", "|---|--:|--:|---|"]
+    for miss in store["known_misses"]:
+        name = miss["name"]
+        if name not in figures:
+            raise ToolError(f"known miss {name!r}: there is no such figure")
+        lines.append(f"| {_cell(name)} | {measured(figures[name])} | {bar(figures[name])} | {_cell(miss['reason'])} |")
+    return "\n".join(lines)
+
+
+def block(store, numbers, name):
+    if name in core_numbers.UNITS:
+        return core_numbers.markdown(numbers[name])
+    if name not in store["tables"]:
+        raise ToolError(f"block {name}: there is no such table")
+    content = store["tables"][name]
+    if "lines" in content:
+        return "```\n" + "\n".join(content["lines"]) + "\n```"
+    return markdown_table(content["headings"], content["rows"])
+
+
+def section_of(bench):
+    for section in SECTIONS:
+        if re.fullmatch(section.benches, bench):
+            return section
+    raise ToolError(f"bench {bench}: belongs to no section: add it to SECTIONS in tools/measure/figure_pages.py")
+
+
+def page(store, numbers):
+    parts = [INTRODUCTION]
+    if store["known_misses"]:
+        parts.append("## Known misses\n\nBars that are missed, and why.\n\n" + miss_table(store))
+    members = {section: [] for section in SECTIONS}
+    for bench, figures in store["benches"].items():
+        members[section_of(bench)] += figures
+    for section in SECTIONS:
+        content = [f"## {section.title}", section.text]
+        content += [block(store, numbers, name) for name in section.blocks]
+        content += [table(members[section])] if members[section] else []
+        parts.append("\n\n".join(part for part in content if part))
+    return "\n\n".join(parts) + "\n"
+
+
+def filled(path, text, store, numbers):
+    """The text of a Markdown file with what stands between its marks."""
+    figures = by_name(path, store)
+
+    def fill_value(match):
+        kind, name, _ = match.groups()
+        if name not in figures:
+            raise ToolError(f"{path}: {kind} {name!r}: there is no such figure")
+        figure = figures[name]
+        if kind == "bar" and figure["bound"] is None:
+            raise ToolError(f"{path}: bar {name!r}: the figure has none")
+        shown = measured(figure) if kind == "figure" else bar_value(figure)
+        return f"<!-- {kind}: {name} -->{shown}<!-- /{kind} -->"
+
+    def fill_block(match):
+        name = match.group(1)
+        return f"<!-- block: {name} -->\n{block(store, numbers, name)}\n<!-- /block -->"
+
+    return BLOCK_MARK.sub(fill_block, VALUE_MARK.sub(fill_value, text))
+
+
+def documents(root):
+    """The Markdown files of the repository but the page."""
+    found = []
+    for folder, folders, files in os.walk(root):
+        folders[:] = [name for name in folders if not name.startswith(".") and name != "build"]
+        found += [Path(folder) / name for name in files if name.endswith(".md")]
+    return sorted(path for path in found if path != root / PAGE)
+
+
+def write_pages(root, store, numbers):
+    """Paths of the files that changed. Nothing is written unless all can be filled in."""
+    texts = {root / PAGE: page(store, numbers)}
+    texts.update((path, filled(shown_path(path), read_text(path), store, numbers)) for path in documents(root))
+    changed = [path for path, text in texts.items() if not path.exists() or read_text(path) != text]
+    for path in changed:
+        write_whole(path, texts[path])
+    return changed
+
+
+def main():
+    ArgumentParser(description="Make FIGURES.md and the figures in the READMEs of figures.json.").parse_args()
+    numbers = core_numbers.check_accepted(core_numbers.ACCEPTED, read_json(core_numbers.ACCEPTED))
+    changed = write_pages(ROOT, read_store(ROOT / STORE), numbers)
+    print("wrote " + ", ".join(shown_path(path) for path in changed) if changed else "nothing changed")
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""Flash and RAM of each module on each core, and RAM of its objects.
+
+Arguments: folders of the variants built for size, such as build/cortex-m4-os, each with its image `whole`. Flash is
+code and constants of a module's objects, without the compiler's helpers; RAM is its own variables, of which the library
+has none. What a robot needs is the size of its struct. Prints a table, writes build/numbers/size.json and figures for
+figures.py. Exit status 2: bad input, nothing was written.
+"""
+import re
+from pathlib import Path
+
+from elftools.common.exceptions import ELFError
+from elftools.elf.constants import SH_FLAGS
+from elftools.elf.elffile import ELFFile
+
+from tools.common import ArgumentParser, ToolError, run
+from tools.measure import core_numbers
+
+# Of hal/, what is not a port.
+HAL_ROOMS = ("storage", "can", "app")
+
+# By the path of the object; the first that matches holds it.
+MODULES = {
+    "balancer": r"src/(balancer/(robot|estimator|lqr|monitor|odometry|reference)|energy/meter|base/(fixed|config_check))",
+    "energy": r"src/energy/energy",
+    "energy of short segments": r"src/energy/horizon",
+    "battery": r"src/energy/battery",
+    "evidence": r"src/balancer/(current_check|drive_watch|evidence)",
+    "optimiser": r"src/trajectory/segment(_\w+)?",
+    "planner": r"src/(search/planner(_\w+)?|map/(lattice|terrain|guide_field|energy_field|wavefront))",
+    "learner": r"src/learn/(learner(_\w+)?|forecast|normal_quantile)",
+    "tariff": r"src/map/tariff",
+    "skid steer": r"src/skid_steer/skid_steer",
+    "grid planner": r"src/search/grid_\w+",
+    "path spline": r"src/trajectory/path_spline",
+    "four wheels": r"src/four_wheel/four_wheel",
+    "pure pursuit": r"src/four_wheel/pure_pursuit",
+    "plane": r"src/base/plane",
+    "obstacles": r"src/local/(obstacle\w*|scan_(runs|shapes))",
+    "movers": r"src/local/movers",
+    "timed elastic band": r"src/local/teb(_\w+)?",
+    "patrol mission": r"src/local/patrol_(approach|marks|mission)",
+    "patrol": r"src/local/patrol(_\w+)?",
+    "scan matching": r"src/local/scan_match(_\w+)?",
+    "route optimiser": r"src/trajectory/route(_\w+)?",
+    "pilot": r"src/navigate/pilot",
+    "end-to-end protection": r"src/base/e2e",
+    "waypoints of a route": r"src/(navigate/waypoint\w*|map/clearance)",
+    "operator": r"hal/app/operator",
+    "CAN application": r"hal/((can|app)/\w+|hal)",
+    "parameters in flash": r"hal/storage/(parameters|store|crc32)",
+    "post-mortem": r"hal/storage/(post_mortem|memory_check)",
+    "tables of a robot": r"src/tables/(robot|energy)_courier24",
+    "table of short segments": r"src/tables/horizon_courier24",
+    "table of a lattice": r"src/tables/lattice_gao2018",
+    "tables of a patrol robot": r"src/tables/\w+_patrol",
+    None: r"src/tables/\w+",  # other robots
+}
+SMALL_ROBOT = ("balancer", "energy", "optimiser")
+SMALL_ROBOT_BAR = 15 * 1024  # B
+
+# Their owner provides the memory; without the planner's block.
+STRUCTS = ("jp_robot", "jp_ecu", "jp_planner")
+ROBOT_BAR = 1024  # B
+BAR_CORE = "Cortex-M4"
+
+# The codec's functions with `double`, which no program calls: the linker drops them.
+DROPPED = re.compile(r"\.text\.jp_can_\w+_(encode|decode|init)")
+
+
+def module_of(path, modules):
+    for module, pattern in modules.items():
+        if re.fullmatch(pattern + r"\.o", path):
+            return module
+    raise ToolError(f"{path}: belongs to no module: add it to MODULES in tools/measure/size.py")
+
+
+def open_elf(path, file):
+    try:
+        return ELFFile(file)
+    except ELFError as error:
+        raise ToolError(f"{path}: no object file: {error}") from None
+
+
+def measure_object(path):
+    """Bytes in flash and in RAM."""
+    flash = ram = 0
+    with open(path, "rb") as file:
+        for section in open_elf(path, file).iter_sections():
+            flags, size = section["sh_flags"], section["sh_size"]
+            if not flags & SH_FLAGS.SHF_ALLOC or DROPPED.match(section.name):
+                continue
+            writable = flags & SH_FLAGS.SHF_WRITE and not section.name.startswith(".data.rel.ro")
+            ram += size if writable else 0
+            flash += size if section["sh_type"] != "SHT_NOBITS" else 0
+    return flash, ram
+
+
+def struct_sizes(path, names):
+    """sizeof of each, from the debugger's information of an image."""
+    sizes = {}
+    with open(path, "rb") as file:
+        elf = open_elf(path, file)
+        if not elf.has_dwarf_info():
+            raise ToolError(f"{path}: holds no debugging information: compile with -g")
+        for unit in elf.get_dwarf_info().iter_CUs():
+            for entry in unit.iter_DIEs():
+                name, size = entry.attributes.get("DW_AT_name"), entry.attributes.get("DW_AT_byte_size")
+                if entry.tag == "DW_TAG_structure_type" and name and size:
+                    sizes[name.value.decode()] = size.value
+    for name in names:
+        if name not in sizes:
+            raise ToolError(f"{path}: does not know struct {name}")
+    return {name: sizes[name] for name in names}
+
+
+def objects(folder):
+    """Of the library and the CAN application, by their path in the source tree."""
+    paths = [*folder.glob("src/**/*.o"), *folder.glob("hal/*.o"),
+             *(path for room in HAL_ROOMS for path in folder.glob(f"hal/{room}/*.o"))]
+    if not paths:
+        raise ToolError(f"{folder}: no objects; `make size` builds them")
+    return {path.relative_to(folder).as_posix(): path for path in sorted(paths)}
+
+
+def measure(folder, modules):
+    """{row: bytes} of one variant; without an FPU it has not all modules."""
+    flash = {}
+    ram = 0
+    for name, path in objects(folder).items():
+        module = module_of(name, modules)
+        if module is not None:
+            object_flash, object_ram = measure_object(path)
+            flash[module] = flash.get(module, 0) + object_flash
+            ram += object_ram
+    rows = {f"flash: {module}": flash[module] for module in modules if module in flash}
+    rows["flash: balancer + energy + optimiser"] = sum(flash.get(module, 0) for module in SMALL_ROBOT)
+    rows["RAM: variables of all modules"] = ram
+    for struct, size in struct_sizes(folder / "whole", STRUCTS).items():
+        rows[f"RAM: struct {struct}"] = size
+    return rows
+
+
+def tabulate(folders, modules):
+    table = {}
+    for folder in folders:
+        for row, value in measure(folder, modules).items():
+            table.setdefault(row, {})[core_numbers.core_of(folder.name)] = value
+    return table
+
+
+def figures(table):
+    rows = (("flash: balancer + energy + optimiser", SMALL_ROBOT_BAR), ("RAM: struct jp_robot", ROBOT_BAR))
+    for row, bar in rows:
+        if BAR_CORE in table[row]:
+            yield core_numbers.figure(f"{BAR_CORE}, -Os: {row}", table[row][BAR_CORE], "B", bar, "make size")
+
+
+def main():
+    parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("folders", metavar="FOLDER", type=Path, nargs="+")
+    core_numbers.add_arguments(parser)
+    options = parser.parse_args()
+    table = tabulate(options.folders, MODULES)
+    core_numbers.show("size", table, options.diff)
+    core_numbers.write_figures("size", list(figures(table)))
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)
