@@ -1,5 +1,7 @@
 """Simulated time that a test holds: a tick passes only while somebody waits for a frame or an event. So no client on the
 bus is too late, however busy the machine is."""
+import contextlib
+import errno
 import os
 import select
 import sys
@@ -19,6 +21,10 @@ POWER_OFF = 0xFFFFFFFF  # the tick before the first
 RATE = 1000             # ticks a second
 LIMIT = 300             # s of the wall's clock without a tick: something hangs
 LOOK = 0.1              # s
+
+
+class HangUp(Exception):
+    """The plant closed its line."""
 
 
 class SimulatedTime:
@@ -71,6 +77,12 @@ class SimulatedTime:
         while not until():
             self.tick(given_up=until)
 
+    def run_until_hang_up(self):
+        """Let ticks pass until the plant closes its line, which it does before its process ends."""
+        with contextlib.suppress(HangUp):
+            while True:
+                self.tick()
+
     def _begin(self):
         """The tick that was held back, or the one that goes on once more."""
         if self._begun != tick_of(self._next):
@@ -80,7 +92,7 @@ class SimulatedTime:
         self._next = None
 
     def _pass_on(self, line):
-        *texts, self._parts[line] = (self._parts[line] + os.read(line, 1 << 16)).split(b"\r")
+        *texts, self._parts[line] = (self._parts[line] + self._read(line)).split(b"\r")
         for text in texts:
             if line == self._plant and text.startswith(SIM_TIME):
                 self._next = text
@@ -93,11 +105,31 @@ class SimulatedTime:
             self._send(hearers, text + b"\r")
 
     @staticmethod
+    def _read(line):
+        with hang_up_named():
+            data = os.read(line, 1 << 16)
+        if not data:
+            raise HangUp
+        return data
+
+    @staticmethod
     def _send(lines, data):
         for line in lines:
             left = data
             while left:
-                left = left[os.write(line, left):]
+                with hang_up_named():
+                    left = left[os.write(line, left):]
+
+
+@contextlib.contextmanager
+def hang_up_named():
+    """A pseudo-terminal whose other end was closed gives EIO, or the end of the file to who reads later."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno != errno.EIO:
+            raise
+        raise HangUp from error
 
 
 def tick_of(text):
@@ -194,7 +226,7 @@ class Host:
         """The plant's counts."""
         self.bus.shutdown()
         self.plant.process.terminate()
-        self.time.run(until=lambda: not self.plant.running)
+        self.time.run_until_hang_up()
         result = self.plant.wait()
         assert (result.returncode, result.stderr) == (0, "")
         return result.counts

@@ -239,7 +239,7 @@ def test_a_flood(programs, short, tmp_path):
     plant, line = plant_with_lines(programs, short, 1, "--output", tmp_path / "out")
     with SimulatedTime(line, crowd=FOREIGN * CROWD) as passing:
         ecu = programs.ecu(f"slcan:{passing.new_line()}")
-        passing.run(until=lambda: not plant.running)
+        passing.run_until_hang_up()
         counts = assert_done(plant).counts
         assert counts["faults that the ECU reports"] == counts[SILENCES] == 0
         segments = summary(tmp_path / "out")["strategies"][0]["segments"]
