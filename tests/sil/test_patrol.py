@@ -76,12 +76,10 @@ def passage(tmp_path_factory):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_every_scene(scene, tmp_path):
-    result = patrol(tmp_path / "out", scene, "--seed=2")
-    assert result.returncode in (0, 1), result.stderr
-    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    summary, _ = driven(tmp_path / "out", scene, "--seed=2")
     methods = by_name(summary)
     assert list(methods) == METHODS
-    assert (methods["improved"]["outcome"] == "arrived") == (result.returncode == 0)
+    assert methods["improved"]["outcome"] == "arrived"
     assert (summary["scene"], summary["seed"], summary["robot"]) == (scene, 2, "patrol")
     assert names_in(tmp_path / "out") == FILES
 
@@ -176,9 +174,7 @@ def test_snapshots_are_taken_once_a_second(passage):
 
 
 def test_pedestrian_walks_through_the_snapshots(tmp_path):
-    result = patrol(tmp_path / "out", "pedestrian", "--seed=2", "--method=improved")
-    assert result.returncode in (0, 1)
-    [method] = json.loads((tmp_path / "out/summary.json").read_text())["methods"]
+    [method] = driven(tmp_path / "out", "pedestrian", "--seed=2", "--method=improved")[0]["methods"]
     places = [(snapshot["time_s"], *(snapshot["obstacles"][0][key] for key in ("x_m", "y_m")))
               for snapshot in method["snapshots"]]
     speeds = [math.dist(a[1:], b[1:]) / (b[0] - a[0]) for a, b in zip(places, places[1:])]
@@ -288,10 +284,10 @@ def test_memory_that_runs_out_at_any_place(tmp_path):
 def test_no_scans_stop_the_robot(tmp_path):
     summary, table = driven(tmp_path / "out", "l-passage", "--method=improved", "--scan-dropout=2,1000", status=1)
     [method] = summary["methods"]
-    assert method["outcome"] == "gave up" and method["reason"] in ("no scan", "lost")
+    assert (method["outcome"], method["reason"]) == ("gave up", "no scan")
     assert method["counts"]["scans_missing"] > 3
     last = rows_of(tmp_path / "out/log_improved.csv")[-1]
-    assert summary["states"][int(last["state"])] in ("stopped", "waiting")
+    assert summary["states"][int(last["state"])] == "stopped"
     assert abs(last["speed_m_s"]) < 0.02
     assert "fault: no scans from 2.0 s to 1000.0 s" in table
     assert f"improved TEB: {method['counts']['scans_missing']} scans missing" in table
@@ -302,7 +298,7 @@ def test_some_dropouts_do_no_harm(tmp_path):
     summary, table = driven(tmp_path / "out", "l-passage", "--method=improved", "--beam-dropout=0.2",
                             "--scan-dropout=3,3.15")
     assert summary["faults"]["beam_dropout"] == 0.2
-    assert summary["methods"][0]["counts"]["scans_missing"] in (1, 2)
+    assert summary["methods"][0]["counts"]["scans_missing"] == 2
     assert "fault: 20 % of the beams" in table
 
 
@@ -315,16 +311,13 @@ def test_beams_that_drop_out(tmp_path):
 
 
 def test_jump_of_the_laser_is_rejected(tmp_path):
-    result = patrol(tmp_path / "out", "l-passage", "--method=improved", "--jump=3,0.8")
-    assert result.returncode in (0, 1), result.stderr
-    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    summary, table = driven(tmp_path / "out", "l-passage", "--method=improved", "--jump=3,0.8", status=1)
     [method] = summary["methods"]
     assert method["counts"]["laser_rejected"] > 0
-    assert f", {method['counts']['laser_rejected']} rejected" in result.stdout
-    assert (method["outcome"], method["reason"], result.returncode) == ("gave up", "lost", 1)
-    assert method["outcome"] != "collided"
+    assert f", {method['counts']['laser_rejected']} rejected" in table
+    assert (method["outcome"], method["reason"]) == ("gave up", "lost")
     assert summary["faults"]["jump_s_m"] == [3, 0.8]
-    assert "fault: the laser's pose jumps by 0.80 m at 3.0 s" in result.stdout
+    assert "fault: the laser's pose jumps by 0.80 m at 3.0 s" in table
 
 
 def test_on_slippery_ground_the_laser_knows_where_the_robot_is(tmp_path):
@@ -358,7 +351,7 @@ def test_wrong_command_lines(arguments, tmp_path):
 
 
 def test_default_output(tmp_path):
-    assert run("jp-patrol", "corridor", f"--robot={ROBOT}", "--method=pursuit", cwd=tmp_path).returncode in (0, 1)
+    assert run("jp-patrol", "corridor", f"--robot={ROBOT}", "--method=pursuit", cwd=tmp_path).returncode == 0
     assert names_in(tmp_path / "build/patrol") == ["log_pursuit.csv", "summary.json"]
 
 
@@ -376,8 +369,7 @@ def test_robot_fits_lengthwise_but_not_across(tmp_path):
     """A slot of 0.7 m: the true shape decides, not its circle."""
     path = write_map(tmp_path / "slot.json", room(walls=[(20, 2, 40, 49), (20, 65, 40, 53)]))
     assert_one_line_error(patrol(tmp_path / "out", *on_map(path, "6,2,0", "2,2.9,90")), "--goal", "does not fit")
-    result = patrol(tmp_path / "out", *on_map(path, "6,2,0", "2,2.9,180"), "--method=pursuit")
-    assert result.returncode in (0, 1), result.stderr
+    driven(tmp_path / "out", *on_map(path, "6,2,0", "2,2.9,180"), "--method=pursuit")
 
 
 def test_maps_and_robots_that_cannot_be_used(tmp_path):
