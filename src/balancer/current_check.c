@@ -1,6 +1,7 @@
 #include <joulepath/current_check.h>
 
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 #include "src/base/multiply_q32.h"
 
 #define GAIN_MAX JP_Q16(4)
@@ -64,9 +65,9 @@ static jp_q16 expected_current(const struct jp_monitor_config *motors, jp_q16 vo
     return jp_q16_divide(jp_sub(voltage, back_emf), motors->motor_resistance);
 }
 
-static bool in_range(jp_q16 current)
+static bool can_be_compared(jp_q16 current)
 {
-    return current >= -JP_CURRENT_CHECK_MAX && current <= JP_CURRENT_CHECK_MAX;
+    return jp_is_between(current, -JP_CURRENT_CHECK_MAX, JP_CURRENT_CHECK_MAX);
 }
 
 /* Recursive least squares with forgetting, as weighted moments. */
@@ -277,7 +278,7 @@ static void examine(struct jp_current_motor *motor, const struct jp_current_chec
 static void update_motor(struct jp_current_motor *motor, const struct jp_current_check_config *config, jp_q16 expected,
                          jp_q16 measured)
 {
-    if (in_range(expected) && in_range(measured)) {
+    if (can_be_compared(expected) && can_be_compared(measured)) {
         update_noise(motor, expected, measured, config->memory);
         add(&motor->moments, expected, measured, config->memory);
         if (motor->moments.count >= config->memory / SETTLING_SHARE) {

@@ -4,6 +4,7 @@
 
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 
 /** Errors are limited to [−64, 64) turns, so that eight products fit 64 bits. */
 #define ERROR_BITS 31
@@ -17,15 +18,10 @@
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("lqr.", struct jp_lqr_config, member, low, high)
 
-static uint32_t magnitude(jp_q16 gain)
-{
-    return gain < 0 ? 0U - (uint32_t)gain : (uint32_t)gain;
-}
-
 /** Saturated. */
 static JP_INLINE_FOR_SPEED uint32_t add_magnitude(uint32_t sum, jp_q16 gain)
 {
-    const uint32_t more = sum + magnitude(gain);
+    const uint32_t more = sum + jp_magnitude32(gain);
 
     return more < sum ? UINT32_MAX : more;
 }
@@ -38,13 +34,13 @@ static bool row_is_valid(uint32_t sum)
 /** Whether of a tick, 2^INTEGRAL_SHIFT / tick_rate of it, it fits too. */
 static bool integral_is_valid(jp_q16 gain, uint32_t tick_rate)
 {
-    return magnitude(gain) >> (31 - INTEGRAL_SHIFT) < tick_rate;
+    return jp_magnitude32(gain) >> (31 - INTEGRAL_SHIFT) < tick_rate;
 }
 
 static enum jp_status check_rows(const struct jp_lqr_config *config, const char **field)
 {
-    uint32_t common = magnitude(config->wheel);
-    uint32_t difference = magnitude(config->yaw);
+    uint32_t common = jp_magnitude32(config->wheel);
+    uint32_t difference = jp_magnitude32(config->yaw);
 
     common = add_magnitude(common, config->pitch);
     common = add_magnitude(common, config->wheel_rate);
@@ -81,7 +77,7 @@ enum jp_status jp_lqr_check(const struct jp_lqr_config *config, const char **fie
 /** V per turn·s as V per 2⁻¹⁴ turn·tick, in Q40, rounded; tick_rate is at most 10 000. */
 static int32_t integral_gain(jp_q16 gain, uint32_t tick_rate)
 {
-    uint32_t size = magnitude(gain);
+    uint32_t size = jp_magnitude32(gain);
     uint32_t rest = (size % tick_rate) << (PRODUCT_BITS - 16 - 24 + INTEGRAL_SHIFT);
     uint32_t quotient =
         ((size / tick_rate) << (PRODUCT_BITS - 16 - 24 + INTEGRAL_SHIFT)) + (rest + tick_rate / 2U) / tick_rate;

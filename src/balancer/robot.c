@@ -6,6 +6,7 @@
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/count.h"
+#include "src/base/integer.h"
 #include "src/energy/energy_terms.h"
 #include "src/trajectory/segment_geometry.h"
 
@@ -259,7 +260,7 @@ static inline void divide_on(uint32_t *quotient, uint32_t *remainder, uint32_t d
 static inline jp_q31 duty(jp_q16 voltage, jp_q16 bus_voltage)
 {
     uint32_t divisor = (uint32_t)bus_voltage;
-    uint32_t remainder = voltage < 0 ? 0U - (uint32_t)voltage : (uint32_t)voltage;
+    uint32_t remainder = jp_magnitude32(voltage);
     uint32_t quotient = 0;
 
     divide_on(&quotient, &remainder, divisor, 6);

@@ -1,5 +1,7 @@
 #include <joulepath/fixed.h>
 
+#include "src/base/integer.h"
+
 _Static_assert(-3 >> 1 == -2, "right shift of a negative number must be arithmetic");
 _Static_assert((int32_t)UINT32_MAX == -1, "conversion to a signed type must wrap");
 
@@ -49,11 +51,6 @@ static uint32_t multiply_high(uint32_t a, uint32_t b)
 }
 #endif
 
-static uint32_t magnitude32(int32_t x)
-{
-    return x < 0 ? 0u - (uint32_t)x : (uint32_t)x;
-}
-
 static uint64_t magnitude64(int64_t x)
 {
     return x < 0 ? 0u - (uint64_t)x : (uint64_t)x;
@@ -73,7 +70,7 @@ int32_t jp_divide(int64_t numerator, int32_t denominator)
         return numerator > 0 ? INT32_MAX : numerator < 0 ? INT32_MIN : 0;
     }
     uint64_t dividend = magnitude64(numerator);
-    uint32_t divisor = magnitude32(denominator);
+    uint32_t divisor = jp_magnitude32(denominator);
     uint64_t quotient = dividend / divisor;
     uint32_t remainder = (uint32_t)(dividend - quotient * divisor);
     if (remainder >= divisor - remainder) {
@@ -170,8 +167,8 @@ static jp_angle octant_angle(uint32_t low, uint32_t high)
 
 jp_angle jp_atan2(int32_t y, int32_t x)
 {
-    uint32_t size_x = magnitude32(x);
-    uint32_t size_y = magnitude32(y);
+    uint32_t size_x = jp_magnitude32(x);
+    uint32_t size_y = jp_magnitude32(y);
     jp_angle angle = size_y > size_x ? QUARTER_TURN - octant_angle(size_x, size_y) : octant_angle(size_y, size_x);
     if (x < 0) {
         angle = HALF_TURN - angle;

@@ -2,6 +2,7 @@
 
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 #include "src/energy/energy_terms.h"
 
 #define MOTION_MAX   JP_Q24(8)
@@ -9,14 +10,10 @@
 #define DURATION_MAX JP_Q16(16384)
 #define POWER_MAX    ((int64_t)1 << 36) /* 2²⁰ W in Q16 */
 
-static bool in_range(int32_t value, int32_t low, int32_t high)
-{
-    return value >= low && value <= high;
-}
-
 bool jp_motion_in_range(const struct jp_motion *motion)
 {
-    return in_range(motion->speed, -MOTION_MAX, MOTION_MAX) && in_range(motion->turn_rate, -MOTION_MAX, MOTION_MAX);
+    return jp_is_between(motion->speed, -MOTION_MAX, MOTION_MAX) &&
+           jp_is_between(motion->turn_rate, -MOTION_MAX, MOTION_MAX);
 }
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("model.", struct jp_energy_model, member, low, high)
@@ -105,8 +102,8 @@ enum jp_status jp_energy_total(const struct jp_energy_model *model, const struct
 
 bool jp_segment_in_range(const struct jp_segment_command *segment, jp_q16 duration_min)
 {
-    return jp_motion_in_range(&segment->motion) && in_range(segment->turn, -TURN_MAX, TURN_MAX) &&
-           in_range(segment->duration, duration_min, DURATION_MAX);
+    return jp_motion_in_range(&segment->motion) && jp_is_between(segment->turn, -TURN_MAX, TURN_MAX) &&
+           jp_is_between(segment->duration, duration_min, DURATION_MAX);
 }
 
 enum jp_status jp_energy_predict(const struct jp_energy_model *model, const struct jp_motion *before,

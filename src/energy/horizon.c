@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 #include "src/energy/energy_terms.h"
 
 #define FREQUENCY_MAX    JP_Q24(64)
@@ -34,7 +35,7 @@ static bool is_paired(const struct jp_mode *mode)
     return mode->frequency != 0;
 }
 
-static bool in_range(const struct jp_mode *mode)
+static bool is_mode(const struct jp_mode *mode)
 {
     return mode->decay > 0 && mode->frequency >= 0 && mode->frequency <= FREQUENCY_MAX;
 }
@@ -51,7 +52,7 @@ static bool modes_are_valid(const struct jp_axis_modes *axis)
     for (uint32_t i = 0; i < axis->count; i++) {
         const struct jp_mode *mode = &axis->mode[i];
 
-        if (!in_range(mode) || (second && !match(mode, &axis->mode[i - 1U]))) {
+        if (!is_mode(mode) || (second && !match(mode, &axis->mode[i - 1U]))) {
             return false;
         }
         second = is_paired(mode) && !second;
@@ -249,12 +250,6 @@ static bool arguments_are_valid(const struct jp_energy_model *model, const struc
            all_within(start->transient.yaw, JP_AXIS_MODES, TRANSIENT_MAX);
 }
 
-/** Q28 to Q16. */
-static int64_t rounded(int64_t energy)
-{
-    return (energy + ((int64_t)1 << (JP_TERM_BITS - 17))) >> (JP_TERM_BITS - 16);
-}
-
 enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const struct jp_horizon *horizon,
                                   const struct jp_energy_start *start, const struct jp_segment_command *segment,
                                   jp_q16 *energy, struct jp_energy_start *end)
@@ -271,7 +266,7 @@ enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const str
     jp_voltage_terms(model, &start->motion, &voltage);
     enum jp_status status = jp_energy_total(model, &start->motion, &voltage, segment, &settled);
 
-    int64_t total = settled + rounded(transient);
+    int64_t total = settled + jp_round_shift64(transient, JP_TERM_BITS - 16);
     *energy = jp_saturate32(total);
     *end = next;
     return within && *energy == total ? status : JP_ERR_OVERFLOW;
@@ -280,7 +275,7 @@ enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const str
 /** a b with a in Q24 and b in Q24 or Q18, in Q16. */
 static int64_t scaled_product(int32_t a, int32_t b, unsigned shift)
 {
-    return (jp_multiply(a, b) + ((int64_t)1 << (shift - 1U))) >> shift;
+    return jp_round_shift64(jp_multiply(a, b), shift);
 }
 
 enum jp_status jp_energy_regressors(const struct jp_energy_model *model, const struct jp_horizon *horizon,
@@ -325,7 +320,7 @@ enum jp_status jp_energy_regressors(const struct jp_energy_model *model, const s
     }
 
     int64_t electronics = jp_multiply(model->electronics_power, segment->duration); /* Q32 */
-    int64_t total = rounded(transient + (electronics >> (32 - JP_TERM_BITS)));
+    int64_t total = jp_round_shift64(transient + (electronics >> (32 - JP_TERM_BITS)), JP_TERM_BITS - 16);
     *rest = jp_saturate32(total);
     return within && *rest == total ? JP_OK : JP_ERR_OVERFLOW;
 }

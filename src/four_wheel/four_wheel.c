@@ -1,6 +1,7 @@
 #include <joulepath/four_wheel.h>
 
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 
 #define TWIST_MAX       JP_Q24(16)
 #define SPEED_LIMIT     JP_Q24(16)
@@ -15,11 +16,6 @@
 
 /** Parts of a way, Q30. */
 #define WHOLE_WAY ((int32_t)1 << 30)
-
-static bool in_range(int32_t value, int32_t low, int32_t high)
-{
-    return value >= low && value <= high;
-}
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_four_wheel_config, member, low, high)
 
@@ -59,8 +55,8 @@ jp_q24 jp_four_wheel_radius_min(const struct jp_four_wheel_config *config)
 enum jp_status jp_four_wheel_twist(const struct jp_four_wheel_config *config, jp_q24 speed, int32_t angle,
                                    struct jp_twist *twist)
 {
-    if (config == NULL || twist == NULL || !in_range(speed, -SPEED_LIMIT, SPEED_LIMIT) ||
-        !in_range(angle, 1 - QUARTER_TURN, QUARTER_TURN - 1)) {
+    if (config == NULL || twist == NULL || !jp_is_between(speed, -SPEED_LIMIT, SPEED_LIMIT) ||
+        !jp_is_between(angle, 1 - QUARTER_TURN, QUARTER_TURN - 1)) {
         return JP_ERR_ARGUMENT;
     }
     const int64_t across = jp_multiply(speed, jp_sin((jp_angle)angle));                    /* Q55 */
@@ -106,15 +102,10 @@ static jp_q24 component(const struct contact *contact, int32_t angle)
     return jp_round_shift(along + jp_multiply(contact->y, jp_sin((jp_angle)angle)), 31);
 }
 
-static int64_t magnitude64(int64_t a)
-{
-    return a < 0 ? -a : a;
-}
-
 /* Within the limit, or beyond it by no more than the formats can tell at this speed. */
 static bool within_limit(const struct jp_four_wheel_config *config, int32_t angle, jp_q24 speed)
 {
-    const int64_t excess = magnitude64(angle) - config->steering_limit;
+    const int64_t excess = jp_absolute64(angle) - config->steering_limit;
 
     return excess * speed <= JP_SLIP_QUANTUM / 2 * ANGLE_PER_RADIAN;
 }
@@ -133,7 +124,7 @@ static bool set_wheel(const struct jp_four_wheel_config *config, const struct co
     const int32_t behind = (int32_t)((jp_angle)ahead + HALF_TURN);
     const bool may_ahead = within_limit(config, ahead, size);
     const bool may_behind = within_limit(config, behind, size);
-    const bool is_behind_nearer = magnitude64((int64_t)behind - *angle) < magnitude64((int64_t)ahead - *angle);
+    const bool is_behind_nearer = jp_absolute64((int64_t)behind - *angle) < jp_absolute64((int64_t)ahead - *angle);
     const bool reverses = may_behind && (is_behind_nearer || !may_ahead);
 
     if (size > config->speed_max || !(may_ahead || may_behind)) {
@@ -146,8 +137,8 @@ static bool set_wheel(const struct jp_four_wheel_config *config, const struct co
 
 static bool is_twist(const struct jp_twist *twist)
 {
-    return in_range(twist->x, -TWIST_MAX, TWIST_MAX) && in_range(twist->y, -TWIST_MAX, TWIST_MAX) &&
-           in_range(twist->turn_rate, -TWIST_MAX, TWIST_MAX);
+    return jp_is_between(twist->x, -TWIST_MAX, TWIST_MAX) && jp_is_between(twist->y, -TWIST_MAX, TWIST_MAX) &&
+           jp_is_between(twist->turn_rate, -TWIST_MAX, TWIST_MAX);
 }
 
 enum jp_status jp_four_wheel_inverse(const struct jp_four_wheel_config *config, const struct jp_twist *twist,
@@ -195,20 +186,14 @@ static struct diagonal diagonal_of(const struct jp_four_wheel_config *config)
     return (struct diagonal){jp_cos(angle), jp_sin(angle)};
 }
 
-/* x / 2^shift, rounded. */
-static int64_t rounded(int64_t x, unsigned shift)
-{
-    return (x + ((int64_t)1 << (shift - 1U))) >> shift;
-}
-
 static void set_rolling(const struct jp_wheels *wheels, struct rolling *rolling)
 {
     for (size_t i = 0; i < (size_t)JP_WHEELS; i++) {
         const jp_q24 speed = jp_clamp32(wheels->speed[i], -SPEED_LIMIT, SPEED_LIMIT);
         const jp_angle angle = (jp_angle)wheels->angle[i];
 
-        rolling->x[i] = rounded(jp_multiply(speed, jp_cos(angle)), 28);
-        rolling->y[i] = rounded(jp_multiply(speed, jp_sin(angle)), 28);
+        rolling->x[i] = jp_round_shift64(jp_multiply(speed, jp_cos(angle)), 28);
+        rolling->y[i] = jp_round_shift64(jp_multiply(speed, jp_sin(angle)), 28);
     }
 }
 
@@ -219,12 +204,13 @@ static struct motion fit(const struct rolling *rolling, const struct diagonal *d
     const int64_t *y = rolling->y;
     const int64_t to_front = y[JP_FRONT_LEFT] + y[JP_FRONT_RIGHT] - y[JP_REAR_LEFT] - y[JP_REAR_RIGHT];
     const int64_t to_right = x[JP_FRONT_RIGHT] + x[JP_REAR_RIGHT] - x[JP_FRONT_LEFT] - x[JP_REAR_LEFT];
-    const int64_t around = rounded(to_front, 2) * diagonal->front + rounded(to_right, 2) * diagonal->side;
+    const int64_t around =
+        jp_round_shift64(to_front, 2) * diagonal->front + jp_round_shift64(to_right, 2) * diagonal->side;
 
     return (struct motion){
-        .x = rounded(x[JP_FRONT_LEFT] + x[JP_FRONT_RIGHT] + x[JP_REAR_LEFT] + x[JP_REAR_RIGHT], 2),
-        .y = rounded(y[JP_FRONT_LEFT] + y[JP_FRONT_RIGHT] + y[JP_REAR_LEFT] + y[JP_REAR_RIGHT], 2),
-        .around = rounded(around, 31),
+        .x = jp_round_shift64(x[JP_FRONT_LEFT] + x[JP_FRONT_RIGHT] + x[JP_REAR_LEFT] + x[JP_REAR_RIGHT], 2),
+        .y = jp_round_shift64(y[JP_FRONT_LEFT] + y[JP_FRONT_RIGHT] + y[JP_REAR_LEFT] + y[JP_REAR_RIGHT], 2),
+        .around = jp_round_shift64(around, 31),
     };
 }
 
@@ -238,8 +224,8 @@ static uint64_t square(int64_t velocity)
 
 static jp_q24 slip_of(const struct rolling *rolling, const struct motion *motion, const struct diagonal *diagonal)
 {
-    const int64_t along = rounded(motion->around * diagonal->front, 31);
-    const int64_t across = rounded(motion->around * diagonal->side, 31);
+    const int64_t along = jp_round_shift64(motion->around * diagonal->front, 31);
+    const int64_t across = jp_round_shift64(motion->around * diagonal->side, 31);
     uint64_t sum = 0;
 
     for (size_t i = 0; i < (size_t)JP_WHEELS; i++) {
@@ -289,7 +275,7 @@ static struct way way_of(const struct jp_wheels *wheels, const struct jp_wheels 
     const jp_q24 from = jp_clamp32(wheels->speed[wheel], -SPEED_LIMIT, SPEED_LIMIT);
     const jp_q24 to = goal->speed[wheel];
     const int32_t error = jp_sub(goal->angle[wheel], wheels->angle[wheel]);
-    const bool is_held = in_range(from, 1 - JP_WHEEL_HOLD_SPEED, JP_WHEEL_HOLD_SPEED - 1);
+    const bool is_held = jp_is_between(from, 1 - JP_WHEEL_HOLD_SPEED, JP_WHEEL_HOLD_SPEED - 1);
 
     return (struct way){
         .from = from < 0 ? -from : from,
@@ -303,7 +289,7 @@ static struct way way_of(const struct jp_wheels *wheels, const struct jp_wheels 
 
 static bool is_beyond(int32_t error, int32_t limit)
 {
-    return magnitude64(error) > limit;
+    return jp_absolute64(error) > limit;
 }
 
 /* While the wheels roll: a wheel would leave the way on which all contacts go in common. */
@@ -337,7 +323,7 @@ static int32_t steering_share(const struct jp_four_wheel_config *config, const s
     if (!is_beyond(way->error, step)) {
         return WHOLE_WAY;
     }
-    const int32_t rest = (int32_t)magnitude64(way->error) - step;
+    const int32_t rest = (int32_t)jp_absolute64(way->error) - step;
     const uint64_t near = (uint64_t)jp_multiply(way->from, jp_sin((jp_angle)step) >> 7); /* Q48 */
     const uint64_t far = (uint64_t)jp_multiply(way->to, jp_sin((jp_angle)rest) >> 7);
 

@@ -1,6 +1,7 @@
 #include <joulepath/pure_pursuit.h>
 
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 
 #define SPEED_MAX  JP_Q24(16)
 #define PERIOD_MAX JP_Q24_ONE
@@ -12,11 +13,6 @@
 /* Farther ends do not limit the speed: from 16 m/s the least acceleration takes 1024 m, and a tick another 16 m. Q24 m
  */
 #define STOPPING_MAX ((int64_t)1040 << 24)
-
-static bool in_range(int32_t value, int32_t low, int32_t high)
-{
-    return value >= low && value <= high;
-}
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_pure_pursuit_config, member, low, high)
 
@@ -69,7 +65,7 @@ static int64_t dot(struct offset a, struct offset b)
 
 static int64_t square(jp_q24 distance)
 {
-    return (jp_multiply(distance, distance) + 32768) >> 16; /* Q32 */
+    return jp_round_shift64(jp_multiply(distance, distance), 16); /* Q32 */
 }
 
 /* √ of a square in Q32, m in Q24; of a chord or of something within the lookahead. */
@@ -94,8 +90,8 @@ static bool is_chord(const struct jp_point *path, size_t index)
 {
     const struct offset chord = offset_of(&path[index], &path[index + 1U]);
 
-    return in_range(chord.x, -CHORD_MAX, CHORD_MAX) && in_range(chord.y, -CHORD_MAX, CHORD_MAX) &&
-           in_range(chord_length(path, index), 1, JP_Q24(64));
+    return jp_is_between(chord.x, -CHORD_MAX, CHORD_MAX) && jp_is_between(chord.y, -CHORD_MAX, CHORD_MAX) &&
+           jp_is_between(chord_length(path, index), 1, JP_Q24(64));
 }
 
 enum jp_status jp_pure_pursuit_follow(struct jp_pure_pursuit *tracker, const struct jp_point *path, size_t count)
@@ -235,11 +231,6 @@ static jp_q24 curvature_to(const struct jp_pure_pursuit_config *config, const st
     return jp_clamp32(curvature, -config->curvature_max, config->curvature_max);
 }
 
-static jp_q24 magnitude(jp_q24 a)
-{
-    return a < 0 ? -a : a;
-}
-
 static jp_q24 lesser(jp_q24 a, jp_q24 b)
 {
     return a < b ? a : b;
@@ -249,7 +240,7 @@ static jp_q24 lesser(jp_q24 a, jp_q24 b)
 static jp_q24 speed_in_curve(const struct jp_pure_pursuit_config *config, jp_q24 curvature)
 {
     const int64_t acceleration = (int64_t)config->lateral_acceleration * ((int64_t)1 << 22);
-    const int32_t square_of_speed = jp_divide(acceleration, magnitude(curvature)); /* Q22 */
+    const int32_t square_of_speed = jp_divide(acceleration, jp_absolute32(curvature)); /* Q22 */
 
     return (jp_q24)jp_square_root((uint64_t)square_of_speed << 26);
 }
@@ -276,8 +267,8 @@ static jp_q24 tame_curvature(const struct jp_pure_pursuit_config *config, jp_q24
 static bool are_arguments(const struct jp_pure_pursuit *tracker, const struct jp_point *position, jp_q24 speed,
                           jp_q24 period)
 {
-    return tracker != NULL && position != NULL && in_range(speed, -SPEED_MAX, SPEED_MAX) &&
-           in_range(period, 1, PERIOD_MAX);
+    return tracker != NULL && position != NULL && jp_is_between(speed, -SPEED_MAX, SPEED_MAX) &&
+           jp_is_between(period, 1, PERIOD_MAX);
 }
 
 enum jp_status jp_pure_pursuit_tick(struct jp_pure_pursuit *tracker, const struct jp_point *position, jp_angle heading,
@@ -297,7 +288,7 @@ enum jp_status jp_pure_pursuit_tick(struct jp_pure_pursuit *tracker, const struc
         return JP_ARRIVED;
     }
     const struct jp_pure_pursuit_config *config = &tracker->config;
-    const jp_q24 wanted = jp_q24_multiply(config->lookahead_time, magnitude(speed));
+    const jp_q24 wanted = jp_q24_multiply(config->lookahead_time, jp_absolute32(speed));
     const jp_q24 lookahead = jp_clamp32(wanted, config->lookahead_min, config->lookahead_max);
     const struct path_place place = nearest_place(tracker, position, square(lookahead));
     if (place.distance > square(config->lookahead_max)) {

@@ -1,11 +1,12 @@
 #include "src/learn/learner_expectation.h"
 
+#include "src/base/integer.h"
 #include "src/learn/learner_filter.h"
 
 /** Q32 to Q16, rounded; false: it does not fit. */
 static bool narrow(int64_t sum, jp_q16 *value)
 {
-    const int64_t rounded = (sum + ((int64_t)1 << 15)) >> 16;
+    const int64_t rounded = jp_round_shift64(sum, 16);
 
     *value = jp_saturate32(rounded);
     return *value == rounded;

@@ -1,5 +1,7 @@
 #include "src/map/clearance.h"
 
+#include "src/base/integer.h"
+
 #define HALF (JP_CELLS_ONE / 2)
 
 /** A box with what all cells are held against. */
@@ -18,17 +20,12 @@ static jp_cells_q20 scaled_length(jp_cells_q20 length, int32_t factor)
     return jp_multiply_shift(length, factor, 30);
 }
 
-static int32_t magnitude(int32_t x)
-{
-    return x < 0 ? -x : x;
-}
-
 static struct probe probe_of(const struct jp_box *box)
 {
     const int32_t cosine = jp_cos(box->heading) >> 1;
     const int32_t sine = jp_sin(box->heading) >> 1;
-    const int32_t c = magnitude(cosine);
-    const int32_t s = magnitude(sine);
+    const int32_t c = jp_absolute32(cosine);
+    const int32_t s = jp_absolute32(sine);
     const jp_cells_q20 cell_reach = scaled_length(HALF, c) + scaled_length(HALF, s);
 
     return (struct probe){.box = box,
@@ -48,7 +45,7 @@ static bool overlaps(const struct probe *probe, int32_t x, int32_t y)
     const jp_cells_q20 along = scaled_length(dx, probe->cosine) + scaled_length(dy, probe->sine);
     const jp_cells_q20 across = scaled_length(dy, probe->cosine) - scaled_length(dx, probe->sine);
 
-    return magnitude(along) < probe->reach_along && magnitude(across) < probe->reach_across;
+    return jp_absolute32(along) < probe->reach_along && jp_absolute32(across) < probe->reach_across;
 }
 
 static bool is_free(const struct jp_terrain *terrain, int32_t left, int32_t right, int32_t y)

@@ -1,6 +1,7 @@
 #include <joulepath/skid_steer.h>
 
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 
 #define MOTION_MAX   JP_Q24(8)
 #define GRADE_MAX    JP_Q24_ONE
@@ -20,14 +21,10 @@ struct sides {
     bool overflow;
 };
 
-static bool in_range(int32_t value, int32_t low, int32_t high)
-{
-    return value >= low && value <= high;
-}
-
 static bool is_motion(const struct jp_motion *motion)
 {
-    return in_range(motion->speed, -MOTION_MAX, MOTION_MAX) && in_range(motion->turn_rate, -MOTION_MAX, MOTION_MAX);
+    return jp_is_between(motion->speed, -MOTION_MAX, MOTION_MAX) &&
+           jp_is_between(motion->turn_rate, -MOTION_MAX, MOTION_MAX);
 }
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_skid_steer_config, member, low, high)
@@ -52,11 +49,6 @@ enum jp_status jp_skid_steer_check(const struct jp_skid_steer_config *config, co
     return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 }
 
-static int64_t magnitude(int64_t x)
-{
-    return x < 0 ? -x : x;
-}
-
 static int32_t sign(int32_t x)
 {
     return (x > 0) - (x < 0);
@@ -65,7 +57,7 @@ static int32_t sign(int32_t x)
 /* x / 2^shift to nearest, ties away from zero: backwards costs what forwards does. */
 static int64_t rounded(int64_t x, unsigned shift)
 {
-    const int64_t size = (magnitude(x) + ((int64_t)1 << (shift - 1))) >> shift;
+    const int64_t size = (jp_absolute64(x) + ((int64_t)1 << (shift - 1))) >> shift;
 
     return x < 0 ? -size : size;
 }
@@ -87,13 +79,13 @@ static void set_speeds(const struct jp_skid_steer_config *config, const struct j
 /* M/B in N, Q16: μ G l |w| / (4 (0.925 B |w| + 0.15 |v|)), against the turn. */
 static int64_t turning_force(const struct jp_skid_steer_config *config, const struct jp_motion *motion)
 {
-    const int64_t grip = rounded((int64_t)config->friction * config->wheelbase, 24);    /* Q24, at most 8 */
-    const int64_t moment = rounded(grip * config->weight, 24);                          /* Q16, at most 2³³ */
-    const int64_t pivot = rounded((int64_t)config->width * LATERAL_AT_PIVOT, 24);       /* Q24 */
-    const int64_t turning = rounded(pivot * magnitude(motion->turn_rate), 16);          /* Q32 */
-    const int64_t driving = rounded(LATERAL_PER_RADIUS * magnitude(motion->speed), 16); /* Q32 */
-    const int64_t slip = 4 * (turning + driving);                                       /* at most 2⁴⁰ */
-    const int64_t effort = moment * motion->turn_rate;                                  /* Q40, at most 2⁶⁰ */
+    const int64_t grip = rounded((int64_t)config->friction * config->wheelbase, 24);        /* Q24, at most 8 */
+    const int64_t moment = rounded(grip * config->weight, 24);                              /* Q16, at most 2³³ */
+    const int64_t pivot = rounded((int64_t)config->width * LATERAL_AT_PIVOT, 24);           /* Q24 */
+    const int64_t turning = rounded(pivot * jp_absolute64(motion->turn_rate), 16);          /* Q32 */
+    const int64_t driving = rounded(LATERAL_PER_RADIUS * jp_absolute64(motion->speed), 16); /* Q32 */
+    const int64_t slip = 4 * (turning + driving);                                           /* at most 2⁴⁰ */
+    const int64_t effort = moment * motion->turn_rate;                                      /* Q40, at most 2⁶⁰ */
 
     return slip == 0 ? 0 : effort / slip * 256 + divided(effort % slip * 256, slip);
 }
@@ -135,7 +127,7 @@ enum jp_status jp_skid_steer_torques(const struct jp_skid_steer_config *config, 
 {
     struct sides sides;
     if (config == NULL || motion == NULL || torques == NULL || !is_motion(motion) ||
-        !in_range(grade, -GRADE_MAX, GRADE_MAX)) {
+        !jp_is_between(grade, -GRADE_MAX, GRADE_MAX)) {
         return JP_ERR_ARGUMENT;
     }
     set_sides(config, motion, grade, &sides);
@@ -155,7 +147,7 @@ static int64_t side_power(const struct jp_skid_steer_config *config, enum jp_cos
     const int64_t share = rounded((int64_t)config->recuperation * config->efficiency, 24); /* Q24 */
     const int64_t mechanical = returns ? rounded(work * share, 24) : divided(work * JP_Q24_ONE, config->efficiency);
 
-    if (magnitude(current) > CURRENT_MAX) {
+    if (jp_absolute64(current) > CURRENT_MAX) {
         sides->overflow = true;
         current = CURRENT_MAX;
     }
@@ -167,7 +159,7 @@ static bool are_arguments(const struct jp_skid_steer_config *config, enum jp_cos
                           const struct jp_motion *motion, jp_q24 grade)
 {
     return config != NULL && motion != NULL && (kind == JP_COST_PHYSICAL || kind == JP_COST_PAPER) &&
-           is_motion(motion) && in_range(grade, -GRADE_MAX, GRADE_MAX);
+           is_motion(motion) && jp_is_between(grade, -GRADE_MAX, GRADE_MAX);
 }
 
 enum jp_status jp_skid_steer_power(const struct jp_skid_steer_config *config, enum jp_cost_kind kind,
@@ -188,7 +180,7 @@ enum jp_status jp_skid_steer_power(const struct jp_skid_steer_config *config, en
 /* Rise over a way (m, Q24), or more than any grade when there is no such slope. */
 static int32_t grade_of(jp_q24 rise, int64_t way)
 {
-    if (magnitude(rise) > way) {
+    if (jp_absolute64(rise) > way) {
         return INT32_MAX;
     }
     return way == 0 ? 0 : (int32_t)divided((int64_t)rise * JP_Q24_ONE, way);
@@ -206,10 +198,10 @@ enum jp_status jp_skid_steer_energy(const struct jp_skid_steer_config *config, e
                                     const struct jp_motion *motion, jp_q24 rise, jp_q16 duration, jp_q16 *energy)
 {
     jp_q16 power = 0;
-    if (energy == NULL || motion == NULL || !is_motion(motion) || !in_range(duration, 0, DURATION_MAX)) {
+    if (energy == NULL || motion == NULL || !is_motion(motion) || !jp_is_between(duration, 0, DURATION_MAX)) {
         return JP_ERR_ARGUMENT;
     }
-    const int64_t way = rounded(magnitude(motion->speed) * duration, 16); /* m in Q24, at most 2³⁵ */
+    const int64_t way = rounded(jp_absolute64(motion->speed) * duration, 16); /* m in Q24, at most 2³⁵ */
     const enum jp_status status = jp_skid_steer_power(config, kind, motion, grade_of(rise, way), &power);
     if (status == JP_ERR_ARGUMENT) {
         return status;

@@ -1,6 +1,7 @@
 #include <joulepath/segment.h>
 
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 #include "src/trajectory/segment_arc.h"
 #include "src/trajectory/segment_geometry.h"
 #include "src/trajectory/segment_math.h"
@@ -46,7 +47,7 @@ static void find_best(const struct jp_segment_problem *p, int64_t turn, struct j
         }
         centre += centre > 0 ? -((int64_t)1 << 32) : (int64_t)1 << 32;
     }
-    if (magnitude(best->x) > LONG_HALF_ARC && best->x != end) {
+    if (jp_magnitude32(best->x) > LONG_HALF_ARC && best->x != end) {
         jp_segment_try(p, end, &evaluations, best);
     }
 }

@@ -2,6 +2,7 @@
 
 #include <joulepath/fixed.h>
 
+#include "src/base/integer.h"
 #include "src/trajectory/segment_math.h"
 
 #define PI_Q29         ((int32_t)1686629713)
@@ -63,8 +64,8 @@ int32_t jp_arc_of_sinc(int32_t sinc)
     for (int i = 0; i < 2; i++) { /* Newton; gap is always below fall */
         int32_t derivative;
         int32_t excess = sinc_of_square(multiply31(x, x), &derivative) - sinc;
-        uint32_t fall = magnitude(multiply32(x, derivative)); /* -dsinc/dx in Q27 */
-        uint32_t gap = magnitude(excess) >> 2;
+        uint32_t fall = jp_magnitude32(multiply32(x, derivative)); /* -dsinc/dx in Q27 */
+        uint32_t gap = jp_magnitude32(excess) >> 2;
         int32_t step = jp_fraction30(gap, fall) >> 2; /* Q28 */
 
         x = excess > 0 ? x + step * 8 : x - step * 8;
@@ -84,7 +85,7 @@ int32_t jp_arc_of_half_chord(int32_t half_chord)
     int32_t sinc = sinc_of_square(square, &derivative);
     int32_t slope = sinc + 4 * multiply32(square, derivative);  /* Q29 */
     int32_t missing = 2 * half_chord - multiply31(x, sinc) * 4; /* Q31 */
-    int32_t step = jp_fraction30(magnitude(missing), (uint32_t)slope) >> 1;
+    int32_t step = jp_fraction30(jp_magnitude32(missing), (uint32_t)slope) >> 1;
 
     return missing < 0 ? x - step : x + step;
 }

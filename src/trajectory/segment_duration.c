@@ -1,6 +1,7 @@
 #include "src/trajectory/segment_duration.h"
 
 #include "src/base/compiler.h"
+#include "src/base/integer.h"
 #include "src/trajectory/segment_math.h"
 
 enum { NEWTON_STEPS_MAX = 8 };
@@ -38,8 +39,8 @@ static int32_t xi_limit(const struct jp_segment_problem *p, int32_t x, const str
         xi = (int32_t)by_speed;
         *limit = JP_ACTING_SPEED;
     }
-    if (magnitude(x) > (uint32_t)p->turn_rate_limit) {
-        int32_t by_turn_rate = jp_fraction30((uint32_t)p->turn_rate_limit, magnitude(x));
+    if (jp_magnitude32(x) > (uint32_t)p->turn_rate_limit) {
+        int32_t by_turn_rate = jp_fraction30((uint32_t)p->turn_rate_limit, jp_magnitude32(x));
 
         if (by_turn_rate < xi) {
             xi = by_turn_rate;
@@ -56,7 +57,7 @@ static int32_t shift_signed(int32_t a, int shift)
 
 static JP_INLINE_FOR_SPEED int bits(int32_t a)
 {
-    return a == 0 ? 0 : 32 - (int)jp_leading_zeros(magnitude(a));
+    return a == 0 ? 0 : 32 - (int)jp_leading_zeros(jp_magnitude32(a));
 }
 
 /* The scale 2ᵏ that brings the largest root of P τ³ = b τ + a below 1. */
@@ -108,7 +109,7 @@ static int32_t stationary(const struct jp_segment_problem *p, const struct cubic
         int32_t last = tau;
 
         tau = newton_step(power, a, b, tau);
-        if (magnitude(last - tau) <= (uint32_t)tau >> 5) {
+        if (jp_magnitude32(last - tau) <= (uint32_t)tau >> 5) {
             break;
         }
     }

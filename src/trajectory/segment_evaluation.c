@@ -1,5 +1,6 @@
 #include "src/trajectory/segment_evaluation.h"
 
+#include "src/base/integer.h"
 #include "src/trajectory/segment_arc.h"
 #include "src/trajectory/segment_duration.h"
 #include "src/trajectory/segment_math.h"
@@ -13,7 +14,7 @@ static int32_t slope_on_limit(int32_t slope, int32_t push, enum jp_acting_limit 
     }
 
     unsigned zeros;
-    uint32_t inverse = jp_reciprocal(magnitude(x) | 1U, &zeros);
+    uint32_t inverse = jp_reciprocal(jp_magnitude32(x) | 1U, &zeros);
     int64_t by_turn_rate = ((int64_t)push * inverse) >> (35 - zeros);
 
     return jp_saturate32(x > 0 ? slope - by_turn_rate : slope + by_turn_rate);

@@ -1,6 +1,7 @@
 #include "src/trajectory/segment_geometry.h"
 
 #include "src/base/compiler.h"
+#include "src/base/integer.h"
 #include "src/trajectory/segment_arc.h"
 #include "src/trajectory/segment_math.h"
 
@@ -35,7 +36,7 @@ static jp_q16 duration_within(const struct jp_segment_limits *limits, jp_q16 tim
 
     duration = jp_clamp32(duration, time_min, limits->duration);
     duration = long_enough(duration, length << 18, limits->speed);
-    duration = long_enough(duration, (uint64_t)magnitude(angle) << 16, limits->turn_rate);
+    duration = long_enough(duration, (uint64_t)jp_magnitude32(angle) << 16, limits->turn_rate);
     return duration < limits->duration ? duration : limits->duration;
 }
 
@@ -80,7 +81,7 @@ enum jp_status jp_segment_polar(const struct jp_point *from, const struct jp_poi
 {
     int32_t dx = jp_sub(to->x, from->x); /* saturated is too far, too */
     int32_t dy = jp_sub(to->y, from->y);
-    if (magnitude(dx) > (uint32_t)JP_SEGMENT_LENGTH_MAX || magnitude(dy) > (uint32_t)JP_SEGMENT_LENGTH_MAX) {
+    if (jp_magnitude32(dx) > (uint32_t)JP_SEGMENT_LENGTH_MAX || jp_magnitude32(dy) > (uint32_t)JP_SEGMENT_LENGTH_MAX) {
         return JP_ERR_ARGUMENT;
     }
     int64_t square = (int64_t)dx * dx + (int64_t)dy * dy;

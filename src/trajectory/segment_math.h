@@ -24,11 +24,6 @@ static inline int32_t multiply32(int32_t a, int32_t b)
     return (int32_t)(((int64_t)a * b) >> 32);
 }
 
-static inline uint32_t magnitude(int32_t a)
-{
-    return a < 0 ? 0U - (uint32_t)a : (uint32_t)a;
-}
-
 /** Of a > 0. */
 inline unsigned jp_leading_zeros(uint32_t a)
 {

@@ -3,6 +3,7 @@
 #include <stdbool.h>
 
 #include "src/base/compiler.h"
+#include "src/base/integer.h"
 #include "src/trajectory/segment_arc.h"
 #include "src/trajectory/segment_math.h"
 
@@ -40,7 +41,7 @@ static JP_INLINE_FOR_SPEED int64_t gain(uint32_t slope, uint32_t step)
 static uint32_t first_step(const struct jp_segment_problem *p, const struct jp_evaluation *e)
 {
     int64_t curvature = ((int64_t)p->ss2 + 6 * (int64_t)e->idle) >> 5; /* below 2²⁹ */
-    uint32_t slope = magnitude(e->slope) >> 1;
+    uint32_t slope = jp_magnitude32(e->slope) >> 1;
 
     if (curvature <= 0) {
         curvature = 1;
@@ -78,7 +79,7 @@ static bool step_down(struct search *search, const struct jp_evaluation *e, cons
     bool rightward = e->slope < 0;
     int32_t end = rightward ? search->high : search->low;
     uint32_t room = rightward ? (uint32_t)end - (uint32_t)e->x : (uint32_t)e->x - (uint32_t)end;
-    uint32_t slope = magnitude(e->slope);
+    uint32_t slope = jp_magnitude32(e->slope);
     uint32_t step =
         search->slope == 0U ? first_step(search->problem, e) : next_step(search->step, search->slope, slope);
 
@@ -134,7 +135,7 @@ static struct forecast forecast(const struct jp_evaluation *a, const struct jp_e
 {
     uint32_t width = (uint32_t)b->x - (uint32_t)a->x;
     uint32_t half = width >> 1;
-    uint32_t down = magnitude(a->slope);
+    uint32_t down = jp_magnitude32(a->slope);
     uint32_t up = (uint32_t)b->slope;
     uint64_t all = ((uint64_t)down + up) * half;
     int64_t part = (int64_t)((uint64_t)up * half) + ((int64_t)a->energy - b->energy) * ((int64_t)1 << 26);
@@ -184,7 +185,7 @@ static bool step_inside(struct search *search, const struct jp_evaluation *best,
     int64_t least_gain = best->idle >> (smooth ? GAIN_SHIFT_SMOOTH : GAIN_SHIFT);
 
     if (f.convex &&
-        (f.floor > best->energy || (flat && search->flat) || gain(magnitude(a->slope), f.cubic) <= least_gain ||
+        (f.floor > best->energy || (flat && search->flat) || gain(jp_magnitude32(a->slope), f.cubic) <= least_gain ||
          gain((uint32_t)b->slope, width - f.cubic) <= least_gain)) {
         return false;
     }
@@ -254,7 +255,7 @@ static bool step_to_kink(struct search *search, int32_t *x)
 {
     const struct jp_evaluation *left = &search->left;
     const struct jp_evaluation *right = &search->right;
-    bool left_inside = magnitude(left->x) < magnitude(right->x);
+    bool left_inside = jp_magnitude32(left->x) < jp_magnitude32(right->x);
     const struct jp_evaluation *inner = left_inside ? left : right;
     const struct jp_evaluation *outer = left_inside ? right : left;
     int32_t kink;
@@ -275,7 +276,7 @@ static bool step_to_kink(struct search *search, int32_t *x)
 /* Whether the minimum is at the kink just inside e; if it is further inside, e becomes the end of its bracket. */
 static bool settles_kink(const struct search *search, struct jp_evaluation *e)
 {
-    if (magnitude(e->xi - search->kink_xi) > (uint32_t)search->kink_xi >> 14) {
+    if (jp_magnitude32(e->xi - search->kink_xi) > (uint32_t)search->kink_xi >> 14) {
         return false; /* another limit acts */
     }
     if ((e->slope < 0) != (e->slope_inside < 0)) {
