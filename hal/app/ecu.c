@@ -1,5 +1,6 @@
 #include "hal/app/ecu.h"
 
+#include <joulepath/count.h>
 #include <string.h>
 
 #include "hal/app/telemetry.h"
@@ -17,16 +18,7 @@
 
 static void count8(uint8_t *count)
 {
-    if (*count < UINT8_MAX) {
-        (*count)++;
-    }
-}
-
-static void count16(uint16_t *count)
-{
-    if (*count < UINT16_MAX) {
-        (*count)++;
-    }
+    *count = jp_one_more8(*count);
 }
 
 static uint32_t tick_rate(const struct jp_ecu *ecu)
@@ -40,7 +32,7 @@ static void send(struct jp_ecu *ecu, const struct jp_can_frame *frame, bool *sen
 {
     *sent = ecu->port.send(ecu->port.context, frame) == JP_OK;
     if (!*sent) {
-        count16(&ecu->send_errors);
+        ecu->send_errors = jp_one_more16(ecu->send_errors);
     }
 }
 
@@ -69,7 +61,7 @@ static enum jp_status write_motor_command(void *context, const struct jp_actuati
     if (sent) {
         ecu->unsent = 0;
     } else {
-        count16(&ecu->unsent);
+        ecu->unsent = jp_one_more16(ecu->unsent);
     }
     return ecu->unsent > JP_SAMPLE_HOLD_TICKS ? JP_ERR_HARDWARE : JP_OK;
 }
@@ -315,7 +307,7 @@ bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame)
             return !was_fresh && ecu->samples.fresh;
         }
     }
-    count16(&ecu->unknown_frames);
+    ecu->unknown_frames = jp_one_more16(ecu->unknown_frames);
     return false;
 }
 

@@ -1,5 +1,7 @@
 #include "hal/can/sample_link.h"
 
+#include <joulepath/count.h>
+
 #define ALL_PARTS ((1U << JP_SAMPLE_PARTS) - 1U)
 
 /** A count that is farther from where it is expected is not the base of the next one: it would be put a turn of the
@@ -150,9 +152,7 @@ static void read_fresh(struct jp_sample_link *link, const struct jp_sensors *goo
 /** False when the gap is too long. */
 static bool bridge(struct jp_sample_link *link, const struct jp_sensors *good, struct jp_sensors *sensors)
 {
-    if (link->lost < UINT16_MAX) {
-        link->lost++;
-    }
+    link->lost = jp_one_more16(link->lost);
     if (link->missed >= JP_SAMPLE_HOLD_TICKS) {
         return false;
     }

@@ -1,5 +1,6 @@
 #include "hal/can/slcan.h"
 
+#include <joulepath/count.h>
 #include <joulepath/version.h>
 
 #define CR  '\r'
@@ -190,13 +191,6 @@ static enum jp_slcan_item item_of(struct jp_slcan_decoder *decoder)
 
 /* Bytes to lines. */
 
-static void count(uint16_t *counter)
-{
-    if (*counter < UINT16_MAX) {
-        (*counter)++;
-    }
-}
-
 /** A line that is full without its CR is too long. */
 static bool is_overlong(const struct jp_slcan_decoder *decoder)
 {
@@ -205,9 +199,9 @@ static bool is_overlong(const struct jp_slcan_decoder *decoder)
 
 static void count_malformed(struct jp_slcan_decoder *decoder)
 {
-    count(&decoder->malformed);
+    decoder->malformed = jp_one_more16(decoder->malformed);
     if (is_overlong(decoder)) {
-        count(&decoder->overlong);
+        decoder->overlong = jp_one_more16(decoder->overlong);
     }
 }
 

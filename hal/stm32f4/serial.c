@@ -1,5 +1,6 @@
 #include "hal/stm32f4/serial.h"
 
+#include <joulepath/count.h>
 #include <stddef.h>
 
 #include "hal/stm32f4/board.h"
@@ -21,27 +22,20 @@ void jp_serial_start(struct jp_serial *serial, uint32_t clock_hz, uint32_t baud)
     USART1.CR1 = USART_CR1_UE | USART_CR1_TE | USART_CR1_RE | USART_CR1_RXNEIE;
 }
 
-static void count_lost(struct jp_serial *serial)
-{
-    if (serial->lost < UINT16_MAX) {
-        serial->lost++;
-    }
-}
-
 void jp_serial_on_receive(struct jp_serial *serial)
 {
     const uint32_t status = USART1.SR;
     const uint16_t next = after(serial->input_head, JP_SERIAL_INPUT);
 
     if ((status & USART_SR_ORE) != 0U) {
-        count_lost(serial);
+        serial->lost = jp_one_more16(serial->lost);
     }
     if ((status & (USART_SR_RXNE | USART_SR_ORE)) == 0U) {
         return;
     }
     serial->input[serial->input_head] = (uint8_t)USART1.DR;
     if (next == __atomic_load_n(&serial->input_tail, __ATOMIC_ACQUIRE)) {
-        count_lost(serial);
+        serial->lost = jp_one_more16(serial->lost);
     } else {
         __atomic_store_n(&serial->input_head, next, __ATOMIC_RELEASE);
     }

@@ -1,8 +1,7 @@
 #include <joulepath/drive_watch.h>
 
+#include <joulepath/count.h>
 #include <stddef.h>
-
-#include "src/base/count.h"
 
 /** No transients are left after so long, s. */
 #define STAND_MAX JP_Q16(60)

@@ -1,11 +1,11 @@
 #include <joulepath/robot.h>
 
+#include <joulepath/count.h>
 #include <stddef.h>
 
 #include "src/balancer/robot_route.h"
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
-#include "src/base/count.h"
 #include "src/base/integer.h"
 #include "src/energy/energy_terms.h"
 #include "src/trajectory/segment_geometry.h"

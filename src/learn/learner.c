@@ -1,9 +1,9 @@
 #include <joulepath/learner.h>
 
+#include <joulepath/count.h>
 #include <stddef.h>
 
 #include "src/base/config_check.h"
-#include "src/base/count.h"
 #include "src/learn/learner_expectation.h"
 #include "src/learn/learner_filter.h"
 

@@ -1,5 +1,6 @@
 #include "src/local/patrol_sense.h"
 
+#include <joulepath/count.h>
 #include <stddef.h>
 
 #include "src/base/plane.h"
@@ -7,12 +8,6 @@
 bool jp_patrol_uses_laser(const struct jp_patrol *patrol)
 {
     return patrol->config.teb.weights.laser_odometry > 0.0f;
-}
-
-/* Saturates: a gap that lasts for hours must not look like a short one. */
-static uint16_t one_more(uint16_t count)
-{
-    return count < UINT16_MAX ? (uint16_t)(count + 1U) : count;
 }
 
 static bool is_jump(const struct jp_patrol *patrol, const struct jp_plane_pose *laser)
@@ -30,7 +25,7 @@ static void judge_laser(struct jp_patrol *patrol, const struct jp_patrol_input *
         patrol->counts.laser_missing++;
     } else if (is_jump(patrol, &input->laser)) {
         patrol->counts.laser_rejected++;
-        patrol->internal.jumps = one_more(patrol->internal.jumps);
+        patrol->internal.jumps = jp_one_more16(patrol->internal.jumps);
     } else {
         patrol->internal.is_measured = true;
         patrol->internal.laser = input->laser;
@@ -80,7 +75,7 @@ void jp_patrol_look(struct jp_patrol *patrol, const struct jp_patrol_input *inpu
     if (input->scan.ranges == NULL ||
         jp_obstacles_add_scan(&seen, &patrol->config.scan, &input->scan, &sensor) != JP_OK) {
         patrol->counts.scans_missing++;
-        patrol->internal.scan_gap = one_more(patrol->internal.scan_gap);
+        patrol->internal.scan_gap = jp_one_more16(patrol->internal.scan_gap);
         return;
     }
     (void)jp_movers_update(&patrol->movers, &patrol->config.movers, &patrol->config.scan, &input->scan, &sensor,
