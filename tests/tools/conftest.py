@@ -2,7 +2,6 @@
 import contextlib
 import importlib
 import io
-import os
 import subprocess
 import sys
 import warnings
@@ -15,11 +14,12 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
+from programs import BIN, assert_one_line_error  # noqa: E402, F401 - the latter for the tests
 from tools import common  # noqa: E402
 from tools.design import robot_json  # noqa: E402
 from tools.report import plots  # noqa: E402
 
-JP_ROBOT = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-robot"
+JP_ROBOT = BIN / "jp-robot"
 # The balancers: those with a controller.
 ROBOTS = sorted(path.stem.removeprefix("robot_") for path in (ROOT / "src" / "tables").glob("robot_*.c"))
 
@@ -35,14 +35,6 @@ def run_tool(name, *arguments, input=""):
         with pytest.raises(SystemExit) as end:
             common.run(main)
     return SimpleNamespace(returncode=end.value.code, stdout=out.getvalue(), stderr=err.getvalue())
-
-
-def assert_one_line_error(result, *parts):
-    assert result.returncode == 2, result.stdout + result.stderr
-    lines = result.stderr.splitlines()
-    assert len(lines) == 1, result.stderr
-    for part in parts:
-        assert part in lines[0]
 
 
 def robot_text(name):

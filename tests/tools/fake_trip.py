@@ -2,10 +2,9 @@
 """A stand-in for jp-trip: fake_trip.py ROBOT.cfg --seed S --count N [--faults].
 
 A mission depends on its seed alone. The robot file tells what else it is to do, a line each:
-    sleep SECONDS         for each mission
     fail SEED [FILE]      exit status 1 at that seed; with FILE, only while it does not exist, and makes it
     die SEED              by a signal
-    hang SEED
+    hang SEED [FILE]      without end; with FILE, while it exists
     print SEED TEXT       in place of the mission's line
 ROBOT.log names the seeds of each start.
 """
@@ -52,6 +51,11 @@ def fail_at(seed, flag):
     sys.exit(f"fake_trip: no such seed: {seed}")
 
 
+def hang(flag):
+    while not flag or Path(flag[0]).exists():
+        time.sleep(0.01)
+
+
 def run_mission(robot_file, orders, seed, faults):
     key = str(seed)
     if ("fail", key) in orders:
@@ -59,10 +63,7 @@ def run_mission(robot_file, orders, seed, faults):
     if ("die", key) in orders:
         os.kill(os.getpid(), signal.SIGSEGV)
     if ("hang", key) in orders:
-        time.sleep(3600)
-    for verb, duration in orders:
-        if verb == "sleep":
-            time.sleep(float(duration))
+        hang(orders["hang", key])
     line = json.dumps(mission(robot_file.stem, seed, faults))
     print(" ".join(orders["print", key]) if ("print", key) in orders else line, flush=True)
 
