@@ -73,6 +73,25 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
     return status;
 }
 
+/* The phase changes here alone. A pilot that rests waits for nothing, and what was asked is answered. */
+static void enter(struct jp_pilot *pilot, enum jp_pilot_phase phase)
+{
+    pilot->phase = phase;
+    if (phase == JP_PILOT_RESTING) {
+        pilot->internal.is_waiting = false;
+        if (pilot->internal.question == JP_PILOT_ASKED) {
+            pilot->internal.question = JP_PILOT_ANSWERED;
+        }
+    }
+}
+
+/* Ends a route, or answers what was asked. */
+static void rest(struct jp_pilot *pilot, enum jp_status status)
+{
+    pilot->status = status;
+    enter(pilot, JP_PILOT_RESTING);
+}
+
 /* Learning */
 
 /* Follows what the robot does, and learns from each segment that ended. False: one was cut short, by a fall, a fault or
@@ -137,7 +156,7 @@ static enum jp_status begin_plan(struct jp_pilot *pilot, const struct jp_telemet
     jp_robot_predict_end(pilot->internal.robot, telemetry, &point, &heading);
     jp_learner_model(&pilot->learner, &pilot->internal.model);
     pilot->model_version = pilot->learner.state.version;
-    pilot->phase = JP_PILOT_PLANNING;
+    enter(pilot, JP_PILOT_PLANNING);
     (void)jp_route_init(&pilot->route, &route, &field);
     return jp_route_start(&pilot->route, &point, heading, &pilot->next.start,
                           &pilot->internal.targets[pilot->targets_planned],
@@ -148,21 +167,10 @@ static enum jp_status hand_over(struct jp_pilot *pilot)
 {
     pilot->next.command = pilot->config.legs[0].segment.command;
     pilot->targets_planned++;
-    pilot->phase = JP_PILOT_DRIVING;
+    enter(pilot, JP_PILOT_DRIVING);
     pilot->internal.is_waiting = true;
     jp_drive_watch_command(&pilot->internal.watch, &pilot->next.command);
     return jp_robot_drive(pilot->internal.robot, &pilot->next.command);
-}
-
-/* Ends a route, or answers what was asked. */
-static void rest(struct jp_pilot *pilot, enum jp_status status)
-{
-    pilot->phase = JP_PILOT_RESTING;
-    pilot->internal.is_waiting = false;
-    pilot->status = status;
-    if (pilot->internal.question == JP_PILOT_ASKED) {
-        pilot->internal.question = JP_PILOT_ANSWERED;
-    }
 }
 
 static enum jp_status work_on_plan(struct jp_pilot *pilot)
@@ -196,7 +204,7 @@ static enum jp_status go_on(struct jp_pilot *pilot, const struct jp_telemetry *t
     }
     if (pilot->targets_planned == pilot->internal.target_count) {
         if (!pilot->internal.is_waiting && !pilot->internal.watch.driving) {
-            pilot->phase = JP_PILOT_RESTING;
+            rest(pilot, JP_OK);
         }
         return JP_OK;
     }
@@ -242,7 +250,7 @@ static void accept(struct jp_pilot *pilot, const struct jp_point *targets, uint1
     pilot->internal.target_count = count;
     pilot->targets_planned = 0;
     pilot->status = JP_OK;
-    pilot->phase = JP_PILOT_DRIVING;
+    enter(pilot, JP_PILOT_DRIVING);
 }
 
 enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count)
