@@ -23,7 +23,7 @@ static void count8(uint8_t *count)
 
 static uint32_t tick_rate(const struct jp_ecu *ecu)
 {
-    return ecu->robot.config->estimator.tick_rate;
+    return jp_robot_configuration(&ecu->robot)->estimator.tick_rate;
 }
 
 /* The board, as jp_hal_tick() sees it. */
@@ -39,9 +39,9 @@ static void send(struct jp_ecu *ecu, const struct jp_can_frame *frame, bool *sen
 static enum jp_status read_sample(void *context, struct jp_sensors *sensors)
 {
     struct jp_ecu *ecu = context;
-    const struct jp_monitor *monitor = &ecu->robot.monitor;
+    const struct jp_sensors *good = jp_robot_good_frame(&ecu->robot);
 
-    return jp_sample_link_read(&ecu->samples, monitor->started ? &monitor->good : &ecu->samples.sample, sensors);
+    return jp_sample_link_read(&ecu->samples, good != NULL ? good : &ecu->samples.sample, sensors);
 }
 
 /** The bridges hold their duty for as long as the samples are held, so a short silence is no failure. Those that
@@ -91,7 +91,7 @@ static bool can_go_on(const struct jp_robot_config *config, const struct jp_snap
 static void resume(struct jp_ecu *ecu, const struct jp_retained_slot *record)
 {
     ecu->resets = record->resets + 1U;
-    if (!can_go_on(ecu->robot.config, &record->snapshot)) {
+    if (!can_go_on(jp_robot_configuration(&ecu->robot), &record->snapshot)) {
         return;
     }
     jp_robot_resume(&ecu->robot, &record->snapshot);
@@ -504,15 +504,13 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
 }
 
 /** Notices that the driven route has ended. The robot also stands when the plan of the next segment is late. */
-static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state, bool segment_waits)
+static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state, bool has_next)
 {
-    const bool segment_left = segment_waits || ecu->robot.route_planned < ecu->robot.route_length;
-
     if (state == JP_ROBOT_DRIVING) {
         ecu->drove = true;
     } else if (state != JP_ROBOT_BALANCING) {
         jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
-    } else if (ecu->drove && !segment_left) {
+    } else if (ecu->drove && !has_next) {
         ecu->drove = false;
         jp_route_link_end(&ecu->routes, JP_ROUTE_DONE, JP_REASON_NONE);
     }
@@ -522,7 +520,7 @@ static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state, bool segm
 static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
 {
     struct jp_robot *robot = &ecu->robot;
-    const uint16_t planned = robot->route_planned;
+    const uint16_t planned = jp_robot_segments_planned(robot);
 
     if (__atomic_load_n(&ecu->plan.frames_left, __ATOMIC_ACQUIRE) != 0U) {
         return;
@@ -530,7 +528,7 @@ static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
     if (jp_robot_work(robot) != JP_OK) {
         jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
     }
-    if (robot->route_planned > planned) {
+    if (jp_robot_segments_planned(robot) > planned) {
         jp_drive_watch_command(&ecu->watch, &jp_robot_planned(robot)->command);
 
         const uint16_t begun = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0;
@@ -576,20 +574,20 @@ static void learn(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
 void jp_ecu_work(struct jp_ecu *ecu)
 {
     struct jp_telemetry telemetry;
-    bool segment_waits;
+    bool has_next;
 
     ecu->told_to_stand = false;
     take_commands(ecu);
     pass_time(ecu);
-    /* Before the state is read: one that does not wait any more shows in it. */
-    segment_waits = __atomic_load_n(&ecu->robot.next_full, __ATOMIC_ACQUIRE) != 0U;
+    /* Before the state is read: a segment that does not wait any more shows in it. */
+    has_next = jp_robot_has_next(&ecu->robot);
     if (!jp_robot_telemetry(&ecu->robot, &telemetry)) {
         return;
     }
     if (ecu->learns) {
         learn(ecu, &telemetry);
     }
-    watch_route(ecu, telemetry.state, segment_waits);
+    watch_route(ecu, telemetry.state, has_next);
     obey(ecu, telemetry.state);
     plan(ecu, &telemetry);
 }

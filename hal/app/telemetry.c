@@ -52,14 +52,14 @@ static int16_t phase_signal(jp_phase phase, unsigned bits)
 static void status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_can_ecu_status_t signals = {
-        .state = (uint8_t)ecu->robot.telemetry.state,
+        .state = (uint8_t)jp_robot_state_now(&ecu->robot),
         .mode = (uint8_t)ecu->operator_link.mode,
         .operator_state = (uint8_t)ecu->operator_link.state,
         .resets = count8(ecu->resets),
         .version_major = JP_VERSION_MAJOR,
         .version_minor = JP_VERSION_MINOR,
         .version_patch = JP_VERSION_PATCH,
-        .uptime = (ecu->tick / ecu->robot.config->estimator.tick_rate) & 0xFFFFFFU,
+        .uptime = (ecu->tick / jp_robot_configuration(&ecu->robot)->estimator.tick_rate) & 0xFFFFFFU,
     };
 
     frame->id = JP_CAN_ECU_STATUS_FRAME_ID;
@@ -71,7 +71,7 @@ static void errors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
     const struct jp_ecu_counts *a = &ecu->sample_counts;
     const struct jp_ecu_counts *b = &ecu->operator_counts;
     const struct jp_can_ecu_errors_t signals = {
-        .faults = ecu->robot.telemetry.faults,
+        .faults = jp_robot_last_tick(&ecu->robot)->faults,
         .crc_errors = count8((uint32_t)a->crc_errors + b->crc_errors),
         .sequence_errors = count8((uint32_t)a->sequence_errors + b->sequence_errors),
         .operator_timeouts = ecu->operator_timeouts,
@@ -101,6 +101,7 @@ static void losses(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 static void route_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_route_link *routes = &ecu->routes;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
     const bool offered =
         routes->state == JP_ROUTE_RECEIVING || routes->state == JP_ROUTE_READY || routes->state == JP_ROUTE_REJECTED;
     const struct jp_can_route_status_t signals = {
@@ -109,9 +110,9 @@ static void route_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
         .reason = (uint8_t)routes->reason,
         .received = routes->received,
         .length = offered ? routes->offered.length : routes->driven.length,
-        .segment = count8(ecu->robot.telemetry.segment),
-        .segments_ended = count8(ecu->robot.telemetry.segments_ended),
-        .plan_status = (int8_t)ecu->robot.route_status,
+        .segment = count8(telemetry->segment),
+        .segments_ended = count8(telemetry->segments_ended),
+        .plan_status = (int8_t)jp_robot_route_status(&ecu->robot),
     };
 
     frame->id = JP_CAN_ROUTE_STATUS_FRAME_ID;
@@ -120,12 +121,12 @@ static void route_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void pose(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_point position = jp_odometry_position(&ecu->robot.odometry);
+    const struct jp_point position = jp_robot_position(&ecu->robot);
     const int32_t limit = (int32_t)1 << 25;
     const struct jp_can_pose_t signals = {
         .x = limited(position.x, -limit, limit - 1),
         .y = limited(position.y, -limit, limit - 1),
-        .heading = phase_signal(ecu->robot.telemetry.motion.yaw, 12),
+        .heading = phase_signal(jp_robot_last_tick(&ecu->robot)->motion.yaw, 12),
     };
 
     frame->id = JP_CAN_POSE_FRAME_ID;
@@ -135,12 +136,12 @@ static void pose(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 /** Wheel rate in turn/s to speed in m/s, both Q24. */
 static jp_q24 speed_of(const struct jp_ecu *ecu, jp_q24 wheel_rate)
 {
-    return jp_q24_multiply(wheel_rate, ecu->robot.config->metres_per_turn);
+    return jp_q24_multiply(wheel_rate, jp_robot_configuration(&ecu->robot)->metres_per_turn);
 }
 
 static void motion(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_motion_state *state = &ecu->robot.telemetry.motion;
+    const struct jp_motion_state *state = &jp_robot_last_tick(&ecu->robot)->motion;
     const struct jp_can_motion_t signals = {
         .speed = signal16(speed_of(ecu, state->wheel_rate), RATE_SHIFT),
         .yaw_rate = signal16(state->yaw_rate, RATE_SHIFT),
@@ -154,9 +155,10 @@ static void motion(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void reference(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
-    const struct jp_reference *shaped = &ecu->robot.reference;
-    const uint64_t left = ((uint64_t)telemetry->segment_ticks_left << 6) / ecu->robot.config->estimator.tick_rate;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
+    const struct jp_reference *shaped = jp_robot_reference(&ecu->robot);
+    const uint64_t left =
+        ((uint64_t)telemetry->segment_ticks_left << 6) / jp_robot_configuration(&ecu->robot)->estimator.tick_rate;
     const struct jp_can_reference_t signals = {
         .speed = signal16(speed_of(ecu, shaped->wheel.rate), RATE_SHIFT),
         .yaw_rate = signal16(shaped->yaw.rate, RATE_SHIFT),
@@ -170,7 +172,7 @@ static void reference(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void motors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
     const struct jp_can_motors_t signals = {
         .voltage_left = signal16(telemetry->voltages.left, VOLTAGE_SHIFT),
         .voltage_right = signal16(telemetry->voltages.right, VOLTAGE_SHIFT),
@@ -183,7 +185,7 @@ static void motors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void energy_spent(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_can_energy_spent_t signals = {.energy = ecu->robot.meter.model};
+    const struct jp_can_energy_spent_t signals = {.energy = jp_robot_meter(&ecu->robot)->model};
 
     frame->id = JP_CAN_ENERGY_SPENT_FRAME_ID;
     (void)jp_can_energy_spent_pack(frame->data, &signals, sizeof frame->data);
@@ -191,7 +193,7 @@ static void energy_spent(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void energy_drawn(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_can_energy_drawn_t signals = {.energy = ecu->robot.meter.battery};
+    const struct jp_can_energy_drawn_t signals = {.energy = jp_robot_meter(&ecu->robot)->battery};
 
     frame->id = JP_CAN_ENERGY_DRAWN_FRAME_ID;
     (void)jp_can_energy_drawn_pack(frame->data, &signals, sizeof frame->data);
@@ -305,7 +307,7 @@ static unsigned take_scheduled(struct jp_ecu *ecu, struct jp_can_frame *frames)
         }
         ecu->schedule_ms = (uint8_t)((ecu->schedule_ms + 1U) % SCHEDULE_MS);
         /* A millisecond is tick_rate / 1000 ticks. */
-        ecu->schedule_wait += ecu->robot.config->estimator.tick_rate;
+        ecu->schedule_wait += jp_robot_configuration(&ecu->robot)->estimator.tick_rate;
     }
     ecu->schedule_wait -= THOUSANDTHS;
     return count;
@@ -413,7 +415,7 @@ static bool take_learned(struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
     const int32_t limit = (int32_t)1 << 27;
     const bool ended = telemetry->segments_ended > ecu->segments_reported;
     const struct jp_can_segment_result_t signals = {

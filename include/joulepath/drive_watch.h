@@ -3,7 +3,7 @@
  * be believed (evidence.h).
  *
  *   jp_drive_watch_command()  when a segment was handed to the robot: by jp_robot_drive(), or by jp_robot_work(), which
- *                             then has counted robot->route_planned on and keeps the segment in robot->planned
+ *                             then has counted jp_robot_segments_planned() on and shows it by jp_robot_planned()
  *   jp_drive_watch_update()   in every pass of the background loop, with what jp_robot_telemetry() copied
  *
  * Both from one context. How the robot moves when a segment begins is computed from one segment to the next, over

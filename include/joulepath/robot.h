@@ -18,6 +18,7 @@
 #define JOULEPATH_ROBOT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include <joulepath/current_check.h>
 #include <joulepath/estimator.h>
@@ -73,7 +74,7 @@ struct jp_telemetry {
     uint32_t dropped_frames; /**< ticks without a plausible frame, wrapping; from 0 again after a disable */
 };
 
-/** The part of the telemetry that the modules do not hold, with the same fields. */
+/** The part of the telemetry that the tick writes, with the same fields: jp_robot_last_tick(). */
 struct jp_tick_telemetry {
     enum jp_robot_state state;
     uint16_t faults;
@@ -103,8 +104,8 @@ struct jp_next_segment {
     uint32_t ticks;
 };
 
-/* What most functions use stands first, where the instructions that reach it are short. */
-struct jp_robot {
+/** Private. What most functions use stands first, where the instructions that reach it are short. */
+struct jp_robot_internal {
     const struct jp_robot_config *config;
     const struct jp_energy_model *model;
     uint8_t next_full;
@@ -146,6 +147,11 @@ struct jp_robot {
     struct jp_segment planned; /**< the last segment planned */
 };
 
+/** The caller's memory; the functions below tell what may be known of it. */
+struct jp_robot {
+    struct jp_robot_internal internal;
+};
+
 /**
  * Prepares a robot in state idle. config and model are kept by pointer.
  * JP_ERR_ARGUMENT: a pointer is null. JP_ERR_CONFIG: *field names the first field out of range; it is
@@ -178,15 +184,9 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
  */
 enum jp_status jp_robot_work(struct jp_robot *robot);
 
-/** The energy model that it plans with; from any context. */
-const struct jp_energy_model *jp_robot_model(const struct jp_robot *robot);
-
 /** From now on it plans with this model, which must have passed jp_energy_model_check() and is kept by pointer. From
  *  the context of jp_robot_work(); the tick may go on reading the model before until it ends. */
 void jp_robot_use_model(struct jp_robot *robot, const struct jp_energy_model *model);
-
-/** The last segment that jp_robot_work() planned; it writes it. */
-const struct jp_segment *jp_robot_planned(const struct jp_robot *robot);
 
 /** What jp_robot_resume() needs, after any tick and in its context. */
 void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot);
@@ -229,19 +229,88 @@ enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *ro
 /** Brakes to a balanced stand and forgets the route, at the next tick. */
 void jp_robot_stop(struct jp_robot *robot);
 
-/** What the robot does; from any context. */
-enum jp_robot_state jp_robot_state_now(const struct jp_robot *robot);
+/* What may be known of a robot from any context. */
 
 /**
  * A consistent copy of the telemetry. False, and *telemetry is not to be used: a tick is under way, which only those
- * see who ask from within it, between jp_robot_control() and jp_robot_account(), or from another core. From any
- * context.
+ * see who ask from within it, between jp_robot_control() and jp_robot_account(), or from another core.
  */
 bool jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry);
 
 /** A consistent sample for jp_current_check_update(), as jp_robot_telemetry(). False, and *sample is not to be used: a
  *  tick is under way, the motors are off, or the last tick had no plausible frame. */
 bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sample);
+
+/** What the robot does. */
+enum jp_robot_state jp_robot_state_now(const struct jp_robot *robot);
+
+/** The energy model that it plans with. */
+const struct jp_energy_model *jp_robot_model(const struct jp_robot *robot);
+
+/** What it was prepared with. */
+static inline const struct jp_robot_config *jp_robot_configuration(const struct jp_robot *robot)
+{
+    return robot->internal.config;
+}
+
+/* In the context of jp_robot_work(). */
+
+/** How the planning of the route goes, as jp_robot_work() returned it last; for the tick, too. */
+static inline enum jp_status jp_robot_route_status(const struct jp_robot *robot)
+{
+    return robot->internal.route_status;
+}
+
+/** The last segment that jp_robot_work() planned; it writes it. */
+static inline const struct jp_segment *jp_robot_planned(const struct jp_robot *robot)
+{
+    return &robot->internal.planned;
+}
+
+/** Segments of the route that jp_robot_work() has planned and handed over. */
+static inline uint16_t jp_robot_segments_planned(const struct jp_robot *robot)
+{
+    return robot->internal.route_planned;
+}
+
+/** A segment waits for the tick, or one of the route is still to be planned. When it is asked before the state, one
+ *  that does not wait any more shows in the state. */
+bool jp_robot_has_next(const struct jp_robot *robot);
+
+/*
+ * In the context of the tick and between ticks, where no tick changes what they show meanwhile; all others take
+ * jp_robot_telemetry(), which copies until no tick came between. Constant time.
+ */
+
+/** What the last tick found and did. */
+static inline const struct jp_tick_telemetry *jp_robot_last_tick(const struct jp_robot *robot)
+{
+    return &robot->internal.telemetry;
+}
+
+/** What the controller follows. */
+static inline const struct jp_reference *jp_robot_reference(const struct jp_robot *robot)
+{
+    return &robot->internal.reference;
+}
+
+/** What was spent since init. */
+static inline const struct jp_meter *jp_robot_meter(const struct jp_robot *robot)
+{
+    return &robot->internal.meter;
+}
+
+/** Where the robot is, by odometry. */
+static inline struct jp_point jp_robot_position(const struct jp_robot *robot)
+{
+    return jp_odometry_position(&robot->internal.odometry);
+}
+
+/** The last plausible frame; NULL: none came since init or a disable. */
+static inline const struct jp_sensors *jp_robot_good_frame(const struct jp_robot *robot)
+{
+    return robot->internal.monitor.started ? &robot->internal.monitor.good : NULL;
+}
 
 #ifdef __cplusplus
 }

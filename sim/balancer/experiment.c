@@ -55,8 +55,8 @@ static jp_energy last_segment(const struct jp_tick_telemetry *telemetry, enum en
 static bool drive(struct rig *rig, const struct jp_segment_command *command, enum energy_kind kind, uint32_t ticks,
                   double *window_voltage, double *energy)
 {
-    const struct jp_tick_telemetry *telemetry = &rig->robot.telemetry;
-    const struct jp_meter *meter = &rig->robot.meter;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&rig->robot);
+    const struct jp_meter *meter = jp_robot_meter(&rig->robot);
     double electronics = joules(meter->electronics_tick);
     jp_energy start = 0;
 
@@ -109,17 +109,17 @@ void experiment_run(struct experiment *experiment, struct rig *rig, enum energy_
     }
     rig_release(rig, 0);
     if (drive(rig, &first, kind, ticks, NULL, NULL)) {
-        experiment->voltage_left = volts(rig->robot.telemetry.voltages.left);
-        experiment->voltage_right = volts(rig->robot.telemetry.voltages.right);
+        experiment->voltage_left = volts(jp_robot_last_tick(&rig->robot)->voltages.left);
+        experiment->voltage_right = volts(jp_robot_last_tick(&rig->robot)->voltages.right);
         (void)drive(rig, &second, kind, ticks, window_voltage, energy);
     }
-    experiment->end = rig->robot.telemetry.state;
-    experiment->faults = rig->robot.telemetry.faults;
+    experiment->end = jp_robot_state_now(&rig->robot);
+    experiment->faults = jp_robot_last_tick(&rig->robot)->faults;
 
     /* One tick more closes the last window. */
     (void)rig_tick(rig);
-    energy[windows] =
-        joules(last_segment(&rig->robot.telemetry, kind)) - ticks * joules(rig->robot.meter.electronics_tick);
+    energy[windows] = joules(last_segment(jp_robot_last_tick(&rig->robot), kind)) -
+                      ticks * joules(jp_robot_meter(&rig->robot)->electronics_tick);
     experiment->settling = settled_window(window_voltage, windows, threshold) * EXPERIMENT_WINDOW_TICKS * tick;
     free(window_voltage);
 }

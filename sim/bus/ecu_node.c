@@ -80,7 +80,7 @@ static bool keep(struct ecu_node *node)
 
 static enum jp_robot_state state_of(const struct ecu_node *node)
 {
-    return node->lockstep.ecu.robot.telemetry.state;
+    return jp_robot_state_now(&node->lockstep.ecu.robot);
 }
 
 bool ecu_node_watch(struct ecu_node *node)

@@ -77,7 +77,7 @@ void learned_line_print(struct learned_line *last, const struct jp_ecu *ecu)
     }
     *last = (struct learned_line){.changes = learner->changes, .cause = learner->cause};
     if (learner->changes > 0U) {
-        (void)printf("%.1f s: ", (double)ecu->tick / ecu->robot.config->estimator.tick_rate);
+        (void)printf("%.1f s: ", (double)ecu->tick / jp_robot_configuration(&ecu->robot)->estimator.tick_rate);
         print_cause(learner);
         (void)fflush(stdout);
     }

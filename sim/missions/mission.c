@@ -225,7 +225,7 @@ static void predict_script(struct drive *drive)
     for (size_t i = 0; i < drive->script.count; i++) {
         struct jp_segment segment = {.command = drive->script.steps[i].command};
 
-        if (jp_energy_predict(drive->rig.robot.model, &before, &segment.command, &segment.energy) == JP_OK) {
+        if (jp_energy_predict(jp_robot_model(&drive->rig.robot), &before, &segment.command, &segment.energy) == JP_OK) {
             note_plan(&drive->mission->legs[i], &segment);
         }
         before = segment.command.motion;
@@ -234,7 +234,7 @@ static void predict_script(struct drive *drive)
 
 static bool prepare_straight(struct drive *drive, const struct mission *like)
 {
-    const double yaw_bandwidth = drive->rig.robot.config->reference.yaw_bandwidth / Q16_ONE;
+    const double yaw_bandwidth = jp_robot_configuration(&drive->rig.robot)->reference.yaw_bandwidth / Q16_ONE;
     double durations[BEZIER_WAYPOINTS_MAX];
 
     if (like->impossible[0] != '\0') {
@@ -248,7 +248,7 @@ static bool prepare_straight(struct drive *drive, const struct mission *like)
                          yaw_bandwidth > 0 ? 2 / yaw_bandwidth : 0)) {
         return cannot(drive, NO_MEMORY);
     }
-    script_keep_limit(&drive->script, drive->rig.robot.config->limits.speed);
+    script_keep_limit(&drive->script, jp_robot_configuration(&drive->rig.robot)->limits.speed);
     predict_script(drive);
     return true;
 }
@@ -264,7 +264,7 @@ static bool prepare_bezier(struct drive *drive, enum bezier_scope scope)
     if (!script_bezier(&drive->script, &path)) {
         return cannot(drive, NO_MEMORY);
     }
-    script_keep_limit(&drive->script, drive->rig.robot.config->limits.speed);
+    script_keep_limit(&drive->script, jp_robot_configuration(&drive->rig.robot)->limits.speed);
     return true;
 }
 
@@ -278,9 +278,9 @@ static bool cannot_be_planned(const struct drive *drive, size_t leg, enum jp_sta
 static bool prepare_settled_route(struct drive *drive)
 {
     const struct jp_robot *robot = &drive->rig.robot;
-    const struct jp_route_config config = {.model = robot->model,
-                                           .limits = &robot->config->limits,
-                                           .yaw_bandwidth = robot->config->reference.yaw_bandwidth,
+    const struct jp_route_config config = {.model = jp_robot_model(robot),
+                                           .limits = &jp_robot_configuration(robot)->limits,
+                                           .yaw_bandwidth = jp_robot_configuration(robot)->reference.yaw_bandwidth,
                                            .legs = drive->legs,
                                            .leg_count = JP_ROUTE_LEGS_MAX};
     struct jp_segment segments[BEZIER_WAYPOINTS_MAX];
@@ -299,7 +299,7 @@ static bool prepare_settled_route(struct drive *drive)
 static bool prepare_route(struct drive *drive, const struct robot_entry *entry)
 {
     const bool battery = drive->scenario->energy == ENERGY_BATTERY;
-    const struct jp_pilot_config config = {.model = drive->rig.robot.model,
+    const struct jp_pilot_config config = {.model = jp_robot_model(&drive->rig.robot),
                                            .horizon = battery ? entry->horizon_battery : entry->horizon,
                                            .learning = battery ? entry->learning_battery : entry->learning,
                                            .meter = battery ? JP_PILOT_BATTERY : JP_PILOT_MOTORS,
@@ -385,14 +385,14 @@ static bool work_of_pilot(struct drive *drive)
 static bool work_of_robot(struct drive *drive)
 {
     struct jp_robot *robot = &drive->rig.robot;
-    const uint16_t planned = robot->route_planned;
+    const uint16_t planned = jp_robot_segments_planned(robot);
     const enum jp_status status = jp_robot_work(robot);
 
     if (status != JP_OK) {
         return cannot_be_planned(drive, planned, status);
     }
-    if (robot->route_planned > planned) {
-        note_plan(&drive->mission->legs[planned], &robot->planned);
+    if (jp_robot_segments_planned(robot) > planned) {
+        note_plan(&drive->mission->legs[planned], jp_robot_planned(robot));
     }
     return true;
 }

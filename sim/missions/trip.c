@@ -114,7 +114,7 @@ static void change_robot(struct drive *drive)
 
 static void tick(struct drive *drive)
 {
-    const struct jp_tick_telemetry *telemetry = &drive->rig.robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&drive->rig.robot);
     const struct world *world = &drive->rig.world;
     const double electrical = world->plant.ledger.electrical;
 
@@ -135,7 +135,7 @@ static void tick(struct drive *drive)
 
 static bool stands(const struct drive *drive)
 {
-    return drive->rig.robot.telemetry.state == JP_ROBOT_BALANCING;
+    return jp_robot_state_now(&drive->rig.robot) == JP_ROBOT_BALANCING;
 }
 
 static void stand(struct drive *drive)
@@ -156,7 +156,7 @@ static void drive_on(struct drive *drive, unsigned until_segment)
         tick(drive);
     }
 
-    const enum jp_robot_state state = drive->rig.robot.telemetry.state;
+    const enum jp_robot_state state = jp_robot_state_now(&drive->rig.robot);
 
     if (state == JP_ROBOT_FALLEN) {
         drive->trip->outcome = TRIP_FELL;
@@ -168,7 +168,7 @@ static void drive_on(struct drive *drive, unsigned until_segment)
 static void follow(struct drive *drive, uint16_t count)
 {
     drive->segments = 0;
-    drive->segments_ended = drive->rig.robot.telemetry.segments_ended;
+    drive->segments_ended = jp_robot_last_tick(&drive->rig.robot)->segments_ended;
     drive->energy = 0;
     (void)jp_pilot_follow(&drive->pilot, drive->targets, count);
 }
@@ -177,8 +177,8 @@ static void follow(struct drive *drive, uint16_t count)
 
 static void draw_targets(struct drive *drive, uint16_t count)
 {
-    double x = from_q16(jp_odometry_position(&drive->rig.robot.odometry).x);
-    double y = from_q16(jp_odometry_position(&drive->rig.robot.odometry).y);
+    double x = from_q16(jp_robot_position(&drive->rig.robot).x);
+    double y = from_q16(jp_robot_position(&drive->rig.robot).y);
     double heading = drive->rig.world.plant.state.yaw;
 
     for (uint16_t i = 0; i < count; i++) {
@@ -223,7 +223,7 @@ static double unlearned_energy(const struct drive *drive)
 static uint16_t draw_route(struct drive *drive)
 {
     const uint16_t out = (uint16_t)random_uniform(&drive->random, TRIP_OUT_MIN, TRIP_OUT_MAX + 1);
-    const struct jp_point home = jp_odometry_position(&drive->rig.robot.odometry);
+    const struct jp_point home = jp_robot_position(&drive->rig.robot);
     const double heading = drive->rig.world.plant.state.yaw;
     const jp_q16 aside_x = (jp_q16)lround(-BACK_ASIDE * sin(heading) * JP_Q16_ONE);
     const jp_q16 aside_y = (jp_q16)lround(BACK_ASIDE * cos(heading) * JP_Q16_ONE);

@@ -51,10 +51,10 @@ enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_confi
     if (status != JP_OK) {
         return status;
     }
-    *robot = (struct jp_robot){.config = config, .model = model};
-    jp_monitor_start(&robot->monitor, &config->monitor);
-    jp_meter_start(&robot->meter, &config->meter);
-    jp_lqr_start(&robot->lqr, &config->lqr);
+    *robot = (struct jp_robot){.internal = {.config = config, .model = model}};
+    jp_monitor_start(&robot->internal.monitor, &config->monitor);
+    jp_meter_start(&robot->internal.meter, &config->meter);
+    jp_lqr_start(&robot->internal.lqr, &config->lqr);
     return JP_OK;
 }
 
@@ -88,7 +88,7 @@ static bool motors_run(enum jp_robot_state state)
 
 /* The tick. */
 
-static JP_INLINE_FOR_SPEED void stand(struct jp_robot *robot)
+static JP_INLINE_FOR_SPEED void stand(struct jp_robot_internal *robot)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
@@ -98,7 +98,7 @@ static JP_INLINE_FOR_SPEED void stand(struct jp_robot *robot)
     jp_reference_apply(&robot->reference, &(struct jp_reference_step){0, 0, 0});
 }
 
-static JP_INLINE_FOR_SPEED void switch_off(struct jp_robot *robot, enum jp_robot_state state)
+static JP_INLINE_FOR_SPEED void switch_off(struct jp_robot_internal *robot, enum jp_robot_state state)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
@@ -109,7 +109,7 @@ static JP_INLINE_FOR_SPEED void switch_off(struct jp_robot *robot, enum jp_robot
     post(&robot->next_full, 0);
 }
 
-static void balance(struct jp_robot *robot)
+static void balance(struct jp_robot_internal *robot)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
@@ -123,7 +123,7 @@ static void balance(struct jp_robot *robot)
 }
 
 /** Motors on again after a reset: the reference slows down from the speed that the robot has. */
-static void go_on(struct jp_robot *robot, const struct jp_sensors *sensors)
+static void go_on(struct jp_robot_internal *robot, const struct jp_sensors *sensors)
 {
     const struct jp_robot_config *config = robot->config;
     struct jp_motion_state *motion = &robot->telemetry.motion;
@@ -134,7 +134,7 @@ static void go_on(struct jp_robot *robot, const struct jp_sensors *sensors)
     robot->resuming = false;
 }
 
-static void start_motion(struct jp_robot *robot, const struct jp_sensors *sensors)
+static void start_motion(struct jp_robot_internal *robot, const struct jp_sensors *sensors)
 {
     const struct jp_robot_config *config = robot->config;
     struct jp_motion_state *motion = &robot->telemetry.motion;
@@ -147,7 +147,7 @@ static void start_motion(struct jp_robot *robot, const struct jp_sensors *sensor
 }
 
 /** The first plausible frame. */
-static void begin_motion(struct jp_robot *robot, const struct jp_sensors *sensors)
+static void begin_motion(struct jp_robot_internal *robot, const struct jp_sensors *sensors)
 {
     if (robot->resuming) {
         go_on(robot, sensors);
@@ -157,7 +157,7 @@ static void begin_motion(struct jp_robot *robot, const struct jp_sensors *sensor
     robot->started = true;
 }
 
-static void begin_segment(struct jp_robot *robot)
+static void begin_segment(struct jp_robot_internal *robot)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
     const struct jp_next_segment *segment = &robot->next;
@@ -176,7 +176,7 @@ static void begin_segment(struct jp_robot *robot)
 }
 
 /** Idle, fallen and fault: what leads out of them, and into fault. */
-static void rest(struct jp_robot *robot, uint16_t faults)
+static void rest(struct jp_robot_internal *robot, uint16_t faults)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
@@ -199,7 +199,7 @@ static void rest(struct jp_robot *robot, uint16_t faults)
 }
 
 /** Balancing and driving: the reasons to switch off, then the hand-over of segments. */
-static void drive(struct jp_robot *robot, uint16_t sensor_faults)
+static void drive(struct jp_robot_internal *robot, uint16_t sensor_faults)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
     const uint16_t faults = sensor_faults | robot->motor_faults;
@@ -232,7 +232,7 @@ static void drive(struct jp_robot *robot, uint16_t sensor_faults)
     }
 }
 
-static void control(struct jp_robot *robot, jp_q16 bus_voltage)
+static void control(struct jp_robot_internal *robot, jp_q16 bus_voltage)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
@@ -278,7 +278,7 @@ static inline jp_q31 duty(jp_q16 voltage, jp_q16 bus_voltage)
     return quotient > (uint32_t)INT32_MAX ? INT32_MAX : (int32_t)quotient;
 }
 
-static void step(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *frame,
+static void step(struct jp_robot_internal *robot, enum jp_status read, const struct jp_sensors *frame,
                  struct jp_actuation *actuation)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
@@ -311,15 +311,15 @@ static void step(struct jp_robot *robot, enum jp_status read, const struct jp_se
 void jp_robot_control(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                       struct jp_actuation *actuation)
 {
-    JP_STORE(&robot->sequence, robot->sequence + 1U);
+    JP_STORE(&robot->internal.sequence, robot->internal.sequence + 1U);
     JP_FENCE_RELEASE();
-    step(robot, read, sensors, actuation);
+    step(&robot->internal, read, sensors, actuation);
 }
 
 /* What is left of the tick. */
 
 /** The interval that this tick's sample ended: the voltages that drove it, and the currents at its end. */
-static void review_motors(struct jp_robot *robot)
+static void review_motors(struct jp_robot_internal *robot)
 {
     const bool still_run = robot->motors_ran && motors_run(robot->telemetry.state);
 
@@ -330,7 +330,7 @@ static void review_motors(struct jp_robot *robot)
     }
 }
 
-static void account_segments(struct jp_robot *robot)
+static void account_segments(struct jp_robot_internal *robot)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
@@ -349,20 +349,20 @@ static void account_segments(struct jp_robot *robot)
 
 void jp_robot_account(struct jp_robot *robot)
 {
-    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+    struct jp_tick_telemetry *telemetry = &robot->internal.telemetry;
 
-    if (robot->started) {
-        jp_odometry_update(&robot->odometry, &telemetry->motion);
+    if (robot->internal.started) {
+        jp_odometry_update(&robot->internal.odometry, &telemetry->motion);
     }
-    if (robot->review_due) {
-        review_motors(robot);
+    if (robot->internal.review_due) {
+        review_motors(&robot->internal);
     }
-    account_segments(robot);
-    robot->reviewed = robot->applied;
-    robot->applied = telemetry->voltages;
-    robot->motors_ran = motors_run(telemetry->state);
+    account_segments(&robot->internal);
+    robot->internal.reviewed = robot->internal.applied;
+    robot->internal.applied = telemetry->voltages;
+    robot->internal.motors_ran = motors_run(telemetry->state);
     telemetry->tick++;
-    JP_STORE_RELEASE(&robot->sequence, robot->sequence + 1U);
+    JP_STORE_RELEASE(&robot->internal.sequence, robot->internal.sequence + 1U);
 }
 
 void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
@@ -375,124 +375,29 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
 void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot)
 {
     *snapshot = (struct jp_snapshot){
-        .estimator = robot->estimator,
-        .odometry = robot->odometry,
-        .balancing = motors_run(robot->telemetry.state),
+        .estimator = robot->internal.estimator,
+        .odometry = robot->internal.odometry,
+        .balancing = motors_run(robot->internal.telemetry.state),
     };
 }
 
 /* The background. */
 
-const struct jp_energy_model *jp_robot_model(const struct jp_robot *robot)
-{
-    return JP_LOAD_ACQUIRE(&robot->model);
-}
-
 void jp_robot_use_model(struct jp_robot *robot, const struct jp_energy_model *model)
 {
-    JP_STORE_RELEASE(&robot->model, model);
+    JP_STORE_RELEASE(&robot->internal.model, model);
 }
 
 void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot)
 {
-    robot->estimator = snapshot->estimator;
-    robot->odometry = snapshot->odometry;
-    robot->resuming = snapshot->balancing;
-}
-
-const struct jp_segment *jp_robot_planned(const struct jp_robot *robot)
-{
-    return &robot->planned;
+    robot->internal.estimator = snapshot->estimator;
+    robot->internal.odometry = snapshot->odometry;
+    robot->internal.resuming = snapshot->balancing;
 }
 
 void jp_robot_know_gyro_bias(struct jp_robot *robot, int64_t bias)
 {
-    robot->known_gyro_bias = bias;
-}
-
-static void copy_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
-{
-    const struct jp_tick_telemetry *tick = &robot->telemetry;
-    const struct jp_reference *reference = &robot->reference;
-
-    telemetry->state = tick->state;
-    telemetry->faults = tick->faults;
-    telemetry->tick = tick->tick;
-    telemetry->motion = tick->motion;
-    telemetry->reference_wheel = reference->wheel.angle;
-    telemetry->reference_yaw = reference->yaw.angle;
-    telemetry->reference_wheel_rate = reference->wheel.rate;
-    telemetry->reference_yaw_rate = reference->yaw.rate;
-    telemetry->target_wheel = reference->wheel.target;
-    telemetry->target_yaw = reference->yaw.target;
-    telemetry->position = jp_odometry_position(&robot->odometry);
-    telemetry->voltages = tick->voltages;
-    telemetry->energy_model = robot->meter.model;
-    telemetry->energy_battery = robot->meter.battery;
-    telemetry->saturated_ticks = tick->saturated_ticks;
-    telemetry->segment = tick->segment;
-    telemetry->segment_ticks_left = tick->segment_ticks_left;
-    telemetry->command = tick->command;
-    telemetry->segment_energy_model = tick->segment_energy_model;
-    telemetry->segment_energy_battery = tick->segment_energy_battery;
-    telemetry->segments_ended = tick->segments_ended;
-    telemetry->gyro_bias = robot->estimator.gyro_bias;
-    telemetry->dropped_frames = robot->monitor.dropped_frames;
-}
-
-/** False: a tick is under way. */
-static bool begin_copy(const struct jp_robot *robot, uint32_t *sequence)
-{
-    *sequence = JP_LOAD_ACQUIRE(&robot->sequence);
-    return (*sequence & 1U) == 0U;
-}
-
-/** False: a tick came between. */
-static bool copy_is_whole(const struct jp_robot *robot, uint32_t sequence)
-{
-    JP_FENCE_ACQUIRE();
-    return JP_LOAD(&robot->sequence) == sequence;
-}
-
-bool jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
-{
-    uint32_t sequence;
-
-    do {
-        if (!begin_copy(robot, &sequence)) {
-            return false;
-        }
-        copy_telemetry(robot, telemetry);
-    } while (!copy_is_whole(robot, sequence));
-    return true;
-}
-
-bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sample)
-{
-    const struct jp_sensors *sensors = &robot->monitor.good;
-    uint32_t sequence;
-    bool usable;
-
-    do {
-        if (!begin_copy(robot, &sequence)) {
-            return false;
-        }
-        usable = motors_run(robot->telemetry.state) && robot->monitor.implausible_ticks == 0U;
-        *sample = (struct jp_motor_sample){
-            .voltages = robot->reviewed,
-            .wheel_rate = robot->estimator.wheel.rate,
-            .yaw_rate = robot->estimator.yaw.rate,
-            .current_left = sensors->current_left,
-            .current_right = sensors->current_right,
-        };
-    } while (!copy_is_whole(robot, sequence));
-    return usable;
-}
-
-/* One word is of one tick, whenever it is read. */
-enum jp_robot_state jp_robot_state_now(const struct jp_robot *robot)
-{
-    return JP_LOAD(&robot->telemetry.state);
+    robot->internal.known_gyro_bias = bias;
 }
 
 static bool within(int32_t value, int32_t limit)
@@ -505,16 +410,16 @@ enum jp_status jp_robot_enable(struct jp_robot *robot)
     if (robot == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    if (jp_robot_state_now(robot) != JP_ROBOT_IDLE || !robot->monitor.started ||
-        !within(robot->telemetry.motion.pitch, robot->config->monitor.tilt_limit)) {
+    if (jp_robot_state_now(robot) != JP_ROBOT_IDLE || !robot->internal.monitor.started ||
+        !within(robot->internal.telemetry.motion.pitch, robot->internal.config->monitor.tilt_limit)) {
         return JP_ERR_STATE;
     }
-    post(&robot->enable_requested, 1);
+    post(&robot->internal.enable_requested, 1);
     return JP_OK;
 }
 
 /** Also the segment of it that waits. */
-static JP_INLINE_FOR_SPEED void forget_route(struct jp_robot *robot)
+static JP_INLINE_FOR_SPEED void forget_route(struct jp_robot_internal *robot)
 {
     robot->route_length = 0;
     robot->route_status = JP_OK;
@@ -523,15 +428,15 @@ static JP_INLINE_FOR_SPEED void forget_route(struct jp_robot *robot)
 
 void jp_robot_disable(struct jp_robot *robot)
 {
-    forget_route(robot);
-    post(&robot->enable_requested, 0);
-    post(&robot->disable_requested, 1);
+    forget_route(&robot->internal);
+    post(&robot->internal.enable_requested, 0);
+    post(&robot->internal.disable_requested, 1);
 }
 
 void jp_robot_stop(struct jp_robot *robot)
 {
-    forget_route(robot);
-    post(&robot->stop_requested, 1);
+    forget_route(&robot->internal);
+    post(&robot->internal.stop_requested, 1);
 }
 
 static bool can_be_driven(const struct jp_robot_config *config, const struct jp_segment_command *segment)
@@ -541,23 +446,23 @@ static bool can_be_driven(const struct jp_robot_config *config, const struct jp_
 
 enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_command *segment)
 {
-    if (robot == NULL || segment == NULL || !can_be_driven(robot->config, segment)) {
+    if (robot == NULL || segment == NULL || !can_be_driven(robot->internal.config, segment)) {
         return JP_ERR_ARGUMENT;
     }
     if (!motors_run(jp_robot_state_now(robot))) {
         return JP_ERR_STATE;
     }
-    if (posted(&robot->next_full) != 0U) {
+    if (posted(&robot->internal.next_full) != 0U) {
         return JP_ERR_BUSY;
     }
-    robot->next = (struct jp_next_segment){
+    robot->internal.next = (struct jp_next_segment){
         .motion = segment->motion,
-        .step = jp_reference_step_to(&robot->config->reference, &segment->motion, segment->turn),
-        .ticks = (uint32_t)(((uint64_t)(uint32_t)segment->duration * robot->config->estimator.tick_rate +
+        .step = jp_reference_step_to(&robot->internal.config->reference, &segment->motion, segment->turn),
+        .ticks = (uint32_t)(((uint64_t)(uint32_t)segment->duration * robot->internal.config->estimator.tick_rate +
                              (uint32_t)JP_Q16_ONE / 2U) >>
                             16),
     };
-    post(&robot->next_full, 1);
+    post(&robot->internal.next_full, 1);
     return JP_OK;
 }
 
@@ -569,10 +474,10 @@ enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *ro
     if (!motors_run(jp_robot_state_now(robot))) {
         return JP_ERR_STATE;
     }
-    forget_route(robot);
-    robot->route = route;
-    robot->route_length = length;
-    robot->route_planned = 0;
+    forget_route(&robot->internal);
+    robot->internal.route = route;
+    robot->internal.route_length = length;
+    robot->internal.route_planned = 0;
     return JP_OK;
 }
 
@@ -581,13 +486,13 @@ static jp_q24 way_to_stand(const struct jp_robot *robot, const struct jp_telemet
 {
     jp_q24 turns = jp_round_shift((int64_t)(telemetry->target_wheel - telemetry->motion.wheel), 32);
 
-    return telemetry->state == JP_ROBOT_BALANCING ? jp_q24_multiply(turns, robot->config->metres_per_turn) : 0;
+    return telemetry->state == JP_ROBOT_BALANCING ? jp_q24_multiply(turns, robot->internal.config->metres_per_turn) : 0;
 }
 
 void jp_robot_predict_end(const struct jp_robot *robot, const struct jp_telemetry *telemetry, struct jp_point *position,
                           jp_angle *heading)
 {
-    int64_t tick_rate = robot->config->estimator.tick_rate;
+    int64_t tick_rate = robot->internal.config->estimator.tick_rate;
     int64_t ticks = telemetry->segment_ticks_left;
     jp_q24 left = jp_saturate32(ticks * telemetry->command.speed / tick_rate + way_to_stand(robot, telemetry));
     jp_angle turned = jp_angle_from_radians(jp_saturate32(ticks * telemetry->command.turn_rate / tick_rate));
@@ -599,7 +504,7 @@ void jp_robot_predict_end(const struct jp_robot *robot, const struct jp_telemetr
     *heading = now + turned;
 }
 
-static JP_INLINE_FOR_SPEED enum jp_status optimise(struct jp_robot *robot, const struct jp_motion *before,
+static JP_INLINE_FOR_SPEED enum jp_status optimise(struct jp_robot_internal *robot, const struct jp_motion *before,
                                                    const struct jp_point *start, jp_angle heading)
 {
     return jp_segment_optimise(robot->model, &robot->config->limits, before, start, heading,
@@ -615,26 +520,26 @@ static enum jp_status plan_next(struct jp_robot *robot, const struct jp_telemetr
 
     jp_robot_predict_end(robot, telemetry, &start, &heading);
 
-    enum jp_status status = optimise(robot, before, &start, heading);
+    enum jp_status status = optimise(&robot->internal, before, &start, heading);
 
-    if (status == JP_OK && before->speed != 0 && robot->config->reference.yaw_bandwidth != 0) {
-        start = jp_segment_turning_point(robot->config->reference.yaw_bandwidth, before->speed, &start, heading,
-                                         robot->planned.command.turn);
-        status = optimise(robot, before, &start, heading);
+    if (status == JP_OK && before->speed != 0 && robot->internal.config->reference.yaw_bandwidth != 0) {
+        start = jp_segment_turning_point(robot->internal.config->reference.yaw_bandwidth, before->speed, &start,
+                                         heading, robot->internal.planned.command.turn);
+        status = optimise(&robot->internal, before, &start, heading);
     }
     if (status == JP_OK) {
-        status = jp_robot_drive(robot, &robot->planned.command);
+        status = jp_robot_drive(robot, &robot->internal.planned.command);
     }
     if (status == JP_OK) {
-        robot->route_planned++;
+        robot->internal.route_planned++;
     }
     return status;
 }
 
 static bool plan_is_due(const struct jp_robot *robot, const struct jp_telemetry *telemetry)
 {
-    return posted(&robot->next_full) == 0U &&
-           telemetry->segment_ticks_left <= robot->config->estimator.tick_rate / PLAN_LEAD_RATE;
+    return posted(&robot->internal.next_full) == 0U &&
+           telemetry->segment_ticks_left <= robot->internal.config->estimator.tick_rate / PLAN_LEAD_RATE;
 }
 
 enum jp_status jp_robot_work(struct jp_robot *robot)
@@ -645,9 +550,9 @@ enum jp_status jp_robot_work(struct jp_robot *robot)
     if (robot == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    if (robot->route_planned >= robot->route_length || robot->route_status != JP_OK ||
+    if (robot->internal.route_planned >= robot->internal.route_length || robot->internal.route_status != JP_OK ||
         !jp_robot_telemetry(robot, &telemetry)) {
-        return robot->route_status;
+        return robot->internal.route_status;
     }
     if (!motors_run(telemetry.state)) {
         status = JP_ERR_STATE;
@@ -656,9 +561,9 @@ enum jp_status jp_robot_work(struct jp_robot *robot)
     }
     /* Motors that are off, or went off during the plan, end the route; no plan has failed. */
     if (status == JP_ERR_STATE) {
-        forget_route(robot);
+        forget_route(&robot->internal);
     } else {
-        robot->route_status = status;
+        robot->internal.route_status = status;
     }
-    return robot->route_status;
+    return robot->internal.route_status;
 }

@@ -50,7 +50,7 @@ static enum jp_status check(const struct jp_pilot_config *config, const struct j
         status = jp_learning_check(config->learning, field);
     }
     if (status == JP_OK) {
-        status = jp_segment_limits_check(&robot->config->limits, config->model, field);
+        status = jp_segment_limits_check(&jp_robot_configuration(robot)->limits, config->model, field);
     }
     return status;
 }
@@ -67,8 +67,8 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
     if (status == JP_OK) {
         *pilot = (struct jp_pilot){.config = *config, .internal = {.robot = robot, .model = *config->model}};
         jp_learner_start(&pilot->learner, config->learning, config->model, config->horizon);
-        jp_drive_watch_start(&pilot->internal.watch, &pilot->learner, robot->config->estimator.tick_rate,
-                             config->meter == JP_PILOT_BATTERY);
+        jp_drive_watch_start(&pilot->internal.watch, &pilot->learner,
+                             jp_robot_configuration(robot)->estimator.tick_rate, config->meter == JP_PILOT_BATTERY);
     }
     return status;
 }
@@ -142,10 +142,11 @@ static enum jp_status foresee(struct jp_pilot *pilot)
 static enum jp_status begin_plan(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
     const struct jp_pilot_config *config = &pilot->config;
+    const struct jp_robot_config *robot = jp_robot_configuration(pilot->internal.robot);
     const struct jp_route_config route = {.model = &pilot->internal.model,
                                           .horizon = config->horizon,
-                                          .limits = &pilot->internal.robot->config->limits,
-                                          .yaw_bandwidth = pilot->internal.robot->config->reference.yaw_bandwidth,
+                                          .limits = &robot->limits,
+                                          .yaw_bandwidth = robot->reference.yaw_bandwidth,
                                           .legs = config->legs,
                                           .leg_count = config->leg_count};
     const char *field;
@@ -193,8 +194,9 @@ static enum jp_status work_on_plan(struct jp_pilot *pilot)
 /* Nothing waits for the robot, and the present segment nears its end. */
 static bool plan_is_due(const struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
-    return !pilot->internal.is_waiting &&
-           telemetry->segment_ticks_left <= pilot->internal.robot->config->estimator.tick_rate / PLAN_LEAD_RATE;
+    const uint32_t tick_rate = jp_robot_configuration(pilot->internal.robot)->estimator.tick_rate;
+
+    return !pilot->internal.is_waiting && telemetry->segment_ticks_left <= tick_rate / PLAN_LEAD_RATE;
 }
 
 static enum jp_status go_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)

@@ -81,7 +81,7 @@ static int64_t learned_gyro_bias(const struct campaign *campaign)
     while ((double)rig.world.tick < standing * campaign->file.control.rate_hz) {
         (void)rig_tick(&rig);
     }
-    return rig.robot.estimator.gyro_bias;
+    return rig.robot.internal.estimator.gyro_bias;
 }
 
 static void drive(struct campaign *campaign, size_t chains, double low, double high)

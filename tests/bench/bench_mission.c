@@ -138,11 +138,11 @@ static double driven_energy(const struct grid *grid, const struct jp_segment_com
     }
     do {
         (void)rig_tick(&rig);
-    } while (rig.robot.telemetry.state == JP_ROBOT_DRIVING);
-    if (rig.robot.telemetry.segments_ended != 1) {
+    } while (jp_robot_state_now(&rig.robot) == JP_ROBOT_DRIVING);
+    if (jp_robot_last_tick(&rig.robot)->segments_ended != 1) {
         fail("the robot fell");
     }
-    return (double)rig.robot.telemetry.segment_energy_model / 4294967296.0;
+    return (double)jp_robot_last_tick(&rig.robot)->segment_energy_model / 4294967296.0;
 }
 
 static void drive_grid_point(void *context, size_t index)

@@ -372,7 +372,7 @@ static bool measure(const struct tick_case *tick_case, struct worst *worst)
         randomise_registers(&devices, &random_state);
         worst->control = target_count_worst(worst->control + restoring, restore_and_control, NULL) - restoring;
         worst->tick = target_count_worst(worst->tick + restoring, restore_and_tick, NULL) - restoring;
-        if (robot.telemetry.state != tick_case->after) {
+        if (jp_robot_state_now(&robot) != tick_case->after) {
             return false;
         }
     }

@@ -161,8 +161,8 @@ static bool look(struct counts *counts)
 {
     const struct jp_telemetry now = telemetry();
     const uint8_t findings = check_currents();
-    const uint8_t flags =
-        jp_battery_update(&scene.battery, &lithium, now.energy_battery, scene.rig.robot.monitor.good.bus_voltage);
+    const uint8_t flags = jp_battery_update(&scene.battery, &lithium, now.energy_battery,
+                                            scene.rig.robot.internal.monitor.good.bus_voltage);
 
     counts->findings |= findings;
     return jp_drive_watch_update(&scene.watch, &now, flags, findings);
@@ -201,7 +201,7 @@ static void change_battery(const struct injection *injection)
     }
     if (injection->empties) {
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_start(&scene.battery, &lithium, (jp_charge)lithium.capacity << 28,
-                                                      scene.rig.robot.meter.battery));
+                                                      jp_robot_meter(&scene.rig.robot)->battery));
     }
 }
 
@@ -209,7 +209,7 @@ static void restore_battery(void)
 {
     supply(scene.file.supply.voltage_v);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_start(&scene.battery, &lithium, (jp_charge)lithium.capacity << 31,
-                                                  scene.rig.robot.meter.battery));
+                                                  jp_robot_meter(&scene.rig.robot)->battery));
 }
 
 /* Segments */
@@ -222,7 +222,7 @@ static bool drive_segment(const struct injection *injection, struct counts *coun
             inject(injection);
             (void)rig_tick(&scene.rig);
         }
-        if (scene.rig.robot.telemetry.state != JP_ROBOT_DRIVING) {
+        if (jp_robot_state_now(&scene.rig.robot) != JP_ROBOT_DRIVING) {
             (void)look(counts);
             return false;
         }
@@ -395,7 +395,7 @@ static void test_learns_nothing_from_a_segment_that_was_stopped(void)
     learn(true, seeds[0]);
     jp_robot_stop(&scene.rig.robot);
     expect_incomplete(NULL);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, scene.rig.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&scene.rig.robot));
 }
 
 /* So far off that the robot switches off. */
@@ -406,11 +406,11 @@ static void test_learns_nothing_from_a_segment_that_ends_in_a_fault(void)
 
     scene = learned;
     expect_incomplete(&current);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, scene.rig.robot.telemetry.state);
-    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_LEFT, scene.rig.robot.telemetry.faults);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, jp_robot_state_now(&scene.rig.robot));
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_LEFT, jp_robot_last_tick(&scene.rig.robot)->faults);
     scene = learned;
     expect_incomplete(&frames);
-    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, scene.rig.robot.telemetry.faults);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, jp_robot_last_tick(&scene.rig.robot)->faults);
 }
 
 int main(void)

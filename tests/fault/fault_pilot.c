@@ -64,7 +64,7 @@ void tearDown(void)
 
 static enum jp_robot_state state(void)
 {
-    return rig.robot.telemetry.state;
+    return jp_robot_state_now(&rig.robot);
 }
 
 static enum jp_status tick(void)
@@ -103,7 +103,7 @@ static enum jp_status run_to_rest(void)
 
 static void run_into_segment(uint16_t segment)
 {
-    while (rig.robot.telemetry.segment < segment) {
+    while (jp_robot_last_tick(&rig.robot)->segment < segment) {
         (void)tick();
     }
     run(0.5);
@@ -148,7 +148,7 @@ static void test_each_target_is_passed(void)
         start(names[i], LEGS);
         follow(slalom, SLALOM);
         for (uint16_t k = 0; k < SLALOM; k++) {
-            while (rig.robot.telemetry.segments_ended <= k) {
+            while (jp_robot_last_tick(&rig.robot)->segments_ended <= k) {
                 TEST_ASSERT_EQUAL_INT(JP_OK, tick());
             }
             TEST_ASSERT_DOUBLE_WITHIN(STAND_MARGIN, 0, distance(&slalom[k]));
@@ -233,7 +233,7 @@ static void test_fall(void)
 {
     follow(slalom, SLALOM);
     run_into_segment(2);
-    rig.robot.estimator.pitch = JP_PHASE_TURN / 4;
+    rig.robot.internal.estimator.pitch = JP_PHASE_TURN / 4;
     (void)tick();
     expect_motors_off(JP_ROBOT_FALLEN);
     set_upright_again();
@@ -244,7 +244,7 @@ static void test_fall(void)
 static void test_disable_in_mid_plan(void)
 {
     follow(slalom, SLALOM);
-    while (pilot.phase != JP_PILOT_PLANNING || rig.robot.telemetry.segment == 0) {
+    while (pilot.phase != JP_PILOT_PLANNING || jp_robot_last_tick(&rig.robot)->segment == 0) {
         (void)tick();
     }
     jp_robot_disable(&rig.robot);
@@ -260,7 +260,7 @@ static void test_new_route_while_driving(void)
     follow(slalom, SLALOM);
     run_into_segment(2);
     follow(aside, 2);
-    while (rig.robot.telemetry.segments_ended < 2) {
+    while (jp_robot_last_tick(&rig.robot)->segments_ended < 2) {
         (void)tick();
     }
     TEST_ASSERT_DOUBLE_WITHIN(STAND_MARGIN, 0, distance(&slalom[1]));
@@ -310,12 +310,12 @@ static void test_slices_that_suffice(void)
         start(names[i], LEGS);
         every = 200 / (LEGS + JP_ROUTE_ITERATIONS + 2);
         follow(slalom, SLALOM);
-        while (rig.robot.telemetry.segment == 0) {
+        while (jp_robot_last_tick(&rig.robot)->segment == 0) {
             (void)tick();
         }
-        while (rig.robot.telemetry.segments_ended < SLALOM) {
+        while (jp_robot_last_tick(&rig.robot)->segments_ended < SLALOM) {
             TEST_ASSERT_EQUAL_INT(JP_OK, tick());
-            TEST_ASSERT_TRUE(state() == JP_ROBOT_DRIVING || rig.robot.telemetry.segments_ended == SLALOM);
+            TEST_ASSERT_TRUE(state() == JP_ROBOT_DRIVING || jp_robot_last_tick(&rig.robot)->segments_ended == SLALOM);
         }
     }
 }
@@ -324,7 +324,7 @@ static void expect_refused(const struct jp_point *targets, uint16_t count, enum 
 {
     follow(targets, count);
     TEST_ASSERT_EQUAL_INT(expected, run_to_rest());
-    TEST_ASSERT_EQUAL_UINT16(0, rig.robot.telemetry.segment);
+    TEST_ASSERT_EQUAL_UINT16(0, jp_robot_last_tick(&rig.robot)->segment);
     expect_stand();
     TEST_ASSERT_EQUAL_INT(expected, pilot.status);
     expect_drives_on();
@@ -332,7 +332,7 @@ static void expect_refused(const struct jp_point *targets, uint16_t count, enum 
 
 static void test_target_where_the_robot_stands(void)
 {
-    const struct jp_point here = jp_odometry_position(&rig.robot.odometry);
+    const struct jp_point here = jp_robot_position(&rig.robot);
 
     expect_refused(&here, 1, JP_ERR_ZERO_LENGTH);
 }
@@ -397,9 +397,9 @@ static void test_ask_then_drive(void)
     follow(slalom, LEGS);
     while (ended < LEGS) {
         (void)tick();
-        if (rig.robot.telemetry.segments_ended != ended) {
-            ended = rig.robot.telemetry.segments_ended;
-            measured += (double)rig.robot.telemetry.segment_energy_model / 4294967296.0;
+        if (jp_robot_last_tick(&rig.robot)->segments_ended != ended) {
+            ended = jp_robot_last_tick(&rig.robot)->segments_ended;
+            measured += (double)jp_robot_last_tick(&rig.robot)->segment_energy_model / 4294967296.0;
         }
     }
     TEST_ASSERT_DOUBLE_WITHIN(0.06 * measured, measured, forecast.energy / 65536.0);

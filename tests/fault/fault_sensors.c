@@ -131,7 +131,7 @@ static void tick(int count)
 
 static bool motors_run(void)
 {
-    enum jp_robot_state state = rig.robot.telemetry.state;
+    enum jp_robot_state state = jp_robot_state_now(&rig.robot);
 
     return state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
 }
@@ -211,7 +211,7 @@ static void run(struct outcome *outcome, const struct promise *promise, enum act
         tick(4);
         outcome->first_off = off < outcome->first_off ? off : outcome->first_off;
         outcome->last_off = off > outcome->last_off ? off : outcome->last_off;
-        outcome->faults_of_all &= rig.robot.telemetry.faults;
+        outcome->faults_of_all &= jp_robot_last_tick(&rig.robot)->faults;
         TEST_ASSERT_TRUE_MESSAGE(!motors_run() || length != 0, promise->name);
     }
 }
@@ -314,7 +314,7 @@ static void test_failed_writes_are_ridden_out(void)
         rig = snapshots[DRIVING];
         add_faults(&courier24[1], (uint64_t)delay, 2);
         tick(delay + HORIZON);
-        TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, rig.robot.telemetry.state);
+        TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, jp_robot_state_now(&rig.robot));
         TEST_ASSERT_EQUAL_INT(1, rig.world.actuation.enabled);
     }
 }
@@ -326,11 +326,11 @@ static void restart(void)
     tick(10);
     jp_robot_disable(&rig.robot);
     tick(10);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, rig.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&rig.robot));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_enable(&rig.robot));
     plant_release(&rig.world.plant);
     tick(HORIZON);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, rig.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&rig.robot));
     TEST_ASSERT_TRUE(fabs(rig.world.plant.state.pitch) < RIDE_PITCH);
 }
 

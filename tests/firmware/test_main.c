@@ -224,7 +224,7 @@ static void test_the_watchdog_is_fed_after_a_tick_only(void)
 static void test_it_stands_up_when_told(void)
 {
     run_firmware(sample_and_command_stand, 400);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, node.ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&node.ecu.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
 }
 
@@ -235,7 +235,7 @@ static void test_a_watchdog_reset_goes_on_to_a_balanced_stand(void)
     run_firmware(sample, 2);
     TEST_ASSERT_EQUAL_INT(JP_RESET_WATCHDOG, reset_report.cause);
     TEST_ASSERT_EQUAL_UINT32(1, reset_report.crashes);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, node.ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&node.ecu.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
 }
 
@@ -269,7 +269,7 @@ static void test_a_start_without_the_crystal_does_not_go_on(void)
     reset_by(RCC_CSR_SFTRSTF);
     fake.crystal = FAKE_NEVER;
     run_firmware(sample, 2);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, node.ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&node.ecu.robot));
     TEST_ASSERT_FALSE(bridges_are_on());
 }
 
@@ -298,7 +298,7 @@ static void convert_and_command_off(void)
 {
     ADC1.SR = ADC_SR_JEOC;
     ADC_IRQHandler();
-    if (node.ecu.robot.telemetry.state == JP_ROBOT_FAULT && sleeps % 100U == 50U) {
+    if (jp_robot_state_now(&node.ecu.robot) == JP_ROBOT_FAULT && sleeps % 100U == 50U) {
         command(JP_MODE_OFF);
     }
 }
@@ -323,7 +323,7 @@ static void learn(void)
     run_firmware(sample_and_command_stand, 400);
     flash.program = program_memory;
     flash.erase = erase_memory;
-    node.ecu.robot.estimator.gyro_bias = LEARNED_BIAS;
+    node.ecu.robot.internal.estimator.gyro_bias = LEARNED_BIAS;
 }
 
 static int64_t stored_bias(void)
@@ -339,7 +339,7 @@ static void test_what_was_learned_is_kept_when_it_is_switched_off(void)
 {
     learn();
     go_on(sample_and_command_off, 400);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, node.ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&node.ecu.robot));
     TEST_ASSERT_TRUE(stored_bias() > LEARNED_BIAS * 9 / 10 && stored_bias() < LEARNED_BIAS * 11 / 10);
 }
 
@@ -389,7 +389,7 @@ static void test_what_another_robot_learned_is_refused_and_the_built_in_model_se
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_save(&others, &jp_robot_gao2018, &store, &field));
     run_firmware(sample, 3);
     TEST_ASSERT_EQUAL_INT(JP_STORED_OTHER_ROBOT, node.ecu.stored);
-    TEST_ASSERT_EQUAL_MEMORY(&FIRMWARE_ENERGY_MODEL, node.ecu.robot.model, sizeof(struct jp_energy_model));
+    TEST_ASSERT_EQUAL_MEMORY(&FIRMWARE_ENERGY_MODEL, jp_robot_model(&node.ecu.robot), sizeof(struct jp_energy_model));
 }
 
 static void test_nothing_is_kept_after_a_fault(void)
@@ -504,6 +504,6 @@ static void test_without_can_the_operator_is_on_the_line(void)
 {
     fake.can_join = FAKE_NEVER;
     run_firmware(order_by_line, 400);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, node.ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&node.ecu.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
 }

@@ -202,8 +202,8 @@ static void test_segments_are_back_to_back(void)
                 ticks += records[i].ticks;
             }
             TEST_ASSERT_EQUAL_UINT64(rig.world.tick, ticks + TICKS_AROUND);
-            TEST_ASSERT_EQUAL_INT(SEGMENTS, rig.robot.telemetry.segments_ended);
-            TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, rig.robot.telemetry.state);
+            TEST_ASSERT_EQUAL_INT(SEGMENTS, jp_robot_last_tick(&rig.robot)->segments_ended);
+            TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&rig.robot));
         }
     }
 }
@@ -223,7 +223,7 @@ static void test_energies_are_those_that_the_robot_tells(void)
         }
         start(&rig, 1, &files[1]);
         TEST_ASSERT_EQUAL_INT((int)count, (int)chain_run(&rig, others, count, NULL));
-        const struct jp_tick_telemetry *telemetry = &rig.robot.telemetry;
+        const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&rig.robot);
         check_near(joules(telemetry->segment_energy_model), records[count - 1].model, 0, "model");
         check_near(joules(telemetry->segment_energy_battery), records[count - 1].battery, 0, "battery");
         TEST_ASSERT_EQUAL_MEMORY(&records[count - 1], &others[count - 1], sizeof others[0]);
@@ -364,7 +364,7 @@ static void test_fault_in_any_tick_is_in_the_segment_that_it_ends(void)
         if (records[count - 1].end != CHAIN_DRIVEN) {
             TEST_ASSERT_EQUAL_INT(CHAIN_FAULT, records[count - 1].end);
             TEST_ASSERT_TRUE((records[count - 1].faults & JP_FAULT_HARDWARE) != 0);
-            TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, rig.robot.telemetry.state);
+            TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, jp_robot_state_now(&rig.robot));
             TEST_ASSERT_EQUAL_INT((int)(ticks > 6) + 1, (int)count);
         } else {
             TEST_ASSERT_EQUAL_UINT32(12u, ticks);
@@ -387,10 +387,10 @@ static bool drive_to_the_end(struct rig *rig)
 {
     do {
         (void)rig_tick(rig);
-        if (!rig->robot.motors_ran) {
+        if (!rig->robot.internal.motors_ran) {
             return false;
         }
-    } while (rig->robot.next_full != 0U || rig->robot.telemetry.segment_ticks_left > 1U);
+    } while (rig->robot.internal.next_full != 0U || jp_robot_last_tick(&rig->robot)->segment_ticks_left > 1U);
     return true;
 }
 

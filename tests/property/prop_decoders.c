@@ -290,9 +290,9 @@ static jp_q16 motor_current(const struct jp_monitor_config *motor, jp_q16 voltag
 
 static void move_and_measure(struct traffic *traffic, const struct jp_ecu *ecu, struct jp_sensors *sensors)
 {
-    const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
-    const struct jp_reference *reference = &ecu->robot.reference;
-    const struct jp_robot_config *config = ecu->robot.config;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
+    const struct jp_reference *reference = jp_robot_reference(&ecu->robot);
+    const struct jp_robot_config *config = jp_robot_configuration(&ecu->robot);
     const double second = 1.0 / config->estimator.tick_rate;
     double wheel = 0;
     double yaw = 0;
@@ -352,7 +352,7 @@ static struct jp_can_frame next_command(struct traffic *traffic, const struct jp
 {
     struct jp_can_frame frame = {.id = 0x100, .length = 4};
 
-    if (one_in(ecu->robot.telemetry.state == JP_ROBOT_DRIVING ? 5000 : 20)) {
+    if (one_in(jp_robot_state_now(&ecu->robot) == JP_ROBOT_DRIVING ? 5000 : 20)) {
         traffic->mode = one_in(2) ? JP_MODE_DRIVE : (enum jp_operator_mode)below(4);
     }
     if (one_in(1000)) {
@@ -375,7 +375,7 @@ static void put_point(struct jp_can_frame *frame, const struct jp_point *point)
 
 static struct jp_point random_point(const struct jp_ecu *ecu)
 {
-    const struct jp_point here = jp_odometry_position(&ecu->robot.odometry);
+    const struct jp_point here = jp_robot_position(&ecu->robot);
     const int32_t near = one_in(8) ? JP_Q16(500) : JP_Q16(0.2);
 
     return (struct jp_point){jp_clamp32(here.x + around(near), -JP_Q16(512), JP_Q16(511)),
@@ -522,7 +522,7 @@ static struct {
 
 static bool is_running(const struct jp_ecu *ecu)
 {
-    return ecu->robot.telemetry.state == JP_ROBOT_BALANCING || ecu->robot.telemetry.state == JP_ROBOT_DRIVING;
+    return jp_robot_state_now(&ecu->robot) == JP_ROBOT_BALANCING || jp_robot_state_now(&ecu->robot) == JP_ROBOT_DRIVING;
 }
 
 static void check_motor_command(const struct controller *self, const struct jp_can_frame *frame)
@@ -607,7 +607,7 @@ static void check_ranges(const struct jp_ecu *ecu)
     const struct jp_sample_link *samples = &ecu->samples;
 
     require(ecu->queue_head < JP_ECU_QUEUE && ecu->queue_tail < JP_ECU_QUEUE, "place in the queue");
-    require(ecu->robot.telemetry.state <= JP_ROBOT_FAULT, "state of the robot");
+    require(jp_robot_state_now(&ecu->robot) <= JP_ROBOT_FAULT, "state of the robot");
     require(operator_link->state <= JP_OPERATOR_LOST && operator_link->mode <= JP_MODE_DRIVE &&
                 operator_link->heard <= JP_MODE_DRIVE && operator_link->confirmations <= JP_OPERATOR_CONFIRMATIONS,
             "state of the operator");
@@ -628,7 +628,8 @@ static void check_learned(const struct jp_ecu *ecu)
     const char *field;
 
     require(state == NULL || jp_learned_state_check(state, &field) == JP_OK, "what was learned is out of range");
-    require(jp_energy_model_check(ecu->robot.model, &field) == JP_OK, "the model that is planned with is out of range");
+    require(jp_energy_model_check(jp_robot_model(&ecu->robot), &field) == JP_OK,
+            "the model that is planned with is out of range");
 }
 
 static uint32_t counted(uint32_t before, bool one_more, uint32_t limit)
@@ -664,17 +665,17 @@ static void run_tick(struct controller *self)
 {
     struct jp_ecu *ecu = &self->ecu;
     const bool ran = is_running(ecu);
-    const bool drove = ecu->robot.telemetry.state == JP_ROBOT_DRIVING;
-    const bool resuming = ecu->robot.resuming;
-    const uint16_t ended = ecu->robot.telemetry.segments_ended;
+    const bool drove = jp_robot_state_now(&ecu->robot) == JP_ROBOT_DRIVING;
+    const bool resuming = ecu->robot.internal.resuming;
+    const uint16_t ended = jp_robot_last_tick(&ecu->robot)->segments_ended;
 
     self->sent = 0;
     jp_ecu_tick(ecu);
     seen.ticks++;
     require(self->sent <= 1U + JP_TELEMETRY_FRAMES_MAX, "frames in a tick");
     if (is_running(ecu)) {
-        const struct jp_tick_telemetry *telemetry = &ecu->robot.telemetry;
-        const jp_q16 most = ecu->robot.monitor.good.bus_voltage;
+        const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
+        const jp_q16 most = ecu->robot.internal.monitor.good.bus_voltage;
 
         require(telemetry->voltages.left <= most && telemetry->voltages.left >= -most &&
                     telemetry->voltages.right <= most && telemetry->voltages.right >= -most,
@@ -684,9 +685,9 @@ static void run_tick(struct controller *self)
                 "a robot that drives off without a Drive");
         seen.enabled += ran || resuming ? 0U : 1U;
         seen.resumed += resuming && !ran ? 1U : 0U;
-        seen.segments += ecu->robot.telemetry.segments_ended > ended ? 1U : 0U;
+        seen.segments += jp_robot_last_tick(&ecu->robot)->segments_ended > ended ? 1U : 0U;
     }
-    seen.stopped += ran && ecu->robot.telemetry.state >= JP_ROBOT_FALLEN ? 1U : 0U;
+    seen.stopped += ran && jp_robot_state_now(&ecu->robot) >= JP_ROBOT_FALLEN ? 1U : 0U;
     check_view(&self->view);
 }
 
@@ -702,8 +703,8 @@ static void check_route(struct controller *self)
     const struct jp_robot *driver = &self->ecu.robot;
     const struct jp_route_message *driven = &self->ecu.routes.driven;
 
-    require(driver->route_planned >= driver->route_length ||
-                (driver->route == driven->points && driver->route_length == driven->length),
+    require(driver->internal.route_planned >= driver->internal.route_length ||
+                (driver->internal.route == driven->points && driver->internal.route_length == driven->length),
             "the robot's route is not that of the commands");
     if (self->ecu.routes.state != JP_ROUTE_DRIVING || same_route(driven, &self->driven)) {
         return;
@@ -807,7 +808,7 @@ static void begin_episode(struct controller *self)
         begin_to_learn(self);
     }
     self->segments = 0;
-    self->oracle.mode = self->ecu.robot.resuming ? JP_MODE_STAND : JP_MODE_OFF;
+    self->oracle.mode = self->ecu.robot.internal.resuming ? JP_MODE_STAND : JP_MODE_OFF;
 }
 
 static void print_seen(void)
@@ -916,8 +917,8 @@ static void test_retained_record(void)
         TEST_ASSERT_TRUE(record == &self->retained.slots[0] || record == &self->retained.slots[1]);
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_init(ecu, robot->config, robot->energy, &port, &self->retained, &field));
         TEST_ASSERT_EQUAL_UINT32(record->resets + 1U, ecu->resets);
-        resumed += ecu->robot.resuming ? 1U : 0U;
-        self->oracle.mode = ecu->robot.resuming ? JP_MODE_STAND : JP_MODE_OFF;
+        resumed += ecu->robot.internal.resuming ? 1U : 0U;
+        self->oracle.mode = ecu->robot.internal.resuming ? JP_MODE_STAND : JP_MODE_OFF;
         for (unsigned tick = 0; tick < RECORD_TICKS; tick++) {
             for (unsigned part = 0; part < JP_SAMPLE_PARTS; part++) {
                 const struct jp_can_frame frame = next_sample_part(&self->traffic, ecu);

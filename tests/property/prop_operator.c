@@ -175,10 +175,10 @@ static void check_driven(void)
     const struct jp_robot *robot = &stage.ecu.robot;
     size_t now = 0;
 
-    if (robot->route == NULL || robot->telemetry.state != JP_ROBOT_DRIVING) {
+    if (robot->internal.route == NULL || jp_robot_state_now(robot) != JP_ROBOT_DRIVING) {
         return;
     }
-    TEST_ASSERT_EQUAL_PTR(stage.ecu.routes.driven.points, robot->route);
+    TEST_ASSERT_EQUAL_PTR(stage.ecu.routes.driven.points, robot->internal.route);
     for (size_t r = 0; r < stage.given_now; r++) {
         now = is_given(&stage.ecu.routes.driven, &stage.given[r]) ? r + 1 : now;
     }
@@ -286,7 +286,7 @@ static void test_an_operator_that_dies_leaves_the_robot_standing(void)
             run_tick();
         }
         TEST_ASSERT_EQUAL_INT(JP_OPERATOR_FAILED, stage.commander.phase);
-        TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, stage.ecu.robot.telemetry.state);
+        TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&stage.ecu.robot));
         TEST_ASSERT_TRUE(fabs(stage.plant.world.plant.state.wheel_rate) < 0.01);
     }
 }

@@ -92,7 +92,7 @@ static void drive_each_alone(void)
         for (int tick = 0; tick < TICKS; tick++) {
             advance(&alone[i]);
         }
-        TEST_ASSERT_TRUE(alone[i].rig.robot.telemetry.segment > 0);
+        TEST_ASSERT_TRUE(jp_robot_last_tick(&alone[i].rig.robot)->segment > 0);
         TEST_ASSERT_TRUE(alone[i].rig.world.plant.x > 1);
     }
 }

@@ -32,12 +32,12 @@ void tearDown(void)
 /* The wheels are held, the body trembles, and the currents are those of the voltages. */
 static void tick(void)
 {
-    const jp_q24 trembling = robot.telemetry.tick % 2U == 0 ? JP_Q24(0.003) : -JP_Q24(0.003);
+    const jp_q24 trembling = jp_robot_last_tick(&robot)->tick % 2U == 0 ? JP_Q24(0.003) : -JP_Q24(0.003);
     struct jp_sensors sensors = {.pitch_rate = trembling, .accel_z = JP_Q24_ONE, .bus_voltage = JP_Q16(24)};
     struct jp_actuation actuation;
 
-    sensors.current_left = jp_q16_divide(robot.telemetry.voltages.left, config.monitor.motor_resistance);
-    sensors.current_right = jp_q16_divide(robot.telemetry.voltages.right, config.monitor.motor_resistance);
+    sensors.current_left = jp_q16_divide(jp_robot_last_tick(&robot)->voltages.left, config.monitor.motor_resistance);
+    sensors.current_right = jp_q16_divide(jp_robot_last_tick(&robot)->voltages.right, config.monitor.motor_resistance);
     jp_robot_tick(&robot, JP_OK, &sensors, &actuation);
 }
 
@@ -81,7 +81,7 @@ static void test_telemetry_is_of_one_tick(void)
     atomic_store(&stop, false);
     TEST_ASSERT_EQUAL_INT(0, pthread_create(&thread, NULL, keep_ticking, NULL));
     for (unsigned long i = 0; i < count || telemetry.tick - first < TICKS_MIN || within < WITHIN_MIN; i++) {
-        within += __atomic_load_n(&robot.sequence, __ATOMIC_RELAXED) & 1U;
+        within += __atomic_load_n(&robot.internal.sequence, __ATOMIC_RELAXED) & 1U;
         while (!jp_robot_telemetry(&robot, &telemetry)) {
         }
         torn += telemetry.tick + telemetry.segment_ticks_left != sum;
@@ -106,7 +106,7 @@ static void test_motors_are_of_one_tick(void)
     atomic_store(&stop, false);
     TEST_ASSERT_EQUAL_INT(0, pthread_create(&thread, NULL, keep_ticking, NULL));
     for (unsigned long i = 0; i < count || driven < TICKS_MIN || within < WITHIN_MIN; i++) {
-        within += __atomic_load_n(&robot.sequence, __ATOMIC_RELAXED) & 1U;
+        within += __atomic_load_n(&robot.internal.sequence, __ATOMIC_RELAXED) & 1U;
         while (!jp_robot_motors(&robot, &sample)) {
         }
         torn += sample.current_left != jp_q16_divide(sample.voltages.left, config.monitor.motor_resistance);

@@ -103,7 +103,7 @@ static void drive_rig(const struct robot_entry *entry, const struct robot_file *
             TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&rig.robot, &segments[tick == 5000]));
         }
         TEST_ASSERT_EQUAL_INT(JP_OK, rig_tick(&rig));
-        trace->voltages[tick] = rig.robot.telemetry.voltages;
+        trace->voltages[tick] = jp_robot_last_tick(&rig.robot)->voltages;
         trace->sign_changes += (rig.world.last_read.encoder_left ^ before) >> 31;
         before = rig.world.last_read.encoder_left;
     }

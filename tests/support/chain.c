@@ -44,10 +44,10 @@ static bool drive_tick(struct rig *rig, struct chain_record *record)
 {
     const struct world *world = &rig->world;
     const struct plant_ledger before = world->plant.ledger;
-    const uint32_t saturated = rig->robot.telemetry.saturated_ticks;
+    const uint32_t saturated = jp_robot_last_tick(&rig->robot)->saturated_ticks;
 
     (void)rig_tick(rig);
-    if (rig->robot.telemetry.state != JP_ROBOT_DRIVING) {
+    if (jp_robot_state_now(&rig->robot) != JP_ROBOT_DRIVING) {
         return false;
     }
 
@@ -59,7 +59,7 @@ static bool drive_tick(struct rig *rig, struct chain_record *record)
     record->electrical += electrical;
     record->charge += (electrical + electronics) / world->bus_voltage;
     record->bus_voltage += (world->bus_voltage - record->bus_voltage) / record->ticks;
-    record->saturated_ticks += rig->robot.telemetry.saturated_ticks - saturated;
+    record->saturated_ticks += jp_robot_last_tick(&rig->robot)->saturated_ticks - saturated;
     return true;
 }
 
@@ -71,10 +71,10 @@ static double joules(jp_energy energy)
 /** In the tick after the segment's last one, in which the robot meters that one; `start`: likewise after its first. */
 static void close_record(const struct rig *rig, const struct jp_meter *start, struct chain_record *record)
 {
-    const struct jp_tick_telemetry *telemetry = &rig->robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&rig->robot);
 
-    record->model = joules(rig->robot.meter.model - start->model);
-    record->battery = joules(rig->robot.meter.battery - start->battery);
+    record->model = joules(jp_robot_meter(&rig->robot)->model - start->model);
+    record->battery = joules(jp_robot_meter(&rig->robot)->battery - start->battery);
     record->faults = telemetry->faults;
     if (telemetry->state == JP_ROBOT_FALLEN) {
         record->end = CHAIN_FELL;
@@ -101,8 +101,8 @@ static double volts(jp_q16 voltage)
 static struct chain_state state_of(const struct rig *rig)
 {
     const struct plant *plant = &rig->world.plant;
-    const struct jp_reference *reference = &rig->robot.reference;
-    const struct jp_tick_telemetry *telemetry = &rig->robot.telemetry;
+    const struct jp_reference *reference = jp_robot_reference(&rig->robot);
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&rig->robot);
     const double integral_unit = RADIANS_PER_TURN / JP_Q24_ONE * world_tick_seconds(&rig->world);
 
     return (struct chain_state){
@@ -117,8 +117,8 @@ static struct chain_state state_of(const struct rig *rig)
         .voltage_right = volts(telemetry->voltages.right),
         .wheel_error = phase_radians(reference->wheel.angle, telemetry->motion.wheel),
         .yaw_error = phase_radians(reference->yaw.angle, telemetry->motion.yaw),
-        .wheel_integral = (double)rig->robot.lqr.wheel_integral * integral_unit,
-        .yaw_integral = (double)rig->robot.lqr.yaw_integral * integral_unit,
+        .wheel_integral = (double)rig->robot.internal.lqr.wheel_integral * integral_unit,
+        .yaw_integral = (double)rig->robot.internal.lqr.yaw_integral * integral_unit,
         .reference_wheel_rate = radians(reference->wheel.rate),
         .reference_yaw_rate = radians(reference->yaw.rate),
         .wheel_lag = phase_radians(reference->wheel.target, reference->wheel.angle),
@@ -141,7 +141,7 @@ static bool drive_on(struct rig *rig, struct chain_record *record)
 size_t chain_run(struct rig *rig, struct chain_record *records, size_t count, const struct chain_change *change)
 {
     struct chain_record *open = records;
-    struct jp_meter start = rig->robot.meter;
+    struct jp_meter start = *jp_robot_meter(&rig->robot);
     bool driving = true;
 
     rig_release(rig, 0);
@@ -154,7 +154,7 @@ size_t chain_run(struct rig *rig, struct chain_record *records, size_t count, co
         close_record(rig, &start, open);
         if (driving) {
             open = &records[i];
-            start = rig->robot.meter;
+            start = *jp_robot_meter(&rig->robot);
             if (i + 1 < count) {
                 hand_over(rig, &records[i + 1]);
             }

@@ -84,7 +84,7 @@ static void note_saturation(struct run *run, bool normal)
 static void keep_books(struct run *run)
 {
     struct trial *trial = run->trial;
-    const struct jp_tick_telemetry *telemetry = &run->rig.robot.telemetry;
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&run->rig.robot);
     bool normal = run->rig.world.tick > run->normal_at;
     double pitch = telemetry->motion.pitch / TURN_Q24 * 360;
 
@@ -106,7 +106,7 @@ static void keep_books(struct run *run)
 static bool goes_on(struct run *run)
 {
     struct trial *trial = run->trial;
-    enum jp_robot_state state = run->rig.robot.telemetry.state;
+    enum jp_robot_state state = jp_robot_state_now(&run->rig.robot);
 
     if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
         trial->end = TRIAL_FELL;
@@ -116,7 +116,7 @@ static bool goes_on(struct run *run)
         trial->end = TRIAL_LATE;
         return false;
     }
-    if (state == JP_ROBOT_DRIVING || run->rig.robot.telemetry.segments_ended < trial->target_count) {
+    if (state == JP_ROBOT_DRIVING || jp_robot_last_tick(&run->rig.robot)->segments_ended < trial->target_count) {
         return true;
     }
     return run->stands_for++ < ticks_of(run, TRIAL_RECOVERY);

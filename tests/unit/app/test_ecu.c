@@ -101,7 +101,7 @@ void tearDown(void)
 
 static bool give_sample(void)
 {
-    const struct jp_voltages *voltages = &ecu.robot.telemetry.voltages;
+    const struct jp_voltages *voltages = &jp_robot_last_tick(&ecu.robot)->voltages;
     struct jp_can_frame frames[JP_SAMPLE_PARTS];
     bool complete = false;
 
@@ -173,7 +173,7 @@ static void expect_state(enum jp_robot_state state)
 {
     const bool on = state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
 
-    TEST_ASSERT_EQUAL_INT(state, ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(state, jp_robot_state_now(&ecu.robot));
     TEST_ASSERT_EQUAL_UINT8(on ? 1 : 0, bus.actuation.enabled);
 }
 
@@ -244,7 +244,7 @@ static void test_before_the_first_sample_it_only_reports(void)
     TEST_ASSERT_EQUAL_UINT(0, bus.commands);
     TEST_ASSERT_EQUAL_UINT16(10, bus.counts[0]);
     TEST_ASSERT_EQUAL_UINT16(50, bus.counts[4]);
-    TEST_ASSERT_EQUAL_HEX16(0, ecu.robot.telemetry.faults);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
     TEST_ASSERT_EQUAL_UINT16(0, ecu.samples.lost);
     TEST_ASSERT_NULL(jp_retained_newest(&retained));
 }
@@ -277,7 +277,7 @@ static void test_from_idle_over_a_route_to_its_end(void)
     }
     expect_route(JP_ROUTE_DONE, JP_REASON_NONE);
     expect_state(JP_ROBOT_BALANCING);
-    TEST_ASSERT_EQUAL_UINT16(2, ecu.robot.telemetry.segments_ended);
+    TEST_ASSERT_EQUAL_UINT16(2, jp_robot_last_tick(&ecu.robot)->segments_ended);
     for (unsigned kind = 0xA; kind <= 0xD; kind++) { /* plan and result of each segment */
         TEST_ASSERT_EQUAL_UINT16(2, bus.counts[kind]);
         TEST_ASSERT_EQUAL_UINT8(2, bus.last[kind][0]);
@@ -288,7 +288,7 @@ static void test_from_idle_over_a_route_to_its_end(void)
     expect_state(JP_ROBOT_BALANCING);
     hold(JP_MODE_OFF, 0, 3);
     expect_state(JP_ROBOT_IDLE);
-    TEST_ASSERT_EQUAL_HEX16(0, ecu.robot.telemetry.faults);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
     TEST_ASSERT_LESS_OR_EQUAL_UINT(4, bus.most_in_a_tick);
 }
 
@@ -342,7 +342,7 @@ static void test_off_switches_off_from_driving(void)
 static void test_a_fall_ends_the_route(void)
 {
     make_driving();
-    ecu.robot.estimator.pitch = JP_PHASE_TURN / 8;
+    ecu.robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     run(2);
     expect_state(JP_ROBOT_FALLEN);
     expect_route(JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
@@ -350,11 +350,11 @@ static void test_a_fall_ends_the_route(void)
     expect_state(JP_ROBOT_FALLEN);
     expect_refused(3, JP_REFUSAL_FALLEN);
     hold(JP_MODE_OFF, 0, 3);
-    ecu.robot.estimator.pitch = JP_PHASE_TURN / 8;
+    ecu.robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     hold(JP_MODE_STAND, 0, 1);
     expect_state(JP_ROBOT_IDLE);
     expect_refused(4, JP_REFUSAL_NOT_UPRIGHT);
-    ecu.robot.estimator.pitch = 0;
+    ecu.robot.internal.estimator.pitch = 0;
     hold(JP_MODE_STAND, 0, 2);
     expect_state(JP_ROBOT_BALANCING);
     expect_refused(4, JP_REFUSAL_NONE);
@@ -416,12 +416,12 @@ static void test_a_route_that_cannot_be_planned_stops_with_the_reason(void)
 static void test_a_late_plan_is_not_the_end_of_the_route(void)
 {
     make_driving();
-    for (int i = 0; i < 10000 && ecu.robot.telemetry.state == JP_ROBOT_DRIVING; i++) {
+    for (int i = 0; i < 10000 && jp_robot_state_now(&ecu.robot) == JP_ROBOT_DRIVING; i++) {
         (void)give_sample(); /* the background is busy */
         tick();
     }
     expect_state(JP_ROBOT_BALANCING);
-    TEST_ASSERT_EQUAL_UINT16(1, ecu.robot.telemetry.segments_ended);
+    TEST_ASSERT_EQUAL_UINT16(1, jp_robot_last_tick(&ecu.robot)->segments_ended);
     ecu.worked_tick = ecu.tick; /* not so long that the operator counts as lost */
     jp_ecu_work(&ecu);
     expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
@@ -707,7 +707,7 @@ static void test_samples_may_stay_away_for_the_hold_ticks(void)
         expect_state(JP_ROBOT_BALANCING);
     }
     TEST_ASSERT_EQUAL_UINT16(5U * JP_SAMPLE_HOLD_TICKS, ecu.samples.lost);
-    TEST_ASSERT_EQUAL_HEX16(0, ecu.robot.telemetry.faults);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
 }
 
 static void test_samples_that_stay_away_longer_are_a_fault(void)
@@ -717,7 +717,7 @@ static void test_samples_that_stay_away_longer_are_a_fault(void)
     expect_state(JP_ROBOT_BALANCING);
     run_without_samples(1);
     expect_state(JP_ROBOT_FAULT);
-    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, ecu.robot.telemetry.faults);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, jp_robot_last_tick(&ecu.robot)->faults);
     hold(JP_MODE_STAND, 0, 3);
     expect_state(JP_ROBOT_FAULT);
     hold(JP_MODE_OFF, 0, 3);
@@ -738,15 +738,15 @@ static void test_samples_that_come_back_after_off_are_taken_as_they_are(void)
         command(JP_MODE_OFF, 0);
         run_without_samples(100);
     }
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&ecu.robot));
     sensors.encoder_left += 5000;
     run(1);
-    TEST_ASSERT_EQUAL_UINT32(105000, ecu.robot.estimator.encoder_left);
-    TEST_ASSERT_EQUAL_UINT32(90000, ecu.robot.estimator.encoder_right);
+    TEST_ASSERT_EQUAL_UINT32(105000, ecu.robot.internal.estimator.encoder_left);
+    TEST_ASSERT_EQUAL_UINT32(90000, ecu.robot.internal.estimator.encoder_right);
     run(100);
     expect_state(JP_ROBOT_IDLE);
-    TEST_ASSERT_EQUAL_HEX16(0, ecu.robot.telemetry.faults);
-    TEST_ASSERT_EQUAL_INT32(0, ecu.robot.telemetry.motion.wheel_rate);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_EQUAL_INT32(0, jp_robot_last_tick(&ecu.robot)->motion.wheel_rate);
 }
 
 static void check_refusals(enum jp_status answer)
@@ -761,14 +761,14 @@ static void check_refusals(enum jp_status answer)
     TEST_ASSERT_GREATER_OR_EQUAL_UINT16(JP_SAMPLE_HOLD_TICKS, ecu.send_errors);
     run(100);
     expect_state(JP_ROBOT_BALANCING);
-    TEST_ASSERT_EQUAL_HEX16(0, ecu.robot.telemetry.faults);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
 
     bus.answer = answer;
     run(JP_SAMPLE_HOLD_TICKS + config.monitor.confirm_ticks);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
     run(1); /* what was not written shows in the tick after */
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, ecu.robot.telemetry.state);
-    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, ecu.robot.telemetry.faults);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, jp_robot_last_tick(&ecu.robot)->faults);
 }
 
 static void test_the_bus_may_refuse_frames_for_the_hold_ticks_and_longer_is_a_fault(void)
@@ -819,7 +819,7 @@ static void test_a_reset_in_motion_balances_from_the_first_sample_on(void)
     struct jp_point position;
 
     make_driving();
-    position = jp_odometry_position(&ecu.robot.odometry);
+    position = jp_robot_position(&ecu.robot);
     reset();
     TEST_ASSERT_EQUAL_UINT32(1, ecu.resets);
     expect_operator(JP_OPERATOR_LOST, JP_MODE_STAND);
@@ -828,10 +828,10 @@ static void test_a_reset_in_motion_balances_from_the_first_sample_on(void)
     (void)give_sample();
     TEST_ASSERT_TRUE(give_sample());
     tick();
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
     TEST_ASSERT_EQUAL_UINT(1, bus.commands);
-    TEST_ASSERT_INT32_WITHIN(8, position.x, jp_odometry_position(&ecu.robot.odometry).x);
-    TEST_ASSERT_INT32_WITHIN(8, position.y, jp_odometry_position(&ecu.robot.odometry).y);
+    TEST_ASSERT_INT32_WITHIN(8, position.x, jp_robot_position(&ecu.robot).x);
+    TEST_ASSERT_INT32_WITHIN(8, position.y, jp_robot_position(&ecu.robot).y);
     run(1000);
     expect_state(JP_ROBOT_BALANCING);
     expect_operator(JP_OPERATOR_LOST, JP_MODE_STAND);
@@ -908,7 +908,7 @@ static bool goes_on_from(void (*change)(struct jp_snapshot *))
     reset();
     TEST_ASSERT_EQUAL_UINT32(5, ecu.resets);
     run(3);
-    balancing = ecu.robot.telemetry.state == JP_ROBOT_BALANCING;
+    balancing = jp_robot_state_now(&ecu.robot) == JP_ROBOT_BALANCING;
     expect_operator(balancing ? JP_OPERATOR_LOST : JP_OPERATOR_NONE, balancing ? JP_MODE_STAND : JP_MODE_OFF);
     expect_state(balancing ? JP_ROBOT_BALANCING : JP_ROBOT_IDLE);
     return balancing;
@@ -963,13 +963,13 @@ static void test_a_reset_keeps_pose_beyond_the_range_of_a_sample(void)
     jp_sample_link_resume(&ecu.samples, far, 0);
     sensors.encoder_left = far;
     make_balancing();
-    TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.estimator.encoder_left);
+    TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.internal.estimator.encoder_left);
     jp_robot_telemetry(&ecu.robot, &before);
     reset();
     run(3);
-    TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.estimator.encoder_left);
-    TEST_ASSERT_EQUAL_INT32(before.position.x, jp_odometry_position(&ecu.robot.odometry).x);
-    TEST_ASSERT_EQUAL_UINT64(before.motion.yaw, ecu.robot.telemetry.motion.yaw);
+    TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.internal.estimator.encoder_left);
+    TEST_ASSERT_EQUAL_INT32(before.position.x, jp_robot_position(&ecu.robot).x);
+    TEST_ASSERT_EQUAL_UINT64(before.motion.yaw, jp_robot_last_tick(&ecu.robot)->motion.yaw);
 }
 
 /* Learning */
@@ -1074,7 +1074,7 @@ static void test_each_segment_of_a_route_is_taken_and_told(void)
     learn(JP_STORED_NOTHING);
     make_driving();
     for (uint16_t segment = 1; segment <= 2; segment++) {
-        while (ecu.robot.telemetry.segments_ended < segment) {
+        while (jp_robot_last_tick(&ecu.robot)->segments_ended < segment) {
             hold(JP_MODE_DRIVE, 7, 1);
         }
         run(5);

@@ -27,7 +27,7 @@ static uint8_t command_counter;
 static enum jp_status read_board(void *context, struct jp_sensors *sensors)
 {
     struct board *from = context;
-    const struct jp_voltages *voltages = &ecu.robot.telemetry.voltages;
+    const struct jp_voltages *voltages = &jp_robot_last_tick(&ecu.robot)->voltages;
 
     from->reads++;
     from->sensors.current_left = jp_q16_divide(voltages->left, config.monitor.motor_resistance);
@@ -109,7 +109,7 @@ static void stand_up(void)
 
 static void expect(enum jp_robot_state state, uint8_t enabled)
 {
-    TEST_ASSERT_EQUAL_INT(state, ecu.robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(state, jp_robot_state_now(&ecu.robot));
     TEST_ASSERT_EQUAL_UINT8(enabled, board.actuation.enabled);
 }
 
@@ -149,8 +149,8 @@ static void test_samples_on_the_bus_mean_nothing(void)
         (void)jp_ecu_accept(&ecu, &frames[part]);
     }
     run(1);
-    TEST_ASSERT_EQUAL_UINT32(0, ecu.robot.monitor.good.encoder_left);
-    TEST_ASSERT_EQUAL_INT32(0, ecu.robot.monitor.good.pitch_rate);
+    TEST_ASSERT_EQUAL_UINT32(0, ecu.robot.internal.monitor.good.encoder_left);
+    TEST_ASSERT_EQUAL_INT32(0, ecu.robot.internal.monitor.good.pitch_rate);
 }
 
 static void test_sensors_that_do_not_answer_switch_off(void)
@@ -159,7 +159,7 @@ static void test_sensors_that_do_not_answer_switch_off(void)
     board.read = JP_ERR_HARDWARE;
     run(config.monitor.confirm_ticks);
     expect(JP_ROBOT_FAULT, 0);
-    TEST_ASSERT_BITS(JP_FAULT_HARDWARE, JP_FAULT_HARDWARE, ecu.robot.telemetry.faults);
+    TEST_ASSERT_BITS(JP_FAULT_HARDWARE, JP_FAULT_HARDWARE, jp_robot_last_tick(&ecu.robot)->faults);
 }
 
 static void test_bridges_that_do_not_answer_switch_off(void)

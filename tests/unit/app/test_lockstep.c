@@ -218,7 +218,7 @@ static void test_tables_that_are_refused_are_not_tried_again(void)
     pass(1, 0, 0, 0);
     pass(2, 1, 0, 0);
     TEST_ASSERT_NULL(jp_ecu_learned_state(&lockstep.ecu));
-    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, lockstep.ecu.robot.model);
+    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, jp_robot_model(&lockstep.ecu.robot));
 }
 
 static void test_off_the_bus_nothing_arrives_and_nothing_leaves_but_the_answer(void)

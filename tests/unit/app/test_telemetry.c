@@ -12,7 +12,7 @@
 static struct jp_robot_config config;
 static struct jp_ecu ecu;
 static struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX];
-static struct jp_tick_telemetry *const telemetry = &ecu.robot.telemetry;
+static struct jp_tick_telemetry *const telemetry = &ecu.robot.internal.telemetry;
 
 static enum jp_status swallow(void *context, const struct jp_can_frame *frame)
 {
@@ -133,7 +133,7 @@ static void test_route_status_shows_the_driven_route(void)
     ecu.routes.received = 2;
     ecu.routes.state = JP_ROUTE_STOPPED;
     ecu.routes.reason = JP_REASON_PLAN;
-    ecu.robot.route_status = JP_ERR_ZERO_LENGTH;
+    ecu.robot.internal.route_status = JP_ERR_ZERO_LENGTH;
     telemetry->segment = 1;
     telemetry->segments_ended = 1;
     EXPECT_FRAME(0x183, 0x07, 0x46, 0x02, 0x03, 0x01, 0x01, 0xFC, 0x00);
@@ -167,12 +167,12 @@ static void test_route_status_shows_the_offered_route_until_it_is_driven(void)
 
 static void test_pose(void)
 {
-    ecu.robot.odometry.x = -70000 * ((int64_t)1 << 16);
-    ecu.robot.odometry.y = INT64_MAX;
+    ecu.robot.internal.odometry.x = -70000 * ((int64_t)1 << 16);
+    ecu.robot.internal.odometry.y = INT64_MAX;
     telemetry->motion.yaw = 7 * JP_PHASE_TURN - JP_PHASE_TURN / 4;
     EXPECT_FRAME(0x184, 0x90, 0xEE, 0xFE, 0xFF, 0xFF, 0xFF, 0x07, 0xC0);
-    ecu.robot.odometry.x = INT64_MIN;
-    ecu.robot.odometry.y = 0;
+    ecu.robot.internal.odometry.x = INT64_MIN;
+    ecu.robot.internal.odometry.y = 0;
     telemetry->motion.yaw = 0;
     EXPECT_FRAME(0x184, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x00);
 }
@@ -188,9 +188,9 @@ static void test_motion(void)
 
 static void test_reference(void)
 {
-    ecu.robot.reference.wheel.rate = JP_Q24(0.5);
-    ecu.robot.reference.yaw.rate = INT32_MIN;
-    ecu.robot.reference.yaw.angle = JP_PHASE_TURN / 4;
+    ecu.robot.internal.reference.wheel.rate = JP_Q24(0.5);
+    ecu.robot.internal.reference.yaw.rate = INT32_MIN;
+    ecu.robot.internal.reference.yaw.angle = JP_PHASE_TURN / 4;
     telemetry->segment_ticks_left = 1500;
     EXPECT_FRAME(0x186, 0x00, 0x08, 0x00, 0x80, 0x00, 0x40, 0x60, 0x00);
     telemetry->segment_ticks_left = UINT32_MAX;
@@ -207,8 +207,8 @@ static void test_motors(void)
 
 static void test_energies(void)
 {
-    ecu.robot.meter.model = 0x0123456789ABCDEF;
-    ecu.robot.meter.battery = -2;
+    ecu.robot.internal.meter.model = 0x0123456789ABCDEF;
+    ecu.robot.internal.meter.battery = -2;
     EXPECT_FRAME(0x188, 0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01);
     EXPECT_FRAME(0x189, 0xFE, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF);
 }
@@ -241,7 +241,7 @@ static void test_the_energy_model_is_sent_one_parameter_after_the_other(void)
 static void announce(uint8_t segment)
 {
     ecu.plan = (struct jp_ecu_plan){.frames_left = 3, .segment = segment};
-    ecu.robot.planned =
+    ecu.robot.internal.planned =
         (struct jp_segment){.command = {{JP_Q24(8), -JP_Q24(8)}, -23425413, JP_Q16(2)}, .energy = -JP_Q16(3)};
 }
 

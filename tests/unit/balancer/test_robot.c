@@ -34,8 +34,8 @@ void tearDown(void)
 
 static void tick_read(enum jp_status read)
 {
-    sensors.current_left = jp_q16_divide(robot.telemetry.voltages.left, config.monitor.motor_resistance);
-    sensors.current_right = jp_q16_divide(robot.telemetry.voltages.right, config.monitor.motor_resistance);
+    sensors.current_left = jp_q16_divide(robot.internal.telemetry.voltages.left, config.monitor.motor_resistance);
+    sensors.current_right = jp_q16_divide(robot.internal.telemetry.voltages.right, config.monitor.motor_resistance);
     jp_robot_tick(&robot, read, &sensors, &actuation);
 }
 
@@ -96,7 +96,7 @@ static void make_driving(void)
 static void make_fallen(void)
 {
     make_balancing();
-    robot.estimator.pitch = JP_PHASE_TURN / 8;
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     run(1);
     expect_state(JP_ROBOT_FALLEN);
 }
@@ -191,14 +191,14 @@ static void test_enable_needs_a_frame(void)
 static void test_enable_is_refused_when_tilted(void)
 {
     run(1);
-    robot.estimator.pitch = (jp_phase)(uint32_t)config.monitor.tilt_limit << 32;
-    robot.estimator.pitch += (jp_phase)1 << 44; /* levelling takes less in a tick */
+    robot.internal.estimator.pitch = (jp_phase)(uint32_t)config.monitor.tilt_limit << 32;
+    robot.internal.estimator.pitch += (jp_phase)1 << 44; /* levelling takes less in a tick */
     run(1);
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_robot_enable(&robot));
-    robot.estimator.pitch = 0 - robot.estimator.pitch;
+    robot.internal.estimator.pitch = 0 - robot.internal.estimator.pitch;
     run(1);
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_robot_enable(&robot));
-    robot.estimator.pitch = 3 * JP_PHASE_TURN; /* rolled over on its way back */
+    robot.internal.estimator.pitch = 3 * JP_PHASE_TURN; /* rolled over on its way back */
     run(1);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_enable(&robot));
     run(1);
@@ -250,7 +250,7 @@ static void test_disable_leads_to_idle_from_every_state(void)
     disable();
     setUp();
     make_fallen();
-    robot.estimator.pitch = 0;
+    robot.internal.estimator.pitch = 0;
     run(1);
     disable();
 }
@@ -274,12 +274,12 @@ static void test_falls_from_balancing_and_driving_both_ways(void)
     make_fallen();
     setUp();
     make_driving();
-    robot.estimator.pitch = 0 - JP_PHASE_TURN / 8;
+    robot.internal.estimator.pitch = 0 - JP_PHASE_TURN / 8;
     run(1);
     expect_state(JP_ROBOT_FALLEN);
     TEST_ASSERT_EQUAL_UINT32(0, telemetry().segment_ticks_left);
     TEST_ASSERT_EQUAL_UINT16(0, telemetry().faults);
-    robot.estimator.pitch = 0; /* upright again: it stays off */
+    robot.internal.estimator.pitch = 0; /* upright again: it stays off */
     run(100);
     expect_state(JP_ROBOT_FALLEN);
 }
@@ -287,7 +287,7 @@ static void test_falls_from_balancing_and_driving_both_ways(void)
 static void test_idle_does_not_fall(void)
 {
     run(1);
-    robot.estimator.pitch = JP_PHASE_TURN / 8;
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     run(10);
     expect_state(JP_ROBOT_IDLE);
 }
@@ -466,11 +466,11 @@ static void test_segment_steps_the_reference(void)
     run(1);
     TEST_ASSERT_INT32_WITHIN(2000, JP_Q24(0.15915494309189535), jp_phase_difference(telemetry().target_yaw, heading));
     TEST_ASSERT_EQUAL_INT32(jp_q24_multiply(JP_Q24(0.5), config.reference.turns_per_metre),
-                            robot.reference.wheel.target_rate);
+                            robot.internal.reference.wheel.target_rate);
     run(500);
     expect_state(JP_ROBOT_BALANCING);
-    TEST_ASSERT_EQUAL_INT32(0, robot.reference.wheel.target_rate);
-    TEST_ASSERT_EQUAL_INT32(0, robot.reference.yaw.target_rate);
+    TEST_ASSERT_EQUAL_INT32(0, robot.internal.reference.wheel.target_rate);
+    TEST_ASSERT_EQUAL_INT32(0, robot.internal.reference.yaw.target_rate);
     /* σ + w T = 1.1 rad */
     TEST_ASSERT_INT32_WITHIN(200, JP_Q24(0.17507043740108488), jp_phase_difference(telemetry().target_yaw, heading));
 }
@@ -514,8 +514,8 @@ static void test_counts_restart_when_the_robot_stood(void)
     run(1);
     TEST_ASSERT_EQUAL_UINT16(1, telemetry().segment);
     TEST_ASSERT_EQUAL_UINT16(0, telemetry().segments_ended);
-    robot.telemetry.segment = UINT16_MAX;
-    robot.telemetry.segments_ended = UINT16_MAX;
+    robot.internal.telemetry.segment = UINT16_MAX;
+    robot.internal.telemetry.segments_ended = UINT16_MAX;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&robot, &one_second));
     run(RATE);
     TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, telemetry().segment);
@@ -531,7 +531,7 @@ static void test_stop_stands_at_once_and_drops_the_waiting_segment(void)
     expect_state(JP_ROBOT_BALANCING);
     run(2 * RATE);
     expect_state(JP_ROBOT_BALANCING);
-    TEST_ASSERT_EQUAL_INT32(0, robot.reference.wheel.target_rate);
+    TEST_ASSERT_EQUAL_INT32(0, robot.internal.reference.wheel.target_rate);
 }
 
 static void test_drive_after_stop_is_driven(void)
@@ -550,10 +550,10 @@ static void test_nothing_waits_over_a_disable(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&robot, &one_second));
     disable(); /* balancing again, and stays so */
 
-    robot.next_full = 1; /* handed over while the tick switched off */
+    robot.internal.next_full = 1; /* handed over while the tick switched off */
     jp_robot_disable(&robot);
     run(2);
-    robot.next_full = 1;
+    robot.internal.next_full = 1;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_enable(&robot));
     run(5);
     expect_state(JP_ROBOT_BALANCING);
@@ -583,14 +583,14 @@ static void test_route_is_driven_to_its_end(void)
     run(1);
     expect_state(JP_ROBOT_DRIVING);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(1, robot.route_planned); /* the next one when this one nears its end */
+    TEST_ASSERT_EQUAL_UINT16(1, robot.internal.route_planned); /* the next one when this one nears its end */
 
     uint32_t left = telemetry().segment_ticks_left;
 
     work(left - 100U);
-    TEST_ASSERT_EQUAL_UINT16(1, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(1, robot.internal.route_planned);
     work(102);
-    TEST_ASSERT_EQUAL_UINT16(2, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(2, robot.internal.route_planned);
     TEST_ASSERT_EQUAL_UINT16(2, telemetry().segment);
     work(telemetry().segment_ticks_left + 1U);
     expect_state(JP_ROBOT_BALANCING);
@@ -660,11 +660,11 @@ static void test_a_fall_forgets_the_route(void)
     make_balancing();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_follow(&robot, route, 2));
     work(1);
-    robot.estimator.pitch = JP_PHASE_TURN / 8;
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     work(1);
     expect_state(JP_ROBOT_FALLEN);
     work(1);
-    robot.estimator.pitch = 0;
+    robot.internal.estimator.pitch = 0;
     run(1);
     disable();
     work(RATE);
@@ -679,10 +679,10 @@ static void test_follow_replaces_the_waiting_segment(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_follow(&robot, route, 2));
     work(1);
     work(telemetry().segment_ticks_left - 50U);
-    TEST_ASSERT_EQUAL_UINT16(2, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(2, robot.internal.route_planned);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_follow(&robot, &other, 1));
     work(1);
-    TEST_ASSERT_EQUAL_UINT16(1, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(1, robot.internal.route_planned);
     work(60);
     TEST_ASSERT_EQUAL_UINT16(2, telemetry().segment);
     work(telemetry().segment_ticks_left + 5U);
@@ -694,49 +694,49 @@ static void test_follow_replaces_the_waiting_segment(void)
 
 static void test_telemetry_is_consistent(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(0, robot.sequence);
+    TEST_ASSERT_EQUAL_UINT32(0, robot.internal.sequence);
     run(1);
-    TEST_ASSERT_EQUAL_UINT32(2, robot.sequence);
-    robot.sequence = UINT32_MAX - 1U;
+    TEST_ASSERT_EQUAL_UINT32(2, robot.internal.sequence);
+    robot.internal.sequence = UINT32_MAX - 1U;
     run(1);
-    TEST_ASSERT_EQUAL_UINT32(0, robot.sequence);
+    TEST_ASSERT_EQUAL_UINT32(0, robot.internal.sequence);
     make_driving();
 
     struct jp_telemetry copy = telemetry();
 
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, copy.state);
-    TEST_ASSERT_EQUAL_UINT32(robot.telemetry.tick, copy.tick);
-    TEST_ASSERT_EQUAL_MEMORY(&robot.telemetry.motion, &copy.motion, sizeof copy.motion);
-    TEST_ASSERT_EQUAL_INT32(robot.telemetry.voltages.left, copy.voltages.left);
-    TEST_ASSERT_EQUAL_INT32(robot.telemetry.voltages.right, copy.voltages.right);
-    TEST_ASSERT_EQUAL_UINT32(robot.telemetry.segment_ticks_left, copy.segment_ticks_left);
+    TEST_ASSERT_EQUAL_UINT32(robot.internal.telemetry.tick, copy.tick);
+    TEST_ASSERT_EQUAL_MEMORY(&robot.internal.telemetry.motion, &copy.motion, sizeof copy.motion);
+    TEST_ASSERT_EQUAL_INT32(robot.internal.telemetry.voltages.left, copy.voltages.left);
+    TEST_ASSERT_EQUAL_INT32(robot.internal.telemetry.voltages.right, copy.voltages.right);
+    TEST_ASSERT_EQUAL_UINT32(robot.internal.telemetry.segment_ticks_left, copy.segment_ticks_left);
     TEST_ASSERT_EQUAL_UINT16(1, copy.segment);
-    TEST_ASSERT_EQUAL_INT32(robot.reference.wheel.rate, copy.reference_wheel_rate);
-    TEST_ASSERT_EQUAL_UINT64(robot.reference.wheel.target, copy.target_wheel);
-    TEST_ASSERT_EQUAL_INT32(jp_odometry_position(&robot.odometry).x, copy.position.x);
-    TEST_ASSERT_EQUAL_UINT64(robot.reference.wheel.angle, copy.reference_wheel);
-    TEST_ASSERT_EQUAL_UINT64(robot.reference.yaw.angle, copy.reference_yaw);
-    TEST_ASSERT_EQUAL_UINT64(robot.reference.yaw.target, copy.target_yaw);
-    TEST_ASSERT_EQUAL_INT64(robot.meter.model, copy.energy_model);
-    TEST_ASSERT_EQUAL_INT64(robot.meter.battery, copy.energy_battery);
+    TEST_ASSERT_EQUAL_INT32(robot.internal.reference.wheel.rate, copy.reference_wheel_rate);
+    TEST_ASSERT_EQUAL_UINT64(robot.internal.reference.wheel.target, copy.target_wheel);
+    TEST_ASSERT_EQUAL_INT32(jp_odometry_position(&robot.internal.odometry).x, copy.position.x);
+    TEST_ASSERT_EQUAL_UINT64(robot.internal.reference.wheel.angle, copy.reference_wheel);
+    TEST_ASSERT_EQUAL_UINT64(robot.internal.reference.yaw.angle, copy.reference_yaw);
+    TEST_ASSERT_EQUAL_UINT64(robot.internal.reference.yaw.target, copy.target_yaw);
+    TEST_ASSERT_EQUAL_INT64(robot.internal.meter.model, copy.energy_model);
+    TEST_ASSERT_EQUAL_INT64(robot.internal.meter.battery, copy.energy_battery);
 }
 
 static void test_duty_is_the_share_of_the_bus(void)
 {
     make_balancing();
-    robot.estimator.pitch = JP_PHASE_TURN / 100;
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 100;
     run(1);
     TEST_ASSERT_TRUE(telemetry().voltages.left != 0);
     TEST_ASSERT_EQUAL_INT32(jp_divide((int64_t)telemetry().voltages.left * ((int64_t)1 << 31), JP_Q16(24)),
                             actuation.duty_left);
-    robot.estimator.pitch = JP_PHASE_TURN / 10; /* below the tilt limit, above the supply */
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 10; /* below the tilt limit, above the supply */
     sensors.bus_voltage = JP_Q16(20);
     run(1);
     TEST_ASSERT_EQUAL_INT32(JP_Q16(20), telemetry().voltages.left);
     TEST_ASSERT_EQUAL_INT32(JP_Q31_MAX, actuation.duty_left);
     TEST_ASSERT_EQUAL_INT32(JP_Q31_MAX, actuation.duty_right);
     TEST_ASSERT_EQUAL_UINT32(1, telemetry().saturated_ticks);
-    robot.telemetry.saturated_ticks = UINT32_MAX;
+    robot.internal.telemetry.saturated_ticks = UINT32_MAX;
     run(1);
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, telemetry().saturated_ticks);
 }
@@ -758,7 +758,7 @@ static void test_duties_are_rounded_at_every_voltage(void)
 
         sensors.bus_voltage = JP_Q16(1000) >> (random >> 28);
         sensors.bus_voltage -= (jp_q16)(random & 0xFFFFU) % sensors.bus_voltage;
-        robot.estimator.pitch = (jp_phase)(int64_t)(int32_t)random << 20;
+        robot.internal.estimator.pitch = (jp_phase)(int64_t)(int32_t)random << 20;
         run(1);
         TEST_ASSERT_EQUAL_INT32(share(telemetry().voltages.left), actuation.duty_left);
         TEST_ASSERT_EQUAL_INT32(share(telemetry().voltages.right), actuation.duty_right);
@@ -811,8 +811,8 @@ static void expect_snapshot(bool balancing)
 {
     jp_robot_snapshot(&robot, &snapshot);
     TEST_ASSERT_EQUAL_INT(balancing, snapshot.balancing);
-    TEST_ASSERT_EQUAL_MEMORY(&robot.estimator, &snapshot.estimator, sizeof snapshot.estimator);
-    TEST_ASSERT_EQUAL_MEMORY(&robot.odometry, &snapshot.odometry, sizeof snapshot.odometry);
+    TEST_ASSERT_EQUAL_MEMORY(&robot.internal.estimator, &snapshot.estimator, sizeof snapshot.estimator);
+    TEST_ASSERT_EQUAL_MEMORY(&robot.internal.odometry, &snapshot.odometry, sizeof snapshot.odometry);
 }
 
 static void test_a_snapshot_tells_whether_the_motors_ran(void)
@@ -914,25 +914,25 @@ static void test_a_resumed_robot_slows_down_from_its_speed(void)
     jp_q24 rate;
 
     make_balancing();
-    robot.estimator.wheel.rate = JP_Q24(0.5);
-    robot.estimator.yaw.rate = JP_Q24(-0.1);
+    robot.internal.estimator.wheel.rate = JP_Q24(0.5);
+    robot.internal.estimator.yaw.rate = JP_Q24(-0.1);
     reset();
-    robot.estimator.wheel.angle =
-        robot.estimator.wheel_encoder - jp_phase_step(JP_Q24(0.5), robot.estimator.phase_per_rate);
-    robot.estimator.yaw.angle =
-        robot.estimator.yaw_encoder + jp_phase_step(JP_Q24(0.1), robot.estimator.phase_per_rate);
+    robot.internal.estimator.wheel.angle =
+        robot.internal.estimator.wheel_encoder - jp_phase_step(JP_Q24(0.5), robot.internal.estimator.phase_per_rate);
+    robot.internal.estimator.yaw.angle =
+        robot.internal.estimator.yaw_encoder + jp_phase_step(JP_Q24(0.1), robot.internal.estimator.phase_per_rate);
     run(1);
     rate = telemetry().motion.wheel_rate;
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.5), rate);
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.005), rate, telemetry().reference_wheel_rate); /* a tick later */
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.005), telemetry().motion.yaw_rate, telemetry().reference_yaw_rate);
-    TEST_ASSERT_EQUAL_INT32(0, robot.reference.wheel.target_rate);
+    TEST_ASSERT_EQUAL_INT32(0, robot.internal.reference.wheel.target_rate);
 }
 
 static void test_a_robot_that_fell_during_the_reset_switches_off(void)
 {
     make_balancing();
-    robot.estimator.pitch = JP_PHASE_TURN / 8;
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     jp_robot_snapshot(&robot, &snapshot);
     reset();
     run(1);

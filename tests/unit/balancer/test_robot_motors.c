@@ -59,7 +59,7 @@ static void test_currents_come_with_the_voltages_that_drove_them(void)
 {
     enable();
     for (int i = 0; i < 20; i++) {
-        const struct jp_voltages applied = robot.telemetry.voltages;
+        const struct jp_voltages applied = robot.internal.telemetry.voltages;
 
         sensors.current_left = applied.left / 4;
         sensors.current_right = applied.right / 4;
@@ -71,7 +71,7 @@ static void test_currents_come_with_the_voltages_that_drove_them(void)
         TEST_ASSERT_EQUAL_INT32(applied.right, sample.voltages.right);
         TEST_ASSERT_EQUAL_INT32(sensors.current_left, sample.current_left);
         TEST_ASSERT_EQUAL_INT32(sensors.current_right, sample.current_right);
-        TEST_ASSERT_TRUE(i == 0 || applied.left != robot.telemetry.voltages.left);
+        TEST_ASSERT_TRUE(i == 0 || applied.left != robot.internal.telemetry.voltages.left);
     }
     TEST_ASSERT_TRUE(sample.wheel_rate > 0 && sample.yaw_rate > 0);
 }
@@ -99,7 +99,7 @@ static void test_counts_frames_that_fail_or_are_implausible(void)
         tick(JP_OK);
         TEST_ASSERT_EQUAL_UINT32(2U * (i + 1U), dropped());
     }
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, robot.telemetry.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, robot.internal.telemetry.state);
 }
 
 static void test_counts_anew_after_a_disable(void)

@@ -35,8 +35,8 @@ static void run(const struct jp_sensors *sensors, enum jp_status read, unsigned 
 {
     for (unsigned i = 0; i < ticks; i++) {
         struct jp_sensors frame = *sensors;
-        frame.current_left = jp_q16_divide(robot.telemetry.voltages.left, config.monitor.motor_resistance);
-        frame.current_right = jp_q16_divide(robot.telemetry.voltages.right, config.monitor.motor_resistance);
+        frame.current_left = jp_q16_divide(robot.internal.telemetry.voltages.left, config.monitor.motor_resistance);
+        frame.current_right = jp_q16_divide(robot.internal.telemetry.voltages.right, config.monitor.motor_resistance);
         jp_robot_tick(&robot, read, &frame, &actuation);
     }
 }
@@ -66,7 +66,7 @@ static void test_fault_before_the_request_is_seen(void)
 /* Written by hand, since jp_robot_enable() refuses before the first frame. */
 static void test_request_before_the_first_frame(void)
 {
-    robot.enable_requested = 1;
+    robot.internal.enable_requested = 1;
     run(&at_rest, JP_ERR_STATE, 1);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, telemetry().state);
     run(&at_rest, JP_OK, 3);
@@ -102,12 +102,12 @@ static void test_no_work_while_a_segment_waits(void)
 {
     follow_corner();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    const uint32_t planned = robot.route_planned;
-    const struct jp_next_segment waiting = robot.next;
+    const uint32_t planned = robot.internal.route_planned;
+    const struct jp_next_segment waiting = robot.internal.next;
     TEST_ASSERT_EQUAL_UINT32(1, planned);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT32(planned, robot.route_planned);
-    TEST_ASSERT_EQUAL_MEMORY(&waiting, &robot.next, sizeof waiting);
+    TEST_ASSERT_EQUAL_UINT32(planned, robot.internal.route_planned);
+    TEST_ASSERT_EQUAL_MEMORY(&waiting, &robot.internal.next, sizeof waiting);
     run(&at_rest, JP_OK, 1);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, telemetry().state);
 }
@@ -116,11 +116,11 @@ static void test_no_work_while_a_segment_waits(void)
 static void plan_second(void)
 {
     follow_corner();
-    for (unsigned i = 0; i < 100000 && robot.route_planned < 2U; i++) {
+    for (unsigned i = 0; i < 100000 && robot.internal.route_planned < 2U; i++) {
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
         run(&at_rest, JP_OK, 1);
     }
-    TEST_ASSERT_EQUAL_UINT32(2, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT32(2, robot.internal.route_planned);
     TEST_ASSERT_TRUE(telemetry().command.speed > 0);
 }
 
@@ -130,12 +130,12 @@ static void test_turn_without_a_tracker(void)
     config.reference.yaw_bandwidth = 0;
     init();
     plan_second();
-    const jp_q24 at_once = robot.planned.command.turn;
+    const jp_q24 at_once = robot.internal.planned.command.turn;
     config = jp_robot_courier24;
     config.monitor.freeze_ticks = 0;
     init();
     plan_second();
-    TEST_ASSERT_TRUE(at_once != robot.planned.command.turn);
+    TEST_ASSERT_TRUE(at_once != robot.internal.planned.command.turn);
 }
 
 static void test_null_is_refused(void)
@@ -165,11 +165,11 @@ static void test_within_a_tick_there_is_no_copy(void)
     TEST_ASSERT_FALSE(jp_robot_motors(&robot, &sample));
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&robot));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(0, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(0, robot.internal.route_planned);
     jp_robot_account(&robot);
     TEST_ASSERT_TRUE(jp_robot_telemetry(&robot, &copy));
     TEST_ASSERT_TRUE(jp_robot_motors(&robot, &sample));
     TEST_ASSERT_EQUAL_UINT32(tick + 6U, copy.tick);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(1, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(1, robot.internal.route_planned);
 }

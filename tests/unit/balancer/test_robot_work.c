@@ -47,14 +47,14 @@ static void tick(void)
     struct jp_actuation actuation;
     struct jp_sensors frame = at_rest;
 
-    frame.current_left = jp_q16_divide(robot.telemetry.voltages.left, config.monitor.motor_resistance);
-    frame.current_right = jp_q16_divide(robot.telemetry.voltages.right, config.monitor.motor_resistance);
+    frame.current_left = jp_q16_divide(robot.internal.telemetry.voltages.left, config.monitor.motor_resistance);
+    frame.current_right = jp_q16_divide(robot.internal.telemetry.voltages.right, config.monitor.motor_resistance);
     jp_robot_tick(&robot, JP_OK, &frame, &actuation);
 }
 
 static void fall(void)
 {
-    robot.estimator.pitch = JP_PHASE_TURN / 8;
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     tick();
 }
 
@@ -80,7 +80,7 @@ void tearDown(void)
 static void test_a_plan_is_handed_over(void)
 {
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(1, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(1, robot.internal.route_planned);
     tick();
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, jp_robot_state_now(&robot));
 }
@@ -90,20 +90,20 @@ static void test_a_fall_during_the_plan_is_no_failure_of_the_plan(void)
     meanwhile = fall;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_FALLEN, jp_robot_state_now(&robot));
-    TEST_ASSERT_EQUAL_UINT16(0, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(0, robot.internal.route_planned);
     meanwhile = nothing;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(0, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(0, robot.internal.route_planned);
 }
 
 static void test_a_plan_that_fails_is_told_until_the_next_route(void)
 {
     optimised = JP_ERR_INFEASIBLE;
     TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(0, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(0, robot.internal.route_planned);
     optimised = JP_OK;
     TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_robot_work(&robot));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_follow(&robot, route, 2));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(1, robot.route_planned);
+    TEST_ASSERT_EQUAL_UINT16(1, robot.internal.route_planned);
 }

@@ -429,7 +429,7 @@ static void test_fallen_while_driving(void)
     while (telemetry().segment == 0U) {
         work_and_tick();
     }
-    robot.estimator.pitch = JP_PHASE_TURN / 4;
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 4;
     tick();
     TEST_ASSERT_EQUAL_INT32(JP_ROBOT_FALLEN, telemetry().state);
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
@@ -552,7 +552,7 @@ static void test_question_of_a_robot_that_falls(void)
 {
     balance();
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 2));
-    robot.estimator.pitch = JP_PHASE_TURN / 4;
+    robot.internal.estimator.pitch = JP_PHASE_TURN / 4;
     tick();
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_answer(&pilot, &forecast));
