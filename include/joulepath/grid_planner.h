@@ -1,29 +1,30 @@
 /**
- * Shortest ways over an occupancy grid in one fixed block of memory: 8-neighbour A*, with or without jump points, and
- * any-angle ways by edge nodes with interpolated cost-to-go and line-of-sight shortcuts.
+ * Shortest paths over an occupancy grid in one fixed block of memory: 8-neighbour A*, with or without jump points, and
+ * any-angle paths from interpolated cost-to-go (Field D*) and line-of-sight shortcuts.
  *
- * The robot is a disc: a cell is free when the map is free nearer than `clearance` to its centre, so that off the
- * centres a way keeps up to 0.71 cells less. Ways start and end at centres of cells. Every cell counts the same.
+ * The robot is a disc: a cell is free when no blocked cell is nearer than `clearance` to its centre. Between the
+ * centres of cells a path therefore keeps up to 0.71 cells less. Paths start and end at centres of cells. A path costs
+ * its length.
  *
  *   steps   to the eight neighbours; a diagonal step needs both cells beside it free.
- *   lines   may run along borders and touch corners of blocked cells, but neither enter the open interior of a blocked
- *           cell, nor run between two blocked cells, nor touch a point where two blocked cells meet corner to corner,
- * even in the inner corner of a wall. All off the map is blocked.
+ *   lines   may run along the border of a blocked cell and touch its corners. They may not enter its interior, run
+ *           between two blocked cells, or touch a point where two blocked cells meet corner to corner, even in the
+ *           inner corner of a wall. Everything outside the map is blocked.
  *
- *   octile      8-neighbour A* with octile distances; the baseline.
- *   jump points the same optimum (Harabor and Grastien, AAAI 2011, without corner cutting): nodes of a straight run
- *               with no forced neighbour are not opened.
- *   any angle   the octile optimum by jump points, shortcut by line of sight; around it, within `tube` cells, the
- *               cost-to-go of every point of the edge between two neighbouring nodes is interpolated (Ferguson and
- *               Stentz, Field D*, 2006), its minimum for unit cost in closed form: g = g1 + √(1 − d²), d = g1 − g2
- *               within 0…1/√2, at y = d/√(1 − d²) along the edge. The way over those edge nodes, shortcut again, is
- *               taken where it is shorter: so the answer is never longer than the octile optimum.
+ *   octile      8-neighbour A* with the octile distance as heuristic; the baseline.
+ *   jump points the same optimum by jump point search (Harabor and Grastien, AAAI 2011, without corner cutting): it
+ *               does not expand the nodes of a straight run that have no forced neighbour.
+ *   any angle   the path of the jump points, shortcut by line of sight. Then the cost-to-go is computed for all nodes
+ *               within `tube` cells of this path and interpolated along the edge between two neighbouring nodes
+ *               (Ferguson and Stentz, Field D*, 2006). For unit cost the minimum over an edge has a closed form:
+ *               g = g1 + √(1 − d²), d = g1 − g2 within 0…1/√2, at y = d/√(1 − d²) along the edge. The path of steepest
+ *               descent, shortcut too, is the answer where it is shorter: the answer never exceeds the octile optimum.
  *
  * Memory: 8 B a cell for the nodes, 0.25 B for two bit planes, 8 B for each entry of the queue, which has room for an
  * eighth of the cells or more, and 32 B for each row and column for the turning points: 9.3 B a cell in all.
  *
- * Integers only: the same bits on every core. The map must outlive the planner and must not change during a search.
- * Nothing here is for ISRs.
+ * Integers only: the same bits on every core. The map must outlive the planner; a change of it during a search ends the
+ * search with JP_GRID_STALE. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_GRID_PLANNER_H
 #define JOULEPATH_GRID_PLANNER_H
@@ -41,10 +42,10 @@ extern "C" {
 /** Largest tube, cells. */
 #define JP_GRID_TUBE_MAX 32
 
-/** Longest way, cells. */
+/** Longest path, cells. */
 #define JP_GRID_LENGTH_MAX 32767
 
-/** Sides of a cell, m, and of the map, m. */
+/** Least side of a cell and largest side of the map, m. */
 #define JP_GRID_RESOLUTION_MIN JP_Q16(0.001)
 #define JP_GRID_SIDE_MAX       JP_Q16(4095)
 
@@ -53,7 +54,8 @@ enum jp_grid_method { JP_GRID_OCTILE, JP_GRID_JUMP_POINTS, JP_GRID_ANY_ANGLE };
 struct jp_grid_planner_config {
     enum jp_grid_method method;
     jp_q16 clearance; /**< kept from a cell's centre, m; 0…JP_GRID_CLEARANCE_MAX cells; 0: a point */
-    uint8_t tube;     /**< cells to each side of the shortcut way that edge nodes may use; 1…JP_GRID_TUBE_MAX */
+    uint8_t tube;     /**< half-width around the shortcut path in which any angle improves it, cells;
+                           1…JP_GRID_TUBE_MAX */
 };
 
 struct jp_grid_cell {
@@ -64,10 +66,10 @@ struct jp_grid_cell {
 enum jp_grid_answer {
     JP_GRID_SEARCHING,
     JP_GRID_FOUND,
-    JP_GRID_UNREACHABLE,   /**< proved */
-    JP_GRID_OUT_OF_MEMORY, /**< the queue or the turning points are full, or the way exceeds JP_GRID_LENGTH_MAX */
+    JP_GRID_UNREACHABLE,   /**< there is no path: proved */
+    JP_GRID_OUT_OF_MEMORY, /**< the queue or the turning points are full, or the path exceeds JP_GRID_LENGTH_MAX */
     JP_GRID_STALE,         /**< the map changed during the search: start again */
-    JP_GRID_NO_TASK
+    JP_GRID_NO_TASK        /**< jp_grid_planner_start() has not been called */
 };
 
 struct jp_grid_counts {
@@ -80,8 +82,8 @@ struct jp_grid_counts {
 
 /* Private, until jp_grid_planner_size(). */
 
-/** A turning way in a part of the block. */
-struct jp_grid_way {
+/** A path: its turning points, in a part of the block. */
+struct jp_grid_path {
     struct jp_point *points;
     uint32_t count;
 };
@@ -89,15 +91,15 @@ struct jp_grid_way {
 /** What a search works at, in this order. */
 enum jp_grid_phase {
     JP_GRID_FILL_PLANES,
-    JP_GRID_CLEAR,         /**< the nodes, for A* */
-    JP_GRID_SEARCH,        /**< A* */
-    JP_GRID_TRACE,         /**< the octile way; any angle goes on: */
-    JP_GRID_TIGHTEN,       /**< the way by shortcuts */
-    JP_GRID_CLEAR_AGAIN,   /**< the nodes, for the edges */
-    JP_GRID_MARK,          /**< the tube */
-    JP_GRID_SPREAD,        /**< cost-to-go over the tube */
-    JP_GRID_DESCEND,       /**< the way over the edges */
-    JP_GRID_TIGHTEN_OTHER, /**< the same, by shortcuts */
+    JP_GRID_CLEAR,             /**< the nodes, for A* */
+    JP_GRID_SEARCH,            /**< A* */
+    JP_GRID_TRACE,             /**< follows the parents from the goal; octile and jump points end here */
+    JP_GRID_TIGHTEN,           /**< shortens the traced path by line of sight */
+    JP_GRID_CLEAR_AGAIN,       /**< the nodes, for the cost-to-go */
+    JP_GRID_MARK,              /**< the cells of the tube */
+    JP_GRID_PROPAGATE,         /**< cost-to-go from the goal over the tube */
+    JP_GRID_DESCEND,           /**< follows the cost-to-go from the start down to the goal */
+    JP_GRID_TIGHTEN_CANDIDATE, /**< shortens the path of the descent likewise */
 };
 
 struct jp_grid_planner_internal {
@@ -122,22 +124,22 @@ struct jp_grid_planner_internal {
     } * queue;
     uint32_t queue_count;
     uint32_t queue_max;
-    uint32_t points_max;    /**< of a way */
-    uint32_t length_max;    /**< cells, Q16 */
-    struct jp_grid_way way; /**< the answer, or the best until now */
-    struct jp_grid_way other;
+    uint32_t points_max;           /**< turning points that a path may have */
+    uint32_t length_max;           /**< cells, Q16 */
+    struct jp_grid_path path;      /**< the answer, or the best until now */
+    struct jp_grid_path candidate; /**< of the descent */
 
     enum jp_grid_phase phase;
     enum jp_grid_answer answer;
-    bool is_too_long; /**< a way beyond length_max was left out */
+    bool is_too_long; /**< a path beyond length_max was left out */
     bool has_changed; /**< this pass has moved a turning point */
     uint8_t passes;
     uint32_t cursor;      /**< what comes next in this phase */
-    uint32_t cursor_part; /**< the same within it */
+    uint32_t cursor_part; /**< part of it that comes next */
     struct jp_grid_cell start;
     struct jp_grid_cell goal;
-    struct jp_point place; /**< of the descent: Q16 cells from the centre of cell (0, 0) */
-    uint32_t place_cost;   /**< cost-to-go there */
+    struct jp_point place; /**< where the descent is: cells from the centre of cell (0, 0), Q16 */
+    uint32_t place_cost;   /**< cost-to-go there; of the trace: cost from the start to the cursor; cells, Q16 */
     struct jp_grid_counts counts;
 };
 
@@ -158,25 +160,29 @@ size_t jp_grid_planner_size(const struct jp_grid_planner_config *config, const s
 enum jp_status jp_grid_planner_init(struct jp_grid_planner *planner, const struct jp_grid_planner_config *config,
                                     const struct jp_terrain *terrain, void *block, size_t size, const char **field);
 
-/** Begins a search, and forgets the last way. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: start or goal is off the map, or the
- * robot does not fit there; JP_ERR_ARGUMENT: a null pointer. The old task stays then. Constant time. */
+/** Begins a search, and forgets the last path. JP_ERR_OUTSIDE: start or goal is outside the map. JP_ERR_BLOCKED: the
+ *  robot does not fit there. JP_ERR_ARGUMENT: a pointer is null. After a failure the old task stays. Work: the spans of
+ *  the disc, twice. */
 enum jp_status jp_grid_planner_start(struct jp_grid_planner *planner, const struct jp_grid_cell *start,
                                      const struct jp_grid_cell *goal);
 
-/** Searches on for at most `expansions` expansions or as much of other work. An expansion with jump points reads up to
- *  a bit of every row and column for each cell of four diagonals; long ones count as several. */
+/** Continues the search for at most `expansions` expansions or as much of other work, and returns what is known. An
+ *  expansion with jump points reads up to a bit of every row and column for each cell of four diagonals; one whose
+ *  diagonals are long counts as several. `planner` must have been initialised. */
 enum jp_grid_answer jp_grid_planner_work(struct jp_grid_planner *planner, unsigned expansions);
 
-/** Turning points of the way found, start and goal included; null and 0 without one. They stay until the next task. */
+/** Turning points of the path found, start and goal included, m on the map; null and *count 0 unless the last answer is
+ *  JP_GRID_FOUND. They stay until the next jp_grid_planner_start(). Constant time. */
 const struct jp_point *jp_grid_planner_path(const struct jp_grid_planner *planner, size_t *count);
 
+/** What the last search did. Never null. Constant time. */
 const struct jp_grid_counts *jp_grid_planner_statistics(const struct jp_grid_planner *planner);
 
-/** Side of a cell of the map, m. */
+/** Side of a cell of the map, m. Constant time. */
 jp_q16 jp_grid_planner_resolution(const struct jp_grid_planner *planner);
 
-/** True when the line between two points is on the map and free. Work: cells on the line; and for each, the spans of
- * the disc, when the map has changed since the last search began. */
+/** True when the straight line between two points is on the map and free for the robot. Work: the cells on the line;
+ * for each of them also the spans of the disc when the map has changed since the last search began. */
 bool jp_grid_planner_line_is_free(const struct jp_grid_planner *planner, const struct jp_point *from,
                                   const struct jp_point *to);
 

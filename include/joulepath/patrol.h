@@ -5,7 +5,7 @@
  *   HELD ─path─▶ TURNING ◀─▶ DRIVING ─▶ TURNING ─▶ ARRIVED
  *                   │  ▲        │ ▲
  *                   ▼  │        ▼ │
- *                  WAITING (stopped: what is in the way may go) ─▶ STOPPED (gave up; the reason says why)
+ *                  WAITING (stopped: the obstacle may leave) ─▶ STOPPED (gave up; the reason says why)
  *
  * Where there is no room to turn it first goes STEPPING: with its wheels across, straight to where there is.
  *
@@ -40,7 +40,7 @@ enum jp_patrol_state {
 enum jp_patrol_reason {
     JP_PATROL_NONE,
     JP_PATROL_IN_COLLISION, /**< an obstacle overlaps the footprint */
-    JP_PATROL_NO_WAY,       /**< no band keeps off the obstacles, or there is no room to turn in place: plan anew */
+    JP_PATROL_BLOCKED,      /**< no band keeps off the obstacles, or there is no room to turn in place: plan anew */
     JP_PATROL_NO_SCAN,      /**< too many scans in a row dropped out */
     JP_PATROL_LOST,         /**< the laser's pose jumped, or was missing, too long */
     JP_PATROL_OFF_PATH,     /**< the robot is farther from its path than the horizon */
@@ -67,7 +67,7 @@ struct jp_patrol_config {
     float jump;               /**< largest step of the laser's pose away from the prediction, m; the heading: rad */
     uint16_t waits_max;       /**< cycles to wait before giving up; 1…10 000 */
     uint16_t dropouts_max;    /**< scans that may be missing, and poses that may jump, in a row; at most 10 000 */
-    float blind_max;          /**< way that the wheels alone may lead without a pose of the laser, m */
+    float blind_max;          /**< distance driven by wheel odometry alone, without a pose of the laser, m */
 };
 
 /** What is known in a cycle. */
@@ -110,14 +110,14 @@ struct jp_patrol_internal {
     struct jp_plane_speed command;
     float sideways; /**< of the command: a step to the left, m/s */
     float turn_target;
-    float turn_remaining; /**< the longer way round: more than half a turn */
+    float turn_remaining; /**< rad; beyond half a turn when it goes round the longer side */
     struct jp_plane_point step_target;
     bool is_arriving; /**< at the goal: what is left is to stand and to turn */
     uint16_t waited;
-    uint16_t free_cycles; /**< in a row with a way while waiting */
+    uint16_t free_cycles; /**< in a row with a free path while waiting */
     uint8_t tries;        /**< to go on after waiting since the robot last got on */
     uint16_t jumps;       /**< of the laser's pose, in a row */
-    float blind;          /**< way since its last good one, m */
+    float blind;          /**< distance since its last good one, m */
     uint16_t scan_gap;
     uint16_t unmoved; /**< cycles since the robot last got on */
 };

@@ -1,15 +1,15 @@
 /**
  * Brings a robot with four steered wheels to a goal on a map: plans a path, has it driven by the patrol (patrol.h),
- * looks whether the goal can be had as planned, and plans anew where the way is blocked.
+ * checks whether the goal can be reached as planned, and plans anew where the path is blocked.
  *
  *   IDLE ─start─▶ PLANNING ◀─▶ UNDER_WAY ─▶ ARRIVED
  *                     │            │
  *                     └────────────┴──────▶ GIVEN_UP
  *
  * Paths are the any-angle planner's (grid_planner.h) with the widest clearance of a few, smoothed (path_spline.h). What
- * the scanner sees is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns on a
- * place before it and drives straight in; when scans show that on the way, it stops and plans again. A patrol that
- * waits or has stopped for want of a way gets another path after a while, up to six times.
+ * the scanner sees is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns at a
+ * place before it and drives straight in; when scans show this only during the drive, it stops and plans again. A
+ * patrol that waits or has stopped because its path is blocked gets another path after a while, up to six times.
  *
  * One call of jp_patrol_mission_cycle() in place of jp_patrol_cycle(), and in the time between them
  * jp_patrol_mission_work() while the state is PLANNING. Not for ISRs. Single-precision floating point: part of
@@ -39,7 +39,7 @@ struct jp_patrol_mission_config {
     const struct jp_terrain *map; /**< what is known before; must outlive the mission and not change */
     bool turns_before_goal;       /**< where it cannot turn at the goal; only with turns_in_place */
     uint16_t points_max;          /**< of a path, which has one every 0.1 m; 2 or more */
-    uint16_t turns_max;           /**< turning points of a way, its ends included; 2 or more */
+    uint16_t turns_max;           /**< turning points of the grid planner's path, its ends included; 2 or more */
 };
 
 /** Where the present path leads. Private. */
@@ -63,7 +63,7 @@ struct jp_patrol_mission_internal {
     bool is_searching; /**< the grid planner is at work */
     uint8_t margin;    /**< of the clearances to try */
     struct jp_plane_pose target;
-    uint16_t waited; /**< cycles without a way */
+    uint16_t waited; /**< cycles without a free path */
     bool is_watch_due;
 };
 
@@ -102,9 +102,9 @@ enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mi
 enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
                                        struct jp_twist *twist);
 
-/** Turning points of the last way that was searched for, before it was smoothed; null and 0 without one. They stay
- * until the state is PLANNING again. */
-const struct jp_point *jp_patrol_mission_way(const struct jp_patrol_mission *mission, size_t *count);
+/** Turning points of the last path that the grid planner found, before it was smoothed; null and 0 without one. They
+ *  stay until the state is PLANNING again. Constant time. */
+const struct jp_point *jp_patrol_mission_grid_path(const struct jp_patrol_mission *mission, size_t *count);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-/** A point on the plane: of targets, of the ways that the planners give and of those that the trackers follow. */
+/** A point on the plane: a target of a route, or a point of a path that a planner gives and a tracker follows. */
 #ifndef JOULEPATH_POINT_H
 #define JOULEPATH_POINT_H
 
@@ -8,8 +8,8 @@
 extern "C" {
 #endif
 
-/** In m; Q16.16, ±32 767 m, step 15 µm. Of a route from the origin of odometry; on a map from its south-west corner, x
- *  to the east and y to the north. */
+/** m, Q16.16; ±32 767 m, step 15 µm. The points of a route count from the origin of odometry; those on a map from its
+ *  south-west corner, x to the east and y to the north. */
 struct jp_point {
     jp_q16 x;
     jp_q16 y;

@@ -311,8 +311,8 @@ static void judge(struct mission *m)
 static void show(const struct mission *m)
 {
     if (m->task->observe != NULL) {
-        size_t way_count;
-        const struct jp_point *const way = jp_patrol_mission_way(&m->navigator, &way_count);
+        size_t grid_path_count;
+        const struct jp_point *const grid_path = jp_patrol_mission_grid_path(&m->navigator, &grid_path_count);
         const struct patrol_view view = {
             .time = m->time,
             .true_pose = to_plane(&m->plant.state.pose),
@@ -322,8 +322,8 @@ static void show(const struct mission *m)
             .reason = m->navigator.patrol.reason,
             .patrol = m->task->method == PATROL_PURSUIT ? NULL : &m->navigator.patrol,
             .wheels = &m->plant.measured,
-            .way = way,
-            .way_count = way_count,
+            .grid_path = grid_path,
+            .grid_path_count = grid_path_count,
             .replans = m->navigator.replans,
             .world = &m->world,
             .path = m->navigator.path,

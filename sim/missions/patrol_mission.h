@@ -35,7 +35,7 @@ struct patrol_faults {
     double jump_until; /**< 0: for ever */
     double jump_m;
     double wheels_jump_m; /**< at jump_at the pose of the wheels jumps by so much */
-    bool slip; /**< slippery ground that falls off to one side: wheel odometry goes wrong by some per cent of the way */
+    bool slip; /**< slippery ground that falls off to one side: wheel odometry errs by some per cent of the distance */
 };
 
 struct patrol_view;
@@ -63,11 +63,11 @@ struct patrol_view {
     const struct jp_wheels *wheels; /**< as the encoders say */
     const struct jp_patrol *patrol; /**< its band may be shown; null for pure pursuit */
     const struct patrol_world *world;
-    const struct jp_point *way; /**< turning points of the planner's way */
-    size_t way_count;
+    const struct jp_point *grid_path; /**< turning points of the grid planner's path */
+    size_t grid_path_count;
     const struct jp_point *path; /**< smoothed */
     size_t path_count;
-    unsigned replans; /**< so far: way and path are others when it has grown */
+    unsigned replans; /**< so far: both paths are new when it has grown */
     double clearance; /**< of the true shape, m */
     double energy_j;
 };

@@ -54,7 +54,7 @@ static json_t *json_points(const struct jp_point *points, size_t count)
 static void keep_plan(struct patrol_record *record, const struct patrol_view *view)
 {
     (void)json_array_append_new(record->plans, json_pack("{s:f, s:o, s:o}", "time_s", view->time, "way_m",
-                                                         json_points(view->way, view->way_count), "path_m",
+                                                         json_points(view->grid_path, view->grid_path_count), "path_m",
                                                          json_points(view->path, view->path_count)));
     record->replans = view->replans;
 }

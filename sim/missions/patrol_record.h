@@ -10,7 +10,7 @@
 
 struct patrol_record {
     FILE *log;
-    json_t *plans;     /**< way and path, from when on they were followed */
+    json_t *plans;     /**< the grid planner's path and the smoothed one, and since when they were followed */
     json_t *snapshots; /**< band and moving obstacles */
     unsigned replans;  /**< as last seen */
     double next_snapshot;

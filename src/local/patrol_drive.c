@@ -123,7 +123,7 @@ static struct jp_plane_speed reachable(const struct jp_patrol *patrol, const str
     return (struct jp_plane_speed){wanted->forward * (limit / speed), wanted->turn_rate * (limit / speed)};
 }
 
-/* Plans the band and takes its speed; false, and the reason, when there is no way. */
+/* Plans the band and takes its speed. False, with *reason, when there is none to drive. */
 static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *window,
                       const struct jp_plane_speed *speed, enum jp_patrol_reason *reason)
 {
@@ -145,7 +145,7 @@ static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *w
         }
     }
     patrol->counts.infeasible++;
-    *reason = status == JP_ERR_BLOCKED ? JP_PATROL_IN_COLLISION : JP_PATROL_NO_WAY;
+    *reason = status == JP_ERR_BLOCKED ? JP_PATROL_IN_COLLISION : JP_PATROL_BLOCKED;
     return false;
 }
 
@@ -196,7 +196,7 @@ void jp_patrol_drive(struct jp_patrol *patrol, const struct jp_plane_speed *spee
         }
     } else if (!plan_band(patrol, &window, speed, &reason)) {
         jp_patrol_wait(patrol, reason);
-    } else if (!jp_patrol_trust_way(patrol)) {
+    } else if (!jp_patrol_trust_path(patrol)) {
         jp_patrol_stand(patrol);
     } else {
         jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);

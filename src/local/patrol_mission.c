@@ -13,7 +13,7 @@
 /* Of a path's points, m. */
 #define SPACING 0.1f
 
-/* Half as wide as where the any-angle planner looks around the octile way, cells. */
+/* Half-width of the tube in which the any-angle planner improves its path, cells. */
 #define TUBE_CELLS 8
 
 /* Nearer than this a path needs no map, m; nor in the same cell, where the map has none to show. */
@@ -28,7 +28,7 @@
 #define WATCH_DISTANCE 0.5f
 #define WATCH_CYCLES   5U
 
-/* A new path is looked for after so many cycles without a way, at most so often. */
+/* A new path is looked for after so many blocked cycles, at most so often. */
 #define REPLAN_WAIT   8U
 #define LAST_LEG_WAIT 30U
 #define REPLANS_MAX   6U
@@ -36,7 +36,7 @@
 /* Corners of the footprint with its margin are at most so far from its centre, cells. */
 #define RADIUS_MAX 60.0f
 
-/* Beyond half the robot's width, m: the widest way that exists is taken. */
+/* Clearances beyond half the robot's width, m, from the widest on: the first that has a path is taken. */
 static const float margins[] = {0.15f, 0.10f, 0.05f, 0.02f};
 #define MARGINS (sizeof margins / sizeof margins[0])
 
@@ -253,13 +253,13 @@ static bool begin_search(struct jp_patrol_mission *mission)
 static bool smooth(struct jp_patrol_mission *mission, uint16_t *count)
 {
     const struct jp_patrol_mission_config *const config = &mission->config;
-    size_t way_count;
+    size_t turns;
     size_t smooth_count;
-    const struct jp_point *const way = jp_grid_planner_path(&mission->internal.grid, &way_count);
+    const struct jp_point *const path = jp_grid_planner_path(&mission->internal.grid, &turns);
 
-    if (way == NULL || way_count > config->turns_max ||
-        jp_path_spline(&mission->internal.grid, way, way_count, to_q16(SPACING), mission->internal.scratch,
-                       jp_path_spline_size(way_count), mission->internal.paths[1], config->points_max,
+    if (path == NULL || turns > config->turns_max ||
+        jp_path_spline(&mission->internal.grid, path, turns, to_q16(SPACING), mission->internal.scratch,
+                       jp_path_spline_size(turns), mission->internal.paths[1], config->points_max,
                        &smooth_count) != JP_OK) {
         return false;
     }
@@ -299,7 +299,7 @@ static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
     return mission->internal.margin < MARGINS ? PENDING : NOT_FOUND;
 }
 
-const struct jp_point *jp_patrol_mission_way(const struct jp_patrol_mission *mission, size_t *count)
+const struct jp_point *jp_patrol_mission_grid_path(const struct jp_patrol_mission *mission, size_t *count)
 {
     return jp_grid_planner_path(&mission->internal.grid, count);
 }
@@ -345,7 +345,7 @@ static bool needs_path(const struct jp_patrol_mission *mission)
     const enum jp_patrol_reason reason = mission->patrol.reason;
     const bool is_stuck = mission->patrol.state == JP_PATROL_WAITING || mission->patrol.state == JP_PATROL_STOPPED;
 
-    return is_stuck && (reason == JP_PATROL_NO_WAY || reason == JP_PATROL_OFF_PATH || reason == JP_PATROL_STALLED) &&
+    return is_stuck && (reason == JP_PATROL_BLOCKED || reason == JP_PATROL_OFF_PATH || reason == JP_PATROL_STALLED) &&
            mission->replans < REPLANS_MAX;
 }
 

@@ -8,7 +8,7 @@
 #define STANDSTILL_SPEED     0.03f
 #define STANDSTILL_TURN_RATE 0.05f
 
-/* A turn looks as far ahead as it needs to stop, and this time, s. */
+/* A turn is checked for as far as it needs to stop, after this time, s, and this angle. */
 #define TURN_FORESIGHT 0.25f
 #define TURN_MARGIN    0.05f /* rad */
 
@@ -16,8 +16,8 @@
 #define STEP_TOLERANCE 0.03f
 #define STEP_REACH     0.4f
 
-/* Cycles in a row with a way before the robot goes on; twice as many after each time that it did not get on then, so
- * that it does not try again and again where a way comes and goes. */
+/* Free cycles in a row before the robot goes on. Their number doubles after each attempt without progress, so that the
+ * robot does not try again and again where the path is free only now and then. */
 #define FREE_CYCLES 3U
 #define TRIES_MAX   8U
 
@@ -29,12 +29,12 @@ bool jp_patrol_is_standing(const struct jp_plane_speed *speed)
 
 bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol)
 {
-    const struct jp_plane_pose rest = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
-    const struct jp_plane_pose step = {rest.x, rest.y, 0.0f};
-    const float away = jp_plane_length(rest.x, rest.y);
+    const struct jp_plane_pose remaining = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
+    const struct jp_plane_pose step = {remaining.x, remaining.y, 0.0f};
+    const float away = jp_plane_length(remaining.x, remaining.y);
 
     patrol->internal.step_target = (struct jp_plane_point){patrol->internal.goal.pose.x, patrol->internal.goal.pose.y};
-    return away > STEP_TOLERANCE && away < STEP_REACH && rest.x > -STEP_TOLERANCE &&
+    return away > STEP_TOLERANCE && away < STEP_REACH && remaining.x > -STEP_TOLERANCE &&
            jp_patrol_is_step_free(patrol, &step);
 }
 
@@ -45,7 +45,7 @@ static bool find_step(struct jp_patrol *patrol, float heading)
                                         : jp_patrol_find_step(patrol, heading, &patrol->internal.step_target);
 }
 
-bool jp_patrol_trust_way(struct jp_patrol *patrol)
+bool jp_patrol_trust_path(struct jp_patrol *patrol)
 {
     if (patrol->state != JP_PATROL_WAITING) {
         return true;
@@ -62,7 +62,7 @@ bool jp_patrol_trust_way(struct jp_patrol *patrol)
 
 void jp_patrol_begin_step(struct jp_patrol *patrol)
 {
-    if (jp_patrol_trust_way(patrol)) {
+    if (jp_patrol_trust_path(patrol)) {
         jp_patrol_enter(patrol, JP_PATROL_STEPPING, JP_PATROL_NONE);
     }
     jp_patrol_stand(patrol);
@@ -70,7 +70,7 @@ void jp_patrol_begin_step(struct jp_patrol *patrol)
 
 static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
 {
-    if (jp_patrol_trust_way(patrol)) {
+    if (jp_patrol_trust_path(patrol)) {
         patrol->internal.turn_target = heading;
         patrol->internal.turn_remaining = angle;
         jp_patrol_enter(patrol, JP_PATROL_TURNING, JP_PATROL_NONE);
@@ -88,17 +88,17 @@ void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
         jp_patrol_begin_step(patrol);
     } else {
         patrol->counts.infeasible++;
-        jp_patrol_wait(patrol, JP_PATROL_NO_WAY);
+        jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
     }
 }
 
-/* Updates what is left of the turn. Of the angles to its heading it is the one nearest to what was left before: the
- * turn may be the longer way round. */
+/* Updates the remaining angle. Of the angles to the target heading, which differ by whole turns, it is the one nearest
+ * to the angle before: the turn may be the longer one of the two directions. */
 static float update_turn(struct jp_patrol *patrol)
 {
-    const float rest = patrol->internal.turn_target - patrol->pose.heading;
+    const float remaining = patrol->internal.turn_target - patrol->pose.heading;
 
-    patrol->internal.turn_remaining += jp_plane_wrap(rest - patrol->internal.turn_remaining);
+    patrol->internal.turn_remaining += jp_plane_wrap(remaining - patrol->internal.turn_remaining);
     return patrol->internal.turn_remaining;
 }
 
@@ -111,20 +111,20 @@ static void end_turn(struct jp_patrol *patrol)
 void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_patrol_config *const config = &patrol->config;
-    const float rest = update_turn(patrol);
-    const float angle = jp_plane_magnitude(rest);
+    const float remaining = update_turn(patrol);
+    const float angle = jp_plane_magnitude(remaining);
     const bool is_there = angle < 0.5f * config->heading_tolerance;
 
     if (is_there && jp_plane_magnitude(speed->turn_rate) < STANDSTILL_TURN_RATE) {
         end_turn(patrol);
         return;
     }
-    /* What is in the way now stops the turn. */
+    /* An obstacle in the part of the turn that is needed to stop ends the turn. */
     const float rate_now = jp_plane_magnitude(patrol->internal.command.turn_rate);
     const float ahead = rate_now * (TURN_FORESIGHT + 0.5f * rate_now / config->turn_acceleration) + TURN_MARGIN;
 
-    if (!jp_patrol_is_turn_free(patrol, &patrol->pose, jp_plane_clamp(rest, -ahead, ahead))) {
-        jp_patrol_wait(patrol, JP_PATROL_NO_WAY);
+    if (!jp_patrol_is_turn_free(patrol, &patrol->pose, jp_plane_clamp(remaining, -ahead, ahead))) {
+        jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
         return;
     }
 
@@ -135,28 +135,28 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const float slower = stopping < config->turn_rate ? stopping : config->turn_rate;
     const float rate = is_there ? 0.0f : slower < rising ? slower : rising;
 
-    patrol->internal.command = (struct jp_plane_speed){0.0f, rest < 0.0f ? -rate : rate};
+    patrol->internal.command = (struct jp_plane_speed){0.0f, remaining < 0.0f ? -rate : rate};
 }
 
 void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose target = {patrol->internal.step_target.x, patrol->internal.step_target.y,
                                          patrol->pose.heading};
-    const struct jp_plane_pose rest = jp_plane_relative(&patrol->pose, &target);
-    const float away = jp_plane_length(rest.x, rest.y);
+    const struct jp_plane_pose remaining = jp_plane_relative(&patrol->pose, &target);
+    const float away = jp_plane_length(remaining.x, remaining.y);
 
     jp_patrol_stand(patrol);
     if (away < STEP_TOLERANCE) {
         if (jp_patrol_is_standing(speed)) {
             jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
         }
-    } else if (!jp_patrol_is_step_free(patrol, &rest)) {
-        jp_patrol_wait(patrol, JP_PATROL_NO_WAY);
+    } else if (!jp_patrol_is_step_free(patrol, &remaining)) {
+        jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
     } else {
         const float stopping = away / (2.0f * patrol->config.period);
         const float rate = (stopping < patrol->config.step_speed ? stopping : patrol->config.step_speed) / away;
 
-        patrol->internal.command.forward = rate * rest.x;
-        patrol->internal.sideways = rate * rest.y;
+        patrol->internal.command.forward = rate * remaining.x;
+        patrol->internal.sideways = rate * remaining.y;
     }
 }

@@ -6,8 +6,8 @@
 
 bool jp_patrol_is_standing(const struct jp_plane_speed *speed);
 
-/** Counts a cycle with a way. True when the robot need not wait any longer for it to last. */
-bool jp_patrol_trust_way(struct jp_patrol *patrol);
+/** Counts a cycle in which the path is free. True when it has been free for long enough to go on. */
+bool jp_patrol_trust_path(struct jp_patrol *patrol);
 
 /** The step to the goal, if it is near and not behind. */
 bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol);

@@ -2,8 +2,8 @@
 
 enum {
     ONE = 65536,      /* a cell, Q16 */
-    STEEPEST = 46341, /* 1/√2: at a greater difference the way leads to the diagonal node itself */
-    MARGIN = 1024,    /* that a point of an edge keeps from its ends, which are points of their own; cells, Q16 */
+    STEEPEST = 46341, /* 1/√2, Q16: at a greater difference the best point of the edge is its diagonal node */
+    MARGIN = 1024,    /* least distance of a point within an edge from the edge's nodes, cells, Q16 */
     SIDES = 4,        /* of a square of four nodes */
 };
 
@@ -14,7 +14,7 @@ static int32_t cell_of(const struct jp_grid_planner_internal *planner, int32_t m
     return metres / planner->terrain->config.resolution;
 }
 
-/** Cells of a row of the tube, as far as they are on the map. */
+/** Marks the free cells of one row of the tube around cell (x, y). */
 static void mark_row(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
 {
     const int32_t tube = planner->config.tube;
@@ -26,7 +26,7 @@ static void mark_row(const struct jp_grid_planner_internal *planner, int32_t x, 
     }
 }
 
-/** The place of a part of a piece of the way, of which there is one a cell and a last one. */
+/** The point at part/parts of a piece of the path. */
 static struct jp_point part_of(const struct jp_point *from, const struct jp_point *to, int32_t part, int32_t parts)
 {
     return (struct jp_point){from->x + (int32_t)((int64_t)(to->x - from->x) * part / parts),
@@ -42,14 +42,14 @@ static int32_t cells_along(const struct jp_grid_planner_internal *planner, const
     return cell_of(planner, dx > dy ? dx : dy) + 1;
 }
 
-/** The cursor is the piece; its part counts rows of squares. */
+/** The cursor is the piece of the path; cursor_part counts the rows of the squares around its points. */
 enum jp_grid_progress jp_grid_edges_mark(struct jp_grid_planner_internal *planner, unsigned *budget)
 {
     const uint32_t rows = 2U * planner->config.tube + 1U;
 
-    for (; planner->cursor + 1U < planner->way.count; planner->cursor++, planner->cursor_part = 0) {
-        const struct jp_point *from = &planner->way.points[planner->cursor];
-        const struct jp_point *to = &planner->way.points[planner->cursor + 1U];
+    for (; planner->cursor + 1U < planner->path.count; planner->cursor++, planner->cursor_part = 0) {
+        const struct jp_point *from = &planner->path.points[planner->cursor];
+        const struct jp_point *to = &planner->path.points[planner->cursor + 1U];
         const int32_t parts = cells_along(planner, from, to);
 
         for (; planner->cursor_part < ((uint32_t)parts + 1U) * rows; planner->cursor_part++, --*budget) {
@@ -78,8 +78,8 @@ static uint32_t settled_cost(const struct jp_grid_planner_internal *planner, int
     return jp_grid_is_settled(node) ? node->g : GRID_COST_MAX;
 }
 
-/** Over the edge between a straight and a diagonal neighbour, at least one of which is settled: g1 + √(1 − d²), its
- *  minimum over the edge, d = g1 − g2; at the ends of the edge a straight or a diagonal step. */
+/** Least cost of a step over the edge between a straight and a diagonal neighbour, at least one of which is settled:
+ *  g1 + √(1 − d²) with d = g1 − g2, or the straight or the diagonal step where the minimum is at an end of the edge. */
 static uint32_t cost_over_edge(uint32_t straight, uint32_t diagonal)
 {
     if (straight <= diagonal) {
@@ -95,7 +95,7 @@ static uint32_t cost_over_edge(uint32_t straight, uint32_t diagonal)
     return straight + (uint32_t)jp_q16_square_root(ONE - jp_q16_multiply(d, d));
 }
 
-/** Cost of a node over the edges that end at its neighbour in a direction, which is settled. */
+/** Least cost of a node over the two edges that its settled neighbour in a direction is part of. */
 static uint32_t cost_over_neighbour(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
                                     unsigned direction)
 {
@@ -123,8 +123,8 @@ void jp_grid_edges_start(struct jp_grid_planner_internal *planner)
     (void)jp_grid_queue_put(planner, planner->goal.x, planner->goal.y, 0);
 }
 
-/** A node that the tube holds hears that its neighbour in a direction is settled. False: the queue is full. */
-static bool tell(struct jp_grid_planner_internal *planner, int32_t x, int32_t y, unsigned direction)
+/** Lowers the cost-to-go of a node whose neighbour in a direction has been settled. False: the queue is full. */
+static bool relax(struct jp_grid_planner_internal *planner, int32_t x, int32_t y, unsigned direction)
 {
     struct jp_grid_node *node = jp_grid_node(planner, x, y);
     const uint32_t cost = cost_over_neighbour(planner, x, y, direction);
@@ -136,7 +136,7 @@ static bool tell(struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
     return jp_grid_queue_put(planner, x, y, 0);
 }
 
-static bool tell_neighbours(struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
+static bool relax_neighbours(struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
 {
     for (unsigned direction = 0; direction < (unsigned)GRID_DIRECTIONS; direction++) {
         const struct jp_grid_direction *d = &jp_grid_directions[direction];
@@ -148,14 +148,14 @@ static bool tell_neighbours(struct jp_grid_planner_internal *planner, int32_t x,
         }
         const struct jp_grid_node *node = jp_grid_node(planner, next_x, next_y);
         if ((node->place & GRID_IN_TUBE) != 0U && !jp_grid_is_settled(node) &&
-            !tell(planner, next_x, next_y, (direction + GRID_DIRECTIONS / 2U) & (GRID_DIRECTIONS - 1U))) {
+            !relax(planner, next_x, next_y, (direction + GRID_DIRECTIONS / 2U) & (GRID_DIRECTIONS - 1U))) {
             return false;
         }
     }
     return true;
 }
 
-enum jp_grid_progress jp_grid_edges_spread(struct jp_grid_planner_internal *planner, unsigned *budget)
+enum jp_grid_progress jp_grid_edges_propagate(struct jp_grid_planner_internal *planner, unsigned *budget)
 {
     while (*budget > 0U) {
         int32_t x;
@@ -168,7 +168,7 @@ enum jp_grid_progress jp_grid_edges_spread(struct jp_grid_planner_internal *plan
         if (x == planner->start.x && y == planner->start.y) {
             return GRID_DONE;
         }
-        if (!tell_neighbours(planner, x, y)) {
+        if (!relax_neighbours(planner, x, y)) {
             return GRID_FULL;
         }
     }
@@ -177,11 +177,11 @@ enum jp_grid_progress jp_grid_edges_spread(struct jp_grid_planner_internal *plan
 
 /* ---- Descent ---- */
 
-/** Where the way may go on: a place and the cost-to-go from it, interpolated, and the way there with it. */
-struct candidate {
-    struct jp_point place;
-    uint32_t cost;
-    uint32_t total;
+/** Where a step of the descent may lead. */
+struct successor {
+    struct jp_point place; /* cells, Q16 */
+    uint32_t cost;         /* interpolated cost-to-go from it, cells, Q16 */
+    uint32_t total;        /* the same and the distance to it */
 };
 
 /** An edge between two neighbouring nodes: from (x, y) east or north. */
@@ -193,7 +193,7 @@ struct grid_edge {
     uint32_t second;
 };
 
-/** Rise of the cost-to-go along an edge. */
+/** Change of the cost-to-go along an edge. */
 static jp_q16 slope_of(const struct grid_edge *edge)
 {
     return (int32_t)(edge->second - edge->first);
@@ -206,9 +206,8 @@ static struct jp_point point_of(const struct jp_grid_planner_internal *planner, 
     return (struct jp_point){jp_q16_multiply(place->x, side) + side / 2, jp_q16_multiply(place->y, side) + side / 2};
 }
 
-/** Where on an edge of slope `slope` the way from `along`, at a distance across, leads: along − slope·across/√(1 −
- * slope²).
- */
+/** The point of an edge over which the cost from a place is least: along − slope·across/√(1 − slope²). The place is at
+ *  `along` and at the distance `across` from the edge; `slope` is that of the cost-to-go. */
 static jp_q16 best_along(jp_q16 along, jp_q16 across, jp_q16 slope)
 {
     const jp_q16 shift =
@@ -217,43 +216,44 @@ static jp_q16 best_along(jp_q16 along, jp_q16 across, jp_q16 slope)
     return jp_clamp32(jp_sub(along, shift), MARGIN, ONE - MARGIN);
 }
 
-/** A candidate at a point of an edge. Its end is exact even where the cost of its beginning is not known: sums wrap. */
-static struct candidate candidate_at(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge,
+/** A successor at a point of an edge. At the edge's second end it is exact even when the cost of the first end is not
+ *  known (GRID_COST_MAX): the unsigned sums wrap. */
+static struct successor successor_at(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge,
                                      jp_q16 along)
 {
     const jp_q16 x = edge->x * ONE + (edge->is_northward ? 0 : along);
     const jp_q16 y = edge->y * ONE + (edge->is_northward ? along : 0);
     const int64_t dx = (int64_t)x - planner->place.x;
     const int64_t dy = (int64_t)y - planner->place.y;
-    struct candidate candidate = {.place = {x, y}};
+    struct successor successor = {.place = {x, y}};
 
-    candidate.cost = edge->first + (uint32_t)jp_q16_multiply(along, slope_of(edge));
-    candidate.total = candidate.cost + jp_square_root((uint64_t)(dx * dx) + (uint64_t)(dy * dy));
-    return candidate;
+    successor.cost = edge->first + (uint32_t)jp_q16_multiply(along, slope_of(edge));
+    successor.total = successor.cost + jp_square_root((uint64_t)(dx * dx) + (uint64_t)(dy * dy));
+    return successor;
 }
 
-/** Down the slope, or to a node that is as low: so no descent goes in circles. */
-static bool leads_down(const struct jp_grid_planner_internal *planner, const struct candidate *candidate, bool is_node)
+/** True for a successor of lower cost-to-go, and for a node of equal cost-to-go: so the descent cannot cycle. */
+static bool leads_down(const struct jp_grid_planner_internal *planner, const struct successor *successor, bool is_node)
 {
-    return is_node ? candidate->cost <= planner->place_cost : candidate->cost < planner->place_cost;
+    return is_node ? successor->cost <= planner->place_cost : successor->cost < planner->place_cost;
 }
 
 static void consider(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge, jp_q16 along,
-                     struct candidate *best)
+                     struct successor *best)
 {
-    const struct candidate candidate = candidate_at(planner, edge, along);
+    const struct successor successor = successor_at(planner, edge, along);
     const struct jp_point from = point_of(planner, &planner->place);
-    const struct jp_point to = point_of(planner, &candidate.place);
+    const struct jp_point to = point_of(planner, &successor.place);
 
-    if (candidate.total < best->total && leads_down(planner, &candidate, along == 0 || along == ONE) &&
+    if (successor.total < best->total && leads_down(planner, &successor, along == 0 || along == ONE) &&
         jp_grid_line_is_free(planner, &from, &to)) {
-        *best = candidate;
+        *best = successor;
     }
 }
 
 /** Considers an edge: its best point and its ends. */
 static void consider_edge(const struct jp_grid_planner_internal *planner, struct grid_edge *edge,
-                          struct candidate *best)
+                          struct successor *best)
 {
     const jp_q16 along = edge->is_northward ? planner->place.y - edge->y * ONE : planner->place.x - edge->x * ONE;
     const jp_q16 across = edge->is_northward ? planner->place.x - edge->x * ONE : planner->place.y - edge->y * ONE;
@@ -277,7 +277,7 @@ static void consider_edge(const struct jp_grid_planner_internal *planner, struct
 
 /** The four edges of the square whose south-west node is (x, y). */
 static void consider_square(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
-                            struct candidate *best)
+                            struct successor *best)
 {
     for (int32_t side = 0; side < SIDES; side++) {
         struct grid_edge edge = {.x = x + (side == 3 ? 1 : 0), .y = y + (side == 1 ? 1 : 0), .is_northward = side >= 2};
@@ -286,13 +286,13 @@ static void consider_square(const struct jp_grid_planner_internal *planner, int3
 }
 
 /** The next place from a node, among the edges of the four squares around it, or from an edge, of the two beside it. */
-static struct candidate next_place(const struct jp_grid_planner_internal *planner)
+static struct successor next_place(const struct jp_grid_planner_internal *planner)
 {
     const int32_t x = planner->place.x / ONE;
     const int32_t y = planner->place.y / ONE;
     const int32_t first_x = planner->place.x % ONE == 0 ? x - 1 : x;
     const int32_t first_y = planner->place.y % ONE == 0 ? y - 1 : y;
-    struct candidate best = {.total = GRID_COST_MAX};
+    struct successor best = {.total = GRID_COST_MAX};
 
     for (int32_t j = first_y; j <= y; j++) {
         for (int32_t i = first_x; i <= x; i++) {
@@ -306,13 +306,13 @@ enum jp_grid_progress jp_grid_edges_descend(struct jp_grid_planner_internal *pla
 {
     while (*budget > 0U) {
         --*budget;
-        if (!jp_grid_way_add(planner, &planner->other, point_of(planner, &planner->place), true)) {
+        if (!jp_grid_path_add(planner, &planner->candidate, point_of(planner, &planner->place), true)) {
             return GRID_FULL;
         }
         if (planner->place_cost == 0U) {
             return GRID_DONE;
         }
-        const struct candidate next = next_place(planner);
+        const struct successor next = next_place(planner);
         if (next.total == GRID_COST_MAX) {
             return GRID_IMPOSSIBLE;
         }

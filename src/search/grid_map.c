@@ -2,10 +2,10 @@
 
 #include <string.h>
 
-enum { CELLS_PER_UNIT = 8 };
+enum { CELLS_PER_UNIT = 8 /* filled for a unit of the budget */ };
 
-/** Half-width of row `y` of the disc: the widest cell that is nearer than the clearance; below 0: none is. Twice the
- *  distance between a centre and a cell that is n cells on is 2n − 1 along each axis. */
+/** Half-width of row `y` of the disc, cells: the outermost cell that is nearer than the clearance; below 0: none is.
+ * The n-th cell from a centre begins (2n − 1)/2 cells from it along each axis. `clearance_cells`: Q16. */
 static int32_t half_width(int32_t y, int64_t clearance_cells)
 {
     const int64_t across = y == 0 ? 0 : 2 * (y < 0 ? -y : y) - 1;

@@ -12,7 +12,7 @@ static inline size_t jp_grid_words(uint16_t cells)
     return ((size_t)cells + 2U + GRID_WORD_BITS - 1U) / GRID_WORD_BITS;
 }
 
-/** From one cell outside the map to one cell outside on the other side. */
+/** x is −1…width, y is −1…height: the border of one cell around the map counts as blocked. */
 static inline bool jp_grid_is_blocked(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
 {
     const uint32_t column = (uint32_t)(x + 1);
@@ -32,10 +32,10 @@ static inline uint32_t jp_grid_cell_count(const struct jp_grid_planner_internal 
     return (uint32_t)planner->terrain->config.width * planner->terrain->config.height;
 }
 
-/** Spans of the disc of the clearance, m. */
+/** Makes the spans of the disc with the clearance as radius. */
 void jp_grid_make_disc(struct jp_grid_planner_internal *planner);
 
-/** Makes the planes anew, a run of cells a unit of the budget. True when they are whole. */
+/** Makes the bit planes of blocked cells anew, some cells for a unit of the budget. True when they are complete. */
 bool jp_grid_fill_planes(struct jp_grid_planner_internal *planner, unsigned *budget);
 
 #endif

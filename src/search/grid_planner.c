@@ -6,9 +6,9 @@ enum {
     ALIGNMENT = 8,
     CELLS_PER_ENTRY = 8, /* of the smallest queue */
     ENTRIES_MIN = 64,
-    POINTS_PER_SIDE = 2, /* of a way, for each row and column */
+    POINTS_PER_SIDE = 2, /* turning points of a path for each row and column of the map */
     POINTS_MIN = 16,
-    NODES_PER_UNIT = 64 /* cleared */
+    NODES_PER_UNIT = 64 /* cleared for a unit of the budget */
 };
 
 /* ---- Configuration and memory ---- */
@@ -44,7 +44,7 @@ static size_t plane_size(uint16_t row_cells, uint16_t rows)
     return align(jp_grid_words(row_cells) * ((size_t)rows + 2U) * sizeof(uint32_t));
 }
 
-static size_t way_points(const struct jp_terrain_config *map)
+static size_t path_points(const struct jp_terrain_config *map)
 {
     return POINTS_PER_SIDE * ((size_t)map->width + map->height) + POINTS_MIN;
 }
@@ -53,7 +53,7 @@ static size_t way_points(const struct jp_terrain_config *map)
 static size_t fixed_size(const struct jp_terrain_config *map)
 {
     return (size_t)map->width * map->height * sizeof(struct jp_grid_node) + plane_size(map->width, map->height) +
-           plane_size(map->height, map->width) + 2U * way_points(map) * sizeof(struct jp_point);
+           plane_size(map->height, map->width) + 2U * path_points(map) * sizeof(struct jp_point);
 }
 
 size_t jp_grid_planner_size(const struct jp_grid_planner_config *config, const struct jp_terrain_config *terrain)
@@ -74,7 +74,7 @@ static void lay_out(struct jp_grid_planner_internal *planner, uint8_t *block, si
     const size_t spare = (size - fixed_size(map)) / sizeof(struct jp_grid_entry);
     size_t used = 0;
 
-    planner->points_max = (uint32_t)way_points(map);
+    planner->points_max = (uint32_t)path_points(map);
     planner->queue_max = (uint32_t)(spare < cells ? spare : cells);
     planner->row_words = (uint16_t)jp_grid_words(map->width);
     planner->column_words = (uint16_t)jp_grid_words(map->height);
@@ -84,9 +84,9 @@ static void lay_out(struct jp_grid_planner_internal *planner, uint8_t *block, si
     used += plane_size(map->width, map->height);
     planner->columns = (uint32_t *)(void *)&block[used];
     used += plane_size(map->height, map->width);
-    planner->way.points = (struct jp_point *)(void *)&block[used];
+    planner->path.points = (struct jp_point *)(void *)&block[used];
     used += planner->points_max * sizeof(struct jp_point);
-    planner->other.points = (struct jp_point *)(void *)&block[used];
+    planner->candidate.points = (struct jp_point *)(void *)&block[used];
     used += planner->points_max * sizeof(struct jp_point);
     planner->queue = (struct jp_grid_entry *)(void *)&block[used];
     planner->counts.bytes = (uint32_t)(fixed_size(map) + planner->queue_max * sizeof(struct jp_grid_entry));
@@ -169,9 +169,9 @@ static void start_tightening(struct jp_grid_planner_internal *planner, enum jp_g
     planner->has_changed = false;
 }
 
-static void start_spread(struct jp_grid_planner_internal *planner)
+static void start_propagation(struct jp_grid_planner_internal *planner)
 {
-    enter(planner, JP_GRID_SPREAD);
+    enter(planner, JP_GRID_PROPAGATE);
     jp_grid_edges_start(planner);
 }
 
@@ -202,7 +202,7 @@ static void search(struct jp_grid_planner_internal *planner, unsigned *budget)
 
 static void leave_trace(struct jp_grid_planner_internal *planner)
 {
-    jp_grid_way_reverse(&planner->way);
+    jp_grid_path_reverse(&planner->path);
     if (planner->config.method == JP_GRID_ANY_ANGLE) {
         start_tightening(planner, JP_GRID_TIGHTEN);
     } else {
@@ -212,7 +212,7 @@ static void leave_trace(struct jp_grid_planner_internal *planner)
 
 static void trace(struct jp_grid_planner_internal *planner, unsigned *budget)
 {
-    const enum jp_grid_progress progress = jp_grid_way_trace(planner, budget);
+    const enum jp_grid_progress progress = jp_grid_path_trace(planner, budget);
 
     if (progress == GRID_DONE) {
         leave_trace(planner);
@@ -223,10 +223,10 @@ static void trace(struct jp_grid_planner_internal *planner, unsigned *budget)
     }
 }
 
-/** Where the edges lead to nothing, the way by shortcuts is the answer. */
-static void spread(struct jp_grid_planner_internal *planner, unsigned *budget)
+/** Where the tube does not lead to the start, the path by shortcuts is the answer. */
+static void propagate(struct jp_grid_planner_internal *planner, unsigned *budget)
 {
-    const enum jp_grid_progress progress = jp_grid_edges_spread(planner, budget);
+    const enum jp_grid_progress progress = jp_grid_edges_propagate(planner, budget);
 
     if (progress == GRID_DONE) {
         start_descent(planner);
@@ -242,7 +242,7 @@ static void descend(struct jp_grid_planner_internal *planner, unsigned *budget)
     const enum jp_grid_progress progress = jp_grid_edges_descend(planner, budget);
 
     if (progress == GRID_DONE) {
-        start_tightening(planner, JP_GRID_TIGHTEN_OTHER);
+        start_tightening(planner, JP_GRID_TIGHTEN_CANDIDATE);
     } else if (progress != GRID_WORKING) {
         finish(planner, JP_GRID_FOUND);
     } else {
@@ -250,13 +250,13 @@ static void descend(struct jp_grid_planner_internal *planner, unsigned *budget)
     }
 }
 
-/** The shorter way is the answer. */
+/** The shorter path is the answer. */
 static void choose(struct jp_grid_planner_internal *planner)
 {
-    if (jp_grid_way_length(&planner->other) < jp_grid_way_length(&planner->way)) {
-        const struct jp_grid_way way = planner->way;
-        planner->way = planner->other;
-        planner->other = way;
+    if (jp_grid_path_length(&planner->candidate) < jp_grid_path_length(&planner->path)) {
+        const struct jp_grid_path path = planner->path;
+        planner->path = planner->candidate;
+        planner->candidate = path;
     }
     finish(planner, JP_GRID_FOUND);
 }
@@ -282,7 +282,7 @@ static void work(struct jp_grid_planner_internal *planner, unsigned *budget)
         trace(planner, budget);
         break;
     case JP_GRID_TIGHTEN:
-        if (jp_grid_way_tighten(planner, &planner->way, budget) == GRID_DONE) {
+        if (jp_grid_path_tighten(planner, &planner->path, budget) == GRID_DONE) {
             enter(planner, JP_GRID_CLEAR_AGAIN);
         }
         break;
@@ -293,18 +293,18 @@ static void work(struct jp_grid_planner_internal *planner, unsigned *budget)
         break;
     case JP_GRID_MARK:
         if (jp_grid_edges_mark(planner, budget) == GRID_DONE) {
-            start_spread(planner);
+            start_propagation(planner);
         }
         break;
-    case JP_GRID_SPREAD:
-        spread(planner, budget);
+    case JP_GRID_PROPAGATE:
+        propagate(planner, budget);
         break;
     case JP_GRID_DESCEND:
         descend(planner, budget);
         break;
-    case JP_GRID_TIGHTEN_OTHER:
+    case JP_GRID_TIGHTEN_CANDIDATE:
     default:
-        if (jp_grid_way_tighten(planner, &planner->other, budget) == GRID_DONE) {
+        if (jp_grid_path_tighten(planner, &planner->candidate, budget) == GRID_DONE) {
             choose(planner);
         }
         break;
@@ -336,7 +336,7 @@ static enum jp_status check_cell(const struct jp_grid_planner_internal *planner,
                                                                                                       : JP_ERR_BLOCKED;
 }
 
-/** Planes of an older map are made anew. */
+/** Begins with the bit planes where they show an older map. */
 static void begin(struct jp_grid_planner_internal *planner)
 {
     planner->answer = JP_GRID_SEARCHING;
@@ -365,8 +365,8 @@ enum jp_status jp_grid_planner_start(struct jp_grid_planner *planner, const stru
     inner->start = *start;
     inner->goal = *goal;
     inner->counts = (struct jp_grid_counts){.bytes = inner->counts.bytes};
-    inner->way.count = 0;
-    inner->other.count = 0;
+    inner->path.count = 0;
+    inner->candidate.count = 0;
     begin(inner);
     return JP_OK;
 }
@@ -376,10 +376,10 @@ enum jp_status jp_grid_planner_start(struct jp_grid_planner *planner, const stru
 const struct jp_point *jp_grid_planner_path(const struct jp_grid_planner *planner, size_t *count)
 {
     const struct jp_grid_planner_internal *inner = &planner->internal;
-    const bool has_way = inner->answer == JP_GRID_FOUND;
+    const bool has_path = inner->answer == JP_GRID_FOUND;
 
-    *count = has_way ? inner->way.count : 0U;
-    return has_way ? inner->way.points : NULL;
+    *count = has_path ? inner->path.count : 0U;
+    return has_path ? inner->path.points : NULL;
 }
 
 const struct jp_grid_counts *jp_grid_planner_statistics(const struct jp_grid_planner *planner)

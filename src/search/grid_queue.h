@@ -1,11 +1,12 @@
-/** The queue of the grid planner: a binary heap of cells; each queued node knows its place in it. Equal keys are
- * ordered by their estimate, nearest first, then by row and column, so that no compiler changes the order. Private. */
+/** The open list of the grid planner: a binary heap of cells; each queued node knows its entry. Equal keys are ordered
+ *  by heuristic, nearest to the target first, then by row and column: so the order is the same on every core. Private
+ * to the grid planner. */
 #ifndef JOULEPATH_SEARCH_GRID_QUEUE_H
 #define JOULEPATH_SEARCH_GRID_QUEUE_H
 
 #include "src/search/grid_map.h"
 
-/** Parts of a node's place. */
+/** Parts of the member `place` of a node. */
 #define GRID_ENTRY_MASK      UINT32_C(0x00FFFFFF) /* its entry in the queue, from 1; 0: in none */
 #define GRID_DIRECTION_SHIFT 24U
 #define GRID_DIRECTION_MASK  UINT32_C(0x0F000000)
@@ -18,10 +19,11 @@ static inline bool jp_grid_is_settled(const struct jp_grid_node *node)
     return node->g != GRID_COST_MAX && (node->place & GRID_ENTRY_MASK) == 0U;
 }
 
-/** Puts a cell into the queue or moves it forward; its node has its new cost. False: there is no room. */
+/** Puts a cell, whose node has its new cost, into the queue or moves it forward. `estimate`: its heuristic. False:
+ * there is no room. */
 bool jp_grid_queue_put(struct jp_grid_planner_internal *planner, int32_t x, int32_t y, uint32_t estimate);
 
-/** Takes the first cell out. False: the queue is empty. */
+/** Takes the cell of the least key out. False: the queue is empty. */
 bool jp_grid_queue_take(struct jp_grid_planner_internal *planner, int32_t *x, int32_t *y);
 
 #endif

@@ -5,15 +5,15 @@
 const struct jp_grid_direction jp_grid_directions[GRID_DIRECTIONS] = {{1, 0},  {1, 1},   {0, 1},  {-1, 1},
                                                                       {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
 
-enum { STEPS_PER_UNIT = 16 /* of a diagonal run */ };
+enum { STEPS_PER_UNIT = 16 /* of diagonal runs, for a unit of the budget */ };
 
 static uint32_t distance_along(int32_t a, int32_t b)
 {
     return (uint32_t)(a < b ? b - a : a - b);
 }
 
-/** Octile distance to the goal. */
-static uint32_t estimate(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
+/** Octile distance to the goal, cells, Q16. */
+static uint32_t heuristic(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
 {
     const uint32_t dx = distance_along(x, planner->goal.x);
     const uint32_t dy = distance_along(y, planner->goal.y);
@@ -26,7 +26,7 @@ static bool is_goal(const struct jp_grid_planner_internal *planner, int32_t x, i
     return x == planner->goal.x && y == planner->goal.y;
 }
 
-/** True when a step from a cell is free. */
+/** True when a step from a cell is free: a diagonal one also needs both cells beside it. */
 static bool can_step(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
                      const struct jp_grid_direction *d)
 {
@@ -42,7 +42,7 @@ struct plane {
     uint32_t stride;
 };
 
-/** A word of a row of the plane, with the bit behind each bit at its place: that of the cell that a run comes from. */
+/** A word of a row of the plane, shifted so that each bit shows the cell before it in the direction of the run. */
 static uint32_t bits_behind(const uint32_t *row, uint32_t word, uint32_t stride, bool ascending)
 {
     if (ascending) {
@@ -51,14 +51,14 @@ static uint32_t bits_behind(const uint32_t *row, uint32_t word, uint32_t stride,
     return (row[word] >> 1) | ((word + 1U < stride ? row[word + 1U] & 1U : 1U) << (GRID_WORD_BITS - 1U));
 }
 
-/** Cells of a row at which the cell behind them is blocked and they are not: beside a run they force a neighbour. */
+/** Free cells of a row whose cell before them is blocked: beside a run they are forced neighbours. */
 static uint32_t openings(const uint32_t *row, uint32_t word, uint32_t stride, bool ascending)
 {
     return bits_behind(row, word, stride, ascending) & ~row[word];
 }
 
-/** The first of the cells that end a run, blocked ones and those with forced neighbours, after bit `from` of a row. The
- *  border ends every run. */
+/** The first cell from bit `from` of a row on that ends a run: it is blocked or has a forced neighbour. The border of
+ *  the map ends every run. */
 static uint32_t run_end(const struct plane *plane, int32_t row_index, uint32_t from, bool ascending)
 {
     const uint32_t line = (uint32_t)(row_index + 1);
@@ -82,7 +82,7 @@ static uint32_t run_end(const struct plane *plane, int32_t row_index, uint32_t f
     }
 }
 
-/** Straight along a row of a plane from `at` to the first cell that needs to be opened; below 0: there is none. */
+/** The next jump point along a row of a plane from `at`; below 0: there is none. */
 static int32_t run_along(const struct plane *plane, int32_t row, int32_t at, int32_t step, int32_t goal_row,
                          int32_t goal_at)
 {
@@ -138,8 +138,8 @@ static bool run_diagonal(const struct jp_grid_planner_internal *planner, int32_t
 
 /* ---- Expansion ---- */
 
-/** Directions, a bit each, that lead on from a cell that was reached in a direction: those not reached as cheaply past
- *  it. */
+/** The natural and forced neighbours of a cell that was reached in a direction, a bit for each direction. All others
+ * are reached as cheaply without this cell. */
 static unsigned directions_on(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y, unsigned direction)
 {
     const unsigned around = GRID_DIRECTIONS - 1U;
@@ -165,8 +165,8 @@ unsigned jp_grid_search_parent_direction(const struct jp_grid_planner_internal *
     return (unsigned)((jp_grid_node(planner, x, y)->place & GRID_DIRECTION_MASK) >> GRID_DIRECTION_SHIFT);
 }
 
-/** Offers a cell a way. False: the queue is full. */
-static bool offer(struct jp_grid_planner_internal *planner, int32_t x, int32_t y, uint32_t g, unsigned direction)
+/** Takes a cheaper path to a cell. False: the queue is full. */
+static bool relax(struct jp_grid_planner_internal *planner, int32_t x, int32_t y, uint32_t g, unsigned direction)
 {
     struct jp_grid_node *node = jp_grid_node(planner, x, y);
 
@@ -179,10 +179,10 @@ static bool offer(struct jp_grid_planner_internal *planner, int32_t x, int32_t y
     }
     node->g = g;
     node->place = (node->place & ~GRID_DIRECTION_MASK) | ((uint32_t)direction << GRID_DIRECTION_SHIFT);
-    return jp_grid_queue_put(planner, x, y, estimate(planner, x, y));
+    return jp_grid_queue_put(planner, x, y, heuristic(planner, x, y));
 }
 
-/** Where the next cell to open in a direction is. False: there is none. */
+/** The next cell to expand in a direction: the neighbour or the jump point. False: there is none. */
 static bool find_next(const struct jp_grid_planner_internal *planner, int32_t *x, int32_t *y, unsigned direction,
                       uint32_t *steps)
 {
@@ -214,7 +214,7 @@ static bool expand(struct jp_grid_planner_internal *planner, int32_t x, int32_t 
         const uint32_t along_x = distance_along(x, next_x);
         const uint32_t along_y = distance_along(y, next_y);
         const uint32_t length = along_x > along_y ? along_x : along_y;
-        if (!offer(planner, next_x, next_y, g + length * (direction % 2U != 0U ? GRID_DIAGONAL : GRID_STRAIGHT),
+        if (!relax(planner, next_x, next_y, g + length * (direction % 2U != 0U ? GRID_DIAGONAL : GRID_STRAIGHT),
                    direction)) {
             return false;
         }

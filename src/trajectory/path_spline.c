@@ -16,7 +16,7 @@ enum {
 struct knot {
     struct jp_point point;
     jp_q16 length;  /* of the chord, m */
-    jp_q24 share;   /* of the elimination: what the next slope has in this one */
+    jp_q24 share;   /* coefficient of the next knot's slope after the forward elimination */
     jp_q24 slope_x; /* of the curve, m/m */
     jp_q24 slope_y;
     int32_t is_straight;
@@ -99,19 +99,19 @@ static bool is_same(const struct jp_point *a, const struct jp_point *b)
     return a->x == b->x && a->y == b->y;
 }
 
-static enum jp_status take_way(struct spline *spline, const struct jp_point *way, size_t count)
+static enum jp_status take_path(struct spline *spline, const struct jp_point *path, size_t count)
 {
-    spline->knots[0] = (struct knot){.point = way[0]};
+    spline->knots[0] = (struct knot){.point = path[0]};
     spline->count = 1;
     for (size_t i = 1; i < count; i++) {
         struct knot *last = &spline->knots[spline->count - 1U];
-        if (is_same(&last->point, &way[i])) {
+        if (is_same(&last->point, &path[i])) {
             continue;
         }
-        if (!jp_grid_planner_line_is_free(spline->planner, &last->point, &way[i])) {
+        if (!jp_grid_planner_line_is_free(spline->planner, &last->point, &path[i])) {
             return JP_ERR_BLOCKED;
         }
-        last[1] = (struct knot){.point = way[i]};
+        last[1] = (struct knot){.point = path[i]};
         measure(last);
         spline->count++;
     }
@@ -150,9 +150,12 @@ static jp_q24 chord_y(const struct knot *knot)
 }
 
 /**
- * Slopes m for a continuous second derivative: with w = h/(h + h′) of the chord before a knot and that after it,
- * w′ m₋ + 2 m + w m₊ = 3 (w′ s + w s′), where w′ = 1 − w and s are the slopes of the chords; at the ends, where the
- * second derivative is 0, m + m₊/2 = 3/2 s. Eliminated forward, solved backward; each pivot is at least 3/4.
+ * Slopes m that make the second derivative continuous: with the lengths h and h′ of the chords before and after a knot,
+ * their slopes s and s′, w = h/(h + h′) and w′ = 1 − w,
+ *
+ *   w′ m₋ + 2 m + w m₊ = 3 (w′ s + w s′);   at the ends, where the second derivative is 0, m + m₊/2 = 3/2 s.
+ *
+ * The tridiagonal system is eliminated forward and solved backward (Thomas); each pivot is at least 3/4.
  */
 static void find_slopes(const struct spline *spline)
 {
@@ -165,14 +168,16 @@ static void find_slopes(const struct spline *spline)
     for (size_t i = 1; i < last; i++) {
         const struct knot *before = &knots[i - 1U];
         struct knot *knot = &knots[i];
-        const jp_q24 after = jp_divide((int64_t)before->length * JP_Q24_ONE, before->length + knot->length);
-        const jp_q24 rest = JP_Q24_ONE - after;
-        const jp_q24 pivot = 2 * JP_Q24_ONE - jp_q24_multiply(rest, before->share);
-        const jp_q24 x = 3 * (jp_q24_multiply(rest, chord_x(before)) + jp_q24_multiply(after, chord_x(knot)));
-        const jp_q24 y = 3 * (jp_q24_multiply(rest, chord_y(before)) + jp_q24_multiply(after, chord_y(knot)));
-        knot->share = jp_q24_divide(after, pivot);
-        knot->slope_x = jp_q24_divide(x - jp_q24_multiply(rest, before->slope_x), pivot);
-        knot->slope_y = jp_q24_divide(y - jp_q24_multiply(rest, before->slope_y), pivot);
+        const jp_q24 weight_after = jp_divide((int64_t)before->length * JP_Q24_ONE, before->length + knot->length);
+        const jp_q24 weight_before = JP_Q24_ONE - weight_after;
+        const jp_q24 pivot = 2 * JP_Q24_ONE - jp_q24_multiply(weight_before, before->share);
+        const jp_q24 x =
+            3 * (jp_q24_multiply(weight_before, chord_x(before)) + jp_q24_multiply(weight_after, chord_x(knot)));
+        const jp_q24 y =
+            3 * (jp_q24_multiply(weight_before, chord_y(before)) + jp_q24_multiply(weight_after, chord_y(knot)));
+        knot->share = jp_q24_divide(weight_after, pivot);
+        knot->slope_x = jp_q24_divide(x - jp_q24_multiply(weight_before, before->slope_x), pivot);
+        knot->slope_y = jp_q24_divide(y - jp_q24_multiply(weight_before, before->slope_y), pivot);
     }
     const struct knot *before = &knots[last - 1U];
     const jp_q24 pivot = JP_Q24_ONE - before->share / 2;
@@ -228,8 +233,8 @@ static bool is_free(const struct spline *spline, const struct knot *knot)
     return true;
 }
 
-/** Gives each piece that is not free a knot, or makes it straight. True when all were free: chords are, and so are
- * pieces no longer than the spacing. */
+/** Gives each piece that is not free a knot, or makes it straight. True when all were free. It ends: chords are free,
+ * and so are pieces no longer than the spacing. */
 static bool mend(struct spline *spline)
 {
     bool all_free = true;
@@ -267,11 +272,11 @@ static enum jp_status write_points(const struct spline *spline, struct jp_point 
     return JP_OK;
 }
 
-enum jp_status jp_path_spline(const struct jp_grid_planner *planner, const struct jp_point *way, size_t count,
+enum jp_status jp_path_spline(const struct jp_grid_planner *planner, const struct jp_point *path, size_t count,
                               jp_q16 spacing, void *scratch, size_t scratch_size, struct jp_point *smooth,
                               size_t smooth_max, size_t *smooth_count)
 {
-    if (planner == NULL || way == NULL || scratch == NULL || smooth == NULL || smooth_count == NULL) {
+    if (planner == NULL || path == NULL || scratch == NULL || smooth == NULL || smooth_count == NULL) {
         return JP_ERR_ARGUMENT;
     }
     *smooth_count = 0;
@@ -286,7 +291,7 @@ enum jp_status jp_path_spline(const struct jp_grid_planner *planner, const struc
     }
     struct spline spline = {
         .planner = planner, .knots = scratch, .count_max = scratch_size / sizeof(struct knot), .spacing = spacing};
-    const enum jp_status status = take_way(&spline, way, count);
+    const enum jp_status status = take_path(&spline, path, count);
 
     if (status != JP_OK) {
         return status;

@@ -508,7 +508,7 @@ static void arrange_small_jump(double fault, const struct jp_plane_pose *pose)
 static void judge_small_jump(double fault)
 {
     const bool gave_up = result.outcome == PATROL_GAVE_UP &&
-                         (result.reason == JP_PATROL_NO_WAY || result.reason == JP_PATROL_IN_COLLISION);
+                         (result.reason == JP_PATROL_BLOCKED || result.reason == JP_PATROL_IN_COLLISION);
 
     check(gave_up || result.outcome == PATROL_MISSED || result.outcome == PATROL_ARRIVED, "outcome", fault,
           result.outcome);

@@ -245,14 +245,14 @@ static void test_robot_waits_for_its_way(void)
     rig_cycles(8);
     rig_wall_ahead();
     (void)rig_until(JP_PATROL_WAITING, RIG_LONG);
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
     TEST_ASSERT_TRUE(robot.x + 0.4f < 2.0f);
     rig_cycles(10);
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     wall_count = 0;
     rig_cycles(2); /* a way for a moment is none */
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
     rig_cycle();
     rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
@@ -268,10 +268,10 @@ static void test_robot_gives_up_and_says_why(void)
     rig_wall_ahead();
     (void)rig_until(JP_PATROL_WAITING, RIG_LONG);
     (void)rig_until(JP_PATROL_STOPPED, config.waits_max + 1U);
-    rig_expect(JP_PATROL_STOPPED, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_STOPPED, JP_PATROL_BLOCKED);
     wall_count = 0;
     rig_cycles(10);
-    rig_expect(JP_PATROL_STOPPED, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_STOPPED, JP_PATROL_BLOCKED);
     rig_expect_stand();
     rig_go(robot.x + 1.0f, 0.0f);
     rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
@@ -362,7 +362,7 @@ static void test_turn_stops_for_what_comes_into_it(void)
 
     rig_box(x - 0.03f, y - 0.03f, x + 0.03f, y + 0.03f);
     (void)rig_until(JP_PATROL_WAITING, RIG_LONG);
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
     wall_count = 0;
     (void)rig_until(JP_PATROL_TURNING, 10);

@@ -147,7 +147,7 @@ static void test_a_goal_straight_on(void)
     TEST_ASSERT_TRUE(planned > 0);
     TEST_ASSERT_TRUE(mission.path_count > 20);
     TEST_ASSERT_TRUE(mission.counts.expansions > 0);
-    TEST_ASSERT_NOT_NULL(jp_patrol_mission_way(&mission, &turns));
+    TEST_ASSERT_NOT_NULL(jp_patrol_mission_grid_path(&mission, &turns));
     TEST_ASSERT_EQUAL_UINT(2, turns);
     drive_until(JP_MISSION_ARRIVED);
     expect_at(4.05f, 4.05f, 0.0f);
@@ -171,7 +171,7 @@ static void test_a_goal_on_the_spot(void)
 
     start(1.5f, 4.05f, 0.0f);
     TEST_ASSERT_EQUAL_UINT16(2, mission.path_count);
-    TEST_ASSERT_NULL(jp_patrol_mission_way(&mission, &turns));
+    TEST_ASSERT_NULL(jp_patrol_mission_grid_path(&mission, &turns));
     TEST_ASSERT_EQUAL_UINT(0, turns);
     drive_until(JP_MISSION_ARRIVED);
 }
@@ -272,7 +272,7 @@ static void test_a_robot_walled_in_gives_up(void)
     drive_until(JP_MISSION_GIVEN_UP);
     TEST_ASSERT_EQUAL_UINT(6, mission.replans);
     TEST_ASSERT_EQUAL_INT(JP_PATROL_STOPPED, mission.patrol.state);
-    TEST_ASSERT_EQUAL_INT(JP_PATROL_NO_WAY, mission.patrol.reason);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_BLOCKED, mission.patrol.reason);
 }
 
 static void test_wheels_that_do_not_turn_get_another_path_then_none(void)

@@ -49,7 +49,7 @@ static void test_step_stops_for_what_comes_into_it(void)
     rig_cycles(3);
     rig_wall(robot.x + 0.45f, -0.4f, robot.x + 0.45f, 0.4f);
     rig_cycle();
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
     wall_count = 3;
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
@@ -126,10 +126,10 @@ static void test_step_waits_for_its_way(void)
     rig_straight(0.5f, 0.3f, 2.0f, 0.3f);
     TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(2.0f, 0.3f, 0.0f, true));
     rig_cycle();
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     wall_count--;
     rig_cycles(2);
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
     rig_cycle();
     rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
@@ -169,7 +169,7 @@ static void test_goal_in_a_slot_where_no_turn_fits(void)
     rig_wall(0.42f, 0.7f, 0.42f, 4.0f);
     rig_go_to_heading(0.0f, 2.0f, -0.5f * JP_PLANE_PI);
     (void)rig_until(JP_PATROL_WAITING, RIG_LONG);
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
 }
 
@@ -185,7 +185,7 @@ static void test_command_that_leads_into_something_is_not_given(void)
     patrol.internal.command.forward = 0.8f;
     input.speed.forward = 1.4f;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
 }
 
@@ -194,10 +194,10 @@ static void test_no_room_to_turn_anywhere(void)
     rig_box(-0.45f, -0.35f, 0.45f, 0.35f);
     rig_go(0.0f, 2.0f);
     rig_cycle();
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.infeasible);
     (void)rig_until(JP_PATROL_STOPPED, config.waits_max + 1U);
-    rig_expect(JP_PATROL_STOPPED, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_STOPPED, JP_PATROL_BLOCKED);
 }
 
 /* Beside a goal, so near a wall that only at the goal itself there is room to turn. */
@@ -226,14 +226,14 @@ static void test_robot_at_the_goal_without_room_to_turn_waits(void)
 {
     rig_wall(0.45f, -2.0f, 0.45f, 2.0f);
     arrive_beside_the_goal(0.0f);
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
 }
 
 static void test_robot_beside_the_goal_with_no_way_there_waits(void)
 {
     rig_wall(0.35f, -2.0f, 0.35f, 2.0f);
     arrive_beside_the_goal(-0.08f);
-    rig_expect(JP_PATROL_WAITING, JP_PATROL_NO_WAY);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
 }
 
 /* A long nose: a thing that is in the shorter way round is not in the longer one. */

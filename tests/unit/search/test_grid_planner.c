@@ -259,14 +259,14 @@ static void test_the_shorter_way_is_the_answer(void)
          "......@........");
     for (int i = 0; i < 64; i++) {
         begin(JP_GRID_ANY_ANGLE, 0, i % 8, 14, i / 8);
-        const struct jp_point *by_shortcut = planner.internal.way.points;
+        const struct jp_point *by_shortcut = planner.internal.path.points;
         TEST_ASSERT_EQUAL_INT(JP_GRID_FOUND, finish(1));
         TEST_ASSERT_TRUE(expect_way(0, i % 8, 14, i / 8) <= jp_grid_planner_statistics(&planner)->octile_length);
-        const uint64_t length = jp_grid_way_length(&planner.internal.way);
-        const uint64_t other = jp_grid_way_length(&planner.internal.other);
+        const uint64_t length = jp_grid_path_length(&planner.internal.path);
+        const uint64_t other = jp_grid_path_length(&planner.internal.candidate);
         TEST_ASSERT_TRUE(length <= other);
-        by_edges += length < other && planner.internal.way.points != by_shortcut;
-        by_shortcuts += length < other && planner.internal.way.points == by_shortcut;
+        by_edges += length < other && planner.internal.path.points != by_shortcut;
+        by_shortcuts += length < other && planner.internal.path.points == by_shortcut;
     }
     TEST_ASSERT_TRUE(by_edges > 0);
     TEST_ASSERT_TRUE(by_shortcuts > 0);
@@ -416,7 +416,7 @@ static bool is_spreading(void)
 
 static bool is_descending(void)
 {
-    return planner.internal.other.count > 0;
+    return planner.internal.candidate.count > 0;
 }
 
 /* The way by shortcuts stays the answer. */

@@ -1,10 +1,10 @@
-#include "src/search/grid_way.h"
+#include "src/search/grid_path.h"
 
 #include <string.h>
 
 enum {
-    HALVINGS = 8,   /* of a piece that a turning point may move along; as many units of the budget */
-    PASSES_MAX = 12 /* over all turning points, there and back */
+    HALVINGS = 8,   /* steps of the bisection that moves a turning point; each takes a unit of the budget */
+    PASSES_MAX = 12 /* over all turning points, alternately from either end */
 };
 
 static bool is_straight(const struct jp_point *a, const struct jp_point *b, const struct jp_point *c)
@@ -12,27 +12,27 @@ static bool is_straight(const struct jp_point *a, const struct jp_point *b, cons
     return (int64_t)(b->x - a->x) * (c->y - b->y) == (int64_t)(b->y - a->y) * (c->x - b->x);
 }
 
-bool jp_grid_way_add(const struct jp_grid_planner_internal *planner, struct jp_grid_way *way, struct jp_point point,
-                     bool shortcut)
+bool jp_grid_path_add(const struct jp_grid_planner_internal *planner, struct jp_grid_path *path, struct jp_point point,
+                      bool shortcut)
 {
-    if (way->count >= 2U) {
-        const struct jp_point *before = &way->points[way->count - 2U];
+    if (path->count >= 2U) {
+        const struct jp_point *before = &path->points[path->count - 2U];
         if (shortcut ? jp_grid_line_is_free(planner, before, &point)
-                     : is_straight(before, &way->points[way->count - 1U], &point)) {
-            way->count--;
+                     : is_straight(before, &path->points[path->count - 1U], &point)) {
+            path->count--;
         }
     }
-    if (way->count == planner->points_max) {
+    if (path->count == planner->points_max) {
         return false;
     }
-    way->points[way->count] = point;
-    way->count++;
+    path->points[path->count] = point;
+    path->count++;
     return true;
 }
 
-/** The cursor is the cell that is traced, at its cost; cells that a run passed by may have been opened from elsewhere.
- */
-enum jp_grid_progress jp_grid_way_trace(struct jp_grid_planner_internal *planner, unsigned *budget)
+/** The cursor is the cell that is traced, place_cost its cost along the path. A cell in the middle of a run may have
+ * been reached from elsewhere at another cost: the trace then keeps its direction. */
+enum jp_grid_progress jp_grid_path_trace(struct jp_grid_planner_internal *planner, unsigned *budget)
 {
     const bool shortcut = planner->config.method == JP_GRID_ANY_ANGLE;
     const uint32_t width = planner->terrain->config.width;
@@ -43,7 +43,7 @@ enum jp_grid_progress jp_grid_way_trace(struct jp_grid_planner_internal *planner
 
     while (*budget > 0U) {
         --*budget;
-        if (!jp_grid_way_add(planner, &planner->way, jp_grid_centre(planner, x, y), shortcut)) {
+        if (!jp_grid_path_add(planner, &planner->path, jp_grid_centre(planner, x, y), shortcut)) {
             return GRID_FULL;
         }
         if (jp_grid_node(planner, x, y)->g == planner->place_cost) {
@@ -60,12 +60,12 @@ enum jp_grid_progress jp_grid_way_trace(struct jp_grid_planner_internal *planner
     return GRID_WORKING;
 }
 
-void jp_grid_way_reverse(struct jp_grid_way *way)
+void jp_grid_path_reverse(struct jp_grid_path *path)
 {
-    for (uint32_t i = 0; i < way->count / 2U; i++) {
-        const struct jp_point point = way->points[i];
-        way->points[i] = way->points[way->count - 1U - i];
-        way->points[way->count - 1U - i] = point;
+    for (uint32_t i = 0; i < path->count / 2U; i++) {
+        const struct jp_point point = path->points[i];
+        path->points[i] = path->points[path->count - 1U - i];
+        path->points[path->count - 1U - i] = point;
     }
 }
 
@@ -77,12 +77,12 @@ static uint64_t distance(const struct jp_point *a, const struct jp_point *b)
     return jp_square_root((uint64_t)(dx * dx) + (uint64_t)(dy * dy));
 }
 
-uint64_t jp_grid_way_length(const struct jp_grid_way *way)
+uint64_t jp_grid_path_length(const struct jp_grid_path *path)
 {
     uint64_t length = 0;
 
-    for (uint32_t i = 1; i < way->count; i++) {
-        length += distance(&way->points[i - 1U], &way->points[i]);
+    for (uint32_t i = 1; i < path->count; i++) {
+        length += distance(&path->points[i - 1U], &path->points[i]);
     }
     return length;
 }
@@ -97,7 +97,7 @@ static bool is_same(const struct jp_point *a, const struct jp_point *b)
     return a->x == b->x && a->y == b->y;
 }
 
-/** The point on the piece from `turn` to `next`, about the farthest one, that `before` sees. */
+/** By bisection: about the farthest point on the piece from `turn` to `next` that `before` sees. */
 static struct jp_point slide(const struct jp_grid_planner_internal *planner, const struct jp_point *before,
                              const struct jp_point *turn, const struct jp_point *next)
 {
@@ -115,17 +115,17 @@ static struct jp_point slide(const struct jp_grid_planner_internal *planner, con
     return near;
 }
 
-/** Takes a turning point out when its neighbours see each other, or else moves it toward the next, so that the way gets
- *  shorter. */
-static void tighten_at(struct jp_grid_planner_internal *planner, struct jp_grid_way *way, uint32_t index)
+/** Removes a turning point when its neighbours see each other; else moves it towards the next one, which shortens the
+ *  path. */
+static void tighten_at(struct jp_grid_planner_internal *planner, struct jp_grid_path *path, uint32_t index)
 {
-    struct jp_point *turn = &way->points[index];
-    const struct jp_point *before = &way->points[index - 1U];
-    struct jp_point *next = &way->points[index + 1U];
+    struct jp_point *turn = &path->points[index];
+    const struct jp_point *before = &path->points[index - 1U];
+    struct jp_point *next = &path->points[index + 1U];
 
     if (jp_grid_line_is_free(planner, before, next)) {
-        way->count--;
-        (void)memmove(turn, next, (way->count - index) * sizeof *turn);
+        path->count--;
+        (void)memmove(turn, next, (path->count - index) * sizeof *turn);
         planner->has_changed = true;
         return;
     }
@@ -135,13 +135,15 @@ static void tighten_at(struct jp_grid_planner_internal *planner, struct jp_grid_
     *turn = point;
 }
 
-/** The cursor is the turning point; after each pass the way is turned round, until two passes have changed nothing. */
-enum jp_grid_progress jp_grid_way_tighten(struct jp_grid_planner_internal *planner, struct jp_grid_way *way,
-                                          unsigned *budget)
+/** The cursor is the turning point. After each pass the path is reversed; the work ends when two passes changed
+ * nothing.
+ */
+enum jp_grid_progress jp_grid_path_tighten(struct jp_grid_planner_internal *planner, struct jp_grid_path *path,
+                                           unsigned *budget)
 {
     while (*budget > 0U) {
-        if (planner->cursor + 1U >= way->count) {
-            jp_grid_way_reverse(way);
+        if (planner->cursor + 1U >= path->count) {
+            jp_grid_path_reverse(path);
             --*budget;
             planner->passes++;
             planner->cursor = 1;
@@ -152,10 +154,10 @@ enum jp_grid_progress jp_grid_way_tighten(struct jp_grid_planner_internal *plann
                 planner->has_changed = false;
             }
         } else {
-            const uint32_t count = way->count;
-            tighten_at(planner, way, planner->cursor);
+            const uint32_t count = path->count;
+            tighten_at(planner, path, planner->cursor);
             *budget = *budget > (unsigned)HALVINGS ? *budget - (unsigned)HALVINGS : 0U;
-            planner->cursor += way->count == count ? 1U : 0U;
+            planner->cursor += path->count == count ? 1U : 0U;
         }
     }
     return GRID_WORKING;

@@ -1,0 +1,25 @@
+/** Paths as turning points: traced from the search, shortened by line of sight. Private to the grid planner. */
+#ifndef JOULEPATH_SEARCH_GRID_PATH_H
+#define JOULEPATH_SEARCH_GRID_PATH_H
+
+#include "src/search/grid_line.h"
+#include "src/search/grid_search.h"
+
+/** Appends a point in place of the last one if the one before that sees it (`shortcut`) or all three are on one line.
+ *  False: there is no room. */
+bool jp_grid_path_add(const struct jp_grid_planner_internal *planner, struct jp_grid_path *path, struct jp_point point,
+                      bool shortcut);
+
+/** Traces the path that the search found, from the goal to the start; each cell takes a unit of the budget. */
+enum jp_grid_progress jp_grid_path_trace(struct jp_grid_planner_internal *planner, unsigned *budget);
+
+void jp_grid_path_reverse(struct jp_grid_path *path);
+
+/** Shortens a path by line of sight; each turning point takes eight units of the budget. */
+enum jp_grid_progress jp_grid_path_tighten(struct jp_grid_planner_internal *planner, struct jp_grid_path *path,
+                                           unsigned *budget);
+
+/** Length, Q16 m. */
+uint64_t jp_grid_path_length(const struct jp_grid_path *path);
+
+#endif
