@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "src/base/config_float_check.h"
 #include "src/base/plane.h"
 #include "src/local/patrol_drive.h"
 #include "src/local/patrol_path.h"
@@ -19,54 +20,53 @@
 /* Cycles without getting on before the robot counts as stalled, times waits_max. */
 #define STALL_WAITS 2U
 
+#define LEAST      1.0e-3f
 #define VALUE_MAX  1000.0f
 #define SPEED_MAX  16.0f /* that a twist may have, m/s and rad/s */
 #define CYCLES_MAX 10000.0f
 
 /* ---- Configuration ---- */
 
-static const char *wrong_field(const struct jp_patrol_config *config)
-{
-    const float least = 1.0e-3f;
-    const struct {
-        float value;
-        float low;
-        float high;
-        const char *name;
-    } fields[] = {
-        {config->scan.range_max, least, VALUE_MAX, "scan.range_max"},
-        {config->scan.gap, least, VALUE_MAX, "scan.gap"},
-        {config->scan.tolerance, least, VALUE_MAX, "scan.tolerance"},
-        {(float)config->scan.beams_min, 1.0f, VALUE_MAX, "scan.beams_min"},
-        {config->turn_first, least, JP_PLANE_PI, "turn_first"},
-        {config->teb.speed_max, least, SPEED_MAX, "teb.speed_max"},
-        {config->teb.reverse_max, least, SPEED_MAX, "teb.reverse_max"},
-        {config->teb.turn_rate_max, least, SPEED_MAX, "teb.turn_rate_max"},
-        {config->turn_rate, least, SPEED_MAX, "turn_rate"},
-        {config->turn_acceleration, least, VALUE_MAX, "turn_acceleration"},
-        {config->turn_clearance, 0.0f, VALUE_MAX, "turn_clearance"},
-        {config->step_speed, least, SPEED_MAX, "step_speed"},
-        {config->horizon, least, VALUE_MAX, "horizon"},
-        {config->position_tolerance, least, VALUE_MAX, "position_tolerance"},
-        {config->heading_tolerance, least, config->turn_first, "heading_tolerance"},
-        {config->period, least, VALUE_MAX, "period"},
-        {config->latency, 0.0f, 1.0f, "latency"},
-        {config->jump, least, VALUE_MAX, "jump"},
-        {config->blind_max, 0.0f, VALUE_MAX, "blind_max"},
-        {config->movers.extent, least, VALUE_MAX, "movers.extent"},
-        {config->movers.speed_min, least, VALUE_MAX, "movers.speed_min"},
-        {config->movers.speed_max, config->movers.speed_min, VALUE_MAX, "movers.speed_max"},
-        {config->movers.margin, 0.0f, VALUE_MAX, "movers.margin"},
-        {(float)config->waits_max, 1.0f, CYCLES_MAX, "waits_max"},
-        {(float)config->dropouts_max, 0.0f, CYCLES_MAX, "dropouts_max"},
-    };
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_patrol_config, member, low, high)
 
-    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if (!jp_plane_is_between(fields[i].value, fields[i].low, fields[i].high)) {
-            return fields[i].name;
-        }
+static enum jp_status check(const struct jp_patrol_config *config, const char **field)
+{
+    static const struct jp_config_float_field fields[] = {
+        FIELD(scan.range_max, LEAST, VALUE_MAX),
+        FIELD(scan.gap, LEAST, VALUE_MAX),
+        FIELD(scan.tolerance, LEAST, VALUE_MAX),
+        FIELD(scan.beams_min, 1.0f, VALUE_MAX),
+        FIELD(turn_first, LEAST, JP_PLANE_PI),
+        FIELD(teb.speed_max, LEAST, SPEED_MAX),
+        FIELD(teb.reverse_max, LEAST, SPEED_MAX),
+        FIELD(teb.turn_rate_max, LEAST, SPEED_MAX),
+        FIELD(turn_rate, LEAST, SPEED_MAX),
+        FIELD(turn_acceleration, LEAST, VALUE_MAX),
+        FIELD(turn_clearance, 0.0f, VALUE_MAX),
+        FIELD(step_speed, LEAST, SPEED_MAX),
+        FIELD(horizon, LEAST, VALUE_MAX),
+        FIELD(position_tolerance, LEAST, VALUE_MAX),
+        FIELD(heading_tolerance, LEAST, JP_PLANE_PI),
+        FIELD(period, LEAST, VALUE_MAX),
+        FIELD(latency, 0.0f, 1.0f),
+        FIELD(jump, LEAST, VALUE_MAX),
+        FIELD(blind_max, 0.0f, VALUE_MAX),
+        FIELD(movers.extent, LEAST, VALUE_MAX),
+        FIELD(movers.speed_min, LEAST, VALUE_MAX),
+        FIELD(movers.speed_max, LEAST, VALUE_MAX),
+        FIELD(movers.margin, 0.0f, VALUE_MAX),
+        FIELD(waits_max, 1.0f, CYCLES_MAX),
+        FIELD(dropouts_max, 0.0f, CYCLES_MAX),
+    };
+    const enum jp_status status = jp_config_float_check(config, fields, JP_CONFIG_COUNT(fields), field);
+
+    if (status == JP_OK && config->heading_tolerance > config->turn_first) {
+        return jp_config_refuse("heading_tolerance", field);
     }
-    return NULL;
+    if (status == JP_OK && config->movers.speed_max < config->movers.speed_min) {
+        return jp_config_refuse("movers.speed_max", field);
+    }
+    return status;
 }
 
 enum jp_status jp_patrol_init(struct jp_patrol *patrol, const struct jp_patrol_config *config, const char **field)
@@ -74,12 +74,14 @@ enum jp_status jp_patrol_init(struct jp_patrol *patrol, const struct jp_patrol_c
     if (patrol == NULL || config == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    if (jp_four_wheel_check(&config->wheels, field) != JP_OK) {
-        return JP_ERR_CONFIG;
+
+    enum jp_status status = jp_four_wheel_check(&config->wheels, field);
+
+    if (status == JP_OK) {
+        status = check(config, field);
     }
-    *field = wrong_field(config);
-    if (*field != NULL) {
-        return JP_ERR_CONFIG;
+    if (status != JP_OK) {
+        return status;
     }
     (void)memset(patrol, 0, sizeof *patrol);
     patrol->config = *config;

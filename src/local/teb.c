@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "src/base/config_float_check.h"
 #include "src/base/plane.h"
 #include "src/local/teb_band.h"
 #include "src/local/teb_residuals.h"
@@ -28,73 +29,54 @@
 
 #define ZERO_LENGTH 1.0e-3f
 
-#define VALUE_MAX 1.0e6f
-
-#define ROUNDS_MAX 8U
-#define STEPS_MAX  16U
+/* What the configuration may be. */
+#define LEAST            1.0e-3f
+#define VALUE_MAX        1.0e6f
+#define ROUNDS_MAX       8.0f
+#define STEPS_MAX        16.0f
+#define HYSTERESIS_SHARE 0.9f /* of the interval */
 
 /* ---- Configuration ---- */
 
-static const char *wrong_weight(const struct jp_teb_weights *weights)
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_teb_config, member, low, high)
+
+static enum jp_status check(const struct jp_teb_config *config, const char **field)
 {
-    const struct {
-        float value;
-        const char *name;
-    } fields[] = {
-        {weights->nonholonomic, "weights.nonholonomic"},
-        {weights->speed, "weights.speed"},
-        {weights->turn_rate, "weights.turn_rate"},
-        {weights->turn_radius, "weights.turn_radius"},
-        {weights->acceleration, "weights.acceleration"},
-        {weights->turn_acceleration, "weights.turn_acceleration"},
-        {weights->obstacle, "weights.obstacle"},
-        {weights->path, "weights.path"},
-        {weights->time, "weights.time"},
-        {weights->slowness, "weights.slowness"},
-        {weights->no_reversing, "weights.no_reversing"},
-        {weights->wheel_odometry, "weights.wheel_odometry"},
-        {weights->laser_odometry, "weights.laser_odometry"},
+    static const struct jp_config_float_field fields[] = {
+        FIELD(speed_max, LEAST, VALUE_MAX),
+        FIELD(reverse_max, LEAST, VALUE_MAX),
+        FIELD(turn_rate_max, LEAST, VALUE_MAX),
+        FIELD(acceleration, LEAST, VALUE_MAX),
+        FIELD(turn_acceleration, LEAST, VALUE_MAX),
+        FIELD(radius_min, 0.0f, VALUE_MAX),
+        FIELD(footprint.front, 0.0f, VALUE_MAX),
+        FIELD(footprint.rear, 0.0f, VALUE_MAX),
+        FIELD(footprint.half_width, LEAST, VALUE_MAX),
+        FIELD(clearance, 0.0f, VALUE_MAX),
+        FIELD(interval, LEAST, VALUE_MAX),
+        FIELD(hysteresis, LEAST, VALUE_MAX),
+        FIELD(rounds, 1.0f, ROUNDS_MAX),
+        FIELD(steps, 1.0f, STEPS_MAX),
+        FIELD(weights.nonholonomic, 0.0f, VALUE_MAX),
+        FIELD(weights.speed, 0.0f, VALUE_MAX),
+        FIELD(weights.turn_rate, 0.0f, VALUE_MAX),
+        FIELD(weights.turn_radius, 0.0f, VALUE_MAX),
+        FIELD(weights.acceleration, 0.0f, VALUE_MAX),
+        FIELD(weights.turn_acceleration, 0.0f, VALUE_MAX),
+        FIELD(weights.obstacle, 0.0f, VALUE_MAX),
+        FIELD(weights.path, 0.0f, VALUE_MAX),
+        FIELD(weights.time, 0.0f, VALUE_MAX),
+        FIELD(weights.slowness, 0.0f, VALUE_MAX),
+        FIELD(weights.no_reversing, 0.0f, VALUE_MAX),
+        FIELD(weights.wheel_odometry, 0.0f, VALUE_MAX),
+        FIELD(weights.laser_odometry, 0.0f, VALUE_MAX),
     };
+    const enum jp_status status = jp_config_float_check(config, fields, JP_CONFIG_COUNT(fields), field);
 
-    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if (!jp_plane_is_between(fields[i].value, 0.0f, VALUE_MAX)) {
-            return fields[i].name;
-        }
+    if (status == JP_OK && config->hysteresis > HYSTERESIS_SHARE * config->interval) {
+        return jp_config_refuse("hysteresis", field);
     }
-    return NULL;
-}
-
-static const char *wrong_field(const struct jp_teb_config *config)
-{
-    const float least = 1.0e-3f;
-    const struct {
-        float value;
-        float low;
-        float high;
-        const char *name;
-    } fields[] = {
-        {config->speed_max, least, VALUE_MAX, "speed_max"},
-        {config->reverse_max, least, VALUE_MAX, "reverse_max"},
-        {config->turn_rate_max, least, VALUE_MAX, "turn_rate_max"},
-        {config->acceleration, least, VALUE_MAX, "acceleration"},
-        {config->turn_acceleration, least, VALUE_MAX, "turn_acceleration"},
-        {config->radius_min, 0.0f, VALUE_MAX, "radius_min"},
-        {config->footprint.front, 0.0f, VALUE_MAX, "footprint.front"},
-        {config->footprint.rear, 0.0f, VALUE_MAX, "footprint.rear"},
-        {config->footprint.half_width, least, VALUE_MAX, "footprint.half_width"},
-        {config->clearance, 0.0f, VALUE_MAX, "clearance"},
-        {config->interval, least, VALUE_MAX, "interval"},
-        {config->hysteresis, least, 0.9f * config->interval, "hysteresis"},
-        {(float)config->rounds, 1.0f, (float)ROUNDS_MAX, "rounds"},
-        {(float)config->steps, 1.0f, (float)STEPS_MAX, "steps"},
-    };
-
-    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if (!jp_plane_is_between(fields[i].value, fields[i].low, fields[i].high)) {
-            return fields[i].name;
-        }
-    }
-    return wrong_weight(&config->weights);
+    return status;
 }
 
 static struct jp_teb_weights roots_of(const struct jp_teb_config *config)
@@ -121,12 +103,14 @@ static struct jp_teb_weights roots_of(const struct jp_teb_config *config)
 
 enum jp_status jp_teb_init(struct jp_teb *teb, const struct jp_teb_config *config, const char **field)
 {
-    if (teb == NULL || config == NULL || field == NULL) {
+    if (teb == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *field = wrong_field(config);
-    if (*field != NULL) {
-        return JP_ERR_CONFIG;
+
+    const enum jp_status status = check(config, field);
+
+    if (status != JP_OK) {
+        return status;
     }
     (void)memset(teb, 0, sizeof *teb);
     teb->config = *config;

@@ -38,7 +38,7 @@ MODULES = {
     "plane": r"src/base/plane",
     "obstacles": r"src/local/(obstacle\w*|scan_(runs|shapes))",
     "movers": r"src/local/movers",
-    "timed elastic band": r"src/local/teb(_\w+)?",
+    "timed elastic band": r"src/(local/teb(_\w+)?|base/config_float_check)",
     "patrol mission": r"src/local/patrol_(approach|marks|mission)",
     "patrol": r"src/local/patrol(_\w+)?",
     "scan matching": r"src/local/scan_match(_\w+)?",
