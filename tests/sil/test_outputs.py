@@ -1,14 +1,15 @@
 """What programs write: links, devices and pipes stay what they are, two runs at once leave one whole set, an interrupt
 leaves nothing, and standard output that cannot be written is an error."""
+import contextlib
 import json
 import os
 import signal
 import stat
 import subprocess
-import time
 
 import pytest
 from conftest import BIN, LIMIT, ROOT, assert_one_line_error, run
+from programs import wait_until
 
 ROBOTS = ROOT / "sim/robots"
 SCENARIO = ROOT / "sim/scenarios/gao2018_short.cfg"
@@ -95,15 +96,33 @@ def test_permissions_stay(tmp_path):
 
 # ---- several at once, and interrupts ---------------------------------------------------------------------------------
 
+def full_pipe():
+    """Both ends; whoever writes there waits until it is read."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    for size in (4096, 1):
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                os.write(writer, bytes(size))
+    os.set_blocking(writer, True)
+    return reader, writer
+
+
 def start_patrol(output, seed=1):
-    """A drive of some seconds that has opened its first file."""
-    before = set(names(output))
+    """A drive that has opened its first file, and ends when its standard output is read."""
+    before = names(output)
+    reader, writer = full_pipe()
     process = subprocess.Popen([BIN / "jp-patrol", "corridor", f"--robot={ROBOTS / 'patrol.cfg'}", f"--seed={seed}",
-                                "--output", output], stdout=subprocess.DEVNULL)
-    end = time.monotonic() + 60
-    while set(names(output)) == before:
-        assert process.poll() is None and time.monotonic() < end
+                                "--output", output], stdout=writer)
+    os.close(writer)
+    process.stdout = open(reader, "rb")
+    wait_until(lambda: names(output) != before, "the first file")
     return process
+
+
+def end_patrol(process):
+    process.communicate(timeout=LIMIT)
+    assert process.returncode == 0
 
 
 def contents(folder):
@@ -116,11 +135,9 @@ def test_two_runs_into_one_folder(tmp_path):
     both.mkdir()
     alone.mkdir()
     first = start_patrol(both, seed=1)
-    first.send_signal(signal.SIGSTOP)
-    assert start_patrol(both, seed=2).wait(60) == 0
-    first.send_signal(signal.SIGCONT)
-    assert first.wait(60) == 0
-    assert start_patrol(alone, seed=1).wait(60) == 0
+    end_patrol(start_patrol(both, seed=2))
+    end_patrol(first)
+    end_patrol(start_patrol(alone, seed=1))
     assert contents(both) == contents(alone)
 
 
@@ -129,9 +146,9 @@ def test_interrupt_leaves_nothing(tmp_path, number):
     output = tmp_path / "out"
     output.mkdir()
     (output / "summary.json").write_text(OLD)
-    process = start_patrol(output)
-    process.send_signal(number)
-    assert process.wait(60) == -number
+    with start_patrol(output) as process:
+        process.send_signal(number)
+        assert process.wait(LIMIT) == -number
     assert names(output) == ["summary.json"] and (output / "summary.json").read_text() == OLD
 
 
