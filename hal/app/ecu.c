@@ -30,7 +30,7 @@ static uint32_t tick_rate(const struct jp_ecu *ecu)
 
 static void send(struct jp_ecu *ecu, const struct jp_can_frame *frame, bool *sent)
 {
-    *sent = ecu->port.send(ecu->port.context, frame) == JP_OK;
+    *sent = ecu->internal.port.send(ecu->internal.port.context, frame) == JP_OK;
     if (!*sent) {
         ecu->send_errors = jp_one_more16(ecu->send_errors);
     }
@@ -41,7 +41,7 @@ static enum jp_status read_sample(void *context, struct jp_sensors *sensors)
     struct jp_ecu *ecu = context;
     const struct jp_sensors *good = jp_robot_good_frame(&ecu->robot);
 
-    return jp_sample_link_read(&ecu->samples, good != NULL ? good : &ecu->samples.sample, sensors);
+    return jp_sample_link_read(&ecu->internal.samples, good != NULL ? good : &ecu->internal.samples.sample, sensors);
 }
 
 /** The bridges hold their duty for as long as the samples are held, so a short silence is no failure. Those that
@@ -52,18 +52,18 @@ static enum jp_status write_motor_command(void *context, const struct jp_actuati
     struct jp_can_frame frame;
     bool sent;
 
-    ecu->owns_bridges = ecu->owns_bridges || actuation->enabled != 0U;
-    if (!ecu->owns_bridges && ecu->conflict_ticks > 0U) {
+    ecu->internal.owns_bridges = ecu->internal.owns_bridges || actuation->enabled != 0U;
+    if (!ecu->internal.owns_bridges && ecu->internal.conflict_ticks > 0U) {
         return JP_OK;
     }
-    jp_message_from_actuation(&frame, &ecu->motor_counter, actuation);
+    jp_message_from_actuation(&frame, &ecu->internal.motor_counter, actuation);
     send(ecu, &frame, &sent);
     if (sent) {
-        ecu->unsent = 0;
+        ecu->internal.unsent = 0;
     } else {
-        ecu->unsent = jp_one_more16(ecu->unsent);
+        ecu->internal.unsent = jp_one_more16(ecu->internal.unsent);
     }
-    return ecu->unsent > JP_SAMPLE_HOLD_TICKS ? JP_ERR_HARDWARE : JP_OK;
+    return ecu->internal.unsent > JP_SAMPLE_HOLD_TICKS ? JP_ERR_HARDWARE : JP_OK;
 }
 
 /* Start. */
@@ -96,10 +96,10 @@ static void resume(struct jp_ecu *ecu, const struct jp_retained_slot *record)
     }
     jp_robot_resume(&ecu->robot, &record->snapshot);
     /* A sample holds only the low bits of the counts; they go on from those of the record. */
-    jp_sample_link_resume(&ecu->samples, record->snapshot.estimator.encoder_left,
+    jp_sample_link_resume(&ecu->internal.samples, record->snapshot.estimator.encoder_left,
                           record->snapshot.estimator.encoder_right);
-    ecu->operator_link.mode = JP_MODE_STAND;
-    ecu->operator_link.state = JP_OPERATOR_LOST;
+    ecu->internal.operator_link.mode = JP_MODE_STAND;
+    ecu->internal.operator_link.state = JP_OPERATOR_LOST;
 }
 
 enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *config,
@@ -112,15 +112,15 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *con
     if (ecu == NULL || port == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *ecu = (struct jp_ecu){.port = *port, .retained = retained};
+    *ecu = (struct jp_ecu){.internal = {.port = *port, .retained = retained}};
     status = jp_robot_init(&ecu->robot, config, model, field);
     if (status != JP_OK) {
         return status;
     }
-    ecu->hal = (struct jp_hal){.context = ecu, .read = read_sample, .write = write_motor_command};
-    jp_sample_link_start(&ecu->samples, &config->monitor);
-    jp_operator_link_start(&ecu->operator_link, config->estimator.tick_rate);
-    jp_route_link_start(&ecu->routes, config->estimator.tick_rate);
+    ecu->internal.hal = (struct jp_hal){.context = ecu, .read = read_sample, .write = write_motor_command};
+    jp_sample_link_start(&ecu->internal.samples, &config->monitor);
+    jp_operator_link_start(&ecu->internal.operator_link, config->estimator.tick_rate);
+    jp_route_link_start(&ecu->internal.routes, config->estimator.tick_rate);
     record = retained == NULL ? NULL : jp_retained_newest(retained);
     if (record != NULL) {
         resume(ecu, record);
@@ -130,13 +130,13 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *con
 
 void jp_ecu_use_board(struct jp_ecu *ecu, const struct jp_hal *board)
 {
-    ecu->hal = *board;
-    ecu->has_board = true;
+    ecu->internal.hal = *board;
+    ecu->internal.has_board = true;
 }
 
 void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *report)
 {
-    ecu->reset_report = report;
+    ecu->internal.reset_report = report;
 }
 
 static enum jp_status check_tables(const struct jp_ecu_learning *learning, const char **field)
@@ -167,7 +167,8 @@ static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *
 /** The tick reads the model in use, so the other one is written. */
 static void use_learned_model(struct jp_ecu *ecu)
 {
-    struct jp_energy_model *model = &ecu->models[jp_robot_model(&ecu->robot) == &ecu->models[0] ? 1 : 0];
+    struct jp_energy_model *model =
+        &ecu->internal.models[jp_robot_model(&ecu->robot) == &ecu->internal.models[0] ? 1 : 0];
 
     jp_learner_model(&ecu->learner, model);
     jp_robot_use_model(&ecu->robot, model);
@@ -248,25 +249,25 @@ static void count_result(struct jp_ecu_counts *counts, enum jp_e2e_result result
 static void note_conflict(struct jp_ecu *ecu)
 {
     count8(&ecu->conflicts);
-    ecu->conflict_ticks = (uint16_t)(tick_rate(ecu) * CONFLICT_MS / 1000U);
+    ecu->internal.conflict_ticks = (uint16_t)(tick_rate(ecu) * CONFLICT_MS / 1000U);
 }
 
 static void enqueue(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 {
-    const uint8_t head = ecu->queue_head;
+    const uint8_t head = ecu->internal.queue_head;
     const uint8_t next = (uint8_t)((head + 1U) % JP_ECU_QUEUE);
 
-    if (next == __atomic_load_n(&ecu->queue_tail, __ATOMIC_ACQUIRE)) {
+    if (next == __atomic_load_n(&ecu->internal.queue_tail, __ATOMIC_ACQUIRE)) {
         count8(&ecu->sample_counts.rejected);
         return;
     }
-    ecu->queue[head] = *frame;
-    __atomic_store_n(&ecu->queue_head, next, __ATOMIC_RELEASE);
+    ecu->internal.queue[head] = *frame;
+    __atomic_store_n(&ecu->internal.queue_head, next, __ATOMIC_RELEASE);
 }
 
 static void take_sample_part(struct jp_ecu *ecu, enum jp_sample_part part, const struct jp_can_frame *frame)
 {
-    count_result(&ecu->sample_counts, jp_sample_link_accept(&ecu->samples, part, frame));
+    count_result(&ecu->sample_counts, jp_sample_link_accept(&ecu->internal.samples, part, frame));
 }
 
 static void accept_known(struct jp_ecu *ecu, size_t index, const struct jp_can_frame *frame)
@@ -299,12 +300,12 @@ static void accept_known(struct jp_ecu *ecu, size_t index, const struct jp_can_f
 
 bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 {
-    const bool was_fresh = ecu->samples.fresh;
+    const bool was_fresh = ecu->internal.samples.fresh;
 
     for (size_t i = 0; i < KNOWN; i++) {
         if (known[i].id == frame->id) {
             accept_known(ecu, i, frame);
-            return !was_fresh && ecu->samples.fresh;
+            return !was_fresh && ecu->internal.samples.fresh;
         }
     }
     ecu->unknown_frames = jp_one_more16(ecu->unknown_frames);
@@ -315,14 +316,14 @@ bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 
 static void watch_bus(struct jp_ecu *ecu)
 {
-    const bool bus_off = ecu->port.state(ecu->port.context) == JP_CAN_BUS_OFF;
+    const bool bus_off = ecu->internal.port.state(ecu->internal.port.context) == JP_CAN_BUS_OFF;
 
-    if (bus_off && !ecu->was_bus_off) {
+    if (bus_off && !ecu->internal.was_bus_off) {
         count8(&ecu->bus_offs);
     }
-    ecu->was_bus_off = bus_off;
-    if (ecu->conflict_ticks > 0U) {
-        ecu->conflict_ticks--;
+    ecu->internal.was_bus_off = bus_off;
+    if (ecu->internal.conflict_ticks > 0U) {
+        ecu->internal.conflict_ticks--;
     }
 }
 
@@ -330,9 +331,9 @@ static void retain(struct jp_ecu *ecu)
 {
     struct jp_snapshot snapshot;
 
-    if (ecu->retained != NULL) {
+    if (ecu->internal.retained != NULL) {
         jp_robot_snapshot(&ecu->robot, &snapshot);
-        jp_retained_write(ecu->retained, &snapshot, ecu->resets);
+        jp_retained_write(ecu->internal.retained, &snapshot, ecu->resets);
     }
 }
 
@@ -351,8 +352,8 @@ void jp_ecu_tick(struct jp_ecu *ecu)
 {
     watch_bus(ecu);
     /* Before the first sample there is nothing to control, and that is no fault. */
-    if (ecu->has_board || ecu->samples.started) {
-        jp_hal_tick(&ecu->hal, &ecu->robot, &ecu->written);
+    if (ecu->internal.has_board || ecu->internal.samples.started) {
+        jp_hal_tick(&ecu->internal.hal, &ecu->robot, &ecu->internal.written);
         retain(ecu);
     }
     send_telemetry(ecu);
@@ -363,7 +364,7 @@ void jp_ecu_tick(struct jp_ecu *ecu)
 
 static void take_operator_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 {
-    switch (jp_operator_link_accept(&ecu->operator_link, frame)) {
+    switch (jp_operator_link_accept(&ecu->internal.operator_link, frame)) {
     case JP_OPERATOR_CRC:
         count8(&ecu->operator_counts.crc_errors);
         break;
@@ -375,7 +376,7 @@ static void take_operator_command(struct jp_ecu *ecu, const struct jp_can_frame 
         break;
     case JP_OPERATOR_OK:
     default:
-        ecu->told_to_stand = ecu->operator_link.heard == JP_MODE_STAND;
+        ecu->internal.told_to_stand = ecu->internal.operator_link.heard == JP_MODE_STAND;
         break;
     }
 }
@@ -387,14 +388,14 @@ static void take_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
         take_operator_command(ecu, frame);
         break;
     case JP_CAN_ROUTE_OFFER_FRAME_ID:
-        count_result(&ecu->operator_counts, jp_route_link_accept_offer(&ecu->routes, frame));
+        count_result(&ecu->operator_counts, jp_route_link_accept_offer(&ecu->internal.routes, frame));
         break;
     case JP_CAN_WAYPOINT_FRAME_ID:
-        count_result(&ecu->operator_counts, jp_route_link_accept_waypoint(&ecu->routes, frame));
+        count_result(&ecu->operator_counts, jp_route_link_accept_waypoint(&ecu->internal.routes, frame));
         break;
     case JP_CAN_GOAL_FRAME_ID:
     default:
-        count_result(&ecu->operator_counts, jp_route_link_accept_goal(&ecu->routes, frame));
+        count_result(&ecu->operator_counts, jp_route_link_accept_goal(&ecu->internal.routes, frame));
         break;
     }
 }
@@ -402,13 +403,13 @@ static void take_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 static void take_commands(struct jp_ecu *ecu)
 {
     for (unsigned i = 0; i < JP_ECU_QUEUE; i++) {
-        const uint8_t tail = ecu->queue_tail;
+        const uint8_t tail = ecu->internal.queue_tail;
 
-        if (tail == __atomic_load_n(&ecu->queue_head, __ATOMIC_ACQUIRE)) {
+        if (tail == __atomic_load_n(&ecu->internal.queue_head, __ATOMIC_ACQUIRE)) {
             return;
         }
-        take_command(ecu, &ecu->queue[tail]);
-        __atomic_store_n(&ecu->queue_tail, (uint8_t)((tail + 1U) % JP_ECU_QUEUE), __ATOMIC_RELEASE);
+        take_command(ecu, &ecu->internal.queue[tail]);
+        __atomic_store_n(&ecu->internal.queue_tail, (uint8_t)((tail + 1U) % JP_ECU_QUEUE), __ATOMIC_RELEASE);
     }
 }
 
@@ -416,19 +417,19 @@ static void pass_time(struct jp_ecu *ecu)
 {
     const uint32_t now = __atomic_load_n(&ecu->tick, __ATOMIC_RELAXED);
 
-    if (jp_operator_link_pass(&ecu->operator_link, now - ecu->worked_tick)) {
+    if (jp_operator_link_pass(&ecu->internal.operator_link, now - ecu->internal.worked_tick)) {
         count8(&ecu->operator_timeouts);
     }
-    jp_route_link_pass(&ecu->routes, now - ecu->worked_tick);
-    ecu->worked_tick = now;
+    jp_route_link_pass(&ecu->internal.routes, now - ecu->internal.worked_tick);
+    ecu->internal.worked_tick = now;
 }
 
 static void stop(struct jp_ecu *ecu)
 {
-    const bool lost = ecu->operator_link.state == JP_OPERATOR_LOST;
+    const bool lost = ecu->internal.operator_link.state == JP_OPERATOR_LOST;
 
     jp_robot_stop(&ecu->robot);
-    jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, lost ? JP_REASON_TIMEOUT : JP_REASON_COMMAND);
+    jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, lost ? JP_REASON_TIMEOUT : JP_REASON_COMMAND);
 }
 
 /** Motors on, or why not. */
@@ -440,7 +441,7 @@ static enum jp_refusal stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
     if (state == JP_ROBOT_FAULT) {
         return JP_REFUSAL_FAULT;
     }
-    if (ecu->conflict_ticks > 0U) {
+    if (ecu->internal.conflict_ticks > 0U) {
         return JP_REFUSAL_CONFLICT;
     }
     return jp_robot_enable(&ecu->robot) == JP_OK ? JP_REFUSAL_NONE : JP_REFUSAL_NOT_UPRIGHT;
@@ -451,18 +452,18 @@ static void try_to_stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
 {
     const enum jp_refusal refusal = stand_up(ecu, state);
 
-    ecu->refusal = (uint8_t)refusal;
-    if (refusal != JP_REFUSAL_NONE && ecu->told_to_stand) {
+    ecu->internal.refusal = (uint8_t)refusal;
+    if (refusal != JP_REFUSAL_NONE && ecu->internal.told_to_stand) {
         count8(&ecu->operator_counts.rejected);
     }
 }
 
 static void stand(struct jp_ecu *ecu, enum jp_robot_state state)
 {
-    jp_route_link_forget_goal(&ecu->routes);
-    if (state == JP_ROBOT_DRIVING || ecu->routes.state == JP_ROUTE_DRIVING) {
+    jp_route_link_forget_goal(&ecu->internal.routes);
+    if (state == JP_ROBOT_DRIVING || ecu->internal.routes.state == JP_ROUTE_DRIVING) {
         stop(ecu);
-    } else if (state != JP_ROBOT_BALANCING && ecu->operator_link.state == JP_OPERATOR_ALIVE) {
+    } else if (state != JP_ROBOT_BALANCING && ecu->internal.operator_link.state == JP_OPERATOR_ALIVE) {
         try_to_stand_up(ecu, state);
     }
 }
@@ -474,9 +475,9 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
     if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
         return;
     }
-    route = jp_route_link_take(&ecu->routes, ecu->operator_link.route);
+    route = jp_route_link_take(&ecu->internal.routes, ecu->internal.operator_link.route);
     if (route != NULL) {
-        ecu->drove = false;
+        ecu->internal.drove = false;
         if (ecu->learns) {
             use_learned_model(ecu);
         }
@@ -486,7 +487,7 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
 
 static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
 {
-    switch (ecu->operator_link.mode) {
+    switch (ecu->internal.operator_link.mode) {
     case JP_MODE_STAND:
         stand(ecu, state);
         break;
@@ -496,7 +497,7 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
     case JP_MODE_OFF:
     default:
         /* In idle, too: motors that the next tick would switch on. */
-        if (ecu->operator_link.state != JP_OPERATOR_NONE) {
+        if (ecu->internal.operator_link.state != JP_OPERATOR_NONE) {
             jp_robot_disable(&ecu->robot);
         }
         break;
@@ -507,12 +508,12 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
 static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state, bool has_next)
 {
     if (state == JP_ROBOT_DRIVING) {
-        ecu->drove = true;
+        ecu->internal.drove = true;
     } else if (state != JP_ROBOT_BALANCING) {
-        jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
-    } else if (ecu->drove && !has_next) {
-        ecu->drove = false;
-        jp_route_link_end(&ecu->routes, JP_ROUTE_DONE, JP_REASON_NONE);
+        jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
+    } else if (ecu->internal.drove && !has_next) {
+        ecu->internal.drove = false;
+        jp_route_link_end(&ecu->internal.routes, JP_ROUTE_DONE, JP_REASON_NONE);
     }
 }
 
@@ -522,26 +523,26 @@ static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
     struct jp_robot *robot = &ecu->robot;
     const uint16_t planned = jp_robot_segments_planned(robot);
 
-    if (__atomic_load_n(&ecu->plan.frames_left, __ATOMIC_ACQUIRE) != 0U) {
+    if (__atomic_load_n(&ecu->internal.plan.frames_left, __ATOMIC_ACQUIRE) != 0U) {
         return;
     }
     if (jp_robot_work(robot) != JP_OK) {
-        jp_route_link_end(&ecu->routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
+        jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
     }
     if (jp_robot_segments_planned(robot) > planned) {
         jp_drive_watch_command(&ecu->watch, &jp_robot_planned(robot)->command);
 
         const uint16_t begun = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0;
 
-        ecu->plan.segment = (uint8_t)(begun < UINT8_MAX ? begun + 1U : UINT8_MAX);
-        __atomic_store_n(&ecu->plan.frames_left, (uint8_t)PLAN_FRAMES, __ATOMIC_RELEASE);
+        ecu->internal.plan.segment = (uint8_t)(begun < UINT8_MAX ? begun + 1U : UINT8_MAX);
+        __atomic_store_n(&ecu->internal.plan.frames_left, (uint8_t)PLAN_FRAMES, __ATOMIC_RELEASE);
     }
 }
 
 static void report_learned(struct jp_ecu *ecu)
 {
     const struct jp_learner *learner = &ecu->learner;
-    struct jp_ecu_learned *learned = &ecu->learned;
+    struct jp_ecu_learned *learned = &ecu->internal.learned;
 
     jp_learner_causes(learner, &learned->friction, &learned->payload);
     jp_learner_cause_deviations(learner, &learned->friction_deviation, &learned->payload_deviation);
@@ -561,13 +562,14 @@ static void learn(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
 
     (void)jp_drive_watch_update(&ecu->watch, telemetry, 0, 0);
     segments = ecu->watch.learned_from + ecu->watch.left_out;
-    if (segments == ecu->segments_told && ecu->worked_tick - ecu->told_tick < tick_rate(ecu) / LEARNED_RATE) {
+    if (segments == ecu->internal.segments_told &&
+        ecu->internal.worked_tick - ecu->internal.told_tick < tick_rate(ecu) / LEARNED_RATE) {
         return;
     }
-    if (__atomic_load_n(&ecu->learned.frames_left, __ATOMIC_ACQUIRE) == 0U) {
+    if (__atomic_load_n(&ecu->internal.learned.frames_left, __ATOMIC_ACQUIRE) == 0U) {
         report_learned(ecu);
-        ecu->segments_told = segments;
-        ecu->told_tick = ecu->worked_tick;
+        ecu->internal.segments_told = segments;
+        ecu->internal.told_tick = ecu->internal.worked_tick;
     }
 }
 
@@ -576,7 +578,7 @@ void jp_ecu_work(struct jp_ecu *ecu)
     struct jp_telemetry telemetry;
     bool has_next;
 
-    ecu->told_to_stand = false;
+    ecu->internal.told_to_stand = false;
     take_commands(ecu);
     pass_time(ecu);
     /* Before the state is read: a segment that does not wait any more shows in it. */

@@ -53,6 +53,12 @@ enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *le
 /** What was learned, to be stored; NULL: it does not learn. For the background. */
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu);
 
+/** Ticks without a sample since the first one, saturating; from any context. */
+static inline uint16_t jp_ecu_lost_samples(const struct jp_ecu *ecu)
+{
+    return ecu->internal.samples.lost;
+}
+
 /** Takes one frame. Returns true when a sample is complete, so that the tick may begin. Constant time. */
 bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame);
 

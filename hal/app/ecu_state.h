@@ -53,29 +53,22 @@ struct jp_ecu_learned {
     enum jp_evidence evidence;
 };
 
-struct jp_ecu {
-    struct jp_robot robot;
+/** Private. */
+struct jp_ecu_internal {
     struct jp_hal hal;
     enum jp_status written;
     struct jp_can_port port;
     struct jp_retained *retained;
     const struct jp_reset_report *reset_report; /**< NULL: not known */
-    uint32_t resets;
-    bool has_board; /**< sensors and bridges are the board's own */
 
     /* Of the tick. */
     struct jp_sample_link samples;
-    struct jp_ecu_counts sample_counts;
-    uint8_t bus_offs;
-    uint8_t conflicts;
-    uint16_t unknown_frames;
-    uint16_t send_errors;
     uint8_t motor_counter;
     uint16_t unsent; /**< ticks in a row whose MotorCommand the bus did not take */
     bool was_bus_off;
     uint16_t conflict_ticks; /**< for which another controller still counts as present */
+    bool has_board;          /**< sensors and bridges are the board's own */
     bool owns_bridges;       /**< has switched them on since the start */
-    uint32_t tick;           /**< since the start, wrapping */
     uint16_t segments_reported;
     uint8_t parameter;      /**< of the energy model, sent next */
     uint8_t schedule_ms;    /**< millisecond of the telemetry's schedule that comes next */
@@ -84,16 +77,10 @@ struct jp_ecu {
     /* Of the background. */
     struct jp_operator_link operator_link;
     struct jp_route_link routes;
-    struct jp_ecu_counts operator_counts;
-    uint8_t operator_timeouts;
-    uint8_t refusal;      /**< enum jp_refusal of the last Stand of a robot whose motors are off */
-    uint32_t worked_tick; /**< up to which time has passed for it */
-    bool told_to_stand;   /**< the last valid OperatorCommand since the last work is a Stand */
-    bool drove;           /**< the robot has begun to drive the route */
-    bool learns;
-    enum jp_stored stored; /**< what of the stored state is in use, or why not */
-    struct jp_learner learner;
-    struct jp_drive_watch watch;
+    uint8_t refusal;                  /**< enum jp_refusal of the last Stand of a robot whose motors are off */
+    bool told_to_stand;               /**< the last valid OperatorCommand since the last work is a Stand */
+    bool drove;                       /**< the robot has begun to drive the route */
+    uint32_t worked_tick;             /**< up to which time has passed for it */
     struct jp_energy_model models[2]; /**< the robot plans with one, as learned when the last route began */
     uint32_t segments_told;           /**< in the last report of what was learned */
     uint32_t told_tick;               /**< of that report */
@@ -104,6 +91,31 @@ struct jp_ecu {
     uint8_t queue_tail; /**< written by jp_ecu_work() */
     struct jp_ecu_plan plan;
     struct jp_ecu_learned learned;
+};
+
+/** The members but `internal` may be read: those of the tick a word at a time from any context, those of the background
+ *  from its context. */
+struct jp_ecu {
+    struct jp_robot robot; /**< that it controls */
+    uint32_t resets;       /**< in motion, that were ridden out */
+
+    /* Of the tick. */
+    uint32_t tick; /**< since the start, wrapping */
+    struct jp_ecu_counts sample_counts;
+    uint8_t bus_offs;        /**< saturating, as all counts */
+    uint8_t conflicts;       /**< frames of another controller */
+    uint16_t unknown_frames; /**< of no message of joulepath.dbc */
+    uint16_t send_errors;    /**< frames that the bus did not take */
+
+    /* Of the background. */
+    uint8_t operator_timeouts;
+    bool learns;
+    struct jp_ecu_counts operator_counts;
+    enum jp_stored stored;       /**< what of the stored state is in use, or why not */
+    struct jp_learner learner;   /**< with `learns` */
+    struct jp_drive_watch watch; /**< with `learns` */
+
+    struct jp_ecu_internal internal;
 };
 
 #endif

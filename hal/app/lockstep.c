@@ -84,7 +84,7 @@ static void take_time(struct jp_lockstep *lockstep, const struct jp_can_sim_time
 static void take_tick(struct jp_lockstep *lockstep, const struct jp_can_sim_time_t *time)
 {
     const bool asked_again = lockstep->answered && time->tick == lockstep->last_tick;
-    const bool leaves_answer = lockstep->other_answers && lockstep->running && !lockstep->ecu.owns_bridges;
+    const bool leaves_answer = lockstep->other_answers && lockstep->running && !lockstep->ecu.internal.owns_bridges;
 
     if (!asked_again) {
         take_time(lockstep, time);

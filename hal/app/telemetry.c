@@ -9,7 +9,7 @@
 #define FACTOR_SHIFT  4U  /* Q16 to Q12 */
 #define MASS_SHIFT    9U  /* Q16 to Q7 */
 
-/** Of a tick, as jp_ecu.schedule_wait counts. */
+/** Of a tick, as jp_ecu_internal.schedule_wait counts. */
 #define THOUSANDTHS 1000U
 
 /** Parameters of struct jp_energy_model: a1…a13, b1, b2 and five more. */
@@ -53,8 +53,8 @@ static void status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_can_ecu_status_t signals = {
         .state = (uint8_t)jp_robot_state_now(&ecu->robot),
-        .mode = (uint8_t)ecu->operator_link.mode,
-        .operator_state = (uint8_t)ecu->operator_link.state,
+        .mode = (uint8_t)ecu->internal.operator_link.mode,
+        .operator_state = (uint8_t)ecu->internal.operator_link.state,
         .resets = count8(ecu->resets),
         .version_major = JP_VERSION_MAJOR,
         .version_minor = JP_VERSION_MINOR,
@@ -87,11 +87,11 @@ static void errors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 static void losses(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_can_ecu_losses_t signals = {
-        .lost_samples = ecu->samples.lost,
+        .lost_samples = ecu->internal.samples.lost,
         .unknown_frames = ecu->unknown_frames,
         .rejected = count8((uint32_t)ecu->sample_counts.rejected + ecu->operator_counts.rejected),
         .send_errors = ecu->send_errors,
-        .stand_refusal = ecu->refusal,
+        .stand_refusal = ecu->internal.refusal,
     };
 
     frame->id = JP_CAN_ECU_LOSSES_FRAME_ID;
@@ -100,7 +100,7 @@ static void losses(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void route_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_route_link *routes = &ecu->routes;
+    const struct jp_route_link *routes = &ecu->internal.routes;
     const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
     const bool offered =
         routes->state == JP_ROUTE_RECEIVING || routes->state == JP_ROUTE_READY || routes->state == JP_ROUTE_REJECTED;
@@ -217,7 +217,9 @@ static jp_q16 parameter(const struct jp_energy_model *model, uint8_t index)
 static void energy_parameter(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_can_energy_parameter_t signals = {
-        .index = ecu->parameter, .count = PARAMETERS, .value = parameter(jp_robot_model(&ecu->robot), ecu->parameter)};
+        .index = ecu->internal.parameter,
+        .count = PARAMETERS,
+        .value = parameter(jp_robot_model(&ecu->robot), ecu->internal.parameter)};
 
     frame->id = JP_CAN_ENERGY_PARAMETER_FRAME_ID;
     (void)jp_can_energy_parameter_pack(frame->data, &signals, sizeof frame->data);
@@ -225,7 +227,7 @@ static void energy_parameter(const struct jp_ecu *ecu, struct jp_can_frame *fram
 
 static void reset_report(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_reset_report *report = ecu->reset_report;
+    const struct jp_reset_report *report = ecu->internal.reset_report;
     const struct jp_can_reset_report_t signals = {
         .cause = (uint8_t)report->cause,
         .crashes = count8(report->crashes),
@@ -239,7 +241,7 @@ static void reset_report(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void crash_report(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_crash *crash = &ecu->reset_report->crash;
+    const struct jp_crash *crash = &ecu->internal.reset_report->crash;
     const struct jp_can_crash_report_t signals = {.program_counter = crash->pc, .fault_status = crash->status};
 
     frame->id = JP_CAN_CRASH_REPORT_FRAME_ID;
@@ -272,7 +274,8 @@ static const struct cyclic {
 
 static bool is_due(const struct jp_ecu *ecu, const struct cyclic *cyclic)
 {
-    return ecu->schedule_ms % cyclic->period == cyclic->phase && (!cyclic->of_reset || ecu->reset_report != NULL);
+    return ecu->internal.schedule_ms % cyclic->period == cyclic->phase &&
+           (!cyclic->of_reset || ecu->internal.reset_report != NULL);
 }
 
 static void blank(struct jp_can_frame *frame)
@@ -288,7 +291,7 @@ static bool take_millisecond(struct jp_ecu *ecu, struct jp_can_frame *frame)
             blank(frame);
             schedule[i].fill(ecu, frame);
             if (schedule[i].fill == energy_parameter) {
-                ecu->parameter = (uint8_t)((ecu->parameter + 1U) % PARAMETERS);
+                ecu->internal.parameter = (uint8_t)((ecu->internal.parameter + 1U) % PARAMETERS);
             }
             return true;
         }
@@ -301,15 +304,15 @@ static unsigned take_scheduled(struct jp_ecu *ecu, struct jp_can_frame *frames)
 {
     unsigned count = 0;
 
-    while (ecu->schedule_wait < THOUSANDTHS) {
+    while (ecu->internal.schedule_wait < THOUSANDTHS) {
         if (take_millisecond(ecu, &frames[count])) {
             count++;
         }
-        ecu->schedule_ms = (uint8_t)((ecu->schedule_ms + 1U) % SCHEDULE_MS);
+        ecu->internal.schedule_ms = (uint8_t)((ecu->internal.schedule_ms + 1U) % SCHEDULE_MS);
         /* A millisecond is tick_rate / 1000 ticks. */
-        ecu->schedule_wait += jp_robot_configuration(&ecu->robot)->estimator.tick_rate;
+        ecu->internal.schedule_wait += jp_robot_configuration(&ecu->robot)->estimator.tick_rate;
     }
-    ecu->schedule_wait -= THOUSANDTHS;
+    ecu->internal.schedule_wait -= THOUSANDTHS;
     return count;
 }
 
@@ -320,7 +323,7 @@ static void segment_motion(const struct jp_ecu *ecu, struct jp_can_frame *frame)
     const struct jp_motion *planned = &jp_robot_planned(&ecu->robot)->command.motion;
     const int32_t limit = (int32_t)1 << 27;
     const struct jp_can_segment_motion_t signals = {
-        .segment = ecu->plan.segment,
+        .segment = ecu->internal.plan.segment,
         .speed = limited(planned->speed, -limit, limit - 1),
         .turn_rate = limited(planned->turn_rate, -limit, limit - 1),
     };
@@ -333,7 +336,7 @@ static void segment_shape(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_segment_command *planned = &jp_robot_planned(&ecu->robot)->command;
     const struct jp_can_segment_shape_t signals = {
-        .segment = ecu->plan.segment,
+        .segment = ecu->internal.plan.segment,
         .turn = planned->turn,
         .duration = (uint32_t)limited(planned->duration, 0, (1 << 28) - 1),
     };
@@ -344,7 +347,7 @@ static void segment_shape(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void segment_forecast(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_can_segment_forecast_t signals = {.segment = ecu->plan.segment,
+    const struct jp_can_segment_forecast_t signals = {.segment = ecu->internal.plan.segment,
                                                       .energy = jp_robot_planned(&ecu->robot)->energy};
 
     frame->id = JP_CAN_SEGMENT_FORECAST_FRAME_ID;
@@ -354,20 +357,20 @@ static void segment_forecast(const struct jp_ecu *ecu, struct jp_can_frame *fram
 static bool take_plan(struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     static fill_function *const fill[] = {segment_forecast, segment_shape, segment_motion};
-    const uint8_t left = __atomic_load_n(&ecu->plan.frames_left, __ATOMIC_ACQUIRE);
+    const uint8_t left = __atomic_load_n(&ecu->internal.plan.frames_left, __ATOMIC_ACQUIRE);
 
     if (left == 0U) {
         return false;
     }
     blank(frame);
     fill[left - 1U](ecu, frame);
-    __atomic_store_n(&ecu->plan.frames_left, (uint8_t)(left - 1U), __ATOMIC_RELEASE);
+    __atomic_store_n(&ecu->internal.plan.frames_left, (uint8_t)(left - 1U), __ATOMIC_RELEASE);
     return true;
 }
 
 static void learned_causes(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_ecu_learned *learned = &ecu->learned;
+    const struct jp_ecu_learned *learned = &ecu->internal.learned;
     const struct jp_can_learned_t signals = {
         .friction = signal16u(learned->friction, FACTOR_SHIFT),
         .friction_deviation = signal16u(learned->friction_deviation, FACTOR_SHIFT),
@@ -381,7 +384,7 @@ static void learned_causes(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void learner_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_ecu_learned *learned = &ecu->learned;
+    const struct jp_ecu_learned *learned = &ecu->internal.learned;
     const struct jp_can_learner_status_t signals = {
         .version = (uint16_t)(learned->version > UINT16_MAX ? UINT16_MAX : learned->version),
         .changes = count8(learned->changes),
@@ -398,7 +401,7 @@ static void learner_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static bool take_learned(struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const uint8_t left = __atomic_load_n(&ecu->learned.frames_left, __ATOMIC_ACQUIRE);
+    const uint8_t left = __atomic_load_n(&ecu->internal.learned.frames_left, __ATOMIC_ACQUIRE);
 
     if (left == 0U) {
         return false;
@@ -409,7 +412,7 @@ static bool take_learned(struct jp_ecu *ecu, struct jp_can_frame *frame)
     } else {
         learned_causes(ecu, frame);
     }
-    __atomic_store_n(&ecu->learned.frames_left, (uint8_t)(left - 1U), __ATOMIC_RELEASE);
+    __atomic_store_n(&ecu->internal.learned.frames_left, (uint8_t)(left - 1U), __ATOMIC_RELEASE);
     return true;
 }
 
@@ -417,14 +420,14 @@ static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
     const int32_t limit = (int32_t)1 << 27;
-    const bool ended = telemetry->segments_ended > ecu->segments_reported;
+    const bool ended = telemetry->segments_ended > ecu->internal.segments_reported;
     const struct jp_can_segment_result_t signals = {
         .segment = count8(telemetry->segments_ended),
         .spent = (uint32_t)limited(jp_energy_to_q16(telemetry->segment_energy_model), 0, 2 * limit - 1),
         .drawn = limited(jp_energy_to_q16(telemetry->segment_energy_battery), -limit, limit - 1),
     };
 
-    ecu->segments_reported = telemetry->segments_ended;
+    ecu->internal.segments_reported = telemetry->segments_ended;
     if (!ended) {
         return false;
     }

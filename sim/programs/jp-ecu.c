@@ -170,7 +170,7 @@ static void print_counts(const struct jp_ecu *ecu)
     } rows[] = {
         {"ticks", ecu->tick},
         {"resets survived", ecu->resets},
-        {"ticks without a sample", ecu->samples.lost},
+        {"ticks without a sample", jp_ecu_lost_samples(ecu)},
         {"frames with a wrong CRC", (uint32_t)ecu->sample_counts.crc_errors + ecu->operator_counts.crc_errors},
         {"frames out of sequence", (uint32_t)ecu->sample_counts.sequence_errors + ecu->operator_counts.sequence_errors},
         {"frames malformed", (uint32_t)ecu->sample_counts.malformed + ecu->operator_counts.malformed},

@@ -176,10 +176,10 @@ static void test_it_starts_with_its_own_body_and_can(void)
 {
     run_firmware(nothing, 3);
     TEST_ASSERT_FALSE(devices.on_bus);
-    TEST_ASSERT_TRUE(node.ecu.has_board);
+    TEST_ASSERT_TRUE(node.ecu.internal.has_board);
     TEST_ASSERT_EQUAL_PTR(&devices.can, jp_can_controller_port(&devices.can).context);
     TEST_ASSERT_EQUAL_INT(JP_RESET_POWER_ON, reset_report.cause);
-    TEST_ASSERT_EQUAL_PTR(&reset_report, node.ecu.reset_report);
+    TEST_ASSERT_EQUAL_PTR(&reset_report, node.ecu.internal.reset_report);
     TEST_ASSERT_FALSE(bridges_are_on());
 }
 
@@ -205,7 +205,7 @@ static void test_each_sample_is_a_tick_with_work_behind_it(void)
     TEST_ASSERT_EQUAL_UINT32(50, ticks);
     TEST_ASSERT_EQUAL_UINT32(50, node.ecu.tick);
     TEST_ASSERT_EQUAL_UINT32(50, jp_fault_tick);
-    TEST_ASSERT_EQUAL_UINT32(50, node.ecu.worked_tick);
+    TEST_ASSERT_EQUAL_UINT32(50, node.ecu.internal.worked_tick);
 }
 
 static void test_the_watchdog_is_fed_after_a_tick_only(void)
@@ -429,7 +429,7 @@ static void test_strapped_it_ticks_with_samples_of_the_bus_and_without_them(void
     GPIOE.IDR = 0;
     run_firmware(SysTick_Handler, 3);
     TEST_ASSERT_TRUE(devices.on_bus);
-    TEST_ASSERT_FALSE(node.ecu.has_board);
+    TEST_ASSERT_FALSE(node.ecu.internal.has_board);
     TEST_ASSERT_EQUAL_UINT32(1, ticks);
     power_on();
     GPIOE.IDR = 0;
@@ -480,7 +480,7 @@ static void test_strapped_and_without_can_it_is_in_lockstep(void)
     TEST_ASSERT_EQUAL_UINT32(1, ticks);
     TEST_ASSERT_EQUAL_UINT32(5, node.last_tick);
     TEST_ASSERT_EQUAL_HEX32(FED, IWDG.KR);
-    TEST_ASSERT_NULL(node.ecu.reset_report);
+    TEST_ASSERT_NULL(node.ecu.internal.reset_report);
 }
 
 static void order_by_line(void)

@@ -579,7 +579,7 @@ static struct counters counters_of(const struct jp_ecu *ecu)
         ecu->conflicts,
         ecu->unknown_frames,
         ecu->send_errors,
-        ecu->samples.lost,
+        ecu->internal.samples.lost,
         ecu->operator_timeouts,
         ecu->tick,
     };
@@ -602,11 +602,11 @@ static void check_counters(const struct counters *before, const struct jp_ecu *e
 
 static void check_ranges(const struct jp_ecu *ecu)
 {
-    const struct jp_operator_link *operator_link = &ecu->operator_link;
-    const struct jp_route_link *routes = &ecu->routes;
-    const struct jp_sample_link *samples = &ecu->samples;
+    const struct jp_operator_link *operator_link = &ecu->internal.operator_link;
+    const struct jp_route_link *routes = &ecu->internal.routes;
+    const struct jp_sample_link *samples = &ecu->internal.samples;
 
-    require(ecu->queue_head < JP_ECU_QUEUE && ecu->queue_tail < JP_ECU_QUEUE, "place in the queue");
+    require(ecu->internal.queue_head < JP_ECU_QUEUE && ecu->internal.queue_tail < JP_ECU_QUEUE, "place in the queue");
     require(jp_robot_state_now(&ecu->robot) <= JP_ROBOT_FAULT, "state of the robot");
     require(operator_link->state <= JP_OPERATOR_LOST && operator_link->mode <= JP_MODE_DRIVE &&
                 operator_link->heard <= JP_MODE_DRIVE && operator_link->confirmations <= JP_OPERATOR_CONFIRMATIONS,
@@ -617,8 +617,8 @@ static void check_ranges(const struct jp_ecu *ecu)
     require(samples->parts < (1U << JP_SAMPLE_PARTS) && samples->newest < JP_SAMPLE_PACES &&
                 samples->missed <= JP_SAMPLE_HOLD_TICKS && samples->catch_up <= JP_SAMPLE_HOLD_TICKS,
             "state of the samples");
-    require(ecu->plan.frames_left <= 3U, "frames of a plan");
-    require(ecu->learned.frames_left <= (ecu->learns ? 2U : 0U), "frames of what was learned");
+    require(ecu->internal.plan.frames_left <= 3U, "frames of a plan");
+    require(ecu->internal.learned.frames_left <= (ecu->learns ? 2U : 0U), "frames of what was learned");
 }
 
 /** Whatever came, it can be stored, and the robot can plan with it. */
@@ -701,12 +701,12 @@ static bool same_route(const struct jp_route_message *a, const struct jp_route_m
 static void check_route(struct controller *self)
 {
     const struct jp_robot *driver = &self->ecu.robot;
-    const struct jp_route_message *driven = &self->ecu.routes.driven;
+    const struct jp_route_message *driven = &self->ecu.internal.routes.driven;
 
     require(driver->internal.route_planned >= driver->internal.route_length ||
                 (driver->internal.route == driven->points && driver->internal.route_length == driven->length),
             "the robot's route is not that of the commands");
-    if (self->ecu.routes.state != JP_ROUTE_DRIVING || same_route(driven, &self->driven)) {
+    if (self->ecu.internal.routes.state != JP_ROUTE_DRIVING || same_route(driven, &self->driven)) {
         return;
     }
     require(oracle_is_whole(&self->oracle) && same_route(driven, &self->oracle.offered), "a route that nobody offered");
@@ -719,17 +719,18 @@ static void check_route(struct controller *self)
 static void run_work(struct controller *self)
 {
     struct jp_ecu *ecu = &self->ecu;
-    const bool alive = ecu->operator_link.state == JP_OPERATOR_ALIVE;
+    const bool alive = ecu->internal.operator_link.state == JP_OPERATOR_ALIVE;
 
-    for (uint8_t i = ecu->queue_tail; i != ecu->queue_head; i = (uint8_t)((i + 1U) % JP_ECU_QUEUE)) {
-        require(message_of(ecu->queue[i].id)->kind == OPERATORS, "a frame in the queue that is not the operator's");
-        oracle_take(&self->oracle, &ecu->queue[i]);
+    for (uint8_t i = ecu->internal.queue_tail; i != ecu->internal.queue_head; i = (uint8_t)((i + 1U) % JP_ECU_QUEUE)) {
+        require(message_of(ecu->internal.queue[i].id)->kind == OPERATORS,
+                "a frame in the queue that is not the operator's");
+        oracle_take(&self->oracle, &ecu->internal.queue[i]);
     }
-    oracle_pass(&self->oracle, ecu->tick - ecu->worked_tick, ecu->operator_link.timeout);
+    oracle_pass(&self->oracle, ecu->tick - ecu->internal.worked_tick, ecu->internal.operator_link.timeout);
     jp_ecu_work(ecu);
-    require(ecu->queue_tail == ecu->queue_head, "frames left in the queue");
-    require(ecu->operator_link.mode == self->oracle.mode, "another mode is obeyed than was commanded");
-    seen.lost_operators += alive && ecu->operator_link.state == JP_OPERATOR_LOST ? 1U : 0U;
+    require(ecu->internal.queue_tail == ecu->internal.queue_head, "frames left in the queue");
+    require(ecu->internal.operator_link.mode == self->oracle.mode, "another mode is obeyed than was commanded");
+    seen.lost_operators += alive && ecu->internal.operator_link.state == JP_OPERATOR_LOST ? 1U : 0U;
     check_route(self);
     if (ecu->watch.learned_from + ecu->watch.left_out > self->segments) {
         seen.learned++;

@@ -178,9 +178,9 @@ static void check_driven(void)
     if (robot->internal.route == NULL || jp_robot_state_now(robot) != JP_ROBOT_DRIVING) {
         return;
     }
-    TEST_ASSERT_EQUAL_PTR(stage.ecu.routes.driven.points, robot->internal.route);
+    TEST_ASSERT_EQUAL_PTR(stage.ecu.internal.routes.driven.points, robot->internal.route);
     for (size_t r = 0; r < stage.given_now; r++) {
-        now = is_given(&stage.ecu.routes.driven, &stage.given[r]) ? r + 1 : now;
+        now = is_given(&stage.ecu.internal.routes.driven, &stage.given[r]) ? r + 1 : now;
     }
     TEST_ASSERT_GREATER_THAN_MESSAGE(0, now, "a route that nobody gave");
     TEST_ASSERT_GREATER_OR_EQUAL_MESSAGE(stage.driven, now, "an older route again");
@@ -221,7 +221,7 @@ static void check_end(void)
                                                                      : "-");
     TEST_ASSERT_TRUE_MESSAGE(is_over(), where);
     if (stage.commander.phase == JP_OPERATOR_DONE) {
-        TEST_ASSERT_EQUAL_MESSAGE(JP_ROUTE_DONE, stage.ecu.routes.state, where);
+        TEST_ASSERT_EQUAL_MESSAGE(JP_ROUTE_DONE, stage.ecu.internal.routes.state, where);
         TEST_ASSERT_EQUAL_MESSAGE(stage.given_count, stage.driven, where);
         TEST_ASSERT_TRUE_MESSAGE(distance_to_the_end() < NEAR_M, where);
         TEST_ASSERT_NULL(jp_operator_failure_text(stage.commander.failure));

@@ -179,14 +179,14 @@ static void expect_state(enum jp_robot_state state)
 
 static void expect_route(enum jp_route_state state, enum jp_route_reason reason)
 {
-    TEST_ASSERT_EQUAL_INT(state, ecu.routes.state);
-    TEST_ASSERT_EQUAL_INT(reason, ecu.routes.reason);
+    TEST_ASSERT_EQUAL_INT(state, ecu.internal.routes.state);
+    TEST_ASSERT_EQUAL_INT(reason, ecu.internal.routes.reason);
 }
 
 static void expect_operator(enum jp_operator_state state, enum jp_operator_mode mode)
 {
-    TEST_ASSERT_EQUAL_INT(state, ecu.operator_link.state);
-    TEST_ASSERT_EQUAL_INT(mode, ecu.operator_link.mode);
+    TEST_ASSERT_EQUAL_INT(state, ecu.internal.operator_link.state);
+    TEST_ASSERT_EQUAL_INT(mode, ecu.internal.operator_link.mode);
 }
 
 static void make_balancing(void)
@@ -245,7 +245,7 @@ static void test_before_the_first_sample_it_only_reports(void)
     TEST_ASSERT_EQUAL_UINT16(10, bus.counts[0]);
     TEST_ASSERT_EQUAL_UINT16(50, bus.counts[4]);
     TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
-    TEST_ASSERT_EQUAL_UINT16(0, ecu.samples.lost);
+    TEST_ASSERT_EQUAL_UINT16(0, jp_ecu_lost_samples(&ecu));
     TEST_ASSERT_NULL(jp_retained_newest(&retained));
 }
 
@@ -272,7 +272,7 @@ static void test_works_without_retained_memory(void)
 static void test_from_idle_over_a_route_to_its_end(void)
 {
     make_driving();
-    for (int i = 0; i < 100 && ecu.routes.state == JP_ROUTE_DRIVING; i++) {
+    for (int i = 0; i < 100 && ecu.internal.routes.state == JP_ROUTE_DRIVING; i++) {
         hold(JP_MODE_DRIVE, 7, 1);
     }
     expect_route(JP_ROUTE_DONE, JP_REASON_NONE);
@@ -368,11 +368,11 @@ static void test_the_next_route_is_received_while_one_is_driven(void)
     offer(8, &other, 1);
     expect_route(JP_ROUTE_READY, JP_REASON_NONE);
     expect_state(JP_ROBOT_DRIVING);
-    TEST_ASSERT_EQUAL_UINT8(7, ecu.routes.driven.id);
+    TEST_ASSERT_EQUAL_UINT8(7, ecu.internal.routes.driven.id);
     hold(JP_MODE_DRIVE, 8, 3);
     expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
-    TEST_ASSERT_EQUAL_UINT8(8, ecu.routes.driven.id);
-    for (int i = 0; i < 100 && ecu.routes.state == JP_ROUTE_DRIVING; i++) {
+    TEST_ASSERT_EQUAL_UINT8(8, ecu.internal.routes.driven.id);
+    for (int i = 0; i < 100 && ecu.internal.routes.state == JP_ROUTE_DRIVING; i++) {
         hold(JP_MODE_DRIVE, 8, 1);
     }
     expect_route(JP_ROUTE_DONE, JP_REASON_NONE);
@@ -386,15 +386,15 @@ static void test_a_goal_is_driven_to_and_changed_on_the_way(void)
     uint8_t goals = 0;
 
     make_balancing();
-    for (unsigned i = 0; i < 150 && ecu.routes.state != JP_ROUTE_DONE; i++) {
+    for (unsigned i = 0; i < 150 && ecu.internal.routes.state != JP_ROUTE_DONE; i++) {
         frame = goal(++goals & 15U, i < 8U ? first : second);
         (void)jp_ecu_accept(&ecu, &frame);
         hold(JP_MODE_DRIVE, JP_ROUTE_GOAL, 1);
         if (i >= 3U && i < 8U) {
-            TEST_ASSERT_EQUAL_INT32(first.x, ecu.routes.driven.points[0].x);
+            TEST_ASSERT_EQUAL_INT32(first.x, ecu.internal.routes.driven.points[0].x);
         }
         if (i >= 8U) {
-            TEST_ASSERT_EQUAL_INT32(second.y, ecu.routes.driven.points[0].y);
+            TEST_ASSERT_EQUAL_INT32(second.y, ecu.internal.routes.driven.points[0].y);
         }
     }
     expect_route(JP_ROUTE_DONE, JP_REASON_NONE);
@@ -422,12 +422,12 @@ static void test_a_late_plan_is_not_the_end_of_the_route(void)
     }
     expect_state(JP_ROBOT_BALANCING);
     TEST_ASSERT_EQUAL_UINT16(1, jp_robot_last_tick(&ecu.robot)->segments_ended);
-    ecu.worked_tick = ecu.tick; /* not so long that the operator counts as lost */
+    ecu.internal.worked_tick = ecu.tick; /* not so long that the operator counts as lost */
     jp_ecu_work(&ecu);
     expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
     run(2);
     expect_state(JP_ROBOT_DRIVING);
-    for (int i = 0; i < 100 && ecu.routes.state == JP_ROUTE_DRIVING; i++) {
+    for (int i = 0; i < 100 && ecu.internal.routes.state == JP_ROUTE_DRIVING; i++) {
         hold(JP_MODE_DRIVE, 7, 1);
     }
     expect_route(JP_ROUTE_DONE, JP_REASON_NONE);
@@ -546,8 +546,8 @@ static void test_wrong_lengths_are_counted(void)
             TEST_ASSERT_EQUAL_UINT8(count, ecu.sample_counts.malformed);
         }
     }
-    TEST_ASSERT_EQUAL_UINT8(0, ecu.queue_head);
-    TEST_ASSERT_EQUAL_UINT8(0, ecu.samples.parts);
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.queue_head);
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.samples.parts);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.conflicts);
     ecu.sample_counts.malformed = UINT8_MAX;
     give(0x20, 0);
@@ -559,7 +559,7 @@ static void test_frames_of_others_are_neither_taken_nor_counted(void)
     give(JP_CAN_BATTERY_STATUS_FRAME_ID, 8);
     TEST_ASSERT_EQUAL_UINT16(0, ecu.unknown_frames);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.conflicts);
-    TEST_ASSERT_EQUAL_UINT8(0, ecu.queue_head);
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.queue_head);
 }
 
 static void test_frames_with_its_own_ids_are_conflicts(void)
@@ -684,7 +684,7 @@ static void test_a_flood_of_commands_overflows_the_queue_and_nothing_else(void)
     }
     TEST_ASSERT_EQUAL_UINT8(9, ecu.sample_counts.rejected); /* one place always stays free */
     jp_ecu_work(&ecu);
-    TEST_ASSERT_EQUAL_UINT8(ecu.queue_head, ecu.queue_tail);
+    TEST_ASSERT_EQUAL_UINT8(ecu.internal.queue_head, ecu.internal.queue_tail);
     hold(JP_MODE_STAND, 0, 3);
     expect_state(JP_ROBOT_BALANCING);
     for (unsigned i = 0; i < 400; i++) {
@@ -706,7 +706,7 @@ static void test_samples_may_stay_away_for_the_hold_ticks(void)
         run(50);
         expect_state(JP_ROBOT_BALANCING);
     }
-    TEST_ASSERT_EQUAL_UINT16(5U * JP_SAMPLE_HOLD_TICKS, ecu.samples.lost);
+    TEST_ASSERT_EQUAL_UINT16(5U * JP_SAMPLE_HOLD_TICKS, jp_ecu_lost_samples(&ecu));
     TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
 }
 
@@ -960,7 +960,7 @@ static void test_a_reset_keeps_pose_beyond_the_range_of_a_sample(void)
     const uint32_t far = 3U << (JP_SAMPLE_COUNT_BITS - 1U);
     struct jp_telemetry before;
 
-    jp_sample_link_resume(&ecu.samples, far, 0);
+    jp_sample_link_resume(&ecu.internal.samples, far, 0);
     sensors.encoder_left = far;
     make_balancing();
     TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.internal.estimator.encoder_left);
@@ -1008,7 +1008,7 @@ static void learn(enum jp_stored stored)
 static void drive_route(uint8_t route)
 {
     offer(route, near_route, 2);
-    for (int i = 0; i < 100 && (i < 5 || ecu.routes.state == JP_ROUTE_DRIVING); i++) {
+    for (int i = 0; i < 100 && (i < 5 || ecu.internal.routes.state == JP_ROUTE_DRIVING); i++) {
         hold(JP_MODE_DRIVE, route, 1);
     }
     expect_route(JP_ROUTE_DONE, JP_REASON_NONE);
@@ -1079,7 +1079,7 @@ static void test_each_segment_of_a_route_is_taken_and_told(void)
         }
         run(5);
         TEST_ASSERT_EQUAL_UINT32(segment, ecu.watch.learned_from + ecu.watch.left_out);
-        TEST_ASSERT_EQUAL_UINT32(segment, ecu.segments_told);
+        TEST_ASSERT_EQUAL_UINT32(segment, ecu.internal.segments_told);
     }
     TEST_ASSERT_EQUAL_UINT16(ecu.learner.state.version, learner_status().version);
     TEST_ASSERT_EQUAL_UINT8(ecu.watch.left_out, learner_status().left_out);
@@ -1094,16 +1094,16 @@ static void test_a_report_waits_for_the_one_before(void)
 {
     learn(JP_STORED_NOTHING);
     make_balancing();
-    ecu.learned.frames_left = 2;
-    ecu.told_tick = ecu.tick - 2000U;
+    ecu.internal.learned.frames_left = 2;
+    ecu.internal.told_tick = ecu.tick - 2000U;
     ecu.learner.state.version = 9;
     jp_ecu_work(&ecu);
-    TEST_ASSERT_EQUAL_UINT32(0, ecu.learned.version);
+    TEST_ASSERT_EQUAL_UINT32(0, ecu.internal.learned.version);
     tick();
     tick();
     jp_ecu_work(&ecu);
-    TEST_ASSERT_EQUAL_UINT32(9, ecu.learned.version);
-    TEST_ASSERT_EQUAL_UINT8(2, ecu.learned.frames_left);
+    TEST_ASSERT_EQUAL_UINT32(9, ecu.internal.learned.version);
+    TEST_ASSERT_EQUAL_UINT8(2, ecu.internal.learned.frames_left);
 }
 
 static void expect_model(const struct jp_energy_model *expected)
@@ -1123,7 +1123,7 @@ static void test_a_route_is_planned_with_what_was_known_when_it_began(void)
     ecu.learner.state.x[0] = JP_Q24(1.5);
     hold(JP_MODE_DRIVE, 7, 1);
     expect_model(&then);
-    for (int i = 0; i < 100 && ecu.routes.state == JP_ROUTE_DRIVING; i++) {
+    for (int i = 0; i < 100 && ecu.internal.routes.state == JP_ROUTE_DRIVING; i++) {
         hold(JP_MODE_DRIVE, 7, 1);
     }
     expect_model(&then);

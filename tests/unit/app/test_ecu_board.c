@@ -175,7 +175,7 @@ static void test_a_silent_bus_ends_in_a_balanced_stand(void)
     stand_up();
     run(5000);
     expect(JP_ROBOT_BALANCING, 1);
-    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_LOST, ecu.operator_link.state);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_LOST, ecu.internal.operator_link.state);
 }
 
 static void test_a_reset_goes_on_balancing_without_the_bus(void)

@@ -244,7 +244,7 @@ static void test_the_answer_is_left_to_another_ecu_that_drives(void)
     TEST_ASSERT_EQUAL_UINT(1, answers);
     pass(3, 1, 0, 0);
     TEST_ASSERT_EQUAL_UINT(2, answers);
-    lockstep.ecu.owns_bridges = true;
+    lockstep.ecu.internal.owns_bridges = true;
     (void)jp_lockstep_accept(&lockstep, &others);
     pass(4, 1, 0, 0);
     TEST_ASSERT_EQUAL_UINT(3, answers);

@@ -85,14 +85,14 @@ static const uint8_t *next(uint32_t id)
 static void test_status(void)
 {
     telemetry->state = JP_ROBOT_DRIVING;
-    ecu.operator_link.mode = JP_MODE_DRIVE;
-    ecu.operator_link.state = JP_OPERATOR_ALIVE;
+    ecu.internal.operator_link.mode = JP_MODE_DRIVE;
+    ecu.internal.operator_link.state = JP_OPERATOR_ALIVE;
     ecu.resets = 3;
     ecu.tick = 70000999;
     EXPECT_FRAME(0x180, 0x32, 0x03, JP_VERSION_MAJOR, JP_VERSION_MINOR, JP_VERSION_PATCH, 0x70, 0x11, 0x01);
     telemetry->state = JP_ROBOT_FAULT;
-    ecu.operator_link.mode = JP_MODE_OFF;
-    ecu.operator_link.state = JP_OPERATOR_LOST;
+    ecu.internal.operator_link.mode = JP_MODE_OFF;
+    ecu.internal.operator_link.state = JP_OPERATOR_LOST;
     ecu.resets = 256;
     ecu.tick = UINT32_MAX;
     EXPECT_FRAME(0x180, 0x44, 0xFF, JP_VERSION_MAJOR, JP_VERSION_MINOR, JP_VERSION_PATCH, 0x37, 0x89, 0x41);
@@ -114,7 +114,7 @@ static void test_errors_of_the_tick_and_the_background_add_up(void)
 
 static void test_losses(void)
 {
-    ecu.samples.lost = 0x1234;
+    ecu.internal.samples.lost = 0x1234;
     ecu.unknown_frames = 0x5678;
     ecu.sample_counts.rejected = 4;
     ecu.operator_counts.rejected = 5;
@@ -126,13 +126,13 @@ static void test_losses(void)
 
 static void test_route_status_shows_the_driven_route(void)
 {
-    ecu.routes.driven.id = 7;
-    ecu.routes.driven.length = 3;
-    ecu.routes.offered.id = 99;
-    ecu.routes.offered.length = 9;
-    ecu.routes.received = 2;
-    ecu.routes.state = JP_ROUTE_STOPPED;
-    ecu.routes.reason = JP_REASON_PLAN;
+    ecu.internal.routes.driven.id = 7;
+    ecu.internal.routes.driven.length = 3;
+    ecu.internal.routes.offered.id = 99;
+    ecu.internal.routes.offered.length = 9;
+    ecu.internal.routes.received = 2;
+    ecu.internal.routes.state = JP_ROUTE_STOPPED;
+    ecu.internal.routes.reason = JP_REASON_PLAN;
     ecu.robot.internal.route_status = JP_ERR_ZERO_LENGTH;
     telemetry->segment = 1;
     telemetry->segments_ended = 1;
@@ -147,18 +147,18 @@ static void test_route_status_shows_the_offered_route_until_it_is_driven(void)
     static const enum jp_route_state offered[] = {JP_ROUTE_RECEIVING, JP_ROUTE_READY, JP_ROUTE_REJECTED};
     static const enum jp_route_state driven[] = {JP_ROUTE_DRIVING, JP_ROUTE_DONE, JP_ROUTE_STOPPED};
 
-    ecu.routes.driven.id = 7;
-    ecu.routes.driven.length = 3;
-    ecu.routes.offered.id = 99;
-    ecu.routes.offered.length = 9;
+    ecu.internal.routes.driven.id = 7;
+    ecu.internal.routes.driven.length = 3;
+    ecu.internal.routes.offered.id = 99;
+    ecu.internal.routes.offered.length = 9;
     for (unsigned i = 0; i < 3; i++) {
         const uint8_t *data;
 
-        ecu.routes.state = offered[i];
+        ecu.internal.routes.state = offered[i];
         data = next(0x183);
         TEST_ASSERT_EQUAL_UINT8(99, data[0]);
         TEST_ASSERT_EQUAL_UINT8(9, data[3]);
-        ecu.routes.state = driven[i];
+        ecu.internal.routes.state = driven[i];
         data = next(0x183);
         TEST_ASSERT_EQUAL_UINT8(7, data[0]);
         TEST_ASSERT_EQUAL_UINT8(3, data[3]);
@@ -240,7 +240,7 @@ static void test_the_energy_model_is_sent_one_parameter_after_the_other(void)
 
 static void announce(uint8_t segment)
 {
-    ecu.plan = (struct jp_ecu_plan){.frames_left = 3, .segment = segment};
+    ecu.internal.plan = (struct jp_ecu_plan){.frames_left = 3, .segment = segment};
     ecu.robot.internal.planned =
         (struct jp_segment){.command = {{JP_Q24(8), -JP_Q24(8)}, -23425413, JP_Q16(2)}, .energy = -JP_Q16(3)};
 }
@@ -272,12 +272,12 @@ static void test_a_plan_is_announced_once_in_three_frames(void)
 {
     announce(255);
     EXPECT_FRAME(0x18A, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x00, 0x00, 0x80);
-    TEST_ASSERT_EQUAL_UINT8(2, ecu.plan.frames_left);
-    ecu.plan.segment = 2;
+    TEST_ASSERT_EQUAL_UINT8(2, ecu.internal.plan.frames_left);
+    ecu.internal.plan.segment = 2;
     EXPECT_FRAME(0x18B, 0x02, 0x7B, 0x8E, 0x9A, 0x0E, 0x00, 0x20, 0x00);
-    TEST_ASSERT_EQUAL_UINT8(1, ecu.plan.frames_left);
+    TEST_ASSERT_EQUAL_UINT8(1, ecu.internal.plan.frames_left);
     EXPECT_FRAME(0x18C, 0x02, 0x00, 0x00, 0x00, 0x00, 0x00, 0xFD, 0xFF);
-    TEST_ASSERT_EQUAL_UINT8(0, ecu.plan.frames_left);
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.plan.frames_left);
     for (unsigned tick = 0; tick < 100; tick++) {
         TEST_ASSERT_LESS_OR_EQUAL_UINT(1, jp_telemetry_due(&ecu, frames));
     }
@@ -409,7 +409,7 @@ static void expect_learned(const uint8_t causes[8], const uint8_t status[8])
 {
     unsigned seen = 0;
 
-    ecu.learned.frames_left = 2;
+    ecu.internal.learned.frames_left = 2;
     for (uint16_t tick = 0; tick < 10; tick++) {
         const unsigned count = jp_telemetry_due(&ecu, frames);
 
@@ -422,34 +422,34 @@ static void expect_learned(const uint8_t causes[8], const uint8_t status[8])
         }
     }
     TEST_ASSERT_EQUAL_UINT(2, seen);
-    TEST_ASSERT_EQUAL_UINT8(0, ecu.learned.frames_left);
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.learned.frames_left);
 }
 
 static void test_what_was_learned_is_told_once_in_two_frames(void)
 {
     ecu.stored = JP_STORED_OTHER_TABLES;
-    ecu.learned = (struct jp_ecu_learned){.friction = JP_Q16(1.5),
-                                          .friction_deviation = JP_Q16(0.0625) + 8,
-                                          .payload = -JP_Q16(2.5),
-                                          .payload_deviation = JP_Q16(0.5),
-                                          .version = 0x1234,
-                                          .changes = 3,
-                                          .outliers = 4,
-                                          .left_out = 5,
-                                          .cause = JP_CAUSE_PAYLOAD,
-                                          .evidence = JP_EVIDENCE_CURRENT};
+    ecu.internal.learned = (struct jp_ecu_learned){.friction = JP_Q16(1.5),
+                                                   .friction_deviation = JP_Q16(0.0625) + 8,
+                                                   .payload = -JP_Q16(2.5),
+                                                   .payload_deviation = JP_Q16(0.5),
+                                                   .version = 0x1234,
+                                                   .changes = 3,
+                                                   .outliers = 4,
+                                                   .left_out = 5,
+                                                   .cause = JP_CAUSE_PAYLOAD,
+                                                   .evidence = JP_EVIDENCE_CURRENT};
     expect_learned((const uint8_t[]){0x00, 0x18, 0x01, 0x01, 0xC0, 0xFE, 0x40, 0x00},
                    (const uint8_t[]){0x34, 0x12, 3, 4, 5, 0x96, 0, 0});
     ecu.stored = JP_STORED_DAMAGED;
-    ecu.learned = (struct jp_ecu_learned){.friction = INT32_MAX,
-                                          .friction_deviation = JP_Q16(16),
-                                          .payload = INT32_MIN,
-                                          .payload_deviation = INT32_MAX,
-                                          .version = 0x10000,
-                                          .changes = 256,
-                                          .outliers = UINT32_MAX,
-                                          .left_out = 255,
-                                          .cause = JP_CAUSE_OTHER};
+    ecu.internal.learned = (struct jp_ecu_learned){.friction = INT32_MAX,
+                                                   .friction_deviation = JP_Q16(16),
+                                                   .payload = INT32_MIN,
+                                                   .payload_deviation = INT32_MAX,
+                                                   .version = 0x10000,
+                                                   .changes = 256,
+                                                   .outliers = UINT32_MAX,
+                                                   .left_out = 255,
+                                                   .cause = JP_CAUSE_OTHER};
     expect_learned((const uint8_t[]){0xFF, 0xFF, 0xFF, 0xFF, 0x00, 0x80, 0xFF, 0xFF},
                    (const uint8_t[]){0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xA3, 0, 0});
 }
@@ -460,14 +460,14 @@ static void test_what_was_learned_waits_for_a_plan(void)
     unsigned most = 0;
 
     announce(1);
-    ecu.learned.frames_left = 2;
+    ecu.internal.learned.frames_left = 2;
     for (uint16_t tick = 0; tick < 3; tick++) {
         const unsigned count = jp_telemetry_due(&ecu, frames);
 
         most = count > most ? count : most;
-        TEST_ASSERT_EQUAL_UINT8(2, ecu.learned.frames_left);
+        TEST_ASSERT_EQUAL_UINT8(2, ecu.internal.learned.frames_left);
     }
     TEST_ASSERT_LESS_OR_EQUAL_UINT(2, most);
     (void)jp_telemetry_due(&ecu, frames);
-    TEST_ASSERT_EQUAL_UINT8(1, ecu.learned.frames_left);
+    TEST_ASSERT_EQUAL_UINT8(1, ecu.internal.learned.frames_left);
 }

@@ -269,7 +269,7 @@ static void test_bus_off_ends_in_a_balanced_stand(void)
     jp_can_controller_on_error(&devices.can);
     run(2000);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
-    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_LOST, ecu.operator_link.state);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_LOST, ecu.internal.operator_link.state);
     TEST_ASSERT_EQUAL_UINT8(1, ecu.bus_offs);
     TEST_ASSERT_TRUE(bridges_are_on());
 }
