@@ -3,6 +3,7 @@
 #include <joulepath/path_spline.h>
 #include <string.h>
 
+#include "src/base/config_check.h"
 #include "src/base/plane.h"
 #include "src/local/patrol_approach.h"
 #include "src/local/patrol_marks.h"
@@ -95,18 +96,22 @@ static bool is_footprint_in_range(const struct jp_patrol_mission_config *config)
     return jp_plane_length(length, width) <= RADIUS_MAX * jp_patrol_cell(config->map);
 }
 
-static const char *wrong_field(const struct jp_patrol_mission_config *config)
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_patrol_mission_config, member, low, high)
+
+static enum jp_status check(const struct jp_patrol_mission_config *config, const char **field)
 {
+    static const struct jp_config_field fields[] = {
+        FIELD(points_max, 2, UINT16_MAX),
+        FIELD(turns_max, 2, UINT16_MAX),
+    };
+
     if (config->map == NULL) {
-        return "map";
+        return jp_config_refuse("map", field);
     }
-    if (config->points_max < 2U) {
-        return "points_max";
-    }
-    if (config->turns_max < 2U) {
-        return "turns_max";
-    }
-    return is_footprint_in_range(config) ? NULL : "teb.footprint";
+
+    const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+
+    return status == JP_OK && !is_footprint_in_range(config) ? jp_config_refuse("teb.footprint", field) : status;
 }
 
 static void copy_map(struct jp_patrol_mission *mission)
@@ -149,14 +154,13 @@ enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const s
     }
     (void)memset(mission, 0, sizeof *mission);
 
-    const enum jp_status status = jp_patrol_init(&mission->patrol, &config->patrol, field);
+    enum jp_status status = jp_patrol_init(&mission->patrol, &config->patrol, field);
 
+    if (status == JP_OK) {
+        status = check(config, field);
+    }
     if (status != JP_OK) {
         return status;
-    }
-    *field = wrong_field(config);
-    if (*field != NULL) {
-        return JP_ERR_CONFIG;
     }
     if ((uintptr_t)block % ALIGNMENT != 0U) {
         return JP_ERR_ALIGNMENT;

@@ -2,6 +2,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "src/base/config_check.h"
+
 enum { FRACTION_BITS = 16, MS_PER_S = 1000, MM2_PER_MS_IN_M2_PER_S = 1000 };
 
 #define SPEED_SQUARE_MAX JP_Q16(64)         /* m²/s²: that of jp_motion */
@@ -14,11 +16,6 @@ struct prices {
     jp_q16 turning;                        /* without models */
     const struct jp_tariff_models *models; /* NULL: by factors */
 };
-
-static bool is_factor(int64_t factor)
-{
-    return factor >= JP_TARIFF_FACTOR_MIN && factor <= JP_TARIFF_FACTOR_MAX;
-}
 
 /** Rounded down. False when it does not fit. */
 static bool scale(int32_t *value, jp_q16 factor)
@@ -180,15 +177,13 @@ static enum jp_status charge(struct jp_tariff *tariff, const struct jp_lattice *
     return scale_moves(&tariff->lattice, prices) && write_bases(tariff, lattice, prices) ? JP_OK : JP_ERR_OVERFLOW;
 }
 
-static const char *factor_out_of_range(const struct prices *prices)
+#define FIELD(member) JP_CONFIG_FIELD("", struct prices, member, JP_TARIFF_FACTOR_MIN, JP_TARIFF_FACTOR_MAX)
+
+static enum jp_status check(const struct prices *prices, const char **field)
 {
-    if (!is_factor(prices->straight)) {
-        return "straight";
-    }
-    if (!is_factor(prices->turning)) {
-        return "turning";
-    }
-    return is_factor(prices->mass) ? NULL : "mass";
+    static const struct jp_config_field fields[] = {FIELD(straight), FIELD(turning), FIELD(mass)};
+
+    return jp_config_check(prices, fields, JP_CONFIG_COUNT(fields), field);
 }
 
 enum jp_status jp_tariff_by_factors(struct jp_tariff *tariff, const struct jp_lattice *lattice,
@@ -199,8 +194,9 @@ enum jp_status jp_tariff_by_factors(struct jp_tariff *tariff, const struct jp_la
     }
     const struct prices prices = {.straight = factors->straight, .mass = factors->mass, .turning = factors->turning};
 
-    *field = factor_out_of_range(&prices);
-    return *field == NULL ? charge(tariff, lattice, &prices, factors->version) : JP_ERR_CONFIG;
+    const enum jp_status status = check(&prices, field);
+
+    return status == JP_OK ? charge(tariff, lattice, &prices, factors->version) : status;
 }
 
 /** Of the fastest primitive, which drives straight; m²/s² in Q16. */
@@ -249,6 +245,6 @@ enum jp_status jp_tariff_by_models(struct jp_tariff *tariff, const struct jp_lat
     const struct prices prices = {
         .straight = jp_saturate32(straight), .mass = models->mass, .turning = JP_Q16_ONE, .models = models};
 
-    *field = factor_out_of_range(&prices);
-    return *field == NULL ? charge(tariff, lattice, &prices, models->version) : JP_ERR_CONFIG;
+    status = check(&prices, field);
+    return status == JP_OK ? charge(tariff, lattice, &prices, models->version) : status;
 }

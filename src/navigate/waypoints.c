@@ -1,5 +1,6 @@
 #include <joulepath/waypoints.h>
 
+#include "src/base/config_check.h"
 #include "src/navigate/waypoint_arc.h"
 
 #define ALIGNMENT 8U
@@ -403,34 +404,38 @@ static bool is_map_in_range(const struct jp_terrain_config *map)
     return longest * map->resolution <= INT32_MAX;
 }
 
-static const char *wrong_field(const struct jp_waypoints_config *config)
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_waypoints_config, member, low, high)
+
+static enum jp_status check(const struct jp_waypoints_config *config, const char **field)
 {
+    static const struct jp_config_field fields[] = {
+        FIELD(reach, 1, UINT16_MAX),
+        FIELD(margin_min, 0, JP_WAYPOINTS_MARGIN_STEPS),
+    };
+
     if (config->terrain == NULL) {
-        return "terrain";
+        return jp_config_refuse("terrain", field);
     }
     if (config->lattice == NULL) {
-        return "lattice";
+        return jp_config_refuse("lattice", field);
     }
     if (config->model == NULL) {
-        return "model";
+        return jp_config_refuse("model", field);
     }
     if (config->limits == NULL) {
-        return "limits";
+        return jp_config_refuse("limits", field);
     }
     if (config->terrain->config.resolution != config->lattice->resolution ||
         !is_map_in_range(&config->terrain->config)) {
-        return "terrain.resolution";
+        return jp_config_refuse("terrain.resolution", field);
     }
     if (!is_side_in_range(config, config->length)) {
-        return "length";
+        return jp_config_refuse("length", field);
     }
     if (!is_side_in_range(config, config->width)) {
-        return "width";
+        return jp_config_refuse("width", field);
     }
-    if (config->reach == 0U) {
-        return "reach";
-    }
-    return (int)config->margin_min > JP_WAYPOINTS_MARGIN_STEPS ? "margin_min" : NULL;
+    return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 }
 
 enum jp_status jp_waypoints_init(struct jp_waypoints *waypoints, const struct jp_waypoints_config *config, void *block,
@@ -442,9 +447,9 @@ enum jp_status jp_waypoints_init(struct jp_waypoints *waypoints, const struct jp
     if ((uintptr_t)block % ALIGNMENT != 0U) {
         return JP_ERR_ALIGNMENT;
     }
-    *field = wrong_field(config);
-    if (*field != NULL) {
-        return JP_ERR_CONFIG;
+    const enum jp_status status = check(config, field);
+    if (status != JP_OK) {
+        return status;
     }
     *waypoints = (struct jp_waypoints){
         .config = *config, .internal = {.ways = block, .ways_max = size / sizeof *waypoints->internal.ways}};

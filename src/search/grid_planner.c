@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "src/base/config_check.h"
+
 enum {
     ALIGNMENT = 8,
     CELLS_PER_ENTRY = 8, /* of the smallest queue */
@@ -18,20 +20,28 @@ static bool is_side_valid(uint16_t cells, jp_q16 resolution)
     return cells != 0U && cells <= JP_TERRAIN_SIDE_MAX && (int64_t)cells * resolution <= JP_GRID_SIDE_MAX;
 }
 
-static const char *field_out_of_range(const struct jp_grid_planner_config *config, const struct jp_terrain_config *map)
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_grid_planner_config, member, low, high)
+
+static enum jp_status check(const struct jp_grid_planner_config *config, const struct jp_terrain_config *map,
+                            const char **field)
 {
+    static const struct jp_config_field fields[] = {
+        FIELD(method, JP_GRID_OCTILE, JP_GRID_ANY_ANGLE),
+        FIELD(clearance, 0, INT32_MAX),
+        FIELD(tube, 1, JP_GRID_TUBE_MAX),
+    };
+
     if (map->resolution < JP_GRID_RESOLUTION_MIN || !is_side_valid(map->width, map->resolution) ||
         !is_side_valid(map->height, map->resolution)) {
-        return "resolution";
+        return jp_config_refuse("resolution", field);
     }
-    if (config->method != JP_GRID_OCTILE && config->method != JP_GRID_JUMP_POINTS &&
-        config->method != JP_GRID_ANY_ANGLE) {
-        return "method";
+
+    const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+
+    if (status == JP_OK && config->clearance > (int64_t)JP_GRID_CLEARANCE_MAX * map->resolution) {
+        return jp_config_refuse("clearance", field);
     }
-    if (config->clearance < 0 || config->clearance > (int64_t)JP_GRID_CLEARANCE_MAX * map->resolution) {
-        return "clearance";
-    }
-    return config->tube == 0U || (int32_t)config->tube > JP_GRID_TUBE_MAX ? "tube" : NULL;
+    return status;
 }
 
 static size_t align(size_t size)
@@ -58,7 +68,9 @@ static size_t fixed_size(const struct jp_terrain_config *map)
 
 size_t jp_grid_planner_size(const struct jp_grid_planner_config *config, const struct jp_terrain_config *terrain)
 {
-    if (config == NULL || terrain == NULL || field_out_of_range(config, terrain) != NULL) {
+    const char *field;
+
+    if (config == NULL || terrain == NULL || check(config, terrain, &field) != JP_OK) {
         return 0;
     }
     const size_t cells = (size_t)terrain->width * terrain->height;
@@ -98,9 +110,9 @@ enum jp_status jp_grid_planner_init(struct jp_grid_planner *planner, const struc
     if (planner == NULL || config == NULL || terrain == NULL || block == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *field = field_out_of_range(config, &terrain->config);
-    if (*field != NULL) {
-        return JP_ERR_CONFIG;
+    const enum jp_status status = check(config, &terrain->config, field);
+    if (status != JP_OK) {
+        return status;
     }
     if ((uintptr_t)block % ALIGNMENT != 0U) {
         return JP_ERR_ALIGNMENT;

@@ -1,6 +1,7 @@
 #include <joulepath/route.h>
 #include <stddef.h>
 
+#include "src/base/config_check.h"
 #include "src/base/plane.h"
 #include "src/trajectory/route_legs.h"
 #include "src/trajectory/route_step.h"
@@ -26,32 +27,39 @@
 /* J, so that a route that costs nothing has a barrier too. */
 #define ENERGY_MIN 1e-3f
 
-static const char *field_out_of_range(const struct jp_route_config *config)
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_route_config, member, low, high)
+
+static enum jp_status check(const struct jp_route_config *config, const char **field)
 {
+    static const struct jp_config_field fields[] = {
+        FIELD(yaw_bandwidth, 0, BANDWIDTH_MAX),
+        FIELD(leg_count, 1, JP_ROUTE_LEGS_MAX),
+    };
+    const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+
+    if (status != JP_OK) {
+        return status;
+    }
     if (config->model == NULL) {
-        return "model";
+        return jp_config_refuse("model", field);
     }
     if (config->limits == NULL) {
-        return "limits";
+        return jp_config_refuse("limits", field);
     }
-    if (config->yaw_bandwidth != 0 &&
-        (config->yaw_bandwidth < BANDWIDTH_MIN || config->yaw_bandwidth > BANDWIDTH_MAX)) {
-        return "yaw_bandwidth";
+    if (config->yaw_bandwidth != 0 && config->yaw_bandwidth < BANDWIDTH_MIN) {
+        return jp_config_refuse("yaw_bandwidth", field);
     }
-    if (config->legs == NULL) {
-        return "legs";
-    }
-    return config->leg_count == 0U || config->leg_count > JP_ROUTE_LEGS_MAX ? "leg_count" : NULL;
+    return config->legs == NULL ? jp_config_refuse("legs", field) : JP_OK;
 }
 
 enum jp_status jp_route_init(struct jp_route *route, const struct jp_route_config *config, const char **field)
 {
-    if (route == NULL || config == NULL || field == NULL) {
+    if (route == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *field = field_out_of_range(config);
-    if (*field != NULL) {
-        return JP_ERR_CONFIG;
+    const enum jp_status status = check(config, field);
+    if (status != JP_OK) {
+        return status;
     }
     *route = (struct jp_route){.config = *config, .internal.status = JP_ERR_STATE};
     jp_route_hessian(config->model, route->internal.hessian);
