@@ -116,8 +116,8 @@ static void lose(struct socketcan *bus)
     bus->retry_us = jp_monotonic_us() + JP_CAN_RETRY_US;
 }
 
-/** Tries to get a lost interface back when it is time. */
-static bool is_connected(struct socketcan *bus)
+/** Tries to get a lost interface back when it is time. False: it is lost. */
+static bool stay_connected(struct socketcan *bus)
 {
     if (bus->descriptor < 0 && jp_monotonic_us() >= bus->retry_us) {
         bus->descriptor = connect_to(bus->name);
@@ -153,7 +153,7 @@ static enum jp_status send_frame(void *context, const struct jp_can_frame *frame
     if (!can_be_sent(frame)) {
         return JP_ERR_ARGUMENT;
     }
-    if (!is_connected(bus) || state(bus) != JP_CAN_ON) {
+    if (!stay_connected(bus) || state(bus) != JP_CAN_ON) {
         return JP_ERR_HARDWARE;
     }
     memcpy(raw.data, frame->data, frame->length);
@@ -193,7 +193,7 @@ static bool fetch(void *context)
     struct socketcan *bus = context;
 
     for (unsigned i = 0; i < ERROR_FRAMES_MAX && !bus->has_frame; i++) {
-        if (!is_connected(bus) || !read_frame(bus)) {
+        if (!stay_connected(bus) || !read_frame(bus)) {
             return false;
         }
         if ((bus->frame.can_id & CAN_ERR_FLAG) != 0U) {

@@ -46,8 +46,8 @@ static void publish(struct lcm_telemetry *telemetry, const char *channel, const 
     }
 }
 
-/** Whether a message may be published now, so that they come every PERIOD_US at the least on average. */
-static bool may_publish(uint64_t *due_us, uint64_t time_us)
+/** Takes the turn of a message if it has come, so that they come every PERIOD_US at the least on average. */
+static bool take_turn(uint64_t *due_us, uint64_t time_us)
 {
     if (time_us < *due_us) {
         return false;
@@ -106,7 +106,7 @@ static void publish_state(struct lcm_telemetry *telemetry, uint64_t time_us)
     jp_state_t state = {.utime = (int64_t)time_us, .task = (int8_t)telemetry->commander->phase, .task_reason = text};
     uint8_t message[1024];
 
-    if (!may_publish(&telemetry->state_due_us, time_us)) {
+    if (!take_turn(&telemetry->state_due_us, time_us)) {
         return;
     }
     (void)snprintf(text, sizeof text, "%s", reason == NULL ? "" : reason);
@@ -157,7 +157,7 @@ static void publish_energy(struct lcm_telemetry *telemetry, uint64_t *due_us, ui
                                 .segment_drawn = last == NULL ? 0 : telemetry->last_drawn};
     uint8_t message[256];
 
-    if (!may_publish(due_us, time_us)) {
+    if (!take_turn(due_us, time_us)) {
         return;
     }
     publish(telemetry, "JP_ENERGY", message, jp_energy_t_encode(message, 0, sizeof message, &energy));

@@ -68,7 +68,7 @@ static uint64_t ticks_of(const struct drive *drive, double seconds)
     return (uint64_t)lround(seconds / world_tick_seconds(&drive->rig.world));
 }
 
-static bool happens(struct drive *drive, double mean_seconds)
+static bool draw_event(struct drive *drive, double mean_seconds)
 {
     return random_uniform(&drive->disturbance, 0, mean_seconds) < world_tick_seconds(&drive->rig.world);
 }
@@ -77,9 +77,9 @@ static void disturb(struct drive *drive)
 {
     struct world *world = &drive->rig.world;
 
-    if (drive->trip->fault == TRIP_FAULT_PUSHES && happens(drive, PUSH_SECONDS)) {
+    if (drive->trip->fault == TRIP_FAULT_PUSHES && draw_event(drive, PUSH_SECONDS)) {
         world_push(world, random_uniform(&drive->disturbance, -PUSH_N, PUSH_N), 0, PUSH_TICKS);
-    } else if (drive->trip->fault == TRIP_FAULT_DROPPED_SAMPLES && happens(drive, DROP_SECONDS)) {
+    } else if (drive->trip->fault == TRIP_FAULT_DROPPED_SAMPLES && draw_event(drive, DROP_SECONDS)) {
         world->fault_count = 0;
         (void)world_add_fault(
             world, &(struct world_fault){.channel = WORLD_HAL_READ, .from = world->tick, .until = world->tick + 1});

@@ -232,8 +232,8 @@ static int64_t square_of_share(jp_q16 offset, jp_q16 share)
 
 /** Takes one more difference between what is measured and what is estimated. True: it has for a short while been too
  *  large for chance. */
-static bool has_parted(struct jp_current_motor *motor, const struct jp_current_check_config *config, jp_q16 expected,
-                       jp_q16 measured)
+static bool watch_difference(struct jp_current_motor *motor, const struct jp_current_check_config *config,
+                             jp_q16 expected, jp_q16 measured)
 {
     const struct jp_current_estimate *estimate = &motor->estimate;
     const int64_t of_gain = jp_multiply_shift(expected, estimate->gain_deviation, 16);
@@ -264,7 +264,7 @@ static void examine(struct jp_current_motor *motor, const struct jp_current_chec
 {
     struct jp_current_estimate estimate = motor->estimate;
     const int64_t variance = update_estimate(&estimate, motor, config);
-    const bool parted = has_parted(motor, config, expected, measured);
+    const bool parted = watch_difference(motor, config, expected, measured);
 
     if (parted || variance > square_of_share(config->offset, MISFIT_SHARE) + MISFIT * motor->noise) {
         forget(motor);

@@ -93,7 +93,7 @@ static uint16_t jumps(const struct jp_monitor_config *config, const struct jp_se
 }
 
 /** Counts ticks in a row; true once there are `limit`. */
-static bool persists(uint16_t *ticks, bool condition, uint16_t limit)
+static bool count_in_a_row(uint16_t *ticks, bool condition, uint16_t limit)
 {
     if (!condition) {
         *ticks = 0;
@@ -106,14 +106,14 @@ static bool persists(uint16_t *ticks, bool condition, uint16_t limit)
 }
 
 /** True once one channel has repeated itself to the bit for so long. */
-static bool imu_frozen(struct jp_monitor *monitor, uint16_t limit, const struct jp_sensors *sensors)
+static bool watch_for_frozen_imu(struct jp_monitor *monitor, uint16_t limit, const struct jp_sensors *sensors)
 {
     const struct jp_sensors *before = &monitor->good;
     uint16_t *ticks = monitor->frozen_ticks;
-    bool pitch_rate = persists(&ticks[0], sensors->pitch_rate == before->pitch_rate, limit);
-    bool yaw_rate = persists(&ticks[1], sensors->yaw_rate == before->yaw_rate, limit);
-    bool accel_x = persists(&ticks[2], sensors->accel_x == before->accel_x, limit);
-    bool accel_z = persists(&ticks[3], sensors->accel_z == before->accel_z, limit);
+    bool pitch_rate = count_in_a_row(&ticks[0], sensors->pitch_rate == before->pitch_rate, limit);
+    bool yaw_rate = count_in_a_row(&ticks[1], sensors->yaw_rate == before->yaw_rate, limit);
+    bool accel_x = count_in_a_row(&ticks[2], sensors->accel_x == before->accel_x, limit);
+    bool accel_z = count_in_a_row(&ticks[3], sensors->accel_z == before->accel_z, limit);
 
     return pitch_rate || yaw_rate || accel_x || accel_z;
 }
@@ -126,10 +126,10 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
 
     if (read == JP_OK && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
-        frozen = config->freeze_ticks != 0U && imu_frozen(monitor, config->freeze_ticks, sensors);
+        frozen = config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
     }
 
-    bool confirmed = persists(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
+    bool confirmed = count_in_a_row(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
 
     if (suspected == 0U) {
         monitor->good = *sensors;
@@ -163,13 +163,14 @@ uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_c
         beyond(voltage_residual(config, sensors->current_right, voltages->right, jp_add(wheel_rate, turning)), limit);
     unsigned faults = 0;
 
-    if (persists(&monitor->residual_ticks[0], left, config->residual_ticks)) {
+    if (count_in_a_row(&monitor->residual_ticks[0], left, config->residual_ticks)) {
         faults |= JP_FAULT_ENCODER_LEFT;
     }
-    if (persists(&monitor->residual_ticks[1], right, config->residual_ticks)) {
+    if (count_in_a_row(&monitor->residual_ticks[1], right, config->residual_ticks)) {
         faults |= JP_FAULT_ENCODER_RIGHT;
     }
-    if (persists(&monitor->overspeed_ticks, beyond(wheel_rate, config->wheel_rate_limit), config->confirm_ticks)) {
+    if (count_in_a_row(&monitor->overspeed_ticks, beyond(wheel_rate, config->wheel_rate_limit),
+                       config->confirm_ticks)) {
         faults |= JP_FAULT_OVERSPEED;
     }
     return (uint16_t)faults;

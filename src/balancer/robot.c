@@ -71,7 +71,7 @@ static uint8_t posted(const uint8_t *flag)
     return JP_LOAD_ACQUIRE(flag);
 }
 
-static bool taken(uint8_t *flag)
+static bool take(uint8_t *flag)
 {
     bool was_posted = posted(flag) != 0U;
 
@@ -180,7 +180,7 @@ static void rest(struct jp_robot_internal *robot, uint16_t faults)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
-    if (taken(&robot->disable_requested) && telemetry->state != JP_ROBOT_IDLE) {
+    if (take(&robot->disable_requested) && telemetry->state != JP_ROBOT_IDLE) {
         /* Failed sensors left a pitch and a position that mean nothing. */
         if (telemetry->state == JP_ROBOT_FAULT) {
             robot->started = false;
@@ -192,10 +192,10 @@ static void rest(struct jp_robot_internal *robot, uint16_t faults)
         telemetry->faults |= faults;
         telemetry->state = JP_ROBOT_FAULT;
     }
-    if (taken(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->monitor.started) {
+    if (take(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->monitor.started) {
         balance(robot);
     }
-    (void)taken(&robot->stop_requested);
+    (void)take(&robot->stop_requested);
 }
 
 /** Balancing and driving: the reasons to switch off, then the hand-over of segments. */
@@ -206,7 +206,7 @@ static void drive(struct jp_robot_internal *robot, uint16_t sensor_faults)
     jp_q24 pitch = telemetry->motion.pitch;
     jp_q24 limit = robot->config->monitor.tilt_limit;
 
-    if (taken(&robot->disable_requested)) {
+    if (take(&robot->disable_requested)) {
         switch_off(robot, JP_ROBOT_IDLE);
         jp_monitor_start(&robot->monitor, &robot->config->monitor);
         return;
@@ -221,7 +221,7 @@ static void drive(struct jp_robot_internal *robot, uint16_t sensor_faults)
         return;
     }
 
-    bool stop = taken(&robot->stop_requested);
+    bool stop = take(&robot->stop_requested);
     bool ended = telemetry->state == JP_ROBOT_DRIVING && telemetry->segment_ticks_left == 0U;
 
     robot->segment_ended = ended;

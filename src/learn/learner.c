@@ -171,7 +171,8 @@ static int32_t gated_square(int32_t innovation)
     return (int32_t)((gated * gated) >> JP_FILTER_BITS);
 }
 
-static bool alarms(struct jp_learner *learner, int32_t square)
+/** Sums up what is too large for chance. True: too much of it in a row, so something has changed. */
+static bool update_alarm(struct jp_learner *learner, int32_t square)
 {
     const int32_t alarm = learner->alarm + square - ALARM_DRIFT;
 
@@ -263,7 +264,7 @@ static enum jp_learned learn(struct jp_learner *learner, const struct measuremen
     const int32_t innovation = innovation_of(measurement, &step);
     const int32_t square = gated_square(innovation);
 
-    if (alarms(learner, square)) {
+    if (update_alarm(learner, square)) {
         begin_anew(learner);
         jp_filter_expect(learner->state.s, measurement->h, &step);
         take(learner, &step, innovation_of(measurement, &step));

@@ -273,8 +273,8 @@ static bool step_to_kink(struct search *search, int32_t *x)
     return true;
 }
 
-/* Whether the minimum is at the kink just inside e; if it is further inside, e becomes the end of its bracket. */
-static bool settles_kink(const struct search *search, struct jp_evaluation *e)
+/* True: the minimum is at the kink just inside e. If it is further inside, e becomes the end of its bracket. */
+static bool settle_at_kink(const struct search *search, struct jp_evaluation *e)
 {
     if (jp_magnitude32(e->xi - search->kink_xi) > (uint32_t)search->kink_xi >> 14) {
         return false; /* another limit acts */
@@ -325,7 +325,7 @@ void jp_segment_find_minimum(const struct jp_segment_problem *p, int32_t low, in
         if (best->xi == 0 || e.energy < best->energy) {
             *best = e;
         }
-        if (*evaluations == 0 || (at_kink && settles_kink(&search, &e)) || e.slope == 0 ||
+        if (*evaluations == 0 || (at_kink && settle_at_kink(&search, &e)) || e.slope == 0 ||
             x == (e.slope < 0 ? high : low)) {
             return;
         }
