@@ -1,0 +1,178 @@
+/** Frames of every kind for the decoders, from a seed: sound but for their content, spoilt, foreign, garbage. */
+#ifndef JOULEPATH_TESTS_SUPPORT_RANDOM_FRAMES_H
+#define JOULEPATH_TESTS_SUPPORT_RANDOM_FRAMES_H
+
+#include <stdio.h>
+#include <string.h>
+
+#include "hal/app/ecu.h"
+#include "unity.h"
+
+static uint64_t seed = 1;
+static uint64_t random_state;
+static unsigned long executions;
+
+/** For one_in(). */
+#define NEVER 0U
+
+static uint64_t random_bits(void)
+{
+    random_state ^= random_state >> 12;
+    random_state ^= random_state << 25;
+    random_state ^= random_state >> 27;
+    return random_state * UINT64_C(0x2545F4914F6CDD1D);
+}
+
+static uint32_t below(uint32_t bound)
+{
+    return (uint32_t)(((random_bits() >> 32) * bound) >> 32);
+}
+
+static bool one_in(uint32_t times)
+{
+    return times != NEVER && below(times) == 0U;
+}
+
+static int32_t around(int32_t limit)
+{
+    return (int32_t)below(2U * (uint32_t)limit + 1U) - limit;
+}
+
+static void require(bool condition, const char *what)
+{
+    if (!condition) {
+        printf("execution %lu of seed %llu\n", executions, (unsigned long long)seed);
+        TEST_FAIL_MESSAGE(what);
+    }
+}
+
+/** The data frames of joulepath.dbc but for those of the lockstep. */
+static const struct message {
+    uint32_t id;
+    uint8_t length;
+    enum { TO_ECU, OPERATORS, FROM_ECU, OTHERS } kind;
+    uint8_t data_id; /**< 0: not protected by itself */
+} messages[] = {
+    {0x010, 8, FROM_ECU, JP_DATA_ID_MOTOR_COMMAND},
+    {0x020, 8, TO_ECU, 0},
+    {0x021, 8, TO_ECU, 0},
+    {0x022, 8, TO_ECU, 0},
+    {0x100, 4, OPERATORS, JP_DATA_ID_OPERATOR_COMMAND},
+    {0x101, 8, OPERATORS, JP_DATA_ID_ROUTE_OFFER},
+    {0x102, 8, OPERATORS, JP_DATA_ID_WAYPOINT},
+    {0x103, 8, OPERATORS, JP_DATA_ID_GOAL},
+    {0x180, 8, FROM_ECU, 0},
+    {0x181, 8, FROM_ECU, 0},
+    {0x182, 8, FROM_ECU, 0},
+    {0x183, 8, FROM_ECU, 0},
+    {0x184, 8, FROM_ECU, 0},
+    {0x185, 8, FROM_ECU, 0},
+    {0x186, 8, FROM_ECU, 0},
+    {0x187, 8, FROM_ECU, 0},
+    {0x188, 8, FROM_ECU, 0},
+    {0x189, 8, FROM_ECU, 0},
+    {0x18A, 8, FROM_ECU, 0},
+    {0x18B, 8, FROM_ECU, 0},
+    {0x18C, 8, FROM_ECU, 0},
+    {0x18D, 8, FROM_ECU, 0},
+    {0x18E, 8, FROM_ECU, 0},
+    {0x18F, 8, FROM_ECU, 0},
+    {0x190, 8, OTHERS, 0},
+    {0x191, 8, FROM_ECU, 0},
+    {0x192, 8, FROM_ECU, 0},
+    {0x193, 8, FROM_ECU, 0},
+};
+#define MESSAGES (sizeof messages / sizeof messages[0])
+
+static const struct message *message_of(uint32_t id)
+{
+    for (size_t i = 0; i < MESSAGES; i++) {
+        if (messages[i].id == id) {
+            return &messages[i];
+        }
+    }
+    return NULL;
+}
+
+static void randomise_data(struct jp_can_frame *frame)
+{
+    const uint64_t bits = random_bits();
+
+    memcpy(frame->data, &bits, sizeof frame->data);
+}
+
+static uint8_t random_length(void)
+{
+    return (uint8_t)(one_in(4) ? below(256) : below(JP_CAN_LENGTH_MAX + 1U));
+}
+
+static struct jp_can_frame foreign_frame(void)
+{
+    struct jp_can_frame frame = {.id = messages[below(MESSAGES)].id, .length = JP_CAN_LENGTH_MAX};
+
+    switch (below(4)) {
+    case 0:
+        frame.id = below(0x800);
+        break;
+    case 1:
+        frame.id = (uint32_t)random_bits();
+        break;
+    case 2:
+        frame.id |= below(4) << 30;
+        break;
+    default:
+        break;
+    }
+    if (one_in(2)) {
+        frame.length = random_length();
+    }
+    randomise_data(&frame);
+    return frame;
+}
+
+static void flip_bits(struct jp_can_frame *frame)
+{
+    for (uint32_t left = 1U + below(4); left > 0U; left--) {
+        const uint32_t bit = below(8U * JP_CAN_LENGTH_MAX);
+
+        frame->data[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+    }
+}
+
+/** Another content under the right CRC, and mostly the right counter. */
+static void forge(struct jp_can_frame *frame)
+{
+    const struct message *message = message_of(frame->id);
+    uint8_t counter = (uint8_t)(frame->data[1] - 1U);
+
+    if (message == NULL || message->data_id == 0U) {
+        return;
+    }
+    if (one_in(2)) {
+        frame->data[1U + below(7)] = (uint8_t)below(256);
+    } else {
+        randomise_data(frame);
+    }
+    counter = one_in(8) ? (uint8_t)below(16) : counter;
+    jp_e2e_protect(&counter, message->data_id, frame->data, message->length);
+}
+
+static void spoil(struct jp_can_frame *frame)
+{
+    switch (below(5)) {
+    case 0:
+        forge(frame);
+        break;
+    case 1:
+        frame->length = random_length();
+        break;
+    case 2:
+        frame->id ^= one_in(2) ? 1U << below(11) : 1U << below(32);
+        break;
+    default:
+        flip_bits(frame);
+        break;
+    }
+}
+
+#endif
