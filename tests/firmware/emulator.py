@@ -4,7 +4,7 @@ import socket
 import subprocess
 import time
 
-from programs import BUILD, Program, wait_until
+from programs import BUILD, LIMIT, Program, wait_until
 
 LINE = re.compile(r"char device redirected to (\S+) ")
 PC = 15
@@ -26,7 +26,7 @@ class Debugger:
     def __init__(self, path):
         self._socket = socket.socket(socket.AF_UNIX)
         self._socket.connect(str(path))
-        self._socket.settimeout(10)
+        self._socket.settimeout(LIMIT)
         self._unread = b""
         self._ask(b"?")
         self._ask(b"qXfer:features:read:target.xml:0,fff")  # from now on it takes single registers
