@@ -14,12 +14,12 @@
 /** 2³²/2π: an angle times a speed in these units moves the contact by one unit of Q24. */
 #define ANGLE_PER_RADIAN ((int64_t)683565276)
 
-/** Parts of a way, Q30. */
-#define WHOLE_WAY ((int32_t)1 << 30)
+/** All of a transition; shares of it are in Q30. */
+#define WHOLE ((int32_t)1 << 30)
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_four_wheel_config, member, low, high)
 
-/** Of the steering in a turn in place. */
+/** Steering angle of the wheels in a turn in place, 2⁻³² turn, less the error of the arctangent. */
 static int32_t turning_in_place(const struct jp_four_wheel_config *config)
 {
     return (int32_t)(jp_atan2(config->wheelbase, config->track) - (jp_angle)JP_ATAN2_ERROR);
@@ -84,7 +84,7 @@ static void set_contacts(const struct jp_four_wheel_config *config, const struct
     contacts[JP_REAR_RIGHT] = (struct contact){twist->x + across, twist->y - along};
 }
 
-/* Of (x, y), to nearest, saturated. */
+/* Length of (x, y), to nearest, saturated. */
 static int32_t length(int32_t x, int32_t y)
 {
     const uint64_t sum = (uint64_t)jp_multiply(x, x) + (uint64_t)jp_multiply(y, y);
@@ -102,7 +102,7 @@ static jp_q24 component(const struct contact *contact, int32_t angle)
     return jp_round_shift(along + jp_multiply(contact->y, jp_sin((jp_angle)angle)), 31);
 }
 
-/* Within the limit, or beyond it by no more than the formats can tell at this speed. */
+/* True within the limit, or beyond it by no more than the formats resolve at this speed. */
 static bool within_limit(const struct jp_four_wheel_config *config, int32_t angle, jp_q24 speed)
 {
     const int64_t excess = jp_absolute64(angle) - config->steering_limit;
@@ -110,7 +110,8 @@ static bool within_limit(const struct jp_four_wheel_config *config, int32_t angl
     return excess * speed <= JP_SLIP_QUANTUM / 2 * ANGLE_PER_RADIAN;
 }
 
-/* The nearer one of the ways to roll like the contact. False: there is none within the limits. */
+/* Of the two angles at which the wheel rolls like its contact, half a turn apart, the nearer one. False: none is within
+ * the limits. */
 static bool set_wheel(const struct jp_four_wheel_config *config, const struct contact *contact, int32_t *angle,
                       jp_q24 *speed)
 {
@@ -173,7 +174,7 @@ struct motion {
     int64_t around;
 };
 
-/* Direction of a contact from the centre: cosine to the front, sine to the side; Q31. */
+/* Direction of a contact from the centre, Q31: cosine to the front, sine to the side. */
 struct diagonal {
     jp_q31 front;
     jp_q31 side;
@@ -260,24 +261,25 @@ void jp_four_wheel_forward(const struct jp_four_wheel_config *config, const stru
     *slip = slip_of(&rolling, &motion, &diagonal);
 }
 
-/* The way of one wheel in a tick, seen from its present direction of rolling. */
-struct way {
+/* The velocity of one wheel's contact in a tick: from the present one to the goal's, both seen along the present
+ * direction of rolling. The four contacts take the same share of their transitions. */
+struct transition {
     jp_q24 from;   /* speed now, 0 or more */
-    jp_q24 to;     /* speed wanted; below 0: the other way round */
-    int32_t error; /* of the angle */
+    jp_q24 to;     /* speed of the goal; below 0: reversed */
+    int32_t error; /* from the present angle to that of the goal */
     bool is_backward;
     bool is_held;     /* so slow that it may be steered where it stands */
     bool is_straight; /* the velocity of its contact keeps its direction */
 };
 
-static struct way way_of(const struct jp_wheels *wheels, const struct jp_wheels *goal, size_t wheel)
+static struct transition transition_of(const struct jp_wheels *wheels, const struct jp_wheels *goal, size_t wheel)
 {
     const jp_q24 from = jp_clamp32(wheels->speed[wheel], -SPEED_LIMIT, SPEED_LIMIT);
     const jp_q24 to = goal->speed[wheel];
     const int32_t error = jp_sub(goal->angle[wheel], wheels->angle[wheel]);
     const bool is_held = jp_is_between(from, 1 - JP_WHEEL_HOLD_SPEED, JP_WHEEL_HOLD_SPEED - 1);
 
-    return (struct way){
+    return (struct transition){
         .from = from < 0 ? -from : from,
         .to = from < 0 ? -to : to,
         .error = error,
@@ -292,8 +294,8 @@ static bool is_beyond(int32_t error, int32_t limit)
     return jp_absolute64(error) > limit;
 }
 
-/* While the wheels roll: a wheel would leave the way on which all contacts go in common. */
-static bool needs_stand(const struct way ways[JP_WHEELS])
+/* True when a wheel cannot follow its transition while the wheels roll, so that all must stand first. */
+static bool needs_stand(const struct transition transitions[JP_WHEELS])
 {
     bool rolls = false;
     bool steers = false;
@@ -301,10 +303,10 @@ static bool needs_stand(const struct way ways[JP_WHEELS])
     bool reverses = false;
 
     for (size_t i = 0; i < (size_t)JP_WHEELS; i++) {
-        rolls = rolls || ways[i].from > 0;
-        steers = steers || ways[i].error != 0;
-        is_far = is_far || is_beyond(ways[i].error, DRIVE_ERROR_MAX);
-        reverses = reverses || (!ways[i].is_held && ways[i].to <= -JP_WHEEL_HOLD_SPEED);
+        rolls = rolls || transitions[i].from > 0;
+        steers = steers || transitions[i].error != 0;
+        is_far = is_far || is_beyond(transitions[i].error, DRIVE_ERROR_MAX);
+        reverses = reverses || (!transitions[i].is_held && transitions[i].to <= -JP_WHEEL_HOLD_SPEED);
     }
     return rolls && (is_far || (reverses && steers));
 }
@@ -315,75 +317,78 @@ static int32_t part_of(uint64_t part, uint64_t whole)
     return (int32_t)((part << 11) / ((whole >> 19) + 1U));
 }
 
-/* Share of the way on which the direction turns by no more than a step: by the law of sines,
+/* Share of the transition in which the direction turns by at most a step: by the law of sines,
  * (1 − share) from sin(step) = share · to · sin(error − step). */
-static int32_t steering_share(const struct jp_four_wheel_config *config, const struct way *way)
+static int32_t steering_share(const struct jp_four_wheel_config *config, const struct transition *transition)
 {
     const int32_t step = config->steering_step;
-    if (!is_beyond(way->error, step)) {
-        return WHOLE_WAY;
+    if (!is_beyond(transition->error, step)) {
+        return WHOLE;
     }
-    const int32_t rest = (int32_t)jp_absolute64(way->error) - step;
-    const uint64_t near = (uint64_t)jp_multiply(way->from, jp_sin((jp_angle)step) >> 7); /* Q48 */
-    const uint64_t far = (uint64_t)jp_multiply(way->to, jp_sin((jp_angle)rest) >> 7);
+    const int32_t remaining = (int32_t)jp_absolute64(transition->error) - step;
+    const uint64_t near = (uint64_t)jp_multiply(transition->from, jp_sin((jp_angle)step) >> 7); /* Q48 */
+    const uint64_t far = (uint64_t)jp_multiply(transition->to, jp_sin((jp_angle)remaining) >> 7);
 
     return part_of(near, near + far);
 }
 
-/* Share of the way on which the speed changes by no more than a step: it is convex on the way, so it rises at most as
- * its chord does and falls at most as at the beginning. */
-static int32_t speed_share(const struct jp_four_wheel_config *config, const struct way *way)
+/* Share of the transition in which the speed changes by at most a step. The speed is a convex function of the share, so
+ * it rises at most as its chord does and falls at most as it does at the beginning. */
+static int32_t speed_share(const struct jp_four_wheel_config *config, const struct transition *transition)
 {
-    const jp_q24 rise = way->to - way->from;
-    const jp_q24 along = way->is_straight ? way->to : jp_multiply_shift(way->to, jp_cos((jp_angle)way->error), 31);
-    const jp_q24 fall = way->from - along;
+    const jp_q24 rise = transition->to - transition->from;
+    const jp_q24 along = transition->is_straight
+                             ? transition->to
+                             : jp_multiply_shift(transition->to, jp_cos((jp_angle)transition->error), 31);
+    const jp_q24 fall = transition->from - along;
     const jp_q24 change = rise > fall ? rise : fall;
 
-    return change > config->speed_step ? jp_divide((int64_t)config->speed_step * WHOLE_WAY, change) : WHOLE_WAY;
+    return change > config->speed_step ? jp_divide((int64_t)config->speed_step * WHOLE, change) : WHOLE;
 }
 
-/* A wheel that is steered where it stands is waited for. */
-static int32_t share_of(const struct jp_four_wheel_config *config, const struct way *way)
+/* The share that one wheel allows; 0 while a wheel that stands is steered to its angle. */
+static int32_t share_of(const struct jp_four_wheel_config *config, const struct transition *transition)
 {
-    if (way->is_held && is_beyond(way->error, config->steering_step)) {
+    if (transition->is_held && is_beyond(transition->error, config->steering_step)) {
         return 0;
     }
-    const int32_t by_speed = speed_share(config, way);
-    const int32_t by_steering = way->is_held ? WHOLE_WAY : steering_share(config, way);
+    const int32_t by_speed = speed_share(config, transition);
+    const int32_t by_steering = transition->is_held ? WHOLE : steering_share(config, transition);
 
     return by_speed < by_steering ? by_speed : by_steering;
 }
 
-/* A wheel's turn, and its speed after it. */
+/* The change of a wheel's angle in a tick, and its speed after it. */
 struct wheel_step {
     int32_t turn;
     jp_q24 speed;
 };
 
-static struct wheel_step step_along(const struct way *way, int32_t share)
+static struct wheel_step step_along(const struct transition *transition, int32_t share)
 {
-    const jp_q24 ahead = jp_multiply_shift(way->to, jp_cos((jp_angle)way->error), 31) - way->from;
-    const jp_q24 aside = jp_multiply_shift(way->to, jp_sin((jp_angle)way->error), 31);
-    const jp_q24 x = way->from + jp_multiply_shift(ahead, share, 30);
+    const jp_q24 ahead = jp_multiply_shift(transition->to, jp_cos((jp_angle)transition->error), 31) - transition->from;
+    const jp_q24 aside = jp_multiply_shift(transition->to, jp_sin((jp_angle)transition->error), 31);
+    const jp_q24 x = transition->from + jp_multiply_shift(ahead, share, 30);
     const jp_q24 y = jp_multiply_shift(aside, share, 30);
 
     return (struct wheel_step){(int32_t)jp_atan2(y, x), length(x, y)};
 }
 
-static struct wheel_step step_straight(const struct way *way, int32_t share)
+static struct wheel_step step_straight(const struct transition *transition, int32_t share)
 {
-    return (struct wheel_step){way->error, way->from + jp_multiply_shift(way->to - way->from, share, 30)};
+    return (struct wheel_step){transition->error,
+                               transition->from + jp_multiply_shift(transition->to - transition->from, share, 30)};
 }
 
-static struct wheel_step step_of(const struct way *way, int32_t share)
+static struct wheel_step step_of(const struct transition *transition, int32_t share)
 {
-    struct wheel_step step = way->is_straight ? step_straight(way, share) : step_along(way, share);
+    struct wheel_step step = transition->is_straight ? step_straight(transition, share) : step_along(transition, share);
 
-    step.speed = way->is_backward ? -step.speed : step.speed;
+    step.speed = transition->is_backward ? -step.speed : step.speed;
     return step;
 }
 
-/* By no more than the limits of a tick, and not past the goal. */
+/* Moves a wheel by a step, within the limits of a tick and not past the goal. */
 static void advance(const struct jp_four_wheel_config *config, const struct wheel_step *step,
                     const struct jp_wheels *goal, size_t wheel, struct jp_wheels *wheels)
 {
@@ -399,19 +404,20 @@ static void advance(const struct jp_four_wheel_config *config, const struct whee
         jp_clamp32(step->speed, jp_sub(speed, config->speed_step), jp_add(speed, config->speed_step));
 }
 
-static void set_ways(const struct jp_wheels *wheels, const struct jp_wheels *goal, struct way ways[JP_WHEELS])
+static void set_transitions(const struct jp_wheels *wheels, const struct jp_wheels *goal,
+                            struct transition transitions[JP_WHEELS])
 {
     for (size_t i = 0; i < (size_t)JP_WHEELS; i++) {
-        ways[i] = way_of(wheels, goal, i);
+        transitions[i] = transition_of(wheels, goal, i);
     }
 }
 
-static int32_t common_share(const struct jp_four_wheel_config *config, const struct way ways[JP_WHEELS])
+static int32_t common_share(const struct jp_four_wheel_config *config, const struct transition transitions[JP_WHEELS])
 {
-    int32_t least = WHOLE_WAY;
+    int32_t least = WHOLE;
 
     for (size_t i = 0; i < (size_t)JP_WHEELS; i++) {
-        const int32_t own = share_of(config, &ways[i]);
+        const int32_t own = share_of(config, &transitions[i]);
         least = own < least ? own : least;
     }
     return least;
@@ -444,23 +450,23 @@ static enum jp_steering steering_of(const struct jp_wheels *wheels, const struct
 enum jp_status jp_four_wheel_tick(const struct jp_four_wheel_config *config, const struct jp_twist *twist,
                                   struct jp_wheels *wheels, enum jp_steering *steering)
 {
-    struct way ways[JP_WHEELS];
+    struct transition transitions[JP_WHEELS];
     if (config == NULL || twist == NULL || wheels == NULL || steering == NULL) {
         return JP_ERR_ARGUMENT;
     }
     struct jp_wheels goal;
     goal = *wheels;
     const enum jp_status status = jp_four_wheel_inverse(config, twist, &goal);
-    set_ways(wheels, &goal, ways);
-    const bool stops = status != JP_OK || needs_stand(ways);
+    set_transitions(wheels, &goal, transitions);
+    const bool stops = status != JP_OK || needs_stand(transitions);
     if (stops) {
         set_rest(wheels, &goal);
-        set_ways(wheels, &goal, ways);
+        set_transitions(wheels, &goal, transitions);
     }
-    const int32_t share = common_share(config, ways);
+    const int32_t share = common_share(config, transitions);
     for (size_t i = 0; i < (size_t)JP_WHEELS; i++) {
         const struct wheel_step step =
-            share == WHOLE_WAY ? (struct wheel_step){ways[i].error, goal.speed[i]} : step_of(&ways[i], share);
+            share == WHOLE ? (struct wheel_step){transitions[i].error, goal.speed[i]} : step_of(&transitions[i], share);
         advance(config, &step, &goal, i, wheels);
     }
     *steering = stops ? JP_STEERING_STANDSTILL : steering_of(wheels, &goal);

@@ -7,7 +7,7 @@
 #define PERIOD_MAX JP_Q24_ONE
 #define CHORD_MAX  ((int32_t)64 * 65536) /* m, Q16 */
 
-/* Farther points count as so far, 16 384 m, that squares fit. */
+/* Offsets saturate at 16 384 m, so that their squares fit. */
 #define OFFSET_BITS 31
 
 /* Farther ends do not limit the speed: from 16 m/s the least acceleration takes 1024 m, and a tick another 16 m. Q24 m
@@ -196,7 +196,7 @@ static struct course course_of(const struct jp_pure_pursuit *tracker, const stru
     };
 }
 
-/* Where the arc shall lead, seen from the robot: forward and to the left, m. */
+/* The point to which the arc leads, seen from the robot: forward and to the left, m. */
 struct target {
     jp_q24 x;
     jp_q24 y;
@@ -209,8 +209,9 @@ static struct target target_on(const struct course *course, jp_angle heading, jp
     const jp_angle angle = course->direction - heading;
     const jp_q31 cosine = jp_cos(angle);
     const jp_q31 sine = jp_sin(angle);
-    const int64_t rest = jp_multiply(lookahead, lookahead) - jp_multiply(course->offset, course->offset); /* Q48 */
-    const jp_q24 along = rest > 0 ? (jp_q24)jp_square_root((uint64_t)rest) : 0;
+    const int64_t square_along =
+        jp_multiply(lookahead, lookahead) - jp_multiply(course->offset, course->offset); /* Q48 */
+    const jp_q24 along = square_along > 0 ? (jp_q24)jp_square_root((uint64_t)square_along) : 0;
     const jp_q24 foot = course->offset < 0 ? jp_sub(0, course->offset) : course->offset;
 
     return (struct target){
@@ -245,17 +246,18 @@ static jp_q24 speed_in_curve(const struct jp_pure_pursuit_config *config, jp_q24
     return (jp_q24)jp_square_root((uint64_t)square_of_speed << 26);
 }
 
-/* What stops on the way that is left after a tick at it: v² + 2 v `step` = 2 a way, with the change of a tick. */
-static jp_q24 speed_to_stop(const struct jp_pure_pursuit_config *config, int64_t way, jp_q24 step)
+/* The speed v from which the robot stops within the remaining distance after one more tick at v, whose braking changes
+ * the speed by `step`: v² + 2 v step = 2 a remaining. */
+static jp_q24 speed_to_stop(const struct jp_pure_pursuit_config *config, int64_t remaining, jp_q24 step)
 {
-    const int64_t limited = way < STOPPING_MAX ? way : STOPPING_MAX;
+    const int64_t limited = remaining < STOPPING_MAX ? remaining : STOPPING_MAX;
     const int64_t braking = config->acceleration * limited; /* Q48 */
     const uint64_t square_of_speed = (uint64_t)jp_multiply(step, step) + 2U * (uint64_t)braking;
 
     return jp_saturate32((int64_t)jp_square_root(square_of_speed) - step);
 }
 
-/* While the robot is too fast for a curve it drives a wider one. */
+/* While the robot is too fast for the curvature, it drives a smaller one. */
 static jp_q24 tame_curvature(const struct jp_pure_pursuit_config *config, jp_q24 curvature, jp_q24 speed)
 {
     const int64_t acceleration = (int64_t)config->lateral_acceleration * ((int64_t)1 << 22);
@@ -296,8 +298,8 @@ enum jp_status jp_pure_pursuit_tick(struct jp_pure_pursuit *tracker, const struc
     }
     pass_to(tracker, place.chord);
     const struct course here = course_of(tracker, position, tracker->passed);
-    const int64_t way = tracker->beyond + (here.left > 0 ? here.left : 0);
-    if (way <= config->tolerance) {
+    const int64_t remaining = tracker->beyond + (here.left > 0 ? here.left : 0);
+    if (remaining <= config->tolerance) {
         tracker->passed = tracker->count;
         return JP_ARRIVED;
     }
@@ -305,7 +307,7 @@ enum jp_status jp_pure_pursuit_tick(struct jp_pure_pursuit *tracker, const struc
     const struct target target = target_on(&ahead, heading, lookahead);
     const jp_q24 curvature = curvature_to(config, &target);
     const jp_q24 step = jp_q24_multiply(config->acceleration, period);
-    const jp_q24 safe = lesser(speed_in_curve(config, curvature), speed_to_stop(config, way, step));
+    const jp_q24 safe = lesser(speed_in_curve(config, curvature), speed_to_stop(config, remaining, step));
 
     twist->x = jp_clamp32(lesser(config->speed, safe), speed - step, speed + step);
     twist->turn_rate = jp_q24_multiply(twist->x, tame_curvature(config, curvature, twist->x));

@@ -4,7 +4,7 @@
 
 #define HALF (JP_CELLS_ONE / 2)
 
-/** A box with what all cells are held against. */
+/** A box, and the quantities that the test of each cell needs. */
 struct probe {
     const struct jp_box *box;
     int32_t cosine; /**< Q30 */

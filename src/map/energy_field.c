@@ -4,8 +4,8 @@
 #include "src/map/field_unit.h"
 
 enum {
-    LEVEL_WAYS_PER_RANGE = 4, /* the range of values, in level ways across the map */
-    STEPS_PER_THRESHOLD = 4,  /* few enough to be near the order of values, many enough for few sweeps */
+    LEVEL_PATHS_PER_RANGE = 4, /* range of the values, in costs of a level path across the map */
+    STEPS_PER_THRESHOLD = 4,   /* few enough to be near the order of values, many enough for few sweeps */
 };
 
 size_t jp_energy_field_size(const struct jp_terrain_config *config)
@@ -50,7 +50,7 @@ void jp_energy_field_set_lattice(struct jp_energy_field *field, const struct jp_
 void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_t root_y, int32_t target_x,
                            int32_t target_y)
 {
-    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_WAYS_PER_RANGE);
+    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_PATHS_PER_RANGE);
     const uint32_t step = ((field_level_step(field->lattice, field->kind) * STEPS_PER_THRESHOLD) >> field->shift) + 1U;
 
     jp_wavefront_start(&field->wave, field_value(step), (uint16_t)target_x, (uint16_t)target_y);
@@ -58,7 +58,7 @@ void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_
     lower(field, root_x, root_y, 0);
 }
 
-/** Tells the neighbours of a cell what it costs to come by way of it. */
+/** Relaxes the neighbours of a cell. */
 static void relax(struct jp_energy_field *field, int32_t x, int32_t y)
 {
     const struct jp_terrain *terrain = field->terrain;
@@ -98,7 +98,7 @@ bool jp_energy_field_grow(struct jp_energy_field *field, unsigned *cells)
     return false;
 }
 
-/** Those who could come by way of a cell, and those who could go on from it, tell their neighbours again. */
+/** After a change of cell (x, y): hands out again the cells whose steps lead over it or start from it. */
 static void touch_around(struct jp_energy_field *field, int32_t x, int32_t y)
 {
     for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {

@@ -11,11 +11,11 @@ static inline jp_cost field_level_step(const struct jp_lattice *lattice, enum jp
     return jp_move_cost(&lattice->move_costs[kind][JP_MOVE_AXIS], 0);
 }
 
-/** Bits to drop from a cost so that so many level ways across the map fit a value. */
+/** Bits to drop from a cost so that the cost of so many level paths across the map fits a value. */
 static inline uint8_t field_shift(const struct jp_lattice *lattice, enum jp_cost_kind kind,
-                                  const struct jp_terrain_config *map, unsigned level_ways)
+                                  const struct jp_terrain_config *map, unsigned level_paths)
 {
-    const uint32_t range = ((uint32_t)map->width + map->height) * field_level_step(lattice, kind) * level_ways;
+    const uint32_t range = ((uint32_t)map->width + map->height) * field_level_step(lattice, kind) * level_paths;
     uint8_t shift = 0;
 
     while (range >> shift > JP_WAVE_VALUE_MAX) {

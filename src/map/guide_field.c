@@ -5,7 +5,7 @@
 
 enum {
     ALIGNMENT = 8,
-    LEVEL_WAYS_PER_RANGE = 6, /* the range of values, in level ways across the map */
+    LEVEL_PATHS_PER_RANGE = 6, /* range of the values, in costs of a level path across the map */
     STEP_BITS = 4,
     STEP_MASK = 15,
 };
@@ -72,14 +72,14 @@ void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction 
 
     field->direction = direction;
     field->root = *root;
-    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_WAYS_PER_RANGE);
+    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_PATHS_PER_RANGE);
     const uint32_t step = ((field_level_step(field->lattice, field->kind) * scale) >> field->shift) + 1U;
 
     jp_wavefront_start(&field->wave, field_value(step), target_x / scale, target_y / scale);
     jp_wavefront_lower(&field->wave, root->x / scale, root->y / scale, 0);
 }
 
-/** A cell of the map that stands for a coarse one. */
+/** Coordinate of the middle of a coarse cell, cells of the map. */
 static int32_t middle(int32_t coarse_cell, unsigned scale, uint16_t cells)
 {
     const int32_t cell = coarse_cell * (int32_t)scale + (int32_t)scale / 2;
@@ -108,7 +108,7 @@ static bool is_chain_open(const struct jp_guide_field *field, int32_t x, int32_t
     return true;
 }
 
-/** True when that is so from any cell of a coarse one, the middle tried first. */
+/** True when is_chain_open() holds from any cell of a coarse one; the middle is tried first. */
 static bool is_step_open(const struct jp_guide_field *field, int32_t coarse_x, int32_t coarse_y, unsigned direction)
 {
     const int32_t scale = field->scale;
@@ -128,13 +128,13 @@ static bool is_step_open(const struct jp_guide_field *field, int32_t coarse_x, i
     return false;
 }
 
-/** Turning between two headings, of which the first is nearer to the root. */
+/** Least cost of turning between two headings, of which the first is nearer to the root. */
 static uint32_t turn_between(const struct jp_guide_field *field, unsigned near, unsigned far)
 {
     return field->direction == JP_GUIDE_FROM_ROOT ? field->turns->cost[near][far] : field->turns->cost[far][near];
 }
 
-/** Least turning between one of the root's headings and another. */
+/** Least cost of turning between any of the root's headings and another. */
 static uint32_t turn_at_root(const struct jp_guide_field *field, unsigned heading)
 {
     uint32_t least = UINT16_MAX;
@@ -148,7 +148,7 @@ static uint32_t turn_at_root(const struct jp_guide_field *field, unsigned headin
     return least;
 }
 
-/** Turning between the step at a coarse cell and a heading farther from the root. */
+/** Cost of turning between the step at a coarse cell and a heading farther from the root. */
 static uint32_t turn_at(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading)
 {
     if (jp_wavefront_value(&field->wave, x, y) == 0U) {
@@ -157,7 +157,7 @@ static uint32_t turn_at(const struct jp_guide_field *field, int32_t x, int32_t y
     return turn_between(field, step_at(field, x, y), heading);
 }
 
-/** Tells the neighbour in one direction, away from the root, what it costs by way of a coarse cell. */
+/** Relaxes the neighbour of a coarse cell in one direction away from the root. */
 static void relax_step(struct jp_guide_field *field, int32_t x, int32_t y, unsigned away)
 {
     const bool from_root = field->direction == JP_GUIDE_FROM_ROOT;

@@ -19,7 +19,7 @@ jp_cost jp_move_cost(const struct jp_slope_cost *cost, int32_t rise)
     return value < (int32_t)cost->floor ? cost->floor : (jp_cost)value;
 }
 
-/** Cost of a unit step less that of its rise at `slope`, at least, whatever the rise; in 2⁻¹⁶ cost units. */
+/** Least cost over all rises of a unit step less slope · rise; in 2⁻¹⁶ cost units. */
 static int64_t least_level_part(const struct jp_slope_cost *cost, int32_t slope)
 {
     int64_t least = INT64_MAX;
@@ -172,7 +172,7 @@ static bool are_headings(const struct jp_lattice *lattice)
     return lattice->heading[0] == 0U;
 }
 
-/** Its moves lead from its start to its end, and it costs something. */
+/** True when the moves of a primitive lead from its start to its end and its cost is above 0. */
 static bool is_primitive(const struct jp_lattice *lattice, const struct jp_primitive *primitive)
 {
     int32_t dx = 0;
@@ -250,7 +250,7 @@ static bool holds(const struct jp_lattice *lattice, struct jp_cells cells, const
     return false;
 }
 
-/** The reach of a heading is near, and holds what its primitives sweep. */
+/** True when the reach of a heading is within JP_SWEEP_REACH and holds all cells that its primitives sweep. */
 static bool is_reach(const struct jp_lattice *lattice, unsigned heading)
 {
     const struct jp_cells reach = lattice->reach[heading];

@@ -9,7 +9,7 @@ enum { FRACTION_BITS = 16, MS_PER_S = 1000, MM2_PER_MS_IN_M2_PER_S = 1000 };
 #define SPEED_SQUARE_MAX JP_Q16(64)         /* m²/s²: that of jp_motion */
 #define TURN_IN_Q24_RAD  INT64_C(105414357) /* 2π */
 
-/** What is charged for. */
+/** By what the bases are computed. */
 struct prices {
     jp_q16 straight;
     jp_q16 mass;
@@ -17,7 +17,7 @@ struct prices {
     const struct jp_tariff_models *models; /* NULL: by factors */
 };
 
-/** Rounded down. False when it does not fit. */
+/** Multiplies a value by a factor, rounded down. False when the product does not fit. */
 static bool scale(int32_t *value, jp_q16 factor)
 {
     const int64_t product = ((int64_t)*value * factor) >> FRACTION_BITS;
@@ -67,7 +67,7 @@ static bool is_straight(const struct jp_lattice *lattice, const struct jp_primit
     return primitive->move_count > 0U && primitive->start == primitive->end;
 }
 
-/** A base by factors. That of straight driving is what its moves leave to be rounded up. */
+/** A base by factors. The base of a straight primitive only rounds up the cost of its moves. */
 static int64_t scaled_base(const struct jp_lattice *lattice, const struct prices *prices,
                            const struct jp_primitive *primitive)
 {
@@ -85,13 +85,14 @@ static int64_t turn_square(const struct jp_lattice *lattice, const struct jp_pri
     return (radians * radians) >> 32;
 }
 
-/** Cost units by which a regressor in them, Q16, tells two parameters apart; in 2⁻¹⁶. */
+/** Change of the cost by a parameter of the energy model: (learned − built-in) · regressor, in 2⁻¹⁶ cost units. */
 static int64_t difference(jp_q16 built_in, jp_q16 learned, int64_t regressor)
 {
     return ((learned - (int64_t)built_in) * jp_saturate32(regressor)) >> FRACTION_BITS;
 }
 
-/** What the learned model says beyond the built-in one of a primitive on level ground: cost units, rounded up. */
+/** By how much a primitive on level ground costs more by the learned model than by the built-in one: cost units,
+ * rounded up. */
 static int64_t learned_change(const struct jp_lattice *lattice, const struct jp_tariff_models *models,
                               const struct jp_primitive *primitive)
 {
@@ -125,7 +126,7 @@ static int64_t moves_change(const struct jp_lattice *before, const struct jp_lat
     return change;
 }
 
-/** Moves are charged for elsewhere; in place the electronics draw that much, and nothing is free. */
+/** Least base of a primitive: 0 where its moves cost something; in place what the electronics draw, at least 1. */
 static int64_t least_base(const struct jp_tariff_models *models, const struct jp_primitive *primitive)
 {
     const int64_t duration = primitive->duration;

@@ -97,8 +97,8 @@ static uint16_t add_limited(uint32_t a, uint32_t b)
     return (uint16_t)(a + b > JP_WAVE_VALUE_MAX ? JP_WAVE_VALUE_MAX : a + b);
 }
 
-/** After a sweep: again while cells are handed out, else on to the next dirty value. False when the wave has stopped.
- */
+/** Begins the next sweep: at the same threshold while cells are handed out, else at the next dirty value. False when
+ * the wave has stopped. */
 static bool next_sweep(struct jp_wavefront *wave)
 {
     if (wave->has_changed) {
@@ -122,7 +122,7 @@ static unsigned lowest_bit(uint32_t word)
     return JP_TRAILING_ZEROS(word);
 }
 
-/** The next cell of a row up to the threshold. */
+/** The next dirty cell of the present row whose value is up to the threshold. False: none. */
 static bool next_in_row(struct jp_wavefront *wave, int32_t *x)
 {
     const size_t words = words_per_row(wave->width);

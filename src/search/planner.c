@@ -9,10 +9,11 @@ enum {
     ALIGNMENT = 8,
     STATES_MIN = 64,
     GUIDE_SCALE_MIN = 2,
-    GUIDE_SHARE = 4, /* the guide takes at most this part of the block, if it can be that coarse */
+    GUIDE_SHARE = 4, /* the guide takes at most one part in so many of the block, if it can be that coarse */
     ROUTE_STEPS_MIN = 256,
-    ROUTES = 2,                /* the plan's and the one that is being traced */
-    CELLS_PER_ROUTE_STEP = 32, /* of the map: room for a route that winds through all of it */
+    ROUTES = 2, /* the plan's and the one that is being traced */
+    CELLS_PER_ROUTE_STEP =
+        32, /* cells of the map for each step of the longest route: it may wind through all of the map */
 };
 
 _Static_assert(JP_PLANNER_CELLS_MAX / JP_TERRAIN_SIDE_MAX >= JP_TERRAIN_SIDE_MAX, "no map is too large");
@@ -33,7 +34,7 @@ size_t jp_planner_size(const struct jp_terrain_config *config)
            jp_planner_states_size(STATES_MIN);
 }
 
-/** The finest guide that leaves most of the block to the states, and enough of them. */
+/** Scale of the finest guide that leaves most of the block, and enough of it, to the states. */
 static unsigned guide_scale(const struct jp_terrain_config *config, size_t size)
 {
     const size_t spare = size - ROUTES * route_bytes(config) - jp_planner_states_size(STATES_MIN);
@@ -87,7 +88,7 @@ static uint16_t neighbours_max(const struct jp_lattice *lattice)
     return (uint16_t)most;
 }
 
-/** Guide, route, and if a state for every cell fits too, the energy field; the states get the rest. */
+/** Divides the block: guide, routes, the energy field if a state for every cell fits beside it, and the states. */
 static void lay_out(struct jp_planner_internal *planner, uint8_t *block, size_t size)
 {
     const struct jp_planner_config *config = &planner->config;

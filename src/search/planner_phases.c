@@ -6,13 +6,13 @@
 
 enum {
     EPSILON_RAISE_DIVISOR = 4,
-    /* So much of other work is worth one expansion. */
+    /* Units of other work that take about as long as one expansion. */
     FIELD_CELLS_PER_EXPANSION = 8,
     GUIDE_CELLS_PER_EXPANSION = 1,
     REKEYS_PER_EXPANSION = 32,
 };
 
-/** Expansions at a time, so that what they are worth of other work can be counted. */
+/** Most expansions at a time, so that the equivalent number of other units fits 32 bits. */
 #define SLICE_MAX 0x100000U
 
 /** The one place that assigns the phase. */
@@ -26,7 +26,7 @@ bool jp_phases_is_idle(const struct jp_planner_internal *planner)
     return planner->phase == JP_PLANNER_EMPTY || planner->phase == JP_PLANNER_SETTLED;
 }
 
-/** True when there is a search to be repaired and to go on with. */
+/** True when there is a search that can be repaired and continued. */
 static bool has_search(const struct jp_planner_internal *planner)
 {
     return planner->phase >= JP_PLANNER_UPDATE_FIELD;
@@ -47,7 +47,7 @@ static bool is_field_rooted(const struct jp_planner_internal *planner)
     return planner->field_use != JP_FIELD_UNUSED;
 }
 
-/** Gives the energy field its root; it grows in a phase before or within a search. */
+/** Roots the energy field at the robot; it grows in `phase`, before or within a search. */
 static void begin_field(struct jp_planner_internal *planner, enum jp_planner_phase phase)
 {
     planner->field_use = JP_FIELD_ROOTED;
@@ -72,7 +72,7 @@ static void begin_guide(struct jp_planner_internal *planner)
     enter(planner, JP_PLANNER_GROW_GUIDE);
 }
 
-/** From scratch; the search follows when its field has grown. */
+/** Begins from scratch; the search follows when its field has grown. */
 static void begin(struct jp_planner_internal *planner, enum jp_planner_direction direction)
 {
     planner->direction = direction;
@@ -99,7 +99,7 @@ void jp_phases_restart(struct jp_planner_internal *planner)
     }
 }
 
-/** A field with a root steers when nothing is inflated. */
+/** The heuristic: the energy field at ε = 1 if it has a root, else the guide. */
 static void choose_heuristic(struct jp_planner_internal *planner)
 {
     if (is_field_rooted(planner)) {
@@ -115,7 +115,7 @@ static void begin_search(struct jp_planner_internal *planner)
     enter(planner, JP_PLANNER_SEARCH);
 }
 
-/** Sorts the queue anew where the energy field takes over, or where states wait to be looked at again. */
+/** Continues a search; all keys are computed anew when the heuristic changes or states wait for this ε. */
 static void resume(struct jp_planner_internal *planner)
 {
     const bool was_exact = jp_search_is_exact(planner);
@@ -127,21 +127,21 @@ static void resume(struct jp_planner_internal *planner)
     enter(planner, planner->rekey_slot < planner->slot_count ? JP_PLANNER_REKEY : JP_PLANNER_SEARCH);
 }
 
-/** Ends the work of a search. */
+/** Ends a search with its answer. */
 static void settle(struct jp_planner_internal *planner, enum jp_answer answer)
 {
     planner->answer = answer;
     enter(planner, JP_PLANNER_SETTLED);
 }
 
-/** True when the robot is where the energy field's root cannot get to: the field says nothing of its ways. */
+/** True when the energy field's root cannot reach the robot: the field bounds none of its routes then. */
 static bool is_cut_off(const struct jp_planner_internal *planner)
 {
     return is_field_rooted(planner) &&
            jp_energy_field_bound(&planner->field, planner->start.x, planner->start.y) == JP_COST_MAX;
 }
 
-/** Where the guide sees no way the energy field can prove that there is none. */
+/** After the guide has grown. Where it finds no path, the energy field can prove that there is none. */
 static void leave_guide(struct jp_planner_internal *planner)
 {
     if (!jp_search_is_forward(planner) && has_field(planner) &&
@@ -152,7 +152,7 @@ static void leave_guide(struct jp_planner_internal *planner)
     }
 }
 
-/** The field has grown for a search that has not begun. */
+/** After the energy field has grown for a search that has not begun. */
 static void leave_new_field(struct jp_planner_internal *planner)
 {
     (void)jp_energy_field_take_lowered(&planner->field);
@@ -166,7 +166,7 @@ static void leave_new_field(struct jp_planner_internal *planner)
     }
 }
 
-/** The field has grown beside a search, or has learnt of changes. */
+/** After the energy field has grown for a search in progress, or has taken in changes of the map. */
 static void leave_field(struct jp_planner_internal *planner)
 {
     const struct jp_cell_box lowered = jp_energy_field_take_lowered(&planner->field);
@@ -182,7 +182,7 @@ static void leave_field(struct jp_planner_internal *planner)
     enter(planner, JP_PLANNER_REPAIR);
 }
 
-/** When the proved route is lost, the guide finds the next one sooner than the proof does. */
+/** After the repair. When the proved route is lost, the guide finds the next one sooner than the exact search does. */
 static void leave_repair(struct jp_planner_internal *planner)
 {
     planner->changes.count = 0;
@@ -209,7 +209,7 @@ static bool take_next_epsilon(struct jp_planner_internal *planner)
     return true;
 }
 
-/** After a plan: on with the states that there are. */
+/** After a plan: continues with the next ε and the present states. */
 static void improve(struct jp_planner_internal *planner)
 {
     settle(planner, planner->plan.answer);
@@ -224,7 +224,8 @@ static void improve(struct jp_planner_internal *planner)
     }
 }
 
-/** The states do not fit, and there is a plan: this ε once more without the states of those before it, then the next.
+/** The states do not fit, and there is a plan: tries this ε once more without the states of earlier ones, then the
+ * next.
  */
 static void improve_from_scratch(struct jp_planner_internal *planner)
 {
@@ -235,7 +236,7 @@ static void improve_from_scratch(struct jp_planner_internal *planner)
     }
 }
 
-/** The states do not fit: search with less care, at last from the robot. */
+/** The states do not fit. Without a plan: raises ε, which needs fewer states, and at last searches from the robot. */
 static void save_memory(struct jp_planner_internal *planner)
 {
     if (planner->answer != JP_ANSWER_OUT_OF_BUDGET) {
@@ -322,7 +323,7 @@ static bool rekey(struct jp_planner_internal *planner, unsigned *budget)
     return is_sorted;
 }
 
-/** Does a part of the work that is worth at most `budget` expansions, and says how much is left. */
+/** Does work that is worth at most `budget` expansions and returns what is left of the budget. */
 static unsigned work(struct jp_planner_internal *planner, unsigned budget)
 {
     switch (planner->phase) {
@@ -376,7 +377,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
         return;
     }
     if (!has_search(planner)) {
-        return; /* a field rooted where the robot was serves too */
+        return; /* the field that is rooted where the robot was bounds these routes too */
     }
     if (planner->phase != JP_PLANNER_UPDATE_FIELD && is_cut_off(planner)) {
         jp_phases_restart(planner);
@@ -388,8 +389,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
     }
 }
 
-/** Does all that the noted changes ask for, so that there is room for another. It begins anew when the states do not
- *  fit. */
+/** Repairs all noted changes at once, so that there is room for another one. Begins anew when the states do not fit. */
 static void finish_repair(struct jp_planner_internal *planner)
 {
     while (planner->phase == JP_PLANNER_GROW_FIELD || planner->phase == JP_PLANNER_UPDATE_FIELD ||

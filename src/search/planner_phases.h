@@ -7,13 +7,13 @@
 /** Begins anew with the first ε, where start and goal are known. */
 void jp_phases_restart(struct jp_planner_internal *planner);
 
-/** Works for at most so many expansions, or as much of other work. */
+/** Works for at most so many expansions, or as much other work. */
 void jp_phases_work(struct jp_planner_internal *planner, unsigned expansions);
 
-/** After a new start: the search goes on from what it knows, where that is true of the new start too. */
+/** After a new start: continues the search where its states hold for the new start too, else begins anew. */
 void jp_phases_follow_robot(struct jp_planner_internal *planner);
 
-/** After a change of the map. */
+/** Notes a change of cell (x, y) for repair. */
 void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32_t y, bool may_be_cheaper);
 
 /** True when there is nothing to do. */

@@ -49,7 +49,8 @@ bool jp_repair_fits(const struct jp_planner_internal *planner, int32_t x, int32_
            is_near(y, box.first_y, box.last_y);
 }
 
-/** A state at (change − swept cell) sweeps the change: the reach of the heading, mirrored at the change. */
+/** Marks the cells from which a state of a heading sweeps the change: change − swept cell, the heading's reach
+ * mirrored. */
 static void mark(struct window *window, const struct jp_lattice *lattice, struct jp_cells reach,
                  const struct jp_cell_change *change)
 {

@@ -5,7 +5,7 @@
 #include "src/search/planner_search.h"
 #include "src/search/planner_states.h"
 
-/** A walk from predecessor to predecessor, from a state to the seed. */
+/** The chain of best predecessors from a state towards the seed. */
 struct trace {
     struct jp_lattice_pose end; /* where it ended */
     jp_cost cost;
@@ -37,8 +37,8 @@ static jp_cost cost_of(const struct jp_planner_internal *planner, const struct j
                              from->y);
 }
 
-/** Walks at most steps_max steps. When `route` is given it is written: from its start on in a backward search, from its
- *  end back in a forward one. */
+/** Follows the predecessors for at most steps_max steps. `route`, if not null, is written from its start on in a
+ * backward search and from its end back in a forward one. */
 static struct trace walk(const struct jp_planner_internal *planner, const struct jp_lattice_pose *from,
                          uint32_t steps_max, uint8_t *route, uint32_t route_steps)
 {
@@ -83,7 +83,7 @@ static jp_cost straight_bound(const struct jp_planner_internal *planner)
                        turn);
 }
 
-/** What is proved of a route: 1 after an exact search, else by the straight way. */
+/** The proved bound of a route of this cost: 1 after an exact search, else the ratio to the straight-line bound. */
 static uint16_t proved_bound(const struct jp_planner_internal *planner, jp_cost cost)
 {
     const jp_cost least = straight_bound(planner);
@@ -95,7 +95,7 @@ static uint16_t proved_bound(const struct jp_planner_internal *planner, jp_cost 
     return ratio < JP_BOUND_NONE ? (uint16_t)ratio : JP_BOUND_NONE;
 }
 
-/** A plan for the same start, goal and map that costs less stays. */
+/** True when the present plan is for the same start, goal and map and costs less: it stays then. */
 static bool is_worse(const struct jp_planner_internal *planner, jp_cost cost)
 {
     return planner->answer == JP_ANSWER_WITHIN_BOUND && !jp_search_is_exact(planner) && cost >= planner->plan.cost;
@@ -132,7 +132,7 @@ static void take_spare_route(struct jp_planner_internal *planner)
     planner->route = route;
 }
 
-/** From the robot on; cut where the route's memory ends. */
+/** Publishes the route from the robot on, cut where the route's memory ends. */
 static bool publish_backward(struct jp_planner_internal *planner)
 {
     const struct trace trace = walk(planner, &planner->start, planner->route_max, planner->spare_route, 0);
@@ -149,7 +149,7 @@ static bool publish_backward(struct jp_planner_internal *planner)
     return true;
 }
 
-/** Of a partial route something is left, also where the guide is too coarse to see it. */
+/** Estimate from the end of a partial route to the goal: at least 1, also where the guide is too coarse to see it. */
 static jp_cost estimate_left(const struct jp_planner_internal *planner, const struct jp_lattice_pose *end)
 {
     const jp_cost left = jp_search_heuristic(planner, end);
@@ -157,7 +157,8 @@ static jp_cost estimate_left(const struct jp_planner_internal *planner, const st
     return left > 0U ? left : 1U;
 }
 
-/** To the goal, or to the state from which least is left; cut at its far end where the route's memory ends. */
+/** Publishes the route to the goal, or to the state with the least heuristic, cut at its far end where the route's
+ * memory ends. */
 static bool publish_forward(struct jp_planner_internal *planner)
 {
     const uint32_t target = jp_search_target(planner);

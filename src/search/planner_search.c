@@ -4,7 +4,7 @@
 
 enum {
     EPSILON_BITS = 8,
-    RANGE_PER_TARGET = 2, /* keys up to so many times the expected one are told apart */
+    RANGE_PER_TARGET = 2, /* the buckets resolve keys up to so many times the expected one of the target */
 };
 
 uint32_t jp_search_id(const struct jp_planner_internal *planner, int32_t x, int32_t y, unsigned heading)
@@ -46,7 +46,7 @@ bool jp_search_is_seed(const struct jp_planner_internal *planner, const struct j
     return jp_search_is_forward(planner) ? is_start(planner, pose) : is_goal(planner, pose);
 }
 
-/** Lower bound of the way from where the robot was when the field was begun. */
+/** Lower bound of the cost from the root of the energy field: where the robot was when the field was begun. */
 static jp_cost bound_of(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
 {
     return jp_cost_add(jp_energy_field_bound(&planner->field, pose->x, pose->y),
@@ -64,15 +64,15 @@ static uint32_t inflate(const struct jp_planner_internal *planner, jp_cost heuri
     return (uint32_t)(((uint64_t)heuristic * planner->epsilon) >> EPSILON_BITS);
 }
 
-/** The queue does not order the keys within a bucket. */
+/** Width of a bucket, in keys: the queue does not order the keys within one. */
 static uint32_t bucket_width(const struct jp_planner_internal *planner)
 {
     return UINT32_C(1) << planner->bucket_shift;
 }
 
-/** min(g, rhs) + ε·h. A state whose cost rises must come before all that rely on it: what is added for it must not
- *  exceed the truth, so it is the bound or, without one, nothing; and the others are a bucket behind. Else states that
- *  rely on each other would raise each other step by step. */
+/** Key of a state: min(g, rhs) + ε·h when it is overconsistent. An underconsistent state (g < rhs) must be expanded
+ * before all states whose cost it determines, or these would raise each other step by step. So its key uses an
+ * admissible heuristic, the bound, or 0 without one, and the keys of overconsistent states are one bucket higher. */
 static uint32_t key_of(const struct jp_planner_internal *planner, const struct jp_planner_state *state,
                        jp_cost heuristic)
 {
@@ -82,15 +82,16 @@ static uint32_t key_of(const struct jp_planner_internal *planner, const struct j
     return (uint32_t)state->g + (jp_search_is_exact(planner) ? heuristic : 0U);
 }
 
-/** A state that was expanded by an estimate waits for the next ε when it has become cheaper; one that the robot cannot
- *  get to waits until it can. */
+/** True for a state that must not be expanded now: one that was expanded at this ε by an inflated heuristic and has
+ * become cheaper since waits for the next ε (the INCONS list of AD*); one that the robot cannot reach waits until it
+ * can. */
 static bool is_waiting(const struct jp_planner_internal *planner, const struct jp_planner_state *state,
                        jp_cost heuristic)
 {
     return jp_search_is_exact(planner) ? heuristic == JP_COST_MAX : state->closed && state->g > state->rhs;
 }
 
-/** Puts a state into the queue if it is inconsistent, else takes it out. */
+/** Puts a state into the open list with its present key if it is inconsistent; else takes it out. */
 static void update(struct jp_planner_internal *planner, uint32_t slot, jp_cost heuristic)
 {
     const struct jp_planner_state *state = &planner->states[slot];
@@ -105,7 +106,7 @@ static void update(struct jp_planner_internal *planner, uint32_t slot, jp_cost h
     }
 }
 
-/** A primitive between two states, seen from one of them. */
+/** A primitive between a state and its neighbour. */
 struct edge {
     const struct jp_primitive *primitive;
     struct jp_lattice_pose from; /* where the robot starts to drive it */
@@ -179,8 +180,8 @@ static void recompute(struct jp_planner_internal *planner, uint32_t slot, const 
     }
 }
 
-/** Tells a neighbour that the state costs less now. */
-static void offer(struct jp_planner_internal *planner, const struct edge *edge, jp_cost g)
+/** Relaxes a neighbour of a state whose cost fell to `g`. */
+static void relax(struct jp_planner_internal *planner, const struct edge *edge, jp_cost g)
 {
     const uint32_t id = jp_search_id(planner, edge->other.x, edge->other.y, edge->other.heading);
     const uint32_t known = jp_planner_states_find(planner, id);
@@ -195,7 +196,7 @@ static void offer(struct jp_planner_internal *planner, const struct edge *edge, 
     set_rhs(planner, known != NO_SLOT ? known : jp_planner_states_add(planner, id), &edge->other, cost);
 }
 
-/** Tells a neighbour that relied on the state that it costs more now. */
+/** Recomputes rhs of a neighbour whose best predecessor was the state before its cost rose from `old_g`. */
 static void withdraw(struct jp_planner_internal *planner, const struct edge *edge, jp_cost old_g)
 {
     const uint32_t slot =
@@ -209,7 +210,7 @@ static void withdraw(struct jp_planner_internal *planner, const struct edge *edg
     }
 }
 
-/** Remembers the state from which least is left to the goal: where a partial route ends. */
+/** Keeps the expanded state with the least heuristic: a partial route ends there. */
 static void note_nearest(struct jp_planner_internal *planner, uint32_t slot, jp_cost heuristic)
 {
     if (planner->nearest == NO_SLOT || heuristic < planner->nearest_heuristic) {
@@ -242,7 +243,7 @@ static void expand(struct jp_planner_internal *planner, uint32_t slot)
             continue;
         }
         if (cheaper) {
-            offer(planner, &edge, g);
+            relax(planner, &edge, g);
         } else {
             withdraw(planner, &edge, g);
         }
@@ -268,7 +269,7 @@ uint32_t jp_search_target(const struct jp_planner_internal *planner)
     return best;
 }
 
-/** Key beyond which no state matters to the target. */
+/** The key above which an inconsistent state cannot lower the cost of the target. */
 static uint32_t target_key(const struct jp_planner_internal *planner, uint32_t slot)
 {
     const struct jp_lattice_pose pose = jp_search_pose(planner, slot);
@@ -345,7 +346,7 @@ static void seed_all(struct jp_planner_internal *planner)
     }
 }
 
-/** What is left at the seed is about what the target will cost. */
+/** Expected range of the keys: the heuristic at the seed is about the cost of the target. */
 static uint32_t expected_range(const struct jp_planner_internal *planner)
 {
     const struct jp_lattice_pose goal = {planner->goal.x, planner->goal.y, planner->start.heading};

@@ -23,13 +23,13 @@ static inline bool jp_search_is_forward(const struct jp_planner_internal *planne
     return planner->direction == JP_PLANNER_FROM_ROBOT;
 }
 
-/** Forgets everything and seeds the search. The field must have grown. */
+/** Clears all states and seeds the search. The field that steers it must have grown. */
 void jp_search_start(struct jp_planner_internal *planner);
 
-/** Starts to sort the queue anew, for planner->epsilon; `widen` doubles its range. */
+/** Begins to compute all keys anew, for planner->epsilon; `widen` doubles the range of the queue. */
 void jp_search_rekey(struct jp_planner_internal *planner, bool widen);
 
-/** Goes on sorting; *slots counts down. True when done. */
+/** Continues; *slots counts down. True when all keys are computed. */
 bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots);
 
 /** Expands states; *expansions counts down to 0. */
@@ -38,15 +38,16 @@ enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigne
 /** Repairs a state whose outgoing primitives have changed. False when the table is full. */
 bool jp_search_repair(struct jp_planner_internal *planner, uint32_t id, bool may_be_cheaper);
 
-/** Sorts the states of some cells anew, whose bounds have fallen. */
+/** Computes the keys of the states on some cells anew, after the energy field's bounds have fallen there. */
 void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_cell_box *box);
 
-/** State where the search has arrived: the robot's, or the cheapest of the goal's; NO_SLOT when it has not. */
+/** Slot of the target: the robot's state, or the cheapest of the goal's states; NO_SLOT before the search has reached
+ * it. */
 uint32_t jp_search_target(const struct jp_planner_internal *planner);
 
-/** How a state is reached from the seed at least cost, by what its neighbours know. */
+/** The best predecessor of a state: the neighbour over which the seed costs least by the present g. */
 struct search_predecessor {
-    jp_cost cost;                         /* of the state by this neighbour; JP_COST_MAX: there is none */
+    jp_cost cost;                         /* of the state over this neighbour; JP_COST_MAX: there is none */
     const struct jp_primitive *primitive; /* between the two; the robot drives it away from the seed when the search
                                              runs forward, else towards it */
 };

@@ -6,7 +6,7 @@ enum {
     BUCKETS_MIN = 64,
     BUCKETS_MAX = 4096,
     STATES_PER_BUCKET = 16,
-    LOAD_NUMERATOR = 7, /* fullest table: above it a search for an absent state takes too many probes */
+    LOAD_NUMERATOR = 7, /* largest load factor: above it a look-up of an absent state takes too many probes */
     LOAD_DENOMINATOR = 8,
 };
 
@@ -69,7 +69,7 @@ void jp_planner_states_clear(struct jp_planner_internal *planner)
     planner->statistics.states = 0;
 }
 
-/** Of all bits of the id, spread over 32 bits. */
+/** Hash that spreads all bits of the id over 32 bits. */
 static uint32_t hash(uint32_t id)
 {
     uint32_t bits = id * 0x9E3779B1U;

@@ -1,4 +1,4 @@
-/** The states of a planner: an open-addressed hash table, and the queue of those to be worked on as lists in it. */
+/** The states of a planner: an open-addressed hash table, and the open list as doubly linked bucket lists within it. */
 #ifndef JOULEPATH_SEARCH_PLANNER_STATES_H
 #define JOULEPATH_SEARCH_PLANNER_STATES_H
 
@@ -12,8 +12,8 @@ struct jp_planner_state {
     uint64_t id : 24; /**< cell · JP_HEADINGS + heading */
     uint64_t previous : 20;
     uint64_t next : 20;
-    uint64_t g : 24;   /**< cost that its neighbours know of */
-    uint64_t rhs : 24; /**< cost by its neighbours */
+    uint64_t g : 24;   /**< cost at its last expansion, as in D* Lite */
+    uint64_t rhs : 24; /**< one-step lookahead cost over its neighbours; consistent: g = rhs */
     uint64_t bucket : 12;
     uint64_t used : 1;
     uint64_t queued : 1;
@@ -32,25 +32,25 @@ void jp_planner_states_clear(struct jp_planner_internal *planner);
 /** Slot of a state, or NO_SLOT. */
 uint32_t jp_planner_states_find(const struct jp_planner_internal *planner, uint32_t id);
 
-/** Slot of a state that is made, with no cost known, unless it is there; NO_SLOT when the table is full. */
+/** Slot of a state, which is added with infinite costs if it is absent; NO_SLOT when the table is full. */
 uint32_t jp_planner_states_add(struct jp_planner_internal *planner, uint32_t id);
 
-/** Empties the queue; its keys will range over 0…range. States are taken into it by jp_search_rekey_work(). */
+/** Empties the queue, for keys of 0…range. jp_search_rekey_work() puts the states into it again. */
 void jp_planner_queue_restart(struct jp_planner_internal *planner, uint32_t range);
 
-/** Puts a state into the queue, or elsewhere in it. */
+/** Puts a state into the queue, or moves it to its new bucket. */
 void jp_planner_queue_put(struct jp_planner_internal *planner, uint32_t slot, uint32_t key);
 
 /** Takes a state out of the queue if it is in. */
 void jp_planner_queue_remove(struct jp_planner_internal *planner, uint32_t slot);
 
-/** Slot of a state with about the lowest key, or NO_SLOT. */
+/** Slot of a state in the lowest bucket; NO_SLOT when the queue is empty. */
 uint32_t jp_planner_queue_top(struct jp_planner_internal *planner);
 
 /** No key in the queue is below it; valid after jp_planner_queue_top(). */
 uint32_t jp_planner_queue_lowest_key(const struct jp_planner_internal *planner);
 
-/** True when keys that the queue cannot tell apart have come to its head: restart it with a wider range. */
+/** True when only the last bucket is left, which holds all keys beyond the range: the queue needs a wider range. */
 bool jp_planner_queue_is_beyond_range(const struct jp_planner_internal *planner);
 
 #endif
