@@ -7,10 +7,11 @@
  *   charge −= ΔE/V          drawn
  *   charge += η |ΔE|/V      recuperated, with the coulombic efficiency η of charging
  *
- * once per update with the energy since the last one, so that the voltage should not change much between updates: 10 a
- * second or more. Remainders are carried: after n updates the count is within n · 2⁻⁶⁴ A·s of the exact sum.
+ * computed once per update from the energy since the last one. The voltage should not change much between updates: 10 a
+ * second or more are enough. Remainders are carried: after n updates the count is within n · 2⁻⁶⁴ A·s of the exact sum.
  *
- * One context calls, such as the background loop with what jp_robot_telemetry() copied; no call is for the control ISR.
+ * All calls come from one context, such as the background loop with what jp_robot_telemetry() copied. None is for the
+ * control ISR. Pointers are not checked unless a function says so, and the configuration must have passed its check.
  */
 #ifndef JOULEPATH_BATTERY_H
 #define JOULEPATH_BATTERY_H
@@ -24,29 +25,30 @@ extern "C" {
 /** Charge, A·s in Q32.32: step 2.3e-10 A·s. */
 typedef int64_t jp_charge;
 
-/** More energy than this between two updates, J, is no energy but a meter that began anew. */
+/** A larger change of the energy between two updates, J, shows that the meter was started anew; it is not counted. */
 #define JP_BATTERY_ENERGY_STEP 16384
 
-/** A voltage that was implausible is believed again after so many updates that agree. */
+/** Plausible updates after an implausible voltage until the voltage is believed again. */
 #define JP_BATTERY_CONFIRM 3U
 
 struct jp_battery_config {
-    uint32_t capacity;        /**< of the full battery, A·s; 60…262 144 (72.8 Ah) */
+    uint32_t capacity;        /**< charge of the full battery, A·s; 60…262 144 (72.8 Ah) */
     jp_q16 voltage_empty;     /**< open circuit at charge 0, V; from voltage_min */
     jp_q16 voltage_nominal;   /**< mean over a discharge, V; voltage_empty…voltage_full */
     jp_q16 voltage_full;      /**< open circuit at full charge, V; above voltage_empty, up to voltage_max */
     jp_q16 voltage_min;       /**< a bus voltage below is implausible, V; from 1 */
-    jp_q16 voltage_max;       /**< one above is, V; up to 1 000 */
-    jp_q16 voltage_jump;      /**< a change beyond it from one update to the next is, V; above 0 */
+    jp_q16 voltage_max;       /**< a bus voltage above is implausible, V; up to 1 000 */
+    jp_q16 voltage_jump;      /**< a larger change from one update to the next is implausible, V; above 0 */
     jp_q16 charge_efficiency; /**< η; 0.5…1 */
     jp_q31 reserve;           /**< share of the capacity that is not to be used; 0…0.5 */
 };
 
-/** Bits of what an update found; 0: all is well. */
+/** Bits of what an update found; 0: nothing wrong. */
 enum jp_battery_flag {
-    JP_BATTERY_EMPTY = 1 << 0,        /**< the charge is not above the reserve */
-    JP_BATTERY_FULL = 1 << 1,         /**< this update's charging reached the capacity; what exceeds it is left out */
-    JP_BATTERY_VOLTAGE_LOW = 1 << 2,  /**< below voltage_min: the sensor or its wire; with the next two, see update */
+    JP_BATTERY_EMPTY = 1 << 0, /**< the charge is not above the reserve */
+    JP_BATTERY_FULL = 1 << 1,  /**< this update's charging reached the capacity; what exceeds it is left out */
+    JP_BATTERY_VOLTAGE_LOW =
+        1 << 2, /**< below voltage_min, as of a broken sensor; for this and the next two see jp_battery_update() */
     JP_BATTERY_VOLTAGE_HIGH = 1 << 3, /**< above voltage_max */
     JP_BATTERY_VOLTAGE_JUMP = 1 << 4, /**< farther from the last reading than voltage_jump */
     JP_BATTERY_ENERGY_JUMP = 1 << 5   /**< beyond JP_BATTERY_ENERGY_STEP since the last update: it is left out */
@@ -54,8 +56,8 @@ enum jp_battery_flag {
 
 struct jp_battery {
     jp_charge charge;  /**< counted, 0…capacity; what to store for the next start */
-    uint32_t fraction; /**< of a step of the charge */
-    jp_energy energy;  /**< counted so far */
+    uint32_t fraction; /**< below one step of the charge, 2⁻⁶⁴ A·s */
+    jp_energy energy;  /**< of the meter, counted so far */
     jp_charge capacity;
     jp_charge reserve;
     jp_q16 voltage; /**< last reading; 0: none */
@@ -67,16 +69,18 @@ struct jp_battery {
 enum jp_status jp_battery_check(const struct jp_battery_config *config, const char **field);
 
 /**
- * Goes on from the charge that was stored, at the meter's present energy.
+ * Continues from a stored charge, at the meter's present energy. Constant time.
  *
- * JP_ERR_ARGUMENT: the charge is not within 0…capacity, such as that of another battery; *battery is as it was.
+ * JP_ERR_ARGUMENT: the charge is not within 0…capacity, as when it is that of another battery; *battery stays as it
+ * was.
  */
 enum jp_status jp_battery_start(struct jp_battery *battery, const struct jp_battery_config *config, jp_charge charge,
                                 jp_energy energy);
 
 /**
- * The charge when none is stored: linear from voltage_empty to voltage_full, of a bus voltage without load. Rough: a
- * lithium battery's curve is flat in the middle, where this is off by a fifth of the capacity and more.
+ * Estimates the charge from a bus voltage without load, for when none is stored: linear from voltage_empty (0) to
+ * voltage_full (capacity), limited to these. It is rough: the curve of a lithium battery is flat in the middle, where
+ * the estimate errs by a fifth of the capacity and more. Two 64-bit divisions.
  *
  * JP_ERR_ARGUMENT: the voltage is outside voltage_min…voltage_max; *charge is not written.
  */
@@ -94,10 +98,10 @@ enum jp_status jp_battery_estimate(const struct jp_battery_config *config, jp_q1
 uint8_t jp_battery_update(struct jp_battery *battery, const struct jp_battery_config *config, jp_energy energy,
                           jp_q16 bus_voltage);
 
-/** State of charge: charge/capacity, rounded down; JP_Q31_MAX when full. One 64-bit division. */
+/** State of charge: charge/capacity, Q31, rounded down; JP_Q31_MAX when full. One 64-bit division. */
 jp_q31 jp_battery_level(const struct jp_battery *battery);
 
-/** Usable energy left: (charge − reserve) · voltage_nominal, rounded down; at least 0. */
+/** Usable energy left: (charge − reserve) · voltage_nominal, rounded down; at least 0. Constant time. */
 jp_energy jp_battery_energy_left(const struct jp_battery *battery, const struct jp_battery_config *config);
 
 #ifdef __cplusplus

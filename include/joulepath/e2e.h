@@ -16,8 +16,8 @@
 extern "C" {
 #endif
 
-/** After more lost messages than this the next one could be an old one, too: then two that follow each other are
- * needed, as at the start. */
+/** After more lost messages than this the next one could as well be an old one: then two consecutive ones are needed,
+ * as at the start. */
 #define JP_E2E_GAP_MAX 6U
 
 /** Shortest message, bytes. */
@@ -36,24 +36,27 @@ enum jp_e2e_result {
 struct jp_e2e_receiver {
     uint8_t counter;   /**< of the last message that was used */
     bool synchronised; /**< there was one */
-    bool doubted;      /**< a message came since then that was out of place */
+    bool doubted;      /**< since then a message came out of sequence */
     uint8_t doubtful;  /**< its counter */
     uint8_t gap;       /**< messages lost before the last one that was used; 0 after a doubtful one */
 };
 
-/** The CRC-8H2F so far, before its final inversion: begins with JP_E2E_CRC_START. 2 table look-ups a byte. */
+/** The CRC-8H2F of further bytes, before its final inversion; `crc` is JP_E2E_CRC_START at first. Two table look-ups a
+ *  byte; an ISR may call it. */
 uint8_t jp_e2e_crc(uint8_t crc, const uint8_t *bytes, size_t length);
 
 #define JP_E2E_CRC_START 0xFFU
 
-/** Counts *counter on and writes it and the CRC into the message. At least JP_E2E_LENGTH_MIN bytes. For the ISR. */
+/** Increments *counter and writes it and the CRC into the message, which has at least JP_E2E_LENGTH_MIN bytes. Work:
+ * the CRC of the message; an ISR may call it. */
 void jp_e2e_protect(uint8_t *counter, uint8_t data_id, uint8_t *message, size_t length);
 
-/** As jp_e2e_protect(), with a CRC that goes on over `rest`: for a message that does not fit one frame. */
+/** As jp_e2e_protect(), with a CRC that continues over `rest`: for a message that does not fit one frame. */
 void jp_e2e_protect_group(uint8_t *counter, uint8_t data_id, uint8_t *message, size_t length, const uint8_t *rest,
                           size_t rest_length);
 
-/** Judges a message. Fewer than JP_E2E_LENGTH_MIN bytes: JP_E2E_CRC. For the ISR. */
+/** Checks a received message. Fewer than JP_E2E_LENGTH_MIN bytes: JP_E2E_CRC. Work: the CRC of the message; an ISR may
+ *  call it. */
 enum jp_e2e_result jp_e2e_check(struct jp_e2e_receiver *receiver, uint8_t data_id, const uint8_t *message,
                                 size_t length);
 

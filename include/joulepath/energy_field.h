@@ -1,10 +1,10 @@
 /**
- * Energy field: for every cell a lower bound of what driving there from one root cell costs, from the ground alone.
+ * Energy field: for every cell a lower bound of the cost of driving there from one root cell, turning left aside.
  * Internal: here only because struct jp_planner holds it.
  *
  * The value of a cell is the cheapest chain of unit steps from the root over cells where the robot may be, each step
- * charged what it costs at least (lattice.h). No route can be cheaper, so the field is an admissible and consistent
- * heuristic. It is exact up to a horizon, a quarter beyond the target's value; farther off the horizon is the bound.
+ * charged its least cost (lattice.h). No route can be cheaper, so the field is an admissible and consistent heuristic.
+ * It is exact up to a horizon, a quarter beyond the target's value; farther off the horizon is the bound.
  *
  * It grows in slices. When the map lets the robot drive cheaper, the values that are too high are lowered, and only
  * those; when the map becomes dearer the old values are still bounds and stay. Memory: the caller's block, two bytes
@@ -45,25 +45,25 @@ size_t jp_energy_field_size(const struct jp_terrain_config *config);
 void jp_energy_field_init(struct jp_energy_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
                           const struct jp_terrain *terrain, void *block);
 
-/** Takes other costs of the same lattice; jp_energy_field_start() is to follow. Constant time. */
+/** Takes other costs of the same lattice; jp_energy_field_start() must follow. Constant time. */
 void jp_energy_field_set_lattice(struct jp_energy_field *field, const struct jp_lattice *lattice);
 
 /** Starts anew from a root cell of the map. Work: all cells are cleared. */
 void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_t root_y, int32_t target_x,
                            int32_t target_y);
 
-/** Goes on growing; *cells counts down the cells worked on. True when done. Work: 16 unit steps a cell. */
+/** Continues to grow, over at most *cells cells, which counts down. True when done. Work: 16 unit steps a cell. */
 bool jp_energy_field_grow(struct jp_energy_field *field, unsigned *cells);
 
-/** Tells that cell (x, y) of the map has changed: values that are too high become right with the next growth.
+/** Notes that cell (x, y) of the map has changed: the next growth lowers the values that are too high.
  *  Work: the cells of the lattice's core and the 16 steps round each. */
 void jp_energy_field_cell_changed(struct jp_energy_field *field, int32_t x, int32_t y);
 
 /** The cells whose values may have fallen since the last such call. Constant time. */
 struct jp_cell_box jp_energy_field_take_lowered(struct jp_energy_field *field);
 
-/** Lower bound for a cell of the map; JP_COST_MAX when no way leads there. Valid when the growth is done.
- *  Constant time. */
+/** Lower bound of the cost from the root to a cell of the map; JP_COST_MAX when no path leads there. Valid when
+ *  jp_energy_field_grow() has returned true. Constant time. */
 jp_cost jp_energy_field_bound(const struct jp_energy_field *field, int32_t x, int32_t y);
 
 #ifdef __cplusplus

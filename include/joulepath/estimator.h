@@ -3,7 +3,7 @@
  *
  * The encoders sit on the body, so the wheels' angle in the world is encoder + pitch (θ = θ_enc + ψ). Wheel and yaw
  * angle are wrapping phases; their rates come from tracking loops over the counts. Pitch is the integrated gyro, drawn
- * slowly to the accelerometer's vertical; the gyro's bias is learned on the way.
+ * slowly to the accelerometer's vertical (complementary filter), which also estimates the gyro's bias.
  */
 #ifndef JOULEPATH_ESTIMATOR_H
 #define JOULEPATH_ESTIMATOR_H
@@ -57,13 +57,14 @@ struct jp_estimator {
  *  for ISRs. */
 enum jp_status jp_estimator_check(const struct jp_estimator_config *config, const char **field);
 
-/** Starts at wheel angle and yaw 0 with the pitch that the accelerometer shows; the robot must be at rest.
- *  One atan2. */
+/** Starts at wheel angle and yaw 0 with the pitch that the accelerometer shows; the robot must be at rest. Cannot fail.
+ *  One atan2; for the control ISR. */
 void jp_estimator_start(struct jp_estimator *estimator, const struct jp_estimator_config *config,
                         const struct jp_sensors *sensors);
 
-/** Goes on in motion after a gap in which the robot rolled on: `estimator` is that of before the gap. Distance and
- * heading are right however long it was; pitch and all rates are those of before, so it must be short. */
+/** Continues in motion after a gap in which the robot rolled on: `estimator` is that of before the gap. Distance and
+ *  heading are right however long the gap was; pitch and all rates are those of before, so it must be short. Cannot
+ * fail. Constant time; for the control ISR. */
 void jp_estimator_resume(struct jp_estimator *estimator, const struct jp_estimator_config *config,
                          const struct jp_sensors *sensors, struct jp_motion_state *state);
 

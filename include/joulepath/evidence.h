@@ -1,6 +1,6 @@
 /**
- * May the measured energy of a segment be believed? What a learner (learner.h) is fed must have come from a robot that
- * drove as its model assumes, measured by sensors that work.
+ * Decides whether the measured energy of a segment can be believed. A learner (learner.h) must only learn from a robot
+ * that drove as its model assumes, measured by sensors that work.
  *
  * From the background loop, with what jp_robot_telemetry() copied:
  *
@@ -19,11 +19,11 @@
 extern "C" {
 #endif
 
-/** The first reason not to believe a measured energy. */
+/** The first reason not to believe a measured energy, in the order in which they are checked. */
 enum jp_evidence {
     JP_EVIDENCE_GOOD,
-    JP_EVIDENCE_INCOMPLETE, /**< not this segment and no other ended since it began: a stop, a fall, a fault, or two
-                                 ends between two looks; telemetry.segment_energy_… is another one's */
+    JP_EVIDENCE_INCOMPLETE, /**< not exactly one segment ended since it began: a stop, a fall, a fault, or two ends
+                                 between two reads; telemetry.segment_energy_… is that of another segment */
     JP_EVIDENCE_DROPPED,    /**< more than 1/JP_EVIDENCE_DROPPED_SHARE of the ticks had no plausible frame */
     JP_EVIDENCE_SATURATED,  /**< in more than 1/JP_EVIDENCE_SATURATED_SHARE of the ticks a voltage was limited */
     JP_EVIDENCE_BATTERY,    /**< the battery was at its limits, or its voltage implausible: any jp_battery_flag */
@@ -44,13 +44,13 @@ struct jp_segment_watch {
     uint8_t current_findings;
 };
 
-/** A segment begins. */
+/** Begins to watch a segment, with the telemetry of its begin. */
 void jp_segment_watch_begin(struct jp_segment_watch *watch, const struct jp_telemetry *telemetry);
 
-/** Keeps what was found in this pass: jp_battery_flag and jp_current_finding bits, 0 where there is nobody to ask. */
+/** Keeps what this pass found: jp_battery_flag and jp_current_finding bits, 0 where there is no such check. */
 void jp_segment_watch_note(struct jp_segment_watch *watch, uint8_t battery_flags, uint8_t current_findings);
 
-/** Judges the segment at its end. `of_battery`: its energy is jp_meter.battery, which needs the currents. */
+/** Judges the segment at its end. `of_battery`: its energy is jp_meter.battery, which depends on the currents. */
 enum jp_evidence jp_segment_evidence(const struct jp_segment_watch *watch, const struct jp_telemetry *telemetry,
                                      bool of_battery);
 

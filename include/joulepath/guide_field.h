@@ -1,11 +1,12 @@
 /**
- * Guide field: about what it costs, turning included, to drive between a root pose and every part of the map.
+ * Guide field: an estimate of the cost, turning included, of driving between a root pose and every part of the map.
  * Internal: here only because struct jp_planner holds it.
  *
- * Each coarse cell of `scale` × `scale` cells of the map keeps one cheap chain of unit steps, scaled up, to or from the
- * root, and the direction of the step at the cell; turning from step to step is charged. So the guide knows of turns,
- * which a bound of cells alone cannot (energy_field.h). But it is an estimate, neither above nor below the truth: it
- * tells a search where to look first, and proves nothing. It is not repaired when the map changes.
+ * Each coarse cell of `scale` × `scale` cells of the map keeps the cost of one cheap chain of unit steps, scaled up, to
+ * or from the root, and the direction of the chain's step at the cell; turning from step to step is charged. So the
+ * guide accounts for turns, which a bound over cells alone cannot (energy_field.h). But it is an inadmissible
+ * heuristic: it can be above or below the true cost. It steers a search and proves nothing. It is not repaired when the
+ * map changes.
  *
  * Memory: the caller's block, two and a half bytes and one bit a coarse cell. Nothing here is for ISRs.
  */
@@ -21,13 +22,13 @@ extern "C" {
 
 #define JP_GUIDE_SCALE_MAX 8
 
-/** Which way the robot drives. */
+/** Direction of driving. */
 enum jp_guide_direction {
-    JP_GUIDE_FROM_ROOT, /**< estimates are of the way from the root to a pose */
+    JP_GUIDE_FROM_ROOT, /**< estimates are of the cost from the root to a pose */
     JP_GUIDE_TO_ROOT    /**< from a pose to the root */
 };
 
-/** A cell of the map and the headings, bit by bit, that count there. */
+/** A cell of the map and the set of headings at it, a bit for each. */
 struct jp_guide_root {
     uint16_t x;
     uint16_t y;
@@ -56,22 +57,22 @@ size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scal
 void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
                          const struct jp_terrain *terrain, const struct jp_turns *turns, unsigned scale, void *block);
 
-/** Takes other costs of the same lattice; jp_guide_field_start() is to follow. Constant time. */
+/** Takes other costs of the same lattice; jp_guide_field_start() must follow. Constant time. */
 void jp_guide_field_set_lattice(struct jp_guide_field *field, const struct jp_lattice *lattice);
 
 /** Starts anew from a root, to grow a quarter beyond the target cell's estimate. Work: all coarse cells are cleared. */
 void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction direction,
                           const struct jp_guide_root *root, uint16_t target_x, uint16_t target_y);
 
-/** Goes on growing; *cells counts down the coarse cells worked on. True when done. Work: 16 steps a coarse cell, of at
- *  most scale³ looks at the map each. */
+/** Continues to grow, over at most *cells coarse cells, which counts down. True when done. Work: 16 steps a coarse
+ * cell, each of at most scale³ look-ups in the map. */
 bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells);
 
-/** True when the guide has found a way to the part of the map around (x, y). */
+/** True when the guide has found a path to the coarse cell around (x, y). Constant time. */
 bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32_t y);
 
 /** Estimate for a pose; where the guide does not reach, that of its farthest cells without their turning. Valid when
- * the growth is done. Constant time. */
+ *  jp_guide_field_grow() has returned true. Constant time. */
 jp_cost jp_guide_field_estimate(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading);
 
 #ifdef __cplusplus

@@ -8,8 +8,8 @@
  *
  * where the moves are unit steps that follow the primitive from cell to cell: `rise` is the difference of elevation
  * between the two cells of a step, move() is the cost of driving it straight, and `base`, never negative, is all that
- * turning costs on top. So the moves alone are a lower bound of the way between two cells, and the bases alone one of
- * the way between two headings, and the sum of both bounds is a bound too: energy_field.h lives on it.
+ * turning costs on top. So the moves alone give a lower bound of the cost between two cells, the bases alone one of the
+ * cost between two headings, and the sum of both is a lower bound too: energy_field.h uses it.
  *
  * One table of swept cells decides collisions, and with it which changes of the map matter to which primitive; the
  * cells of the moves are among them.
@@ -33,7 +33,7 @@ extern "C" {
 /** Most primitives that start at one heading. */
 #define JP_PRIMITIVES_PER_HEADING_MAX 255
 
-/** Unit steps: along an axis, in a knight's move, along a diagonal. Direction d leads along jp_move_offset(d). */
+/** Unit steps: along an axis, in a knight's move, along a diagonal. Direction d leads along jp_move_offsets[d]. */
 #define JP_MOVE_DIRECTIONS 16
 enum jp_move_kind { JP_MOVE_AXIS, JP_MOVE_KNIGHT, JP_MOVE_DIAGONAL, JP_MOVE_KINDS };
 
@@ -45,7 +45,7 @@ enum jp_move_kind { JP_MOVE_AXIS, JP_MOVE_KNIGHT, JP_MOVE_DIAGONAL, JP_MOVE_KIND
  */
 enum jp_cost_kind { JP_COST_PHYSICAL, JP_COST_PAPER, JP_COST_DISTANCE, JP_COST_KINDS };
 
-/** A cost in the unit of its kind. JP_COST_MAX stands for "no way" and for every sum that would exceed it. */
+/** A cost in the unit of its kind. JP_COST_MAX stands for "no path" and for every sum that would exceed it. */
 typedef uint32_t jp_cost;
 #define JP_COST_MAX       ((jp_cost)0xFFFFFF)
 #define JP_COST_PER_JOULE 16
@@ -104,7 +104,7 @@ struct jp_lattice {
     uint32_t version; /**< of the parameters that the costs follow (tariff.h); 0: those of the tables */
 };
 
-/** What turning costs at least, whatever the way: the least sum of bases from one heading to another. */
+/** Least cost of turning from one heading to another over any primitives: the least sum of their bases. */
 struct jp_turns {
     uint16_t cost[JP_HEADINGS][JP_HEADINGS]; /**< [from][to]; UINT16_MAX: no primitives lead there */
 };
@@ -116,7 +116,7 @@ struct jp_cell_offset {
 };
 extern const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS];
 
-/** Kind of a unit step. */
+/** Kind of the unit step in a direction, 0…JP_MOVE_DIRECTIONS − 1. */
 static inline enum jp_move_kind jp_move_kind_of(unsigned direction)
 {
     if (direction % 2U != 0U) {
@@ -132,8 +132,8 @@ static inline jp_cost jp_cost_add(jp_cost a, jp_cost b)
 }
 
 /**
- * Checks tables that did not come from our tool: indices, orders, costs above 0 on every primitive and map, and that
- * the reach of each heading holds what its primitives sweep.
+ * Checks tables: indices, orders, costs above 0 of every primitive on every map, and that the reach of each heading
+ * holds all cells that its primitives sweep.
  * JP_ERR_CONFIG: *field names the first member that is wrong. JP_ERR_ARGUMENT: a pointer is null.
  * Work: all tables.
  */
@@ -143,19 +143,20 @@ enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **f
  *  rises. */
 bool jp_slope_cost_is_valid(const struct jp_slope_cost *cost);
 
-/** Work: the primitives, and JP_HEADINGS³ additions. */
+/** Least costs of turning for a kind of cost. Work: the primitives, and JP_HEADINGS³ additions. */
 void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, struct jp_turns *turns);
 
 /** Cost of a unit step; JP_COST_MAX when it is too steep. Two multiplications. */
 jp_cost jp_move_cost(const struct jp_slope_cost *cost, int32_t rise);
 
-/** Lower bound of the ground's part of any way that ends (dx, dy) cells off and `rise` higher, obstacles left aside:
- *  least cost a length along the straight line, and what its rise takes. Work: all rises of a step, a square root. */
+/** Lower bound of the cost of the moves of any path that ends (dx, dy) cells off and `rise` higher, obstacles left
+ * aside: the least cost a length over the straight line, plus the cost of the rise. Work: all rises of a step, a square
+ * root. */
 jp_cost jp_lattice_straight_bound(const struct jp_lattice *lattice, enum jp_cost_kind kind, int32_t dx, int32_t dy,
                                   int32_t rise);
 
-/** Cost of a primitive from cell (x, y), the ground alone: JP_COST_MAX when a step is too steep. The cells must be on
- *  the map. Work: its moves. */
+/** Cost of a primitive from cell (x, y) without regard to obstacles; JP_COST_MAX when a step is too steep. The cells
+ * must be on the map. Work: its moves. */
 jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
                           const struct jp_primitive *primitive, int32_t x, int32_t y);
 
@@ -168,7 +169,7 @@ jp_cost jp_lattice_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind
 bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y,
                           unsigned heading);
 
-/** True unless no robot can be on cell (x, y) whatever its heading. Work: the spans of `core`. */
+/** False: the robot cannot be on cell (x, y) at any heading. True: it may be at some. Work: the spans of `core`. */
 bool jp_lattice_is_open(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y);
 
 #ifdef __cplusplus

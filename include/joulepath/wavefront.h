@@ -1,10 +1,11 @@
 /**
- * Least values over a grid, growing outward from where they begin: the common part of energy_field.h and guide_field.h.
+ * Least costs over a grid, propagated from a root: the common part of energy_field.h and guide_field.h.
  * Internal: here only because struct jp_planner holds it.
  *
- * Cells whose values have fallen are marked; they are handed out again, about in the order of their values, until none
- * is left below the horizon. So a wave grows from a root, and so it is repaired when values fall later. No queue: two
- * bytes and one bit a cell, and the same work in slices as at once. Nothing here is for ISRs.
+ * Cells whose values have fallen are marked and handed out, about in the order of their values, until none is left
+ * below the horizon; the caller relaxes their neighbours. So a wave grows from a root, and so it is repaired when
+ * values fall later. There is no queue: two bytes and one bit a cell, and the same work in slices as at once. Nothing
+ * here is for ISRs.
  */
 #ifndef JOULEPATH_WAVEFRONT_H
 #define JOULEPATH_WAVEFRONT_H
@@ -45,10 +46,11 @@ size_t jp_wavefront_size(uint16_t width, uint16_t height);
 /** Binds a wave to its grid and to jp_wavefront_size() bytes aligned to 8. */
 void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, void *block);
 
-/** Nothing is reached; `step`, above 0, is about what neighbours differ by. The wave is to stop a quarter beyond the
- *  target's value. Work: all cells are cleared. */
+/** Starts with no cell reached. `step`, above 0, is about the difference of neighbouring values. The wave will stop a
+ *  quarter beyond the target's value. Work: all cells are cleared. */
 void jp_wavefront_start(struct jp_wavefront *wave, uint16_t step, uint16_t target_x, uint16_t target_y);
 
+/** Value of a cell of the grid; JP_WAVE_NOT_REACHED where the wave has not been. Constant time. */
 static inline uint16_t jp_wavefront_value(const struct jp_wavefront *wave, int32_t x, int32_t y)
 {
     return wave->values[(size_t)y * wave->width + (size_t)x];
@@ -57,13 +59,13 @@ static inline uint16_t jp_wavefront_value(const struct jp_wavefront *wave, int32
 /** Lowers the value of a cell, which will be handed out. Constant time. */
 void jp_wavefront_lower(struct jp_wavefront *wave, int32_t x, int32_t y, uint16_t value);
 
-/** Has a cell handed out again, if it has been reached. Constant time. */
+/** Marks a cell to be handed out again, if it has been reached. Constant time. */
 void jp_wavefront_touch(struct jp_wavefront *wave, int32_t x, int32_t y);
 
 /** After touching: begins again with the lowest values. Constant time. */
 void jp_wavefront_resume(struct jp_wavefront *wave);
 
-/** Hands out a cell whose neighbours are to hear of its value. False when the wave has stopped. Work: in the worst case
+/** Hands out a cell whose neighbours are to be relaxed. False when the wave has stopped. Work: in the worst case
  *  the bits of all cells, twice. */
 bool jp_wavefront_next(struct jp_wavefront *wave, int32_t *x, int32_t *y);
 
