@@ -45,10 +45,9 @@ struct jp_battery_config {
 
 /** Bits of what an update found; 0: nothing wrong. */
 enum jp_battery_flag {
-    JP_BATTERY_EMPTY = 1 << 0, /**< the charge is not above the reserve */
-    JP_BATTERY_FULL = 1 << 1,  /**< this update's charging reached the capacity; what exceeds it is left out */
-    JP_BATTERY_VOLTAGE_LOW =
-        1 << 2, /**< below voltage_min, as of a broken sensor; for this and the next two see jp_battery_update() */
+    JP_BATTERY_EMPTY = 1 << 0,        /**< the charge is not above the reserve */
+    JP_BATTERY_FULL = 1 << 1,         /**< this update's charging reached the capacity; what exceeds it is left out */
+    JP_BATTERY_VOLTAGE_LOW = 1 << 2,  /**< below voltage_min; of this and the next two see jp_battery_update() */
     JP_BATTERY_VOLTAGE_HIGH = 1 << 3, /**< above voltage_max */
     JP_BATTERY_VOLTAGE_JUMP = 1 << 4, /**< farther from the last reading than voltage_jump */
     JP_BATTERY_ENERGY_JUMP = 1 << 5   /**< beyond JP_BATTERY_ENERGY_STEP since the last update: it is left out */

@@ -6,16 +6,16 @@
  *
  *   u(t) = c v + Σ mᵢ(t),   m(T) = Φ(T) (m(0) + j Δ)
  *
- * with Φ diagonal (a real mode decays, a pair of modes turns and decays) and j what a step of the reference adds. Each
- * m is a voltage. Energy that is the integral of a quadratic form, such as ∫ u² dt, has a storage function
- * S(m, v) = mᵀ P m + v hᵀ m: what m costs until it is gone. So
+ * with Φ diagonal (a real mode decays, a pair of modes oscillates and decays) and j what a step of the reference adds.
+ * Each m is a voltage. Energy that is the integral of a quadratic form, such as ∫ u² dt, has a storage function
+ * S(m, v) = mᵀ P m + v hᵀ m: what m costs until it has decayed. So
  *
  *   E(T) = E_settled(T) + S(m(0), v) + Σ Δ gᵀ m(0) − S(m(T), v)
  *
  * where E_settled is the paper's formula, also for T < Ts. With m(0) = 0 and T → ∞ it is the paper's model exactly.
  * It holds up to the longest T that a segment may have, 16 384 s: the modes vanish.
  *
- * Modes that are gone after `duration_min` are left out of m: g keeps what they cost. The axes are travel (common
+ * Modes that have decayed after `duration_min` are left out of m: g holds their cost. The axes are travel (common
  * voltage; step Δv) and yaw (difference; steps Δw and σ). In a pair only its first mode is part of the voltage; the
  * second is a quarter turn behind.
  */
@@ -69,7 +69,8 @@ struct jp_energy_start {
     struct jp_transient transient;
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: null. Not for ISRs. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
+ *  for ISRs. */
 enum jp_status jp_horizon_check(const struct jp_horizon *horizon, const char **field);
 
 /**
@@ -88,7 +89,7 @@ enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const str
                                   const struct jp_energy_start *start, const struct jp_segment_command *segment,
                                   jp_q16 *energy, struct jp_energy_start *end);
 
-/** What multiplies each parameter of the energy model: a1…a13, b1, b2. */
+/** Number of parameters of the energy model, each with a regressor: a1…a13, b1, b2. */
 #define JP_ENERGY_PARAMETERS (JP_ENERGY_TERMS + 2)
 
 /**

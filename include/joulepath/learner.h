@@ -1,16 +1,17 @@
 /**
- * Learns the energy model while driving, from the measured energy of each segment, and says how sure a forecast is.
+ * Learns the energy model while driving, from the measured energy of each segment, and states the uncertainty of
+ * forecasts.
  *
- * Robots of a kind differ in few ways: ground, payload, motors. tools/design/learning.py varies them in the file and
- * finds the few directions in which the 15 parameters then move; the learner looks for how far the robot is along
- * each, x ~ N(0, I) before anything is known:
+ * Robots of a kind differ by few causes: ground, payload, motors. tools/design/learning.py varies them in the robot
+ * file and finds the few directions in which the 15 parameters then move. The learner estimates the coordinates x of
+ * the robot along these directions, with the prior x ~ N(0, I):
  *
  *   parameters = built-in + D x,    E − E_built-in = f x + noise,    f = Dᵀ φ
  *
  * with φ the regressors of horizon.h. Recursive least squares in square-root form (Potter), P = S Sᵀ. Forgetting never
- * goes beyond what was known before the first segment: S ← S (I + (I − SᵀS)/(2 memory)), the first step of Newton's
- * iteration from S towards an orthogonal matrix. It keeps every singular value in (0, 1], so that P <= I in fixed
- * point, whatever is driven and for how long; what is not excited keeps its value and becomes as uncertain as at first.
+ * never exceeds the prior covariance: S ← S (I + (I − SᵀS)/(2 memory)), the first step of Newton's iteration from S
+ * towards an orthogonal matrix. It keeps every singular value in (0, 1], so that P <= I in fixed point, whatever is
+ * driven and for how long; a direction that is not excited keeps its value and returns to the prior uncertainty.
  */
 #ifndef JOULEPATH_LEARNER_H
 #define JOULEPATH_LEARNER_H
@@ -24,16 +25,17 @@ extern "C" {
 
 #define JP_LEARNING_DIRECTIONS 4
 
-/** x of a robot within what tools/design/learning.py draws is seldom beyond 2; here it saturates. */
+/** x saturates here. It is seldom beyond ±2 for a robot within what tools/design/learning.py varies. */
 #define JP_LEARNED_MAX JP_Q24(8)
 
 /** A segment further than so many standard deviations from what was expected is an outlier. */
 #define JP_OUTLIER_DEVIATIONS 4
 
-/** What can make a robot spend more or less. */
+/** Cause of a change of the energy. */
 enum jp_cause {
-    JP_CAUSE_NONE,    /**< no change so far, or fewer than 10 segments were learned from since; told again up to 40 */
-    JP_CAUSE_GROUND,  /**< the ground's friction changed */
+    JP_CAUSE_NONE,   /**< no change so far, or fewer than 10 segments were learned from since; the cause is judged after
+                          10 segments, and again up to 40 */
+    JP_CAUSE_GROUND, /**< the ground's friction changed */
     JP_CAUSE_PAYLOAD, /**< the payload changed */
     JP_CAUSE_OTHER    /**< neither of them did by more than twice its standard deviation */
 };
@@ -44,29 +46,29 @@ struct jp_learning {
     jp_q16 direction[JP_ENERGY_PARAMETERS][JP_LEARNING_DIRECTIONS];
     jp_q16 ground[JP_LEARNING_DIRECTIONS];  /**< relative change of the ground's friction per unit of x; ±16 */
     jp_q16 payload[JP_LEARNING_DIRECTIONS]; /**< kg per unit of x; ±256 */
-    jp_q16 ground_deviation;  /**< standard deviation of what x does not tell of it; above 0, at most 16 */
+    jp_q16 ground_deviation;  /**< standard deviation of the part of it that x does not explain; above 0, at most 16 */
     jp_q16 payload_deviation; /**< kg; above 0, at most 256 */
     jp_q16 noise_relative;    /**< standard deviation of a segment's energy about the model: share of it, 0…1, */
     jp_q16 noise_transient;   /**< share of what the transients of earlier steps add, 0…16, */
     jp_q16 noise;             /**< and J; above 0, at most 1 024. The three are independent. */
     uint32_t memory;          /**< segments after which a measurement counts 1/e; 8…1 024 */
-    uint32_t identity;        /**< of the numbers above, not 0: what was learned with others means nothing with these */
+    uint32_t identity;        /**< of the numbers above, not 0: a state that was learned with others is invalid */
 };
 
 /** What became of a measurement. */
 enum jp_learned {
     JP_LEARNED,         /**< taken */
     JP_LEARNED_NOTHING, /**< the segment says nothing about any parameter (a stand): nothing is learned or forgotten */
-    JP_LEARNED_OUTLIER, /**< too far from what was expected: left out */
-    JP_LEARNED_CHANGE   /**< too many in a short time are too far: robot or ground changed. x is kept as a first guess,
-                             P begins anew, and this measurement is taken, for at most 64 deviations */
+    JP_LEARNED_OUTLIER, /**< too far from the expectation: left out */
+    JP_LEARNED_CHANGE   /**< too many outliers in a short time: robot or ground changed. x is kept as a first guess, P
+                             returns to I, and this measurement is taken, its error limited to 64 deviations */
 };
 
 /** What is known. Persistent: hal/storage/parameters.h keeps it. */
 struct jp_learned_state {
     jp_q24 x[JP_LEARNING_DIRECTIONS];                          /**< |x| <= JP_LEARNED_MAX */
     int32_t s[JP_LEARNING_DIRECTIONS][JP_LEARNING_DIRECTIONS]; /**< S, Q2.30 */
-    jp_q16 noise_scale; /**< standard deviation of the residuals against the stated one; ¼…8, slowly followed */
+    jp_q16 noise_scale; /**< standard deviation of the residuals over the one of jp_learning; ¼…8, slowly adapted */
     uint32_t version;   /**< 0: nothing learned; one more with every segment taken, saturating */
     uint32_t identity;  /**< of the jp_learning that it belongs to */
 };
@@ -91,31 +93,33 @@ struct jp_forecast {
     jp_q16 deviation; /**< standard deviation, J */
 };
 
-/** Adds up forecasts: what is not known of the parameters adds up, what varies from segment to segment averages out.
- *  All zero at first. Private. */
+/** Sum of forecasts: the uncertainty of the parameters adds up linearly, the noise of the segments in square. All zero
+ * at first. Private. */
 struct jp_forecast_sum {
     int64_t energy;
     int64_t gradient[JP_LEARNING_DIRECTIONS];
     uint64_t variance;
 };
 
-/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: null. Not for ISRs. */
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
+ *  for ISRs. */
 enum jp_status jp_learning_check(const struct jp_learning *learning, const char **field);
 
 /** Checks a state but for its identity, as jp_learning_check(). "s": a row is longer than P <= I allows, or so short
  *  that nothing would be learned any more. */
 enum jp_status jp_learned_state_check(const struct jp_learned_state *state, const char **field);
 
-/** Nothing learned yet, with the jp_learning of this identity; 0: with none, so that no learner goes on from it. */
+/** A state in which nothing is learned, for the jp_learning of this identity; 0: for none, so that no learner restores
+ *  it. Constant time. */
 void jp_learned_state_start(struct jp_learned_state *state, uint32_t identity);
 
-/** Nothing learned yet. All three must have passed their checks. horizon may be null: then only segments of T >= Ts can
- *  be told. Pointers are kept. */
+/** Starts with nothing learned. All three must have passed their checks; their pointers are kept. `horizon` may be
+ * null: then only segments of T >= Ts can be forecast. Constant time. */
 void jp_learner_start(struct jp_learner *learner, const struct jp_learning *learning,
                       const struct jp_energy_model *built_in, const struct jp_horizon *horizon);
 
-/** Goes on from a stored state, after jp_learner_start(). JP_ERR_CONFIG: *field names what is out of range as
- *  jp_learned_state_check(), or is "identity"; the learner stays as it is. JP_ERR_ARGUMENT: null. */
+/** Continues from a stored state, after jp_learner_start(). JP_ERR_CONFIG: *field names what is out of range as
+ *  jp_learned_state_check(), or is "identity"; the learner stays as it is. JP_ERR_ARGUMENT: a pointer is null. */
 enum jp_status jp_learner_restore(struct jp_learner *learner, const struct jp_learned_state *state, const char **field);
 
 /**
@@ -126,17 +130,18 @@ enum jp_status jp_learner_restore(struct jp_learner *learner, const struct jp_le
 enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_energy_start *start,
                                  const struct jp_segment_command *segment, jp_q16 measured, enum jp_learned *learned);
 
-/** The energy model as learned: for jp_segment_optimise() and the planner. It passes jp_energy_model_check(): a
- *  parameter that x would take out of its range is at its edge. */
+/** The energy model as learned: for jp_segment_optimise() and the planner. It passes jp_energy_model_check():
+ *  parameters are limited to their ranges. Work: 60 multiplications. */
 void jp_learner_model(const struct jp_learner *learner, struct jp_energy_model *model);
 
-/** Ground friction relative to the robot file (1: as there, at least 0) and payload in kg (0: as there), as learned. */
+/** Ground friction relative to the robot file (1: as there; at least 0) and additional payload in kg (0: none), as
+ *  learned. Eight multiplications. */
 void jp_learner_causes(const struct jp_learner *learner, jp_q16 *ground, jp_q16 *payload);
 
-/** Standard deviations of both. Two square roots. */
+/** Standard deviations of both, in their units. Two square roots. */
 void jp_learner_cause_deviations(const struct jp_learner *learner, jp_q16 *ground, jp_q16 *payload);
 
-/** One more segment of a route whose energy is asked for; *start becomes its end. Failures as jp_energy_forecast() and
+/** Adds a segment of a route to a forecast; *start becomes the motion at its end. Failures as jp_energy_forecast() and
  *  jp_energy_regressors(): then neither *sum nor *start is written. At most 65 536 segments. */
 enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forecast_sum *sum,
                                struct jp_energy_start *start, const struct jp_segment_command *segment);
@@ -147,9 +152,10 @@ enum jp_status jp_forecast_total(const struct jp_learner *learner, const struct 
                                  struct jp_forecast *forecast);
 
 /**
- * The reserve question: is `available` J enough for this forecast with at least this confidence (one-sided, Q31, ½ to
- * 0.9999)? *spare: J that are left over at that confidence; negative: what is missing; saturated. The quantile of the
- * normal distribution is within 0.001 standard deviations. JP_ERR_ARGUMENT: null, or the confidence is out of range.
+ * Whether `available` J are enough for a forecast at a confidence (one-sided, Q31, ½ to 0.9999): *spare is the energy
+ * in J that remains at that confidence, or, if negative, that is missing; saturated. The quantile of the normal
+ * distribution is within 0.001 standard deviations. JP_ERR_ARGUMENT: a pointer is null, or the confidence is out of
+ * range. Constant time.
  */
 enum jp_status jp_forecast_reserve(const struct jp_forecast *forecast, jp_q16 available, jp_q31 confidence,
                                    jp_q16 *spare);

@@ -1,5 +1,5 @@
 /**
- * What the robot really spends, by both definitions:
+ * The energy that the robot spends, by both definitions:
  *
  *   model   = ∫ (ul² + ur²)/Rm + Ps dt   (paper eq. 10 and 18)
  *   battery = ∫ ul il + ur ir + Ps dt    (what leaves the battery; negative power is recuperation)
@@ -35,7 +35,7 @@ struct jp_meter {
  *  for ISRs. */
 enum jp_status jp_meter_check(const struct jp_meter_config *config, const char **field);
 
-/** Starts both sums at 0. */
+/** Starts both sums at 0. The configuration must have passed its check. */
 void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config);
 
 /** One tick at these motor voltages and at the currents of `sensors`. |u| <= 1 024 V, |i| <= 1 024 A.
@@ -43,7 +43,7 @@ void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config
  *  beyond that in proportion. Constant time; for the control ISR. */
 void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages, const struct jp_sensors *sensors);
 
-/** Energy in J as Q16.16, rounded and saturated. */
+/** Energy in J as Q16.16, rounded and saturated. Constant time; any context. */
 jp_q16 jp_energy_to_q16(jp_energy energy);
 
 #ifdef __cplusplus

@@ -1,10 +1,10 @@
 /**
  * Plausibility of the sensors and the limit of tilt.
  *
- * A reading out of range, or that jumps farther than physics allows, leaves the last good frame; when it stays so for
- * `confirm_ticks` it is a fault. An IMU is frozen when one of its channels repeats itself to the bit for
- * `freeze_ticks`. An encoder that stops, slips or runs away contradicts the motor current, i = (u − kb ω)/Rm, for
- * `residual_ticks`.
+ * While a reading is out of range, or jumps farther than physics allows, the last good frame is used; after
+ * `confirm_ticks` it is a fault. An IMU is frozen when one of its channels repeats the same bits for `freeze_ticks`. An
+ * encoder that stops, slips or runs away is a fault when the residual of the motor current, i − (u − kb ω)/Rm, exceeds
+ * its limit for `residual_ticks`.
  */
 #ifndef JOULEPATH_MONITOR_H
 #define JOULEPATH_MONITOR_H
@@ -69,7 +69,7 @@ struct jp_monitor {
  *  for ISRs. */
 enum jp_status jp_monitor_check(const struct jp_monitor_config *config, const char **field);
 
-/** Forgets what it saw. */
+/** Starts with no good frame and no fault. The configuration must have passed its check. */
 void jp_monitor_start(struct jp_monitor *monitor, const struct jp_monitor_config *config);
 
 /** Checks one frame and takes it as the `good` one unless it is implausible or `read` is a failure.

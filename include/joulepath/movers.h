@@ -1,9 +1,9 @@
 /**
- * Who moves around the robot: small things that stand free in scan after scan are tracked, and their velocities go to
- * the shapes of the obstacles (obstacles.h), so that the elastic band meets them where they will be.
+ * Moving objects around the robot: small objects that stand free in successive scans are tracked, and their velocities
+ * are given to the shapes of the obstacles (obstacles.h), so that the elastic band keeps off their predicted places.
  *
- * A thing is a run of points without a gap, at most `extent` across, in front of what the beams beside it see. An
- * alpha-beta filter tracks its middle. Part of libjoulepath_float; nothing here is for ISRs.
+ * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see. An
+ * alpha-beta filter tracks its centre. Part of libjoulepath_float; nothing here is for ISRs.
  */
 #ifndef JOULEPATH_MOVERS_H
 #define JOULEPATH_MOVERS_H
@@ -17,10 +17,10 @@ extern "C" {
 #define JP_MOVERS_MAX 8
 
 struct jp_movers_config {
-    float extent;    /**< of a thing that may move, m; above 0 */
-    float speed_min; /**< slower things stand: so much the middle of what is seen may shift, m/s; above 0 */
+    float extent;    /**< largest diameter of an object that may move, m; above 0 */
+    float speed_min; /**< slower objects stand: the centre of the visible part may shift so fast, m/s; above 0 */
     float speed_max; /**< nothing moves faster, m/s; speed_min…JP_OBSTACLE_SPEED_MAX */
-    float margin;    /**< nobody keeps speed and direction: error after a second, m; 0…JP_OBSTACLE_MARGIN_MAX */
+    float margin;    /**< error of a predicted place after one second, m; 0…JP_OBSTACLE_MARGIN_MAX */
 };
 
 struct jp_mover {
@@ -37,19 +37,19 @@ struct jp_movers {
     uint8_t count;
 };
 
-/** Nothing moves. */
+/** Forgets all movers. Constant time. */
 void jp_movers_clear(struct jp_movers *movers);
 
 /**
- * Takes the next scan, `period` s (0.001…10) after the last one, from a sensor whose pose is in a frame that stands.
- * Nothing changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_UNRELIABLE: as
+ * Takes the next scan, `period` s (0.001…10) after the last one, from a sensor whose pose is in a fixed frame. Nothing
+ * changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_UNRELIABLE: as
  * jp_obstacles_add_scan(). Work: beams + runs × JP_MOVERS_MAX.
  */
 enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers_config *config,
                                 const struct jp_scan_config *scan_config, const struct jp_scan *scan,
                                 const struct jp_plane_pose *sensor, float period);
 
-/** Gives the shapes of what has moved for a while its velocity and the margin. Work: shapes × JP_MOVERS_MAX. */
+/** Gives the shapes of tracked movers their velocity and the margin. Work: shapes × JP_MOVERS_MAX. */
 void jp_movers_mark(const struct jp_movers *movers, const struct jp_movers_config *config,
                     struct jp_obstacles *obstacles);
 

@@ -38,7 +38,7 @@ struct jp_obstacles {
     struct jp_obstacle shapes[JP_OBSTACLES_MAX];
     float distance[JP_OBSTACLES_MAX]; /**< of each from the centre of interest, ascending; below 0 if around it */
     uint8_t count;
-    uint32_t dropped; /**< farther ones that did not fit, since the last clear */
+    uint32_t dropped; /**< shapes since the last clear that were too far away to be kept */
     struct jp_plane_point centre;
 };
 
@@ -65,13 +65,13 @@ struct jp_scan_config {
     uint16_t beams_min; /**< fewer points side by side are noise; 1 or more */
 };
 
-/** Nothing is near. Obstacles nearest to `centre` are kept from now on. */
+/** Removes all obstacles. From now on those nearest to `centre` are kept. Constant time. */
 void jp_obstacles_clear(struct jp_obstacles *obstacles, const struct jp_plane_point *centre);
 
 /**
  * Adds a shape, in order of distance; drops the farthest and counts it when there is no room. JP_ERR_ARGUMENT: a null
  * pointer, no vertex or too many, a value out of its range, or a polygon that is not convex or not counterclockwise;
- * then nothing changes. Work: one distance and a place among the others.
+ * then nothing changes. Work: one distance, and one comparison with each of the others.
  */
 enum jp_status jp_obstacles_add(struct jp_obstacles *obstacles, const struct jp_obstacle *shape);
 
@@ -90,15 +90,18 @@ enum jp_status jp_obstacles_add_scan(struct jp_obstacles *obstacles, const struc
  * Distance of the footprint at a pose from a shape that jp_obstacles_add() would take, and in *gradient, where not
  * null, its derivatives by the pose's x, y and heading. To about 10⁻⁶ of the largest coordinate.
  *
- * Where footprint and hull overlap it is minus a way along the gradient that brings them apart, less the radius: the
- * least along the normals of their sides on which the pose itself does not pass through the hull. Constant time: two
- * sines and, on a Cortex-M7, about 270 instructions for a capsule apart and at most 1 100 for any shape.
+ * Where footprint and hull overlap, the distance is minus the penetration depth, less the radius: the least translation
+ * along a normal of one of their sides that separates them without passing the pose through the hull. Constant time:
+ * two sines and, on a Cortex-M7, about 270 instructions for a separate capsule and at most 1 100 for any shape.
  */
 float jp_obstacle_distance(const struct jp_footprint *footprint, const struct jp_plane_pose *pose,
                            const struct jp_obstacle *shape, struct jp_plane_pose *gradient);
 
-/** Distance of the footprint from the nearest shape; JP_OBSTACLE_NONE without any. Work: at most all shapes. */
+/** In place of a distance: there is no shape. */
 #define JP_OBSTACLE_NONE 1.0e9f
+
+/** Distance of the footprint at a pose from the nearest shape; JP_OBSTACLE_NONE without any. Work: at most all shapes.
+ */
 float jp_obstacles_distance(const struct jp_obstacles *obstacles, const struct jp_footprint *footprint,
                             const struct jp_plane_pose *pose);
 

@@ -17,14 +17,14 @@ struct jp_odometry {
     jp_q24 metres_per_turn; /**< 2πR */
 };
 
-/** Starts at (0, 0), heading along x at yaw 0. metres_per_turn is above 0 and at most 4. */
+/** Starts at (0, 0); yaw 0 is the heading along x. metres_per_turn is above 0 and at most 4. Constant time. */
 void jp_odometry_start(struct jp_odometry *odometry, jp_q24 metres_per_turn, const struct jp_motion_state *state);
 
 /** One tick: the distance rolled, along the mean heading of the tick. Δθ is limited to [−⅛, ⅛) turn. Constant time;
  *  for the ISR. */
 void jp_odometry_update(struct jp_odometry *odometry, const struct jp_motion_state *state);
 
-/** Position in m, saturated at ±32 767 m. */
+/** Position in m, Q16.16, saturated at ±32 767 m. Constant time. */
 struct jp_point jp_odometry_position(const struct jp_odometry *odometry);
 
 #ifdef __cplusplus

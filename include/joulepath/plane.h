@@ -1,5 +1,5 @@
 /**
- * Places and poses on the plane, in single precision: for obstacles, bands and drives.
+ * Points and poses on the plane, in single precision.
  */
 #ifndef JOULEPATH_PLANE_H
 #define JOULEPATH_PLANE_H
@@ -8,13 +8,13 @@
 extern "C" {
 #endif
 
-/** A place, m; ±32 767. Also a velocity, m/s, or a direction, where its user says so. */
+/** A point, m; ±32 767. Also a velocity, m/s, or a direction, where its user says so. */
 struct jp_plane_point {
     float x;
     float y;
 };
 
-/** A place, ±32 767 m, and a heading counterclockwise from the x axis; it wraps: any value of −1 000…1 000. */
+/** A position, ±32 767 m, and a heading, rad, counterclockwise from the x axis; it wraps: any value of −1 000…1 000. */
 struct jp_plane_pose {
     float x;
     float y;

@@ -5,15 +5,15 @@
  *   curvature κ  = 2 y/L², y the offset to the left of where the path leaves the circle of radius L around the robot;
  *                  |κ| <= curvature_max, which it is when that point lies behind the robot
  *   speed v     <= speed, √(lateral_acceleration/|κ|), what stops at the path's end at `acceleration`, and within
- *                  acceleration × period of the speed now; while v is still too high for κ, κ is
- * lateral_acceleration/v²
+ *                  acceleration × period of the speed now; while v is still too high for κ, κ becomes
+ *                  lateral_acceleration/v²
  *
- * A curve is seen a lookahead ahead and braked for from there. Where that is too short a way for `acceleration` the
- * robot leaves the path in the curve: such a path wants a lower speed or a longer lookahead.
+ * Braking for a curve begins one lookahead before it. Where `acceleration` does not suffice for that distance, the
+ * robot leaves the path in the curve: such a path needs a lower speed or a longer lookahead.
  *
- * The robot's place on the path is the nearest point within the lookahead ahead of the last one; it never goes back, so
- * a path may cross itself. Beyond its end the path goes on along its last chord. From farther than L it is approached
- * at the foot of the perpendicular. Distances along it are those of its chords.
+ * The robot's place on the path is the nearest point within one lookahead from the last place; it never moves back, so
+ * a path may cross itself. Beyond its end the path continues along its last chord. A robot farther than L from the path
+ * heads for the foot of the perpendicular. Distances along the path are those of its chords.
  *
  * Integers only, the same bits on every core. jp_pure_pursuit_tick() is bounded and may be called from an ISR: it
  * passes at most JP_PURSUIT_STRIDE points and looks at most JP_PURSUIT_AHEAD further; where points stand so close that
@@ -42,7 +42,7 @@ struct jp_pure_pursuit_config {
     jp_q24 curvature_max;        /**< 1/m; 0.01…16: of the robot's least turn radius */
     jp_q24 lateral_acceleration; /**< m/s²; 0.01…16 */
     jp_q24 acceleration;         /**< forward and braking, m/s²; 0.125…16 */
-    jp_q24 tolerance;            /**< way left to the path's end that counts as arrived, m; 0.005…1 */
+    jp_q24 tolerance;            /**< remaining distance at which the robot has arrived, m; 0.005…1 */
 };
 
 /** The members are private. */
@@ -54,8 +54,8 @@ struct jp_pure_pursuit {
     int64_t beyond; /* length of the chords after that one, m in Q24 */
 };
 
-/** Without a path. JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_ARGUMENT: a null pointer.
- *  The tracker is then not changed. */
+/** Prepares a tracker without a path. JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_ARGUMENT: a null
+ *  pointer. After a failure the tracker is not changed. Constant time. */
 enum jp_status jp_pure_pursuit_init(struct jp_pure_pursuit *tracker, const struct jp_pure_pursuit_config *config,
                                     const char **field);
 
