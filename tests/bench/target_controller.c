@@ -187,14 +187,14 @@ static bool prepare_standing(void)
 
     const int32_t scale = (random_bits() & 3U) == 0U ? 60 : 1;
 
-    prepared.estimator.pitch = random_phase(JP_Q24(0.06));
-    prepared.estimator.wheel.rate = random_within(JP_Q24(2));
-    prepared.estimator.yaw.rate = random_within(JP_Q24(0.2));
-    prepared.reference.wheel.angle += random_phase(JP_Q24(0.2) * scale);
-    prepared.reference.yaw.angle += random_phase(JP_Q24(0.2) * scale);
-    prepared.lqr.wheel_integral = (int64_t)random_within(JP_Q24_ONE) * TICK_RATE * scale;
-    prepared.lqr.yaw_integral = (int64_t)random_within(JP_Q24_ONE) * TICK_RATE * scale;
-    prepared.odometry.x = (int64_t)random_within(JP_Q24(100)) * 256;
+    prepared.internal.estimator.pitch = random_phase(JP_Q24(0.06));
+    prepared.internal.estimator.wheel.rate = random_within(JP_Q24(2));
+    prepared.internal.estimator.yaw.rate = random_within(JP_Q24(0.2));
+    prepared.internal.reference.wheel.angle += random_phase(JP_Q24(0.2) * scale);
+    prepared.internal.reference.yaw.angle += random_phase(JP_Q24(0.2) * scale);
+    prepared.internal.lqr.wheel_integral = (int64_t)random_within(JP_Q24_ONE) * TICK_RATE * scale;
+    prepared.internal.lqr.yaw_integral = (int64_t)random_within(JP_Q24_ONE) * TICK_RATE * scale;
+    prepared.internal.odometry.x = (int64_t)random_within(JP_Q24(100)) * 256;
     change_sensors();
     return true;
 }
@@ -214,7 +214,7 @@ static bool prepare_driving(void)
     }
     tick();
     change_sensors();
-    return prepared.telemetry.state == JP_ROBOT_DRIVING;
+    return prepared.internal.telemetry.state == JP_ROBOT_DRIVING;
 }
 
 /** Currents and rates contradict each other and every channel repeats itself: all counters count. */
@@ -223,7 +223,7 @@ static bool prepare_suspicion(void)
     bool driving = prepare_driving();
 
     tick();
-    prepared.monitor.good.encoder_left--;
+    prepared.internal.monitor.good.encoder_left--;
     sensors.current_left = JP_Q16(15);
     sensors.current_right = JP_Q16(-15);
     return driving;
@@ -257,7 +257,7 @@ static bool prepare_next(void)
 {
     bool driving = prepare_driving() && hand_over_segment();
 
-    prepared.telemetry.segment_ticks_left = 0;
+    prepared.internal.telemetry.segment_ticks_left = 0;
     return driving;
 }
 
@@ -265,7 +265,7 @@ static bool prepare_end(void)
 {
     bool driving = prepare_driving();
 
-    prepared.telemetry.segment_ticks_left = 0;
+    prepared.internal.telemetry.segment_ticks_left = 0;
     return driving;
 }
 
@@ -306,7 +306,7 @@ static bool prepare_fall(void)
 {
     bool driving = prepare_driving();
 
-    prepared.estimator.pitch = (jp_phase)JP_Q24(0.2) << 32;
+    prepared.internal.estimator.pitch = (jp_phase)JP_Q24(0.2) << 32;
     return driving;
 }
 
