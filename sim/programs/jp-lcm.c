@@ -16,7 +16,8 @@
 #define DEFAULT_URL "udpm://239.255.76.67:7667?ttl=0"
 #define URL_PREFIX  "udpm://"
 #define PASS_US     1000
-#define FAREWELL_US 300000 /* three OperatorCommands */
+#define FAREWELL_US 300000   /* three OperatorCommands */
+#define PATIENCE_US 10000000 /* for a simulation that takes longer than that for it, or has ended */
 #define REASON_SIZE 256
 #define US_PER_S    INT64_C(1000000)
 #define NS_PER_US   1000
@@ -184,10 +185,11 @@ static void serve(struct lcm_gateway *gateway, const char *bus, int64_t offset_u
 /** A robot that this program drives brakes to a stand, and another one is not disturbed. */
 static void bid_farewell(struct lcm_gateway *gateway, int64_t offset_us)
 {
-    const uint64_t until_us = time_us(offset_us) + FAREWELL_US;
+    const uint64_t until_us = gateway->operator_us + FAREWELL_US;
+    const uint64_t last_us = time_us(offset_us) + PATIENCE_US;
 
     jp_operator_stop(&gateway->commander);
-    while (gateway->commander.commanding && time_us(offset_us) < until_us) {
+    while (gateway->commander.commanding && gateway->operator_us < until_us && time_us(offset_us) < last_us) {
         pass(gateway, time_us(offset_us));
     }
 }
