@@ -40,12 +40,12 @@ struct jp_drive_watch {
     struct jp_segment_watch segment;
 };
 
-/** Nothing is driven. The learner must be started and stay; tick_rate in Hz, above 0. `of_battery`: it learns
- *  jp_meter.battery, else jp_meter.model. */
+/** Starts with nothing driven. The learner must have been started and must outlive the watch; tick_rate in Hz, above 0.
+ *  `of_battery`: it learns from jp_meter.battery, else from jp_meter.model. */
 void jp_drive_watch_start(struct jp_drive_watch *watch, struct jp_learner *learner, uint32_t tick_rate,
                           bool of_battery);
 
-/** This segment was handed to the robot and will begin; one told before that has not begun will not. */
+/** Notes that this segment was handed to the robot and will begin; it replaces one that has not begun. */
 void jp_drive_watch_command(struct jp_drive_watch *watch, const struct jp_segment_command *command);
 
 /**

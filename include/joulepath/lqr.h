@@ -7,8 +7,8 @@
  *   common = kθ eθ + kψ eψ + kθ̇ eθ̇ + kψ̇ eψ̇ + k∫θ ∫eθ        ul = common − difference
  *   difference = kφ eφ + kφ̇ eφ̇ + k∫φ ∫eφ                      ur = common + difference
  *
- * Limits serve balance first: what the tracking of θ asks is limited so that `pitch_reserve` volts stay for ψ, and
- * the yaw gets what the common part leaves. An integrator stops while its own limit holds it back.
+ * Saturation favours balance: the voltage for θ is limited so that `pitch_reserve` volts remain for ψ, and yaw gets
+ * what the common part leaves. Anti-windup: an integrator stops while its own limit is active.
  */
 #ifndef JOULEPATH_LQR_H
 #define JOULEPATH_LQR_H
@@ -46,10 +46,10 @@ struct jp_lqr {
  *  too much its first gain. JP_ERR_ARGUMENT: a pointer is null. Not for ISRs. */
 enum jp_status jp_lqr_check(const struct jp_lqr_config *config, const char **field);
 
-/** Takes the gains from the configuration and empties the integrators. Two 64-bit divisions. */
+/** Takes the gains from the configuration and resets the integrators. Two 64-bit divisions. */
 void jp_lqr_start(struct jp_lqr *lqr, const struct jp_lqr_config *config);
 
-/** Empties the integrators. For the control ISR. */
+/** Resets the integrators. Constant time; for the control ISR. */
 void jp_lqr_restart(struct jp_lqr *lqr);
 
 /**

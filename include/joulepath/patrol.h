@@ -1,13 +1,13 @@
 /**
  * Drives a robot with four steered wheels along a path: turns in place first, then follows a timed elastic band
- * (teb.h), turns to the goal's heading, and stops whenever something is not as it must be.
+ * (teb.h), turns to the goal's heading, and stops when obstacles, sensors or wheels require it.
  *
  *   HELD ─path─▶ TURNING ◀─▶ DRIVING ─▶ TURNING ─▶ ARRIVED
  *                   │  ▲        │ ▲
  *                   ▼  │        ▼ │
  *                  WAITING (stopped: the obstacle may leave) ─▶ STOPPED (gave up; the reason says why)
  *
- * Where there is no room to turn it first goes STEPPING: with its wheels across, straight to where there is.
+ * Where there is no room to turn, the robot is first STEPPING: with its wheels across, straight to a place with room.
  *
  * One call of jp_patrol_cycle() a cycle, 5…20 a second, outside interrupts; its twist goes to jp_four_wheel_tick() in
  * the control tick. In HELD, WAITING, ARRIVED and STOPPED the twist is 0: the wheels stop and keep their angles. A path
@@ -90,7 +90,7 @@ struct jp_patrol_counts {
     uint32_t turns;      /**< in place, begun */
     uint32_t steps;      /**< to where there is room to turn, begun */
     uint32_t waits;      /**< begun */
-    uint32_t infeasible; /**< bands that were of no use */
+    uint32_t infeasible; /**< cycles in which no band or turn could be driven */
     uint32_t laser_missing;
     uint32_t laser_rejected; /**< jumps */
     uint32_t scans_missing;
@@ -112,14 +112,14 @@ struct jp_patrol_internal {
     float turn_target;
     float turn_remaining; /**< rad; beyond half a turn when it goes round the longer side */
     struct jp_plane_point step_target;
-    bool is_arriving; /**< at the goal: what is left is to stand and to turn */
+    bool is_arriving; /**< at the goal: only the standstill and the turn are left */
     uint16_t waited;
     uint16_t free_cycles; /**< in a row with a free path while waiting */
-    uint8_t tries;        /**< to go on after waiting since the robot last got on */
+    uint8_t tries;        /**< to drive on after waiting, since the robot last made progress */
     uint16_t jumps;       /**< of the laser's pose, in a row */
     float blind;          /**< distance since its last good one, m */
     uint16_t scan_gap;
-    uint16_t unmoved; /**< cycles since the robot last got on */
+    uint16_t unmoved; /**< cycles since the robot last made progress */
 };
 
 /** The members but `internal` may be read. */
@@ -136,22 +136,25 @@ struct jp_patrol {
     struct jp_patrol_internal internal;
 };
 
-/** Checks the configuration and holds. JP_ERR_CONFIG: *field names the first field out of range. */
+/** Checks the configuration and starts in HELD. JP_ERR_CONFIG: *field names the first field out of range.
+ * JP_ERR_ARGUMENT: a pointer is null. */
 enum jp_status jp_patrol_init(struct jp_patrol *patrol, const struct jp_patrol_config *config, const char **field);
 
-/** Where the robot is, in the map's frame: before the first path, and when something better than odometry knows. */
+/** Sets the robot's pose in the map's frame: before the first path, and when a better pose than that of odometry is
+ *  known. The band is forgotten. JP_ERR_ARGUMENT: a null pointer or a pose out of range. Constant time. */
 enum jp_status jp_patrol_set_pose(struct jp_patrol *patrol, const struct jp_plane_pose *pose);
 
-/** A path of at least two points to the goal, which must outlive the drive. JP_ERR_ARGUMENT: a null pointer, too few
- *  points, or its end is farther than the position tolerance from the goal; the old one stays then. */
+/** Drives along a path of at least two points to the goal; the points must outlive the drive. JP_ERR_ARGUMENT: a null
+ *  pointer, too few points, a goal out of range, or an end farther than the position tolerance from the goal; the old
+ *  path stays then. Constant time. */
 enum jp_status jp_patrol_follow(struct jp_patrol *patrol, const struct jp_point *path, uint16_t count,
                                 const struct jp_patrol_goal *goal);
 
-/** Stops along the path, soon: its end becomes the goal, any heading, and the state ARRIVED then. Where the robot does
- *  not drive, as jp_patrol_hold(). */
+/** Stops soon, on the path: a point of it shortly ahead becomes the goal, with any heading, and the state ARRIVED
+ * there. While the robot does not drive, as jp_patrol_hold(). Work: points of the path within the stopping distance. */
 void jp_patrol_pause(struct jp_patrol *patrol);
 
-/** Stops as fast as the wheels can, keeps their angles and forgets the path. */
+/** Stops as fast as the wheels can, with their angles kept, and forgets the path: HELD. Constant time. */
 void jp_patrol_hold(struct jp_patrol *patrol);
 
 /** One cycle. *twist is 0 unless the state is TURNING, DRIVING or STEPPING. JP_ERR_ARGUMENT: a null pointer or a value

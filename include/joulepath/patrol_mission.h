@@ -42,7 +42,7 @@ struct jp_patrol_mission_config {
     uint16_t turns_max;           /**< turning points of the grid planner's path, its ends included; 2 or more */
 };
 
-/** Where the present path leads. Private. */
+/** Destination of the present path. Private. */
 enum jp_patrol_leg {
     JP_LEG_GOAL,
     JP_LEG_APPROACH, /* to where the robot turns into the goal */
@@ -93,12 +93,12 @@ enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const s
  * of range; then nothing changes. */
 enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const struct jp_plane_pose *goal);
 
-/** Plans on, for at most so many expansions (grid_planner.h) or as long as a smoothing or a look for a place to turn
- *  takes: 36 times the cells under the robot for each of up to 21 places. */
+/** Continues planning: for at most so many expansions (grid_planner.h), or for one smoothing of a path (path_spline.h)
+ * or one search for a place to turn, which reads 36 times the cells under the robot for each of up to 21 places. */
 enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions);
 
-/** One cycle: that of the patrol, and what comes of it. Failures are those of jp_patrol_cycle(). Every fifth cycle the
- *  cells along all beams are marked. */
+/** One cycle of the patrol, and the replanning that it requires. Failures are those of jp_patrol_cycle(). Every fifth
+ *  cycle also marks the cells along all beams. */
 enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
                                        struct jp_twist *twist);
 

@@ -1,8 +1,8 @@
 /**
  * Route of least energy over a map: Anytime Dynamic A* (Likhachev et al., ICAPS 2005) in one fixed block of memory.
  *
- * The search runs on the states of a lattice (lattice.h), from the goal to the robot, so that what it has learnt stays
- * true while the robot drives. Two fields rooted at the robot steer it: first the guide's estimate times ε
+ * The search runs on the states of a lattice (lattice.h), from the goal to the robot, so that its costs-to-go stay
+ * valid while the robot drives. Two fields rooted at the robot are its heuristics: first the guide's estimate times ε
  * (guide_field.h), which finds good routes with few states; then, where the block has room for it, the energy field's
  * bound (energy_field.h), which proves the optimum. After changes of the map the search repairs what they touch; when a
  * proved route is lost, the guide finds a new one before the proof goes on. jp_planner_work() does it in slices. The
@@ -30,7 +30,7 @@ extern "C" {
 #define JP_EPSILON_MAX    ((uint16_t)4096)
 #define JP_EPSILON_LEVELS 4
 
-/** In place of a bound too large to be written: nothing is proved. */
+/** In place of a bound: none is proved, or it is too large for its format. */
 #define JP_BOUND_NONE ((uint16_t)0xFFFF)
 
 /** Largest map, cells; width and height also obey JP_TERRAIN_SIDE_MAX. */
@@ -48,7 +48,7 @@ struct jp_lattice_pose {
     uint8_t heading; /**< 0…JP_HEADINGS − 1, of the lattice */
 };
 
-/** A goal cell and the headings, bit by bit, that are good to arrive with. */
+/** A goal cell and the set of allowed headings at it, a bit for each. */
 struct jp_goal {
     int16_t x;
     int16_t y;
@@ -66,13 +66,13 @@ struct jp_planner_config {
 };
 
 enum jp_answer {
-    JP_ANSWER_OUT_OF_BUDGET, /**< no route for this start, goal and map yet: go on working; when idle, the
-                                  block is too small for any */
+    JP_ANSWER_OUT_OF_BUDGET, /**< no route for this start, goal and map yet: call again; when the planner is
+                                  idle, the block is too small */
     JP_ANSWER_OPTIMAL,       /**< no route of the lattice costs less */
     JP_ANSWER_WITHIN_BOUND,  /**< no route costs less than cost / bound, where a bound is proved */
     JP_ANSWER_PARTIAL,       /**< the route ends before the goal; about `cost_left` is left */
     JP_ANSWER_UNREACHABLE,   /**< there is no route: proved, not given up */
-    JP_ANSWER_STALE          /**< the map was changed behind the planner's back: jp_planner_restart() */
+    JP_ANSWER_STALE          /**< the map was not changed through the planner: call jp_planner_restart() */
 };
 
 /** The last route that was found. It stays as it is until a better or newer one replaces it. */
@@ -102,14 +102,14 @@ struct jp_planner_counts {
 
 struct jp_planner_state;
 
-/** What the planner works at. */
+/** Phase of the planner's work. */
 enum jp_planner_phase {
     JP_PLANNER_EMPTY,        /**< idle, and there is no search */
     JP_PLANNER_GROW_GUIDE,   /**< for a new search */
     JP_PLANNER_GROW_FIELD,   /**< for a new search */
     JP_PLANNER_UPDATE_FIELD, /**< from here on there is a search; it waits for the energy field */
-    JP_PLANNER_REPAIR,       /**< states learn of changed cells */
-    JP_PLANNER_REKEY,        /**< the queue is sorted for another ε or a wider range */
+    JP_PLANNER_REPAIR,       /**< recomputes the states whose primitives sweep changed cells */
+    JP_PLANNER_REKEY,        /**< computes all keys anew, for another ε or a wider range */
     JP_PLANNER_SEARCH,
     JP_PLANNER_SETTLED /**< idle, with a search that can be repaired */
 };
@@ -201,13 +201,14 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
  */
 enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct jp_lattice *lattice);
 
-/** Where the robot is. The search goes on from what it knows. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map,
+/** Sets the robot's pose. The search continues with its costs. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map,
  *  or the footprint does not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then.
- *  Constant time, but where the search must begin anew: then as jp_planner_restart(). */
+ *  Constant time, unless the search must begin anew: then as jp_planner_restart(). */
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_lattice_pose *start);
 
-/** Where to go. The search begins anew. JP_ERR_OUTSIDE; JP_ERR_BLOCKED: the footprint fits at none of the headings;
- *  JP_ERR_ARGUMENT: no heading, or a null pointer. The old goal stays then. Work: all of the block is cleared. */
+/** Sets the goal. The search begins anew. JP_ERR_OUTSIDE: off the map. JP_ERR_BLOCKED: the footprint fits at no
+ * heading; JP_ERR_ARGUMENT: no heading, or a null pointer. The old goal stays then. Work: all of the block is cleared.
+ */
 enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_goal *goal);
 
 /** Changes a cell of the map and notes it for repair. As jp_terrain_set_cell(). Work: constant, but for every
@@ -222,15 +223,15 @@ enum jp_status jp_planner_set_elevation(struct jp_planner *planner, int32_t x, i
 void jp_planner_restart(struct jp_planner *planner);
 
 /**
- * Searches on, for at most `expansions` expansions (or as much of other work), and says what is known now.
+ * Continues the search for at most `expansions` expansions (or as much other work) and returns what is known now.
  * JP_ANSWER_OUT_OF_BUDGET also without a start or a goal. A better answer may follow until jp_planner_is_idle().
  */
 enum jp_answer jp_planner_work(struct jp_planner *planner, unsigned expansions);
 
-/** True when more work cannot improve the answer. */
+/** True when more work cannot improve the answer. Constant time. */
 bool jp_planner_is_idle(const struct jp_planner *planner);
 
-/** The last route, also while a search goes on; it may be of an older start, goal or map. Never null. */
+/** The last route, also during a search; it may be of an older start, goal or map. Never null. Constant time. */
 const struct jp_plan *jp_planner_plan(const struct jp_planner *planner);
 
 /** Primitive of step `index` of the plan; null when there is no such step. `*pose` is moved from its start to its end:
@@ -238,6 +239,7 @@ const struct jp_plan *jp_planner_plan(const struct jp_planner *planner);
 const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, unsigned index,
                                            struct jp_lattice_pose *pose);
 
+/** Division of the block and work of the search. Never null. Constant time. */
 const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner);
 
 #ifdef __cplusplus

@@ -1,15 +1,16 @@
 /**
  * Reference of the controller: r = [v, w, φ + σ] (paper eq. 2), integrated to angles and shaped.
  *
- * The target steps with each segment. A critically damped tracker follows it,
+ * The target steps with each segment. A critically damped second-order filter follows it,
  *
  *   θ̈r = (θt − θr)/τ² + 2 (θ̇t − θ̇r)/τ
  *
- * and so for yaw: no lag in steady motion, no step in rate or angle. It is linear, so the energy of a segment stays
- * the quadratic form of energy.h. τ = 0 passes the steps through, as the paper does.
+ * and likewise for yaw: without lag in steady motion, without a step in rate or angle. The filter is linear, so the
+ * energy of a segment stays the quadratic form of energy.h. τ = 0 passes the steps through, as the paper does.
  *
- * A change of direction is the exception: the target first rests at speed 0 for `rest_ticks`, counted from when the old
- * speed ended, so that no row of steps forward and back swings the robot up. The energy model does not know this rest.
+ * A change of direction is the exception: the target first rests at speed 0 for `rest_ticks`, counted from the end of
+ * the old speed, so that no sequence of steps forward and back excites the pitch until the robot falls. The energy
+ * model does not include this rest.
  */
 #ifndef JOULEPATH_REFERENCE_H
 #define JOULEPATH_REFERENCE_H
@@ -32,7 +33,7 @@ struct jp_reference_config {
     uint32_t rest_ticks;     /**< at speed 0 between forward and back; 0…65 535 */
 };
 
-/** One axis: where the target is and what the controller shall follow. */
+/** One axis: the target, and the shaped set-point that the controller follows. */
 struct jp_reference_axis {
     jp_phase target;
     jp_turns_per_s target_rate; /**< turn/s */
@@ -53,27 +54,29 @@ struct jp_reference {
     int32_t phase_per_rate;         /**< angle of one tick at a rate of 2⁻²⁴ turn/s: jp_phase_per_rate() */
     jp_turns_per_s waiting_rate;    /**< of the wheels, turn/s: begins after the rest; 0: none waits */
     uint16_t rest_left;             /**< ticks until the direction may change */
-    bool forward;                   /**< the last speed that was not 0 */
+    bool forward;                   /**< direction of the last speed that was not 0 */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
  *  for ISRs. */
 enum jp_status jp_reference_check(const struct jp_reference_config *config, const char **field);
 
-/** Stands at the given angles. */
+/** Starts at rest at the given angles. Constant time; for the control ISR. */
 void jp_reference_start(struct jp_reference *reference, const struct jp_reference_config *config, jp_phase wheel,
                         jp_phase yaw);
 
 /** After jp_reference_start(), when the robot moves at these rates (turn/s): the shaped reference slows down from them
- * and comes to rest where it started, as after a step to rest. Nothing changes without shaping. */
+ * and comes to rest where it started, as after a step to rest. Without shaping nothing changes. Constant time; for the
+ *  control ISR. */
 void jp_reference_coast(struct jp_reference *reference, const struct jp_reference_config *config, jp_q24 wheel_rate,
                         jp_q24 yaw_rate);
 
-/** The step to a heading turned by `turn` rad, then speed (m/s) and turn rate (rad/s). |v| <= 8, |w| <= 8. */
+/** The step of the target to this motion (|v| <= 8 m/s, |w| <= 8 rad/s) with the heading turned by `turn` rad. Cannot
+ *  fail; constant time. */
 struct jp_reference_step jp_reference_step_to(const struct jp_reference_config *config, const struct jp_motion *motion,
                                               jp_q24 turn);
 
-/** Steps the target, at once or, against the last direction, after the rest. For the control ISR. */
+/** Steps the target: at once or, against the last direction, after the rest. Constant time; for the control ISR. */
 void jp_reference_apply(struct jp_reference *reference, const struct jp_reference_step *step);
 
 /** One tick. Cannot fail; constant time; for the control ISR. */

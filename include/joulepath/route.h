@@ -1,15 +1,15 @@
 /**
- * Energy-optimal route: the segments through a row of targets, optimised together.
+ * Energy-optimal route: the segments through a sequence of targets, optimised together.
  *
- * Segment by segment (segment.h) is greedy: each leaves the next one whatever heading, speed and turn rate suit itself.
- * Here all arc angles γ and durations T are found at once: minimise Σ E over (γ₁, T₁ … γₙ, Tₙ) with
- * σₖ = δₖ − (γₖ₋₁ + γₖ)/2, where δ is the turn from chord to chord, within the limits on v, w, σ and T.
+ * Segment by segment (segment.h) is greedy: no segment takes into account with which heading, speed and turn rate the
+ * next one must begin. Here all arc angles γ and durations T are found at once: minimise Σ E over (γ₁, T₁ … γₙ, Tₙ)
+ * with σₖ = δₖ − (γₖ₋₁ + γₖ)/2, where δ is the turn from chord to chord, within the limits on v, w, σ and T.
  *
  * E of a segment depends on its own (γ, T) and those before it, so that the Hessian is block-tridiagonal with 2 × 2
  * blocks: a primal-dual interior-point method takes JP_ROUTE_ITERATIONS Newton steps of O(n) each, from the greedy
  * route. With a horizon (horizon.h) the energy includes what unsettled steps hand on to all later segments: their
  * gradient is exact by an adjoint sweep, the Hessian stays that of the settled energy.
- * What the last segment's step costs is counted until it is settled.
+ * The cost of the last segment's step is counted until it has settled.
  *
  * A longer route is planned over a receding horizon: plan as many targets as there are legs, drive the first segment,
  * plan again from its end.
@@ -35,7 +35,7 @@ extern "C" {
 /** Limits of one leg: T, v, w to the left, w to the right, σ to the left, σ to the right. */
 #define JP_ROUTE_LIMITS 6
 
-/** Private: a leg in real numbers. */
+/** Private: a leg in floating point. */
 struct jp_route_leg_internal {
     struct jp_segment greedy;
     uint32_t distance;  /**< 2⁻²² m */
@@ -49,7 +49,7 @@ struct jp_route_leg_internal {
     float price[JP_ROUTE_LIMITS]; /**< multipliers, J */
     float v, w, sigma;
     float v_arc, v_pace, v_arc_arc, v_arc_pace;
-    float travel[JP_AXIS_MODES]; /**< what is left at the end of the segment, V */
+    float travel[JP_AXIS_MODES]; /**< transient at the end of the segment, V */
     float yaw[JP_AXIS_MODES];
     float coupling[2][2]; /**< of this leg's step to the one before */
     float step[2];        /**< of arc and pace */
@@ -111,7 +111,7 @@ enum jp_status jp_route_start(struct jp_route *route, const struct jp_point *sta
  * the route takes at most the energy of the greedy one. JP_ERR_STATE: nothing was begun. JP_ERR_ARGUMENT: also that the
  * transient is out of its range, or a greedy segment is shorter than the horizon allows. Else what
  * jp_segment_optimise() says of leg `planned`.
- * length + JP_ROUTE_ITERATIONS + 1 slices in all. Instructions are in the README. Not for ISRs.
+ * length + JP_ROUTE_ITERATIONS + 1 slices in all; their instructions: tests/bench/FIGURES.md. Not for ISRs.
  */
 enum jp_status jp_route_work(struct jp_route *route);
 

@@ -1,12 +1,12 @@
 /**
- * Laser odometry: each scan is laid over a key scan by point-to-line ICP (Censi, "An ICP variant using a point-to-line
+ * Laser odometry: each scan is matched to a key scan by point-to-line ICP (Censi, "An ICP variant using a point-to-line
  * metric", 2008; doi 10.1109/ROBOT.2008.4543181).
  *
  * Lines are fitted to the neighbourhood of each point of the key scan. Each point of the scan takes the line of the
  * nearest point of the key scan, found among the ordered bearings; the worst pairs are trimmed, and the others weighted
- * in Gauss–Newton steps. Where the guess leads to no fit, the motion before is tried. Where the walls do not tell a
- * direction, such as along a corridor, the guess stands. Poses are the scanner's, in the frame of the first one. No
- * map, no loop closing: the error grows with the way.
+ * in Gauss–Newton steps. Where the guess leads to no fit, the previous motion is tried. In a direction that the walls
+ * do not determine, such as along a corridor, the pose stays that of the guess. Poses are the scanner's, in the frame
+ * of the first one. There is no map and no loop closure: the error grows with the distance.
  *
  * Memory: one block of the caller, 64 B a beam. Single-precision floating point: part of libjoulepath_float. Nothing
  * here is for ISRs.
@@ -47,7 +47,7 @@ enum jp_match {
     JP_MATCH_FITS,
     JP_MATCH_FEW_POINTS, /**< of the scan or the pairs; the pose is the guess */
     JP_MATCH_DIVERGED,   /**< no fit; the pose is the guess */
-    JP_MATCH_JUMP        /**< the scans fit, but far from the guess: one is wrong; the pose is the fit */
+    JP_MATCH_JUMP        /**< the scans fit, but far from the guess: fit or guess is wrong; the pose is the fit */
 };
 
 struct jp_match_result {
@@ -57,9 +57,9 @@ struct jp_match_result {
     float inlier_share;        /**< of the scan's points */
     /** Normal equations of the fit in pose.x, pose.y and the heading, for residuals of a standard deviation of 1 m. */
     float information[3][3];
-    float weakest;      /**< smallest eigenvalue over the pairs, with turns as arcs of 1 m radius */
+    float weakest;      /**< smallest eigenvalue of the information per pair, with turns as arcs of 1 m radius */
     float weak[3];      /**< its eigenvector in pose.x, pose.y and the heading */
-    bool is_degenerate; /**< `weakest` is below JP_SCAN_MATCH_WEAK: the guess stands along `weak` */
+    bool is_degenerate; /**< `weakest` is below JP_SCAN_MATCH_WEAK: along `weak` the pose is that of the guess */
     bool is_new_key;    /**< this scan is the key scan from now on */
     uint8_t iterations;
 };
@@ -110,7 +110,8 @@ size_t jp_scan_matcher_size(uint16_t beams_max);
  *  JP_ERR_MEMORY: `size` is below jp_scan_matcher_size(). JP_ERR_ALIGNMENT: `block` is not aligned to 8 bytes. */
 enum jp_status jp_scan_matcher_init(struct jp_scan_matcher *matcher, uint16_t beams_max, void *block, size_t size);
 
-/** Begins anew: the next scan will be taken at `pose`. JP_ERR_ARGUMENT: a null pointer or a pose out of range. */
+/** Begins anew: the next scan will be taken at `pose`. JP_ERR_ARGUMENT: a null pointer or a pose out of range. Constant
+ *  time. */
 enum jp_status jp_scan_matcher_start(struct jp_scan_matcher *matcher, const struct jp_plane_pose *pose);
 
 /**

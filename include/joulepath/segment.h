@@ -67,8 +67,8 @@ enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, c
  * JP_ERR_OVERFLOW: the energy exceeds 32 767 J: *segment is written with the energy saturated.
  *
  * The stored v, w, σ and T are within the limits to the last bit. Driven as stored they end within
- * 1e-5 d + 1e-5 m + T 2⁻²⁴ (1/s) (d + 1 m) of the target. If the target may be reached round the left and round the
- * right, both are searched; exactly behind, the answer is the same every time.
+ * 1e-5 d + 1e-5 m + T 2⁻²⁴ (1/s) (d + 1 m) of the target. If arcs to the left and to the right may reach the
+ * target, both are searched; for a target exactly behind the answer is always the same.
  * For the published model the energy is within 1.0001 of the minimum over the feasible set, whatever the limits. A
  * model can have two minima over γ on one side, mostly for targets some centimetres away; the lesser may then be taken.
  * Of robots like the published one (each parameter 10 % off, Ts from 4 s to 8 s) that is less than one segment in a
@@ -81,7 +81,7 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
                                    const struct jp_motion *before, const struct jp_point *start, jp_angle heading,
                                    const struct jp_point *target, struct jp_segment *segment);
 
-/** Where a segment from (start, heading) ends; the heading after it is heading + σ + γ. JP_ERR_OVERFLOW: the end
+/** End of a segment from (start, heading); the heading there is heading + σ + γ. JP_ERR_OVERFLOW: the end
  *  does not fit ±32 767 m; *end is saturated. JP_ERR_ARGUMENT: a pointer is null. `end` may be `start`,
  *  `end_heading` may point to the heading's variable. */
 enum jp_status jp_segment_end(const struct jp_segment *segment, const struct jp_point *start, jp_angle heading,

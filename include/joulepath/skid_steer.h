@@ -75,7 +75,7 @@ enum jp_status jp_skid_steer_power(const struct jp_skid_steer_config *config, en
 
 /**
  * Energy in J of a motion that lasts `duration` s (0…256) and rises by `rise` m.
- * JP_ERR_ARGUMENT: as above; the duration is out of range, or the rise exceeds the way over the map.
+ * JP_ERR_ARGUMENT: as above; the duration is out of range, or the rise exceeds the horizontal distance.
  * JP_ERR_OVERFLOW: as above, or the energy exceeds 32 767 J; *energy is saturated.
  * Error against exact arithmetic: at most 0.001 J + 1e-5 of the terms' magnitudes for |v| or |w| from 0.01.
  */

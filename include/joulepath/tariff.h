@@ -1,6 +1,6 @@
 /**
- * What a planner is charged, following what the robot has learned: a copy of a lattice, in the caller's RAM, whose
- * physical costs are those of other parameters. All else is the lattice's own, in ROM.
+ * Tariff: a copy of a lattice in the caller's RAM, whose physical costs follow the parameters that the robot has
+ * learned. All else is the lattice's own, in ROM.
  *
  * Moves are charged by three factors: their level part by `straight`, what a rise adds by `mass`, its losses in the
  * motors by mass². A slope where gravity pushes the robot against its rolling resistance moves by straight/mass. What
@@ -13,8 +13,8 @@
  * lattice.h promises of a lattice that passes its check holds for its copy. Equal parameters give equal costs, bit for
  * bit. The costs `paper` and `distance` are as before.
  *
- * A planner takes the copy at jp_planner_init() or jp_planner_set_lattice(), and must not be using it while it is
- * written: who learns on has two, and writes them in turn. Nothing here is for ISRs.
+ * A planner takes the copy at jp_planner_init() or jp_planner_set_lattice(). It must not use a copy that is being
+ * written: a robot that keeps learning has two and writes them in turn. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_TARIFF_H
 #define JOULEPATH_TARIFF_H
@@ -34,7 +34,7 @@ extern "C" {
 struct jp_tariff_factors {
     uint32_t version; /**< of the parameters; the caller's count */
     jp_q16 straight;  /**< of driving straight on level ground, electronics included */
-    jp_q16 turning;   /**< of all that turning takes on top */
+    jp_q16 turning;   /**< of the additional energy of turning */
     jp_q16 mass;      /**< of the robot with its payload */
 };
 

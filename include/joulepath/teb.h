@@ -37,7 +37,7 @@ extern "C" {
 #define JP_TEB_POSES_MIN 3
 #define JP_TEB_NEAR_MAX  4 /**< obstacles that act on one pose: the nearest */
 
-/** Scans make obstacles look larger: so far footprint and obstacle may overlap and count as apart, m. */
+/** Footprint and obstacle may overlap by so much and count as separate, m: scans enlarge obstacles. */
 #define JP_TEB_OVERLAP_MAX 0.02f
 
 /** Weights of the squared residuals; 0 or more. */
@@ -53,7 +53,7 @@ struct jp_teb_weights {
     float time;
     float slowness;
     float no_reversing;   /**< 0: reversing is allowed */
-    float wheel_odometry; /**< of the first pose; 0 with laser_odometry 0: it is where the wheels say */
+    float wheel_odometry; /**< of the first pose; if this and laser_odometry are 0, it is the wheels' pose */
     float laser_odometry;
 };
 
@@ -79,10 +79,10 @@ struct jp_plane_speed {
     float turn_rate;
 };
 
-/** What is planned from and to. */
+/** Start, goal and path of a plan. */
 struct jp_teb_task {
-    struct jp_plane_pose start;    /**< as the wheels say */
-    struct jp_plane_pose measured; /**< as the laser says */
+    struct jp_plane_pose start;    /**< by the wheels */
+    struct jp_plane_pose measured; /**< by the laser */
     bool is_measured;              /**< false: dropped out or not to be trusted; the residual is left out */
     struct jp_plane_speed speed;   /**< now */
     struct jp_plane_pose goal;
@@ -100,7 +100,7 @@ struct jp_teb_pose {
     float interval; /**< to the next pose, s */
 };
 
-/** What an optimisation did. */
+/** Result of an optimisation. */
 struct jp_teb_result {
     struct jp_plane_pose start;  /**< the first pose: wheels and laser together */
     struct jp_plane_speed speed; /**< to drive at until the next cycle; 0 unless JP_OK */
@@ -153,7 +153,7 @@ struct jp_teb {
  *  pointer. */
 enum jp_status jp_teb_init(struct jp_teb *teb, const struct jp_teb_config *config, const char **field);
 
-/** Forgets the band: the next plan begins from the path. */
+/** Forgets the band: the next plan begins from the path. Constant time. */
 void jp_teb_clear(struct jp_teb *teb);
 
 /**

@@ -66,15 +66,14 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
 /** True when the cell is on the map. Constant time. */
 bool jp_terrain_contains(const struct jp_terrain *terrain, int32_t x, int32_t y);
 
-/** Sets what is known of a cell. JP_ERR_OUTSIDE: it is not on the map. JP_ERR_ARGUMENT: no such state. Constant time.
- */
+/** Sets the state of a cell. JP_ERR_OUTSIDE: it is not on the map. JP_ERR_ARGUMENT: no such state. Constant time. */
 enum jp_status jp_terrain_set_cell(struct jp_terrain *terrain, int32_t x, int32_t y, enum jp_cell cell);
 
 /** Sets the elevation of a cell. JP_ERR_OUTSIDE: it is not on the map. JP_ERR_STATE: the map has no elevation.
  *  Constant time. */
 enum jp_status jp_terrain_set_elevation(struct jp_terrain *terrain, int32_t x, int32_t y, jp_elevation elevation);
 
-/** What is known of a cell; outside the map everything is occupied. Constant time. */
+/** State of a cell; outside the map everything is occupied. Constant time. */
 enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_t y);
 
 /** Elevation of a cell; 0 outside the map. Constant time. */

@@ -79,7 +79,7 @@ enum jp_status jp_battery_estimate(const struct jp_battery_config *config, jp_q1
     return JP_OK;
 }
 
-/** Why the voltage is not to be believed; 0: it is. */
+/** Flags of an implausible voltage, held until it has been confirmed; 0: plausible. */
 static uint8_t doubt_of(struct jp_battery *battery, const struct jp_battery_config *config, jp_q16 voltage)
 {
     const jp_q16 change = jp_sub(voltage, battery->voltage);
@@ -119,7 +119,7 @@ static void draw(struct jp_battery *battery, const struct quotient *charge)
     }
 }
 
-/** JP_BATTERY_FULL or 0. */
+/** Adds charge. Returns JP_BATTERY_FULL or 0. */
 static uint32_t recuperate(struct jp_battery *battery, const struct quotient *charge)
 {
     const uint64_t fraction = (uint64_t)battery->fraction + charge->fraction;
@@ -135,7 +135,7 @@ static uint32_t recuperate(struct jp_battery *battery, const struct quotient *ch
     return (uint32_t)JP_BATTERY_FULL;
 }
 
-/** Returns jp_battery_flag bits. */
+/** Counts the energy since the last update. Returns jp_battery_flag bits. */
 static uint32_t count(struct jp_battery *battery, const struct jp_battery_config *config, jp_energy energy)
 {
     const int64_t drawn = (int64_t)((uint64_t)energy - (uint64_t)battery->energy);

@@ -121,7 +121,7 @@ static uint32_t power_of_half(uint32_t x)
     return ((uint32_t)1 << 30) - (uint32_t)(((uint64_t)x * p) >> 34);
 }
 
-/** What is left after a time, Q30. */
+/** Share of a mode that is left after a time, Q30. */
 static int32_t decayed_share(const struct jp_mode *mode, jp_q16 duration)
 {
     uint64_t halvings = (uint64_t)jp_multiply(mode->decay, duration) >> 8; /* Q32 */
@@ -151,7 +151,7 @@ static void rotate(jp_q16 *modes, jp_angle angle)
     modes[1] = jp_round_shift(second, 31);
 }
 
-/** What a segment that begins with `modes` leaves of them: at most 22 000 V. */
+/** Propagates `modes` from the begin of a segment to its end: at most 22 000 V. */
 static void advance(const struct jp_axis_modes *axis, const struct axis_command *command, jp_q16 duration,
                     const jp_q16 *modes, jp_q16 *left)
 {
@@ -204,7 +204,7 @@ static int64_t stored_energy(const struct jp_axis_modes *axis, const struct axis
     return energy;
 }
 
-/** Adds what the transient of an axis spends in a segment; false when what it leaves had to be limited. */
+/** Adds the energy of an axis's transient in a segment. False: its transient at the end had to be limited. */
 static bool drive_axis(const struct jp_axis_modes *axis, const struct axis_command *command, jp_q16 duration,
                        const jp_q16 *modes, jp_q16 *left, int64_t *energy)
 {

@@ -6,7 +6,7 @@
 #include "src/learn/learner_filter.h"
 #include "src/learn/normal_quantile.h"
 
-/** Of the sum's gradient and variance, so that neither overflows. */
+/** Limits of the sum's gradient and variance, so that neither overflows. */
 #define GRADIENT_MAX ((int64_t)JP_Q16(8192))
 #define VARIANCE_MAX ((uint64_t)1 << 46)
 
@@ -38,7 +38,7 @@ enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forec
     return JP_OK;
 }
 
-/** False: it does not fit. */
+/** Standard deviation of the sum, J. False, and INT32_MAX: it does not fit. */
 static bool deviation_of(const struct jp_learner *learner, const struct jp_forecast_sum *sum, jp_q16 *deviation)
 {
     int32_t gradient[JP_LEARNING_DIRECTIONS];

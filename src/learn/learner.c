@@ -11,7 +11,7 @@
 
 #define PARAMETER_MAX JP_Q16(4096)
 
-/** |h|² of a segment that is worth taking, Q40: 64 such tell as much as was known before. */
+/** Least |h|² of a segment to learn from, Q40: 64 such segments give as much information as the prior. */
 #define INFORMATION_MIN ((uint64_t)1 << (2U * JP_FILTER_BITS - 6U))
 
 /** Page's test on squared innovations, whose mean is 1 while the model holds: one outlier or two in a row are not a
@@ -25,7 +25,8 @@
 #define NOISE_SCALE_MIN   JP_Q16(0.25)
 #define NOISE_SCALE_MAX   JP_Q16(8)
 
-/** Segments after a change when it is told what it was, until it must be known, and how far that must have moved. */
+/** After a change its cause is judged every CAUSE_EVERY segments up to CAUSE_LAST; a cause must have moved by
+ *  CAUSE_MOVE_MIN standard deviations. */
 #define CAUSE_EVERY    10U
 #define CAUSE_LAST     40U
 #define CAUSE_MOVE_MIN JP_Q16(2)
@@ -126,7 +127,7 @@ struct measurement {
     int64_t error; /* measured − expected, J in Q16 */
 };
 
-/** The noise is taken for at least what keeps h in its format. */
+/** Least standard deviation of the noise for which h fits its format. */
 static jp_q16 least_noise(const struct jp_expectation *expected)
 {
     int32_t least = expected->noise;
@@ -140,7 +141,7 @@ static jp_q16 least_noise(const struct jp_expectation *expected)
     return least;
 }
 
-/** False: it says nothing. */
+/** Divides by the noise. False: the segment gives too little information. */
 static bool normalise(const struct jp_expectation *expected, jp_q16 measured, struct measurement *measurement)
 {
     uint64_t information = 0;
@@ -163,7 +164,7 @@ static int32_t innovation_of(const struct measurement *measurement, const struct
     return jp_divide(measurement->error * JP_FILTER_ONE, divisor);
 }
 
-/** Squared, Q20, as far as the gate. */
+/** Squared innovation, Q20, limited to that of the gate. */
 static int32_t gated_square(int32_t innovation)
 {
     const int64_t gated = jp_clamp32(innovation, -GATE, GATE);
@@ -180,7 +181,7 @@ static bool update_alarm(struct jp_learner *learner, int32_t square)
     return alarm > ALARM_MAX;
 }
 
-/** What the knowledge of x explains is not noise. */
+/** Adapts the scale of the noise. The part of the error that the uncertainty of x explains is not noise. */
 static void follow_noise(struct jp_learned_state *state, const struct jp_filter_step *step, int32_t square)
 {
     const int64_t excess = (int64_t)state->noise_scale * (square - JP_FILTER_ONE) >> JP_FILTER_BITS;
@@ -189,7 +190,7 @@ static void follow_noise(struct jp_learned_state *state, const struct jp_filter_
     state->noise_scale = jp_clamp32(state->noise_scale + (int32_t)change, NOISE_SCALE_MIN, NOISE_SCALE_MAX);
 }
 
-/** What x says of a cause. */
+/** The value of a cause that x implies. */
 static jp_q16 cause_value(const struct jp_learned_state *state, const jp_q16 share[N])
 {
     int64_t sum = 0;
@@ -200,7 +201,7 @@ static jp_q16 cause_value(const struct jp_learned_state *state, const jp_q16 sha
     return (jp_q16)(sum >> 24);
 }
 
-/** Of what x says of a cause, Q32. */
+/** Variance of the value of a cause, Q32. */
 static uint64_t cause_variance(const struct jp_learner *learner, const jp_q16 share[N], jp_q16 deviation)
 {
     return jp_square(deviation) + jp_filter_variance(learner->state.s, share);
@@ -301,7 +302,7 @@ enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_ene
 
 /* ---- What was learned ---- */
 
-/** The parameter as learned, within its range. */
+/** A learned parameter, limited to its range. */
 static jp_q16 learned_parameter(const struct jp_learner *learner, int i, jp_q16 built_in, jp_q16 low)
 {
     int64_t sum = (int64_t)built_in * JP_Q24_ONE + JP_Q24_ONE / 2;

@@ -5,7 +5,7 @@
 
 #include <joulepath/learner.h>
 
-#define JP_FILTER_BITS     20U /* of what is in standard deviations of the noise */
+#define JP_FILTER_BITS     20U /* fraction bits of values in standard deviations of the noise */
 #define JP_FILTER_ONE      ((int32_t)1 << JP_FILTER_BITS)
 #define JP_SENSITIVITY_MAX 256 /* |h| that still fits */
 #define JP_INNOVATION_MAX  (64 * JP_FILTER_ONE)
@@ -20,23 +20,23 @@ static inline uint64_t jp_square(int32_t x)
 
 typedef int32_t jp_square_root_matrix[JP_LEARNING_DIRECTIONS][JP_LEARNING_DIRECTIONS];
 
-/** One measurement h x + noise of variance 1, before it is taken. */
+/** A measurement h x + noise of variance 1, before the update. */
 struct jp_filter_step {
     int32_t v[JP_LEARNING_DIRECTIONS]; /**< Sᵀ h, Q20 */
-    uint32_t deviation;                /**< √(vᵀ v + 1), standard deviation of what will be measured, Q20 */
+    uint32_t deviation;                /**< √(vᵀ v + 1), standard deviation of the innovation, Q20 */
 };
 
 /** P = I. */
 void jp_filter_start(jp_square_root_matrix s);
 
-/** P as it was some time ago is worth less: one segment of `memory` nearer to I. */
+/** Forgetting: moves P towards I by one segment of `memory`. */
 void jp_filter_forget(jp_square_root_matrix s, uint32_t memory);
 
-/** h in Q20, within ±JP_SENSITIVITY_MAX. One square root. */
+/** Expectation of a measurement; h in Q20, within ±JP_SENSITIVITY_MAX. One square root. */
 void jp_filter_expect(const jp_square_root_matrix s, const int32_t h[JP_LEARNING_DIRECTIONS],
                       struct jp_filter_step *step);
 
-/** 1/(vᵀ v + 1), Q30: the share of the noise in the variance of what will be measured. */
+/** 1/(vᵀ v + 1), Q30: the share of the noise in the variance of the innovation. */
 int32_t jp_filter_noise_share(const struct jp_filter_step *step);
 
 /** Takes the measurement, `innovation` in Q20 standard deviations of what was expected, within ±JP_INNOVATION_MAX: S

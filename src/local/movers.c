@@ -3,25 +3,25 @@
 #include "src/base/plane.h"
 #include "src/local/scan_runs.h"
 
-/* Of the filter. */
+/* Gains of the alpha-beta filter. */
 #define POSITION_GAIN 0.6f
 #define SPEED_GAIN    0.25f
 
-/* A thing may be so far from where it is expected, beside its fastest way, m. */
+/* Gate of the association: largest distance from the predicted place beyond what speed_max allows, m. */
 #define GATE 0.15f
 
-/* Before a velocity is believed, and before a thing is forgotten. */
+/* Sightings until a velocity is used, and misses until a track is dropped. */
 #define SIGHTINGS_MIN 5U
 #define MISSES_MAX    5U
 
-/* What is seen of a thing may end so far before its shapes do, m. */
+/* The shapes of an object may extend so far beyond its radius, m. */
 #define RIM 0.15f
 
 /* s */
 #define PERIOD_MIN 0.001f
 #define PERIOD_MAX 10.0f
 
-/* A thing in this scan. */
+/* An object in this scan. */
 struct thing {
     struct jp_plane_point centre;
     float radius;
@@ -70,7 +70,7 @@ static void predict(struct jp_movers *movers, float period)
     }
 }
 
-/* The nearest track that nothing was found for yet; null when none is near enough. */
+/* The nearest track without an object in this scan; null when none is within the gate. */
 static struct jp_mover *match(struct jp_movers *movers, const struct thing *thing, float gate)
 {
     struct jp_mover *nearest = NULL;
@@ -177,7 +177,7 @@ static bool is_moving(const struct jp_mover *mover, float speed_min)
     return mover->sightings >= SIGHTINGS_MIN && jp_plane_length(mover->velocity.x, mover->velocity.y) > speed_min;
 }
 
-/* Walls that it passes are longer than it. */
+/* Gives the mover's velocity to a shape that lies within it; the walls beside it are longer. */
 static void mark(const struct jp_mover *mover, float margin, struct jp_obstacle *shape)
 {
     const struct jp_plane_point *const last = &shape->vertices[shape->vertex_count - 1U];

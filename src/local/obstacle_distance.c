@@ -7,7 +7,7 @@
 #include "src/base/plane.h"
 #include "src/local/obstacle_hull.h"
 
-/* Nearer than this rounding would decide on the direction between two points, m². */
+/* Below this squared distance, m², rounding would determine the direction between two points. */
 #define TOUCH_SQUARE 1.0e-8f
 
 /* The sides of the rectangle. */
@@ -20,10 +20,10 @@ enum {
 
 /* The points of rectangle and hull nearest to each other. */
 struct nearest {
-    float square;                /* of their distance */
-    struct jp_plane_point way;   /* from the hull's to the rectangle's */
-    struct jp_plane_point point; /* the rectangle's */
-    bool is_apart;               /* a side of one of both has the other one outside */
+    float square;                 /* of their distance */
+    struct jp_plane_point offset; /* from the hull's point to the rectangle's */
+    struct jp_plane_point point;  /* the rectangle's */
+    bool is_apart;                /* a side of one of both separates them */
 };
 
 static void see(struct jp_hull *hull, const struct jp_plane_pose *pose, struct jp_plane_point direction,
@@ -39,32 +39,32 @@ static void see(struct jp_hull *hull, const struct jp_plane_pose *pose, struct j
     }
 }
 
-/* From a vertex to the rectangle, and beyond which of its sides the vertex is. */
-static inline struct jp_plane_point way_from(struct jp_plane_point vertex, const struct jp_footprint *footprint,
-                                             unsigned *beyond)
+/* Offset from a vertex to the rectangle, and the sides of the rectangle that the vertex is beyond. */
+static inline struct jp_plane_point offset_from(struct jp_plane_point vertex, const struct jp_footprint *footprint,
+                                                unsigned *beyond)
 {
-    struct jp_plane_point way = {0.0f, 0.0f};
+    struct jp_plane_point offset = {0.0f, 0.0f};
 
     *beyond = 0;
     if (vertex.x > footprint->front) {
-        way.x = footprint->front - vertex.x;
+        offset.x = footprint->front - vertex.x;
         *beyond = AHEAD;
     } else if (vertex.x < -footprint->rear) {
-        way.x = -footprint->rear - vertex.x;
+        offset.x = -footprint->rear - vertex.x;
         *beyond = BEHIND;
     } else {
         /* between them */
     }
     if (vertex.y > footprint->half_width) {
-        way.y = footprint->half_width - vertex.y;
+        offset.y = footprint->half_width - vertex.y;
         *beyond |= LEFT;
     } else if (vertex.y < -footprint->half_width) {
-        way.y = -footprint->half_width - vertex.y;
+        offset.y = -footprint->half_width - vertex.y;
         *beyond |= RIGHT;
     } else {
         /* between them */
     }
-    return way;
+    return offset;
 }
 
 static inline struct nearest nearest_vertex(const struct jp_footprint *footprint, const struct jp_hull *hull)
@@ -75,14 +75,14 @@ static inline struct nearest nearest_vertex(const struct jp_footprint *footprint
     for (unsigned i = 0; i < hull->count; i++) {
         const struct jp_plane_point vertex = hull->vertices[i];
         unsigned beyond;
-        const struct jp_plane_point way = way_from(vertex, footprint, &beyond);
-        const float square = way.x * way.x + way.y * way.y;
+        const struct jp_plane_point offset = offset_from(vertex, footprint, &beyond);
+        const float square = offset.x * offset.x + offset.y * offset.y;
 
         common &= beyond;
         if (square < nearest.square) {
             nearest.square = square;
-            nearest.way = way;
-            nearest.point = (struct jp_plane_point){vertex.x + way.x, vertex.y + way.y};
+            nearest.offset = offset;
+            nearest.point = (struct jp_plane_point){vertex.x + offset.x, vertex.y + offset.y};
         }
     }
     nearest.is_apart = common != 0U;
@@ -105,14 +105,14 @@ static inline void compare_side(const struct jp_footprint *footprint, const stru
 
             if (height * scale < nearest->square) {
                 nearest->square = height * scale;
-                nearest->way = (struct jp_plane_point){side->edge.y * scale, -side->edge.x * scale};
+                nearest->offset = (struct jp_plane_point){side->edge.y * scale, -side->edge.x * scale};
                 nearest->point = corner;
             }
         }
     }
 }
 
-/* Only sides that look at the robot's origin can be nearest: of two vertices one of the two. */
+/* Only sides that face the robot's origin can be nearest: of two vertices one of the two sides. */
 static inline struct nearest find_nearest(const struct jp_footprint *footprint, const struct jp_hull *hull)
 {
     struct nearest nearest = nearest_vertex(footprint, hull);
@@ -132,13 +132,13 @@ static inline struct jp_separation separation(const struct jp_footprint *footpri
     const struct nearest nearest = find_nearest(footprint, hull);
 
     if (!nearest.is_apart || nearest.square < TOUCH_SQUARE) {
-        return jp_hull_way_out(footprint, hull);
+        return jp_hull_separate(footprint, hull);
     }
 
     const float distance = jp_plane_square_root(nearest.square);
     const float scale = 1.0f / distance;
 
-    return (struct jp_separation){distance, {nearest.way.x * scale, nearest.way.y * scale}, nearest.point};
+    return (struct jp_separation){distance, {nearest.offset.x * scale, nearest.offset.y * scale}, nearest.point};
 }
 
 float jp_obstacle_distance_along(const struct jp_footprint *footprint, const struct jp_plane_pose *pose,

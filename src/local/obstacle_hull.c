@@ -1,24 +1,24 @@
 /*
- * The distance of overlapping shapes is minus the least way along the normal of a side of one of both that brings them
- * apart. A way on which the robot's origin would pass through the hull is taken only if there is no other: a robot
- * whose nose is through a wall goes back, however much of it is beyond.
+ * The distance of overlapping shapes is minus the penetration depth: the least translation along the normal of a side
+ * of one of both that separates them. A translation that passes the robot's origin through the hull is taken only if
+ * there is no other: a robot whose front is through a wall moves back, however much of it is beyond the wall.
  */
 #include "src/local/obstacle_hull.h"
 
 #include "src/base/plane.h"
 
-struct way_out {
+struct translation {
     bool is_allowed;
     struct jp_separation separation;
 };
 
-/* Over a side of the hull. */
-static struct way_out over(const struct jp_footprint *footprint, const struct jp_hull_side *side)
+/* The translation over a side of the hull. */
+static struct translation over(const struct jp_footprint *footprint, const struct jp_hull_side *side)
 {
     const float scale = 1.0f / jp_plane_square_root(side->square);
     const struct jp_plane_point corner = jp_hull_lowest_corner(footprint, side);
 
-    return (struct way_out){
+    return (struct translation){
         side->centre_height >= 0.0f,
         {jp_hull_height(side, corner) * scale, {side->edge.y * scale, -side->edge.x * scale}, corner},
     };
@@ -39,16 +39,16 @@ static struct jp_plane_point farthest(const struct jp_hull *hull, struct jp_plan
     return best;
 }
 
-/* Until the hull is beyond a side of the rectangle; `reach` is that side's distance from the origin. */
-static struct way_out past(const struct jp_hull *hull, struct jp_plane_point normal, float reach)
+/* The translation until the hull is beyond a side of the rectangle, whose distance from the origin is `reach`. */
+static struct translation past(const struct jp_hull *hull, struct jp_plane_point normal, float reach)
 {
     const struct jp_plane_point vertex = farthest(hull, normal);
     const float height = -(vertex.x * normal.x + vertex.y * normal.y);
 
-    return (struct way_out){height >= 0.0f, {height - reach, normal, vertex}};
+    return (struct translation){height >= 0.0f, {height - reach, normal, vertex}};
 }
 
-static void prefer(struct way_out *best, struct way_out way)
+static void prefer(struct translation *best, struct translation way)
 {
     const bool is_shorter = way.separation.distance > best->separation.distance;
 
@@ -57,10 +57,10 @@ static void prefer(struct way_out *best, struct way_out way)
     }
 }
 
-/* Of ways equally long the first is taken: over a side of the hull, which turning changes less. */
-struct jp_separation jp_hull_way_out(const struct jp_footprint *footprint, const struct jp_hull *hull)
+/* Of equal translations the first is taken: that over a side of the hull, which changes less with the heading. */
+struct jp_separation jp_hull_separate(const struct jp_footprint *footprint, const struct jp_hull *hull)
 {
-    struct way_out best = {.is_allowed = false, .separation.distance = -FLT_MAX};
+    struct translation best = {.is_allowed = false, .separation.distance = -FLT_MAX};
 
     for (unsigned i = 0; i < hull->count; i++) {
         const struct jp_hull_side side = jp_hull_side(hull, i);

@@ -6,13 +6,13 @@
 #include <joulepath/obstacles.h>
 #include <stdbool.h>
 
-/** As the robot sees it. */
+/** The hull of a shape in the robot's frame. */
 struct jp_hull {
     struct jp_plane_point vertices[JP_OBSTACLE_VERTICES_MAX];
     unsigned count;
 };
 
-/** Of the hull, from a vertex to the next. Heights over it are outward and times its length. */
+/** A side of the hull, from a vertex to the next. Heights over it point outward and are multiplied by its length. */
 struct jp_hull_side {
     struct jp_plane_point first;
     struct jp_plane_point edge;
@@ -49,8 +49,8 @@ static inline struct jp_plane_point jp_hull_lowest_corner(const struct jp_footpr
                                    side->edge.x > 0.0f ? footprint->half_width : -footprint->half_width};
 }
 
-/** The least way out of an overlap, as a distance of 0 or less; no way goes through the hull as seen from the robot's
- *  origin, unless that is inside. */
-struct jp_separation jp_hull_way_out(const struct jp_footprint *footprint, const struct jp_hull *hull);
+/** Penetration of overlapping shapes: the least translation that separates them, as a distance of 0 or less. The
+ *  translation does not pass the robot's origin through the hull, unless the origin is inside. */
+struct jp_separation jp_hull_separate(const struct jp_footprint *footprint, const struct jp_hull *hull);
 
 #endif

@@ -18,8 +18,8 @@ static float goal_heading_error(const struct jp_patrol *patrol)
                : jp_plane_magnitude(jp_plane_wrap(patrol->internal.goal.pose.heading - patrol->pose.heading));
 }
 
-/* As near as it gets: within a third of the tolerance, or within it and past the goal or at a stand. Once there the
- * robot stands before anything else. */
+/* True within a third of the tolerance of the goal, or within the tolerance once the goal is passed or the robot
+ * stands. From then on the robot first comes to a stand. */
 static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
@@ -83,7 +83,7 @@ static struct jp_teb_task task_of(const struct jp_patrol *patrol, const struct j
     return task;
 }
 
-/* Whether the way is free at this speed until the next cycle's command can act. */
+/* True when the robot moves freely at this speed until the next cycle's command can act. */
 static bool is_command_free(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose step = {speed->forward * COMMAND_STEP, 0.0f, speed->turn_rate * COMMAND_STEP};
@@ -111,7 +111,7 @@ static float speed_limit(const struct jp_patrol *patrol)
     return rising < stopping ? rising : stopping;
 }
 
-/* On the same curve. */
+/* The speed limited to what is reachable in a cycle, on the same curve. */
 static struct jp_plane_speed reachable(const struct jp_patrol *patrol, const struct jp_plane_speed *wanted)
 {
     const float limit = speed_limit(patrol);

@@ -48,7 +48,7 @@ static void find_cell(const struct jp_terrain *map, const struct beam *beam, flo
     *y = jp_patrol_cell_at(map, beam->origin.y + along * beam->direction.y);
 }
 
-/* Longest way on the map that is worth going, m. */
+/* Longest distance on the map, m: a beam is followed no farther. */
 static float reach_of(const struct jp_terrain *map)
 {
     return jp_patrol_cell(map) * (float)(map->config.width + map->config.height);

@@ -17,7 +17,7 @@
 /* Half-width of the tube in which the any-angle planner improves its path, cells. */
 #define TUBE_CELLS 8
 
-/* Nearer than this a path needs no map, m; nor in the same cell, where the map has none to show. */
+/* A target nearer than this, m, or in the same cell is reached straight on, without the map. */
 #define STRAIGHT_BELOW 0.15f
 #define DIAGONAL       1.41421356f
 
@@ -25,7 +25,7 @@
 #define END_TURN   (JP_PLANE_PI / 9.0f)
 #define END_POINTS 5U
 
-/* Nearer to the goal it is too late to approach it otherwise, m. */
+/* Nearer to the goal than this, m, the approach is not changed any more; checked once in so many cycles. */
 #define WATCH_DISTANCE 0.5f
 #define WATCH_CYCLES   5U
 
@@ -278,7 +278,7 @@ static enum finding as_finding(bool is_followed)
     return is_followed ? FOUND : NOT_FOUND;
 }
 
-/* Looks for a path to the target, with one clearance after the other. */
+/* Searches a path to the target, with ever smaller clearances. */
 static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
 {
     uint16_t count;
@@ -385,7 +385,7 @@ static void end_planning(struct jp_patrol_mission *mission, enum finding finding
     mission->state = state_of(mission);
 }
 
-/* Where the robot cannot turn at the goal it turns before, and drives straight in. */
+/* Where the robot cannot turn at the goal, it turns before it and drives straight in. */
 static void end_search(struct jp_patrol_mission *mission, enum finding finding)
 {
     struct jp_plane_pose approach;
@@ -435,7 +435,7 @@ static void mark(struct jp_patrol_mission *mission, const struct jp_patrol_input
     }
 }
 
-/* What the laser has seen since may leave no room to turn at the goal. */
+/* Stops for another approach when the laser shows that there is no room to turn at the goal. */
 static void watch_goal(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
 {
     struct jp_plane_pose approach;
@@ -468,7 +468,7 @@ static void drive_in(struct jp_patrol_mission *mission)
     }
 }
 
-/* What the state of the drive asks of the planner. */
+/* Replans, or begins the last leg, as the state of the drive requires. */
 static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
 {
     if (mission->internal.leg == JP_LEG_PAUSE && is_at_rest(mission)) {

@@ -7,13 +7,13 @@
 /** The one place that assigns the state. Every state but DRIVING begins with a stand. */
 void jp_patrol_enter(struct jp_patrol *patrol, enum jp_patrol_state state, enum jp_patrol_reason reason);
 
-/** Stands in this cycle, in whatever state. */
+/** Sets the command of this cycle to a standstill, in any state. */
 void jp_patrol_stand(struct jp_patrol *patrol);
 
-/** Gives up. */
+/** Gives up: enters STOPPED. */
 void jp_patrol_stop(struct jp_patrol *patrol, enum jp_patrol_reason reason);
 
-/** Waits, or goes on waiting, now for this reason. */
+/** Enters WAITING, or keeps waiting, for this reason. */
 void jp_patrol_wait(struct jp_patrol *patrol, enum jp_patrol_reason reason);
 
 #endif

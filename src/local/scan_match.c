@@ -7,7 +7,7 @@
 
 #define ALIGNMENT 8U
 
-/* Neighbours within this of a point, and this many beams' spacing, make its line, m. */
+/* A line is fitted to the neighbours of a point within this distance, m, and so many spacings of the beams. */
 #define LINE_REACH       0.1f
 #define LINE_REACH_BEAMS 4.0f
 #define LINE_WINDOW      12 /* beams to either side */
@@ -19,20 +19,20 @@
 #define PAIR_DISTANCE_LAST  0.1f
 #define PAIR_DISTANCE_STEPS 4.0f
 
-/* Share of the pairs that is kept, the best; as exactly as the bins of their residuals, m. */
+/* Share of the pairs that trimming keeps, to a bin of the histogram of their residuals, m. */
 #define KEPT      0.9f
 #define TRIM_BIN  0.002f
 #define TRIM_BINS 256
 
-/* Residual at which a pair counts half (Cauchy's weight), m: the noise of a range; from far away first a share of the
- * distance allowed. */
+/* Residual at which Cauchy's weight is one half, m: the noise of a range. After a guess that may be far off it begins
+ * as a share of the allowed distance of a pair. */
 #define HALF_WEIGHT       0.01f
 #define HALF_WEIGHT_SHARE 0.1f
 
 /* A pair with a larger residual is no inlier, m. */
 #define RESIDUAL_INLIER 0.06f
 
-/* With this share of inliers, or this near the guess, no better match is looked for. */
+/* With this share of inliers, or a fit this near to the guess, no other match is tried. */
 #define INLIERS_GOOD       0.6f
 #define CONFIRMED_DISTANCE 0.03f /* m */
 #define CONFIRMED_TURN     0.02f /* rad */
@@ -56,7 +56,7 @@ struct eigen {
     float vectors[3][3]; /* vectors[i] belongs to values[i] */
 };
 
-/* How the pairs lie at a pose. */
+/* The fit of the pairs at a pose. */
 struct fit {
     int32_t pair_count;
     int32_t inliers;
@@ -409,7 +409,7 @@ static void find_eigen(float matrix[3][3], struct eigen *eigen)
     }
 }
 
-/* Only along the directions that the lines tell. */
+/* Solves for the step only along the directions that the lines determine. */
 static void solve(const struct fit *fit, float step[3])
 {
     (void)memset(step, 0, 3U * sizeof step[0]);
@@ -538,8 +538,9 @@ static void try_better(struct jp_scan_matcher_internal *self, const struct jp_pl
     }
 }
 
-/* From the guess as a good one; unless that fits well, also as one that is far off, and from the motion before. Not
- * from far off at once: where walls tell little, someone who walks along with the robot would pull the pose. */
+/* Matches from the guess with a narrow gate; unless that fits well, also with a wide gate, and from the motion before.
+ * A wide gate is not tried first: where walls determine little, a person who walks beside the robot would pull the
+ * pose. */
 static void match_guess(struct jp_scan_matcher *matcher, const struct jp_plane_pose *guess,
                         struct jp_match_result *result)
 {

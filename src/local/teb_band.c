@@ -6,12 +6,12 @@
 /* How far beyond the clearance an obstacle may be to act within a round, m. */
 #define REACH 0.3f
 
-/* The band of the last cycle is of no use when the task has moved farther than this from it, m and rad. */
+/* The band of the last cycle is dropped when the task has moved farther than this from it, m and rad. */
 #define BAND_JUMP      0.5f
 #define GOAL_JUMP      1.0f
 #define GOAL_TURN_JUMP 1.0f
 
-/* What moves is no less certain than after this, s. */
+/* Beyond this time the uncertainty of a moving obstacle grows no further, s. */
 #define MARGIN_TIME 1.0f
 
 /* Poses that may have been passed since the last cycle. */
@@ -93,7 +93,7 @@ static float chord_length(const struct jp_teb *teb, unsigned i)
     return jp_plane_length(b.x - a.x, b.y - a.y);
 }
 
-/* Goes on along the path; stops at its end. */
+/* Advances along the path, at most to its end. */
 static void advance(const struct jp_teb *teb, struct chord_place *place, float length)
 {
     float rest = length;
@@ -139,10 +139,10 @@ static struct jp_plane_pose pose_at(const struct jp_teb *teb, const struct chord
 static float least_interval(const struct jp_teb_config *config, const struct jp_plane_pose *from,
                             const struct jp_plane_pose *to)
 {
-    const float way = pose_distance(from, to) / config->speed_max;
+    const float translation = pose_distance(from, to) / config->speed_max;
     const float angle = jp_plane_wrap(to->heading - from->heading);
     const float turn = jp_plane_magnitude(angle) / config->turn_rate_max;
-    const float longer = way > turn ? way : turn;
+    const float longer = translation > turn ? translation : turn;
     const float least = config->interval - config->hysteresis;
 
     return longer > least ? longer : least;
@@ -345,7 +345,7 @@ static void add_neighbour(struct jp_teb_neighbours *near, uint8_t shape, float d
     near->shape[k] = shape;
 }
 
-/* How far a shape is away at least, which spares computing how far the far ones are. */
+/* Lower bound of the distance of a shape: the exact distance of far shapes need not be computed. */
 struct bound {
     float least; /* m */
     float speed; /* of the shape, m/s */
@@ -370,11 +370,11 @@ static void find_obstacles(struct jp_teb *teb, unsigned i, struct bound *bounds)
     }
 }
 
-/* What stands comes nearer by the way of the footprint, what moves also by its own. */
-static void come_nearer(struct bound *bounds, unsigned count, float way, float time)
+/* Lowers the bounds: by the distance that the footprint moves, and for moving shapes by theirs too. */
+static void come_nearer(struct bound *bounds, unsigned count, float distance, float time)
 {
     for (unsigned shape = 0; shape < count; shape++) {
-        bounds[shape].least -= way + bounds[shape].speed * time;
+        bounds[shape].least -= distance + bounds[shape].speed * time;
     }
 }
 

@@ -20,7 +20,7 @@ struct step {
     float interval;
 };
 
-/* Where residuals go. */
+/* The sum of the cost and the normal equations that residuals are added to. */
 struct sums {
     struct jp_teb *teb;
     float cost;
@@ -137,7 +137,7 @@ static void over_interval(const struct valued *way, float interval, struct value
     rate->derivatives[INTERVAL] = -rate->value * inverse;
 }
 
-/* At an end of the band, where the rate beyond it is `outside`. */
+/* Acceleration at an end of the band, beyond which the rate is `outside`. */
 static void add_end_change(struct sums *sums, unsigned i, const struct valued *way, float interval, float outside,
                            float limit, float root)
 {
@@ -153,7 +153,7 @@ static void add_end_change(struct sums *sums, unsigned i, const struct valued *w
     add_excess(sums, i, &change, change.value < 0.0f ? -1.0f : 1.0f, limit, 0.0f, root);
 }
 
-/* Between two steps, `way` being their lengths or turns. The time of the change is the mean of both intervals. */
+/* Acceleration between two steps, `way` being their lengths or turns, over the mean of both intervals. */
 static void add_change(struct sums *sums, unsigned i, const struct valued *way, float interval,
                        const struct valued *next_way, float next_interval, float limit, float root)
 {

@@ -100,12 +100,12 @@ static int64_t learned_change(const struct jp_lattice *lattice, const struct jp_
     const struct jp_energy_model *learned = models->learned;
     const int64_t turn = turn_square(lattice, primitive) * JP_COST_PER_JOULE;
     const int64_t length = primitive->length;
-    const int64_t way = length * length * ((int64_t)JP_COST_PER_JOULE << FRACTION_BITS) / MM2_PER_MS_IN_M2_PER_S;
+    const int64_t square = length * length * ((int64_t)JP_COST_PER_JOULE << FRACTION_BITS) / MM2_PER_MS_IN_M2_PER_S;
     const int64_t time = primitive->duration;     /* ms */
     const int64_t duration = time > 0 ? time : 1; /* a table may have no times */
     const int64_t change = primitive->move_count == 0U
                                ? difference(built_in->a[2], learned->a[2], turn)
-                               : difference(built_in->b[0], learned->b[0], way / duration) +
+                               : difference(built_in->b[0], learned->b[0], square / duration) +
                                      difference(built_in->b[1], learned->b[1], turn * MS_PER_S / duration);
 
     return (change + JP_Q16_ONE - 1) >> FRACTION_BITS;

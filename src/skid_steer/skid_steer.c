@@ -177,21 +177,21 @@ enum jp_status jp_skid_steer_power(const struct jp_skid_steer_config *config, en
     return sides.overflow || *power != sum ? JP_ERR_OVERFLOW : JP_OK;
 }
 
-/* Rise over a way (m, Q24), or more than any grade when there is no such slope. */
-static int32_t grade_of(jp_q24 rise, int64_t way)
+/* Grade: rise over distance, both m in Q24; INT32_MAX when the rise exceeds the distance. */
+static int32_t grade_of(jp_q24 rise, int64_t distance)
 {
-    if (jp_absolute64(rise) > way) {
+    if (jp_absolute64(rise) > distance) {
         return INT32_MAX;
     }
-    return way == 0 ? 0 : (int32_t)divided((int64_t)rise * JP_Q24_ONE, way);
+    return distance == 0 ? 0 : (int32_t)divided((int64_t)rise * JP_Q24_ONE, distance);
 }
 
 /* J in Q16: α|v|T + μ G rise. */
-static int64_t paper_terms(const struct jp_skid_steer_config *config, int64_t way, jp_q24 rise)
+static int64_t paper_terms(const struct jp_skid_steer_config *config, int64_t distance, jp_q24 rise)
 {
     const int64_t drag = rounded((int64_t)config->weight * config->friction, 24); /* Q16 */
 
-    return rounded(config->distance_energy * way, 24) + rounded(drag * rise, 24);
+    return rounded(config->distance_energy * distance, 24) + rounded(drag * rise, 24);
 }
 
 enum jp_status jp_skid_steer_energy(const struct jp_skid_steer_config *config, enum jp_cost_kind kind,
@@ -201,15 +201,15 @@ enum jp_status jp_skid_steer_energy(const struct jp_skid_steer_config *config, e
     if (energy == NULL || motion == NULL || !is_motion(motion) || !jp_is_between(duration, 0, DURATION_MAX)) {
         return JP_ERR_ARGUMENT;
     }
-    const int64_t way = rounded(jp_absolute64(motion->speed) * duration, 16); /* m in Q24, at most 2³⁵ */
-    const enum jp_status status = jp_skid_steer_power(config, kind, motion, grade_of(rise, way), &power);
+    const int64_t distance = rounded(jp_absolute64(motion->speed) * duration, 16); /* m in Q24, at most 2³⁵ */
+    const enum jp_status status = jp_skid_steer_power(config, kind, motion, grade_of(rise, distance), &power);
     if (status == JP_ERR_ARGUMENT) {
         return status;
     }
     const int64_t driven = rounded((int64_t)power * duration, 16);
     const bool physical = kind == JP_COST_PHYSICAL;
     const int64_t least = physical ? rounded((int64_t)config->electronics_power * duration, 16) : 0;
-    const int64_t sum = physical ? driven : driven + paper_terms(config, way, rise);
+    const int64_t sum = physical ? driven : driven + paper_terms(config, distance, rise);
     const int64_t limited = sum < least ? least : sum;
 
     *energy = jp_saturate32(limited);

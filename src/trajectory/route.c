@@ -17,14 +17,14 @@
 #define BARRIER_START 1e-2f
 #define BARRIER_END   1e-5f
 
-/* m/s, of any limits; on the way to the optimum legs may be faster. */
+/* Largest speed of any limits, m/s; iterates may exceed it. */
 #define SPEED_MAX 8.0f
 
-/* Of a shaped reference, rad/s. */
+/* Bandwidth of a shaped reference, rad/s. */
 #define BANDWIDTH_MIN JP_Q16(0.1)
 #define BANDWIDTH_MAX JP_Q16(100)
 
-/* J, so that a route that costs nothing has a barrier too. */
+/* Least energy for the barrier, J: a route that costs nothing has a barrier too. */
 #define ENERGY_MIN 1e-3f
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_route_config, member, low, high)
@@ -172,7 +172,7 @@ static void measure(const struct jp_route *route, struct jp_route_leg_internal *
     leg->pace_max = Q16_ONE / (float)shortest(route, leg);
 }
 
-/* From segments to real numbers. */
+/* Converts the greedy segments to real numbers. */
 static void enter_legs(struct jp_route *route)
 {
     float arc_before = 0.0f;
@@ -186,7 +186,7 @@ static void enter_legs(struct jp_route *route)
         leg->turn = (float)leg->greedy.command.turn * (1.0f / Q24_ONE) + 0.5f * (arc_before + leg->arc);
         arc_before = leg->arc;
         if (jp_plane_magnitude(leg->turn) > JP_PLANE_PI) {
-            /* Greedily the long way round: no step leads from there to the short one. */
+            /* The greedy segment turns by the longer side; no Newton step leads from there to the shorter one. */
             leg->turn = jp_plane_wrap(leg->turn);
             leg->arc = 0.0f;
         }
@@ -210,7 +210,7 @@ static enum jp_status enter(struct jp_route *route)
     return JP_WORKING;
 }
 
-/* Turns that lag begin each arc elsewhere than the greedy route did. */
+/* Recomputes the chords: with a reference that lags, each arc begins elsewhere than on the greedy route. */
 static void turn_anew(struct jp_route *route)
 {
     jp_angle heading = route->internal.heading;
@@ -222,7 +222,7 @@ static void turn_anew(struct jp_route *route)
         const jp_angle old = leg->direction;
         const struct jp_point start = start_of(route, k, speed, heading, (jp_q24)(leg->sigma * Q24_ONE));
 
-        /* A target out of reach from there keeps its distance. */
+        /* A target that is too near or too far from there keeps its distance. */
         (void)jp_segment_polar(&start, &route->internal.targets[k], &leg->distance, &leg->direction);
         measure(route, leg);
 
@@ -274,7 +274,7 @@ static bool store(struct jp_route *route)
     return true;
 }
 
-/* Whether every segment is long enough for its way within the limits; at the longest duration that may fail. */
+/* True when every segment is long enough for its arc within the limits; at the longest duration that may fail. */
 static bool arrives(const struct jp_route *route)
 {
     for (unsigned k = 0; k < route->length; k++) {

@@ -10,7 +10,7 @@
 #define LN_2   0.693147181f
 #define TWO_PI 6.28318531f
 
-/* Longer ago than this many halvings a mode is gone. */
+/* After so many halvings a mode has decayed. */
 #define HALVINGS_MAX 24.0f
 
 static float from_q16(jp_q16 x)
@@ -239,7 +239,7 @@ void jp_route_evaluate(struct jp_route *route)
     }
 }
 
-/* λ ← Φ(T)ᵀ λ of the mode at component i; returns λ·dm/dT. */
+/* Adjoint of propagate() for the mode at component i: λ ← Φ(T)ᵀ λ; returns λ·dm/dT. */
 static float turn_back(const struct jp_mode *mode, float time, const float after[2], float adjoint[2])
 {
     const struct phasor p = phasor_of(mode, time);
@@ -259,13 +259,13 @@ static float turn_back(const struct jp_mode *mode, float time, const float after
     return slope;
 }
 
-/* What one axis hands back: dE/dT and dE/dΔ. */
+/* Gradient of the energy of all later legs over one axis: dE/dT and dE/dΔ. */
 struct axis_gradient {
     float time;
     float step[2];
 };
 
-/* The adjoint of the segment's start takes the place of that of its end. */
+/* Replaces the adjoint of the segment's end by that of its start. */
 static struct axis_gradient hand_axis_back(const struct jp_axis_modes *axis, float step_0, float step_1, float time,
                                            const float before[JP_AXIS_MODES], const float after[JP_AXIS_MODES],
                                            float adjoint[JP_AXIS_MODES])
@@ -276,7 +276,7 @@ static struct axis_gradient hand_axis_back(const struct jp_axis_modes *axis, flo
         gradient.time += turn_back(&axis->mode[i], time, &after[i], &adjoint[i]);
     }
     for (unsigned i = 0; i < axis->count; i++) {
-        /* A step meets what is there with g, and what it changes of the steady voltage with h. */
+        /* A step acts on the transient by g and, as it changes the steady voltage, by h. */
         const float cross_0 = from_q16(axis->cross[0][i]) + from_q16(axis->steady[i]);
         const float cross_1 = from_q16(axis->cross[1][i]);
 

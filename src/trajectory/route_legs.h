@@ -5,7 +5,7 @@
 
 #include <joulepath/route.h>
 
-/** Of the settled energy: what a leg's motion, its σ and the motion before it are called in the Hessian. */
+/** Indices in the Hessian of the settled energy: a leg's motion, its σ, and the motion before it. */
 enum { JP_ROUTE_V, JP_ROUTE_W, JP_ROUTE_SIGMA, JP_ROUTE_V_BEFORE, JP_ROUTE_W_BEFORE };
 
 static inline struct jp_route_leg_internal *jp_route_leg_at(const struct jp_route *route, unsigned k)
@@ -19,13 +19,13 @@ void jp_route_hessian(const struct jp_energy_model *model, float hessian[5][5]);
 /** Motions and their derivatives by arc and pace, and with a horizon the transients, of all legs. */
 void jp_route_evaluate(struct jp_route *route);
 
-/** How the energy of all later legs changes with what is left at a leg's end. */
+/** Gradient of the energy of all later legs by the transient at a leg's end. */
 struct jp_route_adjoint {
     float travel[JP_AXIS_MODES]; /* J/V */
     float yaw[JP_AXIS_MODES];
 };
 
-/** Gradient of what unsettled starts add, by a leg's pace and by its steps. */
+/** Gradient of the energy of the transients by a leg's pace and by its steps. */
 struct jp_route_handed {
     float pace;
     float v;

@@ -8,7 +8,7 @@
 /* How near to a limit a leg may start, as a share of the limit. */
 #define SLACK_MIN 0.02f
 
-/* A step goes at most this part of the way to a limit. */
+/* Fraction to the boundary: a step covers at most this share of the distance to a limit. */
 #define BOUNDARY_SHARE 0.95f
 
 /* A step makes a segment at most this much longer, and turns an arc by at most this, rad. */
@@ -18,10 +18,10 @@
 /* The barrier falls by this factor with every step. */
 #define BARRIER_FALL 0.3f
 
-/* A pivot below this share of its own diagonal would not lead downward. */
+/* A pivot below this share of its diagonal element is not positive definite enough for a descent direction. */
 #define PIVOT_MIN 1e-3f
 
-/* σ = 0 as a limit leaves no interior. */
+/* Least limit of |σ|, rad: a limit of 0 would leave no interior. */
 #define TURN_MIN 0.01f
 
 #define Q16_ONE 65536.0f
@@ -43,7 +43,7 @@ static struct bounds bounds_of(const struct jp_segment_limits *limits)
                            sigma > TURN_MIN ? sigma : TURN_MIN};
 }
 
-/* How far each limit is, as a share of it. */
+/* The distance (slack) of each limit, as a share of it. */
 static void distances(const struct jp_route_leg_internal *leg, const struct bounds *bounds,
                       float distance[JP_ROUTE_LIMITS])
 {
@@ -73,7 +73,7 @@ void jp_route_enter(struct jp_route *route)
     }
 }
 
-/* What the limits add, over 1/T, v, w and σ: gradient, curvature, and the weight of the curvature of v and w. */
+/* Terms of the barrier over 1/T, v, w and σ: gradient, curvature, and the weight of the curvature of v and w. */
 struct barrier {
     float pace, v, w, sigma;
     float pace_pace, v_v, w_w, sigma_sigma;
@@ -113,7 +113,7 @@ static struct barrier barrier_of(const struct jp_route_leg_internal *leg, const 
     };
 }
 
-/* What a leg leaves to the one before it on the way back. */
+/* What the backward elimination passes from a leg to the one before it. */
 struct carried {
     struct jp_route_adjoint adjoint;
     float v, w, sigma; /* gradient by the motion before, and by σ */
@@ -240,8 +240,7 @@ static void couple(const struct jp_route *route, unsigned k, float sigma_sigma, 
     }
 }
 
-/* A pivot that leads downward: one that fell below its share of the block before elimination turns to the other side.
- */
+/* The pivot made positive: its magnitude, at least PIVOT_MIN of the one before elimination. So the step descends. */
 static float pivot_of(float pivot, float original)
 {
     const float least = PIVOT_MIN * jp_plane_magnitude(original) + FLT_MIN;
@@ -262,7 +261,7 @@ static void invert(const float original[3], const float block[3], float inverse[
     inverse[0] = arc + ratio * ratio * pace;
 }
 
-/* Solves a leg for the one before: step = y − G (the step before). */
+/* Eliminates a leg: step = y − G · (step of the leg before). */
 static void eliminate(struct jp_route_leg_internal *leg, const struct equations *system, const float coupling[2][2],
                       struct carried *carried)
 {
@@ -318,7 +317,7 @@ static void backward(struct jp_route *route, const struct bounds *bounds)
     }
 }
 
-/* How the limits' distances change with the step of a leg and of the arc before it. */
+/* Changes of the slacks by the step of a leg and of the arc before it. */
 static void limit_steps(const struct jp_route_leg_internal *leg, const struct bounds *bounds, float arc_step_before,
                         float change[JP_ROUTE_LIMITS])
 {
@@ -338,7 +337,7 @@ static void limit_steps(const struct jp_route_leg_internal *leg, const struct bo
     }
 }
 
-/* The share of a step that keeps within `room`. */
+/* The largest share of a step that stays within `room`. */
 static float shorter(float share, float room, float step)
 {
     return share * step > room ? room / step : share;
@@ -354,7 +353,7 @@ static float price_step(const struct jp_route_leg_internal *leg, unsigned i, flo
     return (barrier - leg->price[i] * change) / leg->slack[i] - leg->price[i];
 }
 
-/* From the first leg to the last: the steps, and how much of them all can be taken. */
+/* Forward substitution from the first leg to the last: the steps, and the share of all that the limits allow. */
 static struct shares forward(struct jp_route *route, const struct bounds *bounds)
 {
     struct shares shares = {1.0f, 1.0f};

@@ -7,16 +7,16 @@
 
 #define FOUR_PI_Q27 ((int32_t)1686629713)
 
-/* The duration, or a longer one in which `way` is not passed too fast: a product of a duration and a limit. */
-static JP_INLINE_FOR_SPEED jp_q16 long_enough(jp_q16 duration, uint64_t way, jp_q24 limit)
+/* The duration, or the shortest one in which `travel` does not exceed `limit`: duration · limit >= travel. */
+static JP_INLINE_FOR_SPEED jp_q16 long_enough(jp_q16 duration, uint64_t travel, jp_q24 limit)
 {
     uint32_t divisor = (uint32_t)limit;
 
-    if ((uint64_t)(uint32_t)duration * divisor >= way) {
+    if ((uint64_t)(uint32_t)duration * divisor >= travel) {
         return duration;
     }
 
-    uint64_t quotient = (way + divisor - 1U) / divisor;
+    uint64_t quotient = (travel + divisor - 1U) / divisor;
 
     return quotient > (uint64_t)INT32_MAX ? INT32_MAX : (jp_q16)quotient;
 }
