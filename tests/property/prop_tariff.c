@@ -34,7 +34,7 @@ enum {
 
 static uint64_t seed = 1;
 static uint64_t random_state;
-static unsigned long count = 600;
+static unsigned long count = 200;
 
 static struct toy_lattice toy;
 static const struct jp_lattice *lattice; /* at its own prices */
