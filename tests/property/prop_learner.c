@@ -484,13 +484,45 @@ static void test_against_least_squares_in_information_form(void)
 
 /* ---- What is never excited ---- */
 
+/* Segments of which the robot of the truth takes somewhat more or less than is expected. */
+static void drive_often(struct jp_learner *learner, const struct oracle *truth,
+                        const struct jp_segment_command *segment)
+{
+    const struct jp_energy_start start = {segment->motion, {{0}, {0}}};
+
+    for (unsigned long i = 0; i < options.count; i++) {
+        const struct expectation e = oracle_expect(truth, &segment->motion, segment);
+        enum jp_learned learned;
+
+        TEST_ASSERT_EQUAL_INT(
+            JP_OK, jp_learner_update(learner, &start, segment,
+                                     (jp_q16)lround((e.energy + 0.5 * e.noise * uniform(-1, 1)) * 65536), &learned));
+        TEST_ASSERT_EQUAL_INT(JP_LEARNED, learned);
+    }
+    expect_bounded(&learner->state);
+}
+
+/* P = I but along a unit vector. */
+static void expect_unsure_but_along(const matrix p, const vector unit)
+{
+    const double along = quadratic(p, unit);
+
+    TEST_ASSERT_TRUE(along < 0.05);
+    for (int i = 0; i < N; i++) {
+        for (int j = 0; j < N; j++) {
+            const double expected = (i == j) - (1 - along) * unit[i] * unit[j];
+
+            TEST_ASSERT_TRUE(fabs(p[i][j] - expected) < 1e-4);
+        }
+    }
+}
+
 /* Straight on at one speed for ever: one direction of x is learned, three stay as they were, and what is expected of
    other segments is as unsure as at first, and no worse. */
 static void test_what_is_not_excited_stays_as_unsure_as_at_first(void)
 {
     const struct jp_segment_command straight = {{JP_Q24(0.7), 0}, 0, JP_Q16(10)};
     const struct jp_segment_command turn = {{JP_Q24(0.2), JP_Q24(0.3)}, JP_Q24(1), JP_Q16(5)};
-    const struct jp_energy_start start = {straight.motion, {{0}, {0}}};
     const struct jp_energy_model *model = &jp_energy_model_courier24;
     struct oracle truth;
     struct jp_learner learner;
@@ -501,19 +533,9 @@ static void test_what_is_not_excited_stays_as_unsure_as_at_first(void)
     for (int j = 0; j < N; j++) {
         truth.x[j] = gaussian();
     }
-    for (unsigned long i = 0; i < options.count; i++) {
-        const struct expectation e = oracle_expect(&truth, &straight.motion, &straight);
-        enum jp_learned learned;
-
-        TEST_ASSERT_EQUAL_INT(
-            JP_OK, jp_learner_update(&learner, &start, &straight,
-                                     (jp_q16)lround((e.energy + 0.5 * e.noise * uniform(-1, 1)) * 65536), &learned));
-        TEST_ASSERT_EQUAL_INT(JP_LEARNED, learned);
-    }
-    expect_bounded(&learner.state);
+    drive_often(&learner, &truth, &straight);
     covariance(&learner.state, p);
 
-    /* P = I but along f. */
     struct oracle known;
     vector unit;
     oracle_start(&known, model, &jp_learning_courier24);
@@ -522,14 +544,7 @@ static void test_what_is_not_excited_stays_as_unsure_as_at_first(void)
     for (int j = 0; j < N; j++) {
         unit[j] = e.f[j] / length;
     }
-    const double along = quadratic(p, unit);
-    TEST_ASSERT_TRUE(along < 0.05);
-    for (int i = 0; i < N; i++) {
-        for (int j = 0; j < N; j++) {
-            const double expected = (i == j) - (1 - along) * unit[i] * unit[j];
-            TEST_ASSERT_TRUE(fabs(p[i][j] - expected) < 1e-4);
-        }
-    }
+    expect_unsure_but_along(p, unit);
 
     /* x is the truth along f and nothing across it; so the forecast of the straight is right, of a turn honest. */
     double truth_along = 0;
