@@ -8,12 +8,14 @@ import subprocess
 
 import pytest
 from programs import (BUILD, CANDUMP, LIMIT, LOG, SILENCES, VCAN_RESULTS, Programs, assert_done, assert_one_line_error,
-                      assert_stopped, summary, write_vcan_scenario)
+                      assert_stopped, summary, wait_until, write_vcan_scenario)
 from simulated_time import Host
 
 # Every 4 ms, which is the clock of an emulated kernel.
 FLOOD = ["cangen", "vcan0", "-g", "4", "-c", "48", "-I", "555", "-L", "8"]
+FRAMES = 100  # of a drive that is under way
 FLOOD_MIN = 5  # frames a simulated ms: half of what CAN carries, and the robot's own take the other half
+BEFORE, AFTER = "7FF#", "7FE#"  # frames of no message
 
 
 @pytest.fixture(name="programs")
@@ -39,6 +41,22 @@ def ip_link(*arguments):
     subprocess.run(["ip", "link", *arguments], check=True)
 
 
+def start_dump(programs, interface):
+    """candump, which hears all from now on: it is sent to until it has said so."""
+    dump = programs.start("candump", "-L", interface)
+    wait_until(lambda: subprocess.run(["cansend", interface, BEFORE], check=True) and BEFORE in dump.out.read_text(),
+               "candump hears")
+    return dump
+
+
+def stop_dump(dump, interface):
+    """What it has heard meanwhile, to the end."""
+    subprocess.run(["cansend", interface, AFTER], check=True)
+    dump.says(AFTER)
+    dump.stop()
+    return [line for line in dump.out.read_text().splitlines() if not line.endswith((BEFORE, AFTER))]
+
+
 def drive(programs, scenario, output, pace="lockstep"):
     """The counts of the plant and of the ECU."""
     ecu = programs.ecu("can:vcan0")
@@ -48,12 +66,12 @@ def drive(programs, scenario, output, pace="lockstep"):
 
 def test_a_drive_is_dumped(programs, short, tmp_path):
     shutil.rmtree(VCAN_RESULTS, ignore_errors=True)
-    dump = programs.start("candump", "-L", "vcan0")
+    dump = start_dump(programs, "vcan0")
     plant, ecu = drive(programs, short, tmp_path / "drive")
-    dump.stop()
+    lines = stop_dump(dump, "vcan0")
     assert plant["of those, commands that missed their deadline"] == ecu["ticks without a sample"] == 0
     shutil.copytree(tmp_path / "drive", VCAN_RESULTS)
-    shutil.copy(dump.out, VCAN_RESULTS / CANDUMP)
+    (VCAN_RESULTS / CANDUMP).write_text("".join(f"{line}\n" for line in lines))
 
 
 def test_a_full_bus(programs, short, tmp_path):
@@ -89,8 +107,8 @@ def test_clients_drive_it(programs, short):
         assert assert_stopped(ecu)["frames with a wrong CRC"] == 0
 
 
-def wait_for_frames(programs, interface):
-    assert programs.start("candump", "-n", "100", interface).wait().returncode == 0
+def wait_for_frames(dump):
+    wait_until(lambda: len(dump.out.read_text().splitlines()) > FRAMES, "frames")
 
 
 def assert_runs_on(program):
@@ -100,9 +118,10 @@ def assert_runs_on(program):
 
 def test_an_interface_goes_down_and_up(programs, short, vcan1):
     """Simulated time waits for it."""
+    dump = start_dump(programs, vcan1)
     ecu = programs.ecu(f"can:{vcan1}")
     plant = programs.plant(short, "--bus", f"can:{vcan1}", "--host=2", "--pace", "paced")
-    wait_for_frames(programs, vcan1)
+    wait_for_frames(dump)
     ip_link("set", vcan1, "down")
     assert_runs_on(plant)
     assert_runs_on(ecu)
@@ -113,9 +132,10 @@ def test_an_interface_goes_down_and_up(programs, short, vcan1):
 
 def test_an_interface_that_does_not_come_back(programs, short, vcan1):
     """The plant gives up; the ECU goes on when there is an interface of that name again."""
+    dump = start_dump(programs, vcan1)
     ecu = programs.ecu(f"can:{vcan1}")
     plant = programs.plant(short, "--bus", f"can:{vcan1}", "--host", "--pace", "paced")
-    wait_for_frames(programs, vcan1)
+    wait_for_frames(dump)
     ip_link("del", vcan1)
     result = plant.wait()
     assert_one_line_error(result, "no ECU answered for 10 s", "the bus is down")
