@@ -20,20 +20,13 @@ typedef void fill_function(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static int16_t signal16(int32_t value, unsigned shift)
 {
-    int32_t rounded = jp_round_shift(value, shift);
-
-    return (int16_t)(rounded > INT16_MAX ? INT16_MAX : rounded < INT16_MIN ? INT16_MIN : rounded);
-}
-
-static int32_t limited(int32_t value, int32_t low, int32_t high)
-{
-    return value < low ? low : value > high ? high : value;
+    return (int16_t)jp_saturate_bits(jp_round_shift(value, shift), 16);
 }
 
 /** Of a value that is at least 0. */
 static uint16_t signal16u(int32_t value, unsigned shift)
 {
-    return (uint16_t)limited(jp_round_shift(value, shift), 0, UINT16_MAX);
+    return (uint16_t)jp_clamp32(jp_round_shift(value, shift), 0, UINT16_MAX);
 }
 
 static uint8_t count8(uint32_t value)
@@ -124,8 +117,8 @@ static void pose(const struct jp_ecu *ecu, struct jp_can_frame *frame)
     const struct jp_point position = jp_robot_position(&ecu->robot);
     const int32_t limit = (int32_t)1 << 25;
     const struct jp_can_pose_t signals = {
-        .x = limited(position.x, -limit, limit - 1),
-        .y = limited(position.y, -limit, limit - 1),
+        .x = jp_clamp32(position.x, -limit, limit - 1),
+        .y = jp_clamp32(position.y, -limit, limit - 1),
         .heading = phase_signal(jp_robot_last_tick(&ecu->robot)->motion.yaw, 12),
     };
 
@@ -324,8 +317,8 @@ static void segment_motion(const struct jp_ecu *ecu, struct jp_can_frame *frame)
     const int32_t limit = (int32_t)1 << 27;
     const struct jp_can_segment_motion_t signals = {
         .segment = ecu->internal.plan.segment,
-        .speed = limited(planned->speed, -limit, limit - 1),
-        .turn_rate = limited(planned->turn_rate, -limit, limit - 1),
+        .speed = jp_clamp32(planned->speed, -limit, limit - 1),
+        .turn_rate = jp_clamp32(planned->turn_rate, -limit, limit - 1),
     };
 
     frame->id = JP_CAN_SEGMENT_MOTION_FRAME_ID;
@@ -338,7 +331,7 @@ static void segment_shape(const struct jp_ecu *ecu, struct jp_can_frame *frame)
     const struct jp_can_segment_shape_t signals = {
         .segment = ecu->internal.plan.segment,
         .turn = planned->turn,
-        .duration = (uint32_t)limited(planned->duration, 0, (1 << 28) - 1),
+        .duration = (uint32_t)jp_clamp32(planned->duration, 0, (1 << 28) - 1),
     };
 
     frame->id = JP_CAN_SEGMENT_SHAPE_FRAME_ID;
@@ -423,8 +416,8 @@ static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
     const bool ended = telemetry->segments_ended > ecu->internal.segments_reported;
     const struct jp_can_segment_result_t signals = {
         .segment = count8(telemetry->segments_ended),
-        .spent = (uint32_t)limited(jp_energy_to_q16(telemetry->segment_energy_model), 0, 2 * limit - 1),
-        .drawn = limited(jp_energy_to_q16(telemetry->segment_energy_battery), -limit, limit - 1),
+        .spent = (uint32_t)jp_clamp32(jp_energy_to_q16(telemetry->segment_energy_model), 0, 2 * limit - 1),
+        .drawn = jp_clamp32(jp_energy_to_q16(telemetry->segment_energy_battery), -limit, limit - 1),
     };
 
     ecu->internal.segments_reported = telemetry->segments_ended;

@@ -75,6 +75,21 @@ inline float jp_plane_magnitude(float x)
     return x < 0.0f ? -x : x;
 }
 
+static inline float jp_plane_square_between(struct jp_plane_point a, struct jp_plane_point b)
+{
+    return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+}
+
+static inline float jp_plane_larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static inline float jp_plane_smaller(float a, float b)
+{
+    return a < b ? a : b;
+}
+
 /** x limited to [low, high]; low <= high. */
 static inline float jp_plane_clamp(float x, float low, float high)
 {

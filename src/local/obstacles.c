@@ -93,7 +93,7 @@ float jp_obstacles_distance(const struct jp_obstacles *obstacles, const struct j
                             const struct jp_plane_pose *pose)
 {
     const struct jp_plane_point direction = jp_plane_direction(pose->heading);
-    const float longest = footprint->front > footprint->rear ? footprint->front : footprint->rear;
+    const float longest = jp_plane_larger(footprint->front, footprint->rear);
     const float reach =
         jp_plane_length(pose->x - obstacles->centre.x, pose->y - obstacles->centre.y) + longest + footprint->half_width;
     float nearest = JP_OBSTACLE_NONE;

@@ -3,13 +3,12 @@
 #include <joulepath/path_spline.h>
 #include <string.h>
 
+#include "src/base/block.h"
 #include "src/base/config_check.h"
 #include "src/base/plane.h"
+#include "src/base/point.h"
 #include "src/local/patrol_approach.h"
 #include "src/local/patrol_marks.h"
-
-/* Of the parts of the block, bytes. */
-#define ALIGNMENT 8U
 
 /* Of a path's points, m. */
 #define SPACING 0.1f
@@ -60,22 +59,17 @@ static struct jp_grid_planner_config grid_config(const struct jp_patrol_mission_
         .method = JP_GRID_ANY_ANGLE, .clearance = (jp_q16)clearance, .tube = TUBE_CELLS};
 }
 
-static size_t aligned(size_t size)
-{
-    return (size + ALIGNMENT - 1U) / ALIGNMENT * ALIGNMENT;
-}
-
 static bool lay_out(const struct jp_patrol_mission_config *config, struct mission_layout *layout)
 {
     const struct jp_grid_planner_config grid = grid_config(config, margins[0]);
-    const size_t path = aligned(config->points_max * sizeof(struct jp_point));
+    const size_t path = jp_block_align(config->points_max * sizeof(struct jp_point));
     const size_t grid_size = jp_grid_planner_size(&grid, &config->map->config);
 
     layout->map = 0;
-    layout->paths[0] = aligned(jp_terrain_size(&config->map->config));
+    layout->paths[0] = jp_block_align(jp_terrain_size(&config->map->config));
     layout->paths[1] = layout->paths[0] + path;
     layout->scratch = layout->paths[1] + path;
-    layout->grid = layout->scratch + aligned(jp_path_spline_size(config->turns_max));
+    layout->grid = layout->scratch + jp_block_align(jp_path_spline_size(config->turns_max));
     layout->end = layout->grid + grid_size;
     return grid_size > 0U;
 }
@@ -162,7 +156,7 @@ enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const s
     if (status != JP_OK) {
         return status;
     }
-    if ((uintptr_t)block % ALIGNMENT != 0U) {
+    if (!jp_block_is_aligned(block)) {
         return JP_ERR_ALIGNMENT;
     }
     mission->config = *config;
@@ -233,7 +227,7 @@ static bool is_near(const struct jp_patrol_mission *mission)
 {
     const float diagonal = DIAGONAL * jp_patrol_cell(mission->config.map);
 
-    return distance_to(mission, &mission->internal.target) < (diagonal > STRAIGHT_BELOW ? diagonal : STRAIGHT_BELOW);
+    return distance_to(mission, &mission->internal.target) < (jp_plane_larger(diagonal, STRAIGHT_BELOW));
 }
 
 static struct jp_grid_cell cell_of(const struct jp_patrol_mission *mission, const struct jp_plane_pose *pose)
@@ -330,7 +324,7 @@ static bool ends_along(const struct jp_patrol_mission *mission)
     const uint16_t last = (uint16_t)(mission->path_count - 1U);
     const struct jp_point *const end = &mission->path[last];
     const struct jp_point *const before = &mission->path[last > END_POINTS ? last - END_POINTS : 0U];
-    const bool is_spot = end->x == before->x && end->y == before->y;
+    const bool is_spot = jp_is_same_point(end, before);
     const float direction = is_spot ? mission->patrol.pose.heading
                                     : jp_plane_bearing((float)(end->x - before->x), (float)(end->y - before->y));
 

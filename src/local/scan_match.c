@@ -2,10 +2,9 @@
 
 #include <string.h>
 
+#include "src/base/block.h"
 #include "src/base/plane.h"
 #include "src/local/scan_runs.h"
-
-#define ALIGNMENT 8U
 
 /* A line is fitted to the neighbours of a point within this distance, m, and so many spacings of the beams. */
 #define LINE_REACH       0.1f
@@ -68,21 +67,6 @@ struct fit {
 static float square(float a)
 {
     return a * a;
-}
-
-static float squared_distance(const struct jp_plane_point *a, const struct jp_plane_point *b)
-{
-    return square(a->x - b->x) + square(a->y - b->y);
-}
-
-static float larger(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-static float smaller(float a, float b)
-{
-    return a < b ? a : b;
 }
 
 /* ---- Scans ---- */
@@ -154,7 +138,8 @@ static void add_side(const struct jp_scan_matcher_internal *self, int32_t beam, 
         const struct jp_plane_point *const point = &self->lines[next].point;
 
         if (has_hit(self->ranges[next])) {
-            if (squared_distance(point, last) > square(reach) || squared_distance(point, centre) > square(reach)) {
+            if (jp_plane_square_between(*point, *last) > square(reach) ||
+                jp_plane_square_between(*point, *centre) > square(reach)) {
                 return;
             }
             add(sums, point->x - centre->x, point->y - centre->y);
@@ -228,7 +213,7 @@ struct match_search {
 
 static void compare(struct match_search *search, int32_t beam)
 {
-    const float distance = squared_distance(&search->self->lines[beam].point, &search->point);
+    const float distance = jp_plane_square_between(search->self->lines[beam].point, search->point);
 
     if (has_hit(search->self->ranges[beam]) && distance < search->best) {
         search->best = distance;
@@ -301,7 +286,7 @@ static void find_pairs(struct jp_scan_matcher_internal *self, const struct jp_pl
 
 static int32_t bin_of(const struct jp_match_pair *pair)
 {
-    return (int32_t)smaller(jp_plane_magnitude(pair->residual) / TRIM_BIN, (float)(TRIM_BINS - 1));
+    return (int32_t)jp_plane_smaller(jp_plane_magnitude(pair->residual) / TRIM_BIN, (float)(TRIM_BINS - 1));
 }
 
 /* Drops the worst pairs, by a histogram of their residuals. */
@@ -359,7 +344,7 @@ static void weigh(const struct jp_scan_matcher_internal *self, float half_weight
             squares += square(pair->residual);
         }
     }
-    fit->residual = jp_plane_square_root(squares / larger((float)fit->inliers, 1.0f));
+    fit->residual = jp_plane_square_root(squares / jp_plane_larger((float)fit->inliers, 1.0f));
 }
 
 /* Turns the axes p and q so that a[p][q] vanishes and a[p][p] is the lesser of both. */
@@ -449,14 +434,14 @@ static enum jp_match iterate(struct jp_scan_matcher_internal *self, bool is_far,
         pose->y += step[1];
         pose->heading = jp_plane_wrap(pose->heading + step[2]);
 
-        const float moved = larger(jp_plane_length(step[0], step[1]), jp_plane_magnitude(step[2]));
+        const float moved = jp_plane_larger(jp_plane_length(step[0], step[1]), jp_plane_magnitude(step[2]));
 
         size = distance > PAIR_DISTANCE_LAST ? FLT_MAX : moved;
-        distance = larger(smaller(0.5f * distance, PAIR_DISTANCE_STEPS * moved), PAIR_DISTANCE_LAST);
+        distance = jp_plane_larger(jp_plane_smaller(0.5f * distance, PAIR_DISTANCE_STEPS * moved), PAIR_DISTANCE_LAST);
     }
 
     /* The last step and the residual, of what they may be. */
-    const float share = larger(size / STEP_DIVERGED, fit->residual / JP_SCAN_MATCH_RESIDUAL_MAX);
+    const float share = jp_plane_larger(size / STEP_DIVERGED, fit->residual / JP_SCAN_MATCH_RESIDUAL_MAX);
     const bool is_fit = share < 1.0f && (float)fit->inliers >= JP_SCAN_MATCH_INLIERS_MIN * (float)self->cloud_count;
 
     return is_fit ? JP_MATCH_FITS : JP_MATCH_DIVERGED;
@@ -612,19 +597,14 @@ struct match_layout {
     size_t end;
 };
 
-static size_t aligned(size_t size)
-{
-    return (size + ALIGNMENT - 1U) / ALIGNMENT * ALIGNMENT;
-}
-
 static struct match_layout lay_out(size_t beams)
 {
-    struct match_layout layout = {.sines = aligned(beams * sizeof(float))};
+    struct match_layout layout = {.sines = jp_block_align(beams * sizeof(float))};
 
-    layout.lines = layout.sines + aligned(beams * sizeof(float));
-    layout.cloud = layout.lines + aligned(beams * sizeof(struct jp_match_line));
-    layout.pairs = layout.cloud + aligned(beams * sizeof(struct jp_plane_point));
-    layout.end = layout.pairs + aligned(beams * sizeof(struct jp_match_pair));
+    layout.lines = layout.sines + jp_block_align(beams * sizeof(float));
+    layout.cloud = layout.lines + jp_block_align(beams * sizeof(struct jp_match_line));
+    layout.pairs = layout.cloud + jp_block_align(beams * sizeof(struct jp_plane_point));
+    layout.end = layout.pairs + jp_block_align(beams * sizeof(struct jp_match_pair));
     return layout;
 }
 
@@ -640,7 +620,7 @@ enum jp_status jp_scan_matcher_init(struct jp_scan_matcher *matcher, uint16_t be
     if (matcher == NULL || block == NULL || least == 0U) {
         return JP_ERR_ARGUMENT;
     }
-    if ((uintptr_t)block % ALIGNMENT != 0U) {
+    if (!jp_block_is_aligned(block)) {
         return JP_ERR_ALIGNMENT;
     }
     if (size < least) {

@@ -32,9 +32,4 @@ struct jp_plane_point jp_scan_point(const struct jp_scan_view *view, unsigned be
 /** The first run from a beam on; false when there is none. */
 bool jp_scan_next_run(const struct jp_scan_view *view, unsigned beam, struct jp_scan_run *run);
 
-static inline float jp_plane_square_between(struct jp_plane_point a, struct jp_plane_point b)
-{
-    return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
-}
-
 #endif

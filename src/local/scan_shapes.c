@@ -66,11 +66,6 @@ struct offsets {
     float beyond;
 };
 
-static float larger(float a, float b)
-{
-    return a > b ? a : b;
-}
-
 static struct offsets offsets_of(const struct jp_scan_view *view, const struct jp_scan_run *run)
 {
     const struct jp_plane_point begin = jp_scan_point(view, run->first);
@@ -88,9 +83,9 @@ static struct offsets offsets_of(const struct jp_scan_view *view, const struct j
             const float distance = way.x * along.x + way.y * along.y;
 
             offsets.mean += offset;
-            offsets.least = -larger(-offset, -offsets.least);
-            offsets.most = larger(offset, offsets.most);
-            offsets.beyond = larger(larger(-distance, distance - length), offsets.beyond);
+            offsets.least = -jp_plane_larger(-offset, -offsets.least);
+            offsets.most = jp_plane_larger(offset, offsets.most);
+            offsets.beyond = jp_plane_larger(jp_plane_larger(-distance, distance - length), offsets.beyond);
             count += 1.0f;
         }
     }
@@ -114,7 +109,7 @@ static void add_chord(struct jp_obstacles *obstacles, const struct jp_scan_view 
 
     if (jp_plane_square_between(begin, end) > 0.0f) {
         const struct offsets offsets = offsets_of(view, run);
-        const float beside = larger(offsets.most - offsets.mean, offsets.mean - offsets.least);
+        const float beside = jp_plane_larger(offsets.most - offsets.mean, offsets.mean - offsets.least);
 
         shape.vertices[0] = shifted(begin, &offsets);
         shape.vertices[1] = shifted(end, &offsets);

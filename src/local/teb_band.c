@@ -306,7 +306,7 @@ void jp_teb_resize(struct jp_teb *teb)
 
 float jp_teb_sweep(const struct jp_footprint *footprint, const struct jp_plane_pose *a, const struct jp_plane_pose *b)
 {
-    const float longer = footprint->front > footprint->rear ? footprint->front : footprint->rear;
+    const float longer = jp_plane_larger(footprint->front, footprint->rear);
     const float corner = jp_plane_length(longer, footprint->half_width);
 
     return pose_distance(a, b) + corner * jp_plane_magnitude(jp_plane_wrap(b->heading - a->heading));

@@ -1,10 +1,10 @@
 #include <joulepath/guide_field.h>
 #include <string.h>
 
+#include "src/base/block.h"
 #include "src/map/field_unit.h"
 
 enum {
-    ALIGNMENT = 8,
     LEVEL_PATHS_PER_RANGE = 6, /* range of the values, in costs of a level path across the map */
     STEP_BITS = 4,
     STEP_MASK = 15,
@@ -17,7 +17,7 @@ static uint16_t coarse(uint16_t cells, unsigned scale)
 
 static size_t steps_size(uint16_t width, uint16_t height)
 {
-    return ((size_t)width * height / 2U + ALIGNMENT) / ALIGNMENT * ALIGNMENT;
+    return jp_block_align((size_t)width * height / 2U + 1U);
 }
 
 size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scale)

@@ -1,9 +1,10 @@
 #include <joulepath/terrain.h>
 #include <string.h>
 
+#include "src/base/block.h"
 #include "src/base/config_check.h"
 
-enum { WORD_BITS = 32, ALIGNMENT = 8 };
+enum { WORD_BITS = 32 };
 
 static size_t words_per_row(const struct jp_terrain_config *config)
 {
@@ -48,7 +49,7 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
     if (check(config, field) != JP_OK) {
         return JP_ERR_CONFIG;
     }
-    if ((uintptr_t)block % ALIGNMENT != 0U) {
+    if (!jp_block_is_aligned(block)) {
         return JP_ERR_ALIGNMENT;
     }
     if (size < jp_terrain_size(config)) {

@@ -1,14 +1,10 @@
 #include <joulepath/wavefront.h>
 #include <string.h>
 
+#include "src/base/block.h"
 #include "src/base/compiler.h"
 
-enum { WORD_BITS = 32, ALIGNMENT = 8, MARGIN_DIVISOR = 4 };
-
-static size_t align(size_t size)
-{
-    return (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-}
+enum { WORD_BITS = 32, MARGIN_DIVISOR = 4 };
 
 static size_t words_per_row(uint16_t width)
 {
@@ -27,7 +23,7 @@ static size_t dirty_size(uint16_t width, uint16_t height)
 
 size_t jp_wavefront_size(uint16_t width, uint16_t height)
 {
-    return align(values_size(width, height)) + align(dirty_size(width, height));
+    return jp_block_align(values_size(width, height)) + jp_block_align(dirty_size(width, height));
 }
 
 void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, void *block)
@@ -36,7 +32,7 @@ void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t heigh
     wave->width = width;
     wave->height = height;
     wave->values = block;
-    wave->dirty = (uint32_t *)(void *)((uint8_t *)block + align(values_size(width, height)));
+    wave->dirty = (uint32_t *)(void *)((uint8_t *)block + jp_block_align(values_size(width, height)));
 }
 
 static void start_sweep(struct jp_wavefront *wave, uint16_t threshold)

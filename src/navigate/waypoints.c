@@ -1,10 +1,10 @@
 #include <joulepath/waypoints.h>
 
+#include "src/base/block.h"
 #include "src/base/config_check.h"
 #include "src/navigate/waypoint_arc.h"
 
-#define ALIGNMENT 8U
-#define ATTEMPTS  4U
+#define ATTEMPTS 4U
 
 #define NO_PRICE INT64_MAX
 
@@ -444,7 +444,7 @@ enum jp_status jp_waypoints_init(struct jp_waypoints *waypoints, const struct jp
     if (waypoints == NULL || config == NULL || block == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    if ((uintptr_t)block % ALIGNMENT != 0U) {
+    if (!jp_block_is_aligned(block)) {
         return JP_ERR_ALIGNMENT;
     }
     const enum jp_status status = check(config, field);

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "src/base/point.h"
+
 enum {
     HALVINGS = 8,   /* steps of the bisection that moves a turning point; each takes a unit of the budget */
     PASSES_MAX = 12 /* over all turning points, alternately from either end */
@@ -92,11 +94,6 @@ static struct jp_point middle(const struct jp_point *a, const struct jp_point *b
     return (struct jp_point){a->x + (b->x - a->x) / 2, a->y + (b->y - a->y) / 2};
 }
 
-static bool is_same(const struct jp_point *a, const struct jp_point *b)
-{
-    return a->x == b->x && a->y == b->y;
-}
-
 /** By bisection: about the farthest point on the piece from `turn` to `next` that `before` sees. */
 static struct jp_point slide(const struct jp_grid_planner_internal *planner, const struct jp_point *before,
                              const struct jp_point *turn, const struct jp_point *next)
@@ -131,7 +128,7 @@ static void tighten_at(struct jp_grid_planner_internal *planner, struct jp_grid_
     }
     const struct jp_point point = slide(planner, before, turn, next);
 
-    planner->has_changed = planner->has_changed || !is_same(&point, turn);
+    planner->has_changed = planner->has_changed || !jp_is_same_point(&point, turn);
     *turn = point;
 }
 

@@ -2,10 +2,10 @@
 
 #include <string.h>
 
+#include "src/base/block.h"
 #include "src/base/config_check.h"
 
 enum {
-    ALIGNMENT = 8,
     CELLS_PER_ENTRY = 8, /* of the smallest queue */
     ENTRIES_MIN = 64,
     POINTS_PER_SIDE = 2, /* turning points of a path for each row and column of the map */
@@ -44,14 +44,9 @@ static enum jp_status check(const struct jp_grid_planner_config *config, const s
     return status;
 }
 
-static size_t align(size_t size)
-{
-    return (size + ALIGNMENT - 1U) / ALIGNMENT * ALIGNMENT;
-}
-
 static size_t plane_size(uint16_t row_cells, uint16_t rows)
 {
-    return align(jp_grid_words(row_cells) * ((size_t)rows + 2U) * sizeof(uint32_t));
+    return jp_block_align(jp_grid_words(row_cells) * ((size_t)rows + 2U) * sizeof(uint32_t));
 }
 
 static size_t path_points(const struct jp_terrain_config *map)
@@ -114,7 +109,7 @@ enum jp_status jp_grid_planner_init(struct jp_grid_planner *planner, const struc
     if (status != JP_OK) {
         return status;
     }
-    if ((uintptr_t)block % ALIGNMENT != 0U) {
+    if (!jp_block_is_aligned(block)) {
         return JP_ERR_ALIGNMENT;
     }
     if (size < jp_grid_planner_size(config, &terrain->config)) {

@@ -1,12 +1,12 @@
 #include <joulepath/planner.h>
 #include <string.h>
 
+#include "src/base/block.h"
 #include "src/search/planner_phases.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_states.h"
 
 enum {
-    ALIGNMENT = 8,
     STATES_MIN = 64,
     GUIDE_SCALE_MIN = 2,
     GUIDE_SHARE = 4, /* the guide takes at most one part in so many of the block, if it can be that coarse */
@@ -22,7 +22,7 @@ static size_t route_bytes(const struct jp_terrain_config *config)
 {
     const size_t steps = ROUTE_STEPS_MIN + (size_t)config->width * config->height / CELLS_PER_ROUTE_STEP;
 
-    return (steps + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    return jp_block_align(steps);
 }
 
 size_t jp_planner_size(const struct jp_terrain_config *config)
@@ -122,7 +122,7 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
-    if ((uintptr_t)block % ALIGNMENT != 0) {
+    if (!jp_block_is_aligned(block)) {
         return JP_ERR_ALIGNMENT;
     }
     if (size < jp_planner_size(&terrain->config)) {

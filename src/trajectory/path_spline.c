@@ -1,8 +1,10 @@
 #include <joulepath/path_spline.h>
 #include <string.h>
 
+#include "src/base/block.h"
+#include "src/base/point.h"
+
 enum {
-    ALIGNMENT = 8,
     KNOTS_PER_TURN = 5,
     KNOTS_MORE = 8,
     RELIEF_CELLS = 8,   /* from a turning point to the knots beside it, at most */
@@ -94,18 +96,13 @@ static bool insert(struct spline *spline, size_t index, jp_q16 part)
     return true;
 }
 
-static bool is_same(const struct jp_point *a, const struct jp_point *b)
-{
-    return a->x == b->x && a->y == b->y;
-}
-
 static enum jp_status take_path(struct spline *spline, const struct jp_point *path, size_t count)
 {
     spline->knots[0] = (struct knot){.point = path[0]};
     spline->count = 1;
     for (size_t i = 1; i < count; i++) {
         struct knot *last = &spline->knots[spline->count - 1U];
-        if (is_same(&last->point, &path[i])) {
+        if (jp_is_same_point(&last->point, &path[i])) {
             continue;
         }
         if (!jp_grid_planner_line_is_free(spline->planner, &last->point, &path[i])) {
@@ -283,7 +280,7 @@ enum jp_status jp_path_spline(const struct jp_grid_planner *planner, const struc
     if (count < 2U || spacing < SPACING_MIN) {
         return JP_ERR_ARGUMENT;
     }
-    if ((uintptr_t)scratch % ALIGNMENT != 0U) {
+    if (!jp_block_is_aligned(scratch)) {
         return JP_ERR_ALIGNMENT;
     }
     if (scratch_size < jp_path_spline_size(count)) {
