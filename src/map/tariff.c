@@ -178,11 +178,15 @@ static enum jp_status charge(struct jp_tariff *tariff, const struct jp_lattice *
     return scale_moves(&tariff->lattice, prices) && write_bases(tariff, lattice, prices) ? JP_OK : JP_ERR_OVERFLOW;
 }
 
-#define FIELD(member) JP_CONFIG_FIELD("", struct prices, member, JP_TARIFF_FACTOR_MIN, JP_TARIFF_FACTOR_MAX)
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct prices, member, low, high)
 
 static enum jp_status check(const struct prices *prices, const char **field)
 {
-    static const struct jp_config_field fields[] = {FIELD(straight), FIELD(turning), FIELD(mass)};
+    static const struct jp_config_field fields[] = {
+        FIELD(straight, JP_TARIFF_FACTOR_MIN, JP_TARIFF_FACTOR_MAX),
+        FIELD(turning, JP_TARIFF_FACTOR_MIN, JP_TARIFF_FACTOR_MAX),
+        FIELD(mass, JP_TARIFF_FACTOR_MIN, JP_TARIFF_FACTOR_MAX),
+    };
 
     return jp_config_check(prices, fields, JP_CONFIG_COUNT(fields), field);
 }
