@@ -1,16 +1,15 @@
 /**
- * Drives a robot through targets by joules: plans the whole route (route.h), learns from every segment (learner.h), and
- * says beforehand what a route will take and how sure that is.
+ * Drives a robot through targets with the least energy: plans the whole route (route.h), learns from every segment
+ * (learner.h), and forecasts the energy of a route with its uncertainty.
  *
  *   jp_pilot_work()  from the background loop, between the ticks of jp_robot_tick(): a slice of work a call
  *
  * The route is planned anew during each segment, from where the robot will be at its end, with what has been learned
- * by then; its first segment is handed to the robot. With more targets than legs the horizon recedes. A target passed
- * late or a slice too few only makes the robot stand and go on from there.
- * Until it rests nobody else may hand the robot segments. A jp_robot_stop() in the middle of one ends the route with
- * JP_ERR_STATE; jp_pilot_stop() always ends it.
+ * by then; its first segment is handed to the robot. With more targets than legs the horizon recedes. A plan that is
+ * late only makes the robot stand and continue from there. Until the pilot rests, nothing else may hand the robot
+ * segments. A jp_robot_stop() in the middle of one ends the route with JP_ERR_STATE; jp_pilot_stop() always ends it.
  *
- * In libjoulepath_float. jp_robot_follow() is the way to drive a route without it.
+ * In libjoulepath_float. Without it, jp_robot_follow() drives a route.
  */
 #ifndef JOULEPATH_PILOT_H
 #define JOULEPATH_PILOT_H
@@ -103,7 +102,8 @@ enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targe
  *  are in the legs. With jp_forecast_reserve() it answers "can I go there and come back?". */
 enum jp_status jp_pilot_answer(const struct jp_pilot *pilot, struct jp_forecast *forecast);
 
-/** Brakes to a balanced stand and forgets the route, at the next tick. */
+/** Brakes to a balanced stand and forgets the route, at the next tick. From the context of jp_pilot_work(); constant
+ *  time. */
 void jp_pilot_stop(struct jp_pilot *pilot);
 
 /**

@@ -113,7 +113,7 @@ struct jp_robot_internal {
     uint8_t stop_requested;
     uint8_t disable_requested;
     bool started;  /**< a plausible frame was seen */
-    bool resuming; /**< the first plausible frame goes on from a snapshot */
+    bool resuming; /**< the first plausible frame continues from a snapshot */
 
     /* From jp_robot_control() to jp_robot_account(). */
     bool review_due; /**< a sample ended an interval */
@@ -147,7 +147,7 @@ struct jp_robot_internal {
     struct jp_segment planned; /**< the last segment planned */
 };
 
-/** The caller's memory; the functions below tell what may be known of it. */
+/** The caller's memory; the functions below give access to it. */
 struct jp_robot {
     struct jp_robot_internal internal;
 };
@@ -155,7 +155,7 @@ struct jp_robot {
 /**
  * Prepares a robot in state idle. config and model are kept by pointer.
  * JP_ERR_ARGUMENT: a pointer is null. JP_ERR_CONFIG: *field names the first field out of range; it is
- * estimator.tick_rate where another part has not the same. Not for ISRs.
+ * estimator.tick_rate where the parts do not have the same rate. Not for ISRs.
  */
 enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config,
                              const struct jp_energy_model *model, const char **field);
@@ -172,7 +172,7 @@ void jp_robot_control(struct jp_robot *robot, enum jp_status read, const struct 
  * switch off in the next tick). Constant time; for the control ISR. */
 void jp_robot_account(struct jp_robot *robot);
 
-/** A whole tick: jp_robot_control(), then jp_robot_account(). */
+/** A whole tick: jp_robot_control(), then jp_robot_account(). Constant time; for the control ISR. */
 void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                    struct jp_actuation *actuation);
 
@@ -184,16 +184,16 @@ void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_
  */
 enum jp_status jp_robot_work(struct jp_robot *robot);
 
-/** From now on it plans with this model, which must have passed jp_energy_model_check() and is kept by pointer. From
- *  the context of jp_robot_work(); the tick may go on reading the model before until it ends. */
+/** Sets the model for further plans, which must have passed jp_energy_model_check() and is kept by pointer. From the
+ *  context of jp_robot_work(); a tick in progress may still read the old model. */
 void jp_robot_use_model(struct jp_robot *robot, const struct jp_energy_model *model);
 
-/** What jp_robot_resume() needs, after any tick and in its context. */
+/** Writes what jp_robot_resume() needs; after any tick and in its context. Constant time. */
 void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot);
 
 /**
- * Between jp_robot_init() and the first tick, after a reset in motion: the first plausible frame goes on from the
- * snapshot instead of taking the robot to be at rest. If the motors ran the robot balances at once and brakes to a
+ * Between jp_robot_init() and the first tick, after a reset in motion: the first plausible frame continues from the
+ * snapshot instead of assuming rest. If the motors ran the robot balances at once and brakes to a
  * stand. Pitch is that of the snapshot, so the reset must be short: tens of milliseconds.
  */
 void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot);
@@ -213,7 +213,7 @@ void jp_robot_disable(struct jp_robot *robot);
 /**
  * Drives one segment: at once when balancing, after the current one when driving.
  * JP_ERR_STATE: neither balancing nor driving. JP_ERR_BUSY: one already waits. JP_ERR_ARGUMENT: null, or a field
- * out of range: |v| <= limits.speed, |w| <= 8 rad/s, |σ| <= 2π, 0 < T <= 16 384 s. No row of segments that are accepted
+ * out of range: |v| <= limits.speed, |w| <= 8 rad/s, |σ| <= 2π, 0 < T <= 16 384 s. No sequence of accepted segments
  * makes the balancer switch off; between forward and back it rests (reference.h).
  */
 enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_command *segment);
@@ -232,8 +232,8 @@ void jp_robot_stop(struct jp_robot *robot);
 /* What may be known of a robot from any context. */
 
 /**
- * A consistent copy of the telemetry. False, and *telemetry is not to be used: a tick is under way, which only those
- * see who ask from within it, between jp_robot_control() and jp_robot_account(), or from another core.
+ * A consistent copy of the telemetry. False, and *telemetry is not to be used: a tick is under way, which only a
+ * caller sees within it, between jp_robot_control() and jp_robot_account(), or from another core.
  */
 bool jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry);
 

@@ -1,13 +1,12 @@
 /**
- * From a planned route to waypoints: what a robot that drives energy-optimal segments (segment.h) is to be told.
+ * From a planned route to waypoints: the targets of a robot that drives energy-optimal segments (segment.h).
  *
  * The lattice planner's route leads over cells; the robot follows waypoints by arcs, each planned for least energy from
  * where the last one ends. Waypoints are places along the route; between two of them the straight chord, the arc that
  * the optimiser gives and the turn before it must be clear of obstacles. The choice with the least predicted energy is
- * taken, among those that go on from the best one to each place and heading (of JP_WAYPOINTS_SECTORS). What the slopes
- * on its arcs add counts too; a segment's own energy is that of level ground. A segment nearer to obstacles than
- * JP_WAYPOINTS_MARGIN_M counts for more, up to 1.3 times its energy, since the driven path leaves the predicted one by
- * some centimetres.
+ * taken, by dynamic programming over places and headings (JP_WAYPOINTS_SECTORS of them). A segment's energy is that of
+ * level ground plus what the slopes on its arcs add. A segment nearer to obstacles than JP_WAYPOINTS_MARGIN_M counts
+ * for more, up to 1.3 times its energy, since the driven path leaves the predicted one by some centimetres.
  *
  * Four attempts, the first with a choice is the answer: with the least margin among the places of the route, among
  * those and places a cell to the left and right of them, and both again without a least margin.
@@ -25,10 +24,10 @@
 extern "C" {
 #endif
 
-/** Headings at a place that are told apart, of a turn. */
+/** Sectors of a turn into which the headings at a place are divided. */
 #define JP_WAYPOINTS_SECTORS 16U
 
-/** A segment that keeps this margin from obstacles, m, keeps enough. Margins are told in so many steps. */
+/** Margin from obstacles, m, above which a segment costs no more; and the steps into which it is divided. */
 #define JP_WAYPOINTS_MARGIN_M     0.15
 #define JP_WAYPOINTS_MARGIN_STEPS 3
 
@@ -69,20 +68,21 @@ struct jp_waypoint {
     struct jp_segment segment; /**< of the first waypoint, the start: all 0 */
 };
 
-/** The best choice until now that ends at a place with a heading of a sector. Private. */
-struct jp_waypoints_way {
+/** Label of the search: the best sequence of segments so far that ends at a place with a heading of a sector. Private.
+ */
+struct jp_waypoints_label {
     jp_phase heading;
     int64_t price;           /* J/655 360, with what slopes add and margins lack */
     struct jp_motion motion; /* at its end */
-    uint16_t before;         /* place that it comes from */
-    uint8_t before_sector;
+    uint16_t before;         /* backpointer: place of the label before, */
+    uint8_t before_sector;   /* and its sector */
     uint8_t margin;
 };
 
 /** Private. */
 struct jp_waypoints_internal {
-    struct jp_waypoints_way *ways; /**< JP_WAYPOINTS_SECTORS for each place */
-    size_t ways_max;
+    struct jp_waypoints_label *labels; /**< JP_WAYPOINTS_SECTORS for each place */
+    size_t labels_max;
     const struct jp_lattice_pose *route;
     uint16_t route_count;
     uint16_t places;
@@ -115,11 +115,11 @@ enum jp_status jp_waypoints_init(struct jp_waypoints *waypoints, const struct jp
  *  Work: the poses and the block. */
 enum jp_status jp_waypoints_start(struct jp_waypoints *waypoints, const struct jp_lattice_pose *route, size_t poses);
 
-/** Goes on for at most so many pairs of places. A pair takes at most JP_WAYPOINTS_SECTORS calls of
+/** Continues for at most so many pairs of places. A pair takes at most JP_WAYPOINTS_SECTORS calls of
  *  jp_segment_optimise(), and for those that may be better a look at the cells under up to eight arcs. */
 enum jp_waypoints_answer jp_waypoints_work(struct jp_waypoints *waypoints, unsigned pairs);
 
-/** How many waypoints the answer has, start and goal included; 0 without one. Work: these. */
+/** Number of waypoints of the answer, start and goal included; 0 without one. Work: the waypoints. */
 size_t jp_waypoints_count(const struct jp_waypoints *waypoints);
 
 /** Writes the waypoints. JP_ERR_NO_PLAN: there are none. JP_ERR_MEMORY: more than `max`. JP_ERR_ARGUMENT: a null

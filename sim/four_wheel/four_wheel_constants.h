@@ -110,7 +110,7 @@ struct four_wheel_file {
         double jump_m;    /**< largest step of the laser's pose away from the prediction; of its heading: rad */
         double wait_s;    /**< before giving up */
         int dropouts;     /**< scans that may be missing, and poses that may jump, in a row */
-        double blind_m;   /**< way that the wheels alone may lead */
+        double blind_m;   /**< distance driven by wheel odometry alone */
     } patrol;
     struct {
         double speed_m_s;

@@ -25,8 +25,8 @@ bool script_straight(struct script *script, const struct bezier_point *waypoints
 /** A Bézier path as short steps of constant speed and turn rate. False without memory. */
 bool script_bezier(struct script *script, const struct bezier_path *path);
 
-/** Steps that are faster than the limit by at most a hundredth keep their way and take longer: chords of arcs that are
- * driven at the limit, and curves whose optimiser weighs it. Others stay, for the robot to refuse. */
+/** Steps that are faster than the limit by at most a hundredth keep their length and take longer: chords of arcs that
+ * are driven at the limit, and curves whose optimiser weighs it. Others stay, for the robot to refuse. */
 void script_keep_limit(struct script *script, jp_q24 speed_max);
 
 /** A route from rest at the origin, looking along x, through `count` targets, with as many planned at once as there are

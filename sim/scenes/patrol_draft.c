@@ -9,11 +9,11 @@
 
 #define TURN_RADIUS_M 0.5 /* of the circle of the robot's corners */
 
-#define SPARE_M       0.1  /* around the robot at start and goal, and on both sides of it on the way */
+#define SPARE_M       0.1  /* around the robot at start and goal, and on both sides of its path */
 #define TURN_SPARE_M  0.05 /* around the circle that it turns in */
 #define DOCKING_STEP  0.05 /* m */
-#define DOCKING_STEPS 160  /* of the longest straight way into the goal */
-#define WALKER_M      1.5  /* between start or goal and the way of one who walks */
+#define DOCKING_STEPS 160  /* of the longest straight path into the goal */
+#define WALKER_M      1.5  /* between start or goal and the path of a walker */
 #define WALK_STEP     0.05 /* m */
 
 #define SPANS_MAX 40 /* rows of the largest disc */

@@ -298,7 +298,7 @@ static bool lay_out_doorway(struct patrol_draft *draft)
 #define PEDESTRIAN_RADIUS 0.25 /* m */
 #define PACE              0.8  /* of the robot towards the crossing, m/s */
 
-/* Reaches the robot's way about when the robot does. */
+/* Reaches the robot's path about when the robot does. */
 static void add_pedestrian(struct patrol_draft *draft, const struct patrol_area *hall)
 {
     const struct jp_plane_pose *start = &draft->scene->start;

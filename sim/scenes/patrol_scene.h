@@ -11,7 +11,7 @@ extern const char *const patrol_scene_names[PATROL_SCENES];
 
 /**
  * Makes a scene. All of it holds on the ground, with what stands there: the robot's true shape has 0.1 m to spare at
- * start and goal; it can turn in place at the start, and at the goal or on the straight way into it, with 0.05 m to
+ * start and goal; it can turn in place at the start, and at the goal or on the straight path into it, with 0.05 m to
  * spare; a disc 0.2 m wider than the robot gets from start to goal. Who walks keeps 1.5 m off start and goal.
  */
 void patrol_scene_make(enum patrol_scene_kind kind, uint64_t seed, struct patrol_scene *scene);

@@ -12,7 +12,7 @@ enum patrol_scene_kind {
     PATROL_L_PASSAGE,       /**< narrow passage round a corner (paper, Fig. 11) */
     PATROL_CORRIDOR,        /**< narrow corridor, entered across (paper, Fig. 11) */
     PATROL_DOORWAY,         /**< two rooms and a door */
-    PATROL_PEDESTRIAN,      /**< somebody crosses the way */
+    PATROL_PEDESTRIAN,      /**< a person crosses the robot's path */
     PATROL_WAREHOUSE,       /**< aisles between shelves, pallets that the map does not show */
     PATROL_SCENES           /**< the kind of a scene on a map of others */
 };

@@ -43,7 +43,7 @@ static double way_length(const struct patrol_obstacle *obstacle, size_t legs)
     return length;
 }
 
-/* Where along its way-points an obstacle is, m, and in which direction it goes: 1, −1 or 0. */
+/* Where along its waypoints an obstacle is, m, and in which direction it goes: 1, −1 or 0. */
 static double progress(const struct patrol_obstacle *obstacle, double length, double time, int *direction)
 {
     const double way = obstacle->speed * fmax(time - obstacle->starts, 0);

@@ -20,9 +20,9 @@
 #define PATROL_DISTANCE_MAX 1.0
 
 enum patrol_end {
-    PATROL_STOPS,   /**< at the last way-point */
-    PATROL_RETURNS, /**< goes back the same way, for ever */
-    PATROL_LOOPS    /**< goes on to the first way-point, for ever */
+    PATROL_STOPS,   /**< at the last waypoint */
+    PATROL_RETURNS, /**< goes back along the same path, for ever */
+    PATROL_LOOPS    /**< goes on to the first waypoint, for ever */
 };
 
 struct patrol_obstacle {
@@ -31,7 +31,7 @@ struct patrol_obstacle {
     size_t waypoint_count; /**< at least 1; with 1 it stands, heading 0 */
     double speed;          /**< m/s; 0 or more */
     double appears;        /**< when it is there, s */
-    double starts;         /**< when it starts from the first way-point, s */
+    double starts;         /**< when it starts from the first waypoint, s */
     enum patrol_end end;
 };
 

@@ -13,7 +13,7 @@
 /** The next segment is planned this long before the current one ends: s⁻¹, so a tenth of a second. */
 #define PLAN_LEAD_RATE 10U
 
-/** One tick rate, and one way from wheels to metres. */
+/** Checks that all parts have one tick rate and one wheel radius. */
 static enum jp_status check_relations(const struct jp_robot_config *config, const char **field)
 {
     const uint32_t rate = config->estimator.tick_rate;
@@ -481,8 +481,8 @@ enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *ro
     return JP_OK;
 }
 
-/** What a standing robot has yet to roll, m: it may still be on its way to where it shall stand. */
-static jp_q24 way_to_stand(const struct jp_robot *robot, const struct jp_telemetry *telemetry)
+/** The distance that a balancing robot still has to roll to the place where it will stand, m. */
+static jp_q24 distance_to_stand(const struct jp_robot *robot, const struct jp_telemetry *telemetry)
 {
     jp_q24 turns = jp_round_shift((int64_t)(telemetry->target_wheel - telemetry->motion.wheel), 32);
 
@@ -494,7 +494,7 @@ void jp_robot_predict_end(const struct jp_robot *robot, const struct jp_telemetr
 {
     int64_t tick_rate = robot->internal.config->estimator.tick_rate;
     int64_t ticks = telemetry->segment_ticks_left;
-    jp_q24 left = jp_saturate32(ticks * telemetry->command.speed / tick_rate + way_to_stand(robot, telemetry));
+    jp_q24 left = jp_saturate32(ticks * telemetry->command.speed / tick_rate + distance_to_stand(robot, telemetry));
     jp_angle turned = jp_angle_from_radians(jp_saturate32(ticks * telemetry->command.turn_rate / tick_rate));
     jp_angle now = jp_phase_angle(telemetry->target_yaw);
     jp_angle mean = now + (jp_angle)((int32_t)turned / 2);

@@ -28,7 +28,7 @@ struct place {
     struct jp_point point; /**< m from the start */
 };
 
-/** From a way to a place: the segment, and where it leads over the map. */
+/** From a label to a place: the segment, and its turn and arc over the map. */
 struct leg {
     struct jp_segment segment;
     struct jp_waypoint_arc turn;
@@ -115,32 +115,32 @@ static struct place place_at(const struct jp_waypoints *waypoints, size_t index)
 
 /* ---- Legs ---- */
 
-static struct jp_waypoints_way *ways_at(const struct jp_waypoints *waypoints, size_t place)
+static struct jp_waypoints_label *labels_at(const struct jp_waypoints *waypoints, size_t place)
 {
-    return &waypoints->internal.ways[place * JP_WAYPOINTS_SECTORS];
+    return &waypoints->internal.labels[place * JP_WAYPOINTS_SECTORS];
 }
 
-static struct jp_waypoints_way *way_to(const struct jp_waypoints *waypoints, size_t place, jp_phase heading)
+static struct jp_waypoints_label *label_of(const struct jp_waypoints *waypoints, size_t place, jp_phase heading)
 {
     const jp_phase half_sector = JP_PHASE_TURN / (2U * JP_WAYPOINTS_SECTORS);
     const jp_phase sector = (heading + half_sector) / (JP_PHASE_TURN / JP_WAYPOINTS_SECTORS) % JP_WAYPOINTS_SECTORS;
 
-    return &ways_at(waypoints, place)[sector];
+    return &labels_at(waypoints, place)[sector];
 }
 
-static bool find_leg(const struct jp_waypoints *waypoints, const struct jp_waypoints_way *way, const struct place *from,
-                     const struct place *to, struct leg *leg)
+static bool find_leg(const struct jp_waypoints *waypoints, const struct jp_waypoints_label *label,
+                     const struct place *from, const struct place *to, struct leg *leg)
 {
     const struct jp_waypoints_config *config = &waypoints->config;
-    const jp_angle heading = angle_of(way->heading);
+    const jp_angle heading = angle_of(label->heading);
     struct jp_segment *segment = &leg->segment;
 
-    if (jp_segment_optimise(config->model, config->limits, &way->motion, &from->point, heading, &to->point, segment) !=
-        JP_OK) {
+    if (jp_segment_optimise(config->model, config->limits, &label->motion, &from->point, heading, &to->point,
+                            segment) != JP_OK) {
         return false;
     }
 
-    const jp_phase turned = way->heading + phase_of(segment->command.turn);
+    const jp_phase turned = label->heading + phase_of(segment->command.turn);
 
     leg->turn = (struct jp_waypoint_arc){from->x, from->y, heading, turn_of(segment->command.turn), 0};
     leg->arc = (struct jp_waypoint_arc){from->x, from->y, angle_of(turned), turn_of(segment->arc),
@@ -182,22 +182,22 @@ static int margin_needed(const struct jp_waypoints *waypoints, size_t from, size
     return from == 0U || to + 1U == waypoints->internal.places ? 0 : (int)waypoints->margin_min;
 }
 
-/* Goes on from one way to a place; keeps what comes of it if it is the best so far. */
+/* Extends a label to a place and keeps the result if it is the best so far there. */
 static void join(struct jp_waypoints *waypoints, uint8_t sector, const struct place *from, const struct place *to)
 {
-    const struct jp_waypoints_way *way = &ways_at(waypoints, waypoints->internal.from)[sector];
+    const struct jp_waypoints_label *label = &labels_at(waypoints, waypoints->internal.from)[sector];
     struct leg leg;
     int64_t slopes;
 
-    if (!find_leg(waypoints, way, from, to, &leg) ||
+    if (!find_leg(waypoints, label, from, to, &leg) ||
         !jp_waypoint_arc_slopes(waypoints->config.terrain,
                                 &waypoints->config.lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], &leg.arc,
                                 &slopes)) {
         return;
     }
 
-    struct jp_waypoints_way *const best = way_to(waypoints, waypoints->internal.to, leg.heading);
-    const int64_t before = way->price + slopes * PRICE_PER_COST;
+    struct jp_waypoints_label *const best = label_of(waypoints, waypoints->internal.to, leg.heading);
+    const int64_t before = label->price + slopes * PRICE_PER_COST;
 
     if (before + price_of(leg.segment.energy, JP_WAYPOINTS_MARGIN_STEPS) >= best->price) {
         return;
@@ -207,7 +207,7 @@ static void join(struct jp_waypoints *waypoints, uint8_t sector, const struct pl
     const int64_t price = before + price_of(leg.segment.energy, margin);
 
     if (margin >= margin_needed(waypoints, waypoints->internal.from, waypoints->internal.to) && price < best->price) {
-        *best = (struct jp_waypoints_way){
+        *best = (struct jp_waypoints_label){
             leg.heading, price, leg.segment.command.motion, waypoints->internal.from, sector, (uint8_t)margin};
     }
 }
@@ -224,9 +224,9 @@ static bool is_chord_clear(const struct jp_waypoints *waypoints, const struct pl
     return x * x + y * y > (int64_t)JP_SEGMENT_LENGTH_MIN * JP_SEGMENT_LENGTH_MIN && is_clear(waypoints, &chord, 0);
 }
 
-static bool is_reached(const struct jp_waypoints_way *way)
+static bool is_reached(const struct jp_waypoints_label *label)
 {
-    return way->price != NO_PRICE;
+    return label->price != NO_PRICE;
 }
 
 static void join_pair(struct jp_waypoints *waypoints)
@@ -238,7 +238,7 @@ static void join_pair(struct jp_waypoints *waypoints)
         return;
     }
     for (uint8_t sector = 0; sector < JP_WAYPOINTS_SECTORS; sector++) {
-        if (is_reached(&ways_at(waypoints, waypoints->internal.from)[sector])) {
+        if (is_reached(&labels_at(waypoints, waypoints->internal.from)[sector])) {
             join(waypoints, sector, &from, &to);
         }
     }
@@ -246,13 +246,13 @@ static void join_pair(struct jp_waypoints *waypoints)
 
 /* ---- The search ---- */
 
-static const struct jp_waypoints_way *best_way(const struct jp_waypoints *waypoints)
+static const struct jp_waypoints_label *best_label(const struct jp_waypoints *waypoints)
 {
-    const struct jp_waypoints_way *ways = ways_at(waypoints, waypoints->internal.places - 1U);
-    const struct jp_waypoints_way *best = ways;
+    const struct jp_waypoints_label *labels = labels_at(waypoints, waypoints->internal.places - 1U);
+    const struct jp_waypoints_label *best = labels;
 
     for (size_t sector = 1; sector < JP_WAYPOINTS_SECTORS; sector++) {
-        best = ways[sector].price < best->price ? &ways[sector] : best;
+        best = labels[sector].price < best->price ? &labels[sector] : best;
     }
     return best;
 }
@@ -268,15 +268,15 @@ static void begin_attempt(struct jp_waypoints *waypoints)
     waypoints->internal.from = 0;
     waypoints->internal.to = 1;
     for (size_t i = 0; i < (size_t)waypoints->internal.places * JP_WAYPOINTS_SECTORS; i++) {
-        waypoints->internal.ways[i].price = NO_PRICE;
+        waypoints->internal.labels[i].price = NO_PRICE;
     }
-    *way_to(waypoints, 0, heading) = (struct jp_waypoints_way){.heading = heading};
+    *label_of(waypoints, 0, heading) = (struct jp_waypoints_label){.heading = heading};
 }
 
 static void end_attempt(struct jp_waypoints *waypoints)
 {
     waypoints->attempts++;
-    if (is_reached(best_way(waypoints))) {
+    if (is_reached(best_label(waypoints))) {
         waypoints->answer = JP_WAYPOINTS_FOUND;
     } else if (waypoints->attempts == ATTEMPTS) {
         waypoints->answer = JP_WAYPOINTS_NONE;
@@ -312,17 +312,17 @@ enum jp_waypoints_answer jp_waypoints_work(struct jp_waypoints *waypoints, unsig
 /* Where the answer is when it is followed from its end. */
 struct position {
     size_t place;
-    const struct jp_waypoints_way *way;
+    const struct jp_waypoints_label *label;
 };
 
 static struct position last_position(const struct jp_waypoints *waypoints)
 {
-    return (struct position){waypoints->internal.places - 1U, best_way(waypoints)};
+    return (struct position){waypoints->internal.places - 1U, best_label(waypoints)};
 }
 
 static struct position position_before(const struct jp_waypoints *waypoints, const struct position *at)
 {
-    return (struct position){at->way->before, &ways_at(waypoints, at->way->before)[at->way->before_sector]};
+    return (struct position){at->label->before, &labels_at(waypoints, at->label->before)[at->label->before_sector]};
 }
 
 size_t jp_waypoints_count(const struct jp_waypoints *waypoints)
@@ -341,10 +341,10 @@ size_t jp_waypoints_count(const struct jp_waypoints *waypoints)
 static struct jp_waypoint waypoint_at(const struct jp_waypoints *waypoints, const struct position *at)
 {
     return (struct jp_waypoint){.point = place_at(waypoints, at->place).point,
-                                .heading = angle_of(at->way->heading),
+                                .heading = angle_of(at->label->heading),
                                 .pose = (uint16_t)pose_of(waypoints, at->place),
                                 .side = (int8_t)side_of(waypoints, at->place),
-                                .margin = at->way->margin};
+                                .margin = at->label->margin};
 }
 
 enum jp_status jp_waypoints_read(const struct jp_waypoints *waypoints, struct jp_waypoint *list, size_t max)
@@ -370,7 +370,7 @@ enum jp_status jp_waypoints_read(const struct jp_waypoints *waypoints, struct jp
         const struct place to = place_at(waypoints, at.place);
         struct leg leg;
 
-        (void)find_leg(waypoints, before.way, &from, &to, &leg);
+        (void)find_leg(waypoints, before.label, &from, &to, &leg);
         list[i] = waypoint_at(waypoints, &at);
         list[i].segment = leg.segment;
         at = before;
@@ -386,7 +386,7 @@ size_t jp_waypoints_size(size_t poses)
     if (poses < 2U || poses > JP_WAYPOINTS_ROUTE_MAX) {
         return 0;
     }
-    return (3U * poses - 4U) * JP_WAYPOINTS_SECTORS * sizeof(struct jp_waypoints_way);
+    return (3U * poses - 4U) * JP_WAYPOINTS_SECTORS * sizeof(struct jp_waypoints_label);
 }
 
 static bool is_side_in_range(const struct jp_waypoints_config *config, jp_q24 side)
@@ -452,7 +452,7 @@ enum jp_status jp_waypoints_init(struct jp_waypoints *waypoints, const struct jp
         return status;
     }
     *waypoints = (struct jp_waypoints){
-        .config = *config, .internal = {.ways = block, .ways_max = size / sizeof *waypoints->internal.ways}};
+        .config = *config, .internal = {.labels = block, .labels_max = size / sizeof *waypoints->internal.labels}};
     return JP_OK;
 }
 
@@ -477,7 +477,7 @@ enum jp_status jp_waypoints_start(struct jp_waypoints *waypoints, const struct j
     if (waypoints == NULL || route == NULL || size == 0U) {
         return JP_ERR_ARGUMENT;
     }
-    if (size > waypoints->internal.ways_max * sizeof *waypoints->internal.ways) {
+    if (size > waypoints->internal.labels_max * sizeof *waypoints->internal.labels) {
         return JP_ERR_MEMORY;
     }
 

@@ -17,7 +17,7 @@ static uint64_t map_block[160];
 static struct jp_lattice lattice;
 static struct jp_waypoints_config config;
 static struct jp_waypoints waypoints;
-static uint64_t block[WAYPOINTS_MAX * JP_WAYPOINTS_SECTORS * sizeof(struct jp_waypoints_way) / sizeof(uint64_t)];
+static uint64_t block[WAYPOINTS_MAX * JP_WAYPOINTS_SECTORS * sizeof(struct jp_waypoints_label) / sizeof(uint64_t)];
 static struct jp_waypoint list[WAYPOINTS_MAX];
 static size_t count;
 
@@ -271,8 +271,8 @@ static void test_sizes(void)
 {
     TEST_ASSERT_EQUAL_UINT(0, jp_waypoints_size(0));
     TEST_ASSERT_EQUAL_UINT(0, jp_waypoints_size(1));
-    TEST_ASSERT_EQUAL_UINT(2 * 16 * sizeof(struct jp_waypoints_way), jp_waypoints_size(2));
-    TEST_ASSERT_EQUAL_UINT(11 * 16 * sizeof(struct jp_waypoints_way), jp_waypoints_size(5));
+    TEST_ASSERT_EQUAL_UINT(2 * 16 * sizeof(struct jp_waypoints_label), jp_waypoints_size(2));
+    TEST_ASSERT_EQUAL_UINT(11 * 16 * sizeof(struct jp_waypoints_label), jp_waypoints_size(5));
     TEST_ASSERT_EQUAL_UINT(0, jp_waypoints_size(JP_WAYPOINTS_ROUTE_MAX + 1));
     TEST_ASSERT_TRUE(jp_waypoints_size(1000) <= 1536U * 1000U);
 }
