@@ -97,8 +97,9 @@ class SimulatedTime:
             if line == self._plant and text.startswith(SIM_TIME):
                 self._next = text
                 continue
-            if text.startswith(SIM_DONE) and tick_of(text) == self._begun:  # of two ECUs one may answer late
-                self._done = self._begun
+            # Another ECU answers, too, until it hears the first.
+            if line == self._ecus[0] and text.startswith(SIM_DONE):
+                self._done = tick_of(text)
             hearers = self._ecus if line == self._plant else [self._plant]
             if line in self._ecus and text.startswith(FRAME):
                 hearers = [self._plant, *(ecu for ecu in self._ecus if ecu != line)]
