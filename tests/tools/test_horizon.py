@@ -89,7 +89,7 @@ def test_committed_tables_are_what_the_tool_makes(name, tmp_path):
     for suffix in horizon.SUFFIXES.values():
         committed = ROOT / "src" / "tables" / f"horizon_{name}{suffix}.c"
         made = tmp_path / committed.name
-        assert integers(made.read_text()) == pytest.approx(integers(committed.read_text()), rel=1e-6,
+        assert integers(made.read_text()) == pytest.approx(integers(committed.read_text()), rel=1e-5,
                                                            abs=LAST_DIGITS), f"run `make horizon ROBOT={name}`"
 
 

@@ -50,7 +50,7 @@ FLAGS.host            = $(HOST) -O2
 FLAGS.release         = -O2 -Wno-error -ffunction-sections -fdata-sections
 # The core has no floating point, so interrupts need not save its registers.
 FLAGS.firmware        = -mthumb -mcpu=cortex-m4 -O2 -ffunction-sections -fdata-sections -fcallgraph-info=su
-FLAGS.host-coverage   = $(HOST) -O0 --coverage
+FLAGS.host-coverage   = $(HOST) -O0 --coverage -fprofile-update=atomic
 FLAGS.host-gcc        = $(HOST) $(SANITIZE)
 FLAGS.host-clang-m32  = $(HOST) $(SANITIZE) $(SSE)
 FLAGS.cortex-m0       = $(ARM) -mcpu=cortex-m0 -Os
