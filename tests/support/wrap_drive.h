@@ -91,76 +91,140 @@ static double wrap_turns(int64_t phase)
     return (double)phase * 0x1p-56;
 }
 
-static void wrap_run(struct wrap_drive *drive)
+/** One angle of the drive, in 2⁻⁵⁶ turn: where it is exactly, and how far off the controller is. */
+struct wrap_angle {
+    wrap_wide step; /**< a tick */
+    jp_phase exact;
+    int64_t error;  /**< reference − measured */
+    int64_t offset; /**< measured − exact */
+    int64_t settled_error;
+    int64_t settled_offset;
+    int64_t jump; /**< largest change of the error in a tick after settling */
+};
+
+static struct wrap_angle wrap_angle(const struct jp_reference *reference, jp_turns_per_s rate, uint64_t first)
 {
-    const struct wrap_geometry *geometry = drive->geometry;
-    const struct jp_robot_config *config = geometry->config;
-    const uint64_t settled = (uint64_t)WRAP_SETTLING_S * config->estimator.tick_rate;
+    const wrap_wide step = (wrap_wide)rate * (wrap_wide)reference->phase_per_rate;
+
+    return (struct wrap_angle){.step = step, .exact = (jp_phase)(step * (wrap_wide)first)};
+}
+
+static void wrap_observe(struct wrap_angle *angle, jp_phase reference, jp_phase measured)
+{
+    const int64_t error = (int64_t)(reference - measured);
+
+    angle->jump = wrap_wider(angle->jump, error - angle->error);
+    angle->error = error;
+    angle->exact += (jp_phase)angle->step;
+    angle->offset = (int64_t)(measured - angle->exact);
+}
+
+/** What was until now does not count. */
+static void wrap_settle(struct wrap_angle *angle)
+{
+    angle->settled_error = angle->error;
+    angle->settled_offset = angle->offset;
+    angle->jump = 0;
+}
+
+/** The controller in the middle of a drive, with the encoders that it reads. */
+struct wrap_controller {
+    const struct jp_robot_config *config;
     struct jp_estimator estimator;
     struct jp_reference reference;
-    struct jp_motion_state state = {0};
+    struct jp_motion_state state;
+    struct jp_sensors sensors;
+    struct wrap_counter left;
+    struct wrap_counter right;
+    struct wrap_angle wheel;
+    struct wrap_angle yaw;
+};
+
+static void wrap_start_encoders(struct wrap_controller *controller, const struct wrap_drive *drive)
+{
+    const struct wrap_geometry *geometry = drive->geometry;
+    const wrap_wide mean = controller->wheel.step * geometry->half_track_denominator;
+    const wrap_wide difference = controller->yaw.step * geometry->half_track_numerator;
+
+    controller->left = wrap_counter(geometry, mean - difference, drive->first);
+    controller->right = wrap_counter(geometry, mean + difference, drive->first);
+    controller->sensors = (struct jp_sensors){
+        .encoder_left = controller->left.value, .encoder_right = controller->right.value, .accel_z = JP_Q24_ONE};
+}
+
+static void wrap_start(struct wrap_controller *controller, const struct wrap_drive *drive)
+{
+    const struct jp_robot_config *config = drive->geometry->config;
     const struct jp_reference_step step = jp_reference_step_to(&config->reference, &drive->motion, 0);
+    struct jp_estimator *estimator = &controller->estimator;
+    struct jp_reference *reference = &controller->reference;
 
-    jp_reference_start(&reference, &config->reference, 0, 0);
-    jp_reference_apply(&reference, &step);
+    *controller = (struct wrap_controller){.config = config};
+    jp_reference_start(reference, &config->reference, 0, 0);
+    jp_reference_apply(reference, &step);
+    controller->wheel = wrap_angle(reference, reference->wheel.target_rate, drive->first);
+    controller->yaw = wrap_angle(reference, reference->yaw.target_rate, drive->first);
+    wrap_start_encoders(controller, drive);
+    jp_estimator_start(estimator, &config->estimator, &controller->sensors);
+    estimator->wheel_encoder = estimator->wheel.angle = controller->wheel.exact;
+    estimator->yaw_encoder = estimator->yaw.angle = controller->yaw.exact;
+    reference->wheel.target = reference->wheel.angle = controller->wheel.exact;
+    reference->yaw.target = reference->yaw.angle = controller->yaw.exact;
+}
 
-    const wrap_wide wheel_step = (wrap_wide)reference.wheel.target_rate * (wrap_wide)reference.phase_per_rate;
-    const wrap_wide yaw_step = (wrap_wide)reference.yaw.target_rate * (wrap_wide)reference.phase_per_rate;
-    const wrap_wide mean = wheel_step * geometry->half_track_denominator;
-    const wrap_wide difference = yaw_step * geometry->half_track_numerator;
-    struct wrap_counter left = wrap_counter(geometry, mean - difference, drive->first);
-    struct wrap_counter right = wrap_counter(geometry, mean + difference, drive->first);
-    const wrap_wide wheel_first = wheel_step * (wrap_wide)drive->first;
-    const wrap_wide yaw_first = yaw_step * (wrap_wide)drive->first;
-    struct jp_sensors sensors = {.encoder_left = left.value, .encoder_right = right.value, .accel_z = JP_Q24_ONE};
+static void wrap_tick(struct wrap_controller *controller)
+{
+    const struct jp_reference *reference = &controller->reference;
+    const struct jp_motion_state *state = &controller->state;
 
-    jp_estimator_start(&estimator, &config->estimator, &sensors);
-    estimator.wheel_encoder = estimator.wheel.angle = (jp_phase)wheel_first;
-    estimator.yaw_encoder = estimator.yaw.angle = (jp_phase)yaw_first;
-    reference.wheel.target = reference.wheel.angle = (jp_phase)wheel_first;
-    reference.yaw.target = reference.yaw.angle = (jp_phase)yaw_first;
+    wrap_count(&controller->left);
+    wrap_count(&controller->right);
+    controller->sensors.encoder_left = controller->left.value;
+    controller->sensors.encoder_right = controller->right.value;
+    jp_estimator_update(&controller->estimator, &controller->config->estimator, &controller->sensors,
+                        &controller->state);
+    jp_reference_update(&controller->reference, &controller->config->reference);
+    wrap_observe(&controller->wheel, reference->wheel.angle, state->wheel);
+    wrap_observe(&controller->yaw, reference->yaw.angle, state->yaw);
+}
 
-    int64_t wheel_first_error = 0, yaw_first_error = 0, wheel_first_offset = 0, yaw_first_offset = 0;
-    int64_t wheel_error = 0, yaw_error = 0, wheel_jump = 0, yaw_jump = 0;
-    jp_phase wheel_exact = (jp_phase)wheel_first;
-    jp_phase yaw_exact = (jp_phase)yaw_first;
+/** The exact angle after all ticks by one product, which no sum of steps can falsify. */
+static bool wrap_ends_at(const struct wrap_drive *drive, const struct wrap_angle *angle, jp_phase target)
+{
+    return target == (jp_phase)(angle->step * (wrap_wide)(drive->first + drive->ticks));
+}
+
+static void wrap_report(struct wrap_drive *drive, const struct wrap_controller *controller)
+{
+    const struct wrap_angle *wheel = &controller->wheel;
+    const struct wrap_angle *yaw = &controller->yaw;
+
+    drive->wheel_jump = wrap_turns(wheel->jump);
+    drive->yaw_jump = wrap_turns(yaw->jump);
+    drive->wheel_drift = wrap_turns(wheel->error - wheel->settled_error);
+    drive->yaw_drift = wrap_turns(yaw->error - yaw->settled_error);
+    drive->wheel_measured_drift = wrap_turns(wheel->offset - wheel->settled_offset);
+    drive->yaw_measured_drift = wrap_turns(yaw->offset - yaw->settled_offset);
+    drive->exact = wrap_ends_at(drive, wheel, controller->reference.wheel.target) &&
+                   wrap_ends_at(drive, yaw, controller->reference.yaw.target);
+}
+
+static void wrap_run(struct wrap_drive *drive)
+{
+    struct wrap_controller controller;
+
+    wrap_start(&controller, drive);
+
+    const uint64_t settled = (uint64_t)WRAP_SETTLING_S * controller.config->estimator.tick_rate;
 
     for (uint64_t tick = 1; tick <= drive->ticks; tick++) {
-        wrap_count(&left);
-        wrap_count(&right);
-        sensors.encoder_left = left.value;
-        sensors.encoder_right = right.value;
-        wheel_exact += (jp_phase)wheel_step;
-        yaw_exact += (jp_phase)yaw_step;
-        jp_estimator_update(&estimator, &config->estimator, &sensors, &state);
-        jp_reference_update(&reference, &config->reference);
-
-        const int64_t wheel = (int64_t)(reference.wheel.angle - state.wheel);
-        const int64_t yaw = (int64_t)(reference.yaw.angle - state.yaw);
-
-        if (tick == settled) {
-            wheel_first_error = wheel;
-            yaw_first_error = yaw;
-            wheel_first_offset = (int64_t)(state.wheel - wheel_exact);
-            yaw_first_offset = (int64_t)(state.yaw - yaw_exact);
-        } else if (tick > settled) {
-            wheel_jump = wrap_wider(wheel_jump, wheel - wheel_error);
-            yaw_jump = wrap_wider(yaw_jump, yaw - yaw_error);
+        wrap_tick(&controller);
+        if (tick <= settled) {
+            wrap_settle(&controller.wheel);
+            wrap_settle(&controller.yaw);
         }
-        wheel_error = wheel;
-        yaw_error = yaw;
     }
-
-    const wrap_wide last = (wrap_wide)(drive->first + drive->ticks);
-
-    drive->wheel_jump = wrap_turns(wheel_jump);
-    drive->yaw_jump = wrap_turns(yaw_jump);
-    drive->wheel_drift = wrap_turns(wheel_error - wheel_first_error);
-    drive->yaw_drift = wrap_turns(yaw_error - yaw_first_error);
-    drive->wheel_measured_drift = wrap_turns((int64_t)(state.wheel - wheel_exact) - wheel_first_offset);
-    drive->yaw_measured_drift = wrap_turns((int64_t)(state.yaw - yaw_exact) - yaw_first_offset);
-    drive->exact =
-        reference.wheel.target == (jp_phase)(wheel_step * last) && reference.yaw.target == (jp_phase)(yaw_step * last);
+    wrap_report(drive, &controller);
 }
 
 #endif
