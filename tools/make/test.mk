@@ -176,7 +176,8 @@ $(foreach v,host-gcc cortex-m4,$(eval $(call main_test_rules,$v)))
 
 GATE_VARIANTS  := $(UNIT_CORES) $(GROWTH_VARIANTS)
 GATE_LIBRARIES := $(foreach v,$(sort $(GATE_VARIANTS)),$(BUILD)/$v/libjoulepath.a $(call float_library,$v) $(BUILD)/$v/libcan.a)
-GATE_IMAGES    := $(UNIT_CORES:%=$(BUILD)/%/test_ecu)
+# Of the programs on the whole application the one that learns links the most.
+GATE_IMAGES    := $(UNIT_CORES:%=$(BUILD)/%/test_ecu_learning)
 export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=gao2018 -DFIRMWARE_LEARNS
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
