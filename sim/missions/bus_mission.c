@@ -169,6 +169,7 @@ static void end_leg(struct run *run)
                         run->scenario->robot.electronics.power_w * leg->duration;
     leg->end = (struct bezier_point){plant->x, plant->y};
     leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
+    leg->end_speed = plant->state.wheel_rate * run->scenario->robot.wheel.radius_m;
     run->leg++;
     begin_leg(run);
     run->leg_tick--;

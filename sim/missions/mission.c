@@ -206,6 +206,7 @@ static void close_leg(const struct drive *drive, struct mission_leg *leg)
                         drive->scenario->robot.electronics.power_w * leg->duration;
     leg->end = (struct bezier_point){plant->x, plant->y};
     leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
+    leg->end_speed = plant->state.wheel_rate * drive->scenario->robot.wheel.radius_m;
 }
 
 static void end_leg(struct drive *drive)
@@ -542,6 +543,7 @@ void mission_sum_up(struct mission *mission)
         add(total, &mission->braking);
         total->end = mission->braking.end;
         total->end_error = mission->braking.end_error;
+        total->end_speed = mission->braking.end_speed;
     }
 }
 

@@ -39,6 +39,7 @@ struct mission_leg {
     double battery_energy;   /**< the robot's meter, at the battery, J */
     struct bezier_point end; /**< where the robot was, m */
     double end_error;        /**< distance to the target, m */
+    double end_speed;        /**< m/s */
 };
 
 /** What a pilot says before it starts. */

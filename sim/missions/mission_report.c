@@ -169,14 +169,14 @@ static json_t *json_mission(const struct mission *mission, const struct mission 
     for (size_t i = 0; i < mission->leg_count; i++) {
         (void)json_array_append_new(segments, json_leg(&mission->legs[i], i));
     }
-    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:o*, s:{s:o, s:f, s:f, s:f, s:f, s:f}, s:I}", "name",
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:o*, s:{s:o, s:f, s:f, s:f, s:f, s:f, s:f}, s:I}", "name",
                      strategies[mission->strategy].name, "title", strategies[mission->strategy].title, "log",
                      strategies[mission->strategy].log, "forecast", json_forecast(&mission->forecast), "segments",
                      segments, "braking", json_braking(&mission->braking), "total", "planned_energy_j",
                      json_planned(total, total->planned_energy), "measured_energy_j", total->measured_energy,
                      "plant_energy_j", total->plant_energy, "battery_energy_j", total->battery_energy, "duration_s",
-                     total->duration, "relative_percent", relative_percent(mission, optimal), "saturated_ticks",
-                     (json_int_t)mission->saturated_ticks);
+                     total->duration, "end_speed_m_s", total->end_speed, "relative_percent",
+                     relative_percent(mission, optimal), "saturated_ticks", (json_int_t)mission->saturated_ticks);
 }
 
 json_t *mission_json(const struct scenario *scenario, const struct mission *missions, size_t count)

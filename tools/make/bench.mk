@@ -65,6 +65,13 @@ bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on path
 	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
 	    $(BUILD)/bench/bench_patrol.tables.json
 
+.PHONY: bench-limit
+bench-limit: ## measure how far above the least energy that exists scenarios and random routes are driven
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) all
+	@mkdir -p $(BUILD)/bench
+	$(PYTHON) -m tools.measure.bench_limit
+
 # The maps of others are left out where they are not.
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
@@ -92,6 +99,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
 	@$(MAKE) bench-patrol
+	@$(MAKE) bench-limit
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
 	@$(MAKE) size stack cycles test-targets

@@ -50,6 +50,10 @@ SECTIONS = (
     Section("Routes of short segments", "Energies relative to those of segments that are planned together.",
             r"bench_short"),
     Section("Route optimiser", "Plans against the best of many starts of scipy.", r"route"),
+    Section("Energy limit", "Driven energy above the least that exists: direct collocation of the non-linear plant through "
+            "the same waypoints, with the same speed at the end.", r"limit"),
+    Section("Energy limit: scenarios", blocks=("limit_scenarios",)),
+    Section("Energy limit: random routes", "Legs of 1 to 15 m, turns to ±120°.", blocks=("limit_routes",)),
     Section("Segment optimiser", "Plans against brute force and the paper's Table 3.", r"segment"),
     Section("Energy models", "", r"identify(_battery)?"),
     Section("Battery", "", r"battery"),

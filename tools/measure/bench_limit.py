@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""Measure how far above the least energy that exists a robot drives: scenarios and random routes, by each strategy.
+
+jp-mission drives every route in closed loop. The limit is that of energy_limit.py through the same waypoints, in settled
+motion at the speed with which the strategy ended. It is integrated, so that its voltages are known to be possible.
+Beside them stands what cruise and transients reach (trajectory_oracle.py): planned in double precision, and followed by
+the same plant under a feedback of its exact state.
+Prints tables and writes figures and tables for figures.py. Exit status 2: a program failed or no limit was found;
+nothing was written.
+"""
+import json
+import math
+import multiprocessing
+import os
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, whole_number, write_whole
+from tools.design import robot_json
+from tools.measure import energy_limit, trajectory_oracle
+from tools.measure.figure_store import write_tables
+
+COMMAND = "make bench-limit"
+SCENARIOS = ("gao2018_mission", "gao2018_short", "courier24_mission", "courier24_short")
+
+# Random routes: chosen before anything was measured on them.
+ROBOTS = ("gao2018", "courier24")
+WAYPOINTS = 5              # after the start
+LENGTHS = (1.0, 15.0)      # m
+TURN = math.radians(120)   # ±, from leg to leg, and from x to the first
+SEED = 1
+
+ORACLE = "cruise and transients, double precision"
+
+STARTS = 4
+INTEGRATED_MAX = 1e-4  # of the limit: beyond it the mesh is too coarse
+TIMEOUT = 600          # s, of jp-mission
+
+SCENARIO_HEADINGS = ("scenario", "strategy", "driven, J", "limit, J", "above, %", "time, s", "limit, s", "end, m/s",
+                     "worst miss, cm")
+ROUTE_HEADINGS = ("robot", "strategy", "routes", "above, mean %", "above, worst %", "worst miss, cm")
+
+
+@dataclass(frozen=True)
+class Route:
+    name: str
+    scenario: str  # text of its file
+    seed: int
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Of a route by a strategy."""
+    strategy: str
+    energy: float     # J
+    seconds: float
+    end_speed: float  # m/s
+    miss: float       # m, of the worst waypoint
+    limit: float      # J
+    limit_seconds: float
+
+    @property
+    def above(self):
+        """%."""
+        return 100 * (self.energy / self.limit - 1)
+
+
+# ---- Routes --------------------------------------------------------------------------------------------------------
+
+def scenario_route(name):
+    """Its robot's file named by its whole path: the scenario is driven from elsewhere."""
+    text = read_text(ROOT / f"sim/scenarios/{name}.cfg")
+    return Route(name, text.replace("../robots", str(ROOT / "sim/robots")), SEED)
+
+
+def draw_points(generator):
+    directions = np.cumsum(generator.uniform(-TURN, TURN, WAYPOINTS))
+    legs = generator.uniform(*LENGTHS, WAYPOINTS)[:, None] * np.column_stack([np.cos(directions), np.sin(directions)])
+    return np.vstack([np.zeros(2), np.cumsum(legs, axis=0)])
+
+
+def random_route(robot, seed):
+    points = ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in draw_points(np.random.default_rng(seed)))
+    return Route(f"{robot}_{seed}", f'name = "{robot}_{seed}";\nrobot = "{ROOT}/sim/robots/{robot}.cfg";\n'
+                 f'energy_model = "identified";\nseed = {seed};\nwaypoints = ( {points} );\n', seed)
+
+
+# ---- Drives --------------------------------------------------------------------------------------------------------
+
+def driven(route):
+    """What jp-mission says of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "route.cfg"
+        write_whole(path, route.scenario)
+        command = [robot_json.build_directory() / "bin/jp-mission", path, "--output", folder]
+        try:
+            result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT)
+        except OSError as error:
+            raise ToolError(f"{command[0]}: {error.strerror}; build it with `make`") from None
+        if result.returncode != 0:
+            raise ToolError(f"{route.name}: jp-mission: {result.stderr.strip() or 'no reason given'}")
+        return json.loads(read_text(Path(folder) / "summary.json"))
+
+
+def limits(route, task, speeds):
+    """A solution for each speed at the end, integrated."""
+    found = energy_limit.least(task, speeds, STARTS, route.seed)
+    for speed, solution in zip(speeds, found):
+        if solution is None:
+            raise ToolError(f"{route.name}: no limit found that ends at {speed:.3f} m/s")
+        apart = energy_limit.integrate(solution).energy / solution.energy - 1
+        if abs(apart) > INTEGRATED_MAX:
+            raise ToolError(f"{route.name}: the limit integrated is {100 * apart:.3f} % away: its mesh is too coarse")
+    return found
+
+
+def oracle_drive(route, task):
+    """Its end, time, energy and the worst miss."""
+    speed = task.plant.cruise()
+    plan = trajectory_oracle.Plan(task, speed)
+    if not plan.is_found:
+        raise ToolError(f"{route.name}: no trajectory of cruise and transients found")
+    check = energy_limit.follow(task.plant, task.points, *plan.sampled())
+    return ORACLE, check.energy, plan.seconds, speed, max(check.misses)
+
+
+def measure(route):
+    """A drive for each strategy that can drive the route."""
+    summary = driven(route)
+    plant = energy_limit.Plant(robot_json.load(robot_json.robot_path(summary["robot"])), summary["energy"])
+    task = energy_limit.Task(plant, np.array(summary["waypoints_m"]))
+    drives = [(row["title"], row["total"]["plant_energy_j"], row["total"]["duration_s"], row["total"]["end_speed_m_s"],
+               max(leg["end_error_m"] for leg in row["segments"])) for row in summary["strategies"] if "total" in row]
+    drives.append(oracle_drive(route, task))
+    found = limits(route, task, [speed for _, _, _, speed, _ in drives])
+    return [Drive(*drive, solution.energy, solution.durations.sum()) for drive, solution in zip(drives, found)]
+
+
+def measure_all(routes, workers):
+    """In parallel, with a bar."""
+    console = Console(stderr=True)
+    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
+                   console=console, disable=not console.is_terminal, transient=True)
+    with multiprocessing.Pool(workers) as pool, bar:
+        return list(bar.track(pool.imap(measure, routes), len(routes), description="routes"))
+
+
+# ---- Figures -------------------------------------------------------------------------------------------------------
+
+def figure(name, value, unit):
+    return {"name": f"energy limit: {name}", "value": float(value), "unit": unit, "bound": None, "command": COMMAND}
+
+
+def scenario_rows(name, drives):
+    return [(name, drive.strategy, f"{drive.energy:.2f}", f"{drive.limit:.2f}", f"{drive.above:.2f}",
+             f"{drive.seconds:.1f}", f"{drive.limit_seconds:.1f}", f"{drive.end_speed:.3f}", f"{100 * drive.miss:.1f}")
+            for drive in drives]
+
+
+def by_strategy(results):
+    """{strategy: its drives}, in the order of the first route that knows it."""
+    found = {}
+    for drives in results:
+        for drive in drives:
+            found.setdefault(drive.strategy, []).append(drive)
+    return found
+
+
+def route_rows(robot, results):
+    return [(robot, strategy, str(len(drives)), f"{np.mean([drive.above for drive in drives]):.2f}",
+             f"{max(drive.above for drive in drives):.2f}", f"{100 * max(drive.miss for drive in drives):.1f}")
+            for strategy, drives in by_strategy(results).items()]
+
+
+def figures_of(scenarios, routes):
+    for name, drives in scenarios.items():
+        for drive in drives:
+            yield figure(f"{name}, {drive.strategy}: above the limit", drive.above, "%")
+    for robot, results in routes.items():
+        for strategy, drives in by_strategy(results).items():
+            above = [drive.above for drive in drives]
+            name = f"{len(drives)} random routes of {WAYPOINTS}, {robot}, {strategy}: above the limit"
+            yield figure(f"{name}, mean", np.mean(above), "%")
+            yield figure(f"{name}, worst", max(above), "%")
+
+
+def arguments():
+    parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--routes", metavar="N", type=whole_number(1, 1_000_000), default=100,
+                        help="random ones for each robot (default: 100)")
+    parser.add_argument("--seed", metavar="S", type=whole_number(0, 2**31), default=SEED,
+                        help=f"of the first; the others follow (default: {SEED})")
+    parser.add_argument("--workers", metavar="N", type=whole_number(1, 4096), default=os.cpu_count(),
+                        help="default: one for each core")
+    parser.add_argument("--bench", metavar="FILE", type=Path,
+                        help="where the figures go, and beside them the tables (default: build/bench/limit.json)")
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    routes = [scenario_route(name) for name in SCENARIOS]
+    routes += [random_route(robot, options.seed + i) for robot in ROBOTS for i in range(options.routes)]
+    results = measure_all(routes, options.workers)
+
+    scenarios = dict(zip(SCENARIOS, results))
+    random = {robot: results[len(SCENARIOS) + i * options.routes:][:options.routes] for i, robot in enumerate(ROBOTS)}
+    scenario_table = [row for name, drives in scenarios.items() for row in scenario_rows(name, drives)]
+    route_table = [row for robot, drives in random.items() for row in route_rows(robot, drives)]
+    path = options.bench or robot_json.build_directory() / "bench/limit.json"
+    write_whole(path, json.dumps(list(figures_of(scenarios, random)), indent=2, ensure_ascii=False) + "\n")
+    tables = path.with_suffix(".tables.json")
+    write_tables(tables, {"limit_scenarios": (SCENARIO_HEADINGS, scenario_table),
+                          "limit_routes": (ROUTE_HEADINGS, route_table)})
+
+    print_aligned([SCENARIO_HEADINGS, *scenario_table])
+    print(f"\nrandom routes of {WAYPOINTS} legs of {LENGTHS[0]:g} to {LENGTHS[1]:g} m, turns to ±{math.degrees(TURN):g}°")
+    print_aligned([ROUTE_HEADINGS, *route_table])
+    print(f"\nwrote {shown_path(path)} and {shown_path(tables)}")
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)
