@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "src/base/plane.h"
+#include "tests/support/band_rig.h"
 #include "tests/support/near.h"
 
 enum { RIG_WALLS_MAX = 64, RIG_POINTS_MAX = 128, RIG_BEAMS = 180 };
@@ -40,6 +41,12 @@ static float laser_turn;  /* rad */
 /** A robot of 0.8 m × 0.6 m that drives 0.8 m/s; a band of little work. */
 static inline struct jp_patrol_config rig_config(void)
 {
+    struct jp_teb_config band = rig_band();
+
+    band.speed_max = 0.8f;
+    band.interval = 0.3f;
+    band.rounds = 2;
+    band.steps = 3;
     return (struct jp_patrol_config){
         .wheels = {.wheelbase = JP_Q24(0.5),
                    .track = JP_Q24(0.44),
@@ -47,31 +54,7 @@ static inline struct jp_patrol_config rig_config(void)
                    .steering_step = JP_ANGLE_DEGREES(2),
                    .speed_max = JP_Q24(1.5),
                    .speed_step = JP_Q24(0.01)},
-        .teb = {.speed_max = 0.8f,
-                .reverse_max = 0.3f,
-                .turn_rate_max = 1.2f,
-                .acceleration = 0.8f,
-                .turn_acceleration = 2.0f,
-                .radius_min = 0.5f,
-                .footprint = {0.4f, 0.4f, 0.3f},
-                .clearance = 0.1f,
-                .interval = 0.3f,
-                .hysteresis = 0.1f,
-                .rounds = 2,
-                .steps = 3,
-                .weights = {.nonholonomic = 1000.0f,
-                            .speed = 20.0f,
-                            .turn_rate = 20.0f,
-                            .turn_radius = 50.0f,
-                            .acceleration = 5.0f,
-                            .turn_acceleration = 2.0f,
-                            .obstacle = 500.0f,
-                            .path = 2.0f,
-                            .time = 0.2f,
-                            .slowness = 2.0f,
-                            .no_reversing = 1000.0f,
-                            .wheel_odometry = 1000.0f,
-                            .laser_odometry = 10000.0f}},
+        .teb = band,
         .scan = {.range_max = 5.0f, .gap = 0.4f, .tolerance = 0.04f, .beams_min = 2},
         .movers = {.extent = 0.9f, .speed_min = 0.3f, .speed_max = 2.0f, .margin = 0.2f},
         .turns_in_place = true,
@@ -183,7 +166,7 @@ static inline void rig_scan(void)
 static inline void rig_point(float x, float y)
 {
     TEST_ASSERT_TRUE(path_count < RIG_POINTS_MAX);
-    path[path_count++] = (struct jp_point){(jp_q16)(x * (float)JP_Q16_ONE), (jp_q16)(y * (float)JP_Q16_ONE)};
+    path[path_count++] = rig_path_point(x, y);
 }
 
 /** Points every 0.1 m or so from one place to another. */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "src/base/plane.h"
+#include "tests/support/band_rig.h"
 #include "tests/support/near.h"
 #include "tests/target/random.h"
 
@@ -16,41 +17,6 @@ static struct jp_obstacles obstacles;
 static struct jp_point path[RIG_PATH_MAX];
 static struct jp_teb_task task;
 static uint32_t random_state;
-
-/** A robot of 0.8 m × 0.6 m that drives 1 m/s. */
-static inline struct jp_teb_config rig_config(void)
-{
-    return (struct jp_teb_config){
-        .speed_max = 1.0f,
-        .reverse_max = 0.3f,
-        .turn_rate_max = 1.2f,
-        .acceleration = 0.8f,
-        .turn_acceleration = 2.0f,
-        .radius_min = 0.5f,
-        .footprint = {0.4f, 0.4f, 0.3f},
-        .clearance = 0.1f,
-        .interval = 0.25f,
-        .hysteresis = 0.1f,
-        .rounds = 3,
-        .steps = 4,
-        .weights =
-            {
-                .nonholonomic = 1000.0f,
-                .speed = 20.0f,
-                .turn_rate = 20.0f,
-                .turn_radius = 50.0f,
-                .acceleration = 5.0f,
-                .turn_acceleration = 2.0f,
-                .obstacle = 500.0f,
-                .path = 2.0f,
-                .time = 0.2f,
-                .slowness = 2.0f,
-                .no_reversing = 1000.0f,
-                .wheel_odometry = 1000.0f,
-                .laser_odometry = 10000.0f,
-            },
-    };
-}
 
 static inline void rig_init(const struct jp_teb_config *config)
 {
@@ -65,8 +31,7 @@ static inline void rig_path(const struct jp_plane_point *points, unsigned count)
     const struct jp_plane_point *const last = &points[count - 1U];
 
     for (unsigned i = 0; i < count; i++) {
-        path[i].x = (jp_q16)(points[i].x * (float)JP_Q16_ONE);
-        path[i].y = (jp_q16)(points[i].y * (float)JP_Q16_ONE);
+        path[i] = rig_path_point(points[i].x, points[i].y);
     }
     task = (struct jp_teb_task){
         .start = {points[0].x, points[0].y, jp_plane_bearing(points[1].x - points[0].x, points[1].y - points[0].y)},
@@ -83,10 +48,10 @@ static inline void rig_straight(float length)
     rig_path(points, 2);
 }
 
-/** Settings of rig_config(), a straight way of 5 m and no obstacles. */
+/** Settings of rig_band(), a straight way of 5 m and no obstacles. */
 static inline void rig_reset(void)
 {
-    const struct jp_teb_config config = rig_config();
+    const struct jp_teb_config config = rig_band();
     const struct jp_plane_point centre = {0.0f, 0.0f};
 
     random_state = 1;

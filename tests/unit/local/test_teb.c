@@ -14,7 +14,7 @@ static const char *field;
 void setUp(void)
 {
     rig_reset();
-    config = rig_config();
+    config = rig_band();
     memset(&result, 0, sizeof result);
     field = NULL;
 }

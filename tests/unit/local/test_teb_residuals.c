@@ -184,7 +184,7 @@ static void random_problem(const struct jp_teb_config *config)
 
 static struct jp_teb_config config_of_term(unsigned term)
 {
-    struct jp_teb_config config = rig_config();
+    struct jp_teb_config config = rig_band();
 
     config.weights = (struct jp_teb_weights){0};
     *weight(&config, term) = 3.0f;
@@ -194,7 +194,7 @@ static struct jp_teb_config config_of_term(unsigned term)
 /* All of them about as strong. */
 static struct jp_teb_config config_of_all_terms(void)
 {
-    struct jp_teb_config config = rig_config();
+    struct jp_teb_config config = rig_band();
 
     for (unsigned term = 0; term < TERMS; term++) {
         *weight(&config, term) = 1.0f + 0.25f * (float)term;
