@@ -77,7 +77,7 @@ static void print_against(json_t *figures, const struct comparison *comparison, 
     const double relative = relative_percent(comparison, rival->strategy);
 
     if (is_paper && rival->paper > 0) {
-        figures_add(figures, COMMAND, relative, "%", (struct figure_bar){">=", rival->paper},
+        figures_add(figures, COMMAND, relative, "%", at_least(rival->paper),
                     "short segments of %s, %s: relative to ours (paper: %g %%)", robot, rival->name, rival->paper);
     } else {
         figures_add(figures, COMMAND, relative, "%", no_bar, "short segments of %s, %s: relative to ours", robot,

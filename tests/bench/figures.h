@@ -28,6 +28,11 @@ static inline struct figure_bar at_most(double value)
     return (struct figure_bar){"<=", value};
 }
 
+static inline struct figure_bar at_least(double value)
+{
+    return (struct figure_bar){">=", value};
+}
+
 /** Appends a figure that `command` makes again; its name is a format. */
 __attribute__((format(printf, 6, 7))) static inline void figures_add(json_t *figures, const char *command, double value,
                                                                      const char *unit, struct figure_bar bar,

@@ -101,7 +101,7 @@ $(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(call host_libraries,host)
 $(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(call host_libraries,host)
 	$(call link_host,host)
 
-$(BUILD)/bench/bench_plan: $(BUILD)/host/tests/bench/plain_dijkstra.o
+$(BUILD)/bench/bench_plan: $(addprefix $(BUILD)/host/tests/bench/,plain_dijkstra.o plan_replans.o plan_savings.o)
 
 # Property tests at bench length, without the sanitizers.
 $(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(call host_libraries,host) $(UNITY_SOURCE:%=$(BUILD)/host/unity.o)
