@@ -13,6 +13,8 @@
 #include "sim/base/error.h"
 #include "sim/base/progress.h"
 #include "sim/base/random.h"
+#include "tests/bench/figures.h"
+#include "tests/bench/statistics.h"
 #include "tests/support/grid_oracle.h"
 #include "tests/support/scene.h"
 
@@ -80,19 +82,6 @@ static void *allocate(size_t size)
         exit(1);
     }
     return block;
-}
-
-static int compare(const void *a, const void *b)
-{
-    const double difference = *(const double *)a - *(const double *)b;
-    return (difference > 0) - (difference < 0);
-}
-
-/* Of values that get sorted. */
-static double median(double *values, size_t count)
-{
-    qsort(values, count, sizeof *values, compare);
-    return count == 0 ? 0 : (values[(count - 1) / 2] + values[count / 2]) / 2;
 }
 
 /* ---- Courses ---- */
@@ -406,17 +395,9 @@ static void add(struct totals *sum, const struct totals *part)
 
 /* ---- Figures ---- */
 
-static void add_figure(const char *group, const char *what, double value, const char *unit, const char *op,
-                       double bound)
+static void add_figure(const char *group, const char *what, double value, const char *unit, struct figure_bar bar)
 {
-    json_t *limit = op == NULL ? json_null() : json_pack("{s:s, s:f}", "op", op, "value", bound);
-    char name[256];
-    (void)snprintf(name, sizeof name, "grid planner, %s: %s", group, what);
-    if (json_array_append_new(figures, json_pack("{s:s, s:f, s:s, s:o, s:s}", "name", name, "value", value, "unit",
-                                                 unit, "bound", limit, "command", COMMAND)) != 0) {
-        error_line("bench_grid: no memory");
-        exit(1);
-    }
+    figures_add(figures, COMMAND, value, unit, bar, "grid planner, %s: %s", group, what);
 }
 
 static void show_head(void)
@@ -438,22 +419,22 @@ static void show(const char *name, struct totals *totals)
 static void add_factor(const char *name, const struct totals *totals)
 {
     add_figure(name, "expansions without jump points against with",
-               totals->expansions[JP_GRID_OCTILE] / totals->expansions[JP_GRID_JUMP_POINTS], "×", NULL, 0);
+               totals->expansions[JP_GRID_OCTILE] / totals->expansions[JP_GRID_JUMP_POINTS], "×", no_bar);
 }
 
 static void add_figures(const char *group, struct totals *totals)
 {
-    add_figure(group, "tasks not solved", (double)totals->unsolved, "", "==", 0);
-    add_figure(group, "optimum missed, with and without jump points", (double)totals->not_optimal, "", "==", 0);
-    add_figure(group, "ways that are not valid", (double)totals->invalid, "", "==", 0);
-    add_figure(group, "any-angle ways longer than the octile optimum", (double)totals->longer, "", "==", 0);
+    add_figure(group, "tasks not solved", (double)totals->unsolved, "", equal_to(0));
+    add_figure(group, "optimum missed, with and without jump points", (double)totals->not_optimal, "", equal_to(0));
+    add_figure(group, "ways that are not valid", (double)totals->invalid, "", equal_to(0));
+    add_figure(group, "any-angle ways longer than the octile optimum", (double)totals->longer, "", equal_to(0));
     add_figure(group, "turning points, fewer than by 8-neighbour A*, median",
-               median(totals->fewer, totals->fewer_count), "%", ">=", PAPER_FEWER);
+               median(totals->fewer, totals->fewer_count), "%", at_least(PAPER_FEWER));
     add_figure(group, "any-angle ways, shorter than the octile optimum, all together",
-               100 * (1 - totals->length[JP_GRID_ANY_ANGLE] / totals->length[JP_GRID_OCTILE]), "%", NULL, 0);
+               100 * (1 - totals->length[JP_GRID_ANY_ANGLE] / totals->length[JP_GRID_OCTILE]), "%", no_bar);
     if (totals->optimum > 0) {
         add_figure(group, "any-angle ways on maps up to 64 x 64, longer than the shortest of all, all together",
-                   100 * (totals->length_of_those / totals->optimum - 1), "%", NULL, 0);
+                   100 * (totals->length_of_those / totals->optimum - 1), "%", no_bar);
     }
 }
 
@@ -570,11 +551,6 @@ int main(int argc, char **argv)
     }
     bench_scenes();
     bench_open();
-    if (json_dumpf(figures, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(10)) != 0) {
-        error_line("bench_grid: cannot write the figures");
-        return 1;
-    }
-    (void)printf("\n");
-    json_decref(figures);
+    figures_print(figures);
     return 0;
 }

@@ -4,7 +4,6 @@
 #include <argp.h>
 #include <jansson.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "sim/base/progress.h"
@@ -15,6 +14,7 @@
 #include "tests/bench/plan_replans.h"
 #include "tests/bench/plan_runs.h"
 #include "tests/bench/plan_savings.h"
+#include "tests/bench/statistics.h"
 
 /* The schedule of the example in src/search/README.md. */
 #define SCHEDULE                                                                                                       \
@@ -30,24 +30,6 @@ enum {
 
 static const unsigned sizes_kib[] = {64, 128, 256, 512, AMPLE_KIB};
 enum { SIZES = sizeof sizes_kib / sizeof sizes_kib[0] };
-
-static double least(const double *values, size_t count)
-{
-    double least_value = values[0];
-    for (size_t i = 1; i < count; i++) {
-        least_value = fmin(least_value, values[i]);
-    }
-    return least_value;
-}
-
-static double greatest(const double *values, size_t count)
-{
-    double greatest_value = values[0];
-    for (size_t i = 1; i < count; i++) {
-        greatest_value = fmax(greatest_value, values[i]);
-    }
-    return greatest_value;
-}
 
 static const char *answer_name(enum jp_answer answer)
 {

@@ -1,8 +1,12 @@
 #include "tests/bench/plan_replans.h"
 
+#include <math.h>
+#include <stdlib.h>
+
 #include "sim/base/progress.h"
 #include "sim/base/random.h"
 #include "tests/bench/figures.h"
+#include "tests/bench/statistics.h"
 
 enum {
     REPLANS = 10,    /* a scene */

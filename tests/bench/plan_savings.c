@@ -1,7 +1,12 @@
 #include "tests/bench/plan_savings.h"
 
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "sim/base/progress.h"
 #include "tests/bench/figures.h"
+#include "tests/bench/statistics.h"
 
 /* Prices of length on top of the energy, J/m. */
 static const double prices[] = {0, 15, 30, 60, 120, 240, 480};
