@@ -192,8 +192,8 @@ def figures_of(scenarios, routes):
 
 def arguments():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--routes", metavar="N", type=whole_number(1, 1_000_000), default=100,
-                        help="random ones for each robot (default: 100)")
+    parser.add_argument("--routes", metavar="N", type=whole_number(1, 1_000_000), default=25,
+                        help="random ones for each robot (default: 25)")
     parser.add_argument("--seed", metavar="S", type=whole_number(0, 2**31), default=SEED,
                         help=f"of the first; the others follow (default: {SEED})")
     parser.add_argument("--workers", metavar="N", type=whole_number(1, 4096), default=os.cpu_count(),
