@@ -20,6 +20,9 @@ CLANG_TIDY   ?= $(if $(filter skip,$(JP_SETUP)),$(or $(wildcard .venv/bin/clang-
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 export JP_SETUP JOBS PYTHON CLANG_FORMAT CLANG_TIDY
 export JP_BUILD := $(abspath $(BUILD))
+# make runs a process for each core: threads of BLAS beside it only wait for each other.
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS      := 1
 
 V ?= 0
 ifeq ($(V),0)
