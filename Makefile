@@ -6,7 +6,7 @@ UNITY    ?= tests/unity
 ROBOT    ?= gao2018
 SCENARIO ?= sim/scenarios/gao2018_mission.cfg
 JP_SETUP ?= yes
-JOBS     ?= $(shell nproc)
+JOBS     ?= $(shell env -u OMP_NUM_THREADS nproc)
 
 # Set-up makes .venv after this line is read; only without set-up can it be absent.
 PYTHON ?= $(if $(filter skip,$(JP_SETUP)),$(or $(wildcard .venv/bin/python),python3),.venv/bin/python)
