@@ -187,7 +187,8 @@ class Host:
     def __init__(self, programs, scenario, bus=None):
         lines = [programs.folder / "ecu-line", programs.folder / "operators-line"]
         self._programs = programs
-        self.plant = programs.plant(scenario, "--bus", f"pty:{lines[0]}", "--bus", bus or f"pty:{lines[1]}", "--host")
+        self.plant = programs.plant(scenario, "--bus", f"pty:{lines[0]}", "--bus", bus or f"pty:{lines[1]}", "--host",
+                                     f"--patience={LIMIT}")
         self.plant.says("jp-plant")
         self.time = SimulatedTime(lines[0])
         self.ecu_line = self.time.new_line()
@@ -208,6 +209,9 @@ class Host:
         operator.stand()
         operator.drive_route(route)
         operator.stand()
+
+    def stand(self):
+        Operator(self.bus, "robot", clock=self.time.clock).stand()
 
     def off(self):
         Operator(self.bus, "robot", clock=self.time.clock).off()

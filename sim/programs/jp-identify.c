@@ -21,13 +21,12 @@ struct arguments {
     struct command_line common;
     size_t count;
     double threshold;
-    enum energy_kind energy;
 };
 
 /** What one experiment leaves: its segments and the energy of the second at each window. */
 struct record {
     struct experiment experiment;
-    double *energy;
+    struct experiment_energy *energy;
 };
 
 struct campaign {
@@ -50,11 +49,6 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_THRESHOLD:
         arguments->threshold = command_line_real(state, "--threshold", argument, 1e-6, 1e3);
-        return 0;
-    case 'e':
-        if (!energy_kind_parse(argument, &arguments->energy)) {
-            command_line_refuse(state, "--energy %s: must be motor or battery", argument);
-        }
         return 0;
     case ARGP_KEY_ARG:
         command_line_take_robot(state, argument, &arguments->common);
@@ -110,8 +104,7 @@ static bool run(struct campaign *campaign)
                       campaign->arguments->common.seed + i)) {
             return false;
         }
-        experiment_run(&record->experiment, &rig, campaign->arguments->energy, SEGMENT_SECONDS,
-                       campaign->arguments->threshold, record->energy);
+        experiment_run(&record->experiment, &rig, SEGMENT_SECONDS, campaign->arguments->threshold, record->energy);
         if (record->experiment.end != JP_ROBOT_DRIVING) {
             complain(campaign, i);
             return false;
@@ -140,28 +133,36 @@ static size_t split_window(const struct campaign *campaign)
     return (size_t)fmin(round(window), (double)campaign->windows - 1);
 }
 
+/** Before the settling time, after it, in the last part, altogether. */
+static void write_energies(double settling, double until_last, double total, FILE *stream)
+{
+    (void)fprintf(stream, ",%.9f,%.9f,%.9f,%.9f", settling, total - settling, total - until_last, total);
+}
+
 static void write_table(const struct campaign *campaign, size_t split, FILE *stream)
 {
     size_t last = campaign->windows - (size_t)lround(LAST_SECONDS / campaign->window_seconds);
 
     (void)fprintf(stream, "v1_m_s,w1_rad_s,turn1_rad,v2_m_s,w2_rad_s,turn2_rad,u_left_before_v,u_right_before_v,"
-                          "settling_s,e_state_j,e_steady_j,e_last_j,e_total_j\n");
+                          "settling_s,motor_state_j,motor_steady_j,motor_last_j,motor_total_j,battery_state_j,"
+                          "battery_steady_j,battery_last_j,battery_total_j\n");
     for (size_t i = 0; i < campaign->count; i++) {
         const struct experiment *e = &campaign->records[i].experiment;
-        const double *energy = campaign->records[i].energy;
-        double total = energy[campaign->windows];
+        const struct experiment_energy *energy = campaign->records[i].energy;
+        const struct experiment_energy total = energy[campaign->windows];
 
-        (void)fprintf(stream, "%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.6f,%.6f,%.3f,%.9f,%.9f,%.9f,%.9f\n", e->first.speed,
-                      e->first.turn_rate, e->first.turn, e->second.speed, e->second.turn_rate, e->second.turn,
-                      e->voltage_left, e->voltage_right, e->settling, energy[split], total - energy[split],
-                      total - energy[last], total);
+        (void)fprintf(stream, "%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.6f,%.6f,%.3f", e->first.speed, e->first.turn_rate,
+                      e->first.turn, e->second.speed, e->second.turn_rate, e->second.turn, e->voltage_left,
+                      e->voltage_right, e->settling);
+        write_energies(energy[split].motor, energy[last].motor, total.motor, stream);
+        write_energies(energy[split].battery, energy[last].battery, total.battery, stream);
+        (void)fputc('\n', stream);
     }
 }
 
 static json_t *json_summary(const struct campaign *campaign, size_t split)
 {
-    return json_pack("{s:s, s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "energy",
-                     energy_kind_name(campaign->arguments->energy), "settling_time_s",
+    return json_pack("{s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "settling_time_s",
                      (double)split * campaign->window_seconds, "segment_s", SEGMENT_SECONDS, "last_s", LAST_SECONDS,
                      "count", (json_int_t)campaign->count, "seed", (json_int_t)campaign->arguments->common.seed,
                      "window_s", campaign->window_seconds, "settling_threshold_v", campaign->arguments->threshold);
@@ -222,14 +223,18 @@ int main(int argc, char **argv)
         OPTION_SEED("of the random segments"),
         {"threshold", OPTION_THRESHOLD, "V", 0,
          "settled: mean voltages of successive windows of 200 ticks differ by less (0.01 V)", 0},
-        {"energy", 'e', "KIND", 0, "motor: (ul² + ur²)/Rm; battery: ul il + ur ir (motor)", 0},
         {0},
     };
     static const struct argp argp = {
-        options, parse_option, "ROBOT", "Drives random pairs of segments and records their energies.",
-        NULL,    NULL,         NULL};
-    struct arguments arguments = {
-        .common = {.output = "build/identify", .seed = 1}, .count = 1000, .threshold = 0.01, .energy = ENERGY_MOTOR};
+        options,
+        parse_option,
+        "ROBOT",
+        "Drives random pairs of segments and records their energies: motor, (ul² + ur²)/Rm, and battery, "
+        "ul il + ur ir.",
+        NULL,
+        NULL,
+        NULL};
+    struct arguments arguments = {.common = {.output = "build/identify", .seed = 1}, .count = 1000, .threshold = 0.01};
 
     command_line_parse(&argp, argc, argv, &arguments);
     return identify(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;

@@ -1,6 +1,7 @@
 /* The same ways, lengths, expansions and smooth curves on every core: a hash over the scenes, equal to a known one. */
 #include <joulepath/path_spline.h>
 
+#include "tests/support/bits_hash.h"
 #include "tests/support/scene.h"
 #include "unity.h"
 
@@ -18,21 +19,6 @@ static uint64_t scratch[SCRATCH / 8];
 static struct jp_point smooth[POINTS_MAX];
 static struct jp_terrain terrain;
 static struct jp_grid_planner planner;
-static uint32_t hash;
-
-void setUp(void)
-{
-    hash = 2166136261u;
-}
-
-void tearDown(void)
-{
-}
-
-static void mix(uint32_t value)
-{
-    hash = (hash ^ value) * 16777619u;
-}
 
 static void mix_points(const struct jp_point *points, size_t count)
 {

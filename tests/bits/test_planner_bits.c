@@ -4,6 +4,7 @@
 #include <joulepath/tariff.h>
 #include <string.h>
 
+#include "tests/support/bits_hash.h"
 #include "tests/support/scene.h"
 #include "unity.h"
 
@@ -24,21 +25,6 @@ static struct jp_planner planner;
 static struct scene_task task;
 static struct jp_primitive primitives[PRIMITIVES_MAX];
 static struct jp_tariff tariff = {.primitives = primitives, .primitives_max = PRIMITIVES_MAX};
-static uint32_t hash;
-
-void setUp(void)
-{
-    hash = 2166136261u;
-}
-
-void tearDown(void)
-{
-}
-
-static void mix(uint32_t value)
-{
-    hash = (hash ^ value) * 16777619u;
-}
 
 static void mix_plan(void)
 {

@@ -8,31 +8,31 @@ allowed='^(memcpy|memset|memmove|__aeabi_mem(cpy|set|move|clr)[48]?'
 allowed+='|__aeabi_(u?idiv|u?idivmod|u?ldivmod|lmul|llsl|llsr|lasr|lcmp|ulcmp|idiv0|ldiv0)'
 allowed+='|__gnu_thumb1_case_[a-z]+|__(u?div|u?mod|mul|ashl|ashr|lshr)di3|__(ctz|clz|popcount)[sd]i2|jp_[a-z0-9_]+)$'
 
-# Symbols of the object that the core must not reference.
-foreign_symbols() {
-    ! "$(tools_of "$2")nm" --undefined-only --format=posix "$1" | awk '{print $1}' | grep -vE "$allowed" |
-        sed "s|^|$2: error: references |" | grep .
+# problems LIBRARY TOOLS: the symbols that the core must not reference, and the sections .data and .bss with something in
+# them, as OBJECT:REASON.
+problems() {
+    "$2nm" -A --undefined-only --format=posix "$1" | sed 's/^[^[]*\[\([^]]*\)\]: \([^ ]*\).*/\1 \2/' |
+        awk -v allowed="$allowed" '$2 !~ allowed {print $1 ":references " $2}' &&
+    "$2size" -A "$1" | awk '/ \(ex / {object = $1}
+        $1 ~ /^\.s?(data|bss)/ && $1 !~ /^\.data\.rel\.ro/ && $2 > 0 {print object ":" $2 " bytes in " $1}'
 }
 
-# Sections .data and .bss with something in them.
-writable_data() {
-    ! "$(tools_of "$2")size" -A "$1" | awk -v object="$2" \
-        '$1 ~ /^\.s?(data|bss)/ && $1 !~ /^\.data\.rel\.ro/ && $2 > 0 {print object ": error: " $2 " bytes in " $1}' | grep .
-}
-
+# examine LIBRARY: a test for each of its objects.
 examine() {
-    foreign_symbols "$1" "$2" && writable_data "$1" "$2"
+    local variant tools objects found
+    variant=$(basename "$(dirname "$1")")
+    tools=$(tools_of "$variant")
+    objects=$("${tools}ar" t "$1") && found=$(problems "$1" "$tools") || return
+    awk -F: -v variant="$variant" -v gate="$gate" '
+        NR == FNR {if (NF > 1) {reasons[$1] = reasons[$1] "\n    " $2; if (!first[$1]) first[$1] = $2}; next}
+        $1 != "jp_can.o" {
+            print variant "/" $1 ":1:" gate ":" (first[$1] ? "FAIL: " first[$1] reasons[$1] : "PASS")
+        }' <(echo "$found") <(echo "$objects") >"$results/${1//\//%}.objects"
 }
 
+# One pass for each library: an object alone costs five processes.
 for library in "$@"; do
-    variant=$(basename "$(dirname "$library")")
-    objects=$results.objects
-    mkdir -p "$objects"
-    "$(tools_of "$variant")ar" x --output "$objects" "$library" || check "$variant" false
-    rm -f "$objects/jp_can.o"
-    for object in "$objects"/*.o; do
-        [ -e "$object" ] && check "$variant/$(basename "$object")" examine "$object" "$variant/$(basename "$object")"
-    done
-    rm -rf "$objects"
+    check "$library" examine "$library"
+    [ ! -e "$results/${library//\//%}.objects" ] || mv "$results/${library//\//%}.objects" "$results/${library//\//%}"
 done
 finish

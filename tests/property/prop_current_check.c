@@ -17,8 +17,8 @@
 #define Q24_ONE 16777216.0
 
 #define HISTORY   16384
-#define ESTIMATES 300 /* drives whose estimates are compared */
-#define FAULTS    300 /* drives with a fault */
+#define ESTIMATES 150 /* drives whose estimates are compared */
+#define FAULTS    150 /* drives with a fault */
 
 #define OFFSET     0.05 /* A */
 #define GAIN       0.06
@@ -31,7 +31,7 @@
 /* When the current changes with the sensor both may look like another fault for a while: so many in a thousand do. */
 #define MISNAMED 5
 
-static struct options options = {.count = 1000000, .seed = 1};
+static struct options options = {.count = 500000, .seed = 1};
 static uint64_t generator;
 
 static int misnamed;

@@ -33,7 +33,7 @@ static void describe(const struct trial *trial)
                  trial->end_error);
 }
 
-static void test_random_missions(void)
+static void drive_missions(enum trial_strategy strategy)
 {
     const struct robot_entry *entry = rig_find_robot("courier24");
     struct robot_file file;
@@ -45,7 +45,7 @@ static void test_random_missions(void)
     for (unsigned long i = 0; i < options.count; i++) {
         struct trial trial;
 
-        TEST_ASSERT_TRUE(trial_run(&trial, entry, &file, options.seed + i));
+        TEST_ASSERT_TRUE(trial_run(&trial, strategy, entry, &file, options.seed + i));
 
         bool good = trial.end == TRIAL_DONE && trial.normal_saturated_ticks == 0;
 
@@ -55,6 +55,16 @@ static void test_random_missions(void)
         bad += good ? 0 : 1;
     }
     TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, (uint32_t)bad, "missions with a fall, an unplanned target or saturation");
+}
+
+static void test_random_missions_of_segments(void)
+{
+    drive_missions(TRIAL_SEGMENTS);
+}
+
+static void test_random_missions_of_cruise_and_transients(void)
+{
+    drive_missions(TRIAL_CRUISE);
 }
 
 int main(int argc, char **argv)

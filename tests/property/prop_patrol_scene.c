@@ -21,7 +21,7 @@
 #define CELL_ERROR 0.04 /* what painting on cells may add to or take from a shape */
 #define NONE       (-1)
 
-static struct options options = {.count = 24, .seed = 1};
+static struct options options = {.count = 16, .seed = 1};
 static enum patrol_scene_kind kind;
 static unsigned long long seed;
 static struct patrol_scene scene;

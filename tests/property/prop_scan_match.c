@@ -24,7 +24,7 @@
 
 static struct random noise;
 static unsigned long long seed = 30;
-static unsigned long count = 12;
+static unsigned long count = 4;
 static double worst_drift;
 
 static struct office office;

@@ -7,7 +7,7 @@
 #include "tests/support/scene.h"
 #include "unity.h"
 
-#define SEEDS       100
+#define SEEDS       40
 #define CELLS       (SCENE_SIDE * SCENE_SIDE)
 #define CELL_M      0.2
 #define WAY_M       1.4

@@ -48,7 +48,7 @@
 
 enum { PATH_POINTS = 40, CYCLES = 30, SMALL_POSES_MAX = 16, UNKNOWNS_MAX = JP_TEB_BLOCK * SMALL_POSES_MAX };
 
-static unsigned long count = 60;
+static unsigned long count = 30;
 static uint64_t seed = 1;
 static struct random rng;
 

@@ -33,7 +33,7 @@
 #define ROUNDING_M 2e-6 /* of a box in cells */
 #define MARGIN_MIN 2    /* steps, of every second map */
 
-static unsigned long count = 100;
+static unsigned long count = 50;
 static unsigned long first_seed = 1;
 
 static unsigned long seed;

@@ -234,9 +234,10 @@ def test_an_ecu_that_does_not_come_back(programs, far, tmp_path):
 
 # ---- others on the bus ---------------------------------------------------------------------------------------------
 
-def test_a_flood(programs, short, tmp_path):
+def test_a_flood(programs, tmp_path):
     """The robot drives as always."""
-    plant, line = plant_with_lines(programs, short, 1, "--output", tmp_path / "out")
+    scenario = write_scenario(tmp_path / "one.cfg", (0.5, 0.2))
+    plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "out")
     with SimulatedTime(line, crowd=FOREIGN * CROWD) as passing:
         ecu = programs.ecu(f"slcan:{passing.new_line()}")
         passing.run_until_hang_up()

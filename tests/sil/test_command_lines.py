@@ -9,8 +9,8 @@ LETTERS = {"b": "bus", "e": "energy", "j": "json", "m": "model", "n": "count", "
            "r": "robot", "s": "seed", "V": "version", "?": "help"}
 COURIER = ROOT / "sim/robots/courier24.cfg"
 VERSION = ".".join(re.findall(r"#define JP_VERSION_\w+ (\d+)", (ROOT / "include/joulepath/version.h").read_text()))
-WHOLE = [("jp-identify", "--seed"), ("jp-identify", "--count"), ("jp-trip", "--seed"), ("jp-trip", "--count"),
-         ("jp-patrol", "--seed"), ("jp-plan", "--memory"), ("jp-route", "--legs")]
+WHOLE = [("jp-identify", "--seed"), ("jp-identify", "--count"), ("jp-plant", "--patience"),
+         ("jp-trip", "--seed"), ("jp-trip", "--count"), ("jp-patrol", "--seed"), ("jp-plan", "--memory"), ("jp-route", "--legs")]
 NO_WHOLE_NUMBER = ["1.5", "", "x", "-1", "+1", " 1", "1 ", "1e3", "0x10", "99999999999999999999"]
 
 

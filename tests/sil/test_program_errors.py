@@ -8,7 +8,7 @@ import pytest
 from conftest import ROOT, assert_one_line_error, fill_disk, run
 
 MISSION_FILES = [*(f"log_{name}.csv" for name in ("optimal", "straight", "bezier", "route", "straight_route",
-                                                  "bezier_route")), "summary.json"]
+                                                  "bezier_route", "cruise")), "summary.json"]
 IDENTIFY_FILES = ["experiments.csv", "experiments.json"]
 OLD = "from an earlier run\n"
 
@@ -194,8 +194,7 @@ def test_wrong_command_lines(program, arguments, tmp_path):
 
 @pytest.mark.parametrize("arguments", [["--count", "5"], ["--count", "nan"], ["--count", "1e9"], ["--count", "x"],
                                        ["--count", "20.5"], ["--seed", "-1"], ["--seed", "inf"], ["--seed", "1.5"],
-                                       ["--threshold", "0"], ["--threshold", "nan"], ["--count", ""],
-                                       ["--energy", "heat"], ["--energy", ""]])
+                                       ["--threshold", "0"], ["--threshold", "nan"], ["--count", ""]])
 def test_numbers_out_of_range(output, arguments):
     result = run("jp-identify", ROOT / "sim/robots/gao2018.cfg", "--output", output, *arguments)
     assert result.returncode == 2

@@ -58,7 +58,7 @@ struct counts {
 
 static uint64_t seed = 1;
 static uint64_t random_state;
-static unsigned long count = 2000;
+static unsigned long count = 1000;
 static struct counts counts;
 static struct trial trial;
 static struct oracle oracle;

@@ -10,12 +10,11 @@ from tools.design import identify, linear_model, robot_json
 A = np.array([172.2, 7.57, 13.2, -0.66, -0.94, 1.37, 16.26, -4.39, -1.11, 15.97, 4.27, 1.09, 5.82])
 B = np.array([20.83, 0.93])
 SETTLING, SEGMENT, LAST, SEED = 5.82, 10.0, 1.0, 7
-ABOUT = {"robot": "gao2018", "energy": "motor", "settling_time_s": SETTLING, "segment_s": SEGMENT, "last_s": LAST,
-         "seed": SEED}
+ABOUT = {"robot": "gao2018", "settling_time_s": SETTLING, "segment_s": SEGMENT, "last_s": LAST, "seed": SEED}
 
 
-def synthetic(robot, count=1000, noise=0.0, seed=3, voltages=None):
-    """Experiments that obey the model with parameters A and B, steady voltages cv and cw (default: the robot's), and
+def synthetic(robot, count=1000, noise=0.0, seed=3, voltages=None, energy="motor"):
+    """Experiments whose energy obeys the model with parameters A and B, steady voltages cv and cw (default: the robot's), and
     noise (J, rms)."""
     generator = np.random.default_rng(seed)
     c = {
@@ -28,10 +27,10 @@ def synthetic(robot, count=1000, noise=0.0, seed=3, voltages=None):
     c["settling_s"] = np.full(count, SETTLING)
     before = identify.voltages_before(c, *voltages) if voltages else (left, right)
     state = identify.state_regressors(c, *before, robot.number("motor.resistance_ohm"))
-    c["e_state_j"] = state @ A + noise * generator.standard_normal(count)
-    c["e_steady_j"] = identify.steady_regressors(c, SEGMENT - SETTLING) @ B + noise * generator.standard_normal(count)
-    c["e_last_j"] = identify.steady_regressors(c, LAST) @ B + noise * generator.standard_normal(count)
-    c["e_total_j"] = c["e_state_j"] + c["e_steady_j"]
+    c[f"{energy}_state_j"] = state @ A + noise * generator.standard_normal(count)
+    c[f"{energy}_steady_j"] = identify.steady_regressors(c, SEGMENT - SETTLING) @ B + noise * generator.standard_normal(count)
+    c[f"{energy}_last_j"] = identify.steady_regressors(c, LAST) @ B + noise * generator.standard_normal(count)
+    c[f"{energy}_total_j"] = c[f"{energy}_state_j"] + c[f"{energy}_steady_j"]
     return c
 
 
@@ -50,7 +49,7 @@ def place(tmp_path):
     robot = robot_json.load_json(source)
     columns = synthetic(robot)
     # The paper's parameters allow negative energies where a start with σ and ul− nearly cancels; keep physical ones.
-    keep = columns["e_total_j"] > 1
+    keep = columns["motor_total_j"] > 1
     columns = {name: values[keep] for name, values in columns.items()}
     write(tmp_path / "experiments", columns)
     arguments = ("gao2018", "--robot-json", source, "--experiments", tmp_path / "experiments", "--tables",
@@ -67,7 +66,7 @@ def test_known_parameters_are_recovered(place):
     assert np.allclose(values, [*A, *B], atol=1e-6)
     assert found["validation"]["max_absolute_error_j"] < 1e-6
     assert found["max_steady_voltage_difference_v"] == pytest.approx(0.002, abs=1e-9)
-    assert found["fit"]["experiments"] + found["validation"]["experiments"] == len(place[2]["e_total_j"])
+    assert found["fit"]["experiments"] + found["validation"]["experiments"] == len(place[2]["motor_total_j"])
     assert (directory / "experiments/identification.png").read_bytes().startswith(b"\x89PNG")
 
     table = (directory / "tables/energy_gao2018.c").read_text()
@@ -81,8 +80,8 @@ def test_known_parameters_are_recovered(place):
 @pytest.mark.parametrize("noise, accepted", [(0.3, True), (4.0, False)])
 def test_a_model_that_misses_the_validation_is_refused(place, noise, accepted):
     directory, arguments, columns = place
-    disturbed = columns["e_total_j"] * (1 + noise / 100 * np.random.default_rng(5).choice([-1, 1], len(columns["v1_m_s"])))
-    write(directory / "experiments", {**columns, "e_total_j": disturbed})
+    disturbed = columns["motor_total_j"] * (1 + noise / 100 * np.random.default_rng(5).choice([-1, 1], len(columns["v1_m_s"])))
+    write(directory / "experiments", {**columns, "motor_total_j": disturbed})
     result = run_tool("design.identify", *arguments)
     if accepted:
         assert result.returncode == 0, result.stderr
@@ -94,7 +93,7 @@ def test_a_model_that_misses_the_validation_is_refused(place, noise, accepted):
 
 def test_noise_shows_in_the_validation_error(gao2018):
     columns = synthetic(gao2018, noise=0.5)
-    columns["e_total_j"] = np.maximum(columns["e_total_j"], 1)
+    columns["motor_total_j"] = np.maximum(columns["motor_total_j"], 1)
     experiments = identify.Experiments("test", columns, SETTLING, SEGMENT, LAST, SEED)
     result = identify.identify(gao2018, experiments)
     # Two noises of 0.5 J rms: mean |error| √2·0.5·√(2/π).
@@ -119,11 +118,11 @@ def test_linear_prediction_is_recovered_too(gao2018):
     columns = synthetic(gao2018)
     left, right = identify.predicted_voltages(gao2018, columns)
     state = identify.state_regressors(columns, left, right, model.motor_resistance)
-    columns["e_state_j"] = state @ np.array(model.a)
-    columns["e_steady_j"] = identify.steady_regressors(columns, SEGMENT - SETTLING) @ np.array(model.b)
-    columns["e_last_j"] = identify.steady_regressors(columns, LAST) @ np.array(model.b)
-    columns["e_total_j"] = columns["e_state_j"] + columns["e_steady_j"]
-    assert columns["e_total_j"].min() > 0
+    columns["motor_state_j"] = state @ np.array(model.a)
+    columns["motor_steady_j"] = identify.steady_regressors(columns, SEGMENT - SETTLING) @ np.array(model.b)
+    columns["motor_last_j"] = identify.steady_regressors(columns, LAST) @ np.array(model.b)
+    columns["motor_total_j"] = columns["motor_state_j"] + columns["motor_steady_j"]
+    assert columns["motor_total_j"].min() > 0
     result = identify.identify(gao2018, identify.Experiments("test", columns, SETTLING, SEGMENT, LAST, SEED))
     assert np.allclose(result.model.a, model.a, atol=1e-6)
 
@@ -134,10 +133,11 @@ def test_linear_prediction_is_recovered_too(gao2018):
 def battery_place(place, gao2018):
     """Experiments whose steady power is not u²/Rm of the robot's voltages, but b1 v² + b2 w²."""
     directory, arguments, _ = place
-    columns = synthetic(gao2018, voltages=identify.effective_voltages(B, gao2018.number("motor.resistance_ohm")))
-    keep = columns["e_total_j"] > 1
+    columns = synthetic(gao2018, voltages=identify.effective_voltages(B, gao2018.number("motor.resistance_ohm")),
+                        energy="battery")
+    keep = columns["battery_total_j"] > 1
     columns = {name: values[keep] for name, values in columns.items()}
-    write(directory / "experiments", columns, ABOUT | {"energy": "battery"})
+    write(directory / "experiments", columns)
     return directory, (*arguments, "--energy", "battery")
 
 
@@ -153,7 +153,7 @@ def test_battery_model_is_recovered_with_effective_voltages(battery_place, gao20
     directory, arguments = battery_place
     result = run_tool("design.identify", *arguments, "--bench", directory / "bench.json")
     assert result.returncode == 0, result.stderr
-    found = json.loads((directory / "experiments/identification.json").read_text())
+    found = json.loads((directory / "experiments/identification_battery.json").read_text())
     assert found["energy"] == "battery"
     assert np.allclose([parameter["value"] for parameter in found["parameters"]], [*A, *B], atol=1e-6)
     assert {parameter["published"] for parameter in found["parameters"]} == {None}
@@ -173,13 +173,12 @@ def test_battery_model_is_recovered_with_effective_voltages(battery_place, gao20
     assert names == ["battery energy model of gao2018, mean error", "battery energy model of gao2018, largest error"]
 
 
-def test_experiments_of_the_other_energy_are_refused(place, battery_place):
+def test_experiments_without_that_energy_are_refused(place, battery_place):
     _, arguments, columns = place
     directory, battery_arguments = battery_place
-    assert_one_line_error(run_tool("design.identify", *arguments), "experiments.json", "energy", "--energy motor")
+    assert_one_line_error(run_tool("design.identify", *arguments), "experiments.csv", "motor_state_j is missing")
     write(directory / "experiments", columns)
-    assert_one_line_error(run_tool("design.identify", *battery_arguments), "experiments.json", "energy",
-                          "--energy battery")
+    assert_one_line_error(run_tool("design.identify", *battery_arguments), "experiments.csv", "battery_state_j")
     assert not (directory / "tables").exists()
 
 
@@ -194,7 +193,7 @@ def test_energy_is_one_of_two(place):
 @pytest.mark.parametrize("column, value, part", [
     ("w1_rad_s", 0.0, "rank"),
     ("turn2_rad", 0.0, "σ"),
-    ("e_total_j", -1.0, "e_total_j"),
+    ("motor_total_j", -1.0, "total_j"),
 ])
 def test_experiments_that_cannot_identify_are_refused(place, column, value, part):
     directory, arguments, columns = place
@@ -221,8 +220,6 @@ def test_garbled_experiments_are_refused(place, damage, part):
 
 @pytest.mark.parametrize("about, part", [
     ({"robot": "courier24"}, "robot"),
-    ({"energy": "heat"}, "energy"),
-    ({"energy": None}, "energy"),
     ({"settling_time_s": 12}, "settling_time_s"),
     ({"last_s": 10}, "last_s"),
     ({"settling_time_s": "x"}, "garbled"),
@@ -233,7 +230,7 @@ def test_garbled_description_is_refused(place, about, part):
     assert_one_line_error(run_tool("design.identify", *arguments), "experiments.json", part)
 
 
-@pytest.mark.parametrize("key", ["robot", "energy", "settling_time_s", "segment_s", "last_s", "seed"])
+@pytest.mark.parametrize("key", ["robot", "settling_time_s", "segment_s", "last_s", "seed"])
 def test_description_without_a_key_is_refused(place, key):
     directory, arguments, columns = place
     write(directory / "experiments", columns, {name: value for name, value in ABOUT.items() if name != key})

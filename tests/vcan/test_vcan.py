@@ -98,11 +98,22 @@ def test_a_second_controller_ends_a_mission(programs, short, tmp_path):
         assert assert_stopped(ecu)["frames of another controller"] > 0
 
 
-def test_clients_drive_it(programs, short):
+class SetOff(Exception):
+    """The robot is on its way."""
+
+
+def raise_when_driving(heard):
+    if str(heard.get("RouteStatus", {}).get("State")) == "Driving":
+        raise SetOff
+
+
+def test_clients_command_it(programs, short):
+    """One makes it set off, the project's stops it. Whole drives of both are on serial lines, in tests/sil."""
     with Host(programs, short, bus="can:vcan0") as host:
         ecu = host.start_ecu()
-        host.third_party_drive((0.5, 0.2))
-        host.drive((1.0, 0.4))
+        with pytest.raises(SetOff):
+            host.third_party_drive((0.5, 0.2), watch=raise_when_driving)
+        host.stand()
         assert host.stop()[SILENCES] == 0
         assert assert_stopped(ecu)["frames with a wrong CRC"] == 0
 

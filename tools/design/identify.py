@@ -12,8 +12,8 @@ The model takes the power before the segment as P₋ = (ul₋² + ur₋²)/Rm, w
 *effective* voltages instead, whose squares are the steady power: 2 cv²/Rm = b1 and 2 cw²/Rm = b2, so that a13 = Ts as in
 the paper's.
 
-Writes src/tables/energy_<robot>.c or energy_<robot>_battery.c, and identification.json and identification.png beside the
-experiments. Exit status 2: bad input, or a model that misses the validation by more than 3 % on average; nothing was
+Writes src/tables/energy_<robot>.c or energy_<robot>_battery.c, and identification.json and identification.png beside
+the experiments, of the battery with _battery in their names. Exit status 2: bad input, or a model that misses the validation by more than 3 % on average; nothing was
 written.
 """
 import csv
@@ -31,7 +31,8 @@ from tools.design import c_tables, linear_model, robot_json
 from tools.report import plots
 
 COLUMNS = ("v1_m_s", "w1_rad_s", "turn1_rad", "v2_m_s", "w2_rad_s", "turn2_rad", "u_left_before_v",
-           "u_right_before_v", "settling_s", "e_state_j", "e_steady_j", "e_last_j", "e_total_j")
+           "u_right_before_v", "settling_s")
+ENERGIES = ("state_j", "steady_j", "last_j", "total_j")  # of motor and of battery
 
 TERMS = ("Δv²", "Δw²", "σ²", "ΔvΔw", "Δvσ", "Δwσ", "ul₋Δv", "ul₋Δw", "ul₋σ", "ur₋Δv", "ur₋Δw", "ur₋σ", "P₋")
 STEADY_TERMS = ("v²", "w²")
@@ -60,7 +61,7 @@ RANK_TOLERANCE = 1e-6
 @dataclass(frozen=True)
 class Wording:
     """How an energy is called."""
-    suffix: str  # of the table and of the experiments' folder
+    suffix: str  # of the table and of the reports
     figure: str  # in the name of a figure
     title: str
     errors: str  # what they are errors of
@@ -87,7 +88,11 @@ class Experiments:
 
     @property
     def count(self):
-        return len(self.columns["e_total_j"])
+        return len(self.columns["settling_s"])
+
+    def joules(self, name):
+        """One of ENERGIES."""
+        return self.columns[f"{self.energy}_{name}"]
 
 
 @dataclass(frozen=True)
@@ -107,11 +112,16 @@ class Errors:
         }
 
 
-def read_rows(path):
-    """Columns of the CSV file as arrays; complaints name the line."""
+def columns_of(energy):
+    """Columns of the CSV file that an identification reads."""
+    return (*COLUMNS, *(f"{energy}_{name}" for name in ENERGIES))
+
+
+def read_rows(path, columns):
+    """Those columns of the CSV file as arrays; complaints name the line."""
     reader = csv.reader(io.StringIO(read_text(path)))
     header = tuple(next(reader, ()))
-    missing = [name for name in COLUMNS if name not in header]
+    missing = [name for name in columns if name not in header]
     if missing:
         raise ToolError(f"{path}: line 1: column {missing[0]} is missing; run jp-identify again")
     rows = []
@@ -126,7 +136,7 @@ def read_rows(path):
             raise ToolError(f"{path}: line {reader.line_num}: a value is not finite")
     if len(rows) < EXPERIMENTS_MIN:
         raise ToolError(f"{path}: {len(rows)} experiments; at least {EXPERIMENTS_MIN} are needed")
-    return dict(zip(header, np.array(rows).T))
+    return {name: values for name, values in zip(header, np.array(rows).T) if name in columns}
 
 
 def read_experiments(directory, robot_name, energy=MOTOR):
@@ -135,21 +145,19 @@ def read_experiments(directory, robot_name, energy=MOTOR):
         about = json.loads(read_text(path))
         settling, segment = float(about["settling_time_s"]), float(about["segment_s"])
         last = float(about["last_s"])
-        seed, name, measured = int(about["seed"]), about["robot"], about["energy"]
+        seed, name = int(about["seed"]), about["robot"]
     except (ValueError, TypeError) as error:
         raise ToolError(f"{path}: garbled: {error}") from None
     except KeyError as error:
         raise ToolError(f"{path}: key {error.args[0]} is missing") from None
     if name != robot_name:
         raise ToolError(f"{path}: robot: is {name!r}, expected {robot_name!r}")
-    if measured != energy:
-        raise ToolError(f"{path}: energy: is {measured!r}, expected {energy!r}; run jp-identify --energy {energy}")
     if not 0 < settling < segment:
         raise ToolError(f"{path}: settling_time_s: is {settling:g} s, must be above 0 and below segment_s {segment:g} s")
     if not 0 < last < segment:
         raise ToolError(f"{path}: last_s: is {last:g} s, must be above 0 and below segment_s {segment:g} s")
     source = str(directory / "experiments.csv")
-    return Experiments(source, read_rows(source), settling, segment, last, seed, energy)
+    return Experiments(source, read_rows(source, columns_of(energy)), settling, segment, last, seed, energy)
 
 
 def voltages_before(columns, per_speed, per_turn_rate):
@@ -204,7 +212,7 @@ def fit(source, matrix, energies, terms):
 
 def errors_of(source, measured, predicted):
     if np.any(measured <= 0):
-        raise ToolError(f"{source}: e_total_j: an experiment of {measured.min():g} J; ten seconds of driving take more "
+        raise ToolError(f"{source}: total_j: an experiment of {measured.min():g} J; ten seconds of driving take more "
                         "than 0")
     absolute = predicted - measured
     return Errors(measured, absolute, 100 * absolute / measured)
@@ -222,8 +230,8 @@ class Identification:
 def fit_paper(experiments, state, steady, fitted):
     """Energies predicted by the paper's procedure."""
     columns = experiments.columns
-    a = fit(experiments.source, state[fitted], columns["e_state_j"][fitted], TERMS)
-    b = fit(experiments.source, steady[fitted], columns["e_steady_j"][fitted], STEADY_TERMS)
+    a = fit(experiments.source, state[fitted], experiments.joules("state_j")[fitted], TERMS)
+    b = fit(experiments.source, steady[fitted], experiments.joules("steady_j")[fitted], STEADY_TERMS)
     return state @ a + steady @ b
 
 
@@ -231,14 +239,14 @@ def identify(robot, experiments):
     source, columns = experiments.source, experiments.columns
     resistance = robot.positive("motor.resistance_ohm")
     steady = steady_regressors(columns, experiments.segment - experiments.settling_time)
-    measured = columns["e_total_j"]
+    measured = experiments.joules("total_j")
 
     order = np.random.default_rng(experiments.seed).permutation(experiments.count)
     fitted, held_out = np.split(order, [round(FIT_SHARE * experiments.count)])
     last = last_regressors(columns, experiments.last)
-    b = fit(source, last[fitted], columns["e_last_j"][fitted], STEADY_TERMS + RESIDUAL_TERMS)[:len(STEADY_TERMS)]
+    b = fit(source, last[fitted], experiments.joules("last_j")[fitted], STEADY_TERMS + RESIDUAL_TERMS)[:len(STEADY_TERMS)]
     if b.min() < 0:
-        raise ToolError(f"{source}: e_last_j: b{b.argmin() + 1} is {b.min():g}, steady motion cannot gain energy; check "
+        raise ToolError(f"{source}: last_j: b{b.argmin() + 1} is {b.min():g}, steady motion cannot gain energy; check "
                         "the robot file")
     per_speed, per_turn_rate = (effective_voltages(b, resistance) if experiments.energy == BATTERY
                                 else linear_model.steady_voltages(robot))
@@ -354,12 +362,11 @@ def arguments():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("robot", help="robot file, or the name of one in sim/robots")
     parser.add_argument("--energy", choices=sorted(WORDINGS), default=MOTOR,
-                        help="which energy the experiments measured (default: motor, the paper's)")
+                        help="which energy the model predicts (default: motor, the paper's)")
     parser.add_argument("--jp-robot", metavar="PATH", help="the program (default: build/bin/jp-robot)")
     parser.add_argument("--robot-json", metavar="FILE", help="output of jp-robot --json=-, instead of running it")
     parser.add_argument("--experiments", metavar="DIR", type=Path,
-                        help="holds experiments.csv and experiments.json (default: build/identify/<robot>, of the "
-                             "battery's energy build/identify/<robot>_battery)")
+                        help="holds experiments.csv and experiments.json (default: build/identify/<robot>)")
     parser.add_argument("--tables", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
                         help="where the C file goes (default: src/tables)")
     parser.add_argument("--bench", metavar="FILE", type=Path, help="write the headline numbers for figures.py")
@@ -374,7 +381,7 @@ def main():
         robot = robot_json.load(robot_json.robot_path(options.robot), options.jp_robot)
     wording = WORDINGS[options.energy]
     name = robot.name + wording.suffix
-    directory = options.experiments or robot_json.build_directory() / "identify" / name
+    directory = options.experiments or robot_json.build_directory() / "identify" / robot.name
     experiments = read_experiments(directory, robot.name, options.energy)
     result = identify(robot, experiments)
     check_validation(robot, experiments, result)
@@ -386,9 +393,9 @@ def main():
                                   f"{experiments.count} experiments of jp-identify, seed {experiments.seed}", note)
     files = {
         options.tables / f"energy_{name}.c": c_tables.render(table),
-        directory / "identification.json": json.dumps(result_json(robot, experiments, result), indent=2,
+        directory / f"identification{wording.suffix}.json": json.dumps(result_json(robot, experiments, result), indent=2,
                                                       ensure_ascii=False) + "\n",
-        directory / "identification.png": draw(robot, options.energy, result),
+        directory / f"identification{wording.suffix}.png": draw(robot, options.energy, result),
     }
     if options.bench:
         files[options.bench] = json.dumps(bench_json(robot, options.energy, result), indent=2, ensure_ascii=False) + "\n"
