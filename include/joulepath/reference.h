@@ -20,6 +20,7 @@
 #include <joulepath/energy.h>
 #include <joulepath/fixed.h>
 #include <joulepath/status.h>
+#include <joulepath/trajectory.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -53,6 +54,10 @@ struct jp_reference {
     struct jp_reference_axis yaw;   /**< φ */
     int32_t phase_per_rate;         /**< angle of one tick at a rate of 2⁻²⁴ turn/s: jp_phase_per_rate() */
     jp_turns_per_s waiting_rate;    /**< of the wheels, turn/s: begins after the rest; 0: none waits */
+    jp_q24 pitch;                   /**< of a trajectory, turn; 0 otherwise, as the three below */
+    jp_q24 pitch_rate;              /**< turn/s */
+    jp_q16 common;                  /**< voltage that the motion needs, (ur + ul)/2, V */
+    jp_q16 difference;              /**< (ur − ul)/2, V */
     uint16_t rest_left;             /**< ticks until the direction may change */
     bool forward;                   /**< direction of the last speed that was not 0 */
 };
@@ -81,6 +86,14 @@ void jp_reference_apply(struct jp_reference *reference, const struct jp_referenc
 
 /** One tick. Cannot fail; constant time; for the control ISR. */
 void jp_reference_update(struct jp_reference *reference, const struct jp_reference_config *config);
+
+/** One tick along a trajectory, in place of jp_reference_update(): the controller follows the set-point as it is, with
+ *  the angles integrated from its rates. Constant time; for the control ISR. */
+void jp_reference_track(struct jp_reference *reference, const struct jp_set_point *set_point);
+
+/** The trajectory is over: no pitch and no voltage of it is left. To be called before jp_reference_update(). Constant
+ * time; for the control ISR. */
+void jp_reference_leave_track(struct jp_reference *reference);
 
 #ifdef __cplusplus
 }

@@ -28,6 +28,7 @@
 #include <joulepath/odometry.h>
 #include <joulepath/reference.h>
 #include <joulepath/segment.h>
+#include <joulepath/trajectory.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -42,6 +43,7 @@ struct jp_robot_config {
     struct jp_monitor_config monitor;
     struct jp_meter_config meter;
     struct jp_segment_limits limits;
+    struct jp_trajectory_config trajectory;
     jp_q24 metres_per_turn; /**< 2πR, m; 0.0625…4 */
 };
 
@@ -99,6 +101,7 @@ struct jp_snapshot {
 
 /** A segment as the tick takes it. */
 struct jp_next_segment {
+    const struct jp_trajectory *trajectory; /**< instead of the segment; or null */
     struct jp_motion motion;
     struct jp_reference_step step;
     uint32_t ticks;
@@ -124,6 +127,11 @@ struct jp_robot_internal {
     uint16_t motor_faults; /**< enum jp_fault bits that the last tick found */
     uint32_t sequence;     /**< odd during a tick */
     struct jp_tick_telemetry telemetry;
+
+    const struct jp_trajectory *trajectory; /**< that is driven; or null */
+    struct jp_trajectory_drive trajectory_drive;
+    struct jp_set_point set_point; /**< of the next tick */
+    bool has_set_point;
 
     struct jp_reference reference;
     struct jp_monitor monitor;
@@ -217,6 +225,14 @@ void jp_robot_disable(struct jp_robot *robot);
  * makes the balancer switch off; between forward and back it rests (reference.h).
  */
 enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_command *segment);
+
+/**
+ * Drives a trajectory, whose memory must stay until the robot stands: at once when balancing, after what it drives
+ * when driving. It must begin where and as the robot then is. Each leg counts as a segment. JP_ERR_STATE: neither
+ * balancing nor driving. JP_ERR_BUSY: a segment or a trajectory waits. JP_ERR_ARGUMENT: null, without legs, or a leg
+ * is faster than limits.speed.
+ */
+enum jp_status jp_robot_drive_trajectory(struct jp_robot *robot, const struct jp_trajectory *trajectory);
 
 /**
  * Drives through `route`, each segment planned for least energy; the array must stay until the robot stands. The last

@@ -137,20 +137,22 @@ void jp_lqr_update(struct jp_lqr *lqr, const struct jp_lqr_config *config, const
     jp_q24 wheel_rate = limited_error(jp_sub(reference->wheel.rate, state->wheel_rate));
     jp_q24 yaw = limited_error(jp_phase_difference(reference->yaw.angle, state->yaw));
     jp_q24 yaw_rate = limited_error(jp_sub(reference->yaw.rate, state->yaw_rate));
-    jp_q24 pitch = limited_error(jp_sub(0, state->pitch));
-    jp_q24 pitch_rate = limited_error(jp_sub(0, state->pitch_rate));
+    jp_q24 pitch = limited_error(jp_sub(reference->pitch, state->pitch));
+    jp_q24 pitch_rate = limited_error(jp_sub(reference->pitch_rate, state->pitch_rate));
 
     jp_q16 travel_limit = limit > config->pitch_reserve ? limit - config->pitch_reserve : 0;
-    jp_q16 travel_wanted = volts(jp_multiply(config->wheel, wheel) + jp_multiply(config->wheel_rate, wheel_rate) +
-                                 integral_product(lqr->wheel_integral, lqr->integral_gain_wheel));
+    jp_q16 travel_wanted = jp_add(
+        reference->common, volts(jp_multiply(config->wheel, wheel) + jp_multiply(config->wheel_rate, wheel_rate) +
+                                 integral_product(lqr->wheel_integral, lqr->integral_gain_wheel)));
     jp_q16 travel = jp_clamp32(travel_wanted, -travel_limit, travel_limit);
     jp_q16 balance = volts(jp_multiply(config->pitch, pitch) + jp_multiply(config->pitch_rate, pitch_rate));
     jp_q16 common_wanted = jp_add(travel, balance);
     jp_q16 common = jp_clamp32(common_wanted, -limit, limit);
 
     jp_q16 yaw_limit = limit - (common < 0 ? -common : common);
-    jp_q16 difference_wanted = volts(jp_multiply(config->yaw, yaw) + jp_multiply(config->yaw_rate, yaw_rate) +
-                                     integral_product(lqr->yaw_integral, lqr->integral_gain_yaw));
+    jp_q16 difference_wanted =
+        jp_add(reference->difference, volts(jp_multiply(config->yaw, yaw) + jp_multiply(config->yaw_rate, yaw_rate) +
+                                            integral_product(lqr->yaw_integral, lqr->integral_gain_yaw)));
     jp_q16 difference = jp_clamp32(difference_wanted, -yaw_limit, yaw_limit);
 
     integrate(&lqr->wheel_integral, wheel, lqr->integral_gain_wheel, jp_add(travel_wanted, balance), common);

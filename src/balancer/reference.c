@@ -38,6 +38,14 @@ enum jp_status jp_reference_check(const struct jp_reference_config *config, cons
     return JP_OK;
 }
 
+void jp_reference_leave_track(struct jp_reference *reference)
+{
+    reference->pitch = 0;
+    reference->pitch_rate = 0;
+    reference->common = 0;
+    reference->difference = 0;
+}
+
 void jp_reference_start(struct jp_reference *reference, const struct jp_reference_config *config, jp_phase wheel,
                         jp_phase yaw)
 {
@@ -140,4 +148,23 @@ void jp_reference_update(struct jp_reference *reference, const struct jp_referen
     rest(reference, config->rest_ticks);
     advance(&reference->wheel, config->travel_bandwidth, reference->phase_per_rate);
     advance(&reference->yaw, config->yaw_bandwidth, reference->phase_per_rate);
+}
+
+/** By the mean rate of the tick. */
+static void track(struct jp_reference_axis *axis, jp_turns_per_s rate, int32_t phase_per_rate)
+{
+    axis->angle += (jp_phase)((jp_multiply(axis->rate, phase_per_rate) + jp_multiply(rate, phase_per_rate)) >> 1);
+    axis->rate = rate;
+    axis->target = axis->angle;
+    axis->target_rate = rate;
+}
+
+void jp_reference_track(struct jp_reference *reference, const struct jp_set_point *set_point)
+{
+    track(&reference->wheel, set_point->wheel_rate, reference->phase_per_rate);
+    track(&reference->yaw, set_point->yaw_rate, reference->phase_per_rate);
+    reference->pitch = set_point->pitch;
+    reference->pitch_rate = set_point->pitch_rate;
+    reference->common = set_point->common;
+    reference->difference = set_point->difference;
 }

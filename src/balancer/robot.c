@@ -21,7 +21,8 @@ static enum jp_status check_relations(const struct jp_robot_config *config, cons
     if (config->metres_per_turn < JP_Q24(0.0625) || config->metres_per_turn > JP_Q24(4)) {
         return jp_config_refuse("metres_per_turn", field);
     }
-    if (config->reference.tick_rate != rate || config->lqr.tick_rate != rate || config->meter.tick_rate != rate) {
+    if (config->reference.tick_rate != rate || config->lqr.tick_rate != rate || config->meter.tick_rate != rate ||
+        config->trajectory.tick_rate != rate) {
         return jp_config_refuse("estimator.tick_rate", field);
     }
     return JP_OK;
@@ -34,7 +35,9 @@ static enum jp_status check(const struct jp_robot_config *config, const struct j
         jp_estimator_check(&config->estimator, field) == JP_OK &&
         jp_reference_check(&config->reference, field) == JP_OK && jp_lqr_check(&config->lqr, field) == JP_OK &&
         jp_monitor_check(&config->monitor, field) == JP_OK && jp_meter_check(&config->meter, field) == JP_OK &&
-        jp_energy_model_check(model, field) == JP_OK && jp_segment_limits_check(&config->limits, model, field) == JP_OK;
+        jp_energy_model_check(model, field) == JP_OK &&
+        jp_segment_limits_check(&config->limits, model, field) == JP_OK &&
+        jp_trajectory_check(&config->trajectory, field) == JP_OK;
 
     return parts_fit ? check_relations(config, field) : JP_ERR_CONFIG;
 }
@@ -88,6 +91,15 @@ static bool motors_run(enum jp_robot_state state)
 
 /* The tick. */
 
+static JP_INLINE_FOR_SPEED void leave_trajectory(struct jp_robot_internal *robot)
+{
+    if (robot->trajectory != NULL) {
+        robot->trajectory = NULL;
+        robot->has_set_point = false;
+        jp_reference_leave_track(&robot->reference);
+    }
+}
+
 static JP_INLINE_FOR_SPEED void stand(struct jp_robot_internal *robot)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
@@ -106,6 +118,7 @@ static JP_INLINE_FOR_SPEED void switch_off(struct jp_robot_internal *robot, enum
     telemetry->segment_ticks_left = 0;
     telemetry->command = (struct jp_motion){0, 0};
     telemetry->voltages = (struct jp_voltages){0, 0, false};
+    leave_trajectory(robot);
     post(&robot->next_full, 0);
 }
 
@@ -119,7 +132,7 @@ static void balance(struct jp_robot_internal *robot)
     telemetry->segments_ended = 0;
     robot->motor_faults = 0;
     post(&robot->next_full, 0); /* a segment handed over while the robot switched off */
-    stand(robot);
+    telemetry->state = JP_ROBOT_BALANCING;
 }
 
 /** Motors on again after a reset: the reference slows down from the speed that the robot has. */
@@ -157,6 +170,27 @@ static void begin_motion(struct jp_robot_internal *robot, const struct jp_sensor
     robot->started = true;
 }
 
+static void count_segment(struct jp_robot_internal *robot, uint32_t ticks)
+{
+    robot->telemetry.segment = jp_one_more16(robot->telemetry.segment);
+    robot->telemetry.segment_ticks_left = ticks;
+    robot->segment_began = true;
+}
+
+/** A leg of the trajectory that is driven. */
+static void begin_leg(struct jp_robot_internal *robot)
+{
+    const struct jp_trajectory_leg *leg = &robot->trajectory->legs[jp_trajectory_leg_now(&robot->trajectory_drive)];
+
+    robot->telemetry.command = (struct jp_motion){.speed = leg->speed};
+    count_segment(robot, leg->begin.ticks + leg->middle.ticks + leg->end.ticks);
+}
+
+static bool has_leg(const struct jp_robot_internal *robot)
+{
+    return robot->trajectory != NULL && jp_trajectory_leg_now(&robot->trajectory_drive) < robot->trajectory->count;
+}
+
 static void begin_segment(struct jp_robot_internal *robot)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
@@ -166,12 +200,17 @@ static void begin_segment(struct jp_robot_internal *robot)
         telemetry->segment = 0;
         telemetry->segments_ended = 0;
     }
-    jp_reference_apply(&robot->reference, &segment->step);
     telemetry->state = JP_ROBOT_DRIVING;
-    telemetry->command = segment->motion;
-    telemetry->segment = jp_one_more16(telemetry->segment);
-    telemetry->segment_ticks_left = segment->ticks;
-    robot->segment_began = true;
+    leave_trajectory(robot);
+    robot->trajectory = segment->trajectory;
+    if (segment->trajectory != NULL) {
+        jp_trajectory_begin(&robot->trajectory_drive, segment->trajectory);
+        begin_leg(robot);
+    } else {
+        jp_reference_apply(&robot->reference, &segment->step);
+        telemetry->command = segment->motion;
+        count_segment(robot, segment->ticks);
+    }
     post(&robot->next_full, 0);
 }
 
@@ -225,10 +264,23 @@ static void drive(struct jp_robot_internal *robot, uint16_t sensor_faults)
     bool ended = telemetry->state == JP_ROBOT_DRIVING && telemetry->segment_ticks_left == 0U;
 
     robot->segment_ended = ended;
-    if (!stop && (ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
+    if (!stop && ended && has_leg(robot)) {
+        begin_leg(robot);
+    } else if (!stop && (ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
         begin_segment(robot);
     } else if (stop || ended) {
+        leave_trajectory(robot);
         stand(robot);
+    }
+}
+
+/** The reference's tick. */
+static void follow(struct jp_robot_internal *robot)
+{
+    if (robot->has_set_point) {
+        jp_reference_track(&robot->reference, &robot->set_point);
+    } else {
+        jp_reference_update(&robot->reference, &robot->config->reference);
     }
 }
 
@@ -236,7 +288,7 @@ static void control(struct jp_robot_internal *robot, jp_q16 bus_voltage)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
-    jp_reference_update(&robot->reference, &robot->config->reference);
+    follow(robot);
     jp_lqr_update(&robot->lqr, &robot->config->lqr, &robot->reference, &telemetry->motion, bus_voltage,
                   &telemetry->voltages);
     if (telemetry->voltages.saturated) {
@@ -347,6 +399,15 @@ static void account_segments(struct jp_robot_internal *robot)
     robot->segment_began = false;
 }
 
+/** The set-point of the next tick, which the bridges of this one need not wait for. */
+static void look_ahead(struct jp_robot_internal *robot)
+{
+    if (robot->trajectory != NULL) {
+        robot->has_set_point =
+            jp_trajectory_advance(&robot->trajectory_drive, &robot->config->trajectory, &robot->set_point);
+    }
+}
+
 void jp_robot_account(struct jp_robot *robot)
 {
     struct jp_tick_telemetry *telemetry = &robot->internal.telemetry;
@@ -358,6 +419,7 @@ void jp_robot_account(struct jp_robot *robot)
         review_motors(&robot->internal);
     }
     account_segments(&robot->internal);
+    look_ahead(&robot->internal);
     robot->internal.reviewed = robot->internal.applied;
     robot->internal.applied = telemetry->voltages;
     robot->internal.motors_ran = motors_run(telemetry->state);
@@ -462,6 +524,34 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
                              (uint32_t)JP_Q16_ONE / 2U) >>
                             16),
     };
+    post(&robot->internal.next_full, 1);
+    return JP_OK;
+}
+
+/** No leg is faster than the robot may be. */
+static bool can_be_followed(const struct jp_robot_config *config, const struct jp_trajectory *trajectory)
+{
+    for (uint16_t i = 0; i < trajectory->count; i++) {
+        if (!within(trajectory->legs[i].speed, config->limits.speed)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+enum jp_status jp_robot_drive_trajectory(struct jp_robot *robot, const struct jp_trajectory *trajectory)
+{
+    if (robot == NULL || trajectory == NULL || trajectory->legs == NULL || trajectory->count == 0U ||
+        !can_be_followed(robot->internal.config, trajectory)) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!motors_run(jp_robot_state_now(robot))) {
+        return JP_ERR_STATE;
+    }
+    if (posted(&robot->internal.next_full) != 0U) {
+        return JP_ERR_BUSY;
+    }
+    robot->internal.next = (struct jp_next_segment){.trajectory = trajectory};
     post(&robot->internal.next_full, 1);
     return JP_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
+#include "src/base/power_of_half.h"
 #include "src/energy/energy_terms.h"
 
 #define FREQUENCY_MAX    JP_Q24(64)
@@ -106,32 +107,10 @@ enum jp_status jp_horizon_check(const struct jp_horizon *horizon, const char **f
     return yaw == FIELDS ? JP_OK : jp_config_refuse(yaw_names[yaw], field);
 }
 
-/*
- * 2^-x = 1 − x P(x) for x in [0, 1), in Q30; x in Q32.
- * P: minimax coefficients by fixed_polynomials.py, in Q32; their signs alternate, so the nested differences stay
- * positive.
- */
-static uint32_t power_of_half(uint32_t x)
-{
-    static const uint32_t coefficients[] = {5486705u, 41155296u, 238337602u, 1031757278u, 2977044080u};
-    uint32_t p = 472172u;
-    for (size_t i = 0; i < sizeof coefficients / sizeof coefficients[0]; i++) {
-        p = coefficients[i] - (uint32_t)(((uint64_t)x * p) >> 32);
-    }
-    return ((uint32_t)1 << 30) - (uint32_t)(((uint64_t)x * p) >> 34);
-}
-
 /** Share of a mode that is left after a time, Q30. */
 static int32_t decayed_share(const struct jp_mode *mode, jp_q16 duration)
 {
-    uint64_t halvings = (uint64_t)jp_multiply(mode->decay, duration) >> 8; /* Q32 */
-    uint32_t whole = (uint32_t)(halvings >> 32);
-
-    if (whole > 30U) {
-        return 0;
-    }
-    uint32_t share = power_of_half((uint32_t)halvings) >> whole;
-    return (int32_t)share;
+    return jp_power_of_half((uint64_t)jp_multiply(mode->decay, duration) >> 8);
 }
 
 static jp_angle turned_by(const struct jp_mode *mode, jp_q16 duration)

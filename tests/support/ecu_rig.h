@@ -81,6 +81,7 @@ static inline void start(uint32_t tick_rate)
     config.reference.tick_rate = tick_rate;
     config.lqr.tick_rate = tick_rate;
     config.meter.tick_rate = tick_rate;
+    config.trajectory.tick_rate = tick_rate;
     memset(&bus, 0, sizeof bus);
     memset(&retained, 0, sizeof retained);
     sensors = (struct jp_sensors){.accel_z = JP_Q24_ONE, .bus_voltage = JP_Q16(24)};

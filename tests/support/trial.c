@@ -1,5 +1,7 @@
 #include "tests/support/trial.h"
 
+#include <joulepath/trajectory_energy.h>
+#include <joulepath/trajectory_rule.h>
 #include <math.h>
 
 #define DEGREES   (180 / M_PI)
@@ -11,6 +13,8 @@
 struct run {
     struct trial *trial;
     struct rig rig;
+    struct jp_trajectory_leg legs[TRIAL_TARGETS_MAX];
+    struct jp_trajectory trajectory;
     struct random random;
     double rate;
     uint64_t start;      /**< tick of the release */
@@ -130,6 +134,32 @@ static double distance_to_last_target(const struct run *run)
                  run->rig.world.plant.y - target->y / (double)JP_Q16_ONE);
 }
 
+static enum jp_status follow_by_rule(struct run *run)
+{
+    struct trial *trial = run->trial;
+    struct jp_robot *robot = &run->rig.robot;
+    const struct jp_trajectory_task task = {
+        .config = &jp_robot_configuration(robot)->trajectory,
+        .cruise = jp_cruise_speed(jp_robot_model(robot)),
+        .motion = {.pitch = jp_robot_last_tick(robot)->motion.pitch},
+        .targets = trial->targets,
+        .count = (uint16_t)trial->target_count,
+        .to_stand = true,
+    };
+    const enum jp_status status = jp_trajectory_by_rule(&task, run->legs, &run->trajectory);
+
+    return status == JP_OK ? jp_robot_drive_trajectory(robot, &run->trajectory) : status;
+}
+
+static enum jp_status follow(struct run *run)
+{
+    struct trial *trial = run->trial;
+
+    return trial->strategy == TRIAL_CRUISE
+               ? follow_by_rule(run)
+               : jp_robot_follow(&run->rig.robot, trial->targets, (uint16_t)trial->target_count);
+}
+
 static void drive(struct run *run)
 {
     struct trial *trial = run->trial;
@@ -137,7 +167,7 @@ static void drive(struct run *run)
     run->start = run->rig.world.tick;
     run->next_push = run->start + ticks_of(run, random_uniform(&run->random, 0, PUSH_WAIT));
     recover(run, 0);
-    if (jp_robot_follow(&run->rig.robot, trial->targets, (uint16_t)trial->target_count) != JP_OK) {
+    if (follow(run) != JP_OK) {
         trial->end = TRIAL_FELL;
         return;
     }
@@ -151,11 +181,12 @@ static void drive(struct run *run)
     }
 }
 
-bool trial_run(struct trial *trial, const struct robot_entry *entry, const struct robot_file *file, uint64_t seed)
+bool trial_run(struct trial *trial, enum trial_strategy strategy, const struct robot_entry *entry,
+               const struct robot_file *file, uint64_t seed)
 {
     struct run run = {.trial = trial, .rate = file->control.rate_hz};
 
-    *trial = (struct trial){.seed = seed, .end = TRIAL_DONE, .first_saturated_s = -1};
+    *trial = (struct trial){.seed = seed, .strategy = strategy, .end = TRIAL_DONE, .first_saturated_s = -1};
     random_init(&run.random, seed);
     draw_targets(trial, &run.random);
     trial->tilt_deg = TRIAL_TILT_DEG * sign(&run.random);

@@ -1,5 +1,5 @@
 /**
- * A random mission: released tilted, driven through a random route by jp_robot_follow, pushed now and then. For the
+ * A random mission: released tilted, driven through a random route, pushed now and then. For the
  * count of falls and of saturated ticks in normal driving, which is all that is more than TRIAL_RECOVERY seconds after
  * the release and after the end of each push.
  */
@@ -13,6 +13,11 @@
 #define TRIAL_PUSH_NS     1.0
 #define TRIAL_RECOVERY    2.0
 
+enum trial_strategy {
+    TRIAL_SEGMENTS, /**< jp_robot_follow() */
+    TRIAL_CRUISE    /**< jp_trajectory_by_rule() from the tilt, to a stand */
+};
+
 enum trial_end {
     TRIAL_DONE,      /**< drove the route and stood for TRIAL_RECOVERY seconds */
     TRIAL_FELL,      /**< beyond the tilt limit, or a fault */
@@ -22,6 +27,7 @@ enum trial_end {
 
 struct trial {
     uint64_t seed;
+    enum trial_strategy strategy;
     size_t target_count;
     struct jp_point targets[TRIAL_TARGETS_MAX]; /**< 3…6, each 2…12 m from the one before, in any direction */
     double tilt_deg;                            /**< ±TRIAL_TILT_DEG, how the robot is released */
@@ -41,6 +47,7 @@ struct trial {
 
 /** Draws the trial of this seed and drives it. Prints one line on stderr and returns false when the robot's
  *  configuration is refused. */
-bool trial_run(struct trial *trial, const struct robot_entry *entry, const struct robot_file *file, uint64_t seed);
+bool trial_run(struct trial *trial, enum trial_strategy strategy, const struct robot_entry *entry,
+               const struct robot_file *file, uint64_t seed);
 
 #endif

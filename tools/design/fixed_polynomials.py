@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Print the polynomial coefficients of src/base/fixed.c and src/energy/horizon.c.
+"""Print the polynomial coefficients of src/base/fixed.c and src/base/power_of_half.c.
 
 Minimax fits by the Remez exchange, in exact rational arithmetic; the standard
 library is enough. Usage: python3 -m tools.design.fixed_polynomials

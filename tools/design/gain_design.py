@@ -7,8 +7,10 @@ Prints the gains, the closed loop's poles and its settling time. Exit status 2: 
 import math
 from pathlib import Path
 
+import numpy as np
+
 from tools.common import ROOT, ArgumentParser, print_aligned, run, shown_path, write_whole
-from tools.design import c_tables, estimator_gains, linear_model, reversal, robot_json
+from tools.design import c_tables, cruise, estimator_gains, linear_model, reversal, robot_json
 
 TURN = 2 * math.pi
 
@@ -151,6 +153,45 @@ def limits_group(robot, to):
     ])
 
 
+def array(name, convert, values, units, limit, low=None):
+    """Each element within ±limit."""
+    members = [convert(f"{name}[{i}]", value, unit, -limit if low is None else low, limit)
+               for i, (value, unit) in enumerate(zip(values, units))]
+    return c_tables.Array(name, [member.value for member in members], [member.comment for member in members])
+
+
+def modes_group(modes, rate, to):
+    by_turn = np.array([1, TURN, TURN])  # shares of ψ and ψ̇
+    shares = np.concatenate([mode.share * by_turn for mode in modes])
+    return c_tables.Group("modes", [
+        array("decay", to.q16, [mode.decay / math.log(2) for mode in modes], 3 * ["1/s"], 32767, 2**-16),
+        array("keep", to.q31, [math.exp(-mode.decay / rate) for mode in modes], 3 * [""], 1 - EPSILON, EPSILON),
+        array("share", to.q16, shares, 3 * ["", "m/s per turn", "m per turn"], 1024),
+        array("lean", to.q24, [mode.lean / TURN for mode in modes], 3 * ["turn·s/m"], 16),
+        array("lean_rate", to.q24, [mode.lean_rate / TURN for mode in modes], 3 * ["turn/m"], 16),
+        array("volts", to.q16, [mode.volts for mode in modes], 3 * ["V·s/m"], 4096),
+    ])
+
+
+def trajectory_group(robot, plant, to):
+    radius = robot.positive("wheel.radius_m")
+    flat = cruise.flat(plant, radius)
+    turn = cruise.turn(robot, flat)
+    return c_tables.Group("trajectory", [
+        to.whole("tick_rate", robot.positive("control.rate_hz"), "Hz", 100, 10000),
+        to.q24("turns_per_metre", 1 / (TURN * radius), "turn/m", 0.1, 16),
+        to.q24("lag", flat.lag, "s²", 0, 1),
+        array("lean", to.q24, flat.lean / TURN, ("turn·s/m", "turn·s²/m"), 16),
+        array("volts", to.q16, flat.volts, ("V·s/m", "V·s²/m", "V·s³/m", "V·s⁴/m"), 4096),
+        array("turning", to.q16, flat.turning * TURN, ("V·s/turn", "V·s²/turn"), 4096),
+        to.q16("voltage", robot.positive("supply.voltage_v") * (1 - robot.number("control.pitch_reserve_share")), "V",
+               2**-16, 512),
+        to.q16("blend", turn.blend, "s", 0.05, 60),
+        to.q24("turn_pace", turn.pace, "1/s", 0.01, 64),
+        modes_group(cruise.modes(robot, plant, radius), robot.positive("control.rate_hz"), to),
+    ])
+
+
 def source_of(robot):
     return f"sim/robots/{robot.name}.cfg"
 
@@ -168,6 +209,7 @@ def robot_table(robot, loop):
         monitor_group(robot, turning, to),
         meter_group(robot, to),
         limits_group(robot, to),
+        trajectory_group(robot, loop.plant, to),
         to.q24("metres_per_turn", TURN * robot.positive("wheel.radius_m"), "m", 2**-24, 16),
     ]
     return c_tables.Table(f"make gains ROBOT={robot.name}", source_of(robot), "", "joulepath/robot.h",

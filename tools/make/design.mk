@@ -27,16 +27,12 @@ codec: ## make the C codec of the CAN messages from hal/can/joulepath.dbc
 	@tools/setup.sh operate
 	$(PYTHON) -m tools.design.can_codec
 
-# experiments ROBOT ENERGY FOLDER
-experiments = $(BUILD)/bin/jp-identify sim/robots/$1.cfg --energy $2 --output $(BUILD)/identify/$3
-
 .PHONY: identify
 identify: ## identify the energy models of ROBOT=name in the simulator: src/tables/energy_name.c and energy_name_battery.c
 	@tools/setup.sh design
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot $(BUILD)/bin/jp-identify
-	$(call experiments,$(ROBOT),motor,$(ROBOT))
+	$(BUILD)/bin/jp-identify sim/robots/$(ROBOT).cfg --output $(BUILD)/identify/$(ROBOT)
 	$(PYTHON) -m tools.design.identify $(ROBOT)
-	$(call experiments,$(ROBOT),battery,$(ROBOT)_battery)
 	$(PYTHON) -m tools.design.identify $(ROBOT) --energy battery
 	@$(DECLARE)
 

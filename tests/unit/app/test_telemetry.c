@@ -45,6 +45,7 @@ static void start(uint32_t tick_rate)
     config.reference.tick_rate = tick_rate;
     config.lqr.tick_rate = tick_rate;
     config.meter.tick_rate = tick_rate;
+    config.trajectory.tick_rate = tick_rate;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_init(&ecu, &config, &jp_energy_model_courier24, &port, NULL, &field));
 }
 

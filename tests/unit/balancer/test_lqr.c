@@ -338,3 +338,58 @@ static void test_long_saturation_does_not_wind_up(void)
     update(JP_Q16(24));
     expect(0, 0, false);
 }
+
+/* Along a trajectory */
+
+static void test_voltages_of_the_motion_are_added(void)
+{
+    config.wheel = JP_Q16(1);
+    config.yaw = JP_Q16(5);
+    start();
+    reference.common = JP_Q16(3);
+    reference.difference = JP_Q16(-0.5);
+    update(JP_Q16(100));
+    expect(JP_Q16(3.5), JP_Q16(2.5), false);
+    reference.wheel.angle = JP_PHASE_TURN;
+    reference.yaw.angle = JP_PHASE_TURN / 10;
+    update(JP_Q16(100));
+    TEST_ASSERT_INT32_WITHIN(1, JP_Q16(4), voltages.left);
+    TEST_ASSERT_INT32_WITHIN(1, JP_Q16(4), voltages.right);
+}
+
+static void test_pitch_follows_the_reference(void)
+{
+    config.pitch = JP_Q16(-2);
+    config.pitch_rate = JP_Q16(4);
+    start();
+    reference.pitch = JP_Q24(0.25);
+    reference.pitch_rate = JP_Q24(0.5);
+    state.pitch = JP_Q24(0.25);
+    state.pitch_rate = JP_Q24(0.5);
+    update(JP_Q16(100));
+    expect(0, 0, false);
+    state.pitch = 0;
+    update(JP_Q16(100));
+    expect(JP_Q16(-0.5), JP_Q16(-0.5), false);
+    state.pitch_rate = 0;
+    update(JP_Q16(100));
+    expect(JP_Q16(1.5), JP_Q16(1.5), false);
+}
+
+static void test_the_motion_leaves_the_reserve_to_pitch(void)
+{
+    config.pitch = JP_Q16(-8);
+    config.pitch_reserve = JP_Q16(4);
+    start();
+    reference.common = JP_Q16(9);
+    update(JP_Q16(10));
+    expect(JP_Q16(6), JP_Q16(6), true);
+    state.pitch = JP_Q24(0.5);
+    update(JP_Q16(10));
+    expect(JP_Q16(10), JP_Q16(10), true);
+    reference.difference = JP_Q16(2);
+    state.pitch = 0;
+    reference.common = JP_Q16(5);
+    update(JP_Q16(6));
+    expect(JP_Q16(0), JP_Q16(4), true);
+}

@@ -334,3 +334,59 @@ static void test_coasting_ends_at_rest_where_it_began(void)
     check_coasting(JP_Q24(1));
     check_coasting(-JP_Q24(0.7));
 }
+
+/* A trajectory */
+
+static void track(jp_q24 wheel_rate, jp_q24 yaw_rate)
+{
+    const struct jp_set_point point = {wheel_rate, yaw_rate, JP_Q24(0.01), JP_Q24(-0.02), JP_Q16(3), JP_Q16(-4)};
+
+    jp_reference_track(&reference, &point);
+}
+
+static void test_tracking_integrates_by_the_mean_rate(void)
+{
+    const int64_t tick = jp_phase_per_rate(config.tick_rate);
+
+    start((jp_phase)0 - 1000, 1000);
+    track(JP_Q24(1), JP_Q24(-0.5));
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)0 - 1000 + (jp_phase)(JP_Q24(1) * tick / 2), reference.wheel.angle);
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)1000 - (jp_phase)(JP_Q24(0.5) * tick / 2), reference.yaw.angle);
+    track(JP_Q24(3), JP_Q24(-0.25));
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)0 - 1000 + (jp_phase)(JP_Q24(2.5) * tick), reference.wheel.angle);
+    TEST_ASSERT_EQUAL_UINT64((jp_phase)1000 - (jp_phase)(JP_Q24(0.625) * tick), reference.yaw.angle);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(3), reference.wheel.rate);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(-0.25), reference.yaw.rate);
+}
+
+static void test_tracking_takes_the_set_point_as_it_is(void)
+{
+    start(0, 0);
+    track(JP_Q24(1), JP_Q24(0.5));
+    TEST_ASSERT_EQUAL_UINT64(reference.wheel.angle, reference.wheel.target);
+    TEST_ASSERT_EQUAL_UINT64(reference.yaw.angle, reference.yaw.target);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(1), reference.wheel.target_rate);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.5), reference.yaw.target_rate);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.01), reference.pitch);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(-0.02), reference.pitch_rate);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(3), reference.common);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(-4), reference.difference);
+}
+
+static void test_a_step_ends_the_tracking(void)
+{
+    start(0, 0);
+    track(JP_Q24(1), JP_Q24(0.5));
+    step(0, 0, 0);
+    jp_reference_leave_track(&reference);
+    TEST_ASSERT_EQUAL_INT32(0, reference.pitch);
+    TEST_ASSERT_EQUAL_INT32(0, reference.pitch_rate);
+    TEST_ASSERT_EQUAL_INT32(0, reference.common);
+    TEST_ASSERT_EQUAL_INT32(0, reference.difference);
+    /* It slows down from the rate that it had. */
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(1), reference.wheel.rate);
+    run(1);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(0.998), reference.wheel.rate);
+    run(15000);
+    TEST_ASSERT_INT32_WITHIN(400, 0, reference.wheel.rate);
+}

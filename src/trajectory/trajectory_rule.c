@@ -1,0 +1,332 @@
+#include <joulepath/trajectory_rule.h>
+
+#include <stddef.h>
+
+#include "src/base/integer.h"
+#include "src/trajectory/segment_math.h"
+#include "src/trajectory/trajectory_blend.h"
+#include "src/trajectory/trajectory_corner.h"
+
+/** 2⁻³² turn. */
+#define RADIAN 683565276
+
+/** Corrections of a middle's heading, and of its time. */
+#define SECANTS 8U
+#define ROUNDS  4U
+#define PASSES  8U
+
+/** The last step is taken from a line that passes the waypoint at less than this, 2⁻²⁰ m: 4 mm. */
+#define ASIDE_MAX 4096U
+
+#define SPEED_MAX      JP_Q24(8)
+#define CRUISE_MIN     JP_Q24(0.01)
+#define PITCH_MAX      JP_Q24(0.125)
+#define TURN_RATE_MAX  JP_Q24(2)
+#define PITCH_RATE_MAX JP_Q24(2)
+
+/** A route in the making: what holds at the waypoint that the last leg leads to. */
+struct plan {
+    const struct jp_trajectory_task *task;
+    struct jp_way ahead; /**< where the trajectory is, from the waypoint */
+    struct jp_waypoint_motion motion;
+    jp_q24 modes[JP_TRAVEL_MODES];
+    uint32_t blend; /**< of the leg before, at its end, ticks */
+};
+
+/** A leg in the making. */
+struct leg_search {
+    struct jp_trajectory_leg result;
+    struct jp_way way;             /**< to the waypoint */
+    jp_q24 modes[JP_TRAVEL_MODES]; /**< at the begin of the second blend */
+    struct jp_way left;            /**< of the way, for the middle */
+    int32_t along;                 /**< of that, in its direction, 2⁻²⁰ m */
+    int32_t aside;                 /**< to the left of it */
+    int32_t covered;               /**< in the ticks of the middle */
+    jp_q24 begin;                  /**< its blends, s */
+    jp_q24 end;
+    int32_t distance;         /**< of its ends, 2⁻²⁰ m */
+    struct jp_rolling fading; /**< what the modes add in its blends */
+    struct jp_rolling faded;
+    bool is_last; /**< it ends in the middle's heading */
+};
+
+static void copy_modes(jp_q24 *to, const jp_q24 *from)
+{
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        to[i] = from[i];
+    }
+}
+
+/** What the middle covers without modes, 2⁻²⁰ m. */
+static int32_t cruised(const struct plan *plan, const struct leg_search *leg, uint32_t ticks)
+{
+    return jp_saturate32((int64_t)leg->result.speed * (int64_t)ticks / (16 * (int64_t)plan->task->config->tick_rate));
+}
+
+/** What a middle with this heading has to cover. */
+static void try_heading(const struct plan *plan, struct leg_search *leg, jp_angle heading)
+{
+    const struct jp_trajectory_config *config = plan->task->config;
+    const struct jp_waypoint_motion middle = {.heading = heading, .speed = leg->result.speed};
+
+    leg->result.heading = heading;
+    if (leg->is_last) {
+        leg->result.next.heading = heading;
+    }
+
+    const struct jp_way begin =
+        jp_blend_way(config, &plan->motion, &middle, jp_turn_by(plan->motion.heading, leg->result.chord, heading),
+                     leg->begin, &leg->fading);
+    const struct jp_way end =
+        jp_blend_way(config, &middle, &leg->result.next, jp_turn_by(heading, heading, leg->result.next.heading),
+                     leg->end, &leg->faded);
+    const int32_t x = leg->way.x - begin.x - end.x;
+    const int32_t y = leg->way.y - begin.y - end.y;
+    const int32_t cosine = jp_cos(heading);
+    const int32_t sine = jp_sin(heading);
+
+    leg->left = (struct jp_way){x, y};
+    leg->along = jp_round_shift(jp_multiply(x, cosine) + jp_multiply(y, sine), 31);
+    leg->aside = jp_round_shift(jp_multiply(y, cosine) - jp_multiply(x, sine), 31);
+}
+
+/** value · part / whole, where |part| is at most |whole|, or taken to be. */
+static int32_t share_of(int32_t value, int32_t part, int32_t whole)
+{
+    const uint32_t size = jp_magnitude32(part);
+    const uint32_t most = jp_magnitude32(whole);
+    const int32_t share = size < most ? jp_fraction30(size, most) : Q30_ONE;
+
+    return jp_multiply_shift(value, (part < 0) == (whole < 0) ? share : -share, 30);
+}
+
+/** The last step, which is so small that the blends need not be integrated anew. */
+static void turn_by(struct leg_search *leg, int32_t step)
+{
+    const jp_angle heading = leg->result.heading + (jp_angle)step;
+
+    leg->result.heading = heading;
+    leg->result.next.heading += leg->is_last ? (jp_angle)step : 0U;
+    leg->left = (struct jp_way){jp_multiply_shift(leg->along, jp_cos(heading), 31),
+                                jp_multiply_shift(leg->along, jp_sin(heading), 31)};
+}
+
+/** The heading of the middle whose line leads to the waypoint, by secants. The first takes the blends to follow the
+ *  middle by half. */
+static void find_heading(const struct plan *plan, struct leg_search *leg)
+{
+    const int32_t lever = leg->distance - jp_multiply_shift(leg->result.speed, leg->begin / 2 + leg->end / 2, 28);
+    int32_t step; /* 2⁻³² turn */
+
+    try_heading(plan, leg, leg->result.heading);
+    step = share_of(RADIAN, leg->aside, lever);
+    for (unsigned i = 0; i < SECANTS && jp_magnitude32(leg->aside) > ASIDE_MAX; i++) {
+        const int32_t before = leg->aside;
+
+        try_heading(plan, leg, leg->result.heading + (jp_angle)step);
+        step = share_of(step, leg->aside, before - leg->aside);
+    }
+    turn_by(leg, step);
+}
+
+/** The speed in it after so many ticks, but at least an eighth of the cruise, m/s. */
+static jp_q24 speed_after(const struct plan *plan, const struct leg_search *leg, uint32_t ticks)
+{
+    int64_t speed = leg->result.speed;
+
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        speed += jp_mode_after(plan->task->config, i, leg->modes[i], ticks, Q30_ONE);
+    }
+    return jp_clamp32(jp_saturate32(speed), (leg->result.speed + 7) / 8, INT32_MAX);
+}
+
+/** Its ticks, that this and what is left of the modes cover the way: Newton's steps from where the modes have gone. */
+static uint32_t find_ticks(const struct plan *plan, const struct leg_search *leg)
+{
+    const struct jp_trajectory_config *config = plan->task->config;
+    const int64_t scale = 16 * (int64_t)config->tick_rate;
+    const int64_t way = leg->along - (int64_t)jp_modes_way(config, leg->modes, UINT32_MAX);
+    int64_t ticks = way * scale / leg->result.speed;
+
+    ticks = ticks < 1 ? 1 : ticks;
+    for (unsigned i = 0; i < ROUNDS && !jp_modes_are_gone(leg->modes); i++) {
+        const uint32_t now = (uint32_t)ticks;
+        const int64_t left = leg->along - (int64_t)jp_modes_way(config, leg->modes, now) - cruised(plan, leg, now);
+
+        ticks += jp_divide(left * scale, speed_after(plan, leg, now));
+        ticks = ticks < 1 ? 1 : ticks;
+    }
+    return (uint32_t)ticks;
+}
+
+/** Heading and ticks of the middle. What is left of the modes after it moves the second blend, so that both are
+ *  found until they agree. JP_ERR_INFEASIBLE: there is no room for one. */
+static enum jp_status find_middle(const struct plan *plan, struct leg_search *leg)
+{
+    const struct jp_trajectory_config *config = plan->task->config;
+    const bool is_plain = jp_modes_are_gone(plan->modes);
+    unsigned passes = 0;
+    uint32_t before;
+
+    jp_modes_roll(config, plan->modes, leg->result.begin.ticks, &leg->fading);
+    do {
+        before = leg->result.middle.ticks;
+        jp_modes_roll(config, leg->modes, leg->result.end.ticks, &leg->faded);
+        find_heading(plan, leg);
+        if (leg->along <= 0 || jp_magnitude32(leg->aside) > ASIDE_MAX) {
+            return JP_ERR_INFEASIBLE;
+        }
+        copy_modes(leg->modes, plan->modes);
+        jp_modes_decay(config, leg->modes, leg->result.begin.ticks);
+        leg->result.middle.ticks = find_ticks(plan, leg);
+        leg->covered =
+            cruised(plan, leg, leg->result.middle.ticks) + jp_modes_way(config, leg->modes, leg->result.middle.ticks);
+        jp_modes_decay(config, leg->modes, leg->result.middle.ticks);
+        passes++;
+    } while (!is_plain && leg->result.middle.ticks != before && passes < PASSES);
+    return JP_OK;
+}
+
+/** To the end of the leg: what it is beyond the waypoint is for the next leg to make good. */
+static void pass(struct plan *plan, struct leg_search *leg)
+{
+    const jp_angle heading = leg->result.heading;
+
+    if (!jp_modes_are_gone(plan->modes)) {
+        jp_modes_roll(plan->task->config, leg->modes, leg->result.end.ticks, &leg->faded);
+        try_heading(plan, leg, heading);
+    }
+    plan->ahead = (struct jp_way){jp_multiply_shift(leg->covered, jp_cos(heading), 31) - leg->left.x,
+                                  jp_multiply_shift(leg->covered, jp_sin(heading), 31) - leg->left.y};
+    jp_leg_shape(plan->task->config, &plan->motion, &leg->result);
+    plan->motion = leg->result.next;
+    plan->blend = leg->result.end.ticks;
+    copy_modes(plan->modes, leg->modes);
+    jp_modes_decay(plan->task->config, plan->modes, leg->result.end.ticks);
+}
+
+/** From a target, or the start, to the next, in Q12.20 m. */
+static struct jp_way way_between(const struct jp_trajectory_task *task, uint16_t index)
+{
+    const struct jp_point *from = index == 0U ? &task->start : &task->targets[index - 1U];
+    const struct jp_point *to = &task->targets[index];
+
+    return (struct jp_way){(to->x - from->x) * 16, (to->y - from->y) * 16};
+}
+
+/** Of a blend whose neighbour beyond the waypoint is the other. Twice as long it would turn past the waypoint's heading
+ *  and back. */
+static uint32_t blend_beside(uint32_t blend, uint32_t other)
+{
+    return blend / 2U < other ? blend : 2U * other;
+}
+
+static enum jp_status plan_leg(struct plan *plan, uint16_t index, const struct jp_chord *chord,
+                               const struct jp_chord *next, struct jp_trajectory_leg *result)
+{
+    const struct jp_trajectory_task *task = plan->task;
+    const struct jp_way way = way_between(task, index);
+    struct leg_search leg = {
+        .result = {.chord = chord->direction,
+                   .heading = chord->direction,
+                   .speed = chord->speed,
+                   .begin = {.ticks = blend_beside(chord->blend, plan->blend)},
+                   .end = {.ticks = chord->blend}},
+        .way = {way.x - plan->ahead.x, way.y - plan->ahead.y},
+        .distance = (int32_t)(chord->distance >> 2),
+        .is_last = next == NULL,
+    };
+
+    if (next != NULL) {
+        leg.result.next = jp_corner_between(task, chord, next);
+        leg.result.end.ticks = blend_beside(chord->blend, next->blend);
+    } else {
+        leg.result.next.speed = task->to_stand ? 0 : chord->speed;
+        leg.result.end.ticks = task->to_stand ? chord->blend : 1U;
+    }
+
+    leg.begin = jp_seconds(task->config, leg.result.begin.ticks, 24);
+    leg.end = jp_seconds(task->config, leg.result.end.ticks, 24);
+
+    const enum jp_status status = find_middle(plan, &leg);
+
+    if (status == JP_OK) {
+        pass(plan, &leg);
+        *result = leg.result;
+    }
+    return status;
+}
+
+/** The difference between the robot's motion and the first leg's, in modes. */
+static void begin_modes(const struct jp_trajectory_task *task, jp_q24 cruise, jp_q24 *modes)
+{
+    const struct jp_trajectory_config *config = task->config;
+    const jp_q24 speed = task->motion.speed - cruise;
+    const jp_q24 pitch = task->motion.pitch - jp_q24_multiply(config->lean[0], cruise);
+
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        const jp_q16 *share = &config->modes.share[JP_TRAVEL_MODES * i];
+
+        modes[i] = jp_round_shift(jp_multiply(share[0], speed) + jp_multiply(share[1], pitch) +
+                                      jp_multiply(share[2], task->motion.pitch_rate),
+                                  16);
+    }
+}
+
+static bool motion_is_valid(const struct jp_travel_state *motion)
+{
+    return jp_is_between(motion->speed, -SPEED_MAX, SPEED_MAX) && jp_is_between(motion->pitch, -PITCH_MAX, PITCH_MAX) &&
+           jp_is_between(motion->pitch_rate, -PITCH_RATE_MAX, PITCH_RATE_MAX) &&
+           jp_is_between(motion->turn_rate, -TURN_RATE_MAX, TURN_RATE_MAX);
+}
+
+static bool is_valid(const struct jp_trajectory_task *task)
+{
+    return task->config != NULL && task->targets != NULL && task->count > 0U &&
+           jp_is_between(task->cruise, CRUISE_MIN, SPEED_MAX) && motion_is_valid(&task->motion);
+}
+
+static enum jp_status begin_plan(struct plan *plan, struct jp_chord *chord, struct jp_trajectory *trajectory)
+{
+    const struct jp_trajectory_task *task = plan->task;
+    const enum jp_status status = jp_chord_to(task, 0, chord);
+
+    if (status == JP_OK) {
+        plan->motion = (struct jp_waypoint_motion){task->heading, task->motion.turn_rate, chord->speed};
+        plan->blend = chord->blend;
+        begin_modes(task, chord->speed, plan->modes);
+        trajectory->start = plan->motion;
+        for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+            trajectory->transient[i] = jp_saturate32((int64_t)plan->modes[i] * 16);
+        }
+    }
+    return status;
+}
+
+enum jp_status jp_trajectory_by_rule(const struct jp_trajectory_task *task, struct jp_trajectory_leg *legs,
+                                     struct jp_trajectory *trajectory)
+{
+    struct plan plan = {.task = task};
+    struct jp_chord chord;
+    struct jp_chord next = {.distance = 0};
+
+    if (task == NULL || legs == NULL || trajectory == NULL || !is_valid(task)) {
+        return JP_ERR_ARGUMENT;
+    }
+    *trajectory = (struct jp_trajectory){.legs = legs, .count = task->count};
+
+    enum jp_status status = begin_plan(&plan, &chord, trajectory);
+
+    for (uint16_t i = 0; i < task->count && status == JP_OK; i++) {
+        const bool is_last = i + 1U == task->count;
+
+        if (!is_last) {
+            status = jp_chord_to(task, (uint16_t)(i + 1U), &next);
+        }
+        if (status == JP_OK) {
+            status = plan_leg(&plan, i, &chord, is_last ? NULL : &next, &legs[i]);
+        }
+        chord = next;
+    }
+    return status;
+}

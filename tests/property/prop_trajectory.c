@@ -1,0 +1,547 @@
+/*
+ * Trajectories by rule on random routes of both robots: what the evaluator says, tick by tick, is followed in double
+ * precision. It passes every waypoint, nothing jumps, the voltage is kept, and the energy is the one foretold.
+ *
+ * prop_trajectory [--count N] [--seed S] [--verbose]
+ * --count is the number of routes.
+ */
+#include <joulepath/robot.h>
+#include <joulepath/tables.h>
+#include <joulepath/trajectory_energy.h>
+#include <joulepath/trajectory_rule.h>
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "src/trajectory/trajectory_blend.h"
+#include "tests/support/options.h"
+#include "unity.h"
+
+#define PI 3.14159265358979323846
+
+#define MISS_M       0.003
+#define ENERGY_SHARE 0.001
+#define VOLTAGE_OVER                                                                                                   \
+    2 /* turns are counted between the lines of the targets; those of the middles turn a little more                   \
+       */
+
+/* Of the routes that begin at rest and do not turn round at once, at most this share is infeasible. */
+#define INFEASIBLE 0.01
+
+/* So much of a turn at the start is turning round. The way that the robot rolls meanwhile may want more than half a
+ * turn, which the rule does not make. */
+#define ROUND 0.45
+
+/* Modes that add less to the voltage have decayed, V. */
+#define DECAYED 0.01
+
+/* The largest derivatives of the quintic from 0 to 1. */
+#define RISE_1 1.875
+#define RISE_2 5.7735026918962576
+#define RISE_3 60.0
+
+enum { LEGS = 8 };
+
+static const struct robot {
+    const char *name;
+    const struct jp_trajectory_config *config;
+    const struct jp_energy_model *model;
+} robots[] = {
+    {"gao2018", &jp_robot_gao2018.trajectory, &jp_energy_model_gao2018},
+    {"courier24", &jp_robot_courier24.trajectory, &jp_energy_model_courier24},
+};
+
+struct route {
+    const struct robot *robot;
+    struct jp_trajectory_task task;
+    struct jp_point targets[LEGS];
+    struct jp_trajectory_leg legs[LEGS];
+    struct jp_trajectory trajectory;
+};
+
+struct pose {
+    double x;
+    double y;
+    double heading; /* turn */
+};
+
+/* The most that may change in a tick. */
+struct jumps {
+    double wheel_rate;
+    double yaw_rate;
+    double pitch;
+    double pitch_rate;
+};
+
+/* The worst of one route, or of all. */
+struct result {
+    double miss;      /* m */
+    double jump;      /* as a part of what is allowed */
+    double energy;    /* relative error */
+    double over;      /* voltage above the limit, V; at a steady ν after the transients of the start */
+    double transient; /* voltage in these, as a part of the limit */
+    double change;    /* where ν changes, which the rule does not look after */
+};
+
+static struct result result;
+static struct result worst = {.over = -1000};
+static unsigned long above; /* routes with more voltage than the limit where ν changes */
+
+static struct {
+    unsigned long moving; /* the first leg is too short for the motion that it begins with */
+    unsigned long round;
+    unsigned long other;
+} infeasible;
+
+static unsigned long plain; /* routes that are neither */
+static uint64_t seed = 1;
+static uint64_t random_state;
+static unsigned long count = 200;
+static bool verbose;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- Random routes ---- */
+
+/* xorshift64* */
+static uint32_t random_bits(void)
+{
+    random_state ^= random_state >> 12;
+    random_state ^= random_state << 25;
+    random_state ^= random_state >> 27;
+    return (uint32_t)((random_state * UINT64_C(0x2545F4914F6CDD1D)) >> 32);
+}
+
+static double uniform(double low, double high)
+{
+    return low + (high - low) * (double)random_bits() / 4294967296.0;
+}
+
+static double log_uniform(double low, double high)
+{
+    return exp(uniform(log(low), log(high)));
+}
+
+static double q16(int32_t x)
+{
+    return x / 65536.0;
+}
+
+static double q24(int32_t x)
+{
+    return x / 16777216.0;
+}
+
+static jp_q16 to_q16(double x)
+{
+    return (jp_q16)lround(x * 65536.0);
+}
+
+static jp_q24 to_q24(double x)
+{
+    return (jp_q24)lround(x * 16777216.0);
+}
+
+/* In turn: any, next to nothing, or next to half a turn. */
+static double random_turn(void)
+{
+    switch (random_bits() % 4) {
+    case 0:
+        return 0.5 + uniform(-0.01, 0.01);
+    case 1:
+        return uniform(-0.05, 0.05);
+    default:
+        return uniform(-0.5, 0.5);
+    }
+}
+
+static struct jp_travel_state random_motion(void)
+{
+    if (random_bits() % 2 == 0) {
+        return (struct jp_travel_state){0};
+    }
+    return (struct jp_travel_state){
+        .speed = to_q24(uniform(-0.5, 1)),
+        .pitch = to_q24(uniform(-0.02, 0.02)),
+        .pitch_rate = to_q24(uniform(-0.1, 0.1)),
+        .turn_rate = to_q24(uniform(-0.1, 0.1)),
+    };
+}
+
+static void draw(struct route *route)
+{
+    double direction = uniform(-0.5, 0.5);
+    struct jp_point at = {to_q16(uniform(-1000, 1000)), to_q16(uniform(-1000, 1000))};
+
+    route->robot = &robots[random_bits() % 2];
+    route->task = (struct jp_trajectory_task){
+        .config = route->robot->config,
+        .cruise = to_q24(log_uniform(0.1, 1)),
+        .start = at,
+        .heading = (jp_angle)(int64_t)(direction * 4294967296.0),
+        .motion = random_motion(),
+        .targets = route->targets,
+        .count = (uint16_t)(1 + random_bits() % LEGS),
+        .to_stand = random_bits() % 2 == 0,
+    };
+    for (unsigned i = 0; i < route->task.count; i++) {
+        const double length = log_uniform(0.3, 15);
+
+        direction += random_turn();
+        at.x += to_q16(length * cos(2 * PI * direction));
+        at.y += to_q16(length * sin(2 * PI * direction));
+        route->targets[i] = at;
+    }
+}
+
+/* ---- The pieces, in double ---- */
+
+static double seconds(const struct route *route, uint32_t ticks)
+{
+    return (double)ticks / route->robot->config->tick_rate;
+}
+
+/* What modes change in a tick. */
+static void add_modes(const struct route *route, double time, struct jumps *jumps)
+{
+    const struct jp_trajectory_config *config = route->robot->config;
+    const double tick = seconds(route, 1);
+
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        const double rate = q16(config->modes.decay[i]) * log(2);
+        const double change = fabs(q24(route->trajectory.transient[i]) / 16) * exp(-rate * time) * rate * tick;
+
+        jumps->wheel_rate += q24(config->turns_per_metre) * change;
+        jumps->pitch += fabs(q24(config->modes.lean[i])) * change;
+        jumps->pitch_rate += fabs(q24(config->modes.lean_rate[i])) * change;
+    }
+}
+
+/* The voltage of the modes. */
+static double modes_voltage(const struct route *route, double time)
+{
+    const struct jp_trajectory_config *config = route->robot->config;
+    double volts = 0;
+
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        volts += fabs(q16(config->modes.volts[i]) * q24(route->trajectory.transient[i]) / 16) *
+                 exp(-q16(config->modes.decay[i]) * log(2) * time);
+    }
+    return volts;
+}
+
+static struct jumps jumps_of_blend(const struct route *route, const struct jp_waypoint_motion *from,
+                                   const struct jp_waypoint_motion *to, jp_angle by, uint32_t ticks)
+{
+    const struct jp_trajectory_config *config = route->robot->config;
+    const double tick = seconds(route, 1);
+    const double time = seconds(route, ticks);
+    const double first = fabs(q24(to->speed - from->speed)) * RISE_1 / time * tick;
+    const double second = first / RISE_1 * RISE_2 / time;
+    const double third = second / RISE_2 * RISE_3 / time;
+    const double turned = jp_turn_by(from->heading, by, to->heading) / 2147483648.0;
+    const double bend = 6 * turned / time - 3 * (q24(from->turn_rate) + q24(to->turn_rate));
+
+    return (struct jumps){
+        .wheel_rate = q24(config->turns_per_metre) * (first + q24(config->lag) * third),
+        .yaw_rate = (fabs(q24(to->turn_rate - from->turn_rate)) + fabs(bend)) / time * tick,
+        .pitch = fabs(q24(config->lean[0])) * first + fabs(q24(config->lean[1])) * second,
+        .pitch_rate = fabs(q24(config->lean[0])) * second + fabs(q24(config->lean[1])) * third,
+    };
+}
+
+/* ---- Driving ---- */
+
+struct drive {
+    const struct route *route;
+    struct jp_trajectory_drive evaluator;
+    struct jp_set_point before;
+    struct pose pose;
+    uint32_t ticks;
+    double squares; /* V² */
+    bool is_steady; /* ν of the piece */
+};
+
+static void advance_pose(struct drive *drive, const struct jp_set_point *now)
+{
+    const double tick = seconds(drive->route, 1);
+    const double turned = (q24(drive->before.yaw_rate) + q24(now->yaw_rate)) / 2 * tick;
+    const double way = (q24(drive->before.wheel_rate) + q24(now->wheel_rate)) / 2 * tick /
+                       q24(drive->route->robot->config->turns_per_metre);
+    const double mean = 2 * PI * (drive->pose.heading + turned / 2);
+
+    drive->pose.heading += turned;
+    drive->pose.x += way * cos(mean);
+    drive->pose.y += way * sin(mean);
+}
+
+static void check_jump(double change, double allowed)
+{
+    const double slack = 40.0 / 16777216; /* roundings of both ticks */
+    const double part = fabs(change) / (1.01 * allowed + slack);
+
+    result.jump = fmax(result.jump, part);
+}
+
+static void check_jumps(const struct drive *drive, const struct jp_set_point *now, const struct jumps *piece)
+{
+    struct jumps allowed = *piece;
+
+    add_modes(drive->route, seconds(drive->route, drive->ticks - 1), &allowed);
+    check_jump(q24(now->wheel_rate - drive->before.wheel_rate), allowed.wheel_rate);
+    check_jump(q24(now->yaw_rate - drive->before.yaw_rate), allowed.yaw_rate);
+    check_jump(q24(now->pitch - drive->before.pitch), allowed.pitch);
+    check_jump(q24(now->pitch_rate - drive->before.pitch_rate), allowed.pitch_rate);
+}
+
+static void check_voltage(const struct drive *drive, const struct jp_set_point *now)
+{
+    const struct route *route = drive->route;
+    const double volts = fabs(q16(now->common)) + fabs(q16(now->difference));
+    const double limit = q16(route->robot->config->voltage);
+    const bool turned_at_start = route->task.motion.turn_rate != 0 && drive->ticks < route->legs[0].begin.ticks;
+
+    if (turned_at_start || modes_voltage(route, seconds(route, drive->ticks)) > DECAYED) {
+        result.transient = fmax(result.transient, volts / limit);
+        return;
+    }
+    if (!drive->is_steady) {
+        result.change = fmax(result.change, volts / limit);
+        return;
+    }
+    result.over = fmax(result.over, volts - limit);
+}
+
+static double square_of(const struct jp_set_point *at)
+{
+    return q16(at->common) * q16(at->common) + q16(at->difference) * q16(at->difference);
+}
+
+/* The energy is that of voltages that change all the time, so the integral is the trapezoidal rule's, piece by piece.
+ */
+static void drive_piece(struct drive *drive, const struct jumps *jumps, uint32_t ticks)
+{
+    double slope = 0;
+
+    for (uint32_t i = 0; i < ticks; i++) {
+        struct jp_set_point now;
+
+        TEST_ASSERT_TRUE(jp_trajectory_advance(&drive->evaluator, drive->route->robot->config, &now));
+        if (drive->ticks > 0) {
+            advance_pose(drive, &now);
+            check_jumps(drive, &now, jumps);
+        }
+        check_voltage(drive, &now);
+        if (i == 0) {
+            drive->squares -= square_of(&now) / 2;
+        } else {
+            slope = square_of(&now) - square_of(&drive->before);
+        }
+        drive->squares += square_of(&now);
+        drive->before = now;
+        drive->ticks++;
+    }
+    drive->squares += (square_of(&drive->before) + slope) / 2;
+}
+
+static struct jumps larger(struct jumps a, struct jumps b)
+{
+    return (struct jumps){fmax(a.wheel_rate, b.wheel_rate), fmax(a.yaw_rate, b.yaw_rate), fmax(a.pitch, b.pitch),
+                          fmax(a.pitch_rate, b.pitch_rate)};
+}
+
+/* Where the leg ends, a tick after its last set-point. */
+static void check_arrival(const struct drive *drive, unsigned leg)
+{
+    const struct route *route = drive->route;
+    const struct jp_waypoint_motion *motion = &route->legs[leg].next;
+    const double turns_per_metre = q24(route->robot->config->turns_per_metre);
+    struct drive there = *drive;
+    struct jp_set_point end = {.yaw_rate = motion->turn_rate};
+    double speed = q24(motion->speed);
+
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        speed += q24(route->trajectory.transient[i]) / 16 *
+                 exp(-q16(route->robot->config->modes.decay[i]) * log(2) * seconds(route, drive->ticks));
+    }
+    end.wheel_rate = to_q24(speed * turns_per_metre);
+    advance_pose(&there, &end);
+
+    const double miss = hypot(there.pose.x - q16(route->targets[leg].x), there.pose.y - q16(route->targets[leg].y));
+
+    result.miss = fmax(result.miss, miss);
+}
+
+static void check_energy(const struct drive *drive)
+{
+    const struct robot *robot = drive->route->robot;
+    const double tick = seconds(drive->route, 1);
+    const double exact = 2 / q16(robot->model->motor_resistance) * drive->squares * tick +
+                         q16(robot->model->electronics_power) * drive->ticks * tick;
+    jp_q16 energy = 0;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_energy(robot->config, robot->model, &drive->route->trajectory, &energy));
+
+    const double error = fabs(q16(energy) - exact) / exact;
+
+    result.energy = fmax(result.energy, error);
+}
+
+static void drive_all(const struct route *route)
+{
+    const struct jp_waypoint_motion *at = &route->trajectory.start;
+    struct drive drive = {
+        .route = route,
+        .pose = {q16(route->task.start.x), q16(route->task.start.y), route->task.heading / 4294967296.0},
+    };
+    struct jumps before = {0, 0, 0, 0};
+    struct jp_set_point none;
+
+    jp_trajectory_begin(&drive.evaluator, &route->trajectory);
+    for (unsigned i = 0; i < route->trajectory.count; i++) {
+        const struct jp_trajectory_leg *leg = &route->legs[i];
+        const struct jp_waypoint_motion middle = {leg->heading, 0, leg->speed};
+        const struct jumps begin = jumps_of_blend(route, at, &middle, leg->chord, leg->begin.ticks);
+        const struct jumps end = jumps_of_blend(route, &middle, &leg->next, leg->heading, leg->end.ticks);
+        const struct jumps first = larger(before, begin);
+
+        TEST_ASSERT_EQUAL_UINT16(i, jp_trajectory_leg_now(&drive.evaluator));
+        drive.is_steady = at->speed == leg->speed;
+        drive_piece(&drive, &first, leg->begin.ticks);
+        drive.is_steady = true;
+        drive_piece(&drive, &begin, leg->middle.ticks);
+        drive.is_steady = leg->next.speed == leg->speed;
+        drive_piece(&drive, &end, leg->end.ticks);
+        check_arrival(&drive, i);
+        before = end;
+        at = &leg->next;
+    }
+    TEST_ASSERT_FALSE(jp_trajectory_advance(&drive.evaluator, route->robot->config, &none));
+    check_energy(&drive);
+}
+
+/* ---- Cases ---- */
+
+static void print_route(unsigned long index, const struct route *route, enum jp_status status)
+{
+    const struct jp_trajectory_task *task = &route->task;
+
+    printf("case %lu: %s, status %d, cruise %.3f, start %.3f m/s %.4f turn %.3f turn/s, turning %.3f turn/s%s\n", index,
+           route->robot->name, (int)status, q24(task->cruise), q24(task->motion.speed), q24(task->motion.pitch),
+           q24(task->motion.pitch_rate), q24(task->motion.turn_rate), task->to_stand ? ", to a stand" : "");
+    printf("  heading %.4f:", (int32_t)task->heading / 4294967296.0);
+    for (unsigned i = 0; i < task->count; i++) {
+        const struct jp_point *from = i == 0 ? &task->start : &task->targets[i - 1];
+        const double x = q16(task->targets[i].x - from->x);
+        const double y = q16(task->targets[i].y - from->y);
+
+        printf(" %.3f m at %.4f;", hypot(x, y), atan2(y, x) / (2 * PI));
+    }
+    printf("\n");
+}
+
+static bool is_good(void)
+{
+    return result.miss <= MISS_M && result.jump <= 1 && result.energy <= ENERGY_SHARE && result.over <= VOLTAGE_OVER;
+}
+
+static void add_to_worst(void)
+{
+    worst.miss = fmax(worst.miss, result.miss);
+    worst.jump = fmax(worst.jump, result.jump);
+    worst.energy = fmax(worst.energy, result.energy);
+    worst.over = fmax(worst.over, result.over);
+    worst.transient = fmax(worst.transient, result.transient);
+    worst.change = fmax(worst.change, result.change);
+    above += result.change > 1 ? 1 : 0;
+}
+
+static void print_result(const struct result *of)
+{
+    printf("miss %.3f mm, energy %.4f %%, jump %.3f of the allowed; voltage %.2f V above the limit, %.2f of it at the "
+           "start, %.2f where the speed changes\n",
+           1000 * of->miss, 100 * of->energy, of->jump, of->over, of->transient, of->change);
+}
+
+static void count_infeasible(const struct route *route, enum jp_status status)
+{
+    const struct jp_travel_state *motion = &route->task.motion;
+    const bool moves = motion->speed != 0 || motion->turn_rate != 0;
+    const double x = q16(route->targets[0].x - route->task.start.x);
+    const double y = q16(route->targets[0].y - route->task.start.y);
+    const double turn = remainder(atan2(y, x) / (2 * PI) - route->task.heading / 4294967296.0, 1);
+    const bool is_round = fabs(turn) > ROUND;
+    const unsigned long one = status == JP_ERR_INFEASIBLE ? 1 : 0;
+
+    if (is_round) {
+        infeasible.round += one;
+    } else if (moves) {
+        infeasible.moving += one;
+    } else {
+        infeasible.other += one;
+        plain++;
+    }
+}
+
+/* Whether it is as it should be, or infeasible. */
+static bool try_route(unsigned long index)
+{
+    static struct route route;
+
+    draw(&route);
+
+    const enum jp_status status = jp_trajectory_by_rule(&route.task, route.legs, &route.trajectory);
+
+    result = (struct result){.over = -1000};
+    if (status == JP_OK) {
+        drive_all(&route);
+        add_to_worst();
+    }
+    count_infeasible(&route, status);
+
+    const bool good = status == JP_ERR_INFEASIBLE || (status == JP_OK && is_good());
+
+    if (verbose || !good) {
+        print_route(index, &route, status);
+        print_result(&result);
+    }
+    return good;
+}
+
+static void test_random_routes(void)
+{
+    unsigned long bad = 0;
+
+    random_state = seed;
+    for (unsigned long k = 0; k < count; k++) {
+        bad += try_route(k) ? 0 : 1;
+    }
+    printf("%lu routes, %lu bad; infeasible: %lu that turn round at the start, %lu that begin too fast, %lu others of "
+           "%lu\nworst: ",
+           count, bad, infeasible.round, infeasible.moving, infeasible.other, plain);
+    print_result(&worst);
+    printf("%lu with more voltage than the limit where the speed changes\n", above);
+    TEST_ASSERT_EQUAL_UINT32(0, bad);
+    TEST_ASSERT_TRUE((double)infeasible.other <= INFEASIBLE * (double)plain);
+}
+
+int main(int argc, char **argv)
+{
+    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
+
+    count = options.count;
+    seed = options.seed;
+    verbose = options.verbose;
+    printf("seed %llu\n", (unsigned long long)seed);
+    UNITY_BEGIN();
+    run_tests();
+    return UNITY_END();
+}

@@ -1,0 +1,343 @@
+/* The rule: what it refuses, single turns and legs, starts in any motion, ends, and legs that are driven slower. */
+#include <joulepath/robot.h>
+#include <joulepath/tables.h>
+#include <joulepath/trajectory_rule.h>
+#include <stddef.h>
+
+#include "src/base/integer.h"
+#include "unity.h"
+
+enum { LEGS = 8 };
+
+static struct jp_trajectory_config config;
+static struct jp_point targets[LEGS];
+static struct jp_trajectory_task task;
+static struct jp_trajectory_leg legs[LEGS];
+static struct jp_trajectory trajectory;
+
+void setUp(void)
+{
+    config = jp_robot_courier24.trajectory;
+    for (int i = 0; i < LEGS; i++) {
+        targets[i] = (struct jp_point){JP_Q16(3) * (i + 1), 0};
+    }
+    task = (struct jp_trajectory_task){
+        .config = &config, .cruise = JP_Q24(0.5), .targets = targets, .count = 1, .to_stand = true};
+}
+
+void tearDown(void)
+{
+}
+
+static enum jp_status plan(void)
+{
+    return jp_trajectory_by_rule(&task, legs, &trajectory);
+}
+
+/* 2⁻²⁴ turn·tick, or m·tick by 2⁻²⁴ turn/m: where set-points lead, straight east or west only. */
+static int64_t way_of(uint16_t leg_count)
+{
+    struct jp_trajectory_drive drive;
+    struct jp_set_point point;
+    int64_t way = 0;
+
+    jp_trajectory_begin(&drive, &trajectory);
+    while (jp_trajectory_leg_now(&drive) < leg_count && jp_trajectory_advance(&drive, &config, &point)) {
+        way += point.wheel_rate;
+    }
+    return way;
+}
+
+/* Within 2 mm. */
+static void expect_way(jp_q16 metres)
+{
+    const int64_t way = way_of(task.count) * JP_Q16_ONE / config.turns_per_metre / (int32_t)config.tick_rate;
+
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.002), metres, (int32_t)way);
+}
+
+/* ---- What it refuses ---- */
+
+#define REFUSED(member, value, good)                                                                                   \
+    do {                                                                                                               \
+        setUp();                                                                                                       \
+        task.member = (value);                                                                                         \
+        TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, plan());                                                                \
+        task.member = (good);                                                                                          \
+        TEST_ASSERT_NOT_EQUAL_INT(JP_ERR_ARGUMENT, plan());                                                            \
+    } while (0)
+
+static void test_refuses_bad_arguments(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_by_rule(NULL, legs, &trajectory));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_by_rule(&task, NULL, &trajectory));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_by_rule(&task, legs, NULL));
+    REFUSED(config, NULL, &config);
+    REFUSED(targets, NULL, targets);
+    REFUSED(count, 0, 1);
+    REFUSED(cruise, JP_Q24(0.01) - 1, JP_Q24(0.01));
+    REFUSED(cruise, JP_Q24(8) + 1, JP_Q24(8));
+    REFUSED(motion.speed, JP_Q24(8) + 1, JP_Q24(8));
+    REFUSED(motion.speed, -JP_Q24(8) - 1, -JP_Q24(8));
+    REFUSED(motion.pitch, JP_Q24(0.125) + 1, JP_Q24(0.125));
+    REFUSED(motion.pitch, -JP_Q24(0.125) - 1, -JP_Q24(0.125));
+    REFUSED(motion.pitch_rate, JP_Q24(2) + 1, JP_Q24(2));
+    REFUSED(motion.pitch_rate, -JP_Q24(2) - 1, -JP_Q24(2));
+    REFUSED(motion.turn_rate, JP_Q24(2) + 1, JP_Q24(2));
+    REFUSED(motion.turn_rate, -JP_Q24(2) - 1, -JP_Q24(2));
+}
+
+static void expect_status_of_targets(enum jp_status status, struct jp_point first, struct jp_point second)
+{
+    targets[0] = first;
+    targets[1] = second;
+    task.count = 2;
+    TEST_ASSERT_EQUAL_INT(status, plan());
+}
+
+static void test_refuses_targets_that_are_too_near_or_too_far(void)
+{
+    const struct jp_point near = {JP_Q16(3), 0};
+    const struct jp_point beside = {JP_Q16(3), 20};
+    const struct jp_point far = {JP_Q16(600), 0};
+
+    expect_status_of_targets(JP_ERR_ZERO_LENGTH, (struct jp_point){0, 10}, near);
+    expect_status_of_targets(JP_ERR_ZERO_LENGTH, near, beside);
+    expect_status_of_targets(JP_ERR_ARGUMENT, far, near);
+    expect_status_of_targets(JP_ERR_ARGUMENT, near, far);
+    targets[2] = (struct jp_point){targets[1].x, 1};
+    targets[1] = (struct jp_point){JP_Q16(6), 0};
+    targets[2] = targets[1];
+    task.count = 3;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, plan());
+}
+
+static void test_no_voltage_for_turns_is_infeasible(void)
+{
+    config.voltage = JP_Q16(2.72); /* the cruise takes 2.712 V */
+    targets[0] = (struct jp_point){0, JP_Q16(0.1)};
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
+}
+
+static void test_a_leg_too_short_to_brake_is_infeasible(void)
+{
+    targets[0].x = JP_Q16(0.4);
+    task.motion.speed = JP_Q24(3);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
+}
+
+/* No line of it leads there. */
+static void test_a_leg_shorter_than_the_turn_into_it_is_infeasible(void)
+{
+    for (int32_t i = 1; i <= 24; i++) {
+        task.heading = (jp_angle)i * JP_ANGLE_DEGREES(15);
+        task.motion.turn_rate = JP_Q24(0.1) * (i % 5 - 2);
+        task.motion.speed = JP_Q24(0.1) * (i % 8);
+        targets[0] = (struct jp_point){JP_Q16(0.002) * i, 0};
+        (void)plan();
+    }
+    task.motion.speed = JP_Q24(0.9);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
+}
+
+/* Fast and turning, 6 cm before a corner: the secants do not settle. */
+static void test_a_line_that_is_not_found_is_infeasible(void)
+{
+    task.cruise = JP_Q24(1.01);
+    task.heading = JP_ANGLE_DEGREES(84);
+    task.motion.speed = JP_Q24(1);
+    task.motion.turn_rate = -JP_Q24(0.1);
+    task.count = 2;
+    targets[0] = (struct jp_point){3930, 0};
+    targets[1] = (struct jp_point){-20960, 191260};
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
+}
+
+/* The way rolled while turning round wants a turn of more than 180°. */
+static void test_a_target_right_behind(void)
+{
+    task.heading = JP_ANGLE_DEGREES(180);
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_INT32_WITHIN((int32_t)JP_ANGLE_DEGREES(10), 0, (int32_t)legs[0].heading);
+    TEST_ASSERT_TRUE(jp_magnitude32(legs[0].begin.yaw_rate[2]) > (uint32_t)JP_Q24(1.5));
+}
+
+/* ---- Legs ---- */
+
+static void test_one_leg_straight_ahead(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_EQUAL_UINT16(1, trajectory.count);
+    TEST_ASSERT_TRUE(trajectory.legs == legs);
+    TEST_ASSERT_EQUAL_INT32(task.cruise, legs[0].speed);
+    TEST_ASSERT_INT32_WITHIN(2000, 0, (int32_t)legs[0].heading);
+    TEST_ASSERT_EQUAL_HEX32(legs[0].heading, legs[0].next.heading);
+    TEST_ASSERT_EQUAL_INT32(0, legs[0].next.speed);
+    TEST_ASSERT_EQUAL_INT32(0, legs[0].next.turn_rate);
+    expect_way(JP_Q16(3));
+}
+
+static void test_passes_the_last_target_at_cruise(void)
+{
+    task.to_stand = false;
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_EQUAL_UINT32(1, legs[0].end.ticks);
+    TEST_ASSERT_EQUAL_INT32(task.cruise, legs[0].next.speed);
+    expect_way(JP_Q16(3));
+}
+
+static void test_a_row_of_legs(void)
+{
+    task.count = LEGS;
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    for (int i = 0; i + 1 < LEGS; i++) {
+        TEST_ASSERT_EQUAL_INT32(task.cruise, legs[i].next.speed);
+        TEST_ASSERT_INT32_WITHIN(2000, 0, (int32_t)legs[i].next.heading);
+        TEST_ASSERT_INT32_WITHIN(2000, 0, legs[i].next.turn_rate);
+    }
+    expect_way(JP_Q16(24));
+}
+
+static void test_a_corner_is_passed_at_its_mean_heading(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        targets[1] = (struct jp_point){JP_Q16(3), sign * JP_Q16(3)};
+        task.count = 2;
+        TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+        TEST_ASSERT_INT32_WITHIN(2000, sign * (int32_t)JP_ANGLE_DEGREES(45), (int32_t)legs[0].next.heading);
+        TEST_ASSERT_INT32_WITHIN(2000, sign * jp_multiply_shift(config.turn_pace, JP_Q16(0.25), 16),
+                                 legs[0].next.turn_rate);
+        TEST_ASSERT_EQUAL_INT32(task.cruise, legs[0].next.speed);
+    }
+}
+
+static void test_there_and_back(void)
+{
+    targets[1] = (struct jp_point){JP_Q16(1), 0};
+    task.count = 2;
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    const int32_t heading = (int32_t)legs[0].next.heading;
+
+    TEST_ASSERT_INT32_WITHIN(2000, (int32_t)JP_ANGLE_DEGREES(90), heading < 0 ? -heading : heading);
+}
+
+static void test_a_blend_is_at_most_twice_its_neighbour(void)
+{
+    targets[0] = (struct jp_point){JP_Q16(4), 0};
+    targets[1] = (struct jp_point){JP_Q16(4), JP_Q16(0.4)};
+    targets[2] = (struct jp_point){JP_Q16(0), JP_Q16(0.4)};
+    task.count = 3;
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_EQUAL_UINT32(2U * legs[1].begin.ticks, legs[0].end.ticks);
+    TEST_ASSERT_EQUAL_UINT32(2U * legs[1].end.ticks, legs[2].begin.ticks);
+}
+
+/* From rest into a turn: heading and time of the middle pull at each other, and may differ by a tick for ever. */
+static void test_first_legs_of_all_lengths(void)
+{
+    config = jp_robot_gao2018.trajectory;
+    task.count = 2;
+    task.heading = JP_ANGLE_DEGREES(17);
+    for (int i = 0; i < 150; i++) {
+        targets[0] = (struct jp_point){JP_Q16(0.8) + 10 * i, 0};
+        targets[1] = (struct jp_point){JP_Q16(2), -JP_Q16(5)};
+        TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+        TEST_ASSERT_EQUAL_INT32(task.cruise, legs[0].speed);
+    }
+}
+
+/* ---- The start ---- */
+
+static struct jp_set_point first_point(void)
+{
+    struct jp_trajectory_drive drive;
+    struct jp_set_point point;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    jp_trajectory_begin(&drive, &trajectory);
+    TEST_ASSERT_TRUE(jp_trajectory_advance(&drive, &config, &point));
+    return point;
+}
+
+/* The shares are known to 2⁻¹⁶: hundreds of steps of 2⁻²⁴. */
+static void expect_start(const struct jp_travel_state *motion)
+{
+    task.motion = *motion;
+
+    const struct jp_set_point point = first_point();
+
+    TEST_ASSERT_INT32_WITHIN(3000, jp_q24_multiply(config.turns_per_metre, motion->speed), point.wheel_rate);
+    TEST_ASSERT_INT32_WITHIN(1000, motion->pitch, point.pitch);
+    TEST_ASSERT_INT32_WITHIN(5000, motion->pitch_rate, point.pitch_rate);
+    TEST_ASSERT_EQUAL_INT32(motion->turn_rate, point.yaw_rate);
+}
+
+static void test_begins_with_the_motion_of_the_robot(void)
+{
+    expect_start(&(struct jp_travel_state){0});
+    expect_start(&(struct jp_travel_state){.speed = JP_Q24(-0.3)});
+    expect_start(&(struct jp_travel_state){.pitch = JP_Q24(0.02)});
+    expect_start(&(struct jp_travel_state){.pitch_rate = JP_Q24(-0.2)});
+    expect_start(&(struct jp_travel_state){.turn_rate = JP_Q24(0.3)});
+    expect_start(&(struct jp_travel_state){JP_Q24(0.8), JP_Q24(-0.01), JP_Q24(0.05), JP_Q24(-0.2)});
+}
+
+static void test_a_start_in_motion_covers_the_way(void)
+{
+    task.motion = (struct jp_travel_state){.speed = JP_Q24(-0.3), .pitch = JP_Q24(0.01)};
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    expect_way(JP_Q16(3));
+}
+
+static void test_no_transient_from_cruise(void)
+{
+    task.motion = (struct jp_travel_state){.speed = task.cruise, .pitch = jp_q24_multiply(config.lean[0], task.cruise)};
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        TEST_ASSERT_EQUAL_INT32(0, trajectory.transient[i]);
+    }
+    expect_way(JP_Q16(3));
+}
+
+/* ---- Slower ---- */
+
+static void test_short_legs_are_driven_slower_with_less_voltage(void)
+{
+    targets[0] = (struct jp_point){JP_Q16(0.5), 0};
+    targets[1] = (struct jp_point){JP_Q16(0.5), JP_Q16(0.5)};
+    targets[2] = (struct jp_point){JP_Q16(3), JP_Q16(0.5)};
+    task.count = 3;
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_EQUAL_INT32(task.cruise, legs[1].speed);
+    config.voltage = JP_Q16(5);
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_LESS_THAN_INT32(task.cruise, legs[0].speed);
+    TEST_ASSERT_LESS_THAN_INT32(task.cruise, legs[1].speed);
+    TEST_ASSERT_EQUAL_INT32(task.cruise, legs[2].speed);
+    TEST_ASSERT_EQUAL_INT32(legs[1].speed, legs[1].next.speed);
+}
+
+/* Where the voltage does not do for `turn_pace`, the corner is as smooth as it can be. */
+static void test_corners_turn_no_faster_than_the_voltage_allows(void)
+{
+    targets[1] = (struct jp_point){JP_Q16(3), JP_Q16(3)};
+    task.count = 2;
+    config.voltage = JP_Q16(4);
+    config.blend = JP_Q16(1);
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_LESS_THAN_INT32(jp_multiply_shift(config.turn_pace, JP_Q16(0.25), 16), legs[0].next.turn_rate);
+}
+
+static void test_a_blend_is_a_tick_at_least(void)
+{
+    config.tick_rate = 100;
+    config.blend = JP_Q16(0.05);
+    task.cruise = JP_Q24(8);
+    config.voltage = JP_Q16(512);
+    targets[0].x = JP_Q16(0.1);
+    task.motion = (struct jp_travel_state){.speed = task.cruise, .pitch = jp_q24_multiply(config.lean[0], task.cruise)};
+    task.to_stand = false;
+    (void)plan();
+    targets[0].x = JP_Q16(0.01);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
+}

@@ -1,0 +1,103 @@
+"""How wheels and body of a balancer move together, linear about standing upright: for trajectories of cruise and
+transients (include/joulepath/trajectory.h).
+
+The plant has a flat output ν, which is the speed v in steady motion:
+
+  v = ν − lag ν̈    ψ = lean₀ ν + lean₁ ν̇    mean voltage = Σ voltsᵢ ν⁽ⁱ⁾
+
+A difference of (v, ψ, ψ̇) from that motion is to vanish for the least ∫ u² dt: the regulator of that price mirrors the
+plant's poles, and each of its three modes decays alone.
+"""
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import linalg, optimize
+
+TRAVEL = (3, 1, 4)  # θ̇ ψ ψ̇ of linear_model.STATES
+YAW = 5             # φ̇
+
+
+@dataclass(frozen=True)
+class Flat:
+    lag: float         # s²
+    lean: np.ndarray   # rad·s/m, rad·s²/m
+    volts: np.ndarray  # V·s/m … V·s⁴/m
+    turning: np.ndarray  # half the difference of the voltages by φ̇ and φ̈: V·s/rad, V·s²/rad
+
+
+@dataclass(frozen=True)
+class Mode:
+    decay: float       # 1/s
+    share: np.ndarray  # of v, ψ, ψ̇ in it: m/s per m/s, rad, rad/s
+    lean: float        # what it adds to ψ, rad per m/s
+    lean_rate: float   # to ψ̇, rad/s per m/s
+    volts: float       # to the mean voltage, V per m/s
+
+
+def travel_plant(plant, radius):
+    """d/dt (v, ψ, ψ̇) by itself and by the mean voltage, in m."""
+    scale = np.array([radius, 1, 1])
+    states = plant.a[np.ix_(TRAVEL, TRAVEL)] * scale[:, None] / scale
+    return states, plant.b[list(TRAVEL)].sum(axis=1) * scale
+
+
+def flat(plant, radius):
+    states, volts = travel_plant(plant, radius)
+    reach = np.column_stack([volts, states @ volts, states @ states @ volts])
+    rows = [np.linalg.inv(reach)[-1]]
+    for _ in range(3):
+        rows.append(rows[-1] @ states)
+    motion = np.linalg.inv(np.array(rows[:3]))
+    scale = motion[0, 0]
+    motion = motion / scale
+    voltages = np.append(-rows[3] @ motion * scale, 1) / scale / (rows[2] @ volts)
+    damping, push = plant.a[YAW, YAW], (plant.b[YAW, 1] - plant.b[YAW, 0])
+    return Flat(-motion[0, 2], motion[1, :2], voltages, np.array([-damping, 1]) / push)
+
+
+def modes(robot, plant, radius):
+    """Of the regulator of least ∫ u² dt, by the speed that they are."""
+    states, volts = travel_plant(plant, radius)
+    push = volts[:, None]
+    gain = (push.T @ linalg.solve_continuous_are(states, push, np.zeros((3, 3)), np.eye(1))).ravel()
+    rates, vectors = np.linalg.eig(states - push * gain)
+    if np.abs(rates.imag).max() > 0:
+        raise robot.error("body, wheel, motor", "wheels and body swing against each other without control; such a plant "
+                          "is not supported")
+    vectors = (vectors / vectors[0]).real
+    return [Mode(-rate, share, vector[1], vector[2], -gain @ vector)
+            for rate, share, vector in sorted(zip(rates.real, np.linalg.inv(vectors), vectors.T), key=lambda mode: mode[0])]
+
+
+@dataclass(frozen=True)
+class Turn:
+    """How a waypoint is rounded at cruising speed."""
+    blend: float  # s, before and after it
+    pace: float   # 1/s, turn rate in it by the turn
+
+
+TURN = np.pi / 3  # the shape hardly depends on it
+SHARES, WEIGHTS = (np.array(part) for part in np.polynomial.legendre.leggauss(16))
+
+
+def turn_cost(robot, flat_motion, blend, pace):
+    """J of half a turn: the voltages' difference, and the way that is longer than the two lines. What φ̇ φ̈ costs before
+    the waypoint comes back after it."""
+    resistance, electronics = robot.positive("motor.resistance_ohm"), robot.positive("electronics.power_w")
+    share, weight = (SHARES + 1) / 2, WEIGHTS / 2 * blend
+    half, rate = TURN / 2, pace * TURN
+    bend = 6 * half / blend - 3 * rate
+    heading = half * share**2 * (3 - 2 * share) + blend * rate * share * (1 - share)**2
+    turn_rate = rate * (1 - share) + bend * share * (1 - share)
+    acceleration = (bend * (1 - 2 * share) - rate) / blend
+    squares = flat_motion.turning**2 @ [turn_rate**2, acceleration**2]
+    return weight @ (2 * squares / resistance + 2 * electronics * (1 - np.cos(half - heading)))
+
+
+def turn(robot, flat_motion):
+    """The one of least cost."""
+    def cost(numbers):
+        return turn_cost(robot, flat_motion, *np.exp(numbers))
+
+    found = optimize.minimize(cost, np.zeros(2), method="Nelder-Mead", options={"xatol": 1e-6, "fatol": 1e-12})
+    return Turn(*np.exp(found.x))
