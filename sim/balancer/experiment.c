@@ -41,24 +41,23 @@ static double volts(jp_q16 voltage)
     return (double)voltage / JP_Q16_ONE;
 }
 
-static jp_energy metered(const struct jp_meter *meter, enum energy_kind kind)
+/** The motors' share of what the meters counted in `ticks`. */
+static struct experiment_energy of_motors(const struct jp_meter *meter, jp_energy model, jp_energy battery,
+                                          uint32_t ticks)
 {
-    return kind == ENERGY_BATTERY ? meter->battery : meter->model;
-}
+    const double electronics = ticks * joules(meter->electronics_tick);
 
-static jp_energy last_segment(const struct jp_tick_telemetry *telemetry, enum energy_kind kind)
-{
-    return kind == ENERGY_BATTERY ? telemetry->segment_energy_battery : telemetry->segment_energy_model;
+    return (struct experiment_energy){.motor = joules(model) - electronics, .battery = joules(battery) - electronics};
 }
 
 /** Drives the waiting segment from its first tick to its last; false when the robot stopped driving. */
-static bool drive(struct rig *rig, const struct jp_segment_command *command, enum energy_kind kind, uint32_t ticks,
-                  double *window_voltage, double *energy)
+static bool drive(struct rig *rig, const struct jp_segment_command *command, uint32_t ticks, double *window_voltage,
+                  struct experiment_energy *energy)
 {
     const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&rig->robot);
     const struct jp_meter *meter = jp_robot_meter(&rig->robot);
-    double electronics = joules(meter->electronics_tick);
-    jp_energy start = 0;
+    jp_energy model = 0;
+    jp_energy battery = 0;
 
     (void)jp_robot_drive(&rig->robot, command);
     for (uint32_t tick = 0; tick < ticks; tick++) {
@@ -67,7 +66,8 @@ static bool drive(struct rig *rig, const struct jp_segment_command *command, enu
             return false;
         }
         if (tick == 0) {
-            start = metered(meter, kind);
+            model = meter->model;
+            battery = meter->battery;
         }
         if (window_voltage != NULL) {
             double *window = &window_voltage[2 * (tick / EXPERIMENT_WINDOW_TICKS)];
@@ -75,7 +75,8 @@ static bool drive(struct rig *rig, const struct jp_segment_command *command, enu
             window[0] += volts(telemetry->voltages.left) / EXPERIMENT_WINDOW_TICKS;
             window[1] += volts(telemetry->voltages.right) / EXPERIMENT_WINDOW_TICKS;
             if (tick % EXPERIMENT_WINDOW_TICKS == 0) {
-                energy[tick / EXPERIMENT_WINDOW_TICKS] = joules(metered(meter, kind) - start) - tick * electronics;
+                energy[tick / EXPERIMENT_WINDOW_TICKS] =
+                    of_motors(meter, meter->model - model, meter->battery - battery, tick);
             }
         }
     }
@@ -94,9 +95,10 @@ static uint32_t settled_window(const double *window_voltage, uint32_t windows, d
     return settled;
 }
 
-void experiment_run(struct experiment *experiment, struct rig *rig, enum energy_kind kind, double seconds,
-                    double threshold, double *energy)
+void experiment_run(struct experiment *experiment, struct rig *rig, double seconds, double threshold,
+                    struct experiment_energy *energy)
 {
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&rig->robot);
     double tick = world_tick_seconds(&rig->world);
     uint32_t ticks = (uint32_t)lround(seconds / tick);
     uint32_t windows = ticks / EXPERIMENT_WINDOW_TICKS;
@@ -108,18 +110,18 @@ void experiment_run(struct experiment *experiment, struct rig *rig, enum energy_
         abort();
     }
     rig_release(rig, 0);
-    if (drive(rig, &first, kind, ticks, NULL, NULL)) {
-        experiment->voltage_left = volts(jp_robot_last_tick(&rig->robot)->voltages.left);
-        experiment->voltage_right = volts(jp_robot_last_tick(&rig->robot)->voltages.right);
-        (void)drive(rig, &second, kind, ticks, window_voltage, energy);
+    if (drive(rig, &first, ticks, NULL, NULL)) {
+        experiment->voltage_left = volts(telemetry->voltages.left);
+        experiment->voltage_right = volts(telemetry->voltages.right);
+        (void)drive(rig, &second, ticks, window_voltage, energy);
     }
     experiment->end = jp_robot_state_now(&rig->robot);
-    experiment->faults = jp_robot_last_tick(&rig->robot)->faults;
+    experiment->faults = telemetry->faults;
 
     /* One tick more closes the last window. */
     (void)rig_tick(rig);
-    energy[windows] = joules(last_segment(jp_robot_last_tick(&rig->robot), kind)) -
-                      ticks * joules(jp_robot_meter(&rig->robot)->electronics_tick);
+    energy[windows] = of_motors(jp_robot_meter(&rig->robot), telemetry->segment_energy_model,
+                                telemetry->segment_energy_battery, ticks);
     experiment->settling = settled_window(window_voltage, windows, threshold) * EXPERIMENT_WINDOW_TICKS * tick;
     free(window_voltage);
 }

@@ -5,7 +5,6 @@
 #ifndef JOULEPATH_SIM_BALANCER_EXPERIMENT_H
 #define JOULEPATH_SIM_BALANCER_EXPERIMENT_H
 
-#include "sim/balancer/energy_kind.h"
 #include "sim/balancer/rig.h"
 
 /** Settled: from here on the mean voltages of successive windows differ by less than a threshold. */
@@ -28,15 +27,21 @@ struct experiment {
     uint16_t faults;         /**< enum jp_fault bits at the end */
 };
 
+/** What the robot's own meters measured of the motors, J: joulepath/meter.h, without the electronics. */
+struct experiment_energy {
+    double motor;   /**< (ul² + ur²)/Rm */
+    double battery; /**< ul il + ur ir */
+};
+
 /** Draws both segments within the robot's limits. */
 void experiment_draw(struct experiment *experiment, const struct robot_file *file, struct random *random);
 
 /**
- * Drives both segments for `seconds` each. energy[k], k = 0…n, is the motors' energy of this kind of the second segment
- * up to multiples of EXPERIMENT_WINDOW_TICKS ticks, J, as the robot's own meter measures it. `threshold` in V.
+ * Drives both segments for `seconds` each. energy[k], k = 0…n, is that of the second segment up to multiples of
+ * EXPERIMENT_WINDOW_TICKS ticks. `threshold` in V.
  */
-void experiment_run(struct experiment *experiment, struct rig *rig, enum energy_kind kind, double seconds,
-                    double threshold, double *energy);
+void experiment_run(struct experiment *experiment, struct rig *rig, double seconds, double threshold,
+                    struct experiment_energy *energy);
 
 /** The command that the robot takes. */
 struct jp_segment_command experiment_command(const struct experiment_segment *segment, double seconds);

@@ -8,7 +8,7 @@
 void bus_drive_init(struct bus_drive *drive, const struct robot_file *robot, uint64_t seed,
                     const struct jp_can_link *link)
 {
-    *drive = (struct bus_drive){.link = *link};
+    *drive = (struct bus_drive){.link = *link, .patience = BUS_DRIVE_PATIENCE};
     plant_node_init(&drive->plant, robot, seed);
 }
 
@@ -73,7 +73,7 @@ static bool await_answer(struct bus_drive *drive, uint32_t tick)
 /** Lets the ECU have the tick, and asks again while it does not answer. */
 static bool give_tick(struct bus_drive *drive, uint32_t tick)
 {
-    for (int64_t waited = 0; waited < BUS_DRIVE_PATIENCE * INT64_C(1000000); waited += ASK_AGAIN_US) {
+    for (int64_t waited = 0; waited < drive->patience * INT64_C(1000000); waited += ASK_AGAIN_US) {
         send_time(drive, tick);
         if (await_answer(drive, tick)) {
             return true;

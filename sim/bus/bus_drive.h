@@ -12,7 +12,7 @@
 #include "sim/bus/ecu_view.h"
 #include "sim/bus/plant_node.h"
 
-/** Wall time after which an ECU that does not answer in lockstep counts as gone, s. */
+/** What a drive's patience is at first, s. */
 #define BUS_DRIVE_PATIENCE 10
 
 /** What happens to the ECU and the plant in a tick. */
@@ -29,7 +29,8 @@ struct bus_drive {
     struct jp_operator commander;
     struct ecu_view view;
     struct bus_drive_conditions conditions;
-    uint32_t tick;         /**< since the start, pauses included */
+    unsigned patience; /**< s of the wall's clock after which an ECU that does not answer in lockstep counts as gone */
+    uint32_t tick;     /**< since the start, pauses included */
     uint64_t ticks_driven; /**< with bridges on */
     uint64_t late;         /**< of those: ticks whose command did not come in time */
 };
@@ -38,7 +39,7 @@ struct bus_drive {
 void bus_drive_init(struct bus_drive *drive, const struct robot_file *robot, uint64_t seed,
                     const struct jp_can_link *link);
 
-/** One tick in lockstep; false when the ECU did not answer for BUS_DRIVE_PATIENCE seconds. */
+/** One tick in lockstep; false when the ECU did not answer for so long as the drive has patience. */
 bool bus_drive_lockstep(struct bus_drive *drive);
 
 /** One tick in real time, called at its end: what has arrived acts on the plant, which then measures for the next. */

@@ -6,6 +6,7 @@
 #include "sim/base/error.h"
 #include "sim/base/fingerprint.h"
 #include "sim/base/progress.h"
+#include "sim/missions/mission_log.h"
 
 #define DEGREES     (180 / M_PI)
 #define Q12_ONE     4096.0
@@ -23,7 +24,7 @@ struct run {
     struct bus_mission *result;
     const struct scenario *scenario;
     struct mission_view view;
-    enum bus_mission_pace pace;
+    struct bus_mission_timing timing;
     struct jp_periodic timer;
     bool under_way;      /**< the first segment has begun */
     uint64_t start_tick; /**< of it */
@@ -194,6 +195,7 @@ static void keep_books(struct run *run)
     if (!run->under_way) {
         return;
     }
+    mission_note_passing(&run->result->mission, run->leg, plant_of(run));
     follow_reference(run);
     if (run->view.log != NULL && (tick_of(run) - run->start_tick) % row_ticks == 0) {
         log_row(run);
@@ -209,7 +211,7 @@ static void keep_books(struct run *run)
 
 static void start_clock(struct run *run)
 {
-    if (run->pace != BUS_MISSION_LOCKSTEP) {
+    if (run->timing.pace != BUS_MISSION_LOCKSTEP) {
         jp_periodic_start(&run->timer, NANOSECONDS / (uint32_t)run->scenario->robot.control.rate_hz);
     }
 }
@@ -218,18 +220,18 @@ static bool tick(struct run *run)
 {
     struct bus_drive *drive = &run->result->drive;
 
-    if (run->pace == BUS_MISSION_REAL_TIME) {
+    if (run->timing.pace == BUS_MISSION_REAL_TIME) {
         (void)jp_periodic_wait(&run->timer);
         bus_drive_real_time(drive);
         return true;
     }
-    if (run->pace == BUS_MISSION_PACED) {
+    if (run->timing.pace == BUS_MISSION_PACED) {
         (void)jp_periodic_wait(&run->timer);
     }
     if (bus_drive_lockstep(drive)) {
         return true;
     }
-    error_line("no ECU answered for %d s%s", BUS_DRIVE_PATIENCE,
+    error_line("no ECU answered for %u s%s", drive->patience,
                drive->link.port.state(drive->link.port.context) == JP_CAN_DOWN
                    ? ", and the bus is down; bring it back and start jp-ecu on it, in lockstep like this program"
                    : "; start jp-ecu on the same bus, in lockstep like this program");
@@ -238,7 +240,7 @@ static bool tick(struct run *run)
 
 static void note_clock(struct run *run)
 {
-    if (run->pace != BUS_MISSION_LOCKSTEP) {
+    if (run->timing.pace != BUS_MISSION_LOCKSTEP) {
         run->result->missed_periods = run->timer.missed;
         run->result->worst_lateness_us = (double)run->timer.worst_lateness_us;
     }
@@ -252,9 +254,10 @@ static void prepare(struct run *run, const struct jp_can_link *link)
 
     *result = (struct bus_mission){.fingerprint = FINGERPRINT_START};
     bus_drive_init(&result->drive, &run->scenario->robot, run->scenario->seed, link);
+    result->drive.patience = run->timing.patience;
     result->mission.leg_count = run->scenario->waypoint_count - 1;
     for (size_t i = 0; i < result->mission.leg_count; i++) {
-        result->mission.legs[i].target = run->scenario->waypoints[i + 1];
+        mission_set_target(&result->mission.legs[i], run->scenario->waypoints[i + 1]);
     }
 }
 
@@ -325,9 +328,9 @@ static bool drive_route(struct run *run)
 }
 
 bool bus_mission_run(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
-                     enum bus_mission_pace pace, const struct mission_view *view)
+                     struct bus_mission_timing timing, const struct mission_view *view)
 {
-    struct run run = {.result = result, .scenario = scenario, .pace = pace};
+    struct run run = {.result = result, .scenario = scenario, .timing = timing};
 
     if (view != NULL) {
         run.view = *view;
@@ -358,9 +361,9 @@ bool bus_mission_run(struct bus_mission *result, const struct scenario *scenario
 }
 
 bool bus_mission_host(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
-                      enum bus_mission_pace pace, double duration, bool (*stop)(void))
+                      struct bus_mission_timing timing, double duration, bool (*stop)(void))
 {
-    struct run run = {.result = result, .scenario = scenario, .pace = pace};
+    struct run run = {.result = result, .scenario = scenario, .timing = timing};
     bool running = true;
 
     prepare(&run, link);

@@ -15,6 +15,11 @@ enum bus_mission_pace {
     BUS_MISSION_REAL_TIME /**< each tick takes its time, answered or not */
 };
 
+struct bus_mission_timing {
+    enum bus_mission_pace pace;
+    unsigned patience; /**< of bus_drive.h, s */
+};
+
 struct bus_mission {
     struct mission mission;
     struct bus_drive drive;
@@ -28,11 +33,11 @@ struct bus_mission {
  * and returns false when the route was not driven to its end.
  */
 bool bus_mission_run(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
-                     enum bus_mission_pace pace, const struct mission_view *view);
+                     struct bus_mission_timing timing, const struct mission_view *view);
 
 /** The body alone: runs for `seconds` (0: for ever, until `stop` says so) for an operator elsewhere on the bus.
  * False after one line on stderr: in lockstep the ECU did not answer. */
 bool bus_mission_host(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,
-                      enum bus_mission_pace pace, double seconds, bool (*stop)(void));
+                      struct bus_mission_timing timing, double seconds, bool (*stop)(void));
 
 #endif

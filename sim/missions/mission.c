@@ -2,6 +2,8 @@
 
 #include <joulepath/pilot.h>
 #include <joulepath/tables.h>
+#include <joulepath/trajectory_energy.h>
+#include <joulepath/trajectory_rule.h>
 #include <math.h>
 #include <stdarg.h>
 #include <time.h>
@@ -9,6 +11,7 @@
 #include "sim/balancer/fault_names.h"
 #include "sim/base/error.h"
 #include "sim/base/progress.h"
+#include "sim/missions/mission_log.h"
 #include "sim/missions/script.h"
 
 #define Q24_ONE  16777216.0
@@ -35,6 +38,8 @@ struct drive {
     struct jp_pilot pilot;
     struct jp_route_leg legs[JP_ROUTE_LEGS_MAX];
     bool piloted; /**< the pilot plans, not the robot or the script */
+    struct jp_trajectory_leg trajectory_legs[BEZIER_WAYPOINTS_MAX];
+    struct jp_trajectory trajectory;
     struct script script;
     size_t step;       /**< next step of the script */
     size_t ended;      /**< steps ended */
@@ -96,35 +101,6 @@ static void follow_reference(struct drive *drive)
 
 /* The log. */
 
-void mission_log_header(FILE *log)
-{
-    (void)fprintf(log,
-                  "t_s,x_m,y_m,ref_x_m,ref_y_m,heading_rad,speed_m_s,turn_rate_rad_s,ref_speed_m_s,"
-                  "ref_turn_rate_rad_s,pitch_deg,u_left_v,u_right_v,i_left_a,i_right_a,power_w,energy_j,segment\n");
-}
-
-static double power(const struct scenario *scenario, const struct mission_row *row)
-{
-    const struct robot_file *robot = &scenario->robot;
-
-    if (scenario->energy == ENERGY_BATTERY) {
-        return row->voltage_left * row->current_left + row->voltage_right * row->current_right +
-               robot->electronics.power_w;
-    }
-    return (row->voltage_left * row->voltage_left + row->voltage_right * row->voltage_right) /
-               robot->motor.resistance_ohm +
-           robot->electronics.power_w;
-}
-
-void mission_log_row(FILE *log, const struct scenario *scenario, const struct mission_row *row)
-{
-    (void)fprintf(log, "%.3f,%.5f,%.5f,%.5f,%.5f,%.6f,%.5f,%.6f,%.5f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%zu\n",
-                  row->time, row->position.x, row->position.y, row->reference.x, row->reference.y, row->heading,
-                  row->speed, row->turn_rate, row->reference_speed, row->reference_turn_rate, row->pitch_deg,
-                  row->voltage_left, row->voltage_right, row->current_left, row->current_right, power(scenario, row),
-                  row->energy, row->leg + 1);
-}
-
 static double battery_energy(const struct drive *drive, const struct jp_telemetry *telemetry)
 {
     return (double)(telemetry->energy_battery - drive->leg_start.energy_battery) / JOULE;
@@ -170,6 +146,21 @@ static void log_row(const struct drive *drive)
 }
 
 /* Legs. */
+
+void mission_set_target(struct mission_leg *leg, struct bezier_point target)
+{
+    leg->target = target;
+    leg->passed = INFINITY;
+}
+
+void mission_note_passing(struct mission *mission, size_t leg, const struct plant *plant)
+{
+    for (size_t i = leg > 0 ? leg - 1 : 0; i <= leg && leg < mission->leg_count; i++) {
+        struct mission_leg *passed = &mission->legs[i];
+
+        passed->passed = fmin(passed->passed, hypot(plant->x - passed->target.x, plant->y - passed->target.y));
+    }
+}
 
 double mission_plant_energy(const struct scenario *scenario, const struct plant *plant)
 {
@@ -320,6 +311,27 @@ static bool prepare_route(struct drive *drive, const struct robot_entry *entry)
     return true;
 }
 
+static bool prepare_cruise(struct drive *drive)
+{
+    const jp_q24 cruise = jp_cruise_speed(jp_robot_model(&drive->rig.robot));
+    const jp_q24 limit = jp_robot_configuration(&drive->rig.robot)->limits.speed;
+    const struct jp_trajectory_task task = {.config = &jp_robot_configuration(&drive->rig.robot)->trajectory,
+                                            .cruise = cruise < limit ? cruise : limit,
+                                            .targets = drive->targets,
+                                            .count = (uint16_t)drive->mission->leg_count,
+                                            .to_stand = drive->scenario->to_stand};
+    const enum jp_status status = jp_trajectory_by_rule(&task, drive->trajectory_legs, &drive->trajectory);
+
+    jp_q16 energy = 0;
+
+    if (status != JP_OK) {
+        return cannot_be_planned(drive, 0, status);
+    }
+    (void)jp_trajectory_energy(task.config, jp_robot_model(&drive->rig.robot), &drive->trajectory, &energy);
+    drive->mission->forecast = (struct mission_forecast){true, energy / Q16_ONE, 0};
+    return true;
+}
+
 static bool prepare(struct drive *drive, const struct robot_entry *entry, const struct mission *driven)
 {
     switch (drive->mission->strategy) {
@@ -333,6 +345,8 @@ static bool prepare(struct drive *drive, const struct robot_entry *entry, const 
         return prepare_straight(drive, &driven[MISSION_ROUTE]);
     case MISSION_BEZIER_ROUTE:
         return prepare_bezier(drive, BEZIER_ROUTE);
+    case MISSION_CRUISE:
+        return prepare_cruise(drive);
     case MISSION_OPTIMAL:
     default:
         return true;
@@ -434,6 +448,7 @@ static void keep_books(struct drive *drive)
     if (current_leg(drive, telemetry_of(drive).segments_ended) > drive->leg) {
         end_leg(drive);
     }
+    mission_note_passing(drive->mission, drive->leg, &drive->rig.world.plant);
     follow_reference(drive);
     if (drive->view.log != NULL && (tick - drive->start_tick) % row_ticks == 0) {
         log_row(drive);
@@ -497,6 +512,7 @@ static bool brake(struct drive *drive)
         }
     }
     close_leg(drive, braking);
+    braking->passed = braking->end_error;
     return true;
 }
 
@@ -535,6 +551,7 @@ void mission_sum_up(struct mission *mission)
 
         total->planned = total->planned && leg->planned;
         total->planned_energy += leg->planned_energy;
+        total->passed = fmax(total->passed, leg->passed);
         add(total, leg);
     }
     /* No plan knows the braking. */
@@ -591,6 +608,9 @@ static bool follow(struct drive *drive)
     if (drive->piloted) {
         return follow_with_pilot(drive);
     }
+    if (drive->mission->strategy == MISSION_CRUISE) {
+        (void)jp_robot_drive_trajectory(&drive->rig.robot, &drive->trajectory);
+    }
     if (drive->mission->strategy == MISSION_OPTIMAL) {
         (void)jp_robot_follow(&drive->rig.robot, drive->targets, (uint16_t)drive->mission->leg_count);
     }
@@ -609,7 +629,7 @@ static bool start(struct drive *drive, const struct mission *driven)
     }
     mission->leg_count = scenario->waypoint_count - 1;
     for (size_t i = 0; i < mission->leg_count; i++) {
-        mission->legs[i].target = scenario->waypoints[i + 1];
+        mission_set_target(&mission->legs[i], scenario->waypoints[i + 1]);
         drive->targets[i].x = (jp_q16)lround(scenario->waypoints[i + 1].x * Q16_ONE);
         drive->targets[i].y = (jp_q16)lround(scenario->waypoints[i + 1].y * Q16_ONE);
     }

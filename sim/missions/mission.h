@@ -7,9 +7,6 @@
 #include "sim/balancer/rig.h"
 #include "sim/missions/scenario.h"
 
-/** Log rows a second. */
-#define MISSION_LOG_RATE 50
-
 enum mission_strategy {
     /* One segment after the other. */
     MISSION_OPTIMAL,  /**< jp_robot_follow: each segment planned for least energy */
@@ -20,9 +17,10 @@ enum mission_strategy {
                                  Without tables for the pilot, and for the published model, which has none: planned once
                                  from rest, all segments settled */
     MISSION_STRAIGHT_ROUTE, /**< straight chords, with the times of MISSION_ROUTE */
-    MISSION_BEZIER_ROUTE    /**< energy-optimised cubic Bézier curves */
+    MISSION_BEZIER_ROUTE,   /**< energy-optimised cubic Bézier curves */
+    MISSION_CRUISE          /**< cruise and transients by rule: jp_trajectory_by_rule() */
 };
-#define MISSION_STRATEGIES 6
+#define MISSION_STRATEGIES 7
 
 /** One leg from waypoint to waypoint. */
 struct mission_leg {
@@ -39,6 +37,7 @@ struct mission_leg {
     double battery_energy;   /**< the robot's meter, at the battery, J */
     struct bezier_point end; /**< where the robot was, m */
     double end_error;        /**< distance to the target, m */
+    double passed;           /**< least distance to it at any time, m */
     double end_speed;        /**< m/s */
 };
 
@@ -64,25 +63,6 @@ struct mission {
     double wall_seconds;
 };
 
-/** One row of the log. */
-struct mission_row {
-    double time; /**< since the start, s */
-    struct bezier_point position;
-    struct bezier_point reference;
-    double heading;   /**< rad */
-    double speed;     /**< m/s */
-    double turn_rate; /**< rad/s */
-    double reference_speed;
-    double reference_turn_rate;
-    double pitch_deg;
-    double voltage_left; /**< V */
-    double voltage_right;
-    double current_left; /**< A */
-    double current_right;
-    double energy; /**< since the start, of the scenario's kind, J */
-    size_t leg;    /**< from 0 */
-};
-
 /** Who looks on; members that are NULL do not. */
 struct mission_view {
     FILE *log;            /**< takes a row every 1/MISSION_LOG_RATE s */
@@ -106,11 +86,12 @@ bool mission_run(struct mission *mission, enum mission_strategy strategy, const 
 /** Says in one line on stderr why the strategy cannot drive the route, if that is so. */
 void mission_complain(const struct mission *mission, const struct scenario *scenario);
 
-/** For missions that are driven otherwise: the plant's motor energy of the scenario's kind in J, the log, the sums of
- * the legs and the braking, the clock in seconds. */
+/** For missions that are driven otherwise: a leg's target; in each tick, how near the robot comes to the waypoints
+ * before and after a leg; the plant's motor energy of the scenario's kind in J, the sums of the legs and the
+ * braking, the clock in seconds. */
+void mission_set_target(struct mission_leg *leg, struct bezier_point target);
+void mission_note_passing(struct mission *mission, size_t leg, const struct plant *plant);
 double mission_plant_energy(const struct scenario *scenario, const struct plant *plant);
-void mission_log_header(FILE *log);
-void mission_log_row(FILE *log, const struct scenario *scenario, const struct mission_row *row);
 void mission_sum_up(struct mission *mission);
 double mission_wall_clock(void);
 

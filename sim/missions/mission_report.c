@@ -17,6 +17,7 @@ static const struct {
     [MISSION_STRAIGHT_ROUTE] = {"straight_route", "straight chords, times of the whole route",
                                 "log_straight_route.csv"},
     [MISSION_BEZIER_ROUTE] = {"bezier_route", "Bézier, whole route at once", "log_bezier_route.csv"},
+    [MISSION_CRUISE] = {"cruise", "cruise and transients, by rule", "log_cruise.csv"},
 };
 
 const char *mission_name(enum mission_strategy strategy)
@@ -61,7 +62,7 @@ static void print_leg(const char *label, const struct mission_leg *leg, bool tot
     } else {
         (void)printf(" %8s %9s %8s", "-", "-", "-");
     }
-    (void)printf(" %9.3f %12.2f\n", leg->end_error, leg->battery_energy);
+    (void)printf(" %9.3f %9.3f %12.2f\n", leg->end_error, leg->passed, leg->battery_energy);
 }
 
 void mission_print(const struct mission *mission)
@@ -70,8 +71,9 @@ void mission_print(const struct mission *mission)
         (void)printf("\n%s\ncannot drive this route: %s\n", strategies[mission->strategy].title, mission->impossible);
         return;
     }
-    (void)printf("\n%s\n%-6s %10s %11s %8s %9s %8s %9s %8s %9s %12s\n", strategies[mission->strategy].title, "leg",
-                 "planned J", "measured J", "error %", "time s", "v m/s", "w rad/s", "sigma °", "off m", "battery J");
+    (void)printf("\n%s\n%-6s %10s %11s %8s %9s %8s %9s %8s %9s %9s %12s\n", strategies[mission->strategy].title, "leg",
+                 "planned J", "measured J", "error %", "time s", "v m/s", "w rad/s", "sigma °", "off m", "passed m",
+                 "battery J");
     for (size_t i = 0; i < mission->leg_count; i++) {
         char label[24];
 
@@ -122,14 +124,14 @@ static json_t *json_planned(const struct mission_leg *leg, double value)
 
 static json_t *json_leg(const struct mission_leg *leg, size_t index)
 {
-    return json_pack("{s:I, s:o, s:o, s:f, s:f, s:f, s:o, s:f, s:o, s:o, s:o, s:o, s:o, s:f}", "index",
+    return json_pack("{s:I, s:o, s:o, s:f, s:f, s:f, s:o, s:f, s:o, s:o, s:o, s:o, s:o, s:f, s:f}", "index",
                      (json_int_t)index + 1, "target_m", json_point(leg->target), "planned_energy_j",
                      json_planned(leg, leg->planned_energy), "measured_energy_j", leg->measured_energy,
                      "plant_energy_j", leg->plant_energy, "battery_energy_j", leg->battery_energy, "error_percent",
                      json_planned(leg, error_percent(leg)), "duration_s", leg->duration, "speed_m_s",
                      json_planned(leg, leg->speed), "turn_rate_rad_s", json_planned(leg, leg->turn_rate), "turn_deg",
                      json_planned(leg, leg->turn * DEGREES), "arc_rad", json_planned(leg, leg->arc), "end_m",
-                     json_point(leg->end), "end_error_m", leg->end_error);
+                     json_point(leg->end), "end_error_m", leg->end_error, "passed_m", leg->passed);
 }
 
 static json_t *json_forecast(const struct mission_forecast *forecast)

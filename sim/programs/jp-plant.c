@@ -24,7 +24,7 @@ static const char *const pace_names[] = {
     [BUS_MISSION_LOCKSTEP] = "lockstep", [BUS_MISSION_PACED] = "paced", [BUS_MISSION_REAL_TIME] = "real-time"};
 #define PACES (sizeof pace_names / sizeof pace_names[0])
 
-enum { OPTION_PACE = COMMAND_LINE_OWN, OPTION_FRAMES, OPTION_HOST };
+enum { OPTION_PACE = COMMAND_LINE_OWN, OPTION_FRAMES, OPTION_HOST, OPTION_PATIENCE };
 
 struct arguments {
     const char *scenario;
@@ -32,7 +32,7 @@ struct arguments {
     bool frames; /**< are logged */
     const char *buses[CAN_RELAY_LINKS];
     size_t bus_count;
-    enum bus_mission_pace pace;
+    struct bus_mission_timing timing;
     bool hosts;
     double host_seconds;
 };
@@ -56,7 +56,7 @@ static void set_pace(struct arguments *arguments, const char *name, struct argp_
 {
     for (size_t i = 0; i < PACES; i++) {
         if (strcmp(name, pace_names[i]) == 0) {
-            arguments->pace = (enum bus_mission_pace)i;
+            arguments->timing.pace = (enum bus_mission_pace)i;
             return;
         }
     }
@@ -81,7 +81,8 @@ static void check(const struct arguments *arguments, struct argp_state *state)
     if (arguments->scenario == NULL || arguments->bus_count == 0) {
         command_line_refuse(state, "a scenario and --bus are needed");
     }
-    if (in_process && (arguments->bus_count > 1 || arguments->pace == BUS_MISSION_REAL_TIME || arguments->hosts)) {
+    if (in_process &&
+        (arguments->bus_count > 1 || arguments->timing.pace == BUS_MISSION_REAL_TIME || arguments->hosts)) {
         command_line_refuse(state, "--bus " IN_PROCESS " stands alone, in lockstep");
     }
 }
@@ -99,6 +100,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_HOST:
         set_host(arguments, argument, state);
+        return 0;
+    case OPTION_PATIENCE:
+        arguments->timing.patience = (unsigned)command_line_whole(state, "--patience", argument, 1, 86400);
         return 0;
     case OPTION_FRAMES:
         arguments->frames = true;
@@ -223,12 +227,12 @@ static bool drive_route(struct bus_mission *result, const struct arguments *argu
                           .rate_hz = (uint32_t)scenario->robot.control.rate_hz};
 
     if (!arguments->frames) {
-        return bus_mission_run(result, scenario, link, arguments->pace, &view);
+        return bus_mission_run(result, scenario, link, arguments->timing, &view);
     }
 
     const struct jp_can_link logged = can_log_link(&log);
 
-    return bus_mission_run(result, scenario, &logged, arguments->pace, &view);
+    return bus_mission_run(result, scenario, &logged, arguments->timing, &view);
 }
 
 static bool drive_and_say(const struct arguments *arguments, const struct scenario *scenario,
@@ -240,8 +244,9 @@ static bool drive_and_say(const struct arguments *arguments, const struct scenar
     if (done) {
         mission_print(&result.mission);
     }
-    print_bus(&result, arguments->pace);
-    return done && output_json(arguments->common.output, "summary.json", summary(scenario, &result, arguments->pace));
+    print_bus(&result, arguments->timing.pace);
+    return done &&
+           output_json(arguments->common.output, "summary.json", summary(scenario, &result, arguments->timing.pace));
 }
 
 static bool drive_scenario(const struct arguments *arguments, const struct scenario *scenario,
@@ -259,10 +264,10 @@ static bool drive_scenario(const struct arguments *arguments, const struct scena
 static bool host(const struct arguments *arguments, const struct scenario *scenario, struct surroundings *surroundings)
 {
     static struct bus_mission result;
-    const bool done = bus_mission_host(&result, scenario, &surroundings->link, arguments->pace, arguments->host_seconds,
-                                       stop_signal_came);
+    const bool done = bus_mission_host(&result, scenario, &surroundings->link, arguments->timing,
+                                       arguments->host_seconds, stop_signal_came);
 
-    print_bus(&result, arguments->pace);
+    print_bus(&result, arguments->timing.pace);
     return done;
 }
 
@@ -286,9 +291,9 @@ static bool run(const struct arguments *arguments)
         return false;
     }
     (void)printf("jp-plant: %s, robot %s on %s, %s\n", scenario.name, scenario.robot.name, arguments->buses[0],
-                 pace_names[arguments->pace]);
+                 pace_names[arguments->timing.pace]);
     (void)fflush(stdout);
-    if (arguments->pace == BUS_MISSION_REAL_TIME) {
+    if (arguments->timing.pace == BUS_MISSION_REAL_TIME) {
         (void)real_time_claim();
     }
     done = arguments->hosts ? host(arguments, &scenario, &surroundings)
@@ -304,6 +309,7 @@ int main(int argc, char **argv)
          IN_PROCESS ", can:INTERFACE, slcan:DEVICE or pty:NAME; again for more, frames are passed on between them", 0},
         {"pace", OPTION_PACE, "PACE", 0, "lockstep, paced (lockstep, not ahead of the clock) or real-time (lockstep)",
          0},
+        {"patience", OPTION_PATIENCE, "SECONDS", 0, "in lockstep, wait so long for an ECU (10)", 0},
         OPTION_OUTPUT("build/plant"),
         {"frames", OPTION_FRAMES, NULL, 0,
          "also write DIR/" FRAMES_NAME ", all frames as candump -L does, in simulated time", 0},
@@ -318,7 +324,8 @@ int main(int argc, char **argv)
                                      NULL,
                                      NULL,
                                      NULL};
-    struct arguments arguments = {.common = {.output = "build/plant"}, .pace = BUS_MISSION_LOCKSTEP};
+    struct arguments arguments = {.common = {.output = "build/plant"},
+                                  .timing = {BUS_MISSION_LOCKSTEP, BUS_DRIVE_PATIENCE}};
 
     command_line_parse(&argp, argc, argv, &arguments);
     if (arguments.hosts) {

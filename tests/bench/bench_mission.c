@@ -199,6 +199,7 @@ static void bench_segment(const struct robot_entry *entry, const struct robot_fi
 /* Random missions. */
 
 struct trials {
+    enum trial_strategy strategy;
     const struct robot_entry *entry;
     struct robot_file file;
     struct trial all[TRIALS];
@@ -208,12 +209,21 @@ static void drive_trial(void *context, size_t index)
 {
     struct trials *trials = context;
 
-    if (!trial_run(&trials->all[index], trials->entry, &trials->file, TRIAL_SEED + index)) {
+    if (!trial_run(&trials->all[index], trials->strategy, trials->entry, &trials->file, TRIAL_SEED + index)) {
         fail("the robot was refused");
     }
 }
 
-static void bench_trials(void)
+/** A figure of the missions of `how`. */
+static void print_trials(const char *how, const char *what, double value, const char *unit, const char *bound)
+{
+    char name[128];
+
+    (void)snprintf(name, sizeof name, "random missions%s, %s", how, what);
+    print_figure(name, value, unit, bound);
+}
+
+static void bench_trials(enum trial_strategy strategy, const char *how)
 {
     static struct trials trials;
     double done = 0;
@@ -222,6 +232,7 @@ static void bench_trials(void)
     double peak = 0;
     double hours = 0;
 
+    trials.strategy = strategy;
     trials.entry = rig_find_robot("courier24");
     if (trials.entry == NULL || !robot_file_load("sim/robots/courier24.cfg", &trials.file)) {
         fail("no courier24");
@@ -236,11 +247,11 @@ static void bench_trials(void)
         peak = fmax(peak, trial->peak_voltage);
         hours += (double)trial->ticks / trials.file.control.rate_hz / 3600;
     }
-    print_figure("random missions of courier24, driven to the end", done, "", EQUAL_TO(1000));
-    print_figure("random missions, falls", falls, "", EQUAL_TO(0));
-    print_figure("random missions, saturated ticks in normal driving", saturated, "", EQUAL_TO(0));
-    print_figure("random missions, peak voltage in normal driving", peak, "V", NONE);
-    print_figure("random missions, driving time", hours, "h", NONE);
+    print_trials(how, "driven to the end", done, "", EQUAL_TO(1000));
+    print_trials(how, "falls", falls, "", EQUAL_TO(0));
+    print_trials(how, "saturated ticks in normal driving", saturated, "", EQUAL_TO(0));
+    print_trials(how, "peak voltage in normal driving", peak, "V", NONE);
+    print_trials(how, "driving time", hours, "h", NONE);
 }
 
 int main(void)
@@ -253,7 +264,8 @@ int main(void)
     }
     bench_mission(&scenario);
     bench_segment(entry, &scenario.robot);
-    bench_trials();
+    bench_trials(TRIAL_SEGMENTS, " of courier24");
+    bench_trials(TRIAL_CRUISE, " of courier24 by cruise and transients");
     (void)printf("\n]\n");
     return 0;
 }

@@ -4,6 +4,7 @@
  * memory in the place of the registers. Built for ARMv6-M it counts a Cortex-M0's, which an M4 executes the same.
  */
 #include <joulepath/tables.h>
+#include <joulepath/trajectory_rule.h>
 
 #include "hal/stm32f4/devices.h"
 
@@ -277,6 +278,45 @@ static bool prepare_stop(void)
     return driving;
 }
 
+/** A curve out of the stand. */
+static bool hand_over_trajectory(void)
+{
+    static const struct jp_point targets[] = {{JP_Q16(2), JP_Q16(1)}, {JP_Q16(1), JP_Q16(3)}};
+    static struct jp_trajectory_leg legs[2];
+    static struct jp_trajectory trajectory;
+    const struct jp_trajectory_task task = {
+        .config = &config.trajectory, .cruise = JP_Q24(0.5), .targets = targets, .count = 2, .to_stand = true};
+
+    return jp_trajectory_by_rule(&task, legs, &trajectory) == JP_OK &&
+           jp_robot_drive_trajectory(&prepared, &trajectory) == JP_OK;
+}
+
+static bool prepare_trajectory(void)
+{
+    return prepare_standing() && hand_over_trajectory();
+}
+
+/** Somewhere in the first blend. */
+static bool prepare_along(void)
+{
+    const bool handed = prepare_trajectory();
+
+    tick();
+    prepared.internal.trajectory_drive.internal.share = random_bits();
+    change_sensors();
+    return handed && prepared.internal.telemetry.state == JP_ROBOT_DRIVING;
+}
+
+/** In the next tick the other blend begins. */
+static bool prepare_blend(void)
+{
+    const bool along = prepare_along();
+
+    prepared.internal.trajectory_drive.internal.piece = JP_MIDDLE;
+    prepared.internal.trajectory_drive.internal.ticks_left = 1;
+    return along;
+}
+
 static bool prepare_enable(void)
 {
     bool idle = prepare_idle();
@@ -333,7 +373,7 @@ struct tick_case {
     enum jp_robot_state after;
 };
 
-enum { DRIVING = 1 };
+enum { DRIVING = 1, ALONG = 9 };
 
 static const struct tick_case tick_cases[] = {
     {"while balancing", prepare_standing, JP_ROBOT_BALANCING},
@@ -344,6 +384,9 @@ static const struct tick_case tick_cases[] = {
     {"that begins the first segment", prepare_start, JP_ROBOT_DRIVING},
     {"that begins the next segment", prepare_next, JP_ROBOT_DRIVING},
     {"that ends the last segment", prepare_end, JP_ROBOT_BALANCING},
+    {"that begins a trajectory", prepare_trajectory, JP_ROBOT_DRIVING},
+    {"along a trajectory", prepare_along, JP_ROBOT_DRIVING},
+    {"that begins a blend", prepare_blend, JP_ROBOT_DRIVING},
     {"that stops", prepare_stop, JP_ROBOT_BALANCING},
     {"that switches on", prepare_enable, JP_ROBOT_BALANCING},
     {"that goes on after a reset", prepare_resume, JP_ROBOT_BALANCING},
@@ -418,10 +461,12 @@ int main(void)
     print_figure("controller tick (errors, integrators, gain product, limits), worst of 2 000 states", "",
                  worst_update(), UPDATE_BAR);
     target_print(",\n");
-    print_figure("sensor decode to PWM, worst of 14 kinds of tick: one ", tick_cases[first].name, worst[first].control,
+    print_figure("sensor decode to PWM, worst of 17 kinds of tick: one ", tick_cases[first].name, worst[first].control,
                  TICK_BAR);
     target_print(",\n");
     print_figure("sensor decode to PWM ", tick_cases[DRIVING].name, worst[DRIVING].control, 0);
+    target_print(",\n");
+    print_figure("sensor decode to PWM ", tick_cases[ALONG].name, worst[ALONG].control, 0);
     target_print(",\n");
     print_figure("whole tick, odometry, energy and motor checks after the PWM included, worst", "", longest, 0);
     target_print("\n]\n");

@@ -79,7 +79,10 @@ def test_a_mission_that_ends_at_a_stand_counts_the_braking(tmp_path, robot):
     moving = json.loads((drive(tmp_path / "moving", scenario) / "summary.json").read_text())["strategies"]
     scenario.write_text(scenario.read_text() + 'end = "stand";\n')
     stood = drive(tmp_path / "stood", scenario)
-    for before, after in zip(moving, json.loads((stood / "summary.json").read_text())["strategies"], strict=True):
+    *others, cruise = json.loads((stood / "summary.json").read_text())["strategies"]
+    # It plans its stand: it is over when the last leg is.
+    assert cruise["name"] == "cruise" and cruise["braking"]["duration_s"] < 5 and cruise["braking"]["end_error_m"] < 0.05
+    for before, after in zip(moving[:-1], others, strict=True):
         braking, total = after["braking"], after["total"]
         assert "braking" not in before and before["segments"] == after["segments"]
         for key in ("measured_energy_j", "plant_energy_j", "battery_energy_j", "duration_s"):
@@ -144,9 +147,15 @@ def energy(strategies, name):
 
 
 def test_every_strategy_is_driven_and_logged(output, strategies):
-    names = ["optimal", "straight", "bezier", "route", "straight_route", "bezier_route"]
+    names = ["optimal", "straight", "bezier", "route", "straight_route", "bezier_route", "cruise"]
     assert list(strategies) == names
     assert {path.name for path in output.glob("log_*.csv")} == {f"log_{name}.csv" for name in names}
+
+
+def test_cruise_takes_least_and_passes_its_waypoints(strategies):
+    assert all(energy(strategies, "cruise") < energy(strategies, name) for name in strategies if name != "cruise")
+    assert all(segment["passed_m"] < 0.01 for segment in strategies["cruise"]["segments"])
+    assert strategies["cruise"]["forecast"]["energy_j"] == pytest.approx(energy(strategies, "cruise"), rel=1e-3)
 
 
 def test_whole_route_takes_less_than_segment_by_segment(strategies):
@@ -180,7 +189,8 @@ def test_forecast_before_the_start_holds(short, robot):
     route = short[robot]["route"]
     assert route["forecast"]["energy_j"] == pytest.approx(energy(short[robot], "route"), rel=0.05)
     assert abs(route["forecast"]["energy_j"] - energy(short[robot], "route")) < 2 * route["forecast"]["deviation_j"]
-    assert all(strategy["forecast"] is None for name, strategy in short[robot].items() if name != "route")
+    assert all(strategy["forecast"] is None for name, strategy in short[robot].items()
+               if name not in ("route", "cruise"))
 
 
 @pytest.mark.parametrize("robot", ["gao2018", "courier24"])
@@ -207,7 +217,7 @@ def test_there_and_back(tmp_path, robot):
     """A Bézier curve from one leg to the next is too sharp: a row that says so, and the report says it too."""
     output = drive(tmp_path / "out", write_scenario(tmp_path / "back.cfg", (3.0, 0.0), (0.0, 0.0), robot=robot))
     by_name = {strategy["name"]: strategy for strategy in json.loads((output / "summary.json").read_text())["strategies"]}
-    assert list(by_name) == ["optimal", "straight", "bezier", "route", "straight_route", "bezier_route"]
+    assert list(by_name) == ["optimal", "straight", "bezier", "route", "straight_route", "bezier_route", "cruise"]
     assert [name for name, about in by_name.items() if "impossible" in about] == ["bezier", "bezier_route"]
     assert by_name["bezier"]["impossible"].startswith("leg 2: ")
     assert all(segment["end_error_m"] < 0.5 for about in by_name.values() for segment in about.get("segments", []))

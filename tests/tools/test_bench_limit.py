@@ -2,6 +2,8 @@
 bad input."""
 import json
 import math
+import re
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -72,10 +74,9 @@ def least_by_search(plant):
 
 def test_limits_are_those_of_another_program():
     """Computed with Gauss-Legendre points, wheel coordinates and equations of motion written by hand."""
-    corners = [[0, 0], [0.990, 0.990], [2.242, 1.616], [2.868, 2.868], [1.616, 3.494], [1.173, 4.823], [0.333, 5.943],
-               [0.333, 7.343]]
+    corners = [[0, 0], [0.990, 0.990], [2.242, 1.616], [2.868, 2.868]]
     found, = least(Task(plant_of("gao2018"), np.array(corners)), [SPEED_AT_END], 2)
-    assert found.energy == pytest.approx(233.0179046, rel=1e-6)
+    assert found.energy == pytest.approx(103.2048125, rel=1e-6)
 
 
 def test_the_solution_is_a_drive(solution, bend):
@@ -208,7 +209,15 @@ def test_random_routes_follow_their_rule():
         assert lengths.min() >= 1 and lengths.max() <= 15 and np.abs(turns).max() <= bench_limit.TURN
 
 
+def to_its_first_corner(route):
+    """A scenario of one leg."""
+    return replace(route, scenario=re.sub(r"waypoints = .*;", "waypoints = ( [0.0, 0.0], [0.99, 0.99] );", route.scenario,
+                                          flags=re.DOTALL))
+
+
 def test_a_short_run(tmp_path, monkeypatch):
+    whole = bench_limit.scenario_route
+    monkeypatch.setattr(bench_limit, "scenario_route", lambda name: to_its_first_corner(whole(name)))
     monkeypatch.setattr(bench_limit, "SCENARIOS", ("courier24_short",))
     monkeypatch.setattr(bench_limit, "ROBOTS", ("gao2018",))
     monkeypatch.setattr(bench_limit, "STARTS", 1)
@@ -217,13 +226,15 @@ def test_a_short_run(tmp_path, monkeypatch):
     result = run_tool("measure.bench_limit", "--routes", 1, "--seed", 5, "--workers", 1, "--bench", path)
     assert result.returncode == 0, result.stderr
     figures = {figure["name"]: figure["value"] for figure in json.loads(path.read_text())}
-    assert len(figures) == 7 + 2 * 7 and all(0 < value < 100 for value in figures.values())
-    route = "energy limit: courier24_short, energy-optimal, whole route at once: above the limit"
-    assert figures[route] == pytest.approx(3.32, abs=0.3)
+    # After one leg the rule's drive is some millimetres short of its waypoint, and so below the limit.
+    assert len(figures) == 8 + 2 * 8 and all(-0.5 < value < 100 for value in figures.values())
+    # Of the limit that another program finds, 25.24216 J.
+    assert figures["energy limit: courier24_short, energy-optimal, whole route at once: above the limit"] == \
+        pytest.approx(4.43, abs=0.1)
     for text in ("courier24_short", "gao2018", "worst miss, cm", "turns to ±120°"):
         assert text in result.stdout
     tables = json.loads((tmp_path / "limit.tables.json").read_text())
-    assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [7, 7]
+    assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [8, 8]
 
 
 def test_a_limit_that_is_not_found_is_named(monkeypatch):

@@ -67,7 +67,14 @@ jp_q16 joules_left(void)
 }
 """
 
-EXAMPLES = {"README.md": BALANCER_BOARD, "src/search/README.md": PLANNER_BOARD, "src/learn/README.md": PILOT_BOARD}
+ROBOT = """
+#include <joulepath/robot.h>
+extern struct jp_robot robot;
+struct jp_robot robot;
+"""
+
+EXAMPLES = {"README.md": BALANCER_BOARD, "src/search/README.md": PLANNER_BOARD, "src/learn/README.md": PILOT_BOARD,
+            "src/trajectory/README.md": ROBOT}
 
 
 def text_of(name):

@@ -111,10 +111,9 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@rm -f $(ALL_BITS_LOGS)
 	@$(MAKE) $(PARALLEL) $(ALL_BITS_LOGS)
 	$(PYTHON) -m tools.measure.bits $(ALL_BITS_LOGS) --output $(BUILD)/bench/bits.json
-	$(call experiments,gao2018,motor,gao2018)
+	$(BUILD)/bin/jp-identify sim/robots/gao2018.cfg --output $(BUILD)/identify/gao2018
 	$(PYTHON) -m tools.design.identify gao2018 --tables $(BUILD)/identify/gao2018 --bench $(BUILD)/bench/identify.json
-	$(call experiments,gao2018,battery,gao2018_battery)
-	$(PYTHON) -m tools.design.identify gao2018 --energy battery --tables $(BUILD)/identify/gao2018_battery \
+	$(PYTHON) -m tools.design.identify gao2018 --energy battery --tables $(BUILD)/identify/gao2018 \
 	    --bench $(BUILD)/bench/identify_battery.json
 	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/figures
 	$(PYTHON) -m tools.report.report $(BUILD)/figures

@@ -31,8 +31,9 @@ NULLABLE = ("planned_energy_j", "error_percent", "relative_percent", "speed_m_s"
 
 # The whole route at once has the style of its counterpart, planned segment by segment.
 COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN, "route": plots.SKY,
-           "straight_route": plots.AMBER, "bezier_route": plots.PURPLE}
-STYLES = {"optimal": "-", "straight": "--", "bezier": "-.", "route": "-", "straight_route": "--", "bezier_route": "-."}
+           "straight_route": plots.AMBER, "bezier_route": plots.PURPLE, "cruise": plots.RED}
+STYLES = {"optimal": "-", "straight": "--", "bezier": "-.", "route": "-", "straight_route": "--", "bezier_route": "-.",
+          "cruise": "-"}
 
 WIDE = (9.2, 3.4)
 
