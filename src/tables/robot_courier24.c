@@ -131,9 +131,9 @@ const struct jp_robot_config jp_robot_courier24 = {
                         },
                     .volts =
                         {
-                            0,       /* -3.197442e-14 V·s/m */
+                            0,       /* 0 V·s/m */
                             1581563, /* 24.13274 V·s/m */
-                            0,       /* -9.325873e-15 V·s/m */
+                            0,       /* 0 V·s/m */
                         },
                 },
         },

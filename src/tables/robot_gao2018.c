@@ -131,9 +131,9 @@ const struct jp_robot_config jp_robot_gao2018 = {
                         },
                     .volts =
                         {
-                            0,       /* -6.750156e-14 V·s/m */
+                            0,       /* 0 V·s/m */
                             1242052, /* 18.95221 V·s/m */
-                            0,       /* -7.771561e-15 V·s/m */
+                            0,       /* 0 V·s/m */
                         },
                 },
         },

@@ -52,7 +52,8 @@ class Converter:
         raw = math.floor(value * 2**bits + 0.5)
         if not -2**31 <= raw < 2**31:
             raise self._error(name, f"{value:g} {unit} does not fit its format")
-        return Member(name, str(raw), f"{value:.7g} {unit}".rstrip())
+        # What rounds to nothing may be rounding itself, which differs between processors.
+        return Member(name, str(raw), f"{value if raw else 0:.7g} {unit}".rstrip())
 
     def q16(self, name, value, unit, low, high):
         return self.number(name, value, 16, unit, low, high)
