@@ -107,6 +107,13 @@ struct jp_next_segment {
     uint32_t ticks;
 };
 
+/** Private: how far the robot is from the path of its trajectory, in wheel turns. Zero: on the path. */
+struct jp_path_error {
+    jp_phase across; /**< to the left of it */
+    jp_phase along;  /**< ahead, beyond what the wheels are ahead of the reference */
+    jp_phase turned; /**< by which the reference's heading left the trajectory to lead back, turn */
+};
+
 /** Private. What most functions use stands first, where the instructions that reach it are short. */
 struct jp_robot_internal {
     const struct jp_robot_config *config;
@@ -130,8 +137,10 @@ struct jp_robot_internal {
 
     const struct jp_trajectory *trajectory; /**< that is driven; or null */
     struct jp_trajectory_drive trajectory_drive;
-    struct jp_set_point set_point; /**< of the next tick */
+    struct jp_path_error path_error;
+    struct jp_set_point set_point; /**< of the next ticks */
     bool has_set_point;
+    bool set_point_is_new; /**< it serves for one more tick */
 
     struct jp_reference reference;
     struct jp_monitor monitor;

@@ -27,6 +27,9 @@
 extern "C" {
 #endif
 
+/** A set-point serves for two ticks of the robot: between them it is steered back to the path. */
+#define JP_TICKS_PER_SET_POINT 2U
+
 /** Modes in which a difference from the flat motion decays. */
 #define JP_TRAVEL_MODES 3U
 
@@ -34,7 +37,7 @@ extern "C" {
 struct jp_travel_modes {
     jp_q16 decay[JP_TRAVEL_MODES];      /**< λ/ln 2, halvings a second; above 0 */
     jp_q16 share[3U * JP_TRAVEL_MODES]; /**< in a difference of v in m/s, ψ in turn and ψ̇ in turn/s; by modes; ±1 024 */
-    jp_q31 keep[JP_TRAVEL_MODES];       /**< what a tick leaves of each; above 0 */
+    jp_q31 keep[JP_TRAVEL_MODES];       /**< what a set-point leaves of each; above 0 */
     jp_q24 lean[JP_TRAVEL_MODES];       /**< what each adds to ψ, turn·s/m; ±16 */
     jp_q24 lean_rate[JP_TRAVEL_MODES]; /**< to ψ̇, turn/m; ±16 */
     jp_q16 volts[JP_TRAVEL_MODES];     /**< to the mean voltage, V·s/m; ±4 096 */
@@ -42,7 +45,7 @@ struct jp_travel_modes {
 
 /** How wheels and body move together about standing upright; made by tools/design/gain_design.py. */
 struct jp_trajectory_config {
-    uint32_t tick_rate;     /**< calls a second; 100…10 000 */
+    uint32_t tick_rate;     /**< of the robot, 1/s; 100…10 000 */
     jp_q24 turns_per_metre; /**< 1/(2πR), turn/m; 0.1…16 */
     jp_q24 lag;             /**< s²; 0…1 */
     jp_q24 lean[2];         /**< turn·s/m, turn·s²/m; ±16 */
@@ -51,6 +54,8 @@ struct jp_trajectory_config {
     jp_q16 voltage;         /**< for the motion, without what balance needs, V; above 0, at most 512 */
     jp_q16 blend;           /**< longest change of heading before and after a waypoint, s; 0.05…60 */
     jp_q24 turn_pace;       /**< turn rate at a waypoint by the turn there, 1/s; 0.01…64 */
+    int32_t steering;       /**< share of the way back to the path that two ticks turn, Q32; 0…2³⁰ */
+    jp_q24 aim;             /**< how steeply, turn by wheel turn off the path; 0…16 */
     struct jp_travel_modes modes;
 };
 
@@ -64,8 +69,8 @@ struct jp_waypoint_motion {
 /** A change of heading and speed, ready for the tick: polynomials in the share s of its duration that has passed, made
  * of q = s³(10 − 15 s + 6 s²), p = s(1 − s), p², p(1 − 2s) and 1 − 6p. */
 struct jp_blend {
-    uint32_t ticks;             /**< 1…2²⁴ */
-    uint32_t step;              /**< of s in a tick, Q32 */
+    uint32_t set_points;        /**< 1…2²⁴ */
+    uint32_t step;              /**< of s from one to the next, Q32 */
     jp_q24 wheel_rate[3];       /**< at its begin, by q, by p(1 − 2s); turn/s */
     jp_q24 pitch[3];            /**< at its begin, by q, by p²; turn */
     jp_q24 pitch_rate[2];       /**< by p², by p(1 − 2s); turn/s */
@@ -76,10 +81,10 @@ struct jp_blend {
 
 /** A straight part at constant speed, ready for the tick. */
 struct jp_cruise {
-    uint32_t ticks;    /**< 1…2³¹ */
-    jp_q24 wheel_rate; /**< turn/s */
-    jp_q24 pitch;      /**< turn */
-    jp_q16 common;     /**< V */
+    uint32_t set_points; /**< 1…2³⁰ */
+    jp_q24 wheel_rate;   /**< turn/s */
+    jp_q24 pitch;        /**< turn */
+    jp_q16 common;       /**< V */
 };
 
 /** From a waypoint to the next. */
@@ -100,7 +105,7 @@ struct jp_trajectory {
     int32_t transient[JP_TRAVEL_MODES]; /**< the modes at the start, m/s in Q28 */
 };
 
-/** What the controller has to follow in a tick. */
+/** What the controller has to follow. */
 struct jp_set_point {
     jp_turns_per_s wheel_rate; /**< turn/s */
     jp_turns_per_s yaw_rate;   /**< turn/s */
@@ -116,8 +121,8 @@ enum jp_trajectory_piece { JP_BLEND_AT_BEGIN, JP_MIDDLE, JP_BLEND_AT_END };
 /** Private. */
 struct jp_trajectory_drive_internal {
     const struct jp_trajectory *trajectory;
-    uint32_t ticks_left; /**< of the piece */
-    uint32_t share;      /**< s, Q32 */
+    uint32_t set_points_left; /**< of the piece */
+    uint32_t share;           /**< s, Q32 */
     enum jp_trajectory_piece piece;
     uint16_t leg;
     int32_t mode[JP_TRAVEL_MODES]; /**< m/s in Q28 */
@@ -135,7 +140,7 @@ enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, co
 /** Begins; the trajectory and its legs must stay until it is driven. Constant time; for the control ISR. */
 void jp_trajectory_begin(struct jp_trajectory_drive *drive, const struct jp_trajectory *trajectory);
 
-/** One tick; false after the last, with *set_point not written. Constant time; for the control ISR. */
+/** The next set-point; false after the last, with *set_point not written. Constant time; for the control ISR. */
 bool jp_trajectory_advance(struct jp_trajectory_drive *drive, const struct jp_trajectory_config *config,
                            struct jp_set_point *set_point);
 

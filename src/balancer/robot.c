@@ -3,6 +3,7 @@
 #include <joulepath/count.h>
 #include <stddef.h>
 
+#include "src/balancer/path_error.h"
 #include "src/balancer/robot_route.h"
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
@@ -96,6 +97,7 @@ static JP_INLINE_FOR_SPEED void leave_trajectory(struct jp_robot_internal *robot
     if (robot->trajectory != NULL) {
         robot->trajectory = NULL;
         robot->has_set_point = false;
+        robot->set_point_is_new = false;
         jp_reference_leave_track(&robot->reference);
     }
 }
@@ -183,7 +185,8 @@ static void begin_leg(struct jp_robot_internal *robot)
     const struct jp_trajectory_leg *leg = &robot->trajectory->legs[jp_trajectory_leg_now(&robot->trajectory_drive)];
 
     robot->telemetry.command = (struct jp_motion){.speed = leg->speed};
-    count_segment(robot, leg->begin.ticks + leg->middle.ticks + leg->end.ticks);
+    count_segment(robot,
+                  JP_TICKS_PER_SET_POINT * (leg->begin.set_points + leg->middle.set_points + leg->end.set_points));
 }
 
 static bool has_leg(const struct jp_robot_internal *robot)
@@ -205,6 +208,7 @@ static void begin_segment(struct jp_robot_internal *robot)
     robot->trajectory = segment->trajectory;
     if (segment->trajectory != NULL) {
         jp_trajectory_begin(&robot->trajectory_drive, segment->trajectory);
+        jp_path_error_start(&robot->path_error);
         begin_leg(robot);
     } else {
         jp_reference_apply(&robot->reference, &segment->step);
@@ -399,12 +403,21 @@ static void account_segments(struct jp_robot_internal *robot)
     robot->segment_began = false;
 }
 
-/** The set-point of the next tick, which the bridges of this one need not wait for. */
+/** What the next tick follows, which the bridges of this one need not wait for. */
 static void look_ahead(struct jp_robot_internal *robot)
 {
-    if (robot->trajectory != NULL) {
-        robot->has_set_point =
-            jp_trajectory_advance(&robot->trajectory_drive, &robot->config->trajectory, &robot->set_point);
+    const struct jp_trajectory_config *config = &robot->config->trajectory;
+
+    if (robot->trajectory == NULL) {
+        return;
+    }
+    if (robot->set_point_is_new) {
+        jp_path_error_correct(&robot->path_error, config, &robot->set_point, &robot->telemetry.motion,
+                              &robot->reference);
+        robot->set_point_is_new = false;
+    } else {
+        robot->has_set_point = jp_trajectory_advance(&robot->trajectory_drive, config, &robot->set_point);
+        robot->set_point_is_new = robot->has_set_point;
     }
 }
 

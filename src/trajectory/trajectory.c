@@ -22,6 +22,8 @@ enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, co
         FIELD(voltage, 1, JP_Q16(512)),
         FIELD(blend, JP_Q16(0.05), JP_Q16(60)),
         FIELD(turn_pace, JP_Q24(0.01), JP_Q24(64)),
+        FIELD(steering, 0, Q30_ONE),
+        FIELD(aim, 0, JP_Q24(16)),
         FIELD(modes.decay, 1, INT32_MAX),
         FIELD(modes.keep, 1, INT32_MAX),
         FIELD(modes.share, -JP_Q16(1024), JP_Q16(1024)),
@@ -36,9 +38,11 @@ enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, co
 /* Shapes. */
 
 /** 1/duration, 1/s. */
-static jp_q24 pace_of(const struct jp_trajectory_config *config, uint32_t ticks)
+static jp_q24 pace_of(const struct jp_trajectory_config *config, uint32_t set_points)
 {
-    return jp_saturate32(((int64_t)(UINT32_MAX / ticks) * config->tick_rate) >> 8);
+    const int64_t rate = config->tick_rate;
+
+    return jp_saturate32((int64_t)(UINT32_MAX / set_points) * rate / (256 * (int64_t)JP_TICKS_PER_SET_POINT));
 }
 
 /** The quintic of ν: its derivatives are 30 p², 60 p(1 − 2s) and 60(1 − 6p) by the change and the pace. */
@@ -89,9 +93,9 @@ static void shape_turn(struct jp_blend *blend, const struct jp_trajectory_config
 static void shape_blend(const struct jp_trajectory_config *config, const struct jp_waypoint_motion *from,
                         const struct jp_waypoint_motion *to, int32_t turned, struct jp_blend *blend)
 {
-    const jp_q24 pace = pace_of(config, blend->ticks);
+    const jp_q24 pace = pace_of(config, blend->set_points);
 
-    blend->step = UINT32_MAX / blend->ticks;
+    blend->step = UINT32_MAX / blend->set_points;
     shape_travel(blend, config, from->speed, to->speed - from->speed, pace);
     shape_turn(blend, config, from, to, turned, pace);
 }
@@ -178,12 +182,12 @@ static void add_modes(struct jp_set_point *at, const struct jp_trajectory_config
 
 /* A drive. */
 
-static uint32_t ticks_of(const struct jp_trajectory_leg *leg, enum jp_trajectory_piece piece)
+static uint32_t set_points_of(const struct jp_trajectory_leg *leg, enum jp_trajectory_piece piece)
 {
     if (piece == JP_MIDDLE) {
-        return leg->middle.ticks;
+        return leg->middle.set_points;
     }
-    return piece == JP_BLEND_AT_BEGIN ? leg->begin.ticks : leg->end.ticks;
+    return piece == JP_BLEND_AT_BEGIN ? leg->begin.set_points : leg->end.set_points;
 }
 
 static void next_piece(struct jp_trajectory_drive_internal *drive)
@@ -196,14 +200,14 @@ static void next_piece(struct jp_trajectory_drive_internal *drive)
     }
     drive->share = 0;
     if (drive->leg < drive->trajectory->count) {
-        drive->ticks_left = ticks_of(&drive->trajectory->legs[drive->leg], drive->piece);
+        drive->set_points_left = set_points_of(&drive->trajectory->legs[drive->leg], drive->piece);
     }
 }
 
 void jp_trajectory_begin(struct jp_trajectory_drive *drive, const struct jp_trajectory *trajectory)
 {
-    drive->internal =
-        (struct jp_trajectory_drive_internal){.trajectory = trajectory, .ticks_left = trajectory->legs[0].begin.ticks};
+    drive->internal = (struct jp_trajectory_drive_internal){.trajectory = trajectory,
+                                                            .set_points_left = trajectory->legs[0].begin.set_points};
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
         drive->internal.mode[i] = trajectory->transient[i];
     }
@@ -229,8 +233,8 @@ bool jp_trajectory_advance(struct jp_trajectory_drive *drive, const struct jp_tr
         d->share += blend->step;
     }
     add_modes(set_point, config, d->mode);
-    d->ticks_left--;
-    if (d->ticks_left == 0U) {
+    d->set_points_left--;
+    if (d->set_points_left == 0U) {
         next_piece(d);
     }
     return true;

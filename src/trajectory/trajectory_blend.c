@@ -36,7 +36,7 @@ jp_q16 jp_mode_rate(const struct jp_trajectory_config *config, unsigned mode)
     return jp_multiply_shift(config->modes.decay[mode], LN_2_Q30, 30);
 }
 
-jp_q24 jp_mode_after(const struct jp_trajectory_config *config, unsigned mode, jp_q24 value, uint32_t ticks,
+jp_q24 jp_mode_after(const struct jp_trajectory_config *config, unsigned mode, jp_q24 value, uint32_t set_points,
                      int32_t share)
 {
     if (value == 0) {
@@ -44,7 +44,7 @@ jp_q24 jp_mode_after(const struct jp_trajectory_config *config, unsigned mode, j
     }
 
     const int32_t halvings =
-        jp_saturate32(jp_multiply(config->modes.decay[mode], jp_seconds(config, ticks, 20)) >> 20); /* Q16 */
+        jp_saturate32(jp_multiply(config->modes.decay[mode], jp_seconds(config, set_points, 20)) >> 20); /* Q16 */
 
     return multiply30(value, jp_power_of_half((uint64_t)jp_multiply(halvings, share) >> 14));
 }
@@ -55,19 +55,19 @@ bool jp_modes_are_gone(const jp_q24 *modes)
            jp_is_between(modes[2], -GONE, GONE);
 }
 
-void jp_modes_decay(const struct jp_trajectory_config *config, jp_q24 *modes, uint32_t ticks)
+void jp_modes_decay(const struct jp_trajectory_config *config, jp_q24 *modes, uint32_t set_points)
 {
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        modes[i] = jp_mode_after(config, i, modes[i], ticks, Q30_ONE);
+        modes[i] = jp_mode_after(config, i, modes[i], set_points, Q30_ONE);
     }
 }
 
-int32_t jp_modes_way(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t ticks)
+int32_t jp_modes_way(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t set_points)
 {
     int64_t sum = 0;
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        const int64_t gone = modes[i] - jp_mode_after(config, i, modes[i], ticks, Q30_ONE);
+        const int64_t gone = modes[i] - jp_mode_after(config, i, modes[i], set_points, Q30_ONE);
 
         sum += gone == 0 ? 0 : jp_divide(gone * ((int64_t)1 << 12), jp_mode_rate(config, i));
     }
@@ -146,14 +146,14 @@ static jp_q24 speed_at(const struct blend *blend, int32_t share)
                   jp_sub(jp_multiply_shift(blend->change, risen, 27), jp_multiply_shift(blend->swing, bend, 26)));
 }
 
-void jp_modes_roll(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t ticks,
+void jp_modes_roll(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t set_points,
                    struct jp_rolling *rolling)
 {
     rolling->nodes = jp_blend_nodes(jp_modes_are_gone(modes), &rolling->count);
     for (unsigned k = 0; k < rolling->count; k++) {
         rolling->speed[k] = 0;
         for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-            const jp_q24 left = jp_mode_after(config, i, modes[i], ticks, rolling->nodes[k].share);
+            const jp_q24 left = jp_mode_after(config, i, modes[i], set_points, rolling->nodes[k].share);
 
             rolling->speed[k] = jp_add(rolling->speed[k], left);
         }

@@ -163,7 +163,7 @@ enum jp_status jp_chord_to(const struct jp_trajectory_task *task, uint16_t index
     if (task->to_stand && index + 1U == task->count) {
         blend = slow_to_stop(config, way, blend, chord);
     }
-    chord->blend = (uint32_t)(((uint64_t)(uint32_t)blend * config->tick_rate) >> 16) + 1U;
+    chord->blend = (uint32_t)(((uint64_t)(uint32_t)blend * config->tick_rate / JP_TICKS_PER_SET_POINT) >> 16) + 1U;
     return chord->speed < SPEED_MIN ? JP_ERR_INFEASIBLE : JP_OK;
 }
 
@@ -173,8 +173,8 @@ struct jp_waypoint_motion jp_corner_between(const struct jp_trajectory_task *tas
     static const struct effort at_pace = {JP_Q24(1.5), JP_Q24(3)};
     const struct jp_trajectory_config *config = task->config;
     const int32_t turn = (int32_t)(after->direction - before->direction);
-    const uint32_t ticks = before->blend < after->blend ? before->blend : after->blend;
-    const jp_q16 blend = jp_seconds(config, ticks, 16);
+    const uint32_t set_points = before->blend < after->blend ? before->blend : after->blend;
+    const jp_q16 blend = jp_seconds(config, set_points, 16);
     const struct demand demand = demand_of(config, &at_pace, turn_between(before->direction, after->direction));
     const jp_q24 smooth = jp_divide((int64_t)SMOOTH_Q40, blend);
     const bool is_pace = config->turn_pace > smooth && is_enough(voltage_for_turns(task), &demand, blend);

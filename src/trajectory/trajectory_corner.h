@@ -9,7 +9,7 @@ struct jp_chord {
     uint32_t distance; /**< 2⁻²² m */
     jp_angle direction;
     jp_q24 speed;   /**< of the leg's middle, m/s */
-    uint32_t blend; /**< ticks of each of its blends */
+    uint32_t blend; /**< set_points of each of its blends */
 };
 
 /** The leg to target `index`, at the speed that leaves its blends time enough for the turns at its ends.

@@ -30,7 +30,7 @@ struct plan {
     struct jp_way ahead; /**< where the trajectory is, from the waypoint */
     struct jp_waypoint_motion motion;
     jp_q24 modes[JP_TRAVEL_MODES];
-    uint32_t blend; /**< of the leg before, at its end, ticks */
+    uint32_t blend; /**< of the leg before, at its end, set_points */
 };
 
 /** A leg in the making. */
@@ -41,7 +41,7 @@ struct leg_search {
     struct jp_way left;            /**< of the way, for the middle */
     int32_t along;                 /**< of that, in its direction, 2⁻²⁰ m */
     int32_t aside;                 /**< to the left of it */
-    int32_t covered;               /**< in the ticks of the middle */
+    int32_t covered;               /**< in the set_points of the middle */
     jp_q24 begin;                  /**< its blends, s */
     jp_q24 end;
     int32_t distance;         /**< of its ends, 2⁻²⁰ m */
@@ -57,10 +57,16 @@ static void copy_modes(jp_q24 *to, const jp_q24 *from)
     }
 }
 
-/** What the middle covers without modes, 2⁻²⁰ m. */
-static int32_t cruised(const struct plan *plan, const struct leg_search *leg, uint32_t ticks)
+/** Of a way in 2⁻²⁰ m by m/s in Q24, in set-points. */
+static int64_t way_scale(const struct jp_trajectory_config *config)
 {
-    return jp_saturate32((int64_t)leg->result.speed * (int64_t)ticks / (16 * (int64_t)plan->task->config->tick_rate));
+    return 16 * (int64_t)config->tick_rate / (int64_t)JP_TICKS_PER_SET_POINT;
+}
+
+/** What the middle covers without modes, 2⁻²⁰ m. */
+static int32_t cruised(const struct plan *plan, const struct leg_search *leg, uint32_t set_points)
+{
+    return jp_saturate32((int64_t)leg->result.speed * (int64_t)set_points / way_scale(plan->task->config));
 }
 
 /** What a middle with this heading has to cover. */
@@ -129,37 +135,38 @@ static void find_heading(const struct plan *plan, struct leg_search *leg)
     turn_by(leg, step);
 }
 
-/** The speed in it after so many ticks, but at least an eighth of the cruise, m/s. */
-static jp_q24 speed_after(const struct plan *plan, const struct leg_search *leg, uint32_t ticks)
+/** The speed in it after so many set_points, but at least an eighth of the cruise, m/s. */
+static jp_q24 speed_after(const struct plan *plan, const struct leg_search *leg, uint32_t set_points)
 {
     int64_t speed = leg->result.speed;
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        speed += jp_mode_after(plan->task->config, i, leg->modes[i], ticks, Q30_ONE);
+        speed += jp_mode_after(plan->task->config, i, leg->modes[i], set_points, Q30_ONE);
     }
     return jp_clamp32(jp_saturate32(speed), (leg->result.speed + 7) / 8, INT32_MAX);
 }
 
-/** Its ticks, that this and what is left of the modes cover the way: Newton's steps from where the modes have gone. */
-static uint32_t find_ticks(const struct plan *plan, const struct leg_search *leg)
+/** Its set_points, that this and what is left of the modes cover the way: Newton's steps from where the modes have
+ * gone. */
+static uint32_t find_set_points(const struct plan *plan, const struct leg_search *leg)
 {
     const struct jp_trajectory_config *config = plan->task->config;
-    const int64_t scale = 16 * (int64_t)config->tick_rate;
+    const int64_t scale = way_scale(config);
     const int64_t way = leg->along - (int64_t)jp_modes_way(config, leg->modes, UINT32_MAX);
-    int64_t ticks = way * scale / leg->result.speed;
+    int64_t set_points = way * scale / leg->result.speed;
 
-    ticks = ticks < 1 ? 1 : ticks;
+    set_points = set_points < 1 ? 1 : set_points;
     for (unsigned i = 0; i < ROUNDS && !jp_modes_are_gone(leg->modes); i++) {
-        const uint32_t now = (uint32_t)ticks;
+        const uint32_t now = (uint32_t)set_points;
         const int64_t left = leg->along - (int64_t)jp_modes_way(config, leg->modes, now) - cruised(plan, leg, now);
 
-        ticks += jp_divide(left * scale, speed_after(plan, leg, now));
-        ticks = ticks < 1 ? 1 : ticks;
+        set_points += jp_divide(left * scale, speed_after(plan, leg, now));
+        set_points = set_points < 1 ? 1 : set_points;
     }
-    return (uint32_t)ticks;
+    return (uint32_t)set_points;
 }
 
-/** Heading and ticks of the middle. What is left of the modes after it moves the second blend, so that both are
+/** Heading and set_points of the middle. What is left of the modes after it moves the second blend, so that both are
  *  found until they agree. JP_ERR_INFEASIBLE: there is no room for one. */
 static enum jp_status find_middle(const struct plan *plan, struct leg_search *leg)
 {
@@ -168,22 +175,22 @@ static enum jp_status find_middle(const struct plan *plan, struct leg_search *le
     unsigned passes = 0;
     uint32_t before;
 
-    jp_modes_roll(config, plan->modes, leg->result.begin.ticks, &leg->fading);
+    jp_modes_roll(config, plan->modes, leg->result.begin.set_points, &leg->fading);
     do {
-        before = leg->result.middle.ticks;
-        jp_modes_roll(config, leg->modes, leg->result.end.ticks, &leg->faded);
+        before = leg->result.middle.set_points;
+        jp_modes_roll(config, leg->modes, leg->result.end.set_points, &leg->faded);
         find_heading(plan, leg);
         if (leg->along <= 0 || jp_magnitude32(leg->aside) > ASIDE_MAX) {
             return JP_ERR_INFEASIBLE;
         }
         copy_modes(leg->modes, plan->modes);
-        jp_modes_decay(config, leg->modes, leg->result.begin.ticks);
-        leg->result.middle.ticks = find_ticks(plan, leg);
-        leg->covered =
-            cruised(plan, leg, leg->result.middle.ticks) + jp_modes_way(config, leg->modes, leg->result.middle.ticks);
-        jp_modes_decay(config, leg->modes, leg->result.middle.ticks);
+        jp_modes_decay(config, leg->modes, leg->result.begin.set_points);
+        leg->result.middle.set_points = find_set_points(plan, leg);
+        leg->covered = cruised(plan, leg, leg->result.middle.set_points) +
+                       jp_modes_way(config, leg->modes, leg->result.middle.set_points);
+        jp_modes_decay(config, leg->modes, leg->result.middle.set_points);
         passes++;
-    } while (!is_plain && leg->result.middle.ticks != before && passes < PASSES);
+    } while (!is_plain && leg->result.middle.set_points != before && passes < PASSES);
     return JP_OK;
 }
 
@@ -193,16 +200,16 @@ static void pass(struct plan *plan, struct leg_search *leg)
     const jp_angle heading = leg->result.heading;
 
     if (!jp_modes_are_gone(plan->modes)) {
-        jp_modes_roll(plan->task->config, leg->modes, leg->result.end.ticks, &leg->faded);
+        jp_modes_roll(plan->task->config, leg->modes, leg->result.end.set_points, &leg->faded);
         try_heading(plan, leg, heading);
     }
     plan->ahead = (struct jp_way){jp_multiply_shift(leg->covered, jp_cos(heading), 31) - leg->left.x,
                                   jp_multiply_shift(leg->covered, jp_sin(heading), 31) - leg->left.y};
     jp_leg_shape(plan->task->config, &plan->motion, &leg->result);
     plan->motion = leg->result.next;
-    plan->blend = leg->result.end.ticks;
+    plan->blend = leg->result.end.set_points;
     copy_modes(plan->modes, leg->modes);
-    jp_modes_decay(plan->task->config, plan->modes, leg->result.end.ticks);
+    jp_modes_decay(plan->task->config, plan->modes, leg->result.end.set_points);
 }
 
 /** From a target, or the start, to the next, in Q12.20 m. */
@@ -230,8 +237,8 @@ static enum jp_status plan_leg(struct plan *plan, uint16_t index, const struct j
         .result = {.chord = chord->direction,
                    .heading = chord->direction,
                    .speed = chord->speed,
-                   .begin = {.ticks = blend_beside(chord->blend, plan->blend)},
-                   .end = {.ticks = chord->blend}},
+                   .begin = {.set_points = blend_beside(chord->blend, plan->blend)},
+                   .end = {.set_points = chord->blend}},
         .way = {way.x - plan->ahead.x, way.y - plan->ahead.y},
         .distance = (int32_t)(chord->distance >> 2),
         .is_last = next == NULL,
@@ -239,14 +246,14 @@ static enum jp_status plan_leg(struct plan *plan, uint16_t index, const struct j
 
     if (next != NULL) {
         leg.result.next = jp_corner_between(task, chord, next);
-        leg.result.end.ticks = blend_beside(chord->blend, next->blend);
+        leg.result.end.set_points = blend_beside(chord->blend, next->blend);
     } else {
         leg.result.next.speed = task->to_stand ? 0 : chord->speed;
-        leg.result.end.ticks = task->to_stand ? chord->blend : 1U;
+        leg.result.end.set_points = task->to_stand ? chord->blend : 1U;
     }
 
-    leg.begin = jp_seconds(task->config, leg.result.begin.ticks, 24);
-    leg.end = jp_seconds(task->config, leg.result.end.ticks, 24);
+    leg.begin = jp_seconds(task->config, leg.result.begin.set_points, 24);
+    leg.end = jp_seconds(task->config, leg.result.end.set_points, 24);
 
     const enum jp_status status = find_middle(plan, &leg);
 

@@ -313,7 +313,7 @@ static bool prepare_blend(void)
     const bool along = prepare_along();
 
     prepared.internal.trajectory_drive.internal.piece = JP_MIDDLE;
-    prepared.internal.trajectory_drive.internal.ticks_left = 1;
+    prepared.internal.trajectory_drive.internal.set_points_left = 1;
     return along;
 }
 

@@ -8,6 +8,7 @@ The plant has a flat output ν, which is the speed v in steady motion:
 A difference of (v, ψ, ψ̇) from that motion is to vanish for the least ∫ u² dt: the regulator of that price mirrors the
 plant's poles, and each of its three modes decays alone.
 """
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,6 +75,20 @@ class Turn:
     """How a waypoint is rounded at cruising speed."""
     blend: float  # s, before and after it
     pace: float   # 1/s, turn rate in it by the turn
+
+
+@dataclass(frozen=True)
+class WayBack:
+    """To the path, when the robot is beside it: critically damped at the speed of least energy."""
+    steering: float  # 1/s, of the heading towards its aim
+    aim: float       # turns of heading by wheel turns beside the path
+
+
+def way_back(robot, flat_motion, turn_at_waypoint):
+    """As slow as a waypoint's turn, which is the quickest that pays."""
+    voltage = math.sqrt(robot.positive("electronics.power_w") * robot.positive("motor.resistance_ohm") / 2)
+    wheel_rate = voltage / flat_motion.volts[0] / robot.positive("wheel.radius_m")  # rad/s
+    return WayBack(2 / turn_at_waypoint.blend, 1 / (2 * wheel_rate * turn_at_waypoint.blend))
 
 
 TURN = np.pi / 3  # the shape hardly depends on it

@@ -13,6 +13,7 @@ from tools.common import ROOT, ArgumentParser, print_aligned, run, shown_path, w
 from tools.design import c_tables, cruise, estimator_gains, linear_model, reversal, robot_json
 
 TURN = 2 * math.pi
+TICKS_PER_SET_POINT = 2  # JP_TICKS_PER_SET_POINT of include/joulepath/trajectory.h
 
 # Share of a sensor's full scale beyond which a reading cannot be told from a clipped one.
 FULL_SCALE_SHARE = 0.99
@@ -177,8 +178,11 @@ def trajectory_group(robot, plant, to):
     radius = robot.positive("wheel.radius_m")
     flat = cruise.flat(plant, radius)
     turn = cruise.turn(robot, flat)
+    back = cruise.way_back(robot, flat, turn)
+    rate = robot.positive("control.rate_hz")
+    set_points = rate / TICKS_PER_SET_POINT
     return c_tables.Group("trajectory", [
-        to.whole("tick_rate", robot.positive("control.rate_hz"), "Hz", 100, 10000),
+        to.whole("tick_rate", rate, "Hz", 100, 10000),
         to.q24("turns_per_metre", 1 / (TURN * radius), "turn/m", 0.1, 16),
         to.q24("lag", flat.lag, "s²", 0, 1),
         array("lean", to.q24, flat.lean / TURN, ("turn·s/m", "turn·s²/m"), 16),
@@ -188,7 +192,9 @@ def trajectory_group(robot, plant, to):
                2**-16, 512),
         to.q16("blend", turn.blend, "s", 0.05, 60),
         to.q24("turn_pace", turn.pace, "1/s", 0.01, 64),
-        modes_group(cruise.modes(robot, plant, radius), robot.positive("control.rate_hz"), to),
+        to.number("steering", back.steering / set_points, 32, "", 0, 0.25),
+        to.q24("aim", back.aim, "turn per turn", 0, 16),
+        modes_group(cruise.modes(robot, plant, radius), set_points, to),
     ])
 
 

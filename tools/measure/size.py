@@ -21,7 +21,7 @@ HAL_ROOMS = ("storage", "can", "app")
 
 # By the path of the object; the first that matches holds it.
 MODULES = {
-    "balancer": r"src/(balancer/(robot|robot_read|estimator|lqr|monitor|odometry|reference)|energy/meter|base/(fixed|config_check))",
+    "balancer": r"src/(balancer/(robot|robot_read|estimator|lqr|monitor|odometry|path_error|reference)|energy/meter|base/(fixed|config_check))",
     "energy": r"src/energy/energy",
     "energy of short segments": r"src/energy/horizon",
     "battery": r"src/energy/battery",

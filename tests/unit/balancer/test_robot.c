@@ -51,7 +51,7 @@ static void test_init_checks_every_part(void)
     FIELD(reference.tick_rate, 999, "estimator.tick_rate");
     FIELD(lqr.tick_rate, 1001, "estimator.tick_rate");
     FIELD(meter.tick_rate, 500, "estimator.tick_rate");
-    FIELD(trajectory.tick_rate, 999, "estimator.tick_rate");
+    FIELD(trajectory.tick_rate, 499, "estimator.tick_rate");
     FIELD(trajectory.lag, -1, "trajectory.lag");
     config.limits.speed = 0;
     TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_robot_init(&robot, &config, &model, &field));

@@ -23,17 +23,17 @@ void setUp(void)
     legs[0] = (struct jp_trajectory_leg){
         .heading = JP_ANGLE_DEGREES(10),
         .speed = JP_Q24(0.5),
-        .begin = {.ticks = 500},
-        .middle = {.ticks = 300},
-        .end = {.ticks = 800},
+        .begin = {.set_points = 500},
+        .middle = {.set_points = 300},
+        .end = {.set_points = 800},
         .next = {JP_ANGLE_DEGREES(55), JP_Q24(0.2), JP_Q24(0.4)},
     };
     legs[1] = (struct jp_trajectory_leg){
         .heading = JP_ANGLE_DEGREES(100),
         .speed = JP_Q24(0.45),
-        .begin = {.ticks = 700},
-        .middle = {.ticks = 1},
-        .end = {.ticks = 600},
+        .begin = {.set_points = 700},
+        .middle = {.set_points = 1},
+        .end = {.set_points = 600},
         .next = {JP_ANGLE_DEGREES(100), 0, 0},
     };
     trajectory = (struct jp_trajectory){.legs = legs, .count = LEGS};
@@ -138,9 +138,9 @@ static void begin(void)
     jp_trajectory_begin(&drive, &trajectory);
 }
 
-static void advance(uint32_t ticks)
+static void advance(uint32_t set_points)
 {
-    for (uint32_t i = 0; i < ticks; i++) {
+    for (uint32_t i = 0; i < set_points; i++) {
         TEST_ASSERT_TRUE(jp_trajectory_advance(&drive, &config, &point));
     }
 }
@@ -173,11 +173,12 @@ static void expect_blend(const struct jp_waypoint_motion *from, const struct jp_
     expect_near(20, q16(config.turning[0]) * w + q16(config.turning[1]) * w1, 65536, point.difference);
 }
 
-static void expect_piece(const struct jp_waypoint_motion *from, const struct jp_waypoint_motion *to, uint32_t ticks)
+static void expect_piece(const struct jp_waypoint_motion *from, const struct jp_waypoint_motion *to,
+                         uint32_t set_points)
 {
-    for (uint32_t i = 0; i < ticks; i++) {
+    for (uint32_t i = 0; i < set_points; i++) {
         advance(1);
-        expect_blend(from, to, (double)ticks / config.tick_rate, (double)i / ticks);
+        expect_blend(from, to, (double)JP_TICKS_PER_SET_POINT * set_points / config.tick_rate, (double)i / set_points);
     }
 }
 
@@ -188,12 +189,12 @@ static void test_pieces_are_the_polynomials(void)
 
     trajectory.start = (struct jp_waypoint_motion){JP_ANGLE_DEGREES(-5), JP_Q24(-0.05), JP_Q24(0.1)};
     begin();
-    expect_piece(&trajectory.start, &first, legs[0].begin.ticks);
-    expect_piece(&first, &first, legs[0].middle.ticks);
-    expect_piece(&first, &legs[0].next, legs[0].end.ticks);
-    expect_piece(&legs[0].next, &second, legs[1].begin.ticks);
-    expect_piece(&second, &second, legs[1].middle.ticks);
-    expect_piece(&second, &legs[1].next, legs[1].end.ticks);
+    expect_piece(&trajectory.start, &first, legs[0].begin.set_points);
+    expect_piece(&first, &first, legs[0].middle.set_points);
+    expect_piece(&first, &legs[0].next, legs[0].end.set_points);
+    expect_piece(&legs[0].next, &second, legs[1].begin.set_points);
+    expect_piece(&second, &second, legs[1].middle.set_points);
+    expect_piece(&second, &legs[1].next, legs[1].end.set_points);
     TEST_ASSERT_FALSE(jp_trajectory_advance(&drive, &config, &point));
 }
 
@@ -212,32 +213,33 @@ static void test_pieces_begin_with_the_motions_of_the_legs(void)
 
     begin();
     expect_motion(&trajectory.start);
-    advance(legs[0].begin.ticks - 1);
+    advance(legs[0].begin.set_points - 1);
     expect_motion(&middle);
-    advance(legs[0].middle.ticks - 1);
+    advance(legs[0].middle.set_points - 1);
     expect_motion(&middle);
-    advance(legs[0].end.ticks - 1);
+    advance(legs[0].end.set_points - 1);
     expect_motion(&legs[0].next);
 }
 
 static void test_headings_are_those_of_the_legs(void)
 {
-    const uint32_t ticks[] = {800, 800, 701, 600};
+    const uint32_t set_points[] = {800, 800, 701, 600};
     const jp_angle headings[] = {legs[0].heading, legs[0].next.heading, legs[1].heading, legs[1].heading};
-    int64_t turned = 0; /* twice 2⁻²⁴ turn by ticks */
+    int64_t turned = 0; /* twice 2⁻²⁴ turn by set_points */
     jp_turns_per_s before = 0;
 
     begin();
     advance(1);
     for (int i = 0; i < 4; i++) {
-        for (uint32_t k = 0; k < ticks[i]; k++) {
+        for (uint32_t k = 0; k < set_points[i]; k++) {
             before = point.yaw_rate;
             if (jp_trajectory_advance(&drive, &config, &point)) {
                 turned += (int64_t)before + point.yaw_rate;
             }
         }
-        /* 2⁻³² turn: 256/2/1000 of it, within a thousandth of a degree. */
-        TEST_ASSERT_INT32_WITHIN(12000, (int32_t)headings[i], (int32_t)(turned * 128 / 1000));
+        /* 2⁻³² turn: 256/2 by the set-points a second of it, within a thousandth of a degree. */
+        TEST_ASSERT_INT32_WITHIN(12000, (int32_t)headings[i],
+                                 (int32_t)(turned * 128 * JP_TICKS_PER_SET_POINT / config.tick_rate));
     }
 }
 
@@ -267,9 +269,9 @@ static void test_blends_of_one_tick(void)
     trajectory.count = 1;
     trajectory.start.speed = JP_Q24(0.5);
     trajectory.start.heading = legs[0].heading;
-    legs[0].begin.ticks = 1;
-    legs[0].middle.ticks = 1;
-    legs[0].end.ticks = 1;
+    legs[0].begin.set_points = 1;
+    legs[0].middle.set_points = 1;
+    legs[0].end.set_points = 1;
     legs[0].next = (struct jp_waypoint_motion){legs[0].heading, 0, JP_Q24(0.5)};
     begin();
     for (int i = 0; i < 3; i++) {
@@ -281,10 +283,10 @@ static void test_blends_of_one_tick(void)
 
 static void test_a_very_long_middle(void)
 {
-    legs[0].middle.ticks = UINT32_MAX;
+    legs[0].middle.set_points = UINT32_MAX;
     begin();
-    advance(legs[0].begin.ticks + 1000);
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX - 1000U, drive.internal.ticks_left);
+    advance(legs[0].begin.set_points + 1000);
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX - 1000U, drive.internal.set_points_left);
     TEST_ASSERT_EQUAL_INT32(jp_q24_multiply(config.turns_per_metre, legs[0].speed), point.wheel_rate);
     TEST_ASSERT_EQUAL_INT32(0, point.yaw_rate);
 }
@@ -295,7 +297,8 @@ static void test_a_very_long_middle(void)
 static void begin_mode(unsigned mode, jp_q24 value)
 {
     trajectory = (struct jp_trajectory){.legs = legs, .count = 1};
-    legs[0] = (struct jp_trajectory_leg){.begin = {.ticks = 1}, .middle = {.ticks = 100000}, .end = {.ticks = 1}};
+    legs[0] = (struct jp_trajectory_leg){
+        .begin = {.set_points = 1}, .middle = {.set_points = 100000}, .end = {.set_points = 1}};
     trajectory.transient[mode] = value * 16; /* Q28 */
     begin();
 }
@@ -303,7 +306,7 @@ static void begin_mode(unsigned mode, jp_q24 value)
 static void test_modes_decay_at_their_rates(void)
 {
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        config.modes.keep[i] = 2132649903; /* 2^-0.01: a half in 100 ticks */
+        config.modes.keep[i] = 2132649903; /* 2^-0.01: a half in 100 set-points */
         begin_mode(i, JP_Q24(1));
         for (int halving = 0; halving < 8; halving++) {
             advance(1);

@@ -20,9 +20,9 @@ void setUp(void)
     config = jp_robot_courier24.trajectory;
     model = jp_energy_model_courier24;
     legs[0] = (struct jp_trajectory_leg){.speed = JP_Q24(0.5),
-                                         .begin = {.ticks = 1000},
-                                         .middle = {.ticks = 18000},
-                                         .end = {.ticks = 1000},
+                                         .begin = {.set_points = 500},
+                                         .middle = {.set_points = 9000},
+                                         .end = {.set_points = 500},
                                          .next = {.speed = JP_Q24(0.5)}};
     legs[1] = legs[0];
     trajectory = (struct jp_trajectory){.legs = legs, .count = 1, .start = {.speed = JP_Q24(0.5)}};
@@ -51,7 +51,7 @@ static double summed(void)
     struct jp_trajectory_drive drive;
     struct jp_set_point point;
     double squares = 0;
-    uint32_t ticks = 0;
+    uint32_t set_points = 0;
 
     shape();
     jp_trajectory_begin(&drive, &trajectory);
@@ -60,10 +60,10 @@ static double summed(void)
         const double difference = point.difference / 65536.0;
 
         squares += common * common + difference * difference;
-        ticks++;
+        set_points++;
     }
-    return (2 * squares * 65536 / model.motor_resistance + model.electronics_power / 65536.0 * ticks) /
-           config.tick_rate;
+    return (2 * squares * 65536 / model.motor_resistance + model.electronics_power / 65536.0 * set_points) *
+           JP_TICKS_PER_SET_POINT / config.tick_rate;
 }
 
 /* Within so many ten thousandths. */
@@ -97,9 +97,9 @@ static void test_blends_are_the_sum_of_their_voltages(void)
     legs[0].next = (struct jp_waypoint_motion){JP_ANGLE_DEGREES(60), JP_Q24(0.25), JP_Q24(0.3)};
     legs[1] = (struct jp_trajectory_leg){.heading = JP_ANGLE_DEGREES(120),
                                          .speed = JP_Q24(0.4),
-                                         .begin = {.ticks = 1000},
-                                         .middle = {.ticks = 500},
-                                         .end = {.ticks = 700}};
+                                         .begin = {.set_points = 1000},
+                                         .middle = {.set_points = 500},
+                                         .end = {.set_points = 700}};
     legs[1].next.heading = legs[1].heading;
     expect_summed(5);
 }
@@ -113,7 +113,7 @@ static void test_modes_are_the_sum_of_their_voltages(void)
         config.modes.volts[0] = JP_Q16(3);
         config.modes.volts[2] = -JP_Q16(4);
         expect_summed(10);
-        legs[0].begin.ticks = 20; /* so that they last into the middle */
+        legs[0].begin.set_points = 20; /* so that they last into the middle */
         expect_summed(10);
     }
 }
@@ -121,7 +121,7 @@ static void test_modes_are_the_sum_of_their_voltages(void)
 static void test_modes_that_hardly_end(void)
 {
     config.modes.decay[0] = JP_Q16(0.1);
-    config.modes.keep[0] = 2147334796; /* 2^-0.0001 */
+    config.modes.keep[0] = 2147185964; /* 2^-0.0002 */
     config.modes.volts[0] = JP_Q16(2);
     trajectory.transient[0] = 16 * (JP_Q24(0.25));
     expect_summed(10);
@@ -131,10 +131,10 @@ static void test_modes_that_hardly_end(void)
 
 static void test_overflow(void)
 {
-    legs[0].middle.ticks = UINT32_MAX / 2U;
+    legs[0].middle.set_points = UINT32_MAX / 2U;
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, forecast());
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, energy);
-    legs[0].middle.ticks = 4200000; /* 32 250 J */
+    legs[0].middle.set_points = 2100000; /* 32 250 J */
     TEST_ASSERT_EQUAL_INT(JP_OK, forecast());
     TEST_ASSERT_INT32_WITHIN(JP_Q16(30), JP_Q16(32251), energy);
 }

@@ -51,7 +51,8 @@ static int64_t way_of(uint16_t leg_count)
 /* Within 2 mm. */
 static void expect_way(jp_q16 metres)
 {
-    const int64_t way = way_of(task.count) * JP_Q16_ONE / config.turns_per_metre / (int32_t)config.tick_rate;
+    const int64_t way =
+        way_of(task.count) * (JP_TICKS_PER_SET_POINT * JP_Q16_ONE) / config.turns_per_metre / (int32_t)config.tick_rate;
 
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.002), metres, (int32_t)way);
 }
@@ -181,7 +182,7 @@ static void test_passes_the_last_target_at_cruise(void)
 {
     task.to_stand = false;
     TEST_ASSERT_EQUAL_INT(JP_OK, plan());
-    TEST_ASSERT_EQUAL_UINT32(1, legs[0].end.ticks);
+    TEST_ASSERT_EQUAL_UINT32(1, legs[0].end.set_points);
     TEST_ASSERT_EQUAL_INT32(task.cruise, legs[0].next.speed);
     expect_way(JP_Q16(3));
 }
@@ -228,8 +229,8 @@ static void test_a_blend_is_at_most_twice_its_neighbour(void)
     targets[2] = (struct jp_point){JP_Q16(0), JP_Q16(0.4)};
     task.count = 3;
     TEST_ASSERT_EQUAL_INT(JP_OK, plan());
-    TEST_ASSERT_EQUAL_UINT32(2U * legs[1].begin.ticks, legs[0].end.ticks);
-    TEST_ASSERT_EQUAL_UINT32(2U * legs[1].end.ticks, legs[2].begin.ticks);
+    TEST_ASSERT_EQUAL_UINT32(2U * legs[1].begin.set_points, legs[0].end.set_points);
+    TEST_ASSERT_EQUAL_UINT32(2U * legs[1].end.set_points, legs[2].begin.set_points);
 }
 
 /* From rest into a turn: heading and time of the middle pull at each other, and may differ by a tick for ever. */

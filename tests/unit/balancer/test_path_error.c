@@ -1,0 +1,126 @@
+/* The way back to the path: nothing on it, the first steps beside it, the limit of the aim, wraps and extremes. */
+#include "src/balancer/path_error.h"
+
+#include <joulepath/tables.h>
+
+#include "unity.h"
+
+static struct jp_trajectory_config config;
+static struct jp_reference reference;
+static struct jp_path_error error;
+static struct jp_motion_state motion;
+
+static void begin(jp_phase wheel, jp_phase yaw)
+{
+    jp_reference_start(&reference, &jp_robot_gao2018.reference, wheel, yaw);
+    jp_path_error_start(&error);
+    motion = (struct jp_motion_state){.wheel = wheel, .yaw = yaw};
+}
+
+void setUp(void)
+{
+    config = jp_robot_gao2018.trajectory;
+    begin(0, 0);
+}
+
+void tearDown(void)
+{
+}
+
+static jp_q24 turns(jp_phase phase)
+{
+    return jp_phase_difference(phase, 0);
+}
+
+/* With a robot that is `lead` ahead of the reference. */
+static void drive(unsigned set_points, jp_q24 wheel_rate, jp_q24 yaw_rate, jp_q24 lead)
+{
+    const struct jp_set_point at = {.wheel_rate = wheel_rate, .yaw_rate = yaw_rate};
+
+    motion.wheel_rate = wheel_rate;
+    for (unsigned i = 0; i < set_points; i++) {
+        for (unsigned k = 0; k < JP_TICKS_PER_SET_POINT; k++) {
+            jp_reference_track(&reference, &at);
+        }
+        motion.wheel = reference.wheel.angle + ((jp_phase)lead << 32);
+        motion.yaw = reference.yaw.angle;
+        jp_path_error_correct(&error, &config, &at, &motion, &reference);
+    }
+}
+
+static void test_on_the_path_nothing_changes(void)
+{
+    drive(500, JP_Q24(1), JP_Q24(0.1), 0);
+    TEST_ASSERT_EQUAL_UINT64(0, error.across);
+    TEST_ASSERT_EQUAL_UINT64(0, error.along);
+    TEST_ASSERT_EQUAL_UINT64(0, error.turned);
+    TEST_ASSERT_EQUAL_UINT64(motion.wheel, reference.wheel.angle);
+    TEST_ASSERT_EQUAL_UINT64(motion.yaw, reference.yaw.angle);
+}
+
+/* A quarter turn to the left by one that is a tenth of a wheel's turn late: so much to its left, and as much behind
+ * less. */
+static void test_who_is_late_turns_at_another_place(void)
+{
+    config.steering = 0;
+    drive(500, JP_Q24(1), JP_Q24(0.25), -JP_Q24(0.1));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0005), JP_Q24(0.1), turns(error.across));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0005), JP_Q24(0.1), turns(error.along));
+    TEST_ASSERT_EQUAL_UINT64(0, error.turned);
+}
+
+/* To the right of one that stands to the left, and back along it. */
+static void test_turns_and_rolls_back(void)
+{
+    const jp_q24 aim = jp_q24_multiply(config.aim, JP_Q24(0.1));
+
+    error.across = JP_PHASE_TURN / 10;
+    error.along = JP_PHASE_TURN / 10;
+    drive(1, 0, 0, 0);
+    TEST_ASSERT_INT32_WITHIN(1, -jp_multiply_shift(config.steering, aim, 32), turns(error.turned));
+    TEST_ASSERT_INT32_WITHIN(1, -jp_multiply_shift(config.steering, JP_Q24(0.1), 32), turns(reference.wheel.angle));
+    TEST_ASSERT_EQUAL_UINT64(error.turned, reference.yaw.angle);
+    TEST_ASSERT_INT32_WITHIN(1, JP_Q24(0.1) - jp_multiply_shift(config.steering, JP_Q24(0.1), 32), turns(error.along));
+}
+
+static void test_wraps_change_nothing(void)
+{
+    struct jp_path_error expected;
+
+    drive(2000, JP_Q24(1.3), JP_Q24(0.2), -JP_Q24(0.15));
+    expected = error;
+    begin((jp_phase)-1000, JP_PHASE_TURN * 127);
+    drive(2000, JP_Q24(1.3), JP_Q24(0.2), -JP_Q24(0.15));
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &error, sizeof error);
+}
+
+/* 1/32 turn, however far. */
+static void test_the_aim_is_limited(void)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        begin(0, 0);
+        error.across = side < 0 ? 0U - 100U * JP_PHASE_TURN : 100U * JP_PHASE_TURN;
+        drive(5000, JP_Q24(1.3), 0, 0);
+        TEST_ASSERT_INT32_WITHIN(20, -side * JP_Q24(1.0 / 32), turns(error.turned));
+        TEST_ASSERT_LESS_THAN_INT32(JP_Q24(100), side * turns(error.across));
+        TEST_ASSERT_GREATER_THAN_INT32(JP_Q24(90), side * turns(error.across));
+    }
+}
+
+/* Products that leave their format saturate: the aim keeps its limit. */
+static void test_extremes_do_not_overflow(void)
+{
+    const struct jp_set_point at = {.wheel_rate = INT32_MAX, .yaw_rate = INT32_MIN};
+
+    config.steering = (int32_t)1 << 30;
+    config.aim = JP_Q24(16);
+    motion.wheel_rate = INT32_MAX;
+    motion.wheel = (jp_phase)INT32_MAX << 32;
+    motion.yaw = JP_PHASE_TURN * 128;
+    for (int i = 0; i < 100; i++) {
+        error.across = JP_PHASE_TURN * 127;
+        error.along = 0U - JP_PHASE_TURN * 128;
+        jp_path_error_correct(&error, &config, &at, &motion, &reference);
+    }
+    TEST_ASSERT_INT32_WITHIN(1, -JP_Q24(1.0 / 32), turns(error.turned));
+}
