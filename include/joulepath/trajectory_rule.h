@@ -38,7 +38,7 @@ struct jp_trajectory_task {
  * JP_ERR_ZERO_LENGTH, JP_ERR_ARGUMENT: as jp_segment_optimise(), or a null pointer, a count of 0, a cruise or a motion
  * out of its range. JP_ERR_INFEASIBLE: a leg is so short that no straight part is left between its blends. The
  * trajectory is not to be driven then. It passes each waypoint within 3 mm and what the robot covers in a set-point's
- * time; some millimetres more, 4 cm at most in 12 000 random routes, after a first leg that is hardly longer than the
+ * time; some millimetres more, 2.2 cm at most in 12 000 random routes, after a first leg hardly longer than the
  * start's transient. O(count); for the background.
  */
 enum jp_status jp_trajectory_by_rule(const struct jp_trajectory_task *task, struct jp_trajectory_leg *legs,
