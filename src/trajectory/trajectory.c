@@ -41,8 +41,9 @@ enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, co
 static jp_q24 pace_of(const struct jp_trajectory_config *config, uint32_t set_points)
 {
     const int64_t rate = config->tick_rate;
+    const uint32_t share = UINT32_MAX / set_points;
 
-    return jp_saturate32((int64_t)(UINT32_MAX / set_points) * rate / (256 * (int64_t)JP_TICKS_PER_SET_POINT));
+    return jp_saturate32((int64_t)share * rate / (256 * (int64_t)JP_TICKS_PER_SET_POINT));
 }
 
 /** The quintic of ν: its derivatives are 30 p², 60 p(1 − 2s) and 60(1 − 6p) by the change and the pace. */
