@@ -98,9 +98,11 @@ struct jp_trajectory_leg {
     struct jp_waypoint_motion next;
 };
 
+/** Leg i is legs[i % places]: with fewer places than legs it is planned while it is driven. */
 struct jp_trajectory {
     const struct jp_trajectory_leg *legs; /**< the caller's memory */
-    uint16_t count;
+    uint16_t places;                      /**< in it; at least 1 */
+    uint16_t count;                       /**< legs that are planned; may grow while the first of them are driven */
     struct jp_waypoint_motion start;
     int32_t transient[JP_TRAVEL_MODES]; /**< the modes at the start, m/s in Q28 */
 };
@@ -121,10 +123,11 @@ enum jp_trajectory_piece { JP_BLEND_AT_BEGIN, JP_MIDDLE, JP_BLEND_AT_END };
 /** Private. */
 struct jp_trajectory_drive_internal {
     const struct jp_trajectory *trajectory;
-    uint32_t set_points_left; /**< of the piece */
+    uint32_t set_points_left; /**< of the piece; 0: the piece has not begun */
     uint32_t share;           /**< s, Q32 */
     enum jp_trajectory_piece piece;
     uint16_t leg;
+    uint16_t place; /**< of the leg */
     int32_t mode[JP_TRAVEL_MODES]; /**< m/s in Q28 */
 };
 
@@ -137,10 +140,12 @@ struct jp_trajectory_drive {
  *  for ISRs. */
 enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, const char **field);
 
-/** Begins; the trajectory and its legs must stay until it is driven. Constant time; for the control ISR. */
+/** Begins; the trajectory must stay until it is driven, each leg until the next one is. Constant time; for the control
+ *  ISR. */
 void jp_trajectory_begin(struct jp_trajectory_drive *drive, const struct jp_trajectory *trajectory);
 
-/** The next set-point; false after the last, with *set_point not written. Constant time; for the control ISR. */
+/** The next set-point; false after the last leg that is planned, with *set_point not written. Constant time; for the
+ *  control ISR. */
 bool jp_trajectory_advance(struct jp_trajectory_drive *drive, const struct jp_trajectory_config *config,
                            struct jp_set_point *set_point);
 
@@ -149,6 +154,10 @@ static inline uint16_t jp_trajectory_leg_now(const struct jp_trajectory_drive *d
 {
     return drive->internal.leg;
 }
+
+/** The leg that comes next, at the begin of which the drive is; NULL: none is planned. Constant time; for the control
+ *  ISR. */
+const struct jp_trajectory_leg *jp_trajectory_next_leg(const struct jp_trajectory_drive *drive);
 
 #ifdef __cplusplus
 }

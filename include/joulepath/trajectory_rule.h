@@ -33,8 +33,56 @@ struct jp_trajectory_task {
     bool to_stand;                  /**< at the last target; else it is passed at `cruise` */
 };
 
+/** Private: m in Q12.20. */
+struct jp_way {
+    int32_t x;
+    int32_t y;
+};
+
+/** Private: from one target to the next. */
+struct jp_chord {
+    uint32_t distance; /**< 2⁻²² m */
+    jp_angle direction;
+    jp_q24 speed;   /**< of the leg's middle, m/s */
+    uint32_t blend; /**< set_points of each of its blends */
+};
+
+/** Private: what holds at the waypoint that the last leg leads to. */
+struct jp_trajectory_plan_internal {
+    struct jp_trajectory_task task;
+    struct jp_chord chord; /**< of the leg that is planned next */
+    struct jp_way ahead;   /**< where the trajectory is, from the waypoint */
+    struct jp_waypoint_motion motion;
+    jp_q24 modes[JP_TRAVEL_MODES];
+    uint32_t blend; /**< of the last leg, at its end, set-points */
+};
+
+/** A plan in the making, leg by leg. */
+struct jp_trajectory_plan {
+    uint16_t planned; /**< legs */
+    struct jp_trajectory_plan_internal internal;
+};
+
 /**
- * Plans the trajectory; `legs` holds one for each target and stays as long as the trajectory.
+ * Begins a plan, and the trajectory: without a leg yet, in the caller's memory for `places` legs. The task is copied,
+ * its targets must stay until all legs are planned. JP_ERR_ZERO_LENGTH, JP_ERR_ARGUMENT: as jp_segment_optimise(), or a
+ * null pointer, a count or `places` of 0, a cruise or a motion out of its range. JP_ERR_INFEASIBLE: the robot has not
+ * the voltage for the first turns. For the background.
+ */
+enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task,
+                                        struct jp_trajectory_leg *legs, uint16_t places,
+                                        struct jp_trajectory *trajectory);
+
+/**
+ * Plans the next leg. Where it goes in the trajectory, and that `count` grows, is the caller's business: it is the
+ * place of a leg that is driven. JP_ERR_ZERO_LENGTH, JP_ERR_ARGUMENT, JP_ERR_INFEASIBLE: as jp_trajectory_by_rule(), of
+ * this leg or the next target; nothing is written, and the plan cannot go on. JP_ERR_STATE: all legs are planned.
+ * Bounded work: tests/bench/FIGURES.md. For the background.
+ */
+enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp_trajectory_leg *leg);
+
+/**
+ * Plans the whole trajectory; `legs` holds one for each target and stays as long as the trajectory.
  * JP_ERR_ZERO_LENGTH, JP_ERR_ARGUMENT: as jp_segment_optimise(), or a null pointer, a count of 0, a cruise or a motion
  * out of its range. JP_ERR_INFEASIBLE: a leg is so short that no straight part is left between its blends. The
  * trajectory is not to be driven then. It passes each waypoint within 3 mm and what the robot covers in a set-point's

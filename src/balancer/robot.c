@@ -179,19 +179,17 @@ static void count_segment(struct jp_robot_internal *robot, uint32_t ticks)
     robot->segment_began = true;
 }
 
-/** A leg of the trajectory that is driven. */
-static void begin_leg(struct jp_robot_internal *robot)
+/** The leg to which the set-point of this tick belongs; NULL: none was planned in time. */
+static const struct jp_trajectory_leg *next_leg(const struct jp_robot_internal *robot)
 {
-    const struct jp_trajectory_leg *leg = &robot->trajectory->legs[jp_trajectory_leg_now(&robot->trajectory_drive)];
+    return robot->has_set_point ? jp_trajectory_next_leg(&robot->trajectory_drive) : NULL;
+}
 
+static void begin_leg(struct jp_robot_internal *robot, const struct jp_trajectory_leg *leg)
+{
     robot->telemetry.command = (struct jp_motion){.speed = leg->speed};
     count_segment(robot,
                   JP_TICKS_PER_SET_POINT * (leg->begin.set_points + leg->middle.set_points + leg->end.set_points));
-}
-
-static bool has_leg(const struct jp_robot_internal *robot)
-{
-    return robot->trajectory != NULL && jp_trajectory_leg_now(&robot->trajectory_drive) < robot->trajectory->count;
 }
 
 static void begin_segment(struct jp_robot_internal *robot)
@@ -209,7 +207,7 @@ static void begin_segment(struct jp_robot_internal *robot)
     if (segment->trajectory != NULL) {
         jp_trajectory_begin(&robot->trajectory_drive, segment->trajectory);
         jp_path_error_start(&robot->path_error);
-        begin_leg(robot);
+        begin_leg(robot, &segment->trajectory->legs[0]);
     } else {
         jp_reference_apply(&robot->reference, &segment->step);
         telemetry->command = segment->motion;
@@ -266,10 +264,11 @@ static void drive(struct jp_robot_internal *robot, uint16_t sensor_faults)
 
     bool stop = take(&robot->stop_requested);
     bool ended = telemetry->state == JP_ROBOT_DRIVING && telemetry->segment_ticks_left == 0U;
+    const struct jp_trajectory_leg *leg = ended ? next_leg(robot) : NULL;
 
     robot->segment_ended = ended;
-    if (!stop && ended && has_leg(robot)) {
-        begin_leg(robot);
+    if (!stop && leg != NULL) {
+        begin_leg(robot, leg);
     } else if (!stop && (ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
         begin_segment(robot);
     } else if (stop || ended) {
@@ -544,7 +543,7 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
 /** No leg is faster than the robot may be. */
 static bool can_be_followed(const struct jp_robot_config *config, const struct jp_trajectory *trajectory)
 {
-    for (uint16_t i = 0; i < trajectory->count; i++) {
+    for (uint16_t i = 0; i < trajectory->count && i < trajectory->places; i++) {
         if (!within(trajectory->legs[i].speed, config->limits.speed)) {
             return false;
         }

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/trajectory/trajectory_blend.h"
 
@@ -191,27 +192,39 @@ static uint32_t set_points_of(const struct jp_trajectory_leg *leg, enum jp_traje
     return piece == JP_BLEND_AT_BEGIN ? leg->begin.set_points : leg->end.set_points;
 }
 
+static void next_leg(struct jp_trajectory_drive_internal *drive)
+{
+    drive->leg++;
+    drive->place++;
+    if (drive->place == drive->trajectory->places) {
+        drive->place = 0;
+    }
+}
+
 static void next_piece(struct jp_trajectory_drive_internal *drive)
 {
     if (drive->piece == JP_BLEND_AT_END) {
         drive->piece = JP_BLEND_AT_BEGIN;
-        drive->leg++;
+        next_leg(drive);
     } else {
         drive->piece = drive->piece == JP_BLEND_AT_BEGIN ? JP_MIDDLE : JP_BLEND_AT_END;
     }
     drive->share = 0;
-    if (drive->leg < drive->trajectory->count) {
-        drive->set_points_left = set_points_of(&drive->trajectory->legs[drive->leg], drive->piece);
-    }
 }
 
 void jp_trajectory_begin(struct jp_trajectory_drive *drive, const struct jp_trajectory *trajectory)
 {
-    drive->internal = (struct jp_trajectory_drive_internal){.trajectory = trajectory,
-                                                            .set_points_left = trajectory->legs[0].begin.set_points};
+    drive->internal = (struct jp_trajectory_drive_internal){.trajectory = trajectory};
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
         drive->internal.mode[i] = trajectory->transient[i];
     }
+}
+
+const struct jp_trajectory_leg *jp_trajectory_next_leg(const struct jp_trajectory_drive *drive)
+{
+    const struct jp_trajectory_drive_internal *d = &drive->internal;
+
+    return d->leg < JP_LOAD_ACQUIRE(&d->trajectory->count) ? &d->trajectory->legs[d->place] : NULL;
 }
 
 bool jp_trajectory_advance(struct jp_trajectory_drive *drive, const struct jp_trajectory_config *config,
@@ -219,12 +232,15 @@ bool jp_trajectory_advance(struct jp_trajectory_drive *drive, const struct jp_tr
 {
     struct jp_trajectory_drive_internal *d = &drive->internal;
 
-    if (d->leg >= d->trajectory->count) {
+    if (d->set_points_left == 0U && jp_trajectory_next_leg(drive) == NULL) {
         return false;
     }
 
-    const struct jp_trajectory_leg *leg = &d->trajectory->legs[d->leg];
+    const struct jp_trajectory_leg *leg = &d->trajectory->legs[d->place];
 
+    if (d->set_points_left == 0U) {
+        d->set_points_left = set_points_of(leg, d->piece);
+    }
     if (d->piece == JP_MIDDLE) {
         cruise_at(&leg->middle, set_point);
     } else {

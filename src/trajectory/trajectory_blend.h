@@ -2,13 +2,7 @@
 #ifndef JOULEPATH_TRAJECTORY_TRAJECTORY_BLEND_H
 #define JOULEPATH_TRAJECTORY_TRAJECTORY_BLEND_H
 
-#include <joulepath/trajectory.h>
-
-/** m in Q12.20. */
-struct jp_way {
-    int32_t x;
-    int32_t y;
-};
+#include <joulepath/trajectory_rule.h>
 
 /** Fills in what the tick needs of a leg that begins so; headings, speeds and set_points are there. */
 void jp_leg_shape(const struct jp_trajectory_config *config, const struct jp_waypoint_motion *from,

@@ -4,14 +4,6 @@
 
 #include <joulepath/trajectory_rule.h>
 
-/** From one target to the next. */
-struct jp_chord {
-    uint32_t distance; /**< 2⁻²² m */
-    jp_angle direction;
-    jp_q24 speed;   /**< of the leg's middle, m/s */
-    uint32_t blend; /**< set_points of each of its blends */
-};
-
 /** The leg to target `index`, at the speed that leaves its blends time enough for the turns at its ends.
  *  JP_ERR_ZERO_LENGTH, JP_ERR_ARGUMENT: as jp_segment_polar(). JP_ERR_INFEASIBLE: no speed does. */
 enum jp_status jp_chord_to(const struct jp_trajectory_task *task, uint16_t index, struct jp_chord *chord);

@@ -24,15 +24,6 @@
 #define TURN_RATE_MAX  JP_Q24(2)
 #define PITCH_RATE_MAX JP_Q24(2)
 
-/** A route in the making: what holds at the waypoint that the last leg leads to. */
-struct plan {
-    const struct jp_trajectory_task *task;
-    struct jp_way ahead; /**< where the trajectory is, from the waypoint */
-    struct jp_waypoint_motion motion;
-    jp_q24 modes[JP_TRAVEL_MODES];
-    uint32_t blend; /**< of the leg before, at its end, set_points */
-};
-
 /** A leg in the making. */
 struct leg_search {
     struct jp_trajectory_leg result;
@@ -64,15 +55,16 @@ static int64_t way_scale(const struct jp_trajectory_config *config)
 }
 
 /** What the middle covers without modes, 2⁻²⁰ m. */
-static int32_t cruised(const struct plan *plan, const struct leg_search *leg, uint32_t set_points)
+static int32_t cruised(const struct jp_trajectory_plan_internal *plan, const struct leg_search *leg,
+                       uint32_t set_points)
 {
-    return jp_saturate32((int64_t)leg->result.speed * (int64_t)set_points / way_scale(plan->task->config));
+    return jp_saturate32((int64_t)leg->result.speed * (int64_t)set_points / way_scale(plan->task.config));
 }
 
 /** What a middle with this heading has to cover. */
-static void try_heading(const struct plan *plan, struct leg_search *leg, jp_angle heading)
+static void try_heading(const struct jp_trajectory_plan_internal *plan, struct leg_search *leg, jp_angle heading)
 {
-    const struct jp_trajectory_config *config = plan->task->config;
+    const struct jp_trajectory_config *config = plan->task.config;
     const struct jp_waypoint_motion middle = {.heading = heading, .speed = leg->result.speed};
 
     leg->result.heading = heading;
@@ -119,7 +111,7 @@ static void turn_by(struct leg_search *leg, int32_t step)
 
 /** The heading of the middle whose line leads to the waypoint, by secants. The first takes the blends to follow the
  *  middle by half. */
-static void find_heading(const struct plan *plan, struct leg_search *leg)
+static void find_heading(const struct jp_trajectory_plan_internal *plan, struct leg_search *leg)
 {
     const int32_t lever = leg->distance - jp_multiply_shift(leg->result.speed, leg->begin / 2 + leg->end / 2, 28);
     int32_t step; /* 2⁻³² turn */
@@ -136,21 +128,22 @@ static void find_heading(const struct plan *plan, struct leg_search *leg)
 }
 
 /** The speed in it after so many set_points, but at least an eighth of the cruise, m/s. */
-static jp_q24 speed_after(const struct plan *plan, const struct leg_search *leg, uint32_t set_points)
+static jp_q24 speed_after(const struct jp_trajectory_plan_internal *plan, const struct leg_search *leg,
+                          uint32_t set_points)
 {
     int64_t speed = leg->result.speed;
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        speed += jp_mode_after(plan->task->config, i, leg->modes[i], set_points, Q30_ONE);
+        speed += jp_mode_after(plan->task.config, i, leg->modes[i], set_points, Q30_ONE);
     }
     return jp_clamp32(jp_saturate32(speed), (leg->result.speed + 7) / 8, INT32_MAX);
 }
 
 /** Its set_points, that this and what is left of the modes cover the way: Newton's steps from where the modes have
  * gone. */
-static uint32_t find_set_points(const struct plan *plan, const struct leg_search *leg)
+static uint32_t find_set_points(const struct jp_trajectory_plan_internal *plan, const struct leg_search *leg)
 {
-    const struct jp_trajectory_config *config = plan->task->config;
+    const struct jp_trajectory_config *config = plan->task.config;
     const int64_t scale = way_scale(config);
     const int64_t way = leg->along - (int64_t)jp_modes_way(config, leg->modes, UINT32_MAX);
     int64_t set_points = way * scale / leg->result.speed;
@@ -168,9 +161,9 @@ static uint32_t find_set_points(const struct plan *plan, const struct leg_search
 
 /** Heading and set_points of the middle. What is left of the modes after it moves the second blend, so that both are
  *  found until they agree. JP_ERR_INFEASIBLE: there is no room for one. */
-static enum jp_status find_middle(const struct plan *plan, struct leg_search *leg)
+static enum jp_status find_middle(const struct jp_trajectory_plan_internal *plan, struct leg_search *leg)
 {
-    const struct jp_trajectory_config *config = plan->task->config;
+    const struct jp_trajectory_config *config = plan->task.config;
     const bool is_plain = jp_modes_are_gone(plan->modes);
     unsigned passes = 0;
     uint32_t before;
@@ -195,21 +188,21 @@ static enum jp_status find_middle(const struct plan *plan, struct leg_search *le
 }
 
 /** To the end of the leg: what it is beyond the waypoint is for the next leg to make good. */
-static void pass(struct plan *plan, struct leg_search *leg)
+static void pass(struct jp_trajectory_plan_internal *plan, struct leg_search *leg)
 {
     const jp_angle heading = leg->result.heading;
 
     if (!jp_modes_are_gone(plan->modes)) {
-        jp_modes_roll(plan->task->config, leg->modes, leg->result.end.set_points, &leg->faded);
+        jp_modes_roll(plan->task.config, leg->modes, leg->result.end.set_points, &leg->faded);
         try_heading(plan, leg, heading);
     }
     plan->ahead = (struct jp_way){jp_multiply_shift(leg->covered, jp_cos(heading), 31) - leg->left.x,
                                   jp_multiply_shift(leg->covered, jp_sin(heading), 31) - leg->left.y};
-    jp_leg_shape(plan->task->config, &plan->motion, &leg->result);
+    jp_leg_shape(plan->task.config, &plan->motion, &leg->result);
     plan->motion = leg->result.next;
     plan->blend = leg->result.end.set_points;
     copy_modes(plan->modes, leg->modes);
-    jp_modes_decay(plan->task->config, plan->modes, leg->result.end.set_points);
+    jp_modes_decay(plan->task.config, plan->modes, leg->result.end.set_points);
 }
 
 /** From a target, or the start, to the next, in Q12.20 m. */
@@ -228,10 +221,12 @@ static uint32_t blend_beside(uint32_t blend, uint32_t other)
     return blend / 2U < other ? blend : 2U * other;
 }
 
-static enum jp_status plan_leg(struct plan *plan, uint16_t index, const struct jp_chord *chord,
-                               const struct jp_chord *next, struct jp_trajectory_leg *result)
+/** The search for the leg to target `index` by its chord, the next one's or, at the last, none. */
+static struct leg_search begin_leg(const struct jp_trajectory_plan_internal *plan, uint16_t index,
+                                   const struct jp_chord *next)
 {
-    const struct jp_trajectory_task *task = plan->task;
+    const struct jp_trajectory_task *task = &plan->task;
+    const struct jp_chord *chord = &plan->chord;
     const struct jp_way way = way_between(task, index);
     struct leg_search leg = {
         .result = {.chord = chord->direction,
@@ -254,29 +249,24 @@ static enum jp_status plan_leg(struct plan *plan, uint16_t index, const struct j
 
     leg.begin = jp_seconds(task->config, leg.result.begin.set_points, 24);
     leg.end = jp_seconds(task->config, leg.result.end.set_points, 24);
-
-    const enum jp_status status = find_middle(plan, &leg);
-
-    if (status == JP_OK) {
-        pass(plan, &leg);
-        *result = leg.result;
-    }
-    return status;
+    return leg;
 }
 
 /** The difference between the robot's motion and the first leg's, in modes. */
-static void begin_modes(const struct jp_trajectory_task *task, jp_q24 cruise, jp_q24 *modes)
+static void begin_modes(struct jp_trajectory_plan_internal *plan)
 {
-    const struct jp_trajectory_config *config = task->config;
-    const jp_q24 speed = task->motion.speed - cruise;
-    const jp_q24 pitch = task->motion.pitch - jp_q24_multiply(config->lean[0], cruise);
+    const struct jp_trajectory_config *config = plan->task.config;
+    const struct jp_travel_state *motion = &plan->task.motion;
+    const jp_q24 cruise = plan->chord.speed;
+    const jp_q24 speed = motion->speed - cruise;
+    const jp_q24 pitch = motion->pitch - jp_q24_multiply(config->lean[0], cruise);
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
         const jp_q16 *share = &config->modes.share[JP_TRAVEL_MODES * i];
 
-        modes[i] = jp_round_shift(jp_multiply(share[0], speed) + jp_multiply(share[1], pitch) +
-                                      jp_multiply(share[2], task->motion.pitch_rate),
-                                  16);
+        plan->modes[i] = jp_round_shift(jp_multiply(share[0], speed) + jp_multiply(share[1], pitch) +
+                                            jp_multiply(share[2], motion->pitch_rate),
+                                        16);
     }
 }
 
@@ -293,19 +283,60 @@ static bool is_valid(const struct jp_trajectory_task *task)
            jp_is_between(task->cruise, CRUISE_MIN, SPEED_MAX) && motion_is_valid(&task->motion);
 }
 
-static enum jp_status begin_plan(struct plan *plan, struct jp_chord *chord, struct jp_trajectory *trajectory)
+enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task,
+                                        struct jp_trajectory_leg *legs, uint16_t places,
+                                        struct jp_trajectory *trajectory)
 {
-    const struct jp_trajectory_task *task = plan->task;
-    const enum jp_status status = jp_chord_to(task, 0, chord);
+    if (plan == NULL || task == NULL || legs == NULL || places == 0U || trajectory == NULL || !is_valid(task)) {
+        return JP_ERR_ARGUMENT;
+    }
+    *plan = (struct jp_trajectory_plan){.internal = {.task = *task}};
+    *trajectory = (struct jp_trajectory){.legs = legs, .places = places};
+
+    struct jp_trajectory_plan_internal *internal = &plan->internal;
+    const enum jp_status status = jp_chord_to(task, 0, &internal->chord);
 
     if (status == JP_OK) {
-        plan->motion = (struct jp_waypoint_motion){task->heading, task->motion.turn_rate, chord->speed};
-        plan->blend = chord->blend;
-        begin_modes(task, chord->speed, plan->modes);
-        trajectory->start = plan->motion;
+        internal->motion = (struct jp_waypoint_motion){task->heading, task->motion.turn_rate, internal->chord.speed};
+        internal->blend = internal->chord.blend;
+        begin_modes(internal);
+        trajectory->start = internal->motion;
         for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-            trajectory->transient[i] = jp_saturate32((int64_t)plan->modes[i] * 16);
+            trajectory->transient[i] = jp_saturate32((int64_t)internal->modes[i] * 16);
         }
+    }
+    return status;
+}
+
+enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp_trajectory_leg *leg)
+{
+    if (plan == NULL || leg == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    struct jp_trajectory_plan_internal *internal = &plan->internal;
+    const uint16_t after = (uint16_t)(plan->planned + 1U);
+    struct jp_chord next = {.distance = 0};
+    enum jp_status status = JP_OK;
+
+    if (plan->planned >= internal->task.count) {
+        return JP_ERR_STATE;
+    }
+    if (after < internal->task.count) {
+        status = jp_chord_to(&internal->task, after, &next);
+    }
+    if (status != JP_OK) {
+        return status;
+    }
+
+    struct leg_search search = begin_leg(internal, plan->planned, after < internal->task.count ? &next : NULL);
+
+    status = find_middle(internal, &search);
+    if (status == JP_OK) {
+        pass(internal, &search);
+        internal->chord = next;
+        plan->planned = after;
+        *leg = search.result;
     }
     return status;
 }
@@ -313,27 +344,15 @@ static enum jp_status begin_plan(struct plan *plan, struct jp_chord *chord, stru
 enum jp_status jp_trajectory_by_rule(const struct jp_trajectory_task *task, struct jp_trajectory_leg *legs,
                                      struct jp_trajectory *trajectory)
 {
-    struct plan plan = {.task = task};
-    struct jp_chord chord;
-    struct jp_chord next = {.distance = 0};
+    struct jp_trajectory_plan plan;
+    enum jp_status status =
+        jp_trajectory_plan_start(&plan, task, legs, task == NULL || task->count == 0U ? 1U : task->count, trajectory);
 
-    if (task == NULL || legs == NULL || trajectory == NULL || !is_valid(task)) {
-        return JP_ERR_ARGUMENT;
+    while (status == JP_OK && plan.planned < plan.internal.task.count) {
+        status = jp_trajectory_plan_leg(&plan, &legs[plan.planned]);
     }
-    *trajectory = (struct jp_trajectory){.legs = legs, .count = task->count};
-
-    enum jp_status status = begin_plan(&plan, &chord, trajectory);
-
-    for (uint16_t i = 0; i < task->count && status == JP_OK; i++) {
-        const bool is_last = i + 1U == task->count;
-
-        if (!is_last) {
-            status = jp_chord_to(task, (uint16_t)(i + 1U), &next);
-        }
-        if (status == JP_OK) {
-            status = plan_leg(&plan, i, &chord, is_last ? NULL : &next, &legs[i]);
-        }
-        chord = next;
+    if (status == JP_OK) {
+        trajectory->count = plan.planned;
     }
     return status;
 }

@@ -18,7 +18,7 @@ static struct jp_trajectory_leg legs[] = {
      .next = {.speed = JP_Q24(0.02)}},
 };
 
-static const struct jp_trajectory trajectory = {.legs = legs, .count = 2, .start = {.speed = JP_Q24(0.02)}};
+static const struct jp_trajectory trajectory = {.legs = legs, .places = 2, .count = 2, .start = {.speed = JP_Q24(0.02)}};
 
 static enum jp_status drive_trajectory(void)
 {

@@ -36,7 +36,7 @@ void setUp(void)
         .end = {.set_points = 600},
         .next = {JP_ANGLE_DEGREES(100), 0, 0},
     };
-    trajectory = (struct jp_trajectory){.legs = legs, .count = LEGS};
+    trajectory = (struct jp_trajectory){.legs = legs, .places = LEGS, .count = LEGS};
 }
 
 void tearDown(void)
@@ -296,7 +296,7 @@ static void test_a_very_long_middle(void)
 /* One leg at constant speed, so that only the mode changes. */
 static void begin_mode(unsigned mode, jp_q24 value)
 {
-    trajectory = (struct jp_trajectory){.legs = legs, .count = 1};
+    trajectory = (struct jp_trajectory){.legs = legs, .places = 1, .count = 1};
     legs[0] = (struct jp_trajectory_leg){
         .begin = {.set_points = 1}, .middle = {.set_points = 100000}, .end = {.set_points = 1}};
     trajectory.transient[mode] = value * 16; /* Q28 */

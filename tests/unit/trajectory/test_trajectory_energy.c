@@ -25,7 +25,7 @@ void setUp(void)
                                          .end = {.set_points = 500},
                                          .next = {.speed = JP_Q24(0.5)}};
     legs[1] = legs[0];
-    trajectory = (struct jp_trajectory){.legs = legs, .count = 1, .start = {.speed = JP_Q24(0.5)}};
+    trajectory = (struct jp_trajectory){.legs = legs, .places = 2, .count = 1, .start = {.speed = JP_Q24(0.5)}};
     energy = 0;
 }
 
