@@ -47,6 +47,14 @@ struct jp_segment_command {
     jp_q16 duration; /**< T, s; 0…16 384 */
 };
 
+/** What a leg of a trajectory takes (trajectory_energy.h). */
+struct jp_leg_energy {
+    jp_q16 energy;   /**< as built in, electronics included, J */
+    jp_q16 duration; /**< s */
+    jp_q16 travel;   /**< ∫ v² dt, m²/s: b1's share */
+    jp_q16 turning;  /**< ∫ w² dt, rad²/s: b2's */
+};
+
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null.
  *  Not for ISRs. */
 enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const char **field);

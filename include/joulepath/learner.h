@@ -1,6 +1,6 @@
 /**
- * Learns the energy model while driving, from the measured energy of each segment, and states the uncertainty of
- * forecasts.
+ * Learns the energy model while driving, from the measured energy of each segment or leg of a trajectory, and states
+ * the uncertainty of forecasts.
  *
  * Robots of a kind differ by few causes: ground, payload, motors. tools/design/learning.py varies them in the robot
  * file and finds the few directions in which the 15 parameters then move. The learner estimates the coordinates x of
@@ -130,6 +130,11 @@ enum jp_status jp_learner_restore(struct jp_learner *learner, const struct jp_le
 enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_energy_start *start,
                                  const struct jp_segment_command *segment, jp_q16 measured, enum jp_learned *learned);
 
+/** The same of a leg of a trajectory, whose energy changes with b1 and b2 alone: what it takes beside its steady motion
+ *  stays as built in. Failures but for those of the segment. */
+enum jp_status jp_learner_update_leg(struct jp_learner *learner, const struct jp_leg_energy *leg, jp_q16 measured,
+                                     enum jp_learned *learned);
+
 /** The energy model as learned: for jp_segment_optimise() and the planner. It passes jp_energy_model_check():
  *  parameters are limited to their ranges. Work: 60 multiplications. */
 void jp_learner_model(const struct jp_learner *learner, struct jp_energy_model *model);
@@ -145,6 +150,11 @@ void jp_learner_cause_deviations(const struct jp_learner *learner, jp_q16 *groun
  *  jp_energy_regressors(): then neither *sum nor *start is written. At most 65 536 segments. */
 enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forecast_sum *sum,
                                struct jp_energy_start *start, const struct jp_segment_command *segment);
+
+/** Adds a leg of a trajectory. JP_ERR_OVERFLOW: its energy exceeds its format; nothing is written. JP_ERR_ARGUMENT: a
+ *  pointer is null. At most 65 536 legs. */
+enum jp_status jp_forecast_add_leg(const struct jp_learner *learner, struct jp_forecast_sum *sum,
+                                   const struct jp_leg_energy *leg);
 
 /** Expectation and standard deviation of the sum. JP_ERR_OVERFLOW: one of them is above 32 767 J, and saturated; also
  *  the deviation of a sum that a unit of x changes by more than 8 192 J. */

@@ -1,9 +1,10 @@
 /**
  * Energy of a trajectory, before it is driven:
  *
- *   E = 2/Rm ∫ (uc² + ud²) dt + Ps T
+ *   E = 2/Rm ∫ (uc² + ud²) dt + (b1 − c1) ∫ v² dt + (b2 − c2) ∫ φ̇² dt + Ps T
  *
- * with uc, ud half the sum and half the difference of the voltages, which the trajectory tells.
+ * with uc, ud half the sum and half the difference of the voltages, which the trajectory tells, and c1 v² + c2 φ̇² what
+ * they take in a steady motion: what the model knows of the steady motion, of this robot or of its battery, replaces it.
  */
 #ifndef JOULEPATH_TRAJECTORY_ENERGY_H
 #define JOULEPATH_TRAJECTORY_ENERGY_H
@@ -21,8 +22,19 @@ extern "C" {
 jp_q24 jp_cruise_speed(const struct jp_energy_model *model);
 
 /**
- * Energy in J of the whole trajectory; config and model passed their checks. JP_ERR_OVERFLOW: more than 32 767 J, which
- * is what *energy then is. JP_ERR_ARGUMENT: a null pointer. O(legs); not for ISRs.
+ * What a leg takes, its travel without what is left of the difference at the start; config and model passed their
+ * checks. `modes`: what is left of the difference at the trajectory's start when the leg begins, at first transient/16;
+ * it becomes what is left when the leg ends. JP_ERR_OVERFLOW: a member is above 32 767, which is what it then is.
+ * JP_ERR_ARGUMENT: a null pointer. Bounded work; not for ISRs.
+ */
+enum jp_status jp_trajectory_leg_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
+                                        const struct jp_trajectory_leg *leg, jp_q24 modes[JP_TRAVEL_MODES],
+                                        struct jp_leg_energy *result);
+
+/**
+ * Energy in J of the whole trajectory, all of whose legs are in its places; config and model passed their checks.
+ * JP_ERR_OVERFLOW: more than 32 767 J, which is what *energy then is. JP_ERR_ARGUMENT: a null pointer. O(legs); not for
+ * ISRs.
  */
 enum jp_status jp_trajectory_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
                                     const struct jp_trajectory *trajectory, jp_q16 *energy);

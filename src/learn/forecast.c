@@ -10,6 +10,15 @@
 #define GRADIENT_MAX ((int64_t)JP_Q16(8192))
 #define VARIANCE_MAX ((uint64_t)1 << 46)
 
+static void add(struct jp_forecast_sum *sum, const struct jp_expectation *expected)
+{
+    sum->energy += expected->energy;
+    for (int j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+        sum->gradient[j] += expected->sensitivity[j];
+    }
+    sum->variance += jp_square(expected->noise) >> 16;
+}
+
 enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forecast_sum *sum,
                                struct jp_energy_start *start, const struct jp_segment_command *segment)
 {
@@ -30,12 +39,25 @@ enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forec
         return status;
     }
     *start = end;
-    sum->energy += expected.energy;
-    for (int j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
-        sum->gradient[j] += expected.sensitivity[j];
-    }
-    sum->variance += jp_square(expected.noise) >> 16;
+    add(sum, &expected);
     return JP_OK;
+}
+
+enum jp_status jp_forecast_add_leg(const struct jp_learner *learner, struct jp_forecast_sum *sum,
+                                   const struct jp_leg_energy *leg)
+{
+    struct jp_expectation expected;
+
+    if (learner == NULL || sum == NULL || leg == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = jp_learner_expect_leg(learner, leg, &expected);
+
+    if (status == JP_OK) {
+        add(sum, &expected);
+    }
+    return status;
 }
 
 /** Standard deviation of the sum, J. False, and INT32_MAX: it does not fit. */

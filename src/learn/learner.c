@@ -281,11 +281,17 @@ static enum jp_learned learn(struct jp_learner *learner, const struct measuremen
     return JP_LEARNED;
 }
 
+static enum jp_learned learn_from(struct jp_learner *learner, const struct jp_expectation *expected, jp_q16 measured)
+{
+    struct measurement measurement;
+
+    return normalise(expected, measured, &measurement) ? learn(learner, &measurement) : JP_LEARNED_NOTHING;
+}
+
 enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_energy_start *start,
                                  const struct jp_segment_command *segment, jp_q16 measured, enum jp_learned *learned)
 {
     struct jp_expectation expected;
-    struct measurement measurement;
 
     if (learner == NULL || learned == NULL) {
         return JP_ERR_ARGUMENT;
@@ -293,11 +299,27 @@ enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_ene
 
     const enum jp_status status = jp_learner_expect(learner, start, segment, &expected);
 
-    if (status != JP_OK) {
-        return status;
+    if (status == JP_OK) {
+        *learned = learn_from(learner, &expected, measured);
     }
-    *learned = normalise(&expected, measured, &measurement) ? learn(learner, &measurement) : JP_LEARNED_NOTHING;
-    return JP_OK;
+    return status;
+}
+
+enum jp_status jp_learner_update_leg(struct jp_learner *learner, const struct jp_leg_energy *leg, jp_q16 measured,
+                                     enum jp_learned *learned)
+{
+    struct jp_expectation expected;
+
+    if (learner == NULL || leg == NULL || learned == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = jp_learner_expect_leg(learner, leg, &expected);
+
+    if (status == JP_OK) {
+        *learned = learn_from(learner, &expected, measured);
+    }
+    return status;
 }
 
 /* ---- What was learned ---- */

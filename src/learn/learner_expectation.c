@@ -64,6 +64,20 @@ static jp_q16 noise_of(const struct jp_learner *learner, jp_q16 energy, jp_q16 t
     return noise > (uint64_t)INT32_MAX ? INT32_MAX : (jp_q16)noise;
 }
 
+/** `rest`: what no parameter changes, the electronics over the duration included. */
+static enum jp_status expect(const struct jp_learner *learner, const jp_q16 regressor[JP_ENERGY_PARAMETERS],
+                             jp_q16 rest, jp_q16 duration, struct jp_expectation *expected)
+{
+    const jp_q16 electronics = jp_q16_multiply(learner->built_in->electronics_power, duration);
+
+    if (!sensitivities(learner->learning, regressor, expected->sensitivity) ||
+        !expected_energy(learner, regressor, rest, expected)) {
+        return JP_ERR_OVERFLOW;
+    }
+    expected->noise = noise_of(learner, expected->energy, jp_sub(rest, electronics));
+    return JP_OK;
+}
+
 enum jp_status jp_learner_expect(const struct jp_learner *learner, const struct jp_energy_start *start,
                                  const struct jp_segment_command *segment, struct jp_expectation *expected)
 {
@@ -72,16 +86,17 @@ enum jp_status jp_learner_expect(const struct jp_learner *learner, const struct 
     const enum jp_status status =
         jp_energy_regressors(learner->built_in, learner->horizon, start, segment, regressor, &rest);
 
-    if (status != JP_OK) {
-        return status;
-    }
-    if (!sensitivities(learner->learning, regressor, expected->sensitivity) ||
-        !expected_energy(learner, regressor, rest, expected)) {
-        return JP_ERR_OVERFLOW;
-    }
+    return status == JP_OK ? expect(learner, regressor, rest, segment->duration, expected) : status;
+}
 
-    const jp_q16 electronics = jp_q16_multiply(learner->built_in->electronics_power, segment->duration);
+enum jp_status jp_learner_expect_leg(const struct jp_learner *learner, const struct jp_leg_energy *leg,
+                                     struct jp_expectation *expected)
+{
+    const struct jp_energy_model *model = learner->built_in;
+    const jp_q16 regressor[JP_ENERGY_PARAMETERS] = {[JP_ENERGY_TERMS] = leg->travel,
+                                                    [JP_ENERGY_TERMS + 1] = leg->turning};
+    const jp_q16 travel = jp_q16_multiply(model->b[0], leg->travel);
+    const jp_q16 turning = jp_q16_multiply(model->b[1], leg->turning);
 
-    expected->noise = noise_of(learner, expected->energy, jp_sub(rest, electronics));
-    return JP_OK;
+    return expect(learner, regressor, jp_sub(leg->energy, jp_add(travel, turning)), leg->duration, expected);
 }

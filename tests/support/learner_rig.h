@@ -48,14 +48,14 @@ static int32_t draw(int32_t low, int32_t high)
     return low + (int32_t)(((uint64_t)random_bits() * (uint32_t)(high - low)) >> 24);
 }
 
-static struct jp_segment_command random_segment(void)
+static inline struct jp_segment_command random_segment(void)
 {
     return (struct jp_segment_command){
         {draw(0, JP_Q24_ONE), draw(-JP_Q24(0.35), JP_Q24(0.35))}, draw(-JP_Q24(1), JP_Q24(1)), draw(32768, JP_Q16(10))};
 }
 
 /* A robot that is x along the directions; its energy, without noise, as a learner with this x expects it. */
-static jp_q16 energy_of(const jp_q24 x[N], const struct jp_segment_command *segment)
+static inline jp_q16 energy_of(const jp_q24 x[N], const struct jp_segment_command *segment)
 {
     struct jp_learner robot = learner;
     struct jp_forecast_sum sum = {0, {0}, 0};
@@ -66,7 +66,7 @@ static jp_q16 energy_of(const jp_q24 x[N], const struct jp_segment_command *segm
     return (jp_q16)sum.energy;
 }
 
-static enum jp_learned drive(const struct jp_segment_command *segment, jp_q16 measured)
+static inline enum jp_learned drive(const struct jp_segment_command *segment, jp_q16 measured)
 {
     enum jp_learned learned = JP_LEARNED;
     jp_q16 energy;
@@ -77,7 +77,7 @@ static enum jp_learned drive(const struct jp_segment_command *segment, jp_q16 me
     return learned;
 }
 
-static unsigned drive_as(const jp_q24 x[N], unsigned segments)
+static inline unsigned drive_as(const jp_q24 x[N], unsigned segments)
 {
     unsigned taken = 0;
 

@@ -49,6 +49,47 @@ static void test_the_deviation_shrinks_with_what_is_learned(void)
     TEST_ASSERT_TRUE(sixteen.deviation < 8 * one.deviation);
 }
 
+/* A leg's energy changes with b1 and b2 as the model does. */
+static void test_a_leg_is_forecast_by_the_learned_model(void)
+{
+    const struct jp_leg_energy leg = {JP_Q16(90), JP_Q16(10), JP_Q16(2.5), JP_Q16(1.2)};
+    struct jp_energy_model model;
+    struct jp_forecast forecast;
+
+    for (unsigned pass = 0; pass < 2U; pass++) {
+        struct jp_forecast_sum sum = {0, {0}, 0};
+
+        jp_learner_model(&learner, &model);
+        for (unsigned i = 0; i < 3U; i++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_add_leg(&learner, &sum, &leg));
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_total(&learner, &sum, &forecast));
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01),
+                                 3 * (leg.energy + jp_q16_multiply(model.b[0] - BUILT_IN.b[0], leg.travel) +
+                                      jp_q16_multiply(model.b[1] - BUILT_IN.b[1], leg.turning)),
+                                 forecast.energy);
+        TEST_ASSERT_TRUE(forecast.deviation > 0 && forecast.deviation < forecast.energy / 4);
+        learner.state.x[0] = JP_Q24(1.5);
+        learner.state.x[1] = -JP_Q24(1);
+    }
+    TEST_ASSERT_NOT_EQUAL_INT32(BUILT_IN.b[0], model.b[0]);
+}
+
+static void test_a_leg_that_cannot_be_forecast(void)
+{
+    const struct jp_forecast_sum nothing = {0, {0}, 0};
+    const struct jp_leg_energy leg = {INT32_MAX, INT32_MAX, INT32_MAX, 0};
+    struct jp_forecast_sum sum = nothing;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_add_leg(NULL, &sum, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_add_leg(&learner, NULL, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_add_leg(&learner, &sum, NULL));
+    learner.state.x[0] = JP_Q24(2);
+    learner.state.x[1] = JP_Q24(2);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_forecast_add_leg(&learner, &sum, &leg));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&nothing, &sum, sizeof sum));
+}
+
 static void test_a_failed_forecast_leaves_everything(void)
 {
     struct jp_segment_command segment = {{JP_Q24(0.5), 0}, 0, JP_Q16(0.4)};

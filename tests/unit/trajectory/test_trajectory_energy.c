@@ -1,5 +1,5 @@
-/* Energy of trajectories: steady cruise by hand, modes against the voltages tick by tick, overflow; the cruise speed.
- */
+/* Energy of trajectories: steady cruise by hand, modes against the voltages tick by tick, legs of others' models,
+ * overflow; the cruise speed. */
 #include <joulepath/robot.h>
 #include <joulepath/tables.h>
 #include <joulepath/trajectory_energy.h>
@@ -19,6 +19,8 @@ void setUp(void)
 {
     config = jp_robot_courier24.trajectory;
     model = jp_energy_model_courier24;
+    model.b[0] = JP_Q16(14.715036); /* what the voltages take: 2 · 5.424949²/4, */
+    model.b[1] = JP_Q16(0.3310915); /* 2 · (5.112894/2π)²/4 */
     legs[0] = (struct jp_trajectory_leg){.speed = JP_Q24(0.5),
                                          .begin = {.set_points = 500},
                                          .middle = {.set_points = 9000},
@@ -127,6 +129,85 @@ static void test_modes_that_hardly_end(void)
     expect_summed(10);
     config.modes.decay[0] = 1; /* the least, of which the rate is not 0 either */
     TEST_ASSERT_EQUAL_INT(JP_OK, forecast());
+}
+
+/* A turn that begins at 0.1 turn/s, straight on at 0.5 m/s, and by a model that knows better. */
+static void test_legs_by_a_model(void)
+{
+    jp_q24 modes[JP_TRAVEL_MODES] = {0};
+    struct jp_leg_energy leg, other;
+
+    legs[0].chord = JP_ANGLE_DEGREES(36);
+    legs[0].heading = JP_ANGLE_DEGREES(72);
+    legs[0].next.heading = JP_ANGLE_DEGREES(72);
+    legs[0].begin.set_points = 1000;
+    trajectory.start.turn_rate = JP_Q24(0.1);
+    shape();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &leg));
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(21), leg.duration);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(5.25), leg.travel);
+    /* ω = 0.1 (1 − s) + 0.3 s (1 − s): ∫ ω² = 0.01/3 + 0.06/12 + 0.09/30 turn²/s, twice as long, by 39.4784 */
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(0.894844), leg.turning);
+    model.b[0] += JP_Q16(3);
+    model.b[1] += JP_Q16(2);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &other));
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), leg.energy + 3 * leg.travel + 2 * leg.turning, other.energy);
+}
+
+static void test_modes_of_a_leg_go_on_in_the_next(void)
+{
+    jp_q24 modes[JP_TRAVEL_MODES] = {JP_Q24(0.3), JP_Q24(-0.2), JP_Q24(0.1)};
+    struct jp_leg_energy first, second;
+
+    trajectory.count = 2;
+    legs[0].begin.set_points = 20;
+    legs[0].middle.set_points = 20;
+    legs[0].end.set_points = 20;
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        trajectory.transient[i] = 16 * modes[i];
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, forecast());
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &first));
+    TEST_ASSERT_NOT_EQUAL_INT32(0, modes[2]);
+    TEST_ASSERT_TRUE(modes[2] < JP_Q24(0.1));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &legs[1], modes, &second));
+    TEST_ASSERT_EQUAL_INT32(energy, first.energy + second.energy);
+}
+
+static void test_legs_refuse_null_pointers(void)
+{
+    jp_q24 modes[JP_TRAVEL_MODES] = {0};
+    struct jp_leg_energy leg;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(NULL, &model, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, NULL, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, &model, NULL, modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, &model, &legs[0], NULL, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, NULL));
+}
+
+/* Each member alone. */
+static void test_a_leg_beyond_its_format(void)
+{
+    jp_q24 modes[JP_TRAVEL_MODES] = {0};
+    struct jp_leg_energy leg;
+
+    legs[0].begin.set_points = 1U << 24;
+    shape();
+    legs[0].begin.yaw_rate[0] = JP_Q24(8);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.turning);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.energy);
+    setUp();
+    model.electronics_power = 1;
+    legs[0].speed = JP_Q24(0.01);
+    legs[0].next.speed = JP_Q24(0.01);
+    trajectory.start.speed = JP_Q24(0.01);
+    legs[0].middle.set_points = 20000000; /* 40 000 s */
+    shape();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.duration);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(1), JP_Q16(59), leg.energy);
 }
 
 static void test_overflow(void)

@@ -1,0 +1,107 @@
+/* Learning from the legs of trajectories: another robot, outliers, what teaches nothing, what is refused. */
+#include "tests/support/learner_rig.h"
+
+/* So long at 0.5 m/s, and half a joule for the blends. */
+static struct jp_leg_energy leg_of(jp_q16 duration, jp_q16 turning)
+{
+    const jp_q16 steady = jp_q16_multiply(BUILT_IN.electronics_power, duration) +
+                          jp_q16_multiply(BUILT_IN.b[0], duration / 4) + jp_q16_multiply(BUILT_IN.b[1], turning);
+
+    return (struct jp_leg_energy){
+        .energy = steady + JP_Q16(0.5), .duration = duration, .travel = duration / 4, .turning = turning};
+}
+
+static struct jp_leg_energy random_leg(void)
+{
+    return leg_of(draw(JP_Q16(2), JP_Q16(12)), draw(0, JP_Q16(0.5)));
+}
+
+/* What the leg takes of a robot that is x along the directions. */
+static jp_q16 energy_as(const jp_q24 x[N], const struct jp_leg_energy *leg)
+{
+    struct jp_learner robot = learner;
+    struct jp_forecast_sum sum = {0, {0}, 0};
+
+    memcpy(robot.state.x, x, sizeof robot.state.x);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_add_leg(&robot, &sum, leg));
+    return (jp_q16)sum.energy;
+}
+
+static enum jp_learned learn_from(const struct jp_leg_energy *leg, jp_q16 measured)
+{
+    enum jp_learned learned = JP_LEARNED_NOTHING;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_learner_update_leg(&learner, leg, measured, &learned));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_learned_state_check(&learner.state, &field));
+    return learned;
+}
+
+static jp_q16 absolute(jp_q16 value)
+{
+    return value < 0 ? -value : value;
+}
+
+static void test_another_robot_is_learned(void)
+{
+    static const jp_q24 x[N] = {JP_Q24(0.8), JP_Q24(-0.6)};
+    const struct jp_leg_energy leg = leg_of(JP_Q16(10), JP_Q16(0.2));
+    const jp_q16 before = absolute(energy_as(x, &leg) - energy_as(learner.state.x, &leg));
+
+    for (unsigned i = 0; i < 40U; i++) {
+        const struct jp_leg_energy driven = random_leg();
+
+        TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn_from(&driven, energy_as(x, &driven)));
+    }
+    TEST_ASSERT_EQUAL_UINT32(40, learner.state.version);
+    TEST_ASSERT_TRUE(before > leg.energy / 100);
+    TEST_ASSERT_TRUE(absolute(energy_as(x, &leg) - energy_as(learner.state.x, &leg)) < before / 20);
+}
+
+static void test_a_robot_of_the_file_teaches_nothing_new(void)
+{
+    static const jp_q24 none[N] = {0};
+    struct jp_energy_model model;
+
+    for (unsigned i = 0; i < 40U; i++) {
+        const struct jp_leg_energy driven = random_leg();
+
+        (void)learn_from(&driven, energy_as(none, &driven));
+    }
+    jp_learner_model(&learner, &model);
+    TEST_ASSERT_INT32_WITHIN(BUILT_IN.b[0] / 1000, BUILT_IN.b[0], model.b[0]);
+}
+
+static void test_an_outlier_is_left_out(void)
+{
+    const struct jp_leg_energy leg = leg_of(JP_Q16(10), JP_Q16(0.2));
+
+    for (unsigned i = 0; i < 20U; i++) {
+        TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn_from(&leg, leg.energy));
+    }
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_OUTLIER, learn_from(&leg, 2 * leg.energy));
+    TEST_ASSERT_EQUAL_UINT32(1, learner.rejected);
+    TEST_ASSERT_EQUAL_UINT32(20, learner.state.version);
+}
+
+static void test_a_leg_that_stands_teaches_nothing(void)
+{
+    const struct jp_leg_energy leg = {.energy = JP_Q16(40), .duration = JP_Q16(10)};
+
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_NOTHING, learn_from(&leg, JP_Q16(41)));
+    TEST_ASSERT_EQUAL_UINT32(0, learner.state.version);
+}
+
+static void test_what_is_refused_is_not_learned(void)
+{
+    const struct jp_leg_energy leg = {INT32_MAX, INT32_MAX, INT32_MAX, 0};
+    enum jp_learned learned = JP_LEARNED_CHANGE;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_learner_update_leg(NULL, &leg, 0, &learned));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_learner_update_leg(&learner, NULL, 0, &learned));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_learner_update_leg(&learner, &leg, 0, NULL));
+    learner.state.x[0] = JP_Q24(2);
+    learner.state.x[1] = JP_Q24(2);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_learner_update_leg(&learner, &leg, 0, &learned));
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_CHANGE, learned);
+    TEST_ASSERT_EQUAL_UINT32(0, learner.state.version);
+}
