@@ -82,6 +82,13 @@ enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const s
 enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp_trajectory_leg *leg);
 
 /**
+ * Goes on to other targets from where the last leg leads, or will: of the task, which is copied, config, start, heading
+ * and motion do not count. `planned` is 0 then. Failures as jp_trajectory_plan_start(), and JP_ERR_STATE: the last leg
+ * ends at a stand; nothing is written then. Constant time; for the background.
+ */
+enum jp_status jp_trajectory_plan_redirect(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task);
+
+/**
  * Plans the whole trajectory; `legs` holds one for each target and stays as long as the trajectory.
  * JP_ERR_ZERO_LENGTH, JP_ERR_ARGUMENT: as jp_segment_optimise(), or a null pointer, a count of 0, a cruise or a motion
  * out of its range. JP_ERR_INFEASIBLE: a leg is so short that no straight part is left between its blends. The

@@ -2,8 +2,6 @@
 
 #include <joulepath/pilot.h>
 #include <joulepath/tables.h>
-#include <joulepath/trajectory_energy.h>
-#include <joulepath/trajectory_rule.h>
 #include <math.h>
 #include <stdarg.h>
 #include <time.h>
@@ -36,10 +34,6 @@ struct drive {
     struct rig rig;
     struct jp_point targets[BEZIER_WAYPOINTS_MAX];
     struct jp_pilot pilot;
-    struct jp_route_leg legs[JP_ROUTE_LEGS_MAX];
-    bool piloted; /**< the pilot plans, not the robot or the script */
-    struct jp_trajectory_leg trajectory_legs[BEZIER_WAYPOINTS_MAX];
-    struct jp_trajectory trajectory;
     struct script script;
     size_t step;       /**< next step of the script */
     size_t ended;      /**< steps ended */
@@ -267,68 +261,19 @@ static bool cannot_be_planned(const struct drive *drive, size_t leg, enum jp_sta
                   leg + 1, (int)status);
 }
 
-static bool prepare_settled_route(struct drive *drive)
-{
-    const struct jp_robot *robot = &drive->rig.robot;
-    const struct jp_route_config config = {.model = jp_robot_model(robot),
-                                           .limits = &jp_robot_configuration(robot)->limits,
-                                           .yaw_bandwidth = jp_robot_configuration(robot)->reference.yaw_bandwidth,
-                                           .legs = drive->legs,
-                                           .leg_count = JP_ROUTE_LEGS_MAX};
-    struct jp_segment segments[BEZIER_WAYPOINTS_MAX];
-    struct mission *mission = drive->mission;
-    const enum jp_status status = script_route(&drive->script, &config, drive->targets, mission->leg_count, segments);
-
-    if (status != JP_OK) {
-        return cannot_be_planned(drive, drive->script.count, status);
-    }
-    for (size_t i = 0; i < mission->leg_count; i++) {
-        note_plan(&mission->legs[i], &segments[i]);
-    }
-    return true;
-}
-
-static bool prepare_route(struct drive *drive, const struct robot_entry *entry)
+static bool prepare_pilot(struct drive *drive, const struct robot_entry *entry)
 {
     const bool battery = drive->scenario->energy == ENERGY_BATTERY;
+    const struct jp_learning *learning = battery ? entry->learning_battery : entry->learning;
     const struct jp_pilot_config config = {.model = jp_robot_model(&drive->rig.robot),
-                                           .horizon = battery ? entry->horizon_battery : entry->horizon,
-                                           .learning = battery ? entry->learning_battery : entry->learning,
-                                           .meter = battery ? JP_PILOT_BATTERY : JP_PILOT_MOTORS,
-                                           .legs = drive->legs,
-                                           .leg_count = JP_ROUTE_LEGS_MAX};
+                                           .learning = drive->scenario->model == SCENARIO_PUBLISHED ? NULL : learning,
+                                           .meter = battery ? JP_PILOT_BATTERY : JP_PILOT_MOTORS};
     const char *field = "";
 
-    if (drive->scenario->model == SCENARIO_PUBLISHED || config.horizon == NULL || config.learning == NULL) {
-        return prepare_settled_route(drive);
-    }
-    drive->piloted = true;
     if (jp_pilot_init(&drive->pilot, &config, &drive->rig.robot, &field) != JP_OK) {
-        error_line("%s: %s is out of range; run make horizon ROBOT=%s and make learning ROBOT=%s", entry->name, field,
-                   entry->name, entry->name);
+        error_line("%s: %s is out of range; run make learning ROBOT=%s", entry->name, field, entry->name);
         return false;
     }
-    return true;
-}
-
-static bool prepare_cruise(struct drive *drive)
-{
-    const jp_q24 cruise = jp_cruise_speed(jp_robot_model(&drive->rig.robot));
-    const jp_q24 limit = jp_robot_configuration(&drive->rig.robot)->limits.speed;
-    const struct jp_trajectory_task task = {.config = &jp_robot_configuration(&drive->rig.robot)->trajectory,
-                                            .cruise = cruise < limit ? cruise : limit,
-                                            .targets = drive->targets,
-                                            .count = (uint16_t)drive->mission->leg_count,
-                                            .to_stand = drive->scenario->to_stand};
-    const enum jp_status status = jp_trajectory_by_rule(&task, drive->trajectory_legs, &drive->trajectory);
-
-    jp_q16 energy = 0;
-
-    if (status != JP_OK) {
-        return cannot_be_planned(drive, 0, status);
-    }
-    (void)jp_trajectory_energy(task.config, jp_robot_model(&drive->rig.robot), &drive->trajectory, &energy);
-    drive->mission->forecast = (struct mission_forecast){true, energy / Q16_ONE, 0};
     return true;
 }
 
@@ -339,14 +284,12 @@ static bool prepare(struct drive *drive, const struct robot_entry *entry, const 
         return prepare_straight(drive, &driven[MISSION_OPTIMAL]);
     case MISSION_BEZIER:
         return prepare_bezier(drive, BEZIER_SEGMENT);
-    case MISSION_ROUTE:
-        return prepare_route(drive, entry);
-    case MISSION_STRAIGHT_ROUTE:
-        return prepare_straight(drive, &driven[MISSION_ROUTE]);
+    case MISSION_CRUISE:
+        return prepare_pilot(drive, entry);
+    case MISSION_STRAIGHT_CRUISE:
+        return prepare_straight(drive, &driven[MISSION_CRUISE]);
     case MISSION_BEZIER_ROUTE:
         return prepare_bezier(drive, BEZIER_ROUTE);
-    case MISSION_CRUISE:
-        return prepare_cruise(drive);
     case MISSION_OPTIMAL:
     default:
         return true;
@@ -384,17 +327,9 @@ static size_t current_leg(const struct drive *drive, size_t ended)
 /** A slice of the pilot's work. */
 static bool work_of_pilot(struct drive *drive)
 {
-    const struct jp_pilot *pilot = &drive->pilot;
-    const uint16_t planned = pilot->targets_planned;
     const enum jp_status status = jp_pilot_work(&drive->pilot);
 
-    if (status != JP_OK) {
-        return cannot_be_planned(drive, (size_t)planned + pilot->route.planned, status);
-    }
-    if (pilot->targets_planned > planned) {
-        note_plan(&drive->mission->legs[planned], &drive->legs[0].segment);
-    }
-    return true;
+    return status == JP_OK || cannot_be_planned(drive, drive->pilot.targets_surveyed, status);
 }
 
 static bool work_of_robot(struct drive *drive)
@@ -415,7 +350,9 @@ static bool work_of_robot(struct drive *drive)
 /** Plans and hands over what the robot shall do next; false when a waypoint cannot be planned. */
 static bool command(struct drive *drive)
 {
-    return (drive->piloted ? work_of_pilot(drive) : work_of_robot(drive)) && feed(drive);
+    const bool is_piloted = drive->mission->strategy == MISSION_CRUISE;
+
+    return (is_piloted ? work_of_pilot(drive) : work_of_robot(drive)) && feed(drive);
 }
 
 static bool still_stands(const struct drive *drive)
@@ -570,46 +507,27 @@ const struct jp_energy_model *mission_model(const struct scenario *scenario, con
                                                  : rig_energy_model(entry, scenario->energy);
 }
 
-/* Asks the pilot, which says nothing of a route that has more targets than it has legs. */
-static bool ask(struct drive *drive)
-{
-    const uint16_t count = (uint16_t)drive->mission->leg_count;
-    struct jp_forecast forecast;
-
-    if (jp_pilot_ask(&drive->pilot, drive->targets, count) != JP_OK) {
-        return true;
-    }
-    while (jp_pilot_answer(&drive->pilot, &forecast) == JP_WORKING) {
-        if (!work_of_pilot(drive)) {
-            return false;
-        }
-    }
-    drive->mission->forecast = (struct mission_forecast){true, forecast.energy / Q16_ONE, forecast.deviation / Q16_ONE};
-    return true;
-}
-
 /* Plans while the robot stands, so that no time passes. */
 static bool follow_with_pilot(struct drive *drive)
 {
-    if (!ask(drive)) {
-        return false;
-    }
-    (void)jp_pilot_follow(&drive->pilot, drive->targets, (uint16_t)drive->mission->leg_count);
+    const enum jp_pilot_end end = drive->scenario->to_stand ? JP_PILOT_STAND : JP_PILOT_PASS;
+    struct jp_forecast forecast;
+
+    (void)jp_pilot_follow(&drive->pilot, drive->targets, (uint16_t)drive->mission->leg_count, end);
     while (drive->pilot.targets_planned == 0) {
         if (!work_of_pilot(drive)) {
             return false;
         }
     }
+    (void)jp_pilot_answer(&drive->pilot, &forecast);
+    drive->mission->forecast = (struct mission_forecast){true, forecast.energy / Q16_ONE, forecast.deviation / Q16_ONE};
     return true;
 }
 
 static bool follow(struct drive *drive)
 {
-    if (drive->piloted) {
-        return follow_with_pilot(drive);
-    }
     if (drive->mission->strategy == MISSION_CRUISE) {
-        (void)jp_robot_drive_trajectory(&drive->rig.robot, &drive->trajectory);
+        return follow_with_pilot(drive);
     }
     if (drive->mission->strategy == MISSION_OPTIMAL) {
         (void)jp_robot_follow(&drive->rig.robot, drive->targets, (uint16_t)drive->mission->leg_count);

@@ -13,14 +13,11 @@ enum mission_strategy {
     MISSION_STRAIGHT, /**< straight chords, with the times of MISSION_OPTIMAL */
     MISSION_BEZIER,   /**< energy-optimised cubic Bézier curves */
     /* The whole route together. */
-    MISSION_ROUTE,          /**< jp_pilot_follow: all segments planned together for least energy, learning on the way.
-                                 Without tables for the pilot, and for the published model, which has none: planned once
-                                 from rest, all segments settled */
-    MISSION_STRAIGHT_ROUTE, /**< straight chords, with the times of MISSION_ROUTE */
-    MISSION_BEZIER_ROUTE,   /**< energy-optimised cubic Bézier curves */
-    MISSION_CRUISE          /**< cruise and transients by rule: jp_trajectory_by_rule() */
+    MISSION_CRUISE,          /**< jp_pilot_follow: cruise and transients, learning on the way */
+    MISSION_STRAIGHT_CRUISE, /**< straight chords, with the times of MISSION_CRUISE */
+    MISSION_BEZIER_ROUTE     /**< energy-optimised cubic Bézier curves */
 };
-#define MISSION_STRATEGIES 7
+#define MISSION_STRATEGIES 6
 
 /** One leg from waypoint to waypoint. */
 struct mission_leg {

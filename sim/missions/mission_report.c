@@ -13,11 +13,10 @@ static const struct {
     [MISSION_OPTIMAL] = {"optimal", "energy-optimal segments", "log_optimal.csv"},
     [MISSION_STRAIGHT] = {"straight", "straight chords, same times", "log_straight.csv"},
     [MISSION_BEZIER] = {"bezier", "energy-optimised cubic Bézier", "log_bezier.csv"},
-    [MISSION_ROUTE] = {"route", "energy-optimal, whole route at once", "log_route.csv"},
-    [MISSION_STRAIGHT_ROUTE] = {"straight_route", "straight chords, times of the whole route",
-                                "log_straight_route.csv"},
-    [MISSION_BEZIER_ROUTE] = {"bezier_route", "Bézier, whole route at once", "log_bezier_route.csv"},
     [MISSION_CRUISE] = {"cruise", "cruise and transients, by rule", "log_cruise.csv"},
+    [MISSION_STRAIGHT_CRUISE] = {"straight_cruise", "straight chords, times of cruise and transients",
+                                 "log_straight_cruise.csv"},
+    [MISSION_BEZIER_ROUTE] = {"bezier_route", "Bézier, whole route at once", "log_bezier_route.csv"},
 };
 
 const char *mission_name(enum mission_strategy strategy)

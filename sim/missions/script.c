@@ -115,68 +115,6 @@ void script_keep_limit(struct script *script, jp_q24 speed_max)
     }
 }
 
-/* Where and how the next segment begins. */
-struct place {
-    struct jp_point point;
-    jp_angle heading;
-    struct jp_energy_start motion;
-};
-
-static enum jp_status plan_route(struct jp_route *route, const struct place *place, const struct jp_point *targets,
-                                 size_t count)
-{
-    enum jp_status status =
-        jp_route_start(route, &place->point, place->heading, &place->motion, targets, (uint16_t)count);
-
-    if (status == JP_OK) {
-        do {
-            status = jp_route_work(route);
-        } while (status == JP_WORKING);
-    }
-    return status;
-}
-
-/* A segment ends at its target, also when its turn lags. */
-static enum jp_status go_on(const struct jp_route_config *config, struct jp_segment *segment,
-                            const struct jp_point *target, struct place *place)
-{
-    place->point = *target;
-    place->heading += jp_angle_from_radians(segment->command.turn) + jp_angle_from_radians(segment->arc);
-    return jp_energy_forecast(config->model, config->horizon, &place->motion, &segment->command, &segment->energy,
-                              &place->motion);
-}
-
-/* Plans targets[leg] with those behind it, and appends its segment. */
-static enum jp_status append_leg(struct script *script, struct jp_route *route, struct place *place,
-                                 const struct jp_point *targets, size_t count, size_t leg, struct jp_segment *segment)
-{
-    enum jp_status status = plan_route(route, place, &targets[leg], count - leg);
-
-    if (status == JP_OK) {
-        *segment = route->config.legs[0].segment;
-        script->steps[script->count++] = (struct script_step){segment->command, leg};
-        status = go_on(&route->config, segment, &targets[leg], place);
-    }
-    return status;
-}
-
-enum jp_status script_route(struct script *script, const struct jp_route_config *config, const struct jp_point *targets,
-                            size_t count, struct jp_segment *segments)
-{
-    struct place place = {.heading = 0};
-    struct jp_route route;
-    const char *field;
-    enum jp_status status = jp_route_init(&route, config, &field);
-
-    if (!allocate(script, count)) {
-        return JP_ERR_MEMORY;
-    }
-    for (size_t leg = 0; leg < count && status == JP_OK; leg++) {
-        status = append_leg(script, &route, &place, targets, count, leg, &segments[leg]);
-    }
-    return status;
-}
-
 void script_free(struct script *script)
 {
     free(script->steps);

@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_SIM_MISSIONS_SCRIPT_H
 #define JOULEPATH_SIM_MISSIONS_SCRIPT_H
 
-#include <joulepath/route.h>
+#include <joulepath/energy.h>
 
 #include "sim/balancer/experiment.h"
 #include "sim/missions/bezier.h"
@@ -28,11 +28,6 @@ bool script_bezier(struct script *script, const struct bezier_path *path);
 /** Steps that are faster than the limit by at most a hundredth keep their length and take longer: chords of arcs that
  * are driven at the limit, and curves whose optimiser weighs it. Others stay, for the robot to refuse. */
 void script_keep_limit(struct script *script, jp_q24 speed_max);
-
-/** A route from rest at the origin, looking along x, through `count` targets, with as many planned at once as there are
- *  legs; the segments go to segments[] too. JP_ERR_MEMORY: no memory; else what jp_route_work() says. */
-enum jp_status script_route(struct script *script, const struct jp_route_config *config, const struct jp_point *targets,
-                            size_t count, struct jp_segment *segments);
 
 void script_free(struct script *script);
 

@@ -7,8 +7,6 @@
 
 #include "sim/base/error.h"
 
-#define LEGS TRIP_LEARNING_TARGETS
-
 /* Of the targets: legs in m, turns from leg to leg in rad. */
 #define LEG_MIN  1.0
 #define LEG_MAX  10.0
@@ -41,8 +39,8 @@ struct drive {
     struct trip *trip;
     struct rig rig;
     struct jp_pilot pilot;
-    struct jp_route_leg legs[LEGS];
-    struct jp_point targets[LEGS];
+    struct jp_pilot unlearned; /* asked only */
+    struct jp_point targets[TRIP_LEARNING_TARGETS];
     struct random random;
     struct random disturbance;
     const struct robot_file *file;
@@ -170,7 +168,7 @@ static void follow(struct drive *drive, uint16_t count)
     drive->segments = 0;
     drive->segments_ended = jp_robot_last_tick(&drive->rig.robot)->segments_ended;
     drive->energy = 0;
-    (void)jp_pilot_follow(&drive->pilot, drive->targets, count);
+    (void)jp_pilot_follow(&drive->pilot, drive->targets, count, JP_PILOT_STAND);
 }
 
 /* Routes. */
@@ -202,23 +200,6 @@ static void learn(struct drive *drive)
     drive_on(drive, TRIP_LEARNING_TARGETS + 1);
 }
 
-/* The built-in model's energy of the plan in the legs. */
-static double unlearned_energy(const struct drive *drive)
-{
-    const struct jp_pilot_config *config = &drive->pilot.config;
-    struct jp_energy_start start = drive->pilot.next.start;
-    double sum = 0;
-
-    for (uint16_t k = 0; k < drive->pilot.route.length; k++) {
-        jp_q16 energy = 0;
-
-        (void)jp_energy_forecast(config->model, config->horizon, &start, &config->legs[k].segment.command, &energy,
-                                 &start);
-        sum += from_q16(energy);
-    }
-    return sum;
-}
-
 /* Out, then back beside the way out, to where it stands now; the number of targets. */
 static uint16_t draw_route(struct drive *drive)
 {
@@ -238,20 +219,36 @@ static uint16_t draw_route(struct drive *drive)
     return (uint16_t)(2 * out + 1);
 }
 
+/* What the route takes; false: nobody can tell, and the trip ends. */
+static bool foresee(struct drive *drive, struct jp_pilot *pilot, uint16_t count, struct jp_forecast *forecast)
+{
+    enum jp_status status = jp_pilot_ask(pilot, drive->targets, count, JP_PILOT_STAND);
+
+    while (status == JP_OK && jp_pilot_answer(pilot, forecast) == JP_WORKING) {
+        (void)jp_pilot_work(pilot);
+    }
+    if (status == JP_OK) {
+        status = jp_pilot_answer(pilot, forecast);
+    }
+    if (status != JP_OK) {
+        drive->trip->outcome = TRIP_STOPPED;
+    }
+    return status == JP_OK;
+}
+
 static void ask(struct drive *drive, uint16_t count)
 {
     struct trip *trip = drive->trip;
     struct jp_forecast forecast = {0};
     jp_q16 spare = 0;
 
-    if (jp_pilot_ask(&drive->pilot, drive->targets, count) != JP_OK) {
-        trip->outcome = TRIP_STOPPED;
+    if (!foresee(drive, &drive->unlearned, count, &forecast)) {
         return;
     }
-    while (jp_pilot_answer(&drive->pilot, &forecast) == JP_WORKING) {
-        tick(drive);
+    trip->unlearned = from_q16(forecast.energy);
+    if (!foresee(drive, &drive->pilot, count, &forecast)) {
+        return;
     }
-    trip->unlearned = unlearned_energy(drive);
     trip->predicted = from_q16(forecast.energy);
     trip->deviation = from_q16(forecast.deviation);
     trip->available = trip->unlearned * random_uniform(&drive->random, AVAILABLE_MIN, AVAILABLE_MAX);
@@ -287,11 +284,8 @@ static void draw_disturbance(struct trip *trip, struct random *random, bool dist
 
 static bool prepare(struct drive *drive, const struct robot_entry *entry)
 {
-    const struct jp_pilot_config config = {.model = entry->energy,
-                                           .horizon = entry->horizon,
-                                           .learning = entry->learning,
-                                           .legs = drive->legs,
-                                           .leg_count = LEGS};
+    const struct jp_pilot_config config = {.model = entry->energy, .learning = entry->learning};
+    const struct jp_pilot_config plain = {.model = entry->energy};
     struct robot_file varied;
     const char *field = "";
 
@@ -299,10 +293,9 @@ static bool prepare(struct drive *drive, const struct robot_entry *entry)
     if (!rig_init(&drive->rig, entry, entry->energy, &varied, drive->trip->seed)) {
         return false;
     }
-    if (entry->horizon == NULL || entry->learning == NULL ||
-        jp_pilot_init(&drive->pilot, &config, &drive->rig.robot, &field) != JP_OK) {
-        error_line("%s: no tables for learning %s; run make horizon ROBOT=%s and make learning ROBOT=%s", entry->name,
-                   field, entry->name, entry->name);
+    if (entry->learning == NULL || jp_pilot_init(&drive->pilot, &config, &drive->rig.robot, &field) != JP_OK ||
+        jp_pilot_init(&drive->unlearned, &plain, &drive->rig.robot, &field) != JP_OK) {
+        error_line("%s: no tables for learning %s; run make learning ROBOT=%s", entry->name, field, entry->name);
         return false;
     }
     return true;

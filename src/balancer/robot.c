@@ -202,13 +202,15 @@ static void begin_segment(struct jp_robot_internal *robot)
         telemetry->segments_ended = 0;
     }
     telemetry->state = JP_ROBOT_DRIVING;
-    leave_trajectory(robot);
-    robot->trajectory = segment->trajectory;
     if (segment->trajectory != NULL) {
+        if (robot->trajectory == NULL) {
+            jp_path_error_start(&robot->path_error);
+        }
+        robot->trajectory = segment->trajectory;
         jp_trajectory_begin(&robot->trajectory_drive, segment->trajectory);
-        jp_path_error_start(&robot->path_error);
         begin_leg(robot, &segment->trajectory->legs[0]);
     } else {
+        leave_trajectory(robot);
         jp_reference_apply(&robot->reference, &segment->step);
         telemetry->command = segment->motion;
         count_segment(robot, segment->ticks);

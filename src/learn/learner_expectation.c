@@ -64,17 +64,15 @@ static jp_q16 noise_of(const struct jp_learner *learner, jp_q16 energy, jp_q16 t
     return noise > (uint64_t)INT32_MAX ? INT32_MAX : (jp_q16)noise;
 }
 
-/** `rest`: what no parameter changes, the electronics over the duration included. */
+/** `rest`: what no parameter changes; `transient`: the part of it that earlier steps left. */
 static enum jp_status expect(const struct jp_learner *learner, const jp_q16 regressor[JP_ENERGY_PARAMETERS],
-                             jp_q16 rest, jp_q16 duration, struct jp_expectation *expected)
+                             jp_q16 rest, jp_q16 transient, struct jp_expectation *expected)
 {
-    const jp_q16 electronics = jp_q16_multiply(learner->built_in->electronics_power, duration);
-
     if (!sensitivities(learner->learning, regressor, expected->sensitivity) ||
         !expected_energy(learner, regressor, rest, expected)) {
         return JP_ERR_OVERFLOW;
     }
-    expected->noise = noise_of(learner, expected->energy, jp_sub(rest, electronics));
+    expected->noise = noise_of(learner, expected->energy, transient);
     return JP_OK;
 }
 
@@ -86,7 +84,13 @@ enum jp_status jp_learner_expect(const struct jp_learner *learner, const struct 
     const enum jp_status status =
         jp_energy_regressors(learner->built_in, learner->horizon, start, segment, regressor, &rest);
 
-    return status == JP_OK ? expect(learner, regressor, rest, segment->duration, expected) : status;
+    if (status != JP_OK) {
+        return status;
+    }
+
+    const jp_q16 electronics = jp_q16_multiply(learner->built_in->electronics_power, segment->duration);
+
+    return expect(learner, regressor, rest, jp_sub(rest, electronics), expected);
 }
 
 enum jp_status jp_learner_expect_leg(const struct jp_learner *learner, const struct jp_leg_energy *leg,
@@ -98,5 +102,5 @@ enum jp_status jp_learner_expect_leg(const struct jp_learner *learner, const str
     const jp_q16 travel = jp_q16_multiply(model->b[0], leg->travel);
     const jp_q16 turning = jp_q16_multiply(model->b[1], leg->turning);
 
-    return expect(learner, regressor, jp_sub(leg->energy, jp_add(travel, turning)), leg->duration, expected);
+    return expect(learner, regressor, jp_sub(leg->energy, jp_add(travel, turning)), 0, expected);
 }

@@ -1,15 +1,19 @@
 #include <joulepath/pilot.h>
+
+#include <joulepath/count.h>
+#include <joulepath/trajectory_energy.h>
 #include <stddef.h>
 
 #include "src/balancer/robot_route.h"
-#include "src/base/plane.h"
+#include "src/base/compiler.h"
 
-/* The next plan begins this long before the present segment ends: s⁻¹. */
+/** The next leg is planned this long before the present one ends: s⁻¹. */
 #define PLAN_LEAD_RATE 5U
 
-/* Standard deviation of what a leg takes when it is planned anew in mid-drive, about what it was to take before, as a
- * share: with it 95 % of 400 trips of courier24 (jp-trip, seeds 5 000 to 5 399) end within 1.96 deviations. */
-#define REPLAN_DEVIATION 0.0047f
+/** A robot stands that is slower than this share of its cruising speed. */
+#define STILL_SHARE 10
+
+#define TURNS_PER_RADIAN JP_Q24(0.15915494309)
 
 static bool motors_run(enum jp_robot_state state)
 {
@@ -18,41 +22,19 @@ static bool motors_run(enum jp_robot_state state)
 
 static const char *missing_field(const struct jp_pilot_config *config)
 {
-    if (config->model == NULL) {
-        return "model";
-    }
-    if (config->horizon == NULL) {
-        return "horizon";
-    }
-    if (config->learning == NULL) {
-        return "learning";
-    }
-    if (config->legs == NULL) {
-        return "legs";
-    }
-    return config->leg_count == 0U || config->leg_count > JP_ROUTE_LEGS_MAX ? "leg_count" : NULL;
+    return config->model == NULL ? "model" : NULL;
 }
 
-static enum jp_status check(const struct jp_pilot_config *config, const struct jp_robot *robot, const char **field)
+static enum jp_status check(const struct jp_pilot_config *config, const char **field)
 {
-    enum jp_status status;
-
     *field = missing_field(config);
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
-    status = jp_energy_model_check(config->model, field);
 
-    if (status == JP_OK) {
-        status = jp_horizon_check(config->horizon, field);
-    }
-    if (status == JP_OK) {
-        status = jp_learning_check(config->learning, field);
-    }
-    if (status == JP_OK) {
-        status = jp_segment_limits_check(&jp_robot_configuration(robot)->limits, config->model, field);
-    }
-    return status;
+    const enum jp_status status = jp_energy_model_check(config->model, field);
+
+    return status == JP_OK && config->learning != NULL ? jp_learning_check(config->learning, field) : status;
 }
 
 enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_config *config, struct jp_robot *robot,
@@ -62,155 +44,318 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
         return JP_ERR_ARGUMENT;
     }
 
-    const enum jp_status status = check(config, robot, field);
+    const enum jp_status status = check(config, field);
 
     if (status == JP_OK) {
         *pilot = (struct jp_pilot){.config = *config, .internal = {.robot = robot, .model = *config->model}};
-        jp_learner_start(&pilot->learner, config->learning, config->model, config->horizon);
-        jp_drive_watch_start(&pilot->internal.watch, &pilot->learner,
-                             jp_robot_configuration(robot)->estimator.tick_rate, config->meter == JP_PILOT_BATTERY);
+        if (config->learning != NULL) {
+            jp_learner_start(&pilot->learner, config->learning, config->model, NULL);
+        }
     }
     return status;
 }
 
-/* The phase changes here alone. A pilot that rests waits for nothing, and what was asked is answered. */
+/** The phase changes here alone. */
 static void enter(struct jp_pilot *pilot, enum jp_pilot_phase phase)
 {
     pilot->phase = phase;
-    if (phase == JP_PILOT_RESTING) {
-        pilot->internal.is_waiting = false;
-        if (pilot->internal.question == JP_PILOT_ASKED) {
-            pilot->internal.question = JP_PILOT_ANSWERED;
-        }
+    pilot->internal.is_surveying = false;
+    if (phase != JP_PILOT_PLANNING && pilot->internal.question == JP_PILOT_ASKED) {
+        pilot->internal.question = JP_PILOT_ANSWERED;
     }
 }
 
-/* Ends a route, or answers what was asked. */
+/** Ends a route, or answers what was asked. */
 static void rest(struct jp_pilot *pilot, enum jp_status status)
 {
     pilot->status = status;
     enter(pilot, JP_PILOT_RESTING);
 }
 
-/* Learning */
+/* What the robot does. */
 
-/* Follows what the robot does, and learns from each segment that ended. False: one was cut short, by a fall, a fault or
- * somebody's jp_robot_stop(). */
-static bool watch(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+static void learn(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
-    const bool drove = pilot->internal.watch.driving;
+    const struct jp_pilot_drive *drive = &pilot->internal.drive;
+    const bool of_battery = pilot->config.meter == JP_PILOT_BATTERY;
+    const jp_energy measured = of_battery ? telemetry->segment_energy_battery : telemetry->segment_energy_model;
+    const struct jp_leg_energy *energy = &drive->energy[(drive->begun - 1U) % JP_PILOT_PLACES];
 
-    if (jp_drive_watch_update(&pilot->internal.watch, telemetry, pilot->battery_flags, pilot->current_findings)) {
-        pilot->internal.is_waiting = false;
+    pilot->evidence = jp_segment_evidence(&drive->watch, telemetry, of_battery);
+    if (pilot->evidence == JP_EVIDENCE_GOOD && pilot->config.learning != NULL &&
+        jp_learner_update_leg(&pilot->learner, energy, jp_energy_to_q16(measured), &pilot->learned) == JP_OK) {
+        pilot->legs_learned_from = jp_one_more32(pilot->legs_learned_from);
+    } else {
+        pilot->legs_left_out = jp_one_more32(pilot->legs_left_out);
     }
-    pilot->learned = pilot->internal.watch.learned;
-    pilot->segments_learned_from = pilot->internal.watch.learned_from;
-    return !drove || pilot->internal.watch.driving || pilot->internal.watch.evidence != JP_EVIDENCE_INCOMPLETE;
 }
 
-/* Planning */
-
-/* What the segments of the plan take. */
-static enum jp_status expect(const struct jp_pilot *pilot, struct jp_forecast *forecast)
+/** Legs of the trajectory that the robot has begun; 0: it drives no trajectory of the pilot's. */
+static uint16_t legs_begun(const struct jp_pilot_drive *drive, const struct jp_telemetry *telemetry)
 {
-    struct jp_energy_start start = pilot->next.start;
-    struct jp_forecast_sum sum = {0};
-    enum jp_status status = JP_OK;
+    const bool is_ours = drive->is_waiting || drive->is_driven;
 
-    for (unsigned k = 0; k < pilot->route.length && status == JP_OK; k++) {
-        status = jp_forecast_add(&pilot->learner, &sum, &start, &pilot->config.legs[k].segment.command);
-    }
-    return status == JP_OK ? jp_forecast_total(&pilot->learner, &sum, forecast) : status;
+    return is_ours && telemetry->state == JP_ROBOT_DRIVING ? (uint16_t)(telemetry->segment - drive->segment_before)
+                                                           : 0U;
 }
 
-/* Each leg but the first will be planned anew from where the robot is by then. */
-static enum jp_status foresee(struct jp_pilot *pilot)
+/** Follows what the robot does, and learns from each leg that ended. False: a leg was cut short, by a fall, a fault or
+ *  somebody else's jp_robot_stop(). `waits`: a trajectory was handed over and waits. */
+static bool watch(struct jp_pilot *pilot, const struct jp_telemetry *telemetry, bool waits)
 {
-    const enum jp_status status = expect(pilot, &pilot->forecast);
+    struct jp_pilot_drive *drive = &pilot->internal.drive;
+    const uint16_t begun = legs_begun(drive, telemetry);
+    const bool is_stopped = drive->is_stopped;
+    bool was_cut = drive->is_waiting && begun == 0U && !waits;
 
-    if (status == JP_OK) {
-        const float leg = (float)pilot->forecast.energy / (float)pilot->route.length;
-        const float replanned = REPLAN_DEVIATION * leg;
-        const float deviation = (float)pilot->forecast.deviation;
+    jp_segment_watch_note(&drive->watch, pilot->battery_flags, pilot->current_findings);
+    if (drive->is_driven && begun != drive->begun) {
+        learn(pilot, telemetry);
+        was_cut = begun == 0U && pilot->evidence == JP_EVIDENCE_INCOMPLETE;
+    }
+    if (begun > 0U && (drive->is_waiting || begun != drive->begun)) {
+        jp_segment_watch_begin(&drive->watch, telemetry);
+        drive->is_waiting = false;
+        drive->is_driven = true;
+    }
+    if (begun == 0U && !waits) {
+        drive->is_waiting = false;
+        drive->is_driven = false;
+        drive->is_stopped = false;
+    }
+    drive->begun = begun;
+    return is_stopped || !was_cut;
+}
 
-        pilot->forecast.deviation = (jp_q16)jp_plane_square_root(
-            deviation * deviation + (float)(pilot->route.length - 1U) * replanned * replanned);
+/* Planning. */
+
+/** From where and as the robot will be when what it drives ends. */
+static struct jp_trajectory_task task_of(const struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+{
+    const struct jp_pilot_internal *internal = &pilot->internal;
+    const struct jp_robot_config *robot = jp_robot_configuration(internal->robot);
+    const jp_q24 cruise = jp_cruise_speed(&internal->model);
+    struct jp_trajectory_task task = {
+        .config = &robot->trajectory,
+        .cruise = cruise < robot->limits.speed ? cruise : robot->limits.speed,
+        .motion = {.speed = telemetry->command.speed,
+                   .pitch = jp_q24_multiply(robot->trajectory.lean[0], telemetry->command.speed),
+                   .turn_rate = jp_q24_multiply(telemetry->command.turn_rate, TURNS_PER_RADIAN)},
+        .targets = &internal->targets[pilot->targets_planned],
+        .count = (uint16_t)(internal->target_count - pilot->targets_planned),
+        .to_stand = internal->end == JP_PILOT_STAND,
+    };
+
+    jp_robot_predict_end(internal->robot, telemetry, &task.start, &task.heading);
+    return task;
+}
+
+static enum jp_status start_plan(const struct jp_trajectory_task *task, struct jp_trajectory_plan *plan,
+                                 struct jp_trajectory_leg *legs, uint16_t places, struct jp_trajectory *trajectory,
+                                 jp_q24 modes[JP_TRAVEL_MODES])
+{
+    const enum jp_status status = jp_trajectory_plan_start(plan, task, legs, places, trajectory);
+
+    for (unsigned i = 0; status == JP_OK && i < JP_TRAVEL_MODES; i++) {
+        modes[i] = trajectory->transient[i] / 16;
     }
     return status;
 }
 
-static enum jp_status begin_plan(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+/* The survey: the route as it will be driven, for its forecast. */
+
+/** It begins where the leg ends that the robot drives or is to drive; where that ends at a stand, it waits for that. */
+static enum jp_status begin_survey(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
-    const struct jp_pilot_config *config = &pilot->config;
-    const struct jp_robot_config *robot = jp_robot_configuration(pilot->internal.robot);
-    const struct jp_route_config route = {.model = &pilot->internal.model,
-                                          .horizon = config->horizon,
-                                          .limits = &robot->limits,
-                                          .yaw_bandwidth = robot->reference.yaw_bandwidth,
-                                          .legs = config->legs,
-                                          .leg_count = config->leg_count};
-    const char *field;
-    struct jp_point point;
-    jp_angle heading;
+    struct jp_pilot_internal *internal = &pilot->internal;
+    struct jp_pilot_survey *survey = &internal->survey;
+    const struct jp_pilot_drive *drive = &internal->drive;
+    enum jp_status status;
 
-    (void)jp_drive_watch_next_start(&pilot->internal.watch, telemetry, &pilot->next.start);
-    jp_robot_predict_end(pilot->internal.robot, telemetry, &point, &heading);
-    jp_learner_model(&pilot->learner, &pilot->internal.model);
-    pilot->model_version = pilot->learner.state.version;
-    enter(pilot, JP_PILOT_PLANNING);
-    (void)jp_route_init(&pilot->route, &route, &field);
-    return jp_route_start(&pilot->route, &point, heading, &pilot->next.start,
-                          &pilot->internal.targets[pilot->targets_planned],
-                          (uint16_t)(pilot->internal.target_count - pilot->targets_planned));
-}
-
-static enum jp_status hand_over(struct jp_pilot *pilot)
-{
-    pilot->next.command = pilot->config.legs[0].segment.command;
-    pilot->targets_planned++;
-    enter(pilot, JP_PILOT_DRIVING);
-    pilot->internal.is_waiting = true;
-    jp_drive_watch_command(&pilot->internal.watch, &pilot->next.command);
-    return jp_robot_drive(pilot->internal.robot, &pilot->next.command);
-}
-
-static enum jp_status work_on_plan(struct jp_pilot *pilot)
-{
-    enum jp_status status = jp_route_work(&pilot->route);
-
-    if (status == JP_WORKING) {
+    if (drive->is_stopped) {
         return JP_OK;
     }
-    if (status == JP_OK) {
-        status = foresee(pilot);
+    if (pilot->config.learning != NULL) {
+        jp_learner_model(&pilot->learner, &internal->model);
     }
-    if (pilot->internal.question == JP_PILOT_ASKED) {
-        rest(pilot, status);
-        return status;
+
+    const struct jp_trajectory_task task = task_of(pilot, telemetry);
+
+    if (drive->is_waiting || drive->is_driven) {
+        survey->plan = drive->plan;
+        for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+            survey->modes[i] = drive->modes[i];
+        }
+        status = jp_trajectory_plan_redirect(&survey->plan, &task);
+        if (status == JP_ERR_STATE) {
+            return JP_OK;
+        }
+    } else {
+        status = start_plan(&task, &survey->plan, &survey->leg, 1, &survey->trajectory, survey->modes);
     }
-    return status == JP_OK ? hand_over(pilot) : status;
+    survey->sum = (struct jp_forecast_sum){.energy = 0};
+    internal->forecast_status = JP_OK;
+    internal->is_surveying = status == JP_OK;
+    return status;
 }
 
-/* Nothing waits for the robot, and the present segment nears its end. */
-static bool plan_is_due(const struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+/** What a leg takes; what has no format is told with the answer. */
+static void add_to_forecast(struct jp_pilot *pilot, const struct jp_leg_energy *energy, enum jp_status status)
+{
+    struct jp_pilot_internal *internal = &pilot->internal;
+    enum jp_status added = JP_OK;
+
+    if (pilot->config.learning != NULL) {
+        added = jp_forecast_add_leg(&pilot->learner, &internal->survey.sum, energy);
+    } else {
+        internal->survey.sum.energy += energy->energy;
+    }
+    if (status != JP_OK || added != JP_OK) {
+        internal->forecast_status = JP_ERR_OVERFLOW;
+    }
+}
+
+static enum jp_status survey_leg(struct jp_pilot *pilot)
+{
+    struct jp_pilot_internal *internal = &pilot->internal;
+    struct jp_pilot_survey *survey = &internal->survey;
+    const struct jp_trajectory_config *config = &jp_robot_configuration(internal->robot)->trajectory;
+    const enum jp_status status = jp_trajectory_plan_leg(&survey->plan, &survey->leg);
+    struct jp_leg_energy energy;
+
+    if (status == JP_OK) {
+        const enum jp_status format =
+            jp_trajectory_leg_energy(config, pilot->config.model, &survey->leg, survey->modes, &energy);
+
+        add_to_forecast(pilot, &energy, format);
+        pilot->targets_surveyed = survey->plan.planned;
+    }
+    return status;
+}
+
+static void finish_forecast(struct jp_pilot *pilot)
+{
+    struct jp_pilot_internal *internal = &pilot->internal;
+    const int64_t energy = internal->survey.sum.energy;
+    enum jp_status status = energy > INT32_MAX ? JP_ERR_OVERFLOW : JP_OK;
+
+    if (pilot->config.learning != NULL) {
+        status = jp_forecast_total(&pilot->learner, &internal->survey.sum, &internal->forecast);
+    } else {
+        internal->forecast = (struct jp_forecast){.energy = jp_saturate32(energy)};
+    }
+    internal->forecast_status = status == JP_OK ? internal->forecast_status : status;
+}
+
+/** The whole route can be driven: a robot that drives goes on to it from the end of its leg. */
+static enum jp_status finish_survey(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+{
+    struct jp_pilot_drive *drive = &pilot->internal.drive;
+
+    finish_forecast(pilot);
+    if (pilot->internal.is_question) {
+        rest(pilot, JP_OK);
+        return JP_OK;
+    }
+    enter(pilot, JP_PILOT_DRIVING);
+    if (drive->is_waiting || drive->is_driven) {
+        const struct jp_trajectory_task task = task_of(pilot, telemetry);
+
+        return jp_trajectory_plan_redirect(&drive->plan, &task);
+    }
+    return JP_OK;
+}
+
+static enum jp_status survey(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+{
+    if (!pilot->internal.is_surveying) {
+        return begin_survey(pilot, telemetry);
+    }
+    return pilot->internal.survey.plan.planned < pilot->internal.target_count ? survey_leg(pilot)
+                                                                              : finish_survey(pilot, telemetry);
+}
+
+/* The drive. */
+
+static enum jp_status plan_leg(struct jp_pilot *pilot)
+{
+    struct jp_pilot_drive *drive = &pilot->internal.drive;
+    const struct jp_trajectory_config *config = &jp_robot_configuration(pilot->internal.robot)->trajectory;
+    const uint16_t place = drive->trajectory.count % JP_PILOT_PLACES;
+    const enum jp_status status = jp_trajectory_plan_leg(&drive->plan, &drive->legs[place]);
+
+    if (status == JP_OK) {
+        (void)jp_trajectory_leg_energy(config, pilot->config.model, &drive->legs[place], drive->modes,
+                                       &drive->energy[place]);
+        JP_STORE_RELEASE(&drive->trajectory.count, (uint16_t)(drive->trajectory.count + 1U));
+        pilot->targets_planned++;
+    }
+    return status;
+}
+
+static enum jp_status begin_drive(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+{
+    struct jp_pilot_drive *drive = &pilot->internal.drive;
+    const struct jp_trajectory_task task = task_of(pilot, telemetry);
+    enum jp_status status =
+        start_plan(&task, &drive->plan, drive->legs, JP_PILOT_PLACES, &drive->trajectory, drive->modes);
+
+    if (status == JP_OK) {
+        status = plan_leg(pilot);
+    }
+    if (status == JP_OK) {
+        status = jp_robot_drive_trajectory(pilot->internal.robot, &drive->trajectory);
+    }
+    if (status == JP_OK) {
+        drive->is_waiting = true;
+        drive->segment_before = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0U;
+    }
+    return status;
+}
+
+/** What the robot drives nears its end. */
+static bool is_due(const struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
     const uint32_t tick_rate = jp_robot_configuration(pilot->internal.robot)->estimator.tick_rate;
 
-    return !pilot->internal.is_waiting && telemetry->segment_ticks_left <= tick_rate / PLAN_LEAD_RATE;
+    return telemetry->segment_ticks_left <= tick_rate / PLAN_LEAD_RATE;
 }
 
-static enum jp_status go_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+/** A robot that balances begins when it stands still: its plan does, and a robot that rolls is elsewhere soon. */
+static bool can_begin(const struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
-    if (pilot->phase == JP_PILOT_PLANNING) {
-        return work_on_plan(pilot);
-    }
+    const struct jp_robot_config *robot = jp_robot_configuration(pilot->internal.robot);
+    const jp_q24 still =
+        jp_q24_multiply(jp_cruise_speed(&pilot->internal.model), robot->trajectory.turns_per_metre) / STILL_SHARE;
+
+    return is_due(pilot, telemetry) &&
+           (telemetry->state == JP_ROBOT_DRIVING ||
+            (telemetry->motion.wheel_rate < still && telemetry->motion.wheel_rate > -still));
+}
+
+static enum jp_status drive_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+{
+    const struct jp_pilot_drive *drive = &pilot->internal.drive;
+    const bool is_ours = drive->is_waiting || drive->is_driven;
+
     if (pilot->targets_planned == pilot->internal.target_count) {
-        if (!pilot->internal.is_waiting && !pilot->internal.watch.driving) {
+        if (!is_ours) {
             rest(pilot, JP_OK);
         }
         return JP_OK;
     }
-    return plan_is_due(pilot, telemetry) ? begin_plan(pilot, telemetry) : JP_OK;
+    if (!is_ours) {
+        return can_begin(pilot, telemetry) ? begin_drive(pilot, telemetry) : JP_OK;
+    }
+
+    const bool has_place = !drive->is_waiting && drive->trajectory.count == drive->begun;
+
+    return has_place && drive->begun < UINT16_MAX && is_due(pilot, telemetry) ? plan_leg(pilot) : JP_OK;
+}
+
+static enum jp_status go_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+{
+    return pilot->phase == JP_PILOT_PLANNING ? survey(pilot, telemetry) : drive_on(pilot, telemetry);
 }
 
 enum jp_status jp_pilot_work(struct jp_pilot *pilot)
@@ -220,11 +365,14 @@ enum jp_status jp_pilot_work(struct jp_pilot *pilot)
     if (pilot == NULL) {
         return JP_ERR_ARGUMENT;
     }
+
+    const bool waits = jp_robot_has_next(pilot->internal.robot);
+
     if (!jp_robot_telemetry(pilot->internal.robot, &telemetry)) {
         return pilot->status;
     }
 
-    const bool drives_as_told = watch(pilot, &telemetry) && motors_run(telemetry.state);
+    const bool drives_as_told = watch(pilot, &telemetry, waits) && motors_run(telemetry.state);
 
     if (pilot->phase != JP_PILOT_RESTING) {
         const enum jp_status status = drives_as_told ? go_on(pilot, &telemetry) : JP_ERR_STATE;
@@ -236,7 +384,7 @@ enum jp_status jp_pilot_work(struct jp_pilot *pilot)
     return pilot->status;
 }
 
-/* Requests */
+/* Requests. */
 
 static enum jp_status request(const struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count)
 {
@@ -246,41 +394,43 @@ static enum jp_status request(const struct jp_pilot *pilot, const struct jp_poin
     return motors_run(jp_robot_state_now(pilot->internal.robot)) ? JP_OK : JP_ERR_STATE;
 }
 
-static void accept(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count)
+static void accept(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count, enum jp_pilot_end end,
+                   bool is_question)
 {
     pilot->internal.targets = targets;
     pilot->internal.target_count = count;
+    pilot->internal.end = end;
+    pilot->internal.is_question = is_question;
+    pilot->internal.question = JP_PILOT_ASKED;
+    pilot->targets_surveyed = 0;
     pilot->targets_planned = 0;
     pilot->status = JP_OK;
-    enter(pilot, JP_PILOT_DRIVING);
+    enter(pilot, JP_PILOT_PLANNING);
 }
 
-enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count)
+enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count,
+                               enum jp_pilot_end end)
 {
     const enum jp_status status = request(pilot, targets, count);
 
     if (status == JP_OK) {
-        pilot->internal.question = JP_PILOT_NOTHING_ASKED;
-        accept(pilot, targets, count);
+        accept(pilot, targets, count, end, false);
     }
     return status;
 }
 
-enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count)
+enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count,
+                            enum jp_pilot_end end)
 {
     const enum jp_status status = request(pilot, targets, count);
 
     if (status != JP_OK) {
         return status;
     }
-    if (pilot->phase != JP_PILOT_RESTING || pilot->internal.watch.driving) {
+    if (pilot->phase != JP_PILOT_RESTING || jp_robot_state_now(pilot->internal.robot) != JP_ROBOT_BALANCING) {
         return JP_ERR_STATE;
     }
-    if (count > pilot->config.leg_count) {
-        return JP_ERR_MEMORY;
-    }
-    pilot->internal.question = JP_PILOT_ASKED;
-    accept(pilot, targets, count);
+    accept(pilot, targets, count, end, true);
     return JP_OK;
 }
 
@@ -295,15 +445,18 @@ enum jp_status jp_pilot_answer(const struct jp_pilot *pilot, struct jp_forecast 
     if (pilot->internal.question == JP_PILOT_ASKED) {
         return JP_WORKING;
     }
-    *forecast = pilot->forecast;
-    return pilot->status;
+    *forecast = pilot->internal.forecast;
+    return pilot->status == JP_OK ? pilot->internal.forecast_status : pilot->status;
 }
 
 void jp_pilot_stop(struct jp_pilot *pilot)
 {
+    struct jp_pilot_drive *drive = &pilot->internal.drive;
+
     if (pilot->internal.question == JP_PILOT_ASKED) {
         pilot->internal.question = JP_PILOT_NOTHING_ASKED;
     }
+    drive->is_stopped = drive->is_waiting || drive->is_driven;
     rest(pilot, JP_OK);
     jp_robot_stop(pilot->internal.robot);
 }

@@ -308,6 +308,39 @@ enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const s
     return status;
 }
 
+enum jp_status jp_trajectory_plan_redirect(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task)
+{
+    if (plan == NULL || task == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const struct jp_trajectory_plan_internal *before = &plan->internal;
+
+    if (before->task.to_stand && plan->planned == before->task.count) {
+        return JP_ERR_STATE;
+    }
+
+    struct jp_trajectory_plan redirected = {.internal = *before};
+    struct jp_trajectory_task *onward = &redirected.internal.task;
+
+    *onward = *task;
+    onward->config = before->task.config;
+    onward->start = plan->planned == 0U ? before->task.start : before->task.targets[plan->planned - 1U];
+    onward->heading = before->motion.heading;
+    onward->motion = (struct jp_travel_state){.turn_rate = before->motion.turn_rate};
+    if (!is_valid(onward)) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = jp_chord_to(onward, 0, &redirected.internal.chord);
+
+    if (status == JP_OK) {
+        redirected.internal.blend = redirected.internal.chord.blend;
+        *plan = redirected;
+    }
+    return status;
+}
+
 enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp_trajectory_leg *leg)
 {
     if (plan == NULL || leg == NULL) {

@@ -1,4 +1,4 @@
-/* Routes of short segments, driven on the plant: all segments planned together against straight chords, Bézier curves
+/* Routes of short segments, driven on the plant: cruise and transients against straight chords, Bézier curves
  * and segments planned one after the other; the scenario of each robot, then random variants of it. Prints figures as
  * JSON, progress on stderr. */
 #include <math.h>
@@ -46,23 +46,24 @@ static double energy(const struct comparison *comparison, enum mission_strategy 
 
 static double relative_percent(const struct comparison *comparison, enum mission_strategy strategy)
 {
-    return 100 * energy(comparison, strategy) / energy(comparison, MISSION_ROUTE);
+    return 100 * energy(comparison, strategy) / energy(comparison, MISSION_CRUISE);
 }
 
 /* What the robot said of the whole route before it started. */
 static double forecast_error_percent(const struct comparison *comparison)
 {
-    return 100 * (comparison->missions[MISSION_ROUTE].forecast.energy / energy(comparison, MISSION_ROUTE) - 1);
+    return 100 * (comparison->missions[MISSION_CRUISE].forecast.energy / energy(comparison, MISSION_CRUISE) - 1);
 }
 
-/* The strategies that the joint optimum is compared with; the paper's figure is the bar of its robot in its scenario.
+/* The strategies that cruise and transients are compared with; the paper's figure is the bar of its robot in its
+ * scenario.
  */
 static const struct rival {
     enum mission_strategy strategy;
     const char *name;
     double paper; /* %; 0: it has none */
 } rivals[] = {
-    {MISSION_STRAIGHT_ROUTE, "straight chords", 102},
+    {MISSION_STRAIGHT_CRUISE, "straight chords", 102},
     {MISSION_BEZIER, "Bézier curve by curve", 107},
     {MISSION_BEZIER_ROUTE, "Bézier, whole route at once", 0},
     {MISSION_OPTIMAL, "optimal segments one after the other", 0},
@@ -91,17 +92,17 @@ static void bench_scenario(json_t *figures, const struct scenario *scenario, boo
 {
     const char *robot = scenario->robot.name;
     struct comparison comparison;
-    const struct mission *ours = &comparison.missions[MISSION_ROUTE];
+    const struct mission *ours = &comparison.missions[MISSION_CRUISE];
 
     drive(&comparison, scenario);
     for (size_t i = 0; i < RIVALS; i++) {
         print_against(figures, &comparison, robot, &rivals[i], is_paper);
     }
     figures_add(figures, COMMAND, ours->total.measured_energy, "J", no_bar,
-                "short segments of %s, all planned together: energy driven%s", robot,
+                "short segments of %s, cruise and transients: energy driven%s", robot,
                 is_paper ? " (paper: 220.64 J)" : "");
     figures_add(figures, COMMAND, ours->total.duration, "s", no_bar,
-                "short segments of %s, all planned together: time%s", robot, is_paper ? " (paper: 18.6 s)" : "");
+                "short segments of %s, cruise and transients: time%s", robot, is_paper ? " (paper: 18.6 s)" : "");
     figures_add(figures, COMMAND, forecast_error_percent(&comparison), "%", no_bar,
                 "short segments of %s, forecast before the start against what was driven", robot);
 }

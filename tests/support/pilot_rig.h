@@ -7,10 +7,9 @@
 
 #include "unity.h"
 
-#define LEGS     4
 #define BUS      JP_Q16(300)
 #define LAG      32 /* ticks */
-#define ASIDE    JP_Q16(0.15)
+#define ASIDE    JP_Q16(0.05)
 #define PATIENCE 60000 /* ticks */
 
 static const struct jp_point slalom[] = {{JP_Q16(1.2), JP_Q16(0.4)}, {JP_Q16(2.4), JP_Q16(0.1)},
@@ -26,9 +25,7 @@ static jp_phase wheel;
 static jp_phase yaw;
 
 static struct jp_energy_model model;
-static struct jp_horizon horizon;
 static struct jp_learning learning;
-static struct jp_route_leg legs[LEGS];
 static struct jp_pilot_config config;
 static struct jp_pilot pilot;
 static struct jp_forecast forecast;
@@ -83,13 +80,11 @@ static inline void rig_reset(void)
 {
     robot_config = jp_robot_gao2018;
     model = jp_energy_model_gao2018;
-    horizon = jp_horizon_gao2018;
     learning = jp_learning_gao2018;
     sensors = (struct jp_sensors){.accel_z = JP_Q24_ONE, .bus_voltage = BUS};
     wheel = 0;
     yaw = 0;
-    config = (struct jp_pilot_config){
-        .model = &model, .horizon = &horizon, .learning = &learning, .legs = legs, .leg_count = LEGS};
+    config = (struct jp_pilot_config){.model = &model, .learning = &learning};
     forecast = (struct jp_forecast){-1, -1};
     init();
 }
