@@ -21,6 +21,7 @@
 #include <joulepath/evidence.h>
 #include <joulepath/learner.h>
 #include <joulepath/robot.h>
+#include <joulepath/trajectory_energy.h>
 #include <joulepath/trajectory_rule.h>
 
 #ifdef __cplusplus
@@ -50,6 +51,14 @@ enum jp_pilot_phase {
     JP_PILOT_RESTING,  /**< no route */
     JP_PILOT_PLANNING, /**< plans and forecasts the whole route */
     JP_PILOT_DRIVING
+};
+
+/** A leg as planned. */
+struct jp_pilot_leg {
+    jp_q24 speed;    /**< of its middle, m/s */
+    jp_q24 turn;     /**< of the heading from its begin to its end, rad; ±π */
+    jp_q16 duration; /**< s */
+    jp_q16 energy;   /**< as learned, J */
 };
 
 /** Private: what became of the last jp_pilot_ask() or jp_pilot_follow(). */
@@ -83,12 +92,15 @@ struct jp_pilot_drive {
 struct jp_pilot_internal {
     struct jp_robot *robot;
     struct jp_energy_model model; /**< as learned when the last plan began */
+    struct jp_back_emf back_emf;
     const struct jp_point *targets;
     uint16_t target_count;
     enum jp_pilot_end end;
     enum jp_pilot_question question;
     bool is_question;  /**< the route is only to be forecast */
     bool is_surveying; /**< the survey has begun */
+    bool is_onward;    /**< it goes on from a leg that is driven or is to be */
+    bool needs_stand;  /**< the route cannot go on from there */
     enum jp_status forecast_status;
     struct jp_forecast forecast;
     struct jp_pilot_survey survey;
@@ -109,6 +121,7 @@ struct jp_pilot {
     uint8_t current_findings;   /**< jp_current_check_update() did; 0 where nobody asks them */
     uint16_t targets_surveyed;  /**< of the route, whose legs were planned for its forecast */
     uint16_t targets_planned;   /**< whose legs were handed over */
+    struct jp_pilot_leg leg;    /**< of the last of them */
     struct jp_pilot_internal internal;
 };
 
@@ -121,9 +134,9 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
                              const char **field);
 
 /**
- * Drives through `targets`, which must stay until the robot stands. Replaces an earlier route; a leg that is driven or
- * was handed over is driven to its end first. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor
- * driving.
+ * Drives through `targets`, which must stay until the robot stands or another route replaces them. Replaces an earlier
+ * route; a leg that is driven or was handed over is driven to its end first, and the robot stands there if it cannot go
+ * on in motion. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
  */
 enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count,
                                enum jp_pilot_end end);

@@ -237,10 +237,10 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
 
 /**
  * Drives a trajectory, whose memory must stay until the robot stands: at once when balancing, after what it drives
- * when driving. It must begin where and as the robot then is; after another trajectory, where and as that one ends. More
- * legs may be planned meanwhile, each before the one before it ends; without one, the robot stands. Each leg counts as a segment. JP_ERR_STATE: neither
- * balancing nor driving. JP_ERR_BUSY: a segment or a trajectory waits. JP_ERR_ARGUMENT: null, without legs, or a leg
- * is faster than limits.speed.
+ * when driving. It must begin where and as the robot then is; after another trajectory, where and as that one ends.
+ * More legs may be planned meanwhile, each before the one before it ends; without one, the robot stands. Each leg
+ * counts as a segment. JP_ERR_STATE: neither balancing nor driving. JP_ERR_BUSY: a segment or a trajectory waits.
+ * JP_ERR_ARGUMENT: null, without legs, or a leg is faster than limits.speed.
  */
 enum jp_status jp_robot_drive_trajectory(struct jp_robot *robot, const struct jp_trajectory *trajectory);
 

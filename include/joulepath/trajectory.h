@@ -127,7 +127,7 @@ struct jp_trajectory_drive_internal {
     uint32_t share;           /**< s, Q32 */
     enum jp_trajectory_piece piece;
     uint16_t leg;
-    uint16_t place; /**< of the leg */
+    uint16_t place;                /**< of the leg */
     int32_t mode[JP_TRAVEL_MODES]; /**< m/s in Q28 */
 };
 

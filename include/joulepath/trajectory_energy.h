@@ -4,7 +4,10 @@
  *   E = 2/Rm ∫ (uc² + ud²) dt + (b1 − c1) ∫ v² dt + (b2 − c2) ∫ φ̇² dt + Ps T
  *
  * with uc, ud half the sum and half the difference of the voltages, which the trajectory tells, and c1 v² + c2 φ̇² what
- * they take in a steady motion: what the model knows of the steady motion, of this robot or of its battery, replaces it.
+ * they take in a steady motion: what the model knows of the steady motion of this robot replaces it. What the battery
+ * gives is u·i instead of u²/Rm: with ec v and ed φ̇, which the motors' motion takes of the voltages,
+ *
+ *   E = 2/Rm ∫ (uc (uc − ec v) + ud (ud − ed φ̇)) dt + …
  */
 #ifndef JOULEPATH_TRAJECTORY_ENERGY_H
 #define JOULEPATH_TRAJECTORY_ENERGY_H
@@ -21,6 +24,13 @@ extern "C" {
  */
 jp_q24 jp_cruise_speed(const struct jp_energy_model *model);
 
+/** Of the motors, as a trajectory tells its voltages: what the battery gives is the voltage times the current that it
+ *  leaves. Zero: energy of the voltages alone, as of jp_meter.model. */
+struct jp_back_emf {
+    jp_q16 travel;  /**< ec, V·s/m; 0…4 096 */
+    jp_q16 turning; /**< ed, V·s/turn; 0…4 096 */
+};
+
 /**
  * What a leg takes, its travel without what is left of the difference at the start; config and model passed their
  * checks. `modes`: what is left of the difference at the trajectory's start when the leg begins, at first transient/16;
@@ -28,13 +38,13 @@ jp_q24 jp_cruise_speed(const struct jp_energy_model *model);
  * JP_ERR_ARGUMENT: a null pointer. Bounded work; not for ISRs.
  */
 enum jp_status jp_trajectory_leg_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
-                                        const struct jp_trajectory_leg *leg, jp_q24 modes[JP_TRAVEL_MODES],
-                                        struct jp_leg_energy *result);
+                                        const struct jp_back_emf *back_emf, const struct jp_trajectory_leg *leg,
+                                        jp_q24 modes[JP_TRAVEL_MODES], struct jp_leg_energy *result);
 
 /**
- * Energy in J of the whole trajectory, all of whose legs are in its places; config and model passed their checks.
- * JP_ERR_OVERFLOW: more than 32 767 J, which is what *energy then is. JP_ERR_ARGUMENT: a null pointer. O(legs); not for
- * ISRs.
+ * Energy in J, of the motors' voltages, of the whole trajectory, all of whose legs are in its places; config and model
+ * passed their checks. JP_ERR_OVERFLOW: more than 32 767 J, which is what *energy then is. JP_ERR_ARGUMENT: a null
+ * pointer. O(legs); not for ISRs.
  */
 enum jp_status jp_trajectory_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
                                     const struct jp_trajectory *trajectory, jp_q16 *energy);

@@ -50,8 +50,9 @@ struct jp_chord {
 /** Private: what holds at the waypoint that the last leg leads to. */
 struct jp_trajectory_plan_internal {
     struct jp_trajectory_task task;
-    struct jp_chord chord; /**< of the leg that is planned next */
-    struct jp_way ahead;   /**< where the trajectory is, from the waypoint */
+    struct jp_chord chord;    /**< of the leg that is planned next */
+    struct jp_point waypoint; /**< that the last leg leads to; at first the start */
+    struct jp_way ahead;      /**< where the trajectory is, from the waypoint */
     struct jp_waypoint_motion motion;
     jp_q24 modes[JP_TRAVEL_MODES];
     uint32_t blend; /**< of the last leg, at its end, set-points */
@@ -65,9 +66,9 @@ struct jp_trajectory_plan {
 
 /**
  * Begins a plan, and the trajectory: without a leg yet, in the caller's memory for `places` legs. The task is copied,
- * its targets must stay until all legs are planned. JP_ERR_ZERO_LENGTH, JP_ERR_ARGUMENT: as jp_segment_optimise(), or a
- * null pointer, a count or `places` of 0, a cruise or a motion out of its range. JP_ERR_INFEASIBLE: the robot has not
- * the voltage for the first turns. For the background.
+ * its targets must stay until all legs are planned, or the plan goes on to others. JP_ERR_ZERO_LENGTH, JP_ERR_ARGUMENT:
+ * as jp_segment_optimise(), or a null pointer, a count or `places` of 0, a cruise or a motion out of its range.
+ * JP_ERR_INFEASIBLE: the robot has not the voltage for the first turns. For the background.
  */
 enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task,
                                         struct jp_trajectory_leg *legs, uint16_t places,

@@ -14,6 +14,7 @@
 #define STILL_SHARE 10
 
 #define TURNS_PER_RADIAN JP_Q24(0.15915494309)
+#define RADIANS_PER_TURN JP_Q24(6.28318530718)
 
 static bool motors_run(enum jp_robot_state state)
 {
@@ -37,6 +38,14 @@ static enum jp_status check(const struct jp_pilot_config *config, const char **f
     return status == JP_OK && config->learning != NULL ? jp_learning_check(config->learning, field) : status;
 }
 
+static struct jp_back_emf back_emf_of(const struct jp_robot_config *robot)
+{
+    return (struct jp_back_emf){
+        .travel = jp_multiply_shift(robot->monitor.back_emf, robot->trajectory.turns_per_metre, 24),
+        .turning = jp_q16_multiply(robot->monitor.back_emf, robot->monitor.half_track),
+    };
+}
+
 enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_config *config, struct jp_robot *robot,
                              const char **field)
 {
@@ -48,6 +57,9 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
 
     if (status == JP_OK) {
         *pilot = (struct jp_pilot){.config = *config, .internal = {.robot = robot, .model = *config->model}};
+        if (config->meter == JP_PILOT_BATTERY) {
+            pilot->internal.back_emf = back_emf_of(jp_robot_configuration(robot));
+        }
         if (config->learning != NULL) {
             jp_learner_start(&pilot->learner, config->learning, config->model, NULL);
         }
@@ -74,7 +86,7 @@ static void rest(struct jp_pilot *pilot, enum jp_status status)
 
 /* What the robot does. */
 
-static void learn(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+static void end_leg(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
     const struct jp_pilot_drive *drive = &pilot->internal.drive;
     const bool of_battery = pilot->config.meter == JP_PILOT_BATTERY;
@@ -82,7 +94,10 @@ static void learn(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
     const struct jp_leg_energy *energy = &drive->energy[(drive->begun - 1U) % JP_PILOT_PLACES];
 
     pilot->evidence = jp_segment_evidence(&drive->watch, telemetry, of_battery);
-    if (pilot->evidence == JP_EVIDENCE_GOOD && pilot->config.learning != NULL &&
+    if (pilot->config.learning == NULL) {
+        return;
+    }
+    if (pilot->evidence == JP_EVIDENCE_GOOD &&
         jp_learner_update_leg(&pilot->learner, energy, jp_energy_to_q16(measured), &pilot->learned) == JP_OK) {
         pilot->legs_learned_from = jp_one_more32(pilot->legs_learned_from);
     } else {
@@ -110,7 +125,7 @@ static bool watch(struct jp_pilot *pilot, const struct jp_telemetry *telemetry, 
 
     jp_segment_watch_note(&drive->watch, pilot->battery_flags, pilot->current_findings);
     if (drive->is_driven && begun != drive->begun) {
-        learn(pilot, telemetry);
+        end_leg(pilot, telemetry);
         was_cut = begun == 0U && pilot->evidence == JP_EVIDENCE_INCOMPLETE;
     }
     if (begun > 0U && (drive->is_waiting || begun != drive->begun)) {
@@ -164,7 +179,8 @@ static enum jp_status start_plan(const struct jp_trajectory_task *task, struct j
 
 /* The survey: the route as it will be driven, for its forecast. */
 
-/** It begins where the leg ends that the robot drives or is to drive; where that ends at a stand, it waits for that. */
+/** It begins where the leg ends that the robot drives or is to drive; where it cannot go on in motion, from the stand
+ *  there. */
 static enum jp_status begin_survey(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
     struct jp_pilot_internal *internal = &pilot->internal;
@@ -172,7 +188,8 @@ static enum jp_status begin_survey(struct jp_pilot *pilot, const struct jp_telem
     const struct jp_pilot_drive *drive = &internal->drive;
     enum jp_status status;
 
-    if (drive->is_stopped) {
+    internal->is_onward = drive->is_waiting || drive->is_driven;
+    if (internal->is_onward && (drive->is_stopped || internal->needs_stand)) {
         return JP_OK;
     }
     if (pilot->config.learning != NULL) {
@@ -181,15 +198,12 @@ static enum jp_status begin_survey(struct jp_pilot *pilot, const struct jp_telem
 
     const struct jp_trajectory_task task = task_of(pilot, telemetry);
 
-    if (drive->is_waiting || drive->is_driven) {
+    if (internal->is_onward) {
         survey->plan = drive->plan;
         for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
             survey->modes[i] = drive->modes[i];
         }
         status = jp_trajectory_plan_redirect(&survey->plan, &task);
-        if (status == JP_ERR_STATE) {
-            return JP_OK;
-        }
     } else {
         status = start_plan(&task, &survey->plan, &survey->leg, 1, &survey->trajectory, survey->modes);
     }
@@ -224,8 +238,8 @@ static enum jp_status survey_leg(struct jp_pilot *pilot)
     struct jp_leg_energy energy;
 
     if (status == JP_OK) {
-        const enum jp_status format =
-            jp_trajectory_leg_energy(config, pilot->config.model, &survey->leg, survey->modes, &energy);
+        const enum jp_status format = jp_trajectory_leg_energy(config, pilot->config.model, &internal->back_emf,
+                                                               &survey->leg, survey->modes, &energy);
 
         add_to_forecast(pilot, &energy, format);
         pilot->targets_surveyed = survey->plan.planned;
@@ -266,7 +280,7 @@ static enum jp_status finish_survey(struct jp_pilot *pilot, const struct jp_tele
     return JP_OK;
 }
 
-static enum jp_status survey(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+static enum jp_status survey_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
     if (!pilot->internal.is_surveying) {
         return begin_survey(pilot, telemetry);
@@ -275,18 +289,50 @@ static enum jp_status survey(struct jp_pilot *pilot, const struct jp_telemetry *
                                                                               : finish_survey(pilot, telemetry);
 }
 
+static enum jp_status survey(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+{
+    const enum jp_status status = survey_on(pilot, telemetry);
+
+    if (pilot->internal.is_onward && (status == JP_ERR_INFEASIBLE || status == JP_ERR_STATE)) {
+        pilot->internal.needs_stand = true;
+        pilot->internal.is_surveying = false;
+        return JP_OK;
+    }
+    return status;
+}
+
 /* The drive. */
+
+/** What is told of a leg that begins in this heading. */
+static void describe(struct jp_pilot *pilot, const struct jp_trajectory_leg *leg, const struct jp_leg_energy *energy,
+                     jp_angle heading)
+{
+    struct jp_forecast_sum sum = {.energy = energy->energy};
+
+    if (pilot->config.learning != NULL) {
+        sum.energy = 0;
+        (void)jp_forecast_add_leg(&pilot->learner, &sum, energy);
+    }
+    pilot->leg = (struct jp_pilot_leg){
+        .speed = leg->speed,
+        .turn = jp_multiply_shift((int32_t)(leg->next.heading - heading), RADIANS_PER_TURN, 32),
+        .duration = energy->duration,
+        .energy = jp_saturate32(sum.energy),
+    };
+}
 
 static enum jp_status plan_leg(struct jp_pilot *pilot)
 {
     struct jp_pilot_drive *drive = &pilot->internal.drive;
     const struct jp_trajectory_config *config = &jp_robot_configuration(pilot->internal.robot)->trajectory;
     const uint16_t place = drive->trajectory.count % JP_PILOT_PLACES;
+    const jp_angle heading = drive->plan.internal.motion.heading;
     const enum jp_status status = jp_trajectory_plan_leg(&drive->plan, &drive->legs[place]);
 
     if (status == JP_OK) {
-        (void)jp_trajectory_leg_energy(config, pilot->config.model, &drive->legs[place], drive->modes,
-                                       &drive->energy[place]);
+        (void)jp_trajectory_leg_energy(config, pilot->config.model, &pilot->internal.back_emf, &drive->legs[place],
+                                       drive->modes, &drive->energy[place]);
+        describe(pilot, &drive->legs[place], &drive->energy[place], heading);
         JP_STORE_RELEASE(&drive->trajectory.count, (uint16_t)(drive->trajectory.count + 1U));
         pilot->targets_planned++;
     }
@@ -401,6 +447,7 @@ static void accept(struct jp_pilot *pilot, const struct jp_point *targets, uint1
     pilot->internal.target_count = count;
     pilot->internal.end = end;
     pilot->internal.is_question = is_question;
+    pilot->internal.needs_stand = false;
     pilot->internal.question = JP_PILOT_ASKED;
     pilot->targets_surveyed = 0;
     pilot->targets_planned = 0;

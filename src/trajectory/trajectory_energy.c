@@ -15,9 +15,10 @@
 /** A leg's energy in the making. */
 struct sum {
     const struct jp_trajectory_config *config;
+    const struct jp_back_emf *back_emf;
     jp_q24 *modes;
     uint32_t set_points;
-    int64_t squares; /**< ∫ (uc² + ud²) dt, V²·s in Q20 */
+    int64_t squares; /**< ∫ (uc (uc − ec v) + ud (ud − ed φ̇)) dt, V²·s in Q20 */
     int64_t travel;  /**< m²/s in Q20 */
     int64_t turning; /**< turn²/s in Q20 */
 };
@@ -31,16 +32,24 @@ jp_q24 jp_cruise_speed(const struct jp_energy_model *model)
     return jp_clamp32((int32_t)root, CRUISE_MIN, CRUISE_MAX);
 }
 
-/** What the modes add to the mean voltage at a share of so many set_points, V. */
-static jp_q16 voltage_of_modes(const struct sum *sum, uint32_t set_points, int32_t share)
+/** What the modes add to the mean voltage and to the speed at a share of so many set_points. */
+static void add_modes(const struct sum *sum, uint32_t set_points, int32_t share, jp_q16 *volts, jp_q24 *speed)
 {
-    int64_t volts = 0; /* Q40 */
+    int64_t added = 0; /* Q40 */
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        volts +=
-            jp_multiply(sum->config->modes.volts[i], jp_mode_after(sum->config, i, sum->modes[i], set_points, share));
+        const jp_q24 mode = jp_mode_after(sum->config, i, sum->modes[i], set_points, share);
+
+        added += jp_multiply(sum->config->modes.volts[i], mode);
+        *speed = jp_add(*speed, mode);
     }
-    return jp_round_shift(volts, 24);
+    *volts = jp_add(*volts, jp_round_shift(added, 24));
+}
+
+/** u (u − e·rate), V² in Q32. */
+static int64_t drawn(jp_q16 volts, jp_q16 back_emf, jp_q24 rate)
+{
+    return jp_multiply(volts, jp_sub(volts, jp_multiply_shift(back_emf, rate, 24)));
 }
 
 static void pass(struct sum *sum, uint32_t set_points)
@@ -69,13 +78,18 @@ static void add_blend(struct sum *sum, const struct jp_blend *blend)
         struct jp_set_point at;
 
         jp_blend_at(blend, nodes[k].share, &at);
-        at.common = jp_add(at.common, voltage_of_modes(sum, set_points, nodes[k].share));
 
-        const int64_t square = (jp_multiply(at.common, at.common) + jp_multiply(at.difference, at.difference)) >> 12;
-        const jp_q24 speed = jp_q24_divide(at.wheel_rate, sum->config->turns_per_metre);
+        const jp_q24 steady = jp_q24_divide(at.wheel_rate, sum->config->turns_per_metre);
+        jp_q24 speed = steady;
+
+        add_modes(sum, set_points, nodes[k].share, &at.common, &speed);
+
+        const int64_t square = (drawn(at.common, sum->back_emf->travel, speed) +
+                                drawn(at.difference, sum->back_emf->turning, at.yaw_rate)) >>
+                               12;
 
         squares += (square >> 4) * (nodes[k].weight >> 10);
-        travel += jp_multiply(jp_q24_multiply(speed, speed), nodes[k].weight);              /* Q54 */
+        travel += jp_multiply(jp_q24_multiply(steady, steady), nodes[k].weight);            /* Q54 */
         turning += jp_multiply(jp_q24_multiply(at.yaw_rate, at.yaw_rate), nodes[k].weight); /* Q54 */
     }
     sum->squares += over_time(sum, squares >> 16, set_points);
@@ -84,13 +98,14 @@ static void add_blend(struct sum *sum, const struct jp_blend *blend)
     pass(sum, set_points);
 }
 
-/** ∫ of two modes' product, Q24 (m/s)² by Q16 1/s: V²·s in Q20. */
+/** ∫ of two modes' product, Q24 (m/s)² by Q16 1/s, with the voltages that they are: V²·s in Q20. */
 static int64_t product_of_modes(const struct sum *sum, const jp_q24 *left, unsigned i, unsigned j)
 {
     const struct jp_travel_modes *modes = &sum->config->modes;
     const int64_t gone = (jp_multiply(sum->modes[i], sum->modes[j]) - jp_multiply(left[i], left[j])) >> 16; /* Q32 */
     const int64_t rate = (int64_t)jp_mode_rate(sum->config, i) + jp_mode_rate(sum->config, j);              /* Q16 */
-    const int64_t volts = jp_multiply(modes->volts[i], modes->volts[j]) >> 16;                              /* Q16 */
+    const jp_q16 kept = jp_sub(modes->volts[j], sum->back_emf->travel);
+    const int64_t volts = jp_multiply(modes->volts[i], kept) >> 16; /* Q16 */
 
     return (gone * 256 / rate * volts) >> 20;
 }
@@ -98,20 +113,24 @@ static int64_t product_of_modes(const struct sum *sum, const jp_q24 *left, unsig
 static void add_middle(struct sum *sum, const struct jp_cruise *cruise, jp_q24 speed)
 {
     const struct jp_travel_modes *modes = &sum->config->modes;
+    const jp_q16 back_emf = sum->back_emf->travel;
     const jp_q16 steady = cruise->common;
+    const jp_q16 kept = jp_sub(steady, jp_multiply_shift(back_emf, speed, 24));
     const uint32_t set_points = cruise->set_points;
     jp_q24 left[JP_TRAVEL_MODES];
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
         left[i] = jp_mode_after(sum->config, i, sum->modes[i], set_points, Q30_ONE);
     }
-    sum->squares += over_time(sum, jp_multiply(steady, steady) >> 12, set_points);
+    sum->squares += over_time(sum, jp_multiply(steady, kept) >> 12, set_points);
     sum->travel += over_time(sum, jp_multiply(speed, speed) >> 28, set_points);
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        const int64_t once = jp_multiply(modes->volts[i], steady) >> 16; /* V²·s/m in Q16 */
+        const int64_t beside =
+            jp_multiply(steady, jp_sub(modes->volts[i], back_emf)) + jp_multiply(modes->volts[i], kept);
+        const int64_t once = beside >> 16; /* V²·s/m in Q16 */
         const int64_t way = ((int64_t)sum->modes[i] - left[i]) * JP_Q16_ONE / jp_mode_rate(sum->config, i);
 
-        sum->squares += (once * way) >> 19;
+        sum->squares += (once * way) >> 20;
         for (unsigned j = 0; j < JP_TRAVEL_MODES; j++) {
             sum->squares += product_of_modes(sum, left, i, j);
         }
@@ -126,19 +145,21 @@ static bool narrow(int64_t value, jp_q16 *result)
     return *result == value;
 }
 
-/** b of the voltage that a steady motion takes: 2 u²/Rm. */
-static jp_q16 steady_power(const struct jp_energy_model *model, jp_q16 volts)
+/** b of the voltage that a steady motion takes: 2 u (u − e)/Rm. */
+static jp_q16 steady_power(const struct jp_energy_model *model, jp_q16 volts, jp_q16 back_emf)
 {
-    return jp_divide(2 * jp_multiply(volts, volts), model->motor_resistance);
+    return jp_divide(2 * jp_multiply(volts, jp_sub(volts, back_emf)), model->motor_resistance);
 }
 
 /** What the model says of the steady motion beyond its voltages, J in Q16. */
 static int64_t beyond_voltages(const struct sum *sum, const struct jp_energy_model *model,
                                const struct jp_leg_energy *leg)
 {
-    const jp_q16 turning = jp_divide(steady_power(model, sum->config->turning[0]) * (int64_t)1024, RADIANS_SQUARED);
+    const jp_q16 travel = steady_power(model, sum->config->volts[0], sum->back_emf->travel);
+    const jp_q16 by_turns = steady_power(model, sum->config->turning[0], sum->back_emf->turning);
+    const jp_q16 turning = jp_divide((int64_t)by_turns * 1024, RADIANS_SQUARED);
 
-    return (jp_multiply(jp_sub(model->b[0], steady_power(model, sum->config->volts[0])), leg->travel) +
+    return (jp_multiply(jp_sub(model->b[0], travel), leg->travel) +
             jp_multiply(jp_sub(model->b[1], turning), leg->turning)) >>
            16;
 }
@@ -157,12 +178,12 @@ static bool finish(const struct sum *sum, const struct jp_energy_model *model, s
 }
 
 enum jp_status jp_trajectory_leg_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
-                                        const struct jp_trajectory_leg *leg, jp_q24 modes[JP_TRAVEL_MODES],
-                                        struct jp_leg_energy *result)
+                                        const struct jp_back_emf *back_emf, const struct jp_trajectory_leg *leg,
+                                        jp_q24 modes[JP_TRAVEL_MODES], struct jp_leg_energy *result)
 {
-    struct sum sum = {.config = config, .modes = modes};
+    struct sum sum = {.config = config, .back_emf = back_emf, .modes = modes};
 
-    if (config == NULL || model == NULL || leg == NULL || modes == NULL || result == NULL) {
+    if (config == NULL || model == NULL || back_emf == NULL || leg == NULL || modes == NULL || result == NULL) {
         return JP_ERR_ARGUMENT;
     }
     add_blend(&sum, &leg->begin);
@@ -174,6 +195,7 @@ enum jp_status jp_trajectory_leg_energy(const struct jp_trajectory_config *confi
 enum jp_status jp_trajectory_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
                                     const struct jp_trajectory *trajectory, jp_q16 *energy)
 {
+    static const struct jp_back_emf of_voltages = {0, 0};
     jp_q24 modes[JP_TRAVEL_MODES];
     enum jp_status status = JP_OK;
     int64_t total = 0;
@@ -187,7 +209,7 @@ enum jp_status jp_trajectory_energy(const struct jp_trajectory_config *config, c
     for (uint16_t i = 0; i < trajectory->count; i++) {
         struct jp_leg_energy leg;
 
-        if (jp_trajectory_leg_energy(config, model, &trajectory->legs[i], modes, &leg) != JP_OK) {
+        if (jp_trajectory_leg_energy(config, model, &of_voltages, &trajectory->legs[i], modes, &leg) != JP_OK) {
             status = JP_ERR_OVERFLOW;
         }
         total += leg.energy;

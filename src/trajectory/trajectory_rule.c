@@ -18,6 +18,9 @@
 /** The last step is taken from a line that passes the waypoint at less than this, 2⁻²⁰ m: 4 mm. */
 #define ASIDE_MAX 4096U
 
+/** Of the middle's heading from its chord: an eighth of a turn. */
+#define ASTRAY_MAX ((uint32_t)1 << 29)
+
 #define SPEED_MAX      JP_Q24(8)
 #define CRUISE_MIN     JP_Q24(0.01)
 #define PITCH_MAX      JP_Q24(0.125)
@@ -159,6 +162,12 @@ static uint32_t find_set_points(const struct jp_trajectory_plan_internal *plan, 
     return (uint32_t)set_points;
 }
 
+/** The line between the blends leads more aside than its turns were made for: back to a waypoint behind, or round. */
+static bool leads_astray(const struct leg_search *leg)
+{
+    return jp_magnitude32((int32_t)(leg->result.heading - leg->result.chord)) > ASTRAY_MAX;
+}
+
 /** Heading and set_points of the middle. What is left of the modes after it moves the second blend, so that both are
  *  found until they agree. JP_ERR_INFEASIBLE: there is no room for one. */
 static enum jp_status find_middle(const struct jp_trajectory_plan_internal *plan, struct leg_search *leg)
@@ -173,7 +182,7 @@ static enum jp_status find_middle(const struct jp_trajectory_plan_internal *plan
         before = leg->result.middle.set_points;
         jp_modes_roll(config, leg->modes, leg->result.end.set_points, &leg->faded);
         find_heading(plan, leg);
-        if (leg->along <= 0 || jp_magnitude32(leg->aside) > ASIDE_MAX) {
+        if (leg->along <= 0 || jp_magnitude32(leg->aside) > ASIDE_MAX || leads_astray(leg)) {
             return JP_ERR_INFEASIBLE;
         }
         copy_modes(leg->modes, plan->modes);
@@ -290,7 +299,7 @@ enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const s
     if (plan == NULL || task == NULL || legs == NULL || places == 0U || trajectory == NULL || !is_valid(task)) {
         return JP_ERR_ARGUMENT;
     }
-    *plan = (struct jp_trajectory_plan){.internal = {.task = *task}};
+    *plan = (struct jp_trajectory_plan){.internal = {.task = *task, .waypoint = task->start}};
     *trajectory = (struct jp_trajectory){.legs = legs, .places = places};
 
     struct jp_trajectory_plan_internal *internal = &plan->internal;
@@ -325,7 +334,7 @@ enum jp_status jp_trajectory_plan_redirect(struct jp_trajectory_plan *plan, cons
 
     *onward = *task;
     onward->config = before->task.config;
-    onward->start = plan->planned == 0U ? before->task.start : before->task.targets[plan->planned - 1U];
+    onward->start = before->waypoint;
     onward->heading = before->motion.heading;
     onward->motion = (struct jp_travel_state){.turn_rate = before->motion.turn_rate};
     if (!is_valid(onward)) {
@@ -368,6 +377,7 @@ enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp
     if (status == JP_OK) {
         pass(internal, &search);
         internal->chord = next;
+        internal->waypoint = internal->task.targets[plan->planned];
         plan->planned = after;
         *leg = search.result;
     }

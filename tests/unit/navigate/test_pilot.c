@@ -207,7 +207,7 @@ static void test_without_learning(void)
     drive(slalom, 2);
     expect_rest();
     TEST_ASSERT_EQUAL_UINT32(0, pilot.legs_learned_from);
-    TEST_ASSERT_EQUAL_UINT32(2, pilot.legs_left_out);
+    TEST_ASSERT_EQUAL_UINT32(0, pilot.legs_left_out);
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &forecast));
     TEST_ASSERT_GREATER_THAN_INT32(JP_Q16(20), forecast.energy);
     TEST_ASSERT_EQUAL_INT32(0, forecast.deviation);
@@ -701,4 +701,33 @@ static void test_question_of_a_robot_that_falls(void)
     tick();
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_answer(&pilot, &forecast));
+}
+
+/* Nearer than the robot can slow down: it stands at the end of its leg first. */
+static void test_new_route_that_cannot_go_on_in_motion(void)
+{
+    const struct jp_point near[] = {{JP_Q16(1.21), JP_Q16(0.4)}, {JP_Q16(0.2), JP_Q16(0.6)}};
+
+    balance();
+    follow_slalom();
+    work_until_driving();
+    ticks(500);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(near, 2));
+    expect_legs_end(1, &slalom[0]);
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
+    drive(near, 2);
+    expect_rest();
+}
+
+static void test_a_leg_is_told_as_it_was_planned(void)
+{
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, 2));
+    work_until_driving();
+    TEST_ASSERT_EQUAL_INT32(telemetry().command.speed, pilot.leg.speed);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.003), (jp_q16)((int64_t)telemetry().segment_ticks_left * JP_Q16_ONE / 1000),
+                             pilot.leg.duration);
+    /* From 0 to the mean of 18.4° and -14°. */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.02), JP_Q24(0.0383), pilot.leg.turn);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(2), JP_Q16(37), pilot.leg.energy);
 }

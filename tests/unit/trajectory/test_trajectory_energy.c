@@ -13,6 +13,7 @@ static struct jp_energy_model model;
 static struct jp_trajectory_leg legs[2];
 static struct jp_trajectory trajectory;
 static jp_q16 energy;
+static const struct jp_back_emf of_voltages = {0, 0};
 
 /* Along x at 0.5 m/s for 20 s. */
 void setUp(void)
@@ -143,15 +144,61 @@ static void test_legs_by_a_model(void)
     legs[0].begin.set_points = 1000;
     trajectory.start.turn_rate = JP_Q24(0.1);
     shape();
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(21), leg.duration);
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(5.25), leg.travel);
     /* ω = 0.1 (1 − s) + 0.3 s (1 − s): ∫ ω² = 0.01/3 + 0.06/12 + 0.09/30 turn²/s, twice as long, by 39.4784 */
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(0.894844), leg.turning);
     model.b[0] += JP_Q16(3);
     model.b[1] += JP_Q16(2);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &other));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &other));
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), leg.energy + 3 * leg.travel + 2 * leg.turning, other.energy);
+}
+
+/* The voltages times the currents that the motors' motion leaves, set-point by set-point, J. */
+static double drawn(const struct jp_back_emf *back_emf)
+{
+    struct jp_trajectory_drive drive;
+    struct jp_set_point point;
+    double sum = 0;
+    uint32_t set_points = 0;
+
+    jp_trajectory_begin(&drive, &trajectory);
+    while (jp_trajectory_advance(&drive, &config, &point)) {
+        const double speed = (double)point.wheel_rate / config.turns_per_metre;
+        const double common = point.common / 65536.0;
+        const double difference = point.difference / 65536.0;
+
+        sum += common * (common - back_emf->travel / 65536.0 * speed) +
+               difference * (difference - back_emf->turning / 65536.0 * (point.yaw_rate / 16777216.0));
+        set_points++;
+    }
+    return (2 * sum * 65536 / model.motor_resistance + model.electronics_power / 65536.0 * set_points) *
+           JP_TICKS_PER_SET_POINT / config.tick_rate;
+}
+
+/* From rest into a turn; what decays lasts into the middle. */
+static void test_what_the_battery_gives(void)
+{
+    const struct jp_back_emf back_emf = {JP_Q16(4.687), JP_Q16(3.5)};
+    struct jp_leg_energy leg;
+
+    for (uint32_t set_points = 20; set_points <= 500U; set_points += 480U) {
+        jp_q24 modes[JP_TRAVEL_MODES] = {JP_Q24(0.2), JP_Q24(-0.3), JP_Q24(-0.4)};
+
+        legs[0].begin.set_points = set_points;
+        legs[0].end.set_points = 700;
+        legs[0].next.turn_rate = JP_Q24(0.1);
+        legs[0].next.heading = JP_ANGLE_DEGREES(30);
+        for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+            trajectory.transient[i] = 16 * modes[i];
+        }
+        shape();
+        model.b[0] = JP_Q16(2 * 5.424949 / 4 * (5.424949 - 4.687)); /* as the voltages and the motors' motion say */
+        model.b[1] = JP_Q16(2 * 5.112894 / 4 * (5.112894 - 3.5) / 39.4784);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &back_emf, &legs[0], modes, &leg));
+        TEST_ASSERT_INT32_WITHIN(leg.energy / 1000, (int32_t)(drawn(&back_emf) * 65536), leg.energy);
+    }
 }
 
 static void test_modes_of_a_leg_go_on_in_the_next(void)
@@ -167,10 +214,10 @@ static void test_modes_of_a_leg_go_on_in_the_next(void)
         trajectory.transient[i] = 16 * modes[i];
     }
     TEST_ASSERT_EQUAL_INT(JP_OK, forecast());
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &first));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &first));
     TEST_ASSERT_NOT_EQUAL_INT32(0, modes[2]);
     TEST_ASSERT_TRUE(modes[2] < JP_Q24(0.1));
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &legs[1], modes, &second));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[1], modes, &second));
     TEST_ASSERT_EQUAL_INT32(energy, first.energy + second.energy);
 }
 
@@ -179,11 +226,15 @@ static void test_legs_refuse_null_pointers(void)
     jp_q24 modes[JP_TRAVEL_MODES] = {0};
     struct jp_leg_energy leg;
 
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(NULL, &model, &legs[0], modes, &leg));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, NULL, &legs[0], modes, &leg));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, &model, NULL, modes, &leg));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, &model, &legs[0], NULL, &leg));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(NULL, &model, &of_voltages, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT,
+                          jp_trajectory_leg_energy(&config, NULL, &of_voltages, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, &model, NULL, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_leg_energy(&config, &model, &of_voltages, NULL, modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT,
+                          jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], NULL, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT,
+                          jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, NULL));
 }
 
 /* Each member alone. */
@@ -195,7 +246,8 @@ static void test_a_leg_beyond_its_format(void)
     legs[0].begin.set_points = 1U << 24;
     shape();
     legs[0].begin.yaw_rate[0] = JP_Q24(8);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW,
+                          jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.turning);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.energy);
     setUp();
@@ -205,7 +257,8 @@ static void test_a_leg_beyond_its_format(void)
     trajectory.start.speed = JP_Q24(0.01);
     legs[0].middle.set_points = 20000000; /* 40 000 s */
     shape();
-    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_trajectory_leg_energy(&config, &model, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW,
+                          jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.duration);
     TEST_ASSERT_INT32_WITHIN(JP_Q16(1), JP_Q16(59), leg.energy);
 }

@@ -342,3 +342,124 @@ static void test_a_blend_is_a_tick_at_least(void)
     targets[0].x = JP_Q16(0.01);
     TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
 }
+
+/* ---- Leg by leg ---- */
+
+static struct jp_trajectory_plan onward;
+
+static enum jp_status start_in_places(uint16_t places)
+{
+    return jp_trajectory_plan_start(&onward, &task, legs, places, &trajectory);
+}
+
+static void test_a_plan_refuses_bad_arguments(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_start(NULL, &task, legs, 2, &trajectory));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_start(&onward, NULL, legs, 2, &trajectory));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_start(&onward, &task, NULL, 2, &trajectory));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_start(&onward, &task, legs, 2, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, start_in_places(0));
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_in_places(1));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_leg(NULL, &legs[0]));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_leg(&onward, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_redirect(NULL, &task));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_redirect(&onward, NULL));
+    task.count = 0;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_plan_redirect(&onward, &task));
+}
+
+/* In places for two, the legs are those that are planned at once. */
+static void test_legs_one_by_one(void)
+{
+    struct jp_trajectory_leg whole[LEGS];
+    struct jp_trajectory all;
+
+    for (int i = 0; i < LEGS; i++) {
+        targets[i].y = i % 2 == 0 ? JP_Q16(0.4) : -JP_Q16(0.3);
+    }
+    task.count = LEGS;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_by_rule(&task, whole, &all));
+    TEST_ASSERT_EQUAL_UINT16(LEGS, all.count);
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_in_places(2));
+    TEST_ASSERT_EQUAL_UINT16(0, trajectory.count);
+    TEST_ASSERT_EQUAL_MEMORY(&all.start, &trajectory.start, sizeof all.start);
+    for (uint16_t i = 0; i < LEGS; i++) {
+        TEST_ASSERT_EQUAL_UINT16(i, onward.planned);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[i % 2U]));
+        TEST_ASSERT_EQUAL_MEMORY(&whole[i], &legs[i % 2U], sizeof whole[i]);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_trajectory_plan_leg(&onward, &legs[0]));
+}
+
+static void test_a_leg_that_fails_writes_nothing(void)
+{
+    struct jp_trajectory_leg before;
+
+    targets[3] = targets[2];
+    task.count = 4;
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_in_places(2));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[0]));
+    before = legs[0];
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_trajectory_plan_leg(&onward, &legs[0]));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &legs[0], sizeof before);
+    TEST_ASSERT_EQUAL_UINT16(1, onward.planned);
+}
+
+/* From the second target towards the left, as a plan that begins there in that motion would go. */
+static void test_other_targets_on_the_way(void)
+{
+    const struct jp_point left[] = {{JP_Q16(8), JP_Q16(3)}, {JP_Q16(8), JP_Q16(6)}};
+    struct jp_trajectory_task to_left = task;
+
+    task.count = 4;
+    to_left.targets = left;
+    to_left.count = 2;
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_in_places(2));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[0]));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[1]));
+    targets[0] = targets[1] = targets[2] = (struct jp_point){0, 0}; /* nobody reads them any more */
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_redirect(&onward, &to_left));
+    TEST_ASSERT_EQUAL_UINT16(0, onward.planned);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[2]));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[3]));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_trajectory_plan_leg(&onward, &legs[4]));
+    /* From (6, 0) to (8, 3): 56.3°, then 90°. */
+    TEST_ASSERT_INT32_WITHIN(1000, 0, (int32_t)(legs[2].chord - jp_angle_from_radians(JP_Q24(0.9827937))));
+    TEST_ASSERT_INT32_WITHIN(JP_ANGLE_DEGREES(8), 0, (int32_t)(legs[2].heading - legs[2].chord));
+    TEST_ASSERT_INT32_WITHIN(JP_ANGLE_DEGREES(4), JP_ANGLE_DEGREES(73), (int32_t)legs[2].next.heading);
+    TEST_ASSERT_INT32_WITHIN(JP_ANGLE_DEGREES(4), JP_ANGLE_DEGREES(90), (int32_t)legs[3].next.heading);
+    TEST_ASSERT_EQUAL_INT32(0, legs[3].next.speed);
+}
+
+static void test_other_targets_before_the_first_leg(void)
+{
+    struct jp_trajectory_leg direct;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_in_places(1));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &direct));
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_in_places(1));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_redirect(&onward, &task));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[0]));
+    TEST_ASSERT_EQUAL_MEMORY(&direct, &legs[0], sizeof direct);
+}
+
+static void test_no_other_targets_after_a_stand(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_in_places(1));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[0]));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_trajectory_plan_redirect(&onward, &task));
+}
+
+static void test_other_targets_that_are_refused(void)
+{
+    const struct jp_point here = {JP_Q16(3), 0};
+    const struct jp_trajectory_task back = {.cruise = JP_Q24(0.5), .targets = &here, .count = 1};
+    struct jp_trajectory_plan before;
+
+    task.count = 2;
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_in_places(2));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_plan_leg(&onward, &legs[0]));
+    before = onward;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_trajectory_plan_redirect(&onward, &back));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &onward, sizeof before);
+}
