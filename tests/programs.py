@@ -15,7 +15,7 @@ BUILD = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve()
 BIN = BUILD / "bin"
 VCAN_RESULTS = BUILD / "test/vcan"  # from inside with_vcan.sh to outside
 CANDUMP = "candump.log"
-LOG = "log_optimal.csv"
+LOG = "log_cruise.csv"
 
 LIMIT = 600  # s, for what takes seconds on an idle machine: something hangs
 SILENCES = "times that the bridges fell silent"

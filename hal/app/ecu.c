@@ -114,6 +114,9 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *con
     }
     *ecu = (struct jp_ecu){.internal = {.port = *port, .retained = retained}};
     status = jp_robot_init(&ecu->robot, config, model, field);
+    if (status == JP_OK) {
+        status = jp_pilot_init(&ecu->pilot, &(struct jp_pilot_config){.model = model}, &ecu->robot, field);
+    }
     if (status != JP_OK) {
         return status;
     }
@@ -139,17 +142,6 @@ void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *repor
     ecu->internal.reset_report = report;
 }
 
-static enum jp_status check_tables(const struct jp_ecu_learning *learning, const char **field)
-{
-    if (learning->stored == JP_STORED_TAKEN && learning->state == NULL) {
-        return JP_ERR_ARGUMENT;
-    }
-
-    const enum jp_status status = jp_learning_check(learning->learning, field);
-
-    return status == JP_OK && learning->horizon != NULL ? jp_horizon_check(learning->horizon, field) : status;
-}
-
 /** What jp_parameters_start() took was checked, but for the tables with which it was learned. */
 static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *learning)
 {
@@ -158,7 +150,7 @@ static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *
     if (learning->stored != JP_STORED_TAKEN) {
         return learning->stored;
     }
-    if (jp_learner_restore(&ecu->learner, learning->state, &field) == JP_OK) {
+    if (jp_learner_restore(&ecu->pilot.learner, learning->state, &field) == JP_OK) {
         return JP_STORED_TAKEN;
     }
     return learning->state->identity == 0U ? JP_STORED_NOTHING : JP_STORED_OTHER_TABLES;
@@ -170,32 +162,33 @@ static void use_learned_model(struct jp_ecu *ecu)
     struct jp_energy_model *model =
         &ecu->internal.models[jp_robot_model(&ecu->robot) == &ecu->internal.models[0] ? 1 : 0];
 
-    jp_learner_model(&ecu->learner, model);
+    jp_learner_model(&ecu->pilot.learner, model);
     jp_robot_use_model(&ecu->robot, model);
 }
 
 enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *learning, const char **field)
 {
-    if (ecu == NULL || learning == NULL) {
+    if (ecu == NULL || learning == NULL || learning->learning == NULL ||
+        (learning->stored == JP_STORED_TAKEN && learning->state == NULL)) {
         return JP_ERR_ARGUMENT;
     }
 
-    const enum jp_status status = check_tables(learning, field);
+    const struct jp_pilot_config config = {.model = jp_robot_model(&ecu->robot),
+                                           .learning = learning->learning,
+                                           .meter = learning->of_battery ? JP_PILOT_BATTERY : JP_PILOT_MOTORS};
+    const enum jp_status status = jp_pilot_init(&ecu->pilot, &config, &ecu->robot, field);
 
-    if (status != JP_OK) {
-        return status;
+    if (status == JP_OK) {
+        ecu->stored = restore(ecu, learning);
+        use_learned_model(ecu);
+        ecu->learns = true;
     }
-    jp_learner_start(&ecu->learner, learning->learning, jp_robot_model(&ecu->robot), learning->horizon);
-    ecu->stored = restore(ecu, learning);
-    jp_drive_watch_start(&ecu->watch, &ecu->learner, tick_rate(ecu), learning->of_battery);
-    use_learned_model(ecu);
-    ecu->learns = true;
-    return JP_OK;
+    return status;
 }
 
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu)
 {
-    return ecu->learns ? &ecu->learner.state : NULL;
+    return ecu->learns ? &ecu->pilot.learner.state : NULL;
 }
 
 /* Frames that arrive. */
@@ -424,12 +417,24 @@ static void pass_time(struct jp_ecu *ecu)
     ecu->internal.worked_tick = now;
 }
 
+static void end_route(struct jp_ecu *ecu, enum jp_route_reason reason)
+{
+    jp_pilot_stop(&ecu->pilot);
+    ecu->internal.has_route = false;
+    jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, reason);
+}
+
 static void stop(struct jp_ecu *ecu)
 {
     const bool lost = ecu->internal.operator_link.state == JP_OPERATOR_LOST;
 
-    jp_robot_stop(&ecu->robot);
-    jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, lost ? JP_REASON_TIMEOUT : JP_REASON_COMMAND);
+    end_route(ecu, lost ? JP_REASON_TIMEOUT : JP_REASON_COMMAND);
+}
+
+static void switch_off(struct jp_ecu *ecu)
+{
+    end_route(ecu, JP_REASON_SWITCHED_OFF);
+    jp_robot_disable(&ecu->robot);
 }
 
 /** Motors on, or why not. */
@@ -461,7 +466,7 @@ static void try_to_stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
 static void stand(struct jp_ecu *ecu, enum jp_robot_state state)
 {
     jp_route_link_forget_goal(&ecu->internal.routes);
-    if (state == JP_ROBOT_DRIVING || ecu->internal.routes.state == JP_ROUTE_DRIVING) {
+    if (state == JP_ROBOT_DRIVING || ecu->internal.has_route) {
         stop(ecu);
     } else if (state != JP_ROBOT_BALANCING && ecu->internal.operator_link.state == JP_OPERATOR_ALIVE) {
         try_to_stand_up(ecu, state);
@@ -477,11 +482,10 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
     }
     route = jp_route_link_take(&ecu->internal.routes, ecu->internal.operator_link.route);
     if (route != NULL) {
-        ecu->internal.drove = false;
         if (ecu->learns) {
             use_learned_model(ecu);
         }
-        (void)jp_robot_follow(&ecu->robot, route->points, route->length);
+        ecu->internal.has_route = jp_pilot_follow(&ecu->pilot, route->points, route->length, JP_PILOT_PASS) == JP_OK;
     }
 }
 
@@ -498,40 +502,39 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
     default:
         /* In idle, too: motors that the next tick would switch on. */
         if (ecu->internal.operator_link.state != JP_OPERATOR_NONE) {
-            jp_robot_disable(&ecu->robot);
+            switch_off(ecu);
         }
         break;
     }
 }
 
-/** Notices that the driven route has ended. The robot also stands when the plan of the next segment is late. */
-static void watch_route(struct jp_ecu *ecu, enum jp_robot_state state, bool has_next)
+/** Notices that the route has ended. */
+static void watch_route(struct jp_ecu *ecu)
 {
-    if (state == JP_ROBOT_DRIVING) {
-        ecu->internal.drove = true;
-    } else if (state != JP_ROBOT_BALANCING) {
+    const enum jp_robot_state state = jp_robot_state_now(&ecu->robot);
+
+    if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
+        ecu->internal.has_route = false;
         jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
-    } else if (ecu->internal.drove && !has_next) {
-        ecu->internal.drove = false;
-        jp_route_link_end(&ecu->internal.routes, JP_ROUTE_DONE, JP_REASON_NONE);
+    } else if (ecu->internal.has_route && ecu->pilot.phase == JP_PILOT_RESTING) {
+        const bool is_done = ecu->pilot.status == JP_OK;
+
+        ecu->internal.has_route = false;
+        jp_route_link_end(&ecu->internal.routes, is_done ? JP_ROUTE_DONE : JP_ROUTE_STOPPED,
+                          is_done ? JP_REASON_NONE : JP_REASON_PLAN);
     }
 }
 
-/** Plans the next segment when it is time, and announces it. */
-static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
+/** Drives on, and announces each leg that was planned. */
+static void pilot(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
 {
-    struct jp_robot *robot = &ecu->robot;
-    const uint16_t planned = jp_robot_segments_planned(robot);
+    const uint16_t planned = ecu->pilot.targets_planned;
 
     if (__atomic_load_n(&ecu->internal.plan.frames_left, __ATOMIC_ACQUIRE) != 0U) {
         return;
     }
-    if (jp_robot_work(robot) != JP_OK) {
-        jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
-    }
-    if (jp_robot_segments_planned(robot) > planned) {
-        jp_drive_watch_command(&ecu->watch, &jp_robot_planned(robot)->command);
-
+    (void)jp_pilot_work(&ecu->pilot);
+    if (ecu->pilot.targets_planned > planned) {
         const uint16_t begun = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0;
 
         ecu->internal.plan.segment = (uint8_t)(begun < UINT8_MAX ? begun + 1U : UINT8_MAX);
@@ -541,7 +544,7 @@ static void plan(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
 
 static void report_learned(struct jp_ecu *ecu)
 {
-    const struct jp_learner *learner = &ecu->learner;
+    const struct jp_learner *learner = &ecu->pilot.learner;
     struct jp_ecu_learned *learned = &ecu->internal.learned;
 
     jp_learner_causes(learner, &learned->friction, &learned->payload);
@@ -549,26 +552,24 @@ static void report_learned(struct jp_ecu *ecu)
     learned->version = learner->state.version;
     learned->changes = learner->changes;
     learned->outliers = learner->rejected;
-    learned->left_out = ecu->watch.left_out;
+    learned->left_out = ecu->pilot.legs_left_out;
     learned->cause = learner->cause;
-    learned->evidence = ecu->watch.evidence;
+    learned->evidence = ecu->pilot.evidence;
     __atomic_store_n(&learned->frames_left, (uint8_t)LEARNED_FRAMES, __ATOMIC_RELEASE);
 }
 
-/** From each segment that ended; it is told then, and now and then. */
-static void learn(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
+/** When a leg has ended, and now and then. */
+static void tell_learned(struct jp_ecu *ecu)
 {
-    uint32_t segments;
+    const uint32_t legs = ecu->pilot.legs_learned_from + ecu->pilot.legs_left_out;
 
-    (void)jp_drive_watch_update(&ecu->watch, telemetry, 0, 0);
-    segments = ecu->watch.learned_from + ecu->watch.left_out;
-    if (segments == ecu->internal.segments_told &&
+    if (legs == ecu->internal.segments_told &&
         ecu->internal.worked_tick - ecu->internal.told_tick < tick_rate(ecu) / LEARNED_RATE) {
         return;
     }
     if (__atomic_load_n(&ecu->internal.learned.frames_left, __ATOMIC_ACQUIRE) == 0U) {
         report_learned(ecu);
-        ecu->internal.segments_told = segments;
+        ecu->internal.segments_told = legs;
         ecu->internal.told_tick = ecu->internal.worked_tick;
     }
 }
@@ -576,20 +577,17 @@ static void learn(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
 void jp_ecu_work(struct jp_ecu *ecu)
 {
     struct jp_telemetry telemetry;
-    bool has_next;
 
     ecu->internal.told_to_stand = false;
     take_commands(ecu);
     pass_time(ecu);
-    /* Before the state is read: a segment that does not wait any more shows in it. */
-    has_next = jp_robot_has_next(&ecu->robot);
     if (!jp_robot_telemetry(&ecu->robot, &telemetry)) {
         return;
     }
-    if (ecu->learns) {
-        learn(ecu, &telemetry);
-    }
-    watch_route(ecu, telemetry.state, has_next);
     obey(ecu, telemetry.state);
-    plan(ecu, &telemetry);
+    pilot(ecu, &telemetry);
+    watch_route(ecu);
+    if (ecu->learns) {
+        tell_learned(ecu);
+    }
 }

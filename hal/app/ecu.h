@@ -20,9 +20,8 @@ extern "C" {
 
 /** What a robot learns with, and from where it goes on. */
 struct jp_ecu_learning {
-    const struct jp_horizon *horizon; /**< NULL: only segments of T >= Ts are learned from */
     const struct jp_learning *learning;
-    bool of_battery;                      /**< model, horizon and learning are of jp_meter.battery */
+    bool of_battery;                      /**< model and learning are of jp_meter.battery */
     enum jp_stored stored;                /**< what jp_parameters_start() found */
     const struct jp_learned_state *state; /**< taken with JP_STORED_TAKEN, else it may be null */
 };
@@ -45,7 +44,7 @@ void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *repor
 /**
  * The ECU learns the energy model from what it drives, and plans each route with what it knows when the route begins.
  * Right after jp_ecu_init(); what the pointers show must stay, but for the state, which is copied. JP_ERR_CONFIG:
- * *field names the first field of horizon or learning out of range; JP_ERR_ARGUMENT: a pointer is null that may not be.
+ * *field names the first field of learning out of range; JP_ERR_ARGUMENT: a pointer is null that may not be.
  * Then it does not learn.
  */
 enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *learning, const char **field);
@@ -65,8 +64,7 @@ bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame);
 /** One control tick. Constant time; at most 1 + JP_TELEMETRY_FRAMES_MAX frames are sent. For the control ISR. */
 void jp_ecu_tick(struct jp_ecu *ecu);
 
-/** One slice of background work. At most JP_ECU_QUEUE frames, one jp_drive_watch_update() and one jp_robot_work(). Not
- *  for ISRs. */
+/** One slice of background work. At most JP_ECU_QUEUE frames and one jp_pilot_work(). Not for ISRs. */
 void jp_ecu_work(struct jp_ecu *ecu);
 
 #ifdef __cplusplus

@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_HAL_APP_ECU_STATE_H
 #define JOULEPATH_HAL_APP_ECU_STATE_H
 
-#include <joulepath/drive_watch.h>
+#include <joulepath/pilot.h>
 
 #include "hal/app/retained.h"
 #include "hal/can/operator_link.h"
@@ -32,7 +32,7 @@ enum jp_refusal {
     JP_REFUSAL_CONFLICT     /**< another controller is on the bus */
 };
 
-/** The segment that jp_robot_planned() tells of, for the tick to be sent: no other one is planned before that. */
+/** The leg that the pilot tells of, for the tick to be sent: no other one is planned before that. */
 struct jp_ecu_plan {
     uint8_t frames_left; /**< to be sent; the background writes and plans while it is 0 */
     uint8_t segment;     /**< its number */
@@ -79,7 +79,7 @@ struct jp_ecu_internal {
     struct jp_route_link routes;
     uint8_t refusal;                  /**< enum jp_refusal of the last Stand of a robot whose motors are off */
     bool told_to_stand;               /**< the last valid OperatorCommand since the last work is a Stand */
-    bool drove;                       /**< the robot has begun to drive the route */
+    bool has_route;                   /**< the pilot has the route, or has ended it unnoticed */
     uint32_t worked_tick;             /**< up to which time has passed for it */
     struct jp_energy_model models[2]; /**< the robot plans with one, as learned when the last route began */
     uint32_t segments_told;           /**< in the last report of what was learned */
@@ -111,9 +111,8 @@ struct jp_ecu {
     uint8_t operator_timeouts;
     bool learns;
     struct jp_ecu_counts operator_counts;
-    enum jp_stored stored;       /**< what of the stored state is in use, or why not */
-    struct jp_learner learner;   /**< with `learns` */
-    struct jp_drive_watch watch; /**< with `learns` */
+    enum jp_stored stored; /**< what of the stored state is in use, or why not */
+    struct jp_pilot pilot;
 
     struct jp_ecu_internal internal;
 };

@@ -105,7 +105,7 @@ static void route_status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
         .length = offered ? routes->offered.length : routes->driven.length,
         .segment = count8(telemetry->segment),
         .segments_ended = count8(telemetry->segments_ended),
-        .plan_status = (int8_t)jp_robot_route_status(&ecu->robot),
+        .plan_status = (int8_t)ecu->pilot.status,
     };
 
     frame->id = JP_CAN_ROUTE_STATUS_FRAME_ID;
@@ -313,12 +313,11 @@ static unsigned take_scheduled(struct jp_ecu *ecu, struct jp_can_frame *frames)
 
 static void segment_motion(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_motion *planned = &jp_robot_planned(&ecu->robot)->command.motion;
     const int32_t limit = (int32_t)1 << 27;
     const struct jp_can_segment_motion_t signals = {
         .segment = ecu->internal.plan.segment,
-        .speed = jp_clamp32(planned->speed, -limit, limit - 1),
-        .turn_rate = jp_clamp32(planned->turn_rate, -limit, limit - 1),
+        .speed = jp_clamp32(ecu->pilot.leg.speed, -limit, limit - 1),
+        .turn_rate = jp_clamp32(jp_q16_divide(ecu->pilot.leg.turn, ecu->pilot.leg.duration), -limit, limit - 1),
     };
 
     frame->id = JP_CAN_SEGMENT_MOTION_FRAME_ID;
@@ -327,11 +326,10 @@ static void segment_motion(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void segment_shape(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_segment_command *planned = &jp_robot_planned(&ecu->robot)->command;
     const struct jp_can_segment_shape_t signals = {
         .segment = ecu->internal.plan.segment,
-        .turn = planned->turn,
-        .duration = (uint32_t)jp_clamp32(planned->duration, 0, (1 << 28) - 1),
+        .turn = ecu->pilot.leg.turn,
+        .duration = (uint32_t)jp_clamp32(ecu->pilot.leg.duration, 0, (1 << 28) - 1),
     };
 
     frame->id = JP_CAN_SEGMENT_SHAPE_FRAME_ID;
@@ -341,7 +339,7 @@ static void segment_shape(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 static void segment_forecast(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_can_segment_forecast_t signals = {.segment = ecu->internal.plan.segment,
-                                                      .energy = jp_robot_planned(&ecu->robot)->energy};
+                                                      .energy = ecu->pilot.leg.energy};
 
     frame->id = JP_CAN_SEGMENT_FORECAST_FRAME_ID;
     (void)jp_can_segment_forecast_pack(frame->data, &signals, sizeof frame->data);

@@ -1244,7 +1244,7 @@ struct jp_can_segment_motion_t {
     int32_t speed;
 
     /**
-     * Command of the path, in rad/s; what is measured or followed is YawRate, in turn/s.
+     * Mean of the segment, in rad/s; what is measured or followed is YawRate, in turn/s.
      *
      * Range: -134217728..134217727 (-8..8.0 rad/s)
      * Scale: 5.960464477539063e-08
@@ -1269,7 +1269,7 @@ struct jp_can_segment_shape_t {
     uint8_t segment;
 
     /**
-     * Change of heading at the start.
+     * Change of heading from its begin to its end.
      *
      * Range: -134217728..134217727 (-8..8.0 rad)
      * Scale: 5.960464477539063e-08

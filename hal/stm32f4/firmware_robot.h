@@ -17,7 +17,6 @@
 
 /** It learns if there are tables of the robot: the Makefile says so. */
 #ifdef FIRMWARE_LEARNS
-#define FIRMWARE_HORIZON  ROBOT_SYMBOL(jp_horizon_, FIRMWARE_ROBOT_NAME)
 #define FIRMWARE_LEARNING ROBOT_SYMBOL(jp_learning_, FIRMWARE_ROBOT_NAME)
 #endif
 

@@ -180,7 +180,7 @@ static void start_learning(void)
 {
 #ifdef FIRMWARE_LEARNS
     const struct jp_ecu_learning learning = {
-        .horizon = &FIRMWARE_HORIZON, .learning = &FIRMWARE_LEARNING, .stored = stored, .state = &parameters.energy};
+        .learning = &FIRMWARE_LEARNING, .stored = stored, .state = &parameters.energy};
     const char *field;
 
     (void)jp_lockstep_learn(&node, &learning, &field);

@@ -21,7 +21,6 @@ static bool learn(struct ecu_node *node, const struct robot_entry *entry, const 
 {
     const bool of_battery = model == entry->energy_battery;
     const struct jp_ecu_learning learning = {
-        .horizon = of_battery ? entry->horizon_battery : entry->horizon,
         .learning = of_battery ? entry->learning_battery : entry->learning,
         .of_battery = of_battery,
         .stored = stored,
@@ -33,7 +32,7 @@ static bool learn(struct ecu_node *node, const struct robot_entry *entry, const 
         return true;
     }
     if (jp_lockstep_learn(&node->lockstep, &learning, &field) != JP_OK) {
-        error_line("%s: %s is out of range; run make horizon learning ROBOT=%s", entry->name, field, entry->name);
+        error_line("%s: %s is out of range; run make learning ROBOT=%s", entry->name, field, entry->name);
         return false;
     }
     return true;

@@ -34,7 +34,7 @@ void learned_line_start(const struct jp_ecu *ecu, const char *path)
     } else if (ecu->stored == JP_STORED_NOTHING) {
         (void)printf("%s: nothing learned yet\n", path);
     } else if (ecu->stored == JP_STORED_TAKEN) {
-        (void)printf("%s: learned from %" PRIu32 " segments\n", path, ecu->learner.state.version);
+        (void)printf("%s: learned from %" PRIu32 " segments\n", path, ecu->pilot.learner.state.version);
     } else {
         (void)printf("%s: not used: %s; the built-in model serves\n", path, misfit(ecu->stored));
     }
@@ -70,7 +70,7 @@ static void print_cause(const struct jp_learner *learner)
 
 void learned_line_print(struct learned_line *last, const struct jp_ecu *ecu)
 {
-    const struct jp_learner *learner = &ecu->learner;
+    const struct jp_learner *learner = &ecu->pilot.learner;
 
     if (learner->changes == last->changes && learner->cause == last->cause) {
         return;

@@ -252,7 +252,7 @@ static void prepare(struct run *run, const struct jp_can_link *link)
 {
     struct bus_mission *result = run->result;
 
-    *result = (struct bus_mission){.fingerprint = FINGERPRINT_START};
+    *result = (struct bus_mission){.fingerprint = FINGERPRINT_START, .mission = {.strategy = MISSION_CRUISE}};
     bus_drive_init(&result->drive, &run->scenario->robot, run->scenario->seed, link);
     result->drive.patience = run->timing.patience;
     result->mission.leg_count = run->scenario->waypoint_count - 1;

@@ -180,8 +180,8 @@ static void print_counts(const struct jp_ecu *ecu)
         {"commands rejected", (uint32_t)ecu->sample_counts.rejected + ecu->operator_counts.rejected},
         {"operator timeouts", ecu->operator_timeouts},
         {"bus-offs", ecu->bus_offs},
-        {"segments learned from", ecu->watch.learned_from},
-        {"segments left out", ecu->watch.left_out},
+        {"segments learned from", ecu->pilot.legs_learned_from},
+        {"segments left out", ecu->pilot.legs_left_out},
     };
 
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -209,7 +209,7 @@ static bool open_files(struct files *files, const struct arguments *arguments)
     if (!output_directory(arguments->common.output)) {
         return false;
     }
-    files->log = output_open(arguments->common.output, mission_log_name(MISSION_OPTIMAL));
+    files->log = output_open(arguments->common.output, mission_log_name(MISSION_CRUISE));
     if (files->log != NULL && arguments->frames) {
         files->frames = output_open(arguments->common.output, FRAMES_NAME);
     }
@@ -219,7 +219,7 @@ static bool open_files(struct files *files, const struct arguments *arguments)
 static bool drive_route(struct bus_mission *result, const struct arguments *arguments, const struct scenario *scenario,
                         const struct jp_can_link *link, const struct files *files)
 {
-    const struct mission_view view = {.log = files->log, .progress = mission_name(MISSION_OPTIMAL)};
+    const struct mission_view view = {.log = files->log, .progress = mission_name(MISSION_CRUISE)};
     struct can_log log = {.stream = files->frames,
                           .inner = *link,
                           .interface = "can0",

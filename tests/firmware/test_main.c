@@ -361,9 +361,9 @@ static void test_what_was_learned_of_energy_is_there_after_a_restart(void)
 
     learn();
     TEST_ASSERT_EQUAL_INT(JP_STORED_NOTHING, node.ecu.stored);
-    node.ecu.learner.state.x[1] = JP_Q24(0.75);
-    node.ecu.learner.state.version = 12;
-    kept = node.ecu.learner.state;
+    node.ecu.pilot.learner.state.x[1] = JP_Q24(0.75);
+    node.ecu.pilot.learner.state.version = 12;
+    kept = node.ecu.pilot.learner.state;
     go_on(sample, 50);
     TEST_ASSERT_EQUAL_UINT32(0, stored_energy().version); /* the motors run */
     go_on(sample_and_command_off, 400);
@@ -395,7 +395,7 @@ static void test_what_another_robot_learned_is_refused_and_the_built_in_model_se
 static void test_nothing_is_kept_after_a_fault(void)
 {
     learn();
-    node.ecu.learner.state.version = 12;
+    node.ecu.pilot.learner.state.version = 12;
     go_on(convert_and_command_off, 600);
     TEST_ASSERT_EQUAL_INT64(0, stored_bias());
     TEST_ASSERT_EQUAL_UINT32(0, stored_energy().version);

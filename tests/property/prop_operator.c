@@ -175,10 +175,10 @@ static void check_driven(void)
     const struct jp_robot *robot = &stage.ecu.robot;
     size_t now = 0;
 
-    if (robot->internal.route == NULL || jp_robot_state_now(robot) != JP_ROBOT_DRIVING) {
+    if (jp_robot_state_now(robot) != JP_ROBOT_DRIVING) {
         return;
     }
-    TEST_ASSERT_EQUAL_PTR(stage.ecu.internal.routes.driven.points, robot->internal.route);
+    TEST_ASSERT_EQUAL_PTR(stage.ecu.internal.routes.driven.points, stage.ecu.pilot.internal.targets);
     for (size_t r = 0; r < stage.given_now; r++) {
         now = is_given(&stage.ecu.internal.routes.driven, &stage.given[r]) ? r + 1 : now;
     }

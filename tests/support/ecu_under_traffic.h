@@ -249,11 +249,11 @@ static void run_work(struct controller *self)
     require(ecu->internal.operator_link.mode == self->oracle.mode, "another mode is obeyed than was commanded");
     seen.lost_operators += alive && ecu->internal.operator_link.state == JP_OPERATOR_LOST ? 1U : 0U;
     check_route(self);
-    if (ecu->watch.learned_from + ecu->watch.left_out > self->segments) {
+    if (ecu->pilot.legs_learned_from + ecu->pilot.legs_left_out > self->segments) {
         seen.learned++;
         check_learned(ecu);
     }
-    self->segments = ecu->watch.learned_from + ecu->watch.left_out;
+    self->segments = ecu->pilot.legs_learned_from + ecu->pilot.legs_left_out;
 }
 
 static void execute(struct controller *self)
@@ -288,7 +288,6 @@ static void begin_to_learn(struct controller *self)
 {
     static struct jp_learned_state state;
     const struct jp_ecu_learning learning = {
-        .horizon = one_in(4) ? NULL : robot->horizon,
         .learning = robot->learning,
         .of_battery = one_in(2),
         .stored = (enum jp_stored)below(JP_STORED_DAMAGED + 1U),

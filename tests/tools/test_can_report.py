@@ -39,7 +39,7 @@ def summary_of(folder):
 
 
 def log_of(folder):
-    with open(folder / "log_optimal.csv", encoding="utf-8") as file:
+    with open(folder / "log_cruise.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 

@@ -21,7 +21,7 @@ JP_LCM = BUILD / "bin" / "jp-lcm"
 URL = "udpm://239.255.76.67:7667?ttl=0"
 MULTICAST = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
 POINTS = ((0.8, 0.1), (1.5, 0.6))
-RESULTS = ("summary.json", "log_optimal.csv")
+RESULTS = ("summary.json", "log_cruise.csv")
 
 sys.path.insert(0, str(BUILD / "lcm"))
 import jp  # noqa: E402
@@ -114,7 +114,7 @@ def test_messages_come_50_times_a_second(drive):
     for channel, message_type, extra in (("JP_STATE", jp.state_t, 0), ("JP_ENERGY", jp.energy_t, len(POINTS))):
         times = [message.utime for message in messages(drive / "drive.lcm", channel, message_type)]
         seconds = (times[-1] - times[0]) / 1e6
-        assert seconds > 8
+        assert seconds > 5
         assert len(times) - 1 == pytest.approx(50 * seconds + extra, abs=3)
         assert all(before <= after for before, after in zip(times, times[1:]))  # a busy machine sends two at once
 

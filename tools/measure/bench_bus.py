@@ -49,7 +49,7 @@ def drive_everywhere(build, folder):
 
 
 def are_equal(one, other):
-    files = ("log_optimal.csv", "frames.log")
+    files = ("log_cruise.csv", "frames.log")
     return (read_summary(one)["bus"]["fingerprint"] == read_summary(other)["bus"]["fingerprint"] and
             read_summary(one)["strategies"] == read_summary(other)["strategies"] and
             all((one / name).read_bytes() == (other / name).read_bytes() for name in files))

@@ -20,7 +20,7 @@ import numpy as np
 
 from tools.common import ToolError, write_whole
 
-STRATEGY = "optimal"
+STRATEGY = "cruise"
 LOG_NAME = f"log_{STRATEGY}.csv"
 SUMMARY_NAME = "summary.json"
 

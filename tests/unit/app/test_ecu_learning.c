@@ -27,8 +27,7 @@ static void learn(enum jp_stored stored)
 {
     const char *field = "";
 
-    learning = (struct jp_ecu_learning){
-        .horizon = &jp_horizon_courier24, .learning = &jp_learning_courier24, .stored = stored, .state = &state};
+    learning = (struct jp_ecu_learning){.learning = &jp_learning_courier24, .stored = stored, .state = &state};
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_learn(&ecu, &learning, &field));
 }
 
@@ -45,16 +44,12 @@ static void test_tables_out_of_range_are_refused_by_name(void)
 {
     const char *field = "";
     struct jp_learning bad_learning = jp_learning_courier24;
-    struct jp_horizon bad_horizon = jp_horizon_courier24;
-    struct jp_ecu_learning bad = {.horizon = &bad_horizon, .learning = &bad_learning};
+    struct jp_ecu_learning bad = {.learning = &bad_learning};
 
     bad_learning.identity = 0;
     TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_ecu_learn(&ecu, &bad, &field));
     TEST_ASSERT_EQUAL_STRING("learning.identity", field);
     bad_learning.identity = 1;
-    bad_horizon.duration_min = 0;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_ecu_learn(&ecu, &bad, &field));
-    TEST_ASSERT_EQUAL_STRING("horizon.duration_min", field);
     bad.learning = NULL;
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_learn(&ecu, &bad, &field));
     TEST_ASSERT_NULL(jp_ecu_learned_state(&ecu));
@@ -66,7 +61,6 @@ static void test_tables_out_of_range_are_refused_by_name(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_learn(NULL, &bad, &field));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_learn(&ecu, &bad, NULL));
     TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, jp_robot_model(&ecu.robot));
-    bad.horizon = NULL;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_learn(&ecu, &bad, &field));
 }
 
@@ -105,14 +99,14 @@ static void test_each_segment_of_a_route_is_taken_and_told(void)
             hold(JP_MODE_DRIVE, 7, 1);
         }
         run(5);
-        TEST_ASSERT_EQUAL_UINT32(segment, ecu.watch.learned_from + ecu.watch.left_out);
+        TEST_ASSERT_EQUAL_UINT32(segment, ecu.pilot.legs_learned_from + ecu.pilot.legs_left_out);
         TEST_ASSERT_EQUAL_UINT32(segment, ecu.internal.segments_told);
     }
-    TEST_ASSERT_EQUAL_UINT16(ecu.learner.state.version, learner_status().version);
-    TEST_ASSERT_EQUAL_UINT8(ecu.watch.left_out, learner_status().left_out);
-    TEST_ASSERT_EQUAL_UINT8(ecu.watch.evidence, learner_status().evidence);
-    TEST_ASSERT_EQUAL_PTR(&ecu.learner.state, jp_ecu_learned_state(&ecu));
-    jp_learner_causes(&ecu.learner, &friction, &payload);
+    TEST_ASSERT_EQUAL_UINT16(ecu.pilot.learner.state.version, learner_status().version);
+    TEST_ASSERT_EQUAL_UINT8(ecu.pilot.legs_left_out, learner_status().left_out);
+    TEST_ASSERT_EQUAL_UINT8(ecu.pilot.evidence, learner_status().evidence);
+    TEST_ASSERT_EQUAL_PTR(&ecu.pilot.learner.state, jp_ecu_learned_state(&ecu));
+    jp_learner_causes(&ecu.pilot.learner, &friction, &payload);
     TEST_ASSERT_INT_WITHIN(1, friction >> 4, learned().friction);
 }
 
@@ -123,7 +117,7 @@ static void test_a_report_waits_for_the_one_before(void)
     make_balancing();
     ecu.internal.learned.frames_left = 2;
     ecu.internal.told_tick = ecu.tick - 2000U;
-    ecu.learner.state.version = 9;
+    ecu.pilot.learner.state.version = 9;
     jp_ecu_work(&ecu);
     TEST_ASSERT_EQUAL_UINT32(0, ecu.internal.learned.version);
     tick();
@@ -147,18 +141,18 @@ static void test_a_route_is_planned_with_what_was_known_when_it_began(void)
     expect_model(&jp_energy_model_courier24);
     make_driving();
     then = *jp_robot_model(&ecu.robot);
-    ecu.learner.state.x[0] = JP_Q24(1.5);
+    ecu.pilot.learner.state.x[0] = JP_Q24(1.5);
     hold(JP_MODE_DRIVE, 7, 1);
     expect_model(&then);
     for (int i = 0; i < 100 && ecu.internal.routes.state == JP_ROUTE_DRIVING; i++) {
         hold(JP_MODE_DRIVE, 7, 1);
     }
     expect_model(&then);
-    ecu.learner.state.x[0] = JP_Q24(1.5);
+    ecu.pilot.learner.state.x[0] = JP_Q24(1.5);
     offer(8, near_route, 2);
     hold(JP_MODE_DRIVE, 8, 4);
     expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
-    jp_learner_model(&ecu.learner, &then);
+    jp_learner_model(&ecu.pilot.learner, &then);
     expect_model(&then);
     TEST_ASSERT_TRUE(memcmp(&jp_energy_model_courier24, &then, sizeof then) != 0);
 }
@@ -174,7 +168,7 @@ static void test_the_model_in_use_is_not_written_over(void)
     for (uint8_t route = 7; route < 10U; route++) {
         in_use = jp_robot_model(&ecu.robot);
         then = *in_use;
-        ecu.learner.state.x[0] += JP_Q24(0.5);
+        ecu.pilot.learner.state.x[0] += JP_Q24(0.5);
         offer(route, near_route, 2);
         hold(JP_MODE_DRIVE, route, 4);
         expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
@@ -202,7 +196,7 @@ static void test_it_goes_on_from_the_stored_state(void)
     state.version = 31;
     learn(JP_STORED_TAKEN);
     TEST_ASSERT_EQUAL_MEMORY(&state, jp_ecu_learned_state(&ecu), sizeof state);
-    jp_learner_model(&ecu.learner, &expected);
+    jp_learner_model(&ecu.pilot.learner, &expected);
     expect_model(&expected);
     TEST_ASSERT_TRUE(memcmp(&jp_energy_model_courier24, &expected, sizeof expected) != 0);
     expect_stored(JP_STORED_TAKEN, 31);

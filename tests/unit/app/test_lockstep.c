@@ -189,15 +189,12 @@ static void test_after_each_boot_it_learns_on_from_what_is_stored(void)
 {
     const char *field = "";
     struct jp_learned_state state;
-    struct jp_ecu_learning learning = {.horizon = &jp_horizon_courier24,
-                                       .learning = &jp_learning_courier24,
-                                       .stored = JP_STORED_TAKEN,
-                                       .state = &state};
+    struct jp_ecu_learning learning = {.learning = &jp_learning_courier24, .stored = JP_STORED_TAKEN, .state = &state};
 
     jp_learned_state_start(&state, jp_learning_courier24.identity);
     state.version = 5;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_lockstep_learn(&lockstep, &learning, &field));
-    lockstep.ecu.learner.state.version = 8;
+    lockstep.ecu.pilot.learner.state.version = 8;
     state.version = 7;
     pass(1, 0, 0, 0);
     pass(2, 1, 0, 0);

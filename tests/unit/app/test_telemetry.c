@@ -134,7 +134,7 @@ static void test_route_status_shows_the_driven_route(void)
     ecu.internal.routes.received = 2;
     ecu.internal.routes.state = JP_ROUTE_STOPPED;
     ecu.internal.routes.reason = JP_REASON_PLAN;
-    ecu.robot.internal.route_status = JP_ERR_ZERO_LENGTH;
+    ecu.pilot.status = JP_ERR_ZERO_LENGTH;
     telemetry->segment = 1;
     telemetry->segments_ended = 1;
     EXPECT_FRAME(0x183, 0x07, 0x46, 0x02, 0x03, 0x01, 0x01, 0xFC, 0x00);
@@ -242,8 +242,7 @@ static void test_the_energy_model_is_sent_one_parameter_after_the_other(void)
 static void announce(uint8_t segment)
 {
     ecu.internal.plan = (struct jp_ecu_plan){.frames_left = 3, .segment = segment};
-    ecu.robot.internal.planned =
-        (struct jp_segment){.command = {{JP_Q24(8), -JP_Q24(8)}, -23425413, JP_Q16(2)}, .energy = -JP_Q16(3)};
+    ecu.pilot.leg = (struct jp_pilot_leg){JP_Q24(8), -JP_Q24(3.14), JP_Q16(0.25), -JP_Q16(3)};
 }
 
 static void test_the_last_reset_is_reported_where_it_is_known(void)
@@ -275,7 +274,7 @@ static void test_a_plan_is_announced_once_in_three_frames(void)
     EXPECT_FRAME(0x18A, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x00, 0x00, 0x80);
     TEST_ASSERT_EQUAL_UINT8(2, ecu.internal.plan.frames_left);
     ecu.internal.plan.segment = 2;
-    EXPECT_FRAME(0x18B, 0x02, 0x7B, 0x8E, 0x9A, 0x0E, 0x00, 0x20, 0x00);
+    EXPECT_FRAME(0x18B, 0x02, 0xF6, 0x28, 0xDC, 0x0C, 0x00, 0x04, 0x00);
     TEST_ASSERT_EQUAL_UINT8(1, ecu.internal.plan.frames_left);
     EXPECT_FRAME(0x18C, 0x02, 0x00, 0x00, 0x00, 0x00, 0x00, 0xFD, 0xFF);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.plan.frames_left);
