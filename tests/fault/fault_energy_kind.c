@@ -1,15 +1,11 @@
 /* Which energy is meant: names, the models of the robots, a robot without a model of the battery's energy. */
 #include <joulepath/tables.h>
 
-#include <stdio.h>
-#include <string.h>
-#include <unistd.h>
-
 #include "sim/missions/mission.h"
+#include "tests/support/captured.h"
 #include "unity.h"
 
 static const struct robot_entry *courier;
-static char said[1024];
 
 void setUp(void)
 {
@@ -24,19 +20,9 @@ void tearDown(void)
 /* The model, and what was said on stderr. */
 static const struct jp_energy_model *model_of(const struct scenario *scenario, const struct robot_entry *entry)
 {
-    const struct jp_energy_model *model;
-    FILE *capture = tmpfile();
-    const int saved = dup(STDERR_FILENO);
-
-    TEST_ASSERT_NOT_NULL(capture);
-    (void)dup2(fileno(capture), STDERR_FILENO);
-    model = mission_model(scenario, entry);
-    (void)fflush(stderr);
-    (void)dup2(saved, STDERR_FILENO);
-    (void)close(saved);
-    rewind(capture);
-    said[fread(said, 1, sizeof said - 1, capture)] = '\0';
-    (void)fclose(capture);
+    capture_begin();
+    const struct jp_energy_model *model = mission_model(scenario, entry);
+    capture_end();
     return model;
 }
 
@@ -74,7 +60,7 @@ static void test_each_robot_has_both_models(void)
         TEST_ASSERT_EQUAL_PTR(robots[i].energy_battery, model_of(&battery, &robots[i]));
         TEST_ASSERT_NOT_NULL(robots[i].energy_battery);
         TEST_ASSERT_TRUE(robots[i].energy_battery != robots[i].energy);
-        TEST_ASSERT_EQUAL_STRING("", said);
+        TEST_ASSERT_EQUAL_STRING("", errors);
     }
     TEST_ASSERT_NULL(robots[robot_count].energy_battery);
 }
@@ -121,5 +107,5 @@ static void test_robot_without_a_model_of_the_battery(void)
 
     TEST_ASSERT_EQUAL_PTR(courier->energy, model_of(&motor, &young));
     TEST_ASSERT_NULL(model_of(&battery, &young));
-    TEST_ASSERT_EQUAL_STRING("young: no model of the battery's energy; run make identify ROBOT=young\n", said);
+    TEST_ASSERT_EQUAL_STRING("young: no model of the battery's energy; run make identify ROBOT=young\n", errors);
 }

@@ -3,18 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "sim/four_wheel/patrol_config.h"
+#include "tests/support/bad_config.h"
 #include "unity.h"
 
-#define TEXT_MAX 16384
-
-static char folder[] = "/tmp/fault_four_wheel.XXXXXX";
-static char path[64];
-static char errors_path[64];
-static char errors[4096];
-static char sound[TEXT_MAX];
 static struct four_wheel_file robot;
 static struct jp_patrol patrol;
 static struct jp_pure_pursuit pursuit;
@@ -27,85 +20,15 @@ void tearDown(void)
 {
 }
 
-/* libconfig loses the text of a string without an end. */
-const char *__lsan_default_suppressions(void);
-const char *__lsan_default_suppressions(void)
+static bool load_robot(const char *name)
 {
-    return "leak:libconfig";
-}
-
-static void write_file(const char *text, size_t size)
-{
-    (void)remove(path);
-    FILE *file = fopen(path, "wb");
-    TEST_ASSERT_NOT_NULL(file);
-    TEST_ASSERT_TRUE(fwrite(text, 1, size, file) == size);
-    TEST_ASSERT_TRUE(fclose(file) == 0);
-}
-
-static void read_file(const char *name, char *text, size_t size)
-{
-    FILE *file = fopen(name, "rb");
-    TEST_ASSERT_NOT_NULL(file);
-    const size_t length = fread(text, 1, size - 1, file);
-    text[length] = '\0';
-    (void)fclose(file);
-}
-
-/* Loads a file and keeps what it says on stderr. */
-static bool load(const char *name)
-{
-    (void)fflush(stderr);
-    const int saved = dup(STDERR_FILENO);
-    (void)remove(errors_path);
-    FILE *capture = fopen(errors_path, "wb");
-    TEST_ASSERT_NOT_NULL(capture);
-    (void)dup2(fileno(capture), STDERR_FILENO);
-    const bool loaded = four_wheel_file_load(name, &robot);
-    (void)fflush(stderr);
-    (void)dup2(saved, STDERR_FILENO);
-    (void)close(saved);
-    (void)fclose(capture);
-    read_file(errors_path, errors, sizeof errors);
-    return loaded;
-}
-
-static void check_refused(const char *name, const char *culprit)
-{
-    TEST_ASSERT_FALSE_MESSAGE(load(name), culprit);
-    const char *end = strchr(errors, '\n');
-    TEST_ASSERT_TRUE_MESSAGE(strncmp(errors, name, strlen(name)) == 0, errors);
-    TEST_ASSERT_TRUE_MESSAGE(end != NULL && end[1] == '\0', errors);
-    TEST_ASSERT_TRUE_MESSAGE(strstr(errors, culprit) != NULL, errors);
-}
-
-static void replace(const char *start, const char *end, const char *by)
-{
-    char text[TEXT_MAX + 256];
-    const int length = snprintf(text, sizeof text, "%.*s%s%s", (int)(start - sound), sound, by, end);
-    TEST_ASSERT_TRUE(length > 0 && (size_t)length < sizeof text);
-    write_file(text, (size_t)length);
-}
-
-/* The sound file with the line that sets `key` (group.name) replaced; `line` may be "". */
-static void write_with_line(const char *key, const char *line)
-{
-    char group[64];
-    char name[64];
-    const char *dot = strchr(key, '.');
-    (void)snprintf(group, sizeof group, "\n%.*s: {", (int)(dot - key), key);
-    (void)snprintf(name, sizeof name, " %s = ", dot + 1);
-    const char *start = strstr(sound, group);
-    TEST_ASSERT_NOT_NULL_MESSAGE(start, key);
-    start = strstr(start, name);
-    TEST_ASSERT_NOT_NULL_MESSAGE(start, key);
-    replace(start, strchr(start, '\n'), line);
+    return four_wheel_file_load(name, &robot);
 }
 
 static void write_with_value(const char *key, const char *value)
 {
     char line[128];
-    (void)snprintf(line, sizeof line, " %s = %s;", strchr(key, '.') + 1, value);
+    (void)snprintf(line, sizeof line, "%s = %s;", strchr(key, '.') + 1, value);
     write_with_line(key, line);
 }
 
@@ -114,7 +37,7 @@ static void write_with_head(const char *start_of_line, const char *line)
 {
     const char *start = strstr(sound, start_of_line);
     TEST_ASSERT_NOT_NULL_MESSAGE(start, start_of_line);
-    replace(start, strchr(start, '\n'), line);
+    write_replaced(sound, start, strchr(start, '\n'), line);
 }
 
 static void check_value(double expected, double actual, const char *what)
@@ -256,16 +179,16 @@ static void test_what_loads_is_good_for_the_controllers(void)
 
 static void test_unknown_keys(void)
 {
-    write_with_line("wheel.radius_m", " radius_m = 0.1; radius = 0.1;");
+    write_with_line("wheel.radius_m", "radius_m = 0.1; radius = 0.1;");
     check_refused(path, "wheel.radius (line");
-    write_with_line("wheel.radius_m", " radius_m = 0.1; }; wheels: { radius_m = 0.1;");
+    write_with_line("wheel.radius_m", "radius_m = 0.1; }; wheels: { radius_m = 0.1;");
     check_refused(path, "wheels (line");
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(errors, "write wheel\n"), errors);
     write_with_head("name = ", "name = \"patrol\"; colour = 3;");
     check_refused(path, "colour (line");
-    write_with_line("wheel.radius_m", " radius_m = 0.1; radius_m = 0.1;");
+    write_with_line("wheel.radius_m", "radius_m = 0.1; radius_m = 0.1;");
     check_refused(path, "line ");
-    write_with_line("wheel.radius_m", " radius_m = ;");
+    write_with_line("wheel.radius_m", "radius_m = ;");
     check_refused(path, "line ");
 }
 
@@ -320,16 +243,16 @@ static void test_values_that_contradict(void)
 
 static void test_radius_that_the_wheels_cannot_steer(void)
 {
-    char text[TEXT_MAX];
+    char text[BAD_FILE_MAX];
     write_with_value("steering.limit_deg", "48.7");
-    read_file(path, text, sizeof text);
+    (void)read_file(path, text, sizeof text);
     TEST_ASSERT_TRUE(load(path));
     memcpy(sound, text, sizeof text);
     write_with_value("steering.radius_min_m", "0.43");
     check_refused(path, "steering.radius_min_m");
     write_with_value("steering.radius_min_m", "0.44");
     TEST_ASSERT_TRUE(load(path));
-    read_file("sim/robots/patrol.cfg", sound, sizeof sound);
+    (void)read_file("sim/robots/patrol.cfg", sound, sizeof sound);
 }
 
 static void test_values_beyond_others(void)
@@ -373,19 +296,10 @@ static void test_files_that_are_none(void)
 
 int main(void)
 {
-    if (mkdtemp(folder) == NULL) {
-        perror(folder);
-        return 1;
-    }
-    (void)snprintf(path, sizeof path, "%s/robot.cfg", folder);
-    (void)snprintf(errors_path, sizeof errors_path, "%s/errors", folder);
-    read_file("sim/robots/patrol.cfg", sound, sizeof sound);
-
+    bad_file_begin("robot.cfg", load_robot);
+    (void)read_file("sim/robots/patrol.cfg", sound, sizeof sound);
     UNITY_BEGIN();
     run_tests();
-    const int failures = UNITY_END();
-    (void)remove(path);
-    (void)remove(errors_path);
-    (void)rmdir(folder);
-    return failures;
+    bad_file_end();
+    return UNITY_END();
 }

@@ -3,11 +3,10 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "tests/support/captured.h"
 #include "tests/support/lcm_rig.h"
 
-#define ERRORS_MAX  4096
 #define COUNT_PLACE 16 /* of a jp_route_t, in bytes */
 #define DATA_PLACE  20
 
@@ -238,26 +237,14 @@ static void test_a_bad_packet_leaves_the_task_alone(void)
     TEST_ASSERT_EQUAL_INT32(JP_Q16(10), gateway.commander.task.points[0].x);
 }
 
-/** What the gateway says while `count` bad packets come within a millisecond each. */
-static void say(char errors[ERRORS_MAX], const struct packet *packet, int count)
+/** Keeps what the gateway says while `count` bad packets come within a millisecond each. */
+static void say(const struct packet *packet, int count)
 {
-    FILE *capture = tmpfile();
-    const int saved = dup(STDERR_FILENO);
-    size_t length;
-
-    TEST_ASSERT_NOT_NULL(capture);
-    (void)fflush(stderr);
-    (void)dup2(fileno(capture), STDERR_FILENO);
+    capture_begin();
     for (int i = 0; i < count; i++) {
         (void)is_taken("JP_ROUTE", packet);
     }
-    (void)fflush(stderr);
-    (void)dup2(saved, STDERR_FILENO);
-    (void)close(saved);
-    rewind(capture);
-    length = fread(errors, 1, ERRORS_MAX - 1, capture);
-    errors[length] = '\0';
-    (void)fclose(capture);
+    capture_end();
 }
 
 static unsigned count_lines(const char *text)
@@ -274,18 +261,17 @@ static void test_each_kind_is_named_at_most_once_a_second(void)
 {
     const struct packet far = route_of(2, 600, 0);
     struct packet cut = sound_route;
-    char errors[ERRORS_MAX];
 
     cut.size -= 3;
-    say(errors, &far, 1);
+    say(&far, 1);
     TEST_ASSERT_EQUAL_UINT_MESSAGE(1, count_lines(errors), errors);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(errors, "JP_ROUTE: a point is not within 512 m"), errors);
-    say(errors, &far, 900);
+    say(&far, 900);
     TEST_ASSERT_EQUAL_UINT_MESSAGE(0, count_lines(errors), errors);
-    say(errors, &cut, 1);
+    say(&cut, 1);
     TEST_ASSERT_EQUAL_UINT_MESSAGE(1, count_lines(errors), errors);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(errors, "cut off"), errors);
-    say(errors, &far, 2000);
+    say(&far, 2000);
     TEST_ASSERT_EQUAL_UINT_MESSAGE(2, count_lines(errors), errors);
     TEST_ASSERT_EQUAL_UINT64(2901, gateway.dropped[LCM_TASK_FAR]);
 }

@@ -3,10 +3,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "sim/base/random.h"
 #include "sim/files/map_file.h"
+#include "tests/support/bad_file.h"
 #include "unity.h"
 
 #define SEED      20180900u
@@ -19,10 +19,6 @@ static const char sound[] = "{\"format\": \"joulepath-map-1\", \"name\": \"yard\
                             "\"rows\": [\"..#?\",\n\"#...\",\n\"?..#\"],\n"
                             "\"elevation_m\": [[1, 2, 3, 4],\n[-1.5, 0, 0.25, 31.999],\n[0.001, -31.999, 5e-1, 0]]}\n";
 
-static char folder[] = "/tmp/fault_map_file.XXXXXX";
-static char path[64];
-static char errors_path[64];
-static char errors[4096];
 static struct map_file map;
 static struct random noise;
 
@@ -34,59 +30,20 @@ void tearDown(void)
 {
 }
 
-static void write_file(const char *text, size_t size)
+/* A file that is refused leaves nothing behind. */
+static bool load_map(const char *name)
 {
-    (void)remove(path);
-    FILE *file = fopen(path, "wb");
-    TEST_ASSERT_NOT_NULL(file);
-    TEST_ASSERT_TRUE(fwrite(text, 1, size, file) == size);
-    TEST_ASSERT_TRUE(fclose(file) == 0);
-}
-
-/* Loads a file and keeps what it says on stderr. */
-static bool load(const char *name)
-{
-    (void)fflush(stderr);
-    const int saved = dup(STDERR_FILENO);
-    (void)remove(errors_path);
-    FILE *capture = fopen(errors_path, "w+b");
-    TEST_ASSERT_NOT_NULL(capture);
-    (void)dup2(fileno(capture), STDERR_FILENO);
     const bool loaded = map_file_load(name, &map);
-    (void)fflush(stderr);
-    (void)dup2(saved, STDERR_FILENO);
-    (void)close(saved);
-    rewind(capture);
-    const size_t length = fread(errors, 1, sizeof errors - 1, capture);
-    errors[length] = '\0';
-    (void)fclose(capture);
+    TEST_ASSERT_TRUE(loaded || map.block == NULL);
     return loaded;
-}
-
-static void check_one_line(const char *name)
-{
-    const char *end = strchr(errors, '\n');
-    TEST_ASSERT_TRUE_MESSAGE(strncmp(errors, name, strlen(name)) == 0, errors);
-    TEST_ASSERT_TRUE_MESSAGE(end != NULL && end[1] == '\0', errors);
-    TEST_ASSERT_NULL_MESSAGE(map.block, errors);
-}
-
-static void check_refused(const char *name, const char *culprit)
-{
-    TEST_ASSERT_FALSE_MESSAGE(load(name), culprit);
-    check_one_line(name);
-    TEST_ASSERT_TRUE_MESSAGE(strstr(errors, culprit) != NULL, errors);
 }
 
 /* The sound file with the first `from` replaced by `to`. */
 static void write_with(const char *from, const char *to)
 {
-    char text[TEXT_MAX];
     const char *start = strstr(sound, from);
     TEST_ASSERT_NOT_NULL_MESSAGE(start, from);
-    const int length = snprintf(text, sizeof text, "%.*s%s%s", (int)(start - sound), sound, to, start + strlen(from));
-    TEST_ASSERT_TRUE(length > 0 && (size_t)length < sizeof text);
-    write_file(text, (size_t)length);
+    write_replaced(sound, start, start + strlen(from), to);
 }
 
 /* The sound file without a key. */
@@ -377,16 +334,9 @@ static void test_every_truncation_is_refused(void)
 
 int main(void)
 {
-    if (mkdtemp(folder) == NULL) {
-        perror(folder);
-        return 2;
-    }
-    (void)snprintf(path, sizeof path, "%s/map.json", folder);
-    (void)snprintf(errors_path, sizeof errors_path, "%s/errors", folder);
+    bad_file_begin("map.json", load_map);
     UNITY_BEGIN();
     run_tests();
-    (void)remove(path);
-    (void)remove(errors_path);
-    (void)rmdir(folder);
+    bad_file_end();
     return UNITY_END();
 }

@@ -6,15 +6,9 @@
 #include <unistd.h>
 
 #include "sim/balancer/robot_file.h"
+#include "tests/support/bad_config.h"
 #include "unity.h"
 
-#define TEXT_MAX 16384
-
-static char folder[] = "/tmp/fault_robot_file.XXXXXX";
-static char path[64];
-static char errors_path[64];
-static char errors[4096];
-static char sound[TEXT_MAX];
 static struct robot_file robot;
 
 void setUp(void)
@@ -25,82 +19,9 @@ void tearDown(void)
 {
 }
 
-/* libconfig loses the text of a string without an end. */
-const char *__lsan_default_suppressions(void);
-const char *__lsan_default_suppressions(void)
+static bool load_robot(const char *name)
 {
-    return "leak:libconfig";
-}
-
-/* A new file each time: replacing the content of an old one makes some file systems wait for the disk. */
-static void write_file(const char *text, size_t size)
-{
-    (void)remove(path);
-    FILE *file = fopen(path, "wb");
-    TEST_ASSERT_NOT_NULL(file);
-    TEST_ASSERT_TRUE(fwrite(text, 1, size, file) == size);
-    TEST_ASSERT_TRUE(fclose(file) == 0);
-}
-
-static size_t read_file(const char *name, char *text, size_t size)
-{
-    FILE *file = fopen(name, "rb");
-    TEST_ASSERT_NOT_NULL(file);
-    const size_t length = fread(text, 1, size - 1, file);
-    text[length] = '\0';
-    (void)fclose(file);
-    return length;
-}
-
-/* Loads a file and keeps what it says on stderr. */
-static bool load(const char *name)
-{
-    (void)fflush(stderr);
-    const int saved = dup(STDERR_FILENO);
-    (void)remove(errors_path);
-    FILE *capture = fopen(errors_path, "wb");
-    TEST_ASSERT_NOT_NULL(capture);
-    (void)dup2(fileno(capture), STDERR_FILENO);
-    const bool loaded = robot_file_load(name, &robot);
-    (void)fflush(stderr);
-    (void)dup2(saved, STDERR_FILENO);
-    (void)close(saved);
-    (void)fclose(capture);
-    (void)read_file(errors_path, errors, sizeof errors);
-    return loaded;
-}
-
-static void check_one_line(const char *name)
-{
-    const char *end = strchr(errors, '\n');
-    TEST_ASSERT_TRUE_MESSAGE(strncmp(errors, name, strlen(name)) == 0, errors);
-    TEST_ASSERT_TRUE_MESSAGE(end != NULL && end[1] == '\0', errors);
-}
-
-static void check_refused(const char *name, const char *culprit)
-{
-    TEST_ASSERT_FALSE_MESSAGE(load(name), culprit);
-    check_one_line(name);
-    TEST_ASSERT_TRUE_MESSAGE(strstr(errors, culprit) != NULL, errors);
-}
-
-/* The sound file with the line that sets `key` (group.name) replaced; `line` may be "". */
-static void write_with_line(const char *key, const char *line)
-{
-    char text[TEXT_MAX + 256];
-    char group[64];
-    char name[64];
-    const char *dot = strchr(key, '.');
-    (void)snprintf(group, sizeof group, "\n%.*s: {", (int)(dot - key), key);
-    (void)snprintf(name, sizeof name, " %s = ", dot + 1);
-    const char *start = strstr(sound, group);
-    TEST_ASSERT_NOT_NULL_MESSAGE(start, key);
-    start = strstr(start, name);
-    TEST_ASSERT_NOT_NULL_MESSAGE(start, key);
-    const char *end = strchr(start, '\n');
-    const int length = snprintf(text, sizeof text, "%.*s %s%s", (int)(start - sound), sound, line, end);
-    TEST_ASSERT_TRUE(length > 0 && (size_t)length < sizeof text);
-    write_file(text, (size_t)length);
+    return robot_file_load(name, &robot);
 }
 
 static void write_with_value(const struct config_field *field, const char *value)
@@ -291,7 +212,7 @@ static void test_truncation_at_every_byte(void)
 /* Random bytes anywhere: accepted or refused in one line, never a crash. */
 static void test_random_damage(void)
 {
-    static char text[TEXT_MAX];
+    static char text[BAD_FILE_MAX];
     const size_t size = strlen(sound);
     unsigned short state[3] = {1, 2, 3};
     for (int run = 0; run < 3000; run++) {
@@ -308,18 +229,11 @@ static void test_random_damage(void)
 
 int main(void)
 {
-    if (mkdtemp(folder) == NULL) {
-        perror(folder);
-        return 1;
-    }
-    (void)snprintf(path, sizeof path, "%s/robot.cfg", folder);
-    (void)snprintf(errors_path, sizeof errors_path, "%s/errors", folder);
+    bad_file_begin("robot.cfg", load_robot);
     UNITY_BEGIN();
     (void)read_file("sim/robots/courier24.cfg", sound, sizeof sound);
     (void)printf("random damage: seed {1, 2, 3}\n");
     run_tests();
-    (void)remove(path);
-    (void)remove(errors_path);
-    (void)rmdir(folder);
+    bad_file_end();
     return UNITY_END();
 }
