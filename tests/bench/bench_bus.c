@@ -12,6 +12,7 @@
 
 #include "hal/linux/can_open.h"
 #include "sim/balancer/rig.h"
+#include "tests/bench/figures.h"
 #include "tests/bench/parallel.h"
 #include "tests/support/bus_trial.h"
 
@@ -151,24 +152,10 @@ static size_t count_end(const struct campaign *campaign, enum bus_trial_end end)
     return count;
 }
 
-static void figure(const char *name, double value, const char *unit, const char *op, double bound, const char *command)
-{
-    static bool begun;
-
-    (void)printf("%s{\"name\": \"%s\", \"value\": %.17g, \"unit\": \"%s\", \"bound\": ", begun ? ",\n " : "[", name,
-                 value, unit);
-    if (op == NULL) {
-        (void)printf("null");
-    } else {
-        (void)printf("{\"op\": \"%s\", \"value\": %.17g}", op, bound);
-    }
-    (void)printf(", \"command\": \"%s\"}", command);
-    begun = true;
-}
-
 static void campaign_figures(const struct campaign *campaign)
 {
     static const char command[] = "build/bench/bench_bus";
+    json_t *figures = json_array();
     double seconds = 0;
     double metres = 0;
     size_t excused = 0;
@@ -180,35 +167,37 @@ static void campaign_figures(const struct campaign *campaign)
         metres = trial->stop_metres > metres ? trial->stop_metres : metres;
         excused += trial->excused;
     }
-    figure("faulty bus: random missions, in process", (double)campaign->count, "", ">=", CAMPAIGN, command);
-    figure("faulty bus: falls that the sensors' faults alone do not make", (double)count_end(campaign, BUS_TRIAL_FELL),
-           "", "==", 0, command);
-    figure("faulty bus: missions that a frozen sensor alone ends", (double)excused, "", NULL, 0, command);
-    figure("faulty bus: missions with motion but without a command", (double)count_end(campaign, BUS_TRIAL_MOVED), "",
-           "==", 0, command);
-    figure("faulty bus: ended elsewhere than commanded", (double)count_end(campaign, BUS_TRIAL_ASTRAY), "", "==", 0,
-           command);
-    figure("faulty bus: not finished once the bus was well", (double)count_end(campaign, BUS_TRIAL_LATE), "", "==", 0,
-           command);
-    figure("faulty bus: longest stop, from the last command to the stand", seconds, "s", "<=", BUS_TRIAL_STOP_MAX,
-           command);
-    figure("faulty bus: way of the longest stop", metres, "m", NULL, 0, command);
-    (void)printf("]\n");
+    figures_add(figures, command, (double)campaign->count, "", at_least(CAMPAIGN),
+                "faulty bus: random missions, in process");
+    figures_add(figures, command, (double)count_end(campaign, BUS_TRIAL_FELL), "", equal_to(0),
+                "faulty bus: falls that the sensors' faults alone do not make");
+    figures_add(figures, command, (double)excused, "", no_bar, "faulty bus: missions that a frozen sensor alone ends");
+    figures_add(figures, command, (double)count_end(campaign, BUS_TRIAL_MOVED), "", equal_to(0),
+                "faulty bus: missions with motion but without a command");
+    figures_add(figures, command, (double)count_end(campaign, BUS_TRIAL_ASTRAY), "", equal_to(0),
+                "faulty bus: ended elsewhere than commanded");
+    figures_add(figures, command, (double)count_end(campaign, BUS_TRIAL_LATE), "", equal_to(0),
+                "faulty bus: not finished once the bus was well");
+    figures_add(figures, command, seconds, "s", at_most(BUS_TRIAL_STOP_MAX),
+                "faulty bus: longest stop, from the last command to the stand");
+    figures_add(figures, command, metres, "m", no_bar, "faulty bus: way of the longest stop");
+    figures_print(figures);
 }
 
 static void sample_figures(const struct campaign *campaign, size_t equal)
 {
     static const char command[] = "make figures";
+    json_t *figures = json_array();
     size_t good = 0;
 
     for (size_t i = 0; i < campaign->count; i++) {
         good += is_good(&campaign->trials[i]);
     }
-    figure("faulty bus over vcan: random missions well ended", (double)good, "", "==", (double)campaign->count,
-           command);
-    figure("faulty bus over vcan: the same bits as in process", (double)equal, "", "==", (double)campaign->count,
-           command);
-    (void)printf("]\n");
+    figures_add(figures, command, (double)good, "", equal_to((double)campaign->count),
+                "faulty bus over vcan: random missions well ended");
+    figures_add(figures, command, (double)equal, "", equal_to((double)campaign->count),
+                "faulty bus over vcan: the same bits as in process");
+    figures_print(figures);
 }
 
 /* The command line. */

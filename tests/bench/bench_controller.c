@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <stdio.h>
 
+#include "tests/bench/figures.h"
 #include "tests/support/lqr_oracle.h"
 #include "tests/support/wrap_drive.h"
 
@@ -15,13 +16,11 @@ enum { STATES = 1000000, SEED = 20180917, DAYS = 30, THREADS = 2 };
 
 static const struct wrap_geometry courier24 = {&jp_robot_courier24, 5, 3, 19200};
 
-static void print_figure(const char *name, double value, const char *unit, double bar)
-{
-    static int printed;
+static json_t *figures;
 
-    printf("%s{\"name\": \"%s\", \"value\": %.4g, \"unit\": \"%s\", \"bound\": {\"op\": \"<=\", \"value\": %g}, "
-           "\"command\": \"make figures\"}",
-           printed++ == 0 ? "[\n" : ",\n", name, value, unit, bar);
+static void add_figure(const char *name, double value, const char *unit, double bar)
+{
+    figures_add(figures, "make figures", value, unit, at_most(bar), "%s", name);
 }
 
 static void *run(void *drive)
@@ -69,16 +68,17 @@ int main(void)
         drift += fabs(parts[i].wheel_drift);
         yaw_drift += fabs(parts[i].yaw_drift);
     }
-    print_figure("controller: fixed against double, worst of 1 000 000 states, gao2018",
-                 lqr_worst_millivolts(&jp_robot_gao2018.lqr, STATES, SEED), "mV", BAR_MILLIVOLTS);
-    print_figure("controller: fixed against double, worst of 1 000 000 states, courier24",
-                 lqr_worst_millivolts(&jp_robot_courier24.lqr, STATES, SEED), "mV", BAR_MILLIVOLTS);
-    print_figure("30 days of driving: largest jump of the way's error in a tick", jump * millimetres, "mm",
-                 BAR_MILLIMETRES);
-    print_figure("30 days of driving: largest jump of the heading's error in a tick", yaw_jump * 360, "°", BAR_DEGREES);
-    print_figure("30 days of driving: drift of the way, reference - measured", drift * millimetres, "mm",
-                 BAR_MILLIMETRES);
-    print_figure("30 days of driving: drift of the heading, reference - measured", yaw_drift * 360, "°", BAR_DEGREES);
-    printf("\n]\n");
+    figures = json_array();
+    add_figure("controller: fixed against double, worst of 1 000 000 states, gao2018",
+               lqr_worst_millivolts(&jp_robot_gao2018.lqr, STATES, SEED), "mV", BAR_MILLIVOLTS);
+    add_figure("controller: fixed against double, worst of 1 000 000 states, courier24",
+               lqr_worst_millivolts(&jp_robot_courier24.lqr, STATES, SEED), "mV", BAR_MILLIVOLTS);
+    add_figure("30 days of driving: largest jump of the way's error in a tick", jump * millimetres, "mm",
+               BAR_MILLIMETRES);
+    add_figure("30 days of driving: largest jump of the heading's error in a tick", yaw_jump * 360, "°", BAR_DEGREES);
+    add_figure("30 days of driving: drift of the way, reference - measured", drift * millimetres, "mm",
+               BAR_MILLIMETRES);
+    add_figure("30 days of driving: drift of the heading, reference - measured", yaw_drift * 360, "°", BAR_DEGREES);
+    figures_print(figures);
     return 0;
 }

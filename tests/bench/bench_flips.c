@@ -17,6 +17,8 @@
 #include "hal/can/messages.h"
 #include "hal/can/route_link.h"
 #include "sim/base/progress.h"
+#include "tests/bench/figures.h"
+#include "tests/support/random.h"
 
 enum { SEED = 20180905, FRAMES = 10000000, ROUTES = 1000000, FLIPS_MAX = 16, FLIPS_FOUND = 3, DEVIATIONS = 5 };
 
@@ -27,17 +29,7 @@ enum { SEED = 20180905, FRAMES = 10000000, ROUTES = 1000000, FLIPS_MAX = 16, FLI
 #define CRC_VALUES   256U
 
 #define PROGRESS_STEP 1000U
-
-/* xorshift64* */
-static uint64_t random_state = SEED;
-
-static uint32_t below(uint32_t bound)
-{
-    random_state ^= random_state >> 12;
-    random_state ^= random_state << 25;
-    random_state ^= random_state >> 27;
-    return (uint32_t)((((random_state * UINT64_C(0x2545F4914F6CDD1D)) >> 32) * bound) >> 32);
-}
+#define COMMAND       "make figures"
 
 static void fail(const char *what)
 {
@@ -323,16 +315,6 @@ static unsigned long bench_routes(void)
 
 /* Figures. */
 
-static void print_figure(const char *name, double value, const char *unit, const char *operation, double bar)
-{
-    static bool began;
-
-    (void)printf("%s\n {\"name\": \"%s\", \"value\": %.9g, \"unit\": \"%s\", "
-                 "\"bound\": {\"op\": \"%s\", \"value\": %.9g}, \"command\": \"make figures\"}",
-                 began ? "," : "[", name, value, unit, operation, bar);
-    began = true;
-}
-
 static void sum(struct tally *total, const struct tally *tally)
 {
     total->sent += tally->sent;
@@ -359,16 +341,17 @@ static double percent(const struct tally *tally)
 }
 
 /** Of what is expected to slip through, with room for chance. */
-static void print_against_expected(const char *name, const struct tally *tally)
+static void add_against_expected(json_t *figures, const char *name, const struct tally *tally)
 {
-    print_figure(name, (double)tally->taken / tally->expected, "",
-                 "<=", 1 + DEVIATIONS * sqrt(tally->variance) / tally->expected);
+    figures_add(figures, COMMAND, (double)tally->taken / tally->expected, "",
+                at_most(1 + DEVIATIONS * sqrt(tally->variance) / tally->expected), "%s", name);
 }
 
-static void print_figures(const struct tally commands[FLIPS_MAX + 1], const struct tally samples[FLIPS_MAX + 1],
+static json_t *figures_of(const struct tally commands[FLIPS_MAX + 1], const struct tally samples[FLIPS_MAX + 1],
                           unsigned long wrong_routes)
 {
     const double residual_rate = 100.0 / CRC_VALUES;
+    json_t *figures = json_array();
     struct tally few = {0};
     struct tally many = {0};
     struct tally all_samples = {0};
@@ -377,15 +360,19 @@ static void print_figures(const struct tally commands[FLIPS_MAX + 1], const stru
         sum(flips <= FLIPS_FOUND ? &few : &many, &commands[flips]);
         sum(&all_samples, &samples[flips]);
     }
-    print_figure("bit flips, 1…3 in a command frame: taken as another command", (double)few.taken, "", "==", 0);
-    print_figure("bit flips, 4…16 in a command frame: taken as another command", percent(&many), "%",
-                 "<=", residual_rate);
-    print_against_expected("bit flips, 4…16 in a command frame: taken, of what the CRC's codewords let through", &many);
-    print_figure("bit flips, 1…16 in the three frames of a sample: taken as another sample", percent(&all_samples), "%",
-                 "<=", residual_rate);
-    print_against_expected("bit flips, 1…16 in a sample: taken, of what the CRC's codewords let through", &all_samples);
-    print_figure("bit flips, 1…16 in the frames of a route, 1 000 000 routes: taken as another route",
-                 (double)wrong_routes, "", "==", 0);
+    figures_add(figures, COMMAND, (double)few.taken, "", equal_to(0),
+                "bit flips, 1…3 in a command frame: taken as another command");
+    figures_add(figures, COMMAND, percent(&many), "%", at_most(residual_rate),
+                "bit flips, 4…16 in a command frame: taken as another command");
+    add_against_expected(figures, "bit flips, 4…16 in a command frame: taken, of what the CRC's codewords let through",
+                         &many);
+    figures_add(figures, COMMAND, percent(&all_samples), "%", at_most(residual_rate),
+                "bit flips, 1…16 in the three frames of a sample: taken as another sample");
+    add_against_expected(figures, "bit flips, 1…16 in a sample: taken, of what the CRC's codewords let through",
+                         &all_samples);
+    figures_add(figures, COMMAND, (double)wrong_routes, "", equal_to(0),
+                "bit flips, 1…16 in the frames of a route, 1 000 000 routes: taken as another route");
+    return figures;
 }
 
 int main(void)
@@ -393,10 +380,10 @@ int main(void)
     static struct tally commands[FLIPS_MAX + 1];
     static struct tally samples[FLIPS_MAX + 1];
 
+    random_state = SEED;
     bench_messages(commands, samples);
     print_tallies("command", commands);
     print_tallies("sample", samples);
-    print_figures(commands, samples, bench_routes());
-    (void)printf("\n]\n");
+    figures_print(figures_of(commands, samples, bench_routes()));
     return 0;
 }

@@ -6,6 +6,7 @@
 
 #include "sim/balancer/experiment.h"
 #include "sim/missions/mission.h"
+#include "tests/bench/figures.h"
 #include "tests/bench/parallel.h"
 #include "tests/support/trial.h"
 
@@ -33,20 +34,12 @@ static void fail(const char *what)
 
 /* Figures. */
 
-static void print_figure(const char *name, double value, const char *unit, const char *bound)
+static json_t *figures;
+
+static void add_figure(const char *name, double value, const char *unit, struct figure_bar bar)
 {
-    static bool began;
-
-    (void)printf(
-        "%s\n {\"name\": \"%s\", \"value\": %.9g, \"unit\": \"%s\", \"bound\": %s, \"command\": \"make figures\"}",
-        began ? "," : "[", name, value, unit, bound);
-    began = true;
+    figures_add(figures, "make figures", value, unit, bar, "%s", name);
 }
-
-#define NONE            "null"
-#define AT_LEAST(value) "{\"op\": \">=\", \"value\": " #value "}"
-#define AT_MOST(value)  "{\"op\": \"<=\", \"value\": " #value "}"
-#define EQUAL_TO(value) "{\"op\": \"==\", \"value\": " #value "}"
 
 /* The mission: speed, prediction, comparison. */
 
@@ -89,21 +82,20 @@ static void bench_mission(const struct scenario *scenario)
 
     double optimal = missions[MISSION_OPTIMAL].total.measured_energy;
 
-    print_figure("closed-loop simulation, gao2018 at 1 kHz on one core", speed_of_simulation(scenario), "× real time",
-                 AT_LEAST(200));
-    print_figure("mission, worst segment, predicted against driven energy", 100 * worst_prediction(missions), "%",
-                 AT_MOST(1));
-    print_figure("mission, energy driven (paper: 1115.7 J)", optimal, "J", NONE);
-    print_figure("mission, straight chords relative to ours (paper: 101.26 %)",
-                 100 * missions[MISSION_STRAIGHT].total.measured_energy / optimal, "%", AT_LEAST(100));
-    print_figure("mission, Bézier curve by curve relative to ours (paper: 107.85 %)",
-                 100 * missions[MISSION_BEZIER].total.measured_energy / optimal, "%", AT_LEAST(100));
-    print_figure("mission, Bézier curve by curve relative to straight chords (paper: 106.5 %)",
-                 100 * missions[MISSION_BEZIER].total.measured_energy /
-                     missions[MISSION_STRAIGHT].total.measured_energy,
-                 "%", AT_LEAST(100));
-    print_figure("mission, Bézier, the whole route at once, relative to ours",
-                 100 * missions[MISSION_BEZIER_ROUTE].total.measured_energy / optimal, "%", NONE);
+    add_figure("closed-loop simulation, gao2018 at 1 kHz on one core", speed_of_simulation(scenario), "× real time",
+               at_least(200));
+    add_figure("mission, worst segment, predicted against driven energy", 100 * worst_prediction(missions), "%",
+               at_most(1));
+    add_figure("mission, energy driven (paper: 1115.7 J)", optimal, "J", no_bar);
+    add_figure("mission, straight chords relative to ours (paper: 101.26 %)",
+               100 * missions[MISSION_STRAIGHT].total.measured_energy / optimal, "%", at_least(100));
+    add_figure("mission, Bézier curve by curve relative to ours (paper: 107.85 %)",
+               100 * missions[MISSION_BEZIER].total.measured_energy / optimal, "%", at_least(100));
+    add_figure("mission, Bézier curve by curve relative to straight chords (paper: 106.5 %)",
+               100 * missions[MISSION_BEZIER].total.measured_energy / missions[MISSION_STRAIGHT].total.measured_energy,
+               "%", at_least(100));
+    add_figure("mission, Bézier, the whole route at once, relative to ours",
+               100 * missions[MISSION_BEZIER_ROUTE].total.measured_energy / optimal, "%", no_bar);
 }
 
 /* The first segment against the grid. */
@@ -186,14 +178,14 @@ static void bench_segment(const struct robot_entry *entry, const struct robot_fi
     size_t best = best_of(&grid);
     double ours = driven_energy(&grid, &planned.command);
 
-    print_figure("first segment, driven energy of the plan above the best of 11011 driven",
-                 100 * (ours / grid.energy[best] - 1), "%", AT_MOST(0.1));
-    print_figure("first segment, plan: energy driven", ours, "J", NONE);
-    print_figure("first segment, plan: arc angle", planned.arc / 16777216.0, "rad", NONE);
-    print_figure("first segment, plan: duration", planned.command.duration / 65536.0, "s", NONE);
-    print_figure("first segment, best of the grid: energy driven", grid.energy[best], "J", NONE);
-    print_figure("first segment, best of the grid: arc angle", grid_arc(best), "rad", NONE);
-    print_figure("first segment, best of the grid: duration", grid_duration(best), "s", NONE);
+    add_figure("first segment, driven energy of the plan above the best of 11011 driven",
+               100 * (ours / grid.energy[best] - 1), "%", at_most(0.1));
+    add_figure("first segment, plan: energy driven", ours, "J", no_bar);
+    add_figure("first segment, plan: arc angle", planned.arc / 16777216.0, "rad", no_bar);
+    add_figure("first segment, plan: duration", planned.command.duration / 65536.0, "s", no_bar);
+    add_figure("first segment, best of the grid: energy driven", grid.energy[best], "J", no_bar);
+    add_figure("first segment, best of the grid: arc angle", grid_arc(best), "rad", no_bar);
+    add_figure("first segment, best of the grid: duration", grid_duration(best), "s", no_bar);
 }
 
 /* Random missions. */
@@ -215,12 +207,12 @@ static void drive_trial(void *context, size_t index)
 }
 
 /** A figure of the missions of `how`. */
-static void print_trials(const char *how, const char *what, double value, const char *unit, const char *bound)
+static void add_trials(const char *how, const char *what, double value, const char *unit, struct figure_bar bar)
 {
     char name[128];
 
     (void)snprintf(name, sizeof name, "random missions%s, %s", how, what);
-    print_figure(name, value, unit, bound);
+    add_figure(name, value, unit, bar);
 }
 
 static void bench_trials(enum trial_strategy strategy, const char *how)
@@ -247,11 +239,11 @@ static void bench_trials(enum trial_strategy strategy, const char *how)
         peak = fmax(peak, trial->peak_voltage);
         hours += (double)trial->ticks / trials.file.control.rate_hz / 3600;
     }
-    print_trials(how, "driven to the end", done, "", EQUAL_TO(1000));
-    print_trials(how, "falls", falls, "", EQUAL_TO(0));
-    print_trials(how, "saturated ticks in normal driving", saturated, "", EQUAL_TO(0));
-    print_trials(how, "peak voltage in normal driving", peak, "V", NONE);
-    print_trials(how, "driving time", hours, "h", NONE);
+    add_trials(how, "driven to the end", done, "", equal_to(1000));
+    add_trials(how, "falls", falls, "", equal_to(0));
+    add_trials(how, "saturated ticks in normal driving", saturated, "", equal_to(0));
+    add_trials(how, "peak voltage in normal driving", peak, "V", no_bar);
+    add_trials(how, "driving time", hours, "h", no_bar);
 }
 
 int main(void)
@@ -262,10 +254,11 @@ int main(void)
     if (entry == NULL || !scenario_load("sim/scenarios/gao2018_mission.cfg", &scenario)) {
         return 1;
     }
+    figures = json_array();
     bench_mission(&scenario);
     bench_segment(entry, &scenario.robot);
     bench_trials(TRIAL_SEGMENTS, " of courier24");
     bench_trials(TRIAL_CRUISE, " of courier24 by cruise and transients");
-    (void)printf("\n]\n");
+    figures_print(figures);
     return 0;
 }

@@ -83,6 +83,16 @@ static inline void figures_write_rows(json_t *rows, const char *path)
     json_decref(rows);
 }
 
+/** Writes and frees them. */
+static inline void figures_write(json_t *figures, const char *path)
+{
+    if (json_dump_file(figures, path, JSON_INDENT(2) | JSON_REAL_PRECISION(10)) != 0) {
+        error_line("%s: cannot be written", path);
+        exit(1);
+    }
+    json_decref(figures);
+}
+
 /** Prints and frees them. */
 static inline void figures_print(json_t *figures)
 {

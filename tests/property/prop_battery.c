@@ -12,6 +12,7 @@
 
 #include "sim/balancer/rig.h"
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define JOULE    4294967296.0
@@ -24,7 +25,6 @@
 #define DRIVE_BAR 0.001
 
 static struct options options = {.count = 10000000, .seed = 1};
-static uint64_t generator;
 
 static double drift;       /* A·s, after options.count updates */
 static double drive_error; /* of the charge that a drive takes, relative */
@@ -43,25 +43,16 @@ static const struct jp_battery_config lithium = {
 
 void setUp(void)
 {
-    generator = options.seed * 0x9E3779B97F4A7C15U;
+    random_state = options.seed * 0x9E3779B97F4A7C15U;
 }
 
 void tearDown(void)
 {
 }
 
-/* xorshift64* */
-static uint64_t bits(void)
-{
-    generator ^= generator >> 12;
-    generator ^= generator << 25;
-    generator ^= generator >> 27;
-    return generator * 0x2545F4914F6CDD1DU;
-}
-
 static int64_t between(int64_t low, int64_t high)
 {
-    return low + (int64_t)(bits() % (uint64_t)(high - low + 1));
+    return low + (int64_t)(random_bits() % (uint64_t)(high - low + 1));
 }
 
 /* The oracle */
@@ -96,7 +87,7 @@ static long double counted(const struct jp_battery *battery)
 static jp_energy random_energy(bool draws)
 {
     static const jp_energy largest[] = {40, 100000, 1 << 26, (jp_energy)3 << 32, (jp_energy)400 << 32};
-    const jp_energy size = between(0, largest[bits() % (sizeof largest / sizeof largest[0])]);
+    const jp_energy size = between(0, largest[random_bits() % (sizeof largest / sizeof largest[0])]);
 
     return draws ? size : -size;
 }
@@ -113,7 +104,8 @@ static void test_count_does_not_drift(void)
     for (unsigned long i = 0; i < options.count; i++) {
         const jp_q16 voltage = (jp_q16)between(config->voltage_min, config->voltage_max);
 
-        draws = battery.charge > (jp_charge)7000 << 32 || (battery.charge > (jp_charge)2000 << 32 && bits() % 5 != 0);
+        draws = battery.charge > (jp_charge)7000 << 32 ||
+                (battery.charge > (jp_charge)2000 << 32 && random_bits() % 5 != 0);
 
         const jp_energy drawn = random_energy(draws);
 
@@ -182,12 +174,12 @@ static void live(void)
     const double reserve = config.capacity * (config.reserve / 2147483648.0);
     struct jp_battery battery;
     double charge = (double)between(0, config.capacity);
-    jp_energy meter = (jp_energy)bits();
+    jp_energy meter = (jp_energy)random_bits();
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_start(&battery, &config, (jp_charge)charge * (jp_charge)JOULE, meter));
     for (int i = 0; i < 200; i++) {
         const jp_q16 voltage = (jp_q16)between(config.voltage_min, config.voltage_max);
-        const jp_energy drawn = 20 * random_energy(bits() % 2 == 0);
+        const jp_energy drawn = 20 * random_energy(random_bits() % 2 == 0);
         const double unlimited = charge - (double)drawn_charge(&config, drawn, voltage);
 
         meter = (jp_energy)((uint64_t)meter + (uint64_t)drawn);
@@ -218,9 +210,9 @@ static void test_ends_of_the_charge(void)
 
 static jp_q16 any_voltage(jp_q16 last)
 {
-    switch (bits() % 6) {
+    switch (random_bits() % 6) {
     case 0:
-        return (jp_q16)(uint32_t)bits();
+        return (jp_q16)(uint32_t)random_bits();
     case 1:
         return (jp_q16)between(JP_Q16(17), JP_Q16(31));
     case 2:
@@ -254,7 +246,8 @@ static void test_readings_of_any_value(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_start(&battery, &config, (jp_charge)4000 << 32, 0));
     for (unsigned long i = 0; i < options.count / 10; i++) {
         const jp_q16 voltage = any_voltage(last);
-        const jp_energy energy = bits() % 8 == 0 ? (jp_energy)bits() : battery.energy + random_energy(true);
+        const jp_energy energy =
+            random_bits() % 8 == 0 ? (jp_energy)random_bits() : battery.energy + random_energy(true);
         const jp_charge before = battery.charge;
         const unsigned found = expected_reason(&config, last, voltage);
         const unsigned flags = jp_battery_update(&battery, &config, energy, voltage);
@@ -338,37 +331,16 @@ static void test_counts_what_leaves_the_battery_of_a_driven_robot(void)
     TEST_ASSERT_TRUE(drive_error <= DRIVE_BAR);
 }
 
-static void write_json(const char *path)
+static void add_figures(json_t *figures)
 {
-    FILE *file = fopen(path, "w");
-
-    if (file == NULL) {
-        perror(path);
-        exit(1);
-    }
-    (void)fprintf(file,
-                  "[{\"name\": \"coulomb counting, drift after %lu updates\", \"value\": %.3g, \"unit\": \"A·s\",\n"
-                  "  \"bound\": {\"op\": \"<=\", \"value\": 1e-09}, \"command\": \"make figures\"},\n"
-                  " {\"name\": \"coulomb counting on a driven courier24, error\", \"value\": %.4f, \"unit\": \"%%\",\n"
-                  "  \"bound\": {\"op\": \"<=\", \"value\": %g}, \"command\": \"make figures\"}]\n",
-                  options.count, drift, 100 * drive_error, 100 * DRIVE_BAR);
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, "make figures", drift, "A·s", at_most(1e-9), "coulomb counting, drift after %lu updates",
+                options.count);
+    figures_add(figures, "make figures", 100 * drive_error, "%", at_most(100 * DRIVE_BAR),
+                "coulomb counting on a driven courier24, error");
 }
 
 int main(int argc, char **argv)
 {
-    int failures;
-
     options = parse_options(argc, argv, options);
-    printf("prop_battery: %lu updates, seed %llu\n", options.count, options.seed);
-    UNITY_BEGIN();
-    run_tests();
-    failures = UNITY_END();
-    if (options.json != NULL) {
-        write_json(options.json);
-    }
-    return failures;
+    return RUN_PROPERTY(options, add_figures);
 }

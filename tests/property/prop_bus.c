@@ -66,7 +66,5 @@ static void test_random_missions_with_faults(void)
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    return RUN_PROPERTY(options, NULL);
 }

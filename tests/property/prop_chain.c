@@ -5,6 +5,7 @@
 
 #include "sim/balancer/variation.h"
 #include "tests/support/chain.h"
+#include "tests/support/check.h"
 #include "unity.h"
 
 #define SEED     20180401u
@@ -32,13 +33,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static void check_near(double expected, double actual, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: expected %.9g, is %.9g", what, expected, actual);
-    TEST_ASSERT_TRUE_MESSAGE(fabs(actual - expected) <= bound, message);
 }
 
 static void start(struct rig *rig, int robot, const struct robot_file *varied)

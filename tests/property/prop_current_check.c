@@ -11,6 +11,7 @@
 #include <stdio.h>
 
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define Q16_ONE 65536.0
@@ -32,7 +33,6 @@
 #define MISNAMED 5
 
 static struct options options = {.count = 500000, .seed = 1};
-static uint64_t generator;
 
 static int misnamed;
 static double worst_offset_time; /* of the memory */
@@ -40,30 +40,11 @@ static double worst_gain_time;
 
 void setUp(void)
 {
-    generator = options.seed * 0x9E3779B97F4A7C15U;
+    random_state = options.seed * 0x9E3779B97F4A7C15U;
 }
 
 void tearDown(void)
 {
-}
-
-/* xorshift64* */
-static uint64_t bits(void)
-{
-    generator ^= generator >> 12;
-    generator ^= generator << 25;
-    generator ^= generator >> 27;
-    return generator * 0x2545F4914F6CDD1DU;
-}
-
-static double uniform(double low, double high)
-{
-    return low + (high - low) * (double)(bits() >> 11) / 9007199254740992.0;
-}
-
-static double gaussian(double deviation)
-{
-    return deviation * sqrt(-2 * log(1 - uniform(0, 1))) * cos(2 * M_PI * uniform(0, 1));
 }
 
 /* A robot */
@@ -123,7 +104,7 @@ static void head(struct motor *motor, double low, double high)
 static void choose(struct drive *drive)
 {
     drive->until_change = (int)uniform(0.1 * drive->config.memory, 2.0 * drive->config.memory);
-    drive->stands = bits() % 4 == 0;
+    drive->stands = random_bits() % 4 == 0;
     head(&drive->left, drive->stands ? -0.02 : -1, drive->stands ? 0.02 : 2);
     head(&drive->right, drive->stands ? -0.02 : -1, drive->stands ? 0.02 : 2);
 }
@@ -172,7 +153,7 @@ static uint8_t step(struct drive *drive)
 
 static uint16_t random_memory(void)
 {
-    return (uint16_t)(128 << bits() % 6);
+    return (uint16_t)(128 << random_bits() % 6);
 }
 
 /* The oracle: least squares over all samples since the last change, each weighted by its age. */
@@ -272,15 +253,15 @@ struct fault {
 
 static double either_sign(double value)
 {
-    return bits() % 2 == 0 ? value : -value;
+    return random_bits() % 2 == 0 ? value : -value;
 }
 
 static struct fault random_fault(void)
 {
-    const bool of_gain = bits() % 2 == 0;
-    const bool of_right = bits() % 2 == 0;
+    const bool of_gain = random_bits() % 2 == 0;
+    const bool of_right = random_bits() % 2 == 0;
     const unsigned left = of_gain ? JP_CURRENT_GAIN_LEFT : JP_CURRENT_OFFSET_LEFT;
-    const double gain = bits() % 2 == 0 ? uniform(0.6, 0.87) : uniform(1.13, 1.5);
+    const double gain = random_bits() % 2 == 0 ? uniform(0.6, 0.87) : uniform(1.13, 1.5);
 
     return (struct fault){.of_gain = of_gain,
                           .of_right = of_right,
@@ -330,7 +311,7 @@ static void drive_on(struct drive *drive, uint8_t finding, int samples)
 static void find_fault(void)
 {
     struct drive drive;
-    const uint16_t memory = (uint16_t)(256 << bits() % 4);
+    const uint16_t memory = (uint16_t)(256 << random_bits() % 4);
     const struct fault fault = random_fault();
 
     start(&drive, memory);
@@ -426,8 +407,5 @@ static void test_standing_changes_nothing(void)
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
-    printf("prop_current_check: %lu samples, seed %llu\n", options.count, options.seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    return RUN_PROPERTY(options, NULL);
 }

@@ -30,11 +30,11 @@
 #define EPISODE_SHORTEST 512U
 #define EPISODE_DOUBLES  10U
 
-static unsigned long count = 2000000;
+static struct options options = {.count = 2000000, .seed = 1};
 
 void setUp(void)
 {
-    random_state = seed;
+    random_state = options.seed;
     robot = rig_find_robot(ROBOT);
     TEST_ASSERT_NOT_NULL(robot);
 }
@@ -55,7 +55,7 @@ static void print_seen(void)
 
 static void test_controller(void)
 {
-    const unsigned long end = executions + count / 10U * 5U;
+    const unsigned long end = executions + options.count / 10U * 5U;
 
     while (executions < end) {
         begin_episode(&controller);
@@ -64,7 +64,7 @@ static void test_controller(void)
         }
     }
     print_seen();
-    TEST_ASSERT_TRUE(count < COVERING_COUNT ||
+    TEST_ASSERT_TRUE(options.count < COVERING_COUNT ||
                      (seen.enabled > 0U && seen.resumed > 0U && seen.routes > 0U && seen.segments > 0U &&
                       seen.stopped > 0U && seen.lost_operators > 0U && seen.full_queues > 0U && seen.learned > 0U));
 }
@@ -135,7 +135,7 @@ static void test_retained_record(void)
     const struct jp_can_port port = {.context = self, .send = take_sent, .state = bus_state};
     unsigned long resumed = 0;
 
-    for (unsigned long i = 0; i < count / RECORD_SHARE; i++) {
+    for (unsigned long i = 0; i < options.count / RECORD_SHARE; i++) {
         struct jp_ecu *ecu = &self->ecu;
         const char *field;
 
@@ -164,8 +164,8 @@ static void test_retained_record(void)
             check_ranges(ecu);
         }
     }
-    printf("records: %lu of %lu taken up\n", resumed, count / RECORD_SHARE);
-    TEST_ASSERT_TRUE(count < COVERING_COUNT || (resumed > 0U && resumed < count / RECORD_SHARE));
+    printf("records: %lu of %lu taken up\n", resumed, options.count / RECORD_SHARE);
+    TEST_ASSERT_TRUE(options.count < COVERING_COUNT || (resumed > 0U && resumed < options.count / RECORD_SHARE));
 }
 
 /* ---- SLCAN ---- */
@@ -224,7 +224,7 @@ static bool is_answer(const char *answer)
 
 static void test_slcan(void)
 {
-    const unsigned long end = executions + count / 10U * 2U;
+    const unsigned long end = executions + options.count / 10U * 2U;
     unsigned long frames = 0;
     unsigned long malformed = 0;
 
@@ -257,7 +257,7 @@ static void test_slcan(void)
         }
     }
     printf("SLCAN: %lu frames, %lu malformed lines\n", frames, malformed);
-    TEST_ASSERT_TRUE(count < COVERING_COUNT || (frames > 0U && malformed > 0U));
+    TEST_ASSERT_TRUE(options.count < COVERING_COUNT || (frames > 0U && malformed > 0U));
 }
 
 /* ---- The plant ---- */
@@ -304,12 +304,12 @@ static void check_actuation(const struct jp_actuation *actuation, const struct j
 static void test_plant(void)
 {
     static struct robot_file file;
-    const unsigned long end = executions + count / 10U;
+    const unsigned long end = executions + options.count / 10U;
     uint8_t counter = 0;
     unsigned long obeyed = 0;
 
     TEST_ASSERT_TRUE(robot_file_load(ROBOT_FILE, &file));
-    plant_node_init(&plant, &file, seed);
+    plant_node_init(&plant, &file, options.seed);
     for (; executions < end; executions++) {
         const struct jp_can_frame frame = draw_motor_command(&counter);
         const struct jp_actuation before = plant.actuation;
@@ -328,7 +328,7 @@ static void test_plant(void)
     printf("plant: %lu commands obeyed, %llu with a wrong CRC, %llu out of sequence, %llu malformed\n", obeyed,
            (unsigned long long)plant.crc_errors, (unsigned long long)plant.sequence_errors,
            (unsigned long long)plant.malformed);
-    TEST_ASSERT_TRUE(count < COVERING_COUNT || (obeyed > 0U && plant.sequence_errors > 0U));
+    TEST_ASSERT_TRUE(options.count < COVERING_COUNT || (obeyed > 0U && plant.sequence_errors > 0U));
 }
 
 /* ---- The operator ---- */
@@ -387,7 +387,7 @@ static void check_operator(void)
 
 static void test_operator(void)
 {
-    const unsigned long end = executions + count / 10U;
+    const unsigned long end = executions + options.count / 10U;
     const struct jp_can_port port = {.send = count_command};
     const unsigned states = JP_OPERATOR_FAILED + 1U;
     unsigned long in_state[JP_OPERATOR_FAILED + 1] = {0};
@@ -420,7 +420,7 @@ static void test_operator(void)
     printf("operator: %lu idle, %lu standing up, %lu uploading, %lu driving, %lu done, %lu failed\n", in_state[0],
            in_state[1], in_state[2], in_state[3], in_state[4], in_state[5]);
     for (unsigned i = 0; i < states; i++) {
-        TEST_ASSERT_TRUE(count < COVERING_COUNT || in_state[i] > 0U);
+        TEST_ASSERT_TRUE(options.count < COVERING_COUNT || in_state[i] > 0U);
     }
 }
 
@@ -433,7 +433,7 @@ static bool is_viewed(uint32_t id)
 
 static void test_view(void)
 {
-    const unsigned long end = executions + count / 10U;
+    const unsigned long end = executions + options.count / 10U;
     static struct ecu_view view;
     unsigned long taken = 0;
 
@@ -453,41 +453,17 @@ static void test_view(void)
                 "a signal wider than it is");
     }
     printf("view: %lu frames taken\n", taken);
-    TEST_ASSERT_TRUE(count < COVERING_COUNT || taken > 0U);
+    TEST_ASSERT_TRUE(options.count < COVERING_COUNT || taken > 0U);
 }
 
-/* For tools/measure/figures.py. */
-static void write_json(const char *path, unsigned long sound)
+static void add_figures(json_t *figures)
 {
-    FILE *file = fopen(path, "w");
-
-    if (file == NULL) {
-        perror(path);
-        exit(1);
-    }
-    fprintf(file,
-            "[\n{\"name\": \"CAN decoders: executions fuzzed without a finding\", \"value\": %lu, \"unit\": \"\", "
-            "\"bound\": {\"op\": \">=\", \"value\": %.0f}, \"command\": \"make figures\"}\n]\n",
-            sound, EXECUTIONS_BAR);
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, "make figures", (double)executions, "", at_least(EXECUTIONS_BAR),
+                "CAN decoders: executions fuzzed without a finding");
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = 1});
-    const char *json = options.json;
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    int failures = UNITY_END();
-    if (json != NULL) {
-        write_json(json, failures == 0 ? executions : 0);
-    }
-    return failures;
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, add_figures);
 }

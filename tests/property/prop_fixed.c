@@ -1,8 +1,8 @@
 /*
  * Largest error of each function of fixed.h against floating point.
  *
- * prop_fixed [--exhaustive] [--json FILE] [--seed N]
- * --exhaustive tries all 2³² inputs of the functions of one argument (minutes); the default strides through them.
+ * prop_fixed [--count N] [--seed S] [--json FILE]
+ * --count is the number of inputs of the functions of one argument, evenly among all 4294967296 (minutes).
  */
 #include <joulepath/fixed.h>
 
@@ -13,12 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define TURN         4294967296.0
 #define PI           3.14159265358979323846
 #define PI_LONG      3.14159265358979323846264338328L
-#define STRIDE       2039u
 #define RANDOM_TESTS 1000000
 #define THREADS      2
 
@@ -32,8 +33,7 @@ struct result {
 
 static struct result results[16];
 static size_t result_count;
-static bool exhaustive;
-static uint64_t seed = 1;
+static struct options options = {.count = 2106408, .seed = 1};
 
 void setUp(void)
 {
@@ -88,7 +88,7 @@ static void measure(const char *name, const char *unit, double bound, error_func
     struct sweep sweeps[THREADS];
     pthread_t threads[THREADS];
     const uint64_t share = (uint64_t)TURN / THREADS;
-    const uint64_t stride = exhaustive ? 1 : STRIDE;
+    const uint64_t stride = ((uint64_t)TURN + options.count - 1) / options.count;
     for (unsigned i = 0; i < THREADS; i++) {
         sweeps[i] = (struct sweep){error, i * share, (i + 1) * share, stride, 0};
         TEST_ASSERT_EQUAL_INT(0, pthread_create(&threads[i], NULL, run_sweep, &sweeps[i]));
@@ -191,31 +191,22 @@ static void test_atan2_along_an_edge(void)
 
 /* Random inputs */
 
-/** splitmix64 */
-static uint64_t random64(uint64_t *state)
-{
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
 /** Random bits of a random magnitude. */
-static int64_t random_int64(uint64_t *state)
+static int64_t random_int64(void)
 {
-    unsigned shift = (unsigned)(random64(state) % 64);
-    return (int64_t)random64(state) >> shift;
+    unsigned shift = (unsigned)(random_bits() % 64);
+    return (int64_t)random_bits() >> shift;
 }
 
-static int32_t random_int32(uint64_t *state)
+static int32_t random_int32(void)
 {
-    unsigned shift = (unsigned)(random64(state) % 32);
-    return (int32_t)(uint32_t)random64(state) >> shift;
+    unsigned shift = (unsigned)(random_bits() % 32);
+    return (int32_t)(uint32_t)random_bits() >> shift;
 }
 
-static unsigned random_shift(uint64_t *state)
+static unsigned random_shift(void)
 {
-    return 1 + (unsigned)(random64(state) % 62);
+    return 1 + (unsigned)(random_bits() % 62);
 }
 
 static int32_t clamp(long double x)
@@ -232,11 +223,11 @@ static double rounding_error(int32_t result, long double exact)
 
 static void test_atan2(void)
 {
-    uint64_t state = seed;
+    begin_random(options.seed, 0);
     double worst = 0;
     for (int i = 0; i < RANDOM_TESTS; i++) {
-        int32_t y = random_int32(&state);
-        int32_t x = random_int32(&state);
+        int32_t y = random_int32();
+        int32_t x = random_int32();
         worst = fmax(worst, atan2_error(y, x));
     }
     record("jp_atan2", "2^-32 turn", JP_ATAN2_ERROR, worst, RANDOM_TESTS);
@@ -257,10 +248,10 @@ static double atan2_error_all_round(int32_t y, int32_t x)
 
 static void test_atan2_beside_octant_borders(void)
 {
-    uint64_t state = seed;
+    begin_random(options.seed, 1);
     double worst = 0;
     for (int i = 0; i < RANDOM_TESTS / 64; i++) {
-        int32_t size = jp_sub(random_int32(&state), 8);
+        int32_t size = jp_sub(random_int32(), 8);
         for (int32_t offset = -4; offset <= 4; offset++) {
             worst = fmax(worst, atan2_error_all_round(jp_add(size, offset), size));
             worst = fmax(worst, atan2_error_all_round(offset, size));
@@ -271,9 +262,9 @@ static void test_atan2_beside_octant_borders(void)
 
 static void test_square_root_beside_squares(void)
 {
-    uint64_t state = seed;
+    begin_random(options.seed, 2);
     for (int i = 0; i < RANDOM_TESTS; i++) {
-        uint32_t root = (uint32_t)random64(&state) >> (random64(&state) % 32);
+        uint32_t root = (uint32_t)random_bits() >> (random_bits() % 32);
         uint64_t square = (uint64_t)root * root;
         TEST_ASSERT_EQUAL_UINT32(root, jp_square_root(square));
         TEST_ASSERT_EQUAL_UINT32(root, jp_square_root(square + 2 * (uint64_t)root));
@@ -285,12 +276,12 @@ static void test_square_root_beside_squares(void)
 
 static void test_multiply_shift(void)
 {
-    uint64_t state = seed;
+    begin_random(options.seed, 3);
     double worst = 0;
     for (int i = 0; i < RANDOM_TESTS; i++) {
-        int32_t a = random_int32(&state);
-        int32_t b = random_int32(&state);
-        unsigned shift = random_shift(&state);
+        int32_t a = random_int32();
+        int32_t b = random_int32();
+        unsigned shift = random_shift();
         long double exact = ldexpl((long double)a * b, -(int)shift);
         int32_t result = jp_multiply_shift(a, b, shift);
         TEST_ASSERT_EQUAL_INT32(clamp(floorl(exact + 0.5L)), result);
@@ -301,11 +292,11 @@ static void test_multiply_shift(void)
 
 static void test_round_shift(void)
 {
-    uint64_t state = seed;
+    begin_random(options.seed, 4);
     double worst = 0;
     for (int i = 0; i < RANDOM_TESTS; i++) {
-        int64_t x = random_int64(&state);
-        unsigned shift = random_shift(&state);
+        int64_t x = random_int64();
+        unsigned shift = random_shift();
         long double exact = ldexpl((long double)x, -(int)shift);
         int32_t result = jp_round_shift(x, shift);
         TEST_ASSERT_EQUAL_INT32(clamp(floorl(exact + 0.5L)), result);
@@ -316,11 +307,11 @@ static void test_round_shift(void)
 
 static void test_divide(void)
 {
-    uint64_t state = seed;
+    begin_random(options.seed, 5);
     double worst = 0;
     for (int i = 0; i < RANDOM_TESTS; i++) {
-        int64_t numerator = random_int64(&state);
-        int32_t denominator = random_int32(&state);
+        int64_t numerator = random_int64();
+        int32_t denominator = random_int32();
         if (denominator == 0) {
             continue;
         }
@@ -334,11 +325,11 @@ static void test_divide(void)
 
 static void test_sums_saturate(void)
 {
-    uint64_t state = seed;
+    begin_random(options.seed, 6);
     for (int i = 0; i < RANDOM_TESTS; i++) {
-        int32_t a = random_int32(&state);
-        int32_t b = random_int32(&state);
-        int64_t accumulator = random_int64(&state);
+        int32_t a = random_int32();
+        int32_t b = random_int32();
+        int64_t accumulator = random_int64();
         int64_t sum;
         if (__builtin_add_overflow(accumulator, (int64_t)a * b, &sum)) {
             sum = accumulator > 0 ? INT64_MAX : INT64_MIN;
@@ -361,46 +352,21 @@ static void print_table(void)
     }
 }
 
-static bool write_json(const char *path)
+static void add_figures(json_t *figures)
 {
-    FILE *file = fopen(path, "w");
-    if (file == NULL) {
-        return false;
-    }
     for (size_t i = 0; i < result_count; i++) {
         const struct result *r = &results[i];
-        fprintf(file,
-                "%s\n {\"name\": \"fixed point: %s, worst of %llu inputs\", \"value\": %.9f, \"unit\": \"%s\", "
-                "\"bound\": {\"op\": \"<=\", \"value\": %g}, \"command\": \"make figures\"}",
-                i > 0 ? "," : "[", r->name, (unsigned long long)r->inputs, r->worst, r->unit, r->bound);
+        figures_add(figures, "make figures", r->worst, r->unit, at_most(r->bound),
+                    "fixed point: %s, worst of %llu inputs", r->name, (unsigned long long)r->inputs);
     }
-    fprintf(file, "\n]\n");
-    return fclose(file) == 0;
 }
 
 int main(int argc, char **argv)
 {
-    const char *json = NULL;
-    for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--exhaustive") == 0) {
-            exhaustive = true;
-        } else if (strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
-            json = argv[++i];
-        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
-            seed = strtoull(argv[++i], NULL, 0);
-        } else {
-            fprintf(stderr, "usage: %s [--exhaustive] [--json FILE] [--seed N]\n", argv[0]);
-            return 2;
-        }
-    }
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    int failures = UNITY_END();
+    options = parse_options(argc, argv, options);
+
+    const int failures = RUN_PROPERTY(options, add_figures);
+
     print_table();
-    if (json != NULL && !write_json(json)) {
-        fprintf(stderr, "%s: cannot write %s\n", argv[0], json);
-        return 2;
-    }
     return failures;
 }

@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/base/random.h"
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define Q24      16777216.0
@@ -36,10 +36,7 @@
 
 enum { COMMANDS_PER_DRIVE = 40, TICKS_KEPT = 20, CASES_PER_DRIVE = 500 };
 
-static unsigned long count = 20000;
-static uint64_t seed = 1;
-static struct random rng;
-
+static struct options options = {.count = 20000, .seed = 1};
 static struct {
     double twist;    /* worst error there and back */
     double contact;  /* worst error of a contact, m/s */
@@ -56,20 +53,11 @@ static struct {
 
 void setUp(void)
 {
+    begin_random(options.seed, 0);
 }
 
 void tearDown(void)
 {
-}
-
-static double uniform(double low, double high)
-{
-    return random_uniform(&rng, low, high);
-}
-
-static double octaves(double low, double high)
-{
-    return exp(uniform(log(low), log(high)));
 }
 
 static bool chance(double probability)
@@ -181,16 +169,16 @@ static double slip_of(const struct jp_four_wheel_config *config, const struct jp
 
 static struct jp_four_wheel_config random_robot(void)
 {
-    const double wheelbase = octaves(0.1, 4);
-    const double track = octaves(0.1, 4);
+    const double wheelbase = log_uniform(0.1, 4);
+    const double track = log_uniform(0.1, 4);
     const double least = atan2(wheelbase, track) * 180 / PI;
     const struct jp_four_wheel_config config = {
         .wheelbase = q24(wheelbase),
         .track = q24(track),
         .steering_limit = chance(0.2) ? (int32_t)jp_atan2(q24(wheelbase), q24(track)) : steering(uniform(least, 120)),
-        .steering_step = steering(octaves(0.05, 30)),
+        .steering_step = steering(log_uniform(0.05, 30)),
         .speed_max = q24(16),
-        .speed_step = q24(octaves(0.0003, 0.3)),
+        .speed_step = q24(log_uniform(0.0003, 0.3)),
     };
     const char *field = "none";
     const enum jp_status status = jp_four_wheel_check(&config, &field);
@@ -202,7 +190,7 @@ static struct jp_four_wheel_config random_robot(void)
 /* Radii from 0 to infinity, both ways; a part of them to any side. */
 static struct jp_twist random_twist(const struct jp_four_wheel_config *config)
 {
-    const double speed = octaves(0.02, 4) * (chance(0.5) ? 1 : -1);
+    const double speed = log_uniform(0.02, 4) * (chance(0.5) ? 1 : -1);
     const double kind = uniform(0, 1);
     struct jp_twist twist = {0, 0, 0};
 
@@ -217,11 +205,11 @@ static struct jp_twist random_twist(const struct jp_four_wheel_config *config)
         }
     } else if (kind < 0.5) { /* about a contact, or close to one */
         const struct vector centre = place(config, (int)uniform(0, JP_WHEELS));
-        const double off = chance(0.5) ? 0 : octaves(1e-6, 0.1);
+        const double off = chance(0.5) ? 0 : log_uniform(1e-6, 0.1);
         const double turn_rate = fabs(speed);
         twist = (struct jp_twist){q24((centre.y + off) * turn_rate), q24(-centre.x * turn_rate), q24(turn_rate)};
     } else {
-        const double radius = octaves(0.001, 10000) * (chance(0.5) ? 1 : -1);
+        const double radius = log_uniform(0.001, 10000) * (chance(0.5) ? 1 : -1);
         const double direction = kind < 0.75 ? 0 : uniform(-PI, PI);
         const double turn_rate = fabs(speed / radius) > 16 ? 16 : speed / radius;
         twist = (struct jp_twist){q24(speed * cos(direction)), q24(speed * sin(direction)), q24(turn_rate)};
@@ -355,12 +343,12 @@ static bool there_and_back(void)
 
 static void test_there_and_back(void)
 {
-    for (unsigned long done = 0; done < count;) {
+    for (unsigned long done = 0; done < options.count;) {
         done += there_and_back() ? 1 : 0;
     }
     printf("%lu commands: twist back to %.2g of the fastest contact; contacts within %.2g m/s; slip of the formats "
            "%.3g m/s (%.2f 2^-24), reported %.3g; %lu more with a wheel that holds, slip up to %.3g m/s\n",
-           count, worst.twist, worst.contact, worst.residual, worst.residual * Q24, worst.slip, worst.held,
+           options.count, worst.twist, worst.contact, worst.residual, worst.residual * Q24, worst.slip, worst.held,
            worst.held_slip);
     TEST_ASSERT_TRUE(worst.twist <= TWIST_BAR);
     TEST_ASSERT_TRUE(worst.residual <= SLIP_BAR);
@@ -372,7 +360,7 @@ static void test_there_and_back(void)
 /* Twist and slip of wheels that have nothing in common. */
 static void test_forward_of_any_wheels(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         const struct jp_four_wheel_config config = random_robot();
         struct jp_wheels wheels;
         struct jp_twist twist;
@@ -395,13 +383,13 @@ static void test_forward_of_any_wheels(void)
 
 static void test_least_radius_is_feasible_and_least(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         const struct jp_four_wheel_config config = random_robot();
         const double radius = jp_four_wheel_radius_min(&config) / Q24;
         const double side = chance(0.5) ? 1 : -1;
-        const double larger = radius * (1 + (chance(0.5) ? octaves(1e-3, 1e3) : 1e-3)) + 0.01;
+        const double larger = radius * (1 + (chance(0.5) ? log_uniform(1e-3, 1e3) : 1e-3)) + 0.01;
         const double most = 15 / (larger + 3); /* rad/s that no wheel is too fast for */
-        const double speed = fmin(octaves(0.02, 4), most * larger);
+        const double speed = fmin(log_uniform(0.02, 4), most * larger);
         const struct jp_twist twist = {q24(speed), 0, q24(side * speed / larger)};
         const struct jp_twist tight = {q24(speed), 0, q24(side * speed / (0.999 * radius - 1e-6))};
         struct jp_wheels wheels = {{0}, {0}};
@@ -417,7 +405,7 @@ static void test_least_radius_is_feasible_and_least(void)
 static void test_a_sliding_wheel_is_told(void)
 {
     worst.slide_least = INFINITY;
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         const struct jp_four_wheel_config config = random_robot();
         const struct jp_twist twist = random_twist(&config);
         struct jp_wheels wheels = random_stand(&config);
@@ -540,8 +528,8 @@ static struct drive random_drive(void)
 {
     struct drive drive = {.config = random_robot()};
 
-    drive.config.steering_step = steering(octaves(0.2, 20));
-    drive.config.speed_step = q24(octaves(0.003, 0.3));
+    drive.config.steering_step = steering(log_uniform(0.2, 20));
+    drive.config.speed_step = q24(log_uniform(0.003, 0.3));
     drive.config.speed_max = q24(6);
     drive.wheels = random_stand(&drive.config);
     return drive;
@@ -553,7 +541,7 @@ static void test_constant_twists_are_reached(void)
     const struct jp_twist refused = {q24(16) + 1, 0, 0};
     const struct jp_twist too_fast = {q24(6) + 1, 0, 0};
 
-    for (unsigned long i = 0; i < count / CASES_PER_DRIVE + 1; i++) {
+    for (unsigned long i = 0; i < options.count / CASES_PER_DRIVE + 1; i++) {
         struct drive drive = random_drive();
         for (int command = 0; command < COMMANDS_PER_DRIVE; command++) {
             const struct jp_twist twist = feasible_twist(&drive.config);
@@ -574,7 +562,7 @@ static void test_constant_twists_are_reached(void)
 /* Wheels that roll at speeds and angles of no one twist: the limits hold, the twist is reached. */
 static void test_any_wheels_come_to_order(void)
 {
-    for (unsigned long i = 0; i < count / 20 + 1; i++) {
+    for (unsigned long i = 0; i < options.count / 20 + 1; i++) {
         struct drive drive = random_drive();
         const struct jp_twist twist = feasible_twist(&drive.config);
         for (int wheel = 0; wheel < JP_WHEELS; wheel++) {
@@ -589,11 +577,11 @@ static void test_any_wheels_come_to_order(void)
 static void test_commands_in_motion_drag_no_wheel(void)
 {
     worst.drag = 0;
-    for (unsigned long i = 0; i < count / CASES_PER_DRIVE + 1; i++) {
+    for (unsigned long i = 0; i < options.count / CASES_PER_DRIVE + 1; i++) {
         struct drive drive = random_drive();
         for (int command = 0; command < COMMANDS_PER_DRIVE; command++) {
             struct jp_twist twist = feasible_twist(&drive.config);
-            const int ticks = (int)octaves(1, 200);
+            const int ticks = (int)log_uniform(1, 200);
             const jp_q24 drift = q24(uniform(-0.01, 0.01));
             for (int t = 0; t < ticks; t++) {
                 struct jp_wheels wheels = drive.wheels;
@@ -610,61 +598,27 @@ static void test_commands_in_motion_drag_no_wheel(void)
     TEST_ASSERT_TRUE(worst.dragged <= DRAGGED_BAR);
 }
 
-static void write_figure(FILE *file, const char *name, double value, const char *unit, const char *op, double bar)
+static void add_figures(json_t *figures)
 {
-    static const char *separator = "[\n";
+    const char *command = "make figures";
 
-    fprintf(file,
-            "%s{\"name\": \"%s\", \"value\": %.6g, \"unit\": \"%s\", \"bound\": {\"op\": \"%s\", \"value\": %g}, "
-            "\"command\": \"make figures\"}",
-            separator, name, value, unit, op, bar);
-    separator = ",\n";
-}
-
-/* For tools/measure/figures.py. */
-static void write_json(const char *path)
-{
-    char name[160];
-    FILE *file = fopen(path, "w");
-
-    if (!file) {
-        perror(path);
-        exit(1);
-    }
-    snprintf(name, sizeof name, "four wheels: inverse then forward, worst error of %lu twists, of the fastest contact",
-             count);
-    write_figure(file, name, 100 * worst.twist, "%", "<=", 100 * TWIST_BAR);
-    write_figure(file, "four wheels: largest slip told without slip", worst.slip, "m/s", "<=", 0);
-    write_figure(file, "four wheels: largest slip that the formats cause, before it counts as 0", worst.residual, "m/s",
-                 "<=", SLIP_BAR);
-    write_figure(file, "four wheels: largest slip of a wheel too slow to steer, which keeps its angle", worst.held_slip,
-                 "m/s", "<=", HOLD / 2);
-    write_figure(file, "four wheels: least slip told of a wheel 20 % too fast, of its speed", 100 * worst.slide_least,
-                 "%", ">=", 100 * SLIDE_SHARE);
-    write_figure(file, "four wheels: ticks until a twist is reached, worst part of the stated bound",
-                 100 * worst.arrival, "%", "<=", 100);
-    write_figure(file, "four wheels: largest slip that commands in motion cause", worst.dragged, "m/s",
-                 "<=", DRAGGED_BAR);
-    fprintf(file, "\n]\n");
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, command, 100 * worst.twist, "%", at_most(100 * TWIST_BAR),
+                "four wheels: inverse then forward, worst error of %lu twists, of the fastest contact", options.count);
+    figures_add(figures, command, worst.slip, "m/s", at_most(0), "four wheels: largest slip told without slip");
+    figures_add(figures, command, worst.residual, "m/s", at_most(SLIP_BAR),
+                "four wheels: largest slip that the formats cause, before it counts as 0");
+    figures_add(figures, command, worst.held_slip, "m/s", at_most(HOLD / 2),
+                "four wheels: largest slip of a wheel too slow to steer, which keeps its angle");
+    figures_add(figures, command, 100 * worst.slide_least, "%", at_least(100 * SLIDE_SHARE),
+                "four wheels: least slip told of a wheel 20 %% too fast, of its speed");
+    figures_add(figures, command, 100 * worst.arrival, "%", at_most(100),
+                "four wheels: ticks until a twist is reached, worst part of the stated bound");
+    figures_add(figures, command, worst.dragged, "m/s", at_most(DRAGGED_BAR),
+                "four wheels: largest slip that commands in motion cause");
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    random_init(&rng, seed);
-    UNITY_BEGIN();
-    run_tests();
-    const int failures = UNITY_END();
-    if (options.json) {
-        write_json(options.json);
-    }
-    return failures;
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, add_figures);
 }

@@ -9,6 +9,7 @@
 #include "sim/base/random.h"
 #include "sim/four_wheel/four_wheel_file.h"
 #include "sim/four_wheel/four_wheel_plant.h"
+#include "tests/support/check.h"
 #include "tests/support/options.h"
 #include "unity.h"
 
@@ -24,37 +25,22 @@ struct twist {
     double turn_rate;
 };
 
+static struct options options = {.count = 60, .seed = 6};
 static struct four_wheel_file robot;
 static struct four_wheel_plant plant;
 static struct random noise;
-static unsigned long long seed = 6;
-static unsigned long count = 60;
 static double worst_energy_error;
 
 void setUp(void)
 {
     static const struct planar_pose origin = {0, 0, 0};
     TEST_ASSERT_TRUE(four_wheel_file_load("sim/robots/patrol.cfg", &robot));
-    random_init(&noise, seed);
+    random_init(&noise, options.seed);
     four_wheel_plant_init(&plant, &robot, &origin);
 }
 
 void tearDown(void)
 {
-}
-
-static void check_near(double expected, double actual, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: expected %.6g ± %.2g, is %.6g", what, expected, bound, actual);
-    TEST_ASSERT_TRUE_MESSAGE(fabs(actual - expected) <= bound, message);
-}
-
-static void check_below(double value, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: %.4g, allowed %.4g", what, value, bound);
-    TEST_ASSERT_TRUE_MESSAGE(value <= bound, message);
 }
 
 /* ---- Oracle: a wheel rolls where the rigid body carries it ---- */
@@ -142,7 +128,7 @@ static struct jp_wheels random_wheels(void)
 
 static void test_ledger_closes(void)
 {
-    for (unsigned long run = 0; run < count; run++) {
+    for (unsigned long run = 0; run < options.count; run++) {
         static const struct planar_pose origin = {0, 0, 0};
         four_wheel_plant_init(&plant, &robot, &origin);
         for (int i = 0; i < (int)(run % 4) * 2; i++) {
@@ -449,38 +435,18 @@ static void test_patches_are_bounded(void)
     TEST_ASSERT_EQUAL_INT(FOUR_WHEEL_PATCHES_MAX, (int)plant.patch_count);
 }
 
-/* For tools/measure/figures.py. */
-static void write_json(const char *path)
+static void add_figures(json_t *figures)
 {
-    FILE *file = fopen(path, "w");
-    if (file == NULL) {
-        perror(path);
-        exit(1);
-    }
-    fprintf(file,
-            "[\n{\"name\": \"four-wheel plant: energy that its ledger misses, of the turnover, worst of %lu drives\", "
-            "\"value\": %.3g, \"unit\": \"\", \"bound\": {\"op\": \"<=\", \"value\": %g}, "
-            "\"command\": \"make figures\"}\n]\n",
-            count, worst_energy_error, ENERGY_ERROR);
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, "make figures", worst_energy_error, "", at_most(ENERGY_ERROR),
+                "four-wheel plant: energy that its ledger misses, of the turnover, worst of %lu drives", options.count);
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
+    options = parse_options(argc, argv, options);
 
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", seed);
-    UNITY_BEGIN();
-    run_tests();
-    const int failures = UNITY_END();
+    const int failures = RUN_PROPERTY(options, add_figures);
+
     printf("energy error: worst %.3g of the turnover\n", worst_energy_error);
-    if (options.json != NULL) {
-        write_json(options.json);
-    }
     return failures;
 }

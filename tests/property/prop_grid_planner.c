@@ -13,6 +13,7 @@
 
 #include "tests/support/grid_oracle.h"
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 enum {
@@ -47,9 +48,7 @@ struct counts {
     double longest_ratio; /* any angle against the shortest of all */
 };
 
-static uint64_t seed = 1;
-static unsigned long count = 400;
-static uint64_t random_state;
+static struct options options = {.count = 400, .seed = 1};
 static struct trial trial;
 static struct counts counts;
 static char problem[200]; /* the first that was found */
@@ -61,19 +60,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static uint64_t random_bits(void)
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 7;
-    random_state ^= random_state << 17;
-    return random_state * UINT64_C(2685821657736338717);
-}
-
-static uint32_t below(uint32_t n)
-{
-    return (uint32_t)((random_bits() >> 32) * n >> 32);
 }
 
 static void report(unsigned long number, const char *what, double found, double expected)
@@ -339,8 +325,7 @@ static void check_lines(unsigned long number)
 
 static void check_map(unsigned long number)
 {
-    random_state = seed * 1000003 + number * 7919 + 1;
-    (void)random_bits();
+    begin_random(options.seed, number);
     make_map();
     trial.config.tube = (uint8_t)(1 + below(JP_GRID_TUBE_MAX));
     make_oracle();
@@ -363,7 +348,7 @@ static void check_map(unsigned long number)
 
 static void test_random_maps(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         check_map(i);
     }
     if (counts.wrong > 0) {
@@ -379,10 +364,10 @@ static void test_random_maps(void)
 /* A queue of any size, even of one entry: the answer is the right one, or that memory is out. */
 static void test_small_queues(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         struct jp_grid_cell start;
         struct jp_grid_cell goal;
-        random_state = seed * 1000003 + i * 7919 + 5;
+        begin_random(options.seed, options.count + i);
         make_map();
         make_oracle();
         trial.config.tube = (uint8_t)(1 + below(8));
@@ -409,10 +394,10 @@ static void test_small_queues(void)
 /* A cell changes after any number of slices: stale at once, and right after the task is set again. */
 static void test_changes_while_it_searches(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         struct jp_grid_cell start;
         struct jp_grid_cell goal;
-        random_state = seed * 1000003 + i * 7919 + 9;
+        begin_random(options.seed, 2 * options.count + i);
         make_map();
         make_oracle();
         trial.config.tube = (uint8_t)(1 + below(8));
@@ -436,31 +421,20 @@ static void test_changes_while_it_searches(void)
     }
 }
 
-static void write_json(const char *path)
+static void add_figures(json_t *figures)
 {
-    FILE *file = fopen(path, "w");
-    TEST_ASSERT_NOT_NULL(file);
-    (void)fprintf(file,
-                  "[{\"name\": \"grid planner: wrong ways, proofs or lines of sight on random grids, of %lu tasks and "
-                  "%lu lines\", \"value\": %lu, \"unit\": \"\", \"bound\": {\"op\": \"==\", \"value\": 0}, "
-                  "\"command\": \"make figures\"}]\n",
-                  counts.tasks, counts.lines, counts.wrong);
-    (void)fclose(file);
+    figures_add(figures, "make figures", (double)counts.wrong, "", equal_to(0),
+                "grid planner: wrong ways, proofs or lines of sight on random grids, of %lu tasks and %lu lines",
+                counts.tasks, counts.lines);
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-    count = options.count;
-    seed = options.seed;
-    (void)printf("seed %llu, %lu maps\n", (unsigned long long)seed, count);
-    UNITY_BEGIN();
-    run_tests();
-    const int failures = UNITY_END();
+    options = parse_options(argc, argv, options);
+
+    const int failures = RUN_PROPERTY(options, add_figures);
+
     (void)printf("%lu tasks, %lu unreachable, %lu out of memory, %lu lines, at most %.4f of the shortest\n",
                  counts.tasks, counts.unreachable, counts.full, counts.lines, counts.longest_ratio);
-    if (options.json != NULL) {
-        write_json(options.json);
-    }
     return failures;
 }

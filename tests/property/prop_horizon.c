@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846
@@ -46,9 +47,7 @@ static const struct robot {
     {"courier24, battery", &jp_energy_model_courier24_battery, &jp_horizon_courier24_battery},
 };
 
-static uint64_t seed = 1;
-static uint64_t random_state;
-static unsigned long count = 100;
+static struct options options = {.count = 100, .seed = 1};
 static double worst_error;
 
 void setUp(void)
@@ -57,20 +56,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-/* xorshift64* */
-static uint32_t random_bits(void)
-{
-    random_state ^= random_state >> 12;
-    random_state ^= random_state << 25;
-    random_state ^= random_state >> 27;
-    return (uint32_t)((random_state * UINT64_C(0x2545F4914F6CDD1D)) >> 32);
-}
-
-static double uniform(double low, double high)
-{
-    return low + (high - low) * (double)random_bits() / 4294967296.0;
 }
 
 static double q16(int32_t x)
@@ -203,10 +188,10 @@ static double worst_of_chain(const struct robot *robot)
 
 static void test_forecasts_are_the_formula(void)
 {
-    random_state = seed;
+    begin_random(options.seed, 0);
     for (size_t i = 0; i < sizeof robots / sizeof robots[0]; i++) {
         double worst = 0;
-        for (unsigned long k = 0; k < count; k++) {
+        for (unsigned long k = 0; k < options.count; k++) {
             worst = fmax(worst, worst_of_chain(&robots[i]));
         }
         printf("%-20s worst error %.2e J\n", robots[i].name, worst);
@@ -308,7 +293,7 @@ static void add_random(struct linear_axis *axis, double slowest, double fastest,
     while (modes > 0) {
         const double decay = exp(uniform(log(slowest), log(fastest)));
         /* Apart from every other frequency, so that each pair is one. */
-        const double frequency = modes > 1 && (random_bits() & 1) != 0 ? uniform(0.1, 5) : 0;
+        const double frequency = modes > 1 && (random_word() & 1) != 0 ? uniform(0.1, 5) : 0;
         add_mode(axis, decay, frequency, true);
         if (frequency != 0) {
             add_mode(axis, decay, frequency, false);
@@ -320,7 +305,7 @@ static void add_random(struct linear_axis *axis, double slowest, double fastest,
 static struct linear_axis random_axis(void)
 {
     struct linear_axis axis = {.volts = uniform(1, 8), .amperes = uniform(0.1, 1)};
-    add_random(&axis, 0.3, 8, (int)(random_bits() % (JP_AXIS_MODES + 1)));
+    add_random(&axis, 0.3, 8, (int)(random_word() % (JP_AXIS_MODES + 1)));
     axis.lasting = axis.modes;
     add_random(&axis, 40, 150, MODES_MAX - JP_AXIS_MODES);
     store(&axis);
@@ -474,8 +459,8 @@ static double worst_of_ticks(const struct linear_axis *travel, const struct line
 static void test_forecasts_are_the_energy_of_all_ticks(void)
 {
     double worst = 0;
-    random_state = seed + 1;
-    for (unsigned long k = 0; k < count; k++) {
+    begin_random(options.seed, 1);
+    for (unsigned long k = 0; k < options.count; k++) {
         const struct linear_axis travel = random_axis();
         const struct linear_axis yaw = random_axis();
         worst = fmax(worst, worst_of_ticks(&travel, &yaw));
@@ -488,8 +473,8 @@ static void test_forecasts_are_the_energy_of_all_ticks(void)
 
 static void test_weighted_regressors_are_the_forecast(void)
 {
-    random_state = seed + 2;
-    for (unsigned long k = 0; k < 10 * count; k++) {
+    begin_random(options.seed, 2);
+    for (unsigned long k = 0; k < 10 * options.count; k++) {
         const struct robot *robot = &robots[k % (sizeof robots / sizeof robots[0])];
         struct jp_energy_start start = {{0, 0}, {{0}, {0}}};
         for (int i = 0; i < 4; i++) {
@@ -520,7 +505,7 @@ static void test_weighted_regressors_are_the_forecast(void)
 
 static int32_t any(int32_t limit)
 {
-    switch (random_bits() % 4) {
+    switch (random_word() % 4) {
     case 0:
         return limit;
     case 1:
@@ -528,15 +513,15 @@ static int32_t any(int32_t limit)
     case 2:
         return 0;
     default:
-        return (int32_t)((((int64_t)random_bits() * limit) >> 31) - limit);
+        return (int32_t)((((int64_t)random_word() * limit) >> 31) - limit);
     }
 }
 
 static void draw_any_axis(struct jp_axis_modes *axis)
 {
-    *axis = (struct jp_axis_modes){.count = random_bits() % (JP_AXIS_MODES + 1)};
+    *axis = (struct jp_axis_modes){.count = random_word() % (JP_AXIS_MODES + 1)};
     for (uint32_t i = 0; i < JP_AXIS_MODES; i++) {
-        axis->mode[i] = (struct jp_mode){1 + (int32_t)(random_bits() >> (1 + random_bits() % 30)), 0};
+        axis->mode[i] = (struct jp_mode){1 + (int32_t)(random_word() >> (1 + random_word() % 30)), 0};
         axis->steady[i] = any(JP_Q16(4096));
         for (int s = 0; s < 2; s++) {
             axis->step[s][i] = any(JP_Q16(512));
@@ -544,8 +529,8 @@ static void draw_any_axis(struct jp_axis_modes *axis)
         }
     }
     for (uint32_t i = 0; i + 1 < axis->count; i++) {
-        if ((random_bits() & 1) != 0) {
-            axis->mode[i].frequency = 1 + (int32_t)(random_bits() >> (2 + random_bits() % 30));
+        if ((random_word() & 1) != 0) {
+            axis->mode[i].frequency = 1 + (int32_t)(random_word() >> (2 + random_word() % 30));
             axis->mode[i + 1] = axis->mode[i];
             i++;
         }
@@ -568,9 +553,9 @@ static bool within(const jp_q16 *modes)
 /* No undefined behaviour, a defined status, and an end that the next segment can begin with. */
 static void test_any_table_is_safe(void)
 {
-    random_state = seed + 3;
-    for (unsigned long k = 0; k < 200 * count; k++) {
-        struct jp_horizon horizon = {.duration_min = 1 + (int32_t)(random_bits() % (uint32_t)JP_Q16(60))};
+    begin_random(options.seed, 3);
+    for (unsigned long k = 0; k < 200 * options.count; k++) {
+        struct jp_horizon horizon = {.duration_min = 1 + (int32_t)(random_word() % (uint32_t)JP_Q16(60))};
         struct jp_energy_start start = {{any(JP_Q24(8)), any(JP_Q24(8))}, {{0}, {0}}};
         const char *field = "";
         draw_any_axis(&horizon.travel);
@@ -582,7 +567,7 @@ static void test_any_table_is_safe(void)
         TEST_ASSERT_EQUAL_INT32(JP_OK, jp_horizon_check(&horizon, &field));
         for (int i = 0; i < 3; i++) {
             const struct jp_segment_command segment = {
-                {any(JP_Q24(8)), any(JP_Q24(8))}, any(JP_Q24(6.283)), JP_Q16(60) + (int32_t)(random_bits() >> 3)};
+                {any(JP_Q24(8)), any(JP_Q24(8))}, any(JP_Q24(6.283)), JP_Q16(60) + (int32_t)(random_word() >> 3)};
             jp_q16 regressor[JP_ENERGY_PARAMETERS];
             jp_q16 rest;
             jp_q16 energy;
@@ -596,36 +581,14 @@ static void test_any_table_is_safe(void)
     }
 }
 
-/* For tools/measure/figures.py. */
-static void write_json(const char *path)
+static void add_figures(json_t *figures)
 {
-    FILE *file = fopen(path, "w");
-    if (!file) {
-        perror(path);
-        exit(1);
-    }
-    fprintf(file,
-            "[{\"name\": \"jp_energy_forecast() against double, worst error of %lu segments\", \"value\": %.9g, "
-            "\"unit\": \"J\", \"bound\": {\"op\": \"<=\", \"value\": %g}, \"command\": \"make figures\"}]\n",
-            4 * SEGMENTS * count, worst_error, ROBOTS_ERROR_J);
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, "make figures", worst_error, "J", at_most(ROBOTS_ERROR_J),
+                "jp_energy_forecast() against double, worst error of %lu segments", 4 * SEGMENTS * options.count);
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    int failures = UNITY_END();
-    if (options.json) {
-        write_json(options.json);
-    }
-    return failures;
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, add_figures);
 }

@@ -11,9 +11,8 @@
 #define SIDE   60  /* cells of the random maps */
 #define CELL   0.05
 
+static struct options options = {.count = 40, .seed = 20};
 static struct random noise;
-static unsigned long long seed = 20;
-static unsigned long count = 40;
 
 static struct jp_terrain terrain;
 static _Alignas(8) uint32_t block[2 * SIDE * ((SIDE + 31) / 32)];
@@ -52,7 +51,7 @@ static void make_map(double share, enum jp_cell other, bool unknown_is_free)
 
 void setUp(void)
 {
-    random_init(&noise, seed);
+    random_init(&noise, options.seed);
     make_map(0, JP_CELL_OCCUPIED, false);
 }
 
@@ -145,7 +144,7 @@ static bool agrees(const struct planar_point *from, double bearing, double dista
 
 static void test_rays_end_at_the_first_solid_cell(void)
 {
-    for (unsigned long run = 0; run < count; run++) {
+    for (unsigned long run = 0; run < options.count; run++) {
         make_map(random_uniform(&noise, 0, 0.1), JP_CELL_OCCUPIED, false);
         for (int ray = 0; ray < 50; ray++) {
             const struct planar_point from = free_point();
@@ -247,7 +246,7 @@ static void check_shape_ray(const struct planar_point *from, double bearing)
 
 static void test_rays_end_on_shapes(void)
 {
-    for (unsigned long run = 0; run < count; run++) {
+    for (unsigned long run = 0; run < options.count; run++) {
         for (int i = 0; i < SHAPES; i++) {
             shapes[i] = random_shape();
         }
@@ -289,7 +288,7 @@ static void test_beams_of_a_field(void)
 /* Without noise a scan is its rays, also where a shape stands across the back, and around the scanner. */
 static void test_scan_is_made_of_rays(void)
 {
-    for (unsigned long run = 0; run < count; run++) {
+    for (unsigned long run = 0; run < options.count; run++) {
         const struct laser_config config = run % 2 == 0 ? ideal() : laser_config_of(91, M_PI, RANGE, 0);
         const struct planar_point from = free_point();
         const struct planar_pose scanner = {from.x, from.y, random_uniform(&noise, -10, 10)};
@@ -361,12 +360,6 @@ static void test_same_seed_same_scan(void)
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 enum { N = JP_LEARNING_DIRECTIONS, SEQUENCE = 200 };
@@ -39,7 +40,6 @@ typedef double vector[N];
 typedef double matrix[N][N];
 
 static struct options options = {.count = 100000, .seed = 1};
-static uint64_t random_state;
 
 static const struct {
     const struct jp_energy_model *model;
@@ -50,31 +50,9 @@ void tearDown(void)
 {
 }
 
-static uint64_t random_bits(void)
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 7;
-    random_state ^= random_state << 17;
-    return random_state * UINT64_C(2685821657736338717);
-}
-
-/* The first numbers from a small seed are small. */
 void setUp(void)
 {
-    random_state = options.seed;
-    for (int i = 0; i < 32; i++) {
-        (void)random_bits();
-    }
-}
-
-static double uniform(double low, double high)
-{
-    return low + (high - low) * (double)(random_bits() >> 11) * 0x1p-53;
-}
-
-static double gaussian(void)
-{
-    return sqrt(-2 * log(uniform(1e-300, 1))) * cos(6.283185307179586 * uniform(0, 1));
+    begin_random(options.seed, 0);
 }
 
 static double q16(int32_t value)
@@ -439,14 +417,14 @@ static void run_sequence(void)
     for (int i = 0; i < SEQUENCE; i++) {
         if (i % (SEQUENCE / 2) == 0) {
             for (int j = 0; j < N; j++) {
-                truth.x[j] = gaussian();
+                truth.x[j] = gaussian(1);
             }
         }
 
         const struct jp_energy_start start = {before, {{0}, {0}}};
         const struct jp_segment_command segment = random_segment(robots[robot].model);
         const struct expectation real = oracle_expect(&truth, &before, &segment);
-        const double error = uniform(0, 1) < 0.01 ? uniform(-50, 50) : gaussian();
+        const double error = uniform(0, 1) < 0.01 ? uniform(-50, 50) : gaussian(1);
         const jp_q16 measured = (jp_q16)lround((real.energy + error * real.noise) * 65536);
         const struct expectation e = oracle_expect(&oracle, &before, &segment);
         enum jp_learned learned;
@@ -531,7 +509,7 @@ static void test_what_is_not_excited_stays_as_unsure_as_at_first(void)
     jp_learner_start(&learner, &jp_learning_courier24, model, NULL);
     oracle_start(&truth, model, &jp_learning_courier24);
     for (int j = 0; j < N; j++) {
-        truth.x[j] = gaussian();
+        truth.x[j] = gaussian(1);
     }
     drive_often(&learner, &truth, &straight);
     covariance(&learner.state, p);
@@ -607,8 +585,5 @@ static void test_any_measurement_leaves_a_state_in_its_ranges(void)
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
-    printf("seed %llu\n", options.seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    return RUN_PROPERTY(options, NULL);
 }

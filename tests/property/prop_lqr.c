@@ -1,7 +1,7 @@
 /*
  * Largest error of controller, estimator, reference, odometry and meter against floating point.
  *
- * prop_lqr [--count N] [--seed N] [--json FILE]
+ * prop_lqr [--count N] [--seed S]
  * --count states of the controller for each robot.
  */
 #include <joulepath/tables.h>
@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define TURN_PHASE 0x1p56
@@ -24,10 +25,9 @@ struct result {
     double worst;
 };
 
+static struct options options = {.count = 50000, .seed = 1};
 static struct result results[32];
 static size_t result_count;
-static uint64_t count = 50000;
-static uint64_t seed = 1;
 
 void setUp(void)
 {
@@ -45,8 +45,9 @@ static void record(const char *name, const char *unit, double bound, double wors
 
 static void test_controller(void)
 {
-    record("gao2018: controller", "mV", 5, lqr_worst_millivolts(&jp_robot_gao2018.lqr, count, seed));
-    record("courier24: controller", "mV", 5, lqr_worst_millivolts(&jp_robot_courier24.lqr, count, seed));
+    record("gao2018: controller", "mV", 5, lqr_worst_millivolts(&jp_robot_gao2018.lqr, options.count, options.seed));
+    record("courier24: controller", "mV", 5,
+           lqr_worst_millivolts(&jp_robot_courier24.lqr, options.count, options.seed));
 }
 
 /* Estimator */
@@ -103,7 +104,7 @@ static struct estimator_error drive_estimator(const struct jp_estimator_config *
     struct random random;
     double speed = 0;
 
-    random_init(&random, seed);
+    random_init(&random, options.seed);
     jp_estimator_start(&estimator, config, &sensors);
     for (uint32_t tick = 0; tick < 60 * config->tick_rate; tick++) {
         const double t = (double)tick / config->tick_rate;
@@ -197,7 +198,7 @@ static void test_reference_of(const struct jp_reference_config *config, const ch
     struct random random;
     double angle = 0, rate = 0, dt;
 
-    random_init(&random, seed);
+    random_init(&random, options.seed);
     jp_reference_start(&reference, config, 0, 0);
     dt = (double)reference.phase_per_rate * 0x1p-32; /* a tick of 1 ms is 2⁻³²/3 s short */
     for (int tick = 0; tick < 120000; tick++) {
@@ -241,7 +242,7 @@ static void test_odometry(void)
     struct random random;
     double x = 0, y = 0, rate = 0, worst = 0;
 
-    random_init(&random, seed);
+    random_init(&random, options.seed);
     jp_odometry_start(&odometry, jp_robot_courier24.metres_per_turn, &state);
     for (int tick = 0; tick < 3600000; tick++) {
         rate = fmin(fmax(rate + random_uniform(&random, -1e-3, 1e-3), -0.1), 0.1);
@@ -270,7 +271,7 @@ static void test_meter_of(const struct jp_meter_config *config, const char *name
     struct random random;
     double model = 0, battery = 0, spent = 0, worst = 0;
 
-    random_init(&random, seed);
+    random_init(&random, options.seed);
     jp_meter_start(&meter, config);
     for (uint32_t tick = 1; tick <= 600000; tick++) {
         const struct jp_voltages voltages = {.left = (jp_q16)(random_uniform(&random, -volts, volts) * 65536),
@@ -305,50 +306,14 @@ static void test_meter(void)
     test_meter_of(&low, "10 mOhm at 10 kHz: meter", 0.05, 1e-6);
 }
 
-static void write_json(const char *path)
-{
-    FILE *file = fopen(path, "w");
-
-    if (file == NULL) {
-        perror(path);
-        exit(2);
-    }
-    for (size_t i = 0; i < result_count; i++) {
-        fprintf(file,
-                "%s{\"name\": \"%s\", \"value\": %.9g, \"unit\": \"%s\", \"bound\": {\"op\": \"<=\", \"value\": %g}}",
-                i == 0 ? "[\n" : ",\n", results[i].name, results[i].worst, results[i].unit, results[i].bound);
-    }
-    fprintf(file, "\n]\n");
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(2);
-    }
-}
-
 int main(int argc, char **argv)
 {
-    const char *json = NULL;
+    options = parse_options(argc, argv, options);
 
-    for (int i = 1; i < argc; i += 2) {
-        if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
-            count = strtoull(argv[i + 1], NULL, 0);
-        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
-            seed = strtoull(argv[i + 1], NULL, 0);
-        } else if (strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
-            json = argv[i + 1];
-        } else {
-            fprintf(stderr, "usage: prop_lqr [--count N] [--seed N] [--json FILE]\n");
-            return 2;
-        }
-    }
-    printf("seed %llu, %llu states\n", (unsigned long long)seed, (unsigned long long)count);
-    UNITY_BEGIN();
-    run_tests();
+    const int failures = RUN_PROPERTY(options, NULL);
+
     for (size_t i = 0; i < result_count; i++) {
         printf("%-36s %.3g of %g %s\n", results[i].name, results[i].worst, results[i].bound, results[i].unit);
     }
-    if (json != NULL) {
-        write_json(json);
-    }
-    return UNITY_END();
+    return failures;
 }

@@ -70,7 +70,5 @@ static void test_random_missions_of_cruise_and_transients(void)
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    return RUN_PROPERTY(options, NULL);
 }

@@ -12,8 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "sim/base/random.h"
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846
@@ -37,20 +37,13 @@ struct answer {
 };
 
 static struct options options = {.count = 20000, .seed = 6};
-static struct random numbers;
-
 void setUp(void)
 {
-    random_init(&numbers, options.seed);
+    begin_random(options.seed, 0);
 }
 
 void tearDown(void)
 {
-}
-
-static double uniform(double low, double high)
-{
-    return random_uniform(&numbers, low, high);
 }
 
 static unsigned one_of(unsigned count)
@@ -622,8 +615,5 @@ static void test_shapes_of_a_scan_are_chords_through_the_middle_of_points(void)
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
-    printf("seed %llu\n", options.seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    return RUN_PROPERTY(options, NULL);
 }

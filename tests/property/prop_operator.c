@@ -3,7 +3,7 @@
  * repeated, delayed, swapped or flipped at random: it drives the routes that it was given or says that it failed, and
  * the robot never drives another one.
  *
- * prop_operator [--count N] [--seed N]
+ * prop_operator [--count N] [--seed S]
  */
 #include <math.h>
 #include <stdio.h>
@@ -17,6 +17,7 @@
 #include "sim/bus/can_bus.h"
 #include "sim/bus/plant_node.h"
 #include "tests/support/can_fault.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define ROBOT      "gao2018"
@@ -51,8 +52,7 @@ struct stage {
     size_t driven;    /**< of these the number of the one that the robot drives, from 1; 0: none yet */
 };
 
-static unsigned long count = 30;
-static unsigned long long seed = 20180905;
+static struct options options = {.count = 30, .seed = 20180905};
 static struct robot_file robot_file;
 static struct stage stage;
 
@@ -240,7 +240,7 @@ static void run_to_the_end(void)
 static void test_without_faults_every_route_is_driven(void)
 {
     for (unsigned i = 0; i < 5; i++) {
-        start(seed + i);
+        start(options.seed + i);
         give_routes(1 + i % ROUTES_MAX);
         run_to_the_end();
         check_end();
@@ -254,8 +254,8 @@ static void test_with_faults_given_routes_are_driven_or_a_failure_is_told(void)
 {
     unsigned long done = 0;
 
-    for (unsigned long i = 0; i < count; i++) {
-        start(seed + 1000 + i);
+    for (unsigned long i = 0; i < options.count; i++) {
+        start(options.seed + 1000 + i);
         give_routes(1 + i % ROUTES_MAX);
         add_faults();
         run_to_the_end();
@@ -266,8 +266,8 @@ static void test_with_faults_given_routes_are_driven_or_a_failure_is_told(void)
             run_tick();
         }
     }
-    printf("%lu of %lu drives done, the others failed with a reason\n", done, count);
-    TEST_ASSERT_GREATER_THAN_UINT_MESSAGE(count / 2, done, "the faults leave nothing to test");
+    printf("%lu of %lu drives done, the others failed with a reason\n", done, options.count);
+    TEST_ASSERT_GREATER_THAN_UINT_MESSAGE(options.count / 2, done, "the faults leave nothing to test");
 }
 
 /** The operator falls silent for good at a random moment: nothing moves a second and the braking later. */
@@ -277,7 +277,7 @@ static void test_an_operator_that_dies_leaves_the_robot_standing(void)
         const struct can_fault silence = {
             .kind = CAN_FAULT_LOSS, .direction = CAN_FAULT_OUT, .share = 1, .from = 3000 + 1500 * i, .until = FOR_EVER};
 
-        start(seed + 2000 + i);
+        start(options.seed + 2000 + i);
         give_routes(1);
         stage.given[0].tick = 500;
         stage.given[0].points[0].x = JP_Q16(30);
@@ -293,21 +293,9 @@ static void test_an_operator_that_dies_leaves_the_robot_standing(void)
 
 int main(int argc, char **argv)
 {
-    for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
-            count = strtoul(argv[++i], NULL, 10);
-        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
-            seed = strtoull(argv[++i], NULL, 10);
-        } else {
-            fprintf(stderr, "usage: prop_operator [--count N] [--seed N]\n");
-            return 2;
-        }
-    }
-    printf("seed %llu\n", seed);
+    options = parse_options(argc, argv, options);
     if (!robot_file_load("sim/robots/" ROBOT ".cfg", &robot_file)) {
         return 2;
     }
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    return RUN_PROPERTY(options, NULL);
 }

@@ -11,8 +11,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "sim/base/random.h"
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define PI  3.14159265358979323846
@@ -32,10 +32,7 @@ struct pose {
     double x, y, heading;
 };
 
-static unsigned long count = 300;
-static uint64_t seed = 1;
-static struct random rng;
-
+static struct options options = {.count = 300, .seed = 1};
 static struct jp_trajectory_config config;
 static struct jp_reference reference;
 static struct jp_path_error error;
@@ -51,15 +48,11 @@ static double next_yaw_lead;
 
 void setUp(void)
 {
+    begin_random(options.seed, 0);
 }
 
 void tearDown(void)
 {
-}
-
-static double uniform(double low, double high)
-{
-    return random_uniform(&rng, low, high);
 }
 
 static jp_phase phase(double turns)
@@ -168,7 +161,7 @@ static void test_the_error_is_that_of_the_poses(void)
 {
     double worst = 0;
 
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         begin(robot_of(i));
         config.steering = 0;
 
@@ -193,7 +186,7 @@ static void test_the_error_is_that_of_the_poses(void)
 /* Critically damped at the speed of the design: it never crosses the path. */
 static void test_leads_back_without_crossing(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         begin(robot_of(i));
 
         const double start = uniform(0.05, 0.3);
@@ -216,7 +209,7 @@ static void test_is_back_after_curves(void)
 {
     double worst = 0;
 
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         begin(robot_of(i));
 
         const double rate = uniform(0.3, 2) * design_rate();
@@ -237,13 +230,6 @@ static void test_is_back_after_curves(void)
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    random_init(&rng, seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

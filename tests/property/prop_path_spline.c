@@ -13,13 +13,12 @@
 
 #include "tests/support/grid_oracle.h"
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 enum { SIDE = 48, WAY_MAX = 220, POINTS_MAX = 20000, SCRATCH_MAX = 1 << 16, KNOTS_MAX = 64 };
 
-static uint64_t seed = 1;
-static unsigned long count = 400;
-static uint64_t random_state;
+static struct options options = {.count = 400, .seed = 1};
 static struct jp_terrain_config map;
 static struct jp_terrain terrain;
 static struct jp_grid_planner planner;
@@ -37,25 +36,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static uint64_t random_bits(void)
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 7;
-    random_state ^= random_state << 17;
-    return random_state * UINT64_C(2685821657736338717);
-}
-
-static uint32_t below(uint32_t n)
-{
-    return (uint32_t)((random_bits() >> 32) * n >> 32);
-}
-
-static void begin_random(unsigned long number)
-{
-    random_state = seed * 1000003 + number * 7919 + 1;
-    (void)random_bits();
 }
 
 static void make_map(uint32_t percent)
@@ -131,10 +111,10 @@ static void test_ways_among_obstacles(void)
 {
     unsigned long ways = 0;
     double longest = 0;
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         struct jp_point way[WAY_MAX];
         size_t points = 0;
-        begin_random(i);
+        begin_random(options.seed, i);
         make_map(below(35));
         if (!draw_way(way, &points)) {
             continue;
@@ -149,7 +129,7 @@ static void test_ways_among_obstacles(void)
         ways++;
     }
     (void)printf("%lu ways, at most %.3f of the way's length\n", ways, longest);
-    TEST_ASSERT_TRUE(ways * 3 > count);
+    TEST_ASSERT_TRUE(ways * 3 > options.count);
     TEST_ASSERT_TRUE(longest < 1.4);
 }
 
@@ -240,11 +220,11 @@ static double worst_distance(const struct spline *spline, jp_q16 spacing)
 static void test_textbook_spline(void)
 {
     unsigned long compared = 0;
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         struct jp_point way[8];
         struct spline spline;
         const size_t points = 2 + below(7);
-        begin_random(i);
+        begin_random(options.seed, i);
         make_map(0);
         const uint32_t extent = (uint32_t)(SIDE / 2 * map.resolution);
         for (size_t k = 0; k < points; k++) {
@@ -261,17 +241,12 @@ static void test_textbook_spline(void)
         const double worst = worst_distance(&spline, spacing);
         compared += worst < 8 + extent / 1048576.0;
     }
-    (void)printf("%lu of %lu ways in the open meet the textbook's curve\n", compared, count);
-    TEST_ASSERT_TRUE(compared * 10 > count * 9);
+    (void)printf("%lu of %lu ways in the open meet the textbook's curve\n", compared, options.count);
+    TEST_ASSERT_TRUE(compared * 10 > options.count * 9);
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-    count = options.count;
-    seed = options.seed;
-    (void)printf("seed %llu, %lu ways\n", (unsigned long long)seed, count);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

@@ -11,22 +11,21 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/base/random.h"
 #include "sim/four_wheel/patrol_config.h"
 #include "sim/four_wheel/patrol_members.h"
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define ROBOT   "sim/robots/patrol.cfg"
 #define DEGREES (180 / 3.14159265358979323846)
 
-static unsigned long count = 2000;
-static uint64_t seed = 1;
-static struct random rng;
+static struct options options = {.count = 2000, .seed = 1};
 static struct four_wheel_file robot;
 
 void setUp(void)
 {
+    begin_random(options.seed, 0);
     TEST_ASSERT_TRUE(four_wheel_file_load(ROBOT, &robot));
 }
 
@@ -220,7 +219,7 @@ static void change_robot(void)
 {
     for (size_t i = 0; i < four_wheel_kind.field_count; i++) {
         const struct config_field *const field = &four_wheel_kind.fields[i];
-        const double value = random_uniform(&rng, field->min, field->max);
+        const double value = uniform(field->min, field->max);
         const int whole = (int)value;
         char *const place = (char *)&robot + field->offset;
 
@@ -234,7 +233,7 @@ static void change_robot(void)
 
 static void test_each_number_arrives_to_the_last_bit_of_its_format(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         change_robot();
 
         const struct jp_patrol_config patrol = patrol_config(&robot, PATROL_IMPROVED);
@@ -282,13 +281,6 @@ static void test_pure_pursuit_comes_with_the_improved_method(void)
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    random_init(&rng, seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

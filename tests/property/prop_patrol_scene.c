@@ -531,8 +531,5 @@ static void test_every_kind_of_seed_ends(void)
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
-    printf("seeds %llu…%llu of each kind\n", options.seed, options.seed + options.count - 1);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    return RUN_PROPERTY(options, NULL);
 }

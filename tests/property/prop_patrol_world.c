@@ -5,6 +5,7 @@
 
 #include "sim/base/random.h"
 #include "sim/scenes/patrol_world.h"
+#include "tests/support/check.h"
 #include "tests/support/office_map.h"
 #include "tests/support/options.h"
 #include "unity.h"
@@ -15,16 +16,15 @@
 #define SLOT   2e-3 /* so near to touching either verdict is right, m */
 
 static struct random noise;
-static unsigned long long seed = 50;
-static unsigned long count = 100;
 
+static struct options options = {.count = 100, .seed = 50};
 static struct office office;
 static struct patrol_world world;
 static const struct planar_pose centre = {12, 7, 0};
 
 void setUp(void)
 {
-    random_init(&noise, seed);
+    random_init(&noise, options.seed);
     TEST_ASSERT_TRUE(office_make(&office, &noise));
     TEST_ASSERT_TRUE(patrol_world_init(&world, &office.terrain, LENGTH, WIDTH, &centre));
 }
@@ -32,13 +32,6 @@ void setUp(void)
 void tearDown(void)
 {
     patrol_world_free(&world);
-}
-
-static void check_near(double expected, double actual, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: expected %.6g ± %.2g, is %.6g", what, expected, bound, actual);
-    TEST_ASSERT_TRUE_MESSAGE(fabs(actual - expected) <= bound, message);
 }
 
 static void restart(void)
@@ -129,7 +122,7 @@ static void test_distances_and_touches_at_random_poses(void)
 {
     int touches = 0;
     int clear = 0;
-    for (unsigned long run = 0; run < count; run++) {
+    for (unsigned long run = 0; run < options.count; run++) {
         restart();
         place_at(random_pose());
         const struct planar_pose *pose = &world.robot.pose;
@@ -151,7 +144,7 @@ static void test_distances_and_touches_at_random_poses(void)
             touches++;
         }
     }
-    TEST_ASSERT_TRUE((unsigned long)touches > count / 20 && (unsigned long)clear > count / 20);
+    TEST_ASSERT_TRUE((unsigned long)touches > options.count / 20 && (unsigned long)clear > options.count / 20);
 }
 
 /* Pushed towards a wall or an obstacle in small steps: libccd turns where the distance becomes 0. */
@@ -370,12 +363,6 @@ static void test_an_obstacle_that_appears(void)
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

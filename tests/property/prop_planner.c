@@ -9,6 +9,8 @@
 #include "tests/support/options.h"
 #include "tests/support/planner_trial.h"
 
+static struct options options = {.count = 1000, .seed = 1};
+
 void setUp(void)
 {
     problem[0] = '\0';
@@ -22,10 +24,10 @@ void tearDown(void)
 
 static void test_edits_keep_the_optimum(void)
 {
-    begin_random(1);
-    while (counts.edits < count) {
+    begin_random(options.seed, 1);
+    while (counts.edits < options.count) {
         random_trial(&trial, AMPLE_BYTES);
-        for (int i = 0; i < EDITS_PER_MAP && counts.edits < count; i++) {
+        for (int i = 0; i < EDITS_PER_MAP && counts.edits < options.count; i++) {
             edit(&trial);
             const bool is_right_now = is_right_when_idle(&trial, 1 + below(300));
             const enum jp_answer answer = jp_planner_work(&trial.planner, 1);
@@ -48,8 +50,8 @@ static void test_edits_keep_the_optimum(void)
 /* Any memory: every claim is true. */
 static void test_small_memory_never_lies(void)
 {
-    begin_random(2);
-    while (counts.small < count / 2) {
+    begin_random(options.seed, 2);
+    while (counts.small < options.count / 2) {
         random_trial(&trial, 0);
         for (int i = 0; i < EDITS_PER_MAP / 5; i++) {
             const bool is_right_now = is_right_when_idle(&trial, 1 + below(300));
@@ -138,8 +140,8 @@ static void test_energy_field_is_a_bound(void)
     struct jp_energy_field field;
     struct jp_turns turns;
 
-    begin_random(3);
-    while (counts.bounds < count / 4) {
+    begin_random(options.seed, 3);
+    while (counts.bounds < options.count / 4) {
         random_map(&trial);
         const struct jp_lattice_pose root = random_pose(&trial);
         TEST_ASSERT_TRUE(jp_energy_field_size(&trial.config) <= sizeof block);
@@ -166,8 +168,8 @@ static void test_straight_bound_is_below_the_truth(void)
 {
     struct jp_turns turns;
 
-    begin_random(4);
-    for (unsigned long i = 0; i < count / 10; i++) {
+    begin_random(options.seed, 4);
+    for (unsigned long i = 0; i < options.count / 10; i++) {
         random_map(&trial);
         const struct jp_lattice_pose root = random_pose(&trial);
         const int elevation = trial.map.elevation[oracle_cell(root.x, root.y)];
@@ -233,10 +235,10 @@ static void test_slices_change_nothing(void)
     static struct outcome outcomes[3][EDITS_PER_MAP / 10];
     static const uint32_t slices[3] = {1 << 20, 1, 0};
 
-    for (unsigned long i = 0; i < count / 30; i++) {
+    for (unsigned long i = 0; i < options.count / 30; i++) {
         const bool is_ample = i % 2 == 0;
         for (int run = 0; run < 3; run++) {
-            begin_random(1000 + i);
+            begin_random(options.seed, 1000 + i);
             random_trial(&trial, is_ample ? AMPLE_BYTES : 0);
             for (int k = 0; k < EDITS_PER_MAP / 10; k++) {
                 const uint64_t before = random_state;
@@ -256,8 +258,8 @@ static void test_slices_change_nothing(void)
 
 static void test_stale_until_restarted(void)
 {
-    begin_random(5);
-    for (unsigned long i = 0; i < count / 30; i++) {
+    begin_random(options.seed, 5);
+    for (unsigned long i = 0; i < options.count / 30; i++) {
         random_trial(&trial, AMPLE_BYTES);
         (void)jp_planner_work(&trial.planner, one_in(2) ? WORK_MAX : below(500));
         const struct jp_plan before = *jp_planner_plan(&trial.planner);
@@ -277,55 +279,19 @@ static void test_stale_until_restarted(void)
     }
 }
 
-static void write_figure(FILE *file, const char *name, unsigned long wrong)
+static void add_figures(json_t *figures)
 {
-    static const char *separator = "[\n";
-
-    fprintf(file,
-            "%s{\"name\": \"%s\", \"value\": %lu, \"unit\": \"\", \"bound\": {\"op\": \"==\", \"value\": 0}, "
-            "\"command\": \"make figures\"}",
-            separator, name, wrong);
-    separator = ",\n";
-}
-
-/* For tools/measure/figures.py. */
-static void write_json(const char *path)
-{
-    char name[120];
-    FILE *file = fopen(path, "w");
-
-    if (!file) {
-        perror(path);
-        exit(1);
-    }
-    snprintf(name, sizeof name,
-             "planner: edits on small maps whose plan differs from Dijkstra over the whole lattice, of %lu",
-             counts.edits);
-    write_figure(file, name, counts.wrong);
-    snprintf(name, sizeof name, "planner: wrong claims in too little memory, of %lu plans", counts.small);
-    write_figure(file, name, counts.small_wrong);
-    snprintf(name, sizeof name, "planner: energy fields above the true cost of a state, of %lu", counts.bounds);
-    write_figure(file, name, counts.bounds_wrong);
-    fprintf(file, "\n]\n");
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, "make figures", (double)counts.wrong, "", equal_to(0),
+                "planner: edits on small maps whose plan differs from Dijkstra over the whole lattice, of %lu",
+                counts.edits);
+    figures_add(figures, "make figures", (double)counts.small_wrong, "", equal_to(0),
+                "planner: wrong claims in too little memory, of %lu plans", counts.small);
+    figures_add(figures, "make figures", (double)counts.bounds_wrong, "", equal_to(0),
+                "planner: energy fields above the true cost of a state, of %lu", counts.bounds);
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = 1});
-    const char *json = options.json;
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    int failures = UNITY_END();
-    if (json) {
-        write_json(json);
-    }
-    return failures;
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, add_figures);
 }

@@ -6,6 +6,7 @@
 #include "sim/balancer/plant.h"
 #include "sim/balancer/robot_file.h"
 #include "sim/base/random.h"
+#include "tests/support/check.h"
 #include "unity.h"
 
 #define SEED 20180399u
@@ -28,20 +29,6 @@ void tearDown(void)
 static double square(double a)
 {
     return a * a;
-}
-
-static void check_below(double value, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: %.3g, allowed %.3g", what, value, bound);
-    TEST_ASSERT_TRUE_MESSAGE(value <= bound, message);
-}
-
-static void check_near(double expected, double actual, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: expected %.9g, is %.9g", what, expected, actual);
-    TEST_ASSERT_TRUE_MESSAGE(fabs(actual - expected) <= bound, message);
 }
 
 static struct plant_state random_state(void)

@@ -36,10 +36,6 @@ struct pose {
     double x, y, heading;
 };
 
-static unsigned long count = 40;
-static uint64_t seed = 1;
-static struct random rng;
-
 /* Largest distance from the path at a speed, m. */
 static struct {
     double speed;
@@ -49,6 +45,8 @@ static struct {
 
 enum { REFERENCE = 2, SPEEDS = sizeof speeds / sizeof speeds[0] };
 
+static struct options options = {.count = 40, .seed = 1};
+static struct random rng;
 static double worst_law;
 
 void setUp(void)
@@ -64,7 +62,7 @@ static double uniform(double low, double high)
     return random_uniform(&rng, low, high);
 }
 
-static double octaves(double low, double high)
+static double log_uniform(double low, double high)
 {
     return exp(uniform(log(low), log(high)));
 }
@@ -157,7 +155,7 @@ static struct jp_pure_pursuit_config patrol_config(double speed)
 
 static struct jp_pure_pursuit_config random_config(double speed)
 {
-    const double lookahead = octaves(0.15, 0.5);
+    const double lookahead = log_uniform(0.15, 0.5);
 
     return (struct jp_pure_pursuit_config){
         .speed = q24(speed),
@@ -311,9 +309,9 @@ static void test_unicycle_follows(void)
     static struct drive drive;
 
     for (int i = 0; i < SPEEDS; i++) {
-        for (unsigned long path = 0; path < count; path++) {
+        for (unsigned long path = 0; path < options.count; path++) {
             const struct jp_pure_pursuit_config config = patrol_config(speeds[i].speed);
-            start(&drive, &config, octaves(0.02, 0.1));
+            start(&drive, &config, log_uniform(0.02, 0.1));
             drive_unicycle(&drive);
             speeds[i].unicycle = fmax(speeds[i].unicycle, drive.error);
         }
@@ -341,13 +339,13 @@ static void test_four_wheels_follow(void)
     static struct drive drive;
 
     for (int i = 0; i < SPEEDS; i++) {
-        for (unsigned long path = 0; path < count; path++) {
+        for (unsigned long path = 0; path < options.count; path++) {
             const struct jp_pure_pursuit_config config = patrol_config(speeds[i].speed);
             struct jp_wheels wheels = {{0}, {0}};
             struct jp_twist twist;
             enum jp_status status;
 
-            start(&drive, &config, octaves(0.02, 0.1));
+            start(&drive, &config, log_uniform(0.02, 0.1));
             while ((status = tick(&drive, &twist)) == JP_OK && drive.ticks < TICKS_MAX) {
                 move_wheels(&drive, &twist, &wheels);
             }
@@ -367,12 +365,12 @@ static void test_from_beside_the_path(void)
     unsigned long arrived = 0;
     unsigned long certain = 0;
 
-    for (unsigned long path = 0; path < 4 * count; path++) {
-        const struct jp_pure_pursuit_config config = random_config(octaves(0.1, 4));
+    for (unsigned long path = 0; path < 4 * options.count; path++) {
+        const struct jp_pure_pursuit_config config = random_config(log_uniform(0.1, 4));
         struct jp_twist twist;
         enum jp_status status;
 
-        start(&drive, &config, octaves(0.005, 2));
+        start(&drive, &config, log_uniform(0.005, 2));
         drive.pose.x += uniform(-0.3, 0.3);
         drive.pose.y += uniform(-0.3, 0.3);
         drive.pose.heading += uniform(-PI, PI);
@@ -389,9 +387,9 @@ static void test_from_beside_the_path(void)
         TEST_ASSERT_EQUAL_INT32(0, twist.turn_rate);
         arrived += status == JP_ARRIVED ? 1 : 0;
     }
-    printf("from beside the path, in any direction: %lu of %lu arrive, %lu of them must\n", arrived, 4 * count,
+    printf("from beside the path, in any direction: %lu of %lu arrive, %lu of them must\n", arrived, 4 * options.count,
            certain);
-    TEST_ASSERT_TRUE(10 * certain >= count);
+    TEST_ASSERT_TRUE(10 * certain >= options.count);
 }
 
 static void test_law(void)
@@ -401,53 +399,20 @@ static void test_law(void)
     TEST_ASSERT_TRUE(worst_law <= LAW_BAR);
 }
 
-static void write_figure(FILE *file, const char *name, double value, const char *unit, const char *bound)
+static void add_figures(json_t *figures)
 {
-    static const char *separator = "[\n";
-
-    fprintf(file,
-            "%s{\"name\": \"%s\", \"value\": %.4g, \"unit\": \"%s\", \"bound\": %s, \"command\": \"make figures\"}",
-            separator, name, value, unit, bound);
-    separator = ",\n";
-}
-
-/* For tools/measure/figures.py. */
-static void write_json(const char *path)
-{
-    char name[160];
-    FILE *file = fopen(path, "w");
-
-    if (!file) {
-        perror(path);
-        exit(1);
-    }
     for (int i = 0; i < SPEEDS; i++) {
-        snprintf(name, sizeof name, "pure pursuit: largest error of four wheels on %lu random smooth paths at %g m/s",
-                 count, speeds[i].speed);
-        write_figure(file, name, speeds[i].wheels, "m", i == REFERENCE ? "{\"op\": \"<=\", \"value\": 0.05}" : "null");
+        figures_add(figures, "make figures", speeds[i].wheels, "m", i == REFERENCE ? at_most(0.05) : no_bar,
+                    "pure pursuit: largest error of four wheels on %lu random smooth paths at %g m/s", options.count,
+                    speeds[i].speed);
     }
-    write_figure(file, "pure pursuit: worst error of the curvature to the law in double, of the largest",
-                 100 * worst_law, "%", "{\"op\": \"<=\", \"value\": 0.1}");
-    fprintf(file, "\n]\n");
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, "make figures", 100 * worst_law, "%", at_most(0.1),
+                "pure pursuit: worst error of the curvature to the law in double, of the largest");
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    random_init(&rng, seed);
-    UNITY_BEGIN();
-    run_tests();
-    const int failures = UNITY_END();
-    if (options.json) {
-        write_json(options.json);
-    }
-    return failures;
+    options = parse_options(argc, argv, options);
+    random_init(&rng, options.seed);
+    return RUN_PROPERTY(options, add_figures);
 }

@@ -9,6 +9,7 @@
 #include <stdio.h>
 
 #include "sim/four_wheel/laser.h"
+#include "tests/support/check.h"
 #include "tests/support/office_map.h"
 #include "tests/support/options.h"
 #include "unity.h"
@@ -23,10 +24,9 @@
 #define SINGLE        1e-5 /* of single precision, m and rad */
 
 static struct random noise;
-static unsigned long long seed = 30;
-static unsigned long count = 4;
 static double worst_drift;
 
+static struct options options = {.count = 4, .seed = 30};
 static struct office office;
 static struct solid_map map;
 static struct jp_scan_matcher matcher;
@@ -37,27 +37,13 @@ static struct planar_pose scanner;
 
 void setUp(void)
 {
-    random_init(&noise, seed);
+    random_init(&noise, options.seed);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_scan_matcher_init(&matcher, LASER_BEAMS_MAX, matcher_block, sizeof matcher_block));
 }
 
 void tearDown(void)
 {
     solid_map_free(&map);
-}
-
-static void check_near(double expected, double actual, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: expected %.6g ± %.2g, is %.6g", what, expected, bound, actual);
-    TEST_ASSERT_TRUE_MESSAGE(fabs(actual - expected) <= bound, message);
-}
-
-static void check_below(double value, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: %.4g, allowed %.4g", what, value, bound);
-    TEST_ASSERT_TRUE_MESSAGE(value <= bound, message);
 }
 
 static void use_map(void)
@@ -185,7 +171,7 @@ static double drift_of(const struct drive *drive)
 
 static void test_drift_in_offices(void)
 {
-    for (unsigned long run = 0; run < count; run++) {
+    for (unsigned long run = 0; run < options.count; run++) {
         const struct drive drive = {.guess_error = random_uniform(&noise, -0.03, 0.03)};
         const double drift = drift_of(&drive);
         worst_drift = fmax(worst_drift, drift);
@@ -197,7 +183,7 @@ static void test_drift_in_offices(void)
 /* Two who walk along with the robot, which looks as if it stood. */
 static void test_drift_with_company_and_dropouts(void)
 {
-    for (unsigned long run = 0; run < (count + 3) / 4; run++) {
+    for (unsigned long run = 0; run < (options.count + 3) / 4; run++) {
         const struct drive drive = {.pedestrians = true, .dropout = 0.05, .guess_error = 0.02};
         check_below(drift_of(&drive), COMPANY_DRIFT, "drift, of the way");
     }
@@ -452,37 +438,18 @@ static void test_half_a_field_of_view(void)
     }
 }
 
-/* For tools/measure/figures.py. */
-static void write_json(const char *path)
+static void add_figures(json_t *figures)
 {
-    FILE *file = fopen(path, "w");
-    if (file == NULL) {
-        perror(path);
-        exit(1);
-    }
-    fprintf(file,
-            "[\n{\"name\": \"laser odometry: drift over 43 m in an office, worst of %lu\", \"value\": %.3f, "
-            "\"unit\": \"%%\", \"bound\": {\"op\": \"<=\", \"value\": %g}, \"command\": \"make figures\"}\n]\n",
-            count, 100 * worst_drift, 100 * DRIFT);
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, "make figures", 100 * worst_drift, "%", at_most(100 * DRIFT),
+                "laser odometry: drift over 43 m in an office, worst of %lu", options.count);
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
+    options = parse_options(argc, argv, options);
 
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", seed);
-    UNITY_BEGIN();
-    run_tests();
-    const int failures = UNITY_END();
+    const int failures = RUN_PROPERTY(options, add_figures);
+
     printf("drift: worst %.3f %% of the way\n", 100 * worst_drift);
-    if (options.json != NULL) {
-        write_json(options.json);
-    }
     return failures;
 }

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define PI             3.14159265358979323846
@@ -67,9 +68,7 @@ struct row {
 #define TABLE_TURN_BAR      0.1
 #define TABLE_SUM_BAR       1114.3
 
-static uint64_t seed = 1;
-static uint64_t random_state;
-static unsigned long count = 2000;
+static struct options options = {.count = 2000, .seed = 1};
 static struct kind kinds[] = {
     {.name = "paper's limits"},
     {.name = "random limits", .random_limits = true},
@@ -85,24 +84,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static uint64_t random_bits(void)
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 7;
-    random_state ^= random_state << 17;
-    return random_state * UINT64_C(2685821657736338717);
-}
-
-static double uniform(double low, double high)
-{
-    return low + (high - low) * (double)(random_bits() >> 11) * 0x1p-53;
-}
-
-static double log_uniform(double low, double high)
-{
-    return exp(uniform(log(low), log(high)));
 }
 
 /* The model in double */
@@ -406,21 +387,21 @@ static void try_task(struct kind *kind, const struct task *t)
 
 static void run_kind(struct kind *kind)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         struct task t = random_task(kind);
         try_task(kind, &t);
     }
-    printf("%-16s %10lu %10lu %14.7f %8lu %10.3f\n", kind->name, count, kind->feasible, kind->worst_ratio, kind->above,
-           kind->worst_landing);
+    printf("%-16s %10lu %10lu %14.7f %8lu %10.3f\n", kind->name, options.count, kind->feasible, kind->worst_ratio,
+           kind->above, kind->worst_landing);
     print_task(&kind->worst);
-    TEST_ASSERT_TRUE(kind->above <= (kind->random_robot ? count / FEW : 0));
+    TEST_ASSERT_TRUE(kind->above <= (kind->random_robot ? options.count / FEW : 0));
     TEST_ASSERT_TRUE(kind->worst_ratio <= RATIO_WORST);
     TEST_ASSERT_TRUE(kind->worst_landing <= 1);
 }
 
 static void test_energy_is_the_least(void)
 {
-    random_state = seed;
+    begin_random(options.seed, 0);
     printf("%-16s %10s %10s %14s %8s %10s\n", "kind", "segments", "feasible", "worst E/Emin", "> 1.0001", "landing");
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         run_kind(&kinds[i]);
@@ -430,8 +411,8 @@ static void test_energy_is_the_least(void)
 /* Any model and limits within their ranges: no undefined behaviour, a defined status, every limit met. */
 static void test_any_model_is_safe(void)
 {
-    random_state = seed + 1;
-    for (unsigned long i = 0; i < 20 * count; i++) {
+    begin_random(options.seed, 1);
+    for (unsigned long i = 0; i < 20 * options.count; i++) {
         struct task t = {.heading = (jp_angle)random_bits()};
         bool extreme = (random_bits() & 1) != 0;
         for (int k = 0; k < JP_ENERGY_TERMS; k++) {
@@ -472,9 +453,9 @@ static void test_any_model_is_safe(void)
 /* jp_energy_predict() for motions within 1 m/s and 1 rad/s, against the same inputs in double. */
 static void test_prediction_error(void)
 {
-    random_state = seed + 2;
+    begin_random(options.seed, 2);
     struct model model = model_in_double(&jp_energy_model_published);
-    for (unsigned long i = 0; i < 100 * count; i++) {
+    for (unsigned long i = 0; i < 100 * options.count; i++) {
         struct jp_motion before = {JP_Q24(uniform(-1, 1)), JP_Q24(uniform(-1, 1))};
         struct jp_segment_command segment = {{JP_Q24(uniform(-1, 1)), JP_Q24(uniform(-1, 1))},
                                              JP_Q24(uniform(-6.28, 6.28)),
@@ -537,57 +518,27 @@ static void test_table_3(void)
     TEST_ASSERT_TRUE(table_sum <= TABLE_SUM_BAR);
 }
 
-static void write_figure(FILE *file, const char *name, double value, const char *unit, double bar)
+static void add_figures(json_t *figures)
 {
-    static const char *separator = "[\n";
+    const char *command = "make figures";
 
-    fprintf(file,
-            "%s{\"name\": \"%s\", \"value\": %.9g, \"unit\": \"%s\", "
-            "\"bound\": {\"op\": \"<=\", \"value\": %.9g}, \"command\": \"make figures\"}",
-            separator, name, value, unit, bar);
-    separator = ",\n";
-}
-
-/* For tools/measure/figures.py. */
-static void write_json(const char *path)
-{
-    char name[100];
-    FILE *file = fopen(path, "w");
-
-    if (!file) {
-        perror(path);
-        exit(1);
-    }
-    snprintf(name, sizeof name, "segment optimiser: energy above brute force, worst of %lu segments, published model",
-             2 * count);
-    write_figure(file, name, 100 * (fmax(kinds[0].worst_ratio, kinds[1].worst_ratio) - 1), "%", 100 * (RATIO_BAR - 1));
-    write_figure(file, "Table 3: largest error of E", table_error.energy, "%", TABLE_ENERGY_BAR);
-    write_figure(file, "Table 3: largest error of T", table_error.duration, "%", TABLE_DURATION_BAR);
-    write_figure(file, "Table 3: largest error of σ", table_error.turn, "°", TABLE_TURN_BAR);
-    write_figure(file, "Table 3: largest error of w", table_error.turn_rate, "rad/s", TABLE_TURN_RATE_BAR);
-    write_figure(file, "Table 3: sum of the four energies", table_sum, "J", TABLE_SUM_BAR);
-    snprintf(name, sizeof name, "jp_energy_predict() against double, worst error of %lu segments", 100 * count);
-    write_figure(file, name, worst_prediction, "J", PREDICT_BAR);
-    fprintf(file, "\n]\n");
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, command, 100 * (fmax(kinds[0].worst_ratio, kinds[1].worst_ratio) - 1), "%",
+                at_most(100 * (RATIO_BAR - 1)),
+                "segment optimiser: energy above brute force, worst of %lu segments, published model",
+                2 * options.count);
+    figures_add(figures, command, table_error.energy, "%", at_most(TABLE_ENERGY_BAR), "Table 3: largest error of E");
+    figures_add(figures, command, table_error.duration, "%", at_most(TABLE_DURATION_BAR),
+                "Table 3: largest error of T");
+    figures_add(figures, command, table_error.turn, "°", at_most(TABLE_TURN_BAR), "Table 3: largest error of σ");
+    figures_add(figures, command, table_error.turn_rate, "rad/s", at_most(TABLE_TURN_RATE_BAR),
+                "Table 3: largest error of w");
+    figures_add(figures, command, table_sum, "J", at_most(TABLE_SUM_BAR), "Table 3: sum of the four energies");
+    figures_add(figures, command, worst_prediction, "J", at_most(PREDICT_BAR),
+                "jp_energy_predict() against double, worst error of %lu segments", 100 * options.count);
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = 1});
-    const char *json = options.json;
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    int failures = UNITY_END();
-    if (json) {
-        write_json(json);
-    }
-    return failures;
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, add_figures);
 }

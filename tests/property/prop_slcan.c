@@ -13,18 +13,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
 #define LINE_ROOM 64
 
-static uint64_t seed = 1;
-static uint64_t random_state;
-static unsigned long count = 200000;
+static struct options options = {.count = 200000, .seed = 1};
 static struct jp_slcan_decoder decoder;
 
 void setUp(void)
 {
-    random_state = seed;
+    begin_random(options.seed, 0);
     decoder = (struct jp_slcan_decoder){.length = 0};
 }
 
@@ -32,23 +32,14 @@ void tearDown(void)
 {
 }
 
-/* xorshift64* */
-static uint32_t random_below(uint32_t bound)
-{
-    random_state ^= random_state >> 12;
-    random_state ^= random_state << 25;
-    random_state ^= random_state >> 27;
-    return (uint32_t)((random_state * 0x2545F4914F6CDD1DU) >> 32) % bound;
-}
-
 static struct jp_can_frame random_frame(void)
 {
-    const uint32_t flags = random_below(4) << 30;
-    const uint32_t id = random_below((flags & JP_CAN_EXTENDED) != 0U ? 0x20000000U : 0x800U);
-    struct jp_can_frame frame = {.id = id | flags, .length = (uint8_t)random_below(9)};
+    const uint32_t flags = below(4) << 30;
+    const uint32_t id = below((flags & JP_CAN_EXTENDED) != 0U ? 0x20000000U : 0x800U);
+    struct jp_can_frame frame = {.id = id | flags, .length = (uint8_t)below(9)};
 
     for (unsigned i = 0; i < frame.length && (flags & JP_CAN_REMOTE) == 0U; i++) {
-        frame.data[i] = (uint8_t)random_below(256);
+        frame.data[i] = (uint8_t)below(256);
     }
     return frame;
 }
@@ -117,7 +108,7 @@ static bool is_frame(const char *bytes, size_t length, struct jp_can_frame *fram
 
 static void test_frames_come_back_as_they_went(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         const struct jp_can_frame frame = random_frame();
         char line[JP_SLCAN_LINE_MAX];
         char expected[LINE_ROOM];
@@ -139,8 +130,8 @@ static void test_any_struct_is_encoded_as_a_frame_or_not_at_all(void)
 {
     unsigned long refused = 0;
 
-    for (unsigned long i = 0; i < count; i++) {
-        struct jp_can_frame frame = {.id = random_below(UINT32_MAX), .length = (uint8_t)random_below(12)};
+    for (unsigned long i = 0; i < options.count; i++) {
+        struct jp_can_frame frame = {.id = below(UINT32_MAX), .length = (uint8_t)below(12)};
         char line[JP_SLCAN_LINE_MAX];
         struct jp_can_frame read;
         const unsigned length = jp_slcan_encode(line, &frame);
@@ -150,7 +141,7 @@ static void test_any_struct_is_encoded_as_a_frame_or_not_at_all(void)
         TEST_ASSERT_TRUE(length == 0 || same(&frame, &read));
         refused += length == 0 ? 1U : 0U;
     }
-    TEST_ASSERT_TRUE(refused > count / 4 && refused < count);
+    TEST_ASSERT_TRUE(refused > options.count / 4 && refused < options.count);
 }
 
 /* ---- Bytes ---- */
@@ -182,7 +173,7 @@ static char random_byte(void)
     char byte;
 
     do {
-        byte = (char)random_below(256);
+        byte = (char)below(256);
     } while (byte == '\r' || byte == '\a');
     return byte;
 }
@@ -192,7 +183,7 @@ static char likely_byte(void)
 {
     static const char likely[] = "0123456789ABCDEFabcdef0011223388tTrROCSVNzZ \n\xFF";
 
-    return random_below(50) == 0 ? random_byte() : likely[random_below(sizeof likely - 1)];
+    return below(50) == 0 ? random_byte() : likely[below(sizeof likely - 1)];
 }
 
 static void print_tally(const char *name, const struct tally *tally)
@@ -204,9 +195,9 @@ static void test_garbage(void)
 {
     struct tally tally = {0, 0};
 
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         char line[LINE_ROOM];
-        const size_t length = random_below(LINE_ROOM);
+        const size_t length = below(LINE_ROOM);
 
         for (size_t k = 0; k < length; k++) {
             line[k] = random_byte();
@@ -220,11 +211,11 @@ static void test_text_that_looks_like_frames(void)
 {
     struct tally tally = {0, 0};
 
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         char line[LINE_ROOM];
-        const size_t length = 1 + random_below(JP_SLCAN_LINE_MAX);
+        const size_t length = 1 + below(JP_SLCAN_LINE_MAX);
 
-        line[0] = "tTrR"[random_below(4)];
+        line[0] = "tTrR"[below(4)];
         for (size_t k = 1; k < length; k++) {
             line[k] = likely_byte();
         }
@@ -237,9 +228,9 @@ static void test_text_that_looks_like_frames(void)
 /* A byte changed, removed or put in. */
 static size_t damage(char *line, size_t length)
 {
-    const size_t place = random_below((uint32_t)length);
+    const size_t place = below((uint32_t)length);
 
-    switch (random_below(3)) {
+    switch (below(3)) {
     case 0:
         line[place] = likely_byte();
         return length;
@@ -257,30 +248,30 @@ static void test_damaged_frames(void)
 {
     struct tally tally = {0, 0};
 
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         const struct jp_can_frame frame = random_frame();
         char line[LINE_ROOM];
         size_t length = print_frame(line, &frame);
 
-        for (uint32_t left = 1 + random_below(3); left > 0; left--) {
+        for (uint32_t left = 1 + below(3); left > 0; left--) {
             length = damage(line, length);
         }
         check_line(line, length, &tally);
     }
     print_tally("damaged frames", &tally);
-    TEST_ASSERT_TRUE(tally.frames > count / 20 && tally.frames < count / 2);
+    TEST_ASSERT_TRUE(tally.frames > options.count / 20 && tally.frames < options.count / 2);
 }
 
 /* Whatever came, with any CR and BEL in it: the next line is read afresh. */
 static void test_the_next_line_is_read_whatever_came_before(void)
 {
-    for (unsigned long i = 0; i < count / 10; i++) {
+    for (unsigned long i = 0; i < options.count / 10; i++) {
         const struct jp_can_frame frame = random_frame();
         struct tally tally = {0, 0};
         char line[LINE_ROOM];
 
-        for (uint32_t left = random_below(100); left > 0; left--) {
-            (void)jp_slcan_decode(&decoder, (uint8_t)random_below(256));
+        for (uint32_t left = below(100); left > 0; left--) {
+            (void)jp_slcan_decode(&decoder, (uint8_t)below(256));
         }
         (void)jp_slcan_decode(&decoder, '\r');
         check_line(line, print_frame(line, &frame), &tally);
@@ -290,16 +281,6 @@ static void test_the_next_line_is_read_whatever_came_before(void)
 
 int main(int argc, char **argv)
 {
-    for (int i = 1; i + 1 < argc; i += 2) {
-        if (strcmp(argv[i], "--count") == 0) {
-            count = strtoul(argv[i + 1], NULL, 0);
-        } else if (strcmp(argv[i], "--seed") == 0) {
-            seed = strtoull(argv[i + 1], NULL, 0);
-        }
-    }
-    seed = seed == 0 ? 1 : seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

@@ -30,7 +30,7 @@ void tearDown(void)
 {
 }
 
-static uint32_t below(uint32_t bound)
+static uint32_t draw(uint32_t bound)
 {
     return nor_random(&rig.nor) % bound;
 }
@@ -47,12 +47,12 @@ static void report(const char *what, unsigned long life)
 static void begin_flash(unsigned long life)
 {
     uint8_t bytes[JP_STORE_LENGTH_MAX];
-    const uint32_t serial = 1U + below(1000);
+    const uint32_t serial = 1U + draw(1000);
 
     rig_start(&rig, (uint64_t)options.seed * 1000003U + life + 1U);
-    switch (below(4)) {
+    switch (draw(4)) {
     case 0:
-        nor_put_slot(&rig.nor, below(2), below(NOR_SLOTS), UINT32_MAX - below(3), bytes, rig_record(serial, bytes));
+        nor_put_slot(&rig.nor, draw(2), draw(NOR_SLOTS), UINT32_MAX - draw(3), bytes, rig_record(serial, bytes));
         rig_become_certain(&rig, serial);
         break;
     case 1:
@@ -68,16 +68,16 @@ static void begin_flash(unsigned long life)
 
 static void wear_out(void)
 {
-    for (uint32_t i = below(8); i > 0U; i--) {
-        rig.nor.sectors[below(2)][below(NOR_WORDS)].worn = nor_bits(&rig.nor, 1U + below(3));
+    for (uint32_t i = draw(8); i > 0U; i--) {
+        rig.nor.sectors[draw(2)][draw(NOR_WORDS)].worn = nor_bits(&rig.nor, 1U + draw(3));
     }
-    rig.nor.refuses = below(2) == 0U;
+    rig.nor.refuses = draw(2) == 0U;
 }
 
 static void perhaps_cut(void)
 {
-    if (below(2) == 0U) {
-        rig_cut_in(&rig, 1U + below(STEPS_AHEAD), rig_random_cut(&rig));
+    if (draw(2) == 0U) {
+        rig_cut_in(&rig, 1U + draw(STEPS_AHEAD), rig_random_cut(&rig));
     }
 }
 
@@ -88,10 +88,10 @@ static void live_session(uint32_t *serial)
 
     (void)rig_open(&rig);
     perhaps_cut();
-    if (below(4) != 0U) {
+    if (draw(4) != 0U) {
         outcome = rig_settle(&rig);
     }
-    for (uint32_t writes = below(WRITES_MAX + 1U); writes > 0U && outcome != RIG_CUT; writes--) {
+    for (uint32_t writes = draw(WRITES_MAX + 1U); writes > 0U && outcome != RIG_CUT; writes--) {
         (*serial)++;
         outcome = rig_write(&rig, *serial);
     }
@@ -132,10 +132,10 @@ static void live(unsigned long life)
     uint32_t serial = 1000;
 
     begin_flash(life);
-    if (below(4) == 0U) {
+    if (draw(4) == 0U) {
         wear_out();
     }
-    for (uint32_t sessions = below(SESSIONS_MAX + 1U); sessions > 0U; sessions--) {
+    for (uint32_t sessions = draw(SESSIONS_MAX + 1U); sessions > 0U; sessions--) {
         live_session(&serial);
     }
     report("in its sessions", life);
@@ -157,40 +157,18 @@ static void test_lives(void)
     TEST_ASSERT_TRUE(byte_cuts / lives > 50U);
 }
 
-/* For tools/measure/figures.py. */
-static void write_json(const char *path)
+static void add_figures(json_t *figures)
 {
-    FILE *file = fopen(path, "w");
-
-    if (file == NULL) {
-        perror(path);
-        exit(1);
-    }
-    fprintf(file,
-            "[\n{\"name\": \"parameter store: power cut at every byte of a write, random sequences\", \"value\": %lu, "
-            "\"unit\": \"\",\n  \"bound\": {\"op\": \">=\", \"value\": %d}, \"command\": \"make figures\"},\n"
-            "{\"name\": \"parameter store: power cuts in them\", \"value\": %lu, \"unit\": \"\", "
-            "\"bound\": null, \"command\": \"make figures\"},\n"
-            "{\"name\": \"parameter store: neither old nor new\", \"value\": %lu, \"unit\": \"\",\n"
-            "  \"bound\": {\"op\": \"==\", \"value\": 0}, \"command\": \"make figures\"}\n]\n",
-            lives, BAR, byte_cuts + rig.cuts, rig.violations);
-    if (fclose(file) != 0) {
-        perror(path);
-        exit(1);
-    }
+    figures_add(figures, "make figures", (double)lives, "", at_least(BAR),
+                "parameter store: power cut at every byte of a write, random sequences");
+    figures_add(figures, "make figures", (double)(byte_cuts + rig.cuts), "", no_bar,
+                "parameter store: power cuts in them");
+    figures_add(figures, "make figures", (double)rig.violations, "", equal_to(0),
+                "parameter store: neither old nor new");
 }
 
 int main(int argc, char **argv)
 {
-    int failures;
-
     options = parse_options(argc, argv, options);
-    printf("seed %llu\n", options.seed);
-    UNITY_BEGIN();
-    run_tests();
-    failures = UNITY_END();
-    if (options.json != NULL) {
-        write_json(options.json);
-    }
-    return failures;
+    return RUN_PROPERTY(options, add_figures);
 }

@@ -14,6 +14,7 @@
 
 #include "tests/support/options.h"
 #include "tests/support/planner_oracle.h"
+#include "tests/support/random.h"
 #include "tests/support/toy_lattice.h"
 #include "unity.h"
 
@@ -32,10 +33,6 @@ enum {
 #define FACTOR_MIN 0.3
 #define FACTOR_MAX 4.0
 
-static uint64_t seed = 1;
-static uint64_t random_state;
-static unsigned long count = 200;
-
 static struct toy_lattice toy;
 static const struct jp_lattice *lattice; /* at its own prices */
 static struct jp_primitive primitives[2][PRIMITIVES_MAX];
@@ -48,6 +45,7 @@ static struct jp_primitive expected_primitives[PRIMITIVES_MAX];
 static struct oracle oracle;
 static struct oracle_map map;
 
+static struct options options = {.count = 200, .seed = 1};
 static struct jp_terrain terrain;
 static struct jp_terrain_config config;
 static uint64_t terrain_block[1024];
@@ -66,30 +64,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static uint64_t random_bits(void)
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 7;
-    random_state ^= random_state << 17;
-    return random_state * UINT64_C(2685821657736338717);
-}
-
-static uint32_t below(uint32_t n)
-{
-    return (uint32_t)((random_bits() >> 32) * n >> 32);
-}
-
-static bool one_in(uint32_t n)
-{
-    return below(n) == 0;
-}
-
-static void begin_random(uint64_t stream)
-{
-    random_state = seed * 1000003 + stream * 7919 + 1;
-    (void)random_bits();
 }
 
 /* ---- Prices ---- */
@@ -128,7 +102,7 @@ static void random_lattice(void)
         lattice = &jp_lattice_gao2018;
         break;
     default:
-        toy_lattice_make(&toy, jp_lattice_zhang2018.resolution, below);
+        toy_lattice_make(&toy, jp_lattice_zhang2018.resolution);
         time_toy();
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_check(&toy.lattice, &field));
         lattice = &toy.lattice;
@@ -302,8 +276,8 @@ static void test_tables_are_those_of_other_arithmetic(void)
 {
     unsigned long refused = 0;
 
-    begin_random(1);
-    for (unsigned long i = 0; i < 4 * count; i++) {
+    begin_random(options.seed, 1);
+    for (unsigned long i = 0; i < 4 * options.count; i++) {
         const char *field = "none";
         random_lattice();
         const struct jp_tariff_factors factors = random_factors();
@@ -317,8 +291,8 @@ static void test_tables_are_those_of_other_arithmetic(void)
             refused++;
         }
     }
-    printf("%lu tables, %lu of them too dear\n", 4 * count, refused);
-    TEST_ASSERT_TRUE(refused * 4 < count);
+    printf("%lu tables, %lu of them too dear\n", 4 * options.count, refused);
+    TEST_ASSERT_TRUE(refused * 4 < options.count);
 }
 
 static bool is_finished(enum jp_answer answer)
@@ -352,8 +326,8 @@ static void test_planner_follows_changing_prices(void)
     unsigned long changes = 0;
     unsigned long routes = 0;
 
-    begin_random(2);
-    while (changes < count) {
+    begin_random(options.seed, 2);
+    while (changes < options.count) {
         random_trial();
         (void)expect_optimum();
         for (int i = 0; i < CHANGES_PER_MAP; i++) {
@@ -411,8 +385,8 @@ static void test_bounds_remain_below_the_truth(void)
     struct jp_energy_field field;
     struct jp_turns turns;
 
-    begin_random(3);
-    for (unsigned long i = 0; i < count / 4; i++) {
+    begin_random(options.seed, 3);
+    for (unsigned long i = 0; i < options.count / 4; i++) {
         unsigned cells = UINT16_MAX;
         random_trial();
         oracle_init(&oracle, &expected, JP_COST_PHYSICAL);
@@ -499,8 +473,8 @@ static void test_primitives_cost_what_the_model_says(void)
     unsigned long clamped = 0;
     unsigned long primitive_count = 0;
 
-    begin_random(4);
-    for (unsigned long i = 0; i < 2 * count; i++) {
+    begin_random(options.seed, 4);
+    for (unsigned long i = 0; i < 2 * options.count; i++) {
         struct jp_energy_model learned;
         const struct jp_tariff_models models = {0, &jp_energy_model_gao2018, &learned, JP_Q16_ONE};
         do {
@@ -522,9 +496,9 @@ static void test_what_is_unlearned_costs_what_it_did(void)
 {
     struct jp_energy_model learned;
 
-    begin_random(5);
+    begin_random(options.seed, 5);
     lattice = &jp_lattice_gao2018;
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         random_learned(&learned);
         charge_learned(&learned, &jp_energy_model_gao2018);
         charge_learned(&jp_energy_model_gao2018, &jp_energy_model_gao2018);
@@ -536,12 +510,6 @@ static void test_what_is_unlearned_costs_what_it_did(void)
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = 1});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

@@ -48,16 +48,14 @@
 
 enum { PATH_POINTS = 40, CYCLES = 30, SMALL_POSES_MAX = 16, UNKNOWNS_MAX = JP_TEB_BLOCK * SMALL_POSES_MAX };
 
-static unsigned long count = 30;
-static uint64_t seed = 1;
-static struct random rng;
-
 static struct jp_teb teb;
 static struct jp_obstacles obstacles;
 static struct jp_point path[PATH_POINTS];
 static struct jp_teb_task task;
 static struct jp_teb_result result;
 
+static struct options options = {.count = 30, .seed = 1};
+static struct random rng;
 static struct {
     double speed;
     double turn_rate;
@@ -231,7 +229,7 @@ static void drive_task(void)
 
 static void test_cycle_after_cycle_keeps_limits_and_gets_on(void)
 {
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         random_task(2, 14);
         random_obstacles();
         drive_task();
@@ -243,7 +241,7 @@ static void test_cycle_after_cycle_keeps_limits_and_gets_on(void)
     TEST_ASSERT_TRUE(worst.radius <= RADIUS_BAR);
     TEST_ASSERT_TRUE(worst.jump <= JUMP_BAR);
     TEST_ASSERT_TRUE(worst.duration <= DURATION_BAR);
-    TEST_ASSERT_TRUE((double)worst.stopped <= STOPPED_BAR * (double)count);
+    TEST_ASSERT_TRUE((double)worst.stopped <= STOPPED_BAR * (double)options.count);
 }
 
 /* ---- Equal bits ---- */
@@ -269,7 +267,7 @@ static void test_the_same_task_has_the_same_bits(void)
     static struct jp_teb_pose again[JP_TEB_POSES_MAX];
     struct jp_teb_result results[2];
 
-    for (unsigned long i = 0; i < count / 4 + 1; i++) {
+    for (unsigned long i = 0; i < options.count / 4 + 1; i++) {
         random_task(2, 14);
 
         const struct random before = rng;
@@ -399,7 +397,7 @@ static void test_bands_cost_little_more_than_the_least(void)
 {
     unsigned long good = 0;
 
-    for (unsigned long i = 0; i < count; i++) {
+    for (unsigned long i = 0; i < options.count; i++) {
         random_task(0.5, 1.2);
         for (int cycle = 0; cycle < STANDING_CYCLES; cycle++) {
             TEST_ASSERT_EQUAL_INT(JP_OK, plan());
@@ -407,60 +405,26 @@ static void test_bands_cost_little_more_than_the_least(void)
         TEST_ASSERT_TRUE(teb.count <= SMALL_POSES_MAX);
         good += excess() <= EXCESS_BAR ? 1 : 0;
     }
-    worst.share = (double)good / (double)count;
+    worst.share = (double)good / (double)options.count;
     printf("%.2f %% of the bands cost at most %g %% more than the least\n", 100 * worst.share, 100 * EXCESS_BAR);
     TEST_ASSERT_TRUE(worst.share >= SHARE_BAR);
 }
 
 /* ---- Figures ---- */
 
-static void write_figure(FILE *file, const char *name, double value, const char *op, double bar)
+static void add_figures(json_t *figures)
 {
-    static const char *separator = "[\n";
-
-    fprintf(file,
-            "%s{\"name\": \"%s\", \"value\": %.6g, \"unit\": \"%%\", \"bound\": {\"op\": \"%s\", \"value\": %g}, "
-            "\"command\": \"make figures\"}",
-            separator, name, value, op, bar);
-    separator = ",\n";
-}
-
-/* For tools/measure/figures.py. */
-static void write_json(const char *path_name)
-{
-    FILE *file = fopen(path_name, "w");
-
-    if (!file) {
-        perror(path_name);
-        exit(1);
-    }
-    write_figure(file, "TEB: short bands that cost at most 25 % more than the least that NLopt finds",
-                 100 * worst.share, ">=", 100 * SHARE_BAR);
-    write_figure(file, "TEB: largest speed of a step above the limit", 100 * worst.speed, "<=", 100 * SPEED_BAR);
-    write_figure(file, "TEB: largest turn rate of a step above the limit", 100 * worst.turn_rate,
-                 "<=", 100 * TURN_RATE_BAR);
-    fprintf(file, "\n]\n");
-    if (fclose(file) != 0) {
-        perror(path_name);
-        exit(1);
-    }
+    figures_add(figures, "make figures", 100 * worst.share, "%", at_least(100 * SHARE_BAR),
+                "TEB: short bands that cost at most 25 %% more than the least that NLopt finds");
+    figures_add(figures, "make figures", 100 * worst.speed, "%", at_most(100 * SPEED_BAR),
+                "TEB: largest speed of a step above the limit");
+    figures_add(figures, "make figures", 100 * worst.turn_rate, "%", at_most(100 * TURN_RATE_BAR),
+                "TEB: largest turn rate of a step above the limit");
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    printf("seed %llu\n", (unsigned long long)seed);
-    random_init(&rng, seed);
-    UNITY_BEGIN();
-    run_tests();
-
-    const int failures = UNITY_END();
-
-    if (options.json) {
-        write_json(options.json);
-    }
-    return failures;
+    options = parse_options(argc, argv, options);
+    random_init(&rng, options.seed);
+    return RUN_PROPERTY(options, add_figures);
 }

@@ -16,7 +16,7 @@
 /* Of the ticks that go by, and of the reads that begin within one: where both threads share a core they are rare. */
 enum { TICKS_MIN = 1000, WITHIN_MIN = 20 };
 
-static unsigned long count = 50000;
+static struct options options = {.count = 50000, .seed = 1};
 static struct jp_robot_config config;
 static struct jp_robot robot;
 static atomic_bool stop;
@@ -87,7 +87,7 @@ static void test_telemetry_is_of_one_tick(void)
 
     atomic_store(&stop, false);
     TEST_ASSERT_EQUAL_INT(0, pthread_create(&thread, NULL, keep_ticking, NULL));
-    for (unsigned long i = 0; i < count || telemetry.tick - first < TICKS_MIN || within < WITHIN_MIN; i++) {
+    for (unsigned long i = 0; i < options.count || telemetry.tick - first < TICKS_MIN || within < WITHIN_MIN; i++) {
         within += __atomic_load_n(&robot.internal.sequence, __ATOMIC_RELAXED) & 1U;
         while (!jp_robot_telemetry(&robot, &telemetry)) {
         }
@@ -95,7 +95,7 @@ static void test_telemetry_is_of_one_tick(void)
     }
     atomic_store(&stop, true);
     TEST_ASSERT_EQUAL_INT(0, pthread_join(thread, NULL));
-    printf("%lu reads over %u ticks, torn %lu\n", count, (unsigned)(telemetry.tick - first), torn);
+    printf("%lu reads over %u ticks, torn %lu\n", options.count, (unsigned)(telemetry.tick - first), torn);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, telemetry.state);
     TEST_ASSERT_EQUAL_UINT64(0, torn);
 }
@@ -112,7 +112,7 @@ static void test_motors_are_of_one_tick(void)
     drive_for_long();
     atomic_store(&stop, false);
     TEST_ASSERT_EQUAL_INT(0, pthread_create(&thread, NULL, keep_ticking, NULL));
-    for (unsigned long i = 0; i < count || driven < TICKS_MIN || within < WITHIN_MIN; i++) {
+    for (unsigned long i = 0; i < options.count || driven < TICKS_MIN || within < WITHIN_MIN; i++) {
         within += __atomic_load_n(&robot.internal.sequence, __ATOMIC_RELAXED) & 1U;
         while (!jp_robot_motors(&robot, &sample)) {
         }
@@ -122,14 +122,12 @@ static void test_motors_are_of_one_tick(void)
     }
     atomic_store(&stop, true);
     TEST_ASSERT_EQUAL_INT(0, pthread_join(thread, NULL));
-    printf("%lu reads of the motors, %lu of them driven, torn %lu\n", count, driven, torn);
+    printf("%lu reads of the motors, %lu of them driven, torn %lu\n", options.count, driven, torn);
     TEST_ASSERT_EQUAL_UINT64(0, torn);
 }
 
 int main(int argc, char **argv)
 {
-    count = parse_options(argc, argv, (struct options){.count = count, .seed = 1}).count;
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

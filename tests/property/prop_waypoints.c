@@ -13,6 +13,7 @@
 #include "sim/base/random.h"
 #include "sim/missions/plan_search.h"
 #include "src/map/clearance.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 #define WIDTH      60
@@ -33,10 +34,8 @@
 #define ROUNDING_M 2e-6 /* of a box in cells */
 #define MARGIN_MIN 2    /* steps, of every second map */
 
-static unsigned long count = 50;
-static unsigned long first_seed = 1;
-
-static unsigned long seed;
+static struct options options = {.count = 50, .seed = 1};
+static unsigned long long seed;
 static struct random noise;
 static struct map_file map;
 static struct plan_task task;
@@ -61,7 +60,7 @@ static void check(bool holds, const char *what, double value)
     char message[120];
 
     if (!holds) {
-        (void)snprintf(message, sizeof message, "seed %lu: %s: %g", seed, what, value);
+        (void)snprintf(message, sizeof message, "seed %llu: %s: %g", seed, what, value);
         TEST_FAIL_MESSAGE(message);
     }
 }
@@ -293,8 +292,8 @@ static void test_random_maps(void)
     unsigned long choices = 0;
     unsigned long wide = 0;
 
-    for (unsigned long i = 0; i < count; i++) {
-        seed = first_seed + i;
+    for (unsigned long i = 0; i < options.count; i++) {
+        seed = options.seed + i;
         config.margin_min = seed % 2 == 0 ? 0 : MARGIN_MIN;
         random_init(&noise, seed);
         begin_map();
@@ -310,9 +309,9 @@ static void test_random_maps(void)
         }
         map_file_free(&map);
     }
-    (void)printf("%lu maps from seed %lu: %lu routes, waypoints on %lu, beside %lu more\n", count, first_seed, routes,
-                 choices - wide, wide);
-    TEST_ASSERT_TRUE(routes >= count / 4);
+    (void)printf("%lu maps from seed %llu: %lu routes, waypoints on %lu, beside %lu more\n", options.count,
+                 options.seed, routes, choices - wide, wide);
+    TEST_ASSERT_TRUE(routes >= options.count / 4);
     TEST_ASSERT_TRUE(choices >= routes * 3 / 4);
 }
 
@@ -461,28 +460,14 @@ static void test_no_room_to_turn_is_no_choice(void)
     map_file_free(&map);
 }
 
-static bool parse(int argc, char **argv)
-{
-    for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
-            count = strtoul(argv[++i], NULL, 10);
-        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
-            first_seed = strtoul(argv[++i], NULL, 10);
-        } else {
-            (void)fprintf(stderr, "usage: %s [--count N] [--seed S]\n", argv[0]);
-            return false;
-        }
-    }
-    return count > 0;
-}
-
 int main(int argc, char **argv)
 {
     const struct robot_entry *entry = rig_find_robot("gao2018");
 
-    if (!parse(argc, argv) || entry == NULL) {
+    if (entry == NULL) {
         return 2;
     }
+    options = parse_options(argc, argv, options);
     config = (struct jp_waypoints_config){.terrain = &map.terrain,
                                           .lattice = &jp_lattice_gao2018,
                                           .model = entry->energy,
@@ -490,7 +475,5 @@ int main(int argc, char **argv)
                                           .length = JP_Q24(LENGTH_M),
                                           .width = JP_Q24(WIDTH_M),
                                           .reach = 96};
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    return RUN_PROPERTY(options, NULL);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sim/balancer/hal_sim.h"
+#include "tests/support/check.h"
 #include "unity.h"
 
 #define SEED 20180400u
@@ -21,13 +22,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static void check_near(double expected, double actual, double bound, const char *what)
-{
-    char message[160];
-    (void)snprintf(message, sizeof message, "%s: expected %.9g, is %.9g", what, expected, actual);
-    TEST_ASSERT_TRUE_MESSAGE(fabs(actual - expected) <= bound, message);
 }
 
 static double from_q24(jp_q24 value)

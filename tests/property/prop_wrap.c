@@ -1,8 +1,8 @@
 /*
  * Driving for ever: no jump and no drift when counters and phases wrap, and no dependence on where they start.
  *
- * prop_wrap [--days N]
- * --days computes every tick of that many days of the courier; the default is some minutes of each robot.
+ * prop_wrap [--count N]
+ * --count computes every tick of that many days of the courier; the default is some minutes of each robot.
  */
 #include <joulepath/tables.h>
 
@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "sim/balancer/rig.h"
+#include "tests/support/options.h"
 #include "unity.h"
 
 /** A millimetre of the way and a tenth of a degree. */
@@ -25,7 +26,7 @@ static const struct wrap_geometry courier24 = {&jp_robot_courier24, 5, 3, 19200}
 static const struct jp_motion forward = {JP_Q24(1), JP_Q24(0.35)};
 static const struct jp_motion backward = {-JP_Q24(1), -JP_Q24(0.35)};
 static const struct jp_motion fast = {JP_Q24(8), JP_Q24(-2)};
-static double days;
+static struct options options; /* count: days */
 
 void setUp(void)
 {
@@ -68,8 +69,8 @@ static void test_drives_through_encoder_and_phase_wraps(void)
 
 static void test_drives_for_days(void)
 {
-    if (days > 0) {
-        struct wrap_drive drive = {.geometry = &courier24, .motion = forward, .ticks = (uint64_t)(days * 86400 * 1000)};
+    if (options.count > 0) {
+        struct wrap_drive drive = {.geometry = &courier24, .motion = forward, .ticks = options.count * 86400 * 1000};
 
         check("courier24", &drive);
     }
@@ -146,15 +147,6 @@ static void test_start_counts_do_not_change_a_bit_of_the_closed_loop(void)
 
 int main(int argc, char **argv)
 {
-    for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--days") == 0 && i + 1 < argc) {
-            days = strtod(argv[++i], NULL);
-        } else {
-            fprintf(stderr, "usage: prop_wrap [--days N]\n");
-            return 2;
-        }
-    }
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

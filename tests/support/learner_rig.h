@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "tests/target/random.h"
 #include "unity.h"
 
 #define BUILT_IN jp_energy_model_courier24_battery
@@ -36,16 +37,10 @@ void tearDown(void)
 {
 }
 
-static uint32_t random_bits(void)
-{
-    random_state = random_state * 1664525U + 1013904223U;
-    return random_state >> 8;
-}
-
 /* Between low and high. */
 static int32_t draw(int32_t low, int32_t high)
 {
-    return low + (int32_t)(((uint64_t)random_bits() * (uint32_t)(high - low)) >> 24);
+    return low + (int32_t)(((uint64_t)target_random(&random_state) * (uint32_t)(high - low)) >> 32);
 }
 
 static inline struct jp_segment_command random_segment(void)

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "hal/storage/store.h"
+#include "tests/support/random.h"
 
 #define NOR_ERASED 0xFFFFFFFFU
 #define NOR_MOODY  9U
@@ -40,13 +41,9 @@ struct nor_flash {
     bool refuses;            /**< worn bits are reported, too: JP_ERR_HARDWARE */
 };
 
-/** xorshift64* */
 static inline uint32_t nor_random(struct nor_flash *nor)
 {
-    nor->random ^= nor->random >> 12;
-    nor->random ^= nor->random << 25;
-    nor->random ^= nor->random >> 27;
-    return (uint32_t)((nor->random * UINT64_C(0x2545F4914F6CDD1D)) >> 32);
+    return (uint32_t)(random_next(&nor->random) >> 32);
 }
 
 /** Bits that are 1 with a probability of `share` / 8. */

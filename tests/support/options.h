@@ -1,4 +1,5 @@
-/** The command line of the property tests: --count N, --seed S, --json FILE, --verbose. */
+/** The main program of a property test: its options --count N, --seed S, --json FILE and --verbose, its tests, its
+ * figures. */
 #ifndef JOULEPATH_TESTS_SUPPORT_OPTIONS_H
 #define JOULEPATH_TESTS_SUPPORT_OPTIONS_H
 
@@ -6,6 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "tests/bench/figures.h"
+#include "unity.h"
 
 struct options {
     unsigned long count;     /**< cases; above 0 */
@@ -58,5 +62,23 @@ static inline struct options parse_options(int argc, char **argv, struct options
     }
     return options;
 }
+
+/** The program's exit status; before it ends, `add_figures` gives the figures where --json asks for them. */
+static inline int end_property(const struct options *options, int failures, void (*add_figures)(json_t *))
+{
+    if (options->json != NULL && add_figures != NULL) {
+        json_t *figures = json_array();
+
+        add_figures(figures);
+        figures_write(figures, options->json);
+    }
+    return failures;
+}
+
+/** The main program after its options; add_figures may be NULL. A macro, since Unity names the file that it stands in.
+ */
+#define RUN_PROPERTY(options, add_figures)                                                                             \
+    ((void)printf("seed %llu\n", (options).seed), UNITY_BEGIN(), run_tests(),                                          \
+     end_property(&(options), UNITY_END(), add_figures))
 
 #endif

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "tests/support/planner_oracle.h"
+#include "tests/support/random.h"
 #include "tests/support/toy_lattice.h"
 #include "unity.h"
 
@@ -56,37 +57,10 @@ struct counts {
     unsigned long by_answer[JP_ANSWER_STALE + 1];
 };
 
-static uint64_t seed = 1;
-static uint64_t random_state;
-static unsigned long count = 1000;
 static struct counts counts;
 static struct trial trial;
 static struct oracle oracle;
 static char problem[200]; /* the first that was found */
-
-static inline uint64_t random_bits(void)
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 7;
-    random_state ^= random_state << 17;
-    return random_state * UINT64_C(2685821657736338717);
-}
-
-static inline uint32_t below(uint32_t n)
-{
-    return (uint32_t)((random_bits() >> 32) * n >> 32);
-}
-
-static inline bool one_in(uint32_t n)
-{
-    return below(n) == 0;
-}
-
-static inline void begin_random(uint64_t stream)
-{
-    random_state = seed * 1000003 + stream * 7919 + 1;
-    (void)random_bits();
-}
 
 /** Maps */
 
@@ -148,7 +122,7 @@ static inline const struct jp_lattice *random_lattice(struct trial *t)
     case 1:
         return &jp_lattice_gao2018;
     default:
-        toy_lattice_make(&t->toy, jp_lattice_zhang2018.resolution, below);
+        toy_lattice_make(&t->toy, jp_lattice_zhang2018.resolution);
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_check(&t->toy.lattice, &field));
         return &t->toy.lattice;
     }

@@ -6,32 +6,13 @@
 #include <string.h>
 
 #include "hal/app/ecu.h"
+#include "tests/support/random.h"
 #include "unity.h"
 
-static uint64_t seed = 1;
-static uint64_t random_state;
 static unsigned long executions;
 
 /** For one_in(). */
 #define NEVER 0U
-
-static uint64_t random_bits(void)
-{
-    random_state ^= random_state >> 12;
-    random_state ^= random_state << 25;
-    random_state ^= random_state >> 27;
-    return random_state * UINT64_C(0x2545F4914F6CDD1D);
-}
-
-static uint32_t below(uint32_t bound)
-{
-    return (uint32_t)(((random_bits() >> 32) * bound) >> 32);
-}
-
-static bool one_in(uint32_t times)
-{
-    return times != NEVER && below(times) == 0U;
-}
 
 static int32_t around(int32_t limit)
 {
@@ -41,7 +22,7 @@ static int32_t around(int32_t limit)
 static void require(bool condition, const char *what)
 {
     if (!condition) {
-        printf("execution %lu of seed %llu\n", executions, (unsigned long long)seed);
+        printf("execution %lu\n", executions);
         TEST_FAIL_MESSAGE(what);
     }
 }

@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/random.h"
+
 enum {
     TOY_KINDS = 7, /* of motions at each heading */
     TOY_PRIMITIVES_MAX = JP_HEADINGS * TOY_KINDS,
@@ -74,7 +76,7 @@ static inline struct jp_cells toy_add_spans(struct toy_lattice *toy, const struc
 
 /** One motion; `reach` takes up its cells. */
 static inline void toy_add_primitive(struct toy_lattice *toy, int heading, const struct toy_kind *kind,
-                                     uint32_t (*below)(uint32_t), struct toy_cells *reach)
+                                     struct toy_cells *reach)
 {
     struct jp_primitive *primitive = &toy->primitives[toy->primitive_count++];
     struct toy_cells cells;
@@ -109,7 +111,7 @@ static inline void toy_add_primitive(struct toy_lattice *toy, int heading, const
     }
 }
 
-static inline void toy_add_heading(struct toy_lattice *toy, int heading, uint32_t (*below)(uint32_t))
+static inline void toy_add_heading(struct toy_lattice *toy, int heading)
 {
     struct jp_lattice *lattice = &toy->lattice;
     struct toy_cells reach;
@@ -124,7 +126,7 @@ static inline void toy_add_heading(struct toy_lattice *toy, int heading, uint32_
     lattice->first_from[heading] = toy->primitive_count;
     for (int i = 0; i < TOY_KINDS; i++) {
         if (i == 0 || below(100) < TOY_KEEP_PERCENT) {
-            toy_add_primitive(toy, heading, &toy_kinds[i], below, &reach);
+            toy_add_primitive(toy, heading, &toy_kinds[i], &reach);
         }
     }
     lattice->reach[heading] = toy_add_spans(toy, &reach);
@@ -146,7 +148,7 @@ static inline void toy_sort_by_end(struct toy_lattice *toy)
 }
 
 /** Convex, dearer uphill than downhill, never below its floor. */
-static inline void toy_price(struct toy_lattice *toy, uint32_t (*below)(uint32_t))
+static inline void toy_price(struct toy_lattice *toy)
 {
     static const int percent[JP_MOVE_KINDS] = {100, 224, 141};
 
@@ -167,8 +169,8 @@ static inline void toy_price(struct toy_lattice *toy, uint32_t (*below)(uint32_t
     }
 }
 
-/** `below(n)` gives a random number below n. The tables pass jp_lattice_check(). */
-static inline void toy_lattice_make(struct toy_lattice *toy, jp_q16 resolution, uint32_t (*below)(uint32_t))
+/** At random; the tables pass jp_lattice_check(). */
+static inline void toy_lattice_make(struct toy_lattice *toy, jp_q16 resolution)
 {
     memset(toy, 0, sizeof *toy);
     toy->arm = (int)below(2);
@@ -179,11 +181,11 @@ static inline void toy_lattice_make(struct toy_lattice *toy, jp_q16 resolution, 
     toy->lattice.moves = toy->moves;
     toy->lattice.spans = toy->spans;
     for (int heading = 0; heading < JP_HEADINGS; heading++) {
-        toy_add_heading(toy, heading, below);
+        toy_add_heading(toy, heading);
     }
     toy->lattice.first_from[JP_HEADINGS] = toy->primitive_count;
     toy_sort_by_end(toy);
-    toy_price(toy, below);
+    toy_price(toy);
 }
 
 #endif

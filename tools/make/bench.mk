@@ -78,7 +78,7 @@ ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 # Property tests at bench length.
 PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner pure_pursuit scan_match segment store teb
 ARGS.battery          = --count 100000000
-ARGS.fixed            = --exhaustive
+ARGS.fixed            = --count 4294967296
 ARGS.four_wheel       = --count 1000000
 ARGS.four_wheel_plant = --count 1000
 ARGS.grid_planner     = --count 4000

@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "tests/target/random.h"
 #include "unity.h"
 
 /* Without the padding behind the check. */
@@ -103,16 +104,13 @@ static void test_memory_full_of_one_byte_is_refused(void)
 
 static void test_random_memory_is_refused_and_can_be_written(void)
 {
-    uint32_t random = 2463534242U; /* xorshift */
+    uint32_t random = 2463534242U;
 
     for (uint32_t round = 0; round < 200; round++) {
         uint8_t *bytes = (uint8_t *)&retained;
 
         for (size_t i = 0; i < sizeof retained; i++) {
-            random ^= random << 13;
-            random ^= random >> 17;
-            random ^= random << 5;
-            bytes[i] = (uint8_t)(random >> 24);
+            bytes[i] = (uint8_t)(target_random(&random) >> 24);
         }
         expect_nothing();
         write(round);

@@ -4,6 +4,7 @@
 
 #include "src/base/plane.h"
 #include "tests/support/near.h"
+#include "tests/target/random.h"
 
 enum { BEAMS = 240, WALLS_MAX = 12 };
 
@@ -62,8 +63,7 @@ void tearDown(void)
 /* ±1 cm, even. */
 static float next_noise(void)
 {
-    noise = noise * 1664525U + 1013904223U;
-    return 0.01f * ((float)(noise >> 8) * 0x1p-23f - 1.0f);
+    return 0.01f * ((float)(target_random(&noise) >> 8) * 0x1p-23f - 1.0f);
 }
 
 static float distance_to(const struct wall *wall, float bearing)
