@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "tests/support/config_check.h"
 #include "unity.h"
 
 #define MEMORY   256
@@ -113,50 +114,21 @@ static void stand(void)
 
 /* Configuration */
 
-static void expect_config(const char *expected_field)
-{
-    const char *field = "";
-    const enum jp_status status = jp_current_check_check(&config, &field);
-
-    TEST_ASSERT_EQUAL_INT(expected_field == NULL ? JP_OK : JP_ERR_CONFIG, status);
-    if (expected_field == NULL) {
-        TEST_ASSERT_NULL(field);
-    } else {
-        TEST_ASSERT_EQUAL_STRING(expected_field, field);
-    }
-    config = usual;
-}
-
-#define FIELD(member, value, expected_field)                                                                           \
-    do {                                                                                                               \
-        config.member = (value);                                                                                       \
-        expect_config(expected_field);                                                                                 \
-    } while (0)
+DEFINE_EXPECT_CONFIG_OF(jp_current_check_check, usual)
 
 static void test_checks_every_field_at_its_limits(void)
 {
     expect_config(NULL);
-    FIELD(offset, JP_Q16(0.005) - 1, "current_check.offset");
-    FIELD(offset, JP_Q16(0.005), NULL);
-    FIELD(offset, JP_Q16(10), NULL);
-    FIELD(offset, JP_Q16(10) + 1, "current_check.offset");
-    FIELD(gain, JP_Q16(0.01) - 1, "current_check.gain");
-    FIELD(gain, JP_Q16(0.01), NULL);
+    RANGE("current_check.", offset, JP_Q16(0.005), JP_Q16(10));
+    AT_LEAST("current_check.", gain, JP_Q16(0.01));
     FIELD(gain, JP_Q16(0.25), NULL);
     FIELD(gain, JP_Q16(0.25) + 1, "current_check.resistance");
     FIELD(gain, JP_Q16(0.5) + 1, "current_check.gain");
     FIELD(resistance, JP_Q16(0.06), NULL);
     FIELD(resistance, JP_Q16(0.06) - 1, "current_check.resistance");
-    FIELD(resistance, JP_Q16(0.5), NULL);
-    FIELD(resistance, JP_Q16(0.5) + 1, "current_check.resistance");
-    FIELD(excitation, JP_Q16(0.02) - 1, "current_check.excitation");
-    FIELD(excitation, JP_Q16(0.02), NULL);
-    FIELD(excitation, JP_Q16(10), NULL);
-    FIELD(excitation, JP_Q16(10) + 1, "current_check.excitation");
-    FIELD(memory, 127, "current_check.memory");
-    FIELD(memory, 128, NULL);
-    FIELD(memory, 4096, NULL);
-    FIELD(memory, 4097, "current_check.memory");
+    AT_MOST("current_check.", resistance, JP_Q16(0.5));
+    RANGE("current_check.", excitation, JP_Q16(0.02), JP_Q16(10));
+    RANGE("current_check.", memory, 128, 4096);
 }
 
 /* Sound sensors */

@@ -52,10 +52,7 @@ static void test_checks_every_field_at_its_limits(void)
 {
     config = jp_robot_courier24.lqr;
     expect_config(NULL);
-    FIELD(tick_rate, 99, "lqr.tick_rate");
-    FIELD(tick_rate, 100, NULL);
-    FIELD(tick_rate, 10000, NULL);
-    FIELD(tick_rate, 10001, "lqr.tick_rate");
+    RANGE("lqr.", tick_rate, 100, 10000);
     FIELD(wheel, INT32_MIN, COMMON_ROW);
     FIELD(pitch, INT32_MIN, COMMON_ROW);
     FIELD(wheel_rate, INT32_MAX, COMMON_ROW);
@@ -64,8 +61,7 @@ static void test_checks_every_field_at_its_limits(void)
     FIELD(yaw, INT32_MIN, DIFFERENCE_ROW);
     FIELD(yaw_rate, INT32_MAX, DIFFERENCE_ROW);
     FIELD(yaw_integral, INT32_MAX, DIFFERENCE_ROW);
-    FIELD(pitch_reserve, -1, "lqr.pitch_reserve");
-    FIELD(pitch_reserve, 0, NULL);
+    AT_LEAST("lqr.", pitch_reserve, 0);
     FIELD(pitch_reserve, INT32_MAX, NULL);
 }
 

@@ -43,30 +43,15 @@ DEFINE_EXPECT_CONFIG(reference)
 static void test_checks_every_field_at_its_limits(void)
 {
     expect_config(NULL);
-    FIELD(tick_rate, 99, "reference.tick_rate");
-    FIELD(tick_rate, 100, NULL);
-    FIELD(tick_rate, 10000, NULL);
-    FIELD(tick_rate, 10001, "reference.tick_rate");
-    FIELD(turns_per_metre, JP_Q24(0.1) - 1, "reference.turns_per_metre");
-    FIELD(turns_per_metre, JP_Q24(0.1), NULL);
-    FIELD(turns_per_metre, JP_Q24(16), NULL);
-    FIELD(turns_per_metre, JP_Q24(16) + 1, "reference.turns_per_metre");
-    FIELD(rest_ticks, 65535, NULL);
-    FIELD(rest_ticks, 65536, "reference.rest_ticks");
-    FIELD(travel_bandwidth, -1, "reference.travel_bandwidth");
-    FIELD(travel_bandwidth, 0, NULL);
+    RANGE("reference.", tick_rate, 100, 10000);
+    RANGE("reference.", turns_per_metre, JP_Q24(0.1), JP_Q24(16));
+    AT_MOST("reference.", rest_ticks, 65535);
+    AT_LEAST("reference.", travel_bandwidth, 0);
     FIELD(travel_bandwidth, 1, "reference.travel_bandwidth");
-    FIELD(travel_bandwidth, JP_Q16(0.1) - 1, "reference.travel_bandwidth");
-    FIELD(travel_bandwidth, JP_Q16(0.1), NULL);
-    FIELD(travel_bandwidth, JP_Q16(100), NULL);
-    FIELD(travel_bandwidth, JP_Q16(100) + 1, "reference.travel_bandwidth");
-    FIELD(yaw_bandwidth, -1, "reference.yaw_bandwidth");
-    FIELD(yaw_bandwidth, 0, NULL);
+    RANGE("reference.", travel_bandwidth, JP_Q16(0.1), JP_Q16(100));
+    AT_LEAST("reference.", yaw_bandwidth, 0);
     FIELD(yaw_bandwidth, 1, "reference.yaw_bandwidth");
-    FIELD(yaw_bandwidth, JP_Q16(0.1) - 1, "reference.yaw_bandwidth");
-    FIELD(yaw_bandwidth, JP_Q16(0.1), NULL);
-    FIELD(yaw_bandwidth, JP_Q16(100), NULL);
-    FIELD(yaw_bandwidth, JP_Q16(100) + 1, "reference.yaw_bandwidth");
+    RANGE("reference.", yaw_bandwidth, JP_Q16(0.1), JP_Q16(100));
 }
 
 static void test_refuses_a_bandwidth_beyond_a_quarter_of_the_tick_rate(void)

@@ -1,4 +1,5 @@
 /* The robot: its configuration; switching on and off from every state. */
+#include "tests/support/config_check.h"
 #include "tests/support/robot_rig.h"
 
 /* Configuration */
@@ -13,25 +14,12 @@ static void test_init_refuses_null(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_robot_init(&robot, &config, &jp_energy_model_courier24, NULL));
 }
 
-static void expect_config(const char *expected)
+static enum jp_status init_as(const struct jp_robot_config *tried, const char **field)
 {
-    const char *field = "";
-    enum jp_status status = jp_robot_init(&robot, &config, &jp_energy_model_courier24, &field);
-
-    if (expected == NULL) {
-        TEST_ASSERT_EQUAL_INT(JP_OK, status);
-    } else {
-        TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, status);
-        TEST_ASSERT_EQUAL_STRING(expected, field);
-    }
-    config = jp_robot_courier24;
+    return jp_robot_init(&robot, tried, &jp_energy_model_courier24, field);
 }
 
-#define FIELD(member, value, expected)                                                                                 \
-    do {                                                                                                               \
-        config.member = (value);                                                                                       \
-        expect_config(expected);                                                                                       \
-    } while (0)
+DEFINE_EXPECT_CONFIG_OF(init_as, jp_robot_courier24)
 
 static void test_init_checks_every_part(void)
 {
@@ -44,10 +32,7 @@ static void test_init_checks_every_part(void)
     FIELD(lqr.pitch_reserve, -1, "lqr.pitch_reserve");
     FIELD(monitor.tilt_limit, 0, "monitor.tilt_limit");
     FIELD(meter.electronics_power, -1, "meter.electronics_power");
-    FIELD(metres_per_turn, JP_Q24(0.0625) - 1, "metres_per_turn");
-    FIELD(metres_per_turn, JP_Q24(0.0625), NULL);
-    FIELD(metres_per_turn, JP_Q24(4), NULL);
-    FIELD(metres_per_turn, JP_Q24(4) + 1, "metres_per_turn");
+    RANGE("", metres_per_turn, JP_Q24(0.0625), JP_Q24(4));
     FIELD(reference.tick_rate, 999, "estimator.tick_rate");
     FIELD(lqr.tick_rate, 1001, "estimator.tick_rate");
     FIELD(meter.tick_rate, 500, "estimator.tick_rate");

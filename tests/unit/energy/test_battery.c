@@ -3,6 +3,7 @@
 
 #include <stddef.h>
 
+#include "tests/support/config_check.h"
 #include "unity.h"
 
 #define JOULE    ((jp_energy)1 << 32)
@@ -49,59 +50,30 @@ static uint8_t draw(jp_energy energy, jp_q16 voltage)
 
 /* Configuration */
 
-static void expect_config(const char *expected)
-{
-    const char *field = "";
-    enum jp_status status = jp_battery_check(&config, &field);
-
-    TEST_ASSERT_EQUAL_INT(expected == NULL ? JP_OK : JP_ERR_CONFIG, status);
-    if (expected == NULL) {
-        TEST_ASSERT_NULL(field);
-    } else {
-        TEST_ASSERT_EQUAL_STRING(expected, field);
-    }
-    config = lithium;
-}
-
-#define FIELD(member, value, expected)                                                                                 \
-    do {                                                                                                               \
-        config.member = (value);                                                                                       \
-        expect_config(expected);                                                                                       \
-    } while (0)
+DEFINE_EXPECT_CONFIG_OF(jp_battery_check, lithium)
 
 static void test_checks_every_field_at_its_limits(void)
 {
     expect_config(NULL);
-    FIELD(capacity, 59, "battery.capacity");
-    FIELD(capacity, 60, NULL);
-    FIELD(capacity, 262144, NULL);
-    FIELD(capacity, 262145, "battery.capacity");
-    FIELD(charge_efficiency, JP_Q16(0.5) - 1, "battery.charge_efficiency");
-    FIELD(charge_efficiency, JP_Q16(0.5), NULL);
+    RANGE("battery.", capacity, 60, 262144);
+    AT_LEAST("battery.", charge_efficiency, JP_Q16(0.5));
     FIELD(charge_efficiency, JP_Q16_ONE + 1, "battery.charge_efficiency");
-    FIELD(reserve, -1, "battery.reserve");
-    FIELD(reserve, 0, NULL);
-    FIELD(reserve, (jp_q31)1 << 30, NULL);
-    FIELD(reserve, ((jp_q31)1 << 30) + 1, "battery.reserve");
-    FIELD(voltage_jump, 0, "battery.voltage_jump");
-    FIELD(voltage_jump, 1, NULL);
+    RANGE("battery.", reserve, 0, (jp_q31)1 << 30);
+    AT_LEAST("battery.", voltage_jump, 1);
 }
 
 static void test_voltages_are_in_order(void)
 {
-    FIELD(voltage_min, JP_Q16_ONE - 1, "battery.voltage_min");
-    FIELD(voltage_min, JP_Q16_ONE, NULL);
+    AT_LEAST("battery.", voltage_min, JP_Q16_ONE);
     FIELD(voltage_min, JP_Q16(18), NULL);
     FIELD(voltage_min, JP_Q16(18) + 1, "battery.voltage_empty");
-    FIELD(voltage_max, JP_Q16(1000), NULL);
-    FIELD(voltage_max, JP_Q16(1000) + 1, "battery.voltage_max");
+    AT_MOST("battery.", voltage_max, JP_Q16(1000));
     FIELD(voltage_max, JP_Q16(26), NULL);
     FIELD(voltage_max, JP_Q16(26) - 1, "battery.voltage_full");
     FIELD(voltage_full, JP_Q16(18), "battery.voltage_full");
     FIELD(voltage_nominal, JP_Q16(18), NULL);
     FIELD(voltage_nominal, JP_Q16(18) - 1, "battery.voltage_nominal");
-    FIELD(voltage_nominal, JP_Q16(26), NULL);
-    FIELD(voltage_nominal, JP_Q16(26) + 1, "battery.voltage_nominal");
+    AT_MOST("battery.", voltage_nominal, JP_Q16(26));
 }
 
 /* Start */

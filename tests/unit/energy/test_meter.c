@@ -39,22 +39,15 @@ static void test_checks_every_field_at_its_limits(void)
 {
     config = jp_robot_courier24.meter;
     expect_config(NULL);
-    FIELD(tick_rate, 99, "meter.tick_rate");
-    FIELD(tick_rate, 100, NULL);
-    FIELD(tick_rate, 10000, NULL);
-    FIELD(tick_rate, 10001, "meter.tick_rate");
-    FIELD(motor_resistance, JP_Q16(256), NULL);
-    FIELD(motor_resistance, JP_Q16(256) + 1, "meter.motor_resistance");
+    RANGE("meter.", tick_rate, 100, 10000);
+    AT_MOST("meter.", motor_resistance, JP_Q16(256));
     FIELD(motor_resistance, JP_Q16(0.064) + 1, NULL); /* 64 Ω/s at 1 kHz */
     FIELD(motor_resistance, JP_Q16(0.064) - 1, "meter.motor_resistance");
     config.tick_rate = 10000;
     FIELD(motor_resistance, JP_Q16(0.01), NULL);
     config.tick_rate = 10000;
     FIELD(motor_resistance, JP_Q16(0.01) - 1, "meter.motor_resistance");
-    FIELD(electronics_power, -1, "meter.electronics_power");
-    FIELD(electronics_power, 0, NULL);
-    FIELD(electronics_power, JP_Q16(256), NULL);
-    FIELD(electronics_power, JP_Q16(256) + 1, "meter.electronics_power");
+    RANGE("meter.", electronics_power, 0, JP_Q16(256));
 }
 
 static void test_both_definitions(void)

@@ -2,6 +2,7 @@
 #include <joulepath/four_wheel.h>
 #include <stddef.h>
 
+#include "tests/support/config_check.h"
 #include "unity.h"
 
 #define DEGREES(x)      ((int32_t)JP_ANGLE_DEGREES(x))
@@ -20,6 +21,7 @@ static const struct jp_four_wheel_config robot = {
 
 #define IN_PLACE_ANGLE DEGREES(36.86989765)
 
+static struct jp_four_wheel_config config;
 static const struct jp_wheels at_rest = {{0}, {0}};
 
 void setUp(void)
@@ -32,46 +34,26 @@ void tearDown(void)
 
 /* The check */
 
-static void test_check_accepts_the_robot(void)
-{
-    const char *field = "none";
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_four_wheel_check(&robot, &field));
-    TEST_ASSERT_NULL(field);
-}
-
-#define EXPECT_RANGE(member, low, high)                                                                                \
-    do {                                                                                                               \
-        struct jp_four_wheel_config config = robot;                                                                    \
-        const char *field = "none";                                                                                    \
-        config.steering_limit = DEGREES(100);                                                                          \
-        config.member = (low);                                                                                         \
-        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_four_wheel_check(&config, &field));                                          \
-        config.member = (high);                                                                                        \
-        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_four_wheel_check(&config, &field));                                          \
-        config.member = (low)-1;                                                                                       \
-        TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_four_wheel_check(&config, &field));                                  \
-        TEST_ASSERT_EQUAL_STRING(#member, field);                                                                      \
-        config.member = (high) + 1;                                                                                    \
-        TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_four_wheel_check(&config, &field));                                  \
-        TEST_ASSERT_EQUAL_STRING(#member, field);                                                                      \
-    } while (0)
+DEFINE_EXPECT_CONFIG_OF(jp_four_wheel_check, robot)
 
 static void test_check_names_each_field_at_both_limits(void)
 {
-    EXPECT_RANGE(wheelbase, JP_Q24(0.05), JP_Q24(4));
-    EXPECT_RANGE(track, JP_Q24(0.05), JP_Q24(4));
-    EXPECT_RANGE(steering_step, DEGREES(0.05), DEGREES(120));
-    EXPECT_RANGE(speed_max, JP_Q24(0.01), JP_Q24(16));
-    EXPECT_RANGE(speed_step, JP_WHEEL_HOLD_SPEED, JP_Q24(16));
-    EXPECT_RANGE(steering_limit, (int32_t)jp_atan2(robot.wheelbase, robot.track) - JP_ATAN2_ERROR, DEGREES(120));
+    config = robot;
+    expect_config(NULL);
+    RANGE("", wheelbase, JP_Q24(0.05), JP_Q24(4));
+    RANGE("", track, JP_Q24(0.05), JP_Q24(4));
+    RANGE("", steering_step, DEGREES(0.05), DEGREES(120));
+    RANGE("", speed_max, JP_Q24(0.01), JP_Q24(16));
+    RANGE("", speed_step, JP_WHEEL_HOLD_SPEED, JP_Q24(16));
+    RANGE("", steering_limit, (int32_t)jp_atan2(robot.wheelbase, robot.track) - JP_ATAN2_ERROR, DEGREES(120));
 }
 
 /* No angle of the steering is computed of lengths that are none. */
 static void test_check_of_lengths_without_an_angle(void)
 {
-    struct jp_four_wheel_config config = robot;
     const char *field = "none";
 
+    config = robot;
     config.wheelbase = 0;
     config.track = -1;
     TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_four_wheel_check(&config, &field));
@@ -93,7 +75,7 @@ static void test_check_wants_pointers(void)
 
 static jp_q24 radius_at(int32_t limit)
 {
-    struct jp_four_wheel_config config = robot;
+    config = robot;
     config.steering_limit = limit;
     return jp_four_wheel_radius_min(&config);
 }
@@ -269,11 +251,11 @@ static void test_a_wheel_on_the_centre_of_rotation_holds(void)
     expect_wheel(&wheels, JP_REAR_LEFT, DEGREES(-90), JP_Q24(0.6));
 }
 
-static void expect_refused(const struct jp_four_wheel_config *config, struct jp_twist twist, enum jp_status expected)
+static void expect_refused(const struct jp_four_wheel_config *wheeled, struct jp_twist twist, enum jp_status expected)
 {
     const struct jp_wheels before = {{1, 2, 3, 4}, {5, 6, 7, 8}};
     struct jp_wheels wheels = before;
-    TEST_ASSERT_EQUAL_INT32(expected, jp_four_wheel_inverse(config, &twist, &wheels));
+    TEST_ASSERT_EQUAL_INT32(expected, jp_four_wheel_inverse(wheeled, &twist, &wheels));
     TEST_ASSERT_EQUAL_MEMORY(&before, &wheels, sizeof wheels);
 }
 

@@ -2,6 +2,7 @@
 #include <joulepath/pure_pursuit.h>
 #include <stddef.h>
 
+#include "tests/support/config_check.h"
 #include "unity.h"
 
 #define TOLERANCE JP_Q24(0.0005) /* points stand on a grid of 15 µm */
@@ -53,40 +54,36 @@ void tearDown(void)
 
 /* The check */
 
-static void test_init_accepts_the_settings(void)
+static enum jp_status init(const struct jp_pure_pursuit_config *tried, const char **field)
 {
-    const char *field = "none";
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pure_pursuit_init(&tracker, &settings, &field));
-    TEST_ASSERT_NULL(field);
+    return jp_pure_pursuit_init(&tracker, tried, field);
 }
 
-#define EXPECT_RANGE(member, low, high)                                                                                \
-    do {                                                                                                               \
-        struct jp_pure_pursuit_config config = settings;                                                               \
-        const char *field = "none";                                                                                    \
-        config.lookahead_max = JP_Q24(64);                                                                             \
-        config.member = (low);                                                                                         \
-        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pure_pursuit_init(&tracker, &config, &field));                               \
-        config.member = (high);                                                                                        \
-        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pure_pursuit_init(&tracker, &config, &field));                               \
-        config.member = (low)-1;                                                                                       \
-        TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_pure_pursuit_init(&tracker, &config, &field));                       \
-        TEST_ASSERT_EQUAL_STRING(#member, field);                                                                      \
-        config.member = (high) + 1;                                                                                    \
-        TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_pure_pursuit_init(&tracker, &config, &field));                       \
-        TEST_ASSERT_EQUAL_STRING(#member, field);                                                                      \
-    } while (0)
+static struct jp_pure_pursuit_config config;
+
+/* With room for each lookahead. */
+static struct jp_pure_pursuit_config roomy(void)
+{
+    struct jp_pure_pursuit_config wide = settings;
+
+    wide.lookahead_max = JP_Q24(64);
+    return wide;
+}
+
+DEFINE_EXPECT_CONFIG_OF(init, roomy())
 
 static void test_init_names_each_field_at_both_limits(void)
 {
-    EXPECT_RANGE(speed, JP_Q24(0.01), JP_Q24(16));
-    EXPECT_RANGE(lookahead_time, JP_Q24(0.05), JP_Q24(8));
-    EXPECT_RANGE(lookahead_min, JP_Q24(0.05), JP_Q24(8));
-    EXPECT_RANGE(lookahead_max, settings.lookahead_min, JP_Q24(64));
-    EXPECT_RANGE(curvature_max, JP_Q24(0.01), JP_Q24(16));
-    EXPECT_RANGE(lateral_acceleration, JP_Q24(0.01), JP_Q24(16));
-    EXPECT_RANGE(acceleration, JP_Q24(0.125), JP_Q24(16));
-    EXPECT_RANGE(tolerance, JP_Q24(0.005), JP_Q24(1));
+    config = settings;
+    expect_config(NULL);
+    RANGE("", speed, JP_Q24(0.01), JP_Q24(16));
+    RANGE("", lookahead_time, JP_Q24(0.05), JP_Q24(8));
+    RANGE("", lookahead_min, JP_Q24(0.05), JP_Q24(8));
+    RANGE("", lookahead_max, settings.lookahead_min, JP_Q24(64));
+    RANGE("", curvature_max, JP_Q24(0.01), JP_Q24(16));
+    RANGE("", lateral_acceleration, JP_Q24(0.01), JP_Q24(16));
+    RANGE("", acceleration, JP_Q24(0.125), JP_Q24(16));
+    RANGE("", tolerance, JP_Q24(0.005), JP_Q24(1));
 }
 
 static void test_init_wants_pointers(void)
@@ -99,8 +96,9 @@ static void test_init_wants_pointers(void)
 
 static void test_refused_settings_change_nothing(void)
 {
-    struct jp_pure_pursuit_config config = settings;
     const char *field = "none";
+
+    config = settings;
     config.speed = 0;
     TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_pure_pursuit_init(&tracker, &config, &field));
     TEST_ASSERT_EQUAL_INT32(settings.speed, tracker.config.speed);
@@ -287,7 +285,7 @@ static void test_speed_changes_by_the_acceleration(void)
 /* κ = 2 · 0.4/0.5² = 3.2 at L = 0.5 m: √(2/3.2) = 0.790569 m/s. Faster, it takes κ = 2/v². */
 static void test_speed_in_a_curve(void)
 {
-    struct jp_pure_pursuit_config config = settings;
+    config = settings;
     config.lookahead_max = config.lookahead_min;
     config.acceleration = JP_Q24(16);
     use(&config);
@@ -312,7 +310,7 @@ static void test_speed_that_stops_at_the_end(void)
 static void test_fast_robots_are_not_limited_far_from_the_end(void)
 {
     static struct jp_point points[40];
-    struct jp_pure_pursuit_config config = settings;
+    config = settings;
     config.speed = JP_Q24(16);
     config.lookahead_max = JP_Q24(64);
     config.acceleration = JP_Q24(0.125);
