@@ -97,6 +97,8 @@ class SimulatedTime:
             if line == self._plant and text.startswith(SIM_TIME):
                 self._next = text
                 continue
+            if text.startswith(FRAME):
+                self._overhear(text)
             # Another ECU answers, too, until it hears the first.
             if line == self._ecus[0] and text.startswith(SIM_DONE):
                 self._done = tick_of(text)
@@ -104,6 +106,9 @@ class SimulatedTime:
             if line in self._ecus and text.startswith(FRAME):
                 hearers = [self._plant, *(ecu for ecu in self._ecus if ecu != line)]
             self._send(hearers, text + b"\r")
+
+    def _overhear(self, text):
+        """Of a frame that is passed on."""
 
     @staticmethod
     def _read(line):

@@ -1,12 +1,13 @@
 """A drive over LCM, each program a process: jp-plant and jp-ecu on pseudo-terminals, jp-lcm, lcm-logger and
-lcm_report.py --live beside them. Then a goal far away, on the way to which jp-lcm is told to stop. To be run in a
-network namespace of its own; says in DIR/drive.json how all ended.
+lcm_report.py --live beside them. Then a goal far away, on the way to which jp-lcm is told to stop. Simulated time waits
+for jp-lcm and for whoever hears LCM. To be run in a network namespace of its own; says in DIR/drive.json how all ended.
 
     lcm_drive.py DIR X,Y ...
 """
 import contextlib
 import json
 import os
+import select
 import signal
 import socket
 import subprocess
@@ -15,15 +16,64 @@ import time
 from pathlib import Path
 
 import lcm
+from lcm_network import ACKNOWLEDGED, FRAME, GROUP, PATIENCE, PORT, URL, open_line, wait_until_taken
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve()
-GROUP, PORT = "239.255.76.67", 7667
-URL = f"udpm://{GROUP}:{PORT}?ttl=0"
-PATIENCE = 600  # s, for what takes seconds on an idle machine
 
-sys.path.insert(0, str(BUILD / "lcm"))
+sys.path[:0] = [str(ROOT / "tests"), str(BUILD / "lcm")]
 import jp  # noqa: E402
+from simulated_time import HangUp, SimulatedTime, tick_of  # noqa: E402
+
+LOOK_TICKS = 20  # between two looks at the processes and at LCM
+
+
+class LcmTime(SimulatedTime):
+    """A tick begins when jp-lcm, on a line of its own, has dealt with its time, and what it sent to LCM was taken."""
+
+    def __init__(self, plant_line, gateway_line):
+        super().__init__(plant_line)
+        self._gateway, _ = open_line(gateway_line)
+        self._parts[self._gateway] = b""
+        self._told, self._unanswered = [], 0
+
+    def _overhear(self, text):
+        self._told.append(text)
+
+    def _begin(self):
+        if self._begun != tick_of(self._next):
+            self._tell_gateway(self._next)
+            wait_until_taken()
+        super()._begin()
+
+    def _tell_gateway(self, sim_time):
+        """With a frame behind the time: when that is acknowledged, the time has been dealt with."""
+        texts, self._told = [*self._told, sim_time, FRAME], []
+        self._unanswered += len(texts)
+        try:
+            self._send([self._gateway], b"".join(text + b"\r" for text in texts))
+            while self._unanswered:
+                self._hear_gateway()
+        except HangUp:
+            self._unanswered = 0  # it was stopped
+
+    def _hear_gateway(self):
+        assert select.select([self._gateway], [], [], PATIENCE)[0], f"jp-lcm does not read within {PATIENCE} s"
+        *texts, self._parts[self._gateway] = (self._parts[self._gateway] + self._read(self._gateway)).split(b"\r")
+        for text in texts:
+            if text == ACKNOWLEDGED:
+                self._unanswered -= 1
+            else:
+                self._send([self._plant, *self._ecus], text + b"\r")
+
+    def run_until(self, what, condition):
+        """Let ticks pass until a condition, looked at now and then, holds."""
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            if time.monotonic() > end:
+                raise SystemExit(f"lcm_drive: no {what} within {PATIENCE} s")
+            for _ in range(LOOK_TICKS):
+                self.tick()
 
 
 def wait_for(what, condition):
@@ -48,13 +98,15 @@ class Stage:
     def said(self, name, text, times=1):
         return (self.directory / f"{name}.out").read_text().count(text) >= times
 
-    def wait(self, name):
-        return self.processes[name].wait(PATIENCE)
+    def has_ended(self, name):
+        return self.processes[name].poll() is not None
+
+    def tell_to_stop(self, name):
+        self.processes[name].send_signal(signal.SIGTERM)
 
     def stop(self, name):
-        if self.processes[name].poll() is None:
-            self.processes[name].send_signal(signal.SIGTERM)
-        return self.wait(name)
+        self.tell_to_stop(name)
+        return self.processes[name].wait(PATIENCE)
 
     def kill_all(self):
         for process in self.processes.values():
@@ -95,39 +147,60 @@ def send_rubbish(link):
     link.publish("JP_STATE", b"not a state")
 
 
-def speed_heard(link):
-    """Of the next JP_STATE, m/s."""
-    heard = []
-    subscription = link.subscribe("JP_STATE", lambda _, data: heard.append(jp.state_t.decode(data).speed))
-    link.handle_timeout(1000)
-    link.unsubscribe(subscription)
-    return heard[-1] if heard else 0
+class Speed:
+    """Of the last JP_STATE, m/s."""
+
+    def __init__(self, link):
+        self._link, self._heard = link, 0
+        link.subscribe("JP_STATE", self._hear)
+
+    def _hear(self, _, data):
+        with contextlib.suppress(ValueError):  # rubbish
+            self._heard = jp.state_t.decode(data).speed
+
+    def now(self):
+        while self._link.handle_timeout(0):
+            pass
+        return self._heard
 
 
-def drive(stage, points):
+def start_all(stage):
+    """The time of the simulation, in which none has passed yet."""
     plant, gateway = stage.directory / "plant", stage.directory / "gateway"
     log = stage.directory / "drive.lcm"
     stage.start("jp-plant", BUILD / "bin" / "jp-plant", ROOT / "sim" / "scenarios" / "gao2018_mission.cfg", "--bus",
-                f"pty:{plant}", "--bus", f"pty:{gateway}", "--pace", "paced", "--host")
-    wait_for("pseudo-terminals", lambda: plant.exists() and gateway.exists())
-    stage.start("jp-ecu", BUILD / "bin" / "jp-ecu", "--bus", f"slcan:{plant}")
-    stage.start("jp-lcm", BUILD / "bin" / "jp-lcm", "--bus", f"slcan:{gateway}", "--lcm", URL)
+                f"pty:{plant}", "--host", f"--patience={PATIENCE}")
+    stage.start("jp-lcm", BUILD / "bin" / "jp-lcm", "--bus", f"pty:{gateway}", "--lcm", URL)
     stage.start("lcm-logger", "lcm-logger", "--quiet", "--force", f"--lcm-url={URL}", log)
     stage.start("live", sys.executable, "-m", "tools.operate.lcm_report", "--live", URL, stage.directory / "live")
-    wait_for("gateway", lambda: stage.said("jp-lcm", "jp-lcm: slcan:"))
+    wait_for("pseudo-terminals", lambda: plant.exists() and gateway.exists())
+    wait_for("gateway", lambda: stage.said("jp-lcm", "jp-lcm: pty:"))
     wait_for("listener", lambda: stage.said("live", "listening"))
     wait_for("log", log.exists)
+    passing = LcmTime(plant, gateway)
+    stage.start("jp-ecu", BUILD / "bin" / "jp-ecu", "--bus", f"slcan:{passing.new_line()}")
+    return passing
+
+
+def drive(stage, points):
+    passing = start_all(stage)
     link = lcm.LCM(URL)
     send_rubbish(link)
+    speed = Speed(link)
     link.publish("JP_ROUTE", route_message(points))
-    codes = {"live": stage.wait("live")}
+    passing.run_until("end of the route", lambda: stage.has_ended("live"))
     link.publish("JP_GOAL", goal_message(30, 0))
     # After the route the robot still moves a little before it stands.
-    wait_for("motion towards the goal", lambda: stage.said("jp-lcm", "driving", 2) and speed_heard(link) > 0.1)
+    passing.run_until("motion towards the goal",
+                      lambda: stage.said("jp-lcm", "driving", 2) and speed.now() > 0.1)
     # The order in which people stop them: the gateway bids the robot farewell while it is still there.
-    for name in ("jp-lcm", "lcm-logger", "jp-plant", "jp-ecu"):
-        codes[name] = stage.stop(name)
-    return codes
+    stage.tell_to_stop("jp-lcm")
+    passing.run_until("end of jp-lcm", lambda: stage.has_ended("jp-lcm"))
+    stage.stop("lcm-logger")
+    stage.tell_to_stop("jp-plant")
+    passing.run_until_hang_up()
+    stage.stop("jp-ecu")
+    return {name: process.wait(PATIENCE) for name, process in stage.processes.items()}
 
 
 def main():

@@ -9,19 +9,13 @@ import signal
 import socket
 import subprocess
 import sys
-import time
-import tty
 from pathlib import Path
 
 import lcm
+from lcm_network import ACKNOWLEDGED, FRAME, GROUP, PATIENCE, PORT, URL, open_line, wait_until_taken
 
 BUILD = Path(os.environ.get("JP_BUILD", Path(__file__).resolve().parents[2] / "build")).resolve()
-GROUP, PORT = "239.255.76.67", 7667
-URL = f"udpm://{GROUP}:{PORT}?ttl=0"
-PATIENCE = 600  # s, for what takes a moment on an idle machine
 PASSES = 500
-OPEN, OPENED = b"S8\rO\r", b"\r\r"
-FRAME, ACKNOWLEDGED = b"t7FF0\r", b"z\r"
 
 
 class Gateway:
@@ -32,22 +26,17 @@ class Gateway:
         self.process = subprocess.Popen([BUILD / "bin" / "jp-lcm", "--bus", f"pty:{path}", "--lcm", URL],
                                         stdout=subprocess.PIPE, text=True)
         self.said = self.process.stdout.readline()
-        self.heard = b""
-        self._line = os.open(path, os.O_RDWR | os.O_NOCTTY)
-        tty.setraw(self._line)
-        self._ask(OPEN, OPENED)
-
-    def _ask(self, question, answer):
-        os.write(self._line, question)
-        heard = b""
-        while answer not in heard:
-            heard += os.read(self._line, 4096)
-        self.heard += heard.replace(answer, b"", 1)
+        self._line, self.heard = open_line(path)
 
     def let_pass(self):
         """It looks after its bus and then after LCM: what is there before the first frame has been taken by the second."""
+        answer = ACKNOWLEDGED + b"\r"
         for _ in range(2):
-            self._ask(FRAME, ACKNOWLEDGED)
+            os.write(self._line, FRAME + b"\r")
+            heard = b""
+            while answer not in heard:
+                heard += os.read(self._line, 4096)
+            self.heard += heard.replace(answer, b"", 1)
 
     def stop(self):
         self.process.send_signal(signal.SIGINT)
@@ -59,15 +48,6 @@ class Gateway:
         except OSError:
             pass  # the line has hung up, and nothing is left
         return status
-
-
-def wait_until_taken():
-    """No datagram waits in a socket of this namespace, which the gateway and this program have."""
-    end = time.monotonic() + PATIENCE
-    while any(line.split()[4].split(":")[1] != "00000000" for line in
-              Path("/proc/self/net/udp").read_text().splitlines()[1:]):
-        assert time.monotonic() < end, "datagrams are not taken"
-        time.sleep(0.001)
 
 
 def send_cut_datagrams(link, sender):
