@@ -2,7 +2,6 @@
 import re
 import socket
 import subprocess
-import time
 
 from programs import BUILD, LIMIT, Program, wait_until
 
@@ -57,8 +56,14 @@ class Debugger:
     def go_on(self):
         self._send(b"c")
 
-    def stop(self):
-        self._socket.sendall(b"\x03")
+    def run_to_write(self, address):
+        """Until the program has written the word there."""
+        watch = b"2,%x,4" % address
+        assert self._ask(b"Z" + watch) == b"OK"
+        self.go_on()
+        self._receive()  # before the write
+        assert self._ask(b"z" + watch) == b"OK"
+        self._send(b"s")
         self._receive()
 
     def word(self, address):
@@ -97,10 +102,8 @@ class Emulator(Program):
         debugger = Debugger(self._stub)
         counter = address_of("jp_fault_tick", self._robot)
         while (debugger.word(counter) or 0) < tick:
-            debugger.go_on()
-            time.sleep(0.5)
+            debugger.run_to_write(counter)
             assert plant.running, plant.err.read_text()
-            debugger.stop()
         debugger.jump(NOWHERE)
         debugger.go_on()
         return debugger
