@@ -12,7 +12,7 @@
 /** Frames that announce a planned segment. */
 #define PLAN_FRAMES 3U
 
-/** Frames that tell what was learned, and how often at the least, s⁻¹. */
+/** A report of what was learned is so many frames, and is sent at least so often, s⁻¹. */
 #define LEARNED_FRAMES 2U
 #define LEARNED_RATE   1U
 
@@ -73,7 +73,8 @@ static bool within(int64_t value, int64_t limit)
     return value >= -limit && value <= limit;
 }
 
-/** The motors ran, and the numbers can be this robot's: chance or another firmware, too, makes a check come right. */
+/** Whether the motors ran, and the record can be this robot's: its check alone may also be right by chance, or because
+ *  another firmware wrote it. */
 static bool can_go_on(const struct jp_robot_config *config, const struct jp_snapshot *snapshot)
 {
     const struct jp_estimator *estimator = &snapshot->estimator;
@@ -142,7 +143,7 @@ void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *repor
     ecu->internal.reset_report = report;
 }
 
-/** What jp_parameters_start() took was checked, but for the tables with which it was learned. */
+/** jp_parameters_start() has checked the stored state, but not whether it was learned with these tables. */
 static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *learning)
 {
     const char *field;
@@ -156,7 +157,7 @@ static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *
     return learning->state->identity == 0U ? JP_STORED_NOTHING : JP_STORED_OTHER_TABLES;
 }
 
-/** The tick reads the model in use, so the other one is written. */
+/** Writes the one of the two models that the tick does not read now, and lets the tick read that from then on. */
 static void use_learned_model(struct jp_ecu *ecu)
 {
     struct jp_energy_model *model =
@@ -500,7 +501,7 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
         break;
     case JP_MODE_OFF:
     default:
-        /* In idle, too: motors that the next tick would switch on. */
+        /* Also while the robot is idle: the next tick may be about to switch the motors on. */
         if (ecu->internal.operator_link.state != JP_OPERATOR_NONE) {
             switch_off(ecu);
         }
@@ -558,7 +559,7 @@ static void report_learned(struct jp_ecu *ecu)
     __atomic_store_n(&learned->frames_left, (uint8_t)LEARNED_FRAMES, __ATOMIC_RELEASE);
 }
 
-/** When a leg has ended, and now and then. */
+/** Reports what was learned when a leg has ended, and at LEARNED_RATE. */
 static void tell_learned(struct jp_ecu *ecu)
 {
     const uint32_t legs = ecu->pilot.legs_learned_from + ecu->pilot.legs_left_out;

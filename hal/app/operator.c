@@ -55,7 +55,7 @@ static void fail(struct jp_operator *self, enum jp_operator_failure failure)
 
 static void begin_attempt(struct jp_operator *self)
 {
-    /* Neither that of the last attempt nor that of a route which the ECU still tells of. */
+    /* An id that is neither that of the last attempt nor that of the route which the ECU reports. */
     do {
         self->task.id = (uint8_t)(self->task.id == UINT8_MAX ? 1U : self->task.id + 1U);
     } while (self->task.id == self->progress.route_id);

@@ -35,7 +35,7 @@ void jp_retained_write(struct jp_retained *retained, const struct jp_snapshot *s
     struct jp_retained_slot *slot = newest == &retained->slots[0] ? &retained->slots[1] : &retained->slots[0];
     const uint32_t sequence = newest == NULL ? 0 : newest->sequence + 1U;
 
-    /* Padding counts in the sum, so it must be written too. */
+    /* The sum goes over the padding too, so that must be written. */
     memset(slot, 0, sizeof *slot);
     slot->snapshot = *snapshot;
     slot->sequence = sequence;

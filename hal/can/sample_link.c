@@ -4,8 +4,8 @@
 
 #define ALL_PARTS ((1U << JP_SAMPLE_PARTS) - 1U)
 
-/** A count that is farther from where it is expected is not the base of the next one: it would be put a turn of the
- *  signal's bits away. */
+/** A count that is farther from the expected one is not taken as the base of the next: the low bits that a sample
+ *  carries would be completed to a count that is a whole wrap off. */
 #define BASE_DISTANCE ((int32_t)1 << (JP_SAMPLE_COUNT_BITS - 3U))
 
 void jp_sample_link_start(struct jp_sample_link *link, const struct jp_monitor_config *limits)
@@ -115,7 +115,7 @@ enum jp_e2e_result jp_sample_link_accept(struct jp_sample_link *link, enum jp_sa
     return result;
 }
 
-/** From `good` towards `sample`, by half of what is plausible in a tick. */
+/** A step from `good` towards `sample`, of at most half the change that is plausible in a tick. */
 static uint32_t approach_count(uint32_t good, uint32_t sample, uint32_t limit)
 {
     const int32_t step = (int32_t)(limit / 2U);

@@ -22,7 +22,7 @@
 
 struct serial_can;
 
-/** In what the host's and the adapter's end differ. */
+/** What the host's end and the adapter's end do differently. */
 struct end {
     /** Does what is due. False: the line is not there. */
     bool (*tend)(struct serial_can *can);
@@ -77,7 +77,7 @@ static bool call_adapter(struct serial_can *can)
     return opened;
 }
 
-/** Without C: no frame is lost if the channel was open. */
+/** Does not close the channel first (C), so that no frame is lost if it is open. */
 static void keep_channel_open(struct serial_can *can)
 {
     const int64_t now = jp_monotonic_us();

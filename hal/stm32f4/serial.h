@@ -19,7 +19,7 @@ struct jp_serial {
     uint16_t input_head; /**< written by the interrupt */
     uint16_t input_tail; /**< written by the main loop */
     uint8_t output[JP_SERIAL_OUTPUT];
-    uint16_t output_head; /**< written by who sends: at most at the level of the control interrupt */
+    uint16_t output_head; /**< written by the sender, which runs at most at the control interrupt's priority */
     uint16_t output_tail; /**< written by the main loop */
     bool in_line;         /**< a part of a line was sent */
     const char *answer;   /**< to the host, waits for the end of a line; NULL: none */

@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-/** Poses of a way are so near each other that no point of the footprint moves farther between them, in cells. */
+/** Poses along an arc are so near each other that no point of the footprint moves farther between two of them, cells.
+ */
 #define STEP_CELLS 0.1
 
 /** The footprint in units of cells. */

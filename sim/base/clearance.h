@@ -1,4 +1,5 @@
-/** Whether a robot's rectangular footprint fits between the obstacles of a map: exact for a pose, dense along a way. */
+/** Whether a robot's rectangular footprint fits between the obstacles of a map: exact for a pose, sampled along an arc.
+ */
 #ifndef JOULEPATH_SIM_BASE_CLEARANCE_H
 #define JOULEPATH_SIM_BASE_CLEARANCE_H
 

@@ -78,7 +78,7 @@ struct four_wheel_file {
         double interval_s;  /**< between two poses */
         double hysteresis_s;
         int rounds; /**< of association of obstacles, a cycle */
-        int steps;  /**< of Levenberg and Marquardt, a round */
+        int steps;  /**< of Levenberg-Marquardt, in a round */
     } band;
     struct { /**< of the band's squared residuals */
         double nonholonomic_per_m2;

@@ -12,8 +12,8 @@
 
 #define WEIGHT_MAX 1e6
 
-/* Shares of the interval that the hysteresis may be: halves of an interval that was split stay, and poses do not pile
- * up. */
+/* Bounds of the hysteresis as a share of the interval. Above the lower one the halves of an interval that was split are
+ * not joined again; below the upper one poses do not pile up. */
 #define HYSTERESIS_SHARE_MIN (1.0 / 3)
 #define HYSTERESIS_SHARE_MAX 0.8
 

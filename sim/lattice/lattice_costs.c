@@ -98,7 +98,7 @@ static struct jp_polynomial fit(const struct lattice *lattice, enum jp_cost_kind
         linear -= weight * (a + b);
         quadratic += weight;
     }
-    /* Only what level driving costs is lowered; a slope adds what it adds. */
+    /* The ratio lowers the cost of level driving only, not what a slope adds to it. */
     const double level = straight_cost(lattice, kind, move, 0);
     return (struct jp_polynomial){(int32_t)floor((constant - level * (1 - lattice->ratio[kind])) * FRACTION),
                                   (int32_t)round(linear * FRACTION), (int32_t)round(quadratic * FRACTION)};

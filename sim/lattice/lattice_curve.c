@@ -14,7 +14,7 @@ static double heading_at(const struct lattice_curve *curve, double s)
     return curve->heading + (curve->bend + curve->bend_rate * s / 2) * s;
 }
 
-/* Adds the way from s to s + step by Gauss' rule of three points. */
+/* Integrates the position from arc length s to s + step by Gauss-Legendre quadrature with three points. */
 static void advance(const struct lattice_curve *curve, double s, double step, struct lattice_pose *pose)
 {
     static const double points[] = {-0.774596669241483377, 0, 0.774596669241483377};
@@ -59,7 +59,7 @@ static double determinant(const double m[UNKNOWNS][UNKNOWNS])
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/* Derivatives of the miss by bend, bend rate and length. */
+/* The Jacobian of the end pose's error with respect to bend, bend rate and length, by central differences. */
 static void derive(const struct lattice_curve *curve, const struct lattice_pose *end,
                    double jacobian[UNKNOWNS][UNKNOWNS])
 {

@@ -4,7 +4,7 @@
 
 #include "sim/lattice/lattice_primitive.h"
 
-/** Its curvature is linear in the way: bend + bend_rate·s. */
+/** A clothoid: its curvature bend + bend_rate·s is linear in the arc length s. */
 struct lattice_curve {
     double heading;   /**< rad, at the start */
     double bend;      /**< rad/cell, at the start */

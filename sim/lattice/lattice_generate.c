@@ -13,7 +13,7 @@
 /* Controls tried from each heading. */
 #define SAMPLES 20000
 
-/* Simulated times of the samples, as the length of the way at their speed, cells. */
+/* Arc lengths of the samples, which stand for their simulated times, cells. */
 #define SHORTEST 1.0
 #define LONGEST  6.5
 

@@ -86,7 +86,8 @@ static void forget_robot(struct lcm_gateway *gateway)
     gateway->telemetry.unsent = unsent;
 }
 
-/** Time that falls is that of another simulation, whose robot is not yet known; the operator's task outlasts it. */
+/** Time that goes back belongs to a new simulation: what is known of the robot is forgotten, the operator's task stays.
+ */
 static void set_time(struct lcm_gateway *gateway, uint64_t time_us)
 {
     if (time_us < gateway->time_us) {
@@ -97,7 +98,7 @@ static void set_time(struct lcm_gateway *gateway, uint64_t time_us)
     gateway->time_us = time_us;
 }
 
-/** The tick of a robot without power is of no time. */
+/** Without power the ECU gets a tick that says nothing of the time. */
 static void take_sim_time(struct lcm_gateway *gateway, const struct jp_can_frame *frame)
 {
     struct jp_can_sim_time_t time;

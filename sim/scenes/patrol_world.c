@@ -12,10 +12,11 @@
 /* The distance so far is kept this exactly, m. */
 #define DISTANCE_STEP 0.001
 
-/* Farther than the distance so far by this, m: what is beyond need not be looked at again for as long a motion. */
+/* Shapes are looked for up to this much beyond the least distance so far, m: until the robot and they have moved by as
+ * much, none of the others can be nearer. */
 #define FORESIGHT 0.2
 
-/* Who walks looks so far ahead, m. */
+/* A walker looks so far ahead, m. */
 #define WALK_AHEAD 0.4
 
 /* ---- Obstacles ------------------------------------------------------------------------------------------------- */
