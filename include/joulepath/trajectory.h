@@ -140,6 +140,11 @@ struct jp_trajectory_drive {
  *  for ISRs. */
 enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, const char **field);
 
+/** What it takes, all of whose legs are in its places, s, rounded up; config passed its check. JP_ERR_OVERFLOW: more
+ * than 32 767 s, which is what *seconds then is. JP_ERR_ARGUMENT: a pointer is null. O(legs); not for ISRs. */
+enum jp_status jp_trajectory_duration(const struct jp_trajectory_config *config, const struct jp_trajectory *trajectory,
+                                      jp_q16 *seconds);
+
 /** Begins; the trajectory must stay until it is driven, each leg until the next one is. Constant time; for the control
  *  ISR. */
 void jp_trajectory_begin(struct jp_trajectory_drive *drive, const struct jp_trajectory *trajectory);

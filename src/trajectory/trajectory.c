@@ -212,6 +212,30 @@ static void next_piece(struct jp_trajectory_drive_internal *drive)
     drive->share = 0;
 }
 
+enum jp_status jp_trajectory_duration(const struct jp_trajectory_config *config, const struct jp_trajectory *trajectory,
+                                      jp_q16 *seconds)
+{
+    uint64_t set_points = 0;
+
+    if (config == NULL || trajectory == NULL || seconds == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    for (uint16_t i = 0; i < trajectory->count; i++) {
+        const struct jp_trajectory_leg *leg = &trajectory->legs[i];
+
+        set_points += leg->begin.set_points;
+        set_points += leg->middle.set_points;
+        set_points += leg->end.set_points;
+    }
+
+    const uint64_t share = set_points * JP_TICKS_PER_SET_POINT * (uint32_t)JP_Q16_ONE;
+    const uint64_t least = (share + config->tick_rate - 1U) / config->tick_rate;
+    const bool fits = least <= (uint64_t)INT32_MAX;
+
+    *seconds = fits ? (jp_q16)least : INT32_MAX;
+    return fits ? JP_OK : JP_ERR_OVERFLOW;
+}
+
 void jp_trajectory_begin(struct jp_trajectory_drive *drive, const struct jp_trajectory *trajectory)
 {
     drive->internal = (struct jp_trajectory_drive_internal){.trajectory = trajectory};

@@ -42,6 +42,7 @@ MODULES = {
     "patrol mission": r"src/local/patrol_(approach|marks|mission)",
     "patrol": r"src/local/patrol(_\w+)?",
     "scan matching": r"src/local/scan_match(_\w+)?",
+    "trajectory within a budget": r"src/trajectory/trajectory_budget",
     "trajectory by rule": r"src/(trajectory/trajectory(_\w+)?|base/power_of_half)",
     "route optimiser": r"src/trajectory/route(_\w+)?",
     "pilot": r"src/navigate/pilot",

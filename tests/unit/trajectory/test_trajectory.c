@@ -331,3 +331,44 @@ static void test_modes_decay_to_nothing(void)
         TEST_ASSERT_EQUAL_INT32(0, drive.internal.mode[0]);
     }
 }
+
+/* ---- Its duration ---- */
+
+static enum jp_status duration_of(uint16_t leg_count, uint32_t middle, jp_q16 *seconds)
+{
+    static struct jp_trajectory_leg row[2];
+    const struct jp_trajectory timed = {.legs = row, .places = 2, .count = leg_count};
+    struct jp_trajectory_config at = {.tick_rate = 1000};
+
+    for (int i = 0; i < 2; i++) {
+        row[i].begin.set_points = 100;
+        row[i].middle.set_points = middle;
+        row[i].end.set_points = 50;
+    }
+    return jp_trajectory_duration(&at, &timed, seconds);
+}
+
+static void test_duration(void)
+{
+    jp_q16 seconds = 0;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, duration_of(1, 350, &seconds));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(1), seconds);
+    TEST_ASSERT_EQUAL_INT(JP_OK, duration_of(2, 351, &seconds));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(2.004) + 1, seconds); /* rounded up */
+    TEST_ASSERT_EQUAL_INT(JP_OK, duration_of(1, 16383350, &seconds));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(32767), seconds);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, duration_of(1, UINT32_MAX / 2U, &seconds));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, seconds);
+}
+
+static void test_duration_refuses_null_pointers(void)
+{
+    const struct jp_trajectory none = {.count = 0};
+    struct jp_trajectory_config at = {.tick_rate = 1000};
+    jp_q16 seconds = 0;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_duration(NULL, &none, &seconds));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_duration(&at, NULL, &seconds));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_duration(&at, &none, NULL));
+}
