@@ -9,6 +9,7 @@
 #include "sim/balancer/fault_names.h"
 #include "sim/base/error.h"
 #include "sim/base/progress.h"
+#include "sim/missions/cruise_plan.h"
 #include "sim/missions/mission_log.h"
 #include "sim/missions/script.h"
 
@@ -34,6 +35,7 @@ struct drive {
     struct rig rig;
     struct jp_point targets[BEZIER_WAYPOINTS_MAX];
     struct jp_pilot pilot;
+    struct cruise_plan cruise; /**< within a budget; without one the pilot plans */
     struct script script;
     size_t step;       /**< next step of the script */
     size_t ended;      /**< steps ended */
@@ -277,6 +279,37 @@ static bool prepare_pilot(struct drive *drive, const struct robot_entry *entry)
     return true;
 }
 
+static bool has_budget(const struct drive *drive)
+{
+    return drive->scenario->within_seconds > 0 || drive->scenario->within_joules > 0;
+}
+
+/** So that as much is enough. */
+static double tenths_up(jp_q16 figure)
+{
+    return ceil(10 * (figure / Q16_ONE)) / 10;
+}
+
+static bool prepare_within(struct drive *drive)
+{
+    const struct scenario *scenario = drive->scenario;
+    const struct jp_budget_plan *forecast = &drive->cruise.forecast;
+    const enum jp_status status = cruise_plan_within(
+        &drive->cruise, scenario, jp_robot_configuration(&drive->rig.robot), jp_robot_model(&drive->rig.robot));
+
+    if (status == JP_ERR_INFEASIBLE && forecast->energy < INT32_MAX) {
+        return scenario->within_seconds > 0 ? cannot(drive, "within_seconds = %g: the robot needs %.1f s; raise it",
+                                                     scenario->within_seconds, tenths_up(forecast->seconds))
+                                            : cannot(drive, "within_joules = %g: the robot needs %.1f J; raise it",
+                                                     scenario->within_joules, tenths_up(forecast->energy));
+    }
+    if (status != JP_OK) {
+        return cannot_be_planned(drive, 0, status);
+    }
+    drive->mission->forecast = (struct mission_forecast){true, forecast->energy / Q16_ONE, 0};
+    return true;
+}
+
 static bool prepare(struct drive *drive, const struct robot_entry *entry, const struct mission *driven)
 {
     switch (drive->mission->strategy) {
@@ -285,7 +318,7 @@ static bool prepare(struct drive *drive, const struct robot_entry *entry, const 
     case MISSION_BEZIER:
         return prepare_bezier(drive, BEZIER_SEGMENT);
     case MISSION_CRUISE:
-        return prepare_pilot(drive, entry);
+        return has_budget(drive) ? prepare_within(drive) : prepare_pilot(drive, entry);
     case MISSION_STRAIGHT_CRUISE:
         return prepare_straight(drive, &driven[MISSION_CRUISE]);
     case MISSION_BEZIER_ROUTE:
@@ -350,7 +383,7 @@ static bool work_of_robot(struct drive *drive)
 /** Plans and hands over what the robot shall do next; false when a waypoint cannot be planned. */
 static bool command(struct drive *drive)
 {
-    const bool is_piloted = drive->mission->strategy == MISSION_CRUISE;
+    const bool is_piloted = drive->mission->strategy == MISSION_CRUISE && !has_budget(drive);
 
     return (is_piloted ? work_of_pilot(drive) : work_of_robot(drive)) && feed(drive);
 }
@@ -526,8 +559,11 @@ static bool follow_with_pilot(struct drive *drive)
 
 static bool follow(struct drive *drive)
 {
-    if (drive->mission->strategy == MISSION_CRUISE) {
+    if (drive->mission->strategy == MISSION_CRUISE && !has_budget(drive)) {
         return follow_with_pilot(drive);
+    }
+    if (drive->mission->strategy == MISSION_CRUISE) {
+        (void)jp_robot_drive_trajectory(&drive->rig.robot, &drive->cruise.trajectory);
     }
     if (drive->mission->strategy == MISSION_OPTIMAL) {
         (void)jp_robot_follow(&drive->rig.robot, drive->targets, (uint16_t)drive->mission->leg_count);

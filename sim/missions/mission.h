@@ -13,7 +13,8 @@ enum mission_strategy {
     MISSION_STRAIGHT, /**< straight chords, with the times of MISSION_OPTIMAL */
     MISSION_BEZIER,   /**< energy-optimised cubic Bézier curves */
     /* The whole route together. */
-    MISSION_CRUISE,          /**< jp_pilot_follow: cruise and transients, learning on the way */
+    MISSION_CRUISE,          /**< cruise and transients: jp_pilot_follow, learning on the way; within a budget
+                                  jp_trajectory_budget_work */
     MISSION_STRAIGHT_CRUISE, /**< straight chords, with the times of MISSION_CRUISE */
     MISSION_BEZIER_ROUTE     /**< energy-optimised cubic Bézier curves */
 };

@@ -23,12 +23,19 @@ struct texts {
     char energy[SCENARIO_NAME_SIZE];
     char end[SCENARIO_NAME_SIZE];
     int seed;
+    double within_seconds;
+    double within_joules;
 };
 
 #define TEXT(key, member, is_optional)                                                                                 \
     {                                                                                                                  \
         key, offsetof(struct texts, member), sizeof((struct texts *)0)->member, CONFIG_FIELD_TEXT, 0, 0, "",           \
             is_optional                                                                                                \
+    }
+
+#define BUDGET(key, member, unit)                                                                                      \
+    {                                                                                                                  \
+        key, offsetof(struct texts, member), 1, CONFIG_FIELD_REAL, 0.001, 32767, unit, true                            \
     }
 
 static const struct config_field fields[] = {
@@ -38,6 +45,8 @@ static const struct config_field fields[] = {
     TEXT("energy", energy, true),
     TEXT("end", end, true),
     {"seed", offsetof(struct texts, seed), 1, CONFIG_FIELD_WHOLE, 0, 1e9, "1", false},
+    BUDGET("within_seconds", within_seconds, "s"),
+    BUDGET("within_joules", within_joules, "J"),
     {"waypoints", 0, BEZIER_WAYPOINTS_MAX, CONFIG_FIELD_LIST, 0, 0, "m", false},
 };
 
@@ -88,6 +97,17 @@ static bool set_energy(const char *path, const char *energy, struct scenario *sc
                    path);
         return false;
     }
+    return true;
+}
+
+static bool set_budget(const char *path, const struct texts *texts, struct scenario *scenario)
+{
+    if (texts->within_seconds > 0 && texts->within_joules > 0) {
+        error_line("%s: within_joules: there is within_seconds, too; leave one of them out", path);
+        return false;
+    }
+    scenario->within_seconds = texts->within_seconds;
+    scenario->within_joules = texts->within_joules;
     return true;
 }
 
@@ -159,7 +179,7 @@ static bool load(const char *path, config_t *config, struct scenario *scenario)
     if (!config_file_parse(path, config) || !config_fields_read(path, config, &kind, &texts) ||
         !load_robot(path, texts.robot, scenario) || !set_model(path, texts.model, scenario) ||
         !set_energy(path, texts.energy, scenario) || !set_end(path, texts.end, scenario) ||
-        !load_waypoints(path, config, scenario)) {
+        !set_budget(path, &texts, scenario) || !load_waypoints(path, config, scenario)) {
         return false;
     }
     memcpy(scenario->name, texts.name, sizeof scenario->name);

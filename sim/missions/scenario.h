@@ -23,7 +23,9 @@ struct scenario {
     enum energy_kind energy; /**< what is predicted, optimised and compared; the published model is of the motors' */
     bool to_stand;           /**< the mission ends, and counts, when the robot stands, not when its last segment does */
     uint64_t seed;
-    size_t waypoint_count;                               /**< 2…BEZIER_WAYPOINTS_MAX, the first is the start */
+    double within_seconds; /**< budgets of the strategy of cruise and transients, one of which may be there; s */
+    double within_joules;  /**< J; 0: none */
+    size_t waypoint_count; /**< 2…BEZIER_WAYPOINTS_MAX, the first is the start */
     struct bezier_point waypoints[BEZIER_WAYPOINTS_MAX]; /**< m */
 };
 

@@ -271,13 +271,16 @@ static bool host(const struct arguments *arguments, const struct scenario *scena
     return done;
 }
 
-/** Over the bus a route is done when its last segment has ended. */
-static bool ends_with_its_segment(const char *path, const struct scenario *scenario)
+/** Over the bus segments are driven, and a route is done when its last one has ended. */
+static bool is_of_segments(const char *path, const struct scenario *scenario)
 {
-    if (scenario->to_stand) {
-        error_line("%s: end = \"stand\" is for jp-mission; leave it out", path);
+    const bool has_budget = scenario->within_seconds > 0 || scenario->within_joules > 0;
+
+    if (scenario->to_stand || has_budget) {
+        error_line("%s: %s is for jp-mission; leave it out", path,
+                   has_budget ? "a budget (within_seconds, within_joules)" : "end = \"stand\"");
     }
-    return !scenario->to_stand;
+    return !scenario->to_stand && !has_budget;
 }
 
 static bool run(const struct arguments *arguments)
@@ -286,7 +289,7 @@ static bool run(const struct arguments *arguments)
     struct scenario scenario;
     bool done;
 
-    if (!scenario_load(arguments->scenario, &scenario) || !ends_with_its_segment(arguments->scenario, &scenario) ||
+    if (!scenario_load(arguments->scenario, &scenario) || !is_of_segments(arguments->scenario, &scenario) ||
         !open_surroundings(&surroundings, arguments, &scenario)) {
         return false;
     }

@@ -102,6 +102,41 @@ def test_an_end_that_is_not_known_is_refused(tmp_path):
                           "short.cfg", 'end = "stand"')
 
 
+def cruise_within(folder, budget=""):
+    """What the strategy of cruise and transients says of a short route within a budget."""
+    scenario = write_scenario(folder / "short.cfg", (3.0, 0.5), (4.0, 3.0))
+    scenario.write_text(scenario.read_text() + budget)
+    strategies = json.loads((drive(folder / "out", scenario) / "summary.json").read_text())["strategies"]
+    return {strategy["name"]: strategy for strategy in strategies}["cruise"]
+
+
+def test_cruise_within_a_budget(tmp_path):
+    free = cruise_within(tmp_path)
+    seconds, joules = free["total"]["duration_s"], free["forecast"]["energy_j"]
+    in_time = cruise_within(tmp_path, f"within_seconds = {0.8 * seconds};\n")
+    assert 0.79 * seconds < in_time["total"]["duration_s"] <= 0.8 * seconds
+    assert in_time["forecast"]["energy_j"] > joules
+    assert in_time["total"]["plant_energy_j"] == pytest.approx(in_time["forecast"]["energy_j"], rel=2e-3)
+    in_energy = cruise_within(tmp_path, f"within_joules = {1.1 * joules};\n")
+    assert 1.09 * joules < in_energy["forecast"]["energy_j"] <= 1.1 * joules
+    assert in_energy["total"]["duration_s"] < 0.9 * seconds
+
+
+@pytest.mark.parametrize(("key", "unit"), [("within_seconds", "s"), ("within_joules", "J")])
+def test_a_budget_that_is_too_small_says_what_is_needed(tmp_path, key, unit):
+    """And with that it is enough."""
+    reason = cruise_within(tmp_path, f"{key} = 3;\n")["impossible"]
+    needed = re.fullmatch(rf"{key} = 3: the robot needs ([\d.]+) {unit}; raise it", reason).group(1)
+    assert "total" in cruise_within(tmp_path, f"{key} = {needed};\n")
+
+
+def test_a_budget_is_not_for_the_bus(tmp_path):
+    scenario = write_scenario(tmp_path / "short.cfg", (2.0, 0.5))
+    scenario.write_text(scenario.read_text() + "within_seconds = 9;\n")
+    assert_one_line_error(run("jp-plant", scenario, "--bus", "in-process", "--output", tmp_path / "out"),
+                          "short.cfg", "within_seconds")
+
+
 def without_wall_time(path):
     return re.sub(r'"(wall_s|real_time_factor)": [^,\n]+', r'"\1": 0', path.read_text())
 
