@@ -36,9 +36,9 @@ def test_no_whole_number(program, option, text):
 
 
 @pytest.mark.parametrize(("program", "arguments", "part"), [
-    ("jp-mission", ["a", "b"], "one scenario"), ("jp-plant", ["a", "b"], "one scenario"),
+    ("jp-mission", ["a", "b"], "one scenario"), ("jp-front", ["a", "b"], "one scenario"), ("jp-plant", ["a", "b"], "one scenario"),
     ("jp-plan", ["a", "b"], "one map"), ("jp-trip", ["a", "b"], "one robot"), ("jp-robot", ["a", "b"], "one robot"),
-    ("jp-mission", [], "a scenario"), ("jp-plan", [], "a map"), ("jp-trip", [], "a robot"), ("jp-lattice", [], "a robot"),
+    ("jp-mission", [], "a scenario"), ("jp-front", [], "a scenario"), ("jp-plan", [], "a map"), ("jp-trip", [], "a robot"), ("jp-lattice", [], "a robot"),
     ("jp-identify", [], "a robot"), ("jp-robot", [], "a robot"), ("jp-patrol-config", [], "a robot"),
     ("jp-route", [], "--robot"), ("jp-patrol", [], "a scene"), ("jp-plant", [], "--bus"), ("jp-ecu", [], "--bus"),
     ("jp-lcm", [], "--bus"), ("jp-robot", ["x" * 2000], "path"), ("jp-robot", [""], "path")])

@@ -13,7 +13,7 @@ from conftest import JP_ROBOT, ROOT, assert_one_line_error, run_tool
 from tools.design import robot_json
 from tools.measure import bench_limit, energy_limit
 from tools.measure.energy_limit import (BATTERY, MOTOR, PITCH, PITCH_RATE, SPEED, STATES, YAW_RATE, Plant, Problem, Task,
-                                        follow, guess_of, integrate, least, shares_of)
+                                        follow, guess_of, integrate, least, least_in, shares_of)
 from tools.measure.trajectory_oracle import Linear, Plan
 
 SEED = 11
@@ -103,6 +103,25 @@ def test_no_drive_forward_takes_less_than_the_bound(solution, bend):
 def test_a_faster_end_takes_more(bend):
     slow, fast = least(bend, [0.3, 0.5], 1)
     assert 14 * 0.2 * 0.3 < fast.energy - slow.energy < 14 * 0.2 * 1.5  # about 14 J for each m/s
+
+
+def test_the_time_that_it_would_choose_changes_nothing(bend, solution):
+    given, = least_in(bend, [(SPEED_AT_END, solution.durations.sum())], 1)
+    assert given.energy == pytest.approx(solution.energy, rel=1e-6)
+
+
+def test_any_other_time_takes_more(bend, solution):
+    times = [share * solution.durations.sum() for share in (1.2, 0.9, 0.8)]
+    slow, fast, faster = least_in(bend, [(SPEED_AT_END, seconds) for seconds in times], 1)
+    assert [found.durations.sum() for found in (slow, fast, faster)] == pytest.approx(times)
+    assert slow.energy > 1.001 * solution.energy
+    assert faster.energy > fast.energy > 1.001 * solution.energy
+
+
+def test_a_time_that_is_too_short_is_no_solution(bend, monkeypatch):
+    monkeypatch.setattr(energy_limit, "ITERATIONS", 20)
+    seconds = 0.9 * bend.chords.sum() / bend.plant.speed_max
+    assert least_in(bend, [(SPEED_AT_END, seconds), (SPEED_AT_END, seconds)], 1) == [None, None]
 
 
 def test_limits_of_the_robot_hold():

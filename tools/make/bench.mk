@@ -118,6 +118,8 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	$(BUILD)/bin/jp-mission sim/scenarios/gao2018_mission.cfg --output $(BUILD)/figures
 	$(PYTHON) -m tools.report.report $(BUILD)/figures
 	cp $(BUILD)/figures/path.png sim/scenarios/gao2018_mission.png
+	$(MAKE) front SCENARIO=sim/scenarios/gao2018_short.cfg
+	cp $(BUILD)/front/front.png sim/scenarios/gao2018_short_front.png
 	$(MAKE) plan
 	cp $(BUILD)/plan/plan.png sim/scenarios/jacksboro_plan.png
 	$(MAKE) patrol SCENE=warehouse

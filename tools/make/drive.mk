@@ -22,6 +22,15 @@ sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=
 	$(PYTHON) -m tools.report.report $(BUILD)/sil
 	$(if $(BUS),$(PYTHON) -m tools.operate.show_frames $(BUILD)/sil/frames.log)
 
+.PHONY: front
+front: ## energy over time of a route (SCENARIO=file): foretold, driven, the least that exists; picture in build/front
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-front $(BUILD)/bin/jp-robot
+	@rm -rf $(BUILD)/front
+	$(BUILD)/bin/jp-front $(SCENARIO) --output $(BUILD)/front
+	$(PYTHON) -m tools.measure.time_front $(BUILD)/front
+	$(PYTHON) -m tools.report.time_front_picture $(BUILD)/front
+
 # The skid-steered robot plans unless another one is asked for. IMPORT holds options of tools.design.import_map, such
 # as --cell-size 1 for a MovingAI map or a --window.
 PLAN_ROBOT = $(if $(filter file,$(origin ROBOT)),zhang2018,$(ROBOT))

@@ -112,15 +112,20 @@ def driven(route):
         return json.loads(read_text(Path(folder) / "summary.json"))
 
 
+def check_limit(name, solution, speed):
+    """There is one, and integrated it is the same."""
+    if solution is None:
+        raise ToolError(f"{name}: no limit found that ends at {speed:.3f} m/s")
+    apart = energy_limit.integrate(solution).energy / solution.energy - 1
+    if abs(apart) > INTEGRATED_MAX:
+        raise ToolError(f"{name}: the limit integrated is {100 * apart:.3f} % away: its mesh is too coarse")
+
+
 def limits(route, task, speeds):
     """A solution for each speed at the end, integrated."""
     found = energy_limit.least(task, speeds, STARTS, route.seed)
     for speed, solution in zip(speeds, found):
-        if solution is None:
-            raise ToolError(f"{route.name}: no limit found that ends at {speed:.3f} m/s")
-        apart = energy_limit.integrate(solution).energy / solution.energy - 1
-        if abs(apart) > INTEGRATED_MAX:
-            raise ToolError(f"{route.name}: the limit integrated is {100 * apart:.3f} % away: its mesh is too coarse")
+        check_limit(route.name, solution, speed)
     return found
 
 

@@ -2,7 +2,7 @@
 
 Direct collocation of the non-linear plant over its two motor voltages, solved by IPOPT from several starts. The robot
 begins upright and at rest in the first waypoint, looks along x, and passes the waypoints in their order, at times,
-headings and speeds of its choice; it ends in settled motion at a given speed. The plant's equations follow from its
+headings and speeds of its choice; it ends in settled motion at a given speed, after a given time or one of its choice. The plant's equations follow from its
 energies (Lagrange), so they are not those of the simulator written again.
 """
 import math
@@ -175,10 +175,10 @@ def collocation():
 
 
 class Problem:
-    """A task on a mesh."""
+    """A task on a mesh; one that is timed takes a given time."""
 
-    def __init__(self, task, shares):
-        self.task, self.shares = task, shares
+    def __init__(self, task, shares, timed=False):
+        self.task, self.shares, self._timed = task, shares, timed
         self._count = sum(len(leg) for leg in shares)
         self._build()
 
@@ -205,12 +205,12 @@ class Problem:
         settled = plant.step(states[:, -1], end_volts)[0][[SPEED, PITCH_RATE, YAW_RATE]]
         sides = ca.horzcat(volts[0, :] - volts[1, :], volts[0, :] + volts[1, :])
         still = STATES * POINTS * count + 3
-        limit = np.full(2 * POINTS * count, plant.voltage_max)
-        self._bounds = {"lbg": np.concatenate([np.zeros(still), -limit]), "ubg": np.concatenate([np.zeros(still), limit]),
-                        **self._variable_bounds()}
+        limit, time = np.full(2 * POINTS * count, plant.voltage_max), np.zeros(int(self._timed))
+        self._bounds = {"lbg": np.concatenate([np.zeros(still), -limit, time]),
+                        "ubg": np.concatenate([np.zeros(still), limit, time]), **self._variable_bounds()}
         self._solver = ca.nlpsol("limit", "ipopt", {
             "x": ca.vertcat(ca.vec(states), ca.vec(volts), durations, end_volts), "f": ca.sum2(energies),
-            "g": ca.vertcat(ca.vec(defects), settled, ca.vec(sides))}, {
+            "g": ca.vertcat(ca.vec(defects), settled, ca.vec(sides), *([ca.sum1(durations)] if self._timed else []))}, {
                 "print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.tol": 1e-8,
                 "ipopt.constr_viol_tol": 1e-9, "ipopt.max_iter": ITERATIONS, "ipopt.mu_strategy": "adaptive"})
 
@@ -230,12 +230,14 @@ class Problem:
         return {"lbx": np.concatenate([low.ravel(order="F"), -volts, shortest, -ends]),
                 "ubx": np.concatenate([high.ravel(order="F"), volts, np.full(len(shortest), LEG_MAX), ends])}
 
-    def solve(self, guess, end_speed):
+    def solve(self, guess, end_speed, seconds=None):
         """From a guess of times, states and voltages there, durations of the legs and voltages at the end, to an end in
         settled motion; None where IPOPT does not converge."""
         times, states, volts, durations, end_volts = guess
         place = STATES * POINTS * self._count + SPEED
         self._bounds["lbx"][place] = self._bounds["ubx"][place] = end_speed
+        if self._timed:
+            self._bounds["lbg"][-1] = self._bounds["ubg"][-1] = seconds
         mesh = Solution(self.task, 0.0, durations, self.shares, None, None, None).times()
         first = [[np.interp(mesh, times, row) for row in states],
                  [np.interp(mesh[1:], times, row) for row in volts]]
@@ -301,17 +303,36 @@ def starts(task, count, seed):
                           generator.normal(0, 0.5, len(still)))
 
 
+def problems(task, timed=False):
+    """On a mesh, and on one twice as fine."""
+    coarse = Problem(task, [shares_of(leg, FINEST) for leg in task.chords / task.plant.cruise()], timed)
+    return coarse, Problem(task, [np.repeat(leg / 2, 2) for leg in coarse.shares], timed)
+
+
+def best_start(coarse, end, count, seed):
+    """A guess: what is best of `count` starts. None where none of them converges."""
+    found = [solution for guess in starts(coarse.task, count, seed)
+             if (solution := coarse.solve(guess, *end)) is not None]
+    return guess_of(min(found, key=lambda solution: solution.energy)) if found else None
+
+
 def least(task, end_speeds, count=4, seed=1):
     """A solution for each speed at the end: the best of `count` starts, on a mesh twice as fine. None where none of them
     converges."""
-    coarse = Problem(task, [shares_of(leg, FINEST) for leg in task.chords / task.plant.cruise()])
-    fine = Problem(task, [np.repeat(leg / 2, 2) for leg in coarse.shares])
-    found = [solution for guess in starts(task, count, seed)
-             if (solution := coarse.solve(guess, end_speeds[0])) is not None]
-    if not found:
-        return [None for _ in end_speeds]
-    best = guess_of(min(found, key=lambda solution: solution.energy))
-    return [fine.solve(best, speed) for speed in end_speeds]
+    coarse, fine = problems(task)
+    best = best_start(coarse, (end_speeds[0],), count, seed)
+    return [fine.solve(best, speed) if best is not None else None for speed in end_speeds]
+
+
+def least_in(task, ends, count=4, seed=1):
+    """The same for each speed at the end and time in all, s: the first from the best of `count` starts, each other from
+    the one before it."""
+    coarse, fine = problems(task, timed=True)
+    guess, found = best_start(coarse, ends[0], count, seed), []
+    for speed, seconds in ends:
+        found.append(fine.solve(guess, speed, seconds) if guess is not None else None)
+        guess = guess_of(found[-1]) if found[-1] is not None else guess
+    return found
 
 
 # ---- Check ---------------------------------------------------------------------------------------------------------
