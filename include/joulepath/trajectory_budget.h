@@ -74,7 +74,7 @@ enum jp_status jp_trajectory_budget_start(struct jp_trajectory_budget *budget,
  * JP_ERR_STATE: nothing was begun, or the search has ended. JP_ERR_ARGUMENT: a null pointer. Else what
  * jp_trajectory_by_rule() says of the task, which is then not planned.
  * Seen against 300 cruises on each of 4 000 random routes: 7 times more than 0.1 % above the best of them, 1.5 % at
- * most; 35 times and 12 % where also the voltage is drawn, down to hardly enough
+ * most; 34 times and 12 % where also the voltage is drawn, down to hardly enough
  * (tests/property/prop_trajectory_budget.c). JP_BUDGET_SLICES slices in all, each of O(count): tests/bench/FIGURES.md
  * has the instructions of a trajectory and of its energy. Not for ISRs.
  */

@@ -39,6 +39,8 @@ SEED = 1
 # %, of the strategy that is to be within them; which of the scenarios are short.
 RULE = "cruise and transients, by rule"
 BARS = {"mission": 0.25, "short": 0.5, "mean": 0.6, "worst": 0.8}
+MISS_BAR = 1.0                               # cm
+FORECAST_BARS = {"mean": 0.3, "worst": 1.0}  # %
 
 ORACLE = "cruise and transients, double precision"
 
@@ -66,6 +68,7 @@ class Drive:
     seconds: float
     end_speed: float  # m/s
     miss: float       # m, how far from the worst waypoint it passed
+    forecast: float   # J, before the start; nan: it tells none
     limit: float      # J
     limit_seconds: float
 
@@ -73,6 +76,11 @@ class Drive:
     def above(self):
         """%."""
         return 100 * (self.energy / self.limit - 1)
+
+    @property
+    def forecast_error(self):
+        """%."""
+        return 100 * abs(self.forecast / self.energy - 1)
 
 
 # ---- Routes --------------------------------------------------------------------------------------------------------
@@ -136,7 +144,7 @@ def oracle_drive(route, task):
     if not plan.is_found:
         raise ToolError(f"{route.name}: no trajectory of cruise and transients found")
     check = energy_limit.follow(task.plant, task.points, *plan.sampled())
-    return ORACLE, check.energy, plan.seconds, speed, max(check.misses)
+    return ORACLE, check.energy, plan.seconds, speed, max(check.misses), math.nan
 
 
 def measure(route):
@@ -145,9 +153,10 @@ def measure(route):
     plant = energy_limit.Plant(robot_json.load(robot_json.robot_path(summary["robot"])), summary["energy"])
     task = energy_limit.Task(plant, np.array(summary["waypoints_m"]))
     drives = [(row["title"], row["total"]["plant_energy_j"], row["total"]["duration_s"], row["total"]["end_speed_m_s"],
-               max(leg["passed_m"] for leg in row["segments"])) for row in summary["strategies"] if "total" in row]
+               max(leg["passed_m"] for leg in row["segments"]), (row["forecast"] or {"energy_j": math.nan})["energy_j"])
+              for row in summary["strategies"] if "total" in row]
     drives.append(oracle_drive(route, task))
-    found = limits(route, task, [speed for _, _, _, speed, _ in drives])
+    found = limits(route, task, [drive[3] for drive in drives])
     return [Drive(*drive, solution.energy, solution.durations.sum()) for drive, solution in zip(drives, found)]
 
 
@@ -165,6 +174,30 @@ def measure_all(routes, workers):
 def figure(name, value, strategy, bar):
     bound = {"op": "<=", "value": BARS[bar]} if strategy == RULE else None
     return {"name": f"energy limit: {name}", "value": float(value), "unit": "%", "bound": bound, "command": COMMAND}
+
+
+def figure_of_rule(name, value, unit, bar):
+    bound = bar and {"op": "<=", "value": bar}
+    return {"name": f"{RULE}: {name}", "value": float(value), "unit": unit, "bound": bound, "command": COMMAND}
+
+
+def figures_of_rule(scenarios, routes):
+    """How the rule's trajectories were driven beside their energy."""
+    def of_rule(drives):
+        return [drive for drive in drives if drive.strategy == RULE]
+
+    for name, drives in scenarios.items():
+        for drive in of_rule(drives):
+            yield figure_of_rule(f"{name}, waypoints passed within", 100 * drive.miss, "cm", MISS_BAR)
+            yield figure_of_rule(f"{name}, forecast against driven", drive.forecast_error, "%", None)
+    for robot, results in routes.items():
+        driven_routes = of_rule(drive for drives in results for drive in drives)
+        errors = [drive.forecast_error for drive in driven_routes]
+        name = f"{len(driven_routes)} random routes of {WAYPOINTS}, {robot}"
+        miss = 100 * max(drive.miss for drive in driven_routes)
+        yield figure_of_rule(f"{name}, waypoints passed within", miss, "cm", MISS_BAR)
+        yield figure_of_rule(f"{name}, forecast against driven, mean", np.mean(errors), "%", FORECAST_BARS["mean"])
+        yield figure_of_rule(f"{name}, forecast against driven, worst", max(errors), "%", FORECAST_BARS["worst"])
 
 
 def scenario_rows(name, drives):
@@ -224,7 +257,8 @@ def main():
     scenario_table = [row for name, drives in scenarios.items() for row in scenario_rows(name, drives)]
     route_table = [row for robot, drives in random.items() for row in route_rows(robot, drives)]
     path = options.bench or robot_json.build_directory() / "bench/limit.json"
-    write_whole(path, json.dumps(list(figures_of(scenarios, random)), indent=2, ensure_ascii=False) + "\n")
+    figures = [*figures_of(scenarios, random), *figures_of_rule(scenarios, random)]
+    write_whole(path, json.dumps(figures, indent=2, ensure_ascii=False) + "\n")
     tables = path.with_suffix(".tables.json")
     write_tables(tables, {"limit_scenarios": (SCENARIO_HEADINGS, scenario_table),
                           "limit_routes": (ROUTE_HEADINGS, route_table)})
