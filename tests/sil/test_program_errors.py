@@ -7,8 +7,8 @@ import signal
 import pytest
 from conftest import ROOT, assert_one_line_error, fill_disk, run
 
-MISSION_FILES = [*(f"log_{name}.csv" for name in ("optimal", "straight", "bezier", "route", "straight_route",
-                                                  "bezier_route", "cruise")), "summary.json"]
+MISSION_FILES = [*(f"log_{name}.csv" for name in ("optimal", "straight", "bezier", "cruise", "straight_cruise",
+                                                  "bezier_route")), "summary.json"]
 IDENTIFY_FILES = ["experiments.csv", "experiments.json"]
 OLD = "from an earlier run\n"
 

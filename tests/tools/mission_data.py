@@ -6,13 +6,13 @@ import numpy as np
 
 WAYPOINTS = [[0, 0], [10, 10], [20, 15], [25, 25], [15, 30]]
 ENERGIES = {"optimal": (335.96, 252.74, 255.80, 269.56), "straight": (338.15, 252.03, 255.89, 283.82),
-            "bezier": (345.5, 265.72, 290.72, 301.36), "route": (336.97, 253.65, 257.93, 264.11)}
+            "bezier": (345.5, 265.72, 290.72, 301.36), "cruise": (326.11, 250.53, 252.10, 251.07)}
 TIMES = {"optimal": (28.6, 21.58, 21.54, 21.78), "straight": (28.6, 21.58, 21.54, 21.78),
-         "bezier": (24.0, 18.5, 19.0, 19.82), "route": (27.97, 21.03, 21.42, 21.68)}
+         "bezier": (24.0, 18.5, 19.0, 19.82), "cruise": (27.24, 20.86, 20.92, 20.91)}
 TITLES = {"optimal": "Energy-optimal", "straight": "Straight chords", "bezier": "Cubic Bézier",
-          "route": "Whole route at once"}
-ARCS = {"optimal": 0.35, "straight": 0.0, "bezier": 0.9, "route": 0.4}
-FORECAST = {"energy_j": 1111.32, "deviation_j": 24.69}
+          "cruise": "Cruise and transients"}
+ARCS = {"optimal": 0.35, "straight": 0.0, "bezier": 0.9, "cruise": 0.1}
+FORECAST = {"energy_j": 1079.78, "deviation_j": 24.69}
 COLUMNS = ("t_s,x_m,y_m,ref_x_m,ref_y_m,heading_rad,speed_m_s,turn_rate_rad_s,ref_speed_m_s,ref_turn_rate_rad_s,"
            "pitch_deg,u_left_v,u_right_v,i_left_a,i_right_a,power_w,energy_j,segment")
 RATE = 50
@@ -66,7 +66,7 @@ def _strategy(name):
     total = sum(ENERGIES[name])
     planned = sum(s["planned_energy_j"] for s in segments) if name == "optimal" else None
     return {"name": name, "title": TITLES[name], "log": f"log_{name}.csv",
-            "forecast": FORECAST if name == "route" else None, "segments": segments,
+            "forecast": FORECAST if name == "cruise" else None, "segments": segments,
             "total": {"planned_energy_j": planned, "measured_energy_j": total, "battery_energy_j": total * 0.83,
                       "duration_s": sum(TIMES[name]), "relative_percent": 100 * total / sum(ENERGIES["optimal"])}}
 

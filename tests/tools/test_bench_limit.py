@@ -246,14 +246,14 @@ def test_a_short_run(tmp_path, monkeypatch):
     assert result.returncode == 0, result.stderr
     figures = {figure["name"]: figure["value"] for figure in json.loads(path.read_text())}
     # After one leg the rule's drive is some millimetres short of its waypoint, and so below the limit.
-    assert len(figures) == 8 + 2 * 8 and all(-0.5 < value < 100 for value in figures.values())
+    assert len(figures) == 7 + 2 * 7 and all(-0.5 < value < 100 for value in figures.values())
     # Of the limit that another program finds, 25.24216 J.
-    assert figures["energy limit: courier24_short, energy-optimal, whole route at once: above the limit"] == \
+    assert figures["energy limit: courier24_short, energy-optimal segments: above the limit"] == \
         pytest.approx(4.43, abs=0.1)
     for text in ("courier24_short", "gao2018", "worst miss, cm", "turns to ±120°"):
         assert text in result.stdout
     tables = json.loads((tmp_path / "limit.tables.json").read_text())
-    assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [8, 8]
+    assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [7, 7]
 
 
 def test_a_limit_that_is_not_found_is_named(monkeypatch):

@@ -8,8 +8,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 # Okabe and Ito's palette: told apart by colour-blind readers too.
-BLUE, ORANGE, GREEN, PURPLE, SKY, AMBER, RED = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#56B4E9", "#E69F00",
-                                                 "#882255")
+BLUE, ORANGE, GREEN, PURPLE, AMBER, RED = "#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#882255"
 GREY, INK = "#8A94A0", "#1F2933"
 
 plt.rcParams.update({

@@ -29,11 +29,10 @@ TOTAL_KEYS = ("planned_energy_j", "measured_energy_j", "battery_energy_j", "dura
 NULLABLE = ("planned_energy_j", "error_percent", "relative_percent", "speed_m_s", "turn_rate_rad_s", "turn_deg",
             "arc_rad", "plant_energy_j", "battery_energy_j", "end_error_m")
 
-# The whole route at once has the style of its counterpart, planned segment by segment.
-COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN, "route": plots.SKY,
-           "straight_route": plots.AMBER, "bezier_route": plots.PURPLE, "cruise": plots.RED}
-STYLES = {"optimal": "-", "straight": "--", "bezier": "-.", "route": "-", "straight_route": "--", "bezier_route": "-.",
-          "cruise": "-"}
+# What drives the route as a whole has the style of its counterpart, driven segment by segment.
+COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN, "cruise": plots.RED,
+           "straight_cruise": plots.AMBER, "bezier_route": plots.PURPLE}
+STYLES = {"optimal": "-", "straight": "--", "bezier": "-.", "cruise": "-", "straight_cruise": "--", "bezier_route": "-."}
 
 WIDE = (9.2, 3.4)
 
