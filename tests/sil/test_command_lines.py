@@ -10,7 +10,7 @@ LETTERS = {"b": "bus", "e": "energy", "j": "json", "m": "model", "n": "count", "
 COURIER = ROOT / "sim/robots/courier24.cfg"
 VERSION = ".".join(re.findall(r"#define JP_VERSION_\w+ (\d+)", (ROOT / "include/joulepath/version.h").read_text()))
 WHOLE = [("jp-identify", "--seed"), ("jp-identify", "--count"), ("jp-plant", "--patience"),
-         ("jp-trip", "--seed"), ("jp-trip", "--count"), ("jp-patrol", "--seed"), ("jp-plan", "--memory"), ("jp-route", "--legs")]
+         ("jp-trip", "--seed"), ("jp-trip", "--count"), ("jp-patrol", "--seed"), ("jp-plan", "--memory")]
 NO_WHOLE_NUMBER = ["1.5", "", "x", "-1", "+1", " 1", "1 ", "1e3", "0x10", "99999999999999999999"]
 
 
@@ -40,7 +40,7 @@ def test_no_whole_number(program, option, text):
     ("jp-plan", ["a", "b"], "one map"), ("jp-trip", ["a", "b"], "one robot"), ("jp-robot", ["a", "b"], "one robot"),
     ("jp-mission", [], "a scenario"), ("jp-front", [], "a scenario"), ("jp-plan", [], "a map"), ("jp-trip", [], "a robot"), ("jp-lattice", [], "a robot"),
     ("jp-identify", [], "a robot"), ("jp-robot", [], "a robot"), ("jp-patrol-config", [], "a robot"),
-    ("jp-route", [], "--robot"), ("jp-patrol", [], "a scene"), ("jp-plant", [], "--bus"), ("jp-ecu", [], "--bus"),
+    ("jp-patrol", [], "a scene"), ("jp-plant", [], "--bus"), ("jp-ecu", [], "--bus"),
     ("jp-lcm", [], "--bus"), ("jp-robot", ["x" * 2000], "path"), ("jp-robot", [""], "path")])
 def test_too_few_and_too_many(program, arguments, part):
     assert_one_line_error(run(program, *arguments), program, part)

@@ -21,11 +21,9 @@ def identify(output, *options, **more):
     return run("jp-identify", ROBOTS / "gao2018.cfg", "--count=20", "--output", output, *options, **more)
 
 
-def route(json_path, tmp_path, **more):
-    """The robot by its name, from the folder of the project."""
-    points = tmp_path / "route.csv"
-    points.write_text("x_m,y_m\n0,0\n3,1\n")
-    return run("jp-route", "--robot=gao2018", points, "--json", json_path, cwd=ROOT, **more)
+def constants(json_path, **more):
+    """Of a robot by its name, from the folder of the project."""
+    return run("jp-robot", "gao2018", "--json", json_path, cwd=ROOT, **more)
 
 
 def names(folder):
@@ -42,24 +40,24 @@ def test_device_is_written_to(tmp_path):
         device.open("w").close()
     except PermissionError:
         pytest.skip("device nodes need rights that this machine does not give")
-    assert route(device, tmp_path).returncode == 0
+    assert constants(device).returncode == 0
     assert stat.S_ISCHR(device.stat().st_mode)
 
 
 def test_full_device(tmp_path):
-    link = tmp_path / "plans.json"
+    link = tmp_path / "robot.json"
     link.symlink_to("/dev/full")
-    assert_one_line_error(route(link, tmp_path), link, "No space left on device")
-    assert link.is_symlink() and names(tmp_path) == ["plans.json", "route.csv"]
+    assert_one_line_error(constants(link), link, "No space left on device")
+    assert link.is_symlink() and names(tmp_path) == ["robot.json"]
 
 
 def test_pipe_is_written_to(tmp_path):
-    pipe = tmp_path / "plans.json"
+    pipe = tmp_path / "robot.json"
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
-    assert route(pipe, tmp_path).returncode == 0
+    assert constants(pipe).returncode == 0
     with os.fdopen(reader) as end:
-        assert json.loads(end.read())["robot"] == "gao2018"
+        assert json.loads(end.read())["name"] == "gao2018"
     assert stat.S_ISFIFO(pipe.stat().st_mode)
 
 
@@ -71,27 +69,27 @@ def test_links_stay_links(tmp_path, exists, absolute):
     store.mkdir()
     links.mkdir()
     if exists:
-        (store / "plans.json").write_text(OLD)
-    (links / "second").symlink_to(store / "plans.json" if absolute else "../store/plans.json")
+        (store / "robot.json").write_text(OLD)
+    (links / "second").symlink_to(store / "robot.json" if absolute else "../store/robot.json")
     (links / "first").symlink_to("second")
-    assert route(links / "first", tmp_path).returncode == 0
+    assert constants(links / "first").returncode == 0
     assert names(links) == ["first", "second"] and (links / "first").is_symlink() and (links / "second").is_symlink()
-    assert names(store) == ["plans.json"] and json.loads((store / "plans.json").read_text())["robot"] == "gao2018"
+    assert names(store) == ["robot.json"] and json.loads((store / "robot.json").read_text())["name"] == "gao2018"
 
 
 def test_link_to_itself(tmp_path):
     link = tmp_path / "loop"
     link.symlink_to("loop")
-    assert_one_line_error(route(link, tmp_path), link, "symbolic links")
+    assert_one_line_error(constants(link), link, "symbolic links")
 
 
 def test_permissions_stay(tmp_path):
-    plans = tmp_path / "plans.json"
-    assert route(plans, tmp_path, umask=0o027).returncode == 0
-    assert stat.S_IMODE(plans.stat().st_mode) == 0o640
-    plans.chmod(0o604)
-    assert route(plans, tmp_path).returncode == 0
-    assert stat.S_IMODE(plans.stat().st_mode) == 0o604
+    file = tmp_path / "robot.json"
+    assert constants(file, umask=0o027).returncode == 0
+    assert stat.S_IMODE(file.stat().st_mode) == 0o640
+    file.chmod(0o604)
+    assert constants(file).returncode == 0
+    assert stat.S_IMODE(file.stat().st_mode) == 0o604
 
 
 # ---- several at once, and interrupts ---------------------------------------------------------------------------------
@@ -166,15 +164,13 @@ def test_signal_that_is_ignored_stays_so(tmp_path):
 def programs(tmp_path):
     """A command of each program that says something and comes to an end, and the folder that it writes to."""
     output = tmp_path / "out"
-    points = tmp_path / "route.csv"
-    points.write_text("x_m,y_m\n0,0\n3,1\n")
     hall = tmp_path / "hall.json"
     hall.write_text(json.dumps({"format": "joulepath-map-1", "name": "hall", "width": 60, "height": 60,
                                 "resolution_m": 0.2, "origin_m": [0, 0, 0], "rows": ["." * 60] * 60}))
     gao, patrol = ROBOTS / "gao2018.cfg", ROBOTS / "patrol.cfg"
     return {
-        "jp-robot": [gao], "jp-patrol-config": [patrol], "jp-trip": [ROBOTS / "courier24.cfg", "--output", output],
-        "jp-route": ["--robot", gao, points, "--json", output / "plans.json"], "jp-mission": [SCENARIO, "--output", output],
+        "jp-robot": [gao, "--json", output / "robot.json"], "jp-patrol-config": [patrol],
+        "jp-trip": [ROBOTS / "courier24.cfg", "--output", output], "jp-mission": [SCENARIO, "--output", output],
         "jp-identify": [gao, "--count=20", "--output", output],
         "jp-plant": [SCENARIO, "--bus=in-process", "--output", output],
         "jp-patrol": ["corridor", f"--robot={patrol}", "--method=pursuit", "--output", output],
@@ -182,8 +178,7 @@ def programs(tmp_path):
     }, output
 
 
-PROGRAMS = ["jp-robot", "jp-patrol-config", "jp-trip", "jp-route", "jp-mission", "jp-identify", "jp-plant", "jp-patrol",
-            "jp-plan"]
+PROGRAMS = ["jp-robot", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol", "jp-plan"]
 
 
 @pytest.mark.parametrize("program", PROGRAMS)

@@ -16,9 +16,7 @@ FIGURES = [figure("x: whole tick", 700), figure("x: whole tick, worst", 900),
            figure("x: current check: update, worst of 5", 4600),
            figure("x: slice of 32 expansions of the planner", 70000), figure("x: TEB cycle, 50 poses", 3000000),
            figure("x: slice of 32 expansions of the grid planner, worst of 9", 80000),
-           figure("x: four wheels: tick, worst", 7500), figure("x: pure pursuit: tick, worst", 27000),
-           figure("x: route of 8, published model", 130000),
-           figure("x: route of 8 short segments with transients", 340000)]
+           figure("x: four wheels: tick, worst", 7500), figure("x: pure pursuit: tick, worst", 27000)]
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from unittest import mock
 import pytest
 from conftest import assert_one_line_error
 
-PROGRAMS = ["measure.bench_plan", "measure.bench_route", "measure.figures", "design.gain_design", "design.identify",
-            "design.import_map", "design.lattice", "report.patrol_report", "report.plan_report", "report.report"]
+PROGRAMS = ["measure.bench_plan", "measure.figures", "design.gain_design", "design.identify", "design.import_map",
+            "design.lattice", "report.patrol_report", "report.plan_report", "report.report"]
 
 
 def run(name, option):

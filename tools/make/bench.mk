@@ -105,7 +105,6 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) size stack cycles test-targets
 	@set -e; $(foreach p,$(PROPERTIES),echo '  BENCH prop_$p'; $(BUILD)/bench/prop_$p $(ARGS.$p) --json $(BUILD)/bench/$p.json;)
 	$(BUILD)/host-gcc/prop_decoders --count 100000000 --json $(BUILD)/bench/decoders.json
-	$(PYTHON) -m tools.measure.bench_route
 	$(PYTHON) -m tools.measure.bench_bus
 	$(PYTHON) -m tools.operate.show_frames $(BUILD)/bus/vcan/frames.log --tables $(BUILD)/bench/frames.tables.json
 	@rm -f $(ALL_BITS_LOGS)

@@ -26,8 +26,6 @@ ROWS = {
     "jp_four_wheel_tick": r"four wheels: tick",
     "jp_pure_pursuit_tick": r"pure pursuit: tick",
     "jp_teb_plan, 50 poses, 20 obstacles": r"TEB cycle",
-    "jp_route, 8 legs": r"route of 8,",
-    "jp_route with transients, 8 legs": r"route of 8 short segments",
 }
 
 

@@ -47,9 +47,7 @@ SECTIONS = (
     Section("Learner", "Error of the predicted energy after so many segments.", r"bench_learner"),
     Section("Campaign", "Robots that differ from their file, each on a mission of its own.", r"campaign"),
     Section("Missions", "The reference mission in closed loop, and random missions.", r"bench_mission"),
-    Section("Routes of short segments", "Energies relative to those of segments that are planned together.",
-            r"bench_short"),
-    Section("Route optimiser", "Plans against the best of many starts of scipy.", r"route"),
+    Section("Routes of short segments", "Energies relative to those of cruise and transients.", r"bench_short"),
     Section("Energy limit", "Driven energy above the least that exists: direct collocation of the non-linear plant through "
             "the same waypoints, with the same speed at the end.", r"limit"),
     Section("Energy limit: scenarios", blocks=("limit_scenarios",)),

@@ -44,7 +44,6 @@ MODULES = {
     "scan matching": r"src/local/scan_match(_\w+)?",
     "trajectory within a budget": r"src/trajectory/trajectory_budget",
     "trajectory by rule": r"src/(trajectory/trajectory(_\w+)?|base/power_of_half)",
-    "route optimiser": r"src/trajectory/route(_\w+)?",
     "pilot": r"src/navigate/pilot",
     "end-to-end protection": r"src/base/e2e",
     "waypoints of a route": r"src/(navigate/waypoint\w*|map/clearance)",

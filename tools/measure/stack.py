@@ -22,10 +22,10 @@ ENTRIES = ("jp_robot_tick", "jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_r
            "jp_energy_forecast", "jp_energy_regressors", "jp_learner_update", "jp_drive_watch_update", "jp_forecast_add",
            "jp_segment_optimise", "jp_planner_work",
            "jp_tariff_by_models", "jp_four_wheel_tick", "jp_pure_pursuit_tick", "jp_grid_planner_work",
-           "jp_path_spline", "jp_battery_update", "jp_current_check_update")
+           "jp_path_spline", "jp_battery_update", "jp_current_check_update", "jp_pilot_work")
 FIRMWARE_ENTRIES = ("jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_ecu_work", "DMA2_Stream0_IRQHandler",
                     "CAN1_RX0_IRQHandler", "main")
-FLOAT_ENTRIES = ("jp_obstacles_add_scan", "jp_teb_plan", "jp_patrol_cycle", "jp_route_work", "jp_pilot_work")
+FLOAT_ENTRIES = ("jp_obstacles_add_scan", "jp_teb_plan", "jp_patrol_cycle")
 BAR_ENTRY, BAR = "jp_hal_tick", 256  # B
 BAR_CORES = ("Cortex-M4", core_numbers.BOARD_NAME)
 LISTED = ROOT / "tests/target/indirect_calls.json"
