@@ -45,17 +45,18 @@ struct jp_travel_modes {
 
 /** How wheels and body move together about standing upright; made by tools/design/gain_design.py. */
 struct jp_trajectory_config {
-    uint32_t tick_rate;     /**< of the robot, 1/s; 100…10 000 */
-    jp_q24 turns_per_metre; /**< 1/(2πR), turn/m; 0.1…16 */
-    jp_q24 lag;             /**< s²; 0…1 */
-    jp_q24 lean[2];         /**< turn·s/m, turn·s²/m; ±16 */
-    jp_q16 volts[4];        /**< V·s/m, V·s²/m, V·s³/m, V·s⁴/m; ±4 096 */
-    jp_q16 turning[2];      /**< V·s/turn, V·s²/turn; ±4 096 */
-    jp_q16 voltage;         /**< for the motion, without what balance needs, V; above 0, at most 512 */
-    jp_q16 blend;           /**< longest change of heading before and after a waypoint, s; 0.05…60 */
-    jp_q24 turn_pace;       /**< turn rate at a waypoint by the turn there, 1/s; 0.01…64 */
-    int32_t steering;       /**< share of the way back to the path that two ticks turn, Q32; 0…2³⁰ */
-    jp_q24 aim;             /**< how steeply, turn by wheel turn off the path; 0…16 */
+    uint32_t tick_rate;       /**< of the robot, 1/s; 100…10 000 */
+    jp_q24 turns_per_metre;   /**< 1/(2πR), turn/m; 0.1…16 */
+    jp_q24 lag;               /**< s²; 0…1 */
+    jp_q24 lean[2];           /**< turn·s/m, turn·s²/m; ±16 */
+    jp_q16 volts[4];          /**< V·s/m, V·s²/m, V·s³/m, V·s⁴/m; ±4 096 */
+    jp_q16 turning[2];        /**< V·s/turn, V·s²/turn; ±4 096 */
+    jp_q16 voltage;           /**< for the motion, without what balance needs, V; above 0, at most 512 */
+    jp_q16 blend;             /**< longest change of heading before and after a waypoint, s; 0.05…60 */
+    jp_q24 turn_pace;         /**< turn rate at a waypoint by the turn there, 1/s; 0.01…64 */
+    jp_turns_per_s turn_rate; /**< most, of what gyro and wheels can, turn/s; 0.01…64 */
+    int32_t steering;         /**< share of the way back to the path that two ticks turn, Q32; 0…2³⁰ */
+    jp_q24 aim;               /**< how steeply, turn by wheel turn off the path; 0…16 */
     struct jp_travel_modes modes;
 };
 

@@ -144,6 +144,29 @@ static bool watch(struct jp_pilot *pilot, const struct jp_telemetry *telemetry, 
 
 /* Planning. */
 
+/** Where and as the reference is that a balancing robot follows, which is where it will be. */
+static void begin_at_reference(const struct jp_robot_config *robot, const struct jp_telemetry *telemetry,
+                               struct jp_trajectory_task *task)
+{
+    const jp_q24 turns = jp_phase_difference(telemetry->reference_wheel, telemetry->motion.wheel);
+    const jp_q24 left = jp_q24_multiply(turns, robot->metres_per_turn);
+
+    task->heading = jp_phase_angle(telemetry->reference_yaw);
+    task->start.x = jp_add(telemetry->position.x, jp_multiply_shift(left, jp_cos(task->heading), 39));
+    task->start.y = jp_add(telemetry->position.y, jp_multiply_shift(left, jp_sin(task->heading), 39));
+    task->motion.speed = jp_q24_multiply(telemetry->reference_wheel_rate, robot->metres_per_turn);
+    task->motion.turn_rate = telemetry->reference_yaw_rate;
+}
+
+/** Where and as the robot will end the segment that it drives. */
+static void begin_at_end(const struct jp_robot *robot, const struct jp_telemetry *telemetry,
+                         struct jp_trajectory_task *task)
+{
+    jp_robot_predict_end(robot, telemetry, &task->start, &task->heading);
+    task->motion.speed = telemetry->command.speed;
+    task->motion.turn_rate = jp_q24_multiply(telemetry->command.turn_rate, TURNS_PER_RADIAN);
+}
+
 /** From where and as the robot will be when what it drives ends. */
 static struct jp_trajectory_task task_of(const struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
@@ -153,15 +176,17 @@ static struct jp_trajectory_task task_of(const struct jp_pilot *pilot, const str
     struct jp_trajectory_task task = {
         .config = &robot->trajectory,
         .cruise = cruise < robot->limits.speed ? cruise : robot->limits.speed,
-        .motion = {.speed = telemetry->command.speed,
-                   .pitch = jp_q24_multiply(robot->trajectory.lean[0], telemetry->command.speed),
-                   .turn_rate = jp_q24_multiply(telemetry->command.turn_rate, TURNS_PER_RADIAN)},
         .targets = &internal->targets[pilot->targets_planned],
         .count = (uint16_t)(internal->target_count - pilot->targets_planned),
         .to_stand = internal->end == JP_PILOT_STAND,
     };
 
-    jp_robot_predict_end(internal->robot, telemetry, &task.start, &task.heading);
+    if (telemetry->state == JP_ROBOT_DRIVING) {
+        begin_at_end(internal->robot, telemetry, &task);
+    } else {
+        begin_at_reference(robot, telemetry, &task);
+    }
+    task.motion.pitch = jp_q24_multiply(robot->trajectory.lean[0], task.motion.speed);
     return task;
 }
 

@@ -91,6 +91,7 @@ const struct jp_robot_config jp_robot_courier24 = {
             .voltage = 1336934,    /* 20.4 V */
             .blend = 79952,        /* 1.219973 s */
             .turn_pace = 20628194, /* 1.229536 1/s */
+            .turn_rate = 17301504, /* 1.03125 turn/s */
             .steering = 14082176,  /* 0.003278762 */
             .aim = 1186951,        /* 0.07074782 turn per turn */
             .modes =

@@ -91,6 +91,7 @@ const struct jp_robot_config jp_robot_gao2018 = {
             .voltage = 16777216,   /* 256 V */
             .blend = 94492,        /* 1.441838 s */
             .turn_pace = 17453980, /* 1.040338 1/s */
+            .turn_rate = 22156908, /* 1.320655 turn/s */
             .steering = 11915253,  /* 0.002774236 */
             .aim = 1627331,        /* 0.09699647 turn per turn */
             .modes =

@@ -23,6 +23,7 @@ enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, co
         FIELD(voltage, 1, JP_Q16(512)),
         FIELD(blend, JP_Q16(0.05), JP_Q16(60)),
         FIELD(turn_pace, JP_Q24(0.01), JP_Q24(64)),
+        FIELD(turn_rate, JP_Q24(0.01), JP_Q24(64)),
         FIELD(steering, 0, Q30_ONE),
         FIELD(aim, 0, JP_Q24(16)),
         FIELD(modes.decay, 1, INT32_MAX),

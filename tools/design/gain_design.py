@@ -28,6 +28,8 @@ ENCODER_SPEED_MARGIN = 2.0
 ENCODER_COUNT_MARGIN = 16
 # A runaway is this many times the fastest that steps of the speed make the wheels turn.
 OVERSPEED = 1.25
+# Of the fastest turn that gyro and wheels allow; the rest is for balance, and for the way back to the path.
+TURN_RATE_SHARE = 0.75
 CONFIRM_TICKS = 3
 RESIDUAL_TICKS = 50
 
@@ -103,8 +105,11 @@ def encoder_jump(robot):
     return math.ceil(ENCODER_SPEED_MARGIN * counts) + ENCODER_COUNT_MARGIN
 
 
+def gyro_limit(robot):
+    return robot.number("gyro.full_scale_dps") / 360 * FULL_SCALE_SHARE or IDEAL_GYRO_TURNS_PER_S
+
+
 def monitor_group(robot, turning, to):
-    gyro = robot.number("gyro.full_scale_dps") / 360 * FULL_SCALE_SHARE or IDEAL_GYRO_TURNS_PER_S
     jump = robot.number("control.gyro_jump_dps") / 360 or OFF_TURNS_PER_S
     accel = robot.number("accelerometer.full_scale_g") * FULL_SCALE_SHARE or IDEAL_ACCEL_G
     residual = robot.number("control.current_residual_a") or OFF_AMPERES
@@ -118,7 +123,7 @@ def monitor_group(robot, turning, to):
 
     return c_tables.Group("monitor", [
         to.q24("tilt_limit", robot.positive("control.tilt_limit_deg") / 360, "turn", 0.01, 0.25),
-        to.q24("gyro_limit", gyro, "turn/s", 2**-24, 127),
+        to.q24("gyro_limit", gyro_limit(robot), "turn/s", 2**-24, 127),
         to.q24("gyro_jump", jump, "turn/s", 2**-24, 127),
         to.q24("accel_limit", accel, "g", 1 + 2**-24, 127),
         to.whole("encoder_jump", encoder_jump(robot), "counts a tick", 1, 2**32 - 1),
@@ -174,7 +179,14 @@ def modes_group(modes, rate, to):
     ])
 
 
-def trajectory_group(robot, plant, to):
+def turn_rate(robot, turning):
+    """turn/s: less than the gyro measures, and than the wheels may turn beside the robot's greatest speed."""
+    spare = (OVERSPEED * turning.wheel_rate_share - 1) * robot.positive("limits.speed_m_s")
+    by_wheels = spare / (robot.positive("body.width_m") / 2) / TURN
+    return TURN_RATE_SHARE * min(gyro_limit(robot), by_wheels)
+
+
+def trajectory_group(robot, plant, turning, to):
     radius = robot.positive("wheel.radius_m")
     flat = cruise.flat(plant, radius)
     turn = cruise.turn(robot, flat)
@@ -192,6 +204,7 @@ def trajectory_group(robot, plant, to):
                2**-16, 512),
         to.q16("blend", turn.blend, "s", 0.05, 60),
         to.q24("turn_pace", turn.pace, "1/s", 0.01, 64),
+        to.q24("turn_rate", turn_rate(robot, turning), "turn/s", 0.01, 64),
         to.number("steering", back.steering / set_points, 32, "", 0, 0.25),
         to.q24("aim", back.aim, "turn per turn", 0, 16),
         modes_group(cruise.modes(robot, plant, radius), set_points, to),
@@ -215,7 +228,7 @@ def robot_table(robot, loop):
         monitor_group(robot, turning, to),
         meter_group(robot, to),
         limits_group(robot, to),
-        trajectory_group(robot, loop.plant, to),
+        trajectory_group(robot, loop.plant, turning, to),
         to.q24("metres_per_turn", TURN * robot.positive("wheel.radius_m"), "m", 2**-24, 16),
     ]
     return c_tables.Table(f"make gains ROBOT={robot.name}", source_of(robot), "", "joulepath/robot.h",

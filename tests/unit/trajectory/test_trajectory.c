@@ -82,6 +82,10 @@ static void test_checks_every_field_at_its_limits(void)
     FIELD(turn_pace, JP_Q24(0.01), NULL);
     FIELD(turn_pace, JP_Q24(64), NULL);
     FIELD(turn_pace, JP_Q24(64) + 1, "trajectory.turn_pace");
+    FIELD(turn_rate, JP_Q24(0.01) - 1, "trajectory.turn_rate");
+    FIELD(turn_rate, JP_Q24(0.01), NULL);
+    FIELD(turn_rate, JP_Q24(64), NULL);
+    FIELD(turn_rate, JP_Q24(64) + 1, "trajectory.turn_rate");
 }
 
 static void test_checks_every_element_of_the_arrays(void)
