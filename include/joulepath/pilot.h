@@ -80,6 +80,7 @@ struct jp_pilot_drive {
     struct jp_trajectory_leg legs[JP_PILOT_PLACES];
     struct jp_leg_energy energy[JP_PILOT_PLACES];
     jp_q24 modes[JP_TRAVEL_MODES];
+    jp_angle heading;        /**< in which the next leg begins */
     bool is_waiting;         /**< it was handed over and has not begun */
     bool is_driven;          /**< it has begun and not ended */
     bool is_stopped;         /**< one of both, and the robot was told to stop */

@@ -305,7 +305,7 @@ static enum jp_status finish_survey(struct jp_pilot *pilot, const struct jp_tele
     return JP_OK;
 }
 
-static enum jp_status survey_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+static enum jp_status look_ahead_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
     if (!pilot->internal.is_surveying) {
         return begin_survey(pilot, telemetry);
@@ -314,9 +314,9 @@ static enum jp_status survey_on(struct jp_pilot *pilot, const struct jp_telemetr
                                                                               : finish_survey(pilot, telemetry);
 }
 
-static enum jp_status survey(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
+static enum jp_status look_ahead(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
-    const enum jp_status status = survey_on(pilot, telemetry);
+    const enum jp_status status = look_ahead_on(pilot, telemetry);
 
     if (pilot->internal.is_onward && (status == JP_ERR_INFEASIBLE || status == JP_ERR_STATE)) {
         pilot->internal.needs_stand = true;
@@ -328,10 +328,10 @@ static enum jp_status survey(struct jp_pilot *pilot, const struct jp_telemetry *
 
 /* The drive. */
 
-/** What is told of a leg that begins in this heading. */
-static void describe(struct jp_pilot *pilot, const struct jp_trajectory_leg *leg, const struct jp_leg_energy *energy,
-                     jp_angle heading)
+/** What is told of the leg that comes next. */
+static void describe(struct jp_pilot *pilot, const struct jp_trajectory_leg *leg, const struct jp_leg_energy *energy)
 {
+    struct jp_pilot_drive *drive = &pilot->internal.drive;
     struct jp_forecast_sum sum = {.energy = energy->energy};
 
     if (pilot->config.learning != NULL) {
@@ -340,10 +340,11 @@ static void describe(struct jp_pilot *pilot, const struct jp_trajectory_leg *leg
     }
     pilot->leg = (struct jp_pilot_leg){
         .speed = leg->speed,
-        .turn = jp_multiply_shift((int32_t)(leg->next.heading - heading), RADIANS_PER_TURN, 32),
+        .turn = jp_multiply_shift((int32_t)(leg->next.heading - drive->heading), RADIANS_PER_TURN, 32),
         .duration = energy->duration,
         .energy = jp_saturate32(sum.energy),
     };
+    drive->heading = leg->next.heading;
 }
 
 static enum jp_status plan_leg(struct jp_pilot *pilot)
@@ -351,13 +352,12 @@ static enum jp_status plan_leg(struct jp_pilot *pilot)
     struct jp_pilot_drive *drive = &pilot->internal.drive;
     const struct jp_trajectory_config *config = &jp_robot_configuration(pilot->internal.robot)->trajectory;
     const uint16_t place = drive->trajectory.count % JP_PILOT_PLACES;
-    const jp_angle heading = drive->plan.internal.motion.heading;
     const enum jp_status status = jp_trajectory_plan_leg(&drive->plan, &drive->legs[place]);
 
     if (status == JP_OK) {
         (void)jp_trajectory_leg_energy(config, pilot->config.model, &pilot->internal.back_emf, &drive->legs[place],
                                        drive->modes, &drive->energy[place]);
-        describe(pilot, &drive->legs[place], &drive->energy[place], heading);
+        describe(pilot, &drive->legs[place], &drive->energy[place]);
         JP_STORE_RELEASE(&drive->trajectory.count, (uint16_t)(drive->trajectory.count + 1U));
         pilot->targets_planned++;
     }
@@ -372,6 +372,7 @@ static enum jp_status begin_drive(struct jp_pilot *pilot, const struct jp_teleme
         start_plan(&task, &drive->plan, drive->legs, JP_PILOT_PLACES, &drive->trajectory, drive->modes);
 
     if (status == JP_OK) {
+        drive->heading = task.heading;
         status = plan_leg(pilot);
     }
     if (status == JP_OK) {
@@ -426,7 +427,7 @@ static enum jp_status drive_on(struct jp_pilot *pilot, const struct jp_telemetry
 
 static enum jp_status go_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
-    return pilot->phase == JP_PILOT_PLANNING ? survey(pilot, telemetry) : drive_on(pilot, telemetry);
+    return pilot->phase == JP_PILOT_PLANNING ? look_ahead(pilot, telemetry) : drive_on(pilot, telemetry);
 }
 
 enum jp_status jp_pilot_work(struct jp_pilot *pilot)

@@ -61,7 +61,9 @@ static void pass(struct sum *sum, uint32_t set_points)
 /** A mean over so many set_points, by their time. */
 static int64_t over_time(const struct sum *sum, int64_t mean, uint32_t set_points)
 {
-    return mean * set_points * JP_TICKS_PER_SET_POINT / sum->config->tick_rate;
+    const int64_t ticks = (int64_t)set_points * (int64_t)JP_TICKS_PER_SET_POINT;
+
+    return mean * ticks / (int64_t)sum->config->tick_rate;
 }
 
 static void add_blend(struct sum *sum, const struct jp_blend *blend)

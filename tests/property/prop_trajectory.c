@@ -386,8 +386,8 @@ static void check_energy(const struct drive *drive)
     const struct robot *robot = drive->route->robot;
     const double interval = seconds(drive->route, 1);
     const double conductance = 2 / q16(robot->model->motor_resistance);
-    const double exact = conductance * drive->squares * interval +
-                         q16(robot->model->electronics_power) * drive->set_points * interval;
+    const double exact =
+        conductance * drive->squares * interval + q16(robot->model->electronics_power) * drive->set_points * interval;
     /* That takes in a steady motion what its voltages do. */
     struct jp_energy_model model = *robot->model;
     jp_q16 energy = 0;
