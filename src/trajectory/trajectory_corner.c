@@ -80,21 +80,18 @@ static enum jp_status measure(const struct jp_trajectory_task *task, uint16_t in
 }
 
 /** What the turns at both ends of a leg ask for. */
-static enum jp_status demands_of(const struct jp_trajectory_task *task, uint16_t index, const struct jp_chord *chord,
-                                 struct demand demands[2])
+static enum jp_status demands_of(const struct jp_trajectory_task *task, uint16_t index, jp_angle before,
+                                 const struct jp_chord *chord, struct demand demands[2])
 {
     static const struct effort at_start = {JP_Q24(1.5), JP_Q24(6)};
     static const struct effort at_corner = {JP_Q24(0.75), JP_Q24(1.5)};
-    struct jp_chord other = {.direction = task->heading};
     enum jp_status status = JP_OK;
 
-    if (index > 0U) {
-        (void)measure(task, (uint16_t)(index - 1U), &other); /* as when that leg was planned */
-    }
-    demands[0] =
-        demand_of(task->config, index == 0U ? &at_start : &at_corner, turn_between(other.direction, chord->direction));
+    demands[0] = demand_of(task->config, index == 0U ? &at_start : &at_corner, turn_between(before, chord->direction));
     demands[1] = demands[0];
     if (index + 1U < task->count) {
+        struct jp_chord other = {.direction = chord->direction};
+
         status = measure(task, (uint16_t)(index + 1U), &other);
         demands[1] = demand_of(task->config, &at_corner, turn_between(chord->direction, other.direction));
     }
@@ -145,7 +142,8 @@ static jp_q16 slow_to_stop(const struct jp_trajectory_config *config, uint64_t w
     return longer;
 }
 
-enum jp_status jp_chord_to(const struct jp_trajectory_task *task, uint16_t index, struct jp_chord *chord)
+enum jp_status jp_chord_to(const struct jp_trajectory_task *task, uint16_t index, jp_angle before,
+                           struct jp_chord *chord)
 {
     const struct jp_trajectory_config *config = task->config;
     const jp_q16 voltage = voltage_for_turns(task);
@@ -153,7 +151,7 @@ enum jp_status jp_chord_to(const struct jp_trajectory_task *task, uint16_t index
     enum jp_status status = measure(task, index, chord);
 
     if (status == JP_OK) {
-        status = demands_of(task, index, chord, demands);
+        status = demands_of(task, index, before, chord, demands);
     }
     if (status != JP_OK) {
         return status;

@@ -303,7 +303,7 @@ enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const s
     *trajectory = (struct jp_trajectory){.legs = legs, .places = places};
 
     struct jp_trajectory_plan_internal *internal = &plan->internal;
-    const enum jp_status status = jp_chord_to(task, 0, &internal->chord);
+    const enum jp_status status = jp_chord_to(task, 0, task->heading, &internal->chord);
 
     if (status == JP_OK) {
         internal->motion = (struct jp_waypoint_motion){task->heading, task->motion.turn_rate, internal->chord.speed};
@@ -341,7 +341,7 @@ enum jp_status jp_trajectory_plan_redirect(struct jp_trajectory_plan *plan, cons
         return JP_ERR_ARGUMENT;
     }
 
-    const enum jp_status status = jp_chord_to(onward, 0, &redirected.internal.chord);
+    const enum jp_status status = jp_chord_to(onward, 0, onward->heading, &redirected.internal.chord);
 
     if (status == JP_OK) {
         redirected.internal.blend = redirected.internal.chord.blend;
@@ -365,7 +365,7 @@ enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp
         return JP_ERR_STATE;
     }
     if (after < internal->task.count) {
-        status = jp_chord_to(&internal->task, after, &next);
+        status = jp_chord_to(&internal->task, after, internal->chord.direction, &next);
     }
     if (status != JP_OK) {
         return status;
