@@ -20,11 +20,12 @@ struct effort {
     jp_q24 acceleration;
 };
 
-/** What a turn in a blend of duration h asks for: A/h + B/h² volts, and time. */
+/** What a turn in a blend of duration h asks for: A/h + B/h² volts, and a turn rate of C/h. */
 struct demand {
-    int32_t a;       /**< V·s in Q16 */
-    int32_t b;       /**< V·s² in Q16 */
-    jp_q16 shortest; /**< h in which the robot turns no faster than it may, s */
+    int32_t a;                /**< V·s in Q16 */
+    int32_t b;                /**< V·s² in Q16 */
+    jp_q24 c;                 /**< turn */
+    jp_turns_per_s turn_rate; /**< the most */
 };
 
 static int32_t volts_of(jp_q16 volts, jp_q24 factor, jp_q24 turn)
@@ -36,7 +37,8 @@ static struct demand demand_of(const struct jp_trajectory_config *config, const 
 {
     return (struct demand){.a = volts_of(config->turning[0], effort->rate, turn),
                            .b = volts_of(config->turning[1], effort->acceleration, turn),
-                           .shortest = jp_q16_divide(jp_q24_multiply(effort->rate, turn), config->turn_rate)};
+                           .c = jp_q24_multiply(effort->rate, turn),
+                           .turn_rate = config->turn_rate};
 }
 
 /** What turns may take of the voltage, beside the cruise. */
@@ -48,7 +50,7 @@ static jp_q16 voltage_for_turns(const struct jp_trajectory_task *task)
 /** Whether it is enough for that turn in a blend of h s. */
 static bool is_enough(jp_q16 voltage, const struct demand *demand, jp_q16 h)
 {
-    return voltage > 0 && h >= demand->shortest &&
+    return voltage > 0 && jp_multiply(demand->turn_rate, h) >= (int64_t)demand->c * 65536 &&
            jp_q16_multiply(jp_q16_multiply(voltage, h), h) >= jp_add(jp_q16_multiply(demand->a, h), demand->b);
 }
 
@@ -63,7 +65,9 @@ static jp_q16 shortest_blend(jp_q16 voltage, const struct demand *demand)
         (uint64_t)jp_multiply(demand->a, demand->a) + 4U * (uint64_t)jp_multiply(voltage, demand->b);
     const jp_q16 root = jp_q16_divide(demand->a + (int32_t)jp_square_root(square), 2 * voltage) + 1;
 
-    return root > demand->shortest ? root : demand->shortest;
+    const jp_q16 turned = jp_q16_divide(demand->c, demand->turn_rate);
+
+    return root > turned ? root : turned;
 }
 
 /** |from one direction to another|, turn. */
