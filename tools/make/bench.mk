@@ -72,6 +72,13 @@ bench-limit: ## measure how far above the least energy that exists scenarios and
 	@mkdir -p $(BUILD)/bench
 	$(PYTHON) -m tools.measure.bench_limit
 
+.PHONY: bench-restart
+bench-restart: ## measure, in real time, a controller that is killed in mid-drive and started again (6 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-ecu $(BUILD)/bench/bench_restart
+	@mkdir -p $(BUILD)/bench-restart
+	$(BUILD)/bench/bench_restart --rows $(BUILD)/bench-restart/rows.json >$(BUILD)/bench/bench_restart.json
+
 # The maps of others are left out where they are not.
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
@@ -100,6 +107,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-plan
 	@$(MAKE) bench-patrol
 	@$(MAKE) bench-limit
+	@$(MAKE) bench-restart
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
 	@$(MAKE) size stack cycles test-targets

@@ -67,7 +67,7 @@ SECTIONS = (
     Section("Four wheels", "", r"four_wheel(_plant)?"),
     Section("Laser odometry", "", r"scan_match"),
     Section("Faulty bus", "Missions on a bus on which frames are lost, late, repeated and corrupt.", r"bench_bus"),
-    Section("Bus", "", r"bus|bench_flips|decoders"),
+    Section("Bus", "", r"bus|bench_flips|bench_restart|decoders"),
     Section("Parameter store", "", r"store"),
     Section("Fixed point", "Every input, or random ones where there are too many.", r"fixed"),
     Section("Equal bits", "", r"bits"),
