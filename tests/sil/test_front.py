@@ -84,6 +84,6 @@ def test_a_budget_that_is_too_small_is_one_line(tmp_path):
     assert not (tmp_path / "out/front.json").exists()
 
 
-def test_a_route_that_cannot_be_driven_is_one_line(tmp_path):
+def test_a_route_too_short_for_a_front_is_one_line(tmp_path):
     scenario = write_scenario(tmp_path / "short.cfg", (0.011, 0.0), (0.0, 0.02))
-    assert_one_line_error(run("jp-front", scenario, "--output", tmp_path / "out"), "leg 2", "stopped")
+    assert_one_line_error(run("jp-front", scenario, "--output", tmp_path / "out"), "within_seconds", "the robot needs")
