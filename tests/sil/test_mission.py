@@ -305,6 +305,8 @@ def test_battery_energy_is_planned_and_measured_alike(courier):
             assert segment["measured_energy_j"] == pytest.approx(segment["plant_energy_j"], rel=2e-3)
             if segment["planned_energy_j"] is not None:
                 assert segment["planned_energy_j"] == pytest.approx(segment["measured_energy_j"], rel=0.01)
+    (cruise,) = (strategy for strategy in strategies if strategy["name"] == "cruise")
+    assert cruise["forecast"]["energy_j"] == pytest.approx(cruise["total"]["measured_energy_j"], rel=FORECAST)
 
 
 def test_optimising_for_the_battery_saves_its_energy(courier):
