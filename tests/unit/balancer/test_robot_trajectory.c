@@ -18,7 +18,8 @@ static struct jp_trajectory_leg legs[] = {
      .next = {.speed = JP_Q24(0.02)}},
 };
 
-static const struct jp_trajectory trajectory = {.legs = legs, .places = 2, .count = 2, .start = {.speed = JP_Q24(0.02)}};
+static const struct jp_trajectory trajectory = {
+    .legs = legs, .places = 2, .count = 2, .start = {.speed = JP_Q24(0.02)}};
 
 static enum jp_status drive_trajectory(void)
 {
@@ -88,6 +89,25 @@ static void test_legs_count_as_segments(void)
     expect_state(JP_ROBOT_BALANCING);
     TEST_ASSERT_EQUAL_UINT16(2, telemetry().segments_ended);
     TEST_ASSERT_EQUAL_INT32(0, telemetry().command.speed);
+}
+
+/* The third leg is in the place of the first. */
+static void test_legs_in_a_ring(void)
+{
+    struct jp_trajectory ring = trajectory;
+
+    make_balancing();
+    ring.count = 3;
+    TEST_ASSERT_EQUAL_INT(JP_OK, drive_trajectory());
+    jp_robot_stop(&robot);
+    run(1);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive_trajectory(&robot, &ring));
+    run(1 + 2 * LEG_TICKS);
+    TEST_ASSERT_EQUAL_UINT16(3, telemetry().segment);
+    TEST_ASSERT_EQUAL_INT32(legs[0].speed, telemetry().command.speed);
+    run(LEG_TICKS);
+    expect_state(JP_ROBOT_BALANCING);
+    TEST_ASSERT_EQUAL_UINT16(3, telemetry().segments_ended);
 }
 
 /* One tick later: that of the beginning prepares the first. Each serves for two. */

@@ -731,3 +731,80 @@ static void test_a_leg_is_told_as_it_was_planned(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.02), JP_Q24(0.0383), pilot.leg.turn);
     TEST_ASSERT_INT32_WITHIN(JP_Q16(2), JP_Q16(37), pilot.leg.energy);
 }
+
+/* What was learned makes a leg's energy too large for its format: it is driven, and nothing is learned from it. */
+static void test_legs_that_cannot_be_learned_from(void)
+{
+    const struct jp_point corners[] = {{JP_Q16(0.1), JP_Q16(1)}, {JP_Q16(1.2), JP_Q16(1.1)}};
+    enum jp_status status;
+
+    for (unsigned j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+        learning.direction[JP_ENERGY_TERMS + 1][j] = JP_Q16(4096);
+    }
+    init();
+    for (unsigned j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+        pilot.learner.state.x[j] = JP_LEARNED_MAX;
+    }
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(corners, 2));
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_pilot_answer(&pilot, &forecast));
+    drive(corners, 2);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT32(0, pilot.legs_learned_from);
+    TEST_ASSERT_EQUAL_UINT32(2, pilot.legs_left_out);
+}
+
+/* The targets' memory changed between the forecast and the first leg: found at once, or with the leg. */
+static void test_a_first_leg_that_fails(void)
+{
+    enum jp_status status;
+
+    for (unsigned which = 0; which < 2U; which++) {
+        struct jp_point targets[] = {slalom[0], slalom[1], slalom[2]};
+
+        rig_reset();
+        balance();
+        TEST_ASSERT_EQUAL_INT32(JP_OK, follow(targets, 3));
+        (void)work_while(JP_PILOT_PLANNING, &status);
+        targets[which + 1U] = targets[which];
+        TEST_ASSERT_EQUAL_INT32(JP_ERR_ZERO_LENGTH, jp_pilot_work(&pilot));
+        TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+        TEST_ASSERT_EQUAL_UINT16(0, pilot.targets_planned);
+        tick();
+        TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
+    }
+}
+
+static void test_a_robot_that_rolls_does_not_begin(void)
+{
+    enum jp_status status;
+
+    balance();
+    follow_slalom();
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        robot.internal.telemetry.motion.wheel_rate = sign * JP_Q24(0.1);
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+        TEST_ASSERT_EQUAL_UINT16(0, pilot.targets_planned);
+    }
+    robot.internal.telemetry.motion.wheel_rate = 0;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_UINT16(1, pilot.targets_planned);
+}
+
+/* The robot stands then, and its count of legs begins anew. */
+static void test_no_more_legs_than_can_be_counted(void)
+{
+    balance();
+    follow_slalom();
+    work_until_driving();
+    while (telemetry().segment_ticks_left > robot_config.estimator.tick_rate / 5U) {
+        work_and_tick();
+    }
+    robot.internal.telemetry.segment = UINT16_MAX;
+    pilot.internal.drive.begun = UINT16_MAX;
+    pilot.internal.drive.trajectory.count = UINT16_MAX;
+    work_and_tick();
+    TEST_ASSERT_EQUAL_UINT16(1, pilot.targets_planned);
+}

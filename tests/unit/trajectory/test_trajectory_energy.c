@@ -263,6 +263,34 @@ static void test_a_leg_beyond_its_format(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q16(1), JP_Q16(59), leg.energy);
 }
 
+/* Of motion that takes nothing. */
+static void test_integrals_beyond_their_format(void)
+{
+    jp_q24 modes[JP_TRAVEL_MODES] = {0};
+    struct jp_leg_energy leg;
+
+    for (unsigned i = 0; i < 4U; i++) {
+        config.volts[i] = 0;
+    }
+    config.turning[0] = config.turning[1] = 0;
+    model.b[0] = model.b[1] = 0;
+    trajectory.start.speed = legs[0].speed = legs[0].next.speed = JP_Q24(8);
+    legs[0].middle.set_points = 300000; /* 600 s */
+    shape();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW,
+                          jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.travel);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(20), JP_Q16(2408), leg.energy);
+    legs[0].middle.set_points = 1;
+    legs[0].begin.set_points = 10000; /* 20 s */
+    trajectory.start.turn_rate = JP_Q24(32);
+    shape();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW,
+                          jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.turning);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(2), JP_Q16(84), leg.energy);
+}
+
 static void test_overflow(void)
 {
     legs[0].middle.set_points = UINT32_MAX / 2U;

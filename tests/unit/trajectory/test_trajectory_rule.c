@@ -463,3 +463,29 @@ static void test_other_targets_that_are_refused(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_trajectory_plan_redirect(&onward, &back));
     TEST_ASSERT_EQUAL_MEMORY(&before, &onward, sizeof before);
 }
+
+/* In motion towards targets all round, near ones too: the robot goes there, or it is refused; never by a detour. */
+static void test_targets_all_round_a_robot_in_motion(void)
+{
+    unsigned planned = 0;
+    unsigned refused = 0;
+
+    task.motion = (struct jp_travel_state){.speed = JP_Q24(0.5), .pitch = JP_Q24(0.0013), .turn_rate = JP_Q24(0.1)};
+    for (jp_q16 distance = JP_Q16(0.01); distance < JP_Q16(1); distance = 3 * distance / 2) {
+        for (unsigned i = 0; i < 16U; i++) {
+            const jp_angle direction = i * JP_ANGLE_DEGREES(22.5);
+
+            targets[0] = (struct jp_point){jp_multiply_shift(distance, jp_cos(direction), 31),
+                                           jp_multiply_shift(distance, jp_sin(direction), 31)};
+            if (plan() == JP_OK) {
+                TEST_ASSERT_INT32_WITHIN(JP_ANGLE_DEGREES(45), 0, (int32_t)(legs[0].heading - legs[0].chord));
+                planned++;
+            } else {
+                TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
+                refused++;
+            }
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(50, planned);
+    TEST_ASSERT_GREATER_THAN_UINT32(20, refused);
+}
