@@ -26,6 +26,7 @@ import jp  # noqa: E402
 from simulated_time import HangUp, SimulatedTime, tick_of  # noqa: E402
 
 LOOK_TICKS = 20  # between two looks at the processes and at LCM
+DRIVING = 2     # JP_STATE.robot_state
 
 
 class LcmTime(SimulatedTime):
@@ -147,21 +148,22 @@ def send_rubbish(link):
     link.publish("JP_STATE", b"not a state")
 
 
-class Speed:
-    """Of the last JP_STATE, m/s."""
+class Motion:
+    """Of the last JP_STATE."""
 
     def __init__(self, link):
-        self._link, self._heard = link, 0
+        self._link, self._heard = link, None
         link.subscribe("JP_STATE", self._hear)
 
     def _hear(self, _, data):
         with contextlib.suppress(ValueError):  # rubbish
-            self._heard = jp.state_t.decode(data).speed
+            self._heard = jp.state_t.decode(data)
 
-    def now(self):
+    def is_towards_goal(self):
         while self._link.handle_timeout(0):
             pass
-        return self._heard
+        state = self._heard
+        return state is not None and state.robot_state == DRIVING and state.route_length == 1 and state.speed > 0.1
 
 
 def start_all(stage):
@@ -186,13 +188,11 @@ def drive(stage, points):
     passing = start_all(stage)
     link = lcm.LCM(URL)
     send_rubbish(link)
-    speed = Speed(link)
+    motion = Motion(link)
     link.publish("JP_ROUTE", route_message(points))
     passing.run_until("end of the route", lambda: stage.has_ended("live"))
     link.publish("JP_GOAL", goal_message(30, 0))
-    # After the route the robot still moves a little before it stands.
-    passing.run_until("motion towards the goal",
-                      lambda: stage.said("jp-lcm", "driving", 2) and speed.now() > 0.1)
+    passing.run_until("motion towards the goal", motion.is_towards_goal)
     # The order in which people stop them: the gateway bids the robot farewell while it is still there.
     stage.tell_to_stop("jp-lcm")
     passing.run_until("end of jp-lcm", lambda: stage.has_ended("jp-lcm"))
