@@ -464,28 +464,45 @@ static void test_other_targets_that_are_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &onward, sizeof before);
 }
 
-/* In motion towards targets all round, near ones too: the robot goes there, or it is refused; never by a detour. */
-static void test_targets_all_round_a_robot_in_motion(void)
+/* Targets all round, near ones too: the robot goes there, or it is refused; never by a detour. */
+static void go_all_round(unsigned *planned, unsigned *refused)
 {
-    unsigned planned = 0;
-    unsigned refused = 0;
-
-    task.motion = (struct jp_travel_state){.speed = JP_Q24(0.5), .pitch = JP_Q24(0.0013), .turn_rate = JP_Q24(0.1)};
     for (jp_q16 distance = JP_Q16(0.01); distance < JP_Q16(1); distance = 3 * distance / 2) {
         for (unsigned i = 0; i < 16U; i++) {
             const jp_angle direction = i * JP_ANGLE_DEGREES(22.5);
 
             targets[0] = (struct jp_point){jp_multiply_shift(distance, jp_cos(direction), 31),
                                            jp_multiply_shift(distance, jp_sin(direction), 31)};
-            if (plan() == JP_OK) {
+            targets[1] = (struct jp_point){targets[0].x + JP_Q16(0.3), targets[0].y - JP_Q16(0.6)};
+
+            const enum jp_status status = plan();
+
+            if (status == JP_OK) {
                 TEST_ASSERT_INT32_WITHIN(JP_ANGLE_DEGREES(45), 0, (int32_t)(legs[0].heading - legs[0].chord));
-                planned++;
+                (*planned)++;
             } else {
-                TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
-                refused++;
+                TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, status);
+                (*refused)++;
             }
         }
     }
-    TEST_ASSERT_GREATER_THAN_UINT32(50, planned);
-    TEST_ASSERT_GREATER_THAN_UINT32(20, refused);
+}
+
+static void test_targets_all_round_a_robot_in_motion(void)
+{
+    static const jp_q24 speeds[] = {JP_Q24(0.5), -JP_Q24(0.35), -JP_Q24(0.45), -JP_Q24(0.65)};
+    unsigned planned = 0;
+    unsigned refused = 0;
+
+    task.count = 2;
+    for (unsigned k = 0; k < sizeof speeds / sizeof speeds[0]; k++) {
+        task.motion = (struct jp_travel_state){.speed = speeds[k], .turn_rate = JP_Q24(-0.2)};
+        task.cruise = JP_Q24(0.95);
+        config = jp_robot_gao2018.trajectory;
+        go_all_round(&planned, &refused);
+        config = jp_robot_courier24.trajectory;
+        go_all_round(&planned, &refused);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(100, planned);
+    TEST_ASSERT_GREATER_THAN_UINT32(100, refused);
 }
