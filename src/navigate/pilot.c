@@ -290,19 +290,23 @@ static void finish_forecast(struct jp_pilot *pilot)
 static enum jp_status finish_survey(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
     struct jp_pilot_drive *drive = &pilot->internal.drive;
+    enum jp_status status = JP_OK;
 
     finish_forecast(pilot);
     if (pilot->internal.is_question) {
         rest(pilot, JP_OK);
         return JP_OK;
     }
-    enter(pilot, JP_PILOT_DRIVING);
     if (drive->is_waiting || drive->is_driven) {
         const struct jp_trajectory_task task = task_of(pilot, telemetry);
 
-        return jp_trajectory_plan_redirect(&drive->plan, &task);
+        status = jp_trajectory_plan_redirect(&drive->plan, &task);
     }
-    return JP_OK;
+    /* Not before: else the legs of the old route would be planned on. */
+    if (status == JP_OK) {
+        enter(pilot, JP_PILOT_DRIVING);
+    }
+    return status;
 }
 
 static enum jp_status look_ahead_on(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)

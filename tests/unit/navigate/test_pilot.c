@@ -540,6 +540,25 @@ static void test_a_leg_that_fails_when_it_is_driven(void)
     TEST_ASSERT_EQUAL_INT32(JP_ROBOT_DRIVING, telemetry().state);
 }
 
+/* They changed when the whole route was planned: the route that is driven is not gone on with. */
+static void test_a_new_route_that_changes_before_it_is_taken(void)
+{
+    struct jp_point targets[] = {aside[0], aside[1]};
+
+    balance();
+    follow_slalom();
+    work_until_driving();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(targets, 2));
+    for (unsigned i = 0; i < 3U; i++) {
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+    }
+    TEST_ASSERT_EQUAL_UINT16(2, pilot.targets_surveyed);
+    targets[1] = targets[0];
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ZERO_LENGTH, jp_pilot_work(&pilot));
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+    TEST_ASSERT_EQUAL_UINT16(0, pilot.targets_planned);
+}
+
 static void test_somebody_else_hands_a_segment_over(void)
 {
     const struct jp_segment_command other = {{JP_Q24(0.1), 0}, 0, JP_Q16(1)};
