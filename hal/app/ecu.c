@@ -110,11 +110,11 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *con
     const struct jp_retained_slot *record;
     enum jp_status status;
 
-    if (ecu == NULL || port == NULL) {
+    if (ecu == NULL || model == NULL || port == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *ecu = (struct jp_ecu){.internal = {.port = *port, .retained = retained}};
-    status = jp_robot_init(&ecu->robot, config, model, field);
+    *ecu = (struct jp_ecu){.internal = {.port = *port, .retained = retained, .model = model}};
+    status = jp_robot_init(&ecu->robot, config, field);
     if (status == JP_OK) {
         status = jp_pilot_init(&ecu->pilot, &(struct jp_pilot_config){.model = model}, &ecu->robot, field);
     }
@@ -157,14 +157,13 @@ static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *
     return learning->state->identity == 0U ? JP_STORED_NOTHING : JP_STORED_OTHER_TABLES;
 }
 
-/** Writes the one of the two models that the tick does not read now, and lets the tick read that from then on. */
-static void use_learned_model(struct jp_ecu *ecu)
+/** Writes the one of the two models that the tick's telemetry does not read now, and lets it read that from then on. */
+static void tell_learned_model(struct jp_ecu *ecu)
 {
-    struct jp_energy_model *model =
-        &ecu->internal.models[jp_robot_model(&ecu->robot) == &ecu->internal.models[0] ? 1 : 0];
+    struct jp_energy_model *model = &ecu->internal.models[ecu->internal.model == &ecu->internal.models[0] ? 1 : 0];
 
     jp_learner_model(&ecu->pilot.learner, model);
-    jp_robot_use_model(&ecu->robot, model);
+    __atomic_store_n(&ecu->internal.model, model, __ATOMIC_RELEASE);
 }
 
 enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *learning, const char **field)
@@ -174,14 +173,14 @@ enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *le
         return JP_ERR_ARGUMENT;
     }
 
-    const struct jp_pilot_config config = {.model = jp_robot_model(&ecu->robot),
+    const struct jp_pilot_config config = {.model = ecu->internal.model,
                                            .learning = learning->learning,
                                            .meter = learning->of_battery ? JP_PILOT_BATTERY : JP_PILOT_MOTORS};
     const enum jp_status status = jp_pilot_init(&ecu->pilot, &config, &ecu->robot, field);
 
     if (status == JP_OK) {
         ecu->stored = restore(ecu, learning);
-        use_learned_model(ecu);
+        tell_learned_model(ecu);
         ecu->learns = true;
     }
     return status;
@@ -484,7 +483,7 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
     route = jp_route_link_take(&ecu->internal.routes, ecu->internal.operator_link.route);
     if (route != NULL) {
         if (ecu->learns) {
-            use_learned_model(ecu);
+            tell_learned_model(ecu);
         }
         ecu->internal.has_route = jp_pilot_follow(&ecu->pilot, route->points, route->length, JP_PILOT_PASS) == JP_OK;
     }

@@ -52,6 +52,13 @@ enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *le
 /** What was learned, to be stored; NULL: it does not learn. For the background. */
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu);
 
+/** The energy model as its telemetry tells it: the built-in one or, once it learns, the learned one of the last route.
+ * From any context. */
+static inline const struct jp_energy_model *jp_ecu_model(const struct jp_ecu *ecu)
+{
+    return __atomic_load_n(&ecu->internal.model, __ATOMIC_ACQUIRE);
+}
+
 /** Ticks without a sample since the first one, saturating; from any context. */
 static inline uint16_t jp_ecu_lost_samples(const struct jp_ecu *ecu)
 {

@@ -77,13 +77,14 @@ struct jp_ecu_internal {
     /* Of the background. */
     struct jp_operator_link operator_link;
     struct jp_route_link routes;
-    uint8_t refusal;                  /**< enum jp_refusal of the last Stand of a robot whose motors are off */
-    bool told_to_stand;               /**< the last valid OperatorCommand since the last work is a Stand */
-    bool has_route;                   /**< the pilot has the route, or has ended it unnoticed */
-    uint32_t worked_tick;             /**< up to which time has passed for it */
-    struct jp_energy_model models[2]; /**< the robot plans with one, as learned when the last route began */
-    uint32_t segments_told;           /**< in the last report of what was learned */
-    uint32_t told_tick;               /**< of that report */
+    uint8_t refusal;                     /**< enum jp_refusal of the last Stand of a robot whose motors are off */
+    bool told_to_stand;                  /**< the last valid OperatorCommand since the last work is a Stand */
+    bool has_route;                      /**< the pilot has the route, or has ended it unnoticed */
+    uint32_t worked_tick;                /**< up to which time has passed for it */
+    const struct jp_energy_model *model; /**< that the telemetry tells */
+    struct jp_energy_model models[2];    /**< one of them, as learned when the last route began */
+    uint32_t segments_told;              /**< in the last report of what was learned */
+    uint32_t told_tick;                  /**< of that report */
 
     /* From the tick to the background and back. */
     struct jp_can_frame queue[JP_ECU_QUEUE];

@@ -209,10 +209,9 @@ static jp_q16 parameter(const struct jp_energy_model *model, uint8_t index)
 
 static void energy_parameter(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
+    const struct jp_energy_model *model = __atomic_load_n(&ecu->internal.model, __ATOMIC_ACQUIRE);
     const struct jp_can_energy_parameter_t signals = {
-        .index = ecu->internal.parameter,
-        .count = PARAMETERS,
-        .value = parameter(jp_robot_model(&ecu->robot), ecu->internal.parameter)};
+        .index = ecu->internal.parameter, .count = PARAMETERS, .value = parameter(model, ecu->internal.parameter)};
 
     frame->id = JP_CAN_ENERGY_PARAMETER_FRAME_ID;
     (void)jp_can_energy_parameter_pack(frame->data, &signals, sizeof frame->data);

@@ -45,8 +45,7 @@ int main(void)
                                                    .learning = &jp_learning_courier24};
     const char *field = "";
 
-    if (board_start() != JP_OK ||
-        jp_robot_init(&robot, &jp_robot_courier24, &jp_energy_model_courier24, &field) != JP_OK ||
+    if (board_start() != JP_OK || jp_robot_init(&robot, &jp_robot_courier24, &field) != JP_OK ||
         jp_pilot_init(&pilot, &driving, &robot, &field) != JP_OK ||
         board_start_ticks(jp_robot_courier24.estimator.tick_rate) != JP_OK) {
         stay_off();

@@ -1,13 +1,12 @@
 /**
- * One robot: sensors in, voltages out, a route driven by joules.
+ * One robot: sensors in, voltages out. What it drives is handed over piece by piece; pilot.h plans and drives routes.
  *
  *   jp_robot_tick()  at the control rate, from the control interrupt: short and bounded; in two parts, so that the
  *                    bridges need not wait for the second
- *   jp_robot_work()  from the background loop, between ticks: plans the next segment
  *
- *            enable                drive, follow
+ *            enable                     drive
  *   idle ───────────▶ balancing ◀──────────────▶ driving        fallen: |ψ| beyond the tilt limit
- *    ▲  │                 │       route done, stop   │           fault:  a confirmed sensor or HAL fault
+ *    ▲  │                 │       all done, stop     │           fault:  a confirmed sensor or HAL fault
  *    │  └────────────┐    ▼                          ▼
  *    └───────────── fallen, fault ◀──────────────────┘           motors are off in idle, fallen and fault
  *      disable
@@ -117,7 +116,6 @@ struct jp_path_error {
 /** Private. What most functions use stands first, where the instructions that reach it are short. */
 struct jp_robot_internal {
     const struct jp_robot_config *config;
-    const struct jp_energy_model *model;
     uint8_t next_full;
     uint8_t enable_requested;
     uint8_t stop_requested;
@@ -156,12 +154,6 @@ struct jp_robot_internal {
     struct jp_voltages reviewed; /**< in the interval that the last frame ended */
     jp_energy segment_start_model;
     jp_energy segment_start_battery;
-
-    const struct jp_point *route;
-    uint16_t route_length;
-    uint16_t route_planned; /**< segments planned so far */
-    enum jp_status route_status;
-    struct jp_segment planned; /**< the last segment planned */
 };
 
 /** The caller's memory; the functions below give access to it. */
@@ -170,12 +162,11 @@ struct jp_robot {
 };
 
 /**
- * Prepares a robot in state idle. config and model are kept by pointer.
+ * Prepares a robot in state idle. config is kept by pointer.
  * JP_ERR_ARGUMENT: a pointer is null. JP_ERR_CONFIG: *field names the first field out of range; it is
  * estimator.tick_rate where the parts do not have the same rate. Not for ISRs.
  */
-enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config,
-                             const struct jp_energy_model *model, const char **field);
+enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config, const char **field);
 
 /**
  * The part of a control tick that the bridges wait for: sensors to duties. `read` is what the HAL returned for the
@@ -192,18 +183,6 @@ void jp_robot_account(struct jp_robot *robot);
 /** A whole tick: jp_robot_control(), then jp_robot_account(). Constant time; for the control ISR. */
 void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                    struct jp_actuation *actuation);
-
-/**
- * A slice of background work: when the current segment nears its end, plans the next one of the route from where the
- * robot will be. At most two jp_segment_optimise(). Returns the first planning failure of the route (the robot then
- * stops at the end of the segment), else JP_OK. Motors that are switched off end the route and are no failure.
- * JP_ERR_ARGUMENT: null. Not for ISRs.
- */
-enum jp_status jp_robot_work(struct jp_robot *robot);
-
-/** Sets the model for further plans, which must have passed jp_energy_model_check() and is kept by pointer. From the
- *  context of jp_robot_work(); a tick in progress may still read the old model. */
-void jp_robot_use_model(struct jp_robot *robot, const struct jp_energy_model *model);
 
 /** Writes what jp_robot_resume() needs; after any tick and in its context. Constant time. */
 void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapshot);
@@ -223,8 +202,8 @@ void jp_robot_know_gyro_bias(struct jp_robot *robot, int64_t bias);
  *  JP_ERR_ARGUMENT: null. */
 enum jp_status jp_robot_enable(struct jp_robot *robot);
 
-/** To idle with motors off, at the next tick; clears faults and the route. Enabling again needs a plausible frame after
- *  that. After a fault all motion is measured anew: position and heading begin at the origin. */
+/** To idle with motors off, at the next tick; clears faults and what waits. Enabling again needs a plausible frame
+ * after that. After a fault all motion is measured anew: position and heading begin at the origin. */
 void jp_robot_disable(struct jp_robot *robot);
 
 /**
@@ -244,15 +223,7 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
  */
 enum jp_status jp_robot_drive_trajectory(struct jp_robot *robot, const struct jp_trajectory *trajectory);
 
-/**
- * Drives through `route`, each segment planned for least energy; the array must stay until the robot stands. The last
- * segment ends in motion at the last point; then the robot rolls beyond it and comes back to a balanced stand there.
- * The telemetry's energies count that, those of the segments do not. Replaces an earlier route and a segment that
- * waits. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
- */
-enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *route, uint16_t length);
-
-/** Brakes to a balanced stand and forgets the route, at the next tick. */
+/** Brakes to a balanced stand and forgets what waits, at the next tick. */
 void jp_robot_stop(struct jp_robot *robot);
 
 /* What may be known of a robot from any context. */
@@ -270,38 +241,22 @@ bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sampl
 /** What the robot does. */
 enum jp_robot_state jp_robot_state_now(const struct jp_robot *robot);
 
-/** The energy model that it plans with. */
-const struct jp_energy_model *jp_robot_model(const struct jp_robot *robot);
-
 /** What it was prepared with. */
 static inline const struct jp_robot_config *jp_robot_configuration(const struct jp_robot *robot)
 {
     return robot->internal.config;
 }
 
-/* In the context of jp_robot_work(). */
+/* In the context of the functions that drive. */
 
-/** How the planning of the route goes, as jp_robot_work() returned it last; for the tick, too. */
-static inline enum jp_status jp_robot_route_status(const struct jp_robot *robot)
-{
-    return robot->internal.route_status;
-}
-
-/** The last segment that jp_robot_work() planned; it writes it. */
-static inline const struct jp_segment *jp_robot_planned(const struct jp_robot *robot)
-{
-    return &robot->internal.planned;
-}
-
-/** Segments of the route that jp_robot_work() has planned and handed over. */
-static inline uint16_t jp_robot_segments_planned(const struct jp_robot *robot)
-{
-    return robot->internal.route_planned;
-}
-
-/** A segment waits for the tick, or one of the route is still to be planned. When it is asked before the state, one
- *  that does not wait any more shows in the state. */
+/** A segment or a trajectory waits for the tick. When it is asked before the state, one that does not wait any more
+ *  shows in the state. */
 bool jp_robot_has_next(const struct jp_robot *robot);
+
+/** Where and how the robot will end what it drives, or, when it balances, will stand: measured position, heading of the
+ *  reference. *telemetry is that of now. Two sines; not for ISRs. */
+void jp_robot_predict_end(const struct jp_robot *robot, const struct jp_telemetry *telemetry, struct jp_point *position,
+                          jp_angle *heading);
 
 /*
  * In the context of the tick and between ticks, where no tick changes what they show meanwhile; all others take

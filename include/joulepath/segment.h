@@ -49,8 +49,8 @@ struct jp_segment {
     jp_q16 energy; /**< predicted E, J */
 };
 
-/** Checks every field against the model. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a
- *  pointer is null. Not for ISRs. */
+/** Checks every field, and against the model that segments are planned with; null: none are. JP_ERR_CONFIG: *field
+ * names the first one out of range. JP_ERR_ARGUMENT: another pointer is null. Not for ISRs. */
 enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, const struct jp_energy_model *model,
                                        const char **field);
 
@@ -75,7 +75,7 @@ enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, c
  * thousand, with up to 1.005 of the minimum seen; for models far from it (parameters up to four times off, Ts from 0 s
  * to 6 s) up to 1.044 was seen. tests/property/prop_segment.c measures it.
  * At most JP_SEGMENT_EVALUATIONS evaluations, no other unbounded loop; Cortex-M4 instructions: tests/bench/FIGURES.md.
- * For jp_robot_work(), not for ISRs.
+ * For the background, not for ISRs.
  */
 enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const struct jp_segment_limits *limits,
                                    const struct jp_motion *before, const struct jp_point *start, jp_angle heading,
@@ -86,6 +86,15 @@ enum jp_status jp_segment_optimise(const struct jp_energy_model *model, const st
  *  `end_heading` may point to the heading's variable. */
 enum jp_status jp_segment_end(const struct jp_segment *segment, const struct jp_point *start, jp_angle heading,
                               struct jp_point *end, jp_angle *end_heading);
+
+/**
+ * While the shaped reference turns by `turn` rad, the robot drives on toward the old heading: by 2τ, the tracker's lag,
+ * at the old speed. As if it had turned at once from the point returned instead of `start`: what plans a segment for a
+ * robot in motion plans it anew from there. The bandwidth is that of struct jp_reference_config, above 0. Constant
+ * time.
+ */
+struct jp_point jp_segment_turning_point(jp_q16 yaw_bandwidth, jp_q24 speed, const struct jp_point *start,
+                                         jp_angle heading, jp_q24 turn);
 
 #ifdef __cplusplus
 }

@@ -61,7 +61,7 @@ static bool drive(struct rig *rig, const struct jp_segment_command *command, uin
 
     (void)jp_robot_drive(&rig->robot, command);
     for (uint32_t tick = 0; tick < ticks; tick++) {
-        (void)rig_tick(rig);
+        rig_tick(rig);
         if (telemetry->state != JP_ROBOT_DRIVING) {
             return false;
         }
@@ -119,7 +119,7 @@ void experiment_run(struct experiment *experiment, struct rig *rig, double secon
     experiment->faults = telemetry->faults;
 
     /* One tick more closes the last window. */
-    (void)rig_tick(rig);
+    rig_tick(rig);
     energy[windows] = of_motors(jp_robot_meter(&rig->robot), telemetry->segment_energy_model,
                                 telemetry->segment_energy_battery, ticks);
     experiment->settling = settled_window(window_voltage, windows, threshold) * EXPERIMENT_WINDOW_TICKS * tick;

@@ -42,8 +42,7 @@ const struct jp_energy_model *rig_energy_model(const struct robot_entry *entry, 
     return model;
 }
 
-bool rig_init(struct rig *rig, const struct robot_entry *entry, const struct jp_energy_model *model,
-              const struct robot_file *file, uint64_t seed)
+bool rig_init(struct rig *rig, const struct robot_entry *entry, const struct robot_file *file, uint64_t seed)
 {
     const char *field = "";
 
@@ -51,29 +50,26 @@ bool rig_init(struct rig *rig, const struct robot_entry *entry, const struct jp_
     plant_hold(&rig->world.plant, 0);
     rig->hal = jp_hal_sim(&rig->world);
     rig->written = JP_OK;
-    if (jp_robot_init(&rig->robot, entry->config, model, &field) != JP_OK) {
+    if (jp_robot_init(&rig->robot, entry->config, &field) != JP_OK) {
         error_line("%s: %s is out of range; run make gains ROBOT=%s", entry->name, field, entry->name);
         return false;
     }
     return true;
 }
 
-enum jp_status rig_tick(struct rig *rig)
+void rig_tick(struct rig *rig)
 {
-    enum jp_status status = jp_robot_work(&rig->robot);
-
     jp_hal_tick(&rig->hal, &rig->robot, &rig->written);
     world_step(&rig->world);
-    return status;
 }
 
 void rig_release(struct rig *rig, double pitch_rad)
 {
     plant_hold(&rig->world.plant, pitch_rad);
     for (int i = 0; i < HOLD_TICKS; i++) {
-        (void)rig_tick(rig);
+        rig_tick(rig);
     }
     (void)jp_robot_enable(&rig->robot);
     plant_release(&rig->world.plant);
-    (void)rig_tick(rig);
+    rig_tick(rig);
 }

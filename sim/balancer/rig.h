@@ -19,13 +19,12 @@ const struct robot_entry *rig_find_robot(const char *name);
 /** The robot's identified model of this energy, or NULL after one line on stderr. */
 const struct jp_energy_model *rig_energy_model(const struct robot_entry *entry, enum energy_kind kind);
 
-/** Ready and held upright. Prints one line on stderr and returns false when the configuration or model is refused.
- *  A rig must not be moved after it. */
-bool rig_init(struct rig *rig, const struct robot_entry *entry, const struct jp_energy_model *model,
-              const struct robot_file *file, uint64_t seed);
+/** Ready and held upright. Prints one line on stderr and returns false when the configuration is refused. A rig must
+ * not be moved after it. */
+bool rig_init(struct rig *rig, const struct robot_entry *entry, const struct robot_file *file, uint64_t seed);
 
-/** One tick: background work, control, physics. Returns the status of the background work. */
-enum jp_status rig_tick(struct rig *rig);
+/** One tick: control, physics. */
+void rig_tick(struct rig *rig);
 
 /** A hand holds the robot at this pitch while it measures the vertical, then lets go: it balances. */
 void rig_release(struct rig *rig, double pitch_rad);

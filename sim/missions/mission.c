@@ -12,6 +12,7 @@
 #include "sim/missions/cruise_plan.h"
 #include "sim/missions/mission_log.h"
 #include "sim/missions/script.h"
+#include "sim/missions/segment_route.h"
 
 #define Q24_ONE  16777216.0
 #define Q16_ONE  65536.0
@@ -33,9 +34,11 @@ struct drive {
     struct mission *mission;
     const struct scenario *scenario;
     struct rig rig;
+    const struct jp_energy_model *model;
     struct jp_point targets[BEZIER_WAYPOINTS_MAX];
     struct jp_pilot pilot;
-    struct cruise_plan cruise; /**< within a budget; without one the pilot plans */
+    struct cruise_plan cruise;     /**< within a budget; without one the pilot plans */
+    struct segment_route segments; /**< of the greedy plan */
     struct script script;
     size_t step;       /**< next step of the script */
     size_t ended;      /**< steps ended */
@@ -213,7 +216,7 @@ static void predict_script(struct drive *drive)
     for (size_t i = 0; i < drive->script.count; i++) {
         struct jp_segment segment = {.command = drive->script.steps[i].command};
 
-        if (jp_energy_predict(jp_robot_model(&drive->rig.robot), &before, &segment.command, &segment.energy) == JP_OK) {
+        if (jp_energy_predict(drive->model, &before, &segment.command, &segment.energy) == JP_OK) {
             note_plan(&drive->mission->legs[i], &segment);
         }
         before = segment.command.motion;
@@ -267,7 +270,7 @@ static bool prepare_pilot(struct drive *drive, const struct robot_entry *entry)
 {
     const bool battery = drive->scenario->energy == ENERGY_BATTERY;
     const struct jp_learning *learning = battery ? entry->learning_battery : entry->learning;
-    const struct jp_pilot_config config = {.model = jp_robot_model(&drive->rig.robot),
+    const struct jp_pilot_config config = {.model = drive->model,
                                            .learning = drive->scenario->model == SCENARIO_PUBLISHED ? NULL : learning,
                                            .meter = battery ? JP_PILOT_BATTERY : JP_PILOT_MOTORS};
     const char *field = "";
@@ -294,8 +297,8 @@ static bool prepare_within(struct drive *drive)
 {
     const struct scenario *scenario = drive->scenario;
     const struct jp_budget_plan *forecast = &drive->cruise.forecast;
-    const enum jp_status status = cruise_plan_within(
-        &drive->cruise, scenario, jp_robot_configuration(&drive->rig.robot), jp_robot_model(&drive->rig.robot));
+    const enum jp_status status =
+        cruise_plan_within(&drive->cruise, scenario, jp_robot_configuration(&drive->rig.robot), drive->model);
 
     if (status == JP_ERR_INFEASIBLE && forecast->energy < INT32_MAX) {
         return scenario->within_seconds > 0 ? cannot(drive, "within_seconds = %g: the robot needs %.1f s; raise it",
@@ -307,6 +310,21 @@ static bool prepare_within(struct drive *drive)
         return cannot_be_planned(drive, 0, status);
     }
     drive->mission->forecast = (struct mission_forecast){true, forecast->energy / Q16_ONE, 0};
+    return true;
+}
+
+static bool prepare_segments(struct drive *drive, const struct robot_entry *entry)
+{
+    const char *field = "";
+
+    if (jp_segment_limits_check(&entry->config->limits, drive->model, &field) != JP_OK) {
+        error_line("%s: %s is out of range; run make gains ROBOT=%s", entry->name, field, entry->name);
+        return false;
+    }
+    drive->segments = (struct segment_route){.robot = &drive->rig.robot,
+                                             .model = drive->model,
+                                             .targets = drive->targets,
+                                             .count = (uint16_t)drive->mission->leg_count};
     return true;
 }
 
@@ -325,7 +343,7 @@ static bool prepare(struct drive *drive, const struct robot_entry *entry, const 
         return prepare_bezier(drive, BEZIER_ROUTE);
     case MISSION_OPTIMAL:
     default:
-        return true;
+        return prepare_segments(drive, entry);
     }
 }
 
@@ -365,17 +383,17 @@ static bool work_of_pilot(struct drive *drive)
     return status == JP_OK || cannot_be_planned(drive, drive->pilot.targets_surveyed, status);
 }
 
-static bool work_of_robot(struct drive *drive)
+/** The greedy plan's next segment, if it has one that is due. */
+static bool work_of_segments(struct drive *drive)
 {
-    struct jp_robot *robot = &drive->rig.robot;
-    const uint16_t planned = jp_robot_segments_planned(robot);
-    const enum jp_status status = jp_robot_work(robot);
+    const uint16_t planned = drive->segments.planned;
+    const enum jp_status status = segment_route_work(&drive->segments);
 
     if (status != JP_OK) {
         return cannot_be_planned(drive, planned, status);
     }
-    if (jp_robot_segments_planned(robot) > planned) {
-        note_plan(&drive->mission->legs[planned], jp_robot_planned(robot));
+    if (drive->segments.planned > planned) {
+        note_plan(&drive->mission->legs[planned], &drive->segments.segment);
     }
     return true;
 }
@@ -385,7 +403,7 @@ static bool command(struct drive *drive)
 {
     const bool is_piloted = drive->mission->strategy == MISSION_CRUISE && !has_budget(drive);
 
-    return (is_piloted ? work_of_pilot(drive) : work_of_robot(drive)) && feed(drive);
+    return (is_piloted ? work_of_pilot(drive) : work_of_segments(drive)) && feed(drive);
 }
 
 static bool still_stands(const struct drive *drive)
@@ -565,9 +583,6 @@ static bool follow(struct drive *drive)
     if (drive->mission->strategy == MISSION_CRUISE) {
         (void)jp_robot_drive_trajectory(&drive->rig.robot, &drive->cruise.trajectory);
     }
-    if (drive->mission->strategy == MISSION_OPTIMAL) {
-        (void)jp_robot_follow(&drive->rig.robot, drive->targets, (uint16_t)drive->mission->leg_count);
-    }
     return true;
 }
 
@@ -575,10 +590,10 @@ static bool start(struct drive *drive, const struct mission *driven)
 {
     const struct scenario *scenario = drive->scenario;
     const struct robot_entry *entry = rig_find_robot(scenario->robot.name);
-    const struct jp_energy_model *model = entry == NULL ? NULL : mission_model(scenario, entry);
     struct mission *mission = drive->mission;
 
-    if (model == NULL || !rig_init(&drive->rig, entry, model, &scenario->robot, scenario->seed)) {
+    drive->model = entry == NULL ? NULL : mission_model(scenario, entry);
+    if (drive->model == NULL || !rig_init(&drive->rig, entry, &scenario->robot, scenario->seed)) {
         return false;
     }
     mission->leg_count = scenario->waypoint_count - 1;

@@ -9,7 +9,7 @@
 
 enum mission_strategy {
     /* One segment after the other. */
-    MISSION_OPTIMAL,  /**< jp_robot_follow: each segment planned for least energy */
+    MISSION_OPTIMAL,  /**< segment_route_work: each segment planned for least energy */
     MISSION_STRAIGHT, /**< straight chords, with the times of MISSION_OPTIMAL */
     MISSION_BEZIER,   /**< energy-optimised cubic Bézier curves */
     /* The whole route together. */

@@ -118,7 +118,7 @@ static void tick(struct drive *drive)
 
     disturb(drive);
     (void)jp_pilot_work(&drive->pilot);
-    (void)rig_tick(&drive->rig);
+    rig_tick(&drive->rig);
     if (telemetry->segments_ended != drive->segments_ended) {
         drive->segments_ended = telemetry->segments_ended;
         if (telemetry->segments_ended != 0) {
@@ -290,7 +290,7 @@ static bool prepare(struct drive *drive, const struct robot_entry *entry)
     const char *field = "";
 
     variation_apply(&drive->trip->variation, drive->file, &varied);
-    if (!rig_init(&drive->rig, entry, entry->energy, &varied, drive->trip->seed)) {
+    if (!rig_init(&drive->rig, entry, &varied, drive->trip->seed)) {
         return false;
     }
     if (entry->learning == NULL || jp_pilot_init(&drive->pilot, &config, &drive->rig.robot, &field) != JP_OK ||

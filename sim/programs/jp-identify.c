@@ -100,8 +100,7 @@ static bool run(struct campaign *campaign)
             error_line("--count %zu: no memory for so many; choose fewer", campaign->count);
             return false;
         }
-        if (!rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file,
-                      campaign->arguments->common.seed + i)) {
+        if (!rig_init(&rig, campaign->entry, &campaign->file, campaign->arguments->common.seed + i)) {
             return false;
         }
         experiment_run(&record->experiment, &rig, SEGMENT_SECONDS, campaign->arguments->threshold, record->energy);

@@ -4,15 +4,10 @@
 #include <stddef.h>
 
 #include "src/balancer/path_error.h"
-#include "src/balancer/robot_route.h"
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
 #include "src/energy/energy_terms.h"
-#include "src/trajectory/segment_geometry.h"
-
-/** The next segment is planned this long before the current one ends: s⁻¹, so a tenth of a second. */
-#define PLAN_LEAD_RATE 10U
 
 /** Checks that all parts have one tick rate and one wheel radius. */
 static enum jp_status check_relations(const struct jp_robot_config *config, const char **field)
@@ -29,33 +24,30 @@ static enum jp_status check_relations(const struct jp_robot_config *config, cons
     return JP_OK;
 }
 
-static enum jp_status check(const struct jp_robot_config *config, const struct jp_energy_model *model,
-                            const char **field)
+static enum jp_status check(const struct jp_robot_config *config, const char **field)
 {
     const bool parts_fit =
         jp_estimator_check(&config->estimator, field) == JP_OK &&
         jp_reference_check(&config->reference, field) == JP_OK && jp_lqr_check(&config->lqr, field) == JP_OK &&
         jp_monitor_check(&config->monitor, field) == JP_OK && jp_meter_check(&config->meter, field) == JP_OK &&
-        jp_energy_model_check(model, field) == JP_OK &&
-        jp_segment_limits_check(&config->limits, model, field) == JP_OK &&
+        jp_segment_limits_check(&config->limits, NULL, field) == JP_OK &&
         jp_trajectory_check(&config->trajectory, field) == JP_OK;
 
     return parts_fit ? check_relations(config, field) : JP_ERR_CONFIG;
 }
 
-enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config,
-                             const struct jp_energy_model *model, const char **field)
+enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_config *config, const char **field)
 {
-    if (robot == NULL || config == NULL || model == NULL || field == NULL) {
+    if (robot == NULL || config == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
 
-    enum jp_status status = check(config, model, field);
+    enum jp_status status = check(config, field);
 
     if (status != JP_OK) {
         return status;
     }
-    *robot = (struct jp_robot){.internal = {.config = config, .model = model}};
+    *robot = (struct jp_robot){.internal = {.config = config}};
     jp_monitor_start(&robot->internal.monitor, &config->monitor);
     jp_meter_start(&robot->internal.meter, &config->meter);
     jp_lqr_start(&robot->internal.lqr, &config->lqr);
@@ -459,11 +451,6 @@ void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapsho
 
 /* The background. */
 
-void jp_robot_use_model(struct jp_robot *robot, const struct jp_energy_model *model)
-{
-    JP_STORE_RELEASE(&robot->internal.model, model);
-}
-
 void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot)
 {
     robot->internal.estimator = snapshot->estimator;
@@ -494,24 +481,16 @@ enum jp_status jp_robot_enable(struct jp_robot *robot)
     return JP_OK;
 }
 
-/** Also the segment of it that waits. */
-static JP_INLINE_FOR_SPEED void forget_route(struct jp_robot_internal *robot)
-{
-    robot->route_length = 0;
-    robot->route_status = JP_OK;
-    post(&robot->next_full, 0);
-}
-
 void jp_robot_disable(struct jp_robot *robot)
 {
-    forget_route(&robot->internal);
+    post(&robot->internal.next_full, 0);
     post(&robot->internal.enable_requested, 0);
     post(&robot->internal.disable_requested, 1);
 }
 
 void jp_robot_stop(struct jp_robot *robot)
 {
-    forget_route(&robot->internal);
+    post(&robot->internal.next_full, 0);
     post(&robot->internal.stop_requested, 1);
 }
 
@@ -570,21 +549,6 @@ enum jp_status jp_robot_drive_trajectory(struct jp_robot *robot, const struct jp
     return JP_OK;
 }
 
-enum jp_status jp_robot_follow(struct jp_robot *robot, const struct jp_point *route, uint16_t length)
-{
-    if (robot == NULL || route == NULL || length == 0U) {
-        return JP_ERR_ARGUMENT;
-    }
-    if (!motors_run(jp_robot_state_now(robot))) {
-        return JP_ERR_STATE;
-    }
-    forget_route(&robot->internal);
-    robot->internal.route = route;
-    robot->internal.route_length = length;
-    robot->internal.route_planned = 0;
-    return JP_OK;
-}
-
 /** The distance that a balancing robot still has to roll to the place where it will stand, m. */
 static jp_q24 distance_to_stand(const struct jp_robot *robot, const struct jp_telemetry *telemetry)
 {
@@ -606,68 +570,4 @@ void jp_robot_predict_end(const struct jp_robot *robot, const struct jp_telemetr
     position->x = jp_add(telemetry->position.x, jp_multiply_shift(left, jp_cos(mean), 39));
     position->y = jp_add(telemetry->position.y, jp_multiply_shift(left, jp_sin(mean), 39));
     *heading = now + turned;
-}
-
-static JP_INLINE_FOR_SPEED enum jp_status optimise(struct jp_robot_internal *robot, const struct jp_motion *before,
-                                                   const struct jp_point *start, jp_angle heading)
-{
-    return jp_segment_optimise(robot->model, &robot->config->limits, before, start, heading,
-                               &robot->route[robot->route_planned], &robot->planned);
-}
-
-/** Plans the segment after the current one and hands it over: once for the turn, once from where that leads. */
-static enum jp_status plan_next(struct jp_robot *robot, const struct jp_telemetry *telemetry)
-{
-    const struct jp_motion *before = &telemetry->command;
-    struct jp_point start;
-    jp_angle heading;
-
-    jp_robot_predict_end(robot, telemetry, &start, &heading);
-
-    enum jp_status status = optimise(&robot->internal, before, &start, heading);
-
-    if (status == JP_OK && before->speed != 0 && robot->internal.config->reference.yaw_bandwidth != 0) {
-        start = jp_segment_turning_point(robot->internal.config->reference.yaw_bandwidth, before->speed, &start,
-                                         heading, robot->internal.planned.command.turn);
-        status = optimise(&robot->internal, before, &start, heading);
-    }
-    if (status == JP_OK) {
-        status = jp_robot_drive(robot, &robot->internal.planned.command);
-    }
-    if (status == JP_OK) {
-        robot->internal.route_planned++;
-    }
-    return status;
-}
-
-static bool plan_is_due(const struct jp_robot *robot, const struct jp_telemetry *telemetry)
-{
-    return posted(&robot->internal.next_full) == 0U &&
-           telemetry->segment_ticks_left <= robot->internal.config->estimator.tick_rate / PLAN_LEAD_RATE;
-}
-
-enum jp_status jp_robot_work(struct jp_robot *robot)
-{
-    struct jp_telemetry telemetry;
-    enum jp_status status = JP_OK;
-
-    if (robot == NULL) {
-        return JP_ERR_ARGUMENT;
-    }
-    if (robot->internal.route_planned >= robot->internal.route_length || robot->internal.route_status != JP_OK ||
-        !jp_robot_telemetry(robot, &telemetry)) {
-        return robot->internal.route_status;
-    }
-    if (!motors_run(telemetry.state)) {
-        status = JP_ERR_STATE;
-    } else if (plan_is_due(robot, &telemetry)) {
-        status = plan_next(robot, &telemetry);
-    }
-    /* Motors that are off, or went off during the plan, end the route; no plan has failed. */
-    if (status == JP_ERR_STATE) {
-        forget_route(&robot->internal);
-    } else {
-        robot->internal.route_status = status;
-    }
-    return robot->internal.route_status;
 }

@@ -97,13 +97,7 @@ enum jp_robot_state jp_robot_state_now(const struct jp_robot *robot)
     return JP_LOAD(&robot->internal.telemetry.state);
 }
 
-const struct jp_energy_model *jp_robot_model(const struct jp_robot *robot)
-{
-    return JP_LOAD_ACQUIRE(&robot->internal.model);
-}
-
 bool jp_robot_has_next(const struct jp_robot *robot)
 {
-    return JP_LOAD_ACQUIRE(&robot->internal.next_full) != 0U ||
-           robot->internal.route_planned < robot->internal.route_length;
+    return JP_LOAD_ACQUIRE(&robot->internal.next_full) != 0U;
 }

@@ -4,7 +4,6 @@
 #include <joulepath/trajectory_energy.h>
 #include <stddef.h>
 
-#include "src/balancer/robot_route.h"
 #include "src/base/compiler.h"
 
 /** The next leg is planned this long before the present one ends: s⁻¹. */

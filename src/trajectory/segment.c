@@ -108,10 +108,9 @@ enum jp_status jp_segment_limits_check(const struct jp_segment_limits *limits, c
         FIELD(turn, 0, JP_Q24(3.141592653589793)),
         FIELD(duration, JP_SEGMENT_DURATION_MIN, JP_Q16(16384)),
     };
-    const enum jp_status status =
-        model == NULL ? JP_ERR_ARGUMENT : jp_config_check(limits, fields, JP_CONFIG_COUNT(fields), field);
+    const enum jp_status status = jp_config_check(limits, fields, JP_CONFIG_COUNT(fields), field);
 
-    if (status == JP_OK && limits->duration < model->settling_time) {
+    if (status == JP_OK && model != NULL && limits->duration < model->settling_time) {
         return jp_config_refuse("limits.duration", field);
     }
     return status;
@@ -137,4 +136,16 @@ enum jp_status jp_segment_end(const struct jp_segment *segment, const struct jp_
     end->y = jp_saturate32(y_end);
     *end_heading = direction + half;
     return x_end == end->x && y_end == end->y ? JP_OK : JP_ERR_OVERFLOW;
+}
+
+struct jp_point jp_segment_turning_point(jp_q16 yaw_bandwidth, jp_q24 speed, const struct jp_point *start,
+                                         jp_angle heading, jp_q24 turn)
+{
+    jp_angle turned = heading + jp_angle_from_radians(turn);
+    jp_q24 way = jp_q16_divide(jp_add(speed, speed), yaw_bandwidth);
+
+    return (struct jp_point){
+        .x = jp_add(start->x, jp_multiply_shift(way, jp_sub(jp_cos(heading) / 2, jp_cos(turned) / 2), 38)),
+        .y = jp_add(start->y, jp_multiply_shift(way, jp_sub(jp_sin(heading) / 2, jp_sin(turned) / 2), 38)),
+    };
 }

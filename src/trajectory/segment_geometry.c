@@ -102,15 +102,3 @@ jp_q16 jp_segment_shortest(jp_q16 least, const struct jp_segment_limits *limits,
 
     return long_enough(duration, (uint64_t)distance << 18, limits->speed);
 }
-
-struct jp_point jp_segment_turning_point(jp_q16 yaw_bandwidth, jp_q24 speed, const struct jp_point *start,
-                                         jp_angle heading, jp_q24 turn)
-{
-    jp_angle turned = heading + jp_angle_from_radians(turn);
-    jp_q24 way = jp_q16_divide(jp_add(speed, speed), yaw_bandwidth);
-
-    return (struct jp_point){
-        .x = jp_add(start->x, jp_multiply_shift(way, jp_sub(jp_cos(heading) / 2, jp_cos(turned) / 2), 38)),
-        .y = jp_add(start->y, jp_multiply_shift(way, jp_sub(jp_sin(heading) / 2, jp_sin(turned) / 2), 38)),
-    };
-}

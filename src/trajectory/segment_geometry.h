@@ -18,11 +18,4 @@ jp_q16 jp_segment_shortest(jp_q16 least, const struct jp_segment_limits *limits,
 void jp_segment_store(const struct jp_segment_limits *limits, uint32_t distance, jp_angle bearing, jp_q16 time_min,
                       int32_t x, int32_t xi, struct jp_segment *segment);
 
-/**
- * While the shaped reference turns by `turn` rad, the robot drives on toward the old heading: by 2τ, the tracker's lag,
- * at the old speed. As if it had turned at once from the point returned instead of `start`. The bandwidth is above 0.
- */
-struct jp_point jp_segment_turning_point(jp_q16 yaw_bandwidth, jp_q24 speed, const struct jp_point *start,
-                                         jp_angle heading, jp_q24 turn);
-
 #endif

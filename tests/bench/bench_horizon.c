@@ -61,7 +61,7 @@ static void drive_chain(void *context, size_t index)
     struct random random;
     struct rig rig;
 
-    if (!rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file, 2 * (SEED + index))) {
+    if (!rig_init(&rig, campaign->entry, &campaign->file, 2 * (SEED + index))) {
         fail("the robot was refused");
     }
     jp_robot_know_gyro_bias(&rig.robot, campaign->bias_known ? campaign->gyro_bias : 0);
@@ -74,12 +74,12 @@ static int64_t learned_gyro_bias(const struct campaign *campaign)
 {
     struct rig rig;
 
-    if (!rig_init(&rig, campaign->entry, campaign->entry->energy, &campaign->file, SEED)) {
+    if (!rig_init(&rig, campaign->entry, &campaign->file, SEED)) {
         fail("the robot was refused");
     }
     rig_release(&rig, 0);
     while ((double)rig.world.tick < standing * campaign->file.control.rate_hz) {
-        (void)rig_tick(&rig);
+        rig_tick(&rig);
     }
     return rig.robot.internal.estimator.gyro_bias;
 }

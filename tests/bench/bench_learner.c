@@ -201,7 +201,7 @@ static bool drive_chain(const struct drive *drive, uint64_t seed, struct chain_r
 
     const struct chain_change change = {.at = BEFORE, .robot = &changed};
 
-    if (!rig_init(&rig, drive->entry, drive->entry->energy, &robot, seed)) {
+    if (!rig_init(&rig, drive->entry, &robot, seed)) {
         exit(1);
     }
     return chain_run(&rig, records, SEGMENTS, &change) == SEGMENTS && records[SEGMENTS - 1].end == CHAIN_DRIVEN;

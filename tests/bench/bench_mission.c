@@ -121,7 +121,7 @@ static double driven_energy(const struct grid *grid, const struct jp_segment_com
 {
     struct rig rig;
 
-    if (!rig_init(&rig, grid->entry, grid->entry->energy, grid->file, 1)) {
+    if (!rig_init(&rig, grid->entry, grid->file, 1)) {
         fail("the robot was refused");
     }
     rig_release(&rig, 0);
@@ -129,7 +129,7 @@ static double driven_energy(const struct grid *grid, const struct jp_segment_com
         fail("a segment was refused");
     }
     do {
-        (void)rig_tick(&rig);
+        rig_tick(&rig);
     } while (jp_robot_state_now(&rig.robot) == JP_ROBOT_DRIVING);
     if (jp_robot_last_tick(&rig.robot)->segments_ended != 1) {
         fail("the robot fell");

@@ -157,7 +157,7 @@ static bool prepare_idle(void)
                                   .encoder_right = random_bits(),
                                   .accel_z = JP_Q24_ONE,
                                   .bus_voltage = JP_Q16(24)};
-    if (jp_robot_init(&prepared, &config, &jp_energy_model_courier24, &field) != JP_OK) {
+    if (jp_robot_init(&prepared, &config, &field) != JP_OK) {
         return false;
     }
     tick();
@@ -335,7 +335,7 @@ static bool prepare_resume(void)
         return false;
     }
     jp_robot_snapshot(&prepared, &snapshot);
-    if (jp_robot_init(&prepared, &config, &jp_energy_model_courier24, &field) != JP_OK) {
+    if (jp_robot_init(&prepared, &config, &field) != JP_OK) {
         return false;
     }
     jp_robot_resume(&prepared, &snapshot);

@@ -220,7 +220,7 @@ static bool drive_segment(const struct injection *injection, struct counts *coun
     for (;;) {
         for (int i = 0; i < PASS_TICKS; i++) {
             inject(injection);
-            (void)rig_tick(&scene.rig);
+            rig_tick(&scene.rig);
         }
         if (jp_robot_state_now(&scene.rig.robot) != JP_ROBOT_DRIVING) {
             (void)look(counts);
@@ -296,7 +296,7 @@ static void begin(bool of_battery, uint64_t seed)
     TEST_ASSERT_TRUE(entry != NULL && entry->learning_battery != NULL && entry->horizon_battery != NULL);
     TEST_ASSERT_TRUE(robot_file_load("sim/robots/courier24.cfg", &scene.file));
     variation_apply(&variation, &scene.file, &varied);
-    TEST_ASSERT_TRUE(rig_init(&scene.rig, entry, entry->energy, &varied, seed));
+    TEST_ASSERT_TRUE(rig_init(&scene.rig, entry, &varied, seed));
     random_init(&scene.random, seed);
     jp_learner_start(&scene.learner, of_battery ? entry->learning_battery : entry->learning,
                      of_battery ? entry->energy_battery : entry->energy,
@@ -381,7 +381,7 @@ static void expect_incomplete(const struct injection *injection)
     for (uint32_t i = 0; i < 1500 / PASS_TICKS; i++) {
         for (int k = 0; k < PASS_TICKS; k++) {
             inject(injection);
-            (void)rig_tick(&scene.rig);
+            rig_tick(&scene.rig);
         }
         (void)look(&counts);
     }

@@ -40,7 +40,7 @@ static void start(const char *name)
     TEST_ASSERT_NOT_NULL(entry);
     (void)snprintf(path, sizeof path, "sim/robots/%s.cfg", name);
     TEST_ASSERT_TRUE(robot_file_load(path, &file));
-    TEST_ASSERT_TRUE(rig_init(&rig, entry, entry->energy, &file, 1));
+    TEST_ASSERT_TRUE(rig_init(&rig, entry, &file, 1));
 
     const struct jp_pilot_config config = {.model = entry->energy, .learning = entry->learning};
 
@@ -70,7 +70,7 @@ static enum jp_status tick(void)
     if (rig.world.tick % every == 0) {
         status = jp_pilot_work(&pilot);
     }
-    (void)rig_tick(&rig);
+    rig_tick(&rig);
     return status;
 }
 

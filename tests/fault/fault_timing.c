@@ -78,7 +78,7 @@ static void start(const struct lateness *lateness)
 
     TEST_ASSERT_NOT_NULL(entry);
     TEST_ASSERT_TRUE(robot_file_load("sim/robots/courier24.cfg", &file));
-    TEST_ASSERT_TRUE(rig_init(&rig, entry, entry->energy, &file, SEED));
+    TEST_ASSERT_TRUE(rig_init(&rig, entry, &file, SEED));
     rig_release(&rig, 0.02);
     late = (struct late_board){.board = rig.hal, .lateness = *lateness};
     random_init(&late.random, SEED);
@@ -94,7 +94,7 @@ static double run(int ticks)
         if (random_uniform(&late.random, 0, 1) < late.lateness.left_out) {
             world_step(&rig.world);
         } else {
-            (void)rig_tick(&rig);
+            rig_tick(&rig);
         }
         peak = fmax(peak, fabs(rig.world.plant.state.pitch));
     }

@@ -389,7 +389,7 @@ static void test_what_another_robot_learned_is_refused_and_the_built_in_model_se
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_save(&others, &jp_robot_gao2018, &store, &field));
     run_firmware(sample, 3);
     TEST_ASSERT_EQUAL_INT(JP_STORED_OTHER_ROBOT, node.ecu.stored);
-    TEST_ASSERT_EQUAL_MEMORY(&FIRMWARE_ENERGY_MODEL, jp_robot_model(&node.ecu.robot), sizeof(struct jp_energy_model));
+    TEST_ASSERT_EQUAL_MEMORY(&FIRMWARE_ENERGY_MODEL, jp_ecu_model(&node.ecu), sizeof(struct jp_energy_model));
 }
 
 static void test_nothing_is_kept_after_a_fault(void)

@@ -11,7 +11,7 @@ int main(void)
     struct jp_segment segment;
     const char *field = "";
 
-    if (jp_robot_init(&robot, &jp_robot_courier24, &jp_energy_model_courier24, &field) != JP_OK) {
+    if (jp_robot_init(&robot, &jp_robot_courier24, &field) != JP_OK) {
         return 1;
     }
     if (jp_segment_optimise(&jp_energy_model_courier24, &jp_robot_courier24.limits, &rest, &start, 0, &target,

@@ -46,7 +46,7 @@ int main(void)
     enum jp_status written = JP_OK;
     const char *field = "";
 
-    if (jp_robot_init(&robot, &jp_robot_courier24, &jp_energy_model_courier24, &field) != JP_OK ||
+    if (jp_robot_init(&robot, &jp_robot_courier24, &field) != JP_OK ||
         jp_ecu_init(&ecu, &jp_robot_courier24, &jp_energy_model_courier24, &port, NULL, &field) != JP_OK) {
         return 1;
     }

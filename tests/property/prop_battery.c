@@ -298,7 +298,7 @@ static void drive(struct rig *rig, struct jp_battery *battery, double *exact)
         if (tick % 10000 == 0) {
             TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&rig->robot, &segments[tick / 10000]));
         }
-        TEST_ASSERT_EQUAL_INT(JP_OK, rig_tick(rig));
+        rig_tick(rig);
         *exact += plant_charge(&rig->world, before);
         if (tick % UPDATE_TICKS == UPDATE_TICKS - 1) {
             TEST_ASSERT_EQUAL_UINT8(0, jp_battery_update(battery, &lithium, jp_robot_meter(&rig->robot)->battery,
@@ -318,7 +318,7 @@ static void test_counts_what_leaves_the_battery_of_a_driven_robot(void)
 
     TEST_ASSERT_NOT_NULL(entry);
     TEST_ASSERT_TRUE(robot_file_load("sim/robots/courier24.cfg", &file));
-    TEST_ASSERT_TRUE(rig_init(&rig, entry, entry->energy, &file, options.seed));
+    TEST_ASSERT_TRUE(rig_init(&rig, entry, &file, options.seed));
     rig_release(&rig, 0.02);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_start(&battery, &lithium, start, jp_robot_meter(&rig.robot)->battery));
     drive(&rig, &battery, &exact);

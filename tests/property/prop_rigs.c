@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim/balancer/rig.h"
+#include "sim/missions/segment_route.h"
 #include "unity.h"
 
 #define RIGS  3
@@ -16,12 +17,12 @@ static const struct jp_point routes[RIGS][2] = {
     {{JP_Q16(6), JP_Q16(0.5)}, {JP_Q16(9), JP_Q16(4)}},
 };
 
-/* A rig's robot, route and what it did. */
+/* A rig, what its robot drives and what it did. */
 struct course {
     const char *name;
     uint64_t seed;
-    const struct jp_point *route;
     struct rig rig;
+    struct segment_route segments;
     uint64_t hash;
 };
 
@@ -67,21 +68,22 @@ static bool start(struct course *course, size_t index)
 
     course->name = index == 1 ? "gao2018" : "courier24";
     course->seed = index + 1;
-    course->route = routes[index];
     course->hash = 14695981039346656037u;
     entry = rig_find_robot(course->name);
     (void)snprintf(path, sizeof path, "sim/robots/%s.cfg", course->name);
-    if (entry == NULL || !robot_file_load(path, &file) ||
-        !rig_init(&course->rig, entry, entry->energy, &file, course->seed)) {
+    if (entry == NULL || !robot_file_load(path, &file) || !rig_init(&course->rig, entry, &file, course->seed)) {
         return false;
     }
     rig_release(&course->rig, 0.05);
-    return jp_robot_follow(&course->rig.robot, course->route, 2) == JP_OK;
+    course->segments = (struct segment_route){
+        .robot = &course->rig.robot, .model = entry->energy, .targets = routes[index], .count = 2};
+    return true;
 }
 
 static void advance(struct course *course)
 {
-    (void)rig_tick(&course->rig);
+    (void)segment_route_work(&course->segments);
+    rig_tick(&course->rig);
     add_tick(course);
 }
 

@@ -64,7 +64,7 @@ static void drive_for_long(void)
 
     config = jp_robot_courier24;
     config.monitor.freeze_ticks = 0;
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &jp_energy_model_courier24, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &field));
     tick();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_enable(&robot));
     tick();

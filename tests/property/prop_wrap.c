@@ -94,7 +94,7 @@ static void drive_rig(const struct robot_entry *entry, const struct robot_file *
     static struct rig rig;
     uint32_t before = left;
 
-    TEST_ASSERT_TRUE(rig_init(&rig, entry, entry->energy, file, 7));
+    TEST_ASSERT_TRUE(rig_init(&rig, entry, file, 7));
     rig.world.instruments.encoder_start_left = left;
     rig.world.instruments.encoder_start_right = right;
     rig_release(&rig, 0.02);
@@ -103,7 +103,7 @@ static void drive_rig(const struct robot_entry *entry, const struct robot_file *
         if (tick == 100 || tick == 5000) {
             TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&rig.robot, &segments[tick == 5000]));
         }
-        TEST_ASSERT_EQUAL_INT(JP_OK, rig_tick(&rig));
+        rig_tick(&rig);
         trace->voltages[tick] = jp_robot_last_tick(&rig.robot)->voltages;
         trace->sign_changes += (rig.world.last_read.encoder_left ^ before) >> 31;
         before = rig.world.last_read.encoder_left;

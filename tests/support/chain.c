@@ -46,7 +46,7 @@ static bool drive_tick(struct rig *rig, struct chain_record *record)
     const struct plant_ledger before = world->plant.ledger;
     const uint32_t saturated = jp_robot_last_tick(&rig->robot)->saturated_ticks;
 
-    (void)rig_tick(rig);
+    rig_tick(rig);
     if (jp_robot_state_now(&rig->robot) != JP_ROBOT_DRIVING) {
         return false;
     }
@@ -162,7 +162,7 @@ size_t chain_run(struct rig *rig, struct chain_record *records, size_t count, co
         }
     }
     if (driving) {
-        (void)rig_tick(rig);
+        rig_tick(rig);
     }
     close_record(rig, &start, open);
     return (size_t)(open - records) + 1;

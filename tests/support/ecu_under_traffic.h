@@ -145,7 +145,7 @@ static void check_learned(const struct jp_ecu *ecu)
     const char *field;
 
     require(state == NULL || jp_learned_state_check(state, &field) == JP_OK, "what was learned is out of range");
-    require(jp_energy_model_check(jp_robot_model(&ecu->robot), &field) == JP_OK,
+    require(jp_energy_model_check(jp_ecu_model(ecu), &field) == JP_OK,
             "the model that is planned with is out of range");
 }
 

@@ -72,7 +72,7 @@ static inline void init(void)
 {
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_init(&robot, &robot_config, &model, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_init(&robot, &robot_config, &field));
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_init(&pilot, &config, &robot, &field));
 }
 

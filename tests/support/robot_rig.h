@@ -10,7 +10,6 @@
 #define RATE 1000 /* ticks a second */
 
 static const struct jp_segment_command one_second = {{JP_Q24(0.1), 0}, 0, JP_Q16(1)};
-static const struct jp_point route[] = {{JP_Q16(0.3), 0}, {JP_Q16(0.6), JP_Q16(0.1)}};
 
 static struct jp_robot_config config;
 static struct jp_robot robot;
@@ -21,7 +20,7 @@ static inline void init(void)
 {
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &jp_energy_model_courier24, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &field));
 }
 
 void setUp(void)
@@ -46,14 +45,6 @@ static inline void tick_read(enum jp_status read)
 static inline void run(uint32_t ticks)
 {
     for (uint32_t i = 0; i < ticks; i++) {
-        tick_read(JP_OK);
-    }
-}
-
-static inline void work(uint32_t ticks)
-{
-    for (uint32_t i = 0; i < ticks; i++) {
-        TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
         tick_read(JP_OK);
     }
 }

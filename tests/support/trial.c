@@ -4,6 +4,8 @@
 #include <joulepath/trajectory_rule.h>
 #include <math.h>
 
+#include "sim/missions/segment_route.h"
+
 #define DEGREES   (180 / M_PI)
 #define TURN_Q24  16777216.0
 #define TIME_MAX  600.0
@@ -15,6 +17,7 @@ struct run {
     struct rig rig;
     struct jp_trajectory_leg legs[TRIAL_TARGETS_MAX];
     struct jp_trajectory trajectory;
+    struct segment_route segments;
     struct random random;
     double rate;
     uint64_t start;      /**< tick of the release */
@@ -134,13 +137,13 @@ static double distance_to_last_target(const struct run *run)
                  run->rig.world.plant.y - target->y / (double)JP_Q16_ONE);
 }
 
-static enum jp_status follow_by_rule(struct run *run)
+static enum jp_status follow_by_rule(struct run *run, const struct jp_energy_model *model)
 {
     struct trial *trial = run->trial;
     struct jp_robot *robot = &run->rig.robot;
     const struct jp_trajectory_task task = {
         .config = &jp_robot_configuration(robot)->trajectory,
-        .cruise = jp_cruise_speed(jp_robot_model(robot)),
+        .cruise = jp_cruise_speed(model),
         .motion = {.pitch = jp_robot_last_tick(robot)->motion.pitch},
         .targets = trial->targets,
         .count = (uint16_t)trial->target_count,
@@ -151,32 +154,36 @@ static enum jp_status follow_by_rule(struct run *run)
     return status == JP_OK ? jp_robot_drive_trajectory(robot, &run->trajectory) : status;
 }
 
-static enum jp_status follow(struct run *run)
+static enum jp_status follow(struct run *run, const struct jp_energy_model *model)
 {
     struct trial *trial = run->trial;
 
-    return trial->strategy == TRIAL_CRUISE
-               ? follow_by_rule(run)
-               : jp_robot_follow(&run->rig.robot, trial->targets, (uint16_t)trial->target_count);
+    if (trial->strategy == TRIAL_CRUISE) {
+        return follow_by_rule(run, model);
+    }
+    run->segments = (struct segment_route){
+        .robot = &run->rig.robot, .model = model, .targets = trial->targets, .count = (uint16_t)trial->target_count};
+    return JP_OK;
 }
 
-static void drive(struct run *run)
+static void drive(struct run *run, const struct jp_energy_model *model)
 {
     struct trial *trial = run->trial;
 
     run->start = run->rig.world.tick;
     run->next_push = run->start + ticks_of(run, random_uniform(&run->random, 0, PUSH_WAIT));
     recover(run, 0);
-    if (follow(run) != JP_OK) {
+    if (follow(run, model) != JP_OK) {
         trial->end = TRIAL_FELL;
         return;
     }
     while (goes_on(run)) {
         push(run);
-        if (rig_tick(&run->rig) != JP_OK) {
+        if (segment_route_work(&run->segments) != JP_OK) {
             trial->end = TRIAL_UNPLANNED;
             return;
         }
+        rig_tick(&run->rig);
         keep_books(run);
     }
 }
@@ -190,11 +197,11 @@ bool trial_run(struct trial *trial, enum trial_strategy strategy, const struct r
     random_init(&run.random, seed);
     draw_targets(trial, &run.random);
     trial->tilt_deg = TRIAL_TILT_DEG * sign(&run.random);
-    if (!rig_init(&run.rig, entry, entry->energy, file, seed)) {
+    if (!rig_init(&run.rig, entry, file, seed)) {
         return false;
     }
     rig_release(&run.rig, trial->tilt_deg / DEGREES);
-    drive(&run);
+    drive(&run, entry->energy);
     jp_robot_telemetry(&run.rig.robot, &trial->last);
     trial->end_error = distance_to_last_target(&run);
     return true;

@@ -14,7 +14,7 @@
 #define TRIAL_RECOVERY    2.0
 
 enum trial_strategy {
-    TRIAL_SEGMENTS, /**< jp_robot_follow() */
+    TRIAL_SEGMENTS, /**< segment_route_work() */
     TRIAL_CRUISE    /**< jp_trajectory_by_rule() from the tilt, to a stand */
 };
 

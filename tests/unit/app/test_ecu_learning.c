@@ -60,7 +60,7 @@ static void test_tables_out_of_range_are_refused_by_name(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_learn(&ecu, NULL, &field));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_learn(NULL, &bad, &field));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_learn(&ecu, &bad, NULL));
-    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, jp_robot_model(&ecu.robot));
+    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, jp_ecu_model(&ecu));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_learn(&ecu, &bad, &field));
 }
 
@@ -129,7 +129,7 @@ static void test_a_report_waits_for_the_one_before(void)
 
 static void expect_model(const struct jp_energy_model *expected)
 {
-    TEST_ASSERT_EQUAL_MEMORY(expected, jp_robot_model(&ecu.robot), sizeof *expected);
+    TEST_ASSERT_EQUAL_MEMORY(expected, jp_ecu_model(&ecu), sizeof *expected);
 }
 
 static void test_a_route_is_planned_with_what_was_known_when_it_began(void)
@@ -137,10 +137,10 @@ static void test_a_route_is_planned_with_what_was_known_when_it_began(void)
     struct jp_energy_model then;
 
     learn(JP_STORED_NOTHING);
-    TEST_ASSERT_NOT_EQUAL(&jp_energy_model_courier24, jp_robot_model(&ecu.robot));
+    TEST_ASSERT_NOT_EQUAL(&jp_energy_model_courier24, jp_ecu_model(&ecu));
     expect_model(&jp_energy_model_courier24);
     make_driving();
-    then = *jp_robot_model(&ecu.robot);
+    then = *jp_ecu_model(&ecu);
     ecu.pilot.learner.state.x[0] = JP_Q24(1.5);
     hold(JP_MODE_DRIVE, 7, 1);
     expect_model(&then);
@@ -166,14 +166,14 @@ static void test_the_model_in_use_is_not_written_over(void)
     learn(JP_STORED_NOTHING);
     make_balancing();
     for (uint8_t route = 7; route < 10U; route++) {
-        in_use = jp_robot_model(&ecu.robot);
+        in_use = jp_ecu_model(&ecu);
         then = *in_use;
         ecu.pilot.learner.state.x[0] += JP_Q24(0.5);
         offer(route, near_route, 2);
         hold(JP_MODE_DRIVE, route, 4);
         expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
-        TEST_ASSERT_NOT_EQUAL(in_use, jp_robot_model(&ecu.robot));
-        TEST_ASSERT_TRUE(memcmp(&then, jp_robot_model(&ecu.robot), sizeof then) != 0);
+        TEST_ASSERT_NOT_EQUAL(in_use, jp_ecu_model(&ecu));
+        TEST_ASSERT_TRUE(memcmp(&then, jp_ecu_model(&ecu), sizeof then) != 0);
         TEST_ASSERT_EQUAL_MEMORY(&then, in_use, sizeof then);
         hold(JP_MODE_STAND, 0, 1);
     }

@@ -199,7 +199,7 @@ static void test_after_each_boot_it_learns_on_from_what_is_stored(void)
     pass(1, 0, 0, 0);
     pass(2, 1, 0, 0);
     TEST_ASSERT_EQUAL_UINT32(7, jp_ecu_learned_state(&lockstep.ecu)->version);
-    TEST_ASSERT_NOT_EQUAL(&jp_energy_model_courier24, jp_robot_model(&lockstep.ecu.robot));
+    TEST_ASSERT_NOT_EQUAL(&jp_energy_model_courier24, jp_ecu_model(&lockstep.ecu));
 }
 
 static void test_tables_that_are_refused_are_not_tried_again(void)
@@ -215,7 +215,7 @@ static void test_tables_that_are_refused_are_not_tried_again(void)
     pass(1, 0, 0, 0);
     pass(2, 1, 0, 0);
     TEST_ASSERT_NULL(jp_ecu_learned_state(&lockstep.ecu));
-    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, jp_robot_model(&lockstep.ecu.robot));
+    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, jp_ecu_model(&lockstep.ecu));
 }
 
 static void test_off_the_bus_nothing_arrives_and_nothing_leaves_but_the_answer(void)

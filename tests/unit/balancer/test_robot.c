@@ -8,22 +8,20 @@ static void test_init_refuses_null(void)
 {
     const char *field;
 
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_robot_init(NULL, &config, &jp_energy_model_courier24, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_robot_init(&robot, NULL, &jp_energy_model_courier24, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_robot_init(&robot, &config, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_robot_init(&robot, &config, &jp_energy_model_courier24, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_robot_init(NULL, &config, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_robot_init(&robot, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_robot_init(&robot, &config, NULL));
 }
 
 static enum jp_status init_as(const struct jp_robot_config *tried, const char **field)
 {
-    return jp_robot_init(&robot, tried, &jp_energy_model_courier24, field);
+    return jp_robot_init(&robot, tried, field);
 }
 
 DEFINE_EXPECT_CONFIG_OF(init_as, jp_robot_courier24)
 
 static void test_init_checks_every_part(void)
 {
-    struct jp_energy_model model = jp_energy_model_courier24;
     const char *field = "";
 
     expect_config(NULL);
@@ -38,13 +36,9 @@ static void test_init_checks_every_part(void)
     FIELD(meter.tick_rate, 500, "estimator.tick_rate");
     FIELD(trajectory.tick_rate, 499, "estimator.tick_rate");
     FIELD(trajectory.lag, -1, "trajectory.lag");
-    config.limits.speed = 0;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_robot_init(&robot, &config, &model, &field));
-    config.limits.speed = JP_Q24(1);
-    model.settling_time = -1;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_robot_init(&robot, &config, &model, &field));
+    FIELD(limits.speed, 0, "limits.speed");
     config = jp_robot_gao2018;
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &jp_energy_model_published, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &field));
 }
 
 /* On and off */
@@ -55,7 +49,6 @@ static void test_starts_idle_and_stays(void)
     run(100);
     expect_state(JP_ROBOT_IDLE);
     TEST_ASSERT_EQUAL_UINT32(100, telemetry().tick);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
 }
 
 static void test_enable_needs_a_frame(void)

@@ -22,7 +22,7 @@ void setUp(void)
     config = jp_robot_courier24;
     config.monitor.freeze_ticks = 0;
     sensors = (struct jp_sensors){.accel_z = JP_Q24_ONE, .bus_voltage = JP_Q16(24)};
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &jp_energy_model_courier24, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &field));
     tick(JP_OK);
 }
 

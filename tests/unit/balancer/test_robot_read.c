@@ -1,11 +1,10 @@
-/* What others read of a robot in place: the same as in a whole copy, and what waits or is planned. */
+/* What others read of a robot in place: the same as in a whole copy, and what waits. */
 #include <joulepath/robot.h>
 #include <joulepath/tables.h>
 #include <stddef.h>
 
 #include "unity.h"
 
-static const struct jp_point route[] = {{JP_Q16(2), 0}, {JP_Q16(4), 0}};
 static const struct jp_segment_command one_second = {.motion = {JP_Q24(0.1), JP_Q24(0.2)}, .duration = JP_Q16(1)};
 
 static struct jp_robot_config config;
@@ -28,7 +27,7 @@ void setUp(void)
     config = jp_robot_courier24;
     config.monitor.freeze_ticks = 0;
     sensors = (struct jp_sensors){.accel_z = JP_Q24_ONE, .bus_voltage = JP_Q16(24)};
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &jp_energy_model_courier24, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_init(&robot, &config, &field));
 }
 
 void tearDown(void)
@@ -45,10 +44,7 @@ static void enable(void)
 static void test_a_new_robot_shows_what_it_was_prepared_with(void)
 {
     TEST_ASSERT_EQUAL_PTR(&config, jp_robot_configuration(&robot));
-    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, jp_robot_model(&robot));
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&robot));
-    TEST_ASSERT_EQUAL_UINT16(0, jp_robot_segments_planned(&robot));
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_route_status(&robot));
     TEST_ASSERT_FALSE(jp_robot_has_next(&robot));
 }
 
@@ -107,39 +103,5 @@ static void test_a_segment_is_next_until_it_begins(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&robot, &one_second));
     TEST_ASSERT_TRUE(jp_robot_has_next(&robot));
     tick();
-    TEST_ASSERT_FALSE(jp_robot_has_next(&robot));
-    TEST_ASSERT_EQUAL_UINT16(0, jp_robot_segments_planned(&robot));
-}
-
-static void test_a_route_has_a_next_segment_until_its_last_one_begins(void)
-{
-    enable();
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_follow(&robot, route, 2));
-    TEST_ASSERT_TRUE(jp_robot_has_next(&robot));
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(1, jp_robot_segments_planned(&robot));
-    TEST_ASSERT_EQUAL_INT32(robot.internal.next.motion.speed, jp_robot_planned(&robot)->command.motion.speed);
-    tick();
-    TEST_ASSERT_TRUE(jp_robot_has_next(&robot));
-    robot.internal.telemetry.segment_ticks_left = 1;
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_UINT16(2, jp_robot_segments_planned(&robot));
-    TEST_ASSERT_TRUE(jp_robot_has_next(&robot));
-    tick();
-    tick();
-    TEST_ASSERT_FALSE(jp_robot_has_next(&robot));
-}
-
-static void test_the_status_of_a_route_is_what_planning_returned(void)
-{
-    static const struct jp_point here = {0, 0};
-
-    enable();
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_follow(&robot, &here, 1));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_robot_work(&robot));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_robot_route_status(&robot));
-    TEST_ASSERT_TRUE(jp_robot_has_next(&robot));
-    jp_robot_stop(&robot);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_route_status(&robot));
     TEST_ASSERT_FALSE(jp_robot_has_next(&robot));
 }

@@ -77,6 +77,7 @@ static void test_duties_are_rounded_at_every_voltage(void)
 
 static void test_start_counts_do_not_matter_to_the_bit(void)
 {
+    static const struct jp_segment_command two_seconds = {{JP_Q24(0.3), JP_Q24(0.1)}, JP_Q24(0.2), JP_Q16(2)};
     struct jp_telemetry expected = {0};
 
     for (uint32_t offset = 0; offset < 3; offset++) {
@@ -84,11 +85,11 @@ static void test_start_counts_do_not_matter_to_the_bit(void)
         sensors.encoder_left = 0U - 17U * offset;
         sensors.encoder_right = 0x7FFFFFFFU * offset;
         make_balancing();
-        TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_follow(&robot, route, 2));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&robot, &two_seconds));
         for (uint32_t i = 0; i < 1000; i++) {
             sensors.encoder_left += i / 100U;
             sensors.encoder_right += i / 90U;
-            work(1);
+            run(1);
         }
         expect_state(JP_ROBOT_DRIVING);
         if (offset == 0) {

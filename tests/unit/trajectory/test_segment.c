@@ -370,7 +370,9 @@ static void test_null_pointers(void)
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_optimise(&model, &limits, &rest, &origin, 0, &target, NULL));
     TEST_ASSERT_EQUAL_INT32(77, segment.energy);
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_limits_check(NULL, &model, &field));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_limits_check(&limits, NULL, &field));
+    limits.duration = model.settling_time - 1;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_CONFIG, jp_segment_limits_check(&limits, &model, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_segment_limits_check(&limits, NULL, &field));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_limits_check(&limits, &model, NULL));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_end(NULL, &origin, 0, &end, &heading));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_segment_end(&segment, NULL, 0, &end, &heading));
