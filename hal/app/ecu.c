@@ -485,7 +485,9 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
         if (ecu->learns) {
             tell_learned_model(ecu);
         }
-        ecu->internal.has_route = jp_pilot_follow(&ecu->pilot, route->points, route->length, JP_PILOT_PASS) == JP_OK;
+        const struct jp_pilot_route to_drive = {.targets = route->points, .count = route->length, .end = JP_PILOT_PASS};
+
+        ecu->internal.has_route = jp_pilot_follow(&ecu->pilot, &to_drive) == JP_OK;
     }
 }
 

@@ -47,6 +47,14 @@ enum jp_pilot_end {
                          which no leg counts */
 };
 
+/** Where to go. */
+struct jp_pilot_route {
+    const struct jp_point *targets;
+    uint16_t count; /**< at least 1 */
+    enum jp_pilot_end end;
+    const struct jp_passage *passages; /**< of each target; null: as costs least */
+};
+
 enum jp_pilot_phase {
     JP_PILOT_RESTING,  /**< no route */
     JP_PILOT_PLANNING, /**< plans and forecasts the whole route */
@@ -94,9 +102,7 @@ struct jp_pilot_internal {
     struct jp_robot *robot;
     struct jp_energy_model model; /**< as learned when the last plan began */
     struct jp_back_emf back_emf;
-    const struct jp_point *targets;
-    uint16_t target_count;
-    enum jp_pilot_end end;
+    struct jp_pilot_route route;
     enum jp_pilot_question question;
     bool is_question;  /**< the route is only to be forecast */
     bool is_surveying; /**< the survey has begun */
@@ -135,19 +141,18 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
                              const char **field);
 
 /**
- * Drives through `targets`, which must stay until the robot stands or another route replaces them. Replaces an earlier
- * route; a leg that is driven or was handed over is driven to its end first, and the robot stands there if it cannot go
- * on in motion. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor driving.
+ * Drives a route, which is copied; its targets and passages must stay until the robot stands or another route replaces
+ * them. Replaces an earlier route; a leg that is driven or was handed over is driven to its end first, and the robot
+ * stands there if it cannot go on in motion. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor
+ * driving.
  */
-enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count,
-                               enum jp_pilot_end end);
+enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_pilot_route *route);
 
 /**
- * Plans through `targets` from where the robot stands, without driving. JP_ERR_STATE: it is not standing, or follows a
+ * Plans a route from where the robot stands, without driving. JP_ERR_STATE: it is not standing, or follows a
  * route. JP_ERR_ARGUMENT: null or empty.
  */
-enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count,
-                            enum jp_pilot_end end);
+enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_pilot_route *route);
 
 /** What the route that was asked for, or is followed, takes, from its begin: JP_WORKING until jp_pilot_work() has
  * planned it; JP_ERR_NO_PLAN: there was none, or a stop came before the answer; JP_ERR_ARGUMENT: null; JP_ERR_OVERFLOW:

@@ -52,6 +52,7 @@ struct jp_trajectory_config {
     jp_q16 volts[4];          /**< V·s/m, V·s²/m, V·s³/m, V·s⁴/m; ±4 096 */
     jp_q16 turning[2];        /**< V·s/turn, V·s²/turn; ±4 096 */
     jp_q16 voltage;           /**< for the motion, without what balance needs, V; above 0, at most 512 */
+    jp_q24 pitch;             /**< most that a change of speed may lean, turn; above 0, at most 1/8 */
     jp_q16 blend;             /**< longest change of heading before and after a waypoint, s; 0.05…60 */
     jp_q24 turn_pace;         /**< turn rate at a waypoint by the turn there, 1/s; 0.01…64 */
     jp_turns_per_s turn_rate; /**< most, of what gyro and wheels can, turn/s; 0.01…64 */

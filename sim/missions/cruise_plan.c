@@ -14,6 +14,7 @@ static struct jp_trajectory_task task_of(struct cruise_plan *plan, const struct 
     return (struct jp_trajectory_task){.config = &robot->trajectory,
                                        .cruise = cruise,
                                        .targets = plan->targets,
+                                       .passages = &scenario->passages[1],
                                        .count = (uint16_t)count,
                                        .to_stand = scenario->to_stand};
 }

@@ -561,10 +561,13 @@ const struct jp_energy_model *mission_model(const struct scenario *scenario, con
 /* Plans while the robot stands, so that no time passes. */
 static bool follow_with_pilot(struct drive *drive)
 {
-    const enum jp_pilot_end end = drive->scenario->to_stand ? JP_PILOT_STAND : JP_PILOT_PASS;
+    const struct jp_pilot_route route = {.targets = drive->targets,
+                                         .count = (uint16_t)drive->mission->leg_count,
+                                         .end = drive->scenario->to_stand ? JP_PILOT_STAND : JP_PILOT_PASS,
+                                         .passages = &drive->scenario->passages[1]};
     struct jp_forecast forecast;
 
-    (void)jp_pilot_follow(&drive->pilot, drive->targets, (uint16_t)drive->mission->leg_count, end);
+    (void)jp_pilot_follow(&drive->pilot, &route);
     while (drive->pilot.targets_planned == 0) {
         if (!work_of_pilot(drive)) {
             return false;

@@ -111,22 +111,52 @@ static bool set_budget(const char *path, const struct texts *texts, struct scena
     return true;
 }
 
-static bool load_waypoint(const char *path, const config_setting_t *setting, unsigned index,
-                          struct bezier_point *waypoint)
+/** What a waypoint is made of. */
+enum { X, Y, HEADING, SPEED, NUMBERS };
+
+static const struct {
+    double least;
+    double most;
+} ranges[NUMBERS] = {
+    [X] = {-COORDINATE, COORDINATE}, [Y] = {-COORDINATE, COORDINATE}, [HEADING] = {-360, 360}, [SPEED] = {0.01, 8}};
+
+static bool read_waypoint(const config_setting_t *setting, unsigned count, double value[NUMBERS])
 {
-    double value[2];
+    bool is_good = count == 2 || count == 3 || count == 4;
 
-    for (unsigned k = 0; k < 2; k++) {
-        const config_setting_t *number =
-            config_setting_length(setting) == 2 ? config_setting_get_elem(setting, k) : NULL;
-
-        if (number == NULL || !config_file_number(number, &value[k]) || !(fabs(value[k]) <= COORDINATE)) {
-            error_line("%s: waypoints[%u] (line %u): must be two numbers within ±%g m; write [x, y]", path, index,
-                       config_setting_source_line(setting), COORDINATE);
-            return false;
-        }
+    for (unsigned k = 0; is_good && k < count; k++) {
+        is_good = config_file_number(config_setting_get_elem(setting, k), &value[k]) && value[k] >= ranges[k].least &&
+                  value[k] <= ranges[k].most;
     }
-    *waypoint = (struct bezier_point){value[0], value[1]};
+    return is_good;
+}
+
+static bool load_waypoint(const char *path, const config_setting_t *setting, unsigned index, struct scenario *scenario)
+{
+    const unsigned count = (unsigned)config_setting_length(setting);
+    struct jp_passage *passage = &scenario->passages[index];
+    double value[NUMBERS] = {0};
+
+    if (!read_waypoint(setting, count, value)) {
+        error_line("%s: waypoints[%u] (line %u): must be two numbers within ±%g m, which a heading within ±%g° and a "
+                   "speed of %g to %g m/s may follow; write [x, y], [x, y, heading] or [x, y, heading, speed]",
+                   path, index, config_setting_source_line(setting), COORDINATE, ranges[HEADING].most,
+                   ranges[SPEED].least, ranges[SPEED].most);
+        return false;
+    }
+    if (index == 0 && count > 2) {
+        error_line("%s: waypoints[0]: the robot starts at a stand, looking along x; write [0.0, 0.0]", path);
+        return false;
+    }
+    scenario->waypoints[index] = (struct bezier_point){value[X], value[Y]};
+    if (count > HEADING) {
+        passage->given |= JP_GIVEN_HEADING;
+        passage->heading = (jp_angle)llround(value[HEADING] / 360 * 4294967296.0);
+    }
+    if (count > SPEED) {
+        passage->given |= JP_GIVEN_SPEED;
+        passage->speed = (jp_q24)lround(value[SPEED] * JP_Q24_ONE);
+    }
     return true;
 }
 
@@ -160,7 +190,7 @@ static bool load_waypoints(const char *path, const config_t *config, struct scen
     }
     scenario->waypoint_count = (size_t)count;
     for (unsigned i = 0; i < (unsigned)count; i++) {
-        if (!load_waypoint(path, config_setting_get_elem(list, i), i, &scenario->waypoints[i]) ||
+        if (!load_waypoint(path, config_setting_get_elem(list, i), i, scenario) ||
             (i > 0 && !check_distance(path, scenario, i))) {
             return false;
         }

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include <joulepath/segment.h>
+#include <joulepath/trajectory_rule.h>
 
 #include "sim/balancer/energy_kind.h"
 #include "sim/balancer/robot_file.h"
@@ -27,6 +28,7 @@ struct scenario {
     double within_joules;  /**< J; 0: none */
     size_t waypoint_count; /**< 2…BEZIER_WAYPOINTS_MAX, the first is the start */
     struct bezier_point waypoints[BEZIER_WAYPOINTS_MAX]; /**< m */
+    struct jp_passage passages[BEZIER_WAYPOINTS_MAX];    /**< how cruise and transients pass them */
 };
 
 /**

@@ -168,7 +168,7 @@ static void follow(struct drive *drive, uint16_t count)
     drive->segments = 0;
     drive->segments_ended = jp_robot_last_tick(&drive->rig.robot)->segments_ended;
     drive->energy = 0;
-    (void)jp_pilot_follow(&drive->pilot, drive->targets, count, JP_PILOT_STAND);
+    (void)jp_pilot_follow(&drive->pilot, &(struct jp_pilot_route){.targets = drive->targets, .count = count});
 }
 
 /* Routes. */
@@ -222,7 +222,7 @@ static uint16_t draw_route(struct drive *drive)
 /* What the route takes; false: nobody can tell, and the trip ends. */
 static bool foresee(struct drive *drive, struct jp_pilot *pilot, uint16_t count, struct jp_forecast *forecast)
 {
-    enum jp_status status = jp_pilot_ask(pilot, drive->targets, count, JP_PILOT_STAND);
+    enum jp_status status = jp_pilot_ask(pilot, &(struct jp_pilot_route){.targets = drive->targets, .count = count});
 
     while (status == JP_OK && jp_pilot_answer(pilot, forecast) == JP_WORKING) {
         (void)jp_pilot_work(pilot);

@@ -172,12 +172,15 @@ static struct jp_trajectory_task task_of(const struct jp_pilot *pilot, const str
     const struct jp_pilot_internal *internal = &pilot->internal;
     const struct jp_robot_config *robot = jp_robot_configuration(internal->robot);
     const jp_q24 cruise = jp_cruise_speed(&internal->model);
+    const struct jp_pilot_route *route = &internal->route;
+    const uint16_t done = pilot->targets_planned;
     struct jp_trajectory_task task = {
         .config = &robot->trajectory,
         .cruise = cruise < robot->limits.speed ? cruise : robot->limits.speed,
-        .targets = &internal->targets[pilot->targets_planned],
-        .count = (uint16_t)(internal->target_count - pilot->targets_planned),
-        .to_stand = internal->end == JP_PILOT_STAND,
+        .targets = &route->targets[done],
+        .passages = route->passages == NULL ? NULL : &route->passages[done],
+        .count = (uint16_t)(route->count - done),
+        .to_stand = route->end == JP_PILOT_STAND,
     };
 
     if (telemetry->state == JP_ROBOT_DRIVING) {
@@ -313,8 +316,8 @@ static enum jp_status look_ahead_on(struct jp_pilot *pilot, const struct jp_tele
     if (!pilot->internal.is_surveying) {
         return begin_survey(pilot, telemetry);
     }
-    return pilot->internal.survey.plan.planned < pilot->internal.target_count ? survey_leg(pilot)
-                                                                              : finish_survey(pilot, telemetry);
+    return pilot->internal.survey.plan.planned < pilot->internal.route.count ? survey_leg(pilot)
+                                                                             : finish_survey(pilot, telemetry);
 }
 
 static enum jp_status look_ahead(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
@@ -413,7 +416,7 @@ static enum jp_status drive_on(struct jp_pilot *pilot, const struct jp_telemetry
     const struct jp_pilot_drive *drive = &pilot->internal.drive;
     const bool is_ours = drive->is_waiting || drive->is_driven;
 
-    if (pilot->targets_planned == pilot->internal.target_count) {
+    if (pilot->targets_planned == pilot->internal.route.count) {
         if (!is_ours) {
             rest(pilot, JP_OK);
         }
@@ -461,20 +464,17 @@ enum jp_status jp_pilot_work(struct jp_pilot *pilot)
 
 /* Requests. */
 
-static enum jp_status request(const struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count)
+static enum jp_status request(const struct jp_pilot *pilot, const struct jp_pilot_route *route)
 {
-    if (pilot == NULL || targets == NULL || count == 0U) {
+    if (pilot == NULL || route == NULL || route->targets == NULL || route->count == 0U) {
         return JP_ERR_ARGUMENT;
     }
     return motors_run(jp_robot_state_now(pilot->internal.robot)) ? JP_OK : JP_ERR_STATE;
 }
 
-static void accept(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count, enum jp_pilot_end end,
-                   bool is_question)
+static void accept(struct jp_pilot *pilot, const struct jp_pilot_route *route, bool is_question)
 {
-    pilot->internal.targets = targets;
-    pilot->internal.target_count = count;
-    pilot->internal.end = end;
+    pilot->internal.route = *route;
     pilot->internal.is_question = is_question;
     pilot->internal.needs_stand = false;
     pilot->internal.question = JP_PILOT_ASKED;
@@ -484,21 +484,19 @@ static void accept(struct jp_pilot *pilot, const struct jp_point *targets, uint1
     enter(pilot, JP_PILOT_PLANNING);
 }
 
-enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count,
-                               enum jp_pilot_end end)
+enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_pilot_route *route)
 {
-    const enum jp_status status = request(pilot, targets, count);
+    const enum jp_status status = request(pilot, route);
 
     if (status == JP_OK) {
-        accept(pilot, targets, count, end, false);
+        accept(pilot, route, false);
     }
     return status;
 }
 
-enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targets, uint16_t count,
-                            enum jp_pilot_end end)
+enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_pilot_route *route)
 {
-    const enum jp_status status = request(pilot, targets, count);
+    const enum jp_status status = request(pilot, route);
 
     if (status != JP_OK) {
         return status;
@@ -506,7 +504,7 @@ enum jp_status jp_pilot_ask(struct jp_pilot *pilot, const struct jp_point *targe
     if (pilot->phase != JP_PILOT_RESTING || jp_robot_state_now(pilot->internal.robot) != JP_ROBOT_BALANCING) {
         return JP_ERR_STATE;
     }
-    accept(pilot, targets, count, end, true);
+    accept(pilot, route, true);
     return JP_OK;
 }
 

@@ -89,6 +89,7 @@ const struct jp_robot_config jp_robot_courier24 = {
                     58503,  /* 0.8926777 V·s²/turn */
                 },
             .voltage = 1336934,    /* 20.4 V */
+            .pitch = 654057,       /* 0.03898484 turn */
             .blend = 79952,        /* 1.219973 s */
             .turn_pace = 20628194, /* 1.229536 1/s */
             .turn_rate = 17301504, /* 1.03125 turn/s */

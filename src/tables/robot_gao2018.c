@@ -89,6 +89,7 @@ const struct jp_robot_config jp_robot_gao2018 = {
                     141355, /* 2.156905 V·s²/turn */
                 },
             .voltage = 16777216,   /* 256 V */
+            .pitch = 654057,       /* 0.03898484 turn */
             .blend = 94492,        /* 1.441838 s */
             .turn_pace = 17453980, /* 1.040338 1/s */
             .turn_rate = 22156908, /* 1.320655 turn/s */

@@ -24,6 +24,7 @@ enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, co
         FIELD(blend, JP_Q16(0.05), JP_Q16(60)),
         FIELD(turn_pace, JP_Q24(0.01), JP_Q24(64)),
         FIELD(turn_rate, JP_Q24(0.01), JP_Q24(64)),
+        FIELD(pitch, 1, JP_Q24(0.125)),
         FIELD(steering, 0, Q30_ONE),
         FIELD(aim, 0, JP_Q24(16)),
         FIELD(modes.decay, 1, INT32_MAX),
@@ -117,7 +118,7 @@ void jp_leg_shape(const struct jp_trajectory_config *config, const struct jp_way
 
     shape_blend(config, from, &middle, jp_turn_by(from->heading, leg->chord, leg->heading), &leg->begin);
     shape_cruise(config, leg->speed, &leg->middle);
-    shape_blend(config, &middle, &leg->next, jp_turn_by(leg->heading, leg->heading, leg->next.heading), &leg->end);
+    shape_blend(config, &middle, &leg->next, jp_turn_by(leg->heading, leg->chord, leg->next.heading), &leg->end);
 }
 
 /* Set-points. */

@@ -146,10 +146,10 @@ static jp_q24 speed_at(const struct blend *blend, int32_t share)
                   jp_sub(jp_multiply_shift(blend->change, risen, 27), jp_multiply_shift(blend->swing, bend, 26)));
 }
 
-void jp_modes_roll(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t set_points,
+void jp_modes_roll(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t set_points, bool is_even,
                    struct jp_rolling *rolling)
 {
-    rolling->nodes = jp_blend_nodes(jp_modes_are_gone(modes), &rolling->count);
+    rolling->nodes = jp_blend_nodes(is_even && jp_modes_are_gone(modes), &rolling->count);
     for (unsigned k = 0; k < rolling->count; k++) {
         rolling->speed[k] = 0;
         for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {

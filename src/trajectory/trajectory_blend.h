@@ -46,8 +46,8 @@ struct jp_rolling {
     jp_q24 speed[JP_NODES_MAX];
 };
 
-/** In a blend at whose begin the modes are these. */
-void jp_modes_roll(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t set_points,
+/** In a blend at whose begin the modes are these. An even one turns and changes speed so little that few nodes do. */
+void jp_modes_roll(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t set_points, bool is_even,
                    struct jp_rolling *rolling);
 
 /** From a heading by another to a third, each half a turn away at most: 2⁻³¹ turn. */

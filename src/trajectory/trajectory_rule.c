@@ -21,6 +21,9 @@
 /** Of the middle's heading from its chord: an eighth of a turn. */
 #define ASTRAY_MAX ((uint32_t)1 << 29)
 
+/** A blend that turns less is integrated by few nodes: a fifth of a turn, with what its middle turns. */
+#define TURN_EVEN (UINT32_MAX / 5U)
+
 #define SPEED_MAX      JP_Q24(8)
 #define CRUISE_MIN     JP_Q24(0.01)
 #define PITCH_MAX      JP_Q24(0.125)
@@ -41,7 +44,9 @@ struct leg_search {
     int32_t distance;         /**< of its ends, 2⁻²⁰ m */
     struct jp_rolling fading; /**< what the modes add in its blends */
     struct jp_rolling faded;
-    bool is_last; /**< it ends in the middle's heading */
+    bool ends_straight; /**< in the middle's heading */
+    bool begins_even;   /**< few nodes do for its blends */
+    bool ends_even;
 };
 
 static void copy_modes(jp_q24 *to, const jp_q24 *from)
@@ -71,7 +76,7 @@ static void try_heading(const struct jp_trajectory_plan_internal *plan, struct l
     const struct jp_waypoint_motion middle = {.heading = heading, .speed = leg->result.speed};
 
     leg->result.heading = heading;
-    if (leg->is_last) {
+    if (leg->ends_straight) {
         leg->result.next.heading = heading;
     }
 
@@ -79,8 +84,8 @@ static void try_heading(const struct jp_trajectory_plan_internal *plan, struct l
         jp_blend_way(config, &plan->motion, &middle, jp_turn_by(plan->motion.heading, leg->result.chord, heading),
                      leg->begin, &leg->fading);
     const struct jp_way end =
-        jp_blend_way(config, &middle, &leg->result.next, jp_turn_by(heading, heading, leg->result.next.heading),
-                     leg->end, &leg->faded);
+        jp_blend_way(config, &middle, &leg->result.next,
+                     jp_turn_by(heading, leg->result.chord, leg->result.next.heading), leg->end, &leg->faded);
     const int32_t x = leg->way.x - begin.x - end.x;
     const int32_t y = leg->way.y - begin.y - end.y;
     const int32_t cosine = jp_cos(heading);
@@ -107,7 +112,7 @@ static void turn_by(struct leg_search *leg, int32_t step)
     const jp_angle heading = leg->result.heading + (jp_angle)step;
 
     leg->result.heading = heading;
-    leg->result.next.heading += leg->is_last ? (jp_angle)step : 0U;
+    leg->result.next.heading += leg->ends_straight ? (jp_angle)step : 0U;
     leg->left = (struct jp_way){jp_multiply_shift(leg->along, jp_cos(heading), 31),
                                 jp_multiply_shift(leg->along, jp_sin(heading), 31)};
 }
@@ -169,7 +174,7 @@ static bool leads_astray(const struct leg_search *leg)
 }
 
 /** Heading and set_points of the middle. What is left of the modes after it moves the second blend, so that both are
- *  found until they agree. JP_ERR_INFEASIBLE: there is no room for one. */
+ *  found until they agree. JP_ERR_INFEASIBLE: there is no room for one, or the limits do not allow its blends. */
 static enum jp_status find_middle(const struct jp_trajectory_plan_internal *plan, struct leg_search *leg)
 {
     const struct jp_trajectory_config *config = plan->task.config;
@@ -177,10 +182,14 @@ static enum jp_status find_middle(const struct jp_trajectory_plan_internal *plan
     unsigned passes = 0;
     uint32_t before;
 
-    jp_modes_roll(config, plan->modes, leg->result.begin.set_points, &leg->fading);
+    if (!jp_chord_can_meet(config, &plan->chord, &plan->motion, leg->result.begin.set_points) ||
+        !jp_chord_can_meet(config, &plan->chord, &leg->result.next, leg->result.end.set_points)) {
+        return JP_ERR_INFEASIBLE;
+    }
+    jp_modes_roll(config, plan->modes, leg->result.begin.set_points, leg->begins_even, &leg->fading);
     do {
         before = leg->result.middle.set_points;
-        jp_modes_roll(config, leg->modes, leg->result.end.set_points, &leg->faded);
+        jp_modes_roll(config, leg->modes, leg->result.end.set_points, leg->ends_even, &leg->faded);
         find_heading(plan, leg);
         if (leg->along <= 0 || jp_magnitude32(leg->aside) > ASIDE_MAX || leads_astray(leg)) {
             return JP_ERR_INFEASIBLE;
@@ -202,7 +211,7 @@ static void pass(struct jp_trajectory_plan_internal *plan, struct leg_search *le
     const jp_angle heading = leg->result.heading;
 
     if (!jp_modes_are_gone(plan->modes)) {
-        jp_modes_roll(plan->task.config, leg->modes, leg->result.end.set_points, &leg->faded);
+        jp_modes_roll(plan->task.config, leg->modes, leg->result.end.set_points, leg->ends_even, &leg->faded);
         try_heading(plan, leg, heading);
     }
     plan->ahead = (struct jp_way){jp_multiply_shift(leg->covered, jp_cos(heading), 31) - leg->left.x,
@@ -223,11 +232,20 @@ static struct jp_way way_between(const struct jp_trajectory_task *task, uint16_t
     return (struct jp_way){(to->x - from->x) * 16, (to->y - from->y) * 16};
 }
 
-/** Of a blend whose neighbour beyond the waypoint is the other. Twice as long it would turn past the waypoint's heading
- *  and back. */
-static uint32_t blend_beside(uint32_t blend, uint32_t other)
+/** Whether a blend between a leg's middle and that motion turns and changes speed little. */
+static bool is_even(const struct jp_chord *chord, const struct jp_waypoint_motion *motion)
 {
-    return blend / 2U < other ? blend : 2U * other;
+    return motion->speed == chord->speed && jp_magnitude32((int32_t)(motion->heading - chord->direction)) < TURN_EVEN;
+}
+
+/** The end of the last leg, which has no blend where nothing changes in it. */
+static void end_last(const struct jp_trajectory_task *task, const struct jp_chord *chord, struct leg_search *leg)
+{
+    const struct jp_passage passage = jp_passage_at(task, (uint16_t)(task->count - 1U));
+
+    leg->result.next = jp_last_motion(task, chord);
+    leg->ends_straight = (passage.given & (uint8_t)JP_GIVEN_HEADING) == 0U;
+    leg->result.end.set_points = task->to_stand || passage.given != 0U ? chord->blend : 1U;
 }
 
 /** The search for the leg to target `index` by its chord, the next one's or, at the last, none. */
@@ -241,21 +259,21 @@ static struct leg_search begin_leg(const struct jp_trajectory_plan_internal *pla
         .result = {.chord = chord->direction,
                    .heading = chord->direction,
                    .speed = chord->speed,
-                   .begin = {.set_points = blend_beside(chord->blend, plan->blend)},
+                   .begin = {.set_points = jp_blend_beside(chord->blend, plan->blend)},
                    .end = {.set_points = chord->blend}},
         .way = {way.x - plan->ahead.x, way.y - plan->ahead.y},
         .distance = (int32_t)(chord->distance >> 2),
-        .is_last = next == NULL,
     };
 
     if (next != NULL) {
-        leg.result.next = jp_corner_between(task, chord, next);
-        leg.result.end.set_points = blend_beside(chord->blend, next->blend);
+        leg.result.next = jp_corner_between(task, index, chord, next);
+        leg.result.end.set_points = jp_blend_beside(chord->blend, next->blend);
     } else {
-        leg.result.next.speed = task->to_stand ? 0 : chord->speed;
-        leg.result.end.set_points = task->to_stand ? chord->blend : 1U;
+        end_last(task, chord, &leg);
     }
 
+    leg.begins_even = is_even(chord, &plan->motion);
+    leg.ends_even = is_even(chord, &leg.result.next);
     leg.begin = jp_seconds(task->config, leg.result.begin.set_points, 24);
     leg.end = jp_seconds(task->config, leg.result.end.set_points, 24);
     return leg;
@@ -292,6 +310,33 @@ static bool is_valid(const struct jp_trajectory_task *task)
            jp_is_between(task->cruise, CRUISE_MIN, SPEED_MAX) && motion_is_valid(&task->motion);
 }
 
+/** The chord after the one to target `index`, if there is one; both at speeds that meet. */
+static enum jp_status chord_after(const struct jp_trajectory_task *task, uint16_t index, struct jp_chord *chord,
+                                  struct jp_chord *after)
+{
+    if (index + 1U >= task->count) {
+        return JP_OK;
+    }
+
+    const struct jp_leg_begin begin = jp_begin_after(task, index, chord);
+    const enum jp_status status = jp_chord_to(task, (uint16_t)(index + 1U), &begin, after);
+
+    if (status == JP_OK) {
+        jp_chords_meet(task, index, chord, after);
+    }
+    return status;
+}
+
+/** Those of the first two legs. */
+static enum jp_status first_chords(struct jp_trajectory_plan_internal *plan, jp_q24 speed)
+{
+    const struct jp_trajectory_task *task = &plan->task;
+    const struct jp_leg_begin begin = {.heading = task->heading, .speed = speed};
+    const enum jp_status status = jp_chord_to(task, 0, &begin, &plan->chord);
+
+    return status == JP_OK ? chord_after(task, 0, &plan->chord, &plan->next) : status;
+}
+
 enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task,
                                         struct jp_trajectory_leg *legs, uint16_t places,
                                         struct jp_trajectory *trajectory)
@@ -303,7 +348,7 @@ enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const s
     *trajectory = (struct jp_trajectory){.legs = legs, .places = places};
 
     struct jp_trajectory_plan_internal *internal = &plan->internal;
-    const enum jp_status status = jp_chord_to(task, 0, task->heading, &internal->chord);
+    const enum jp_status status = first_chords(internal, JP_SPEED_FREE);
 
     if (status == JP_OK) {
         internal->motion = (struct jp_waypoint_motion){task->heading, task->motion.turn_rate, internal->chord.speed};
@@ -341,7 +386,7 @@ enum jp_status jp_trajectory_plan_redirect(struct jp_trajectory_plan *plan, cons
         return JP_ERR_ARGUMENT;
     }
 
-    const enum jp_status status = jp_chord_to(onward, 0, onward->heading, &redirected.internal.chord);
+    const enum jp_status status = first_chords(&redirected.internal, before->motion.speed);
 
     if (status == JP_OK) {
         redirected.internal.blend = redirected.internal.chord.blend;
@@ -358,15 +403,15 @@ enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp
 
     struct jp_trajectory_plan_internal *internal = &plan->internal;
     const uint16_t after = (uint16_t)(plan->planned + 1U);
-    struct jp_chord next = {.distance = 0};
-    enum jp_status status = JP_OK;
+    struct jp_chord next = internal->next;
+    struct jp_chord later = {.distance = 0};
 
     if (plan->planned >= internal->task.count) {
         return JP_ERR_STATE;
     }
-    if (after < internal->task.count) {
-        status = jp_chord_to(&internal->task, after, internal->chord.direction, &next);
-    }
+
+    enum jp_status status = chord_after(&internal->task, after, &next, &later);
+
     if (status != JP_OK) {
         return status;
     }
@@ -377,6 +422,7 @@ enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp
     if (status == JP_OK) {
         pass(internal, &search);
         internal->chord = next;
+        internal->next = later;
         internal->waypoint = internal->task.targets[plan->planned];
         plan->planned = after;
         *leg = search.result;

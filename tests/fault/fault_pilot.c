@@ -132,7 +132,8 @@ static void expect_stand(void)
 
 static void follow(const struct jp_point *targets, uint16_t count)
 {
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_pilot_follow(&pilot, targets, count, JP_PILOT_STAND));
+    TEST_ASSERT_EQUAL_INT(JP_OK,
+                          jp_pilot_follow(&pilot, &(struct jp_pilot_route){targets, count, JP_PILOT_STAND, NULL}));
 }
 
 /* Drives a route from wherever it is, to show that nothing is left of what went wrong. */
@@ -196,8 +197,10 @@ static void expect_motors_off(enum jp_robot_state expected)
     TEST_ASSERT_EQUAL_INT(expected, state());
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_work(&pilot));
     TEST_ASSERT_EQUAL_INT(JP_PILOT_RESTING, pilot.phase);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_follow(&pilot, slalom, SLALOM, JP_PILOT_STAND));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_ask(&pilot, slalom, 1, JP_PILOT_STAND));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE,
+                          jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, SLALOM, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE,
+                          jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL}));
     TEST_ASSERT_EQUAL_UINT32(learned_from, pilot.legs_learned_from);
 }
 
@@ -355,7 +358,7 @@ static void test_ask_while_driving(void)
 
     follow(slalom, SLALOM);
     run_into_segment(1);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_ask(&pilot, aside, 2, JP_PILOT_STAND));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_ask(&pilot, &(struct jp_pilot_route){aside, 2, JP_PILOT_STAND, NULL}));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_pilot_answer(&pilot, &forecast));
     TEST_ASSERT_EQUAL_INT(JP_OK, run_to_rest());
     TEST_ASSERT_DOUBLE_WITHIN(STAND_MARGIN, 0, distance(&slalom[SLALOM - 1]));
@@ -365,12 +368,12 @@ static void test_ask_while_driving(void)
 static void test_ask_then_drive(void)
 {
     struct jp_forecast forecast;
-    enum jp_status status = jp_pilot_ask(&pilot, slalom, LEGS, JP_PILOT_STAND);
+    enum jp_status status = jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, LEGS, JP_PILOT_STAND, NULL});
     double measured = 0;
     uint16_t ended = 0;
 
     TEST_ASSERT_EQUAL_INT(JP_OK, status);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_ask(&pilot, aside, 2, JP_PILOT_STAND));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_ask(&pilot, &(struct jp_pilot_route){aside, 2, JP_PILOT_STAND, NULL}));
     do {
         (void)tick();
         status = jp_pilot_answer(&pilot, &forecast);

@@ -149,4 +149,30 @@ static inline void expect_rest(void)
     TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
 }
 
+void setUp(void)
+{
+    rig_reset();
+}
+
+void tearDown(void)
+{
+}
+
+static inline enum jp_status follow(const struct jp_point *targets, uint16_t count)
+{
+    return jp_pilot_follow(&pilot, &(struct jp_pilot_route){targets, count, JP_PILOT_STAND, NULL});
+}
+
+static inline void follow_slalom(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, SLALOM));
+}
+
+static inline void work_until_driving(void)
+{
+    while (telemetry().segment == 0U) {
+        work_and_tick();
+    }
+}
+
 #endif

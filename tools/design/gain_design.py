@@ -30,6 +30,8 @@ ENCODER_COUNT_MARGIN = 16
 OVERSPEED = 1.25
 # Of the fastest turn that gyro and wheels allow; the rest is for balance, and for the way back to the path.
 TURN_RATE_SHARE = 0.75
+# Planned leans are such that the sine is the angle within this share.
+LINEAR_WITHIN = 0.01
 CONFIRM_TICKS = 3
 RESIDUAL_TICKS = 50
 
@@ -186,6 +188,11 @@ def turn_rate(robot, turning):
     return TURN_RATE_SHARE * min(gyro_limit(robot), by_wheels)
 
 
+def largest_lean(robot):
+    """rad, of planned changes of speed: half of what the monitor lets pass, and where sin ψ is ψ."""
+    return min(math.radians(robot.positive("control.tilt_limit_deg")) / 2, math.sqrt(6 * LINEAR_WITHIN))
+
+
 def trajectory_group(robot, plant, turning, to):
     radius = robot.positive("wheel.radius_m")
     flat = cruise.flat(plant, radius)
@@ -202,6 +209,7 @@ def trajectory_group(robot, plant, turning, to):
         array("turning", to.q16, flat.turning * TURN, ("V·s/turn", "V·s²/turn"), 4096),
         to.q16("voltage", robot.positive("supply.voltage_v") * (1 - robot.number("control.pitch_reserve_share")), "V",
                2**-16, 512),
+        to.q24("pitch", largest_lean(robot) / TURN, "turn", 2**-24, 0.125),
         to.q16("blend", turn.blend, "s", 0.05, 60),
         to.q24("turn_pace", turn.pace, "1/s", 0.01, 64),
         to.q24("turn_rate", turn_rate(robot, turning), "turn/s", 0.01, 64),

@@ -1,38 +1,9 @@
-/* The pilot: arguments and states, slices, what it learns, questions, what replaces or ends a route, plans that fail or
- * come late. */
+/* The pilot: arguments and states, slices, what it learns, what replaces or ends a route. */
 #include <joulepath/battery.h>
 #include <joulepath/trajectory_energy.h>
 #include <stddef.h>
 
 #include "tests/support/pilot_rig.h"
-
-enum { LEGS = 4 };
-
-void setUp(void)
-{
-    rig_reset();
-}
-
-void tearDown(void)
-{
-}
-
-static enum jp_status follow(const struct jp_point *targets, uint16_t count)
-{
-    return jp_pilot_follow(&pilot, targets, count, JP_PILOT_STAND);
-}
-
-static void follow_slalom(void)
-{
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, SLALOM));
-}
-
-static void work_until_driving(void)
-{
-    while (telemetry().segment == 0U) {
-        work_and_tick();
-    }
-}
 
 /* ---- Configuration ---- */
 
@@ -73,8 +44,10 @@ static void test_requests_without_targets(void)
     balance();
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, follow(NULL, 1));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, follow(slalom, 0));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_ask(&pilot, NULL, 1, JP_PILOT_STAND));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_ask(&pilot, slalom, 0, JP_PILOT_STAND));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){NULL, 1, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 0, JP_PILOT_STAND, NULL}));
     expect_rest();
     TEST_ASSERT_EQUAL_INT32(JP_ERR_NO_PLAN, jp_pilot_answer(&pilot, &forecast));
     TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
@@ -82,8 +55,12 @@ static void test_requests_without_targets(void)
 
 static void test_null_is_refused(void)
 {
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_follow(NULL, slalom, 1, JP_PILOT_PASS));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_ask(NULL, slalom, 1, JP_PILOT_PASS));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
+                            jp_pilot_follow(NULL, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, NULL}));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_follow(&pilot, NULL));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_ask(&pilot, NULL));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
+                            jp_pilot_ask(NULL, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, NULL}));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_answer(NULL, &forecast));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_answer(&pilot, NULL));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_work(NULL));
@@ -110,7 +87,8 @@ static void test_no_work_within_a_tick(void)
 static void test_requests_with_motors_off(void)
 {
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, follow(slalom, SLALOM));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_ask(&pilot, slalom, 1, JP_PILOT_STAND));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE,
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL}));
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
     TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
 }
@@ -134,10 +112,52 @@ static void test_route_is_driven(void)
 static void test_route_that_ends_in_motion(void)
 {
     balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, slalom, 2, JP_PILOT_PASS));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_PASS, NULL}));
     drive(slalom, 2);
     TEST_ASSERT_GREATER_THAN_INT32(JP_Q24(0.3), telemetry().motion.wheel_rate);
     expect_rest();
+}
+
+/* Heading and speed at a target, also in what replaces the route before it is driven to its end. */
+static void test_targets_are_passed_as_is_given(void)
+{
+    struct jp_passage passages[SLALOM] = {{.given = 0}};
+    const struct jp_pilot_route route = {slalom, SLALOM, JP_PILOT_STAND, passages};
+    const struct jp_pilot_route onward = {&slalom[2], SLALOM - 2, JP_PILOT_STAND, &passages[2]};
+
+    passages[0] = (struct jp_passage){JP_GIVEN_HEADING | JP_GIVEN_SPEED, JP_ANGLE_DEGREES(10), JP_Q24(0.25)};
+    passages[SLALOM - 1] = (struct jp_passage){.given = JP_GIVEN_HEADING, .heading = JP_ANGLE_DEGREES(30)};
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, &route));
+    drive(slalom, 1);
+    TEST_ASSERT_INT32_WITHIN(JP_ANGLE_DEGREES(2), JP_ANGLE_DEGREES(10),
+                             (int32_t)jp_phase_angle(telemetry().reference_yaw));
+    TEST_ASSERT_INT32_WITHIN(jp_q24_multiply(JP_Q24(0.03), robot_config.trajectory.turns_per_metre),
+                             jp_q24_multiply(JP_Q24(0.25), robot_config.trajectory.turns_per_metre),
+                             telemetry().reference_wheel_rate);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, &onward));
+    for (unsigned k = 0; k < PATIENCE && (pilot.phase != JP_PILOT_RESTING); k++) {
+        work_and_tick();
+    }
+    expect_rest();
+    expect_near(&slalom[SLALOM - 1]);
+    TEST_ASSERT_INT32_WITHIN(JP_ANGLE_DEGREES(2), JP_ANGLE_DEGREES(30),
+                             (int32_t)jp_phase_angle(telemetry().reference_yaw));
+}
+
+static void test_what_cannot_be_given_is_refused_before_the_robot_moves(void)
+{
+    const struct jp_passage passage = {.given = JP_GIVEN_SPEED, .speed = JP_Q24(9)};
+    enum jp_status status;
+
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK,
+                            jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, &passage}));
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, status);
+    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
+    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
+    TEST_ASSERT_EQUAL_UINT16(0, telemetry().segment);
 }
 
 /* The survey: a slice to begin, one for each leg, one to end; then the first leg. Meanwhile the robot stands. */
@@ -436,292 +456,6 @@ static void test_late_plan(void)
     TEST_ASSERT_EQUAL_UINT32(3, pilot.legs_learned_from);
 }
 
-/* ---- Plans that fail ---- */
-
-static void expect_failure(const struct jp_point *targets, uint16_t count, enum jp_status expected)
-{
-    enum jp_status status;
-
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(targets, count));
-    (void)work_while(JP_PILOT_PLANNING, &status);
-    TEST_ASSERT_EQUAL_INT32(expected, status);
-    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
-    TEST_ASSERT_EQUAL_INT32(expected, jp_pilot_answer(&pilot, &forecast));
-    ticks(2);
-    TEST_ASSERT_EQUAL_INT32(expected, jp_pilot_work(&pilot));
-    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
-}
-
-static void test_target_where_the_robot_stands(void)
-{
-    const struct jp_point here = {0, 0};
-
-    balance();
-    expect_failure(&here, 1, JP_ERR_ZERO_LENGTH);
-}
-
-/* Nothing is driven before the whole route can be. */
-static void test_last_targets_that_coincide(void)
-{
-    const struct jp_point twice[] = {slalom[0], slalom[1], slalom[2], slalom[2]};
-
-    balance();
-    expect_failure(twice, 4, JP_ERR_ZERO_LENGTH);
-    TEST_ASSERT_EQUAL_UINT16(0, pilot.targets_planned);
-}
-
-static void test_target_out_of_reach(void)
-{
-    const struct jp_point far = {JP_Q16(600), 0};
-
-    balance();
-    expect_failure(&far, 1, JP_ERR_ARGUMENT);
-}
-
-static void test_motors_without_voltage_for_the_motion(void)
-{
-    robot_config.trajectory.voltage = 1;
-    init();
-    balance();
-    expect_failure(slalom, 2, JP_ERR_INFEASIBLE);
-}
-
-static void test_failure_is_forgotten_with_the_next_route(void)
-{
-    const struct jp_point here = {0, 0};
-
-    balance();
-    expect_failure(&here, 1, JP_ERR_ZERO_LENGTH);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, 2));
-    drive(slalom, 2);
-    expect_rest();
-}
-
-/* The robot drives the leg to its end, and the next route goes on from there. */
-static void test_failure_on_the_way(void)
-{
-    const struct jp_point far = {JP_Q16(600), 0};
-    enum jp_status status;
-
-    balance();
-    follow_slalom();
-    work_until_driving();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(&far, 1));
-    (void)work_while(JP_PILOT_PLANNING, &status);
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, status);
-    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
-    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_DRIVING, telemetry().state);
-    while (telemetry().state == JP_ROBOT_DRIVING) {
-        TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_work(&pilot));
-        tick();
-    }
-    expect_near(&slalom[0]);
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_work(&pilot));
-    TEST_ASSERT_EQUAL_UINT32(1, pilot.legs_learned_from);
-}
-
-/* The targets' memory changed under way. */
-static void test_a_leg_that_fails_when_it_is_driven(void)
-{
-    struct jp_point targets[] = {slalom[0], slalom[1], slalom[2]};
-    enum jp_status status = JP_OK;
-
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(targets, 3));
-    work_until_driving();
-    targets[2] = targets[1];
-    while (status == JP_OK) {
-        tick();
-        status = jp_pilot_work(&pilot);
-    }
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ZERO_LENGTH, status);
-    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
-    TEST_ASSERT_EQUAL_UINT16(1, pilot.targets_planned);
-    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_DRIVING, telemetry().state);
-}
-
-/* They changed when the whole route was planned: the route that is driven is not gone on with. */
-static void test_a_new_route_that_changes_before_it_is_taken(void)
-{
-    struct jp_point targets[] = {aside[0], aside[1]};
-
-    balance();
-    follow_slalom();
-    work_until_driving();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(targets, 2));
-    for (unsigned i = 0; i < 3U; i++) {
-        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
-    }
-    TEST_ASSERT_EQUAL_UINT16(2, pilot.targets_surveyed);
-    targets[1] = targets[0];
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_ZERO_LENGTH, jp_pilot_work(&pilot));
-    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
-    TEST_ASSERT_EQUAL_UINT16(0, pilot.targets_planned);
-}
-
-static void test_somebody_else_hands_a_segment_over(void)
-{
-    const struct jp_segment_command other = {{JP_Q24(0.1), 0}, 0, JP_Q16(1)};
-    enum jp_status status;
-
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, 2));
-    (void)work_while(JP_PILOT_PLANNING, &status);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_drive(&robot, &other));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_BUSY, jp_pilot_work(&pilot));
-    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
-}
-
-/* ---- Motors off ---- */
-
-static void test_disabled_in_mid_plan(void)
-{
-    balance();
-    follow_slalom();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
-    jp_robot_disable(&robot);
-    tick();
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
-    TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, 2));
-    drive(slalom, 2);
-    expect_rest();
-}
-
-static void test_fallen_while_driving(void)
-{
-    balance();
-    follow_slalom();
-    work_until_driving();
-    robot.internal.estimator.pitch = JP_PHASE_TURN / 4;
-    tick();
-    TEST_ASSERT_EQUAL_INT32(JP_ROBOT_FALLEN, telemetry().state);
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, follow(slalom, SLALOM));
-    TEST_ASSERT_EQUAL_UINT32(0, pilot.legs_learned_from);
-}
-
-/* ---- Questions ---- */
-
-static void test_question(void)
-{
-    struct jp_trajectory_leg legs[LEGS];
-    struct jp_trajectory trajectory;
-    const struct jp_trajectory_task task = {.config = &robot_config.trajectory,
-                                            .cruise = jp_cruise_speed(&model),
-                                            .targets = slalom,
-                                            .count = LEGS,
-                                            .to_stand = true};
-    enum jp_status status;
-    jp_q16 energy;
-
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_trajectory_by_rule(&task, legs, &trajectory));
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_trajectory_energy(&robot_config.trajectory, &model, &trajectory, &energy));
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, LEGS, JP_PILOT_STAND));
-    TEST_ASSERT_EQUAL_INT32(JP_WORKING, jp_pilot_answer(&pilot, &forecast));
-    TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
-    (void)work_while(JP_PILOT_PLANNING, &status);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, status);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &forecast));
-    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.05), energy, forecast.energy);
-    TEST_ASSERT_GREATER_THAN_INT32(0, forecast.deviation);
-    jp_pilot_stop(&pilot);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &forecast));
-    ticks(100);
-    expect_rest();
-    TEST_ASSERT_EQUAL_UINT16(0, telemetry().segment);
-    TEST_ASSERT_EQUAL_INT32(0, telemetry().position.x);
-}
-
-static void test_forecast_of_the_route_that_is_driven(void)
-{
-    struct jp_forecast asked;
-    enum jp_status status;
-
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 2, JP_PILOT_STAND));
-    (void)work_while(JP_PILOT_PLANNING, &status);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &asked));
-    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, 2));
-    TEST_ASSERT_EQUAL_INT32(JP_WORKING, jp_pilot_answer(&pilot, &forecast));
-    drive(slalom, 2);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &forecast));
-    TEST_ASSERT_EQUAL_INT32(asked.energy, forecast.energy);
-    TEST_ASSERT_EQUAL_INT32(asked.deviation, forecast.deviation);
-}
-
-/* Legs that take about 8 kJ each, and a sum that has no format: it is driven all the same. */
-static void test_forecast_that_overflows(void)
-{
-    const struct jp_point far[] = {
-        {JP_Q16(500), 0}, {JP_Q16(1000), 0}, {JP_Q16(1500), 0}, {JP_Q16(1000), JP_Q16(1)}, {JP_Q16(600), 0}};
-    enum jp_status status;
-
-    for (int pass = 0; pass < 2; pass++) {
-        init();
-        balance();
-        TEST_ASSERT_EQUAL_INT32(JP_OK, follow(far, 5));
-        (void)work_while(JP_PILOT_PLANNING, &status);
-        TEST_ASSERT_EQUAL_INT32(JP_OK, status);
-        TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_pilot_answer(&pilot, &forecast));
-        TEST_ASSERT_EQUAL_INT32(INT32_MAX, forecast.energy);
-        work_until_driving();
-        jp_robot_disable(&robot);
-        tick();
-        config.learning = NULL;
-    }
-}
-
-/* At a speed at which the electronics take most. */
-static void test_leg_whose_energy_overflows(void)
-{
-    const struct jp_point far = {JP_Q16(500), 0};
-    enum jp_status status;
-
-    robot_config.limits.speed = JP_Q24(0.05);
-    init();
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &far, 1, JP_PILOT_STAND));
-    (void)work_while(JP_PILOT_PLANNING, &status);
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_pilot_answer(&pilot, &forecast));
-}
-
-static void test_question_in_the_wrong_moment(void)
-{
-    const struct jp_segment_command other = {{JP_Q24(0.1), 0}, 0, JP_Q16(1)};
-
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 1, JP_PILOT_STAND));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_ask(&pilot, slalom, 1, JP_PILOT_STAND));
-    jp_pilot_stop(&pilot);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_drive(&robot, &other));
-    ticks(2);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_ask(&pilot, slalom, 1, JP_PILOT_STAND));
-}
-
-/* Nobody is to take the last plan's energy for the answer. */
-static void test_question_that_is_given_up(void)
-{
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 2, JP_PILOT_STAND));
-    jp_pilot_stop(&pilot);
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_NO_PLAN, jp_pilot_answer(&pilot, &forecast));
-    TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
-}
-
-static void test_question_of_a_robot_that_falls(void)
-{
-    balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, slalom, 2, JP_PILOT_STAND));
-    robot.internal.estimator.pitch = JP_PHASE_TURN / 4;
-    tick();
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_answer(&pilot, &forecast));
-}
-
 /* Nearer than the robot can slow down: it stands at the end of its leg first. */
 static void test_new_route_that_cannot_go_on_in_motion(void)
 {
@@ -772,27 +506,6 @@ static void test_legs_that_cannot_be_learned_from(void)
     expect_rest();
     TEST_ASSERT_EQUAL_UINT32(0, pilot.legs_learned_from);
     TEST_ASSERT_EQUAL_UINT32(2, pilot.legs_left_out);
-}
-
-/* The targets' memory changed between the forecast and the first leg: found at once, or with the leg. */
-static void test_a_first_leg_that_fails(void)
-{
-    enum jp_status status;
-
-    for (unsigned which = 0; which < 2U; which++) {
-        struct jp_point targets[] = {slalom[0], slalom[1], slalom[2]};
-
-        rig_reset();
-        balance();
-        TEST_ASSERT_EQUAL_INT32(JP_OK, follow(targets, 3));
-        (void)work_while(JP_PILOT_PLANNING, &status);
-        targets[which + 1U] = targets[which];
-        TEST_ASSERT_EQUAL_INT32(JP_ERR_ZERO_LENGTH, jp_pilot_work(&pilot));
-        TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
-        TEST_ASSERT_EQUAL_UINT16(0, pilot.targets_planned);
-        tick();
-        TEST_ASSERT_EQUAL_INT32(JP_ROBOT_BALANCING, telemetry().state);
-    }
 }
 
 static void test_a_robot_that_rolls_does_not_begin(void)

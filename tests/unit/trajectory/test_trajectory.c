@@ -86,6 +86,10 @@ static void test_checks_every_field_at_its_limits(void)
     FIELD(turn_rate, JP_Q24(0.01), NULL);
     FIELD(turn_rate, JP_Q24(64), NULL);
     FIELD(turn_rate, JP_Q24(64) + 1, "trajectory.turn_rate");
+    FIELD(pitch, 0, "trajectory.pitch");
+    FIELD(pitch, 1, NULL);
+    FIELD(pitch, JP_Q24(0.125), NULL);
+    FIELD(pitch, JP_Q24(0.125) + 1, "trajectory.pitch");
 }
 
 static void test_checks_every_element_of_the_arrays(void)
