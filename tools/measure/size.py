@@ -25,7 +25,7 @@ MODULES = {
     "energy": r"src/energy/energy",
     "energy of short segments": r"src/energy/horizon",
     "battery": r"src/energy/battery",
-    "evidence": r"src/balancer/(current_check|drive_watch|evidence)",
+    "evidence": r"src/balancer/(current_check|evidence)",
     "optimiser": r"src/trajectory/segment(_\w+)?",
     "planner": r"src/(search/planner(_\w+)?|map/(lattice|terrain|guide_field|energy_field|wavefront))",
     "learner": r"src/learn/(learner(_\w+)?|forecast|normal_quantile)",

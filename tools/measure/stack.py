@@ -19,7 +19,7 @@ from tools.common import ROOT, ArgumentParser, ToolError, run
 from tools.measure import call_graph, core_numbers
 
 ENTRIES = ("jp_robot_tick", "jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_ecu_work",
-           "jp_energy_forecast", "jp_energy_regressors", "jp_learner_update", "jp_drive_watch_update", "jp_forecast_add",
+           "jp_energy_forecast", "jp_energy_regressors", "jp_learner_update", "jp_forecast_add",
            "jp_segment_optimise", "jp_planner_work",
            "jp_tariff_by_models", "jp_four_wheel_tick", "jp_pure_pursuit_tick", "jp_grid_planner_work",
            "jp_path_spline", "jp_battery_update", "jp_current_check_update", "jp_pilot_work")
