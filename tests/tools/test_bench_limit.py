@@ -242,11 +242,11 @@ def test_a_short_run(tmp_path, monkeypatch):
     monkeypatch.setattr(bench_limit, "STARTS", 1)
     monkeypatch.setattr(bench_limit, "WAYPOINTS", 1)
     path = tmp_path / "limit.json"
-    result = run_tool("measure.bench_limit", "--routes", 1, "--seed", 5, "--workers", 1, "--bench", path)
+    result = run_tool("measure.bench_limit", "--routes", 1, "--unseen", 1, "--seed", 5, "--workers", 1, "--bench", path)
     assert result.returncode == 0, result.stderr
     figures = {figure["name"]: figure["value"] for figure in json.loads(path.read_text())}
     rule = [name for name in figures if name.startswith("cruise and transients, by rule: ")]
-    assert len(figures) == 7 + 2 * 7 + len(rule) and len(rule) == 2 + 3
+    assert len(figures) == 7 + 2 * 7 + 2 + len(rule) and len(rule) == 2 + 3 + 3
     # After one leg the rule's drive is some millimetres short of its waypoint, and so below the limit.
     assert all(-0.5 < value < 100 for value in figures.values())
     assert all(figures[name] < 4 for name in rule)
@@ -256,7 +256,7 @@ def test_a_short_run(tmp_path, monkeypatch):
     for text in ("courier24_short", "gao2018", "worst miss, cm", "turns to ±120°"):
         assert text in result.stdout
     tables = json.loads((tmp_path / "limit.tables.json").read_text())
-    assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [7, 7]
+    assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [7, 8]
 
 
 def test_a_limit_that_is_not_found_is_named(monkeypatch):
@@ -278,6 +278,7 @@ def test_missing_program_is_named(monkeypatch, tmp_path):
         bench_limit.driven(bench_limit.random_route("gao2018", 1))
 
 
+@pytest.mark.parametrize("option", ["--routes", "--unseen"])
 @pytest.mark.parametrize("routes", ["0", "x"])
-def test_bad_number_of_routes(routes):
-    assert_one_line_error(run_tool("measure.bench_limit", "--routes", routes), f"--routes: {routes}: must be a whole number")
+def test_bad_number_of_routes(option, routes):
+    assert_one_line_error(run_tool("measure.bench_limit", option, routes), f"{option}: {routes}: must be a whole number")

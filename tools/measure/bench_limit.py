@@ -8,6 +8,7 @@ the same plant under a feedback of its exact state.
 Prints tables and writes figures and tables for figures.py. Exit status 2: a program failed or no limit was found;
 nothing was written.
 """
+import itertools
 import json
 import math
 import multiprocessing
@@ -29,12 +30,14 @@ from tools.measure.figure_store import write_tables
 COMMAND = "make bench-limit"
 SCENARIOS = ("gao2018_mission", "gao2018_short", "courier24_mission", "courier24_short")
 
-# Random routes: chosen before anything was measured on them.
+# Random routes: chosen before anything was measured on them. The first of them are driven by every strategy.
 ROBOTS = ("gao2018", "courier24")
 WAYPOINTS = 5              # after the start
 LENGTHS = (1.0, 15.0)      # m
 TURN = math.radians(120)   # ±, from leg to leg, and from x to the first
 SEED = 1
+# And routes by the rule alone, of seeds that nothing was developed with.
+UNSEEN_SEED = 1001
 
 # %, of the strategy that is to be within them; which of the scenarios are short.
 RULE = "cruise and transients, by rule"
@@ -58,6 +61,7 @@ class Route:
     name: str
     scenario: str  # text of its file
     seed: int
+    by_rule_alone: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,10 +101,10 @@ def draw_points(generator):
     return np.vstack([np.zeros(2), np.cumsum(legs, axis=0)])
 
 
-def random_route(robot, seed):
+def random_route(robot, seed, by_rule_alone=False):
     points = ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in draw_points(np.random.default_rng(seed)))
     return Route(f"{robot}_{seed}", f'name = "{robot}_{seed}";\nrobot = "{ROOT}/sim/robots/{robot}.cfg";\n'
-                 f'energy_model = "identified";\nseed = {seed};\nwaypoints = ( {points} );\n', seed)
+                 f'energy_model = "identified";\nseed = {seed};\nwaypoints = ( {points} );\n', seed, by_rule_alone)
 
 
 # ---- Drives --------------------------------------------------------------------------------------------------------
@@ -148,14 +152,15 @@ def oracle_drive(route, task):
 
 
 def measure(route):
-    """A drive for each strategy that can drive the route."""
+    """A drive for each strategy that is asked for and can drive the route."""
     summary = driven(route)
     plant = energy_limit.Plant(robot_json.load(robot_json.robot_path(summary["robot"])), summary["energy"])
     task = energy_limit.Task(plant, np.array(summary["waypoints_m"]))
     drives = [(row["title"], row["total"]["plant_energy_j"], row["total"]["duration_s"], row["total"]["end_speed_m_s"],
                max(leg["passed_m"] for leg in row["segments"]), (row["forecast"] or {"energy_j": math.nan})["energy_j"])
-              for row in summary["strategies"] if "total" in row]
-    drives.append(oracle_drive(route, task))
+              for row in summary["strategies"] if "total" in row and (row["title"] == RULE or not route.by_rule_alone)]
+    if not route.by_rule_alone:
+        drives.append(oracle_drive(route, task))
     found = limits(route, task, [drive[3] for drive in drives])
     return [Drive(*drive, solution.energy, solution.durations.sum()) for drive, solution in zip(drives, found)]
 
@@ -190,10 +195,10 @@ def figures_of_rule(scenarios, routes):
         for drive in of_rule(drives):
             yield figure_of_rule(f"{name}, waypoints passed within", 100 * drive.miss, "cm", MISS_BAR)
             yield figure_of_rule(f"{name}, forecast against driven", drive.forecast_error, "%", None)
-    for robot, results in routes.items():
+    for those, robot, results in routes:
         driven_routes = of_rule(drive for drives in results for drive in drives)
         errors = [drive.forecast_error for drive in driven_routes]
-        name = f"{len(driven_routes)} random routes of {WAYPOINTS}, {robot}"
+        name = f"{those} of {WAYPOINTS}, {robot}"
         miss = 100 * max(drive.miss for drive in driven_routes)
         yield figure_of_rule(f"{name}, waypoints passed within", miss, "cm", MISS_BAR)
         yield figure_of_rule(f"{name}, forecast against driven, mean", np.mean(errors), "%", FORECAST_BARS["mean"])
@@ -215,8 +220,8 @@ def by_strategy(results):
     return found
 
 
-def route_rows(robot, results):
-    return [(robot, strategy, str(len(drives)), f"{np.mean([drive.above for drive in drives]):.2f}",
+def route_rows(those, robot, results):
+    return [(robot, strategy, those, f"{np.mean([drive.above for drive in drives]):.2f}",
              f"{max(drive.above for drive in drives):.2f}", f"{100 * max(drive.miss for drive in drives):.1f}")
             for strategy, drives in by_strategy(results).items()]
 
@@ -225,10 +230,10 @@ def figures_of(scenarios, routes):
     for name, drives in scenarios.items():
         for drive in drives:
             yield figure(f"{name}, {drive.strategy}: above the limit", drive.above, drive.strategy, name.split("_")[1])
-    for robot, results in routes.items():
+    for those, robot, results in routes:
         for strategy, drives in by_strategy(results).items():
             above = [drive.above for drive in drives]
-            name = f"{len(drives)} random routes of {WAYPOINTS}, {robot}, {strategy}: above the limit"
+            name = f"{those} of {WAYPOINTS}, {robot}, {strategy}: above the limit"
             yield figure(f"{name}, mean", np.mean(above), strategy, "mean")
             yield figure(f"{name}, worst", max(above), strategy, "worst")
 
@@ -236,9 +241,11 @@ def figures_of(scenarios, routes):
 def arguments():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--routes", metavar="N", type=whole_number(1, 1_000_000), default=25,
-                        help="random ones for each robot (default: 25)")
-    parser.add_argument("--seed", metavar="S", type=whole_number(0, 2**31), default=SEED,
-                        help=f"of the first; the others follow (default: {SEED})")
+                        help=f"random ones for each robot, of the seeds from {SEED} (default: 25)")
+    parser.add_argument("--unseen", metavar="N", type=whole_number(1, 1_000_000), default=100,
+                        help="random ones for each robot by the rule alone (default: 100)")
+    parser.add_argument("--seed", metavar="S", type=whole_number(0, 2**31), default=UNSEEN_SEED,
+                        help=f"of the first of these; the others follow (default: {UNSEEN_SEED})")
     parser.add_argument("--workers", metavar="N", type=whole_number(1, 4096), default=os.cpu_count(),
                         help="default: one for each core")
     parser.add_argument("--bench", metavar="FILE", type=Path,
@@ -249,13 +256,15 @@ def arguments():
 def main():
     options = arguments()
     routes = [scenario_route(name) for name in SCENARIOS]
-    routes += [random_route(robot, options.seed + i) for robot in ROBOTS for i in range(options.routes)]
-    results = measure_all(routes, options.workers)
+    routes += [random_route(robot, SEED + i) for robot in ROBOTS for i in range(options.routes)]
+    routes += [random_route(robot, options.seed + i, True) for robot in ROBOTS for i in range(options.unseen)]
+    results = iter(measure_all(routes, options.workers))
 
-    scenarios = dict(zip(SCENARIOS, results))
-    random = {robot: results[len(SCENARIOS) + i * options.routes:][:options.routes] for i, robot in enumerate(ROBOTS)}
+    scenarios = {name: next(results) for name in SCENARIOS}
+    random = [(f"{count} {kind} routes", robot, list(itertools.islice(results, count)))
+              for count, kind in ((options.routes, "random"), (options.unseen, "unseen random")) for robot in ROBOTS]
     scenario_table = [row for name, drives in scenarios.items() for row in scenario_rows(name, drives)]
-    route_table = [row for robot, drives in random.items() for row in route_rows(robot, drives)]
+    route_table = [row for routes, robot, drives in random for row in route_rows(routes, robot, drives)]
     path = options.bench or robot_json.build_directory() / "bench/limit.json"
     figures = [*figures_of(scenarios, random), *figures_of_rule(scenarios, random)]
     write_whole(path, json.dumps(figures, indent=2, ensure_ascii=False) + "\n")
