@@ -3,6 +3,7 @@
 What is private stands in members called `internal`, of types that a header of the room declares. Clang's syntax tree
 says whose member an expression names.
 """
+import itertools
 import os
 import re
 import shlex
@@ -22,10 +23,8 @@ ACCESS = re.compile(r"(->|\.)internal\b")
 
 def members_read(unit, path):
     """(line, header that declares the member) of each private member that a file names."""
-    for cursor in unit.cursor.walk_preorder():
-        place = cursor.location.file
-        if place is None or Path(place.name).resolve() != path.resolve():
-            continue
+    own = [top for top in unit.cursor.get_children() if top.location.file and top.location.file.name == unit.spelling]
+    for cursor in itertools.chain.from_iterable(top.walk_preorder() for top in own):
         if cursor.kind == cindex.CursorKind.MEMBER_REF_EXPR and cursor.spelling == MEMBER and cursor.referenced:
             yield cursor.location.line, Path(cursor.referenced.location.file.name).resolve()
 
