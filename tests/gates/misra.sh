@@ -9,12 +9,21 @@ export records scratch
 trap 'rm -rf "$results" "$scratch"' EXIT
 
 mapfile -t files < <(sources c src)
+mapfile -t differing < <(grep -lE "$differing_names" "${files[@]}")
 
-# All at once: some rules are about the project as a whole.
-find_violations() {
+# Of the project as a whole: they need all of its files.
+of_the_project='misra-c2012-(2\.[345]|5\.[6-9]|8\.[567])$'
+
+examine() {
     cppcheck --quiet -j "${JOBS:-$(nproc)}" --cppcheck-build-dir="$scratch" --std=c11 --enable=style --addon=misra \
-        --suppressions-list=tests/gates/cppcheck.txt --template='{file}:{line}:{column}: {id}' -Iinclude -I. \
-        "${files[@]}" >"$scratch/violations" 2>&1
+        --suppressions-list=tests/gates/cppcheck.txt --template='{file}:{line}:{column}: {id}' -Iinclude -I. "$@" 2>&1
+}
+
+# First those that differ, in all configurations; what was found of them is kept in the folder for the second run.
+find_violations() {
+    examine "${differing[@]}" >"$scratch/first" &&
+        examine "${same_everywhere[@]}" "${files[@]}" >"$scratch/second" || return
+    grep -vE "$of_the_project" "$scratch/first" | cat - "$scratch/second" >"$scratch/violations"
 }
 
 no_problem_in() {
@@ -28,7 +37,7 @@ judge() {
 }
 
 analyse() {
-    find_violations && judge || ! cat "$scratch/violations" "$scratch/problems"
+    find_violations && judge || ! cat "$scratch"/{first,second,problems}
 }
 
 mapfile -t headers < <(sources h include src)
