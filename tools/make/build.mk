@@ -32,8 +32,8 @@ $(TESTS:%.c=$(BUILD)/$1/%.o): $(BUILD)/$1/%.o: $(BUILD)/runners/%.c tools/make/v
 	$$(call compile,$1)
 
 $(patsubst %.c,$(BUILD)/$1/%.o,$(FLOAT)): MODULE_FLAGS = $(FLAGS_FLOAT)
-$(patsubst %.c,$(BUILD)/$1/%.o,$(UNIT_TESTS)): MODULE_FLAGS = $(call FLAGS_TESTS,$1)
-$(patsubst %.c,$(BUILD)/$1/%.o,$(FLOAT_TESTS)): MODULE_FLAGS = $(FLAGS_FLOAT) $(call FLAGS_TESTS,$1)
+$(patsubst %.c,$(BUILD)/$1/%.o,$(UNIT_TESTS)): MODULE_FLAGS = $(FLAGS_TESTS)
+$(patsubst %.c,$(BUILD)/$1/%.o,$(FLOAT_TESTS)): MODULE_FLAGS = $(FLAGS_FLOAT) $(FLAGS_TESTS)
 
 $(BUILD)/$1/libjoulepath_float.a: $(FLOAT:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 	$$(call archive)

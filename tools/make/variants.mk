@@ -65,7 +65,7 @@ FLAGS.rv32            = $(RV32) -O2
 FLAGS.rv32-os         = $(RV32) -Os
 
 # A test is long and runs once: it is quicker to compile it plainly than to run it fast.
-FLAGS_TESTS = $(if $(filter host%,$1),-O0,-O1)
+FLAGS_TESTS = -O0
 
 # A square root is one instruction, and nothing is computed in double by mistake.
 FLAGS_FLOAT = -ffp-contract=off -fno-math-errno -Wdouble-promotion
