@@ -4,7 +4,8 @@
 WARNINGS := -Wall -Wextra -Wconversion -Wshadow -Werror
 COMMON   := -std=c11 -g $(WARNINGS) -Iinclude -I. -I$(UNITY) -isystem $(BUILD)/lcm -MMD -MP
 HOST     := -D_GNU_SOURCE -ffp-contract=off -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
-SANITIZE := -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+# Sanitizers name functions and lines; where the variables of optimised code are takes the compiler long to say.
+SANITIZE := -O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 TARGET   := -ffunction-sections -fdata-sections -fcallgraph-info=su -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
 ARM      := $(TARGET) -mthumb
 M4F      := -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16
