@@ -149,10 +149,12 @@ static jp_q24 speed_at(const struct blend *blend, int32_t share)
 void jp_modes_roll(const struct jp_trajectory_config *config, const jp_q24 *modes, uint32_t set_points, bool is_even,
                    struct jp_rolling *rolling)
 {
-    rolling->nodes = jp_blend_nodes(is_even && jp_modes_are_gone(modes), &rolling->count);
+    const bool are_gone = jp_modes_are_gone(modes);
+
+    rolling->nodes = jp_blend_nodes(is_even && are_gone, &rolling->count);
     for (unsigned k = 0; k < rolling->count; k++) {
         rolling->speed[k] = 0;
-        for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        for (unsigned i = 0; i < JP_TRAVEL_MODES && !are_gone; i++) {
             const jp_q24 left = jp_mode_after(config, i, modes[i], set_points, rolling->nodes[k].share);
 
             rolling->speed[k] = jp_add(rolling->speed[k], left);

@@ -1,7 +1,5 @@
 #include "src/trajectory/trajectory_corner.h"
 
-#include <stddef.h>
-
 #include "src/base/integer.h"
 #include "src/trajectory/segment_geometry.h"
 #include "src/trajectory/trajectory_blend.h"
@@ -107,11 +105,6 @@ static bool can_be_given(const struct jp_passage *passage)
            (!has_speed(passage) || jp_is_between(passage->speed, GIVEN_MIN, GIVEN_MAX));
 }
 
-struct jp_passage jp_passage_at(const struct jp_trajectory_task *task, uint16_t index)
-{
-    return task->passages == NULL ? (struct jp_passage){.given = 0} : task->passages[index];
-}
-
 static enum jp_status measure(const struct jp_trajectory_task *task, uint16_t index, struct jp_chord *chord)
 {
     const struct jp_point *from = index == 0U ? &task->start : &task->targets[index - 1U];
@@ -124,14 +117,14 @@ static enum jp_status demands_of(const struct jp_trajectory_task *task, uint16_t
                                  const struct jp_leg_begin *begin, const struct jp_chord *chord,
                                  struct demand demands[2])
 {
-    const struct jp_passage passage = jp_passage_at(task, index);
+    const struct jp_passage *passage = jp_passage_at(task, index);
     enum jp_status status = JP_OK;
 
     demands[0] = demand_of(task->config, begin->is_corner ? &half_turn : &whole_turn,
                            turn_between(begin->heading, chord->direction));
     demands[1] = (struct demand){.turn_rate = task->config->turn_rate};
-    if (has_heading(&passage)) {
-        demands[1] = demand_of(task->config, &whole_turn, turn_between(chord->direction, passage.heading));
+    if (has_heading(passage)) {
+        demands[1] = demand_of(task->config, &whole_turn, turn_between(chord->direction, passage->heading));
     } else if (index + 1U < task->count) {
         struct jp_chord other = {.direction = chord->direction};
 
@@ -155,30 +148,34 @@ static jp_q16 slow_down(const struct jp_trajectory_task *task, const struct dema
     return blend;
 }
 
-/** The voltage that a turn asks for in a blend of h s. */
-static jp_q16 turning_volts(const struct demand *demand, jp_q16 h)
-{
-    return jp_q16_divide(jp_add(demand->a, jp_q16_divide(demand->b, h)), h);
-}
-
 /** A change of speed at one end of a leg, beside a turn. */
 struct change {
     jp_q24 speed; /**< at that end, m/s; or JP_SPEED_FREE */
     struct demand turn;
 };
 
-/** Whether voltage and lean are enough for it from a speed in that time, s: the quintic's largest derivatives
+/** 1/h in Q20; h > 0. */
+static int32_t inverse_of(jp_q16 h)
+{
+    return jp_divide((int64_t)1 << 36, h);
+}
+
+/** Whether voltage and lean are enough for it from a speed in a blend of 1/h in Q20: the quintic's largest derivatives
  * are 1.875, 5.8 and 60 by its duration. */
-static bool can_change(const struct jp_trajectory_config *config, const struct change *change, jp_q24 speed, jp_q16 h)
+static bool can_change(const struct jp_trajectory_config *config, const struct change *change, jp_q24 speed,
+                       int32_t inverse)
 {
     if (change->speed < 0) {
         return true;
     }
 
     const jp_q24 fastest = speed > change->speed ? speed : change->speed;
-    const jp_q16 first = jp_q16_divide(jp_multiply_shift(speed - change->speed, JP_Q16(1.875), 24), h);
-    const jp_q16 second = jp_q16_divide(jp_multiply_shift(first, JP_Q16(5.8 / 1.875), 16), h);
-    const jp_q16 third = jp_q16_divide(jp_multiply_shift(second, JP_Q16(60 / 5.8), 16), h);
+    const jp_q16 rise = jp_multiply_shift(speed - change->speed, JP_Q16(1.875), 24);
+    const jp_q16 first = jp_multiply_shift(rise, inverse, 20);
+    const jp_q16 second = jp_multiply_shift(jp_multiply_shift(first, inverse, 20), JP_Q16(5.8 / 1.875), 16);
+    const jp_q16 third = jp_multiply_shift(jp_multiply_shift(second, inverse, 20), JP_Q16(60 / 5.8), 16);
+    const jp_q16 turning =
+        jp_multiply_shift(jp_add(change->turn.a, jp_multiply_shift(change->turn.b, inverse, 20)), inverse, 20);
     const int64_t volts = jp_absolute64(jp_multiply(config->volts[0], fastest) >> 8) +
                           jp_absolute64(jp_multiply(config->volts[1], first)) +
                           jp_absolute64(jp_multiply(config->volts[2], second)) +
@@ -186,7 +183,7 @@ static bool can_change(const struct jp_trajectory_config *config, const struct c
     const int64_t lean =
         jp_absolute64(jp_multiply(config->lean[0], fastest) >> 8) + jp_absolute64(jp_multiply(config->lean[1], first));
 
-    return (volts >> 16) + turning_volts(&change->turn, h) <= config->voltage && lean >> 16 <= config->pitch;
+    return (volts >> 16) + turning <= config->voltage && lean >> 16 <= config->pitch;
 }
 
 /** The time of a leg's blends at a speed, s: as long as its share of the way allows, but at least `least`. */
@@ -208,10 +205,10 @@ struct pace {
 
 static bool can_go_at(const struct pace *pace, jp_q24 speed)
 {
-    const jp_q16 blend = blend_at(pace->config, speed, pace->way, pace->blend);
+    const int32_t inverse = inverse_of(blend_at(pace->config, speed, pace->way, pace->blend));
 
-    return can_change(pace->config, &pace->changes[0], speed, blend) &&
-           can_change(pace->config, &pace->changes[1], speed, blend);
+    return can_change(pace->config, &pace->changes[0], speed, inverse) &&
+           can_change(pace->config, &pace->changes[1], speed, inverse);
 }
 
 /** The greatest speed that allows the changes at both ends, to a part in 2^HALVINGS; below SPEED_MIN: none does. */
@@ -231,35 +228,45 @@ static jp_q24 speed_for_changes(const struct pace *pace, jp_q24 greatest)
     return speed;
 }
 
+/** The time of the blends, s. */
+static jp_q16 slow_for_changes(const struct pace *pace, struct jp_chord *chord)
+{
+    if (can_go_at(pace, chord->speed)) {
+        return pace->blend;
+    }
+    chord->speed = speed_for_changes(pace, chord->speed);
+    return blend_at(pace->config, chord->speed, pace->way, pace->blend);
+}
+
 struct jp_leg_begin jp_begin_after(const struct jp_trajectory_task *task, uint16_t index, const struct jp_chord *before)
 {
-    const struct jp_passage passage = jp_passage_at(task, index);
+    const struct jp_passage *passage = jp_passage_at(task, index);
 
     return (struct jp_leg_begin){
-        .heading = has_heading(&passage) ? passage.heading : before->direction,
-        .speed = has_speed(&passage) ? passage.speed : JP_SPEED_FREE,
-        .is_corner = !has_heading(&passage),
+        .heading = has_heading(passage) ? passage->heading : before->direction,
+        .speed = has_speed(passage) ? passage->speed : JP_SPEED_FREE,
+        .is_corner = !has_heading(passage),
     };
 }
 
 static jp_q24 speed_at_end(const struct jp_trajectory_task *task, uint16_t index)
 {
-    const struct jp_passage passage = jp_passage_at(task, index);
+    const struct jp_passage *passage = jp_passage_at(task, index);
 
     if (task->to_stand && index + 1U == task->count) {
         return 0;
     }
-    return has_speed(&passage) ? passage.speed : JP_SPEED_FREE;
+    return has_speed(passage) ? passage->speed : JP_SPEED_FREE;
 }
 
 enum jp_status jp_chord_to(const struct jp_trajectory_task *task, uint16_t index, const struct jp_leg_begin *begin,
                            struct jp_chord *chord)
 {
     const struct jp_trajectory_config *config = task->config;
-    const struct jp_passage passage = jp_passage_at(task, index);
+    const struct jp_passage *passage = jp_passage_at(task, index);
     const jp_q16 voltage = voltage_for_turns(task);
     struct demand demands[2];
-    enum jp_status status = can_be_given(&passage) ? measure(task, index, chord) : JP_ERR_ARGUMENT;
+    enum jp_status status = can_be_given(passage) ? measure(task, index, chord) : JP_ERR_ARGUMENT;
 
     if (status == JP_OK) {
         status = demands_of(task, index, begin, chord, demands);
@@ -277,12 +284,12 @@ enum jp_status jp_chord_to(const struct jp_trajectory_task *task, uint16_t index
         blend = slow_down(task, demands, way, chord);
     }
 
-    const struct pace pace = {
-        config, {{begin->speed, demands[0]}, {speed_at_end(task, index), demands[1]}}, way, blend};
+    const jp_q24 end_speed = speed_at_end(task, index);
 
-    if (!can_go_at(&pace, chord->speed)) {
-        chord->speed = speed_for_changes(&pace, chord->speed);
-        blend = blend_at(config, chord->speed, way, blend);
+    if (begin->speed >= 0 || end_speed >= 0) {
+        const struct pace pace = {config, {{begin->speed, demands[0]}, {end_speed, demands[1]}}, way, blend};
+
+        blend = slow_for_changes(&pace, chord);
     }
     chord->blend = (uint32_t)(((uint64_t)(uint32_t)blend * config->tick_rate / JP_TICKS_PER_SET_POINT) >> 16) + 1U;
     return chord->speed < SPEED_MIN ? JP_ERR_INFEASIBLE : JP_OK;
@@ -300,27 +307,27 @@ static struct demand turn_of(const struct jp_trajectory_config *config, const st
 void jp_chords_meet(const struct jp_trajectory_task *task, uint16_t index, struct jp_chord *before,
                     struct jp_chord *after)
 {
-    const struct jp_passage passage = jp_passage_at(task, index);
+    const struct jp_passage *passage = jp_passage_at(task, index);
     struct jp_chord *faster = before->speed > after->speed ? before : after;
     const struct jp_chord *slower = before->speed > after->speed ? after : before;
 
-    if (faster->speed == slower->speed || has_speed(&passage)) {
+    if (faster->speed == slower->speed || has_speed(passage)) {
         return;
     }
 
     const jp_angle mean = slower->direction + (faster->direction - slower->direction) / 2U;
-    const struct change change = {slower->speed, has_heading(&passage)
-                                                     ? turn_of(task->config, faster, passage.heading, false)
+    const struct change change = {slower->speed, has_heading(passage)
+                                                     ? turn_of(task->config, faster, passage->heading, false)
                                                      : turn_of(task->config, faster, mean, true)};
-    const jp_q16 blend = jp_seconds(task->config, jp_blend_beside(faster->blend, slower->blend), 16);
+    const int32_t inverse = inverse_of(jp_seconds(task->config, jp_blend_beside(faster->blend, slower->blend), 16));
 
-    if (!can_change(task->config, &change, faster->speed, blend)) {
+    if (!can_change(task->config, &change, faster->speed, inverse)) {
         jp_q24 step = faster->speed - slower->speed;
 
         faster->speed = slower->speed;
         for (unsigned i = 0; i < 2U * HALVINGS; i++) {
             step /= 2;
-            faster->speed += can_change(task->config, &change, faster->speed + step, blend) ? step : 0;
+            faster->speed += can_change(task->config, &change, faster->speed + step, inverse) ? step : 0;
         }
     }
 }
@@ -334,7 +341,7 @@ bool jp_chord_can_meet(const struct jp_trajectory_config *config, const struct j
 
     const struct change change = {motion->speed, turn_of(config, chord, motion->heading, motion->turn_rate != 0)};
 
-    return can_change(config, &change, chord->speed, jp_seconds(config, set_points, 16));
+    return can_change(config, &change, chord->speed, inverse_of(jp_seconds(config, set_points, 16)));
 }
 
 /** How a waypoint is rounded. */
@@ -377,10 +384,10 @@ struct jp_waypoint_motion jp_corner_between(const struct jp_trajectory_task *tas
                                             const struct jp_chord *before, const struct jp_chord *after)
 {
     const struct jp_trajectory_config *config = task->config;
-    const struct jp_passage passage = jp_passage_at(task, index);
-    const struct corner corner = has_heading(&passage)
-                                     ? corner_with_heading(config, before->direction, passage.heading, after->direction)
-                                     : corner_as_costs_least(config, before->direction, after->direction);
+    const struct jp_passage *passage = jp_passage_at(task, index);
+    const struct corner corner =
+        has_heading(passage) ? corner_with_heading(config, before->direction, passage->heading, after->direction)
+                             : corner_as_costs_least(config, before->direction, after->direction);
     const uint32_t set_points = before->blend < after->blend ? before->blend : after->blend;
     const jp_q16 blend = jp_seconds(config, set_points, 16);
     const jp_q24 smooth = jp_divide((int64_t)SMOOTH_Q40, blend);
@@ -390,17 +397,17 @@ struct jp_waypoint_motion jp_corner_between(const struct jp_trajectory_task *tas
     return (struct jp_waypoint_motion){
         .heading = corner.heading,
         .turn_rate = jp_multiply_shift(corner.turn, is_pace ? config->turn_pace : smooth, 32),
-        .speed = has_speed(&passage) ? passage.speed : slower,
+        .speed = has_speed(passage) ? passage->speed : slower,
     };
 }
 
 struct jp_waypoint_motion jp_last_motion(const struct jp_trajectory_task *task, const struct jp_chord *chord)
 {
-    const struct jp_passage passage = jp_passage_at(task, (uint16_t)(task->count - 1U));
-    const jp_q24 onward = has_speed(&passage) ? passage.speed : chord->speed;
+    const struct jp_passage *passage = jp_passage_at(task, (uint16_t)(task->count - 1U));
+    const jp_q24 onward = has_speed(passage) ? passage->speed : chord->speed;
 
     return (struct jp_waypoint_motion){
-        .heading = has_heading(&passage) ? passage.heading : chord->direction,
+        .heading = has_heading(passage) ? passage->heading : chord->direction,
         .speed = task->to_stand ? 0 : onward,
     };
 }

@@ -3,6 +3,7 @@
 #define JOULEPATH_TRAJECTORY_TRAJECTORY_CORNER_H
 
 #include <joulepath/trajectory_rule.h>
+#include <stddef.h>
 
 /** Of a motion whose speed is not given. */
 #define JP_SPEED_FREE (-1)
@@ -14,8 +15,13 @@ struct jp_leg_begin {
     bool is_corner;   /**< the leg before takes half of the turn */
 };
 
-/** The motion that is given at target `index`. */
-struct jp_passage jp_passage_at(const struct jp_trajectory_task *task, uint16_t index);
+/** What is given at target `index`. */
+static inline const struct jp_passage *jp_passage_at(const struct jp_trajectory_task *task, uint16_t index)
+{
+    static const struct jp_passage nothing_given = {.given = 0};
+
+    return task->passages == NULL ? &nothing_given : &task->passages[index];
+}
 
 /** How a leg begins after one to target `index`. */
 struct jp_leg_begin jp_begin_after(const struct jp_trajectory_task *task, uint16_t index,

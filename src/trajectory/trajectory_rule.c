@@ -21,8 +21,9 @@
 /** Of the middle's heading from its chord: an eighth of a turn. */
 #define ASTRAY_MAX ((uint32_t)1 << 29)
 
-/** A blend that turns less is integrated by few nodes: a fifth of a turn, with what its middle turns. */
-#define TURN_EVEN (UINT32_MAX / 5U)
+/** A blend that turns less is integrated by few nodes: a fifth of a turn, and where its speed changes a fiftieth. */
+#define TURN_EVEN          (UINT32_MAX / 5U)
+#define TURN_EVEN_CHANGING (UINT32_MAX / 50U)
 
 #define SPEED_MAX      JP_Q24(8)
 #define CRUISE_MIN     JP_Q24(0.01)
@@ -232,20 +233,22 @@ static struct jp_way way_between(const struct jp_trajectory_task *task, uint16_t
     return (struct jp_way){(to->x - from->x) * 16, (to->y - from->y) * 16};
 }
 
-/** Whether a blend between a leg's middle and that motion turns and changes speed little. */
+/** Whether a blend between a leg's middle and that motion turns little. */
 static bool is_even(const struct jp_chord *chord, const struct jp_waypoint_motion *motion)
 {
-    return motion->speed == chord->speed && jp_magnitude32((int32_t)(motion->heading - chord->direction)) < TURN_EVEN;
+    const uint32_t turn = jp_magnitude32((int32_t)(motion->heading - chord->direction));
+
+    return turn < (motion->speed == chord->speed ? TURN_EVEN : TURN_EVEN_CHANGING);
 }
 
 /** The end of the last leg, which has no blend where nothing changes in it. */
 static void end_last(const struct jp_trajectory_task *task, const struct jp_chord *chord, struct leg_search *leg)
 {
-    const struct jp_passage passage = jp_passage_at(task, (uint16_t)(task->count - 1U));
+    const struct jp_passage *passage = jp_passage_at(task, (uint16_t)(task->count - 1U));
 
     leg->result.next = jp_last_motion(task, chord);
-    leg->ends_straight = (passage.given & (uint8_t)JP_GIVEN_HEADING) == 0U;
-    leg->result.end.set_points = task->to_stand || passage.given != 0U ? chord->blend : 1U;
+    leg->ends_straight = (passage->given & (uint8_t)JP_GIVEN_HEADING) == 0U;
+    leg->result.end.set_points = task->to_stand || passage->given != 0U ? chord->blend : 1U;
 }
 
 /** The search for the leg to target `index` by its chord, the next one's or, at the last, none. */
