@@ -47,12 +47,19 @@ struct jp_segment_command {
     jp_q16 duration; /**< T, s; 0…16 384 */
 };
 
-/** What a leg of a trajectory takes (trajectory_energy.h). */
+#define JP_LEG_TRANSIENTS 3U
+
+/**
+ * What a leg of a trajectory takes (trajectory_energy.h). `transient`: what its blends take beside the steady motion,
+ * J, part of the energy: of the voltage u that changes the speed, with the steady us, 4/Rm ∫ us u dt and 2/Rm ∫ u² dt;
+ * of that which changes the turn rate the former.
+ */
 struct jp_leg_energy {
     jp_q16 energy;   /**< as built in, electronics included, J */
     jp_q16 duration; /**< s */
     jp_q16 travel;   /**< ∫ v² dt, m²/s: b1's share */
     jp_q16 turning;  /**< ∫ w² dt, rad²/s: b2's */
+    jp_q16 transient[JP_LEG_TRANSIENTS];
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null.

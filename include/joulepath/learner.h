@@ -8,10 +8,11 @@
  *
  *   parameters = built-in + D x,    E − E_built-in = f x + noise,    f = Dᵀ φ
  *
- * with φ the regressors of horizon.h. Recursive least squares in square-root form (Potter), P = S Sᵀ. Forgetting never
- * never exceeds the prior covariance: S ← S (I + (I − SᵀS)/(2 memory)), the first step of Newton's iteration from S
- * towards an orthogonal matrix. It keeps every singular value in (0, 1], so that P <= I in fixed point, whatever is
- * driven and for how long; a direction that is not excited keeps its value and returns to the prior uncertainty.
+ * with φ the regressors of horizon.h, of a leg with its b1 and b2 and `leg` of its transients. Recursive least squares
+ * in square-root form (Potter), P = S Sᵀ. Forgetting never never exceeds the prior covariance: S ← S (I + (I − SᵀS)/(2
+ * memory)), the first step of Newton's iteration from S towards an orthogonal matrix. It keeps every singular value in
+ * (0, 1], so that P <= I in fixed point, whatever is driven and for how long; a direction that is not excited keeps its
+ * value and returns to the prior uncertainty.
  */
 #ifndef JOULEPATH_LEARNER_H
 #define JOULEPATH_LEARNER_H
@@ -44,15 +45,21 @@ enum jp_cause {
 struct jp_learning {
     /** D: change of a1…a13, b1 and b2, each in its unit, per unit of x; |D| <= 4 096. */
     jp_q16 direction[JP_ENERGY_PARAMETERS][JP_LEARNING_DIRECTIONS];
-    jp_q16 ground[JP_LEARNING_DIRECTIONS];  /**< relative change of the ground's friction per unit of x; ±16 */
+    jp_q16 ground[JP_LEARNING_DIRECTIONS]; /**< relative change of the ground's friction per unit of x that legs taught;
+                                              ±16 */
     jp_q16 payload[JP_LEARNING_DIRECTIONS]; /**< kg per unit of x; ±256 */
     jp_q16 ground_deviation;  /**< standard deviation of the part of it that x does not explain; above 0, at most 16 */
     jp_q16 payload_deviation; /**< kg; above 0, at most 256 */
     jp_q16 noise_relative;    /**< standard deviation of a segment's energy about the model: share of it, 0…1, */
     jp_q16 noise_transient;   /**< share of what the transients of earlier steps add, 0…16, */
     jp_q16 noise;             /**< and J; above 0, at most 1 024. The three are independent. */
-    uint32_t memory;          /**< segments after which a measurement counts 1/e; 8…1 024 */
-    uint32_t identity;        /**< of the numbers above, not 0: a state that was learned with others is invalid */
+    /** Relative change of what each transient of a leg takes, per unit of x; ±16. */
+    jp_q16 leg[JP_LEG_TRANSIENTS][JP_LEARNING_DIRECTIONS];
+    jp_q16 leg_noise_relative;  /**< standard deviation of a leg's energy about the model: share of it, 0…1, */
+    jp_q16 leg_noise_transient; /**< share of what its transients take, all counted as spent, 0…16, */
+    jp_q16 leg_noise;           /**< and J; above 0, at most 1 024. The three are independent. */
+    uint32_t memory;            /**< segments after which a measurement counts 1/e; 8…1 024 */
+    uint32_t identity;          /**< of the numbers above, not 0: a state that was learned with others is invalid */
 };
 
 /** What became of a measurement. */
@@ -130,8 +137,8 @@ enum jp_status jp_learner_restore(struct jp_learner *learner, const struct jp_le
 enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_energy_start *start,
                                  const struct jp_segment_command *segment, jp_q16 measured, enum jp_learned *learned);
 
-/** The same of a leg of a trajectory, whose energy changes with b1 and b2 alone: what it takes beside its steady motion
- *  stays as built in. Failures but for those of the segment. */
+/** The same of a leg of a trajectory, whose energy changes with b1, b2 and what its transients take. Failures but for
+ *  those of the segment. */
 enum jp_status jp_learner_update_leg(struct jp_learner *learner, const struct jp_leg_energy *leg, jp_q16 measured,
                                      enum jp_learned *learned);
 

@@ -7,17 +7,20 @@
 #include "sim/base/error.h"
 #include "sim/base/output.h"
 #include "sim/base/progress.h"
+#include "sim/missions/leg_drive.h"
 #include "sim/missions/trip.h"
 
 /* Of the interval that the measured energy shall fall in with 95 %. */
 #define INTERVAL_DEVIATIONS 1.96
 
-enum { OPTION_FAULTS = COMMAND_LINE_OWN };
+enum { OPTION_FAULTS = COMMAND_LINE_OWN, OPTION_LEGS };
 
 struct arguments {
     struct command_line common;
     size_t count;
     bool disturbed;
+    bool legs;
+    enum energy_kind energy;
 };
 
 static const char *const faults[TRIP_FAULTS] = {NULL, "pushes", "dropped samples", "current offset"};
@@ -34,6 +37,14 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_FAULTS:
         arguments->disturbed = true;
+        return 0;
+    case OPTION_LEGS:
+        arguments->legs = true;
+        return 0;
+    case 'e':
+        if (!energy_kind_parse(argument, &arguments->energy)) {
+            command_line_refuse(state, "--energy %s: must be motor or battery", argument);
+        }
         return 0;
     case ARGP_KEY_ARG:
         command_line_take_robot(state, argument, &arguments->common);
@@ -108,10 +119,65 @@ static bool write_parameters(const char *directory, const struct trip *trip, con
            output_commit();
 }
 
+/* A line for each leg, as tools/design/learning_legs.py reads it. */
+
+static void print_leg(const struct leg_drive *drive, unsigned i)
+{
+    const struct driven_leg *leg = &drive->legs[i];
+    const struct jp_leg_energy *expected = &leg->expected;
+
+    (void)printf("%llu", (unsigned long long)drive->seed);
+    for (size_t k = 0; k < variation_member_count; k++) {
+        (void)printf(",%.9f", variation_value(&drive->variation, &variation_members[k]));
+    }
+    (void)printf(",%d,%.9f,%.9f", i < LEG_DRIVE_LEARNT ? 0 : 1, (double)expected->travel / JP_Q16_ONE,
+                 (double)expected->turning / JP_Q16_ONE);
+    for (size_t k = 0; k < JP_LEG_TRANSIENTS; k++) {
+        (void)printf(",%.9f", (double)expected->transient[k] / JP_Q16_ONE);
+    }
+    (void)printf(",%.9f,%.9f\n", (double)expected->energy / JP_Q16_ONE, leg->measured);
+}
+
+static bool run_legs(const struct arguments *arguments, const struct robot_entry *entry, const struct robot_file *file)
+{
+    static struct leg_drive drive;
+
+    (void)fputs("seed", stdout);
+    for (size_t k = 0; k < variation_member_count; k++) {
+        (void)printf(",%s", variation_members[k].column);
+    }
+    (void)puts(",route,travel,turning,speeding_j,pushing_j,bending_j,expected_j,measured_j");
+    for (size_t i = 0; i < arguments->count; i++) {
+        if (!leg_drive_run(&drive, entry, arguments->energy, file, arguments->common.seed + i)) {
+            return false;
+        }
+        for (unsigned k = 0; k < LEG_DRIVE_LEGS; k++) {
+            print_leg(&drive, k);
+        }
+        progress_show("robots", i + 1, arguments->count);
+    }
+    progress_end();
+    return output_is_said();
+}
+
+static bool run_trips(const struct arguments *arguments, const struct robot_entry *entry, const struct robot_file *file)
+{
+    struct trip trip = {0};
+
+    for (size_t i = 0; i < arguments->count; i++) {
+        if (!trip_run(&trip, entry, file, arguments->common.seed + i, arguments->disturbed) ||
+            !print_trip(&trip, file->name)) {
+            return false;
+        }
+        progress_show("missions", i + 1, arguments->count);
+    }
+    progress_end();
+    return arguments->common.output == NULL || write_parameters(arguments->common.output, &trip, file);
+}
+
 static bool run(const struct arguments *arguments)
 {
     struct robot_file file;
-    struct trip trip = {0};
 
     if (!robot_file_load(arguments->common.robot, &file)) {
         return false;
@@ -119,16 +185,7 @@ static bool run(const struct arguments *arguments)
 
     const struct robot_entry *entry = rig_find_robot(file.name);
 
-    for (size_t i = 0; entry != NULL && i < arguments->count; i++) {
-        if (!trip_run(&trip, entry, &file, arguments->common.seed + i, arguments->disturbed) ||
-            !print_trip(&trip, file.name)) {
-            return false;
-        }
-        progress_show("missions", i + 1, arguments->count);
-    }
-    progress_end();
-    return entry != NULL &&
-           (arguments->common.output == NULL || write_parameters(arguments->common.output, &trip, &file));
+    return entry != NULL && (arguments->legs ? run_legs(arguments, entry, &file) : run_trips(arguments, entry, &file));
 }
 
 int main(int argc, char **argv)
@@ -138,6 +195,9 @@ int main(int argc, char **argv)
         {"count", 'n', "N", 0, "missions, of seeds one after the other (1)", 0},
         {"output", 'o', "DIR", 0, "folder of parameters.json: what the last robot learned, for jp-plan (not kept)", 0},
         {"faults", OPTION_FAULTS, NULL, 0, "with faults, and with changes of ground and payload", 0},
+        {"legs", OPTION_LEGS, NULL, 0, "instead: nine routes each, and a line of what each leg took, for make learning",
+         0},
+        {"energy", 'e', "KIND", 0, "of the legs: motor or battery (motor)", 0},
         {0},
     };
     static const struct argp argp = {options,

@@ -46,6 +46,10 @@ enum jp_status jp_learning_check(const struct jp_learning *learning, const char 
         FIELD(noise_relative, 0, JP_Q16_ONE),
         FIELD(noise_transient, 0, JP_Q16(16)),
         FIELD(noise, 1, JP_Q16(1024)),
+        FIELD(leg, -JP_Q16(16), JP_Q16(16)),
+        FIELD(leg_noise_relative, 0, JP_Q16_ONE),
+        FIELD(leg_noise_transient, 0, JP_Q16(16)),
+        FIELD(leg_noise, 1, JP_Q16(1024)),
         FIELD(memory, 8, 1024),
     };
     const enum jp_status status = jp_config_check(learning, fields, JP_CONFIG_COUNT(fields), field);
@@ -53,7 +57,7 @@ enum jp_status jp_learning_check(const struct jp_learning *learning, const char 
     return status == JP_OK && learning->identity == 0U ? jp_config_refuse("learning.identity", field) : status;
 }
 
-/** P <= I but for rounding, and no history that `memory` allows makes a row shorter than 2⁻¹⁵. */
+/** P <= I but for rounding, and no history that `memory` allows makes a row shorter than 2⁻¹⁷. */
 static bool is_row(const int32_t row[N])
 {
     uint64_t length = 0; /* squared, Q56 */
@@ -61,7 +65,7 @@ static bool is_row(const int32_t row[N])
     for (int j = 0; j < N; j++) {
         length += jp_square(row[j]) >> 4;
     }
-    return length >= (uint64_t)1 << 26 && length <= ((uint64_t)1 << 56) + ((uint64_t)1 << 47);
+    return length >= (uint64_t)1 << 22 && length <= ((uint64_t)1 << 56) + ((uint64_t)1 << 47);
 }
 
 #define STATE_FIELD(member, low, high) JP_CONFIG_FIELD("state.", struct jp_learned_state, member, low, high)

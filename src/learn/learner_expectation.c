@@ -51,11 +51,9 @@ static uint64_t variance_of(jp_q16 share, jp_q16 energy)
     return jp_square(jp_multiply_shift(share, energy, 16));
 }
 
-static jp_q16 noise_of(const struct jp_learner *learner, jp_q16 energy, jp_q16 transient)
+/** Standard deviation as the learner has found it, of this variance in Q32. */
+static jp_q16 noise_of(const struct jp_learner *learner, uint64_t variance)
 {
-    const struct jp_learning *learning = learner->learning;
-    const uint64_t variance = variance_of(learning->noise, JP_Q16_ONE) + variance_of(learning->noise_relative, energy) +
-                              variance_of(learning->noise_transient, transient);
     const uint64_t noise = ((uint64_t)jp_square_root(variance) * (uint32_t)learner->state.noise_scale) >> 16;
 
     if (noise == 0U) {
@@ -72,7 +70,12 @@ static enum jp_status expect(const struct jp_learner *learner, const jp_q16 regr
         !expected_energy(learner, regressor, rest, expected)) {
         return JP_ERR_OVERFLOW;
     }
-    expected->noise = noise_of(learner, expected->energy, transient);
+
+    const struct jp_learning *learning = learner->learning;
+
+    expected->noise = noise_of(learner, variance_of(learning->noise, JP_Q16_ONE) +
+                                            variance_of(learning->noise_relative, expected->energy) +
+                                            variance_of(learning->noise_transient, transient));
     return JP_OK;
 }
 
@@ -93,14 +96,45 @@ enum jp_status jp_learner_expect(const struct jp_learner *learner, const struct 
     return expect(learner, regressor, rest, jp_sub(rest, electronics), expected);
 }
 
+/** J per unit of x, Q32. */
+static int64_t leg_sensitivity(const struct jp_learning *learning, const struct jp_leg_energy *leg, int j)
+{
+    int64_t sum = (int64_t)learning->direction[JP_ENERGY_TERMS][j] * leg->travel +
+                  (int64_t)learning->direction[JP_ENERGY_TERMS + 1][j] * leg->turning;
+
+    for (unsigned i = 0; i < JP_LEG_TRANSIENTS; i++) {
+        sum += (int64_t)learning->leg[i][j] * leg->transient[i];
+    }
+    return sum;
+}
+
+/** What its transients take, J, all counted as spent. */
+static jp_q16 transients_of(const struct jp_leg_energy *leg)
+{
+    jp_q16 sum = 0;
+
+    for (unsigned i = 0; i < JP_LEG_TRANSIENTS; i++) {
+        sum = jp_add(sum, leg->transient[i] < 0 ? jp_sub(0, leg->transient[i]) : leg->transient[i]);
+    }
+    return sum;
+}
+
 enum jp_status jp_learner_expect_leg(const struct jp_learner *learner, const struct jp_leg_energy *leg,
                                      struct jp_expectation *expected)
 {
-    const struct jp_energy_model *model = learner->built_in;
-    const jp_q16 regressor[JP_ENERGY_PARAMETERS] = {[JP_ENERGY_TERMS] = leg->travel,
-                                                    [JP_ENERGY_TERMS + 1] = leg->turning};
-    const jp_q16 travel = jp_q16_multiply(model->b[0], leg->travel);
-    const jp_q16 turning = jp_q16_multiply(model->b[1], leg->turning);
+    const struct jp_learning *learning = learner->learning;
+    int64_t sum = (int64_t)leg->energy * JP_Q16_ONE;
+    bool fits = true;
 
-    return expect(learner, regressor, jp_sub(leg->energy, jp_add(travel, turning)), 0, expected);
+    for (int j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
+        fits = narrow(leg_sensitivity(learning, leg, j), &expected->sensitivity[j]) && fits;
+        sum += ((int64_t)expected->sensitivity[j] * learner->state.x[j]) >> 8;
+    }
+    if (!narrow(sum, &expected->energy) || !fits) {
+        return JP_ERR_OVERFLOW;
+    }
+    expected->noise = noise_of(learner, variance_of(learning->leg_noise, JP_Q16_ONE) +
+                                            variance_of(learning->leg_noise_relative, expected->energy) +
+                                            variance_of(learning->leg_noise_transient, transients_of(leg)));
+    return JP_OK;
 }

@@ -7,7 +7,7 @@
 
 #define JP_FILTER_BITS     20U /* fraction bits of values in standard deviations of the noise */
 #define JP_FILTER_ONE      ((int32_t)1 << JP_FILTER_BITS)
-#define JP_SENSITIVITY_MAX 256 /* |h| that still fits */
+#define JP_SENSITIVITY_MAX 1000 /* |h| that still fits */
 #define JP_INNOVATION_MAX  (64 * JP_FILTER_ONE)
 
 /** x², exact. */

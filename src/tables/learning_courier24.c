@@ -25,23 +25,32 @@ const struct jp_learning jp_learning_courier24 = {
         },
     .ground =
         {
-            16059, /* 0.2450481 of the friction */
-            -9688, /* -0.1478344 of the friction */
-            -5930, /* -0.09048541 of the friction */
-            5905,  /* 0.09010328 of the friction */
+            11251,  /* 0.1716774 of the friction */
+            -17700, /* -0.2700729 of the friction */
+            -3466,  /* -0.05289332 of the friction */
+            2356,   /* 0.03595366 of the friction */
         },
     .payload =
         {
-            24639,  /* 0.3759565 kg */
-            26943,  /* 0.4111246 kg */
-            -10797, /* -0.1647513 kg */
-            4568,   /* 0.06970949 kg */
+            -37002, /* -0.5646029 kg */
+            -60963, /* -0.9302262 kg */
+            43636,  /* 0.6658378 kg */
+            13752,  /* 0.2098422 kg */
         },
-    .ground_deviation = 1838,   /* 0.02804578 of the friction */
-    .payload_deviation = 10346, /* 0.1578629 kg */
+    .ground_deviation = 7302,   /* 0.1114207 of the friction */
+    .payload_deviation = 14772, /* 0.2254082 kg */
     .noise_relative = 310,      /* 0.004736618 of the energy */
     .noise_transient = 19653,   /* 0.299884 of what earlier steps left */
     .noise = 8473,              /* 0.1292876 J */
-    .memory = 64U,              /* segments */
-    .identity = 219158237U,     /* of the numbers above */
+    .leg =
+        {
+            {-176, -635, 6435, -6941}, /* of what speeding up takes by the steady voltage */
+            {23, -1156, 51636, 16400}, /* of what changes of the speed take */
+            {183, 300, 8549, 11700},   /* of what turning faster takes by the steady voltage */
+        },
+    .leg_noise_relative = 0,     /* 0 of the energy */
+    .leg_noise_transient = 1875, /* 0.02860383 of what its transients take */
+    .leg_noise = 2719,           /* 0.04148326 J */
+    .memory = 64U,               /* segments */
+    .identity = 2335699076U,     /* of the numbers above */
 };

@@ -25,23 +25,32 @@ const struct jp_learning jp_learning_courier24_battery = {
         },
     .ground =
         {
-            17547, /* 0.2677519 of the friction */
-            -8983, /* -0.1370632 of the friction */
-            -1346, /* -0.02054235 of the friction */
-            5401,  /* 0.08240758 of the friction */
+            17450,  /* 0.2662717 of the friction */
+            -10534, /* -0.1607309 of the friction */
+            1242,   /* 0.01895867 of the friction */
+            826,    /* 0.0126 of the friction */
         },
     .payload =
         {
-            26556, /* 0.4052094 kg */
-            27713, /* 0.4228613 kg */
-            -9778, /* -0.1491947 kg */
-            1842,  /* 0.02811403 kg */
+            2037,   /* 0.0310867 kg */
+            -6074,  /* -0.09268731 kg */
+            17948,  /* 0.2738642 kg */
+            -42387, /* -0.6467682 kg */
         },
-    .ground_deviation = 2298,  /* 0.03506939 of the friction */
-    .payload_deviation = 2614, /* 0.0398867 kg */
+    .ground_deviation = 6280,  /* 0.09582915 of the friction */
+    .payload_deviation = 9642, /* 0.1471322 kg */
     .noise_relative = 305,     /* 0.004659338 of the energy */
     .noise_transient = 31624,  /* 0.4825395 of what earlier steps left */
     .noise = 4284,             /* 0.06537513 J */
-    .memory = 64U,             /* segments */
-    .identity = 3600898514U,   /* of the numbers above */
+    .leg =
+        {
+            {-73, -172, -1080, -4307},    /* of what speeding up takes by the steady voltage */
+            {-543, -1150, 27417, -40192}, /* of what changes of the speed take */
+            {21, 73, 6568, -201},         /* of what turning faster takes by the steady voltage */
+        },
+    .leg_noise_relative = 0,  /* 0 of the energy */
+    .leg_noise_transient = 0, /* 0 of what its transients take */
+    .leg_noise = 6511,        /* 0.09935243 J */
+    .memory = 64U,            /* segments */
+    .identity = 2269741422U,  /* of the numbers above */
 };

@@ -25,23 +25,32 @@ const struct jp_learning jp_learning_gao2018 = {
         },
     .ground =
         {
-            18685, /* 0.2851089 of the friction */
-            -7232, /* -0.1103589 of the friction */
-            -1045, /* -0.0159427 of the friction */
-            -609,  /* -0.009292767 of the friction */
+            15253,  /* 0.2327434 of the friction */
+            -13719, /* -0.2093383 of the friction */
+            4252,   /* 0.06488114 of the friction */
+            1347,   /* 0.02056018 of the friction */
         },
     .payload =
         {
-            21375, /* 0.3261625 kg */
-            30475, /* 0.4650105 kg */
-            -2047, /* -0.03123503 kg */
-            2462,  /* 0.03756467 kg */
+            36600,  /* 0.5584751 kg */
+            27839,  /* 0.4247867 kg */
+            -38118, /* -0.5816362 kg */
+            -21854, /* -0.3334663 kg */
         },
-    .ground_deviation = 4723,   /* 0.07206754 of the friction */
-    .payload_deviation = 13397, /* 0.2044184 kg */
+    .ground_deviation = 4546,   /* 0.06936034 of the friction */
+    .payload_deviation = 14819, /* 0.226122 kg */
     .noise_relative = 549,      /* 0.008379443 of the energy */
     .noise_transient = 63974,   /* 0.9761678 of what earlier steps left */
     .noise = 38216,             /* 0.5831335 J */
-    .memory = 64U,              /* segments */
-    .identity = 2967858439U,    /* of the numbers above */
+    .leg =
+        {
+            {-714, -3655, -21271, -2209},    /* of what speeding up takes by the steady voltage */
+            {-2092, -10337, -54318, -28225}, /* of what changes of the speed take */
+            {156, 1356, 16519, -31616},      /* of what turning faster takes by the steady voltage */
+        },
+    .leg_noise_relative = 0,     /* 0 of the energy */
+    .leg_noise_transient = 1314, /* 0.02005415 of what its transients take */
+    .leg_noise = 4267,           /* 0.06510617 J */
+    .memory = 64U,               /* segments */
+    .identity = 2026864067U,     /* of the numbers above */
 };

@@ -25,23 +25,32 @@ const struct jp_learning jp_learning_gao2018_battery = {
         },
     .ground =
         {
-            19508, /* 0.2976609 of the friction */
-            -6032, /* -0.0920382 of the friction */
-            -1260, /* -0.01922232 of the friction */
-            1640,  /* 0.02502081 of the friction */
+            19095,  /* 0.2913624 of the friction */
+            -11973, /* -0.182689 of the friction */
+            -370,   /* -0.005642295 of the friction */
+            1021,   /* 0.01558172 of the friction */
         },
     .payload =
         {
-            21291, /* 0.32488 kg */
-            32468, /* 0.4954248 kg */
-            -1751, /* -0.02671898 kg */
-            8219,  /* 0.125409 kg */
+            35607, /* 0.5433243 kg */
+            -2595, /* -0.03959284 kg */
+            -5875, /* -0.08965254 kg */
+            45469, /* 0.6938093 kg */
         },
-    .ground_deviation = 1931,  /* 0.029472 of the friction */
-    .payload_deviation = 1054, /* 0.01608668 kg */
-    .noise_relative = 482,     /* 0.007361927 of the energy */
-    .noise_transient = 82076,  /* 1.252377 of what earlier steps left */
-    .noise = 24611,            /* 0.375541 J */
-    .memory = 64U,             /* segments */
-    .identity = 1972783139U,   /* of the numbers above */
+    .ground_deviation = 2400,   /* 0.03662415 of the friction */
+    .payload_deviation = 10101, /* 0.154129 kg */
+    .noise_relative = 482,      /* 0.007361927 of the energy */
+    .noise_transient = 82076,   /* 1.252376 of what earlier steps left */
+    .noise = 24611,             /* 0.375541 J */
+    .leg =
+        {
+            {84, -225, -6467, 14641},   /* of what speeding up takes by the steady voltage */
+            {1248, 4365, -2705, 56994}, /* of what changes of the speed take */
+            {1102, 6465, 29199, -3929}, /* of what turning faster takes by the steady voltage */
+        },
+    .leg_noise_relative = 0,  /* 0 of the energy */
+    .leg_noise_transient = 0, /* 0 of what its transients take */
+    .leg_noise = 17312,       /* 0.2641608 J */
+    .memory = 64U,            /* segments */
+    .identity = 270090800U,   /* of the numbers above */
 };

@@ -18,9 +18,10 @@ struct sum {
     const struct jp_back_emf *back_emf;
     jp_q24 *modes;
     uint32_t set_points;
-    int64_t squares; /**< ∫ (uc (uc − ec v) + ud (ud − ed φ̇)) dt, V²·s in Q20 */
-    int64_t travel;  /**< m²/s in Q20 */
-    int64_t turning; /**< turn²/s in Q20 */
+    int64_t squares;                      /**< ∫ (uc (uc − ec v) + ud (ud − ed φ̇)) dt, V²·s in Q20 */
+    int64_t travel;                       /**< m²/s in Q20 */
+    int64_t turning;                      /**< turn²/s in Q20 */
+    int64_t transient[JP_LEG_TRANSIENTS]; /**< V²·s in Q20 */
 };
 
 jp_q24 jp_cruise_speed(const struct jp_energy_model *model)
@@ -52,6 +53,19 @@ static int64_t drawn(jp_q16 volts, jp_q16 back_emf, jp_q24 rate)
     return jp_multiply(volts, jp_sub(volts, jp_multiply_shift(back_emf, rate, 24)));
 }
 
+/** What the changes of speed and turn rate take of a set-point's voltages, V² in Q16, is added with its weight, Q20. */
+static void add_transient(const struct jp_trajectory_config *config, const struct jp_set_point *at, jp_q24 speed,
+                          int32_t weight, int64_t transient[JP_LEG_TRANSIENTS])
+{
+    const jp_q16 steady = jp_multiply_shift(config->volts[0], speed, 24);
+    const jp_q16 turning = jp_multiply_shift(config->turning[0], at->yaw_rate, 24);
+    const jp_q16 changing = jp_sub(at->common, steady);
+
+    transient[0] += (jp_multiply(steady, changing) >> 15) * weight;
+    transient[1] += (jp_multiply(changing, changing) >> 16) * weight;
+    transient[2] += (jp_multiply(turning, jp_sub(at->difference, turning)) >> 15) * weight;
+}
+
 static void pass(struct sum *sum, uint32_t set_points)
 {
     jp_modes_decay(sum->config, sum->modes, set_points);
@@ -73,6 +87,7 @@ static void add_blend(struct sum *sum, const struct jp_blend *blend)
     int64_t squares = 0; /* Q36 */
     int64_t travel = 0;
     int64_t turning = 0;
+    int64_t transient[JP_LEG_TRANSIENTS] = {0};
     unsigned count;
     const struct jp_node *nodes = jp_blend_nodes(is_plain, &count);
 
@@ -91,12 +106,16 @@ static void add_blend(struct sum *sum, const struct jp_blend *blend)
                                12;
 
         squares += (square >> 4) * (nodes[k].weight >> 10);
+        add_transient(sum->config, &at, speed, nodes[k].weight >> 10, transient);
         travel += jp_multiply(jp_q24_multiply(steady, steady), nodes[k].weight);            /* Q54 */
         turning += jp_multiply(jp_q24_multiply(at.yaw_rate, at.yaw_rate), nodes[k].weight); /* Q54 */
     }
     sum->squares += over_time(sum, squares >> 16, set_points);
     sum->travel += over_time(sum, travel >> 34, set_points);
     sum->turning += over_time(sum, turning >> 34, set_points);
+    for (unsigned i = 0; i < JP_LEG_TRANSIENTS; i++) {
+        sum->transient[i] += over_time(sum, transient[i] >> 16, set_points);
+    }
     pass(sum, set_points);
 }
 
@@ -174,9 +193,16 @@ static bool finish(const struct sum *sum, const struct jp_energy_model *model, s
     const bool travel_fits = narrow(sum->travel >> 4, &result->travel);
     const bool turning_fits = narrow((sum->turning * RADIANS_SQUARED) >> 14, &result->turning);
     const bool duration_fits = narrow(duration, &result->duration);
+    bool transients_fit = true;
+
+    for (unsigned i = 0; i < JP_LEG_TRANSIENTS; i++) {
+        transients_fit =
+            narrow((sum->transient[i] * 8192) / model->motor_resistance, &result->transient[i]) && transients_fit;
+    }
+
     const bool energy_fits = narrow(motors + electronics + beyond_voltages(sum, model, result), &result->energy);
 
-    return energy_fits && duration_fits && travel_fits && turning_fits;
+    return transients_fit && energy_fits && duration_fits && travel_fits && turning_fits;
 }
 
 enum jp_status jp_trajectory_leg_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,

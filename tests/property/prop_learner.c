@@ -278,7 +278,7 @@ static enum jp_learned oracle_update(struct oracle *oracle, const struct expecta
 
     *near = false;
     for (int j = 0; j < N; j++) {
-        noise = fmax(noise, fabs(e->f[j]) / 256);
+        noise = fmax(noise, fabs(e->f[j]) / 1000);
     }
     for (int j = 0; j < N; j++) {
         h[j] = e->f[j] / noise;

@@ -1,5 +1,6 @@
 """learning.py: the committed tables are fresh; regressors and chains against the library's formulas; what it refuses."""
 import json
+import math
 import re
 import zlib
 
@@ -8,7 +9,8 @@ import pytest
 from conftest import ROBOTS, ROOT, assert_one_line_error, robot_text, run_tool
 from once import once
 
-from tools.design import closed_loop, horizon, learning, robot_json
+from tools.common import ToolError
+from tools.design import closed_loop, horizon, learning, learning_legs, robot_json
 
 SUFFIXES = ("", "_battery")
 
@@ -59,7 +61,7 @@ def member(path, name):
 def test_committed_tables_are_fresh(robot, suffix, made):
     committed = numbers_of(ROOT / "src" / "tables" / f"learning_{robot}{suffix}.c")
     fresh = numbers_of(made / f"learning_{robot}{suffix}.c")
-    assert len(committed) == 15 * 4 + 4 + 4 + 6
+    assert len(committed) == 15 * 4 + 4 + 4 + 5 + 3 * 4 + 3 + 1
     assert np.abs(fresh - committed).max() <= TOLERANCE * np.abs(committed).max(), "run make learning"
 
 
@@ -69,9 +71,15 @@ def test_the_identity_is_that_of_the_numbers(robot, suffix):
     path = ROOT / "src" / "tables" / f"learning_{robot}{suffix}.c"
     text = path.read_text(encoding="utf-8")
     rows = re.findall(r"^ {12}(\{.*?\}|-?\d+),", text, re.M)
-    singles = [re.search(rf"\.{name} = (\d+U?)", text)[1] for name in (
-        "ground_deviation", "payload_deviation", "noise_relative", "noise_transient", "noise", "memory")]
-    assert member(path, "identity") == zlib.crc32(",".join([*rows, *singles]).encode())
+    legs = rows[-learning_legs.TRANSIENTS:]
+
+    def singles(*names):
+        return [re.search(rf"\.{name} = (\d+U?)", text)[1] for name in names]
+
+    numbers = [*rows[:-len(legs)], *singles("ground_deviation", "payload_deviation", "noise_relative", "noise_transient",
+                                            "noise"),
+               *legs, *singles("leg_noise_relative", "leg_noise_transient", "leg_noise", "memory")]
+    assert member(path, "identity") == zlib.crc32(",".join(numbers).encode())
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -135,10 +143,62 @@ def test_x_of_the_population_is_standard_normal_by_its_moments(courier24):
 def test_noise_is_found_again(courier24):
     generator = np.random.default_rng(4)
     totals, transients = generator.uniform(5, 100, 2000), generator.normal(size=2000)
-    reference = learning.Reference(totals, totals, transients, np.zeros((2000, 15)))
     deviations = np.sqrt(0.1**2 + (0.01 * totals)**2 + (0.5 * transients)**2)
-    found = learning.fit_noise(reference, generator.normal(size=(50, 2000)) * deviations)
+    squares = np.mean((generator.normal(size=(50, 2000)) * deviations)**2, axis=0)
+    found = learning.fit_noise(totals, transients, squares)
     assert found == pytest.approx([0.1, 0.01, 0.5], rel=0.05)
+
+
+STEADY = np.array([[0.9, -0.3, 0.01, 0.0], [0.2, 0.25, 0.02, -0.02]])  # of b1 and b2
+ROWS = 0.5 * np.array([[1, -1], [2, 1], [0.5, 1.5]]) @ np.linalg.svd(STEADY)[2][2:]
+
+
+def legs_of(robots, seed):
+    """24 legs to learn on and 12 to forecast of each; the first and last of a route change the speed."""
+    generator = np.random.default_rng(seed)
+    count = 36 * robots
+    is_end = np.isin(np.arange(count) % 36, [0, 23, 24, 35])[:, None]
+    transients = np.column_stack([generator.normal(0, 2, count), generator.uniform(0.5, 2, count),
+                                  generator.normal(0, 0.2, count)]) * np.where(is_end, 1, [0, 0, 1])
+    legs = learning_legs.Legs(np.arange(count) // 36, [None] * robots, np.arange(count) % 36 >= 24,
+                              generator.uniform((1, 0.1), (6, 1.5), (count, 2)), transients, generator.uniform(30, 150, count), np.zeros(count))
+    return legs, generator
+
+
+def test_what_legs_teach_is_found_again():
+    legs, generator = legs_of(200, 5)
+    x = generator.normal(size=(200, 4))
+    changes = np.einsum("ij,ij->i", legs.steady @ STEADY + legs.transients @ ROWS, x[legs.robot])
+    legs.measured[:] = legs.expected + changes + generator.normal(0, 0.03, len(changes))
+    directions = np.vstack([np.zeros((13, 4)), STEADY])
+    rows, noise, taught = learning_legs.learn(legs, directions, x, learning.MEMORY, learning.fit_noise)
+    assert rows == pytest.approx(ROWS, abs=0.15)
+    assert np.corrcoef(taught[:, 0], x[:, 0])[0, 1] > 0.9
+    assert rows @ STEADY.T == pytest.approx(0, abs=1e-9)  # b1 and b2 keep their directions
+    assert 0.5 * 0.03 < math.hypot(noise[0], noise[1] * legs.expected.mean()) < 1.1 * 0.03
+
+
+def test_forecasts_are_as_far_off_as_they_say():
+    legs, generator = legs_of(100, 6)
+    sensitivity = legs.steady @ STEADY + legs.transients @ ROWS
+    x = generator.normal(size=(100, 4))
+    changes = np.einsum("ij,ij->i", sensitivity, x[legs.robot]) + generator.normal(0, 0.05, len(legs.expected))
+    deviations = np.full(len(legs.expected), 0.02)
+    factor = learning_legs.calibrated(legs, changes, sensitivity, deviations, learning.MEMORY)
+    found = [learning_legs.surprise(sensitivity[own], changes[own], factor * deviations[own], legs.is_forecast[own],
+                                    learning.MEMORY) for own in (legs.robot == number for number in range(100))]
+    assert np.mean(np.square(found)) == pytest.approx(1, abs=0.05)
+
+
+def test_what_is_not_legs_is_one_line(tmp_path):
+    with pytest.raises(ToolError, match="not the legs of jp-trip --legs"):
+        learning_legs.read("a,b\n1,2\n", "here")
+    with pytest.raises(ToolError, match="no legs"):
+        learning_legs.read("", "here")
+    with pytest.raises(ToolError, match="run make"):
+        learning_legs.drive(tmp_path / "none", "courier24", "motor")
+    with pytest.raises(ToolError, match="none.cfg"):
+        learning_legs.drive(robot_json.build_directory() / "bin" / "jp-trip", tmp_path / "none.cfg", "motor")
 
 
 def test_bad_input_is_one_line(tmp_path):

@@ -100,3 +100,18 @@ def test_a_robot_without_tables_is_refused(tmp_path):
     path.write_text(COURIER.read_text().replace('"courier24"', '"other"'))
     assert_one_line_error(trip(robot=path), "other")
     assert_one_line_error(trip(robot=tmp_path / "missing.cfg"), "missing.cfg")
+
+
+def test_a_line_for_each_leg():
+    result = trip("--legs", "--count", 2, "--seed", 3)
+    assert result.returncode == 0, result.stderr
+    head, *rows = (line.split(",") for line in result.stdout.splitlines())
+    legs = [dict(zip(head, map(float, row))) for row in rows]
+    assert [leg["seed"] for leg in legs] == 36 * [3] + 36 * [4]
+    assert [leg["route"] for leg in legs] == 2 * (24 * [0] + 12 * [1])
+    for leg in legs:
+        assert leg["measured_j"] == pytest.approx(leg["expected_j"], rel=0.5)
+    # Only the first and the last leg of a route of four change the speed.
+    assert all((abs(leg["pushing_j"]) > 0.1) == (number % 4 in (0, 3)) for number, leg in enumerate(legs))
+    # They are other robots than those of the missions.
+    assert legs[0]["payload_kg"] != missions("--seed", 3)[0]["variation"]["payload_kg"]

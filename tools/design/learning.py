@@ -3,8 +3,9 @@
 
 Robots of a kind are drawn with other ground friction, payload, motor resistance and motor friction. Each drives the same
 chains of segments under the controller of the robot file. How far the energies then move the 15 parameters of the energy
-model spans few directions; what is left is noise: src/tables/learning_<robot>.c and learning_<robot>_battery.c. Exit
-status 2: bad input; nothing was written.
+model spans few directions; what is left is noise. Legs of trajectories have transients and noise of their own, which
+jp-trip drives in the simulator. Writes src/tables/learning_<robot>.c and learning_<robot>_battery.c. Exit status 2: bad
+input; nothing was written.
 """
 import math
 import re
@@ -16,7 +17,7 @@ import numpy as np
 from scipy import optimize
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, write_whole
-from tools.design import c_tables, closed_loop, horizon, linear_model, robot_json
+from tools.design import c_tables, closed_loop, horizon, learning_legs, linear_model, robot_json
 
 DIRECTIONS = 4   # JP_LEARNING_DIRECTIONS
 PARAMETERS = 15  # JP_ENERGY_PARAMETERS
@@ -48,6 +49,9 @@ MODEL_ERROR = 0.003
 SMALLEST_SHARE = 1e-7
 
 FORMAT_MAX = 4096
+LEG_MAX = 16
+LEG_WORDING = ["of what speeding up takes by the steady voltage", "of what changes of the speed take",
+               "of what turning faster takes by the steady voltage"]
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,10 @@ class Learning:
     noise_relative: float
     noise_transient: float
     noise: float
+    leg: np.ndarray        # learning_legs.TRANSIENTS × DIRECTIONS
+    leg_noise_relative: float
+    leg_noise_transient: float
+    leg_noise: float
 
 
 @dataclass(frozen=True)
@@ -125,7 +133,10 @@ def draw_segments(robot, generator):
 def draw_member(robot, generator):
     ground, resistance, friction = (generator.uniform(*factor) for factor in (
         GROUND_FACTOR, RESISTANCE_FACTOR, MOTOR_FRICTION_FACTOR))
-    payload = generator.uniform(*PAYLOAD_KG)
+    return member_of(robot, ground, generator.uniform(*PAYLOAD_KG), resistance, friction)
+
+
+def member_of(robot, ground, payload, resistance, friction):
     return Member(robot.varied({
         "ground.friction_nm_s_per_rad": ground * robot.number("ground.friction_nm_s_per_rad"),
         "body.mass_kg": robot.positive("body.mass_kg") + payload,
@@ -243,10 +254,9 @@ def find_directions(robot, reference, changes):
     return (SYMMETRY @ directions) * signs, math.sqrt(members) * right[:DIRECTIONS].T * signs, singular[:DIRECTIONS]
 
 
-def fit_noise(reference, residuals):
+def fit_noise(totals, transients, squares):
     """Standard deviations: J, share of the energy, share of the transients; the likeliest of independent ones."""
-    squares = np.mean(residuals**2, axis=0)
-    parts = np.column_stack([np.ones(len(squares)), reference.totals**2, reference.transients**2])
+    parts = np.column_stack([np.ones(len(squares)), totals**2, transients**2])
     start = np.log(squares.mean() / 3 / parts.mean(axis=0))
 
     def cost(logarithms):
@@ -258,19 +268,30 @@ def fit_noise(reference, residuals):
     return np.exp(found.x / 2)
 
 
-def learn(robot, segments, members, reference, energies):
-    """The table, and how good it is."""
+def coordinates(reference, directions, changes):
+    """x of robots whose segments take so much more."""
+    basis = reference.regressors @ directions / reference.totals[:, None]
+    return np.linalg.lstsq(basis, (changes / reference.totals).T, rcond=None)[0].T
+
+
+def learn(robot, segments, reference, energies, of_legs, causes_of_legs):
+    """The table, and how good it is.
+
+    of_legs: from directions to rows and noise of legs, and what they teach; causes_of_legs: of its robots."""
     changes = energies - reference.energies
     directions, x, shares = find_directions(robot, reference, changes)
+    leg, leg_noise, taught = of_legs(directions)
     residuals = changes - x @ (reference.regressors @ directions).T
-    noise, relative, transient = fit_noise(reference, residuals)
+    noise, relative, transient = fit_noise(reference.totals, reference.transients, np.mean(residuals**2, axis=0))
 
     def cause(values):
-        coefficients = np.linalg.lstsq(x, values, rcond=None)[0]
-        return coefficients, float(np.std(values - x @ coefficients))
+        coefficients = np.linalg.lstsq(taught, values, rcond=None)[0]
+        freedom = len(values) - taught.shape[1]
+        return coefficients, float(np.sqrt(np.sum((values - taught @ coefficients)**2) / freedom))
 
-    ground, ground_deviation = cause(np.array([member.ground for member in members]))
-    payload, payload_deviation = cause(np.array([member.payload for member in members]))
+    causes = np.array(causes_of_legs)
+    ground, ground_deviation = cause(causes[:, 0] - 1)
+    payload, payload_deviation = cause(causes[:, 1])
     chains = np.cumsum(segments.first) - 1
 
     def by_chain(values):
@@ -280,16 +301,16 @@ def learn(robot, segments, members, reference, energies):
                       float(np.mean(np.abs(residuals / reference.totals))),
                       float(np.mean(np.abs(by_chain(residuals) / by_chain(reference.totals)))), shares)
     return Learning(directions, ground, payload, ground_deviation, payload_deviation, math.hypot(relative, MODEL_ERROR),
-                    float(transient), float(noise)), quality
+                    float(transient), float(noise), leg, float(leg_noise[1]), float(leg_noise[2]),
+                    float(leg_noise[0])), quality
 
 
 def c_table(robot, definition, learning, quality):
     to = c_tables.Converter(robot.source)
     units = (*c_tables.STATE_UNITS, *c_tables.STEADY_UNITS)
 
-    def row(number):
-        members = [to.q16(f"direction {number}", value, units[number], -FORMAT_MAX, FORMAT_MAX)
-                   for value in learning.direction[number]]
+    def row(name, values, unit, limit):
+        members = [to.q16(name, value, unit, -limit, limit) for value in values]
         return "{" + ", ".join(member.value for member in members) + "}"
 
     def column(name, values, unit):
@@ -297,7 +318,8 @@ def c_table(robot, definition, learning, quality):
         return c_tables.Array(name, [m.value for m in members], [m.comment for m in members])
 
     members = [
-        c_tables.Array("direction", [row(number) for number in range(PARAMETERS)],
+        c_tables.Array("direction", [row(f"direction {number}", values, units[number], FORMAT_MAX)
+                                     for number, values in enumerate(learning.direction)],
                        [f"{name}: {unit}" for name, unit in zip(NAMES, units)]),
         column("ground", learning.ground, "of the friction"),
         column("payload", learning.payload, "kg"),
@@ -306,6 +328,10 @@ def c_table(robot, definition, learning, quality):
         to.q16("noise_relative", learning.noise_relative, "of the energy", 0, 1),
         to.q16("noise_transient", learning.noise_transient, "of what earlier steps left", 0, 16),
         to.q16("noise", learning.noise, "J", 2**-16, 1024),
+        c_tables.Array("leg", [row("leg", values, "of it", LEG_MAX) for values in learning.leg], LEG_WORDING),
+        to.q16("leg_noise_relative", learning.leg_noise_relative, "of the energy", 0, 1),
+        to.q16("leg_noise_transient", learning.leg_noise_transient, "of what its transients take", 0, 16),
+        to.q16("leg_noise", learning.leg_noise, "J", 2**-16, 1024),
         to.whole("memory", MEMORY, "segments", 8, 1024),
     ]
     members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))
@@ -325,8 +351,10 @@ def identity_of(members):
     return zlib.crc32(",".join(numbers).encode()) or 1
 
 
-def make_tables(robot, tables):
-    """{definition: (Learning, Quality)}; `tables` holds the identified models."""
+def make_tables(robot, tables, drive_legs):
+    """{definition: (Learning, Quality)}; `tables` holds the identified models.
+
+    drive_legs(definition): gives learning_legs.Legs."""
     models = {definition: read_built_in(tables / f"energy_{robot.name}{suffix}.c")
               for definition, suffix in horizon.SUFFIXES.items()}
     generator = np.random.default_rng(SEED)
@@ -341,20 +369,30 @@ def make_tables(robot, tables):
                                                  f"{1 + member.ground:.2g} times the ground's friction")
     made = {}
     for definition, model in models.items():
+        legs = drive_legs(definition)
+        leg_loops = [closed_loop.axes(member_of(robot, *causes).robot, gains) for causes in legs.causes]
         reference = reference_of(robot, nominal, segments, definition, model)
-        energies = np.array([drive(axes, segments, definition, resistance)[0] for axes in loops])
-        made[definition] = learn(robot, segments, members, reference, energies)
+
+        def energies_of(robots):
+            return np.array([drive(axes, segments, definition, resistance)[0] for axes in robots])
+
+        def of_legs(directions):
+            x = coordinates(reference, directions, energies_of(leg_loops) - reference.energies)
+            return learning_legs.learn(legs, directions, x, MEMORY, fit_noise)
+
+        made[definition] = learn(robot, segments, reference, energies_of(loops), of_legs, legs.causes)
     return made
 
 
 def print_tables(robot, tables):
     print(f"{robot.name}: {POPULATION} robots on {CHAINS} chains of {CHAIN_SEGMENTS} segments\n")
     rows = [("energy", "before, %", "segment, %", "chain, %", "noise, J", "of energy, %", "of transients", "ground ±",
-             "payload ±, kg")]
+             "payload ±, kg", "leg noise, J", "of energy, %", "of transients")]
     for definition, (learning, quality) in tables.items():
         rows.append((definition, *(f"{100 * share:.3f}" for share in (quality.untaught, quality.segment, quality.chain)),
                      f"{learning.noise:.3f}", f"{100 * learning.noise_relative:.3f}", f"{learning.noise_transient:.3f}",
-                     f"{learning.ground_deviation:.3f}", f"{learning.payload_deviation:.3f}"))
+                     f"{learning.ground_deviation:.3f}", f"{learning.payload_deviation:.3f}", f"{learning.leg_noise:.3f}",
+                     f"{100 * learning.leg_noise_relative:.3f}", f"{learning.leg_noise_transient:.3f}"))
     print_aligned(rows)
     print()
 
@@ -364,6 +402,8 @@ def arguments():
     parser.add_argument("robot", help="robot file, or the name of one in sim/robots")
     parser.add_argument("--jp-robot", metavar="PATH", help="the program (default: build/bin/jp-robot)")
     parser.add_argument("--robot-json", metavar="FILE", help="output of jp-robot --json=-, instead of running it")
+    parser.add_argument("--jp-trip", metavar="PATH", type=Path, default=robot_json.build_directory() / "bin" / "jp-trip",
+                        help="the program that drives legs (default: build/bin/jp-trip)")
     parser.add_argument("--tables", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
                         help="where the C files go (default: src/tables)")
     parser.add_argument("--models", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
@@ -375,7 +415,9 @@ def main():
     options = arguments()
     robot = (robot_json.load_json(options.robot_json) if options.robot_json
              else robot_json.load(robot_json.robot_path(options.robot), options.jp_robot))
-    tables = make_tables(robot, options.models)
+    tables = make_tables(robot, options.models,
+                         lambda definition: learning_legs.drive(options.jp_trip, robot_json.robot_path(options.robot),
+                                                                definition))
     print_tables(robot, tables)
     for definition, (learning, quality) in tables.items():
         path = options.tables / f"learning_{robot.name}{horizon.SUFFIXES[definition]}.c"

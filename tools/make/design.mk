@@ -39,7 +39,7 @@ identify: ## identify the energy models of ROBOT=name in the simulator: src/tabl
 .PHONY: learning
 learning: ## make what ROBOT=name can learn of its energy: src/tables/learning_name.c and learning_name_battery.c
 	@tools/setup.sh design
-	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot $(BUILD)/bin/jp-trip
 	$(PYTHON) -m tools.design.learning $(ROBOT)
 	@$(DECLARE)
 

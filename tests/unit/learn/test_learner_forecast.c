@@ -52,7 +52,7 @@ static void test_the_deviation_shrinks_with_what_is_learned(void)
 /* A leg's energy changes with b1 and b2 as the model does. */
 static void test_a_leg_is_forecast_by_the_learned_model(void)
 {
-    const struct jp_leg_energy leg = {JP_Q16(90), JP_Q16(10), JP_Q16(2.5), JP_Q16(1.2)};
+    const struct jp_leg_energy leg = {JP_Q16(90), JP_Q16(10), JP_Q16(2.5), JP_Q16(1.2), {0}};
     struct jp_energy_model model;
     struct jp_forecast forecast;
 
@@ -78,7 +78,7 @@ static void test_a_leg_is_forecast_by_the_learned_model(void)
 static void test_a_leg_that_cannot_be_forecast(void)
 {
     const struct jp_forecast_sum nothing = {0, {0}, 0};
-    const struct jp_leg_energy leg = {INT32_MAX, INT32_MAX, INT32_MAX, 0};
+    const struct jp_leg_energy leg = {INT32_MAX, INT32_MAX, INT32_MAX, 0, {0}};
     struct jp_forecast_sum sum = nothing;
 
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_add_leg(NULL, &sum, &leg));

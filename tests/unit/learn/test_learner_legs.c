@@ -83,6 +83,39 @@ static void test_an_outlier_is_left_out(void)
     TEST_ASSERT_EQUAL_UINT32(20, learner.state.version);
 }
 
+/* What changes of the speed take tells the directions that b1 and b2 leave out. */
+static void test_the_transients_teach_too(void)
+{
+    jp_q24 x[N] = {0};
+    struct jp_leg_energy leg = leg_of(JP_Q16(10), JP_Q16(0.2));
+
+    for (int j = 0; j < N; j++) {
+        x[j] = learning.leg[1][j] * 128; /* Q16 to Q24, halved */
+    }
+    leg.transient[1] = JP_Q16(2);
+
+    const jp_q16 before = absolute(energy_as(x, &leg) - energy_as(learner.state.x, &leg));
+
+    TEST_ASSERT_TRUE(before > JP_Q16(0.02));
+    for (unsigned i = 0; i < 20U; i++) {
+        TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn_from(&leg, energy_as(x, &leg)));
+    }
+    TEST_ASSERT_TRUE(absolute(energy_as(x, &leg) - energy_as(learner.state.x, &leg)) < before / 10);
+}
+
+/* J, share of the energy and share of what its transients take, as independent parts. */
+static void test_legs_have_their_own_noise(void)
+{
+    struct jp_leg_energy leg = {.energy = JP_Q16(100), .transient = {-JP_Q16(1), JP_Q16(0.75), JP_Q16(0.25)}};
+    struct jp_forecast_sum sum = {0, {0}, 0};
+
+    learning.leg_noise = JP_Q16(2);
+    learning.leg_noise_relative = JP_Q16(0.03);
+    learning.leg_noise_transient = JP_Q16(3);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_add_leg(&learner, &sum, &leg));
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.1), JP_Q16(49), (int32_t)sum.variance); /* 2² + 3² + 6² J² */
+}
+
 static void test_a_leg_that_stands_teaches_nothing(void)
 {
     const struct jp_leg_energy leg = {.energy = JP_Q16(40), .duration = JP_Q16(10)};
@@ -93,7 +126,8 @@ static void test_a_leg_that_stands_teaches_nothing(void)
 
 static void test_what_is_refused_is_not_learned(void)
 {
-    const struct jp_leg_energy leg = {INT32_MAX, INT32_MAX, INT32_MAX, 0};
+    const struct jp_leg_energy leg = {INT32_MAX, INT32_MAX, INT32_MAX, 0, {0}};
+    const struct jp_leg_energy changing = {.energy = JP_Q16(90), .transient = {0, INT32_MAX, 0}};
     enum jp_learned learned = JP_LEARNED_CHANGE;
 
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_learner_update_leg(NULL, &leg, 0, &learned));
@@ -102,6 +136,9 @@ static void test_what_is_refused_is_not_learned(void)
     learner.state.x[0] = JP_Q24(2);
     learner.state.x[1] = JP_Q24(2);
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_learner_update_leg(&learner, &leg, 0, &learned));
+    setUp();
+    learning.leg[1][0] = JP_Q16(16);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_learner_update_leg(&learner, &changing, 0, &learned));
     TEST_ASSERT_EQUAL_INT(JP_LEARNED_CHANGE, learned);
     TEST_ASSERT_EQUAL_UINT32(0, learner.state.version);
 }

@@ -3,6 +3,7 @@
 #include <joulepath/robot.h>
 #include <joulepath/tables.h>
 #include <joulepath/trajectory_energy.h>
+#include <math.h>
 #include <stddef.h>
 
 #include "src/trajectory/trajectory_blend.h"
@@ -155,6 +156,45 @@ static void test_legs_by_a_model(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), leg.energy + 3 * leg.travel + 2 * leg.turning, other.energy);
 }
 
+/* Of the voltages that change speed and turn rate, set-point by set-point, J. */
+static void expect_transients(const struct jp_leg_energy *leg)
+{
+    struct jp_trajectory_drive drive;
+    struct jp_set_point point;
+    double sums[JP_LEG_TRANSIENTS] = {0};
+
+    jp_trajectory_begin(&drive, &trajectory);
+    while (jp_trajectory_advance(&drive, &config, &point)) {
+        const double steady = config.volts[0] / 65536.0 * point.wheel_rate / config.turns_per_metre;
+        const double turning = config.turning[0] / 65536.0 * (point.yaw_rate / 16777216.0);
+        const double changing = point.common / 65536.0 - steady;
+
+        sums[0] += 2 * steady * changing;
+        sums[1] += changing * changing;
+        sums[2] += 2 * turning * (point.difference / 65536.0 - turning);
+    }
+    for (unsigned i = 0; i < JP_LEG_TRANSIENTS; i++) {
+        const double expected =
+            2 * sums[i] * 65536 / model.motor_resistance * JP_TICKS_PER_SET_POINT / config.tick_rate;
+
+        TEST_ASSERT_TRUE(fabs(expected) > 0.005);
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.002) + (int32_t)(fabs(expected) * 300), (int32_t)(expected * 65536),
+                                 leg->transient[i]);
+    }
+}
+
+static void test_transients_are_the_sum_of_their_voltages(void)
+{
+    jp_q24 modes[JP_TRAVEL_MODES] = {0};
+    struct jp_leg_energy leg;
+
+    trajectory.start = (struct jp_waypoint_motion){JP_ANGLE_DEGREES(-40), JP_Q24(0.05), JP_Q24(0.2)};
+    legs[0].next = (struct jp_waypoint_motion){JP_ANGLE_DEGREES(60), JP_Q24(0.25), JP_Q24(0.3)};
+    shape();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
+    expect_transients(&leg);
+}
+
 /* The voltages times the currents that the motors' motion leaves, set-point by set-point, J. */
 static double drawn(const struct jp_back_emf *back_emf)
 {
@@ -289,6 +329,19 @@ static void test_integrals_beyond_their_format(void)
                           jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.turning);
     TEST_ASSERT_INT32_WITHIN(JP_Q16(2), JP_Q16(84), leg.energy);
+}
+
+static void test_transients_overflow(void)
+{
+    jp_q24 modes[JP_TRAVEL_MODES] = {0};
+    struct jp_leg_energy leg;
+
+    trajectory.start.speed = JP_Q24(0.1);
+    shape();
+    model.motor_resistance = 1;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW,
+                          jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.transient[0]);
 }
 
 static void test_overflow(void)

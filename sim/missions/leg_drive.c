@@ -1,0 +1,195 @@
+#include "sim/missions/leg_drive.h"
+
+#include <joulepath/trajectory_energy.h>
+#include <joulepath/trajectory_rule.h>
+#include <math.h>
+
+#include "sim/base/error.h"
+
+/* Of the targets: legs in m, turns from leg to leg in rad. */
+#define LEG_MIN  1.0
+#define LEG_MAX  10.0
+#define TURN_MAX 1.6
+
+/* A stand before a route begins, s. */
+#define STAND_SECONDS 8.0
+
+/* The random numbers of missions begin below it. */
+#define SEEDS_OF_LEGS ((uint64_t)1 << 41)
+
+struct drive {
+    struct leg_drive *legs;
+    struct rig rig;
+    enum energy_kind kind;
+    const struct jp_energy_model *built_in;
+    struct jp_energy_model model; /**< as learned */
+    struct random random;
+    struct jp_point targets[LEG_DRIVE_ROUTE];
+    struct jp_trajectory_leg planned[LEG_DRIVE_ROUTE];
+    struct jp_trajectory trajectory;
+};
+
+static double joules(jp_energy energy)
+{
+    return (double)energy / 4294967296.0;
+}
+
+/* As the pilot does, by what it knows. */
+static jp_q24 cruise_of(const struct drive *drive)
+{
+    const jp_q24 limit = jp_robot_configuration(&drive->rig.robot)->limits.speed;
+    const jp_q24 cruise = jp_cruise_speed(&drive->model);
+
+    return cruise < limit ? cruise : limit;
+}
+
+static void draw_targets(struct drive *drive, struct jp_point start, double heading)
+{
+    double x = (double)start.x / JP_Q16_ONE;
+    double y = (double)start.y / JP_Q16_ONE;
+
+    for (unsigned i = 0; i < LEG_DRIVE_ROUTE; i++) {
+        const double length = random_uniform(&drive->random, LEG_MIN, LEG_MAX);
+
+        heading += random_uniform(&drive->random, -TURN_MAX, TURN_MAX);
+        x += length * cos(heading);
+        y += length * sin(heading);
+        drive->targets[i] = (struct jp_point){(jp_q16)lround(x * JP_Q16_ONE), (jp_q16)lround(y * JP_Q16_ONE)};
+    }
+}
+
+/* From the stand. */
+static enum jp_status plan(struct drive *drive)
+{
+    struct jp_telemetry telemetry;
+    struct jp_trajectory_task task = {.config = &jp_robot_configuration(&drive->rig.robot)->trajectory,
+                                      .cruise = cruise_of(drive),
+                                      .targets = drive->targets,
+                                      .count = LEG_DRIVE_ROUTE,
+                                      .to_stand = true};
+
+    (void)jp_robot_telemetry(&drive->rig.robot, &telemetry);
+    task.start = telemetry.position;
+    task.heading = jp_phase_angle(telemetry.reference_yaw);
+    draw_targets(drive, task.start, drive->rig.world.plant.state.yaw);
+    return jp_trajectory_by_rule(&task, drive->planned, &drive->trajectory);
+}
+
+/* As the robot's monitor has it. */
+static struct jp_back_emf back_emf_of(const struct jp_robot_config *robot)
+{
+    return (struct jp_back_emf){
+        .travel = jp_multiply_shift(robot->monitor.back_emf, robot->trajectory.turns_per_metre, 24),
+        .turning = jp_q16_multiply(robot->monitor.back_emf, robot->monitor.half_track),
+    };
+}
+
+static void expect(struct drive *drive, struct driven_leg *legs)
+{
+    const struct jp_robot_config *config = jp_robot_configuration(&drive->rig.robot);
+    const struct jp_back_emf none = {0, 0};
+    const struct jp_back_emf back_emf = drive->kind == ENERGY_BATTERY ? back_emf_of(config) : none;
+    jp_q24 modes[JP_TRAVEL_MODES];
+
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        modes[i] = drive->trajectory.transient[i] / 16;
+    }
+    for (uint16_t i = 0; i < drive->trajectory.count; i++) {
+        (void)jp_trajectory_leg_energy(&config->trajectory, drive->built_in, &back_emf, &drive->planned[i], modes,
+                                       &legs[i].expected);
+    }
+}
+
+static void stand(struct drive *drive)
+{
+    const uint64_t ticks = (uint64_t)lround(STAND_SECONDS / world_tick_seconds(&drive->rig.world));
+
+    for (uint64_t i = 0; i < ticks; i++) {
+        rig_tick(&drive->rig);
+    }
+}
+
+/* False: the robot did not drive all legs. */
+static bool measure(struct drive *drive, struct driven_leg *legs)
+{
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&drive->rig.robot);
+    unsigned ended = 0;
+    uint16_t before = telemetry->segments_ended;
+
+    if (jp_robot_drive_trajectory(&drive->rig.robot, &drive->trajectory) != JP_OK) {
+        return false;
+    }
+    do {
+        rig_tick(&drive->rig);
+        if (telemetry->segments_ended != before) {
+            before = telemetry->segments_ended;
+            if (before != 0) {
+                legs[ended].measured = joules(drive->kind == ENERGY_BATTERY ? telemetry->segment_energy_battery
+                                                                            : telemetry->segment_energy_model);
+                ended++;
+            }
+        }
+    } while (telemetry->state == JP_ROBOT_DRIVING && ended < drive->trajectory.count);
+    return ended == drive->trajectory.count;
+}
+
+/* The power of travel, of the first routes as a whole. */
+static void learn(struct drive *drive, const struct driven_leg *legs)
+{
+    double travel = 0;
+    double more = 0;
+
+    for (unsigned i = 0; i < LEG_DRIVE_LEARNT; i++) {
+        travel += (double)legs[i].expected.travel / JP_Q16_ONE;
+        more += legs[i].measured - (double)legs[i].expected.energy / JP_Q16_ONE;
+    }
+    drive->model.b[0] += (jp_q16)lround(more / travel * JP_Q16_ONE);
+}
+
+static bool drive_routes(struct drive *drive, unsigned count, struct driven_leg *legs)
+{
+    bool is_driven = true;
+
+    for (unsigned i = 0; i < count && is_driven; i += LEG_DRIVE_ROUTE) {
+        stand(drive);
+        is_driven = plan(drive) == JP_OK;
+        if (is_driven) {
+            expect(drive, &legs[i]);
+            is_driven = measure(drive, &legs[i]);
+        }
+    }
+    return is_driven;
+}
+
+bool leg_drive_run(struct leg_drive *legs, const struct robot_entry *entry, enum energy_kind kind,
+                   const struct robot_file *file, uint64_t seed)
+{
+    struct drive drive = {.legs = legs, .kind = kind, .built_in = rig_energy_model(entry, kind)};
+    struct robot_file varied;
+
+    if (drive.built_in == NULL) {
+        return false;
+    }
+    *legs = (struct leg_drive){.seed = seed};
+    random_init(&drive.random, seed + SEEDS_OF_LEGS);
+    variation_draw(&drive.random, &legs->variation);
+    variation_apply(&legs->variation, file, &varied);
+    if (!rig_init(&drive.rig, entry, &varied, seed + SEEDS_OF_LEGS)) {
+        return false;
+    }
+    rig_release(&drive.rig, 0);
+    drive.model = *drive.built_in;
+
+    bool is_driven = drive_routes(&drive, LEG_DRIVE_LEARNT, legs->legs);
+
+    if (is_driven) {
+        learn(&drive, legs->legs);
+        is_driven = drive_routes(&drive, LEG_DRIVE_FORECAST, &legs->legs[LEG_DRIVE_LEARNT]);
+    }
+    if (!is_driven) {
+        error_line("%s: the robot of seed %llu did not drive its legs; correct control.weights", entry->name,
+                   (unsigned long long)seed);
+        return false;
+    }
+    return true;
+}
