@@ -125,7 +125,8 @@ static enum jp_status demands_of(const struct jp_trajectory_task *task, uint16_t
     demands[1] = (struct demand){.turn_rate = task->config->turn_rate};
     if (has_heading(passage)) {
         demands[1] = demand_of(task->config, &whole_turn, turn_between(chord->direction, passage->heading));
-    } else if (index + 1U < task->count) {
+    }
+    if (!has_heading(passage) && index + 1U < task->count) {
         struct jp_chord other = {.direction = chord->direction};
 
         status = measure(task, (uint16_t)(index + 1U), &other);
@@ -221,7 +222,7 @@ static jp_q24 speed_for_changes(const struct pace *pace, jp_q24 greatest)
         step = speed / 4;
         speed -= step;
     }
-    for (unsigned i = 0; i < HALVINGS && speed >= SPEED_MIN && speed < greatest; i++) {
+    for (unsigned i = 0; i < HALVINGS && speed >= SPEED_MIN; i++) {
         step /= 2;
         speed += can_go_at(pace, speed + step) ? step : 0;
     }

@@ -133,6 +133,11 @@ static void test_the_end_of_a_segment_is_foretold(void)
     jp_angle heading;
 
     balance();
+    now = telemetry();
+    jp_robot_predict_end(&robot, &now, &end, &heading);
+    TEST_ASSERT_INT32_WITHIN(10, 0, end.x);
+    TEST_ASSERT_INT32_WITHIN(10, 0, end.y);
+    TEST_ASSERT_EQUAL_HEX32(0, heading);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&robot, &quarter));
     run(&at_rest, JP_OK, 1);
     now = telemetry();

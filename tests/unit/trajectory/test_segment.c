@@ -409,3 +409,17 @@ static void test_end_outside_the_plane(void)
     TEST_ASSERT_EQUAL_INT32(0, end.x);
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, end.y);
 }
+
+/* At 0.5 m/s, turning by a quarter to the left with 4 rad/s: 2τ is half a second, a quarter of a metre. */
+static void test_the_turning_point_lies_behind_the_turn(void)
+{
+    const struct jp_point start = {JP_Q16(1), JP_Q16(2)};
+    const struct jp_point from =
+        jp_segment_turning_point(JP_Q16(4), JP_Q24(0.5), &start, 0, JP_Q24(1.5707963267948966));
+    const struct jp_point straight = jp_segment_turning_point(JP_Q16(4), JP_Q24(0.5), &start, 0, 0);
+
+    TEST_ASSERT_INT32_WITHIN(20, JP_Q16(1.25), from.x);
+    TEST_ASSERT_INT32_WITHIN(20, JP_Q16(1.75), from.y);
+    TEST_ASSERT_INT32_WITHIN(1, start.x, straight.x);
+    TEST_ASSERT_INT32_WITHIN(1, start.y, straight.y);
+}

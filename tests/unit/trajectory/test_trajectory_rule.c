@@ -319,6 +319,20 @@ static void test_short_legs_are_driven_slower_with_less_voltage(void)
     TEST_ASSERT_EQUAL_INT32(legs[1].speed, legs[2].speed); /* nor has its blend the voltage for more */
 }
 
+static struct jp_passage passages[LEGS];
+
+static void give(uint16_t target, int degrees, jp_q24 speed)
+{
+    for (int i = 0; i < LEGS; i++) {
+        passages[i] = (struct jp_passage){.given = 0};
+    }
+    passages[target] =
+        (struct jp_passage){.given = (uint8_t)(speed == 0 ? JP_GIVEN_HEADING : JP_GIVEN_HEADING | JP_GIVEN_SPEED),
+                            .heading = (jp_angle)(degrees * (int32_t)JP_ANGLE_DEGREES(1)),
+                            .speed = speed};
+    task.passages = passages;
+}
+
 /* Between two long legs a short one that is driven slowly: they are slow enough for their blends. */
 static void drive_beside_a_slow_leg(jp_q24 pitch)
 {
@@ -346,6 +360,55 @@ static void test_neighbours_of_a_slow_leg_lean_no_more_than_they_may(void)
     TEST_ASSERT_LESS_THAN_INT32(last, legs[2].speed);
 }
 
+static void test_neighbours_of_a_slow_leg_with_a_heading_between(void)
+{
+    give(0, 10, 0);
+    drive_beside_a_slow_leg(JP_Q24(0.01));
+    TEST_ASSERT_EQUAL_HEX32(passages[0].heading, legs[0].next.heading);
+}
+
+/* Each of the legs is much slower than the one before it: what is slowed down for the third asks too much of the first.
+ */
+static unsigned refused_of_shorter_and_shorter_legs(void)
+{
+    unsigned refused = 0;
+
+    task.count = 4;
+    task.cruise = JP_Q24(0.9);
+    for (int32_t i = 1; i <= 20; i++) {
+        config.pitch = JP_Q24(0.0005) * i;
+        targets[0] = (struct jp_point){JP_Q16(0.6), 0};
+        targets[1] = (struct jp_point){JP_Q16(0.6), JP_Q16(0.15)};
+        targets[2] = (struct jp_point){JP_Q16(0.57), JP_Q16(0.15)};
+        targets[3] = (struct jp_point){JP_Q16(0.57), JP_Q16(0.17)};
+        refused += plan() == JP_ERR_INFEASIBLE ? 1U : 0U;
+    }
+    return refused;
+}
+
+static void test_legs_that_are_shorter_and_shorter(void)
+{
+    TEST_ASSERT_GREATER_THAN_UINT32(0, refused_of_shorter_and_shorter_legs());
+}
+
+/* A leg that could begin at the speed that is given, but is slow because of the one after it. */
+static void test_a_leg_between_a_speed_that_is_given_and_a_slow_leg(void)
+{
+    unsigned refused = 0;
+
+    task.count = 3;
+    task.cruise = JP_Q24(0.9);
+    targets[0] = (struct jp_point){JP_Q16(3), 0};
+    targets[1] = (struct jp_point){JP_Q16(3.3), 0};
+    targets[2] = (struct jp_point){JP_Q16(3.3), JP_Q16(0.02)};
+    for (int32_t i = 1; i <= 40; i++) {
+        config.pitch = JP_Q24(0.001) * i;
+        give(0, 0, JP_Q24(0.7));
+        refused += plan() == JP_ERR_INFEASIBLE ? 1U : 0U;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(0, refused);
+}
+
 static void test_a_robot_that_may_not_lean_does_not_stop(void)
 {
     config.pitch = 1;
@@ -355,20 +418,6 @@ static void test_a_robot_that_may_not_lean_does_not_stop(void)
 }
 
 /* ---- What is given ---- */
-
-static struct jp_passage passages[LEGS];
-
-static void give(uint16_t target, int degrees, jp_q24 speed)
-{
-    for (int i = 0; i < LEGS; i++) {
-        passages[i] = (struct jp_passage){.given = 0};
-    }
-    passages[target] =
-        (struct jp_passage){.given = (uint8_t)(speed == 0 ? JP_GIVEN_HEADING : JP_GIVEN_HEADING | JP_GIVEN_SPEED),
-                            .heading = (jp_angle)(degrees * (int32_t)JP_ANGLE_DEGREES(1)),
-                            .speed = speed};
-    task.passages = passages;
-}
 
 /* Headings and speeds without the bit that gives them. */
 static void test_what_is_not_given_changes_nothing(void)
