@@ -31,7 +31,6 @@ struct effort {
 };
 
 static const struct effort whole_turn = {JP_Q24(1.5), JP_Q24(6)};
-static const struct effort half_turn = {JP_Q24(0.75), JP_Q24(1.5)};
 
 /** What a turn in a blend of duration h asks for: A/h + B/h² volts, and a turn rate of C/h. */
 struct demand {
@@ -117,6 +116,7 @@ static enum jp_status demands_of(const struct jp_trajectory_task *task, uint16_t
                                  const struct jp_leg_begin *begin, const struct jp_chord *chord,
                                  struct demand demands[2])
 {
+    static const struct effort half_turn = {JP_Q24(0.75), JP_Q24(1.5)};
     const struct jp_passage *passage = jp_passage_at(task, index);
     enum jp_status status = JP_OK;
 

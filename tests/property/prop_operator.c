@@ -178,7 +178,7 @@ static void check_driven(void)
     if (jp_robot_state_now(robot) != JP_ROBOT_DRIVING) {
         return;
     }
-    TEST_ASSERT_EQUAL_PTR(stage.ecu.internal.routes.driven.points, stage.ecu.pilot.internal.targets);
+    TEST_ASSERT_EQUAL_PTR(stage.ecu.internal.routes.driven.points, stage.ecu.pilot.internal.route.targets);
     for (size_t r = 0; r < stage.given_now; r++) {
         now = is_given(&stage.ecu.internal.routes.driven, &stage.given[r]) ? r + 1 : now;
     }

@@ -217,12 +217,12 @@ static bool same_route(const struct jp_route_message *a, const struct jp_route_m
 /** The route that is driven is the last one that was offered whole, and commanded; or was so when it was begun. */
 static void check_route(struct controller *self)
 {
-    const struct jp_robot *driver = &self->ecu.robot;
+    const struct jp_pilot *pilot = &self->ecu.pilot;
     const struct jp_route_message *driven = &self->ecu.internal.routes.driven;
 
-    require(driver->internal.route_planned >= driver->internal.route_length ||
-                (driver->internal.route == driven->points && driver->internal.route_length == driven->length),
-            "the robot's route is not that of the commands");
+    require(pilot->phase == JP_PILOT_RESTING ||
+                (pilot->internal.route.targets == driven->points && pilot->internal.route.count == driven->length),
+            "the pilot's route is not that of the commands");
     if (self->ecu.internal.routes.state != JP_ROUTE_DRIVING || same_route(driven, &self->driven)) {
         return;
     }
