@@ -9,7 +9,7 @@
  *   parameters = built-in + D x,    E − E_built-in = f x + noise,    f = Dᵀ φ
  *
  * with φ the regressors of horizon.h, of a leg with its b1 and b2 and `leg` of its transients. Recursive least squares
- * in square-root form (Potter), P = S Sᵀ. Forgetting never never exceeds the prior covariance: S ← S (I + (I − SᵀS)/(2
+ * in square-root form (Potter), P = S Sᵀ. Forgetting never exceeds the prior covariance: S ← S (I + (I − SᵀS)/(2
  * memory)), the first step of Newton's iteration from S towards an orthogonal matrix. It keeps every singular value in
  * (0, 1], so that P <= I in fixed point, whatever is driven and for how long; a direction that is not excited keeps its
  * value and returns to the prior uncertainty.
@@ -45,8 +45,8 @@ enum jp_cause {
 struct jp_learning {
     /** D: change of a1…a13, b1 and b2, each in its unit, per unit of x; |D| <= 4 096. */
     jp_q16 direction[JP_ENERGY_PARAMETERS][JP_LEARNING_DIRECTIONS];
-    jp_q16 ground[JP_LEARNING_DIRECTIONS]; /**< relative change of the ground's friction per unit of x that legs taught;
-                                              ±16 */
+    /** What x tells of two causes when legs taught it; learned from segments it tells them less well. */
+    jp_q16 ground[JP_LEARNING_DIRECTIONS];  /**< relative change of the ground's friction per unit of x; ±16 */
     jp_q16 payload[JP_LEARNING_DIRECTIONS]; /**< kg per unit of x; ±256 */
     jp_q16 ground_deviation;  /**< standard deviation of the part of it that x does not explain; above 0, at most 16 */
     jp_q16 payload_deviation; /**< kg; above 0, at most 256 */
