@@ -56,6 +56,7 @@ struct jp_reference {
     jp_turns_per_s waiting_rate;    /**< of the wheels, turn/s: begins after the rest; 0: none waits */
     jp_q24 pitch;                   /**< of a trajectory, turn; 0 otherwise, as the three below */
     jp_q24 pitch_rate;              /**< turn/s */
+    jp_turns_per_s yaw_lead;        /**< with which yaw turns beside its set-point's rate, turn/s */
     jp_q16 common;                  /**< voltage that the motion needs, (ur + ul)/2, V */
     jp_q16 difference;              /**< (ur − ul)/2, V */
     uint16_t rest_left;             /**< ticks until the direction may change */

@@ -108,9 +108,11 @@ struct jp_next_segment {
 
 /** Private: how far the robot is from the path of its trajectory, in wheel turns. Zero: on the path. */
 struct jp_path_error {
-    jp_phase across; /**< to the left of it */
-    jp_phase along;  /**< ahead, beyond what the wheels are ahead of the reference */
-    jp_phase turned; /**< by which the reference's heading left the trajectory to lead back, turn */
+    jp_phase across;       /**< to the left of it */
+    jp_phase along;        /**< ahead, beyond what the wheels are ahead of the reference */
+    jp_phase turned;       /**< by which the reference's heading left the trajectory, turn */
+    jp_phase lead;         /**< of it: the path's bend to where the robot is, turn; the rest leads back to the path */
+    jp_turns_per_s cruise; /**< of the leg's middle, turn/s */
 };
 
 /** Private. What most functions use stands first, where the instructions that reach it are short. */

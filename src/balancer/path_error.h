@@ -8,14 +8,25 @@
 /** On the path. Constant time; for the control ISR. */
 void jp_path_error_start(struct jp_path_error *error);
 
+/** A leg begins whose middle is driven at this rate of the wheels. Constant time; for the control ISR. */
+static inline void jp_path_error_begin_leg(struct jp_path_error *error, jp_turns_per_s cruise)
+{
+    error->cruise = cruise;
+}
+
 /**
  * Two ticks. The error grows by
  *
- *   across' = 2π (θ̇ δ − φ̇ ahead)     along' = 2π φ̇ across     ahead = along + the wheels' lead over the reference
+ *   across' = θ̇ sin δ − 2π φ̇ ahead     along' = 2π φ̇ across − θ̇ (1 − cos δ)     ahead = along + the wheels' lead over
+ * the reference
  *
  * with δ the heading's error, θ̇ as measured and φ̇ of the trajectory. The reference's heading turns towards the aim,
  * which is the nearer to the path the further the robot is from it, and its wheels roll back what they are ahead of the
- * path. Constant time; for the control ISR.
+ * path. Where the path bends, the heading leads by what it turns until where the robot is,
+ *
+ *   lead → φ̇ ahead / θ̇     with θ̇ of the leg's middle: where a robot starts or stands there is no path ahead
+ *
+ * Constant time; for the control ISR.
  */
 void jp_path_error_correct(struct jp_path_error *error, const struct jp_trajectory_config *config,
                            const struct jp_set_point *set_point, const struct jp_motion_state *motion,

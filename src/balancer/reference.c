@@ -42,6 +42,7 @@ void jp_reference_leave_track(struct jp_reference *reference)
 {
     reference->pitch = 0;
     reference->pitch_rate = 0;
+    reference->yaw_lead = 0;
     reference->common = 0;
     reference->difference = 0;
 }
@@ -162,7 +163,7 @@ static void track(struct jp_reference_axis *axis, jp_turns_per_s rate, int32_t p
 void jp_reference_track(struct jp_reference *reference, const struct jp_set_point *set_point)
 {
     track(&reference->wheel, set_point->wheel_rate, reference->phase_per_rate);
-    track(&reference->yaw, set_point->yaw_rate, reference->phase_per_rate);
+    track(&reference->yaw, jp_add(set_point->yaw_rate, reference->yaw_lead), reference->phase_per_rate);
     reference->pitch = set_point->pitch;
     reference->pitch_rate = set_point->pitch_rate;
     reference->common = set_point->common;

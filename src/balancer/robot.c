@@ -180,6 +180,7 @@ static const struct jp_trajectory_leg *next_leg(const struct jp_robot_internal *
 static void begin_leg(struct jp_robot_internal *robot, const struct jp_trajectory_leg *leg)
 {
     robot->telemetry.command = (struct jp_motion){.speed = leg->speed};
+    jp_path_error_begin_leg(&robot->path_error, leg->middle.wheel_rate);
     count_segment(robot,
                   JP_TICKS_PER_SET_POINT * (leg->begin.set_points + leg->middle.set_points + leg->end.set_points));
 }

@@ -24,6 +24,9 @@
 /* Of the lead, some time after curves: the way back is longer than the path. */
 #define DETOUR_BAR 0.15
 
+/* Of the lead, beside the path in a curve; it would be all of it after a quarter turn. */
+#define CURVE_BAR 0.25
+
 /* In which a robot's lead over the reference changes, s. */
 #define CONTROL 0.2
 
@@ -120,6 +123,7 @@ static void drive(double seconds, double wheel_rate, double yaw_rate)
 {
     const struct jp_set_point at = {.wheel_rate = (jp_q24)(wheel_rate * Q24), .yaw_rate = (jp_q24)(yaw_rate * Q24)};
 
+    jp_path_error_begin_leg(&error, at.wheel_rate);
     for (double t = 0; t < seconds; t += period()) {
         drive_on(&at);
     }
@@ -202,6 +206,43 @@ static void test_leads_back_without_crossing(void)
         TEST_ASSERT_TRUE(fabs(across()) < 0.002 * start);
         TEST_ASSERT_TRUE(fabs(driven.heading) < 1e-4);
     }
+}
+
+/* Turns as at a waypoint, p = s(1 − s) of the duration; returns the furthest from the path. */
+static double turn_round(double seconds, double wheel_rate, double turn)
+{
+    double worst = 0;
+
+    jp_path_error_begin_leg(&error, (jp_q24)(wheel_rate * Q24));
+    for (double t = 0; t < seconds; t += period()) {
+        const double share = t / seconds;
+        const double yaw_rate = turn * 6 * share * (1 - share) / seconds;
+
+        drive_on(&(struct jp_set_point){(jp_q24)(wheel_rate * Q24), (jp_q24)(yaw_rate * Q24), 0, 0, 0, 0});
+        worst = fmax(worst, fabs(across()));
+    }
+    return worst;
+}
+
+/* By up to a third of a turn, late or early by up to a tenth of its duration: where the path does, not when the
+ * set-point does. */
+static void test_turns_where_the_path_does(void)
+{
+    double worst = 0;
+
+    for (unsigned long i = 0; i < options.count; i++) {
+        begin(robot_of(i));
+
+        const double rate = uniform(0.3, 2) * design_rate();
+        const double duration = uniform(0.5, 2) * design_time();
+        const double lead = copysign(uniform(0.02, 0.1), uniform(-1, 1)) * duration * rate;
+
+        next_wheel_lead = lead;
+        drive(10 * CONTROL, rate, 0);
+        worst = fmax(worst, turn_round(duration, rate, uniform(-0.33, 0.33)) / fabs(lead));
+    }
+    printf("in curves: at most %.4f of the lead away from the path\n", worst);
+    TEST_ASSERT_TRUE(worst <= CURVE_BAR);
 }
 
 /* At any speed, late or early before any curve: on its place again some time later. */

@@ -1,4 +1,5 @@
-/* The way back to the path: nothing on it, the first steps beside it, the limit of the aim, wraps and extremes. */
+/* The way back to the path: nothing on it, the first steps beside it, the lead where it bends, limits, wraps and
+ * extremes. */
 #include "src/balancer/path_error.h"
 
 #include <joulepath/tables.h>
@@ -81,6 +82,70 @@ static void test_turns_and_rolls_back(void)
     TEST_ASSERT_INT32_WITHIN(1, -jp_multiply_shift(config.steering, JP_Q24(0.1), 32), turns(reference.wheel.angle));
     TEST_ASSERT_EQUAL_UINT64(error.turned, reference.yaw.angle);
     TEST_ASSERT_INT32_WITHIN(1, JP_Q24(0.1) - jp_multiply_shift(config.steering, JP_Q24(0.1), 32), turns(error.along));
+}
+
+/* An eighth of a turn for each of the wheels, to the left or to the right. */
+static jp_q24 bend_until(jp_q24 wheel_lead, int side)
+{
+    return side * (wheel_lead + turns(error.along)) / 8;
+}
+
+/* A tenth of a wheel's turn further than the set-point, and what it is ahead by curves until then. */
+static void test_who_is_early_leads_where_the_path_bends(void)
+{
+    jp_path_error_begin_leg(&error, JP_Q24(2));
+    drive(500, JP_Q24(2), JP_Q24(0.25), JP_Q24(0.1));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0002), bend_until(JP_Q24(0.1), 1), turns(error.lead));
+    drive(500, JP_Q24(2), JP_Q24(-0.25), JP_Q24(0.1));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0002), bend_until(JP_Q24(0.1), -1), turns(error.lead));
+    drive(500, JP_Q24(2), 0, JP_Q24(0.1));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0002), 0, turns(error.lead));
+}
+
+/* Backwards a robot that is further on has a lower wheel angle. */
+static void test_leads_backwards_too(void)
+{
+    jp_path_error_begin_leg(&error, -JP_Q24(2));
+    drive(500, -JP_Q24(2), JP_Q24(0.25), -JP_Q24(0.1));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0002), bend_until(-JP_Q24(0.1), -1), turns(error.lead));
+}
+
+/* The reference turns with the lead, and the controller with the reference. */
+static void test_the_reference_turns_by_the_lead(void)
+{
+    const jp_q24 path = JP_Q24(0.25 * 500 * JP_TICKS_PER_SET_POINT / 1000);
+
+    jp_path_error_begin_leg(&error, JP_Q24(2));
+    drive(500, JP_Q24(2), JP_Q24(0.25), JP_Q24(0.1));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0002), path + turns(error.turned), turns(reference.yaw.angle));
+    TEST_ASSERT_GREATER_THAN_INT32(JP_Q24(0.01), turns(error.lead));
+}
+
+/* A leg whose middle stands leads nowhere. */
+static void test_no_lead_where_nothing_moves(void)
+{
+    const jp_turns_per_s rates[] = {0, 1, 1023};
+
+    for (unsigned i = 0; i < sizeof rates / sizeof *rates; i++) {
+        jp_path_error_begin_leg(&error, rates[i]);
+        drive(100, JP_Q24(1), JP_Q24(0.25), JP_Q24(0.1));
+        TEST_ASSERT_EQUAL_UINT64(0, error.lead);
+        TEST_ASSERT_EQUAL_INT32(0, reference.yaw_lead);
+    }
+}
+
+/* 1/8 turn, however far ahead; and never turns faster with it than the robot may. */
+static void test_the_lead_is_limited(void)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        begin(0, 0);
+        jp_path_error_begin_leg(&error, JP_Q24(0.1));
+        for (int i = 0; i < 2000; i++) {
+            drive(1, JP_Q24(0.1), JP_Q24(0.3), side * JP_Q24(50));
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(config.turn_rate, JP_Q24(0.3) + side * reference.yaw_lead);
+        }
+        TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0002), side * JP_Q24(0.125), turns(error.lead));
+    }
 }
 
 static void test_wraps_change_nothing(void)

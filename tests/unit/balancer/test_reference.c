@@ -358,14 +358,28 @@ static void test_tracking_takes_the_set_point_as_it_is(void)
     TEST_ASSERT_EQUAL_INT32(JP_Q16(-4), reference.difference);
 }
 
+static void test_the_lead_adds_to_the_set_points_turn_rate(void)
+{
+    start(0, 0);
+    reference.yaw_lead = JP_Q24(0.125);
+    track(JP_Q24(1), JP_Q24(0.5));
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.625), reference.yaw.rate);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(1), reference.wheel.rate);
+    reference.yaw_lead = INT32_MAX;
+    track(JP_Q24(1), JP_Q24(0.5));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, reference.yaw.rate);
+}
+
 static void test_a_step_ends_the_tracking(void)
 {
     start(0, 0);
+    reference.yaw_lead = JP_Q24(0.125);
     track(JP_Q24(1), JP_Q24(0.5));
     step(0, 0, 0);
     jp_reference_leave_track(&reference);
     TEST_ASSERT_EQUAL_INT32(0, reference.pitch);
     TEST_ASSERT_EQUAL_INT32(0, reference.pitch_rate);
+    TEST_ASSERT_EQUAL_INT32(0, reference.yaw_lead);
     TEST_ASSERT_EQUAL_INT32(0, reference.common);
     TEST_ASSERT_EQUAL_INT32(0, reference.difference);
     /* It slows down from the rate that it had. */
