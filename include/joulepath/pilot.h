@@ -171,6 +171,14 @@ void jp_pilot_stop(struct jp_pilot *pilot);
  */
 enum jp_status jp_pilot_work(struct jp_pilot *pilot);
 
+/* For those who plan or measure without a pilot as it does. Constant time; robot and model passed their checks. */
+
+/** The cruise of a pilot's plans, m/s: jp_cruise_speed() of what it knows, at most limits.speed. */
+jp_q24 jp_pilot_cruise(const struct jp_robot_config *robot, const struct jp_energy_model *model);
+
+/** Of the robot's motors, so that jp_trajectory_leg_energy() tells what this meter counts: zero of JP_PILOT_MOTORS. */
+struct jp_back_emf jp_pilot_back_emf(const struct jp_robot_config *robot, enum jp_pilot_meter meter);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,7 +1,6 @@
 #include "sim/missions/leg_drive.h"
 
-#include <joulepath/trajectory_energy.h>
-#include <joulepath/trajectory_rule.h>
+#include <joulepath/pilot.h>
 #include <math.h>
 
 #include "sim/base/error.h"
@@ -34,15 +33,6 @@ static double joules(jp_energy energy)
     return (double)energy / 4294967296.0;
 }
 
-/* As the pilot does, by what it knows. */
-static jp_q24 cruise_of(const struct drive *drive)
-{
-    const jp_q24 limit = jp_robot_configuration(&drive->rig.robot)->limits.speed;
-    const jp_q24 cruise = jp_cruise_speed(&drive->model);
-
-    return cruise < limit ? cruise : limit;
-}
-
 static void draw_targets(struct drive *drive, struct jp_point start, double heading)
 {
     double x = (double)start.x / JP_Q16_ONE;
@@ -62,8 +52,9 @@ static void draw_targets(struct drive *drive, struct jp_point start, double head
 static enum jp_status plan(struct drive *drive)
 {
     struct jp_telemetry telemetry;
-    struct jp_trajectory_task task = {.config = &jp_robot_configuration(&drive->rig.robot)->trajectory,
-                                      .cruise = cruise_of(drive),
+    const struct jp_robot_config *config = jp_robot_configuration(&drive->rig.robot);
+    struct jp_trajectory_task task = {.config = &config->trajectory,
+                                      .cruise = jp_pilot_cruise(config, &drive->model),
                                       .targets = drive->targets,
                                       .count = LEG_DRIVE_ROUTE,
                                       .to_stand = true};
@@ -75,20 +66,11 @@ static enum jp_status plan(struct drive *drive)
     return jp_trajectory_by_rule(&task, drive->planned, &drive->trajectory);
 }
 
-/* As the robot's monitor has it. */
-static struct jp_back_emf back_emf_of(const struct jp_robot_config *robot)
-{
-    return (struct jp_back_emf){
-        .travel = jp_multiply_shift(robot->monitor.back_emf, robot->trajectory.turns_per_metre, 24),
-        .turning = jp_q16_multiply(robot->monitor.back_emf, robot->monitor.half_track),
-    };
-}
-
 static void expect(struct drive *drive, struct driven_leg *legs)
 {
     const struct jp_robot_config *config = jp_robot_configuration(&drive->rig.robot);
-    const struct jp_back_emf none = {0, 0};
-    const struct jp_back_emf back_emf = drive->kind == ENERGY_BATTERY ? back_emf_of(config) : none;
+    const struct jp_back_emf back_emf =
+        jp_pilot_back_emf(config, drive->kind == ENERGY_BATTERY ? JP_PILOT_BATTERY : JP_PILOT_MOTORS);
     jp_q24 modes[JP_TRAVEL_MODES];
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {

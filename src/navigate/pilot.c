@@ -37,12 +37,22 @@ static enum jp_status check(const struct jp_pilot_config *config, const char **f
     return status == JP_OK && config->learning != NULL ? jp_learning_check(config->learning, field) : status;
 }
 
-static struct jp_back_emf back_emf_of(const struct jp_robot_config *robot)
+jp_q24 jp_pilot_cruise(const struct jp_robot_config *robot, const struct jp_energy_model *model)
 {
-    return (struct jp_back_emf){
-        .travel = jp_multiply_shift(robot->monitor.back_emf, robot->trajectory.turns_per_metre, 24),
-        .turning = jp_q16_multiply(robot->monitor.back_emf, robot->monitor.half_track),
-    };
+    const jp_q24 cruise = jp_cruise_speed(model);
+
+    return cruise < robot->limits.speed ? cruise : robot->limits.speed;
+}
+
+struct jp_back_emf jp_pilot_back_emf(const struct jp_robot_config *robot, enum jp_pilot_meter meter)
+{
+    struct jp_back_emf back_emf = {0, 0};
+
+    if (meter == JP_PILOT_BATTERY) {
+        back_emf.travel = jp_multiply_shift(robot->monitor.back_emf, robot->trajectory.turns_per_metre, 24);
+        back_emf.turning = jp_q16_multiply(robot->monitor.back_emf, robot->monitor.half_track);
+    }
+    return back_emf;
 }
 
 enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_config *config, struct jp_robot *robot,
@@ -56,9 +66,7 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
 
     if (status == JP_OK) {
         *pilot = (struct jp_pilot){.config = *config, .internal = {.robot = robot, .model = *config->model}};
-        if (config->meter == JP_PILOT_BATTERY) {
-            pilot->internal.back_emf = back_emf_of(jp_robot_configuration(robot));
-        }
+        pilot->internal.back_emf = jp_pilot_back_emf(jp_robot_configuration(robot), config->meter);
         if (config->learning != NULL) {
             jp_learner_start(&pilot->learner, config->learning, config->model, NULL);
         }
@@ -171,12 +179,11 @@ static struct jp_trajectory_task task_of(const struct jp_pilot *pilot, const str
 {
     const struct jp_pilot_internal *internal = &pilot->internal;
     const struct jp_robot_config *robot = jp_robot_configuration(internal->robot);
-    const jp_q24 cruise = jp_cruise_speed(&internal->model);
     const struct jp_pilot_route *route = &internal->route;
     const uint16_t done = pilot->targets_planned;
     struct jp_trajectory_task task = {
         .config = &robot->trajectory,
-        .cruise = cruise < robot->limits.speed ? cruise : robot->limits.speed,
+        .cruise = jp_pilot_cruise(robot, &internal->model),
         .targets = &route->targets[done],
         .passages = route->passages == NULL ? NULL : &route->passages[done],
         .count = (uint16_t)(route->count - done),

@@ -204,6 +204,29 @@ static void test_no_faster_than_the_robot_may(void)
     TEST_ASSERT_EQUAL_INT32(JP_Q24(0.3), telemetry().command.speed);
 }
 
+static void test_the_cruise_that_others_ask_for(void)
+{
+    TEST_ASSERT_EQUAL_INT32(jp_cruise_speed(&model), jp_pilot_cruise(&robot_config, &model));
+    robot_config.limits.speed = JP_Q24(0.3);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.3), jp_pilot_cruise(&robot_config, &model));
+}
+
+/* In a metre the wheels turn four times, in a turn of the body three times. */
+static void test_the_back_emf_that_others_ask_for(void)
+{
+    const struct jp_back_emf motors = jp_pilot_back_emf(&robot_config, JP_PILOT_MOTORS);
+    struct jp_back_emf battery;
+
+    TEST_ASSERT_EQUAL_INT32(0, motors.travel);
+    TEST_ASSERT_EQUAL_INT32(0, motors.turning);
+    robot_config.monitor.back_emf = JP_Q16(0.5);
+    robot_config.monitor.half_track = JP_Q16(3);
+    robot_config.trajectory.turns_per_metre = JP_Q24(4);
+    battery = jp_pilot_back_emf(&robot_config, JP_PILOT_BATTERY);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(2), battery.travel);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(1.5), battery.turning);
+}
+
 /* The robot's meters are two: what is learned is of the one that was chosen. */
 static void test_energy_of_the_battery(void)
 {
