@@ -4,11 +4,7 @@
 #include <math.h>
 
 #include "sim/base/error.h"
-
-/* Of the targets: legs in m, turns from leg to leg in rad. */
-#define LEG_MIN  1.0
-#define LEG_MAX  10.0
-#define TURN_MAX 1.6
+#include "sim/missions/random_targets.h"
 
 /* A stand before a route begins, s. */
 #define STAND_SECONDS 8.0
@@ -33,21 +29,6 @@ static double joules(jp_energy energy)
     return (double)energy / 4294967296.0;
 }
 
-static void draw_targets(struct drive *drive, struct jp_point start, double heading)
-{
-    double x = (double)start.x / JP_Q16_ONE;
-    double y = (double)start.y / JP_Q16_ONE;
-
-    for (unsigned i = 0; i < LEG_DRIVE_ROUTE; i++) {
-        const double length = random_uniform(&drive->random, LEG_MIN, LEG_MAX);
-
-        heading += random_uniform(&drive->random, -TURN_MAX, TURN_MAX);
-        x += length * cos(heading);
-        y += length * sin(heading);
-        drive->targets[i] = (struct jp_point){(jp_q16)lround(x * JP_Q16_ONE), (jp_q16)lround(y * JP_Q16_ONE)};
-    }
-}
-
 /* From the stand. */
 static enum jp_status plan(struct drive *drive)
 {
@@ -62,7 +43,7 @@ static enum jp_status plan(struct drive *drive)
     (void)jp_robot_telemetry(&drive->rig.robot, &telemetry);
     task.start = telemetry.position;
     task.heading = jp_phase_angle(telemetry.reference_yaw);
-    draw_targets(drive, task.start, drive->rig.world.plant.state.yaw);
+    random_targets_draw(&drive->random, &drive->rig, drive->targets, LEG_DRIVE_ROUTE);
     return jp_trajectory_by_rule(&task, drive->planned, &drive->trajectory);
 }
 

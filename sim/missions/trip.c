@@ -6,11 +6,7 @@
 #include <string.h>
 
 #include "sim/base/error.h"
-
-/* Of the targets: legs in m, turns from leg to leg in rad. */
-#define LEG_MIN  1.0
-#define LEG_MAX  10.0
-#define TURN_MAX 1.6
+#include "sim/missions/random_targets.h"
 
 /* The way back is this much to the left of the way out, m. */
 #define BACK_ASIDE 2.0
@@ -173,25 +169,9 @@ static void follow(struct drive *drive, uint16_t count)
 
 /* Routes. */
 
-static void draw_targets(struct drive *drive, uint16_t count)
-{
-    double x = from_q16(jp_robot_position(&drive->rig.robot).x);
-    double y = from_q16(jp_robot_position(&drive->rig.robot).y);
-    double heading = drive->rig.world.plant.state.yaw;
-
-    for (uint16_t i = 0; i < count; i++) {
-        const double length = random_uniform(&drive->random, LEG_MIN, LEG_MAX);
-
-        heading += random_uniform(&drive->random, -TURN_MAX, TURN_MAX);
-        x += length * cos(heading);
-        y += length * sin(heading);
-        drive->targets[i] = (struct jp_point){(jp_q16)lround(x * JP_Q16_ONE), (jp_q16)lround(y * JP_Q16_ONE)};
-    }
-}
-
 static void learn(struct drive *drive)
 {
-    draw_targets(drive, TRIP_LEARNING_TARGETS);
+    random_targets_draw(&drive->random, &drive->rig, drive->targets, TRIP_LEARNING_TARGETS);
     follow(drive, TRIP_LEARNING_TARGETS);
     if (drive->trip->change != TRIP_CHANGE_NONE) {
         drive_on(drive, 1);
@@ -209,7 +189,7 @@ static uint16_t draw_route(struct drive *drive)
     const jp_q16 aside_x = (jp_q16)lround(-BACK_ASIDE * sin(heading) * JP_Q16_ONE);
     const jp_q16 aside_y = (jp_q16)lround(BACK_ASIDE * cos(heading) * JP_Q16_ONE);
 
-    draw_targets(drive, out);
+    random_targets_draw(&drive->random, &drive->rig, drive->targets, out);
     for (uint16_t i = 0; i < out; i++) {
         const struct jp_point *target = &drive->targets[out - 1 - i];
 
