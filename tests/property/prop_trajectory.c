@@ -6,8 +6,6 @@
  * prop_trajectory [--count N] [--seed S] [--verbose]
  * --count is the number of routes.
  */
-#include <joulepath/robot.h>
-#include <joulepath/tables.h>
 #include <joulepath/trajectory_energy.h>
 #include <joulepath/trajectory_rule.h>
 
@@ -18,6 +16,7 @@
 
 #include "src/trajectory/trajectory_blend.h"
 #include "tests/support/options.h"
+#include "tests/support/random_route.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846
@@ -45,17 +44,8 @@
 
 enum { LEGS = 8 };
 
-static const struct robot {
-    const char *name;
-    const struct jp_trajectory_config *config;
-    const struct jp_energy_model *model;
-} robots[] = {
-    {"gao2018", &jp_robot_gao2018.trajectory, &jp_energy_model_gao2018},
-    {"courier24", &jp_robot_courier24.trajectory, &jp_energy_model_courier24},
-};
-
 struct route {
-    const struct robot *robot;
+    const struct route_robot *robot;
     struct jp_trajectory_task task;
     struct jp_point targets[LEGS];
     struct jp_passage passages[LEGS];
@@ -97,10 +87,7 @@ static struct {
 } infeasible;
 
 static unsigned long plain; /* routes that are none of them */
-static uint64_t seed = 1;
-static uint64_t random_state;
-static unsigned long count = 200;
-static bool verbose;
+static struct options options = {.count = 200, .seed = 1};
 
 void setUp(void)
 {
@@ -112,49 +99,10 @@ void tearDown(void)
 
 /* ---- Random routes ---- */
 
-/* xorshift64* */
-static uint32_t random_bits(void)
-{
-    random_state ^= random_state >> 12;
-    random_state ^= random_state << 25;
-    random_state ^= random_state >> 27;
-    return (uint32_t)((random_state * UINT64_C(0x2545F4914F6CDD1D)) >> 32);
-}
-
-static double uniform(double low, double high)
-{
-    return low + (high - low) * (double)random_bits() / 4294967296.0;
-}
-
-static double log_uniform(double low, double high)
-{
-    return exp(uniform(log(low), log(high)));
-}
-
-static double q16(int32_t x)
-{
-    return x / 65536.0;
-}
-
-static double q24(int32_t x)
-{
-    return x / 16777216.0;
-}
-
-static jp_q16 to_q16(double x)
-{
-    return (jp_q16)lround(x * 65536.0);
-}
-
-static jp_q24 to_q24(double x)
-{
-    return (jp_q24)lround(x * 16777216.0);
-}
-
 /* In turn: any, next to nothing, or next to half a turn. */
 static double random_turn(void)
 {
-    switch (random_bits() % 4) {
+    switch (random_word() % 4) {
     case 0:
         return 0.5 + uniform(-0.01, 0.01);
     case 1:
@@ -166,7 +114,7 @@ static double random_turn(void)
 
 static struct jp_travel_state random_motion(void)
 {
-    if (random_bits() % 2 == 0) {
+    if (random_word() % 2 == 0) {
         return (struct jp_travel_state){0};
     }
     return (struct jp_travel_state){
@@ -180,7 +128,7 @@ static struct jp_travel_state random_motion(void)
 /* Of every other route: a heading about that of the leg, a speed slower or faster than the cruise, or nothing. */
 static const struct jp_passage *draw_passages(struct route *route)
 {
-    if (random_bits() % 2 == 0) {
+    if (random_word() % 2 == 0) {
         return NULL;
     }
     for (unsigned i = 0; i < route->task.count; i++) {
@@ -190,7 +138,7 @@ static const struct jp_passage *draw_passages(struct route *route)
         const double heading = atan2(y, x) / (2 * PI) + uniform(-0.25, 0.25);
 
         route->passages[i] = (struct jp_passage){
-            .given = (uint8_t)(random_bits() % 4),
+            .given = (uint8_t)(random_word() % 4),
             .heading = (jp_angle)(int64_t)(heading * 4294967296.0),
             .speed = to_q24(q24(route->task.cruise) * uniform(0.2, 1.2)),
         };
@@ -200,27 +148,25 @@ static const struct jp_passage *draw_passages(struct route *route)
 
 static void draw(struct route *route)
 {
-    double direction = uniform(-0.5, 0.5);
-    struct jp_point at = {to_q16(uniform(-1000, 1000)), to_q16(uniform(-1000, 1000))};
+    struct route_end end = {.direction = uniform(-0.5, 0.5)};
 
-    route->robot = &robots[random_bits() % 2];
+    end.at.x = to_q16(uniform(-1000, 1000));
+    end.at.y = to_q16(uniform(-1000, 1000));
+    route->robot = draw_robot();
     route->task = (struct jp_trajectory_task){
-        .config = route->robot->config,
+        .config = &route->robot->config->trajectory,
         .cruise = to_q24(log_uniform(0.1, 1)),
-        .start = at,
-        .heading = (jp_angle)(int64_t)(direction * 4294967296.0),
+        .start = end.at,
+        .heading = (jp_angle)(int64_t)(end.direction * 4294967296.0),
         .motion = random_motion(),
         .targets = route->targets,
-        .count = (uint16_t)(1 + random_bits() % LEGS),
-        .to_stand = random_bits() % 2 == 0,
+        .count = (uint16_t)(1 + random_word() % LEGS),
+        .to_stand = random_word() % 2 == 0,
     };
     for (unsigned i = 0; i < route->task.count; i++) {
         const double length = log_uniform(0.3, 15);
 
-        direction += random_turn();
-        at.x += to_q16(length * cos(2 * PI * direction));
-        at.y += to_q16(length * sin(2 * PI * direction));
-        route->targets[i] = at;
+        route->targets[i] = add_leg(&end, length, random_turn());
     }
     route->task.passages = draw_passages(route);
 }
@@ -229,13 +175,13 @@ static void draw(struct route *route)
 
 static double seconds(const struct route *route, uint32_t set_points)
 {
-    return (double)JP_TICKS_PER_SET_POINT * set_points / route->robot->config->tick_rate;
+    return (double)JP_TICKS_PER_SET_POINT * set_points / route->task.config->tick_rate;
 }
 
 /* What modes change from a set-point to the next. */
 static void add_modes(const struct route *route, double time, struct jumps *jumps)
 {
-    const struct jp_trajectory_config *config = route->robot->config;
+    const struct jp_trajectory_config *config = route->task.config;
     const double interval = seconds(route, 1);
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
@@ -251,7 +197,7 @@ static void add_modes(const struct route *route, double time, struct jumps *jump
 /* The voltage of the modes. */
 static double modes_voltage(const struct route *route, double time)
 {
-    const struct jp_trajectory_config *config = route->robot->config;
+    const struct jp_trajectory_config *config = route->task.config;
     double volts = 0;
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
@@ -264,7 +210,7 @@ static double modes_voltage(const struct route *route, double time)
 static struct jumps jumps_of_blend(const struct route *route, const struct jp_waypoint_motion *from,
                                    const struct jp_waypoint_motion *to, jp_angle by, uint32_t set_points)
 {
-    const struct jp_trajectory_config *config = route->robot->config;
+    const struct jp_trajectory_config *config = route->task.config;
     const double interval = seconds(route, 1);
     const double time = seconds(route, set_points);
     const double first = fabs(q24(to->speed - from->speed)) * RISE_1 / time * interval;
@@ -297,7 +243,7 @@ static void advance_pose(struct drive *drive, const struct jp_set_point *now)
     const double interval = seconds(drive->route, 1);
     const double turned = (q24(drive->before.yaw_rate) + q24(now->yaw_rate)) / 2 * interval;
     const double way = (q24(drive->before.wheel_rate) + q24(now->wheel_rate)) / 2 * interval /
-                       q24(drive->route->robot->config->turns_per_metre);
+                       q24(drive->route->task.config->turns_per_metre);
     const double mean = 2 * PI * (drive->pose.heading + turned / 2);
 
     drive->pose.heading += turned;
@@ -328,7 +274,7 @@ static void check_voltage(const struct drive *drive, const struct jp_set_point *
 {
     const struct route *route = drive->route;
     const double volts = fabs(q16(now->common)) + fabs(q16(now->difference));
-    const double limit = q16(route->robot->config->voltage);
+    const double limit = q16(route->task.config->voltage);
     const bool turned_at_start =
         route->task.motion.turn_rate != 0 && drive->set_points < route->legs[0].begin.set_points;
 
@@ -353,7 +299,7 @@ static void drive_piece(struct drive *drive, const struct jumps *jumps, uint32_t
     for (uint32_t i = 0; i < set_points; i++) {
         struct jp_set_point now;
 
-        TEST_ASSERT_TRUE(jp_trajectory_advance(&drive->evaluator, drive->route->robot->config, &now));
+        TEST_ASSERT_TRUE(jp_trajectory_advance(&drive->evaluator, drive->route->task.config, &now));
         if (drive->set_points > 0) {
             advance_pose(drive, &now);
             check_jumps(drive, &now, jumps);
@@ -382,14 +328,14 @@ static void check_arrival(const struct drive *drive, unsigned leg)
 {
     const struct route *route = drive->route;
     const struct jp_waypoint_motion *motion = &route->legs[leg].next;
-    const double turns_per_metre = q24(route->robot->config->turns_per_metre);
+    const double turns_per_metre = q24(route->task.config->turns_per_metre);
     struct drive there = *drive;
     struct jp_set_point end = {.yaw_rate = motion->turn_rate};
     double speed = q24(motion->speed);
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
         speed += q24(route->trajectory.transient[i]) / 16 *
-                 exp(-q16(route->robot->config->modes.decay[i]) * log(2) * seconds(route, drive->set_points));
+                 exp(-q16(route->task.config->modes.decay[i]) * log(2) * seconds(route, drive->set_points));
     }
     end.wheel_rate = to_q24(speed * turns_per_metre);
     advance_pose(&there, &end);
@@ -415,18 +361,19 @@ static void check_given(const struct route *route, unsigned leg)
 
 static void check_energy(const struct drive *drive)
 {
-    const struct robot *robot = drive->route->robot;
+    const struct jp_trajectory_config *config = drive->route->task.config;
+    const struct jp_energy_model *built_in = drive->route->robot->model;
     const double interval = seconds(drive->route, 1);
-    const double conductance = 2 / q16(robot->model->motor_resistance);
+    const double conductance = 2 / q16(built_in->motor_resistance);
     const double exact =
-        conductance * drive->squares * interval + q16(robot->model->electronics_power) * drive->set_points * interval;
+        conductance * drive->squares * interval + q16(built_in->electronics_power) * drive->set_points * interval;
     /* That takes in a steady motion what its voltages do. */
-    struct jp_energy_model model = *robot->model;
+    struct jp_energy_model model = *built_in;
     jp_q16 energy = 0;
 
-    model.b[0] = (jp_q16)lround(conductance * pow(q16(robot->config->volts[0]), 2) * JP_Q16_ONE);
-    model.b[1] = (jp_q16)lround(conductance * pow(q16(robot->config->turning[0]) / (2 * M_PI), 2) * JP_Q16_ONE);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_energy(robot->config, &model, &drive->route->trajectory, &energy));
+    model.b[0] = (jp_q16)lround(conductance * pow(q16(config->volts[0]), 2) * JP_Q16_ONE);
+    model.b[1] = (jp_q16)lround(conductance * pow(q16(config->turning[0]) / (2 * M_PI), 2) * JP_Q16_ONE);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_energy(config, &model, &drive->route->trajectory, &energy));
 
     const double error = fabs(q16(energy) - exact) / exact;
 
@@ -462,7 +409,7 @@ static void drive_all(const struct route *route)
         before = end;
         at = &leg->next;
     }
-    TEST_ASSERT_FALSE(jp_trajectory_advance(&drive.evaluator, route->robot->config, &none));
+    TEST_ASSERT_FALSE(jp_trajectory_advance(&drive.evaluator, route->task.config, &none));
     check_energy(&drive);
 }
 
@@ -554,7 +501,7 @@ static bool try_route(unsigned long index)
 
     const bool good = status == JP_ERR_INFEASIBLE || (status == JP_OK && is_good());
 
-    if (verbose || !good) {
+    if (options.verbose || !good) {
         print_route(index, &route, status);
         print_result(&result);
     }
@@ -565,13 +512,13 @@ static void test_random_routes(void)
 {
     unsigned long bad = 0;
 
-    random_state = seed;
-    for (unsigned long k = 0; k < count; k++) {
+    random_state = options.seed;
+    for (unsigned long k = 0; k < options.count; k++) {
         bad += try_route(k) ? 0 : 1;
     }
     printf("%lu routes, %lu bad; infeasible: %lu that turn round at the start, %lu that begin too fast, %lu too short "
            "for what is given, %lu others of %lu\nworst: ",
-           count, bad, infeasible.round, infeasible.moving, infeasible.given, infeasible.other, plain);
+           options.count, bad, infeasible.round, infeasible.moving, infeasible.given, infeasible.other, plain);
     print_result(&worst);
     TEST_ASSERT_EQUAL_UINT32(0, bad);
     TEST_ASSERT_TRUE((double)infeasible.other <= INFEASIBLE * (double)plain);
@@ -579,13 +526,6 @@ static void test_random_routes(void)
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    verbose = options.verbose;
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }

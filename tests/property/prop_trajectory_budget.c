@@ -7,8 +7,6 @@
  * prop_trajectory_budget [--count N] [--seed S] [--verbose]
  * --count is the number of routes.
  */
-#include <joulepath/robot.h>
-#include <joulepath/tables.h>
 #include <joulepath/trajectory_budget.h>
 
 #include <math.h>
@@ -17,9 +15,8 @@
 #include <stdlib.h>
 
 #include "tests/support/options.h"
+#include "tests/support/random_route.h"
 #include "unity.h"
-
-#define PI 3.14159265358979323846
 
 /* As a share of the energy or time of the grid's best. */
 #define TOLERANCE 0.001
@@ -29,15 +26,6 @@
 #define MISSED 0.02
 
 enum { LEGS = 6, GRID = 300 };
-
-static const struct robot {
-    const char *name;
-    const struct jp_robot_config *config;
-    const struct jp_energy_model *model;
-} robots[] = {
-    {"gao2018", &jp_robot_gao2018, &jp_energy_model_gao2018},
-    {"courier24", &jp_robot_courier24, &jp_energy_model_courier24},
-};
 
 struct figures {
     double seconds; /* infinite where the rule finds no trajectory */
@@ -50,7 +38,7 @@ static struct jp_trajectory_leg legs[LEGS];
 static struct jp_trajectory trajectory;
 static struct jp_trajectory_budget_config asked;
 static struct jp_trajectory_budget budget;
-static const struct robot *robot;
+static const struct route_robot *robot;
 static struct figures grid[GRID];
 
 static struct {
@@ -61,10 +49,7 @@ static struct {
     double needed; /* what is said to be needed, beyond what the grid needs */
 } seen;
 
-static uint64_t seed = 1;
-static uint64_t random_state;
-static unsigned long count = 200;
-static bool verbose;
+static struct options options = {.count = 200, .seed = 1};
 
 void setUp(void)
 {
@@ -74,65 +59,26 @@ void tearDown(void)
 {
 }
 
-/* xorshift64* */
-static uint32_t random_bits(void)
-{
-    random_state ^= random_state >> 12;
-    random_state ^= random_state << 25;
-    random_state ^= random_state >> 27;
-    return (uint32_t)((random_state * UINT64_C(0x2545F4914F6CDD1D)) >> 32);
-}
-
-static double uniform(double low, double high)
-{
-    return low + (high - low) * (double)random_bits() / 4294967296.0;
-}
-
-static double q16(jp_q16 x)
-{
-    return x / 65536.0;
-}
-
-static double q24(jp_q24 x)
-{
-    return x / 16777216.0;
-}
-
-static jp_q16 to_q16(double x)
-{
-    return (jp_q16)lround(x * 65536);
-}
-
-static jp_q24 to_q24(double x)
-{
-    return (jp_q24)lround(x * 16777216);
-}
-
 /* ---- Random requests ---- */
 
 static void draw_targets(void)
 {
-    double direction = uniform(-0.5, 0.5);
-    double x = 0;
-    double y = 0;
+    struct route_end end = {.direction = uniform(-0.5, 0.5)};
 
     for (unsigned i = 0; i < LEGS; i++) {
-        const double length = exp(uniform(log(0.4), log(15)));
+        const double length = log_uniform(0.4, 15);
 
-        direction += uniform(-0.4, 0.4);
-        x += length * cos(2 * PI * direction);
-        y += length * sin(2 * PI * direction);
-        targets[i] = (struct jp_point){to_q16(x), to_q16(y)};
+        targets[i] = add_leg(&end, length, uniform(-0.4, 0.4));
     }
 }
 
 static void draw(void)
 {
-    const bool moves = random_bits() % 3 == 0;
+    const bool moves = random_word() % 3 == 0;
 
-    robot = &robots[random_bits() % 2];
+    robot = draw_robot();
     config = robot->config->trajectory;
-    if (random_bits() % 3 == 0) {
+    if (random_word() % 3 == 0) {
         config.voltage = to_q16(q16(config.volts[0]) * uniform(0.5, 1.5)); /* of that for 1 m/s */
     }
     draw_targets();
@@ -141,10 +87,10 @@ static void draw(void)
                  .cruise = to_q24(uniform(0.3, 1.2)),
                  .motion = {.speed = moves ? to_q24(uniform(0, 0.6)) : 0},
                  .targets = targets,
-                 .count = (uint16_t)(1 + random_bits() % LEGS),
-                 .to_stand = random_bits() % 2 == 0},
+                 .count = (uint16_t)(1 + random_word() % LEGS),
+                 .to_stand = random_word() % 2 == 0},
         .model = robot->model,
-        .kind = random_bits() % 2 == 0 ? JP_BUDGET_SECONDS : JP_BUDGET_JOULES,
+        .kind = random_word() % 2 == 0 ? JP_BUDGET_SECONDS : JP_BUDGET_JOULES,
         .legs = legs,
         .trajectory = &trajectory,
     };
@@ -301,7 +247,7 @@ static bool try_route(unsigned long index)
     } else {
         good = status == JP_ERR_INFEASIBLE && check_infeasible();
     }
-    if (verbose || !good) {
+    if (options.verbose || !good) {
         printf(
             "case %lu: %s, %u legs, %.2f V, cruise up to %.3f m/s, within %.3f %s: status %d, cruise %.4f m/s, %.3f s, "
             "%.3f J; of the grid %.3f %s\n",
@@ -317,27 +263,21 @@ static void test_random_requests(void)
 {
     unsigned long bad = 0;
 
-    random_state = seed;
+    random_state = options.seed;
     seen.worse = seen.needed = -1;
-    for (unsigned long k = 0; k < count; k++) {
+    for (unsigned long k = 0; k < options.count; k++) {
         bad += try_route(k) ? 0 : 1;
     }
     printf("%lu routes, %lu bad; %lu keep the budget, at worst %.4f %% above the grid's best; %lu cannot, and need at "
            "worst %.4f %% more than the grid; %lu are above by more than %g %%\n",
-           count, bad, seen.kept, 100 * seen.worse, seen.infeasible, 100 * seen.needed, seen.missed, 100 * TOLERANCE);
+           options.count, bad, seen.kept, 100 * seen.worse, seen.infeasible, 100 * seen.needed, seen.missed,
+           100 * TOLERANCE);
     TEST_ASSERT_EQUAL_UINT32(0, bad);
-    TEST_ASSERT_TRUE((double)seen.missed <= MISSED * (double)count);
+    TEST_ASSERT_TRUE((double)seen.missed <= MISSED * (double)options.count);
 }
 
 int main(int argc, char **argv)
 {
-    const struct options options = parse_options(argc, argv, (struct options){.count = count, .seed = seed});
-
-    count = options.count;
-    seed = options.seed;
-    verbose = options.verbose;
-    printf("seed %llu\n", (unsigned long long)seed);
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
+    options = parse_options(argc, argv, options);
+    return RUN_PROPERTY(options, NULL);
 }
