@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/decimal.h"
 #include "tests/support/options.h"
 #include "tests/support/random.h"
 #include "unity.h"
@@ -56,26 +57,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static double q16(int32_t x)
-{
-    return x / 65536.0;
-}
-
-static double q24(int32_t x)
-{
-    return x / 16777216.0;
-}
-
-static jp_q16 to_q16(double x)
-{
-    return (jp_q16)lround(x * 65536.0);
-}
-
-static jp_q24 to_q24(double x)
-{
-    return (jp_q24)lround(x * 16777216.0);
 }
 
 /** Durations are whole ticks as well as they can be. */

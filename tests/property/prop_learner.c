@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "tests/support/decimal.h"
 #include "tests/support/options.h"
 #include "tests/support/random.h"
 #include "unity.h"
@@ -53,16 +54,6 @@ void tearDown(void)
 void setUp(void)
 {
     begin_random(options.seed, 0);
-}
-
-static double q16(int32_t value)
-{
-    return value * 0x1p-16;
-}
-
-static double q24(int32_t value)
-{
-    return value * 0x1p-24;
 }
 
 /* ---- Matrices ---- */

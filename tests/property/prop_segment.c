@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/decimal.h"
 #include "tests/support/options.h"
 #include "tests/support/random.h"
 #include "unity.h"
@@ -87,16 +88,6 @@ void tearDown(void)
 }
 
 /* The model in double */
-
-static double q16(jp_q16 a)
-{
-    return a * 0x1p-16;
-}
-
-static double q24(jp_q24 a)
-{
-    return a * 0x1p-24;
-}
 
 static struct model model_in_double(const struct jp_energy_model *q)
 {
