@@ -1,33 +1,10 @@
 /* Drives a scenario's mission by six strategies in closed loop and compares their energies. */
 #include <stdlib.h>
 
-#include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
 #include "sim/missions/mission_report.h"
-
-struct arguments {
-    const char *path;
-    struct command_line common;
-};
-
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    struct arguments *arguments = state->input;
-
-    switch (key) {
-    case ARGP_KEY_ARG:
-        command_line_take(state, "scenario", argument, &arguments->path);
-        return 0;
-    case ARGP_KEY_END:
-        if (arguments->path == NULL) {
-            command_line_refuse(state, "a scenario is needed, such as sim/scenarios/gao2018_mission.cfg");
-        }
-        return 0;
-    default:
-        return command_line_option(key, argument, state, &arguments->common);
-    }
-}
+#include "sim/missions/scenario_arguments.h"
 
 /* The others are compared with the first strategy; one of them that cannot drive the route is a row that says so. */
 static bool drive(struct mission *missions, enum mission_strategy strategy, const struct scenario *scenario,
@@ -60,7 +37,7 @@ static bool drive_all(struct mission *missions, const struct scenario *scenario,
     return output_json(directory, "summary.json", mission_json(scenario, missions, MISSION_STRATEGIES));
 }
 
-static bool compare(const struct arguments *arguments)
+static bool compare(const struct scenario_arguments *arguments)
 {
     struct scenario scenario;
     struct mission missions[MISSION_STRATEGIES] = {0};
@@ -84,10 +61,15 @@ int main(int argc, char **argv)
         OPTION_OUTPUT("build/mission"),
         {0},
     };
-    static const struct argp argp = {
-        options, parse_option, "SCENARIO.cfg", "Drives a mission by six strategies and compares their energies.", NULL,
-        NULL,    NULL};
-    struct arguments arguments = {.common = {.output = "build/mission"}};
+    static const struct argp argp = {options,
+                                     scenario_arguments_take,
+                                     "SCENARIO.cfg",
+                                     "Drives a mission by six strategies and compares their energies.",
+                                     NULL,
+                                     NULL,
+                                     NULL};
+    struct scenario_arguments arguments = {.example = "sim/scenarios/gao2018_mission.cfg",
+                                           .common = {.output = "build/mission"}};
 
     command_line_parse(&argp, argc, argv, &arguments);
     return compare(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;
