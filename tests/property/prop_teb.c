@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/base/random.h"
 #include "tests/support/options.h"
+#include "tests/support/random.h"
 #include "tests/support/teb_formulas.h"
 #include "unity.h"
 
@@ -55,7 +55,6 @@ static struct jp_teb_task task;
 static struct jp_teb_result result;
 
 static struct options options = {.count = 30, .seed = 1};
-static struct random rng;
 static struct {
     double speed;
     double turn_rate;
@@ -72,11 +71,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static double uniform(double low, double high)
-{
-    return random_uniform(&rng, low, high);
 }
 
 static void init(void)
@@ -270,11 +264,11 @@ static void test_the_same_task_has_the_same_bits(void)
     for (unsigned long i = 0; i < options.count / 4 + 1; i++) {
         random_task(2, 14);
 
-        const struct random before = rng;
+        const uint64_t before = random_state;
 
         plan_cycles(once, &results[0]);
         memset(&teb, 0x5A, sizeof teb);
-        rng = before;
+        random_state = before;
         plan_cycles(again, &results[1]);
         TEST_ASSERT_EQUAL_INT(0, memcmp(&results[0].speed, &results[1].speed, sizeof results[0].speed));
         TEST_ASSERT_EQUAL_INT(0, memcmp(&results[0].cost, &results[1].cost, sizeof results[0].cost));
@@ -425,6 +419,6 @@ static void add_figures(json_t *figures)
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
-    random_init(&rng, options.seed);
+    begin_random(options.seed, 0);
     return RUN_PROPERTY(options, add_figures);
 }
