@@ -226,8 +226,8 @@ def draw_coverage(axes, groups):
 def draw_errors(axes, done):
     for errors, color, label in ((done.error, plots.BLUE, "learned"), (done.prior_error, plots.ORANGE, "not learned")):
         figures = error_figures(errors)
-        axes.ecdf(100 * errors, color=color, label=f"{label}: mean {figures['mean_percent']:.1f} %,\n95th percentile "
-                  f"{figures['percentile_95_percent']:.1f} %")
+        axes.ecdf(100 * errors, color=color, label=f"{label}: mean {figures['mean_percent']:.2f} %,\n95th percentile "
+                  f"{figures['percentile_95_percent']:.2f} %")
     axes.axhline(0.95, color=plots.GREY, linewidth=0.9, linestyle=(0, (4, 2)))
     axes.set(title="Error of the predicted energy", xlabel="|predicted − measured| / measured, %",
              ylabel="share of missions", ylim=(0, 1.02), xlim=(0, None))
