@@ -2,7 +2,8 @@
 """Judge the MISRA violations that cppcheck found by the recorded reasons.
 
 The violations are lines `file:line:column: misra-c2012-RULE`. Prints the records with how often each was needed; to
-stderr one `place: error: what` for each violation without a record and each record without a violation.
+stderr one `place: error: what` for each violation without a record, each record without a violation, and each file that
+was not checked because cppcheck or its addon broke down on it, which cppcheck's exit status does not tell.
 """
 import argparse
 import re
@@ -14,6 +15,9 @@ import yaml
 from tools.common import ArgumentParser, ToolError, print_aligned, read_text, run
 
 VIOLATION = re.compile(r"(?P<file>[^:]+):(?P<line>\d+):\d+: misra-c2012-(?P<rule>\d+\.\d+)")
+FOUND = re.compile(r"(?P<file>[^:]+):\d+:\d+: (?P<what>[\w.-]+)")
+BAILED_OUT = re.compile(r"Bailing out from checking (?P<file>.*?) ?since there was an internal error: (?P<why>.*)")
+PROJECT = "project"  # what is checked of all files together has none
 KEYS = {"rule", "class", "in", "code", "reason"}
 CLASSES = ("advisory", "required")
 
@@ -58,6 +62,20 @@ def read_violations(path):
     return [(match["file"], int(match["line"]), match["rule"]) for match in matches]
 
 
+def breakdowns(path):
+    """Of all that is not something found: where cppcheck gave up, with the last line of what it says of it."""
+    broken = {}
+    place = PROJECT
+    for line in filter(None, map(str.strip, read_text(path).splitlines())):
+        bailed, found = BAILED_OUT.match(line), FOUND.fullmatch(line)
+        if found and found["what"] != "internalError":
+            continue
+        place = bailed["file"] or PROJECT if bailed else found["file"] if found else place
+        broken[place] = bailed["why"] if bailed else line
+    for place, why in broken.items():
+        yield f"{place}:1: error: not checked for MISRA C:2012, the addon failed: {why}"
+
+
 def unexplained(records, violations):
     """Counts for each record what it covers, and yields what none covers."""
     for file, line, rule in violations:
@@ -76,7 +94,7 @@ def main():
     arguments = parser.parse_args()
     records = read_records(arguments.records)
 
-    for problem in unexplained(records, read_violations(arguments.violations)):
+    for problem in [*breakdowns(arguments.violations), *unexplained(records, read_violations(arguments.violations))]:
         print(problem, file=sys.stderr)
     for record in records:
         if record.found == 0:
