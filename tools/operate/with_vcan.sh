@@ -47,14 +47,14 @@ dies_with_script() {
     exec setpriv --pdeathsig KILL "$@"
 }
 
-# Paths in the options are relative: a comma in one would end it. An idle processor polls, which makes a turn of frames
-# between two programs five times as fast.
+# Paths in the options are relative: a comma in one would end it. One processor: between two of them a turn of frames
+# would wait for the other to wake, five times as long, or both would have to poll where they are idle.
 start_emulator() {
     cd "$job" || exit
     dies_with_script qemu-system-x86_64 -nodefaults -no-user-config -display none -no-reboot \
-        -machine q35 -accel tcg,thread=multi,tb-size=512 -cpu max -smp 2 -m 2G \
+        -machine q35 -accel tcg,thread=multi,tb-size=512 -cpu max -smp 1 -m 2G \
         -kernel "$vcan_kernel/vmlinux" -initrd "$vcan_kernel/initramfs.gz" \
-        -append 'console=ttyS0 quiet panic=-1 mitigations=off idle=poll' \
+        -append 'console=ttyS0 quiet panic=-1 mitigations=off' \
         -chardev file,id=console,path=boot.log,append=on -serial chardev:console \
         -fsdev local,id=host,path=/,security_model=none,multidevs=remap \
         -device virtio-9p-pci,fsdev=host,mount_tag=host \
@@ -90,7 +90,7 @@ wait_for_boot() {
     done
 }
 
-# One at a time: each keeps two processors busy, and side by side they take longer than in turn.
+# One at a time: each keeps a processor busy, and side by side they take longer than in turn.
 wait_for_turn() {
     exec 7<"$vcan_kernel/vmlinux"
     flock --nonblock 7 && return
