@@ -233,6 +233,19 @@ def test_no_emulator_survives_the_script(tree, machine, sent):
     wait_until(lambda: process_ended(int(pid.read_text())), "the emulator's end")
 
 
+def test_nothing_starts_that_has_outlived_the_script(tree):
+    """Its children ask to die with it only after it was killed: what they would run holds its outputs open."""
+    tree.emulator("exec sleep 1000")
+    started = tree.folder / "started"
+    tree.command("setpriv", f'echo >>{started}; while kill -0 $PPID 2>/dev/null; do sleep 0.01; done; '
+                 f'exec {shutil.which("setpriv")} "$@"')
+    script = tree.start(SCRIPT, "--", "true")
+    wait_until(lambda: started.exists() and len(started.read_text()) == 3, "two cats and the emulator")
+    script.kill()
+    script.wait(PATIENCE)
+    script.communicate(timeout=PATIENCE)
+
+
 def test_emulators_run_one_at_a_time(tree):
     """Each runs until its gate is read from, and finds no other one."""
     tree.emulator(BOOTED + f'mkdir {tree.folder}/only || exit; mkfifo {tree.folder}/gate.$$; echo >{tree.folder}/gate.$$; '

@@ -42,9 +42,11 @@ write_job() {
     } >"$job/command"
 }
 
-# Replaces the process. Traps do not see SIGKILL.
+# Replaces the process. Traps do not see SIGKILL. A script that was killed before this one asked to die with it is no
+# longer its parent.
 dies_with_script() {
-    exec setpriv --pdeathsig KILL "$@"
+    # shellcheck disable=SC2016
+    exec setpriv --pdeathsig KILL sh -c '[ "$PPID" -eq "$0" ] && exec "$@"' $$ "$@"
 }
 
 # Paths in the options are relative: a comma in one would end it. One processor: between two of them a turn of frames
