@@ -25,32 +25,32 @@ const struct jp_learning jp_learning_courier24 = {
         },
     .ground =
         {
-            11251,  /* 0.1716774 of the friction */
-            -17700, /* -0.2700729 of the friction */
-            -3466,  /* -0.05289332 of the friction */
-            2356,   /* 0.03595366 of the friction */
+            15371,  /* 0.2345394 of the friction */
+            -11356, /* -0.1732806 of the friction */
+            -3206,  /* -0.04892135 of the friction */
+            2474,   /* 0.03774575 of the friction */
         },
     .payload =
         {
-            -37002, /* -0.5646029 kg */
-            -60963, /* -0.9302262 kg */
-            43636,  /* 0.6658378 kg */
-            13752,  /* 0.2098422 kg */
+            -21175, /* -0.3231121 kg */
+            -35601, /* -0.5432245 kg */
+            45430,  /* 0.6932031 kg */
+            15617,  /* 0.2383 kg */
         },
-    .ground_deviation = 7302,   /* 0.1114207 of the friction */
-    .payload_deviation = 14772, /* 0.2254082 kg */
+    .ground_deviation = 7335,   /* 0.1119251 of the friction */
+    .payload_deviation = 15643, /* 0.2386937 kg */
     .noise_relative = 310,      /* 0.004736618 of the energy */
     .noise_transient = 19653,   /* 0.299884 of what earlier steps left */
     .noise = 8473,              /* 0.1292876 J */
     .leg =
         {
-            {-176, -635, 6435, -6941}, /* of what speeding up takes by the steady voltage */
-            {23, -1156, 51636, 16400}, /* of what changes of the speed take */
-            {183, 300, 8549, 11700},   /* of what turning faster takes by the steady voltage */
+            {-174, -649, 7219, -6623}, /* of what speeding up takes by the steady voltage */
+            {15, -1203, 52668, 16289}, /* of what changes of the speed take */
+            {156, 228, 8409, 10294},   /* of what turning faster takes by the steady voltage */
         },
     .leg_noise_relative = 0,     /* 0 of the energy */
-    .leg_noise_transient = 1875, /* 0.02860383 of what its transients take */
-    .leg_noise = 2719,           /* 0.04148326 J */
+    .leg_noise_transient = 1433, /* 0.02185877 of what its transients take */
+    .leg_noise = 2917,           /* 0.04450412 J */
     .memory = 64U,               /* segments */
-    .identity = 2335699076U,     /* of the numbers above */
+    .identity = 2045518794U,     /* of the numbers above */
 };

@@ -25,32 +25,32 @@ const struct jp_learning jp_learning_courier24_battery = {
         },
     .ground =
         {
-            17450,  /* 0.2662717 of the friction */
-            -10534, /* -0.1607309 of the friction */
-            1242,   /* 0.01895867 of the friction */
-            826,    /* 0.0126 of the friction */
+            18642, /* 0.2844612 of the friction */
+            -8836, /* -0.1348255 of the friction */
+            1185,  /* 0.01808773 of the friction */
+            1046,  /* 0.01596526 of the friction */
         },
     .payload =
         {
-            2037,   /* 0.0310867 kg */
-            -6074,  /* -0.09268731 kg */
-            17948,  /* 0.2738642 kg */
-            -42387, /* -0.6467682 kg */
+            2924,   /* 0.04460971 kg */
+            -4966,  /* -0.07577303 kg */
+            18800,  /* 0.2868707 kg */
+            -42427, /* -0.6473891 kg */
         },
-    .ground_deviation = 6280,  /* 0.09582915 of the friction */
-    .payload_deviation = 9642, /* 0.1471322 kg */
+    .ground_deviation = 6305,  /* 0.09621049 of the friction */
+    .payload_deviation = 9749, /* 0.1487596 kg */
     .noise_relative = 305,     /* 0.004659338 of the energy */
     .noise_transient = 31624,  /* 0.4825395 of what earlier steps left */
     .noise = 4284,             /* 0.06537513 J */
     .leg =
         {
-            {-73, -172, -1080, -4307},    /* of what speeding up takes by the steady voltage */
-            {-543, -1150, 27417, -40192}, /* of what changes of the speed take */
-            {21, 73, 6568, -201},         /* of what turning faster takes by the steady voltage */
+            {-76, -179, -899, -4548},     /* of what speeding up takes by the steady voltage */
+            {-545, -1151, 28589, -40603}, /* of what changes of the speed take */
+            {-27, -65, -663, -1555},      /* of what turning faster takes by the steady voltage */
         },
     .leg_noise_relative = 0,  /* 0 of the energy */
     .leg_noise_transient = 0, /* 0 of what its transients take */
-    .leg_noise = 6511,        /* 0.09935243 J */
+    .leg_noise = 6406,        /* 0.0977506 J */
     .memory = 64U,            /* segments */
-    .identity = 2269741422U,  /* of the numbers above */
+    .identity = 1621857199U,  /* of the numbers above */
 };

@@ -25,32 +25,32 @@ const struct jp_learning jp_learning_gao2018 = {
         },
     .ground =
         {
-            15253,  /* 0.2327434 of the friction */
-            -13719, /* -0.2093383 of the friction */
-            4252,   /* 0.06488114 of the friction */
-            1347,   /* 0.02056018 of the friction */
+            15351,  /* 0.2342383 of the friction */
+            -15446, /* -0.2356833 of the friction */
+            4122,   /* 0.06290135 of the friction */
+            1066,   /* 0.01626417 of the friction */
         },
     .payload =
         {
-            36600,  /* 0.5584751 kg */
-            27839,  /* 0.4247867 kg */
-            -38118, /* -0.5816362 kg */
-            -21854, /* -0.3334663 kg */
+            28128,  /* 0.429197 kg */
+            -12894, /* -0.1967492 kg */
+            -33357, /* -0.5089915 kg */
+            -22183, /* -0.3384835 kg */
         },
-    .ground_deviation = 4546,   /* 0.06936034 of the friction */
-    .payload_deviation = 14819, /* 0.226122 kg */
+    .ground_deviation = 4521,   /* 0.06898842 of the friction */
+    .payload_deviation = 14857, /* 0.2267003 kg */
     .noise_relative = 549,      /* 0.008379443 of the energy */
     .noise_transient = 63974,   /* 0.9761678 of what earlier steps left */
     .noise = 38216,             /* 0.5831335 J */
     .leg =
         {
-            {-714, -3655, -21271, -2209},    /* of what speeding up takes by the steady voltage */
-            {-2092, -10337, -54318, -28225}, /* of what changes of the speed take */
-            {156, 1356, 16519, -31616},      /* of what turning faster takes by the steady voltage */
+            {-726, -3717, -21587, -2428},    /* of what speeding up takes by the steady voltage */
+            {-2123, -10502, -55328, -28144}, /* of what changes of the speed take */
+            {93, 1115, 16403, -36598},       /* of what turning faster takes by the steady voltage */
         },
     .leg_noise_relative = 0,     /* 0 of the energy */
-    .leg_noise_transient = 1314, /* 0.02005415 of what its transients take */
-    .leg_noise = 4267,           /* 0.06510617 J */
+    .leg_noise_transient = 1423, /* 0.02170865 of what its transients take */
+    .leg_noise = 4032,           /* 0.06152622 J */
     .memory = 64U,               /* segments */
-    .identity = 2026864067U,     /* of the numbers above */
+    .identity = 1554035842U,     /* of the numbers above */
 };
