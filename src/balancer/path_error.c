@@ -11,8 +11,8 @@
 /** The lead follows as many times faster as the way back to the path. */
 #define LEAD_SHARE 16
 
-/** At most all of it in two ticks. */
-#define LEAD_STEERING_MAX ((int32_t)(INT64_C(0x100000000) / LEAD_SHARE))
+/** All of it in two ticks, 2³² by the share. */
+#define LEAD_STEERING_MAX (2 * (INT32_MAX / LEAD_SHARE))
 
 /** 2π in Q28. */
 #define RADIANS_PER_TURN 1686629713
