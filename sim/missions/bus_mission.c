@@ -30,7 +30,8 @@ struct run {
     uint64_t start_tick; /**< of it */
     uint64_t leg_tick;   /**< first of the leg */
     double leg_plant;    /**< the plant's motor energy at its start, J */
-    int64_t start_spent; /**< by the ECU's meter at the start, of the scenario's kind */
+    int64_t start_spent; /**< by the ECU's meters at the start */
+    int64_t start_drawn;
     size_t leg;
     struct bezier_point reference; /**< where the reference is, m */
 };
@@ -77,11 +78,17 @@ static void follow_reference(struct run *run)
     run->reference.y += rolled * sin(heading);
 }
 
-static int64_t spent(const struct run *run)
+static double drawn(const struct run *run)
 {
-    const struct ecu_view *view = &run->result->drive.view;
+    return (double)(run->result->drive.view.drawn.energy - run->start_drawn) / ENERGY_ONE;
+}
 
-    return run->scenario->energy == ENERGY_BATTERY ? view->drawn.energy : view->spent.energy;
+/** Of the scenario's kind, J since the start. */
+static double measured(const struct run *run)
+{
+    return run->scenario->energy == ENERGY_BATTERY
+               ? drawn(run)
+               : (double)(run->result->drive.view.spent.energy - run->start_spent) / ENERGY_ONE;
 }
 
 static void log_row(const struct run *run)
@@ -107,7 +114,7 @@ static void log_row(const struct run *run)
                         .voltage_right = view->motors.voltage_right / 128.0,
                         .current_left = plant_current_left(plant, input),
                         .current_right = plant_current_right(plant, input),
-                        .energy = (double)(spent(run) - run->start_spent) / ENERGY_ONE,
+                        .energy = measured(run),
                         .leg = run->leg,
                     });
 }
@@ -124,7 +131,8 @@ static void begin_leg(struct run *run)
 static void begin(struct run *run)
 {
     run->under_way = true;
-    run->start_spent = spent(run);
+    run->start_spent = run->result->drive.view.spent.energy;
+    run->start_drawn = run->result->drive.view.drawn.energy;
     run->reference = (struct bezier_point){plant_of(run)->x, plant_of(run)->y};
     begin_leg(run);
     run->leg_tick--;
@@ -150,9 +158,23 @@ static void note_plan(struct run *run)
     leg->arc = leg->turn_rate * (view->segment_shape.duration / Q16_ONE);
 }
 
-static void end_leg(struct run *run)
+/** It ended with the tick before: the plant has stepped once since. */
+static void close_leg(struct run *run, struct mission_leg *leg)
 {
     const struct plant *plant = plant_of(run);
+
+    leg->duration = seconds(run, tick_of(run) - 1 - run->leg_tick);
+    leg->plant_energy = mission_plant_energy(run->scenario, plant) - run->leg_plant +
+                        run->scenario->robot.electronics.power_w * leg->duration;
+    leg->end = (struct bezier_point){plant->x, plant->y};
+    leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
+    leg->end_speed = plant->state.wheel_rate * run->scenario->robot.wheel.radius_m;
+    begin_leg(run);
+    run->leg_tick--;
+}
+
+static void end_leg(struct run *run)
+{
     const struct jp_can_segment_result_t *segment = &run->result->drive.view.segment_result;
     struct mission *mission = &run->result->mission;
 
@@ -162,18 +184,26 @@ static void end_leg(struct run *run)
 
     struct mission_leg *leg = &mission->legs[run->leg];
 
-    /* The segment ended with the tick before: the plant has stepped once since. */
-    leg->duration = seconds(run, tick_of(run) - 1 - run->leg_tick);
     leg->battery_energy = segment->drawn / Q16_ONE;
     leg->measured_energy = run->scenario->energy == ENERGY_BATTERY ? leg->battery_energy : segment->spent / Q16_ONE;
-    leg->plant_energy = mission_plant_energy(run->scenario, plant) - run->leg_plant +
-                        run->scenario->robot.electronics.power_w * leg->duration;
-    leg->end = (struct bezier_point){plant->x, plant->y};
-    leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
-    leg->end_speed = plant->state.wheel_rate * run->scenario->robot.wheel.radius_m;
+    close_leg(run, leg);
     run->leg++;
-    begin_leg(run);
-    run->leg_tick--;
+}
+
+/** No message tells of the braking alone: it is what the meters count beyond the legs. */
+static void end_braking(struct run *run)
+{
+    struct mission *mission = &run->result->mission;
+    struct mission_leg *braking = &mission->braking;
+
+    braking->measured_energy = measured(run);
+    braking->battery_energy = drawn(run);
+    for (size_t i = 0; i < mission->leg_count; i++) {
+        braking->measured_energy -= mission->legs[i].measured_energy;
+        braking->battery_energy -= mission->legs[i].battery_energy;
+    }
+    close_leg(run, braking);
+    braking->passed = braking->end_error;
 }
 
 static void keep_books(struct run *run)
@@ -259,6 +289,7 @@ static void prepare(struct run *run, const struct jp_can_link *link)
     for (size_t i = 0; i < result->mission.leg_count; i++) {
         mission_set_target(&result->mission.legs[i], run->scenario->waypoints[i + 1]);
     }
+    result->mission.braking.target = run->scenario->waypoints[result->mission.leg_count];
 }
 
 static bool hand_over_route(struct run *run)
@@ -302,15 +333,58 @@ static bool is_alone(const struct run *run)
     return false;
 }
 
+static bool pass_tick(struct run *run)
+{
+    if (!tick(run) || !is_alone(run)) {
+        return false;
+    }
+    keep_books(run);
+    return true;
+}
+
+/** The operator is done, and hears no more whether the robot has fallen. */
+static bool is_upright(const struct run *run)
+{
+    const uint8_t state = run->result->drive.view.status.state;
+    const bool has_fallen = state == JP_CAN_ECU_STATUS_STATE_FALLEN_CHOICE;
+
+    if (!has_fallen && state != JP_CAN_ECU_STATUS_STATE_FAULT_CHOICE) {
+        return true;
+    }
+    error_line("after the last leg: %s", jp_operator_failure_text(has_fallen ? JP_FAILURE_FALLEN : JP_FAILURE_FAULT));
+    return false;
+}
+
+/** Until the robot has been at rest for a while. */
+static bool brake(struct run *run)
+{
+    const uint64_t ticks_needed = (uint64_t)(MISSION_REST_SECONDS * run->scenario->robot.control.rate_hz);
+    uint64_t ticks_of_rest = 0;
+
+    while (ticks_of_rest < ticks_needed) {
+        if (!pass_tick(run) || !is_upright(run)) {
+            return false;
+        }
+        ticks_of_rest = mission_is_at_rest(run->scenario, plant_of(run)) ? ticks_of_rest + 1 : 0;
+        if (seconds(run, tick_of(run) - run->leg_tick) > MISSION_BRAKING_SECONDS_MAX) {
+            error_line("after the last leg: the robot does not come to a stand within %g s; correct control.weights of "
+                       "the robot file, or leave out end = \"stand\"",
+                       MISSION_BRAKING_SECONDS_MAX);
+            return false;
+        }
+    }
+    end_braking(run);
+    return true;
+}
+
 static bool drive_route(struct run *run)
 {
     const struct jp_operator *commander = &run->result->drive.commander;
 
     while (commander->phase != JP_OPERATOR_DONE || run->leg < run->result->mission.leg_count) {
-        if (!tick(run) || !is_alone(run)) {
+        if (!pass_tick(run)) {
             return false;
         }
-        keep_books(run);
         if (commander->phase == JP_OPERATOR_FAILED) {
             error_line("leg %zu: %s", run->leg + 1, jp_operator_failure_text(commander->failure));
             return false;
@@ -324,7 +398,7 @@ static bool drive_route(struct run *run)
             progress_show(run->view.progress, percent_done(run), 100);
         }
     }
-    return true;
+    return !run->scenario->to_stand || brake(run);
 }
 
 bool bus_mission_run(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,

@@ -20,12 +20,9 @@
 #define TURN_Q24 (2 * M_PI / Q24_ONE)
 #define DEGREES  (180 / M_PI)
 
-/** The robot stands when it has been so slow for so long: m/s, rad/s, s. */
-#define STAND_SPEED     0.01
-#define STAND_TURN_RATE 0.02
-#define STAND_SECONDS   0.5
-
-#define BRAKING_SECONDS_MAX 60.0
+/** A robot at rest is so slow: m/s, rad/s. */
+#define REST_SPEED     0.01
+#define REST_TURN_RATE 0.02
 
 #define NO_MEMORY "no memory for so long a route; leave waypoints out"
 
@@ -471,12 +468,10 @@ static bool pass_tick(struct drive *drive)
     return true;
 }
 
-static bool is_at_rest(const struct drive *drive)
+bool mission_is_at_rest(const struct scenario *scenario, const struct plant *plant)
 {
-    const struct plant_state *state = &drive->rig.world.plant.state;
-
-    return fabs(state->wheel_rate) * drive->scenario->robot.wheel.radius_m < STAND_SPEED &&
-           fabs(state->yaw_rate) < STAND_TURN_RATE;
+    return fabs(plant->state.wheel_rate) * scenario->robot.wheel.radius_m < REST_SPEED &&
+           fabs(plant->state.yaw_rate) < REST_TURN_RATE;
 }
 
 /** After the last leg, until the robot has been at rest for a while. */
@@ -487,16 +482,16 @@ static bool brake(struct drive *drive)
     double rest = 0;
 
     braking->target = drive->mission->legs[drive->mission->leg_count - 1].target;
-    while (rest < STAND_SECONDS) {
+    while (rest < MISSION_REST_SECONDS) {
         if (!pass_tick(drive)) {
             return false;
         }
-        rest = is_at_rest(drive) ? rest + 1 / rate : 0;
-        if (seconds(drive, drive->rig.world.tick - drive->leg_tick) > BRAKING_SECONDS_MAX) {
+        rest = mission_is_at_rest(drive->scenario, &drive->rig.world.plant) ? rest + 1 / rate : 0;
+        if (seconds(drive, drive->rig.world.tick - drive->leg_tick) > MISSION_BRAKING_SECONDS_MAX) {
             return cannot(drive,
                           "the robot does not come to a stand within %g s; correct control.weights of the robot "
                           "file, or leave out end = \"stand\"",
-                          BRAKING_SECONDS_MAX);
+                          MISSION_BRAKING_SECONDS_MAX);
         }
     }
     close_leg(drive, braking);

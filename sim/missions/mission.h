@@ -48,6 +48,10 @@ struct mission_forecast {
 
 #define MISSION_REASON_SIZE 160
 
+/** The robot stands when it has been at rest for so long; it shall within so long after its last leg; s. */
+#define MISSION_REST_SECONDS        0.5
+#define MISSION_BRAKING_SECONDS_MAX 60.0
+
 struct mission {
     enum mission_strategy strategy;
     char impossible[MISSION_REASON_SIZE]; /**< why the strategy cannot drive the route; empty: it did */
@@ -85,11 +89,12 @@ bool mission_run(struct mission *mission, enum mission_strategy strategy, const 
 void mission_complain(const struct mission *mission, const struct scenario *scenario);
 
 /** For missions that are driven otherwise: a leg's target; in each tick, how near the robot comes to the waypoints
- * before and after a leg; the plant's motor energy of the scenario's kind in J, the sums of the legs and the
- * braking, the clock in seconds. */
+ * before and after a leg; the plant's motor energy of the scenario's kind in J, whether the robot is at rest, the sums
+ * of the legs and the braking, the clock in seconds. */
 void mission_set_target(struct mission_leg *leg, struct bezier_point target);
 void mission_note_passing(struct mission *mission, size_t leg, const struct plant *plant);
 double mission_plant_energy(const struct scenario *scenario, const struct plant *plant);
+bool mission_is_at_rest(const struct scenario *scenario, const struct plant *plant);
 void mission_sum_up(struct mission *mission);
 double mission_wall_clock(void);
 

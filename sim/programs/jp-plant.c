@@ -271,16 +271,15 @@ static bool host(const struct arguments *arguments, const struct scenario *scena
     return done;
 }
 
-/** Over the bus segments are driven, and a route is done when its last one has ended. */
-static bool is_of_segments(const char *path, const struct scenario *scenario)
+/** A route on the bus is of points alone. */
+static bool is_without_budget(const char *path, const struct scenario *scenario)
 {
     const bool has_budget = scenario->within_seconds > 0 || scenario->within_joules > 0;
 
-    if (scenario->to_stand || has_budget) {
-        error_line("%s: %s is for jp-mission; leave it out", path,
-                   has_budget ? "a budget (within_seconds, within_joules)" : "end = \"stand\"");
+    if (has_budget) {
+        error_line("%s: a budget (within_seconds, within_joules) is for jp-mission; leave it out", path);
     }
-    return !scenario->to_stand && !has_budget;
+    return !has_budget;
 }
 
 static bool run(const struct arguments *arguments)
@@ -289,7 +288,7 @@ static bool run(const struct arguments *arguments)
     struct scenario scenario;
     bool done;
 
-    if (!scenario_load(arguments->scenario, &scenario) || !is_of_segments(arguments->scenario, &scenario) ||
+    if (!scenario_load(arguments->scenario, &scenario) || !is_without_budget(arguments->scenario, &scenario) ||
         !open_surroundings(&surroundings, arguments, &scenario)) {
         return false;
     }

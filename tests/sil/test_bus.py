@@ -141,6 +141,28 @@ def test_an_ecu_that_predicts_the_energy_of_the_battery(programs, tmp_path):
         assert segment["planned_energy_j"] == pytest.approx(segment["measured_energy_j"], rel=0.02)
 
 
+@pytest.mark.parametrize(("robot", "of_battery"), [("gao2018", False), ("courier24", True)])
+def test_a_scenario_that_ends_at_a_stand_counts_the_braking(tmp_path, robot, of_battery):
+    scenario = write_scenario(tmp_path / "short.cfg", *ROUTE, robot=robot)
+    if of_battery:
+        with_battery_energy(scenario)
+    before = summary(drive_in_process(scenario, tmp_path / "moving"))["strategies"][0]
+    scenario.write_text(scenario.read_text() + 'end = "stand";\n')
+    stood = drive_in_process(scenario, tmp_path / "stood")
+    after = summary(stood)["strategies"][0]
+    braking, total = after["braking"], after["total"]
+    assert "braking" not in before and before["segments"] == after["segments"]
+    for key in ("measured_energy_j", "plant_energy_j", "battery_energy_j", "duration_s"):
+        assert total[key] == pytest.approx(sum(segment[key] for segment in after["segments"]) + braking[key])
+    assert braking["measured_energy_j"] == pytest.approx(braking["plant_energy_j"], rel=2e-2)
+    assert (braking["measured_energy_j"] == braking["battery_energy_j"]) == of_battery
+    assert 0.5 < braking["duration_s"] < 10 and braking["end_error_m"] < 0.3
+    rows = (stood / LOG).read_text().splitlines()
+    last = dict(zip(rows[0].split(","), map(float, rows[-1].split(",")), strict=True))
+    assert last["t_s"] == pytest.approx(total["duration_s"], abs=0.03)
+    assert abs(last["speed_m_s"]) < 0.01 and last["energy_j"] == pytest.approx(total["measured_energy_j"], abs=1)
+
+
 def test_the_report_takes_it(in_process):
     result = subprocess.run([sys.executable, "-m", "tools.report.report", in_process], cwd=ROOT, capture_output=True,
                             text=True, check=False)
