@@ -38,32 +38,31 @@ static void expect_bad_field(const struct jp_energy_model *model, const char *na
     TEST_ASSERT_EQUAL_STRING(name, field);
 }
 
-static void test_check_names_the_first_bad_field(void)
-{
-    struct jp_energy_model model = jp_energy_model_published;
-    model.a[12] = JP_Q16(4096) + 1;
-    expect_bad_field(&model, "model.a");
-    model.a[0] = -JP_Q16(4096) - 1;
-    expect_bad_field(&model, "model.a");
+#define EXPECT_RANGE(member, low, high, name)                                                                          \
+    do {                                                                                                               \
+        struct jp_energy_model model = jp_energy_model_published;                                                      \
+        const char *field = "none";                                                                                    \
+        model.member = (low);                                                                                          \
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_model_check(&model, &field));                                         \
+        model.member = (high);                                                                                         \
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_model_check(&model, &field));                                         \
+        model.member = (low)-1;                                                                                        \
+        expect_bad_field(&model, name);                                                                                \
+        model.member = (high) + 1;                                                                                     \
+        expect_bad_field(&model, name);                                                                                \
+    } while (0)
 
-    model = jp_energy_model_published;
-    model.b[1] = -1;
-    expect_bad_field(&model, "model.b");
-    model = jp_energy_model_published;
-    model.electronics_power = 0;
-    expect_bad_field(&model, "model.electronics_power");
-    model = jp_energy_model_published;
-    model.settling_time = JP_Q16(60) + 1;
-    expect_bad_field(&model, "model.settling_time");
-    model = jp_energy_model_published;
-    model.voltage_per_speed = -1;
-    expect_bad_field(&model, "model.voltage_per_speed");
-    model = jp_energy_model_published;
-    model.voltage_per_turn_rate = JP_Q16(256) + 1;
-    expect_bad_field(&model, "model.voltage_per_turn_rate");
-    model = jp_energy_model_published;
-    model.motor_resistance = 0;
-    expect_bad_field(&model, "model.motor_resistance");
+static void test_check_names_each_field_at_both_limits(void)
+{
+    EXPECT_RANGE(a[0], -JP_Q16(4096), JP_Q16(4096), "model.a");
+    EXPECT_RANGE(a[12], -JP_Q16(4096), JP_Q16(4096), "model.a");
+    EXPECT_RANGE(b[0], 0, JP_Q16(4096), "model.b");
+    EXPECT_RANGE(b[1], 0, JP_Q16(4096), "model.b");
+    EXPECT_RANGE(electronics_power, 1, JP_Q16(256), "model.electronics_power");
+    EXPECT_RANGE(settling_time, 0, JP_Q16(60), "model.settling_time");
+    EXPECT_RANGE(voltage_per_speed, 0, JP_Q16(256), "model.voltage_per_speed");
+    EXPECT_RANGE(voltage_per_turn_rate, 0, JP_Q16(256), "model.voltage_per_turn_rate");
+    EXPECT_RANGE(motor_resistance, 1, JP_Q16(256), "model.motor_resistance");
 }
 
 static void test_standing_costs_the_electronics(void)

@@ -101,6 +101,7 @@ static void test_limits_of_counts(void)
     expect_config(JP_ERR_CONFIG, "dropouts_max");
     config.dropouts_max = 10000;
     expect_config(JP_OK, "");
+    config.scan.beams_min = 1;
     config.waits_max = 1;
     config.dropouts_max = 0;
     expect_config(JP_OK, "");

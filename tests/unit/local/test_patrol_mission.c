@@ -463,6 +463,22 @@ static void test_configurations_out_of_range(void)
     expect_field("map");
 }
 
+static void test_fewest_and_most_points_and_turns(void)
+{
+    const char *field = "";
+
+    mission_config.points_max = 2;
+    mission_config.turns_max = 2;
+    init();
+    mission_config.points_max = UINT16_MAX; /* in range, but not in the block */
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY,
+                          jp_patrol_mission_init(&mission, &mission_config, block, sizeof block, &field));
+    mission_config.points_max = 2;
+    mission_config.turns_max = UINT16_MAX;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY,
+                          jp_patrol_mission_init(&mission, &mission_config, block, sizeof block, &field));
+}
+
 static void test_blocks_that_do_not_do(void)
 {
     const size_t size = jp_patrol_mission_size(&mission_config);

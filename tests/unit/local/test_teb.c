@@ -587,17 +587,38 @@ static void assert_wrong_value(const struct field *member, float wrong)
     *value = right;
 }
 
-static void test_settings_out_of_their_ranges_are_named(void)
+static void assert_right_value(const struct field *member, float right)
 {
+    float *const value = (float *)(void *)((char *)&config + member->offset);
+    const float before = *value;
+
+    *value = right;
+    init();
+    *value = before;
+}
+
+/* So long an interval leaves the hysteresis nearly all of its range. */
+static void test_settings_at_both_ends_of_their_ranges(void)
+{
+    config.hysteresis = 1.0e-3f;
+    config.interval = 1.0e6f;
     for (unsigned i = 0; i < sizeof positive_fields / sizeof positive_fields[0]; i++) {
-        assert_wrong_value(&positive_fields[i], 0.0f);
-        assert_wrong_value(&positive_fields[i], 2.0e6f);
+        assert_wrong_value(&positive_fields[i], 0.999e-3f);
+        assert_wrong_value(&positive_fields[i], 1.001e6f);
         assert_wrong_value(&positive_fields[i], not_a_number());
+        if (strcmp(positive_fields[i].name, "interval") != 0) {
+            assert_right_value(&positive_fields[i], 1.0e-3f);
+        }
+        if (strcmp(positive_fields[i].name, "hysteresis") != 0) {
+            assert_right_value(&positive_fields[i], 1.0e6f);
+        }
     }
     for (unsigned i = 0; i < sizeof fields_from_0 / sizeof fields_from_0[0]; i++) {
         assert_wrong_value(&fields_from_0[i], -0.001f);
-        assert_wrong_value(&fields_from_0[i], 2.0e6f);
+        assert_wrong_value(&fields_from_0[i], 1.001e6f);
         assert_wrong_value(&fields_from_0[i], not_a_number());
+        assert_right_value(&fields_from_0[i], 0.0f);
+        assert_right_value(&fields_from_0[i], 1.0e6f);
     }
     init();
 }

@@ -286,6 +286,12 @@ static void expect_field(const char *expected)
     setUp();
 }
 
+/* So that with its margins it is within the widest footprint. */
+static jp_q24 longest_side(void)
+{
+    return terrain.config.resolution * 256 * JP_WAYPOINTS_FOOTPRINT_MAX - 2 * JP_Q24(JP_WAYPOINTS_MARGIN_M);
+}
+
 static void test_configurations_out_of_range(void)
 {
     config.terrain = NULL;
@@ -303,14 +309,32 @@ static void test_configurations_out_of_range(void)
     expect_field("terrain.resolution");
     config.length = 0;
     expect_field("length");
-    config.length = JP_Q24(12.6);
+    config.length = longest_side() + 1;
     expect_field("length");
-    config.width = -1;
+    config.width = 0;
+    expect_field("width");
+    config.width = longest_side() + 1;
     expect_field("width");
     config.reach = 0;
     expect_field("reach");
     config.margin_min = JP_WAYPOINTS_MARGIN_STEPS + 1;
     expect_field("margin_min");
+}
+
+static void test_configurations_at_their_limits(void)
+{
+    const char *field = "";
+
+    config.length = 1;
+    config.width = longest_side();
+    config.reach = 1;
+    config.margin_min = JP_WAYPOINTS_MARGIN_STEPS;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_waypoints_init(&waypoints, &config, block, sizeof block, &field));
+    config.length = longest_side();
+    config.width = 1;
+    config.reach = UINT16_MAX;
+    config.margin_min = 0;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_waypoints_init(&waypoints, &config, block, sizeof block, &field));
 }
 
 static void test_arguments_that_are_refused(void)

@@ -60,6 +60,16 @@ static void test_config_at_its_limits(void)
     TEST_ASSERT_EQUAL_INT8(-JP_GRID_CLEARANCE_MAX, planner.internal.disc[JP_GRID_CLEARANCE_MAX].first);
 }
 
+static void test_config_at_its_least(void)
+{
+    config.method = JP_GRID_OCTILE;
+    config.clearance = 0;
+    config.tube = 1;
+    terrain.config.resolution = JP_GRID_RESOLUTION_MIN;
+    start_planner();
+    TEST_ASSERT_EQUAL_UINT8(1, planner.internal.disc_rows);
+}
+
 static void test_init_arguments(void)
 {
     const size_t size = jp_grid_planner_size(&config, &map);

@@ -124,6 +124,8 @@ static void test_init_names_the_field(void)
     expect_bad("lattice");
     config.cost = JP_COST_KINDS;
     expect_bad("cost");
+    config.cost = (enum jp_cost_kind) - 1;
+    expect_bad("cost");
     terrain.config.width = 0;
     expect_bad("terrain");
 }

@@ -301,7 +301,7 @@ static void test_check_names_the_bad_limit(void)
     expect_bad_limit("limits.turn_rate");
     limits.turn = -1;
     expect_bad_limit("limits.turn");
-    limits.turn = JP_Q24(3.15);
+    limits.turn = JP_Q24(3.141592653589793) + 1;
     expect_bad_limit("limits.turn");
     limits.duration = model.settling_time - 1;
     expect_bad_limit("limits.duration");
