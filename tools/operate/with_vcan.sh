@@ -56,7 +56,7 @@ start_emulator() {
     dies_with_script qemu-system-x86_64 -nodefaults -no-user-config -display none -no-reboot \
         -machine q35 -accel tcg,thread=multi,tb-size=512 -cpu max -smp 1 -m 2G \
         -kernel "$vcan_kernel/vmlinux" -initrd "$vcan_kernel/initramfs.gz" \
-        -append 'console=ttyS0 quiet panic=-1 mitigations=off' \
+        -append 'console=ttyS0 quiet panic=-1 mitigations=off no_timer_check' \
         -chardev file,id=console,path=boot.log,append=on -serial chardev:console \
         -fsdev local,id=host,path=/,security_model=none,multidevs=remap \
         -device virtio-9p-pci,fsdev=host,mount_tag=host \
