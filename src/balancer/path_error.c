@@ -52,7 +52,7 @@ static jp_turns_per_s lead_rate(const struct jp_path_error *error, const struct 
     const jp_q24 lead = jp_clamp32(jp_q16_multiply(yaw_rate, early), -LEAD_LIMIT, LEAD_LIMIT);
     const int32_t share = jp_clamp32(config->steering, 0, LEAD_STEERING_MAX);
     const int64_t missing = jp_multiply(lead - turns_of(error->lead), share) >> 8; /* Q48 */
-    const uint32_t pace = LEAD_SHARE * config->tick_rate / JP_TICKS_PER_SET_POINT;
+    const uint32_t pace = (uint32_t)LEAD_SHARE * config->tick_rate / JP_TICKS_PER_SET_POINT;
     const jp_turns_per_s most = config->turn_rate;
     const jp_turns_per_s spare = most - jp_absolute32(jp_clamp32(yaw_rate, -most, most));
 
