@@ -102,8 +102,8 @@ class Programs:
     def ecu(self, bus, *options):
         return self.start(BIN / "jp-ecu", "--bus", bus, *options)
 
-    def plant(self, scenario, *options):
-        return self.start(BIN / "jp-plant", scenario, *options)
+    def plant(self, scenario, *options, patience=LIMIT):
+        return self.start(BIN / "jp-plant", scenario, f"--patience={patience}", *options)
 
 
 def assert_one_line_error(result, *parts):

@@ -193,7 +193,7 @@ class Host:
         lines = [programs.folder / "ecu-line", programs.folder / "operators-line"]
         self._programs = programs
         self.plant = programs.plant(scenario, "--bus", f"pty:{lines[0]}", "--bus", bus or f"pty:{lines[1]}", "--host",
-                                     f"--patience={LIMIT}")
+                                     patience=LIMIT)
         self.plant.says("jp-plant")
         self.time = SimulatedTime(lines[0])
         self.ecu_line = self.time.new_line()

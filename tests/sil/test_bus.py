@@ -57,10 +57,11 @@ def fixture_in_process(tmp_path, short):
     return drive_in_process(short, tmp_path / "in-process")
 
 
-def plant_with_lines(programs, scenario, count, *options):
+def plant_with_lines(programs, scenario, count, *options, **others):
     """jp-plant as the adapter of `count` serial lines, once they are there."""
     lines = [programs.folder / f"line{number}" for number in range(count)]
-    plant = programs.plant(scenario, *(part for line in lines for part in ("--bus", f"pty:{line}")), *options)
+    plant = programs.plant(scenario, *(part for line in lines for part in ("--bus", f"pty:{line}")), *options,
+                           **others)
     wait_until(lambda: all(line.is_symlink() for line in lines) or not plant.running, "the lines of jp-plant")
     return plant, *lines
 
@@ -245,7 +246,7 @@ def test_an_ecu_killed_while_driving(host, tmp_path):
 
 
 def test_an_ecu_that_does_not_come_back(programs, far, tmp_path):
-    plant, line, other = plant_with_lines(programs, far, 2, "--output", tmp_path / "out")
+    plant, line, other = plant_with_lines(programs, far, 2, "--output", tmp_path / "out", patience=PATIENCE)
     ecu = programs.ecu(f"slcan:{line}")
     wait_until_on_the_way(plant, other)
     ecu.process.kill()

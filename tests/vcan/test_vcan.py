@@ -86,7 +86,8 @@ def test_random_frames_end_a_mission(programs, short, tmp_path):
     """As many as the kernel takes, those of the robot's own ids among them."""
     programs.ecu("can:vcan0")
     programs.start("cangen", "vcan0", "-g", "0", "-i")
-    assert_one_line_error(programs.plant(short, "--bus", "can:vcan0", "--output", tmp_path / "drive").wait())
+    assert_one_line_error(programs.plant(short, "--bus", "can:vcan0", "--output", tmp_path / "drive",
+                                           patience=10).wait())
     assert not (tmp_path / "drive" / LOG).exists()
 
 
@@ -145,7 +146,7 @@ def test_an_interface_that_does_not_come_back(programs, short, vcan1):
     """The plant gives up; the ECU goes on when there is an interface of that name again."""
     dump = start_dump(programs, vcan1)
     ecu = programs.ecu(f"can:{vcan1}")
-    plant = programs.plant(short, "--bus", f"can:{vcan1}", "--host", "--pace", "paced")
+    plant = programs.plant(short, "--bus", f"can:{vcan1}", "--host", "--pace", "paced", patience=10)
     wait_for_frames(dump)
     ip_link("del", vcan1)
     result = plant.wait()
