@@ -54,7 +54,7 @@ struct jp_reference {
     struct jp_reference_axis yaw;   /**< φ */
     int32_t phase_per_rate;         /**< angle of one tick at a rate of 2⁻²⁴ turn/s: jp_phase_per_rate() */
     jp_turns_per_s waiting_rate;    /**< of the wheels, turn/s: begins after the rest; 0: none waits */
-    jp_q24 pitch;                   /**< of a trajectory, turn; 0 otherwise, as the three below */
+    jp_q24 pitch;                   /**< of a trajectory, turn; 0 otherwise, as the four below */
     jp_q24 pitch_rate;              /**< turn/s */
     jp_turns_per_s yaw_lead;        /**< with which yaw turns beside its set-point's rate, turn/s */
     jp_q16 common;                  /**< voltage that the motion needs, (ur + ul)/2, V */

@@ -5,10 +5,10 @@
 /** The robot never aims at the path more steeply than this, turn. */
 #define AIM_LIMIT JP_Q24(1.0 / 32)
 
-/** Nor is its heading further ahead of the set-point's where the path bends; beyond it cos δ is not 1 − δ²/2, turn. */
+/** Most that its heading leads where the path bends, turn. For δ up to it, 1 − δ²/2 is cos δ within 2 %. */
 #define LEAD_LIMIT JP_Q24(1.0 / 8)
 
-/** The lead follows as many times faster as the way back to the path. */
+/** The lead follows so many times faster than the way back to the path, which takes half a waypoint's turn. */
 #define LEAD_SHARE 16
 
 /** All of it in two ticks, 2³² by the share. */

@@ -17,8 +17,8 @@ static inline void jp_path_error_begin_leg(struct jp_path_error *error, jp_turns
 /**
  * Two ticks. The error grows by
  *
- *   across' = θ̇ sin δ − 2π φ̇ ahead     along' = 2π φ̇ across − θ̇ (1 − cos δ)     ahead = along + the wheels' lead over
- * the reference
+ *   across' = θ̇ sin δ − 2π φ̇ ahead     along' = 2π φ̇ across − θ̇ (1 − cos δ)
+ *   ahead = along + the wheels' lead over the reference
  *
  * with δ the heading's error, θ̇ as measured and φ̇ of the trajectory. The reference's heading turns towards the aim,
  * which is the nearer to the path the further the robot is from it, and its wheels roll back what they are ahead of the

@@ -87,7 +87,7 @@ def test_random_frames_end_a_mission(programs, short, tmp_path):
     programs.ecu("can:vcan0")
     programs.start("cangen", "vcan0", "-g", "0", "-i")
     assert_one_line_error(programs.plant(short, "--bus", "can:vcan0", "--output", tmp_path / "drive",
-                                           patience=10).wait())
+                                          patience=10).wait())
     assert not (tmp_path / "drive" / LOG).exists()
 
 
