@@ -258,6 +258,13 @@ def test_a_short_run(tmp_path, monkeypatch):
     tables = json.loads((tmp_path / "limit.tables.json").read_text())
     assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [7, 8]
 
+    def not_again(*_):
+        raise AssertionError("what was found is kept")
+
+    monkeypatch.setattr(bench_limit.energy_limit, "least", not_again)
+    again = run_tool("measure.bench_limit", "--routes", 1, "--unseen", 1, "--seed", 5, "--workers", 1, "--bench", path)
+    assert again.stdout == result.stdout, again.stderr
+
 
 def test_a_limit_that_is_not_found_is_named(monkeypatch):
     monkeypatch.setattr(bench_limit.energy_limit, "least", lambda *_: [None])

@@ -5,9 +5,11 @@ jp-mission drives every route in closed loop. The limit is that of energy_limit.
 motion at the speed with which the strategy ended. It is integrated, so that its voltages are known to be possible.
 Beside them stands what cruise and transients reach (trajectory_oracle.py): planned in double precision, and followed by
 the same plant under a feedback of its exact state.
+What an interrupted bench found is kept, and so is what another drive does not change.
 Prints tables and writes figures and tables for figures.py. Exit status 2: a program failed or no limit was found;
 nothing was written.
 """
+import hashlib
 import itertools
 import json
 import math
@@ -15,7 +17,8 @@ import multiprocessing
 import os
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -151,9 +154,28 @@ def oracle_drive(route, task):
     return ORACLE, check.energy, plan.seconds, speed, max(check.misses), math.nan
 
 
-def measure(route):
-    """A drive for each strategy that is asked for and can drive the route."""
+def sources():
+    """What tells a limit."""
+    return "".join(read_text(module.__file__) for module in (energy_limit, trajectory_oracle))
+
+
+def measure(route, store):
+    """What the store has of these very drives, else measured and kept there."""
     summary = driven(route)
+    program = robot_json.default_jp_robot()
+    told = (route.scenario, route.seed, route.by_rule_alone, summary["strategies"],
+            robot_json.printed_by(program, robot_json.robot_path(summary["robot"]), "--json=-"), sources(), STARTS)
+    key = hashlib.sha256(json.dumps(told).encode()).hexdigest()
+    path = store / f"{route.name}_{key[:16]}.json"
+    if path.exists():
+        return [Drive(**drive) for drive in json.loads(read_text(path))]
+    drives = compare(route, summary)
+    write_whole(path, json.dumps([asdict(drive) for drive in drives]))
+    return drives
+
+
+def compare(route, summary):
+    """A drive for each strategy that is asked for and can drive the route."""
     plant = energy_limit.Plant(robot_json.load(robot_json.robot_path(summary["robot"])), summary["energy"])
     task = energy_limit.Task(plant, np.array(summary["waypoints_m"]))
     drives = [(row["title"], row["total"]["plant_energy_j"], row["total"]["duration_s"], row["total"]["end_speed_m_s"],
@@ -165,13 +187,13 @@ def measure(route):
     return [Drive(*drive, solution.energy, solution.durations.sum()) for drive, solution in zip(drives, found)]
 
 
-def measure_all(routes, workers):
+def measure_all(routes, workers, store):
     """In parallel, with a bar."""
     console = Console(stderr=True)
     bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
                    console=console, disable=not console.is_terminal, transient=True)
     with multiprocessing.Pool(workers) as pool, bar:
-        return list(bar.track(pool.imap(measure, routes), len(routes), description="routes"))
+        return list(bar.track(pool.imap(partial(measure, store=store), routes), len(routes), description="routes"))
 
 
 # ---- Figures -------------------------------------------------------------------------------------------------------
@@ -249,7 +271,8 @@ def arguments():
     parser.add_argument("--workers", metavar="N", type=whole_number(1, 4096), default=os.cpu_count(),
                         help="default: one for each core")
     parser.add_argument("--bench", metavar="FILE", type=Path,
-                        help="where the figures go, and beside them the tables (default: build/bench/limit.json)")
+                        help="where the figures go, and beside them the tables and what was found of each route "
+                             "(default: build/bench/limit.json)")
     return parser.parse_args()
 
 
@@ -258,14 +281,14 @@ def main():
     routes = [scenario_route(name) for name in SCENARIOS]
     routes += [random_route(robot, SEED + i) for robot in ROBOTS for i in range(options.routes)]
     routes += [random_route(robot, options.seed + i, True) for robot in ROBOTS for i in range(options.unseen)]
-    results = iter(measure_all(routes, options.workers))
+    path = options.bench or robot_json.build_directory() / "bench/limit.json"
+    results = iter(measure_all(routes, options.workers, path.with_suffix("")))
 
     scenarios = {name: next(results) for name in SCENARIOS}
     random = [(f"{count} {kind} routes", robot, list(itertools.islice(results, count)))
               for count, kind in ((options.routes, "random"), (options.unseen, "unseen random")) for robot in ROBOTS]
     scenario_table = [row for name, drives in scenarios.items() for row in scenario_rows(name, drives)]
     route_table = [row for routes, robot, drives in random for row in route_rows(routes, robot, drives)]
-    path = options.bench or robot_json.build_directory() / "bench/limit.json"
     figures = [*figures_of(scenarios, random), *figures_of_rule(scenarios, random)]
     write_whole(path, json.dumps(figures, indent=2, ensure_ascii=False) + "\n")
     tables = path.with_suffix(".tables.json")
