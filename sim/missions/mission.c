@@ -564,7 +564,8 @@ static bool follow_with_pilot(struct drive *drive)
 
     (void)jp_pilot_follow(&drive->pilot, &route);
     while (drive->pilot.targets_planned == 0) {
-        if (!work_of_pilot(drive)) {
+        /* One that fell or stopped before is never given a plan. */
+        if (!still_stands(drive) || !work_of_pilot(drive)) {
             return false;
         }
     }

@@ -89,9 +89,20 @@ void mission_print(const struct mission *mission)
     }
 }
 
-static double relative_percent(const struct mission *mission, const struct mission *optimal)
+/** What the strategies are compared with: the first of them that drove. */
+static const struct mission *basis_of(const struct mission *missions, size_t count)
 {
-    return 100 * mission->total.measured_energy / optimal->total.measured_energy;
+    size_t i = 0;
+
+    while (i + 1 < count && is_impossible(&missions[i])) {
+        i++;
+    }
+    return &missions[i];
+}
+
+static double relative_percent(const struct mission *mission, const struct mission *basis)
+{
+    return 100 * mission->total.measured_energy / basis->total.measured_energy;
 }
 
 void mission_print_comparison(const struct mission *missions, size_t count)
@@ -104,7 +115,7 @@ void mission_print_comparison(const struct mission *missions, size_t count)
         } else {
             (void)printf("%-32s %11.2f %9.2f %9.2f\n", mission_name(missions[i].strategy),
                          missions[i].total.measured_energy, missions[i].total.duration,
-                         relative_percent(&missions[i], missions));
+                         relative_percent(&missions[i], basis_of(missions, count)));
         }
     }
 }
@@ -158,7 +169,7 @@ static json_t *json_impossible(const struct mission *mission)
                      mission->impossible);
 }
 
-static json_t *json_mission(const struct mission *mission, const struct mission *optimal)
+static json_t *json_mission(const struct mission *mission, const struct mission *basis)
 {
     if (is_impossible(mission)) {
         return json_impossible(mission);
@@ -177,25 +188,26 @@ static json_t *json_mission(const struct mission *mission, const struct mission 
                      json_planned(total, total->planned_energy), "measured_energy_j", total->measured_energy,
                      "plant_energy_j", total->plant_energy, "battery_energy_j", total->battery_energy, "duration_s",
                      total->duration, "end_speed_m_s", total->end_speed, "relative_percent",
-                     relative_percent(mission, optimal), "saturated_ticks", (json_int_t)mission->saturated_ticks);
+                     relative_percent(mission, basis), "saturated_ticks", (json_int_t)mission->saturated_ticks);
 }
 
 json_t *mission_json(const struct scenario *scenario, const struct mission *missions, size_t count)
 {
     json_t *waypoints = json_array();
     json_t *driven = json_array();
-    double simulated = (double)missions[0].ticks / scenario->robot.control.rate_hz;
+    const struct mission *basis = basis_of(missions, count);
+    double simulated = (double)basis->ticks / scenario->robot.control.rate_hz;
 
     for (size_t i = 0; i < scenario->waypoint_count; i++) {
         (void)json_array_append_new(waypoints, json_point(scenario->waypoints[i]));
     }
     for (size_t i = 0; i < count; i++) {
-        (void)json_array_append_new(driven, json_mission(&missions[i], &missions[0]));
+        (void)json_array_append_new(driven, json_mission(&missions[i], basis));
     }
     return json_pack("{s:s, s:s, s:s, s:s, s:I, s:o, s:o, s:{s:I, s:f, s:f}}", "robot", scenario->robot.name,
                      "scenario", scenario->name, "energy_model",
                      scenario->model == SCENARIO_PUBLISHED ? "published" : "identified", "energy",
                      energy_kind_name(scenario->energy), "seed", (json_int_t)scenario->seed, "waypoints_m", waypoints,
-                     "strategies", driven, "simulation", "ticks", (json_int_t)missions[0].ticks, "wall_s",
-                     missions[0].wall_seconds, "real_time_factor", simulated / missions[0].wall_seconds);
+                     "strategies", driven, "simulation", "ticks", (json_int_t)basis->ticks, "wall_s",
+                     basis->wall_seconds, "real_time_factor", simulated / basis->wall_seconds);
 }

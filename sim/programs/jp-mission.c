@@ -6,7 +6,8 @@
 #include "sim/missions/mission_report.h"
 #include "sim/missions/scenario_arguments.h"
 
-/* The others are compared with the first strategy; one of them that cannot drive the route is a row that says so. */
+/* Cruise and transients are how the robot drives; another strategy that cannot drive the route is a row that says so.
+ */
 static bool drive(struct mission *missions, enum mission_strategy strategy, const struct scenario *scenario,
                   const char *directory)
 {
@@ -18,7 +19,7 @@ static bool drive(struct mission *missions, enum mission_strategy strategy, cons
     if (view.log == NULL || mission_run(mission, strategy, scenario, missions, &view)) {
         return view.log != NULL;
     }
-    if (strategy == MISSION_OPTIMAL) {
+    if (strategy == MISSION_CRUISE) {
         mission_complain(mission, scenario);
         return false;
     }

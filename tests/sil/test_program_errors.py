@@ -1,5 +1,6 @@
 """Every way that input and output of jp-mission and jp-identify can be wrong: one clear line on stderr, exit status 2,
 nothing half-written, what was there before as it was."""
+import json
 import resource
 import shutil
 import signal
@@ -184,11 +185,15 @@ def test_why_a_robot_does_not_drive(tmp_path, output, name, before, after, reaso
     assert_untouched(output)
 
 
-# Behind the robot: σ reaches 80°, and the arc that is left takes longer than the 600 s allowed.
-def test_waypoint_that_cannot_be_planned(scenario, output):
+# Behind the robot: σ reaches 80°, and the arc that is left takes longer than the 600 s allowed. Cruise has no such limit.
+def test_waypoint_that_segments_cannot_reach_is_a_row(scenario, output):
     scenario.write_text(scenario.read_text().replace(LINES["waypoints"], "waypoints = ( [0.0, 0.0], [-511.0, 0.0] );"))
-    assert_one_line_error(mission(scenario, output), "short", "waypoints[1]", "cannot be planned")
-    assert_untouched(output)
+    result = mission(scenario, output)
+    assert result.returncode == 0, result.stderr
+    assert "cannot drive this route: waypoints[1]: cannot be planned" in result.stdout
+    optimal, cruise = (next(row for row in json.loads((output / "summary.json").read_text())["strategies"]
+                            if row["name"] == name) for name in ("optimal", "cruise"))
+    assert "cannot be planned" in optimal["impossible"] and cruise["segments"][0]["passed_m"] < 0.01
 
 
 @pytest.mark.parametrize("arguments", [[], ["--output"], ["a.cfg"], ["--output", "out"], ["--nonsense"],
