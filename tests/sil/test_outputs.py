@@ -169,7 +169,7 @@ def programs(tmp_path):
                                 "resolution_m": 0.2, "origin_m": [0, 0, 0], "rows": ["." * 60] * 60}))
     gao, patrol = ROBOTS / "gao2018.cfg", ROBOTS / "patrol.cfg"
     return {
-        "jp-robot": [gao, "--json", output / "robot.json"], "jp-patrol-config": [patrol],
+        "jp-robot": [gao, "--json", output / "robot.json"], "jp-patrol-config": [patrol], "jp-balance": [gao],
         "jp-trip": [ROBOTS / "courier24.cfg", "--output", output], "jp-mission": [SCENARIO, "--output", output],
         "jp-identify": [gao, "--count=20", "--output", output],
         "jp-plant": [SCENARIO, "--bus=in-process", "--output", output],
@@ -178,7 +178,7 @@ def programs(tmp_path):
     }, output
 
 
-PROGRAMS = ["jp-robot", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol", "jp-plan"]
+PROGRAMS = ["jp-robot", "jp-balance", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol", "jp-plan"]
 
 
 @pytest.mark.parametrize("program", PROGRAMS)
