@@ -39,7 +39,7 @@ struct jp_travel_modes {
     jp_q16 share[3U * JP_TRAVEL_MODES]; /**< in a difference of v in m/s, ψ in turn and ψ̇ in turn/s; by modes; ±1 024 */
     jp_q31 keep[JP_TRAVEL_MODES];       /**< what a set-point leaves of each; above 0 */
     jp_q24 lean[JP_TRAVEL_MODES];       /**< what each adds to ψ, turn·s/m; ±16 */
-    jp_q24 lean_rate[JP_TRAVEL_MODES]; /**< to ψ̇, turn/m; ±16 */
+    jp_q24 lean_rate[JP_TRAVEL_MODES]; /**< to ψ̇, turn/m; ±64 */
     jp_q16 volts[JP_TRAVEL_MODES];     /**< to the mean voltage, V·s/m; ±4 096 */
 };
 

@@ -31,7 +31,7 @@ enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, co
         FIELD(modes.keep, 1, INT32_MAX),
         FIELD(modes.share, -JP_Q16(1024), JP_Q16(1024)),
         FIELD(modes.lean, -JP_Q24(16), JP_Q24(16)),
-        FIELD(modes.lean_rate, -JP_Q24(16), JP_Q24(16)),
+        FIELD(modes.lean_rate, -JP_Q24(64), JP_Q24(64)),
         FIELD(modes.volts, -JP_Q16(4096), JP_Q16(4096)),
     };
 

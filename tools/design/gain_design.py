@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.common import ROOT, ArgumentParser, print_aligned, run, shown_path, write_whole
-from tools.design import c_tables, cruise, estimator_gains, linear_model, reversal, robot_json
+from tools.design import c_tables, closed_loop, cruise, estimator_gains, linear_model, reversal, robot_json, specification
 
 TURN = 2 * math.pi
 TICKS_PER_SET_POINT = 2  # JP_TICKS_PER_SET_POINT of include/joulepath/trajectory.h
@@ -30,8 +30,8 @@ ENCODER_COUNT_MARGIN = 16
 OVERSPEED = 1.25
 # Of the fastest turn that gyro and wheels allow; the rest is for balance, and for the way back to the path.
 TURN_RATE_SHARE = 0.75
-# Planned leans are such that the sine is the angle within this share.
-LINEAR_WITHIN = 0.01
+# How far a loop stays from −1; 0.5 halves the gain at most, or doubles it.
+MARGIN_MIN = 0.4
 CONFIRM_TICKS = 3
 RESIDUAL_TICKS = 50
 
@@ -176,7 +176,7 @@ def modes_group(modes, rate, to):
         array("keep", to.q31, [math.exp(-mode.decay / rate) for mode in modes], 3 * [""], 1 - EPSILON, EPSILON),
         array("share", to.q16, shares, 3 * ["", "m/s per turn", "m per turn"], 1024),
         array("lean", to.q24, [mode.lean / TURN for mode in modes], 3 * ["turn·s/m"], 16),
-        array("lean_rate", to.q24, [mode.lean_rate / TURN for mode in modes], 3 * ["turn/m"], 16),
+        array("lean_rate", to.q24, [mode.lean_rate / TURN for mode in modes], 3 * ["turn/m"], 64),
         array("volts", to.q16, [mode.volts for mode in modes], 3 * ["V·s/m"], 4096),
     ])
 
@@ -186,11 +186,6 @@ def turn_rate(robot, turning):
     spare = (OVERSPEED * turning.wheel_rate_share - 1) * robot.positive("limits.speed_m_s")
     by_wheels = spare / (robot.positive("body.width_m") / 2) / TURN
     return TURN_RATE_SHARE * min(gyro_limit(robot), by_wheels)
-
-
-def largest_lean(robot):
-    """rad, of planned changes of speed: half of what the monitor lets pass, and where sin ψ is ψ."""
-    return min(math.radians(robot.positive("control.tilt_limit_deg")) / 2, math.sqrt(6 * LINEAR_WITHIN))
 
 
 def trajectory_group(robot, plant, turning, to):
@@ -209,13 +204,13 @@ def trajectory_group(robot, plant, turning, to):
         array("turning", to.q16, flat.turning * TURN, ("V·s/turn", "V·s²/turn"), 4096),
         to.q16("voltage", robot.positive("supply.voltage_v") * (1 - robot.number("control.pitch_reserve_share")), "V",
                2**-16, 512),
-        to.q24("pitch", largest_lean(robot) / TURN, "turn", 2**-24, 0.125),
+        to.q24("pitch", specification.largest_lean(robot, plant) / TURN, "turn", 2**-24, 0.125),
         to.q16("blend", turn.blend, "s", 0.05, 60),
         to.q24("turn_pace", turn.pace, "1/s", 0.01, 64),
         to.q24("turn_rate", turn_rate(robot, turning), "turn/s", 0.01, 64),
         to.number("steering", back.steering / set_points, 32, "", 0, 0.25),
         to.q24("aim", back.aim, "turn per turn", 0, 16),
-        modes_group(cruise.modes(robot, plant, radius), set_points, to),
+        modes_group(cruise.modes(plant, radius), set_points, to),
     ])
 
 
@@ -248,6 +243,17 @@ def initial_energy_table(robot, model):
                                  f"Predicted from the linear plant; run make identify ROBOT={robot.name}.")
 
 
+def margins(robot, loop):
+    """Of travel and yaw with the estimator and the sensors' delay."""
+    delay = robot.given("specification.sensor_delay_s", 0.0)
+    found = {axis.name: closed_loop.modulus_margin(axis, delay) for axis in closed_loop.axes(robot, loop.gains)}
+    for name, margin in found.items():
+        if margin < MARGIN_MIN:
+            raise robot.error("specification.sensor_delay_s", f"{delay:g} s: {name} comes within {margin:.2f} of swinging; "
+                              f"{MARGIN_MIN:g} are needed: faster sensors, or a longer specification.settling_s")
+    return found
+
+
 def print_design(robot, loop, model):
     gains = loop.gains
     print(f"{robot.name}: LQR gains on reference − measured\n")
@@ -268,6 +274,10 @@ def print_design(robot, loop, model):
             imaginary = f"± {pole.imag:.4f}i" if pole.imag > 0 else ""
             rows.append((f"{pole.real:.4f}", imaginary, f"{-pole.real / abs(pole):.3f}", f"{-1 / pole.real:.4f}"))
     print_aligned(rows)
+
+    delay = robot.given("specification.sensor_delay_s", 0.0)
+    print(f"\nmodulus margin with the estimator, sensors late by {1000 * delay:g} ms\n")
+    print_aligned([(name, f"{margin:.2f}", "of 1") for name, margin in margins(robot, loop).items()])
 
     print("\nlinear prediction\n")
     print_aligned([

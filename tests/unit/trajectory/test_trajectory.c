@@ -109,7 +109,7 @@ static void test_checks_every_element_of_the_arrays(void)
         FIELD(modes.keep[i], 1, NULL);
         FIELD(modes.keep[i], INT32_MAX, NULL);
         SYMMETRIC(modes.lean[i], JP_Q24(16), "trajectory.modes.lean");
-        SYMMETRIC(modes.lean_rate[i], JP_Q24(16), "trajectory.modes.lean_rate");
+        SYMMETRIC(modes.lean_rate[i], JP_Q24(64), "trajectory.modes.lean_rate");
         SYMMETRIC(modes.volts[i], JP_Q16(4096), "trajectory.modes.volts");
     }
     for (unsigned i = 0; i < 3U * JP_TRAVEL_MODES; i++) {
