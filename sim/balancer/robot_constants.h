@@ -69,6 +69,7 @@ struct robot_file {
         int bits;            /**< of the ADC; 0: ideal */
         double full_scale_v; /**< measures 0…full scale */
     } bus_sense;
+    /* Of the controller, by its numbers; the tools find what is left out. The simulator needs the rate alone. */
     struct {
         int rate_hz;
         double weights[ROBOT_WEIGHTS];  /**< LQR weights of [θ ψ φ θ̇ ψ̇ φ̇ ∫θ ∫φ] */
@@ -86,6 +87,13 @@ struct robot_file {
         double voltage_min_v;
         double voltage_max_v;
     } control;
+    /* Of the controller, by what it shall do; the tools find what is left out. */
+    struct {
+        double settling_s;      /**< until 2 % of a displacement of the wheels are left */
+        double lean_deg;        /**< largest, of planned changes of the speed */
+        double voltage_reserve; /**< share of the supply that travel leaves to balance */
+        double sensor_delay_s;  /**< of the inertial sensor's filter */
+    } specification;
     struct {
         double speed_m_s;
         double turn_rate_rad_s;

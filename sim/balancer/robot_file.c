@@ -8,6 +8,11 @@
     {                                                                                                                  \
         key, FIELD(member), 1, CONFIG_FIELD_REAL, min, max, unit, false                                                \
     }
+/* tools/design/specification.py finds it when it is left out. */
+#define SETTING(key, member, min, max, unit)                                                                           \
+    {                                                                                                                  \
+        key, FIELD(member), 1, CONFIG_FIELD_REAL, min, max, unit, true                                                 \
+    }
 #define WHOLE(key, member, min, max, unit)                                                                             \
     {                                                                                                                  \
         key, FIELD(member), 1, CONFIG_FIELD_WHOLE, min, max, unit, false                                               \
@@ -47,20 +52,24 @@ static const struct config_field fields[] = {
     WHOLE("bus_sense.bits", bus_sense.bits, 0, 24, "bit"),
     REAL("bus_sense.full_scale_v", bus_sense.full_scale_v, 0.1, 32767, "V"),
     WHOLE("control.rate_hz", control.rate_hz, 100, 20000, "Hz"),
-    {"control.weights", FIELD(control.weights), ROBOT_WEIGHTS, CONFIG_FIELD_REAL, 0, 1e12, "1", false},
-    REAL("control.input_weight", control.input_weight, 1e-9, 1e12, "1/V²"),
-    REAL("control.travel_shaping_s", control.travel_shaping_s, 0, 60, "s"),
-    REAL("control.yaw_shaping_s", control.yaw_shaping_s, 0, 60, "s"),
-    REAL("control.encoder_bandwidth_rad_s", control.encoder_bandwidth_rad_s, 0, 10000, "rad/s"),
-    REAL("control.tilt_time_constant_s", control.tilt_time_constant_s, 0, 1000, "s"),
-    REAL("control.bias_time_constant_s", control.bias_time_constant_s, 0, 10000, "s"),
-    REAL("control.pitch_reserve_share", control.pitch_reserve_share, 0, 1, "1"),
-    REAL("control.tilt_limit_deg", control.tilt_limit_deg, 1, 75, "°"),
-    WHOLE("control.freeze_ticks", control.freeze_ticks, 0, 65535, "tick"),
-    REAL("control.gyro_jump_dps", control.gyro_jump_dps, 0, 45000, "°/s"),
-    REAL("control.current_residual_a", control.current_residual_a, 0, 32767, "A"),
-    REAL("control.voltage_min_v", control.voltage_min_v, 0, 1000, "V"),
-    REAL("control.voltage_max_v", control.voltage_max_v, 0, 1000, "V"),
+    {"control.weights", FIELD(control.weights), ROBOT_WEIGHTS, CONFIG_FIELD_REAL, 0, 1e12, "1", true},
+    SETTING("control.input_weight", control.input_weight, 1e-9, 1e12, "1/V²"),
+    SETTING("control.travel_shaping_s", control.travel_shaping_s, 0, 60, "s"),
+    SETTING("control.yaw_shaping_s", control.yaw_shaping_s, 0, 60, "s"),
+    SETTING("control.encoder_bandwidth_rad_s", control.encoder_bandwidth_rad_s, 0, 10000, "rad/s"),
+    SETTING("control.tilt_time_constant_s", control.tilt_time_constant_s, 0, 1000, "s"),
+    SETTING("control.bias_time_constant_s", control.bias_time_constant_s, 0, 10000, "s"),
+    SETTING("control.pitch_reserve_share", control.pitch_reserve_share, 0, 1, "1"),
+    SETTING("control.tilt_limit_deg", control.tilt_limit_deg, 1, 75, "°"),
+    {"control.freeze_ticks", FIELD(control.freeze_ticks), 1, CONFIG_FIELD_WHOLE, 0, 65535, "tick", true},
+    SETTING("control.gyro_jump_dps", control.gyro_jump_dps, 0, 45000, "°/s"),
+    SETTING("control.current_residual_a", control.current_residual_a, 0, 32767, "A"),
+    SETTING("control.voltage_min_v", control.voltage_min_v, 0, 1000, "V"),
+    SETTING("control.voltage_max_v", control.voltage_max_v, 0, 1000, "V"),
+    SETTING("specification.settling_s", specification.settling_s, 0.01, 600, "s"),
+    SETTING("specification.lean_deg", specification.lean_deg, 0.1, 30, "°"),
+    SETTING("specification.voltage_reserve", specification.voltage_reserve, 0, 0.9, "1"),
+    SETTING("specification.sensor_delay_s", specification.sensor_delay_s, 0, 1, "s"),
     REAL("limits.speed_m_s", limits.speed_m_s, 0.01, 8, "m/s"),
     REAL("limits.turn_rate_rad_s", limits.turn_rate_rad_s, 0.01, 8, "rad/s"),
     REAL("limits.turn_deg", limits.turn_deg, 0, 180, "°"),
@@ -75,7 +84,8 @@ static bool check_together(const char *path, const struct robot_file *robot)
     const double low = robot->control.voltage_min_v;
     const double high = robot->control.voltage_max_v;
     const double voltage = robot->supply.voltage_v;
-    if (!(low < voltage && voltage < high)) {
+    /* Neither holds of a limit that is left out. */
+    if (low >= voltage || voltage >= high) {
         error_line("%s: supply.voltage_v = %g: must lie between control.voltage_min_v = %g and control.voltage_max_v "
                    "= %g; correct one of them",
                    path, voltage, low, high);
@@ -101,5 +111,6 @@ bool robot_file_check(const char *source, const struct robot_file *robot)
 bool robot_file_load(const char *path, struct robot_file *robot)
 {
     *robot = (struct robot_file){0};
+    config_fields_leave_out(&robot_kind, robot);
     return config_fields_load(path, &robot_kind, robot) && check_together(path, robot);
 }

@@ -1,5 +1,6 @@
 #include "sim/files/config_fields.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -7,6 +8,9 @@
 
 #include "sim/base/error.h"
 #include "sim/files/config_file.h"
+
+/* What stands for a whole number that is left out; for a real one it is NaN. */
+#define LEFT_OUT INT_MIN
 
 /* A key that is longer is no misspelt one. */
 #define KEY_LENGTH_MAX 64
@@ -72,13 +76,32 @@ static bool is_number(const struct config_field *field)
     return field->type == CONFIG_FIELD_REAL || field->type == CONFIG_FIELD_WHOLE;
 }
 
+void config_fields_leave_out(const struct config_kind *kind, void *target)
+{
+    for (size_t i = 0; i < kind->field_count; i++) {
+        const struct config_field *field = &kind->fields[i];
+
+        for (size_t j = 0; is_number(field) && field->is_optional && j < field->count; j++) {
+            store(target, field, j, field->type == CONFIG_FIELD_WHOLE ? LEFT_OUT : (double)NAN);
+        }
+    }
+}
+
+bool config_field_is_left_out(const void *target, const struct config_field *field, size_t index)
+{
+    const double value = config_field_value(target, field, index);
+
+    return field->is_optional && (isnan(value) || (field->type == CONFIG_FIELD_WHOLE && value == LEFT_OUT));
+}
+
 bool config_fields_check(const char *source, const struct config_kind *kind, const void *target)
 {
     for (size_t i = 0; i < kind->field_count; i++) {
         const struct config_field *field = &kind->fields[i];
 
         for (size_t j = 0; is_number(field) && j < field->count; j++) {
-            if (!check_value(source, field, j, config_field_value(target, field, j))) {
+            if (!config_field_is_left_out(target, field, j) &&
+                !check_value(source, field, j, config_field_value(target, field, j))) {
                 return false;
             }
         }

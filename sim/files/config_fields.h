@@ -60,6 +60,12 @@ bool config_fields_type(const char *path, char type[CONFIG_NAME_SIZE]);
 /** Says that a robot's file is of another type than `needed`. */
 void config_fields_refuse_type(const char *path, const char *type, const char *needed);
 
+/** Marks every optional number as left out. */
+void config_fields_leave_out(const struct config_kind *kind, void *target);
+
+/** Whether a number is marked so; config_fields_check() lets it pass. */
+bool config_field_is_left_out(const void *target, const struct config_field *field, size_t index);
+
 /** The key of a field; of an array with [index]. */
 void config_field_label(const struct config_field *field, size_t index, char label[CONFIG_LABEL_SIZE]);
 

@@ -35,7 +35,11 @@ static void print_table(const struct robot_file *robot)
         for (size_t index = 0; index < field->count; index++) {
             char key[CONFIG_LABEL_SIZE];
             config_field_label(field, index, key);
-            (void)printf("%-34s %14.10g %s\n", key, config_field_value(robot, field, index), field->unit);
+            if (config_field_is_left_out(robot, field, index)) {
+                (void)printf("%-34s %14s %s\n", key, "–", field->unit);
+            } else {
+                (void)printf("%-34s %14.10g %s\n", key, config_field_value(robot, field, index), field->unit);
+            }
         }
     }
 }
@@ -48,6 +52,9 @@ static json_t *json_number(const struct robot_file *robot, const struct config_f
 
 static json_t *json_value(const struct robot_file *robot, const struct config_field *field)
 {
+    if (config_field_is_left_out(robot, field, 0)) {
+        return json_null();
+    }
     if (field->count == 1) {
         return json_number(robot, field, 0);
     }

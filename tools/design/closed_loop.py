@@ -4,6 +4,7 @@ With gains that are fixed the axes are linear and apart: travel (common voltage;
 w and of the heading σ). The state e is the difference from steady motion, tick by tick e+ = M e. It holds what
 src/balancer/reference.c, src/balancer/lqr.c and src/balancer/estimator.c remember and the plant, seen from the target.
 """
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,17 +15,21 @@ from tools.design import estimator_gains, linear_model
 MOTOR = "motor"      # (ul² + ur²)/Rm, as in the paper
 BATTERY = "battery"  # ul il + ur ir
 
+MARGIN_FREQUENCIES, MARGIN_DELAYS = 2000, 9
+
 
 @dataclass(frozen=True)
 class Axis:
     """voltage and current are rows on e, of one motor; `steady` is the state of unit speed less that of standing, so a
-    step of the speed by Δ adds −steady Δ, and one of the heading by σ adds turn σ, which is 0 for travel."""
+    step of the speed by Δ adds −steady Δ, and one of the heading by σ adds turn σ, which is 0 for travel. A volt more at
+    the motors for a tick adds push."""
     name: str
     matrix: np.ndarray
     voltage: np.ndarray
     current: np.ndarray
     steady: np.ndarray
     turn: np.ndarray
+    push: np.ndarray
     volts_per_unit: float
     amperes_per_unit: float
     rate_hz: float
@@ -56,8 +61,8 @@ class _Loop:
         self.size = self._integral + 1
         self.seen_from_target = [0, self.PLANT, self._tracked]
 
-    def tick(self, state, speed):
-        """The next states and the voltages; a column for each speed."""
+    def tick(self, state, speed, push=0.0):
+        """The next states and the voltages that the controller asks for, to which `push` comes; a column for each speed."""
         state = state.copy()
         state[self.seen_from_target] -= speed / self._rate_hz
         state[0], state[1] = self._shape(state, speed)
@@ -65,8 +70,8 @@ class _Loop:
         voltage = self._gain @ np.vstack([angle_error, *others, state[self._integral]])
         state[self._integral] += angle_error / self._rate_hz
         plant = slice(self.PLANT, self._tracked)
-        state[plant] = self._f @ state[plant] + np.outer(self._g, voltage)
-        self._estimate(state, voltage)
+        state[plant] = self._f @ state[plant] + np.outer(self._g, voltage + push)
+        self._estimate(state, voltage + push)
         return state, voltage
 
     def _shape(self, state, speed):
@@ -153,12 +158,13 @@ def _axis(name, loop, robot, unit):
     if np.abs(np.linalg.eigvals(matrix)).max() >= 1 - 1e-9:
         raise robot.error("control", f"{name}: the closed loop with the estimator does not settle")
     steady = np.linalg.solve(np.eye(n) - matrix, drive)
+    push = loop.tick(np.zeros((n, 1)), np.zeros(1), 1.0)[0][:, 0]
     # The meter has the current at the end of the tick.
     current = (voltage - back_emf * loop.motor_rate @ matrix) / resistance
     volts = voltage @ steady + direct
     turn = np.zeros(n)
     turn[loop.turned] = -1
-    return Axis(name, matrix, voltage, current, steady * unit, turn, volts * unit,
+    return Axis(name, matrix, voltage, current, steady * unit, turn, push, volts * unit,
                 (volts - back_emf * loop.motor_rate @ steady) / resistance * unit, robot.positive("control.rate_hz"))
 
 
@@ -167,6 +173,20 @@ def axes(robot, gains=None):
     gains = gains or linear_model.design(robot).gains
     return (_axis("travel", _Travel(robot, gains), robot, 1 / robot.positive("wheel.radius_m")),
             _axis("yaw", _Yaw(robot, gains), robot, 1))
+
+
+def modulus_margin(axis, delay_s=0.0):
+    """How near the loop comes to −1, cut at the motors, when every sensor is late by up to this delay: 1 is an ideal
+    regulator, 0 swings for ever."""
+    frequencies = np.geomspace(1e-2, math.pi * axis.rate_hz, MARGIN_FREQUENCIES)
+    shift = np.exp(1j * frequencies / axis.rate_hz)
+    values, vectors = np.linalg.eig(axis.matrix)
+    weights = (axis.voltage @ vectors) * np.linalg.solve(vectors, axis.push.astype(complex))
+    # The voltage with the push that caused it, by the push: 1/(1 + L).
+    sensitivity = 1 + (weights / (shift[:, None] - values)).sum(axis=1)
+    # A delay at which it swings shows before a longer one that may look better.
+    return min(float(np.abs(1 + (1 / sensitivity - 1) * np.exp(-1j * frequencies * delay)).min())
+               for delay in np.linspace(0, delay_s, MARGIN_DELAYS))
 
 
 def travel_step(robot, gains, seconds, stride):

@@ -153,6 +153,18 @@ def _check_signs(robot, gains):
             raise robot.error("control.weights", f"the {name} gain is {value:.4g} V/rad: its sign is wrong")
 
 
+def regulator(robot, plant, weights, r):
+    """Gain of the least ∫ xᵀ Q x + uᵀ R u dt, with the weights on the diagonal of Q."""
+    try:
+        cost = linalg.solve_continuous_are(plant.a, plant.b, np.diag(weights), r)
+        gain = np.linalg.solve(r, plant.b.T @ cost)
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise robot.error("control.weights", f"the Riccati equation has no solution: {error}") from None
+    if not np.isfinite(gain).all():
+        raise robot.error("control.weights", "the gain is not finite")
+    return gain
+
+
 def design(robot):
     """LQR of the robot file's weights."""
     plant = linear_plant(robot)
@@ -163,15 +175,7 @@ def design(robot):
     for index in (6, 7):
         if weights[index] == 0:
             raise robot.error(f"control.weights[{index}]", f"{STATES[index]} needs a weight above 0")
-    r = robot.positive("control.input_weight") * np.eye(2)
-    try:
-        cost = linalg.solve_continuous_are(plant.a, plant.b, np.diag(weights), r)
-        gain = np.linalg.solve(r, plant.b.T @ cost)
-    except (np.linalg.LinAlgError, ValueError) as error:
-        raise robot.error("control.weights", f"the Riccati equation has no solution: {error}") from None
-    if not np.isfinite(gain).all():
-        raise robot.error("control.weights", "the gain is not finite")
-
+    gain = regulator(robot, plant, weights, robot.positive("control.input_weight") * np.eye(2))
     common, difference = _rows(robot, gain)
     gains = Gains(*(_rounded(common[i]) for i in TRAVEL), *(_rounded(difference[i]) for i in YAW))
     poles = np.linalg.eigvals(plant.a - plant.b @ gain)

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from tools.common import ROOT, ToolError, read_text
+from tools.design import specification
 
 # The keys that the tools use; jp-robot knows all of them and their ranges.
 GROUPS = ("body", "wheel", "motor", "ground", "electronics", "supply", "encoder", "gyro", "accelerometer",
@@ -53,6 +54,14 @@ class Robot:
         group, name = key.split(".")
         return self._finite(key, self._data[group].get(name))
 
+    def is_given(self, key):
+        """Whether the file gives it; what it may leave out tools/design/specification.py finds."""
+        group, name = key.split(".")
+        return self._data.get(group, {}).get(name) is not None
+
+    def given(self, key, otherwise):
+        return self.number(key) if self.is_given(key) else otherwise
+
     def numbers(self, key, count):
         group, name = key.split(".")
         values = self._data[group].get(name)
@@ -95,8 +104,8 @@ def from_text(source, text):
 def load_json(path):
     """A robot that jp-robot has printed; - is standard input."""
     if path == "-":
-        return from_text("standard input", sys.stdin.read())
-    return from_text(path, read_text(path))
+        return specification.completed(from_text("standard input", sys.stdin.read()))
+    return specification.completed(from_text(path, read_text(path)))
 
 
 def printed_by(program, path, *options):
@@ -118,7 +127,7 @@ def check_name(path, name):
 
 
 def load(path, jp_robot=None):
-    """A robot file, checked by jp-robot."""
+    """A robot file, checked by jp-robot, with every setting of its controller."""
     robot = from_text(str(path), printed_by(jp_robot or default_jp_robot(), path, "--json=-"))
     check_name(path, robot.name)
-    return robot
+    return specification.completed(robot)
