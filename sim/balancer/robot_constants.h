@@ -99,6 +99,7 @@ struct robot_file {
         double turn_rate_rad_s;
         double turn_deg;
         double duration_s;
+        double payload_kg[2]; /**< least and most that the body carries beside its mass; the least may be below 0 */
     } limits;
 };
 

@@ -1,7 +1,13 @@
 #include "sim/balancer/robot_file.h"
 
+#include <math.h>
+
 #include "sim/balancer/plant.h"
 #include "sim/base/error.h"
+
+/* Of the robot's mass: a lighter battery, and a load. */
+#define PAYLOAD_LEAST (-0.075)
+#define PAYLOAD_MOST  0.3
 
 #define FIELD(member) offsetof(struct robot_file, member)
 #define REAL(key, member, min, max, unit)                                                                              \
@@ -74,6 +80,7 @@ static const struct config_field fields[] = {
     REAL("limits.turn_rate_rad_s", limits.turn_rate_rad_s, 0.01, 8, "rad/s"),
     REAL("limits.turn_deg", limits.turn_deg, 0, 180, "°"),
     REAL("limits.duration_s", limits.duration_s, 0.1, 16384, "s"),
+    {"limits.payload_kg", FIELD(limits.payload_kg), 2, CONFIG_FIELD_REAL, -200, 1000, "kg", true},
 };
 
 const struct config_kind robot_kind = {CONFIG_BALANCER, FIELD(name), fields, sizeof fields / sizeof fields[0]};
@@ -91,6 +98,13 @@ static bool check_together(const char *path, const struct robot_file *robot)
                    path, voltage, low, high);
         return false;
     }
+    if (!(-robot->body.mass_kg < robot->limits.payload_kg[0] &&
+          robot->limits.payload_kg[0] <= robot->limits.payload_kg[1])) {
+        error_line("%s: limits.payload_kg = [%g, %g]: the second must not be below the first, and a mass of %g kg must "
+                   "be left; correct them",
+                   path, robot->limits.payload_kg[0], robot->limits.payload_kg[1], robot->body.mass_kg);
+        return false;
+    }
     struct plant plant;
     plant_init(&plant, robot);
     const double fastest = plant_damping_rate(&plant.constants);
@@ -103,6 +117,17 @@ static bool check_together(const char *path, const struct robot_file *robot)
     return true;
 }
 
+/* What is left out that the simulator needs. */
+static void complete(struct robot_file *robot)
+{
+    const double mass = robot->body.mass_kg + 2 * robot->wheel.mass_kg;
+
+    if (isnan(robot->limits.payload_kg[0])) {
+        robot->limits.payload_kg[0] = PAYLOAD_LEAST * mass;
+        robot->limits.payload_kg[1] = PAYLOAD_MOST * mass;
+    }
+}
+
 bool robot_file_check(const char *source, const struct robot_file *robot)
 {
     return config_fields_check(source, &robot_kind, robot) && check_together(source, robot);
@@ -112,5 +137,9 @@ bool robot_file_load(const char *path, struct robot_file *robot)
 {
     *robot = (struct robot_file){0};
     config_fields_leave_out(&robot_kind, robot);
-    return config_fields_load(path, &robot_kind, robot) && check_together(path, robot);
+    if (!config_fields_load(path, &robot_kind, robot)) {
+        return false;
+    }
+    complete(robot);
+    return check_together(path, robot);
 }

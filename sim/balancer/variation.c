@@ -10,7 +10,7 @@
 
 const struct variation_member variation_members[] = {
     {"friction", "ground_friction", offsetof(struct variation, ground_friction), 0.6, 1.6, FACTOR_MIN, FACTOR_MAX},
-    {"payload", "payload_kg", offsetof(struct variation, payload_kg), -0.3, 1.2, -10, 100},
+    {"payload", "payload_kg", offsetof(struct variation, payload_kg), 0, 0, -10, 100},
     {"resistance", "motor_resistance", offsetof(struct variation, motor_resistance), 0.92, 1.12, FACTOR_MIN,
      FACTOR_MAX},
     {"motor-friction", "motor_friction", offsetof(struct variation, motor_friction), 0.8, 1.25, FACTOR_MIN, FACTOR_MAX},
@@ -34,12 +34,15 @@ double variation_value(const struct variation *variation, const struct variation
     return value;
 }
 
-void variation_draw(struct random *random, struct variation *variation)
+void variation_draw(struct random *random, const struct robot_file *file, struct variation *variation)
 {
     for (size_t i = 0; i < variation_member_count; i++) {
         const struct variation_member *member = &variation_members[i];
+        const bool is_payload = member->offset == offsetof(struct variation, payload_kg);
+        const double low = is_payload ? file->limits.payload_kg[0] : member->low;
+        const double high = is_payload ? file->limits.payload_kg[1] : member->high;
 
-        set(variation, member, random_uniform(random, member->low, member->high));
+        set(variation, member, random_uniform(random, low, high));
     }
 }
 

@@ -21,7 +21,7 @@ struct variation_member {
     const char *name;   /**< in options */
     const char *column; /**< in tables */
     size_t offset;
-    double low; /**< variation_draw() draws from low…high */
+    double low; /**< variation_draw() draws from low…high; the payload from limits.payload_kg of the robot file */
     double high;
     double min; /**< variation_parse() takes min…max */
     double max;
@@ -36,9 +36,9 @@ extern const struct variation variation_none;
 /** The number that this member is. */
 double variation_value(const struct variation *variation, const struct variation_member *member);
 
-/** Uniform: ground friction 0.6…1.6, payload −0.3…1.2 kg, motor resistance 0.92…1.12, motor friction 0.8…1.25,
+/** Uniform: ground friction 0.6…1.6, the payload of the robot file, motor resistance 0.92…1.12, motor friction 0.8…1.25,
  *  capacity 0.7…1. */
-void variation_draw(struct random *random, struct variation *variation);
+void variation_draw(struct random *random, const struct robot_file *file, struct variation *variation);
 
 /** The robot file of the varied robot. */
 void variation_apply(const struct variation *variation, const struct robot_file *nominal, struct robot_file *varied);

@@ -135,7 +135,7 @@ bool leg_drive_run(struct leg_drive *legs, const struct robot_entry *entry, enum
     }
     *legs = (struct leg_drive){.seed = seed};
     random_init(&drive.random, seed + SEEDS_OF_LEGS);
-    variation_draw(&drive.random, &legs->variation);
+    variation_draw(&drive.random, file, &legs->variation);
     variation_apply(&legs->variation, file, &varied);
     if (!rig_init(&drive.rig, entry, &varied, seed + SEEDS_OF_LEGS)) {
         return false;

@@ -29,7 +29,7 @@
 #define DROP_SECONDS  0.5 /* mean time between two */
 #define OFFSET_A      0.3
 #define GROUND_CHANGE 1.5
-#define PAYLOAD_KG    1.0
+#define PAYLOAD_SHARE (2.0 / 3) /* of the range that the robot file allows */
 
 struct drive {
     struct trip *trip;
@@ -98,7 +98,9 @@ static void change_robot(struct drive *drive)
     if (trip->change == TRIP_CHANGE_GROUND) {
         trip->variation.ground_friction *= GROUND_CHANGE;
     } else if (trip->change == TRIP_CHANGE_PAYLOAD) {
-        trip->variation.payload_kg += PAYLOAD_KG;
+        const double *range = drive->file->limits.payload_kg;
+
+        trip->variation.payload_kg += (range[1] - range[0]) * PAYLOAD_SHARE;
     }
     variation_apply(&trip->variation, drive->file, &varied);
     (void)world_change_robot(&drive->rig.world, &varied);
@@ -303,7 +305,7 @@ bool trip_run(struct trip *trip, const struct robot_entry *entry, const struct r
     *trip = (struct trip){.seed = seed};
     random_init(&drive.random, seed);
     random_init(&drive.disturbance, seed + ((uint64_t)1 << 40));
-    variation_draw(&drive.random, &trip->variation);
+    variation_draw(&drive.random, file, &trip->variation);
     draw_disturbance(trip, &drive.random, disturbed);
     if (!prepare(&drive, entry)) {
         return false;

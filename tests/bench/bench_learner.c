@@ -190,7 +190,7 @@ static bool drive_chain(const struct drive *drive, uint64_t seed, struct chain_r
 
     random_init(&random, seed);
     if (drive->scenario->change == NULL) {
-        variation_draw(&random, &variation);
+        variation_draw(&random, drive->file, &variation);
     }
     variation_apply(&variation, drive->file, &robot);
     if (drive->scenario->change != NULL && !variation_parse("bench_learner", drive->scenario->change, &variation)) {

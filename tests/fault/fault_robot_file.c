@@ -35,7 +35,8 @@ static void write_with_value(const struct config_field *field, const char *value
     if (field->count == 1) {
         (void)snprintf(line, sizeof line, "%s = %s;", name, value);
     } else {
-        (void)snprintf(line, sizeof line, "%s = (1, 2, 3, 4, 5, 6, 7, %s);", name, value);
+        const char *others = field->count == 2 ? "" : "1, 2, 3, 4, 5, 6, ";
+        (void)snprintf(line, sizeof line, "%s = (%s0, %s);", name, others, value);
     }
     write_with_line(field->key, line);
 }
@@ -50,14 +51,15 @@ static void test_shipped_files_load(void)
     TEST_ASSERT_EQUAL_STRING("", errors);
 }
 
-/* A setting that is left out is marked so; all else must be there. */
+/* A setting that is left out is marked so, the payload follows from the mass; all else must be there. */
 static void check_without(const struct config_field *field)
 {
     write_with_line(field->key, "");
     if (field->is_optional) {
         TEST_ASSERT_TRUE_MESSAGE(load(path), field->key);
+        const bool follows = strcmp(field->key, "limits.payload_kg") == 0;
         for (size_t i = 0; i < field->count; i++) {
-            TEST_ASSERT_TRUE_MESSAGE(config_field_is_left_out(&robot, field, i), field->key);
+            TEST_ASSERT_TRUE_MESSAGE(config_field_is_left_out(&robot, field, i) != follows, field->key);
         }
         TEST_ASSERT_TRUE(robot_file_check(path, &robot));
     } else {
@@ -77,6 +79,19 @@ static void test_each_field_missing_or_of_another_type(void)
         write_with_value(&robot_kind.fields[i], "true");
         check_refused(path, key);
     }
+}
+
+static void test_a_payload_is_a_range_that_leaves_a_mass(void)
+{
+    write_with_line("limits.payload_kg", "");
+    TEST_ASSERT_TRUE(load(path));
+    TEST_ASSERT_TRUE(robot.limits.payload_kg[0] == -0.075 * 4 && robot.limits.payload_kg[1] == 0.3 * 4);
+    write_with_line("limits.payload_kg", "payload_kg = [1.0, 0.5];");
+    check_refused(path, "limits.payload_kg");
+    write_with_line("limits.payload_kg", "payload_kg = [-3.5, 0.5];");
+    check_refused(path, "limits.payload_kg");
+    write_with_line("limits.payload_kg", "payload_kg = [-3.4, -3.4];");
+    TEST_ASSERT_TRUE(load(path));
 }
 
 static void test_each_field_outside_its_limits(void)

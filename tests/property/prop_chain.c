@@ -86,7 +86,7 @@ static void test_draws_fill_their_ranges(void)
     for (int run = 0; run < COUNT; run++) {
         struct variation variation;
         struct robot_file varied;
-        variation_draw(&noise, &variation);
+        variation_draw(&noise, &files[run % 2], &variation);
         variation_apply(&variation, &files[run % 2], &varied);
         TEST_ASSERT_TRUE(robot_file_check("drawn", &varied));
         for (size_t i = 0; i < 5; i++) {

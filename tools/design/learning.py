@@ -23,9 +23,8 @@ DIRECTIONS = 4   # JP_LEARNING_DIRECTIONS
 PARAMETERS = 15  # JP_ENERGY_PARAMETERS
 NAMES = (*(f"a{i}" for i in range(1, 14)), "b1", "b2")
 
-# The population: factors of the robot file's numbers, and kg.
+# The population: factors of the robot file's numbers. Its payload is the robot file's.
 GROUND_FACTOR = (0.6, 1.6)
-PAYLOAD_KG = (-0.3, 1.2)
 RESISTANCE_FACTOR = (0.92, 1.12)
 MOTOR_FRICTION_FACTOR = (0.8, 1.25)
 POPULATION = 150
@@ -133,7 +132,7 @@ def draw_segments(robot, generator):
 def draw_member(robot, generator):
     ground, resistance, friction = (generator.uniform(*factor) for factor in (
         GROUND_FACTOR, RESISTANCE_FACTOR, MOTOR_FRICTION_FACTOR))
-    return member_of(robot, ground, generator.uniform(*PAYLOAD_KG), resistance, friction)
+    return member_of(robot, ground, generator.uniform(*robot.numbers("limits.payload_kg", 2)), resistance, friction)
 
 
 def member_of(robot, ground, payload, resistance, friction):
