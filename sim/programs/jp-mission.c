@@ -6,6 +6,13 @@
 #include "sim/missions/mission_report.h"
 #include "sim/missions/scenario_arguments.h"
 
+enum { OPTION_ALONE = COMMAND_LINE_OWN };
+
+struct arguments {
+    struct scenario_arguments scenario; /* first: scenario_arguments_take() looks at it */
+    bool alone;
+};
+
 /* Cruise and transients are how the robot drives; another strategy that cannot drive the route is a row that says so.
  */
 static bool drive(struct mission *missions, enum mission_strategy strategy, const struct scenario *scenario,
@@ -26,20 +33,25 @@ static bool drive(struct mission *missions, enum mission_strategy strategy, cons
     return mission->impossible[0] != '\0';
 }
 
-static bool drive_all(struct mission *missions, const struct scenario *scenario, const char *directory)
+/* `count` of them from `first` on. */
+static bool drive_all(struct mission *missions, size_t first, size_t count, const struct scenario *scenario,
+                      const char *directory)
 {
-    for (size_t i = 0; i < MISSION_STRATEGIES; i++) {
+    for (size_t i = first; i < first + count; i++) {
         if (!drive(missions, (enum mission_strategy)i, scenario, directory)) {
             return false;
         }
         mission_print(&missions[i]);
     }
-    mission_print_comparison(missions, MISSION_STRATEGIES);
-    return output_json(directory, "summary.json", mission_json(scenario, missions, MISSION_STRATEGIES));
+    mission_print_comparison(&missions[first], count);
+    return output_json(directory, "summary.json", mission_json(scenario, &missions[first], count));
 }
 
-static bool compare(const struct scenario_arguments *arguments)
+static bool compare(const struct arguments *options)
 {
+    const struct scenario_arguments *arguments = &options->scenario;
+    const size_t first = options->alone ? MISSION_CRUISE : 0;
+    const size_t count = options->alone ? 1 : MISSION_STRATEGIES;
     struct scenario scenario;
     struct mission missions[MISSION_STRATEGIES] = {0};
 
@@ -49,28 +61,36 @@ static bool compare(const struct scenario_arguments *arguments)
     (void)printf("%s: robot %s, %s energy model, energy of the %s, %zu waypoints\n", scenario.name, scenario.robot.name,
                  scenario.model == SCENARIO_PUBLISHED ? "published" : "identified", energy_kind_name(scenario.energy),
                  scenario.waypoint_count);
-    if (!drive_all(missions, &scenario, arguments->common.output)) {
+    if (!drive_all(missions, first, count, &scenario, arguments->common.output)) {
         output_discard();
         return false;
     }
     return output_commit();
 }
 
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct arguments *arguments = state->input;
+
+    if (key == OPTION_ALONE) {
+        arguments->alone = true;
+        return 0;
+    }
+    return scenario_arguments_take(key, argument, state);
+}
+
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         OPTION_OUTPUT("build/mission"),
+        {"alone", OPTION_ALONE, NULL, 0, "cruise and transients alone, not what they are compared with", 0},
         {0},
     };
-    static const struct argp argp = {options,
-                                     scenario_arguments_take,
-                                     "SCENARIO.cfg",
-                                     "Drives a mission by six strategies and compares their energies.",
-                                     NULL,
-                                     NULL,
-                                     NULL};
-    struct scenario_arguments arguments = {.example = "sim/scenarios/gao2018_mission.cfg",
-                                           .common = {.output = "build/mission"}};
+    static const struct argp argp = {
+        options, parse_option, "SCENARIO.cfg", "Drives a mission by six strategies and compares their energies.", NULL,
+        NULL,    NULL};
+    struct arguments arguments = {
+        .scenario = {.example = "sim/scenarios/gao2018_mission.cfg", .common = {.output = "build/mission"}}};
 
     command_line_parse(&argp, argc, argv, &arguments);
     return compare(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;

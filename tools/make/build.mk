@@ -120,3 +120,16 @@ $(BUILD)/robots.c: tools/make/robots.sh FORCE
 
 .PHONY: FORCE
 FORCE:
+
+# ---- A robot in the making -------------------------------------------------------------------------------------------
+
+# Programs that know one robot alone, by the tables of a folder: make CANDIDATE=folder folder/jp-balance
+ifdef CANDIDATE
+$(CANDIDATE)/robots.c: tools/make/robots.sh FORCE
+	@$< $(CANDIDATE)/tables >$@
+
+$(CANDIDATE)/jp-%: $(BUILD)/host/sim/programs/jp-%.o $(CANDIDATE)/robots.c $(call host_libraries,host)
+	$(call SAY,LD $@)
+	$Q$(COMPILER.host) -std=c11 -Iinclude -I. $(FLAGS.host) $(CANDIDATE)/robots.c $(wildcard $(CANDIDATE)/tables/*.c) \
+	    $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -o $@
+endif

@@ -1,33 +1,45 @@
 #!/usr/bin/env bash
 # The list of built-in robots and lattices for sim/balancer/robots.h, as C: robots.sh TABLES
-# A robot is built in when src/tables/ holds its controller and its energy model.
+# A robot is built in when the folder holds its controller and its energy model.
 set -euo pipefail
 
 tables=$1
+declared=
+listed=
 
-# pointer PREFIX NAME: the table jp_PREFIX_NAME, or NULL where it is not made.
-pointer() {
-    local file=${1/energy_model/energy}_$2.c
-    if [ -e "$tables/$file" ]; then echo "&jp_$1_$2"; else echo NULL; fi
+# add TYPE TABLE FILE: the table, or NULL where its file is not made.
+add() {
+    if [ -e "$tables/$3.c" ]; then
+        declared+="extern const struct $1 $2;"$'\n'
+        listed+=" &$2,"
+    else
+        listed+=" NULL,"
+    fi
 }
 
-echo '#include "sim/balancer/robots.h"'
-echo '#include <joulepath/tables.h>'
-echo 'const struct robot_entry robots[] = {'
 for file in "$tables"/robot_*.c; do
     name=$(basename "$file" .c)
     name=${name#robot_}
     [ -e "$tables/energy_$name.c" ] || continue
-    echo "    {\"$name\", &jp_robot_$name, &jp_energy_model_$name, $(pointer energy_model "${name}_battery"),"
-    echo "     $(pointer horizon "$name"), $(pointer learning "$name"),"
-    echo "     $(pointer horizon "${name}_battery"), $(pointer learning "${name}_battery")},"
+    listed+="    {\"$name\","
+    add jp_robot_config "jp_robot_$name" "robot_$name"
+    add jp_energy_model "jp_energy_model_$name" "energy_$name"
+    add jp_energy_model "jp_energy_model_${name}_battery" "energy_${name}_battery"
+    for kind in "$name" "${name}_battery"; do
+        add jp_horizon "jp_horizon_$kind" "horizon_$kind"
+        add jp_learning "jp_learning_$kind" "learning_$kind"
+    done
+    listed+="},"$'\n'
 done
-echo '    {.name = NULL},'
-echo '};'
-echo 'const size_t robot_count = sizeof robots / sizeof robots[0] - 1;'
-echo 'const struct jp_lattice *const lattices[] = {'
+listed+='    {.name = NULL},
+};
+const size_t robot_count = sizeof robots / sizeof robots[0] - 1;
+const struct jp_lattice *const lattices[] = {
+'
 for file in "$tables"/lattice_*.c; do
-    echo "    &jp_$(basename "$file" .c),"
+    [ -e "$file" ] || continue
+    listed+="   "
+    add jp_lattice "jp_$(basename "$file" .c)" "$(basename "$file" .c)"
+    listed+=$'\n'
 done
-echo '    NULL,'
-echo '};'
+printf '#include "sim/balancer/robots.h"\n%sconst struct robot_entry robots[] = {\n%s    NULL,\n};\n' "$declared" "$listed"
