@@ -271,15 +271,22 @@ static bool host(const struct arguments *arguments, const struct scenario *scena
     return done;
 }
 
-/** A route on the bus is of points alone. */
-static bool is_without_budget(const char *path, const struct scenario *scenario)
+/** The bus carries points alone: what else a route asks for would be left out. */
+static bool is_of_points_alone(const char *path, const struct scenario *scenario)
 {
-    const bool has_budget = scenario->within_seconds > 0 || scenario->within_joules > 0;
-
-    if (has_budget) {
+    if (scenario->within_seconds > 0 || scenario->within_joules > 0) {
         error_line("%s: a budget (within_seconds, within_joules) is for jp-mission; leave it out", path);
+        return false;
     }
-    return !has_budget;
+    for (size_t i = 0; i < scenario->waypoint_count; i++) {
+        if (scenario->passages[i].given != 0) {
+            error_line("%s: waypoints[%zu]: a heading or speed is for jp-mission, since the bus carries points alone; "
+                       "write [x, y]",
+                       path, i);
+            return false;
+        }
+    }
+    return true;
 }
 
 static bool run(const struct arguments *arguments)
@@ -288,7 +295,7 @@ static bool run(const struct arguments *arguments)
     struct scenario scenario;
     bool done;
 
-    if (!scenario_load(arguments->scenario, &scenario) || !is_without_budget(arguments->scenario, &scenario) ||
+    if (!scenario_load(arguments->scenario, &scenario) || !is_of_points_alone(arguments->scenario, &scenario) ||
         !open_surroundings(&surroundings, arguments, &scenario)) {
         return false;
     }

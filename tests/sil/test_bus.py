@@ -382,6 +382,15 @@ def test_a_route_that_the_bus_does_not_carry(tmp_path, waypoints, parts):
     assert not list(tmp_path.glob("out/*"))
 
 
+@pytest.mark.parametrize("waypoint", ["[1.0, 0.5, 30.0]", "[1.0, 0.5, 30.0, 0.4]"])
+def test_a_heading_or_speed_is_not_left_out(tmp_path, waypoint):
+    scenario = write_scenario(tmp_path / "short.cfg", (0.5, 0.2), (1.0, 0.5), (2.0, 0.5))
+    scenario.write_text(scenario.read_text().replace("[1.0, 0.5]", waypoint))
+    result = run("jp-plant", scenario, "--bus", "in-process", "--output", tmp_path / "out")
+    assert_one_line_error(result, scenario, "waypoints[2]", "heading or speed", "carries points alone", "write [x, y]")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_robot_without_gains(tmp_path, short):
     robot = tmp_path / "robot.cfg"
     robot.write_text((ROOT / "sim/robots/gao2018.cfg").read_text().replace('"gao2018"', '"nobody"'))
