@@ -31,11 +31,15 @@ struct jp_back_emf {
     jp_q16 turning; /**< ed, V·s/turn; 0…4 096 */
 };
 
+/** What is left of the difference at a trajectory's start when its first leg begins: for jp_trajectory_leg_energy().
+ *  Constant time. */
+void jp_trajectory_modes(const struct jp_trajectory *trajectory, jp_q24 modes[JP_TRAVEL_MODES]);
+
 /**
  * What a leg takes, its travel without what is left of the difference at the start; config and model passed their
- * checks. `modes`: what is left of the difference at the trajectory's start when the leg begins, at first transient/16;
- * it becomes what is left when the leg ends. JP_ERR_OVERFLOW: a member is above 32 767, which is what it then is.
- * JP_ERR_ARGUMENT: a null pointer. Bounded work; not for ISRs.
+ * checks. `modes`: what is left of the difference at the trajectory's start when the leg begins, at first as of
+ * jp_trajectory_modes(); it becomes what is left when the leg ends. JP_ERR_OVERFLOW: a member is above 32 767, which is
+ * what it then is. JP_ERR_ARGUMENT: a null pointer. Bounded work; not for ISRs.
  */
 enum jp_status jp_trajectory_leg_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
                                         const struct jp_back_emf *back_emf, const struct jp_trajectory_leg *leg,

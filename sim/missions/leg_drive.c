@@ -54,9 +54,7 @@ static void expect(struct drive *drive, struct driven_leg *legs)
         jp_pilot_back_emf(config, drive->kind == ENERGY_BATTERY ? JP_PILOT_BATTERY : JP_PILOT_MOTORS);
     jp_q24 modes[JP_TRAVEL_MODES];
 
-    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        modes[i] = drive->trajectory.transient[i] / 16;
-    }
+    jp_trajectory_modes(&drive->trajectory, modes);
     for (uint16_t i = 0; i < drive->trajectory.count; i++) {
         (void)jp_trajectory_leg_energy(&config->trajectory, drive->built_in, &back_emf, &drive->planned[i], modes,
                                        &legs[i].expected);

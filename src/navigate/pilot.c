@@ -205,8 +205,8 @@ static enum jp_status start_plan(const struct jp_trajectory_task *task, struct j
 {
     const enum jp_status status = jp_trajectory_plan_start(plan, task, legs, places, trajectory);
 
-    for (unsigned i = 0; status == JP_OK && i < JP_TRAVEL_MODES; i++) {
-        modes[i] = trajectory->transient[i] / 16;
+    if (status == JP_OK) {
+        jp_trajectory_modes(trajectory, modes);
     }
     return status;
 }

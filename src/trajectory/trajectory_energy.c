@@ -205,6 +205,13 @@ static bool finish(const struct sum *sum, const struct jp_energy_model *model, s
     return transients_fit && energy_fits && duration_fits && travel_fits && turning_fits;
 }
 
+void jp_trajectory_modes(const struct jp_trajectory *trajectory, jp_q24 modes[JP_TRAVEL_MODES])
+{
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        modes[i] = trajectory->transient[i] / 16;
+    }
+}
+
 enum jp_status jp_trajectory_leg_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
                                         const struct jp_back_emf *back_emf, const struct jp_trajectory_leg *leg,
                                         jp_q24 modes[JP_TRAVEL_MODES], struct jp_leg_energy *result)
@@ -231,9 +238,7 @@ enum jp_status jp_trajectory_energy(const struct jp_trajectory_config *config, c
     if (config == NULL || model == NULL || trajectory == NULL || energy == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        modes[i] = trajectory->transient[i] / 16;
-    }
+    jp_trajectory_modes(trajectory, modes);
     for (uint16_t i = 0; i < trajectory->count; i++) {
         struct jp_leg_energy leg;
 

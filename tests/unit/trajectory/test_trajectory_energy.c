@@ -241,6 +241,20 @@ static void test_what_the_battery_gives(void)
     }
 }
 
+/* Toward zero, so that they are of one size in both directions. */
+static void test_modes_at_the_start(void)
+{
+    jp_q24 modes[JP_TRAVEL_MODES];
+
+    trajectory.transient[0] = 16 * JP_Q24(0.3) + 15;
+    trajectory.transient[1] = -trajectory.transient[0];
+    trajectory.transient[2] = INT32_MIN;
+    jp_trajectory_modes(&trajectory, modes);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.3), modes[0]);
+    TEST_ASSERT_EQUAL_INT32(-JP_Q24(0.3), modes[1]);
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN / 16, modes[2]);
+}
+
 static void test_modes_of_a_leg_go_on_in_the_next(void)
 {
     jp_q24 modes[JP_TRAVEL_MODES] = {JP_Q24(0.3), JP_Q24(-0.2), JP_Q24(0.1)};
