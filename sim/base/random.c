@@ -1,9 +1,13 @@
 #include "sim/base/random.h"
 
 #include <math.h>
-#include <stdlib.h>
 
-/* erand48 is linear: streams of neighbouring seeds would stay a constant apart. The finaliser of SplitMix64 parts them.
+/* The generator of POSIX' drand48: 48 bits. Here it is inlined, since every sample of a sensor draws from it. */
+#define FACTOR    UINT64_C(0x5DEECE66D)
+#define INCREMENT 0xBU
+#define MASK      ((UINT64_C(1) << 48) - 1)
+
+/* It is linear: streams of neighbouring seeds would stay a constant apart. The finaliser of SplitMix64 parts them.
  */
 static uint64_t mix(uint64_t seed)
 {
@@ -15,14 +19,13 @@ static uint64_t mix(uint64_t seed)
 
 void random_init(struct random *random, uint64_t seed)
 {
-    const uint64_t mixed = mix(seed);
-    *random = (struct random){.state = {(unsigned short)(mixed & 0xffffu), (unsigned short)(mixed >> 16 & 0xffffu),
-                                        (unsigned short)(mixed >> 32 & 0xffffu)}};
+    *random = (struct random){.state = mix(seed) & MASK};
 }
 
 double random_uniform(struct random *random, double low, double high)
 {
-    return low + (high - low) * erand48(random->state);
+    random->state = (random->state * FACTOR + INCREMENT) & MASK;
+    return low + (high - low) * ((double)random->state * 0x1p-48);
 }
 
 /* Marsaglia's polar method. */

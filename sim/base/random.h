@@ -1,4 +1,5 @@
-/** Seeded random numbers: libc's erand48 on a state of its own, so that every world repeats its noise bit for bit. */
+/** Seeded random numbers, those of POSIX' erand48, so that every world repeats its noise bit for bit on every machine.
+ */
 #ifndef JOULEPATH_SIM_BASE_RANDOM_H
 #define JOULEPATH_SIM_BASE_RANDOM_H
 
@@ -6,8 +7,8 @@
 #include <stdint.h>
 
 struct random {
-    unsigned short state[3]; /**< 48 bits, as erand48 wants them */
-    bool has_spare;          /**< the polar method makes two values at a time */
+    uint64_t state; /**< 48 bits */
+    bool has_spare; /**< the polar method makes two values at a time */
     double spare;
 };
 
