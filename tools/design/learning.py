@@ -77,6 +77,12 @@ class Segments:
         """Of the segment before; 0 at rest."""
         return np.where(self.first, 0, np.roll(values, 1))
 
+    def side_by_side(self):
+        """The first ones of all chains, then the second ones, and so on."""
+        numbers = np.arange(len(self))
+        places = numbers - np.maximum.accumulate(np.where(self.first, numbers, 0))
+        return (np.flatnonzero(places == place) for place in range(places.max() + 1))
+
 
 @dataclass(frozen=True)
 class Reference:
@@ -156,10 +162,10 @@ class _Drive:
         covectors = np.linalg.inv(vectors)
         jumps = self.jump @ covectors.T
         decay = values.astype(complex)**np.round(segments.seconds * axis.rate_hz)[:, None]
-        left, before = np.zeros(axis.size, complex), np.empty((len(segments), axis.size), complex)
-        for k, first in enumerate(segments.first):
-            before[k] = 0 if first else left
-            left = decay[k] * (before[k] + jumps[k])
+        left, before = np.zeros_like(decay), np.zeros_like(decay)
+        for own in segments.side_by_side():
+            before[own] = np.where(segments.first[own, None], 0, left[own - 1])
+            left[own] = decay[own] * (before[own] + jumps[own])
         self.before = (before @ vectors.T).real
         self.end = ((decay * (before + jumps)) @ vectors.T).real
 
