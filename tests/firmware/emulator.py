@@ -2,12 +2,14 @@
 import re
 import socket
 import subprocess
+import time
 
 from programs import BUILD, LIMIT, Program, wait_until
 
 LINE = re.compile(r"char device redirected to (\S+) ")
 PC = 15
 NOWHERE = 0x00000000  # forbidden by the MPU
+SLICE = 0.1  # s between two looks at how far it is: tens of ticks
 
 
 def image(robot):
@@ -56,6 +58,13 @@ class Debugger:
     def go_on(self):
         self._send(b"c")
 
+    def run(self, seconds):
+        """At full speed, which a watched address would cost."""
+        self.go_on()
+        time.sleep(seconds)
+        self._socket.sendall(b"\x03")
+        self._receive()
+
     def run_to_write(self, address):
         """Until the program has written the word there."""
         watch = b"2,%x,4" % address
@@ -98,12 +107,13 @@ class Emulator(Program):
         self.process.wait()
 
     def crash(self, tick, plant):
-        """Makes the program go astray after so many ticks of a drive, as a corrupt return address would."""
+        """Makes the program go astray soon after so many ticks of a drive, as a corrupt return address would."""
         debugger = Debugger(self._stub)
         counter = address_of("jp_fault_tick", self._robot)
         while (debugger.word(counter) or 0) < tick:
-            debugger.run_to_write(counter)
+            debugger.run(SLICE)
             assert plant.running, plant.err.read_text()
+        debugger.run_to_write(counter)
         debugger.jump(NOWHERE)
         debugger.go_on()
         return debugger
