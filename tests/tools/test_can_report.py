@@ -9,7 +9,7 @@ import can_drive
 import numpy as np
 import pytest
 from can_drive import DRAWN, DURATION, END, PLANNED, POWER, SPENT, TARGETS, candump
-from conftest import assert_one_line_error, run_tool
+from conftest import assert_one_line_error, run_tool, sketched
 from fake_ecu import telemetry
 
 from tools.common import ToolError
@@ -100,6 +100,7 @@ def test_the_log(drive, converted):
         assert np.allclose(log[name], value), name
 
 
+@sketched
 def test_report_makes_a_page_of_it(drive, converted):
     converted(drive)
     result = run_tool("report.report", converted.out)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, assert_one_line_error, run_tool
+from conftest import ROOT, assert_one_line_error, run_tool, sketched
 
 import lcm
 
@@ -67,6 +67,7 @@ def test_a_log_gives_the_files_of_the_live_run(drive, tmp_path):
         assert (tmp_path / name).read_bytes() == (drive / "live" / name).read_bytes()
 
 
+@sketched
 def test_a_page_is_made_of_them(drive, tmp_path):
     for folder in ("from_log", "from_live"):
         (tmp_path / folder).mkdir()
@@ -77,7 +78,7 @@ def test_a_page_is_made_of_them(drive, tmp_path):
         result = run_tool("report.report", tmp_path / folder)
         assert not result.returncode, result.stderr
     page = (tmp_path / "from_log" / "report.html").read_bytes()
-    assert len(page) > 100000
+    assert page.count(b"data:image/png") == 7
     assert page == (tmp_path / "from_live" / "report.html").read_bytes()
 
 

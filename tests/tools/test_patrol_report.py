@@ -112,6 +112,7 @@ def share_of(pixels, colour):
 
 # ---- page and picture ----------------------------------------------------------------------------------------------
 
+@sketched
 @pytest.mark.parametrize(("moving", "faults"), [(True, True), (False, False)])
 def test_the_page_has_every_section_and_needs_nothing_else(tmp_path, moving, faults):
     write_patrol(tmp_path, moving=moving, faults=faults)
@@ -176,6 +177,7 @@ def shape_of(folder):
     return Image.open(folder / "patrol.png").size
 
 
+@sketched
 def test_a_high_map_has_the_panels_beside_it(tmp_path):
     write_patrol(tmp_path)
     report(tmp_path)

@@ -91,6 +91,7 @@ def headings_of(text):
     return re.findall(r"<h2>(.*?)</h2>", text)
 
 
+@sketched
 @pytest.mark.parametrize("elevation", [True, False])
 @pytest.mark.parametrize("drive", [True, False])
 def test_the_page_has_every_section_and_needs_nothing_else(tmp_path, elevation, drive):
