@@ -15,12 +15,14 @@ $(BUILD)/$1/target_%: $(BUILD)/$1/tests/bench/target_%.o $(call support,$1) $(BU
 $(BUILD)/bench/target_%-$1.json: $(BUILD)/$1/target_%
 	@mkdir -p $$(@D)
 	$$(call SAY,BENCH $$<)
-	$$Q$(RUN.$1) $$< >$$@ 2>&1 </dev/null
+	$$Q$(RUN.$1) $$< $(COUNTING) >$$@ 2>&1 </dev/null
 endef
 $(foreach v,$(SPEED_VARIANTS),$(eval $(call target_bench_rules,$v)))
 
 # The whole library and what it needs of the compiler's, to be measured and not to be run.
 define whole_rules
+$(BUILD)/$1/tests/target/whole.o: MODULE_FLAGS = -g -fno-eliminate-unused-debug-types
+
 $(BUILD)/$1/whole: $(BUILD)/$1/tests/target/whole.o $(call support,$1) $(BUILD)/$1/libcan.a $(call float_library,$1) $(BUILD)/$1/libjoulepath.a
 	@mkdir -p $$(@D)
 	$$(call SAY,LD $$@)

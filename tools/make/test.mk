@@ -88,7 +88,7 @@ $(call unit_programs,$1): $(call unit_libraries,$1) $(if $(BOARD.$1),$(call supp
 
 $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
 	$$(call SAY,RUN $$<)
-	$$Q$(RUN) $$@ $(UNIT_LIMIT) $(RUN.$1) $$<
+	$$Q$(RUN) $$@ $(UNIT_LIMIT) $(RUN.$1) $$< $$(CLOCK)
 endef
 $(foreach v,host-coverage $(HOST_TESTS) $(sort $(ALL_UNIT_CORES) $(SPEED_VARIANTS)),$(eval $(call unit_rules,$v)))
 
@@ -105,6 +105,8 @@ $(foreach v,$(HOST_TESTS) $(SPEED_VARIANTS),$(eval $(call bits_rules,$v)))
 define support_test_rules
 $(BUILD)/$1/test_cycles: $(BUILD)/$1/tests/target/test_cycles.o $(call support,$1) $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o)
 	$$(call link_target,$1)
+
+$(LOGS)/$1/test_cycles.log: CLOCK = $(COUNTING)
 
 $(BUILD)/$1/dies_of_%: $(BUILD)/$1/tests/target/dies_of_%.o $(call support,$1)
 	$$(call link_target,$1)
