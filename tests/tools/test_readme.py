@@ -6,7 +6,7 @@ import subprocess
 import pytest
 import yaml
 from conftest import ROOT
-from once import once
+from programs import BUILD
 from tools.measure.figure_pages import BLOCK_MARK, PAGE, VALUE_MARK, bar_value, documents, measured
 from tools.measure.figure_store import STORE, by_name, read_store
 
@@ -107,26 +107,17 @@ def build(*command):
     assert result.returncode == 0, result.stderr
 
 
-@pytest.fixture(scope="session", params=COMPILERS)
-def library(request, tmp_path_factory):
-    """A compiler, and all of the library that it made."""
-    compiler = COMPILERS[request.param]
-
-    def make(folder):
-        sources = [ROOT / "hal/hal.c", *ROOT.glob("src/**/*.c")]
-        subprocess.run([*compiler, *FLAGS, "-c", *map(str, sources)], cwd=folder, check=True)
-        subprocess.run(["ar", "qcs", "library.a", *map(str, folder.glob("*.o"))], cwd=folder, check=True)
-    return compiler, once(tmp_path_factory, f"library_{request.param}", make) / "library.a"
-
-
+@pytest.mark.parametrize("variant", COMPILERS)
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_example_builds(name, library, tmp_path):
-    compiler, archive = library
+def test_example_builds(name, variant, tmp_path):
+    """With the libraries that make has built."""
+    compiler = COMPILERS[variant]
+    libraries = [BUILD / variant / f"lib{part}.a" for part in ("can", "joulepath_float", "joulepath")]
     (example,) = re.findall(r"^```c\n(.*?)^```", text_of(name), re.S | re.M)
     (tmp_path / "main.c").write_text(example, encoding="utf-8")
     (tmp_path / "board.c").write_text(EXAMPLES[name], encoding="utf-8")
-    build(*compiler, *FLAGS, *WARNINGS, tmp_path / "main.c", tmp_path / "board.c", archive, "-lm", "-o",
-                tmp_path / "example")
+    build(*compiler, *FLAGS, *WARNINGS, tmp_path / "main.c", tmp_path / "board.c", *libraries, "-lm", "-o",
+          tmp_path / "example")
 
 
 # ---- what is named is there ----------------------------------------------------------------------------------------

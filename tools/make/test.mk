@@ -141,10 +141,14 @@ $(LOGS)/pytest/%.xml: $(PROGRAMS)
 	$(call SAY,RUN pytest tests/$*)
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -n $(JOBS) -p no:cacheprovider --junitxml=$@ tests/$*
 
-# All in one emulated kernel: it takes a while to boot. What is slow in it comes after it.
+# What the examples of the READMEs are linked with.
+$(LOGS)/pytest/tools.xml: $(foreach v,host cortex-m4,$(BUILD)/$v/libcan.a $(call float_library,$v) $(BUILD)/$v/libjoulepath.a)
+
+# All in one emulated kernel: it takes a while to boot, and to import plugins that no test there needs. What is slow in it
+# comes after it.
 $(LOGS)/pytest/vcan.xml: $(PROGRAMS) $(patsubst %,$(BUILD)/host-gcc/%,$(call names,$(VCAN_TESTS)))
 	$(call SAY,RUN pytest tests/vcan)
-	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) tools/operate/with_vcan.sh --interfaces 2 -- \
+	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) env PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 tools/operate/with_vcan.sh --interfaces 2 -- \
 	    $(PYTHON) -m pytest -q -p no:cacheprovider --junitxml=$@ tests/vcan/test_vcan.py
 
 $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
