@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every C file passes both compilers without a warning: those that no test builds with gcc do it here. Every public header
-# compiles alone, as C11 and as C++17, and all public headers compile together with all of the HAL.
+# Every C file passes both compilers without a warning: those that no test builds with gcc do it here. All public headers
+# compile together with all of the HAL; that each compiles alone, in C and C++, tests/package tests of those installed.
 . "$(dirname "$0")/gate.sh"
 
 read -ra flags <<<"${GATE_CFLAGS:?is set by the Makefile}"
@@ -21,28 +21,19 @@ for_target() {
         -fsyntax-only "$1"
 }
 
-alone() {
-    local source="#include <joulepath/$(basename "$1")>"
-    local warnings=(-Wall -Wextra -Wconversion -Wshadow -Werror -Iinclude -fsyntax-only)
-    gcc -std=c11 "${warnings[@]}" -x c - <<<"$source" && clang -std=c11 "${warnings[@]}" -x c - <<<"$source" &&
-        g++ -std=c++17 "${warnings[@]}" -x c++ - <<<"$source"
-}
-
 together() {
     local flags headers
     read -ra flags <<<"$GATE_CFLAGS"
     mapfile -t headers < <(sources h include/joulepath hal)
     printf '#include "%s"\n' "${headers[@]}" | gcc "${flags[@]}" -fsyntax-only -x c -
 }
-export -f for_clang for_gcc for_target alone
+export -f for_clang for_gcc for_target
 
 mapfile -t on_target < <(sources c tests/target tests/bench | grep -E 'tests/target/|/target_')
 mapfile -t on_host < <(sources c src hal sim tests/bench tests/support | grep -vE '/target_|^hal/stm32')
-mapfile -t headers < <(sources h include)
 mapfile -t benches < <(sources c tests/bench | grep -v /target_)
 check_each for_clang "${on_host[@]}"
 check_each for_gcc "${benches[@]}"
 check together together
 check_each for_target "${on_target[@]}"
-check_each alone "${headers[@]}"
 finish

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The host tests execute every line and take every branch of src/. Arguments: test programs whose library counts that.
-# The last lines are a table; build/coverage/index.html shows each line.
+# The last lines are a table. With PAGES=yes build/coverage/index.html shows each line.
 . "$(dirname "$0")/gate.sh"
 
 : "${JP_BUILD:?is set by the Makefile}"
@@ -23,8 +23,10 @@ no_problem_in() {
 export -f run no_problem_in
 
 measure() {
+    local pages=()
+    [ "${PAGES:-}" != yes ] || pages=(--html-details "$report/index.html")
     "${PYTHON:-python3}" -m gcovr --root . --object-directory "$JP_BUILD/host-coverage" --filter src/ \
-        --json-summary "$report/summary.json" --html-details "$report/index.html" "$JP_BUILD/host-coverage" &&
+        --json-summary "$report/summary.json" "${pages[@]}" "$JP_BUILD/host-coverage" &&
         "${PYTHON:-python3}" -m tools.measure.coverage_report "$report/summary.json" "$JP_BUILD/bench/coverage.json" \
             >"$report/table" 2>"$report/problems"
 }

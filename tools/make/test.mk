@@ -225,6 +225,7 @@ define shown
 endef
 
 .PHONY: coverage
+coverage: export PAGES := yes
 coverage: ## lines and branches of src/ that the host tests take: a table, each line in build/coverage/index.html
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) $(COVERAGE_TESTS)
