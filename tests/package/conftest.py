@@ -42,11 +42,11 @@ def configure(source, build, *definitions):
     return command("cmake", "-S", source, "-B", build, "-G", "Unix Makefiles", *definitions)
 
 
-def cmake_project(directory, body):
-    """A project of a user, whose CMakeLists.txt says this after its head."""
+def cmake_project(directory, body, languages="C"):
+    """A project of a user, whose CMakeLists.txt says this after its head. For each language CMake tries a compiler."""
     directory.mkdir(parents=True, exist_ok=True)
     (directory / "CMakeLists.txt").write_text(
-        f"cmake_minimum_required(VERSION 3.16)\nproject(user LANGUAGES C CXX)\n{body}", encoding="utf-8")
+        f"cmake_minimum_required(VERSION 3.16)\nproject(user LANGUAGES {languages})\n{body}", encoding="utf-8")
     return directory
 
 

@@ -81,11 +81,12 @@ def requests(version):
 
 
 def test_find_package_takes_compatible_versions_only(installed, version, tmp_path):
-    for i, (wanted, suits) in enumerate(requests(version).items()):
-        project = cmake_project(tmp_path / str(i), f"find_package(joulepath {wanted} CONFIG)\n"
-                                                   'message(STATUS "found: ${joulepath_FOUND}")\n')
-        answer = configure(project, tmp_path / str(i) / "build", f"-DCMAKE_PREFIX_PATH={installed}")
-        assert re.search(r"found: (\d)", answer).group(1) == str(int(suits)), wanted
+    wanted = requests(version)
+    ask = "".join(f'find_package(joulepath {request} CONFIG)\nmessage(STATUS "{request}: ${{joulepath_FOUND}}")\n'
+                  "unset(joulepath_DIR CACHE)\n" for request in wanted)
+    answer = configure(cmake_project(tmp_path, ask), tmp_path / "build", f"-DCMAKE_PREFIX_PATH={installed}")
+    found = dict(re.findall(r"^-- (.*): (\d)$", answer, re.M))
+    assert found == {request: str(int(suits)) for request, suits in wanted.items()}
 
 
 def test_the_cmake_package_may_be_moved_and_found_twice(installed, tmp_path):

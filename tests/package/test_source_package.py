@@ -22,8 +22,8 @@ def user_of(target, program, name="user"):
             f"target_compile_options({name} PRIVATE {' '.join(WARNINGS)})\n")
 
 
-def build_project(directory, body, *definitions):
-    configure(cmake_project(directory, body), directory / "build", *definitions)
+def build_project(directory, body, *definitions, languages="C"):
+    configure(cmake_project(directory, body, languages), directory / "build", *definitions)
     command("cmake", "--build", directory / "build", "--parallel", "2")
 
 
@@ -77,7 +77,8 @@ def test_programs_in_c_and_cpp_add_it_as_a_subdirectory(package, tmp_path):
     in_cpp.write_bytes((PROGRAMS / "firmware.c").read_bytes())
     users = {"consumer": ("joulepath", PROGRAMS / "consumer.c"), "firmware": ("hal", PROGRAMS / "firmware.c"),
              "in_cpp": ("hal", in_cpp), "float_consumer": ("float", PROGRAMS / "float_consumer.c")}
-    build_project(tmp_path, add(package) + "".join(user_of(*user, name) for name, user in users.items()))
+    build_project(tmp_path, add(package) + "".join(user_of(*user, name) for name, user in users.items()),
+                  languages="C CXX")
     for name in users:
         command(tmp_path / "build" / name)
 
@@ -125,9 +126,8 @@ def test_the_skeleton_is_built_for_a_core_with_a_toolchain_file(package, tmp_pat
     (tmp_path / "toolchain.cmake").write_text(
         "set(CMAKE_SYSTEM_NAME Generic)\n"
         "set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)\n"
-        f"set(CMAKE_C_COMPILER {prefix}gcc)\nset(CMAKE_CXX_COMPILER {prefix}g++)\n"
+        f"set(CMAKE_C_COMPILER {prefix}gcc)\n"
         f'set(CMAKE_C_FLAGS_INIT "{flags} {library} -Os")\n'
-        f'set(CMAKE_CXX_FLAGS_INIT "{flags}")\n'
         # What the timer's interrupt of a port refers to.
         'set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,--gc-sections -Wl,--undefined=control_tick")\n', encoding="utf-8")
     skeleton = f"{package}/hal/skeleton/main.c {package}/hal/skeleton/board.c"

@@ -3,6 +3,8 @@
 Zephyr itself is too large to be here. What stands for it: the keys that its module description may have, kconfiglib,
 which is the Kconfig of its build, and its five CMake functions that the module calls.
 """
+from pathlib import Path
+
 import kconfiglib
 import pytest
 import yaml
@@ -40,10 +42,9 @@ endfunction()
 """
 
 APPLICATION = """
-get_property(libraries GLOBAL PROPERTY ZEPHYR_LIBS)
-add_executable(app {program})
-target_link_libraries(app PRIVATE -Wl,--whole-archive ${{libraries}} -Wl,--no-whole-archive zephyr_interface)
-target_compile_options(app PRIVATE {warnings})
+add_executable({name} {program})
+target_link_libraries({name} PRIVATE -Wl,--whole-archive ${{libraries}} -Wl,--no-whole-archive zephyr_interface)
+target_compile_options({name} PRIVATE {warnings})
 """
 
 
@@ -58,15 +59,18 @@ def configuration(package, tmp_path, *lines):
     return {name: symbol.str_value for name, symbol in kconfig.syms.items() if name.startswith("JOULEPATH")}
 
 
-def build(package, directory, options, program):
+def build(package, directory, options, *programs):
+    """Applications that hold all of the module."""
     switches = "".join(f"set(CONFIG_{name} {value})\n" for name, value in options.items() if value == "y")
     module = yaml.safe_load((package / "zephyr" / "module.yml").read_text("utf-8"))["build"]["cmake"]
-    application = APPLICATION.format(program=PROGRAMS / program, warnings=" ".join(WARNINGS))
+    applications = "".join(APPLICATION.format(name=Path(program).stem, program=PROGRAMS / program,
+                                              warnings=" ".join(WARNINGS)) for program in programs)
     project = cmake_project(directory / "app", f"{ZEPHYR}{switches}add_subdirectory({package / module} module)\n"
-                            + application)
+                            f"get_property(libraries GLOBAL PROPERTY ZEPHYR_LIBS)\n{applications}")
     configure(project, directory / "build")
     command("cmake", "--build", directory / "build", "--parallel", "2")
-    command(directory / "build" / "app")
+    for program in programs:
+        command(directory / "build" / Path(program).stem)
 
 
 def test_the_description_names_files_that_are_there(package):
@@ -91,14 +95,10 @@ def test_an_application_is_built_with_the_hal(package, tmp_path):
     build(package, tmp_path, configuration(package, tmp_path, "CONFIG_JOULEPATH=y"), "firmware.c")
 
 
-def test_an_application_is_built_without_the_hal(package, tmp_path):
-    options = configuration(package, tmp_path, "CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_HAL=n")
-    build(package, tmp_path, options, "consumer.c")
-
-
-def test_an_application_is_built_with_floating_point(package, tmp_path):
-    options = configuration(package, tmp_path, "CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_FLOAT=y")
-    build(package, tmp_path, options, "float_consumer.c")
+def test_applications_are_built_with_floating_point_and_without_the_hal(package, tmp_path):
+    options = configuration(package, tmp_path, "CONFIG_JOULEPATH=y", "CONFIG_JOULEPATH_HAL=n",
+                            "CONFIG_JOULEPATH_FLOAT=y")
+    build(package, tmp_path, options, "consumer.c", "float_consumer.c")
 
 
 def test_a_module_that_is_off_builds_nothing(package, tmp_path):
