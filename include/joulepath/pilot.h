@@ -10,7 +10,8 @@
  *      └───────── asked, failed ───────┘  └────── follow ───────┘
  *
  * A route is planned whole before its first leg is driven, so that what cannot be driven is refused where the robot
- * stands, or at the end of the leg that it drives. The legs are planned once more as they are driven, each shortly
+ * stands, or at the end of the leg that it drives. Where legs are too short for the cruise of least energy the whole
+ * route is driven slower. The legs are planned once more as they are driven, each shortly
  * before the one before it ends: a route may have any number. A leg that is late only makes the robot stand and
  * continue from there. Until the pilot rests, nothing else may hand the robot segments or trajectories. A
  * jp_robot_stop() in the middle of a leg ends the route with JP_ERR_STATE; jp_pilot_stop() always ends it.
@@ -108,6 +109,7 @@ struct jp_pilot_internal {
     bool is_surveying; /**< the survey has begun */
     bool is_onward;    /**< it goes on from a leg that is driven or is to be */
     bool needs_stand;  /**< the route cannot go on from there */
+    uint8_t slower;    /**< times that the cruise was lowered, for legs that are too short for it */
     enum jp_status forecast_status;
     struct jp_forecast forecast;
     struct jp_pilot_survey survey;

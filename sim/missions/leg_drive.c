@@ -3,11 +3,15 @@
 #include <joulepath/pilot.h>
 #include <math.h>
 
+#include "sim/balancer/fault_names.h"
 #include "sim/base/error.h"
 #include "sim/missions/random_targets.h"
 
 /* A stand before a route begins, s. */
 #define STAND_SECONDS 8.0
+
+/* No cruise is below it. */
+#define SLOWEST JP_Q24(0.02)
 
 /* The random numbers of missions begin below it. */
 #define SEEDS_OF_LEGS ((uint64_t)1 << 41)
@@ -30,12 +34,12 @@ static double joules(jp_energy energy)
 }
 
 /* From the stand. */
-static enum jp_status plan(struct drive *drive)
+static enum jp_status plan_at(struct drive *drive, jp_q24 cruise)
 {
     struct jp_telemetry telemetry;
     const struct jp_robot_config *config = jp_robot_configuration(&drive->rig.robot);
     struct jp_trajectory_task task = {.config = &config->trajectory,
-                                      .cruise = jp_pilot_cruise(config, &drive->model),
+                                      .cruise = cruise,
                                       .targets = drive->targets,
                                       .count = LEG_DRIVE_ROUTE,
                                       .to_stand = true};
@@ -43,8 +47,22 @@ static enum jp_status plan(struct drive *drive)
     (void)jp_robot_telemetry(&drive->rig.robot, &telemetry);
     task.start = telemetry.position;
     task.heading = jp_phase_angle(telemetry.reference_yaw);
-    random_targets_draw(&drive->random, &drive->rig, drive->targets, LEG_DRIVE_ROUTE);
     return jp_trajectory_by_rule(&task, drive->planned, &drive->trajectory);
+}
+
+/* As the pilot does it: slower where legs are too short. */
+static bool find_plan(struct drive *drive)
+{
+    const struct jp_robot_config *config = jp_robot_configuration(&drive->rig.robot);
+    jp_q24 cruise = jp_pilot_cruise(config, &drive->model);
+    enum jp_status status;
+
+    random_targets_draw(&drive->random, &drive->rig, drive->targets, LEG_DRIVE_ROUTE);
+    do {
+        status = plan_at(drive, cruise);
+        cruise -= cruise / 4;
+    } while (status == JP_ERR_INFEASIBLE && cruise > SLOWEST);
+    return status == JP_OK;
 }
 
 static void expect(struct drive *drive, struct driven_leg *legs)
@@ -113,13 +131,32 @@ static bool drive_routes(struct drive *drive, unsigned count, struct driven_leg 
 
     for (unsigned i = 0; i < count && is_driven; i += LEG_DRIVE_ROUTE) {
         stand(drive);
-        is_driven = plan(drive) == JP_OK;
+        is_driven = find_plan(drive);
         if (is_driven) {
             expect(drive, &legs[i]);
             is_driven = measure(drive, &legs[i]);
         }
     }
     return is_driven;
+}
+
+/** Why it did not drive its legs. */
+static void complain(const struct drive *drive, const char *name)
+{
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&drive->rig.robot);
+    const unsigned long long seed = drive->legs->seed;
+    char faults[FAULTS_NAME_SIZE];
+
+    faults_name(telemetry->faults, faults);
+    if (telemetry->state == JP_ROBOT_FALLEN) {
+        error_line("%s: the robot of seed %llu, with %.3g kg of payload, fell; give limits.payload_kg or slower limits",
+                   name, seed, drive->legs->variation.payload_kg);
+    } else if (telemetry->state == JP_ROBOT_FAULT) {
+        error_line("%s: the robot of seed %llu stopped with the fault: %s; correct its sensors or lower its limits",
+                   name, seed, faults);
+    } else {
+        error_line("%s: a route of the robot of seed %llu cannot be planned; correct its limits", name, seed);
+    }
 }
 
 bool leg_drive_run(struct leg_drive *legs, const struct robot_entry *entry, enum energy_kind kind,
@@ -148,8 +185,7 @@ bool leg_drive_run(struct leg_drive *legs, const struct robot_entry *entry, enum
         is_driven = drive_routes(&drive, LEG_DRIVE_FORECAST, &legs->legs[LEG_DRIVE_LEARNT]);
     }
     if (!is_driven) {
-        error_line("%s: the robot of seed %llu did not drive its legs; correct control.weights", entry->name,
-                   (unsigned long long)seed);
+        complain(&drive, entry->name);
         return false;
     }
     return true;

@@ -9,6 +9,9 @@
 /** The next leg is planned this long before the present one ends: s⁻¹. */
 #define PLAN_LEAD_RATE 5U
 
+/** A cruise that legs have no room for is lowered by a quarter, so often at most: to a tenth. */
+#define SLOWER_MAX 8U
+
 /** A robot stands that is slower than this share of its cruising speed. */
 #define STILL_SHARE 10
 
@@ -174,6 +177,17 @@ static void begin_at_end(const struct jp_robot *robot, const struct jp_telemetry
     task->motion.turn_rate = jp_q24_multiply(telemetry->command.turn_rate, TURNS_PER_RADIAN);
 }
 
+/** The speed of least energy; less where legs have no room for it. */
+static jp_q24 cruise_of(const struct jp_pilot_internal *internal, const struct jp_robot_config *robot)
+{
+    jp_q24 cruise = jp_pilot_cruise(robot, &internal->model);
+
+    for (uint8_t i = 0; i < internal->slower; i++) {
+        cruise -= cruise / 4;
+    }
+    return cruise;
+}
+
 /** From where and as the robot will be when what it drives ends. */
 static struct jp_trajectory_task task_of(const struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
@@ -183,7 +197,7 @@ static struct jp_trajectory_task task_of(const struct jp_pilot *pilot, const str
     const uint16_t done = pilot->targets_planned;
     struct jp_trajectory_task task = {
         .config = &robot->trajectory,
-        .cruise = jp_pilot_cruise(robot, &internal->model),
+        .cruise = cruise_of(internal, robot),
         .targets = &route->targets[done],
         .passages = route->passages == NULL ? NULL : &route->passages[done],
         .count = (uint16_t)(route->count - done),
@@ -327,16 +341,21 @@ static enum jp_status look_ahead_on(struct jp_pilot *pilot, const struct jp_tele
                                                                              : finish_survey(pilot, telemetry);
 }
 
+/** What cannot be driven on is driven from a stand, and what cannot be driven from a stand, slower. */
 static enum jp_status look_ahead(struct jp_pilot *pilot, const struct jp_telemetry *telemetry)
 {
+    struct jp_pilot_internal *internal = &pilot->internal;
     const enum jp_status status = look_ahead_on(pilot, telemetry);
 
-    if (pilot->internal.is_onward && (status == JP_ERR_INFEASIBLE || status == JP_ERR_STATE)) {
-        pilot->internal.needs_stand = true;
-        pilot->internal.is_surveying = false;
-        return JP_OK;
+    if (internal->is_onward && (status == JP_ERR_INFEASIBLE || status == JP_ERR_STATE)) {
+        internal->needs_stand = true;
+    } else if (status == JP_ERR_INFEASIBLE && internal->slower < SLOWER_MAX) {
+        internal->slower++;
+    } else {
+        return status;
     }
-    return status;
+    internal->is_surveying = false;
+    return JP_OK;
 }
 
 /* The drive. */
@@ -484,6 +503,7 @@ static void accept(struct jp_pilot *pilot, const struct jp_pilot_route *route, b
     pilot->internal.route = *route;
     pilot->internal.is_question = is_question;
     pilot->internal.needs_stand = false;
+    pilot->internal.slower = 0;
     pilot->internal.question = JP_PILOT_ASKED;
     pilot->targets_surveyed = 0;
     pilot->targets_planned = 0;

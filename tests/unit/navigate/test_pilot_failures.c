@@ -50,6 +50,20 @@ static void test_motors_without_voltage_for_the_motion(void)
     expect_failure(slalom, 2, JP_ERR_INFEASIBLE);
 }
 
+/* 4 V are less than the cruise of least energy takes. */
+static void test_what_cannot_be_driven_at_cruising_speed_is_driven_slower(void)
+{
+    robot_config.trajectory.voltage = JP_Q16(4);
+    init();
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, 2));
+    drive(slalom, 2);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT8(1, pilot.internal.slower);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, 2));
+    TEST_ASSERT_EQUAL_UINT8(0, pilot.internal.slower);
+}
+
 static void test_failure_is_forgotten_with_the_next_route(void)
 {
     const struct jp_point here = {0, 0};
