@@ -116,8 +116,8 @@ def test_the_margin_tells_when_a_loop_swings(robot):
 
 def test_a_late_sensor_takes_margin(robot):
     axis = closed_loop.axes(completed(int(robot.name.removeprefix("random"))))[0]
-    found = [closed_loop.modulus_margin(axis, delay) for delay in (0, 0.001, 0.01, 0.1, 1)]
-    assert found == sorted(found, reverse=True) and found[-1] < 0.2
+    found = [closed_loop.modulus_margin(axis, delay) for delay in (0, 0.001, 0.01, 0.1)]
+    assert found == sorted(found, reverse=True) and found[-1] < 0.8 * found[0]
 
 
 def test_a_sensor_that_is_too_late_is_refused(tmp_path):
@@ -128,13 +128,32 @@ def test_a_sensor_that_is_too_late_is_refused(tmp_path):
     assert not list(tmp_path.glob("*.c"))
 
 
-def test_a_steeper_step_needs_slower_shaping():
-    plant, rate = linear_model.linear_plant(robot_of(STRONG[0])), 1e9
-    # The steepest change of a critically damped step is 1/e of it by its time.
-    for lean in (1.0, 2.0):
-        leaning = robot_of(STRONG[0], specification__lean_deg=lean)
-        steepest = leaning.number("limits.speed_m_s") / math.e / specification.travel_shaping(leaning, plant, rate)
-        assert math.degrees(steepest / linear_model.GRAVITY) == pytest.approx(lean)
+def test_a_step_to_the_greatest_speed_leans_the_robot_no_more_than_it_may(robot):
+    """By the firmware's loop in real numbers, longer than it was tried out."""
+    found = completed(int(robot.name.removeprefix("random")))
+    shaping = found.number("control.travel_shaping_s")
+    leans = closed_loop.travel_step(found, linear_model.design(found).gains, 20 * shaping, 1)[1]
+    most = np.abs(leans).max() * robot.number("limits.speed_m_s")
+    assert most <= 1.02 * specification.largest_lean(found, linear_model.linear_plant(found))
+
+
+def test_a_smaller_lean_takes_slower_shaping():
+    times = [specification.completed(robot_of(STRONG[0], specification__lean_deg=lean)).number("control.travel_shaping_s")
+             for lean in (8.0, 2.0, 1.0)]
+    assert times == sorted(times) and times[2] == pytest.approx(2 * times[1], rel=0.3)
+
+
+def test_a_turn_stays_within_the_voltage_that_the_greatest_speed_leaves(robot):
+    plant = linear_model.linear_plant(robot)
+    shaping = specification.yaw_shaping(robot, plant, 1e9, 0.15)
+    time = np.linspace(0, 12 * shaping, 20000)
+    turn = math.radians(robot.number("limits.turn_deg"))
+    rate = turn * time / shaping**2 * np.exp(-time / shaping)
+    volts = plant.volts_per_turn_rate * rate + np.gradient(rate, time) / (plant.b[5] @ [-1, 1])
+    left = 0.85 * robot.number("supply.voltage_v") - plant.volts_per_speed * robot.number("limits.speed_m_s")
+    assert np.abs(volts).max() <= left * (1 + 1e-3)
+    assert rate.max() <= math.radians(0.75 * 500) * (1 + 1e-9)
+    assert np.abs(volts).max() > 0.3 * left or rate.max() > 0.99 * math.radians(0.75 * 500)
 
 
 def test_tilt_weighs_the_bias_against_changes_of_speed():
@@ -161,6 +180,7 @@ def test_sensors_without_noise_cannot_be_told_from_frozen_ones():
     ({"specification__voltage_reserve": 0.89}, "limits: .* V are left beside the reserve"),
     ({"specification__settling_s": 0.01}, "specification.settling_s: 0.01 s: the body falls in .* s, and no voltage "
                                           "lets the wheels settle in less than .* s"),
+    ({"specification__lean_deg": 0.1}, "limits.speed_m_s: .* must not lean more than 0.1°, and so takes more than 60 s"),
     ({"control__input_weight": 1.0}, "control: weights and input_weight stand together; give both, or neither"),
 ])
 def test_what_physics_forbids_is_refused_in_a_sentence(changes, message):

@@ -194,13 +194,13 @@ def travel_step(robot, gains, seconds, stride):
     of 1 m/s, and the pitch in rad."""
     loop, radius = _Travel(robot, gains), robot.positive("wheel.radius_m")
     axis = _axis("travel", loop, robot, 1 / radius)
-    state = -axis.steady
+    state, ticks = -axis.steady, np.linalg.matrix_power(axis.matrix, stride)
     shown = []
-    for _ in range(round(seconds * axis.rate_hz)):
-        state = axis.matrix @ state
+    for _ in range(round(seconds * axis.rate_hz) // stride):
+        state = ticks @ state
         shown.append([state[loop.encoder_rate], state[loop.body_pitch]])
     steady = axis.steady[[loop.encoder_rate, loop.body_pitch]]
-    return ((np.array(shown) + steady) * [radius, 1])[stride - 1::stride].T
+    return ((np.array(shown) + steady) * [radius, 1]).T
 
 
 @dataclass(frozen=True)

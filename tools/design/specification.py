@@ -9,7 +9,7 @@ import math
 import numpy as np
 from scipy import linalg, optimize
 
-from tools.design import linear_model
+from tools.design import closed_loop, linear_model
 
 # Until 2 % of a displacement are left, the slowest mode decays by this exponent.
 SETTLED = 4.0
@@ -20,10 +20,13 @@ YAW_PACE = 2.0
 # The integrals take so many times as long as the angles.
 INTEGRAL_SLOWER = 5.0
 
-# In falling times 1/p: the reference's shaping, and at least the tilt toward the accelerometer's vertical.
+# In falling times 1/p, at least: the reference's shaping, and the tilt toward the accelerometer's vertical.
 TRAVEL_SHAPING = 12.0
 YAW_SHAPING = 1.0
 TILT = 7.0
+# s; a step is tried out for so many times the shaping, and the shaping grows by at least this factor.
+TRAVEL_SHAPING_MAX = 60.0
+STEP_S, STEP_SHAPINGS, SHAPING_STEP = 0.01, 8.0, 1.1
 # The gyro's bias is learned so much slower.
 BIAS = 15.0
 # In falling rates p: the encoders' tracker, slower where their steps would shake the motors. At most this share of the
@@ -44,6 +47,9 @@ TILT_LIMITS = (20.0, 45.0)
 # Less, and a doorsill or a draught throws it over.
 LEAN_MIN = 3.0  # °
 
+# Of the gyro's range, for planned turns.
+GYRO_SHARE = 0.75
+
 # A frozen sensor is told by its noise, which repeats itself less long; it must reach half a step.
 FREEZE_S = 0.05
 NOISE_STEPS = 0.5
@@ -54,9 +60,9 @@ NOISE_DEVIATIONS = 6.0
 CURRENT_RESIDUAL = 0.1
 
 # Of the group control, all but its rate.
-SETTINGS = ("weights", "input_weight", "travel_shaping_s", "yaw_shaping_s", "encoder_bandwidth_rad_s",
-            "tilt_time_constant_s", "bias_time_constant_s", "pitch_reserve_share", "tilt_limit_deg", "freeze_ticks",
-            "gyro_jump_dps", "current_residual_a", "voltage_min_v", "voltage_max_v")
+SETTINGS = ("weights", "input_weight", "yaw_shaping_s", "encoder_bandwidth_rad_s", "tilt_time_constant_s",
+            "bias_time_constant_s", "pitch_reserve_share", "tilt_limit_deg", "freeze_ticks", "gyro_jump_dps",
+            "current_residual_a", "voltage_min_v", "voltage_max_v", "travel_shaping_s")
 
 # Logarithms of prices, in units of p and the supply, among which the right one is sought from the likeliest on.
 UPWARDS = np.log(10) * np.arange(-3, 13)
@@ -133,6 +139,19 @@ def weights(robot, plant, settling):
     return [float(f"{weight:.6g}") for weight in result]
 
 
+def yaw_shaping(robot, plant, rate, reserve):
+    """s: the greatest turn takes no more voltage than the greatest speed and the reserve leave, and the gyro measures it.
+    A critically damped step turns at most with 1/e of itself by the time, and speeds up with itself by its square."""
+    turn = math.radians(robot.number("limits.turn_deg"))
+    push = plant.b[linear_model.STATES.index("φ̇")] @ [-1, 1]
+    steady, changing = plant.volts_per_turn_rate * turn / math.e, turn / push
+    left = ((1 - reserve) * robot.positive("supply.voltage_v")
+            - plant.volts_per_speed * robot.positive("limits.speed_m_s"))
+    by_voltage = (steady + math.sqrt(steady**2 + 4 * changing * left)) / (2 * left)
+    measured = GYRO_SHARE * math.radians(robot.number("gyro.full_scale_dps")) or math.inf
+    return max(YAW_SHAPING / rate, by_voltage, turn / math.e / measured)
+
+
 def encoder_bandwidth(robot, plant, rate, priced):
     """rad/s. A step q of the encoder is noise of q/√12, of which a critically damped tracker of bandwidth b leaves
     q √(b³/48 f) of the rate at f ticks a second. The rate's gain makes voltage of it, and the resistance power."""
@@ -198,10 +217,21 @@ def largest_lean(robot, plant):
                LEAN_SHARE * recoverable_lean(robot, plant, robot.positive("limits.speed_m_s")))
 
 
-def travel_shaping(robot, plant, rate):
-    """s: a step to the greatest speed leans the robot no more than it may."""
-    acceleration = linear_model.GRAVITY * largest_lean(robot, plant)
-    return max(TRAVEL_SHAPING / rate, robot.positive("limits.speed_m_s") / (math.e * acceleration))
+def travel_shaping(robot, plant, found):
+    """s: a step to the greatest speed leans the closed loop no more than it may, and longer than the loop itself takes.
+    found: the other settings."""
+    speed, lean = robot.positive("limits.speed_m_s"), largest_lean(robot, plant)
+    shaping = TRAVEL_SHAPING / falling_rate(plant)
+    while shaping <= TRAVEL_SHAPING_MAX:
+        tried = robot.varied({f"control.{key}": value for key, value in (found | {"travel_shaping_s": shaping}).items()})
+        stride = round(STEP_S * robot.positive("control.rate_hz"))
+        leans = closed_loop.travel_step(tried, linear_model.design(tried).gains, STEP_SHAPINGS * shaping, stride)[1]
+        most = speed * np.abs(leans).max()
+        if most <= lean:
+            return shaping
+        shaping *= max(SHAPING_STEP, most / lean)
+    raise robot.error("limits.speed_m_s", f"{speed:.3g} m/s: the robot must not lean more than {math.degrees(lean):.2g}°, "
+                      f"and so takes more than {TRAVEL_SHAPING_MAX:g} s to speed up; slower, or stronger motors")
 
 
 def tilt_time_constant(robot, rate):
@@ -220,11 +250,10 @@ def settings(robot, plant):
     reserve = robot.given("specification.voltage_reserve", VOLTAGE_RESERVE)
     check_strength(robot, plant, reserve)
     priced = weights(robot, plant, robot.given("specification.settling_s", SETTLING / rate))
-    return {
+    found = {
         "weights": priced,
         "input_weight": 1 / voltage**2,
-        "travel_shaping_s": travel_shaping(robot, plant, rate),
-        "yaw_shaping_s": YAW_SHAPING / rate,
+        "yaw_shaping_s": yaw_shaping(robot, plant, rate, reserve),
         "encoder_bandwidth_rad_s": encoder_bandwidth(robot, plant, rate, priced),
         "tilt_time_constant_s": tilt_time_constant(robot, rate),
         "bias_time_constant_s": BIAS * tilt_time_constant(robot, rate),
@@ -236,6 +265,8 @@ def settings(robot, plant):
         "voltage_min_v": VOLTAGE_LOW * voltage,
         "voltage_max_v": VOLTAGE_HIGH * voltage,
     }
+    # Last: it is tried out with all others.
+    return found | {"travel_shaping_s": travel_shaping(robot, plant, found)}
 
 
 def completed(robot):
