@@ -77,7 +77,7 @@ def test_known_parameters_are_recovered(place):
     assert [figure["unit"] for figure in bench] == ["%", "J"]
 
 
-@pytest.mark.parametrize("noise, accepted", [(0.3, True), (4.0, False)])
+@pytest.mark.parametrize("noise, accepted", [(0.3, True), (8.0, False)])
 def test_a_model_that_misses_the_validation_is_refused(place, noise, accepted):
     directory, arguments, columns = place
     disturbed = columns["motor_total_j"] * (1 + noise / 100 * np.random.default_rng(5).choice([-1, 1], len(columns["v1_m_s"])))
