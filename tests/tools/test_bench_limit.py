@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import JP_ROBOT, ROOT, assert_one_line_error, run_tool
 
-from tools.design import robot_json
+from tools.design import robot_json, robot_trials
 from tools.measure import bench_limit, energy_limit
 from tools.measure.energy_limit import (BATTERY, MOTOR, PITCH, PITCH_RATE, SPEED, STATES, YAW_RATE, Plant, Problem, Task,
                                         follow, guess_of, integrate, least, least_in, shares_of)
@@ -220,12 +220,12 @@ def test_a_plan_is_continuous(plan):
 
 def test_random_routes_follow_their_rule():
     for seed in range(20):
-        points = bench_limit.draw_points(np.random.default_rng(seed))
+        points = robot_trials.draw_points(np.random.default_rng(seed))
         legs = np.diff(points, axis=0)
         lengths, directions = np.hypot(*legs.T), np.arctan2(legs[:, 1], legs[:, 0])
         turns = (np.diff(directions, prepend=0) + math.pi) % math.tau - math.pi
-        assert len(legs) == bench_limit.WAYPOINTS and not points[0].any()
-        assert lengths.min() >= 1 and lengths.max() <= 15 and np.abs(turns).max() <= bench_limit.TURN
+        assert len(legs) == robot_trials.LEGS and not points[0].any()
+        assert lengths.min() >= 1 and lengths.max() <= 15 and np.abs(turns).max() <= robot_trials.TURN
 
 
 def to_its_first_corner(route):
@@ -240,7 +240,7 @@ def test_a_short_run(tmp_path, monkeypatch):
     monkeypatch.setattr(bench_limit, "SCENARIOS", ("courier24_short",))
     monkeypatch.setattr(bench_limit, "ROBOTS", ("gao2018",))
     monkeypatch.setattr(bench_limit, "STARTS", 1)
-    monkeypatch.setattr(bench_limit, "WAYPOINTS", 1)
+    monkeypatch.setattr(robot_trials, "LEGS", 1)
     path = tmp_path / "limit.json"
     result = run_tool("measure.bench_limit", "--routes", 1, "--unseen", 1, "--seed", 5, "--workers", 1, "--bench", path)
     assert result.returncode == 0, result.stderr

@@ -50,11 +50,16 @@ def render(tables):
     return HEAD + structs + "\n" + "".join(f"extern const struct {struct} {name};\n" for struct, name in tables) + TAIL
 
 
+def declare(output=HEADER):
+    """Write the header of what src/tables/ holds now."""
+    write_whole(output, render(definitions(TABLES)))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--output", metavar="FILE", type=Path, default=HEADER, help="default: include/joulepath/tables.h")
     options = parser.parse_args()
-    write_whole(options.output, render(definitions(TABLES)))
+    declare(options.output)
     print(f"wrote {shown_path(options.output)}")
 
 

@@ -8,6 +8,12 @@ tables: ## declare what is in src/tables/ in include/joulepath/tables.h
 	@tools/setup.sh design
 	$(DECLARE)
 
+.PHONY: robot
+robot: ## all tables of ROBOT=name from sim/robots/name.cfg, tried out; its report: build/robot/name/report.html
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	@$(PYTHON) -m tools.design.robot_design $(ROBOT)
+
 .PHONY: gains
 gains: ## design the controller of ROBOT=name: sim/robots/name.cfg to src/tables/robot_name.c
 	@tools/setup.sh design

@@ -26,18 +26,15 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, whole_number, write_whole
-from tools.design import robot_json
+from tools.design import robot_json, robot_trials
 from tools.measure import energy_limit, trajectory_oracle
 from tools.measure.figure_store import write_tables
 
 COMMAND = "make bench-limit"
 SCENARIOS = ("gao2018_mission", "gao2018_short", "courier24_mission", "courier24_short")
 
-# Random routes: chosen before anything was measured on them. The first of them are driven by every strategy.
+# Random routes, as robot_trials.py draws them: chosen before anything was measured on them. The first of them are driven by every strategy.
 ROBOTS = ("gao2018", "courier24")
-WAYPOINTS = 5              # after the start
-LENGTHS = (1.0, 15.0)      # m
-TURN = math.radians(120)   # ±, from leg to leg, and from x to the first
 SEED = 1
 # And routes by the rule alone, of seeds that nothing was developed with.
 UNSEEN_SEED = 1001
@@ -98,14 +95,8 @@ def scenario_route(name):
     return Route(name, text.replace("../robots", str(ROOT / "sim/robots")), SEED)
 
 
-def draw_points(generator):
-    directions = np.cumsum(generator.uniform(-TURN, TURN, WAYPOINTS))
-    legs = generator.uniform(*LENGTHS, WAYPOINTS)[:, None] * np.column_stack([np.cos(directions), np.sin(directions)])
-    return np.vstack([np.zeros(2), np.cumsum(legs, axis=0)])
-
-
 def random_route(robot, seed, by_rule_alone=False):
-    points = ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in draw_points(np.random.default_rng(seed)))
+    points = ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in robot_trials.draw_points(np.random.default_rng(seed)))
     return Route(f"{robot}_{seed}", f'name = "{robot}_{seed}";\nrobot = "{ROOT}/sim/robots/{robot}.cfg";\n'
                  f'energy_model = "identified";\nseed = {seed};\nwaypoints = ( {points} );\n', seed, by_rule_alone)
 
@@ -220,7 +211,7 @@ def figures_of_rule(scenarios, routes):
     for those, robot, results in routes:
         driven_routes = of_rule(drive for drives in results for drive in drives)
         errors = [drive.forecast_error for drive in driven_routes]
-        name = f"{those} of {WAYPOINTS}, {robot}"
+        name = f"{those} of {robot_trials.LEGS}, {robot}"
         miss = 100 * max(drive.miss for drive in driven_routes)
         yield figure_of_rule(f"{name}, waypoints passed within", miss, "cm", MISS_BAR)
         yield figure_of_rule(f"{name}, forecast against driven, mean", np.mean(errors), "%", FORECAST_BARS["mean"])
@@ -255,7 +246,7 @@ def figures_of(scenarios, routes):
     for those, robot, results in routes:
         for strategy, drives in by_strategy(results).items():
             above = [drive.above for drive in drives]
-            name = f"{those} of {WAYPOINTS}, {robot}, {strategy}: above the limit"
+            name = f"{those} of {robot_trials.LEGS}, {robot}, {strategy}: above the limit"
             yield figure(f"{name}, mean", np.mean(above), strategy, "mean")
             yield figure(f"{name}, worst", max(above), strategy, "worst")
 
@@ -296,7 +287,8 @@ def main():
                           "limit_routes": (ROUTE_HEADINGS, route_table)})
 
     print_aligned([SCENARIO_HEADINGS, *scenario_table])
-    print(f"\nrandom routes of {WAYPOINTS} legs of {LENGTHS[0]:g} to {LENGTHS[1]:g} m, turns to ±{math.degrees(TURN):g}°")
+    low, high = robot_trials.LENGTHS
+    print(f"\nrandom routes of {robot_trials.LEGS} legs of {low:g} to {high:g} m, turns to ±{math.degrees(robot_trials.TURN):g}°")
     print_aligned([ROUTE_HEADINGS, *route_table])
     print(f"\nwrote {shown_path(path)} and {shown_path(tables)}")
     return 0

@@ -1,0 +1,82 @@
+"""A robot in the making, tried out: programs that know its tables alone, on the non-linear plant."""
+import json
+import math
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+
+from tools.common import ROOT, ToolError, read_text, write_whole
+
+# Routes: five legs of 1 to 15 m, each turned by up to 120° from the one before it.
+LEGS = 5
+LENGTHS = (1.0, 15.0)     # m
+TURN = math.radians(120)
+TIMEOUT = 900             # s, of a program
+
+
+def called(command, what, **options):
+    """Output of a program that must succeed; its last line says why it did not."""
+    try:
+        result = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False, cwd=ROOT,
+                                timeout=TIMEOUT, **options)
+    except OSError as error:
+        raise ToolError(f"{what}: {command[0]}: {error.strerror}") from None
+    except subprocess.TimeoutExpired:
+        raise ToolError(f"{what}: {command[0]} takes more than {TIMEOUT} s") from None
+    if result.returncode != 0:
+        lines = [line for line in (result.stderr or result.stdout).splitlines() if line.strip()] or ["no reason given"]
+        raise ToolError(f"{what}: {lines[-1]}")
+    return result.stdout
+
+
+def tool(name, *arguments):
+    """Another tool of this folder."""
+    return called([sys.executable, "-m", f"tools.design.{name}", *arguments], name)
+
+
+def build(folder, *programs):
+    """With the tables of folder/tables. Paths: of the programs."""
+    paths = [folder / program for program in programs]
+    called([os.environ.get("MAKE", "make"), f"CANDIDATE={folder}", *paths], "build")
+    return paths
+
+
+def balance(program, robot_file):
+    """What jp-balance says."""
+    return json.loads(called([program, robot_file, "--json=-"], "balance"))
+
+
+def draw_points(generator):
+    """Of a random route."""
+    directions = np.cumsum(generator.uniform(-TURN, TURN, LEGS))
+    legs = generator.uniform(*LENGTHS, LEGS)[:, None] * np.column_stack([np.cos(directions), np.sin(directions)])
+    return np.vstack([np.zeros(2), np.cumsum(legs, axis=0)])
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Of a route, by cruise and transients."""
+    forecast: float  # J, before the start
+    driven: float    # J
+    seconds: float
+    miss: float      # m, from the waypoint that it passed worst
+
+    @property
+    def error(self):
+        """Share of what was driven."""
+        return self.forecast / self.driven - 1
+
+
+def drive(program, robot_file, folder, seed, energy="motor"):
+    """A random route."""
+    points = ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in draw_points(np.random.default_rng(seed)))
+    scenario = folder / "route.cfg"
+    write_whole(scenario, f'name = "route_{seed}";\nrobot = "{robot_file.resolve()}";\nenergy_model = "identified";\n'
+                          f'energy = "{energy}";\nseed = {seed};\nwaypoints = ( {points} );\n')
+    called([program, scenario, "--alone", "--output", folder / "route"], f"route {seed}")
+    row = json.loads(read_text(folder / "route" / "summary.json"))["strategies"][0]
+    return Drive(row["forecast"]["energy_j"], row["total"]["measured_energy_j"], row["total"]["duration_s"],
+                 max(leg["passed_m"] for leg in row["segments"]))
