@@ -192,6 +192,7 @@ static void energy_drawn(const struct jp_ecu *ecu, struct jp_can_frame *frame)
     (void)jp_can_energy_drawn_pack(frame->data, &signals, sizeof frame->data);
 }
 
+/** As the model holds it, in its unit of energy, which the robot's built-in tables tell: so no digit is lost. */
 static jp_q16 parameter(const struct jp_energy_model *model, uint8_t index)
 {
     const jp_q16 rest[PARAMETERS - JP_ENERGY_TERMS] = {
@@ -337,8 +338,9 @@ static void segment_shape(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void segment_forecast(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
+    const jp_energy energy = jp_energy_from_q16(ecu->pilot.leg.energy, ecu->pilot.config.model->unit_exponent);
     const struct jp_can_segment_forecast_t signals = {.segment = ecu->internal.plan.segment,
-                                                      .energy = ecu->pilot.leg.energy};
+                                                      .energy = jp_energy_to_q16(energy, 0)};
 
     frame->id = JP_CAN_SEGMENT_FORECAST_FRAME_ID;
     (void)jp_can_segment_forecast_pack(frame->data, &signals, sizeof frame->data);
@@ -413,8 +415,8 @@ static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
     const bool ended = telemetry->segments_ended > ecu->internal.segments_reported;
     const struct jp_can_segment_result_t signals = {
         .segment = count8(telemetry->segments_ended),
-        .spent = (uint32_t)jp_clamp32(jp_energy_to_q16(telemetry->segment_energy_model), 0, 2 * limit - 1),
-        .drawn = jp_clamp32(jp_energy_to_q16(telemetry->segment_energy_battery), -limit, limit - 1),
+        .spent = (uint32_t)jp_clamp32(jp_energy_to_q16(telemetry->segment_energy_model, 0), 0, 2 * limit - 1),
+        .drawn = jp_clamp32(jp_energy_to_q16(telemetry->segment_energy_battery, 0), -limit, limit - 1),
     };
 
     ecu->internal.segments_reported = telemetry->segments_ended;

@@ -10,6 +10,12 @@
  *
  * with P₋ = (ul₋² + ur₋²)/Rm, ul₋ = cv v₋ − cw w₋ and ur₋ = cv v₋ + cw w₋.
  * The model holds for T >= Ts and a settled start.
+ *
+ * A robot of 100 kg spends a million times what one of 0.3 kg does. So each model has its own unit of energy, 2ⁿ J with
+ * n its `unit_exponent`, and every energy of this library in Q16 is in the unit of the robot's model: here "J" stands
+ * for that unit wherever a jp_q16 holds an energy, "W" for one such unit a second, and a motor's resistance is written
+ * in Ω · 2ⁿ, so that V²/Rm has the model's unit. The meter counts joules (meter.h), and people and buses read joules:
+ * jp_energy_to_q16() and jp_energy_from_q16() stand where the two meet. The arithmetic is the same in each unit.
  */
 #ifndef JOULEPATH_ENERGY_H
 #define JOULEPATH_ENERGY_H
@@ -23,15 +29,19 @@ extern "C" {
 
 #define JP_ENERGY_TERMS 13
 
+/** Greatest n of a unit of 2ⁿ J, and least with a minus. */
+#define JP_ENERGY_UNIT_EXPONENT_MAX 15
+
 /** Parameters of one robot under one controller; made by tools/design/identify.py. */
 struct jp_energy_model {
     jp_q16 a[JP_ENERGY_TERMS];    /**< a1…a13: J per product of m/s, rad/s, rad and V; a13 in s; |a| <= 4 096 */
     jp_q16 b[2];                  /**< b1 J·s/m², b2 J·s/rad²; 0…4 096 */
-    jp_q16 electronics_power;     /**< Ps, W; above 0, at most 256 */
+    jp_q16 electronics_power;     /**< Ps, W; above 0, at most 4 096 */
     jp_q16 settling_time;         /**< Ts, s; 0…60 */
     jp_q16 voltage_per_speed;     /**< cv, V·s/m; 0…256 */
     jp_q16 voltage_per_turn_rate; /**< cw, V·s/rad; 0…256 */
-    jp_q16 motor_resistance;      /**< Rm, Ω; above 0, at most 256 */
+    jp_q16 motor_resistance;      /**< Rm, Ω · 2ⁿ; above 0 */
+    int32_t unit_exponent;        /**< n: energies of this robot in Q16 are in 2ⁿ J; ±JP_ENERGY_UNIT_EXPONENT_MAX */
 };
 
 /** A motion at constant speed and turn rate. */

@@ -13,6 +13,8 @@
  * memory)), the first step of Newton's iteration from S towards an orthogonal matrix. It keeps every singular value in
  * (0, 1], so that P <= I in fixed point, whatever is driven and for how long; a direction that is not excited keeps its
  * value and returns to the prior uncertainty.
+ *
+ * J is the unit of the built-in model (energy.h): of the tables, of what is measured and of forecasts.
  */
 #ifndef JOULEPATH_LEARNER_H
 #define JOULEPATH_LEARNER_H
@@ -130,9 +132,10 @@ void jp_learner_start(struct jp_learner *learner, const struct jp_learning *lear
 enum jp_status jp_learner_restore(struct jp_learner *learner, const struct jp_learned_state *state, const char **field);
 
 /**
- * Learns from a segment that was driven: `measured` J, electronics included, from `start`. Not for ISRs.
- * *learned says what became of it. JP_ERR_ARGUMENT: null, or as jp_energy_regressors(); JP_ERR_OVERFLOW: the energy or
- * a regressor exceeds its format; nothing is learned and *learned not written. Bounded work: tests/bench/FIGURES.md.
+ * Learns from a segment that was driven: `measured` J, electronics included, by jp_energy_to_q16(), from `start`. Not
+ * for ISRs. *learned says what became of it. JP_ERR_ARGUMENT: null, or as jp_energy_regressors(); JP_ERR_OVERFLOW: the
+ * energy or a regressor exceeds its format; nothing is learned and *learned not written. Bounded work:
+ * tests/bench/FIGURES.md.
  */
 enum jp_status jp_learner_update(struct jp_learner *learner, const struct jp_energy_start *start,
                                  const struct jp_segment_command *segment, jp_q16 measured, enum jp_learned *learned);
@@ -169,10 +172,10 @@ enum jp_status jp_forecast_total(const struct jp_learner *learner, const struct 
                                  struct jp_forecast *forecast);
 
 /**
- * Whether `available` J are enough for a forecast at a confidence (one-sided, Q31, ½ to 0.9999): *spare is the energy
- * in J that remains at that confidence, or, if negative, that is missing; saturated. The quantile of the normal
- * distribution is within 0.001 standard deviations. JP_ERR_ARGUMENT: a pointer is null, or the confidence is out of
- * range. Constant time.
+ * Whether `available` J, by jp_energy_to_q16(), are enough for a forecast at a confidence (one-sided, Q31, ½ to
+ * 0.9999): *spare is the energy in J that remains at that confidence, or, if negative, that is missing; saturated. The
+ * quantile of the normal distribution is within 0.001 standard deviations. JP_ERR_ARGUMENT: a pointer is null, or the
+ * confidence is out of range. Constant time.
  */
 enum jp_status jp_forecast_reserve(const struct jp_forecast *forecast, jp_q16 available, jp_q31 confidence,
                                    jp_q16 *spare);

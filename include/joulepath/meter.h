@@ -43,8 +43,12 @@ void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config
  *  beyond that in proportion. Constant time; for the control ISR. */
 void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages, const struct jp_sensors *sensors);
 
-/** Energy in J as Q16.16, rounded and saturated. Constant time; any context. */
-jp_q16 jp_energy_to_q16(jp_energy energy);
+/** Energy in the unit of a model, 2^unit_exponent J with ±JP_ENERGY_UNIT_EXPONENT_MAX (energy.h), as Q16.16, rounded
+ * and saturated; 0: in J. Constant time; any context. */
+jp_q16 jp_energy_to_q16(jp_energy energy, int32_t unit_exponent);
+
+/** The other way, exact. Constant time; any context. */
+jp_energy jp_energy_from_q16(jp_q16 energy, int32_t unit_exponent);
 
 #ifdef __cplusplus
 }

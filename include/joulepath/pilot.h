@@ -15,6 +15,8 @@
  * before the one before it ends: a route may have any number. A leg that is late only makes the robot stand and
  * continue from there. Until the pilot rests, nothing else may hand the robot segments or trajectories. A
  * jp_robot_stop() in the middle of a leg ends the route with JP_ERR_STATE; jp_pilot_stop() always ends it.
+ *
+ * Its energies in Q16 are in the unit of config.model (energy.h).
  */
 #ifndef JOULEPATH_PILOT_H
 #define JOULEPATH_PILOT_H

@@ -46,7 +46,7 @@ struct jp_segment {
     struct jp_segment_command command;
     jp_q24 arc;    /**< γ, rad */
     jp_q16 length; /**< L, m */
-    jp_q16 energy; /**< predicted E, J */
+    jp_q16 energy; /**< predicted E, J in the model's unit (energy.h) */
 };
 
 /** Checks every field, and against the model that segments are planned with; null: none are. JP_ERR_CONFIG: *field

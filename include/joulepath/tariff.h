@@ -42,8 +42,8 @@ struct jp_tariff_factors {
 struct jp_tariff_models {
     uint32_t version;
     const struct jp_energy_model *built_in; /**< of the lattice's tables; its electronics count for both */
-    const struct jp_energy_model *learned;
-    jp_q16 mass; /**< as above */
+    const struct jp_energy_model *learned;  /**< in the same unit */
+    jp_q16 mass;                            /**< as above */
 };
 
 struct jp_tariff {

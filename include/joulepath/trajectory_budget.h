@@ -32,7 +32,7 @@ struct jp_trajectory_budget_config {
     struct jp_trajectory_task task;      /**< its cruise is the greatest that may be taken: the robot's limits.speed */
     const struct jp_energy_model *model; /**< which passed its check */
     enum jp_budget_kind kind;
-    jp_q16 limit;                   /**< s or J; above 0 */
+    jp_q16 limit;                   /**< s, or J in the model's unit (energy.h); above 0 */
     struct jp_trajectory_leg *legs; /**< one for each target; the caller's memory */
     struct jp_trajectory *trajectory;
 };
@@ -41,7 +41,7 @@ struct jp_trajectory_budget_config {
 struct jp_budget_plan {
     jp_q24 cruise; /**< m/s */
     jp_q16 seconds;
-    jp_q16 energy; /**< J */
+    jp_q16 energy; /**< J in the model's unit */
 };
 
 /** Private. */

@@ -8,6 +8,8 @@
  * gives is u·i instead of u²/Rm: with ec v and ed φ̇, which the motors' motion takes of the voltages,
  *
  *   E = 2/Rm ∫ (uc (uc − ec v) + ud (ud − ed φ̇)) dt + …
+ *
+ * J is the unit of the model (energy.h).
  */
 #ifndef JOULEPATH_TRAJECTORY_ENERGY_H
 #define JOULEPATH_TRAJECTORY_ENERGY_H

@@ -72,7 +72,7 @@ struct jp_waypoint {
  */
 struct jp_waypoints_label {
     jp_phase heading;
-    int64_t price;           /* J/655 360, with what slopes add and margins lack */
+    int64_t price;           /* J/655 360 in the model's unit, with what slopes add and margins lack */
     struct jp_motion motion; /* at its end */
     uint16_t before;         /* backpointer: place of the label before, */
     uint8_t before_sector;   /* and its sector */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "sim/balancer/energy_unit.h"
 #include "sim/balancer/rig.h"
 
 #define RADIANS_PER_DEGREE (3.14159265358979323846 / 180)
@@ -58,10 +59,11 @@ static double balancer_motor_power(const struct lattice_robot *robot, double spe
     const double torque = grade * balancer_weight(file) * file->wheel.radius_m / 2;
     const double slope_voltage =
         torque / (file->motor.torque_constant * file->motor.gear_ratio) * file->motor.resistance_ohm;
-    const double level_voltage = speed * sqrt(model->b[0] / Q16 * file->motor.resistance_ohm / 2);
+    const double level_voltage = speed * sqrt(energy_unit_joules(model, model->b[0]) * file->motor.resistance_ohm / 2);
     const double voltage = level_voltage + slope_voltage;
 
-    return 2 * voltage * voltage / file->motor.resistance_ohm + model->b[1] / Q16 * turn_rate * turn_rate;
+    return 2 * voltage * voltage / file->motor.resistance_ohm +
+           energy_unit_joules(model, model->b[1]) * turn_rate * turn_rate;
 }
 
 /* J of the motors: settled driving, or on the spot a step σ of the heading (a3 σ²). */
@@ -69,7 +71,7 @@ static double balancer_motor_energy(const struct lattice_robot *robot, const str
 {
     if (motion->speed == 0) {
         const double turn = motion->turn_rate * motion->duration;
-        return robot->balancer.model->a[2] / Q16 * turn * turn;
+        return energy_unit_joules(robot->balancer.model, robot->balancer.model->a[2]) * turn * turn;
     }
     const double grade = motion->rise / (motion->speed * motion->duration);
     return balancer_motor_power(robot, motion->speed, motion->turn_rate, grade) * motion->duration;
@@ -112,7 +114,7 @@ static void describe_balancer(struct lattice_robot *robot)
     robot->pivot_duration = robot->balancer.model->settling_time / Q16;
     robot->grade_max = tan(SLOPE_MAX_DEG * RADIANS_PER_DEGREE);
     robot->grade_bend = -robot->grade_max;
-    robot->electronics_power = robot->balancer.model->electronics_power / Q16;
+    robot->electronics_power = energy_unit_joules(robot->balancer.model, robot->balancer.model->electronics_power);
     robot->speed_max = cruising_speed(robot);
     robot->energy = balancer_motion_energy;
 }

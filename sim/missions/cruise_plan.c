@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/balancer/energy_unit.h"
+
 static struct jp_trajectory_task task_of(struct cruise_plan *plan, const struct scenario *scenario,
                                          const struct jp_robot_config *robot, jp_q24 cruise)
 {
@@ -37,12 +39,13 @@ enum jp_status cruise_plan_within(struct cruise_plan *plan, const struct scenari
                                   const struct jp_robot_config *robot, const struct jp_energy_model *model)
 {
     const bool in_time = scenario->within_seconds > 0;
-    const double limit = in_time ? scenario->within_seconds : scenario->within_joules;
+    const double limit =
+        in_time ? scenario->within_seconds * JP_Q16_ONE : energy_unit_number(model, scenario->within_joules);
     const struct jp_trajectory_budget_config config = {
         .task = task_of(plan, scenario, robot, robot->limits.speed),
         .model = model,
         .kind = in_time ? JP_BUDGET_SECONDS : JP_BUDGET_JOULES,
-        .limit = (jp_q16)floor(limit * JP_Q16_ONE),
+        .limit = (jp_q16)floor(fmin(INT32_MAX, limit)),
         .legs = plan->legs,
         .trajectory = &plan->trajectory,
     };

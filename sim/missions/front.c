@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 
+#include "sim/balancer/energy_unit.h"
 #include "sim/balancer/rig.h"
 #include "sim/base/error.h"
 #include "sim/base/progress.h"
@@ -36,10 +37,12 @@ const char *front_request_name(enum front_request request)
     return names[request];
 }
 
-static struct front_forecast forecast_of(const struct cruise_plan *plan)
+static struct front_forecast forecast_of(const struct maker *maker)
 {
+    const struct cruise_plan *plan = &maker->plan;
+
     return (struct front_forecast){plan->forecast.cruise / Q24_ONE, plan->forecast.seconds / Q16_ONE,
-                                   plan->forecast.energy / Q16_ONE};
+                                   energy_unit_joules(maker->model, plan->forecast.energy)};
 }
 
 static void sweep(struct maker *maker)
@@ -54,7 +57,7 @@ static void sweep(struct maker *maker)
 
         if (cruise_plan_at(&maker->plan, &maker->scenario, maker->entry->config, maker->model, cruise) == JP_OK &&
             maker->plan.forecast.seconds < INT32_MAX && maker->plan.forecast.energy < INT32_MAX) {
-            front->forecasts[front->forecast_count++] = forecast_of(&maker->plan);
+            front->forecasts[front->forecast_count++] = forecast_of(maker);
         }
     }
 }
@@ -101,7 +104,7 @@ static bool add(struct maker *maker, enum front_request request, double seconds,
     }
     *point = (struct front_drive){.request = request,
                                   .limit = request == FRONT_LEAST_ENERGY ? 0 : seconds + joules,
-                                  .forecast = forecast_of(&maker->plan)};
+                                  .forecast = forecast_of(maker)};
     front->drive_count++;
     return drive(maker, point);
 }

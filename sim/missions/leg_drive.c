@@ -3,6 +3,7 @@
 #include <joulepath/pilot.h>
 #include <math.h>
 
+#include "sim/balancer/energy_unit.h"
 #include "sim/balancer/fault_names.h"
 #include "sim/base/error.h"
 #include "sim/missions/random_targets.h"
@@ -120,9 +121,9 @@ static void learn(struct drive *drive, const struct driven_leg *legs)
 
     for (unsigned i = 0; i < LEG_DRIVE_LEARNT; i++) {
         travel += (double)legs[i].expected.travel / JP_Q16_ONE;
-        more += legs[i].measured - (double)legs[i].expected.energy / JP_Q16_ONE;
+        more += legs[i].measured - energy_unit_joules(drive->built_in, legs[i].expected.energy);
     }
-    drive->model.b[0] += (jp_q16)lround(more / travel * JP_Q16_ONE);
+    drive->model.b[0] += (jp_q16)lround(energy_unit_number(drive->built_in, more / travel));
 }
 
 static bool drive_routes(struct drive *drive, unsigned count, struct driven_leg *legs)
@@ -168,7 +169,7 @@ bool leg_drive_run(struct leg_drive *legs, const struct robot_entry *entry, enum
     if (drive.built_in == NULL) {
         return false;
     }
-    *legs = (struct leg_drive){.seed = seed};
+    *legs = (struct leg_drive){.seed = seed, .model = drive.built_in};
     random_init(&drive.random, seed + SEEDS_OF_LEGS);
     variation_draw(&drive.random, file, &legs->variation);
     variation_apply(&legs->variation, file, &varied);

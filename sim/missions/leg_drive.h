@@ -21,6 +21,7 @@ struct driven_leg {
 struct leg_drive {
     uint64_t seed;
     struct variation variation;
+    const struct jp_energy_model *model; /**< of what is expected */
     struct driven_leg legs[LEG_DRIVE_LEGS];
 };
 

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <time.h>
 
+#include "sim/balancer/energy_unit.h"
 #include "sim/balancer/fault_names.h"
 #include "sim/base/error.h"
 #include "sim/base/progress.h"
@@ -170,10 +171,10 @@ static void begin_leg(struct drive *drive)
     drive->leg_plant = mission_plant_energy(drive->scenario, &drive->rig.world.plant);
 }
 
-static void note_plan(struct mission_leg *leg, const struct jp_segment *segment)
+static void note_plan(const struct drive *drive, struct mission_leg *leg, const struct jp_segment *segment)
 {
     leg->planned = true;
-    leg->planned_energy = segment->energy / Q16_ONE;
+    leg->planned_energy = energy_unit_joules(drive->model, segment->energy);
     leg->speed = segment->command.motion.speed / Q24_ONE;
     leg->turn_rate = segment->command.motion.turn_rate / Q24_ONE;
     leg->arc = segment->arc / Q24_ONE;
@@ -214,7 +215,7 @@ static void predict_script(struct drive *drive)
         struct jp_segment segment = {.command = drive->script.steps[i].command};
 
         if (jp_energy_predict(drive->model, &before, &segment.command, &segment.energy) == JP_OK) {
-            note_plan(&drive->mission->legs[i], &segment);
+            note_plan(drive, &drive->mission->legs[i], &segment);
         }
         before = segment.command.motion;
     }
@@ -285,9 +286,9 @@ static bool has_budget(const struct drive *drive)
 }
 
 /** So that as much is enough. */
-static double tenths_up(jp_q16 figure)
+static double tenths_up(double figure)
 {
-    return ceil(10 * (figure / Q16_ONE)) / 10;
+    return ceil(10 * figure) / 10;
 }
 
 static bool prepare_within(struct drive *drive)
@@ -296,17 +297,18 @@ static bool prepare_within(struct drive *drive)
     const struct jp_budget_plan *forecast = &drive->cruise.forecast;
     const enum jp_status status =
         cruise_plan_within(&drive->cruise, scenario, jp_robot_configuration(&drive->rig.robot), drive->model);
+    const double energy = energy_unit_joules(drive->model, forecast->energy);
 
     if (status == JP_ERR_INFEASIBLE && forecast->energy < INT32_MAX) {
         return scenario->within_seconds > 0 ? cannot(drive, "within_seconds = %g: the robot needs %.1f s; raise it",
-                                                     scenario->within_seconds, tenths_up(forecast->seconds))
+                                                     scenario->within_seconds, tenths_up(forecast->seconds / Q16_ONE))
                                             : cannot(drive, "within_joules = %g: the robot needs %.1f J; raise it",
-                                                     scenario->within_joules, tenths_up(forecast->energy));
+                                                     scenario->within_joules, tenths_up(energy));
     }
     if (status != JP_OK) {
         return cannot_be_planned(drive, 0, status);
     }
-    drive->mission->forecast = (struct mission_forecast){true, forecast->energy / Q16_ONE, 0};
+    drive->mission->forecast = (struct mission_forecast){true, energy, 0};
     return true;
 }
 
@@ -390,7 +392,7 @@ static bool work_of_segments(struct drive *drive)
         return cannot_be_planned(drive, planned, status);
     }
     if (drive->segments.planned > planned) {
-        note_plan(&drive->mission->legs[planned], &drive->segments.segment);
+        note_plan(drive, &drive->mission->legs[planned], &drive->segments.segment);
     }
     return true;
 }
@@ -570,7 +572,8 @@ static bool follow_with_pilot(struct drive *drive)
         }
     }
     (void)jp_pilot_answer(&drive->pilot, &forecast);
-    drive->mission->forecast = (struct mission_forecast){true, forecast.energy / Q16_ONE, forecast.deviation / Q16_ONE};
+    drive->mission->forecast = (struct mission_forecast){true, energy_unit_joules(drive->model, forecast.energy),
+                                                         energy_unit_joules(drive->model, forecast.deviation)};
     return true;
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
 
 #define Q16_ONE 65536.0
@@ -111,6 +112,7 @@ static bool choose(const struct map_file *map, const struct jp_lattice *lattice,
     struct jp_waypoints choice;
     bool done = false;
 
+    drive->model = robot->balancer.model;
     if (size == 0 || block == NULL) {
         error_line("%s: no memory for the route", map->name);
     } else if (begin(map, lattice, robot, &choice, block, size)) {
@@ -191,7 +193,7 @@ struct plan_sums plan_drive_predicted(const struct plan_drive *drive)
 
     for (size_t i = 1; i < drive->waypoint_count; i++) {
         const struct jp_segment *segment = &drive->waypoints[i].segment;
-        sums.energy += segment->energy / Q16_ONE;
+        sums.energy += energy_unit_joules(drive->model, segment->energy);
         sums.length += segment->length / Q16_ONE;
         sums.time += segment->command.duration / Q16_ONE;
     }

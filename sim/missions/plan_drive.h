@@ -12,6 +12,7 @@
 #define PLAN_LOG_FILE      "drive.csv"
 
 struct plan_drive {
+    const struct jp_energy_model *model;
     size_t waypoint_count;
     struct jp_waypoint waypoints[BEZIER_WAYPOINTS_MAX];
     struct clearance_pose places[BEZIER_WAYPOINTS_MAX]; /**< theirs in the grid's frame; the heading is the route's */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
 
 /* Of an energy model (joulepath/energy.h). */
@@ -107,8 +108,9 @@ static jp_q16 to_q16(double value)
     return (jp_q16)lrint(fmax(INT32_MIN, fmin(INT32_MAX, value * JP_Q16_ONE)));
 }
 
+/* `model` tells the unit of the energies among them, of which only a13 is none. */
 static bool read_numbers(const char *path, const char *key, const json_t *array, double low, size_t count,
-                         jp_q16 *numbers)
+                         const struct jp_energy_model *model, jp_q16 *numbers)
 {
     if (json_array_size(array) != count) {
         error_line("%s: %s: must be a list of %zu numbers", path, key, count);
@@ -117,12 +119,14 @@ static bool read_numbers(const char *path, const char *key, const json_t *array,
     for (size_t i = 0; i < count; i++) {
         const json_t *value = json_array_get(array, i);
         const double number = json_number_value(value);
+        const double unit = i == ENERGY_UNIT_TIME_TERM ? 1 : energy_unit_joules(model, JP_Q16_ONE);
 
-        if (!json_is_number(value) || !(number >= low && number <= COEFFICIENT_MAX)) {
-            error_line("%s: %s%zu: must be a number from %g to %g", path, key, i + 1, low, COEFFICIENT_MAX);
+        if (!json_is_number(value) || !(number >= low * unit && number <= COEFFICIENT_MAX * unit)) {
+            error_line("%s: %s%zu: must be a number from %g to %g", path, key, i + 1, low * unit,
+                       COEFFICIENT_MAX * unit);
             return false;
         }
-        numbers[i] = to_q16(number);
+        numbers[i] = to_q16(number / unit);
     }
     return true;
 }
@@ -146,8 +150,8 @@ static bool charge_by_model(const char *path, const struct parameters_text *text
     const struct jp_tariff_models models = {(uint32_t)text->version, built_in, &learned, to_q16(text->mass)};
     const char *field = NULL;
 
-    if (!read_numbers(path, "a", text->a, -COEFFICIENT_MAX, JP_ENERGY_TERMS, learned.a) ||
-        !read_numbers(path, "b", text->b, 0, sizeof learned.b / sizeof learned.b[0], learned.b)) {
+    if (!read_numbers(path, "a", text->a, -COEFFICIENT_MAX, JP_ENERGY_TERMS, built_in, learned.a) ||
+        !read_numbers(path, "b", text->b, 0, sizeof learned.b / sizeof learned.b[0], built_in, learned.b)) {
         return false;
     }
     const enum jp_status status = jp_tariff_by_models(tariff, lattice, &models, &field);

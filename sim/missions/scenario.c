@@ -33,9 +33,9 @@ struct texts {
             is_optional                                                                                                \
     }
 
-#define BUDGET(key, member, unit)                                                                                      \
+#define BUDGET(key, member, most, unit)                                                                                \
     {                                                                                                                  \
-        key, offsetof(struct texts, member), 1, CONFIG_FIELD_REAL, 0.001, 32767, unit, true                            \
+        key, offsetof(struct texts, member), 1, CONFIG_FIELD_REAL, 0.001, most, unit, true                             \
     }
 
 static const struct config_field fields[] = {
@@ -45,8 +45,8 @@ static const struct config_field fields[] = {
     TEXT("energy", energy, true),
     TEXT("end", end, true),
     {"seed", offsetof(struct texts, seed), 1, CONFIG_FIELD_WHOLE, 0, 1e9, "1", false},
-    BUDGET("within_seconds", within_seconds, "s"),
-    BUDGET("within_joules", within_joules, "J"),
+    BUDGET("within_seconds", within_seconds, 32767, "s"),
+    BUDGET("within_joules", within_joules, 1e9, "J"),
     {"waypoints", 0, BEZIER_WAYPOINTS_MAX, CONFIG_FIELD_LIST, 0, 0, "m", false},
 };
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
 #include "sim/missions/random_targets.h"
 
@@ -221,20 +222,21 @@ static bool foresee(struct drive *drive, struct jp_pilot *pilot, uint16_t count,
 static void ask(struct drive *drive, uint16_t count)
 {
     struct trip *trip = drive->trip;
+    const struct jp_energy_model *model = drive->pilot.config.model;
     struct jp_forecast forecast = {0};
     jp_q16 spare = 0;
 
     if (!foresee(drive, &drive->unlearned, count, &forecast)) {
         return;
     }
-    trip->unlearned = from_q16(forecast.energy);
+    trip->unlearned = energy_unit_joules(model, forecast.energy);
     if (!foresee(drive, &drive->pilot, count, &forecast)) {
         return;
     }
-    trip->predicted = from_q16(forecast.energy);
-    trip->deviation = from_q16(forecast.deviation);
+    trip->predicted = energy_unit_joules(model, forecast.energy);
+    trip->deviation = energy_unit_joules(model, forecast.deviation);
     trip->available = trip->unlearned * random_uniform(&drive->random, AVAILABLE_MIN, AVAILABLE_MAX);
-    (void)jp_forecast_reserve(&forecast, (jp_q16)lround(trip->available * JP_Q16_ONE),
+    (void)jp_forecast_reserve(&forecast, (jp_q16)lround(fmin(INT32_MAX, energy_unit_number(model, trip->available))),
                               (jp_q31)lround(CONFIDENCE * 2147483648.0), &spare);
     trip->answer = spare >= 0;
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/balancer/energy_unit.h"
 #include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
@@ -104,10 +105,12 @@ static json_t *json_parameters(const struct trip *trip, const struct robot_file 
     json_t *b = json_array();
 
     for (size_t i = 0; i < JP_ENERGY_TERMS; i++) {
-        json_array_append_new(a, json_real((double)trip->learned.a[i] / JP_Q16_ONE));
+        json_array_append_new(a, json_real(i == ENERGY_UNIT_TIME_TERM
+                                               ? (double)trip->learned.a[i] / JP_Q16_ONE
+                                               : energy_unit_joules(&trip->learned, trip->learned.a[i])));
     }
     for (size_t i = 0; i < sizeof trip->learned.b / sizeof trip->learned.b[0]; i++) {
-        json_array_append_new(b, json_real((double)trip->learned.b[i] / JP_Q16_ONE));
+        json_array_append_new(b, json_real(energy_unit_joules(&trip->learned, trip->learned.b[i])));
     }
     return json_pack("{s:s, s:i, s:o, s:o, s:f}", "robot", file->name, "version", (int)trip->version, "a", a, "b", b,
                      "mass", 1 + trip->payload / (file->body.mass_kg + 2 * file->wheel.mass_kg));
@@ -133,9 +136,9 @@ static void print_leg(const struct leg_drive *drive, unsigned i)
     (void)printf(",%d,%.9f,%.9f", i < LEG_DRIVE_LEARNT ? 0 : 1, (double)expected->travel / JP_Q16_ONE,
                  (double)expected->turning / JP_Q16_ONE);
     for (size_t k = 0; k < JP_LEG_TRANSIENTS; k++) {
-        (void)printf(",%.9f", (double)expected->transient[k] / JP_Q16_ONE);
+        (void)printf(",%.9f", energy_unit_joules(drive->model, expected->transient[k]));
     }
-    (void)printf(",%.9f,%.9f\n", (double)expected->energy / JP_Q16_ONE, leg->measured);
+    (void)printf(",%.9f,%.9f\n", energy_unit_joules(drive->model, expected->energy), leg->measured);
 }
 
 static bool run_legs(const struct arguments *arguments, const struct robot_entry *entry, const struct robot_file *file)

@@ -34,4 +34,10 @@ static inline int64_t jp_round_shift64(int64_t x, unsigned shift)
     return (x + ((int64_t)1 << (shift - 1U))) >> shift;
 }
 
+/** x · 2^exponent, rounded down; the result fits, |exponent| < 63. */
+static inline int64_t jp_times_power(int64_t x, int32_t exponent)
+{
+    return exponent < 0 ? x >> (unsigned)-exponent : x * ((int64_t)1 << (unsigned)exponent);
+}
+
 #endif

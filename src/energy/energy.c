@@ -21,10 +21,14 @@ bool jp_motion_in_range(const struct jp_motion *motion)
 enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const char **field)
 {
     static const struct jp_config_field fields[] = {
-        FIELD(a, -JP_Q16(4096), JP_Q16(4096)),    FIELD(b, 0, JP_Q16(4096)),
-        FIELD(electronics_power, 1, JP_Q16(256)), FIELD(settling_time, 0, JP_Q16(60)),
-        FIELD(voltage_per_speed, 0, JP_Q16(256)), FIELD(voltage_per_turn_rate, 0, JP_Q16(256)),
-        FIELD(motor_resistance, 1, JP_Q16(256)),
+        FIELD(a, -JP_Q16(4096), JP_Q16(4096)),
+        FIELD(b, 0, JP_Q16(4096)),
+        FIELD(electronics_power, 1, JP_Q16(4096)),
+        FIELD(settling_time, 0, JP_Q16(60)),
+        FIELD(voltage_per_speed, 0, JP_Q16(256)),
+        FIELD(voltage_per_turn_rate, 0, JP_Q16(256)),
+        FIELD(motor_resistance, 1, INT32_MAX),
+        FIELD(unit_exponent, -JP_ENERGY_UNIT_EXPONENT_MAX, JP_ENERGY_UNIT_EXPONENT_MAX),
     };
 
     return jp_config_check(model, fields, JP_CONFIG_COUNT(fields), field);

@@ -44,7 +44,12 @@ void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages,
     meter->battery += multiply_q32(power, (uint32_t)meter->tick) + meter->electronics_tick;
 }
 
-jp_q16 jp_energy_to_q16(jp_energy energy)
+jp_q16 jp_energy_to_q16(jp_energy energy, int32_t unit_exponent)
 {
-    return jp_round_shift(energy, 16);
+    return jp_round_shift(energy, (unsigned)(16 + unit_exponent));
+}
+
+jp_energy jp_energy_from_q16(jp_q16 energy, int32_t unit_exponent)
+{
+    return (jp_energy)energy * ((int64_t)1 << (unsigned)(16 + unit_exponent));
 }

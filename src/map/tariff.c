@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 
 enum { FRACTION_BITS = 16, MS_PER_S = 1000, MM2_PER_MS_IN_M2_PER_S = 1000 };
 
@@ -85,10 +86,12 @@ static int64_t turn_square(const struct jp_lattice *lattice, const struct jp_pri
     return (radians * radians) >> 32;
 }
 
-/** Change of the cost by a parameter of the energy model: (learned − built-in) · regressor, in 2⁻¹⁶ cost units. */
-static int64_t difference(jp_q16 built_in, jp_q16 learned, int64_t regressor)
+/** Change of the cost by a parameter of the energy model: (learned − built-in) · regressor, in 2⁻¹⁶ cost units, of
+ * which a joule has JP_COST_PER_JOULE whatever the model's unit is. */
+static int64_t difference(const struct jp_tariff_models *models, jp_q16 built_in, jp_q16 learned, int64_t regressor)
 {
-    return ((learned - (int64_t)built_in) * jp_saturate32(regressor)) >> FRACTION_BITS;
+    return ((learned - (int64_t)built_in) * jp_saturate32(regressor)) >>
+           (unsigned)(FRACTION_BITS - models->built_in->unit_exponent);
 }
 
 /** By how much a primitive on level ground costs more by the learned model than by the built-in one: cost units,
@@ -104,9 +107,9 @@ static int64_t learned_change(const struct jp_lattice *lattice, const struct jp_
     const int64_t time = primitive->duration;     /* ms */
     const int64_t duration = time > 0 ? time : 1; /* a table may have no times */
     const int64_t change = primitive->move_count == 0U
-                               ? difference(built_in->a[2], learned->a[2], turn)
-                               : difference(built_in->b[0], learned->b[0], square / duration) +
-                                     difference(built_in->b[1], learned->b[1], turn * MS_PER_S / duration);
+                               ? difference(models, built_in->a[2], learned->a[2], turn)
+                               : difference(models, built_in->b[0], learned->b[0], square / duration) +
+                                     difference(models, built_in->b[1], learned->b[1], turn * MS_PER_S / duration);
 
     return (change + JP_Q16_ONE - 1) >> FRACTION_BITS;
 }
@@ -130,7 +133,8 @@ static int64_t moves_change(const struct jp_lattice *before, const struct jp_lat
 static int64_t least_base(const struct jp_tariff_models *models, const struct jp_primitive *primitive)
 {
     const int64_t duration = primitive->duration;
-    const int64_t draw = models->built_in->electronics_power * duration * JP_COST_PER_JOULE / MS_PER_S;
+    const int64_t in_unit = models->built_in->electronics_power * duration * JP_COST_PER_JOULE / MS_PER_S;
+    const int64_t draw = jp_times_power(in_unit, models->built_in->unit_exponent);
 
     if (primitive->move_count > 0U) {
         return 0;
@@ -245,6 +249,9 @@ enum jp_status jp_tariff_by_models(struct jp_tariff *tariff, const struct jp_lat
     }
     if (status != JP_OK) {
         return status;
+    }
+    if (models->built_in->unit_exponent != models->learned->unit_exponent) {
+        return jp_config_refuse("model.unit_exponent", field);
     }
     const int64_t straight = learned_straight(lattice, models);
     const struct prices prices = {

@@ -101,6 +101,7 @@ static void end_leg(struct jp_pilot *pilot, const struct jp_telemetry *telemetry
     const struct jp_pilot_drive *drive = &pilot->internal.drive;
     const bool of_battery = pilot->config.meter == JP_PILOT_BATTERY;
     const jp_energy measured = of_battery ? telemetry->segment_energy_battery : telemetry->segment_energy_model;
+    const jp_q16 measured_in_unit = jp_energy_to_q16(measured, pilot->config.model->unit_exponent);
     const struct jp_leg_energy *energy = &drive->energy[(drive->begun - 1U) % JP_PILOT_PLACES];
 
     pilot->evidence = jp_segment_evidence(&drive->watch, telemetry, of_battery);
@@ -108,7 +109,7 @@ static void end_leg(struct jp_pilot *pilot, const struct jp_telemetry *telemetry
         return;
     }
     if (pilot->evidence == JP_EVIDENCE_GOOD &&
-        jp_learner_update_leg(&pilot->learner, energy, jp_energy_to_q16(measured), &pilot->learned) == JP_OK) {
+        jp_learner_update_leg(&pilot->learner, energy, measured_in_unit, &pilot->learned) == JP_OK) {
         pilot->legs_learned_from = jp_one_more32(pilot->legs_learned_from);
     } else {
         pilot->legs_left_out = jp_one_more32(pilot->legs_left_out);

@@ -2,6 +2,7 @@
 
 #include "src/base/block.h"
 #include "src/base/config_check.h"
+#include "src/base/integer.h"
 #include "src/navigate/waypoint_arc.h"
 
 #define ATTEMPTS 4U
@@ -10,10 +11,10 @@
 
 static const jp_q24 whole_margin = JP_Q24(JP_WAYPOINTS_MARGIN_M);
 
-/** A J with a whole margin, in J/10; each step that is missing counts for one more. */
+/** A J, in the model's unit, with a whole margin, in J/10; each step that is missing counts for one more. */
 #define PRICE_ONE 10
 
-/** Price of a unit of jp_cost. */
+/** Price of a unit of jp_cost where the model's unit is 1 J. */
 #define PRICE_PER_COST (PRICE_ONE * 65536 / JP_COST_PER_JOULE)
 
 #define NOT_CLEAR (-1)
@@ -197,7 +198,8 @@ static void join(struct jp_waypoints *waypoints, uint8_t sector, const struct pl
     }
 
     struct jp_waypoints_label *const best = label_of(waypoints, waypoints->internal.to, leg.heading);
-    const int64_t before = label->price + slopes * PRICE_PER_COST;
+    const int64_t before =
+        label->price + jp_times_power(slopes * PRICE_PER_COST, -waypoints->config.model->unit_exponent);
 
     if (before + price_of(leg.segment.energy, JP_WAYPOINTS_MARGIN_STEPS) >= best->price) {
         return;

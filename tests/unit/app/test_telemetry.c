@@ -283,6 +283,24 @@ static void test_a_plan_is_announced_once_in_three_frames(void)
     }
 }
 
+/* Whatever the unit of the model is, and saturated. */
+static void test_a_forecast_is_sent_in_joules(void)
+{
+    struct jp_energy_model model = jp_energy_model_courier24;
+
+    ecu.pilot.config.model = &model;
+    model.unit_exponent = 2;
+    announce(255);
+    ecu.internal.plan.frames_left = 1;
+    EXPECT_FRAME(0x18C, 0xFF, 0x00, 0x00, 0x00, 0x00, 0x00, 0xF4, 0xFF); /* −12 J */
+    model.unit_exponent = -1;
+    ecu.internal.plan.frames_left = 1;
+    EXPECT_FRAME(0x18C, 0xFF, 0x00, 0x00, 0x00, 0x00, 0x80, 0xFE, 0xFF); /* −1.5 J */
+    model.unit_exponent = 15;
+    ecu.internal.plan.frames_left = 1;
+    EXPECT_FRAME(0x18C, 0xFF, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x80);
+}
+
 static void test_a_result_is_told_once(void)
 {
     telemetry->segments_ended = 2;

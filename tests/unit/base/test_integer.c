@@ -30,6 +30,15 @@ static void test_magnitudes(void)
     TEST_ASSERT_EQUAL_INT64(INT64_MAX, jp_absolute64(INT64_MAX));
 }
 
+static void test_powers_of_two_of_either_sign(void)
+{
+    TEST_ASSERT_EQUAL_INT64(-40, jp_times_power(-5, 3));
+    TEST_ASSERT_EQUAL_INT64(-5, jp_times_power(-5, 0));
+    TEST_ASSERT_EQUAL_INT64(-2, jp_times_power(-5, -2));
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN, jp_times_power(-1, 62) * 2);
+    TEST_ASSERT_EQUAL_INT64(1, jp_times_power((int64_t)1 << 62, -62));
+}
+
 static void test_ties_round_up(void)
 {
     TEST_ASSERT_EQUAL_INT64(1, jp_round_shift64(1, 1));

@@ -3,6 +3,7 @@
 #include <joulepath/tables.h>
 #include <stddef.h>
 
+#include "tests/support/energy_unit.h"
 #include "unity.h"
 
 /* 0.001 J */
@@ -58,11 +59,22 @@ static void test_check_names_each_field_at_both_limits(void)
     EXPECT_RANGE(a[12], -JP_Q16(4096), JP_Q16(4096), "model.a");
     EXPECT_RANGE(b[0], 0, JP_Q16(4096), "model.b");
     EXPECT_RANGE(b[1], 0, JP_Q16(4096), "model.b");
-    EXPECT_RANGE(electronics_power, 1, JP_Q16(256), "model.electronics_power");
+    EXPECT_RANGE(electronics_power, 1, JP_Q16(4096), "model.electronics_power");
     EXPECT_RANGE(settling_time, 0, JP_Q16(60), "model.settling_time");
     EXPECT_RANGE(voltage_per_speed, 0, JP_Q16(256), "model.voltage_per_speed");
     EXPECT_RANGE(voltage_per_turn_rate, 0, JP_Q16(256), "model.voltage_per_turn_rate");
-    EXPECT_RANGE(motor_resistance, 1, JP_Q16(256), "model.motor_resistance");
+    EXPECT_RANGE(unit_exponent, -15, 15, "model.unit_exponent");
+}
+
+static void test_any_resistance_above_nothing(void)
+{
+    struct jp_energy_model model = jp_energy_model_published;
+    const char *field = "none";
+
+    model.motor_resistance = INT32_MAX;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_model_check(&model, &field));
+    model.motor_resistance = 0;
+    expect_bad_field(&model, "model.motor_resistance");
 }
 
 static void test_standing_costs_the_electronics(void)
@@ -153,11 +165,40 @@ static void test_overflow_saturates(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, energy);
 }
 
+/* One robot in units of 2⁻³ to 2⁵ J: the same joules. */
+static void test_the_unit_is_a_factor(void)
+{
+    const struct jp_motion before = {JP_Q24(0.3), JP_Q24(-0.2)};
+    const struct jp_segment_command segment = {{JP_Q24(0.6), JP_Q24(0.3)}, JP_Q24(0.8), JP_Q16(12)};
+    const jp_q16 joules = predict(before, segment);
+
+    for (int32_t exponent = -3; exponent <= 5; exponent++) {
+        const struct jp_energy_model model = energy_model_in_unit(&jp_energy_model_published, exponent);
+        const char *field = "none";
+        jp_q16 energy = 0;
+
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_model_check(&model, &field));
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_predict(&model, &before, &segment, &energy));
+        TEST_ASSERT_INT32_WITHIN(TOLERANCE, energy_in_unit(joules, exponent), energy);
+    }
+}
+
+/* What 16 384 s of standing take fits a unit of 4 J. */
+static void test_a_greater_unit_holds_more(void)
+{
+    const struct jp_energy_model model = energy_model_in_unit(&jp_energy_model_published, 2);
+    const struct jp_segment_command segment = {rest, 0, JP_Q16(16384)};
+    jp_q16 energy = 0;
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_predict(&model, &rest, &segment, &energy));
+    TEST_ASSERT_INT32_WITHIN(TOLERANCE, JP_Q16(24576), energy);
+}
+
 /* The largest numbers that pass the checks overflow nothing but the result. */
 static void test_extreme_model(void)
 {
     struct jp_energy_model model = {
-        .electronics_power = JP_Q16(256),
+        .electronics_power = JP_Q16(4096),
         .settling_time = 0,
         .voltage_per_speed = JP_Q16(256),
         .voltage_per_turn_rate = JP_Q16(256),

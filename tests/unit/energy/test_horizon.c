@@ -3,6 +3,7 @@
 #include <joulepath/tables.h>
 #include <stddef.h>
 
+#include "tests/support/energy_unit.h"
 #include "unity.h"
 
 /* 0.001 J, 0.001 V */
@@ -352,6 +353,33 @@ static void test_modes_vanish_in_the_longest_segment(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.02), JP_Q16(4), end.transient.travel[0]);
     expect_transient(end.transient.yaw, 0, 0);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, energy);
+}
+
+/* A chain of short segments in units of 2⁻² and 2³ J: the same joules, and the transients stay volts. */
+static void test_the_unit_is_a_factor(void)
+{
+    static const struct jp_segment_command chain[] = {{{JP_Q24(0.5), JP_Q24(0.2)}, JP_Q24(0.4), JP_Q16(0.8)},
+                                                      {{JP_Q24(0.2), 0}, -JP_Q24(0.6), JP_Q16(1.5)},
+                                                      {{JP_Q24(0.6), -JP_Q24(0.3)}, 0, JP_Q16(0.5)}};
+
+    for (int32_t exponent = -2; exponent <= 3; exponent += 5) {
+        const struct jp_energy_model other = energy_model_in_unit(&jp_energy_model_gao2018, exponent);
+        const struct jp_horizon table = horizon_in_unit(&jp_horizon_gao2018, exponent);
+        struct jp_energy_start of_other = start;
+        struct jp_energy_start from = start;
+
+        expect_good(&table);
+        for (unsigned i = 0; i < sizeof chain / sizeof chain[0]; i++) {
+            jp_q16 in_unit = 0;
+
+            TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_forecast(&jp_energy_model_gao2018, &jp_horizon_gao2018, &from,
+                                                              &chain[i], &energy, &from));
+            TEST_ASSERT_EQUAL_INT32(JP_OK,
+                                    jp_energy_forecast(&other, &table, &of_other, &chain[i], &in_unit, &of_other));
+            TEST_ASSERT_INT32_WITHIN(2 * TOLERANCE, energy_in_unit(energy, exponent), in_unit);
+            TEST_ASSERT_EQUAL_MEMORY(&from, &of_other, sizeof from);
+        }
+    }
 }
 
 static void test_without_a_horizon_it_is_the_papers_model(void)

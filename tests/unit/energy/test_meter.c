@@ -119,13 +119,37 @@ static void test_greatest_voltages_and_currents(void)
 
 static void test_energy_in_joules(void)
 {
-    TEST_ASSERT_EQUAL_INT32(0, jp_energy_to_q16(0));
-    TEST_ASSERT_EQUAL_INT32(JP_Q16(1.5), jp_energy_to_q16(JOULE + JOULE / 2));
-    TEST_ASSERT_EQUAL_INT32(1, jp_energy_to_q16(32768));
-    TEST_ASSERT_EQUAL_INT32(0, jp_energy_to_q16(32767));
-    TEST_ASSERT_EQUAL_INT32(-1, jp_energy_to_q16(-65536));
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, jp_energy_to_q16(32768 * JOULE));
-    TEST_ASSERT_EQUAL_INT32(INT32_MIN, jp_energy_to_q16(-40000 * JOULE));
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, jp_energy_to_q16(INT64_MAX));
-    TEST_ASSERT_EQUAL_INT32(INT32_MIN, jp_energy_to_q16(INT64_MIN));
+    TEST_ASSERT_EQUAL_INT32(0, jp_energy_to_q16(0, 0));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(1.5), jp_energy_to_q16(JOULE + JOULE / 2, 0));
+    TEST_ASSERT_EQUAL_INT32(1, jp_energy_to_q16(32768, 0));
+    TEST_ASSERT_EQUAL_INT32(0, jp_energy_to_q16(32767, 0));
+    TEST_ASSERT_EQUAL_INT32(-1, jp_energy_to_q16(-65536, 0));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, jp_energy_to_q16(32768 * JOULE, 0));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, jp_energy_to_q16(-40000 * JOULE, 0));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, jp_energy_to_q16(INT64_MAX, 0));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, jp_energy_to_q16(INT64_MIN, 0));
+}
+
+static void test_energy_in_the_unit_of_a_model(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(0.75), jp_energy_to_q16(6 * JOULE, 3));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(24), jp_energy_to_q16(6 * JOULE, -2));
+    TEST_ASSERT_EQUAL_INT32(-JP_Q16(32767), jp_energy_to_q16(-((int64_t)32767 << 15) * JOULE, 15));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, jp_energy_to_q16(JOULE, -15));
+    TEST_ASSERT_EQUAL_INT32(1, jp_energy_to_q16(1, -15)); /* half a step, rounded */
+    TEST_ASSERT_EQUAL_INT64(6 * JOULE, jp_energy_from_q16(JP_Q16(0.75), 3));
+    TEST_ASSERT_EQUAL_INT64(-6 * JOULE, jp_energy_from_q16(-JP_Q16(24), -2));
+    TEST_ASSERT_EQUAL_INT64(JOULE, jp_energy_from_q16(JP_Q16_ONE, 0));
+}
+
+/* Every number of a unit comes back from joules. */
+static void test_energy_there_and_back(void)
+{
+    static const jp_q16 numbers[] = {INT32_MIN, -1, 0, 1, 12345678, INT32_MAX};
+
+    for (int32_t exponent = -15; exponent <= 15; exponent++) {
+        for (unsigned i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+            TEST_ASSERT_EQUAL_INT32(numbers[i], jp_energy_to_q16(jp_energy_from_q16(numbers[i], exponent), exponent));
+        }
+    }
 }

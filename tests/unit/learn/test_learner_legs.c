@@ -1,4 +1,5 @@
 /* Learning from the legs of trajectories: another robot, outliers, what teaches nothing, what is refused. */
+#include "tests/support/energy_unit.h"
 #include "tests/support/learner_rig.h"
 
 /* So long at 0.5 m/s, and half a joule for the blends. */
@@ -55,6 +56,55 @@ static void test_another_robot_is_learned(void)
     TEST_ASSERT_EQUAL_UINT32(40, learner.state.version);
     TEST_ASSERT_TRUE(before > leg.energy / 100);
     TEST_ASSERT_TRUE(absolute(energy_as(x, &leg) - energy_as(learner.state.x, &leg)) < before / 20);
+}
+
+/* A leg in another unit. */
+static struct jp_leg_energy leg_in_unit(const struct jp_leg_energy *leg, int32_t exponent)
+{
+    struct jp_leg_energy other = *leg;
+
+    other.energy = energy_in_unit(leg->energy, exponent);
+    return other;
+}
+
+/* The same robot in units of 2⁻³ and 2² J teaches the same, and is forecast as surely. */
+static void test_the_unit_changes_nothing_that_is_learned(void)
+{
+    static const jp_q24 x[N] = {JP_Q24(0.8), JP_Q24(-0.6)};
+
+    for (int32_t exponent = -3; exponent <= 2; exponent += 5) {
+        const struct jp_energy_model model = energy_model_in_unit(&BUILT_IN, exponent);
+        const struct jp_learning table = learning_in_unit(&learning, exponent);
+        const struct jp_leg_energy next = leg_of(JP_Q16(10), JP_Q16(0.2));
+        const struct jp_leg_energy next_in_unit = leg_in_unit(&next, exponent);
+        struct jp_forecast_sum sums[2] = {{0, {0}, 0}, {0, {0}, 0}};
+        struct jp_forecast forecasts[2];
+        struct jp_learner other;
+        enum jp_learned learned;
+
+        jp_learner_start(&learner, &learning, &BUILT_IN, &HORIZON);
+        jp_learner_start(&other, &table, &model, NULL);
+        for (unsigned i = 0; i < 40U; i++) {
+            const struct jp_leg_energy driven = random_leg();
+            const struct jp_leg_energy in_unit = leg_in_unit(&driven, exponent);
+            const jp_q16 measured = energy_as(x, &driven);
+
+            (void)learn_from(&driven, measured);
+            TEST_ASSERT_EQUAL_INT(
+                JP_OK, jp_learner_update_leg(&other, &in_unit, energy_in_unit(measured, exponent), &learned));
+            TEST_ASSERT_EQUAL_INT(JP_LEARNED, learned);
+        }
+        for (unsigned j = 0; j < N; j++) {
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.002), learner.state.x[j], other.state.x[j]);
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_add_leg(&learner, &sums[0], &next));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_add_leg(&other, &sums[1], &next_in_unit));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_total(&learner, &sums[0], &forecasts[0]));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_total(&other, &sums[1], &forecasts[1]));
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), energy_in_unit(forecasts[0].energy, exponent), forecasts[1].energy);
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), energy_in_unit(forecasts[0].deviation, exponent),
+                                 forecasts[1].deviation);
+    }
 }
 
 static void test_a_robot_of_the_file_teaches_nothing_new(void)

@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "tests/support/energy_unit.h"
 #include "unity.h"
 
 enum {
@@ -433,6 +434,35 @@ static void test_models_out_of_range(void)
     models.learned = &jp_energy_model_gao2018;
     models.mass = 0;
     expect_models_refused("mass");
+}
+
+/* Prices are joules, whatever unit the models have. */
+static void test_models_in_another_unit(void)
+{
+    static struct jp_primitive in_joules[PRIMITIVES_MAX];
+
+    learned.a[2] += JP_Q16(3);
+    learned.b[0] += JP_Q16(5);
+    learned.b[1] += JP_Q16(0.25);
+    charge_by_models(balancer);
+    memcpy(in_joules, primitives, sizeof in_joules);
+    for (int32_t exponent = -4; exponent <= 4; exponent += 8) {
+        const struct jp_energy_model built_in_unit = energy_model_in_unit(&jp_energy_model_gao2018, exponent);
+        const struct jp_energy_model learned_in_unit = energy_model_in_unit(&learned, exponent);
+
+        models.built_in = &built_in_unit;
+        models.learned = &learned_in_unit;
+        charge_by_models(balancer);
+        for (unsigned i = 0; i < balancer->first_from[JP_HEADINGS]; i++) {
+            TEST_ASSERT_INT_WITHIN(1, in_joules[i].base[JP_COST_PHYSICAL], base(i));
+        }
+    }
+}
+
+static void test_models_of_different_units(void)
+{
+    learned.unit_exponent = 1;
+    expect_models_refused("model.unit_exponent");
 }
 
 static void test_models_that_differ_too_much(void)

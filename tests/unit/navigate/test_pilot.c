@@ -3,6 +3,7 @@
 #include <joulepath/trajectory_energy.h>
 #include <stddef.h>
 
+#include "tests/support/energy_unit.h"
 #include "tests/support/pilot_rig.h"
 
 /* ---- Configuration ---- */
@@ -107,6 +108,35 @@ static void test_route_is_driven(void)
     ticks(200);
     expect_rest();
     TEST_ASSERT_EQUAL_UINT16(SLALOM, telemetry().segments_ended);
+}
+
+/* A robot whose tables are in units of 8 J learns from its joules what it learns in joules, and plans the same. */
+static void test_route_in_another_unit(void)
+{
+    struct jp_learned_state in_joules;
+    jp_q16 energy;
+
+    balance();
+    follow_slalom();
+    drive(slalom, SLALOM);
+    expect_rest();
+    in_joules = pilot.learner.state;
+    energy = pilot.leg.energy;
+
+    rig_reset();
+    model = energy_model_in_unit(&jp_energy_model_gao2018, 3);
+    learning = learning_in_unit(&jp_learning_gao2018, 3);
+    init();
+    balance();
+    follow_slalom();
+    drive(slalom, SLALOM);
+    expect_rest();
+    TEST_ASSERT_EQUAL_UINT32(SLALOM, pilot.legs_learned_from);
+    TEST_ASSERT_EQUAL_UINT32(in_joules.version, pilot.learner.state.version);
+    for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
+        TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), in_joules.x[i], pilot.learner.state.x[i]);
+    }
+    TEST_ASSERT_INT32_WITHIN(energy / 1000, energy_in_unit(energy, 3), pilot.leg.energy);
 }
 
 static void test_route_that_ends_in_motion(void)

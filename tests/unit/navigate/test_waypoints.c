@@ -4,7 +4,9 @@
 
 #include <string.h>
 
+#include "src/base/integer.h"
 #include "src/navigate/waypoint_arc.h"
+#include "tests/support/energy_unit.h"
 #include "unity.h"
 
 enum { WIDTH = 14, HEIGHT = 12, POSES_MAX = 5, WAYPOINTS_MAX = 3 * POSES_MAX - 4 };
@@ -242,6 +244,40 @@ static void test_slopes_are_paid_for_and_gone_round(void)
     /* A wall of ground cannot be climbed at all. */
     raise(4, 0, HEIGHT - 1, 10 * JP_ELEVATION_ONE);
     TEST_ASSERT_EQUAL_INT(JP_WAYPOINTS_NONE, choose(route, 3));
+}
+
+/* Of the goal's best label. */
+static int64_t price_of_goal(void)
+{
+    const struct jp_waypoints_internal *internal = &waypoints.internal;
+    int64_t least = INT64_MAX;
+
+    for (unsigned i = 0; i < JP_WAYPOINTS_SECTORS; i++) {
+        const int64_t price = internal->labels[(internal->places - 1U) * JP_WAYPOINTS_SECTORS + i].price;
+
+        least = price < least ? price : least;
+    }
+    return least;
+}
+
+/* Beside the energies of segments in any unit, slopes count as many joules. */
+static void test_slopes_cost_joules_in_every_unit(void)
+{
+    const struct jp_lattice_pose route[] = {{2, 6, 0}, {11, 6, 0}};
+
+    make_map(WIDTH, HEIGHT, true);
+    raise(6, 0, HEIGHT - 1, JP_ELEVATION_ONE / 32);
+    choose_some(route, 2);
+
+    const int64_t joules = price_of_goal();
+
+    for (int32_t exponent = -4; exponent <= 4; exponent += 8) {
+        const struct jp_energy_model model = energy_model_in_unit(&jp_energy_model_gao2018, exponent);
+
+        config.model = &model;
+        choose_some(route, 2);
+        TEST_ASSERT_INT64_WITHIN(joules / 1000, joules, jp_times_power(price_of_goal(), exponent));
+    }
 }
 
 static void test_arcs_too_long_for_the_arithmetic(void)

@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "src/trajectory/trajectory_blend.h"
+#include "tests/support/energy_unit.h"
 #include "unity.h"
 
 static struct jp_trajectory_config config;
@@ -366,6 +367,24 @@ static void test_overflow(void)
     legs[0].middle.set_points = 2100000; /* 32 250 J */
     TEST_ASSERT_EQUAL_INT(JP_OK, forecast());
     TEST_ASSERT_INT32_WITHIN(JP_Q16(30), JP_Q16(32251), energy);
+}
+
+/* In units of 2⁻⁴ and 2⁴ J: the same joules, and the same cruise. */
+static void test_the_unit_is_a_factor(void)
+{
+    const struct jp_energy_model in_joules = model;
+
+    trajectory.start.speed = JP_Q24(0.3);
+    TEST_ASSERT_EQUAL_INT(JP_OK, forecast());
+
+    const jp_q16 joules = energy;
+
+    for (int32_t exponent = -4; exponent <= 4; exponent += 8) {
+        model = energy_model_in_unit(&in_joules, exponent);
+        TEST_ASSERT_EQUAL_INT(JP_OK, forecast());
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), energy_in_unit(joules, exponent), energy);
+        TEST_ASSERT_INT32_WITHIN(JP_Q24(1e-5), jp_cruise_speed(&in_joules), jp_cruise_speed(&model));
+    }
 }
 
 static void test_cruise_speed(void)
