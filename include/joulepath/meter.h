@@ -19,7 +19,7 @@ typedef int64_t jp_energy;
 
 struct jp_meter_config {
     uint32_t tick_rate;       /**< calls a second; 100…10 000 */
-    jp_q16 motor_resistance;  /**< Rm, Ω; 0.01…256, Rm · tick_rate at least 64 Ω/s */
+    jp_q16 motor_resistance;  /**< Rm, Ω; 0.01…8 192, Rm · tick_rate at least 2 Ω/s */
     jp_q16 electronics_power; /**< Ps, W; 0…256 */
 };
 
@@ -27,8 +27,10 @@ struct jp_meter {
     jp_energy model;
     jp_energy battery;
     jp_energy electronics_tick; /**< Ps for one tick */
-    int64_t tick_per_ohm;       /**< 1/(Rm · tick_rate), 2⁻³² s/Ω */
-    int64_t tick;               /**< 1/tick_rate, 2⁻³² s */
+    uint32_t tick_per_ohm;      /**< 1/(Rm · tick_rate), 2^−(32 + shift) s/Ω */
+    uint32_t shift;             /**< above 0 for a great Rm · tick_rate, so that tick_per_ohm keeps its digits */
+    uint32_t half;              /**< of 2^shift, rounded down */
+    uint32_t tick;              /**< 1/tick_rate, 2⁻³² s */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
@@ -39,8 +41,7 @@ enum jp_status jp_meter_check(const struct jp_meter_config *config, const char *
 void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config);
 
 /** One tick at these motor voltages and at the currents of `sensors`. |u| <= 1 024 V, |i| <= 1 024 A.
- *  Each sum is within 1e-6 of the exact one, or 3e-6 W; the model's only while Rm · tick_rate is at most 8 000 Ω/s, and
- *  beyond that in proportion. Constant time; for the control ISR. */
+ *  Each sum is within 1e-6 of the exact one, or 3e-6 W. Constant time; for the control ISR. */
 void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages, const struct jp_sensors *sensors);
 
 /** Energy in the unit of a model, 2^unit_exponent J with ±JP_ENERGY_UNIT_EXPONENT_MAX (energy.h), as Q16.16, rounded

@@ -31,7 +31,7 @@ static const struct config_field fields[] = {
     REAL("body.centre_height_m", body.centre_height_m, 0.01, 2, "m"),
     REAL("wheel.radius_m", wheel.radius_m, 0.01, 1, "m"),
     REAL("wheel.mass_kg", wheel.mass_kg, 0.001, 20, "kg"),
-    REAL("motor.resistance_ohm", motor.resistance_ohm, 0.01, 256, "Ω"),
+    REAL("motor.resistance_ohm", motor.resistance_ohm, 0.01, 8192, "Ω"),
     REAL("motor.torque_constant_nm_per_a", motor.torque_constant, 1e-4, 10, "N·m/A"),
     REAL("motor.back_emf_v_s_per_rad", motor.back_emf, 1e-4, 10, "V·s/rad"),
     REAL("motor.gear_ratio", motor.gear_ratio, 0.1, 1000, "1"),

@@ -299,11 +299,13 @@ static void test_meter_of(const struct jp_meter_config *config, const char *name
 static void test_meter(void)
 {
     static const struct jp_meter_config low = {.tick_rate = 10000, .motor_resistance = JP_Q16(0.01)};
+    static const struct jp_meter_config high = {.tick_rate = 10000, .motor_resistance = JP_Q16(8000)};
 
     test_meter_of(&jp_robot_gao2018.meter, "gao2018: meter", 10, 1e-6);
     test_meter_of(&jp_robot_courier24.meter, "courier24: meter", 24, 1e-6);
     test_meter_of(&jp_robot_courier24.meter, "courier24: meter at small voltages", 0.01, 1e-6);
     test_meter_of(&low, "10 mOhm at 10 kHz: meter", 0.05, 1e-6);
+    test_meter_of(&high, "8 kOhm at 10 kHz: meter", 1000, 1e-6);
 }
 
 int main(int argc, char **argv)

@@ -67,7 +67,10 @@ static void test_checks_every_field_at_its_limits(void)
     FIELD(voltage_max, config.voltage_min, "monitor.voltage_max");
     FIELD(voltage_max, config.voltage_min + 1, NULL);
     AT_MOST("monitor.", voltage_max, JP_Q16(1000));
-    RANGE("monitor.", motor_resistance, JP_Q16(0.01), JP_Q16(256));
+    AT_LEAST("monitor.", motor_resistance, JP_Q16(0.01));
+    config.current_limit = JP_Q16(3);
+    FIELD(motor_resistance, JP_Q16(8192), NULL);
+    FIELD(motor_resistance, JP_Q16(8192) + 1, "monitor.motor_resistance");
     AT_LEAST("monitor.", back_emf, 1);
     FIELD(back_emf, JP_Q16(256) - 1, NULL);
     FIELD(back_emf, JP_Q16(256), "monitor.back_emf");

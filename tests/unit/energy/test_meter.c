@@ -40,13 +40,11 @@ static void test_checks_every_field_at_its_limits(void)
     config = jp_robot_courier24.meter;
     expect_config(NULL);
     RANGE("meter.", tick_rate, 100, 10000);
-    AT_MOST("meter.", motor_resistance, JP_Q16(256));
-    FIELD(motor_resistance, JP_Q16(0.064) + 1, NULL); /* 64 Ω/s at 1 kHz */
-    FIELD(motor_resistance, JP_Q16(0.064) - 1, "meter.motor_resistance");
-    config.tick_rate = 10000;
-    FIELD(motor_resistance, JP_Q16(0.01), NULL);
-    config.tick_rate = 10000;
-    FIELD(motor_resistance, JP_Q16(0.01) - 1, "meter.motor_resistance");
+    RANGE("meter.", motor_resistance, JP_Q16(0.01), JP_Q16(8192));
+    config.tick_rate = 100;
+    FIELD(motor_resistance, JP_Q16(0.02) + 1, NULL); /* 2 Ω/s */
+    config.tick_rate = 100;
+    FIELD(motor_resistance, JP_Q16(0.02) - 1, "meter.motor_resistance");
     RANGE("meter.", electronics_power, 0, JP_Q16(256));
 }
 
@@ -111,10 +109,41 @@ static void test_greatest_voltages_and_currents(void)
     update(JP_Q16(1024), JP_Q16(-1024), JP_Q16(-1024), JP_Q16(1024));
     TEST_ASSERT_INT64_WITHIN(4, 0, meter.battery);
 
-    config = (struct jp_meter_config){.tick_rate = 128, .motor_resistance = JP_Q16(0.5)}; /* 64 Ω/s */
+    config = (struct jp_meter_config){.tick_rate = 128, .motor_resistance = JP_Q16_ONE / 64}; /* 2 Ω/s */
     start();
     update(JP_Q16(1024), JP_Q16(-1024), 0, 0);
-    TEST_ASSERT_EQUAL_INT64((int64_t)32768 * JOULE, meter.model);
+    TEST_ASSERT_EQUAL_INT64((int64_t)1048576 * JOULE, meter.model);
+}
+
+/* 1e-6 of the exact energy, whatever the resistance and the rate. */
+static void test_every_resistance_is_accurate(void)
+{
+    static const uint32_t rates[] = {100, 1000, 10000};
+
+    for (unsigned r = 0; r < sizeof rates / sizeof rates[0]; r++) {
+        for (jp_q16 ohm = JP_Q16(0.02) + 1; ohm < JP_Q16(8192); ohm += ohm / 7) {
+            const int64_t resistance_rate = (int64_t)ohm * rates[r];
+            const int64_t whole = ((int64_t)2048 << 48) / resistance_rate * 1000; /* of 32² + 32² V² */
+
+            config = (struct jp_meter_config){.tick_rate = rates[r], .motor_resistance = ohm};
+            start();
+            for (unsigned tick = 0; tick < 1000U; tick++) {
+                update(JP_Q16(32), JP_Q16(-32), 0, 0);
+            }
+            TEST_ASSERT_INT64_WITHIN(whole / 1000000 + 1000, whole, meter.model);
+        }
+    }
+}
+
+/* 5 kΩ at 10 kHz: a volt is worth 17 steps a tick, which add up exactly but for half a step each. */
+static void test_small_voltages_on_a_great_resistance(void)
+{
+    config = (struct jp_meter_config){.tick_rate = 10000, .motor_resistance = JP_Q16(5000)};
+    start();
+    for (unsigned tick = 0; tick < 10000U; tick++) {
+        update(JP_Q16_ONE, 0, 0, 0);
+    }
+    TEST_ASSERT_INT64_WITHIN(5000, JOULE / 5000, meter.model);
 }
 
 static void test_energy_in_joules(void)
