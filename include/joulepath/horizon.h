@@ -18,6 +18,9 @@
  * Modes that have decayed after `duration_min` are left out of m: g holds their cost. The axes are travel (common
  * voltage; step Δv) and yaw (difference; steps Δw and σ). In a pair only its first mode is part of the voltage; the
  * second is a quarter turn behind.
+ *
+ * Nothing needs m itself: what is written as volts here is, of each mode, in a unit of the table's own, the same for
+ * both of a pair. It is 1 V where that fits the formats. J is the unit of the model (energy.h).
  */
 #ifndef JOULEPATH_HORIZON_H
 #define JOULEPATH_HORIZON_H
@@ -56,7 +59,7 @@ struct jp_horizon {
     struct jp_axis_modes yaw;
 };
 
-/** What earlier steps have left, V; ±4 096. Zero: settled. */
+/** What earlier steps have left, V or the mode's own unit; ±4 096. Zero: settled. */
 struct jp_transient {
     jp_q16 travel[JP_AXIS_MODES];
     jp_q16 yaw[JP_AXIS_MODES];

@@ -30,4 +30,5 @@ const struct jp_energy_model jp_energy_model_courier24 = {
     .voltage_per_speed = 355529,    /* 5.424949 V·s/m */
     .voltage_per_turn_rate = 53329, /* 0.8137423 V·s/rad */
     .motor_resistance = 262144,     /* 4 Ω */
+    .unit_exponent = 0,             /* energies are in units of 1 J */
 };

@@ -32,4 +32,5 @@ const struct jp_energy_model jp_energy_model_courier24_battery = {
     .voltage_per_speed = 131085,    /* 2.000199 V·s/m */
     .voltage_per_turn_rate = 19961, /* 0.304575 V·s/rad */
     .motor_resistance = 262144,     /* 4 Ω */
+    .unit_exponent = 0,             /* energies are in units of 1 J */
 };

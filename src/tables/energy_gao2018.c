@@ -30,4 +30,5 @@ const struct jp_energy_model jp_energy_model_gao2018 = {
     .voltage_per_speed = 547476,    /* 8.353817 V·s/m */
     .voltage_per_turn_rate = 95808, /* 1.461918 V·s/rad */
     .motor_resistance = 438436,     /* 6.69 Ω */
+    .unit_exponent = 0,             /* energies are in units of 1 J */
 };

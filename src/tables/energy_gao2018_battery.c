@@ -32,4 +32,5 @@ const struct jp_energy_model jp_energy_model_gao2018_battery = {
     .voltage_per_speed = 433348,    /* 6.612368 V·s/m */
     .voltage_per_turn_rate = 75990, /* 1.159513 V·s/rad */
     .motor_resistance = 438436,     /* 6.69 Ω */
+    .unit_exponent = 0,             /* energies are in units of 1 J */
 };

@@ -64,6 +64,10 @@ class Converter:
     def q31(self, name, value, unit, low, high):
         return self.number(name, value, 31, unit, low, high)
 
+    def energy(self, name, value, unit, low, high, exponent):
+        """A Q16 number of energy, or of energy by something, in units of 2^exponent J; low and high in that unit too."""
+        return self.number(name, value, 16 - exponent, unit, low * 2**exponent, high * 2**exponent)
+
     def phase(self, name, turns, unit):
         """An unsigned 64-bit member in 2^-56 turn, up to one turn."""
         self._check(name, turns, 2**-56, 1, unit)
@@ -134,24 +138,31 @@ STATE_UNITS = ("J·s²/m²", "J·s²/rad²", "J/rad²", "J·s²/(m·rad)", "J·s
 STEADY_UNITS = ("J·s/m²", "J·s/rad²")
 
 
-def energy_table(name, model, command, source, note):
-    """The C table jp_energy_model_<name> of an energy model (linear_model.EnergyModel)."""
+def parameter_exponents(exponent):
+    """Of a1…a13 and b1, b2, in units of 2^exponent J: a13 is a time."""
+    return (*[exponent] * 12, 0, exponent, exponent)
+
+
+def energy_table(name, model, exponent, command, source, note):
+    """The C table jp_energy_model_<name> of an energy model (linear_model.EnergyModel) in units of 2^exponent J."""
     to = Converter(f"energy model of {name}")
 
-    def array(name, values, units, low, high):
-        members = [to.q16(f"{name}{i}", value, unit, low, high)
-                   for i, (value, unit) in enumerate(zip(values, units), 1)]
+    def array(name, values, units, exponents, low, high):
+        members = [to.energy(f"{name}{i}", value, unit, low, high, of_one)
+                   for i, (value, unit, of_one) in enumerate(zip(values, units, exponents), 1)]
         return Array(name, [m.value for m in members], [f"{m.name}: {m.comment}" for m in members])
 
     step = 2**-16
+    exponents = parameter_exponents(exponent)
     members = [
-        array("a", model.a, STATE_UNITS, -4096, 4096),
-        array("b", model.b, STEADY_UNITS, 0, 4096),
-        to.q16("electronics_power", model.electronics_power, "W", step, 256),
+        array("a", model.a, STATE_UNITS, exponents[:13], -4096, 4096),
+        array("b", model.b, STEADY_UNITS, exponents[13:], 0, 4096),
+        to.energy("electronics_power", model.electronics_power, "W", step, 4096, exponent),
         to.q16("settling_time", model.settling_time, "s", 0, 60),
         to.q16("voltage_per_speed", model.voltage_per_speed, "V·s/m", 0, 256),
         to.q16("voltage_per_turn_rate", model.voltage_per_turn_rate, "V·s/rad", 0, 256),
-        to.q16("motor_resistance", model.motor_resistance, "Ω", step, 256),
+        to.energy("motor_resistance", model.motor_resistance, "Ω", step, 32767, -exponent),
+        Member("unit_exponent", str(exponent), f"energies are in units of {2.0**exponent:g} J"),
     ]
     return Table(command, source, note, "joulepath/energy.h", "jp_energy_model", f"jp_energy_model_{name}",
                  members)

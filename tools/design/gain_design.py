@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from tools.common import ROOT, ArgumentParser, print_aligned, run, shown_path, write_whole
-from tools.design import c_tables, closed_loop, cruise, estimator_gains, linear_model, reversal, robot_json, specification
+from tools.design import (c_tables, closed_loop, cruise, energy_unit, estimator_gains, linear_model, reversal,
+                          robot_json, specification)
 
 TURN = 2 * math.pi
 TICKS_PER_SET_POINT = 2  # JP_TICKS_PER_SET_POINT of include/joulepath/trajectory.h
@@ -32,6 +33,8 @@ OVERSPEED = 1.25
 TURN_RATE_SHARE = 0.75
 # How far a loop stays from −1; 0.5 halves the gain at most, or doubles it.
 MARGIN_MIN = 0.4
+# V, of a current through the motor: far above any supply (src/balancer/monitor.c).
+RESISTIVE_MAX = 32000.0
 CONFIRM_TICKS = 3
 RESIDUAL_TICKS = 50
 
@@ -111,6 +114,12 @@ def gyro_limit(robot):
     return robot.number("gyro.full_scale_dps") / 360 * FULL_SCALE_SHARE or IDEAL_GYRO_TURNS_PER_S
 
 
+def current_limit(robot):
+    """A: what the sensor shows, as long as the voltage that it takes fits the monitor's format."""
+    return min(robot.positive("current_sense.full_scale_a") * FULL_SCALE_SHARE,
+               RESISTIVE_MAX / robot.positive("motor.resistance_ohm"))
+
+
 def monitor_group(robot, turning, to):
     jump = robot.number("control.gyro_jump_dps") / 360 or OFF_TURNS_PER_S
     accel = robot.number("accelerometer.full_scale_g") * FULL_SCALE_SHARE or IDEAL_ACCEL_G
@@ -129,10 +138,10 @@ def monitor_group(robot, turning, to):
         to.q24("gyro_jump", jump, "turn/s", 2**-24, 127),
         to.q24("accel_limit", accel, "g", 1 + 2**-24, 127),
         to.whole("encoder_jump", encoder_jump(robot), "counts a tick", 1, 2**32 - 1),
-        to.q16("current_limit", robot.positive("current_sense.full_scale_a") * FULL_SCALE_SHARE, "A", 2**-16, 32767),
+        to.q16("current_limit", current_limit(robot), "A", 2**-16, 32767),
         to.q16("voltage_min", voltage_min, "V", 2**-16, 32767),
         to.q16("voltage_max", voltage_max, "V", 2**-16, 1000),
-        to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 256),
+        to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 8192),
         to.q16("back_emf", back_emf, "V·s/turn", 2**-16, 255),
         to.q16("half_track", half_track, "wheel turns a body turn", 2**-16, 64),
         to.q24("wheel_rate_limit", OVERSPEED * turning.wheel_rate_share * robot.positive("limits.speed_m_s") / (
@@ -147,7 +156,7 @@ def monitor_group(robot, turning, to):
 def meter_group(robot, to):
     return c_tables.Group("meter", [
         to.whole("tick_rate", robot.positive("control.rate_hz"), "Hz", 100, 10000),
-        to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 256),
+        to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 8192),
         to.q16("electronics_power", robot.positive("electronics.power_w"), "W", 0, 256),
     ])
 
@@ -239,7 +248,7 @@ def robot_table(robot, loop):
 
 
 def initial_energy_table(robot, model):
-    return c_tables.energy_table(robot.name, model, f"make gains ROBOT={robot.name}", source_of(robot),
+    return c_tables.energy_table(robot.name, model, energy_unit.exponent(robot, model), f"make gains ROBOT={robot.name}", source_of(robot),
                                  f"Predicted from the linear plant; run make identify ROBOT={robot.name}.")
 
 

@@ -27,7 +27,7 @@ import numpy as np
 from scipy import linalg
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, write_whole
-from tools.design import c_tables, linear_model, robot_json
+from tools.design import c_tables, energy_unit, linear_model, robot_json
 from tools.report import plots
 
 COLUMNS = ("v1_m_s", "w1_rad_s", "turn1_rad", "v2_m_s", "w2_rad_s", "turn2_rad", "u_left_before_v",
@@ -393,7 +393,7 @@ def main():
     note = f"Mean relative error {mean:.2f} % of {wording.errors}, on experiments that were not fitted."
     if options.energy == BATTERY:
         note += f"\n * {EFFECTIVE_VOLTAGES}"
-    table = c_tables.energy_table(name, result.model, f"make identify ROBOT={robot.name}",
+    table = c_tables.energy_table(name, result.model, energy_unit.exponent(robot), f"make identify ROBOT={robot.name}",
                                   f"{experiments.count} experiments of jp-identify, seed {experiments.seed}", note)
     files = {
         options.tables / f"energy_{name}.c": c_tables.render(table),

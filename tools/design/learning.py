@@ -190,23 +190,25 @@ def drive(axes, segments, definition, resistance):
 
 @dataclass(frozen=True)
 class BuiltIn:
-    """What the regressors take from the identified model."""
+    """What the regressors and the tables take from the identified model."""
     settling_time: float
     voltage_per_speed: float
     voltage_per_turn_rate: float
     motor_resistance: float
+    unit_exponent: int  # of the energies in the table
 
 
 def read_built_in(path):
     text = read_text(path)
 
     def number(name):
-        found = re.search(rf"\.{name} = (\d+),", text)
+        found = re.search(rf"\.{name} = (-?\d+),", text)
         if not found:
             raise ToolError(f"{path}: {name} is missing; run make identify")
-        return int(found[1]) / 2**16
+        return int(found[1])
 
-    return BuiltIn(*(number(name) for name in BuiltIn.__dataclass_fields__))
+    settling, per_speed, per_turn_rate, resistance, exponent = map(number, BuiltIn.__dataclass_fields__)
+    return BuiltIn(settling / 2**16, per_speed / 2**16, per_turn_rate / 2**16, resistance / 2**(16 + exponent), exponent)
 
 
 def regressors(segments, model):
@@ -313,12 +315,13 @@ def learn(robot, segments, reference, energies, of_legs, causes_of_legs):
                     float(leg_noise[0])), quality
 
 
-def c_table(robot, definition, learning, quality):
+def c_table(robot, definition, learning, quality, exponent):
+    """In units of 2^exponent J, as the energy model is."""
     to = c_tables.Converter(robot.source)
     units = (*c_tables.STATE_UNITS, *c_tables.STEADY_UNITS)
 
-    def row(name, values, unit, limit):
-        members = [to.q16(name, value, unit, -limit, limit) for value in values]
+    def row(name, values, unit, limit, of_row=0):
+        members = [to.energy(name, value, unit, -limit, limit, of_row) for value in values]
         return "{" + ", ".join(member.value for member in members) + "}"
 
     def column(name, values, unit):
@@ -326,8 +329,9 @@ def c_table(robot, definition, learning, quality):
         return c_tables.Array(name, [m.value for m in members], [m.comment for m in members])
 
     members = [
-        c_tables.Array("direction", [row(f"direction {number}", values, units[number], FORMAT_MAX)
-                                     for number, values in enumerate(learning.direction)],
+        c_tables.Array("direction", [row(f"direction {number}", values, units[number], FORMAT_MAX, of_row)
+                                     for number, (values, of_row) in enumerate(zip(
+                                         learning.direction, c_tables.parameter_exponents(exponent)))],
                        [f"{name}: {unit}" for name, unit in zip(NAMES, units)]),
         column("ground", learning.ground, "of the friction"),
         column("payload", learning.payload, "kg"),
@@ -335,11 +339,11 @@ def c_table(robot, definition, learning, quality):
         to.q16("payload_deviation", learning.payload_deviation, "kg", 2**-16, 16),
         to.q16("noise_relative", learning.noise_relative, "of the energy", 0, 1),
         to.q16("noise_transient", learning.noise_transient, "of what earlier steps left", 0, 16),
-        to.q16("noise", learning.noise, "J", 2**-16, 1024),
+        to.energy("noise", learning.noise, "J", 2**-16, 1024, exponent),
         c_tables.Array("leg", [row("leg", values, "of it", LEG_MAX) for values in learning.leg], LEG_WORDING),
         to.q16("leg_noise_relative", learning.leg_noise_relative, "of the energy", 0, 1),
         to.q16("leg_noise_transient", learning.leg_noise_transient, "of what its transients take", 0, 16),
-        to.q16("leg_noise", learning.leg_noise, "J", 2**-16, 1024),
+        to.energy("leg_noise", learning.leg_noise, "J", 2**-16, 1024, exponent),
         to.whole("memory", MEMORY, "segments", 8, 1024),
     ]
     members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))
@@ -360,7 +364,7 @@ def identity_of(members):
 
 
 def make_tables(robot, tables, drive_legs):
-    """{definition: (Learning, Quality)}; `tables` holds the identified models.
+    """{definition: (Learning, Quality, exponent of the unit)}; `tables` holds the identified models.
 
     drive_legs(definition): gives learning_legs.Legs."""
     models = {definition: read_built_in(tables / f"energy_{robot.name}{suffix}.c")
@@ -388,7 +392,8 @@ def make_tables(robot, tables, drive_legs):
             x = coordinates(reference, directions, energies_of(leg_loops) - reference.energies)
             return learning_legs.learn(legs, directions, x, MEMORY, fit_noise)
 
-        made[definition] = learn(robot, segments, reference, energies_of(loops), of_legs, legs.causes)
+        made[definition] = (*learn(robot, segments, reference, energies_of(loops), of_legs, legs.causes),
+                            model.unit_exponent)
     return made
 
 
@@ -396,7 +401,7 @@ def print_tables(robot, tables):
     print(f"{robot.name}: {POPULATION} robots on {CHAINS} chains of {CHAIN_SEGMENTS} segments\n")
     rows = [("energy", "before, %", "segment, %", "chain, %", "noise, J", "of energy, %", "of transients", "ground ±",
              "payload ±, kg", "leg noise, J", "of energy, %", "of transients")]
-    for definition, (learning, quality) in tables.items():
+    for definition, (learning, quality, _) in tables.items():
         rows.append((definition, *(f"{100 * share:.3f}" for share in (quality.untaught, quality.segment, quality.chain)),
                      f"{learning.noise:.3f}", f"{100 * learning.noise_relative:.3f}", f"{learning.noise_transient:.3f}",
                      f"{learning.ground_deviation:.3f}", f"{learning.payload_deviation:.3f}", f"{learning.leg_noise:.3f}",
@@ -427,9 +432,9 @@ def main():
                          lambda definition: learning_legs.drive(options.jp_trip, robot_json.robot_path(options.robot),
                                                                 definition))
     print_tables(robot, tables)
-    for definition, (learning, quality) in tables.items():
+    for definition, (learning, quality, exponent) in tables.items():
         path = options.tables / f"learning_{robot.name}{horizon.SUFFIXES[definition]}.c"
-        write_whole(path, c_tables.render(c_table(robot, definition, learning, quality)))
+        write_whole(path, c_tables.render(c_table(robot, definition, learning, quality, exponent)))
         print(f"wrote {shown_path(path)}")
     return 0
 

@@ -382,6 +382,50 @@ static void test_the_unit_is_a_factor(void)
     }
 }
 
+/* Modes of a unit of their own: here volts are so many of it. */
+static void count_in(struct jp_axis_modes *axis, const int32_t *units_per_volt)
+{
+    int32_t *storage = axis->storage;
+
+    for (unsigned i = 0; i < axis->count; i++) {
+        for (unsigned k = i; k < axis->count; k++) {
+            *storage = *storage / (units_per_volt[i] * units_per_volt[k]);
+            storage++;
+        }
+        axis->step[0][i] *= units_per_volt[i];
+        axis->step[1][i] *= units_per_volt[i];
+        axis->cross[0][i] /= units_per_volt[i];
+        axis->cross[1][i] /= units_per_volt[i];
+        axis->steady[i] /= units_per_volt[i];
+    }
+}
+
+static void test_units_of_modes_change_no_energy(void)
+{
+    static const int32_t units_of_travel[JP_AXIS_MODES] = {2, 4, 4, 1}; /* a pair in the middle */
+    static const int32_t units_of_yaw[JP_AXIS_MODES] = {8, 8};
+    const struct jp_energy_model *of_robot = &jp_energy_model_gao2018;
+    struct jp_energy_start of_units = start;
+
+    horizon = jp_horizon_gao2018;
+    count_in(&horizon.travel, units_of_travel);
+    count_in(&horizon.yaw, units_of_yaw);
+    expect_good(&horizon);
+    for (unsigned i = 0; i < 20U; i++) {
+        const struct jp_segment_command segment = {
+            {JP_Q24(0.1) * (int32_t)(i % 7U), JP_Q24(0.1) * ((int32_t)(i % 5U) - 2)},
+            JP_Q24(0.3) * ((int32_t)(i % 3U) - 1),
+            JP_Q16(0.5) + JP_Q16(0.3) * (int32_t)(i % 4U)};
+        jp_q16 in_volts = 0;
+
+        TEST_ASSERT_EQUAL_INT32(JP_OK,
+                                jp_energy_forecast(of_robot, &jp_horizon_gao2018, &start, &segment, &in_volts, &start));
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_forecast(of_robot, &horizon, &of_units, &segment, &energy, &of_units));
+        TEST_ASSERT_INT32_WITHIN(TOLERANCE, in_volts, energy);
+        TEST_ASSERT_INT32_WITHIN(8, 2 * start.transient.travel[0], of_units.transient.travel[0]);
+    }
+}
+
 static void test_without_a_horizon_it_is_the_papers_model(void)
 {
     const struct jp_segment_command segment = {{JP_Q24(0.7), JP_Q24(-0.2)}, JP_Q24(0.9), JP_Q16(6)};
