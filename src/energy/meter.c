@@ -65,10 +65,14 @@ void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages,
 
 jp_q16 jp_energy_to_q16(jp_energy energy, int32_t unit_exponent)
 {
-    return jp_round_shift(energy, (unsigned)(16 + unit_exponent));
+    const int32_t bits = 16 + unit_exponent;
+
+    return jp_round_shift(energy, (unsigned)bits);
 }
 
 jp_energy jp_energy_from_q16(jp_q16 energy, int32_t unit_exponent)
 {
-    return (jp_energy)energy * ((int64_t)1 << (unsigned)(16 + unit_exponent));
+    const int32_t bits = 16 + unit_exponent;
+
+    return energy * ((int64_t)1 << (unsigned)bits);
 }

@@ -86,12 +86,17 @@ static int64_t turn_square(const struct jp_lattice *lattice, const struct jp_pri
     return (radians * radians) >> 32;
 }
 
-/** Change of the cost by a parameter of the energy model: (learned − built-in) · regressor, in 2⁻¹⁶ cost units, of
- * which a joule has JP_COST_PER_JOULE whatever the model's unit is. */
-static int64_t difference(const struct jp_tariff_models *models, jp_q16 built_in, jp_q16 learned, int64_t regressor)
+/** Change of the cost by a parameter of the energy model: (learned − built-in) · regressor, in 2⁻¹⁶ of a cost unit of
+ * which the model's unit of energy has JP_COST_PER_JOULE. */
+static int64_t difference(jp_q16 built_in, jp_q16 learned, int64_t regressor)
 {
-    return ((learned - (int64_t)built_in) * jp_saturate32(regressor)) >>
-           (unsigned)(FRACTION_BITS - models->built_in->unit_exponent);
+    return ((learned - (int64_t)built_in) * jp_saturate32(regressor)) >> FRACTION_BITS;
+}
+
+/** What is counted by the unit of the models' energy, by joules. */
+static int64_t in_joules(const struct jp_tariff_models *models, int64_t number)
+{
+    return jp_times_power(number, models->built_in->unit_exponent);
 }
 
 /** By how much a primitive on level ground costs more by the learned model than by the built-in one: cost units,
@@ -107,11 +112,11 @@ static int64_t learned_change(const struct jp_lattice *lattice, const struct jp_
     const int64_t time = primitive->duration;     /* ms */
     const int64_t duration = time > 0 ? time : 1; /* a table may have no times */
     const int64_t change = primitive->move_count == 0U
-                               ? difference(models, built_in->a[2], learned->a[2], turn)
-                               : difference(models, built_in->b[0], learned->b[0], square / duration) +
-                                     difference(models, built_in->b[1], learned->b[1], turn * MS_PER_S / duration);
+                               ? difference(built_in->a[2], learned->a[2], turn)
+                               : difference(built_in->b[0], learned->b[0], square / duration) +
+                                     difference(built_in->b[1], learned->b[1], turn * MS_PER_S / duration);
 
-    return (change + JP_Q16_ONE - 1) >> FRACTION_BITS;
+    return (in_joules(models, change) + JP_Q16_ONE - 1) >> FRACTION_BITS;
 }
 
 /** By how much the moves of a primitive on level ground cost more than before. */
@@ -134,7 +139,7 @@ static int64_t least_base(const struct jp_tariff_models *models, const struct jp
 {
     const int64_t duration = primitive->duration;
     const int64_t in_unit = models->built_in->electronics_power * duration * JP_COST_PER_JOULE / MS_PER_S;
-    const int64_t draw = jp_times_power(in_unit, models->built_in->unit_exponent);
+    const int64_t draw = in_joules(models, in_unit);
 
     if (primitive->move_count > 0U) {
         return 0;
