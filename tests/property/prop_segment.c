@@ -412,11 +412,11 @@ static void test_any_model_is_safe(void)
         }
         t.model_q.b[0] = extreme ? JP_Q16(4096) : JP_Q16(log_uniform(0x1p-16, 4096));
         t.model_q.b[1] = JP_Q16(log_uniform(0x1p-16, 4096));
-        t.model_q.electronics_power = JP_Q16(log_uniform(0x1p-16, 256));
+        t.model_q.electronics_power = JP_Q16(log_uniform(0x1p-16, 4096));
         t.model_q.settling_time = (random_bits() & 3) != 0 ? JP_Q16(uniform(0, 60)) : 0;
         t.model_q.voltage_per_speed = JP_Q16(log_uniform(0x1p-16, 256));
         t.model_q.voltage_per_turn_rate = JP_Q16(log_uniform(0x1p-16, 256));
-        t.model_q.motor_resistance = JP_Q16(log_uniform(0x1p-16, 256));
+        t.model_q.motor_resistance = JP_Q16(log_uniform(0x1p-16, 32767));
         t.limits_q = (struct jp_segment_limits){JP_Q24(log_uniform(0x1p-24, 8)), JP_Q24(log_uniform(0x1p-24, 8)),
                                                 JP_Q24(uniform(0, PI)), JP_Q16(log_uniform(60.1, 16384))};
         t.before_q = (struct jp_motion){JP_Q24(uniform(-8, 8)), JP_Q24(uniform(-8, 8))};

@@ -71,7 +71,7 @@ WRONG_LINES = [  # key, its line, what the message must hold besides file and ke
     ("within_seconds", LINES["seed"] + "within_seconds = 0;\n", "from 0.001 to 32767 s"),
     ("within_seconds", LINES["seed"] + "within_seconds = 1e6;\n", "from 0.001 to 32767 s"),
     ("within_seconds", LINES["seed"] + 'within_seconds = "soon";\n', "number in s"),
-    ("within_joules", LINES["seed"] + "within_joules = -1.0;\n", "from 0.001 to 1e+09 J"),
+    ("within_joules", LINES["seed"] + "within_joules = -1.0;\n", "from 0.001 to 1000000000 J"),
     ("within_joules", LINES["seed"] + "within_seconds = 9.0; within_joules = 9.0;\n", "leave one of them out"),
     ("waypoints", "", "list"),
     ("waypoints", "waypoints = 5;\n", "list"),
