@@ -58,12 +58,12 @@ void drive(const struct jp_primitive *primitive)
 
 PILOT_BOARD = """
 #include <joulepath/pilot.h>
-jp_q16 joules_left(void);
+jp_energy energy_left(void);
 extern struct jp_robot robot;
 struct jp_robot robot;
-jp_q16 joules_left(void)
+jp_energy energy_left(void)
 {
-    return JP_Q16(1000);
+    return (jp_energy)1000 << 32;
 }
 """
 
