@@ -55,7 +55,7 @@ struct jp_learning {
     jp_q16 noise_relative;    /**< standard deviation of a segment's energy about the model: share of it, 0…1, */
     jp_q16 noise_transient;   /**< share of what the transients of earlier steps add, 0…16, */
     jp_q16 noise;             /**< and J; above 0, at most 1 024. The three are independent. */
-    /** Relative change of what each transient of a leg takes, per unit of x; ±16. */
+    /** Relative change of what each transient of a leg takes, per unit of x; ±256. */
     jp_q16 leg[JP_LEG_TRANSIENTS][JP_LEARNING_DIRECTIONS];
     jp_q16 leg_noise_relative;  /**< standard deviation of a leg's energy about the model: share of it, 0…1, */
     jp_q16 leg_noise_transient; /**< share of what its transients take, all counted as spent, 0…16, */

@@ -10,17 +10,20 @@
 #include "sim/base/output.h"
 #include "sim/base/progress.h"
 
-#define SEGMENT_SECONDS 10.0
+/* Of each segment, unless told otherwise, and at most; as long as it takes to settle. */
+#define SEGMENT_SECONDS     10.0
+#define SEGMENT_SECONDS_MAX 600.0
 
 /** The last part of a segment, for its steady power. */
 #define LAST_SECONDS 1.0
 
-enum { OPTION_THRESHOLD = COMMAND_LINE_OWN };
+enum { OPTION_THRESHOLD = COMMAND_LINE_OWN, OPTION_SECONDS };
 
 struct arguments {
     struct command_line common;
     size_t count;
     double threshold;
+    double seconds;
 };
 
 /** What one experiment leaves: its segments and the energy of the second at each window. */
@@ -46,6 +49,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     switch (key) {
     case 'n':
         arguments->count = (size_t)command_line_whole(state, "--count", argument, 20, 1000000);
+        return 0;
+    case OPTION_SECONDS:
+        arguments->seconds = command_line_real(state, "--seconds", argument, SEGMENT_SECONDS, SEGMENT_SECONDS_MAX);
         return 0;
     case OPTION_THRESHOLD:
         arguments->threshold = command_line_real(state, "--threshold", argument, 1e-6, 1e3);
@@ -103,7 +109,8 @@ static bool run(struct campaign *campaign)
         if (!rig_init(&rig, campaign->entry, &campaign->file, campaign->arguments->common.seed + i)) {
             return false;
         }
-        experiment_run(&record->experiment, &rig, SEGMENT_SECONDS, campaign->arguments->threshold, record->energy);
+        experiment_run(&record->experiment, &rig, campaign->arguments->seconds, campaign->arguments->threshold,
+                       record->energy);
         if (record->experiment.end != JP_ROBOT_DRIVING) {
             complain(campaign, i);
             return false;
@@ -162,9 +169,10 @@ static void write_table(const struct campaign *campaign, size_t split, FILE *str
 static json_t *json_summary(const struct campaign *campaign, size_t split)
 {
     return json_pack("{s:s, s:f, s:f, s:f, s:I, s:I, s:f, s:f}", "robot", campaign->file.name, "settling_time_s",
-                     (double)split * campaign->window_seconds, "segment_s", SEGMENT_SECONDS, "last_s", LAST_SECONDS,
-                     "count", (json_int_t)campaign->count, "seed", (json_int_t)campaign->arguments->common.seed,
-                     "window_s", campaign->window_seconds, "settling_threshold_v", campaign->arguments->threshold);
+                     (double)split * campaign->window_seconds, "segment_s", campaign->arguments->seconds, "last_s",
+                     LAST_SECONDS, "count", (json_int_t)campaign->count, "seed",
+                     (json_int_t)campaign->arguments->common.seed, "window_s", campaign->window_seconds,
+                     "settling_threshold_v", campaign->arguments->threshold);
 }
 
 static bool write(const struct campaign *campaign)
@@ -197,7 +205,8 @@ static bool identify(const struct arguments *arguments)
     if (campaign.entry == NULL || !output_directory(arguments->common.output)) {
         return false;
     }
-    campaign.windows = (size_t)lround(SEGMENT_SECONDS * campaign.file.control.rate_hz) / EXPERIMENT_WINDOW_TICKS;
+    campaign.windows =
+        (size_t)lround(campaign.arguments->seconds * campaign.file.control.rate_hz) / EXPERIMENT_WINDOW_TICKS;
     campaign.window_seconds = (double)EXPERIMENT_WINDOW_TICKS / campaign.file.control.rate_hz;
     campaign.records = calloc(campaign.count, sizeof *campaign.records);
     if (campaign.records == NULL) {
@@ -220,6 +229,7 @@ int main(int argc, char **argv)
         OPTION_OUTPUT("build/identify"),
         {"count", 'n', "N", 0, "experiments (1000)", 0},
         OPTION_SEED("of the random segments"),
+        {"seconds", OPTION_SECONDS, "S", 0, "of each of an experiment's two segments (10)", 0},
         {"threshold", OPTION_THRESHOLD, "V", 0,
          "settled: mean voltages of successive windows of 200 ticks differ by less (0.01 V)", 0},
         {0},
@@ -233,7 +243,10 @@ int main(int argc, char **argv)
         NULL,
         NULL,
         NULL};
-    struct arguments arguments = {.common = {.output = "build/identify", .seed = 1}, .count = 1000, .threshold = 0.01};
+    struct arguments arguments = {.common = {.output = "build/identify", .seed = 1},
+                                  .count = 1000,
+                                  .threshold = 0.01,
+                                  .seconds = SEGMENT_SECONDS};
 
     command_line_parse(&argp, argc, argv, &arguments);
     return identify(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;

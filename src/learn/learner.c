@@ -46,7 +46,7 @@ enum jp_status jp_learning_check(const struct jp_learning *learning, const char 
         FIELD(noise_relative, 0, JP_Q16_ONE),
         FIELD(noise_transient, 0, JP_Q16(16)),
         FIELD(noise, 1, JP_Q16(1024)),
-        FIELD(leg, -JP_Q16(16), JP_Q16(16)),
+        FIELD(leg, -JP_Q16(256), JP_Q16(256)),
         FIELD(leg_noise_relative, 0, JP_Q16_ONE),
         FIELD(leg_noise_transient, 0, JP_Q16(16)),
         FIELD(leg_noise, 1, JP_Q16(1024)),

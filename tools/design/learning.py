@@ -51,7 +51,7 @@ SMALL_SHARE = 0.01
 SMALLEST_SHARE = 1e-7
 
 FORMAT_MAX = 4096
-LEG_MAX = 16
+LEG_MAX = 256
 LEG_WORDING = ["of what speeding up takes by the steady voltage", "of what changes of the speed take",
                "of what turning faster takes by the steady voltage"]
 

@@ -74,6 +74,13 @@ bench-limit: ## measure how far above the least energy that exists scenarios and
 	@mkdir -p $(BUILD)/bench
 	$(PYTHON) -m tools.measure.bench_limit
 
+.PHONY: bench-robots
+bench-robots: ## measure how robots that nobody has seen balance and drive, designed from their data sheets
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) all
+	@mkdir -p $(BUILD)/bench
+	$(PYTHON) -m tools.measure.bench_robots
+
 .PHONY: bench-restart
 bench-restart: ## measure, in real time, a controller that is killed in mid-drive and started again (6 minutes)
 	@tools/setup.sh test
@@ -109,6 +116,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-plan
 	@$(MAKE) bench-patrol
 	@$(MAKE) bench-limit
+	@$(MAKE) bench-robots
 	@$(MAKE) bench-restart
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)

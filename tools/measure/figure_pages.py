@@ -52,6 +52,8 @@ SECTIONS = (
             "the same waypoints, with the same speed at the end.", r"limit"),
     Section("Energy limit: scenarios", blocks=("limit_scenarios",)),
     Section("Energy limit: random routes", "Legs of 1 to 15 m, turns to ±120°.", blocks=("limit_routes",)),
+    Section("Robots from their data sheets", "Random balancers of 0.3 to 100 kg, designed without a setting of their own; "
+            "each drives a random route before anything is identified or learned.", r"robots", ("random_robots",)),
     Section("Segment optimiser", "Plans against brute force and the paper's Table 3.", r"segment"),
     Section("Energy models", "", r"identify(_battery)?"),
     Section("Battery", "", r"battery"),

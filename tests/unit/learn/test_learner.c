@@ -50,8 +50,8 @@ static void test_check_names_the_first_bad_field(void)
     REFUSED(noise_transient, JP_Q16(16) + 1, "learning.noise_transient");
     REFUSED(noise, 0, "learning.noise");
     REFUSED(noise, JP_Q16(1024) + 1, "learning.noise");
-    REFUSED(leg[0][0], JP_Q16(16) + 1, "learning.leg");
-    REFUSED(leg[2][3], -JP_Q16(16) - 1, "learning.leg");
+    REFUSED(leg[0][0], JP_Q16(256) + 1, "learning.leg");
+    REFUSED(leg[2][3], -JP_Q16(256) - 1, "learning.leg");
     REFUSED(leg_noise_relative, -1, "learning.leg_noise_relative");
     REFUSED(leg_noise_relative, JP_Q16_ONE + 1, "learning.leg_noise_relative");
     REFUSED(leg_noise_transient, -1, "learning.leg_noise_transient");
@@ -76,8 +76,8 @@ static void test_check_takes_the_edges(void)
     TAKEN(noise_transient, JP_Q16(16));
     TAKEN(noise, 1);
     TAKEN(noise, JP_Q16(1024));
-    TAKEN(leg[2][3], JP_Q16(16));
-    TAKEN(leg[0][0], -JP_Q16(16));
+    TAKEN(leg[2][3], JP_Q16(256));
+    TAKEN(leg[0][0], -JP_Q16(256));
     TAKEN(leg_noise_relative, 0);
     TAKEN(leg_noise_relative, JP_Q16_ONE);
     TAKEN(leg_noise_transient, 0);
