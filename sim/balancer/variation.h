@@ -36,8 +36,8 @@ extern const struct variation variation_none;
 /** The number that this member is. */
 double variation_value(const struct variation *variation, const struct variation_member *member);
 
-/** Uniform: ground friction 0.6…1.6, the payload of the robot file, motor resistance 0.92…1.12, motor friction 0.8…1.25,
- *  capacity 0.7…1. */
+/** Uniform: ground friction 0.6…1.6, the payload of the robot file, motor resistance 0.92…1.12, motor friction
+ * 0.8…1.25, capacity 0.7…1. */
 void variation_draw(struct random *random, const struct robot_file *file, struct variation *variation);
 
 /** The robot file of the varied robot. */

@@ -319,6 +319,7 @@ def c_table(robot, definition, learning, quality, exponent):
     """In units of 2^exponent J, as the energy model is."""
     to = c_tables.Converter(robot.source)
     units = (*c_tables.STATE_UNITS, *c_tables.STEADY_UNITS)
+    smallest = 2.0**(exponent - 16)  # J: a noise of 0 would be certain
 
     def row(name, values, unit, limit, of_row=0):
         members = [to.energy(name, value, unit, -limit, limit, of_row) for value in values]
@@ -339,11 +340,11 @@ def c_table(robot, definition, learning, quality, exponent):
         to.q16("payload_deviation", learning.payload_deviation, "kg", 2**-16, 16),
         to.q16("noise_relative", learning.noise_relative, "of the energy", 0, 1),
         to.q16("noise_transient", learning.noise_transient, "of what earlier steps left", 0, 16),
-        to.energy("noise", learning.noise, "J", 2**-16, 1024, exponent),
+        to.energy("noise", max(learning.noise, smallest), "J", 2**-16, 1024, exponent),
         c_tables.Array("leg", [row("leg", values, "of it", LEG_MAX) for values in learning.leg], LEG_WORDING),
         to.q16("leg_noise_relative", learning.leg_noise_relative, "of the energy", 0, 1),
         to.q16("leg_noise_transient", learning.leg_noise_transient, "of what its transients take", 0, 16),
-        to.energy("leg_noise", learning.leg_noise, "J", 2**-16, 1024, exponent),
+        to.energy("leg_noise", max(learning.leg_noise, smallest), "J", 2**-16, 1024, exponent),
         to.whole("memory", MEMORY, "segments", 8, 1024),
     ]
     members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))

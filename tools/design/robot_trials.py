@@ -17,11 +17,13 @@ TURN = math.radians(120)
 TIMEOUT = 900             # s, of a program
 
 
-def called(command, what, **options):
+def called(command, what):
     """Output of a program that must succeed; its last line says why it did not."""
+    # A make that calls this has its own jobs and targets.
+    environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
     try:
         result = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False, cwd=ROOT,
-                                timeout=TIMEOUT, **options)
+                                timeout=TIMEOUT, env=environment)
     except OSError as error:
         raise ToolError(f"{what}: {command[0]}: {error.strerror}") from None
     except subprocess.TimeoutExpired:
