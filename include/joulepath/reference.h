@@ -29,8 +29,8 @@ extern "C" {
 struct jp_reference_config {
     uint32_t tick_rate;      /**< calls a second; 100…10 000 */
     jp_q24 turns_per_metre;  /**< 1/(2πR), turn/m; 0.1…16 */
-    jp_q16 travel_bandwidth; /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100, at most tick_rate/4 */
-    jp_q16 yaw_bandwidth;    /**< 1/τ, rad/s; 0 (no shaping) or 0.1…100, at most tick_rate/4 */
+    jp_q16 travel_bandwidth; /**< 1/τ, rad/s; 0 (no shaping) or 0.016…100, at most tick_rate/4 */
+    jp_q16 yaw_bandwidth;    /**< 1/τ, rad/s; 0 (no shaping) or 0.016…100, at most tick_rate/4 */
     uint32_t rest_ticks;     /**< at speed 0 between forward and back; 0…65 535 */
 };
 

@@ -53,7 +53,7 @@ static const struct config_field fields[] = {
     REAL("accelerometer.full_scale_g", accelerometer.full_scale_g, 0, 127, "g"),
     REAL("accelerometer.height_m", accelerometer.height_m, -2, 2, "m"),
     WHOLE("current_sense.bits", current_sense.bits, 0, 24, "bit"),
-    REAL("current_sense.full_scale_a", current_sense.full_scale_a, 0.01, 32767, "A"),
+    REAL("current_sense.full_scale_a", current_sense.full_scale_a, 0.001, 32767, "A"),
     REAL("current_sense.noise_rms_a", current_sense.noise_rms_a, 0, 100, "A"),
     WHOLE("bus_sense.bits", bus_sense.bits, 0, 24, "bit"),
     REAL("bus_sense.full_scale_v", bus_sense.full_scale_v, 0.1, 32767, "V"),

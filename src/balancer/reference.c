@@ -12,7 +12,7 @@
 static bool bandwidth_is_valid(jp_q16 bandwidth, uint32_t tick_rate)
 {
     return bandwidth == 0 ||
-           (bandwidth >= JP_Q16(0.1) && (uint32_t)bandwidth <= tick_rate * ((uint32_t)JP_Q16_ONE / 4U));
+           (bandwidth >= JP_Q16(0.016) && (uint32_t)bandwidth <= tick_rate * ((uint32_t)JP_Q16_ONE / 4U));
 }
 
 enum jp_status jp_reference_check(const struct jp_reference_config *config, const char **field)

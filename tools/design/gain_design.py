@@ -61,8 +61,8 @@ def estimator_group(robot, to):
 def check_shaping(robot):
     for key in ("control.travel_shaping_s", "control.yaw_shaping_s"):
         shaping = robot.number(key)
-        if shaping != 0 and not 0.01 <= shaping <= 10:
-            raise robot.error(key, f"is {shaping:g} s, must be 0 or 0.01 to 10")
+        if shaping != 0 and not 0.01 <= shaping <= 60:
+            raise robot.error(key, f"is {shaping:g} s, must be 0 or 0.01 to 60")
 
 
 def reference_group(robot, turning, to):

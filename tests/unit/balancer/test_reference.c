@@ -48,10 +48,10 @@ static void test_checks_every_field_at_its_limits(void)
     AT_MOST("reference.", rest_ticks, 65535);
     AT_LEAST("reference.", travel_bandwidth, 0);
     FIELD(travel_bandwidth, 1, "reference.travel_bandwidth");
-    RANGE("reference.", travel_bandwidth, JP_Q16(0.1), JP_Q16(100));
+    RANGE("reference.", travel_bandwidth, JP_Q16(0.016), JP_Q16(100));
     AT_LEAST("reference.", yaw_bandwidth, 0);
     FIELD(yaw_bandwidth, 1, "reference.yaw_bandwidth");
-    RANGE("reference.", yaw_bandwidth, JP_Q16(0.1), JP_Q16(100));
+    RANGE("reference.", yaw_bandwidth, JP_Q16(0.016), JP_Q16(100));
 }
 
 static void test_refuses_a_bandwidth_beyond_a_quarter_of_the_tick_rate(void)
