@@ -12,7 +12,8 @@ import numpy as np
 from tools.design import closed_loop
 
 STEP_S = 0.01
-SECONDS = 20.0
+# A response is over after this, or so many times the reference's shaping.
+SECONDS, SHAPINGS = 20.0, 10.0
 REST_STEP_S = 0.25
 # What an earlier direction may still add to the worst case.
 EXCESS = 1.01
@@ -42,8 +43,9 @@ def design(robot, gains):
     """The rest and the wheel rate of a robot under these gains."""
     rate = robot.positive("control.rate_hz")
     stride = round(STEP_S * rate)
+    seconds = max(SECONDS, SHAPINGS * robot.number("control.travel_shaping_s"))
     responses = [np.diff(response, prepend=0.0) for response in
-                 closed_loop.travel_step(robot, gains, SECONDS, stride)]
+                 closed_loop.travel_step(robot, gains, seconds, stride)]
     for_ever = [worst_case(impulse, len(impulse)) for impulse in responses]
     rest = 0
     while any(worst_case(impulse, rest) > EXCESS * most for impulse, most in zip(responses, for_ever, strict=True)):

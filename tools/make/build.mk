@@ -115,8 +115,7 @@ $(LCM_HEADERS) &: $(LCM_TYPES:%=sim/lcm/%.lcm)
 
 $(BUILD)/robots.c: tools/make/robots.sh FORCE
 	@mkdir -p $(@D)
-	@$< src/tables >$@.new
-	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+	@new=$@.$$$$; $< src/tables >$$new; if cmp -s $$new $@; then rm $$new; else mv $$new $@; fi
 
 .PHONY: FORCE
 FORCE:
