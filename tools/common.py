@@ -11,6 +11,10 @@ ROOT = Path(__file__).resolve().parent.parent
 EXIT_BAD_INPUT = 2
 
 
+def build_directory():
+    return Path(os.environ.get("JP_BUILD", ROOT / "build"))
+
+
 class ToolError(Exception):
     """Bad input; the message is one line that names the file or key and the reason."""
 

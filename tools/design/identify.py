@@ -272,9 +272,9 @@ def check_validation(robot, experiments, result):
     taken = result.validation.measured.mean() + robot.positive("electronics.power_w") * experiments.segment
     mean = 100 * np.abs(result.validation.absolute).mean() / taken
     if not mean <= MEAN_RELATIVE_ERROR_LIMIT:
-        raise ToolError(f"{experiments.source}: the model misses the energies that were not fitted by {mean:.2g} % of what "
-                        f"such a drive takes on average, at most {MEAN_RELATIVE_ERROR_LIMIT:g} % is accepted; lower the limits of the robot "
-                        f"file, or correct control.weights and run make gains ROBOT={robot.name}")
+        raise ToolError(f"{experiments.source}: the model misses the energies that were not fitted by {mean:.2g} % of "
+                        f"what such a drive takes on average, at most {MEAN_RELATIVE_ERROR_LIMIT:g} % is accepted; lower "
+                        f"the limits of the robot file, or correct control.weights and run make gains ROBOT={robot.name}")
 
 
 def parameter_rows(model, energy):

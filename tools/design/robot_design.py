@@ -125,8 +125,8 @@ def identify(making, robot):
     seconds = math.ceil(max(SEGMENT_S, SEGMENT_MARGIN * settled_after(robot)))
     volts = max(SETTLED_V, SETTLED_SUPPLY_SHARE * robot.positive("supply.voltage_v"))
     count = max(EXPERIMENTS_MIN, round(EXPERIMENTS * SEGMENT_S / seconds))
-    robot_trials.called([program, making.robot_file, "--output", making.experiments, f"--count={count}", f"--seconds={seconds}",
-                         f"--threshold={volts:.6g}"], "jp-identify")
+    robot_trials.called([program, making.robot_file, "--output", making.experiments, f"--count={count}",
+                         f"--seconds={seconds}", f"--threshold={volts:.6g}"], "jp-identify")
     for energy in (closed_loop.MOTOR, closed_loop.BATTERY):
         robot_trials.tool("identify", making.robot_file, "--energy", energy, "--experiments", making.experiments,
                           "--tables", making.tables)

@@ -2,22 +2,17 @@
 import copy
 import json
 import math
-import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-from tools.common import ROOT, ToolError, read_text
+from tools.common import ROOT, ToolError, build_directory, read_text
 from tools.design import specification
 
 # The keys that the tools use; jp-robot knows all of them and their ranges.
 GROUPS = ("body", "wheel", "motor", "ground", "electronics", "supply", "encoder", "gyro", "accelerometer",
           "current_sense", "control", "limits")
-
-
-def build_directory():
-    return Path(os.environ.get("JP_BUILD", ROOT / "build"))
 
 
 def default_jp_robot():

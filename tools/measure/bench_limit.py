@@ -33,7 +33,8 @@ from tools.measure.figure_store import write_tables
 COMMAND = "make bench-limit"
 SCENARIOS = ("gao2018_mission", "gao2018_short", "courier24_mission", "courier24_short")
 
-# Random routes, as robot_trials.py draws them: chosen before anything was measured on them. The first of them are driven by every strategy.
+# Random routes, as robot_trials.py draws them: chosen before anything was measured on them. The first of them are driven by
+# every strategy.
 ROBOTS = ("gao2018", "courier24")
 SEED = 1
 # And routes by the rule alone, of seeds that nothing was developed with.
@@ -288,7 +289,8 @@ def main():
 
     print_aligned([SCENARIO_HEADINGS, *scenario_table])
     low, high = robot_trials.LENGTHS
-    print(f"\nrandom routes of {robot_trials.LEGS} legs of {low:g} to {high:g} m, turns to ±{math.degrees(robot_trials.TURN):g}°")
+    turn = math.degrees(robot_trials.TURN)
+    print(f"\nrandom routes of {robot_trials.LEGS} legs of {low:g} to {high:g} m, turns to ±{turn:g}°")
     print_aligned([ROUTE_HEADINGS, *route_table])
     print(f"\nwrote {shown_path(path)} and {shown_path(tables)}")
     return 0

@@ -5,8 +5,7 @@ A kind of numbers (size, stack, cycles) is a table: rows by name, and in a row a
 import json
 import subprocess
 
-from tools.common import ROOT, ToolError, print_aligned, read_text, write_whole
-from tools.design import robot_json
+from tools.common import ROOT, ToolError, build_directory, print_aligned, read_text, write_whole
 
 # Names of the cores by that of their variants in the Makefile, in the order of the columns.
 CORES = {"cortex-m0": "Cortex-M0", "cortex-m3": "Cortex-M3", "cortex-m4": "Cortex-M4", "cortex-m7": "Cortex-M7",
@@ -28,7 +27,7 @@ def core_of(variant):
 
 
 def measured_path(kind):
-    return robot_json.build_directory() / "numbers" / f"{kind}.json"
+    return build_directory() / "numbers" / f"{kind}.json"
 
 
 def write_measured(kind, table):
@@ -131,7 +130,7 @@ def show(kind, table, diff):
 
 
 def write_figures(kind, figures):
-    write_whole(robot_json.build_directory() / "bench" / f"{kind}.json", json.dumps(figures, indent=2) + "\n")
+    write_whole(build_directory() / "bench" / f"{kind}.json", json.dumps(figures, indent=2) + "\n")
 
 
 def figure(name, value, unit, bar, command):
