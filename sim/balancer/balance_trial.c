@@ -128,20 +128,21 @@ static void measure(struct rig *rig, struct balance_stand *stand)
     const double begun = plant->ledger.electrical;
     double leans = 0;
     double squares = 0;
-    double least = plant->x;
-    double most = plant->x;
+    const double place = plant->x;
+    double back = 0;
+    double forward = 0;
 
     for (uint64_t i = 0; i < ticks; i++) {
         rig_tick(rig);
         leans += plant->state.pitch * plant->state.pitch;
         squares += (pow(volts(telemetry->voltages.left), 2) + pow(volts(telemetry->voltages.right), 2)) / 2;
-        least = fmin(least, plant->x);
-        most = fmax(most, plant->x);
+        back = fmax(back, place - plant->x);
+        forward = fmax(forward, plant->x - place);
     }
     *stand = (struct balance_stand){.lean_rms_deg = sqrt(leans / (double)ticks) / DEGREE,
                                     .voltage_rms_v = sqrt(squares / (double)ticks),
                                     .power_w = (plant->ledger.electrical - begun) / SECONDS,
-                                    .wander_m = most - least};
+                                    .wander_m = back + forward};
 }
 
 bool balance_trial_stand(const struct robot_entry *entry, const struct robot_file *file, uint64_t seed,
