@@ -137,6 +137,15 @@ def test_a_step_to_the_greatest_speed_leans_the_robot_no_more_than_it_may(robot)
     assert most <= 1.02 * specification.largest_lean(found, linear_model.linear_plant(found))
 
 
+def test_shaping_is_tried_with_the_settings_that_the_file_gives(robot):
+    found = completed(int(robot.name.removeprefix("random")))
+    own = {f"control.{key}": 4.0 * value if key == "tilt_time_constant_s" else value for key, value in (
+        (key, found.number(f"control.{key}")) for key in ("tilt_time_constant_s", "bias_time_constant_s"))}
+    mixed = specification.completed(robot.varied(own))
+    whole = specification.completed(found.varied({**own, "control.travel_shaping_s": None}))
+    assert mixed.number("control.travel_shaping_s") == pytest.approx(whole.number("control.travel_shaping_s"))
+
+
 def test_a_smaller_lean_takes_slower_shaping():
     times = [specification.completed(robot_of(STRONG[0], specification__lean_deg=lean)).number("control.travel_shaping_s")
              for lean in (8.0, 2.0, 1.0)]

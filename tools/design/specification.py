@@ -33,7 +33,7 @@ BIAS = 15.0
 # control rate.
 ENCODER_BANDWIDTHS = (20.0, 35.0)
 ENCODER_BANDWIDTH_SHARE = 0.25
-# What steps of the encoders may take of the motors' power, by that of the electronics.
+# Power that steps of the encoders may make the motors take, by that of the electronics.
 STEPS_POWER = 0.002
 
 VOLTAGE_RESERVE = 0.15
@@ -223,7 +223,9 @@ def travel_shaping(robot, plant, found):
     speed, lean = robot.positive("limits.speed_m_s"), largest_lean(robot, plant)
     shaping = TRAVEL_SHAPING / falling_rate(plant)
     while shaping <= TRAVEL_SHAPING_MAX:
-        tried = robot.varied({f"control.{key}": value for key, value in (found | {"travel_shaping_s": shaping}).items()})
+        # Settings that the file gives are tried as they are.
+        tried = robot.varied({f"control.{key}": value for key, value in found.items()
+                              if not robot.is_given(f"control.{key}")} | {"control.travel_shaping_s": shaping})
         stride = round(STEP_S * robot.positive("control.rate_hz"))
         leans = closed_loop.travel_step(tried, linear_model.design(tried).gains, STEP_SHAPINGS * shaping, stride)[1]
         most = speed * np.abs(leans).max()
