@@ -19,11 +19,15 @@
  * voltage; step Δv) and yaw (difference; steps Δw and σ). In a pair only its first mode is part of the voltage; the
  * second is a quarter turn behind.
  *
+ * A change of direction is two pieces: what the reference rests at v = 0 (reference.h), and what is left of T.
+ *
  * Nothing needs m itself: what is written as volts here is, of each mode, in a unit of the table's own, the same for
  * both of a pair. It is 1 V where that fits the formats. J is the unit of the model (energy.h).
  */
 #ifndef JOULEPATH_HORIZON_H
 #define JOULEPATH_HORIZON_H
+
+#include <stdbool.h>
 
 #include <joulepath/energy.h>
 
@@ -54,7 +58,8 @@ struct jp_axis_modes {
 
 /** One robot under one controller, for one definition of energy; made by tools/design/horizon.py. */
 struct jp_horizon {
-    jp_q16 duration_min; /**< shortest segment that the model holds for, s; above 0, at most 60 */
+    jp_q16 duration_min;  /**< shortest segment that the model holds for, s; above 0, at most 60 */
+    jp_q16 reversal_rest; /**< at speed 0 between forward and back, as of the reference, s; 0…1 000 */
     struct jp_axis_modes travel;
     struct jp_axis_modes yaw;
 };
@@ -70,6 +75,8 @@ struct jp_transient {
 struct jp_energy_start {
     struct jp_motion motion;
     struct jp_transient transient;
+    jp_q16 reversal_rest; /**< s until the direction may change; 0…1 000 */
+    bool is_forward;      /**< the last speed that was not 0 */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
@@ -80,13 +87,14 @@ enum jp_status jp_horizon_check(const struct jp_horizon *horizon, const char **f
  * Energy in J of a segment that begins at `start`, and in *end how the next one will begin. `end` may be `start`.
  *
  * With a horizon the model holds from horizon->duration_min; without (null) it is jp_energy_predict(): T >= Ts, and
- * *end is settled. `model` and `horizon` must have passed their checks.
+ * *end is settled, and directions change without a rest. `model` and `horizon` must have passed their checks.
  *
  * JP_ERR_ARGUMENT: T too short, a field outside its range, the transient too, or a null pointer; nothing is written.
  * JP_ERR_OVERFLOW: |E| > 32 767 J, or a transient beyond ±4 096 V: what does not fit is saturated.
  * Error against exact arithmetic on the same inputs, for motions within 1 m/s and 1 rad/s and chains of any length: at
  * most 0.002 J with the tables of the robots here; for others 0.01 J + 10⁻⁴ of it, with what rounding a table costs.
- * At most 450 multiplications, 16 sines and one 64-bit division; may be called from an ISR.
+ * At most 450 multiplications, 16 sines and one 64-bit division, twice as many where the direction changes; may be
+ * called from an ISR.
  */
 enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const struct jp_horizon *horizon,
                                   const struct jp_energy_start *start, const struct jp_segment_command *segment,

@@ -31,7 +31,7 @@ struct jp_reference_config {
     jp_q24 turns_per_metre;  /**< 1/(2πR), turn/m; 0.1…16 */
     jp_q16 travel_bandwidth; /**< 1/τ, rad/s; 0 (no shaping) or 0.016…100, at most tick_rate/4 */
     jp_q16 yaw_bandwidth;    /**< 1/τ, rad/s; 0 (no shaping) or 0.016…100, at most tick_rate/4 */
-    uint32_t rest_ticks;     /**< at speed 0 between forward and back; 0…65 535 */
+    uint32_t rest_ticks;     /**< at speed 0 between forward and back; 0…10 000 000 */
 };
 
 /** One axis: the target, and the shaped set-point that the controller follows. */
@@ -59,7 +59,7 @@ struct jp_reference {
     jp_turns_per_s yaw_lead;        /**< with which yaw turns beside its set-point's rate, turn/s */
     jp_q16 common;                  /**< voltage that the motion needs, (ur + ul)/2, V */
     jp_q16 difference;              /**< (ur − ul)/2, V */
-    uint16_t rest_left;             /**< ticks until the direction may change */
+    uint32_t rest_left;             /**< ticks until the direction may change */
     bool forward;                   /**< direction of the last speed that was not 0 */
 };
 

@@ -6,6 +6,9 @@
 
 #define TURNS_PER_RADIAN JP_Q24(0.15915494309189535)
 
+/** 1000 s of the fastest ticks. */
+#define REST_TICKS_MAX 10000000
+
 #define FIELD(member, low, high) JP_CONFIG_FIELD("reference.", struct jp_reference_config, member, low, high)
 
 /** Beyond a quarter of the tick rate the tracker's steps would overshoot. */
@@ -22,7 +25,7 @@ enum jp_status jp_reference_check(const struct jp_reference_config *config, cons
         FIELD(turns_per_metre, JP_Q24(0.1), JP_Q24(16)),
         FIELD(travel_bandwidth, 0, JP_Q16(100)),
         FIELD(yaw_bandwidth, 0, JP_Q16(100)),
-        FIELD(rest_ticks, 0, UINT16_MAX),
+        FIELD(rest_ticks, 0, REST_TICKS_MAX),
     };
     const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 
@@ -140,7 +143,7 @@ static void rest(struct jp_reference *reference, uint32_t rest_ticks)
     }
     if (reference->wheel.target_rate != 0) {
         reference->forward = reference->wheel.target_rate > 0;
-        reference->rest_left = (uint16_t)rest_ticks;
+        reference->rest_left = rest_ticks;
     }
 }
 

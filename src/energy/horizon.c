@@ -12,6 +12,7 @@
 #define SHARE_MAX        JP_Q16(4096)
 #define TRANSIENT_MAX    JP_Q16(4096)
 #define DURATION_MIN_MAX JP_Q16(60)
+#define REST_MAX         JP_Q16(1000)
 
 /** How an axis is driven in a segment, in m/s for travel, in rad/s and rad for yaw. */
 struct axis_command {
@@ -85,6 +86,7 @@ enum jp_status jp_horizon_check(const struct jp_horizon *horizon, const char **f
 {
     static const struct jp_config_field fields[] = {
         FIELD(duration_min, 1, DURATION_MIN_MAX),
+        FIELD(reversal_rest, 0, REST_MAX),
         FIELD(travel.count, 0, JP_AXIS_MODES),
         FIELD(yaw.count, 0, JP_AXIS_MODES),
     };
@@ -195,23 +197,63 @@ static bool drive_axis(const struct jp_axis_modes *axis, const struct axis_comma
     return within;
 }
 
-/** *end, and in Q28 J what the transients spend beside the settled energy; false when *end had to be limited. */
-static bool drive(const struct jp_horizon *horizon, const struct jp_energy_start *start,
-                  const struct jp_segment_command *segment, struct jp_energy_start *end, int64_t *energy)
+/** What a robot does between two directions: in a rest at speed 0, and after it. Alone where there is no rest. */
+struct pieces {
+    struct jp_segment_command piece[2];
+    uint32_t count;
+};
+
+static struct pieces split(const struct jp_horizon *horizon, const struct jp_energy_start *start,
+                           const struct jp_segment_command *segment)
 {
-    *end = (struct jp_energy_start){.motion = segment->motion};
-    *energy = 0;
+    const jp_q24 speed = segment->motion.speed;
+    struct pieces pieces = {{*segment}, 1};
+
+    if (!horizon || start->reversal_rest == 0 || speed == 0 || (speed > 0) == start->is_forward) {
+        return pieces;
+    }
+    pieces.piece[0].motion.speed = 0;
+    if (segment->duration > start->reversal_rest) {
+        pieces.piece[0].duration = start->reversal_rest;
+        pieces.piece[1] = *segment;
+        pieces.piece[1].turn = 0;
+        pieces.piece[1].duration -= start->reversal_rest;
+        pieces.count = 2;
+    }
+    return pieces;
+}
+
+/** How long the direction may not change after a piece. */
+static void count_rest(const struct jp_horizon *horizon, const struct jp_energy_start *start,
+                       const struct jp_segment_command *piece, struct jp_energy_start *end)
+{
+    if (piece->motion.speed != 0) {
+        end->is_forward = piece->motion.speed > 0;
+        end->reversal_rest = horizon->reversal_rest;
+    } else {
+        end->is_forward = start->is_forward;
+        end->reversal_rest = piece->duration < start->reversal_rest ? start->reversal_rest - piece->duration : 0;
+    }
+}
+
+/** *end; adds in Q28 J what the transients spend beside the settled energy; false when *end had to be limited. */
+static bool drive(const struct jp_horizon *horizon, const struct jp_energy_start *start,
+                  const struct jp_segment_command *piece, struct jp_energy_start *end, int64_t *energy)
+{
+    *end = (struct jp_energy_start){.motion = piece->motion};
     if (!horizon) {
         return true;
     }
-    jp_q24 speed = segment->motion.speed;
-    jp_q24 turn_rate = segment->motion.turn_rate;
+    count_rest(horizon, start, piece, end);
+
+    jp_q24 speed = piece->motion.speed;
+    jp_q24 turn_rate = piece->motion.turn_rate;
     const struct axis_command travel = {speed, {speed - start->motion.speed, 0}};
-    const struct axis_command yaw = {turn_rate, {turn_rate - start->motion.turn_rate, segment->turn}};
-    bool travel_within = drive_axis(&horizon->travel, &travel, segment->duration, start->transient.travel,
-                                    end->transient.travel, energy);
+    const struct axis_command yaw = {turn_rate, {turn_rate - start->motion.turn_rate, piece->turn}};
+    bool travel_within =
+        drive_axis(&horizon->travel, &travel, piece->duration, start->transient.travel, end->transient.travel, energy);
     bool yaw_within =
-        drive_axis(&horizon->yaw, &yaw, segment->duration, start->transient.yaw, end->transient.yaw, energy);
+        drive_axis(&horizon->yaw, &yaw, piece->duration, start->transient.yaw, end->transient.yaw, energy);
     return travel_within && yaw_within;
 }
 
@@ -224,7 +266,7 @@ static bool arguments_are_valid(const struct jp_energy_model *model, const struc
     if (!horizon) {
         return jp_segment_in_range(segment, model->settling_time);
     }
-    return jp_segment_in_range(segment, horizon->duration_min) &&
+    return jp_segment_in_range(segment, horizon->duration_min) && jp_is_between(start->reversal_rest, 0, REST_MAX) &&
            all_within(start->transient.travel, JP_AXIS_MODES, TRANSIENT_MAX) &&
            all_within(start->transient.yaw, JP_AXIS_MODES, TRANSIENT_MAX);
 }
@@ -236,19 +278,29 @@ enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const str
     if (!energy || !end || !arguments_are_valid(model, horizon, start, segment)) {
         return JP_ERR_ARGUMENT;
     }
-    struct jp_energy_start next;
-    int64_t transient;
-    bool within = drive(horizon, start, segment, &next, &transient);
+    const struct pieces pieces = split(horizon, start, segment);
+    struct jp_energy_start at = *start;
+    int64_t settled = 0;
+    int64_t transient = 0;
+    bool fits = true;
 
-    struct jp_voltage_terms voltage;
-    jp_q16 settled;
-    jp_voltage_terms(model, &start->motion, &voltage);
-    enum jp_status status = jp_energy_total(model, &start->motion, &voltage, segment, &settled);
+    for (uint32_t i = 0; i < pieces.count; i++) {
+        const struct jp_segment_command *piece = &pieces.piece[i];
+        struct jp_voltage_terms voltage;
+        struct jp_energy_start next;
+        jp_q16 of_piece;
+
+        jp_voltage_terms(model, &at.motion, &voltage);
+        fits = drive(horizon, &at, piece, &next, &transient) && fits;
+        fits = jp_energy_total(model, &at.motion, &voltage, piece, &of_piece) == JP_OK && fits;
+        settled += of_piece;
+        at = next;
+    }
 
     int64_t total = settled + jp_round_shift64(transient, JP_TERM_BITS - 16);
     *energy = jp_saturate32(total);
-    *end = next;
-    return within && *energy == total ? status : JP_ERR_OVERFLOW;
+    *end = at;
+    return fits && *energy == total ? JP_OK : JP_ERR_OVERFLOW;
 }
 
 /** a b with a in Q24 and b in Q24 or Q18, in Q16. */
@@ -257,25 +309,18 @@ static int64_t scaled_product(int32_t a, int32_t b, unsigned shift)
     return jp_round_shift64(jp_multiply(a, b), shift);
 }
 
-enum jp_status jp_energy_regressors(const struct jp_energy_model *model, const struct jp_horizon *horizon,
-                                    const struct jp_energy_start *start, const struct jp_segment_command *segment,
-                                    jp_q16 regressor[JP_ENERGY_PARAMETERS], jp_q16 *rest)
+/** What multiplies each parameter in a piece. */
+static void add_regressors(const struct jp_energy_model *model, const struct jp_motion *motion,
+                           const struct jp_segment_command *piece, int64_t sum[JP_ENERGY_PARAMETERS])
 {
-    if (!regressor || !rest || !arguments_are_valid(model, horizon, start, segment)) {
-        return JP_ERR_ARGUMENT;
-    }
-    struct jp_energy_start end;
-    int64_t transient;
-    bool within = drive(horizon, start, segment, &end, &transient);
-
     struct jp_steady_voltages before;
-    jp_steady_voltages(model, &start->motion, &before);
-    int32_t v = segment->motion.speed;
-    int32_t w = segment->motion.turn_rate;
-    int32_t dv = v - start->motion.speed;
-    int32_t dw = w - start->motion.turn_rate;
-    int32_t turn = segment->turn;
-    int32_t line = segment->duration - model->settling_time; /* where b counts, Q16 */
+    jp_steady_voltages(model, motion, &before);
+    int32_t v = piece->motion.speed;
+    int32_t w = piece->motion.turn_rate;
+    int32_t dv = v - motion->speed;
+    int32_t dw = w - motion->turn_rate;
+    int32_t turn = piece->turn;
+    int32_t line = piece->duration - model->settling_time; /* where b counts, Q16 */
     const int64_t exact[JP_ENERGY_PARAMETERS] = {
         scaled_product(dv, dv, 32),
         scaled_product(dw, dw, 32),
@@ -293,13 +338,39 @@ enum jp_status jp_energy_regressors(const struct jp_energy_model *model, const s
         scaled_product((int32_t)scaled_product(v, v, 24), line, 24),
         scaled_product((int32_t)scaled_product(w, w, 24), line, 24),
     };
+
     for (int i = 0; i < JP_ENERGY_PARAMETERS; i++) {
-        regressor[i] = jp_saturate32(exact[i]);
-        within = within && regressor[i] == exact[i];
+        sum[i] += exact[i];
+    }
+}
+
+enum jp_status jp_energy_regressors(const struct jp_energy_model *model, const struct jp_horizon *horizon,
+                                    const struct jp_energy_start *start, const struct jp_segment_command *segment,
+                                    jp_q16 regressor[JP_ENERGY_PARAMETERS], jp_q16 *rest)
+{
+    if (!regressor || !rest || !arguments_are_valid(model, horizon, start, segment)) {
+        return JP_ERR_ARGUMENT;
+    }
+    const struct pieces pieces = split(horizon, start, segment);
+    struct jp_energy_start at = *start;
+    int64_t sum[JP_ENERGY_PARAMETERS] = {0};
+    int64_t transient = 0;
+    bool fits = true;
+
+    for (uint32_t i = 0; i < pieces.count; i++) {
+        struct jp_energy_start next;
+
+        fits = drive(horizon, &at, &pieces.piece[i], &next, &transient) && fits;
+        add_regressors(model, &at.motion, &pieces.piece[i], sum);
+        at = next;
+    }
+    for (int i = 0; i < JP_ENERGY_PARAMETERS; i++) {
+        regressor[i] = jp_saturate32(sum[i]);
+        fits = fits && regressor[i] == sum[i];
     }
 
     int64_t electronics = jp_multiply(model->electronics_power, segment->duration); /* Q32 */
     int64_t total = jp_round_shift64(transient + (electronics >> (32 - JP_TERM_BITS)), JP_TERM_BITS - 16);
     *rest = jp_saturate32(total);
-    return within && *rest == total ? JP_OK : JP_ERR_OVERFLOW;
+    return fits && *rest == total ? JP_OK : JP_ERR_OVERFLOW;
 }

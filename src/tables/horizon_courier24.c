@@ -4,7 +4,8 @@
 #include <joulepath/horizon.h>
 
 const struct jp_horizon jp_horizon_courier24 = {
-    .duration_min = 32768, /* 0.5 s */
+    .duration_min = 32768,   /* 0.5 s */
+    .reversal_rest = 143393, /* 2.188 s */
     .travel =
         {
             .count = 7U,
@@ -85,7 +86,7 @@ const struct jp_horizon jp_horizon_courier24 = {
                 },
             .storage =
                 {
-                    211082103, /* 0.7863421 J/V² */
+                    211082102, /* 0.7863421 J/V² */
                     80346566,  /* 0.2993143 J/V² */
                     65927514,  /* 0.2455991 J/V² */
                     58639399,  /* 0.2184488 J/V² */

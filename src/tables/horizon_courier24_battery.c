@@ -4,7 +4,8 @@
 #include <joulepath/horizon.h>
 
 const struct jp_horizon jp_horizon_courier24_battery = {
-    .duration_min = 32768, /* 0.5 s */
+    .duration_min = 32768,   /* 0.5 s */
+    .reversal_rest = 143393, /* 2.188 s */
     .travel =
         {
             .count = 7U,

@@ -182,7 +182,7 @@ static struct result judge(struct lesson *lesson, enum jp_cause cause)
 /** False: the robot switched off. */
 static bool drive_chain(const struct drive *drive, uint64_t seed, struct chain_record records[SEGMENTS])
 {
-    static const struct chain_ranges ranges = {1, 1, 1, 0.5, 10};
+    static const struct chain_ranges ranges = {0, 1, 1, 1, 0.5, 10};
     struct robot_file robot, changed;
     struct variation variation = variation_none;
     struct random random;

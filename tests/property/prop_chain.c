@@ -164,7 +164,7 @@ static void test_check_refuses_what_a_file_may_not_hold(void)
 
 static void test_commands_are_within_their_ranges(void)
 {
-    const struct chain_ranges narrow = {0.5, 0.25, 0.1, 0.02, 0.04};
+    const struct chain_ranges narrow = {0, 0.5, 0.25, 0.1, 0.02, 0.04};
     const double turn = 0.1 * files[1].limits.turn_deg * M_PI / 180.0;
     for (int run = 0; run < 100; run++) {
         chain_draw(records, SEGMENTS, &files[1], &narrow, &noise);
@@ -176,7 +176,7 @@ static void test_commands_are_within_their_ranges(void)
             TEST_ASSERT_TRUE(records[i].ticks == 0 && records[i].model == 0);
         }
     }
-    const struct chain_ranges instants = {0, 0, 0, 0, 1e-4};
+    const struct chain_ranges instants = {0, 0, 0, 0, 0, 1e-4};
     chain_draw(records, 1, &files[1], &instants, &noise);
     TEST_ASSERT_EQUAL_UINT32(2u, records[0].commanded_ticks);
 }

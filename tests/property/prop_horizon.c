@@ -28,6 +28,7 @@
 #define ERROR_SHARE    1e-4
 
 #define DURATION_MIN 0.5
+#define STOPS        0.2   /* share of the segments */
 #define TICK         0.001 /* s */
 
 enum { SEGMENTS = 40, MODES_MAX = JP_AXIS_MODES + 2, DOUBLINGS = 30 };
@@ -142,27 +143,67 @@ static double drive_table(const struct jp_axis_modes *axis, double *modes, doubl
     return energy - stored(axis, modes, speed);
 }
 
-/** The worst segment of a chain, J; the modes are never brought back to the exact ones on the way. */
+/** A robot in double. Its modes are never brought back to those of the library. */
+struct drive {
+    const struct robot *robot;
+    struct jp_motion motion;
+    double travel[JP_AXIS_MODES];
+    double yaw[JP_AXIS_MODES];
+    double direction; /**< of the last speed that was not 0 */
+    double rested;    /**< s at speed 0 since */
+};
+
+/** What a motion takes that is commanded for so long, J. */
+static double steady_on(struct drive *drive, const struct jp_segment_command *segment)
+{
+    const double v = q24(segment->motion.speed);
+    const double w = q24(segment->motion.turn_rate);
+    const double seconds = q16(segment->duration);
+    const double travel_step[2] = {v - q24(drive->motion.speed), 0};
+    const double yaw_step[2] = {w - q24(drive->motion.turn_rate), q24(segment->turn)};
+    const double energy = settled(drive->robot->model, &drive->motion, segment) +
+                          drive_table(&drive->robot->horizon->travel, drive->travel, v, travel_step, seconds) +
+                          drive_table(&drive->robot->horizon->yaw, drive->yaw, w, yaw_step, seconds);
+
+    drive->motion = segment->motion;
+    drive->rested = v != 0 ? 0 : drive->rested + seconds;
+    drive->direction = v != 0 ? v : drive->direction;
+    return energy;
+}
+
+/** The other direction waits until the robot has rested long enough. */
+static double take(struct drive *drive, struct jp_segment_command segment)
+{
+    const double missing = q16(drive->robot->horizon->reversal_rest) - drive->rested;
+    double energy = 0;
+
+    if (q24(segment.motion.speed) * drive->direction < 0 && missing > 0) {
+        struct jp_segment_command resting = segment;
+
+        resting.motion.speed = 0;
+        resting.duration = to_q16(fmin(missing, q16(segment.duration)));
+        energy = steady_on(drive, &resting);
+        segment.turn = 0;
+        segment.duration -= resting.duration;
+    }
+    return segment.duration > 0 ? energy + steady_on(drive, &segment) : energy;
+}
+
+/** The worst segment of a chain, J. */
 static double worst_of_chain(const struct robot *robot)
 {
-    struct jp_energy_start start = {{0, 0}, {{0}, {0}}};
-    double travel[JP_AXIS_MODES] = {0};
-    double yaw[JP_AXIS_MODES] = {0};
+    struct jp_energy_start start = {.motion = {0, 0}};
+    struct drive drive = {.robot = robot};
     double worst = 0;
+
     for (int i = 0; i < SEGMENTS; i++) {
-        const struct jp_segment_command segment = random_segment();
-        const double v = q24(segment.motion.speed);
-        const double w = q24(segment.motion.turn_rate);
-        const double travel_step[2] = {v - q24(start.motion.speed), 0};
-        const double yaw_step[2] = {w - q24(start.motion.turn_rate), q24(segment.turn)};
-        const double seconds = q16(segment.duration);
-        const double exact = settled(robot->model, &start.motion, &segment) +
-                             drive_table(&robot->horizon->travel, travel, v, travel_step, seconds) +
-                             drive_table(&robot->horizon->yaw, yaw, w, yaw_step, seconds);
+        struct jp_segment_command segment = random_segment();
         jp_q16 energy;
+
+        segment.motion.speed = uniform(0, 1) < STOPS ? 0 : segment.motion.speed;
         TEST_ASSERT_EQUAL_INT32(JP_OK,
                                 jp_energy_forecast(robot->model, robot->horizon, &start, &segment, &energy, &start));
-        worst = fmax(worst, fabs(q16(energy) - exact));
+        worst = fmax(worst, fabs(q16(energy) - take(&drive, segment)));
     }
     return worst;
 }
@@ -411,7 +452,7 @@ static double worst_of_ticks(const struct linear_axis *travel, const struct line
 {
     const struct jp_energy_model model = make_model(travel, yaw);
     struct jp_horizon horizon = {.duration_min = JP_Q16(DURATION_MIN)};
-    struct jp_energy_start start = {{0, 0}, {{0}, {0}}};
+    struct jp_energy_start start = {.motion = {0, 0}};
     double travel_modes[MODES_MAX] = {0};
     double yaw_modes[MODES_MAX] = {0};
     const char *field = "";
@@ -457,7 +498,7 @@ static void test_weighted_regressors_are_the_forecast(void)
     begin_random(options.seed, 2);
     for (unsigned long k = 0; k < 10 * options.count; k++) {
         const struct robot *robot = &robots[k % (sizeof robots / sizeof robots[0])];
-        struct jp_energy_start start = {{0, 0}, {{0}, {0}}};
+        struct jp_energy_start start = {.motion = {0, 0}};
         for (int i = 0; i < 4; i++) {
             const struct jp_segment_command segment = random_segment();
             jp_q16 regressor[JP_ENERGY_PARAMETERS];
@@ -536,8 +577,11 @@ static void test_any_table_is_safe(void)
 {
     begin_random(options.seed, 3);
     for (unsigned long k = 0; k < 200 * options.count; k++) {
-        struct jp_horizon horizon = {.duration_min = 1 + (int32_t)(random_word() % (uint32_t)JP_Q16(60))};
-        struct jp_energy_start start = {{any(JP_Q24(8)), any(JP_Q24(8))}, {{0}, {0}}};
+        struct jp_horizon horizon = {.duration_min = 1 + (int32_t)(random_word() % (uint32_t)JP_Q16(60)),
+                                     .reversal_rest = (int32_t)(random_word() % (uint32_t)JP_Q16(1000))};
+        struct jp_energy_start start = {.motion = {any(JP_Q24(8)), any(JP_Q24(8))},
+                                        .reversal_rest = (int32_t)(random_word() % (uint32_t)JP_Q16(1000)),
+                                        .is_forward = random_word() % 2U == 0};
         const char *field = "";
         draw_any_axis(&horizon.travel);
         draw_any_axis(&horizon.yaw);
@@ -558,6 +602,7 @@ static void test_any_table_is_safe(void)
             status = jp_energy_forecast(&jp_energy_model_gao2018, &horizon, &start, &segment, &energy, &start);
             TEST_ASSERT_TRUE(status == JP_OK || status == JP_ERR_OVERFLOW);
             TEST_ASSERT_TRUE(within(start.transient.travel) && within(start.transient.yaw));
+            TEST_ASSERT_TRUE(start.reversal_rest >= 0 && start.reversal_rest <= JP_Q16(1000));
         }
     }
 }

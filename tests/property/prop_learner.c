@@ -357,7 +357,7 @@ static void compare(const struct jp_learner *learner, const struct oracle *oracl
 
 static void compare_forecast(const struct jp_learner *learner, const struct oracle *oracle)
 {
-    struct jp_energy_start start = {{0, 0}, {{0}, {0}}};
+    struct jp_energy_start start = {.motion = {0, 0}};
     struct jp_forecast_sum sum = {0, {0}, 0};
     struct jp_forecast forecast;
     double energy = 0, variance = 0;
@@ -412,7 +412,7 @@ static void run_sequence(void)
             }
         }
 
-        const struct jp_energy_start start = {before, {{0}, {0}}};
+        const struct jp_energy_start start = {.motion = before};
         const struct jp_segment_command segment = random_segment(robots[robot].model);
         const struct expectation real = oracle_expect(&truth, &before, &segment);
         const double error = uniform(0, 1) < 0.01 ? uniform(-50, 50) : gaussian(1);
@@ -457,7 +457,7 @@ static void test_against_least_squares_in_information_form(void)
 static void drive_often(struct jp_learner *learner, const struct oracle *truth,
                         const struct jp_segment_command *segment)
 {
-    const struct jp_energy_start start = {segment->motion, {{0}, {0}}};
+    const struct jp_energy_start start = {.motion = segment->motion};
 
     for (unsigned long i = 0; i < options.count; i++) {
         const struct expectation e = oracle_expect(truth, &segment->motion, segment);
@@ -544,7 +544,7 @@ static void test_what_is_not_excited_stays_as_unsure_as_at_first(void)
 
 static void test_any_measurement_leaves_a_state_in_its_ranges(void)
 {
-    struct jp_energy_start start = {{0, 0}, {{0}, {0}}};
+    struct jp_energy_start start = {.motion = {0, 0}};
     struct jp_learner learner;
     const char *field = NULL;
 

@@ -12,11 +12,12 @@ static void draw(struct chain_record *record, const struct robot_file *file, con
                  struct random *random)
 {
     const double speed = ranges->speed_share * file->limits.speed_m_s;
+    const double backward = ranges->backward_share * file->limits.speed_m_s;
     const double turn_rate = ranges->turn_rate_share * file->limits.turn_rate_rad_s;
     const double turn = ranges->turn_share * file->limits.turn_deg * RADIANS_PER_DEGREE;
 
     *record = (struct chain_record){0};
-    record->command.speed = random_uniform(random, 0, speed);
+    record->command.speed = random_uniform(random, -backward, speed);
     record->command.turn_rate = random_uniform(random, -turn_rate, turn_rate);
     record->command.turn = random_uniform(random, -turn, turn);
     record->commanded_ticks = (uint32_t)fmax(

@@ -9,7 +9,8 @@
 
 /** What segments are drawn from, uniform in each. */
 struct chain_ranges {
-    double speed_share;     /**< v: 0…this share of the robot's limit */
+    double backward_share;  /**< v: minus this share of the robot's limit */
+    double speed_share;     /**< …to this share */
     double turn_rate_share; /**< w: ± */
     double turn_share;      /**< σ: ± */
     double shortest;        /**< s; rounded to ticks, at least 2 */

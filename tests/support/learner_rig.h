@@ -28,7 +28,7 @@ void setUp(void)
     learning = LEARNING;
     jp_learner_start(&learner, &learning, &BUILT_IN, &HORIZON);
     state = learner.state;
-    start = (struct jp_energy_start){{0, 0}, {{0}, {0}}};
+    start = (struct jp_energy_start){.motion = {0, 0}};
     random_state = 1;
     field = NULL;
 }

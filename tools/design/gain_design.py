@@ -74,7 +74,7 @@ def reference_group(robot, turning, to):
         to.q24("turns_per_metre", 1 / (TURN * robot.positive("wheel.radius_m")), "turn/m", 0.1, 16),
         bandwidth("travel_bandwidth", "control.travel_shaping_s"),
         bandwidth("yaw_bandwidth", "control.yaw_shaping_s"),
-        to.whole("rest_ticks", math.ceil(turning.rest_s * robot.positive("control.rate_hz")), "ticks", 0, 65535),
+        to.whole("rest_ticks", turning.rest_ticks(robot), "ticks", 0, 10_000_000),
     ])
 
 
@@ -148,7 +148,7 @@ def monitor_group(robot, turning, to):
             TURN * robot.positive("wheel.radius_m")), "turn/s", 2**-24, 127),
         to.q16("current_residual", residual, "A", 2**-16, 32767),
         to.whole("confirm_ticks", CONFIRM_TICKS, "ticks", 1, 65535),
-        to.whole("freeze_ticks", robot.number("control.freeze_ticks"), "ticks", 0, 65535),
+        to.whole("freeze_ticks", robot.number("control.freeze_ticks"), "ticks", 0, 10_000_000),
         to.whole("residual_ticks", RESIDUAL_TICKS, "ticks", 1, 65535),
     ])
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy import linalg
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, run, shown_path, write_whole
-from tools.design import c_tables, closed_loop, energy_unit, robot_json
+from tools.design import c_tables, closed_loop, energy_unit, linear_model, reversal, robot_json
 
 DURATION_MIN = 0.5  # s; the shortest segment
 MODES_MAX = 8       # JP_AXIS_MODES
@@ -288,7 +288,10 @@ def _percent(errors):
 
 def c_table(robot, definition, axes, tables, units, errors):
     to = c_tables.Converter(robot.source)
+    turning = reversal.design(robot, linear_model.design(robot).gains)
+    rest = turning.rest_ticks(robot) / robot.positive("control.rate_hz")
     members = [to.q16("duration_min", DURATION_MIN, "s", 2**-16, 60),
+               to.q16("reversal_rest", rest, "s", 0, 1000),
                *(_axis_group(to, *of_axis) for of_axis in zip(axes, tables, units))]
     return c_tables.Table(f"make horizon ROBOT={robot.name}", f"sim/robots/{robot.name}.cfg",
                           f"Energy {WORDING[definition]}; mean error against the whole linear loop {_percent(errors)}.",

@@ -5,6 +5,7 @@ than the sum of what its impulse response adds in their favour. Steps from full 
 worst moments, swing it by up to twice as much, so that it would fall. After a rest between the directions that is long
 enough the worst moments do no more than without reversals.
 """
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,9 @@ REST_MARGIN = 1.25
 class Reversal:
     rest_s: float            # between forward and back
     wheel_rate_share: float  # highest wheel rate of the linear loop, of that at the limit of speed
+
+    def rest_ticks(self, robot):
+        return math.ceil(self.rest_s * robot.positive("control.rate_hz"))
 
 
 def worst_case(impulse, rest):

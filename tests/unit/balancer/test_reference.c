@@ -45,7 +45,7 @@ static void test_checks_every_field_at_its_limits(void)
     expect_config(NULL);
     RANGE("reference.", tick_rate, 100, 10000);
     RANGE("reference.", turns_per_metre, JP_Q24(0.1), JP_Q24(16));
-    AT_MOST("reference.", rest_ticks, 65535);
+    AT_MOST("reference.", rest_ticks, 10000000);
     AT_LEAST("reference.", travel_bandwidth, 0);
     FIELD(travel_bandwidth, 1, "reference.travel_bandwidth");
     RANGE("reference.", travel_bandwidth, JP_Q16(0.016), JP_Q16(100));
@@ -216,6 +216,17 @@ static void test_a_change_of_direction_rests(void)
     expect_rate(0, 30);
     step(JP_Q24(1), 0, 0);
     expect_rate(rate, 1);
+}
+
+static void test_a_slow_robot_rests_for_minutes(void)
+{
+    config.rest_ticks = 100000;
+    start(0, 0);
+    step(JP_Q24(1), 0, 0);
+    run(5);
+    step(-JP_Q24(1), 0, 0);
+    expect_rate(0, 99999);
+    expect_rate(-config.turns_per_metre, 1);
 }
 
 static void test_a_step_that_waits_is_replaced_by_the_next(void)

@@ -29,7 +29,7 @@ void setUp(void)
         .travel = {.count = 1, .mode = {{JP_Q24(1), 0}}},
         .yaw = {.count = 2, .mode = {{JP_Q24(1), JP_Q24(0.25)}, {JP_Q24(1), JP_Q24(0.25)}}},
     };
-    start = (struct jp_energy_start){{0, 0}, {{0}, {0}}};
+    start = (struct jp_energy_start){.motion = {0, 0}};
     end = start;
     energy = 0;
 }
@@ -83,6 +83,16 @@ static void test_check_of_the_shortest_duration(void)
     horizon.duration_min = JP_Q16(60);
     expect_good(&horizon);
     horizon.duration_min = 1;
+    expect_good(&horizon);
+}
+
+static void test_check_of_the_rest(void)
+{
+    horizon.reversal_rest = -1;
+    expect_bad("horizon.reversal_rest");
+    horizon.reversal_rest = JP_Q16(1000) + 1;
+    expect_bad("horizon.reversal_rest");
+    horizon.reversal_rest = JP_Q16(1000);
     expect_good(&horizon);
 }
 
@@ -471,7 +481,7 @@ static void expect_refused(const struct jp_horizon *table, struct jp_segment_com
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_energy_regressors(model, table, &start, &segment, regressor, &rest));
     TEST_ASSERT_EQUAL_INT32(5, regressor[0]);
     TEST_ASSERT_EQUAL_INT32(7, rest);
-    start = (struct jp_energy_start){{0, 0}, {{0}, {0}}};
+    start = (struct jp_energy_start){.motion = {0, 0}};
 }
 
 static void test_segments_out_of_range(void)
@@ -566,7 +576,7 @@ static void test_extreme_tables(void)
     for (int i = 0; i < JP_AXIS_MODES * (JP_AXIS_MODES + 1) / 2; i++) {
         axis.storage[i] = INT32_MAX;
     }
-    horizon = (struct jp_horizon){JP_Q16(0.5), axis, axis};
+    horizon = (struct jp_horizon){JP_Q16(0.5), 0, axis, axis};
     expect_good(&horizon);
     start.motion = (struct jp_motion){-JP_Q24(8), -JP_Q24(8)};
     TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, forecast(&horizon, segment));
@@ -583,6 +593,123 @@ static void test_extreme_tables(void)
     }
     TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, forecast(&horizon, segment));
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, energy);
+}
+
+/* ---- A change of direction ---- */
+
+static const struct jp_segment_command forward = {{JP_Q24(1), 0}, 0, JP_Q16(4)};
+static const struct jp_segment_command back = {{JP_Q24(-1), JP_Q24(0.5)}, JP_Q24(0.25), JP_Q16(4)};
+
+/** After four seconds forward. */
+static void start_forward(double rest)
+{
+    horizon = jp_horizon_courier24;
+    horizon.reversal_rest = JP_Q16(rest);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, forecast(&horizon, forward));
+    start = end;
+}
+
+static jp_q16 energy_of(struct jp_segment_command segment)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_OK, forecast(&horizon, segment));
+    start = end;
+    return energy;
+}
+
+static void expect_same_end(const struct jp_energy_start *expected)
+{
+    TEST_ASSERT_EQUAL_INT32(expected->motion.speed, end.motion.speed);
+    TEST_ASSERT_EQUAL_INT32(expected->motion.turn_rate, end.motion.turn_rate);
+    TEST_ASSERT_EQUAL_INT32(expected->reversal_rest, end.reversal_rest);
+    TEST_ASSERT_EQUAL_INT32(expected->is_forward, end.is_forward);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(expected->transient.travel, end.transient.travel, JP_AXIS_MODES);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(expected->transient.yaw, end.transient.yaw, JP_AXIS_MODES);
+}
+
+static void test_the_rest_is_remembered(void)
+{
+    start_forward(1.5);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(1.5), end.reversal_rest);
+    TEST_ASSERT_TRUE(end.is_forward);
+    (void)energy_of((struct jp_segment_command){{0, 0}, 0, JP_Q16(1)});
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(0.5), end.reversal_rest);
+    TEST_ASSERT_TRUE(end.is_forward);
+    (void)energy_of((struct jp_segment_command){{0, 0}, 0, JP_Q16(1)});
+    TEST_ASSERT_EQUAL_INT32(0, end.reversal_rest);
+    (void)energy_of(back);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(1.5), end.reversal_rest);
+    TEST_ASSERT_FALSE(end.is_forward);
+}
+
+static void test_a_change_of_direction_is_a_rest_and_what_is_left(void)
+{
+    start_forward(1.5);
+    const struct jp_energy_start begin = start;
+    const struct jp_segment_command resting = {{0, back.motion.turn_rate}, back.turn, JP_Q16(1.5)};
+    const struct jp_segment_command driving = {back.motion, 0, JP_Q16(2.5)};
+    const jp_q16 in_pieces = energy_of(resting) + energy_of(driving);
+    const struct jp_energy_start expected = end;
+
+    start = begin;
+    TEST_ASSERT_INT32_WITHIN(2, in_pieces, energy_of(back));
+    expect_same_end(&expected);
+    TEST_ASSERT_FALSE(end.is_forward);
+}
+
+static void test_a_short_change_of_direction_only_rests(void)
+{
+    start_forward(10);
+    const struct jp_energy_start begin = start;
+    const struct jp_segment_command resting = {{0, back.motion.turn_rate}, back.turn, back.duration};
+    const jp_q16 rested = energy_of(resting);
+    const struct jp_energy_start expected = end;
+
+    start = begin;
+    TEST_ASSERT_EQUAL_INT32(rested, energy_of(back));
+    expect_same_end(&expected);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(6), end.reversal_rest);
+    TEST_ASSERT_TRUE(end.is_forward);
+}
+
+static void test_the_same_direction_and_a_stand_do_not_rest(void)
+{
+    start_forward(1.5);
+    const struct jp_energy_start begin = start;
+    const jp_q16 onward = energy_of(forward);
+
+    start = begin;
+    start.reversal_rest = 0;
+    TEST_ASSERT_EQUAL_INT32(onward, energy_of(forward));
+    start = begin;
+    const jp_q16 stopped = energy_of(stand);
+
+    start = begin;
+    start.reversal_rest = 0;
+    TEST_ASSERT_EQUAL_INT32(stopped, energy_of(stand));
+}
+
+static void test_without_a_horizon_nothing_rests(void)
+{
+    const struct jp_segment_command longer = {back.motion, back.turn, JP_Q16(8)};
+
+    start_forward(1.5);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, forecast(NULL, longer));
+    TEST_ASSERT_EQUAL_INT32(0, end.reversal_rest);
+    const jp_q16 at_once = energy;
+
+    start = (struct jp_energy_start){.motion = forward.motion};
+    TEST_ASSERT_EQUAL_INT32(JP_OK, forecast(NULL, longer));
+    TEST_ASSERT_EQUAL_INT32(at_once, energy);
+}
+
+static void test_a_rest_in_range(void)
+{
+    start.reversal_rest = JP_Q16(1000);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, forecast(&horizon, stand));
+    start.reversal_rest = JP_Q16(1000) + 1;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, forecast(&horizon, stand));
+    start.reversal_rest = -1;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, forecast(&horizon, stand));
 }
 
 /* ---- Regressors ---- */
@@ -649,6 +776,10 @@ static void test_weighted_regressors_are_the_forecast(void)
     expect_sum_is_the_forecast(&jp_horizon_courier24,
                                (struct jp_segment_command){{JP_Q24(-0.1), JP_Q24(0)}, JP_Q24(1.3), JP_Q16(20)});
     expect_sum_is_the_forecast(NULL, (struct jp_segment_command){{JP_Q24(0.1), JP_Q24(0.3)}, JP_Q24(0.3), JP_Q16(8)});
+    start.is_forward = true;
+    start.reversal_rest = JP_Q16(1.5);
+    expect_sum_is_the_forecast(&jp_horizon_courier24,
+                               (struct jp_segment_command){{JP_Q24(-0.8), JP_Q24(0.1)}, JP_Q24(0.4), JP_Q16(3)});
 }
 
 static void test_regressors_and_rest_saturate(void)

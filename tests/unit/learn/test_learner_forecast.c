@@ -32,7 +32,7 @@ static void test_the_deviation_shrinks_with_what_is_learned(void)
 
     for (unsigned pass = 0; pass < 2; pass++) {
         struct jp_forecast_sum sum = {0, {0}, 0};
-        struct jp_energy_start from = {segment.motion, {{0}, {0}}};
+        struct jp_energy_start from = {.motion = segment.motion};
 
         for (unsigned i = 1; i <= 16; i++) {
             TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_add(&learner, &sum, &from, &segment));
