@@ -553,7 +553,7 @@ static void report_learned(struct jp_ecu *ecu)
     jp_learner_cause_deviations(learner, &learned->friction_deviation, &learned->payload_deviation);
     learned->version = learner->state.version;
     learned->changes = learner->changes;
-    learned->outliers = learner->rejected;
+    learned->outliers = learner->outliers;
     learned->left_out = ecu->pilot.legs_left_out;
     learned->cause = learner->cause;
     learned->evidence = ecu->pilot.evidence;

@@ -36,7 +36,8 @@ extern "C" {
 struct jp_energy_model {
     jp_q16 a[JP_ENERGY_TERMS];    /**< a1…a13: J per product of m/s, rad/s, rad and V; a13 in s; |a| <= 4 096 */
     jp_q16 b[2];                  /**< b1 J·s/m², b2 J·s/rad²; 0…4 096 */
-    jp_q16 electronics_power;     /**< Ps, W; above 0, at most 4 096 */
+    jp_q16 electronics_power;     /**< Ps, with what noise of sensors makes the motors take, W; above 0,
+                                       at most 4 096 */
     jp_q16 settling_time;         /**< Ts, s; 0…60 */
     jp_q16 voltage_per_speed;     /**< cv, V·s/m; 0…256 */
     jp_q16 voltage_per_turn_rate; /**< cw, V·s/rad; 0…256 */

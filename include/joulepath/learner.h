@@ -31,7 +31,8 @@ extern "C" {
 /** x saturates here. It is seldom beyond ±2 for a robot within what tools/design/learning.py varies. */
 #define JP_LEARNED_MAX JP_Q24(8)
 
-/** A segment further than so many standard deviations from what was expected is an outlier. */
+/** A segment further than so many standard deviations from what was expected is an outlier, and counts as if it were so
+ *  far; a leg, so many times its spread. */
 #define JP_OUTLIER_DEVIATIONS 4
 
 /** Cause of a change of the energy. */
@@ -60,15 +61,18 @@ struct jp_learning {
     jp_q16 leg_noise_relative;  /**< standard deviation of a leg's energy about the model: share of it, 0…1, */
     jp_q16 leg_noise_transient; /**< share of what its transients take, all counted as spent, 0…16, */
     jp_q16 leg_noise;           /**< and J; above 0, at most 1 024. The three are independent. */
-    uint32_t memory;            /**< segments after which a measurement counts 1/e; 8…1 024 */
-    uint32_t identity;          /**< of the numbers above, not 0: a state that was learned with others is invalid */
+    /** What one leg takes too much, the next often takes too little, so that single legs are further from the model
+     * than this noise, which makes forecasts of routes: by this factor; 1…16. */
+    jp_q16 leg_spread;
+    uint32_t memory;   /**< segments after which a measurement counts 1/e; 8…1 024 */
+    uint32_t identity; /**< of the numbers above, not 0: a state that was learned with others is invalid */
 };
 
 /** What became of a measurement. */
 enum jp_learned {
     JP_LEARNED,         /**< taken */
     JP_LEARNED_NOTHING, /**< the segment says nothing about any parameter (a stand): nothing is learned or forgotten */
-    JP_LEARNED_OUTLIER, /**< too far from the expectation: left out */
+    JP_LEARNED_OUTLIER, /**< taken, but further from the expectation than it counts */
     JP_LEARNED_CHANGE   /**< too many outliers in a short time: robot or ground changed. x is kept as a first guess, P
                              returns to I, and this measurement is taken, its error limited to 64 deviations */
 };
@@ -88,7 +92,7 @@ struct jp_learner {
     const struct jp_energy_model *built_in;
     const struct jp_horizon *horizon;
     struct jp_learned_state state; /**< to be stored */
-    uint32_t rejected;             /**< outliers since the start, saturating */
+    uint32_t outliers;             /**< since the start, saturating */
     uint32_t changes;              /**< since the start, saturating */
     enum jp_cause cause;           /**< of the last change */
     int32_t alarm;

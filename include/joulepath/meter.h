@@ -19,7 +19,7 @@ typedef int64_t jp_energy;
 
 struct jp_meter_config {
     uint32_t tick_rate;       /**< calls a second; 100…10 000 */
-    jp_q16 motor_resistance;  /**< Rm, Ω; 0.01…8 192, Rm · tick_rate at least 2 Ω/s */
+    jp_q16 motor_resistance;  /**< Rm, Ω; at least 0.01, Rm · tick_rate 2…81 920 000 Ω/s */
     jp_q16 electronics_power; /**< Ps, W; 0…256 */
 };
 

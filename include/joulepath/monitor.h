@@ -44,7 +44,7 @@ struct jp_monitor_config {
     jp_q16 current_limit;            /**< |i| beyond it is out of range, A; above 0, times Rm at most 32 767 V */
     jp_q16 voltage_min;              /**< bus voltage, V; above 0 */
     jp_q16 voltage_max;              /**< V; above voltage_min, at most 1 000 */
-    jp_q16 motor_resistance;         /**< Rm, Ω; 0.01…8 192 */
+    jp_q16 motor_resistance;         /**< Rm, Ω; at least 0.01 */
     jp_q16 back_emf;                 /**< kb at the wheel, V per turn/s; above 0, below 256 */
     jp_q16 half_track;               /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
     jp_turns_per_s wheel_rate_limit; /**< |mean wheel rate| beyond it is a runaway, turn/s; above 0 */

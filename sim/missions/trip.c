@@ -293,7 +293,7 @@ static void finish(struct drive *drive)
     jp_learner_causes(&drive->pilot.learner, &ground, &payload);
     drive->trip->ground = from_q16(ground);
     drive->trip->payload = from_q16(payload);
-    drive->trip->rejected = drive->pilot.learner.rejected;
+    drive->trip->outliers = drive->pilot.learner.outliers;
     drive->trip->version = drive->pilot.learner.state.version;
     jp_learner_model(&drive->pilot.learner, &drive->trip->learned);
     drive->trip->seconds = (double)drive->rig.world.tick * world_tick_seconds(&drive->rig.world);

@@ -44,7 +44,7 @@ struct trip {
     double ground;     /**< ground friction as learned, relative to the robot file */
     double payload;    /**< as learned, kg */
     double charge;     /**< drawn from the battery in all, A·s */
-    unsigned rejected; /**< segments that the learner left out */
+    unsigned outliers; /**< legs that counted less than they were off */
     unsigned version;  /**< of what was learned: segments that it was learned from */
     struct jp_energy_model learned;
 };

@@ -84,8 +84,8 @@ static json_t *json_trip(const struct trip *trip, const char *robot)
                      trip->deviation, "measured_j", trip->measured, "inside", error >= -limit && error <= limit,
                      "prior_predicted_j", trip->unlearned, "reserve", "asked", trip->available > 0, "answer",
                      trip->answer, "true", trip->measured <= trip->available, "learned", "ground_friction",
-                     trip->ground, "payload_kg", trip->payload, "charge_used", trip->charge, "rejected",
-                     (int)trip->rejected);
+                     trip->ground, "payload_kg", trip->payload, "charge_used", trip->charge, "outliers",
+                     (int)trip->outliers);
 }
 
 static bool print_trip(const struct trip *trip, const char *robot)

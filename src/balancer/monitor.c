@@ -19,7 +19,7 @@ enum jp_status jp_monitor_check(const struct jp_monitor_config *config, const ch
         FIELD(current_limit, 1, INT32_MAX),
         FIELD(voltage_min, 1, INT32_MAX),
         FIELD(voltage_max, 1, JP_Q16(1000)),
-        FIELD(motor_resistance, JP_Q16(0.01), JP_Q16(8192)),
+        FIELD(motor_resistance, JP_Q16(0.01), INT32_MAX),
         FIELD(back_emf, 1, JP_Q16(256) - 1),
         FIELD(half_track, 1, JP_Q16(64)),
         FIELD(wheel_rate_limit, 1, INT32_MAX),

@@ -3,8 +3,9 @@
 #include "src/base/config_check.h"
 #include "src/base/multiply_q32.h"
 
-/** Rm · tick_rate, Ω/s in Q16: below it a tick's conductance does not fit 32 bits. */
+/** Rm · tick_rate, Ω/s in Q16: below it a tick's conductance does not fit 32 bits, above it its inverse not 64. */
 #define RESISTANCE_RATE_MIN ((int64_t)JP_Q16(2))
+#define RESISTANCE_RATE_MAX ((int64_t)JP_Q16(8192) * 10000)
 
 /** Least conductance of a tick in its own unit, so that rounding it is an error below 1e-6. */
 #define CONDUCTANCE_MIN ((int64_t)1 << 19)
@@ -15,15 +16,21 @@ enum jp_status jp_meter_check(const struct jp_meter_config *config, const char *
 {
     static const struct jp_config_field fields[] = {
         FIELD(tick_rate, JP_TICK_RATE_MIN, JP_TICK_RATE_MAX),
-        FIELD(motor_resistance, JP_Q16(0.01), JP_Q16(8192)),
+        FIELD(motor_resistance, JP_Q16(0.01), INT32_MAX),
         FIELD(electronics_power, 0, JP_Q16(256)),
     };
     const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 
-    if (status == JP_OK && (int64_t)config->motor_resistance * (int64_t)config->tick_rate < RESISTANCE_RATE_MIN) {
+    if (status != JP_OK) {
+        return status;
+    }
+
+    const int64_t resistance_rate = (int64_t)config->motor_resistance * (int64_t)config->tick_rate;
+
+    if (resistance_rate < RESISTANCE_RATE_MIN || resistance_rate > RESISTANCE_RATE_MAX) {
         return jp_config_refuse("meter.motor_resistance", field);
     }
-    return status;
+    return JP_OK;
 }
 
 /** a/b, rounded, of numbers above 0. */

@@ -38,19 +38,13 @@
 enum jp_status jp_learning_check(const struct jp_learning *learning, const char **field)
 {
     static const struct jp_config_field fields[] = {
-        FIELD(direction, -PARAMETER_MAX, PARAMETER_MAX),
-        FIELD(ground, -JP_Q16(16), JP_Q16(16)),
-        FIELD(payload, -JP_Q16(256), JP_Q16(256)),
-        FIELD(ground_deviation, 1, JP_Q16(16)),
-        FIELD(payload_deviation, 1, JP_Q16(256)),
-        FIELD(noise_relative, 0, JP_Q16_ONE),
-        FIELD(noise_transient, 0, JP_Q16(16)),
-        FIELD(noise, 1, JP_Q16(1024)),
-        FIELD(leg, -JP_Q16(256), JP_Q16(256)),
-        FIELD(leg_noise_relative, 0, JP_Q16_ONE),
-        FIELD(leg_noise_transient, 0, JP_Q16(16)),
-        FIELD(leg_noise, 1, JP_Q16(1024)),
-        FIELD(memory, 8, 1024),
+        FIELD(direction, -PARAMETER_MAX, PARAMETER_MAX), FIELD(ground, -JP_Q16(16), JP_Q16(16)),
+        FIELD(payload, -JP_Q16(256), JP_Q16(256)),       FIELD(ground_deviation, 1, JP_Q16(16)),
+        FIELD(payload_deviation, 1, JP_Q16(256)),        FIELD(noise_relative, 0, JP_Q16_ONE),
+        FIELD(noise_transient, 0, JP_Q16(16)),           FIELD(noise, 1, JP_Q16(1024)),
+        FIELD(leg, -JP_Q16(256), JP_Q16(256)),           FIELD(leg_noise_relative, 0, JP_Q16_ONE),
+        FIELD(leg_noise_transient, 0, JP_Q16(16)),       FIELD(leg_noise, 1, JP_Q16(1024)),
+        FIELD(leg_spread, JP_Q16_ONE, JP_Q16(16)),       FIELD(memory, 8, 1024),
     };
     const enum jp_status status = jp_config_check(learning, fields, JP_CONFIG_COUNT(fields), field);
 
@@ -128,6 +122,7 @@ enum jp_status jp_learner_restore(struct jp_learner *learner, const struct jp_le
 struct measurement {
     int32_t h[N];  /* per unit of x, Q20 */
     jp_q16 noise;  /* J */
+    jp_q16 spread; /* by which single ones exceed it */
     int64_t error; /* measured − expected, J in Q16 */
 };
 
@@ -151,6 +146,7 @@ static bool normalise(const struct jp_expectation *expected, jp_q16 measured, st
     uint64_t information = 0;
 
     measurement->noise = least_noise(expected);
+    measurement->spread = expected->spread;
     measurement->error = (int64_t)measured - expected->energy;
     for (int j = 0; j < N; j++) {
         measurement->h[j] = jp_divide((int64_t)expected->sensitivity[j] * JP_FILTER_ONE, measurement->noise);
@@ -168,12 +164,20 @@ static int32_t innovation_of(const struct measurement *measurement, const struct
     return jp_divide(measurement->error * JP_FILTER_ONE, divisor);
 }
 
-/** Squared innovation, Q20, limited to that of the gate. */
-static int32_t gated_square(int32_t innovation)
+/** The innovation as far as it counts. */
+static int32_t gated(int32_t innovation, jp_q16 spread)
 {
-    const int64_t gated = jp_clamp32(innovation, -GATE, GATE);
+    const int32_t gate = jp_multiply_shift(GATE, spread, 16);
 
-    return (int32_t)((gated * gated) >> JP_FILTER_BITS);
+    return jp_clamp32(innovation, -gate, gate);
+}
+
+/** Of a gated innovation, in units of its spread, Q20. */
+static int32_t square_of(int32_t innovation, jp_q16 spread)
+{
+    const int64_t usual = jp_divide((int64_t)innovation * JP_Q16_ONE, spread);
+
+    return (int32_t)((usual * usual) >> JP_FILTER_BITS);
 }
 
 /** Sums up what is too large for chance. True: too much of it in a row, so something has changed. */
@@ -267,7 +271,8 @@ static enum jp_learned learn(struct jp_learner *learner, const struct measuremen
     jp_filter_expect(state.s, measurement->h, &step);
 
     const int32_t innovation = innovation_of(measurement, &step);
-    const int32_t square = gated_square(innovation);
+    const int32_t counted = gated(innovation, measurement->spread);
+    const int32_t square = square_of(counted, measurement->spread);
 
     if (update_alarm(learner, square)) {
         begin_anew(learner);
@@ -275,14 +280,14 @@ static enum jp_learned learn(struct jp_learner *learner, const struct measuremen
         take(learner, &step, innovation_of(measurement, &step));
         return JP_LEARNED_CHANGE;
     }
-    if (innovation < -GATE || innovation > GATE) {
-        learner->rejected = jp_one_more32(learner->rejected);
-        return JP_LEARNED_OUTLIER;
-    }
     learner->state = state;
     follow_noise(&learner->state, &step, square);
-    take(learner, &step, innovation);
-    return JP_LEARNED;
+    take(learner, &step, counted);
+    if (counted == innovation) {
+        return JP_LEARNED;
+    }
+    learner->outliers = jp_one_more32(learner->outliers);
+    return JP_LEARNED_OUTLIER;
 }
 
 static enum jp_learned learn_from(struct jp_learner *learner, const struct jp_expectation *expected, jp_q16 measured)

@@ -76,6 +76,7 @@ static enum jp_status expect(const struct jp_learner *learner, const jp_q16 regr
     expected->noise = noise_of(learner, variance_of(learning->noise, JP_Q16_ONE) +
                                             variance_of(learning->noise_relative, expected->energy) +
                                             variance_of(learning->noise_transient, transient));
+    expected->spread = JP_Q16_ONE;
     return JP_OK;
 }
 
@@ -136,5 +137,6 @@ enum jp_status jp_learner_expect_leg(const struct jp_learner *learner, const str
     expected->noise = noise_of(learner, variance_of(learning->leg_noise, JP_Q16_ONE) +
                                             variance_of(learning->leg_noise_relative, expected->energy) +
                                             variance_of(learning->leg_noise_transient, transients_of(leg)));
+    expected->spread = learning->leg_spread;
     return JP_OK;
 }

@@ -8,6 +8,7 @@ struct jp_expectation {
     jp_q16 energy;                              /**< J */
     jp_q16 sensitivity[JP_LEARNING_DIRECTIONS]; /**< f, J per unit of x */
     jp_q16 noise;                               /**< standard deviation, J; above 0 */
+    jp_q16 spread;                              /**< by which single ones exceed it */
 };
 
 /** Failures as jp_learner_update(). */

@@ -25,32 +25,33 @@ const struct jp_learning jp_learning_courier24 = {
         },
     .ground =
         {
-            15371,  /* 0.2345394 of the friction */
-            -11356, /* -0.1732806 of the friction */
-            -3206,  /* -0.04892135 of the friction */
-            2474,   /* 0.03774575 of the friction */
+            15390,  /* 0.2348389 of the friction */
+            -11307, /* -0.1725288 of the friction */
+            -3169,  /* -0.04835275 of the friction */
+            2557,   /* 0.03901367 of the friction */
         },
     .payload =
         {
-            -21175, /* -0.3231121 kg */
-            -35601, /* -0.5432245 kg */
-            45430,  /* 0.6932031 kg */
-            15617,  /* 0.2383 kg */
+            -21463, /* -0.3275013 kg */
+            -35987, /* -0.5491154 kg */
+            45728,  /* 0.6977605 kg */
+            16121,  /* 0.2459798 kg */
         },
-    .ground_deviation = 7335,   /* 0.1119251 of the friction */
-    .payload_deviation = 15643, /* 0.2386937 kg */
+    .ground_deviation = 7338,   /* 0.1119619 of the friction */
+    .payload_deviation = 15641, /* 0.2386607 kg */
     .noise_relative = 310,      /* 0.004736618 of the energy */
     .noise_transient = 19653,   /* 0.299884 of what earlier steps left */
     .noise = 8473,              /* 0.1292876 J */
     .leg =
         {
-            {-174, -649, 7219, -6623}, /* of what speeding up takes by the steady voltage */
-            {15, -1203, 52668, 16289}, /* of what changes of the speed take */
-            {156, 228, 8409, 10294},   /* of what turning faster takes by the steady voltage */
+            {-174, -648, 7219, -6616}, /* of what speeding up takes by the steady voltage */
+            {15, -1203, 52662, 16283}, /* of what changes of the speed take */
+            {156, 228, 8442, 10302},   /* of what turning faster takes by the steady voltage */
         },
     .leg_noise_relative = 0,     /* 0 of the energy */
-    .leg_noise_transient = 1433, /* 0.02185877 of what its transients take */
-    .leg_noise = 2917,           /* 0.04450412 J */
+    .leg_noise_transient = 1525, /* 0.02327556 of what its transients take */
+    .leg_noise = 3097,           /* 0.04725893 J */
+    .leg_spread = 103033,        /* 1.572157 of single legs beyond their noise */
     .memory = 64U,               /* segments */
-    .identity = 2045518794U,     /* of the numbers above */
+    .identity = 3189578768U,     /* of the numbers above */
 };

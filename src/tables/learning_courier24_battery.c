@@ -7,50 +7,51 @@
 const struct jp_learning jp_learning_courier24_battery = {
     .direction =
         {
-            {223069, 51004, -2792, -76}, /* a1: J·s²/m² */
-            {-26576, -15517, 643, 127},  /* a2: J·s²/rad² */
+            {223072, 51002, -2792, -76}, /* a1: J·s²/m² */
+            {-26628, -15493, 643, 127},  /* a2: J·s²/rad² */
             {2220, 1087, -219, -11},     /* a3: J/rad² */
             {0, 0, 0, 0},                /* a4: J·s²/(m·rad) */
             {0, 0, 0, 0},                /* a5: J·s/(m·rad) */
-            {10247, 9866, 288, -35},     /* a6: J·s/rad² */
-            {66378, -15325, -2056, 55},  /* a7: J·s/(V·m) */
-            {24479, 32562, -942, -569},  /* a8: J·s/(V·rad) */
-            {-14148, -14391, 851, 609},  /* a9: J/(V·rad) */
-            {66378, -15325, -2056, 55},  /* a10: J·s/(V·m) */
-            {-24479, -32562, 942, 569},  /* a11: J·s/(V·rad) */
-            {14148, 14391, -851, -609},  /* a12: J/(V·rad) */
-            {56774, -25978, 359, 31},    /* a13: s */
-            {29664, -13176, 51, 11},     /* b1: J·s/m² */
-            {11621, 14638, -221, -727},  /* b2: J·s/rad² */
+            {10244, 9867, 288, -35},     /* a6: J·s/rad² */
+            {66384, -15326, -2056, 55},  /* a7: J·s/(V·m) */
+            {25239, 33144, -960, -581},  /* a8: J·s/(V·rad) */
+            {-14434, -14703, 869, 622},  /* a9: J/(V·rad) */
+            {66384, -15326, -2056, 55},  /* a10: J·s/(V·m) */
+            {-25239, -33144, 960, 581},  /* a11: J·s/(V·rad) */
+            {14434, 14703, -869, -622},  /* a12: J/(V·rad) */
+            {56785, -25983, 359, 31},    /* a13: s */
+            {29665, -13177, 51, 11},     /* b1: J·s/m² */
+            {11609, 14643, -221, -727},  /* b2: J·s/rad² */
         },
     .ground =
         {
-            18642, /* 0.2844612 of the friction */
-            -8836, /* -0.1348255 of the friction */
-            1185,  /* 0.01808773 of the friction */
-            1046,  /* 0.01596526 of the friction */
+            18665, /* 0.2848109 of the friction */
+            -8805, /* -0.1343479 of the friction */
+            1183,  /* 0.01805084 of the friction */
+            1056,  /* 0.01611005 of the friction */
         },
     .payload =
         {
-            2924,   /* 0.04460971 kg */
-            -4966,  /* -0.07577303 kg */
-            18800,  /* 0.2868707 kg */
-            -42427, /* -0.6473891 kg */
+            3059,   /* 0.04667 kg */
+            -4771,  /* -0.07279771 kg */
+            18727,  /* 0.2857561 kg */
+            -42423, /* -0.6473179 kg */
         },
-    .ground_deviation = 6305,  /* 0.09621049 of the friction */
-    .payload_deviation = 9749, /* 0.1487596 kg */
-    .noise_relative = 305,     /* 0.004659338 of the energy */
-    .noise_transient = 31624,  /* 0.4825395 of what earlier steps left */
-    .noise = 4284,             /* 0.06537513 J */
+    .ground_deviation = 6305,  /* 0.09621143 of the friction */
+    .payload_deviation = 9753, /* 0.1488146 kg */
+    .noise_relative = 305,     /* 0.004659309 of the energy */
+    .noise_transient = 31624,  /* 0.4825495 of what earlier steps left */
+    .noise = 4285,             /* 0.06537637 J */
     .leg =
         {
-            {-76, -179, -899, -4548},     /* of what speeding up takes by the steady voltage */
-            {-545, -1151, 28589, -40603}, /* of what changes of the speed take */
-            {-27, -65, -663, -1555},      /* of what turning faster takes by the steady voltage */
+            {-76, -179, -897, -4549},     /* of what speeding up takes by the steady voltage */
+            {-546, -1151, 28569, -40610}, /* of what changes of the speed take */
+            {-27, -65, -648, -1555},      /* of what turning faster takes by the steady voltage */
         },
     .leg_noise_relative = 0,  /* 0 of the energy */
     .leg_noise_transient = 0, /* 0 of what its transients take */
-    .leg_noise = 6406,        /* 0.0977506 J */
+    .leg_noise = 7396,        /* 0.1128465 J */
+    .leg_spread = 105185,     /* 1.604997 of single legs beyond their noise */
     .memory = 64U,            /* segments */
-    .identity = 1621857199U,  /* of the numbers above */
+    .identity = 30474441U,    /* of the numbers above */
 };

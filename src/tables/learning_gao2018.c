@@ -25,32 +25,33 @@ const struct jp_learning jp_learning_gao2018 = {
         },
     .ground =
         {
-            15351,  /* 0.2342383 of the friction */
-            -15446, /* -0.2356833 of the friction */
-            4122,   /* 0.06290135 of the friction */
-            1066,   /* 0.01626417 of the friction */
+            15368,  /* 0.2344919 of the friction */
+            -15048, /* -0.2296194 of the friction */
+            4141,   /* 0.06319008 of the friction */
+            1024,   /* 0.0156233 of the friction */
         },
     .payload =
         {
-            28128,  /* 0.429197 kg */
-            -12894, /* -0.1967492 kg */
-            -33357, /* -0.5089915 kg */
-            -22183, /* -0.3384835 kg */
+            28267,  /* 0.431324 kg */
+            -10550, /* -0.160987 kg */
+            -33320, /* -0.5084207 kg */
+            -22318, /* -0.3405459 kg */
         },
-    .ground_deviation = 4521,   /* 0.06898842 of the friction */
-    .payload_deviation = 14857, /* 0.2267003 kg */
+    .ground_deviation = 4523,   /* 0.06900929 of the friction */
+    .payload_deviation = 14857, /* 0.2266935 kg */
     .noise_relative = 549,      /* 0.008379443 of the energy */
     .noise_transient = 63974,   /* 0.9761678 of what earlier steps left */
     .noise = 38216,             /* 0.5831335 J */
     .leg =
         {
-            {-726, -3717, -21587, -2428},    /* of what speeding up takes by the steady voltage */
-            {-2123, -10502, -55328, -28144}, /* of what changes of the speed take */
-            {93, 1115, 16403, -36598},       /* of what turning faster takes by the steady voltage */
+            {-726, -3717, -21586, -2429},    /* of what speeding up takes by the steady voltage */
+            {-2123, -10502, -55327, -28143}, /* of what changes of the speed take */
+            {93, 1116, 16404, -36593},       /* of what turning faster takes by the steady voltage */
         },
     .leg_noise_relative = 0,     /* 0 of the energy */
-    .leg_noise_transient = 1423, /* 0.02170865 of what its transients take */
-    .leg_noise = 4032,           /* 0.06152622 J */
+    .leg_noise_transient = 1606, /* 0.02450264 of what its transients take */
+    .leg_noise = 4553,           /* 0.06947463 J */
+    .leg_spread = 81418,         /* 1.242334 of single legs beyond their noise */
     .memory = 64U,               /* segments */
-    .identity = 1554035842U,     /* of the numbers above */
+    .identity = 3899302347U,     /* of the numbers above */
 };

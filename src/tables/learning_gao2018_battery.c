@@ -7,50 +7,51 @@
 const struct jp_learning jp_learning_gao2018_battery = {
     .direction =
         {
-            {3454273, 527466, -54320, -55804}, /* a1: J·s²/m² */
-            {-25640, 36447, 5811, 6031},       /* a2: J·s²/rad² */
-            {79109, 89374, -6622, 29966},      /* a3: J/rad² */
+            {3454284, 527464, -54320, -55804}, /* a1: J·s²/m² */
+            {-25809, 36486, 5809, 6032},       /* a2: J·s²/rad² */
+            {79110, 89374, -6622, 29966},      /* a3: J/rad² */
             {0, 0, 0, 0},                      /* a4: J·s²/(m·rad) */
             {0, 0, 0, 0},                      /* a5: J·s/(m·rad) */
-            {93500, 101197, -10740, 34170},    /* a6: J·s/rad² */
-            {415543, -66026, -4098, -2231},    /* a7: J·s/(V·m) */
-            {-49541, -12471, -6608, 3621},     /* a8: J·s/(V·rad) */
-            {-13609, -4030, 6771, 952},        /* a9: J/(V·rad) */
-            {415543, -66026, -4098, -2231},    /* a10: J·s/(V·m) */
-            {49541, 12471, 6608, -3621},       /* a11: J·s/(V·rad) */
-            {13609, 4030, -6771, -952},        /* a12: J/(V·rad) */
-            {193479, -44024, 2144, -826},      /* a13: s */
-            {479446, -106830, 5284, -2065},    /* b1: J·s/m² */
-            {28081, 43965, -11403, -4523},     /* b2: J·s/rad² */
+            {93493, 101199, -10740, 34170},    /* a6: J·s/rad² */
+            {415549, -66027, -4098, -2231},    /* a7: J·s/(V·m) */
+            {-49448, -12540, -6620, 3627},     /* a8: J·s/(V·rad) */
+            {-13628, -4040, 6785, 954},        /* a9: J/(V·rad) */
+            {415549, -66027, -4098, -2231},    /* a10: J·s/(V·m) */
+            {49448, 12540, 6620, -3627},       /* a11: J·s/(V·rad) */
+            {13628, 4040, -6785, -954},        /* a12: J/(V·rad) */
+            {193484, -44025, 2144, -826},      /* a13: s */
+            {479449, -106831, 5284, -2065},    /* b1: J·s/m² */
+            {28045, 43973, -11403, -4523},     /* b2: J·s/rad² */
         },
     .ground =
         {
-            19576,  /* 0.2987099 of the friction */
-            -11127, /* -0.1697911 of the friction */
-            -544,   /* -0.008297863 of the friction */
-            1215,   /* 0.01853356 of the friction */
+            19590,  /* 0.2989157 of the friction */
+            -11082, /* -0.1690993 of the friction */
+            -548,   /* -0.008367075 of the friction */
+            1202,   /* 0.01833688 of the friction */
         },
     .payload =
         {
-            33818,  /* 0.5160201 kg */
-            -22872, /* -0.3490036 kg */
-            -1509,  /* -0.02301875 kg */
-            52597,  /* 0.8025715 kg */
+            33879,  /* 0.5169569 kg */
+            -22291, /* -0.340141 kg */
+            -1615,  /* -0.02464927 kg */
+            52397,  /* 0.7995172 kg */
         },
-    .ground_deviation = 2362,   /* 0.03604612 of the friction */
-    .payload_deviation = 10059, /* 0.1534822 kg */
-    .noise_relative = 482,      /* 0.007361927 of the energy */
-    .noise_transient = 82076,   /* 1.252377 of what earlier steps left */
-    .noise = 24611,             /* 0.375541 J */
+    .ground_deviation = 2363,   /* 0.03605783 of the friction */
+    .payload_deviation = 10068, /* 0.153629 kg */
+    .noise_relative = 482,      /* 0.007362063 of the energy */
+    .noise_transient = 82076,   /* 1.252378 of what earlier steps left */
+    .noise = 24611,             /* 0.375538 J */
     .leg =
         {
-            {96, -175, -6364, 14936},   /* of what speeding up takes by the steady voltage */
-            {1266, 4421, -2819, 57934}, /* of what changes of the speed take */
-            {1189, 6842, 29877, -1428}, /* of what turning faster takes by the steady voltage */
+            {96, -174, -6362, 14937},   /* of what speeding up takes by the steady voltage */
+            {1266, 4422, -2816, 57934}, /* of what changes of the speed take */
+            {1189, 6843, 29883, -1434}, /* of what turning faster takes by the steady voltage */
         },
     .leg_noise_relative = 0,  /* 0 of the energy */
     .leg_noise_transient = 0, /* 0 of what its transients take */
-    .leg_noise = 16839,       /* 0.2569404 J */
+    .leg_noise = 16889,       /* 0.2577069 J */
+    .leg_spread = 65536,      /* 1 of single legs beyond their noise */
     .memory = 64U,            /* segments */
-    .identity = 3045268084U,  /* of the numbers above */
+    .identity = 3117492254U,  /* of the numbers above */
 };

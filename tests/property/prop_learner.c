@@ -296,13 +296,10 @@ static enum jp_learned oracle_update(struct oracle *oracle, const struct expecta
         oracle_take(oracle, h, copysign(fmin(fabs(error), INNOVATION * sqrt(quadratic(oracle->y, h) + 1)), error));
         return JP_LEARNED_CHANGE;
     }
-    if (fabs(z) > GATE) {
-        return JP_LEARNED_OUTLIER;
-    }
     memcpy(oracle->y, y, sizeof y);
     oracle->scale = fmin(8, fmax(0.25, oracle->scale * (1 + (square - 1) / variance * NOISE_RATE)));
-    oracle_take(oracle, h, error);
-    return JP_LEARNED;
+    oracle_take(oracle, h, copysign(fmin(fabs(error), GATE * sqrt(variance)), error));
+    return fabs(z) > GATE ? JP_LEARNED_OUTLIER : JP_LEARNED;
 }
 
 /* ---- Against the oracle ---- */

@@ -78,7 +78,7 @@ def test_the_identity_is_that_of_the_numbers(robot, suffix):
 
     numbers = [*rows[:-len(legs)], *singles("ground_deviation", "payload_deviation", "noise_relative", "noise_transient",
                                             "noise"),
-               *legs, *singles("leg_noise_relative", "leg_noise_transient", "leg_noise", "memory")]
+               *legs, *singles("leg_noise_relative", "leg_noise_transient", "leg_noise", "leg_spread", "memory")]
     assert member(path, "identity") == zlib.crc32(",".join(numbers).encode())
 
 

@@ -12,7 +12,7 @@ BIN = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin"
 ROBOTS = ROOT / "sim/robots"
 COURIER = ROBOTS / "courier24.cfg"
 KEYS = {"seed", "robot", "variation", "fault", "change", "outcome", "segments", "seconds", "predicted_j", "std_j",
-        "measured_j", "inside", "prior_predicted_j", "reserve", "learned", "charge_used", "rejected"}
+        "measured_j", "inside", "prior_predicted_j", "reserve", "learned", "charge_used", "outliers"}
 
 
 def trip(*arguments, robot=COURIER):

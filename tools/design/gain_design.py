@@ -141,7 +141,7 @@ def monitor_group(robot, turning, to):
         to.q16("current_limit", current_limit(robot), "A", 2**-16, 32767),
         to.q16("voltage_min", voltage_min, "V", 2**-16, 32767),
         to.q16("voltage_max", voltage_max, "V", 2**-16, 1000),
-        to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 8192),
+        to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 32767),
         to.q16("back_emf", back_emf, "V·s/turn", 2**-16, 255),
         to.q16("half_track", half_track, "wheel turns a body turn", 2**-16, 64),
         to.q24("wheel_rate_limit", OVERSPEED * turning.wheel_rate_share * robot.positive("limits.speed_m_s") / (
@@ -156,7 +156,7 @@ def monitor_group(robot, turning, to):
 def meter_group(robot, to):
     return c_tables.Group("meter", [
         to.whole("tick_rate", robot.positive("control.rate_hz"), "Hz", 100, 10000),
-        to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 8192),
+        to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 32767),
         to.q16("electronics_power", robot.positive("electronics.power_w"), "W", 0, 256),
     ])
 

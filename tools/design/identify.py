@@ -7,14 +7,17 @@ The paper fits b on the energy after the settling time and a on the energy befor
 goes into b, and the split matters. Here b is the power of the last second, with terms beside v², w² that take up what is
 left of the transient, and a fits the whole segment's energy less b (T − Ts): Ts only names where the line starts.
 
+Noise of the sensors shakes the motors, with a power that v² and w² do not tell: a constant, which comes to that of the
+electronics.
+
 The energy is that of the motors as the paper defines it, (ul² + ur²)/Rm, or what the battery gives them, ul il + ur ir.
 The model takes the power before the segment as P₋ = (ul₋² + ur₋²)/Rm, which is not what the battery sees. Its model has
 *effective* voltages instead, whose squares are the steady power: 2 cv²/Rm = b1 and 2 cw²/Rm = b2, so that a13 = Ts as in
 the paper's.
 
 Writes src/tables/energy_<robot>.c or energy_<robot>_battery.c, and identification.json and identification.png beside
-the experiments, of the battery with _battery in their names. Exit status 2: bad input, or a model that misses the validation by more than 3 % on average; nothing was
-written.
+the experiments, of the battery with _battery in their names. Exit status 2: bad input, or a model that misses the
+validation by more than 3 % on average; nothing was written.
 """
 import csv
 import io
@@ -24,7 +27,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy import linalg
+from scipy import linalg, optimize
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, write_whole
 from tools.design import c_tables, energy_unit, linear_model, robot_json
@@ -40,6 +43,7 @@ ENERGIES = ("state_j", "steady_j", "last_j", "total_j")  # of motor and of batte
 TERMS = ("Δv²", "Δw²", "σ²", "ΔvΔw", "Δvσ", "Δwσ", "ul₋Δv", "ul₋Δw", "ul₋σ", "ur₋Δv", "ur₋Δw", "ur₋σ", "P₋")
 STEADY_TERMS = ("v²", "w²")
 RESIDUAL_TERMS = ("vΔv", "wΔw", "wσ")
+NOISE_TERMS = ("a constant",)
 
 # The paper's Table 2 and its validation.
 PUBLISHED_A = (172.2, 7.57, 13.2, -0.66, -0.94, 1.37, 16.26, -4.39, -1.11, 15.97, 4.27, 1.09, 5.82)
@@ -56,6 +60,9 @@ MOTOR, BATTERY = "motor", "battery"
 
 FIT_SHARE = 0.7
 EXPERIMENTS_MIN = 40
+
+# Standard deviations below 0 at which a power is not chance.
+SURELY = 4.0
 
 # A column that adds less than this to the others is not independent of them.
 RANK_TOLERANCE = 1e-6
@@ -192,10 +199,11 @@ def steady_regressors(columns, seconds):
 
 
 def last_regressors(columns, seconds):
-    """Steady power, and the steady voltages times the small voltages that remain of the transient."""
+    """Steady power, the steady voltages times the small voltages that remain of the transient, and noise."""
     v, w = columns["v2_m_s"], columns["w2_rad_s"]
     residual = np.column_stack([v * (v - columns["v1_m_s"]), w * (w - columns["w1_rad_s"]), w * columns["turn2_rad"]])
-    return np.hstack([steady_regressors(columns, seconds), residual * seconds])
+    noise = np.ones((len(v), 1))
+    return np.hstack([steady_regressors(columns, seconds), residual * seconds, noise * seconds])
 
 
 def fit(source, matrix, energies, terms):
@@ -211,6 +219,23 @@ def fit(source, matrix, energies, terms):
         raise ToolError(f"{source}: rank {rank} of {len(terms)}: the experiments do not tell {terms[order[rank]]} from "
                         "the other terms; vary speeds, turn rates and turns independently")
     return np.linalg.lstsq(matrix / scale, energies, rcond=None)[0] / scale
+
+
+def steady_powers(source, last, energies):
+    """b, and the power of noise: none below 0, if the experiments tell no better."""
+    powers = fit(source, last, energies, STEADY_TERMS + RESIDUAL_TERMS + NOISE_TERMS)
+    scatter = np.sum((energies - last @ powers)**2) / (len(energies) - len(powers))
+    uncertainty = np.sqrt(scatter * np.diag(np.linalg.inv(last.T @ last)))
+    b, surely = powers[:len(STEADY_TERMS)], -SURELY * uncertainty[:len(STEADY_TERMS)]
+    if np.any(b < surely):
+        worst = (b - surely).argmin()
+        raise ToolError(f"{source}: last_j: b{worst + 1} is {b[worst]:g}, steady motion cannot gain energy; check the robot "
+                        "file")
+    scale = np.linalg.norm(last, axis=0)
+    low = np.full(len(powers), -np.inf)
+    low[[*range(len(STEADY_TERMS)), -1]] = 0
+    powers = optimize.lsq_linear(last / scale, energies, (low, np.inf), method="bvls").x / scale
+    return powers[:len(STEADY_TERMS)], powers[-1]
 
 
 def errors_of(source, measured, predicted):
@@ -247,20 +272,18 @@ def identify(robot, experiments):
     order = np.random.default_rng(experiments.seed).permutation(experiments.count)
     fitted, held_out = np.split(order, [round(FIT_SHARE * experiments.count)])
     last = last_regressors(columns, experiments.last)
-    b = fit(source, last[fitted], experiments.joules("last_j")[fitted], STEADY_TERMS + RESIDUAL_TERMS)[:len(STEADY_TERMS)]
-    if b.min() < 0:
-        raise ToolError(f"{source}: last_j: b{b.argmin() + 1} is {b.min():g}, steady motion cannot gain energy; check "
-                        "the robot file")
+    b, noise = steady_powers(source, last[fitted], experiments.joules("last_j")[fitted])
     per_speed, per_turn_rate = (effective_voltages(b, resistance) if experiments.energy == BATTERY
                                 else linear_model.steady_voltages(robot))
     state = state_regressors(columns, *voltages_before(columns, per_speed, per_turn_rate), resistance)
-    a = fit(source, state[fitted], (measured - steady @ b)[fitted], TERMS)
+    settled = steady @ b + noise * experiments.segment
+    a = fit(source, state[fitted], (measured - settled)[fitted], TERMS)
 
     def errors(predicted, chosen):
         return errors_of(source, measured[chosen], predicted[chosen])
 
-    predicted = state @ a + steady @ b
-    model = linear_model.EnergyModel(tuple(a.tolist()), tuple(b.tolist()), robot.positive("electronics.power_w"),
+    predicted = state @ a + settled
+    model = linear_model.EnergyModel(tuple(a.tolist()), tuple(b.tolist()), robot.positive("electronics.power_w") + noise,
                                      experiments.settling_time, per_speed, per_turn_rate, resistance)
     left, right = predicted_voltages(robot, columns)
     difference = max(np.abs(left - columns["u_left_before_v"]).max(), np.abs(right - columns["u_right_before_v"]).max())

@@ -111,6 +111,7 @@ class Learning:
     leg_noise_relative: float
     leg_noise_transient: float
     leg_noise: float
+    leg_spread: float      # of single legs beyond it
 
 
 @dataclass(frozen=True)
@@ -290,7 +291,7 @@ def learn(robot, segments, reference, energies, of_legs, causes_of_legs):
     of_legs: from directions to rows and noise of legs, and what they teach; causes_of_legs: of its robots."""
     changes = energies - reference.energies
     directions, x, shares = find_directions(robot, reference, changes)
-    leg, leg_noise, taught = of_legs(directions)
+    leg, leg_noise, leg_spread, taught = of_legs(directions)
     residuals = changes - x @ (reference.regressors @ directions).T
     noise, relative, transient = fit_noise(reference.totals, reference.transients, np.mean(residuals**2, axis=0))
 
@@ -312,7 +313,7 @@ def learn(robot, segments, reference, energies, of_legs, causes_of_legs):
                       float(np.mean(np.abs(by_chain(residuals) / by_chain(reference.totals)))), shares)
     return Learning(directions, ground, payload, ground_deviation, payload_deviation, math.hypot(relative, MODEL_ERROR),
                     float(transient), float(noise), leg, float(leg_noise[1]), float(leg_noise[2]),
-                    float(leg_noise[0])), quality
+                    float(leg_noise[0]), leg_spread), quality
 
 
 def c_table(robot, definition, learning, quality, exponent):
@@ -345,6 +346,7 @@ def c_table(robot, definition, learning, quality, exponent):
         to.q16("leg_noise_relative", learning.leg_noise_relative, "of the energy", 0, 1),
         to.q16("leg_noise_transient", learning.leg_noise_transient, "of what its transients take", 0, 16),
         to.energy("leg_noise", max(learning.leg_noise, smallest), "J", 2**-16, 1024, exponent),
+        to.q16("leg_spread", learning.leg_spread, "of single legs beyond their noise", 1, 16),
         to.whole("memory", MEMORY, "segments", 8, 1024),
     ]
     members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))

@@ -21,6 +21,7 @@ ROUNDS = 4      # of the noise, which weighs the legs that it is found from
 # Of src/learn/learner.c and learner_filter.h.
 SENSITIVITY_MAX = 1000
 OUTLIER_DEVIATIONS = 4
+SPREAD_MAX = 16
 NOISE_MEMORY = 128
 
 CAUSES = ("ground_friction", "payload_kg", "motor_resistance", "motor_friction")
@@ -98,7 +99,7 @@ def left_over(legs, changes, sensitivity, deviations):
     return squares
 
 
-def surprise(sensitivity, changes, deviations, is_forecast, memory):
+def surprise(sensitivity, changes, deviations, spread, is_forecast, memory):
     """What the second route of a robot takes beyond its forecast, in standard deviations of that: src/learn in real
     numbers."""
     size = sensitivity.shape[1]
@@ -109,8 +110,9 @@ def surprise(sensitivity, changes, deviations, is_forecast, memory):
         noise = max(scale * deviation, np.abs(f).max() / SENSITIVITY_MAX)
         v = s.T @ f / noise
         d = math.sqrt(1 + v @ v)
-        innovation = np.clip((change - f @ x) / noise / d, -OUTLIER_DEVIATIONS, OUTLIER_DEVIATIONS)
-        scale += scale * (innovation**2 - 1) / d**2 / NOISE_MEMORY
+        gate = OUTLIER_DEVIATIONS * spread
+        innovation = np.clip((change - f @ x) / noise / d, -gate, gate)
+        scale += scale * ((innovation / spread)**2 - 1) / d**2 / NOISE_MEMORY
         x = x + s @ v / d * innovation
         s = s - np.outer(s @ v, v) / (d * (d + 1))
     whole = sensitivity[is_forecast].sum(axis=0)
@@ -118,12 +120,18 @@ def surprise(sensitivity, changes, deviations, is_forecast, memory):
     return error / math.sqrt((scale**2 * deviations[is_forecast]**2).sum() + (s.T @ whole) @ (s.T @ whole))
 
 
+def spread_of(factor):
+    """Of single legs beyond the noise that is so many times what they leave."""
+    return min(max(1 / factor, 1.0), SPREAD_MAX)
+
+
 def calibrated(legs, changes, sensitivity, deviations, memory):
     """By how much the noise is to be multiplied so that routes are as far from their forecasts as those say. Forgetting and
-    formats add to the learner's own uncertainty, and legs are not quite independent."""
+    formats add to the learner's own uncertainty, and what one leg takes too much the next may take too little."""
     factor = 1.0
     for _ in range(ROUNDS):
-        found = [surprise(sensitivity[own], changes[own], factor * deviations[own], legs.is_forecast[own], memory)
+        found = [surprise(sensitivity[own], changes[own], factor * deviations[own], spread_of(factor),
+                          legs.is_forecast[own], memory)
                  for own in (legs.robot == number for number in range(len(legs.causes)))]
         factor *= math.sqrt(np.mean(np.square(found)))
     return factor
@@ -140,8 +148,8 @@ def taught(legs, changes, sensitivity, deviations):
 
 
 def learn(legs, directions, x, memory, fit_noise):
-    """Rows, and standard deviations of the noise: J, share of the energy, share of what changes of the speed take.
-    x: of each robot, as segments tell it."""
+    """Rows; standard deviations of the noise: J, share of the energy, share of what changes of the speed take; by how much
+    single legs exceed it; and what the legs teach. x: of each robot, as segments tell it."""
     changes = legs.measured - legs.expected
     rows = find_rows(legs, coefficients(legs, changes)[:, len(STEADY):], directions[-len(STEADY):], x)
     sensitivity = legs.steady @ directions[-len(STEADY):] + legs.transients @ rows
@@ -151,5 +159,6 @@ def learn(legs, directions, x, memory, fit_noise):
     for _ in range(ROUNDS):
         noise = fit_noise(*parts[:, 1:].T, left_over(legs, changes, sensitivity, deviations))
         deviations = np.sqrt(parts**2 @ np.square(noise))
-    noise = noise * calibrated(legs, changes, sensitivity, deviations, memory)
-    return rows, noise, taught(legs, changes, sensitivity, np.sqrt(parts**2 @ np.square(noise)))
+    factor = calibrated(legs, changes, sensitivity, deviations, memory)
+    noise = noise * factor
+    return rows, noise, spread_of(factor), taught(legs, changes, sensitivity, np.sqrt(parts**2 @ np.square(noise)))

@@ -23,12 +23,8 @@ ROUTE_SEED = 2001   # of the first; no development used it
 TRIPS = 60
 TRIP_SEED = 7001
 
-# Experiments and their segments: as in the paper, or fewer and as long as this robot takes to settle.
+# As in the paper; or fewer, of a robot that takes long to settle.
 EXPERIMENTS, EXPERIMENTS_MIN = 1000, 300
-SEGMENT_S, SEGMENT_MARGIN = 10.0, 1.25
-SETTLED_SHARE, SETTLING_STEP_S, SETTLING_MAX_S = 0.002, 0.02, 120.0
-# Voltages are settled that change by less than so much from one window to the next.
-SETTLED_V, SETTLED_SUPPLY_SHARE = 0.01, 1 / 2400
 
 # What a robot must do.
 LEAN_DEG, LEAN_SHARE = 10.0, 0.5  # comes back from the first, or from this share of what its motors allow
@@ -107,29 +103,12 @@ def try_balance(making):
     return robot_trials.balance(program, making.robot_file)
 
 
-def settled_after(robot):
-    """s until a step of the speed or of the turn rate leaves of the voltage but SETTLED_SHARE of what it comes to."""
-    latest = 0.0
-    for axis in closed_loop.axes(robot):
-        stride = round(SETTLING_STEP_S * axis.rate_hz)
-        ticks, state = np.linalg.matrix_power(axis.matrix, stride), axis.jump(1, 0)
-        for step in range(round(SETTLING_MAX_S / SETTLING_STEP_S)):
-            if abs(axis.voltage @ state) > SETTLED_SHARE * abs(axis.volts_per_unit):
-                latest = max(latest, step * SETTLING_STEP_S)
-            state = ticks @ state
-    return latest
-
-
-def identify(making, robot):
+def identify(making, robot, shaking):
+    """shaking: V of noise at the motors."""
     program, = robot_trials.build(making.folder, "jp-identify")
-    seconds = math.ceil(max(SEGMENT_S, SEGMENT_MARGIN * settled_after(robot)))
-    volts = max(SETTLED_V, SETTLED_SUPPLY_SHARE * robot.positive("supply.voltage_v"))
-    count = max(EXPERIMENTS_MIN, round(EXPERIMENTS * SEGMENT_S / seconds))
-    robot_trials.called([program, making.robot_file, "--output", making.experiments, f"--count={count}",
-                         f"--seconds={seconds}", f"--threshold={volts:.6g}"], "jp-identify")
+    robot_trials.experiment(program, making.robot_file, robot, shaking, making.experiments, EXPERIMENTS, EXPERIMENTS_MIN)
     for energy in (closed_loop.MOTOR, closed_loop.BATTERY):
-        robot_trials.tool("identify", making.robot_file, "--energy", energy, "--experiments", making.experiments,
-                          "--tables", making.tables)
+        robot_trials.identify(making.robot_file, energy, making.experiments, making.tables)
     return {energy: json.loads(read_text(making.experiments / f"identification{suffix}.json"))["validation"]
             for energy, suffix in ((closed_loop.MOTOR, ""), (closed_loop.BATTERY, "_battery"))}
 
@@ -208,7 +187,8 @@ def work(making):
     robot = steps.do("robot file, and the settings that it leaves out", lambda: robot_json.load(making.robot_file))
     steps.do("controller, designed and checked", lambda: design_controller(making))
     balance = steps.do("leant, pushed and left standing", lambda: try_balance(making))
-    validations = steps.do("energy, identified in experiments", lambda: identify(making, robot))
+    validations = steps.do("energy, identified in experiments",
+                           lambda: identify(making, robot, balance["standing_voltage_rms_v"]))
     steps.do("transients of segments", lambda: robot_trials.tool("horizon", making.robot_file, "--tables",
                                                                  making.tables))
     steps.do("what it can learn", lambda: make_learning(making))

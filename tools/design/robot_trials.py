@@ -9,12 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from tools.common import ROOT, ToolError, read_text, write_whole
+from tools.design import closed_loop
 
 # Routes: five legs of 1 to 15 m, each turned by up to 120° from the one before it.
 LEGS = 5
 LENGTHS = (1.0, 15.0)     # m
 TURN = math.radians(120)
 TIMEOUT = 900             # s, of a program
+
+# Segments of experiments are as long as in the paper, or as this robot takes to settle.
+SEGMENT_S, SEGMENT_MARGIN = 10.0, 1.25
+SETTLED_SHARE, SETTLING_STEP_S, SETTLING_MAX_S = 0.002, 0.02, 120.0
+# Voltages are settled that change by less than so much from one window to the next.
+SETTLED_V, SETTLED_SUPPLY_SHARE = 0.01, 1 / 2400
 
 
 def called(command, what):
@@ -49,6 +56,33 @@ def build(folder, *programs):
 def balance(program, robot_file):
     """What jp-balance says."""
     return json.loads(called([program, robot_file, "--json=-"], "balance"))
+
+
+def settled_after(robot):
+    """s until a step of the speed or of the turn rate leaves of the voltage but SETTLED_SHARE of what it comes to."""
+    latest = 0.0
+    for axis in closed_loop.axes(robot):
+        stride = round(SETTLING_STEP_S * axis.rate_hz)
+        ticks, state = np.linalg.matrix_power(axis.matrix, stride), axis.jump(1, 0)
+        for step in range(round(SETTLING_MAX_S / SETTLING_STEP_S)):
+            if abs(axis.voltage @ state) > SETTLED_SHARE * abs(axis.volts_per_unit):
+                latest = max(latest, step * SETTLING_STEP_S)
+            state = ticks @ state
+    return latest
+
+
+def experiment(program, robot_file, robot, shaking, folder, count, least):
+    """Experiments for identify(); as many as count where they are as short as in the paper, else fewer. shaking: V of noise
+    at the motors, which never settles."""
+    seconds = math.ceil(max(SEGMENT_S, SEGMENT_MARGIN * settled_after(robot)))
+    volts = max(SETTLED_V, SETTLED_SUPPLY_SHARE * robot.positive("supply.voltage_v"), shaking)
+    called([program, robot_file, "--output", folder, f"--count={max(least, round(count * SEGMENT_S / seconds))}",
+            f"--seconds={seconds}", f"--threshold={volts:.6g}"], "jp-identify")
+
+
+def identify(robot_file, energy, experiments, tables):
+    """The energy model, into tables."""
+    tool("identify", robot_file, "--energy", energy, "--experiments", experiments, "--tables", tables)
 
 
 def draw_points(generator):

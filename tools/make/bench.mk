@@ -81,6 +81,13 @@ bench-robots: ## measure how robots that nobody has seen balance and drive, desi
 	@mkdir -p $(BUILD)/bench
 	$(PYTHON) -m tools.measure.bench_robots
 
+.PHONY: bench-intervals
+bench-intervals: ## measure how many missions of six robots are inside the intervals that were forecast (30 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) all
+	@mkdir -p $(BUILD)/bench
+	$(PYTHON) -m tools.measure.bench_intervals
+
 .PHONY: bench-restart
 bench-restart: ## measure, in real time, a controller that is killed in mid-drive and started again (6 minutes)
 	@tools/setup.sh test
@@ -117,6 +124,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-patrol
 	@$(MAKE) bench-limit
 	@$(MAKE) bench-robots
+	@$(MAKE) bench-intervals
 	@$(MAKE) bench-restart
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)

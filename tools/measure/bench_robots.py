@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Robots that nobody has seen, from their data sheets alone: which can balance, do they drive, and as was foretold?
 
-Each is drawn by random_robots.py, designed without a setting of its own, leant and pushed, and drives a random route, before
-anything of it is identified or learned. A robot that is refused must be refused by its physics. Prints a table and writes
+Each is drawn by random_robots.py, designed without a setting of its own, leant and pushed; its energy is identified, and it
+drives a random route before it has learned anything. A robot that is refused must be refused by its physics. Prints a table and writes
 figures and tables for figures.py. Exit status 2: a program failed; nothing was written.
 """
 import json
@@ -18,13 +18,14 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from tools.common import ArgumentParser, ToolError, print_aligned, run, shown_path, whole_number, write_whole
-from tools.design import robot_json, robot_trials
+from tools.design import closed_loop, robot_json, robot_trials
 from tools.measure import random_robots
 from tools.measure.figure_store import write_tables
 
 COMMAND = "make bench-robots"
 ROBOTS = 200
 SEED = 1001  # of the first; development used those below
+EXPERIMENTS = 200, 60  # of each, as robot_trials.experiment() takes them
 
 # What the design says of motors that are too weak, or of speeds that they do not reach.
 PHYSICS = ("the motors at full voltage just lift the body", "are left beside the reserve for balance",
@@ -56,8 +57,12 @@ def mass_of(data):
 
 def tried(folder, robot_file, data, seed):
     robot_trials.tool("gain_design", robot_file, "--tables", folder / "tables", "--initial-energy")
-    balance, mission = robot_trials.build(folder, "jp-balance", "jp-mission")
+    balance, identify = robot_trials.build(folder, "jp-balance", "jp-identify")
     found = robot_trials.balance(balance, robot_file)
+    robot_trials.experiment(identify, robot_file, robot_json.load(robot_file), found["standing_voltage_rms_v"],
+                            folder / "identify", *EXPERIMENTS)
+    robot_trials.identify(robot_file, closed_loop.MOTOR, folder / "identify", folder / "tables")
+    mission, = robot_trials.build(folder, "jp-mission")
     drive = robot_trials.drive(mission, robot_file, folder, seed)
     return Result(seed, "", True, found["lean_deg"], found["push_n_s"] / mass_of(data), 100 * abs(drive.error),
                   100 * drive.miss)

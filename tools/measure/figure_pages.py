@@ -53,7 +53,9 @@ SECTIONS = (
     Section("Energy limit: scenarios", blocks=("limit_scenarios",)),
     Section("Energy limit: random routes", "Legs of 1 to 15 m, turns to ±120°.", blocks=("limit_routes",)),
     Section("Robots from their data sheets", "Random balancers of 0.3 to 100 kg, designed without a setting of their own; "
-            "each drives a random route before anything is identified or learned.", r"robots", ("random_robots",)),
+            "each drives a random route before it has learned anything.", r"robots", ("random_robots",)),
+    Section("Intervals", "Robots that differ from their file learn on a way and are forecast on the next: how many take an "
+            "energy inside the 95 % interval that was stated before.", r"intervals", ("intervals",)),
     Section("Segment optimiser", "Plans against brute force and the paper's Table 3.", r"segment"),
     Section("Energy models", "", r"identify(_battery)?"),
     Section("Battery", "", r"battery"),

@@ -69,8 +69,9 @@ static void test_checks_every_field_at_its_limits(void)
     AT_MOST("monitor.", voltage_max, JP_Q16(1000));
     AT_LEAST("monitor.", motor_resistance, JP_Q16(0.01));
     config.current_limit = JP_Q16(3);
-    FIELD(motor_resistance, JP_Q16(8192), NULL);
-    FIELD(motor_resistance, JP_Q16(8192) + 1, "monitor.motor_resistance");
+    FIELD(motor_resistance, JP_Q16(10922), NULL); /* 3 A of it are a voltage in range */
+    config.current_limit = JP_Q16(3);
+    FIELD(motor_resistance, JP_Q16(10923), "monitor.current_limit");
     AT_LEAST("monitor.", back_emf, 1);
     FIELD(back_emf, JP_Q16(256) - 1, NULL);
     FIELD(back_emf, JP_Q16(256), "monitor.back_emf");

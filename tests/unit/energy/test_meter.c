@@ -40,7 +40,13 @@ static void test_checks_every_field_at_its_limits(void)
     config = jp_robot_courier24.meter;
     expect_config(NULL);
     RANGE("meter.", tick_rate, 100, 10000);
-    RANGE("meter.", motor_resistance, JP_Q16(0.01), JP_Q16(8192));
+    AT_LEAST("meter.", motor_resistance, JP_Q16(0.01));
+    config.tick_rate = 2500;
+    FIELD(motor_resistance, INT32_MAX, NULL);
+    config.tick_rate = 10000;
+    FIELD(motor_resistance, JP_Q16(8192), NULL);
+    config.tick_rate = 10000;
+    FIELD(motor_resistance, JP_Q16(8192) + 1, "meter.motor_resistance");
     config.tick_rate = 100;
     FIELD(motor_resistance, JP_Q16(0.02) + 1, NULL); /* 2 Ω/s */
     config.tick_rate = 100;
@@ -121,7 +127,9 @@ static void test_every_resistance_is_accurate(void)
     static const uint32_t rates[] = {100, 1000, 10000};
 
     for (unsigned r = 0; r < sizeof rates / sizeof rates[0]; r++) {
-        for (jp_q16 ohm = JP_Q16(0.02) + 1; ohm < JP_Q16(8192); ohm += ohm / 7) {
+        const jp_q16 most = rates[r] == 10000 ? JP_Q16(8192) : JP_Q16(28000);
+
+        for (jp_q16 ohm = JP_Q16(0.02) + 1; ohm < most; ohm += ohm / 7) {
             const int64_t resistance_rate = (int64_t)ohm * rates[r];
             const int64_t whole = ((int64_t)2048 << 48) / resistance_rate * 1000; /* of 32² + 32² V² */
 

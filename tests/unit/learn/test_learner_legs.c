@@ -121,16 +121,44 @@ static void test_a_robot_of_the_file_teaches_nothing_new(void)
     TEST_ASSERT_INT32_WITHIN(BUILT_IN.b[0] / 1000, BUILT_IN.b[0], model.b[0]);
 }
 
-static void test_an_outlier_is_left_out(void)
+/** After twenty legs as expected, one that takes so many deviations of the noise too much. */
+static enum jp_learned learn_beyond(jp_q16 spread, double deviations)
 {
     const struct jp_leg_energy leg = leg_of(JP_Q16(10), JP_Q16(0.2));
 
+    setUp();
+    learning.leg_noise = JP_Q16(0.1);
+    learning.leg_noise_relative = 0;
+    learning.leg_noise_transient = 0;
+    learning.leg_spread = spread;
     for (unsigned i = 0; i < 20U; i++) {
         TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn_from(&leg, leg.energy));
+        learner.state.noise_scale = JP_Q16_ONE;
     }
-    TEST_ASSERT_EQUAL_INT(JP_LEARNED_OUTLIER, learn_from(&leg, 2 * leg.energy));
-    TEST_ASSERT_EQUAL_UINT32(1, learner.rejected);
-    TEST_ASSERT_EQUAL_UINT32(20, learner.state.version);
+    return learn_from(&leg, leg.energy + JP_Q16(0.1 * deviations));
+}
+
+static void test_an_outlier_counts_as_if_it_were_nearer(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_OUTLIER, learn_beyond(JP_Q16_ONE, 6));
+    TEST_ASSERT_EQUAL_UINT32(1, learner.outliers);
+    TEST_ASSERT_EQUAL_UINT32(21, learner.state.version);
+
+    const struct jp_learned_state near = learner.state;
+
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_OUTLIER, learn_beyond(JP_Q16_ONE, 60));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&near, &learner.state, sizeof near));
+}
+
+/* The noise of forecasts is the same, and what counts as an outlier is not. */
+static void test_legs_of_a_greater_spread_are_outliers_further_away(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn_beyond(JP_Q16(2), 6));
+    TEST_ASSERT_EQUAL_UINT32(0, learner.outliers);
+    TEST_ASSERT_TRUE(learner.state.noise_scale > JP_Q16_ONE);
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn_beyond(JP_Q16(2), 1.5));
+    TEST_ASSERT_TRUE(learner.state.noise_scale < JP_Q16_ONE);
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_OUTLIER, learn_beyond(JP_Q16(2), 12));
 }
 
 /* What changes of the speed take tells the directions that b1 and b2 leave out. */
