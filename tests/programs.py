@@ -106,9 +106,14 @@ class Programs:
         return self.start(BIN / "jp-plant", scenario, f"--patience={patience}", *options)
 
 
-def assert_one_line_error(result, *parts):
-    """Exit status 2 and a single line on stderr that holds all parts."""
-    assert result.returncode == 2, result.stdout + result.stderr
+def assert_verdict(result, *parts):
+    """Exit status 1 and a single line on stderr that holds all parts: the input is right, what comes of it is not."""
+    assert_one_line_error(result, *parts, status=1)
+
+
+def assert_one_line_error(result, *parts, status=2):
+    """This exit status and a single line on stderr that holds all parts."""
+    assert result.returncode == status, result.stdout + result.stderr
     lines = result.stderr.splitlines()
     assert len(lines) == 1, result.stderr
     for part in parts:

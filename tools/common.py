@@ -8,6 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
+EXIT_MISSED = 1
 EXIT_BAD_INPUT = 2
 
 
@@ -19,10 +20,17 @@ class ToolError(Exception):
     """Bad input; the message is one line that names the file or key and the reason."""
 
 
+class Verdict(ToolError):
+    """The input is right, but what comes of it misses an accuracy that is promised; the message ends with a remedy."""
+
+
 def run(main):
-    """Run a tool's main(); bad input becomes one line on stderr and exit status 2."""
+    """Run a tool's main(); bad input becomes one line on stderr and exit status 2, a verdict one line and status 1."""
     try:
         status = main()
+    except Verdict as verdict:
+        print(f"{Path(sys.argv[0]).name}: {verdict}", file=sys.stderr)
+        status = EXIT_MISSED
     except ToolError as error:
         print(f"{Path(sys.argv[0]).name}: {error}", file=sys.stderr)
         status = EXIT_BAD_INPUT

@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
-from programs import BIN, assert_one_line_error  # noqa: E402, F401 - the latter for the tests
+from programs import BIN, assert_one_line_error, assert_verdict  # noqa: E402, F401 - the latter for the tests
 from tools import common  # noqa: E402
 from tools.design import robot_json  # noqa: E402
 from tools.report import plots  # noqa: E402

@@ -113,8 +113,8 @@ def test_learned_energies_are_in_the_unit_of_the_model():
     robot = robot_of(changed("courier24"))
     zeros = learning.np.zeros(4)
     what = learning.Learning(learning.np.full((15, 4), 6.0), zeros, zeros, 0.1, 0.1, 0.01, 0.5, 8.0,
-                             learning.np.zeros((3, 4)), 0.01, 0.02, 4.0)
-    quality = learning.Quality(0, 0, 0, zeros)
+                             learning.np.zeros((3, 4)), 0.01, 0.02, 4.0, 1.0)
+    quality = learning.Quality(zeros, zeros, zeros, zeros, zeros)
     text = c_tables.render(learning.c_table(robot, "motor", what, quality, 3))
     rows = re.findall(r"\{(\d+), \d+, \d+, \d+\}, +/\* ([ab]\d+):", text)
     assert [int(number) for number, _ in rows] == [(6 if name == "a13" else 0.75) * 65536 for _, name in rows]

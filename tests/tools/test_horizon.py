@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from conftest import JP_ROBOT, ROBOTS, ROOT, assert_one_line_error, robot_text, run_tool
+from conftest import JP_ROBOT, ROBOTS, ROOT, assert_one_line_error, assert_verdict, robot_text, run_tool
 from test_energy_unit import similar
 from test_gain_design import changed
 
@@ -47,6 +47,7 @@ def read_table(path, exponent=0):
                              take(count, 2.0**16 / unit))
 
     assert take(1, 2.0**16)[0] == horizon.DURATION_MIN
+    assert 0 < take(1, 2.0**16)[0] < 10  # s of rest between two directions
     tables = axis(1), axis(2)
     assert next(numbers, None) is None
     return tables
@@ -151,7 +152,8 @@ def test_modes_that_cost_much_have_units_of_their_own(tmp_path):
     for robot in (robot, robot_json.load_json(source)):
         axes = closed_loop.axes(robot)
         modes = [horizon.modes_of(robot, axis) for axis in axes]
-        _, found, _ = horizon.checked_tables(robot, closed_loop.BATTERY, axes, modes, 0)
+        _, found, errors = horizon.tables_of(robot, closed_loop.BATTERY, axes, modes, 0)
+        horizon.check_errors(robot, errors)
         units.append(np.concatenate([of_axis.mode for of_axis in found]))
     assert not units[0].any() and units[1].any()
     expect_forecasts(robot, closed_loop.BATTERY, read_table(tmp_path / "horizon_courier24_battery.c"))
@@ -163,7 +165,8 @@ def test_modes_that_move_far_have_units_of_their_own(limit, value, tmp_path, mon
     robot = robot_of("courier24")
     axes = closed_loop.axes(robot)
     modes = [horizon.modes_of(robot, axis) for axis in axes]
-    tables, units, _ = horizon.checked_tables(robot, closed_loop.MOTOR, axes, modes, 0)
+    tables, units, errors = horizon.tables_of(robot, closed_loop.MOTOR, axes, modes, 0)
+    horizon.check_errors(robot, errors)
     assert units[0].mode.min() < 0
     for table, unit in zip(tables, units):
         assert np.abs(table.step * 2.0**unit.mode).max() <= horizon.STEP_MAX
@@ -294,7 +297,10 @@ LIMITS = [
     ("CONDITION_MAX", 5, "cannot be told"),
     ("STEP_MAX", 0.1, "travel.storage"),
     ("OWN_STORAGE_MAX", 1e-3, "travel.step"),
-    ("ERROR_MAX", 1e-9, "miss the linear loop's energy"),
+]
+ACCURACIES = [
+    ("MEAN_ERROR_MAX", 1e-12, "miss the linear loop's energy"),
+    ("ERROR_MAX", 1e-9, "at most"),
     ("USUAL_ERROR_MAX", 1e-9, "of 99 % by"),
 ]
 
@@ -307,6 +313,17 @@ def test_a_robot_beyond_a_limit_is_told_which(limit, value, part, tmp_path, monk
     assert_one_line_error(run_tool("design.horizon", "courier24", "--robot-json", source, "--tables", tables), "robot.json",
                           part)
     assert not tables.exists()
+
+
+@pytest.mark.parametrize("limit, value, part", ACCURACIES)
+def test_tables_that_miss_the_loop_are_a_verdict_with_its_picture(limit, value, part, tmp_path, monkeypatch):
+    monkeypatch.setattr(horizon, limit, value)
+    source, tables, pictures = tmp_path / "robot.json", tmp_path / "tables", tmp_path / "pictures"
+    source.write_text(robot_text("courier24"))
+    assert_verdict(run_tool("design.horizon", "courier24", "--robot-json", source, "--tables", tables, "--pictures", pictures),
+                   "robot.json", part, "change the shaping or the weights")
+    assert not tables.exists()
+    assert (pictures / "horizon_courier24.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_missing_program_and_missing_robot_are_named(tmp_path):

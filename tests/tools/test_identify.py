@@ -3,7 +3,7 @@ import json
 
 import numpy as np
 import pytest
-from conftest import assert_one_line_error, robot_text, run_tool
+from conftest import assert_one_line_error, assert_verdict, robot_text, run_tool
 
 from tools.design import identify, linear_model, robot_json
 
@@ -86,9 +86,10 @@ def test_a_model_that_misses_the_validation_is_refused(place, noise, accepted):
     if accepted:
         assert result.returncode == 0, result.stderr
         return
-    assert_one_line_error(result, "experiments.csv", "on average, at most 3 %", "make gains ROBOT=gao2018")
+    assert_verdict(result, "experiments.csv", "on average, at most 3 %", "make gains ROBOT=gao2018")
     assert not (directory / "tables").exists()
-    assert sorted(path.name for path in (directory / "experiments").iterdir()) == ["experiments.csv", "experiments.json"]
+    assert sorted(path.name for path in (directory / "experiments").iterdir()) == ["experiments.csv", "experiments.json",
+                                                                                   "identification.png"]
 
 
 def test_noise_shows_in_the_validation_error(gao2018):

@@ -3,13 +3,14 @@ import json
 import math
 import re
 import zlib
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import ROBOTS, ROOT, assert_one_line_error, robot_text, run_tool
 from once import once
 
-from tools.common import ToolError
+from tools.common import ToolError, Verdict
 from tools.design import closed_loop, horizon, learning, learning_legs, robot_json
 
 SUFFIXES = ("", "_battery")
@@ -61,7 +62,7 @@ def member(path, name):
 def test_committed_tables_are_fresh(robot, suffix, made):
     committed = numbers_of(ROOT / "src" / "tables" / f"learning_{robot}{suffix}.c")
     fresh = numbers_of(made / f"learning_{robot}{suffix}.c")
-    assert len(committed) == 15 * 4 + 4 + 4 + 5 + 3 * 4 + 3 + 1
+    assert len(committed) == 15 * 4 + 4 + 4 + 5 + 3 * 4 + 4 + 1
     assert np.abs(fresh - committed).max() <= TOLERANCE * np.abs(committed).max(), "run make learning"
 
 
@@ -171,11 +172,12 @@ def test_what_legs_teach_is_found_again():
     changes = np.einsum("ij,ij->i", legs.steady @ STEADY + legs.transients @ ROWS, x[legs.robot])
     legs.measured[:] = legs.expected + changes + generator.normal(0, 0.03, len(changes))
     directions = np.vstack([np.zeros((13, 4)), STEADY])
-    rows, noise, taught = learning_legs.learn(legs, directions, x, learning.MEMORY, learning.fit_noise)
-    assert rows == pytest.approx(ROWS, abs=0.15)
-    assert np.corrcoef(taught[:, 0], x[:, 0])[0, 1] > 0.9
-    assert rows @ STEADY.T == pytest.approx(0, abs=1e-9)  # b1 and b2 keep their directions
-    assert 0.5 * 0.03 < math.hypot(noise[0], noise[1] * legs.expected.mean()) < 1.1 * 0.03
+    lesson = learning_legs.learn(legs, directions, x, learning.MEMORY, learning.fit_noise)
+    assert lesson.rows == pytest.approx(ROWS, abs=0.15)
+    assert np.corrcoef(lesson.taught[:, 0], x[:, 0])[0, 1] > 0.9
+    assert lesson.rows @ STEADY.T == pytest.approx(0, abs=1e-9)  # b1 and b2 keep their directions
+    assert 0.5 * 0.03 < math.hypot(lesson.noise[0], lesson.noise[1] * legs.expected.mean()) < 1.1 * 0.03
+    assert 1 <= lesson.spread < 2
 
 
 def test_forecasts_are_as_far_off_as_they_say():
@@ -184,10 +186,28 @@ def test_forecasts_are_as_far_off_as_they_say():
     x = generator.normal(size=(100, 4))
     changes = np.einsum("ij,ij->i", sensitivity, x[legs.robot]) + generator.normal(0, 0.05, len(legs.expected))
     deviations = np.full(len(legs.expected), 0.02)
-    factor = learning_legs.calibrated(legs, changes, sensitivity, deviations, learning.MEMORY)
-    found = [learning_legs.surprise(sensitivity[own], changes[own], factor * deviations[own], legs.is_forecast[own],
-                                    learning.MEMORY) for own in (legs.robot == number for number in range(100))]
-    assert np.mean(np.square(found)) == pytest.approx(1, abs=0.05)
+    factor, surprises = learning_legs.calibrated(legs, changes, sensitivity, deviations, learning.MEMORY)
+    assert 1.5 < factor < 3.5 and learning_legs.spread_of(factor) == 1
+    assert np.mean(np.square(surprises)) == pytest.approx(1, abs=0.05)
+
+
+def test_legs_that_make_up_for_each_other_have_a_spread():
+    legs, generator = legs_of(100, 7)
+    sensitivity = legs.steady @ STEADY + legs.transients @ ROWS
+    x = generator.normal(size=(100, 4))
+    # What each leg takes too much, the next of a pair takes too little.
+    turns = generator.normal(0, 0.1, len(legs.expected) // 2)
+    changes = np.einsum("ij,ij->i", sensitivity, x[legs.robot]) + np.ravel(np.column_stack([turns, -turns]))
+    factor, surprises = learning_legs.calibrated(legs, changes, sensitivity, np.full(len(changes), 0.1), learning.MEMORY)
+    assert 1.5 < learning_legs.spread_of(factor) <= learning_legs.SPREAD_MAX
+    assert np.mean(np.square(surprises)) < 1.3
+
+
+def test_more_than_can_be_learned_is_a_verdict():
+    robot = SimpleNamespace(source="x.cfg")
+    learning.check_quality(robot, "motor", SimpleNamespace(chain=np.array([0.02, 0.04])))
+    with pytest.raises(Verdict, match="x.cfg: limits: .* by 3.5 % when all is learned, .*; a smaller limits.payload_kg"):
+        learning.check_quality(robot, "motor", SimpleNamespace(chain=np.array([0.03, 0.04])))
 
 
 def test_what_is_not_legs_is_one_line(tmp_path):

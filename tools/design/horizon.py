@@ -3,8 +3,9 @@
 
 The closed loop of each axis as modes, each measured by what it adds to the motor voltage: src/tables/horizon_<robot>.c
 and horizon_<robot>_battery.c. Where a number does not fit its format, the mode is measured in another unit, a power of two
-of a volt. Checks the rounded tables against the whole linear loop on random chains of segments. Exit status 2: bad input;
-nothing was written.
+of a volt. Checks the rounded tables against the whole linear loop on random chains of segments, and draws that check:
+build/horizon/horizon_<robot>.png. Exit status 1: the tables miss the loop by more than they may; 2: bad input. Then no table was
+written.
 """
 import math
 from dataclasses import dataclass
@@ -13,8 +14,9 @@ from pathlib import Path
 import numpy as np
 from scipy import linalg
 
-from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, run, shown_path, write_whole
+from tools.common import ROOT, ArgumentParser, Verdict, print_aligned, run, shown_path, write_whole
 from tools.design import c_tables, closed_loop, energy_unit, linear_model, reversal, robot_json
+from tools.report import plots
 
 DURATION_MIN = 0.5  # s; the shortest segment
 MODES_MAX = 8       # JP_AXIS_MODES
@@ -32,6 +34,7 @@ MEAN_ERROR_MAX, USUAL_ERROR_MAX, ERROR_MAX = 2e-4, 2e-3, 2e-2
 USUAL_PERCENTILE = 99
 CHECK_SEGMENTS = 2000
 CHECK_SEED = 1
+PICTURE_MIN = 1e-5  # %
 LONGEST = 10.0  # s
 
 # The formats of include/joulepath/horizon.h.
@@ -298,20 +301,38 @@ def c_table(robot, definition, axes, tables, units, errors):
                           "joulepath/horizon.h", "jp_horizon", f"jp_horizon_{robot.name}{SUFFIXES[definition]}", members)
 
 
-def checked_tables(robot, definition, axes, modes, energy_exponent):
+def tables_of(robot, definition, axes, modes, energy_exponent):
     """Tables and units of both axes, and the errors of the tables."""
     resistance = robot.positive("motor.resistance_ohm")
     energies = [closed_loop.energy(axis, definition, resistance) for axis in axes]
     tables = [table_of(axis, mode, energy) for axis, mode, energy in zip(axes, modes, energies)]
     units = [units_of(robot, axis, table, energy_exponent) for axis, table in zip(axes, tables)]
-    errors = errors_of(robot, axes, energies, [rounded(*of_axis) for of_axis in zip(tables, units)])
+    return tables, units, errors_of(robot, axes, energies, [rounded(*of_axis) for of_axis in zip(tables, units)])
+
+
+def check_errors(robot, errors):
     usual = np.percentile(errors, USUAL_PERCENTILE)
     if not (errors.mean() <= MEAN_ERROR_MAX and usual <= USUAL_ERROR_MAX and errors.max() <= ERROR_MAX):
-        raise robot.error("control", f"the tables miss the linear loop's energy by {100 * errors.mean():.2g} %, of "
-                                     f"{USUAL_PERCENTILE} % by {100 * usual:.2g} %, at most {100 * errors.max():.2g} %; "
-                                     f"bars {100 * MEAN_ERROR_MAX:g} %, {100 * USUAL_ERROR_MAX:g} % and "
-                                     f"{100 * ERROR_MAX:g} %; change the shaping or the weights")
-    return tables, units, errors
+        raise Verdict(f"{robot.source}: control: the tables miss the linear loop's energy by {100 * errors.mean():.2g} %, of "
+                      f"{USUAL_PERCENTILE} % by {100 * usual:.2g} %, at most {100 * errors.max():.2g} %; bars "
+                      f"{100 * MEAN_ERROR_MAX:g} %, {100 * USUAL_ERROR_MAX:g} % and {100 * ERROR_MAX:g} %; change the "
+                      "shaping or the weights")
+
+
+def draw(robot, errors):
+    """What share of the segments is missed by no more than so much; errors: by definition."""
+    figure, axes = plots.new_figure(9, 3.6)
+    for (definition, values), colour in zip(errors.items(), (plots.BLUE, plots.ORANGE)):
+        axes.plot(np.sort(100 * values), 100 * np.arange(1, len(values) + 1) / len(values), color=colour,
+                  label=f"energy of the {definition}")
+    for bar, share in ((USUAL_ERROR_MAX, USUAL_PERCENTILE), (ERROR_MAX, 100)):
+        axes.plot(100 * bar, share, "v", color=plots.RED, clip_on=False, zorder=3,
+                  label=f"bar: {share} % within {100 * bar:g} %")
+    axes.set(xscale="log", xlim=(PICTURE_MIN, None), ylim=(0, 100), xlabel="error of a segment's energy, %",
+             ylabel="segments within it, %",
+             title=f"Transients of {robot.name}: tables against the whole linear loop, {CHECK_SEGMENTS} segments")
+    axes.legend(loc="upper left")
+    return plots.png_bytes(figure)
 
 
 def print_modes(robot, axes, modes):
@@ -332,6 +353,8 @@ def arguments():
     parser.add_argument("--robot-json", metavar="FILE", help="output of jp-robot --json=-, instead of running it")
     parser.add_argument("--tables", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
                         help="where the C files go (default: src/tables)")
+    parser.add_argument("--pictures", metavar="DIR", type=Path, default=robot_json.build_directory() / "horizon",
+                        help="where the picture goes (default: build/horizon)")
     return parser.parse_args()
 
 
@@ -341,17 +364,23 @@ def main():
              else robot_json.load(robot_json.robot_path(options.robot), options.jp_robot))
     axes = closed_loop.axes(robot)
     modes = [modes_of(robot, axis) for axis in axes]
-    files, unit = {}, energy_unit.exponent(robot)
+    unit = energy_unit.exponent(robot)
     print_modes(robot, axes, modes)
-    for definition, suffix in SUFFIXES.items():
-        tables, units, errors = checked_tables(robot, definition, axes, modes, unit)
-        files[options.tables / f"horizon_{robot.name}{suffix}.c"] = c_tables.render(
-            c_table(robot, definition, axes, tables, units, errors))
+    made = {definition: tables_of(robot, definition, axes, modes, unit) for definition in SUFFIXES}
+    for definition, (_, _, errors) in made.items():
         print(f"{definition}: tables miss the whole linear loop by {_percent(errors)}; "
               f"{USUAL_PERCENTILE} % of the segments by less than {100 * np.percentile(errors, USUAL_PERCENTILE):.1g} %")
     print()
-    for path, text in files.items():
-        write_whole(path, text)
+    picture = options.pictures / f"horizon_{robot.name}.png"
+    write_whole(picture, draw(robot, {definition: errors for definition, (_, _, errors) in made.items()}))
+    print(f"wrote {shown_path(picture)}")
+    files = {}
+    for definition, (tables, units, errors) in made.items():
+        check_errors(robot, errors)
+        files[options.tables / f"horizon_{robot.name}{SUFFIXES[definition]}.c"] = c_tables.render(
+            c_table(robot, definition, axes, tables, units, errors))
+    for path, content in files.items():
+        write_whole(path, content)
         print(f"wrote {shown_path(path)}")
     return 0
 

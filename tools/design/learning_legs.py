@@ -41,6 +41,16 @@ class Legs:
     measured: np.ndarray
 
 
+@dataclass(frozen=True)
+class Lesson:
+    """What legs teach."""
+    rows: np.ndarray       # TRANSIENTS × directions: relative change of what the transients take
+    noise: np.ndarray      # standard deviations: J, share of the energy, share of what its transients take
+    spread: float          # by how much single legs exceed it
+    taught: np.ndarray     # the likeliest x of each robot
+    surprises: np.ndarray  # of each robot's forecast, in standard deviations
+
+
 def drive(program, path, definition):
     """Each at the speed that spends the least of the energy of this definition."""
     command = [str(program), "--legs", f"--count={ROBOTS}", f"--energy={definition}", str(path)]
@@ -126,15 +136,18 @@ def spread_of(factor):
 
 
 def calibrated(legs, changes, sensitivity, deviations, memory):
-    """By how much the noise is to be multiplied so that routes are as far from their forecasts as those say. Forgetting and
-    formats add to the learner's own uncertainty, and what one leg takes too much the next may take too little."""
+    """By how much the noise is to be multiplied so that routes are as far from their forecasts as those say, and how far they
+    then are, in standard deviations. Forgetting and formats add to the learner's own uncertainty, and what one leg takes
+    too much the next may take too little."""
+    def surprises(factor):
+        return np.array([surprise(sensitivity[own], changes[own], factor * deviations[own], spread_of(factor),
+                                  legs.is_forecast[own], memory)
+                         for own in (legs.robot == number for number in range(len(legs.causes)))])
+
     factor = 1.0
     for _ in range(ROUNDS):
-        found = [surprise(sensitivity[own], changes[own], factor * deviations[own], spread_of(factor),
-                          legs.is_forecast[own], memory)
-                 for own in (legs.robot == number for number in range(len(legs.causes)))]
-        factor *= math.sqrt(np.mean(np.square(found)))
-    return factor
+        factor *= math.sqrt(np.mean(surprises(factor)**2))
+    return factor, surprises(factor)
 
 
 def taught(legs, changes, sensitivity, deviations):
@@ -148,8 +161,7 @@ def taught(legs, changes, sensitivity, deviations):
 
 
 def learn(legs, directions, x, memory, fit_noise):
-    """Rows; standard deviations of the noise: J, share of the energy, share of what changes of the speed take; by how much
-    single legs exceed it; and what the legs teach. x: of each robot, as segments tell it."""
+    """x: of each robot, as segments tell it."""
     changes = legs.measured - legs.expected
     rows = find_rows(legs, coefficients(legs, changes)[:, len(STEADY):], directions[-len(STEADY):], x)
     sensitivity = legs.steady @ directions[-len(STEADY):] + legs.transients @ rows
@@ -159,6 +171,7 @@ def learn(legs, directions, x, memory, fit_noise):
     for _ in range(ROUNDS):
         noise = fit_noise(*parts[:, 1:].T, left_over(legs, changes, sensitivity, deviations))
         deviations = np.sqrt(parts**2 @ np.square(noise))
-    factor = calibrated(legs, changes, sensitivity, deviations, memory)
+    factor, surprises = calibrated(legs, changes, sensitivity, deviations, memory)
     noise = noise * factor
-    return rows, noise, spread_of(factor), taught(legs, changes, sensitivity, np.sqrt(parts**2 @ np.square(noise)))
+    return Lesson(rows, noise, spread_of(factor),
+                  taught(legs, changes, sensitivity, np.sqrt(parts**2 @ np.square(noise))), surprises)

@@ -113,10 +113,14 @@ def identify(making, robot, shaking):
             for energy, suffix in ((closed_loop.MOTOR, ""), (closed_loop.BATTERY, "_battery"))}
 
 
+def make_horizon(making):
+    robot_trials.tool("horizon", making.robot_file, "--tables", making.tables, "--pictures", making.folder)
+
+
 def make_learning(making):
     program, = robot_trials.build(making.folder, "jp-trip")
     robot_trials.tool("learning", making.robot_file, "--jp-trip", program, "--tables", making.tables, "--models",
-                      making.tables)
+                      making.tables, "--pictures", making.folder)
 
 
 def drive_routes(making):
@@ -165,6 +169,15 @@ def print_findings(findings):
     print()
 
 
+def validations_of(making, robot):
+    """For the report: name, what is shown, and picture."""
+    return [*(("Energy model", "Validation on experiments that were not fitted.",
+               making.experiments / f"identification{suffix}.png") for suffix in ("", "_battery")),
+            ("Transients", "What rounding to the tables' formats costs.", making.folder / f"horizon_{robot.name}.png"),
+            ("Learning", "Robots of other ground, payload and motors: what is left when all is learned, and how true their "
+                         "forecasts are.", making.folder / f"learning_{robot.name}.png")]
+
+
 def install(making, tables):
     """All at once: the robot is whole, or as it was."""
     for path in sorted(making.tables.glob("*.c")):
@@ -189,8 +202,7 @@ def work(making):
     balance = steps.do("leant, pushed and left standing", lambda: try_balance(making))
     validations = steps.do("energy, identified in experiments",
                            lambda: identify(making, robot, balance["standing_voltage_rms_v"]))
-    steps.do("transients of segments", lambda: robot_trials.tool("horizon", making.robot_file, "--tables",
-                                                                 making.tables))
+    steps.do("transients of segments", lambda: make_horizon(making))
     steps.do("what it can learn", lambda: make_learning(making))
     drives = steps.do(f"{ROUTES} routes driven", lambda: drive_routes(making))
     trips = steps.do(f"{TRIPS} robots that differ, learning", lambda: drive_trips(making))
@@ -206,8 +218,8 @@ def main():
     print_findings(findings)
     write_whole(making.folder / "robot.json", json.dumps([asdict(finding) for finding in findings], indent=2,
                                                          ensure_ascii=False, default=bool) + "\n")
-    pictures = [making.experiments / f"identification{suffix}.png" for suffix in ("", "_battery")]
-    write_whole(making.folder / "report.html", robot_report.render(robot, findings, drives, trips, pictures))
+    write_whole(making.folder / "report.html", robot_report.render(robot, findings, drives, trips,
+                                                                   validations_of(making, robot)))
     print(f"wrote {shown_path(making.folder / 'report.html')}")
     missed = [finding for finding in findings if not finding.is_met]
     if missed:

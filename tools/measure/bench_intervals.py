@@ -59,7 +59,7 @@ def make_tables(making):
     robot = robot_json.load(making.robot_file)
     robot_design.design_controller(making)
     robot_design.identify(making, robot, robot_design.try_balance(making)["standing_voltage_rms_v"])
-    robot_trials.tool("horizon", making.robot_file, "--tables", making.tables)
+    robot_design.make_horizon(making)
     robot_design.make_learning(making)
 
 
