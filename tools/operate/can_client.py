@@ -259,6 +259,13 @@ class Operator(Listener):
             raise self.error(f"the robot does not stand within {STAND_TIMEOUT:g} s (state {self.state.state}, refused: "
                              f"{self.state.get('EcuLosses', 'StandRefusal')}, pitch {pitch:.0f}°); set it upright")
 
+    def hold(self, seconds):
+        """Go on as commanded last."""
+        end = self._clock() + seconds
+        while self._clock() < end:
+            self._check_upright()
+            self.step()
+
     def _stands(self):
         self._check_upright()
         status = [self.state.get("EcuStatus", signal) for signal in ("State", "Mode", "OperatorState")]
