@@ -25,7 +25,8 @@ def miss(name, value, reason="because"):
 
 NUMBERS = {kind: {"row": {"Cortex-M4": 1}} for kind in core_numbers.UNITS}
 TABLES = {name: {"headings": ["a"], "rows": [[name]]}
-          for name in ("plan", "prices", "patrol", "pursuit", "limit_scenarios", "limit_routes", "random_robots", "intervals")}
+          for name in ("plan", "prices", "patrol", "pursuit", "limit_scenarios", "limit_routes", "random_robots", "intervals",
+                       "logs")}
 
 
 # ---- formats -------------------------------------------------------------------------------------------------------

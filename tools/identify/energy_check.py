@@ -52,16 +52,14 @@ def integral(times, values, begin, end, width):
 
 
 def drawn_by_motors(log, segment, electronics):
-    """J: by the robot's meter, or by voltages and currents."""
-    if segment.drawn is not None:
-        return segment.drawn - electronics * (segment.end - segment.begin)
-    if not log.has("current_left", "current_right"):
-        return None
-    times = log["voltage_left"].times
-    inside = (times >= segment.begin) & (times <= segment.end)
-    power = sum(log[f"voltage_{side}"].values_at(times) * log[f"current_{side}"].values_at(times)
-                for side in ("left", "right"))
-    return float(np.trapz(power[inside], times[inside]))
+    """J: by the samples, else by the robot's meter, which counts its file's electronics; None: neither was logged."""
+    if log.has("current_left", "current_right") and (log.counts_wheels or segment.drawn is None):
+        times = log["voltage_left"].times
+        inside = (times >= segment.begin) & (times <= segment.end)
+        power = sum(log[f"voltage_{side}"].values_at(times) * log[f"current_{side}"].values_at(times)
+                    for side in ("left", "right"))
+        return float(np.trapz(power[inside], times[inside]))
+    return None if segment.drawn is None else segment.drawn - electronics * (segment.end - segment.begin)
 
 
 def compare(log, motion, file, fit):

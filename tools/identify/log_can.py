@@ -62,19 +62,28 @@ def text_frames(path):
         message = known.get(identifier.upper())
         if message is None or len(data) != 2 * message.length:
             continue
-        try:
-            seconds = float(time) if time is not None else None
-            bytes.fromhex(data)
-        except ValueError:
-            raise ToolError(f"{path}: line {number}: damaged; leave it out, or record again with candump -l can0") from None
-        if seconds is None:
+        if time is None:
             raise ToolError(f"{path}: line {number}: no time; record with candump -l can0, or candump -ta can0")
         places, times, octets = gathered[message.name]
         places.append(number)
-        times.append(seconds)
+        times.append(time)
         octets.append(data)
-    return {name: ([*places], [*times], bytes.fromhex("".join(octets)))
+    return {name: (places, numbers_of(path, places, times, float), b"".join(numbers_of(path, places, octets, bytes.fromhex)))
             for name, (places, times, octets) in gathered.items()}
+
+
+def numbers_of(path, places, texts, convert):
+    """ToolError names the line of the first that is none."""
+    try:
+        return [convert(text) for text in texts]
+    except ValueError:
+        for place, text in zip(places, texts):
+            try:
+                convert(text)
+            except ValueError:
+                raise ToolError(f"{path}: line {place}: {text!r} is damaged; leave the line out, or record again with "
+                                "candump -l can0") from None
+        raise
 
 
 def binary_frames(path):

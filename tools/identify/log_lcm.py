@@ -3,6 +3,7 @@ import math
 import struct
 
 import lcm
+import numpy as np
 
 from tools.common import ToolError
 from tools.identify.samples import Log, Segment, spans_where
@@ -10,6 +11,10 @@ from tools.operate.lcm_report import US_PER_S, load_types
 
 SYNC = bytes.fromhex("eda1da01")  # with which each event begins
 STATES_ON = (1, 2)                # Balancing, Driving
+
+# s: JP_STATE goes out with Motors, and hal/app/telemetry.c sends Motion and Reference so much before.
+AGES = dict.fromkeys(("speed", "turn_rate", "pitch", "pitch_rate"), 0.008) | dict.fromkeys(
+    ("reference_speed", "reference_turn_rate"), 0.004)
 
 STATE = {"speed": "speed", "turn_rate": "turn_rate", "pitch": "pitch", "pitch_rate": "pitch_rate",
          "voltage_left": "voltage_left", "voltage_right": "voltage_right", "current_left": "current_left",
@@ -37,11 +42,11 @@ def messages_of(path, channels):
 
 
 def add_channels(log, messages, channels):
-    times = [message.utime / US_PER_S for message in messages]
+    times = np.array([message.utime / US_PER_S for message in messages])
     for name, member in channels.items():
         values = [getattr(message, member) for message in messages]
         if any(values):  # what was not heard is 0
-            log.add(name, times, values)
+            log.add(name, times - AGES.get(name, 0.0), values)
 
 
 def add_segments(log, plans, energies):

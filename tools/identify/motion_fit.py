@@ -43,7 +43,9 @@ def fit_motors(source, motion):
     matrix = np.vstack([np.column_stack([motion.currents[side], rates[side], *((ones, none) if side == 0 else (none, ones))])
                         for side in (0, 1)])
     blocks = np.tile(regression.blocks_of(motion.times, motion.width), 2)
-    explaining = None if motion.references is None else 2 * [with_constant(motion.references)]
+    # Currents of messages lag behind their voltages by a tick, with which references do not help.
+    is_sampled = motion.half_tick > 0
+    explaining = 2 * [with_constant(motion.references)] if is_sampled and motion.references is not None else None
     return regression.fit(source, matrix, motion.voltages.ravel(), blocks,
                           ("resistance", "back-EMF", "offset of the left current", "offset of the right current"), explaining)
 

@@ -15,10 +15,10 @@ from tools.identify.motion_fit import MECHANICAL
 
 PRIOR = 0.25  # of a constant's logarithm: what a data sheet and an estimate are good for
 TOLD = 0.4    # a constant whose deviation is below this share of PRIOR was told by the log
-# Shares: what filter, samples and model themselves are off by. Messages that come with every 20th tick see a current
-# that changes with every tick in the same phase.
+# Shares: what filter, samples and model themselves are off by. Messages that come with every 20th tick see voltages that
+# change with every tick in one phase, and the currents of the tick before.
 MODEL_ERROR = {"motors": 0.0005, "mechanics": 0.003, "half_track": 0.0005}
-TELEMETRY_ERROR = {"motors": 0.005, "mechanics": 0.04}
+TELEMETRY_ERROR = {"motors": 0.08, "mechanics": 0.04}
 REFERENCE_ERROR = 0.002  # of a scale and of a tape
 LEAN_ERROR = 0.0005  # rad: what tells friction of the ground from that of the motors is how far the robot leans at speed
 

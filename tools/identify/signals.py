@@ -185,7 +185,7 @@ def motion(log, robot, share=WIDTH_SHARE):
 
     has_currents = log.has("current_left", "current_right")
     # A sample's current is that of the tick before it, on the mean half a period older.
-    half = log["current_left" if has_currents else "voltage_left"].period / 2 if log.counts_wheels else 0.0
+    half = 0.5 / robot.positive("control.rate_hz") if log.counts_wheels else 0.0
     found = Motion(
         times=smoothed.times, wheel_rate=motor_rate + smoothed.value(pitch_rate),
         wheel_acceleration=motor_acceleration + pitch_acceleration, motor_rate=motor_rate,

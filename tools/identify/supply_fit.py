@@ -6,6 +6,7 @@ import numpy as np
 from tools.identify import regression
 
 BLOCK = 1.0  # s: residuals that are as far apart are independent
+VOLTAGE_STEP = 1 / 128  # V, of the messages on the bus
 # Share of each value: steps of what measures them, and a battery that is no plain resistance.
 MODEL_ERROR = {"voltage": 0.0005, "resistance": 0.01, "electronics": 0.003}
 
@@ -54,7 +55,7 @@ def fit_battery(log, electronics):
     drift = (times - times.mean()) / max(np.ptp(times), 1e-9)
     matrix = np.column_stack([np.ones(len(times)), -current, drift])
     fitted = regression.fit(log.source, matrix, voltage, np.arange(len(times)), ("voltage", "resistance", "drift"))
-    resistance = float(fitted.values[1]), fitted.deviation(1)
+    resistance = float(fitted.values[1]), float(np.hypot(fitted.deviation(1), VOLTAGE_STEP / np.sqrt(12) / np.ptp(current)))
     return (float(fitted.values[0]), fitted.deviation(0)), resistance
 
 

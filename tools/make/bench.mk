@@ -74,6 +74,13 @@ bench-limit: ## measure how far above the least energy that exists scenarios and
 	@mkdir -p $(BUILD)/bench
 	$(PYTHON) -m tools.measure.bench_limit
 
+.PHONY: bench-logs
+bench-logs: ## measure what logs tell of robots whose file is wrong by 20 %, and the forecasts of the corrected file
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) all
+	@mkdir -p $(BUILD)/bench
+	$(PYTHON) -m tools.measure.bench_logs
+
 .PHONY: bench-robots
 bench-robots: ## measure how robots that nobody has seen balance and drive, designed from their data sheets
 	@tools/setup.sh test
@@ -125,6 +132,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-limit
 	@$(MAKE) bench-robots
 	@$(MAKE) bench-intervals
+	@$(MAKE) bench-logs
 	@$(MAKE) bench-restart
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)

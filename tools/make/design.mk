@@ -42,6 +42,14 @@ identify: ## identify the energy models of ROBOT=name in the simulator: src/tabl
 	$(PYTHON) -m tools.design.identify $(ROBOT) --energy battery
 	@$(DECLARE)
 
+# LOG: one file or several. MASS and DISTANCE ("file metres") are what was measured beside; WRITE is the corrected file.
+.PHONY: identify-log
+identify-log: ## identify the constants of ROBOT=name from a LOG=file of it (MASS=kg DISTANCE="file m" WRITE=file)
+	@tools/setup.sh design operate
+	@$(MAKE) $(PARALLEL) all
+	$(PYTHON) -m tools.identify.log_identify $(ROBOT) $(LOG) $(if $(MASS),--mass $(MASS)) \
+	    $(if $(DISTANCE),--distance $(DISTANCE)) $(if $(WRITE),--write $(WRITE))
+
 .PHONY: learning
 learning: ## make what ROBOT=name can learn of its energy: src/tables/learning_name.c and learning_name_battery.c
 	@tools/setup.sh design

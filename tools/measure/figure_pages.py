@@ -56,6 +56,9 @@ SECTIONS = (
             "each drives a random route before it has learned anything.", r"robots", ("random_robots",)),
     Section("Intervals", "Robots that differ from their file learn on a way and are forecast on the next: how many take an "
             "energy inside the 95 % interval that was stated before.", r"intervals", ("intervals",)),
+    Section("Robots from their logs", "Robot files that are wrong by 20 % in every constant; tables are made of them, the "
+            "robot drives with these, and its constants are identified from the log, its weight and a measured distance.",
+            r"logs", ("logs",)),
     Section("Segment optimiser", "Plans against brute force and the paper's Table 3.", r"segment"),
     Section("Energy models", "", r"identify(_battery)?"),
     Section("Battery", "", r"battery"),

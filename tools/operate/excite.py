@@ -41,8 +41,10 @@ HALF_MIN = 0.2       # m
 DRAWN_IN = 0.9       # where the robot left the space
 ATTEMPTS = 12
 LENGTHS = (0.1, 1000.0)  # m, of a space
-SCENARIO = ('name = "excite";\nrobot = "{robot}";\nenergy_model = "identified";\nseed = 1;\n'
-            'waypoints = ( [0.0, 0.0], {points} );\nend = "stand";\n')
+ROLL = 0.3           # m beyond the last waypoint, where the simulated robot never stands quite still
+SCENARIO = ('name = "excite";\nrobot = "{robot}";\nenergy_model = "identified";\nseed = {seed};\n'
+            'waypoints = ( [0.0, 0.0], {points} );\n')
+TO_STAND = 'end = "stand";\n'
 
 
 @dataclass(frozen=True)
@@ -63,11 +65,11 @@ class Space:
     width: float
     is_round: bool = False
 
-    def holds(self, x, y):
-        """Whether all these places are inside."""
+    def holds(self, x, y, margin=0.0):
+        """Whether all these places are inside, and so far from the edge."""
         if self.is_round:
-            return bool((np.hypot(x, y) <= self.length).all())
-        return bool((np.abs(x) <= self.length).all() and (np.abs(y) <= self.width).all())
+            return bool((np.hypot(x, y) <= self.length - margin).all())
+        return bool((np.abs(x) <= self.length - margin).all() and (np.abs(y) <= self.width - margin).all())
 
     def halves(self, margin, most):
         """Of the waypoints, m: of a circle the square in it."""
@@ -114,34 +116,39 @@ class Pose:
         return self.x + cosine * x - sine * y, self.y + sine * x + cosine * y
 
 
-def simulate(program, robot_file, waypoints, folder):
-    """What jp-plant makes of a route from the origin: the columns of its log, and its summary."""
+def simulate(program, robot_file, waypoints, folder, seed=1, options=()):
+    """What jp-plant makes of a route from the origin: the columns of its log, its summary, and whether the robot came to
+    a stand: one with coarse sensors never rests, and its log ends at the last waypoint."""
     points = ", ".join(f"[{x:.6f}, {y:.6f}]" for x, y in waypoints)
     scenario = Path(folder) / "route.cfg"
-    write_whole(scenario, SCENARIO.format(robot=robot_file.resolve(), points=points))
-    try:
-        result = subprocess.run([program, scenario, "--bus", "in-process", "--output", folder], capture_output=True,
-                                text=True, check=False)
-    except OSError as error:
-        raise ToolError(f"{program}: {error.strerror}; build it with `make`") from None
-    if result.returncode != 0:
+    for end in (TO_STAND, ""):
+        write_whole(scenario, SCENARIO.format(robot=robot_file.resolve(), seed=seed, points=points) + end)
+        try:
+            result = subprocess.run([program, scenario, "--bus", "in-process", "--output", folder, *options],
+                                    capture_output=True, text=True, check=False)
+        except OSError as error:
+            raise ToolError(f"{program}: {error.strerror}; build it with `make`") from None
         reason = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
+        if result.returncode == 0 or "come to a stand" not in reason:
+            break
+    if result.returncode != 0:
         raise ToolError(f"the simulated robot does not drive the route: {reason}")
     rows = csv.DictReader(io.StringIO(read_text(Path(folder) / "log_cruise.csv")))
     columns = np.array([[float(row[name]) for name in ("t_s", "x_m", "y_m", "heading_rad")] for row in rows]).T
-    return columns, json.loads(read_text(Path(folder) / "summary.json"))["strategies"][0]
+    return columns, json.loads(read_text(Path(folder) / "summary.json"))["strategies"][0], end == TO_STAND
 
 
 def try_route(program, robot_file, name, waypoints, pose):
-    """The route, where the robot was on it, and where it ends."""
+    """The route, where the robot was on it, where it ends, and how far it may still roll from there."""
     with tempfile.TemporaryDirectory() as folder:
-        (times, x, y, heading), summary = simulate(program, robot_file, [pose.to_local(point) for point in waypoints],
+        (times, x, y, heading), summary, stands = simulate(program, robot_file, [pose.to_local(point) for point in waypoints],
                                                    folder)
     x, y = pose.to_world(x, y)
     speeds = [segment["speed_m_s"] for segment in summary["segments"]]
     reach = float(np.abs(x).max()), float(np.abs(y).max())
     end = Pose(float(x[-1]), float(y[-1]), pose.heading + float(heading[-1]))
-    return Route(name, waypoints, float(times[-1]), reach, (min(speeds), max(speeds))), (x, y), end
+    seconds = float(times[-1]) + (0 if stands else SETTLE)
+    return Route(name, waypoints, seconds, reach, (min(speeds), max(speeds))), (x, y), end, 0 if stands else ROLL
 
 
 def fitted(program, robot_file, space, name, pose):
@@ -153,8 +160,8 @@ def fitted(program, robot_file, space, name, pose):
         if min(halves) < HALF_MIN:
             break
         waypoints = [(round(u * halves[0], 3), round(v * halves[1], 3)) for u, v in pattern]
-        route, places, end = try_route(program, robot_file, name, waypoints, pose)
-        if space.holds(*places):
+        route, places, end, roll = try_route(program, robot_file, name, waypoints, pose)
+        if space.holds(*places, roll):
             return route, end
         margin += (1 - DRAWN_IN) * min(space.length, space.width)
     raise ToolError(f"a space of {2 * space.length:g} x {2 * space.width:g} m: the robot, which rolls on beyond its last "
