@@ -102,7 +102,8 @@ class Gateway:
     def write(self, path):
         motors = self._messages["Motors"]
         places, turn = motors.places, 2 * math.pi
-        state = {"speed": self._last("Motion", "Speed", places), "turn_rate": self._last("Motion", "YawRate", places, turn),
+        state = {"speed": self._last("Motion", "Speed", places),
+                 "turn_rate": self._last("Motion", "YawRate", places, turn),
                  "pitch": self._last("Motion", "Pitch", places, turn),
                  "pitch_rate": self._last("Motion", "PitchRate", places, turn),
                  "reference_speed": self._last("Reference", "Speed", places),

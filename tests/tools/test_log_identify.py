@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import assert_one_line_error, run_tool, sketched
 
-from tools.design import robot_json
+from tools.design import linear_model, robot_json
 from tools.identify import log_can, log_identify, robot_fit
 
 SEED = 7
@@ -35,8 +35,8 @@ class Drive:
 
     def identify(self, log, *options, robot=None):
         output = self.folder / log.stem
-        result = run_tool("identify.log_identify", robot or self.wrong_file, log, "--mass", self.mass, "--output", output,
-                          "--write", output / "corrected" / f"{self.name}.cfg", *options)
+        result = run_tool("identify.log_identify", robot or self.wrong_file, log, "--mass", self.mass,
+                          "--output", output, "--write", output / "corrected" / f"{self.name}.cfg", *options)
         assert not result.returncode, result.stderr
         return json.loads((output / "identification.json").read_text()), result.stdout
 
@@ -129,7 +129,8 @@ def test_messages_over_lcm_tell_less(drive, tmp_path):
     constants = {one["key"]: one for one in report["constants"]}
     assert not constants["body.width_m"]["identifiable"]
     assert "no gyro of yaw" in said
-    assert abs(report["energy_errors"]["by_fit"]["total_percent"]) < abs(report["energy_errors"]["by_file"]["total_percent"])
+    errors = report["energy_errors"]
+    assert abs(errors["by_fit"]["total_percent"]) < abs(errors["by_file"]["total_percent"])
 
 
 # ---- what logs cannot tell -----------------------------------------------------------------------------------------
@@ -158,9 +159,33 @@ def test_telemetry_without_currents_leaves_the_resistance(drive, tmp_path):
 def test_several_logs_are_surer_than_one(drive):
     wrong = robot_json.load(drive.wrong_file)
     logs = [log_can.read(drive.frames, wrong) for _ in range(2)]
-    one, two = (log_identify.identify(wrong, part, robot_fit.References(drive.mass, None))[0] for part in (logs[:1], logs))
+    one, two = (log_identify.identify(wrong, part, robot_fit.References(drive.mass, None))[0]
+                for part in (logs[:1], logs))
     deviation = [{constant.key: constant.deviation for constant in fit.constants} for fit in (one, two)]
     assert deviation[1]["body.centre_height_m"] < deviation[0]["body.centre_height_m"]
+
+
+# ---- the equations -------------------------------------------------------------------------------------------------
+
+def test_coefficients_are_those_of_the_linear_plant(drive):
+    """Accelerations from rest, of a lean, of the wheels' rate and of the voltage, against linear_model.py."""
+    true = drive.true
+    numbers = {key: true.number(key) for key in robot_fit.MOTION_KEYS}
+    gear, resistance = true.number("motor.gear_ratio"), numbers["motor.resistance_ohm"]
+    fm, fw, a, c, b, g, y = robot_fit.coefficients(numbers, gear, True)
+    emf = gear * numbers["motor.back_emf_v_s_per_rad"]
+    plant = linear_model.linear_plant(true)
+    # Columns: pitch, rate of the wheels, rate of the pitch, and a volt on both motors.
+    currents = np.array([0, -2 * emf / resistance, 2 * emf / resistance, 2 / resistance])
+    friction = 2 * fm * np.array([0, 1, -1, 0])
+    forces = np.array([currents - friction - 2 * fw * np.array([0, 1, 0, 0]),
+                       -currents + friction + g * np.array([1, 0, 0, 0])])
+    expected = np.column_stack([plant.a[3:5][:, [1, 3, 4]], plant.b[3:5].sum(axis=1)])
+    assert np.linalg.solve([[a, c], [c, b]], forces) == pytest.approx(expected, rel=1e-9)
+    assert -(2 * (fm + fw) + 2 * emf / resistance) / y == pytest.approx(plant.a[5, 5], rel=1e-9)
+    by_voltage = robot_fit.coefficients(numbers, gear, False)
+    assert by_voltage[2:] == pytest.approx(np.array([a, c, b, g, y]) * resistance)
+    assert by_voltage[0] == pytest.approx(fm * resistance + emf)
 
 
 # ---- bad input -----------------------------------------------------------------------------------------------------

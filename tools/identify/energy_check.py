@@ -1,4 +1,4 @@
-"""What the battery gave for each segment, by the robot's meter, and what the constants of a file say of the same motion."""
+"""What the battery gave for each segment, and what the constants of a file say of the same motion."""
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,8 @@
 """Logs of the CAN bus: candump's files and its text with times, or .asc and .blf; decoded as joulepath.dbc says.
 
 A bus that carries the samples tells of encoders, gyros and currents a thousand times a second. A robot whose sensors
-are on its board tells what it has made of them, 50 times a second. Frames are decoded by the column: a log holds a million.
+are on its board tells what it has made of them, 50 times a second. Frames are decoded by the column: a log holds a
+million.
 """
 import re
 from dataclasses import dataclass
@@ -68,7 +69,8 @@ def text_frames(path):
         places.append(number)
         times.append(time)
         octets.append(data)
-    return {name: (places, numbers_of(path, places, times, float), b"".join(numbers_of(path, places, octets, bytes.fromhex)))
+    return {name: (places, numbers_of(path, places, times, float),
+                   b"".join(numbers_of(path, places, octets, bytes.fromhex)))
             for name, (places, times, octets) in gathered.items()}
 
 
@@ -224,13 +226,15 @@ def add_samples(log, parts, commands, robot):
     log.add("yaw_rate", times, current["YawRate"] * 2 * np.pi)
     log.add("bus_voltage", times, wheel["BusVoltage"])
     if commands is not None:
-        add_commands(log, times, parts[2].places, commands, wheel["BusVoltage"], current, int(robot.given("pwm.bits", 0)))
+        bits = int(robot.given("pwm.bits", 0))
+        add_commands(log, times, parts[2].places, commands, wheel["BusVoltage"], current, bits)
 
 
 def add_commands(log, times, places, commands, bus, current, bits):
     signals = decoded("MotorCommand", commands)
     last = last_before(commands, places)
-    duties = {side: np.where(last >= 0, rounded_duty(signals[f"Duty{side}"], bits)[last], 0) for side in ("Left", "Right")}
+    duties = {side: np.where(last >= 0, rounded_duty(signals[f"Duty{side}"], bits)[last], 0)
+              for side in ("Left", "Right")}
     for side, duty in duties.items():
         log.add(f"voltage_{side.lower()}", times, duty * bus)
     log.add("motors_current", times, sum(duty * current[f"Current{side}"] for side, duty in duties.items()))

@@ -1,5 +1,5 @@
-"""Logs as CSV: a column for the time and one for each channel, with its unit in its name. An empty cell was not measured
-at that time."""
+"""Logs as CSV: a column for the time and one for each channel, with its unit in its name. An empty cell was not
+measured at that time."""
 import csv
 import io
 import math
@@ -37,7 +37,8 @@ def read_columns(path):
         raise ToolError(f"{path}: line 1: column {TIME} is missing")
     unknown = [name for name in header if name not in COLUMNS and name not in OTHERS]
     if unknown:
-        raise ToolError(f"{path}: line 1: column {unknown[0]!r} is not known; those are: {', '.join((*OTHERS, *COLUMNS))}")
+        raise ToolError(f"{path}: line 1: column {unknown[0]!r} is not known; those are: "
+                        f"{', '.join((*OTHERS, *COLUMNS))}")
     rows = []
     for row in reader:
         if not row:
@@ -68,8 +69,8 @@ def add_segments(log, columns):
 
             def counted(name, first=own[0], last=last):
                 return float(np.diff(log[name].values_at(times[[first, last]]))[0]) if log.has(name) else None
-            log.segments.append(Segment(float(times[own[0]]), float(times[last]), float(told[-1]) if len(told) else None,
-                                        counted("spent"), counted("drawn")))
+            log.segments.append(Segment(float(times[own[0]]), float(times[last]),
+                                        float(told[-1]) if len(told) else None, counted("spent"), counted("drawn")))
 
 
 def read(path, robot):

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Identify a balancer's constants from logs of a drive: of the real robot, or of a simulated one.
 
-Takes logs of the CAN bus (candump -l, -ta, .asc, .blf), of lcm-logger, or CSV; several are fitted together. Compares what
-they say with the robot's file, constant by constant, and the energy of each segment as it was foretold, as it was
+Takes logs of the CAN bus (candump -l, -ta, .asc, .blf), of lcm-logger, or CSV; several are fitted together. Compares
+what they say with the robot's file, constant by constant, and the energy of each segment as it was foretold, as it was
 counted, and as file and fit have it. Writes DIR/identification.json and identification.png; --write the corrected robot
 file. Exit status 2: bad input; nothing was written.
 """
@@ -65,7 +65,8 @@ def radius_by(path, text, robot):
     log.check()
     angle, turned = rolled(log, robot)
     if abs(turned) > STRAIGHT:
-        raise ToolError(f"{path}: the robot turned by {np.degrees(turned):.0f}°; drive it straight on to measure a distance")
+        raise ToolError(f"{path}: the robot turned by {np.degrees(turned):.0f}°; drive it straight on to measure a "
+                        "distance")
     if angle <= 0:
         raise ToolError(f"{path}: the wheels did not turn forward; drive it straight on to measure a distance")
     return distance / angle
@@ -124,7 +125,8 @@ def advice(constants, references):
     if references.mass is None:
         lines.append("masses, torque and friction are known by their ratios alone: weigh the robot, --mass KG")
     if references.radius is None:
-        lines.append("the wheels' radius follows from gravity: surer by --distance LOG M, a straight way that was measured")
+        lines.append("the wheels' radius follows from gravity: surer by --distance LOG M, a straight way that was "
+                     "measured")
     if not told["motor.resistance_ohm"]:
         lines.append("no currents in the log: the motors' resistance and friction stay those of the file")
     if not told["body.width_m"]:
@@ -195,7 +197,7 @@ def identify(robot, logs, references):
 
 def arguments():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("robot", help="robot file, or the name of one in sim/robots: that which the robot's tables are of")
+    parser.add_argument("robot", help="robot file, or the name of one in sim/robots: that of the robot's tables")
     parser.add_argument("logs", metavar="LOG", type=Path, nargs="+", help="of candump or lcm-logger, or CSV")
     parser.add_argument("--mass", metavar="KG", type=real_number(0.01, 1000), help="of the whole robot, weighed")
     parser.add_argument("--distance", metavar=("LOG", "M"), nargs=2,

@@ -20,7 +20,8 @@ STATE = {"speed": "speed", "turn_rate": "turn_rate", "pitch": "pitch", "pitch_ra
          "voltage_left": "voltage_left", "voltage_right": "voltage_right", "current_left": "current_left",
          "current_right": "current_right", "reference_speed": "reference_speed",
          "reference_turn_rate": "reference_turn_rate"}
-ENERGY = {"spent": "spent", "drawn": "drawn", "battery_voltage": "battery_voltage", "battery_current": "battery_current"}
+ENERGY = {"spent": "spent", "drawn": "drawn", "battery_voltage": "battery_voltage",
+          "battery_current": "battery_current"}
 
 
 def messages_of(path, channels):
@@ -50,7 +51,7 @@ def add_channels(log, messages, channels):
 
 
 def add_segments(log, plans, energies):
-    """A segment's result comes when it ends; the plan tells how long it took. Segments begin anew where a robot stood."""
+    """A segment's result comes when it ends; the plan tells how long it took."""
     ended, place = 0, 0
     latest = {}
     for energy in energies:

@@ -1,15 +1,15 @@
 """What the equations of motion of sim/balancer/plant.c say about a log.
 
 The motors: u = Rm i + n Kb ω, with an offset of each current sensor. The travel, twice, with what the current i of both
-motors makes; the yaw; all divided by the torque of an ampere n Kt, as motion alone does not tell how heavy the robot is:
+motors makes; the yaw; all divided by the torque of an ampere n Kt, as motion alone does not tell how heavy a robot is:
 
   i = 2 (fm ω + fw θ̇) + A θ̈ + C (ψ̈ cosψ − ψ̇² sinψ)
   i = 2 fm ω + G (sinψ + φ̇² L/g sinψ cosψ) − C θ̈ cosψ − B ψ̈
   ir − il = 2 (fm + fw) δ + (Y + M L² sin²ψ (2R/W)²) δ̇ + …
 
 ω is the wheels' mean speed against the body and θ̇ that in the world, δ half of right less left; A, B, C and Y are
-inertias, G the weight's moment. The pitch has an offset that changes slowly. Where no current was logged i is u/Rm, and fm
-holds the motors' back-EMF too.
+inertias, G the weight's moment. The pitch has an offset that changes slowly. Where no current was logged i is u/Rm, and
+fm holds the motors' back-EMF too.
 """
 from dataclasses import dataclass
 
@@ -40,14 +40,14 @@ def fit_motors(source, motion):
     """u = Rm i + n Kb ω for both sides."""
     rates = (motion.motor_rate - motion.difference_rate, motion.motor_rate + motion.difference_rate)
     ones, none = np.ones(len(motion.times)), np.zeros(len(motion.times))
-    matrix = np.vstack([np.column_stack([motion.currents[side], rates[side], *((ones, none) if side == 0 else (none, ones))])
-                        for side in (0, 1)])
+    offsets = ((ones, none), (none, ones))
+    matrix = np.vstack([np.column_stack([motion.currents[side], rates[side], *offsets[side]]) for side in (0, 1)])
     blocks = np.tile(regression.blocks_of(motion.times, motion.width), 2)
     # Currents of messages lag behind their voltages by a tick, with which references do not help.
     is_sampled = motion.half_tick > 0
     explaining = 2 * [with_constant(motion.references)] if is_sampled and motion.references is not None else None
-    return regression.fit(source, matrix, motion.voltages.ravel(), blocks,
-                          ("resistance", "back-EMF", "offset of the left current", "offset of the right current"), explaining)
+    names = ("resistance", "back-EMF", "offset of the left current", "offset of the right current")
+    return regression.fit(source, matrix, motion.voltages.ravel(), blocks, names, explaining)
 
 
 def with_constant(references):

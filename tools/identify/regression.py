@@ -53,9 +53,9 @@ def projected(matrix, onto):
 
 
 def fit(source, matrix, target, blocks, names, instruments=None):
-    """Rows of one block go together. Instruments have no part in the noise of the columns, which else would make what is
-    sought too small: only what they explain of the columns counts. ToolError names a column that the log does not tell
-    from the others."""
+    """Rows of one block go together. Instruments have no part in the noise of the columns, which else would make what
+    is sought too small: only what they explain of the columns counts. ToolError names a column that the log does not
+    tell from the others."""
     scale = np.linalg.norm(matrix, axis=0)
     empty = [name for name, size in zip(names, scale) if size == 0]
     if empty:
@@ -66,8 +66,8 @@ def fit(source, matrix, target, blocks, names, instruments=None):
     scaled = matrix / scale
     explained = scaled if instruments is None else projected(scaled, instruments)
     if np.linalg.matrix_rank(explained, RANK_TOLERANCE) < len(names):
-        raise ToolError(f"{source}: the log does not tell {', '.join(names[:7])} apart; drive with turns and changes of "
-                        "speed (python -m tools.operate.excite)")
+        raise ToolError(f"{source}: the log does not tell {', '.join(names[:7])} apart; drive with turns and changes "
+                        "of speed (python -m tools.operate.excite)")
     bread = np.linalg.inv(explained.T @ scaled)
     values = bread @ (explained.T @ target)
     residuals = target - scaled @ values

@@ -1,10 +1,9 @@
 """From what the equations say of a log to the constants of the robot's file.
 
-The coefficients of the equations are ratios of products of constants; motion alone does not tell all of them. So the file
-counts too, as a measurement of each constant that is good to PRIOR, and what comes out are the constants that agree best
-with both. A constant that the log leaves as uncertain as the file had it is not identifiable, and is named as such.
+The coefficients of the equations are ratios of products of constants; motion alone does not tell all of them. So the
+file counts too, as a measurement of each constant that is good to PRIOR, and what comes out are the constants that
+agree best with both. A constant that the log leaves as uncertain as the file had it is not identifiable.
 """
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,21 +14,23 @@ from tools.identify.motion_fit import MECHANICAL
 
 PRIOR = 0.25  # of a constant's logarithm: what a data sheet and an estimate are good for
 TOLD = 0.4    # a constant whose deviation is below this share of PRIOR was told by the log
-# Shares: what filter, samples and model themselves are off by. Messages that come with every 20th tick see voltages that
-# change with every tick in one phase, and the currents of the tick before.
+# Shares: what filter, samples and model themselves are off by. Messages that come with every 20th tick see voltages
+# that change with every tick in one phase, and the currents of the tick before.
 MODEL_ERROR = {"motors": 0.0005, "mechanics": 0.003, "half_track": 0.0005}
 TELEMETRY_ERROR = {"motors": 0.08, "mechanics": 0.04}
 REFERENCE_ERROR = 0.002  # of a scale and of a tape
-LEAN_ERROR = 0.0005  # rad: what tells friction of the ground from that of the motors is how far the robot leans at speed
+LEAN_ERROR = 0.0005  # rad: how far the robot leans at speed tells friction of the ground from that of the motors
 
 UNITS = {
     "body.mass_kg": "kg", "wheel.mass_kg": "kg", "body.centre_height_m": "m", "body.width_m": "m", "body.depth_m": "m",
     "wheel.radius_m": "m", "motor.resistance_ohm": "ohm", "motor.torque_constant_nm_per_a": "N m/A",
-    "motor.back_emf_v_s_per_rad": "V s/rad", "motor.rotor_inertia_kg_m2": "kg m2", "motor.friction_nm_s_per_rad": "N m s/rad",
+    "motor.back_emf_v_s_per_rad": "V s/rad", "motor.rotor_inertia_kg_m2": "kg m2",
+    "motor.friction_nm_s_per_rad": "N m s/rad",
     "ground.friction_nm_s_per_rad": "N m s/rad", "electronics.power_w": "W", "supply.voltage_v": "V",
     "supply.resistance_ohm": "ohm", "supply.capacity_wh": "Wh"}
 MOTION_KEYS = tuple(UNITS)[:12]
-SUPPLY_KEYS = {"electronics.power_w": "electronics", "supply.voltage_v": "voltage", "supply.resistance_ohm": "resistance"}
+SUPPLY_KEYS = {"electronics.power_w": "electronics", "supply.voltage_v": "voltage",
+               "supply.resistance_ohm": "resistance"}
 
 
 @dataclass(frozen=True)
@@ -105,8 +106,9 @@ def observations(motion_fit, gear, references, is_sampled):
     found = [of_mechanics(motion_fit, gear, shares)]
     if has_currents:
         values = motion_fit.motors.values[:2]
-        found.append(Observation(values, with_model_error(motion_fit.motors.covariance[:2, :2], values, shares["motors"]),
-                                 lambda c: np.array([c["motor.resistance_ohm"], gear * c["motor.back_emf_v_s_per_rad"]])))
+        covariance = with_model_error(motion_fit.motors.covariance[:2, :2], values, shares["motors"])
+        found.append(Observation(values, covariance, lambda c: np.array([c["motor.resistance_ohm"],
+                                                                         gear * c["motor.back_emf_v_s_per_rad"]])))
     if motion_fit.half_track is not None:
         values = motion_fit.half_track.values[:1]
         found.append(Observation(values, with_model_error(motion_fit.half_track.covariance[:1, :1], values,

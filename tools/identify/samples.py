@@ -95,7 +95,8 @@ class Log:
                 raise ToolError(f"{self.source}: {name} is missing; without it no equation of motion can be fitted")
         begin, end = self.span
         if end - begin < SECONDS_MIN:
-            raise ToolError(f"{self.source}: {max(end - begin, 0):.1f} s of motion; {SECONDS_MIN:g} s or more are needed")
+            raise ToolError(f"{self.source}: {max(end - begin, 0):.1f} s of motion; {SECONDS_MIN:g} s or more are "
+                            "needed")
 
     @property
     def needed(self):

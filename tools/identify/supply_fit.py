@@ -55,7 +55,8 @@ def fit_battery(log, electronics):
     drift = (times - times.mean()) / max(np.ptp(times), 1e-9)
     matrix = np.column_stack([np.ones(len(times)), -current, drift])
     fitted = regression.fit(log.source, matrix, voltage, np.arange(len(times)), ("voltage", "resistance", "drift"))
-    resistance = float(fitted.values[1]), float(np.hypot(fitted.deviation(1), VOLTAGE_STEP / np.sqrt(12) / np.ptp(current)))
+    by_steps = VOLTAGE_STEP / np.sqrt(12) / np.ptp(current)
+    resistance = float(fitted.values[1]), float(np.hypot(fitted.deviation(1), by_steps))
     return (float(fitted.values[0]), fitted.deviation(0)), resistance
 
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Robots whose file is wrong by 20 % in every constant: what do logs of a drive tell of them, and how surely?
 
-The file of a robot is made wrong, each constant up or down by chance; its controller is designed from that, and the robot
-as it is drives the routes of tools.operate.excite with it. From the logs, the wrong file, its weight and a measured
-distance the constants are identified. Then tables are made once more, of the corrected file, and what they forecast of
-random routes is compared with what the robot takes. A robot that falls leaves no log: another one is drawn. Prints tables,
-writes figures and tables for figures.py. Exit status 2: a program failed; nothing was written.
+The file of a robot is made wrong, each constant up or down by chance; its controller is designed from that, and the
+robot as it is drives the routes of tools.operate.excite with it. From the logs, the wrong file, its weight and a
+measured distance the constants are identified. Then tables are made once more, of the corrected file, and what they
+forecast of random routes is compared with what the robot takes. A robot that falls leaves no log: another one is drawn. Prints
+tables, writes figures and tables for figures.py. Exit status 2: a program failed; nothing was written.
 """
 import json
 import re
@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, whole_number, write_whole
+from tools.common import (ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, whole_number,
+                          write_whole)
 from tools.design import robot_json, robot_trials
 from tools.identify import log_can, log_identify, robot_fit, robot_text
 from tools.measure.figure_store import write_tables
@@ -25,7 +26,7 @@ from tools.operate.can_messages import GROUPS, database
 COMMAND = "make bench-logs"
 ROBOTS = ("courier24", "gao2018", "nxtway", "hoverbot")
 SEED = 1
-DRAWS = 3          # of each robot
+DRAWS = 2          # of each robot
 ATTEMPTS_MAX = 20  # for them
 WRONG = 0.2
 SPACE = excite.Space(2.0, 1.5)  # 4 x 3 m
@@ -118,8 +119,8 @@ def identified(wrong, logs, mass, distance):
 
 
 def compared(true, found, kind):
-    return [Found(true.name, kind, one.key, 100 * (one.value / true.number(one.key) - 1), 100 * one.deviation / one.value)
-            for one in found.constants if one.is_told]
+    return [Found(true.name, kind, one.key, 100 * (one.value / true.number(one.key) - 1),
+                  100 * one.deviation / one.value) for one in found.constants if one.is_told]
 
 
 def forecasts(folder, true_file, seed):
@@ -166,7 +167,8 @@ def measure_robot(name, first, draws):
         with tempfile.TemporaryDirectory(dir=build) as folder:
             try:
                 results.append(measure(name, seed, Path(folder)))
-                said = f"forecast off by {np.mean(np.abs(results[-1].after)):.2f} % after {np.mean(np.abs(results[-1].before)):.1f} %"
+                before, after = (np.mean(np.abs(errors)) for errors in (results[-1].before, results[-1].after))
+                said = f"forecast off by {after:.2f} % after {before:.1f} %"
             except ToolError as error:
                 said = str(error).replace(f"{folder}/", "")
         print(f"{name}, seed {seed}: {said}", flush=True)
@@ -194,9 +196,11 @@ def figures_of(results):
         return {"name": f"robots wrong by 20 %, identified from logs: {name}", "value": float(value), "unit": "%",
                 "bound": {"op": op, "value": bar} if op else None, "command": COMMAND}
 
-    found = {kind: [one for result in results for one in result.found if one.kind == kind] for kind in (SAMPLES, TELEMETRY)}
+    found = {kind: [one for result in results for one in result.found if one.kind == kind]
+             for kind in (SAMPLES, TELEMETRY)}
     inside = {kind: 100 * np.mean([one.is_inside for one in ones]) for kind, ones in found.items()}
-    before, after = ([abs(error) for result in results for error in getattr(result, name)] for name in ("before", "after"))
+    before, after = ([abs(error) for result in results for error in getattr(result, name)]
+                     for name in ("before", "after"))
     return [figure("constants that samples tell, mean error", np.mean([abs(one.error) for one in found[SAMPLES]]), "<=",
                    CONSTANT_BAR),
             figure("the same, inside their 95 %", inside[SAMPLES], ">=", SURE_BAR),

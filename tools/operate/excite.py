@@ -20,7 +20,8 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from tools.common import ArgumentParser, ToolError, build_directory, print_aligned, read_text, run, shown_path, write_whole
+from tools.common import (ArgumentParser, ToolError, build_directory, print_aligned, read_text, run, shown_path,
+                          write_whole)
 from tools.design import robot_json
 from tools.operate import drive
 from tools.operate.can_client import Operator, RobotError, open_bus
@@ -117,8 +118,8 @@ class Pose:
 
 
 def simulate(program, robot_file, waypoints, folder, seed=1, options=()):
-    """What jp-plant makes of a route from the origin: the columns of its log, its summary, and whether the robot came to
-    a stand: one with coarse sensors never rests, and its log ends at the last waypoint."""
+    """What jp-plant makes of a route from the origin: the columns of its log, its summary, and whether the robot came
+    to a stand: one with coarse sensors never rests, and its log ends at the last waypoint."""
     points = ", ".join(f"[{x:.6f}, {y:.6f}]" for x, y in waypoints)
     scenario = Path(folder) / "route.cfg"
     for end in (TO_STAND, ""):
@@ -140,9 +141,9 @@ def simulate(program, robot_file, waypoints, folder, seed=1, options=()):
 
 def try_route(program, robot_file, name, waypoints, pose):
     """The route, where the robot was on it, where it ends, and how far it may still roll from there."""
+    local = [pose.to_local(point) for point in waypoints]
     with tempfile.TemporaryDirectory() as folder:
-        (times, x, y, heading), summary, stands = simulate(program, robot_file, [pose.to_local(point) for point in waypoints],
-                                                   folder)
+        (times, x, y, heading), summary, stands = simulate(program, robot_file, local, folder)
     x, y = pose.to_world(x, y)
     speeds = [segment["speed_m_s"] for segment in summary["segments"]]
     reach = float(np.abs(x).max()), float(np.abs(y).max())
@@ -164,8 +165,8 @@ def fitted(program, robot_file, space, name, pose):
         if space.holds(*places, roll):
             return route, end
         margin += (1 - DRAWN_IN) * min(space.length, space.width)
-    raise ToolError(f"a space of {2 * space.length:g} x {2 * space.width:g} m: the robot, which rolls on beyond its last "
-                    f"waypoint, does not stay inside on the route {name!r}; give more room")
+    raise ToolError(f"a space of {2 * space.length:g} x {2 * space.width:g} m: the robot, which rolls on beyond its "
+                    f"last waypoint, does not stay inside on the route {name!r}; give more room")
 
 
 def plan(program, robot_file, space):
@@ -193,8 +194,8 @@ class Guard:
         self._view(state)
         x, y = state.get("Pose", "X"), state.get("Pose", "Y")
         if x is not None and y is not None and not self._space.holds(np.array([x]), np.array([y])):
-            raise RobotError(f"{self._name}: the robot is at {x:.2f}, {y:.2f} m and so outside the space; set it into the "
-                             "middle and switch it on there")
+            raise RobotError(f"{self._name}: the robot is at {x:.2f}, {y:.2f} m and so outside the space; set it into "
+                             "the middle and switch it on there")
 
 
 def command(operator, routes):
