@@ -15,6 +15,8 @@ from conftest import ROOT, assert_one_line_error, run_tool, sketched
 
 import lcm
 
+from tools.identify import log_lcm
+
 BUILD = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve()
 LIMIT = 1800  # s, for what takes seconds on an idle machine
 JP_LCM = BUILD / "bin" / "jp-lcm"
@@ -109,6 +111,16 @@ def messages(path, channel, message_type):
     for event in events(path):
         if event.channel == channel and event.data != b"not a state":
             yield message_type.decode(event.data)
+
+
+def test_a_log_can_be_identified_from(drive, gao2018):
+    log = log_lcm.read(drive / "drive.lcm", gao2018)
+    log.check()
+    assert log.has("current_left", "reference_speed", "battery_current", "drawn") and log.left_out == 1
+    summary = json.loads((drive / "live" / "summary.json").read_text())
+    segments = summary["strategies"][0]["segments"]
+    assert [one.spent for one in log.segments] == pytest.approx([one["measured_energy_j"] for one in segments])
+    assert [one.end - one.begin for one in log.segments] == pytest.approx([one["duration_s"] for one in segments], abs=0.1)
 
 
 def test_messages_come_50_times_a_second(drive):

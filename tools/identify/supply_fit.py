@@ -6,7 +6,7 @@ import numpy as np
 from tools.identify import regression
 
 BLOCK = 1.0  # s: residuals that are as far apart are independent
-VOLTAGE_STEP = 1 / 128  # V, of the messages on the bus
+VOLTAGE_STEP, CURRENT_STEP = 1 / 128, 1 / 256  # V, A, of the messages on the bus
 # Share of each value: steps of what measures them, and a battery that is no plain resistance.
 MODEL_ERROR = {"voltage": 0.0005, "resistance": 0.01, "electronics": 0.003}
 
@@ -55,7 +55,7 @@ def fit_battery(log, electronics):
     drift = (times - times.mean()) / max(np.ptp(times), 1e-9)
     matrix = np.column_stack([np.ones(len(times)), -current, drift])
     fitted = regression.fit(log.source, matrix, voltage, np.arange(len(times)), ("voltage", "resistance", "drift"))
-    by_steps = VOLTAGE_STEP / np.sqrt(12) / np.ptp(current)
+    by_steps = VOLTAGE_STEP / 2 / np.ptp(current)
     resistance = float(fitted.values[1]), float(np.hypot(fitted.deviation(1), by_steps))
     return (float(fitted.values[0]), fitted.deviation(0)), resistance
 
@@ -84,7 +84,8 @@ def fit_electronics(log, electronics):
         return None
     left = voltage.values[inside] * log["battery_current"].values_at(times) - power
     fitted = regression.fit(log.source, np.ones((len(left), 1)), left, blocks_of(times), ("electronics",))
-    return float(fitted.values[0]), fitted.deviation(0)
+    by_steps = CURRENT_STEP / np.sqrt(12) * voltage.values.mean()
+    return float(fitted.values[0]), float(np.hypot(fitted.deviation(0), by_steps))
 
 
 def fit(log, robot):

@@ -4,8 +4,8 @@
 The file of a robot is made wrong, each constant up or down by chance; its controller is designed from that, and the
 robot as it is drives the routes of tools.operate.excite with it. From the logs, the wrong file, its weight and a
 measured distance the constants are identified. Then tables are made once more, of the corrected file, and what they
-forecast of random routes is compared with what the robot takes. A robot that falls leaves no log: another one is drawn. Prints
-tables, writes figures and tables for figures.py. Exit status 2: a program failed; nothing was written.
+forecast of random routes is compared with what the robot takes. A robot that falls leaves no log: another one is drawn.
+Prints tables, writes figures and tables for figures.py. Exit status 2: a program failed; nothing was written.
 """
 import json
 import re
@@ -25,7 +25,7 @@ from tools.operate.can_messages import GROUPS, database
 
 COMMAND = "make bench-logs"
 ROBOTS = ("courier24", "gao2018", "nxtway", "hoverbot")
-SEED = 1
+SEED = 1001  # of the first; development used those below
 DRAWS = 2          # of each robot
 ATTEMPTS_MAX = 20  # for them
 WRONG = 0.2
