@@ -7,6 +7,7 @@ counted, and as file and fit have it. Writes DIR/identification.json and identif
 file. Exit status 2: bad input; nothing was written.
 """
 import json
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -214,6 +215,9 @@ def main():
     robot = robot_json.load(robot_file)
     references = robot_fit.References(options.mass, radius_by(*options.distance, robot) if options.distance else None)
     logs = [read_log(path, robot) for path in options.logs]
+    for log in logs:
+        if log.left_out:
+            print(f"{log.source}: {log.left_out} damaged frames or messages are left out", file=sys.stderr)
     found, fitted, segments = identify(robot, logs, references)
     parameters = energy_parameters(robot, found)
     corrected = corrected_text(robot_file, found) if options.write else None
