@@ -32,7 +32,8 @@ def test_missions_are_driven_by_the_tables_that_were_made(tmp_path, monkeypatch)
             shutil.copy(path, making.tables)
 
     monkeypatch.setattr(bench_intervals, "make_tables", copy)
-    found = bench_intervals.trips(ROOT / "sim" / "robots" / "courier24.cfg", tmp_path, 2)
+    monkeypatch.setattr(bench_intervals, "AT_ONCE", 1)
+    found = bench_intervals.drive_all([ROOT / "sim" / "robots" / "courier24.cfg"], tmp_path, 2, 1)["courier24"]
     assert [one["seed"] for one in found] == [bench_intervals.MISSION_SEED, bench_intervals.MISSION_SEED + 1]
     assert all(one["outcome"] == "done" for one in found)
 

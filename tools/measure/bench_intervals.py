@@ -15,6 +15,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, run, shown_path, whole_number, write_whole
 from tools.design import robot_design, robot_json, robot_trials
@@ -24,7 +26,7 @@ from tools.measure.figure_store import write_tables
 COMMAND = "make bench-intervals"
 SHIPPED = ("gao2018", "courier24", "nxtway", "hoverbot")
 RANDOM, RANDOM_SEED = 2, 5001  # robots, and the seed of the first that is tried; no development used those from it on
-MISSIONS, MISSION_SEED = 500, 30001
+MISSIONS, MISSION_SEED, AT_ONCE = 500, 30001, 25
 CONFIDENCE, OFF = 95.0, 2.0    # %, and points that the share may be off
 HEADINGS = ("", "missions", "inside 95 %, %", "forecast off, %", "deviation stated, %", "unlearned off, %")
 
@@ -63,14 +65,34 @@ def make_tables(making):
     robot_design.make_learning(making)
 
 
-def trips(robot_file, build, missions):
-    """One for each mission, as jp-trip prints it."""
+def prepare(robot_file, build):
+    """The program that drives missions by tables that were made for it."""
     making = robot_design.Making(robot_file, folder_of(build, robot_file.stem))
     make_tables(making)
     program, = robot_trials.build(making.folder, "jp-trip")
-    lines = robot_trials.called([program, robot_file, f"--count={missions}", f"--seed={MISSION_SEED}"], "jp-trip")
-    print(f"{robot_file.stem}: driven", flush=True)
-    return [json.loads(line) for line in lines.splitlines()]
+    return program, robot_file
+
+
+def trips(task):
+    """Some missions of a robot, one after the other, as jp-trip prints them."""
+    program, robot_file, first, count = task
+    lines = robot_trials.called([program, robot_file, f"--count={count}", f"--seed={MISSION_SEED + first}"], "jp-trip")
+    return robot_file.stem, [json.loads(line) for line in lines.splitlines()]
+
+
+def drive_all(files, build, missions, workers):
+    """Missions of each robot, by its name; with a bar."""
+    console = Console(stderr=True)
+    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
+                   console=console, disable=not console.is_terminal, transient=True)
+    found = {path.stem: [] for path in files}
+    with multiprocessing.Pool(workers) as pool, bar:
+        prepared = list(bar.track(pool.imap(partial(prepare, build=build), files), len(files), description="tables"))
+        tasks = [(*of_robot, first, min(AT_ONCE, missions - first)) for of_robot in prepared
+                 for first in range(0, missions, AT_ONCE)]
+        for name, some in bar.track(pool.imap(trips, tasks), len(tasks), description="missions"):
+            found[name] += some
+    return found
 
 
 def row(name, found):
@@ -106,9 +128,7 @@ def main():
     options = arguments()
     build = robot_json.build_directory().resolve() / "intervals"
     files = [ROOT / "sim" / "robots" / f"{name}.cfg" for name in SHIPPED] + strong_robots(build)
-    with multiprocessing.Pool(options.workers) as pool:
-        found = pool.map(partial(trips, build=build, missions=options.missions), files, chunksize=1)
-    table = [row(path.stem, of_robot) for path, of_robot in zip(files, found, strict=True)]
+    table = [row(*of_robot) for of_robot in drive_all(files, build, options.missions, options.workers).items()]
     path = options.bench or robot_json.build_directory() / "bench/intervals.json"
     write_whole(path, json.dumps(figures_of(table), indent=2, ensure_ascii=False) + "\n")
     write_tables(path.with_suffix(".tables.json"), {"intervals": (HEADINGS, table)})
