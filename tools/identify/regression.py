@@ -29,22 +29,6 @@ def projected(matrix, onto):
     """What the instruments explain of the columns; a matrix of these for each equal part of the rows."""
     parts = []
     for rows, instruments in zip(np.split(matrix, len(onto)), onto):
-        scaled = instruments / np.maximum(np.linalg.norm(instruments, axis=0), 1e-300)
-        sizes, directions = np.linalg.eigh(scaled.T @ scaled)
-        basis = directions[:, sizes > RANK_TOLERANCE * sizes[-1]] / np.sqrt(sizes[sizes > RANK_TOLERANCE * sizes[-1]])
-        parts.append(scaled @ (basis @ (basis.T @ (scaled.T @ rows))))
-    return np.vstack(parts)
-
-
-def is_enough(blocks):
-    """For an uncertainty."""
-    return len(np.unique(blocks)) >= BLOCKS_MIN
-
-
-def projected(matrix, onto):
-    """What the instruments explain of the columns; a matrix of these for each equal part of the rows."""
-    parts = []
-    for rows, instruments in zip(np.split(matrix, len(onto)), onto):
         basis, size, _ = np.linalg.svd(instruments / np.maximum(np.linalg.norm(instruments, axis=0), 1e-300),
                                        full_matrices=False)
         basis = basis[:, size > RANK_TOLERANCE * size[0]]
