@@ -3,15 +3,21 @@
 . "$(dirname "$0")/gate.sh"
 
 examine() {
-    local same=()
-    grep -qE "$differing_names" "$1" || read -ra same <<<"$same_words"
     cppcheck --quiet --error-exitcode=1 --std=c11 --inline-suppr --enable=warning,performance,portability,style \
         --suppressions-list=tests/gates/cppcheck.txt --template='{file}:{line}: {severity}: {message} [{id}]' \
-        -Iinclude -I. "${same[@]}" "$1"
+        -Iinclude -I. "$@"
 }
-export -f examine
-export differing_names same_words="${same_everywhere[*]}"
 
-mapfile -t files < <(written_by_hand c src hal sim)
-check_each examine "${files[@]}"
+examine_once() {
+    local same
+    read -ra same <<<"$same_words"
+    examine "${same[@]}" "$@"
+}
+export -f examine examine_once
+export same_words="${same_everywhere[*]}"
+
+mapfile -t differing < <(written_by_hand c src hal sim | xargs grep -lE "$differing_names")
+mapfile -t alike < <(written_by_hand c src hal sim | xargs grep -LE "$differing_names")
+check_together examine "${differing[@]}"
+check_together examine_once "${alike[@]}"
 finish

@@ -41,6 +41,29 @@ check_each() {
     [ $# -eq 0 ] || printf '%s\0' "$@" | xargs -0 -P "${JOBS:-$(nproc)}" -I{} bash -c 'check "$1" "$2" "$1"' - {} "$function"
 }
 
+# check_together FUNCTION FILE...: the same for a FUNCTION that takes several files, because its program takes long to start.
+# When it finds something, each of the files is checked alone.
+check_together() {
+    local function=$1
+    shift
+    [ $# -eq 0 ] || printf '%s\0' "$@" | xargs -0 -P "${JOBS:-$(nproc)}" -n 12 bash -c 'check_group "$@"' - "$function"
+}
+
+check_group() {
+    local function=$1 file
+    shift
+    if "$function" "$@" >/dev/null 2>&1; then
+        for file in "$@"; do
+            check "$file" true
+        done
+    else
+        for file in "$@"; do
+            check "$file" "$function" "$file"
+        done
+    fi
+}
+export -f check_group
+
 # sources SUFFIX DIRECTORY...: the files of those directories.
 sources() {
     local suffix=$1

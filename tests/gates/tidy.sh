@@ -8,10 +8,10 @@
 # clang-tidy comes without a compiler's own headers, such as stdbool.h; gcc's serve.
 examine() {
     read -ra flags <<<"$GATE_CFLAGS"
-    "${CLANG_TIDY:-clang-tidy}" --quiet "--checks=${checks:--clang-analyzer-*}" "$1" -- "${flags[@]}" -isystem "$(gcc -print-file-name=include)"
+    "${CLANG_TIDY:-clang-tidy}" --quiet "--checks=${checks:--clang-analyzer-*}" "$@" -- "${flags[@]}" -isystem "$(gcc -print-file-name=include)"
 }
 export -f examine
 
 mapfile -t files < <(written_by_hand c src hal sim)
-check_each examine "${files[@]}"
+check_together examine "${files[@]}"
 finish
