@@ -7,10 +7,10 @@ set -uo pipefail
 
 log=$1 limit=$2
 shift 2
-mkdir -p "$(dirname "$log")"
-start=$(date +%s%N)
+[ -d "${log%/*}" ] || mkdir -p "${log%/*}"
+start=${EPOCHREALTIME//[!0-9]/}
 (ulimit -S -t "$limit" && exec timeout --kill-after=5 "${WAIT_LIMIT:-3600}" "$@") >"$log.part" 2>&1 </dev/null
 status=$?
-milliseconds=$((($(date +%s%N) - start) / 1000000))
+milliseconds=$(((${EPOCHREALTIME//[!0-9]/} - start) / 1000))
 printf '\nrun: exit %d, %d.%03d s\n' "$status" $((milliseconds / 1000)) $((milliseconds % 1000)) >>"$log.part"
 mv "$log.part" "$log"
