@@ -75,17 +75,20 @@ define archive
 	$Qar qcs $@ $(filter %.o,$^)
 endef
 
+# Gold takes half as long as the other linker, where it is.
+GOLD := $(if $(shell command -v ld.gold 2>/dev/null),-fuse-ld=gold)
+
 define link_host
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)
-	$Q$(COMPILER.$1) $(FLAGS.$1) $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -o $@
+	$Q$(COMPILER.$1) $(FLAGS.$1) $(GOLD) $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -o $@
 endef
 
 # Without the simulator's libraries, which a 32-bit host need not have.
 define link_core
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)
-	$Q$(COMPILER.$1) $(FLAGS.$1) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
+	$Q$(COMPILER.$1) $(FLAGS.$1) $(GOLD) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
 endef
 
 define link_target
