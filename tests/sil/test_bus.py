@@ -18,7 +18,7 @@ from tools.operate.can_client import RobotError
 ROUTE = [(2.0, 0.5), (3.0, 2.0)]
 FAR = (200.0, 0.0)
 WAY = 0.3  # m
-NEXT = (2.0, 1.0)  # after a restart on the way to the first
+NEXT = (1.0, 0.4)  # after a restart on the way to the first
 PATIENCE = 10  # s that jp-plant waits for an ECU, of the wall's clock
 NOTHING_WRONG = ("ticks without a sample", "frames with a wrong CRC", "frames out of sequence", "frames malformed",
                  "frames unknown", "frames of another controller", "frames that the bus did not take",
@@ -305,7 +305,7 @@ def test_a_second_controller_does_not_disturb_the_first(host):
     def start_another(heard):
         if len(ecus) == 1 and str(heard.get("RouteStatus", {}).get("State")) == "Driving":
             ecus.append(host.start_ecu(line=host.time.new_line()))
-    host.third_party_drive((2.0, 0.5), watch=start_another)
+    host.third_party_drive((0.8, 0.2), watch=start_another)
     host.listen_until(lambda state: state.state == "Idle")
     counts = host.stop()
     assert counts[SILENCES] == 0

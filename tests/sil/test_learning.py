@@ -80,10 +80,10 @@ def test_a_restart_goes_on_from_what_was_learned(drive, tmp_path):
 
 def test_what_was_learned_is_kept_when_the_motors_are_switched_off(programs, tmp_path):
     """Then power may fail."""
-    kept = tmp_path / "parameters"
-    with Host(programs, write_scenario(tmp_path / "route.cfg", *ROUTE)) as host:
+    kept, target = tmp_path / "parameters", ROUTE[0]
+    with Host(programs, write_scenario(tmp_path / "route.cfg", target)) as host:
         ecu = host.start_ecu("--parameters", kept)
-        host.drive(*ROUTE)
+        host.drive(target)
         assert "nothing learned yet" in ecu.out.read_text()
         before = kept.read_bytes()
         host.off()
@@ -91,7 +91,7 @@ def test_what_was_learned_is_kept_when_the_motors_are_switched_off(programs, tmp
         ecu.process.kill()
         ecu.process.wait()
         again = host.start_ecu("--parameters", kept)
-        again.says(f"learned from {len(ROUTE)} segments")
+        again.says("learned from 1 segment")
         assert_stopped(again)
 
 
