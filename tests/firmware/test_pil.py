@@ -6,9 +6,9 @@ from emulator import Emulator
 from programs import (LIMIT, ROOT, SILENCES, Programs, assert_done, assert_same_drive, drive_in_process,
                       write_scenario)
 
-ROUTE = [(0.5, 0.2)]
+ROUTE = [(0.25, 0.1)]
 LONGER = [(1.0, 0.2), (1.5, 1.0)]
-MID_DRIVE = 1500  # ticks; the first leg lasts from 763 to 6163
+MID_DRIVE = 1000  # ticks; the first leg begins at 763 and lasts 2700
 
 
 @pytest.fixture(name="programs")
