@@ -207,7 +207,7 @@ static struct pieces split(const struct jp_horizon *horizon, const struct jp_ene
                            const struct jp_segment_command *segment)
 {
     const jp_q24 speed = segment->motion.speed;
-    struct pieces pieces = {{*segment}, 1};
+    struct pieces pieces = {.piece = {*segment, *segment}, .count = 1};
 
     if (!horizon || start->reversal_rest == 0 || speed == 0 || (speed > 0) == start->is_forward) {
         return pieces;
@@ -215,7 +215,6 @@ static struct pieces split(const struct jp_horizon *horizon, const struct jp_ene
     pieces.piece[0].motion.speed = 0;
     if (segment->duration > start->reversal_rest) {
         pieces.piece[0].duration = start->reversal_rest;
-        pieces.piece[1] = *segment;
         pieces.piece[1].turn = 0;
         pieces.piece[1].duration -= start->reversal_rest;
         pieces.count = 2;

@@ -702,6 +702,25 @@ static void test_without_a_horizon_nothing_rests(void)
     TEST_ASSERT_EQUAL_INT32(at_once, energy);
 }
 
+/** What the rest leaves is limited; what comes after it fits. */
+static void test_a_transient_is_limited_within_a_rest(void)
+{
+    const struct jp_segment_command reversal = {{JP_Q24(-0.1), 0}, 0, JP_Q16(4)};
+    jp_q16 regressor[JP_ENERGY_PARAMETERS];
+    jp_q16 rest;
+
+    horizon.travel.step[0][0] = -JP_Q16(512);
+    horizon.reversal_rest = JP_Q16(0.5);
+    start.motion.speed = JP_Q24(8);
+    start.transient.travel[0] = JP_Q16(4096);
+    start.reversal_rest = JP_Q16(0.5);
+    start.is_forward = true;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, forecast(&horizon, reversal));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW,
+                            jp_energy_regressors(model, &horizon, &start, &reversal, regressor, &rest));
+    TEST_ASSERT_EQUAL_INT32(reversal.motion.speed, end.motion.speed);
+}
+
 static void test_a_rest_in_range(void)
 {
     start.reversal_rest = JP_Q16(1000);

@@ -395,8 +395,8 @@ static void test_cruise_speed(void)
     model.electronics_power = JP_Q16(25);
     TEST_ASSERT_INT32_WITHIN(2, JP_Q24(1.25), jp_cruise_speed(&model));
     /* √(4 W/14.71673 J·s/m²), √(6/20.86322) */
-    TEST_ASSERT_INT32_WITHIN(20, JP_Q24(0.5213443), jp_cruise_speed(&jp_energy_model_courier24));
-    TEST_ASSERT_INT32_WITHIN(20, JP_Q24(0.5362723), jp_cruise_speed(&jp_energy_model_gao2018));
+    TEST_ASSERT_INT32_WITHIN(20, JP_Q24(0.5213846), jp_cruise_speed(&jp_energy_model_courier24));
+    TEST_ASSERT_INT32_WITHIN(20, JP_Q24(0.5362835), jp_cruise_speed(&jp_energy_model_gao2018));
 }
 
 static void test_cruise_speed_is_clamped(void)
