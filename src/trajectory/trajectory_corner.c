@@ -363,8 +363,8 @@ static struct corner corner_as_costs_least(const struct jp_trajectory_config *co
                            .demand = demand_of(config, &at_pace, turn_between(before, after))};
 }
 
-/** With a heading that is given, the blends make unlike parts of the turn: the turn rate is that of the lesser, and
- * none if they are to both sides. */
+/** With a heading that is given, the blends make unlike parts of the turn: the turn rate is that of the whole turn,
+ * but a quarter more than that of the lesser part at most, and none if they are to both sides. */
 static struct corner corner_with_heading(const struct jp_trajectory_config *config, jp_angle before, jp_angle heading,
                                          jp_angle after)
 {
@@ -372,11 +372,14 @@ static struct corner corner_with_heading(const struct jp_trajectory_config *conf
     const int32_t first = (int32_t)(heading - before);
     const int32_t second = (int32_t)(after - heading);
     const bool is_first_less = jp_magnitude32(first) < jp_magnitude32(second);
-    const int32_t lesser = (first < 0) != (second < 0) ? 0 : (is_first_less ? first : second);
+    const int64_t lesser = (first < 0) != (second < 0) ? 0 : (is_first_less ? first : second);
+    const int64_t most = lesser * 5 / 2;
+    const int64_t whole = (int64_t)first + second;
+    const int64_t turn = jp_absolute64(whole) < jp_absolute64(most) ? whole : most;
 
     return (struct corner){
         .heading = heading,
-        .turn = 2 * jp_clamp32(lesser, -QUARTER, QUARTER),
+        .turn = jp_clamp32(jp_saturate32(turn), -2 * QUARTER, 2 * QUARTER),
         .demand =
             demand_of(config, &at_pace, is_first_less ? turn_between(heading, after) : turn_between(before, heading))};
 }

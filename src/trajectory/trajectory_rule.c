@@ -6,6 +6,7 @@
 #include "src/trajectory/segment_math.h"
 #include "src/trajectory/trajectory_blend.h"
 #include "src/trajectory/trajectory_corner.h"
+#include "src/trajectory/trajectory_outline.h"
 
 /** 2⁻³² turn. */
 #define RADIAN 683565276
@@ -219,7 +220,6 @@ static void pass(struct jp_trajectory_plan_internal *plan, struct leg_search *le
                                   jp_multiply_shift(leg->covered, jp_sin(heading), 31) - leg->left.y};
     jp_leg_shape(plan->task.config, &plan->motion, &leg->result);
     plan->motion = leg->result.next;
-    plan->blend = leg->result.end.set_points;
     copy_modes(plan->modes, leg->modes);
     jp_modes_decay(plan->task.config, plan->modes, leg->result.end.set_points);
 }
@@ -242,44 +242,38 @@ static bool is_even(const struct jp_chord *chord, const struct jp_waypoint_motio
 }
 
 /** The end of the last leg, which has no blend where nothing changes in it. */
-static void end_last(const struct jp_trajectory_task *task, const struct jp_chord *chord, struct leg_search *leg)
+static void end_last(const struct jp_trajectory_task *task, const struct jp_chord *chord,
+                     struct jp_leg_outline *outline)
 {
     const struct jp_passage *passage = jp_passage_at(task, (uint16_t)(task->count - 1U));
 
-    leg->result.next = jp_last_motion(task, chord);
-    leg->ends_straight = (passage->given & (uint8_t)JP_GIVEN_HEADING) == 0U;
-    leg->result.end.set_points = task->to_stand || passage->given != 0U ? chord->blend : 1U;
+    outline->next = jp_last_motion(task, chord);
+    outline->ends_straight = (passage->given & (uint8_t)JP_GIVEN_HEADING) == 0U;
+    outline->end = task->to_stand || passage->given != 0U ? chord->blend : 1U;
 }
 
-/** The search for the leg to target `index` by its chord, the next one's or, at the last, none. */
-static struct leg_search begin_leg(const struct jp_trajectory_plan_internal *plan, uint16_t index,
-                                   const struct jp_chord *next)
+/** The search for the leg with that outline. */
+static struct leg_search begin_leg(const struct jp_trajectory_plan *plan, const struct jp_leg_outline *outline)
 {
-    const struct jp_trajectory_task *task = &plan->task;
-    const struct jp_chord *chord = &plan->chord;
-    const struct jp_way way = way_between(task, index);
-    struct leg_search leg = {
+    const struct jp_trajectory_plan_internal *internal = &plan->internal;
+    const struct jp_chord *chord = &internal->chord;
+    const struct jp_way way = way_between(&internal->task, plan->planned);
+
+    return (struct leg_search){
         .result = {.chord = chord->direction,
                    .heading = chord->direction,
                    .speed = chord->speed,
-                   .begin = {.set_points = jp_blend_beside(chord->blend, plan->blend)},
-                   .end = {.set_points = chord->blend}},
-        .way = {way.x - plan->ahead.x, way.y - plan->ahead.y},
+                   .begin = {.set_points = outline->begin},
+                   .end = {.set_points = outline->end},
+                   .next = outline->next},
+        .way = {way.x - internal->ahead.x, way.y - internal->ahead.y},
+        .begin = jp_seconds(internal->task.config, outline->begin, 24),
+        .end = jp_seconds(internal->task.config, outline->end, 24),
         .distance = (int32_t)(chord->distance >> 2),
+        .ends_straight = outline->ends_straight,
+        .begins_even = is_even(chord, &internal->motion),
+        .ends_even = is_even(chord, &outline->next),
     };
-
-    if (next != NULL) {
-        leg.result.next = jp_corner_between(task, index, chord, next);
-        leg.result.end.set_points = jp_blend_beside(chord->blend, next->blend);
-    } else {
-        end_last(task, chord, &leg);
-    }
-
-    leg.begins_even = is_even(chord, &plan->motion);
-    leg.ends_even = is_even(chord, &leg.result.next);
-    leg.begin = jp_seconds(task->config, leg.result.begin.set_points, 24);
-    leg.end = jp_seconds(task->config, leg.result.end.set_points, 24);
-    return leg;
 }
 
 /** The difference between the robot's motion and the first leg's, in modes. */
@@ -340,15 +334,12 @@ static enum jp_status first_chords(struct jp_trajectory_plan_internal *plan, jp_
     return status == JP_OK ? chord_after(task, 0, &plan->chord, &plan->next) : status;
 }
 
-enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task,
-                                        struct jp_trajectory_leg *legs, uint16_t places,
-                                        struct jp_trajectory *trajectory)
+enum jp_status jp_plan_begin(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task)
 {
-    if (plan == NULL || task == NULL || legs == NULL || places == 0U || trajectory == NULL || !is_valid(task)) {
+    if (!is_valid(task)) {
         return JP_ERR_ARGUMENT;
     }
     *plan = (struct jp_trajectory_plan){.internal = {.task = *task, .waypoint = task->start}};
-    *trajectory = (struct jp_trajectory){.legs = legs, .places = places};
 
     struct jp_trajectory_plan_internal *internal = &plan->internal;
     const enum jp_status status = first_chords(internal, JP_SPEED_FREE);
@@ -357,9 +348,24 @@ enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const s
         internal->motion = (struct jp_waypoint_motion){task->heading, task->motion.turn_rate, internal->chord.speed};
         internal->blend = internal->chord.blend;
         begin_modes(internal);
-        trajectory->start = internal->motion;
+    }
+    return status;
+}
+
+enum jp_status jp_trajectory_plan_start(struct jp_trajectory_plan *plan, const struct jp_trajectory_task *task,
+                                        struct jp_trajectory_leg *legs, uint16_t places,
+                                        struct jp_trajectory *trajectory)
+{
+    if (plan == NULL || task == NULL || legs == NULL || places == 0U || trajectory == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = jp_plan_begin(plan, task);
+
+    if (status == JP_OK) {
+        *trajectory = (struct jp_trajectory){.legs = legs, .places = places, .start = plan->internal.motion};
         for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-            trajectory->transient[i] = jp_saturate32((int64_t)internal->modes[i] * 16);
+            trajectory->transient[i] = jp_saturate32((int64_t)plan->internal.modes[i] * 16);
         }
     }
     return status;
@@ -398,36 +404,63 @@ enum jp_status jp_trajectory_plan_redirect(struct jp_trajectory_plan *plan, cons
     return status;
 }
 
+enum jp_status jp_leg_outline(const struct jp_trajectory_plan *plan, struct jp_leg_outline *outline)
+{
+    const struct jp_trajectory_plan_internal *internal = &plan->internal;
+    const struct jp_trajectory_task *task = &internal->task;
+    const struct jp_chord *chord = &internal->chord;
+    const uint16_t after = (uint16_t)(plan->planned + 1U);
+
+    if (plan->planned >= task->count) {
+        return JP_ERR_STATE;
+    }
+    *outline =
+        (struct jp_leg_outline){.begin = jp_blend_beside(chord->blend, internal->blend), .following = internal->next};
+
+    const enum jp_status status = chord_after(task, after, &outline->following, &outline->later);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    if (after < task->count) {
+        outline->next = jp_corner_between(task, plan->planned, chord, &outline->following);
+        outline->end = jp_blend_beside(chord->blend, outline->following.blend);
+    } else {
+        end_last(task, chord, outline);
+    }
+    return JP_OK;
+}
+
+void jp_leg_pass(struct jp_trajectory_plan *plan, const struct jp_leg_outline *outline)
+{
+    struct jp_trajectory_plan_internal *internal = &plan->internal;
+
+    internal->chord = outline->following;
+    internal->next = outline->later;
+    internal->waypoint = internal->task.targets[plan->planned];
+    internal->blend = outline->end;
+    plan->planned++;
+}
+
 enum jp_status jp_trajectory_plan_leg(struct jp_trajectory_plan *plan, struct jp_trajectory_leg *leg)
 {
     if (plan == NULL || leg == NULL) {
         return JP_ERR_ARGUMENT;
     }
 
-    struct jp_trajectory_plan_internal *internal = &plan->internal;
-    const uint16_t after = (uint16_t)(plan->planned + 1U);
-    struct jp_chord next = internal->next;
-    struct jp_chord later = {.distance = 0};
-
-    if (plan->planned >= internal->task.count) {
-        return JP_ERR_STATE;
-    }
-
-    enum jp_status status = chord_after(&internal->task, after, &next, &later);
+    struct jp_leg_outline outline;
+    enum jp_status status = jp_leg_outline(plan, &outline);
 
     if (status != JP_OK) {
         return status;
     }
 
-    struct leg_search search = begin_leg(internal, plan->planned, after < internal->task.count ? &next : NULL);
+    struct leg_search search = begin_leg(plan, &outline);
 
-    status = find_middle(internal, &search);
+    status = find_middle(&plan->internal, &search);
     if (status == JP_OK) {
-        pass(internal, &search);
-        internal->chord = next;
-        internal->next = later;
-        internal->waypoint = internal->task.targets[plan->planned];
-        plan->planned = after;
+        pass(&plan->internal, &search);
+        jp_leg_pass(plan, &outline);
         *leg = search.result;
     }
     return status;

@@ -137,12 +137,16 @@ static void test_heading_and_speed_at_a_corner(void)
     expect_passed(&legs[0], 30, JP_Q24(0.3));
     TEST_ASSERT_EQUAL_INT32(task.cruise, legs[0].speed);
     TEST_ASSERT_EQUAL_INT32(task.cruise, legs[1].speed);
-    /* The lesser turn of both, here that of the first leg, in either blend. */
-    TEST_ASSERT_INT32_WITHIN(2000, jp_multiply_shift(config.turn_pace, JP_Q16(60.0 / 360), 16), legs[0].next.turn_rate);
+    /* A quarter more than by the lesser turn of both, here that of the first leg, in either blend. */
+    TEST_ASSERT_INT32_WITHIN(2000, jp_multiply_shift(config.turn_pace, JP_Q16(75.0 / 360), 16), legs[0].next.turn_rate);
     give(0, 75, JP_Q24(0.6));
     TEST_ASSERT_EQUAL_INT(JP_OK, plan());
     expect_passed(&legs[0], 75, JP_Q24(0.6));
-    TEST_ASSERT_INT32_WITHIN(2000, jp_multiply_shift(config.turn_pace, JP_Q16(30.0 / 360), 16), legs[0].next.turn_rate);
+    TEST_ASSERT_INT32_WITHIN(2000, jp_multiply_shift(config.turn_pace, JP_Q16(37.5 / 360), 16), legs[0].next.turn_rate);
+    /* Where they are less unlike, by the whole turn, as if no heading were given. */
+    give(0, 50, JP_Q24(0.6));
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_INT32_WITHIN(2000, jp_multiply_shift(config.turn_pace, JP_Q16(90.0 / 360), 16), legs[0].next.turn_rate);
 }
 
 static void test_a_heading_beyond_both_legs_is_passed_without_turning(void)
