@@ -1,8 +1,12 @@
 #include "sim/missions/cruise_plan.h"
 
+#include <joulepath/trajectory_optimiser.h>
 #include <math.h>
 
 #include "sim/balancer/energy_unit.h"
+
+/* As a pilot does it. */
+#define SLOWER_MAX 8U
 
 static struct jp_trajectory_task task_of(struct cruise_plan *plan, const struct scenario *scenario,
                                          const struct jp_robot_config *robot, jp_q24 cruise)
@@ -57,6 +61,44 @@ enum jp_status cruise_plan_within(struct cruise_plan *plan, const struct scenari
             status = jp_trajectory_budget_work(&budget);
         } while (status == JP_WORKING);
         plan->forecast = budget.best;
+    }
+    return status;
+}
+
+static enum jp_status optimise_at(struct cruise_plan *plan, const struct scenario *scenario,
+                                  const struct jp_robot_config *robot, const struct jp_energy_model *model,
+                                  jp_q24 cruise)
+{
+    struct jp_optimiser_place places[BEZIER_WAYPOINTS_MAX];
+    const enum jp_pilot_meter meter = scenario->energy == ENERGY_BATTERY ? JP_PILOT_BATTERY : JP_PILOT_MOTORS;
+    const struct jp_trajectory_optimiser_config config = {
+        .task = task_of(plan, scenario, robot, cruise),
+        .model = model,
+        .back_emf = jp_pilot_back_emf(robot, meter),
+        .passages = plan->passages,
+        .places = places,
+        .place_count = BEZIER_WAYPOINTS_MAX,
+    };
+    struct jp_trajectory_optimiser optimiser;
+    enum jp_status status = jp_trajectory_optimiser_start(&optimiser, &config);
+
+    if (status == JP_OK) {
+        do {
+            status = jp_trajectory_optimiser_work(&optimiser);
+        } while (status == JP_WORKING);
+    }
+    return status;
+}
+
+enum jp_status cruise_plan_optimise(struct cruise_plan *plan, const struct scenario *scenario,
+                                    const struct jp_robot_config *robot, const struct jp_energy_model *model)
+{
+    jp_q24 cruise = jp_pilot_cruise(robot, model);
+    enum jp_status status = optimise_at(plan, scenario, robot, model, cruise);
+
+    for (unsigned i = 0; i < SLOWER_MAX && status == JP_ERR_INFEASIBLE; i++) {
+        cruise -= cruise / 4;
+        status = optimise_at(plan, scenario, robot, model, cruise);
     }
     return status;
 }

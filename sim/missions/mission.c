@@ -35,7 +35,7 @@ struct drive {
     const struct jp_energy_model *model;
     struct jp_point targets[BEZIER_WAYPOINTS_MAX];
     struct jp_pilot pilot;
-    struct cruise_plan cruise;     /**< within a budget; without one the pilot plans */
+    struct cruise_plan cruise;     /**< within a budget, or the passages of the pilot, which plans without one */
     struct segment_route segments; /**< of the greedy plan */
     struct script script;
     size_t step;       /**< next step of the script */
@@ -285,6 +285,13 @@ static bool has_budget(const struct drive *drive)
     return drive->scenario->within_seconds > 0 || drive->scenario->within_joules > 0;
 }
 
+static bool is_piloted(const struct drive *drive)
+{
+    const enum mission_strategy strategy = drive->mission->strategy;
+
+    return (strategy == MISSION_CRUISE && !has_budget(drive)) || strategy == MISSION_OPTIMISED_CRUISE;
+}
+
 /** So that as much is enough. */
 static double tenths_up(double figure)
 {
@@ -310,6 +317,21 @@ static bool prepare_within(struct drive *drive)
     }
     drive->mission->forecast = (struct mission_forecast){true, energy, 0};
     return true;
+}
+
+static bool prepare_optimised(struct drive *drive, const struct robot_entry *entry)
+{
+    const enum jp_status status =
+        cruise_plan_optimise(&drive->cruise, drive->scenario, jp_robot_configuration(&drive->rig.robot), drive->model);
+
+    if (has_budget(drive)) {
+        return cannot(drive, "it keeps no budget; leave within_seconds and within_joules out");
+    }
+    if (status != JP_OK) {
+        return cannot(drive, "no headings and speeds are found for its waypoints (status %d); move them apart",
+                      (int)status);
+    }
+    return prepare_pilot(drive, entry);
 }
 
 static bool prepare_segments(struct drive *drive, const struct robot_entry *entry)
@@ -340,6 +362,8 @@ static bool prepare(struct drive *drive, const struct robot_entry *entry, const 
         return prepare_straight(drive, &driven[MISSION_CRUISE]);
     case MISSION_BEZIER_ROUTE:
         return prepare_bezier(drive, BEZIER_ROUTE);
+    case MISSION_OPTIMISED_CRUISE:
+        return prepare_optimised(drive, entry);
     case MISSION_OPTIMAL:
     default:
         return prepare_segments(drive, entry);
@@ -400,9 +424,7 @@ static bool work_of_segments(struct drive *drive)
 /** Plans and hands over what the robot shall do next; false when a waypoint cannot be planned. */
 static bool command(struct drive *drive)
 {
-    const bool is_piloted = drive->mission->strategy == MISSION_CRUISE && !has_budget(drive);
-
-    return (is_piloted ? work_of_pilot(drive) : work_of_segments(drive)) && feed(drive);
+    return (is_piloted(drive) ? work_of_pilot(drive) : work_of_segments(drive)) && feed(drive);
 }
 
 static bool still_stands(const struct drive *drive)
@@ -561,7 +583,9 @@ static bool follow_with_pilot(struct drive *drive)
     const struct jp_pilot_route route = {.targets = drive->targets,
                                          .count = (uint16_t)drive->mission->leg_count,
                                          .end = drive->scenario->to_stand ? JP_PILOT_STAND : JP_PILOT_PASS,
-                                         .passages = &drive->scenario->passages[1]};
+                                         .passages = drive->mission->strategy == MISSION_CRUISE
+                                                         ? &drive->scenario->passages[1]
+                                                         : drive->cruise.passages};
     struct jp_forecast forecast;
 
     (void)jp_pilot_follow(&drive->pilot, &route);
@@ -579,7 +603,7 @@ static bool follow_with_pilot(struct drive *drive)
 
 static bool follow(struct drive *drive)
 {
-    if (drive->mission->strategy == MISSION_CRUISE && !has_budget(drive)) {
+    if (is_piloted(drive)) {
         return follow_with_pilot(drive);
     }
     if (drive->mission->strategy == MISSION_CRUISE) {

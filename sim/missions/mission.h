@@ -16,8 +16,12 @@ enum mission_strategy {
     MISSION_CRUISE,          /**< cruise and transients: jp_pilot_follow, learning on the way; within a budget
                                   jp_trajectory_budget_work */
     MISSION_STRAIGHT_CRUISE, /**< straight chords, with the times of MISSION_CRUISE */
-    MISSION_BEZIER_ROUTE     /**< energy-optimised cubic Bézier curves */
+    MISSION_BEZIER_ROUTE,    /**< energy-optimised cubic Bézier curves */
+    /* By itself. */
+    MISSION_OPTIMISED_CRUISE /**< as MISSION_CRUISE, headings and speeds found by jp_trajectory_optimiser_work */
 };
+
+/** Those that are compared. */
 #define MISSION_STRATEGIES 6
 
 /** One leg from waypoint to waypoint. */

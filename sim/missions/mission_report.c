@@ -9,7 +9,7 @@ static const struct {
     const char *name;
     const char *title;
     const char *log;
-} strategies[MISSION_STRATEGIES] = {
+} strategies[] = {
     [MISSION_OPTIMAL] = {"optimal", "energy-optimal segments", "log_optimal.csv"},
     [MISSION_STRAIGHT] = {"straight", "straight chords, same times", "log_straight.csv"},
     [MISSION_BEZIER] = {"bezier", "energy-optimised cubic Bézier", "log_bezier.csv"},
@@ -17,6 +17,7 @@ static const struct {
     [MISSION_STRAIGHT_CRUISE] = {"straight_cruise", "straight chords, times of cruise and transients",
                                  "log_straight_cruise.csv"},
     [MISSION_BEZIER_ROUTE] = {"bezier_route", "Bézier, whole route at once", "log_bezier_route.csv"},
+    [MISSION_OPTIMISED_CRUISE] = {"optimised_cruise", "cruise and transients, optimised", "log_optimised_cruise.csv"},
 };
 
 const char *mission_name(enum mission_strategy strategy)

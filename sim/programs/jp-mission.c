@@ -6,11 +6,12 @@
 #include "sim/missions/mission_report.h"
 #include "sim/missions/scenario_arguments.h"
 
-enum { OPTION_ALONE = COMMAND_LINE_OWN };
+enum { OPTION_ALONE = COMMAND_LINE_OWN, OPTION_OPTIMISED };
 
 struct arguments {
     struct scenario_arguments scenario; /* first: scenario_arguments_take() looks at it */
-    bool alone;
+    enum mission_strategy first;        /* to be driven */
+    size_t count;
 };
 
 /* Cruise and transients are how the robot drives; another strategy that cannot drive the route is a row that says so.
@@ -26,7 +27,7 @@ static bool drive(struct mission *missions, enum mission_strategy strategy, cons
     if (view.log == NULL || mission_run(mission, strategy, scenario, missions, &view)) {
         return view.log != NULL;
     }
-    if (strategy == MISSION_CRUISE) {
+    if (strategy == MISSION_CRUISE || strategy == MISSION_OPTIMISED_CRUISE) {
         mission_complain(mission, scenario);
         return false;
     }
@@ -50,10 +51,10 @@ static bool drive_all(struct mission *missions, size_t first, size_t count, cons
 static bool compare(const struct arguments *options)
 {
     const struct scenario_arguments *arguments = &options->scenario;
-    const size_t first = options->alone ? MISSION_CRUISE : 0;
-    const size_t count = options->alone ? 1 : MISSION_STRATEGIES;
+    const size_t first = options->first;
+    const size_t count = options->count;
     struct scenario scenario;
-    struct mission missions[MISSION_STRATEGIES] = {0};
+    struct mission missions[MISSION_STRATEGIES + 1] = {0};
 
     if (!scenario_load(arguments->path, &scenario) || !output_directory(arguments->common.output)) {
         return false;
@@ -72,8 +73,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     struct arguments *arguments = state->input;
 
-    if (key == OPTION_ALONE) {
-        arguments->alone = true;
+    if (key == OPTION_ALONE || key == OPTION_OPTIMISED) {
+        arguments->first = key == OPTION_ALONE ? MISSION_CRUISE : MISSION_OPTIMISED_CRUISE;
+        arguments->count = 1;
         return 0;
     }
     return scenario_arguments_take(key, argument, state);
@@ -84,13 +86,15 @@ int main(int argc, char **argv)
     static const struct argp_option options[] = {
         OPTION_OUTPUT("build/mission"),
         {"alone", OPTION_ALONE, NULL, 0, "cruise and transients alone, not what they are compared with", 0},
+        {"optimised", OPTION_OPTIMISED, NULL, 0, "the same, with headings and speeds found for the whole route", 0},
         {0},
     };
     static const struct argp argp = {
         options, parse_option, "SCENARIO.cfg", "Drives a mission by six strategies and compares their energies.", NULL,
         NULL,    NULL};
     struct arguments arguments = {
-        .scenario = {.example = "sim/scenarios/gao2018_mission.cfg", .common = {.output = "build/mission"}}};
+        .scenario = {.example = "sim/scenarios/gao2018_mission.cfg", .common = {.output = "build/mission"}},
+        .count = MISSION_STRATEGIES};
 
     command_line_parse(&argp, argc, argv, &arguments);
     return compare(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;

@@ -6,10 +6,11 @@
 #include <joulepath/trajectory_rule.h>
 #include <stddef.h>
 
+#include "tests/bench/random_legs.h"
 #include "tests/target/cycles.h"
 #include "tests/target/figure.h"
 
-enum { LEGS = 8, ROUTES = 12 };
+enum { ROUTES = 12 };
 
 #ifdef __ARM_ARCH_7EM__
 #define BAR "80000"
@@ -17,39 +18,18 @@ enum { LEGS = 8, ROUTES = 12 };
 #define BAR NULL
 #endif
 
-static struct jp_trajectory_leg legs[LEGS];
+static struct jp_trajectory_leg legs[RANDOM_LEGS];
 static struct jp_trajectory trajectory;
-static struct jp_point targets[LEGS];
+static struct jp_point targets[RANDOM_LEGS];
 static enum jp_status status;
 static uint32_t random_state = 1;
-
-static uint32_t draw(void)
-{
-    random_state = random_state * 1664525U + 1013904223U;
-    return random_state >> 8;
-}
-
-static void draw_route(void)
-{
-    struct jp_point point = {0, 0};
-    jp_angle direction = 0;
-
-    for (unsigned k = 0; k < LEGS; k++) {
-        const jp_q16 length = JP_Q16(1) + jp_multiply_shift((int32_t)draw(), JP_Q16(14), 24);
-
-        direction += (jp_angle)(((int64_t)draw() - (1 << 23)) * (int64_t)(JP_ANGLE_DEGREES(120) >> 23));
-        point.x += jp_multiply_shift(length, jp_cos(direction), 31);
-        point.y += jp_multiply_shift(length, jp_sin(direction), 31);
-        targets[k] = point;
-    }
-}
 
 static void plan(void *unused)
 {
     const struct jp_trajectory_task task = {.config = &jp_robot_courier24.trajectory,
                                             .cruise = jp_cruise_speed(&jp_energy_model_courier24),
                                             .targets = targets,
-                                            .count = LEGS,
+                                            .count = RANDOM_LEGS,
                                             .to_stand = true};
 
     (void)unused;
@@ -69,7 +49,7 @@ static bool worst_of(void (*work)(void *), uint32_t *worst)
     random_state = 1;
     *worst = 0;
     for (unsigned i = 0; i < ROUTES; i++) {
-        draw_route();
+        draw_legs(&random_state, targets);
         plan(NULL);
         *worst = target_count_worst(*worst, work, NULL);
         if (status != JP_OK) {

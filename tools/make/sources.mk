@@ -13,7 +13,7 @@ SUPPORT        := $(filter-out %/stm32_fake.c,$(wildcard tests/support/*.c))
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
 BENCHES        := $(filter-out bench_plan bench_patrol bench_pursuit bench_restart,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
 TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c))
-FLOAT_BENCHES  := $(filter target_teb,$(TARGET_BENCHES))
+FLOAT_BENCHES  := $(filter target_optimiser target_teb,$(TARGET_BENCHES))
 
 # lcm-gen makes them from sim/lcm/.
 LCM_TYPES      := $(patsubst sim/lcm/%.lcm,%,$(wildcard sim/lcm/*.lcm))

@@ -1,0 +1,199 @@
+/* The cost of a leg in closed form: against the energy of the rule's plan, its derivatives against differences, legs
+ * without room. */
+#include <joulepath/robot.h>
+#include <joulepath/tables.h>
+#include <joulepath/trajectory_energy.h>
+#include <stddef.h>
+
+#include "src/trajectory/trajectory_cost.h"
+#include "tests/support/near.h"
+#include "unity.h"
+
+/* Of heading and speed, for differences: rad, m/s. */
+#define STEP 0.02f
+
+static struct jp_cost_rates rates;
+static struct jp_cost_leg leg;
+static float middle;
+
+static void make_rates(const struct jp_robot_config *robot, const struct jp_energy_model *model)
+{
+    static const struct jp_back_emf of_voltages = {0, 0};
+
+    jp_cost_rates_make(&rates, &robot->trajectory, model, &of_voltages, jp_cruise_speed(model));
+}
+
+/* Turned to from the left, and left to the left. */
+void setUp(void)
+{
+    make_rates(&jp_robot_gao2018, &jp_energy_model_gao2018);
+    leg = (struct jp_cost_leg){
+        .length = 4.0f,
+        .speed = 0.5f,
+        .begin = {.heading = -0.5f, .turn_rate = 0.8f, .speed = 0.45f, .duration = 1.4f},
+        .end = {.heading = 0.6f, .turn_rate = 1.0f, .speed = 0.4f, .duration = 1.2f},
+    };
+    middle = 0.0f;
+}
+
+void tearDown(void)
+{
+}
+
+static float *variable(unsigned index)
+{
+    float *const variables[] = {&leg.begin.heading, &leg.begin.speed, &leg.end.heading, &leg.end.speed};
+
+    return variables[index];
+}
+
+static float slope_of(const struct jp_leg_cost *cost, unsigned index)
+{
+    return index < 2U ? cost->slope_begin[index] : cost->slope_end[index - 2U];
+}
+
+static float curve_of(const struct jp_leg_cost *cost, unsigned i, unsigned j)
+{
+    if (i > j) {
+        return curve_of(cost, j, i);
+    }
+    if (i < 2U && j >= 2U) {
+        return cost->coupling[i][j - 2U];
+    }
+    return j < 2U ? cost->curve_begin[i + j] : cost->curve_end[i + j - 4U];
+}
+
+static struct jp_leg_cost cost_at(unsigned index, float step)
+{
+    struct jp_leg_cost cost;
+    const float before = *variable(index);
+
+    *variable(index) += step;
+    TEST_ASSERT_TRUE(jp_leg_cost(&rates, &leg, &middle, &cost));
+    *variable(index) = before;
+    return cost;
+}
+
+static void expect_derivatives(void)
+{
+    const struct jp_leg_cost here = cost_at(0, 0.0f);
+
+    for (unsigned i = 0; i < 4; i++) {
+        const struct jp_leg_cost more = cost_at(i, STEP);
+        const struct jp_leg_cost less = cost_at(i, -STEP);
+
+        TEST_ASSERT_NEAR(0.03f, (more.cost - less.cost) / (2.0f * STEP), slope_of(&here, i));
+        for (unsigned j = 0; j < 4; j++) {
+            const float curve = (slope_of(&more, j) - slope_of(&less, j)) / (2.0f * STEP);
+
+            TEST_ASSERT_NEAR(0.2f, curve, curve_of(&here, i, j));
+        }
+    }
+}
+
+static void test_derivatives_are_those_of_the_cost(void)
+{
+    rates.momentum = 0.0f; /* it has none: another leg makes it good */
+    expect_derivatives();
+    leg.begin.heading = 1.2f;
+    leg.begin.turn_rate = -0.5f;
+    expect_derivatives();
+}
+
+static void test_a_straight_end_follows_the_middle(void)
+{
+    struct jp_leg_cost cost;
+
+    leg.end.is_straight = true;
+    leg.end.speed = leg.speed;
+    TEST_ASSERT_TRUE(jp_leg_cost(&rates, &leg, &middle, &cost));
+    TEST_ASSERT_NEAR(0.0f, 0.0f, cost.slope_end[0]);
+    TEST_ASSERT_NEAR(0.0f, 0.0f, cost.curve_end[0]);
+    TEST_ASSERT_NEAR(0.0f, 0.0f, cost.coupling[0][0]);
+
+    const float before = cost.cost;
+
+    leg.end.heading = 1.0f;
+    TEST_ASSERT_TRUE(jp_leg_cost(&rates, &leg, &middle, &cost));
+    TEST_ASSERT_NEAR(0.0f, before, cost.cost);
+}
+
+static void expect_no_room(void)
+{
+    struct jp_leg_cost cost;
+    const float before = middle;
+
+    TEST_ASSERT_FALSE(jp_leg_cost(&rates, &leg, &middle, &cost));
+    TEST_ASSERT_NEAR(0.0f, before, middle);
+}
+
+static void test_legs_without_room(void)
+{
+    leg.length = 1.0f;
+    expect_no_room();
+}
+
+static void test_a_middle_that_leads_astray(void)
+{
+    leg.length = 2.0f;
+    leg.begin = (struct jp_cost_end){.heading = 1.5f, .speed = 0.5f, .duration = 4.0f};
+    expect_no_room();
+}
+
+static void test_a_search_that_begins_too_far_away(void)
+{
+    leg.length = 2.0f;
+    leg.begin = (struct jp_cost_end){.heading = 2.5f, .speed = 0.5f, .duration = 3.0f};
+    middle = 0.78f;
+    expect_no_room();
+}
+
+/* ---- Against the rule's plan ---- */
+
+static struct jp_trajectory_leg legs[3];
+static struct jp_trajectory trajectory;
+
+static float energy_by_rule(const struct jp_trajectory_task *task, const struct jp_energy_model *model)
+{
+    jp_q16 energy;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_by_rule(task, legs, &trajectory));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_energy(task->config, model, &trajectory, &energy));
+    return (float)energy * 0x1p-16f;
+}
+
+/* At the cruise of least energy a second costs the power of the electronics: the cost is the energy. */
+static void test_a_start_and_a_stop_are_those_of_the_energy(void)
+{
+    static const struct jp_point target = {JP_Q16(4), 0};
+    const struct jp_robot_config *robot = &jp_robot_courier24;
+    const struct jp_energy_model *model = &jp_energy_model_courier24;
+    const struct jp_trajectory_task task = {.config = &robot->trajectory,
+                                            .cruise = jp_cruise_speed(model),
+                                            .targets = &target,
+                                            .count = 1,
+                                            .to_stand = true};
+    const float energy = energy_by_rule(&task, model);
+    jp_q24 modes[JP_TRAVEL_MODES];
+    struct jp_rolling rolling;
+    struct jp_leg_cost cost;
+
+    jp_trajectory_modes(&trajectory, modes);
+    jp_modes_roll(task.config, modes, legs[0].begin.set_points, false, &rolling);
+    make_rates(robot, model);
+
+    const float start = jp_start_cost(&rates, task.config, modes, legs[0].speed);
+
+    jp_modes_decay(task.config, modes, legs[0].begin.set_points);
+    leg = (struct jp_cost_leg){
+        .length = 4.0f,
+        .speed = (float)legs[0].speed * 0x1p-24f,
+        .rolled = (float)jp_modes_way(task.config, modes, UINT32_MAX) * 0x1p-20f,
+        .begin = {.speed = (float)legs[0].speed * 0x1p-24f,
+                  .duration = (float)legs[0].begin.set_points * 0.002f,
+                  .rolling = &rolling},
+        .end = {.duration = (float)legs[0].end.set_points * 0.002f, .is_straight = true},
+    };
+    TEST_ASSERT_TRUE(jp_leg_cost(&rates, &leg, &middle, &cost));
+    TEST_ASSERT_NEAR(0.01f, energy, cost.cost + start); /* but for whole set-points */
+}
