@@ -245,18 +245,18 @@ def test_a_short_run(tmp_path, monkeypatch):
     result = run_tool("measure.bench_limit", "--routes", 1, "--unseen", 1, "--seed", 5, "--workers", 1, "--bench", path)
     assert result.returncode == 0, result.stderr
     figures = {figure["name"]: figure["value"] for figure in json.loads(path.read_text())}
-    rule = [name for name in figures if name.startswith("cruise and transients, by rule: ")]
-    assert len(figures) == 7 + 2 * 7 + 2 + len(rule) and len(rule) == 2 + 3 + 3
+    beside = [name for name in figures if name.startswith("cruise and transients, ")]
+    assert len(figures) == 8 + 2 * 8 + 2 * 2 + len(beside) and len(beside) == 2 * (2 + 3 + 3) + 2
     # After one leg the rule's drive is some millimetres short of its waypoint, and so below the limit.
     assert all(-0.5 < value < 100 for value in figures.values())
-    assert all(figures[name] < 4 for name in rule)
+    assert all(figures[name] < 4 for name in beside)
     # Of the limit that another program finds, 25.24216 J.
     assert figures["energy limit: courier24_short, energy-optimal segments: above the limit"] == \
         pytest.approx(4.43, abs=0.1)
     for text in ("courier24_short", "gao2018", "worst miss, cm", "turns to ±120°"):
         assert text in result.stdout
     tables = json.loads((tmp_path / "limit.tables.json").read_text())
-    assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [7, 8]
+    assert [len(tables[name]["rows"]) for name in ("limit_scenarios", "limit_routes")] == [8, 10]
 
     def not_again(*_):
         raise AssertionError("what was found is kept")
@@ -271,6 +271,15 @@ def test_a_limit_that_is_not_found_is_named(monkeypatch):
     route = bench_limit.Route("corner", "", 1)
     with pytest.raises(bench_limit.ToolError, match="corner: no limit found that ends at 0.400 m/s"):
         bench_limit.limits(route, None, [0.4])
+
+
+def test_a_limit_at_another_end(bend):
+    speed = bend.plant.cruise()
+    near, far = least(bend, [speed, speed + 0.005], 1)
+    moved = bench_limit.moved(bend.plant, near.energy, speed, speed + 0.005)
+    assert moved - near.energy == pytest.approx(far.energy - near.energy, rel=0.02)
+    with pytest.raises(bench_limit.ToolError, match="have not the same limit"):
+        bench_limit.moved(bend.plant, near.energy, speed, speed + 0.05)
 
 
 def test_a_failed_mission_is_named():
