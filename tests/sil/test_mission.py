@@ -143,6 +143,39 @@ def test_a_budget_that_is_too_small_says_what_is_needed(tmp_path, key, unit):
     assert "total" in cruise_within(tmp_path, f"{key} = {needed};\n")
 
 
+def optimised(output, scenario):
+    return run("jp-mission", scenario, "--optimised", "--output", output)
+
+
+@pytest.mark.parametrize("scenario", ["gao2018_short", "courier24_short"])
+def test_headings_and_speeds_for_the_whole_route(tmp_path, scenario):
+    """Less energy than by the rule, and as near to the waypoints."""
+    result = optimised(tmp_path, SCENARIOS / f"{scenario}.cfg")
+    assert result.returncode == 0, result.stderr
+    found, = by_name(tmp_path).values()
+    assert run("jp-mission", SCENARIOS / f"{scenario}.cfg", "--alone", "--output", tmp_path / "rule").returncode == 0
+    rule, = by_name(tmp_path / "rule").values()
+    assert found["name"] == "optimised_cruise"
+    assert found["total"]["plant_energy_j"] < 0.9995 * rule["total"]["plant_energy_j"]
+    assert max(segment["passed_m"] for segment in found["segments"]) < 0.01
+    assert found["total"]["plant_energy_j"] == pytest.approx(found["forecast"]["energy_j"], rel=FORECAST)
+
+
+def test_short_legs_are_optimised_at_the_cruise_that_they_have_room_for(tmp_path):
+    scenario = write_scenario(tmp_path / "short.cfg", (0.2, 0.1), (0.3, 0.3), (2.0, 0.5))
+    assert optimised(tmp_path / "out", scenario).returncode == 0
+
+
+@pytest.mark.parametrize(("waypoints", "budget", "reason"), [
+    ("[2.0, 0.5], [2.0, 2.0]", "within_seconds = 9;\n", "leave within_seconds and within_joules out"),
+    ("[1.0, 0.0, 90.0, 0.9], [1.03, 0.0, 270.0, 0.02], [1.06, 0.0, 90.0, 0.9]", "",
+     "no headings and speeds are found for its waypoints (status -3)")])
+def test_routes_that_are_not_optimised(tmp_path, waypoints, budget, reason):
+    scenario = write_scenario(tmp_path / "route.cfg", (2.0, 0.5))
+    scenario.write_text(scenario.read_text().replace("[2.0, 0.5]", waypoints) + budget)
+    assert_one_line_error(optimised(tmp_path / "out", scenario), reason)
+
+
 def test_a_budget_is_not_for_the_bus(tmp_path):
     scenario = write_scenario(tmp_path / "short.cfg", (2.0, 0.5))
     scenario.write_text(scenario.read_text() + "within_seconds = 9;\n")

@@ -67,14 +67,16 @@ jp_energy energy_left(void)
 }
 """
 
-ROBOT = """
-#include <joulepath/robot.h>
+ROBOT_AND_PILOT = """
+#include <joulepath/pilot.h>
 extern struct jp_robot robot;
+extern struct jp_pilot pilot;
 struct jp_robot robot;
+struct jp_pilot pilot;
 """
 
 EXAMPLES = {"README.md": BALANCER_BOARD, "src/search/README.md": PLANNER_BOARD, "src/learn/README.md": PILOT_BOARD,
-            "src/trajectory/README.md": ROBOT}
+            "src/trajectory/README.md": ROBOT_AND_PILOT}
 
 
 def text_of(name):
@@ -113,11 +115,11 @@ def test_example_builds(name, variant, tmp_path):
     """With the libraries that make has built."""
     compiler = COMPILERS[variant]
     libraries = [BUILD / variant / f"lib{part}.a" for part in ("can", "joulepath_float", "joulepath")]
-    (example,) = re.findall(r"^```c\n(.*?)^```", text_of(name), re.S | re.M)
-    (tmp_path / "main.c").write_text(example, encoding="utf-8")
     (tmp_path / "board.c").write_text(EXAMPLES[name], encoding="utf-8")
-    build(*compiler, *FLAGS, *WARNINGS, tmp_path / "main.c", tmp_path / "board.c", *libraries, "-lm", "-o",
-          tmp_path / "example")
+    for example in re.findall(r"^```c\n(.*?)^```", text_of(name), re.S | re.M):
+        (tmp_path / "main.c").write_text(example, encoding="utf-8")
+        build(*compiler, *FLAGS, *WARNINGS, tmp_path / "main.c", tmp_path / "board.c", *libraries, "-lm", "-o",
+              tmp_path / "example")
 
 
 # ---- what is named is there ----------------------------------------------------------------------------------------

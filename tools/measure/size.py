@@ -43,6 +43,7 @@ MODULES = {
     "patrol": r"src/local/patrol(_\w+)?",
     "scan matching": r"src/local/scan_match(_\w+)?",
     "trajectory within a budget": r"src/trajectory/trajectory_budget",
+    "headings and speeds of a route": r"src/trajectory/trajectory_(optimiser|cost)",
     "trajectory by rule": r"src/(trajectory/trajectory(_\w+)?|base/power_of_half)",
     "pilot": r"src/navigate/pilot",
     "end-to-end protection": r"src/base/e2e",

@@ -25,7 +25,7 @@ ENTRIES = ("jp_robot_tick", "jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_e
            "jp_path_spline", "jp_battery_update", "jp_current_check_update", "jp_pilot_work")
 FIRMWARE_ENTRIES = ("jp_hal_tick", "jp_ecu_tick", "jp_ecu_accept", "jp_ecu_work", "DMA2_Stream0_IRQHandler",
                     "CAN1_RX0_IRQHandler", "main")
-FLOAT_ENTRIES = ("jp_obstacles_add_scan", "jp_teb_plan", "jp_patrol_cycle")
+FLOAT_ENTRIES = ("jp_obstacles_add_scan", "jp_teb_plan", "jp_patrol_cycle", "jp_trajectory_optimiser_work")
 BAR_ENTRY, BAR = "jp_hal_tick", 256  # B
 BAR_CORES = ("Cortex-M4", core_numbers.BOARD_NAME)
 LISTED = ROOT / "tests/target/indirect_calls.json"
