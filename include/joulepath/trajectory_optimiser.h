@@ -22,7 +22,7 @@ extern "C" {
 #endif
 
 /** Evaluations of the route in one search, at most. */
-#define JP_OPTIMISER_EVALUATIONS 12U
+#define JP_OPTIMISER_EVALUATIONS 7U
 
 /** Private: a waypoint, and the leg that leads to it. Derivatives are J by rad and by m/s. */
 struct jp_optimiser_place {

@@ -372,8 +372,8 @@ static struct corner corner_with_heading(const struct jp_trajectory_config *conf
     const int32_t first = (int32_t)(heading - before);
     const int32_t second = (int32_t)(after - heading);
     const bool is_first_less = jp_magnitude32(first) < jp_magnitude32(second);
-    const int64_t lesser = (first < 0) != (second < 0) ? 0 : (is_first_less ? first : second);
-    const int64_t most = lesser * 5 / 2;
+    const int32_t lesser = (first < 0) != (second < 0) ? 0 : (is_first_less ? first : second);
+    const int64_t most = (int64_t)lesser * 5 / 2;
     const int64_t whole = (int64_t)first + second;
     const int64_t turn = jp_absolute64(whole) < jp_absolute64(most) ? whole : most;
 

@@ -25,7 +25,7 @@
 #define CHANGE_EVEN 0.5f
 
 /** A blend as its waypoint sees it, with the derivatives by the turn in it and the speed there. */
-struct blend {
+struct side_blend {
     float turn;   /**< to or from the middle, rad */
     float lead;   /**< what the turn rate at the waypoint would turn in its time, rad */
     float change; /**< of the speed */
@@ -111,7 +111,7 @@ float jp_start_cost(const struct jp_cost_rates *rates, const struct jp_trajector
  * in the next one. What a turn rate does adds up to nothing. */
 
 /** What it costs by its turn: ∫ φ̇² and ∫ φ̈² of a cubic. */
-static void add_turning(const struct jp_cost_rates *rates, float duration, struct blend *blend)
+static void add_turning(const struct jp_cost_rates *rates, float duration, struct side_blend *blend)
 {
     const float turn = rates->turn / duration;
     const float bend = rates->bend / (duration * duration * duration);
@@ -125,7 +125,7 @@ static void add_turning(const struct jp_cost_rates *rates, float duration, struc
 }
 
 /** And by its speed and its time. */
-static void add_travel(const struct jp_cost_rates *rates, const struct jp_cost_end *end, struct blend *blend)
+static void add_travel(const struct jp_cost_rates *rates, const struct jp_cost_end *end, struct side_blend *blend)
 {
     const float pace = 1.0f / end->duration;
     const float square = pace * pace;
@@ -141,7 +141,7 @@ static void add_travel(const struct jp_cost_rates *rates, const struct jp_cost_e
 
 /** Adds the way of a node; `share` lies between it and the waypoint. */
 static void add_node(const struct jp_cost_end *end, float swing, float share, float weight, float rolling,
-                     struct blend *blend)
+                     struct side_blend *blend)
 {
     const float rest = 1.0f - share;
     const float by_turn = rest * rest * (1.0f + share + share);
@@ -170,7 +170,7 @@ static void add_node(const struct jp_cost_end *end, float swing, float share, fl
 }
 
 /** An end that follows the middle does not turn from it. */
-static void straighten(struct blend *blend)
+static void straighten(struct side_blend *blend)
 {
     blend->along_turn2 = 0.0f;
     blend->aside_turn = 0.0f;
@@ -178,9 +178,10 @@ static void straighten(struct blend *blend)
     blend->cost_turn2 = 0.0f;
 }
 
-static struct blend blend_at(const struct jp_cost_rates *rates, const struct jp_cost_end *end, float turn, float speed)
+static struct side_blend blend_at(const struct jp_cost_rates *rates, const struct jp_cost_end *end, float turn,
+                                  float speed)
 {
-    struct blend blend = {.change = speed - end->speed};
+    struct side_blend blend = {.change = speed - end->speed};
     const float swing = 60.0f * rates->lag / (end->duration * end->duration);
     unsigned count;
 
@@ -209,8 +210,8 @@ static struct blend blend_at(const struct jp_cost_rates *rates, const struct jp_
 
 /** A leg with a heading of its middle: R, the length of the middle, and F, how far beside the waypoint it leads. */
 struct middle {
-    struct blend begin;
-    struct blend end;
+    struct side_blend begin;
+    struct side_blend end;
     float cosine;
     float sine;
     float left;  /**< R, m */
@@ -258,17 +259,18 @@ struct side {
 };
 
 /** `sign`: 1 at the end of a leg, where F grows with what lies aside, and −1 at its begin. */
-static struct side side_of(const struct blend *blend, float price, float multiplier, float sign, float lever)
+static void derive_side(const struct side_blend *blend, float price, float multiplier, float sign, float lever,
+                        struct side *side)
 {
     const float pull = sign * multiplier;
 
-    return (struct side){
-        .slope = {blend->cost_turn - price * blend->along_turn + pull * blend->aside_turn,
-                  blend->cost_speed - price * blend->along_speed + pull * blend->aside_speed},
-        .curve = {blend->cost_turn2 - price * blend->along_turn2 + pull * blend->aside_turn2,
-                  -price * blend->along_both + pull * blend->aside_both, blend->cost_speed2},
-        .moved = {-blend->aside_turn / lever, -sign * blend->aside_speed / lever},
-    };
+    side->slope[0] = blend->cost_turn - price * blend->along_turn + pull * blend->aside_turn;
+    side->slope[1] = blend->cost_speed - price * blend->along_speed + pull * blend->aside_speed;
+    side->curve[0] = blend->cost_turn2 - price * blend->along_turn2 + pull * blend->aside_turn2;
+    side->curve[1] = -price * blend->along_both + pull * blend->aside_both;
+    side->curve[2] = blend->cost_speed2;
+    side->moved[0] = -blend->aside_turn / lever;
+    side->moved[1] = -sign * blend->aside_speed / lever;
 }
 
 /** A curvature by heading and speed at one end: what they do themselves, by the middle, and both. `sign` as above: the
@@ -286,13 +288,17 @@ static void curve_of(const struct side *side, float sign, float by_middle, float
 
 static void derive(const struct jp_cost_leg *leg, const struct middle *middle, float price, struct jp_leg_cost *result)
 {
-    const struct blend *const b = &middle->begin;
-    const struct blend *const e = &middle->end;
+    const struct side_blend *const b = &middle->begin;
+    const struct side_blend *const e = &middle->end;
     const float slope = (b->cost_turn - price * b->along_turn) - (e->cost_turn - price * e->along_turn) -
                         price * leg->length * middle->sine;
     const float multiplier = -slope / middle->lever;
-    const struct side begin = side_of(b, price, multiplier, -1.0f, middle->lever);
-    const struct side end = side_of(e, price, multiplier, 1.0f, middle->lever);
+    struct side begin;
+    struct side end;
+
+    derive_side(b, price, multiplier, -1.0f, middle->lever, &begin);
+    derive_side(e, price, multiplier, 1.0f, middle->lever, &end);
+
     const float by_middle =
         begin.curve[0] + end.curve[0] - leg->length * (price * middle->cosine + multiplier * middle->sine);
     const float crossed[2][2] = {{-begin.curve[0], begin.curve[1]}, {-end.curve[0], -end.curve[1]}};

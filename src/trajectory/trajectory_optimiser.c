@@ -32,7 +32,7 @@
 #define GIVEN_MIN JP_Q24(0.01)
 #define GIVEN_MAX JP_Q24(8)
 
-#define BOTH ((uint8_t)JP_GIVEN_HEADING | (uint8_t)JP_GIVEN_SPEED)
+#define BOTH ((unsigned)JP_GIVEN_HEADING | (unsigned)JP_GIVEN_SPEED)
 
 /* ---- One evaluation, leg by leg ---- */
 
@@ -175,7 +175,8 @@ static enum jp_status evaluate_leg(struct jp_trajectory_optimiser_internal *inte
     if (status == JP_OK) {
         if (internal->phase == JP_OPTIMISER_ASSESS) {
             note_rule(place, &internal->plan.internal.chord, &outline.next);
-        } else if (internal->phase == JP_OPTIMISER_GIVE) {
+        }
+        if (internal->phase == JP_OPTIMISER_GIVE) {
             compare_pace(internal, place);
         }
         internal->plan.internal.motion = outline.next;
@@ -349,11 +350,8 @@ static void free_places(const struct jp_trajectory_optimiser_internal *internal)
 {
     const uint16_t last = internal->legs < internal->config.task.count ? 2U : 1U;
 
-    for (uint16_t i = 0; i < internal->legs; i++) {
-        const bool is_between = i >= internal->config.held && i + last < internal->legs;
-        const uint8_t given = internal->config.passages[i].given;
-
-        internal->config.places[i].is_free = is_between ? (uint8_t)(BOTH & ~given) : 0U;
+    for (uint16_t i = internal->config.held; i + last < internal->legs; i++) {
+        internal->config.places[i].is_free = (uint8_t)(BOTH & ~(unsigned)internal->config.passages[i].given);
     }
 }
 
