@@ -41,7 +41,7 @@ LONGEST = 10.0  # s
 STEP_MAX, STORAGE_MAX, SHARE_MAX, TRANSIENT_MAX = 512, 8, 4096, 4096
 STEP_BITS, STORAGE_BITS, SHARE_BITS = 16, 28, 16
 
-# Of a mode's own storage: what is off the diagonal is doubled.
+# Of a mode's storage, with itself and with others, which is doubled in the table.
 OWN_STORAGE_MAX = STORAGE_MAX / 2
 
 SUFFIXES = {closed_loop.MOTOR: "", closed_loop.BATTERY: "_battery"}
@@ -154,7 +154,7 @@ def units_of(robot, axis, table, energy):
     unit, mode = 2.0**energy, np.zeros(len(table.decay), int)
     transients = _largest_transients(robot, axis, table)
     for pair in _pairs(table.frequency):
-        own = np.abs(np.diag(table.storage))[pair].max() / unit
+        own = np.abs(table.storage[pair]).max() / unit
         shares = max(np.abs(table.cross[:, pair]).max(), np.abs(table.steady[pair]).max()) / unit
         least = max(math.log2(max(own / OWN_STORAGE_MAX, 1)) / 2, math.log2(max(shares / SHARE_MAX, 1)))
         steps = max(np.abs(table.step[:, pair]).max() / STEP_MAX, transients[pair].max() / TRANSIENT_MAX)
