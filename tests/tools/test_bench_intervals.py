@@ -36,6 +36,11 @@ def test_missions_are_driven_by_the_tables_that_were_made(tmp_path, monkeypatch)
     found = bench_intervals.drive_all([ROOT / "sim" / "robots" / "courier24.cfg"], tmp_path, 2, 1)["courier24"]
     assert [one["seed"] for one in found] == [bench_intervals.MISSION_SEED, bench_intervals.MISSION_SEED + 1]
     assert all(one["outcome"] == "done" for one in found)
+    # What was driven is not driven again.
+    monkeypatch.setattr(bench_intervals.robot_trials, "called", lambda command, what: pytest.fail(what))
+    program = tmp_path / "courier24" / "jp-trip"
+    again = bench_intervals.trips((program, ROOT / "sim" / "robots" / "courier24.cfg", 0, 1))
+    assert again == ("courier24", found[:1])
 
 
 def test_weak_robots_are_passed_over(tmp_path, monkeypatch):

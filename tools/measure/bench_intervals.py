@@ -7,6 +7,7 @@ seed on that are strong enough. Of each the tables are made anew, as make robot 
 which differs from its file in ground, payload, motors and battery, learns on a way, and is forecast on the next. Prints a
 table and writes figures and tables for figures.py. Exit status 2: a program failed; nothing was written.
 """
+import hashlib
 import json
 import math
 import multiprocessing
@@ -18,7 +19,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, run, shown_path, whole_number, write_whole
+from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, whole_number, write_whole
 from tools.design import robot_design, robot_json, robot_trials
 from tools.measure import bench_robots, random_robots
 from tools.measure.figure_store import write_tables
@@ -73,10 +74,15 @@ def prepare(robot_file, build):
 
 
 def trips(task):
-    """Some missions of a robot, one after the other, as jp-trip prints them."""
+    """Some missions of a robot, one after the other, as jp-trip prints them. What the same program drove before is kept
+    beside it, so that an interrupted bench goes on."""
     program, robot_file, first, count = task
-    lines = robot_trials.called([program, robot_file, f"--count={count}", f"--seed={MISSION_SEED + first}"], "jp-trip")
-    return robot_file.stem, [json.loads(line) for line in lines.splitlines()]
+    driven_by = hashlib.sha256(program.read_bytes() + robot_file.read_bytes()).hexdigest()[:16]
+    path = program.parent / "missions" / f"{driven_by}_{first}_{count}.json"
+    if not path.exists():
+        write_whole(path, robot_trials.called([program, robot_file, f"--count={count}", f"--seed={MISSION_SEED + first}"],
+                                              "jp-trip"))
+    return robot_file.stem, [json.loads(line) for line in read_text(path).splitlines()]
 
 
 def drive_all(files, build, missions, workers):
