@@ -203,23 +203,24 @@ struct pieces {
     uint32_t count;
 };
 
-static struct pieces split(const struct jp_horizon *horizon, const struct jp_energy_start *start,
-                           const struct jp_segment_command *segment)
+static void split(const struct jp_horizon *horizon, const struct jp_energy_start *start,
+                  const struct jp_segment_command *segment, struct pieces *pieces)
 {
     const jp_q24 speed = segment->motion.speed;
-    struct pieces pieces = {.piece = {*segment, *segment}, .count = 1};
 
+    pieces->piece[0] = *segment;
+    pieces->count = 1;
     if (!horizon || start->reversal_rest == 0 || speed == 0 || (speed > 0) == start->is_forward) {
-        return pieces;
+        return;
     }
-    pieces.piece[0].motion.speed = 0;
+    pieces->piece[0].motion.speed = 0;
     if (segment->duration > start->reversal_rest) {
-        pieces.piece[0].duration = start->reversal_rest;
-        pieces.piece[1].turn = 0;
-        pieces.piece[1].duration -= start->reversal_rest;
-        pieces.count = 2;
+        pieces->piece[0].duration = start->reversal_rest;
+        pieces->piece[1] = *segment;
+        pieces->piece[1].turn = 0;
+        pieces->piece[1].duration -= start->reversal_rest;
+        pieces->count = 2;
     }
-    return pieces;
 }
 
 /** How long the direction may not change after a piece. */
@@ -277,12 +278,13 @@ enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const str
     if (!energy || !end || !arguments_are_valid(model, horizon, start, segment)) {
         return JP_ERR_ARGUMENT;
     }
-    const struct pieces pieces = split(horizon, start, segment);
+    struct pieces pieces;
     struct jp_energy_start at = *start;
     int64_t settled = 0;
     int64_t transient = 0;
     bool fits = true;
 
+    split(horizon, start, segment, &pieces);
     for (uint32_t i = 0; i < pieces.count; i++) {
         const struct jp_segment_command *piece = &pieces.piece[i];
         struct jp_voltage_terms voltage;
@@ -350,12 +352,13 @@ enum jp_status jp_energy_regressors(const struct jp_energy_model *model, const s
     if (!regressor || !rest || !arguments_are_valid(model, horizon, start, segment)) {
         return JP_ERR_ARGUMENT;
     }
-    const struct pieces pieces = split(horizon, start, segment);
+    struct pieces pieces;
     struct jp_energy_start at = *start;
     int64_t sum[JP_ENERGY_PARAMETERS] = {0};
     int64_t transient = 0;
     bool fits = true;
 
+    split(horizon, start, segment, &pieces);
     for (uint32_t i = 0; i < pieces.count; i++) {
         struct jp_energy_start next;
 

@@ -149,7 +149,7 @@ def test_energy_plan_and_identification_agree(drive):
     assert energy.spent > sum(residual.measured for residual in identification.residuals)
     assert 0 < energy.state_of_charge <= 1
     assert identification.motor_resistance == pytest.approx(6.69, abs=1e-4)
-    assert identification.electronics_power == 6
+    assert identification.electronics_power == pytest.approx(6, abs=0.001)  # with what noise takes
 
 
 # ---- logs made by hand ---------------------------------------------------------------------------------------------

@@ -83,6 +83,8 @@ def test_tables_are_installed_only_when_the_robot_is_good(met, tmp_path, monkeyp
     (made / "tables/robot_mine.c").write_text("a table")
     for suffix in ("", "_battery"):
         (made / f"identify/identification{suffix}.png").write_bytes(b"a picture")
+    for step in ("horizon", "learning"):
+        (made / f"{step}_mine.png").write_bytes(b"a picture")
     assert robot_design.main() == (0 if met else 1)
     said = capsys.readouterr().out
     page = Path(made / "report.html").read_text()
