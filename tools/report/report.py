@@ -31,8 +31,9 @@ NULLABLE = ("planned_energy_j", "error_percent", "relative_percent", "speed_m_s"
 
 # What drives the route as a whole has the style of its counterpart, driven segment by segment.
 COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN, "cruise": plots.RED,
-           "straight_cruise": plots.AMBER, "bezier_route": plots.PURPLE}
-STYLES = {"optimal": "-", "straight": "--", "bezier": "-.", "cruise": "-", "straight_cruise": "--", "bezier_route": "-."}
+           "straight_cruise": plots.AMBER, "bezier_route": plots.PURPLE, "optimised_cruise": plots.INK}
+STYLES = {"optimal": "-", "straight": "--", "bezier": "-.", "cruise": "-", "straight_cruise": "--", "bezier_route": "-.",
+          "optimised_cruise": "--"}
 
 WIDE = (9.2, 3.4)
 
