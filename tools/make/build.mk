@@ -68,9 +68,6 @@ $(BUILD)/$1/unity.o: $(UNITY_SOURCE) $(SETTINGS)
 endef
 $(foreach v,$(VARIANTS),$(eval $(call variant_rules,$v)))
 
-# A property test reads the robot while another thread drives it.
-$(BUILD)/host-coverage/src/balancer/%.o: MODULE_FLAGS = -fprofile-update=atomic
-
 # `q` keeps members of one name from two directories apart.
 define archive
 	@mkdir -p $(@D)

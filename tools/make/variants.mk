@@ -51,7 +51,7 @@ FLAGS.host            = $(HOST) -O2
 FLAGS.release         = -O2 -Wno-error -ffunction-sections -fdata-sections
 # For a debugger on the board. The core has no floating point, so interrupts need not save its registers.
 FLAGS.firmware        = -g -mthumb -mcpu=cortex-m4 -O2 -ffunction-sections -fdata-sections -fcallgraph-info=su
-FLAGS.host-coverage   = $(HOST) -O0 --coverage
+FLAGS.host-coverage   = $(HOST) -O0 --coverage -fprofile-update=atomic
 FLAGS.host-gcc        = $(HOST) $(SANITIZE) -O1
 # Only short tests run there: clang takes longer to optimise what the sanitizers add than they to run without that.
 FLAGS.host-clang-m32  = $(HOST) $(SANITIZE) -O0 $(SSE)
