@@ -10,18 +10,15 @@ table and writes figures and tables for figures.py. Exit status 2: a program fai
 import hashlib
 import json
 import math
-import multiprocessing
 import os
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, whole_number, write_whole
 from tools.design import robot_design, robot_json, robot_trials
-from tools.measure import bench_robots, random_robots
+from tools.measure import bench_robots, progress, random_robots
 from tools.measure.figure_store import write_tables
 
 SHIPPED = ("gao2018", "courier24", "nxtway", "hoverbot")
@@ -86,15 +83,12 @@ def trips(task):
 
 def drive_all(files, build, missions, workers):
     """Missions of each robot, by its name; with a bar."""
-    console = Console(stderr=True)
-    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
-                   console=console, disable=not console.is_terminal, transient=True)
     found = {path.stem: [] for path in files}
-    with multiprocessing.Pool(workers) as pool, bar:
-        prepared = list(bar.track(pool.imap(partial(prepare, build=build), files), len(files), description="tables"))
+    with progress.workers(workers) as track:
+        prepared = list(track(partial(prepare, build=build), files, "tables"))
         tasks = [(*of_robot, first, min(AT_ONCE, missions - first)) for of_robot in prepared
                  for first in range(0, missions, AT_ONCE)]
-        for name, some in bar.track(pool.imap(trips, tasks), len(tasks), description="missions"):
+        for name, some in track(trips, tasks, "missions"):
             found[name] += some
     return found
 

@@ -14,7 +14,6 @@ import hashlib
 import itertools
 import json
 import math
-import multiprocessing
 import os
 import subprocess
 import tempfile
@@ -23,12 +22,10 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, whole_number, write_whole
 from tools.design import robot_json, robot_trials
-from tools.measure import energy_limit, trajectory_oracle
+from tools.measure import energy_limit, progress, trajectory_oracle
 from tools.measure.figure_store import write_tables
 
 COMMAND = "make bench-limit"
@@ -213,11 +210,8 @@ def compare(route, summary):
 
 def measure_all(routes, workers, store):
     """In parallel, with a bar."""
-    console = Console(stderr=True)
-    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
-                   console=console, disable=not console.is_terminal, transient=True)
-    with multiprocessing.Pool(workers) as pool, bar:
-        return list(bar.track(pool.imap(partial(measure, store=store), routes), len(routes), description="routes"))
+    with progress.workers(workers) as track:
+        return list(track(partial(measure, store=store), routes, "routes"))
 
 
 # ---- Figures -------------------------------------------------------------------------------------------------------

@@ -6,7 +6,6 @@ drives a random route before it has learned anything. A robot that is refused mu
 figures and tables for figures.py. Exit status 2: a program failed; nothing was written.
 """
 import json
-import multiprocessing
 import os
 import tempfile
 from dataclasses import dataclass
@@ -14,12 +13,10 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from tools.common import ArgumentParser, ToolError, print_aligned, run, shown_path, whole_number, write_whole
 from tools.design import closed_loop, robot_json, robot_trials
-from tools.measure import random_robots
+from tools.measure import progress, random_robots
 from tools.measure.figure_store import write_tables
 
 COMMAND = "make bench-robots"
@@ -86,11 +83,8 @@ def measure_all(seeds, workers):
     """In parallel, with a bar."""
     build = robot_json.build_directory().resolve() / "robots"
     build.mkdir(parents=True, exist_ok=True)
-    console = Console(stderr=True)
-    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
-                   console=console, disable=not console.is_terminal, transient=True)
-    with multiprocessing.Pool(workers) as pool, bar:
-        return list(bar.track(pool.imap(partial(measure, build=build), seeds), len(seeds), description="robots"))
+    with progress.workers(workers) as track:
+        return list(track(partial(measure, build=build), seeds, "robots"))
 
 
 def row(name, values, unit):
