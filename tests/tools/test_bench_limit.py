@@ -246,9 +246,11 @@ def test_a_short_run(tmp_path, monkeypatch):
     assert result.returncode == 0, result.stderr
     figures = {figure["name"]: figure["value"] for figure in json.loads(path.read_text())}
     beside = [name for name in figures if name.startswith("cruise and transients, ")]
-    assert len(figures) == 8 + 2 * 8 + 2 * 2 + len(beside) and len(beside) == 2 * (2 + 3 + 3) + 2
+    assert len(figures) == 8 + 2 * 8 + 2 * 2 + len(beside) and len(beside) == 2 * (2 + 3 + 3 + 1) + 2
     # After one leg the rule's drive is some millimetres short of its waypoint, and so below the limit.
-    assert all(-0.5 < value < 100 for value in figures.values())
+    others = [name for name in beside if "another strategy" in name]
+    assert len(others) == 2 and all(-20 < figures[name] < 0 for name in others)
+    assert all(-0.5 < value < 100 for name, value in figures.items() if name not in others)
     assert all(figures[name] < 4 for name in beside)
     # Of the limit that another program finds, 25.24216 J.
     assert figures["energy limit: courier24_short, energy-optimal segments: above the limit"] == \
@@ -270,16 +272,30 @@ def test_a_limit_that_is_not_found_is_named(monkeypatch):
     monkeypatch.setattr(bench_limit.energy_limit, "least", lambda *_: [None])
     route = bench_limit.Route("corner", "", 1)
     with pytest.raises(bench_limit.ToolError, match="corner: no limit found that ends at 0.400 m/s"):
-        bench_limit.limits(route, None, [0.4])
+        bench_limit.limits_found(route, None, [0.4])
 
 
 def test_a_limit_at_another_end(bend):
     speed = bend.plant.cruise()
-    near, far = least(bend, [speed, speed + 0.005], 1)
-    moved = bench_limit.moved(bend.plant, near.energy, speed, speed + 0.005)
+    near, far = (bench_limit.Limit(end, found.energy, found.durations.sum())
+                 for end, found in zip((speed, speed + 0.005), least(bend, [speed, speed + 0.005], 1)))
+    moved = bench_limit.moved(bend.plant, near, far.end_speed)
     assert moved - near.energy == pytest.approx(far.energy - near.energy, rel=0.02)
-    with pytest.raises(bench_limit.ToolError, match="have not the same limit"):
-        bench_limit.moved(bend.plant, near.energy, speed, speed + 0.05)
+    assert bench_limit.moved(bend.plant, near, speed) == near.energy
+
+
+def test_only_what_no_kept_limit_is_near_is_found(tmp_path, monkeypatch):
+    asked = []
+
+    def found(_route, _task, speeds):
+        asked.append(speeds)
+        return [bench_limit.Limit(speed, 100 * speed, 1.0) for speed in speeds]
+
+    monkeypatch.setattr(bench_limit, "limits_found", found)
+    path = tmp_path / "limits.json"
+    for speeds, ends in (([0.5, 0.3], [0.5, 0.3]), ([0.505, 0.309], [0.5, 0.3]), ([0.52, 0.3], [0.52, 0.3])):
+        assert [limit.end_speed for limit in bench_limit.limits_of(None, None, speeds, path)] == ends
+    assert asked == [[0.5, 0.3], [0.52]]
 
 
 def test_a_failed_mission_is_named():

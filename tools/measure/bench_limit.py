@@ -4,9 +4,9 @@
 jp-mission drives every route in closed loop. The limit is that of energy_limit.py through the same waypoints, in settled
 motion at the speed with which the strategy ended. It is integrated, so that its voltages are known to be possible.
 Beside them stands what cruise and transients reach (trajectory_oracle.py): planned in double precision, and followed by
-the same plant under a feedback of its exact state. With headings and speeds that are found for the whole route, cruise
-and transients end hardly faster or slower than by the rule: their limit is the rule's, and the momentum between them.
-What an interrupted bench found is kept, and so is what another drive does not change.
+the same plant under a feedback of its exact state. A drive that ends hardly faster or slower than another has the other's
+limit, and the momentum between them: all limits are kept, and found anew only where the route, the robot or the program
+that finds them are others.
 Prints tables and writes figures and tables for figures.py. Exit status 2: a program failed or no limit was found;
 nothing was written.
 """
@@ -43,13 +43,14 @@ RULE = "cruise and transients, by rule"
 OPTIMISED = "cruise and transients, optimised"
 BARS = {RULE: {"mission": 0.25, "short": 0.5, "mean": 0.6, "worst": 0.8},
         OPTIMISED: {"mission": 0.25, "short": 0.5, "mean": 0.3, "worst": 0.8}}
+BESIDE_OTHERS_BAR = 0.0                      # %, above any other strategy, with the same end
 SAVED_BAR = 0.0                              # %, of the rule's energy in the mean
 MISS_BAR = 1.0                               # cm
 FORECAST_BARS = {"mean": 0.3, "worst": 1.0}  # %
 
 ORACLE = "cruise and transients, double precision"
 
-NEAR_MAX = 0.01  # m/s, between the ends of the rule's drive and the optimised one
+NEAR_MAX = 0.01  # m/s, between the ends of two drives of which one has the other's limit
 
 STARTS = 4
 INTEGRATED_MAX = 1e-4  # of the limit: beyond it the mesh is too coarse
@@ -91,6 +92,14 @@ class Drive:
         return 100 * abs(self.forecast / self.energy - 1)
 
 
+@dataclass(frozen=True)
+class Limit:
+    """The least energy of a route for one speed at its end."""
+    end_speed: float  # m/s
+    energy: float     # J
+    seconds: float
+
+
 # ---- Routes --------------------------------------------------------------------------------------------------------
 
 def scenario_route(name):
@@ -122,23 +131,6 @@ def driven(route, *arguments):
         return json.loads(read_text(Path(folder) / "summary.json"))
 
 
-def check_limit(name, solution, speed):
-    """There is one, and integrated it is the same."""
-    if solution is None:
-        raise ToolError(f"{name}: no limit found that ends at {speed:.3f} m/s")
-    apart = energy_limit.integrate(solution).energy / solution.energy - 1
-    if abs(apart) > INTEGRATED_MAX:
-        raise ToolError(f"{name}: the limit integrated is {100 * apart:.3f} % away: its mesh is too coarse")
-
-
-def limits(route, task, speeds):
-    """A solution for each speed at the end, integrated."""
-    found = energy_limit.least(task, speeds, STARTS, route.seed)
-    for speed, solution in zip(speeds, found):
-        check_limit(route.name, solution, speed)
-    return found
-
-
 def oracle_drive(route, task):
     """Its end, time, energy and the worst miss."""
     speed = task.plant.cruise()
@@ -147,44 +139,6 @@ def oracle_drive(route, task):
         raise ToolError(f"{route.name}: no trajectory of cruise and transients found")
     check = energy_limit.follow(task.plant, task.points, *plan.sampled())
     return ORACLE, check.energy, plan.seconds, speed, max(check.misses), math.nan
-
-
-def optimised(route, by_rule):
-    """The drive with headings and speeds found for the whole route."""
-    summary = driven(route, "--optimised")
-    drive, = drives_of(summary["strategies"])
-    plant = plant_of(summary)
-    return Drive(*drive, moved(plant, by_rule.limit, by_rule.end_speed, drive[3]), by_rule.limit_seconds)
-
-
-def moved(plant, limit, speed, other):
-    """A limit at another speed at the end, near the cruise: what the voltages' squares gain with the momentum."""
-    if abs(other - speed) > NEAR_MAX:
-        raise ToolError(f"drives that end at {speed:.3f} and {other:.3f} m/s have not the same limit")
-    linear = trajectory_oracle.Linear(plant)
-    return limit + linear.curvature[-2, -2] * linear.volts[0] * linear.volts[1] * (other**2 - speed**2) / 2
-
-
-def sources():
-    """What tells a limit."""
-    return "".join(read_text(module.__file__) for module in (energy_limit, trajectory_oracle))
-
-
-def measure(route, store):
-    """What the store has of these very drives, else measured and kept there."""
-    summary = driven(route)
-    program = robot_json.default_jp_robot()
-    told = (route.scenario, route.seed, route.by_rule_alone, summary["strategies"],
-            robot_json.printed_by(program, robot_json.robot_path(summary["robot"]), "--json=-"), sources(), STARTS)
-    key = hashlib.sha256(json.dumps(told).encode()).hexdigest()
-    path = store / f"{route.name}_{key[:16]}.json"
-    if path.exists():
-        drives = [Drive(**drive) for drive in json.loads(read_text(path))]
-    else:
-        drives = compare(route, summary)
-        write_whole(path, json.dumps([asdict(drive) for drive in drives]))
-    by_rule, = of_strategy(RULE, drives)
-    return [*drives, optimised(route, by_rule)]
 
 
 def plant_of(summary):
@@ -198,14 +152,68 @@ def drives_of(rows):
             for row in rows if "total" in row]
 
 
-def compare(route, summary):
+# ---- Limits --------------------------------------------------------------------------------------------------------
+
+def check_limit(name, solution, speed):
+    """There is one, and integrated it is the same."""
+    if solution is None:
+        raise ToolError(f"{name}: no limit found that ends at {speed:.3f} m/s")
+    apart = energy_limit.integrate(solution).energy / solution.energy - 1
+    if abs(apart) > INTEGRATED_MAX:
+        raise ToolError(f"{name}: the limit integrated is {100 * apart:.3f} % away: its mesh is too coarse")
+
+
+def limits_found(route, task, speeds):
+    """For each speed at the end, integrated."""
+    found = energy_limit.least(task, speeds, STARTS, route.seed)
+    for speed, solution in zip(speeds, found):
+        check_limit(route.name, solution, speed)
+    return [Limit(speed, solution.energy, solution.durations.sum()) for speed, solution in zip(speeds, found)]
+
+
+def nearest(limits, speed):
+    """None: none is near."""
+    near = [limit for limit in limits if abs(limit.end_speed - speed) <= NEAR_MAX]
+    return min(near, key=lambda limit: abs(limit.end_speed - speed), default=None)
+
+
+def moved(plant, limit, speed):
+    """A limit's energy at another speed at the end, near the cruise: what the voltages' squares gain with the momentum."""
+    linear = trajectory_oracle.Linear(plant)
+    return limit.energy + (linear.curvature[-2, -2] * linear.volts[0] * linear.volts[1]
+                           * (speed**2 - limit.end_speed**2) / 2)
+
+
+def kept_in(store, route, summary):
+    """The file of the route's limits, by all that they follow from."""
+    told = (route.scenario, route.seed, STARTS, summary["energy"],
+            robot_json.printed_by(robot_json.default_jp_robot(), robot_json.robot_path(summary["robot"]), "--json=-"),
+            *(read_text(module.__file__) for module in (energy_limit, trajectory_oracle)))
+    return store / f"{route.name}_{hashlib.sha256(json.dumps(told).encode()).hexdigest()[:16]}.json"
+
+
+def limits_of(route, task, speeds, path):
+    """The nearest for each speed: those kept at the path, and where none is near, one that is found and kept there."""
+    kept = [Limit(**limit) for limit in json.loads(read_text(path))] if path.exists() else []
+    missing = [speed for speed in speeds if nearest(kept, speed) is None]
+    if missing:
+        kept += limits_found(route, task, missing)
+        write_whole(path, json.dumps([asdict(limit) for limit in kept]))
+    return [nearest(kept, speed) for speed in speeds]
+
+
+# ---- A route -------------------------------------------------------------------------------------------------------
+
+def measure(route, store):
     """A drive for each strategy that is asked for and can drive the route."""
+    summary = driven(route)
     task = energy_limit.Task(plant_of(summary), np.array(summary["waypoints_m"]))
     drives = drives_of(row for row in summary["strategies"] if row["title"] == RULE or not route.by_rule_alone)
     if not route.by_rule_alone:
         drives.append(oracle_drive(route, task))
-    found = limits(route, task, [drive[3] for drive in drives])
-    return [Drive(*drive, solution.energy, solution.durations.sum()) for drive, solution in zip(drives, found)]
+    drives += drives_of(driven(route, "--optimised")["strategies"])
+    found = limits_of(route, task, [drive[3] for drive in drives], kept_in(store, route, summary))
+    return [Drive(*drive, moved(task.plant, limit, drive[3]), limit.seconds) for drive, limit in zip(drives, found)]
 
 
 def measure_all(routes, workers, store):
@@ -244,6 +252,16 @@ def figures_beside(strategy, scenarios, routes):
         yield figure_of(strategy, f"{name}, waypoints passed within", miss, "cm", MISS_BAR)
         yield figure_of(strategy, f"{name}, forecast against driven, mean", np.mean(errors), "%", FORECAST_BARS["mean"])
         yield figure_of(strategy, f"{name}, forecast against driven, worst", max(errors), "%", FORECAST_BARS["worst"])
+
+
+def figure_beside_others(strategy, results):
+    """Of routes that every strategy was asked to drive, each drive above the limit of its own end."""
+    beyond = []
+    for drives in results:
+        own, = of_strategy(strategy, drives)
+        beyond += [own.above - other.above for other in drives if other.strategy not in (RULE, OPTIMISED, ORACLE)]
+    return {"name": f"{strategy}: {len(results)} scenarios and random routes, above what another strategy takes, worst",
+            "value": max(beyond), "unit": "%", "bound": {"op": "<=", "value": BESIDE_OTHERS_BAR}, "command": COMMAND}
 
 
 def figures_of_saving(routes):
@@ -317,7 +335,8 @@ def main():
               for count, kind in ((options.routes, "random"), (options.unseen, "unseen random")) for robot in ROBOTS]
     scenario_table = [row for name, drives in scenarios.items() for row in scenario_rows(name, drives)]
     route_table = [row for routes, robot, drives in random for row in route_rows(routes, robot, drives)]
-    figures = [*figures_of(scenarios, random), *figures_beside(RULE, scenarios, random),
+    compared = [*scenarios.values(), *(drives for _, _, results in random[:len(ROBOTS)] for drives in results)]
+    figures = [*figures_of(scenarios, random), *(figure_beside_others(strategy, compared) for strategy in BARS), *figures_beside(RULE, scenarios, random),
                *figures_beside(OPTIMISED, scenarios, random), *figures_of_saving(random)]
     write_whole(path, json.dumps(figures, indent=2, ensure_ascii=False) + "\n")
     tables = path.with_suffix(".tables.json")
