@@ -7,7 +7,7 @@
  * It is exact up to a horizon, a quarter beyond the target's value; farther off the horizon is the bound.
  *
  * It grows in slices. When the map lets the robot drive cheaper, the values that are too high are lowered, and only
- * those; when the map becomes dearer the old values are still bounds and stay. Memory: the caller's block, two bytes
+ * those; when the map becomes dearer the old values are still bounds and stay. Memory: the caller's block, three bytes
  * and one bit a cell. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_ENERGY_FIELD_H
@@ -33,7 +33,6 @@ struct jp_energy_field {
     const struct jp_lattice *lattice;
     const struct jp_terrain *terrain;
     enum jp_cost_kind kind;
-    uint8_t shift; /**< values are in 2^shift cost units, rounded down */
     struct jp_wavefront wave;
     struct jp_cell_box lowered; /**< cells whose values have fallen since jp_energy_field_take_lowered() */
 };

@@ -149,14 +149,25 @@ void jp_lattice_turns(const struct jp_lattice *lattice, enum jp_cost_kind kind, 
 /** Cost of a unit step; JP_COST_MAX when it is too steep. Two multiplications. */
 jp_cost jp_move_cost(const struct jp_slope_cost *cost, int32_t rise);
 
-/** Lower bound of the cost of the moves of any path that ends (dx, dy) cells off and `rise` higher, obstacles left
- * aside: the least cost a length over the straight line, plus the cost of the rise. Work: all rises of a step, a square
- * root. */
-jp_cost jp_lattice_straight_bound(const struct jp_lattice *lattice, enum jp_cost_kind kind, int32_t dx, int32_t dy,
-                                  int32_t rise);
+/** What the moves of any path cost at least. */
+struct jp_straight {
+    int64_t per_cell; /**< of the straight line, 2⁻¹⁶ cost units; below 0: downhill a move may cost nothing */
+    int32_t per_rise; /**< a unit of jp_elevation, 2⁻¹⁶ cost units */
+};
 
-/** Cost of a primitive from cell (x, y) without regard to obstacles; JP_COST_MAX when a step is too steep. The cells
- * must be on the map. Work: its moves. */
+/** Of a lattice and a kind of cost. Work: all rises of a step. */
+void jp_lattice_straight(const struct jp_lattice *lattice, enum jp_cost_kind kind, struct jp_straight *straight);
+
+/** Lower bound of the cost of the moves of any path that ends (dx, dy) cells off and `rise` higher, obstacles left
+ * aside: the least cost a length over the straight line, plus the cost of the rise. Work: a square root. */
+jp_cost jp_straight_bound(const struct jp_straight *straight, int32_t dx, int32_t dy, int32_t rise);
+
+/** True when all cells that a primitive sweeps from cell (x, y) are on the map and free. Work: its spans. */
+bool jp_lattice_is_clear(const struct jp_lattice *lattice, const struct jp_terrain *terrain,
+                         const struct jp_primitive *primitive, int32_t x, int32_t y);
+
+/** Cost of a primitive from cell (x, y) without regard to obstacles; JP_COST_MAX when a step is too steep. Cells
+ * off the map are level. Work: its moves. */
 jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
                           const struct jp_primitive *primitive, int32_t x, int32_t y);
 

@@ -107,18 +107,12 @@ enum jp_planner_phase {
     JP_PLANNER_EMPTY,        /**< idle, and there is no search */
     JP_PLANNER_GROW_GUIDE,   /**< for a new search */
     JP_PLANNER_GROW_FIELD,   /**< for a new search */
-    JP_PLANNER_UPDATE_FIELD, /**< from here on there is a search; it waits for the energy field */
+    JP_PLANNER_CHECK_PLAN,   /**< from here on there is a search; it waits for what the changes leave of the plan */
+    JP_PLANNER_UPDATE_FIELD, /**< it waits for the energy field */
     JP_PLANNER_REPAIR,       /**< recomputes the states whose primitives sweep changed cells */
     JP_PLANNER_REKEY,        /**< computes all keys anew, for another ε or a wider range */
     JP_PLANNER_SEARCH,
     JP_PLANNER_SETTLED /**< idle, with a search that can be repaired */
-};
-
-/** Whether the energy field has a root, and which heuristic steers the search. */
-enum jp_planner_field {
-    JP_FIELD_UNUSED, /**< no root: the guide steers */
-    JP_FIELD_ROOTED, /**< the guide steers all the same */
-    JP_FIELD_STEERS  /**< the search is exact */
 };
 
 /** Where the search begins. */
@@ -138,33 +132,75 @@ struct jp_planner_changes {
     uint32_t cursor;     /**< of the repair */
 };
 
+/** How far the plan has been checked on the present map. */
+struct jp_planner_check {
+    struct jp_lattice_pose pose;
+    uint32_t step;
+    uint32_t head_steps;              /**< before the first that is blocked */
+    struct jp_lattice_pose tail_pose; /**< from here on nothing blocks the steps that have been checked */
+    uint32_t tail_step;
+    jp_cost tail_cost;
+};
+
+/** Steps of the plan on either side of what is blocked that a splice may join. */
+#define JP_PLANNER_SPLICE_STEPS ((uint32_t)32)
+
+/** The head of the plan that the scout joins with its tail. */
+struct jp_planner_head {
+    uint32_t ids[JP_PLANNER_SPLICE_STEPS + 1U]; /**< states, from first_step on */
+    uint32_t first_step;
+    uint16_t count;
+    uint32_t junction; /**< index of the state from which there is a way to the tail; count: none is found */
+};
+
+/** Work, in expansions and what takes as long, by which the planner knows when beginning anew is cheaper. */
+struct jp_planner_effort {
+    uint32_t spent;       /**< since the search began, or since a change ended a route */
+    uint32_t fresh_route; /**< from the last beginning to its first route; 0: changes came before */
+    uint32_t fresh_end;   /**< to its end; 0: changes came before */
+    jp_cost fresh_cost;   /**< of that route */
+    bool has_begun;       /**< anew, in this slice: what the slice did before is not of this search */
+};
+
+/** A search from one end of the route to the other: its states, their queue, and what steers it. */
+struct jp_planner_search {
+    struct jp_planner_state *states; /**< open-addressed hash table */
+    uint32_t *buckets;               /**< heads of the queue's lists */
+    uint32_t slot_count;             /**< prime */
+    uint32_t bucket_count;
+    uint32_t state_count;
+    uint32_t state_count_max;
+    uint32_t lowest_bucket;
+    uint32_t rekey_slot; /**< slots from here on are not in the queue yet */
+    uint32_t nearest;    /**< slot of the state with the least heuristic */
+    jp_cost nearest_heuristic;
+    enum jp_planner_direction direction;
+    uint16_t epsilon;
+    uint8_t level; /**< of the schedule of ε */
+    uint8_t bucket_shift;
+    bool is_exact;        /**< the energy field steers it, with ε = 1; else the guide does */
+    bool is_of_one_level; /**< the table holds no states of an earlier ε */
+    bool is_repaired;     /**< start or map have changed since it began */
+};
+
 struct jp_planner_internal {
     struct jp_planner_config config;
     struct jp_terrain *terrain;
 
     enum jp_planner_phase phase;
-    enum jp_planner_field field_use;
-    enum jp_planner_direction direction;
-    uint8_t level; /**< of the schedule of ε */
-    uint16_t epsilon;
     struct jp_lattice_pose start;
     struct jp_goal goal;
     bool has_start;
     bool has_goal;
-    bool is_repaired;      /**< start or map have changed since the planner began anew */
-    bool is_of_one_level;  /**< the table holds no states of an earlier ε */
-    uint8_t field_heading; /**< of the robot when the energy field got its root */
-
-    struct jp_planner_state *states; /**< open-addressed hash table */
-    uint32_t *buckets;               /**< heads of the queue's lists */
-    uint32_t slot_count;             /**< prime */
-    uint32_t bucket_count;
-    uint32_t lowest_bucket;
-    uint32_t rekey_slot; /**< slots from here on are not in the queue yet */
-    uint8_t bucket_shift;
-    uint16_t neighbours_max; /**< that an expansion can add */
-    uint32_t nearest;        /**< slot of the state with the least heuristic */
-    jp_cost nearest_heuristic;
+    bool is_field_rooted;             /**< the energy field has a root */
+    uint8_t field_heading;            /**< of the robot when the energy field got its root */
+    uint16_t neighbours_max;          /**< that an expansion can add */
+    struct jp_planner_search search;  /**< that is worked on */
+    struct jp_planner_search resting; /**< the scout: a small one by the guide, that finds a route while the exact one
+                                         is repaired; while it searches, the exact one. No states: there is none */
+    bool is_scouting;
+    bool is_splicing; /**< the scout joins what the last check has left of the plan */
+    bool has_guide;   /**< the guide has grown for this goal, from where the robot was then */
 
     uint32_t terrain_version;
     uint8_t *route;       /**< of the plan: index of each primitive among those of its heading */
@@ -172,9 +208,14 @@ struct jp_planner_internal {
     uint16_t route_max;
     enum jp_answer answer;
     struct jp_plan plan;
+    jp_cost least; /**< no route of this start, goal and map costs less */
     struct jp_planner_counts statistics;
     struct jp_planner_changes changes;
+    struct jp_planner_check check;
+    struct jp_planner_head head;
+    struct jp_planner_effort effort;
     struct jp_turns turns;
+    struct jp_straight straight;
     struct jp_guide_field guide;
     struct jp_energy_field field;
 };
@@ -201,9 +242,10 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
  */
 enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct jp_lattice *lattice);
 
-/** Sets the robot's pose. The search continues with its costs. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map,
- *  or the footprint does not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then.
- *  Constant time, unless the search must begin anew: then as jp_planner_restart(). */
+/** Sets the robot's pose. On the plan's route the plan begins there from now on, with what is proved of it; elsewhere
+ * the search continues with its costs. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map, or the footprint does
+ * not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then. Work: the plan's steps, and
+ * if the search must begin anew, as jp_planner_restart(). */
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_lattice_pose *start);
 
 /** Sets the goal. The search begins anew. JP_ERR_OUTSIDE: off the map. JP_ERR_BLOCKED: the footprint fits at no
@@ -211,7 +253,8 @@ enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_
  */
 enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_goal *goal);
 
-/** Changes a cell of the map and notes it for repair. As jp_terrain_set_cell(). Work: constant, but for every
+/** Changes a cell of the map and notes it for repair. A plan whose route is not touched stays, after a look at its
+ *  steps. As jp_terrain_set_cell(). Work: constant, but for every
  *  JP_PLANNER_CHANGES-th or far-off one, which repairs those before it. */
 enum jp_status jp_planner_set_cell(struct jp_planner *planner, int32_t x, int32_t y, enum jp_cell cell);
 

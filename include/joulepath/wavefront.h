@@ -4,8 +4,8 @@
  *
  * Cells whose values have fallen are marked and handed out, about in the order of their values, until none is left
  * below the horizon; the caller relaxes their neighbours. So a wave grows from a root, and so it is repaired when
- * values fall later. There is no queue: two bytes and one bit a cell, and the same work in slices as at once. Nothing
- * here is for ISRs.
+ * values fall later. There is no queue: two or three bytes and one bit a cell, and the same work in slices as at once.
+ * Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_WAVEFRONT_H
 #define JOULEPATH_WAVEFRONT_H
@@ -18,19 +18,21 @@
 extern "C" {
 #endif
 
-#define JP_WAVE_VALUE_MAX   ((uint16_t)0xFFFE)
-#define JP_WAVE_NOT_REACHED ((uint16_t)0xFFFF)
+/** Bytes of a value. */
+enum jp_wave_format { JP_WAVE_2_BYTES = 2, JP_WAVE_3_BYTES = 3 };
 
 /** The members are private. */
 struct jp_wavefront {
-    uint16_t *values;
-    uint32_t *dirty; /**< cells whose values have fallen since they were handed out */
+    uint16_t *values;     /**< their low 16 bits */
+    uint8_t *high;        /**< their high 8 bits; null: values of two bytes */
+    uint32_t not_reached; /**< the largest value of the format; that below it is the largest of a cell */
+    uint32_t *dirty;      /**< cells whose values have fallen since they were handed out */
     uint16_t width;
     uint16_t height;
-    uint16_t step;      /**< growth of the threshold */
-    uint16_t threshold; /**< cells up to it are handed out */
-    uint16_t lowest;    /**< lowest dirty value above the threshold that this sweep has seen */
-    uint16_t horizon;   /**< values up to it are final when the wave has stopped */
+    uint32_t step;      /**< growth of the threshold */
+    uint32_t threshold; /**< cells up to it are handed out */
+    uint32_t lowest;    /**< lowest dirty value above the threshold that this sweep has seen */
+    uint32_t horizon;   /**< values up to it are final when the wave has stopped */
     bool has_changed;   /**< this sweep has handed out a cell */
     uint16_t row;       /**< where this sweep is */
     uint16_t column;
@@ -41,23 +43,32 @@ struct jp_wavefront {
 };
 
 /** Bytes for a grid, a multiple of 8. */
-size_t jp_wavefront_size(uint16_t width, uint16_t height);
+size_t jp_wavefront_size(uint16_t width, uint16_t height, enum jp_wave_format format);
 
 /** Binds a wave to its grid and to jp_wavefront_size() bytes aligned to 8. */
-void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, void *block);
+void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, enum jp_wave_format format,
+                       void *block);
+
+/** The largest value of a cell: sums beyond it are limited to it. */
+static inline uint32_t jp_wavefront_value_max(const struct jp_wavefront *wave)
+{
+    return wave->not_reached - 1U;
+}
 
 /** Starts with no cell reached. `step`, above 0, is about the difference of neighbouring values. The wave will stop a
  *  quarter beyond the target's value. Work: all cells are cleared. */
-void jp_wavefront_start(struct jp_wavefront *wave, uint16_t step, uint16_t target_x, uint16_t target_y);
+void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t target_x, uint16_t target_y);
 
-/** Value of a cell of the grid; JP_WAVE_NOT_REACHED where the wave has not been. Constant time. */
-static inline uint16_t jp_wavefront_value(const struct jp_wavefront *wave, int32_t x, int32_t y)
+/** Value of a cell of the grid; wave->not_reached where the wave has not been. Constant time. */
+static inline uint32_t jp_wavefront_value(const struct jp_wavefront *wave, int32_t x, int32_t y)
 {
-    return wave->values[(size_t)y * wave->width + (size_t)x];
+    const size_t cell = (size_t)y * wave->width + (size_t)x;
+
+    return wave->values[cell] | (wave->high != NULL ? (uint32_t)wave->high[cell] << 16U : 0U);
 }
 
 /** Lowers the value of a cell, which will be handed out. Constant time. */
-void jp_wavefront_lower(struct jp_wavefront *wave, int32_t x, int32_t y, uint16_t value);
+void jp_wavefront_lower(struct jp_wavefront *wave, int32_t x, int32_t y, uint32_t value);
 
 /** Marks a cell to be handed out again, if it has been reached. Constant time. */
 void jp_wavefront_touch(struct jp_wavefront *wave, int32_t x, int32_t y);

@@ -4,13 +4,12 @@
 #include "src/map/field_unit.h"
 
 enum {
-    LEVEL_PATHS_PER_RANGE = 4, /* range of the values, in costs of a level path across the map */
-    STEPS_PER_THRESHOLD = 4,   /* few enough to be near the order of values, many enough for few sweeps */
+    STEPS_PER_THRESHOLD = 4, /* few enough to be near the order of values, many enough for few sweeps */
 };
 
 size_t jp_energy_field_size(const struct jp_terrain_config *config)
 {
-    return jp_wavefront_size(config->width, config->height);
+    return jp_wavefront_size(config->width, config->height, JP_WAVE_3_BYTES);
 }
 
 void jp_energy_field_init(struct jp_energy_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
@@ -20,10 +19,10 @@ void jp_energy_field_init(struct jp_energy_field *field, const struct jp_lattice
     field->lattice = lattice;
     field->terrain = terrain;
     field->kind = kind;
-    jp_wavefront_init(&field->wave, terrain->config.width, terrain->config.height, block);
+    jp_wavefront_init(&field->wave, terrain->config.width, terrain->config.height, JP_WAVE_3_BYTES, block);
 }
 
-static void lower(struct jp_energy_field *field, int32_t x, int32_t y, uint16_t value)
+static void lower(struct jp_energy_field *field, int32_t x, int32_t y, uint32_t value)
 {
     struct jp_cell_box *box = &field->lowered;
 
@@ -50,10 +49,8 @@ void jp_energy_field_set_lattice(struct jp_energy_field *field, const struct jp_
 void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_t root_y, int32_t target_x,
                            int32_t target_y)
 {
-    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_PATHS_PER_RANGE);
-    const uint32_t step = ((field_level_step(field->lattice, field->kind) * STEPS_PER_THRESHOLD) >> field->shift) + 1U;
-
-    jp_wavefront_start(&field->wave, field_value(step), (uint16_t)target_x, (uint16_t)target_y);
+    jp_wavefront_start(&field->wave, field_level_step(field->lattice, field->kind) * STEPS_PER_THRESHOLD + 1U,
+                       (uint16_t)target_x, (uint16_t)target_y);
     (void)jp_energy_field_take_lowered(field);
     lower(field, root_x, root_y, 0);
 }
@@ -74,8 +71,7 @@ static void relax(struct jp_energy_field *field, int32_t x, int32_t y)
         }
         const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(direction)],
                                           jp_terrain_elevation(terrain, nx, ny) - elevation);
-        const uint32_t sum = here + (step >> field->shift);
-        const uint16_t value = field_value(sum);
+        const uint32_t value = field_value(&field->wave, here + step);
         if (step != JP_COST_MAX && value < jp_wavefront_value(&field->wave, nx, ny) &&
             jp_lattice_is_open(field->lattice, terrain, nx, ny)) {
             lower(field, nx, ny, value);
@@ -134,9 +130,8 @@ jp_cost jp_energy_field_bound(const struct jp_energy_field *field, int32_t x, in
     const struct jp_wavefront *wave = &field->wave;
     const uint32_t value = jp_wavefront_value(wave, x, y);
 
-    if (value == JP_WAVE_NOT_REACHED && jp_wavefront_is_exhausted(wave)) {
+    if (value == wave->not_reached && jp_wavefront_is_exhausted(wave)) {
         return JP_COST_MAX;
     }
-    const uint32_t bound = value < wave->horizon ? value : wave->horizon;
-    return bound << field->shift < JP_COST_MAX ? bound << field->shift : JP_COST_MAX - 1U;
+    return value < wave->horizon ? value : wave->horizon;
 }

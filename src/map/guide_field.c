@@ -25,7 +25,7 @@ size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scal
     const uint16_t width = coarse(config->width, scale);
     const uint16_t height = coarse(config->height, scale);
 
-    return jp_wavefront_size(width, height) + steps_size(width, height);
+    return jp_wavefront_size(width, height, JP_WAVE_2_BYTES) + steps_size(width, height);
 }
 
 void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
@@ -40,8 +40,8 @@ void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *
     field->turns = turns;
     field->kind = kind;
     field->scale = (uint8_t)scale;
-    jp_wavefront_init(&field->wave, width, height, block);
-    field->steps = (uint8_t *)block + jp_wavefront_size(width, height);
+    jp_wavefront_init(&field->wave, width, height, JP_WAVE_2_BYTES, block);
+    field->steps = (uint8_t *)block + jp_wavefront_size(width, height, JP_WAVE_2_BYTES);
 }
 
 static unsigned step_at(const struct jp_guide_field *field, int32_t x, int32_t y)
@@ -72,10 +72,11 @@ void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction 
 
     field->direction = direction;
     field->root = *root;
-    field->shift = field_shift(field->lattice, field->kind, &field->terrain->config, LEVEL_PATHS_PER_RANGE);
+    field->shift =
+        field_shift(&field->wave, field->lattice, field->kind, &field->terrain->config, LEVEL_PATHS_PER_RANGE);
     const uint32_t step = ((field_level_step(field->lattice, field->kind) * scale) >> field->shift) + 1U;
 
-    jp_wavefront_start(&field->wave, field_value(step), target_x / scale, target_y / scale);
+    jp_wavefront_start(&field->wave, field_value(&field->wave, step), target_x / scale, target_y / scale);
     jp_wavefront_lower(&field->wave, root->x / scale, root->y / scale, 0);
 }
 
@@ -174,7 +175,7 @@ static void relax_step(struct jp_guide_field *field, int32_t x, int32_t y, unsig
     const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(heading)],
                                       (from_root ? rise : -rise) / (int32_t)field->scale);
     const uint32_t sum = here + ((step * field->scale + turn_at(field, x, y, heading)) >> field->shift);
-    const uint16_t value = field_value(sum);
+    const uint32_t value = field_value(&field->wave, sum);
 
     if (step == JP_COST_MAX || value >= jp_wavefront_value(&field->wave, nx, ny) ||
         !is_step_open(field, from_root ? x : nx, from_root ? y : ny, heading)) {
@@ -204,7 +205,7 @@ bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells)
 bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32_t y)
 {
     return jp_wavefront_value(&field->wave, x / (int32_t)field->scale, y / (int32_t)field->scale) !=
-           JP_WAVE_NOT_REACHED;
+           field->wave.not_reached;
 }
 
 jp_cost jp_guide_field_estimate(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned heading)

@@ -31,24 +31,28 @@ static int64_t least_level_part(const struct jp_slope_cost *cost, int32_t slope)
     return least;
 }
 
-jp_cost jp_lattice_straight_bound(const struct jp_lattice *lattice, enum jp_cost_kind kind, int32_t dx, int32_t dy,
-                                  int32_t rise)
+void jp_lattice_straight(const struct jp_lattice *lattice, enum jp_cost_kind kind, struct jp_straight *straight)
 {
     static const int64_t lengths[JP_MOVE_KINDS] = {65536, 146543, 92682}; /* 1, √5, √2 cells in Q16, rounded up */
     const struct jp_slope_cost *costs = lattice->move_costs[kind];
-    const int32_t slope = costs[JP_MOVE_AXIS].climb.linear;
-    int64_t per_cell = INT64_MAX;
 
+    straight->per_rise = costs[JP_MOVE_AXIS].climb.linear;
+    straight->per_cell = INT64_MAX;
     for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
-        const int64_t part = least_level_part(&costs[move], slope) * (1 << FRACTION_BITS) / lengths[move];
-        per_cell = part < per_cell ? part : per_cell;
+        const int64_t part = least_level_part(&costs[move], straight->per_rise) * (1 << FRACTION_BITS) / lengths[move];
+        straight->per_cell = part < straight->per_cell ? part : straight->per_cell;
     }
-    if (per_cell < 0) {
+}
+
+jp_cost jp_straight_bound(const struct jp_straight *straight, int32_t dx, int32_t dy, int32_t rise)
+{
+    if (straight->per_cell < 0) {
         return 0;
     }
     const int64_t square = (int64_t)dx * dx + (int64_t)dy * dy;
     const int64_t cells = jp_square_root((uint64_t)square << FRACTION_BITS); /* Q8 */
-    const int64_t bound = (((per_cell * cells) >> (FRACTION_BITS / 2)) + (int64_t)slope * rise) >> FRACTION_BITS;
+    const int64_t level = (straight->per_cell * cells) >> (FRACTION_BITS / 2);
+    const int64_t bound = (level + (int64_t)straight->per_rise * rise) >> FRACTION_BITS;
 
     return bound < 0 ? 0U : bound < (int64_t)JP_COST_MAX ? (jp_cost)bound : JP_COST_MAX - 1U;
 }
@@ -101,13 +105,20 @@ static bool is_clear(const struct jp_lattice *lattice, const struct jp_terrain *
     return jp_terrain_is_clear(terrain, &lattice->spans[cells.first_span], cells.span_count, x, y);
 }
 
-jp_cost jp_lattice_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
-                        const struct jp_primitive *primitive, int32_t x, int32_t y)
+bool jp_lattice_is_clear(const struct jp_lattice *lattice, const struct jp_terrain *terrain,
+                         const struct jp_primitive *primitive, int32_t x, int32_t y)
 {
     const struct jp_cells swept = {primitive->first_span, primitive->span_count};
 
-    return is_clear(lattice, terrain, swept, x, y) ? jp_lattice_energy(lattice, kind, terrain, primitive, x, y)
-                                                   : JP_COST_MAX;
+    return is_clear(lattice, terrain, swept, x, y);
+}
+
+jp_cost jp_lattice_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
+                        const struct jp_primitive *primitive, int32_t x, int32_t y)
+{
+    return jp_lattice_is_clear(lattice, terrain, primitive, x, y)
+               ? jp_lattice_energy(lattice, kind, terrain, primitive, x, y)
+               : JP_COST_MAX;
 }
 
 bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y,

@@ -11,9 +11,19 @@ static size_t words_per_row(uint16_t width)
     return ((size_t)width + WORD_BITS - 1) / WORD_BITS;
 }
 
+static size_t cells_of(uint16_t width, uint16_t height)
+{
+    return (size_t)width * height;
+}
+
 static size_t values_size(uint16_t width, uint16_t height)
 {
-    return (size_t)width * height * sizeof(uint16_t);
+    return jp_block_align(cells_of(width, height) * sizeof(uint16_t));
+}
+
+static size_t high_size(uint16_t width, uint16_t height, enum jp_wave_format format)
+{
+    return format == JP_WAVE_3_BYTES ? jp_block_align(cells_of(width, height)) : 0U;
 }
 
 static size_t dirty_size(uint16_t width, uint16_t height)
@@ -21,37 +31,45 @@ static size_t dirty_size(uint16_t width, uint16_t height)
     return words_per_row(width) * height * sizeof(uint32_t);
 }
 
-size_t jp_wavefront_size(uint16_t width, uint16_t height)
+size_t jp_wavefront_size(uint16_t width, uint16_t height, enum jp_wave_format format)
 {
-    return jp_block_align(values_size(width, height)) + jp_block_align(dirty_size(width, height));
+    return values_size(width, height) + high_size(width, height, format) + jp_block_align(dirty_size(width, height));
 }
 
-void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, void *block)
+void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t height, enum jp_wave_format format,
+                       void *block)
 {
+    uint8_t *after_values = (uint8_t *)block + values_size(width, height);
+
     (void)memset(wave, 0, sizeof *wave);
     wave->width = width;
     wave->height = height;
+    wave->not_reached = (UINT32_C(1) << (8U * (unsigned)format)) - 1U;
     wave->values = block;
-    wave->dirty = (uint32_t *)(void *)((uint8_t *)block + jp_block_align(values_size(width, height)));
+    wave->high = format == JP_WAVE_3_BYTES ? after_values : NULL;
+    wave->dirty = (uint32_t *)(void *)(after_values + high_size(width, height, format));
 }
 
-static void start_sweep(struct jp_wavefront *wave, uint16_t threshold)
+static void start_sweep(struct jp_wavefront *wave, uint32_t threshold)
 {
     wave->threshold = threshold;
-    wave->lowest = JP_WAVE_NOT_REACHED;
+    wave->lowest = wave->not_reached;
     wave->has_changed = false;
     wave->row = wave->first_row;
     wave->column = 0;
 }
 
-void jp_wavefront_start(struct jp_wavefront *wave, uint16_t step, uint16_t target_x, uint16_t target_y)
+void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t target_x, uint16_t target_y)
 {
     (void)memset(wave->values, 0xFF, values_size(wave->width, wave->height));
+    if (wave->high != NULL) {
+        (void)memset(wave->high, 0xFF, cells_of(wave->width, wave->height));
+    }
     (void)memset(wave->dirty, 0, dirty_size(wave->width, wave->height));
     wave->step = step;
     wave->target_x = target_x;
     wave->target_y = target_y;
-    wave->horizon = JP_WAVE_VALUE_MAX;
+    wave->horizon = jp_wavefront_value_max(wave);
     wave->first_row = wave->height;
     wave->last_row = 0;
     start_sweep(wave, step);
@@ -70,15 +88,20 @@ static void mark(struct jp_wavefront *wave, int32_t x, int32_t y)
     }
 }
 
-void jp_wavefront_lower(struct jp_wavefront *wave, int32_t x, int32_t y, uint16_t value)
+void jp_wavefront_lower(struct jp_wavefront *wave, int32_t x, int32_t y, uint32_t value)
 {
-    wave->values[(size_t)y * wave->width + (size_t)x] = value;
+    const size_t cell = (size_t)y * wave->width + (size_t)x;
+
+    wave->values[cell] = (uint16_t)(value & UINT16_MAX);
+    if (wave->high != NULL) {
+        wave->high[cell] = (uint8_t)(value >> 16U);
+    }
     mark(wave, x, y);
 }
 
 void jp_wavefront_touch(struct jp_wavefront *wave, int32_t x, int32_t y)
 {
-    if (jp_wavefront_value(wave, x, y) != JP_WAVE_NOT_REACHED) {
+    if (jp_wavefront_value(wave, x, y) != wave->not_reached) {
         mark(wave, x, y);
     }
 }
@@ -88,9 +111,11 @@ void jp_wavefront_resume(struct jp_wavefront *wave)
     start_sweep(wave, wave->step);
 }
 
-static uint16_t add_limited(uint32_t a, uint32_t b)
+static uint32_t add_limited(const struct jp_wavefront *wave, uint32_t a, uint32_t b)
 {
-    return (uint16_t)(a + b > JP_WAVE_VALUE_MAX ? JP_WAVE_VALUE_MAX : a + b);
+    const uint32_t most = jp_wavefront_value_max(wave);
+
+    return a + b > most ? most : a + b;
 }
 
 /** Begins the next sweep: at the same threshold while cells are handed out, else at the next dirty value. False when
@@ -101,15 +126,15 @@ static bool next_sweep(struct jp_wavefront *wave)
         start_sweep(wave, wave->threshold);
         return true;
     }
-    const uint16_t target = jp_wavefront_value(wave, wave->target_x, wave->target_y);
+    const uint32_t target = jp_wavefront_value(wave, wave->target_x, wave->target_y);
 
-    if (wave->horizon == JP_WAVE_VALUE_MAX && target <= wave->threshold) {
-        wave->horizon = add_limited(target, target / (uint32_t)MARGIN_DIVISOR + wave->step);
+    if (wave->horizon == jp_wavefront_value_max(wave) && target <= wave->threshold) {
+        wave->horizon = add_limited(wave, target, target / (uint32_t)MARGIN_DIVISOR + wave->step);
     }
-    if (wave->lowest == JP_WAVE_NOT_REACHED || wave->lowest > wave->horizon) {
+    if (wave->lowest == wave->not_reached || wave->lowest > wave->horizon) {
         return false;
     }
-    start_sweep(wave, add_limited(wave->lowest, wave->step));
+    start_sweep(wave, add_limited(wave, wave->lowest, wave->step));
     return true;
 }
 
@@ -128,7 +153,7 @@ static bool next_in_row(struct jp_wavefront *wave, int32_t *x)
         for (uint32_t rest = row[i] & (UINT32_MAX << (wave->column % WORD_BITS)); rest != 0; rest &= rest - 1) {
             const uint32_t bit = rest & (~rest + 1U);
             const uint32_t column = (uint32_t)(i * WORD_BITS) + lowest_bit(rest);
-            const uint16_t value = jp_wavefront_value(wave, (int32_t)column, wave->row);
+            const uint32_t value = jp_wavefront_value(wave, (int32_t)column, wave->row);
 
             if (value <= wave->threshold) {
                 row[i] &= ~bit;
@@ -160,5 +185,5 @@ bool jp_wavefront_next(struct jp_wavefront *wave, int32_t *x, int32_t *y)
 
 bool jp_wavefront_is_exhausted(const struct jp_wavefront *wave)
 {
-    return wave->lowest == JP_WAVE_NOT_REACHED;
+    return wave->lowest == wave->not_reached;
 }

@@ -10,12 +10,15 @@ enum {
     STATES_MIN = 64,
     GUIDE_SCALE_MIN = 2,
     GUIDE_SHARE = 4, /* the guide takes at most one part in so many of the block, if it can be that coarse */
+    FIELD_SHARE = 3, /* so does the energy field */
+    SCOUT_SHARE = 16,
     ROUTE_STEPS_MIN = 256,
     ROUTES = 2, /* the plan's and the one that is being traced */
     CELLS_PER_ROUTE_STEP =
         32, /* cells of the map for each step of the longest route: it may wind through all of the map */
 };
 
+_Static_assert(STATES_MIN > JP_PLANNER_SPLICE_STEPS + JP_HEADINGS, "a scout holds all that it is seeded with");
 _Static_assert(JP_PLANNER_CELLS_MAX / JP_TERRAIN_SIDE_MAX >= JP_TERRAIN_SIDE_MAX, "no map is too large");
 
 static size_t route_bytes(const struct jp_terrain_config *config)
@@ -88,7 +91,22 @@ static uint16_t neighbours_max(const struct jp_lattice *lattice)
     return (uint16_t)most;
 }
 
-/** Divides the block: guide, routes, the energy field if a state for every cell fits beside it, and the states. */
+/** Divides the memory of the states. Where the search may become exact, a small part of it is the scout's. */
+static void lay_out_states(struct jp_planner_internal *planner, uint8_t *block, size_t size)
+{
+    const struct jp_terrain_config *map = &planner->terrain->config;
+    size_t scout_bytes = 0;
+
+    if (planner->statistics.field_bytes > 0U && size / SCOUT_SHARE >= jp_planner_states_size(STATES_MIN)) {
+        scout_bytes = jp_block_align(jp_planner_states_init(&planner->resting, map, block, size / SCOUT_SHARE));
+    }
+    const size_t bytes = jp_planner_states_init(&planner->search, map, &block[scout_bytes], size - scout_bytes);
+
+    planner->statistics.search_bytes = (uint32_t)(bytes + scout_bytes);
+    planner->statistics.states_max = planner->search.state_count_max;
+}
+
+/** Divides the block: guide, routes, the energy field if most of the block is left for the states, and the states. */
 static void lay_out(struct jp_planner_internal *planner, uint8_t *block, size_t size)
 {
     const struct jp_planner_config *config = &planner->config;
@@ -104,12 +122,12 @@ static void lay_out(struct jp_planner_internal *planner, uint8_t *block, size_t 
     planner->spare_route = &planner->route[route_bytes(map)];
     planner->route_max = (uint16_t)route_bytes(map);
     planner->statistics.guide_bytes = (uint32_t)guide_bytes;
-    if (used + field_bytes + jp_planner_states_size((uint32_t)map->width * map->height) <= size) {
+    if (field_bytes <= size / FIELD_SHARE && used + field_bytes + jp_planner_states_size(STATES_MIN) <= size) {
         jp_energy_field_init(&planner->field, config->lattice, config->cost, planner->terrain, &block[used]);
         planner->statistics.field_bytes = (uint32_t)field_bytes;
         used += field_bytes;
     }
-    jp_planner_states_init(planner, &block[used], size - used);
+    lay_out_states(planner, &block[used], size - used);
 }
 
 enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_planner_config *config,
@@ -135,9 +153,10 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
     inner->terrain = terrain;
     inner->terrain_version = terrain->version;
     jp_lattice_turns(config->lattice, config->cost, &inner->turns);
+    jp_lattice_straight(config->lattice, config->cost, &inner->straight);
     inner->neighbours_max = neighbours_max(config->lattice);
     lay_out(inner, block, size);
-    jp_planner_states_clear(inner);
+    jp_planner_states_clear(&inner->search);
     return JP_OK;
 }
 
@@ -175,6 +194,7 @@ enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct j
     jp_guide_field_set_lattice(&inner->guide, lattice);
     jp_energy_field_set_lattice(&inner->field, lattice);
     jp_lattice_turns(lattice, inner->config.cost, &inner->turns);
+    jp_lattice_straight(lattice, inner->config.cost, &inner->straight);
     jp_phases_restart(inner);
     return JP_OK;
 }
@@ -203,7 +223,6 @@ enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_
     if (status == JP_OK) {
         inner->start = *start;
         inner->has_start = true;
-        inner->answer = JP_ANSWER_OUT_OF_BUDGET;
         jp_phases_follow_robot(inner);
     }
     return status;

@@ -1,5 +1,6 @@
 #include "src/search/planner_phases.h"
 
+#include "src/search/planner_effort.h"
 #include "src/search/planner_repair.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_search.h"
@@ -8,12 +9,16 @@ enum {
     EPSILON_RAISE_DIVISOR = 4,
     /* Units of other work that take about as long as one expansion. */
     FIELD_CELLS_PER_EXPANSION = 8,
+    CHECKED_STEPS_PER_EXPANSION = 8,
     GUIDE_CELLS_PER_EXPANSION = 1,
     REKEYS_PER_EXPANSION = 32,
 };
 
-/** Most expansions at a time, so that the equivalent number of other units fits 32 bits. */
-#define SLICE_MAX 0x100000U
+/** ε of the scout, where the schedule has none for searches by the guide. */
+#define SCOUT_EPSILON ((uint16_t)346) /* 1.35 */
+
+/** The way around what is blocked is not far: any will do at first. */
+#define SPLICE_EPSILON ((uint16_t)512) /* 2 */
 
 /** The one place that assigns the phase. */
 static void enter(struct jp_planner_internal *planner, enum jp_planner_phase phase)
@@ -29,7 +34,7 @@ bool jp_phases_is_idle(const struct jp_planner_internal *planner)
 /** True when there is a search that can be repaired and continued. */
 static bool has_search(const struct jp_planner_internal *planner)
 {
-    return planner->phase >= JP_PLANNER_UPDATE_FIELD;
+    return planner->phase >= JP_PLANNER_CHECK_PLAN;
 }
 
 static bool is_ready(const struct jp_planner_internal *planner)
@@ -42,15 +47,10 @@ static bool has_field(const struct jp_planner_internal *planner)
     return planner->statistics.field_bytes > 0U;
 }
 
-static bool is_field_rooted(const struct jp_planner_internal *planner)
-{
-    return planner->field_use != JP_FIELD_UNUSED;
-}
-
 /** Roots the energy field at the robot; it grows in `phase`, before or within a search. */
 static void begin_field(struct jp_planner_internal *planner, enum jp_planner_phase phase)
 {
-    planner->field_use = JP_FIELD_ROOTED;
+    planner->is_field_rooted = true;
     planner->field_heading = planner->start.heading;
     jp_energy_field_start(&planner->field, planner->start.x, planner->start.y, planner->goal.x, planner->goal.y);
     enter(planner, phase);
@@ -62,6 +62,7 @@ static void begin_guide(struct jp_planner_internal *planner)
     const struct jp_lattice_pose *start = &planner->start;
     const struct jp_goal *goal = &planner->goal;
 
+    planner->has_guide = !jp_search_is_forward(planner);
     if (jp_search_is_forward(planner)) {
         const struct jp_guide_root root = {(uint16_t)goal->x, (uint16_t)goal->y, goal->headings};
         jp_guide_field_start(&planner->guide, JP_GUIDE_TO_ROOT, &root, (uint16_t)start->x, (uint16_t)start->y);
@@ -72,15 +73,39 @@ static void begin_guide(struct jp_planner_internal *planner)
     enter(planner, JP_PLANNER_GROW_GUIDE);
 }
 
+static void swap_searches(struct jp_planner_internal *planner)
+{
+    const struct jp_planner_search at_work = planner->search;
+
+    planner->search = planner->resting;
+    planner->resting = at_work;
+    planner->is_scouting = !planner->is_scouting;
+}
+
+/** The scout, if it is at work, stops where it is; the exact search is the one that counts. */
+static void dismiss_scout(struct jp_planner_internal *planner)
+{
+    if (planner->is_scouting) {
+        swap_searches(planner);
+        planner->is_splicing = false;
+    }
+}
+
 /** Begins from scratch; the search follows when its field has grown. */
 static void begin(struct jp_planner_internal *planner, enum jp_planner_direction direction)
 {
-    planner->direction = direction;
-    planner->field_use = JP_FIELD_UNUSED;
-    planner->is_repaired = false;
+    dismiss_scout(planner);
+    planner->has_guide = false;
+    planner->search.direction = direction;
+    planner->is_field_rooted = false;
+    planner->search.is_exact = false;
+    planner->search.is_repaired = false;
+    planner->effort.spent = 0;
+    planner->effort.fresh_end = 0;
+    planner->effort.has_begun = true;
     planner->changes.count = 0;
     planner->changes.may_be_cheaper = false;
-    if (planner->epsilon == JP_EPSILON_ONE && has_field(planner)) {
+    if (planner->search.epsilon == JP_EPSILON_ONE && has_field(planner)) {
         begin_field(planner, JP_PLANNER_GROW_FIELD);
     } else {
         begin_guide(planner);
@@ -90,11 +115,14 @@ static void begin(struct jp_planner_internal *planner, enum jp_planner_direction
 void jp_phases_restart(struct jp_planner_internal *planner)
 {
     planner->terrain_version = planner->terrain->version;
+    dismiss_scout(planner);
+    planner->least = 0;
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
-    planner->level = 0;
-    planner->epsilon = planner->config.epsilon[0];
+    planner->search.level = 0;
+    planner->search.epsilon = planner->config.epsilon[0];
     if (is_ready(planner)) {
         planner->statistics.restarts++;
+        planner->effort.fresh_route = 0;
         begin(planner, JP_PLANNER_FROM_GOAL);
     }
 }
@@ -102,16 +130,17 @@ void jp_phases_restart(struct jp_planner_internal *planner)
 /** The heuristic: the energy field at ε = 1 if it has a root, else the guide. */
 static void choose_heuristic(struct jp_planner_internal *planner)
 {
-    if (is_field_rooted(planner)) {
-        planner->field_use = planner->epsilon == JP_EPSILON_ONE ? JP_FIELD_STEERS : JP_FIELD_ROOTED;
-    }
+    planner->search.is_exact = planner->is_field_rooted && planner->search.epsilon == JP_EPSILON_ONE;
 }
 
 static void begin_search(struct jp_planner_internal *planner)
 {
     choose_heuristic(planner);
-    planner->is_of_one_level = true;
+    planner->search.is_of_one_level = true;
     jp_search_start(planner);
+    if (planner->is_splicing) {
+        jp_plan_begin_splice(planner);
+    }
     enter(planner, JP_PLANNER_SEARCH);
 }
 
@@ -121,10 +150,10 @@ static void resume(struct jp_planner_internal *planner)
     const bool was_exact = jp_search_is_exact(planner);
 
     choose_heuristic(planner);
-    if (!was_exact || !jp_search_is_exact(planner)) {
+    if (!was_exact) {
         jp_search_rekey(planner, false);
     }
-    enter(planner, planner->rekey_slot < planner->slot_count ? JP_PLANNER_REKEY : JP_PLANNER_SEARCH);
+    enter(planner, planner->search.rekey_slot < planner->search.slot_count ? JP_PLANNER_REKEY : JP_PLANNER_SEARCH);
 }
 
 /** Ends a search with its answer. */
@@ -137,15 +166,74 @@ static void settle(struct jp_planner_internal *planner, enum jp_answer answer)
 /** True when the energy field's root cannot reach the robot: the field bounds none of its routes then. */
 static bool is_cut_off(const struct jp_planner_internal *planner)
 {
-    return is_field_rooted(planner) &&
+    return planner->is_field_rooted &&
            jp_energy_field_bound(&planner->field, planner->start.x, planner->start.y) == JP_COST_MAX;
+}
+
+/** The search takes in the changes of the map, from the energy field on if it has a root. */
+static void take_in_changes(struct jp_planner_internal *planner)
+{
+    enter(planner, planner->is_field_rooted ? JP_PLANNER_UPDATE_FIELD : JP_PLANNER_REPAIR);
+}
+
+/** ε of the scout: the first of the schedule, if that is one for searches by the guide. */
+static uint16_t scout_epsilon(const struct jp_planner_internal *planner)
+{
+    const uint16_t epsilon = planner->config.epsilon[0];
+
+    return epsilon > JP_EPSILON_ONE ? epsilon : SCOUT_EPSILON;
+}
+
+static bool has_scout(const struct jp_planner_internal *planner)
+{
+    return planner->resting.slot_count > 0U;
+}
+
+/** The scout searches from the goal to the robot, on the present map, as a new search would; the other one is left as
+ *  it is meanwhile. */
+static void scout_whole_way(struct jp_planner_internal *planner)
+{
+    planner->is_splicing = false;
+    planner->search.epsilon = scout_epsilon(planner);
+    begin_guide(planner);
+}
+
+/** The scout looks for a way from the robot to what is left of the plan. The guide may have grown from where the robot
+ *  was before, and on an older map: it is an estimate. */
+static void send_scout(struct jp_planner_internal *planner)
+{
+    swap_searches(planner);
+    planner->search.direction = JP_PLANNER_FROM_GOAL;
+    planner->search.level = 0;
+    planner->search.epsilon = SPLICE_EPSILON;
+    planner->search.is_exact = false;
+    planner->search.is_repaired = false;
+    planner->is_splicing = jp_plan_leads_to_goal(planner);
+    if (!planner->is_splicing) {
+        scout_whole_way(planner);
+    } else if (planner->has_guide) {
+        begin_search(planner);
+    } else {
+        begin_guide(planner);
+    }
+}
+
+/** With the scout's route, or without one, the exact search goes on. */
+static void leave_scout(struct jp_planner_internal *planner)
+{
+    dismiss_scout(planner);
+    take_in_changes(planner);
 }
 
 /** After the guide has grown. Where it finds no path, the energy field can prove that there is none. */
 static void leave_guide(struct jp_planner_internal *planner)
 {
-    if (!jp_search_is_forward(planner) && has_field(planner) &&
-        !jp_guide_field_reaches(&planner->guide, planner->goal.x, planner->goal.y)) {
+    const bool is_blind = !jp_search_is_forward(planner) && has_field(planner) &&
+                          !jp_guide_field_reaches(&planner->guide, planner->goal.x, planner->goal.y);
+
+    if (is_blind && planner->is_scouting) {
+        leave_scout(planner);
+    } else if (is_blind) {
         begin_field(planner, JP_PLANNER_GROW_FIELD);
     } else {
         begin_search(planner);
@@ -182,15 +270,14 @@ static void leave_field(struct jp_planner_internal *planner)
     enter(planner, JP_PLANNER_REPAIR);
 }
 
-/** After the repair. When the proved route is lost, the guide finds the next one sooner than the exact search does. */
+/** After the repair. */
 static void leave_repair(struct jp_planner_internal *planner)
 {
     planner->changes.count = 0;
     planner->changes.may_be_cheaper = false;
-    if (jp_search_is_exact(planner) && !jp_plan_is_intact(planner)) {
-        planner->level = 0;
-        planner->epsilon = planner->config.epsilon[0];
-        planner->is_of_one_level = false;
+    if (planner->answer == JP_ANSWER_OPTIMAL) {
+        settle(planner, JP_ANSWER_OPTIMAL);
+        return;
     }
     resume(planner);
 }
@@ -198,14 +285,14 @@ static void leave_repair(struct jp_planner_internal *planner)
 /** The next smaller ε of the schedule. False when there is none, or nothing can be better. */
 static bool take_next_epsilon(struct jp_planner_internal *planner)
 {
-    const unsigned next = planner->level + 1U;
+    const unsigned next = planner->search.level + 1U;
 
     if (planner->answer != JP_ANSWER_WITHIN_BOUND || jp_search_is_forward(planner) || next == JP_EPSILON_LEVELS ||
         planner->config.epsilon[next] == 0U) {
         return false;
     }
-    planner->level = (uint8_t)next;
-    planner->epsilon = planner->config.epsilon[next];
+    planner->search.level = (uint8_t)next;
+    planner->search.epsilon = planner->config.epsilon[next];
     return true;
 }
 
@@ -216,11 +303,22 @@ static void improve(struct jp_planner_internal *planner)
     if (!take_next_epsilon(planner)) {
         return;
     }
-    planner->is_of_one_level = false;
-    if (planner->epsilon == JP_EPSILON_ONE && has_field(planner) && !is_field_rooted(planner)) {
+    planner->search.is_of_one_level = false;
+    if (planner->search.epsilon == JP_EPSILON_ONE && has_field(planner)) {
         begin_field(planner, JP_PLANNER_UPDATE_FIELD);
     } else {
         resume(planner);
+    }
+}
+
+/** Begins anew where that is cheaper than to go on. A route that is there stays; only its proof begins anew. */
+static void give_up_repair(struct jp_planner_internal *planner)
+{
+    if (!jp_plan_is_current(planner)) {
+        jp_phases_restart(planner);
+    } else {
+        planner->statistics.restarts++;
+        begin(planner, JP_PLANNER_FROM_GOAL);
     }
 }
 
@@ -229,10 +327,39 @@ static void improve(struct jp_planner_internal *planner)
  */
 static void improve_from_scratch(struct jp_planner_internal *planner)
 {
-    if (!jp_search_is_exact(planner) && (!planner->is_of_one_level || take_next_epsilon(planner))) {
+    if (!jp_search_is_exact(planner) && (!planner->search.is_of_one_level || take_next_epsilon(planner))) {
         begin_search(planner);
+    } else if (planner->search.is_repaired) {
+        give_up_repair(planner); /* states of the map before fill the table */
     } else {
+        jp_plan_tighten(planner);
         settle(planner, planner->answer);
+    }
+}
+
+/** A larger ε needs fewer states. After an exact search there is no guide yet. */
+static void raise_epsilon(struct jp_planner_internal *planner)
+{
+    const unsigned epsilon = planner->search.epsilon + planner->search.epsilon / EPSILON_RAISE_DIVISOR;
+    const bool was_exact = jp_search_is_exact(planner);
+
+    planner->search.epsilon = (uint16_t)(epsilon < JP_EPSILON_MAX ? epsilon : JP_EPSILON_MAX);
+    if (was_exact) {
+        begin(planner, JP_PLANNER_FROM_GOAL);
+    } else {
+        begin_search(planner);
+    }
+}
+
+/** The scout's states do not fit. */
+static void save_scout_memory(struct jp_planner_internal *planner)
+{
+    if (planner->is_splicing) {
+        scout_whole_way(planner);
+    } else if (jp_plan_is_current(planner) || planner->search.epsilon == JP_EPSILON_MAX) {
+        leave_scout(planner);
+    } else {
+        raise_epsilon(planner);
     }
 }
 
@@ -241,34 +368,75 @@ static void save_memory(struct jp_planner_internal *planner)
 {
     if (planner->answer != JP_ANSWER_OUT_OF_BUDGET) {
         improve_from_scratch(planner);
-    } else if (planner->is_repaired) {
+    } else if (planner->search.is_repaired) {
         jp_phases_restart(planner);
     } else if (jp_search_is_forward(planner)) {
-        settle(planner, jp_plan_publish(planner) ? planner->plan.answer : JP_ANSWER_OUT_OF_BUDGET);
-    } else if (planner->epsilon < JP_EPSILON_MAX) {
-        const unsigned epsilon = planner->epsilon + planner->epsilon / EPSILON_RAISE_DIVISOR;
-        planner->epsilon = (uint16_t)(epsilon < JP_EPSILON_MAX ? epsilon : JP_EPSILON_MAX);
-        begin_search(planner);
+        settle(planner, jp_plan_publish(planner, false) ? planner->plan.answer : JP_ANSWER_OUT_OF_BUDGET);
+    } else if (planner->search.epsilon < JP_EPSILON_MAX) {
+        raise_epsilon(planner);
     } else {
         begin(planner, JP_PLANNER_FROM_ROBOT);
+    }
+}
+
+/** The search's route does not fit, or its states are of another map. */
+static void give_up_trace(struct jp_planner_internal *planner)
+{
+    if (planner->is_splicing) {
+        scout_whole_way(planner);
+    } else {
+        jp_phases_restart(planner);
+    }
+}
+
+/** Publishes the route that the search has found; the search goes on where it has not ended. */
+static void take_route(struct jp_planner_internal *planner, bool has_ended)
+{
+    if (!jp_plan_publish(planner, has_ended && jp_search_is_exact(planner))) {
+        give_up_trace(planner);
+    } else if (!has_ended && planner->plan.answer != JP_ANSWER_OPTIMAL) {
+        planner->answer = planner->plan.answer;
+    } else if (planner->is_scouting) {
+        planner->answer = planner->plan.answer;
+        leave_scout(planner);
+    } else {
+        improve(planner);
+    }
+}
+
+/** No state is left to expand. Of the scout that proves nothing: the exact search has a better heuristic. */
+static void leave_empty_search(struct jp_planner_internal *planner)
+{
+    if (planner->is_scouting) {
+        leave_scout(planner);
+    } else {
+        settle(planner, JP_ANSWER_UNREACHABLE);
+    }
+}
+
+static void leave_full_search(struct jp_planner_internal *planner)
+{
+    if (planner->is_scouting) {
+        save_scout_memory(planner);
+    } else {
+        save_memory(planner);
     }
 }
 
 static void search(struct jp_planner_internal *planner, unsigned *budget)
 {
     switch (jp_search_expand(planner, budget)) {
+    case SEARCH_ROUTE:
+        take_route(planner, false);
+        break;
     case SEARCH_FOUND:
-        if (jp_plan_publish(planner)) {
-            improve(planner);
-        } else {
-            jp_phases_restart(planner);
-        }
+        take_route(planner, true);
         break;
     case SEARCH_IMPOSSIBLE:
-        settle(planner, JP_ANSWER_UNREACHABLE);
+        leave_empty_search(planner);
         break;
     case SEARCH_FULL:
-        save_memory(planner);
+        leave_full_search(planner);
         break;
     case SEARCH_RANGE:
         jp_search_rekey(planner, true);
@@ -314,6 +482,38 @@ static bool grow_guide(struct jp_planner_internal *planner, unsigned *budget)
     return is_grown;
 }
 
+/** After the plan has been checked, or where there is none. */
+static void leave_plan(struct jp_planner_internal *planner)
+{
+    if (!jp_plan_is_current(planner) && has_scout(planner)) {
+        send_scout(planner);
+    } else {
+        take_in_changes(planner);
+    }
+}
+
+/** Looks at the next steps of the plan; true when all have been, or one that is blocked now. */
+static bool check_steps(struct jp_planner_internal *planner, unsigned *steps)
+{
+    const enum plan_check result = jp_plan_check(planner, steps);
+
+    if (result == PLAN_INTACT) {
+        planner->answer = planner->plan.answer;
+    }
+    return result != PLAN_CHECKING;
+}
+
+static void check_plan(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned steps = *budget * CHECKED_STEPS_PER_EXPANSION;
+    const bool is_checked = check_steps(planner, &steps);
+
+    *budget = steps / CHECKED_STEPS_PER_EXPANSION;
+    if (is_checked) {
+        leave_plan(planner);
+    }
+}
+
 static bool rekey(struct jp_planner_internal *planner, unsigned *budget)
 {
     unsigned slots = *budget * REKEYS_PER_EXPANSION;
@@ -337,6 +537,9 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
             leave_new_field(planner);
         }
         return budget;
+    case JP_PLANNER_CHECK_PLAN:
+        check_plan(planner, &budget);
+        return budget;
     case JP_PLANNER_UPDATE_FIELD:
         if (grow_field(planner, &budget)) {
             leave_field(planner);
@@ -351,27 +554,71 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
         }
         return budget;
     case JP_PLANNER_SEARCH:
+    default:
         search(planner, &budget);
         return budget;
-    case JP_PLANNER_EMPTY:
-    case JP_PLANNER_SETTLED:
-    default:
-        return 0;
+    }
+}
+
+/** What has become too dear makes way for a new search. */
+static void give_up(struct jp_planner_internal *planner)
+{
+    if (planner->is_splicing) {
+        scout_whole_way(planner);
+    } else {
+        give_up_repair(planner);
     }
 }
 
 void jp_phases_work(struct jp_planner_internal *planner, unsigned expansions)
 {
-    while (expansions > 0U) {
-        const unsigned slice = expansions < SLICE_MAX ? expansions : SLICE_MAX;
-        expansions -= slice - work(planner, slice);
+    while (expansions > 0U && !jp_phases_is_idle(planner)) {
+        const unsigned slice = jp_effort_slice(planner, expansions);
+
+        if (slice == 0U) {
+            give_up(planner);
+            continue;
+        }
+        const bool had_route = jp_plan_is_current(planner);
+
+        planner->effort.has_begun = false;
+        const unsigned spent = slice - work(planner, slice);
+        expansions -= spent;
+        jp_effort_note(planner, spent, had_route);
     }
+    planner->statistics.states = (planner->is_scouting ? &planner->resting : &planner->search)->state_count;
 }
 
 /* ---- What changes ---- */
 
+/** Finds out what is left of the plan, as it is now on the map; then the scout, or the repair, sees to the rest. */
+static void look_at_plan(struct jp_planner_internal *planner)
+{
+    if (jp_plan_leads_to_goal(planner)) {
+        jp_plan_begin_check(planner);
+        enter(planner, JP_PLANNER_CHECK_PLAN);
+    } else {
+        leave_plan(planner);
+    }
+}
+
 void jp_phases_follow_robot(struct jp_planner_internal *planner)
 {
+    if (jp_plan_is_current(planner) && jp_plan_follow(planner)) {
+        planner->answer = planner->plan.answer;
+        if (planner->phase == JP_PLANNER_SEARCH) {
+            resume(planner);
+        }
+        return;
+    }
+    if (jp_plan_is_current(planner)) {
+        planner->effort.spent = 0;
+    }
+    planner->answer = JP_ANSWER_OUT_OF_BUDGET;
+    planner->least = 0;
+    if (planner->is_scouting) {
+        leave_scout(planner);
+    }
     if (jp_search_is_forward(planner) || planner->phase == JP_PLANNER_EMPTY) {
         jp_phases_restart(planner);
         return;
@@ -379,21 +626,31 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
     if (!has_search(planner)) {
         return; /* the field that is rooted where the robot was bounds these routes too */
     }
+    if (planner->phase == JP_PLANNER_CHECK_PLAN) {
+        take_in_changes(planner);
+    }
     if (planner->phase != JP_PLANNER_UPDATE_FIELD && is_cut_off(planner)) {
         jp_phases_restart(planner);
         return;
     }
-    planner->is_repaired = true;
+    planner->search.is_repaired = true;
     if (planner->phase == JP_PLANNER_SETTLED || planner->phase == JP_PLANNER_SEARCH) {
         resume(planner);
+    }
+    if (planner->phase != JP_PLANNER_SEARCH || !jp_search_has_arrived(planner)) {
+        look_at_plan(planner);
     }
 }
 
 /** Repairs all noted changes at once, so that there is room for another one. Begins anew when the states do not fit. */
 static void finish_repair(struct jp_planner_internal *planner)
 {
-    while (planner->phase == JP_PLANNER_GROW_FIELD || planner->phase == JP_PLANNER_UPDATE_FIELD ||
-           planner->phase == JP_PLANNER_REPAIR) {
+    if (planner->phase == JP_PLANNER_CHECK_PLAN) {
+        unsigned steps = UINT16_MAX;
+        (void)check_steps(planner, &steps);
+        take_in_changes(planner);
+    }
+    while (planner->phase == JP_PLANNER_UPDATE_FIELD || planner->phase == JP_PLANNER_REPAIR) {
         (void)work(planner, UINT16_MAX);
     }
 }
@@ -406,16 +663,21 @@ static void add_change(struct jp_planner_internal *planner, int32_t x, int32_t y
     changes->count++;
     changes->may_be_cheaper |= may_be_cheaper;
     changes->cursor = 0;
-    planner->is_repaired = true;
-    enter(planner, is_field_rooted(planner) ? JP_PLANNER_UPDATE_FIELD : JP_PLANNER_REPAIR);
+    planner->search.is_repaired = true;
+    if (jp_plan_is_current(planner)) {
+        planner->effort.spent = 0;
+    }
+    look_at_plan(planner);
 }
 
 void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32_t y, bool may_be_cheaper)
 {
+    if (planner->is_scouting) {
+        leave_scout(planner);
+    }
     if (has_search(planner) && !jp_repair_fits(planner, x, y)) {
         finish_repair(planner);
     }
-    planner->answer = JP_ANSWER_OUT_OF_BUDGET;
     if (!is_ready(planner)) {
         return;
     }
@@ -426,7 +688,11 @@ void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32
     if (has_search(planner)) {
         add_change(planner, x, y, may_be_cheaper);
     }
-    if (may_be_cheaper && is_field_rooted(planner)) {
+    planner->answer = JP_ANSWER_OUT_OF_BUDGET;
+    if (may_be_cheaper) {
+        planner->least = 0;
+    }
+    if (may_be_cheaper && planner->is_field_rooted) {
         jp_energy_field_cell_changed(&planner->field, x, y);
     }
 }

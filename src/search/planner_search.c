@@ -22,7 +22,7 @@ static struct jp_lattice_pose pose_of(const struct jp_planner_internal *planner,
 
 struct jp_lattice_pose jp_search_pose(const struct jp_planner_internal *planner, uint32_t slot)
 {
-    return pose_of(planner, (uint32_t)planner->states[slot].id);
+    return pose_of(planner, (uint32_t)planner->search.states[slot].id);
 }
 
 static uint32_t start_id(const struct jp_planner_internal *planner)
@@ -30,7 +30,7 @@ static uint32_t start_id(const struct jp_planner_internal *planner)
     return jp_search_id(planner, planner->start.x, planner->start.y, planner->start.heading);
 }
 
-static bool is_goal(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+bool jp_search_is_goal(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
 {
     return pose->x == planner->goal.x && pose->y == planner->goal.y &&
            ((planner->goal.headings >> pose->heading) & 1U) != 0U;
@@ -43,7 +43,7 @@ static bool is_start(const struct jp_planner_internal *planner, const struct jp_
 
 bool jp_search_is_seed(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
 {
-    return jp_search_is_forward(planner) ? is_start(planner, pose) : is_goal(planner, pose);
+    return jp_search_is_forward(planner) ? is_start(planner, pose) : jp_search_is_goal(planner, pose);
 }
 
 /** Lower bound of the cost from the root of the energy field: where the robot was when the field was begun. */
@@ -61,13 +61,13 @@ jp_cost jp_search_heuristic(const struct jp_planner_internal *planner, const str
 
 static uint32_t inflate(const struct jp_planner_internal *planner, jp_cost heuristic)
 {
-    return (uint32_t)(((uint64_t)heuristic * planner->epsilon) >> EPSILON_BITS);
+    return (uint32_t)(((uint64_t)heuristic * planner->search.epsilon) >> EPSILON_BITS);
 }
 
 /** Width of a bucket, in keys: the queue does not order the keys within one. */
 static uint32_t bucket_width(const struct jp_planner_internal *planner)
 {
-    return UINT32_C(1) << planner->bucket_shift;
+    return UINT32_C(1) << planner->search.bucket_shift;
 }
 
 /** Key of a state: min(g, rhs) + ε·h when it is overconsistent. An underconsistent state (g < rhs) must be expanded
@@ -94,15 +94,15 @@ static bool is_waiting(const struct jp_planner_internal *planner, const struct j
 /** Puts a state into the open list with its present key if it is inconsistent; else takes it out. */
 static void update(struct jp_planner_internal *planner, uint32_t slot, jp_cost heuristic)
 {
-    const struct jp_planner_state *state = &planner->states[slot];
+    const struct jp_planner_state *state = &planner->search.states[slot];
 
-    if (slot >= planner->rekey_slot) {
+    if (slot >= planner->search.rekey_slot) {
         return;
     }
     if (state->g != state->rhs && !is_waiting(planner, state, heuristic)) {
-        jp_planner_queue_put(planner, slot, key_of(planner, state, heuristic));
+        jp_planner_queue_put(&planner->search, slot, key_of(planner, state, heuristic));
     } else {
-        jp_planner_queue_remove(planner, slot);
+        jp_planner_queue_remove(&planner->search, slot);
     }
 }
 
@@ -135,10 +135,16 @@ static bool edge_at(const struct jp_planner_internal *planner, const struct jp_l
     return jp_terrain_contains(planner->terrain, x, y);
 }
 
-static jp_cost edge_cost(const struct jp_planner_internal *planner, const struct edge *edge)
+static bool is_edge_clear(const struct jp_planner_internal *planner, const struct edge *edge)
 {
-    return jp_lattice_cost(planner->config.lattice, planner->config.cost, planner->terrain, edge->primitive,
-                           edge->from.x, edge->from.y);
+    return jp_lattice_is_clear(planner->config.lattice, planner->terrain, edge->primitive, edge->from.x, edge->from.y);
+}
+
+/** Obstacles left aside: most edges are too dear to matter, and need no look at what they sweep. */
+static jp_cost edge_energy(const struct jp_planner_internal *planner, const struct edge *edge)
+{
+    return jp_lattice_energy(planner->config.lattice, planner->config.cost, planner->terrain, edge->primitive,
+                             edge->from.x, edge->from.y);
 }
 
 struct search_predecessor jp_search_predecessor(const struct jp_planner_internal *planner,
@@ -154,13 +160,13 @@ struct search_predecessor jp_search_predecessor(const struct jp_planner_internal
         if (!edge_at(planner, pose, leaving, i, &edge)) {
             continue;
         }
-        const uint32_t slot =
-            jp_planner_states_find(planner, jp_search_id(planner, edge.other.x, edge.other.y, edge.other.heading));
-        if (slot == NO_SLOT || planner->states[slot].g >= best.cost) {
+        const uint32_t slot = jp_planner_states_find(
+            &planner->search, jp_search_id(planner, edge.other.x, edge.other.y, edge.other.heading));
+        if (slot == NO_SLOT || planner->search.states[slot].g >= best.cost) {
             continue;
         }
-        const jp_cost cost = jp_cost_add((jp_cost)planner->states[slot].g, edge_cost(planner, &edge));
-        if (cost < best.cost) {
+        const jp_cost cost = jp_cost_add((jp_cost)planner->search.states[slot].g, edge_energy(planner, &edge));
+        if (cost < best.cost && is_edge_clear(planner, &edge)) {
             best = (struct search_predecessor){cost, edge.primitive};
         }
     }
@@ -169,7 +175,7 @@ struct search_predecessor jp_search_predecessor(const struct jp_planner_internal
 
 static void set_rhs(struct jp_planner_internal *planner, uint32_t slot, const struct jp_lattice_pose *pose, jp_cost rhs)
 {
-    planner->states[slot].rhs = rhs & JP_COST_MAX;
+    planner->search.states[slot].rhs = rhs & JP_COST_MAX;
     update(planner, slot, jp_search_heuristic(planner, pose));
 }
 
@@ -184,28 +190,31 @@ static void recompute(struct jp_planner_internal *planner, uint32_t slot, const 
 static void relax(struct jp_planner_internal *planner, const struct edge *edge, jp_cost g)
 {
     const uint32_t id = jp_search_id(planner, edge->other.x, edge->other.y, edge->other.heading);
-    const uint32_t known = jp_planner_states_find(planner, id);
+    const uint32_t known = jp_planner_states_find(&planner->search, id);
 
-    if (known != NO_SLOT && planner->states[known].rhs <= g) {
+    if (known != NO_SLOT && planner->search.states[known].rhs <= g) {
         return;
     }
-    const jp_cost cost = jp_cost_add(g, edge_cost(planner, edge));
-    if (cost == JP_COST_MAX || (known != NO_SLOT && planner->states[known].rhs <= cost)) {
+    const jp_cost cost = jp_cost_add(g, edge_energy(planner, edge));
+    if (cost == JP_COST_MAX || (known != NO_SLOT && planner->search.states[known].rhs <= cost) ||
+        !is_edge_clear(planner, edge)) {
         return;
     }
-    set_rhs(planner, known != NO_SLOT ? known : jp_planner_states_add(planner, id), &edge->other, cost);
+    set_rhs(planner, known != NO_SLOT ? known : jp_planner_states_add(&planner->search, id), &edge->other, cost);
 }
 
 /** Recomputes rhs of a neighbour whose best predecessor was the state before its cost rose from `old_g`. */
 static void withdraw(struct jp_planner_internal *planner, const struct edge *edge, jp_cost old_g)
 {
-    const uint32_t slot =
-        jp_planner_states_find(planner, jp_search_id(planner, edge->other.x, edge->other.y, edge->other.heading));
+    const uint32_t slot = jp_planner_states_find(
+        &planner->search, jp_search_id(planner, edge->other.x, edge->other.y, edge->other.heading));
 
-    if (slot == NO_SLOT || planner->states[slot].rhs < old_g || planner->states[slot].rhs == JP_COST_MAX) {
+    if (slot == NO_SLOT || planner->search.states[slot].rhs < old_g ||
+        planner->search.states[slot].rhs == JP_COST_MAX) {
         return;
     }
-    if (planner->states[slot].rhs == jp_cost_add(old_g, edge_cost(planner, edge))) {
+    /* An edge that is blocked by now counts, too: to recompute is right for any state. */
+    if (planner->search.states[slot].rhs == jp_cost_add(old_g, edge_energy(planner, edge))) {
         recompute(planner, slot, &edge->other);
     }
 }
@@ -213,16 +222,16 @@ static void withdraw(struct jp_planner_internal *planner, const struct edge *edg
 /** Keeps the expanded state with the least heuristic: a partial route ends there. */
 static void note_nearest(struct jp_planner_internal *planner, uint32_t slot, jp_cost heuristic)
 {
-    if (planner->nearest == NO_SLOT || heuristic < planner->nearest_heuristic) {
-        planner->nearest = slot;
-        planner->nearest_heuristic = heuristic;
+    if (planner->search.nearest == NO_SLOT || heuristic < planner->search.nearest_heuristic) {
+        planner->search.nearest = slot;
+        planner->search.nearest_heuristic = heuristic;
     }
 }
 
 static void expand(struct jp_planner_internal *planner, uint32_t slot)
 {
     const struct jp_lattice *lattice = planner->config.lattice;
-    struct jp_planner_state *state = &planner->states[slot];
+    struct jp_planner_state *state = &planner->search.states[slot];
     const struct jp_lattice_pose pose = pose_of(planner, (uint32_t)state->id);
     const bool leaving = jp_search_is_forward(planner);
     const bool cheaper = state->g > state->rhs;
@@ -255,14 +264,14 @@ uint32_t jp_search_target(const struct jp_planner_internal *planner)
     uint32_t best = NO_SLOT;
 
     if (!jp_search_is_forward(planner)) {
-        return jp_planner_states_find(planner, start_id(planner));
+        return jp_planner_states_find(&planner->search, start_id(planner));
     }
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        const uint32_t slot =
-            ((planner->goal.headings >> heading) & 1U) != 0U
-                ? jp_planner_states_find(planner, jp_search_id(planner, planner->goal.x, planner->goal.y, heading))
-                : NO_SLOT;
-        if (slot != NO_SLOT && (best == NO_SLOT || planner->states[slot].g < planner->states[best].g)) {
+        const uint32_t slot = ((planner->goal.headings >> heading) & 1U) != 0U
+                                  ? jp_planner_states_find(&planner->search, jp_search_id(planner, planner->goal.x,
+                                                                                          planner->goal.y, heading))
+                                  : NO_SLOT;
+        if (slot != NO_SLOT && (best == NO_SLOT || planner->search.states[slot].g < planner->search.states[best].g)) {
             best = slot;
         }
     }
@@ -274,47 +283,112 @@ static uint32_t target_key(const struct jp_planner_internal *planner, uint32_t s
 {
     const struct jp_lattice_pose pose = jp_search_pose(planner, slot);
 
-    return (uint32_t)planner->states[slot].g + inflate(planner, jp_search_heuristic(planner, &pose)) +
+    return (uint32_t)planner->search.states[slot].g + inflate(planner, jp_search_heuristic(planner, &pose)) +
            bucket_width(planner);
 }
 
-static bool is_arrived(const struct jp_planner_internal *planner)
+/** True when the target's cost is final for this ε. A target that became cheaper after its expansion waits for the next
+ * ε; its route is there all the same. */
+static bool is_arrived(const struct jp_planner_internal *planner, uint32_t target)
 {
-    const uint32_t slot = jp_search_target(planner);
+    const struct jp_planner_state *state = &planner->search.states[target];
+    const bool is_settled = state->g == state->rhs || (state->closed && state->g > state->rhs);
 
-    if (slot == NO_SLOT) {
-        return false;
-    }
-    const struct jp_planner_state *state = &planner->states[slot];
-    return state->g != JP_COST_MAX && state->g == state->rhs &&
-           jp_planner_queue_lowest_key(planner) > target_key(planner, slot);
+    return state->g != JP_COST_MAX && is_settled &&
+           jp_planner_queue_lowest_key(&planner->search) > target_key(planner, target);
+}
+
+bool jp_search_has_arrived(struct jp_planner_internal *planner)
+{
+    const uint32_t target = jp_search_target(planner);
+
+    (void)jp_planner_queue_top(&planner->search);
+    return target != NO_SLOT && is_arrived(planner, target);
+}
+
+/** True when a search that has raised no costs has reached the robot, and no route is published yet. */
+static bool is_first_route(const struct jp_planner_internal *planner)
+{
+    return !planner->search.is_repaired && !planner->is_splicing && !jp_search_is_forward(planner) &&
+           planner->answer == JP_ANSWER_OUT_OF_BUDGET;
 }
 
 static bool has_cost(const struct jp_planner_internal *planner, uint32_t slot)
 {
-    return slot != NO_SLOT && planner->states[slot].g != JP_COST_MAX;
+    return slot != NO_SLOT && planner->search.states[slot].g != JP_COST_MAX;
 }
 
 static bool is_full(const struct jp_planner_internal *planner)
 {
-    const struct jp_planner_counts *statistics = &planner->statistics;
+    const struct jp_planner_search *search = &planner->search;
 
-    return statistics->states_max - statistics->states < planner->neighbours_max;
+    return search->state_count_max - search->state_count < planner->neighbours_max;
+}
+
+/** The least that the energy field says of the goal, from its root. */
+static jp_cost bound_at_goal(const struct jp_planner_internal *planner)
+{
+    jp_cost least = JP_COST_MAX;
+
+    for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
+        const struct jp_lattice_pose pose = {planner->goal.x, planner->goal.y, heading};
+        const jp_cost bound = jp_search_is_goal(planner, &pose) ? bound_of(planner, &pose) : JP_COST_MAX;
+        least = bound < least ? bound : least;
+    }
+    return least;
+}
+
+jp_cost jp_search_least_cost(const struct jp_planner_internal *planner)
+{
+    if (!planner->is_field_rooted || planner->changes.may_be_cheaper) {
+        return 0;
+    }
+    /* All bounds are from the field's root; the robot has driven on since, and is at least as near to the goal as the
+     * root is, less the way from the root to it. */
+    const jp_cost root_to_robot = bound_of(planner, &planner->start);
+    uint32_t least = bound_at_goal(planner);
+
+    if (jp_search_is_exact(planner)) {
+        const uint32_t key = jp_planner_queue_lowest_key(&planner->search);
+        least = key > least + bucket_width(planner) ? key - bucket_width(planner) : least;
+    }
+    return least > root_to_robot ? (jp_cost)(least - root_to_robot) : 0U;
+}
+
+/** True when the scout has found a way from the head of the plan to its tail: from its junction. */
+static bool find_junction(struct jp_planner_internal *planner, uint32_t slot)
+{
+    struct jp_planner_head *head = &planner->head;
+
+    for (uint32_t i = 0; planner->is_splicing && i < head->count; i++) {
+        if (head->ids[i] == planner->search.states[slot].id) {
+            head->junction = i;
+            return true;
+        }
+    }
+    return false;
 }
 
 enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigned *expansions)
 {
     for (;;) {
-        const uint32_t slot = jp_planner_queue_top(planner);
+        const uint32_t slot = jp_planner_queue_top(&planner->search);
 
         if (slot == NO_SLOT) {
             return has_cost(planner, jp_search_target(planner)) ? SEARCH_FOUND : SEARCH_IMPOSSIBLE;
         }
-        if (jp_planner_queue_is_beyond_range(planner)) {
+        if (jp_planner_queue_is_beyond_range(&planner->search)) {
             return SEARCH_RANGE;
         }
-        if (is_arrived(planner)) {
+        const uint32_t target = jp_search_target(planner);
+        if (target != NO_SLOT && is_arrived(planner, target)) {
             return SEARCH_FOUND;
+        }
+        if (find_junction(planner, slot)) {
+            return SEARCH_FOUND;
+        }
+        if (target != NO_SLOT && is_first_route(planner)) {
+            return SEARCH_ROUTE;
         }
         if (*expansions == 0) {
             return SEARCH_WORKING;
@@ -329,7 +403,8 @@ enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigne
 
 static void seed(struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
 {
-    set_rhs(planner, jp_planner_states_add(planner, jp_search_id(planner, pose->x, pose->y, pose->heading)), pose, 0);
+    set_rhs(planner, jp_planner_states_add(&planner->search, jp_search_id(planner, pose->x, pose->y, pose->heading)),
+            pose, 0);
 }
 
 static void seed_all(struct jp_planner_internal *planner)
@@ -357,28 +432,48 @@ static uint32_t expected_range(const struct jp_planner_internal *planner)
 
 void jp_search_start(struct jp_planner_internal *planner)
 {
-    jp_planner_states_clear(planner);
-    planner->nearest = NO_SLOT;
-    planner->rekey_slot = planner->slot_count;
-    jp_planner_queue_restart(planner, expected_range(planner));
+    jp_planner_states_clear(&planner->search);
+    planner->search.nearest = NO_SLOT;
+    planner->search.rekey_slot = planner->search.slot_count;
+    jp_planner_queue_restart(&planner->search, expected_range(planner));
     seed_all(planner);
+}
+
+void jp_search_seed_tail(struct jp_planner_internal *planner, const struct jp_lattice_pose *pose, jp_cost cost)
+{
+    const uint32_t slot =
+        jp_planner_states_add(&planner->search, jp_search_id(planner, pose->x, pose->y, pose->heading));
+
+    if (cost < planner->search.states[slot].rhs) {
+        planner->search.states[slot].tail = 1;
+        set_rhs(planner, slot, pose, cost);
+    }
+}
+
+bool jp_search_is_on_tail(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    const uint32_t slot =
+        jp_planner_states_find(&planner->search, jp_search_id(planner, pose->x, pose->y, pose->heading));
+
+    return planner->search.states[slot].tail;
 }
 
 void jp_search_rekey(struct jp_planner_internal *planner, bool widen)
 {
-    const uint32_t range = widen ? (planner->bucket_count - 1) << (planner->bucket_shift + 1) : expected_range(planner);
+    const uint32_t range =
+        widen ? (planner->search.bucket_count - 1) << (planner->search.bucket_shift + 1) : expected_range(planner);
 
-    jp_planner_queue_restart(planner, range);
-    planner->rekey_slot = 0;
+    jp_planner_queue_restart(&planner->search, range);
+    planner->search.rekey_slot = 0;
 }
 
 bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots)
 {
-    for (; *slots > 0U && planner->rekey_slot < planner->slot_count; --*slots) {
-        const uint32_t slot = planner->rekey_slot;
-        struct jp_planner_state *state = &planner->states[slot];
+    for (; *slots > 0U && planner->search.rekey_slot < planner->search.slot_count; --*slots) {
+        const uint32_t slot = planner->search.rekey_slot;
+        struct jp_planner_state *state = &planner->search.states[slot];
 
-        planner->rekey_slot++;
+        planner->search.rekey_slot++;
         state->queued = 0;
         state->closed = 0;
         if (state->used && state->g != state->rhs) {
@@ -386,7 +481,7 @@ bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots)
             update(planner, slot, jp_search_heuristic(planner, &pose));
         }
     }
-    return planner->rekey_slot == planner->slot_count;
+    return planner->search.rekey_slot == planner->search.slot_count;
 }
 
 void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_cell_box *box)
@@ -395,7 +490,7 @@ void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_
         for (int32_t x = box->first_x; x <= box->last_x; x++) {
             for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
                 const struct jp_lattice_pose pose = {(int16_t)x, (int16_t)y, heading};
-                const uint32_t slot = jp_planner_states_find(planner, jp_search_id(planner, x, y, heading));
+                const uint32_t slot = jp_planner_states_find(&planner->search, jp_search_id(planner, x, y, heading));
                 if (slot != NO_SLOT) {
                     update(planner, slot, jp_search_heuristic(planner, &pose));
                 }
@@ -407,7 +502,7 @@ void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_
 bool jp_search_repair(struct jp_planner_internal *planner, uint32_t id, bool may_be_cheaper)
 {
     const struct jp_lattice_pose pose = pose_of(planner, id);
-    const uint32_t slot = jp_planner_states_find(planner, id);
+    const uint32_t slot = jp_planner_states_find(&planner->search, id);
 
     if (slot != NO_SLOT) {
         recompute(planner, slot, &pose);
@@ -420,7 +515,7 @@ bool jp_search_repair(struct jp_planner_internal *planner, uint32_t id, bool may
     if (cost == JP_COST_MAX) {
         return true;
     }
-    const uint32_t added = jp_planner_states_add(planner, id);
+    const uint32_t added = jp_planner_states_add(&planner->search, id);
     if (added == NO_SLOT) {
         return false;
     }

@@ -6,6 +6,7 @@
 
 enum search_result {
     SEARCH_WORKING,
+    SEARCH_ROUTE,      /* the first route to the target; a cheaper one may follow */
     SEARCH_FOUND,      /* the target's cost is within ε of the optimum */
     SEARCH_IMPOSSIBLE, /* no route leads to the target */
     SEARCH_FULL,       /* the next expansion may not fit the table */
@@ -15,18 +16,24 @@ enum search_result {
 /** The search is optimal when it ends: the energy field's bound steers it, with ε = 1. */
 static inline bool jp_search_is_exact(const struct jp_planner_internal *planner)
 {
-    return planner->field_use == JP_FIELD_STEERS;
+    return planner->search.is_exact;
 }
 
 static inline bool jp_search_is_forward(const struct jp_planner_internal *planner)
 {
-    return planner->direction == JP_PLANNER_FROM_ROBOT;
+    return planner->search.direction == JP_PLANNER_FROM_ROBOT;
 }
 
 /** Clears all states and seeds the search. The field that steers it must have grown. */
 void jp_search_start(struct jp_planner_internal *planner);
 
-/** Begins to compute all keys anew, for planner->epsilon; `widen` doubles the range of the queue. */
+/** Adds a state on the tail of the plan, with its cost to the goal. The table must have room. */
+void jp_search_seed_tail(struct jp_planner_internal *planner, const struct jp_lattice_pose *pose, jp_cost cost);
+
+/** True at a state of the search that was seeded from the tail of the plan. */
+bool jp_search_is_on_tail(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
+
+/** Begins to compute all keys anew, for planner->search.epsilon; `widen` doubles the range of the queue. */
 void jp_search_rekey(struct jp_planner_internal *planner, bool widen);
 
 /** Continues; *slots counts down. True when all keys are computed. */
@@ -34,6 +41,9 @@ bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots);
 
 /** Expands states; *expansions counts down to 0. */
 enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigned *expansions);
+
+/** True when the target's cost is final: the next expansion would end the search. */
+bool jp_search_has_arrived(struct jp_planner_internal *planner);
 
 /** Repairs a state whose outgoing primitives have changed. False when the table is full. */
 bool jp_search_repair(struct jp_planner_internal *planner, uint32_t id, bool may_be_cheaper);
@@ -44,6 +54,10 @@ void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_
 /** Slot of the target: the robot's state, or the cheapest of the goal's states; NO_SLOT before the search has reached
  * it. */
 uint32_t jp_search_target(const struct jp_planner_internal *planner);
+
+/** Lower bound of any route of this start, goal and map: by the energy field if it has a root, and by the least key of
+ * an exact search. 0: nothing is known. */
+jp_cost jp_search_least_cost(const struct jp_planner_internal *planner);
 
 /** The best predecessor of a state: the neighbour over which the seed costs least by the present g. */
 struct search_predecessor {
@@ -57,6 +71,9 @@ struct search_predecessor jp_search_predecessor(const struct jp_planner_internal
 
 /** True at a state with cost 0: the goal's, or the robot's when searching forward. */
 bool jp_search_is_seed(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
+
+/** True at the goal's cell and one of its headings. */
+bool jp_search_is_goal(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
 
 struct jp_lattice_pose jp_search_pose(const struct jp_planner_internal *planner, uint32_t slot);
 

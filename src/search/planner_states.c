@@ -30,43 +30,60 @@ static uint32_t bucket_count_for(uint32_t slots)
     return count;
 }
 
-size_t jp_planner_states_size(uint32_t count)
+/** Slots that hold `count` states. */
+static uint32_t slots_for(uint32_t count)
 {
     uint32_t slots = count * LOAD_DENOMINATOR / LOAD_NUMERATOR + 1;
 
     while (!is_prime(slots)) {
         slots++;
     }
+    return slots;
+}
+
+size_t jp_planner_states_size(uint32_t count)
+{
+    const uint32_t slots = slots_for(count);
+
     return slots * sizeof(struct jp_planner_state) + bucket_count_for(slots) * sizeof(uint32_t);
 }
 
-void jp_planner_states_init(struct jp_planner_internal *planner, void *block, size_t size)
+/** Most states that a search can meet: work over the table grows with the map, not with the block. */
+static uint32_t states_of(const struct jp_terrain_config *map)
 {
-    const size_t most = (size_t)JP_PLANNER_STATES_MAX * LOAD_DENOMINATOR / LOAD_NUMERATOR;
+    const uint32_t states = (uint32_t)map->width * map->height * JP_HEADINGS;
+
+    return states < JP_PLANNER_STATES_MAX ? states : JP_PLANNER_STATES_MAX;
+}
+
+size_t jp_planner_states_init(struct jp_planner_search *search, const struct jp_terrain_config *map, void *block,
+                              size_t size)
+{
+    const size_t most = slots_for(states_of(map));
     size_t slots = size / sizeof(struct jp_planner_state);
 
     if (slots > most) {
         slots = most;
     }
-    planner->bucket_count = bucket_count_for((uint32_t)slots);
-    const size_t bucket_bytes = planner->bucket_count * sizeof(uint32_t);
+    search->bucket_count = bucket_count_for((uint32_t)slots);
+    const size_t bucket_bytes = search->bucket_count * sizeof(uint32_t);
     if (slots * sizeof(struct jp_planner_state) + bucket_bytes > size) {
         slots = (size - bucket_bytes) / sizeof(struct jp_planner_state);
     }
-    planner->states = block;
-    planner->slot_count = (uint32_t)slots;
-    while (!is_prime(planner->slot_count)) {
-        planner->slot_count--;
+    search->states = block;
+    search->slot_count = (uint32_t)slots;
+    while (!is_prime(search->slot_count)) {
+        search->slot_count--;
     }
-    planner->buckets = (uint32_t *)(void *)&planner->states[planner->slot_count];
-    planner->statistics.states_max = planner->slot_count * LOAD_NUMERATOR / LOAD_DENOMINATOR;
-    planner->statistics.search_bytes = (uint32_t)(planner->slot_count * sizeof(struct jp_planner_state) + bucket_bytes);
+    search->buckets = (uint32_t *)(void *)&search->states[search->slot_count];
+    search->state_count_max = search->slot_count * LOAD_NUMERATOR / LOAD_DENOMINATOR;
+    return search->slot_count * sizeof(struct jp_planner_state) + bucket_bytes;
 }
 
-void jp_planner_states_clear(struct jp_planner_internal *planner)
+void jp_planner_states_clear(struct jp_planner_search *search)
 {
-    (void)memset(planner->states, 0, planner->slot_count * sizeof *planner->states);
-    planner->statistics.states = 0;
+    (void)memset(search->states, 0, search->slot_count * sizeof *search->states);
+    search->state_count = 0;
 }
 
 /** Hash that spreads all bits of the id over 32 bits. */
@@ -79,14 +96,14 @@ static uint32_t hash(uint32_t id)
 }
 
 /** Slot of the state or the free slot where it belongs. */
-static uint32_t probe(const struct jp_planner_internal *planner, uint32_t id)
+static uint32_t probe(const struct jp_planner_search *search, uint32_t id)
 {
     const uint32_t bits = hash(id);
-    const uint32_t count = planner->slot_count;
+    const uint32_t count = search->slot_count;
     const uint32_t step = 1U + (bits & 0x3FFU) % (count - 1U);
     uint32_t slot = (uint32_t)(((uint64_t)bits * count) >> 32);
 
-    while (planner->states[slot].used && planner->states[slot].id != id) {
+    while (search->states[slot].used && search->states[slot].id != id) {
         slot += step;
         if (slot >= count) {
             slot -= count;
@@ -95,25 +112,25 @@ static uint32_t probe(const struct jp_planner_internal *planner, uint32_t id)
     return slot;
 }
 
-uint32_t jp_planner_states_find(const struct jp_planner_internal *planner, uint32_t id)
+uint32_t jp_planner_states_find(const struct jp_planner_search *search, uint32_t id)
 {
-    const uint32_t slot = probe(planner, id);
+    const uint32_t slot = probe(search, id);
 
-    return planner->states[slot].used ? slot : NO_SLOT;
+    return search->states[slot].used ? slot : NO_SLOT;
 }
 
-uint32_t jp_planner_states_add(struct jp_planner_internal *planner, uint32_t id)
+uint32_t jp_planner_states_add(struct jp_planner_search *search, uint32_t id)
 {
-    const uint32_t slot = probe(planner, id);
-    struct jp_planner_state *state = &planner->states[slot];
+    const uint32_t slot = probe(search, id);
+    struct jp_planner_state *state = &search->states[slot];
 
     if (state->used) {
         return slot;
     }
-    if (planner->statistics.states == planner->statistics.states_max) {
+    if (search->state_count == search->state_count_max) {
         return NO_SLOT;
     }
-    planner->statistics.states++;
+    search->state_count++;
     state->used = 1;
     state->id = id & 0xFFFFFFU;
     state->g = JP_COST_MAX;
@@ -121,43 +138,43 @@ uint32_t jp_planner_states_add(struct jp_planner_internal *planner, uint32_t id)
     return slot;
 }
 
-void jp_planner_queue_restart(struct jp_planner_internal *planner, uint32_t range)
+void jp_planner_queue_restart(struct jp_planner_search *search, uint32_t range)
 {
-    for (uint32_t i = 0; i < planner->bucket_count; i++) {
-        planner->buckets[i] = NO_SLOT;
+    for (uint32_t i = 0; i < search->bucket_count; i++) {
+        search->buckets[i] = NO_SLOT;
     }
-    planner->lowest_bucket = planner->bucket_count;
-    planner->bucket_shift = 0;
-    while (range >> planner->bucket_shift >= planner->bucket_count - 1U) {
-        planner->bucket_shift++;
+    search->lowest_bucket = search->bucket_count;
+    search->bucket_shift = 0;
+    while (range >> search->bucket_shift >= search->bucket_count - 1U) {
+        search->bucket_shift++;
     }
 }
 
-static void take_out(struct jp_planner_internal *planner, struct jp_planner_state *state)
+static void take_out(struct jp_planner_search *search, struct jp_planner_state *state)
 {
     if (state->previous == NO_SLOT) {
-        planner->buckets[state->bucket] = (uint32_t)state->next;
+        search->buckets[state->bucket] = (uint32_t)state->next;
     } else {
-        planner->states[state->previous].next = state->next;
+        search->states[state->previous].next = state->next;
     }
     if (state->next != NO_SLOT) {
-        planner->states[state->next].previous = state->previous;
+        search->states[state->next].previous = state->previous;
     }
     state->queued = 0;
 }
 
-void jp_planner_queue_remove(struct jp_planner_internal *planner, uint32_t slot)
+void jp_planner_queue_remove(struct jp_planner_search *search, uint32_t slot)
 {
-    if (planner->states[slot].queued) {
-        take_out(planner, &planner->states[slot]);
+    if (search->states[slot].queued) {
+        take_out(search, &search->states[slot]);
     }
 }
 
-void jp_planner_queue_put(struct jp_planner_internal *planner, uint32_t slot, uint32_t key)
+void jp_planner_queue_put(struct jp_planner_search *search, uint32_t slot, uint32_t key)
 {
-    struct jp_planner_state *state = &planner->states[slot];
-    const uint32_t last = planner->bucket_count - 1U;
-    uint32_t bucket = key >> planner->bucket_shift;
+    struct jp_planner_state *state = &search->states[slot];
+    const uint32_t last = search->bucket_count - 1U;
+    uint32_t bucket = key >> search->bucket_shift;
 
     if (bucket > last) {
         bucket = last;
@@ -166,36 +183,36 @@ void jp_planner_queue_put(struct jp_planner_internal *planner, uint32_t slot, ui
         if (state->bucket == bucket) {
             return;
         }
-        take_out(planner, state);
+        take_out(search, state);
     }
-    const uint32_t head = planner->buckets[bucket];
+    const uint32_t head = search->buckets[bucket];
     state->queued = 1;
     state->bucket = bucket & (BUCKETS_MAX - 1);
     state->previous = NO_SLOT;
     state->next = head & NO_SLOT;
     if (head != NO_SLOT) {
-        planner->states[head].previous = slot & NO_SLOT;
+        search->states[head].previous = slot & NO_SLOT;
     }
-    planner->buckets[bucket] = slot;
-    if (bucket < planner->lowest_bucket) {
-        planner->lowest_bucket = bucket;
+    search->buckets[bucket] = slot;
+    if (bucket < search->lowest_bucket) {
+        search->lowest_bucket = bucket;
     }
 }
 
-uint32_t jp_planner_queue_top(struct jp_planner_internal *planner)
+uint32_t jp_planner_queue_top(struct jp_planner_search *search)
 {
-    while (planner->lowest_bucket < planner->bucket_count && planner->buckets[planner->lowest_bucket] == NO_SLOT) {
-        planner->lowest_bucket++;
+    while (search->lowest_bucket < search->bucket_count && search->buckets[search->lowest_bucket] == NO_SLOT) {
+        search->lowest_bucket++;
     }
-    return planner->lowest_bucket < planner->bucket_count ? planner->buckets[planner->lowest_bucket] : NO_SLOT;
+    return search->lowest_bucket < search->bucket_count ? search->buckets[search->lowest_bucket] : NO_SLOT;
 }
 
-uint32_t jp_planner_queue_lowest_key(const struct jp_planner_internal *planner)
+uint32_t jp_planner_queue_lowest_key(const struct jp_planner_search *search)
 {
-    return planner->lowest_bucket << planner->bucket_shift;
+    return search->lowest_bucket << search->bucket_shift;
 }
 
-bool jp_planner_queue_is_beyond_range(const struct jp_planner_internal *planner)
+bool jp_planner_queue_is_beyond_range(const struct jp_planner_search *search)
 {
-    return planner->lowest_bucket == planner->bucket_count - 1U;
+    return search->lowest_bucket == search->bucket_count - 1U;
 }

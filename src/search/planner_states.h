@@ -18,39 +18,41 @@ struct jp_planner_state {
     uint64_t used : 1;
     uint64_t queued : 1;
     uint64_t closed : 1; /**< expanded under this ε; not again before the next */
+    uint64_t tail : 1;   /**< on the tail of the plan, to the goal at the cost that it was seeded with */
 };
 
-/** Lays out `size` bytes as slots and buckets. */
-void jp_planner_states_init(struct jp_planner_internal *planner, void *block, size_t size);
+/** Lays out at most `size` bytes as slots and buckets of a search on a map; returns how many it takes. */
+size_t jp_planner_states_init(struct jp_planner_search *search, const struct jp_terrain_config *map, void *block,
+                              size_t size);
 
 /** Bytes that `count` states need, everything counted. */
 size_t jp_planner_states_size(uint32_t count);
 
 /** Forgets all states. */
-void jp_planner_states_clear(struct jp_planner_internal *planner);
+void jp_planner_states_clear(struct jp_planner_search *search);
 
 /** Slot of a state, or NO_SLOT. */
-uint32_t jp_planner_states_find(const struct jp_planner_internal *planner, uint32_t id);
+uint32_t jp_planner_states_find(const struct jp_planner_search *search, uint32_t id);
 
 /** Slot of a state, which is added with infinite costs if it is absent; NO_SLOT when the table is full. */
-uint32_t jp_planner_states_add(struct jp_planner_internal *planner, uint32_t id);
+uint32_t jp_planner_states_add(struct jp_planner_search *search, uint32_t id);
 
 /** Empties the queue, for keys of 0…range. jp_search_rekey_work() puts the states into it again. */
-void jp_planner_queue_restart(struct jp_planner_internal *planner, uint32_t range);
+void jp_planner_queue_restart(struct jp_planner_search *search, uint32_t range);
 
 /** Puts a state into the queue, or moves it to its new bucket. */
-void jp_planner_queue_put(struct jp_planner_internal *planner, uint32_t slot, uint32_t key);
+void jp_planner_queue_put(struct jp_planner_search *search, uint32_t slot, uint32_t key);
 
 /** Takes a state out of the queue if it is in. */
-void jp_planner_queue_remove(struct jp_planner_internal *planner, uint32_t slot);
+void jp_planner_queue_remove(struct jp_planner_search *search, uint32_t slot);
 
 /** Slot of a state in the lowest bucket; NO_SLOT when the queue is empty. */
-uint32_t jp_planner_queue_top(struct jp_planner_internal *planner);
+uint32_t jp_planner_queue_top(struct jp_planner_search *search);
 
 /** No key in the queue is below it; valid after jp_planner_queue_top(). */
-uint32_t jp_planner_queue_lowest_key(const struct jp_planner_internal *planner);
+uint32_t jp_planner_queue_lowest_key(const struct jp_planner_search *search);
 
 /** True when only the last bucket is left, which holds all keys beyond the range: the queue needs a wider range. */
-bool jp_planner_queue_is_beyond_range(const struct jp_planner_internal *planner);
+bool jp_planner_queue_is_beyond_range(const struct jp_planner_search *search);
 
 #endif

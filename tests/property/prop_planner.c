@@ -166,6 +166,7 @@ static void test_energy_field_is_a_bound(void)
 /* Of the ground alone, and with the turning on top. */
 static void test_straight_bound_is_below_the_truth(void)
 {
+    struct jp_straight straight;
     struct jp_turns turns;
 
     begin_random(options.seed, 4);
@@ -173,6 +174,7 @@ static void test_straight_bound_is_below_the_truth(void)
         random_map(&trial);
         const struct jp_lattice_pose root = random_pose(&trial);
         const int elevation = trial.map.elevation[oracle_cell(root.x, root.y)];
+        jp_lattice_straight(trial.lattice, trial.kind, &straight);
         jp_lattice_turns(trial.lattice, trial.kind, &turns);
         (void)oracle_shortest(&oracle, &trial.map, &root, NULL);
         for (int state = 0; state < trial.map.width * trial.map.height * JP_HEADINGS; state++) {
@@ -181,8 +183,8 @@ static void test_straight_bound_is_below_the_truth(void)
             if (isinf(oracle.distance[state])) {
                 continue;
             }
-            const jp_cost bound = jp_lattice_straight_bound(trial.lattice, trial.kind, x - root.x, y - root.y,
-                                                            trial.map.elevation[oracle_cell(x, y)] - elevation);
+            const jp_cost bound = jp_straight_bound(&straight, x - root.x, y - root.y,
+                                                    trial.map.elevation[oracle_cell(x, y)] - elevation);
             if (bound + turned(&turns, root.heading, state % JP_HEADINGS) > oracle.distance[state]) {
                 (void)note("straight bound above the truth", &trial, oracle.distance[state]);
             }

@@ -354,6 +354,9 @@ static void test_planner_follows_changing_prices(void)
 static void expect_field_below(const struct jp_energy_field *field, const struct jp_turns *turns,
                                const struct jp_lattice_pose *root)
 {
+    struct jp_straight straight;
+
+    jp_lattice_straight(charged(), JP_COST_PHYSICAL, &straight);
     for (int state = 0; state < map.width * map.height * JP_HEADINGS; state++) {
         const int heading = state % JP_HEADINGS;
         const int x = state / JP_HEADINGS % map.width;
@@ -363,10 +366,10 @@ static void expect_field_below(const struct jp_energy_field *field, const struct
         if (isinf(oracle.distance[state])) {
             continue;
         }
-        const jp_cost straight =
-            jp_lattice_straight_bound(charged(), JP_COST_PHYSICAL, x - root->x, y - root->y,
-                                      map.elevation[oracle_cell(x, y)] - map.elevation[oracle_cell(root->x, root->y)]);
-        TEST_ASSERT_TRUE((double)straight + turns->cost[root->heading][heading] <= oracle.distance[state]);
+        const jp_cost bound =
+            jp_straight_bound(&straight, x - root->x, y - root->y,
+                              map.elevation[oracle_cell(x, y)] - map.elevation[oracle_cell(root->x, root->y)]);
+        TEST_ASSERT_TRUE((double)bound + turns->cost[root->heading][heading] <= oracle.distance[state]);
         for (int i = lattice->first_from[heading]; i < lattice->first_from[heading + 1]; i++) {
             const struct jp_primitive *p = &lattice->primitives[i];
             const double cost = oracle_edge(&oracle, &map, i, x, y);

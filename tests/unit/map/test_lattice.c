@@ -239,13 +239,21 @@ static void test_check_of_each_part_of_a_move_cost(void)
     }
 }
 
+static jp_cost straight_bound(const struct jp_lattice *of, int32_t dx, int32_t dy, int32_t rise)
+{
+    struct jp_straight straight;
+
+    jp_lattice_straight(of, JP_COST_PHYSICAL, &straight);
+    return jp_straight_bound(&straight, dx, dy, rise);
+}
+
 static void test_straight_bound_is_no_more_than_the_largest_cost(void)
 {
     const struct jp_lattice *lattice = &jp_lattice_zhang2018;
 
-    TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 0, 0, 0));
-    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 100000, 0, 0));
-    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, jp_lattice_straight_bound(lattice, JP_COST_PHYSICAL, 0, -100000, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, straight_bound(lattice, 0, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, straight_bound(lattice, 100000, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, straight_bound(lattice, 0, -100000, 0));
 }
 
 /* Where steep steps cost less than their rise is worth, a way up bounds nothing. */
@@ -253,7 +261,7 @@ static void test_straight_bound_where_steep_steps_are_cheap(void)
 {
     copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS].climb.quadratic = -700000;
     TEST_ASSERT_EQUAL_UINT32(1, jp_move_cost(&copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 54) > 0);
-    TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_straight_bound(&copy, JP_COST_PHYSICAL, 10, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, straight_bound(&copy, 10, 0, 0));
 }
 
 static jp_cost axis_cost(enum jp_cost_kind kind, int32_t rise)

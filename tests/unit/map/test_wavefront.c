@@ -8,7 +8,7 @@
 enum {
     WIDTH = 40, /* more than a word of bits */
     HEIGHT = 7,
-    BLOCK_BYTES = 640,
+    BLOCK_BYTES = 920,
     GUARD_BYTES = 32,
     WALL = 0,
     WEIGHT_MAX = 9,
@@ -20,7 +20,8 @@ static const int8_t neighbours[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
 static struct jp_wavefront wave;
 static uint64_t block[(BLOCK_BYTES + GUARD_BYTES) / 8];
 static uint8_t weights[HEIGHT][WIDTH]; /* what it costs to enter a cell; WALL: it cannot be */
-static uint16_t expected[HEIGHT][WIDTH];
+static uint32_t expected[HEIGHT][WIDTH];
+static uint32_t unit; /* of the weights */
 static uint32_t state;
 static unsigned handed_out;
 
@@ -30,8 +31,16 @@ void setUp(void)
     memset(weights, 1, sizeof weights);
     state = 20050901;
     handed_out = 0;
-    TEST_ASSERT_TRUE(jp_wavefront_size(WIDTH, HEIGHT) <= BLOCK_BYTES);
-    jp_wavefront_init(&wave, WIDTH, HEIGHT, block);
+    unit = 1;
+    TEST_ASSERT_TRUE(jp_wavefront_size(WIDTH, HEIGHT, JP_WAVE_3_BYTES) <= BLOCK_BYTES);
+    jp_wavefront_init(&wave, WIDTH, HEIGHT, JP_WAVE_2_BYTES, block);
+}
+
+/* So that the values need more than two bytes. */
+static void use_three_bytes(void)
+{
+    unit = 50021;
+    jp_wavefront_init(&wave, WIDTH, HEIGHT, JP_WAVE_3_BYTES, block);
 }
 
 void tearDown(void)
@@ -56,7 +65,7 @@ static void relax(int32_t x, int32_t y)
         if (!is_inside(nx, ny) || weights[ny][nx] == WALL) {
             continue;
         }
-        const uint16_t value = (uint16_t)(jp_wavefront_value(&wave, x, y) + weights[ny][nx]);
+        const uint32_t value = jp_wavefront_value(&wave, x, y) + weights[ny][nx] * unit;
         if (value < jp_wavefront_value(&wave, nx, ny)) {
             jp_wavefront_lower(&wave, nx, ny, value);
         }
@@ -77,7 +86,7 @@ static void grow(void)
 }
 
 /* From cell (0, 0), as far as (target_x, target_y) and a quarter more. */
-static void start(uint16_t step, uint16_t target_x, uint16_t target_y)
+static void start(uint32_t step, uint16_t target_x, uint16_t target_y)
 {
     jp_wavefront_start(&wave, step, target_x, target_y);
     jp_wavefront_lower(&wave, 0, 0, 0);
@@ -90,9 +99,9 @@ static bool expect_better(int32_t x, int32_t y)
     for (int i = 0; i < 4; i++) {
         const int32_t nx = x + neighbours[i][0];
         const int32_t ny = y + neighbours[i][1];
-        if (weights[y][x] != WALL && is_inside(nx, ny) && expected[ny][nx] != JP_WAVE_NOT_REACHED &&
-            expected[ny][nx] + weights[y][x] < expected[y][x]) {
-            expected[y][x] = (uint16_t)(expected[ny][nx] + weights[y][x]);
+        if (weights[y][x] != WALL && is_inside(nx, ny) && expected[ny][nx] != wave.not_reached &&
+            expected[ny][nx] + weights[y][x] * unit < expected[y][x]) {
+            expected[y][x] = expected[ny][nx] + weights[y][x] * unit;
             is_better = true;
         }
     }
@@ -101,7 +110,9 @@ static bool expect_better(int32_t x, int32_t y)
 
 static void relax_all(void)
 {
-    memset(expected, 0xFF, sizeof expected);
+    for (int32_t i = 0; i < WIDTH * HEIGHT; i++) {
+        expected[i / WIDTH][i % WIDTH] = wave.not_reached;
+    }
     expected[0][0] = 0;
     for (bool is_better = true; is_better;) {
         is_better = false;
@@ -120,7 +131,7 @@ static void expect_values(void)
     for (int32_t y = 0; y < HEIGHT; y++) {
         for (int32_t x = 0; x < WIDTH; x++) {
             if (expected[y][x] <= wave.horizon) {
-                TEST_ASSERT_EQUAL_UINT16(expected[y][x], jp_wavefront_value(&wave, x, y));
+                TEST_ASSERT_EQUAL_UINT32(expected[y][x], jp_wavefront_value(&wave, x, y));
             } else {
                 TEST_ASSERT_TRUE(jp_wavefront_value(&wave, x, y) >= expected[y][x]);
             }
@@ -137,18 +148,26 @@ static void randomise(unsigned wall_percent)
     }
 }
 
+static void expect_size(uint16_t width, uint16_t height, enum jp_wave_format format)
+{
+    const size_t size = jp_wavefront_size(width, height, format);
+    const size_t cells = (size_t)width * height;
+
+    TEST_ASSERT_EQUAL_UINT32(0, size % 8);
+    TEST_ASSERT_TRUE(size * 8 >= (8U * (unsigned)format + 1U) * cells);
+    TEST_ASSERT_TRUE(size <= (unsigned)format * cells + 4U * height * ((width + 31U) / 32) + 24);
+}
+
 static void test_size(void)
 {
     for (uint16_t width = 1; width < 100; width += 13) {
         for (uint16_t height = 1; height < 100; height += 17) {
-            const size_t size = jp_wavefront_size(width, height);
-            const size_t cells = (size_t)width * height;
-            TEST_ASSERT_EQUAL_UINT32(0, size % 8);
-            TEST_ASSERT_TRUE(size * 8 >= 17 * cells);
-            TEST_ASSERT_TRUE(size <= 2 * cells + 4U * height * ((width + 31U) / 32) + 16);
+            expect_size(width, height, JP_WAVE_2_BYTES);
+            expect_size(width, height, JP_WAVE_3_BYTES);
         }
     }
-    TEST_ASSERT_EQUAL_UINT32(2 * 1024 * 1024 + 1024 * 1024 / 8, jp_wavefront_size(1024, 1024));
+    TEST_ASSERT_EQUAL_UINT32(2 * 1024 * 1024 + 1024 * 1024 / 8, jp_wavefront_size(1024, 1024, JP_WAVE_2_BYTES));
+    TEST_ASSERT_EQUAL_UINT32(3 * 1024 * 1024 + 1024 * 1024 / 8, jp_wavefront_size(1024, 1024, JP_WAVE_3_BYTES));
 }
 
 static void test_nothing_reached_without_a_root(void)
@@ -159,19 +178,26 @@ static void test_nothing_reached_without_a_root(void)
     jp_wavefront_start(&wave, 1, 3, 3);
     TEST_ASSERT_FALSE(jp_wavefront_next(&wave, &x, &y));
     TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
-    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, 0, 0));
-    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, WIDTH - 1, HEIGHT - 1));
+    TEST_ASSERT_EQUAL_UINT32(wave.not_reached, jp_wavefront_value(&wave, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(wave.not_reached, jp_wavefront_value(&wave, WIDTH - 1, HEIGHT - 1));
 }
 
-static void test_stays_in_its_block(void)
+static void expect_to_stay_in(enum jp_wave_format format)
 {
     const uint8_t *bytes = (const uint8_t *)block;
 
     start(3, WIDTH - 1, HEIGHT - 1);
     grow();
-    for (size_t i = jp_wavefront_size(WIDTH, HEIGHT); i < sizeof block; i++) {
+    for (size_t i = jp_wavefront_size(WIDTH, HEIGHT, format); i < sizeof block; i++) {
         TEST_ASSERT_EQUAL_UINT8(0x5A, bytes[i]);
     }
+}
+
+static void test_stays_in_its_block(void)
+{
+    expect_to_stay_in(JP_WAVE_2_BYTES);
+    use_three_bytes();
+    expect_to_stay_in(JP_WAVE_3_BYTES);
 }
 
 static void test_reaches_all_of_an_open_grid(void)
@@ -180,7 +206,7 @@ static void test_reaches_all_of_an_open_grid(void)
     grow();
     for (int32_t y = 0; y < HEIGHT; y++) {
         for (int32_t x = 0; x < WIDTH; x++) {
-            TEST_ASSERT_EQUAL_UINT16(x + y, jp_wavefront_value(&wave, x, y));
+            TEST_ASSERT_EQUAL_UINT32(x + y, jp_wavefront_value(&wave, x, y));
         }
     }
     TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
@@ -194,32 +220,50 @@ static void test_hands_out_in_the_order_of_the_values(void)
     TEST_ASSERT_TRUE(handed_out <= WIDTH * HEIGHT * 3 / 2);
 }
 
-static void test_is_least_on_random_grids(void)
+static void expect_least_on_random_grids(void)
 {
     for (unsigned seed = 0; seed < SEEDS; seed++) {
         randomise(seed % 4 * 12);
-        start((uint16_t)(1 + below(30)), (uint16_t)below(WIDTH), (uint16_t)below(HEIGHT));
+        start((1 + below(30)) * unit, (uint16_t)below(WIDTH), (uint16_t)below(HEIGHT));
         grow();
         expect_values();
     }
+}
+
+static void test_is_least_on_random_grids(void)
+{
+    expect_least_on_random_grids();
+    use_three_bytes();
+    expect_least_on_random_grids();
+}
+
+/* Each cell of the far corner is 46 · 50 021 or more from the root. */
+static void test_values_of_three_bytes(void)
+{
+    use_three_bytes();
+    start(unit, WIDTH - 1, HEIGHT - 1);
+    grow();
+    TEST_ASSERT_EQUAL_UINT32((WIDTH + HEIGHT - 2) * unit, jp_wavefront_value(&wave, WIDTH - 1, HEIGHT - 1));
+    TEST_ASSERT_EQUAL_UINT32(0xFFFFFE, jp_wavefront_value_max(&wave));
+    expect_values();
 }
 
 static void test_stops_a_quarter_beyond_the_target(void)
 {
     start(2, 8, 0);
     grow();
-    TEST_ASSERT_EQUAL_UINT16(8 + 2 + 2, wave.horizon);
+    TEST_ASSERT_EQUAL_UINT32(8 + 2 + 2, wave.horizon);
     expect_values();
     TEST_ASSERT_FALSE(jp_wavefront_is_exhausted(&wave));
-    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, WIDTH - 1, 0));
+    TEST_ASSERT_EQUAL_UINT32(wave.not_reached, jp_wavefront_value(&wave, WIDTH - 1, 0));
 }
 
 /* With a step near the end of the range the horizon would be beyond it. */
 static void test_horizon_ends_with_the_range(void)
 {
-    start(JP_WAVE_VALUE_MAX, WIDTH - 1, HEIGHT - 1);
+    start(UINT16_MAX - 1, WIDTH - 1, HEIGHT - 1);
     grow();
-    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_VALUE_MAX, wave.horizon);
+    TEST_ASSERT_EQUAL_UINT32(UINT16_MAX - 1, wave.horizon);
     TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
     expect_values();
 }
@@ -232,9 +276,9 @@ static void test_target_behind_a_wall(void)
     start(4, 30, 3);
     grow();
     TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
-    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_VALUE_MAX, wave.horizon);
-    TEST_ASSERT_EQUAL_UINT16(JP_WAVE_NOT_REACHED, jp_wavefront_value(&wave, 30, 3));
-    TEST_ASSERT_EQUAL_UINT16(19, jp_wavefront_value(&wave, 19, 0));
+    TEST_ASSERT_EQUAL_UINT32(UINT16_MAX - 1, wave.horizon);
+    TEST_ASSERT_EQUAL_UINT32(wave.not_reached, jp_wavefront_value(&wave, 30, 3));
+    TEST_ASSERT_EQUAL_UINT32(19, jp_wavefront_value(&wave, 19, 0));
     expect_values();
 }
 
@@ -242,7 +286,7 @@ static void test_root_at_the_target(void)
 {
     start(5, 0, 0);
     grow();
-    TEST_ASSERT_EQUAL_UINT16(5, wave.horizon);
+    TEST_ASSERT_EQUAL_UINT32(5, wave.horizon);
     expect_values();
 }
 
@@ -259,7 +303,7 @@ static void test_touched_cells_are_handed_out_again(void)
     jp_wavefront_resume(&wave);
     grow();
     TEST_ASSERT_TRUE(handed_out > before);
-    TEST_ASSERT_EQUAL_UINT16(33, jp_wavefront_value(&wave, 30, 3));
+    TEST_ASSERT_EQUAL_UINT32(33, jp_wavefront_value(&wave, 30, 3));
     expect_values();
 }
 
@@ -281,7 +325,7 @@ static void test_repair_after_falling_weights(void)
 {
     for (unsigned seed = 0; seed < SEEDS; seed++) {
         randomise(20);
-        start((uint16_t)(1 + below(20)), WIDTH - 1, HEIGHT - 1);
+        start(1 + below(20), WIDTH - 1, HEIGHT - 1);
         for (int edit = 0; edit < 10; edit++) {
             int32_t x = (int32_t)below(WIDTH);
             int32_t y = (int32_t)below(HEIGHT);

@@ -69,21 +69,35 @@ static void test_statistics_share_out_the_block(void)
     TEST_ASSERT_EQUAL_UINT32(0, statistics->restarts);
 }
 
-/* Record, hash and queue, for the blocks of the bench. The layout touches no memory. */
+/* Record, hash and queue, for the blocks of the bench, on a large map. The layout touches no memory. */
 static void test_a_state_takes_at_most_20_bytes(void)
 {
     static const uint32_t kibibytes[] = {64, 128, 256, 512, 8192};
-    const struct jp_planner_counts *statistics = &planner.internal.statistics;
+    const struct jp_terrain_config large = {.width = JP_TERRAIN_SIDE_MAX, .height = JP_TERRAIN_SIDE_MAX};
+    struct jp_planner_search search = {0};
 
     for (size_t i = 0; i < sizeof kibibytes / sizeof kibibytes[0]; i++) {
-        jp_planner_states_init(&planner.internal, block, kibibytes[i] * 1024);
-        TEST_ASSERT_TRUE(statistics->search_bytes <= kibibytes[i] * 1024);
-        TEST_ASSERT_TRUE(statistics->search_bytes >= kibibytes[i] * 1024 * 99 / 100);
-        TEST_ASSERT_TRUE(statistics->search_bytes <= 20 * statistics->states_max);
+        const size_t bytes = jp_planner_states_init(&search, &large, block, kibibytes[i] * 1024);
+        TEST_ASSERT_TRUE(bytes <= kibibytes[i] * 1024);
+        TEST_ASSERT_TRUE(bytes >= kibibytes[i] * 1024 * 99 / 100);
+        TEST_ASSERT_TRUE(bytes <= 20 * search.state_count_max);
     }
-    jp_planner_states_init(&planner.internal, block, (size_t)1 << 30);
-    TEST_ASSERT_TRUE(statistics->states_max <= JP_PLANNER_STATES_MAX);
+    (void)jp_planner_states_init(&search, &large, block, (size_t)1 << 30);
+    TEST_ASSERT_UINT32_WITHIN(JP_PLANNER_STATES_MAX / 100, JP_PLANNER_STATES_MAX, search.state_count_max);
     TEST_ASSERT_EQUAL_UINT32(16, sizeof(struct jp_planner_state));
+}
+
+/* Work over the table is for the states that the map has, in any block. */
+static void test_no_more_states_than_the_map_has(void)
+{
+    struct jp_planner_search search = {0};
+
+    for (unsigned bits = 16; bits <= 28; bits += 4) {
+        const size_t bytes = jp_planner_states_init(&search, &terrain.config, block, (size_t)1 << bits);
+        TEST_ASSERT_TRUE(search.state_count_max >= WIDTH * HEIGHT * JP_HEADINGS);
+        TEST_ASSERT_TRUE(search.state_count_max <= WIDTH * HEIGHT * JP_HEADINGS + JP_HEADINGS);
+        TEST_ASSERT_TRUE(bytes <= 20 * search.state_count_max);
+    }
 }
 
 static void test_init_wants_pointers(void)

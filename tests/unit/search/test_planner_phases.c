@@ -24,7 +24,8 @@ static void test_driving_on_needs_no_expansions(void)
     for (unsigned left = STEPS - 1; left > 0; left--) {
         TEST_ASSERT_NOT_NULL(jp_planner_step(&planner, 0, &pose));
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &pose));
-        TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, jp_planner_work(&planner, 0));
+        TEST_ASSERT_TRUE(jp_planner_is_idle(&planner));
+        TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, jp_planner_work(&planner, 0));
         expect_optimal();
         TEST_ASSERT_EQUAL_UINT32(left * AXIS_COST, jp_planner_plan(&planner)->cost);
     }
@@ -42,6 +43,48 @@ static void test_start_that_was_not_on_the_route(void)
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &starts[i]));
         expect_as_if_new();
     }
+}
+
+/* A plan that is within a bound keeps one as the robot drives along it, and stays a route of what is left. */
+static void test_bound_follows_the_robot(void)
+{
+    struct jp_lattice_pose pose = west;
+
+    config.epsilon[1] = 0;
+    for (int32_t y = 0; y < HEIGHT; y++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, 8, y, 10)); /* a ridge: the bound is above 1 */
+    }
+    begin();
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_WITHIN_BOUND, finish());
+    const struct jp_plan *plan = jp_planner_plan(&planner);
+    while (plan->step_count > 0) {
+        const unsigned steps = plan->step_count;
+        TEST_ASSERT_NOT_NULL(jp_planner_step(&planner, 0, &pose));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &pose));
+        TEST_ASSERT_TRUE(jp_planner_is_idle(&planner));
+        TEST_ASSERT_EQUAL_UINT32(steps - 1, plan->step_count);
+        TEST_ASSERT_EQUAL_INT(plan->answer, jp_planner_work(&planner, 0));
+        TEST_ASSERT_TRUE(plan->bound >= JP_EPSILON_ONE);
+        expect_drivable();
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, plan->cost);
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, plan->answer);
+}
+
+/* The route is there before its proof: the robot drives, and the search goes on. */
+static void test_robot_drives_during_the_proof(void)
+{
+    struct jp_lattice_pose pose = west;
+
+    begin();
+    raise(8, 4, 10);
+    while (jp_planner_work(&planner, 1) != JP_ANSWER_WITHIN_BOUND || planner.internal.phase != JP_PLANNER_SEARCH) {
+        TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
+    }
+    TEST_ASSERT_NOT_NULL(jp_planner_step(&planner, 0, &pose));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &pose));
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_WITHIN_BOUND, jp_planner_work(&planner, 0));
+    expect_as_if_new();
 }
 
 static void test_start_moves_during_the_search(void)
@@ -169,13 +212,102 @@ static void test_obstacle_comes_and_goes(void)
         expect_optimal();
         TEST_ASSERT_EQUAL_UINT32(STEPS * AXIS_COST, jp_planner_plan(&planner)->cost);
     }
-    TEST_ASSERT_EQUAL_UINT32(1, jp_planner_statistics(&planner)->restarts);
+}
+
+/* The route does not sweep the cell: it is looked at once more, and is the optimum still. */
+static void test_obstacle_beside_the_route(void)
+{
+    make_large_map();
+    begin();
+    expect_optimal();
+    const uint32_t expansions = jp_planner_statistics(&planner)->expansions;
+    occupy(8, 13);
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, jp_planner_work(&planner, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, jp_planner_work(&planner, STEPS));
+    expect_optimal();
+    TEST_ASSERT_EQUAL_UINT32(expansions, jp_planner_statistics(&planner)->expansions);
+}
+
+/* A route that stays open is an answer at once; with cheaper ground about, its proof has to be found anew. */
+static void test_route_on_changed_ground_stays_published(void)
+{
+    const struct jp_plan *plan = jp_planner_plan(&planner);
+
+    make_large_map();
+    begin();
+    expect_optimal();
+    raise(8, 4, 10);
+    const enum jp_answer answer = jp_planner_work(&planner, STEPS);
+    TEST_ASSERT_TRUE(answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND);
+    TEST_ASSERT_EQUAL_INT(answer, plan->answer);
+    TEST_ASSERT_TRUE(plan->cost > STEPS * AXIS_COST);
+    expect_drivable();
+    expect_as_if_new();
+}
+
+/* While the plan is looked at, the robot is found elsewhere. */
+static void test_start_moves_while_the_plan_is_checked(void)
+{
+    begin();
+    expect_optimal();
+    occupy(15, 0);
+    TEST_ASSERT_EQUAL_INT(JP_PLANNER_CHECK_PLAN, planner.internal.phase);
+    expect_start(JP_OK, 5, 5, 0);
+    expect_as_if_new();
+}
+
+/* Changes that leave no room for their repair end it, with the plan checked. */
+static void test_more_changes_while_the_plan_is_checked(void)
+{
+    begin();
+    expect_optimal();
+    for (int32_t i = 0; i <= JP_PLANNER_CHANGES; i++) {
+        raise(15, i % HEIGHT, (jp_elevation)(1 + i));
+    }
+    expect_as_if_new();
+}
+
+/* A route that no search has measured is given up for a new one only where that is cheaper. */
+static void test_repair_is_given_up_for_a_new_search(void)
+{
+    begin();
+    expect_optimal();
+    planner.internal.effort.fresh_route = 1;
+    planner.internal.effort.fresh_end = 1;
+    const uint32_t restarts = jp_planner_statistics(&planner)->restarts;
+    occupy(8, 2);
+    expect_optimal();
+    TEST_ASSERT_TRUE(jp_planner_statistics(&planner)->restarts > restarts);
+    planner.internal.effort.fresh_cost = 0; /* as before any search has ended */
+    occupy(9, 2);
+    release(8, 2);
+    expect_as_if_new();
+}
+
+/* The proof of a route that stays open is given up, the route is not. */
+static void test_proof_is_given_up_for_a_new_one(void)
+{
+    make_large_map();
+    config.epsilon[0] = JP_EPSILON_ONE;
+    config.epsilon[1] = 0;
+    begin();
+    expect_optimal();
+    raise(8, 4, 10);
+    planner.internal.effort.fresh_end = 1;
+    const uint32_t restarts = jp_planner_statistics(&planner)->restarts;
+    while (jp_planner_work(&planner, 1) == JP_ANSWER_OUT_OF_BUDGET) {
+    }
+    while (!jp_planner_is_idle(&planner)) {
+        TEST_ASSERT_NOT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, jp_planner_work(&planner, 1));
+    }
+    TEST_ASSERT_EQUAL_UINT32(restarts + 1, jp_planner_statistics(&planner)->restarts);
+    expect_optimal();
 }
 
 /* In the guide, the field, the search, the repair and the sorting. */
 static void test_change_in_every_phase(void)
 {
-    bool seen[8] = {false};
+    bool seen[9] = {false};
     unsigned phases = 0;
 
     for (int slices = 0; slices < 1500; slices += slices < 70 ? 1 : 61) {
@@ -349,6 +481,14 @@ static void test_route_is_cut_where_its_memory_ends(void)
     expect_drivable();
 }
 
+/* Also where it is the optimum. */
+static void test_optimum_is_cut_where_its_memory_ends(void)
+{
+    config.epsilon[0] = JP_EPSILON_ONE;
+    config.epsilon[1] = 0;
+    test_route_is_cut_where_its_memory_ends();
+}
+
 /* As the robot drives, the end of the route comes into its memory. */
 static void test_route_that_was_cut_goes_on(void)
 {
@@ -378,7 +518,7 @@ static void search_from_the_robot(const struct jp_goal *goal)
     make_large_map();
     start_planner(jp_planner_size(&map));
     go(&(const struct jp_lattice_pose){4, 4, 12}, goal);
-    while (planner.internal.direction == JP_PLANNER_FROM_GOAL) {
+    while (planner.internal.search.direction == JP_PLANNER_FROM_GOAL) {
         TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
         (void)jp_planner_work(&planner, 1);
     }
@@ -392,9 +532,29 @@ static void test_start_moves_before_the_search_from_the_robot(void)
     const uint32_t restarts = jp_planner_statistics(&planner)->restarts;
     expect_start(JP_OK, 5, 5, 4);
     TEST_ASSERT_EQUAL_UINT32(restarts + 1, jp_planner_statistics(&planner)->restarts);
-    TEST_ASSERT_EQUAL_INT(JP_PLANNER_FROM_GOAL, planner.internal.direction);
+    TEST_ASSERT_EQUAL_INT(JP_PLANNER_FROM_GOAL, planner.internal.search.direction);
     expect_honest(finish(), &goal);
     TEST_ASSERT_EQUAL_INT(5, jp_planner_plan(&planner)->start.x);
+}
+
+/* Of the goal's headings the cheapest counts, whichever is met first. */
+static void test_search_from_the_robot_to_any_heading(void)
+{
+    make_large_map();
+    for (int16_t x = 4; x <= 12; x++) {
+        for (int16_t y = 6; y <= 12; y++) {
+            const struct jp_goal goal = {x, y, JP_ANY_HEADING};
+            start_planner(jp_planner_size(&map));
+            go(&(const struct jp_lattice_pose){4, 4, 12}, &goal);
+            planner.internal.search.epsilon = JP_EPSILON_MAX; /* nothing is left but to search from the robot */
+            planner.internal.neighbours_max = UINT16_MAX;
+            while (planner.internal.search.direction == JP_PLANNER_FROM_GOAL) {
+                (void)jp_planner_work(&planner, 1);
+            }
+            planner.internal.neighbours_max = 16;
+            expect_honest(finish(), &goal);
+        }
+    }
 }
 
 /* Of a route from the robot the far end is left out, also where the search has arrived. */
@@ -426,8 +586,9 @@ static void test_search_that_leads_nowhere_begins_anew(void)
 {
     begin();
     expect_optimal();
-    expect_start(JP_OK, west.x + 1, west.y, 0);
-    occupy_secretly(west.x + 1, west.y);
+    planner.internal.effort.fresh_cost = 0; /* or the search would be given up for a new one */
+    expect_start(JP_OK, 5, 5, 0);
+    occupy_secretly(5, 5);
     TEST_ASSERT_EQUAL_INT(JP_ANSWER_UNREACHABLE, finish());
     TEST_ASSERT_EQUAL_UINT32(2, jp_planner_statistics(&planner)->restarts);
 }
@@ -461,4 +622,8 @@ static void test_nothing_is_proved_downhill(void)
     TEST_ASSERT_EQUAL_UINT32(JP_BOUND_NONE, jp_planner_plan(&planner)->bound);
     TEST_ASSERT_TRUE(jp_planner_plan(&planner)->cost > 0);
     expect_drivable();
+    struct jp_lattice_pose pose = west;
+    TEST_ASSERT_NOT_NULL(jp_planner_step(&planner, 0, &pose));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &pose));
+    TEST_ASSERT_EQUAL_UINT32(JP_BOUND_NONE, jp_planner_plan(&planner)->bound);
 }

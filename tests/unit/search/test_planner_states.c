@@ -30,21 +30,21 @@ static void test_table_finds_all_that_it_holds(void)
 
     for (size_t i = 0; i < sizeof strides / sizeof strides[0]; i++) {
         start_planner(sizeof block);
-        const uint32_t stride = i == 3 ? planner.internal.slot_count : strides[i];
-        const uint32_t count = planner.internal.statistics.states_max;
+        const uint32_t stride = i == 3 ? planner.internal.search.slot_count : strides[i];
+        const uint32_t count = planner.internal.search.state_count_max;
         for (uint32_t k = 0; k < count; k++) {
             const uint32_t id = k * stride & 0xFFFFFF;
-            TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal, id));
-            const uint32_t slot = jp_planner_states_add(&planner.internal, id);
-            TEST_ASSERT_TRUE(slot < planner.internal.slot_count);
-            TEST_ASSERT_EQUAL_UINT32(slot, jp_planner_states_add(&planner.internal, id));
-            TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, (uint32_t)planner.internal.states[slot].g);
-            TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, (uint32_t)planner.internal.states[slot].rhs);
+            TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal.search, id));
+            const uint32_t slot = jp_planner_states_add(&planner.internal.search, id);
+            TEST_ASSERT_TRUE(slot < planner.internal.search.slot_count);
+            TEST_ASSERT_EQUAL_UINT32(slot, jp_planner_states_add(&planner.internal.search, id));
+            TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, (uint32_t)planner.internal.search.states[slot].g);
+            TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, (uint32_t)planner.internal.search.states[slot].rhs);
         }
         for (uint32_t k = 0; k < count; k++) {
-            const uint32_t slot = jp_planner_states_find(&planner.internal, k * stride & 0xFFFFFF);
+            const uint32_t slot = jp_planner_states_find(&planner.internal.search, k * stride & 0xFFFFFF);
             TEST_ASSERT_TRUE(slot != NO_SLOT);
-            TEST_ASSERT_EQUAL_UINT32(k * stride & 0xFFFFFF, (uint32_t)planner.internal.states[slot].id);
+            TEST_ASSERT_EQUAL_UINT32(k * stride & 0xFFFFFF, (uint32_t)planner.internal.search.states[slot].id);
         }
     }
 }
@@ -52,18 +52,18 @@ static void test_table_finds_all_that_it_holds(void)
 static void test_table_that_is_full(void)
 {
     start_planner(sizeof block);
-    const uint32_t count = planner.internal.statistics.states_max;
+    const uint32_t count = planner.internal.search.state_count_max;
     for (uint32_t id = 0; id < count; id++) {
-        TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal, id) != NO_SLOT);
-        TEST_ASSERT_EQUAL_UINT32(id + 1, planner.internal.statistics.states);
+        TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal.search, id) != NO_SLOT);
+        TEST_ASSERT_EQUAL_UINT32(id + 1, planner.internal.search.state_count);
     }
-    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_add(&planner.internal, count));
-    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal, count));
-    TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal, count - 1) != NO_SLOT);
-    jp_planner_states_clear(&planner.internal);
-    TEST_ASSERT_EQUAL_UINT32(0, planner.internal.statistics.states);
-    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal, 0));
-    TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal, count) != NO_SLOT);
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_add(&planner.internal.search, count));
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal.search, count));
+    TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal.search, count - 1) != NO_SLOT);
+    jp_planner_states_clear(&planner.internal.search);
+    TEST_ASSERT_EQUAL_UINT32(0, planner.internal.search.state_count);
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal.search, 0));
+    TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal.search, count) != NO_SLOT);
 }
 
 static uint32_t key_of(uint32_t i)
@@ -77,65 +77,67 @@ static void test_queue_gives_the_lowest_first(void)
     uint32_t last = 0;
 
     start_planner(sizeof block);
-    jp_planner_queue_restart(&planner.internal, 1000);
-    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(&planner.internal));
+    jp_planner_queue_restart(&planner.internal.search, 1000);
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(&planner.internal.search));
     for (uint32_t i = 0; i < COUNT; i++) {
-        jp_planner_queue_put(&planner.internal, jp_planner_states_add(&planner.internal, i), key_of(i));
+        jp_planner_queue_put(&planner.internal.search, jp_planner_states_add(&planner.internal.search, i), key_of(i));
     }
     for (uint32_t i = 0; i < COUNT; i++) {
-        const uint32_t slot = jp_planner_queue_top(&planner.internal);
+        const uint32_t slot = jp_planner_queue_top(&planner.internal.search);
         TEST_ASSERT_TRUE(slot != NO_SLOT);
-        const uint32_t key = key_of((uint32_t)planner.internal.states[slot].id);
-        TEST_ASSERT_TRUE(jp_planner_queue_lowest_key(&planner.internal) >= last);
-        TEST_ASSERT_TRUE(jp_planner_queue_lowest_key(&planner.internal) <= key);
-        TEST_ASSERT_TRUE(key >> planner.internal.bucket_shift ==
-                         jp_planner_queue_lowest_key(&planner.internal) >> planner.internal.bucket_shift);
-        last = jp_planner_queue_lowest_key(&planner.internal);
-        jp_planner_queue_remove(&planner.internal, slot);
-        jp_planner_queue_remove(&planner.internal, slot); /* of one that is out: nothing */
+        const uint32_t key = key_of((uint32_t)planner.internal.search.states[slot].id);
+        TEST_ASSERT_TRUE(jp_planner_queue_lowest_key(&planner.internal.search) >= last);
+        TEST_ASSERT_TRUE(jp_planner_queue_lowest_key(&planner.internal.search) <= key);
+        TEST_ASSERT_TRUE(key >> planner.internal.search.bucket_shift ==
+                         jp_planner_queue_lowest_key(&planner.internal.search) >> planner.internal.search.bucket_shift);
+        last = jp_planner_queue_lowest_key(&planner.internal.search);
+        jp_planner_queue_remove(&planner.internal.search, slot);
+        jp_planner_queue_remove(&planner.internal.search, slot); /* of one that is out: nothing */
     }
-    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(&planner.internal));
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(&planner.internal.search));
 }
 
 static void test_queue_moves_a_state_to_its_new_key(void)
 {
     start_planner(sizeof block);
-    jp_planner_queue_restart(&planner.internal, 60);
-    const uint32_t a = jp_planner_states_add(&planner.internal, 1);
-    const uint32_t b = jp_planner_states_add(&planner.internal, 2);
-    const uint32_t c = jp_planner_states_add(&planner.internal, 3);
-    jp_planner_queue_put(&planner.internal, a, 30);
-    jp_planner_queue_put(&planner.internal, b, 30);
-    jp_planner_queue_put(&planner.internal, c, 30);
-    jp_planner_queue_put(&planner.internal, b, 30);
-    jp_planner_queue_put(&planner.internal, b, 10); /* out of the middle of a list */
-    TEST_ASSERT_EQUAL_UINT32(b, jp_planner_queue_top(&planner.internal));
-    TEST_ASSERT_EQUAL_UINT32(10, jp_planner_queue_lowest_key(&planner.internal));
-    jp_planner_queue_put(&planner.internal, b, 50);
-    jp_planner_queue_remove(&planner.internal, a);
-    TEST_ASSERT_EQUAL_UINT32(c, jp_planner_queue_top(&planner.internal));
-    jp_planner_queue_remove(&planner.internal, c);
-    TEST_ASSERT_EQUAL_UINT32(b, jp_planner_queue_top(&planner.internal));
-    jp_planner_queue_put(&planner.internal, a, 0);
-    TEST_ASSERT_EQUAL_UINT32(a, jp_planner_queue_top(&planner.internal));
+    jp_planner_queue_restart(&planner.internal.search, 60);
+    const uint32_t a = jp_planner_states_add(&planner.internal.search, 1);
+    const uint32_t b = jp_planner_states_add(&planner.internal.search, 2);
+    const uint32_t c = jp_planner_states_add(&planner.internal.search, 3);
+    jp_planner_queue_put(&planner.internal.search, a, 30);
+    jp_planner_queue_put(&planner.internal.search, b, 30);
+    jp_planner_queue_put(&planner.internal.search, c, 30);
+    jp_planner_queue_put(&planner.internal.search, b, 30);
+    jp_planner_queue_put(&planner.internal.search, b, 10); /* out of the middle of a list */
+    TEST_ASSERT_EQUAL_UINT32(b, jp_planner_queue_top(&planner.internal.search));
+    TEST_ASSERT_EQUAL_UINT32(10, jp_planner_queue_lowest_key(&planner.internal.search));
+    jp_planner_queue_put(&planner.internal.search, b, 50);
+    jp_planner_queue_remove(&planner.internal.search, a);
+    TEST_ASSERT_EQUAL_UINT32(c, jp_planner_queue_top(&planner.internal.search));
+    jp_planner_queue_remove(&planner.internal.search, c);
+    TEST_ASSERT_EQUAL_UINT32(b, jp_planner_queue_top(&planner.internal.search));
+    jp_planner_queue_put(&planner.internal.search, a, 0);
+    TEST_ASSERT_EQUAL_UINT32(a, jp_planner_queue_top(&planner.internal.search));
 }
 
 static void test_queue_tells_when_its_range_ends(void)
 {
     start_planner(sizeof block);
-    jp_planner_queue_restart(&planner.internal, 1000);
-    const uint32_t near = jp_planner_states_add(&planner.internal, 1);
-    const uint32_t far = jp_planner_states_add(&planner.internal, 2);
-    jp_planner_queue_put(&planner.internal, far, UINT32_MAX);
-    jp_planner_queue_put(&planner.internal, near, 1000);
-    TEST_ASSERT_EQUAL_UINT32(near, jp_planner_queue_top(&planner.internal));
-    TEST_ASSERT_FALSE(jp_planner_queue_is_beyond_range(&planner.internal));
-    jp_planner_queue_remove(&planner.internal, near);
-    TEST_ASSERT_EQUAL_UINT32(far, jp_planner_queue_top(&planner.internal));
-    TEST_ASSERT_TRUE(jp_planner_queue_is_beyond_range(&planner.internal));
-    jp_planner_queue_restart(&planner.internal, 2 * JP_COST_MAX);
-    TEST_ASSERT_TRUE(2 * JP_COST_MAX >> planner.internal.bucket_shift < planner.internal.bucket_count - 1);
-    TEST_ASSERT_TRUE(2 * JP_COST_MAX >> (planner.internal.bucket_shift - 1) >= planner.internal.bucket_count - 1);
+    jp_planner_queue_restart(&planner.internal.search, 1000);
+    const uint32_t near = jp_planner_states_add(&planner.internal.search, 1);
+    const uint32_t far = jp_planner_states_add(&planner.internal.search, 2);
+    jp_planner_queue_put(&planner.internal.search, far, UINT32_MAX);
+    jp_planner_queue_put(&planner.internal.search, near, 1000);
+    TEST_ASSERT_EQUAL_UINT32(near, jp_planner_queue_top(&planner.internal.search));
+    TEST_ASSERT_FALSE(jp_planner_queue_is_beyond_range(&planner.internal.search));
+    jp_planner_queue_remove(&planner.internal.search, near);
+    TEST_ASSERT_EQUAL_UINT32(far, jp_planner_queue_top(&planner.internal.search));
+    TEST_ASSERT_TRUE(jp_planner_queue_is_beyond_range(&planner.internal.search));
+    jp_planner_queue_restart(&planner.internal.search, 2 * JP_COST_MAX);
+    TEST_ASSERT_TRUE(2 * JP_COST_MAX >> planner.internal.search.bucket_shift <
+                     planner.internal.search.bucket_count - 1);
+    TEST_ASSERT_TRUE(2 * JP_COST_MAX >> (planner.internal.search.bucket_shift - 1) >=
+                     planner.internal.search.bucket_count - 1);
 }
 
 /* With the wall all states are searched, whose keys go far beyond what was expected: the range is widened. */
@@ -143,10 +145,11 @@ static void test_range_widens_during_a_search(void)
 {
     begin();
     expect_optimal();
-    const uint8_t shift = planner.internal.bucket_shift;
+    const uint8_t shift = planner.internal.search.bucket_shift;
+    planner.internal.effort.fresh_cost = 0; /* or the repair would give up for a new search */
     wall(true);
     TEST_ASSERT_EQUAL_INT(JP_ANSWER_UNREACHABLE, finish());
-    TEST_ASSERT_TRUE(planner.internal.bucket_shift > shift);
+    TEST_ASSERT_TRUE(planner.internal.search.bucket_shift > shift);
     wall(false);
     expect_optimal();
 }

@@ -1,0 +1,72 @@
+#include "src/search/planner_effort.h"
+
+#include "src/search/planner_route.h"
+#include "src/search/planner_search.h"
+
+enum {
+    CHEAP_DIVISOR = 10
+}; /* a repair steered by the guide, or a splice, may take one part in so many of a new search */
+
+/** Most expansions at a time, so that the equivalent number of other units fits 32 bits. */
+#define SLICE_MAX 0x100000U
+
+/** What a new search would take, by the present one when it was new and by how much of its route is left: until it has
+ * a route, or proves the one that there is. 0: it was not that far yet, and must not be given up before. */
+static uint32_t effort_anew(const struct jp_planner_internal *planner)
+{
+    const struct jp_planner_effort *effort = &planner->effort;
+    const uint32_t fresh = jp_plan_is_current(planner) ? effort->fresh_end : effort->fresh_route;
+    const jp_cost cost = planner->plan.cost < effort->fresh_cost ? planner->plan.cost : effort->fresh_cost;
+
+    return effort->fresh_cost == 0U ? 0U : (uint32_t)((uint64_t)fresh * cost / effort->fresh_cost);
+}
+
+/** Effort after which a repair is given up. An exact one mostly takes a fraction of a new search; one steered by the
+ * guide raises all that hangs on what changed, and a new one is done sooner. */
+static uint32_t repair_limit(const struct jp_planner_internal *planner)
+{
+    const uint32_t anew = effort_anew(planner);
+
+    if (anew == 0U || jp_search_is_exact(planner)) {
+        return anew;
+    }
+    return anew / (uint32_t)CHEAP_DIVISOR + 1U;
+}
+
+/** True while the scout splices, or a repaired search looks for a route or for the proof of one. */
+static bool is_repairing(const struct jp_planner_internal *planner)
+{
+    return planner->phase > JP_PLANNER_CHECK_PLAN &&
+           (planner->is_splicing ||
+            (!planner->is_scouting && planner->search.is_repaired && planner->answer != JP_ANSWER_OPTIMAL));
+}
+
+unsigned jp_effort_slice(const struct jp_planner_internal *planner, unsigned expansions)
+{
+    const unsigned slice = expansions < SLICE_MAX ? expansions : SLICE_MAX;
+    const uint32_t limit = repair_limit(planner);
+
+    if (!is_repairing(planner) || limit == 0U) {
+        return slice;
+    }
+    const uint32_t left = limit > planner->effort.spent ? limit - planner->effort.spent : 0U;
+    return slice < left ? slice : left;
+}
+
+void jp_effort_note(struct jp_planner_internal *planner, unsigned spent, bool had_route)
+{
+    struct jp_planner_effort *effort = &planner->effort;
+
+    effort->spent = effort->has_begun ? 0U : effort->spent + spent;
+    if (planner->is_scouting || planner->search.is_repaired || !jp_plan_is_current(planner)) {
+        return;
+    }
+    if (!had_route) {
+        effort->fresh_route = effort->spent;
+        effort->fresh_cost = planner->plan.cost;
+    }
+    if (planner->phase == JP_PLANNER_SETTLED) {
+        effort->fresh_end = effort->spent;
+        effort->fresh_cost = planner->plan.cost;
+    }
+}
