@@ -5,8 +5,8 @@
  * valid while the robot drives. Two fields rooted at the robot are its heuristics: first the guide's estimate times ε
  * (guide_field.h), which finds good routes with few states; then, where the block has room for it, the energy field's
  * bound (energy_field.h), which proves the optimum. After changes of the map the search repairs what they touch; when a
- * proved route is lost, the guide finds a new one before the proof goes on. jp_planner_work() does it in slices. The
- * same input gives the same bits on every core.
+ * proved route is lost, a small second search by the guide, the scout, joins what is left of it before the proof goes
+ * on. jp_planner_work() does it in slices. The same input gives the same bits on every core.
  *
  * When the states do not fit the block, ε goes up; when not even the greediest search fits, the planner searches from
  * the robot towards the goal and gives the route to the nearest state that it has found: a partial plan.
@@ -95,7 +95,7 @@ struct jp_planner_counts {
     uint32_t restarts;     /**< searches begun anew since init */
     uint32_t guide_bytes;  /**< of the block, for the guide field */
     uint32_t field_bytes;  /**< of the block, for the energy field; 0: it does not fit */
-    uint32_t search_bytes; /**< of the block, for states, their hash and queue: states_max of them */
+    uint32_t search_bytes; /**< of the block, for states, their hash and queue: states_max of them, and the scout's */
 };
 
 /* Private, until jp_planner_size(). */
@@ -150,7 +150,7 @@ struct jp_planner_head {
     uint32_t ids[JP_PLANNER_SPLICE_STEPS + 1U]; /**< states, from first_step on */
     uint32_t first_step;
     uint16_t count;
-    uint32_t junction; /**< index of the state from which there is a way to the tail; count: none is found */
+    uint32_t junction; /**< index of the state from which the scout has found a way to the tail */
 };
 
 /** Work, in expansions and what takes as long, by which the planner knows when beginning anew is cheaper. */

@@ -3,9 +3,8 @@
 #include "src/search/planner_route.h"
 #include "src/search/planner_search.h"
 
-enum {
-    CHEAP_DIVISOR = 10
-}; /* a repair steered by the guide, or a splice, may take one part in so many of a new search */
+/* A repair steered by the guide, or a splice, may take one part in so many of a new search. */
+enum { CHEAP_DIVISOR = 10 };
 
 /** Most expansions at a time, so that the equivalent number of other units fits 32 bits. */
 #define SLICE_MAX 0x100000U

@@ -187,12 +187,9 @@ static bool append_tail(struct jp_planner_internal *planner, struct trace *trace
 static bool publish_splice(struct jp_planner_internal *planner)
 {
     const uint32_t steps = planner->head.first_step + planner->head.junction;
-    struct jp_lattice_pose junction = planner->plan.start;
+    struct jp_lattice_pose junction = planner->start;
     jp_cost cost = 0;
 
-    if (planner->head.count == 1U) {
-        junction = planner->start;
-    }
     for (uint32_t i = 0; i < steps; i++) {
         const struct jp_lattice_pose from = junction;
         cost = jp_cost_add(cost, cost_of(planner, &from, jp_plan_step(planner, i, &junction)));

@@ -59,7 +59,7 @@ def test_the_settings_name_every_room():
 
 FLAGS = ["-std=c11", f"-I{ROOT}/include", f"-I{ROOT}", "-w"]
 READER = ("#include <joulepath/planner.h>\n"
-          "unsigned reader(const struct jp_planner *p) { return p->internal.epsilon; }\n")
+          "unsigned reader(const struct jp_planner *p) { return p->internal.phase; }\n")
 
 
 @pytest.mark.parametrize("place, count", [("src/search/reader.c", 0), ("hal/app/reader.c", 1), ("src/navigate/reader.c", 1)])
