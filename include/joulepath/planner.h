@@ -89,13 +89,13 @@ struct jp_plan {
 
 /** What the block holds and what the search has done. */
 struct jp_planner_counts {
-    uint32_t states_max;   /**< states that fit */
+    uint32_t states_max;   /**< states that fit, the scout's among them */
     uint32_t states;       /**< states in use */
     uint32_t expansions;   /**< since init */
     uint32_t restarts;     /**< searches begun anew since init */
     uint32_t guide_bytes;  /**< of the block, for the guide field */
     uint32_t field_bytes;  /**< of the block, for the energy field; 0: it does not fit */
-    uint32_t search_bytes; /**< of the block, for states, their hash and queue: states_max of them, and the scout's */
+    uint32_t search_bytes; /**< of the block, for states, their hash and queue */
 };
 
 /* Private, until jp_planner_size(). */
@@ -107,11 +107,13 @@ enum jp_planner_phase {
     JP_PLANNER_EMPTY,        /**< idle, and there is no search */
     JP_PLANNER_GROW_GUIDE,   /**< for a new search */
     JP_PLANNER_GROW_FIELD,   /**< for a new search */
+    JP_PLANNER_CLEAR,        /**< forgets the states of the search before */
     JP_PLANNER_CHECK_PLAN,   /**< from here on there is a search; it waits for what the changes leave of the plan */
     JP_PLANNER_UPDATE_FIELD, /**< it waits for the energy field */
     JP_PLANNER_REPAIR,       /**< recomputes the states whose primitives sweep changed cells */
     JP_PLANNER_REKEY,        /**< computes all keys anew, for another ε or a wider range */
     JP_PLANNER_SEARCH,
+    JP_PLANNER_TRACE,  /**< follows the route that the search has found */
     JP_PLANNER_SETTLED /**< idle, with a search that can be repaired */
 };
 
@@ -137,9 +139,26 @@ struct jp_planner_check {
     struct jp_lattice_pose pose;
     uint32_t step;
     uint32_t head_steps;              /**< before the first that is blocked */
+    jp_cost head_cost;                /**< of these */
     struct jp_lattice_pose tail_pose; /**< from here on nothing blocks the steps that have been checked */
     uint32_t tail_step;
     jp_cost tail_cost;
+};
+
+/** The chain of best predecessors that is followed from the search's target to its seed. */
+struct jp_planner_trace {
+    enum jp_planner_trace_stage {
+        JP_PLANNER_COUNT_STEPS, /**< from a forward search's end to the robot */
+        JP_PLANNER_SKIP_STEPS,  /**< from that end, of those that the route's memory does not hold */
+        JP_PLANNER_WRITE_STEPS
+    } stage;
+    struct jp_lattice_pose begin; /**< of this stage */
+    struct jp_lattice_pose end;   /**< where it is */
+    jp_cost cost;                 /**< between the two */
+    uint32_t steps;
+    uint32_t steps_max;
+    uint32_t route_steps; /**< that a forward search's route has, and its memory holds */
+    bool has_ended;       /**< the search */
 };
 
 /** Steps of the plan on either side of what is blocked that a splice may join. */
@@ -147,10 +166,12 @@ struct jp_planner_check {
 
 /** The head of the plan that the scout joins with its tail. */
 struct jp_planner_head {
-    uint32_t ids[JP_PLANNER_SPLICE_STEPS + 1U]; /**< states, from first_step on */
+    uint32_t ids[JP_PLANNER_SPLICE_STEPS + 1U]; /**< states before the steps from first_step on, and
+                                                           after the last */
     uint32_t first_step;
-    uint16_t count;
-    uint32_t junction; /**< index of the state from which the scout has found a way to the tail */
+    uint32_t steps;
+    jp_cost cost;
+    uint32_t junction_step; /**< the scout has found a way to the tail from the state before it */
 };
 
 /** Work, in expansions and what takes as long, by which the planner knows when beginning anew is cheaper. */
@@ -172,6 +193,7 @@ struct jp_planner_search {
     uint32_t state_count_max;
     uint32_t lowest_bucket;
     uint32_t rekey_slot; /**< slots from here on are not in the queue yet */
+    uint32_t clear_slot; /**< slots from here on are yet to be cleared for a new search */
     uint32_t nearest;    /**< slot of the state with the least heuristic */
     jp_cost nearest_heuristic;
     enum jp_planner_direction direction;
@@ -213,6 +235,7 @@ struct jp_planner_internal {
     struct jp_planner_changes changes;
     struct jp_planner_check check;
     struct jp_planner_head head;
+    struct jp_planner_trace trace;
     struct jp_planner_effort effort;
     struct jp_turns turns;
     struct jp_straight straight;

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "src/map/field_unit.h"
+#include "src/map/terrain_cells.h"
 
 enum {
     STEPS_PER_THRESHOLD = 4, /* few enough to be near the order of values, many enough for few sweeps */
@@ -60,17 +61,17 @@ static void relax(struct jp_energy_field *field, int32_t x, int32_t y)
 {
     const struct jp_terrain *terrain = field->terrain;
     const uint32_t here = jp_wavefront_value(&field->wave, x, y);
-    const int32_t elevation = jp_terrain_elevation(terrain, x, y);
+    const int32_t elevation = terrain_elevation(terrain, x, y);
 
     for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
         const int32_t nx = x + jp_move_offsets[direction].dx;
         const int32_t ny = y + jp_move_offsets[direction].dy;
 
-        if (!jp_terrain_contains(terrain, nx, ny) || jp_wavefront_value(&field->wave, nx, ny) <= here) {
+        if (!terrain_contains(terrain, nx, ny) || jp_wavefront_value(&field->wave, nx, ny) <= here) {
             continue;
         }
         const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(direction)],
-                                          jp_terrain_elevation(terrain, nx, ny) - elevation);
+                                          terrain_elevation(terrain, nx, ny) - elevation);
         const uint32_t value = field_value(&field->wave, here + step);
         if (step != JP_COST_MAX && value < jp_wavefront_value(&field->wave, nx, ny) &&
             jp_lattice_is_open(field->lattice, terrain, nx, ny)) {
@@ -101,11 +102,11 @@ static void touch_around(struct jp_energy_field *field, int32_t x, int32_t y)
         const int32_t nx = x + jp_move_offsets[direction].dx;
         const int32_t ny = y + jp_move_offsets[direction].dy;
 
-        if (jp_terrain_contains(field->terrain, nx, ny)) {
+        if (terrain_contains(field->terrain, nx, ny)) {
             jp_wavefront_touch(&field->wave, nx, ny);
         }
     }
-    if (jp_terrain_contains(field->terrain, x, y)) {
+    if (terrain_contains(field->terrain, x, y)) {
         jp_wavefront_touch(&field->wave, x, y);
     }
 }

@@ -3,6 +3,7 @@
 
 #include "src/base/block.h"
 #include "src/map/field_unit.h"
+#include "src/map/terrain_cells.h"
 
 enum {
     LEVEL_PATHS_PER_RANGE = 6, /* range of the values, in costs of a level path across the map */
@@ -92,8 +93,8 @@ static int32_t elevation_of(const struct jp_guide_field *field, int32_t x, int32
 {
     const struct jp_terrain_config *config = &field->terrain->config;
 
-    return jp_terrain_elevation(field->terrain, middle(x, field->scale, config->width),
-                                middle(y, field->scale, config->height));
+    return terrain_elevation(field->terrain, middle(x, field->scale, config->width),
+                             middle(y, field->scale, config->height));
 }
 
 /** True when the robot can make `scale` steps in a row from a cell of the map. */
@@ -109,18 +110,14 @@ static bool is_chain_open(const struct jp_guide_field *field, int32_t x, int32_t
     return true;
 }
 
-/** True when is_chain_open() holds from any cell of a coarse one; the middle is tried first. */
+/** True when is_chain_open() holds from any cell of a coarse one. */
 static bool is_step_open(const struct jp_guide_field *field, int32_t coarse_x, int32_t coarse_y, unsigned direction)
 {
     const int32_t scale = field->scale;
-    const struct jp_terrain_config *config = &field->terrain->config;
 
-    if (is_chain_open(field, middle(coarse_x, field->scale, config->width),
-                      middle(coarse_y, field->scale, config->height), direction)) {
-        return true;
-    }
-    for (int32_t y = coarse_y * scale; y < (coarse_y + 1) * scale; y++) {
-        for (int32_t x = coarse_x * scale; x < (coarse_x + 1) * scale; x++) {
+    /* From the far corner on: the middle of a coarse cell of 2 × 2 is there. */
+    for (int32_t y = (coarse_y + 1) * scale - 1; y >= coarse_y * scale; y--) {
+        for (int32_t x = (coarse_x + 1) * scale - 1; x >= coarse_x * scale; x--) {
             if (is_chain_open(field, x, y, direction)) {
                 return true;
             }
@@ -158,27 +155,38 @@ static uint32_t turn_at(const struct jp_guide_field *field, int32_t x, int32_t y
     return turn_between(field, step_at(field, x, y), heading);
 }
 
+/** A coarse cell whose neighbours are relaxed. */
+struct coarse_cell {
+    int32_t x;
+    int32_t y;
+    uint32_t value;
+    int32_t elevation;
+};
+
 /** Relaxes the neighbour of a coarse cell in one direction away from the root. */
-static void relax_step(struct jp_guide_field *field, int32_t x, int32_t y, unsigned away)
+static void relax_step(struct jp_guide_field *field, const struct coarse_cell *cell, unsigned away)
 {
     const bool from_root = field->direction == JP_GUIDE_FROM_ROOT;
-    const int32_t nx = x + jp_move_offsets[away].dx;
-    const int32_t ny = y + jp_move_offsets[away].dy;
-    const uint32_t here = jp_wavefront_value(&field->wave, x, y);
+    const int32_t nx = cell->x + jp_move_offsets[away].dx;
+    const int32_t ny = cell->y + jp_move_offsets[away].dy;
 
-    if (nx < 0 || ny < 0 || nx >= (int32_t)field->wave.width || ny >= (int32_t)field->wave.height ||
-        jp_wavefront_value(&field->wave, nx, ny) <= here) {
+    if ((uint32_t)nx >= field->wave.width || (uint32_t)ny >= field->wave.height) {
+        return;
+    }
+    const uint32_t there = jp_wavefront_value(&field->wave, nx, ny);
+    if (there <= cell->value) {
         return;
     }
     const unsigned heading = from_root ? away : (away + JP_HEADINGS / 2) % JP_HEADINGS;
-    const int32_t rise = elevation_of(field, nx, ny) - elevation_of(field, x, y);
+    const int32_t rise = elevation_of(field, nx, ny) - cell->elevation;
     const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(heading)],
                                       (from_root ? rise : -rise) / (int32_t)field->scale);
-    const uint32_t sum = here + ((step * field->scale + turn_at(field, x, y, heading)) >> field->shift);
+    const uint32_t sum =
+        cell->value + ((step * field->scale + turn_at(field, cell->x, cell->y, heading)) >> field->shift);
     const uint32_t value = field_value(&field->wave, sum);
 
-    if (step == JP_COST_MAX || value >= jp_wavefront_value(&field->wave, nx, ny) ||
-        !is_step_open(field, from_root ? x : nx, from_root ? y : ny, heading)) {
+    if (step == JP_COST_MAX || value >= there ||
+        !is_step_open(field, from_root ? cell->x : nx, from_root ? cell->y : ny, heading)) {
         return;
     }
     set_step(field, nx, ny, heading);
@@ -187,17 +195,17 @@ static void relax_step(struct jp_guide_field *field, int32_t x, int32_t y, unsig
 
 bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells)
 {
-    int32_t x = 0;
-    int32_t y = 0;
+    struct coarse_cell cell;
 
-    while (*cells > 0U) {
-        if (!jp_wavefront_next(&field->wave, &x, &y)) {
+    for (; *cells > 0U; --*cells) {
+        if (!jp_wavefront_next(&field->wave, &cell.x, &cell.y)) {
             return true;
         }
+        cell.value = jp_wavefront_value(&field->wave, cell.x, cell.y);
+        cell.elevation = elevation_of(field, cell.x, cell.y);
         for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
-            relax_step(field, x, y, direction);
+            relax_step(field, &cell, direction);
         }
-        --*cells;
     }
     return false;
 }

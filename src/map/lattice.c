@@ -1,5 +1,7 @@
 #include <joulepath/lattice.h>
 
+#include "src/map/terrain_cells.h"
+
 const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS] = {
     {1, 0},  {2, 1},   {1, 1},   {1, 2},   {0, 1},  {-1, 2}, {-1, 1}, {-2, 1},
     {-1, 0}, {-2, -1}, {-1, -1}, {-1, -2}, {0, -1}, {1, -2}, {1, -1}, {2, -1},
@@ -62,13 +64,13 @@ jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind ki
 {
     const uint8_t *moves = &lattice->moves[primitive->first_move];
     jp_cost sum = primitive->base[kind];
-    int32_t elevation = jp_terrain_elevation(terrain, x, y);
+    int32_t elevation = terrain_elevation(terrain, x, y);
 
     for (unsigned i = 0; i < primitive->move_count; i++) {
         const struct jp_cell_offset offset = jp_move_offsets[moves[i]];
         x += offset.dx;
         y += offset.dy;
-        const int32_t next = jp_terrain_elevation(terrain, x, y);
+        const int32_t next = terrain_elevation(terrain, x, y);
         sum = jp_cost_add(sum, jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(moves[i])], next - elevation));
         elevation = next;
     }

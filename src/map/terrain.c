@@ -3,6 +3,7 @@
 
 #include "src/base/block.h"
 #include "src/base/config_check.h"
+#include "src/map/terrain_cells.h"
 
 enum { WORD_BITS = 32 };
 
@@ -72,7 +73,7 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
 
 bool jp_terrain_contains(const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
-    return x >= 0 && x < (int32_t)terrain->config.width && y >= 0 && y < (int32_t)terrain->config.height;
+    return terrain_contains(terrain, x, y);
 }
 
 static size_t word_of(const struct jp_terrain *terrain, int32_t x, int32_t y)
@@ -95,7 +96,7 @@ enum jp_status jp_terrain_set_cell(struct jp_terrain *terrain, int32_t x, int32_
     if (cell != JP_CELL_FREE && cell != JP_CELL_OCCUPIED && cell != JP_CELL_UNKNOWN) {
         return JP_ERR_ARGUMENT;
     }
-    if (!jp_terrain_contains(terrain, x, y)) {
+    if (!terrain_contains(terrain, x, y)) {
         return JP_ERR_OUTSIDE;
     }
     const size_t word = word_of(terrain, x, y);
@@ -112,7 +113,7 @@ enum jp_status jp_terrain_set_elevation(struct jp_terrain *terrain, int32_t x, i
     if (terrain->elevation == NULL) {
         return JP_ERR_STATE;
     }
-    if (!jp_terrain_contains(terrain, x, y)) {
+    if (!terrain_contains(terrain, x, y)) {
         return JP_ERR_OUTSIDE;
     }
     terrain->elevation[(size_t)y * terrain->config.width + (size_t)x] = elevation;
@@ -122,7 +123,7 @@ enum jp_status jp_terrain_set_elevation(struct jp_terrain *terrain, int32_t x, i
 
 enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
-    if (!jp_terrain_contains(terrain, x, y)) {
+    if (!terrain_contains(terrain, x, y)) {
         return JP_CELL_OCCUPIED;
     }
     const size_t word = word_of(terrain, x, y);
@@ -134,29 +135,22 @@ enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_
 
 jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
-    if (terrain->elevation == NULL || !jp_terrain_contains(terrain, x, y)) {
-        return 0;
-    }
-    return terrain->elevation[(size_t)y * terrain->config.width + (size_t)x];
-}
-
-/** Bits low…high of a word. */
-static uint32_t bit_range(uint32_t low, uint32_t high)
-{
-    return (UINT32_MAX << low) & (UINT32_MAX >> (WORD_BITS - 1U - high));
+    return (jp_elevation)terrain_elevation(terrain, x, y);
 }
 
 static bool is_row_clear(const uint32_t *row, uint32_t first, uint32_t last)
 {
-    uint32_t word = first / WORD_BITS;
-    uint32_t low = first % WORD_BITS;
+    const uint32_t end = last / WORD_BITS;
+    const uint32_t until_last = UINT32_MAX >> (WORD_BITS - 1U - last % WORD_BITS);
+    uint32_t from_first = UINT32_MAX << (first % WORD_BITS);
 
-    for (; word < last / WORD_BITS; word++, low = 0) {
-        if ((row[word] & bit_range(low, WORD_BITS - 1)) != 0U) {
+    for (uint32_t word = first / WORD_BITS; word < end; word++) {
+        if ((row[word] & from_first) != 0U) {
             return false;
         }
+        from_first = UINT32_MAX;
     }
-    return (row[word] & bit_range(low, last % WORD_BITS)) == 0U;
+    return (row[end] & from_first & until_last) == 0U;
 }
 
 bool jp_terrain_is_clear(const struct jp_terrain *terrain, const struct jp_span *spans, size_t count, int32_t x,
@@ -167,7 +161,7 @@ bool jp_terrain_is_clear(const struct jp_terrain *terrain, const struct jp_span 
         const int32_t first = x + spans[i].first;
         const int32_t last = x + spans[i].last;
 
-        if (row < 0 || row >= (int32_t)terrain->config.height || first < 0 || last >= (int32_t)terrain->config.width ||
+        if (!terrain_contains(terrain, first, row) || last >= (int32_t)terrain->config.width ||
             !is_row_clear(&terrain->blocked[(size_t)row * terrain->stride], (uint32_t)first, (uint32_t)last)) {
             return false;
         }

@@ -103,7 +103,7 @@ static void lay_out_states(struct jp_planner_internal *planner, uint8_t *block, 
     const size_t bytes = jp_planner_states_init(&planner->search, map, &block[scout_bytes], size - scout_bytes);
 
     planner->statistics.search_bytes = (uint32_t)(bytes + scout_bytes);
-    planner->statistics.states_max = planner->search.state_count_max;
+    planner->statistics.states_max = planner->search.state_count_max + planner->resting.state_count_max;
 }
 
 /** Divides the block: guide, routes, the energy field if most of the block is left for the states, and the states. */
@@ -156,7 +156,6 @@ enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_plann
     jp_lattice_straight(config->lattice, config->cost, &inner->straight);
     inner->neighbours_max = neighbours_max(config->lattice);
     lay_out(inner, block, size);
-    jp_planner_states_clear(&inner->search);
     return JP_OK;
 }
 

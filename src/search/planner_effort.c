@@ -32,10 +32,11 @@ static uint32_t repair_limit(const struct jp_planner_internal *planner)
     return anew / (uint32_t)CHEAP_DIVISOR + 1U;
 }
 
-/** True while the scout splices, or a repaired search looks for a route or for the proof of one. */
+/** True while the scout splices, or a repaired search looks for a route or for the proof of one. What they have found
+ * is worth its trace. */
 static bool is_repairing(const struct jp_planner_internal *planner)
 {
-    return planner->phase > JP_PLANNER_CHECK_PLAN &&
+    return planner->phase > JP_PLANNER_CHECK_PLAN && planner->phase != JP_PLANNER_TRACE &&
            (planner->is_splicing ||
             (!planner->is_scouting && planner->search.is_repaired && planner->answer != JP_ANSWER_OPTIMAL));
 }

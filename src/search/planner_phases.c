@@ -4,6 +4,9 @@
 #include "src/search/planner_repair.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_search.h"
+#include "src/search/planner_splice.h"
+#include "src/search/planner_states.h"
+#include "src/search/planner_trace.h"
 
 enum {
     EPSILON_RAISE_DIVISOR = 4,
@@ -12,6 +15,7 @@ enum {
     CHECKED_STEPS_PER_EXPANSION = 8,
     GUIDE_CELLS_PER_EXPANSION = 1,
     REKEYS_PER_EXPANSION = 32,
+    CLEARED_SLOTS_PER_EXPANSION = 256,
 };
 
 /** ε of the scout, where the schedule has none for searches by the guide. */
@@ -24,6 +28,12 @@ enum {
 static void enter(struct jp_planner_internal *planner, enum jp_planner_phase phase)
 {
     planner->phase = phase;
+}
+
+/** True while the search expands states, or has found what is traced. */
+static bool is_searching(const struct jp_planner_internal *planner)
+{
+    return planner->phase == JP_PLANNER_SEARCH || planner->phase == JP_PLANNER_TRACE;
 }
 
 bool jp_phases_is_idle(const struct jp_planner_internal *planner)
@@ -137,11 +147,26 @@ static void begin_search(struct jp_planner_internal *planner)
 {
     choose_heuristic(planner);
     planner->search.is_of_one_level = true;
+    planner->search.clear_slot = 0;
+    enter(planner, JP_PLANNER_CLEAR);
+}
+
+/** After the states of the search before have been cleared. */
+static void leave_clear(struct jp_planner_internal *planner)
+{
     jp_search_start(planner);
     if (planner->is_splicing) {
-        jp_plan_begin_splice(planner);
+        jp_splice_begin(planner);
     }
     enter(planner, JP_PLANNER_SEARCH);
+}
+
+/** After a change, before the search begins: what has been found out about its field is found out anew. */
+static void look_at_new_field(struct jp_planner_internal *planner)
+{
+    if (planner->phase == JP_PLANNER_CLEAR && planner->is_field_rooted) {
+        enter(planner, JP_PLANNER_GROW_FIELD);
+    }
 }
 
 /** Continues a search; all keys are computed anew when the heuristic changes or states wait for this ε. */
@@ -363,6 +388,16 @@ static void save_scout_memory(struct jp_planner_internal *planner)
     }
 }
 
+/** Follows the route that the search has found. */
+static void begin_trace(struct jp_planner_internal *planner, bool has_ended)
+{
+    if (jp_trace_begin(planner, has_ended)) {
+        enter(planner, JP_PLANNER_TRACE);
+    } else {
+        settle(planner, JP_ANSWER_OUT_OF_BUDGET);
+    }
+}
+
 /** The states do not fit. Without a plan: raises ε, which needs fewer states, and at last searches from the robot. */
 static void save_memory(struct jp_planner_internal *planner)
 {
@@ -371,7 +406,7 @@ static void save_memory(struct jp_planner_internal *planner)
     } else if (planner->search.is_repaired) {
         jp_phases_restart(planner);
     } else if (jp_search_is_forward(planner)) {
-        settle(planner, jp_plan_publish(planner, false) ? planner->plan.answer : JP_ANSWER_OUT_OF_BUDGET);
+        begin_trace(planner, true);
     } else if (planner->search.epsilon < JP_EPSILON_MAX) {
         raise_epsilon(planner);
     } else {
@@ -384,23 +419,39 @@ static void give_up_trace(struct jp_planner_internal *planner)
 {
     if (planner->is_splicing) {
         scout_whole_way(planner);
+    } else if (jp_search_is_forward(planner)) {
+        settle(planner, JP_ANSWER_OUT_OF_BUDGET);
     } else {
         jp_phases_restart(planner);
     }
 }
 
-/** Publishes the route that the search has found; the search goes on where it has not ended. */
-static void take_route(struct jp_planner_internal *planner, bool has_ended)
+/** After a route has been published; the search goes on where it has not ended. */
+static void leave_trace(struct jp_planner_internal *planner)
 {
-    if (!jp_plan_publish(planner, has_ended && jp_search_is_exact(planner))) {
-        give_up_trace(planner);
-    } else if (!has_ended && planner->plan.answer != JP_ANSWER_OPTIMAL) {
+    if (!planner->trace.has_ended && planner->plan.answer != JP_ANSWER_OPTIMAL) {
         planner->answer = planner->plan.answer;
+        enter(planner, JP_PLANNER_SEARCH);
     } else if (planner->is_scouting) {
         planner->answer = planner->plan.answer;
         leave_scout(planner);
     } else {
         improve(planner);
+    }
+}
+
+static void trace(struct jp_planner_internal *planner, unsigned *budget)
+{
+    switch (jp_trace_work(planner, budget)) {
+    case TRACE_PUBLISHED:
+        leave_trace(planner);
+        break;
+    case TRACE_FAILED:
+        give_up_trace(planner);
+        break;
+    case TRACE_WORKING:
+    default:
+        break;
     }
 }
 
@@ -427,10 +478,10 @@ static void search(struct jp_planner_internal *planner, unsigned *budget)
 {
     switch (jp_search_expand(planner, budget)) {
     case SEARCH_ROUTE:
-        take_route(planner, false);
+        begin_trace(planner, false);
         break;
     case SEARCH_FOUND:
-        take_route(planner, true);
+        begin_trace(planner, true);
         break;
     case SEARCH_IMPOSSIBLE:
         leave_empty_search(planner);
@@ -514,6 +565,15 @@ static void check_plan(struct jp_planner_internal *planner, unsigned *budget)
     }
 }
 
+static bool clear(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned slots = *budget * CLEARED_SLOTS_PER_EXPANSION;
+    const bool is_clear = jp_planner_states_clear(&planner->search, &slots);
+
+    *budget = slots / CLEARED_SLOTS_PER_EXPANSION;
+    return is_clear;
+}
+
 static bool rekey(struct jp_planner_internal *planner, unsigned *budget)
 {
     unsigned slots = *budget * REKEYS_PER_EXPANSION;
@@ -537,6 +597,11 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
             leave_new_field(planner);
         }
         return budget;
+    case JP_PLANNER_CLEAR:
+        if (clear(planner, &budget)) {
+            leave_clear(planner);
+        }
+        return budget;
     case JP_PLANNER_CHECK_PLAN:
         check_plan(planner, &budget);
         return budget;
@@ -552,6 +617,9 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
         if (rekey(planner, &budget)) {
             enter(planner, JP_PLANNER_SEARCH);
         }
+        return budget;
+    case JP_PLANNER_TRACE:
+        trace(planner, &budget);
         return budget;
     case JP_PLANNER_SEARCH:
     default:
@@ -586,7 +654,7 @@ void jp_phases_work(struct jp_planner_internal *planner, unsigned expansions)
         expansions -= spent;
         jp_effort_note(planner, spent, had_route);
     }
-    planner->statistics.states = (planner->is_scouting ? &planner->resting : &planner->search)->state_count;
+    planner->statistics.states = planner->search.state_count + planner->resting.state_count;
 }
 
 /* ---- What changes ---- */
@@ -606,7 +674,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
 {
     if (jp_plan_is_current(planner) && jp_plan_follow(planner)) {
         planner->answer = planner->plan.answer;
-        if (planner->phase == JP_PLANNER_SEARCH) {
+        if (is_searching(planner)) {
             resume(planner);
         }
         return;
@@ -624,7 +692,8 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
         return;
     }
     if (!has_search(planner)) {
-        return; /* the field that is rooted where the robot was bounds these routes too */
+        look_at_new_field(planner); /* rooted where the robot was, it bounds these routes too */
+        return;
     }
     if (planner->phase == JP_PLANNER_CHECK_PLAN) {
         take_in_changes(planner);
@@ -634,7 +703,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
         return;
     }
     planner->search.is_repaired = true;
-    if (planner->phase == JP_PLANNER_SETTLED || planner->phase == JP_PLANNER_SEARCH) {
+    if (planner->phase == JP_PLANNER_SETTLED || is_searching(planner)) {
         resume(planner);
     }
     if (planner->phase != JP_PLANNER_SEARCH || !jp_search_has_arrived(planner)) {
@@ -694,5 +763,6 @@ void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32
     }
     if (may_be_cheaper && planner->is_field_rooted) {
         jp_energy_field_cell_changed(&planner->field, x, y);
+        look_at_new_field(planner);
     }
 }

@@ -4,9 +4,12 @@
 
 #include <joulepath/planner.h>
 
-/** Replaces the plan by the route of the search: optimal or within a bound, or partial when the search runs forward and
- *  has not arrived or the route does not fit. False, with the old plan kept, when the search holds no route. */
-bool jp_plan_publish(struct jp_planner_internal *planner, bool is_optimal);
+/** Makes the spare route the plan, with the bound that is known of it; cost_left of 0: it leads to the goal. */
+void jp_plan_publish(struct jp_planner_internal *planner, const struct jp_lattice_pose *end, jp_cost cost,
+                     jp_cost cost_left, uint32_t steps);
+
+/** An exact search has proved that no route costs less than the plan. */
+void jp_plan_set_optimal(struct jp_planner_internal *planner);
 
 /** Lowers the plan's bound to what the exact search proves by now of this start, goal and map. Constant time. */
 void jp_plan_tighten(struct jp_planner_internal *planner);
@@ -18,6 +21,11 @@ bool jp_plan_follow(struct jp_planner_internal *planner);
 static inline bool jp_plan_is_current(const struct jp_planner_internal *planner)
 {
     return planner->answer == JP_ANSWER_OPTIMAL || planner->answer == JP_ANSWER_WITHIN_BOUND;
+}
+
+static inline bool jp_plan_is_same_pose(const struct jp_lattice_pose *a, const struct jp_lattice_pose *b)
+{
+    return a->x == b->x && a->y == b->y && a->heading == b->heading;
 }
 
 /** True when the plan's route ends at the present goal. */
@@ -32,8 +40,9 @@ enum plan_check { PLAN_CHECKING, PLAN_INTACT, PLAN_BROKEN };
  *  it has its present cost and bound. Else planner->check says which tail of it leads to the goal. */
 enum plan_check jp_plan_check(struct jp_planner_internal *planner, unsigned *steps);
 
-/** Seeds a search with the first states of the tail that the check has found. Work: at most 64 steps. */
-void jp_plan_begin_splice(struct jp_planner_internal *planner);
+/** Cost of a primitive from a pose, obstacles left aside. */
+jp_cost jp_plan_step_cost(const struct jp_planner_internal *planner, const struct jp_lattice_pose *from,
+                          const struct jp_primitive *primitive);
 
 /** As jp_planner_step(). */
 const struct jp_primitive *jp_plan_step(const struct jp_planner_internal *planner, unsigned index,

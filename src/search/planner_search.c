@@ -1,5 +1,6 @@
 #include "src/search/planner_search.h"
 
+#include "src/search/planner_splice.h"
 #include "src/search/planner_states.h"
 
 enum {
@@ -12,7 +13,7 @@ uint32_t jp_search_id(const struct jp_planner_internal *planner, int32_t x, int3
     return ((uint32_t)y * planner->terrain->config.width + (uint32_t)x) * JP_HEADINGS + heading;
 }
 
-static struct jp_lattice_pose pose_of(const struct jp_planner_internal *planner, uint32_t id)
+struct jp_lattice_pose jp_search_pose_of(const struct jp_planner_internal *planner, uint32_t id)
 {
     const uint32_t cell = id / JP_HEADINGS;
     const uint32_t width = planner->terrain->config.width;
@@ -22,7 +23,7 @@ static struct jp_lattice_pose pose_of(const struct jp_planner_internal *planner,
 
 struct jp_lattice_pose jp_search_pose(const struct jp_planner_internal *planner, uint32_t slot)
 {
-    return pose_of(planner, (uint32_t)planner->search.states[slot].id);
+    return jp_search_pose_of(planner, (uint32_t)planner->search.states[slot].id);
 }
 
 static uint32_t start_id(const struct jp_planner_internal *planner)
@@ -232,7 +233,7 @@ static void expand(struct jp_planner_internal *planner, uint32_t slot)
 {
     const struct jp_lattice *lattice = planner->config.lattice;
     struct jp_planner_state *state = &planner->search.states[slot];
-    const struct jp_lattice_pose pose = pose_of(planner, (uint32_t)state->id);
+    const struct jp_lattice_pose pose = jp_search_pose_of(planner, (uint32_t)state->id);
     const bool leaving = jp_search_is_forward(planner);
     const bool cheaper = state->g > state->rhs;
     const jp_cost g = (jp_cost)(cheaper ? state->rhs : state->g);
@@ -355,20 +356,6 @@ jp_cost jp_search_least_cost(const struct jp_planner_internal *planner)
     return least > root_to_robot ? (jp_cost)(least - root_to_robot) : 0U;
 }
 
-/** True when the scout has found a way from the head of the plan to its tail: from its junction. */
-static bool find_junction(struct jp_planner_internal *planner, uint32_t slot)
-{
-    struct jp_planner_head *head = &planner->head;
-
-    for (uint32_t i = 0; planner->is_splicing && i < head->count; i++) {
-        if (head->ids[i] == planner->search.states[slot].id) {
-            head->junction = i;
-            return true;
-        }
-    }
-    return false;
-}
-
 enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigned *expansions)
 {
     for (;;) {
@@ -384,7 +371,7 @@ enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigne
         if (target != NO_SLOT && is_arrived(planner, target)) {
             return SEARCH_FOUND;
         }
-        if (find_junction(planner, slot)) {
+        if (planner->is_splicing && jp_splice_meets_head(planner, (uint32_t)planner->search.states[slot].id)) {
             return SEARCH_FOUND;
         }
         if (target != NO_SLOT && is_first_route(planner)) {
@@ -432,7 +419,6 @@ static uint32_t expected_range(const struct jp_planner_internal *planner)
 
 void jp_search_start(struct jp_planner_internal *planner)
 {
-    jp_planner_states_clear(&planner->search);
     planner->search.nearest = NO_SLOT;
     planner->search.rekey_slot = planner->search.slot_count;
     jp_planner_queue_restart(&planner->search, expected_range(planner));
@@ -501,7 +487,7 @@ void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_
 
 bool jp_search_repair(struct jp_planner_internal *planner, uint32_t id, bool may_be_cheaper)
 {
-    const struct jp_lattice_pose pose = pose_of(planner, id);
+    const struct jp_lattice_pose pose = jp_search_pose_of(planner, id);
     const uint32_t slot = jp_planner_states_find(&planner->search, id);
 
     if (slot != NO_SLOT) {

@@ -24,7 +24,7 @@ static inline bool jp_search_is_forward(const struct jp_planner_internal *planne
     return planner->search.direction == JP_PLANNER_FROM_ROBOT;
 }
 
-/** Clears all states and seeds the search. The field that steers it must have grown. */
+/** Seeds the search. All states must have been cleared, and the field that steers it must have grown. */
 void jp_search_start(struct jp_planner_internal *planner);
 
 /** Adds a state on the tail of the plan, with its cost to the goal. The table must have room. */
@@ -74,6 +74,8 @@ bool jp_search_is_seed(const struct jp_planner_internal *planner, const struct j
 
 /** True at the goal's cell and one of its headings. */
 bool jp_search_is_goal(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
+
+struct jp_lattice_pose jp_search_pose_of(const struct jp_planner_internal *planner, uint32_t id);
 
 struct jp_lattice_pose jp_search_pose(const struct jp_planner_internal *planner, uint32_t slot);
 

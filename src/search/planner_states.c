@@ -6,8 +6,8 @@ enum {
     BUCKETS_MIN = 64,
     BUCKETS_MAX = 4096,
     STATES_PER_BUCKET = 16,
-    LOAD_NUMERATOR = 7, /* largest load factor: above it a look-up of an absent state takes too many probes */
-    LOAD_DENOMINATOR = 8,
+    LOAD_NUMERATOR = 10, /* largest load factor: above it a look-up of an absent state takes too many probes */
+    LOAD_DENOMINATOR = 11,
 };
 
 static bool is_prime(uint32_t n)
@@ -80,10 +80,16 @@ size_t jp_planner_states_init(struct jp_planner_search *search, const struct jp_
     return search->slot_count * sizeof(struct jp_planner_state) + bucket_bytes;
 }
 
-void jp_planner_states_clear(struct jp_planner_search *search)
+bool jp_planner_states_clear(struct jp_planner_search *search, unsigned *slots)
 {
-    (void)memset(search->states, 0, search->slot_count * sizeof *search->states);
+    const uint32_t left = search->slot_count - search->clear_slot;
+    const uint32_t count = *slots < left ? *slots : left;
+
+    (void)memset(&search->states[search->clear_slot], 0, count * sizeof *search->states);
     search->state_count = 0;
+    search->clear_slot += count;
+    *slots -= count;
+    return search->clear_slot == search->slot_count;
 }
 
 /** Hash that spreads all bits of the id over 32 bits. */

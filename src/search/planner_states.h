@@ -28,8 +28,8 @@ size_t jp_planner_states_init(struct jp_planner_search *search, const struct jp_
 /** Bytes that `count` states need, everything counted. */
 size_t jp_planner_states_size(uint32_t count);
 
-/** Forgets all states. */
-void jp_planner_states_clear(struct jp_planner_search *search);
+/** Forgets the states of the next *slots slots, from clear_slot on; *slots counts down. True when none is left. */
+bool jp_planner_states_clear(struct jp_planner_search *search, unsigned *slots);
 
 /** Slot of a state, or NO_SLOT. */
 uint32_t jp_planner_states_find(const struct jp_planner_search *search, uint32_t id);

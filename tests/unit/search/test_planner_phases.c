@@ -304,10 +304,10 @@ static void test_proof_is_given_up_for_a_new_one(void)
     expect_optimal();
 }
 
-/* In the guide, the field, the search, the repair and the sorting. */
+/* In the guide, the field, the clearing, the search, the trace, the repair and the sorting. */
 static void test_change_in_every_phase(void)
 {
-    bool seen[9] = {false};
+    bool seen[JP_PLANNER_SETTLED + 1] = {false};
     unsigned phases = 0;
 
     for (int slices = 0; slices < 1500; slices += slices < 70 ? 1 : 61) {
@@ -325,7 +325,36 @@ static void test_change_in_every_phase(void)
         raise(6, 4, (jp_elevation)(slices % 40));
         expect_as_if_new();
     }
-    TEST_ASSERT_TRUE(phases >= 5);
+    TEST_ASSERT_TRUE(seen[JP_PLANNER_TRACE]);
+    TEST_ASSERT_TRUE(phases >= 7);
+}
+
+static void work_until_clearing(bool by_guide)
+{
+    make_level_map(&map);
+    config.epsilon[0] = by_guide ? JP_EPSILON(2) : JP_EPSILON_ONE;
+    config.epsilon[1] = by_guide ? JP_EPSILON_ONE : 0;
+    begin();
+    while (planner.internal.phase != JP_PLANNER_CLEAR) {
+        TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
+        (void)jp_planner_work(&planner, 1);
+    }
+}
+
+/* The fields are grown, the search has not begun: what changes now is neither repaired nor forgotten. */
+static void test_change_while_the_states_are_cleared(void)
+{
+    for (int i = 0; i < 2; i++) {
+        work_until_clearing(i == 0);
+        raise(8, 4, -10);
+        expect_as_if_new();
+        work_until_clearing(i == 0);
+        occupy(8, 4);
+        expect_as_if_new();
+        work_until_clearing(i == 0);
+        expect_start(JP_OK, 5, 5, 0);
+        expect_as_if_new();
+    }
 }
 
 static void test_more_changes_than_are_repaired_together(void)

@@ -23,6 +23,20 @@ static void test_costs_saturate(void)
     TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX - 1, jp_cost_add(JP_COST_MAX - 2, 1));
 }
 
+/* In slices. */
+static void clear_states(unsigned slice)
+{
+    unsigned slots = 0;
+
+    planner.internal.search.clear_slot = 0;
+    TEST_ASSERT_FALSE(jp_planner_states_clear(&planner.internal.search, &slots));
+    do {
+        TEST_ASSERT_EQUAL_UINT32(0, slots);
+        slots = slice;
+    } while (!jp_planner_states_clear(&planner.internal.search, &slots));
+    TEST_ASSERT_EQUAL_UINT32(slice - 1 - (planner.internal.search.slot_count - 1) % slice, slots);
+}
+
 /* Ids that differ little, by a factor of the table's size, and by much. */
 static void test_table_finds_all_that_it_holds(void)
 {
@@ -30,6 +44,7 @@ static void test_table_finds_all_that_it_holds(void)
 
     for (size_t i = 0; i < sizeof strides / sizeof strides[0]; i++) {
         start_planner(sizeof block);
+        clear_states(1000);
         const uint32_t stride = i == 3 ? planner.internal.search.slot_count : strides[i];
         const uint32_t count = planner.internal.search.state_count_max;
         for (uint32_t k = 0; k < count; k++) {
@@ -52,6 +67,7 @@ static void test_table_finds_all_that_it_holds(void)
 static void test_table_that_is_full(void)
 {
     start_planner(sizeof block);
+    clear_states(1000);
     const uint32_t count = planner.internal.search.state_count_max;
     for (uint32_t id = 0; id < count; id++) {
         TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal.search, id) != NO_SLOT);
@@ -60,7 +76,7 @@ static void test_table_that_is_full(void)
     TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_add(&planner.internal.search, count));
     TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal.search, count));
     TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal.search, count - 1) != NO_SLOT);
-    jp_planner_states_clear(&planner.internal.search);
+    clear_states(7);
     TEST_ASSERT_EQUAL_UINT32(0, planner.internal.search.state_count);
     TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&planner.internal.search, 0));
     TEST_ASSERT_TRUE(jp_planner_states_add(&planner.internal.search, count) != NO_SLOT);
@@ -77,6 +93,7 @@ static void test_queue_gives_the_lowest_first(void)
     uint32_t last = 0;
 
     start_planner(sizeof block);
+    clear_states(1000);
     jp_planner_queue_restart(&planner.internal.search, 1000);
     TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(&planner.internal.search));
     for (uint32_t i = 0; i < COUNT; i++) {
@@ -100,6 +117,7 @@ static void test_queue_gives_the_lowest_first(void)
 static void test_queue_moves_a_state_to_its_new_key(void)
 {
     start_planner(sizeof block);
+    clear_states(1000);
     jp_planner_queue_restart(&planner.internal.search, 60);
     const uint32_t a = jp_planner_states_add(&planner.internal.search, 1);
     const uint32_t b = jp_planner_states_add(&planner.internal.search, 2);
@@ -123,6 +141,7 @@ static void test_queue_moves_a_state_to_its_new_key(void)
 static void test_queue_tells_when_its_range_ends(void)
 {
     start_planner(sizeof block);
+    clear_states(1000);
     jp_planner_queue_restart(&planner.internal.search, 1000);
     const uint32_t near = jp_planner_states_add(&planner.internal.search, 1);
     const uint32_t far = jp_planner_states_add(&planner.internal.search, 2);
@@ -161,6 +180,7 @@ static void test_other_costs_of_the_lattice(void)
     const struct jp_plan *plan = jp_planner_plan(&planner);
 
     start_planner(sizeof block);
+    clear_states(1000);
     go(&west, &north);
     expect_optimal();
     const jp_cost before = plan->cost;
@@ -179,6 +199,7 @@ static void test_other_costs_of_the_lattice(void)
 
     config.lattice = &dearer;
     start_planner(sizeof block);
+    clear_states(1000);
     go(&west, &north);
     (void)finish();
     TEST_ASSERT_EQUAL_UINT32(after, plan->cost);
