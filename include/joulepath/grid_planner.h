@@ -45,6 +45,9 @@ extern "C" {
 /** Longest path, cells. */
 #define JP_GRID_LENGTH_MAX 32767
 
+/** Largest width and height of the map, cells. */
+#define JP_GRID_CELLS_MAX 1024
+
 /** Least side of a cell and largest side of the map, m. */
 #define JP_GRID_RESOLUTION_MIN JP_Q16(0.001)
 #define JP_GRID_SIDE_MAX       JP_Q16(4095)

@@ -34,13 +34,13 @@ extern "C" {
 #define JP_BOUND_NONE ((uint16_t)0xFFFF)
 
 /** Largest map, cells; width and height also obey JP_TERRAIN_SIDE_MAX. */
-#define JP_PLANNER_CELLS_MAX ((uint32_t)1 << 20)
+#define JP_PLANNER_CELLS_MAX ((uint32_t)1 << 24)
 
 /** Changed cells that are repaired together. */
 #define JP_PLANNER_CHANGES 64
 
 /** Most states of a block; more memory than that is left unused. */
-#define JP_PLANNER_STATES_MAX ((uint32_t)900000)
+#define JP_PLANNER_STATES_MAX ((uint32_t)950000)
 
 struct jp_lattice_pose {
     int16_t x; /**< cell */

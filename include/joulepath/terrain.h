@@ -19,7 +19,7 @@ extern "C" {
 #endif
 
 /** Largest width and height, cells. */
-#define JP_TERRAIN_SIDE_MAX 1024
+#define JP_TERRAIN_SIDE_MAX 4096
 
 /** Elevation in units of 2⁻¹⁰ m: ±31.999 m. */
 typedef int16_t jp_elevation;

@@ -17,7 +17,7 @@ enum {
 
 static bool is_side_valid(uint16_t cells, jp_q16 resolution)
 {
-    return cells != 0U && cells <= JP_TERRAIN_SIDE_MAX && (int64_t)cells * resolution <= JP_GRID_SIDE_MAX;
+    return cells != 0U && cells <= JP_GRID_CELLS_MAX && (int64_t)cells * resolution <= JP_GRID_SIDE_MAX;
 }
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_grid_planner_config, member, low, high)

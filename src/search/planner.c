@@ -13,7 +13,8 @@ enum {
     FIELD_SHARE = 3, /* so does the energy field */
     SCOUT_SHARE = 16,
     ROUTE_STEPS_MIN = 256,
-    ROUTES = 2, /* the plan's and the one that is being traced */
+    ROUTE_STEPS_MAX = UINT16_MAX - 7, /* aligned to 8 bytes */
+    ROUTES = 2,                       /* the plan's and the one that is being traced */
     CELLS_PER_ROUTE_STEP =
         32, /* cells of the map for each step of the longest route: it may wind through all of the map */
 };
@@ -25,7 +26,7 @@ static size_t route_bytes(const struct jp_terrain_config *config)
 {
     const size_t steps = ROUTE_STEPS_MIN + (size_t)config->width * config->height / CELLS_PER_ROUTE_STEP;
 
-    return jp_block_align(steps);
+    return jp_block_align(steps < ROUTE_STEPS_MAX ? steps : ROUTE_STEPS_MAX);
 }
 
 size_t jp_planner_size(const struct jp_terrain_config *config)

@@ -431,17 +431,8 @@ void jp_search_seed_tail(struct jp_planner_internal *planner, const struct jp_la
         jp_planner_states_add(&planner->search, jp_search_id(planner, pose->x, pose->y, pose->heading));
 
     if (cost < planner->search.states[slot].rhs) {
-        planner->search.states[slot].tail = 1;
         set_rhs(planner, slot, pose, cost);
     }
-}
-
-bool jp_search_is_on_tail(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
-{
-    const uint32_t slot =
-        jp_planner_states_find(&planner->search, jp_search_id(planner, pose->x, pose->y, pose->heading));
-
-    return planner->search.states[slot].tail;
 }
 
 void jp_search_rekey(struct jp_planner_internal *planner, bool widen)
@@ -462,7 +453,7 @@ bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots)
         planner->search.rekey_slot++;
         state->queued = 0;
         state->closed = 0;
-        if (state->used && state->g != state->rhs) {
+        if (jp_planner_state_is_used(state) && state->g != state->rhs) {
             const struct jp_lattice_pose pose = jp_search_pose(planner, slot);
             update(planner, slot, jp_search_heuristic(planner, &pose));
         }

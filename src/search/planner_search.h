@@ -30,9 +30,6 @@ void jp_search_start(struct jp_planner_internal *planner);
 /** Adds a state on the tail of the plan, with its cost to the goal. The table must have room. */
 void jp_search_seed_tail(struct jp_planner_internal *planner, const struct jp_lattice_pose *pose, jp_cost cost);
 
-/** True at a state of the search that was seeded from the tail of the plan. */
-bool jp_search_is_on_tail(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
-
 /** Begins to compute all keys anew, for planner->search.epsilon; `widen` doubles the range of the queue. */
 void jp_search_rekey(struct jp_planner_internal *planner, bool widen);
 

@@ -1,5 +1,6 @@
 #include "src/search/planner_splice.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "src/search/planner_route.h"
@@ -114,6 +115,18 @@ static bool append_tail(struct jp_planner_internal *planner)
     trace->steps += count;
     trace->end = planner->plan.end;
     return true;
+}
+
+bool jp_splice_is_on_tail(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    struct jp_lattice_pose tail = planner->check.tail_pose;
+
+    for (uint32_t i = 0; i < JP_PLANNER_SPLICE_STEPS && !jp_plan_is_same_pose(&tail, pose); i++) {
+        if (jp_plan_step(planner, planner->check.tail_step + i, &tail) == NULL) {
+            break;
+        }
+    }
+    return jp_plan_is_same_pose(&tail, pose);
 }
 
 bool jp_splice_join(struct jp_planner_internal *planner)

@@ -15,6 +15,9 @@ bool jp_splice_meets_head(struct jp_planner_internal *planner, uint32_t id);
 /** Where the head has its junction. */
 struct jp_lattice_pose jp_splice_junction(const struct jp_planner_internal *planner);
 
+/** True at one of the states that the search was seeded with. Work: at most 33 comparisons. */
+bool jp_splice_is_on_tail(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
+
 /** Completes a trace from the junction to the tail by the steps before it and behind it. False when they do not fit.
  *  Work: the costs of 64 steps. */
 bool jp_splice_join(struct jp_planner_internal *planner);

@@ -4,10 +4,11 @@
 
 enum {
     BUCKETS_MIN = 64,
-    BUCKETS_MAX = 4096,
+    BUCKETS_MAX = 1024,
     STATES_PER_BUCKET = 16,
     LOAD_NUMERATOR = 10, /* largest load factor: above it a look-up of an absent state takes too many probes */
     LOAD_DENOMINATOR = 11,
+    ID_MASK = 0xFFFFFFF
 };
 
 static bool is_prime(uint32_t n)
@@ -109,7 +110,7 @@ static uint32_t probe(const struct jp_planner_search *search, uint32_t id)
     const uint32_t step = 1U + (bits & 0x3FFU) % (count - 1U);
     uint32_t slot = (uint32_t)(((uint64_t)bits * count) >> 32);
 
-    while (search->states[slot].used && search->states[slot].id != id) {
+    while (jp_planner_state_is_used(&search->states[slot]) && search->states[slot].id != id) {
         slot += step;
         if (slot >= count) {
             slot -= count;
@@ -122,7 +123,7 @@ uint32_t jp_planner_states_find(const struct jp_planner_search *search, uint32_t
 {
     const uint32_t slot = probe(search, id);
 
-    return search->states[slot].used ? slot : NO_SLOT;
+    return jp_planner_state_is_used(&search->states[slot]) ? slot : NO_SLOT;
 }
 
 uint32_t jp_planner_states_add(struct jp_planner_search *search, uint32_t id)
@@ -130,15 +131,16 @@ uint32_t jp_planner_states_add(struct jp_planner_search *search, uint32_t id)
     const uint32_t slot = probe(search, id);
     struct jp_planner_state *state = &search->states[slot];
 
-    if (state->used) {
+    if (jp_planner_state_is_used(state)) {
         return slot;
     }
     if (search->state_count == search->state_count_max) {
         return NO_SLOT;
     }
     search->state_count++;
-    state->used = 1;
-    state->id = id & 0xFFFFFFU;
+    state->id = id & ID_MASK;
+    state->previous = NO_SLOT;
+    state->next = NO_SLOT;
     state->g = JP_COST_MAX;
     state->rhs = JP_COST_MAX;
     return slot;

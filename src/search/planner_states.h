@@ -9,17 +9,21 @@
 
 /** A state of the search: 16 bytes. A slot that is not used is all zero. */
 struct jp_planner_state {
-    uint64_t id : 24; /**< cell · JP_HEADINGS + heading */
-    uint64_t previous : 20;
-    uint64_t next : 20;
-    uint64_t g : 24;   /**< cost at its last expansion, as in D* Lite */
-    uint64_t rhs : 24; /**< one-step lookahead cost over its neighbours; consistent: g = rhs */
-    uint64_t bucket : 12;
-    uint64_t used : 1;
+    uint64_t id : 28; /**< cell · JP_HEADINGS + heading */
     uint64_t queued : 1;
     uint64_t closed : 1; /**< expanded under this ε; not again before the next */
-    uint64_t tail : 1;   /**< on the tail of the plan, to the goal at the cost that it was seeded with */
+    uint64_t bucket : 10;
+    uint64_t g : 24; /**< cost at its last expansion, as in D* Lite */
+    uint64_t previous : 20;
+    uint64_t next : 20;
+    uint64_t rhs : 24; /**< one-step lookahead cost over its neighbours; consistent: g = rhs */
 };
+
+/** True for a slot that holds a state: in a list, or out of it, its links are not both zero. */
+static inline bool jp_planner_state_is_used(const struct jp_planner_state *state)
+{
+    return state->next != 0U || state->previous != 0U;
+}
 
 /** Lays out at most `size` bytes as slots and buckets of a search on a map; returns how many it takes. */
 size_t jp_planner_states_init(struct jp_planner_search *search, const struct jp_terrain_config *map, void *block,

@@ -59,7 +59,7 @@ static bool is_at_end(const struct jp_planner_internal *planner)
 {
     const struct jp_lattice_pose *pose = &planner->trace.end;
 
-    return jp_search_is_seed(planner, pose) || (planner->is_splicing && jp_search_is_on_tail(planner, pose));
+    return jp_search_is_seed(planner, pose) || (planner->is_splicing && jp_splice_is_on_tail(planner, pose));
 }
 
 static uint8_t index_of(const struct jp_lattice *lattice, const struct jp_primitive *primitive)

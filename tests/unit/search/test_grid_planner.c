@@ -35,7 +35,7 @@ static void test_config_out_of_range(void)
     expect_field("resolution");
     terrain.config.width = 0;
     expect_field("resolution");
-    terrain.config.height = JP_TERRAIN_SIDE_MAX + 1;
+    terrain.config.height = JP_GRID_CELLS_MAX + 1;
     expect_field("resolution");
     config.method = (enum jp_grid_method)(JP_GRID_ANY_ANGLE + 1);
     expect_field("method");
