@@ -46,7 +46,7 @@ extern "C" {
 #define JP_GRID_LENGTH_MAX 32767
 
 /** Largest width and height of the map, cells. */
-#define JP_GRID_CELLS_MAX 1024
+#define JP_GRID_CELLS_MAX 1024U
 
 /** Least side of a cell and largest side of the map, m. */
 #define JP_GRID_RESOLUTION_MIN JP_Q16(0.001)

@@ -168,6 +168,7 @@ struct jp_planner_trace {
 struct jp_planner_head {
     uint32_t ids[JP_PLANNER_SPLICE_STEPS + 1U]; /**< states before the steps from first_step on, and
                                                            after the last */
+    uint32_t start_id;
     uint32_t first_step;
     uint32_t steps;
     jp_cost cost;

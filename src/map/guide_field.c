@@ -197,7 +197,7 @@ bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells)
 {
     struct coarse_cell cell;
 
-    for (; *cells > 0U; --*cells) {
+    while (*cells > 0U) {
         if (!jp_wavefront_next(&field->wave, &cell.x, &cell.y)) {
             return true;
         }
@@ -206,6 +206,7 @@ bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells)
         for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
             relax_step(field, &cell, direction);
         }
+        --*cells;
     }
     return false;
 }

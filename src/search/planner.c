@@ -13,8 +13,8 @@ enum {
     FIELD_SHARE = 3, /* so does the energy field */
     SCOUT_SHARE = 16,
     ROUTE_STEPS_MIN = 256,
-    ROUTE_STEPS_MAX = UINT16_MAX - 7, /* aligned to 8 bytes */
-    ROUTES = 2,                       /* the plan's and the one that is being traced */
+    ROUTE_STEPS_MAX = 65528, /* fits 16 bits and is aligned to 8 */
+    ROUTES = 2,              /* the plan's and the one that is being traced */
     CELLS_PER_ROUTE_STEP =
         32, /* cells of the map for each step of the longest route: it may wind through all of the map */
 };

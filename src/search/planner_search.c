@@ -1,6 +1,6 @@
 #include "src/search/planner_search.h"
 
-#include "src/search/planner_splice.h"
+#include "src/search/planner_head.h"
 #include "src/search/planner_states.h"
 
 enum {
@@ -371,7 +371,7 @@ enum search_result jp_search_expand(struct jp_planner_internal *planner, unsigne
         if (target != NO_SLOT && is_arrived(planner, target)) {
             return SEARCH_FOUND;
         }
-        if (planner->is_splicing && jp_splice_meets_head(planner, (uint32_t)planner->search.states[slot].id)) {
+        if (planner->is_splicing && jp_planner_head_has(&planner->head, (uint32_t)planner->search.states[slot].id)) {
             return SEARCH_FOUND;
         }
         if (target != NO_SLOT && is_first_route(planner)) {

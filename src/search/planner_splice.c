@@ -13,6 +13,7 @@ static void begin_head(struct jp_planner_internal *planner)
     struct jp_lattice_pose pose = planner->start;
     const bool is_on_plan = jp_plan_is_same_pose(&planner->plan.start, &pose);
 
+    head->start_id = jp_search_id(planner, pose.x, pose.y, pose.heading);
     head->steps = is_on_plan ? planner->check.head_steps : 0U;
     head->cost = is_on_plan ? planner->check.head_cost : 0U;
     head->first_step = head->steps > JP_PLANNER_SPLICE_STEPS ? head->steps - JP_PLANNER_SPLICE_STEPS : 0U;
@@ -46,23 +47,6 @@ void jp_splice_begin(struct jp_planner_internal *planner)
 {
     begin_head(planner);
     seed_tail(planner);
-}
-
-bool jp_splice_meets_head(struct jp_planner_internal *planner, uint32_t id)
-{
-    struct jp_planner_head *head = &planner->head;
-
-    head->junction_step = 0;
-    if (id == jp_search_id(planner, planner->start.x, planner->start.y, planner->start.heading)) {
-        return true;
-    }
-    for (uint32_t step = head->first_step; step <= head->steps; step++) {
-        if (head->ids[step - head->first_step] == id) {
-            head->junction_step = step;
-            return true;
-        }
-    }
-    return false;
 }
 
 struct jp_lattice_pose jp_splice_junction(const struct jp_planner_internal *planner)

@@ -8,10 +8,6 @@
  *  its tail. Work: the head's steps; the costs of 32. */
 void jp_splice_begin(struct jp_planner_internal *planner);
 
-/** True when a state is the robot's or one of the last of the head, which has its junction there then. Work: at most 34
- *  comparisons. */
-bool jp_splice_meets_head(struct jp_planner_internal *planner, uint32_t id);
-
 /** Where the head has its junction. */
 struct jp_lattice_pose jp_splice_junction(const struct jp_planner_internal *planner);
 

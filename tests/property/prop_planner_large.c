@@ -12,7 +12,7 @@
 #include "unity.h"
 
 enum {
-    ROOM = 36, /* cells, its walls among them */
+    ROOM = 60, /* cells, its walls among them */
     EDITS = 6,
     SMALL_BLOCK = 1024 * 1024,
     LARGE_BLOCK = 160 * 1024 * 1024, /* with the energy field: 3 bytes a cell and more */

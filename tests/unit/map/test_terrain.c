@@ -140,11 +140,11 @@ static void test_init_checks_every_field_at_its_limits(void)
 {
     FIELD(width, 0, "width");
     FIELD(width, 1, NULL);
-    FIELD(width, 1025, "width");
+    FIELD(width, JP_TERRAIN_SIDE_MAX + 1, "width");
     FIELD(width, UINT16_MAX, "width");
     FIELD(height, 0, "height");
     FIELD(height, 1, NULL);
-    FIELD(height, 1025, "height");
+    FIELD(height, JP_TERRAIN_SIDE_MAX + 1, "height");
     FIELD(height, UINT16_MAX, "height");
     FIELD(resolution, 0, "resolution");
     FIELD(resolution, -1, "resolution");
@@ -156,8 +156,12 @@ static void test_init_checks_every_field_at_its_limits(void)
     config.has_elevation = false;
     config.width = 1;
     FIELD(height, 1024, NULL);
+    config.has_elevation = false;
     config.height = 1;
-    FIELD(width, 1024, NULL);
+    FIELD(width, JP_TERRAIN_SIDE_MAX, NULL);
+    config.height = JP_TERRAIN_SIDE_MAX;
+    const char *field = "";
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, init(&field)); /* no field is out of range */
 }
 
 static void test_size_is_two_bits_a_cell_in_words_and_two_bytes_an_elevation(void)
@@ -167,7 +171,7 @@ static void test_size_is_two_bits_a_cell_in_words_and_two_bytes_an_elevation(voi
         uint16_t height;
         uint32_t planes; /* bytes */
     } sizes[] = {{1, 1, 8},   {31, 2, 16}, {32, 2, 16},       {33, 2, 32},
-                 {64, 3, 48}, {65, 3, 72}, {300, 300, 24000}, {1024, 1024, 262144}};
+                 {64, 3, 48}, {65, 3, 72}, {300, 300, 24000}, {4096, 4096, 4194304}};
 
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         config.width = sizes[i].width;
