@@ -7,8 +7,8 @@
  * It is exact up to a horizon, a quarter beyond the target's value; farther off the horizon is the bound.
  *
  * It grows in slices. When the map lets the robot drive cheaper, the values that are too high are lowered, and only
- * those; when the map becomes dearer the old values are still bounds and stay. Memory: the caller's block, three bytes
- * and one bit a cell. Nothing here is for ISRs.
+ * those; when the map becomes dearer the old values are still bounds and stay. Memory: the caller's block, one bit a
+ * cell and three bytes; or two, of a unit for which each step is rounded down. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_ENERGY_FIELD_H
 #define JOULEPATH_ENERGY_FIELD_H
@@ -33,21 +33,25 @@ struct jp_energy_field {
     const struct jp_lattice *lattice;
     const struct jp_terrain *terrain;
     enum jp_cost_kind kind;
+    uint8_t shift; /**< the unit of the values is 2^shift cost units */
     struct jp_wavefront wave;
+    uint16_t root_x;
+    uint16_t root_y;
     struct jp_cell_box lowered; /**< cells whose values have fallen since jp_energy_field_take_lowered() */
 };
 
 /** Bytes for a map of this configuration, a multiple of 8. */
-size_t jp_energy_field_size(const struct jp_terrain_config *config);
+size_t jp_energy_field_size(const struct jp_terrain_config *config, enum jp_wave_format format);
 
-/** Binds a field to its map and to jp_energy_field_size() bytes aligned to 8. */
+/** Binds a field to its map and to jp_energy_field_size() bytes aligned to 8. Values of two bytes have the smallest
+ * unit for which they reach up to `range`; those of three have all costs. */
 void jp_energy_field_init(struct jp_energy_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
-                          const struct jp_terrain *terrain, void *block);
+                          const struct jp_terrain *terrain, enum jp_wave_format format, jp_cost range, void *block);
 
 /** Takes other costs of the same lattice; jp_energy_field_start() must follow. Constant time. */
 void jp_energy_field_set_lattice(struct jp_energy_field *field, const struct jp_lattice *lattice);
 
-/** Starts anew from a root cell of the map. Work: all cells are cleared. */
+/** Starts anew from a root cell of the map. Constant time. */
 void jp_energy_field_start(struct jp_energy_field *field, int32_t root_x, int32_t root_y, int32_t target_x,
                            int32_t target_y);
 

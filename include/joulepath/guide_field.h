@@ -60,7 +60,7 @@ void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *
 /** Takes other costs of the same lattice; jp_guide_field_start() must follow. Constant time. */
 void jp_guide_field_set_lattice(struct jp_guide_field *field, const struct jp_lattice *lattice);
 
-/** Starts anew from a root, to grow a quarter beyond the target cell's estimate. Work: all coarse cells are cleared. */
+/** Starts anew from a root, to grow a quarter beyond the target cell's estimate. Constant time. */
 void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction direction,
                           const struct jp_guide_root *root, uint16_t target_x, uint16_t target_y);
 

@@ -4,7 +4,8 @@
  * The search runs on the states of a lattice (lattice.h), from the goal to the robot, so that its costs-to-go stay
  * valid while the robot drives. Two fields rooted at the robot are its heuristics: first the guide's estimate times ε
  * (guide_field.h), which finds good routes with few states; then, where the block has room for it, the energy field's
- * bound (energy_field.h), which proves the optimum. After changes of the map the search repairs what they touch; when a
+ * bound (energy_field.h), which proves the optimum; in a smaller block it takes the states' place after the search, and
+ * bounds the cost of its route. After changes of the map the search repairs what they touch; when a
  * proved route is lost, a small second search by the guide, the scout, joins what is left of it before the proof goes
  * on. jp_planner_work() does it in slices. The same input gives the same bits on every core.
  *
@@ -112,6 +113,7 @@ enum jp_planner_phase {
     JP_PLANNER_UPDATE_FIELD, /**< it waits for the energy field */
     JP_PLANNER_REPAIR,       /**< recomputes the states whose primitives sweep changed cells */
     JP_PLANNER_REKEY,        /**< computes all keys anew, for another ε or a wider range */
+    JP_PLANNER_GROW_BOUND,   /**< the energy field, in the place of the states */
     JP_PLANNER_SEARCH,
     JP_PLANNER_TRACE,  /**< follows the route that the search has found */
     JP_PLANNER_SETTLED /**< idle, with a search that can be repaired */
@@ -215,6 +217,7 @@ struct jp_planner_internal {
     struct jp_goal goal;
     bool has_start;
     bool has_goal;
+    bool has_lent_states;             /**< the energy field is in the place of states, which cannot be repaired */
     bool is_field_rooted;             /**< the energy field has a root */
     uint8_t field_heading;            /**< of the robot when the energy field got its root */
     uint16_t neighbours_max;          /**< that an expansion can add */
@@ -226,8 +229,9 @@ struct jp_planner_internal {
     bool has_guide;   /**< the guide has grown for this goal, from where the robot was then */
 
     uint32_t terrain_version;
-    uint8_t *route;       /**< of the plan: index of each primitive among those of its heading */
-    uint8_t *spare_route; /**< the next plan is written here, so that the last one stays whole */
+    uint8_t *states_block; /**< of the search */
+    uint8_t *route;        /**< of the plan: index of each primitive among those of its heading */
+    uint8_t *spare_route;  /**< the next plan is written here, so that the last one stays whole */
     uint16_t route_max;
     enum jp_answer answer;
     struct jp_plan plan;
@@ -254,7 +258,8 @@ size_t jp_planner_size(const struct jp_terrain_config *config);
 /**
  * Prepares a planner in `size` bytes of the caller. The statistics say how many states fit.
  * JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_MEMORY: `size` is below jp_planner_size().
- * JP_ERR_ALIGNMENT: `block` is not aligned to 8 bytes. JP_ERR_ARGUMENT: a pointer is null. Work: all of the block.
+ * JP_ERR_ALIGNMENT: `block` is not aligned to 8 bytes. JP_ERR_ARGUMENT: a pointer is null. Work: the tables of the
+ * lattice.
  */
 enum jp_status jp_planner_init(struct jp_planner *planner, const struct jp_planner_config *config,
                                struct jp_terrain *terrain, void *block, size_t size, const char **field);
@@ -273,7 +278,7 @@ enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct j
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_lattice_pose *start);
 
 /** Sets the goal. The search begins anew. JP_ERR_OUTSIDE: off the map. JP_ERR_BLOCKED: the footprint fits at no
- * heading; JP_ERR_ARGUMENT: no heading, or a null pointer. The old goal stays then. Work: all of the block is cleared.
+ * heading; JP_ERR_ARGUMENT: no heading, or a null pointer. The old goal stays then. Constant time.
  */
 enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_goal *goal);
 

@@ -36,6 +36,8 @@ struct jp_wavefront {
     bool has_changed;   /**< this sweep has handed out a cell */
     uint16_t row;       /**< where this sweep is */
     uint16_t column;
+    uint16_t clear_row; /**< rows from here on are yet to be cleared */
+    uint16_t looks;     /**< at words of bits, and at cells above the threshold, that are not counted yet */
     uint16_t first_row; /**< rows that may hold dirty cells */
     uint16_t last_row;
     uint16_t target_x;
@@ -55,9 +57,17 @@ static inline uint32_t jp_wavefront_value_max(const struct jp_wavefront *wave)
     return wave->not_reached - 1U;
 }
 
-/** Starts with no cell reached. `step`, above 0, is about the difference of neighbouring values. The wave will stop a
- *  quarter beyond the target's value. Work: all cells are cleared. */
+/** Starts anew: all cells must be cleared next. `step`, above 0, is about the difference of neighbouring values. The
+ *  wave will stop a quarter beyond the target's value. Constant time. */
 void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t target_x, uint16_t target_y);
+
+static inline bool jp_wavefront_is_clear(const struct jp_wavefront *wave)
+{
+    return wave->clear_row == wave->height;
+}
+
+/** Clears some rows; after the last no cell is reached, and the root can be lowered. Work: 1 KiB, or a row. */
+void jp_wavefront_clear(struct jp_wavefront *wave);
 
 /** Value of a cell of the grid; wave->not_reached where the wave has not been. Constant time. */
 static inline uint32_t jp_wavefront_value(const struct jp_wavefront *wave, int32_t x, int32_t y)
@@ -76,9 +86,11 @@ void jp_wavefront_touch(struct jp_wavefront *wave, int32_t x, int32_t y);
 /** After touching: begins again with the lowest values. Constant time. */
 void jp_wavefront_resume(struct jp_wavefront *wave);
 
-/** Hands out a cell whose neighbours are to be relaxed. False when the wave has stopped. Work: in the worst case
- *  the bits of all cells, twice. */
-bool jp_wavefront_next(struct jp_wavefront *wave, int32_t *x, int32_t *y);
+enum jp_wave_step { JP_WAVE_CELL, JP_WAVE_WAITING, JP_WAVE_STOPPED };
+
+/** Hands out a cell whose neighbours are to be relaxed; or waits for more budget; or has stopped. *cells counts down
+ * for a cell, and for every 128 looks in vain. */
+enum jp_wave_step jp_wavefront_next(struct jp_wavefront *wave, unsigned *cells, int32_t *x, int32_t *y);
 
 /** True when the wave stopped because nothing was left to reach: a cell that is not reached cannot be. */
 bool jp_wavefront_is_exhausted(const struct jp_wavefront *wave);

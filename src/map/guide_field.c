@@ -78,7 +78,6 @@ void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction 
     const uint32_t step = ((field_level_step(field->lattice, field->kind) * scale) >> field->shift) + 1U;
 
     jp_wavefront_start(&field->wave, field_value(&field->wave, step), target_x / scale, target_y / scale);
-    jp_wavefront_lower(&field->wave, root->x / scale, root->y / scale, 0);
 }
 
 /** Coordinate of the middle of a coarse cell, cells of the map. */
@@ -193,20 +192,42 @@ static void relax_step(struct jp_guide_field *field, const struct coarse_cell *c
     jp_wavefront_lower(&field->wave, nx, ny, value);
 }
 
+/** Clears some cells; after the last the wave has its root. */
+static void clear(struct jp_guide_field *field)
+{
+    jp_wavefront_clear(&field->wave);
+    if (jp_wavefront_is_clear(&field->wave)) {
+        jp_wavefront_lower(&field->wave, field->root.x / field->scale, field->root.y / field->scale, 0);
+    }
+}
+
+static void relax(struct jp_guide_field *field, int32_t x, int32_t y)
+{
+    const struct coarse_cell cell = {x, y, jp_wavefront_value(&field->wave, x, y), elevation_of(field, x, y)};
+
+    for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
+        relax_step(field, &cell, direction);
+    }
+}
+
 bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells)
 {
-    struct coarse_cell cell;
+    int32_t x = 0;
+    int32_t y = 0;
 
     while (*cells > 0U) {
-        if (!jp_wavefront_next(&field->wave, &cell.x, &cell.y)) {
+        if (!jp_wavefront_is_clear(&field->wave)) {
+            clear(field);
+            --*cells;
+            continue;
+        }
+        const enum jp_wave_step step = jp_wavefront_next(&field->wave, cells, &x, &y);
+        if (step == JP_WAVE_STOPPED) {
             return true;
         }
-        cell.value = jp_wavefront_value(&field->wave, cell.x, cell.y);
-        cell.elevation = elevation_of(field, cell.x, cell.y);
-        for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
-            relax_step(field, &cell, direction);
+        if (step == JP_WAVE_CELL) {
+            relax(field, x, y);
         }
-        --*cells;
     }
     return false;
 }

@@ -4,7 +4,7 @@
 #include "src/base/block.h"
 #include "src/base/compiler.h"
 
-enum { WORD_BITS = 32, MARGIN_DIVISOR = 4 };
+enum { WORD_BITS = 32, MARGIN_DIVISOR = 4, CLEARED_CELLS = 384, LOOKS_PER_CELL = 128 };
 
 static size_t words_per_row(uint16_t width)
 {
@@ -61,19 +61,33 @@ static void start_sweep(struct jp_wavefront *wave, uint32_t threshold)
 
 void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t target_x, uint16_t target_y)
 {
-    (void)memset(wave->values, 0xFF, values_size(wave->width, wave->height));
-    if (wave->high != NULL) {
-        (void)memset(wave->high, 0xFF, cells_of(wave->width, wave->height));
-    }
-    (void)memset(wave->dirty, 0, dirty_size(wave->width, wave->height));
     wave->step = step;
     wave->target_x = target_x;
     wave->target_y = target_y;
     wave->horizon = jp_wavefront_value_max(wave);
-    wave->first_row = wave->height;
-    wave->last_row = 0;
-    start_sweep(wave, step);
-    wave->has_changed = true; /* the root is yet to come: sweep again */
+    wave->clear_row = 0;
+}
+
+void jp_wavefront_clear(struct jp_wavefront *wave)
+{
+    const uint16_t left = (uint16_t)(wave->height - wave->clear_row);
+    const uint16_t most = (uint16_t)((unsigned)CLEARED_CELLS / wave->width + 1U);
+    const uint16_t rows = most < left ? most : left;
+    const size_t first = cells_of(wave->width, wave->clear_row);
+    const size_t cells = cells_of(wave->width, rows);
+
+    (void)memset(&wave->values[first], 0xFF, cells * sizeof *wave->values);
+    if (wave->high != NULL) {
+        (void)memset(&wave->high[first], 0xFF, cells);
+    }
+    (void)memset(&wave->dirty[words_per_row(wave->width) * wave->clear_row], 0, dirty_size(wave->width, rows));
+    wave->clear_row = (uint16_t)(wave->clear_row + rows);
+    if (jp_wavefront_is_clear(wave)) {
+        wave->first_row = wave->height;
+        wave->last_row = 0;
+        start_sweep(wave, wave->step);
+        wave->has_changed = true; /* the root is yet to come: sweep again */
+    }
 }
 
 static void mark(struct jp_wavefront *wave, int32_t x, int32_t y)
@@ -164,23 +178,41 @@ static bool next_in_row(struct jp_wavefront *wave, int32_t *x)
             if (value < wave->lowest) {
                 wave->lowest = value;
             }
+            wave->looks++;
         }
     }
     return false;
 }
 
-bool jp_wavefront_next(struct jp_wavefront *wave, int32_t *x, int32_t *y)
+/** A row has been looked through in vain: that takes time, too. */
+static void count_row(struct jp_wavefront *wave, unsigned *cells)
 {
-    do {
-        for (; wave->row <= wave->last_row; wave->row++, wave->column = 0) {
-            if (next_in_row(wave, x)) {
-                *y = wave->row;
-                wave->has_changed = true;
-                return true;
+    wave->looks = (uint16_t)(wave->looks + words_per_row(wave->width));
+    while (wave->looks >= LOOKS_PER_CELL && *cells > 0U) {
+        wave->looks = (uint16_t)(wave->looks - LOOKS_PER_CELL);
+        --*cells;
+    }
+}
+
+enum jp_wave_step jp_wavefront_next(struct jp_wavefront *wave, unsigned *cells, int32_t *x, int32_t *y)
+{
+    while (*cells > 0U) {
+        if (wave->row > wave->last_row) {
+            if (!next_sweep(wave)) {
+                return JP_WAVE_STOPPED;
             }
+        } else if (next_in_row(wave, x)) {
+            *y = wave->row;
+            wave->has_changed = true;
+            --*cells;
+            return JP_WAVE_CELL;
+        } else {
+            wave->row++;
+            wave->column = 0;
+            count_row(wave, cells);
         }
-    } while (next_sweep(wave));
-    return false;
+    }
+    return JP_WAVE_WAITING;
 }
 
 bool jp_wavefront_is_exhausted(const struct jp_wavefront *wave)

@@ -101,7 +101,8 @@ static void lay_out_states(struct jp_planner_internal *planner, uint8_t *block, 
     if (planner->statistics.field_bytes > 0U && size / SCOUT_SHARE >= jp_planner_states_size(STATES_MIN)) {
         scout_bytes = jp_block_align(jp_planner_states_init(&planner->resting, map, block, size / SCOUT_SHARE));
     }
-    const size_t bytes = jp_planner_states_init(&planner->search, map, &block[scout_bytes], size - scout_bytes);
+    planner->states_block = &block[scout_bytes];
+    const size_t bytes = jp_planner_states_init(&planner->search, map, planner->states_block, size - scout_bytes);
 
     planner->statistics.search_bytes = (uint32_t)(bytes + scout_bytes);
     planner->statistics.states_max = planner->search.state_count_max + planner->resting.state_count_max;
@@ -114,7 +115,7 @@ static void lay_out(struct jp_planner_internal *planner, uint8_t *block, size_t 
     const struct jp_terrain_config *map = &planner->terrain->config;
     const unsigned scale = guide_scale(map, size);
     const size_t guide_bytes = jp_guide_field_size(map, scale);
-    const size_t field_bytes = jp_energy_field_size(map);
+    const size_t field_bytes = jp_energy_field_size(map, JP_WAVE_3_BYTES);
     size_t used = guide_bytes + ROUTES * route_bytes(map);
 
     jp_guide_field_init(&planner->guide, config->lattice, config->cost, planner->terrain, &planner->turns, scale,
@@ -124,7 +125,8 @@ static void lay_out(struct jp_planner_internal *planner, uint8_t *block, size_t 
     planner->route_max = (uint16_t)route_bytes(map);
     planner->statistics.guide_bytes = (uint32_t)guide_bytes;
     if (field_bytes <= size / FIELD_SHARE && used + field_bytes + jp_planner_states_size(STATES_MIN) <= size) {
-        jp_energy_field_init(&planner->field, config->lattice, config->cost, planner->terrain, &block[used]);
+        jp_energy_field_init(&planner->field, config->lattice, config->cost, planner->terrain, JP_WAVE_3_BYTES,
+                             JP_COST_MAX, &block[used]);
         planner->statistics.field_bytes = (uint32_t)field_bytes;
         used += field_bytes;
     }

@@ -1,28 +1,16 @@
 #include "src/search/planner_phases.h"
 
+#include "src/search/planner_bound.h"
 #include "src/search/planner_effort.h"
 #include "src/search/planner_repair.h"
 #include "src/search/planner_route.h"
+#include "src/search/planner_scout.h"
 #include "src/search/planner_search.h"
+#include "src/search/planner_slices.h"
 #include "src/search/planner_splice.h"
-#include "src/search/planner_states.h"
 #include "src/search/planner_trace.h"
 
-enum {
-    EPSILON_RAISE_DIVISOR = 4,
-    /* Units of other work that take about as long as one expansion. */
-    FIELD_CELLS_PER_EXPANSION = 8,
-    CHECKED_STEPS_PER_EXPANSION = 8,
-    GUIDE_CELLS_PER_EXPANSION = 1,
-    REKEYS_PER_EXPANSION = 32,
-    CLEARED_SLOTS_PER_EXPANSION = 256,
-};
-
-/** ε of the scout, where the schedule has none for searches by the guide. */
-#define SCOUT_EPSILON ((uint16_t)346) /* 1.35 */
-
-/** The way around what is blocked is not far: any will do at first. */
-#define SPLICE_EPSILON ((uint16_t)512) /* 2 */
+enum { EPSILON_RAISE_DIVISOR = 4 };
 
 /** The one place that assigns the phase. */
 static void enter(struct jp_planner_internal *planner, enum jp_planner_phase phase)
@@ -41,10 +29,10 @@ bool jp_phases_is_idle(const struct jp_planner_internal *planner)
     return planner->phase == JP_PLANNER_EMPTY || planner->phase == JP_PLANNER_SETTLED;
 }
 
-/** True when there is a search that can be repaired and continued. */
+/** True when there is a search, or a plan with a bound, that changes must be taken into. */
 static bool has_search(const struct jp_planner_internal *planner)
 {
-    return planner->phase >= JP_PLANNER_CHECK_PLAN;
+    return planner->phase >= JP_PLANNER_CHECK_PLAN || planner->has_lent_states;
 }
 
 static bool is_ready(const struct jp_planner_internal *planner)
@@ -66,48 +54,20 @@ static void begin_field(struct jp_planner_internal *planner, enum jp_planner_pha
     enter(planner, phase);
 }
 
-/** Grows the guide from the search's target. */
 static void begin_guide(struct jp_planner_internal *planner)
 {
-    const struct jp_lattice_pose *start = &planner->start;
-    const struct jp_goal *goal = &planner->goal;
-
-    planner->has_guide = !jp_search_is_forward(planner);
-    if (jp_search_is_forward(planner)) {
-        const struct jp_guide_root root = {(uint16_t)goal->x, (uint16_t)goal->y, goal->headings};
-        jp_guide_field_start(&planner->guide, JP_GUIDE_TO_ROOT, &root, (uint16_t)start->x, (uint16_t)start->y);
-    } else {
-        const struct jp_guide_root root = {(uint16_t)start->x, (uint16_t)start->y, (uint16_t)(1U << start->heading)};
-        jp_guide_field_start(&planner->guide, JP_GUIDE_FROM_ROOT, &root, (uint16_t)goal->x, (uint16_t)goal->y);
-    }
+    jp_slice_begin_guide(planner);
     enter(planner, JP_PLANNER_GROW_GUIDE);
-}
-
-static void swap_searches(struct jp_planner_internal *planner)
-{
-    const struct jp_planner_search at_work = planner->search;
-
-    planner->search = planner->resting;
-    planner->resting = at_work;
-    planner->is_scouting = !planner->is_scouting;
-}
-
-/** The scout, if it is at work, stops where it is; the exact search is the one that counts. */
-static void dismiss_scout(struct jp_planner_internal *planner)
-{
-    if (planner->is_scouting) {
-        swap_searches(planner);
-        planner->is_splicing = false;
-    }
 }
 
 /** Begins from scratch; the search follows when its field has grown. */
 static void begin(struct jp_planner_internal *planner, enum jp_planner_direction direction)
 {
-    dismiss_scout(planner);
+    jp_scout_dismiss(planner);
     planner->has_guide = false;
     planner->search.direction = direction;
     planner->is_field_rooted = false;
+    jp_bound_return_states(planner);
     planner->search.is_exact = false;
     planner->search.is_repaired = false;
     planner->effort.spent = 0;
@@ -125,7 +85,7 @@ static void begin(struct jp_planner_internal *planner, enum jp_planner_direction
 void jp_phases_restart(struct jp_planner_internal *planner)
 {
     planner->terrain_version = planner->terrain->version;
-    dismiss_scout(planner);
+    jp_scout_dismiss(planner);
     planner->least = 0;
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
     planner->search.level = 0;
@@ -195,31 +155,44 @@ static bool is_cut_off(const struct jp_planner_internal *planner)
            jp_energy_field_bound(&planner->field, planner->start.x, planner->start.y) == JP_COST_MAX;
 }
 
+/** Begins anew where that is cheaper than to go on. A route that is there stays; only its proof begins anew. */
+static void give_up_repair(struct jp_planner_internal *planner)
+{
+    if (!jp_plan_is_current(planner)) {
+        jp_phases_restart(planner);
+    } else {
+        planner->statistics.restarts++;
+        begin(planner, JP_PLANNER_FROM_GOAL);
+    }
+}
+
+/** There are no states to take in the changes. Where these have only blocked the map, plan and bound still hold. */
+static void take_in_changes_without_states(struct jp_planner_internal *planner)
+{
+    if (jp_plan_is_current(planner) && !planner->changes.may_be_cheaper) {
+        planner->changes.count = 0;
+        planner->search.is_exact = false;
+        enter(planner, JP_PLANNER_GROW_BOUND);
+    } else {
+        give_up_repair(planner);
+    }
+}
+
 /** The search takes in the changes of the map, from the energy field on if it has a root. */
 static void take_in_changes(struct jp_planner_internal *planner)
 {
-    enter(planner, planner->is_field_rooted ? JP_PLANNER_UPDATE_FIELD : JP_PLANNER_REPAIR);
-}
-
-/** ε of the scout: the first of the schedule, if that is one for searches by the guide. */
-static uint16_t scout_epsilon(const struct jp_planner_internal *planner)
-{
-    const uint16_t epsilon = planner->config.epsilon[0];
-
-    return epsilon > JP_EPSILON_ONE ? epsilon : SCOUT_EPSILON;
-}
-
-static bool has_scout(const struct jp_planner_internal *planner)
-{
-    return planner->resting.slot_count > 0U;
+    if (planner->has_lent_states) {
+        take_in_changes_without_states(planner);
+    } else {
+        enter(planner, planner->is_field_rooted ? JP_PLANNER_UPDATE_FIELD : JP_PLANNER_REPAIR);
+    }
 }
 
 /** The scout searches from the goal to the robot, on the present map, as a new search would; the other one is left as
  *  it is meanwhile. */
 static void scout_whole_way(struct jp_planner_internal *planner)
 {
-    planner->is_splicing = false;
-    planner->search.epsilon = scout_epsilon(planner);
+    jp_scout_take_whole_way(planner);
     begin_guide(planner);
 }
 
@@ -227,16 +200,8 @@ static void scout_whole_way(struct jp_planner_internal *planner)
  *  was before, and on an older map: it is an estimate. */
 static void send_scout(struct jp_planner_internal *planner)
 {
-    swap_searches(planner);
-    planner->search.direction = JP_PLANNER_FROM_GOAL;
-    planner->search.level = 0;
-    planner->search.epsilon = SPLICE_EPSILON;
-    planner->search.is_exact = false;
-    planner->search.is_repaired = false;
-    planner->is_splicing = jp_plan_leads_to_goal(planner);
-    if (!planner->is_splicing) {
-        scout_whole_way(planner);
-    } else if (planner->has_guide) {
+    jp_scout_call(planner, jp_plan_leads_to_goal(planner));
+    if (planner->is_splicing && planner->has_guide) {
         begin_search(planner);
     } else {
         begin_guide(planner);
@@ -246,7 +211,7 @@ static void send_scout(struct jp_planner_internal *planner)
 /** With the scout's route, or without one, the exact search goes on. */
 static void leave_scout(struct jp_planner_internal *planner)
 {
-    dismiss_scout(planner);
+    jp_scout_dismiss(planner);
     take_in_changes(planner);
 }
 
@@ -321,11 +286,35 @@ static bool take_next_epsilon(struct jp_planner_internal *planner)
     return true;
 }
 
+/** Ends the search; the energy field may yet tighten the bound of the plan. */
+static void end_search(struct jp_planner_internal *planner)
+{
+    settle(planner, planner->answer);
+    if (jp_bound_is_wanted(planner)) {
+        jp_bound_lend_states(planner);
+        begin_field(planner, JP_PLANNER_GROW_BOUND);
+    }
+}
+
+/** After the energy field has grown in the states' place: what is left of it may do for the first part of an exact
+ *  search, or for all of it. */
+static void leave_bound(struct jp_planner_internal *planner)
+{
+    jp_plan_tighten(planner);
+    settle(planner, planner->answer);
+    if (planner->answer != JP_ANSWER_OPTIMAL && jp_bound_has_states(planner)) {
+        planner->search.epsilon = JP_EPSILON_ONE;
+        planner->search.is_repaired = false;
+        begin_search(planner);
+    }
+}
+
 /** After a plan: continues with the next ε and the present states. */
 static void improve(struct jp_planner_internal *planner)
 {
-    settle(planner, planner->plan.answer);
+    planner->answer = planner->plan.answer;
     if (!take_next_epsilon(planner)) {
+        end_search(planner);
         return;
     }
     planner->search.is_of_one_level = false;
@@ -333,17 +322,6 @@ static void improve(struct jp_planner_internal *planner)
         begin_field(planner, JP_PLANNER_UPDATE_FIELD);
     } else {
         resume(planner);
-    }
-}
-
-/** Begins anew where that is cheaper than to go on. A route that is there stays; only its proof begins anew. */
-static void give_up_repair(struct jp_planner_internal *planner)
-{
-    if (!jp_plan_is_current(planner)) {
-        jp_phases_restart(planner);
-    } else {
-        planner->statistics.restarts++;
-        begin(planner, JP_PLANNER_FROM_GOAL);
     }
 }
 
@@ -358,7 +336,7 @@ static void improve_from_scratch(struct jp_planner_internal *planner)
         give_up_repair(planner); /* states of the map before fill the table */
     } else {
         jp_plan_tighten(planner);
-        settle(planner, planner->answer);
+        end_search(planner);
     }
 }
 
@@ -514,73 +492,14 @@ static void repair(struct jp_planner_internal *planner, unsigned *budget)
     }
 }
 
-/** Grows the energy field; true when it is done. */
-static bool grow_field(struct jp_planner_internal *planner, unsigned *budget)
-{
-    unsigned cells = *budget * FIELD_CELLS_PER_EXPANSION;
-    const bool is_grown = jp_energy_field_grow(&planner->field, &cells);
-
-    *budget = cells / FIELD_CELLS_PER_EXPANSION;
-    return is_grown;
-}
-
-static bool grow_guide(struct jp_planner_internal *planner, unsigned *budget)
-{
-    unsigned cells = *budget * GUIDE_CELLS_PER_EXPANSION;
-    const bool is_grown = jp_guide_field_grow(&planner->guide, &cells);
-
-    *budget = cells / GUIDE_CELLS_PER_EXPANSION;
-    return is_grown;
-}
-
 /** After the plan has been checked, or where there is none. */
 static void leave_plan(struct jp_planner_internal *planner)
 {
-    if (!jp_plan_is_current(planner) && has_scout(planner)) {
+    if (!jp_plan_is_current(planner) && jp_scout_exists(planner)) {
         send_scout(planner);
     } else {
         take_in_changes(planner);
     }
-}
-
-/** Looks at the next steps of the plan; true when all have been, or one that is blocked now. */
-static bool check_steps(struct jp_planner_internal *planner, unsigned *steps)
-{
-    const enum plan_check result = jp_plan_check(planner, steps);
-
-    if (result == PLAN_INTACT) {
-        planner->answer = planner->plan.answer;
-    }
-    return result != PLAN_CHECKING;
-}
-
-static void check_plan(struct jp_planner_internal *planner, unsigned *budget)
-{
-    unsigned steps = *budget * CHECKED_STEPS_PER_EXPANSION;
-    const bool is_checked = check_steps(planner, &steps);
-
-    *budget = steps / CHECKED_STEPS_PER_EXPANSION;
-    if (is_checked) {
-        leave_plan(planner);
-    }
-}
-
-static bool clear(struct jp_planner_internal *planner, unsigned *budget)
-{
-    unsigned slots = *budget * CLEARED_SLOTS_PER_EXPANSION;
-    const bool is_clear = jp_planner_states_clear(&planner->search, &slots);
-
-    *budget = slots / CLEARED_SLOTS_PER_EXPANSION;
-    return is_clear;
-}
-
-static bool rekey(struct jp_planner_internal *planner, unsigned *budget)
-{
-    unsigned slots = *budget * REKEYS_PER_EXPANSION;
-    const bool is_sorted = jp_search_rekey_work(planner, &slots);
-
-    *budget = slots / REKEYS_PER_EXPANSION;
-    return is_sorted;
 }
 
 /** Does work that is worth at most `budget` expansions and returns what is left of the budget. */
@@ -588,25 +507,27 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
 {
     switch (planner->phase) {
     case JP_PLANNER_GROW_GUIDE:
-        if (grow_guide(planner, &budget)) {
+        if (jp_slice_grow_guide(planner, &budget)) {
             leave_guide(planner);
         }
         return budget;
     case JP_PLANNER_GROW_FIELD:
-        if (grow_field(planner, &budget)) {
+        if (jp_slice_grow_field(planner, &budget)) {
             leave_new_field(planner);
         }
         return budget;
     case JP_PLANNER_CLEAR:
-        if (clear(planner, &budget)) {
+        if (jp_slice_clear(planner, &budget)) {
             leave_clear(planner);
         }
         return budget;
     case JP_PLANNER_CHECK_PLAN:
-        check_plan(planner, &budget);
+        if (jp_slice_check_plan(planner, &budget)) {
+            leave_plan(planner);
+        }
         return budget;
     case JP_PLANNER_UPDATE_FIELD:
-        if (grow_field(planner, &budget)) {
+        if (jp_slice_grow_field(planner, &budget)) {
             leave_field(planner);
         }
         return budget;
@@ -614,8 +535,13 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
         repair(planner, &budget);
         return budget;
     case JP_PLANNER_REKEY:
-        if (rekey(planner, &budget)) {
+        if (jp_slice_rekey(planner, &budget)) {
             enter(planner, JP_PLANNER_SEARCH);
+        }
+        return budget;
+    case JP_PLANNER_GROW_BOUND:
+        if (jp_slice_grow_field(planner, &budget)) {
+            leave_bound(planner);
         }
         return budget;
     case JP_PLANNER_TRACE:
@@ -695,6 +621,10 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
         look_at_new_field(planner); /* rooted where the robot was, it bounds these routes too */
         return;
     }
+    if (planner->has_lent_states) {
+        jp_phases_restart(planner);
+        return;
+    }
     if (planner->phase == JP_PLANNER_CHECK_PLAN) {
         take_in_changes(planner);
     }
@@ -716,7 +646,7 @@ static void finish_repair(struct jp_planner_internal *planner)
 {
     if (planner->phase == JP_PLANNER_CHECK_PLAN) {
         unsigned steps = UINT16_MAX;
-        (void)check_steps(planner, &steps);
+        (void)jp_plan_check(planner, &steps);
         take_in_changes(planner);
     }
     while (planner->phase == JP_PLANNER_UPDATE_FIELD || planner->phase == JP_PLANNER_REPAIR) {

@@ -190,17 +190,17 @@ static void check_step(struct jp_planner_internal *planner, const struct jp_prim
 }
 
 /** After a check of all steps. */
-static enum plan_check end_check(struct jp_planner_internal *planner)
+static void end_check(struct jp_planner_internal *planner)
 {
     if (planner->check.tail_step > 0U || !jp_plan_is_same_pose(&planner->plan.start, &planner->start)) {
-        return PLAN_BROKEN;
+        return;
     }
     set_cost(planner, planner->check.tail_cost);
     planner->plan.parameter_version = planner->config.lattice->version;
-    return PLAN_INTACT;
+    planner->answer = planner->plan.answer;
 }
 
-enum plan_check jp_plan_check(struct jp_planner_internal *planner, unsigned *steps)
+bool jp_plan_check(struct jp_planner_internal *planner, unsigned *steps)
 {
     struct jp_planner_check *check = &planner->check;
 
@@ -208,10 +208,11 @@ enum plan_check jp_plan_check(struct jp_planner_internal *planner, unsigned *ste
         const struct jp_lattice_pose from = check->pose;
         const struct jp_primitive *step = jp_plan_step(planner, check->step, &check->pose);
         if (step == NULL) {
-            return end_check(planner);
+            end_check(planner);
+            return true;
         }
         check_step(planner, step, &from);
         --*steps;
     }
-    return PLAN_CHECKING;
+    return false;
 }

@@ -34,11 +34,10 @@ bool jp_plan_leads_to_goal(const struct jp_planner_internal *planner);
 /** Begins to check the plan's route on the present map. */
 void jp_plan_begin_check(struct jp_planner_internal *planner);
 
-enum plan_check { PLAN_CHECKING, PLAN_INTACT, PLAN_BROKEN };
-
-/** Continues, over at most *steps steps, which counts down. Intact: the robot is at its start, nothing blocks it, and
- *  it has its present cost and bound. Else planner->check says which tail of it leads to the goal. */
-enum plan_check jp_plan_check(struct jp_planner_internal *planner, unsigned *steps);
+/** Continues, over at most *steps steps, which counts down; true when all are checked. Where the robot is at the plan's
+ *  start and nothing blocks it, the plan is the answer, with its present cost and bound; else planner->check says which
+ *  tail of it leads to the goal. */
+bool jp_plan_check(struct jp_planner_internal *planner, unsigned *steps);
 
 /** Cost of a primitive from a pose, obstacles left aside. */
 jp_cost jp_plan_step_cost(const struct jp_planner_internal *planner, const struct jp_lattice_pose *from,

@@ -144,9 +144,11 @@ static void test_energy_field_is_a_bound(void)
     while (counts.bounds < options.count / 4) {
         random_map(&trial);
         const struct jp_lattice_pose root = random_pose(&trial);
-        TEST_ASSERT_TRUE(jp_energy_field_size(&trial.config) <= sizeof block);
+        const enum jp_wave_format format = below(2) == 0 ? JP_WAVE_2_BYTES : JP_WAVE_3_BYTES;
+        TEST_ASSERT_TRUE(jp_energy_field_size(&trial.config, format) <= sizeof block);
         jp_lattice_turns(trial.lattice, trial.kind, &turns);
-        jp_energy_field_init(&field, trial.lattice, trial.kind, &trial.terrain, block);
+        jp_energy_field_init(&field, trial.lattice, trial.kind, &trial.terrain, format,
+                             random_word() >> (8 + below(20)), block);
         jp_energy_field_start(&field, root.x, root.y, (int32_t)below(trial.config.width),
                               (int32_t)below(trial.config.height));
         for (int i = 0; i < EDITS_PER_MAP / 5; i++) {

@@ -394,9 +394,9 @@ static void test_bounds_remain_below_the_truth(void)
         random_trial();
         oracle_init(&oracle, &expected, JP_COST_PHYSICAL);
         (void)oracle_shortest(&oracle, &map, &start, NULL);
-        TEST_ASSERT_TRUE(jp_energy_field_size(&config) <= sizeof field_block);
+        TEST_ASSERT_TRUE(jp_energy_field_size(&config, JP_WAVE_3_BYTES) <= sizeof field_block);
         jp_lattice_turns(charged(), JP_COST_PHYSICAL, &turns);
-        jp_energy_field_init(&field, charged(), JP_COST_PHYSICAL, &terrain, field_block);
+        jp_energy_field_init(&field, charged(), JP_COST_PHYSICAL, &terrain, JP_WAVE_3_BYTES, JP_COST_MAX, field_block);
         jp_energy_field_start(&field, start.x, start.y, goal.x, goal.y);
         TEST_ASSERT_TRUE(jp_energy_field_grow(&field, &cells));
         expect_field_below(&field, &turns, &start);

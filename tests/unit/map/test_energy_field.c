@@ -29,8 +29,8 @@ void setUp(void)
 {
     make_level_map(&map);
     state = 20050902;
-    TEST_ASSERT_TRUE(jp_energy_field_size(&map) <= sizeof block);
-    jp_energy_field_init(&field, lattice, JP_COST_PHYSICAL, &terrain, block);
+    TEST_ASSERT_TRUE(jp_energy_field_size(&map, JP_WAVE_3_BYTES) <= sizeof block);
+    jp_energy_field_init(&field, lattice, JP_COST_PHYSICAL, &terrain, JP_WAVE_3_BYTES, JP_COST_MAX, block);
 }
 
 void tearDown(void)
@@ -142,7 +142,7 @@ static void change(int32_t x, int32_t y, enum jp_cell cell)
 
 static void test_size(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(3 * WIDTH * HEIGHT + 4 * HEIGHT, jp_energy_field_size(&map));
+    TEST_ASSERT_EQUAL_UINT32(3 * WIDTH * HEIGHT + 4 * HEIGHT, jp_energy_field_size(&map, JP_WAVE_3_BYTES));
 }
 
 static void test_level_ground(void)
@@ -157,7 +157,7 @@ static void test_level_ground(void)
 static void test_each_kind_of_cost(void)
 {
     for (int kind = 0; kind < JP_COST_KINDS; kind++) {
-        jp_energy_field_init(&field, lattice, (enum jp_cost_kind)kind, &terrain, block);
+        jp_energy_field_init(&field, lattice, (enum jp_cost_kind)kind, &terrain, JP_WAVE_3_BYTES, JP_COST_MAX, block);
         start_and_grow();
         expect_exact(3, 3);
     }

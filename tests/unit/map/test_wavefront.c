@@ -24,6 +24,7 @@ static uint32_t expected[HEIGHT][WIDTH];
 static uint32_t unit; /* of the weights */
 static uint32_t state;
 static unsigned handed_out;
+static unsigned waited;
 
 void setUp(void)
 {
@@ -31,6 +32,7 @@ void setUp(void)
     memset(weights, 1, sizeof weights);
     state = 20050901;
     handed_out = 0;
+    waited = 0;
     unit = 1;
     TEST_ASSERT_TRUE(jp_wavefront_size(WIDTH, HEIGHT, JP_WAVE_3_BYTES) <= BLOCK_BYTES);
     jp_wavefront_init(&wave, WIDTH, HEIGHT, JP_WAVE_2_BYTES, block);
@@ -77,7 +79,17 @@ static void grow(void)
     int32_t x = -1;
     int32_t y = -1;
 
-    while (jp_wavefront_next(&wave, &x, &y)) {
+    while (true) {
+        unsigned cells = 1;
+        const enum jp_wave_step step = jp_wavefront_next(&wave, &cells, &x, &y);
+        TEST_ASSERT_TRUE(step == JP_WAVE_STOPPED || cells == 0);
+        if (step == JP_WAVE_STOPPED) {
+            return;
+        }
+        if (step == JP_WAVE_WAITING) {
+            waited++;
+            continue;
+        }
         TEST_ASSERT_TRUE(is_inside(x, y));
         TEST_ASSERT_TRUE(jp_wavefront_value(&wave, x, y) <= wave.threshold);
         handed_out++;
@@ -85,10 +97,18 @@ static void grow(void)
     }
 }
 
+static void clear(void)
+{
+    while (!jp_wavefront_is_clear(&wave)) {
+        jp_wavefront_clear(&wave);
+    }
+}
+
 /* From cell (0, 0), as far as (target_x, target_y) and a quarter more. */
 static void start(uint32_t step, uint16_t target_x, uint16_t target_y)
 {
     jp_wavefront_start(&wave, step, target_x, target_y);
+    clear();
     jp_wavefront_lower(&wave, 0, 0, 0);
 }
 
@@ -176,7 +196,10 @@ static void test_nothing_reached_without_a_root(void)
     int32_t y = 0;
 
     jp_wavefront_start(&wave, 1, 3, 3);
-    TEST_ASSERT_FALSE(jp_wavefront_next(&wave, &x, &y));
+    clear();
+    unsigned cells = 1;
+    TEST_ASSERT_EQUAL_INT(JP_WAVE_STOPPED, jp_wavefront_next(&wave, &cells, &x, &y));
+    TEST_ASSERT_EQUAL_UINT32(1, cells);
     TEST_ASSERT_TRUE(jp_wavefront_is_exhausted(&wave));
     TEST_ASSERT_EQUAL_UINT32(wave.not_reached, jp_wavefront_value(&wave, 0, 0));
     TEST_ASSERT_EQUAL_UINT32(wave.not_reached, jp_wavefront_value(&wave, WIDTH - 1, HEIGHT - 1));
@@ -290,6 +313,18 @@ static void test_root_at_the_target(void)
     expect_values();
 }
 
+/* To look through the bits in vain is work, too: the wave waits for more budget then. */
+static void test_looking_for_cells_takes_budget(void)
+{
+    for (unsigned seed = 0; seed < SEEDS; seed++) {
+        randomise(20);
+        start(1, WIDTH - 1, HEIGHT - 1);
+        grow();
+        expect_values();
+    }
+    TEST_ASSERT_TRUE(waited > 0);
+}
+
 /* Through a door that opens later. */
 static void test_touched_cells_are_handed_out_again(void)
 {
@@ -338,7 +373,8 @@ static void test_repair_after_falling_weights(void)
                 }
             }
             jp_wavefront_resume(&wave);
-            for (uint32_t slice = below(50); slice > 0 && jp_wavefront_next(&wave, &x, &y); slice--) {
+            unsigned slice = below(50);
+            while (jp_wavefront_next(&wave, &slice, &x, &y) == JP_WAVE_CELL) {
                 relax(x, y);
             }
         }

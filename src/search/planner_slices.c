@@ -1,0 +1,74 @@
+#include "src/search/planner_slices.h"
+
+#include "src/search/planner_route.h"
+#include "src/search/planner_search.h"
+#include "src/search/planner_states.h"
+
+/** Units of work that take about as long as one expansion. */
+enum {
+    FIELD_CELLS = 2,
+    GUIDE_CELLS = 1,
+    CLEARED_SLOTS = 256,
+    CHECKED_STEPS = 8,
+    REKEYED_SLOTS = 32,
+};
+
+bool jp_slice_grow_field(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned cells = *budget * FIELD_CELLS;
+    const bool is_done = jp_energy_field_grow(&planner->field, &cells);
+
+    *budget = cells / FIELD_CELLS;
+    return is_done;
+}
+
+void jp_slice_begin_guide(struct jp_planner_internal *planner)
+{
+    const struct jp_lattice_pose *start = &planner->start;
+    const struct jp_goal *goal = &planner->goal;
+
+    planner->has_guide = !jp_search_is_forward(planner);
+    if (jp_search_is_forward(planner)) {
+        const struct jp_guide_root root = {(uint16_t)goal->x, (uint16_t)goal->y, goal->headings};
+        jp_guide_field_start(&planner->guide, JP_GUIDE_TO_ROOT, &root, (uint16_t)start->x, (uint16_t)start->y);
+    } else {
+        const struct jp_guide_root root = {(uint16_t)start->x, (uint16_t)start->y, (uint16_t)(1U << start->heading)};
+        jp_guide_field_start(&planner->guide, JP_GUIDE_FROM_ROOT, &root, (uint16_t)goal->x, (uint16_t)goal->y);
+    }
+}
+
+bool jp_slice_grow_guide(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned cells = *budget * GUIDE_CELLS;
+    const bool is_done = jp_guide_field_grow(&planner->guide, &cells);
+
+    *budget = cells / GUIDE_CELLS;
+    return is_done;
+}
+
+bool jp_slice_clear(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned slots = *budget * CLEARED_SLOTS;
+    const bool is_done = jp_planner_states_clear(&planner->search, &slots);
+
+    *budget = slots / CLEARED_SLOTS;
+    return is_done;
+}
+
+bool jp_slice_check_plan(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned steps = *budget * CHECKED_STEPS;
+    const bool is_done = jp_plan_check(planner, &steps);
+
+    *budget = steps / CHECKED_STEPS;
+    return is_done;
+}
+
+bool jp_slice_rekey(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned slots = *budget * REKEYED_SLOTS;
+    const bool is_done = jp_search_rekey_work(planner, &slots);
+
+    *budget = slots / REKEYED_SLOTS;
+    return is_done;
+}

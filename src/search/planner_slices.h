@@ -1,0 +1,22 @@
+/** The planner's work other than expansions, in slices: a call with a budget does what takes as long as at most so
+ *  many expansions, which count down, and returns true when it is done. */
+#ifndef JOULEPATH_SEARCH_PLANNER_SLICES_H
+#define JOULEPATH_SEARCH_PLANNER_SLICES_H
+
+#include <joulepath/planner.h>
+
+bool jp_slice_grow_field(struct jp_planner_internal *planner, unsigned *budget);
+
+/** Lets the guide grow anew from the search's target. Constant time. */
+void jp_slice_begin_guide(struct jp_planner_internal *planner);
+
+bool jp_slice_grow_guide(struct jp_planner_internal *planner, unsigned *budget);
+
+bool jp_slice_clear(struct jp_planner_internal *planner, unsigned *budget);
+
+/** As jp_plan_check(). */
+bool jp_slice_check_plan(struct jp_planner_internal *planner, unsigned *budget);
+
+bool jp_slice_rekey(struct jp_planner_internal *planner, unsigned *budget);
+
+#endif
