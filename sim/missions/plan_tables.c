@@ -160,6 +160,13 @@ static void print_parameters(const struct plan_report *report)
     }
 }
 
+static void print_lattice(const struct plan_report *report)
+{
+    if (report->lattice_path != NULL) {
+        (void)printf("lattice: %u primitives, %s\n", report->lattice->first_from[JP_HEADINGS], report->lattice_path);
+    }
+}
+
 static void print_memory(const struct plan_report *report)
 {
     const struct jp_planner_counts *statistics = &report->searches[PLAN_ENERGY].statistics;
@@ -197,6 +204,7 @@ static void print_drive(const struct plan_report *report)
 void plan_print(const struct plan_report *report)
 {
     print_task(report);
+    print_lattice(report);
     print_parameters(report);
     (void)printf("\n%-18s %9s %10s %9s %8s %10s  %-12s %6s %10s %8s %9s\n", "route", "length m", "energy J", "time s",
                  "climb m", "turning J", "answer", "bound", "expansions", "states", "planned ms");
@@ -324,10 +332,10 @@ json_t *plan_json(const struct plan_report *report)
     const struct plan_place start = place_of(report, &report->task.start);
     const struct plan_place goal = goal_of(report);
 
-    return json_pack("{s:s, s:o, s:o, s:o, s:b, s:[f, f, f], s:[f, f], s:[o, o], s:o, s:o}", "robot",
-                     report->lattice->name, "map", json_map(report), "parameters", json_parameters(report), "memory",
-                     json_memory(report), "task_chosen", report->task.is_chosen, "start", start.x, start.y,
-                     start.heading_deg, "goal_m", goal.x, goal.y, "routes", json_search(report, PLAN_ENERGY),
-                     json_search(report, PLAN_DISTANCE), "comparison", json_comparison(report), "drive",
-                     json_drive(report));
+    return json_pack("{s:s, s:s?, s:o, s:o, s:o, s:b, s:[f, f, f], s:[f, f], s:[o, o], s:o, s:o}", "robot",
+                     report->lattice->name, "lattice_file", report->lattice_path, "map", json_map(report), "parameters",
+                     json_parameters(report), "memory", json_memory(report), "task_chosen", report->task.is_chosen,
+                     "start", start.x, start.y, start.heading_deg, "goal_m", goal.x, goal.y, "routes",
+                     json_search(report, PLAN_ENERGY), json_search(report, PLAN_DISTANCE), "comparison",
+                     json_comparison(report), "drive", json_drive(report));
 }

@@ -14,6 +14,7 @@ struct plan_report {
     const struct map_file *map;
     const char *map_path;
     const struct jp_lattice *lattice;
+    const char *lattice_path;    /**< NULL: built in */
     const char *parameters_path; /**< of what the lattice is charged by; NULL: its own tables */
     struct plan_task task;
     size_t memory; /**< bytes */

@@ -7,6 +7,7 @@
 #include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
+#include "sim/files/lattice_file.h"
 #include "sim/missions/plan_parameters.h"
 #include "sim/missions/plan_tables.h"
 
@@ -16,11 +17,12 @@
 #define MEMORY_KIB     8192
 #define MEMORY_KIB_MAX 1048576
 
-enum { OPTION_START = COMMAND_LINE_OWN, OPTION_GOAL, OPTION_COST, OPTION_MEMORY };
+enum { OPTION_START = COMMAND_LINE_OWN, OPTION_GOAL, OPTION_COST, OPTION_MEMORY, OPTION_LATTICE };
 
 struct arguments {
     const char *map_path;
     struct command_line common;
+    const char *lattice_path;    /* NULL: as built in */
     const char *parameters_path; /* NULL: as built in */
     struct plan_place start;
     struct plan_place goal;
@@ -87,6 +89,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case OPTION_MEMORY:
         parse_memory(arguments, argument, state);
         return 0;
+    case OPTION_LATTICE:
+        arguments->lattice_path = argument;
+        return 0;
     case 'p':
         arguments->parameters_path = argument;
         return 0;
@@ -103,15 +108,33 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 /* ---- Inputs ---- */
 
-static const struct jp_lattice *find_lattice(const char *name)
+static const struct jp_lattice *built_in_lattice(const char *name)
 {
     for (size_t i = 0; lattices[i] != NULL; i++) {
         if (strcmp(lattices[i]->name, name) == 0) {
             return lattices[i];
         }
     }
-    error_line("%s: no lattice for this robot; run make lattice ROBOT=%s", name, name);
+    error_line("%s: no lattice for this robot; run make lattice ROBOT=%s, or give --lattice", name, name);
     return NULL;
+}
+
+/* NULL after one line on stderr. */
+static const struct jp_lattice *find_lattice(const struct arguments *arguments, const struct lattice_robot *robot,
+                                             struct lattice_file *file)
+{
+    if (arguments->lattice_path == NULL) {
+        return built_in_lattice(robot->name);
+    }
+    if (!lattice_file_load(arguments->lattice_path, file)) {
+        return NULL;
+    }
+    if (strcmp(file->name, robot->name) != 0) {
+        error_line("%s: robot: '%s' is not '%s', for which is planned; make a lattice for that robot",
+                   arguments->lattice_path, file->name, robot->name);
+        return NULL;
+    }
+    return &file->lattice;
 }
 
 static bool fits(const struct arguments *arguments, const struct map_file *map, const struct jp_lattice *lattice)
@@ -128,9 +151,10 @@ static bool fits(const struct arguments *arguments, const struct map_file *map, 
 
 /* The robot's lattice, charged by what was learned if there is anything. NULL after one line on stderr. */
 static const struct jp_lattice *charged_lattice(const struct arguments *arguments, const struct map_file *map,
-                                                const struct lattice_robot *robot, struct jp_tariff *tariff)
+                                                const struct lattice_robot *robot, struct lattice_file *file,
+                                                struct jp_tariff *tariff)
 {
-    const struct jp_lattice *lattice = find_lattice(robot->name);
+    const struct jp_lattice *lattice = find_lattice(arguments, robot, file);
 
     if (lattice == NULL || !fits(arguments, map, lattice)) {
         return NULL;
@@ -238,11 +262,13 @@ static int write_all(const struct arguments *arguments, const struct lattice_rob
 
 static int plan(const struct arguments *arguments, struct map_file *map, const struct lattice_robot *robot)
 {
+    struct lattice_file file = {.primitives = NULL};
     struct jp_tariff tariff = {.primitives = NULL};
     char *map_path = realpath(arguments->map_path, NULL);
     struct plan_report report = {.map = map,
                                  .map_path = map_path != NULL ? map_path : arguments->map_path,
-                                 .lattice = charged_lattice(arguments, map, robot, &tariff),
+                                 .lattice = charged_lattice(arguments, map, robot, &file, &tariff),
+                                 .lattice_path = arguments->lattice_path,
                                  .parameters_path = arguments->parameters_path,
                                  .memory = arguments->memory};
     int status = ERROR_EXIT;
@@ -255,6 +281,7 @@ static int plan(const struct arguments *arguments, struct map_file *map, const s
         plan_route_free(&report.searches[aim].route);
     }
     plan_parameters_free(&tariff);
+    lattice_file_free(&file);
     free(map_path);
     return status;
 }
@@ -268,6 +295,8 @@ int main(int argc, char **argv)
         {"cost", OPTION_COST, "KIND", 0, "physical (default) or paper: what the energy-optimal route is charged for",
          0},
         {"memory", OPTION_MEMORY, "KIB", 0, "the planner's block (default: 8192)", 0},
+        {"lattice", OPTION_LATTICE, "FILE.json", 0, "a lattice (tools.design.lattice --json) (default: as built in)",
+         0},
         {"parameters", 'p', "FILE.json", 0, "what the robot has learned (default: as built in)", 0},
         OPTION_OUTPUT("build/plan"),
         {0},

@@ -1,8 +1,13 @@
 #!/usr/bin/env python3
-"""Make the tables of a robot's state lattice: src/tables/lattice_<robot>.c, with jp-lattice.
+"""Make a robot's state lattice with jp-lattice: the tables src/tables/lattice_<robot>.c, or a file for jp-plan.
 
 With --import, the primitives come from an SBPL .mprim file or a Nav2 lattice .json file; jp-lattice sweeps and prices
-them for the robot. Exit status 2: bad input; nothing was written.
+them for the robot. With --json, jp-plan --lattice plans on the result, without a compiler.
+
+That file: {"format": "joulepath-lattice-1", "robot", and the members of struct jp_lattice (joulepath/lattice.h) in
+their units: "resolution", "heading", "primitives", "moves", "spans", "footprint", "reach", "core", "move_costs"}, each
+a list of rows: members of members in their order there, move_costs a row each kind of cost and of move.
+Exit status 2: bad input; nothing was written.
 """
 import json
 import math
@@ -12,6 +17,8 @@ from pathlib import Path
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, write_whole
 from tools.design import c_tables, lattice_import, robot_json
+
+FORMAT = "joulepath-lattice-1"  # of the file for jp-plan
 
 HEADINGS = 16
 KINDS = ("physical", "paper", "distance")
@@ -34,6 +41,7 @@ class Pool:
     def __init__(self):
         self.items = []
         self._known = {}
+        self._places = {}  # of each item
 
     def place(self, items):
         """Index of the first of `items`, which stand in a row."""
@@ -43,11 +51,14 @@ class Pool:
         return self._known[key]
 
     def _find(self, key):
-        for first in range(len(self.items) - len(key) + 1):
+        for first in self._places.get(key[0], ()) if key else (0,):
             if tuple(self.items[first:first + len(key)]) == key:
                 return first
+        first = len(self.items)
+        for place, item in enumerate(key, first):
+            self._places.setdefault(item, []).append(place)
         self.items.extend(key)
-        return len(self.items) - len(key)
+        return first
 
 
 class Tables:
@@ -68,10 +79,12 @@ class Tables:
         self.core = self._cells(data["core"])
         self._check_limits()
 
-    def _check_limits(self):
+    def check_rom(self):
         if self.rom_size > ROM_MAX:
             raise ToolError(f"{self.label}: {self.rom_size} bytes of tables, at most {ROM_MAX} are allowed; "
-                            "import fewer primitives, or larger cells")
+                            "import fewer primitives, or larger cells, or make a file with --json")
+
+    def _check_limits(self):
         farthest = max(abs(number) for cells in self.data["reach"] for row in cells for number in row)
         if farthest > SWEEP_REACH:
             raise ToolError(f"{self.label}: a primitive sweeps cells {farthest} cells from its start, at most "
@@ -100,16 +113,21 @@ class Tables:
 
     def _row(self, index, primitive):
         first_span, span_count = self._cells(primitive["swept"])
-        base = ", ".join(str(self._checked(index, f"its {kind} cost", cost, 65535))
-                         for kind, cost in zip(KINDS, primitive["base"]))
+        base = tuple(self._checked(index, f"its {kind} cost", cost, 65535)
+                     for kind, cost in zip(KINDS, primitive["base"]))
         length = self._checked(index, "its length in mm", round(1000 * primitive["length_m"]), 65535)
         duration = self._checked(index, "its duration in ms", round(1000 * primitive["duration_s"]), 65535)
         first_move = self.moves.place(primitive["moves"])
+        self._checked(index, "the place of its moves", first_move, 65535)
         self._checked(index, "the place of its spans", first_span, 65535)
         self._checked(index, "the number of its spans", span_count, 255)
-        states = ", ".join(str(primitive[key]) for key in ("dx", "dy", "start", "end"))
-        return (f"{{{states}, {{{base}}}, {length}, {duration}, {first_move}, {first_span}, {len(primitive['moves'])}, "
-                f"{span_count}}}")
+        states = tuple(primitive[key] for key in ("dx", "dy", "start", "end"))
+        return states, base, (length, duration, first_move, first_span, len(primitive["moves"]), span_count)
+
+
+def row_text(row):
+    states, base, rest = (", ".join(map(str, part)) for part in row)
+    return f"{{{states}, {{{base}}}, {rest}}}"
 
 
 def filled(items):
@@ -146,11 +164,15 @@ def angle(radians):
     return round(radians / (2 * math.pi) * 2**32) % 2**32
 
 
+def resolution(data):
+    return round(data["resolution_m"] * 65536)
+
+
 def arrays_text(tables):
     spans = filled("{%d, %d, %d}" % span for span in tables.spans.items)
     return f"""static const struct jp_primitive primitives[] = {{
     /* dx, dy, start, end, {{base}}, length, duration, first_move, first_span, move_count, span_count */
-{chr(10).join(f"    {row}," for row in tables.rows)}
+{chr(10).join(f"    {row_text(row)}," for row in tables.rows)}
 }};
 
 static const uint16_t by_end[] = {{
@@ -170,7 +192,7 @@ def lattice_text(tables):
     data = tables.data
     return f"""const struct jp_lattice jp_lattice_{tables.name} = {{
     .name = "{tables.name}",
-    .resolution = {round(data["resolution_m"] * 65536)}, /* {data["resolution_m"]:g} m */
+    .resolution = {resolution(data)}, /* {data["resolution_m"]:g} m */
     .heading = {{
 {filled(f"{angle(heading)}U" for heading in data["headings_rad"])}
     }},
@@ -215,6 +237,30 @@ _Static_assert(
 """
 
 
+def members(tables):
+    """The members of struct jp_lattice, as lists of rows."""
+    data = tables.data
+    moves = (move for costs in data["costs"] for move in costs["moves"])
+    return {
+        "resolution": [resolution(data)],
+        "heading": [angle(heading) for heading in data["headings_rad"]],
+        "primitives": [states + base + rest for states, base, rest in tables.rows],
+        "moves": tables.moves.items,
+        "spans": tables.spans.items,
+        "footprint": tables.footprint,
+        "reach": tables.reach,
+        "core": [tables.core],
+        "move_costs": [[*move["climb"], *move["descend"], move["bend"], move["rise_max"], move["floor"]]
+                       for move in moves],
+    }
+
+
+def file_text(tables):
+    """The lattice for jp-plan, a line a member."""
+    content = {"format": FORMAT, "robot": tables.data["robot"], **members(tables)}
+    return "{\n" + ",\n".join(f'"{key}": {json.dumps(value)}' for key, value in content.items()) + "\n}\n"
+
+
 def skid_steer_table(name, data, command, source):
     """The C table of a skid-steered robot's constants; ranges as in joulepath/skid_steer.h."""
     to = c_tables.Converter(f"skid-steer constants of {name}")
@@ -255,27 +301,30 @@ def run_on_primitives(robot_path, path, primitives):
             raise ToolError(str(error).replace(str(intermediate), str(path))) from None
 
 
-def generated(robot_path, tables):
-    """The files of a lattice that jp-lattice chooses."""
-    name = robot_path.stem
+def generated(robot_path):
+    """A lattice that jp-lattice chooses, and what made it."""
     data = run_jp_lattice(robot_path, [])
-    command, source = f"make lattice ROBOT={name}", f"sim/robots/{robot_path.name}"
-    files = {tables / f"lattice_{name}.c": table_text(Tables(name, data), command, source)}
-    if "skid_steer" in data:
-        table = skid_steer_table(name, data["skid_steer"], command, source)
-        files[tables / f"skid_steer_{name}.c"] = c_tables.render(table)
-    return data, files
+    return Tables(robot_path.stem, data), f"make lattice ROBOT={robot_path.stem}", f"sim/robots/{robot_path.name}"
 
 
-def imported(robot_path, tables, path):
-    """The files of a lattice whose primitives another planner made."""
+def imported(robot_path, path):
+    """A lattice whose primitives another planner made, and what made it."""
     primitives, sideways = lattice_import.read_primitives(path)
     if sideways:
         print(f"{shown_path(path)}: {sideways} primitives drive sideways and were left out")
     name = re.sub(r"[^a-z0-9]+", "_", f"{robot_path.stem}_{path.stem}".lower())
     data = run_on_primitives(robot_path, path, primitives)
     command = f"python -m tools.design.lattice {robot_path.stem} --import {path.name}"
-    return data, {tables / f"lattice_{name}.c": table_text(Tables(name, data, shown_path(path)), command, path.name)}
+    return Tables(name, data, shown_path(path)), command, path.name
+
+
+def c_files(directory, robot_path, tables, command, source):
+    tables.check_rom()
+    files = {directory / f"lattice_{tables.name}.c": table_text(tables, command, source)}
+    if "skid_steer" in tables.data and tables.name == robot_path.stem:
+        table = skid_steer_table(tables.name, tables.data["skid_steer"], command, source)
+        files[directory / f"skid_steer_{tables.name}.c"] = c_tables.render(table)
+    return files
 
 
 def print_lattice(data):
@@ -298,18 +347,24 @@ def arguments():
                              "lattice_<robot>_<file>.c")
     parser.add_argument("--tables", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
                         help="where the C files go (default: src/tables)")
+    parser.add_argument("--json", metavar="FILE", type=Path,
+                        help="in place of the C files, a file for jp-plan --lattice")
     return parser.parse_args()
 
 
 def main():
     options = arguments()
     robot_path = robot_json.robot_path(options.robot)
-    if options.source:
-        data, files = imported(robot_path, options.tables, options.source)
+    made = imported(robot_path, options.source) if options.source else generated(robot_path)
+    tables = made[0]
+    if options.json:
+        if options.source and options.json.exists() and options.json.samefile(options.source):
+            raise ToolError(f"{options.json}: is read for this lattice; name another file for the result")
+        files = {options.json: file_text(tables)}
     else:
-        data, files = generated(robot_path, options.tables)
-    robot_json.check_name(robot_path, data["robot"])
-    print_lattice(data)
+        robot_json.check_name(robot_path, tables.data["robot"])
+        files = c_files(options.tables, robot_path, *made)
+    print_lattice(tables.data)
     for path, content in files.items():
         write_whole(path, content)
         print(f"wrote {shown_path(path)}")

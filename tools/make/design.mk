@@ -58,10 +58,10 @@ learning: ## make what ROBOT=name can learn of its energy: src/tables/learning_n
 	@$(DECLARE)
 
 .PHONY: lattice
-lattice: ## make the state lattice of ROBOT=name: src/tables/lattice_name.c
+lattice: ## make the state lattice of ROBOT=name: src/tables/lattice_name.c; of FILE=some.mprim: build/lattice/name.json
 	@tools/setup.sh design
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-lattice
-	$(PYTHON) -m tools.design.lattice $(ROBOT)
+	$(PYTHON) -m tools.design.lattice $(ROBOT) $(if $(FILE),--import $(FILE) --json $(BUILD)/lattice/$(ROBOT).json)
 	@$(DECLARE)
 
 PATROL_ROBOT = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
