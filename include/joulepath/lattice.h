@@ -27,9 +27,6 @@ extern "C" {
 
 #define JP_HEADINGS 16
 
-/** Farthest swept cell from the start cell of a primitive, in x and in y. */
-#define JP_SWEEP_REACH 24
-
 /** Most primitives that start at one heading. */
 #define JP_PRIMITIVES_PER_HEADING_MAX 255
 

@@ -245,12 +245,6 @@ static bool are_ends(const struct jp_lattice *lattice)
     return true;
 }
 
-static bool is_near(const struct jp_span *span)
-{
-    return span->y >= -JP_SWEEP_REACH && span->y <= JP_SWEEP_REACH && span->first >= -JP_SWEEP_REACH &&
-           span->last <= JP_SWEEP_REACH && span->first <= span->last;
-}
-
 /** True when one span of the cells holds all of another. */
 static bool holds(const struct jp_lattice *lattice, struct jp_cells cells, const struct jp_span *span)
 {
@@ -263,13 +257,14 @@ static bool holds(const struct jp_lattice *lattice, struct jp_cells cells, const
     return false;
 }
 
-/** True when the reach of a heading is within JP_SWEEP_REACH and holds all cells that its primitives sweep. */
+/** True when the reach of a heading holds all cells that its primitives sweep. */
 static bool is_reach(const struct jp_lattice *lattice, unsigned heading)
 {
     const struct jp_cells reach = lattice->reach[heading];
 
     for (unsigned i = 0; i < reach.span_count; i++) {
-        if (!is_near(&lattice->spans[reach.first_span + i])) {
+        const struct jp_span *span = &lattice->spans[reach.first_span + i];
+        if (span->first > span->last) {
             return false;
         }
     }

@@ -6,8 +6,10 @@
 
 enum {
     WINDOW = 64, /* cells, wide and high: a word a row */
-    CHANGES_EXTENT =
-        WINDOW - 2 * JP_SWEEP_REACH, /* of the changed cells, so that the window holds all that they touch */
+    WINDOW_CELLS = WINDOW * WINDOW,
+    CHANGES_EXTENT = 16,                                           /* of the changed cells */
+    TILES = (2 * INT8_MAX + CHANGES_EXTENT + WINDOW - 1) / WINDOW, /* windows side by side hold all that they touch */
+    HEADING_CELLS = TILES * TILES * WINDOW_CELLS,
 };
 
 /** Cells where a state of one heading has lost or gained a primitive. */
@@ -17,6 +19,16 @@ struct window {
     uint64_t rows[WINDOW];
 };
 
+static int32_t smaller(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static int32_t larger(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
 static struct jp_cell_box box_of_changes(const struct jp_planner_internal *planner)
 {
     struct jp_cell_box box = {planner->changes.cells[0].x, planner->changes.cells[0].x, planner->changes.cells[0].y,
@@ -25,10 +37,10 @@ static struct jp_cell_box box_of_changes(const struct jp_planner_internal *plann
     for (unsigned i = 1; i < planner->changes.count; i++) {
         const int32_t x = planner->changes.cells[i].x;
         const int32_t y = planner->changes.cells[i].y;
-        box.first_x = x < box.first_x ? x : box.first_x;
-        box.last_x = x > box.last_x ? x : box.last_x;
-        box.first_y = y < box.first_y ? y : box.first_y;
-        box.last_y = y > box.last_y ? y : box.last_y;
+        box.first_x = smaller(box.first_x, x);
+        box.last_x = larger(box.last_x, x);
+        box.first_y = smaller(box.first_y, y);
+        box.last_y = larger(box.last_y, y);
     }
     return box;
 }
@@ -49,34 +61,46 @@ bool jp_repair_fits(const struct jp_planner_internal *planner, int32_t x, int32_
            is_near(y, box.first_y, box.last_y);
 }
 
-/** Marks the cells from which a state of a heading sweeps the change: change − swept cell, the heading's reach
- * mirrored. */
+/** The cells from which a state of a heading may sweep a change: change − swept cell, the heading's reach mirrored. */
+static struct jp_cell_box box_of_states(const struct jp_planner_internal *planner, struct jp_cells reach)
+{
+    const struct jp_cell_box changes = box_of_changes(planner);
+    struct jp_cell_box box = changes;
+
+    for (unsigned i = 0; i < reach.span_count; i++) {
+        const struct jp_span *span = &planner->config.lattice->spans[reach.first_span + i];
+        box.first_x = smaller(box.first_x, changes.first_x - span->last);
+        box.last_x = larger(box.last_x, changes.last_x - span->first);
+        box.first_y = smaller(box.first_y, changes.first_y - span->y);
+        box.last_y = larger(box.last_y, changes.last_y - span->y);
+    }
+    return box;
+}
+
+/** Marks those of the window that sweep one change. */
 static void mark(struct window *window, const struct jp_lattice *lattice, struct jp_cells reach,
                  const struct jp_cell_change *change)
 {
     for (unsigned i = 0; i < reach.span_count; i++) {
-        const struct jp_span span = lattice->spans[reach.first_span + i];
-        const int32_t first = change->x - span.last - window->x;
-        const uint64_t bits = (UINT64_C(1) << (span.last - span.first + 1)) - 1;
+        const struct jp_span *span = &lattice->spans[reach.first_span + i];
+        const int32_t row = change->y - span->y - window->y;
+        const int32_t first = larger(change->x - span->last - window->x, 0);
+        const int32_t last = smaller(change->x - span->first - window->x, WINDOW - 1);
 
-        window->rows[change->y - span.y - window->y] |= bits << first;
+        if (row >= 0 && row < WINDOW && first <= last) {
+            window->rows[row] |= (UINT64_MAX >> (WINDOW - 1 - (last - first))) << first;
+        }
     }
 }
 
-static void fill_window(struct window *window, const struct jp_planner_internal *planner, unsigned heading)
+static void fill_window(struct window *window, const struct jp_planner_internal *planner, struct jp_cells reach)
 {
-    const struct jp_lattice *lattice = planner->config.lattice;
-    const struct jp_cell_box box = box_of_changes(planner);
-
-    (void)memset(window, 0, sizeof *window);
-    window->x = box.first_x - JP_SWEEP_REACH;
-    window->y = box.first_y - JP_SWEEP_REACH;
+    (void)memset(window->rows, 0, sizeof window->rows);
     for (unsigned i = 0; i < planner->changes.count; i++) {
-        mark(window, lattice, lattice->reach[heading], &planner->changes.cells[i]);
+        mark(window, planner->config.lattice, reach, &planner->changes.cells[i]);
     }
 }
 
-/** The cursor counts heading, row and column of the window. */
 static bool repair_cell(struct jp_planner_internal *planner, const struct window *window, unsigned heading,
                         uint32_t cell)
 {
@@ -87,16 +111,15 @@ static bool repair_cell(struct jp_planner_internal *planner, const struct window
            jp_search_repair(planner, jp_search_id(planner, x, y, heading), planner->changes.may_be_cheaper);
 }
 
-/** Repairs within one heading. */
-static enum repair_result repair_heading(struct jp_planner_internal *planner, unsigned heading, unsigned *states)
+/** Repairs the window that the cursor is in. */
+static enum repair_result repair_window(struct jp_planner_internal *planner, const struct window *window,
+                                        unsigned heading, unsigned *states)
 {
-    const uint32_t first = heading * WINDOW * WINDOW;
-    struct window window;
+    const uint32_t first = planner->changes.cursor - planner->changes.cursor % WINDOW_CELLS;
 
-    fill_window(&window, planner, heading);
-    while (planner->changes.cursor < first + WINDOW * WINDOW) {
+    while (planner->changes.cursor < first + WINDOW_CELLS) {
         const uint32_t cell = planner->changes.cursor - first;
-        const uint64_t rest = window.rows[cell / WINDOW] >> (cell % WINDOW);
+        const uint64_t rest = window->rows[cell / WINDOW] >> (cell % WINDOW);
 
         if (rest == 0U) {
             planner->changes.cursor += WINDOW - cell % WINDOW;
@@ -107,7 +130,7 @@ static enum repair_result repair_heading(struct jp_planner_internal *planner, un
         }
         if ((rest & 1U) != 0U) {
             --*states;
-            if (!repair_cell(planner, &window, heading, cell)) {
+            if (!repair_cell(planner, window, heading, cell)) {
                 return REPAIR_FULL;
             }
         }
@@ -116,10 +139,37 @@ static enum repair_result repair_heading(struct jp_planner_internal *planner, un
     return REPAIR_DONE;
 }
 
+/** Repairs within one heading. */
+static enum repair_result repair_heading(struct jp_planner_internal *planner, unsigned heading, unsigned *states)
+{
+    const struct jp_cells reach = planner->config.lattice->reach[heading];
+    const struct jp_cell_box box = box_of_states(planner, reach);
+    struct window window;
+
+    while (planner->changes.cursor / HEADING_CELLS == heading) {
+        const uint32_t tile = planner->changes.cursor / WINDOW_CELLS % (TILES * TILES);
+        window.x = box.first_x + (int32_t)(tile % TILES) * WINDOW;
+        window.y = box.first_y + (int32_t)(tile / TILES) * WINDOW;
+        if (window.y > box.last_y) {
+            planner->changes.cursor = (heading + 1U) * HEADING_CELLS;
+        } else if (window.x > box.last_x) {
+            planner->changes.cursor += (TILES - tile % TILES) * WINDOW_CELLS;
+        } else {
+            fill_window(&window, planner, reach);
+            const enum repair_result result = repair_window(planner, &window, heading, states);
+            if (result != REPAIR_DONE) {
+                return result;
+            }
+        }
+    }
+    return REPAIR_DONE;
+}
+
+/** The cursor counts heading, window, row and column. */
 enum repair_result jp_repair_work(struct jp_planner_internal *planner, unsigned *states)
 {
-    while (planner->changes.cursor < JP_HEADINGS * WINDOW * WINDOW) {
-        const enum repair_result result = repair_heading(planner, planner->changes.cursor / (WINDOW * WINDOW), states);
+    while (planner->changes.cursor < JP_HEADINGS * HEADING_CELLS) {
+        const enum repair_result result = repair_heading(planner, planner->changes.cursor / HEADING_CELLS, states);
 
         if (result != REPAIR_DONE) {
             return result;

@@ -12,7 +12,7 @@
 
 enum {
     ORACLE_SIDE_MAX = 48,
-    ORACLE_MARGIN = 2 * JP_SWEEP_REACH, /* blocked cells round the map, so that no look-up leaves the arrays */
+    ORACLE_MARGIN = 48, /* blocked cells round the map, so that no look-up leaves the arrays */
     ORACLE_STRIDE = ORACLE_SIDE_MAX + 2 * ORACLE_MARGIN,
     ORACLE_CELLS = ORACLE_STRIDE * ORACLE_STRIDE,
     ORACLE_STATES = ORACLE_SIDE_MAX * ORACLE_SIDE_MAX * JP_HEADINGS,

@@ -18,7 +18,8 @@ enum {
     TOY_PRIMITIVES_MAX = JP_HEADINGS * TOY_KINDS,
     TOY_MOVES_MAX = 3,
     TOY_SPANS_MAX = 4096,
-    TOY_SIDE = 2 * JP_SWEEP_REACH + 1,
+    TOY_REACH = 24, /* cells round a start cell */
+    TOY_SIDE = 2 * TOY_REACH + 1,
     TOY_KEEP_PERCENT = 80, /* of the arcs and turns */
     TOY_STEP_MAX = 500     /* cost units of a level step */
 };
@@ -49,8 +50,8 @@ static const struct toy_kind {
 static inline void toy_stand(struct toy_cells *cells, int x, int y, int arm)
 {
     for (int i = -arm; i <= arm; i++) {
-        cells->has[JP_SWEEP_REACH + y][JP_SWEEP_REACH + x + i] = true;
-        cells->has[JP_SWEEP_REACH + y + i][JP_SWEEP_REACH + x] = true;
+        cells->has[TOY_REACH + y][TOY_REACH + x + i] = true;
+        cells->has[TOY_REACH + y + i][TOY_REACH + x] = true;
     }
 }
 
@@ -67,8 +68,8 @@ static inline struct jp_cells toy_add_spans(struct toy_lattice *toy, const struc
             while (x + 1 < TOY_SIDE && cells->has[y][x + 1]) {
                 x++;
             }
-            toy->spans[toy->span_count++] = (struct jp_span){
-                (int8_t)(y - JP_SWEEP_REACH), (int8_t)(first - JP_SWEEP_REACH), (int8_t)(x - JP_SWEEP_REACH)};
+            toy->spans[toy->span_count++] =
+                (struct jp_span){(int8_t)(y - TOY_REACH), (int8_t)(first - TOY_REACH), (int8_t)(x - TOY_REACH)};
         }
     }
     return (struct jp_cells){first_span, (uint16_t)(toy->span_count - first_span)};

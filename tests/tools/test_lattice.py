@@ -64,7 +64,6 @@ def test_sizes_are_those_of_the_compiler(tmp_path):
     source = tmp_path / "sizes.c"
     source.write_text("#include <joulepath/lattice.h>\n" + "".join(
         f'_Static_assert(sizeof({name}) == {size}, "{name}");\n' for name, size in zip(types, sizes))
-        + f'_Static_assert(JP_SWEEP_REACH == {lattice.SWEEP_REACH}, "reach");\n'
         + f'_Static_assert(JP_PRIMITIVES_PER_HEADING_MAX == {lattice.BRANCHES_MAX}, "branches");\n'
         + f'_Static_assert(JP_COST_PER_JOULE == {lattice.UNITS_PER_JOULE}, "unit");\n')
     subprocess.run(["arm-none-eabi-gcc", "-mthumb", "-mcpu=cortex-m4", "-std=c11", "-I", ROOT / "include",
@@ -299,7 +298,7 @@ def big_lattice(primitives, rows):
     own = [{"start": 0, "end": 0, "dx": 1, "dy": 0, "length_m": 0.2, "duration_s": 0.4, "base": [0, 0, 0], "moves": [0],
             "swept": [[y, -1, i % 100] for y in range(rows)] + [[100, i // 100, 100]]} for i in range(primitives)]
     return {"resolution_m": 0.2, "headings_rad": [0.0] * HEADINGS, "primitives": own, "footprint": [cells] * HEADINGS,
-            "reach": [[[0, -lattice.SWEEP_REACH, lattice.SWEEP_REACH]]] * HEADINGS, "core": cells}
+            "reach": [[[0, -127, 127]]] * HEADINGS, "core": cells}
 
 
 def test_tables_beyond_the_rom_are_refused():
@@ -308,11 +307,7 @@ def test_tables_beyond_the_rom_are_refused():
         lattice.Tables("many", big_lattice(250, 50)).check_rom()
 
 
-def test_what_the_planner_cannot_repair_is_refused():
-    data = big_lattice(10, 5)
-    data["reach"][3] = [[0, 0, lattice.SWEEP_REACH + 1]]
-    with pytest.raises(lattice.ToolError, match="file.mprim: a primitive sweeps cells 25 cells from its start"):
-        lattice.Tables("far", data, "file.mprim")
+def test_too_many_branches_are_refused():
     with pytest.raises(lattice.ToolError, match="256 primitives start at one heading"):
         lattice.Tables("many", big_lattice(lattice.BRANCHES_MAX + 1, 1))
 

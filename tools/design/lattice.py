@@ -29,7 +29,6 @@ ROM_MAX = 32 * 1024
 PRIMITIVE_SIZE, INDEX_SIZE, SPAN_SIZE, LATTICE_SIZE = 20, 2, 3, 580
 
 UNITS_PER_JOULE = 16  # JP_COST_PER_JOULE
-SWEEP_REACH = 24  # JP_SWEEP_REACH
 BRANCHES_MAX = 255  # JP_PRIMITIVES_PER_HEADING_MAX
 
 LINE_WIDTH = 120
@@ -85,10 +84,6 @@ class Tables:
                             "import fewer primitives, or larger cells, or make a file with --json")
 
     def _check_limits(self):
-        farthest = max(abs(number) for cells in self.data["reach"] for row in cells for number in row)
-        if farthest > SWEEP_REACH:
-            raise ToolError(f"{self.label}: a primitive sweeps cells {farthest} cells from its start, at most "
-                            f"{SWEEP_REACH} are allowed; import shorter primitives, or larger cells")
         branches = max(last - first for first, last in zip(self.first_from, self.first_from[1:]))
         if branches > BRANCHES_MAX:
             raise ToolError(f"{self.label}: {branches} primitives start at one heading, at most {BRANCHES_MAX} are "

@@ -169,13 +169,7 @@ static void test_check_of_spans(void)
 /* The first reach is looked at first, so that no other span is needed. */
 static void test_check_of_the_reach(void)
 {
-    static const struct jp_span wrong[] = {
-        {-JP_SWEEP_REACH - 1, 0, 0},
-        {JP_SWEEP_REACH + 1, 0, 0},
-        {0, -JP_SWEEP_REACH - 1, 0},
-        {0, 0, JP_SWEEP_REACH + 1},
-        {0, 1, 0},
-    };
+    static const struct jp_span wrong[] = {{0, 1, 0}, {0, -127, -128}};
 
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         copy.spans = &wrong[i];
