@@ -2,10 +2,14 @@
 
 #include <math.h>
 
+#include "sim/base/error.h"
 #include "sim/lattice/lattice_moves.h"
 
 #define UNITS_PER_METRE 1000.0 /* of JP_COST_DISTANCE */
 #define FRACTION        65536.0
+
+/* Steepest step, m·2⁻¹⁰ (joulepath/lattice.h). */
+#define RISE_MAX 4096.0
 
 /* A base this much below the next whole unit is rounding error of the arithmetic. */
 #define EXACT 1e-6
@@ -65,6 +69,9 @@ void lattice_drive(const struct lattice *lattice, struct lattice_primitive *prim
     } else {
         follow(lattice, primitive, sharpest);
     }
+    for (int kind = 0; kind < JP_COST_KINDS; kind++) {
+        primitive->cost[kind] *= primitive->factor;
+    }
 }
 
 /* Cost of driving a unit step straight up a rise in units of jp_elevation, before any floor. */
@@ -82,9 +89,16 @@ static double straight_cost(const struct lattice *lattice, enum jp_cost_kind cos
            robot->energy(robot, cost_kind, &(struct lattice_motion){speed, 0, rise / JP_ELEVATION_ONE, length / speed});
 }
 
+/* constant + linear·rise + quadratic·rise², as the tables hold them. */
+struct parabola {
+    double constant;
+    double linear;
+    double quadratic;
+};
+
 /* The parabola through the costs of three rises. */
-static struct jp_polynomial fit(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move,
-                                const double rise[3])
+static struct parabola fit(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move,
+                           const double rise[3])
 {
     double constant = 0;
     double linear = 0;
@@ -100,30 +114,52 @@ static struct jp_polynomial fit(const struct lattice *lattice, enum jp_cost_kind
     }
     /* The ratio lowers the cost of level driving only, not what a slope adds to it. */
     const double level = straight_cost(lattice, kind, move, 0);
-    return (struct jp_polynomial){(int32_t)floor((constant - level * (1 - lattice->ratio[kind])) * FRACTION),
-                                  (int32_t)round(linear * FRACTION), (int32_t)round(quadratic * FRACTION)};
+    return (struct parabola){floor((constant - level * (1 - lattice->ratio[kind])) * FRACTION),
+                             round(linear * FRACTION), round(quadratic * FRACTION)};
 }
 
-static uint16_t least_cost(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move)
+static double least_cost(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move)
 {
     if (kind != JP_COST_PHYSICAL) {
         return 1;
     }
     const double duration = lattice_move_length(move) * lattice->resolution_m / lattice_robot_speed(lattice->robot, 0);
-    return (uint16_t)fmax(1, floor(JP_COST_PER_JOULE * lattice->robot->electronics_power * duration));
+    return fmax(1, floor(JP_COST_PER_JOULE * lattice->robot->electronics_power * duration));
 }
 
-static struct jp_slope_cost move_cost(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move)
+/* The share of 32 bits that a parabola takes up to a rise, with all its parts. */
+static double share(const struct parabola *parabola, double rise)
+{
+    const double product = (fabs(parabola->linear) + fabs(parabola->quadratic) * rise) * rise;
+
+    return (fabs(parabola->constant) + product) / INT32_MAX;
+}
+
+static struct jp_polynomial polynomial(const struct parabola *parabola)
+{
+    return (struct jp_polynomial){(int32_t)parabola->constant, (int32_t)parabola->linear, (int32_t)parabola->quadratic};
+}
+
+/* Returns the share that the cost takes of what its members hold; above 1 it does not fit, and *cost is as before. */
+static double move_cost(const struct lattice *lattice, enum jp_cost_kind kind, enum jp_move_kind move,
+                        struct jp_slope_cost *cost)
 {
     const double run = lattice_move_length(move) * lattice->resolution_m * JP_ELEVATION_ONE;
     const double steepest = lattice->robot->grade_max * run;
     const double bend = lattice->robot->grade_bend * run;
     const double climb[] = {bend, (bend + steepest) / 2, steepest};
     const double descend[] = {-2 * steepest, (bend - 2 * steepest) / 2, bend};
+    const struct parabola up = fit(lattice, kind, move, climb);
+    const struct parabola down = fit(lattice, kind, move, descend);
+    const double floor_cost = least_cost(lattice, kind, move);
+    const double taken =
+        fmax(fmax(share(&up, steepest), share(&down, steepest)), fmax(steepest / RISE_MAX, floor_cost / UINT16_MAX));
 
-    return (struct jp_slope_cost){fit(lattice, kind, move, climb), fit(lattice, kind, move, descend),
-                                  (int16_t)ceil(bend), (int16_t)fmax(1, floor(steepest)),
-                                  least_cost(lattice, kind, move)};
+    if (taken <= 1) {
+        *cost = (struct jp_slope_cost){polynomial(&up), polynomial(&down), (int16_t)ceil(bend),
+                                       (int16_t)fmax(1, floor(steepest)), (uint16_t)floor_cost};
+    }
+    return taken;
 }
 
 static double level_cost(const struct lattice *lattice, enum jp_cost_kind kind,
@@ -155,18 +191,35 @@ static unsigned base(const struct lattice *lattice, enum jp_cost_kind kind, cons
 {
     const double moves = lattice->ratio[kind] * level_cost(lattice, kind, primitive);
 
-    return (unsigned)fmax(0, ceil(primitive->cost[kind] - moves - EXACT));
+    return (unsigned)fmin(UINT32_MAX, fmax(0, ceil(primitive->cost[kind] - moves - EXACT)));
 }
 
-void lattice_price(struct lattice *lattice)
+static bool price_moves(struct lattice *lattice, enum jp_cost_kind kind)
+{
+    for (enum jp_move_kind move = 0; move < JP_MOVE_KINDS; move++) {
+        const double taken = move_cost(lattice, kind, move, &lattice->move_costs[kind][move]);
+        if (taken > 1) {
+            error_line(
+                "%s: a step of %.3g m takes %.3g times the energy or rises %.3g times as high as the tables hold; "
+                "choose cells of at most %.2g m instead of %.3g m",
+                lattice->robot->name, lattice_move_length(move) * lattice->resolution_m, taken, taken,
+                0.95 * lattice->resolution_m / taken, lattice->resolution_m);
+            return false;
+        }
+    }
+    return true;
+}
+
+bool lattice_price(struct lattice *lattice)
 {
     for (enum jp_cost_kind kind = 0; kind < JP_COST_KINDS; kind++) {
         lattice->ratio[kind] = ratio(lattice, kind);
-        for (enum jp_move_kind move = 0; move < JP_MOVE_KINDS; move++) {
-            lattice->move_costs[kind][move] = move_cost(lattice, kind, move);
+        if (!price_moves(lattice, kind)) {
+            return false;
         }
         for (size_t i = 0; i < lattice->count; i++) {
             lattice->primitives[i].base[kind] = base(lattice, kind, &lattice->primitives[i]);
         }
     }
+    return true;
 }

@@ -107,6 +107,7 @@ static double physical_cost(const struct lattice *lattice, const struct lattice_
     static struct lattice_primitive primitive;
 
     primitive.dx = 1; /* it does not turn in place */
+    primitive.factor = 1;
     if (!lattice_curve_path(curve, LATTICE_SPACING, LATTICE_TURN, &primitive.path)) {
         return INFINITY;
     }
@@ -178,7 +179,7 @@ static struct lattice_primitive *append(struct lattice *lattice, int dx, int dy,
 {
     struct lattice_primitive *primitive = &lattice->primitives[lattice->count++];
 
-    *primitive = (struct lattice_primitive){.dx = dx, .dy = dy, .start = start, .end = end};
+    *primitive = (struct lattice_primitive){.dx = dx, .dy = dy, .start = start, .end = end, .factor = 1};
     return primitive;
 }
 

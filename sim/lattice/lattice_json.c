@@ -198,9 +198,12 @@ static const char *read_primitive(const struct lattice *lattice, json_t *value, 
     int end;
     json_t *poses;
 
-    if (json_unpack(value, "{s:i, s:i, s:i, s:i, s:o}", "start", &start, "end", &end, "dx", &primitive->dx, "dy",
-                    &primitive->dy, "poses", &poses) != 0) {
-        return "start, end, dx, dy or poses is missing";
+    if (json_unpack(value, "{s:i, s:i, s:i, s:i, s:F, s:o}", "start", &start, "end", &end, "dx", &primitive->dx, "dy",
+                    &primitive->dy, "factor", &primitive->factor, "poses", &poses) != 0) {
+        return "start, end, dx, dy, factor or poses is missing";
+    }
+    if (!(primitive->factor >= 1 && primitive->factor <= UINT16_MAX)) {
+        return "its factor is not in 1 to 65535";
     }
     if (start < 0 || start >= JP_HEADINGS || end < 0 || end >= JP_HEADINGS || abs(primitive->dx) > LATTICE_REACH ||
         abs(primitive->dy) > LATTICE_REACH) {

@@ -41,6 +41,7 @@ struct lattice_primitive {
     unsigned start; /**< heading */
     unsigned end;
     struct lattice_path path;
+    double factor; /**< of its costs, at least 1 */
     double length_m;
     double duration_s;
     double cost[JP_COST_KINDS]; /**< on level ground, cost units */

@@ -63,11 +63,8 @@ static bool make(const struct arguments *arguments)
     if (!lattice_robot_load(arguments->common.robot, &robot)) {
         return false;
     }
-    bool done = find_primitives(arguments, &lattice) && lattice_cover(&lattice);
-    if (done) {
-        lattice_price(&lattice);
-        done = write(arguments, &lattice);
-    }
+    const bool done = find_primitives(arguments, &lattice) && lattice_cover(&lattice) && lattice_price(&lattice) &&
+                      write(arguments, &lattice);
     lattice_free(&lattice);
     return done;
 }

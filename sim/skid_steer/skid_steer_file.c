@@ -11,26 +11,26 @@
         key, offsetof(struct skid_steer_model, member), 1, CONFIG_FIELD_REAL, min, max, unit, false                    \
     }
 
-/* The core's formats hold every value (joulepath/skid_steer.h). */
+/* What such a robot can be; what the core's formats hold of it, tools/design/lattice.py checks. */
 static const struct config_field fields[] = {
-    FIELD("body.length_m", body.length_m, 0.05, 4, "m"),
-    FIELD("body.width_m", body.width_m, 0.05, 4, "m"),
-    FIELD("body.wheelbase_m", body.wheelbase_m, 0.02, 4, "m"),
-    FIELD("body.mass_kg", body.mass_kg, 0.5, 1000, "kg"),
-    FIELD("wheel.radius_m", wheel.radius_m, 0.01, 1, "m"),
-    FIELD("motor.torque_constant_nm_per_a", motor.torque_constant, 1e-4, 10, "N·m/A"),
+    FIELD("body.length_m", body.length_m, 0.001, 100, "m"),
+    FIELD("body.width_m", body.width_m, 0.001, 100, "m"),
+    FIELD("body.wheelbase_m", body.wheelbase_m, 0.0005, 100, "m"),
+    FIELD("body.mass_kg", body.mass_kg, 0.001, 100000, "kg"),
+    FIELD("wheel.radius_m", wheel.radius_m, 0.0005, 5, "m"),
+    FIELD("motor.torque_constant_nm_per_a", motor.torque_constant, 1e-6, 100, "N·m/A"),
     FIELD("motor.resistance_ohm", motor.resistance_ohm, 0.001, 100, "Ω"),
     FIELD("motor.gear_ratio", motor.gear_ratio, 0.1, 2000, "1"),
     FIELD("motor.efficiency", motor.efficiency, 0.1, 1, "1"),
-    FIELD("motor.power_w", motor.power_w, 1, 20000, "W"),
+    FIELD("motor.power_w", motor.power_w, 0.001, 1e6, "W"),
     FIELD("motor.recuperation", motor.recuperation, 0, 1, "1"),
     FIELD("ground.friction", ground.friction, 0, 2, "1"),
     FIELD("ground.rolling", ground.rolling, 0.001, 0.5, "1"),
-    FIELD("electronics.power_w", electronics.power_w, 0.01, 1000, "W"),
-    FIELD("supply.voltage_v", supply.voltage_v, 1, 1000, "V"),
-    FIELD("limits.speed_m_s", limits.speed_m_s, 0.01, 8, "m/s"),
+    FIELD("electronics.power_w", electronics.power_w, 0.0001, 100000, "W"),
+    FIELD("supply.voltage_v", supply.voltage_v, 0.1, 10000, "V"),
+    FIELD("limits.speed_m_s", limits.speed_m_s, 0.001, 8, "m/s"),
     FIELD("limits.slope_deg", limits.slope_deg, 1, 45, "°"),
-    FIELD("lattice.speed_m_s", lattice.speed_m_s, 0.01, 8, "m/s"),
+    FIELD("lattice.speed_m_s", lattice.speed_m_s, 0.001, 8, "m/s"),
     FIELD("lattice.turn_rate_rad_s", lattice.turn_rate_rad_s, 0.01, 8, "rad/s"),
     FIELD("lattice.distance_j_per_m", lattice.distance_j_per_m, 0, 1024, "J/m"),
 };

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, assert_one_line_error, run_tool
+from mprim_data import motions, mprim_text
 
 from tools.design import lattice, lattice_import
 
@@ -157,7 +158,7 @@ def test_import_makes_a_valid_table(name, robot, tmp_path):
 
 
 def headings_of(directory, name):
-    return lattice_import.read_primitives(write_sample(directory, name))[0]["headings_rad"]
+    return lattice_import.read_primitives(write_sample(directory, name)).input["headings_rad"]
 
 
 def test_imported_headings(tmp_path):
@@ -169,20 +170,112 @@ def test_imported_headings(tmp_path):
 def test_paths_end_exactly_on_their_end_states(tmp_path):
     """SBPL's own files miss them by up to 0.12 rad."""
     text = sbpl_text().replace("0.1000 0.0000 0.0000\nprimID: 1", "0.0990 0.0010 0.1200\nprimID: 1", 1)
-    found, _ = lattice_import.read_primitives(write_sample(tmp_path, "sample.mprim", text))
+    found = lattice_import.read_primitives(write_sample(tmp_path, "sample.mprim", text)).input
     assert found["primitives"][0]["poses"][-1] == pytest.approx([1, 0, 0], abs=1e-12)
 
 
-def test_sideways_primitives_are_left_out(tmp_path):
-    text = sbpl_text().replace("endpose_c: 3 0 0", "endpose_c: 0 3 0", 1)
-    lines = text.splitlines()
-    first = lines.index("endpose_c: 0 3 0") + 3
-    lines[first:first + 10] = [f"0.0000 {0.3 * i / 9:.4f} 0.0000" for i in range(10)]
-    result = make("zhang2018", "--import", write_sample(tmp_path, "sample.mprim", "\n".join(lines)), "--tables",
-                  tmp_path)
+def strafing(cell):
+    """The way to a cell, at every heading."""
+    return [(start, cell, 0, 1) for start in range(HEADINGS)]
+
+
+def skews_left_out(directory, chosen, resolution=0.1):
+    """How many primitives of a file are left out, and the note that says so."""
+    chosen = sorted(chosen, key=lambda motion: motion[0])
+    path = write_sample(directory, "sample.mprim", mprim_text(resolution, chosen))
+    found = lattice_import.read_primitives(path)
+    return len(chosen) - len(found.input["primitives"]), found.notes
+
+
+def test_primitives_across_their_heading_are_left_out(tmp_path):
+    """By more than half of 22.5 degrees."""
+    ahead = list(motions())
+    assert skews_left_out(tmp_path, ahead)[0] == 0
+    for cell in ((0, 1), (1, 1), (5, 1)):  # 5, 1 is 11.3 degrees from heading 0 and 11.2 from heading 1
+        count, notes = skews_left_out(tmp_path, ahead + strafing(cell))
+        assert count == 14, cell
+        assert "14 primitives drive across their heading" in notes[0]
+        assert re.search(r"its headings explain 11\.[23]", notes[0])
+    result = make("zhang2018", "--import", write_sample(tmp_path, "sample.mprim", mprim_text(0.1, sorted(
+        ahead + strafing((0, 3)), key=lambda motion: motion[0]))), "--tables", tmp_path)
     assert result.returncode == 0, result.stderr
-    assert "1 primitives drive sideways" in result.stdout
-    assert "79 primitives on" in (tmp_path / "lattice_zhang2018_sample.c").read_text()
+    assert "14 primitives drive across their heading, by 22.5 to 90.0 degrees, and were left out" in result.stdout
+
+
+@pytest.mark.parametrize("resolution", [0.01, 0.025, 1.0])
+def test_decimals_do_not_make_a_way_across(resolution, tmp_path):
+    """At a centimetre a cell, four decimals turn a tenth of a cell by 4 degrees."""
+    assert skews_left_out(tmp_path, motions(), resolution) == (
+        0, ["80 primitives cost 2 to 5 times what they take: additionalactioncostmult"])
+
+
+def test_only_ways_across_are_refused(tmp_path):
+    path = write_sample(tmp_path, "sample.mprim", mprim_text(0.1, [
+        (start, (-y, x), 0, 1) for start, (x, y) in enumerate(STEPS)]))
+    assert_one_line_error(make("zhang2018", "--import", path, "--tables", tmp_path / "tables"), "sample.mprim",
+                          "every primitive drives across its heading")
+
+
+def level_costs(data):
+    """Of each primitive by the tables, and the costs of its steps."""
+    for primitive in data["primitives"]:
+        steps = [sum(max(move["floor"], move["climb"][0] >> 16) for move in (
+            kind["moves"][1 if step % 2 else 2 if step % 4 else 0] for step in primitive["moves"]))
+            for kind in data["costs"]]
+        yield [base + step for base, step in zip(primitive["base"], steps)], steps
+
+
+@pytest.mark.parametrize("robot", ["zhang2018", "gao2018"])
+def test_factors_multiply_every_cost(robot, tmp_path):
+    """Up to the rounding of each step to whole units; the steps, which bound the costs from below, stay."""
+    plain = [(*motion[:3], 1) for motion in motions()]
+    made = []
+    for chosen in (plain, [(*motion[:3], 1 + index % 5) for index, motion in enumerate(plain)]):
+        found = lattice_import.read_primitives(write_sample(tmp_path, "sample.mprim", mprim_text(0.1, chosen)))
+        data = lattice.run_on_primitives(ROOT / f"sim/robots/{robot}.cfg", "sample.mprim", found.input)
+        made.append(list(level_costs(data)))
+    for index, ((once, steps), (times, same_steps)) in enumerate(zip(*made)):
+        assert steps == same_steps
+        for cost, multiplied in zip(once, times):
+            factor = 1 + index % 5
+            assert abs(multiplied - factor * cost) <= factor * (2 + len(steps) * 8)
+    assert any(times[0] > 4 * once[0] for (once, _), (times, _) in zip(*made))
+
+
+def test_files_of_several_cells_and_reaches(tmp_path):
+    """From a robot of 2 cm to cells of a metre, and sweeps of 90 cells."""
+    tiny = write_tiny_robot(tmp_path)
+    for robot, resolution, stretch in ((tiny, 0.01, 1), ("zhang2018", 0.025, 1), ("gao2018", 1.0, 1),
+                                       ("gao2018", 0.1, 10)):
+        path = write_sample(tmp_path, "sample.mprim", mprim_text(resolution, motions(stretch)))
+        result = make(robot, "--import", path, "--json", tmp_path / "lattice.json")
+        assert result.returncode == 0, result.stderr
+        made = json.loads((tmp_path / "lattice.json").read_text())
+        assert len(made["primitives"]) == 112
+        assert made["resolution"] == [round(resolution * 65536)]
+    assert max(span[2] for span in made["spans"]) >= 80
+
+
+def write_tiny_robot(directory):
+    """zhang2018 at a fortieth of its size."""
+    path = directory / "tiny.cfg"
+    text = (ROOT / "sim/robots/zhang2018.cfg").read_text(encoding="utf-8")
+    for key, value in (("name", '"tiny"'), ("length_m", 0.02), ("width_m", 0.02), ("wheelbase_m", 0.01),
+                       ("mass_kg", 0.02), ("radius_m", 0.003), ("torque_constant_nm_per_a", 0.001),
+                       ("resistance_ohm", 5.0), ("gear_ratio", 30.0), ("voltage_v", 12.0), ("distance_j_per_m", 0.6)):
+        text = re.sub(rf"{key} = [^;]*;", f"{key} = {value};", text)
+    for before, after in (("power_w = 240.0", "power_w = 1.0"), ("power_w = 10.0", "power_w = 0.05"),
+                          ("speed_m_s = 1.0", "speed_m_s = 0.2"), ("speed_m_s = 0.5", "speed_m_s = 0.1")):
+        text = text.replace(before, after)
+    path.write_text(text)
+    return path
+
+
+def test_tables_of_what_no_controller_holds_are_refused(tmp_path):
+    """A file for jp-plan has no constants of skid steering."""
+    result = make(write_tiny_robot(tmp_path), "--tables", tmp_path / "tables")
+    assert_one_line_error(result, "wheel_radius", "0.01")
+    assert not (tmp_path / "tables").exists()
 
 
 def test_other_headers_of_sbpl_files(tmp_path):
@@ -190,9 +283,9 @@ def test_other_headers_of_sbpl_files(tmp_path):
     angles = "".join(f"angle:{k} {math.pi / 8 * k:.8f}\n" for k in range(HEADINGS))
     text = sbpl_text().replace("numberofangles: 16\n", f"min_turning_radius_m: 1.0\nnumberofangles: 16\n{angles}")
     text = text.replace("additionalactioncostmult: 1\n", "additionalactioncostmult: 1\nturning_radius: 0.0000\n")
-    plain, _ = lattice_import.read_primitives(write_sample(tmp_path, "sample.mprim"))
-    other, _ = lattice_import.read_primitives(write_sample(tmp_path, "sample.mprim", text))
-    assert plain == other
+    plain = lattice_import.read_primitives(write_sample(tmp_path, "sample.mprim"))
+    other = lattice_import.read_primitives(write_sample(tmp_path, "sample.mprim", text))
+    assert plain.input == other.input
 
 
 # ---- What is refused -------------------------------------------------------------------------------------------------
@@ -213,6 +306,9 @@ def expect_refused(directory, name, text, *parts):
     ("totalnumberofprimitives: 80", "totalnumberofprimitives: 1000000000", "out of range"),
     ("startangle_c: 3", "startangle_c: 16", "startangle_c"),
     ("startangle_c: 3", "startangle_c: 4", "rad"),
+    ("additionalactioncostmult: 1", "additionalactioncostmult: 0", "must be 1 to 65535"),
+    ("additionalactioncostmult: 1", "additionalactioncostmult: x", "additionalactioncostmult"),
+    ("additionalactioncostmult: 1", "additionalactioncostmult: 60000", "its energy"),
     ("endpose_c: 1 0 0", "endpose_c: 2 0 0", "do not end at its end"),
     ("endpose_c: 1 0 0", "endpose_c: 1 0", "endpose_c"),
     ("endpose_c: 1 0 0", "endpose_c: 1000 0 0", "out of range"),
@@ -313,15 +409,27 @@ def test_too_many_branches_are_refused():
 
 
 @pytest.mark.parametrize("key, value, part", [
-    ("base", [70000, 0, 0], "its physical cost is 70000"),
-    ("length_m", 70.0, "its length in mm is 70000"),
-    ("duration_s", 70.0, "its duration in ms is 70000"),
+    ("base", [70000, 0, 0], "its energy on top of that of its steps is 4375 J, the tables hold at most 4095.94 J; "
+     "import cells of at most 0.19 m"),
+    ("base", [0, 0, 70000], "by distance on top of that of its steps is 70 m, the tables hold at most 65.535 m"),
+    ("length_m", 70.0, "its length is 70 m"),
+    ("duration_s", 140.0, "its duration is 140 s, the tables hold at most 65.535 s; import cells of at most 0.093 m"),
 ])
 def test_values_beyond_their_members_are_refused(key, value, part):
     data = big_lattice(2, 3)
     data["primitives"][1][key] = value
     with pytest.raises(lattice.ToolError, match=part):
         lattice.Tables("some", data)
+    data["primitives"][1]["dx"] = 0
+    with pytest.raises(lattice.ToolError, match="smaller turns"):
+        lattice.Tables("some", data)
+
+
+def test_cells_too_large_for_the_tables_are_refused(tmp_path):
+    steps = [(start, cell, 0, 1) for start, cell in enumerate(STEPS)]
+    path = write_sample(tmp_path, "sample.mprim", mprim_text(9, steps))
+    result = make("zhang2018", "--import", path, "--json", tmp_path / "lattice.json")
+    assert_one_line_error(result, "zhang2018", "a step of", "choose cells of at most", "instead of 9 m")
 
 
 def mutated(text, chance):
@@ -368,8 +476,7 @@ def test_damaged_files_give_a_valid_table_or_one_line(name, seed, tmp_path):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_damaged_input_of_jp_lattice_gives_one_line(seed, tmp_path):
-    primitives, _ = lattice_import.read_primitives(write_sample(tmp_path, "sample.json"))
-    sound = json.dumps(primitives)
+    sound = json.dumps(lattice_import.read_primitives(write_sample(tmp_path, "sample.json")).input)
     chance = random.Random(seed)
     robot = ROOT / "sim" / "robots" / "zhang2018.cfg"
     for number in range(15):

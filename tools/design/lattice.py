@@ -31,6 +31,16 @@ PRIMITIVE_SIZE, INDEX_SIZE, SPAN_SIZE, LATTICE_SIZE = 20, 2, 3, 580
 UNITS_PER_JOULE = 16  # JP_COST_PER_JOULE
 BRANCHES_MAX = 255  # JP_PRIMITIVES_PER_HEADING_MAX
 
+# What the members of struct jp_primitive hold: name, unit, per unit, most.
+BASES = [("its energy on top of that of its steps", " J", UNITS_PER_JOULE, 65535),
+         ("its energy by the paper on top of that of its steps", " J", UNITS_PER_JOULE, 65535),
+         ("its price by distance on top of that of its steps", " m", 1000, 65535)]
+LENGTH = ("its length", " m", 1000, 65535)
+DURATION = ("its duration", " s", 1000, 65535)
+FIRST_MOVE = ("the place of its moves", "", 1, 65535)
+FIRST_SPAN = ("the place of its spans", "", 1, 65535)
+SPAN_COUNT = ("the number of its spans", "", 1, 255)
+
 LINE_WIDTH = 120
 
 
@@ -97,9 +107,17 @@ class Tables:
     def _offsets(self, key):
         return [sum(primitive[key] < heading for primitive in self.primitives) for heading in range(HEADINGS + 1)]
 
-    def _checked(self, index, what, value, high):
-        if not 0 <= value <= high:
-            raise ToolError(f"{self.label}: primitive {index}: {what} is {value}, must be 0 to {high}")
+    def _checked(self, index, quantity, value):
+        """A value that its member holds."""
+        what, unit, per_unit, high = quantity
+        primitive = self.primitives[index]
+        if value > high:
+            moves = primitive["dx"] or primitive["dy"]
+            advice = (f"cells of at most {0.99 * self.data['resolution_m'] * high / value:.2g} m, or shorter primitives"
+                      if moves else "smaller turns")
+            raise ToolError(f"{self.label}: primitive {index} (heading {primitive['start']}, to cell "
+                            f"{primitive['dx']}, {primitive['dy']}): {what} is {value / per_unit:g}{unit}, the tables "
+                            f"hold at most {high / per_unit:g}{unit}; import {advice}")
         return value
 
     def _cells(self, rows):
@@ -108,14 +126,13 @@ class Tables:
 
     def _row(self, index, primitive):
         first_span, span_count = self._cells(primitive["swept"])
-        base = tuple(self._checked(index, f"its {kind} cost", cost, 65535)
-                     for kind, cost in zip(KINDS, primitive["base"]))
-        length = self._checked(index, "its length in mm", round(1000 * primitive["length_m"]), 65535)
-        duration = self._checked(index, "its duration in ms", round(1000 * primitive["duration_s"]), 65535)
+        base = tuple(self._checked(index, quantity, cost) for quantity, cost in zip(BASES, primitive["base"]))
+        length = self._checked(index, LENGTH, round(1000 * primitive["length_m"]))
+        duration = self._checked(index, DURATION, round(1000 * primitive["duration_s"]))
         first_move = self.moves.place(primitive["moves"])
-        self._checked(index, "the place of its moves", first_move, 65535)
-        self._checked(index, "the place of its spans", first_span, 65535)
-        self._checked(index, "the number of its spans", span_count, 255)
+        self._checked(index, FIRST_MOVE, first_move)
+        self._checked(index, FIRST_SPAN, first_span)
+        self._checked(index, SPAN_COUNT, span_count)
         states = tuple(primitive[key] for key in ("dx", "dy", "start", "end"))
         return states, base, (length, duration, first_move, first_span, len(primitive["moves"]), span_count)
 
@@ -304,11 +321,11 @@ def generated(robot_path):
 
 def imported(robot_path, path):
     """A lattice whose primitives another planner made, and what made it."""
-    primitives, sideways = lattice_import.read_primitives(path)
-    if sideways:
-        print(f"{shown_path(path)}: {sideways} primitives drive sideways and were left out")
+    found = lattice_import.read_primitives(path)
+    for note in found.notes:
+        print(f"{shown_path(path)}: {note}")
     name = re.sub(r"[^a-z0-9]+", "_", f"{robot_path.stem}_{path.stem}".lower())
-    data = run_on_primitives(robot_path, path, primitives)
+    data = run_on_primitives(robot_path, path, found.input)
     command = f"python -m tools.design.lattice {robot_path.stem} --import {path.name}"
     return Tables(name, data, shown_path(path)), command, path.name
 

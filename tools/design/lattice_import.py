@@ -1,8 +1,11 @@
 """Primitives of other planners: SBPL's .mprim and Nav2's lattice .json, as input of jp-lattice.
 
 Both give poses in metres along each primitive. SBPL's end headings are rounded to the nearest of its angles, so a path
-may miss its end state a little; the miss is spread along the path, which then ends exactly there. Primitives that
-drive sideways are left out: the robots here cannot.
+may miss its end state a little; the miss is spread along the path, which then ends exactly there.
+
+An .mprim's additionalactioncostmult multiplies what the primitive costs. Primitives that drive across their heading are
+left out, as no robot here can: those whose way is on average farther from the heading than half the widest gap between
+headings, so that a heading beside would have described it better.
 """
 import json
 import math
@@ -23,21 +26,25 @@ MISS_HEADING_MAX = 0.3
 # Files carry four decimals; a heading this close to a round one is meant to be it, rad.
 HEADING_ROUNDING = 1e-3
 
-# Angle between the way and the heading beyond which a robot drives sideways, rad.
-SIDEWAYS = math.pi / 4
+# Of additionalactioncostmult; SBPL's are whole numbers.
+FACTOR_MAX = 65535
+
+# Ways are looked at in pieces this long, cells: decimals of poses close together say nothing of a direction.
+STRIDE = 0.25
 
 STRAIGHT = [(1, 0), (2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1), (-1, 0), (-2, -1), (-1, -1), (-1, -2),
             (0, -1), (1, -2), (1, -1), (2, -1)]
 
 
 class Primitive:
-    """One primitive of a file: headings by index, its end cell and its poses in metres."""
+    """One primitive of a file: headings by index, its end cell, its poses in metres, the factor of its cost."""
 
-    def __init__(self, where, start, end, cell, poses):
+    def __init__(self, where, start, end, cell, poses, factor=1):
         self.where = where
         self.start, self.end = start, end
         self.dx, self.dy = cell
         self.poses = poses
+        self.factor = factor
 
     def error(self, reason):
         return ToolError(f"{self.where}: {reason}")
@@ -110,10 +117,10 @@ def read_mprim_primitive(lines):
         raise ToolError(f"{lines.where}: endpose_c is three whole numbers")
     dx, dy = (number(lines.where, cell, -CELLS_MAX, CELLS_MAX, whole=True) for cell in cells[:2])
     end = number(lines.where, cells[2], -HEADINGS, 2 * HEADINGS, whole=True) % HEADINGS
-    lines.number("additionalactioncostmult", 0, 1e9)
+    factor = lines.number("additionalactioncostmult", 1, FACTOR_MAX)
     lines.skip("turning_radius")
     poses = [lines.pose() for _ in range(lines.number("intermediateposes", 2, POSES_MAX, whole=True))]
-    return Primitive(where, start, end, (dx, dy), poses)
+    return Primitive(where, start, end, (dx, dy), poses, factor)
 
 
 def read_mprim(path):
@@ -218,19 +225,55 @@ def close_path(primitive, resolution, headings):
     return closed
 
 
-def drives_sideways(poses):
-    for (x, y, heading), (next_x, next_y, next_heading) in zip(poses, poses[1:]):
+def strides(poses):
+    """Neighbouring poses at least a stride apart, to the last one."""
+    last = poses[0]
+    for pose in poses[1:]:
+        if math.dist(pose[:2], last[:2]) >= STRIDE or pose is poses[-1]:
+            yield last, pose
+            last = pose
+
+
+def skew(poses):
+    """Average angle between the way, ahead or back, and the heading, rad."""
+    along = across = 0.0
+    for (x, y, heading), (next_x, next_y, next_heading) in strides(poses):
         dx, dy = next_x - x, next_y - y
         middle = heading + wrapped(next_heading - heading) / 2
-        along = abs(dx * math.cos(middle) + dy * math.sin(middle))
-        across = abs(dy * math.cos(middle) - dx * math.sin(middle))
-        if across > along * math.tan(SIDEWAYS) + 1e-9:
-            return True
-    return False
+        along += abs(dx * math.cos(middle) + dy * math.sin(middle))
+        across += abs(dy * math.cos(middle) - dx * math.sin(middle))
+    return math.atan2(across, along)
+
+
+def skew_max(headings):
+    """Half the widest gap between headings."""
+    return max(wrapped(b - a) % (2 * math.pi) for a, b in zip(headings, [*headings[1:], headings[0]])) / 2
+
+
+class Found:
+    """What a file holds: the input of jp-lattice, and what its reader should know."""
+
+    def __init__(self, resolution, headings, primitives):
+        limit = skew_max(headings)
+        closed = [(primitive, close_path(primitive, resolution, headings)) for primitive in primitives]
+        skews = [skew(poses) for _, poses in closed]
+        kept = [pair for pair, angle in zip(closed, skews) if angle <= limit]
+        left_out = [angle for angle in skews if angle > limit]
+        dearer = [primitive.factor for primitive, _ in kept if primitive.factor > 1]
+        self.input = {"resolution_m": resolution, "headings_rad": headings, "primitives": [
+            {"start": primitive.start, "end": primitive.end, "dx": primitive.dx, "dy": primitive.dy,
+             "factor": primitive.factor, "poses": poses} for primitive, poses in kept]}
+        self.notes = []
+        if left_out:
+            least, most = math.degrees(min(left_out)), math.degrees(max(left_out))
+            self.notes.append(f"{len(left_out)} primitives drive across their heading, by {least:.1f} to {most:.1f} "
+                              f"degrees, and were left out: its headings explain {math.degrees(limit):.1f}")
+        if dearer:
+            self.notes.append(f"{len(dearer)} primitives cost {min(dearer):g} to {max(dearer):g} times what they take: "
+                              "additionalactioncostmult")
 
 
 def read_primitives(path):
-    """The input of jp-lattice, and how many primitives were left out because they drive sideways."""
     readers = {".mprim": read_mprim, ".json": read_nav2}
     if path.suffix not in readers:
         raise ToolError(f"{path}: neither .mprim (SBPL) nor .json (Nav2)")
@@ -238,12 +281,7 @@ def read_primitives(path):
     if abs(wrapped(headings[0])) > HEADING_ROUNDING or any(a >= b for a, b in zip(headings, headings[1:])):
         raise ToolError(f"{path}: the headings must rise from 0 within one turn")
     headings[0] = 0.0
-    kept = []
-    for primitive in primitives:
-        poses = close_path(primitive, resolution, headings)
-        if not drives_sideways(poses):
-            kept.append({"start": primitive.start, "end": primitive.end, "dx": primitive.dx, "dy": primitive.dy,
-                         "poses": poses})
-    if not kept:
-        raise ToolError(f"{path}: every primitive drives sideways; the robot cannot")
-    return {"resolution_m": resolution, "headings_rad": headings, "primitives": kept}, len(primitives) - len(kept)
+    found = Found(resolution, headings, primitives)
+    if not found.input["primitives"]:
+        raise ToolError(f"{path}: every primitive drives across its heading; the robot cannot")
+    return found
