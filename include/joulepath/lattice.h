@@ -38,7 +38,7 @@ enum jp_move_kind { JP_MOVE_AXIS, JP_MOVE_KNIGHT, JP_MOVE_DIAGONAL, JP_MOVE_KIND
  * What a route is charged for.
  * Physical: the energy out of the battery, potential energy m g Δz, descent gives back a stated share of its work, and
  * never less than what the electronics draw; unit 1/16 J. Paper: eq. 14 as printed, at least one unit; unit 1/16 J.
- * Distance: length; unit 1 mm.
+ * Distance: length, and in place the way of the robot's sides, half its width times the angle; unit 1 mm.
  */
 enum jp_cost_kind { JP_COST_PHYSICAL, JP_COST_PAPER, JP_COST_DISTANCE, JP_COST_KINDS };
 

@@ -34,6 +34,7 @@ static void add(const struct lattice *lattice, struct lattice_primitive *primiti
     primitive->cost[JP_COST_DISTANCE] += UNITS_PER_METRE * length;
 }
 
+/* Its distance is that of its sides, and so of its wheels, which turn it as they drive it. */
 static void turn_in_place(const struct lattice *lattice, struct lattice_primitive *primitive)
 {
     const struct lattice_path *path = &primitive->path;
@@ -41,7 +42,7 @@ static void turn_in_place(const struct lattice *lattice, struct lattice_primitiv
     const double rate = lattice_robot_pivot_rate(lattice->robot, turn);
 
     add(lattice, primitive, &(struct lattice_motion){0, rate, 0, turn / rate});
-    primitive->cost[JP_COST_DISTANCE] = 1;
+    primitive->cost[JP_COST_DISTANCE] = UNITS_PER_METRE * lattice->robot->width_m / 2 * fabs(turn);
 }
 
 static void follow(const struct lattice *lattice, struct lattice_primitive *primitive, double sharpest)

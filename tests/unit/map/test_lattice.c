@@ -352,6 +352,27 @@ static void test_distance_is_the_length(void)
     }
 }
 
+/* A turn in place is as long as the way of the robot's sides: half its width times the angle, rounded up. */
+static void test_distance_of_turning_in_place(void)
+{
+    static const int64_t widths_mm[LATTICES] = {700, 350};
+
+    for (size_t l = 0; l < LATTICES; l++) {
+        const jp_angle *heading = lattices[l]->heading;
+        unsigned turns = 0;
+        for (unsigned i = 0; i < count_of(lattices[l]); i++) {
+            const struct jp_primitive *primitive = &lattices[l]->primitives[i];
+            if (primitive->move_count == 0) {
+                const int32_t turn = (int32_t)(heading[primitive->end] - heading[primitive->start]);
+                const int64_t way = (widths_mm[l] * (turn < 0 ? -(int64_t)turn : turn) * 355 / 113) >> 32;
+                TEST_ASSERT_EQUAL_INT32((int32_t)way + 1, primitive->base[JP_COST_DISTANCE]);
+                turns++;
+            }
+        }
+        TEST_ASSERT_EQUAL_UINT(2 * JP_HEADINGS, turns);
+    }
+}
+
 /* On a plane that rises east by 5 and north by 3 units a cell. */
 static void test_energy_on_a_slope_adds_up(void)
 {
