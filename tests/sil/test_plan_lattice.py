@@ -14,9 +14,13 @@ STEPS = [(1, 0), (2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1), (-1,
          (0, -1), (1, -2), (1, -1), (2, -1)]
 
 
-def make(robot, path, *options):
-    command = [sys.executable, "-m", "tools.design.lattice", robot, "--json", path, *options]
+def run_tool(name, *arguments):
+    command = [sys.executable, "-m", f"tools.design.{name}", *arguments]
     return subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, timeout=LIMIT, cwd=ROOT)
+
+
+def make(robot, path, *options):
+    return run_tool("lattice", robot, "--json", path, *options)
 
 
 def make_lattice(path, robot, *options):
@@ -85,6 +89,27 @@ def test_a_lattice_of_nav2_plans(tmp_path):
     summary, table = planned(path, tmp_path / "out", *places("2,4,0", "10,4"), "--lattice", lattice)
     assert summary["routes"][1]["length_m"] == pytest.approx(8)
     assert "lattice: 48 primitives" in table
+
+
+def test_an_environment_of_sbpl_with_its_lattice_and_its_task(tmp_path):
+    """Start and end as the import prints them; the wall with its gap stands where the first row is y = 0."""
+    rows = [["0"] * 60 for _ in range(40)]
+    for y in range(40):
+        rows[y][30] = "0" if 10 <= y < 22 else "254"
+    (tmp_path / "env.cfg").write_text("\n".join([
+        "discretization(cells): 60 40", "obsthresh: 254", f"cellsize(meters): {CELL}", "start(meters,rads): 1.05 3.05 0",
+        "end(meters,rads): 5.05 3.05 0", "environment:", *map(" ".join, rows)]) + "\n")
+    (tmp_path / "some.mprim").write_text(mprim_text())
+    lattice = make_lattice(tmp_path / "lattice.json", "zhang2018", "--import", tmp_path / "some.mprim")
+    result = run_tool("import_map", tmp_path / "env.cfg", tmp_path / "map.json")
+    assert result.returncode == 0, result.stderr
+    task = next(line for line in result.stdout.splitlines() if "its task" in line).split()[-2:]
+    assert task == places("1.05,3.05,0", "5.05,3.05,0")
+    planned(tmp_path / "map.json", tmp_path / "out", *task, "--lattice", lattice)
+    for name in ("energy_route.csv", "distance_route.csv"):
+        route = rows_of(tmp_path / "out" / name)
+        assert (route[-1]["x_m"], route[-1]["y_m"], route[-1]["heading_deg"]) == pytest.approx((5.05, 3.05, 0), abs=0.01)
+        assert all(1 < row["y_m"] < 2.2 for row in route if 2.7 < row["x_m"] < 3.4)
 
 
 # ---- wrong input ---------------------------------------------------------------------------------------------------

@@ -28,6 +28,22 @@ ROWS = ["..#?", "#...", "?..#"]
 
 MOVING_AI = "type octile\nheight 3\nwidth 5\nmap\n.GS@.\nOTW..\n.....\n"
 
+# 3 wide, 2 high; the first row is y = 0.
+SBPL = """discretization(cells): 3 2
+obsthresh: 254
+cost_inscribed_thresh: 253
+cost_possibly_circumscribed_thresh: 128
+cellsize(meters): 0.025
+nominalvel(mpersecs): 1.0
+timetoturn45degsinplace(secs): 2.0
+start(meters,rads): 0.01 0.01 0
+end(meters,rads): 0.06 0.03 1.5707963
+environment:
+0 100 254
+0 253 255
+"""
+SBPL_FLAT = "discretization(cells): 3 2\nobsthresh: 1\nstart(cells): 0 0\nend(cells): 2 1\nenvironment:\n0 0 1\n1 0 0\n"
+
 ASC = """ncols 4
 nrows 3
 xllcorner 100
@@ -71,6 +87,7 @@ def place(tmp_path):
     (tmp_path / "yard.yaml").write_text(YAML)
     (tmp_path / "yard.pgm").write_bytes(pgm(PIXELS))
     (tmp_path / "grid.map").write_text(MOVING_AI)
+    (tmp_path / "env.cfg").write_text(SBPL)
     (tmp_path / "land.asc").write_text(ASC)
     (tmp_path / "dem.npz").write_bytes(npz())
     return tmp_path
@@ -315,6 +332,62 @@ def test_moving_ai_errors(place, part, replacement, culprit):
     refused(place / "grid.map", "grid.map", culprit)
 
 
+# ---- SBPL ----
+
+def test_sbpl_environment(place):
+    result, output = run_import(place / "env.cfg")
+    assert result.returncode == 0, result.stderr
+    data = check_map(json.loads(output.read_text()))
+    assert data["rows"] == ["..#", "..#"]
+    assert data["resolution_m"] == 0.025
+    assert data["origin_m"] == [0, 0, 0]
+    assert data["note"] == "SBPL environment env.cfg; 2 cells of costs 100 to 253, below its obsthresh, are free"
+    assert "its task for jp-plan: --start=0.01,0.01,0 --goal=0.06,0.03,90\n" in result.stdout
+
+
+def test_sbpl_first_row_is_the_southern_one(place):
+    (place / "env.cfg").write_text(SBPL.replace("0 100 254\n", "254 254 0\n"))
+    assert imported(place / "env.cfg")["rows"] == ["..#", "##."]
+    (place / "env.cfg").write_text(SBPL.replace("obsthresh: 254", "obsthresh: 100"))
+    assert imported(place / "env.cfg")["rows"] == [".##", ".##"]
+
+
+def test_sbpl_environment_of_cells(place):
+    """nav2D: places are cells, whose size is an option."""
+    (place / "env.cfg").write_text(SBPL_FLAT)
+    result, output = run_import(place / "env.cfg", "--cell-size", "0.5")
+    data = json.loads(output.read_text())
+    assert (data["rows"], data["resolution_m"], data["note"]) == (["#..", "..#"], 0.5, "SBPL environment env.cfg")
+    assert "its task for jp-plan: --start=0.25,0.25,0 --goal=1.25,0.75\n" in result.stdout
+
+
+def test_sbpl_environment_without_a_task(place):
+    (place / "env.cfg").write_text(SBPL_FLAT.replace("end(cells): 2 1\n", "NumThetaDirs: 16\n"))
+    result, _ = run_import(place / "env.cfg")
+    assert result.returncode == 0
+    assert "task" not in result.stdout
+
+
+@pytest.mark.parametrize("part, replacement, culprit", [
+    ("discretization(cells): 3 2\n", "", "the key discretization(cells) is missing"),
+    ("obsthresh: 254\n", "", "the key obsthresh is missing"), ("environment:\n", "", "'0' is not a key"),
+    ("environment:\n0 100 254\n0 253 255\n", "", "the key environment is missing"),
+    ("3 2", "3 2 4", "'4' is not a key"), ("3 2", "3", "'obsthresh:' is not a number"), ("3 2", "3 0", "is not in 1…"),
+    ("3 2", "3 2.5", "not a whole number"), ("3 2", "3 3", "6 cells, but discretization says 3 × 3"),
+    ("obsthresh: 254", "obsthresh: 0", "obsthresh"), ("obsthresh: 254", "obsthresh: x", "obsthresh"),
+    ("obsthresh: 254", "obsthresh: 254\nobsthresh: 1", "obsthresh: needs one number, once"),
+    ("(meters): 0.025", "(meters): 0", "cellsize(meters)"), ("0.01 0.01 0", "0.01 -0.01 0", "start: 0.01, -0.01 m is"),
+    ("0.06 0.03", "0.08 0.03", "end: 0.08, 0.03 m is outside the map of 3 × 2 cells of 0.025 m"),
+    ("0 253", "0 256", "environment: row 2, cell 2: 256 is not in 0…255"), ("0 253", "-1 253", "row 2, cell 1"),
+    ("0 253", "a 253", "row 2, cell 1: 'a' is not a number"), ("0 253 255", "0 253", "5 cells"),
+    (SBPL, "type = \"skid_steer\";\n", "'type' is not a key of an SBPL environment"),
+])
+def test_sbpl_errors(place, part, replacement, culprit):
+    assert part in SBPL
+    (place / "env.cfg").write_text(SBPL.replace(part, replacement))
+    refused(place / "env.cfg", "env.cfg", culprit)
+
+
 # ---- ESRI ASCII grid ----
 
 def test_asc(place):
@@ -515,7 +588,7 @@ def test_scale_is_for_elevations(place):
         refused(place / name, "--scale", options=("--scale", "2"))
 
 
-@pytest.mark.parametrize("suffix", [".yaml", ".map", ".asc", ".npz"])
+@pytest.mark.parametrize("suffix", [".yaml", ".map", ".asc", ".npz", ".cfg"])
 def test_files_of_every_kind_that_are_none(tmp_path, suffix):
     path = tmp_path / f"file{suffix}"
     refused(path, "no such file")
@@ -575,7 +648,7 @@ def mutated(data, generator):
 
 @pytest.mark.parametrize("source, changed", [
     ("yard.yaml", "yard.yaml"), ("yard.yaml", "yard.pgm"), ("flat.yaml", "flat.png"), ("grid.map", "grid.map"),
-    ("land.asc", "land.asc"), ("small.npz", "small.npz"),
+    ("env.cfg", "env.cfg"), ("land.asc", "land.asc"), ("small.npz", "small.npz"),
 ])
 def test_mutations_give_a_map_or_one_line(place, source, changed):
     (place / "flat.yaml").write_text(YAML.replace("yard.pgm", "flat.png"))

@@ -6,6 +6,8 @@ The kind of map follows from the source's name:
   .asc         ESRI ASCII grid of elevations, m; NODATA (-9999 if it names none) is unknown ground
   .npz         elevations, m, with dx, dy, ymin, ymax in degrees as in matplotlib's jacksboro_fault_dem.npz
   .map         MovingAI grid: . G S are free, @ O T W are occupied
+  .cfg         SBPL environment, nav2D or (x, y, theta): cells from obsthresh on are occupied; its first row is y = 0, the
+               southern one; its start and end are printed as options of jp-plan
   jacksboro    the elevation model that matplotlib carries
 
 Ground steeper than 15 degrees is occupied. Elevations are relative to the middle of their range, which must fit 64 m.
@@ -71,6 +73,7 @@ class Grid:
     note: str
     origin: tuple = (0.0, 0.0, 0.0)  # of the south-west corner: m, m, rad
     elevation: np.ndarray | None = None  # m
+    task: str = ""  # options of jp-plan
 
 
 @dataclass
@@ -222,6 +225,80 @@ def read_moving_ai(path, options):
             raise ToolError(f"{path}: line {index + 2 + y}: {printable(wrong)!r} is no MovingAI cell")
         cells[y] = [MOVING_AI[c] for c in row]
     return Grid(cells, options.cell_size, f"MovingAI map {path.name}, {options.cell_size:g} m a cell")
+
+
+# ---- SBPL ----
+
+# Keys of an environment, and how many numbers follow each.
+SBPL_KEYS = {"discretization(cells)": 2, "NumThetaDirs": 1, "obsthresh": 1, "cost_inscribed_thresh": 1,
+             "cost_possibly_circumscribed_thresh": 1, "cellsize(meters)": 1, "nominalvel(mpersecs)": 1,
+             "timetoturn45degsinplace(secs)": 1, "start(cells)": 2, "end(cells)": 2, "start(meters,rads)": 3,
+             "end(meters,rads)": 3}
+SBPL_COST_MAX = 255
+
+
+def read_sbpl_header(path, words):
+    """The numbers of each key, and how many words they take."""
+    header, place = {}, 0
+    while place < len(words) and words[place] != "environment:":
+        key = words[place][:-1]
+        if not words[place].endswith(":") or key not in SBPL_KEYS:
+            raise ToolError(f"{path}: {printable(words[place])!r} is not a key of an SBPL environment")
+        count = SBPL_KEYS[key]
+        values = words[place + 1:place + 1 + count]
+        if key in header or len(values) < count:
+            raise ToolError(f"{path}: {key}: needs {'one number' if count == 1 else f'{count} numbers'}, once")
+        header[key] = [number(path, key, value) for value in values]
+        place += 1 + count
+    for key in ("discretization(cells)", "obsthresh"):
+        if key not in header:
+            raise ToolError(f"{path}: the key {key} is missing: not an SBPL environment")
+    if place == len(words):
+        raise ToolError(f"{path}: the key environment is missing: not an SBPL environment")
+    return header, place + 1
+
+
+def sbpl_place(path, header, end, size, cell):
+    """X,Y or X,Y,DEGREES of the start or the end, m; nothing when the file has none."""
+    if f"{end}(meters,rads)" in header:
+        x, y, angle = header[f"{end}(meters,rads)"]
+        heading = [math.degrees(angle)]
+    elif f"{end}(cells)" in header:
+        x, y = ((value + 0.5) * cell for value in header[f"{end}(cells)"])
+        heading = [0] if end == "start" else []
+    else:
+        return ""
+    if not (0 <= x < size[0] * cell and 0 <= y < size[1] * cell):
+        raise ToolError(f"{path}: {end}: {x:g}, {y:g} m is outside the map of {size[0]} × {size[1]} cells of "
+                        f"{cell:g} m")
+    return ",".join(f"{value:.6g}" for value in (x, y, *heading))
+
+
+def read_sbpl_cells(path, words, width, height):
+    """Costs, the southern row first."""
+    if len(words) != width * height:
+        raise ToolError(f"{path}: environment: {len(words)} cells, but discretization says {width} × {height}")
+    costs = [number(path, f"environment: row {i // width + 1}, cell {i % width + 1}", word, 0, SBPL_COST_MAX)
+             for i, word in enumerate(words)]
+    return np.array(costs).reshape(height, width)
+
+
+def read_sbpl(path, options):
+    words = read_text(path).split()
+    header, place = read_sbpl_header(path, words)
+    width, height = (whole(path, "discretization(cells)", value, SOURCE_SIDE_MAX)
+                     for value in header["discretization(cells)"])
+    threshold = number(path, "obsthresh", header["obsthresh"][0], 1, SBPL_COST_MAX)
+    cell = number(path, "cellsize(meters)", header.get("cellsize(meters)", [options.cell_size])[0], *RESOLUTION_RANGE_M)
+    costs = read_sbpl_cells(path, words[place:], width, height)
+    grey = costs[(costs > 0) & (costs < threshold)]
+    note = f"SBPL environment {path.name}"
+    if grey.size:
+        note += f"; {grey.size} cells of costs {grey.min():g} to {grey.max():g}, below its obsthresh, are free"
+    start = sbpl_place(path, header, "start", (width, height), cell)
+    goal = sbpl_place(path, header, "end", (width, height), cell)
+    task = f"--start={start} --goal={goal}" if start and goal else ""
+    return Grid(np.where(costs >= threshold, OCCUPIED, FREE)[::-1], cell, note, task=task)
 
 
 # ---- Elevations ----
@@ -413,13 +490,14 @@ def moved(origin, shape, cell, window):
 
 # ---- The program ----
 
-READERS = {".yaml": read_ros, ".yml": read_ros, ".asc": read_asc, ".npz": read_npz, ".map": read_moving_ai}
+READERS = {".yaml": read_ros, ".yml": read_ros, ".asc": read_asc, ".npz": read_npz, ".map": read_moving_ai,
+           ".cfg": read_sbpl}
 
 
 def read_grid(path, window, options):
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise ToolError(f"{path}: a map is a .yaml, .asc, .npz or .map file, or {JACKSBORO}")
+        raise ToolError(f"{path}: a map is a .yaml, .asc, .npz, .map or .cfg file, or {JACKSBORO}")
     if not path.is_file():
         raise ToolError(f"{path}: {'is a directory' if path.is_dir() else 'no such file'}")
     if path.stat().st_size == 0:
@@ -469,11 +547,13 @@ def print_result(name, grid):
     print_aligned([("map", "columns", "rows", "cell, m", "free, %", "occupied, %", "unknown, %", "relief, m"),
                    (name, str(width), str(height), f"{grid.resolution:g}", *shares, relief)])
     print(grid.note)
+    if grid.task:
+        print(f"its task for jp-plan: {grid.task}")
 
 
 def arguments():
     parser = ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("source", help=f"a .yaml, .asc, .npz or .map file, or {JACKSBORO}")
+    parser.add_argument("source", help=f"a .yaml, .asc, .npz, .map or .cfg file, or {JACKSBORO}")
     parser.add_argument("output", type=Path, help="the JSON file")
     parser.add_argument("--window", type=whole_number(0, SOURCE_SIDE_MAX), nargs=4,
                         metavar=("LEFT", "TOP", "COLUMNS", "ROWS"),
@@ -483,7 +563,7 @@ def arguments():
                         help="side of a cell of the result; the lattices have 0.2 m. Occupancy: a cell is occupied if "
                         "any part of it is, or else unknown if any part is. (default: as the source; 0.2 for .npz)")
     parser.add_argument("--cell-size", type=real_number(RESOLUTION_RANGE_M[0], 1e6), metavar="M", default=LATTICE_CELL_M,
-                        help="side of a MovingAI cell (default: %(default)s)")
+                        help="side of a cell of MovingAI, or of SBPL's nav2D (default: %(default)s)")
     parser.add_argument("--scale", type=real_number(RESOLUTION_RANGE_M[0], 1e6), metavar="N",
                         help="elevations become a model 1:N, lengths and heights alike, so that slopes stay (default: "
                         f"1; for .npz what fits {MODEL_SIDE} cells)")

@@ -32,13 +32,13 @@ front: ## energy over time of a route (SCENARIO=file): foretold, driven, the lea
 	$(PYTHON) -m tools.report.time_front_picture $(BUILD)/front
 
 # The skid-steered robot plans unless another one is asked for. IMPORT holds options of tools.design.import_map, such
-# as --cell-size 1 for a MovingAI map or a --window.
+# as --cell-size 1 for a MovingAI map, a --window, or the --resolution of LATTICE.
 PLAN_ROBOT = $(if $(filter file,$(origin ROBOT)),zhang2018,$(ROBOT))
-PLAN_TASK  = $(if $(START),--start=$(START)) $(if $(GOAL),--goal=$(GOAL))
+PLAN_TASK  = $(if $(START),--start=$(START)) $(if $(GOAL),--goal=$(GOAL)) $(if $(LATTICE),--lattice $(LATTICE))
 MAP       ?= jacksboro
 
 .PHONY: plan
-plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name IMPORT=options) and write the report to build/plan
+plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name LATTICE=file IMPORT=options) and write the report to build/plan
 	@tools/setup.sh design
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-plan
 	@rm -rf $(BUILD)/plan
