@@ -11,6 +11,9 @@
  * turning costs on top. So the moves alone give a lower bound of the cost between two cells, the bases alone one of the
  * cost between two headings, and the sum of both is a lower bound too: energy_field.h uses it.
  *
+ * On a map with costs of cells each move is multiplied by the larger factor of its two cells and `base` by the largest
+ * of all cells of the primitive, rounded down. Factors are at least 1, so the lower bounds hold on every map.
+ *
  * One table of swept cells decides collisions, and with it which changes of the map matter to which primitive; the
  * cells of the moves are among them.
  *

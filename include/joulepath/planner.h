@@ -12,8 +12,9 @@
  * When the states do not fit the block, ε goes up; when not even the greediest search fits, the planner searches from
  * the robot towards the goal and gives the route to the nearest state that it has found: a partial plan.
  *
- * A robot that drives has new starts: jp_planner_set_start(). Changes of the map go through jp_planner_set_cell() and
- * jp_planner_set_elevation(). The map and the lattice must outlive the planner. Nothing here is for ISRs.
+ * A robot that drives has new starts: jp_planner_set_start(). Changes of the map go through jp_planner_set_cell(),
+ * jp_planner_set_elevation() and jp_planner_set_cost(). The map and the lattice must outlive the planner. Nothing here
+ * is for ISRs.
  */
 #ifndef JOULEPATH_PLANNER_H
 #define JOULEPATH_PLANNER_H
@@ -289,6 +290,9 @@ enum jp_status jp_planner_set_cell(struct jp_planner *planner, int32_t x, int32_
 
 /** The same for an elevation. As jp_terrain_set_elevation(). */
 enum jp_status jp_planner_set_elevation(struct jp_planner *planner, int32_t x, int32_t y, jp_elevation elevation);
+
+/** The same for the cost of a cell. As jp_terrain_set_cost(). */
+enum jp_status jp_planner_set_cost(struct jp_planner *planner, int32_t x, int32_t y, uint8_t cost);
 
 /** Forgets the search, not the plan, and begins anew with the map as it is. Work: the fields are cleared; the states
  *  are, in one of the slices of work that follow. */

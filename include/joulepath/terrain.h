@@ -1,9 +1,9 @@
 /**
- * Map of the ground: occupied, free and unknown cells, and their elevation.
+ * Map of the ground: occupied, free and unknown cells, their elevation, and what driving on them costs.
  *
  * Cell (x, y) covers [x, x + 1) × [y, y + 1) cells of `resolution`; x points east, y north. All memory is one block of
- * the caller: two bits a cell, and two bytes with elevation (300 × 300 cells: 24 000 B and 180 000 B).
- * Nothing here is for ISRs unless they alone use the map.
+ * the caller: two bits a cell, two bytes with elevation, one with costs (300 × 300 cells: 24 000 B, 180 000 B, 90 000
+ * B). Nothing here is for ISRs unless they alone use the map.
  */
 #ifndef JOULEPATH_TERRAIN_H
 #define JOULEPATH_TERRAIN_H
@@ -25,6 +25,8 @@ extern "C" {
 typedef int16_t jp_elevation;
 #define JP_ELEVATION_ONE 1024
 
+#define JP_CELL_COST_SHIFT_MAX 8
+
 enum jp_cell { JP_CELL_FREE, JP_CELL_OCCUPIED, JP_CELL_UNKNOWN };
 
 struct jp_terrain_config {
@@ -33,6 +35,8 @@ struct jp_terrain_config {
     jp_q16 resolution;    /**< side of a cell, m; above 0 */
     bool has_elevation;   /**< without it the ground is level */
     bool unknown_is_free; /**< whether the robot may drive over unknown cells */
+    bool has_costs;       /**< without them every cell costs alike */
+    uint8_t cost_shift;   /**< a cell's factor is 1 + cost/2^cost_shift; 0…JP_CELL_COST_SHIFT_MAX */
 };
 
 /** The members are private; read them with the calls below. */
@@ -43,6 +47,7 @@ struct jp_terrain {
     uint32_t *blocked;
     uint32_t *unknown;
     jp_elevation *elevation; /**< null: level */
+    uint8_t *costs;          /**< null: 0 everywhere */
 };
 
 /** A row of neighbouring cells relative to a cell: (first, y)…(last, y). */
@@ -56,7 +61,7 @@ struct jp_span {
 size_t jp_terrain_size(const struct jp_terrain_config *config);
 
 /**
- * An empty map: every cell unknown, at elevation 0. `block` stays with the map.
+ * An empty map: every cell unknown, at elevation 0, of cost 0. `block` stays with the map.
  * JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_MEMORY: `size` is below jp_terrain_size().
  * JP_ERR_ALIGNMENT: `block` is not aligned to 8 bytes. JP_ERR_ARGUMENT: a pointer is null. Work: all cells.
  */
@@ -73,11 +78,18 @@ enum jp_status jp_terrain_set_cell(struct jp_terrain *terrain, int32_t x, int32_
  *  Constant time. */
 enum jp_status jp_terrain_set_elevation(struct jp_terrain *terrain, int32_t x, int32_t y, jp_elevation elevation);
 
+/** Sets the cost of a cell, by which lattice.h charges what drives over it. JP_ERR_OUTSIDE: it is not on the map.
+ *  JP_ERR_STATE: the map has no costs. Constant time. */
+enum jp_status jp_terrain_set_cost(struct jp_terrain *terrain, int32_t x, int32_t y, uint8_t cost);
+
 /** State of a cell; outside the map everything is occupied. Constant time. */
 enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_t y);
 
 /** Elevation of a cell; 0 outside the map. Constant time. */
 jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, int32_t y);
+
+/** Cost of a cell; 0 outside the map. Constant time. */
+uint8_t jp_terrain_cost(const struct jp_terrain *terrain, int32_t x, int32_t y);
 
 /** True when the robot may be on every cell of the spans, placed with their origin on (x, y). Cells outside the map are
  *  blocked. Work: one or two words of the map a span. */

@@ -59,9 +59,48 @@ jp_cost jp_straight_bound(const struct jp_straight *straight, int32_t dx, int32_
     return bound < 0 ? 0U : bound < (int64_t)JP_COST_MAX ? (jp_cost)bound : JP_COST_MAX - 1U;
 }
 
+/** A cost of 16 bits, or JP_COST_MAX, times the factor of a cell, which is at most 256: below JP_COST_MAX. */
+static jp_cost times_factor(const struct jp_terrain *terrain, jp_cost cost, uint32_t cell_cost)
+{
+    const unsigned shift = terrain->config.cost_shift;
+
+    return cost == JP_COST_MAX ? cost : (cost * ((UINT32_C(1) << shift) + cell_cost)) >> shift;
+}
+
+static uint32_t larger(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+static jp_cost charged_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind,
+                              const struct jp_terrain *terrain, const struct jp_primitive *primitive, int32_t x,
+                              int32_t y)
+{
+    const uint8_t *move = &lattice->moves[primitive->first_move];
+    const uint8_t *end = &move[primitive->move_count];
+    uint32_t largest = jp_terrain_cost(terrain, x, y);
+    jp_cost sum = 0;
+
+    for (; move != end; move++) {
+        const int32_t elevation = jp_terrain_elevation(terrain, x, y);
+        const uint32_t before = jp_terrain_cost(terrain, x, y);
+        x += jp_move_offsets[*move].dx;
+        y += jp_move_offsets[*move].dy;
+        const uint32_t dearer = larger(before, jp_terrain_cost(terrain, x, y));
+        const int32_t rise = jp_terrain_elevation(terrain, x, y) - elevation;
+        const jp_cost cost = jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(*move)], rise);
+        sum = jp_cost_add(sum, times_factor(terrain, cost, dearer));
+        largest = larger(largest, dearer);
+    }
+    return jp_cost_add(sum, times_factor(terrain, primitive->base[kind], largest));
+}
+
 jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
                           const struct jp_primitive *primitive, int32_t x, int32_t y)
 {
+    if (terrain->costs != NULL) {
+        return charged_energy(lattice, kind, terrain, primitive, x, y);
+    }
     const uint8_t *moves = &lattice->moves[primitive->first_move];
     jp_cost sum = primitive->base[kind];
     int32_t elevation = terrain_elevation(terrain, x, y);

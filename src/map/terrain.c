@@ -25,6 +25,7 @@ static enum jp_status check(const struct jp_terrain_config *config, const char *
         FIELD(width, 1, JP_TERRAIN_SIDE_MAX),
         FIELD(height, 1, JP_TERRAIN_SIDE_MAX),
         FIELD(resolution, 1, INT32_MAX),
+        FIELD(cost_shift, 0, JP_CELL_COST_SHIFT_MAX),
     };
 
     return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
@@ -37,8 +38,10 @@ size_t jp_terrain_size(const struct jp_terrain_config *config)
     if (check(config, &field) != JP_OK) {
         return 0;
     }
-    size_t elevations = config->has_elevation ? (size_t)config->width * config->height : 0U;
-    return 2U * plane_words(config) * sizeof(uint32_t) + elevations * sizeof(jp_elevation);
+    const size_t cells = (size_t)config->width * config->height;
+    const size_t elevations = config->has_elevation ? cells * sizeof(jp_elevation) : 0U;
+
+    return 2U * plane_words(config) * sizeof(uint32_t) + elevations + (config->has_costs ? cells : 0U);
 }
 
 enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terrain_config *config, void *block,
@@ -57,16 +60,22 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
         return JP_ERR_MEMORY;
     }
     const size_t words = plane_words(config);
+    const size_t cells = (size_t)config->width * config->height;
     terrain->config = *config;
     terrain->version = 0;
     terrain->stride = (uint16_t)words_per_row(config);
     terrain->blocked = block;
     terrain->unknown = &terrain->blocked[words];
-    terrain->elevation = config->has_elevation ? (jp_elevation *)(void *)&terrain->unknown[words] : NULL;
+    uint8_t *rest = (uint8_t *)(void *)&terrain->unknown[words];
+    terrain->elevation = config->has_elevation ? (jp_elevation *)(void *)rest : NULL;
+    terrain->costs = config->has_costs ? &rest[config->has_elevation ? cells * sizeof(jp_elevation) : 0U] : NULL;
     (void)memset(terrain->blocked, config->unknown_is_free ? 0 : 0xFF, words * sizeof(uint32_t));
     (void)memset(terrain->unknown, 0xFF, words * sizeof(uint32_t));
     if (terrain->elevation != NULL) {
-        (void)memset(terrain->elevation, 0, (size_t)config->width * config->height * sizeof(jp_elevation));
+        (void)memset(terrain->elevation, 0, cells * sizeof(jp_elevation));
+    }
+    if (terrain->costs != NULL) {
+        (void)memset(terrain->costs, 0, cells);
     }
     return JP_OK;
 }
@@ -121,6 +130,19 @@ enum jp_status jp_terrain_set_elevation(struct jp_terrain *terrain, int32_t x, i
     return JP_OK;
 }
 
+enum jp_status jp_terrain_set_cost(struct jp_terrain *terrain, int32_t x, int32_t y, uint8_t cost)
+{
+    if (terrain->costs == NULL) {
+        return JP_ERR_STATE;
+    }
+    if (!jp_terrain_contains(terrain, x, y)) {
+        return JP_ERR_OUTSIDE;
+    }
+    terrain->costs[(size_t)y * terrain->config.width + (size_t)x] = cost;
+    terrain->version++;
+    return JP_OK;
+}
+
 enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
     if (!terrain_contains(terrain, x, y)) {
@@ -136,6 +158,11 @@ enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_
 jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
     return (jp_elevation)terrain_elevation(terrain, x, y);
+}
+
+uint8_t jp_terrain_cost(const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    return terrain_cost(terrain, x, y);
 }
 
 static bool is_row_clear(const uint32_t *row, uint32_t first, uint32_t last)

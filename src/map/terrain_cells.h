@@ -19,4 +19,13 @@ static inline int32_t terrain_elevation(const struct jp_terrain *terrain, int32_
     return terrain->elevation[(size_t)y * terrain->config.width + (size_t)x];
 }
 
+/** As jp_terrain_cost(). */
+static inline uint8_t terrain_cost(const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    if (terrain->costs == NULL || !terrain_contains(terrain, x, y)) {
+        return 0;
+    }
+    return terrain->costs[(size_t)y * terrain->config.width + (size_t)x];
+}
+
 #endif

@@ -298,6 +298,22 @@ enum jp_status jp_planner_set_elevation(struct jp_planner *planner, int32_t x, i
     return JP_OK;
 }
 
+enum jp_status jp_planner_set_cost(struct jp_planner *planner, int32_t x, int32_t y, uint8_t cost)
+{
+    struct jp_planner_internal *inner = &planner->internal;
+    const uint8_t old = jp_terrain_cost(inner->terrain, x, y);
+    const enum jp_status status = jp_terrain_set_cost(inner->terrain, x, y, cost);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    inner->terrain_version++;
+    if (cost != old) {
+        jp_phases_note_change(inner, x, y, cost < old);
+    }
+    return JP_OK;
+}
+
 /* ---- What is known ---- */
 
 bool jp_planner_is_idle(const struct jp_planner *planner)

@@ -10,6 +10,7 @@ export report
 # Lines and branches are taken by a few cases, but for two of the planner; without optimisation many cases are slow.
 run() {
     case $1 in
+    */prop_cell_costs) "$1" --count 60 ;;
     */prop_far_sweep) "$1" --count 25 ;;
     */prop_planner) "$1" --count 1000 --seed 5 ;;
     */prop_scan_match) "$1" --count 1 ;;

@@ -271,7 +271,8 @@ enum { PLANE = 16 };
 /* A plane that rises by whole units of elevation a cell, so that nothing is rounded. */
 static void make_plane(struct jp_terrain *terrain, void *block, size_t size, int rise_x, int rise_y)
 {
-    const struct jp_terrain_config config = {PLANE, PLANE, JP_Q16(0.2), true, true};
+    const struct jp_terrain_config config = {
+        .width = PLANE, .height = PLANE, .resolution = JP_Q16(0.2), .has_elevation = true, .unknown_is_free = true};
     const char *field = NULL;
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(terrain, &config, block, size, &field));

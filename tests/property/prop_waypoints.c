@@ -69,7 +69,8 @@ static void check(bool holds, const char *what, double value)
 
 static void begin_map_of(bool has_elevation)
 {
-    const struct jp_terrain_config terrain = {WIDTH, HEIGHT, JP_Q16(0.2), has_elevation, false};
+    const struct jp_terrain_config terrain = {
+        .width = WIDTH, .height = HEIGHT, .resolution = JP_Q16(0.2), .has_elevation = has_elevation};
     const char *field;
 
     map = (struct map_file){.block = malloc(jp_terrain_size(&terrain)), .name = "random"};

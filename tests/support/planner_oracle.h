@@ -26,6 +26,8 @@ struct oracle_map {
     int height;
     bool is_blocked[ORACLE_CELLS];
     int elevation[ORACLE_CELLS];
+    int cell_cost[ORACLE_CELLS];
+    int cost_shift;
 };
 
 struct oracle_entry {
@@ -59,6 +61,8 @@ static inline void oracle_map_clear(struct oracle_map *map, int width, int heigh
     map->width = width;
     map->height = height;
     memset(map->elevation, 0, sizeof map->elevation);
+    memset(map->cell_cost, 0, sizeof map->cell_cost);
+    map->cost_shift = 0;
     memset(map->is_blocked, 1, sizeof map->is_blocked);
 }
 
@@ -93,6 +97,17 @@ static inline double oracle_move_cost(const struct jp_slope_cost *cost, int rise
     return fmax(floor((double)exact / 65536.0), cost->floor);
 }
 
+/** A cost on a cell, or a step on the dearer of two. */
+static inline double oracle_charged(const struct oracle_map *map, double cost, int cell_cost)
+{
+    return floor(cost * (1 + ldexp(cell_cost, -map->cost_shift)));
+}
+
+static inline int oracle_larger(int a, int b)
+{
+    return a > b ? a : b;
+}
+
 /** Cost of a primitive from (x, y); INFINITY when it cannot be driven. */
 static inline double oracle_edge(const struct oracle *oracle, const struct oracle_map *map, int primitive, int x, int y)
 {
@@ -108,15 +123,18 @@ static inline double oracle_edge(const struct oracle *oracle, const struct oracl
             return INFINITY;
         }
     }
-    double cost = p->base[oracle->kind];
+    double cost = 0;
+    int largest = map->cell_cost[cell];
     for (int i = 0; i < p->move_count; i++) {
         const int direction = oracle->lattice->moves[p->first_move + i];
         const int next = cell + steps[direction][1] * ORACLE_STRIDE + steps[direction][0];
-        cost += oracle_move_cost(&oracle->lattice->move_costs[oracle->kind][kinds[direction]],
-                                 map->elevation[next] - map->elevation[cell]);
+        const double move = oracle_move_cost(&oracle->lattice->move_costs[oracle->kind][kinds[direction]],
+                                             map->elevation[next] - map->elevation[cell]);
+        cost += oracle_charged(map, move, oracle_larger(map->cell_cost[cell], map->cell_cost[next]));
+        largest = oracle_larger(largest, map->cell_cost[next]);
         cell = next;
     }
-    return cost;
+    return cost + oracle_charged(map, p->base[oracle->kind], largest);
 }
 
 static inline void oracle_push(struct oracle *oracle, double cost, int state)

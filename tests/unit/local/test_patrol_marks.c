@@ -16,7 +16,8 @@ static const struct jp_footprint footprint = {0.4f, 0.4f, 0.3f};
 
 static void make_map(struct jp_terrain *map, uint64_t *block)
 {
-    const struct jp_terrain_config config = {SIDE, SIDE, JP_Q16(0.125), false, true};
+    const struct jp_terrain_config config = {
+        .width = SIDE, .height = SIDE, .resolution = JP_Q16(0.125), .unknown_is_free = true};
     const char *field;
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(map, &config, block, sizeof blocks[0], &field));

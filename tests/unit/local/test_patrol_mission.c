@@ -15,7 +15,8 @@ static unsigned planned; /* calls of jp_patrol_mission_work() that had something
 
 static void make_map(jp_q16 resolution)
 {
-    const struct jp_terrain_config terrain = {SIDE, SIDE, resolution, false, true};
+    const struct jp_terrain_config terrain = {
+        .width = SIDE, .height = SIDE, .resolution = resolution, .unknown_is_free = true};
     const char *field;
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&map, &terrain, map_block, sizeof map_block, &field));

@@ -10,7 +10,8 @@ static uint64_t block[2 * SIDE * SIDE / 8];
 
 void setUp(void)
 {
-    const struct jp_terrain_config config = {SIDE, SIDE, JP_Q16(0.1), false, true};
+    const struct jp_terrain_config config = {
+        .width = SIDE, .height = SIDE, .resolution = JP_Q16(0.1), .unknown_is_free = true};
     const char *field;
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&terrain, &config, block, sizeof block, &field));

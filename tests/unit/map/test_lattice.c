@@ -39,7 +39,8 @@ static size_t move_total(const struct jp_lattice *lattice)
 /* All free and level. */
 static void reset_terrain(void)
 {
-    const struct jp_terrain_config config = {SIDE, SIDE, JP_Q16(0.2), true, true};
+    const struct jp_terrain_config config = {
+        .width = SIDE, .height = SIDE, .resolution = JP_Q16(0.2), .has_elevation = true, .unknown_is_free = true};
     const char *field = NULL;
 
     TEST_ASSERT_TRUE(jp_terrain_size(&config) <= sizeof block);
@@ -350,6 +351,51 @@ static void test_distance_is_the_length(void)
             }
         }
     }
+}
+
+/* Each move by the dearer of its cells, the base by the dearest of all, rounded down. */
+static void test_costs_of_cells_multiply(void)
+{
+    static uint64_t own[40];
+    const struct jp_terrain_config config = {
+        .width = 8, .height = 8, .resolution = JP_Q16(0.2), .has_costs = true, .cost_shift = 4};
+    const struct jp_lattice *lattice = &jp_lattice_gao2018;
+    const struct jp_slope_cost *axis = &lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS];
+    const uint32_t step = jp_move_cost(axis, 0);
+    const uint8_t two_steps[] = {0, 0};
+    struct jp_terrain costly;
+    struct jp_lattice line = *lattice;
+    const struct jp_primitive way = {.dx = 2, .base = {7, 0, 0}, .move_count = 2};
+    const char *field = NULL;
+
+    line.moves = two_steps;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_init(&costly, &config, own, sizeof own, &field));
+    TEST_ASSERT_EQUAL_UINT32(2 * step + 7, jp_lattice_energy(&line, JP_COST_PHYSICAL, &costly, &way, 1, 1));
+    (void)jp_terrain_set_cost(&costly, 3, 1, 5); /* the second step's end: times 21/16 */
+    TEST_ASSERT_EQUAL_UINT32(step + step * 21 / 16 + 7 * 21 / 16,
+                             jp_lattice_energy(&line, JP_COST_PHYSICAL, &costly, &way, 1, 1));
+    (void)jp_terrain_set_cost(&costly, 1, 1, 255); /* the first one's start: times 271/16 */
+    TEST_ASSERT_EQUAL_UINT32(step * 271 / 16 + step * 21 / 16 + 7 * 271 / 16,
+                             jp_lattice_energy(&line, JP_COST_PHYSICAL, &costly, &way, 1, 1));
+    (void)jp_terrain_set_cost(&costly, 4, 1, 255); /* not on it */
+    TEST_ASSERT_EQUAL_UINT32(step * 271 / 16 + step * 21 / 16 + 7 * 271 / 16,
+                             jp_lattice_energy(&line, JP_COST_PHYSICAL, &costly, &way, 1, 1));
+}
+
+static void test_steep_steps_stay_impassable_on_cells_with_costs(void)
+{
+    static uint64_t own[40];
+    const struct jp_terrain_config config = {
+        .width = 8, .height = 8, .resolution = JP_Q16(0.2), .has_elevation = true, .has_costs = true, .cost_shift = 8};
+    const struct jp_primitive *way = &jp_lattice_gao2018.primitives[0];
+    struct jp_terrain costly;
+    const char *field = NULL;
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_init(&costly, &config, own, sizeof own, &field));
+    (void)jp_terrain_set_elevation(&costly, 3, 1, 2000);
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, jp_lattice_energy(&jp_lattice_gao2018, JP_COST_PHYSICAL, &costly, way, 2, 1));
+    (void)jp_terrain_set_cost(&costly, 3, 1, 255);
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, jp_lattice_energy(&jp_lattice_gao2018, JP_COST_PHYSICAL, &costly, way, 2, 1));
 }
 
 /* A turn in place is as long as the way of the robot's sides: half its width times the angle, rounded up. */

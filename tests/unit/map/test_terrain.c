@@ -162,9 +162,11 @@ static void test_init_checks_every_field_at_its_limits(void)
     config.height = JP_TERRAIN_SIDE_MAX;
     const char *field = "";
     TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, init(&field)); /* no field is out of range */
+    FIELD(cost_shift, 8, NULL);
+    FIELD(cost_shift, 9, "cost_shift");
 }
 
-static void test_size_is_two_bits_a_cell_in_words_and_two_bytes_an_elevation(void)
+static void test_size_is_two_bits_a_cell_in_words_two_bytes_an_elevation_and_one_a_cost(void)
 {
     static const struct {
         uint16_t width;
@@ -179,8 +181,13 @@ static void test_size_is_two_bits_a_cell_in_words_and_two_bytes_an_elevation(voi
         config.has_elevation = false;
         TEST_ASSERT_EQUAL_UINT32(sizes[i].planes, jp_terrain_size(&config));
         config.has_elevation = true;
-        TEST_ASSERT_EQUAL_UINT32(sizes[i].planes + 2 * (uint32_t)sizes[i].width * sizes[i].height,
-                                 jp_terrain_size(&config));
+        const uint32_t count = (uint32_t)sizes[i].width * sizes[i].height;
+        TEST_ASSERT_EQUAL_UINT32(sizes[i].planes + 2 * count, jp_terrain_size(&config));
+        config.has_costs = true;
+        TEST_ASSERT_EQUAL_UINT32(sizes[i].planes + 3 * count, jp_terrain_size(&config));
+        config.has_elevation = false;
+        TEST_ASSERT_EQUAL_UINT32(sizes[i].planes + count, jp_terrain_size(&config));
+        config.has_costs = false;
     }
     TEST_ASSERT_EQUAL_UINT32(0, jp_terrain_size(NULL));
 }
@@ -338,6 +345,45 @@ static void test_a_map_without_elevation_is_level(void)
     TEST_ASSERT_EQUAL_UINT32(0, terrain.version);
     set_all(JP_CELL_FREE);
     expect_same();
+}
+
+/* ---- Costs ---- */
+
+static void test_costs_stay_apart_from_elevations(void)
+{
+    const unsigned char *bytes = (const unsigned char *)block;
+
+    config = (struct jp_terrain_config){.width = 5, .height = 4, .resolution = JP_Q16(0.2), .has_costs = true};
+    for (int elevation = 0; elevation < 2; elevation++) {
+        config.has_elevation = elevation != 0;
+        start();
+        for (int32_t i = 0; i < 20; i++) {
+            TEST_ASSERT_EQUAL_INT(0, jp_terrain_cost(&terrain, i % 5, i / 5));
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cost(&terrain, i % 5, i / 5, (uint8_t)(255 - i)));
+            (void)jp_terrain_set_elevation(&terrain, i % 5, i / 5, (jp_elevation)(-100 * i));
+        }
+        for (int32_t i = 0; i < 20; i++) {
+            TEST_ASSERT_EQUAL_INT(255 - i, jp_terrain_cost(&terrain, i % 5, i / 5));
+            TEST_ASSERT_EQUAL_INT(elevation * -100 * i, jp_terrain_elevation(&terrain, i % 5, i / 5));
+        }
+        TEST_ASSERT_EQUAL_UINT32(elevation != 0 ? 40 : 20, terrain.version);
+        TEST_ASSERT_EQUAL_INT(0x5A, bytes[jp_terrain_size(&config)]);
+    }
+}
+
+static void test_costs_that_cannot_be_set(void)
+{
+    config.has_elevation = false;
+    config.has_costs = true;
+    start();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_terrain_set_cost(&terrain, -1, 0, 1));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_terrain_set_cost(&terrain, 0, config.height, 1));
+    TEST_ASSERT_EQUAL_INT(0, jp_terrain_cost(&terrain, -1, 0));
+    config.has_costs = false;
+    start();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_terrain_set_cost(&terrain, 0, 0, 1));
+    TEST_ASSERT_EQUAL_INT(0, jp_terrain_cost(&terrain, 0, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, terrain.version);
 }
 
 /* ---- Clear spans ---- */

@@ -25,7 +25,11 @@ static size_t count;
 
 static void make_map(uint16_t width, uint16_t height, bool has_elevation)
 {
-    const struct jp_terrain_config map = {width, height, JP_Q16(0.2), has_elevation, true};
+    const struct jp_terrain_config map = {.width = width,
+                                          .height = height,
+                                          .resolution = JP_Q16(0.2),
+                                          .has_elevation = has_elevation,
+                                          .unknown_is_free = true};
     const char *field;
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&terrain, &map, map_block, sizeof map_block, &field));
