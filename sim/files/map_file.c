@@ -26,12 +26,14 @@ struct map_text {
     double origin[3];
     json_t *rows;
     json_t *elevations; /* NULL: level */
+    json_t *costs;      /* NULL: none */
+    json_int_t cost_shift;
 };
 
 static bool check_keys(const char *path, json_t *root)
 {
-    static const char *const keys[] = {"format",   "name", "width", "height",     "resolution_m",
-                                       "origin_m", "note", "rows",  "elevation_m"};
+    static const char *const keys[] = {"format", "name", "width",       "height", "resolution_m", "origin_m",
+                                       "note",   "rows", "elevation_m", "cost",   "cost_shift"};
     const char *key;
     json_t *value;
     if (!json_is_object(root)) {
@@ -73,13 +75,15 @@ static bool unpack(const char *path, json_t *root, const char *key, const char *
 
 static bool unpack_all(const char *path, json_t *root, struct map_text *text)
 {
-    *text = (struct map_text){.note = "", .elevations = json_object_get(root, "elevation_m")};
+    *text = (struct map_text){
+        .note = "", .elevations = json_object_get(root, "elevation_m"), .costs = json_object_get(root, "cost")};
     return check_keys(path, root) && unpack(path, root, "format", "s", &text->format) &&
            unpack(path, root, "name", "s", &text->name) && unpack(path, root, "width", "I", &text->width) &&
            unpack(path, root, "height", "I", &text->height) &&
            unpack(path, root, "resolution_m", "F", &text->resolution_m) &&
            unpack(path, root, "origin_m", "[F,F,F]", &text->origin[0], &text->origin[1], &text->origin[2]) &&
            unpack(path, root, "rows", "o", &text->rows) &&
+           (text->costs == NULL || unpack(path, root, "cost_shift", "I", &text->cost_shift)) &&
            (json_object_get(root, "note") == NULL || unpack(path, root, "note", "s", &text->note));
 }
 
@@ -121,9 +125,15 @@ static bool check_text(const char *path, const struct map_text *text)
                    RESOLUTION_MAX_M);
         return false;
     }
+    if (text->cost_shift < 0 || text->cost_shift > JP_CELL_COST_SHIFT_MAX) {
+        error_line("%s: cost_shift: %" JSON_INTEGER_FORMAT " is not in 0…%d; " IMPORT, path, text->cost_shift,
+                   JP_CELL_COST_SHIFT_MAX);
+        return false;
+    }
     return check_side(path, "width", text->width) && check_side(path, "height", text->height) &&
            check_rows(path, "rows", text->rows, text->height) &&
-           (text->elevations == NULL || check_rows(path, "elevation_m", text->elevations, text->height));
+           (text->elevations == NULL || check_rows(path, "elevation_m", text->elevations, text->height)) &&
+           (text->costs == NULL || check_rows(path, "cost", text->costs, text->height));
 }
 
 /* The file's rows go from north to south. */
@@ -162,12 +172,20 @@ static bool set_row(const char *path, const struct map_text *text, size_t row, s
     return true;
 }
 
+static bool check_row(const char *path, const struct map_text *text, const char *key, size_t row, const json_t *values)
+{
+    if (!json_is_array(values) || json_array_size(values) != (size_t)text->width) {
+        error_line("%s: %s: row %zu is no list of %" JSON_INTEGER_FORMAT " numbers, the width; " IMPORT, path, key,
+                   row + 1, text->width);
+        return false;
+    }
+    return true;
+}
+
 static bool set_elevations(const char *path, const struct map_text *text, size_t row, struct jp_terrain *terrain)
 {
     const json_t *values = json_array_get(text->elevations, row);
-    if (!json_is_array(values) || json_array_size(values) != (size_t)text->width) {
-        error_line("%s: elevation_m: row %zu is no list of %" JSON_INTEGER_FORMAT " numbers, the width; " IMPORT, path,
-                   row + 1, text->width);
+    if (!check_row(path, text, "elevation_m", row, values)) {
         return false;
     }
     for (int32_t x = 0; x < text->width; x++) {
@@ -183,11 +201,31 @@ static bool set_elevations(const char *path, const struct map_text *text, size_t
     return true;
 }
 
+static bool set_costs(const char *path, const struct map_text *text, size_t row, struct jp_terrain *terrain)
+{
+    const json_t *values = json_array_get(text->costs, row);
+    if (!check_row(path, text, "cost", row, values)) {
+        return false;
+    }
+    for (int32_t x = 0; x < text->width; x++) {
+        const json_t *value = json_array_get(values, (size_t)x);
+        const json_int_t cost = json_integer_value(value);
+        if (!json_is_integer(value) || cost < 0 || cost > UINT8_MAX) {
+            error_line("%s: cost: row %zu, cell %d: not a whole number from 0 to %d; " IMPORT, path, row + 1,
+                       (int)x + 1, UINT8_MAX);
+            return false;
+        }
+        (void)jp_terrain_set_cost(terrain, x, y_of(text, row), (uint8_t)cost);
+    }
+    return true;
+}
+
 static bool fill(const char *path, const struct map_text *text, struct jp_terrain *terrain)
 {
     for (size_t row = 0; row < (size_t)text->height; row++) {
         if (!set_row(path, text, row, terrain) ||
-            (text->elevations != NULL && !set_elevations(path, text, row, terrain))) {
+            (text->elevations != NULL && !set_elevations(path, text, row, terrain)) ||
+            (text->costs != NULL && !set_costs(path, text, row, terrain))) {
             return false;
         }
     }
@@ -199,7 +237,9 @@ static bool make_terrain(const char *path, const struct map_text *text, struct m
     const struct jp_terrain_config config = {.width = (uint16_t)text->width,
                                              .height = (uint16_t)text->height,
                                              .resolution = (jp_q16)lround(text->resolution_m * JP_Q16_ONE),
-                                             .has_elevation = text->elevations != NULL};
+                                             .has_elevation = text->elevations != NULL,
+                                             .has_costs = text->costs != NULL,
+                                             .cost_shift = (uint8_t)text->cost_shift};
     const size_t size = jp_terrain_size(&config);
     const char *field;
     map->block = malloc(size);

@@ -8,12 +8,13 @@ static double joules(jp_cost cost)
     return (double)cost / JP_COST_PER_JOULE;
 }
 
-/* Rise of every unit step, and what it would cost without. */
-static void add_moves(struct plan_route *route, const struct jp_lattice *lattice, const struct jp_terrain *terrain,
-                      const struct jp_primitive *primitive, const struct jp_lattice_pose *from)
+/* Rise of every unit step, what it would take without, and the energy of all, whatever the map charges: J. */
+static double add_moves(struct plan_route *route, const struct jp_lattice *lattice, const struct jp_terrain *terrain,
+                        const struct jp_primitive *primitive, const struct jp_lattice_pose *from)
 {
     int32_t x = from->x;
     int32_t y = from->y;
+    double energy = 0;
 
     for (unsigned i = 0; i < primitive->move_count; i++) {
         const unsigned direction = lattice->moves[primitive->first_move + i];
@@ -21,10 +22,13 @@ static void add_moves(struct plan_route *route, const struct jp_lattice *lattice
         x += jp_move_offsets[direction].dx;
         y += jp_move_offsets[direction].dy;
         route->way[route->way_count++] = (struct jp_lattice_pose){(int16_t)x, (int16_t)y, from->heading};
-        route->climb += fmax(0, jp_terrain_elevation(terrain, x, y) - before) / JP_ELEVATION_ONE;
-        route->level_energy +=
-            joules(jp_move_cost(&lattice->move_costs[JP_COST_PHYSICAL][jp_move_kind_of(direction)], 0));
+        const struct jp_slope_cost *cost = &lattice->move_costs[JP_COST_PHYSICAL][jp_move_kind_of(direction)];
+        const int32_t rise = jp_terrain_elevation(terrain, x, y) - before;
+        route->climb += fmax(0, rise) / JP_ELEVATION_ONE;
+        route->level_energy += joules(jp_move_cost(cost, 0));
+        energy += joules(jp_move_cost(cost, rise));
     }
+    return energy;
 }
 
 static void add(struct plan_route *route, const struct jp_lattice *lattice, const struct jp_terrain *terrain,
@@ -33,14 +37,14 @@ static void add(struct plan_route *route, const struct jp_lattice *lattice, cons
     const struct plan_step *last = plan_route_end(route);
     const double base = joules(primitive->base[JP_COST_PHYSICAL]);
 
-    add_moves(route, lattice, terrain, primitive, &last->pose);
+    const double moves = add_moves(route, lattice, terrain, primitive, &last->pose);
+
     route->turning_energy += base;
     route->level_energy += base;
     route->steps[route->count] = (struct plan_step){
         .pose = *end,
         .length = last->length + primitive->length / 1000.0,
-        .energy = last->energy +
-                  joules(jp_lattice_energy(lattice, JP_COST_PHYSICAL, terrain, primitive, last->pose.x, last->pose.y)),
+        .energy = last->energy + moves + base,
         .time = last->time + primitive->duration / 1000.0,
     };
     route->count++;

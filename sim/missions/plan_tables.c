@@ -142,9 +142,10 @@ static void print_task(const struct plan_report *report)
     const struct plan_place start = place_of(report, &report->task.start);
     const struct plan_place goal = goal_of(report);
 
-    (void)printf("%s: %u × %u cells of %.3f m%s; robot %s, %s cost\n", report->map->name, config->width, config->height,
-                 (double)config->resolution / JP_Q16_ONE, config->has_elevation ? "" : ", level ground",
-                 report->lattice->name, costs[report->searches[PLAN_ENERGY].cost]);
+    (void)printf("%s: %u × %u cells of %.3f m%s%s; robot %s, %s cost\n", report->map->name, config->width,
+                 config->height, (double)config->resolution / JP_Q16_ONE, config->has_elevation ? "" : ", level ground",
+                 config->has_costs ? ", whose costs count in the choice of routes" : "", report->lattice->name,
+                 costs[report->searches[PLAN_ENERGY].cost]);
     (void)printf("start %.1f, %.1f m, %.0f°; goal %.1f, %.1f m (%s)\n", start.x, start.y, start.heading_deg, goal.x,
                  goal.y,
                  report->task.is_chosen ? "chosen: far apart in the largest free part; --start and --goal set others"
@@ -270,9 +271,10 @@ static json_t *json_map(const struct plan_report *report)
     const struct map_file *map = report->map;
     const struct jp_terrain_config *config = &map->terrain.config;
 
-    return json_pack("{s:s, s:s, s:s, s:i, s:i, s:f, s:b}", "file", report->map_path, "name", map->name, "note",
+    return json_pack("{s:s, s:s, s:s, s:i, s:i, s:f, s:b, s:b}", "file", report->map_path, "name", map->name, "note",
                      map->note, "width", config->width, "height", config->height, "resolution_m",
-                     (double)config->resolution / JP_Q16_ONE, "has_elevation", config->has_elevation);
+                     (double)config->resolution / JP_Q16_ONE, "has_elevation", config->has_elevation, "has_costs",
+                     config->has_costs);
 }
 
 static json_t *json_parameters(const struct plan_report *report)

@@ -120,6 +120,55 @@ static void test_note_and_elevation_may_be_absent(void)
     map_file_free(&map);
 }
 
+/* The sound file with costs; the northern row first. */
+static void write_costs(const char *shift, const char *costs)
+{
+    char text[TEXT_MAX];
+    (void)snprintf(text, sizeof text, "%.*s,\n\"cost_shift\": %s, \"cost\": %s}\n", (int)strlen(sound) - 2, sound,
+                   shift, costs);
+    write_file(text, strlen(text));
+}
+
+static void test_costs_of_cells(void)
+{
+    static const int costs[3][4] = {{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 255}};
+
+    write_costs("4", "[[8, 9, 10, 255], [4, 5, 6, 7], [0, 1, 2, 3]]");
+    TEST_ASSERT_TRUE_MESSAGE(load(path), errors);
+    TEST_ASSERT_TRUE(map.terrain.config.has_costs);
+    TEST_ASSERT_EQUAL_INT(4, map.terrain.config.cost_shift);
+    for (int i = 0; i < 12; i++) {
+        TEST_ASSERT_EQUAL_INT(costs[i / 4][i % 4], jp_terrain_cost(&map.terrain, i % 4, i / 4));
+    }
+    TEST_ASSERT_EQUAL_INT(4096, jp_terrain_elevation(&map.terrain, 3, 2));
+    map_file_free(&map);
+}
+
+static void test_wrong_costs(void)
+{
+    static const struct {
+        const char *shift;
+        const char *costs;
+        const char *culprit;
+    } wrong[] = {
+        {"9", "[[0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]]", "cost_shift: 9 is not in 0…8"},
+        {"-1", "[[0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]]", "cost_shift: -1"},
+        {"0.5", "[[0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]]", "cost_shift: "},
+        {"0", "[[0, 0, 0, 0], [0, 0, 0, 0]]", "cost: is no list of 3"},
+        {"0", "7", "cost: is no list of 3"},
+        {"0", "[[0, 0, 0, 0], [0, 0, 0], [0, 0, 0, 0]]", "cost: row 2 is no list of 4"},
+        {"0", "[[0, 0, 0, 0], [0, 0, 256, 0], [0, 0, 0, 0]]", "cost: row 2, cell 3"},
+        {"0", "[[0, 0, 0, 0], [0, 0, 0, 0], [0, -1, 0, 0]]", "cost: row 3, cell 2"},
+        {"0", "[[0.5, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]]", "cost: row 1, cell 1"},
+    };
+
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        write_costs(wrong[i].shift, wrong[i].costs);
+        check_refused(path, wrong[i].culprit);
+    }
+    check_with("\"note\": \"by hand\"", "\"cost\": []", "cost_shift: the key is missing");
+}
+
 static void test_resolution_at_its_limits(void)
 {
     check_loads_with("0.2", "0.001");

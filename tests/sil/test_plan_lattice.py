@@ -112,6 +112,24 @@ def test_an_environment_of_sbpl_with_its_lattice_and_its_task(tmp_path):
         assert all(1 < row["y_m"] < 2.2 for row in route if 2.7 < row["x_m"] < 3.4)
 
 
+def test_costs_of_cells_lead_round_them(tmp_path):
+    """The direct way is dear; what a route takes is its energy all the same."""
+    data = json.loads(write_map(tmp_path / "plain.json", room()).read_text())
+    data |= {"cost_shift": 4, "cost": [[255 if 20 <= x < 40 and 8 <= y < 32 else 0 for x in range(60)]
+                                       for y in range(40)]}
+    (tmp_path / "dear.json").write_text(json.dumps(data))
+    plain, table = planned(tmp_path / "plain.json", tmp_path / "out", *TASK)
+    assert "costs" not in table and not plain["map"]["has_costs"]
+    straight = plain["routes"][0]
+    dear, table = planned(tmp_path / "dear.json", tmp_path / "out", *TASK)
+    assert "whose costs count in the choice of routes" in table and dear["map"]["has_costs"]
+    for route in dear["routes"]:
+        rows = rows_of(tmp_path / "out" / route["file"])
+        assert not any(20 <= row["x_m"] / 0.2 < 40 and 8 <= 39 - row["y_m"] // 0.2 < 32 for row in rows)
+        assert 1.05 * straight["length_m"] < route["length_m"] < 2 * straight["length_m"]
+        assert 1.05 * straight["energy_j"] < route["energy_j"] < 3 * straight["energy_j"]
+
+
 # ---- wrong input ---------------------------------------------------------------------------------------------------
 
 @pytest.fixture

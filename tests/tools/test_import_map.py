@@ -125,6 +125,10 @@ def check_map(data):
         heights = np.array(data["elevation_m"])
         assert heights.shape == (data["height"], data["width"])
         assert np.abs(heights).max() <= 31.999
+    if "cost" in data:
+        costs = np.array(data["cost"])
+        assert costs.shape == (data["height"], data["width"])
+        assert 0 <= costs.min() <= costs.max() <= 255
     return data
 
 
@@ -210,7 +214,7 @@ def test_resampling_against_areas(ratio):
     """Each coarse cell against the overlap of its area with every fine cell."""
     generator = np.random.default_rng(SEED)
     cells = generator.choice([import_map.FREE, import_map.UNKNOWN, import_map.OCCUPIED], (11, 17), p=[0.8, 0.1, 0.1])
-    coarse = import_map.resampled_cells("x", cells, ratio)[::-1]
+    coarse = import_map.resampled_cells("x", cells, ratio, import_map.UNKNOWN)[::-1]
     fine = cells[::-1]
     for y, x in np.ndindex(coarse.shape):
         worst = import_map.UNKNOWN if (x + 1) * ratio > 17 + 1e-6 or (y + 1) * ratio > 11 + 1e-6 else import_map.FREE
@@ -341,7 +345,8 @@ def test_sbpl_environment(place):
     assert data["rows"] == ["..#", "..#"]
     assert data["resolution_m"] == 0.025
     assert data["origin_m"] == [0, 0, 0]
-    assert data["note"] == "SBPL environment env.cfg; 2 cells of costs 100 to 253, below its obsthresh, are free"
+    assert data["note"] == "SBPL environment env.cfg; 2 cells cost 101 to 254 times as much"
+    assert (data["cost"], data["cost_shift"]) == ([[0, 253, 0], [0, 100, 0]], 0)
     assert "its task for jp-plan: --start=0.01,0.01,0 --goal=0.06,0.03,90\n" in result.stdout
 
 
@@ -350,6 +355,15 @@ def test_sbpl_first_row_is_the_southern_one(place):
     assert imported(place / "env.cfg")["rows"] == ["..#", "##."]
     (place / "env.cfg").write_text(SBPL.replace("obsthresh: 254", "obsthresh: 100"))
     assert imported(place / "env.cfg")["rows"] == [".##", ".##"]
+
+
+def test_sbpl_costs_follow_window_and_resolution(place):
+    data = imported(place / "env.cfg", "--window", "1", "0", "2", "2")
+    assert (data["rows"], data["cost"], data["origin_m"]) == ([".#", ".#"], [[253, 0], [100, 0]], [0.025, 0, 0])
+    data = imported(place / "env.cfg", "--resolution", "0.05")
+    assert (data["rows"], data["cost"]) == ([".#"], [[253, 0]])
+    (place / "env.cfg").write_text(SBPL.replace("253 255", "0 255").replace("0 100", "0 0"))
+    assert "cost" not in imported(place / "env.cfg")
 
 
 def test_sbpl_environment_of_cells(place):
@@ -379,7 +393,7 @@ def test_sbpl_environment_without_a_task(place):
     ("(meters): 0.025", "(meters): 0", "cellsize(meters)"), ("0.01 0.01 0", "0.01 -0.01 0", "start: 0.01, -0.01 m is"),
     ("0.06 0.03", "0.08 0.03", "end: 0.08, 0.03 m is outside the map of 3 × 2 cells of 0.025 m"),
     ("0 253", "0 256", "environment: row 2, cell 2: 256 is not in 0…255"), ("0 253", "-1 253", "row 2, cell 1"),
-    ("0 253", "a 253", "row 2, cell 1: 'a' is not a number"), ("0 253 255", "0 253", "5 cells"),
+    ("0 253", "0 25.3", "row 2, cell 2: 25.3 is not a whole number"), ("0 253", "a 253", "row 2, cell 1: 'a' is not a number"), ("0 253 255", "0 253", "5 cells"),
     (SBPL, "type = \"skid_steer\";\n", "'type' is not a key of an SBPL environment"),
 ])
 def test_sbpl_errors(place, part, replacement, culprit):

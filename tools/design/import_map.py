@@ -6,8 +6,8 @@ The kind of map follows from the source's name:
   .asc         ESRI ASCII grid of elevations, m; NODATA (-9999 if it names none) is unknown ground
   .npz         elevations, m, with dx, dy, ymin, ymax in degrees as in matplotlib's jacksboro_fault_dem.npz
   .map         MovingAI grid: . G S are free, @ O T W are occupied
-  .cfg         SBPL environment, nav2D or (x, y, theta): cells from obsthresh on are occupied; its first row is y = 0, the
-               southern one; its start and end are printed as options of jp-plan
+  .cfg         SBPL environment, nav2D or (x, y, theta): cells from obsthresh on are occupied, the costs of others are
+               kept; its first row is y = 0, the southern one; its start and end are printed as options of jp-plan
   jacksboro    the elevation model that matplotlib carries
 
 Ground steeper than 15 degrees is occupied. Elevations are relative to the middle of their range, which must fit 64 m.
@@ -16,7 +16,8 @@ slopes stay those of the land.
 
 The file: {"format": "joulepath-map-1", "name", "width", "height" (cells), "resolution_m", "origin_m": [x, y, yaw] of
 the south-west corner, "note", "rows": one text a row of cells, the northern row first (. free, # occupied, ?
-unknown), "elevation_m": likewise, absent where the ground is level}.
+unknown), "elevation_m": likewise, absent where the ground is level, "cost": likewise, 0…255, absent without costs,
+"cost_shift": with costs, 0…8: driving over a cell costs 1 + cost/2^cost_shift times as much}.
 Exit status 2: bad input; nothing was written.
 """
 import argparse
@@ -73,6 +74,7 @@ class Grid:
     note: str
     origin: tuple = (0.0, 0.0, 0.0)  # of the south-west corner: m, m, rad
     elevation: np.ndarray | None = None  # m
+    cost: np.ndarray | None = None  # whole numbers; driving over a cell costs 1 + cost times as much
     task: str = ""  # options of jp-plan
 
 
@@ -280,6 +282,10 @@ def read_sbpl_cells(path, words, width, height):
         raise ToolError(f"{path}: environment: {len(words)} cells, but discretization says {width} × {height}")
     costs = [number(path, f"environment: row {i // width + 1}, cell {i % width + 1}", word, 0, SBPL_COST_MAX)
              for i, word in enumerate(words)]
+    fraction = next((i for i, cost in enumerate(costs) if cost != int(cost)), None)
+    if fraction is not None:
+        raise ToolError(f"{path}: environment: row {fraction // width + 1}, cell {fraction % width + 1}: "
+                        f"{costs[fraction]:g} is not a whole number")
     return np.array(costs).reshape(height, width)
 
 
@@ -294,11 +300,12 @@ def read_sbpl(path, options):
     grey = costs[(costs > 0) & (costs < threshold)]
     note = f"SBPL environment {path.name}"
     if grey.size:
-        note += f"; {grey.size} cells of costs {grey.min():g} to {grey.max():g}, below its obsthresh, are free"
+        note += f"; {grey.size} cells cost {1 + grey.min():g} to {1 + grey.max():g} times as much"
     start = sbpl_place(path, header, "start", (width, height), cell)
     goal = sbpl_place(path, header, "end", (width, height), cell)
     task = f"--start={start} --goal={goal}" if start and goal else ""
-    return Grid(np.where(costs >= threshold, OCCUPIED, FREE)[::-1], cell, note, task=task)
+    cost = np.where(costs >= threshold, 0, costs)[::-1].astype(int) if grey.size else None
+    return Grid(np.where(costs >= threshold, OCCUPIED, FREE)[::-1], cell, note, cost=cost, task=task)
 
 
 # ---- Elevations ----
@@ -454,15 +461,15 @@ def covered(count, ratio):
     return [(int(i * ratio + 1e-6), math.ceil((i + 1) * ratio - 1e-6)) for i in range(coarse)]
 
 
-def resampled_cells(path, cells, ratio):
-    """Each coarse cell is the worst of the fine cells in it; what lies beyond the map is unknown. From the
+def resampled_cells(path, cells, ratio, beyond):
+    """Each coarse cell is the worst of the fine cells in it and, at the edges, of what lies beyond the map. From the
     south-west corner."""
     rows = covered(cells.shape[0], ratio)
     columns = covered(cells.shape[1], ratio)
     check_side(path, len(columns), len(rows))
     from_south = cells[::-1]
     padded = np.pad(from_south, ((0, rows[-1][1] - cells.shape[0]), (0, columns[-1][1] - cells.shape[1])),
-                    constant_values=UNKNOWN)
+                    constant_values=beyond)
     by_row = np.stack([padded[low:high].max(axis=0) for low, high in rows])
     return np.stack([by_row[:, low:high].max(axis=1) for low, high in columns], axis=1)[::-1]
 
@@ -515,9 +522,12 @@ def read_grid(path, window, options):
     if window:
         source.origin = moved(source.origin, source.cells.shape, (source.resolution,) * 2, window)
         source.cells = cut(path, source.cells, window)
+        source.cost = None if source.cost is None else cut(path, source.cost, window)
         source.note += f", window {' '.join(map(str, window))}"
     if options.resolution:
-        source.cells = resampled_cells(path, source.cells, options.resolution / source.resolution)
+        ratio = options.resolution / source.resolution
+        source.cells = resampled_cells(path, source.cells, ratio, UNKNOWN)
+        source.cost = None if source.cost is None else resampled_cells(path, source.cost, ratio, 0)
         source.resolution = options.resolution
     check_side(path, source.cells.shape[1], source.cells.shape[0])
     return source
@@ -535,6 +545,9 @@ def map_json(name, grid):
     lists = {"rows": ["".join(row) for row in CHARACTERS[grid.cells]]}
     if grid.elevation is not None:
         lists["elevation_m"] = grid.elevation.tolist()
+    if grid.cost is not None:
+        head["cost_shift"] = 0
+        lists["cost"] = grid.cost.tolist()
     parts = [f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in head.items()]
     parts += [f"{json.dumps(key)}: [\n" + ",\n".join(map(json.dumps, rows)) + "\n]" for key, rows in lists.items()]
     return "{" + ",\n".join(parts) + "}\n"
