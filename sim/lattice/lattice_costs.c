@@ -188,9 +188,22 @@ static double ratio(const struct lattice *lattice, enum jp_cost_kind kind)
     return least;
 }
 
+/* What the steps cost by the tables, which round each of them down. */
+static double counted_cost(const struct lattice *lattice, enum jp_cost_kind kind,
+                           const struct lattice_primitive *primitive)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < primitive->move_count; i++) {
+        sum += jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(primitive->moves[i])], 0);
+    }
+    return sum;
+}
+
 static unsigned base(const struct lattice *lattice, enum jp_cost_kind kind, const struct lattice_primitive *primitive)
 {
-    const double moves = lattice->ratio[kind] * level_cost(lattice, kind, primitive);
+    const double moves = lattice->counts_rounding ? counted_cost(lattice, kind, primitive)
+                                                  : lattice->ratio[kind] * level_cost(lattice, kind, primitive);
 
     return (unsigned)fmin(UINT32_MAX, fmax(0, ceil(primitive->cost[kind] - moves - EXACT)));
 }

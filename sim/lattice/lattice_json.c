@@ -272,6 +272,7 @@ static bool read_root(const char *path, const json_t *root, struct lattice *latt
 {
     const json_t *resolution = json_object_get(root, "resolution_m");
 
+    lattice->counts_rounding = true;
     lattice->resolution_m = json_number_value(resolution);
     if (!(lattice->resolution_m >= 0.01 && lattice->resolution_m <= 10)) {
         error_line("%s: resolution_m: must be 0.01 to 10 m; import another file", path);

@@ -58,6 +58,7 @@ struct lattice {
     double headings[JP_HEADINGS]; /**< rad */
     struct lattice_primitive *primitives;
     size_t count;
+    bool counts_rounding; /**< bases make up for what the steps lose by rounding, much over long ways on small cells */
     struct jp_slope_cost move_costs[JP_COST_KINDS][JP_MOVE_KINDS];
     double ratio[JP_COST_KINDS]; /**< of the moves' level costs to those of driving straight, at most 1 */
     struct lattice_cells *footprint[JP_HEADINGS];

@@ -29,6 +29,7 @@ ROM_MAX = 32 * 1024
 PRIMITIVE_SIZE, INDEX_SIZE, SPAN_SIZE, LATTICE_SIZE = 20, 2, 3, 580
 
 UNITS_PER_JOULE = 16  # JP_COST_PER_JOULE
+STEP_UNITS_MIN = 5  # of a step, below which it is said that rounding shows
 BRANCHES_MAX = 255  # JP_PRIMITIVES_PER_HEADING_MAX
 
 # What the members of struct jp_primitive hold: name, unit, per unit, most.
@@ -339,6 +340,17 @@ def c_files(directory, robot_path, tables, command, source):
     return files
 
 
+def rounding_note(data):
+    """On cells so small that the rounding of energies to whole units shows."""
+    units = data["costs"][0]["moves"][0]["climb"][0] / 65536  # of a level step along an axis
+    if units >= STEP_UNITS_MIN:
+        return ""
+    what = ("less than one: plans by energy count steps, trust those by distance" if units < 1
+            else "and each primitive is rounded to whole ones")
+    return (f"a step of {data['resolution_m']:g} m takes {units / UNITS_PER_JOULE:.2g} J, {units:.2g} of the units in "
+            f"which energies are counted, {what}; larger cells are counted better")
+
+
 def print_lattice(data):
     """The primitives of the first quarter's headings; energies on level ground."""
     rows = [("heading", "to cell", "to heading", "length", "duration", "turning", "turning, paper")]
@@ -377,6 +389,8 @@ def main():
         robot_json.check_name(robot_path, tables.data["robot"])
         files = c_files(options.tables, robot_path, *made)
     print_lattice(tables.data)
+    if rounding_note(tables.data):
+        print(f"{tables.label}: {rounding_note(tables.data)}")
     for path, content in files.items():
         write_whole(path, content)
         print(f"wrote {shown_path(path)}")
