@@ -78,16 +78,16 @@ static jp_cost charged_energy(const struct jp_lattice *lattice, enum jp_cost_kin
 {
     const uint8_t *move = &lattice->moves[primitive->first_move];
     const uint8_t *end = &move[primitive->move_count];
-    uint32_t largest = jp_terrain_cost(terrain, x, y);
+    uint32_t largest = terrain_cost(terrain, x, y);
     jp_cost sum = 0;
 
     for (; move != end; move++) {
-        const int32_t elevation = jp_terrain_elevation(terrain, x, y);
-        const uint32_t before = jp_terrain_cost(terrain, x, y);
+        const int32_t elevation = terrain_elevation(terrain, x, y);
+        const uint32_t before = terrain_cost(terrain, x, y);
         x += jp_move_offsets[*move].dx;
         y += jp_move_offsets[*move].dy;
-        const uint32_t dearer = larger(before, jp_terrain_cost(terrain, x, y));
-        const int32_t rise = jp_terrain_elevation(terrain, x, y) - elevation;
+        const uint32_t dearer = larger(before, terrain_cost(terrain, x, y));
+        const int32_t rise = terrain_elevation(terrain, x, y) - elevation;
         const jp_cost cost = jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(*move)], rise);
         sum = jp_cost_add(sum, times_factor(terrain, cost, dearer));
         largest = larger(largest, dearer);

@@ -32,7 +32,7 @@ bool jp_phases_is_idle(const struct jp_planner_internal *planner)
 /** True when there is a search, or a plan with a bound, that changes must be taken into. */
 static bool has_search(const struct jp_planner_internal *planner)
 {
-    return planner->phase >= JP_PLANNER_CHECK_PLAN || planner->has_lent_states;
+    return planner->has_lent_states || planner->phase >= JP_PLANNER_CHECK_PLAN;
 }
 
 static bool is_ready(const struct jp_planner_internal *planner)

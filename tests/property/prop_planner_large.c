@@ -1,5 +1,6 @@
 /*
- * The planner at the far corner of the largest map: a walled room there has the routes that it has alone.
+ * The planner at the far corner of the largest map: a walled room there has the routes that it has alone. And a planner
+ * in a block that its energy field fits in only after the search, beside one that proves its routes.
  *
  * prop_planner_large [--count N] [--seed S] [--json FILE]
  */
@@ -14,6 +15,7 @@
 enum {
     ROOM = 60, /* cells, its walls among them */
     EDITS = 6,
+    TIGHT_BLOCK = 30 * 1024, /* the energy field fits in the states' place only */
     SMALL_BLOCK = 1024 * 1024,
     LARGE_BLOCK = 160 * 1024 * 1024, /* with the energy field: 3 bytes a cell and more */
     SLICE = 64,
@@ -64,7 +66,7 @@ static void open_site(struct site *site, uint16_t side, size_t block_size)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&site->terrain, &map, site->terrain_block, size, &field));
     TEST_ASSERT_EQUAL_INT(JP_OK,
                           jp_planner_init(&site->planner, &config, &site->terrain, site->block, block_size, &field));
-    TEST_ASSERT_TRUE(jp_planner_statistics(&site->planner)->field_bytes > 0);
+    TEST_ASSERT_TRUE((jp_planner_statistics(&site->planner)->field_bytes > 0) == (block_size > TIGHT_BLOCK));
 }
 
 static void close_site(struct site *site)
@@ -165,6 +167,59 @@ static void test_a_room_far_off_has_the_routes_that_it_has_alone(void)
     close_site(&alone);
     close_site(&far_off);
     printf("%u plans\n", routes);
+    TEST_ASSERT_TRUE(routes > 0);
+}
+
+/* The map changes when the states are cleared for the exact search beside the field, and anywhere else. */
+static void work_on(struct site *site)
+{
+    unsigned slices = below(2) == 0 ? below(3000) : 1000000;
+
+    for (; slices > 0 && !jp_planner_is_idle(&site->planner); slices--) {
+        (void)jp_planner_work(&site->planner, 1);
+        if (site->planner.internal.has_lent_states && site->planner.internal.phase == JP_PLANNER_CLEAR) {
+            return;
+        }
+    }
+}
+
+static bool expect_true_bound(void)
+{
+    const struct jp_plan *plan = jp_planner_plan(&alone.planner);
+    const struct jp_plan *best = jp_planner_plan(&far_off.planner);
+    const enum jp_answer answer = finish(&alone);
+
+    if (finish(&far_off) != JP_ANSWER_OPTIMAL || (answer != JP_ANSWER_OPTIMAL && answer != JP_ANSWER_WITHIN_BOUND)) {
+        return false;
+    }
+    TEST_ASSERT_TRUE(plan->cost >= best->cost);
+    TEST_ASSERT_TRUE((uint64_t)plan->cost * JP_EPSILON_ONE <= (uint64_t)plan->bound * best->cost);
+    return true;
+}
+
+static void test_a_bound_in_the_states_place_is_true(void)
+{
+    unsigned routes = 0;
+
+    open_site(&alone, ROOM, TIGHT_BLOCK);
+    open_site(&far_off, ROOM, SMALL_BLOCK);
+    for (unsigned i = 0; i < options.count; i++) {
+        begin_random(options.seed, 1000 + i);
+        const struct jp_lattice_pose from = {6, 6, (uint8_t)below(JP_HEADINGS)};
+        const struct jp_goal to = {ROOM - 7, ROOM - 7, JP_ANY_HEADING};
+        furnish();
+        if (!go(&alone, &from, &to) || !go(&far_off, &from, &to)) {
+            continue;
+        }
+        for (unsigned k = 0; k < EDITS; k++) {
+            work_on(&alone);
+            edit();
+            routes += expect_true_bound();
+        }
+    }
+    close_site(&alone);
+    close_site(&far_off);
+    printf("%u bounds\n", routes);
     TEST_ASSERT_TRUE(routes > 0);
 }
 

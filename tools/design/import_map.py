@@ -41,7 +41,7 @@ from tools.common import (ArgumentParser, ToolError, print_aligned, read_text, r
 FORMAT = "joulepath-map-1"
 
 # What the library's map holds: include/joulepath/terrain.h.
-SIDE_MAX = 1024
+SIDE_MAX = 4096
 ELEVATION_MAX_M = 31.99
 RESOLUTION_RANGE_M = 0.001, 1000.0
 

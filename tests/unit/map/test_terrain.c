@@ -146,6 +146,8 @@ static void test_init_checks_every_field_at_its_limits(void)
     FIELD(height, 1, NULL);
     FIELD(height, JP_TERRAIN_SIDE_MAX + 1, "height");
     FIELD(height, UINT16_MAX, "height");
+    FIELD(cost_shift, 8, NULL);
+    FIELD(cost_shift, 9, "cost_shift");
     FIELD(resolution, 0, "resolution");
     FIELD(resolution, -1, "resolution");
     FIELD(resolution, INT32_MIN, "resolution");
@@ -157,13 +159,12 @@ static void test_init_checks_every_field_at_its_limits(void)
     config.width = 1;
     FIELD(height, 1024, NULL);
     config.has_elevation = false;
+    config.has_costs = false;
     config.height = 1;
     FIELD(width, JP_TERRAIN_SIDE_MAX, NULL);
     config.height = JP_TERRAIN_SIDE_MAX;
     const char *field = "";
     TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, init(&field)); /* no field is out of range */
-    FIELD(cost_shift, 8, NULL);
-    FIELD(cost_shift, 9, "cost_shift");
 }
 
 static void test_size_is_two_bits_a_cell_in_words_two_bytes_an_elevation_and_one_a_cost(void)

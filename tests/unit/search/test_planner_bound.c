@@ -101,7 +101,7 @@ static void test_obstacle_beside_the_route_leaves_plan_and_bound(void)
 static void test_other_changes_begin_anew(void)
 {
     plan_with_lent_states();
-    occupy(8, 4); /* on the route */
+    occupy(8, 9); /* on the route round the wall */
     expect_as_if_begun_anew();
     plan_with_lent_states();
     raise(8, 12, -10); /* cheaper ground beside it: the route stays meanwhile */
