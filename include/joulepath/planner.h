@@ -5,9 +5,9 @@
  * valid while the robot drives. Two fields rooted at the robot are its heuristics: first the guide's estimate times ε
  * (guide_field.h), which finds good routes with few states; then, where the block has room for it, the energy field's
  * bound (energy_field.h), which proves the optimum; in a smaller block it takes the states' place after the search, and
- * bounds the cost of its route. After changes of the map the search repairs what they touch; when a
- * proved route is lost, a small second search by the guide, the scout, joins what is left of it before the proof goes
- * on. jp_planner_work() does it in slices. The same input gives the same bits on every core.
+ * bounds the cost of its route. After changes of the map the search repairs what they touch; when a proved route is
+ * lost, a small second search by the guide, the scout, joins what is left of it before the proof goes on.
+ * jp_planner_work() does it in slices. The same input gives the same bits on every core.
  *
  * When the states do not fit the block, ε goes up; when not even the greediest search fits, the planner searches from
  * the robot towards the goal and gives the route to the nearest state that it has found: a partial plan.
