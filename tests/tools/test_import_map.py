@@ -115,7 +115,7 @@ def refused(source, *parts, options=()):
 def check_map(data):
     """What every map file promises."""
     assert data["format"] == "joulepath-map-1"
-    assert 1 <= data["width"] <= 1024 and 1 <= data["height"] <= 1024
+    assert 1 <= data["width"] <= 4096 and 1 <= data["height"] <= 4096
     assert len(data["rows"]) == data["height"]
     assert all(len(row) == data["width"] and set(row) <= set(".#?") for row in data["rows"])
     assert math.isfinite(data["resolution_m"]) and data["resolution_m"] > 0
@@ -293,10 +293,10 @@ def test_image_that_is_a_directory(place):
 
 
 def test_map_over_the_limit_fits_when_resampled(place):
-    (place / "yard.pgm").write_bytes(pgm(np.full((2, 1025), 254, dtype=np.uint8)))
-    refused(place / "yard.yaml", "1025", "1024")
-    assert imported(place / "yard.yaml", "--resolution", "0.2")["width"] == 257
-    assert imported(place / "yard.yaml", "--window", 1, 0, 1024, 2)["width"] == 1024
+    (place / "yard.pgm").write_bytes(pgm(np.full((2, 4097), 254, dtype=np.uint8)))
+    refused(place / "yard.yaml", "4097", "4096")
+    assert imported(place / "yard.yaml", "--resolution", "0.2")["width"] == 1025
+    assert imported(place / "yard.yaml", "--window", 1, 0, 4096, 2)["width"] == 4096
 
 
 # ---- MovingAI ----
