@@ -8,9 +8,15 @@
 #include "src/search/planner_search.h"
 #include "src/search/planner_slices.h"
 #include "src/search/planner_splice.h"
+#include "src/search/planner_stage.h"
+#include "src/search/planner_states.h"
 #include "src/search/planner_trace.h"
 
 enum { EPSILON_RAISE_DIVISOR = 4 };
+
+/** What a search from the robot is after, in place of the level of ε. */
+#define FORWARD_WHOLE ((uint8_t)0)
+#define FORWARD_PART  ((uint8_t)1)
 
 /** The one place that assigns the phase. */
 static void enter(struct jp_planner_internal *planner, enum jp_planner_phase phase)
@@ -18,31 +24,9 @@ static void enter(struct jp_planner_internal *planner, enum jp_planner_phase pha
     planner->phase = phase;
 }
 
-/** True while the search expands states, or has found what is traced. */
-static bool is_searching(const struct jp_planner_internal *planner)
-{
-    return planner->phase == JP_PLANNER_SEARCH || planner->phase == JP_PLANNER_TRACE;
-}
-
 bool jp_phases_is_idle(const struct jp_planner_internal *planner)
 {
     return planner->phase == JP_PLANNER_EMPTY || planner->phase == JP_PLANNER_SETTLED;
-}
-
-/** True when there is a search, or a plan with a bound, that changes must be taken into. */
-static bool has_search(const struct jp_planner_internal *planner)
-{
-    return planner->has_lent_states || planner->phase >= JP_PLANNER_CHECK_PLAN;
-}
-
-static bool is_ready(const struct jp_planner_internal *planner)
-{
-    return planner->has_start && planner->has_goal;
-}
-
-static bool has_field(const struct jp_planner_internal *planner)
-{
-    return planner->statistics.field_bytes > 0U;
 }
 
 /** Roots the energy field at the robot; it grows in `phase`, before or within a search. */
@@ -75,7 +59,7 @@ static void begin(struct jp_planner_internal *planner, enum jp_planner_direction
     planner->effort.has_begun = true;
     planner->changes.count = 0;
     planner->changes.may_be_cheaper = false;
-    if (planner->search.epsilon == JP_EPSILON_ONE && has_field(planner)) {
+    if (planner->search.epsilon == JP_EPSILON_ONE && jp_stage_has_field(planner)) {
         begin_field(planner, JP_PLANNER_GROW_FIELD);
     } else {
         begin_guide(planner);
@@ -90,7 +74,7 @@ void jp_phases_restart(struct jp_planner_internal *planner)
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
     planner->search.level = 0;
     planner->search.epsilon = planner->config.epsilon[0];
-    if (is_ready(planner)) {
+    if (jp_stage_is_ready(planner)) {
         planner->statistics.restarts++;
         planner->effort.fresh_route = 0;
         begin(planner, JP_PLANNER_FROM_GOAL);
@@ -146,13 +130,6 @@ static void settle(struct jp_planner_internal *planner, enum jp_answer answer)
 {
     planner->answer = answer;
     enter(planner, JP_PLANNER_SETTLED);
-}
-
-/** True when the energy field's root cannot reach the robot: the field bounds none of its routes then. */
-static bool is_cut_off(const struct jp_planner_internal *planner)
-{
-    return planner->is_field_rooted &&
-           jp_energy_field_bound(&planner->field, planner->start.x, planner->start.y) == JP_COST_MAX;
 }
 
 /** Begins anew where that is cheaper than to go on. A route that is there stays; only its proof begins anew. */
@@ -218,7 +195,7 @@ static void leave_scout(struct jp_planner_internal *planner)
 /** After the guide has grown. Where it finds no path, the energy field can prove that there is none. */
 static void leave_guide(struct jp_planner_internal *planner)
 {
-    const bool is_blind = !jp_search_is_forward(planner) && has_field(planner) &&
+    const bool is_blind = !jp_search_is_forward(planner) && jp_stage_has_field(planner) &&
                           !jp_guide_field_reaches(&planner->guide, planner->goal.x, planner->goal.y);
 
     if (is_blind && planner->is_scouting) {
@@ -234,7 +211,7 @@ static void leave_guide(struct jp_planner_internal *planner)
 static void leave_new_field(struct jp_planner_internal *planner)
 {
     (void)jp_energy_field_take_lowered(&planner->field);
-    if (is_cut_off(planner)) {
+    if (jp_stage_is_cut_off(planner)) {
         jp_phases_restart(planner);
     } else if (jp_energy_field_bound(&planner->field, planner->goal.x, planner->goal.y) == JP_COST_MAX) {
         planner->answer = JP_ANSWER_UNREACHABLE;
@@ -249,7 +226,7 @@ static void leave_field(struct jp_planner_internal *planner)
 {
     const struct jp_cell_box lowered = jp_energy_field_take_lowered(&planner->field);
 
-    if (is_cut_off(planner)) {
+    if (jp_stage_is_cut_off(planner)) {
         jp_phases_restart(planner);
         return;
     }
@@ -318,7 +295,7 @@ static void improve(struct jp_planner_internal *planner)
         return;
     }
     planner->search.is_of_one_level = false;
-    if (planner->search.epsilon == JP_EPSILON_ONE && has_field(planner)) {
+    if (planner->search.epsilon == JP_EPSILON_ONE && jp_stage_has_field(planner)) {
         begin_field(planner, JP_PLANNER_UPDATE_FIELD);
     } else {
         resume(planner);
@@ -376,6 +353,28 @@ static void begin_trace(struct jp_planner_internal *planner, bool has_ended)
     }
 }
 
+/** True when a forward search has found a state nearer to the goal than the robot is. */
+static bool has_come_nearer(const struct jp_planner_internal *planner)
+{
+    return planner->search.nearest != NO_SLOT &&
+           planner->search.nearest_heuristic < jp_search_heuristic(planner, &planner->start);
+}
+
+/** The states of a search from the robot do not fit. The greediest one has shown that no whole route does: the first
+ *  part of a good one is worth more than most of a bad one. */
+static void save_forward_memory(struct jp_planner_internal *planner)
+{
+    if (planner->search.level == FORWARD_WHOLE) {
+        planner->search.level = FORWARD_PART;
+        planner->search.epsilon = jp_scout_whole_way_epsilon(planner);
+        begin_search(planner);
+    } else if (has_come_nearer(planner) || planner->search.epsilon == JP_EPSILON_MAX) {
+        begin_trace(planner, true);
+    } else {
+        raise_epsilon(planner);
+    }
+}
+
 /** The states do not fit. Without a plan: raises ε, which needs fewer states, and at last searches from the robot. */
 static void save_memory(struct jp_planner_internal *planner)
 {
@@ -384,10 +383,11 @@ static void save_memory(struct jp_planner_internal *planner)
     } else if (planner->search.is_repaired) {
         jp_phases_restart(planner);
     } else if (jp_search_is_forward(planner)) {
-        begin_trace(planner, true);
+        save_forward_memory(planner);
     } else if (planner->search.epsilon < JP_EPSILON_MAX) {
         raise_epsilon(planner);
     } else {
+        planner->search.level = FORWARD_WHOLE;
         begin(planner, JP_PLANNER_FROM_ROBOT);
     }
 }
@@ -600,7 +600,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
 {
     if (jp_plan_is_current(planner) && jp_plan_follow(planner)) {
         planner->answer = planner->plan.answer;
-        if (is_searching(planner)) {
+        if (jp_stage_is_searching(planner)) {
             resume(planner);
         }
         return;
@@ -617,7 +617,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
         jp_phases_restart(planner);
         return;
     }
-    if (!has_search(planner)) {
+    if (!jp_stage_has_search(planner)) {
         look_at_new_field(planner); /* rooted where the robot was, it bounds these routes too */
         return;
     }
@@ -628,12 +628,12 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
     if (planner->phase == JP_PLANNER_CHECK_PLAN) {
         take_in_changes(planner);
     }
-    if (planner->phase != JP_PLANNER_UPDATE_FIELD && is_cut_off(planner)) {
+    if (planner->phase != JP_PLANNER_UPDATE_FIELD && jp_stage_is_cut_off(planner)) {
         jp_phases_restart(planner);
         return;
     }
     planner->search.is_repaired = true;
-    if (planner->phase == JP_PLANNER_SETTLED || is_searching(planner)) {
+    if (planner->phase == JP_PLANNER_SETTLED || jp_stage_is_searching(planner)) {
         resume(planner);
     }
     if (planner->phase != JP_PLANNER_SEARCH || !jp_search_has_arrived(planner)) {
@@ -674,17 +674,17 @@ void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32
     if (planner->is_scouting) {
         leave_scout(planner);
     }
-    if (has_search(planner) && !jp_repair_fits(planner, x, y)) {
+    if (jp_stage_has_search(planner) && !jp_repair_fits(planner, x, y)) {
         finish_repair(planner);
     }
-    if (!is_ready(planner)) {
+    if (!jp_stage_is_ready(planner)) {
         return;
     }
     if (jp_search_is_forward(planner) || planner->phase == JP_PLANNER_EMPTY) {
         jp_phases_restart(planner);
         return;
     }
-    if (has_search(planner)) {
+    if (jp_stage_has_search(planner)) {
         add_change(planner, x, y, may_be_cheaper);
     }
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;

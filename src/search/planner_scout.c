@@ -29,12 +29,17 @@ void jp_scout_call(struct jp_planner_internal *planner, bool is_splicing)
     }
 }
 
-void jp_scout_take_whole_way(struct jp_planner_internal *planner)
+uint16_t jp_scout_whole_way_epsilon(const struct jp_planner_internal *planner)
 {
     const uint16_t epsilon = planner->config.epsilon[0];
 
+    return epsilon > JP_EPSILON_ONE ? epsilon : WHOLE_WAY_EPSILON;
+}
+
+void jp_scout_take_whole_way(struct jp_planner_internal *planner)
+{
     planner->is_splicing = false;
-    planner->search.epsilon = epsilon > JP_EPSILON_ONE ? epsilon : WHOLE_WAY_EPSILON;
+    planner->search.epsilon = jp_scout_whole_way_epsilon(planner);
 }
 
 void jp_scout_dismiss(struct jp_planner_internal *planner)

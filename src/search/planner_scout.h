@@ -19,4 +19,7 @@ void jp_scout_take_whole_way(struct jp_planner_internal *planner);
 /** If it is at work, it stops where it is; the exact search is the one that counts. */
 void jp_scout_dismiss(struct jp_planner_internal *planner);
 
+/** ε of a search of the whole way by the guide. */
+uint16_t jp_scout_whole_way_epsilon(const struct jp_planner_internal *planner);
+
 #endif

@@ -5,7 +5,7 @@
 enum {
     BUCKETS_MIN = 64,
     BUCKETS_MAX = 1024,
-    STATES_PER_BUCKET = 16,
+    STATES_PER_BUCKET = 32,
     LOAD_NUMERATOR = 10, /* largest load factor: above it a look-up of an absent state takes too many probes */
     LOAD_DENOMINATOR = 11,
     ID_MASK = 0xFFFFFFF

@@ -57,6 +57,13 @@ bench-plan: ## measure the planner on the 20 scenes and the maps in DATA=dir
 	$(BUILD)/bench/bench_plan --rows $(BUILD)/bench-plan/rows.json $(MAPS) >$(BUILD)/bench/bench_plan.json
 	$(PYTHON) -m tools.measure.bench_plan $(BUILD)/bench-plan/rows.json $(BUILD)/bench/bench_plan.tables.json
 
+.PHONY: bench-maps
+bench-maps: ## measure the planner on MAPS="a.json…" (tools/design/import_map.py) and LATTICES="b.json…" (make lattice FILE=…)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_maps
+	@mkdir -p $(BUILD)/bench-plan
+	$(BUILD)/bench/bench_maps --rows $(BUILD)/bench-plan/maps.json $(LATTICES:%=--lattice %) $(MAPS) >$(BUILD)/bench/bench_maps.json
+
 .PHONY: bench-patrol
 bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on paths
 	@tools/setup.sh test
