@@ -113,6 +113,7 @@ enum jp_planner_phase {
     JP_PLANNER_CHECK_PLAN,   /**< from here on there is a search; it waits for what the changes leave of the plan */
     JP_PLANNER_UPDATE_FIELD, /**< it waits for the energy field */
     JP_PLANNER_REPAIR,       /**< recomputes the states whose primitives sweep changed cells */
+    JP_PLANNER_CUT,          /**< forgets all costs from the least on that a change has made wrong */
     JP_PLANNER_REKEY,        /**< computes all keys anew, for another ε or a wider range */
     JP_PLANNER_GROW_BOUND,   /**< the energy field, in the place of the states */
     JP_PLANNER_SEARCH,
@@ -185,6 +186,16 @@ struct jp_planner_effort {
     uint32_t fresh_end;   /**< to its end; 0: changes came before */
     jp_cost fresh_cost;   /**< of that route */
     bool has_begun;       /**< anew, in this slice: what the slice did before is not of this search */
+    bool has_cut;         /**< since the last change: what is left is part of a new search */
+};
+
+/** The cut of a search whose repair has become too dear. */
+struct jp_planner_cut {
+    uint32_t slot; /**< that it has come to */
+    uint32_t lost; /**< costs that are forgotten, and needed again */
+    jp_cost key;   /**< of the plan */
+    bool is_found; /**< the least wrong cost; states are cut since */
+    jp_cost least;
 };
 
 /** A search from one end of the route to the other: its states, their queue, and what steers it. */
@@ -198,6 +209,8 @@ struct jp_planner_search {
     uint32_t lowest_bucket;
     uint32_t rekey_slot; /**< slots from here on are not in the queue yet */
     uint32_t clear_slot; /**< slots from here on are yet to be cleared for a new search */
+    jp_cost cut_cost;    /**< slots that are not in the queue yet may rest on costs from this one on, which are gone */
+    jp_cost edge_max;    /**< no primitive that has been looked at costs more */
     uint32_t nearest;    /**< slot of the state with the least heuristic */
     jp_cost nearest_heuristic;
     enum jp_planner_direction direction;
@@ -243,6 +256,7 @@ struct jp_planner_internal {
     struct jp_planner_head head;
     struct jp_planner_trace trace;
     struct jp_planner_effort effort;
+    struct jp_planner_cut cut;
     struct jp_turns turns;
     struct jp_straight straight;
     struct jp_guide_field guide;

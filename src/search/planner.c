@@ -4,6 +4,7 @@
 #include "src/base/block.h"
 #include "src/search/planner_phases.h"
 #include "src/search/planner_route.h"
+#include "src/search/planner_start.h"
 #include "src/search/planner_states.h"
 
 enum {
@@ -179,7 +180,7 @@ enum jp_answer jp_planner_work(struct jp_planner *planner, unsigned expansions)
 
 void jp_planner_restart(struct jp_planner *planner)
 {
-    jp_phases_restart(&planner->internal);
+    jp_start_over(&planner->internal);
 }
 
 enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct jp_lattice *lattice)
@@ -197,7 +198,7 @@ enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct j
     jp_energy_field_set_lattice(&inner->field, lattice);
     jp_lattice_turns(lattice, inner->config.cost, &inner->turns);
     jp_lattice_straight(lattice, inner->config.cost, &inner->straight);
-    jp_phases_restart(inner);
+    jp_start_over(inner);
     return JP_OK;
 }
 
@@ -258,7 +259,7 @@ enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_g
     if (status == JP_OK) {
         inner->goal = *goal;
         inner->has_goal = true;
-        jp_phases_restart(inner);
+        jp_start_over(inner);
     }
     return status;
 }

@@ -3,33 +3,28 @@
 #include "src/search/planner_route.h"
 #include "src/search/planner_search.h"
 
-/* A repair steered by the guide, or a splice, may take one part in so many of a new search. */
+/* A repair, or a splice, may take one part in so many of a new search before it is given up. */
 enum { CHEAP_DIVISOR = 10 };
 
 /** Most expansions at a time, so that the equivalent number of other units fits 32 bits. */
 #define SLICE_MAX 0x100000U
 
-/** What a new search would take, by the present one when it was new and by how much of its route is left: until it has
- * a route, or proves the one that there is. 0: it was not that far yet, and must not be given up before. */
-static uint32_t effort_anew(const struct jp_planner_internal *planner)
+uint32_t jp_effort_anew(const struct jp_planner_internal *planner)
 {
     const struct jp_planner_effort *effort = &planner->effort;
-    const uint32_t fresh = jp_plan_is_current(planner) ? effort->fresh_end : effort->fresh_route;
-    const jp_cost cost = planner->plan.cost < effort->fresh_cost ? planner->plan.cost : effort->fresh_cost;
+    const uint64_t fresh = jp_plan_is_current(planner) ? effort->fresh_end : effort->fresh_route;
+    const uint64_t cost = planner->plan.cost < effort->fresh_cost ? planner->plan.cost : effort->fresh_cost;
 
-    return effort->fresh_cost == 0U ? 0U : (uint32_t)((uint64_t)fresh * cost / effort->fresh_cost);
+    /* A search spreads over an area. */
+    return effort->fresh_cost == 0U ? 0U : (uint32_t)(fresh * cost / effort->fresh_cost * cost / effort->fresh_cost);
 }
 
-/** Effort after which a repair is given up. An exact one mostly takes a fraction of a new search; one steered by the
- * guide raises all that hangs on what changed, and a new one is done sooner. */
+/** Effort after which a repair is given up; 0: not before its end. What follows a cut takes less than a new search. */
 static uint32_t repair_limit(const struct jp_planner_internal *planner)
 {
-    const uint32_t anew = effort_anew(planner);
+    const uint32_t anew = jp_effort_anew(planner);
 
-    if (anew == 0U || jp_search_is_exact(planner)) {
-        return anew;
-    }
-    return anew / (uint32_t)CHEAP_DIVISOR + 1U;
+    return anew == 0U || (planner->effort.has_cut && !planner->is_splicing) ? 0U : anew / (uint32_t)CHEAP_DIVISOR + 1U;
 }
 
 /** True while the scout splices, or a repaired search looks for a route or for the proof of one. What they have found

@@ -1,6 +1,7 @@
 #include "src/search/planner_phases.h"
 
 #include "src/search/planner_bound.h"
+#include "src/search/planner_cut.h"
 #include "src/search/planner_effort.h"
 #include "src/search/planner_repair.h"
 #include "src/search/planner_route.h"
@@ -9,6 +10,7 @@
 #include "src/search/planner_slices.h"
 #include "src/search/planner_splice.h"
 #include "src/search/planner_stage.h"
+#include "src/search/planner_start.h"
 #include "src/search/planner_states.h"
 #include "src/search/planner_trace.h"
 
@@ -18,81 +20,9 @@ enum { EPSILON_RAISE_DIVISOR = 4 };
 #define FORWARD_WHOLE ((uint8_t)0)
 #define FORWARD_PART  ((uint8_t)1)
 
-/** The one place that assigns the phase. */
-static void enter(struct jp_planner_internal *planner, enum jp_planner_phase phase)
-{
-    planner->phase = phase;
-}
-
 bool jp_phases_is_idle(const struct jp_planner_internal *planner)
 {
     return planner->phase == JP_PLANNER_EMPTY || planner->phase == JP_PLANNER_SETTLED;
-}
-
-/** Roots the energy field at the robot; it grows in `phase`, before or within a search. */
-static void begin_field(struct jp_planner_internal *planner, enum jp_planner_phase phase)
-{
-    planner->is_field_rooted = true;
-    planner->field_heading = planner->start.heading;
-    jp_energy_field_start(&planner->field, planner->start.x, planner->start.y, planner->goal.x, planner->goal.y);
-    enter(planner, phase);
-}
-
-static void begin_guide(struct jp_planner_internal *planner)
-{
-    jp_slice_begin_guide(planner);
-    enter(planner, JP_PLANNER_GROW_GUIDE);
-}
-
-/** Begins from scratch; the search follows when its field has grown. */
-static void begin(struct jp_planner_internal *planner, enum jp_planner_direction direction)
-{
-    jp_scout_dismiss(planner);
-    planner->has_guide = false;
-    planner->search.direction = direction;
-    planner->is_field_rooted = false;
-    jp_bound_return_states(planner);
-    planner->search.is_exact = false;
-    planner->search.is_repaired = false;
-    planner->effort.spent = 0;
-    planner->effort.fresh_end = 0;
-    planner->effort.has_begun = true;
-    planner->changes.count = 0;
-    planner->changes.may_be_cheaper = false;
-    if (planner->search.epsilon == JP_EPSILON_ONE && jp_stage_has_field(planner)) {
-        begin_field(planner, JP_PLANNER_GROW_FIELD);
-    } else {
-        begin_guide(planner);
-    }
-}
-
-void jp_phases_restart(struct jp_planner_internal *planner)
-{
-    planner->terrain_version = planner->terrain->version;
-    jp_scout_dismiss(planner);
-    planner->least = 0;
-    planner->answer = JP_ANSWER_OUT_OF_BUDGET;
-    planner->search.level = 0;
-    planner->search.epsilon = planner->config.epsilon[0];
-    if (jp_stage_is_ready(planner)) {
-        planner->statistics.restarts++;
-        planner->effort.fresh_route = 0;
-        begin(planner, JP_PLANNER_FROM_GOAL);
-    }
-}
-
-/** The heuristic: the energy field at ε = 1 if it has a root, else the guide. */
-static void choose_heuristic(struct jp_planner_internal *planner)
-{
-    planner->search.is_exact = planner->is_field_rooted && planner->search.epsilon == JP_EPSILON_ONE;
-}
-
-static void begin_search(struct jp_planner_internal *planner)
-{
-    choose_heuristic(planner);
-    planner->search.is_of_one_level = true;
-    planner->search.clear_slot = 0;
-    enter(planner, JP_PLANNER_CLEAR);
 }
 
 /** After the states of the search before have been cleared. */
@@ -102,44 +32,43 @@ static void leave_clear(struct jp_planner_internal *planner)
     if (planner->is_splicing) {
         jp_splice_begin(planner);
     }
-    enter(planner, JP_PLANNER_SEARCH);
+    jp_stage_enter(planner, JP_PLANNER_SEARCH);
 }
 
 /** After a change, before the search begins: what has been found out about its field is found out anew. */
 static void look_at_new_field(struct jp_planner_internal *planner)
 {
     if (planner->phase == JP_PLANNER_CLEAR && planner->is_field_rooted) {
-        enter(planner, JP_PLANNER_GROW_FIELD);
+        jp_stage_enter(planner, JP_PLANNER_GROW_FIELD);
     }
-}
-
-/** Continues a search; all keys are computed anew when the heuristic changes or states wait for this ε. */
-static void resume(struct jp_planner_internal *planner)
-{
-    const bool was_exact = jp_search_is_exact(planner);
-
-    choose_heuristic(planner);
-    if (!was_exact) {
-        jp_search_rekey(planner, false);
-    }
-    enter(planner, planner->search.rekey_slot < planner->search.slot_count ? JP_PLANNER_REKEY : JP_PLANNER_SEARCH);
 }
 
 /** Ends a search with its answer. */
 static void settle(struct jp_planner_internal *planner, enum jp_answer answer)
 {
     planner->answer = answer;
-    enter(planner, JP_PLANNER_SETTLED);
+    jp_stage_enter(planner, JP_PLANNER_SETTLED);
 }
 
 /** Begins anew where that is cheaper than to go on. A route that is there stays; only its proof begins anew. */
 static void give_up_repair(struct jp_planner_internal *planner)
 {
     if (!jp_plan_is_current(planner)) {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
     } else {
         planner->statistics.restarts++;
-        begin(planner, JP_PLANNER_FROM_GOAL);
+        jp_start_anew(planner, JP_PLANNER_FROM_GOAL);
+    }
+}
+
+/** After the cut. */
+static void leave_cut(struct jp_planner_internal *planner)
+{
+    if (jp_cut_is_worth_it(planner)) {
+        jp_search_rekey(planner, false);
+        jp_stage_enter(planner, JP_PLANNER_REKEY);
+    } else {
+        give_up_repair(planner);
     }
 }
 
@@ -149,7 +78,7 @@ static void take_in_changes_without_states(struct jp_planner_internal *planner)
     if (jp_plan_is_current(planner) && !planner->changes.may_be_cheaper) {
         planner->changes.count = 0;
         planner->search.is_exact = false;
-        enter(planner, JP_PLANNER_GROW_BOUND);
+        jp_stage_enter(planner, JP_PLANNER_GROW_BOUND);
     } else {
         give_up_repair(planner);
     }
@@ -161,7 +90,7 @@ static void take_in_changes(struct jp_planner_internal *planner)
     if (planner->has_lent_states) {
         take_in_changes_without_states(planner);
     } else {
-        enter(planner, planner->is_field_rooted ? JP_PLANNER_UPDATE_FIELD : JP_PLANNER_REPAIR);
+        jp_stage_enter(planner, planner->is_field_rooted ? JP_PLANNER_UPDATE_FIELD : JP_PLANNER_REPAIR);
     }
 }
 
@@ -170,7 +99,7 @@ static void take_in_changes(struct jp_planner_internal *planner)
 static void scout_whole_way(struct jp_planner_internal *planner)
 {
     jp_scout_take_whole_way(planner);
-    begin_guide(planner);
+    jp_start_guide(planner);
 }
 
 /** The scout looks for a way from the robot to what is left of the plan. The guide may have grown from where the robot
@@ -179,9 +108,9 @@ static void send_scout(struct jp_planner_internal *planner)
 {
     jp_scout_call(planner, jp_plan_leads_to_goal(planner));
     if (planner->is_splicing && planner->has_guide) {
-        begin_search(planner);
+        jp_start_search(planner);
     } else {
-        begin_guide(planner);
+        jp_start_guide(planner);
     }
 }
 
@@ -189,6 +118,7 @@ static void send_scout(struct jp_planner_internal *planner)
 static void leave_scout(struct jp_planner_internal *planner)
 {
     jp_scout_dismiss(planner);
+    planner->effort.spent = 0;
     take_in_changes(planner);
 }
 
@@ -201,9 +131,9 @@ static void leave_guide(struct jp_planner_internal *planner)
     if (is_blind && planner->is_scouting) {
         leave_scout(planner);
     } else if (is_blind) {
-        begin_field(planner, JP_PLANNER_GROW_FIELD);
+        jp_start_field(planner, JP_PLANNER_GROW_FIELD);
     } else {
-        begin_search(planner);
+        jp_start_search(planner);
     }
 }
 
@@ -212,12 +142,12 @@ static void leave_new_field(struct jp_planner_internal *planner)
 {
     (void)jp_energy_field_take_lowered(&planner->field);
     if (jp_stage_is_cut_off(planner)) {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
     } else if (jp_energy_field_bound(&planner->field, planner->goal.x, planner->goal.y) == JP_COST_MAX) {
         planner->answer = JP_ANSWER_UNREACHABLE;
-        enter(planner, JP_PLANNER_EMPTY);
+        jp_stage_enter(planner, JP_PLANNER_EMPTY);
     } else {
-        begin_search(planner);
+        jp_start_search(planner);
     }
 }
 
@@ -227,14 +157,14 @@ static void leave_field(struct jp_planner_internal *planner)
     const struct jp_cell_box lowered = jp_energy_field_take_lowered(&planner->field);
 
     if (jp_stage_is_cut_off(planner)) {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
         return;
     }
     if (jp_search_is_exact(planner)) {
         jp_search_rekey_cells(planner, &lowered);
     }
     planner->changes.cursor = 0;
-    enter(planner, JP_PLANNER_REPAIR);
+    jp_stage_enter(planner, JP_PLANNER_REPAIR);
 }
 
 /** After the repair. */
@@ -246,7 +176,7 @@ static void leave_repair(struct jp_planner_internal *planner)
         settle(planner, JP_ANSWER_OPTIMAL);
         return;
     }
-    resume(planner);
+    jp_start_resume(planner);
 }
 
 /** The next smaller ε of the schedule. False when there is none, or nothing can be better. */
@@ -269,7 +199,7 @@ static void end_search(struct jp_planner_internal *planner)
     settle(planner, planner->answer);
     if (jp_bound_is_wanted(planner)) {
         jp_bound_lend_states(planner);
-        begin_field(planner, JP_PLANNER_GROW_BOUND);
+        jp_start_field(planner, JP_PLANNER_GROW_BOUND);
     }
 }
 
@@ -282,7 +212,7 @@ static void leave_bound(struct jp_planner_internal *planner)
     if (planner->answer != JP_ANSWER_OPTIMAL && jp_bound_has_states(planner)) {
         planner->search.epsilon = JP_EPSILON_ONE;
         planner->search.is_repaired = false;
-        begin_search(planner);
+        jp_start_search(planner);
     }
 }
 
@@ -296,9 +226,9 @@ static void improve(struct jp_planner_internal *planner)
     }
     planner->search.is_of_one_level = false;
     if (planner->search.epsilon == JP_EPSILON_ONE && jp_stage_has_field(planner)) {
-        begin_field(planner, JP_PLANNER_UPDATE_FIELD);
+        jp_start_field(planner, JP_PLANNER_UPDATE_FIELD);
     } else {
-        resume(planner);
+        jp_start_resume(planner);
     }
 }
 
@@ -308,7 +238,7 @@ static void improve(struct jp_planner_internal *planner)
 static void improve_from_scratch(struct jp_planner_internal *planner)
 {
     if (!jp_search_is_exact(planner) && (!planner->search.is_of_one_level || take_next_epsilon(planner))) {
-        begin_search(planner);
+        jp_start_search(planner);
     } else if (planner->search.is_repaired) {
         give_up_repair(planner); /* states of the map before fill the table */
     } else {
@@ -325,9 +255,9 @@ static void raise_epsilon(struct jp_planner_internal *planner)
 
     planner->search.epsilon = (uint16_t)(epsilon < JP_EPSILON_MAX ? epsilon : JP_EPSILON_MAX);
     if (was_exact) {
-        begin(planner, JP_PLANNER_FROM_GOAL);
+        jp_start_anew(planner, JP_PLANNER_FROM_GOAL);
     } else {
-        begin_search(planner);
+        jp_start_search(planner);
     }
 }
 
@@ -347,7 +277,7 @@ static void save_scout_memory(struct jp_planner_internal *planner)
 static void begin_trace(struct jp_planner_internal *planner, bool has_ended)
 {
     if (jp_trace_begin(planner, has_ended)) {
-        enter(planner, JP_PLANNER_TRACE);
+        jp_stage_enter(planner, JP_PLANNER_TRACE);
     } else {
         settle(planner, JP_ANSWER_OUT_OF_BUDGET);
     }
@@ -367,7 +297,7 @@ static void save_forward_memory(struct jp_planner_internal *planner)
     if (planner->search.level == FORWARD_WHOLE) {
         planner->search.level = FORWARD_PART;
         planner->search.epsilon = jp_scout_whole_way_epsilon(planner);
-        begin_search(planner);
+        jp_start_search(planner);
     } else if (has_come_nearer(planner) || planner->search.epsilon == JP_EPSILON_MAX) {
         begin_trace(planner, true);
     } else {
@@ -381,14 +311,14 @@ static void save_memory(struct jp_planner_internal *planner)
     if (planner->answer != JP_ANSWER_OUT_OF_BUDGET) {
         improve_from_scratch(planner);
     } else if (planner->search.is_repaired) {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
     } else if (jp_search_is_forward(planner)) {
         save_forward_memory(planner);
     } else if (planner->search.epsilon < JP_EPSILON_MAX) {
         raise_epsilon(planner);
     } else {
         planner->search.level = FORWARD_WHOLE;
-        begin(planner, JP_PLANNER_FROM_ROBOT);
+        jp_start_anew(planner, JP_PLANNER_FROM_ROBOT);
     }
 }
 
@@ -400,7 +330,7 @@ static void give_up_trace(struct jp_planner_internal *planner)
     } else if (jp_search_is_forward(planner)) {
         settle(planner, JP_ANSWER_OUT_OF_BUDGET);
     } else {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
     }
 }
 
@@ -409,7 +339,7 @@ static void leave_trace(struct jp_planner_internal *planner)
 {
     if (!planner->trace.has_ended && planner->plan.answer != JP_ANSWER_OPTIMAL) {
         planner->answer = planner->plan.answer;
-        enter(planner, JP_PLANNER_SEARCH);
+        jp_stage_enter(planner, JP_PLANNER_SEARCH);
     } else if (planner->is_scouting) {
         planner->answer = planner->plan.answer;
         leave_scout(planner);
@@ -469,7 +399,7 @@ static void search(struct jp_planner_internal *planner, unsigned *budget)
         break;
     case SEARCH_RANGE:
         jp_search_rekey(planner, true);
-        enter(planner, JP_PLANNER_REKEY);
+        jp_stage_enter(planner, JP_PLANNER_REKEY);
         break;
     case SEARCH_WORKING:
     default:
@@ -484,7 +414,7 @@ static void repair(struct jp_planner_internal *planner, unsigned *budget)
         leave_repair(planner);
         break;
     case REPAIR_FULL:
-        jp_phases_restart(planner);
+        jp_start_over(planner);
         break;
     case REPAIR_WORKING:
     default:
@@ -534,9 +464,14 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
     case JP_PLANNER_REPAIR:
         repair(planner, &budget);
         return budget;
+    case JP_PLANNER_CUT:
+        if (jp_slice_cut(planner, &budget)) {
+            leave_cut(planner);
+        }
+        return budget;
     case JP_PLANNER_REKEY:
         if (jp_slice_rekey(planner, &budget)) {
-            enter(planner, JP_PLANNER_SEARCH);
+            jp_stage_enter(planner, JP_PLANNER_SEARCH);
         }
         return budget;
     case JP_PLANNER_GROW_BOUND:
@@ -559,6 +494,9 @@ static void give_up(struct jp_planner_internal *planner)
 {
     if (planner->is_splicing) {
         scout_whole_way(planner);
+    } else if (planner->phase > JP_PLANNER_REPAIR && jp_search_is_exact(planner)) {
+        jp_cut_begin(planner);
+        jp_stage_enter(planner, JP_PLANNER_CUT);
     } else {
         give_up_repair(planner);
     }
@@ -585,12 +523,20 @@ void jp_phases_work(struct jp_planner_internal *planner, unsigned expansions)
 
 /* ---- What changes ---- */
 
+/** A change meets the whole search, or none. */
+static void finish_cut(struct jp_planner_internal *planner)
+{
+    while (planner->phase == JP_PLANNER_CUT) {
+        (void)work(planner, UINT16_MAX);
+    }
+}
+
 /** Finds out what is left of the plan, as it is now on the map; then the scout, or the repair, sees to the rest. */
 static void look_at_plan(struct jp_planner_internal *planner)
 {
     if (jp_plan_leads_to_goal(planner)) {
         jp_plan_begin_check(planner);
-        enter(planner, JP_PLANNER_CHECK_PLAN);
+        jp_stage_enter(planner, JP_PLANNER_CHECK_PLAN);
     } else {
         leave_plan(planner);
     }
@@ -598,10 +544,11 @@ static void look_at_plan(struct jp_planner_internal *planner)
 
 void jp_phases_follow_robot(struct jp_planner_internal *planner)
 {
+    finish_cut(planner);
     if (jp_plan_is_current(planner) && jp_plan_follow(planner)) {
         planner->answer = planner->plan.answer;
         if (jp_stage_is_searching(planner)) {
-            resume(planner);
+            jp_start_resume(planner);
         }
         return;
     }
@@ -614,7 +561,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
         leave_scout(planner);
     }
     if (jp_search_is_forward(planner) || planner->phase == JP_PLANNER_EMPTY) {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
         return;
     }
     if (!jp_stage_has_search(planner)) {
@@ -622,19 +569,19 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
         return;
     }
     if (planner->has_lent_states) {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
         return;
     }
     if (planner->phase == JP_PLANNER_CHECK_PLAN) {
         take_in_changes(planner);
     }
     if (planner->phase != JP_PLANNER_UPDATE_FIELD && jp_stage_is_cut_off(planner)) {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
         return;
     }
     planner->search.is_repaired = true;
     if (planner->phase == JP_PLANNER_SETTLED || jp_stage_is_searching(planner)) {
-        resume(planner);
+        jp_start_resume(planner);
     }
     if (planner->phase != JP_PLANNER_SEARCH || !jp_search_has_arrived(planner)) {
         look_at_plan(planner);
@@ -663,6 +610,7 @@ static void add_change(struct jp_planner_internal *planner, int32_t x, int32_t y
     changes->may_be_cheaper |= may_be_cheaper;
     changes->cursor = 0;
     planner->search.is_repaired = true;
+    planner->effort.has_cut = false;
     if (jp_plan_is_current(planner)) {
         planner->effort.spent = 0;
     }
@@ -671,6 +619,7 @@ static void add_change(struct jp_planner_internal *planner, int32_t x, int32_t y
 
 void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32_t y, bool may_be_cheaper)
 {
+    finish_cut(planner);
     if (planner->is_scouting) {
         leave_scout(planner);
     }
@@ -681,7 +630,7 @@ void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32
         return;
     }
     if (jp_search_is_forward(planner) || planner->phase == JP_PLANNER_EMPTY) {
-        jp_phases_restart(planner);
+        jp_start_over(planner);
         return;
     }
     if (jp_stage_has_search(planner)) {

@@ -4,9 +4,6 @@
 
 #include <joulepath/planner.h>
 
-/** Begins anew with the first ε, where start and goal are known. */
-void jp_phases_restart(struct jp_planner_internal *planner);
-
 /** Works for at most so many expansions, or as much other work. */
 void jp_phases_work(struct jp_planner_internal *planner, unsigned expansions);
 

@@ -148,13 +148,20 @@ static jp_cost edge_energy(const struct jp_planner_internal *planner, const stru
                              edge->from.x, edge->from.y);
 }
 
+static void note_edge(struct jp_planner_internal *planner, jp_cost from, jp_cost to)
+{
+    if (to - from > planner->search.edge_max) {
+        planner->search.edge_max = to - from;
+    }
+}
+
 struct search_predecessor jp_search_predecessor(const struct jp_planner_internal *planner,
                                                 const struct jp_lattice_pose *pose)
 {
     const struct jp_lattice *lattice = planner->config.lattice;
     const bool leaving = !jp_search_is_forward(planner);
     const unsigned end = first_edge(lattice, leaving, pose->heading + 1U);
-    struct search_predecessor best = {JP_COST_MAX, NULL};
+    struct search_predecessor best = {JP_COST_MAX, JP_COST_MAX, NULL};
 
     for (unsigned i = first_edge(lattice, leaving, pose->heading); i < end; i++) {
         struct edge edge;
@@ -168,7 +175,7 @@ struct search_predecessor jp_search_predecessor(const struct jp_planner_internal
         }
         const jp_cost cost = jp_cost_add((jp_cost)planner->search.states[slot].g, edge_energy(planner, &edge));
         if (cost < best.cost && is_edge_clear(planner, &edge)) {
-            best = (struct search_predecessor){cost, edge.primitive};
+            best = (struct search_predecessor){cost, (jp_cost)planner->search.states[slot].g, edge.primitive};
         }
     }
     return best;
@@ -180,10 +187,21 @@ static void set_rhs(struct jp_planner_internal *planner, uint32_t slot, const st
     update(planner, slot, jp_search_heuristic(planner, pose));
 }
 
+/** Cost over the best neighbour. */
+static jp_cost lookahead(struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
+{
+    const struct search_predecessor best = jp_search_predecessor(planner, pose);
+
+    if (best.primitive != NULL) {
+        note_edge(planner, best.from, best.cost);
+    }
+    return best.cost;
+}
+
 static void recompute(struct jp_planner_internal *planner, uint32_t slot, const struct jp_lattice_pose *pose)
 {
     if (!jp_search_is_seed(planner, pose)) {
-        set_rhs(planner, slot, pose, jp_search_predecessor(planner, pose).cost);
+        set_rhs(planner, slot, pose, lookahead(planner, pose));
     }
 }
 
@@ -201,6 +219,7 @@ static void relax(struct jp_planner_internal *planner, const struct edge *edge, 
         !is_edge_clear(planner, edge)) {
         return;
     }
+    note_edge(planner, g, cost);
     set_rhs(planner, known != NO_SLOT ? known : jp_planner_states_add(&planner->search, id), &edge->other, cost);
 }
 
@@ -420,6 +439,8 @@ static uint32_t expected_range(const struct jp_planner_internal *planner)
 void jp_search_start(struct jp_planner_internal *planner)
 {
     planner->search.nearest = NO_SLOT;
+    planner->search.cut_cost = JP_COST_MAX;
+    planner->search.edge_max = 0;
     planner->search.rekey_slot = planner->search.slot_count;
     jp_planner_queue_restart(&planner->search, expected_range(planner));
     seed_all(planner);
@@ -444,6 +465,18 @@ void jp_search_rekey(struct jp_planner_internal *planner, bool widen)
     planner->search.rekey_slot = 0;
 }
 
+/** Looks again for what a state rests on, which the cut may have taken: none that is left is so near to the seed that a
+ *  primitive leads from it to a dearer state than these. */
+static void mend_cut(struct jp_planner_internal *planner, struct jp_planner_state *state)
+{
+    const struct jp_lattice_pose pose = jp_search_pose_of(planner, (uint32_t)state->id);
+
+    if (state->rhs > planner->search.cut_cost) {
+        const bool is_near = state->rhs <= jp_cost_add(planner->search.cut_cost, planner->search.edge_max);
+        state->rhs = (is_near ? lookahead(planner, &pose) : JP_COST_MAX) & JP_COST_MAX;
+    }
+}
+
 bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots)
 {
     for (; *slots > 0U && planner->search.rekey_slot < planner->search.slot_count; --*slots) {
@@ -453,12 +486,20 @@ bool jp_search_rekey_work(struct jp_planner_internal *planner, unsigned *slots)
         planner->search.rekey_slot++;
         state->queued = 0;
         state->closed = 0;
-        if (jp_planner_state_is_used(state) && state->g != state->rhs) {
+        if (!jp_planner_state_is_used(state)) {
+            continue;
+        }
+        mend_cut(planner, state);
+        if (state->g != state->rhs) {
             const struct jp_lattice_pose pose = jp_search_pose(planner, slot);
             update(planner, slot, jp_search_heuristic(planner, &pose));
         }
     }
-    return planner->search.rekey_slot == planner->search.slot_count;
+    if (planner->search.rekey_slot < planner->search.slot_count) {
+        return false;
+    }
+    planner->search.cut_cost = JP_COST_MAX;
+    return true;
 }
 
 void jp_search_rekey_cells(struct jp_planner_internal *planner, const struct jp_cell_box *box)
@@ -488,7 +529,7 @@ bool jp_search_repair(struct jp_planner_internal *planner, uint32_t id, bool may
     if (!may_be_cheaper) {
         return true;
     }
-    const jp_cost cost = jp_search_predecessor(planner, &pose).cost;
+    const jp_cost cost = lookahead(planner, &pose);
     if (cost == JP_COST_MAX) {
         return true;
     }

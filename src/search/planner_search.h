@@ -59,6 +59,7 @@ jp_cost jp_search_least_cost(const struct jp_planner_internal *planner);
 /** The best predecessor of a state: the neighbour over which the seed costs least by the present g. */
 struct search_predecessor {
     jp_cost cost;                         /* of the state over this neighbour; JP_COST_MAX: there is none */
+    jp_cost from;                         /* g of the neighbour */
     const struct jp_primitive *primitive; /* between the two; the robot drives it away from the seed when the search
                                              runs forward, else towards it */
 };

@@ -1,5 +1,6 @@
 #include "src/search/planner_slices.h"
 
+#include "src/search/planner_cut.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_search.h"
 #include "src/search/planner_states.h"
@@ -11,6 +12,7 @@ enum {
     CLEARED_SLOTS = 256,
     CHECKED_STEPS = 8,
     REKEYED_SLOTS = 32,
+    CUT_SLOTS = 128,
 };
 
 bool jp_slice_grow_field(struct jp_planner_internal *planner, unsigned *budget)
@@ -70,5 +72,14 @@ bool jp_slice_rekey(struct jp_planner_internal *planner, unsigned *budget)
     const bool is_done = jp_search_rekey_work(planner, &slots);
 
     *budget = slots / REKEYED_SLOTS;
+    return is_done;
+}
+
+bool jp_slice_cut(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned slots = *budget * CUT_SLOTS;
+    const bool is_done = jp_cut_work(planner, &slots);
+
+    *budget = slots / CUT_SLOTS;
     return is_done;
 }

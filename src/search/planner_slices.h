@@ -19,4 +19,7 @@ bool jp_slice_check_plan(struct jp_planner_internal *planner, unsigned *budget);
 
 bool jp_slice_rekey(struct jp_planner_internal *planner, unsigned *budget);
 
+/** See jp_cut_work(). */
+bool jp_slice_cut(struct jp_planner_internal *planner, unsigned *budget);
+
 #endif

@@ -33,4 +33,10 @@ static inline bool jp_stage_is_cut_off(const struct jp_planner_internal *planner
            jp_energy_field_bound(&planner->field, planner->start.x, planner->start.y) == JP_COST_MAX;
 }
 
+/** The one place that assigns the phase. */
+static inline void jp_stage_enter(struct jp_planner_internal *planner, enum jp_planner_phase phase)
+{
+    planner->phase = phase;
+}
+
 #endif

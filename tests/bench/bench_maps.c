@@ -235,8 +235,7 @@ static void bench_replans(struct jp_planner *planner, struct task task, struct r
         const unsigned ahead = steps > 2 * AHEAD ? AHEAD : AHEAD_MIN;
         const bool is_on_route = i % 2 == 0;
         const struct jp_lattice_pose robot = pose_after(planner, 1);
-        const struct jp_lattice_pose place =
-            is_on_route ? pose_after(planner, ahead + 1U) : place_near(random, &robot);
+        const struct jp_lattice_pose place = is_on_route ? pose_after(planner, ahead + 1U) : place_near(random, &robot);
         task.start = robot;
         if (jp_planner_set_start(planner, &robot) != JP_OK) {
             break;
@@ -272,10 +271,10 @@ static json_t *row_of(const struct task *task, const char *lattice_name, enum jp
 {
     const struct jp_plan *best = jp_planner_plan(planner);
     return json_pack("{s:s, s:s, s:i, s:i, s:i, s:f, s:f, s:i, s:i, s:i, s:f, s:f}", "map", task->name, "lattice",
-                     lattice_name, "cost_kind", (int)cost, "answer", (int)best->answer, "steps",
-                     (int)best->step_count, "cost", best->cost / (double)JP_COST_PER_JOULE, "bound",
-                     best->bound / 256.0, "existed", (int)effort->existed, "first", (int)effort->first, "total",
-                     (int)effort->total, "first_ms", 1e3 * effort->first_s, "total_s", effort->total_s);
+                     lattice_name, "cost_kind", (int)cost, "answer", (int)best->answer, "steps", (int)best->step_count,
+                     "cost", best->cost / (double)JP_COST_PER_JOULE, "bound", best->bound / 256.0, "existed",
+                     (int)effort->existed, "first", (int)effort->first, "total", (int)effort->total, "first_ms",
+                     1e3 * effort->first_s, "total_s", effort->total_s);
 }
 
 /* False when there is no route, or nothing to drive. */
@@ -392,11 +391,11 @@ static void add_figures(json_t *figures)
 {
     figures_add(figures, COMMAND, (double)found.late, "", equal_to(0),
                 "planner, maps from elsewhere: routes published after more than twice the expansions after which they "
-                "existed, of %zu", found.tasks);
+                "existed, of %zu",
+                found.tasks);
     figures_add(figures, COMMAND, (double)found.proved, "", equal_to((double)found.tasks),
                 "planner, maps from elsewhere, 24 MiB: optimum proved, of %zu", found.tasks);
-    figures_add(figures, COMMAND, (double)found.wrong, "", equal_to(0),
-                "planner, maps from elsewhere: wrong claims");
+    figures_add(figures, COMMAND, (double)found.wrong, "", equal_to(0), "planner, maps from elsewhere: wrong claims");
     figures_add(figures, COMMAND, (double)found.dearer_pairs, "", equal_to(0),
                 "planner, maps from elsewhere: more memory gave a dearer route, of %zu pairs of blocks", found.pairs);
     add_bound_figure(figures, "256 KiB", &found.bounds_256, 1.2);
@@ -448,8 +447,8 @@ static struct arguments parse(int argc, char **argv)
         {"rows", 'r', "FILE", 0, "write every task to FILE", 0},
         {"lattice", 'l', "FILE", 0, "lattice of tools/design/lattice.py --json; may be repeated", 0},
         {0}};
-    static const struct argp parser = {
-        options, parse_option, "MAP.json…", "Measures the planner on maps and lattices.", NULL, NULL, NULL};
+    static const struct argp parser = {options, parse_option, "MAP.json…", "Measures the planner on maps and lattices.",
+                                       NULL,    NULL,         NULL};
     struct arguments arguments = {0};
     (void)argp_parse(&parser, argc, argv, 0, NULL, &arguments);
     return arguments;
@@ -463,8 +462,8 @@ static void bench_map(const char *path, unsigned index, const struct arguments *
         const unsigned task = index * TASKS_OF_MAP + i;
         struct map_file map;
         struct lattice_file file;
-        if (!map_file_load(path, &map) || !lattice_file_load(arguments->lattices[task % arguments->lattice_count],
-                                                             &file)) {
+        if (!map_file_load(path, &map) ||
+            !lattice_file_load(arguments->lattices[task % arguments->lattice_count], &file)) {
             exit(2);
         }
         random_init(&random, SEED + task);

@@ -1,0 +1,84 @@
+#include "src/search/planner_start.h"
+
+#include "src/search/planner_bound.h"
+#include "src/search/planner_scout.h"
+#include "src/search/planner_search.h"
+#include "src/search/planner_slices.h"
+#include "src/search/planner_stage.h"
+
+void jp_start_field(struct jp_planner_internal *planner, enum jp_planner_phase phase)
+{
+    planner->is_field_rooted = true;
+    planner->field_heading = planner->start.heading;
+    jp_energy_field_start(&planner->field, planner->start.x, planner->start.y, planner->goal.x, planner->goal.y);
+    jp_stage_enter(planner, phase);
+}
+
+void jp_start_guide(struct jp_planner_internal *planner)
+{
+    jp_slice_begin_guide(planner);
+    jp_stage_enter(planner, JP_PLANNER_GROW_GUIDE);
+}
+
+void jp_start_anew(struct jp_planner_internal *planner, enum jp_planner_direction direction)
+{
+    jp_scout_dismiss(planner);
+    planner->has_guide = false;
+    planner->search.direction = direction;
+    planner->is_field_rooted = false;
+    jp_bound_return_states(planner);
+    planner->search.is_exact = false;
+    planner->search.is_repaired = false;
+    planner->effort.spent = 0;
+    planner->effort.fresh_end = 0;
+    planner->effort.has_cut = false;
+    planner->effort.has_begun = true;
+    planner->changes.count = 0;
+    planner->changes.may_be_cheaper = false;
+    if (planner->search.epsilon == JP_EPSILON_ONE && jp_stage_has_field(planner)) {
+        jp_start_field(planner, JP_PLANNER_GROW_FIELD);
+    } else {
+        jp_start_guide(planner);
+    }
+}
+
+void jp_start_over(struct jp_planner_internal *planner)
+{
+    planner->terrain_version = planner->terrain->version;
+    jp_scout_dismiss(planner);
+    planner->least = 0;
+    planner->answer = JP_ANSWER_OUT_OF_BUDGET;
+    planner->search.level = 0;
+    planner->search.epsilon = planner->config.epsilon[0];
+    if (jp_stage_is_ready(planner)) {
+        planner->statistics.restarts++;
+        planner->effort.fresh_route = 0;
+        jp_start_anew(planner, JP_PLANNER_FROM_GOAL);
+    }
+}
+
+/** The heuristic: the energy field at ε = 1 if it has a root, else the guide. */
+static void choose_heuristic(struct jp_planner_internal *planner)
+{
+    planner->search.is_exact = planner->is_field_rooted && planner->search.epsilon == JP_EPSILON_ONE;
+}
+
+void jp_start_search(struct jp_planner_internal *planner)
+{
+    choose_heuristic(planner);
+    planner->search.is_of_one_level = true;
+    planner->search.clear_slot = 0;
+    jp_stage_enter(planner, JP_PLANNER_CLEAR);
+}
+
+void jp_start_resume(struct jp_planner_internal *planner)
+{
+    const bool was_exact = jp_search_is_exact(planner);
+
+    choose_heuristic(planner);
+    if (!was_exact) {
+        jp_search_rekey(planner, false);
+    }
+    jp_stage_enter(planner,
+                   planner->search.rekey_slot < planner->search.slot_count ? JP_PLANNER_REKEY : JP_PLANNER_SEARCH);
+}
