@@ -185,7 +185,7 @@ struct jp_planner_effort {
     uint32_t fresh_route; /**< from the last beginning to its first route; 0: changes came before */
     uint32_t fresh_end;   /**< to its end; 0: changes came before */
     jp_cost fresh_cost;   /**< of that route */
-    bool has_begun;       /**< anew, in this slice: what the slice did before is not of this search */
+    bool has_begun;       /**< in this slice, a search or a repair: what the slice did before is not of it */
     bool has_cut;         /**< since the last change: what is left is part of a new search */
 };
 

@@ -119,6 +119,7 @@ static void leave_scout(struct jp_planner_internal *planner)
 {
     jp_scout_dismiss(planner);
     planner->effort.spent = 0;
+    planner->effort.has_begun = true;
     take_in_changes(planner);
 }
 

@@ -648,7 +648,7 @@ static void test_search_from_the_robot_that_leads_nowhere(void)
         TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
         (void)jp_planner_work(&planner, 1);
     }
-    occupy_secretly(planner.internal.start.x, planner.internal.start.y);
+    occupy_secretly(planner.internal.trace.end.x, planner.internal.trace.end.y);
     TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, finish());
     TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, jp_planner_plan(&planner)->answer);
 }
