@@ -24,7 +24,7 @@ static uint32_t repair_limit(const struct jp_planner_internal *planner)
 {
     const uint32_t anew = jp_effort_anew(planner);
 
-    return anew == 0U || (planner->effort.has_cut && !planner->is_splicing) ? 0U : anew / (uint32_t)CHEAP_DIVISOR + 1U;
+    return anew == 0U || planner->effort.has_cut ? 0U : anew / (uint32_t)CHEAP_DIVISOR + 1U;
 }
 
 /** True while the scout splices, or a repaired search looks for a route or for the proof of one. What they have found

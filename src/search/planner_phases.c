@@ -556,6 +556,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
     if (jp_plan_is_current(planner)) {
         planner->effort.spent = 0;
     }
+    planner->effort.has_cut = false;
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
     planner->least = 0;
     if (planner->is_scouting) {
