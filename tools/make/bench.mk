@@ -50,7 +50,7 @@ $(BUILD)/maps/%.yaml.json: $(DATA)/%.yaml tools/design/import_map.py
 	$Q$(PYTHON) -m tools.design.import_map $< $@ --resolution 0.2
 
 .PHONY: bench-plan
-bench-plan: ## measure the planner on the 20 scenes and the maps in DATA=dir
+bench-plan: ## measure the planner on the 20 scenes and on MAPS="a.json…"
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_plan $(MAPS)
 	@mkdir -p $(BUILD)/bench-plan
