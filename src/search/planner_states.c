@@ -5,9 +5,9 @@
 enum {
     BUCKETS_MIN = 64,
     BUCKETS_MAX = 1024,
-    STATES_PER_BUCKET = 32,
-    LOAD_NUMERATOR = 10, /* largest load factor: above it a look-up of an absent state takes too many probes */
-    LOAD_DENOMINATOR = 11,
+    STATES_PER_BUCKET = 16,
+    LOAD_NUMERATOR = 11, /* largest load factor: above it a look-up of an absent state takes too many probes */
+    LOAD_DENOMINATOR = 12,
     ID_MASK = 0xFFFFFFF
 };
 
