@@ -40,6 +40,10 @@ class Section:
 SECTIONS = (
     Section("Planner", "Rough scenes of 60 × 60 m, 300 × 300 cells × 16 headings. \"Optimum\" is the optimum of the "
             "lattice, proved and compared with a plain Dijkstra.", r"bench_plan|planner"),
+    Section("Planner on maps and lattices from elsewhere", "Twelve maps and eleven lattices: SBPL's primitives, priced for "
+            "gao2018, and its environments; ROS maps; the Moving AI collection; an elevation model. Three tasks a map, each "
+            "with the next lattice, by energy and by length in turn; those without a route after ten tries are left out.",
+            r"bench_maps"),
     Section("Plans by the size of the block", blocks=("plan",)),
     Section("Energy against length", "Each metre has a price besides its energy.", blocks=("prices",)),
     Section("Grid planner", "Shortest paths over occupancy grids.", r"bench_grid|grid_planner"),
