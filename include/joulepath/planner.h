@@ -288,8 +288,8 @@ enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct j
 
 /** Sets the robot's pose. On the plan's route the plan begins there from now on, with what is proved of it; elsewhere
  * the search continues with its costs. JP_ERR_OUTSIDE, JP_ERR_BLOCKED: the pose is off the map, or the footprint does
- * not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then. Work: the plan's steps, and
- * if the search must begin anew, as jp_planner_restart(). */
+ * not fit; JP_ERR_ARGUMENT: no such heading, or a null pointer. The old start stays then. Work: the plan's steps;
+ * within a cut, two looks at every slot of the table; if the search must begin anew, as jp_planner_restart(). */
 enum jp_status jp_planner_set_start(struct jp_planner *planner, const struct jp_lattice_pose *start);
 
 /** Sets the goal. The search begins anew. JP_ERR_OUTSIDE: off the map. JP_ERR_BLOCKED: the footprint fits at no
@@ -299,7 +299,8 @@ enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_g
 
 /** Changes a cell of the map and notes it for repair. A plan whose route is not touched stays, after a look at its
  *  steps. As jp_terrain_set_cell(). Work: constant, but for every
- *  JP_PLANNER_CHANGES-th or far-off one, which repairs those before it. */
+ *  JP_PLANNER_CHANGES-th or far-off one, which repairs those before it, and for one within a cut, which is ended: two
+ *  looks at every slot of the table. */
 enum jp_status jp_planner_set_cell(struct jp_planner *planner, int32_t x, int32_t y, enum jp_cell cell);
 
 /** The same for an elevation. As jp_terrain_set_elevation(). */

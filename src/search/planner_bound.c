@@ -18,7 +18,6 @@ bool jp_bound_is_wanted(const struct jp_planner_internal *planner)
 {
     return planner->answer == JP_ANSWER_WITHIN_BOUND && !planner->has_lent_states &&
            planner->statistics.field_bytes == 0U && is_proof_scheduled(&planner->config) &&
-
            jp_energy_field_size(&planner->terrain->config, JP_WAVE_2_BYTES) <= planner->statistics.search_bytes;
 }
 

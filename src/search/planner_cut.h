@@ -12,7 +12,7 @@ void jp_cut_begin(struct jp_planner_internal *planner);
  *  must be computed anew then. */
 bool jp_cut_work(struct jp_planner_internal *planner, unsigned *slots);
 
-/** False when so little is left that a new search does as well. */
+/** False when more is lost, and needed again, than a new search takes. */
 bool jp_cut_is_worth_it(const struct jp_planner_internal *planner);
 
 #endif

@@ -25,7 +25,6 @@ enum {
     AHEAD = 12,       /* primitives from the robot to an obstacle on its way */
     AHEAD_MIN = 6,
     NEAR_CELLS = 20, /* from the robot to a change that may not be on its way */
-    SQUARE_SIDE = 3,
     SAMPLES_MAX = 4096,
     CELLS_MAX = 1000000,
     SEED = 1,
@@ -163,25 +162,6 @@ static void bench_blocks(const struct jp_planner_config *config, const struct ta
 
 /* ---- Replans ---- */
 
-static struct jp_lattice_pose pose_after(const struct jp_planner *planner, unsigned steps)
-{
-    struct jp_lattice_pose pose = jp_planner_plan(planner)->start;
-    for (unsigned i = 0; i < steps; i++) {
-        (void)jp_planner_step(planner, i, &pose);
-    }
-    return pose;
-}
-
-static void toggle_square(struct jp_planner *planner, struct jp_terrain *terrain, struct jp_lattice_pose place)
-{
-    const bool was_free = jp_terrain_cell(terrain, place.x, place.y) == JP_CELL_FREE;
-
-    for (int32_t i = 0; i < SQUARE_SIDE * SQUARE_SIDE; i++) {
-        (void)jp_planner_set_cell(planner, place.x + i % SQUARE_SIDE, place.y + i / SQUARE_SIDE,
-                                  was_free ? JP_CELL_OCCUPIED : JP_CELL_FREE);
-    }
-}
-
 static void note_replan(struct replans *replans, const struct effort *repair, const struct effort *fresh)
 {
     add(&replans->first_expansions, 100.0 * repair->first / fresh->first);
@@ -249,22 +229,6 @@ static void bench_replans(struct jp_planner *planner, struct task task, struct r
 }
 
 /* ---- Tasks ---- */
-
-static bool random_pose(struct random *random, const struct jp_lattice *of, const struct jp_terrain *terrain,
-                        struct jp_lattice_pose *pose)
-{
-    enum { POSES = 100000 };
-
-    for (unsigned i = 0; i < POSES; i++) {
-        pose->x = (int16_t)random_uniform(random, 0, terrain->config.width);
-        pose->y = (int16_t)random_uniform(random, 0, terrain->config.height);
-        pose->heading = (uint8_t)random_uniform(random, 0, JP_HEADINGS);
-        if (jp_lattice_can_stand(of, terrain, pose->x, pose->y, pose->heading)) {
-            return true;
-        }
-    }
-    return false;
-}
 
 static json_t *row_of(const struct task *task, const char *lattice_name, enum jp_cost_kind cost,
                       const struct jp_planner *planner, const struct effort *effort)

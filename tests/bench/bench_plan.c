@@ -159,21 +159,6 @@ static void bench_size(const struct scene *scenes, unsigned kib, json_t *figures
 
 /* ---- Maps that are given ---- */
 
-static bool random_pose(struct random *random, const struct jp_terrain *terrain, struct jp_lattice_pose *pose)
-{
-    enum { TRIES = 100000 };
-
-    for (unsigned i = 0; i < TRIES; i++) {
-        pose->x = (int16_t)random_uniform(random, 0, terrain->config.width);
-        pose->y = (int16_t)random_uniform(random, 0, terrain->config.height);
-        pose->heading = (uint8_t)random_uniform(random, 0, JP_HEADINGS);
-        if (jp_lattice_can_stand(lattice, terrain, pose->x, pose->y, pose->heading)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static void bench_task(const struct task *task, json_t *rows)
 {
     const struct jp_planner_config exact = {lattice, JP_COST_PHYSICAL, {JP_EPSILON(1.35), JP_EPSILON_ONE}};
@@ -201,7 +186,8 @@ static void bench_map(const char *path, json_t *rows)
     for (unsigned i = 0; i < MAP_TASKS; i++) {
         struct task task = {.name = map.name, .terrain = &map.terrain};
         struct jp_lattice_pose goal;
-        if (!random_pose(&random, &map.terrain, &task.start) || !random_pose(&random, &map.terrain, &goal)) {
+        if (!random_pose(&random, lattice, &map.terrain, &task.start) ||
+            !random_pose(&random, lattice, &map.terrain, &goal)) {
             break;
         }
         task.goal = (struct jp_goal){goal.x, goal.y, JP_ANY_HEADING};

@@ -9,22 +9,12 @@
 #include "tests/bench/statistics.h"
 
 enum {
-    REPLANS = 10,    /* a scene */
-    AHEAD = 12,      /* primitives from the robot to the change */
-    SQUARE_SIDE = 3, /* cells that change together */
+    REPLANS = 10, /* a scene */
+    AHEAD = 12,   /* primitives from the robot to the change */
     NEAR_CELLS = 15,
     UNDER_CELLS = 6, /* from the robot's middle to cells that it does not cover */
     SEED = 1,
 };
-
-static struct jp_lattice_pose pose_after(const struct jp_planner *planner, unsigned steps)
-{
-    struct jp_lattice_pose pose = jp_planner_plan(planner)->start;
-    for (unsigned i = 0; i < steps; i++) {
-        (void)jp_planner_step(planner, i, &pose);
-    }
-    return pose;
-}
 
 /* In percent of a fresh search to the proved optimum. */
 struct replan {
@@ -34,17 +24,6 @@ struct replan {
     double first_time;
 };
 
-/* A square of cells becomes occupied, or free where it was not. */
-static void change_square(struct jp_planner *planner, const struct jp_terrain *terrain, struct jp_lattice_pose place)
-{
-    const bool was_free = jp_terrain_cell(terrain, place.x, place.y) == JP_CELL_FREE;
-
-    for (int32_t i = 0; i < SQUARE_SIDE * SQUARE_SIDE; i++) {
-        (void)jp_planner_set_cell(planner, place.x + i % SQUARE_SIDE, place.y + i / SQUARE_SIDE,
-                                  was_free ? JP_CELL_OCCUPIED : JP_CELL_FREE);
-    }
-}
-
 /* The robot stands at the start of the planner, which has its route; then something changes. */
 static struct replan replan_after_change(struct jp_planner *planner, const struct task *task,
                                          struct jp_lattice_pose place)
@@ -53,7 +32,7 @@ static struct replan replan_after_change(struct jp_planner *planner, const struc
     const uint32_t expanded = jp_planner_statistics(planner)->expansions;
     const double begin = now_s();
 
-    change_square(planner, task->terrain, place);
+    toggle_square(planner, task->terrain, place);
     while (jp_planner_work(planner, SLICE) == JP_ANSWER_OUT_OF_BUDGET && !jp_planner_is_idle(planner)) {
     }
     const double first_s = now_s() - begin;

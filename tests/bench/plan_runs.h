@@ -11,6 +11,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "sim/base/random.h"
 #include "tests/support/scene.h"
 
 static const struct jp_lattice *const lattice = &jp_lattice_zhang2018;
@@ -20,6 +21,7 @@ static const struct jp_lattice *const lattice = &jp_lattice_zhang2018;
 
 enum {
     SLICE = 32,       /* expansions */
+    SQUARE_SIDE = 3,  /* cells that change together */
     FULL_KIB = 24576, /* holds every search to the optimum */
 };
 
@@ -103,6 +105,46 @@ static inline struct outcome plan(const struct jp_planner_config *config, const 
     outcome.statistics = *jp_planner_statistics(&planner);
     free(block);
     return outcome;
+}
+
+/* ---- Poses and changes ---- */
+
+/* A pose where the robot can stand. False when there seems to be none. */
+static inline bool random_pose(struct random *random, const struct jp_lattice *of, const struct jp_terrain *terrain,
+                               struct jp_lattice_pose *pose)
+{
+    enum { POSES = 100000 };
+
+    for (unsigned i = 0; i < POSES; i++) {
+        pose->x = (int16_t)random_uniform(random, 0, terrain->config.width);
+        pose->y = (int16_t)random_uniform(random, 0, terrain->config.height);
+        pose->heading = (uint8_t)random_uniform(random, 0, JP_HEADINGS);
+        if (jp_lattice_can_stand(of, terrain, pose->x, pose->y, pose->heading)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static inline struct jp_lattice_pose pose_after(const struct jp_planner *planner, unsigned steps)
+{
+    struct jp_lattice_pose pose = jp_planner_plan(planner)->start;
+    for (unsigned i = 0; i < steps; i++) {
+        (void)jp_planner_step(planner, i, &pose);
+    }
+    return pose;
+}
+
+/* A square of cells becomes occupied, or free where it was not. */
+static inline void toggle_square(struct jp_planner *planner, const struct jp_terrain *terrain,
+                                 struct jp_lattice_pose place)
+{
+    const bool was_free = jp_terrain_cell(terrain, place.x, place.y) == JP_CELL_FREE;
+
+    for (int32_t i = 0; i < SQUARE_SIDE * SQUARE_SIDE; i++) {
+        (void)jp_planner_set_cell(planner, place.x + i % SQUARE_SIDE, place.y + i / SQUARE_SIDE,
+                                  was_free ? JP_CELL_OCCUPIED : JP_CELL_FREE);
+    }
 }
 
 /* ---- Scenes ---- */

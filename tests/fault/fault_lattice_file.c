@@ -9,6 +9,7 @@
 #include "sim/base/random.h"
 #include "sim/files/lattice_file.h"
 #include "tests/support/bad_file.h"
+#include "tests/support/mutation.h"
 #include "unity.h"
 
 #define SEED      20261124u
@@ -284,31 +285,6 @@ static void test_parts_out_of_the_pools(void)
 
 /* ---- Mutations ---- */
 
-static size_t draw(size_t count)
-{
-    return (size_t)random_uniform(&noise, 0.0, (double)count);
-}
-
-/* A byte changed, a piece taken out, or a piece doubled. */
-static size_t mutate(char *text, size_t size)
-{
-    static const char bytes[] = "{}[]\",:.-+0123456789eE#?\\nul \n\xff";
-    const size_t at = draw(size);
-    const size_t length = 1 + draw(size - at < 12 ? size - at : 12);
-
-    switch (draw(3)) {
-    case 0:
-        text[at] = bytes[draw(sizeof bytes - 1)];
-        return size;
-    case 1:
-        memmove(text + at, text + at + length, size - at - length);
-        return size - length;
-    default:
-        memmove(text + at + length, text + at, size - at);
-        return size + length;
-    }
-}
-
 /* What is loaded is sound in all that a planner relies on. */
 static void test_mutations_load_or_are_refused(void)
 {
@@ -320,8 +296,8 @@ static void test_mutations_load_or_are_refused(void)
         static char text[TEXT_MAX + 64];
         size_t size = strlen(sound);
         memcpy(text, sound, size);
-        for (size_t left = 1 + draw(2); left > 0; left--) {
-            size = mutate(text, size);
+        for (size_t left = 1 + draw(&noise, 2); left > 0; left--) {
+            size = mutate(text, size, &noise);
         }
         write_file(text, size);
         if (load(path)) {
@@ -340,7 +316,7 @@ static void test_mutations_load_or_are_refused(void)
 
 static void test_truncations_are_refused(void)
 {
-    for (size_t size = 0; size < strlen(sound) - 2; size += 1 + draw(50)) {
+    for (size_t size = 0; size < strlen(sound) - 2; size += 1 + draw(&noise, 50)) {
         write_file(sound, size);
         TEST_ASSERT_FALSE(load(path));
         check_one_line(path);

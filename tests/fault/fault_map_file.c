@@ -7,6 +7,7 @@
 #include "sim/base/random.h"
 #include "sim/files/map_file.h"
 #include "tests/support/bad_file.h"
+#include "tests/support/mutation.h"
 #include "unity.h"
 
 #define SEED      20180900u
@@ -322,30 +323,6 @@ static void test_names_and_notes_that_do_not_fit(void)
 
 /* ---- Mutations ---- */
 
-static size_t draw(size_t count)
-{
-    return (size_t)random_uniform(&noise, 0.0, (double)count);
-}
-
-/* A byte changed, a piece taken out, or a piece doubled. */
-static size_t mutate(char *text, size_t size)
-{
-    static const char bytes[] = "{}[]\",:.-+0123456789eE#?\\nul \n\xff";
-    const size_t at = draw(size);
-    const size_t length = 1 + draw(size - at < 12 ? size - at : 12);
-    switch (draw(3)) {
-    case 0:
-        text[at] = bytes[draw(sizeof bytes)];
-        return size;
-    case 1:
-        memmove(text + at, text + at + length, size - at - length);
-        return size - length;
-    default:
-        memmove(text + at + length, text + at, size - at);
-        return size + length;
-    }
-}
-
 static void test_mutations_load_or_are_refused(void)
 {
     int loaded = 0;
@@ -355,8 +332,8 @@ static void test_mutations_load_or_are_refused(void)
         char text[TEXT_MAX];
         size_t size = strlen(sound);
         memcpy(text, sound, size);
-        for (size_t left = 1 + draw(3); left > 0; left--) {
-            size = mutate(text, size);
+        for (size_t left = 1 + draw(&noise, 3); left > 0; left--) {
+            size = mutate(text, size, &noise);
         }
         write_file(text, size);
         if (load(path)) {
