@@ -6,7 +6,8 @@
 #   campaign  what runs missions on all cores or a cluster
 #   firmware  the Arm tool chain and its emulator
 #   vcan      operate, the CAN tools and, where this kernel has no vcan, one to emulate (tools/operate/with_vcan.sh)
-#   test      all of it, the second compiler, the checkers and the RISC-V tool chain (the default)
+#   test      all of them, the second compiler, the checkers and the RISC-V tool chain (the default)
+#   bench     what the planner is measured beside; no part of test
 # Python packages go to .venv, which later calls add to; tools/requirements-*.txt list them.
 # JP_SETUP=skip installs nothing and says what is missing, in the Python that PYTHON names. Exit status 2: something could
 # not be installed.
@@ -19,6 +20,7 @@ vcan_packages=(can-utils iproute2 util-linux)
 emulator_packages=(busybox-static qemu-system-x86 xz-utils)
 firmware_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
 test_packages=(gcc-multilib clang cmake cppcheck gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
+bench_packages=(libigraph-dev libompl-dev)
 
 die() {
     echo "setup: $*" >&2
@@ -179,8 +181,9 @@ missing_programs() {
 }
 
 missing_libraries() {
-    local library
-    for library in ccd libconfig jansson nlopt; do
+    local library libraries=(ccd libconfig jansson nlopt)
+    ! asks bench || libraries+=(igraph ompl)
+    for library in "${libraries[@]}"; do
         pkg-config --exists "$library" 2>/dev/null || echo "$library"
     done
     # Debian's lcm.pc asks for GLib's headers, which LCM's do not include.
@@ -203,11 +206,15 @@ report_missing() {
     die "JP_SETUP=skip, and missing: ${list%, }"
 }
 
-# wants SCOPE...: one of them was asked for, or test, which is all.
+asks() {
+    [[ " ${scopes[*]} " == *" $1 "* ]]
+}
+
+# wants SCOPE...: one of them was asked for, or test, which has them all.
 wants() {
     local scope
     for scope in "$@" test; do
-        [[ " ${scopes[*]} " != *" $scope "* ]] || return 0
+        ! asks "$scope" || return 0
     done
     return 1
 }
@@ -217,8 +224,8 @@ scopes=()
 for argument in "$@"; do
     case $argument in
     --yes) yes=1 ;;
-    sil | design | operate | campaign | firmware | vcan | test) scopes+=("$argument") ;;
-    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|firmware|vcan|test]..." ;;
+    sil | design | operate | campaign | firmware | vcan | test | bench) scopes+=("$argument") ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|firmware|vcan|test|bench]..." ;;
     esac
 done
 [ ${#scopes[@]} -gt 0 ] || scopes=(test)
@@ -228,6 +235,7 @@ requirements=(sil)
 ! wants firmware || packages+=("${firmware_packages[@]}")
 ! wants vcan || packages+=("${vcan_packages[@]}")
 ! wants test || packages+=("${test_packages[@]}")
+! asks bench || packages+=("${bench_packages[@]}")
 ! wants design || requirements+=(design)
 ! wants operate vcan || requirements+=(operate)
 ! wants campaign || requirements+=(campaign)

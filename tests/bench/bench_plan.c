@@ -1,5 +1,5 @@
 /* The planner on rough scenes, and on maps that are given: how good its routes are in blocks of several sizes, how fast
- * it is beside a plain Dijkstra, what a replan costs, what energy is saved at what length. Prints figures as JSON;
+ * it is beside its peers, what a replan costs, what energy is saved at what length. Prints figures as JSON;
  * --rows FILE gets every run. Progress on stderr. */
 #include <argp.h>
 #include <jansson.h>
@@ -10,17 +10,12 @@
 #include "sim/base/random.h"
 #include "sim/files/map_file.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/plain_dijkstra.h"
+#include "tests/bench/plain_search.h"
+#include "tests/bench/plan_peers.h"
 #include "tests/bench/plan_replans.h"
 #include "tests/bench/plan_runs.h"
 #include "tests/bench/plan_savings.h"
 #include "tests/bench/statistics.h"
-
-/* The schedule of the example in src/search/README.md. */
-#define SCHEDULE                                                                                                       \
-    {                                                                                                                  \
-        JP_EPSILON(1.35), JP_EPSILON(1.2), JP_EPSILON(1.1), JP_EPSILON_ONE                                             \
-    }
 
 enum {
     AMPLE_KIB = 8192,
@@ -76,9 +71,6 @@ static void add_row(json_t *rows, const struct task *task, unsigned kib, const s
 
 /* ---- Scenes ---- */
 
-/* Both agree but for the rounding of every edge. */
-#define DIJKSTRA_TOLERANCE 0.01
-
 static void find_optimum(struct scene *scene)
 {
     const struct jp_planner_config config = {lattice, JP_COST_PHYSICAL, {JP_EPSILON_ONE}};
@@ -88,8 +80,7 @@ static void find_optimum(struct scene *scene)
 
     scene->dijkstra_s = now_s() - begin;
     scene->optimum = exact.plan.cost;
-    if (exact.answer != JP_ANSWER_OPTIMAL ||
-        fabs(scene->optimum / JP_COST_PER_JOULE / oracle - 1) > DIJKSTRA_TOLERANCE) {
+    if (exact.answer != JP_ANSWER_OPTIMAL || fabs(scene->optimum / oracle - 1) > ROUNDING_TOLERANCE) {
         fail("the plan that is said to be optimal is not Dijkstra's");
     }
 }
@@ -249,6 +240,7 @@ int main(int argc, char **argv)
     for (unsigned i = 0; i < SIZES; i++) {
         bench_size(scenes, sizes_kib[i], figures, rows);
     }
+    plan_peers(scenes, figures);
     plan_savings(scenes, figures, curve);
     plan_replans(scenes, figures);
     for (unsigned i = 0; i < arguments.map_count; i++) {

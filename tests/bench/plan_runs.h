@@ -19,6 +19,15 @@ static const struct jp_lattice *const lattice = &jp_lattice_zhang2018;
 #define COMMAND "make bench-plan"
 #define KIB     ((size_t)1024)
 
+/* Costs of a route by the tables and in double precision agree but for the rounding of every edge. */
+#define ROUNDING_TOLERANCE 0.01
+
+/* The schedule of the example in src/search/README.md. */
+#define SCHEDULE                                                                                                       \
+    {                                                                                                                  \
+        JP_EPSILON(1.35), JP_EPSILON(1.2), JP_EPSILON(1.1), JP_EPSILON_ONE                                             \
+    }
+
 enum {
     SLICE = 32,       /* expansions */
     SQUARE_SIDE = 3,  /* cells that change together */

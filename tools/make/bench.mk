@@ -50,8 +50,8 @@ $(BUILD)/maps/%.yaml.json: $(DATA)/%.yaml tools/design/import_map.py
 	$Q$(PYTHON) -m tools.design.import_map $< $@ --resolution 0.2
 
 .PHONY: bench-plan
-bench-plan: ## measure the planner on the 20 scenes and on MAPS="a.json…"
-	@tools/setup.sh test
+bench-plan: ## measure the planner on the 20 scenes, beside its peers, and on MAPS="a.json…"
+	@tools/setup.sh test bench
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_plan $(MAPS)
 	@mkdir -p $(BUILD)/bench-plan
 	$(BUILD)/bench/bench_plan --rows $(BUILD)/bench-plan/rows.json $(MAPS) >$(BUILD)/bench/bench_plan.json

@@ -104,7 +104,15 @@ $(BUILD)/bin/%: $(BUILD)/host/sim/programs/%.o $(call host_libraries,host)
 $(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(call host_libraries,host)
 	$(call link_host,host)
 
-$(BUILD)/bench/bench_plan: $(addprefix $(BUILD)/host/tests/bench/,plain_dijkstra.o plan_replans.o plan_savings.o)
+$(BUILD)/bench/bench_plan: $(addprefix $(BUILD)/host/tests/bench/,igraph_peer.o ompl_peer.o plain_search.o plan_peers.o plan_replans.o plan_savings.o)
+$(BUILD)/bench/bench_plan: private COMPILER.host = g++
+$(BUILD)/bench/bench_plan: private LIBRARIES += -lompl -ligraph
+
+# The peers are C++, as OMPL is. Its ompl.pc also links what it was built with.
+$(BUILD)/host/tests/bench/%_peer.o: tests/bench/%_peer.cpp
+	@mkdir -p $(@D)
+	$(call SAY,CXX $@)
+	$Qg++ -O2 -Wall -Wextra -Werror -MMD -I. -Iinclude $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $*)) -c $< -o $@
 
 # Property tests at bench length, without the sanitizers.
 $(BUILD)/bench/prop_%: $(BUILD)/host/tests/property/prop_%.o $(call host_libraries,host) $(UNITY_SOURCE:%=$(BUILD)/host/unity.o)
