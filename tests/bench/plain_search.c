@@ -3,59 +3,17 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-struct entry {
-    double key;
-    uint32_t state;
-};
+#include "tests/support/heap.h"
 
-/** A binary heap; a state that becomes cheaper is pushed again. */
-struct heap {
-    struct entry *entries;
-    size_t count;
-    size_t size;
-};
-
-static void *allocate(void *old, size_t size)
+static void *allocate(size_t size)
 {
-    void *block = realloc(old, size);
+    void *block = malloc(size);
     if (block == NULL) {
         (void)fprintf(stderr, "plain_search: no memory\n");
         exit(1);
     }
     return block;
-}
-
-static void push(struct heap *heap, struct entry entry)
-{
-    if (heap->count == heap->size) {
-        heap->size = heap->size == 0 ? 1024 : 2 * heap->size;
-        heap->entries = allocate(heap->entries, heap->size * sizeof *heap->entries);
-    }
-    size_t at = heap->count++;
-    for (; at > 0 && heap->entries[(at - 1) / 2].key > entry.key; at = (at - 1) / 2) {
-        heap->entries[at] = heap->entries[(at - 1) / 2];
-    }
-    heap->entries[at] = entry;
-}
-
-static struct entry pop(struct heap *heap)
-{
-    const struct entry top = heap->entries[0];
-    const struct entry last = heap->entries[--heap->count];
-    size_t at = 0;
-
-    for (size_t child = 1; child < heap->count; child = 2 * at + 1) {
-        child += child + 1 < heap->count && heap->entries[child + 1].key < heap->entries[child].key;
-        if (heap->entries[child].key >= last.key) {
-            break;
-        }
-        heap->entries[at] = heap->entries[child];
-        at = child;
-    }
-    heap->entries[at] = last;
-    return top;
 }
 
 static bool is_occupied(const struct jp_terrain *terrain, int32_t x, int32_t y)
@@ -122,7 +80,7 @@ static uint32_t cell_id(const struct jp_terrain *terrain, int32_t x, int32_t y)
 
 static double *infinite_costs(size_t count)
 {
-    double *costs = allocate(NULL, count * sizeof *costs);
+    double *costs = allocate(count * sizeof *costs);
 
     for (size_t i = 0; i < count; i++) {
         costs[i] = INFINITY;
@@ -147,7 +105,7 @@ static void reach(struct search *search, uint32_t state, double cost)
     if (cost < search->costs[state]) {
         search->costs[state] = cost;
         if (isfinite(key_of(search, state))) {
-            push(&search->heap, (struct entry){key_of(search, state), state});
+            heap_push(&search->heap, key_of(search, state), state);
         }
     }
 }
@@ -182,11 +140,11 @@ static double search_states(struct search *search, const struct jp_lattice_pose 
         infinite_costs((size_t)search->terrain->config.width * search->terrain->config.height * JP_HEADINGS);
     reach(search, id_of(search->terrain, start->x, start->y, start->heading), 0);
     while (search->heap.count > 0 && isinf(best)) {
-        const struct entry entry = pop(&search->heap);
-        if (is_goal(search, goal, entry.state)) {
-            best = search->costs[entry.state];
-        } else if (entry.key == key_of(search, entry.state)) {
-            expand(search, entry.state);
+        const struct heap_entry entry = heap_pop(&search->heap);
+        if (is_goal(search, goal, entry.id)) {
+            best = search->costs[entry.id];
+        } else if (entry.key == key_of(search, entry.id)) {
+            expand(search, entry.id);
         }
     }
     free(search->costs);
@@ -222,7 +180,7 @@ static void lower_neighbours(const struct search *search, double *left, struct h
         const double cost = left[cell] + move_cost(search->lattice, direction, rise);
         if (cost < left[from]) {
             left[from] = cost;
-            push(heap, (struct entry){cost, from});
+            heap_push(heap, cost, from);
         }
     }
 }
@@ -234,11 +192,11 @@ static double *cost_left(const struct search *search, const struct jp_goal *goal
     struct heap heap = {0};
 
     left[root] = 0;
-    push(&heap, (struct entry){0, root});
+    heap_push(&heap, 0, root);
     while (heap.count > 0) {
-        const struct entry entry = pop(&heap);
-        if (entry.key == left[entry.state]) {
-            lower_neighbours(search, left, &heap, entry.state);
+        const struct heap_entry entry = heap_pop(&heap);
+        if (entry.key == left[entry.id]) {
+            lower_neighbours(search, left, &heap, entry.id);
         }
     }
     free(heap.entries);

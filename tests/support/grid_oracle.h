@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/support/heap.h"
+
 struct grid_oracle {
     int width;
     int height;
@@ -128,51 +130,6 @@ static inline bool grid_oracle_is_line_free(const struct grid_oracle *oracle, do
 
 /* ---- Dijkstra ---- */
 
-struct oracle_entry {
-    double cost;
-    int node;
-};
-
-struct oracle_heap {
-    struct oracle_entry *entries;
-    size_t count;
-    size_t capacity;
-};
-
-static inline void oracle_push(struct oracle_heap *heap, double cost, int node)
-{
-    if (heap->count == heap->capacity) {
-        heap->capacity = heap->capacity == 0 ? 1024 : 2 * heap->capacity;
-        heap->entries = realloc(heap->entries, heap->capacity * sizeof *heap->entries);
-        if (heap->entries == NULL) {
-            (void)fprintf(stderr, "grid oracle: no memory\n");
-            exit(1);
-        }
-    }
-    size_t i = heap->count++;
-    for (; i > 0 && heap->entries[(i - 1) / 2].cost > cost; i = (i - 1) / 2) {
-        heap->entries[i] = heap->entries[(i - 1) / 2];
-    }
-    heap->entries[i] = (struct oracle_entry){cost, node};
-}
-
-static inline struct oracle_entry oracle_pop(struct oracle_heap *heap)
-{
-    const struct oracle_entry top = heap->entries[0];
-    const struct oracle_entry last = heap->entries[--heap->count];
-    size_t i = 0;
-    for (size_t child = 1; child < heap->count; child = 2 * i + 1) {
-        child += child + 1 < heap->count && heap->entries[child + 1].cost < heap->entries[child].cost;
-        if (heap->entries[child].cost >= last.cost) {
-            break;
-        }
-        heap->entries[i] = heap->entries[child];
-        i = child;
-    }
-    heap->entries[i] = last;
-    return top;
-}
-
 static inline double *unknown_costs(size_t count)
 {
     double *costs = oracle_allocate(count, sizeof *costs);
@@ -182,15 +139,15 @@ static inline double *unknown_costs(size_t count)
     return costs;
 }
 
-static inline void oracle_relax(struct oracle_heap *heap, double *costs, int node, double cost)
+static inline void oracle_relax(struct heap *heap, double *costs, int node, double cost)
 {
     if (cost < costs[node]) {
         costs[node] = cost;
-        oracle_push(heap, cost, node);
+        heap_push(heap, cost, (uint32_t)node);
     }
 }
 
-static inline void relax_neighbours(const struct grid_oracle *oracle, struct oracle_heap *heap, double *costs, int cell)
+static inline void relax_neighbours(const struct grid_oracle *oracle, struct heap *heap, double *costs, int cell)
 {
     const int x = cell % oracle->width;
     const int y = cell / oracle->width;
@@ -210,15 +167,16 @@ static inline double grid_oracle_octile(const struct grid_oracle *oracle, struct
 {
     double *costs = unknown_costs((size_t)oracle->width * (size_t)oracle->height);
     const int target = goal.y * oracle->width + goal.x;
-    struct oracle_heap heap = {0};
+    struct heap heap = {0};
     oracle_relax(&heap, costs, start.y * oracle->width + start.x, 0);
     while (heap.count > 0) {
-        const struct oracle_entry top = oracle_pop(&heap);
-        if (top.node == target) {
+        const struct heap_entry top = heap_pop(&heap);
+        const int node = (int)top.id;
+        if (node == target) {
             break;
         }
-        if (top.cost <= costs[top.node]) {
-            relax_neighbours(oracle, &heap, costs, top.node);
+        if (top.key <= costs[node]) {
+            relax_neighbours(oracle, &heap, costs, node);
         }
     }
     const double cost = costs[target];
@@ -302,7 +260,7 @@ static inline double grid_graph_shortest(const struct grid_graph *graph, struct 
     const double direct = oracle_sight(graph->oracle, &from, &to);
     double best = direct >= 0 ? direct : INFINITY;
     double *costs = unknown_costs((size_t)graph->count + 1);
-    struct oracle_heap heap = {0};
+    struct heap heap = {0};
     for (int i = 0; i < graph->count; i++) {
         const double distance = oracle_sight(graph->oracle, &from, &graph->corners[i]);
         if (distance >= 0) {
@@ -310,19 +268,20 @@ static inline double grid_graph_shortest(const struct grid_graph *graph, struct 
         }
     }
     while (heap.count > 0) {
-        const struct oracle_entry top = oracle_pop(&heap);
-        if (top.cost > costs[top.node] || top.cost >= best) {
+        const struct heap_entry top = heap_pop(&heap);
+        const int node = (int)top.id;
+        if (top.key > costs[node] || top.key >= best) {
             continue;
         }
-        const struct oracle_corner *corner = &graph->corners[top.node];
-        if (top.cost + hypot(corner->x - to.x, corner->y - to.y) < best &&
+        const struct oracle_corner *corner = &graph->corners[node];
+        if (top.key + hypot(corner->x - to.x, corner->y - to.y) < best &&
             oracle_sight(graph->oracle, corner, &to) >= 0) {
-            best = top.cost + hypot(corner->x - to.x, corner->y - to.y);
+            best = top.key + hypot(corner->x - to.x, corner->y - to.y);
         }
         for (int i = 0; i < graph->count; i++) {
-            const double distance = graph->distance[top.node * graph->count + i];
+            const double distance = graph->distance[node * graph->count + i];
             if (distance >= 0) {
-                oracle_relax(&heap, costs, i, top.cost + distance);
+                oracle_relax(&heap, costs, i, top.key + distance);
             }
         }
     }

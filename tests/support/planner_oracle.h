@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/heap.h"
+
 enum {
     ORACLE_SIDE_MAX = 48,
     ORACLE_MARGIN = 48, /* blocked cells round the map, so that no look-up leaves the arrays */
@@ -18,7 +20,6 @@ enum {
     ORACLE_STATES = ORACLE_SIDE_MAX * ORACLE_SIDE_MAX * JP_HEADINGS,
     ORACLE_PRIMITIVES = 256,
     ORACLE_SWEPT = 1 << 15,
-    ORACLE_HEAP = ORACLE_STATES * 12
 };
 
 struct oracle_map {
@@ -30,19 +31,12 @@ struct oracle_map {
     int cost_shift;
 };
 
-struct oracle_entry {
-    double cost;
-    int state;
-};
-
 struct oracle {
     const struct jp_lattice *lattice;
     enum jp_cost_kind kind;
     int swept[ORACLE_SWEPT]; /* cells of each primitive, as offsets in a map */
     int first_swept[ORACLE_PRIMITIVES + 1];
     double distance[ORACLE_STATES];
-    struct oracle_entry heap[ORACLE_HEAP];
-    int heap_count;
 };
 
 static inline int oracle_cell(int x, int y)
@@ -137,37 +131,7 @@ static inline double oracle_edge(const struct oracle *oracle, const struct oracl
     return cost + oracle_charged(map, p->base[oracle->kind], largest);
 }
 
-static inline void oracle_push(struct oracle *oracle, double cost, int state)
-{
-    int i = oracle->heap_count++;
-
-    for (; i > 0 && oracle->heap[(i - 1) / 2].cost > cost; i = (i - 1) / 2) {
-        oracle->heap[i] = oracle->heap[(i - 1) / 2];
-    }
-    oracle->heap[i] = (struct oracle_entry){cost, state};
-}
-
-static inline struct oracle_entry oracle_pop(struct oracle *oracle)
-{
-    const struct oracle_entry top = oracle->heap[0];
-    const struct oracle_entry last = oracle->heap[--oracle->heap_count];
-    int i = 0;
-
-    for (int child = 1; child < oracle->heap_count; child = 2 * i + 1) {
-        if (child + 1 < oracle->heap_count && oracle->heap[child + 1].cost < oracle->heap[child].cost) {
-            child++;
-        }
-        if (oracle->heap[child].cost >= last.cost) {
-            break;
-        }
-        oracle->heap[i] = oracle->heap[child];
-        i = child;
-    }
-    oracle->heap[i] = last;
-    return top;
-}
-
-static inline void oracle_expand(struct oracle *oracle, const struct oracle_map *map, int state)
+static inline void oracle_expand(struct oracle *oracle, const struct oracle_map *map, struct heap *heap, int state)
 {
     const int heading = state % JP_HEADINGS;
     const int x = state / JP_HEADINGS % map->width;
@@ -182,7 +146,7 @@ static inline void oracle_expand(struct oracle *oracle, const struct oracle_map 
         const int next = oracle_state(map, x + p->dx, y + p->dy, p->end);
         if (cost < oracle->distance[next]) {
             oracle->distance[next] = cost;
-            oracle_push(oracle, cost, next);
+            heap_push(heap, cost, (uint32_t)next);
         }
     }
 }
@@ -193,25 +157,29 @@ static inline double oracle_shortest(struct oracle *oracle, const struct oracle_
                                      const struct jp_lattice_pose *start, const struct jp_goal *goal)
 {
     const int first = oracle_state(map, start->x, start->y, start->heading);
+    struct heap heap = {0};
+    double found = INFINITY;
 
     for (int i = 0; i < map->width * map->height * JP_HEADINGS; i++) {
         oracle->distance[i] = INFINITY;
     }
-    oracle->heap_count = 0;
     oracle->distance[first] = 0;
-    oracle_push(oracle, 0, first);
-    while (oracle->heap_count > 0) {
-        const struct oracle_entry top = oracle_pop(oracle);
-        if (top.cost > oracle->distance[top.state]) {
+    heap_push(&heap, 0, (uint32_t)first);
+    while (heap.count > 0 && isinf(found)) {
+        const struct heap_entry top = heap_pop(&heap);
+        const int state = (int)top.id;
+        if (top.key > oracle->distance[state]) {
             continue;
         }
-        if (goal != NULL && top.state / JP_HEADINGS == goal->y * map->width + goal->x &&
-            (goal->headings >> top.state % JP_HEADINGS & 1) != 0) {
-            return top.cost;
+        if (goal != NULL && state / JP_HEADINGS == goal->y * map->width + goal->x &&
+            (goal->headings >> state % JP_HEADINGS & 1) != 0) {
+            found = top.key;
+        } else {
+            oracle_expand(oracle, map, &heap, state);
         }
-        oracle_expand(oracle, map, top.state);
     }
-    return INFINITY;
+    free(heap.entries);
+    return found;
 }
 
 #endif
