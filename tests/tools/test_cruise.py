@@ -108,7 +108,7 @@ def test_decays_that_are_alike_are_moved_apart_as_little_as_possible(monkeypatch
     assert cruise.told_apart([2.0, 2.0, 9.0], 0) == pytest.approx([2 / math.sqrt(1.5), 2 * math.sqrt(1.5), 9])
     assert cruise.told_apart([2.0, 2.0, 2.0], 0) == pytest.approx([2 / 1.5, 2, 3])
     # 1/√lag is 3: one is moved below, the other above.
-    assert cruise.told_apart([2.9, 3.0, 9.0], 1 / 9) == pytest.approx([3 / 1.2, 3 * 1.2, 9])
+    assert cruise.told_apart([2.9, 3.1, 9.0], 1 / 9) == pytest.approx([3 / 1.2, 3 * 1.2, 9])
     assert cruise.told_apart([2.8, 2.9, 9.0], 1 / 9) == pytest.approx([3 / 1.2 / 1.5, 3 / 1.2, 9])
 
 
