@@ -27,6 +27,7 @@ extern const struct jp_horizon jp_horizon_courier24;
 extern const struct jp_horizon jp_horizon_courier24_battery;
 extern const struct jp_horizon jp_horizon_gao2018;
 extern const struct jp_horizon jp_horizon_gao2018_battery;
+extern const struct jp_lattice jp_lattice_courier24;
 extern const struct jp_lattice jp_lattice_gao2018;
 extern const struct jp_lattice jp_lattice_zhang2018;
 extern const struct jp_learning jp_learning_courier24;

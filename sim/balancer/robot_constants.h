@@ -101,6 +101,10 @@ struct robot_file {
         double duration_s;
         double payload_kg[2]; /**< least and most that the body carries beside its mass; the least may be below 0 */
     } limits;
+    struct {
+        double cell_m;   /**< of its maps; may be left out */
+        double margin_m; /**< round the disc in which it turns; left out: it is planned for by its rectangle */
+    } navigation;
 };
 
 #endif

@@ -14,7 +14,7 @@
     {                                                                                                                  \
         key, FIELD(member), 1, CONFIG_FIELD_REAL, min, max, unit, false                                                \
     }
-/* tools/design/specification.py finds it when it is left out. */
+/* Not a number when it is left out: tools/design/specification.py finds it, and who does not need it goes without. */
 #define SETTING(key, member, min, max, unit)                                                                           \
     {                                                                                                                  \
         key, FIELD(member), 1, CONFIG_FIELD_REAL, min, max, unit, true                                                 \
@@ -80,6 +80,8 @@ static const struct config_field fields[] = {
     REAL("limits.turn_rate_rad_s", limits.turn_rate_rad_s, 0.01, 8, "rad/s"),
     REAL("limits.turn_deg", limits.turn_deg, 0, 180, "°"),
     REAL("limits.duration_s", limits.duration_s, 0.1, 16384, "s"),
+    SETTING("navigation.cell_m", navigation.cell_m, 0.01, 10, "m"),
+    SETTING("navigation.margin_m", navigation.margin_m, 0.001, 10, "m"),
     {"limits.payload_kg", FIELD(limits.payload_kg), 2, CONFIG_FIELD_REAL, -200, 1000, "kg", true},
 };
 

@@ -16,6 +16,9 @@
 #define GROUND_FRICTION 0.69
 #define SLOPE_MAX_DEG   15.0
 
+/* Cells of the paper's lattice (section 2.2), m. */
+#define CELL 0.2
+
 /* Speeds and rates are tried in this many steps up to their limit. */
 #define TRIED 1000
 
@@ -103,6 +106,19 @@ static double cruising_speed(const struct lattice_robot *robot)
     return fmin(efficient, robot->balancer.file.limits.speed_m_s);
 }
 
+/* One that finds its own way turns wherever it is, and leaves its path by a margin. */
+static void describe_navigation(struct lattice_robot *robot)
+{
+    const struct robot_file *file = &robot->balancer.file;
+
+    if (!isnan(file->navigation.cell_m)) {
+        robot->cell_m = file->navigation.cell_m;
+    }
+    if (!isnan(file->navigation.margin_m)) {
+        robot->radius_m = hypot(robot->length_m, robot->width_m) / 2 + file->navigation.margin_m;
+    }
+}
+
 static void describe_balancer(struct lattice_robot *robot)
 {
     const struct robot_file *file = &robot->balancer.file;
@@ -116,6 +132,7 @@ static void describe_balancer(struct lattice_robot *robot)
     robot->grade_bend = -robot->grade_max;
     robot->electronics_power = energy_unit_joules(robot->balancer.model, robot->balancer.model->electronics_power);
     robot->speed_max = cruising_speed(robot);
+    describe_navigation(robot);
     robot->energy = balancer_motion_energy;
 }
 
@@ -150,7 +167,7 @@ bool lattice_robot_load(const char *path, struct lattice_robot *robot)
     } kinds[] = {{"skid_steer", load_skid_steer}, {CONFIG_BALANCER, load_balancer}};
     char type[CONFIG_NAME_SIZE];
 
-    *robot = (struct lattice_robot){0};
+    *robot = (struct lattice_robot){.cell_m = CELL};
     if (!config_fields_type(path, type)) {
         return false;
     }

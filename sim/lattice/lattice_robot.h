@@ -19,6 +19,8 @@ struct lattice_robot {
     const char *name;
     double length_m;
     double width_m;
+    double cell_m;            /**< of its maps */
+    double radius_m;          /**< of the disc that it needs wherever it is; 0: it needs its rectangle */
     double speed_max;         /**< m/s */
     double turn_rate_max;     /**< rad/s */
     double pivot_duration;    /**< s, least duration of a turn in place */

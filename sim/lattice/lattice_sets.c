@@ -16,10 +16,11 @@ static struct lattice_cells *new_cells(void)
 
 static bool sweep(const struct lattice *lattice, const struct lattice_path *path, struct lattice_cells *cells)
 {
-    const double length = lattice->robot->length_m / lattice->resolution_m;
-    const double width = lattice->robot->width_m / lattice->resolution_m;
+    const struct lattice_footprint footprint = {lattice->robot->length_m / lattice->resolution_m,
+                                                lattice->robot->width_m / lattice->resolution_m,
+                                                lattice->robot->radius_m / lattice->resolution_m};
 
-    if (!lattice_sweep(path, length, width, cells)) {
+    if (!lattice_sweep(path, &footprint, cells)) {
         error_line("%s: the robot sweeps cells farther than %d from its start; choose larger cells or shorter "
                    "primitives",
                    lattice->robot->name, LATTICE_REACH);

@@ -7,11 +7,12 @@
 #define ROBOT_HALF_HEIGHT 1.0
 #define CELL_HALF_HEIGHT  0.75
 
-/* An upright box, turned about the vertical. */
+/* An upright box, turned about the vertical, or a disc. */
 struct prism {
     double x, y;
     double cosine, sine;
     double half_length, half_width, half_height;
+    double radius; /* of the disc; 0: it is a box */
 };
 
 static void support(const void *object, const ccd_vec3_t *direction, ccd_vec3_t *point)
@@ -35,9 +36,12 @@ static void centre(const void *object, ccd_vec3_t *point)
 
 static bool touches(const struct prism *robot, int x, int y)
 {
-    const struct prism cell = {x, y, 1, 0, 0.5, 0.5, CELL_HALF_HEIGHT};
+    const struct prism cell = {x, y, 1, 0, 0.5, 0.5, CELL_HALF_HEIGHT, 0};
     ccd_t ccd;
 
+    if (robot->radius > 0) {
+        return hypot(fmax(fabs(robot->x - x) - 0.5, 0), fmax(fabs(robot->y - y) - 0.5, 0)) < robot->radius;
+    }
     CCD_INIT(&ccd);
     ccd.support1 = support;
     ccd.support2 = support;
@@ -49,7 +53,7 @@ static bool touches(const struct prism *robot, int x, int y)
 /* The cells that one pose covers. */
 static bool cover(const struct prism *robot, struct lattice_cells *cells)
 {
-    const double radius = hypot(robot->half_length, robot->half_width);
+    const double radius = fmax(hypot(robot->half_length, robot->half_width), robot->radius);
     const int left = (int)floor(robot->x - radius);
     const int right = (int)ceil(robot->x + radius);
     const int low = (int)floor(robot->y - radius);
@@ -67,16 +71,23 @@ static bool cover(const struct prism *robot, struct lattice_cells *cells)
     return true;
 }
 
-bool lattice_sweep(const struct lattice_path *path, double length, double width, struct lattice_cells *cells)
+bool lattice_sweep(const struct lattice_path *path, const struct lattice_footprint *footprint,
+                   struct lattice_cells *cells)
 {
     /* Grown by how far a corner turns in half the largest step, so that nothing is missed between two poses. */
-    const double margin = path->count > 1 ? hypot(length, width) / 2 * LATTICE_TURN / 2 : 0;
+    const double corner = hypot(footprint->length, footprint->width) / 2;
+    const double margin = path->count > 1 ? corner * LATTICE_TURN / 2 : 0;
 
     for (size_t i = 0; i < path->count; i++) {
         const struct lattice_pose *pose = &path->poses[i];
-        const struct prism robot = {
-            pose->x,          pose->y, cos(pose->heading), sin(pose->heading), length / 2 + margin, width / 2 + margin,
-            ROBOT_HALF_HEIGHT};
+        const struct prism robot = {.x = pose->x,
+                                    .y = pose->y,
+                                    .cosine = cos(pose->heading),
+                                    .sine = sin(pose->heading),
+                                    .half_length = footprint->length / 2 + margin,
+                                    .half_width = footprint->width / 2 + margin,
+                                    .half_height = ROBOT_HALF_HEIGHT,
+                                    .radius = footprint->radius};
         if (!cover(&robot, cells)) {
             return false;
         }

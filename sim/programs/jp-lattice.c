@@ -9,9 +9,6 @@
 #include "sim/lattice/lattice_json.h"
 #include "sim/lattice/lattice_sets.h"
 
-/* Cells of the lattices that are made here (section 2.2 of Zhang et al.), m. */
-#define RESOLUTION 0.2
-
 enum { OPTION_PRIMITIVES = COMMAND_LINE_OWN };
 
 struct arguments {
@@ -45,7 +42,7 @@ static bool find_primitives(const struct arguments *arguments, struct lattice *l
     if (arguments->primitives != NULL) {
         return lattice_from_json(arguments->primitives, lattice);
     }
-    lattice->resolution_m = RESOLUTION;
+    lattice->resolution_m = lattice->robot->cell_m;
     return lattice_generate(lattice);
 }
 

@@ -1,7 +1,8 @@
 /*
- * The tables of both lattices against an oracle of their own, without libccd: the footprint is sampled densely along
- * each primitive, and the distance of a rectangle from a cell is taken by projection on their four axes. The paths come
- * from the generator; that they obey the robot's motion and end where the tables say is checked too.
+ * The tables of all lattices against an oracle of their own, without libccd: the footprint is sampled densely along
+ * each primitive, and the distance of a rectangle from a cell is taken by projection on their four axes, that of a disc
+ * from its middle. The paths come from the generator; that they obey the robot's motion and end where the tables say is
+ * checked too.
  */
 #include <joulepath/lattice.h>
 #include <joulepath/tables.h>
@@ -21,10 +22,15 @@
 /* Between the poses of a path, in equal parts. */
 enum { PARTS = 3 };
 
-static struct lattice_robot robots[2];
-static struct lattice lattices[2] = {{.robot = &robots[0], .resolution_m = 0.2},
-                                     {.robot = &robots[1], .resolution_m = 0.2}};
-static const struct jp_lattice *const tables[2] = {&jp_lattice_zhang2018, &jp_lattice_gao2018};
+/* The third is a disc. */
+enum { LATTICES = 3 };
+
+static const char *const files[LATTICES] = {"sim/robots/zhang2018.cfg", "sim/robots/gao2018.cfg",
+                                            "sim/robots/courier24.cfg"};
+static struct lattice_robot robots[LATTICES];
+static struct lattice lattices[LATTICES];
+static const struct jp_lattice *const tables[LATTICES] = {&jp_lattice_zhang2018, &jp_lattice_gao2018,
+                                                          &jp_lattice_courier24};
 
 void setUp(void)
 {
@@ -63,12 +69,18 @@ static struct lattice_pose between(const struct lattice_pose *from, const struct
                                  from->heading + (to->heading - from->heading) * share};
 }
 
+/* Of a side of the footprint, cells. */
+static double half_of(const struct lattice_robot *robot, double side)
+{
+    return (robot->radius_m > 0 ? robot->radius_m : side / 2) / robot->cell_m;
+}
+
 /* Points of the footprint that fall on cells which are not in the table. */
 static unsigned missed_at(const struct jp_lattice *table, const struct jp_primitive *entry,
                           const struct lattice_robot *robot, const struct lattice_pose *pose)
 {
-    const double half_length = robot->length_m / 0.2 / 2;
-    const double half_width = robot->width_m / 0.2 / 2;
+    const double half_length = half_of(robot, robot->length_m);
+    const double half_width = half_of(robot, robot->width_m);
     const int along = (int)ceil(2 * half_length / SPACING);
     const int across = (int)ceil(2 * half_width / SPACING);
     const double cosine = cos(pose->heading);
@@ -78,7 +90,9 @@ static unsigned missed_at(const struct jp_lattice *table, const struct jp_primit
     for (int i = 0; i <= along; i++) {
         for (int j = 0; j <= across; j++) {
             const double u = half_length * (2.0 * i / along - 1);
-            const double v = half_width * (2.0 * j / across - 1);
+            /* A disc's widths shrink to its ends. */
+            const double widest = robot->radius_m > 0 ? sqrt(half_width * half_width - u * u) : half_width;
+            const double v = widest * (2.0 * j / across - 1);
             const int x = (int)floor(pose->x + cosine * u - sine * v + 0.5);
             const int y = (int)floor(pose->y + sine * u + cosine * v + 0.5);
             missed += !has_cell(table, entry->first_span, entry->span_count, x, y);
@@ -110,8 +124,9 @@ static void expect_all_points_swept(size_t robot)
 
 static void test_every_point_under_the_robot_is_swept(void)
 {
-    expect_all_points_swept(0);
-    expect_all_points_swept(1);
+    for (size_t robot = 0; robot < LATTICES; robot++) {
+        expect_all_points_swept(robot);
+    }
 }
 
 static double gap(double centre, double half, double other_centre, double other_half)
@@ -122,8 +137,8 @@ static double gap(double centre, double half, double other_centre, double other_
 /* Largest gap between the footprint and a cell along the axes of either; at most 0 when they overlap. */
 static double gap_to_cell(const struct lattice_robot *robot, const struct lattice_pose *pose, int x, int y)
 {
-    const double half_length = robot->length_m / 0.2 / 2;
-    const double half_width = robot->width_m / 0.2 / 2;
+    const double half_length = half_of(robot, robot->length_m);
+    const double half_width = half_of(robot, robot->width_m);
     const double cosine = fabs(cos(pose->heading));
     const double sine = fabs(sin(pose->heading));
     const double cell_half = (cosine + sine) / 2; /* along either axis of the robot */
@@ -131,6 +146,10 @@ static double gap_to_cell(const struct lattice_robot *robot, const struct lattic
     const double dy = y - pose->y;
     const double along = cos(pose->heading) * dx + sin(pose->heading) * dy;
     const double across = cos(pose->heading) * dy - sin(pose->heading) * dx;
+
+    if (robot->radius_m > 0) {
+        return hypot(fmax(fabs(dx) - 0.5, 0), fmax(fabs(dy) - 0.5, 0)) - half_length;
+    }
     const double on_x = gap(dx, 0.5, 0, cosine * half_length + sine * half_width);
     const double on_y = gap(dy, 0.5, 0, sine * half_length + cosine * half_width);
 
@@ -151,7 +170,7 @@ static void test_no_cell_beside_the_robot_is_swept(void)
 {
     double widest = -INFINITY;
 
-    for (size_t robot = 0; robot < 2; robot++) {
+    for (size_t robot = 0; robot < LATTICES; robot++) {
         for (size_t i = 0; i < lattices[robot].count; i++) {
             const struct lattice_primitive *primitive = &lattices[robot].primitives[i];
             const struct jp_primitive *entry = entry_of(tables[robot], primitive);
@@ -170,7 +189,7 @@ static void test_no_cell_beside_the_robot_is_swept(void)
 
 static void test_footprints(void)
 {
-    for (size_t robot = 0; robot < 2; robot++) {
+    for (size_t robot = 0; robot < LATTICES; robot++) {
         for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
             const struct jp_cells cells = tables[robot]->footprint[heading];
             const struct lattice_pose pose = {0, 0, lattices[robot].headings[heading]};
@@ -214,7 +233,7 @@ static void expect_drivable(const struct lattice *lattice, const struct lattice_
 
 static void test_primitives_are_drivable(void)
 {
-    for (size_t robot = 0; robot < 2; robot++) {
+    for (size_t robot = 0; robot < LATTICES; robot++) {
         for (size_t i = 0; i < lattices[robot].count; i++) {
             expect_drivable(&lattices[robot], &lattices[robot].primitives[i]);
         }
@@ -227,7 +246,7 @@ static void test_moves_follow_the_path(void)
     double farthest = 0;
     double longest = 0;
 
-    for (size_t robot = 0; robot < 2; robot++) {
+    for (size_t robot = 0; robot < LATTICES; robot++) {
         for (size_t i = 0; i < lattices[robot].count; i++) {
             const struct lattice_primitive *primitive = &lattices[robot].primitives[i];
             double length = 0;
@@ -257,12 +276,14 @@ static void test_moves_follow_the_path(void)
 int main(void)
 {
     UNITY_BEGIN();
-    TEST_ASSERT_TRUE(lattice_robot_load("sim/robots/zhang2018.cfg", &robots[0]));
-    TEST_ASSERT_TRUE(lattice_robot_load("sim/robots/gao2018.cfg", &robots[1]));
-    TEST_ASSERT_TRUE(lattice_generate(&lattices[0]));
-    TEST_ASSERT_TRUE(lattice_generate(&lattices[1]));
+    for (size_t robot = 0; robot < LATTICES; robot++) {
+        TEST_ASSERT_TRUE(lattice_robot_load(files[robot], &robots[robot]));
+        lattices[robot] = (struct lattice){.robot = &robots[robot], .resolution_m = robots[robot].cell_m};
+        TEST_ASSERT_TRUE(lattice_generate(&lattices[robot]));
+    }
     run_tests();
-    free(lattices[0].primitives);
-    free(lattices[1].primitives);
+    for (size_t robot = 0; robot < LATTICES; robot++) {
+        free(lattices[robot].primitives);
+    }
     return UNITY_END();
 }
