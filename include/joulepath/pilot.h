@@ -43,6 +43,9 @@ struct jp_pilot_config {
     enum jp_pilot_meter meter;
 };
 
+/** A cruise that legs have no room for is lowered by a quarter, so often at most: to a tenth. */
+#define JP_PILOT_SLOWER_MAX 8U
+
 /** How a route ends. */
 enum jp_pilot_end {
     JP_PILOT_STAND, /**< at a stand at the last target */
@@ -56,6 +59,7 @@ struct jp_pilot_route {
     uint16_t count; /**< at least 1 */
     enum jp_pilot_end end;
     const struct jp_passage *passages; /**< of each target; null: as costs least */
+    uint8_t slower; /**< times that the cruise is lowered by a quarter beforehand; 0…JP_PILOT_SLOWER_MAX */
 };
 
 enum jp_pilot_phase {
@@ -147,8 +151,8 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
 /**
  * Drives a route, which is copied; its targets and passages must stay until the robot stands or another route replaces
  * them. Replaces an earlier route; a leg that is driven or was handed over is driven to its end first, and the robot
- * stands there if it cannot go on in motion. JP_ERR_ARGUMENT: null or empty. JP_ERR_STATE: neither balancing nor
- * driving.
+ * stands there if it cannot go on in motion. JP_ERR_ARGUMENT: null, empty, or slower than can be. JP_ERR_STATE: neither
+ * balancing nor driving.
  */
 enum jp_status jp_pilot_follow(struct jp_pilot *pilot, const struct jp_pilot_route *route);
 

@@ -147,6 +147,18 @@ enum jp_status jp_trajectory_check(const struct jp_trajectory_config *config, co
 enum jp_status jp_trajectory_duration(const struct jp_trajectory_config *config, const struct jp_trajectory *trajectory,
                                       jp_q16 *seconds);
 
+/** What a leg takes of the ground beside the straight line from its begin to its end, m. */
+struct jp_leg_extent {
+    jp_q16 aside;  /**< most that it leaves the line, on either side */
+    jp_q16 beyond; /**< most that it goes beyond the end, before it comes back: wheels get ahead of a body to slow it
+                      down */
+};
+
+/** `heading` is the one at the leg's begin, and nothing is left of a difference at the trajectory's start: where there
+ *  is, a first leg leaves its line by less. Some 40 sines and cosines; not for ISRs. */
+struct jp_leg_extent jp_trajectory_leg_extent(const struct jp_trajectory_config *config,
+                                              const struct jp_trajectory_leg *leg, jp_angle heading);
+
 /** Begins; the trajectory must stay until it is driven, each leg until the next one is. Constant time; for the control
  *  ISR. */
 void jp_trajectory_begin(struct jp_trajectory_drive *drive, const struct jp_trajectory *trajectory);

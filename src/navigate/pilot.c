@@ -9,9 +9,6 @@
 /** The next leg is planned this long before the present one ends: s⁻¹. */
 #define PLAN_LEAD_RATE 5U
 
-/** A cruise that legs have no room for is lowered by a quarter, so often at most: to a tenth. */
-#define SLOWER_MAX 8U
-
 /** A robot stands that is slower than this share of its cruising speed. */
 #define STILL_SHARE 10
 
@@ -350,7 +347,7 @@ static enum jp_status look_ahead(struct jp_pilot *pilot, const struct jp_telemet
 
     if (internal->is_onward && (status == JP_ERR_INFEASIBLE || status == JP_ERR_STATE)) {
         internal->needs_stand = true;
-    } else if (status == JP_ERR_INFEASIBLE && internal->slower < SLOWER_MAX) {
+    } else if (status == JP_ERR_INFEASIBLE && internal->slower < JP_PILOT_SLOWER_MAX) {
         internal->slower++;
     } else {
         return status;
@@ -493,7 +490,8 @@ enum jp_status jp_pilot_work(struct jp_pilot *pilot)
 
 static enum jp_status request(const struct jp_pilot *pilot, const struct jp_pilot_route *route)
 {
-    if (pilot == NULL || route == NULL || route->targets == NULL || route->count == 0U) {
+    if (pilot == NULL || route == NULL || route->targets == NULL || route->count == 0U ||
+        route->slower > JP_PILOT_SLOWER_MAX) {
         return JP_ERR_ARGUMENT;
     }
     return motors_run(jp_robot_state_now(pilot->internal.robot)) ? JP_OK : JP_ERR_STATE;
@@ -504,7 +502,7 @@ static void accept(struct jp_pilot *pilot, const struct jp_pilot_route *route, b
     pilot->internal.route = *route;
     pilot->internal.is_question = is_question;
     pilot->internal.needs_stand = false;
-    pilot->internal.slower = 0;
+    pilot->internal.slower = route->slower;
     pilot->internal.question = JP_PILOT_ASKED;
     pilot->targets_surveyed = 0;
     pilot->targets_planned = 0;

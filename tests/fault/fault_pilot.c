@@ -133,7 +133,7 @@ static void expect_stand(void)
 static void follow(const struct jp_point *targets, uint16_t count)
 {
     TEST_ASSERT_EQUAL_INT(JP_OK,
-                          jp_pilot_follow(&pilot, &(struct jp_pilot_route){targets, count, JP_PILOT_STAND, NULL}));
+                          jp_pilot_follow(&pilot, &(struct jp_pilot_route){targets, count, JP_PILOT_STAND, NULL, 0}));
 }
 
 /* Drives a route from wherever it is, to show that nothing is left of what went wrong. */
@@ -198,9 +198,9 @@ static void expect_motors_off(enum jp_robot_state expected)
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_work(&pilot));
     TEST_ASSERT_EQUAL_INT(JP_PILOT_RESTING, pilot.phase);
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE,
-                          jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, SLALOM, JP_PILOT_STAND, NULL}));
+                          jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, SLALOM, JP_PILOT_STAND, NULL, 0}));
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE,
-                          jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL}));
+                          jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL, 0}));
     TEST_ASSERT_EQUAL_UINT32(learned_from, pilot.legs_learned_from);
 }
 
@@ -358,7 +358,8 @@ static void test_ask_while_driving(void)
 
     follow(slalom, SLALOM);
     run_into_segment(1);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_ask(&pilot, &(struct jp_pilot_route){aside, 2, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE,
+                          jp_pilot_ask(&pilot, &(struct jp_pilot_route){aside, 2, JP_PILOT_STAND, NULL, 0}));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_pilot_answer(&pilot, &forecast));
     TEST_ASSERT_EQUAL_INT(JP_OK, run_to_rest());
     TEST_ASSERT_DOUBLE_WITHIN(STAND_MARGIN, 0, distance(&slalom[SLALOM - 1]));
@@ -368,12 +369,13 @@ static void test_ask_while_driving(void)
 static void test_ask_then_drive(void)
 {
     struct jp_forecast forecast;
-    enum jp_status status = jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, LEGS, JP_PILOT_STAND, NULL});
+    enum jp_status status = jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, LEGS, JP_PILOT_STAND, NULL, 0});
     double measured = 0;
     uint16_t ended = 0;
 
     TEST_ASSERT_EQUAL_INT(JP_OK, status);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_pilot_ask(&pilot, &(struct jp_pilot_route){aside, 2, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE,
+                          jp_pilot_ask(&pilot, &(struct jp_pilot_route){aside, 2, JP_PILOT_STAND, NULL, 0}));
     do {
         (void)tick();
         status = jp_pilot_answer(&pilot, &forecast);

@@ -160,7 +160,7 @@ void tearDown(void)
 
 static inline enum jp_status follow(const struct jp_point *targets, uint16_t count)
 {
-    return jp_pilot_follow(&pilot, &(struct jp_pilot_route){targets, count, JP_PILOT_STAND, NULL});
+    return jp_pilot_follow(&pilot, &(struct jp_pilot_route){targets, count, JP_PILOT_STAND, NULL, 0});
 }
 
 static inline void follow_slalom(void)

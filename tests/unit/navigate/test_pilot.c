@@ -46,9 +46,9 @@ static void test_requests_without_targets(void)
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, follow(NULL, 1));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, follow(slalom, 0));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
-                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){NULL, 1, JP_PILOT_STAND, NULL}));
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){NULL, 1, JP_PILOT_STAND, NULL, 0}));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
-                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 0, JP_PILOT_STAND, NULL}));
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 0, JP_PILOT_STAND, NULL, 0}));
     expect_rest();
     TEST_ASSERT_EQUAL_INT32(JP_ERR_NO_PLAN, jp_pilot_answer(&pilot, &forecast));
     TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
@@ -57,11 +57,11 @@ static void test_requests_without_targets(void)
 static void test_null_is_refused(void)
 {
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
-                            jp_pilot_follow(NULL, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, NULL}));
+                            jp_pilot_follow(NULL, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, NULL, 0}));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_follow(&pilot, NULL));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_ask(&pilot, NULL));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT,
-                            jp_pilot_ask(NULL, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, NULL}));
+                            jp_pilot_ask(NULL, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, NULL, 0}));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_answer(NULL, &forecast));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_answer(&pilot, NULL));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_work(NULL));
@@ -89,7 +89,7 @@ static void test_requests_with_motors_off(void)
 {
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, follow(slalom, SLALOM));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE,
-                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL}));
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL, 0}));
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
     TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);
 }
@@ -142,7 +142,8 @@ static void test_route_in_another_unit(void)
 static void test_route_that_ends_in_motion(void)
 {
     balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_PASS, NULL}));
+    TEST_ASSERT_EQUAL_INT32(JP_OK,
+                            jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_PASS, NULL, 0}));
     drive(slalom, 2);
     TEST_ASSERT_GREATER_THAN_INT32(JP_Q24(0.3), telemetry().motion.wheel_rate);
     expect_rest();
@@ -152,8 +153,8 @@ static void test_route_that_ends_in_motion(void)
 static void test_targets_are_passed_as_is_given(void)
 {
     struct jp_passage passages[SLALOM] = {{.given = 0}};
-    const struct jp_pilot_route route = {slalom, SLALOM, JP_PILOT_STAND, passages};
-    const struct jp_pilot_route onward = {&slalom[2], SLALOM - 2, JP_PILOT_STAND, &passages[2]};
+    const struct jp_pilot_route route = {slalom, SLALOM, JP_PILOT_STAND, passages, 0};
+    const struct jp_pilot_route onward = {&slalom[2], SLALOM - 2, JP_PILOT_STAND, &passages[2], 0};
 
     passages[0] = (struct jp_passage){JP_GIVEN_HEADING | JP_GIVEN_SPEED, JP_ANGLE_DEGREES(10), JP_Q24(0.25)};
     passages[SLALOM - 1] = (struct jp_passage){.given = JP_GIVEN_HEADING, .heading = JP_ANGLE_DEGREES(30)};
@@ -182,7 +183,7 @@ static void test_what_cannot_be_given_is_refused_before_the_robot_moves(void)
 
     balance();
     TEST_ASSERT_EQUAL_INT32(JP_OK,
-                            jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, &passage}));
+                            jp_pilot_follow(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_PASS, &passage, 0}));
     (void)work_while(JP_PILOT_PLANNING, &status);
     TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, status);
     TEST_ASSERT_EQUAL_INT32(JP_PILOT_RESTING, pilot.phase);

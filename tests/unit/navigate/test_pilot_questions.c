@@ -20,7 +20,7 @@ static void test_question(void)
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_trajectory_energy(&robot_config.trajectory, &model, &trajectory, &energy));
     balance();
     TEST_ASSERT_EQUAL_INT32(JP_OK,
-                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, SLALOM, JP_PILOT_STAND, NULL}));
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, SLALOM, JP_PILOT_STAND, NULL, 0}));
     TEST_ASSERT_EQUAL_INT32(JP_WORKING, jp_pilot_answer(&pilot, &forecast));
     TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
     (void)work_while(JP_PILOT_PLANNING, &status);
@@ -42,7 +42,7 @@ static void test_forecast_of_the_route_that_is_driven(void)
     enum jp_status status;
 
     balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_STAND, NULL, 0}));
     (void)work_while(JP_PILOT_PLANNING, &status);
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_answer(&pilot, &asked));
     TEST_ASSERT_EQUAL_INT32(JP_OK, follow(slalom, 2));
@@ -84,7 +84,7 @@ static void test_leg_whose_energy_overflows(void)
     robot_config.limits.speed = JP_Q24(0.05);
     init();
     balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){&far, 1, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){&far, 1, JP_PILOT_STAND, NULL, 0}));
     (void)work_while(JP_PILOT_PLANNING, &status);
     TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_pilot_answer(&pilot, &forecast));
 }
@@ -94,22 +94,22 @@ static void test_question_in_the_wrong_moment(void)
     const struct jp_segment_command other = {{JP_Q24(0.1), 0}, 0, JP_Q16(1)};
 
     balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL, 0}));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE,
-                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL}));
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL, 0}));
     jp_pilot_stop(&pilot);
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_robot_drive(&robot, &other));
     ticks(2);
     TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE,
-                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL}));
+                            jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 1, JP_PILOT_STAND, NULL, 0}));
 }
 
 /* Nobody is to take the last plan's energy for the answer. */
 static void test_question_that_is_given_up(void)
 {
     balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_STAND, NULL, 0}));
     jp_pilot_stop(&pilot);
     TEST_ASSERT_EQUAL_INT32(JP_ERR_NO_PLAN, jp_pilot_answer(&pilot, &forecast));
     TEST_ASSERT_EQUAL_INT32(-1, forecast.energy);
@@ -118,7 +118,7 @@ static void test_question_that_is_given_up(void)
 static void test_question_of_a_robot_that_falls(void)
 {
     balance();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_STAND, NULL}));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_ask(&pilot, &(struct jp_pilot_route){slalom, 2, JP_PILOT_STAND, NULL, 0}));
     robot.internal.estimator.pitch = JP_PHASE_TURN / 4;
     tick();
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, jp_pilot_work(&pilot));
