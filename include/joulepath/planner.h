@@ -330,6 +330,10 @@ const struct jp_plan *jp_planner_plan(const struct jp_planner *planner);
 const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, unsigned index,
                                            struct jp_lattice_pose *pose);
 
+/** What it plans on and by: the map, and the lattice that it was given last. Never null. Constant time. */
+const struct jp_terrain *jp_planner_terrain(const struct jp_planner *planner);
+const struct jp_lattice *jp_planner_lattice(const struct jp_planner *planner);
+
 /** Division of the block and work of the search. Never null. Constant time. */
 const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner);
 

@@ -333,6 +333,16 @@ const struct jp_primitive *jp_planner_step(const struct jp_planner *planner, uns
     return jp_plan_step(&planner->internal, index, pose);
 }
 
+const struct jp_terrain *jp_planner_terrain(const struct jp_planner *planner)
+{
+    return planner->internal.terrain;
+}
+
+const struct jp_lattice *jp_planner_lattice(const struct jp_planner *planner)
+{
+    return planner->internal.config.lattice;
+}
+
 const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner)
 {
     return &planner->internal.statistics;

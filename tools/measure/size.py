@@ -46,6 +46,7 @@ MODULES = {
     "headings and speeds of a route": r"src/trajectory/trajectory_(optimiser|cost)",
     "trajectory by rule": r"src/(trajectory/trajectory(_\w+)?|base/power_of_half)",
     "pilot": r"src/navigate/pilot",
+    "navigator": r"src/(navigate/(navigator(_\w+)?|course|balancer_vehicle)|map/(capsule|reach))",
     "end-to-end protection": r"src/base/e2e",
     "waypoints of a route": r"src/(navigate/waypoint\w*|map/clearance)",
     "operator": r"hal/app/operator",
@@ -54,7 +55,7 @@ MODULES = {
     "post-mortem": r"hal/storage/(post_mortem|memory_check)",
     "tables of a robot": r"src/tables/(robot|energy)_courier24",
     "table of short segments": r"src/tables/horizon_courier24",
-    "table of a lattice": r"src/tables/lattice_gao2018",
+    "lattice of a robot": r"src/tables/lattice_courier24",
     "tables of a patrol robot": r"src/tables/\w+_patrol",
     None: r"src/tables/\w+",  # other robots
 }

@@ -1,0 +1,107 @@
+/**
+ * From a planned route to a course: straight lines that a disc can be moved along, and where it turns between them.
+ *
+ * The lattice planner's route leads over cells. Its primitives are joined to straight lines as long as the map allows:
+ * from each waypoint the line goes to the farthest of the next ends of primitives to which a disc of `radius` and
+ * `margin` can be moved. The disc is the one in which the robot turns, so that it may turn at every waypoint. Where
+ * the route begins too near to obstacles for the margin, the first line does without it.
+ *
+ * A robot that does not stop at a waypoint leaves the lines on either side, by a length that its trajectory tells
+ * (jp_trajectory_leg_aside()): jp_course_is_clear() says whether there is room for that.
+ *
+ * Integers only: the same bits on every core. Nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_COURSE_H
+#define JOULEPATH_COURSE_H
+
+#include <joulepath/planner.h>
+#include <joulepath/point.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Lines are at most so many cells long. */
+#define JP_COURSE_REACH 120
+
+/** A line to a waypoint. */
+struct jp_course_leg {
+    struct jp_point end; /**< m from the south-west corner of the map */
+    jp_q16 margin;       /**< that is kept of config.margin, m: all, or nothing of it on the first line */
+    jp_q16 aside;        /**< the caller's: how far the robot leaves the line beside that, m */
+    jp_q16 beyond;       /**< the caller's: how far it goes beyond the end, m */
+    uint8_t slower;      /**< the caller's, of the run that ends there */
+    bool is_stop;        /**< the robot stands at the end, and turns there */
+};
+
+struct jp_course_config {
+    const struct jp_terrain *terrain;
+    jp_q16 radius;              /**< of the disc, m; a quarter of a cell to 32 cells. With the margin it must be less
+                                     than what the lattice sweeps by as much as its arcs are from their chords */
+    jp_q16 margin;              /**< round it, m; 0 to 16 cells */
+    struct jp_course_leg *legs; /**< the caller's memory */
+    uint16_t legs_max;          /**< at least 1 */
+};
+
+enum jp_course_answer {
+    JP_COURSE_NO_ROUTE, /**< nothing was started */
+    JP_COURSE_JOINING,
+    JP_COURSE_FOUND,   /**< without legs, when the route does not leave its cell */
+    JP_COURSE_NO_ROOM, /**< a primitive cannot be replaced by a line: the lattice leaves less room than the disc needs
+                        */
+    JP_COURSE_TOO_LONG /**< it takes more legs than there is memory for; `legs` hold its begin */
+};
+
+/** Private: an end of a primitive. */
+struct jp_course_place {
+    struct jp_lattice_pose pose;
+    unsigned step; /**< of the plan that begins there */
+};
+
+/** Private. */
+struct jp_course_internal {
+    const struct jp_planner *planner;
+    struct jp_point start;
+    struct jp_point from;         /**< begin of the line that is looked for */
+    struct jp_course_place first; /**< place that is left there */
+    struct jp_course_place candidate;
+    struct jp_course_place best;
+    jp_q16 margin;  /**< of this line */
+    uint8_t misses; /**< since the best */
+    bool has_best;
+};
+
+/** The members but `internal` may be read. */
+struct jp_course {
+    struct jp_course_config config;
+    enum jp_course_answer answer;
+    uint16_t count; /**< legs */
+    struct jp_course_internal internal;
+};
+
+/** Prepares a course without legs. JP_ERR_CONFIG: *field names the first member that is null or out of range.
+ *  JP_ERR_ARGUMENT: a pointer is null. Constant time. */
+enum jp_status jp_course_init(struct jp_course *course, const struct jp_course_config *config, const char **field);
+
+/** Begins a course from where the robot is along the plan that a planner has, which must not change until the course is
+ *  found. JP_ERR_ARGUMENT: a pointer is null. JP_ERR_NO_PLAN: the planner has no route, not even a partial one.
+ * Constant time. */
+enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner *planner,
+                               const struct jp_point *start);
+
+/** Looks at one more line. Work: jp_course_is_clear(). */
+enum jp_course_answer jp_course_work(struct jp_course *course);
+
+/** Where leg `index` begins. */
+struct jp_point jp_course_begin(const struct jp_course *course, unsigned index);
+
+/** True when the disc, with the leg's margin and what the robot leaves it aside, can be moved from `from` to the end of
+ *  leg `index` and beyond. Work: the cells round the line, 64 at a time, and a distance for each blocked one among
+ * them. */
+bool jp_course_is_clear(const struct jp_course *course, unsigned index, const struct jp_point *from);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,162 @@
+/**
+ * Drives a robot of any kind to a goal on a map: plans, makes a course of the route, drives it, watches the way ahead
+ * while the map changes, brakes before what it cannot pass, and plans anew.
+ *
+ *   jp_navigator_work()  from the background loop, between the ticks of the robot: a slice of work a call
+ *
+ *            go            route            course          faces the first leg       last leg
+ *   idle ─────▶ planning ───────▶ joining ────────▶ turning ───────────────▶ driving ─────────▶ arrived
+ *                 ▲  │                                 ▲                       │  │
+ *                 │  └─▶ unreachable, failed           └─── next run ──────────┘  │
+ *                 └─────────────── stands ──────── braking ◀── blocked, astray ───┘
+ *
+ * A course is straight lines with corners between them (course.h). The robot takes a corner in motion where the map has
+ * room for what it leaves the lines by, which its vehicle tells; else it stands there and turns on the spot. Where the
+ * planner's block is too small for a route to the goal, the robot drives as near as it knows and plans on there. The
+ * course up to the goal is surveyed before the robot moves, so that what it takes is known: jp_navigator_progress().
+ *
+ * Points are m from the south-west corner of the map. Where the robot's odometry began on the map is told at the start.
+ * Integers only: the same bits on every core. Nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_NAVIGATOR_H
+#define JOULEPATH_NAVIGATOR_H
+
+#include <joulepath/course.h>
+#include <joulepath/reach.h>
+#include <joulepath/vehicle.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Legs of a run from stand to stand; a longer one is interrupted. */
+#define JP_NAVIGATOR_RUN_MAX 16U
+
+struct jp_navigator_config {
+    struct jp_planner *planner;       /**< prepared, on the map */
+    const struct jp_vehicle *vehicle; /**< all of whose functions are there */
+    jp_q16 radius;                    /**< of the disc in which the robot turns, m; as course.h */
+    jp_q16 margin;                    /**< which the robot leaves its trajectory by at most, m; as course.h */
+    struct jp_course_leg *legs;       /**< the caller's memory */
+    uint16_t legs_max;                /**< at least 1 */
+    uint16_t slice;                   /**< expansions of one call; at least 1 */
+    uint32_t patience; /**< expansions after which the robot drives by the best route that is there; 0: none */
+    void *reach_block; /**< jp_reach_size() bytes, by which it is proved that there is no route where the planner's
+                            block is too small for the proof; null: then that is a failure */
+    size_t reach_size; /**< of it */
+};
+
+enum jp_navigator_state {
+    JP_NAVIGATOR_IDLE,        /**< no goal */
+    JP_NAVIGATOR_PLANNING,    /**< searches a route; the robot stands */
+    JP_NAVIGATOR_PROVING,     /**< no route was found; looks whether there is any; the robot stands */
+    JP_NAVIGATOR_JOINING,     /**< makes a course of it; the robot stands */
+    JP_NAVIGATOR_TURNING,     /**< on the spot, towards the next leg or, at the goal, to its heading */
+    JP_NAVIGATOR_DRIVING,     /**< along the course */
+    JP_NAVIGATOR_BRAKING,     /**< to a stand, from which it plans anew */
+    JP_NAVIGATOR_ARRIVED,     /**< stands at the goal */
+    JP_NAVIGATOR_UNREACHABLE, /**< proved: no route leads to the goal on this map */
+    JP_NAVIGATOR_FAILED       /**< see the reason */
+};
+
+/** Why the state is what it is. */
+enum jp_navigator_reason {
+    JP_NAVIGATOR_NO_REASON,
+    JP_NAVIGATOR_TOLD,      /**< jp_navigator_stop() */
+    JP_NAVIGATOR_BLOCKED,   /**< the map changed on the way ahead */
+    JP_NAVIGATOR_ASTRAY,    /**< the robot left its course by more than the margin */
+    JP_NAVIGATOR_HEMMED_IN, /**< no place near the robot has room for it */
+    JP_NAVIGATOR_MEMORY,    /**< the planner's block is too small for this map and goal, also from the places nearer to
+                                 it that it has led to */
+    JP_NAVIGATOR_NO_ROOM,   /**< the course does not fit: JP_COURSE_NO_ROOM */
+    JP_NAVIGATOR_TOO_LONG,  /**< more legs than there is memory for */
+    JP_NAVIGATOR_VEHICLE,   /**< the robot refused or gave up; `status` says how */
+    JP_NAVIGATOR_OFF        /**< its motors are off */
+};
+
+/** A place and a heading, from the x axis. */
+struct jp_place {
+    struct jp_point point;
+    jp_angle heading;
+};
+
+/** What is left to do. */
+struct jp_progress {
+    jp_q16 length;             /**< m */
+    jp_q16 duration;           /**< s, turns included */
+    struct jp_forecast energy; /**< J in the unit of the vehicle's model, with its deviation */
+};
+
+/** Private: what is done while joining. */
+struct jp_navigator_survey {
+    uint16_t first; /**< leg of the run */
+    uint16_t count; /**< its legs */
+    uint16_t done;
+    bool has_begun;
+};
+
+/** Private. */
+struct jp_navigator_internal {
+    struct jp_course course;
+    struct jp_place origin; /**< of odometry, on the map */
+    struct jp_goal goal;
+    struct jp_navigator_survey survey;
+    struct jp_reach reach;
+    struct jp_point targets[JP_NAVIGATOR_RUN_MAX]; /**< of the run, as odometry counts */
+    uint16_t leg;                                  /**< that is driven or comes next */
+    uint16_t run_end;                              /**< leg after the run that is driven */
+    uint32_t spent;                                /**< expansions since the search began */
+    uint32_t map_seen;                             /**< version of the map when the way ahead was looked at */
+    jp_cost left;                                  /**< estimate from the end of the last partial route to the goal */
+    bool is_partial;                               /**< the course ends before the goal */
+    jp_q16 duration;                               /**< of the course, s */
+    struct jp_forecast energy;
+    uint8_t turns; /**< on the spot, of this state */
+    bool was_told; /**< the vehicle was told to do what the state says */
+};
+
+/** The members but `internal` may be read. */
+struct jp_navigator {
+    struct jp_navigator_config config;
+    enum jp_navigator_state state;
+    enum jp_navigator_reason reason;
+    enum jp_status status; /**< of the vehicle, where it is the reason */
+    uint16_t replans;      /**< of this goal, saturating */
+    struct jp_navigator_internal internal;
+};
+
+/** Prepares a navigator for a robot whose odometry began at `origin`. JP_ERR_CONFIG: *field names the first member that
+ *  is null or out of range. JP_ERR_ARGUMENT: a pointer is null. Constant time. */
+enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp_navigator_config *config,
+                                 const struct jp_place *origin, const char **field);
+
+/** Goes to the centre of a goal cell, and there turns to the nearest of its headings, if it does not allow all. A robot
+ *  that drives brakes first. JP_ERR_STATE: the motors are off. Failures of the goal as
+ *  jp_planner_set_goal(). */
+enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_goal *goal);
+
+/** Brakes to a stand and forgets the goal. */
+void jp_navigator_stop(struct jp_navigator *navigator);
+
+/** Says what is on a cell of the map; the next slice looks whether the way ahead is still clear. As
+ *  jp_planner_set_cell(). */
+enum jp_status jp_navigator_set_cell(struct jp_navigator *navigator, int32_t x, int32_t y, enum jp_cell cell);
+
+/** A slice of background work: of the vehicle, and one slice of the planner, one line of the course, or one leg of the
+ *  survey; while driving, after a change of the map, a look at the legs ahead. Constant work otherwise. */
+enum jp_navigator_state jp_navigator_work(struct jp_navigator *navigator);
+
+/** Where the robot is on the map, by its odometry. */
+struct jp_place jp_navigator_place(const struct jp_navigator *navigator);
+
+/** The legs that are left of the course, from the one that is driven; *count of them. Constant time. */
+const struct jp_course_leg *jp_navigator_legs(const struct jp_navigator *navigator, uint16_t *count);
+
+/** What the course takes from where the robot is. JP_ERR_NO_PLAN: there is none yet. Work: the legs. */
+enum jp_status jp_navigator_progress(const struct jp_navigator *navigator, struct jp_progress *progress);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,231 @@
+#include <joulepath/course.h>
+
+#include <stddef.h>
+
+#include "src/map/capsule.h"
+
+/** So many primitives in a row are looked at beyond one that no line leads to. */
+#define MISSES_MAX 8U
+
+/** Of a capsule, cells. */
+#define RADIUS_MAX 64
+
+/** m. Nearer places are the same: a robot that turns on the spot may get from one to the other. */
+#define SAME_MAX JP_Q16(0.03)
+
+static struct jp_point centre_of(const struct jp_course *course, const struct jp_lattice_pose *pose)
+{
+    const jp_q16 cell = course->config.terrain->config.resolution;
+
+    return (struct jp_point){(jp_q16)(((int64_t)2 * pose->x + 1) * cell / 2),
+                             (jp_q16)(((int64_t)2 * pose->y + 1) * cell / 2)};
+}
+
+/** m */
+static int64_t distance(const struct jp_point *a, const struct jp_point *b)
+{
+    const int64_t x = jp_sub(a->x, b->x);
+    const int64_t y = jp_sub(a->y, b->y);
+
+    return (int64_t)jp_square_root((uint64_t)(x * x) + (uint64_t)(y * y));
+}
+
+static const char *wrong_field(const struct jp_course_config *config)
+{
+    if (config->terrain == NULL) {
+        return "terrain";
+    }
+    const int64_t cell = config->terrain->config.resolution;
+
+    if (4 * (int64_t)config->radius < cell || config->radius > 32 * cell) {
+        return "radius";
+    }
+    if (config->margin < 0 || config->margin > 16 * cell) {
+        return "margin";
+    }
+    if (config->legs == NULL) {
+        return "legs";
+    }
+    return config->legs_max == 0U ? "legs_max" : NULL;
+}
+
+enum jp_status jp_course_init(struct jp_course *course, const struct jp_course_config *config, const char **field)
+{
+    if (course == NULL || config == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = wrong_field(config);
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    *course = (struct jp_course){.config = *config};
+    return JP_OK;
+}
+
+static bool is_route(enum jp_answer answer)
+{
+    return answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND || answer == JP_ANSWER_PARTIAL;
+}
+
+/** Beyond the primitives that turn where they are. False: there are only such. */
+static bool skip_turns(const struct jp_planner *planner, struct jp_course_place *place)
+{
+    while (place->step < jp_planner_plan(planner)->step_count) {
+        struct jp_lattice_pose pose = place->pose;
+
+        (void)jp_planner_step(planner, place->step, &pose);
+        if (pose.x != place->pose.x || pose.y != place->pose.y) {
+            return true;
+        }
+        place->pose = pose;
+        place->step++;
+    }
+    return false;
+}
+
+/** From a waypoint on, which is where `place` is. */
+static void begin_leg(struct jp_course *course, const struct jp_point *from, const struct jp_course_place *place)
+{
+    struct jp_course_internal *internal = &course->internal;
+
+    internal->from = *from;
+    internal->first = *place;
+    internal->has_best = false;
+    internal->misses = 0;
+    internal->margin = course->config.margin;
+    if (!skip_turns(internal->planner, &internal->first)) {
+        course->answer = JP_COURSE_FOUND;
+    }
+    internal->candidate = internal->first;
+}
+
+static bool is_clear(const struct jp_course *course, const struct jp_point *from, const struct jp_point *to,
+                     jp_q16 radius)
+{
+    const int64_t cell = course->config.terrain->config.resolution;
+    const struct jp_capsule capsule = {.from = *from, .to = *to, .radius = radius};
+
+    return distance(from, to) <= JP_COURSE_REACH * cell && radius <= RADIUS_MAX * cell &&
+           jp_capsule_is_clear(course->config.terrain, &capsule);
+}
+
+static void add_leg(struct jp_course *course)
+{
+    const struct jp_course_place best = course->internal.best;
+    const struct jp_point end = centre_of(course, &best.pose);
+    struct jp_course_leg *leg = &course->config.legs[course->count];
+
+    if (course->count == course->config.legs_max) {
+        course->answer = JP_COURSE_TOO_LONG;
+        return;
+    }
+    *leg = (struct jp_course_leg){.end = end, .margin = course->internal.margin};
+    course->count++;
+    begin_leg(course, &end, &best);
+    leg->is_stop = course->answer == JP_COURSE_FOUND;
+}
+
+/** The end of the next primitive; false: there is none, or none is worth a look. */
+static bool advance(struct jp_course *course)
+{
+    struct jp_course_internal *internal = &course->internal;
+    struct jp_course_place *candidate = &internal->candidate;
+
+    if (internal->misses == MISSES_MAX || !skip_turns(internal->planner, candidate)) {
+        return false;
+    }
+    (void)jp_planner_step(internal->planner, candidate->step, &candidate->pose);
+    candidate->step++;
+    return true;
+}
+
+static void look(struct jp_course *course)
+{
+    struct jp_course_internal *internal = &course->internal;
+    const struct jp_point to = centre_of(course, &internal->candidate.pose);
+
+    if (distance(&internal->from, &to) > SAME_MAX &&
+        is_clear(course, &internal->from, &to, course->config.radius + internal->margin)) {
+        internal->best = internal->candidate;
+        internal->has_best = true;
+        internal->misses = 0;
+    } else {
+        internal->misses++;
+    }
+}
+
+/** No line was found. From where the robot is, which nobody chose, the margin may be less. */
+static void retry(struct jp_course *course)
+{
+    struct jp_course_internal *internal = &course->internal;
+
+    if (course->count == 0U && internal->margin > 0) {
+        internal->candidate = internal->first;
+        internal->margin = 0;
+        internal->misses = 0;
+        look(course);
+    } else {
+        course->answer = JP_COURSE_NO_ROOM;
+    }
+}
+
+enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner *planner, const struct jp_point *start)
+{
+    if (course == NULL || planner == NULL || start == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const struct jp_plan *plan = jp_planner_plan(planner);
+
+    if (!is_route(plan->answer)) {
+        return JP_ERR_NO_PLAN;
+    }
+
+    const struct jp_course_place first = {.pose = plan->start};
+
+    course->internal = (struct jp_course_internal){.planner = planner, .start = *start};
+    course->count = 0;
+    course->answer = JP_COURSE_JOINING;
+    begin_leg(course, start, &first);
+    look(course);
+    return JP_OK;
+}
+
+enum jp_course_answer jp_course_work(struct jp_course *course)
+{
+    if (course->answer != JP_COURSE_JOINING) {
+        return course->answer;
+    }
+    if (advance(course)) {
+        look(course);
+    } else if (course->internal.has_best) {
+        add_leg(course);
+    } else {
+        retry(course);
+    }
+    return course->answer;
+}
+
+struct jp_point jp_course_begin(const struct jp_course *course, unsigned index)
+{
+    return index == 0U ? course->internal.start : course->config.legs[index - 1U].end;
+}
+
+/** Where the robot gets to that goes beyond the end of a leg. */
+static struct jp_point beyond(const struct jp_course *course, unsigned index)
+{
+    const struct jp_course_leg *leg = &course->config.legs[index];
+    const struct jp_point begin = jp_course_begin(course, index);
+    const jp_angle direction = jp_atan2(jp_sub(leg->end.y, begin.y), jp_sub(leg->end.x, begin.x));
+
+    return (struct jp_point){jp_add(leg->end.x, jp_multiply_shift(leg->beyond, jp_cos(direction), 31)),
+                             jp_add(leg->end.y, jp_multiply_shift(leg->beyond, jp_sin(direction), 31))};
+}
+
+bool jp_course_is_clear(const struct jp_course *course, unsigned index, const struct jp_point *from)
+{
+    const struct jp_course_leg *leg = &course->config.legs[index];
+    const struct jp_point end = beyond(course, index);
+
+    return is_clear(course, from, &end, jp_add(course->config.radius + leg->margin, leg->aside));
+}

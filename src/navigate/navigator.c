@@ -1,0 +1,561 @@
+#include <joulepath/navigator.h>
+
+#include <joulepath/count.h>
+#include <stddef.h>
+
+#include "src/base/integer.h"
+#include "src/map/capsule.h"
+#include "src/navigate/navigator_frame.h"
+#include "src/navigate/navigator_survey.h"
+
+/** Cells round the robot in which a place to plan from is looked for. */
+#define PLACES_ROUND 4
+
+/** A robot faces a leg whose direction is nearer than this, turn/2³²: half a degree. */
+#define FACING ((int32_t)5965233)
+
+/** Turns on the spot for one leg; what is left then is left. */
+#define TURNS_MAX 8U
+
+/* States. */
+
+static void enter(struct jp_navigator *navigator, enum jp_navigator_state state, enum jp_navigator_reason reason)
+{
+    navigator->state = state;
+    navigator->reason = reason;
+    navigator->internal.was_told = false;
+    navigator->internal.turns = 0;
+}
+
+static void fail(struct jp_navigator *navigator, enum jp_navigator_reason reason)
+{
+    enter(navigator, JP_NAVIGATOR_FAILED, reason);
+}
+
+/** The vehicle's failures end the way to the goal. */
+static bool accepts(struct jp_navigator *navigator, enum jp_status status)
+{
+    if (status != JP_OK) {
+        navigator->status = status;
+        navigator->config.vehicle->stop(navigator->config.vehicle->context);
+        fail(navigator, JP_NAVIGATOR_VEHICLE);
+    }
+    return status == JP_OK;
+}
+
+static void plan_anew(struct jp_navigator *navigator, enum jp_navigator_reason reason)
+{
+    navigator->replans = jp_one_more16(navigator->replans);
+    enter(navigator, JP_NAVIGATOR_PLANNING, reason);
+}
+
+/* Planning. */
+
+/** Of the headings in a set. */
+static uint8_t nearest_heading(const struct jp_lattice *lattice, uint16_t headings, jp_angle heading)
+{
+    uint8_t best = 0;
+    uint32_t least = UINT32_MAX;
+
+    for (uint8_t i = 0; i < JP_HEADINGS; i++) {
+        const uint32_t off = jp_magnitude32((int32_t)(lattice->heading[i] - heading));
+        if ((((uint32_t)headings >> i) & 1U) != 0U && off < least) {
+            least = off;
+            best = i;
+        }
+    }
+    return best;
+}
+
+/** True when the robot can get from where it is to a cell near it in a straight line. */
+static bool can_reach(const struct jp_navigator *navigator, const struct jp_place *place,
+                      const struct jp_lattice_pose *pose)
+{
+    const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
+    const jp_q16 cell = terrain->config.resolution;
+    const struct jp_point centre = {pose->x * cell + cell / 2, pose->y * cell + cell / 2};
+    const struct jp_capsule capsule = {.from = place->point, .to = centre, .radius = navigator->config.radius};
+
+    return jp_capsule_is_clear(terrain, &capsule);
+}
+
+/** Plans from the cell where the robot is, or from one near it when it stands nearer to obstacles than the planner lets
+ *  it. False: there is none. */
+static bool set_start(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const jp_q16 cell = jp_planner_terrain(navigator->config.planner)->config.resolution;
+    const int32_t x = place->point.x / cell;
+    const int32_t y = place->point.y / cell;
+    const uint8_t heading =
+        nearest_heading(jp_planner_lattice(navigator->config.planner), JP_ANY_HEADING, place->heading);
+
+    for (int32_t ring = 0; ring <= PLACES_ROUND; ring++) {
+        for (int32_t i = 0; i < (2 * ring + 1) * (2 * ring + 1); i++) {
+            const int32_t dx = i % (2 * ring + 1) - ring;
+            const int32_t dy = i / (2 * ring + 1) - ring;
+            const struct jp_lattice_pose pose = {(int16_t)(x + dx), (int16_t)(y + dy), heading};
+            const bool is_on_ring = jp_absolute32(dx) == ring || jp_absolute32(dy) == ring;
+
+            if (is_on_ring && (ring == 0 || can_reach(navigator, place, &pose)) &&
+                jp_planner_set_start(navigator->config.planner, &pose) == JP_OK) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/** The planner has found no route to the goal: is there any? */
+static void begin_proof(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const struct jp_planner *planner = navigator->config.planner;
+    const struct jp_terrain *terrain = jp_planner_terrain(planner);
+    const jp_q16 cell = terrain->config.resolution;
+    const struct jp_goal *goal = &navigator->internal.goal;
+    const enum jp_status status = jp_reach_start(&navigator->internal.reach, jp_planner_lattice(planner), terrain,
+                                                 place->point.x / cell, place->point.y / cell, goal->x, goal->y,
+                                                 navigator->config.reach_block, navigator->config.reach_size);
+
+    if (status == JP_OK) {
+        enter(navigator, JP_NAVIGATOR_PROVING, navigator->reason);
+    } else {
+        fail(navigator, JP_NAVIGATOR_MEMORY);
+    }
+}
+
+static void search(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+    struct jp_planner *planner = navigator->config.planner;
+
+    if (!internal->was_told) {
+        internal->was_told = true;
+        internal->spent = 0;
+        if (!set_start(navigator, place)) {
+            fail(navigator, JP_NAVIGATOR_HEMMED_IN);
+            return;
+        }
+    }
+    const enum jp_answer answer = jp_planner_work(planner, navigator->config.slice);
+    const bool is_idle = jp_planner_is_idle(planner);
+
+    internal->spent += navigator->config.slice;
+    if (answer == JP_ANSWER_UNREACHABLE) {
+        enter(navigator, JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATOR_NO_REASON);
+    } else if (answer == JP_ANSWER_STALE) {
+        jp_planner_restart(planner);
+    } else if ((answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND) &&
+               (is_idle || internal->spent >= navigator->config.patience)) {
+        internal->is_partial = false;
+        enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
+    } else if (is_idle) {
+        begin_proof(navigator, place);
+    } else {
+        /* It goes on searching. */
+    }
+}
+
+/** There is a way over the cells: as near to the goal as the planner has found one, if that is nearer than before. */
+static void approach(struct jp_navigator *navigator)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+    const struct jp_plan *plan = jp_planner_plan(navigator->config.planner);
+
+    if (plan->answer == JP_ANSWER_PARTIAL && plan->cost_left < internal->left) {
+        internal->is_partial = true;
+        internal->left = plan->cost_left;
+        enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
+    } else {
+        fail(navigator, JP_NAVIGATOR_MEMORY);
+    }
+}
+
+static void prove(struct jp_navigator *navigator)
+{
+    switch (jp_reach_work(&navigator->internal.reach, navigator->config.slice)) {
+    case JP_REACH_CONNECTED:
+        approach(navigator);
+        break;
+    case JP_REACH_NONE:
+        enter(navigator, JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATOR_NO_REASON);
+        break;
+    default:
+        break;
+    }
+}
+
+/* Joining. */
+
+static void survey(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const enum jp_status status = jp_survey_work(navigator, place);
+
+    if (status == JP_OK) {
+        navigator->internal.leg = 0;
+        enter(navigator, JP_NAVIGATOR_TURNING, navigator->reason);
+    } else if (status == JP_ERR_BLOCKED) {
+        fail(navigator, JP_NAVIGATOR_NO_ROOM);
+    } else if (status != JP_WORKING) {
+        (void)accepts(navigator, status);
+    } else {
+        /* There are legs left. */
+    }
+}
+
+static void join(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+
+    if (!internal->was_told) {
+        internal->was_told = true;
+        internal->map_seen = jp_planner_terrain(navigator->config.planner)->version;
+        jp_survey_start(navigator);
+        (void)jp_course_start(&internal->course, navigator->config.planner, &place->point);
+    }
+    if (internal->map_seen != jp_planner_terrain(navigator->config.planner)->version) {
+        enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
+        return;
+    }
+    switch (jp_course_work(&internal->course)) {
+    case JP_COURSE_FOUND:
+        if (internal->course.count == 0U) {
+            internal->leg = 0;
+            enter(navigator, JP_NAVIGATOR_TURNING, JP_NAVIGATOR_NO_REASON);
+        } else {
+            survey(navigator, place);
+        }
+        break;
+    case JP_COURSE_NO_ROOM:
+        fail(navigator, JP_NAVIGATOR_NO_ROOM);
+        break;
+    case JP_COURSE_TOO_LONG:
+        fail(navigator, JP_NAVIGATOR_TOO_LONG);
+        break;
+    default:
+        break;
+    }
+}
+
+/* The drive. */
+
+static bool is_leg_clear(const struct jp_navigator *navigator, unsigned leg, const struct jp_point *from)
+{
+    return jp_course_is_clear(&navigator->internal.course, leg, from);
+}
+
+/** The first leg that the map does not let the robot drive any more; the count of legs when there is none. */
+static uint16_t blocked_leg(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+    const uint16_t count = internal->course.count;
+    const uint16_t leg = internal->leg;
+
+    if (internal->map_seen == jp_planner_terrain(navigator->config.planner)->version || leg == count) {
+        return count;
+    }
+    const struct jp_point here = jp_frame_left_of_leg(navigator, leg, &place->point);
+
+    if (!is_leg_clear(navigator, leg, &here)) {
+        return leg;
+    }
+    for (uint16_t next = leg + 1U; next < count; next++) {
+        const struct jp_point begin = jp_frame_leg_begin(navigator, next);
+        if (!is_leg_clear(navigator, next, &begin)) {
+            return next;
+        }
+    }
+    internal->map_seen = jp_planner_terrain(navigator->config.planner)->version;
+    return count;
+}
+
+/** To the next leg; at the goal to the nearest of its headings. */
+static jp_angle heading_ahead(const struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const struct jp_navigator_internal *internal = &navigator->internal;
+    const struct jp_lattice *lattice = jp_planner_lattice(navigator->config.planner);
+
+    if (internal->leg < internal->course.count) {
+        return jp_frame_direction(&place->point, &navigator->config.legs[internal->leg].end);
+    }
+    return internal->goal.headings == JP_ANY_HEADING
+               ? place->heading
+               : lattice->heading[nearest_heading(lattice, internal->goal.headings, place->heading)];
+}
+
+/** What a robot does that looks where it shall. */
+static enum jp_navigator_state after_turn(const struct jp_navigator *navigator)
+{
+    const struct jp_navigator_internal *internal = &navigator->internal;
+
+    if (internal->leg < internal->course.count) {
+        return JP_NAVIGATOR_DRIVING;
+    }
+    return internal->is_partial ? JP_NAVIGATOR_PLANNING : JP_NAVIGATOR_ARRIVED;
+}
+
+static void face(struct jp_navigator *navigator, const struct jp_place *place, enum jp_vehicle_phase phase)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+    const struct jp_vehicle *vehicle = navigator->config.vehicle;
+    const jp_angle heading = heading_ahead(navigator, place);
+
+    if (phase != JP_VEHICLE_STANDING) {
+        return;
+    }
+    if (blocked_leg(navigator, place) < internal->course.count) {
+        plan_anew(navigator, JP_NAVIGATOR_BLOCKED);
+    } else if (internal->turns == TURNS_MAX || jp_is_between((int32_t)(heading - place->heading), -FACING, FACING)) {
+        enter(navigator, after_turn(navigator), JP_NAVIGATOR_NO_REASON);
+    } else {
+        internal->turns++;
+        (void)accepts(navigator, vehicle->turn(vehicle->context, heading - internal->origin.heading));
+    }
+}
+
+static bool is_astray(const struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const uint16_t leg = navigator->internal.leg;
+    const jp_q16 room = navigator->config.margin + navigator->config.legs[leg].aside;
+
+    return jp_absolute32(jp_frame_along_leg(navigator, leg, &place->point).y) > room;
+}
+
+static void begin_drive(struct jp_navigator *navigator)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+    const struct jp_vehicle *vehicle = navigator->config.vehicle;
+    const uint16_t count = jp_survey_write_run(navigator, internal->leg);
+
+    internal->was_told = true;
+    internal->run_end = (uint16_t)(internal->leg + count);
+    const struct jp_vehicle_run run = {
+        .targets = internal->targets, .count = count, .slower = navigator->config.legs[internal->run_end - 1U].slower};
+
+    (void)accepts(navigator, vehicle->follow(vehicle->context, &run));
+}
+
+static void end_drive(struct jp_navigator *navigator)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+
+    internal->leg = internal->run_end;
+    enter(navigator, JP_NAVIGATOR_TURNING, JP_NAVIGATOR_NO_REASON);
+}
+
+static void drive(struct jp_navigator *navigator, const struct jp_place *place, enum jp_vehicle_phase phase)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+
+    if (!internal->was_told) {
+        /* It may sway since it was seen to stand. */
+        if (phase == JP_VEHICLE_STANDING) {
+            begin_drive(navigator);
+        }
+        return;
+    }
+    if (internal->leg + 1U < internal->run_end && jp_frame_along_leg(navigator, internal->leg, &place->point).x > 0) {
+        internal->leg++;
+    }
+    if (phase == JP_VEHICLE_STANDING) {
+        end_drive(navigator);
+    } else if (blocked_leg(navigator, place) < internal->run_end) {
+        enter(navigator, JP_NAVIGATOR_BRAKING, JP_NAVIGATOR_BLOCKED);
+    } else if (is_astray(navigator, place)) {
+        enter(navigator, JP_NAVIGATOR_BRAKING, JP_NAVIGATOR_ASTRAY);
+    } else {
+        /* The way ahead is clear. */
+    }
+}
+
+static void brake(struct jp_navigator *navigator, enum jp_vehicle_phase phase)
+{
+    const struct jp_vehicle *vehicle = navigator->config.vehicle;
+
+    if (!navigator->internal.was_told) {
+        navigator->internal.was_told = true;
+        vehicle->stop(vehicle->context);
+    } else if (phase == JP_VEHICLE_STANDING) {
+        plan_anew(navigator, navigator->reason);
+    } else {
+        /* It rolls still. */
+    }
+}
+
+static bool is_under_way(enum jp_navigator_state state)
+{
+    return state >= JP_NAVIGATOR_PLANNING && state <= JP_NAVIGATOR_BRAKING;
+}
+
+static void go_on(struct jp_navigator *navigator, const struct jp_vehicle_view *view)
+{
+    const struct jp_place place = jp_frame_place(navigator, view);
+
+    switch (navigator->state) {
+    case JP_NAVIGATOR_PLANNING:
+        search(navigator, &place);
+        break;
+    case JP_NAVIGATOR_PROVING:
+        prove(navigator);
+        break;
+    case JP_NAVIGATOR_JOINING:
+        join(navigator, &place);
+        break;
+    case JP_NAVIGATOR_TURNING:
+        face(navigator, &place, view->phase);
+        break;
+    case JP_NAVIGATOR_DRIVING:
+        drive(navigator, &place, view->phase);
+        break;
+    default:
+        brake(navigator, view->phase);
+        break;
+    }
+}
+
+/** False: what the vehicle does ends the leg, or the way to the goal. */
+static bool goes_on(struct jp_navigator *navigator, const struct jp_vehicle_view *view, enum jp_status status)
+{
+    const bool is_driven = navigator->state == JP_NAVIGATOR_DRIVING && navigator->internal.was_told;
+
+    if (view->phase == JP_VEHICLE_OFF) {
+        fail(navigator, JP_NAVIGATOR_OFF);
+        return false;
+    }
+    if (is_driven && status == JP_ERR_ZERO_LENGTH) {
+        /* What it follows is at the next waypoint already, by chance. */
+        navigator->internal.run_end = (uint16_t)(navigator->internal.leg + 1U);
+        end_drive(navigator);
+        return false;
+    }
+    return !is_driven || accepts(navigator, status);
+}
+
+enum jp_navigator_state jp_navigator_work(struct jp_navigator *navigator)
+{
+    const struct jp_vehicle *vehicle = navigator->config.vehicle;
+    const enum jp_status status = vehicle->work(vehicle->context);
+    const struct jp_vehicle_view view = jp_frame_look(navigator);
+
+    if (is_under_way(navigator->state) && goes_on(navigator, &view, status)) {
+        go_on(navigator, &view);
+    }
+    return navigator->state;
+}
+
+/* Requests. */
+
+static const char *missing(const struct jp_navigator_config *config)
+{
+    if (config->planner == NULL) {
+        return "planner";
+    }
+    if (config->vehicle == NULL) {
+        return "vehicle";
+    }
+    return config->slice == 0U ? "slice" : NULL;
+}
+
+enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp_navigator_config *config,
+                                 const struct jp_place *origin, const char **field)
+{
+    if (navigator == NULL || config == NULL || origin == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = missing(config);
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    const struct jp_course_config course = {.terrain = jp_planner_terrain(config->planner),
+                                            .radius = config->radius,
+                                            .margin = config->margin,
+                                            .legs = config->legs,
+                                            .legs_max = config->legs_max};
+
+    *navigator = (struct jp_navigator){.config = *config, .internal = {.origin = *origin}};
+    return jp_course_init(&navigator->internal.course, &course, field);
+}
+
+enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_goal *goal)
+{
+    if (navigator == NULL || goal == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    const enum jp_vehicle_phase phase = jp_frame_look(navigator).phase;
+    const enum jp_status status =
+        phase == JP_VEHICLE_OFF ? JP_ERR_STATE : jp_planner_set_goal(navigator->config.planner, goal);
+
+    if (status == JP_OK) {
+        navigator->replans = 0;
+        navigator->status = JP_OK;
+        navigator->internal.goal = *goal;
+        navigator->internal.left = JP_COST_MAX;
+        enter(navigator, phase == JP_VEHICLE_STANDING ? JP_NAVIGATOR_PLANNING : JP_NAVIGATOR_BRAKING,
+              JP_NAVIGATOR_NO_REASON);
+    }
+    return status;
+}
+
+void jp_navigator_stop(struct jp_navigator *navigator)
+{
+    navigator->config.vehicle->stop(navigator->config.vehicle->context);
+    enter(navigator, JP_NAVIGATOR_IDLE, JP_NAVIGATOR_TOLD);
+}
+
+enum jp_status jp_navigator_set_cell(struct jp_navigator *navigator, int32_t x, int32_t y, enum jp_cell cell)
+{
+    return jp_planner_set_cell(navigator->config.planner, x, y, cell);
+}
+
+/* What is known. */
+
+struct jp_place jp_navigator_place(const struct jp_navigator *navigator)
+{
+    const struct jp_vehicle_view view = jp_frame_look(navigator);
+
+    return jp_frame_place(navigator, &view);
+}
+
+static bool has_course(const struct jp_navigator *navigator)
+{
+    return navigator->state == JP_NAVIGATOR_TURNING || navigator->state == JP_NAVIGATOR_DRIVING;
+}
+
+const struct jp_course_leg *jp_navigator_legs(const struct jp_navigator *navigator, uint16_t *count)
+{
+    const struct jp_navigator_internal *internal = &navigator->internal;
+
+    *count = has_course(navigator) ? (uint16_t)(internal->course.count - internal->leg) : 0U;
+    return &navigator->config.legs[internal->leg];
+}
+
+/** Of a quantity of the whole course, what belongs to the length that is left. */
+static jp_q16 share(jp_q16 whole, int64_t left, int64_t length)
+{
+    return length > 0 ? jp_saturate32((int64_t)whole * (left < length ? left : length) / length) : 0;
+}
+
+enum jp_status jp_navigator_progress(const struct jp_navigator *navigator, struct jp_progress *progress)
+{
+    const struct jp_navigator_internal *internal = &navigator->internal;
+    const struct jp_place place = jp_navigator_place(navigator);
+    int64_t whole = 0;
+    int64_t left = 0;
+
+    if (!has_course(navigator)) {
+        return JP_ERR_NO_PLAN;
+    }
+    for (uint16_t i = 0; i < internal->course.count; i++) {
+        const struct jp_point begin = jp_frame_leg_begin(navigator, i);
+        const struct jp_point *end = &navigator->config.legs[i].end;
+
+        whole += jp_frame_distance(&begin, end);
+        if (i >= internal->leg) {
+            left += jp_frame_distance(i == internal->leg ? &place.point : &begin, end);
+        }
+    }
+    *progress = (struct jp_progress){
+        .length = jp_saturate32(left),
+        .duration = share(internal->duration, left, whole),
+        .energy = {share(internal->energy.energy, left, whole), share(internal->energy.deviation, left, whole)}};
+    return JP_OK;
+}

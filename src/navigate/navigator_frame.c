@@ -1,0 +1,83 @@
+#include "src/navigate/navigator_frame.h"
+
+static struct jp_point rotated(struct jp_point point, jp_angle angle)
+{
+    const jp_q31 cosine = jp_cos(angle);
+    const jp_q31 sine = jp_sin(angle);
+
+    return (struct jp_point){jp_sub(jp_multiply_shift(point.x, cosine, 31), jp_multiply_shift(point.y, sine, 31)),
+                             jp_add(jp_multiply_shift(point.x, sine, 31), jp_multiply_shift(point.y, cosine, 31))};
+}
+
+static struct jp_point sum(struct jp_point a, struct jp_point b)
+{
+    return (struct jp_point){jp_add(a.x, b.x), jp_add(a.y, b.y)};
+}
+
+static struct jp_point difference(struct jp_point a, struct jp_point b)
+{
+    return (struct jp_point){jp_sub(a.x, b.x), jp_sub(a.y, b.y)};
+}
+
+struct jp_vehicle_view jp_frame_look(const struct jp_navigator *navigator)
+{
+    struct jp_vehicle_view view = {.phase = JP_VEHICLE_MOVING};
+
+    navigator->config.vehicle->look(navigator->config.vehicle->context, &view);
+    return view;
+}
+
+struct jp_place jp_frame_place(const struct jp_navigator *navigator, const struct jp_vehicle_view *view)
+{
+    const struct jp_place *origin = &navigator->internal.origin;
+
+    return (struct jp_place){sum(origin->point, rotated(view->position, origin->heading)),
+                             origin->heading + view->heading};
+}
+
+struct jp_point jp_frame_in_odometry(const struct jp_navigator *navigator, const struct jp_point *point)
+{
+    const struct jp_place *origin = &navigator->internal.origin;
+
+    return rotated(difference(*point, origin->point), 0U - origin->heading);
+}
+
+jp_q16 jp_frame_distance(const struct jp_point *a, const struct jp_point *b)
+{
+    const int64_t x = jp_sub(a->x, b->x);
+    const int64_t y = jp_sub(a->y, b->y);
+
+    return jp_saturate32((int64_t)jp_square_root((uint64_t)(x * x) + (uint64_t)(y * y)));
+}
+
+jp_angle jp_frame_direction(const struct jp_point *from, const struct jp_point *to)
+{
+    return jp_atan2(jp_sub(to->y, from->y), jp_sub(to->x, from->x));
+}
+
+struct jp_point jp_frame_leg_begin(const struct jp_navigator *navigator, unsigned leg)
+{
+    return jp_course_begin(&navigator->internal.course, leg);
+}
+
+jp_angle jp_frame_leg_direction(const struct jp_navigator *navigator, unsigned leg)
+{
+    const struct jp_point begin = jp_frame_leg_begin(navigator, leg);
+
+    return jp_frame_direction(&begin, &navigator->config.legs[leg].end);
+}
+
+struct jp_point jp_frame_along_leg(const struct jp_navigator *navigator, unsigned leg, const struct jp_point *point)
+{
+    const struct jp_point *end = &navigator->config.legs[leg].end;
+
+    return rotated(difference(*point, *end), 0U - jp_frame_leg_direction(navigator, leg));
+}
+
+struct jp_point jp_frame_left_of_leg(const struct jp_navigator *navigator, unsigned leg, const struct jp_point *point)
+{
+    const struct jp_point *end = &navigator->config.legs[leg].end;
+    const struct jp_point ahead = {.x = jp_frame_along_leg(navigator, leg, point).x};
+
+    return ahead.x < 0 ? sum(*end, rotated(ahead, jp_frame_leg_direction(navigator, leg))) : *end;
+}

@@ -1,0 +1,440 @@
+/* The navigator with a robot that does what it is told: drives, corners, changes of the map, and what it tells. */
+#include "tests/support/navigator_rig.h"
+
+#include <string.h>
+
+#define QUARTER_TURN ((jp_angle)1 << 30)
+
+void setUp(void)
+{
+    rig_reset();
+}
+
+void tearDown(void)
+{
+}
+
+/* From 8, 0 up: the robot has to go round. */
+static void build_wall(int32_t last)
+{
+    put_column(12, 0, last, JP_CELL_OCCUPIED);
+}
+
+static void test_refuses_configurations(void)
+{
+    const struct jp_navigator_config good = config;
+    const char *field = "";
+
+    make_planner(sizeof block);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigator_init(NULL, &config, &origin, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigator_init(&navigator, NULL, &origin, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigator_init(&navigator, &config, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigator_init(&navigator, &config, &origin, NULL));
+    config.planner = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_navigator_init(&navigator, &config, &origin, &field));
+    TEST_ASSERT_EQUAL_STRING("planner", field);
+    config = good;
+    config.vehicle = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_navigator_init(&navigator, &config, &origin, &field));
+    TEST_ASSERT_EQUAL_STRING("vehicle", field);
+    config = good;
+    config.slice = 0;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_navigator_init(&navigator, &config, &origin, &field));
+    TEST_ASSERT_EQUAL_STRING("slice", field);
+    config = good;
+    config.legs_max = 0;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_navigator_init(&navigator, &config, &origin, &field));
+    TEST_ASSERT_EQUAL_STRING("legs_max", field);
+}
+
+static void test_refuses_goals(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigator_go(NULL, &(struct jp_goal){9, 9, 1}));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigator_go(&navigator, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, go_to(SIDE, 9, 1));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_BLOCKED, go_to(0, 0, 1));
+    robot.view.phase = JP_VEHICLE_OFF;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, go_to(18, 18, 1));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_IDLE, jp_navigator_work(&navigator));
+}
+
+static void test_drives_to_the_goal_on_free_ground(void)
+{
+    begin(18, 15);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 15);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_NO_REASON, navigator.reason);
+    TEST_ASSERT_EQUAL_UINT32(1, robot.follows);
+    TEST_ASSERT_EQUAL_UINT32(0, robot.stops);
+    TEST_ASSERT_EQUAL_UINT32(0, navigator.replans);
+}
+
+static void test_drives_where_odometry_began_in_any_direction(void)
+{
+    for (jp_angle heading = 0; heading < 7U * (QUARTER_TURN / 2U); heading += QUARTER_TURN / 2U + 12345U) {
+        rig_reset();
+        origin.heading = heading;
+        begin(17, 6);
+        TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+        expect_at(17, 6);
+    }
+}
+
+static void test_turns_to_the_heading_of_the_goal(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(18, 15, 1U << 12));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 15);
+    TEST_ASSERT_UINT32_WITHIN(1U << 23, 3U * QUARTER_TURN, jp_navigator_place(&navigator).heading);
+}
+
+static void test_turns_where_it_is(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(4, 4, 1U << 4));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT32(0, robot.follows);
+    TEST_ASSERT_UINT32_WITHIN(1U << 23, QUARTER_TURN, jp_navigator_place(&navigator).heading);
+}
+
+static void test_goes_round_a_wall_in_motion(void)
+{
+    build_wall(14);
+    begin(19, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(19, 4);
+    TEST_ASSERT_EQUAL_UINT32(1, robot.follows);
+}
+
+static void test_stands_at_corners_that_it_cannot_take(void)
+{
+    build_wall(14);
+    robot.infeasible = 1;
+    begin(19, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(19, 4);
+    TEST_ASSERT_EQUAL_UINT32(robot.legs, robot.follows);
+    TEST_ASSERT_GREATER_THAN_UINT32(1, robot.follows);
+}
+
+static void test_stands_at_the_sharper_corner_of_a_leg(void)
+{
+    unsigned follows[2];
+
+    for (uint16_t i = 0; i < 2; i++) {
+        rig_reset();
+        build_wall(14);
+        robot.infeasible = (uint16_t)(i + 2U);
+        begin(19, 4);
+        TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+        expect_at(19, 4);
+        follows[i] = robot.follows;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(1, follows[0]);
+    TEST_ASSERT_GREATER_THAN_UINT32(1, follows[1]);
+}
+
+static void test_stands_at_corners_for_which_there_is_no_room(void)
+{
+    build_wall(14);
+    robot.aside = JP_Q16(0.3);
+    begin(19, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(19, 4);
+    TEST_ASSERT_GREATER_THAN_UINT32(1, robot.follows);
+}
+
+static void test_takes_corners_for_which_there_is_room(void)
+{
+    build_wall(14);
+    robot.aside = JP_Q16(0.005);
+    begin(19, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT32(1, robot.follows);
+}
+
+static void test_slows_down_where_there_is_little_room_behind_its_stand(void)
+{
+    /* 0.3 m before a wall, of which disc and margin take 0.205. */
+    put_column(21, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    robot.beyond = JP_Q16(0.2);
+    begin(17, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_GREATER_THAN_UINT32(1, robot.slowest);
+    TEST_ASSERT_LESS_THAN_UINT32(8, robot.slowest);
+    expect_at(17, 4);
+}
+
+static void test_stands_where_its_margin_is_room_enough(void)
+{
+    put_column(20, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    config.margin = JP_Q16(0.06);
+    robot.beyond = JP_Q16(0.1);
+    begin(17, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT32(8, robot.slowest);
+    expect_at(17, 4);
+}
+
+static void test_is_there_already(void)
+{
+    begin(4, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, jp_planner_plan(&planner)->answer);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT32(0, robot.turns + robot.follows);
+}
+
+static void test_drives_by_a_route_that_is_there_in_time(void)
+{
+    config.patience = 100000000;
+    begin(18, 15);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    config.patience = 1;
+    begin(6, 6);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+}
+
+/* ---- Changes of the map ---- */
+
+static void test_brakes_and_goes_round_what_comes_into_its_way(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    for (int i = 0; i < 8; i++) {
+        (void)jp_navigator_work(&navigator);
+    }
+    for (int32_t y = 2; y < 8; y++) {
+        occupy(13, y);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_BRAKING, jp_navigator_work(&navigator));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_BLOCKED, navigator.reason);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PLANNING));
+    TEST_ASSERT_EQUAL_UINT32(1, robot.stops);
+    TEST_ASSERT_EQUAL_UINT32(1, navigator.replans);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 4);
+}
+
+static void test_drives_on_when_something_appears_beside_its_way(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    occupy(13, 20);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT32(0, navigator.replans);
+}
+
+static void test_says_that_the_goal_cannot_be_reached_any_more(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    for (int32_t y = 0; y < SIDE; y++) {
+        occupy(13, y);
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_UNREACHABLE));
+    TEST_ASSERT_EQUAL_INT(JP_VEHICLE_STANDING, robot.view.phase);
+}
+
+static void test_plans_anew_when_the_map_changes_before_it_drives(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    (void)jp_navigator_work(&navigator);
+    occupy(13, 4);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_PLANNING, jp_navigator_work(&navigator));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_TURNING));
+    for (int32_t x = 6; x < 10; x++) {
+        for (int32_t y = 6; y < 9; y++) {
+            occupy(x, y);
+        }
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 4);
+}
+
+static void test_a_later_run_that_is_blocked_does_not_stop_the_present_one(void)
+{
+    build_wall(14);
+    robot.infeasible = 1;
+    begin(19, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    for (int32_t y = 8; y < 12; y++) {
+        occupy(19, y);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_DRIVING, jp_navigator_work(&navigator));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PLANNING));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_BLOCKED, navigator.reason);
+    TEST_ASSERT_EQUAL_UINT32(0, robot.stops);
+}
+
+static void test_a_change_while_it_turns_at_the_goal_does_not_matter(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(18, 4, 1U << 8));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_TURNING));
+    occupy(10, 18);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT32(0, navigator.replans);
+}
+
+static void test_what_appears_when_it_has_rolled_beyond_the_end_is_not_in_its_way(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    robot.view.position.x = JP_Q16(1.43);
+    occupy(10, 18);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT32(0, navigator.replans);
+}
+
+static void test_begins_anew_when_the_map_was_changed_behind_its_back(void)
+{
+    begin(18, 4);
+    (void)jp_navigator_work(&navigator);
+    put_column(13, 2, 8, JP_CELL_OCCUPIED);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 4);
+}
+
+static void test_goes_on_from_a_waypoint_where_it_is_already(void)
+{
+    build_wall(14);
+    begin(19, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    robot.work_status = JP_ERR_ZERO_LENGTH;
+    robot.count = 0;
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_TURNING, jp_navigator_work(&navigator));
+    /* It says so until it is told something else. */
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_DRIVING, jp_navigator_work(&navigator));
+    robot.work_status = JP_OK;
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(19, 4);
+}
+
+static void test_waits_while_the_robot_sways(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    for (int i = 0; i < 5; i++) {
+        robot.turning = 2;
+        TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_DRIVING, jp_navigator_work(&navigator));
+        TEST_ASSERT_EQUAL_UINT32(0, robot.follows);
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+}
+
+static void test_brakes_when_it_leaves_its_course(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    robot.drift = JP_Q16(0.015);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_BRAKING));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_ASTRAY, navigator.reason);
+    robot.drift = 0;
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 4);
+}
+
+/* ---- Requests ---- */
+
+static void test_stops(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    jp_navigator_stop(&navigator);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_IDLE, navigator.state);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_TOLD, navigator.reason);
+    TEST_ASSERT_EQUAL_UINT32(1, robot.stops);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_IDLE, jp_navigator_work(&navigator));
+}
+
+static void test_another_goal_while_it_drives(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    for (int i = 0; i < 10; i++) {
+        (void)jp_navigator_work(&navigator);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(4, 18, JP_ANY_HEADING));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_BRAKING, navigator.state);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(4, 18);
+}
+
+/* ---- What it tells ---- */
+
+static void test_tells_what_is_left(void)
+{
+    struct jp_progress progress;
+    struct jp_progress later;
+    uint16_t count;
+
+    begin(18, 4);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_NO_PLAN, jp_navigator_progress(&navigator, &progress));
+    (void)jp_navigator_legs(&navigator, &count);
+    TEST_ASSERT_EQUAL_UINT32(0, count);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_progress(&navigator, &progress));
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(1.4), progress.length);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(1), progress.duration);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(2), progress.energy.energy);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(0.25), progress.energy.deviation);
+
+    const struct jp_course_leg *ahead = jp_navigator_legs(&navigator, &count);
+    TEST_ASSERT_EQUAL_UINT32(1, count);
+    TEST_ASSERT_EQUAL_INT32(centre(18, 4).x, ahead[0].end.x);
+
+    for (int i = 0; i < 36; i++) {
+        (void)jp_navigator_work(&navigator);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_progress(&navigator, &later));
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.03), JP_Q16(0.7), later.length);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.05), progress.duration / 2, later.duration);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.1), progress.energy.energy / 2, later.energy.energy);
+}
+
+static void test_what_is_left_falls_from_leg_to_leg(void)
+{
+    struct jp_progress before;
+    struct jp_progress now;
+    unsigned legs_seen = 0;
+
+    build_wall(14);
+    begin(19, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_progress(&navigator, &before));
+    while (jp_navigator_work(&navigator) == JP_NAVIGATOR_DRIVING) {
+        uint16_t count;
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_progress(&navigator, &now));
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.length + JP_Q16(0.01), now.length);
+        (void)jp_navigator_legs(&navigator, &count);
+        legs_seen = count > legs_seen ? count : legs_seen;
+        before = now;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(1, legs_seen);
+    TEST_ASSERT_LESS_THAN_INT32(JP_Q16(0.05), before.length);
+}
+
+static void test_nothing_is_left_at_the_goal(void)
+{
+    struct jp_progress progress;
+
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(4, 4, 1U << 4));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_TURNING));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_progress(&navigator, &progress));
+    TEST_ASSERT_EQUAL_INT32(0, progress.length);
+    TEST_ASSERT_EQUAL_INT32(0, progress.energy.energy);
+}

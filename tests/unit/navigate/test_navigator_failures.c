@@ -1,0 +1,199 @@
+/* What keeps the navigator from a goal, and what it says of it. */
+#include "tests/support/navigator_rig.h"
+
+enum { GAP = 16 };
+
+void setUp(void)
+{
+    rig_reset();
+}
+
+void tearDown(void)
+{
+}
+
+/** So that the way to the goal is long and winding. */
+static void build_maze(void)
+{
+    put_column(8, 0, 17, JP_CELL_OCCUPIED);
+    put_column(16, 6, SIDE - 1, JP_CELL_OCCUPIED);
+}
+
+static void test_the_robot_refuses_to_turn(void)
+{
+    robot.view.heading = (jp_angle)1 << 31;
+    robot.heading = robot.view.heading;
+    robot.turn_status = JP_ERR_HARDWARE;
+    begin(18, 4);
+    expect_failure(JP_NAVIGATOR_VEHICLE);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_HARDWARE, navigator.status);
+    TEST_ASSERT_EQUAL_UINT32(1, robot.stops);
+}
+
+static void test_the_robot_refuses_to_drive(void)
+{
+    robot.follow_status = JP_ERR_STATE;
+    begin(18, 4);
+    expect_failure(JP_NAVIGATOR_VEHICLE);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, navigator.status);
+}
+
+static void test_the_robot_gives_up(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    robot.work_status = JP_ERR_INFEASIBLE;
+    expect_failure(JP_NAVIGATOR_VEHICLE);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, navigator.status);
+}
+
+static void test_what_the_robot_gave_up_before_does_not_count(void)
+{
+    robot.work_status = JP_ERR_INFEASIBLE;
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_TURNING));
+}
+
+static void test_a_run_cannot_be_surveyed(void)
+{
+    robot.survey_status = JP_ERR_ARGUMENT;
+    begin(18, 4);
+    expect_failure(JP_NAVIGATOR_VEHICLE);
+}
+
+static void test_a_leg_from_stand_to_stand_cannot_be_driven(void)
+{
+    robot.survey_status = JP_ERR_INFEASIBLE;
+    begin(18, 4);
+    expect_failure(JP_NAVIGATOR_VEHICLE);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, navigator.status);
+}
+
+static void test_the_motors_go_off(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    robot.view.phase = JP_VEHICLE_OFF;
+    expect_failure(JP_NAVIGATOR_OFF);
+}
+
+static void test_a_robot_that_never_quite_turns_drives_all_the_same(void)
+{
+    robot.turned_by = (jp_angle)1 << 25;
+    robot.view.heading = (jp_angle)1 << 31;
+    robot.heading = robot.view.heading;
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    TEST_ASSERT_EQUAL_UINT32(8, robot.turns);
+}
+
+static void test_hemmed_in(void)
+{
+    for (int32_t x = 0; x < 10; x++) {
+        put_column(x, 0, 9, JP_CELL_OCCUPIED);
+    }
+    put_column(4, 4, 4, JP_CELL_FREE);
+    begin(18, 18);
+    expect_failure(JP_NAVIGATOR_HEMMED_IN);
+}
+
+static void test_leaves_a_place_nearer_to_an_obstacle_than_the_planner_likes(void)
+{
+    /* 0.2 m from the wall, of which the disc takes 0.175. */
+    put_column(1, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    origin.point = (struct jp_point){JP_Q16(0.4), JP_Q16(0.85)};
+    begin(18, 8);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 8);
+}
+
+static void test_too_many_legs(void)
+{
+    config.legs_max = 1;
+    build_maze();
+    begin(20, 18);
+    expect_failure(JP_NAVIGATOR_TOO_LONG);
+}
+
+static void test_no_room_to_stand(void)
+{
+    put_column(21, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    robot.beyond = JP_Q16(1.5);
+    begin(17, 4);
+    expect_failure(JP_NAVIGATOR_NO_ROOM);
+}
+
+static void test_no_room_for_lines(void)
+{
+    config.radius = JP_Q16(1.5);
+    begin(18, 4);
+    expect_failure(JP_NAVIGATOR_NO_ROOM);
+}
+
+/* ---- A block that is too small ---- */
+
+static void begin_in(size_t size)
+{
+    const char *field = "";
+
+    make_planner(size);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_init(&navigator, &config, &origin, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(20, 18, JP_ANY_HEADING));
+}
+
+static void test_little_memory_is_enough_in_stages_or_is_said_to_be_too_little(void)
+{
+    unsigned arrived = 0;
+
+    for (size_t more = 0; more < 2048; more += 128) {
+        rig_reset();
+        build_maze();
+        begin_in(jp_planner_size(&map) + more);
+        if (work_until(JP_NAVIGATOR_ARRIVED)) {
+            expect_at(20, 18);
+            arrived++;
+        } else {
+            TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_FAILED, navigator.state);
+            TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_MEMORY, navigator.reason);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(0, arrived);
+}
+
+static void test_no_nearer_place_to_plan_on_from(void)
+{
+    build_maze();
+    begin_in(jp_planner_size(&map));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
+    /* As if it were as near as that already. */
+    navigator.internal.left = 0;
+    expect_failure(JP_NAVIGATOR_MEMORY);
+}
+
+static void test_no_place_to_plan_on_from(void)
+{
+    build_maze();
+    begin_in(jp_planner_size(&map));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
+    /* As if it had not even a partial route. */
+    planner.internal.plan.answer = JP_ANSWER_OUT_OF_BUDGET;
+    expect_failure(JP_NAVIGATOR_MEMORY);
+}
+
+static void test_proves_in_little_memory_that_there_is_no_way(void)
+{
+    put_column(12, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    begin_in(jp_planner_size(&map));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_UNREACHABLE));
+}
+
+static void test_without_memory_for_the_proof_it_is_a_failure(void)
+{
+    put_column(12, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    config.reach_block = NULL;
+    begin_in(jp_planner_size(&map));
+    expect_failure(JP_NAVIGATOR_MEMORY);
+}
