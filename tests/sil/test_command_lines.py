@@ -10,7 +10,7 @@ LETTERS = {"b": "bus", "e": "energy", "j": "json", "m": "model", "n": "count", "
 COURIER = ROOT / "sim/robots/courier24.cfg"
 VERSION = ".".join(re.findall(r"#define JP_VERSION_\w+ (\d+)", (ROOT / "include/joulepath/version.h").read_text()))
 WHOLE = [("jp-identify", "--seed"), ("jp-identify", "--count"), ("jp-plant", "--patience"),
-         ("jp-trip", "--seed"), ("jp-trip", "--count"), ("jp-patrol", "--seed"), ("jp-plan", "--memory")]
+         ("jp-trip", "--seed"), ("jp-trip", "--count"), ("jp-patrol", "--seed"), ("jp-plan", "--memory"), ("jp-navigate", "--hidden")]
 NO_WHOLE_NUMBER = ["1.5", "", "x", "-1", "+1", " 1", "1 ", "1e3", "0x10", "99999999999999999999"]
 
 
@@ -38,7 +38,7 @@ def test_no_whole_number(program, option, text):
 @pytest.mark.parametrize(("program", "arguments", "part"), [
     ("jp-mission", ["a", "b"], "one scenario"), ("jp-front", ["a", "b"], "one scenario"), ("jp-plant", ["a", "b"], "one scenario"),
     ("jp-plan", ["a", "b"], "one map"), ("jp-trip", ["a", "b"], "one robot"), ("jp-robot", ["a", "b"], "one robot"),
-    ("jp-mission", [], "a scenario"), ("jp-front", [], "a scenario"), ("jp-plan", [], "a map"), ("jp-trip", [], "a robot"), ("jp-lattice", [], "a robot"),
+    ("jp-mission", [], "a scenario"), ("jp-front", [], "a scenario"), ("jp-plan", [], "a map"), ("jp-navigate", [], "a map"), ("jp-navigate", ["a", "b"], "one map"), ("jp-trip", [], "a robot"), ("jp-lattice", [], "a robot"),
     ("jp-identify", [], "a robot"), ("jp-balance", [], "a robot"), ("jp-robot", [], "a robot"), ("jp-patrol-config", [], "a robot"),
     ("jp-patrol", [], "a scene"), ("jp-plant", [], "--bus"), ("jp-ecu", [], "--bus"),
     ("jp-lcm", [], "--bus"), ("jp-robot", ["x" * 2000], "path"), ("jp-robot", [""], "path")])

@@ -167,6 +167,8 @@ def programs(tmp_path):
     hall = tmp_path / "hall.json"
     hall.write_text(json.dumps({"format": "joulepath-map-1", "name": "hall", "width": 60, "height": 60,
                                 "resolution_m": 0.2, "origin_m": [0, 0, 0], "rows": ["." * 60] * 60}))
+    fine = tmp_path / "fine.json"
+    fine.write_text(hall.read_text().replace('"resolution_m": 0.2', '"resolution_m": 0.1'))
     gao, patrol = ROBOTS / "gao2018.cfg", ROBOTS / "patrol.cfg"
     return {
         "jp-robot": [gao, "--json", output / "robot.json"], "jp-patrol-config": [patrol], "jp-balance": [gao],
@@ -174,11 +176,13 @@ def programs(tmp_path):
         "jp-identify": [gao, "--count=20", "--output", output],
         "jp-plant": [SCENARIO, "--bus=in-process", "--output", output],
         "jp-patrol": ["corridor", f"--robot={patrol}", "--method=pursuit", "--output", output],
+        "jp-navigate": [fine, "--robot", ROBOTS / "courier24.cfg", "--start=1,1,0", "--goal=3,3", "--output", output],
         "jp-plan": [hall, "--robot", ROBOTS / "zhang2018.cfg", "--start=3,3,0", "--goal=9,9", "--output", output],
     }, output
 
 
-PROGRAMS = ["jp-robot", "jp-balance", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol", "jp-plan"]
+PROGRAMS = ["jp-robot", "jp-balance", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol", "jp-plan",
+            "jp-navigate"]
 
 
 @pytest.mark.parametrize("program", PROGRAMS)

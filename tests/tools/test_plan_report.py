@@ -10,6 +10,7 @@ from PIL import Image
 from test_report import Page
 
 from tools.report import plan_report
+from tools.report.ground import OBSTACLE, UNKNOWN_FILL, cell_centres, read_map
 
 WIDTH, HEIGHT, CELL = 30, 20, 0.2
 ORIGIN = [10.0, -5.0, 0.0]
@@ -143,8 +144,8 @@ def test_picture_shows_routes_obstacles_and_unknown_ground(tmp_path, elevation):
     share = shares_of_colours(tmp_path)
     for colour in (plan_report.COLOURS["energy"], plan_report.COLOURS["distance"], plan_report.plots.GREEN):
         assert 2e-4 < share(colour) < 0.05, colour
-    assert 0.005 < share(plan_report.OBSTACLE) < 0.1
-    assert 0.005 < share(plan_report.UNKNOWN_FILL) < 0.1
+    assert 0.005 < share(OBSTACLE) < 0.1
+    assert 0.005 < share(UNKNOWN_FILL) < 0.1
 
 
 @sketched
@@ -172,8 +173,8 @@ def test_parameters_that_are_built_in(results):
 def test_a_turned_map(results):
     change(results, lambda data: data.update(origin_m=[10.0, -5.0, 0.5]), "map.json")
     report(results)
-    ground = plan_report.read_map(results / "map.json")
-    x, y = plan_report.cell_centres(ground)
+    ground = read_map(results / "map.json")
+    x, y = cell_centres(ground)
     assert (x[0, 0] - 10, y[0, 0] + 5) == pytest.approx(
         (0.1 * math.cos(0.5) - 0.1 * math.sin(0.5), 0.1 * math.cos(0.5) + 0.1 * math.sin(0.5)))
 

@@ -10,7 +10,8 @@ import pytest
 from conftest import assert_one_line_error
 
 PROGRAMS = ["measure.bench_plan", "measure.figures", "design.gain_design", "design.identify", "design.import_map",
-            "design.lattice", "identify.log_identify", "operate.excite", "report.patrol_report", "report.plan_report", "report.report"]
+            "design.lattice", "identify.log_identify", "operate.excite", "report.navigate_report",
+            "report.patrol_report", "report.plan_report", "report.report"]
 
 
 def run(name, option):

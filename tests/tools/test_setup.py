@@ -16,7 +16,8 @@ LINE = re.compile(r"([a-z0-9-]+)==([0-9.]+)(?:  # (?:(program) )?([\w-]+))?")
 PROGRAMS = {
     "sil": (["report.report", "report.patrol_report", "measure.figure_pages"], ["sil"]),
     "design": (["design.gain_design", "design.horizon", "design.identify", "design.import_map", "design.lattice",
-                "design.learning", "design.patrol_table", "design.tables_header", "report.plan_report"],
+                "design.learning", "design.patrol_table", "design.tables_header", "report.navigate_report",
+                "report.plan_report"],
                ["sil", "design"]),
     "operate": (["design.can_codec", "operate.can_report", "operate.drive", "operate.lcm_report",
                  "operate.show_frames"], ["sil", "operate"]),

@@ -47,6 +47,21 @@ plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name LATTICE=fil
 	    --output $(BUILD)/plan; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.plan_report $(BUILD)/plan && exit $$status
 
+# NAVIGATE holds options of jp-navigate, such as --hidden 12 or --view 1.5.
+NAVIGATE_ROBOT = $(if $(filter file,$(origin ROBOT)),courier24,$(ROBOT))
+NAVIGATE_MAP   = $(if $(filter file,$(origin MAP)),sim/scenarios/office.map,$(MAP))
+NAVIGATE_IMPORT = $(if $(filter file,$(origin MAP)),--cell-size 0.2,$(IMPORT))
+
+.PHONY: navigate
+navigate: ## let the balancer find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show; report in build/navigate
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate
+	@rm -rf $(BUILD)/navigate
+	$(PYTHON) -m tools.design.import_map $(NAVIGATE_MAP) $(BUILD)/navigate/map.json --resolution 0.1 $(NAVIGATE_IMPORT)
+	$(BUILD)/bin/jp-navigate $(BUILD)/navigate/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(PLAN_TASK) \
+	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
+
 # A scene from a seed, or a map of others with START and GOAL.
 SCENE      ?= beside-obstacle
 SEED       ?= 1

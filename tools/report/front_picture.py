@@ -50,8 +50,8 @@ def fill_bars(axes, title, bars, form):
 def fill_routes(axes, summary, ground, routes):
     plan_report.draw_ground(axes, ground)
     plan_report.draw_routes(axes, routes, None, None)
-    plan_report.draw_places(axes, summary)
-    handles, labels = plan_report.legend_of(summary, ground, routes)
+    plan_report.draw_places(axes, summary["start"], summary["goal_m"])
+    handles, labels = zip(*plan_report.legend_of(summary, ground, routes))
     axes.legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1.01), ncols=2, borderaxespad=0, handlelength=2.6)
     axes.set_aspect("equal")
     axes.grid(False)

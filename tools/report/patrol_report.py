@@ -17,8 +17,9 @@ from matplotlib.transforms import Affine2D
 
 from tools.common import ArgumentParser, ToolError, run, shown_path, write_whole
 from tools.report import plots
-from tools.report.results import (format_number, need, need_list, need_numbers, need_point, need_vector, read_columns,
-                                  read_json, render_page)
+from tools.report.plots import spans_of
+from tools.report.results import (format_number, need, need_list, need_numbers, need_points, need_texts, need_vector,
+                                  read_columns, read_json, render_page)
 
 SUMMARY_KEYS = ("robot", "scene", "robot_size_m", "seed", "map", "start", "goal", "limit_s", "faults", "states",
                 "reasons", "methods")
@@ -85,13 +86,6 @@ class Drive:
 
 # ---- input ---------------------------------------------------------------------------------------------------------
 
-def need_texts(path, place, data, keys):
-    need(path, place, data, keys)
-    for key in keys:
-        if not isinstance(data[key], str):
-            raise ToolError(f"{path}: {place}: {key} must be a text")
-
-
 def read_summary(path):
     summary = read_json(path)
     need(path, "summary", summary, SUMMARY_KEYS)
@@ -118,7 +112,7 @@ def check_map(path, ground):
 
 def check_method(path, place, method):
     need(path, place, method, (*METHOD_TEXTS, *METHOD_NUMBERS, "planner", "counts", "plans", "snapshots"))
-    need_texts(path, place, method, METHOD_TEXTS)
+    need_texts(path, place, method, METHOD_TEXTS, least=0)
     need_numbers(path, place, method, METHOD_NUMBERS)
     need_numbers(path, f"{place}.planner", method["planner"], PLANNER_KEYS)
     need_numbers(path, f"{place}.counts", method["counts"], COUNT_KEYS)
@@ -140,13 +134,6 @@ def check_snapshot(path, place, snapshot):
     need_points(path, f"{place}.band_m", snapshot["band_m"])
     for i, obstacle in enumerate(snapshot["obstacles"]):
         need_numbers(path, f"{place}.obstacles[{i}]", obstacle, OBSTACLE_KEYS)
-
-
-def need_points(path, place, points):
-    if not isinstance(points, list):
-        raise ToolError(f"{path}: {place}: must be a list")
-    for i, point in enumerate(points):
-        need_point(path, f"{place}[{i}]", point)
 
 
 def read_log(path):
@@ -349,12 +336,6 @@ def fill_map(axes, summary, drives):
 # ---- over time -----------------------------------------------------------------------------------------------------
 
 PANELS = (("speed_m_s", "speed, m/s"), ("turn_rate_rad_s", "turn rate, rad/s"), ("clearance_m", "clearance, m, up to 1"))
-
-
-def spans_of(times, holds):
-    """(from, until) of the runs of cycles for which it holds."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], holds, [False]]).astype(int)))
-    return [(times[first], times[min(end, len(times) - 1)]) for first, end in zip(edges[::2], edges[1::2])]
 
 
 def fill_panels(axes, drives):

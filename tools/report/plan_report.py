@@ -8,21 +8,19 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib.patheffects
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import LightSource, LinearSegmentedColormap, to_rgb
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.path import Path as MarkerPath
 from matplotlib.transforms import Affine2D
 
-from tools.common import ArgumentParser, ToolError, run, shown_path, write_whole
+from tools.common import ArgumentParser, run, shown_path, write_whole
 from tools.report import plots
-from tools.report.results import (format_number, need, need_list, need_numbers, need_vector, read_columns, read_json,
-                                  render_page)
+from tools.report.ground import (OUTLINE, WIDTH, draw_ground, draw_places, finish_map, legend_entries, map_height,
+                                 read_map)
+from tools.report.results import (format_number, need, need_list, need_numbers, need_texts, need_vector, read_columns,
+                                  read_json, render_page)
 
-SUMMARY_KEYS = ("robot", "map", "parameters", "memory", "task_chosen", "start", "goal_m", "routes", "comparison", "drive")
+SUMMARY_KEYS = ("robot", "map", "parameters", "memory", "task_chosen", "start", "goal_m", "routes", "comparison",
+                "drive")
 ROUTE_KEYS = ("name", "title", "file", "cost", "answer", "length_m", "energy_j", "time_s", "climb_m",
               "turning_energy_j", "bound", "distance_left_m", "expansions", "states", "planning_s")
 ROUTE_TEXTS = ("name", "title", "file", "cost", "answer")
@@ -31,48 +29,12 @@ DRIVE_KEYS = ("log", "waypoints_m", "margin_m", "clear", "end_error_m", "level_g
               "predicted", "driven")
 LOG_COLUMNS = ("x_m", "y_m", "energy_j")
 MEMORY_KEYS = ("block_bytes", "guide_bytes", "field_bytes", "search_bytes", "states_max", "map_bytes")
-MAP_KEYS = ("format", "name", "width", "height", "resolution_m", "origin_m", "rows")
-MAP_FORMAT = "joulepath-map-1"
-
-FREE, OCCUPIED, UNKNOWN = ".", "#", "?"
 
 COLOURS = {"energy": plots.BLUE, "distance": plots.ORANGE}
 STYLES = {"energy": "-", "distance": (0, (4, 1.6))}
 
-# Low ground to high ground, light enough for the lines on it.
-GROUND = LinearSegmentedColormap.from_list("ground", ["#9DBF9E", "#D9E2B4", "#F0E2BC", "#DDBE9A", "#C9A58A"])
-LEVEL, OBSTACLE, UNKNOWN_FILL, UNKNOWN_HATCH = "#FBFCFD", "#6B7580", "#E6EAEE", "#A5AFB9"
-OUTLINE = [matplotlib.patheffects.withStroke(linewidth=5, foreground="white")]
 LINES = 3.0, 1.7  # widths of the first route and of the others
-
-# Points along x.
-DART = MarkerPath([(1, 0), (-0.9, 0.75), (-0.45, 0), (-0.9, -0.75), (1, 0)], closed=True)
-
-CONTOURS = 9
-# Hills look flat in true proportion.
-RELIEF = 3
-
-WIDTH = 10.0  # inches
-MAP_HEIGHT = 3.2, 9.5
 PROFILE_HEIGHT = 2.3
-
-
-@dataclass(frozen=True)
-class Map:
-    """Cells and elevations with the southern row first."""
-    cells: np.ndarray
-    elevation: np.ndarray | None  # m
-    resolution: float  # m
-    origin: tuple  # of the south-west corner: m, m, rad
-
-    @property
-    def size(self):
-        """m from west to east and from south to north."""
-        return self.cells.shape[1] * self.resolution, self.cells.shape[0] * self.resolution
-
-    def frame(self):
-        """From m of the grid to m of the map's frame."""
-        return Affine2D().rotate(self.origin[2]).translate(*self.origin[:2])
 
 
 @dataclass(frozen=True)
@@ -119,9 +81,7 @@ def read_summary(path):
 
 def check_route(path, place, route):
     need(path, place, route, ROUTE_KEYS)
-    for key in ROUTE_TEXTS:
-        if not isinstance(route[key], str) or not route[key]:
-            raise ToolError(f"{path}: {place}: {key} must be a text")
+    need_texts(path, place, route, ROUTE_TEXTS)
     need_numbers(path, place, route, [key for key in ROUTE_KEYS if key not in ROUTE_TEXTS and key != "bound"])
 
 
@@ -135,33 +95,6 @@ def check_drive(path, drive):
     need_numbers(path, "drive", drive, ("margin_m", "end_error_m"))
 
 
-def read_map(path):
-    data = read_json(path)
-    need(path, "map", data, MAP_KEYS)
-    if data["format"] != MAP_FORMAT:
-        raise ToolError(f"{path}: format: not {MAP_FORMAT}; import the map again with python -m tools.design.import_map")
-    need_numbers(path, "map", data, ("width", "height", "resolution_m"))
-    need_vector(path, "origin_m", data["origin_m"], 3)
-    shape = data["height"], data["width"]
-    rows = data["rows"] if isinstance(data["rows"], list) else []
-    cells = grid(path, "rows", [list(str(row)) for row in rows], shape, str)
-    elevation = data.get("elevation_m")
-    if elevation is not None:
-        elevation = grid(path, "elevation_m", elevation, shape, float)
-    return Map(cells, elevation, data["resolution_m"], tuple(data["origin_m"]))
-
-
-def grid(path, key, rows, shape, kind):
-    """Rows of a map, the southern one first."""
-    try:
-        values = np.array(rows, dtype=kind)
-    except (TypeError, ValueError):
-        values = np.empty(0)
-    if values.shape != shape or (kind is float and not np.isfinite(values).all()):
-        raise ToolError(f"{path}: {key}: is no grid of {shape[0]} rows of {shape[1]} cells")
-    return values[::-1]
-
-
 def driven_path(log, start):
     """x, y in the map's frame of a log, which is in that of odometry: from the start, x ahead."""
     x, y, heading = start
@@ -170,76 +103,6 @@ def driven_path(log, start):
 
 
 # ---- the map -------------------------------------------------------------------------------------------------------
-
-def ground_image(ground):
-    """Colours of the cells."""
-    if ground.elevation is None or min(ground.cells.shape) < 2:
-        image = np.ones((*ground.cells.shape, 3)) * to_rgb(LEVEL)
-    else:
-        low, high = elevation_range(ground)
-        shade = LightSource(azdeg=315, altdeg=50)
-        image = shade.shade(np.clip(ground.elevation, low, high), GROUND, vert_exag=RELIEF, dx=ground.resolution,
-                            dy=-ground.resolution, vmin=low, vmax=high, blend_mode="soft")[..., :3]
-    image[ground.cells == UNKNOWN] = to_rgb(UNKNOWN_FILL)
-    image[ground.cells == OCCUPIED] = to_rgb(OBSTACLE)
-    return image
-
-
-def elevation_range(ground):
-    known = ground.elevation[ground.cells != UNKNOWN]
-    if known.size == 0 or np.ptp(known) == 0:
-        return 0.0, 1.0
-    return known.min(), known.max()
-
-
-def cell_centres(ground):
-    """x and y in the map's frame of every cell."""
-    rows, columns = ground.cells.shape
-    x, y = np.meshgrid((np.arange(columns) + 0.5) * ground.resolution, (np.arange(rows) + 0.5) * ground.resolution)
-    points = ground.frame().transform(np.column_stack([x.ravel(), y.ravel()]))
-    return points[:, 0].reshape(x.shape), points[:, 1].reshape(y.shape)
-
-
-def draw_ground(axes, ground):
-    width, height = ground.size
-    image = axes.imshow(ground_image(ground), origin="lower", extent=(0, width, 0, height), interpolation="nearest",
-                        zorder=0)
-    image.set_transform(ground.frame() + axes.transData)
-    corners = ground.frame().transform([(0, 0), (width, 0), (0, height), (width, height)])
-    axes.set_xlim(corners[:, 0].min(), corners[:, 0].max())
-    axes.set_ylim(corners[:, 1].min(), corners[:, 1].max())
-    if min(ground.cells.shape) >= 2:
-        draw_contours(axes, ground)
-
-
-def draw_contours(axes, ground):
-    x, y = cell_centres(ground)
-    unknown = ground.cells == UNKNOWN
-    if unknown.any() and not unknown.all():
-        with plt.rc_context({"hatch.color": UNKNOWN_HATCH, "hatch.linewidth": 0.6}):
-            axes.contourf(x, y, unknown.astype(float), levels=[0.5, 1.5], colors="none", hatches=["////"], zorder=1)
-    if ground.elevation is not None and np.ptp(ground.elevation) > 0:
-        heights = np.ma.masked_where(ground.cells != FREE, ground.elevation)
-        if heights.count() > 0 and np.ptp(heights.compressed()) > 0:
-            axes.contour(x, y, heights, levels=CONTOURS, colors="#5B4A3A", linewidths=0.5, linestyles="solid",
-                         alpha=0.45, zorder=1)
-
-
-def draw_places(axes, summary):
-    x, y, heading = summary["start"]
-    marks = {"markersize": 16, "markeredgecolor": "white", "markeredgewidth": 1.3, "zorder": 6, "clip_on": False}
-    axes.plot(x, y, marker=DART.transformed(Affine2D().rotate_deg(heading)), color=plots.INK, **marks)
-    axes.plot(*summary["goal_m"], marker="*", color="#C2185B", **{**marks, "markersize": 18})
-    for text, point in (("start", (x, y)), ("goal", summary["goal_m"])):
-        axes.annotate(text, point, xytext=place_of_label(axes, point), textcoords="offset points", fontsize=10,
-                      ha="center", fontweight="bold", zorder=7, path_effects=OUTLINE)
-
-
-def place_of_label(axes, point):
-    """Above a mark, or below where there is no room above."""
-    low, high = axes.get_ylim()
-    return (0, 12) if point[1] < low + 0.9 * (high - low) else (0, -21)
-
 
 def draw_routes(axes, routes, driven, waypoints):
     for i, route in enumerate(routes):
@@ -258,35 +121,15 @@ def legend_of(summary, ground, routes):
         line = Line2D([], [], color=plots.GREEN, marker="o", markerfacecolor="white", linewidth=1.6, markersize=5)
         entries.append((line, f"driven, with waypoints: {format_number(driven['length_m'], 1, 'm')}, "
                               f"{format_number(driven['energy_j'], 0, 'J')}"))
-    entries.append((Patch(facecolor=OBSTACLE), "obstacle"))
-    if (ground.cells == UNKNOWN).any():
-        entries.append((Patch(facecolor=UNKNOWN_FILL, edgecolor=UNKNOWN_HATCH, hatch="////", linewidth=0), "unknown"))
-    return zip(*entries)
+    return entries + legend_entries(ground)
 
 
 def fill_map(figure, axes, summary, ground, routes, driven):
     draw_ground(axes, ground)
     drive = summary["drive"]
     draw_routes(axes, routes, driven, None if drive is None else np.array(drive["waypoints_m"], dtype=float))
-    draw_places(axes, summary)
-    axes.set_aspect("equal")
-    axes.grid(False)
-    axes.set_xlabel("x, m")
-    axes.set_ylabel("y, m")
-    handles, labels = legend_of(summary, ground, routes)
-    axes.legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1.01), ncols=2, borderaxespad=0,
-                columnspacing=1.6, handlelength=2.6)
-    if ground.elevation is not None:
-        low, high = elevation_range(ground)
-        scale = plt.cm.ScalarMappable(plt.Normalize(low, high), GROUND)
-        figure.colorbar(scale, ax=axes, label="elevation, m", shrink=0.8, pad=0.015, aspect=32)
-
-
-def map_height(ground):
-    """Inches that the map takes at full width."""
-    corners = ground.frame().transform([(0, 0), (ground.size[0], 0), (0, ground.size[1]), ground.size])
-    width, height = np.ptp(corners, axis=0)
-    return float(np.clip(WIDTH * height / width, *MAP_HEIGHT))
+    draw_places(axes, summary["start"], summary["goal_m"])
+    finish_map(figure, axes, ground, legend_of(summary, ground, routes))
 
 
 def draw_map(summary, ground, routes, driven):

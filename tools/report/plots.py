@@ -3,6 +3,7 @@ import base64
 import io
 
 import matplotlib
+import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -36,3 +37,9 @@ def png_bytes(figure, dpi=150):
 def inline_png(figure, dpi=150):
     """The figure as a data URI; closes it."""
     return "data:image/png;base64," + base64.b64encode(png_bytes(figure, dpi)).decode("ascii")
+
+
+def spans_of(times, holds):
+    """(from, until) of the runs of samples for which it holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], holds, [False]]).astype(int)))
+    return [(times[first], times[min(end, len(times) - 1)]) for first, end in zip(edges[::2], edges[1::2])]

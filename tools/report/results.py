@@ -41,6 +41,14 @@ def need_numbers(path, place, data, keys):
             raise ToolError(f"{path}: {place}: {key} is {data[key]!r}, not a number")
 
 
+def need_texts(path, place, data, keys, least=1):
+    """Texts of at least so many characters."""
+    need(path, place, data, keys)
+    for key in keys:
+        if not isinstance(data[key], str) or len(data[key]) < least:
+            raise ToolError(f"{path}: {place}: {key} must be a text")
+
+
 def need_vector(path, place, value, length):
     if not (isinstance(value, list) and len(value) == length and all(map(is_number, value))):
         raise ToolError(f"{path}: {place}: must be {length} numbers")
@@ -51,31 +59,39 @@ def need_point(path, place, value):
         raise ToolError(f"{path}: {place}: must be [x, y]")
 
 
+def need_points(path, place, points):
+    if not isinstance(points, list):
+        raise ToolError(f"{path}: {place}: must be a list")
+    for i, point in enumerate(points):
+        need_point(path, f"{place}[{i}]", point)
+
+
 def need_list(path, place, value):
     if not isinstance(value, list) or not value:
         raise ToolError(f"{path}: {place}: must be a list that is not empty")
 
 
-def read_columns(path, names, rows_min=2):
-    """The columns of a CSV file of numbers, by name."""
+def read_columns(path, names, rows_min=2, texts=()):
+    """The columns of a CSV file, by name: all of numbers but those named in texts."""
     reader = csv.reader(io.StringIO(read_text(path)))
     header = next(reader, [])
-    missing = [name for name in names if name not in header]
+    missing = [name for name in (*names, *texts) if name not in header]
     if missing:
         raise ToolError(f"{path}: line 1: column {missing[0]} is missing")
+    kinds = [str if name in texts else float for name in header]
     rows = []
     for row in reader:
         try:
-            rows.append([float(cell) for cell in row])
+            rows.append([kind(cell) for kind, cell in zip(kinds, row)])
         except ValueError:
             raise ToolError(f"{path}: line {reader.line_num}: not a number") from None
-        if len(row) != len(header) or not all(map(math.isfinite, rows[-1])):
+        if len(row) != len(header) or not all(math.isfinite(value) for value in rows[-1] if isinstance(value, float)):
             raise ToolError(f"{path}: line {reader.line_num}: {len(header)} finite values expected")
         if len(rows) > ROWS_MAX:
             raise ToolError(f"{path}: more than {ROWS_MAX} lines")
     if len(rows) < rows_min:
         raise ToolError(f"{path}: fewer samples than {rows_min}")
-    return dict(zip(header, np.array(rows).T))
+    return {name: np.array(column) for name, column in zip(header, zip(*rows))}
 
 
 # ---- page ----------------------------------------------------------------------------------------------------------

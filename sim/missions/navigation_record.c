@@ -1,0 +1,98 @@
+#include "sim/missions/navigation_record.h"
+
+#include <unistd.h>
+
+#include "sim/missions/plan_task.h"
+
+/** Between two lines of the log, s. */
+#define PERIOD 0.1
+
+#define Q16 65536.0
+
+void navigation_record_init(struct navigation_record *record, const struct map_file *map, FILE *log)
+{
+    *record = (struct navigation_record){
+        .log = log, .map = map, .courses = json_array(), .seen = json_array(), .is_live = isatty(STDERR_FILENO) == 1};
+    (void)fprintf(log, "t_s,x_m,y_m,heading_deg,energy_j,state,reason,left_m,left_s\n");
+}
+
+void navigation_record_free(struct navigation_record *record)
+{
+    json_decref(record->courses);
+    json_decref(record->seen);
+}
+
+static void write_line(struct navigation_record *record, const struct navigation_frame *frame,
+                       const struct jp_progress *progress)
+{
+    const struct plan_place place = plan_map_place(record->map, &frame->pose);
+
+    (void)fprintf(record->log, "%.2f,%.4f,%.4f,%.2f,%.3f,%s,%s,%.3f,%.2f\n", frame->seconds, place.x, place.y,
+                  place.heading_deg, frame->joules, navigation_state_name(frame->navigator->state),
+                  navigation_reason_name(frame->navigator->reason), progress->length / Q16, progress->duration / Q16);
+}
+
+static void show_line(struct navigation_record *record, const struct navigation_frame *frame,
+                      const struct jp_progress *progress)
+{
+    if (record->is_live) {
+        (void)fprintf(stderr, "\r%7.1f s  %6.2f, %6.2f m  %6.1f J  %-11s %-14s %5.1f m left, replans %u \033[K",
+                      frame->seconds, frame->pose.x, frame->pose.y, frame->joules,
+                      navigation_state_name(frame->navigator->state), navigation_reason_name(frame->navigator->reason),
+                      progress->length / Q16, frame->navigator->replans);
+    }
+}
+
+static void add_point(struct navigation_record *record, json_t *points, double x, double y)
+{
+    const struct plan_place place = plan_map_place(record->map, &(struct clearance_pose){x, y, 0});
+
+    (void)json_array_append_new(points, json_pack("[f, f]", place.x, place.y));
+}
+
+static void keep_course(struct navigation_record *record, const struct navigation_frame *frame)
+{
+    json_t *points = json_array();
+    uint16_t count;
+    const struct jp_course_leg *legs = jp_navigator_legs(frame->navigator, &count);
+
+    add_point(record, points, frame->pose.x, frame->pose.y);
+    for (uint16_t i = 0; i < count; i++) {
+        add_point(record, points, legs[i].end.x / Q16, legs[i].end.y / Q16);
+    }
+    (void)json_array_append_new(record->courses,
+                                json_pack("{s:f, s:s, s:o}", "time_s", frame->seconds, "reason",
+                                          navigation_reason_name(frame->navigator->reason), "points_m", points));
+}
+
+void navigation_record_watch(void *context, const struct navigation_frame *frame)
+{
+    struct navigation_record *record = context;
+    const enum jp_navigator_state state = frame->navigator->state;
+    struct jp_progress progress = {.length = 0};
+
+    (void)jp_navigator_progress(frame->navigator, &progress);
+    if (frame->seconds >= record->next_line || state != record->state) {
+        write_line(record, frame, &progress);
+        show_line(record, frame, &progress);
+        record->next_line = frame->seconds + PERIOD;
+    }
+    if (frame->has_new_course) {
+        keep_course(record, frame);
+    }
+    record->state = state;
+}
+
+void navigation_record_see(void *context, const struct navigation_sight *sight)
+{
+    struct navigation_record *record = context;
+
+    (void)json_array_append_new(record->seen, json_pack("[i, i, f]", sight->x, sight->y, sight->seconds));
+}
+
+void navigation_record_end(struct navigation_record *record)
+{
+    if (record->is_live) {
+        (void)fprintf(stderr, "\r\033[K");
+    }
+}

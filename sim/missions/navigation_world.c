@@ -1,0 +1,97 @@
+#include "sim/missions/navigation_world.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/base/error.h"
+#include "sim/base/random.h"
+
+/** Of a box, and how far its middle is from the route at most, m. */
+#define SIDE_MIN 0.2
+#define SIDE_MAX 0.6
+#define ASIDE    0.4
+
+/** Round start and goal, m. */
+#define KEPT_FREE 1.0
+
+static double cells(const struct jp_terrain *terrain, double metres)
+{
+    return metres * JP_Q16_ONE / terrain->config.resolution;
+}
+
+static bool is_kept_free(const struct jp_terrain *terrain, const struct plan_task *task, int x, int y)
+{
+    const double least = cells(terrain, KEPT_FREE);
+
+    return hypot(x - task->start.x, y - task->start.y) < least || hypot(x - task->goal.x, y - task->goal.y) < least;
+}
+
+static void put_box(struct jp_terrain *terrain, const struct plan_task *task, double x, double y, double width,
+                    double height)
+{
+    for (int v = (int)floor(y - height / 2); v < y + height / 2; v++) {
+        for (int u = (int)floor(x - width / 2); u < x + width / 2; u++) {
+            if (!is_kept_free(terrain, task, u, v)) {
+                (void)jp_terrain_set_cell(terrain, u, v, JP_CELL_OCCUPIED);
+            }
+        }
+    }
+}
+
+static void hide(struct jp_terrain *terrain, const struct plan_route *route, const struct plan_task *task,
+                 unsigned boxes, uint64_t seed)
+{
+    struct random random;
+
+    random_init(&random, seed);
+    for (unsigned i = 0; i < boxes; i++) {
+        const double share = (i + random_uniform(&random, 0, 1)) / boxes;
+        const struct jp_lattice_pose *pose = &route->way[(size_t)(share * (double)(route->way_count - 1))];
+        const double x = pose->x + cells(terrain, random_uniform(&random, -ASIDE, ASIDE));
+        const double y = pose->y + cells(terrain, random_uniform(&random, -ASIDE, ASIDE));
+        const double width = cells(terrain, random_uniform(&random, SIDE_MIN, SIDE_MAX));
+
+        put_box(terrain, task, x, y, width, cells(terrain, random_uniform(&random, SIDE_MIN, SIDE_MAX)));
+    }
+}
+
+static bool copy(struct navigation_world *world, const struct jp_terrain *map, const void *block)
+{
+    const size_t size = jp_terrain_size(&map->config);
+    const char *field;
+
+    world->block = aligned_alloc(8, (size + 7) / 8 * 8);
+    if (world->block == NULL || jp_terrain_init(&world->terrain, &map->config, world->block, size, &field) != JP_OK) {
+        error_line("no memory for a world of %u × %u cells; import a smaller window", map->config.width,
+                   map->config.height);
+        free(world->block);
+        return false;
+    }
+    (void)memcpy(world->block, block, size);
+    return true;
+}
+
+bool navigation_world_make(struct navigation_world *world, struct map_file *map, const struct jp_lattice *lattice,
+                           const struct plan_task *task, unsigned boxes, uint64_t seed, size_t memory)
+{
+    struct plan_search search;
+
+    if (!copy(world, &map->terrain, map->block)) {
+        return false;
+    }
+    if (boxes > 0) {
+        if (!plan_search(map, lattice, JP_COST_PHYSICAL, task, memory, &search)) {
+            navigation_world_free(world);
+            return false;
+        }
+        hide(&world->terrain, &search.route, task, boxes, seed);
+        plan_route_free(&search.route);
+    }
+    return true;
+}
+
+void navigation_world_free(struct navigation_world *world)
+{
+    free(world->block);
+}

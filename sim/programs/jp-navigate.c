@@ -1,0 +1,288 @@
+/* A balancer finds its way over a map on which not everything is that is in the world. */
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/base/command_line.h"
+#include "sim/base/error.h"
+#include "sim/base/output.h"
+#include "sim/lattice/lattice_robot.h"
+#include "sim/missions/navigation_record.h"
+#include "sim/missions/navigation_world.h"
+
+/** Exit code when the outputs were written but the robot did not arrive, or touched something. */
+#define NOT_ARRIVED_EXIT 1
+
+#define MEMORY_KIB     1024
+#define MEMORY_KIB_MAX 1048576
+#define BOXES          6
+#define BOXES_MAX      1000
+#define VIEW           2.5
+#define SECONDS_MAX    3600
+
+enum { OPTION_START = COMMAND_LINE_OWN, OPTION_GOAL, OPTION_MEMORY, OPTION_BOXES, OPTION_VIEW };
+
+struct arguments {
+    const char *map_path;
+    struct command_line common;
+    struct plan_place start;
+    struct plan_place goal;
+    bool has_start;
+    bool has_goal;
+    unsigned boxes;
+    double view_m;
+    size_t memory; /* bytes */
+};
+
+/* ---- Command line ---- */
+
+static void parse_place(const char *option, const char *text, struct plan_place *place, struct argp_state *state)
+{
+    if (!plan_place_parse(text, place)) {
+        command_line_refuse(state, "%s %s: must be X,Y or X,Y,DEGREES", option, text);
+    }
+}
+
+static void check(const struct arguments *arguments, struct argp_state *state)
+{
+    if (arguments->map_path == NULL || arguments->common.robot[0] == '\0') {
+        command_line_refuse(state, "a map and --robot are needed");
+    }
+    if (arguments->has_start != arguments->has_goal) {
+        command_line_refuse(state, "give both --start and --goal, or neither");
+    }
+    if (arguments->has_start && !arguments->start.has_heading) {
+        command_line_refuse(state, "--start: must be X,Y,DEGREES");
+    }
+}
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    struct arguments *arguments = state->input;
+
+    switch (key) {
+    case OPTION_START:
+        parse_place("--start", argument, &arguments->start, state);
+        arguments->has_start = true;
+        return 0;
+    case OPTION_GOAL:
+        parse_place("--goal", argument, &arguments->goal, state);
+        arguments->has_goal = true;
+        return 0;
+    case OPTION_MEMORY:
+        arguments->memory = (size_t)command_line_whole(state, "--memory", argument, 1, MEMORY_KIB_MAX) * 1024;
+        return 0;
+    case OPTION_BOXES:
+        arguments->boxes = (unsigned)command_line_whole(state, "--hidden", argument, 0, BOXES_MAX);
+        return 0;
+    case OPTION_VIEW:
+        arguments->view_m = command_line_real(state, "--view", argument, 0.1, 100);
+        return 0;
+    case ARGP_KEY_ARG:
+        command_line_take(state, "map", argument, &arguments->map_path);
+        return 0;
+    case ARGP_KEY_END:
+        check(arguments, state);
+        return 0;
+    default:
+        return command_line_option(key, argument, state, &arguments->common);
+    }
+}
+
+/* ---- Inputs ---- */
+
+static const struct jp_lattice *find_lattice(const char *name)
+{
+    for (size_t i = 0; lattices[i] != NULL; i++) {
+        if (strcmp(lattices[i]->name, name) == 0) {
+            return lattices[i];
+        }
+    }
+    return NULL;
+}
+
+/* The robot's lattice. NULL after one line on stderr. */
+static const struct jp_lattice *prepare(const struct arguments *arguments, const struct lattice_robot *robot,
+                                        const struct map_file *map)
+{
+    const struct jp_lattice *lattice = find_lattice(robot->name);
+
+    if (robot->balancer.model == NULL) {
+        error_line("%s: only a balancer finds its way by itself so far; take courier24", arguments->common.robot);
+        return NULL;
+    }
+    if (lattice == NULL || robot->radius_m == 0) {
+        error_line("%s: no lattice for finding its way; give the robot file a section navigation: { cell_m = 0.1; "
+                   "margin_m = 0.06; }; and run make lattice ROBOT=%s",
+                   robot->name, robot->name);
+        return NULL;
+    }
+    if (map->terrain.config.resolution != lattice->resolution) {
+        error_line("%s: cells of %.4g m, but the lattice of %s has %.4g m; import the map again with "
+                   "python -m tools.design.import_map … --resolution %.4g",
+                   arguments->map_path, (double)map->terrain.config.resolution / JP_Q16_ONE, lattice->name,
+                   (double)lattice->resolution / JP_Q16_ONE, (double)lattice->resolution / JP_Q16_ONE);
+        return NULL;
+    }
+    return lattice;
+}
+
+/* ---- Outputs ---- */
+
+static json_t *json_place(const struct map_file *map, const struct jp_lattice *lattice,
+                          const struct jp_lattice_pose *pose)
+{
+    const struct clearance_pose grid = plan_grid_pose(map, lattice, pose);
+    const struct plan_place place = plan_map_place(map, &grid);
+
+    return json_pack("[f, f, f]", place.x, place.y, place.heading_deg);
+}
+
+static json_t *json_result(const struct navigation_result *result)
+{
+    return json_pack("{s:s, s:s, s:b, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "state",
+                     navigation_state_name(result->state), "reason", navigation_reason_name(result->reason), "touched",
+                     result->is_touched, "replans", (int)result->replans, "cells_seen", (int)result->seen,
+                     "clearance_m", result->clearance_m, "goal_error_m", result->goal_error_m, "length_m",
+                     result->length_m, "time_s", result->seconds, "energy_j", result->joules, "forecast_j",
+                     result->forecast_joules, "forecast_deviation_j", result->deviation_joules);
+}
+
+static json_t *json_summary(const struct arguments *arguments, const struct map_file *map, const char *map_path,
+                            const struct navigation_task *task, const struct navigation_result *result,
+                            const struct navigation_record *record)
+{
+    const struct jp_lattice_pose goal = {task->goal.x, task->goal.y, 0};
+
+    return json_pack("{s:s, s:{s:s, s:s, s:s}, s:o, s:o, s:f, s:i, s:i, s:I, s:o, s:O, s:O, s:s}", "robot",
+                     task->entry->name, "map", "file", map_path, "name", map->name, "note", map->note, "start",
+                     json_place(map, task->lattice, &task->start), "goal", json_place(map, task->lattice, &goal),
+                     "view_m", task->view_m, "hidden_boxes", (int)arguments->boxes, "memory_bytes", (int)task->memory,
+                     "seed", (json_int_t)task->seed, "result", json_result(result), "courses", record->courses, "seen",
+                     record->seen, "log", "drive.csv");
+}
+
+static void print(const struct navigation_result *result)
+{
+    (void)printf("%-24s %s%s%s\n", "outcome", navigation_state_name(result->state),
+                 result->reason == JP_NAVIGATOR_NO_REASON ? "" : ": ",
+                 result->reason == JP_NAVIGATOR_NO_REASON ? "" : navigation_reason_name(result->reason));
+    (void)printf("%-24s %s\n", "touched anything", result->is_touched ? "YES" : "no");
+    (void)printf("%-24s %8.3f m\n", "least clearance", result->clearance_m);
+    (void)printf("%-24s %8.3f m\n", "from the goal", result->goal_error_m);
+    (void)printf("%-24s %8u\n", "cells not on the map", result->seen);
+    (void)printf("%-24s %8u\n", "planned anew", result->replans);
+    (void)printf("%-24s %8.2f m\n", "driven", result->length_m);
+    (void)printf("%-24s %8.1f s\n", "time", result->seconds);
+    (void)printf("%-24s %8.1f J\n", "energy", result->joules);
+    (void)printf("%-24s %8.1f J, standard deviation %.1f J\n", "forecast, first course", result->forecast_joules,
+                 result->deviation_joules);
+}
+
+/* ---- Drive ---- */
+
+/* Exit status. */
+static int drive(const struct arguments *arguments, struct map_file *map, const char *map_path,
+                 const struct navigation_task *given)
+{
+    struct navigation_record record;
+    struct navigation_result result;
+    FILE *log = output_directory(arguments->common.output) ? output_open(arguments->common.output, "drive.csv") : NULL;
+
+    if (log == NULL) {
+        return ERROR_EXIT;
+    }
+    navigation_record_init(&record, map, log);
+    struct navigation_task task = *given;
+
+    task.context = &record;
+    task.watch = navigation_record_watch;
+    task.see = navigation_record_see;
+    bool is_done = navigation_run(&task, &result);
+
+    navigation_record_end(&record);
+    is_done = is_done && output_json(arguments->common.output, "summary.json",
+                                     json_summary(arguments, map, map_path, &task, &result, &record));
+    navigation_record_free(&record);
+    if (!is_done) {
+        output_discard();
+        return ERROR_EXIT;
+    }
+    print(&result);
+    if (!output_commit()) {
+        return ERROR_EXIT;
+    }
+    return result.state == JP_NAVIGATOR_ARRIVED && !result.is_touched ? EXIT_SUCCESS : NOT_ARRIVED_EXIT;
+}
+
+static int navigate(const struct arguments *arguments, struct map_file *map, const struct lattice_robot *robot)
+{
+    const struct jp_lattice *lattice = prepare(arguments, robot, map);
+    struct navigation_world world;
+    struct plan_task places;
+
+    if (lattice == NULL ||
+        !(arguments->has_start ? plan_task_set(map, lattice, &arguments->start, &arguments->goal, &places)
+                               : plan_task_choose(map, lattice, &places)) ||
+        !navigation_world_make(&world, map, lattice, &places, arguments->boxes, arguments->common.seed,
+                               arguments->memory)) {
+        return ERROR_EXIT;
+    }
+    const struct navigation_task task = {.entry = rig_find_robot(robot->name),
+                                         .robot = &robot->balancer.file,
+                                         .lattice = lattice,
+                                         .map = &map->terrain,
+                                         .world = &world.terrain,
+                                         .start = places.start,
+                                         .goal = places.goal,
+                                         .view_m = arguments->view_m,
+                                         .memory = arguments->memory,
+                                         .patience = SECONDS_MAX,
+                                         .seed = arguments->common.seed};
+    char *path = realpath(arguments->map_path, NULL);
+    const int status = drive(arguments, map, path != NULL ? path : arguments->map_path, &task);
+
+    free(path);
+    navigation_world_free(&world);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        OPTION_ROBOT(""),
+        {"start", OPTION_START, "X,Y,DEG", 0, "m in the map's frame; the nearest of 16 headings (default: chosen)", 0},
+        {"goal", OPTION_GOAL, "X,Y[,DEG]", 0, "likewise; any heading unless one is given (default: chosen)", 0},
+        {"hidden", OPTION_BOXES, "N", 0, "boxes on the way that the map does not show (default: 6)", 0},
+        {"view", OPTION_VIEW, "M", 0, "how far the robot sees, m (default: 2.5)", 0},
+        {"memory", OPTION_MEMORY, "KIB", 0, "the planner's block (default: 1024)", 0},
+        OPTION_SEED("of the boxes and of all noise"),
+        OPTION_OUTPUT("build/navigate"),
+        {0},
+    };
+    static const struct argp argp = {
+        options,
+        parse_option,
+        "MAP.json",
+        "A balancer finds its way over a map (tools.design.import_map) to a goal, in closed loop, while it sees boxes "
+        "that the map does not show.\v"
+        "Exit status: 0 it arrived and touched nothing; 1 not: the outputs say why; 2 bad input, nothing was written.",
+        NULL,
+        NULL,
+        NULL};
+    static struct lattice_robot robot;
+    struct arguments arguments = {.common = {.output = "build/navigate", .seed = 1},
+                                  .boxes = BOXES,
+                                  .view_m = VIEW,
+                                  .memory = (size_t)MEMORY_KIB * 1024};
+    struct map_file map;
+
+    command_line_parse(&argp, argc, argv, &arguments);
+    if (!lattice_robot_load(arguments.common.robot, &robot) || !map_file_load(arguments.map_path, &map)) {
+        return ERROR_EXIT;
+    }
+    const int status = navigate(&arguments, &map, &robot);
+    map_file_free(&map);
+    return status;
+}

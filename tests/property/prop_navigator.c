@@ -1,0 +1,91 @@
+/*
+ * The navigator in closed loop on dense maps on which not everything is that is in the world: it touches nothing, and
+ * arrives if and only if the goal can be reached; with little memory it may say instead that it is too little.
+ *
+ * prop_navigator [--count N] [--seed S]
+ */
+#include "tests/support/navigate_trial.h"
+#include "tests/support/options.h"
+
+#define VIEW        2.5 /* m */
+#define SHORT_VIEW  1.0
+#define AMPLE_BLOCK ((size_t)4 << 20)
+#define SMALL_BLOCK ((size_t)80 << 10)
+
+static struct options options = {.count = 24, .seed = 70001};
+static struct navigate_robot robot;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void complain(uint64_t seed, const struct navigate_trial *trial)
+{
+    (void)printf("seed %llu: %s, %s; reachable %d, touched %d\n", (unsigned long long)seed,
+                 navigation_state_name(trial->result.state), navigation_reason_name(trial->result.reason),
+                 trial->is_reachable, trial->result.is_touched);
+}
+
+static void expect_right(double view_m)
+{
+    unsigned arrived = 0;
+    unsigned replans = 0;
+    unsigned wrong = 0;
+
+    for (uint64_t seed = options.seed; seed < options.seed + options.count; seed++) {
+        struct navigate_trial trial;
+
+        TEST_ASSERT_TRUE(navigate_trial_run(&trial, &robot, seed, view_m, AMPLE_BLOCK));
+        arrived += trial.result.state == JP_NAVIGATOR_ARRIVED;
+        replans += trial.result.replans;
+        if (!trial.is_right) {
+            complain(seed, &trial);
+            wrong++;
+        }
+    }
+    (void)printf("%lu drives from seed %llu, sight of %g m: %u arrived, planned anew %u times\n", options.count,
+                 options.seed, view_m, arrived, replans);
+    TEST_ASSERT_EQUAL_UINT(0, wrong);
+    TEST_ASSERT_TRUE(arrived > 0 && replans > 0);
+}
+
+static void test_arrives_and_touches_nothing(void)
+{
+    expect_right(VIEW);
+}
+
+static void test_with_short_sight(void)
+{
+    expect_right(SHORT_VIEW);
+}
+
+static void test_with_little_memory(void)
+{
+    unsigned arrived = 0;
+
+    for (uint64_t seed = options.seed; seed < options.seed + options.count; seed++) {
+        struct navigate_trial trial;
+
+        TEST_ASSERT_TRUE(navigate_trial_run(&trial, &robot, seed, VIEW, SMALL_BLOCK));
+        if (!trial.is_right && trial.result.reason != JP_NAVIGATOR_MEMORY) {
+            complain(seed, &trial);
+            TEST_FAIL_MESSAGE("neither right nor short of memory");
+        }
+        TEST_ASSERT_FALSE(trial.result.is_touched);
+        arrived += trial.result.state == JP_NAVIGATOR_ARRIVED;
+    }
+    TEST_ASSERT_TRUE(arrived > 0);
+}
+
+int main(int argc, char **argv)
+{
+    options = parse_options(argc, argv, options);
+    UNITY_BEGIN();
+    TEST_ASSERT_TRUE(navigate_robot_load(&robot));
+    run_tests();
+    return UNITY_END();
+}

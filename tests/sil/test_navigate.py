@@ -1,0 +1,101 @@
+"""jp-navigate on a small map: arrives among boxes that the map does not show, says what is unreachable, wrong input."""
+import csv
+import json
+
+import pytest
+from conftest import ROOT, assert_one_line_error, run
+from test_plan import fill_disk, names_in, room, write_map
+
+BALANCER = ROOT / "sim/robots/courier24.cfg"
+CELL = 0.1
+FILES = ["drive.csv", "summary.json"]
+TASK = ["--start=1.5,1.5,0", "--goal=8.55,4.55"]
+
+
+@pytest.fixture
+def hall(tmp_path):
+    return write_map(tmp_path / "hall.json", room(100, 60, [(45, 0, 2, 35)]), resolution=CELL)
+
+
+def navigate(path, output, *options, robot=BALANCER):
+    return run("jp-navigate", path, "--robot", robot, "--output", output, *options)
+
+
+def summary_of(output):
+    return json.loads((output / "summary.json").read_text())
+
+
+def test_arrives_and_touches_nothing(hall, tmp_path):
+    result = navigate(hall, tmp_path / "out", *TASK, "--hidden=4")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert names_in(tmp_path / "out") == FILES
+    summary = summary_of(tmp_path / "out")
+    drive = summary["result"]
+    assert (drive["state"], drive["touched"]) == ("arrived", False)
+    assert drive["goal_error_m"] < 0.1
+    assert drive["length_m"] > 7
+    assert drive["clearance_m"] > 0
+    assert drive["replans"] == len(summary["courses"]) - 1 or drive["replans"] >= len(summary["courses"])
+    assert summary["seen"] and summary["hidden_boxes"] == 4
+    assert f"{drive['energy_j']:.1f} J" in result.stdout
+
+    with (tmp_path / "out" / "drive.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert rows[0]["state"] == "planning" and rows[-1]["state"] == "arrived"
+    energies = [float(row["energy_j"]) for row in rows]
+    assert energies == sorted(energies)
+    assert float(rows[-1]["x_m"]) == pytest.approx(8.55, abs=0.1)
+    assert float(rows[-1]["y_m"]) == pytest.approx(4.55, abs=0.1)
+
+
+def test_repeats_bit_for_bit_and_follows_the_seed(hall, tmp_path):
+    for name, seed in (("a", 3), ("b", 3), ("c", 4)):
+        navigate(hall, tmp_path / name, *TASK, f"--seed={seed}")
+    first, second, third = ((tmp_path / name / "drive.csv").read_bytes() for name in "abc")
+    assert first == second != third
+
+
+def test_turns_to_the_heading_of_the_goal(hall, tmp_path):
+    assert navigate(hall, tmp_path / "out", "--start=1.5,1.5,0", "--goal=3,1.5,180", "--hidden=0").returncode == 0
+    with (tmp_path / "out" / "drive.csv").open() as file:
+        last = list(csv.DictReader(file))[-1]
+    assert float(last["heading_deg"]) % 360 == pytest.approx(180, abs=3)
+
+
+def test_chooses_places(hall, tmp_path):
+    assert navigate(hall, tmp_path / "out").returncode == 0
+
+
+def test_says_that_the_goal_cannot_be_reached(tmp_path):
+    closed = write_map(tmp_path / "closed.json", room(100, 60, [(45, 0, 2, 60)]), resolution=CELL)
+    result = navigate(closed, tmp_path / "out", *TASK, "--hidden=0")
+    assert result.returncode == 1
+    assert "unreachable" in result.stdout
+    drive = summary_of(tmp_path / "out")["result"]
+    assert (drive["state"], drive["length_m"] < 0.1) == ("unreachable", True)
+
+
+@pytest.mark.parametrize(("options", "parts"), [
+    (["--start=1.5,1.5,0"], ["both --start and --goal"]), (["--start=1.5,1.5", "--goal=8,4"], ["--start", "X,Y,DEGREES"]),
+    (["--start=99,1,0", "--goal=8,4"], ["--start", "outside the map"]), ([*TASK[:1], "--goal=4.55,1"], ["--goal"]),
+    (["--start=4.55,1,0", "--goal=8,4"], ["--start"]), ([*TASK, "--view=0"], ["--view"]),
+    ([*TASK, "--memory=1"], ["--memory 1", "at least"]), ([*TASK, "--hidden=-1"], ["--hidden"])])
+def test_wrong_options_give_one_line(hall, tmp_path, options, parts):
+    assert_one_line_error(navigate(hall, tmp_path / "out", *options), *parts)
+    assert not (tmp_path / "out").exists() or names_in(tmp_path / "out") == []
+
+
+def test_robots_and_maps_that_do_not_fit(hall, tmp_path):
+    coarse = write_map(tmp_path / "coarse.json", room(60, 40), resolution=0.2)
+    assert_one_line_error(navigate(coarse, tmp_path / "out", *TASK), "cells of 0.2 m", "--resolution 0.1")
+    gao = ROOT / "sim/robots/gao2018.cfg"
+    assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, robot=gao), "gao2018", "navigation")
+    rover = ROOT / "sim/robots/zhang2018.cfg"
+    assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, robot=rover), "only a balancer")
+
+
+def test_a_full_disk_leaves_nothing(hall, tmp_path):
+    (tmp_path / "out").mkdir()
+    fill_disk(tmp_path / "out" / "drive.csv")
+    assert_one_line_error(navigate(hall, tmp_path / "out", *TASK), "drive.csv")
+    assert names_in(tmp_path / "out") == ["drive.csv"]

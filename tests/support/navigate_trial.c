@@ -1,0 +1,83 @@
+#include "tests/support/navigate_trial.h"
+
+#include <joulepath/tables.h>
+
+/** Of a planner that finds every route on these maps, bytes. */
+#define AMPLE ((size_t)32 << 20)
+
+#define SLICE 10000
+
+/** From the goal cell's centre: so far from it is a robot that has not arrived, m. */
+#define ARRIVED_MAX 0.1
+
+/** Simulated s. */
+#define PATIENCE 1800
+
+bool navigate_robot_load(struct navigate_robot *robot)
+{
+    *robot = (struct navigate_robot){.entry = rig_find_robot("courier24"), .lattice = &jp_lattice_courier24};
+    return robot->entry != NULL && robot_file_load("sim/robots/courier24.cfg", &robot->file);
+}
+
+static enum jp_answer answer_of(struct jp_planner *planner)
+{
+    enum jp_answer answer;
+
+    do {
+        answer = jp_planner_work(planner, SLICE);
+    } while (!jp_planner_is_idle(planner));
+    return answer;
+}
+
+bool navigate_is_reachable(const struct navigate_robot *robot, struct jp_terrain *world,
+                           const struct jp_lattice_pose *start, const struct jp_goal *goal)
+{
+    const struct jp_planner_config config = {robot->lattice, JP_COST_PHYSICAL, {JP_EPSILON(3)}};
+    void *block = aligned_alloc(8, AMPLE);
+    struct jp_planner planner;
+    const char *field;
+    enum jp_answer answer = JP_ANSWER_OUT_OF_BUDGET;
+
+    if (block != NULL && jp_planner_init(&planner, &config, world, block, AMPLE, &field) == JP_OK &&
+        jp_planner_set_start(&planner, start) == JP_OK && jp_planner_set_goal(&planner, goal) == JP_OK) {
+        answer = answer_of(&planner);
+    }
+    free(block);
+    return answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND;
+}
+
+static bool is_as_it_must_be(const struct navigate_trial *trial)
+{
+    const struct navigation_result *result = &trial->result;
+
+    return trial->is_reachable ? result->state == JP_NAVIGATOR_ARRIVED && result->goal_error_m < ARRIVED_MAX
+                               : result->state == JP_NAVIGATOR_UNREACHABLE;
+}
+
+bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robot *robot, uint64_t seed, double view_m,
+                        size_t memory)
+{
+    struct dense_map dense;
+    bool is_done = dense_map_make(&dense, robot->lattice, seed);
+
+    *trial = (struct navigate_trial){.is_right = false};
+    if (is_done) {
+        const struct navigation_task task = {.entry = robot->entry,
+                                             .robot = &robot->file,
+                                             .lattice = robot->lattice,
+                                             .map = &dense.map,
+                                             .world = &dense.world,
+                                             .start = dense.start,
+                                             .goal = dense.goal,
+                                             .view_m = view_m,
+                                             .memory = memory,
+                                             .patience = PATIENCE,
+                                             .seed = seed};
+
+        trial->is_reachable = navigate_is_reachable(robot, &dense.world, &dense.start, &dense.goal);
+        is_done = navigation_run(&task, &trial->result);
+        trial->is_right = !trial->result.is_touched && is_as_it_must_be(trial);
+    }
+    dense_map_free(&dense);
+    return is_done;
+}
