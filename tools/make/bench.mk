@@ -64,6 +64,12 @@ bench-maps: ## measure the planner on MAPS="a.json…" (tools/design/import_map.
 	@mkdir -p $(BUILD)/bench-plan
 	$(BUILD)/bench/bench_maps --rows $(BUILD)/bench-plan/maps.json $(LATTICES:%=--lattice %) $(MAPS) >$(BUILD)/bench/bench_maps.json
 
+.PHONY: bench-navigate
+bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes that they do not show, twice (2 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_navigate
+	$(BUILD)/bench/bench_navigate >$(BUILD)/bench/bench_navigate.json
+
 .PHONY: bench-patrol
 bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on paths
 	@tools/setup.sh test

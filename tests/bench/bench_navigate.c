@@ -1,0 +1,106 @@
+/* The navigator in closed loop on dense maps with boxes that they do not show: what it touches, whether it arrives
+ * where it can and says so where it cannot, and what it takes beside its forecast. Seeds that nobody tuned on. Prints
+ * figures as JSON, progress on stderr. */
+#include "sim/base/progress.h"
+#include "tests/bench/figures.h"
+#include "tests/bench/statistics.h"
+#include "tests/support/navigate_trial.h"
+
+#define COMMAND "make bench-navigate"
+
+#define VIEW 2.5 /* m */
+
+enum { DRIVES = 1000, FIRST_SEED = 900001 };
+
+static const struct {
+    const char *name;
+    size_t memory;
+    bool is_ample;
+} blocks[] = {{"4 MiB", (size_t)4 << 20, true}, {"80 KiB", (size_t)80 << 10, false}};
+
+struct counts {
+    unsigned touched;
+    unsigned wrong;
+    unsigned short_of_memory;
+    unsigned arrived;
+    unsigned unreachable;
+    unsigned replans;
+    double clearance;
+    double goal_error;
+    double errors[DRIVES]; /* of the forecasts of drives by one course, % */
+    size_t error_count;
+};
+
+static void count(struct counts *counts, const struct navigate_trial *trial)
+{
+    const struct navigation_result *result = &trial->result;
+    const bool is_short = result->state == JP_NAVIGATOR_FAILED && result->reason == JP_NAVIGATOR_MEMORY;
+    const bool has_arrived = result->state == JP_NAVIGATOR_ARRIVED;
+
+    counts->touched += result->is_touched;
+    counts->short_of_memory += is_short;
+    counts->wrong += !trial->is_right && !result->is_touched && !is_short;
+    counts->arrived += has_arrived;
+    counts->unreachable += result->state == JP_NAVIGATOR_UNREACHABLE;
+    counts->replans += result->replans;
+    counts->clearance = fmin(counts->clearance, result->clearance_m);
+    counts->goal_error = fmax(counts->goal_error, has_arrived ? result->goal_error_m : 0);
+    if (has_arrived && result->replans == 0 && result->forecast_joules > 0) {
+        counts->errors[counts->error_count] = 100 * fabs(result->joules / result->forecast_joules - 1);
+        counts->error_count++;
+    }
+}
+
+static void add(json_t *figures, const char *block, const char *what, double value, const char *unit,
+                struct figure_bar bar)
+{
+    figures_add(figures, COMMAND, value, unit, bar, "navigator, %d dense maps, block of %s: %s", (int)DRIVES, block,
+                what);
+}
+
+static void bench(json_t *figures, const struct navigate_robot *robot, size_t block)
+{
+    static struct counts counts;
+    const char *name = blocks[block].name;
+
+    counts = (struct counts){.clearance = 1};
+    for (uint64_t i = 0; i < DRIVES; i++) {
+        struct navigate_trial trial;
+
+        if (!navigate_trial_run(&trial, robot, FIRST_SEED + i, VIEW, blocks[block].memory)) {
+            error_line("bench_navigate: seed %llu was not driven", (unsigned long long)(FIRST_SEED + i));
+            exit(ERROR_EXIT);
+        }
+        count(&counts, &trial);
+        progress_show("drives", i + 1, DRIVES);
+    }
+    progress_end();
+    add(figures, name, "drives that touched something", counts.touched, "", equal_to(0));
+    add(figures, name, "goals that can be reached and were not, or that cannot and nobody said so", counts.wrong, "",
+        equal_to(0));
+    add(figures, name, "drives that ended for want of memory", counts.short_of_memory, "",
+        blocks[block].is_ample ? equal_to(0) : no_bar);
+    add(figures, name, "arrived", counts.arrived, "", no_bar);
+    add(figures, name, "proved unreachable", counts.unreachable, "", no_bar);
+    add(figures, name, "planned anew, all drives", counts.replans, "", no_bar);
+    add(figures, name, "least clearance", 100 * counts.clearance, "cm", no_bar);
+    add(figures, name, "stand farthest from its goal", 100 * counts.goal_error, "cm", no_bar);
+    add(figures, name,
+        "energy, waiting and planning included, against the forecast of the drive alone, drives by one course, median",
+        median(counts.errors, counts.error_count), "%", no_bar);
+}
+
+int main(void)
+{
+    static struct navigate_robot robot;
+    json_t *figures = json_array();
+
+    if (!navigate_robot_load(&robot)) {
+        return ERROR_EXIT;
+    }
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) {
+        bench(figures, &robot, i);
+    }
+    figures_print(figures);
+    return 0;
+}
