@@ -75,8 +75,25 @@ struct jp_robot robot;
 struct jp_pilot pilot;
 """
 
+NAVIGATOR_BOARD = """
+#include <joulepath/pilot.h>
+#include <joulepath/planner.h>
+extern struct jp_planner planner;
+extern struct jp_pilot pilot;
+bool sensed_cell(int32_t *x, int32_t *y, enum jp_cell *cell);
+struct jp_planner planner;
+struct jp_pilot pilot;
+bool sensed_cell(int32_t *x, int32_t *y, enum jp_cell *cell)
+{
+    (void)x;
+    (void)y;
+    (void)cell;
+    return false;
+}
+"""
+
 EXAMPLES = {"README.md": BALANCER_BOARD, "src/search/README.md": PLANNER_BOARD, "src/learn/README.md": PILOT_BOARD,
-            "src/trajectory/README.md": ROBOT_AND_PILOT}
+            "src/trajectory/README.md": ROBOT_AND_PILOT, "src/navigate/README.md": NAVIGATOR_BOARD}
 
 
 def text_of(name):
