@@ -363,9 +363,11 @@ def test_map_and_robot_that_cannot_be_read(level, tmp_path):
     assert_one_line_error(plan(level, tmp_path / "out"), level)
 
 
-def test_robot_without_a_lattice(level, tmp_path):
-    assert_one_line_error(plan(level, tmp_path / "out", robot=ROOT / "sim/robots/courier24.cfg"), "courier24",
-                          "make lattice ROBOT=courier24")
+def test_robot_with_a_lattice_of_finer_cells(level, tmp_path):
+    courier = ROOT / "sim/robots/courier24.cfg"
+    assert_one_line_error(plan(level, tmp_path / "out", robot=courier), "cells of 0.2 m", "courier24 has 0.1 m")
+    fine = write_map(tmp_path / "fine.json", room(60, 40), resolution=0.1)
+    assert plan(fine, tmp_path / "out", *places("1,1,0", "5,3"), robot=courier).returncode == 0
 
 
 def test_map_without_room(tmp_path):
