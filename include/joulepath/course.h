@@ -7,7 +7,7 @@
  * the route begins too near to obstacles for the margin, the first line does without it.
  *
  * A robot that does not stop at a waypoint leaves the lines on either side, by a length that its trajectory tells
- * (jp_trajectory_leg_aside()): jp_course_is_clear() says whether there is room for that.
+ * (jp_trajectory_leg_extent()): jp_course_is_clear() says whether there is room for that.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */

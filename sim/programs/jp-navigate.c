@@ -10,6 +10,7 @@
 #include "sim/lattice/lattice_robot.h"
 #include "sim/missions/navigation_record.h"
 #include "sim/missions/navigation_world.h"
+#include "sim/missions/plan_lattice.h"
 
 /** Exit code when the outputs were written but the robot did not arrive, or touched something. */
 #define NOT_ARRIVED_EXIT 1
@@ -92,21 +93,11 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 /* ---- Inputs ---- */
 
-static const struct jp_lattice *find_lattice(const char *name)
-{
-    for (size_t i = 0; lattices[i] != NULL; i++) {
-        if (strcmp(lattices[i]->name, name) == 0) {
-            return lattices[i];
-        }
-    }
-    return NULL;
-}
-
 /* The robot's lattice. NULL after one line on stderr. */
 static const struct jp_lattice *prepare(const struct arguments *arguments, const struct lattice_robot *robot,
                                         const struct map_file *map)
 {
-    const struct jp_lattice *lattice = find_lattice(robot->name);
+    const struct jp_lattice *lattice = plan_lattice_find(robot->name);
 
     if (robot->balancer.model == NULL) {
         error_line("%s: only a balancer finds its way by itself so far; take courier24", arguments->common.robot);
@@ -118,14 +109,7 @@ static const struct jp_lattice *prepare(const struct arguments *arguments, const
                    robot->name, robot->name);
         return NULL;
     }
-    if (map->terrain.config.resolution != lattice->resolution) {
-        error_line("%s: cells of %.4g m, but the lattice of %s has %.4g m; import the map again with "
-                   "python -m tools.design.import_map … --resolution %.4g",
-                   arguments->map_path, (double)map->terrain.config.resolution / JP_Q16_ONE, lattice->name,
-                   (double)lattice->resolution / JP_Q16_ONE, (double)lattice->resolution / JP_Q16_ONE);
-        return NULL;
-    }
-    return lattice;
+    return plan_lattice_fits(arguments->map_path, map, lattice) ? lattice : NULL;
 }
 
 /* ---- Outputs ---- */

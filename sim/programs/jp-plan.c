@@ -8,6 +8,7 @@
 #include "sim/base/error.h"
 #include "sim/base/output.h"
 #include "sim/files/lattice_file.h"
+#include "sim/missions/plan_lattice.h"
 #include "sim/missions/plan_parameters.h"
 #include "sim/missions/plan_tables.h"
 
@@ -110,13 +111,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 static const struct jp_lattice *built_in_lattice(const char *name)
 {
-    for (size_t i = 0; lattices[i] != NULL; i++) {
-        if (strcmp(lattices[i]->name, name) == 0) {
-            return lattices[i];
-        }
+    const struct jp_lattice *lattice = plan_lattice_find(name);
+
+    if (lattice == NULL) {
+        error_line("%s: no lattice for this robot; run make lattice ROBOT=%s, or give --lattice", name, name);
     }
-    error_line("%s: no lattice for this robot; run make lattice ROBOT=%s, or give --lattice", name, name);
-    return NULL;
+    return lattice;
 }
 
 /* NULL after one line on stderr. */
@@ -137,18 +137,6 @@ static const struct jp_lattice *find_lattice(const struct arguments *arguments, 
     return &file->lattice;
 }
 
-static bool fits(const struct arguments *arguments, const struct map_file *map, const struct jp_lattice *lattice)
-{
-    if (map->terrain.config.resolution == lattice->resolution) {
-        return true;
-    }
-    error_line("%s: cells of %.4g m, but the lattice of %s has %.4g m; import the map again with "
-               "python -m tools.design.import_map … --resolution %.4g",
-               arguments->map_path, (double)map->terrain.config.resolution / JP_Q16_ONE, lattice->name,
-               (double)lattice->resolution / JP_Q16_ONE, (double)lattice->resolution / JP_Q16_ONE);
-    return false;
-}
-
 /* The robot's lattice, charged by what was learned if there is anything. NULL after one line on stderr. */
 static const struct jp_lattice *charged_lattice(const struct arguments *arguments, const struct map_file *map,
                                                 const struct lattice_robot *robot, struct lattice_file *file,
@@ -156,7 +144,7 @@ static const struct jp_lattice *charged_lattice(const struct arguments *argument
 {
     const struct jp_lattice *lattice = find_lattice(arguments, robot, file);
 
-    if (lattice == NULL || !fits(arguments, map, lattice)) {
+    if (lattice == NULL || !plan_lattice_fits(arguments->map_path, map, lattice)) {
         return NULL;
     }
     if (arguments->parameters_path == NULL) {

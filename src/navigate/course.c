@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "src/base/point.h"
 #include "src/map/capsule.h"
 
 /** So many primitives in a row are looked at beyond one that no line leads to. */
@@ -19,15 +20,6 @@ static struct jp_point centre_of(const struct jp_course *course, const struct jp
 
     return (struct jp_point){(jp_q16)(((int64_t)2 * pose->x + 1) * cell / 2),
                              (jp_q16)(((int64_t)2 * pose->y + 1) * cell / 2)};
-}
-
-/** m */
-static int64_t distance(const struct jp_point *a, const struct jp_point *b)
-{
-    const int64_t x = jp_sub(a->x, b->x);
-    const int64_t y = jp_sub(a->y, b->y);
-
-    return (int64_t)jp_square_root((uint64_t)(x * x) + (uint64_t)(y * y));
 }
 
 static const char *wrong_field(const struct jp_course_config *config)
@@ -105,7 +97,7 @@ static bool is_clear(const struct jp_course *course, const struct jp_point *from
     const int64_t cell = course->config.terrain->config.resolution;
     const struct jp_capsule capsule = {.from = *from, .to = *to, .radius = radius};
 
-    return distance(from, to) <= JP_COURSE_REACH * cell && radius <= RADIUS_MAX * cell &&
+    return jp_distance(from, to) <= JP_COURSE_REACH * cell && radius <= RADIUS_MAX * cell &&
            jp_capsule_is_clear(course->config.terrain, &capsule);
 }
 
@@ -144,7 +136,7 @@ static void look(struct jp_course *course)
     struct jp_course_internal *internal = &course->internal;
     const struct jp_point to = centre_of(course, &internal->candidate.pose);
 
-    if (distance(&internal->from, &to) > SAME_MAX &&
+    if (jp_distance(&internal->from, &to) > SAME_MAX &&
         is_clear(course, &internal->from, &to, course->config.radius + internal->margin)) {
         internal->best = internal->candidate;
         internal->has_best = true;

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "src/base/integer.h"
+#include "src/base/point.h"
 #include "src/map/capsule.h"
 #include "src/navigate/navigator_frame.h"
 #include "src/navigate/navigator_survey.h"
@@ -105,6 +106,16 @@ static bool set_start(struct jp_navigator *navigator, const struct jp_place *pla
     return false;
 }
 
+static void see_map(struct jp_navigator *navigator)
+{
+    navigator->internal.map_seen = jp_planner_terrain(navigator->config.planner)->version;
+}
+
+static bool has_map_changed(const struct jp_navigator *navigator)
+{
+    return navigator->internal.map_seen != jp_planner_terrain(navigator->config.planner)->version;
+}
+
 /** The planner has found no route to the goal: is there any? */
 static void begin_proof(struct jp_navigator *navigator, const struct jp_place *place)
 {
@@ -116,6 +127,7 @@ static void begin_proof(struct jp_navigator *navigator, const struct jp_place *p
                                                  place->point.x / cell, place->point.y / cell, goal->x, goal->y,
                                                  navigator->config.reach_block, navigator->config.reach_size);
 
+    see_map(navigator);
     if (status == JP_OK) {
         enter(navigator, JP_NAVIGATOR_PROVING, navigator->reason);
     } else {
@@ -172,6 +184,10 @@ static void approach(struct jp_navigator *navigator)
 
 static void prove(struct jp_navigator *navigator)
 {
+    if (has_map_changed(navigator)) {
+        enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
+        return;
+    }
     switch (jp_reach_work(&navigator->internal.reach, navigator->config.slice)) {
     case JP_REACH_CONNECTED:
         approach(navigator);
@@ -208,11 +224,11 @@ static void join(struct jp_navigator *navigator, const struct jp_place *place)
 
     if (!internal->was_told) {
         internal->was_told = true;
-        internal->map_seen = jp_planner_terrain(navigator->config.planner)->version;
+        see_map(navigator);
         jp_survey_start(navigator);
         (void)jp_course_start(&internal->course, navigator->config.planner, &place->point);
     }
-    if (internal->map_seen != jp_planner_terrain(navigator->config.planner)->version) {
+    if (has_map_changed(navigator)) {
         enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
         return;
     }
@@ -246,11 +262,10 @@ static bool is_leg_clear(const struct jp_navigator *navigator, unsigned leg, con
 /** The first leg that the map does not let the robot drive any more; the count of legs when there is none. */
 static uint16_t blocked_leg(struct jp_navigator *navigator, const struct jp_place *place)
 {
-    struct jp_navigator_internal *internal = &navigator->internal;
-    const uint16_t count = internal->course.count;
-    const uint16_t leg = internal->leg;
+    const uint16_t count = navigator->internal.course.count;
+    const uint16_t leg = navigator->internal.leg;
 
-    if (internal->map_seen == jp_planner_terrain(navigator->config.planner)->version || leg == count) {
+    if (!has_map_changed(navigator) || leg == count) {
         return count;
     }
     const struct jp_point here = jp_frame_left_of_leg(navigator, leg, &place->point);
@@ -264,7 +279,7 @@ static uint16_t blocked_leg(struct jp_navigator *navigator, const struct jp_plac
             return next;
         }
     }
-    internal->map_seen = jp_planner_terrain(navigator->config.planner)->version;
+    see_map(navigator);
     return count;
 }
 
@@ -548,9 +563,9 @@ enum jp_status jp_navigator_progress(const struct jp_navigator *navigator, struc
         const struct jp_point begin = jp_frame_leg_begin(navigator, i);
         const struct jp_point *end = &navigator->config.legs[i].end;
 
-        whole += jp_frame_distance(&begin, end);
+        whole += jp_distance(&begin, end);
         if (i >= internal->leg) {
-            left += jp_frame_distance(i == internal->leg ? &place.point : &begin, end);
+            left += jp_distance(i == internal->leg ? &place.point : &begin, end);
         }
     }
     *progress = (struct jp_progress){

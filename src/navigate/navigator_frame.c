@@ -42,14 +42,6 @@ struct jp_point jp_frame_in_odometry(const struct jp_navigator *navigator, const
     return rotated(difference(*point, origin->point), 0U - origin->heading);
 }
 
-jp_q16 jp_frame_distance(const struct jp_point *a, const struct jp_point *b)
-{
-    const int64_t x = jp_sub(a->x, b->x);
-    const int64_t y = jp_sub(a->y, b->y);
-
-    return jp_saturate32((int64_t)jp_square_root((uint64_t)(x * x) + (uint64_t)(y * y)));
-}
-
 jp_angle jp_frame_direction(const struct jp_point *from, const struct jp_point *to)
 {
     return jp_atan2(jp_sub(to->y, from->y), jp_sub(to->x, from->x));

@@ -13,9 +13,6 @@ struct jp_place jp_frame_place(const struct jp_navigator *navigator, const struc
 /** A point of the map as odometry counts. */
 struct jp_point jp_frame_in_odometry(const struct jp_navigator *navigator, const struct jp_point *point);
 
-/** m */
-jp_q16 jp_frame_distance(const struct jp_point *a, const struct jp_point *b);
-
 /** Of one point from another. */
 jp_angle jp_frame_direction(const struct jp_point *from, const struct jp_point *to);
 

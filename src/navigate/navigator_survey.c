@@ -77,13 +77,14 @@ static bool add_stop(struct jp_navigator *navigator, unsigned leg)
     return has_begin || has_end;
 }
 
-/** The slower a run, the less its robot goes beyond the end, until the margin is enough. JP_ERR_BUSY: it is to be
- *  surveyed anew. JP_ERR_BLOCKED: there is no room to stand there. */
-static enum jp_status slow_down(struct jp_course_leg *last, bool is_within_margin)
+/** The slower a run, the less its robot goes beyond the end, until the margin is enough. JP_WORKING: it begins anew.
+ *  JP_ERR_BLOCKED: there is no room to stand there. */
+static enum jp_status slow_down(struct jp_navigator_survey *survey, struct jp_course_leg *last, bool is_within_margin)
 {
     if (last->slower < JP_VEHICLE_SLOWER_MAX) {
         last->slower++;
-        return JP_ERR_BUSY;
+        survey->has_begun = false;
+        return JP_WORKING;
     }
     return is_within_margin ? JP_OK : JP_ERR_BLOCKED;
 }
@@ -113,7 +114,7 @@ static enum jp_status survey_leg(struct jp_navigator *navigator)
     leg->beyond = leg->is_stop ? extent.beyond : 0;
     if (leg->beyond > 0 && !jp_course_is_clear(&internal->course, index, &begin)) {
         leg->beyond = 0;
-        result = slow_down(leg, extent.beyond <= navigator->config.margin);
+        result = slow_down(survey, leg, extent.beyond <= navigator->config.margin);
     }
     survey->done = (uint16_t)(survey->done + (result == JP_OK ? 1U : 0U));
     return result;
@@ -140,7 +141,7 @@ enum jp_status jp_survey_work(struct jp_navigator *navigator, const struct jp_pl
     const unsigned leg = (unsigned)survey->first + (survey->has_begun ? survey->done : 0U);
     const enum jp_status status = survey->has_begun ? survey_leg(navigator) : begin_run(navigator, place);
 
-    if (status == JP_ERR_BUSY || (status == JP_ERR_INFEASIBLE && add_stop(navigator, leg))) {
+    if (status == JP_ERR_INFEASIBLE && add_stop(navigator, leg)) {
         survey->has_begun = false;
         return JP_WORKING;
     }

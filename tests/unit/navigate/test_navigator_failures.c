@@ -190,6 +190,20 @@ static void test_proves_in_little_memory_that_there_is_no_way(void)
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_UNREACHABLE));
 }
 
+static void test_a_way_that_opens_during_the_proof_counts(void)
+{
+    put_column(12, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    config.slice = 1;
+    begin_in(jp_planner_size(&map));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
+    (void)jp_navigator_work(&navigator);
+    for (int32_t y = 8; y < 16; y++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_set_cell(&navigator, 12, y, JP_CELL_FREE));
+    }
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_PLANNING, jp_navigator_work(&navigator));
+    TEST_ASSERT_FALSE(work_until(JP_NAVIGATOR_UNREACHABLE));
+}
+
 static void test_without_memory_for_the_proof_it_is_a_failure(void)
 {
     put_column(12, 0, SIDE - 1, JP_CELL_OCCUPIED);
