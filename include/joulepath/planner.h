@@ -3,11 +3,13 @@
  *
  * The search runs on the states of a lattice (lattice.h), from the goal to the robot, so that its costs-to-go stay
  * valid while the robot drives. Two fields rooted at the robot are its heuristics: first the guide's estimate times ε
- * (guide_field.h), which finds good routes with few states; then, where the block has room for it, the energy field's
- * bound (energy_field.h), which proves the optimum; in a smaller block it takes the states' place after the search, and
- * bounds the cost of its route. After changes of the map the search repairs what they touch; when a proved route is
- * lost, a small second search by the guide, the scout, joins what is left of it before the proof goes on.
- * jp_planner_work() does it in slices. The same input gives the same bits on every core.
+ * (guide_field.h), which finds good routes with few states; then, where the block has room for it, the bound of the
+ * energy field (energy_field.h) and of turning, which proves the optimum. Where the states do not fit, the turn field
+ * (turn_field.h) takes the place of some of them, and a search by the sum of both fields begins anew; in a smaller
+ * block the fields take the states' place after the search, one after the other, and bound the cost of its route. After
+ * changes of the map the search repairs what they touch; when a proved route is lost, a small second search by the
+ * guide, the scout, joins what is left of it before the proof goes on. jp_planner_work() does it in slices. The same
+ * input gives the same bits on every core.
  *
  * When the states do not fit the block, ε goes up; when not even the greediest search fits, the planner searches from
  * the robot towards the goal and gives the route to the nearest state that it has found: a partial plan.
@@ -21,6 +23,7 @@
 
 #include <joulepath/energy_field.h>
 #include <joulepath/guide_field.h>
+#include <joulepath/turn_field.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -109,6 +112,7 @@ enum jp_planner_phase {
     JP_PLANNER_EMPTY,        /**< idle, and there is no search */
     JP_PLANNER_GROW_GUIDE,   /**< for a new search */
     JP_PLANNER_GROW_FIELD,   /**< for a new search */
+    JP_PLANNER_GROW_TURNS,   /**< the turn field, in the place of the states or of some of them */
     JP_PLANNER_CLEAR,        /**< forgets the states of the search before */
     JP_PLANNER_CHECK_PLAN,   /**< from here on there is a search; it waits for what the changes leave of the plan */
     JP_PLANNER_UPDATE_FIELD, /**< it waits for the energy field */
@@ -231,19 +235,22 @@ struct jp_planner_internal {
     struct jp_goal goal;
     bool has_start;
     bool has_goal;
-    bool has_lent_states;             /**< the energy field is in the place of states, which cannot be repaired */
-    bool is_field_rooted;             /**< the energy field has a root */
-    uint8_t field_heading;            /**< of the robot when the energy field got its root */
-    uint16_t neighbours_max;          /**< that an expansion can add */
-    struct jp_planner_search search;  /**< that is worked on */
-    struct jp_planner_search resting; /**< the scout: a small one by the guide, that finds a route while the exact one
-                                         is repaired; while it searches, the exact one. No states: there is none */
+    bool has_lent_states;              /**< a field is in the place of states, which cannot be repaired */
+    bool is_field_rooted;              /**< the energy field has a root */
+    bool has_turn_field;               /**< beside the energy field, in the place of part of the states */
+    struct jp_lattice_pose field_root; /**< where the robot was when the fields got their roots */
+    jp_cost turns_to_goal;             /**< least cost of turning from there, by a field that has made way since */
+    uint16_t neighbours_max;           /**< that an expansion can add */
+    struct jp_planner_search search;   /**< that is worked on */
+    struct jp_planner_search resting;  /**< the scout: a small one by the guide, that finds a route while the exact one
+                                          is repaired; while it searches, the exact one. No states: there is none */
     bool is_scouting;
     bool is_splicing; /**< the scout joins what the last check has left of the plan */
     bool has_guide;   /**< the guide has grown for this goal, from where the robot was then */
 
     uint32_t terrain_version;
     uint8_t *states_block; /**< of the search */
+    size_t states_bytes;   /**< of it */
     uint8_t *route;        /**< of the plan: index of each primitive among those of its heading */
     uint8_t *spare_route;  /**< the next plan is written here, so that the last one stays whole */
     uint16_t route_max;
@@ -261,6 +268,7 @@ struct jp_planner_internal {
     struct jp_straight straight;
     struct jp_guide_field guide;
     struct jp_energy_field field;
+    struct jp_turn_field turn_field;
 };
 
 struct jp_planner {

@@ -3,9 +3,9 @@
  * Internal: here only because struct jp_planner holds it.
  *
  * Cells whose values have fallen are marked and handed out, about in the order of their values, until none is left
- * below the horizon; the caller relaxes their neighbours. So a wave grows from a root, and so it is repaired when
- * values fall later. There is no queue: two or three bytes and one bit a cell, and the same work in slices as at once.
- * Nothing here is for ISRs.
+ * below the horizon, in sweeps to and fro; the caller relaxes their neighbours. So a wave grows from a root, and so it
+ * is repaired when values fall later. There is no queue: two or three bytes and one bit a cell, and the same work in
+ * slices as at once. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_WAVEFRONT_H
 #define JOULEPATH_WAVEFRONT_H
@@ -34,7 +34,8 @@ struct jp_wavefront {
     uint32_t lowest;    /**< lowest dirty value above the threshold that this sweep has seen */
     uint32_t horizon;   /**< values up to it are final when the wave has stopped */
     bool has_changed;   /**< this sweep has handed out a cell */
-    uint16_t row;       /**< where this sweep is */
+    bool is_backward;   /**< this sweep goes from the last row and column to the first, as every other one */
+    int32_t row;        /**< where this sweep is */
     uint16_t column;
     uint16_t clear_row; /**< rows from here on are yet to be cleared */
     uint16_t looks;     /**< at words of bits, and at cells above the threshold, that are not counted yet */

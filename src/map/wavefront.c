@@ -50,13 +50,19 @@ void jp_wavefront_init(struct jp_wavefront *wave, uint16_t width, uint16_t heigh
     wave->dirty = (uint32_t *)(void *)(after_values + high_size(width, height, format));
 }
 
+static void start_row(struct jp_wavefront *wave)
+{
+    wave->column = wave->is_backward ? (uint16_t)(wave->width - 1U) : 0U;
+}
+
 static void start_sweep(struct jp_wavefront *wave, uint32_t threshold)
 {
     wave->threshold = threshold;
     wave->lowest = wave->not_reached;
     wave->has_changed = false;
-    wave->row = wave->first_row;
-    wave->column = 0;
+    wave->is_backward = !wave->is_backward;
+    wave->row = wave->is_backward ? wave->last_row : wave->first_row;
+    start_row(wave);
 }
 
 void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t target_x, uint16_t target_y)
@@ -66,6 +72,7 @@ void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t targe
     wave->target_y = target_y;
     wave->horizon = jp_wavefront_value_max(wave);
     wave->clear_row = 0;
+    wave->is_backward = true; /* the first sweep goes forward */
 }
 
 void jp_wavefront_clear(struct jp_wavefront *wave)
@@ -152,36 +159,72 @@ static bool next_sweep(struct jp_wavefront *wave)
     return true;
 }
 
-static unsigned lowest_bit(uint32_t word)
+/** The next bit of a word in the direction of the sweep. */
+static uint32_t next_bit(const struct jp_wavefront *wave, uint32_t word)
 {
-    return JP_TRAILING_ZEROS(word);
+    return wave->is_backward ? WORD_BITS - 1U - JP_LEADING_ZEROS(word) : JP_TRAILING_ZEROS(word);
+}
+
+/** Those of a word that this sweep has yet to look at, in the word that it is in. */
+static uint32_t unseen(const struct jp_wavefront *wave)
+{
+    const uint32_t bit = wave->column % (uint32_t)WORD_BITS;
+
+    return wave->is_backward ? UINT32_MAX >> (WORD_BITS - 1U - bit) : UINT32_MAX << bit;
+}
+
+/** Goes on to the next word of the row. False at its end. */
+static bool next_word(struct jp_wavefront *wave)
+{
+    const unsigned word = wave->column / (unsigned)WORD_BITS;
+
+    if (wave->is_backward ? word == 0U : word + 1U == words_per_row(wave->width)) {
+        return false;
+    }
+    wave->column = (uint16_t)(wave->is_backward ? word * WORD_BITS - 1U : (word + 1U) * WORD_BITS);
+    return true;
+}
+
+/** The next dirty cell of the present word whose value is up to the threshold. False: none. */
+static bool next_in_word(struct jp_wavefront *wave, int32_t *x)
+{
+    const unsigned first = wave->column / (unsigned)WORD_BITS * WORD_BITS;
+    uint32_t *word = &wave->dirty[(size_t)wave->row * words_per_row(wave->width) + first / WORD_BITS];
+
+    for (uint32_t rest = *word & unseen(wave); rest != 0U;) {
+        const uint32_t bit = next_bit(wave, rest);
+        const uint32_t value = jp_wavefront_value(wave, (int32_t)(first + bit), wave->row);
+
+        rest &= ~(UINT32_C(1) << bit);
+        if (value <= wave->threshold) {
+            *word &= ~(UINT32_C(1) << bit);
+            wave->column = (uint16_t)(first + bit);
+            *x = wave->column;
+            return true;
+        }
+        if (value < wave->lowest) {
+            wave->lowest = value;
+        }
+        wave->looks++;
+    }
+    return false;
 }
 
 /** The next dirty cell of the present row whose value is up to the threshold. False: none. */
 static bool next_in_row(struct jp_wavefront *wave, int32_t *x)
 {
-    const size_t words = words_per_row(wave->width);
-    uint32_t *row = &wave->dirty[(size_t)wave->row * words];
-
-    for (size_t i = wave->column / WORD_BITS; i < words; i++, wave->column = 0) {
-        for (uint32_t rest = row[i] & (UINT32_MAX << (wave->column % WORD_BITS)); rest != 0; rest &= rest - 1) {
-            const uint32_t bit = rest & (~rest + 1U);
-            const uint32_t column = (uint32_t)(i * WORD_BITS) + lowest_bit(rest);
-            const uint32_t value = jp_wavefront_value(wave, (int32_t)column, wave->row);
-
-            if (value <= wave->threshold) {
-                row[i] &= ~bit;
-                wave->column = (uint16_t)column;
-                *x = (int32_t)column;
-                return true;
-            }
-            if (value < wave->lowest) {
-                wave->lowest = value;
-            }
-            wave->looks++;
+    do {
+        if (next_in_word(wave, x)) {
+            return true;
         }
-    }
+    } while (next_word(wave));
     return false;
+}
+
+/** True when the sweep has looked at all rows that may hold dirty cells. */
+static bool has_passed(const struct jp_wavefront *wave)
+{
+    return wave->is_backward ? wave->row < (int32_t)wave->first_row : wave->row > (int32_t)wave->last_row;
 }
 
 /** A row has been looked through in vain: that takes time, too. */
@@ -197,7 +240,7 @@ static void count_row(struct jp_wavefront *wave, unsigned *cells)
 enum jp_wave_step jp_wavefront_next(struct jp_wavefront *wave, unsigned *cells, int32_t *x, int32_t *y)
 {
     while (*cells > 0U) {
-        if (wave->row > wave->last_row) {
+        if (has_passed(wave)) {
             if (!next_sweep(wave)) {
                 return JP_WAVE_STOPPED;
             }
@@ -207,8 +250,8 @@ enum jp_wave_step jp_wavefront_next(struct jp_wavefront *wave, unsigned *cells, 
             --*cells;
             return JP_WAVE_CELL;
         } else {
-            wave->row++;
-            wave->column = 0;
+            wave->row += wave->is_backward ? -1 : 1;
+            start_row(wave);
             count_row(wave, cells);
         }
     }

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "src/base/block.h"
+#include "src/search/planner_bound.h"
 #include "src/search/planner_phases.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_start.h"
@@ -103,7 +104,8 @@ static void lay_out_states(struct jp_planner_internal *planner, uint8_t *block, 
         scout_bytes = jp_block_align(jp_planner_states_init(&planner->resting, map, block, size / SCOUT_SHARE));
     }
     planner->states_block = &block[scout_bytes];
-    const size_t bytes = jp_planner_states_init(&planner->search, map, planner->states_block, size - scout_bytes);
+    planner->states_bytes = size - scout_bytes;
+    const size_t bytes = jp_planner_states_init(&planner->search, map, planner->states_block, planner->states_bytes);
 
     planner->statistics.search_bytes = (uint32_t)(bytes + scout_bytes);
     planner->statistics.states_max = planner->search.state_count_max + planner->resting.state_count_max;
@@ -196,6 +198,7 @@ enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct j
     inner->config.lattice = lattice;
     jp_guide_field_set_lattice(&inner->guide, lattice);
     jp_energy_field_set_lattice(&inner->field, lattice);
+    jp_turn_field_set_lattice(&inner->turn_field, lattice);
     jp_lattice_turns(lattice, inner->config.cost, &inner->turns);
     jp_lattice_straight(lattice, inner->config.cost, &inner->straight);
     jp_start_over(inner);
@@ -257,6 +260,7 @@ enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_g
     const enum jp_status status = check_goal(inner, goal);
 
     if (status == JP_OK) {
+        jp_bound_drop_turns(inner);
         inner->goal = *goal;
         inner->has_goal = true;
         jp_start_over(inner);

@@ -1,8 +1,37 @@
 #include "src/search/planner_bound.h"
 
+#include "src/search/planner_fields.h"
+#include "src/search/planner_scout.h"
 #include "src/search/planner_states.h"
 
-enum { STATES_MIN = 64 };
+enum {
+    STATES_MIN = 64,
+    TURN_SHARE = 4, /* the turn field takes at most one part in so many of the states' memory where it shares it */
+};
+
+/** The finest scale of a turn field in `size` bytes; above JP_TURN_SCALE_MAX: none fits. */
+static unsigned turn_scale(const struct jp_planner_internal *planner, size_t size)
+{
+    unsigned scale = JP_TURN_SCALE_MIN;
+
+    while (scale <= JP_TURN_SCALE_MAX && jp_turn_field_size(&planner->terrain->config, scale) > size) {
+        scale++;
+    }
+    return scale;
+}
+
+static void give_states_all(struct jp_planner_internal *planner)
+{
+    (void)jp_planner_states_init(&planner->search, &planner->terrain->config, planner->states_block,
+                                 planner->states_bytes);
+}
+
+static void lay_out_turns(struct jp_planner_internal *planner, unsigned scale, uint8_t *block)
+{
+    jp_turn_field_init(&planner->turn_field, planner->config.lattice, planner->config.cost, planner->terrain, scale,
+                       block);
+    jp_fields_start_turns(planner);
+}
 
 static bool is_proof_scheduled(const struct jp_planner_config *config)
 {
@@ -14,26 +43,75 @@ static bool is_proof_scheduled(const struct jp_planner_config *config)
     return false;
 }
 
+bool jp_bound_can_share(const struct jp_planner_internal *planner)
+{
+    return planner->statistics.field_bytes > 0U && !planner->has_turn_field &&
+           turn_scale(planner, planner->states_bytes / TURN_SHARE) <= JP_TURN_SCALE_MAX;
+}
+
+void jp_bound_share_with_turns(struct jp_planner_internal *planner)
+{
+    const struct jp_terrain_config *map = &planner->terrain->config;
+    const unsigned scale = turn_scale(planner, planner->states_bytes / TURN_SHARE);
+    const size_t turn_bytes = jp_turn_field_size(map, scale);
+
+    planner->has_turn_field = true;
+    lay_out_turns(planner, scale, planner->states_block);
+    (void)jp_planner_states_init(&planner->search, map, &planner->states_block[turn_bytes],
+                                 planner->states_bytes - turn_bytes);
+}
+
+void jp_bound_drop_turns(struct jp_planner_internal *planner)
+{
+    if (planner->has_turn_field) {
+        planner->has_turn_field = false;
+        jp_scout_dismiss(planner);
+        give_states_all(planner);
+    }
+}
+
+bool jp_bound_fits_field(const struct jp_planner_internal *planner)
+{
+    return jp_energy_field_size(&planner->terrain->config, JP_WAVE_2_BYTES) <= planner->states_bytes;
+}
+
 bool jp_bound_is_wanted(const struct jp_planner_internal *planner)
 {
     return planner->answer == JP_ANSWER_WITHIN_BOUND && !planner->has_lent_states &&
            planner->statistics.field_bytes == 0U && is_proof_scheduled(&planner->config) &&
-           jp_energy_field_size(&planner->terrain->config, JP_WAVE_2_BYTES) <= planner->statistics.search_bytes;
+           turn_scale(planner, planner->states_bytes) <= JP_TURN_SCALE_MAX;
 }
 
-void jp_bound_lend_states(struct jp_planner_internal *planner)
+void jp_bound_lend_to_turns(struct jp_planner_internal *planner)
+{
+    planner->has_lent_states = true;
+    planner->search.state_count = 0;
+    planner->search.slot_count = 0;
+    lay_out_turns(planner, turn_scale(planner, planner->states_bytes), planner->states_block);
+}
+
+void jp_bound_take_turns(struct jp_planner_internal *planner)
+{
+    planner->turns_to_goal = JP_COST_MAX;
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const jp_cost turns = jp_turn_field_bound(&planner->turn_field, planner->goal.x, planner->goal.y, heading);
+
+        if ((planner->goal.headings & (1U << heading)) != 0U && turns < planner->turns_to_goal) {
+            planner->turns_to_goal = turns;
+        }
+    }
+}
+
+void jp_bound_lend_to_field(struct jp_planner_internal *planner)
 {
     const struct jp_terrain_config *map = &planner->terrain->config;
     const size_t field_bytes = jp_energy_field_size(map, JP_WAVE_2_BYTES);
-    const size_t left = planner->statistics.search_bytes - field_bytes;
+    const size_t left = planner->states_bytes - field_bytes;
 
     /* No value that matters is above the cost of the plan. */
     jp_energy_field_init(&planner->field, planner->config.lattice, planner->config.cost, planner->terrain,
                          JP_WAVE_2_BYTES, planner->plan.cost, planner->states_block);
-    planner->has_lent_states = true;
     planner->search.direction = JP_PLANNER_FROM_GOAL; /* as the field's bounds are */
-    planner->search.state_count = 0;
-    planner->search.slot_count = 0;
     if (left >= jp_planner_states_size(STATES_MIN)) {
         (void)jp_planner_states_init(&planner->search, map, &planner->states_block[field_bytes], left);
     }
@@ -46,9 +124,9 @@ bool jp_bound_has_states(const struct jp_planner_internal *planner)
 
 void jp_bound_return_states(struct jp_planner_internal *planner)
 {
+    planner->turns_to_goal = 0;
     if (planner->has_lent_states) {
         planner->has_lent_states = false;
-        (void)jp_planner_states_init(&planner->search, &planner->terrain->config, planner->states_block,
-                                     planner->statistics.search_bytes);
+        give_states_all(planner);
     }
 }

@@ -3,6 +3,7 @@
 #include "src/search/planner_bound.h"
 #include "src/search/planner_cut.h"
 #include "src/search/planner_effort.h"
+#include "src/search/planner_fields.h"
 #include "src/search/planner_repair.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_scout.h"
@@ -38,7 +39,7 @@ static void leave_clear(struct jp_planner_internal *planner)
 /** After a change, before the search begins: what has been found out about its field is found out anew. */
 static void look_at_new_field(struct jp_planner_internal *planner)
 {
-    if (planner->phase == JP_PLANNER_CLEAR && planner->is_field_rooted) {
+    if ((planner->phase == JP_PLANNER_CLEAR || planner->phase == JP_PLANNER_GROW_TURNS) && planner->is_field_rooted) {
         jp_stage_enter(planner, JP_PLANNER_GROW_FIELD);
     }
 }
@@ -78,7 +79,7 @@ static void take_in_changes_without_states(struct jp_planner_internal *planner)
     if (jp_plan_is_current(planner) && !planner->changes.may_be_cheaper) {
         planner->changes.count = 0;
         planner->search.is_exact = false;
-        jp_stage_enter(planner, JP_PLANNER_GROW_BOUND);
+        jp_stage_enter(planner, planner->is_field_rooted ? JP_PLANNER_GROW_BOUND : JP_PLANNER_GROW_TURNS);
     } else {
         give_up_repair(planner);
     }
@@ -141,10 +142,10 @@ static void leave_guide(struct jp_planner_internal *planner)
 /** After the energy field has grown for a search that has not begun. */
 static void leave_new_field(struct jp_planner_internal *planner)
 {
-    (void)jp_energy_field_take_lowered(&planner->field);
-    if (jp_stage_is_cut_off(planner)) {
+    (void)jp_fields_take_lowered(planner);
+    if (jp_fields_are_cut_off(planner)) {
         jp_start_over(planner);
-    } else if (jp_energy_field_bound(&planner->field, planner->goal.x, planner->goal.y) == JP_COST_MAX) {
+    } else if (jp_fields_bound_at_goal(planner) == JP_COST_MAX) {
         planner->answer = JP_ANSWER_UNREACHABLE;
         jp_stage_enter(planner, JP_PLANNER_EMPTY);
     } else {
@@ -155,9 +156,9 @@ static void leave_new_field(struct jp_planner_internal *planner)
 /** After the energy field has grown for a search in progress, or has taken in changes of the map. */
 static void leave_field(struct jp_planner_internal *planner)
 {
-    const struct jp_cell_box lowered = jp_energy_field_take_lowered(&planner->field);
+    const struct jp_cell_box lowered = jp_fields_take_lowered(planner);
 
-    if (jp_stage_is_cut_off(planner)) {
+    if (jp_fields_are_cut_off(planner)) {
         jp_start_over(planner);
         return;
     }
@@ -194,13 +195,30 @@ static bool take_next_epsilon(struct jp_planner_internal *planner)
     return true;
 }
 
-/** Ends the search; the energy field may yet tighten the bound of the plan. */
+/** Ends the search; the fields may yet tighten the bound of the plan. */
 static void end_search(struct jp_planner_internal *planner)
 {
     settle(planner, planner->answer);
     if (jp_bound_is_wanted(planner)) {
-        jp_bound_lend_states(planner);
+        jp_bound_lend_to_turns(planner);
+        jp_stage_enter(planner, JP_PLANNER_GROW_TURNS);
+    }
+}
+
+/** After the turn field has grown in the place of states. */
+static void leave_turns(struct jp_planner_internal *planner)
+{
+    if (planner->has_turn_field) {
+        jp_start_search(planner);
+        return;
+    }
+    jp_bound_take_turns(planner);
+    if (jp_bound_fits_field(planner)) {
+        jp_bound_lend_to_field(planner);
         jp_start_field(planner, JP_PLANNER_GROW_BOUND);
+    } else {
+        jp_plan_tighten(planner);
+        settle(planner, planner->answer);
     }
 }
 
@@ -378,6 +396,9 @@ static void leave_full_search(struct jp_planner_internal *planner)
 {
     if (planner->is_scouting) {
         save_scout_memory(planner);
+    } else if (jp_search_is_exact(planner) && !planner->search.is_repaired && jp_bound_can_share(planner)) {
+        jp_bound_share_with_turns(planner);
+        jp_stage_enter(planner, JP_PLANNER_GROW_TURNS);
     } else {
         save_memory(planner);
     }
@@ -443,7 +464,7 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
         }
         return budget;
     case JP_PLANNER_GROW_FIELD:
-        if (jp_slice_grow_field(planner, &budget)) {
+        if (jp_slice_grow_fields(planner, &budget)) {
             leave_new_field(planner);
         }
         return budget;
@@ -458,7 +479,7 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
         }
         return budget;
     case JP_PLANNER_UPDATE_FIELD:
-        if (jp_slice_grow_field(planner, &budget)) {
+        if (jp_slice_grow_fields(planner, &budget)) {
             leave_field(planner);
         }
         return budget;
@@ -475,8 +496,13 @@ static unsigned work(struct jp_planner_internal *planner, unsigned budget)
             jp_stage_enter(planner, JP_PLANNER_SEARCH);
         }
         return budget;
+    case JP_PLANNER_GROW_TURNS:
+        if (jp_slice_grow_turns(planner, &budget)) {
+            leave_turns(planner);
+        }
+        return budget;
     case JP_PLANNER_GROW_BOUND:
-        if (jp_slice_grow_field(planner, &budget)) {
+        if (jp_slice_grow_fields(planner, &budget)) {
             leave_bound(planner);
         }
         return budget;
@@ -577,7 +603,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
     if (planner->phase == JP_PLANNER_CHECK_PLAN) {
         take_in_changes(planner);
     }
-    if (planner->phase != JP_PLANNER_UPDATE_FIELD && jp_stage_is_cut_off(planner)) {
+    if (planner->phase != JP_PLANNER_UPDATE_FIELD && jp_fields_are_cut_off(planner)) {
         jp_start_over(planner);
         return;
     }
@@ -643,7 +669,7 @@ void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32
         planner->least = 0;
     }
     if (may_be_cheaper && planner->is_field_rooted) {
-        jp_energy_field_cell_changed(&planner->field, x, y);
+        jp_fields_cell_changed(planner, x, y);
         look_at_new_field(planner);
     }
 }

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "src/search/planner_fields.h"
+#include "src/search/planner_pose.h"
 #include "src/search/planner_search.h"
 
 jp_cost jp_plan_step_cost(const struct jp_planner_internal *planner, const struct jp_lattice_pose *from,
@@ -11,22 +13,16 @@ jp_cost jp_plan_step_cost(const struct jp_planner_internal *planner, const struc
                              from->y);
 }
 
-/** Lower bound of any route from the robot to one of the goal's headings, obstacles left aside. */
+/** Lower bound of any route from the robot to one of the goal's headings, whatever lies between. */
 static jp_cost straight_bound(const struct jp_planner_internal *planner)
 {
     const struct jp_lattice_pose *start = &planner->start;
     const struct jp_goal *goal = &planner->goal;
     const int32_t rise = jp_terrain_elevation(planner->terrain, goal->x, goal->y) -
                          jp_terrain_elevation(planner->terrain, start->x, start->y);
-    uint16_t turn = UINT16_MAX;
 
-    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        const uint16_t cost = planner->turns.cost[start->heading][heading];
-        if (((goal->headings >> heading) & 1U) != 0U && cost < turn) {
-            turn = cost;
-        }
-    }
-    return jp_cost_add(jp_straight_bound(&planner->straight, goal->x - start->x, goal->y - start->y, rise), turn);
+    return jp_cost_add(jp_straight_bound(&planner->straight, goal->x - start->x, goal->y - start->y, rise),
+                       jp_fields_turns_to_goal(planner));
 }
 
 static jp_cost higher(jp_cost a, jp_cost b)
@@ -128,7 +124,7 @@ bool jp_plan_follow(struct jp_planner_internal *planner)
     unsigned steps = 0;
     jp_cost driven = 0;
 
-    while (!jp_plan_is_same_pose(&pose, &planner->start)) {
+    while (!jp_pose_is_same(&pose, &planner->start)) {
         const struct jp_lattice_pose from = pose;
         const struct jp_primitive *step = jp_plan_step(planner, steps, &pose);
         if (step == NULL) {
@@ -151,7 +147,7 @@ bool jp_plan_leads_to_goal(const struct jp_planner_internal *planner)
     const struct jp_plan *plan = &planner->plan;
 
     return (plan->answer == JP_ANSWER_OPTIMAL || plan->answer == JP_ANSWER_WITHIN_BOUND) &&
-           jp_search_is_goal(planner, &plan->end);
+           jp_pose_is_goal(&planner->goal, &plan->end);
 }
 
 static void begin_tail(struct jp_planner_check *check)
@@ -192,7 +188,7 @@ static void check_step(struct jp_planner_internal *planner, const struct jp_prim
 /** After a check of all steps. */
 static void end_check(struct jp_planner_internal *planner)
 {
-    if (planner->check.tail_step > 0U || !jp_plan_is_same_pose(&planner->plan.start, &planner->start)) {
+    if (planner->check.tail_step > 0U || !jp_pose_is_same(&planner->plan.start, &planner->start)) {
         return;
     }
     set_cost(planner, planner->check.tail_cost);

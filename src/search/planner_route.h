@@ -23,11 +23,6 @@ static inline bool jp_plan_is_current(const struct jp_planner_internal *planner)
     return planner->answer == JP_ANSWER_OPTIMAL || planner->answer == JP_ANSWER_WITHIN_BOUND;
 }
 
-static inline bool jp_plan_is_same_pose(const struct jp_lattice_pose *a, const struct jp_lattice_pose *b)
-{
-    return a->x == b->x && a->y == b->y && a->heading == b->heading;
-}
-
 /** True when the plan's route ends at the present goal. */
 bool jp_plan_leads_to_goal(const struct jp_planner_internal *planner);
 

@@ -1,6 +1,8 @@
 #include "src/search/planner_search.h"
 
+#include "src/search/planner_fields.h"
 #include "src/search/planner_head.h"
+#include "src/search/planner_pose.h"
 #include "src/search/planner_states.h"
 
 enum {
@@ -31,32 +33,15 @@ static uint32_t start_id(const struct jp_planner_internal *planner)
     return jp_search_id(planner, planner->start.x, planner->start.y, planner->start.heading);
 }
 
-bool jp_search_is_goal(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
-{
-    return pose->x == planner->goal.x && pose->y == planner->goal.y &&
-           ((planner->goal.headings >> pose->heading) & 1U) != 0U;
-}
-
-static bool is_start(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
-{
-    return pose->x == planner->start.x && pose->y == planner->start.y && pose->heading == planner->start.heading;
-}
-
 bool jp_search_is_seed(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
 {
-    return jp_search_is_forward(planner) ? is_start(planner, pose) : jp_search_is_goal(planner, pose);
-}
-
-/** Lower bound of the cost from the root of the energy field: where the robot was when the field was begun. */
-static jp_cost bound_of(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
-{
-    return jp_cost_add(jp_energy_field_bound(&planner->field, pose->x, pose->y),
-                       planner->turns.cost[planner->field_heading][pose->heading]);
+    return jp_search_is_forward(planner) ? jp_pose_is_same(&planner->start, pose)
+                                         : jp_pose_is_goal(&planner->goal, pose);
 }
 
 jp_cost jp_search_heuristic(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose)
 {
-    return jp_search_is_exact(planner) ? bound_of(planner, pose)
+    return jp_search_is_exact(planner) ? jp_fields_bound(planner, pose)
                                        : jp_guide_field_estimate(&planner->guide, pose->x, pose->y, pose->heading);
 }
 
@@ -345,19 +330,6 @@ static bool is_full(const struct jp_planner_internal *planner)
     return search->state_count_max - search->state_count < planner->neighbours_max;
 }
 
-/** The least that the energy field says of the goal, from its root. */
-static jp_cost bound_at_goal(const struct jp_planner_internal *planner)
-{
-    jp_cost least = JP_COST_MAX;
-
-    for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
-        const struct jp_lattice_pose pose = {planner->goal.x, planner->goal.y, heading};
-        const jp_cost bound = jp_search_is_goal(planner, &pose) ? bound_of(planner, &pose) : JP_COST_MAX;
-        least = bound < least ? bound : least;
-    }
-    return least;
-}
-
 jp_cost jp_search_least_cost(const struct jp_planner_internal *planner)
 {
     if (!planner->is_field_rooted || planner->changes.may_be_cheaper) {
@@ -365,8 +337,8 @@ jp_cost jp_search_least_cost(const struct jp_planner_internal *planner)
     }
     /* All bounds are from the field's root; the robot has driven on since, and is at least as near to the goal as the
      * root is, less the way from the root to it. */
-    const jp_cost root_to_robot = bound_of(planner, &planner->start);
-    uint32_t least = bound_at_goal(planner);
+    const jp_cost root_to_robot = jp_fields_bound(planner, &planner->start);
+    uint32_t least = jp_fields_bound_at_goal(planner);
 
     if (jp_search_is_exact(planner)) {
         const uint32_t key = jp_planner_queue_lowest_key(&planner->search);

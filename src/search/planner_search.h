@@ -70,9 +70,6 @@ struct search_predecessor jp_search_predecessor(const struct jp_planner_internal
 /** True at a state with cost 0: the goal's, or the robot's when searching forward. */
 bool jp_search_is_seed(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
 
-/** True at the goal's cell and one of its headings. */
-bool jp_search_is_goal(const struct jp_planner_internal *planner, const struct jp_lattice_pose *pose);
-
 struct jp_lattice_pose jp_search_pose_of(const struct jp_planner_internal *planner, uint32_t id);
 
 struct jp_lattice_pose jp_search_pose(const struct jp_planner_internal *planner, uint32_t slot);

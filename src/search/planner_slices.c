@@ -8,6 +8,7 @@
 /** Units of work that take about as long as one expansion. */
 enum {
     FIELD_CELLS = 2,
+    TURN_LOOKS = 8,
     GUIDE_CELLS = 1,
     CLEARED_SLOTS = 256,
     CHECKED_STEPS = 8,
@@ -15,13 +16,27 @@ enum {
     CUT_SLOTS = 128,
 };
 
-bool jp_slice_grow_field(struct jp_planner_internal *planner, unsigned *budget)
+static bool grow_energy_field(struct jp_planner_internal *planner, unsigned *budget)
 {
     unsigned cells = *budget * FIELD_CELLS;
     const bool is_done = jp_energy_field_grow(&planner->field, &cells);
 
     *budget = cells / FIELD_CELLS;
     return is_done;
+}
+
+bool jp_slice_grow_turns(struct jp_planner_internal *planner, unsigned *budget)
+{
+    unsigned looks = *budget * TURN_LOOKS;
+    const bool is_done = jp_turn_field_grow(&planner->turn_field, &looks);
+
+    *budget = looks / TURN_LOOKS;
+    return is_done;
+}
+
+bool jp_slice_grow_fields(struct jp_planner_internal *planner, unsigned *budget)
+{
+    return grow_energy_field(planner, budget) && (!planner->has_turn_field || jp_slice_grow_turns(planner, budget));
 }
 
 void jp_slice_begin_guide(struct jp_planner_internal *planner)

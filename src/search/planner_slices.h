@@ -5,7 +5,11 @@
 
 #include <joulepath/planner.h>
 
-bool jp_slice_grow_field(struct jp_planner_internal *planner, unsigned *budget);
+/** The energy field and, where it is beside it, the turn field. */
+bool jp_slice_grow_fields(struct jp_planner_internal *planner, unsigned *budget);
+
+/** The turn field alone. */
+bool jp_slice_grow_turns(struct jp_planner_internal *planner, unsigned *budget);
 
 /** Lets the guide grow anew from the search's target. Constant time. */
 void jp_slice_begin_guide(struct jp_planner_internal *planner);

@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "src/search/planner_pose.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_search.h"
 
@@ -11,7 +12,7 @@ static void begin_head(struct jp_planner_internal *planner)
 {
     struct jp_planner_head *head = &planner->head;
     struct jp_lattice_pose pose = planner->start;
-    const bool is_on_plan = jp_plan_is_same_pose(&planner->plan.start, &pose);
+    const bool is_on_plan = jp_pose_is_same(&planner->plan.start, &pose);
 
     head->start_id = jp_search_id(planner, pose.x, pose.y, pose.heading);
     head->steps = is_on_plan ? planner->check.head_steps : 0U;
@@ -85,7 +86,7 @@ static bool append_tail(struct jp_planner_internal *planner)
     if (jp_search_is_seed(planner, &trace->end)) {
         return true;
     }
-    while (!jp_plan_is_same_pose(&pose, &trace->end)) {
+    while (!jp_pose_is_same(&pose, &trace->end)) {
         const struct jp_lattice_pose from = pose;
         cost -= jp_plan_step_cost(planner, &from, jp_plan_step(planner, step, &pose));
         step++;
@@ -105,12 +106,12 @@ bool jp_splice_is_on_tail(const struct jp_planner_internal *planner, const struc
 {
     struct jp_lattice_pose tail = planner->check.tail_pose;
 
-    for (uint32_t i = 0; i < JP_PLANNER_SPLICE_STEPS && !jp_plan_is_same_pose(&tail, pose); i++) {
+    for (uint32_t i = 0; i < JP_PLANNER_SPLICE_STEPS && !jp_pose_is_same(&tail, pose); i++) {
         if (jp_plan_step(planner, planner->check.tail_step + i, &tail) == NULL) {
             break;
         }
     }
-    return jp_plan_is_same_pose(&tail, pose);
+    return jp_pose_is_same(&tail, pose);
 }
 
 bool jp_splice_join(struct jp_planner_internal *planner)

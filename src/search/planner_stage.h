@@ -26,13 +26,6 @@ static inline bool jp_stage_has_field(const struct jp_planner_internal *planner)
     return planner->statistics.field_bytes > 0U;
 }
 
-/** True when the energy field's root cannot reach the robot: the field bounds none of its routes then. */
-static inline bool jp_stage_is_cut_off(const struct jp_planner_internal *planner)
-{
-    return planner->is_field_rooted &&
-           jp_energy_field_bound(&planner->field, planner->start.x, planner->start.y) == JP_COST_MAX;
-}
-
 /** The one place that assigns the phase. */
 static inline void jp_stage_enter(struct jp_planner_internal *planner, enum jp_planner_phase phase)
 {

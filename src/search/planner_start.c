@@ -1,6 +1,7 @@
 #include "src/search/planner_start.h"
 
 #include "src/search/planner_bound.h"
+#include "src/search/planner_fields.h"
 #include "src/search/planner_scout.h"
 #include "src/search/planner_search.h"
 #include "src/search/planner_slices.h"
@@ -8,9 +9,7 @@
 
 void jp_start_field(struct jp_planner_internal *planner, enum jp_planner_phase phase)
 {
-    planner->is_field_rooted = true;
-    planner->field_heading = planner->start.heading;
-    jp_energy_field_start(&planner->field, planner->start.x, planner->start.y, planner->goal.x, planner->goal.y);
+    jp_fields_start(planner);
     jp_stage_enter(planner, phase);
 }
 

@@ -4,7 +4,7 @@
 
 #include <joulepath/planner.h>
 
-/** Roots the energy field at the robot; it grows in `phase`, before or within a search. */
+/** Roots the fields at the robot; they grow in `phase`, before or within a search. */
 void jp_start_field(struct jp_planner_internal *planner, enum jp_planner_phase phase);
 
 /** Lets the guide grow, for a search that follows. */

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "src/search/planner_pose.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_search.h"
 #include "src/search/planner_splice.h"
@@ -129,8 +130,8 @@ static void publish_forward(struct jp_planner_internal *planner)
     const struct jp_planner_trace *trace = &planner->trace;
     const struct jp_lattice_pose end = trace->begin;
 
-    jp_plan_publish(planner, &end, trace->cost, jp_search_is_goal(planner, &end) ? 0U : estimate_left(planner, &end),
-                    trace->steps);
+    jp_plan_publish(planner, &end, trace->cost,
+                    jp_pose_is_goal(&planner->goal, &end) ? 0U : estimate_left(planner, &end), trace->steps);
 }
 
 static enum trace_result end_writing(struct jp_planner_internal *planner)

@@ -73,95 +73,124 @@ static void test_small_memory_never_lies(void)
     TEST_ASSERT_EQUAL_UINT64(0, counts.small_wrong);
 }
 
-/* The energy field */
+/* The fields */
 
-static double turned(const struct jp_turns *turns, int from, int to)
+struct fields {
+    struct jp_energy_field ground;
+    struct jp_turn_field turn_field;
+    struct jp_turns turns;
+    struct jp_lattice_pose root;
+};
+
+/* Of the ground, and of the turns between the headings. */
+static double plain_bound(const struct fields *fields, int x, int y, int heading)
 {
-    return turns->cost[from][to];
+    return (double)jp_energy_field_bound(&fields->ground, x, y) + fields->turns.cost[fields->root.heading][heading];
 }
 
-/* True when the field is below the distances from a root pose, and no primitive overtakes it. */
-static bool is_bound(const struct trial *t, const struct jp_energy_field *field, const struct jp_turns *turns,
-                     const struct jp_lattice_pose *root)
+static double sum_of_fields(const struct fields *fields, int x, int y, int heading)
 {
-    (void)oracle_shortest(&oracle, &t->map, root, NULL);
+    return (double)jp_energy_field_bound(&fields->ground, x, y) +
+           jp_turn_field_bound(&fields->turn_field, x, y, (unsigned)heading);
+}
+
+/* True when a bound is below the distances from the root, and no primitive overtakes it. */
+static bool is_bound(const struct trial *t, const struct fields *fields,
+                     double (*bound)(const struct fields *, int, int, int))
+{
     for (int state = 0; state < t->map.width * t->map.height * JP_HEADINGS; state++) {
         const int heading = state % JP_HEADINGS;
         const int x = state / JP_HEADINGS % t->map.width;
         const int y = state / JP_HEADINGS / t->map.width;
-        const jp_cost here = jp_energy_field_bound(field, x, y);
-        if (oracle.distance[state] < here + turned(turns, root->heading, heading)) {
-            return note("energy field above the truth", t, oracle.distance[state]);
+        const double here = bound(fields, x, y, heading);
+        if (oracle.distance[state] < here) {
+            return note("bound above the truth", t, oracle.distance[state]);
         }
         for (int i = t->lattice->first_from[heading]; here < JP_COST_MAX && i < t->lattice->first_from[heading + 1];
              i++) {
             const struct jp_primitive *p = &t->lattice->primitives[i];
             const double cost = oracle_edge(&oracle, &t->map, i, x, y);
-            if (!isinf(cost) &&
-                jp_energy_field_bound(field, x + p->dx, y + p->dy) + turned(turns, root->heading, p->end) >
-                    here + turned(turns, root->heading, heading) + cost) {
-                return note("energy field not consistent", t, cost);
+            if (!isinf(cost) && bound(fields, x + p->dx, y + p->dy, p->end) > here + cost) {
+                return note("bound not consistent", t, cost);
             }
         }
     }
     return true;
 }
 
-/* Changes cells of the map and tells the field of what may be cheaper. */
-static void change_field(struct trial *t, struct jp_energy_field *field)
+/* Changes cells of the map and tells the fields of what may be cheaper. */
+static void change_fields(struct trial *t, struct fields *fields)
 {
     const int x = (int)below(t->config.width);
     const int y = (int)below(t->config.height);
 
     if (t->config.has_elevation && one_in(3)) {
         put_elevation(t, false, x, y, random_elevation(t));
-        jp_energy_field_cell_changed(field, x, y);
     } else if (one_in(2)) {
         put_cell(t, false, x, y, JP_CELL_OCCUPIED);
+        return;
     } else {
         put_cell(t, false, x, y, JP_CELL_FREE);
-        jp_energy_field_cell_changed(field, x, y);
     }
+    jp_energy_field_cell_changed(&fields->ground, x, y);
+    jp_turn_field_cell_changed(&fields->turn_field, x, y);
 }
 
-static void grow(struct jp_energy_field *field, unsigned slice_max, unsigned slices)
+/* In slices of random sizes, to the end or not. */
+static void grow(struct fields *fields, unsigned slice_max, unsigned slices)
 {
-    for (unsigned i = 0; i < slices; i++) {
+    bool is_ground_done = false;
+    bool are_turns_done = false;
+
+    for (unsigned i = 0; i < slices && !(is_ground_done && are_turns_done); i++) {
         unsigned cells = 1 + below(slice_max);
-        if (jp_energy_field_grow(field, &cells)) {
-            return;
-        }
+        unsigned looks = 1 + below(slice_max);
+        is_ground_done = jp_energy_field_grow(&fields->ground, &cells);
+        are_turns_done = jp_turn_field_grow(&fields->turn_field, &looks);
     }
 }
 
-static void test_energy_field_is_a_bound(void)
+static void begin_fields(struct trial *t, struct fields *fields)
 {
-    static uint64_t block[(SIDE_MAX + 2) * SIDE_MAX];
-    struct jp_energy_field field;
-    struct jp_turns turns;
+    static uint64_t ground_block[(SIDE_MAX + 2) * SIDE_MAX];
+    static uint64_t turn_block[SIDE_MAX * SIDE_MAX * JP_HEADINGS];
+    const enum jp_wave_format format = below(2) == 0 ? JP_WAVE_2_BYTES : JP_WAVE_3_BYTES;
+    const unsigned scale = JP_TURN_SCALE_MIN + below(4);
+    const int32_t x = (int32_t)below(t->config.width);
+    const int32_t y = (int32_t)below(t->config.height);
+
+    fields->root = random_pose(t);
+    TEST_ASSERT_TRUE(jp_energy_field_size(&t->config, format) <= sizeof ground_block);
+    TEST_ASSERT_TRUE(jp_turn_field_size(&t->config, scale) <= sizeof turn_block);
+    jp_lattice_turns(t->lattice, t->kind, &fields->turns);
+    jp_energy_field_init(&fields->ground, t->lattice, t->kind, &t->terrain, format, random_word() >> (8 + below(20)),
+                         ground_block);
+    jp_energy_field_start(&fields->ground, fields->root.x, fields->root.y, x, y);
+    jp_turn_field_init(&fields->turn_field, t->lattice, t->kind, &t->terrain, scale, turn_block);
+    jp_turn_field_start(&fields->turn_field, &fields->turns, fields->root.x, fields->root.y, fields->root.heading, x, y,
+                        below(JP_HEADINGS));
+}
+
+static void test_fields_are_bounds(void)
+{
+    struct fields fields;
 
     begin_random(options.seed, 3);
     while (counts.bounds < options.count / 4) {
         random_map(&trial);
-        const struct jp_lattice_pose root = random_pose(&trial);
-        const enum jp_wave_format format = below(2) == 0 ? JP_WAVE_2_BYTES : JP_WAVE_3_BYTES;
-        TEST_ASSERT_TRUE(jp_energy_field_size(&trial.config, format) <= sizeof block);
-        jp_lattice_turns(trial.lattice, trial.kind, &turns);
-        jp_energy_field_init(&field, trial.lattice, trial.kind, &trial.terrain, format,
-                             random_word() >> (8 + below(20)), block);
-        jp_energy_field_start(&field, root.x, root.y, (int32_t)below(trial.config.width),
-                              (int32_t)below(trial.config.height));
+        begin_fields(&trial, &fields);
         for (int i = 0; i < EDITS_PER_MAP / 5; i++) {
-            grow(&field, UINT16_MAX, UINT16_MAX);
-            counts.bounds_wrong += !is_bound(&trial, &field, &turns, &root);
+            grow(&fields, UINT16_MAX, UINT16_MAX);
+            (void)oracle_shortest(&oracle, &trial.map, &fields.root, NULL);
+            counts.bounds_wrong += !is_bound(&trial, &fields, plain_bound) || !is_bound(&trial, &fields, sum_of_fields);
             counts.bounds++;
             for (unsigned k = below(12); k > 0; k--) {
-                change_field(&trial, &field);
-                grow(&field, 50, below(3));
+                change_fields(&trial, &fields);
+                grow(&fields, 50, below(3));
             }
         }
     }
-    printf("energy field: %lu maps, wrong %lu\n", counts.bounds, counts.bounds_wrong);
+    printf("fields: %lu maps, wrong %lu\n", counts.bounds, counts.bounds_wrong);
     TEST_ASSERT_EQUAL_UINT64(0, counts.bounds_wrong);
 }
 
@@ -187,7 +216,7 @@ static void test_straight_bound_is_below_the_truth(void)
             }
             const jp_cost bound = jp_straight_bound(&straight, x - root.x, y - root.y,
                                                     trial.map.elevation[oracle_cell(x, y)] - elevation);
-            if (bound + turned(&turns, root.heading, state % JP_HEADINGS) > oracle.distance[state]) {
+            if (bound + turns.cost[root.heading][state % JP_HEADINGS] > oracle.distance[state]) {
                 (void)note("straight bound above the truth", &trial, oracle.distance[state]);
             }
         }

@@ -44,18 +44,6 @@ static void test_field_takes_the_place_of_the_states(void)
     TEST_ASSERT_TRUE(with < without);
 }
 
-/* Nor does the bound, at first: the least block. */
-static void test_field_that_does_not_fit(void)
-{
-    map = (struct jp_terrain_config){.width = 32, .height = 32, .resolution = lattice->resolution};
-    make_level_map(&map);
-    start_planner(jp_planner_size(&map));
-    go(&west, &(const struct jp_goal){12, 5, 1});
-    const enum jp_answer answer = finish();
-    TEST_ASSERT_NOT_EQUAL_INT(JP_ANSWER_OPTIMAL, answer);
-    TEST_ASSERT_FALSE(planner.internal.has_lent_states);
-}
-
 /* Around a wall no straight line and no field says what turning costs. */
 static void build_wall(void)
 {

@@ -1,0 +1,324 @@
+/* The turn field on a small map, against relaxing all coarse cells and headings until nothing changes. */
+#include <joulepath/tables.h>
+#include <joulepath/turn_field.h>
+#include <string.h>
+
+#include "tests/support/level_map.h"
+#include "tests/target/random.h"
+#include "unity.h"
+
+enum {
+    WIDTH = 19, /* not a multiple of the scales */
+    HEIGHT = 13,
+    SCALES = 2,
+    ROWS_MAX = 7, /* of coarse cells */
+    COLUMNS_MAX = 10,
+    BLOCK_BYTES = 2688,
+    UNREACHED = UINT16_MAX,
+    ROUNDS = 2,
+    PRIMITIVES_MAX = 144
+};
+
+static const struct jp_lattice *lattice;
+static const struct {
+    int32_t x;
+    int32_t y;
+    unsigned heading;
+} root = {4, 4, 0}, far_off = {14, 8, 8};
+static const unsigned scales[SCALES] = {2, 5};
+static const struct jp_terrain_config map = {.width = WIDTH, .height = HEIGHT, .resolution = JP_Q16(0.2)};
+
+static struct jp_turn_field field;
+static struct jp_turns turns;
+static uint64_t block[BLOCK_BYTES / 8];
+static uint16_t expected[ROWS_MAX][COLUMNS_MAX][JP_HEADINGS];
+static uint32_t state;
+
+static void init(unsigned scale)
+{
+    TEST_ASSERT_TRUE(jp_turn_field_size(&map, scale) <= sizeof block);
+    jp_lattice_turns(lattice, JP_COST_PHYSICAL, &turns);
+    jp_turn_field_init(&field, lattice, JP_COST_PHYSICAL, &terrain, scale, block);
+}
+
+void setUp(void)
+{
+    lattice = &jp_lattice_zhang2018;
+    make_level_map(&map);
+    state = 20050903;
+    init(scales[0]);
+}
+
+void tearDown(void)
+{
+}
+
+static int32_t below(int32_t n)
+{
+    return (int32_t)(target_random(&state) % (uint32_t)n);
+}
+
+static void grow(void)
+{
+    unsigned looks = UINT32_MAX;
+
+    TEST_ASSERT_TRUE(jp_turn_field_grow(&field, &looks));
+    TEST_ASSERT_TRUE(looks > 0);
+}
+
+static void start(void)
+{
+    jp_turn_field_start(&field, &turns, root.x, root.y, root.heading, far_off.x, far_off.y, far_off.heading);
+}
+
+static void start_and_grow(void)
+{
+    start();
+    grow();
+}
+
+static bool relax_from(int32_t x, int32_t y, const struct jp_primitive *primitive)
+{
+    const int32_t scale = field.scale;
+    const int32_t here = expected[y / scale][x / scale][primitive->start];
+    const int32_t value = here + (primitive->base[JP_COST_PHYSICAL] >> field.shift);
+
+    if (here == UNREACHED || !jp_lattice_is_clear(lattice, &terrain, primitive, x, y)) {
+        return false;
+    }
+    uint16_t *there = &expected[(y + primitive->dy) / scale][(x + primitive->dx) / scale][primitive->end];
+    const bool is_better = value < *there;
+    *there = is_better ? (uint16_t)value : *there;
+    return is_better;
+}
+
+static void relax_all(void)
+{
+    for (int32_t i = 0; i < ROWS_MAX * COLUMNS_MAX * JP_HEADINGS; i++) {
+        (&expected[0][0][0])[i] = UNREACHED;
+    }
+    expected[root.y / field.scale][root.x / field.scale][root.heading] = 0;
+    for (bool is_better = true; is_better;) {
+        is_better = false;
+        for (int32_t i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
+            for (int32_t cell = 0; cell < WIDTH * HEIGHT; cell++) {
+                is_better |= relax_from(cell % WIDTH, cell / WIDTH, &lattice->primitives[i]);
+            }
+        }
+    }
+}
+
+static jp_cost bound(int32_t x, int32_t y, unsigned heading)
+{
+    return jp_turn_field_bound(&field, x, y, heading);
+}
+
+/* Each bound is the least cost, or the horizon if that is less. */
+static void expect_exact(void)
+{
+    const int32_t horizon = (int32_t)field.wave.horizon;
+
+    relax_all();
+    for (int32_t i = 0; i < WIDTH * HEIGHT * JP_HEADINGS; i++) {
+        const unsigned heading = (unsigned)(i % JP_HEADINGS);
+        const int32_t x = i / JP_HEADINGS % WIDTH;
+        const int32_t y = i / JP_HEADINGS / WIDTH;
+        const int32_t value = expected[y / field.scale][x / field.scale][heading];
+        const int32_t least = value < horizon ? value : horizon;
+        const bool is_cut_off = value == UNREACHED && jp_wavefront_is_exhausted(&field.wave);
+        TEST_ASSERT_EQUAL_UINT32(is_cut_off ? JP_COST_MAX : (jp_cost)least << field.shift, bound(x, y, heading));
+    }
+}
+
+static void expect_below(void)
+{
+    relax_all();
+    for (int32_t i = 0; i < WIDTH * HEIGHT * JP_HEADINGS; i++) {
+        const int32_t x = i / JP_HEADINGS % WIDTH;
+        const int32_t y = i / JP_HEADINGS / WIDTH;
+        const int32_t value = expected[y / field.scale][x / field.scale][i % JP_HEADINGS];
+        TEST_ASSERT_TRUE(value == UNREACHED || bound(x, y, (unsigned)(i % JP_HEADINGS)) <= (jp_cost)value
+                                                                                               << field.shift);
+    }
+}
+
+static void change(int32_t x, int32_t y, enum jp_cell cell)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, x, y, cell));
+    jp_turn_field_cell_changed(&field, x, y);
+}
+
+static void occupy_some(int count)
+{
+    for (int i = 0; i < count; i++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, below(WIDTH), below(HEIGHT), JP_CELL_OCCUPIED));
+    }
+}
+
+static void test_size(void)
+{
+    const size_t rows = ROWS_MAX * JP_HEADINGS;
+    TEST_ASSERT_EQUAL_UINT32(rows * COLUMNS_MAX * 2 + rows * 4, jp_turn_field_size(&map, 2));
+    TEST_ASSERT_TRUE(jp_turn_field_size(&map, 3) < jp_turn_field_size(&map, 2));
+}
+
+/* A turn costs at least what it does anywhere, but for the rounding. */
+static void test_open_ground(void)
+{
+    start_and_grow();
+    TEST_ASSERT_EQUAL_UINT32(0, bound(root.x, root.y, root.heading));
+    TEST_ASSERT_EQUAL_UINT32(0, bound(14, 4, 0));
+    TEST_ASSERT_TRUE(bound(14, 7, 0) > 0);
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const jp_cost turn = turns.cost[0][heading];
+        TEST_ASSERT_TRUE(16 * bound(root.x, root.y, heading) >= 15 * turn);
+    }
+    expect_exact();
+}
+
+static void test_each_scale(void)
+{
+    for (unsigned i = 0; i < SCALES; i++) {
+        for (int round = 0; round < ROUNDS; round++) {
+            make_level_map(&map);
+            occupy_some(5);
+            init(scales[i]);
+            start_and_grow();
+            expect_exact();
+        }
+    }
+}
+
+/* A wall with a gap: through it the robot must turn, turn back, or both. */
+static void test_turns_that_a_wall_forces(void)
+{
+    start_and_grow();
+    const jp_cost before = bound(14, 4, 0);
+    put_column(9, 0, 5, JP_CELL_OCCUPIED);
+    start_and_grow();
+    TEST_ASSERT_TRUE(bound(14, 4, 0) > before);
+    expect_exact();
+}
+
+static void test_no_way_through_a_wall_until_it_opens(void)
+{
+    put_column(9, 0, HEIGHT - 1, JP_CELL_OCCUPIED);
+    start_and_grow();
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, bound(far_off.x, far_off.y, far_off.heading));
+    expect_exact();
+    for (int32_t y = HEIGHT - 1; y >= 0; y--) {
+        change(9, y, JP_CELL_FREE);
+        grow();
+    }
+    expect_exact();
+    TEST_ASSERT_TRUE(bound(far_off.x, far_off.y, far_off.heading) < JP_COST_MAX);
+}
+
+static void test_target_nearby_sets_the_horizon(void)
+{
+    jp_turn_field_start(&field, &turns, root.x, root.y, root.heading, 6, 4, 1);
+    grow();
+    TEST_ASSERT_TRUE(field.wave.horizon < jp_wavefront_value_max(&field.wave));
+    TEST_ASSERT_EQUAL_UINT32(field.wave.horizon << field.shift, bound(far_off.x, far_off.y, far_off.heading));
+    expect_exact();
+}
+
+static void test_slices_change_nothing(void)
+{
+    occupy_some(5);
+    for (unsigned slice = 1; slice < 2000; slice *= 7) {
+        unsigned looks = 0;
+        start();
+        TEST_ASSERT_FALSE(jp_turn_field_grow(&field, &looks));
+        looks = slice;
+        while (!jp_turn_field_grow(&field, &looks)) {
+            TEST_ASSERT_EQUAL_UINT32(0, looks);
+            looks = slice;
+        }
+        expect_exact();
+    }
+}
+
+static bool is_in(const struct jp_cell_box *box, int32_t x, int32_t y)
+{
+    return x >= box->first_x && x <= box->last_x && y >= box->first_y && y <= box->last_y;
+}
+
+static void test_lowered_cells_are_told_once(void)
+{
+    static uint16_t before[ROWS_MAX * JP_HEADINGS][COLUMNS_MAX];
+
+    put_column(9, 0, HEIGHT - 1, JP_CELL_OCCUPIED);
+    start_and_grow();
+    (void)jp_turn_field_take_lowered(&field);
+    for (int32_t i = 0; i < ROWS_MAX * JP_HEADINGS * COLUMNS_MAX; i++) {
+        before[i / COLUMNS_MAX][i % COLUMNS_MAX] =
+            (uint16_t)jp_wavefront_value(&field.wave, i % COLUMNS_MAX, i / COLUMNS_MAX);
+    }
+    for (int32_t y = 0; y < HEIGHT; y++) {
+        change(9, y, JP_CELL_FREE);
+    }
+    grow();
+    const struct jp_cell_box box = jp_turn_field_take_lowered(&field);
+    for (int32_t i = 0; i < ROWS_MAX * JP_HEADINGS * COLUMNS_MAX; i++) {
+        const int32_t x = i % COLUMNS_MAX;
+        const int32_t row = i / COLUMNS_MAX;
+        TEST_ASSERT_TRUE(jp_wavefront_value(&field.wave, x, row) == before[row][x] ||
+                         is_in(&box, x * field.scale, row / JP_HEADINGS * field.scale));
+    }
+    TEST_ASSERT_TRUE(box.last_x < WIDTH && box.last_y < HEIGHT && box.last_x > 9);
+    const struct jp_cell_box empty = jp_turn_field_take_lowered(&field);
+    TEST_ASSERT_TRUE(empty.last_x < empty.first_x);
+}
+
+/* What is blocked need not be told: the old values are bounds still. */
+static void test_obstacles_leave_bounds(void)
+{
+    start_and_grow();
+    for (int round = 0; round < ROUNDS; round++) {
+        occupy_some(3);
+        expect_below();
+    }
+}
+
+/* Also while it grows, and beyond the borders of the map. */
+static void test_cells_that_become_free(void)
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        make_level_map(&map);
+        occupy_some(8);
+        init(scales[round % SCALES]);
+        start_and_grow();
+        for (int32_t i = 0; i < WIDTH * HEIGHT; i++) {
+            unsigned looks = (unsigned)below(40);
+            if (jp_terrain_cell(&terrain, i % WIDTH, i / WIDTH) == JP_CELL_OCCUPIED) {
+                change(i % WIDTH, i / WIDTH, JP_CELL_FREE);
+                (void)jp_turn_field_grow(&field, &looks);
+            }
+        }
+        grow();
+        expect_exact();
+    }
+}
+
+/* With costs that differ, so does the unit; sums beyond the range are limited to it. */
+static void test_other_costs_of_the_same_lattice(void)
+{
+    static struct jp_primitive primitives[PRIMITIVES_MAX];
+    struct jp_lattice dear = jp_lattice_zhang2018;
+
+    TEST_ASSERT_TRUE(dear.first_from[JP_HEADINGS] <= PRIMITIVES_MAX);
+    (void)memcpy(primitives, dear.primitives, dear.first_from[JP_HEADINGS] * sizeof *primitives);
+    dear.primitives = primitives;
+    for (unsigned i = 0; i < dear.first_from[JP_HEADINGS]; i++) {
+        primitives[i].base[JP_COST_PHYSICAL] = primitives[i].start == primitives[i].end ? 0 : UINT16_MAX;
+    }
+    primitives[dear.first_from[1] - 1].base[JP_COST_PHYSICAL] = 1; /* the unit of all */
+    lattice = &dear;
+    jp_turn_field_set_lattice(&field, &dear);
+    jp_lattice_turns(&dear, JP_COST_PHYSICAL, &turns);
+    start_and_grow();
+    TEST_ASSERT_EQUAL_UINT32(0, field.shift);
+    TEST_ASSERT_TRUE(bound(far_off.x, far_off.y, far_off.heading) <= jp_wavefront_value_max(&field.wave));
+    TEST_ASSERT_TRUE(bound(far_off.x, far_off.y, far_off.heading) > 0);
+}
