@@ -7,6 +7,8 @@
 enum {
     UNITS_PER_TURN = 16, /* of a value, at least, in the cheapest turn */
     CORNERS = 4,
+    LOOKS_PER_SWEEP = 16, /* what a primitive sweeps takes as long to look at as so many values */
+    LOOKS_PER_CELL = 16,  /* so does the wave's step to its next cell */
 };
 
 static uint16_t coarse(uint16_t cells, unsigned scale)
@@ -207,9 +209,9 @@ static void try_cell(struct jp_turn_field *field, const struct jp_primitive *pri
     }
 }
 
-/** One look: at a coarse cell that a primitive may lead to and, where its value could fall, at one cell from which it
- *  may lead there. */
-static void look(struct jp_turn_field *field)
+/** Looks at a coarse cell that a primitive may lead to and, where its value could fall, at what the primitive sweeps
+ * from one cell. Returns the looks that it has taken. */
+static unsigned look(struct jp_turn_field *field)
 {
     const struct jp_turn_scan *scan = &field->scan;
     const struct jp_primitive *primitive = &field->lattice->primitives[scan->primitive];
@@ -221,34 +223,41 @@ static void look(struct jp_turn_field *field)
     if ((uint32_t)x >= field->wave.width || (uint32_t)row >= field->wave.height ||
         value >= jp_wavefront_value(&field->wave, x, row)) {
         next_corner(field);
-    } else {
-        try_cell(field, primitive, value);
+        return 1;
     }
+    try_cell(field, primitive, value);
+    return LOOKS_PER_SWEEP;
+}
+
+/** Goes on to the next cell of the wave. True when there is none left. */
+static bool advance(struct jp_turn_field *field)
+{
+    int32_t x = 0;
+    int32_t row = 0;
+    unsigned cells = 1;
+    const enum jp_wave_step step = jp_wavefront_next(&field->wave, &cells, &x, &row);
+
+    if (step == JP_WAVE_CELL) {
+        begin_scan(field, x, row);
+    }
+    return step == JP_WAVE_STOPPED;
 }
 
 bool jp_turn_field_grow(struct jp_turn_field *field, unsigned *looks)
 {
-    int32_t x = 0;
-    int32_t row = 0;
-
     while (*looks > 0U) {
+        unsigned taken = LOOKS_PER_CELL;
+
         if (field->scan.is_active) {
-            look(field);
-            --*looks;
-            continue;
-        }
-        if (!jp_wavefront_is_clear(&field->wave)) {
+            taken = look(field);
+        } else if (!jp_wavefront_is_clear(&field->wave)) {
             clear(field);
-            --*looks;
-            continue;
-        }
-        const enum jp_wave_step step = jp_wavefront_next(&field->wave, looks, &x, &row);
-        if (step == JP_WAVE_STOPPED) {
+        } else if (advance(field)) {
             return true;
+        } else {
+            /* a cell to scan, or nothing found for a while */
         }
-        if (step == JP_WAVE_CELL) {
-            begin_scan(field, x, row);
-        }
+        *looks -= taken < *looks ? taken : *looks;
     }
     return false;
 }

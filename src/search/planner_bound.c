@@ -9,12 +9,13 @@ enum {
     TURN_SHARE = 4, /* the turn field takes at most one part in so many of the states' memory where it shares it */
 };
 
-/** The finest scale of a turn field in `size` bytes; above JP_TURN_SCALE_MAX: none fits. */
-static unsigned turn_scale(const struct jp_planner_internal *planner, size_t size)
+/** Of the finest turn field that leaves most of the states; above JP_TURN_SCALE_MAX: none does. */
+static unsigned shared_turn_scale(const struct jp_planner_internal *planner)
 {
+    const size_t most = planner->states_bytes / TURN_SHARE;
     unsigned scale = JP_TURN_SCALE_MIN;
 
-    while (scale <= JP_TURN_SCALE_MAX && jp_turn_field_size(&planner->terrain->config, scale) > size) {
+    while (scale <= JP_TURN_SCALE_MAX && jp_turn_field_size(&planner->terrain->config, scale) > most) {
         scale++;
     }
     return scale;
@@ -46,13 +47,13 @@ static bool is_proof_scheduled(const struct jp_planner_config *config)
 bool jp_bound_can_share(const struct jp_planner_internal *planner)
 {
     return planner->statistics.field_bytes > 0U && !planner->has_turn_field &&
-           turn_scale(planner, planner->states_bytes / TURN_SHARE) <= JP_TURN_SCALE_MAX;
+           shared_turn_scale(planner) <= JP_TURN_SCALE_MAX;
 }
 
 void jp_bound_share_with_turns(struct jp_planner_internal *planner)
 {
     const struct jp_terrain_config *map = &planner->terrain->config;
-    const unsigned scale = turn_scale(planner, planner->states_bytes / TURN_SHARE);
+    const unsigned scale = shared_turn_scale(planner);
     const size_t turn_bytes = jp_turn_field_size(map, scale);
 
     planner->has_turn_field = true;
@@ -79,7 +80,7 @@ bool jp_bound_is_wanted(const struct jp_planner_internal *planner)
 {
     return planner->answer == JP_ANSWER_WITHIN_BOUND && !planner->has_lent_states &&
            planner->statistics.field_bytes == 0U && is_proof_scheduled(&planner->config) &&
-           turn_scale(planner, planner->states_bytes) <= JP_TURN_SCALE_MAX;
+           jp_turn_field_size(&planner->terrain->config, JP_TURN_SCALE_MAX) <= planner->states_bytes;
 }
 
 void jp_bound_lend_to_turns(struct jp_planner_internal *planner)
@@ -87,7 +88,8 @@ void jp_bound_lend_to_turns(struct jp_planner_internal *planner)
     planner->has_lent_states = true;
     planner->search.state_count = 0;
     planner->search.slot_count = 0;
-    lay_out_turns(planner, turn_scale(planner, planner->states_bytes), planner->states_block);
+    lay_out_turns(planner, JP_TURN_SCALE_MAX,
+                  planner->states_block); /* a finer one bounds little better, and takes long */
 }
 
 void jp_bound_take_turns(struct jp_planner_internal *planner)

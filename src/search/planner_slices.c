@@ -8,7 +8,7 @@
 /** Units of work that take about as long as one expansion. */
 enum {
     FIELD_CELLS = 2,
-    TURN_LOOKS = 8,
+    TURN_LOOKS = 32,
     GUIDE_CELLS = 1,
     CLEARED_SLOTS = 256,
     CHECKED_STEPS = 8,
