@@ -249,6 +249,8 @@ struct jp_planner_internal {
     bool has_guide;   /**< the guide has grown for this goal, from where the robot was then */
 
     uint32_t terrain_version;
+    uint8_t *block;        /**< all of it */
+    size_t block_size;     /**< of it */
     uint8_t *states_block; /**< of the search */
     size_t states_bytes;   /**< of it */
     uint8_t *route;        /**< of the plan: index of each primitive among those of its heading */
