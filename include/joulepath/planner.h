@@ -11,6 +11,10 @@
  * guide, the scout, joins what is left of it before the proof goes on. jp_planner_work() does it in slices. The same
  * input gives the same bits on every core.
  *
+ * A route that is not proved is looked for once more in each smaller part of the block that is a power of two, divided
+ * as a block of that size: so no block of a power of two gives a dearer route than a smaller one, where the schedule
+ * ends with JP_EPSILON_ONE.
+ *
  * When the states do not fit the block, ε goes up; when not even the greediest search fits, the planner searches from
  * the robot towards the goal and gives the route to the nearest state that it has found: a partial plan.
  *
@@ -125,6 +129,20 @@ enum jp_planner_phase {
     JP_PLANNER_SETTLED /**< idle, with a search that can be repaired */
 };
 
+/** What has the memory of the states, which cannot be repaired then. */
+enum jp_planner_lent {
+    JP_PLANNER_LENT_TO_NONE,
+    JP_PLANNER_LENT_TO_TURNS,     /**< the turn field */
+    JP_PLANNER_LENT_TO_FIELD,     /**< the energy field */
+    JP_PLANNER_LENT_TO_REHEARSALS /**< searches in smaller parts of the block */
+};
+
+/** A search in a part of the block, divided as a block of that size would be. */
+struct jp_planner_rehearsal {
+    size_t size;    /**< of the part; 0: there is no rehearsal, or all are over */
+    bool has_route; /**< it has found one */
+};
+
 /** Where the search begins. */
 enum jp_planner_direction {
     JP_PLANNER_FROM_GOAL,
@@ -235,7 +253,8 @@ struct jp_planner_internal {
     struct jp_goal goal;
     bool has_start;
     bool has_goal;
-    bool has_lent_states;              /**< a field is in the place of states, which cannot be repaired */
+    enum jp_planner_lent lent;
+    struct jp_planner_rehearsal rehearsal;
     bool is_field_rooted;              /**< the energy field has a root */
     bool has_turn_field;               /**< beside the energy field, in the place of part of the states */
     struct jp_lattice_pose field_root; /**< where the robot was when the fields got their roots */

@@ -1,6 +1,7 @@
 #include "src/search/planner_bound.h"
 
 #include "src/search/planner_fields.h"
+#include "src/search/planner_rehearsal.h"
 #include "src/search/planner_scout.h"
 #include "src/search/planner_states.h"
 
@@ -34,10 +35,10 @@ static void lay_out_turns(struct jp_planner_internal *planner, unsigned scale, u
     jp_fields_start_turns(planner);
 }
 
-static bool is_proof_scheduled(const struct jp_planner_config *config)
+bool jp_bound_is_scheduled(const struct jp_planner_internal *planner)
 {
     for (unsigned level = 0; level < JP_EPSILON_LEVELS; level++) {
-        if (config->epsilon[level] == JP_EPSILON_ONE) {
+        if (planner->config.epsilon[level] == JP_EPSILON_ONE) {
             return true;
         }
     }
@@ -78,14 +79,14 @@ bool jp_bound_fits_field(const struct jp_planner_internal *planner)
 
 bool jp_bound_is_wanted(const struct jp_planner_internal *planner)
 {
-    return planner->answer == JP_ANSWER_WITHIN_BOUND && !planner->has_lent_states &&
-           planner->statistics.field_bytes == 0U && is_proof_scheduled(&planner->config) &&
+    return planner->answer == JP_ANSWER_WITHIN_BOUND && planner->lent == JP_PLANNER_LENT_TO_NONE &&
+           planner->statistics.field_bytes == 0U && jp_bound_is_scheduled(planner) &&
            jp_turn_field_size(&planner->terrain->config, JP_TURN_SCALE_MAX) <= planner->states_bytes;
 }
 
 void jp_bound_lend_to_turns(struct jp_planner_internal *planner)
 {
-    planner->has_lent_states = true;
+    planner->lent = JP_PLANNER_LENT_TO_TURNS;
     planner->search.state_count = 0;
     planner->search.slot_count = 0;
     lay_out_turns(planner, JP_TURN_SCALE_MAX,
@@ -110,6 +111,7 @@ void jp_bound_lend_to_field(struct jp_planner_internal *planner)
     const size_t field_bytes = jp_energy_field_size(map, JP_WAVE_2_BYTES);
     const size_t left = planner->states_bytes - field_bytes;
 
+    planner->lent = JP_PLANNER_LENT_TO_FIELD;
     /* No value that matters is above the cost of the plan. */
     jp_energy_field_init(&planner->field, planner->config.lattice, planner->config.cost, planner->terrain,
                          JP_WAVE_2_BYTES, planner->plan.cost, planner->states_block);
@@ -127,8 +129,9 @@ bool jp_bound_has_states(const struct jp_planner_internal *planner)
 void jp_bound_return_states(struct jp_planner_internal *planner)
 {
     planner->turns_to_goal = 0;
-    if (planner->has_lent_states) {
-        planner->has_lent_states = false;
+    if (planner->lent != JP_PLANNER_LENT_TO_NONE) {
+        planner->lent = JP_PLANNER_LENT_TO_NONE;
+        jp_rehearsal_end(planner);
         give_states_all(planner);
     }
 }

@@ -6,6 +6,9 @@
 
 #include <joulepath/planner.h>
 
+/** True when the schedule asks for a proof. */
+bool jp_bound_is_scheduled(const struct jp_planner_internal *planner);
+
 /** True when there is an energy field, and a turn field would fit in the place of some of the states. */
 bool jp_bound_can_share(const struct jp_planner_internal *planner);
 

@@ -31,7 +31,8 @@ static uint32_t repair_limit(const struct jp_planner_internal *planner)
  * is worth its trace. */
 static bool is_repairing(const struct jp_planner_internal *planner)
 {
-    return planner->phase > JP_PLANNER_CHECK_PLAN && planner->phase != JP_PLANNER_TRACE && !planner->has_lent_states &&
+    return planner->phase > JP_PLANNER_CHECK_PLAN && planner->phase != JP_PLANNER_TRACE &&
+           planner->lent == JP_PLANNER_LENT_TO_NONE &&
            (planner->is_splicing ||
             (!planner->is_scouting && planner->search.is_repaired && planner->answer != JP_ANSWER_OPTIMAL));
 }

@@ -4,6 +4,7 @@
 #include "src/search/planner_cut.h"
 #include "src/search/planner_effort.h"
 #include "src/search/planner_fields.h"
+#include "src/search/planner_rehearsal.h"
 #include "src/search/planner_repair.h"
 #include "src/search/planner_route.h"
 #include "src/search/planner_scout.h"
@@ -58,6 +59,7 @@ static void give_up_repair(struct jp_planner_internal *planner)
         jp_start_over(planner);
     } else {
         planner->statistics.restarts++;
+        jp_rehearsal_end(planner);
         jp_start_anew(planner, JP_PLANNER_FROM_GOAL);
     }
 }
@@ -73,22 +75,30 @@ static void leave_cut(struct jp_planner_internal *planner)
     }
 }
 
-/** There are no states to take in the changes. Where these have only blocked the map, plan and bound still hold. */
+/** There are no states to take in the changes. Where these have only blocked the map, plan and bound still hold, and
+ * what has the states' memory goes on; but for a rehearsal, whose states cannot be repaired. */
 static void take_in_changes_without_states(struct jp_planner_internal *planner)
 {
-    if (jp_plan_is_current(planner) && !planner->changes.may_be_cheaper) {
-        planner->changes.count = 0;
-        planner->search.is_exact = false;
-        jp_stage_enter(planner, planner->is_field_rooted ? JP_PLANNER_GROW_BOUND : JP_PLANNER_GROW_TURNS);
-    } else {
+    if (!jp_plan_is_current(planner) || planner->changes.may_be_cheaper) {
         give_up_repair(planner);
+        return;
+    }
+    planner->changes.count = 0;
+    planner->search.is_exact = false;
+    if (planner->lent == JP_PLANNER_LENT_TO_TURNS) {
+        jp_stage_enter(planner, JP_PLANNER_GROW_TURNS);
+    } else if (planner->lent == JP_PLANNER_LENT_TO_FIELD) {
+        jp_stage_enter(planner, JP_PLANNER_GROW_BOUND);
+    } else {
+        jp_rehearsal_end(planner);
+        settle(planner, planner->answer);
     }
 }
 
 /** The search takes in the changes of the map, from the energy field on if it has a root. */
 static void take_in_changes(struct jp_planner_internal *planner)
 {
-    if (planner->has_lent_states) {
+    if (planner->lent != JP_PLANNER_LENT_TO_NONE) {
         take_in_changes_without_states(planner);
     } else {
         jp_stage_enter(planner, planner->is_field_rooted ? JP_PLANNER_UPDATE_FIELD : JP_PLANNER_REPAIR);
@@ -195,13 +205,25 @@ static bool take_next_epsilon(struct jp_planner_internal *planner)
     return true;
 }
 
+/** When all of the block has done what it can: a smaller part of it may yet find a cheaper route. */
+static void rehearse(struct jp_planner_internal *planner)
+{
+    if (planner->answer == JP_ANSWER_WITHIN_BOUND && jp_bound_is_scheduled(planner) && jp_rehearsal_next(planner)) {
+        jp_start_anew(planner, JP_PLANNER_FROM_GOAL);
+    } else {
+        jp_rehearsal_end(planner);
+        settle(planner, planner->answer);
+    }
+}
+
 /** Ends the search; the fields may yet tighten the bound of the plan. */
 static void end_search(struct jp_planner_internal *planner)
 {
-    settle(planner, planner->answer);
     if (jp_bound_is_wanted(planner)) {
         jp_bound_lend_to_turns(planner);
         jp_stage_enter(planner, JP_PLANNER_GROW_TURNS);
+    } else {
+        rehearse(planner);
     }
 }
 
@@ -218,7 +240,7 @@ static void leave_turns(struct jp_planner_internal *planner)
         jp_start_field(planner, JP_PLANNER_GROW_BOUND);
     } else {
         jp_plan_tighten(planner);
-        settle(planner, planner->answer);
+        rehearse(planner);
     }
 }
 
@@ -227,11 +249,22 @@ static void leave_turns(struct jp_planner_internal *planner)
 static void leave_bound(struct jp_planner_internal *planner)
 {
     jp_plan_tighten(planner);
-    settle(planner, planner->answer);
     if (planner->answer != JP_ANSWER_OPTIMAL && jp_bound_has_states(planner)) {
         planner->search.epsilon = JP_EPSILON_ONE;
         planner->search.is_repaired = false;
         jp_start_search(planner);
+    } else {
+        rehearse(planner);
+    }
+}
+
+/** Goes on to an exact search; but not in a rehearsal, before which all of the block has tried to prove its route. */
+static void prove(struct jp_planner_internal *planner)
+{
+    if (jp_rehearsal_is_on(planner)) {
+        rehearse(planner);
+    } else {
+        jp_start_field(planner, JP_PLANNER_UPDATE_FIELD);
     }
 }
 
@@ -245,7 +278,7 @@ static void improve(struct jp_planner_internal *planner)
     }
     planner->search.is_of_one_level = false;
     if (planner->search.epsilon == JP_EPSILON_ONE && jp_stage_has_field(planner)) {
-        jp_start_field(planner, JP_PLANNER_UPDATE_FIELD);
+        prove(planner);
     } else {
         jp_start_resume(planner);
     }
@@ -274,6 +307,7 @@ static void raise_epsilon(struct jp_planner_internal *planner)
 
     planner->search.epsilon = (uint16_t)(epsilon < JP_EPSILON_MAX ? epsilon : JP_EPSILON_MAX);
     if (was_exact) {
+        jp_bound_drop_turns(planner);
         jp_start_anew(planner, JP_PLANNER_FROM_GOAL);
     } else {
         jp_start_search(planner);
@@ -298,7 +332,7 @@ static void begin_trace(struct jp_planner_internal *planner, bool has_ended)
     if (jp_trace_begin(planner, has_ended)) {
         jp_stage_enter(planner, JP_PLANNER_TRACE);
     } else {
-        settle(planner, JP_ANSWER_OUT_OF_BUDGET);
+        rehearse(planner);
     }
 }
 
@@ -327,7 +361,7 @@ static void save_forward_memory(struct jp_planner_internal *planner)
 /** The states do not fit. Without a plan: raises ε, which needs fewer states, and at last searches from the robot. */
 static void save_memory(struct jp_planner_internal *planner)
 {
-    if (planner->answer != JP_ANSWER_OUT_OF_BUDGET) {
+    if (!jp_rehearsal_awaits_route(planner)) {
         improve_from_scratch(planner);
     } else if (planner->search.is_repaired) {
         jp_start_over(planner);
@@ -347,7 +381,7 @@ static void give_up_trace(struct jp_planner_internal *planner)
     if (planner->is_splicing) {
         scout_whole_way(planner);
     } else if (jp_search_is_forward(planner)) {
-        settle(planner, JP_ANSWER_OUT_OF_BUDGET);
+        rehearse(planner);
     } else {
         jp_start_over(planner);
     }
@@ -356,6 +390,7 @@ static void give_up_trace(struct jp_planner_internal *planner)
 /** After a route has been published; the search goes on where it has not ended. */
 static void leave_trace(struct jp_planner_internal *planner)
 {
+    planner->rehearsal.has_route = true;
     if (!planner->trace.has_ended && planner->plan.answer != JP_ANSWER_OPTIMAL) {
         planner->answer = planner->plan.answer;
         jp_stage_enter(planner, JP_PLANNER_SEARCH);
@@ -550,6 +585,12 @@ void jp_phases_work(struct jp_planner_internal *planner, unsigned expansions)
 
 /* ---- What changes ---- */
 
+/** True when a change begins the search anew, whatever there is: the states are of a search from the robot, or none. */
+static bool has_no_use_of_states(const struct jp_planner_internal *planner)
+{
+    return (jp_search_is_forward(planner) && !jp_rehearsal_is_on(planner)) || planner->phase == JP_PLANNER_EMPTY;
+}
+
 /** A change meets the whole search, or none. */
 static void finish_cut(struct jp_planner_internal *planner)
 {
@@ -574,8 +615,12 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
     finish_cut(planner);
     if (jp_plan_is_current(planner) && jp_plan_follow(planner)) {
         planner->answer = planner->plan.answer;
-        if (jp_stage_is_searching(planner)) {
+        if (jp_rehearsal_is_on(planner) && jp_search_is_forward(planner)) {
+            rehearse(planner); /* this one began where the robot was */
+        } else if (jp_stage_is_searching(planner)) {
             jp_start_resume(planner);
+        } else {
+            /* it goes on */
         }
         return;
     }
@@ -588,7 +633,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
     if (planner->is_scouting) {
         leave_scout(planner);
     }
-    if (jp_search_is_forward(planner) || planner->phase == JP_PLANNER_EMPTY) {
+    if (has_no_use_of_states(planner)) {
         jp_start_over(planner);
         return;
     }
@@ -596,7 +641,7 @@ void jp_phases_follow_robot(struct jp_planner_internal *planner)
         look_at_new_field(planner); /* rooted where the robot was, it bounds these routes too */
         return;
     }
-    if (planner->has_lent_states) {
+    if (planner->lent != JP_PLANNER_LENT_TO_NONE) {
         jp_start_over(planner);
         return;
     }
@@ -657,17 +702,18 @@ void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32
     if (!jp_stage_is_ready(planner)) {
         return;
     }
-    if (jp_search_is_forward(planner) || planner->phase == JP_PLANNER_EMPTY) {
+    if (has_no_use_of_states(planner)) {
         jp_start_over(planner);
         return;
+    }
+    if (may_be_cheaper) {
+        planner->least = 0;
+        planner->turns_to_goal = 0;
     }
     if (jp_stage_has_search(planner)) {
         add_change(planner, x, y, may_be_cheaper);
     }
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
-    if (may_be_cheaper) {
-        planner->least = 0;
-    }
     if (may_be_cheaper && planner->is_field_rooted) {
         jp_fields_cell_changed(planner, x, y);
         look_at_new_field(planner);

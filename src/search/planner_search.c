@@ -3,6 +3,7 @@
 #include "src/search/planner_fields.h"
 #include "src/search/planner_head.h"
 #include "src/search/planner_pose.h"
+#include "src/search/planner_rehearsal.h"
 #include "src/search/planner_states.h"
 
 enum {
@@ -315,7 +316,7 @@ bool jp_search_has_arrived(struct jp_planner_internal *planner)
 static bool is_first_route(const struct jp_planner_internal *planner)
 {
     return !planner->search.is_repaired && !planner->is_splicing && !jp_search_is_forward(planner) &&
-           planner->answer == JP_ANSWER_OUT_OF_BUDGET;
+           jp_rehearsal_awaits_route(planner);
 }
 
 static bool has_cost(const struct jp_planner_internal *planner, uint32_t slot)

@@ -13,7 +13,7 @@ static inline bool jp_stage_is_searching(const struct jp_planner_internal *plann
 /** True when there is a search, or a plan with a bound, that changes must be taken into. */
 static inline bool jp_stage_has_search(const struct jp_planner_internal *planner)
 {
-    return planner->has_lent_states || planner->phase >= JP_PLANNER_CHECK_PLAN;
+    return planner->lent != JP_PLANNER_LENT_TO_NONE || planner->phase >= JP_PLANNER_CHECK_PLAN;
 }
 
 static inline bool jp_stage_is_ready(const struct jp_planner_internal *planner)

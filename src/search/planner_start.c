@@ -2,6 +2,7 @@
 
 #include "src/search/planner_bound.h"
 #include "src/search/planner_fields.h"
+#include "src/search/planner_rehearsal.h"
 #include "src/search/planner_scout.h"
 #include "src/search/planner_search.h"
 #include "src/search/planner_slices.h"
@@ -25,7 +26,9 @@ void jp_start_anew(struct jp_planner_internal *planner, enum jp_planner_directio
     planner->has_guide = false;
     planner->search.direction = direction;
     planner->is_field_rooted = false;
-    jp_bound_return_states(planner);
+    if (!jp_rehearsal_is_on(planner)) {
+        jp_bound_return_states(planner);
+    }
     planner->search.is_exact = false;
     planner->search.is_repaired = false;
     planner->effort.spent = 0;
@@ -45,6 +48,7 @@ void jp_start_over(struct jp_planner_internal *planner)
 {
     planner->terrain_version = planner->terrain->version;
     jp_scout_dismiss(planner);
+    jp_rehearsal_end(planner);
     planner->least = 0;
     planner->answer = JP_ANSWER_OUT_OF_BUDGET;
     planner->search.level = 0;

@@ -124,14 +124,19 @@ static jp_cost estimate_left(const struct jp_planner_internal *planner, const st
     return left > 0U ? left : 1U;
 }
 
-/** The route to the goal, or to the state with the least heuristic, cut at its far end where the memory ends. */
+/** The route to the goal, or to the state with the least heuristic, cut at its far end where the memory ends; that is
+ * worth less than any whole one. */
 static void publish_forward(struct jp_planner_internal *planner)
 {
     const struct jp_planner_trace *trace = &planner->trace;
     const struct jp_lattice_pose end = trace->begin;
+    const bool is_whole = jp_pose_is_goal(&planner->goal, &end);
 
-    jp_plan_publish(planner, &end, trace->cost,
-                    jp_pose_is_goal(&planner->goal, &end) ? 0U : estimate_left(planner, &end), trace->steps);
+    if (is_whole ? is_no_better(planner) : jp_plan_is_current(planner)) {
+        return;
+    }
+
+    jp_plan_publish(planner, &end, trace->cost, is_whole ? 0U : estimate_left(planner, &end), trace->steps);
 }
 
 static enum trace_result end_writing(struct jp_planner_internal *planner)

@@ -9,6 +9,18 @@
 #include "tests/support/options.h"
 #include "tests/support/planner_trial.h"
 
+struct counts {
+    unsigned long edits;
+    unsigned long reachable;
+    unsigned long wrong;
+    unsigned long bounds;
+    unsigned long bounds_wrong;
+    unsigned long small;
+    unsigned long small_wrong;
+    unsigned long by_answer[JP_ANSWER_STALE + 1];
+};
+
+static struct counts counts;
 static struct options options = {.count = 1000, .seed = 1};
 
 void setUp(void)

@@ -177,7 +177,8 @@ static void work_on(struct site *site)
 
     for (; slices > 0 && !jp_planner_is_idle(&site->planner); slices--) {
         (void)jp_planner_work(&site->planner, 1);
-        if (site->planner.internal.has_lent_states && site->planner.internal.phase == JP_PLANNER_CLEAR) {
+        if (site->planner.internal.lent != JP_PLANNER_LENT_TO_NONE &&
+            site->planner.internal.phase == JP_PLANNER_CLEAR) {
             return;
         }
     }

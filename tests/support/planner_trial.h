@@ -46,18 +46,6 @@ struct trial {
     _Alignas(8) uint8_t block[AMPLE_BYTES];
 };
 
-struct counts {
-    unsigned long edits;
-    unsigned long reachable;
-    unsigned long wrong;
-    unsigned long bounds;
-    unsigned long bounds_wrong;
-    unsigned long small;
-    unsigned long small_wrong;
-    unsigned long by_answer[JP_ANSWER_STALE + 1];
-};
-
-static struct counts counts;
 static struct trial trial;
 static struct oracle oracle;
 static char problem[200]; /* the first that was found */

@@ -59,7 +59,7 @@ static void plan_with_lent_states(void)
     build_wall();
     begin_in(SMALL_BLOCK);
     TEST_ASSERT_EQUAL_INT(JP_ANSWER_WITHIN_BOUND, finish());
-    TEST_ASSERT_TRUE(planner.internal.has_lent_states);
+    TEST_ASSERT_TRUE(planner.internal.lent != JP_PLANNER_LENT_TO_NONE);
 }
 
 static void expect_as_if_begun_anew(void)
