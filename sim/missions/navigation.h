@@ -15,13 +15,26 @@ struct navigation_sight {
     double seconds;
 };
 
+/** Most legs of a course. */
+#define NAVIGATION_LEGS 96
+
+/** Ends of a course's legs, m from the south-west corner of the map. */
+struct navigation_course {
+    struct jp_point ends[NAVIGATION_LEGS];
+    uint16_t count;
+};
+
 /** Something to look at, 20 times a second and at the end. */
 struct navigation_frame {
     double seconds;
     struct clearance_pose pose; /**< true */
     double joules;              /**< spent since it was told where to go */
-    bool has_new_course;        /**< since the frame before */
-    const struct jp_navigator *navigator;
+    enum jp_navigator_state state;
+    enum jp_navigator_reason reason;
+    unsigned replans;
+    double left_m;
+    double left_s;
+    const struct navigation_course *new_course; /**< begun since the frame before; NULL: none */
 };
 
 struct navigation_task {
