@@ -138,7 +138,7 @@ ARGS.teb              = --count 500
 figures: ## run all benches, keep their figures in tests/bench/figures.json and make the pages and pictures of them
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) \
-	    $(BUILD)/firmware/gao2018/joulepath.elf $(PROPERTIES:%=$(BUILD)/bench/prop_%) $(BUILD)/host-gcc/prop_decoders
+	    $(BUILD)/firmware/gao2018/emulated.elf $(PROPERTIES:%=$(BUILD)/bench/prop_%) $(BUILD)/host-gcc/prop_decoders
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
 	@$(MAKE) bench-patrol

@@ -16,7 +16,7 @@ SCENARIO_ROBOT = $(shell sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p
 sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan, slcan or pil; report in build/sil
 	$(if $(DRIVE.$(BUS)),,$(error BUS=$(BUS): must be vcan, slcan or pil))
 	@tools/setup.sh sil $(SETUP.$(BUS))
-	@$(MAKE) $(PARALLEL) all $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(SCENARIO_ROBOT)/joulepath.elf)
+	@$(MAKE) $(PARALLEL) all $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(SCENARIO_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/sil
 	$(DRIVE.$(BUS))
 	$(PYTHON) -m tools.report.report $(BUILD)/sil

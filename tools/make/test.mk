@@ -158,13 +158,13 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
-$(LOGS)/pytest/firmware.xml: $(ROBOTS:%=$(BUILD)/firmware/%/joulepath.elf)
+$(LOGS)/pytest/firmware.xml: $(ROBOTS:%=$(BUILD)/firmware/%/emulated.elf)
 
 # The fault handler alone, whose crashes the image could not tell of.
 $(BUILD)/firmware/test_faults: $(addprefix $(BUILD)/firmware/,tests/firmware/test_faults.o tests/target/console.o \
                                tests/target/arm/semihosting.o hal/stm32f4/startup.o hal/stm32f4/cortex_m.o hal/stm32f4/fault.o) \
                                $(BUILD)/firmware/libcan.a $(wildcard hal/stm32f4/*.ld)
-	$(call link_firmware)
+	$(call link_firmware,$(CCM))
 
 $(LOGS)/firmware/test_faults.log: $(BUILD)/firmware/test_faults
 	$(call SAY,RUN $<)
