@@ -14,6 +14,7 @@
 #define JOULEPATH_HAL_APP_NAVIGATION_H
 
 #include <joulepath/balancer_vehicle.h>
+#include <joulepath/navigator_body.h>
 
 #include "hal/can/map_link.h"
 

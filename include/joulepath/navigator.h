@@ -32,12 +32,6 @@ extern "C" {
 /** Legs of a run from stand to stand; a longer one is interrupted. */
 #define JP_NAVIGATOR_RUN_MAX 16U
 
-/** Of a robot that finds its way, made of its robot file: `make lattice`. */
-struct jp_navigator_body {
-    jp_q16 radius; /**< of the disc in which it turns, m */
-    jp_q16 margin; /**< which it leaves its trajectory by at most, m */
-};
-
 struct jp_navigator_config {
     struct jp_planner *planner;       /**< prepared, on the map */
     const struct jp_vehicle *vehicle; /**< all of whose functions are there */

@@ -4,7 +4,7 @@
 #define JOULEPATH_SIM_MISSIONS_BUS_NAVIGATION_H
 
 #include "sim/bus/bus_drive.h"
-#include "sim/missions/navigation.h"
+#include "sim/missions/navigation_task.h"
 
 struct bus_navigation {
     struct bus_drive drive;

@@ -3,7 +3,7 @@
 #ifndef JOULEPATH_SIM_MISSIONS_NAVIGATION_SIGHT_H
 #define JOULEPATH_SIM_MISSIONS_NAVIGATION_SIGHT_H
 
-#include "sim/missions/navigation.h"
+#include "sim/missions/navigation_task.h"
 
 /** Clearances are told up to it, m. */
 #define NAVIGATION_CLEARANCE_MAX 0.25

@@ -13,6 +13,7 @@
 #include "sim/bus/local_ecu.h"
 #include "sim/lattice/lattice_robot.h"
 #include "sim/missions/bus_navigation.h"
+#include "sim/missions/navigation.h"
 #include "sim/missions/navigation_record.h"
 #include "sim/missions/navigation_world.h"
 #include "sim/missions/plan_lattice.h"

@@ -301,7 +301,7 @@ def navigation_table(name, data, command, source):
     """The C table jp_navigation_<name> of the disc in which a robot turns that finds its way."""
     to = c_tables.Converter(f"navigation of {name}")
     members = [to.q16("radius", data["radius_m"], "m", 0.01, 16), to.q16("margin", data["margin_m"], "m", 0.0001, 16)]
-    return c_tables.Table(command, source, "", "joulepath/navigator.h", "jp_navigator_body", f"jp_navigation_{name}",
+    return c_tables.Table(command, source, "", "joulepath/navigator_body.h", "jp_navigator_body", f"jp_navigation_{name}",
                           members)
 
 
