@@ -126,12 +126,6 @@ static void follow_map(struct jp_navigation *navigation)
 
 /* Frames that arrive. */
 
-bool jp_navigation_knows(uint32_t id)
-{
-    return id == JP_CAN_MAP_OFFER_FRAME_ID || id == JP_CAN_MAP_DATA_FRAME_ID || id == JP_CAN_CELL_CHANGES_FRAME_ID ||
-           id == JP_CAN_MAP_GOAL_FRAME_ID;
-}
-
 static enum jp_e2e_result accept_offer(struct jp_navigation *navigation, const struct jp_can_frame *frame)
 {
     const enum jp_e2e_result result =

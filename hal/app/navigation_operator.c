@@ -26,8 +26,7 @@ const char *jp_navigation_failure_text(enum jp_navigation_failure failure)
 {
     static const char *const texts[JP_NAVIGATION_FAILURES] = {
         [JP_NAVIGATION_NO_FAILURE] = "nothing has failed",
-        [JP_NAVIGATION_SILENCE] = "no EcuStatus and MapStatus on the bus: is the controller on it, switched on, and "
-                                  "built with a navigator?",
+        [JP_NAVIGATION_SILENCE] = "no EcuStatus and MapStatus on the bus: is the controller on it, with a navigator?",
         [JP_NAVIGATION_STAND_UP] = "the robot does not stand up: is it upright?",
         [JP_NAVIGATION_FALLEN] = "the robot has fallen: switch it off and set it up again",
         [JP_NAVIGATION_FAULT] = "the robot reports a fault: see Faults in EcuErrors, and switch it off",

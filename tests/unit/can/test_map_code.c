@@ -10,7 +10,8 @@ enum { WIDTH_MAX = 70, HEIGHT_MAX = 140, STREAM_MAX = 3000 };
 
 #define CELL JP_Q16(0.1)
 
-static uint64_t blocks[2][WIDTH_MAX * HEIGHT_MAX / 8];
+/* Three words a row in each of two planes. */
+static uint64_t blocks[2][3 * HEIGHT_MAX];
 static struct jp_terrain map;
 static struct jp_map_decoder decoder;
 static struct jp_place origin;
