@@ -327,7 +327,7 @@ static void tell_progress(const struct jp_navigation *navigation, struct jp_can_
         (void)jp_navigator_progress(&navigation->navigator, &progress);
     }
     const struct jp_can_navigation_progress_t signals = {
-        .length = (uint16_t)signal_of(progress.length, LENGTH_SHIFT, UINT16_MAX),
+        .distance = (uint16_t)signal_of(progress.length, LENGTH_SHIFT, UINT16_MAX),
         .duration = (uint16_t)signal_of(progress.duration, DURATION_SHIFT, UINT16_MAX),
         .energy = signal_of(joules(navigation, progress.energy.energy), ENERGY_SHIFT, INT32_MAX),
         .deviation = (uint16_t)signal_of(joules(navigation, progress.energy.deviation), ENERGY_SHIFT, DEVIATION_MAX)};

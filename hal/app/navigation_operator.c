@@ -71,7 +71,7 @@ enum jp_status jp_navigation_operator_go(struct jp_navigation_operator *self, co
 {
     if (self == NULL || stream == NULL || goal == NULL || stream->bytes == NULL ||
         !jp_can_map_offer_map_id_is_in_range(stream->id) || stream->id > 15U ||
-        !jp_can_map_offer_length_is_in_range(stream->length)) {
+        !jp_can_map_offer_bytes_is_in_range(stream->length)) {
         return JP_ERR_ARGUMENT;
     }
     const uint8_t before = self->goal.id;
@@ -398,7 +398,7 @@ static void send_command(struct jp_navigation_operator *self, const struct jp_ca
 static void send_offer(struct jp_navigation_operator *self, const struct jp_can_port *port)
 {
     const struct jp_can_map_offer_t signals = {
-        .map_id = self->stream.id, .length = self->stream.length, .map_crc = self->crc};
+        .map_id = self->stream.id, .bytes = self->stream.length, .map_crc = self->crc};
     struct jp_can_frame frame = frame_of(JP_CAN_MAP_OFFER_FRAME_ID, JP_CAN_MAP_OFFER_LENGTH);
 
     (void)jp_can_map_offer_pack(frame.data, &signals, sizeof frame.data);
@@ -428,8 +428,8 @@ static void send_goal(struct jp_navigation_operator *self, const struct jp_can_p
 {
     const struct jp_can_map_goal_t signals = {.map_id = self->goal.map,
                                               .goal_id = self->goal.id,
-                                              .x = self->goal.x,
-                                              .y = self->goal.y,
+                                              .column = self->goal.x,
+                                              .row = self->goal.y,
                                               .has_heading = self->goal.has_heading ? 1U : 0U,
                                               .heading = (int16_t)((int32_t)self->goal.heading >> 20)};
     struct jp_can_frame frame = frame_of(JP_CAN_MAP_GOAL_FRAME_ID, JP_CAN_MAP_GOAL_LENGTH);
@@ -445,7 +445,7 @@ static void send_changes(struct jp_navigation_operator *self, const struct jp_ca
     struct jp_change_queue *queue = &self->changes;
     const struct jp_cell_changes *changes = change_at(queue, queue->sent);
     const struct jp_can_cell_changes_t signals = {
-        .map_id = self->stream.id, .x = changes->x, .y = changes->y, .cells = changes->cells};
+        .map_id = self->stream.id, .column = changes->x, .row = changes->y, .cells = changes->cells};
     struct jp_can_frame frame = frame_of(JP_CAN_CELL_CHANGES_FRAME_ID, JP_CAN_CELL_CHANGES_LENGTH);
 
     (void)jp_can_cell_changes_pack(frame.data, &signals, sizeof frame.data);

@@ -1066,8 +1066,8 @@ int jp_can_map_offer_pack(
     dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
     dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
     dst_p[1] |= pack_left_shift_u8(src_p->map_id, 4u, 0xf0u);
-    dst_p[2] |= pack_left_shift_u16(src_p->length, 0u, 0xffu);
-    dst_p[3] |= pack_right_shift_u16(src_p->length, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u16(src_p->bytes, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->bytes, 8u, 0xffu);
     dst_p[4] |= pack_left_shift_u32(src_p->map_crc, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u32(src_p->map_crc, 8u, 0xffu);
     dst_p[6] |= pack_right_shift_u32(src_p->map_crc, 16u, 0xffu);
@@ -1088,8 +1088,8 @@ int jp_can_map_offer_unpack(
     dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
     dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
     dst_p->map_id = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
-    dst_p->length = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
-    dst_p->length |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->bytes = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->bytes |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
     dst_p->map_crc = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
     dst_p->map_crc |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
     dst_p->map_crc |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
@@ -1139,12 +1139,12 @@ bool jp_can_map_offer_map_id_is_in_phys_range(double value)
     return ((value >= 1.0) && (value <= 15.0));
 }
 
-bool jp_can_map_offer_length_is_in_range(uint16_t value)
+bool jp_can_map_offer_bytes_is_in_range(uint16_t value)
 {
     return (value >= 22u);
 }
 
-bool jp_can_map_offer_length_is_in_phys_range(double value)
+bool jp_can_map_offer_bytes_is_in_phys_range(double value)
 {
     return ((value >= 22.0) && (value <= 65535.0));
 }
@@ -1272,10 +1272,10 @@ int jp_can_cell_changes_pack(
     dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
     dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
     dst_p[1] |= pack_left_shift_u8(src_p->map_id, 4u, 0xf0u);
-    dst_p[2] |= pack_left_shift_u16(src_p->x, 0u, 0xffu);
-    dst_p[3] |= pack_right_shift_u16(src_p->x, 8u, 0x0fu);
-    dst_p[3] |= pack_left_shift_u16(src_p->y, 4u, 0xf0u);
-    dst_p[4] |= pack_right_shift_u16(src_p->y, 4u, 0xffu);
+    dst_p[2] |= pack_left_shift_u16(src_p->column, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->column, 8u, 0x0fu);
+    dst_p[3] |= pack_left_shift_u16(src_p->row, 4u, 0xf0u);
+    dst_p[4] |= pack_right_shift_u16(src_p->row, 4u, 0xffu);
     dst_p[5] |= pack_left_shift_u32(src_p->cells, 0u, 0xffu);
     dst_p[6] |= pack_right_shift_u32(src_p->cells, 8u, 0xffu);
     dst_p[7] |= pack_right_shift_u32(src_p->cells, 16u, 0xffu);
@@ -1295,10 +1295,10 @@ int jp_can_cell_changes_unpack(
     dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
     dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
     dst_p->map_id = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
-    dst_p->x = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
-    dst_p->x |= unpack_left_shift_u16(src_p[3], 8u, 0x0fu);
-    dst_p->y = unpack_right_shift_u16(src_p[3], 4u, 0xf0u);
-    dst_p->y |= unpack_left_shift_u16(src_p[4], 4u, 0xffu);
+    dst_p->column = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->column |= unpack_left_shift_u16(src_p[3], 8u, 0x0fu);
+    dst_p->row = unpack_right_shift_u16(src_p[3], 4u, 0xf0u);
+    dst_p->row |= unpack_left_shift_u16(src_p[4], 4u, 0xffu);
     dst_p->cells = unpack_right_shift_u32(src_p[5], 0u, 0xffu);
     dst_p->cells |= unpack_left_shift_u32(src_p[6], 8u, 0xffu);
     dst_p->cells |= unpack_left_shift_u32(src_p[7], 16u, 0xffu);
@@ -1347,22 +1347,22 @@ bool jp_can_cell_changes_map_id_is_in_phys_range(double value)
     return ((value >= 1.0) && (value <= 15.0));
 }
 
-bool jp_can_cell_changes_x_is_in_range(uint16_t value)
+bool jp_can_cell_changes_column_is_in_range(uint16_t value)
 {
     return (value <= 4095u);
 }
 
-bool jp_can_cell_changes_x_is_in_phys_range(double value)
+bool jp_can_cell_changes_column_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4095.0));
 }
 
-bool jp_can_cell_changes_y_is_in_range(uint16_t value)
+bool jp_can_cell_changes_row_is_in_range(uint16_t value)
 {
     return (value <= 4095u);
 }
 
-bool jp_can_cell_changes_y_is_in_phys_range(double value)
+bool jp_can_cell_changes_row_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4095.0));
 }
@@ -1394,10 +1394,10 @@ int jp_can_map_goal_pack(
     dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
     dst_p[1] |= pack_left_shift_u8(src_p->map_id, 4u, 0xf0u);
     dst_p[2] |= pack_left_shift_u8(src_p->goal_id, 0u, 0xffu);
-    dst_p[3] |= pack_left_shift_u16(src_p->x, 0u, 0xffu);
-    dst_p[4] |= pack_right_shift_u16(src_p->x, 8u, 0x0fu);
-    dst_p[4] |= pack_left_shift_u16(src_p->y, 4u, 0xf0u);
-    dst_p[5] |= pack_right_shift_u16(src_p->y, 4u, 0xffu);
+    dst_p[3] |= pack_left_shift_u16(src_p->column, 0u, 0xffu);
+    dst_p[4] |= pack_right_shift_u16(src_p->column, 8u, 0x0fu);
+    dst_p[4] |= pack_left_shift_u16(src_p->row, 4u, 0xf0u);
+    dst_p[5] |= pack_right_shift_u16(src_p->row, 4u, 0xffu);
     dst_p[6] |= pack_left_shift_u8(src_p->has_heading, 0u, 0x01u);
     heading = (uint16_t)src_p->heading;
     dst_p[6] |= pack_left_shift_u16(heading, 1u, 0xfeu);
@@ -1421,10 +1421,10 @@ int jp_can_map_goal_unpack(
     dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
     dst_p->map_id = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
     dst_p->goal_id = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
-    dst_p->x = unpack_right_shift_u16(src_p[3], 0u, 0xffu);
-    dst_p->x |= unpack_left_shift_u16(src_p[4], 8u, 0x0fu);
-    dst_p->y = unpack_right_shift_u16(src_p[4], 4u, 0xf0u);
-    dst_p->y |= unpack_left_shift_u16(src_p[5], 4u, 0xffu);
+    dst_p->column = unpack_right_shift_u16(src_p[3], 0u, 0xffu);
+    dst_p->column |= unpack_left_shift_u16(src_p[4], 8u, 0x0fu);
+    dst_p->row = unpack_right_shift_u16(src_p[4], 4u, 0xf0u);
+    dst_p->row |= unpack_left_shift_u16(src_p[5], 4u, 0xffu);
     dst_p->has_heading = unpack_right_shift_u8(src_p[6], 0u, 0x01u);
     heading = unpack_right_shift_u16(src_p[6], 1u, 0xfeu);
     heading |= unpack_left_shift_u16(src_p[7], 7u, 0x1fu);
@@ -1489,22 +1489,22 @@ bool jp_can_map_goal_goal_id_is_in_phys_range(double value)
     return ((value >= 1.0) && (value <= 255.0));
 }
 
-bool jp_can_map_goal_x_is_in_range(uint16_t value)
+bool jp_can_map_goal_column_is_in_range(uint16_t value)
 {
     return (value <= 4095u);
 }
 
-bool jp_can_map_goal_x_is_in_phys_range(double value)
+bool jp_can_map_goal_column_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4095.0));
 }
 
-bool jp_can_map_goal_y_is_in_range(uint16_t value)
+bool jp_can_map_goal_row_is_in_range(uint16_t value)
 {
     return (value <= 4095u);
 }
 
-bool jp_can_map_goal_y_is_in_phys_range(double value)
+bool jp_can_map_goal_row_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4095.0));
 }
@@ -3945,8 +3945,8 @@ int jp_can_navigation_progress_pack(
 
     memset(&dst_p[0], 0, 8);
 
-    dst_p[0] |= pack_left_shift_u16(src_p->length, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u16(src_p->length, 8u, 0xffu);
+    dst_p[0] |= pack_left_shift_u16(src_p->distance, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->distance, 8u, 0xffu);
     dst_p[2] |= pack_left_shift_u16(src_p->duration, 0u, 0xffu);
     dst_p[3] |= pack_right_shift_u16(src_p->duration, 8u, 0xffu);
     dst_p[4] |= pack_left_shift_u32(src_p->energy, 0u, 0xffu);
@@ -3967,8 +3967,8 @@ int jp_can_navigation_progress_unpack(
         return (-EINVAL);
     }
 
-    dst_p->length = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
-    dst_p->length |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->distance = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->distance |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
     dst_p->duration = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
     dst_p->duration |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
     dst_p->energy = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
@@ -3989,14 +3989,14 @@ int jp_can_navigation_progress_init(struct jp_can_navigation_progress_t *msg_p)
     return 0;
 }
 
-bool jp_can_navigation_progress_length_is_in_range(uint16_t value)
+bool jp_can_navigation_progress_distance_is_in_range(uint16_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool jp_can_navigation_progress_length_is_in_phys_range(double value)
+bool jp_can_navigation_progress_distance_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 1023.984375));
 }

@@ -384,7 +384,7 @@ extern "C" {
 #define JP_CAN_MAP_OFFER_CRC_NAME "Crc"
 #define JP_CAN_MAP_OFFER_COUNTER_NAME "Counter"
 #define JP_CAN_MAP_OFFER_MAP_ID_NAME "MapId"
-#define JP_CAN_MAP_OFFER_LENGTH_NAME "Length"
+#define JP_CAN_MAP_OFFER_BYTES_NAME "Bytes"
 #define JP_CAN_MAP_OFFER_MAP_CRC_NAME "MapCrc"
 #define JP_CAN_MAP_DATA_CRC_NAME "Crc"
 #define JP_CAN_MAP_DATA_COUNTER_NAME "Counter"
@@ -393,15 +393,15 @@ extern "C" {
 #define JP_CAN_CELL_CHANGES_CRC_NAME "Crc"
 #define JP_CAN_CELL_CHANGES_COUNTER_NAME "Counter"
 #define JP_CAN_CELL_CHANGES_MAP_ID_NAME "MapId"
-#define JP_CAN_CELL_CHANGES_X_NAME "X"
-#define JP_CAN_CELL_CHANGES_Y_NAME "Y"
+#define JP_CAN_CELL_CHANGES_COLUMN_NAME "Column"
+#define JP_CAN_CELL_CHANGES_ROW_NAME "Row"
 #define JP_CAN_CELL_CHANGES_CELLS_NAME "Cells"
 #define JP_CAN_MAP_GOAL_CRC_NAME "Crc"
 #define JP_CAN_MAP_GOAL_COUNTER_NAME "Counter"
 #define JP_CAN_MAP_GOAL_MAP_ID_NAME "MapId"
 #define JP_CAN_MAP_GOAL_GOAL_ID_NAME "GoalId"
-#define JP_CAN_MAP_GOAL_X_NAME "X"
-#define JP_CAN_MAP_GOAL_Y_NAME "Y"
+#define JP_CAN_MAP_GOAL_COLUMN_NAME "Column"
+#define JP_CAN_MAP_GOAL_ROW_NAME "Row"
 #define JP_CAN_MAP_GOAL_HAS_HEADING_NAME "HasHeading"
 #define JP_CAN_MAP_GOAL_HEADING_NAME "Heading"
 #define JP_CAN_ECU_STATUS_STATE_NAME "State"
@@ -498,7 +498,7 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_REPLANS_NAME "Replans"
 #define JP_CAN_NAVIGATION_STATUS_COURSE_NAME "Course"
 #define JP_CAN_NAVIGATION_STATUS_LEGS_LEFT_NAME "LegsLeft"
-#define JP_CAN_NAVIGATION_PROGRESS_LENGTH_NAME "Length"
+#define JP_CAN_NAVIGATION_PROGRESS_DISTANCE_NAME "Distance"
 #define JP_CAN_NAVIGATION_PROGRESS_DURATION_NAME "Duration"
 #define JP_CAN_NAVIGATION_PROGRESS_ENERGY_NAME "Energy"
 #define JP_CAN_NAVIGATION_PROGRESS_DEVIATION_NAME "Deviation"
@@ -934,13 +934,13 @@ struct jp_can_map_offer_t {
     uint8_t map_id;
 
     /**
-     * Of the stream, bytes.
+     * Of the stream.
      *
      * Range: 22..65535 (22..65535 byte)
      * Scale: 1
      * Offset: 0
      */
-    uint16_t length;
+    uint16_t bytes;
 
     /**
      * CRC-32 (zlib) of the stream.
@@ -1033,20 +1033,22 @@ struct jp_can_cell_changes_t {
     uint8_t map_id;
 
     /**
-     * Of the first cell.
+     * Of the first cell, from the west.
      *
      * Range: 0..4095 (0..4095 cell)
      * Scale: 1
      * Offset: 0
      */
-    uint16_t x;
+    uint16_t column;
 
     /**
+     * From the south.
+     *
      * Range: 0..4095 (0..4095 cell)
      * Scale: 1
      * Offset: 0
      */
-    uint16_t y;
+    uint16_t row;
 
     /**
      * Two bits a cell, first cell lowest: 0 free, 1 occupied, 2 unknown, 3 as it was.
@@ -1107,14 +1109,14 @@ struct jp_can_map_goal_t {
      * Scale: 1
      * Offset: 0
      */
-    uint16_t x;
+    uint16_t column;
 
     /**
      * Range: 0..4095 (0..4095 cell)
      * Scale: 1
      * Offset: 0
      */
-    uint16_t y;
+    uint16_t row;
 
     /**
      * 0: any heading.
@@ -2138,7 +2140,7 @@ struct jp_can_navigation_progress_t {
      * Scale: 0.015625
      * Offset: 0
      */
-    uint16_t length;
+    uint16_t distance;
 
     /**
      * Range: 0..65535 (0..4095.9375 s)
@@ -3451,7 +3453,7 @@ bool jp_can_map_offer_map_id_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_map_offer_length_is_in_range(uint16_t value);
+bool jp_can_map_offer_bytes_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3464,7 +3466,7 @@ bool jp_can_map_offer_length_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_map_offer_length_is_in_phys_range(double value);
+bool jp_can_map_offer_bytes_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3723,7 +3725,7 @@ bool jp_can_cell_changes_map_id_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_cell_changes_x_is_in_range(uint16_t value);
+bool jp_can_cell_changes_column_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3736,7 +3738,7 @@ bool jp_can_cell_changes_x_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_cell_changes_x_is_in_phys_range(double value);
+bool jp_can_cell_changes_column_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3745,7 +3747,7 @@ bool jp_can_cell_changes_x_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_cell_changes_y_is_in_range(uint16_t value);
+bool jp_can_cell_changes_row_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3758,7 +3760,7 @@ bool jp_can_cell_changes_y_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_cell_changes_y_is_in_phys_range(double value);
+bool jp_can_cell_changes_row_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3914,7 +3916,7 @@ bool jp_can_map_goal_goal_id_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_map_goal_x_is_in_range(uint16_t value);
+bool jp_can_map_goal_column_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3927,7 +3929,7 @@ bool jp_can_map_goal_x_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_map_goal_x_is_in_phys_range(double value);
+bool jp_can_map_goal_column_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3936,7 +3938,7 @@ bool jp_can_map_goal_x_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_map_goal_y_is_in_range(uint16_t value);
+bool jp_can_map_goal_row_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3949,7 +3951,7 @@ bool jp_can_map_goal_y_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_map_goal_y_is_in_phys_range(double value);
+bool jp_can_map_goal_row_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6921,7 +6923,7 @@ int jp_can_navigation_progress_init(struct jp_can_navigation_progress_t *msg_p);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_navigation_progress_length_is_in_range(uint16_t value);
+bool jp_can_navigation_progress_distance_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6934,7 +6936,7 @@ bool jp_can_navigation_progress_length_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_navigation_progress_length_is_in_phys_range(double value);
+bool jp_can_navigation_progress_distance_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.

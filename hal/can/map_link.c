@@ -28,7 +28,7 @@ static bool has_map(const struct jp_map_link *link)
 
 static bool is_offered(const struct jp_map_link *link, const struct jp_can_map_offer_t *signals)
 {
-    return has_map(link) && link->id == signals->map_id && link->length == signals->length &&
+    return has_map(link) && link->id == signals->map_id && link->length == signals->bytes &&
            link->crc == signals->map_crc;
 }
 
@@ -38,13 +38,12 @@ static void begin(struct jp_map_link *link, const struct jp_can_map_offer_t *sig
     link->state = JP_MAP_LINK_RECEIVING;
     link->reason = JP_MAP_REASON_NONE;
     link->id = signals->map_id;
-    link->length = signals->length;
+    link->length = signals->bytes;
     link->crc = signals->map_crc;
     link->sum = 0;
     link->frames = 0;
     link->decoded = 0;
-    if (!jp_can_map_offer_map_id_is_in_range(signals->map_id) ||
-        !jp_can_map_offer_length_is_in_range(signals->length)) {
+    if (!jp_can_map_offer_map_id_is_in_range(signals->map_id) || !jp_can_map_offer_bytes_is_in_range(signals->bytes)) {
         jp_map_link_reject(link, JP_MAP_REASON_FORMAT);
     }
 }
@@ -176,7 +175,8 @@ enum jp_e2e_result jp_map_link_accept_cells(struct jp_map_link *link, const stru
         return result;
     }
     (void)jp_can_cell_changes_unpack(&signals, frame->data, frame->length);
-    *changes = (struct jp_cell_changes){.map = signals.map_id, .x = signals.x, .y = signals.y, .cells = signals.cells};
+    *changes =
+        (struct jp_cell_changes){.map = signals.map_id, .x = signals.column, .y = signals.row, .cells = signals.cells};
     if (signals.counter == ((link->cell_counter + 1U) & 0x0FU)) {
         link->cell_counter = signals.counter;
     }
@@ -194,8 +194,8 @@ enum jp_e2e_result jp_map_link_accept_goal(struct jp_map_link *link, const struc
         (void)jp_can_map_goal_unpack(&signals, frame->data, frame->length);
         *goal = (struct jp_map_goal){.map = signals.map_id,
                                      .id = signals.goal_id,
-                                     .x = signals.x,
-                                     .y = signals.y,
+                                     .x = signals.column,
+                                     .y = signals.row,
                                      .has_heading = signals.has_heading != 0U,
                                      .heading = (jp_angle)(int32_t)signals.heading << HEADING_SHIFT};
     }

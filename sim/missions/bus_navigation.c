@@ -129,7 +129,7 @@ static void show(struct run *run)
                                            .state = (enum jp_navigator_state)view->navigation.state,
                                            .reason = (enum jp_navigator_reason)view->navigation.reason,
                                            .replans = view->navigation.replans,
-                                           .left_m = view->left.length / Q6_ONE,
+                                           .left_m = view->left.distance / Q6_ONE,
                                            .left_s = view->left.duration / Q4_ONE,
                                            .new_course = is_new ? &course : NULL};
 

@@ -18,7 +18,7 @@ struct sent_map {
 static inline struct jp_can_frame map_offer(struct sent_map *map)
 {
     const struct jp_can_map_offer_t signals = {
-        .map_id = map->id, .length = map->length, .map_crc = jp_crc32(0, map->bytes, map->length) + map->crc_error};
+        .map_id = map->id, .bytes = map->length, .map_crc = jp_crc32(0, map->bytes, map->length) + map->crc_error};
     struct jp_can_frame frame = {.id = JP_CAN_MAP_OFFER_FRAME_ID, .length = JP_CAN_MAP_OFFER_LENGTH};
 
     (void)jp_can_map_offer_pack(frame.data, &signals, sizeof frame.data);
@@ -42,7 +42,7 @@ static inline struct jp_can_frame map_data(struct sent_map *map, uint32_t index)
 static inline struct jp_can_frame cell_changes(uint8_t counter, const struct jp_cell_changes *changes)
 {
     const struct jp_can_cell_changes_t signals = {
-        .map_id = changes->map, .x = changes->x, .y = changes->y, .cells = changes->cells};
+        .map_id = changes->map, .column = changes->x, .row = changes->y, .cells = changes->cells};
     struct jp_can_frame frame = {.id = JP_CAN_CELL_CHANGES_FRAME_ID, .length = JP_CAN_CELL_CHANGES_LENGTH};
 
     (void)jp_can_cell_changes_pack(frame.data, &signals, sizeof frame.data);
@@ -54,8 +54,8 @@ static inline struct jp_can_frame map_goal(uint8_t counter, const struct jp_map_
 {
     const struct jp_can_map_goal_t signals = {.map_id = goal->map,
                                               .goal_id = goal->id,
-                                              .x = goal->x,
-                                              .y = goal->y,
+                                              .column = goal->x,
+                                              .row = goal->y,
                                               .has_heading = goal->has_heading ? 1U : 0U,
                                               .heading = (int16_t)((int32_t)goal->heading >> 20)};
     struct jp_can_frame frame = {.id = JP_CAN_MAP_GOAL_FRAME_ID, .length = JP_CAN_MAP_GOAL_LENGTH};

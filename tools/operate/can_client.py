@@ -341,7 +341,7 @@ class Operator(Listener):
         return map_id
 
     def _offer_map(self, map_id, stream, crc):
-        self._send("MapOffer", MapId=map_id, Length=len(stream), MapCrc=crc)
+        self._send("MapOffer", MapId=map_id, Bytes=len(stream), MapCrc=crc)
         self.state.latest.pop("MapStatus", None)
         self._wait(lambda: "MapStatus" in self.state.latest, ANSWER_TIMEOUT, "no MapStatus")
         state, reason = (self.state.get("MapStatus", signal) for signal in ("State", "Reason"))

@@ -86,7 +86,7 @@ def navigator_line(state):
     doing, reason = (state.get("NavigationStatus", signal) for signal in ("State", "Reason"))
     text = f"map {state.get('MapStatus', 'State')} · {doing}" + (f" ({reason})" if reason != "None" else "")
     if state.get("NavigationStatus", "HasCourse"):
-        left = [state.get("NavigationProgress", signal) for signal in ("Length", "Duration", "Energy", "Deviation")]
+        left = [state.get("NavigationProgress", signal) for signal in ("Distance", "Duration", "Energy", "Deviation")]
         text += (f" · {number(left[0], 1, 'm')}, {number(left[1], 0, 's')}, {number(left[2], 0)} ± "
                  f"{number(left[3], 0, 'J')} left")
     return f"{text} · planned anew {state.get('NavigationStatus', 'Replans')} times"
@@ -271,7 +271,7 @@ def map_task(options):
     x, y = cell_map.cell("--goal", place)
     turn = (cell_map.from_corner(place).heading / 360 + 0.5) % 1 - 0.5 if len(options.goal) == 3 else 0.0
     step = 1 / 4096  # of the signal
-    goal = {"X": x, "Y": y, "HasHeading": int(len(options.goal) == 3), "Heading": min(round(turn / step), 2047) * step}
+    goal = {"Column": x, "Row": y, "HasHeading": int(len(options.goal) == 3), "Heading": min(round(turn / step), 2047) * step}
     return map_stream.encode(cell_map, cell_map.from_corner(options.start)), goal
 
 

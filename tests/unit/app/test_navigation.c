@@ -466,7 +466,7 @@ static void test_it_plans_and_turns(void)
     struct jp_can_course_leg_t leg;
 
     (void)jp_can_navigation_progress_unpack(&progress, bus.last[0x16], JP_CAN_LENGTH_MAX);
-    TEST_ASSERT_UINT_WITHIN(6, 58, progress.length); /* 0.9 m */
+    TEST_ASSERT_UINT_WITHIN(6, 58, progress.distance); /* 0.9 m */
     TEST_ASSERT_GREATER_THAN_UINT16(0, progress.duration);
     TEST_ASSERT_GREATER_THAN_UINT32(0, progress.energy);
     (void)jp_can_course_leg_unpack(&leg, bus.last[0x17], JP_CAN_LENGTH_MAX);

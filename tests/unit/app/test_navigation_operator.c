@@ -260,7 +260,7 @@ static void test_offers_the_map_until_it_is_received(void)
     TEST_ASSERT_EQUAL_UINT(0, count_of(JP_CAN_MAP_DATA_FRAME_ID));
     (void)jp_can_map_offer_unpack(&offer, last_of(JP_CAN_MAP_OFFER_FRAME_ID)->data, 8);
     TEST_ASSERT_EQUAL_UINT8(4, offer.map_id);
-    TEST_ASSERT_EQUAL_UINT16(LENGTH, offer.length);
+    TEST_ASSERT_EQUAL_UINT16(LENGTH, offer.bytes);
     TEST_ASSERT_EQUAL_HEX32(jp_crc32(0, stream, LENGTH), offer.map_crc);
     say_map(JP_MAP_LINK_RECEIVING, JP_MAP_REASON_NONE, 0);
     sent_count = 0;
@@ -428,8 +428,8 @@ static void test_asks_until_the_goal_is_named(void)
     (void)jp_can_map_goal_unpack(&asked, last_of(JP_CAN_MAP_GOAL_FRAME_ID)->data, 8);
     TEST_ASSERT_EQUAL_UINT8(4, asked.map_id);
     TEST_ASSERT_EQUAL_UINT8(commander.goal.id, asked.goal_id);
-    TEST_ASSERT_EQUAL_UINT16(30, asked.x);
-    TEST_ASSERT_EQUAL_UINT16(2, asked.y);
+    TEST_ASSERT_EQUAL_UINT16(30, asked.column);
+    TEST_ASSERT_EQUAL_UINT16(2, asked.row);
     TEST_ASSERT_EQUAL_UINT8(1, asked.has_heading);
     TEST_ASSERT_EQUAL_INT16(1024, asked.heading);
     say_navigator(77, JP_GOAL_TAKEN, JP_NAVIGATOR_IDLE);
@@ -664,12 +664,12 @@ static void test_cells_of_a_row_share_a_frame(void)
     pass(10);
     TEST_ASSERT_EQUAL_UINT(3, count_of(JP_CAN_CELL_CHANGES_FRAME_ID));
     TEST_ASSERT_EQUAL_UINT8(4, change_at(0).map_id);
-    TEST_ASSERT_EQUAL_UINT16(5, change_at(0).x);
-    TEST_ASSERT_EQUAL_UINT16(9, change_at(0).y);
+    TEST_ASSERT_EQUAL_UINT16(5, change_at(0).column);
+    TEST_ASSERT_EQUAL_UINT16(9, change_at(0).row);
     TEST_ASSERT_EQUAL_HEX32(0x3FFFED, change_at(0).cells);
-    TEST_ASSERT_EQUAL_UINT16(17, change_at(1).x);
+    TEST_ASSERT_EQUAL_UINT16(17, change_at(1).column);
     TEST_ASSERT_EQUAL_HEX32(0xFFFFFD, change_at(1).cells);
-    TEST_ASSERT_EQUAL_UINT16(10, change_at(2).y);
+    TEST_ASSERT_EQUAL_UINT16(10, change_at(2).row);
 }
 
 static void test_changes_wait_for_the_map(void)
@@ -701,7 +701,7 @@ static void test_no_more_are_on_their_way_than_the_counter_can_tell(void)
     sent_count = 0;
     pass(50);
     TEST_ASSERT_EQUAL_UINT(8, count_of(JP_CAN_CELL_CHANGES_FRAME_ID));
-    TEST_ASSERT_EQUAL_UINT16(8, change_at(0).y);
+    TEST_ASSERT_EQUAL_UINT16(8, change_at(0).row);
     say_cells(0);
     sent_count = 0;
     pass(50);
@@ -726,7 +726,7 @@ static void test_what_is_lost_is_sent_again(void)
     pass(20);
     TEST_ASSERT_EQUAL_UINT(4, count_of(JP_CAN_CELL_CHANGES_FRAME_ID));
     TEST_ASSERT_EQUAL_UINT8(3, change_at(0).counter);
-    TEST_ASSERT_EQUAL_UINT16(2, change_at(0).y);
+    TEST_ASSERT_EQUAL_UINT16(2, change_at(0).row);
     say_cells(6);
     TEST_ASSERT_EQUAL_UINT8(0, commander.changes.count);
 }
