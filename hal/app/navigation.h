@@ -83,7 +83,8 @@ struct jp_navigation {
 enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct jp_navigation_config *config,
                                   struct jp_pilot *pilot, const char **field);
 
-/** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length. Work: cells that change, each as jp_navigator_set_cell(). */
+/** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length. Work: cells that change, each as
+ * jp_navigator_set_cell(). */
 enum jp_e2e_result jp_navigation_accept(struct jp_navigation *navigation, const struct jp_can_frame *frame);
 
 /** Drives to the goal of this id, if it waits to be driven to; true when it now does. */

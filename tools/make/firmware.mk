@@ -17,6 +17,8 @@ $(BUILD)/firmware/$1/joulepath.bin: $(BUILD)/firmware/$1/joulepath.elf
 endef
 $(foreach r,$(ROBOTS),$(eval $(call firmware_rules,$r)))
 
+COMMA := ,
+
 # Memory beside the core. QEMU before 8.0 has none, but the board's RAM is longer there by as much.
 CCM          = 0x10000000
 EMULATED_CCM = $(if $(filter 5 6 7,$(QEMU_MAJOR)),0x20020000,$(CCM))
