@@ -26,7 +26,7 @@ extern "C" {
 #define JP_NAVIGATION_SLICE 16U
 
 /** Expansions after which the robot drives by the best route that is there. */
-#define JP_NAVIGATION_PATIENCE 20000U
+#define JP_NAVIGATION_PATIENCE 6000U
 
 /** Of what the navigator does it tells so often, and of so many legs of its course. */
 #define JP_NAVIGATION_REPORT_MS   100U
