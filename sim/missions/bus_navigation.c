@@ -5,6 +5,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/fingerprint.h"
+#include "sim/bus/course_view.h"
 #include "sim/missions/navigation_sight.h"
 
 /** Looks of the sensor, a second. */
@@ -13,19 +14,10 @@
 #define MAP_ID 1
 
 /* Of the signals. */
-#define JOULE      4294967296.0
-#define Q3_ONE     8.0
-#define Q4_ONE     16.0
-#define Q6_ONE     64.0
-#define POINT_BITS 9 /* that CourseLeg leaves out of Q16 */
-
-/** The course as its legs come. */
-struct legs {
-    struct jp_point ends[NAVIGATION_LEGS]; /**< by how many come after */
-    bool has[NAVIGATION_LEGS];
-    uint8_t course;
-    bool is_shown;
-};
+#define JOULE  4294967296.0
+#define Q3_ONE 8.0
+#define Q4_ONE 16.0
+#define Q6_ONE 64.0
 
 struct run {
     struct bus_navigation *navigation;
@@ -33,7 +25,8 @@ struct run {
     struct clearance_robot body;
     struct clearance_pose start;
     struct clearance_pose before;
-    struct legs legs;
+    struct course_view course;
+    int shown;      /**< number of the course that was, or -1 */
     bool has_begun; /**< to drive */
     bool has_forecast;
     uint32_t begin_tick;
@@ -52,37 +45,20 @@ static double rate_of(const struct run *run)
 
 /* What the ECU tells. */
 
-static void take_leg(struct run *run)
-{
-    const struct jp_can_course_leg_t *leg = &run->navigation->drive.view.leg;
-    struct legs *legs = &run->legs;
-
-    if (leg->course != legs->course) {
-        *legs = (struct legs){.course = leg->course};
-    }
-    if (leg->after < NAVIGATION_LEGS) {
-        legs->ends[leg->after] = (struct jp_point){leg->x << POINT_BITS, leg->y << POINT_BITS};
-        legs->has[leg->after] = true;
-    }
-}
-
 /** True when all of its legs have come for the first time. */
 static bool has_new_course(struct run *run, struct navigation_course *course)
 {
-    const struct jp_can_navigation_status_t *status = &run->navigation->drive.view.navigation;
-    struct legs *legs = &run->legs;
+    struct jp_point ends[COURSE_VIEW_LEGS];
+    const unsigned count = course_view_read(&run->course, &run->navigation->drive.view.navigation, ends);
 
-    course->count = status->legs_left;
-    if (legs->is_shown || status->course != legs->course || course->count == 0 || course->count > NAVIGATION_LEGS) {
+    if (run->shown == run->course.course || count == 0 || count > NAVIGATION_LEGS) {
         return false;
     }
-    for (uint16_t i = 0; i < course->count; i++) {
-        if (!legs->has[course->count - 1 - i]) {
-            return false;
-        }
-        course->ends[i] = legs->ends[course->count - 1 - i];
+    course->count = (uint16_t)count;
+    for (unsigned i = 0; i < count; i++) {
+        course->ends[i] = ends[i];
     }
-    legs->is_shown = true;
+    run->shown = run->course.course;
     return true;
 }
 
@@ -102,7 +78,7 @@ static void take_events(struct run *run)
     struct ecu_view *view = &run->navigation->drive.view;
 
     if (view->leg_told) {
-        take_leg(run);
+        course_view_take(&run->course, &view->leg);
     }
     if (view->left_told && run->has_begun) {
         take_forecast(run);
@@ -280,7 +256,7 @@ static uint8_t *encode(const struct run *run, struct jp_map_stream *stream)
 bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
                         const struct jp_can_link *link, unsigned patience)
 {
-    struct run run = {.navigation = navigation, .task = task, .body = navigation_body(task->robot)};
+    struct run run = {.navigation = navigation, .task = task, .body = navigation_body(task->robot), .shown = -1};
     const struct jp_map_goal goal = goal_of(task);
     struct jp_map_stream stream;
 
