@@ -4,7 +4,7 @@
 Drives courier24 over random maps among boxes that they do not show: large ones with the application in process, small
 ones over the bus both in process and with the image in QEMU as the controller, and compares these byte by byte; reads
 what the navigator takes of the image's memory. Prints a table, writes figures for figures.py and leaves the drives in
-build/navigation. Exit status 2: a program failed; nothing was written.
+build/image. Exit status 2: a program failed; nothing was written.
 """
 import csv
 import json
@@ -22,7 +22,7 @@ from tools.design import robot_json
 
 ROBOT = "courier24"
 CELL = 0.1  # m
-COMMAND = "make bench-navigation"
+COMMAND = "make bench-image"
 
 LARGE, SMALL = 192, 40    # cells a side
 DRIVES, PIL_DRIVES = 100, 20
@@ -186,11 +186,11 @@ def memory(build):
 def main():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--bench", metavar="FILE", type=Path,
-                        help="where the figures go (default: build/bench/navigation.json)")
+                        help="where the figures go (default: build/bench/image.json)")
     options = parser.parse_args()
     build = Path(os.path.abspath(robot_json.build_directory()))
-    path = options.bench or build / "bench/navigation.json"
-    folder = build / "navigation"
+    path = options.bench or build / "bench/image.json"
+    folder = build / "image"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     figures = [*memory(build), *large_drives(build, folder), *pil_drives(build, folder)]
