@@ -159,10 +159,10 @@ static void note_fingerprint(struct run *run)
 static bool pass_tick(struct run *run)
 {
     struct bus_navigation *navigation = run->navigation;
-    struct bus_drive *drive = &navigation->drive;
+    struct bus_drive *bus = &navigation->drive;
     const uint32_t ticks = (uint32_t)rate_of(run);
 
-    if (!bus_drive_lockstep(drive)) {
+    if (!bus_drive_lockstep(bus)) {
         error_line("the ECU does not answer: is it on the bus, and built with a navigator?");
         return false;
     }
@@ -174,8 +174,8 @@ static bool pass_tick(struct run *run)
     if (navigation->commander.phase == JP_NAVIGATION_DRIVING && !run->has_begun) {
         begin(run);
     }
-    if (run->has_begun && (drive->tick - run->begin_tick) % (ticks / SENSOR_RATE) == 0) {
-        navigation->result.seconds = (drive->tick - run->begin_tick) / rate_of(run);
+    if (run->has_begun && (bus->tick - run->begin_tick) % (ticks / SENSOR_RATE) == 0) {
+        navigation->result.seconds = (bus->tick - run->begin_tick) / rate_of(run);
         look(run);
     }
     return true;

@@ -12,6 +12,7 @@
 #include "hal/app/navigation_memory.h"
 #include "hal/stm32f4/cortex_m.h"
 #include "hal/stm32f4/fault.h"
+#include "hal/stm32f4/timer.h"
 #include "tests/support/map_frames.h"
 #include "tests/target/figure.h"
 #include "tests/target/target.h"
@@ -21,6 +22,11 @@
 
 /** Instructions of so many counts. */
 #define INSTRUCTIONS(counts) ((uint32_t)((uint64_t)(counts)*1000U / 168U / 8U))
+
+/** Of another timer, as QEMU has it; it is read to a tick. */
+#define TIMER_HZ    1000000000U
+#define US_A_TICK   1000U
+#define TIMER_ERROR 2U
 
 /** A tick that begins later is late. */
 #define LATE (PERIOD / 100U)
@@ -109,15 +115,15 @@ static enum jp_can_state always_on(void *context)
 
 /* ---- Time ---- */
 
-/** Counts since the timer began. */
-static uint32_t now(void)
+/** Counts since the timer began that were not spent in the tick. */
+static uint32_t background_time(void)
 {
     uint32_t before;
     uint32_t counts;
 
     do {
         before = ticks;
-        counts = PERIOD - 1U - SYSTICK.CVR;
+        counts = PERIOD - 1U - SYSTICK.CVR - spent_in_tick;
     } while (before != ticks);
     return before * PERIOD + counts;
 }
@@ -129,10 +135,10 @@ void SysTick_Handler(void)
 
     (void)SYSTICK.CSR; /* forgets that the period has ended */
     jp_ecu_tick(&ecu);
-    ticks++;
     end = PERIOD - 1U - SYSTICK.CVR;
     late += begin > LATE || end < begin ? 1U : 0U;
     spent_in_tick += end - begin;
+    ticks++;
     worst_latency = begin > worst_latency ? begin : worst_latency;
     worst_tick = end - begin > worst_tick ? end - begin : worst_tick;
 }
@@ -185,7 +191,6 @@ static void give(struct jp_can_frame frame)
 static void work(void)
 {
     static uint32_t worked;
-    const uint32_t in_tick = spent_in_tick;
     const bool plans = navigation.navigator.state == JP_NAVIGATOR_PLANNING;
 
     while (worked == ticks) {
@@ -194,10 +199,10 @@ static void work(void)
     if (worked % 100U == 0U) {
         give(operator_command(++command_counter & 15U, JP_MODE_STAND, 0));
     }
-    const uint32_t begin = now();
+    const uint32_t begin = background_time();
 
     jp_ecu_work(&ecu);
-    const uint32_t duration = now() - begin - (spent_in_tick - in_tick);
+    const uint32_t duration = background_time() - begin;
 
     worst_work = duration > worst_work ? duration : worst_work;
     if (plans) {
@@ -222,6 +227,7 @@ static bool start(void)
     }
     jp_ecu_use_board(&ecu, &board);
     jp_ecu_navigate(&ecu, &navigation);
+    jp_timer_start(TIMER_HZ);
     SCB.SHPR[11] = NVIC_PRIORITY(2);
     SYSTICK.RVR = PERIOD - 1U;
     SYSTICK.CVR = 0;
@@ -303,6 +309,15 @@ static void plan(uint32_t count)
 
 static unsigned failures;
 
+/** By the other timer, of the ticks since `from` those that never came. */
+static uint32_t lost(uint32_t from, uint32_t from_us)
+{
+    const uint32_t came = ticks - from;
+    const uint32_t passed = (jp_timer_us() - from_us) / US_A_TICK;
+
+    return passed > came + TIMER_ERROR ? passed - came : 0U;
+}
+
 static void check(const char *name, bool is_right, uint32_t value)
 {
     target_print("tests/firmware/test_planning.c:1:");
@@ -334,12 +349,12 @@ static void print_figures(void)
     target_print("\n]\n");
 }
 
-static void print_tests(uint32_t count)
+static void print_tests(uint32_t count, uint32_t ticks_lost)
 {
     check("it_planned_all_the_time", planning_slices > count / 4U, planning_slices);
     check("more_than_one_way", goals > 1U, goals);
     check("no_tick_was_late", late == 0U, late);
-    check("no_tick_was_lost", now() / PERIOD - ticks <= 1U, ticks);
+    check("no_tick_was_lost", ticks_lost == 0U, ticks_lost);
     check("the_rest_of_the_tick_is_left_for_work", worst_tick < PERIOD / 4U, INSTRUCTIONS(worst_tick));
     target_print_number(5);
     target_print(" Tests ");
@@ -357,12 +372,18 @@ int main(void)
         target_print("tests/firmware/test_planning.c:1:it_gets_ready:FAIL: it has no map, or does not stand\n");
         target_exit(1);
     }
+    const uint32_t from = ticks;
+    const uint32_t from_us = jp_timer_us();
+
     plan(count);
     SYSTICK.CSR = 0;
+    const uint32_t ticks_lost = lost(from, from_us);
+
     if (count >= FIGURES_FROM) {
+        late += ticks_lost;
         print_figures();
     } else {
-        print_tests(count);
+        print_tests(count, ticks_lost);
     }
     target_exit(failures == 0U ? 0 : 1);
 }

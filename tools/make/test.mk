@@ -172,7 +172,7 @@ $(LOGS)/firmware/test_faults.log: $(BUILD)/firmware/test_faults
 
 # The application on the core while its tick comes by a timer, for so many ticks.
 PLANNING = $(addprefix $(BUILD)/firmware/,tests/firmware/test_planning.o tests/target/console.o tests/target/arm/semihosting.o \
-                                          hal/stm32f4/startup.o hal/stm32f4/cortex_m.o hal/stm32f4/fault.o) \
+                                          hal/stm32f4/startup.o hal/stm32f4/cortex_m.o hal/stm32f4/fault.o hal/stm32f4/timer.o) \
            $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
 PLANNING_CLOCK = qemu-system-arm -M netduinoplus2 -icount shift=3 $(SEMIHOSTING)
 
