@@ -519,9 +519,9 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
     if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
         return;
     }
+    end_navigation(ecu);
     route = jp_route_link_take(&ecu->internal.routes, ecu->internal.operator_link.route);
     if (route != NULL) {
-        end_navigation(ecu);
         if (ecu->learns) {
             tell_learned_model(ecu);
         }
@@ -533,16 +533,15 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
 
 static void navigate(struct jp_ecu *ecu, enum jp_robot_state state)
 {
-    const bool is_on = state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
-
-    if (is_on && ecu->internal.navigation != NULL &&
-        jp_navigation_drive(ecu->internal.navigation, ecu->internal.operator_link.route)) {
-        /* The navigator brakes a robot that drives. */
-        ecu->internal.has_route = false;
-        jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, JP_REASON_COMMAND);
-        if (ecu->learns) {
-            tell_learned_model(ecu);
-        }
+    if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
+        return;
+    }
+    if (ecu->internal.has_route) {
+        end_route(ecu, JP_REASON_COMMAND);
+    }
+    if (ecu->internal.navigation != NULL &&
+        jp_navigation_drive(ecu->internal.navigation, ecu->internal.operator_link.route) && ecu->learns) {
+        tell_learned_model(ecu);
     }
 }
 

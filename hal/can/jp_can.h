@@ -736,7 +736,7 @@ struct jp_can_operator_command_t {
     uint8_t counter;
 
     /**
-     * Stand is obeyed at once, Off, Drive and Navigate when three follow each other without a gap. Stand stops a driving robot whatever its Counter, so from any node; three of the others follow each other only with no Stand between them. A route, or a goal on the map, is driven once.
+     * Stand is obeyed at once, Off, Drive and Navigate when three follow each other without a gap. Stand stops a driving robot whatever its Counter, so from any node; three of the others follow each other only with no Stand between them. A route, or a goal on the map, is driven once; Navigate ends a route, and Drive the way to such a goal.
      *
      * Range: 0..3 (0..3 -)
      * Scale: 1

@@ -549,6 +549,27 @@ static void test_a_route_replaces_it(void)
     TEST_ASSERT_NOT_EQUAL_INT(JP_PILOT_RESTING, ecu.pilot.phase);
 }
 
+static void test_drive_ends_it_also_without_a_route(void)
+{
+    make_under_way();
+    hold(JP_MODE_DRIVE, 9, 2);
+    TEST_ASSERT_TRUE(jp_navigation_is_under_way(&navigation));
+    hold(JP_MODE_DRIVE, 9, 1);
+    expect_navigator(JP_NAVIGATOR_IDLE, JP_NAVIGATOR_TOLD);
+    run(3000);
+    expect_state(JP_ROBOT_BALANCING);
+}
+
+static void test_navigate_ends_a_route_also_without_a_goal(void)
+{
+    make();
+    make_driving();
+    hold(JP_MODE_NAVIGATE, 7, 3);
+    expect_route(JP_ROUTE_STOPPED, JP_REASON_COMMAND);
+    TEST_ASSERT_EQUAL_INT(JP_PILOT_RESTING, ecu.pilot.phase);
+    expect_navigator(JP_NAVIGATOR_IDLE, JP_NAVIGATOR_NO_REASON);
+}
+
 static void test_it_replaces_a_route(void)
 {
     make();
