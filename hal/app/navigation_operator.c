@@ -7,6 +7,7 @@
 #define COMMAND_PERIOD_MS 100U
 #define DATA_PERIOD_MS    2U
 #define REQUEST_PERIOD_MS 100U
+#define REFUSAL_MS        300U /* in which two statuses tell of it */
 #define OFFERS_MAX        50U
 #define STAND_UP_MS       10000U
 #define SENDING_MS        120000U
@@ -476,7 +477,10 @@ static bool has_data_to_send(const struct jp_navigation_operator *self)
 
 static bool has_offer_to_send(const struct jp_navigation_operator *self)
 {
-    return self->phase == JP_NAVIGATION_SENDING && self->since_request_ms >= REQUEST_PERIOD_MS &&
+    const bool is_refused = has_map(self) && self->map.state == JP_MAP_LINK_REJECTED;
+
+    return self->phase == JP_NAVIGATION_SENDING &&
+           self->since_request_ms >= (is_refused ? REFUSAL_MS : REQUEST_PERIOD_MS) &&
            !(has_map(self) && (self->map.state == JP_MAP_LINK_RECEIVING || self->map.state == JP_MAP_LINK_READY));
 }
 

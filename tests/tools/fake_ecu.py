@@ -166,13 +166,15 @@ class FakeEcu:
     def _map_offered(self, signals):
         self.map_offers += 1
         self.map, self.stream, self.map_frames = signals, b"", 0
-        refused = self.trouble == "too large"
-        self.map_state, self.map_reason = ("Rejected", "TooLarge") if refused else ("Receiving", "None")
+        self.map_state, self.map_reason = "Receiving", "None"
 
     def _map_data(self, signals):
         self.map_frames += 1
         lost = self.trouble == "loses data" and self.map_frames % 7 == 3
         if self.map_state != "Receiving" or lost or signals["Index"] != len(self.stream) // MAP_DATA:
+            return
+        if self.trouble == "too large" and signals["Index"] == 4:  # the size is known
+            self.map_state, self.map_reason = "Rejected", "TooLarge"
             return
         self.stream = (self.stream + signals["Data"].to_bytes(MAP_DATA, "little"))[:self.map["Bytes"]]
         if len(self.stream) == self.map["Bytes"]:

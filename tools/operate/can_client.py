@@ -325,6 +325,7 @@ class Operator(Listener):
         while not self._has_map(crc, "Ready"):
             if self._clock() > deadline:
                 raise self.error(f"the map did not arrive within {MAP_TIMEOUT:g} s")
+            self._check_map(crc)
             if not self._has_map(crc, "Receiving"):
                 self._offer_map(map_id, stream, crc)
                 sent, heard = 0, None
@@ -344,9 +345,14 @@ class Operator(Listener):
         self._send("MapOffer", MapId=map_id, Bytes=len(stream), MapCrc=crc)
         self.state.latest.pop("MapStatus", None)
         self._wait(lambda: "MapStatus" in self.state.latest, ANSWER_TIMEOUT, "no MapStatus")
-        state, reason = (self.state.get("MapStatus", signal) for signal in ("State", "Reason"))
-        if reason in ("TooLarge", "CellSize", "UnderWay"):
-            raise self.error(f"the ECU does not take the map: {reason} ({state})")
+        if self.state.get("MapStatus", "Reason") == "UnderWay":
+            raise self.error("the ECU does not take the map: it drives to a goal; let it stand first")
+
+    def _check_map(self, crc):
+        """RobotError when it is refused for what it is."""
+        reason = self.state.get("MapStatus", "Reason")
+        if self._has_map(crc, "Rejected") and reason in ("TooLarge", "CellSize"):
+            raise self.error(f"the ECU does not take the map: {reason}")
 
     def _ask(self, map_id, goal):
         """The id of the goal, which waits to be driven to then."""

@@ -368,8 +368,10 @@ static void test_a_map_that_came_damaged_is_offered_again(void)
     say_map(JP_MAP_LINK_REJECTED, JP_MAP_REASON_CRC, FRAMES);
     expect_phase(JP_NAVIGATION_SENDING);
     sent_count = 0;
+    pass(200);
+    TEST_ASSERT_EQUAL_UINT(0, count_of(JP_CAN_MAP_OFFER_FRAME_ID));
     pass(110);
-    TEST_ASSERT_GREATER_THAN_UINT(0, count_of(JP_CAN_MAP_OFFER_FRAME_ID));
+    TEST_ASSERT_EQUAL_UINT(1, count_of(JP_CAN_MAP_OFFER_FRAME_ID));
 }
 
 static void test_a_map_that_is_refused(void)
@@ -390,7 +392,7 @@ static void test_a_map_that_stays_damaged(void)
     make_sending();
     for (unsigned i = 0; i < 60 && commander.phase == JP_NAVIGATION_SENDING; i++) {
         say_ecu(JP_ROBOT_BALANCING, JP_OPERATOR_ALIVE);
-        pass(110);
+        pass(310);
         say_map(JP_MAP_LINK_REJECTED, JP_MAP_REASON_FORMAT, 5);
     }
     expect_failure(JP_NAVIGATION_MAP);
