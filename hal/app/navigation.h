@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-/** Expansions of a slice: less than a tick of 1 ms of a Cortex-M4 at 168 MHz. */
+/** Expansions of a slice: mostly less than a tick of 1 ms of a Cortex-M4 at 168 MHz. */
 #define JP_NAVIGATION_SLICE 16U
 
 /** Expansions after which the robot drives by the best route that is there. */
