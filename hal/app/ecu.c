@@ -186,6 +186,11 @@ enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *le
     return status;
 }
 
+void jp_ecu_navigate(struct jp_ecu *ecu, struct jp_navigation *navigation)
+{
+    ecu->internal.navigation = navigation;
+}
+
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu)
 {
     return ecu->learns ? &ecu->pilot.learner.state : NULL;
@@ -207,6 +212,10 @@ static const struct {
     {JP_CAN_ROUTE_OFFER_FRAME_ID, JP_CAN_ROUTE_OFFER_LENGTH, OPERATOR},
     {JP_CAN_WAYPOINT_FRAME_ID, JP_CAN_WAYPOINT_LENGTH, OPERATOR},
     {JP_CAN_GOAL_FRAME_ID, JP_CAN_GOAL_LENGTH, OPERATOR},
+    {JP_CAN_MAP_OFFER_FRAME_ID, JP_CAN_MAP_OFFER_LENGTH, OPERATOR},
+    {JP_CAN_MAP_DATA_FRAME_ID, JP_CAN_MAP_DATA_LENGTH, OPERATOR},
+    {JP_CAN_CELL_CHANGES_FRAME_ID, JP_CAN_CELL_CHANGES_LENGTH, OPERATOR},
+    {JP_CAN_MAP_GOAL_FRAME_ID, JP_CAN_MAP_GOAL_LENGTH, OPERATOR},
     {JP_CAN_ECU_STATUS_FRAME_ID, JP_CAN_ECU_STATUS_LENGTH, OWN},
     {JP_CAN_ECU_ERRORS_FRAME_ID, JP_CAN_ECU_ERRORS_LENGTH, OWN},
     {JP_CAN_ECU_LOSSES_FRAME_ID, JP_CAN_ECU_LOSSES_LENGTH, OWN},
@@ -227,6 +236,10 @@ static const struct {
     {JP_CAN_BATTERY_STATUS_FRAME_ID, JP_CAN_BATTERY_STATUS_LENGTH, OTHERS},
     {JP_CAN_LEARNED_FRAME_ID, JP_CAN_LEARNED_LENGTH, OWN},
     {JP_CAN_LEARNER_STATUS_FRAME_ID, JP_CAN_LEARNER_STATUS_LENGTH, OWN},
+    {JP_CAN_MAP_STATUS_FRAME_ID, JP_CAN_MAP_STATUS_LENGTH, OWN},
+    {JP_CAN_NAVIGATION_STATUS_FRAME_ID, JP_CAN_NAVIGATION_STATUS_LENGTH, OWN},
+    {JP_CAN_NAVIGATION_PROGRESS_FRAME_ID, JP_CAN_NAVIGATION_PROGRESS_LENGTH, OWN},
+    {JP_CAN_COURSE_LEG_FRAME_ID, JP_CAN_COURSE_LEG_LENGTH, OWN},
 };
 #define KNOWN (sizeof known / sizeof known[0])
 
@@ -374,6 +387,16 @@ static void take_operator_command(struct jp_ecu *ecu, const struct jp_can_frame 
     }
 }
 
+/** An ECU without a navigator refuses what is meant for one. */
+static void take_for_navigator(struct jp_ecu *ecu, const struct jp_can_frame *frame)
+{
+    if (ecu->internal.navigation != NULL) {
+        count_result(&ecu->operator_counts, jp_navigation_accept(ecu->internal.navigation, frame));
+    } else {
+        count8(&ecu->operator_counts.rejected);
+    }
+}
+
 static void take_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 {
     switch (frame->id) {
@@ -387,8 +410,10 @@ static void take_command(struct jp_ecu *ecu, const struct jp_can_frame *frame)
         count_result(&ecu->operator_counts, jp_route_link_accept_waypoint(&ecu->internal.routes, frame));
         break;
     case JP_CAN_GOAL_FRAME_ID:
-    default:
         count_result(&ecu->operator_counts, jp_route_link_accept_goal(&ecu->internal.routes, frame));
+        break;
+    default:
+        take_for_navigator(ecu, frame);
         break;
     }
 }
@@ -417,6 +442,18 @@ static void pass_time(struct jp_ecu *ecu)
     ecu->internal.worked_tick = now;
 }
 
+static bool is_navigating(const struct jp_ecu *ecu)
+{
+    return ecu->internal.navigation != NULL && jp_navigation_is_under_way(ecu->internal.navigation);
+}
+
+static void end_navigation(struct jp_ecu *ecu)
+{
+    if (ecu->internal.navigation != NULL) {
+        jp_navigation_stop(ecu->internal.navigation);
+    }
+}
+
 static void end_route(struct jp_ecu *ecu, enum jp_route_reason reason)
 {
     jp_pilot_stop(&ecu->pilot);
@@ -428,11 +465,13 @@ static void stop(struct jp_ecu *ecu)
 {
     const bool lost = ecu->internal.operator_link.state == JP_OPERATOR_LOST;
 
+    end_navigation(ecu);
     end_route(ecu, lost ? JP_REASON_TIMEOUT : JP_REASON_COMMAND);
 }
 
 static void switch_off(struct jp_ecu *ecu)
 {
+    end_navigation(ecu);
     end_route(ecu, JP_REASON_SWITCHED_OFF);
     jp_robot_disable(&ecu->robot);
 }
@@ -466,7 +505,7 @@ static void try_to_stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
 static void stand(struct jp_ecu *ecu, enum jp_robot_state state)
 {
     jp_route_link_forget_goal(&ecu->internal.routes);
-    if (state == JP_ROBOT_DRIVING || ecu->internal.has_route) {
+    if (state == JP_ROBOT_DRIVING || ecu->internal.has_route || is_navigating(ecu)) {
         stop(ecu);
     } else if (state != JP_ROBOT_BALANCING && ecu->internal.operator_link.state == JP_OPERATOR_ALIVE) {
         try_to_stand_up(ecu, state);
@@ -480,6 +519,7 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
     if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
         return;
     }
+    end_navigation(ecu);
     route = jp_route_link_take(&ecu->internal.routes, ecu->internal.operator_link.route);
     if (route != NULL) {
         if (ecu->learns) {
@@ -491,6 +531,20 @@ static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
     }
 }
 
+static void navigate(struct jp_ecu *ecu, enum jp_robot_state state)
+{
+    if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
+        return;
+    }
+    if (ecu->internal.has_route) {
+        end_route(ecu, JP_REASON_COMMAND);
+    }
+    if (ecu->internal.navigation != NULL &&
+        jp_navigation_drive(ecu->internal.navigation, ecu->internal.operator_link.route) && ecu->learns) {
+        tell_learned_model(ecu);
+    }
+}
+
 static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
 {
     switch (ecu->internal.operator_link.mode) {
@@ -499,6 +553,9 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
         break;
     case JP_MODE_DRIVE:
         drive(ecu, state);
+        break;
+    case JP_MODE_NAVIGATE:
+        navigate(ecu, state);
         break;
     case JP_MODE_OFF:
     default:
@@ -527,6 +584,16 @@ static void watch_route(struct jp_ecu *ecu)
     }
 }
 
+/** A slice of what drives the robot. */
+static void work(struct jp_ecu *ecu)
+{
+    struct jp_navigation *navigation = ecu->internal.navigation;
+
+    if (navigation == NULL || !jp_navigation_work(navigation, ecu->internal.worked_tick, tick_rate(ecu))) {
+        (void)jp_pilot_work(&ecu->pilot);
+    }
+}
+
 /** Drives on, and announces each leg that was planned. */
 static void pilot(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
 {
@@ -535,7 +602,7 @@ static void pilot(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
     if (__atomic_load_n(&ecu->internal.plan.frames_left, __ATOMIC_ACQUIRE) != 0U) {
         return;
     }
-    (void)jp_pilot_work(&ecu->pilot);
+    work(ecu);
     if (ecu->pilot.targets_planned > planned) {
         const uint16_t begun = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0;
 

@@ -4,7 +4,7 @@
  *
  *   jp_ecu_accept()  each frame that arrives: from the receive interrupt, at the priority of the tick
  *   jp_ecu_tick()    at the control rate: sample in, MotorCommand out, telemetry that is due
- *   jp_ecu_work()    from the background loop: commands, routes, planning
+ *   jp_ecu_work()    from the background loop: commands, routes, maps, planning
  *
  * Up to JP_SAMPLE_HOLD_TICKS without samples or without the bus are ridden out. A reset is too: what the record in
  * retained memory holds is taken up at the first sample, and the robot brakes to a balanced stand.
@@ -49,6 +49,10 @@ void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *repor
  */
 enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *learning, const char **field);
 
+/** The ECU also drives to goals on a map: the navigator was prepared with &ecu->pilot. Right after jp_ecu_learn(), or
+ *  jp_ecu_init() if it does not learn; it must stay. */
+void jp_ecu_navigate(struct jp_ecu *ecu, struct jp_navigation *navigation);
+
 /** What was learned, to be stored; NULL: it does not learn. For the background. */
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu);
 
@@ -71,7 +75,8 @@ bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame);
 /** One control tick. Constant time; at most 1 + JP_TELEMETRY_FRAMES_MAX frames are sent. For the control ISR. */
 void jp_ecu_tick(struct jp_ecu *ecu);
 
-/** One slice of background work. At most JP_ECU_QUEUE frames and one jp_pilot_work(). Not for ISRs. */
+/** One slice of background work. At most JP_ECU_QUEUE frames, and one jp_pilot_work() or jp_navigation_work(). Not for
+ *  ISRs. */
 void jp_ecu_work(struct jp_ecu *ecu);
 
 #ifdef __cplusplus

@@ -4,6 +4,7 @@
 
 #include <joulepath/pilot.h>
 
+#include "hal/app/navigation.h"
 #include "hal/app/retained.h"
 #include "hal/can/operator_link.h"
 #include "hal/can/route_link.h"
@@ -77,6 +78,7 @@ struct jp_ecu_internal {
     /* Of the background. */
     struct jp_operator_link operator_link;
     struct jp_route_link routes;
+    struct jp_navigation *navigation;    /**< NULL: it has none */
     uint8_t refusal;                     /**< enum jp_refusal of the last Stand of a robot whose motors are off */
     bool told_to_stand;                  /**< the last valid OperatorCommand since the last work is a Stand */
     bool has_route;                      /**< the pilot has the route, or has ended it unnoticed */

@@ -50,6 +50,35 @@ enum jp_status jp_lockstep_learn(struct jp_lockstep *lockstep, const struct jp_e
     return status;
 }
 
+enum jp_status jp_lockstep_navigate(struct jp_lockstep *lockstep, struct jp_navigation *navigation,
+                                    const struct jp_navigation_config *config, const char **field)
+{
+    if (lockstep == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const enum jp_status status = jp_navigation_init(navigation, config, &lockstep->ecu.pilot, field);
+
+    if (status == JP_OK) {
+        lockstep->navigation = navigation;
+        lockstep->navigation_config = *config;
+        jp_ecu_navigate(&lockstep->ecu, navigation);
+    }
+    return status;
+}
+
+/** As at the first start, whose configurations were accepted, so that this one succeeds. */
+static void boot_again(struct jp_lockstep *lockstep)
+{
+    const char *field;
+
+    (void)boot(lockstep, &field);
+    (void)jp_ecu_learn(&lockstep->ecu, &lockstep->learning, &field);
+    if (lockstep->navigation != NULL) {
+        (void)jp_lockstep_navigate(lockstep, lockstep->navigation, &lockstep->navigation_config, &field);
+    }
+}
+
 static void answer(struct jp_lockstep *lockstep, uint32_t tick)
 {
     struct jp_can_frame frame = {.id = JP_CAN_SIM_DONE_FRAME_ID, .length = JP_CAN_SIM_DONE_LENGTH};
@@ -62,17 +91,14 @@ static void answer(struct jp_lockstep *lockstep, uint32_t tick)
 static void take_time(struct jp_lockstep *lockstep, const struct jp_can_sim_time_t *time)
 {
     const bool was_running = lockstep->running;
-    const char *field;
 
     lockstep->bus_off = time->bus_off != 0U;
     lockstep->running = time->power != 0U && time->reset == 0U;
     if (time->power == 0U) {
         *lockstep->retained = (struct jp_retained){0};
     }
-    /* The configuration was accepted at the first start, so this one succeeds; so do the tables, if there are any. */
     if (lockstep->running && !was_running) {
-        (void)boot(lockstep, &field);
-        (void)jp_ecu_learn(&lockstep->ecu, &lockstep->learning, &field);
+        boot_again(lockstep);
     }
     if (lockstep->running) {
         jp_ecu_work(&lockstep->ecu);

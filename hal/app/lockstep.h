@@ -22,6 +22,8 @@ struct jp_lockstep {
     struct jp_can_port bus; /**< as it is */
     struct jp_retained *retained;
     struct jp_ecu_learning learning;
+    struct jp_navigation *navigation; /**< NULL: none */
+    struct jp_navigation_config navigation_config;
     void (*tick)(struct jp_ecu *ecu); /**< runs jp_ecu_tick(), on a target in the control interrupt */
     bool running;                     /**< has power and is not held in reset */
     bool bus_off;
@@ -39,6 +41,11 @@ enum jp_status jp_lockstep_start(struct jp_lockstep *lockstep, const struct jp_r
  *  jp_ecu_learn(), but that the state must stay, too. */
 enum jp_status jp_lockstep_learn(struct jp_lockstep *lockstep, const struct jp_ecu_learning *learning,
                                  const char **field);
+
+/** At every boot the ECU has this navigator, without a map. Right after jp_lockstep_start(), and jp_lockstep_learn() if
+ *  it learns; as jp_navigation_init(). What the pointers show must stay. */
+enum jp_status jp_lockstep_navigate(struct jp_lockstep *lockstep, struct jp_navigation *navigation,
+                                    const struct jp_navigation_config *config, const char **field);
 
 /**
  * Takes a frame. SimTime runs a tick, which SimDone ends: background work, then control. Beside another ECU that

@@ -408,6 +408,11 @@ static bool take_learned(struct jp_ecu *ecu, struct jp_can_frame *frame)
     return true;
 }
 
+static bool take_navigation(struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    return ecu->internal.navigation != NULL && jp_navigation_take_frame(ecu->internal.navigation, frame);
+}
+
 static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
@@ -433,7 +438,9 @@ unsigned jp_telemetry_due(struct jp_ecu *ecu, struct jp_can_frame frames[JP_TELE
 {
     unsigned count = take_scheduled(ecu, frames);
 
-    count += take_plan(ecu, &frames[count]) || take_learned(ecu, &frames[count]) ? 1U : 0U;
+    count += take_plan(ecu, &frames[count]) || take_learned(ecu, &frames[count]) || take_navigation(ecu, &frames[count])
+                 ? 1U
+                 : 0U;
     count += take_result(ecu, &frames[count]) ? 1U : 0U;
     return count;
 }

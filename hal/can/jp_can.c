@@ -631,7 +631,7 @@ int jp_can_operator_command_pack(
 
     dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
     dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
-    dst_p[1] |= pack_left_shift_u8(src_p->mode, 4u, 0x30u);
+    dst_p[1] |= pack_left_shift_u8(src_p->mode, 4u, 0x70u);
     dst_p[2] |= pack_left_shift_u8(src_p->route_id, 0u, 0xffu);
 
     return (4);
@@ -648,7 +648,7 @@ int jp_can_operator_command_unpack(
 
     dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
     dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
-    dst_p->mode = unpack_right_shift_u8(src_p[1], 4u, 0x30u);
+    dst_p->mode = unpack_right_shift_u8(src_p[1], 4u, 0x70u);
     dst_p->route_id = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
 
     return (0);
@@ -687,12 +687,12 @@ bool jp_can_operator_command_counter_is_in_phys_range(double value)
 
 bool jp_can_operator_command_mode_is_in_range(uint8_t value)
 {
-    return (value <= 2u);
+    return (value <= 3u);
 }
 
 bool jp_can_operator_command_mode_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 2.0));
+    return ((value >= 0.0) && (value <= 3.0));
 }
 
 bool jp_can_operator_command_route_id_is_in_range(uint8_t value)
@@ -1052,6 +1052,483 @@ bool jp_can_goal_y_is_in_phys_range(double value)
     return ((value >= -512.0) && (value <= 511.99998474121094));
 }
 
+int jp_can_map_offer_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_offer_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->map_id, 4u, 0xf0u);
+    dst_p[2] |= pack_left_shift_u16(src_p->bytes, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->bytes, 8u, 0xffu);
+    dst_p[4] |= pack_left_shift_u32(src_p->map_crc, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->map_crc, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->map_crc, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->map_crc, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_map_offer_unpack(
+    struct jp_can_map_offer_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->map_id = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
+    dst_p->bytes = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->bytes |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->map_crc = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->map_crc |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->map_crc |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->map_crc |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_map_offer_init(struct jp_can_map_offer_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_map_offer_t));
+
+    return 0;
+}
+
+bool jp_can_map_offer_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_map_offer_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_map_offer_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_map_offer_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_map_offer_map_id_is_in_range(uint8_t value)
+{
+    return ((value >= 1u) && (value <= 15u));
+}
+
+bool jp_can_map_offer_map_id_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 15.0));
+}
+
+bool jp_can_map_offer_bytes_is_in_range(uint16_t value)
+{
+    return (value >= 22u);
+}
+
+bool jp_can_map_offer_bytes_is_in_phys_range(double value)
+{
+    return ((value >= 22.0) && (value <= 65535.0));
+}
+
+bool jp_can_map_offer_map_crc_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_map_offer_map_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+int jp_can_map_data_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_data_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u16(src_p->index, 4u, 0xf0u);
+    dst_p[2] |= pack_right_shift_u16(src_p->index, 4u, 0xffu);
+    dst_p[3] |= pack_left_shift_u64(src_p->data, 0u, 0xffu);
+    dst_p[4] |= pack_right_shift_u64(src_p->data, 8u, 0xffu);
+    dst_p[5] |= pack_right_shift_u64(src_p->data, 16u, 0xffu);
+    dst_p[6] |= pack_right_shift_u64(src_p->data, 24u, 0xffu);
+    dst_p[7] |= pack_right_shift_u64(src_p->data, 32u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_map_data_unpack(
+    struct jp_can_map_data_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->index = unpack_right_shift_u16(src_p[1], 4u, 0xf0u);
+    dst_p->index |= unpack_left_shift_u16(src_p[2], 4u, 0xffu);
+    dst_p->data = unpack_right_shift_u64(src_p[3], 0u, 0xffu);
+    dst_p->data |= unpack_left_shift_u64(src_p[4], 8u, 0xffu);
+    dst_p->data |= unpack_left_shift_u64(src_p[5], 16u, 0xffu);
+    dst_p->data |= unpack_left_shift_u64(src_p[6], 24u, 0xffu);
+    dst_p->data |= unpack_left_shift_u64(src_p[7], 32u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_map_data_init(struct jp_can_map_data_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_map_data_t));
+
+    return 0;
+}
+
+bool jp_can_map_data_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_map_data_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_map_data_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_map_data_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_map_data_index_is_in_range(uint16_t value)
+{
+    return (value <= 4095u);
+}
+
+bool jp_can_map_data_index_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4095.0));
+}
+
+bool jp_can_map_data_data_is_in_range(uint64_t value)
+{
+    return (value <= 1099511627775ull);
+}
+
+bool jp_can_map_data_data_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1099511627775.0));
+}
+
+int jp_can_cell_changes_pack(
+    uint8_t *dst_p,
+    const struct jp_can_cell_changes_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->map_id, 4u, 0xf0u);
+    dst_p[2] |= pack_left_shift_u16(src_p->column, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->column, 8u, 0x0fu);
+    dst_p[3] |= pack_left_shift_u16(src_p->row, 4u, 0xf0u);
+    dst_p[4] |= pack_right_shift_u16(src_p->row, 4u, 0xffu);
+    dst_p[5] |= pack_left_shift_u32(src_p->cells, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->cells, 8u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->cells, 16u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_cell_changes_unpack(
+    struct jp_can_cell_changes_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->map_id = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
+    dst_p->column = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->column |= unpack_left_shift_u16(src_p[3], 8u, 0x0fu);
+    dst_p->row = unpack_right_shift_u16(src_p[3], 4u, 0xf0u);
+    dst_p->row |= unpack_left_shift_u16(src_p[4], 4u, 0xffu);
+    dst_p->cells = unpack_right_shift_u32(src_p[5], 0u, 0xffu);
+    dst_p->cells |= unpack_left_shift_u32(src_p[6], 8u, 0xffu);
+    dst_p->cells |= unpack_left_shift_u32(src_p[7], 16u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_cell_changes_init(struct jp_can_cell_changes_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_cell_changes_t));
+
+    return 0;
+}
+
+bool jp_can_cell_changes_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_cell_changes_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_cell_changes_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_cell_changes_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_cell_changes_map_id_is_in_range(uint8_t value)
+{
+    return ((value >= 1u) && (value <= 15u));
+}
+
+bool jp_can_cell_changes_map_id_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 15.0));
+}
+
+bool jp_can_cell_changes_column_is_in_range(uint16_t value)
+{
+    return (value <= 4095u);
+}
+
+bool jp_can_cell_changes_column_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4095.0));
+}
+
+bool jp_can_cell_changes_row_is_in_range(uint16_t value)
+{
+    return (value <= 4095u);
+}
+
+bool jp_can_cell_changes_row_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4095.0));
+}
+
+bool jp_can_cell_changes_cells_is_in_range(uint32_t value)
+{
+    return (value <= 16777215u);
+}
+
+bool jp_can_cell_changes_cells_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 16777215.0));
+}
+
+int jp_can_map_goal_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_goal_t *src_p,
+    size_t size)
+{
+    uint16_t heading;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->map_id, 4u, 0xf0u);
+    dst_p[2] |= pack_left_shift_u8(src_p->goal_id, 0u, 0xffu);
+    dst_p[3] |= pack_left_shift_u16(src_p->column, 0u, 0xffu);
+    dst_p[4] |= pack_right_shift_u16(src_p->column, 8u, 0x0fu);
+    dst_p[4] |= pack_left_shift_u16(src_p->row, 4u, 0xf0u);
+    dst_p[5] |= pack_right_shift_u16(src_p->row, 4u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->has_heading, 0u, 0x01u);
+    heading = (uint16_t)src_p->heading;
+    dst_p[6] |= pack_left_shift_u16(heading, 1u, 0xfeu);
+    dst_p[7] |= pack_right_shift_u16(heading, 7u, 0x1fu);
+
+    return (8);
+}
+
+int jp_can_map_goal_unpack(
+    struct jp_can_map_goal_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint16_t heading;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->map_id = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
+    dst_p->goal_id = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
+    dst_p->column = unpack_right_shift_u16(src_p[3], 0u, 0xffu);
+    dst_p->column |= unpack_left_shift_u16(src_p[4], 8u, 0x0fu);
+    dst_p->row = unpack_right_shift_u16(src_p[4], 4u, 0xf0u);
+    dst_p->row |= unpack_left_shift_u16(src_p[5], 4u, 0xffu);
+    dst_p->has_heading = unpack_right_shift_u8(src_p[6], 0u, 0x01u);
+    heading = unpack_right_shift_u16(src_p[6], 1u, 0xfeu);
+    heading |= unpack_left_shift_u16(src_p[7], 7u, 0x1fu);
+
+    if ((heading & (1u << 11)) != 0u) {
+        heading |= 0xf000u;
+    }
+
+    dst_p->heading = (int16_t)heading;
+
+    return (0);
+}
+
+int jp_can_map_goal_init(struct jp_can_map_goal_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_map_goal_t));
+
+    return 0;
+}
+
+bool jp_can_map_goal_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_map_goal_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_map_goal_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_map_goal_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_map_goal_map_id_is_in_range(uint8_t value)
+{
+    return ((value >= 1u) && (value <= 15u));
+}
+
+bool jp_can_map_goal_map_id_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 15.0));
+}
+
+bool jp_can_map_goal_goal_id_is_in_range(uint8_t value)
+{
+    return (value >= 1u);
+}
+
+bool jp_can_map_goal_goal_id_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 255.0));
+}
+
+bool jp_can_map_goal_column_is_in_range(uint16_t value)
+{
+    return (value <= 4095u);
+}
+
+bool jp_can_map_goal_column_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4095.0));
+}
+
+bool jp_can_map_goal_row_is_in_range(uint16_t value)
+{
+    return (value <= 4095u);
+}
+
+bool jp_can_map_goal_row_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4095.0));
+}
+
+bool jp_can_map_goal_has_heading_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
+}
+
+bool jp_can_map_goal_has_heading_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+bool jp_can_map_goal_heading_is_in_range(int16_t value)
+{
+    return ((value >= -2048) && (value <= 2047));
+}
+
+bool jp_can_map_goal_heading_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.499755859375));
+}
+
 int jp_can_ecu_status_pack(
     uint8_t *dst_p,
     const struct jp_can_ecu_status_t *src_p,
@@ -1121,12 +1598,12 @@ bool jp_can_ecu_status_state_is_in_phys_range(double value)
 
 bool jp_can_ecu_status_mode_is_in_range(uint8_t value)
 {
-    return (value <= 2u);
+    return (value <= 3u);
 }
 
 bool jp_can_ecu_status_mode_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 2.0));
+    return ((value >= 0.0) && (value <= 3.0));
 }
 
 bool jp_can_ecu_status_operator_state_is_in_range(uint8_t value)
@@ -3173,6 +3650,496 @@ bool jp_can_learner_status_stored_is_in_range(uint8_t value)
 bool jp_can_learner_status_stored_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 5.0));
+}
+
+int jp_can_map_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_status_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->map_id, 0u, 0x0fu);
+    dst_p[0] |= pack_left_shift_u8(src_p->state, 4u, 0x30u);
+    dst_p[1] |= pack_left_shift_u8(src_p->reason, 0u, 0x07u);
+    dst_p[1] |= pack_left_shift_u8(src_p->cell_counter, 4u, 0xf0u);
+    dst_p[2] |= pack_left_shift_u16(src_p->received, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->received, 8u, 0xffu);
+    dst_p[4] |= pack_left_shift_u32(src_p->map_crc, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->map_crc, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->map_crc, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->map_crc, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_map_status_unpack(
+    struct jp_can_map_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->map_id = unpack_right_shift_u8(src_p[0], 0u, 0x0fu);
+    dst_p->state = unpack_right_shift_u8(src_p[0], 4u, 0x30u);
+    dst_p->reason = unpack_right_shift_u8(src_p[1], 0u, 0x07u);
+    dst_p->cell_counter = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
+    dst_p->received = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->received |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->map_crc = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->map_crc |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->map_crc |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->map_crc |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_map_status_init(struct jp_can_map_status_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_map_status_t));
+
+    return 0;
+}
+
+bool jp_can_map_status_map_id_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_map_status_map_id_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_map_status_state_is_in_range(uint8_t value)
+{
+    return (value <= 3u);
+}
+
+bool jp_can_map_status_state_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+bool jp_can_map_status_reason_is_in_range(uint8_t value)
+{
+    return (value <= 5u);
+}
+
+bool jp_can_map_status_reason_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 5.0));
+}
+
+bool jp_can_map_status_cell_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_map_status_cell_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_map_status_received_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_map_status_received_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+bool jp_can_map_status_map_crc_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_map_status_map_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+int jp_can_navigation_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_navigation_status_t *src_p,
+    size_t size)
+{
+    uint8_t vehicle_status;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->goal_id, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->state, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->reason, 4u, 0xf0u);
+    dst_p[2] |= pack_left_shift_u8(src_p->answer, 0u, 0x07u);
+    dst_p[2] |= pack_left_shift_u8(src_p->has_course, 3u, 0x08u);
+    vehicle_status = (uint8_t)src_p->vehicle_status;
+    dst_p[3] |= pack_left_shift_u8(vehicle_status, 0u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->replans, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u8(src_p->course, 0u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->legs_left, 0u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_navigation_status_unpack(
+    struct jp_can_navigation_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint8_t vehicle_status;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->goal_id = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->state = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->reason = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
+    dst_p->answer = unpack_right_shift_u8(src_p[2], 0u, 0x07u);
+    dst_p->has_course = unpack_right_shift_u8(src_p[2], 3u, 0x08u);
+    vehicle_status = unpack_right_shift_u8(src_p[3], 0u, 0xffu);
+    dst_p->vehicle_status = (int8_t)vehicle_status;
+    dst_p->replans = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->course = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
+    dst_p->legs_left = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_navigation_status_init(struct jp_can_navigation_status_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_navigation_status_t));
+
+    return 0;
+}
+
+bool jp_can_navigation_status_goal_id_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_navigation_status_goal_id_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_navigation_status_state_is_in_range(uint8_t value)
+{
+    return (value <= 9u);
+}
+
+bool jp_can_navigation_status_state_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 9.0));
+}
+
+bool jp_can_navigation_status_reason_is_in_range(uint8_t value)
+{
+    return (value <= 9u);
+}
+
+bool jp_can_navigation_status_reason_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 9.0));
+}
+
+bool jp_can_navigation_status_answer_is_in_range(uint8_t value)
+{
+    return (value <= 6u);
+}
+
+bool jp_can_navigation_status_answer_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 6.0));
+}
+
+bool jp_can_navigation_status_has_course_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
+}
+
+bool jp_can_navigation_status_has_course_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+bool jp_can_navigation_status_vehicle_status_is_in_range(int8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_navigation_status_vehicle_status_is_in_phys_range(double value)
+{
+    return ((value >= -128.0) && (value <= 127.0));
+}
+
+bool jp_can_navigation_status_replans_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_navigation_status_replans_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_navigation_status_course_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_navigation_status_course_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_navigation_status_legs_left_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_navigation_status_legs_left_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+int jp_can_navigation_progress_pack(
+    uint8_t *dst_p,
+    const struct jp_can_navigation_progress_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u16(src_p->distance, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->distance, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u16(src_p->duration, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->duration, 8u, 0xffu);
+    dst_p[4] |= pack_left_shift_u32(src_p->energy, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->energy, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->energy, 16u, 0x03u);
+    dst_p[6] |= pack_left_shift_u16(src_p->deviation, 2u, 0xfcu);
+    dst_p[7] |= pack_right_shift_u16(src_p->deviation, 6u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_navigation_progress_unpack(
+    struct jp_can_navigation_progress_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->distance = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->distance |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->duration = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->duration |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->energy = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->energy |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->energy |= unpack_left_shift_u32(src_p[6], 16u, 0x03u);
+    dst_p->deviation = unpack_right_shift_u16(src_p[6], 2u, 0xfcu);
+    dst_p->deviation |= unpack_left_shift_u16(src_p[7], 6u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_navigation_progress_init(struct jp_can_navigation_progress_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_navigation_progress_t));
+
+    return 0;
+}
+
+bool jp_can_navigation_progress_distance_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_navigation_progress_distance_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1023.984375));
+}
+
+bool jp_can_navigation_progress_duration_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_navigation_progress_duration_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4095.9375));
+}
+
+bool jp_can_navigation_progress_energy_is_in_range(uint32_t value)
+{
+    return (value <= 262143u);
+}
+
+bool jp_can_navigation_progress_energy_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 32767.875));
+}
+
+bool jp_can_navigation_progress_deviation_is_in_range(uint16_t value)
+{
+    return (value <= 16383u);
+}
+
+bool jp_can_navigation_progress_deviation_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2047.875));
+}
+
+int jp_can_course_leg_pack(
+    uint8_t *dst_p,
+    const struct jp_can_course_leg_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->course, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->after, 0u, 0xffu);
+    dst_p[2] |= pack_left_shift_u8(src_p->is_stop, 0u, 0x01u);
+    dst_p[4] |= pack_left_shift_u16(src_p->x, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(src_p->x, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u16(src_p->y, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(src_p->y, 8u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_course_leg_unpack(
+    struct jp_can_course_leg_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->course = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->after = unpack_right_shift_u8(src_p[1], 0u, 0xffu);
+    dst_p->is_stop = unpack_right_shift_u8(src_p[2], 0u, 0x01u);
+    dst_p->x = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    dst_p->x |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->y = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
+    dst_p->y |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_course_leg_init(struct jp_can_course_leg_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_course_leg_t));
+
+    return 0;
+}
+
+bool jp_can_course_leg_course_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_course_leg_course_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_course_leg_after_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_course_leg_after_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_course_leg_is_stop_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
+}
+
+bool jp_can_course_leg_is_stop_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+bool jp_can_course_leg_x_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_course_leg_x_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 511.9921875));
+}
+
+bool jp_can_course_leg_y_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_course_leg_y_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 511.9921875));
 }
 
 int jp_can_sim_time_pack(

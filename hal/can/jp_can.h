@@ -53,6 +53,10 @@ extern "C" {
 #define JP_CAN_ROUTE_OFFER_FRAME_ID (0x101u)
 #define JP_CAN_WAYPOINT_FRAME_ID (0x102u)
 #define JP_CAN_GOAL_FRAME_ID (0x103u)
+#define JP_CAN_MAP_OFFER_FRAME_ID (0x104u)
+#define JP_CAN_MAP_DATA_FRAME_ID (0x105u)
+#define JP_CAN_CELL_CHANGES_FRAME_ID (0x106u)
+#define JP_CAN_MAP_GOAL_FRAME_ID (0x107u)
 #define JP_CAN_ECU_STATUS_FRAME_ID (0x180u)
 #define JP_CAN_ECU_ERRORS_FRAME_ID (0x181u)
 #define JP_CAN_ECU_LOSSES_FRAME_ID (0x182u)
@@ -73,6 +77,10 @@ extern "C" {
 #define JP_CAN_CRASH_REPORT_FRAME_ID (0x191u)
 #define JP_CAN_LEARNED_FRAME_ID (0x192u)
 #define JP_CAN_LEARNER_STATUS_FRAME_ID (0x193u)
+#define JP_CAN_MAP_STATUS_FRAME_ID (0x194u)
+#define JP_CAN_NAVIGATION_STATUS_FRAME_ID (0x195u)
+#define JP_CAN_NAVIGATION_PROGRESS_FRAME_ID (0x196u)
+#define JP_CAN_COURSE_LEG_FRAME_ID (0x197u)
 #define JP_CAN_SIM_TIME_FRAME_ID (0x7f0u)
 #define JP_CAN_SIM_DONE_FRAME_ID (0x7f1u)
 
@@ -85,6 +93,10 @@ extern "C" {
 #define JP_CAN_ROUTE_OFFER_LENGTH (8u)
 #define JP_CAN_WAYPOINT_LENGTH (8u)
 #define JP_CAN_GOAL_LENGTH (8u)
+#define JP_CAN_MAP_OFFER_LENGTH (8u)
+#define JP_CAN_MAP_DATA_LENGTH (8u)
+#define JP_CAN_CELL_CHANGES_LENGTH (8u)
+#define JP_CAN_MAP_GOAL_LENGTH (8u)
 #define JP_CAN_ECU_STATUS_LENGTH (8u)
 #define JP_CAN_ECU_ERRORS_LENGTH (8u)
 #define JP_CAN_ECU_LOSSES_LENGTH (8u)
@@ -105,6 +117,10 @@ extern "C" {
 #define JP_CAN_CRASH_REPORT_LENGTH (8u)
 #define JP_CAN_LEARNED_LENGTH (8u)
 #define JP_CAN_LEARNER_STATUS_LENGTH (8u)
+#define JP_CAN_MAP_STATUS_LENGTH (8u)
+#define JP_CAN_NAVIGATION_STATUS_LENGTH (8u)
+#define JP_CAN_NAVIGATION_PROGRESS_LENGTH (8u)
+#define JP_CAN_COURSE_LEG_LENGTH (8u)
 #define JP_CAN_SIM_TIME_LENGTH (8u)
 #define JP_CAN_SIM_DONE_LENGTH (4u)
 
@@ -117,6 +133,10 @@ extern "C" {
 #define JP_CAN_ROUTE_OFFER_IS_EXTENDED (0)
 #define JP_CAN_WAYPOINT_IS_EXTENDED (0)
 #define JP_CAN_GOAL_IS_EXTENDED (0)
+#define JP_CAN_MAP_OFFER_IS_EXTENDED (0)
+#define JP_CAN_MAP_DATA_IS_EXTENDED (0)
+#define JP_CAN_CELL_CHANGES_IS_EXTENDED (0)
+#define JP_CAN_MAP_GOAL_IS_EXTENDED (0)
 #define JP_CAN_ECU_STATUS_IS_EXTENDED (0)
 #define JP_CAN_ECU_ERRORS_IS_EXTENDED (0)
 #define JP_CAN_ECU_LOSSES_IS_EXTENDED (0)
@@ -137,6 +157,10 @@ extern "C" {
 #define JP_CAN_CRASH_REPORT_IS_EXTENDED (0)
 #define JP_CAN_LEARNED_IS_EXTENDED (0)
 #define JP_CAN_LEARNER_STATUS_IS_EXTENDED (0)
+#define JP_CAN_MAP_STATUS_IS_EXTENDED (0)
+#define JP_CAN_NAVIGATION_STATUS_IS_EXTENDED (0)
+#define JP_CAN_NAVIGATION_PROGRESS_IS_EXTENDED (0)
+#define JP_CAN_COURSE_LEG_IS_EXTENDED (0)
 #define JP_CAN_SIM_TIME_IS_EXTENDED (0)
 #define JP_CAN_SIM_DONE_IS_EXTENDED (0)
 
@@ -163,11 +187,16 @@ extern "C" {
 #define JP_CAN_CRASH_REPORT_CYCLE_TIME_MS (100u)
 #define JP_CAN_LEARNED_CYCLE_TIME_MS (1000u)
 #define JP_CAN_LEARNER_STATUS_CYCLE_TIME_MS (1000u)
+#define JP_CAN_MAP_STATUS_CYCLE_TIME_MS (100u)
+#define JP_CAN_NAVIGATION_STATUS_CYCLE_TIME_MS (100u)
+#define JP_CAN_NAVIGATION_PROGRESS_CYCLE_TIME_MS (100u)
+#define JP_CAN_COURSE_LEG_CYCLE_TIME_MS (25u)
 
 /* Signal choices. */
 #define JP_CAN_OPERATOR_COMMAND_MODE_OFF_CHOICE (0u)
 #define JP_CAN_OPERATOR_COMMAND_MODE_STAND_CHOICE (1u)
 #define JP_CAN_OPERATOR_COMMAND_MODE_DRIVE_CHOICE (2u)
+#define JP_CAN_OPERATOR_COMMAND_MODE_NAVIGATE_CHOICE (3u)
 
 #define JP_CAN_ECU_STATUS_STATE_IDLE_CHOICE (0u)
 #define JP_CAN_ECU_STATUS_STATE_BALANCING_CHOICE (1u)
@@ -178,6 +207,7 @@ extern "C" {
 #define JP_CAN_ECU_STATUS_MODE_OFF_CHOICE (0u)
 #define JP_CAN_ECU_STATUS_MODE_STAND_CHOICE (1u)
 #define JP_CAN_ECU_STATUS_MODE_DRIVE_CHOICE (2u)
+#define JP_CAN_ECU_STATUS_MODE_NAVIGATE_CHOICE (3u)
 
 #define JP_CAN_ECU_STATUS_OPERATOR_STATE_NONE_CHOICE (0u)
 #define JP_CAN_ECU_STATUS_OPERATOR_STATE_ALIVE_CHOICE (1u)
@@ -233,6 +263,48 @@ extern "C" {
 #define JP_CAN_LEARNER_STATUS_STORED_OTHER_TABLES_CHOICE (4u)
 #define JP_CAN_LEARNER_STATUS_STORED_DAMAGED_CHOICE (5u)
 
+#define JP_CAN_MAP_STATUS_STATE_NONE_CHOICE (0u)
+#define JP_CAN_MAP_STATUS_STATE_RECEIVING_CHOICE (1u)
+#define JP_CAN_MAP_STATUS_STATE_READY_CHOICE (2u)
+#define JP_CAN_MAP_STATUS_STATE_REJECTED_CHOICE (3u)
+
+#define JP_CAN_MAP_STATUS_REASON_NONE_CHOICE (0u)
+#define JP_CAN_MAP_STATUS_REASON_FORMAT_CHOICE (1u)
+#define JP_CAN_MAP_STATUS_REASON_MAP_CRC_CHOICE (2u)
+#define JP_CAN_MAP_STATUS_REASON_TOO_LARGE_CHOICE (3u)
+#define JP_CAN_MAP_STATUS_REASON_CELL_SIZE_CHOICE (4u)
+#define JP_CAN_MAP_STATUS_REASON_UNDER_WAY_CHOICE (5u)
+
+#define JP_CAN_NAVIGATION_STATUS_STATE_IDLE_CHOICE (0u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_PLANNING_CHOICE (1u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_PROVING_CHOICE (2u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_JOINING_CHOICE (3u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_TURNING_CHOICE (4u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_DRIVING_CHOICE (5u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_BRAKING_CHOICE (6u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_ARRIVED_CHOICE (7u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_UNREACHABLE_CHOICE (8u)
+#define JP_CAN_NAVIGATION_STATUS_STATE_FAILED_CHOICE (9u)
+
+#define JP_CAN_NAVIGATION_STATUS_REASON_NONE_CHOICE (0u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_TOLD_CHOICE (1u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_BLOCKED_CHOICE (2u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_ASTRAY_CHOICE (3u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_HEMMED_IN_CHOICE (4u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_MEMORY_CHOICE (5u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_NO_ROOM_CHOICE (6u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_TOO_LONG_CHOICE (7u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_VEHICLE_CHOICE (8u)
+#define JP_CAN_NAVIGATION_STATUS_REASON_MOTORS_OFF_CHOICE (9u)
+
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_NONE_CHOICE (0u)
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_TAKEN_CHOICE (1u)
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_NO_MAP_CHOICE (2u)
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_OTHER_MAP_CHOICE (3u)
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_OUTSIDE_CHOICE (4u)
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_BLOCKED_CHOICE (5u)
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_DRIVEN_CHOICE (6u)
+
 /* Frame Names. */
 #define JP_CAN_MOTOR_COMMAND_NAME "MotorCommand"
 #define JP_CAN_WHEEL_SENSORS_NAME "WheelSensors"
@@ -242,6 +314,10 @@ extern "C" {
 #define JP_CAN_ROUTE_OFFER_NAME "RouteOffer"
 #define JP_CAN_WAYPOINT_NAME "Waypoint"
 #define JP_CAN_GOAL_NAME "Goal"
+#define JP_CAN_MAP_OFFER_NAME "MapOffer"
+#define JP_CAN_MAP_DATA_NAME "MapData"
+#define JP_CAN_CELL_CHANGES_NAME "CellChanges"
+#define JP_CAN_MAP_GOAL_NAME "MapGoal"
 #define JP_CAN_ECU_STATUS_NAME "EcuStatus"
 #define JP_CAN_ECU_ERRORS_NAME "EcuErrors"
 #define JP_CAN_ECU_LOSSES_NAME "EcuLosses"
@@ -262,6 +338,10 @@ extern "C" {
 #define JP_CAN_CRASH_REPORT_NAME "CrashReport"
 #define JP_CAN_LEARNED_NAME "Learned"
 #define JP_CAN_LEARNER_STATUS_NAME "LearnerStatus"
+#define JP_CAN_MAP_STATUS_NAME "MapStatus"
+#define JP_CAN_NAVIGATION_STATUS_NAME "NavigationStatus"
+#define JP_CAN_NAVIGATION_PROGRESS_NAME "NavigationProgress"
+#define JP_CAN_COURSE_LEG_NAME "CourseLeg"
 #define JP_CAN_SIM_TIME_NAME "SimTime"
 #define JP_CAN_SIM_DONE_NAME "SimDone"
 
@@ -301,6 +381,29 @@ extern "C" {
 #define JP_CAN_GOAL_COUNTER_NAME "Counter"
 #define JP_CAN_GOAL_X_NAME "X"
 #define JP_CAN_GOAL_Y_NAME "Y"
+#define JP_CAN_MAP_OFFER_CRC_NAME "Crc"
+#define JP_CAN_MAP_OFFER_COUNTER_NAME "Counter"
+#define JP_CAN_MAP_OFFER_MAP_ID_NAME "MapId"
+#define JP_CAN_MAP_OFFER_BYTES_NAME "Bytes"
+#define JP_CAN_MAP_OFFER_MAP_CRC_NAME "MapCrc"
+#define JP_CAN_MAP_DATA_CRC_NAME "Crc"
+#define JP_CAN_MAP_DATA_COUNTER_NAME "Counter"
+#define JP_CAN_MAP_DATA_INDEX_NAME "Index"
+#define JP_CAN_MAP_DATA_DATA_NAME "Data"
+#define JP_CAN_CELL_CHANGES_CRC_NAME "Crc"
+#define JP_CAN_CELL_CHANGES_COUNTER_NAME "Counter"
+#define JP_CAN_CELL_CHANGES_MAP_ID_NAME "MapId"
+#define JP_CAN_CELL_CHANGES_COLUMN_NAME "Column"
+#define JP_CAN_CELL_CHANGES_ROW_NAME "Row"
+#define JP_CAN_CELL_CHANGES_CELLS_NAME "Cells"
+#define JP_CAN_MAP_GOAL_CRC_NAME "Crc"
+#define JP_CAN_MAP_GOAL_COUNTER_NAME "Counter"
+#define JP_CAN_MAP_GOAL_MAP_ID_NAME "MapId"
+#define JP_CAN_MAP_GOAL_GOAL_ID_NAME "GoalId"
+#define JP_CAN_MAP_GOAL_COLUMN_NAME "Column"
+#define JP_CAN_MAP_GOAL_ROW_NAME "Row"
+#define JP_CAN_MAP_GOAL_HAS_HEADING_NAME "HasHeading"
+#define JP_CAN_MAP_GOAL_HEADING_NAME "Heading"
 #define JP_CAN_ECU_STATUS_STATE_NAME "State"
 #define JP_CAN_ECU_STATUS_MODE_NAME "Mode"
 #define JP_CAN_ECU_STATUS_OPERATOR_STATE_NAME "OperatorState"
@@ -380,6 +483,30 @@ extern "C" {
 #define JP_CAN_LEARNER_STATUS_CAUSE_NAME "Cause"
 #define JP_CAN_LEARNER_STATUS_EVIDENCE_NAME "Evidence"
 #define JP_CAN_LEARNER_STATUS_STORED_NAME "Stored"
+#define JP_CAN_MAP_STATUS_MAP_ID_NAME "MapId"
+#define JP_CAN_MAP_STATUS_STATE_NAME "State"
+#define JP_CAN_MAP_STATUS_REASON_NAME "Reason"
+#define JP_CAN_MAP_STATUS_CELL_COUNTER_NAME "CellCounter"
+#define JP_CAN_MAP_STATUS_RECEIVED_NAME "Received"
+#define JP_CAN_MAP_STATUS_MAP_CRC_NAME "MapCrc"
+#define JP_CAN_NAVIGATION_STATUS_GOAL_ID_NAME "GoalId"
+#define JP_CAN_NAVIGATION_STATUS_STATE_NAME "State"
+#define JP_CAN_NAVIGATION_STATUS_REASON_NAME "Reason"
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_NAME "Answer"
+#define JP_CAN_NAVIGATION_STATUS_HAS_COURSE_NAME "HasCourse"
+#define JP_CAN_NAVIGATION_STATUS_VEHICLE_STATUS_NAME "VehicleStatus"
+#define JP_CAN_NAVIGATION_STATUS_REPLANS_NAME "Replans"
+#define JP_CAN_NAVIGATION_STATUS_COURSE_NAME "Course"
+#define JP_CAN_NAVIGATION_STATUS_LEGS_LEFT_NAME "LegsLeft"
+#define JP_CAN_NAVIGATION_PROGRESS_DISTANCE_NAME "Distance"
+#define JP_CAN_NAVIGATION_PROGRESS_DURATION_NAME "Duration"
+#define JP_CAN_NAVIGATION_PROGRESS_ENERGY_NAME "Energy"
+#define JP_CAN_NAVIGATION_PROGRESS_DEVIATION_NAME "Deviation"
+#define JP_CAN_COURSE_LEG_COURSE_NAME "Course"
+#define JP_CAN_COURSE_LEG_AFTER_NAME "After"
+#define JP_CAN_COURSE_LEG_IS_STOP_NAME "IsStop"
+#define JP_CAN_COURSE_LEG_X_NAME "X"
+#define JP_CAN_COURSE_LEG_Y_NAME "Y"
 #define JP_CAN_SIM_TIME_TICK_NAME "Tick"
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
 #define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
@@ -609,16 +736,16 @@ struct jp_can_operator_command_t {
     uint8_t counter;
 
     /**
-     * Stand is obeyed at once, Off and Drive when three follow each other without a gap. Stand stops a driving robot whatever its Counter, so from any node; three Drives follow each other only with no Stand between them. A route is driven once.
+     * Stand is obeyed at once, Off, Drive and Navigate when three follow each other without a gap. Stand stops a driving robot whatever its Counter, so from any node; three of the others follow each other only with no Stand between them. A route, or a goal on the map, is driven once; Navigate ends a route, and Drive the way to such a goal.
      *
-     * Range: 0..2 (0..2 -)
+     * Range: 0..3 (0..3 -)
      * Scale: 1
      * Offset: 0
      */
     uint8_t mode;
 
     /**
-     * The route to drive; 0 is the last Goal.
+     * Drive: the route to drive; 0 is the last Goal. Navigate: GoalId of the MapGoal.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
@@ -772,6 +899,245 @@ struct jp_can_goal_t {
 };
 
 /**
+ * Signals in message MapOffer.
+ *
+ * Announces a map, where the ECU has a navigator; MapData follows, from the byte that MapStatus asks for. The same offer again changes nothing. Another one replaces the map; while the navigator is under way it is refused.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_map_offer_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * 1 to 15.
+     *
+     * Range: 1..15 (1..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t map_id;
+
+    /**
+     * Of the stream.
+     *
+     * Range: 22..65535 (22..65535 byte)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t bytes;
+
+    /**
+     * CRC-32 (zlib) of the stream.
+     *
+     * Range: 0..4294967295 (0..4294967295 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t map_crc;
+};
+
+/**
+ * Signals in message MapData.
+ *
+ * The next five bytes of the stream, the last ones filled up with 0. Taken if it is the frame that MapStatus asks for, else not.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_map_data_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Low 12 bits of the frame's number, from 0.
+     *
+     * Range: 0..4095 (0..4095 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t index;
+
+    /**
+     * First byte lowest. The stream, little-endian: width and height in cells (16 bits each); side of a cell in 2^-16 m (32); where the robot was switched on, on the map: X and Y in 2^-16 m from its south-west corner, heading left of X in 2^-32 turn (32 each); 1 if the robot may drive over unknown cells, else 0 (8). Then rows of cells, south first, west first. 0 to 127: so many rows and one more are as the row before. 128: the row's cells follow, four a byte, lowest bits first. 129: runs follow until the row is full, each 64 times what its cells are plus their number less 1. Cells: 0 free, 1 occupied, 2 unknown. Before the first row all is unknown.
+     *
+     * Range: 0..1099511627775 (0..1099511627775 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint64_t data;
+};
+
+/**
+ * Signals in message CellChanges.
+ *
+ * What a sensor sees otherwise than the map: up to 12 cells of a row. Each valid one is taken at once; MapStatus tells the Counter up to which none is missing, and those after it are to be sent again.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_cell_changes_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Of the map that is meant.
+     *
+     * Range: 1..15 (1..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t map_id;
+
+    /**
+     * Of the first cell, from the west.
+     *
+     * Range: 0..4095 (0..4095 cell)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t column;
+
+    /**
+     * From the south.
+     *
+     * Range: 0..4095 (0..4095 cell)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t row;
+
+    /**
+     * Two bits a cell, first cell lowest: 0 free, 1 occupied, 2 unknown, 3 as it was.
+     *
+     * Range: 0..16777215 (0..16777215 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t cells;
+};
+
+/**
+ * Signals in message MapGoal.
+ *
+ * A place on the map, sent until NavigationStatus names it, that Navigate with its GoalId drives to.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_map_goal_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Of the map that is meant.
+     *
+     * Range: 1..15 (1..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t map_id;
+
+    /**
+     * 1 to 255, another one than that of the last goal.
+     *
+     * Range: 1..255 (1..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t goal_id;
+
+    /**
+     * Range: 0..4095 (0..4095 cell)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t column;
+
+    /**
+     * Range: 0..4095 (0..4095 cell)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t row;
+
+    /**
+     * 0: any heading.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t has_heading;
+
+    /**
+     * Left of the map's X; the nearest of the lattice's.
+     *
+     * Range: -2048..2047 (-0.5..0.49976 turn)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    int16_t heading;
+};
+
+/**
  * Signals in message EcuStatus.
  *
  * Heartbeat.
@@ -791,7 +1157,7 @@ struct jp_can_ecu_status_t {
     /**
      * The command obeyed.
      *
-     * Range: 0..2 (0..2 -)
+     * Range: 0..3 (0..3 -)
      * Scale: 1
      * Offset: 0
      */
@@ -1610,6 +1976,246 @@ struct jp_can_learner_status_t {
      * Offset: 0
      */
     uint8_t stored;
+};
+
+/**
+ * Signals in message MapStatus.
+ *
+ * Of the ECU's map. This and the three that follow are sent where the ECU has a navigator.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_map_status_t {
+    /**
+     * Of the map that is received or there; 0: none.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t map_id;
+
+    /**
+     * What there is of it.
+     *
+     * Range: 0..3 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t state;
+
+    /**
+     * Why the last offer or its map was refused.
+     *
+     * Range: 0..5 (0..5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t reason;
+
+    /**
+     * Counter of the last CellChanges before which none is missing.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t cell_counter;
+
+    /**
+     * MapData taken: number of the frame that is to come.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t received;
+
+    /**
+     * As offered.
+     *
+     * Range: 0..4294967295 (0..4294967295 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t map_crc;
+};
+
+/**
+ * Signals in message NavigationStatus.
+ *
+ * What the navigator does and why.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_navigation_status_t {
+    /**
+     * Of the last MapGoal; 0: none.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t goal_id;
+
+    /**
+     * Range: 0..9 (0..9 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t state;
+
+    /**
+     * Range: 0..9 (0..9 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t reason;
+
+    /**
+     * What became of it.
+     *
+     * Range: 0..6 (0..6 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t answer;
+
+    /**
+     * 1: NavigationProgress and CourseLeg are of the way to the goal.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t has_course;
+
+    /**
+     * enum jp_status of the robot where it gave up; 0 is ok.
+     *
+     * Range: -128..127 (-128..127 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    int8_t vehicle_status;
+
+    /**
+     * Plans after the first, up to 255.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t replans;
+
+    /**
+     * One more with each course, wrapping.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t course;
+
+    /**
+     * Of the course, with the one that is driven.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t legs_left;
+};
+
+/**
+ * Signals in message NavigationProgress.
+ *
+ * What is left to the goal, or to the end of the course; each stops at its maximum.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_navigation_progress_t {
+    /**
+     * Range: 0..65535 (0..1023.98438 m)
+     * Scale: 0.015625
+     * Offset: 0
+     */
+    uint16_t distance;
+
+    /**
+     * Range: 0..65535 (0..4095.9375 s)
+     * Scale: 0.0625
+     * Offset: 0
+     */
+    uint16_t duration;
+
+    /**
+     * As EnergySpent counts.
+     *
+     * Range: 0..262143 (0..32767.875 J)
+     * Scale: 0.125
+     * Offset: 0
+     */
+    uint32_t energy;
+
+    /**
+     * Standard deviation of Energy.
+     *
+     * Range: 0..16383 (0..2047.875 J)
+     * Scale: 0.125
+     * Offset: 0
+     */
+    uint16_t deviation;
+};
+
+/**
+ * Signals in message CourseLeg.
+ *
+ * A leg that is left of the course, one after the other.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_course_leg_t {
+    /**
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t course;
+
+    /**
+     * Legs after it; 0: it is the last.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t after;
+
+    /**
+     * 1: the robot stands at its end.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t is_stop;
+
+    /**
+     * Of its end, from the map's south-west corner.
+     *
+     * Range: 0..65535 (0..511.99219 m)
+     * Scale: 0.0078125
+     * Offset: 0
+     */
+    uint16_t x;
+
+    /**
+     * Range: 0..65535 (0..511.99219 m)
+     * Scale: 0.0078125
+     * Offset: 0
+     */
+    uint16_t y;
 };
 
 /**
@@ -2736,6 +3342,660 @@ bool jp_can_goal_y_is_in_range(int32_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_goal_y_is_in_phys_range(double value);
+
+/**
+ * Pack message MapOffer.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_map_offer_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_offer_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message MapOffer.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_map_offer_unpack(
+    struct jp_can_map_offer_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from MapOffer.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_map_offer_init(struct jp_can_map_offer_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_map_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_map_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_bytes_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_bytes_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_map_crc_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_offer_map_crc_is_in_phys_range(double value);
+
+/**
+ * Pack message MapData.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_map_data_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_data_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message MapData.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_map_data_unpack(
+    struct jp_can_map_data_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from MapData.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_map_data_init(struct jp_can_map_data_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_data_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_data_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_data_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_data_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_data_index_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_data_index_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_data_data_is_in_range(uint64_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_data_data_is_in_phys_range(double value);
+
+/**
+ * Pack message CellChanges.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_cell_changes_pack(
+    uint8_t *dst_p,
+    const struct jp_can_cell_changes_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message CellChanges.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_cell_changes_unpack(
+    struct jp_can_cell_changes_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from CellChanges.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_cell_changes_init(struct jp_can_cell_changes_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_map_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_map_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_column_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_column_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_row_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_row_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_cells_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_cell_changes_cells_is_in_phys_range(double value);
+
+/**
+ * Pack message MapGoal.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_map_goal_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_goal_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message MapGoal.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_map_goal_unpack(
+    struct jp_can_map_goal_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from MapGoal.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_map_goal_init(struct jp_can_map_goal_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_map_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_map_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_goal_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_goal_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_column_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_column_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_row_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_row_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_has_heading_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_has_heading_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_heading_is_in_range(int16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_goal_heading_is_in_phys_range(double value);
 
 /**
  * Pack message EcuStatus.
@@ -5214,6 +6474,682 @@ bool jp_can_learner_status_stored_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_learner_status_stored_is_in_phys_range(double value);
+
+/**
+ * Pack message MapStatus.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_map_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_status_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message MapStatus.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_map_status_unpack(
+    struct jp_can_map_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from MapStatus.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_map_status_init(struct jp_can_map_status_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_map_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_map_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_state_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_state_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_reason_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_reason_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_cell_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_cell_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_received_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_received_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_map_crc_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_status_map_crc_is_in_phys_range(double value);
+
+/**
+ * Pack message NavigationStatus.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_navigation_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_navigation_status_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message NavigationStatus.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_navigation_status_unpack(
+    struct jp_can_navigation_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from NavigationStatus.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_navigation_status_init(struct jp_can_navigation_status_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_goal_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_goal_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_state_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_state_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_reason_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_reason_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_answer_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_answer_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_has_course_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_has_course_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_vehicle_status_is_in_range(int8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_vehicle_status_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_replans_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_replans_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_course_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_course_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_legs_left_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_legs_left_is_in_phys_range(double value);
+
+/**
+ * Pack message NavigationProgress.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_navigation_progress_pack(
+    uint8_t *dst_p,
+    const struct jp_can_navigation_progress_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message NavigationProgress.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_navigation_progress_unpack(
+    struct jp_can_navigation_progress_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from NavigationProgress.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_navigation_progress_init(struct jp_can_navigation_progress_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_progress_distance_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_progress_distance_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_progress_duration_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_progress_duration_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_progress_energy_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_progress_energy_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_progress_deviation_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_progress_deviation_is_in_phys_range(double value);
+
+/**
+ * Pack message CourseLeg.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_course_leg_pack(
+    uint8_t *dst_p,
+    const struct jp_can_course_leg_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message CourseLeg.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_course_leg_unpack(
+    struct jp_can_course_leg_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from CourseLeg.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_course_leg_init(struct jp_can_course_leg_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_course_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_course_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_after_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_after_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_is_stop_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_is_stop_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_x_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_x_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_y_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_course_leg_y_is_in_phys_range(double value);
 
 /**
  * Pack message SimTime.

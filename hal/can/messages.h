@@ -23,7 +23,11 @@ enum jp_data_id {
     JP_DATA_ID_OPERATOR_COMMAND = 0x4F,
     JP_DATA_ID_ROUTE_OFFER = 0x52,
     JP_DATA_ID_WAYPOINT = 0x57,
-    JP_DATA_ID_GOAL = 0x47
+    JP_DATA_ID_GOAL = 0x47,
+    JP_DATA_ID_MAP_OFFER = 0x41,
+    JP_DATA_ID_MAP_DATA = 0x44,
+    JP_DATA_ID_CELL_CHANGES = 0x43,
+    JP_DATA_ID_MAP_GOAL = 0x4E
 };
 
 /** Frames of a sample, in the order in which they are sent. */

@@ -22,6 +22,12 @@ static void confirm(struct jp_operator_link *link, uint8_t before, enum jp_opera
     link->heard_route = route;
 }
 
+/** Whether the robot may move in a mode. */
+static bool is_moving(enum jp_operator_mode mode)
+{
+    return mode == JP_MODE_DRIVE || mode == JP_MODE_NAVIGATE;
+}
+
 static void obey(struct jp_operator_link *link)
 {
     const bool confirmed = link->confirmations >= JP_OPERATOR_CONFIRMATIONS;
@@ -32,9 +38,8 @@ static void obey(struct jp_operator_link *link)
     } else if (link->heard == JP_MODE_OFF && confirmed) {
         link->mode = JP_MODE_OFF;
         link->state = JP_OPERATOR_ALIVE;
-    } else if (link->heard == JP_MODE_DRIVE && confirmed && link->state == JP_OPERATOR_ALIVE &&
-               link->mode != JP_MODE_OFF) {
-        link->mode = JP_MODE_DRIVE;
+    } else if (is_moving(link->heard) && confirmed && link->state == JP_OPERATOR_ALIVE && link->mode != JP_MODE_OFF) {
+        link->mode = link->heard;
         link->route = link->heard_route;
     }
 }
@@ -44,7 +49,7 @@ static void obey_stop(struct jp_operator_link *link, const struct jp_can_operato
 {
     if (signals->mode == JP_MODE_STAND) {
         link->confirmations = 0;
-        link->mode = link->mode == JP_MODE_DRIVE ? JP_MODE_STAND : link->mode;
+        link->mode = is_moving(link->mode) ? JP_MODE_STAND : link->mode;
     }
 }
 
@@ -86,7 +91,7 @@ bool jp_operator_link_pass(struct jp_operator_link *link, uint32_t ticks)
     }
     link->state = JP_OPERATOR_LOST;
     link->confirmations = 0;
-    if (link->mode == JP_MODE_DRIVE) {
+    if (is_moving(link->mode)) {
         link->mode = JP_MODE_STAND;
     }
     return true;

@@ -1,12 +1,13 @@
 /**
  * Whoever commands the robot: listens to OperatorCommand and notices when it falls silent.
  *
- * Stand is obeyed at once. Off and Drive are obeyed when JP_OPERATOR_CONFIRMATIONS of them follow each other without a
- * gap, so that no corrupt or late frame switches the motors off or sets the robot moving. After Off and after a silence
- * Drive is obeyed only once a valid Stand has come.
+ * Stand is obeyed at once. Off, Drive and Navigate are obeyed when JP_OPERATOR_CONFIRMATIONS of them follow each other
+ * without a gap, so that no corrupt or late frame switches the motors off or sets the robot moving. After Off and after
+ * a silence Drive and Navigate are obeyed only once a valid Stand has come.
  *
- * Anybody may stop the robot: a Stand whose counter does not follow that of the operator stops it, too, and Drive is
- * then obeyed only when JP_OPERATOR_CONFIRMATIONS of them follow each other with no Stand of anybody between them.
+ * Anybody may stop the robot: a Stand whose counter does not follow that of the operator stops it, too, and Drive and
+ * Navigate are then obeyed only when JP_OPERATOR_CONFIRMATIONS of them follow each other with no Stand of anybody
+ * between them.
  */
 #ifndef JOULEPATH_HAL_CAN_OPERATOR_LINK_H
 #define JOULEPATH_HAL_CAN_OPERATOR_LINK_H
@@ -23,7 +24,7 @@ extern "C" {
 #define JP_OPERATOR_TIMEOUT_MS 500U
 
 /** Values of Mode in joulepath.dbc. */
-enum jp_operator_mode { JP_MODE_OFF, JP_MODE_STAND, JP_MODE_DRIVE };
+enum jp_operator_mode { JP_MODE_OFF, JP_MODE_STAND, JP_MODE_DRIVE, JP_MODE_NAVIGATE };
 
 /** Values of Operator in joulepath.dbc. */
 enum jp_operator_state { JP_OPERATOR_NONE, JP_OPERATOR_ALIVE, JP_OPERATOR_LOST };
@@ -32,7 +33,7 @@ struct jp_operator_link {
     struct jp_e2e_receiver receiver;
     enum jp_operator_state state;
     enum jp_operator_mode mode; /**< obeyed now */
-    uint8_t route;              /**< that Drive means */
+    uint8_t route;              /**< that Drive means, or goal that Navigate means */
     enum jp_operator_mode heard;
     uint8_t heard_route;
     uint8_t confirmations; /**< commands of this mode and route in a row, up to JP_OPERATOR_CONFIRMATIONS */

@@ -20,4 +20,10 @@
 #define FIRMWARE_LEARNING ROBOT_SYMBOL(jp_learning_, FIRMWARE_ROBOT_NAME)
 #endif
 
+/** It finds its way if there are tables for that: likewise. */
+#ifdef FIRMWARE_NAVIGATES
+#define FIRMWARE_LATTICE    ROBOT_SYMBOL(jp_lattice_, FIRMWARE_ROBOT_NAME)
+#define FIRMWARE_NAVIGATION ROBOT_SYMBOL(jp_navigation_, FIRMWARE_ROBOT_NAME)
+#endif
+
 #endif

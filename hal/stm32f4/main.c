@@ -2,12 +2,13 @@
  * The firmware of one robot on the STM32F405.
  *
  *   control interrupt  every 1 ms: sample in, duties out, telemetry            jp_ecu_tick()
- *   main loop          after each tick: commands, routes, planning             jp_ecu_work()
+ *   main loop          after each tick: commands, routes, maps, planning       jp_ecu_work()
  *
  * The operator is on CAN or, where the controller for it has no bus, on the serial line as SLCAN. With the strap set
  * sensors and bridges are simulated there too: on CAN in real time, on the serial line in lockstep.
  */
 #include "hal/app/lockstep.h"
+#include "hal/app/navigation_memory.h"
 #include "hal/stm32f4/cortex_m.h"
 #include "hal/stm32f4/devices.h"
 #include "hal/stm32f4/fault.h"
@@ -38,6 +39,11 @@ static struct jp_flash flash;
 static struct jp_store store;
 static struct jp_parameters parameters; /**< as stored */
 static enum jp_stored stored;           /**< what the start found of them */
+#ifdef FIRMWARE_NAVIGATES
+static struct jp_navigation navigation;
+static struct jp_navigation_block planner_block;
+__attribute__((section(".ccm"))) static struct jp_navigation_ground ground;
+#endif
 __attribute__((section(".noinit"))) static struct jp_retained retained;
 
 /** Control ticks since the start; written by the control interrupt. */
@@ -187,6 +193,18 @@ static void start_learning(void)
 #endif
 }
 
+/** As start_learning(). */
+static void start_navigating(void)
+{
+#ifdef FIRMWARE_NAVIGATES
+    const struct jp_navigation_config config =
+        jp_navigation_config_of(&FIRMWARE_LATTICE, &FIRMWARE_NAVIGATION, &ground, &planner_block);
+    const char *field;
+
+    (void)jp_lockstep_navigate(&node, &navigation, &config, &field);
+#endif
+}
+
 static bool start_application(void)
 {
     const char *field;
@@ -203,6 +221,7 @@ static bool start_application(void)
         return false;
     }
     start_learning();
+    start_navigating();
     if (!has_simulated_body()) {
         const struct jp_hal hal = jp_devices_hal(&devices);
 

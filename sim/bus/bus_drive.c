@@ -17,11 +17,29 @@ static uint32_t time_ms(const struct bus_drive *drive)
     return (uint32_t)((uint64_t)drive->tick * 1000U / (uint64_t)drive->plant.world.robot.control.rate_hz);
 }
 
+static void operator_hears(struct bus_drive *drive, const struct jp_can_frame *frame)
+{
+    if (drive->navigation != NULL) {
+        jp_navigation_operator_accept(drive->navigation, frame);
+    } else {
+        jp_operator_accept(&drive->commander, frame);
+    }
+}
+
+static void operator_speaks(struct bus_drive *drive)
+{
+    if (drive->navigation != NULL) {
+        jp_navigation_operator_tick(drive->navigation, time_ms(drive), &drive->link.port);
+    } else {
+        jp_operator_tick(&drive->commander, time_ms(drive), &drive->link.port);
+    }
+}
+
 static void take(struct bus_drive *drive, const struct jp_can_frame *frame)
 {
     (void)plant_node_accept(&drive->plant, frame);
     if (!drive->conditions.operator_silent) {
-        jp_operator_accept(&drive->commander, frame);
+        operator_hears(drive, frame);
     }
     ecu_view_accept(&drive->view, frame);
 }
@@ -97,7 +115,7 @@ bool bus_drive_lockstep(struct bus_drive *drive)
         return false;
     }
     if (!drive->conditions.operator_silent) {
-        jp_operator_tick(&drive->commander, time_ms(drive), &drive->link.port);
+        operator_speaks(drive);
     }
     if (!drive->conditions.plant_paused) {
         plant_node_sense(&drive->plant, &drive->link.port);
@@ -122,6 +140,6 @@ void bus_drive_real_time(struct bus_drive *drive)
     }
     step(drive);
     drive->tick++;
-    jp_operator_tick(&drive->commander, time_ms(drive), &link->port);
+    operator_speaks(drive);
     plant_node_sense(&drive->plant, &link->port);
 }

@@ -7,7 +7,7 @@
 #ifndef JOULEPATH_SIM_BUS_BUS_DRIVE_H
 #define JOULEPATH_SIM_BUS_BUS_DRIVE_H
 
-#include "hal/app/operator.h"
+#include "hal/app/navigation_operator.h"
 #include "hal/linux/can_link.h"
 #include "sim/bus/ecu_view.h"
 #include "sim/bus/plant_node.h"
@@ -27,6 +27,7 @@ struct bus_drive {
     struct jp_can_link link;
     struct plant_node plant;
     struct jp_operator commander;
+    struct jp_navigation_operator *navigation; /**< commands in its place; NULL: nobody does */
     struct ecu_view view;
     struct bus_drive_conditions conditions;
     unsigned patience; /**< s of the wall's clock after which an ECU that does not answer in lockstep counts as gone */

@@ -38,6 +38,23 @@ static bool learn(struct ecu_node *node, const struct robot_entry *entry, const 
     return true;
 }
 
+static bool navigate(struct ecu_node *node, const struct robot_entry *entry)
+{
+    const char *field = "";
+
+    if (entry->navigation == NULL || entry->lattice == NULL) {
+        return true;
+    }
+    const struct jp_navigation_config config =
+        jp_navigation_config_of(entry->lattice, entry->navigation, &node->ground, &node->block);
+
+    if (jp_lockstep_navigate(&node->lockstep, &node->navigation, &config, &field) != JP_OK) {
+        error_line("%s: %s is out of range; run make lattice ROBOT=%s", entry->name, field, entry->name);
+        return false;
+    }
+    return true;
+}
+
 /** A place that cannot be written to shows now, not when there is something to keep. */
 static bool open_parameters(struct ecu_node *node, const struct jp_robot_config *config, enum jp_stored *stored)
 {
@@ -57,7 +74,7 @@ bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const
     if (parameters != NULL && !open_parameters(node, entry->config, &stored)) {
         return false;
     }
-    return boot(node, entry, model, bus, retained) && learn(node, entry, model, stored);
+    return boot(node, entry, model, bus, retained) && learn(node, entry, model, stored) && navigate(node, entry);
 }
 
 static bool keep(struct ecu_node *node)

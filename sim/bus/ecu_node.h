@@ -3,6 +3,7 @@
 #define JOULEPATH_SIM_BUS_ECU_NODE_H
 
 #include "hal/app/lockstep.h"
+#include "hal/app/navigation_memory.h"
 #include "hal/linux/can_link.h"
 #include "sim/balancer/robots.h"
 
@@ -11,13 +12,17 @@ struct ecu_node {
     struct jp_retained own_record;   /**< where no other is given */
     struct jp_parameters parameters; /**< what power-off leaves */
     const char *path;                /**< of the file that keeps them; NULL: they end with the process */
-    bool ran;                        /**< the motors did at the last look */
+    struct jp_navigation navigation; /**< where the robot has tables for it */
+    struct jp_navigation_ground ground;
+    struct jp_navigation_block block;
+    bool ran; /**< the motors did at the last look */
 };
 
 /**
  * Boots. retained NULL: a record of its own, empty. `parameters` is the path of a file that keeps what is learned,
- * NULL: none. It learns when the robot has tables for this model. Prints one line on stderr and returns false when
- * configuration or model are refused or the file cannot be read. A node must not be moved after it.
+ * NULL: none. It learns when the robot has tables for this model, and navigates when it has some for that. Prints one
+ * line on stderr and returns false when configuration or model are refused or the file cannot be read. A node must not
+ * be moved after it.
  */
 bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
                    const struct jp_can_port *bus, struct jp_retained *retained, const char *parameters);

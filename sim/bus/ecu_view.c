@@ -28,6 +28,10 @@ void ecu_view_accept(struct ecu_view *view, const struct jp_can_frame *frame)
         TAKE(segment_result, SEGMENT_RESULT, segment_result, view->segment_ended = true);
         TAKE(learned, LEARNED, learned, (void)0);
         TAKE(learner_status, LEARNER_STATUS, learner, (void)0);
+        TAKE(map_status, MAP_STATUS, map, (void)0);
+        TAKE(navigation_status, NAVIGATION_STATUS, navigation, (void)0);
+        TAKE(navigation_progress, NAVIGATION_PROGRESS, left, view->left_told = true);
+        TAKE(course_leg, COURSE_LEG, leg, view->leg_told = true);
     default:
         break;
     }

@@ -24,10 +24,16 @@ struct ecu_view {
     struct jp_can_segment_result_t segment_result;
     struct jp_can_learned_t learned;
     struct jp_can_learner_status_t learner;
+    struct jp_can_map_status_t map;
+    struct jp_can_navigation_status_t navigation;
+    struct jp_can_navigation_progress_t left;
+    struct jp_can_course_leg_t leg;
     bool heard;           /**< a status came */
     bool segment_begins;  /**< event: SegmentMotion came */
     bool segment_planned; /**< event: SegmentForecast came, the last of a plan */
     bool segment_ended;   /**< event: SegmentResult came */
+    bool left_told;       /**< event: NavigationProgress came */
+    bool leg_told;        /**< event: CourseLeg came */
 };
 
 /** Takes a frame; those of others, and of a wrong length, are ignored. */

@@ -91,6 +91,13 @@ static json_t *json_skid_steer(const struct skid_steer_model *model)
                      model->lattice.distance_j_per_m);
 }
 
+/* Of the margin that the lattice sweeps, half is what the robot may leave its trajectory by. */
+static json_t *json_navigation(const struct lattice_robot *robot)
+{
+    return json_pack("{s:f, s:f}", "radius_m", hypot(robot->length_m, robot->width_m) / 2, "margin_m",
+                     robot->balancer.file.navigation.margin_m / 2);
+}
+
 json_t *lattice_to_json(const struct lattice *lattice)
 {
     json_t *primitives = json_array();
@@ -115,6 +122,9 @@ json_t *lattice_to_json(const struct lattice *lattice)
                              footprint, "reach", reach, "core", json_cells(lattice->core), "costs", costs);
     if (lattice->robot->skid_steer.body.mass_kg > 0) {
         (void)json_object_set_new(root, "skid_steer", json_skid_steer(&lattice->robot->skid_steer));
+    }
+    if (lattice->robot->radius_m > 0) {
+        (void)json_object_set_new(root, "navigation", json_navigation(lattice->robot));
     }
     return root;
 }

@@ -2,6 +2,7 @@
 
 #include <jp_energy_t.h>
 #include <jp_identification_t.h>
+#include <jp_navigation_t.h>
 #include <jp_plan_t.h>
 #include <jp_state_t.h>
 #include <math.h>
@@ -288,6 +289,40 @@ static void take_parameter(struct lcm_telemetry *telemetry, const struct jp_can_
     }
 }
 
+/* The navigator. */
+
+static void publish_navigation(struct lcm_telemetry *telemetry, uint64_t time_us)
+{
+    const struct jp_can_navigation_status_t *status = &telemetry->view.navigation;
+    const struct jp_can_navigation_progress_t *left = &telemetry->view.left;
+    struct jp_point ends[COURSE_VIEW_LEGS];
+    jp_point_t legs[COURSE_VIEW_LEGS];
+    uint8_t message[MESSAGE_SIZE];
+    const unsigned count = course_view_read(&telemetry->course, status, ends);
+
+    for (unsigned i = 0; i < count; i++) {
+        legs[i] = (jp_point_t){.x = value(ends[i].x, 16), .y = value(ends[i].y, 16)};
+    }
+    const jp_navigation_t navigation = {.utime = (int64_t)time_us,
+                                        .map_state = (int8_t)telemetry->view.map.state,
+                                        .map_id = telemetry->view.map.map_id,
+                                        .goal_id = status->goal_id,
+                                        .answer = (int8_t)status->answer,
+                                        .state = (int8_t)status->state,
+                                        .reason = (int8_t)status->reason,
+                                        .vehicle_status = status->vehicle_status,
+                                        .replans = status->replans,
+                                        .course = status->course,
+                                        .distance = value(left->distance, 6),
+                                        .duration = value(left->duration, 4),
+                                        .energy = value((int64_t)left->energy, 3),
+                                        .deviation = value(left->deviation, 3),
+                                        .leg_count = (int32_t)count,
+                                        .legs = legs};
+
+    publish(telemetry, "JP_NAVIGATION", message, jp_navigation_t_encode(message, 0, sizeof message, &navigation));
+}
+
 /* What operators send. */
 
 static void take_operator_command(struct lcm_telemetry *telemetry, const struct jp_can_frame *frame)
@@ -335,6 +370,12 @@ static void take_robot_frame(struct lcm_telemetry *telemetry, const struct jp_ca
         break;
     case JP_CAN_SEGMENT_RESULT_FRAME_ID:
         take_segment_result(telemetry, time_us);
+        break;
+    case JP_CAN_NAVIGATION_PROGRESS_FRAME_ID:
+        publish_navigation(telemetry, time_us);
+        break;
+    case JP_CAN_COURSE_LEG_FRAME_ID:
+        course_view_take(&telemetry->course, &telemetry->view.leg);
         break;
     default:
         break;

@@ -1,6 +1,6 @@
 /**
- * What the robot says on CAN, said again over LCM: JP_STATE, JP_PLAN, JP_ENERGY and JP_IDENTIFICATION, in the types of
- * sim/lcm. The frames of operators are heard too, so that a plan tells which route it belongs to.
+ * What the robot says on CAN, said again over LCM: JP_STATE, JP_PLAN, JP_ENERGY, JP_IDENTIFICATION and JP_NAVIGATION,
+ * in the types of sim/lcm. The frames of operators are heard too, so that a plan tells which route it belongs to.
  */
 #ifndef JOULEPATH_SIM_LCM_LCM_TELEMETRY_H
 #define JOULEPATH_SIM_LCM_LCM_TELEMETRY_H
@@ -10,6 +10,7 @@
 #include <lcm/lcm.h>
 
 #include "hal/app/operator.h"
+#include "sim/bus/course_view.h"
 #include "sim/bus/ecu_view.h"
 
 /** Segment numbers are of 8 bits, from 1. */
@@ -41,6 +42,8 @@ struct lcm_telemetry {
     int16_t ended;
     jp_residual_t residuals[LCM_SEGMENTS_MAX]; /**< of those that ended */
     double last_drawn;                         /**< by the last segment that ended, J */
+
+    struct course_view course;
 
     double parameters[LCM_PARAMETERS];
     uint32_t parameters_heard; /**< a bit for each */

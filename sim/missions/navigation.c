@@ -6,14 +6,10 @@
 
 #include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
+#include "sim/missions/navigation_sight.h"
 
-#define Q16     65536.0
-#define TURN    4294967296.0
-#define PI      3.14159265358979323846
-#define JOULE   4294967296.0
-#define RADIANS (2 * PI / TURN)
-
-#define LEGS 96
+#define Q16   65536.0
+#define JOULE 4294967296.0
 
 /** Of the planner's block. */
 #define ALIGNMENT 8
@@ -32,10 +28,6 @@
 /** The robot stands before it is told where to go, s. */
 #define STAND_SECONDS 2.0
 
-/** Clearances are told up to it, m, in such steps. */
-#define CLEARANCE_MAX  0.25
-#define CLEARANCE_STEP 0.005
-
 struct navigation {
     const struct navigation_task *task;
     struct navigation_result *result;
@@ -45,7 +37,7 @@ struct navigation {
     struct jp_vehicle vehicle;
     struct jp_planner planner;
     struct jp_navigator navigator;
-    struct jp_course_leg legs[LEGS];
+    struct jp_course_leg legs[NAVIGATION_LEGS];
     void *reach;
     size_t reach_size;
     struct clearance_robot body;
@@ -55,25 +47,6 @@ struct navigation {
     bool has_forecast;
     bool has_new_course;
 };
-
-const char *navigation_state_name(enum jp_navigator_state state)
-{
-    static const char *const names[] = {"idle",    "planning", "proving", "joining",     "turning",
-                                        "driving", "braking",  "arrived", "unreachable", "failed"};
-    return names[state];
-}
-
-const char *navigation_reason_name(enum jp_navigator_reason reason)
-{
-    static const char *const names[] = {"-",         "told to stop", "blocked ahead",   "astray",        "hemmed in",
-                                        "no memory", "no room",      "course too long", "robot gave up", "motors off"};
-    return names[reason];
-}
-
-static double cell_of(const struct navigation *navigation)
-{
-    return navigation->task->map->config.resolution / Q16;
-}
 
 static double joules_of(const struct navigation *navigation)
 {
@@ -85,94 +58,45 @@ static double joules_of(const struct navigation *navigation)
 /** Where the robot truly is. */
 static struct clearance_pose pose_of(const struct navigation *navigation)
 {
-    const struct plant *plant = &navigation->rig.world.plant;
-    const double c = cos(navigation->start.heading);
-    const double s = sin(navigation->start.heading);
-
-    return (struct clearance_pose){navigation->start.x + plant->x * c - plant->y * s,
-                                   navigation->start.y + plant->x * s + plant->y * c,
-                                   navigation->start.heading + plant->state.yaw};
-}
-
-static bool is_seen(const struct navigation *navigation, const struct clearance_pose *from, int x, int y)
-{
-    const double cell = cell_of(navigation);
-    const double dx = (x + 0.5) * cell - from->x;
-    const double dy = (y + 0.5) * cell - from->y;
-    const int steps = (int)ceil(2 * hypot(dx, dy) / cell);
-
-    for (int i = 1; i < steps; i++) {
-        const int u = (int)floor((from->x + dx * i / steps) / cell);
-        const int v = (int)floor((from->y + dy * i / steps) / cell);
-
-        if ((u != x || v != y) && jp_terrain_cell(navigation->task->world, u, v) == JP_CELL_OCCUPIED) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static void note_sight(struct navigation *navigation, int x, int y)
-{
-    const struct navigation_task *task = navigation->task;
-    const struct navigation_sight sight = {x, y, navigation->result->seconds};
-
-    navigation->result->seen++;
-    if (task->see != NULL) {
-        task->see(task->context, &sight);
-    }
+    return navigation_pose(&navigation->start, &navigation->rig.world.plant);
 }
 
 /** Tells the navigator what is otherwise than its map says. */
-static void see(struct navigation *navigation)
+static bool tell(void *context, int x, int y, enum jp_cell cell)
 {
-    const struct navigation_task *task = navigation->task;
-    const struct clearance_pose from = pose_of(navigation);
-    const double cell = cell_of(navigation);
-    const int reach = (int)ceil(task->view_m / cell);
-    const int x = (int)floor(from.x / cell);
-    const int y = (int)floor(from.y / cell);
+    struct navigation *navigation = context;
 
-    for (int v = y - reach; v <= y + reach; v++) {
-        for (int u = x - reach; u <= x + reach; u++) {
-            const enum jp_cell is = jp_terrain_cell(task->world, u, v);
-            const double distance = hypot((u + 0.5) * cell - from.x, (v + 0.5) * cell - from.y);
-
-            if (is != jp_terrain_cell(task->map, u, v) && distance <= task->view_m &&
-                is_seen(navigation, &from, u, v)) {
-                (void)jp_navigator_set_cell(&navigation->navigator, u, v, is);
-                note_sight(navigation, u, v);
-            }
-        }
-    }
-}
-
-static void measure_clearance(struct navigation *navigation, const struct clearance_pose *pose)
-{
-    struct clearance_robot body = navigation->body;
-    struct navigation_result *result = navigation->result;
-
-    if (!result->is_touched && !clearance_at(navigation->task->world, &body, pose)) {
-        result->is_touched = true;
-        result->touched_at = *pose;
-        result->clearance_m = 0;
-    }
-    body.margin_m = result->clearance_m;
-    while (result->clearance_m > 0 && !clearance_at(navigation->task->world, &body, pose)) {
-        result->clearance_m = fmax(0, result->clearance_m - CLEARANCE_STEP);
-        body.margin_m = result->clearance_m;
-    }
+    (void)jp_navigator_set_cell(&navigation->navigator, x, y, cell);
+    return true;
 }
 
 /* ---- The drive ---- */
 
+static void copy_course(const struct navigation *navigation, struct navigation_course *course)
+{
+    const struct jp_course_leg *legs = jp_navigator_legs(&navigation->navigator, &course->count);
+
+    for (uint16_t i = 0; i < course->count; i++) {
+        course->ends[i] = legs[i].end;
+    }
+}
+
 static void show(struct navigation *navigation)
 {
+    struct jp_progress progress = {.length = 0};
+    struct navigation_course course;
+
+    copy_course(navigation, &course);
+    (void)jp_navigator_progress(&navigation->navigator, &progress);
     const struct navigation_frame frame = {.seconds = navigation->result->seconds,
                                            .pose = pose_of(navigation),
                                            .joules = joules_of(navigation) - navigation->joules_before,
-                                           .has_new_course = navigation->has_new_course,
-                                           .navigator = &navigation->navigator};
+                                           .state = navigation->navigator.state,
+                                           .reason = navigation->navigator.reason,
+                                           .replans = navigation->navigator.replans,
+                                           .left_m = progress.length / Q16,
+                                           .left_s = progress.duration / Q16,
+                                           .new_course = navigation->has_new_course ? &course : NULL};
 
     if (navigation->task->watch != NULL) {
         navigation->task->watch(navigation->task->context, &frame);
@@ -201,8 +125,8 @@ static void tick(struct navigation *navigation, uint64_t tick)
     if (tick % (rate / SENSOR_RATE) == 0) {
         const struct clearance_pose pose = pose_of(navigation);
 
-        see(navigation);
-        measure_clearance(navigation, &pose);
+        navigation_look(navigation->task, &pose, navigation->result, tell, navigation);
+        navigation_measure(navigation->task, &navigation->body, &pose, navigation->result);
         navigation->result->length_m += hypot(pose.x - navigation->before.x, pose.y - navigation->before.y);
         navigation->before = pose;
         show(navigation);
@@ -226,7 +150,6 @@ static void conclude(struct navigation *navigation)
 {
     struct navigation_result *result = navigation->result;
     const struct clearance_pose pose = pose_of(navigation);
-    const double cell = cell_of(navigation);
 
     result->state = navigation->navigator.state;
     result->reason = navigation->navigator.reason;
@@ -234,8 +157,7 @@ static void conclude(struct navigation *navigation)
     result->replans = navigation->navigator.replans;
     result->joules = joules_of(navigation) - navigation->joules_before;
     result->is_late = !is_over(navigation);
-    result->goal_error_m =
-        hypot(pose.x - (navigation->task->goal.x + 0.5) * cell, pose.y - (navigation->task->goal.y + 0.5) * cell);
+    result->goal_error_m = navigation_goal_error(navigation->task, &pose);
     show(navigation);
 }
 
@@ -281,24 +203,18 @@ static bool prepare_robot(struct navigation *navigation)
     return true;
 }
 
-static struct jp_place place_of(const struct clearance_pose *pose)
-{
-    return (struct jp_place){{(jp_q16)lround(pose->x * Q16), (jp_q16)lround(pose->y * Q16)},
-                             (jp_angle)(int64_t)llround(pose->heading / RADIANS)};
-}
-
 static bool prepare_navigator(struct navigation *navigation, void *block)
 {
     const struct navigation_task *task = navigation->task;
     const struct jp_planner_config planner = {task->lattice, JP_COST_PHYSICAL, {JP_EPSILON(1.35), JP_EPSILON_ONE}};
-    const struct jp_place origin = place_of(&navigation->start);
+    const struct jp_place origin = navigation_place(&navigation->start);
     const double radius = hypot(navigation->body.length_m, navigation->body.width_m) / 2;
     const struct jp_navigator_config config = {.planner = &navigation->planner,
                                                .vehicle = &navigation->vehicle,
                                                .radius = (jp_q16)lround(radius * Q16),
                                                .margin = (jp_q16)lround(task->robot->navigation.margin_m / 2 * Q16),
                                                .legs = navigation->legs,
-                                               .legs_max = LEGS,
+                                               .legs_max = NAVIGATION_LEGS,
                                                .slice = SLICE,
                                                .patience = PATIENCE,
                                                .reach_block = navigation->reach,
@@ -321,16 +237,11 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
 static void describe(struct navigation *navigation, const struct navigation_task *task,
                      struct navigation_result *result)
 {
-    const double cell = task->map->config.resolution / Q16;
-    const struct robot_file *robot = task->robot;
-
-    *result = (struct navigation_result){.clearance_m = CLEARANCE_MAX};
+    *result = (struct navigation_result){.clearance_m = NAVIGATION_CLEARANCE_MAX};
     navigation->task = task;
     navigation->result = result;
-    navigation->body =
-        (struct clearance_robot){fmax(2 * robot->wheel.radius_m, robot->body.depth_m), robot->body.width_m, 0};
-    navigation->start = (struct clearance_pose){(task->start.x + 0.5) * cell, (task->start.y + 0.5) * cell,
-                                                task->lattice->heading[task->start.heading] * RADIANS};
+    navigation->body = navigation_body(task->robot);
+    navigation->start = navigation_start(task);
     navigation->before = navigation->start;
     navigation->reach_size = jp_reach_size(&task->map->config);
 }

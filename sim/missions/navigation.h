@@ -3,69 +3,9 @@
 #ifndef JOULEPATH_SIM_MISSIONS_NAVIGATION_H
 #define JOULEPATH_SIM_MISSIONS_NAVIGATION_H
 
-#include <joulepath/navigator.h>
-
-#include "sim/balancer/rig.h"
-#include "sim/base/clearance.h"
-
-/** A cell that the sensor has seen to be otherwise than the map says. */
-struct navigation_sight {
-    int x;
-    int y;
-    double seconds;
-};
-
-/** Something to look at, 20 times a second and at the end. */
-struct navigation_frame {
-    double seconds;
-    struct clearance_pose pose; /**< true */
-    double joules;              /**< spent since it was told where to go */
-    bool has_new_course;        /**< since the frame before */
-    const struct jp_navigator *navigator;
-};
-
-struct navigation_task {
-    const struct robot_entry *entry;
-    const struct robot_file *robot;
-    const struct jp_lattice *lattice;
-    struct jp_terrain *map;         /**< that the robot has; it learns what it sees */
-    const struct jp_terrain *world; /**< as it is */
-    struct jp_lattice_pose start;
-    struct jp_goal goal;
-    double view_m;   /**< how far the sensor sees, where nothing is in between */
-    size_t memory;   /**< of the planner, bytes */
-    double patience; /**< simulated seconds after which the drive is given up */
-    uint64_t seed;
-    /** Either may be NULL. */
-    void (*watch)(void *context, const struct navigation_frame *frame);
-    void (*see)(void *context, const struct navigation_sight *sight);
-    void *context;
-};
-
-struct navigation_result {
-    enum jp_navigator_state state; /**< at the end */
-    enum jp_navigator_reason reason;
-    enum jp_status status;
-    unsigned replans;
-    unsigned seen;   /**< cells that the map did not show */
-    bool is_late;    /**< it was given up */
-    bool is_touched; /**< the body was on a cell that is blocked */
-    struct clearance_pose touched_at;
-    double clearance_m;  /**< least distance between its rectangle and what is blocked, up to 0.25 m */
-    double aside_m;      /**< most that it was beside its leg, beyond what the corners cut */
-    double goal_error_m; /**< from the goal cell's centre */
-    double length_m;     /**< driven */
-    double seconds;
-    double joules;          /**< of the energy that the vehicle's model counts */
-    double forecast_joules; /**< of the first course */
-    double deviation_joules;
-};
+#include "sim/missions/navigation_task.h"
 
 /** Drives. False after one line on stderr: no memory, or a configuration is refused. */
 bool navigation_run(const struct navigation_task *task, struct navigation_result *result);
-
-/** Of a state and a reason, for people. */
-const char *navigation_state_name(enum jp_navigator_state state);
-const char *navigation_reason_name(enum jp_navigator_reason reason);
 
 #endif

@@ -22,24 +22,21 @@ void navigation_record_free(struct navigation_record *record)
     json_decref(record->seen);
 }
 
-static void write_line(struct navigation_record *record, const struct navigation_frame *frame,
-                       const struct jp_progress *progress)
+static void write_line(struct navigation_record *record, const struct navigation_frame *frame)
 {
     const struct plan_place place = plan_map_place(record->map, &frame->pose);
 
     (void)fprintf(record->log, "%.2f,%.4f,%.4f,%.2f,%.3f,%s,%s,%.3f,%.2f\n", frame->seconds, place.x, place.y,
-                  place.heading_deg, frame->joules, navigation_state_name(frame->navigator->state),
-                  navigation_reason_name(frame->navigator->reason), progress->length / Q16, progress->duration / Q16);
+                  place.heading_deg, frame->joules, navigation_state_name(frame->state),
+                  navigation_reason_name(frame->reason), frame->left_m, frame->left_s);
 }
 
-static void show_line(struct navigation_record *record, const struct navigation_frame *frame,
-                      const struct jp_progress *progress)
+static void show_line(struct navigation_record *record, const struct navigation_frame *frame)
 {
     if (record->is_live) {
         (void)fprintf(stderr, "\r%7.1f s  %6.2f, %6.2f m  %6.1f J  %-11s %-14s %5.1f m left, replans %u \033[K",
-                      frame->seconds, frame->pose.x, frame->pose.y, frame->joules,
-                      navigation_state_name(frame->navigator->state), navigation_reason_name(frame->navigator->reason),
-                      progress->length / Q16, frame->navigator->replans);
+                      frame->seconds, frame->pose.x, frame->pose.y, frame->joules, navigation_state_name(frame->state),
+                      navigation_reason_name(frame->reason), frame->left_m, frame->replans);
     }
 }
 
@@ -53,31 +50,27 @@ static void add_point(struct navigation_record *record, json_t *points, double x
 static void keep_course(struct navigation_record *record, const struct navigation_frame *frame)
 {
     json_t *points = json_array();
-    uint16_t count;
-    const struct jp_course_leg *legs = jp_navigator_legs(frame->navigator, &count);
+    const struct navigation_course *course = frame->new_course;
 
     add_point(record, points, frame->pose.x, frame->pose.y);
-    for (uint16_t i = 0; i < count; i++) {
-        add_point(record, points, legs[i].end.x / Q16, legs[i].end.y / Q16);
+    for (uint16_t i = 0; i < course->count; i++) {
+        add_point(record, points, course->ends[i].x / Q16, course->ends[i].y / Q16);
     }
-    (void)json_array_append_new(record->courses,
-                                json_pack("{s:f, s:s, s:o}", "time_s", frame->seconds, "reason",
-                                          navigation_reason_name(frame->navigator->reason), "points_m", points));
+    (void)json_array_append_new(record->courses, json_pack("{s:f, s:s, s:o}", "time_s", frame->seconds, "reason",
+                                                           navigation_reason_name(frame->reason), "points_m", points));
 }
 
 void navigation_record_watch(void *context, const struct navigation_frame *frame)
 {
     struct navigation_record *record = context;
-    const enum jp_navigator_state state = frame->navigator->state;
-    struct jp_progress progress = {.length = 0};
+    const enum jp_navigator_state state = frame->state;
 
-    (void)jp_navigator_progress(frame->navigator, &progress);
     if (frame->seconds >= record->next_line || state != record->state) {
-        write_line(record, frame, &progress);
-        show_line(record, frame, &progress);
+        write_line(record, frame);
+        show_line(record, frame);
         record->next_line = frame->seconds + PERIOD;
     }
-    if (frame->has_new_course) {
+    if (frame->new_course != NULL) {
         keep_course(record, frame);
     }
     record->state = state;

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "sim/files/map_file.h"
-#include "sim/missions/navigation.h"
+#include "sim/missions/navigation_task.h"
 
 struct navigation_record {
     FILE *log;

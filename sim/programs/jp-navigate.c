@@ -1,4 +1,5 @@
 /* A balancer finds its way over a map on which not everything is that is in the world. */
+#include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -7,7 +8,12 @@
 #include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
+#include "sim/bus/bus_open.h"
+#include "sim/bus/can_log.h"
+#include "sim/bus/local_ecu.h"
 #include "sim/lattice/lattice_robot.h"
+#include "sim/missions/bus_navigation.h"
+#include "sim/missions/navigation.h"
 #include "sim/missions/navigation_record.h"
 #include "sim/missions/navigation_world.h"
 #include "sim/missions/plan_lattice.h"
@@ -22,7 +28,18 @@
 #define VIEW           2.5
 #define SECONDS_MAX    3600
 
-enum { OPTION_START = COMMAND_LINE_OWN, OPTION_GOAL, OPTION_MEMORY, OPTION_BOXES, OPTION_VIEW };
+#define IN_PROCESS  "in-process"
+#define FRAMES_NAME "frames.log"
+
+enum {
+    OPTION_START = COMMAND_LINE_OWN,
+    OPTION_GOAL,
+    OPTION_MEMORY,
+    OPTION_BOXES,
+    OPTION_VIEW,
+    OPTION_PATIENCE,
+    OPTION_FRAMES
+};
 
 struct arguments {
     const char *map_path;
@@ -33,7 +50,10 @@ struct arguments {
     bool has_goal;
     unsigned boxes;
     double view_m;
-    size_t memory; /* bytes */
+    size_t memory;   /* bytes */
+    const char *bus; /* NULL: no ECU, but the navigator itself */
+    unsigned patience;
+    bool frames; /* are logged */
 };
 
 /* ---- Command line ---- */
@@ -55,6 +75,9 @@ static void check(const struct arguments *arguments, struct argp_state *state)
     }
     if (arguments->has_start && !arguments->start.has_heading) {
         command_line_refuse(state, "--start: must be X,Y,DEGREES");
+    }
+    if (arguments->frames && arguments->bus == NULL) {
+        command_line_refuse(state, "--frames: there are none without --bus");
     }
 }
 
@@ -79,6 +102,15 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_VIEW:
         arguments->view_m = command_line_real(state, "--view", argument, 0.1, 100);
+        return 0;
+    case 'b':
+        arguments->bus = argument;
+        return 0;
+    case OPTION_PATIENCE:
+        arguments->patience = (unsigned)command_line_whole(state, "--patience", argument, 1, 86400);
+        return 0;
+    case OPTION_FRAMES:
+        arguments->frames = true;
         return 0;
     case ARGP_KEY_ARG:
         command_line_take(state, "map", argument, &arguments->map_path);
@@ -164,7 +196,72 @@ static void print(const struct navigation_result *result)
                  result->deviation_joules);
 }
 
+static json_t *json_bus(const struct bus_navigation *navigation)
+{
+    char fingerprint[17];
+
+    (void)snprintf(fingerprint, sizeof fingerprint, "%016" PRIx64, navigation->fingerprint);
+    return json_pack("{s:I, s:f, s:I, s:I, s:s}", "map_bytes", (json_int_t)navigation->stream_bytes, "upload_s",
+                     navigation->upload_s, "ticks", (json_int_t)navigation->drive.tick, "commands_late",
+                     (json_int_t)navigation->drive.late, "fingerprint", fingerprint);
+}
+
+static void print_bus(const struct bus_navigation *navigation)
+{
+    (void)printf("%-24s %8zu bytes in %.1f s\n", "map over the bus", navigation->stream_bytes, navigation->upload_s);
+    (void)printf("%-24s %8" PRIu64 "\n", "commands late", navigation->drive.late);
+    (void)printf("%-24s %016" PRIx64 "\n", "fingerprint", navigation->fingerprint);
+}
+
+/* ---- Bus ---- */
+
+static bool open_bus(const struct arguments *arguments, const struct robot_entry *entry, struct jp_can_link *link)
+{
+    static struct local_ecu ecu;
+
+    return strcmp(arguments->bus, IN_PROCESS) == 0 ? local_ecu_start(&ecu, entry, entry->energy, link)
+                                                   : bus_open(link, arguments->bus);
+}
+
+static bool drive_on_bus(const struct arguments *arguments, const struct navigation_task *task, FILE *frames,
+                         struct bus_navigation *navigation)
+{
+    struct jp_can_link link;
+
+    if (!open_bus(arguments, task->entry, &link)) {
+        return false;
+    }
+    struct can_log log = {.stream = frames,
+                          .inner = link,
+                          .interface = "can0",
+                          .tick = &navigation->drive.tick,
+                          .rate_hz = (uint32_t)task->robot->control.rate_hz};
+    const struct jp_can_link logged = can_log_link(&log);
+    const bool is_done = bus_navigation_run(navigation, task, frames != NULL ? &logged : &link, arguments->patience);
+
+    link.close(link.port.context);
+    return is_done;
+}
+
 /* ---- Drive ---- */
+
+/* By the navigator itself, or over the bus, with what else is to be told then. */
+static bool run(const struct arguments *arguments, const struct navigation_task *task, FILE *frames,
+                struct navigation_result *result, json_t **bus)
+{
+    static struct bus_navigation navigation;
+
+    if (arguments->bus == NULL) {
+        return navigation_run(task, result);
+    }
+    if (!drive_on_bus(arguments, task, frames, &navigation)) {
+        return false;
+    }
+    *result = navigation.result;
+    *bus = json_bus(&navigation);
+    print_bus(&navigation);
+    return true;
+}
 
 /* Exit status. */
 static int drive(const struct arguments *arguments, struct map_file *map, const char *map_path,
@@ -172,9 +269,12 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
 {
     struct navigation_record record;
     struct navigation_result result;
+    json_t *bus = NULL;
     FILE *log = output_directory(arguments->common.output) ? output_open(arguments->common.output, "drive.csv") : NULL;
+    FILE *frames = log != NULL && arguments->frames ? output_open(arguments->common.output, FRAMES_NAME) : NULL;
 
-    if (log == NULL) {
+    if (log == NULL || (frames == NULL && arguments->frames)) {
+        output_discard();
         return ERROR_EXIT;
     }
     navigation_record_init(&record, map, log);
@@ -183,11 +283,15 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
     task.context = &record;
     task.watch = navigation_record_watch;
     task.see = navigation_record_see;
-    bool is_done = navigation_run(&task, &result);
+    bool is_done = run(arguments, &task, frames, &result, &bus);
 
     navigation_record_end(&record);
-    is_done = is_done && output_json(arguments->common.output, "summary.json",
-                                     json_summary(arguments, map, map_path, &task, &result, &record));
+    if (is_done) {
+        json_t *summary = json_summary(arguments, map, map_path, &task, &result, &record);
+
+        (void)(bus != NULL && json_object_set_new(summary, "bus", bus) == 0);
+        is_done = output_json(arguments->common.output, "summary.json", summary);
+    }
     navigation_record_free(&record);
     if (!is_done) {
         output_discard();
@@ -240,7 +344,14 @@ int main(int argc, char **argv)
         {"goal", OPTION_GOAL, "X,Y[,DEG]", 0, "likewise; any heading unless one is given (default: chosen)", 0},
         {"hidden", OPTION_BOXES, "N", 0, "boxes on the way that the map does not show (default: 6)", 0},
         {"view", OPTION_VIEW, "M", 0, "how far the robot sees, m (default: 2.5)", 0},
-        {"memory", OPTION_MEMORY, "KIB", 0, "the planner's block (default: 1024)", 0},
+        {"memory", OPTION_MEMORY, "KIB", 0, "the planner's block, without --bus (default: 1024)", 0},
+        {"bus", 'b', "BUS", 0,
+         "map, goal and what it sees go to the robot's ECU in frames: " IN_PROCESS
+         ", can:INTERFACE, slcan:DEVICE or pty:NAME, in lockstep",
+         0},
+        {"patience", OPTION_PATIENCE, "SECONDS", 0, "wait so long for an ECU (10)", 0},
+        {"frames", OPTION_FRAMES, NULL, 0,
+         "also write DIR/" FRAMES_NAME ", all frames as candump -L does, in simulated time", 0},
         OPTION_SEED("of the boxes and of all noise"),
         OPTION_OUTPUT("build/navigate"),
         {0},
@@ -259,7 +370,8 @@ int main(int argc, char **argv)
     struct arguments arguments = {.common = {.output = "build/navigate", .seed = 1},
                                   .boxes = BOXES,
                                   .view_m = VIEW,
-                                  .memory = (size_t)MEMORY_KIB * 1024};
+                                  .memory = (size_t)MEMORY_KIB * 1024,
+                                  .patience = BUS_DRIVE_PATIENCE};
     struct map_file map;
 
     command_line_parse(&argp, argc, argv, &arguments);

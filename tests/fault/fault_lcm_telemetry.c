@@ -74,6 +74,65 @@ static void test_telemetry_arrives_in_the_units_of_the_types(void)
     TEST_ASSERT_EQUAL_STRING("", state.task_reason);
 }
 
+static void put_leg(uint8_t course, uint8_t after, double x, double y)
+{
+    PUT(COURSE_LEG, course_leg, .course = course, .after = after, .x = (uint16_t)(x * 128), .y = (uint16_t)(y * 128));
+}
+
+static void put_progress(uint8_t course, uint8_t legs)
+{
+    PUT(MAP_STATUS, map_status, .map_id = 3, .state = 2);
+    PUT(NAVIGATION_STATUS, navigation_status, .goal_id = 200, .state = 5, .reason = 2, .answer = 6,
+        .has_course = legs > 0, .vehicle_status = -7, .replans = 4, .course = course, .legs_left = legs);
+    PUT(NAVIGATION_PROGRESS, navigation_progress, .distance = 160, .duration = 24, .energy = 324, .deviation = 12);
+    pass();
+}
+
+static void test_what_the_navigator_does(void)
+{
+    put_progress(7, 2);
+    TEST_ASSERT_EQUAL_UINT(1, navigations);
+    TEST_ASSERT_EQUAL_INT(0, navigation.leg_count);
+    TEST_ASSERT_EQUAL_INT(3, navigation.map_id);
+    TEST_ASSERT_EQUAL_INT(2, navigation.map_state);
+    TEST_ASSERT_EQUAL_INT(200, navigation.goal_id);
+    TEST_ASSERT_EQUAL_INT(6, navigation.answer);
+    TEST_ASSERT_EQUAL_INT(5, navigation.state);
+    TEST_ASSERT_EQUAL_INT(2, navigation.reason);
+    TEST_ASSERT_EQUAL_INT(-7, navigation.vehicle_status);
+    TEST_ASSERT_EQUAL_INT(4, navigation.replans);
+    TEST_ASSERT_EQUAL_INT(7, navigation.course);
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, navigation.distance);
+    TEST_ASSERT_EQUAL_DOUBLE(1.5, navigation.duration);
+    TEST_ASSERT_EQUAL_DOUBLE(40.5, navigation.energy);
+    TEST_ASSERT_EQUAL_DOUBLE(1.5, navigation.deviation);
+}
+
+static void test_a_course_is_told_when_all_of_it_has_come(void)
+{
+    put_leg(7, 0, 12, 3.5);
+    put_progress(7, 2);
+    TEST_ASSERT_EQUAL_INT(0, navigation.leg_count);
+    put_leg(7, 1, 4.25, 511.5);
+    put_progress(7, 2);
+    TEST_ASSERT_EQUAL_INT(2, navigation.leg_count);
+    TEST_ASSERT_EQUAL_DOUBLE(4.25, navigation.legs[0].x);
+    TEST_ASSERT_EQUAL_DOUBLE(511.5, navigation.legs[0].y);
+    TEST_ASSERT_EQUAL_DOUBLE(12, navigation.legs[1].x);
+    put_progress(7, 1);
+    TEST_ASSERT_EQUAL_INT(1, navigation.leg_count);
+    TEST_ASSERT_EQUAL_DOUBLE(12, navigation.legs[0].x);
+    put_progress(7, 0);
+    TEST_ASSERT_EQUAL_INT(0, navigation.leg_count);
+    put_leg(8, 0, 1, 1);
+    put_progress(7, 1);
+    TEST_ASSERT_EQUAL_INT(0, navigation.leg_count);
+    put_leg(8, 255, 1, 1);
+    put_progress(8, 1);
+    TEST_ASSERT_EQUAL_INT(1, navigation.leg_count);
+    TEST_ASSERT_EQUAL_DOUBLE(1, navigation.legs[0].y);
+}
+
 static void put_plan(uint8_t segment, int32_t energy_raw)
 {
     PUT(SEGMENT_MOTION, segment_motion, .segment = segment, .speed = JP_Q24(0.5), .turn_rate = -JP_Q24(0.25));

@@ -13,7 +13,7 @@ SLICE = 0.1  # s between two looks at how far it is: tens of ticks
 
 
 def image(robot):
-    return BUILD / f"firmware/{robot}/joulepath.elf"
+    return BUILD / f"firmware/{robot}/emulated.elf"
 
 
 def address_of(symbol, robot):

@@ -2,8 +2,10 @@
  * watchdog. */
 #undef FIRMWARE_ROBOT_NAME
 #undef FIRMWARE_LEARNS
+#undef FIRMWARE_NAVIGATES
 #define FIRMWARE_ROBOT_NAME courier24
 #define FIRMWARE_LEARNS
+#define FIRMWARE_NAVIGATES
 #define main firmware_main
 #include <joulepath/tables.h>
 

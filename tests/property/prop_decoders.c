@@ -343,7 +343,7 @@ static enum jp_status count_command(void *context, const struct jp_can_frame *fr
     require(message != NULL && message->kind == OPERATORS && frame->length == message->length &&
                 frame->data[0] == oracle_crc8(frame->data, frame->length, message->data_id),
             "a command that is none");
-    require(frame->id != 0x100 || oracle_bits(frame, 12, 2) != JP_MODE_DRIVE ||
+    require(frame->id != 0x100 || oracle_bits(frame, 12, 3) != JP_MODE_DRIVE ||
                 commander.phase == JP_OPERATOR_DRIVING || commander.phase == JP_OPERATOR_UPLOADING,
             "a Drive of an operator that has nothing to drive");
     return one_in(50) ? JP_ERR_BUSY : JP_OK;

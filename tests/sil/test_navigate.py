@@ -48,6 +48,31 @@ def test_arrives_and_touches_nothing(hall, tmp_path):
     assert float(rows[-1]["y_m"]) == pytest.approx(4.55, abs=0.1)
 
 
+def test_over_the_bus_it_arrives_too(hall, tmp_path):
+    for name in ("a", "b"):
+        result = navigate(hall, tmp_path / name, *TASK, "--hidden=4", "--bus=in-process", "--frames")
+        assert (result.returncode, result.stderr) == (0, "")
+    assert names_in(tmp_path / "a") == ["drive.csv", "frames.log", "summary.json"]
+    summary = summary_of(tmp_path / "a")
+    assert (summary["result"]["state"], summary["result"]["touched"]) == ("arrived", False)
+    assert summary["result"]["goal_error_m"] < 0.1 and summary["seen"]
+    assert summary["bus"]["map_bytes"] > 20 and summary["bus"]["commands_late"] == 0
+    assert len(summary["courses"]) > summary["result"]["replans"] > 0
+    for name in ("drive.csv", "frames.log"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    assert summary["bus"]["fingerprint"] == summary_of(tmp_path / "b")["bus"]["fingerprint"]
+    assert summary["bus"]["fingerprint"] in result.stdout
+
+
+def test_over_the_bus_it_says_what_is_refused_or_unreachable(tmp_path):
+    closed = write_map(tmp_path / "closed.json", room(100, 60, [(45, 0, 2, 60)]), resolution=CELL)
+    result = navigate(closed, tmp_path / "out", *TASK, "--hidden=0", "--bus=in-process")
+    assert result.returncode == 1 and "unreachable" in result.stdout
+    large = write_map(tmp_path / "large.json", room(260, 250), resolution=CELL)
+    assert_one_line_error(navigate(large, tmp_path / "none", *TASK, "--hidden=0", "--bus=in-process"), "refuses the map")
+    assert not (tmp_path / "none").exists() or names_in(tmp_path / "none") == []
+
+
 def test_repeats_bit_for_bit_and_follows_the_seed(hall, tmp_path):
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
         navigate(hall, tmp_path / name, *TASK, f"--seed={seed}")
@@ -79,7 +104,9 @@ def test_says_that_the_goal_cannot_be_reached(tmp_path):
     (["--start=1.5,1.5,0"], ["both --start and --goal"]), (["--start=1.5,1.5", "--goal=8,4"], ["--start", "X,Y,DEGREES"]),
     (["--start=99,1,0", "--goal=8,4"], ["--start", "outside the map"]), ([*TASK[:1], "--goal=4.55,1"], ["--goal"]),
     (["--start=4.55,1,0", "--goal=8,4"], ["--start"]), ([*TASK, "--view=0"], ["--view"]),
-    ([*TASK, "--memory=1"], ["--memory 1", "at least"]), ([*TASK, "--hidden=-1"], ["--hidden"])])
+    ([*TASK, "--memory=1"], ["--memory 1", "at least"]), ([*TASK, "--hidden=-1"], ["--hidden"]),
+    ([*TASK, "--frames"], ["--frames", "--bus"]), ([*TASK, "--bus=slcan:/dev/none"], ["/dev/none"]),
+    ([*TASK, "--bus=in-process", "--patience=0"], ["--patience"])])
 def test_wrong_options_give_one_line(hall, tmp_path, options, parts):
     assert_one_line_error(navigate(hall, tmp_path / "out", *options), *parts)
     assert not (tmp_path / "out").exists() or names_in(tmp_path / "out") == []

@@ -82,7 +82,7 @@ static bool oracle_is_whole(const struct command_oracle *oracle)
 static void oracle_take_command(struct command_oracle *oracle, const struct jp_can_frame *frame)
 {
     const uint8_t before = oracle->command_receiver.counter;
-    const uint8_t mode = (uint8_t)oracle_bits(frame, 12, 2);
+    const uint8_t mode = (uint8_t)oracle_bits(frame, 12, 3);
     const uint8_t route = frame->data[2];
 
     const enum jp_e2e_result result =
@@ -90,12 +90,12 @@ static void oracle_take_command(struct command_oracle *oracle, const struct jp_c
 
     if ((result == JP_E2E_REPEATED || result == JP_E2E_SEQUENCE) && mode == JP_MODE_STAND) {
         oracle->in_a_row = 0;
-        oracle->mode = oracle->mode == JP_MODE_DRIVE ? JP_MODE_STAND : oracle->mode;
+        oracle->mode = oracle->mode >= JP_MODE_DRIVE ? JP_MODE_STAND : oracle->mode;
     }
     if (result != JP_E2E_OK) {
         return;
     }
-    if (mode > JP_MODE_DRIVE) {
+    if (mode > JP_MODE_NAVIGATE) {
         oracle->in_a_row = 0;
         return;
     }
@@ -112,8 +112,8 @@ static void oracle_take_command(struct command_oracle *oracle, const struct jp_c
     } else if (mode == JP_MODE_OFF && oracle->in_a_row >= 3U) {
         oracle->stood = false;
         oracle->mode = JP_MODE_OFF;
-    } else if (mode == JP_MODE_DRIVE && oracle->in_a_row >= 3U && oracle->stood) {
-        oracle->mode = JP_MODE_DRIVE;
+    } else if (mode >= JP_MODE_DRIVE && oracle->in_a_row >= 3U && oracle->stood) {
+        oracle->mode = (enum jp_operator_mode)mode;
         oracle->route = route;
     }
 }
@@ -185,7 +185,7 @@ static void oracle_pass(struct command_oracle *oracle, uint32_t ticks, uint32_t 
     }
     oracle->stood = false;
     oracle->in_a_row = 0;
-    if (oracle->mode == JP_MODE_DRIVE) {
+    if (oracle->mode >= JP_MODE_DRIVE) {
         oracle->mode = JP_MODE_STAND;
     }
 }

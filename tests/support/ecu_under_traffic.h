@@ -125,8 +125,8 @@ static void check_ranges(const struct jp_ecu *ecu)
 
     require(ecu->internal.queue_head < JP_ECU_QUEUE && ecu->internal.queue_tail < JP_ECU_QUEUE, "place in the queue");
     require(jp_robot_state_now(&ecu->robot) <= JP_ROBOT_FAULT, "state of the robot");
-    require(operator_link->state <= JP_OPERATOR_LOST && operator_link->mode <= JP_MODE_DRIVE &&
-                operator_link->heard <= JP_MODE_DRIVE && operator_link->confirmations <= JP_OPERATOR_CONFIRMATIONS,
+    require(operator_link->state <= JP_OPERATOR_LOST && operator_link->mode <= JP_MODE_NAVIGATE &&
+                operator_link->heard <= JP_MODE_NAVIGATE && operator_link->confirmations <= JP_OPERATOR_CONFIRMATIONS,
             "state of the operator");
     require(routes->state <= JP_ROUTE_STOPPED && routes->reason <= JP_REASON_SWITCHED_OFF, "state of the route");
     require(routes->received <= JP_ROUTE_LENGTH_MAX && routes->driven.length <= JP_ROUTE_LENGTH_MAX,
@@ -170,7 +170,7 @@ static void check_accepted(const struct counters *before, const struct jp_ecu *e
 
 static void check_view(const struct ecu_view *view)
 {
-    require(view->status.state <= JP_ROBOT_FAULT && view->status.mode <= JP_MODE_DRIVE &&
+    require(view->status.state <= JP_ROBOT_FAULT && view->status.mode <= JP_MODE_NAVIGATE &&
                 view->status.operator_state <= JP_OPERATOR_LOST && view->route.state <= JP_ROUTE_STOPPED &&
                 view->route.reason <= JP_REASON_SWITCHED_OFF,
             "an EcuStatus or RouteStatus out of range");

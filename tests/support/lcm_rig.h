@@ -5,6 +5,7 @@
 #include <jp_energy_t.h>
 #include <jp_goal_t.h>
 #include <jp_identification_t.h>
+#include <jp_navigation_t.h>
 #include <jp_plan_t.h>
 #include <jp_route_t.h>
 #include <jp_state_t.h>
@@ -35,11 +36,12 @@ static struct packet sound_route;
 static struct packet sound_goal;
 
 /* What came out. */
-static unsigned states, plans, energies, identifications;
+static unsigned states, plans, energies, identifications, navigations;
 static jp_state_t state;
 static jp_energy_t energy;
 static jp_plan_t plan;
 static jp_identification_t identification;
+static jp_navigation_t navigation;
 
 static void take_state(const lcm_recv_buf_t *packet, const char *channel, void *user)
 {
@@ -78,17 +80,29 @@ static void take_identification(const lcm_recv_buf_t *packet, const char *channe
     identifications++;
 }
 
+static void take_navigation(const lcm_recv_buf_t *packet, const char *channel, void *user)
+{
+    (void)channel;
+    (void)user;
+    free(navigation.legs);
+    TEST_ASSERT_EQUAL_INT(packet->data_size,
+                          jp_navigation_t_decode(packet->data, 0, (int)packet->data_size, &navigation));
+    navigations++;
+}
+
 static void forget_messages(void)
 {
     free(state.task_reason);
     free(plan.points);
     free(plan.segments);
     free(identification.residuals);
+    free(navigation.legs);
     state = (jp_state_t){0};
     plan = (jp_plan_t){0};
     energy = (jp_energy_t){0};
     identification = (jp_identification_t){0};
-    states = plans = energies = identifications = 0;
+    navigation = (jp_navigation_t){0};
+    states = plans = energies = identifications = navigations = 0;
 }
 
 void setUp(void)
@@ -105,6 +119,7 @@ void setUp(void)
     (void)lcm_subscribe(lcm, "JP_ENERGY", take_energy, NULL);
     (void)lcm_subscribe(lcm, "JP_PLAN", take_plan, NULL);
     (void)lcm_subscribe(lcm, "JP_IDENTIFICATION", take_identification, NULL);
+    (void)lcm_subscribe(lcm, "JP_NAVIGATION", take_navigation, NULL);
     random_init(&noise, SEED);
     now_us = 5 * MS;
 }

@@ -42,6 +42,10 @@ static const struct message {
     {0x101, 8, OPERATORS, JP_DATA_ID_ROUTE_OFFER},
     {0x102, 8, OPERATORS, JP_DATA_ID_WAYPOINT},
     {0x103, 8, OPERATORS, JP_DATA_ID_GOAL},
+    {0x104, 8, OPERATORS, JP_DATA_ID_MAP_OFFER},
+    {0x105, 8, OPERATORS, JP_DATA_ID_MAP_DATA},
+    {0x106, 8, OPERATORS, JP_DATA_ID_CELL_CHANGES},
+    {0x107, 8, OPERATORS, JP_DATA_ID_MAP_GOAL},
     {0x180, 8, FROM_ECU, 0},
     {0x181, 8, FROM_ECU, 0},
     {0x182, 8, FROM_ECU, 0},
@@ -62,6 +66,10 @@ static const struct message {
     {0x191, 8, FROM_ECU, 0},
     {0x192, 8, FROM_ECU, 0},
     {0x193, 8, FROM_ECU, 0},
+    {0x194, 8, FROM_ECU, 0},
+    {0x195, 8, FROM_ECU, 0},
+    {0x196, 8, FROM_ECU, 0},
+    {0x197, 8, FROM_ECU, 0},
 };
 #define MESSAGES (sizeof messages / sizeof messages[0])
 

@@ -9,7 +9,9 @@ import cantools
 from conftest import ROOT
 
 DATABASE = cantools.database.load_file(ROOT / "hal/can/joulepath.dbc", strict=True)
-DATA_IDS = {256: 79, 257: 82, 258: 87, 259: 71}
+DATA_IDS = {256: 79, 257: 82, 258: 87, 259: 71, 260: 65, 261: 68, 262: 67, 263: 78}
+
+MAP_DATA = 5  # bytes of a MapData
 
 STATUS_PERIOD = 0.1    # s
 SEGMENT_TIME = 0.5     # s
@@ -41,7 +43,8 @@ class FakeEcu:
     """The ECU, as a bus with nobody else on it.
 
     `trouble` names what goes wrong: silent, reject, reject once, deaf, stays down, fallen, fault, falls, restarts,
-    conflict, loses operator, stops, goes silent, other operator.
+    conflict, loses operator, stops, goes silent, other operator; on a map: no navigator, loses data, too large, damaged
+    once, blocked goal, deaf to goals, unreachable, gives up, other goal, loses operator.
     """
 
     def __init__(self, trouble=None):
@@ -55,6 +58,10 @@ class FakeEcu:
         self._counters, self._confirmed, self._last = {}, 0, None
         self._offer, self._offers, self._segment_end = None, 0, None
         self._now, self._next_status, self._said = 0.0, 0.0, deque()
+        self.stream, self.map, self.map_offers, self.map_frames = b"", None, 0, 0
+        self.map_state, self.map_reason = "None", "None"
+        self.goal, self.goal_answer, self.navigator, self.navigator_reason = None, "None", "Idle", "None"
+        self._steps = 0
         if trouble in ("fallen", "fault"):
             self.state = trouble.capitalize()
             self.faults = 16 + 512 if trouble == "fault" else 0
@@ -100,10 +107,11 @@ class FakeEcu:
             self.violations.append(f"counter {counter} after {last} of 0x{frame.arbitration_id:x}")
         self._counters[frame.arbitration_id] = counter
         signals = DATABASE.decode_message(frame.arbitration_id, frame.data, scaling=False, decode_choices=False)
-        {256: self._command, 257: self._offered, 258: self._waypoint, 259: self._goal}[frame.arbitration_id](signals)
+        {256: self._command, 257: self._offered, 258: self._waypoint, 259: self._goal, 260: self._map_offered,
+         261: self._map_data, 263: self._map_goal}[frame.arbitration_id](signals)
 
     def _command(self, signals):
-        mode, route = ("Off", "Stand", "Drive")[signals["Mode"]], signals["RouteId"]
+        mode, route = ("Off", "Stand", "Drive", "Navigate")[signals["Mode"]], signals["RouteId"]
         if not self.commands or self.commands[-1] != (mode, route):
             self.commands.append((mode, route))
         self._confirmed = self._confirmed + 1 if (mode, route) == self._last else 1
@@ -126,6 +134,8 @@ class FakeEcu:
         self.mode = mode
         if mode == "Off":
             self.state, self.faults = "Idle", 0
+        elif mode == "Navigate":
+            self._navigate(route)
         elif route == self.route_id and self.route_state == "Ready":
             self.state, self.route_state = "Driving", "Driving"
             self.driven, self.segment, self.ended = list(self.points), 0, 0
@@ -151,6 +161,50 @@ class FakeEcu:
         if self.route_state not in ("Driving", "Done"):
             self.route_id, self.route_state, self.points = 0, "Ready", [(signals["X"], signals["Y"])]
 
+    # ---- on a map
+
+    def _map_offered(self, signals):
+        self.map_offers += 1
+        self.map, self.stream, self.map_frames = signals, b"", 0
+        self.map_state, self.map_reason = "Receiving", "None"
+
+    def _map_data(self, signals):
+        self.map_frames += 1
+        lost = self.trouble == "loses data" and self.map_frames % 7 == 3
+        if self.map_state != "Receiving" or lost or signals["Index"] != len(self.stream) // MAP_DATA:
+            return
+        if self.trouble == "too large" and signals["Index"] == 4:  # the size is known
+            self.map_state, self.map_reason = "Rejected", "TooLarge"
+            return
+        self.stream = (self.stream + signals["Data"].to_bytes(MAP_DATA, "little"))[:self.map["Bytes"]]
+        if len(self.stream) == self.map["Bytes"]:
+            damaged = self.trouble == "damaged once" and self.map_offers == 1
+            right = zlib.crc32(self.stream) == self.map["MapCrc"] and not damaged
+            self.map_state, self.map_reason = ("Ready", "None") if right else ("Rejected", "MapCrc")
+
+    def _map_goal(self, signals):
+        if self.trouble != "deaf to goals" and (self.goal is None or signals["GoalId"] != self.goal["GoalId"]):
+            self.goal, self.goal_answer = signals, "Blocked" if self.trouble == "blocked goal" else "Taken"
+
+    def _navigate(self, goal):
+        if self.goal_answer == "Taken" and goal == self.goal["GoalId"]:
+            self.goal_answer, self.navigator, self.state, self._steps = "Driven", "Planning", "Driving", 0
+
+    def _find_way(self):
+        """Two statuses in each state."""
+        self._steps += 1
+        states = ["Planning", "Turning", "Driving"]
+        end = {"unreachable": ("Unreachable", "None"), "gives up": ("Failed", "Memory")}.get(self.trouble,
+                                                                                            ("Arrived", "None"))
+        if self._steps // 2 < len(states):
+            self.navigator = states[self._steps // 2]
+        else:
+            (self.navigator, self.navigator_reason), self.state = end, "Balancing"
+        if self.trouble == "other goal":
+            self.goal = {**self.goal, "GoalId": 99}
+        elif self.trouble == "loses operator":
+            self.operator = "Lost"
+
     # ---- the drive
 
     def _next_segment(self):
@@ -162,6 +216,9 @@ class FakeEcu:
 
     def _work(self):
         self.energy += 0.5
+        if self.goal_answer == "Driven" and self.state == "Driving":
+            self._find_way()
+            return
         if self.state != "Driving" or self._now < self._segment_end:
             return
         self.ended += 1
@@ -202,9 +259,20 @@ class FakeEcu:
         self._send("EcuLosses", LostSamples=2, StandRefusal="NotUpright" if self.trouble == "stays down" else "None")
         self._send("RouteStatus", RouteId=self.route_id, State=self.route_state, Reason=self.reason,
                    Length=len(self.points), Segment=self.segment, SegmentsEnded=self.ended)
+        if self.trouble != "no navigator":
+            self._tell_navigator()
         self._send("Pose", X=1.5, Y=-2.5, Heading=0.25)
         self._send("Motion", Speed=0.5)
         self._send("Reference", Speed=0.5, SegmentTimeLeft=0.015625)
         self._send("EnergySpent", Energy=self.energy)
         self._send("EnergyDrawn", Energy=self.energy / 2)
         self._send("BatteryStatus", Voltage=24.5, Current=1.5, StateOfCharge=0.75, EnergyLeft=72.5)
+
+    def _tell_navigator(self):
+        has_course = self.navigator in ("Turning", "Driving")
+        self._send("MapStatus", MapId=self.map["MapId"] if self.map else 0, State=self.map_state,
+                   Reason=self.map_reason, Received=-(-len(self.stream) // MAP_DATA),
+                   MapCrc=self.map["MapCrc"] if self.map else 0)
+        self._send("NavigationStatus", GoalId=self.goal["GoalId"] if self.goal else 0, State=self.navigator,
+                   Reason=self.navigator_reason, Answer=self.goal_answer, HasCourse=int(has_course), Replans=3)
+        self._send("NavigationProgress", Distance=4.5, Duration=21.0, Energy=33.5, Deviation=1.25)

@@ -8,7 +8,7 @@ from conftest import ROOT, assert_one_line_error, run_tool
 from fake_ecu import FakeEcu
 from rich.console import Console
 
-from tools.operate import can_client, drive
+from tools.operate import can_client, drive, map_stream
 from tools.operate.can_client import RobotState, SegmentEnergy
 
 SCENARIO = ROOT / "sim/scenarios/gao2018_mission.cfg"
@@ -38,6 +38,83 @@ def interrupt_while_driving(monkeypatch):
             raise KeyboardInterrupt
         return progress(operator)
     monkeypatch.setattr(can_client.Operator, "_progress", press)
+
+
+@pytest.fixture
+def hall(tmp_path):
+    """Of 40 × 30 cells of 0.1 m; its south-west corner is at (-1, 2)."""
+    rows = ["".join("#" if x in (0, 39) or y in (0, 29) else "." for x in range(40)) for y in range(30)]
+    path = tmp_path / "hall.json"
+    path.write_text(json.dumps({"format": "joulepath-map-1", "name": "hall", "width": 40, "height": 30,
+                                "resolution_m": 0.1, "origin_m": [-1.0, 2.0, 0.0], "rows": rows}))
+    return ["--map", path, "--start=0,3,90"]
+
+
+# ---- on a map ------------------------------------------------------------------------------------------------------
+
+def test_a_goal_on_a_map_is_driven_to(robot, hall):
+    result = robot(*hall, "--goal=1.25,3.5,-90")
+    assert result.returncode == 0, result.stderr
+    assert robot.ecu.violations == [] and robot.ecu.map_offers == 1
+    cell_map, origin = map_stream.decode(robot.ecu.stream)
+    assert cell_map.cells.shape == (30, 40) and cell_map.cells.sum() == 2 * 40 + 2 * 28
+    assert (origin.x, origin.y, origin.heading) == (1.0, 1.0, 90.0)
+    goal = robot.ecu.goal
+    assert (goal["Column"], goal["Row"], goal["HasHeading"], goal["Heading"]) == (22, 15, 1, -1024)
+    assert goal["MapId"] == robot.ecu.map["MapId"]
+    assert [mode for mode, _ in robot.ecu.commands] == ["Stand", "Navigate", "Stand"]
+    assert robot.ecu.commands[1] == ("Navigate", goal["GoalId"])
+    lines = result.stdout.splitlines()
+    for state in ("Planning", "Turning", "Driving", "Arrived"):
+        assert lines.count(f"navigator: {state}") == 1
+    assert robot.outcome["arrived"] is True
+
+
+def test_a_point_has_no_heading(robot, hall):
+    assert robot(*hall, "--goal=1.25,3.5").returncode == 0
+    assert robot.ecu.goal["HasHeading"] == 0
+
+
+@pytest.mark.parametrize("trouble", ["loses data", "damaged once"])
+def test_what_is_lost_of_a_map_is_sent_again(robot, hall, trouble):
+    result = robot(*hall, "--goal=1.25,3.5", trouble=trouble)
+    assert result.returncode == 0, result.stderr
+    assert map_stream.decode(robot.ecu.stream) is not None
+
+
+@pytest.mark.parametrize(("trouble", "part"), [
+    ("no navigator", "built with a navigator"), ("too large", "does not take the map: TooLarge"),
+    ("blocked goal", "does not take the goal: Blocked"), ("deaf to goals", "no answer to the goal"),
+    ("unreachable", "no way leads to the goal"), ("gives up", "stopped on the way: Memory"),
+    ("other goal", "the goal is not driven to"), ("loses operator", "lost the operator's commands")])
+def test_why_it_did_not_arrive_on_a_map(robot, hall, trouble, part):
+    result = robot(*hall, "--goal=1.25,3.5", trouble=trouble)
+    assert_one_line_error(result, part, status=1)
+    assert robot.outcome["arrived"] is False and part in robot.outcome["failure"]
+
+
+def test_the_picture_tells_of_the_navigator(hall):
+    state = RobotState()
+    assert drive.navigator_line(state) is None
+    state.latest = {"MapStatus": {"State": "Ready"},
+                    "NavigationStatus": {"State": "Driving", "Reason": "Blocked", "HasCourse": 1, "Replans": 2},
+                    "NavigationProgress": {"Distance": 4.5, "Duration": 21.0, "Energy": 33.5, "Deviation": 1.25}}
+    assert drive.navigator_line(state) == ("map Ready · Driving (Blocked) · 4.5 m, 21 s, 34 ± 1 J left · "
+                                           "planned anew 2 times")
+
+
+@pytest.mark.parametrize(("arguments", "part"), [
+    (["--goal=1,3,90"], "--map"), (["--goal=1"], "X,Y"), (["--goal=1,2", "--start=1,2,3"], "go together"),
+    (["--route=1,2", "--map=m.json", "--start=1,2,3"], "also give --goal"),
+    (["--goal=1,2", "--map=m.json", "--start=1,2"], "X,Y,DEG"), (["--goal=1,2", "--map=no.json", "--start=1,2,3"], "no.json")])
+def test_options_of_a_map(arguments, part):
+    assert_one_line_error(run_tool("operate.drive", "--bus", "virtual:bad", *arguments), part)
+
+
+def test_places_off_the_map(hall):
+    assert_one_line_error(run_tool("operate.drive", "--bus", "virtual:bad", *hall, "--goal=9,3"), "--goal 9,3", "outside")
+    assert_one_line_error(run_tool("operate.drive", "--bus", "virtual:bad", *hall[:2], "--start=9,3,0", "--goal=0,3"),
+                          "--start 9,3", "outside")
 
 
 # ---- drives --------------------------------------------------------------------------------------------------------

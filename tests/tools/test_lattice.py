@@ -42,7 +42,7 @@ def test_committed_tables_are_fresh(name, tmp_path):
     result = make(name, "--tables", tmp_path)
     assert result.returncode == 0, result.stderr
     made = sorted(tmp_path.iterdir())
-    assert [path.name for path in made] == sorted(path.name for kind in ("lattice", "skid_steer")
+    assert [path.name for path in made] == sorted(path.name for kind in ("lattice", "navigation", "skid_steer")
                                                   for path in TABLES.glob(f"{kind}_{name}.c"))
     for path in made:
         assert path.read_bytes() == (TABLES / path.name).read_bytes(), f"run make lattice ROBOT={name}"

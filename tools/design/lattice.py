@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Make a robot's state lattice with jp-lattice: the tables src/tables/lattice_<robot>.c, or a file for jp-plan.
 
+Of a robot that finds its way it also makes src/tables/navigation_<robot>.c: the disc in which it turns.
+
 With --import, the primitives come from an SBPL .mprim file or a Nav2 lattice .json file; jp-lattice sweeps and prices
 them for the robot. With --json, jp-plan --lattice plans on the result, without a compiler.
 
@@ -295,6 +297,14 @@ def skid_steer_table(name, data, command, source):
                           f"jp_skid_steer_{name}", members)
 
 
+def navigation_table(name, data, command, source):
+    """The C table jp_navigation_<name> of the disc in which a robot turns that finds its way."""
+    to = c_tables.Converter(f"navigation of {name}")
+    members = [to.q16("radius", data["radius_m"], "m", 0.01, 16), to.q16("margin", data["margin_m"], "m", 0.0001, 16)]
+    return c_tables.Table(command, source, "", "joulepath/navigator_body.h", "jp_navigator_body", f"jp_navigation_{name}",
+                          members)
+
+
 def run_jp_lattice(robot_path, options):
     """What jp-lattice makes for a robot."""
     program = robot_json.build_directory() / "bin" / "jp-lattice"
@@ -337,6 +347,9 @@ def c_files(directory, robot_path, tables, command, source):
     if "skid_steer" in tables.data and tables.name == robot_path.stem:
         table = skid_steer_table(tables.name, tables.data["skid_steer"], command, source)
         files[directory / f"skid_steer_{tables.name}.c"] = c_tables.render(table)
+    if "navigation" in tables.data and tables.name == robot_path.stem:
+        table = navigation_table(tables.name, tables.data["navigation"], command, source)
+        files[directory / f"navigation_{tables.name}.c"] = c_tables.render(table)
     return files
 
 

@@ -70,6 +70,13 @@ bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes 
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_navigate
 	$(BUILD)/bench/bench_navigate >$(BUILD)/bench/bench_navigate.json
 
+.PHONY: bench-image
+bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (1 hour)
+	@tools/setup.sh sil operate firmware
+	@$(MAKE) $(PARALLEL) all $(addprefix $(BUILD)/firmware/,courier24/joulepath.elf courier24/emulated.elf bench_planning)
+	$(PLANNING_CLOCK) $(BUILD)/firmware/bench_planning >$(BUILD)/bench/image_ticks.json
+	$(PYTHON) -m tools.measure.bench_image
+
 .PHONY: bench-patrol
 bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on paths
 	@tools/setup.sh test
@@ -138,7 +145,7 @@ ARGS.teb              = --count 500
 figures: ## run all benches, keep their figures in tests/bench/figures.json and make the pages and pictures of them
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) all $(BENCHES:%=$(BUILD)/bench/%) \
-	    $(BUILD)/firmware/gao2018/joulepath.elf $(PROPERTIES:%=$(BUILD)/bench/prop_%) $(BUILD)/host-gcc/prop_decoders
+	    $(BUILD)/firmware/gao2018/emulated.elf $(PROPERTIES:%=$(BUILD)/bench/prop_%) $(BUILD)/host-gcc/prop_decoders
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
 	@$(MAKE) bench-patrol
@@ -147,6 +154,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-intervals
 	@$(MAKE) bench-logs
 	@$(MAKE) bench-restart
+	@$(MAKE) bench-image
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
 	@$(MAKE) size stack cycles test-targets

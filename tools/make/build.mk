@@ -1,9 +1,9 @@
 # Rules: objects, libraries and host programs.
 
-# Objects are made again when the compiler or Unity of the last build was another one.
+# Objects are made again when the compiler, Unity or the navigator's sizes of the last build were others.
 SETTINGS := $(BUILD)/settings
 $(SETTINGS): FORCE
-	@mkdir -p $(@D) && echo '$(CC) $(UNITY)' | cmp -s - $@ || echo '$(CC) $(UNITY)' >$@
+	@mkdir -p $(@D) && echo '$(CC) $(UNITY) $(SIDE) $(PLANNER)' | cmp -s - $@ || echo '$(CC) $(UNITY) $(SIDE) $(PLANNER)' >$@
 
 # A library is made again when a source joined or left it.
 MEMBERS := $(BUILD)/members

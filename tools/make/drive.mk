@@ -16,7 +16,7 @@ SCENARIO_ROBOT = $(shell sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p
 sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan, slcan or pil; report in build/sil
 	$(if $(DRIVE.$(BUS)),,$(error BUS=$(BUS): must be vcan, slcan or pil))
 	@tools/setup.sh sil $(SETUP.$(BUS))
-	@$(MAKE) $(PARALLEL) all $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(SCENARIO_ROBOT)/joulepath.elf)
+	@$(MAKE) $(PARALLEL) all $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(SCENARIO_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/sil
 	$(DRIVE.$(BUS))
 	$(PYTHON) -m tools.report.report $(BUILD)/sil
@@ -47,18 +47,23 @@ plan: ## plan over a map (MAP=file START=x,y,deg GOAL=x,y ROBOT=name LATTICE=fil
 	    --output $(BUILD)/plan; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.plan_report $(BUILD)/plan && exit $$status
 
-# NAVIGATE holds options of jp-navigate, such as --hidden 12 or --view 1.5.
+# NAVIGATE holds options of jp-navigate, such as --hidden 12 or --view 1.5. BUS=in-process: map, goal and what it sees go
+# to the firmware's application in frames; pil: to the image in QEMU.
+NAVIGATE.           = $(BUILD)/bin/jp-navigate
+NAVIGATE.in-process = $(BUILD)/bin/jp-navigate --bus in-process --frames
+NAVIGATE.pil        = tools/operate/navigate_in_qemu.sh $(NAVIGATE_ROBOT)
 NAVIGATE_ROBOT = $(if $(filter file,$(origin ROBOT)),courier24,$(ROBOT))
 NAVIGATE_MAP   = $(if $(filter file,$(origin MAP)),sim/scenarios/office.map,$(MAP))
 NAVIGATE_IMPORT = $(if $(filter file,$(origin MAP)),--cell-size 0.2,$(IMPORT))
 
 .PHONY: navigate
-navigate: ## let the balancer find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show; report in build/navigate
-	@tools/setup.sh design
-	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate
+navigate: ## let the balancer find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
+	$(if $(NAVIGATE.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
+	@tools/setup.sh design $(SETUP.$(BUS))
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(NAVIGATE_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/navigate
 	$(PYTHON) -m tools.design.import_map $(NAVIGATE_MAP) $(BUILD)/navigate/map.json --resolution 0.1 $(NAVIGATE_IMPORT)
-	$(BUILD)/bin/jp-navigate $(BUILD)/navigate/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(PLAN_TASK) \
+	$(NAVIGATE.$(BUS)) $(BUILD)/navigate/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(PLAN_TASK) \
 	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
 

@@ -1,29 +1,39 @@
-# The image for the STM32F405.
+# The image for the STM32F405. Its navigator has room for a map of SIDE × SIDE cells and for PLANNER KiB of the planner;
+# hal/app/navigation_memory.h says how much without them. What does not fit the linker refuses.
 
 define firmware_rules
 $(BUILD)/firmware/$1/main.o: hal/stm32f4/main.c tools/make/variants.mk $(SETTINGS)
 	@mkdir -p $$(@D)
 	$$(call SAY,CC $$@)
-	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 $(if $(filter learning_$1,$(PILOT_TABLES)),-DFIRMWARE_LEARNS) -c $$< -o $$@
+	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 $(if $(filter learning_$1,$(PILOT_TABLES)),-DFIRMWARE_LEARNS) $(if $(wildcard src/tables/navigation_$1.c),-DFIRMWARE_NAVIGATES) -c $$< -o $$@
 
-$(BUILD)/firmware/$1/joulepath.elf: $(BUILD)/firmware/$1/main.o $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out %/main.c,$(STM32F4))) \
+$(BUILD)/firmware/$1/joulepath.elf $(BUILD)/firmware/$1/emulated.elf: $(BUILD)/firmware/$1/main.o \
+                                    $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out %/main.c,$(STM32F4))) \
                                     $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
-	$$(call link_firmware)
+	$$(call link_firmware,$$(if $$(filter %emulated.elf,$$@),$$(EMULATED_CCM),$$(CCM)))
 
 $(BUILD)/firmware/$1/joulepath.bin: $(BUILD)/firmware/$1/joulepath.elf
 	$$Qarm-none-eabi-objcopy -O binary $$< $$@
 endef
 $(foreach r,$(ROBOTS),$(eval $(call firmware_rules,$r)))
 
+COMMA := ,
+
+# Memory beside the core. QEMU before 8.0 has none, but the board's RAM is longer there by as much.
+CCM          = 0x10000000
+EMULATED_CCM = $(if $(filter 5 6 7,$(QEMU_MAJOR)),0x20020000,$(CCM))
+QEMU_MAJOR   = $(shell qemu-system-arm --version | sed -n 's/.* version \([0-9]*\).*/\1/p')
+
+# link_firmware CCM
 define link_firmware
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)
 	$Q$(COMPILER.firmware) $(FLAGS.firmware) -nostartfiles --specs=nano.specs -Wl,--gc-sections -Wl,--fatal-warnings \
-	    -Wl,-Map=$@.map -Lhal/stm32f4 -Tstm32f405.ld $(filter %.o,$^) $(filter %.a,$^) -o $@
+	    -Wl,-Map=$@.map -Wl,--defsym=firmware_ccm=$1 -Lhal/stm32f4 -Tstm32f405.ld $(filter %.o,$^) $(filter %.a,$^) -o $@
 endef
 
 .PHONY: firmware
-firmware: ## build the image for the STM32F405 with ROBOT=name: ELF, bin and map in build/firmware/name
+firmware: ## build the image for the STM32F405 with ROBOT=name (SIDE=cells PLANNER=KiB of its navigator): ELF, bin and map in build/firmware/name
 	$(if $(filter $(ROBOT),$(ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS)))
 	@tools/setup.sh firmware
 	@$(MAKE) $(PARALLEL) $(BUILD)/firmware/$(ROBOT)/joulepath.bin

@@ -29,6 +29,8 @@ for file in "$tables"/robot_*.c; do
         add jp_horizon "jp_horizon_$kind" "horizon_$kind"
         add jp_learning "jp_learning_$kind" "learning_$kind"
     done
+    add jp_lattice "jp_lattice_$name" "lattice_$name"
+    add jp_navigator_body "jp_navigation_$name" "navigation_$name"
     listed+="},"$'\n'
 done
 listed+='    {.name = NULL},

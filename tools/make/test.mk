@@ -19,7 +19,7 @@ LOGS.vcan      := $(LOGS)/pytest/vcan.xml $(LOGS)/pytest/vcan_results.xml
 LOGS.sil       := $(LOGS)/pytest/sil.xml
 LOGS.tools     := $(LOGS)/pytest/tools.xml
 LOGS.package   := $(LOGS)/pytest/package.xml
-LOGS.firmware  := $(LOGS)/firmware/test_faults.log $(LOGS)/host-gcc/test_main.log $(LOGS)/cortex-m4/test_main.log $(LOGS)/pytest/firmware.xml
+LOGS.firmware  := $(LOGS)/firmware/test_faults.log $(LOGS)/firmware/test_planning.log $(LOGS)/host-gcc/test_main.log $(LOGS)/cortex-m4/test_main.log $(LOGS)/pytest/firmware.xml
 LOGS.gates     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware growth compile includes private format cppcheck misra tidy coverage)
 LOGS.property  := $(call logs,host-gcc,$(PROPERTY_TESTS))
 LOGS.fault     := $(call logs,host-gcc,$(FAULT_TESTS))
@@ -158,17 +158,35 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
-$(LOGS)/pytest/firmware.xml: $(ROBOTS:%=$(BUILD)/firmware/%/joulepath.elf)
+$(LOGS)/pytest/firmware.xml: $(ROBOTS:%=$(BUILD)/firmware/%/emulated.elf) $(BUILD)/firmware/courier24/joulepath.elf
 
 # The fault handler alone, whose crashes the image could not tell of.
 $(BUILD)/firmware/test_faults: $(addprefix $(BUILD)/firmware/,tests/firmware/test_faults.o tests/target/console.o \
                                tests/target/arm/semihosting.o hal/stm32f4/startup.o hal/stm32f4/cortex_m.o hal/stm32f4/fault.o) \
                                $(BUILD)/firmware/libcan.a $(wildcard hal/stm32f4/*.ld)
-	$(call link_firmware)
+	$(call link_firmware,$(CCM))
 
 $(LOGS)/firmware/test_faults.log: $(BUILD)/firmware/test_faults
 	$(call SAY,RUN $<)
 	$Q$(RUN) $@ $(UNIT_LIMIT) qemu-system-arm -M netduinoplus2 $(SEMIHOSTING) $<
+
+# The application on the core while its tick comes by a timer, for so many ticks.
+PLANNING = $(addprefix $(BUILD)/firmware/,tests/firmware/test_planning.o tests/target/console.o tests/target/arm/semihosting.o \
+                                          hal/stm32f4/startup.o hal/stm32f4/cortex_m.o hal/stm32f4/fault.o hal/stm32f4/timer.o) \
+           $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
+PLANNING_CLOCK = qemu-system-arm -M netduinoplus2 -icount shift=3 $(SEMIHOSTING)
+
+$(BUILD)/firmware/tests/firmware/test_planning.o: MODULE_FLAGS = -DTARGET_CORE='"STM32F405"'
+
+$(BUILD)/firmware/test_planning: $(PLANNING)
+	$(call link_firmware,$(EMULATED_CCM) -Wl$(COMMA)--defsym=planning_ticks=4000)
+
+$(BUILD)/firmware/bench_planning: $(PLANNING)
+	$(call link_firmware,$(EMULATED_CCM) -Wl$(COMMA)--defsym=planning_ticks=1000000)
+
+$(LOGS)/firmware/test_planning.log: $(BUILD)/firmware/test_planning
+	$(call SAY,RUN $<)
+	$Q$(RUN) $@ $(UNIT_LIMIT) $(PLANNING_CLOCK) $<
 
 # main.c on fake registers.
 define main_test_rules
@@ -184,7 +202,7 @@ GATE_VARIANTS  := $(UNIT_CORES) $(GROWTH_VARIANTS)
 GATE_LIBRARIES := $(foreach v,$(sort $(GATE_VARIANTS)),$(BUILD)/$v/libjoulepath.a $(call float_library,$v) $(BUILD)/$v/libcan.a)
 # Of the programs on the whole application the one that learns links the most.
 GATE_IMAGES    := $(UNIT_CORES:%=$(BUILD)/%/test_ecu_learning)
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=gao2018 -DFIRMWARE_LEARNS
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_LEARNS -DFIRMWARE_NAVIGATES
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)

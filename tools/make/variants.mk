@@ -3,7 +3,8 @@
 # Contraction is off, and on 32 bits SSE computes, so that the host programs give the same numbers under every compiler.
 WARNINGS := -Wall -Wextra -Wconversion -Wshadow -Werror
 # A backtrace names functions and lines; where the variables of optimised code are takes the compiler long to say.
-COMMON   := -std=c11 -g1 $(WARNINGS) -Iinclude -I. -I$(UNITY) -isystem $(BUILD)/lcm -MMD -MP
+COMMON   := -std=c11 -g1 $(WARNINGS) -Iinclude -I. -I$(UNITY) -isystem $(BUILD)/lcm -MMD -MP $(if $(SIDE),-DJP_NAVIGATION_SIDE=$(SIDE)) \
+            $(if $(PLANNER),-DJP_NAVIGATION_PLANNER=$(PLANNER))
 HOST     := -D_GNU_SOURCE -ffp-contract=off -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
 SANITIZE := -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 TARGET   := -ffunction-sections -fdata-sections -fcallgraph-info=su -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64

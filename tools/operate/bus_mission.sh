@@ -32,7 +32,7 @@ slcan)
     plant_bus=pty:$line ecu_bus=slcan:$line
     ;;
 pil)
-    image=${JP_BUILD:-$(dirname "$0")/../../build}/firmware/$robot/joulepath.elf
+    image=${JP_BUILD:-$(dirname "$0")/../../build}/firmware/$robot/emulated.elf
     [ -e "$image" ] || die "$image: is not there; run make firmware ROBOT=$robot"
     [ "${model:-identified}" = identified ] || die "$scenario: energy_model = \"$model\", but the image has the identified one"
     [ "${energy:-motor}" = motor ] || die "$scenario: energy = \"$energy\", but the image has the model of the motors' energy"

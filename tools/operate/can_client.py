@@ -1,4 +1,5 @@
-"""A robot's operator on CAN: sends a route or a goal, has it driven, and hears what the ECU tells.
+"""A robot's operator on CAN: sends a route, a goal, or a map and a goal on it, has it driven, and hears what the ECU
+tells.
 
 One loop sends and listens: when it hangs, the commands stop and the ECU brakes the robot to a stand.
 """
@@ -27,8 +28,14 @@ STAND_TIMEOUT = 20.0     # s to stand up, or to brake to a stand
 UPLOADS_MAX = 3          # a frame may be lost, or an offer taken for the last client's repeated one
 UPLOAD_TIMEOUT = 1.0     # s for RouteStatus to tell of an upload
 
+MAP_DATA = 5            # bytes of a MapData
+MAP_WINDOW = 128        # of them on their way: what is sent between two MapStatus, twice
+MAP_TIMEOUT = 120.0     # s for a map to arrive
+MAP_INDEX_MASK = 0xFFF  # of MapData
+MAP_ID_MAX = 15
+
 GOAL = 0  # the RouteId of the last Goal
-ROUTE_ID_MAX = 255
+ROUTE_ID_MAX = 255  # and of GoalId
 
 DOWN = ("Fallen", "Fault")  # states that only Off leads out of
 
@@ -186,7 +193,7 @@ class Operator(Listener):
 
     def __init__(self, bus, name, watch=lambda state: None, clock=time.monotonic):
         super().__init__(bus, name, watch, clock)
-        self._mode, self._route_id, self._goal = "Stand", GOAL, None
+        self._mode, self._route_id, self._goal, self._map_goal = "Stand", GOAL, None, None
         self._next_command = 0.0
         self._resets = self._conflicts = None
 
@@ -206,6 +213,8 @@ class Operator(Listener):
         self._send("OperatorCommand", Mode=self._mode, RouteId=self._route_id)
         if self._goal is not None:
             self._send("Goal", X=self._goal[0], Y=self._goal[1])
+        if self._map_goal is not None:
+            self._send("MapGoal", **self._map_goal)
 
     def _send(self, name, **signals):
         try:
@@ -251,7 +260,7 @@ class Operator(Listener):
 
     def stand(self):
         """Stand up, or brake to a balanced stand."""
-        self._mode, self._goal = "Stand", None
+        self._mode, self._goal, self._map_goal = "Stand", None, None
         self._wait(lambda: self.state.state is not None and self.state.get("EcuErrors", "Faults") is not None,
                    ANSWER_TIMEOUT, "no EcuStatus and EcuErrors")
         if not self._until(self._stands, STAND_TIMEOUT):
@@ -288,6 +297,94 @@ class Operator(Listener):
         self._wait(lambda: self.state.route(GOAL) == "Ready", ANSWER_TIMEOUT,
                    "the ECU does not take the goal (nor one that it has just driven to)")
         self._drive()
+
+    # ---- on a map
+
+    def navigate(self, stream, goal):
+        """Send a map, unless the ECU has it, and drive to a goal on it: signals of MapGoal. The robot stands before."""
+        map_id = self._send_map(stream)
+        self._route_id = self._ask(map_id, goal)
+        self._mode = "Navigate"
+        self._wait(lambda: self._navigation() != "Taken", ANSWER_TIMEOUT, "the robot does not set off")
+        while self._navigation() != "Arrived":
+            self.step()
+
+    def _has_map(self, crc, *states):
+        return self.state.get("MapStatus", "MapCrc") == crc and self.state.get("MapStatus", "State") in states
+
+    def _send_map(self, stream):
+        """Its id."""
+        self._wait(lambda: "MapStatus" in self.state.latest, ANSWER_TIMEOUT,
+                   "no MapStatus: is the ECU built with a navigator? None came")
+        crc = zlib.crc32(stream)
+        if self._has_map(crc, "Ready", "Receiving"):
+            map_id = self.state.get("MapStatus", "MapId")
+        else:
+            map_id = self.state.get("MapStatus", "MapId") % MAP_ID_MAX + 1
+        deadline, sent, heard = self._clock() + MAP_TIMEOUT, 0, None
+        while not self._has_map(crc, "Ready"):
+            if self._clock() > deadline:
+                raise self.error(f"the map did not arrive within {MAP_TIMEOUT:g} s")
+            self._check_map(crc)
+            if not self._has_map(crc, "Receiving"):
+                self._offer_map(map_id, stream, crc)
+                sent, heard = 0, None
+                continue
+            status = self.state.latest["MapStatus"]
+            if status is not heard:  # go back when nothing has arrived since the status before
+                sent = status["Received"] if heard and heard["Received"] == status["Received"] else sent
+                heard = status
+            if sent * MAP_DATA < len(stream) and sent < status["Received"] + MAP_WINDOW:
+                data = stream[sent * MAP_DATA:][:MAP_DATA]
+                self._send("MapData", Index=sent & MAP_INDEX_MASK, Data=int.from_bytes(data, "little"))
+                sent += 1
+            self.step(WAYPOINT_PERIOD)
+        return map_id
+
+    def _offer_map(self, map_id, stream, crc):
+        self._send("MapOffer", MapId=map_id, Bytes=len(stream), MapCrc=crc)
+        self.state.latest.pop("MapStatus", None)
+        self._wait(lambda: "MapStatus" in self.state.latest, ANSWER_TIMEOUT, "no MapStatus")
+        if self.state.get("MapStatus", "Reason") == "UnderWay":
+            raise self.error("the ECU does not take the map: it drives to a goal; let it stand first")
+
+    def _check_map(self, crc):
+        """RobotError when it is refused for what it is."""
+        reason = self.state.get("MapStatus", "Reason")
+        if self._has_map(crc, "Rejected") and reason in ("TooLarge", "CellSize"):
+            raise self.error(f"the ECU does not take the map: {reason}")
+
+    def _ask(self, map_id, goal):
+        """The id of the goal, which waits to be driven to then."""
+        self._wait(lambda: "NavigationStatus" in self.state.latest, ANSWER_TIMEOUT, "no NavigationStatus")
+        goal_id = self.state.get("NavigationStatus", "GoalId") % ROUTE_ID_MAX + 1
+        self._map_goal = {"MapId": map_id, "GoalId": goal_id, **goal}
+        self._wait(lambda: self.state.get("NavigationStatus", "GoalId") == goal_id, ANSWER_TIMEOUT,
+                   "no answer to the goal")
+        self._map_goal = None
+        answer = self.state.get("NavigationStatus", "Answer")
+        if answer != "Taken":
+            raise self.error(f"the ECU does not take the goal: {answer}")
+        return goal_id
+
+    def _navigation(self):
+        """Taken, then the navigator's state; Arrived in the end."""
+        self._check_upright()
+        status = {signal: self.state.get("NavigationStatus", signal)
+                  for signal in ("GoalId", "Answer", "State", "Reason")}
+        if status["GoalId"] != self._route_id or status["Answer"] not in ("Taken", "Driven"):
+            raise self.error(f"the goal is not driven to: {status['Answer']}")
+        if self.state.get("EcuStatus", "OperatorState") == "Lost":
+            raise self.error("the ECU has lost the operator's commands; the robot brakes to a stand")
+        if status["Answer"] == "Taken":
+            return "Taken"
+        if status["State"] == "Unreachable":
+            raise self.error("no way leads to the goal")
+        if status["State"] in ("Failed", "Idle"):
+            raise self.error(f"the robot stopped on the way: {status['Reason']}")
+        return status["State"]
+
+    # ---- routes
 
     def _upload(self, waypoints):
         """The id of the route, which is ready in the ECU then."""

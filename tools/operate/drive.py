@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Send a robot a route or a goal over CAN and follow it there.
+"""Send a robot a route, a goal, or a map and a goal on it over CAN and follow it there.
 
 Ctrl-C brakes the robot to a stand. Exit status 1: the robot did not arrive, and one line says why; 2: bad input.
 """
@@ -16,6 +16,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 
 from tools.common import ArgumentParser, ToolError, read_text, run, shown_path, write_whole
+from tools.operate import map_stream
 from tools.operate.can_client import Listener, Operator, RobotError, add_bus_argument, check_waypoints, open_bus
 
 EXIT_NOT_ARRIVED = 1
@@ -78,6 +79,19 @@ def motion_line(state):
             f"{number(state.get('Motion', 'Speed'), 2, 'm/s')}")
 
 
+def navigator_line(state):
+    """What the navigator does; None where there is none."""
+    if "NavigationStatus" not in state.latest:
+        return None
+    doing, reason = (state.get("NavigationStatus", signal) for signal in ("State", "Reason"))
+    text = f"map {state.get('MapStatus', 'State')} · {doing}" + (f" ({reason})" if reason != "None" else "")
+    if state.get("NavigationStatus", "HasCourse"):
+        left = [state.get("NavigationProgress", signal) for signal in ("Distance", "Duration", "Energy", "Deviation")]
+        text += (f" · {number(left[0], 1, 'm')}, {number(left[1], 0, 's')}, {number(left[2], 0)} ± "
+                 f"{number(left[3], 0, 'J')} left")
+    return f"{text} · planned anew {state.get('NavigationStatus', 'Replans')} times"
+
+
 def energy_line(state):
     charge = state.get("BatteryStatus", "StateOfCharge")
     return (f"spent {number(state.get('EnergySpent', 'Energy'), 1, 'J')}, "
@@ -125,6 +139,8 @@ class LiveView:
         about.add_row("robot", status_line(state))
         about.add_row("motion", motion_line(state))
         about.add_row("energy", energy_line(state))
+        if navigator_line(state) is not None:
+            about.add_row("navigator", navigator_line(state))
         about.add_row("faults", ", ".join(state.faults) or "none", style="bold red" if state.faults else "")
         about.add_row("counters", counter_line(state))
         return Group(about, self._segments(state))
@@ -162,6 +178,8 @@ class PlainView:
             self._show("faults", ", ".join(state.faults) or None)
         if "RouteStatus" in state.latest:
             self._show("route", f"{state.get('RouteStatus', 'RouteId')} {state.get('RouteStatus', 'State')}")
+        if "NavigationStatus" in state.latest:
+            self._show("navigator", navigator_line(state).split(" · ")[1])
         for index, segment in state.segments.items():
             self._show(f"segment {index}", self._segment(segment) + (
                 f"; {energy_line(state)}" if segment.spent is not None else ""))
@@ -188,6 +206,24 @@ def parse_point(text):
     return x, y
 
 
+def parse_goal(text):
+    """A point or, on a map, a pose."""
+    try:
+        place = tuple(map(float, text.split(",")))
+    except ValueError:
+        place = ()
+    if len(place) not in (2, 3):
+        raise argparse.ArgumentTypeError(f"{text!r}: must be X,Y in m, or X,Y,DEG on a map")
+    return place
+
+
+def parse_start(text):
+    place = parse_goal(text)
+    if len(place) != 3:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be X,Y,DEG")
+    return map_stream.Place(*place)
+
+
 def parse_route(text):
     return [parse_point(point) for point in text.split()]
 
@@ -207,7 +243,9 @@ def scenario_waypoints(path):
 
 
 def waypoints_of(options):
-    """The route or goal; None with --watch and --off."""
+    """The route or goal; None on a map, with --watch and --off."""
+    if options.map is not None:
+        return None
     if options.goal is not None:
         check_waypoints("--goal", [options.goal])
         return [options.goal]
@@ -221,15 +259,42 @@ def waypoints_of(options):
     return None
 
 
+# ---- on a map ------------------------------------------------------------------------------------------------------
+
+def map_task(options):
+    """(stream of the map, signals of the goal); None without a map."""
+    if options.map is None:
+        return None
+    cell_map = map_stream.read_cells(options.map)
+    cell_map.cell("--start", options.start)
+    place = map_stream.Place(*options.goal)
+    x, y = cell_map.cell("--goal", place)
+    turn = (cell_map.from_corner(place).heading / 360 + 0.5) % 1 - 0.5 if len(options.goal) == 3 else 0.0
+    step = 1 / 4096  # of the signal
+    goal = {"Column": x, "Row": y, "HasHeading": int(len(options.goal) == 3), "Heading": min(round(turn / step), 2047) * step}
+    return map_stream.encode(cell_map, cell_map.from_corner(options.start)), goal
+
+
+def check(parser, options):
+    if (options.map is None) != (options.start is None):
+        parser.error("--map and --start go together")
+    if options.map is not None and options.goal is None:
+        parser.error("--map: also give --goal")
+    if options.map is None and options.goal is not None and len(options.goal) == 3:
+        parser.error("--goal: a heading is for a goal on a map; give --map")
+
+
 # ---- drive ---------------------------------------------------------------------------------------------------------
 
-def command(operator, options, waypoints):
+def command(operator, options, waypoints, task):
     """RobotError: the robot did not do it."""
     if options.off:
         operator.off()
         return
     operator.stand()
-    if options.goal is not None:
+    if task is not None:
+        operator.navigate(*task)
+    elif options.goal is not None:
         operator.drive_goal(options.goal)
     else:
         operator.drive_route(waypoints)
@@ -265,15 +330,21 @@ def arguments():
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--route", metavar='"X,Y X,Y …"', type=parse_route, help="waypoints, m")
     what.add_argument("--scenario", metavar="FILE", type=Path, help="the waypoints of a scenario file")
-    what.add_argument("--goal", metavar="X,Y", type=parse_point,
-                      help="a single point, m; --goal=-1,2 where X is negative")
+    what.add_argument("--goal", metavar="X,Y[,DEG]", type=parse_goal,
+                      help="a single point, m; --goal=-1,2 where X is negative; with --map in the map's frame")
     what.add_argument("--off", action="store_true", help="motors off; clears faults")
     what.add_argument("--watch", action="store_true", help="only watch, until Ctrl-C")
+    parser.add_argument("--map", metavar="FILE", type=Path,
+                        help="a map (tools.design.import_map) on which the robot finds its way to the goal")
+    parser.add_argument("--start", metavar="X,Y,DEG", type=parse_start,
+                        help="where on the map the robot was switched on")
     parser.add_argument("--json", metavar="FILE", type=Path, help="write what happened at the end")
-    return parser.parse_args()
+    options = parser.parse_args()
+    check(parser, options)
+    return options
 
 
-def drive(bus, options, waypoints, view):
+def drive(bus, options, waypoints, task, view):
     """The last state of the robot, and why it did not arrive or None."""
     actor = (Listener if options.watch else Operator)(bus, options.bus, view)
     try:
@@ -281,7 +352,7 @@ def drive(bus, options, waypoints, view):
             watch(actor)
             return actor.state, None
         try:
-            command(actor, options, waypoints)
+            command(actor, options, waypoints, task)
         except KeyboardInterrupt:
             stop(actor)
     except RobotError as error:
@@ -291,10 +362,10 @@ def drive(bus, options, waypoints, view):
 
 def main():
     options = arguments()
-    waypoints = waypoints_of(options)
+    waypoints, task = waypoints_of(options), map_task(options)
     console = Console()
     with open_bus(options.bus) as bus, (LiveView if console.is_terminal else PlainView)(console) as view:
-        state, failure = drive(bus, options, waypoints, view)
+        state, failure = drive(bus, options, waypoints, task, view)
     if options.json is not None:
         write_whole(options.json, json.dumps(result(state, waypoints, failure), indent=1) + "\n")
         print(f"wrote {shown_path(options.json)}")

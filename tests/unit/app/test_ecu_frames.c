@@ -10,7 +10,8 @@ static void give(uint32_t id, uint8_t length)
 
 static void test_unknown_remote_and_extended_frames_are_counted(void)
 {
-    static const uint32_t known[] = {0x10, 0x20, 0x21, 0x22, 0x100, 0x101, 0x102, 0x103, 0x180, 0x18E, 0x190, 0x193};
+    static const uint32_t known[] = {0x10,  0x20,  0x21,  0x22,  0x100, 0x101, 0x102, 0x103,
+                                     0x104, 0x107, 0x180, 0x18E, 0x190, 0x193, 0x197};
     uint16_t count = 0;
 
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
@@ -22,7 +23,7 @@ static void test_unknown_remote_and_extended_frames_are_counted(void)
     }
     give(0x000, 8);
     give(0x7FF, 0);
-    give(0x194, 8);
+    give(0x198, 8);
     TEST_ASSERT_EQUAL_UINT16(count + 3U, ecu.unknown_frames);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.sample_counts.malformed);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.conflicts);
@@ -169,8 +170,8 @@ static void test_corrupt_commands_and_samples_are_counted(void)
         (void)jp_ecu_accept(&ecu, &frames[part]);
     }
     TEST_ASSERT_EQUAL_UINT8(1, ecu.sample_counts.crc_errors);
-    command(3, 0);
-    command(3, 0);
+    command(4, 0);
+    command(4, 0);
     run(1);
     TEST_ASSERT_EQUAL_UINT8(1, ecu.operator_counts.malformed);
     command_counter--;

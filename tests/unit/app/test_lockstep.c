@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "hal/can/jp_can.h"
-
+#include "tests/support/map_frames.h"
 #include "unity.h"
 
 static struct jp_lockstep lockstep;
@@ -274,4 +274,54 @@ static void test_in_real_time_the_simulators_time_changes_nothing(void)
     TEST_ASSERT_EQUAL_UINT(0, answers);
     TEST_ASSERT_EQUAL_UINT8(0, lockstep.ecu.bus_offs);
     TEST_ASSERT_NOT_NULL(jp_retained_newest(&retained));
+}
+
+/* The navigator. */
+
+static struct jp_navigation navigation;
+static uint64_t memory[3][8];
+static struct jp_course_leg legs[2];
+static struct jp_navigation_config navigator_config = {.lattice = &jp_lattice_courier24,
+                                                       .body = &jp_navigation_courier24,
+                                                       .map = memory[0],
+                                                       .map_size = sizeof memory[0],
+                                                       .planner = memory[1],
+                                                       .planner_size = sizeof memory[1],
+                                                       .reach = memory[2],
+                                                       .reach_size = sizeof memory[2],
+                                                       .legs = legs,
+                                                       .legs_max = 2};
+
+static void test_a_navigator_is_refused_as_it_is_elsewhere(void)
+{
+    struct jp_navigation_config broken = navigator_config;
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_navigate(NULL, &navigation, &navigator_config, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_navigate(&lockstep, NULL, &navigator_config, &field));
+    broken.body = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_lockstep_navigate(&lockstep, &navigation, &broken, &field));
+    TEST_ASSERT_EQUAL_STRING("body", field);
+    TEST_ASSERT_NULL(lockstep.ecu.internal.navigation);
+}
+
+static void test_it_navigates_again_after_each_boot_and_has_no_map(void)
+{
+    static const uint8_t stream[30] = {1, 0, 1, 0};
+    struct sent_map sent = {.bytes = stream, .length = sizeof stream, .id = 3};
+    const struct jp_can_frame offer = map_offer(&sent);
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lockstep_navigate(&lockstep, &navigation, &navigator_config, &field));
+    pass(0, 1, 0, 0);
+    (void)jp_lockstep_accept(&lockstep, &offer);
+    pass(1, 1, 0, 0);
+    TEST_ASSERT_EQUAL_INT(JP_MAP_LINK_RECEIVING, navigation.maps.state);
+    pass(2, 1, 1, 0);
+    pass(3, 1, 0, 0);
+    TEST_ASSERT_EQUAL_PTR(&navigation, lockstep.ecu.internal.navigation);
+    TEST_ASSERT_EQUAL_INT(JP_MAP_LINK_NONE, navigation.maps.state);
+    (void)jp_lockstep_accept(&lockstep, &offer);
+    pass(4, 1, 0, 0);
+    TEST_ASSERT_EQUAL_INT(JP_MAP_LINK_RECEIVING, navigation.maps.state);
 }

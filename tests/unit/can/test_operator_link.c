@@ -216,13 +216,50 @@ static void test_another_mode_begins_anew(void)
     expect(JP_OPERATOR_ALIVE, JP_MODE_STAND);
 }
 
+static void test_navigate_is_obeyed_as_drive_is(void)
+{
+    make_standing();
+    command(JP_MODE_NAVIGATE, 9);
+    command(JP_MODE_NAVIGATE, 9);
+    expect(JP_OPERATOR_ALIVE, JP_MODE_STAND);
+    command(JP_MODE_NAVIGATE, 9);
+    expect(JP_OPERATOR_ALIVE, JP_MODE_NAVIGATE);
+    TEST_ASSERT_EQUAL_UINT8(9, link.route);
+    command(JP_MODE_DRIVE, 9);
+    command(JP_MODE_DRIVE, 9);
+    expect(JP_OPERATOR_ALIVE, JP_MODE_NAVIGATE);
+    command(JP_MODE_DRIVE, 9);
+    expect(JP_OPERATOR_ALIVE, JP_MODE_DRIVE);
+}
+
+static void test_silence_and_the_stand_of_anybody_end_navigate(void)
+{
+    for (unsigned is_silence = 0; is_silence < 2; is_silence++) {
+        make_standing();
+        for (unsigned i = 0; i < 3; i++) {
+            command(JP_MODE_NAVIGATE, 2);
+        }
+        expect(JP_OPERATOR_ALIVE, JP_MODE_NAVIGATE);
+        if (is_silence == 1U) {
+            TEST_ASSERT_TRUE(jp_operator_link_pass(&link, 500));
+            expect(JP_OPERATOR_LOST, JP_MODE_STAND);
+        } else {
+            TEST_ASSERT_EQUAL_INT(JP_OPERATOR_SEQUENCE, give(counter + 9U, JP_MODE_STAND, 0));
+            expect(JP_OPERATOR_ALIVE, JP_MODE_STAND);
+        }
+        command(JP_MODE_NAVIGATE, 2);
+        command(JP_MODE_NAVIGATE, 2);
+        TEST_ASSERT_EQUAL_INT(JP_MODE_STAND, link.mode);
+    }
+}
+
 static void test_a_malformed_command_begins_anew(void)
 {
     make_standing();
     command(JP_MODE_DRIVE, 1);
     command(JP_MODE_DRIVE, 1);
     counter++;
-    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_MALFORMED, give(counter, 3, 1));
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_MALFORMED, give(counter, 4, 1));
     command(JP_MODE_DRIVE, 1);
     command(JP_MODE_DRIVE, 1);
     expect(JP_OPERATOR_ALIVE, JP_MODE_STAND);
@@ -355,7 +392,7 @@ static void test_only_valid_commands_break_the_silence(void)
     corrupt.data[2] ^= 1U;
     (void)jp_operator_link_accept(&link, &corrupt);
     (void)give(counter, JP_MODE_DRIVE, 1);
-    (void)give(counter + 1U, 3, 1);
+    (void)give(counter + 1U, 4, 1);
     TEST_ASSERT_TRUE(jp_operator_link_pass(&link, 1));
 }
 

@@ -1,0 +1,421 @@
+#include "hal/app/navigation.h"
+
+#include <joulepath/count.h>
+#include <stddef.h>
+
+#include "hal/can/jp_can.h"
+
+/* Fraction bits that a signal leaves out. */
+#define LENGTH_SHIFT   10U /* Q16 to Q6 */
+#define DURATION_SHIFT 12U /* Q16 to Q4 */
+#define ENERGY_SHIFT   13U /* Q16 to Q3 */
+#define POINT_SHIFT    9U  /* Q16 to Q7 */
+
+#define DEVIATION_MAX ((1 << 14) - 1)
+
+/** Of a navigator that is not under way. */
+static bool is_at_rest(enum jp_navigator_state state)
+{
+    return state == JP_NAVIGATOR_IDLE || state >= JP_NAVIGATOR_ARRIVED;
+}
+
+bool jp_navigation_is_under_way(const struct jp_navigation *navigation)
+{
+    return navigation->is_prepared && !is_at_rest(navigation->navigator.state);
+}
+
+static const struct jp_terrain *map_of(const struct jp_navigation *navigation)
+{
+    return &navigation->maps.decoder.terrain;
+}
+
+/* Start. */
+
+static const char *missing(const struct jp_navigation_config *config)
+{
+    if (config->lattice == NULL) {
+        return "lattice";
+    }
+    if (config->body == NULL) {
+        return "body";
+    }
+    if (config->map == NULL) {
+        return "map";
+    }
+    if (config->planner == NULL) {
+        return "planner";
+    }
+    if (config->reach == NULL) {
+        return "reach";
+    }
+    return config->legs == NULL || config->legs_max == 0U ? "legs" : NULL;
+}
+
+enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct jp_navigation_config *config,
+                                  struct jp_pilot *pilot, const char **field)
+{
+    if (navigation == NULL || config == NULL || pilot == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = missing(config);
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    const struct jp_map_room room = {
+        .block = config->map, .size = config->map_size, .resolution = config->lattice->resolution};
+
+    *navigation = (struct jp_navigation){.config = *config, .pilot = pilot};
+    jp_map_link_start(&navigation->maps, &room);
+    return jp_balancer_vehicle_init(&navigation->balancer, pilot, &navigation->vehicle);
+}
+
+/** For a map that has just become whole. */
+static enum jp_status prepare(struct jp_navigation *navigation)
+{
+    const struct jp_navigation_config *config = &navigation->config;
+    const struct jp_planner_config planner = {
+        .lattice = config->lattice, .cost = JP_COST_PHYSICAL, .epsilon = {JP_EPSILON(1.35), JP_EPSILON_ONE}};
+    const struct jp_navigator_config navigator = {.planner = &navigation->planner,
+                                                  .vehicle = &navigation->vehicle,
+                                                  .radius = config->body->radius,
+                                                  .margin = config->body->margin,
+                                                  .legs = config->legs,
+                                                  .legs_max = config->legs_max,
+                                                  .slice = JP_NAVIGATION_SLICE,
+                                                  .patience = JP_NAVIGATION_PATIENCE,
+                                                  .reach_block = config->reach,
+                                                  .reach_size = config->reach_size};
+    const char *field;
+    enum jp_status status = jp_reach_size(&map_of(navigation)->config) > config->reach_size ? JP_ERR_MEMORY : JP_OK;
+
+    if (status == JP_OK) {
+        status = jp_planner_init(&navigation->planner, &planner, &navigation->maps.decoder.terrain, config->planner,
+                                 config->planner_size, &field);
+    }
+    if (status == JP_OK) {
+        status = jp_navigator_init(&navigation->navigator, &navigator, &navigation->maps.decoder.origin, &field);
+    }
+    return status;
+}
+
+/** The goal was on the map that has gone. */
+static void forget_map(struct jp_navigation *navigation)
+{
+    navigation->is_prepared = false;
+    navigation->navigator = (struct jp_navigator){.state = JP_NAVIGATOR_IDLE};
+    navigation->goal = (struct jp_map_goal){.id = 0};
+    navigation->answer = JP_GOAL_NONE;
+}
+
+/** As the link has it. */
+static void follow_map(struct jp_navigation *navigation)
+{
+    const bool is_ready = navigation->maps.state == JP_MAP_LINK_READY;
+
+    if (!is_ready && navigation->is_prepared) {
+        forget_map(navigation);
+    } else if (is_ready && !navigation->is_prepared) {
+        navigation->is_prepared = prepare(navigation) == JP_OK;
+        if (!navigation->is_prepared) {
+            jp_map_link_reject(&navigation->maps, JP_MAP_REASON_TOO_LARGE);
+        }
+    } else {
+        /* Nothing has changed. */
+    }
+}
+
+/* Frames that arrive. */
+
+static enum jp_e2e_result accept_offer(struct jp_navigation *navigation, const struct jp_can_frame *frame)
+{
+    const enum jp_e2e_result result =
+        jp_map_link_accept_offer(&navigation->maps, frame, !jp_navigation_is_under_way(navigation));
+
+    follow_map(navigation);
+    return result;
+}
+
+static void change(struct jp_navigation *navigation, const struct jp_cell_changes *changes)
+{
+    for (unsigned i = 0; i < JP_CELL_CHANGES; i++) {
+        const unsigned cell = (changes->cells >> (2U * i)) & JP_CELL_UNCHANGED;
+        const int32_t x = (int32_t)(changes->x + i);
+
+        if (cell != JP_CELL_UNCHANGED && jp_terrain_cell(map_of(navigation), x, changes->y) != (enum jp_cell)cell) {
+            /* What is off the map is of no account. */
+            (void)jp_navigator_set_cell(&navigation->navigator, x, changes->y, (enum jp_cell)cell);
+        }
+    }
+}
+
+static enum jp_e2e_result accept_cells(struct jp_navigation *navigation, const struct jp_can_frame *frame)
+{
+    struct jp_cell_changes changes;
+    const enum jp_e2e_result result = jp_map_link_accept_cells(&navigation->maps, frame, &changes);
+
+    if (result != JP_E2E_CRC && navigation->is_prepared && changes.map == navigation->maps.id) {
+        change(navigation, &changes);
+    }
+    return result;
+}
+
+/** Of the lattice's headings, that nearest to one, or all. */
+static uint16_t headings_of(const struct jp_navigation *navigation)
+{
+    const struct jp_map_goal *goal = &navigation->goal;
+    uint32_t least = UINT32_MAX;
+    uint16_t nearest = JP_ANY_HEADING;
+
+    for (unsigned i = 0; i < JP_HEADINGS && goal->has_heading; i++) {
+        const int32_t off = (int32_t)(navigation->config.lattice->heading[i] - goal->heading);
+        const uint32_t magnitude = off < 0 ? 0U - (uint32_t)off : (uint32_t)off;
+
+        if (magnitude < least) {
+            least = magnitude;
+            nearest = (uint16_t)(1U << i);
+        }
+    }
+    return nearest;
+}
+
+static bool can_stand_there(const struct jp_navigation *navigation)
+{
+    const struct jp_map_goal *goal = &navigation->goal;
+    const uint16_t headings = headings_of(navigation);
+
+    for (unsigned i = 0; i < JP_HEADINGS; i++) {
+        if ((((uint32_t)headings >> i) & 1U) != 0U &&
+            jp_lattice_can_stand(navigation->config.lattice, map_of(navigation), goal->x, goal->y, (uint8_t)i)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static enum jp_goal_answer answer_to_goal(const struct jp_navigation *navigation)
+{
+    const struct jp_map_goal *goal = &navigation->goal;
+
+    if (!navigation->is_prepared) {
+        return JP_GOAL_NO_MAP;
+    }
+    if (goal->map != navigation->maps.id) {
+        return JP_GOAL_OTHER_MAP;
+    }
+    if (!jp_terrain_contains(map_of(navigation), goal->x, goal->y)) {
+        return JP_GOAL_OUTSIDE;
+    }
+    return can_stand_there(navigation) ? JP_GOAL_TAKEN : JP_GOAL_BLOCKED;
+}
+
+static enum jp_e2e_result accept_goal(struct jp_navigation *navigation, const struct jp_can_frame *frame)
+{
+    struct jp_map_goal goal;
+    const enum jp_e2e_result result = jp_map_link_accept_goal(&navigation->maps, frame, &goal);
+    const bool was_taken = navigation->answer == JP_GOAL_TAKEN || navigation->answer == JP_GOAL_DRIVEN;
+
+    if (result == JP_E2E_OK && goal.id != 0U && !(was_taken && goal.id == navigation->goal.id)) {
+        navigation->goal = goal;
+        navigation->answer = answer_to_goal(navigation);
+    }
+    return result;
+}
+
+enum jp_e2e_result jp_navigation_accept(struct jp_navigation *navigation, const struct jp_can_frame *frame)
+{
+    switch (frame->id) {
+    case JP_CAN_MAP_OFFER_FRAME_ID:
+        return accept_offer(navigation, frame);
+    case JP_CAN_MAP_DATA_FRAME_ID:
+        return jp_map_link_accept_data(&navigation->maps, frame);
+    case JP_CAN_CELL_CHANGES_FRAME_ID:
+        return accept_cells(navigation, frame);
+    case JP_CAN_MAP_GOAL_FRAME_ID:
+    default:
+        return accept_goal(navigation, frame);
+    }
+}
+
+/* Commands. */
+
+bool jp_navigation_drive(struct jp_navigation *navigation, uint8_t goal)
+{
+    const struct jp_goal place = {
+        .x = (int16_t)navigation->goal.x, .y = (int16_t)navigation->goal.y, .headings = headings_of(navigation)};
+
+    if (navigation->answer != JP_GOAL_TAKEN || goal != navigation->goal.id) {
+        return false;
+    }
+    const enum jp_status status = jp_navigator_go(&navigation->navigator, &place);
+
+    if (status == JP_OK) {
+        navigation->answer = JP_GOAL_DRIVEN;
+    } else if (status != JP_ERR_STATE) {
+        navigation->answer = JP_GOAL_BLOCKED;
+    } else {
+        /* Its motors are about to be on. */
+    }
+    return status == JP_OK;
+}
+
+void jp_navigation_stop(struct jp_navigation *navigation)
+{
+    if (jp_navigation_is_under_way(navigation)) {
+        jp_navigator_stop(&navigation->navigator);
+    }
+}
+
+/* The report. */
+
+static void begin(struct jp_can_frame *frame, uint32_t id)
+{
+    *frame = (struct jp_can_frame){.id = id, .length = JP_CAN_LENGTH_MAX};
+}
+
+static uint32_t signal_of(int32_t value, unsigned shift, int32_t high)
+{
+    return (uint32_t)jp_clamp32(jp_round_shift(value, shift), 0, high);
+}
+
+static void tell_map(const struct jp_navigation *navigation, struct jp_can_frame *frame)
+{
+    const struct jp_map_link *maps = &navigation->maps;
+    const struct jp_can_map_status_t signals = {.map_id = maps->id,
+                                                .state = (uint8_t)maps->state,
+                                                .reason = (uint8_t)maps->reason,
+                                                .cell_counter = maps->cell_counter,
+                                                .received = maps->frames,
+                                                .map_crc = maps->crc};
+
+    begin(frame, JP_CAN_MAP_STATUS_FRAME_ID);
+    (void)jp_can_map_status_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static uint8_t count8(uint32_t value)
+{
+    return (uint8_t)(value > UINT8_MAX ? UINT8_MAX : value);
+}
+
+static void tell_state(const struct jp_navigation *navigation, uint16_t legs, struct jp_can_frame *frame)
+{
+    const struct jp_navigator *navigator = &navigation->navigator;
+    const struct jp_can_navigation_status_t signals = {.goal_id = navigation->goal.id,
+                                                       .state = (uint8_t)navigator->state,
+                                                       .reason = (uint8_t)navigator->reason,
+                                                       .answer = (uint8_t)navigation->answer,
+                                                       .has_course = legs > 0U,
+                                                       .vehicle_status = (int8_t)navigator->status,
+                                                       .replans = count8(navigator->replans),
+                                                       .course = navigation->course,
+                                                       .legs_left = count8(legs)};
+
+    begin(frame, JP_CAN_NAVIGATION_STATUS_FRAME_ID);
+    (void)jp_can_navigation_status_pack(frame->data, &signals, sizeof frame->data);
+}
+
+/** In J, of a value in the unit of the pilot's model. */
+static jp_q16 joules(const struct jp_navigation *navigation, jp_q16 energy)
+{
+    return jp_energy_to_q16(jp_energy_from_q16(energy, navigation->pilot->config.model->unit_exponent), 0);
+}
+
+static void tell_progress(const struct jp_navigation *navigation, struct jp_can_frame *frame)
+{
+    struct jp_progress progress = {.length = 0};
+
+    if (navigation->is_prepared) {
+        (void)jp_navigator_progress(&navigation->navigator, &progress);
+    }
+    const struct jp_can_navigation_progress_t signals = {
+        .distance = (uint16_t)signal_of(progress.length, LENGTH_SHIFT, UINT16_MAX),
+        .duration = (uint16_t)signal_of(progress.duration, DURATION_SHIFT, UINT16_MAX),
+        .energy = signal_of(joules(navigation, progress.energy.energy), ENERGY_SHIFT, INT32_MAX),
+        .deviation = (uint16_t)signal_of(joules(navigation, progress.energy.deviation), ENERGY_SHIFT, DEVIATION_MAX)};
+
+    begin(frame, JP_CAN_NAVIGATION_PROGRESS_FRAME_ID);
+    (void)jp_can_navigation_progress_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void tell_leg(const struct jp_navigation *navigation, const struct jp_course_leg *leg,
+                     struct jp_can_frame *frame)
+{
+    const struct jp_can_course_leg_t signals = {.course = navigation->course,
+                                                .after = navigation->leg_told,
+                                                .is_stop = leg->is_stop ? 1U : 0U,
+                                                .x = (uint16_t)signal_of(leg->end.x, POINT_SHIFT, UINT16_MAX),
+                                                .y = (uint16_t)signal_of(leg->end.y, POINT_SHIFT, UINT16_MAX)};
+
+    begin(frame, JP_CAN_COURSE_LEG_FRAME_ID);
+    (void)jp_can_course_leg_pack(frame->data, &signals, sizeof frame->data);
+}
+
+/** From the leg that is driven to the last, and again. */
+static uint8_t tell_legs(struct jp_navigation *navigation, const struct jp_course_leg *legs, uint8_t count,
+                         struct jp_can_frame *frames)
+{
+    uint8_t told = 0;
+
+    while (told < JP_NAVIGATION_REPORT_LEGS && told < count) {
+        const bool begins = navigation->leg_told == 0U || navigation->leg_told > count;
+
+        navigation->leg_told = (uint8_t)((begins ? count : navigation->leg_told) - 1U);
+        tell_leg(navigation, &legs[count - 1U - navigation->leg_told], &frames[told]);
+        told++;
+    }
+    return told;
+}
+
+static void report(struct jp_navigation *navigation)
+{
+    const struct jp_course_leg *legs = NULL;
+    uint16_t count = 0;
+
+    if (navigation->is_prepared) {
+        legs = jp_navigator_legs(&navigation->navigator, &count);
+    }
+    const uint8_t told = tell_legs(navigation, legs, count8(count), navigation->frames);
+
+    tell_progress(navigation, &navigation->frames[told]);
+    tell_state(navigation, count, &navigation->frames[told + 1U]);
+    tell_map(navigation, &navigation->frames[told + 2U]);
+    __atomic_store_n(&navigation->frames_left, (uint8_t)(told + 3U), __ATOMIC_RELEASE);
+}
+
+bool jp_navigation_take_frame(struct jp_navigation *navigation, struct jp_can_frame *frame)
+{
+    const uint8_t left = __atomic_load_n(&navigation->frames_left, __ATOMIC_ACQUIRE);
+
+    if (left == 0U) {
+        return false;
+    }
+    *frame = navigation->frames[left - 1U];
+    __atomic_store_n(&navigation->frames_left, (uint8_t)(left - 1U), __ATOMIC_RELEASE);
+    return true;
+}
+
+/* The work. */
+
+static void navigate(struct jp_navigation *navigation)
+{
+    const enum jp_navigator_state before = navigation->navigator.state;
+
+    if (jp_navigator_work(&navigation->navigator) == JP_NAVIGATOR_TURNING && before == JP_NAVIGATOR_JOINING) {
+        navigation->course++;
+        navigation->leg_told = 0;
+    }
+}
+
+bool jp_navigation_work(struct jp_navigation *navigation, uint32_t tick, uint32_t tick_rate)
+{
+    jp_map_link_work(&navigation->maps);
+    follow_map(navigation);
+    if (navigation->is_prepared) {
+        navigate(navigation);
+    }
+    if (tick - navigation->told_tick >= tick_rate * JP_NAVIGATION_REPORT_MS / 1000U &&
+        __atomic_load_n(&navigation->frames_left, __ATOMIC_ACQUIRE) == 0U) {
+        navigation->told_tick = tick;
+        report(navigation);
+    }
+    return navigation->is_prepared;
+}

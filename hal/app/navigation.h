@@ -1,0 +1,110 @@
+/**
+ * The navigator of a controller on CAN: takes a map, changes of its cells and goals on it in frames, drives to a goal
+ * while the operator says so, and tells what it does.
+ *
+ *   jp_navigation_accept()  each frame of a map, of cells, of a goal
+ *   jp_navigation_drive()   while the operator commands Navigate
+ *   jp_navigation_stop()    when he does not
+ *   jp_navigation_work()    a slice of work
+ *
+ * All of it runs in the background. A map is taken while the navigator is not under way, and goals once it is whole. A
+ * goal is driven to once. Memory is the caller's: hal/app/navigation_memory.h has some.
+ */
+#ifndef JOULEPATH_HAL_APP_NAVIGATION_H
+#define JOULEPATH_HAL_APP_NAVIGATION_H
+
+#include <joulepath/balancer_vehicle.h>
+#include <joulepath/navigator_body.h>
+
+#include "hal/can/map_link.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Expansions of a slice: mostly less than a tick of 1 ms of a Cortex-M4 at 168 MHz. */
+#define JP_NAVIGATION_SLICE 16U
+
+/** Expansions after which the robot drives by the best route that is there. */
+#define JP_NAVIGATION_PATIENCE 6000U
+
+/** Of what the navigator does it tells so often, and of so many legs of its course. */
+#define JP_NAVIGATION_REPORT_MS   100U
+#define JP_NAVIGATION_REPORT_LEGS 4U
+
+/** Frames of a report: MapStatus, NavigationStatus, NavigationProgress, CourseLeg. */
+#define JP_NAVIGATION_FRAMES (3U + JP_NAVIGATION_REPORT_LEGS)
+
+struct jp_navigation_config {
+    const struct jp_lattice *lattice;     /**< of the disc in which the robot turns */
+    const struct jp_navigator_body *body; /**< that disc */
+    void *map; /**< jp_terrain_size() bytes of the largest map; these three are aligned to 8 */
+    size_t map_size;
+    void *planner; /**< the planner's block */
+    size_t planner_size;
+    void *reach; /**< jp_reach_size() bytes of the largest map */
+    size_t reach_size;
+    struct jp_course_leg *legs;
+    uint16_t legs_max; /**< at least 1 */
+};
+
+/** Values of Answer in NavigationStatus. */
+enum jp_goal_answer {
+    JP_GOAL_NONE,
+    JP_GOAL_TAKEN, /**< waits to be driven to */
+    JP_GOAL_NO_MAP,
+    JP_GOAL_OTHER_MAP,
+    JP_GOAL_OUTSIDE,
+    JP_GOAL_BLOCKED, /**< the robot cannot stand there */
+    JP_GOAL_DRIVEN   /**< was given to the navigator, whose state says what becomes of it */
+};
+
+/** The members but `maps` and `navigator` are private, and those may only be read. */
+struct jp_navigation {
+    struct jp_navigation_config config;
+    struct jp_pilot *pilot;
+    struct jp_map_link maps;
+    struct jp_navigator navigator; /**< holds once there is a map */
+    struct jp_planner planner;
+    struct jp_balancer_vehicle balancer;
+    struct jp_vehicle vehicle;
+    bool is_prepared; /* for the map */
+    struct jp_map_goal goal;
+    enum jp_goal_answer answer;
+    uint8_t course;     /* number of the last one */
+    uint8_t leg_told;   /* legs after the one that was told last */
+    uint32_t told_tick; /* of the last report */
+    struct jp_can_frame frames[JP_NAVIGATION_FRAMES];
+    uint8_t frames_left; /* to be sent by the tick; the background writes them while it is 0 */
+};
+
+/** Prepares a navigator without a map for the robot of a pilot. What the pointers show must stay. JP_ERR_CONFIG: *field
+ *  names the first member of the configuration that is null or out of range. JP_ERR_ARGUMENT: a pointer is null. */
+enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct jp_navigation_config *config,
+                                  struct jp_pilot *pilot, const char **field);
+
+/** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length. Work: cells that change, each as
+ * jp_navigator_set_cell(). */
+enum jp_e2e_result jp_navigation_accept(struct jp_navigation *navigation, const struct jp_can_frame *frame);
+
+/** Drives to the goal of this id, if it waits to be driven to; true when it now does. */
+bool jp_navigation_drive(struct jp_navigation *navigation, uint8_t goal);
+
+/** It plans or drives. */
+bool jp_navigation_is_under_way(const struct jp_navigation *navigation);
+
+/** Brakes to a stand, if it is under way, and forgets the goal. */
+void jp_navigation_stop(struct jp_navigation *navigation);
+
+/** A slice: of the map, and of navigator and pilot. False: there is no map, and the pilot's work is left to the caller.
+ *  `tick` counts at `tick_rate`, Hz. */
+bool jp_navigation_work(struct jp_navigation *navigation, uint32_t tick, uint32_t tick_rate);
+
+/** The next frame of its report, for the control interrupt; false: none is due. Constant time. */
+bool jp_navigation_take_frame(struct jp_navigation *navigation, struct jp_can_frame *frame);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,281 @@
+#include "sim/missions/bus_navigation.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "sim/base/error.h"
+#include "sim/base/fingerprint.h"
+#include "sim/bus/course_view.h"
+#include "sim/missions/navigation_sight.h"
+
+/** Looks of the sensor, a second. */
+#define SENSOR_RATE 20
+
+#define MAP_ID 1
+
+/* Of the signals. */
+#define JOULE  4294967296.0
+#define Q3_ONE 8.0
+#define Q4_ONE 16.0
+#define Q6_ONE 64.0
+
+struct run {
+    struct bus_navigation *navigation;
+    const struct navigation_task *task;
+    struct clearance_robot body;
+    struct clearance_pose start;
+    struct clearance_pose before;
+    struct course_view course;
+    int shown;      /**< number of the course that was, or -1 */
+    bool has_begun; /**< to drive */
+    bool has_forecast;
+    uint32_t begin_tick;
+    int64_t begin_energy;
+};
+
+static struct clearance_pose pose_of(const struct run *run)
+{
+    return navigation_pose(&run->start, &run->navigation->drive.plant.world.plant);
+}
+
+static double rate_of(const struct run *run)
+{
+    return run->task->robot->control.rate_hz;
+}
+
+/* What the ECU tells. */
+
+/** True when all of its legs have come for the first time. */
+static bool has_new_course(struct run *run, struct navigation_course *course)
+{
+    struct jp_point ends[COURSE_VIEW_LEGS];
+    const unsigned count = course_view_read(&run->course, &run->navigation->drive.view.navigation, ends);
+
+    if (run->shown == run->course.course || count == 0 || count > NAVIGATION_LEGS) {
+        return false;
+    }
+    course->count = (uint16_t)count;
+    for (unsigned i = 0; i < count; i++) {
+        course->ends[i] = ends[i];
+    }
+    run->shown = run->course.course;
+    return true;
+}
+
+static void take_forecast(struct run *run)
+{
+    const struct jp_can_navigation_progress_t *left = &run->navigation->drive.view.left;
+
+    if (!run->has_forecast && left->energy > 0) {
+        run->has_forecast = true;
+        run->navigation->result.forecast_joules = left->energy / Q3_ONE;
+        run->navigation->result.deviation_joules = left->deviation / Q3_ONE;
+    }
+}
+
+static void take_events(struct run *run)
+{
+    struct ecu_view *view = &run->navigation->drive.view;
+
+    if (view->leg_told) {
+        course_view_take(&run->course, &view->leg);
+    }
+    if (view->left_told && run->has_begun) {
+        take_forecast(run);
+    }
+    view->leg_told = false;
+    view->left_told = false;
+}
+
+/* The drive. */
+
+static double joules_of(const struct run *run)
+{
+    return (double)(run->navigation->drive.view.spent.energy - run->begin_energy) / JOULE;
+}
+
+static void show(struct run *run)
+{
+    const struct ecu_view *view = &run->navigation->drive.view;
+    struct navigation_course course;
+    const bool is_new = has_new_course(run, &course);
+    const struct navigation_frame frame = {.seconds = run->navigation->result.seconds,
+                                           .pose = pose_of(run),
+                                           .joules = joules_of(run),
+                                           .state = (enum jp_navigator_state)view->navigation.state,
+                                           .reason = (enum jp_navigator_reason)view->navigation.reason,
+                                           .replans = view->navigation.replans,
+                                           .left_m = view->left.distance / Q6_ONE,
+                                           .left_s = view->left.duration / Q4_ONE,
+                                           .new_course = is_new ? &course : NULL};
+
+    if (run->task->watch != NULL) {
+        run->task->watch(run->task->context, &frame);
+    }
+}
+
+/** What is handed to the operator the robot knows, or will. */
+static bool tell(void *context, int x, int y, enum jp_cell cell)
+{
+    struct run *run = context;
+
+    return jp_navigation_operator_see(&run->navigation->commander, (uint16_t)x, (uint16_t)y, cell) == JP_OK &&
+           jp_terrain_set_cell(run->task->map, x, y, cell) == JP_OK;
+}
+
+static void look(struct run *run)
+{
+    struct navigation_result *result = &run->navigation->result;
+    const struct clearance_pose pose = pose_of(run);
+
+    navigation_look(run->task, &pose, result, tell, run);
+    navigation_measure(run->task, &run->body, &pose, result);
+    result->length_m += hypot(pose.x - run->before.x, pose.y - run->before.y);
+    run->before = pose;
+    show(run);
+}
+
+static void begin(struct run *run)
+{
+    run->has_begun = true;
+    run->begin_tick = run->navigation->drive.tick;
+    run->begin_energy = run->navigation->drive.view.spent.energy;
+    run->before = pose_of(run);
+}
+
+static void note_fingerprint(struct run *run)
+{
+    const struct plant *plant = &run->navigation->drive.plant.world.plant;
+    const struct ecu_view *view = &run->navigation->drive.view;
+    uint64_t *fingerprint = &run->navigation->fingerprint;
+
+    fingerprint_add(fingerprint, &plant->x, sizeof plant->x);
+    fingerprint_add(fingerprint, &plant->y, sizeof plant->y);
+    fingerprint_add(fingerprint, &plant->state, sizeof plant->state);
+    fingerprint_add(fingerprint, &plant->ledger, sizeof plant->ledger);
+    fingerprint_add(fingerprint, &view->spent.energy, sizeof view->spent.energy);
+}
+
+static bool pass_tick(struct run *run)
+{
+    struct bus_navigation *navigation = run->navigation;
+    struct bus_drive *bus = &navigation->drive;
+    const uint32_t ticks = (uint32_t)rate_of(run);
+
+    if (!bus_drive_lockstep(bus)) {
+        error_line("the ECU does not answer: is it on the bus, and built with a navigator?");
+        return false;
+    }
+    note_fingerprint(run);
+    take_events(run);
+    if (navigation->commander.phase == JP_NAVIGATION_SENDING) {
+        navigation->upload_s += 1 / rate_of(run);
+    }
+    if (navigation->commander.phase == JP_NAVIGATION_DRIVING && !run->has_begun) {
+        begin(run);
+    }
+    if (run->has_begun && (bus->tick - run->begin_tick) % (ticks / SENSOR_RATE) == 0) {
+        navigation->result.seconds = (bus->tick - run->begin_tick) / rate_of(run);
+        look(run);
+    }
+    return true;
+}
+
+static bool is_over(const struct run *run)
+{
+    const enum jp_navigation_phase phase = run->navigation->commander.phase;
+
+    return phase == JP_NAVIGATION_DONE || phase == JP_NAVIGATION_FAILED;
+}
+
+/** False: the drive has ended otherwise than by what the navigator decided. */
+static bool conclude(struct run *run)
+{
+    const struct jp_navigation_operator *commander = &run->navigation->commander;
+    struct navigation_result *result = &run->navigation->result;
+    const struct clearance_pose pose = pose_of(run);
+
+    if (commander->phase == JP_NAVIGATION_FAILED && commander->failure != JP_NAVIGATION_UNREACHABLE &&
+        commander->failure != JP_NAVIGATION_GAVE_UP) {
+        error_line("%s", jp_navigation_failure_text(commander->failure));
+        return false;
+    }
+    result->state = (enum jp_navigator_state)commander->navigator.state;
+    result->reason = (enum jp_navigator_reason)commander->navigator.reason;
+    result->status = (enum jp_status)commander->navigator.vehicle_status;
+    result->replans = commander->navigator.replans;
+    result->joules = joules_of(run);
+    result->is_late = !is_over(run);
+    result->goal_error_m = navigation_goal_error(run->task, &pose);
+    show(run);
+    return true;
+}
+
+static bool drive(struct run *run)
+{
+    while (!is_over(run) && run->navigation->result.seconds < run->task->patience) {
+        if (!pass_tick(run)) {
+            return false;
+        }
+    }
+    return conclude(run);
+}
+
+/* Preparation. */
+
+/** As the goal of the task, with the first of its headings unless it allows all. */
+static struct jp_map_goal goal_of(const struct navigation_task *task)
+{
+    struct jp_map_goal goal = {
+        .x = (uint16_t)task->goal.x, .y = (uint16_t)task->goal.y, .has_heading = task->goal.headings != JP_ANY_HEADING};
+
+    for (unsigned i = JP_HEADINGS; i-- > 0 && goal.has_heading;) {
+        goal.heading = (task->goal.headings >> i & 1) != 0 ? task->lattice->heading[i] : goal.heading;
+    }
+    return goal;
+}
+
+/** Bytes of the map, which the caller frees; NULL after one line on stderr. */
+static uint8_t *encode(const struct run *run, struct jp_map_stream *stream)
+{
+    const struct jp_terrain *map = run->task->map;
+    const size_t size = jp_map_code_size(&map->config);
+    const struct jp_place origin = navigation_place(&run->start);
+    uint8_t *bytes = malloc(size);
+    const size_t length = bytes != NULL ? jp_map_encode(map, &origin, bytes, size) : 0;
+
+    if (length == 0 || length > UINT16_MAX) {
+        error_line("the map takes %zu bytes, at most %d go over the bus; import a smaller window", length, UINT16_MAX);
+        free(bytes);
+        return NULL;
+    }
+    *stream = (struct jp_map_stream){.bytes = bytes, .length = (uint16_t)length, .id = MAP_ID};
+    return bytes;
+}
+
+bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
+                        const struct jp_can_link *link, unsigned patience)
+{
+    struct run run = {.navigation = navigation, .task = task, .body = navigation_body(task->robot), .shown = -1};
+    const struct jp_map_goal goal = goal_of(task);
+    struct jp_map_stream stream;
+
+    run.start = navigation_start(task);
+    run.before = run.start;
+    *navigation =
+        (struct bus_navigation){.fingerprint = FINGERPRINT_START, .result = {.clearance_m = NAVIGATION_CLEARANCE_MAX}};
+    bus_drive_init(&navigation->drive, task->robot, task->seed, link);
+    navigation->drive.patience = patience;
+    navigation->drive.navigation = &navigation->commander;
+    uint8_t *bytes = encode(&run, &stream);
+
+    if (bytes == NULL) {
+        return false;
+    }
+    navigation->stream_bytes = stream.length;
+    (void)jp_navigation_operator_go(&navigation->commander, &stream, &goal);
+    const bool is_done = drive(&run);
+
+    free(bytes);
+    return is_done;
+}

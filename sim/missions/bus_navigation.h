@@ -1,0 +1,23 @@
+/** A drive of the navigator over a bus: the controller is a node of its own, which gets map, goal and what the sensor
+ *  sees in frames, and tells in frames what it does. Where the robot is, is the plant's truth. */
+#ifndef JOULEPATH_SIM_MISSIONS_BUS_NAVIGATION_H
+#define JOULEPATH_SIM_MISSIONS_BUS_NAVIGATION_H
+
+#include "sim/bus/bus_drive.h"
+#include "sim/missions/navigation_task.h"
+
+struct bus_navigation {
+    struct bus_drive drive;
+    struct jp_navigation_operator commander;
+    struct navigation_result result;
+    uint64_t fingerprint; /**< of the plant's states of all ticks and of the energy: equal for equal drives */
+    double upload_s;      /**< of the map */
+    size_t stream_bytes;  /**< of it */
+};
+
+/** Drives a task in lockstep; its map is that of the robot, and its memory what the robot has. `link` stays open,
+ *  `patience` is of bus_drive.h, s. False after one line on stderr: the robot was not let drive to the end. */
+bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
+                        const struct jp_can_link *link, unsigned patience);
+
+#endif

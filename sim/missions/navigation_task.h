@@ -1,0 +1,80 @@
+/** A drive of a navigator in a simulated world: what it is asked, what comes of it, what can be looked at meanwhile. */
+#ifndef JOULEPATH_SIM_MISSIONS_NAVIGATION_TASK_H
+#define JOULEPATH_SIM_MISSIONS_NAVIGATION_TASK_H
+
+#include <joulepath/navigator.h>
+
+#include "sim/balancer/rig.h"
+#include "sim/base/clearance.h"
+
+/** A cell that the sensor has seen to be otherwise than the map says. */
+struct navigation_sight {
+    int x;
+    int y;
+    double seconds;
+};
+
+/** Most legs of a course. */
+#define NAVIGATION_LEGS 96
+
+/** Ends of a course's legs, m from the south-west corner of the map. */
+struct navigation_course {
+    struct jp_point ends[NAVIGATION_LEGS];
+    uint16_t count;
+};
+
+/** Something to look at, 20 times a second and at the end. */
+struct navigation_frame {
+    double seconds;
+    struct clearance_pose pose; /**< true */
+    double joules;              /**< spent since it was told where to go */
+    enum jp_navigator_state state;
+    enum jp_navigator_reason reason;
+    unsigned replans;
+    double left_m;
+    double left_s;
+    const struct navigation_course *new_course; /**< begun since the frame before; NULL: none */
+};
+
+struct navigation_task {
+    const struct robot_entry *entry;
+    const struct robot_file *robot;
+    const struct jp_lattice *lattice;
+    struct jp_terrain *map;         /**< that the robot has; it learns what it sees */
+    const struct jp_terrain *world; /**< as it is */
+    struct jp_lattice_pose start;
+    struct jp_goal goal;
+    double view_m;   /**< how far the sensor sees, where nothing is in between */
+    size_t memory;   /**< of the planner, bytes */
+    double patience; /**< simulated seconds after which the drive is given up */
+    uint64_t seed;
+    /** Either may be NULL. */
+    void (*watch)(void *context, const struct navigation_frame *frame);
+    void (*see)(void *context, const struct navigation_sight *sight);
+    void *context;
+};
+
+struct navigation_result {
+    enum jp_navigator_state state; /**< at the end */
+    enum jp_navigator_reason reason;
+    enum jp_status status;
+    unsigned replans;
+    unsigned seen;   /**< cells that the map did not show */
+    bool is_late;    /**< it was given up */
+    bool is_touched; /**< the body was on a cell that is blocked */
+    struct clearance_pose touched_at;
+    double clearance_m;  /**< least distance between its rectangle and what is blocked, up to 0.25 m */
+    double aside_m;      /**< most that it was beside its leg, beyond what the corners cut */
+    double goal_error_m; /**< from the goal cell's centre */
+    double length_m;     /**< driven */
+    double seconds;
+    double joules;          /**< of the energy that the vehicle's model counts */
+    double forecast_joules; /**< of the first course */
+    double deviation_joules;
+};
+
+/** Of a state and a reason, for people. */
+const char *navigation_state_name(enum jp_navigator_state state);
+const char *navigation_reason_name(enum jp_navigator_reason reason);
+
+#endif
