@@ -35,6 +35,15 @@ struct jp_guide_root {
     uint16_t headings; /**< not 0 */
 };
 
+/** Private: the coarse cell whose neighbours are relaxed, and how many are yet to be. */
+struct jp_guide_cell {
+    int32_t x;
+    int32_t y;
+    uint32_t value;
+    int32_t elevation;
+    uint8_t directions_left;
+};
+
 /** The members are private. */
 struct jp_guide_field {
     const struct jp_lattice *lattice;
@@ -46,6 +55,8 @@ struct jp_guide_field {
     enum jp_guide_direction direction;
     struct jp_guide_root root;
     struct jp_wavefront wave;
+    struct jp_guide_cell cell;
+    uint32_t debt;  /**< looks that have been taken and not counted yet */
     uint8_t *steps; /**< direction of the step at each coarse cell, two a byte */
 };
 
@@ -64,9 +75,9 @@ void jp_guide_field_set_lattice(struct jp_guide_field *field, const struct jp_la
 void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction direction,
                           const struct jp_guide_root *root, uint16_t target_x, uint16_t target_y);
 
-/** Continues to grow, over at most *cells coarse cells, which counts down. True when done. Work: 16 steps a coarse
- * cell, each of at most scale³ look-ups in the map. */
-bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells);
+/** Continues to grow, by *looks looks at cells of the map, which counts down. A step from a coarse cell to a neighbour
+ *  takes at most scale³; what the last one takes beyond is counted by the next call. True when done. */
+bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *looks);
 
 /** True when the guide has found a path to the coarse cell around (x, y). Constant time. */
 bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32_t y);

@@ -7,6 +7,7 @@
 
 enum {
     LEVEL_PATHS_PER_RANGE = 6, /* range of the values, in costs of a level path across the map */
+    LOOKS_PER_CELL = 16,       /* the wave's step to its next cell takes as long as so many looks at the map */
     STEP_BITS = 4,
     STEP_MASK = 15,
 };
@@ -73,6 +74,8 @@ void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction 
 
     field->direction = direction;
     field->root = *root;
+    field->cell.directions_left = 0;
+    field->debt = 0;
     field->shift =
         field_shift(&field->wave, field->lattice, field->kind, &field->terrain->config, LEVEL_PATHS_PER_RANGE);
     const uint32_t step = ((field_level_step(field->lattice, field->kind) * scale) >> field->shift) + 1U;
@@ -97,11 +100,12 @@ static int32_t elevation_of(const struct jp_guide_field *field, int32_t x, int32
 }
 
 /** True when the robot can make `scale` steps in a row from a cell of the map. */
-static bool is_chain_open(const struct jp_guide_field *field, int32_t x, int32_t y, unsigned direction)
+static bool is_chain_open(struct jp_guide_field *field, int32_t x, int32_t y, unsigned direction)
 {
     for (unsigned i = 0; i < field->scale; i++) {
         x += jp_move_offsets[direction].dx;
         y += jp_move_offsets[direction].dy;
+        field->debt++;
         if (!jp_lattice_is_open(field->lattice, field->terrain, x, y)) {
             return false;
         }
@@ -110,7 +114,7 @@ static bool is_chain_open(const struct jp_guide_field *field, int32_t x, int32_t
 }
 
 /** True when is_chain_open() holds from any cell of a coarse one. */
-static bool is_step_open(const struct jp_guide_field *field, int32_t coarse_x, int32_t coarse_y, unsigned direction)
+static bool is_step_open(struct jp_guide_field *field, int32_t coarse_x, int32_t coarse_y, unsigned direction)
 {
     const int32_t scale = field->scale;
 
@@ -154,16 +158,8 @@ static uint32_t turn_at(const struct jp_guide_field *field, int32_t x, int32_t y
     return turn_between(field, step_at(field, x, y), heading);
 }
 
-/** A coarse cell whose neighbours are relaxed. */
-struct coarse_cell {
-    int32_t x;
-    int32_t y;
-    uint32_t value;
-    int32_t elevation;
-};
-
 /** Relaxes the neighbour of a coarse cell in one direction away from the root. */
-static void relax_step(struct jp_guide_field *field, const struct coarse_cell *cell, unsigned away)
+static void relax_step(struct jp_guide_field *field, const struct jp_guide_cell *cell, unsigned away)
 {
     const bool from_root = field->direction == JP_GUIDE_FROM_ROOT;
     const int32_t nx = cell->x + jp_move_offsets[away].dx;
@@ -201,32 +197,51 @@ static void clear(struct jp_guide_field *field)
     }
 }
 
-static void relax(struct jp_guide_field *field, int32_t x, int32_t y)
+/** Relaxes the next neighbour of the cell. */
+static void relax_next(struct jp_guide_field *field)
 {
-    const struct coarse_cell cell = {x, y, jp_wavefront_value(&field->wave, x, y), elevation_of(field, x, y)};
+    struct jp_guide_cell *cell = &field->cell;
 
-    for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
-        relax_step(field, &cell, direction);
-    }
+    relax_step(field, cell, (unsigned)JP_MOVE_DIRECTIONS - cell->directions_left);
+    cell->directions_left--;
 }
 
-bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *cells)
+/** Goes on to the next cell of the wave. True when there is none left. */
+static bool advance(struct jp_guide_field *field)
 {
     int32_t x = 0;
     int32_t y = 0;
+    unsigned cells = 1;
+    const enum jp_wave_step step = jp_wavefront_next(&field->wave, &cells, &x, &y);
 
-    while (*cells > 0U) {
-        if (!jp_wavefront_is_clear(&field->wave)) {
-            clear(field);
-            --*cells;
+    if (step == JP_WAVE_CELL) {
+        field->cell = (struct jp_guide_cell){x, y, jp_wavefront_value(&field->wave, x, y), elevation_of(field, x, y),
+                                             JP_MOVE_DIRECTIONS};
+    }
+    return step == JP_WAVE_STOPPED;
+}
+
+bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *looks)
+{
+    while (*looks > 0U) {
+        const uint32_t paid = field->debt < *looks ? field->debt : *looks;
+
+        field->debt -= paid;
+        *looks -= paid;
+        if (paid > 0U) {
             continue;
         }
-        const enum jp_wave_step step = jp_wavefront_next(&field->wave, cells, &x, &y);
-        if (step == JP_WAVE_STOPPED) {
+        field->debt = 1;
+        if (field->cell.directions_left > 0U) {
+            relax_next(field);
+        } else if (!jp_wavefront_is_clear(&field->wave)) {
+            clear(field);
+            field->debt = LOOKS_PER_CELL;
+        } else if (advance(field)) {
+            field->debt = 0;
             return true;
-        }
-        if (step == JP_WAVE_CELL) {
-            relax(field, x, y);
+        } else {
+            field->debt = LOOKS_PER_CELL; /* for a cell, or for looking where there was none */
         }
     }
     return false;

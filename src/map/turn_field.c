@@ -97,6 +97,7 @@ void jp_turn_field_start(struct jp_turn_field *field, const struct jp_turns *tur
                          unsigned root_heading, int32_t target_x, int32_t target_y, unsigned target_heading)
 {
     const uint32_t turn = cheapest_turn(turns);
+    const int32_t target_column = target_x / (int32_t)field->scale;
 
     field->shift = 0;
     while (turn >> (field->shift + 1U) >= (uint32_t)UNITS_PER_TURN) {
@@ -106,7 +107,8 @@ void jp_turn_field_start(struct jp_turn_field *field, const struct jp_turns *tur
     field->root_y = (uint16_t)root_y;
     field->root_heading = (uint8_t)root_heading;
     field->scan.is_active = false;
-    jp_wavefront_start(&field->wave, (turn >> field->shift) + 1U, (uint16_t)(target_x / (int32_t)field->scale),
+    field->debt = 0;
+    jp_wavefront_start(&field->wave, (turn >> field->shift) + 1U, (uint16_t)target_column,
                        (uint16_t)row_of(field, target_y, target_heading));
 }
 
@@ -171,14 +173,14 @@ static void next_corner(struct jp_turn_field *field)
 }
 
 /** Cells of a coarse one, along an axis, from which a primitive leads to a corner. */
-struct part {
+struct near_cells {
     int32_t first;
     int32_t end;
 };
 
-static struct part part_of(const struct jp_turn_leap *of, int32_t scale, bool is_farther)
+static struct near_cells part_of(const struct jp_turn_leap *of, int32_t scale, bool is_farther)
 {
-    return is_farther ? (struct part){of->farther_from, scale} : (struct part){0, of->farther_from};
+    return is_farther ? (struct near_cells){of->farther_from, scale} : (struct near_cells){0, of->farther_from};
 }
 
 /** Whether the primitive can be driven to the corner from the cell that the scan is at; then on to the next cell or
@@ -189,8 +191,8 @@ static void try_cell(struct jp_turn_field *field, const struct jp_primitive *pri
     const int32_t scale = field->scale;
     const bool is_farther_x = scan->corner % 2U != 0U;
     const bool is_farther_y = scan->corner / 2U != 0U;
-    const struct part across = part_of(&scan->across, scale, is_farther_x);
-    const struct part along = part_of(&scan->along, scale, is_farther_y);
+    const struct near_cells across = part_of(&scan->across, scale, is_farther_x);
+    const struct near_cells along = part_of(&scan->along, scale, is_farther_y);
     const int32_t x = across.first + scan->column;
     const int32_t y = along.first + scan->row;
 
@@ -246,18 +248,24 @@ static bool advance(struct jp_turn_field *field)
 bool jp_turn_field_grow(struct jp_turn_field *field, unsigned *looks)
 {
     while (*looks > 0U) {
-        unsigned taken = LOOKS_PER_CELL;
+        const uint32_t paid = field->debt < *looks ? field->debt : *looks;
 
+        field->debt -= paid;
+        *looks -= paid;
+        if (paid > 0U) {
+            continue;
+        }
+        field->debt = LOOKS_PER_CELL;
         if (field->scan.is_active) {
-            taken = look(field);
+            field->debt = look(field);
         } else if (!jp_wavefront_is_clear(&field->wave)) {
             clear(field);
         } else if (advance(field)) {
+            field->debt = 0;
             return true;
         } else {
             /* a cell to scan, or nothing found for a while */
         }
-        *looks -= taken < *looks ? taken : *looks;
     }
     return false;
 }

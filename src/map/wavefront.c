@@ -191,7 +191,9 @@ static bool next_in_word(struct jp_wavefront *wave, int32_t *x)
     const unsigned first = wave->column / (unsigned)WORD_BITS * WORD_BITS;
     uint32_t *word = &wave->dirty[(size_t)wave->row * words_per_row(wave->width) + first / WORD_BITS];
 
-    for (uint32_t rest = *word & unseen(wave); rest != 0U;) {
+    uint32_t rest = *word & unseen(wave);
+
+    while (rest != 0U) {
         const uint32_t bit = next_bit(wave, rest);
         const uint32_t value = jp_wavefront_value(wave, (int32_t)(first + bit), wave->row);
 

@@ -10,13 +10,14 @@ enum {
     TURN_SHARE = 4, /* the turn field takes at most one part in so many of the states' memory where it shares it */
 };
 
-/** Of the finest turn field that leaves most of the states; above JP_TURN_SCALE_MAX: none does. */
+/** Of the finest turn field that leaves most of the states. The coarsest does, where there is room for an energy field.
+ */
 static unsigned shared_turn_scale(const struct jp_planner_internal *planner)
 {
     const size_t most = planner->states_bytes / TURN_SHARE;
     unsigned scale = JP_TURN_SCALE_MIN;
 
-    while (scale <= JP_TURN_SCALE_MAX && jp_turn_field_size(&planner->terrain->config, scale) > most) {
+    while (jp_turn_field_size(&planner->terrain->config, scale) > most) {
         scale++;
     }
     return scale;
@@ -47,8 +48,7 @@ bool jp_bound_is_scheduled(const struct jp_planner_internal *planner)
 
 bool jp_bound_can_share(const struct jp_planner_internal *planner)
 {
-    return planner->statistics.field_bytes > 0U && !planner->has_turn_field &&
-           shared_turn_scale(planner) <= JP_TURN_SCALE_MAX;
+    return planner->statistics.field_bytes > 0U && !planner->has_turn_field;
 }
 
 void jp_bound_share_with_turns(struct jp_planner_internal *planner)

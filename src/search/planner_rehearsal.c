@@ -15,10 +15,7 @@ static size_t part_of(size_t size)
 
 static size_t next_size(const struct jp_planner_internal *planner)
 {
-    if (planner->lent != JP_PLANNER_LENT_TO_REHEARSALS) {
-        return part_of(planner->block_size);
-    }
-    return jp_rehearsal_is_on(planner) ? part_of(planner->rehearsal.size) : 0U;
+    return part_of(jp_rehearsal_is_on(planner) ? planner->rehearsal.size : planner->block_size);
 }
 
 void jp_rehearsal_end(struct jp_planner_internal *planner)

@@ -13,7 +13,10 @@ static inline bool jp_rehearsal_is_on(const struct jp_planner_internal *planner)
 /** True before this search, or this rehearsal, has found a route. */
 static inline bool jp_rehearsal_awaits_route(const struct jp_planner_internal *planner)
 {
-    return jp_rehearsal_is_on(planner) ? !planner->rehearsal.has_route : planner->answer == JP_ANSWER_OUT_OF_BUDGET;
+    if (jp_rehearsal_is_on(planner)) {
+        return !planner->rehearsal.has_route;
+    }
+    return planner->answer == JP_ANSWER_OUT_OF_BUDGET;
 }
 
 /** Divides the next smaller part of the block for a search that begins anew, with the first ε. False when there is

@@ -8,8 +8,8 @@
 /** Units of work that take about as long as one expansion. */
 enum {
     FIELD_CELLS = 2,
+    GUIDE_LOOKS = 40,
     TURN_LOOKS = 32,
-    GUIDE_CELLS = 1,
     CLEARED_SLOTS = 256,
     CHECKED_STEPS = 8,
     REKEYED_SLOTS = 32,
@@ -56,10 +56,10 @@ void jp_slice_begin_guide(struct jp_planner_internal *planner)
 
 bool jp_slice_grow_guide(struct jp_planner_internal *planner, unsigned *budget)
 {
-    unsigned cells = *budget * GUIDE_CELLS;
-    const bool is_done = jp_guide_field_grow(&planner->guide, &cells);
+    unsigned looks = *budget * GUIDE_LOOKS;
+    const bool is_done = jp_guide_field_grow(&planner->guide, &looks);
 
-    *budget = cells / GUIDE_CELLS;
+    *budget = looks / GUIDE_LOOKS;
     return is_done;
 }
 

@@ -222,6 +222,36 @@ static struct arguments parse(int argc, char **argv)
     return arguments;
 }
 
+/* A map of 15 x 15 cells, level and free but for a corner, in blocks of any size: the time must be the search's, not
+ * the block's. */
+static void bench_small_map(json_t *figures)
+{
+    enum { SIDE = 15, SMALLEST_KIB = 16, TIMES = 20 };
+    static const struct jp_planner_config config = {&jp_lattice_zhang2018, JP_COST_PHYSICAL, SCHEDULE};
+    const struct jp_terrain_config level = {.width = SIDE, .height = SIDE, .resolution = JP_Q16(0.2)};
+    static uint64_t memory[SIDE];
+    struct jp_terrain terrain;
+    const char *field = "";
+    double most_s = 0;
+
+    if (jp_terrain_init(&terrain, &level, memory, sizeof memory, &field) != JP_OK) {
+        fail(field);
+    }
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        (void)jp_terrain_set_cell(&terrain, i % SIDE, i / SIDE, i == 0 ? JP_CELL_OCCUPIED : JP_CELL_FREE);
+    }
+    const struct task task = {"small", &terrain, {4, 4, 0}, {10, 10, 1U << 8U}};
+    for (size_t kib = SMALLEST_KIB; kib <= FULL_KIB; kib *= 2) {
+        double least_s = INFINITY;
+        for (unsigned i = 0; i < TIMES; i++) {
+            least_s = fmin(least_s, plan(&config, &task, kib * KIB).total_s);
+        }
+        most_s = fmax(most_s, least_s);
+    }
+    figures_add(figures, COMMAND, 1e3 * most_s, "ms", at_most(0.2),
+                "planner, map of 15 x 15 cells in blocks of 16 KiB to 16 MiB: time to the proved optimum, most");
+}
+
 int main(int argc, char **argv)
 {
     static struct scene scenes[SCENE_BENCH_COUNT];
@@ -243,6 +273,7 @@ int main(int argc, char **argv)
     plan_peers(scenes, figures);
     plan_savings(scenes, figures, curve);
     plan_replans(scenes, figures);
+    bench_small_map(figures);
     for (unsigned i = 0; i < arguments.map_count; i++) {
         bench_map(arguments.maps[i], map_rows);
     }

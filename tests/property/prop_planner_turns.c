@@ -147,3 +147,22 @@ static void test_changes_while_the_turn_field_grows_and_after(void)
         expect_honest();
     }
 }
+
+/* On a large map the smallest block has no room for any field in the states' place. */
+static void test_no_room_for_a_field(void)
+{
+    enum { SIDE = 200 };
+    static uint64_t terrain_memory[SIDE * SIDE / 4 / sizeof(uint64_t) + SIDE];
+    static const struct jp_terrain_config large = {
+        .width = SIDE, .height = SIDE, .resolution = JP_Q16(0.2), .unknown_is_free = true};
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&terrain, &large, terrain_memory, sizeof terrain_memory, &field));
+    config.epsilon[0] = JP_EPSILON(4);
+    TEST_ASSERT_EQUAL_INT(JP_OK,
+                          jp_planner_init(&planner, &config, &terrain, large_block, jp_planner_size(&large), &field));
+    go(&west, &(const struct jp_goal){9, 5, 1});
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_WITHIN_BOUND, finish_in_slices(&planner));
+    TEST_ASSERT_EQUAL_INT(JP_PLANNER_LENT_TO_NONE, planner.internal.lent);
+    expect_drivable();
+}

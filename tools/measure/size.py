@@ -27,7 +27,7 @@ MODULES = {
     "battery": r"src/energy/battery",
     "evidence": r"src/balancer/(current_check|evidence)",
     "optimiser": r"src/trajectory/segment(_\w+)?",
-    "planner": r"src/(search/planner(_\w+)?|map/(lattice|terrain|guide_field|energy_field|wavefront))",
+    "planner": r"src/(search/planner(_\w+)?|map/(lattice|terrain|guide_field|energy_field|turn_field|wavefront))",
     "learner": r"src/learn/(learner(_\w+)?|forecast|normal_quantile)",
     "tariff": r"src/map/tariff",
     "skid steer": r"src/skid_steer/skid_steer",

@@ -328,3 +328,13 @@ static void test_dear_ways_are_not_rounded(void)
         TEST_ASSERT_EQUAL_UINT32((jp_cost)(x - 3) * step, jp_energy_field_bound(&field, x, 3));
     }
 }
+
+/* Two bytes hold a large range in a coarser unit: each step is rounded down. */
+static void test_two_bytes_round_down(void)
+{
+    jp_energy_field_init(&field, lattice, JP_COST_PHYSICAL, &terrain, JP_WAVE_2_BYTES, 4U * UINT16_MAX, block);
+    start_and_grow();
+    TEST_ASSERT_TRUE(field.shift > 0);
+    expect_below(3, 3);
+    TEST_ASSERT_TRUE(jp_energy_field_bound(&field, 8, 3) > 4 * AXIS_COST);
+}

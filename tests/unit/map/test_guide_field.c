@@ -41,10 +41,10 @@ void tearDown(void)
 
 static void grow(enum jp_guide_direction direction, const struct jp_guide_root *root)
 {
-    unsigned cells = UINT16_MAX;
+    unsigned looks = UINT32_MAX;
 
     jp_guide_field_start(&guide, direction, root, 12, 12);
-    TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &cells));
+    TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &looks));
 }
 
 static jp_cost estimate(int32_t x, int32_t y, unsigned heading)
@@ -127,10 +127,10 @@ static void test_way_back(void)
 {
     const struct jp_guide_root east = {10, 8, 1};
     const jp_cost way_back = turns.cost[0][8] + 5 * AXIS_COST;
-    unsigned cells = UINT16_MAX;
+    unsigned looks = UINT32_MAX;
 
     jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &east, 5, 8);
-    TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &cells));
+    TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &looks));
     TEST_ASSERT_EQUAL_UINT32(way_back, estimate(5, 8, 8));
     TEST_ASSERT_TRUE(estimate(5, 8, 0) > estimate(5, 8, 8));
     grow(JP_GUIDE_FROM_ROOT, &east);
@@ -218,13 +218,13 @@ static void test_slices_change_nothing(void)
         whole[i / SIDE][i % SIDE] = estimate(i % SIDE, i / SIDE, 3);
     }
     for (unsigned slice = 1; slice < 200; slice *= 5) {
-        unsigned cells = 0;
+        unsigned looks = 0;
         jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &west, 12, 12);
-        TEST_ASSERT_FALSE(jp_guide_field_grow(&guide, &cells));
+        TEST_ASSERT_FALSE(jp_guide_field_grow(&guide, &looks));
         do {
-            TEST_ASSERT_EQUAL_UINT32(0, cells);
-            cells = slice;
-        } while (!jp_guide_field_grow(&guide, &cells));
+            TEST_ASSERT_EQUAL_UINT32(0, looks);
+            looks = slice;
+        } while (!jp_guide_field_grow(&guide, &looks));
         for (int32_t i = 0; i < SIDE * SIDE; i++) {
             TEST_ASSERT_EQUAL_UINT32(whole[i / SIDE][i % SIDE], estimate(i % SIDE, i / SIDE, 3));
         }
@@ -235,15 +235,15 @@ static void test_slices_change_nothing(void)
 static void test_odd_sides(void)
 {
     const struct jp_terrain_config odd = {.width = 13, .height = 11, .resolution = JP_Q16(0.2), .has_elevation = true};
-    unsigned cells = UINT16_MAX;
+    unsigned looks = UINT32_MAX;
 
     make_level_map(&odd);
     for (unsigned scale = 1; scale <= JP_GUIDE_SCALE_MAX; scale++) {
         init(scale);
         jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &(const struct jp_guide_root){12, 10, 1}, 0, 0);
-        TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &cells));
+        TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &looks));
         TEST_ASSERT_TRUE(jp_guide_field_reaches(&guide, 12, 10));
         TEST_ASSERT_EQUAL_UINT32(0, estimate(12, 10, 0));
-        cells = UINT16_MAX;
+        looks = UINT32_MAX;
     }
 }
