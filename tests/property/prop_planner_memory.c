@@ -151,6 +151,42 @@ static void test_changes_during_rehearsals(void)
     TEST_ASSERT_TRUE(rehearsals > options.count / 4U);
 }
 
+/* True when the planner has come to a rehearsal that searches from the robot. */
+static bool work_into_forward_rehearsal(void)
+{
+    const struct jp_planner_internal *internal = &trial.planner.internal;
+
+    while (!jp_planner_is_idle(&trial.planner)) {
+        if (jp_rehearsal_is_on(internal) && internal->search.direction == JP_PLANNER_FROM_ROBOT) {
+            return true;
+        }
+        (void)jp_planner_work(&trial.planner, 1);
+    }
+    return false;
+}
+
+/* What such a rehearsal has begun with is gone when the robot drives on: the plan goes on. */
+static void test_robot_drives_on_during_rehearsals(void)
+{
+    unsigned drives = 0;
+
+    begin_random(options.seed, 3);
+    for (unsigned long i = 0; i < options.count; i++) {
+        random_trial(&trial, 0);
+        struct jp_lattice_pose pose = trial.start;
+        if (!work_into_forward_rehearsal() || jp_planner_step(&trial.planner, 0, &pose) == NULL) {
+            continue;
+        }
+        TEST_ASSERT_TRUE(put_start(&trial, pose));
+        const enum jp_answer answer = work_to_end();
+        const double optimum = oracle_shortest(&oracle, &trial.map, &trial.start, &trial.goal);
+        TEST_ASSERT_TRUE_MESSAGE(is_right(&trial, answer, optimum), problem);
+        drives++;
+    }
+    printf("%u drives\n", drives);
+    TEST_ASSERT_TRUE(drives > 0);
+}
+
 static void add_figures(json_t *figures)
 {
     figures_add(figures, COMMAND, (double)dearer, "", equal_to(0),
