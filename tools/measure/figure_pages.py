@@ -41,7 +41,7 @@ SECTIONS = (
     Section("Planner", "Rough scenes of 60 × 60 m, 300 × 300 cells × 16 headings. \"Optimum\" is the optimum of the "
             "lattice, proved and compared with a plain Dijkstra. The plain A* is led by what the moves from each cell cost at "
             "least. OMPL's robot turns on the spot at no cost and drives straight in any direction, ours at 16 headings.",
-            r"bench_plan|planner"),
+            r"bench_plan|planner(_memory)?"),
     Section("Planner on maps and lattices from elsewhere", "Twelve maps and eleven lattices: SBPL's primitives, priced for "
             "gao2018, and its environments; ROS maps; the Moving AI collection; an elevation model. Three tasks a map, each "
             "with the next lattice, by energy and by length in turn; those without a route after ten tries are left out.",
