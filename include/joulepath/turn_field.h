@@ -80,8 +80,8 @@ void jp_turn_field_set_lattice(struct jp_turn_field *field, const struct jp_latt
 void jp_turn_field_start(struct jp_turn_field *field, const struct jp_turns *turns, int32_t root_x, int32_t root_y,
                          unsigned root_heading, int32_t target_x, int32_t target_y, unsigned target_heading);
 
-/** Continues to grow, by *looks looks at a value, which counts down; what a primitive sweeps counts for 16 of them. What
- *  the last one takes beyond is counted by the next call. True when done. */
+/** Continues to grow, by *looks looks at a value, which counts down; what a primitive sweeps counts for 16 of them.
+ * What the last one takes beyond is counted by the next call. True when done. */
 bool jp_turn_field_grow(struct jp_turn_field *field, unsigned *looks);
 
 /** Notes that cell (x, y) of the map is no longer blocked: the next growth lowers the values that are too high.

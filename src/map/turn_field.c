@@ -120,7 +120,7 @@ static void clear(struct jp_turn_field *field)
     jp_wavefront_clear(&field->wave);
     if (jp_wavefront_is_clear(&field->wave)) {
         (void)jp_turn_field_take_lowered(field);
-        lower(field, field->root_x / scale, field->root_y / scale, field->root_heading, 0);
+        lower(field, (int32_t)field->root_x / scale, (int32_t)field->root_y / scale, field->root_heading, 0);
     }
 }
 
@@ -128,7 +128,9 @@ static struct jp_turn_leap leap(int32_t distance, int32_t scale)
 {
     const int32_t offset = distance >= 0 ? distance / scale : -((scale - 1 - distance) / scale);
 
-    return (struct jp_turn_leap){(int8_t)offset, (uint8_t)(scale - (distance - offset * scale))};
+    const int32_t farther_from = scale - (distance - offset * scale);
+
+    return (struct jp_turn_leap){(int8_t)offset, (uint8_t)farther_from};
 }
 
 /** The next primitive from the heading, or the end of the scan. */
@@ -147,7 +149,7 @@ static void begin_primitive(struct jp_turn_field *field)
 
 static void begin_scan(struct jp_turn_field *field, int32_t x, int32_t row)
 {
-    const unsigned heading = (unsigned)(row % JP_HEADINGS);
+    const int32_t heading = row % JP_HEADINGS;
 
     field->scan = (struct jp_turn_scan){
         .x = x,
@@ -183,6 +185,21 @@ static struct near_cells part_of(const struct jp_turn_leap *of, int32_t scale, b
     return is_farther ? (struct near_cells){of->farther_from, scale} : (struct near_cells){0, of->farther_from};
 }
 
+/** The coarse cell that the scan is at a primitive to. */
+static int32_t corner_x(const struct jp_turn_scan *scan)
+{
+    const bool is_farther = scan->corner % 2U != 0U;
+
+    return scan->x + (int32_t)scan->across.offset + (is_farther ? 1 : 0);
+}
+
+static int32_t corner_y(const struct jp_turn_scan *scan)
+{
+    const bool is_farther = scan->corner / 2U != 0U;
+
+    return scan->y + (int32_t)scan->along.offset + (is_farther ? 1 : 0);
+}
+
 /** Whether the primitive can be driven to the corner from the cell that the scan is at; then on to the next cell or
  *  corner. */
 static void try_cell(struct jp_turn_field *field, const struct jp_primitive *primitive, uint32_t value)
@@ -193,15 +210,14 @@ static void try_cell(struct jp_turn_field *field, const struct jp_primitive *pri
     const bool is_farther_y = scan->corner / 2U != 0U;
     const struct near_cells across = part_of(&scan->across, scale, is_farther_x);
     const struct near_cells along = part_of(&scan->along, scale, is_farther_y);
-    const int32_t x = across.first + scan->column;
-    const int32_t y = along.first + scan->row;
+    const int32_t x = across.first + (int32_t)scan->column;
+    const int32_t y = along.first + (int32_t)scan->row;
 
     if (x >= across.end || y >= along.end) {
         next_corner(field);
     } else if (jp_lattice_is_clear(field->lattice, field->terrain, primitive, scan->x * scale + x,
                                    scan->y * scale + y)) {
-        lower(field, scan->x + scan->across.offset + is_farther_x, scan->y + scan->along.offset + is_farther_y,
-              primitive->end, value);
+        lower(field, corner_x(scan), corner_y(scan), primitive->end, value);
         next_corner(field);
     } else if (x + 1 < across.end) {
         scan->column++;
@@ -217,8 +233,8 @@ static unsigned look(struct jp_turn_field *field)
 {
     const struct jp_turn_scan *scan = &field->scan;
     const struct jp_primitive *primitive = &field->lattice->primitives[scan->primitive];
-    const int32_t x = scan->x + scan->across.offset + scan->corner % 2;
-    const int32_t row = (scan->y + scan->along.offset + scan->corner / 2) * JP_HEADINGS + primitive->end;
+    const int32_t x = corner_x(scan);
+    const int32_t row = corner_y(scan) * JP_HEADINGS + (int32_t)primitive->end;
     const uint32_t value =
         field_value(&field->wave, scan->value + ((uint32_t)primitive->base[field->kind] >> field->shift));
 
@@ -275,7 +291,7 @@ static void touch(struct jp_turn_field *field, int32_t first_x, int32_t last_x, 
 {
     const int32_t scale = field->scale;
     const int32_t first = larger(first_x, 0) / scale;
-    const int32_t last = smaller(last_x, field->terrain->config.width - 1) / scale;
+    const int32_t last = smaller(last_x, (int32_t)field->terrain->config.width - 1) / scale;
 
     if (last_x < 0 || y < 0 || y >= (int32_t)field->terrain->config.height) {
         return;
