@@ -12,7 +12,6 @@
 #define STAND_UP_MS       10000U
 #define SENDING_MS        120000U
 #define BEGIN_MS          5000U
-#define SILENCE_MS        1000U
 
 /** MapData on its way: what is sent between two statuses, twice. */
 #define DATA_WINDOW 128U
@@ -368,20 +367,6 @@ static struct jp_can_frame frame_of(uint32_t id, uint8_t length)
     return (struct jp_can_frame){.id = id, .length = length};
 }
 
-/** Counts on only when the port takes the frame. */
-static bool send_protected(const struct jp_can_port *port, struct jp_can_frame *frame, uint8_t data_id,
-                           uint8_t *counter)
-{
-    uint8_t next = *counter;
-
-    jp_e2e_protect(&next, data_id, frame->data, frame->length);
-    if (port->send(port->context, frame) != JP_OK) {
-        return false;
-    }
-    *counter = next;
-    return true;
-}
-
 /** An ECU that has lost its operator obeys only after a Stand. */
 static void send_command(struct jp_navigation_operator *self, const struct jp_can_port *port)
 {
@@ -391,7 +376,7 @@ static void send_command(struct jp_navigation_operator *self, const struct jp_ca
     struct jp_can_frame frame = frame_of(JP_CAN_OPERATOR_COMMAND_FRAME_ID, JP_CAN_OPERATOR_COMMAND_LENGTH);
 
     (void)jp_can_operator_command_pack(frame.data, &signals, sizeof frame.data);
-    if (send_protected(port, &frame, JP_DATA_ID_OPERATOR_COMMAND, &self->command_counter)) {
+    if (jp_operator_send(port, &frame, JP_DATA_ID_OPERATOR_COMMAND, &self->command_counter)) {
         self->since_command_ms = 0;
     }
 }
@@ -403,7 +388,7 @@ static void send_offer(struct jp_navigation_operator *self, const struct jp_can_
     struct jp_can_frame frame = frame_of(JP_CAN_MAP_OFFER_FRAME_ID, JP_CAN_MAP_OFFER_LENGTH);
 
     (void)jp_can_map_offer_pack(frame.data, &signals, sizeof frame.data);
-    if (send_protected(port, &frame, JP_DATA_ID_MAP_OFFER, &self->offer_counter)) {
+    if (jp_operator_send(port, &frame, JP_DATA_ID_MAP_OFFER, &self->offer_counter)) {
         self->since_request_ms = 0;
         self->offers++;
     }
@@ -419,7 +404,7 @@ static void send_data(struct jp_navigation_operator *self, const struct jp_can_p
         signals.data |= (uint64_t)self->stream.bytes[first + i] << (8U * i);
     }
     (void)jp_can_map_data_pack(frame.data, &signals, sizeof frame.data);
-    if (send_protected(port, &frame, JP_DATA_ID_MAP_DATA, &self->data_counter)) {
+    if (jp_operator_send(port, &frame, JP_DATA_ID_MAP_DATA, &self->data_counter)) {
         self->next_frame++;
         self->since_data_ms = 0;
     }
@@ -436,7 +421,7 @@ static void send_goal(struct jp_navigation_operator *self, const struct jp_can_p
     struct jp_can_frame frame = frame_of(JP_CAN_MAP_GOAL_FRAME_ID, JP_CAN_MAP_GOAL_LENGTH);
 
     (void)jp_can_map_goal_pack(frame.data, &signals, sizeof frame.data);
-    if (send_protected(port, &frame, JP_DATA_ID_MAP_GOAL, &self->goal_counter)) {
+    if (jp_operator_send(port, &frame, JP_DATA_ID_MAP_GOAL, &self->goal_counter)) {
         self->since_request_ms = 0;
     }
 }
@@ -450,7 +435,7 @@ static void send_changes(struct jp_navigation_operator *self, const struct jp_ca
     struct jp_can_frame frame = frame_of(JP_CAN_CELL_CHANGES_FRAME_ID, JP_CAN_CELL_CHANGES_LENGTH);
 
     (void)jp_can_cell_changes_pack(frame.data, &signals, sizeof frame.data);
-    if (send_protected(port, &frame, JP_DATA_ID_CELL_CHANGES, &queue->counter)) {
+    if (jp_operator_send(port, &frame, JP_DATA_ID_CELL_CHANGES, &queue->counter)) {
         queue->quiet_ms = queue->sent == 0U ? 0U : queue->quiet_ms;
         queue->sent++;
     }
@@ -504,14 +489,6 @@ static void send_due(struct jp_navigation_operator *self, const struct jp_can_po
 
 /* Time. */
 
-static void age(struct jp_operator_ear *ear, uint32_t elapsed)
-{
-    ear->silence_ms += elapsed;
-    if (ear->silence_ms >= SILENCE_MS) {
-        ear->heard = false;
-    }
-}
-
 static void pass(struct jp_navigation_operator *self, uint32_t time_ms)
 {
     const uint32_t elapsed = self->ticked ? time_ms - self->last_tick_ms : 0;
@@ -523,8 +500,8 @@ static void pass(struct jp_navigation_operator *self, uint32_t time_ms)
     self->since_data_ms += elapsed;
     self->since_request_ms += elapsed;
     self->changes.quiet_ms += elapsed;
-    age(&self->ecu_ear, elapsed);
-    age(&self->map_ear, elapsed);
+    jp_operator_ear_age(&self->ecu_ear, elapsed);
+    jp_operator_ear_age(&self->map_ear, elapsed);
 }
 
 static enum jp_navigation_failure overdue(const struct jp_navigation_operator *self)

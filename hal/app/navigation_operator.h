@@ -15,7 +15,9 @@
 #define JOULEPATH_HAL_APP_NAVIGATION_OPERATOR_H
 
 #include "hal/app/navigation.h"
-#include "hal/app/operator.h"
+#include "hal/app/operator_bus.h"
+#include "hal/can/jp_can.h"
+#include "hal/can/operator_link.h"
 
 #ifdef __cplusplus
 extern "C" {

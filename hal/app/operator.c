@@ -6,7 +6,6 @@
 #define UPLOAD_ATTEMPTS   5U
 #define STAND_UP_MS       10000U
 #define BEGIN_MS          5000U
-#define SILENCE_MS        1000U
 
 const char *jp_operator_failure_text(enum jp_operator_failure failure)
 {
@@ -259,20 +258,6 @@ void jp_operator_accept(struct jp_operator *self, const struct jp_can_frame *fra
 
 /* What is sent. */
 
-/** Counts on only when the port takes the frame. */
-static bool send_protected(const struct jp_can_port *port, struct jp_can_frame *frame, uint8_t data_id,
-                           uint8_t *counter)
-{
-    uint8_t next = *counter;
-
-    jp_e2e_protect(&next, data_id, frame->data, frame->length);
-    if (port->send(port->context, frame) != JP_OK) {
-        return false;
-    }
-    *counter = next;
-    return true;
-}
-
 /** The route to be driven, or JP_ROUTE_GOAL to stand. An ECU that has lost its operator obeys only after a Stand. */
 static uint8_t driven_route(const struct jp_operator *self)
 {
@@ -290,7 +275,7 @@ static void send_command(struct jp_operator *self, const struct jp_can_port *por
     struct jp_can_frame frame = {.id = JP_CAN_OPERATOR_COMMAND_FRAME_ID, .length = JP_CAN_OPERATOR_COMMAND_LENGTH};
 
     (void)jp_can_operator_command_pack(frame.data, &signals, sizeof frame.data);
-    if (send_protected(port, &frame, JP_DATA_ID_OPERATOR_COMMAND, &self->command_counter)) {
+    if (jp_operator_send(port, &frame, JP_DATA_ID_OPERATOR_COMMAND, &self->command_counter)) {
         self->since_command_ms = 0;
     }
 }
@@ -312,7 +297,7 @@ static bool send_offer(struct jp_operator *self, const struct jp_can_port *port)
     struct jp_can_frame frame = {.id = JP_CAN_ROUTE_OFFER_FRAME_ID, .length = JP_CAN_ROUTE_OFFER_LENGTH};
 
     (void)jp_can_route_offer_pack(frame.data, &signals, sizeof frame.data);
-    return send_protected(port, &frame, JP_DATA_ID_ROUTE_OFFER, &self->offer_counter);
+    return jp_operator_send(port, &frame, JP_DATA_ID_ROUTE_OFFER, &self->offer_counter);
 }
 
 static bool send_waypoint(struct jp_operator *self, const struct jp_can_port *port)
@@ -322,7 +307,7 @@ static bool send_waypoint(struct jp_operator *self, const struct jp_can_port *po
     struct jp_can_frame frame = {.id = JP_CAN_WAYPOINT_FRAME_ID, .length = JP_CAN_WAYPOINT_LENGTH};
 
     (void)jp_can_waypoint_pack(frame.data, &signals, sizeof frame.data);
-    return send_protected(port, &frame, JP_DATA_ID_WAYPOINT, &self->waypoint_counter);
+    return jp_operator_send(port, &frame, JP_DATA_ID_WAYPOINT, &self->waypoint_counter);
 }
 
 static void send_upload(struct jp_operator *self, const struct jp_can_port *port)
@@ -347,14 +332,6 @@ static void send_due(struct jp_operator *self, const struct jp_can_port *port)
 
 /* Time. */
 
-static void age(struct jp_operator_ear *ear, uint32_t elapsed)
-{
-    ear->silence_ms += elapsed;
-    if (ear->silence_ms >= SILENCE_MS) {
-        ear->heard = false;
-    }
-}
-
 static void pass(struct jp_operator *self, uint32_t time_ms)
 {
     const uint32_t elapsed = self->ticked ? time_ms - self->last_tick_ms : 0;
@@ -364,8 +341,8 @@ static void pass(struct jp_operator *self, uint32_t time_ms)
     self->in_phase_ms += elapsed;
     self->since_command_ms += elapsed;
     self->since_upload_ms += elapsed;
-    age(&self->ecu_ear, elapsed);
-    age(&self->progress_ear, elapsed);
+    jp_operator_ear_age(&self->ecu_ear, elapsed);
+    jp_operator_ear_age(&self->progress_ear, elapsed);
 }
 
 static void check_stand_up(struct jp_operator *self)

@@ -15,6 +15,7 @@
 #ifndef JOULEPATH_HAL_APP_OPERATOR_H
 #define JOULEPATH_HAL_APP_OPERATOR_H
 
+#include "hal/app/operator_bus.h"
 #include "hal/can/jp_can.h"
 #include "hal/can/operator_link.h"
 #include "hal/can/route_link.h"
@@ -50,12 +51,6 @@ enum jp_operator_failure {
     JP_FAILURE_SWITCHED_OFF,
     JP_FAILURE_STOPPED, /**< the route has ended for a reason that is none of these */
     JP_FAILURES
-};
-
-/** Something that the ECU sends again and again. */
-struct jp_operator_ear {
-    uint32_t silence_ms;
-    bool heard; /**< not long ago */
 };
 
 /** The members without a comment are private. */

@@ -96,7 +96,7 @@ struct jp_plan {
     uint32_t parameter_version; /**< of the lattice that it was found on: version of lattice.h */
 };
 
-/** What the block holds and what the search has done. */
+/** What the block holds, or during a rehearsal that part of it, and what the search has done. */
 struct jp_planner_counts {
     uint32_t states_max;   /**< states that fit, the scout's among them */
     uint32_t states;       /**< states in use */

@@ -8,6 +8,7 @@
 #define JOULEPATH_SIM_BUS_BUS_DRIVE_H
 
 #include "hal/app/navigation_operator.h"
+#include "hal/app/operator.h"
 #include "hal/linux/can_link.h"
 #include "sim/bus/ecu_view.h"
 #include "sim/bus/plant_node.h"

@@ -32,4 +32,20 @@ static inline uint32_t field_value(const struct jp_wavefront *wave, uint32_t sum
     return sum < most ? sum : most;
 }
 
+/** Coarse cells that hold so many cells. */
+static inline uint16_t field_coarse(uint16_t cells, unsigned scale)
+{
+    return (uint16_t)((cells + scale - 1U) / scale);
+}
+
+/** Counts looks that have been taken before. False when none are owed: *looks are for new ones. */
+static inline bool field_pays(uint32_t *debt, unsigned *looks)
+{
+    const uint32_t paid = *debt < *looks ? *debt : *looks;
+
+    *debt -= paid;
+    *looks -= paid;
+    return paid > 0U;
+}
+
 #endif

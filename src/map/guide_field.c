@@ -12,11 +12,6 @@ enum {
     STEP_MASK = 15,
 };
 
-static uint16_t coarse(uint16_t cells, unsigned scale)
-{
-    return (uint16_t)((cells + scale - 1U) / scale);
-}
-
 static size_t steps_size(uint16_t width, uint16_t height)
 {
     return jp_block_align((size_t)width * height / 2U + 1U);
@@ -24,8 +19,8 @@ static size_t steps_size(uint16_t width, uint16_t height)
 
 size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scale)
 {
-    const uint16_t width = coarse(config->width, scale);
-    const uint16_t height = coarse(config->height, scale);
+    const uint16_t width = field_coarse(config->width, scale);
+    const uint16_t height = field_coarse(config->height, scale);
 
     return jp_wavefront_size(width, height, JP_WAVE_2_BYTES) + steps_size(width, height);
 }
@@ -33,8 +28,8 @@ size_t jp_guide_field_size(const struct jp_terrain_config *config, unsigned scal
 void jp_guide_field_init(struct jp_guide_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
                          const struct jp_terrain *terrain, const struct jp_turns *turns, unsigned scale, void *block)
 {
-    const uint16_t width = coarse(terrain->config.width, scale);
-    const uint16_t height = coarse(terrain->config.height, scale);
+    const uint16_t width = field_coarse(terrain->config.width, scale);
+    const uint16_t height = field_coarse(terrain->config.height, scale);
 
     (void)memset(field, 0, sizeof *field);
     field->lattice = lattice;
@@ -224,11 +219,7 @@ static bool advance(struct jp_guide_field *field)
 bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *looks)
 {
     while (*looks > 0U) {
-        const uint32_t paid = field->debt < *looks ? field->debt : *looks;
-
-        field->debt -= paid;
-        *looks -= paid;
-        if (paid > 0U) {
+        if (field_pays(&field->debt, looks)) {
             continue;
         }
         field->debt = 1;

@@ -11,19 +11,14 @@ enum {
     LOOKS_PER_CELL = 16,  /* so does the wave's step to its next cell */
 };
 
-static uint16_t coarse(uint16_t cells, unsigned scale)
-{
-    return (uint16_t)((cells + scale - 1U) / scale);
-}
-
 static uint16_t rows_of(const struct jp_terrain_config *config, unsigned scale)
 {
-    return (uint16_t)(coarse(config->height, scale) * (unsigned)JP_HEADINGS);
+    return (uint16_t)(field_coarse(config->height, scale) * (unsigned)JP_HEADINGS);
 }
 
 size_t jp_turn_field_size(const struct jp_terrain_config *config, unsigned scale)
 {
-    return jp_wavefront_size(coarse(config->width, scale), rows_of(config, scale), JP_WAVE_2_BYTES);
+    return jp_wavefront_size(field_coarse(config->width, scale), rows_of(config, scale), JP_WAVE_2_BYTES);
 }
 
 void jp_turn_field_init(struct jp_turn_field *field, const struct jp_lattice *lattice, enum jp_cost_kind kind,
@@ -36,7 +31,7 @@ void jp_turn_field_init(struct jp_turn_field *field, const struct jp_lattice *la
     field->terrain = terrain;
     field->kind = kind;
     field->scale = (uint8_t)scale;
-    jp_wavefront_init(&field->wave, coarse(config->width, scale), rows_of(config, scale), JP_WAVE_2_BYTES, block);
+    jp_wavefront_init(&field->wave, field_coarse(config->width, scale), rows_of(config, scale), JP_WAVE_2_BYTES, block);
 }
 
 void jp_turn_field_set_lattice(struct jp_turn_field *field, const struct jp_lattice *lattice)
@@ -264,11 +259,7 @@ static bool advance(struct jp_turn_field *field)
 bool jp_turn_field_grow(struct jp_turn_field *field, unsigned *looks)
 {
     while (*looks > 0U) {
-        const uint32_t paid = field->debt < *looks ? field->debt : *looks;
-
-        field->debt -= paid;
-        *looks -= paid;
-        if (paid > 0U) {
+        if (field_pays(&field->debt, looks)) {
             continue;
         }
         field->debt = LOOKS_PER_CELL;

@@ -1,12 +1,12 @@
 #include "src/search/planner_bound.h"
 
 #include "src/search/planner_fields.h"
+#include "src/search/planner_layout.h"
 #include "src/search/planner_rehearsal.h"
 #include "src/search/planner_scout.h"
 #include "src/search/planner_states.h"
 
 enum {
-    STATES_MIN = 64,
     TURN_SHARE = 4, /* the turn field takes at most one part in so many of the states' memory where it shares it */
 };
 
@@ -116,7 +116,7 @@ void jp_bound_lend_to_field(struct jp_planner_internal *planner)
     jp_energy_field_init(&planner->field, planner->config.lattice, planner->config.cost, planner->terrain,
                          JP_WAVE_2_BYTES, planner->plan.cost, planner->states_block);
     planner->search.direction = JP_PLANNER_FROM_GOAL; /* as the field's bounds are */
-    if (left >= jp_planner_states_size(STATES_MIN)) {
+    if (left >= jp_planner_states_size(JP_LAYOUT_STATES_MIN)) {
         (void)jp_planner_states_init(&planner->search, map, &planner->states_block[field_bytes], left);
     }
 }

@@ -4,7 +4,6 @@
 #include "src/search/planner_states.h"
 
 enum {
-    STATES_MIN = 64,
     GUIDE_SCALE_MIN = 2,
     GUIDE_SHARE = 4, /* the guide takes at most one part in so many of the block, if it can be that coarse */
     FIELD_SHARE = 3, /* so does the energy field */
@@ -16,7 +15,8 @@ enum {
         32, /* cells of the map for each step of the longest route: it may wind through all of the map */
 };
 
-_Static_assert(STATES_MIN > JP_PLANNER_SPLICE_STEPS + JP_HEADINGS, "a scout holds all that it is seeded with");
+_Static_assert(JP_LAYOUT_STATES_MIN > JP_PLANNER_SPLICE_STEPS + JP_HEADINGS,
+               "a scout holds all that it is seeded with");
 _Static_assert(JP_PLANNER_CELLS_MAX / JP_TERRAIN_SIDE_MAX >= JP_TERRAIN_SIDE_MAX, "no map is too large");
 
 static size_t route_bytes(const struct jp_terrain_config *config)
@@ -32,13 +32,13 @@ size_t jp_planner_size(const struct jp_terrain_config *config)
         return 0;
     }
     return jp_guide_field_size(config, JP_GUIDE_SCALE_MAX) + ROUTES * route_bytes(config) +
-           jp_planner_states_size(STATES_MIN);
+           jp_planner_states_size(JP_LAYOUT_STATES_MIN);
 }
 
 /** Scale of the finest guide that leaves most of the block, and enough of it, to the states. */
 static unsigned guide_scale(const struct jp_terrain_config *config, size_t size)
 {
-    const size_t spare = size - ROUTES * route_bytes(config) - jp_planner_states_size(STATES_MIN);
+    const size_t spare = size - ROUTES * route_bytes(config) - jp_planner_states_size(JP_LAYOUT_STATES_MIN);
     const size_t most = spare < size / GUIDE_SHARE ? spare : size / GUIDE_SHARE;
     unsigned scale = GUIDE_SCALE_MIN;
 
@@ -55,7 +55,7 @@ static void lay_out_states(struct jp_planner_internal *planner, uint8_t *block, 
     size_t scout_bytes = 0;
 
     planner->resting = (struct jp_planner_search){0};
-    if (planner->statistics.field_bytes > 0U && size / SCOUT_SHARE >= jp_planner_states_size(STATES_MIN)) {
+    if (planner->statistics.field_bytes > 0U && size / SCOUT_SHARE >= jp_planner_states_size(JP_LAYOUT_STATES_MIN)) {
         scout_bytes = jp_block_align(jp_planner_states_init(&planner->resting, map, block, size / SCOUT_SHARE));
     }
     planner->states_block = &block[scout_bytes];
@@ -90,7 +90,8 @@ void jp_layout_divide(struct jp_planner_internal *planner, size_t size)
                         &block[routes]);
     planner->statistics.guide_bytes = (uint32_t)guide_bytes;
     planner->statistics.field_bytes = 0;
-    if (field_bytes <= size / FIELD_SHARE && used + field_bytes + jp_planner_states_size(STATES_MIN) <= size) {
+    if (field_bytes <= size / FIELD_SHARE &&
+        used + field_bytes + jp_planner_states_size(JP_LAYOUT_STATES_MIN) <= size) {
         jp_energy_field_init(&planner->field, config->lattice, config->cost, planner->terrain, JP_WAVE_3_BYTES,
                              JP_COST_MAX, &block[used]);
         planner->statistics.field_bytes = (uint32_t)field_bytes;

@@ -5,6 +5,9 @@
 
 #include <joulepath/planner.h>
 
+/** Fewest states of a search. */
+#define JP_LAYOUT_STATES_MIN ((uint32_t)64)
+
 /** Gives the routes their memory. */
 void jp_layout_routes(struct jp_planner_internal *planner);
 
