@@ -38,8 +38,8 @@ struct navigation {
     struct jp_planner planner;
     struct jp_navigator navigator;
     struct jp_course_leg legs[NAVIGATION_LEGS];
-    void *reach;
-    size_t reach_size;
+    void *way;
+    size_t way_size;
     struct clearance_robot body;
     struct clearance_pose start;
     struct clearance_pose before;
@@ -217,8 +217,8 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
                                                .legs_max = NAVIGATION_LEGS,
                                                .slice = SLICE,
                                                .patience = PATIENCE,
-                                               .reach_block = navigation->reach,
-                                               .reach_size = navigation->reach_size};
+                                               .way_block = navigation->way,
+                                               .way_size = navigation->way_size};
     const char *field;
 
     if (jp_planner_init(&navigation->planner, &planner, task->map, block, task->memory, &field) != JP_OK) {
@@ -243,7 +243,7 @@ static void describe(struct navigation *navigation, const struct navigation_task
     navigation->body = navigation_body(task->robot);
     navigation->start = navigation_start(task);
     navigation->before = navigation->start;
-    navigation->reach_size = jp_reach_size(&task->map->config);
+    navigation->way_size = jp_navigator_way_size(&task->map->config);
 }
 
 bool navigation_run(const struct navigation_task *task, struct navigation_result *result)
@@ -254,15 +254,15 @@ bool navigation_run(const struct navigation_task *task, struct navigation_result
 
     if (navigation != NULL) {
         describe(navigation, task, result);
-        navigation->reach = malloc(navigation->reach_size);
+        navigation->way = malloc(navigation->way_size);
     }
-    if (navigation == NULL || navigation->reach == NULL || block == NULL) {
+    if (navigation == NULL || navigation->way == NULL || block == NULL) {
         error_line("--memory %zu: this computer has not that much; give less", task->memory / 1024);
     } else {
         is_done = prepare_robot(navigation) && prepare_navigator(navigation, block) && drive(navigation);
     }
     if (navigation != NULL) {
-        free(navigation->reach);
+        free(navigation->way);
     }
     free(navigation);
     free(block);
