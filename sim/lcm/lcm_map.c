@@ -141,7 +141,7 @@ static enum lcm_task_result make(const jp_map_t *message, struct lcm_map *made)
 
 enum lcm_task_result lcm_map_read(struct lcm_map *map, const void *packet, size_t size, bool *is_new)
 {
-    struct lcm_map made = {.size = size};
+    struct lcm_map made = {.id = 0};
     jp_map_t message;
     enum lcm_task_result result = judge_map(packet, size);
 
@@ -149,7 +149,7 @@ enum lcm_task_result lcm_map_read(struct lcm_map *map, const void *packet, size_
         return result;
     }
     made.crc = jp_crc32(0, (const uint8_t *)packet + CONTENT_PLACE, size - CONTENT_PLACE);
-    *is_new = map->id == 0U || made.crc != map->crc || made.size != map->size;
+    *is_new = map->id == 0U || made.crc != map->crc;
     if (!*is_new) {
         return LCM_TASK_OK;
     }
@@ -269,22 +269,20 @@ enum lcm_task_result lcm_map_read_cells(struct lcm_map *map, const void *packet,
 void lcm_map_tell_cells(struct lcm_map *map, lcm_map_tell *tell, void *context)
 {
     const uint16_t width = map->terrain.config.width;
-    const size_t cells = (size_t)width * map->terrain.config.height;
+    const uint8_t *const end = map->untold + (size_t)width * map->terrain.config.height;
+    uint8_t *at = map->untold;
 
     while (map->untold_count > 0) {
-        const uint8_t *at = memchr(map->untold + map->cursor, 1, cells - map->cursor);
-        const size_t place = at != NULL ? (size_t)(at - map->untold) : 0;
+        at = memchr(at, 1, (size_t)(end - at));
+
+        const size_t place = (size_t)(at - map->untold);
         const uint16_t x = (uint16_t)(place % width);
         const uint16_t y = (uint16_t)(place / width);
 
-        map->cursor = place;
-        if (at == NULL) {
-            continue;
-        }
         if (!tell(context, x, y, jp_terrain_cell(&map->terrain, x, y))) {
             return;
         }
-        map->untold[place] = 0;
+        *at = 0;
         map->untold_count--;
     }
 }

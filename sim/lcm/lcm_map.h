@@ -16,10 +16,8 @@ struct lcm_map {
     struct jp_place origin; /**< where the robot was switched on */
     void *block;
     uint32_t crc;    /* of the packet behind its time */
-    size_t size;     /* of the packet */
     uint8_t *untold; /* a byte a cell: 1 where the robot is still to be told of it */
     size_t untold_count;
-    size_t cursor;
 };
 
 /** Reads a jp_map_t. *is_new: it is another map than the one before, which it has replaced. Unless the result is
