@@ -236,6 +236,21 @@ static void check_truncations(lcm_operator_take *take_packet, const struct packe
     }
 }
 
+static void test_a_cell_that_changes_twice_is_told_once(void)
+{
+    const struct packet other = cells_of(1, 6, 3, JP_CELL_UNKNOWN);
+    unsigned left = 9;
+
+    begin();
+    TEST_ASSERT_EQUAL_INT(LCM_TASK_OK, take(lcm_operator_cells, &sound_cells));
+    TEST_ASSERT_EQUAL_INT(LCM_TASK_OK, take(lcm_operator_cells, &other));
+    TEST_ASSERT_EQUAL_UINT(3, team.map.untold_count);
+    lcm_map_tell_cells(&team.map, refuse, &left);
+    TEST_ASSERT_EQUAL_UINT(6, left);
+    TEST_ASSERT_EQUAL_UINT(0, team.map.untold_count);
+    TEST_ASSERT_EQUAL_INT(JP_CELL_UNKNOWN, cell_at(6, 3));
+}
+
 static void test_every_truncation_and_extension_is_refused(void)
 {
     begin();
