@@ -14,7 +14,7 @@ enum {
     NO_MARK = 0,
     FIRST_MARK = 1,
     LAST_MARK = 3,
-    SKIPPED_WORDS = 16 /* empty ones of the front, of a look */
+    SKIPPED_WORDS = 8 /* empty ones of the front, of a look */
 };
 
 static const struct jp_way_words no_words = {UINT32_MAX, 0};
@@ -44,9 +44,10 @@ static unsigned mark_after(unsigned mark)
     return mark == LAST_MARK ? FIRST_MARK : mark + 1U;
 }
 
-static unsigned mark_before(unsigned mark)
+/** True when a cell may be a step nearer to the goal than its neighbour, by their marks. */
+static bool is_before(unsigned mark, unsigned mark_of_neighbour)
 {
-    return mark == FIRST_MARK ? LAST_MARK : mark - 1U;
+    return mark != NO_MARK && mark_after(mark) == mark_of_neighbour;
 }
 
 /** Of a cell that has none yet, which so belongs to the next front. */
@@ -212,14 +213,15 @@ static unsigned spread(struct jp_lattice_way *way, const struct jp_way_cell *cel
 static bool take_cell(struct jp_lattice_way *way, struct jp_way_cell *cell)
 {
     const uint32_t word = way->present.first;
+    const uint32_t width = way->terrain->config.width;
 
     for (uint32_t bits = way->front[word]; bits != 0U; bits &= bits - 1U) {
         const uint32_t index = word * WORD_BITS + JP_TRAILING_ZEROS(bits);
 
         if (mark_at(way, index) == way->mark) {
             way->front[word] &= ~(bits & (~bits + 1U));
-            *cell = (struct jp_way_cell){(int16_t)(index % way->terrain->config.width),
-                                         (int16_t)(index / way->terrain->config.width)};
+            cell->x = (int16_t)(uint16_t)(index % width);
+            cell->y = (int16_t)(uint16_t)(index / width);
             return true;
         }
     }
@@ -262,16 +264,12 @@ enum jp_way_answer jp_lattice_way_work(struct jp_lattice_way *way, unsigned look
 
 bool jp_lattice_way_next(const struct jp_lattice_way *way, struct jp_way_cell *cell)
 {
-    const uint32_t index = index_of(way, cell);
-    const unsigned mark = mark_at(way, index);
+    const unsigned mark = mark_at(way, index_of(way, cell));
 
-    if (mark == NO_MARK || index == index_of(way, &way->goal)) {
-        return false;
-    }
     for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
         const struct jp_way_cell next = neighbour(cell, direction);
 
-        if (contains(way->terrain, &next) && mark_at(way, index_of(way, &next)) == mark_before(mark) &&
+        if (contains(way->terrain, &next) && is_before(mark_at(way, index_of(way, &next)), mark) &&
             is_passable(way, direction, cell, &next)) {
             *cell = next;
             return true;

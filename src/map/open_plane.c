@@ -61,7 +61,7 @@ unsigned jp_open_plane_make_row(uint32_t *plane, const struct jp_lattice *lattic
         for (unsigned i = 0; i < lattice->core.span_count; i++) {
             const struct jp_span *span = &lattice->spans[lattice->core.first_span + i];
 
-            for (int32_t x = span->first; x <= span->last; x++) {
+            for (int32_t x = (int32_t)span->first; x <= (int32_t)span->last; x++) {
                 open &= free_cells(terrain, word * WORD_BITS + x, y + span->y);
                 looks++;
             }

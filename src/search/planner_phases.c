@@ -361,7 +361,7 @@ static void save_forward_memory(struct jp_planner_internal *planner)
 /** True when the guide has led a search astray that does not fit: it may be too old. */
 static bool has_old_guide(const struct jp_planner_internal *planner)
 {
-    return planner->is_guide_old && !jp_search_is_exact(planner) && !jp_search_is_forward(planner);
+    return planner->is_guide_old && !jp_search_is_exact(planner);
 }
 
 /** The states do not fit. Without a plan: raises ε, which needs fewer states, and at last searches from the robot. */

@@ -737,3 +737,26 @@ static void test_a_way_that_does_not_leave_its_cell_has_no_legs(void)
     TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_way(&(struct jp_way_cell){9, 9}, &(struct jp_way_cell){9, 9}));
     TEST_ASSERT_EQUAL_UINT16(0, course.count);
 }
+
+/* ---- Along part of a route ---- */
+
+static void test_a_partial_route_is_followed_to_its_end(void)
+{
+    put_column(8, 0, 17, JP_CELL_OCCUPIED);
+    put_column(16, 6, SIDE - 1, JP_CELL_OCCUPIED);
+    const struct jp_planner_config greedy = {.lattice = lattice, .cost = JP_COST_PHYSICAL, .epsilon = {JP_EPSILON(4)}};
+    const struct jp_lattice_pose from = {4, 4, 0};
+    const struct jp_point start = centre(4, 4);
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_init(&planner, &greedy, &terrain, block, jp_planner_size(&map), &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &from));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_goal(&planner, &(struct jp_goal){20, 18, JP_ANY_HEADING}));
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_PARTIAL, finish_plan());
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join(&start));
+    const struct jp_lattice_pose *end = &jp_planner_plan(&planner)->end;
+
+    TEST_ASSERT_GREATER_THAN_UINT16(0, course.count);
+    TEST_ASSERT_EQUAL_INT32(centre(end->x, end->y).x, legs[course.count - 1U].end.x);
+}
