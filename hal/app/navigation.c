@@ -74,7 +74,7 @@ static enum jp_status prepare(struct jp_navigation *navigation)
 {
     const struct jp_navigation_config *config = &navigation->config;
     const struct jp_planner_config planner = {
-        .lattice = config->lattice, .cost = JP_COST_PHYSICAL, .epsilon = {JP_EPSILON(1.35), JP_EPSILON_ONE}};
+        .lattice = config->lattice, .cost = JP_COST_PHYSICAL, .epsilon = JP_NAVIGATION_EPSILON};
     const struct jp_navigator_config navigator = {.planner = &navigation->planner,
                                                   .vehicle = &navigation->vehicle,
                                                   .radius = config->body->radius,

@@ -25,8 +25,14 @@ extern "C" {
 /** Expansions of a slice: mostly less than a tick of 1 ms of a Cortex-M4 at 168 MHz. */
 #define JP_NAVIGATION_SLICE 20U
 
-/** Expansions after which the robot drives by the best route that is there. */
+/** Expansions that the robot on its way waits for a route. */
 #define JP_NAVIGATION_PATIENCE 3000U
+
+/** The planner's schedule. */
+#define JP_NAVIGATION_EPSILON                                                                                          \
+    {                                                                                                                  \
+        JP_EPSILON(1.35), JP_EPSILON(1.2), JP_EPSILON(1.1), JP_EPSILON_ONE                                             \
+    }
 
 /** Of what the navigator does it tells so often, and of so many legs of its course. */
 #define JP_NAVIGATION_REPORT_MS   100U

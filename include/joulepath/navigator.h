@@ -42,7 +42,8 @@ struct jp_navigator_config {
     struct jp_course_leg *legs;       /**< the caller's memory */
     uint16_t legs_max;                /**< at least 1 */
     uint16_t slice;                   /**< expansions of one call; at least 1 */
-    uint32_t patience; /**< expansions after which the robot drives by the best route that is there; 0: none */
+    uint32_t patience; /**< expansions that a robot on its way waits for a route; four times as many it waits, before it
+                            begins, for a better one than the first */
     void *way_block;   /**< jp_navigator_way_size() bytes, in which a way is found, or it is proved that there is none,
                             where the planner finds no route; null: then that is a failure */
     size_t way_size;   /**< of it */

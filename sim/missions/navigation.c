@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "hal/app/navigation.h"
 #include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
 #include "sim/missions/navigation_sight.h"
@@ -16,9 +17,6 @@
 
 /** Expansions of a slice: 1.7 ms of a Cortex-M4 at 168 MHz. */
 #define SLICE 32
-
-/** Expansions after which the robot drives by the best route that is there. */
-#define PATIENCE 20000
 
 /** Slices of background work, looks of the sensor, frames, a second. */
 #define WORK_RATE   500
@@ -206,7 +204,7 @@ static bool prepare_robot(struct navigation *navigation)
 static bool prepare_navigator(struct navigation *navigation, void *block)
 {
     const struct navigation_task *task = navigation->task;
-    const struct jp_planner_config planner = {task->lattice, JP_COST_PHYSICAL, {JP_EPSILON(1.35), JP_EPSILON_ONE}};
+    const struct jp_planner_config planner = {task->lattice, JP_COST_PHYSICAL, JP_NAVIGATION_EPSILON};
     const struct jp_place origin = navigation_place(&navigation->start);
     const double radius = hypot(navigation->body.length_m, navigation->body.width_m) / 2;
     const struct jp_navigator_config config = {.planner = &navigation->planner,
@@ -216,7 +214,7 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
                                                .legs = navigation->legs,
                                                .legs_max = NAVIGATION_LEGS,
                                                .slice = SLICE,
-                                               .patience = PATIENCE,
+                                               .patience = JP_NAVIGATION_PATIENCE,
                                                .way_block = navigation->way,
                                                .way_size = navigation->way_size};
     const char *field;

@@ -22,6 +22,9 @@
 #define LINE_EXPANSIONS 5U
 #define LEG_EXPANSIONS  5U
 
+/** A robot that has not begun yet has so many times the patience. */
+#define FIRST_PATIENCE 4U
+
 /** Turns on the spot for one leg; what is left then is left. */
 #define TURNS_MAX 8U
 
@@ -163,11 +166,18 @@ static bool is_late(const struct jp_navigator *navigator)
     return navigator->internal.spent >= navigator->config.patience;
 }
 
+static bool is_late_for_first(const struct jp_navigator *navigator)
+{
+    return navigator->internal.spent / FIRST_PATIENCE >= navigator->config.patience;
+}
+
 /** A robot that has not begun yet waits for what is better than the first route. */
 static bool takes_route(const struct jp_navigator *navigator)
 {
+    const bool is_on_its_way = navigator->replans > 0U;
+
     return navigator->internal.has_route &&
-           (navigator->replans > 0U || is_late(navigator) || jp_planner_is_idle(navigator->config.planner));
+           (is_on_its_way || is_late_for_first(navigator) || jp_planner_is_idle(navigator->config.planner));
 }
 
 static bool can_look_for_way(const struct jp_navigator *navigator)
