@@ -93,7 +93,7 @@ def drive_in_qemu(build, arguments):
 
 
 def waits(folder):
-    """ms of each time that it stood and worked out its way, the first left out."""
+    """ms of each time that it stood, worked out its way and found one, the first left out."""
     with (folder / "drive.csv").open() as file:
         rows = list(csv.DictReader(file))
     begin, found = None, []
@@ -101,7 +101,7 @@ def waits(folder):
         if row["state"] in WAITS:
             begin = float(row["t_s"]) if begin is None else begin
         elif begin is not None:
-            found.append(1000 * (float(row["t_s"]) - begin))
+            found += [1000 * (float(row["t_s"]) - begin)] if row["state"] == "turning" else []
             begin = None
     return found[1:]
 

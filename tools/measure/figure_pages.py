@@ -51,6 +51,10 @@ SECTIONS = (
     Section("Navigator", "courier24 in closed loop on random maps of 8 to 19 m a side, 8 to 20 % of it blocked, where 3 to 10 "
             "boxes stand that the map does not show; it sees 2.5 m far, where nothing is in between. Touched: its body's "
             "true place; reachable: by a planner that knows the world.", r"bench_navigate"),
+    Section("Navigator of the firmware's image", "courier24 over the bus, which brings it map, goal and what its sensor sees, "
+            "on random maps of 192 × 192 and 40 × 40 cells with boxes that they do not show, in process and with the image "
+            "in QEMU; the application alone on the core, whose way is blocked again and again, an instruction taking 8 ns; "
+            "its planner on the scenes cut to its map.", r"image|image_ticks|image_cuts"),
     Section("Grid planner", "Shortest paths over occupancy grids.", r"bench_grid|grid_planner"),
     Section("Segments of any length", "Predicted against driven energy.", r"bench_horizon|horizon"),
     Section("Learner", "Error of the predicted energy after so many segments.", r"bench_learner"),
