@@ -15,6 +15,7 @@ import shutil
 import statistics
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, run, shown_path, write_whole
@@ -150,26 +151,40 @@ def large_drives(build, folder):
     yield figure(f"{what}: from the stand to a new way, a slice a tick, worst", max(replans), "ms", at_most(REPLAN_BAR))
 
 
-def pil_drives(build, folder):
-    arrived = equal = seed = count = 0
-    while count < PIL_DRIVES:
-        map_path = write_map(folder / f"small-{FIRST_SEED + seed}.json", SMALL, FIRST_SEED + seed)
-        alone, image = (folder / f"small-{FIRST_SEED + seed}-{name}" for name in ("in-process", "image"))
-        arguments = command(build, map_path, SMALL, FIRST_SEED + seed, "in-process", alone)
+def small_drives(build, folder):
+    """The first drives in process whose goals can be reached: their arguments and folders."""
+    found, seed = [], FIRST_SEED
+    while len(found) < PIL_DRIVES:
+        map_path = write_map(folder / f"small-{seed}.json", SMALL, seed)
+        alone = folder / f"small-{seed}-in-process"
+        arguments = command(build, map_path, SMALL, seed, "in-process", alone)
         summary = drive(arguments)
-        seed += 1
         if summary is None or summary["result"]["state"] == "unreachable":
             shutil.rmtree(alone, ignore_errors=True)
-            continue
-        summary = drive_in_qemu(build, [*arguments[:-1], image])
-        count += 1
-        arrived += summary["result"]["state"] == "arrived" and not summary["result"]["touched"]
-        equal += are_equal(alone, image)
-        print(f"drive {count} of {PIL_DRIVES}: {arrived} arrived, {equal} equal", flush=True)
-    yield figure(f"navigator of the image in QEMU, {PIL_DRIVES} drives: arrived, and touched nothing", arrived, "",
-                 equal_to(PIL_DRIVES))
+        else:
+            found.append((arguments, alone, folder / f"small-{seed}-image"))
+        seed += 1
+    return found
+
+
+def repeat_with_image(build, small_drive):
+    """Whether the image arrived and touched nothing, and whether it did what was done in process."""
+    arguments, alone, image = small_drive
+    result = drive_in_qemu(build, [*arguments[:-1], image])["result"]
+    is_right = result["state"] == "arrived" and not result["touched"]
+    is_equal = are_equal(alone, image)
+    print(f"{image.name}: {'arrived' if is_right else result['state']}, {'equal' if is_equal else 'not equal'}", flush=True)
+    return is_right, is_equal
+
+
+def pil_drives(build, folder):
+    drives = small_drives(build, folder)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        results = list(pool.map(lambda small_drive: repeat_with_image(build, small_drive), drives))
+    yield figure(f"navigator of the image in QEMU, {PIL_DRIVES} drives: arrived, and touched nothing",
+                 sum(is_right for is_right, _ in results), "", equal_to(PIL_DRIVES))
     yield figure(f"navigator of the image in QEMU, {PIL_DRIVES} drives: same frames, trajectory and energies as in "
-                 "process", equal, "", equal_to(PIL_DRIVES))
+                 "process", sum(is_equal for _, is_equal in results), "", equal_to(PIL_DRIVES))
 
 
 def memory(build):
