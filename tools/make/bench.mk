@@ -49,6 +49,17 @@ $(BUILD)/maps/%.map.json: $(DATA)/%.map tools/design/import_map.py
 $(BUILD)/maps/%.yaml.json: $(DATA)/%.yaml tools/design/import_map.py
 	$Q$(PYTHON) -m tools.design.import_map $< $@ --resolution 0.2
 
+# The same on cells of 0.1 m, for the navigator.
+NAVIGATE_MAPS := $(patsubst $(DATA)/%,$(BUILD)/navigate-maps/%.json,$(wildcard $(DATA)/*.map $(DATA)/*.yaml))
+
+$(BUILD)/navigate-maps/%.map.json: $(DATA)/%.map tools/design/import_map.py
+	@mkdir -p $(@D)
+	$Q$(PYTHON) -m tools.design.import_map $< $@ --cell-size 0.8 --resolution 0.1
+
+$(BUILD)/navigate-maps/%.yaml.json: $(DATA)/%.yaml tools/design/import_map.py
+	@mkdir -p $(@D)
+	$Q$(PYTHON) -m tools.design.import_map $< $@ --resolution 0.1
+
 .PHONY: bench-plan
 bench-plan: ## measure the planner on the 20 scenes, beside its peers, and on MAPS="a.json…"
 	@tools/setup.sh test bench
@@ -65,10 +76,11 @@ bench-maps: ## measure the planner on MAPS="a.json…" (tools/design/import_map.
 	$(BUILD)/bench/bench_maps --rows $(BUILD)/bench-plan/maps.json $(LATTICES:%=--lattice %) $(MAPS) >$(BUILD)/bench/bench_maps.json
 
 .PHONY: bench-navigate
-bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes that they do not show, twice (2 minutes)
+bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes that they do not show, twice, and on maps of others (6 minutes)
 	@tools/setup.sh test
-	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_navigate
+	@$(MAKE) $(PARALLEL) all $(BUILD)/bench/bench_navigate $(NAVIGATE_MAPS)
 	$(BUILD)/bench/bench_navigate >$(BUILD)/bench/bench_navigate.json
+	$(if $(NAVIGATE_MAPS),$(PYTHON) -m tools.measure.bench_navigate $(NAVIGATE_MAPS))
 
 .PHONY: bench-image
 bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (1 hour)

@@ -50,7 +50,8 @@ SECTIONS = (
     Section("Energy against length", "Each metre has a price besides its energy.", blocks=("prices",)),
     Section("Navigator", "courier24 in closed loop on random maps of 8 to 19 m a side, 8 to 20 % of it blocked, where 3 to 10 "
             "boxes stand that the map does not show; it sees 2.5 m far, where nothing is in between. Touched: its body's "
-            "true place; reachable: by a planner that knows the world.", r"bench_navigate"),
+            "true place; reachable: by a planner that knows the world. On the maps of others, cells of 0.1 m, those of Moving "
+            "AI 0.8 m wide: five drives each among eight such boxes.", r"bench_navigate|navigate_maps"),
     Section("Navigator of the firmware's image", "courier24 over the bus, which brings it map, goal and what its sensor sees, "
             "on random maps of 192 × 192 and 40 × 40 cells with boxes that they do not show, in process and with the image "
             "in QEMU; the application alone on the core, whose way is blocked again and again, an instruction taking 8 ns; "
