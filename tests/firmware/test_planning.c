@@ -38,9 +38,10 @@
 #define GOAL_EVERY   4000U /* ticks, if it has not been reached on the map before */
 #define CHANGE_EVERY 37U
 
-/** The box on its way: so far ahead, and so many cells on either side. */
+/** The boxes on its way to a goal: so far ahead, so many cells a side, and so many of them. */
 #define AHEAD     JP_Q16(1.5)
-#define HALF_SIDE 2
+#define BOX_SIDE  5
+#define BOXES_MAX 8U
 
 /** Of the times from one course to the next. */
 #define REPLANS_MAX 2048U
@@ -75,6 +76,14 @@ static uint32_t worst_work;
 static uint32_t worst_planning;
 static uint32_t planning_slices;
 static uint32_t goals;
+
+/** Of the present goal, from the south-west; a bit for each cell that was free. */
+static struct {
+    int32_t x;
+    int32_t y;
+    uint32_t was_free;
+} boxes[BOXES_MAX];
+static uint32_t box_count;
 
 /* From a blocked course to the next one. */
 static bool is_replanning;
@@ -296,18 +305,6 @@ static bool prepare(void)
     return navigation.is_prepared && jp_robot_state_now(&ecu.robot) == JP_ROBOT_BALANCING;
 }
 
-/** To another place, whose way must be planned. */
-static void send_on(void)
-{
-    struct jp_goal goal = {.headings = JP_ANY_HEADING};
-
-    do {
-        goal.x = (int16_t)below(SIDE);
-        goal.y = (int16_t)below(SIDE);
-    } while (goal.x + goal.y < SIDE / 2 || jp_navigator_go(&navigation.navigator, &goal) != JP_OK);
-    goals++;
-}
-
 /** As a sensor would, not round the robot. */
 static void change_cell(void)
 {
@@ -318,11 +315,34 @@ static void change_cell(void)
     (void)jp_navigator_set_cell(&navigation.navigator, x, y, is_free ? JP_CELL_OCCUPIED : JP_CELL_FREE);
 }
 
-static void put_obstacle(int32_t x, int32_t y)
+static void put_box_on_way(int32_t x, int32_t y)
 {
-    for (int32_t v = y - HALF_SIDE; v <= y + HALF_SIDE; v++) {
-        for (int32_t u = x - HALF_SIDE; u <= x + HALF_SIDE; u++) {
+    uint32_t was_free = 0;
+
+    for (int32_t i = 0; i < BOX_SIDE * BOX_SIDE; i++) {
+        const int32_t u = x + i % BOX_SIDE;
+        const int32_t v = y + i / BOX_SIDE;
+
+        if (jp_terrain_cell(&navigation.maps.decoder.terrain, u, v) == JP_CELL_FREE) {
+            was_free |= UINT32_C(1) << i;
             (void)jp_navigator_set_cell(&navigation.navigator, u, v, JP_CELL_OCCUPIED);
+        }
+    }
+    boxes[box_count].x = x;
+    boxes[box_count].y = y;
+    boxes[box_count].was_free = was_free;
+    box_count++;
+}
+
+static void take_boxes_away(void)
+{
+    while (box_count > 0U) {
+        box_count--;
+        for (int32_t i = 0; i < BOX_SIDE * BOX_SIDE; i++) {
+            if (((boxes[box_count].was_free >> i) & 1U) != 0U) {
+                (void)jp_navigator_set_cell(&navigation.navigator, boxes[box_count].x + i % BOX_SIDE,
+                                            boxes[box_count].y + i / BOX_SIDE, JP_CELL_FREE);
+            }
         }
     }
 }
@@ -342,13 +362,26 @@ static void block_way(void)
         const int64_t length = (int64_t)jp_square_root((uint64_t)(dx * dx + dy * dy));
 
         if (length > ahead) {
-            put_obstacle((int32_t)((from.x + dx * ahead / length) / jp_lattice_courier24.resolution),
-                         (int32_t)((from.y + dy * ahead / length) / jp_lattice_courier24.resolution));
+            put_box_on_way((int32_t)((from.x + dx * ahead / length) / jp_lattice_courier24.resolution) - BOX_SIDE / 2,
+                           (int32_t)((from.y + dy * ahead / length) / jp_lattice_courier24.resolution) - BOX_SIDE / 2);
             return;
         }
         ahead -= length;
         from = *end;
     }
+}
+
+/** To another place, whose way must be planned. */
+static void send_on(void)
+{
+    struct jp_goal goal = {.headings = JP_ANY_HEADING};
+
+    take_boxes_away();
+    do {
+        goal.x = (int16_t)below(SIDE);
+        goal.y = (int16_t)below(SIDE);
+    } while (goal.x + goal.y < SIDE / 2 || jp_navigator_go(&navigation.navigator, &goal) != JP_OK);
+    goals++;
 }
 
 static bool has_no_goal(void)
@@ -368,7 +401,7 @@ static void plan(uint32_t count)
     while (ticks < end) {
         const bool was_joining = navigation.navigator.state == JP_NAVIGATOR_JOINING;
 
-        if (has_no_goal() || ticks - goal_tick >= GOAL_EVERY) {
+        if (has_no_goal() || box_count == BOXES_MAX || ticks - goal_tick >= GOAL_EVERY) {
             goal_tick = ticks;
             send_on();
         }
