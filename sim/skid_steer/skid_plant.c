@@ -436,6 +436,38 @@ static void advance(const struct skid_plant *plant, const struct skid_state *sta
     memcpy(end, values, size);
 }
 
+static void set_normal(const struct skid_state *state, struct skid_attitude *seen)
+{
+    const struct lie lie = lie_of(seen->rise_ahead, seen->rise_across);
+    const double cosine = cos(state->heading);
+    const double sine = sin(state->heading);
+
+    seen->normal[0] = -(cosine * lie.ahead - sine * lie.across) / lie.normal;
+    seen->normal[1] = -(sine * lie.ahead + cosine * lie.across) / lie.normal;
+    seen->normal[2] = 1 / lie.normal;
+}
+
+static double product(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The body turns with its normal: n × ṅ, about its axes along the heading and to the left of it. */
+static void set_tilt_rates(const struct skid_attitude *before, const struct skid_state *state, double h,
+                           struct skid_attitude *seen)
+{
+    const struct lie lie = lie_of(seen->rise_ahead, seen->rise_across);
+    const double *n = seen->normal;
+    const double ahead[3] = {cos(state->heading) / lie.along, sin(state->heading) / lie.along, lie.ahead / lie.along};
+    const double left[3] = {n[1] * ahead[2] - n[2] * ahead[1], n[2] * ahead[0] - n[0] * ahead[2],
+                            n[0] * ahead[1] - n[1] * ahead[0]};
+    const double change[3] = {(n[0] - before->normal[0]) / h, (n[1] - before->normal[1]) / h,
+                              (n[2] - before->normal[2]) / h};
+
+    seen->roll_rate = -product(change, left);
+    seen->pitch_rate = product(change, ahead);
+}
+
 static void integrate(struct skid_plant *plant, const struct skid_input *input, double h)
 {
     const struct skid_state start = plant->state;
@@ -458,8 +490,8 @@ static void integrate(struct skid_plant *plant, const struct skid_input *input, 
     advance(plant, &plant->state, &k2, h / 3, &plant->state);
     advance(plant, &plant->state, &k3, h / 3, &plant->state);
     advance(plant, &plant->state, &k4, h / 6, &plant->state);
-    seen.pitch_rate = -(atan(seen.rise_ahead) - atan(plant->attitude.rise_ahead)) / h;
-    seen.roll_rate = (atan(seen.rise_across) - atan(plant->attitude.rise_across)) / h;
+    set_normal(&plant->state, &seen);
+    set_tilt_rates(&plant->attitude, &plant->state, h, &seen);
     plant->attitude = seen;
 }
 
@@ -559,6 +591,7 @@ void skid_plant_init(struct skid_plant *plant, const struct skid_steer_model *mo
     plant->state.pressed_across = STANDARD_GRAVITY * footing.slope_left * footing.lie.along / footing.lie.normal;
     plant->attitude.rise_ahead = footing.lie.ahead;
     plant->attitude.rise_across = footing.lie.across;
+    set_normal(&plant->state, &plant->attitude);
     plant->attitude.bus_voltage = supply_of(model, model->electronics.power_w).voltage;
     plant->attitude.force_ahead = plant->state.pressed_ahead;
     plant->attitude.force_left = plant->state.pressed_across;

@@ -113,8 +113,9 @@ struct skid_contact {
 struct skid_attitude {
     double rise_ahead;  /**< of the body's plane, over run, along its x axis */
     double rise_across; /**< the same to its left */
-    double pitch_rate;  /**< forward positive, rad/s */
-    double roll_rate;   /**< about the x axis, rad/s */
+    double normal[3];   /**< of the plane, in the map's axes, of length 1 */
+    double roll_rate;   /**< of the body about its x axis, rad/s */
+    double pitch_rate;  /**< about its y axis, forward positive */
     double force_ahead; /**< specific force of the contacts, m/s² */
     double force_left;
     double load[SKID_CONTACTS_MAX]; /**< N */

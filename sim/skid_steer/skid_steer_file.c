@@ -1,8 +1,16 @@
 #include <math.h>
+#include <string.h>
 
 #include "sim/base/error.h"
 #include "sim/files/config_fields.h"
+#include "sim/skid_steer/skid_plant.h"
 #include "sim/skid_steer/skid_steer_model.h"
+
+#define SKID_STEER         "skid_steer"
+#define DIFFERENTIAL_DRIVE "differential_drive"
+
+/* The plant's equations, 1/s: a control tick of a thousand steps at most. */
+#define RATE_MAX 60000.0
 
 #define RADIANS_PER_DEGREE (3.14159265358979323846 / 180)
 
@@ -82,8 +90,8 @@ static const struct config_field differential_drive_fields[] = {
         type, offsetof(struct skid_steer_model, name), fields, sizeof(fields) / sizeof(fields)[0]                      \
     }
 
-static const struct config_kind skid_steer_kind = KIND("skid_steer", skid_steer_fields);
-static const struct config_kind differential_drive_kind = KIND("differential_drive", differential_drive_fields);
+static const struct config_kind skid_steer_kind = KIND(SKID_STEER, skid_steer_fields);
+static const struct config_kind differential_drive_kind = KIND(DIFFERENTIAL_DRIVE, differential_drive_fields);
 
 /* What no single field shows: the motors can do what the limits promise. */
 static bool check_together(const char *path, const struct skid_steer_model *model)
@@ -112,14 +120,83 @@ static bool check_together(const char *path, const struct skid_steer_model *mode
     return true;
 }
 
+static bool check_stance(const char *path, const struct skid_steer_model *model)
+{
+    const struct planar_pose pose = {0, 0, 0};
+    const struct skid_ground level = {NULL, NULL};
+    const struct skid_slope rise = skid_slope_towards(model->limits.slope_deg, 0);
+    const struct skid_slope fall = skid_slope_towards(-model->limits.slope_deg, 0);
+    const struct skid_ground grounds[] = {level, skid_ground_slope(&rise), skid_ground_slope(&fall)};
+    struct skid_plant plant;
+
+    if (model->wheel.axles == 1 && model->caster.ahead_m == 0) {
+        error_line("%s: caster.ahead_m = 0: must be ahead of the axle or, below 0, behind it; correct the value", path);
+        return false;
+    }
+    for (size_t i = 0; i < sizeof grounds / sizeof grounds[0]; i++) {
+        skid_plant_init(&plant, model, &grounds[i], &pose);
+        if (plant.tipped) {
+            error_line("%s: body.centre_height_m = %g, body.centre_ahead_m = %g: on %s it tips over; correct them or "
+                       "limits.slope_deg",
+                       path, model->body.centre_height_m, model->body.centre_ahead_m,
+                       i == 0 ? "level ground" : "limits.slope_deg");
+            return false;
+        }
+    }
+    return true;
+}
+
+/* What the simulator needs. */
+static bool check_plant(const char *path, const struct skid_steer_model *model)
+{
+    const double most = 2 * model->motor.current_limit_a * model->supply.voltage_v + model->electronics.power_w;
+    const double rate = skid_plant_rate(model);
+
+    if (4 * model->supply.resistance_ohm * most > model->supply.voltage_v * model->supply.voltage_v) {
+        error_line("%s: supply.resistance_ohm = %g: the battery cannot give both motors their motor.current_limit_a; "
+                   "correct one of them",
+                   path, model->supply.resistance_ohm);
+        return false;
+    }
+    if (rate > RATE_MAX) {
+        error_line("%s: the robot's fastest mode, %.0f 1/s, cannot be simulated; correct the masses, inertias, tyre, "
+                   "ground.friction and limits.speed_m_s",
+                   path, rate);
+        return false;
+    }
+    return check_stance(path, model);
+}
+
+static bool load(const char *path, const struct config_kind *kind, struct skid_steer_model *model)
+{
+    return config_fields_load(path, kind, model) && check_together(path, model) && check_plant(path, model);
+}
+
 bool skid_steer_load(const char *path, struct skid_steer_model *model)
 {
     *model = (struct skid_steer_model){0};
-    return config_fields_load(path, &skid_steer_kind, model) && check_together(path, model);
+    return load(path, &skid_steer_kind, model);
 }
 
 bool differential_drive_load(const char *path, struct skid_steer_model *model)
 {
     *model = (struct skid_steer_model){.wheel = {.axles = 1}};
-    return config_fields_load(path, &differential_drive_kind, model) && check_together(path, model);
+    return load(path, &differential_drive_kind, model);
+}
+
+bool skid_robot_load(const char *path, struct skid_steer_model *model)
+{
+    char type[CONFIG_NAME_SIZE];
+
+    if (!config_fields_type(path, type)) {
+        return false;
+    }
+    if (strcmp(type, SKID_STEER) == 0) {
+        return skid_steer_load(path, model);
+    }
+    if (strcmp(type, DIFFERENTIAL_DRIVE) == 0) {
+        return differential_drive_load(path, model);
+    }
+    config_fields_refuse_type(path, type, SKID_STEER " or a " DIFFERENTIAL_DRIVE);
+    return false;
 }

@@ -150,4 +150,7 @@ bool skid_steer_load(const char *path, struct skid_steer_model *model);
 /** The same of a file whose type is "differential_drive": one axle and a caster. */
 bool differential_drive_load(const char *path, struct skid_steer_model *model);
 
+/** The same of a file of either type. */
+bool skid_robot_load(const char *path, struct skid_steer_model *model);
+
 #endif
