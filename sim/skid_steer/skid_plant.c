@@ -550,24 +550,46 @@ static double side_inertia(const struct skid_steer_model *model)
            square(model->motor.gear_ratio) * model->motor.rotor_inertia_kg_m2;
 }
 
+/* rad */
+static double presliding(const struct skid_steer_model *model)
+{
+    return model->limits.speed_m_s / model->wheel.radius_m * SKID_PRESLIDING_TIME;
+}
+
+/* Of the body on its treads, 1/s. */
+static double tread_rate(const struct skid_steer_model *model)
+{
+    const double weight = model->body.mass_kg * STANDARD_GRAVITY;
+    const double reach = square(model->body.length_m + model->body.width_m) / 2;
+    /* The lightest that a tread pushes: the wheels, or the body at its ends. */
+    const double mobility = square(model->wheel.radius_m) / side_inertia(model) + 1 / model->body.mass_kg +
+                            reach / model->body.yaw_inertia_kg_m2;
+
+    return sqrt(model->tyre.stiffness_per_m * weight * mobility) + model->tyre.damping_s_per_m * weight * mobility;
+}
+
+/* Of a side on its dry friction. */
+static double drag_rate(const struct skid_steer_model *model)
+{
+    const double constant = model->motor.torque_constant * model->motor.gear_ratio;
+    const double meshing = constant * model->motor.current_limit_a * (1 / model->motor.efficiency - 1);
+    const double rolling = model->ground.rolling * model->body.mass_kg * STANDARD_GRAVITY * model->wheel.radius_m;
+    const double stiffness = (meshing + rolling + model->motor.friction_nm) / presliding(model) / side_inertia(model);
+
+    return sqrt(stiffness) + DRAG_DAMPING * stiffness;
+}
+
 double skid_plant_rate(const struct skid_steer_model *model)
 {
-    const double speed = 2 * model->limits.speed_m_s;
-    const double weight = model->body.mass_kg * STANDARD_GRAVITY;
-    const double radius = model->wheel.radius_m;
-    const double inertia = side_inertia(model);
-    /* The lightest that a tread pushes: the wheels, or the body at its ends. */
-    const double reach = square(model->body.length_m + model->body.width_m) / 2;
-    const double mobility = square(radius) / inertia + 1 / model->body.mass_kg + reach / model->body.yaw_inertia_kg_m2;
-    const double spring = sqrt(model->tyre.stiffness_per_m * weight * mobility);
-    const double damper = model->tyre.damping_s_per_m * weight * mobility;
+    const double arm = fmax(fabs(model->caster.ahead_m), model->body.wheelbase_m / 2);
+    const double speed = 2 * model->limits.speed_m_s * (1 + arm / (model->body.width_m / 2));
     const double sliding =
         speed * (model->tyre.stiffness_per_m / model->ground.friction + RELAXATION / model->tyre.contact_length_m);
     const double motor = square(model->motor.torque_constant * model->motor.gear_ratio) /
-                         (model->motor.resistance_ohm * inertia * model->motor.efficiency);
-    const double wheel = speed / (model->limits.speed_m_s * SKID_PRESLIDING_TIME);
+                         (model->motor.resistance_ohm * side_inertia(model) * model->motor.efficiency);
+    const double turning = 2 / SKID_PRESLIDING_TIME;
 
-    return fmax(fmax(sliding, wheel), fmax(spring + damper, motor));
+    return fmax(fmax(sliding, turning), fmax(tread_rate(model), fmax(drag_rate(model), motor)));
 }
 
 void skid_plant_init(struct skid_plant *plant, const struct skid_steer_model *model, const struct skid_ground *ground,
@@ -579,7 +601,7 @@ void skid_plant_init(struct skid_plant *plant, const struct skid_steer_model *mo
     place_contacts(plant);
     prepare_loads(plant);
     plant->side_inertia = side_inertia(model);
-    plant->presliding = model->limits.speed_m_s / model->wheel.radius_m * SKID_PRESLIDING_TIME;
+    plant->presliding = presliding(model);
     plant->step = fmin(SKID_STEP, SKID_STEP_RATE_MAX / skid_plant_rate(model));
     plant->state.x = centre.x;
     plant->state.y = centre.y;

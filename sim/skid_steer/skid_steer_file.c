@@ -90,8 +90,8 @@ static const struct config_field differential_drive_fields[] = {
         type, offsetof(struct skid_steer_model, name), fields, sizeof(fields) / sizeof(fields)[0]                      \
     }
 
-static const struct config_kind skid_steer_kind = KIND(SKID_STEER, skid_steer_fields);
-static const struct config_kind differential_drive_kind = KIND(DIFFERENTIAL_DRIVE, differential_drive_fields);
+const struct config_kind skid_steer_kind = KIND(SKID_STEER, skid_steer_fields);
+const struct config_kind differential_drive_kind = KIND(DIFFERENTIAL_DRIVE, differential_drive_fields);
 
 /* What no single field shows: the motors can do what the limits promise. */
 static bool check_together(const char *path, const struct skid_steer_model *model)

@@ -141,6 +141,10 @@ double skid_steer_unlimited_energy(const struct skid_steer_model *model, enum jp
 double skid_steer_energy(const struct skid_steer_model *model, enum jp_cost_kind kind,
                          const struct skid_steer_motion *motion, double duration);
 
+/** The fields of their files. */
+extern const struct config_kind skid_steer_kind;
+extern const struct config_kind differential_drive_kind;
+
 /**
  * Reads and checks a robot file whose type is "skid_steer". On failure prints one line on stderr (file, key or line,
  * what, what to do), returns false, and *model is not to be used.
