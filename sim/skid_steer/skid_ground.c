@@ -9,7 +9,7 @@ struct skid_slope skid_slope_towards(double degrees, double heading)
 {
     const double rise = tan(degrees * M_PI / 180);
 
-    return (struct skid_slope){rise * cos(heading), rise * sin(heading)};
+    return (struct skid_slope){.slope_x = rise * cos(heading), .slope_y = rise * sin(heading)};
 }
 
 static struct skid_ground_point on_slope(const void *context, double x, double y)

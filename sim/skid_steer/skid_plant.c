@@ -447,7 +447,7 @@ static void set_normal(const struct skid_state *state, struct skid_attitude *see
     seen->normal[2] = 1 / lie.normal;
 }
 
-static double product(const double a[3], const double b[3])
+static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -464,8 +464,8 @@ static void set_tilt_rates(const struct skid_attitude *before, const struct skid
     const double change[3] = {(n[0] - before->normal[0]) / h, (n[1] - before->normal[1]) / h,
                               (n[2] - before->normal[2]) / h};
 
-    seen->roll_rate = -product(change, left);
-    seen->pitch_rate = product(change, ahead);
+    seen->roll_rate = -dot(change, left);
+    seen->pitch_rate = dot(change, ahead);
 }
 
 static void integrate(struct skid_plant *plant, const struct skid_input *input, double h)

@@ -399,6 +399,39 @@ static void test_it_climbs_what_it_must(void)
     TEST_ASSERT_TRUE_MESSAGE(plant.state.x < 0 || plant.tipped, "38° are too steep");
 }
 
+/* On a slope of ice the body falls along the plane in a parabola, however it turns meanwhile; and what it turns by
+ * about the plane's normal is its heading after each whole turn. */
+static void test_on_ice_it_falls_in_a_parabola(void)
+{
+    struct skid_slope slope;
+    struct skid_steer_model smooth = zhang;
+    const double angle = 20 * M_PI / 180;
+
+    smooth.ground.friction = 0.01;
+    smooth.ground.rolling = 0.001;
+    smooth.tyre.stiffness_per_m = 20;
+    for (int step = 0; step < 6; step++) {
+        const double heading = step * M_PI / 3;
+        stand(&smooth, &slope, 20, heading * 180 / M_PI);
+        plant.state.forward = 1;
+        plant.state.turn_rate = 5;
+        const double along = hypot(1, tan(angle) * cos(heading));
+        double seconds = 0;
+        for (double turned = 0; turned < 2 * M_PI; seconds += TICK) {
+            const double before = plant.state.turn_rate;
+            skid_plant_step(&plant, &off, TICK);
+            turned += TICK * (before + plant.state.turn_rate) / 2;
+        }
+        const double start_x = 1 / along * cos(heading); /* m/s on the map */
+        const double start_y = 1 / along * sin(heading);
+        const double fall = STANDARD_GRAVITY * sin(angle) * cos(angle); /* m/s² on the map */
+        const double friction = smooth.ground.friction * STANDARD_GRAVITY * seconds * seconds / 2;
+        check_near(start_x * seconds - fall * seconds * seconds / 2, plant.state.x, 1.2 * friction, "x, m");
+        check_near(start_y * seconds, plant.state.y, 1.2 * friction, "y, m");
+        check_near(2 * M_PI, plant.state.heading - heading, 0.012, "heading after a turn, rad");
+    }
+}
+
 /* ---- Loads ---- */
 
 static void check_loads(double rear_left, double rear_right, double front_left, double front_right)
