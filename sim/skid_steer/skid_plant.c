@@ -32,7 +32,6 @@ struct wrench {
     double turn;                /* N·m */
     double braking[SKID_SIDES]; /* N, of the ground on the treads of a side */
     double load[SKID_SIDES];
-    double slip_speed;
 };
 
 /* What the motor of a side does. */
@@ -276,7 +275,6 @@ static void add_contact(const struct skid_plant *plant, const struct skid_state 
     if (is_driven) {
         sum->braking[contact->side] += x;
         sum->load[contact->side] += load;
-        sum->slip_speed = fmax(sum->slip_speed, slip);
         rate->ledger.slip_along -= x * along;
         rate->ledger.slip_across -= y * across;
     } else {
@@ -352,16 +350,15 @@ static struct supply supply_of(const struct skid_steer_model *model, double powe
 
 /* ---- Motion ---- */
 
-static void set_pose_rates(const struct lie *lie, const struct skid_state *state, struct skid_state *rate,
-                           double *ahead, double *left)
+static void set_pose_rates(const struct lie *lie, const struct skid_state *state, struct skid_state *rate)
 {
     const double cosine = cos(state->heading);
     const double sine = sin(state->heading);
 
-    *ahead = (state->forward - state->left * lie->ahead * lie->across / lie->normal) / lie->along;
-    *left = state->left * lie->along / lie->normal;
-    rate->x = cosine * *ahead - sine * *left;
-    rate->y = sine * *ahead + cosine * *left;
+    const double ahead = (state->forward - state->left * lie->ahead * lie->across / lie->normal) / lie->along;
+    const double left = state->left * lie->along / lie->normal;
+    rate->x = cosine * ahead - sine * left;
+    rate->y = sine * ahead + cosine * left;
     rate->heading = state->turn_rate * square(lie->along) / lie->normal;
 }
 
@@ -391,8 +388,6 @@ static void derivative(const struct skid_plant *plant, const struct skid_state *
 {
     const struct footing footing = footing_at(plant, state);
     struct wrench sum = {.ahead = 0};
-    double ahead;
-    double left;
 
     rate->ledger = (struct skid_ledger){.electronics = plant->model.electronics.power_w};
     set_loads(plant, &footing.lie, state, attitude->load);
@@ -408,13 +403,12 @@ static void derivative(const struct skid_plant *plant, const struct skid_state *
     const struct supply supply = supply_of(&plant->model, power);
     rate->ledger.battery = plant->model.supply.voltage_v * supply.current;
     rate->ledger.supply = square(supply.current) * plant->model.supply.resistance_ohm;
-    set_pose_rates(&footing.lie, state, rate, &ahead, &left);
+    set_pose_rates(&footing.lie, state, rate);
     set_body_rates(plant, &footing, state, &sum, rate);
     attitude->rise_ahead = footing.lie.ahead;
     attitude->rise_across = footing.lie.across;
     attitude->force_ahead = sum.ahead / plant->model.body.mass_kg;
     attitude->force_left = sum.left / plant->model.body.mass_kg;
-    attitude->slip_speed = sum.slip_speed;
     attitude->bus_voltage = supply.voltage;
 }
 
@@ -519,7 +513,6 @@ static void lie_still(struct skid_plant *plant, double seconds)
     plant->attitude.bus_voltage = supply.voltage;
     plant->attitude.current[SKID_LEFT] = 0;
     plant->attitude.current[SKID_RIGHT] = 0;
-    plant->attitude.slip_speed = 0;
     plant->attitude.pitch_rate = 0;
     plant->attitude.roll_rate = 0;
 }

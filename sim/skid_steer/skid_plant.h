@@ -6,22 +6,26 @@
  * Body: rigid, at velocity (forward, left) in the plane that lies best on the ground under its contacts, and turning
  * about that plane's normal. Gravity acts by the gradient of the elevation under the centre of mass, so no energy is
  * won or lost on any ground; what the curvature of the ground does to the loads is left out.
+ *
  * Loads: a plane over the contacts (springs that are alike), from gravity, the height of the centre of mass and the
  * contacts' forces, which it follows within SKID_SUSPENSION_TIME. No contact pulls; a robot whose contacts would have
- * to has tipped and stays where it is. Tyres: the lumped LuGre model in two dimensions (Velenis, Tsiotras,
- * Canudas-de-Wit, MED 2002) without Stribeck effect, normalised by the load N. With the slip velocity s of the tread
- * over the ground and its deflection z
+ * to has tipped and stays where it is.
+ *
+ * Tyres: the lumped LuGre model in two dimensions (Velenis, Tsiotras, Canudas-de-Wit, MED 2002) without Stribeck
+ * effect, normalised by the load N. With the slip velocity s of the tread over the ground and its deflection z
  *
  *   ż = s − (σ0 |s|/μ + κ |ω r|) z,  force = −N (σ0 z + σ1 ż),  κ = 1.2/contact length
  *
  * so the force grows by σ0/κ of the load for each unit of slip, stays within the circle μ N, and holds the robot on a
  * slope without creep. σ1 fades at high slip, so that the contact never gives what it did not get.
+ *
  * Wheels: rolling resistance, gear and bearings are dry friction; they hold until the wheel has turned by what it turns
  * at limits.speed_m_s in SKID_PRESLIDING_TIME, without creep.
+ *
  * Motor of a side: i = (d V − K g ω)/R within the current limit; its gear passes η of the driving torque, and braking
- * takes 1/η of the motor's. Bridges off: no current flows, rotor and gear's dry friction alone brake. Both bridges on
- * with duty 0: the motors are shorted and brake, and the robot creeps down a slope.
- * Bridges return to the battery what motor.recuperation says, and burn the rest.
+ * takes 1/η of the motor's. Bridges off: no current flows, rolling resistance and dry friction alone hold or brake.
+ * Both bridges on with duty 0: the motors are shorted and brake, and the robot creeps down a slope. Bridges return to
+ * the battery what motor.recuperation says, and burn the rest.
  */
 #ifndef JOULEPATH_SIM_SKID_STEER_SKID_PLANT_H
 #define JOULEPATH_SIM_SKID_STEER_SKID_PLANT_H
@@ -120,7 +124,6 @@ struct skid_attitude {
     double force_left;
     double load[SKID_CONTACTS_MAX]; /**< N */
     double current[SKID_SIDES];     /**< A; positive drives forward */
-    double slip_speed;              /**< of the fastest driven contact, m/s */
     double bus_voltage;             /**< V */
 };
 
