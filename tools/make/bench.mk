@@ -140,7 +140,7 @@ ARGS.pure_pursuit     = --count 400
 ARGS.scan_match       = --count 40
 ARGS.segment          = --count 10000
 ARGS.skid_energy      = --count 100
-ARGS.skid_plant       = --count 400
+ARGS.skid_plant       = --count 200
 ARGS.store            = --count 10000
 ARGS.teb              = --count 500
 
