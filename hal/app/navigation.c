@@ -45,8 +45,8 @@ static const char *missing(const struct jp_navigation_config *config)
     if (config->planner == NULL) {
         return "planner";
     }
-    if (config->reach == NULL) {
-        return "reach";
+    if (config->way == NULL) {
+        return "way";
     }
     return config->legs == NULL || config->legs_max == 0U ? "legs" : NULL;
 }
@@ -74,7 +74,7 @@ static enum jp_status prepare(struct jp_navigation *navigation)
 {
     const struct jp_navigation_config *config = &navigation->config;
     const struct jp_planner_config planner = {
-        .lattice = config->lattice, .cost = JP_COST_PHYSICAL, .epsilon = {JP_EPSILON(1.35), JP_EPSILON_ONE}};
+        .lattice = config->lattice, .cost = JP_COST_PHYSICAL, .epsilon = JP_NAVIGATION_EPSILON};
     const struct jp_navigator_config navigator = {.planner = &navigation->planner,
                                                   .vehicle = &navigation->vehicle,
                                                   .radius = config->body->radius,
@@ -83,10 +83,11 @@ static enum jp_status prepare(struct jp_navigation *navigation)
                                                   .legs_max = config->legs_max,
                                                   .slice = JP_NAVIGATION_SLICE,
                                                   .patience = JP_NAVIGATION_PATIENCE,
-                                                  .reach_block = config->reach,
-                                                  .reach_size = config->reach_size};
+                                                  .way_block = config->way,
+                                                  .way_size = config->way_size};
     const char *field;
-    enum jp_status status = jp_reach_size(&map_of(navigation)->config) > config->reach_size ? JP_ERR_MEMORY : JP_OK;
+    enum jp_status status =
+        jp_navigator_way_size(&map_of(navigation)->config) > config->way_size ? JP_ERR_MEMORY : JP_OK;
 
     if (status == JP_OK) {
         status = jp_planner_init(&navigation->planner, &planner, &navigation->maps.decoder.terrain, config->planner,

@@ -23,10 +23,16 @@ extern "C" {
 #endif
 
 /** Expansions of a slice: mostly less than a tick of 1 ms of a Cortex-M4 at 168 MHz. */
-#define JP_NAVIGATION_SLICE 16U
+#define JP_NAVIGATION_SLICE 20U
 
-/** Expansions after which the robot drives by the best route that is there. */
-#define JP_NAVIGATION_PATIENCE 6000U
+/** Expansions that the robot on its way waits for a route. */
+#define JP_NAVIGATION_PATIENCE 3000U
+
+/** The planner's schedule. */
+#define JP_NAVIGATION_EPSILON                                                                                          \
+    {                                                                                                                  \
+        JP_EPSILON(1.35), JP_EPSILON(1.2), JP_EPSILON(1.1), JP_EPSILON_ONE                                             \
+    }
 
 /** Of what the navigator does it tells so often, and of so many legs of its course. */
 #define JP_NAVIGATION_REPORT_MS   100U
@@ -42,8 +48,8 @@ struct jp_navigation_config {
     size_t map_size;
     void *planner; /**< the planner's block */
     size_t planner_size;
-    void *reach; /**< jp_reach_size() bytes of the largest map */
-    size_t reach_size;
+    void *way; /**< jp_navigator_way_size() bytes of the largest map */
+    size_t way_size;
     struct jp_course_leg *legs;
     uint16_t legs_max; /**< at least 1 */
 };

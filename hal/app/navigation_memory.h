@@ -11,17 +11,18 @@
 #define JP_NAVIGATION_SIDE 192
 #endif
 #ifndef JP_NAVIGATION_PLANNER
-#define JP_NAVIGATION_PLANNER 88
+#define JP_NAVIGATION_PLANNER 83
 #endif
 
 #define JP_NAVIGATION_LEGS 96U
 
-/** Words of 64 bits of the two bit planes of a map, and of its flood. */
-#define JP_NAVIGATION_WORDS (((JP_NAVIGATION_SIDE + 31) / 32) * JP_NAVIGATION_SIDE)
+/** Words of 64 bits of the two bit planes of a map, and of the three of a way on it. */
+#define JP_NAVIGATION_WORDS     (((JP_NAVIGATION_SIDE + 31) / 32) * JP_NAVIGATION_SIDE)
+#define JP_NAVIGATION_WAY_WORDS ((3 * JP_NAVIGATION_WORDS + 1) / 2)
 
 struct jp_navigation_ground {
     uint64_t map[JP_NAVIGATION_WORDS];
-    uint64_t reach[JP_NAVIGATION_WORDS];
+    uint64_t way[JP_NAVIGATION_WAY_WORDS];
     struct jp_course_leg legs[JP_NAVIGATION_LEGS];
 };
 
@@ -41,8 +42,8 @@ static inline struct jp_navigation_config jp_navigation_config_of(const struct j
                                          .map_size = sizeof ground->map,
                                          .planner = block->words,
                                          .planner_size = sizeof block->words,
-                                         .reach = ground->reach,
-                                         .reach_size = sizeof ground->reach,
+                                         .way = ground->way,
+                                         .way_size = sizeof ground->way,
                                          .legs = ground->legs,
                                          .legs_max = JP_NAVIGATION_LEGS};
 }

@@ -1,10 +1,11 @@
 /**
  * From a planned route to a course: straight lines that a disc can be moved along, and where it turns between them.
  *
- * The lattice planner's route leads over cells. Its primitives are joined to straight lines as long as the map allows:
- * from each waypoint the line goes to the farthest of the next ends of primitives to which a disc of `radius` and
- * `margin` can be moved. The disc is the one in which the robot turns, so that it may turn at every waypoint. Where
- * the route begins too near to obstacles for the margin, the first line does without it.
+ * The lattice planner's route leads over cells, and so does a lattice's way. Its steps, primitives or unit steps, are
+ * joined to straight lines as long as the map allows: from each waypoint the line goes to the farthest of the next ends
+ * of steps to which a disc of `radius` and `margin` can be moved. The disc is the one in which the robot turns, so that
+ * it may turn at every waypoint. Where the route begins too near to obstacles for the margin, the first line does
+ * without it.
  *
  * A robot that does not stop at a waypoint leaves the lines on either side, by a length that its trajectory tells
  * (jp_trajectory_leg_extent()): jp_course_is_clear() says whether there is room for that.
@@ -14,6 +15,7 @@
 #ifndef JOULEPATH_COURSE_H
 #define JOULEPATH_COURSE_H
 
+#include <joulepath/lattice_way.h>
 #include <joulepath/planner.h>
 #include <joulepath/point.h>
 
@@ -47,20 +49,21 @@ enum jp_course_answer {
     JP_COURSE_NO_ROUTE, /**< nothing was started */
     JP_COURSE_JOINING,
     JP_COURSE_FOUND,   /**< without legs, when the route does not leave its cell */
-    JP_COURSE_NO_ROOM, /**< a primitive cannot be replaced by a line: the lattice leaves less room than the disc needs
+    JP_COURSE_NO_ROOM, /**< a step cannot be replaced by a line: the lattice leaves less room than the disc needs
                         */
     JP_COURSE_TOO_LONG /**< it takes more legs than there is memory for; `legs` hold its begin */
 };
 
-/** Private: an end of a primitive. */
+/** Private: an end of a step. */
 struct jp_course_place {
-    struct jp_lattice_pose pose;
-    unsigned step; /**< of the plan that begins there */
+    struct jp_lattice_pose pose; /**< on a way its heading means nothing */
+    unsigned step;               /**< of the plan that begins there */
 };
 
 /** Private. */
 struct jp_course_internal {
-    const struct jp_planner *planner;
+    const struct jp_planner *planner; /**< whose plan it leads along, or null: along the way */
+    const struct jp_lattice_way *way;
     struct jp_point start;
     struct jp_point from;         /**< begin of the line that is looked for */
     struct jp_course_place first; /**< place that is left there */
@@ -88,6 +91,11 @@ enum jp_status jp_course_init(struct jp_course *course, const struct jp_course_c
  * Constant time. */
 enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner *planner,
                                const struct jp_point *start);
+
+/** The same along a way that was found from a cell, which must not change until the course is found.
+ *  JP_ERR_ARGUMENT: a pointer is null. */
+enum jp_status jp_course_start_on_way(struct jp_course *course, const struct jp_lattice_way *way,
+                                      const struct jp_way_cell *from, const struct jp_point *start);
 
 /** Looks at one more line. Work: jp_course_is_clear(). */
 enum jp_course_answer jp_course_work(struct jp_course *course);

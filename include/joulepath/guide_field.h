@@ -56,8 +56,10 @@ struct jp_guide_field {
     struct jp_guide_root root;
     struct jp_wavefront wave;
     struct jp_guide_cell cell;
-    uint32_t debt;  /**< looks that have been taken and not counted yet */
-    uint8_t *steps; /**< direction of the step at each coarse cell, two a byte */
+    uint32_t debt;      /**< units of work that have been done and not counted yet */
+    uint8_t *steps;     /**< direction of the step at each coarse cell, two a byte */
+    uint32_t *open;     /**< on which cells the robot may be, a bit each; null: that is found for each step */
+    uint16_t open_rows; /**< of it that have been found */
 };
 
 /** Bytes for a map of this configuration, a multiple of 8. `scale`: 1…JP_GUIDE_SCALE_MAX. */
@@ -75,9 +77,16 @@ void jp_guide_field_set_lattice(struct jp_guide_field *field, const struct jp_la
 void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction direction,
                           const struct jp_guide_root *root, uint16_t target_x, uint16_t target_y);
 
-/** Continues to grow, by *looks looks at cells of the map, which counts down. A step from a coarse cell to a neighbour
- *  takes at most scale³; what the last one takes beyond is counted by the next call. True when done. */
-bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *looks);
+/** Bytes that let a guide grow several times as fast while it has them. Constant time. */
+size_t jp_guide_field_loan(const struct jp_terrain_config *config);
+
+/** Lends them to it, aligned to 4, after jp_guide_field_start(), until it has grown. What changes on the map meanwhile
+ * it does not see. Constant time. */
+void jp_guide_field_lend(struct jp_guide_field *field, void *block);
+
+/** Continues to grow, by *units units of work, which count down. A step from a coarse cell to a neighbour takes at most
+ *  some 4 scale³; what the last one takes beyond is counted by the next call. True when done. */
+bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *units);
 
 /** True when the guide has found a path to the coarse cell around (x, y). Constant time. */
 bool jp_guide_field_reaches(const struct jp_guide_field *field, int32_t x, int32_t y);

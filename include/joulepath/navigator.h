@@ -11,9 +11,10 @@
  *                 └─────────────── stands ──────── braking ◀── blocked, astray ───┘
  *
  * A course is straight lines with corners between them (course.h). The robot takes a corner in motion where the map has
- * room for what it leaves the lines by, which its vehicle tells; else it stands there and turns on the spot. Where the
- * planner's block is too small for a route to the goal, the robot drives as near as it knows and plans on there. The
- * course up to the goal is surveyed before the robot moves, so that what it takes is known: jp_navigator_progress().
+ * room for what it leaves the lines by, which its vehicle tells; else it stands there and turns on the spot. It plans
+ * anew while it brakes. Where the planner's block is too small for a route to the goal, and where a robot on its way
+ * would wait longer than `patience` for one, it drives a way of few steps instead (lattice_way.h). The course up to the
+ * goal is surveyed before the robot moves, so that what it takes is known: jp_navigator_progress().
  *
  * Points are m from the south-west corner of the map. Where the robot's odometry began on the map is told at the start.
  * Integers only: the same bits on every core. Nothing here is for ISRs.
@@ -22,6 +23,7 @@
 #define JOULEPATH_NAVIGATOR_H
 
 #include <joulepath/course.h>
+#include <joulepath/lattice_way.h>
 #include <joulepath/reach.h>
 #include <joulepath/vehicle.h>
 
@@ -40,20 +42,21 @@ struct jp_navigator_config {
     struct jp_course_leg *legs;       /**< the caller's memory */
     uint16_t legs_max;                /**< at least 1 */
     uint16_t slice;                   /**< expansions of one call; at least 1 */
-    uint32_t patience; /**< expansions after which the robot drives by the best route that is there; 0: none */
-    void *reach_block; /**< jp_reach_size() bytes, by which it is proved that there is no route where the planner's
-                            block is too small for the proof; null: then that is a failure */
-    size_t reach_size; /**< of it */
+    uint32_t patience; /**< expansions that a robot on its way waits for a route; four times as many it waits, before it
+                            begins, for a better one than the first */
+    void *way_block;   /**< jp_navigator_way_size() bytes, in which a way is found, or it is proved that there is none,
+                            where the planner finds no route; null: then that is a failure */
+    size_t way_size;   /**< of it */
 };
 
 enum jp_navigator_state {
     JP_NAVIGATOR_IDLE,        /**< no goal */
     JP_NAVIGATOR_PLANNING,    /**< searches a route; the robot stands */
-    JP_NAVIGATOR_PROVING,     /**< no route was found; looks whether there is any; the robot stands */
+    JP_NAVIGATOR_PROVING,     /**< no route was found; looks whether there is any way; the robot stands */
     JP_NAVIGATOR_JOINING,     /**< makes a course of it; the robot stands */
     JP_NAVIGATOR_TURNING,     /**< on the spot, towards the next leg or, at the goal, to its heading */
     JP_NAVIGATOR_DRIVING,     /**< along the course */
-    JP_NAVIGATOR_BRAKING,     /**< to a stand, from which it plans anew */
+    JP_NAVIGATOR_BRAKING,     /**< to a stand, for which it plans anew meanwhile */
     JP_NAVIGATOR_ARRIVED,     /**< stands at the goal */
     JP_NAVIGATOR_UNREACHABLE, /**< proved: no route leads to the goal on this map */
     JP_NAVIGATOR_FAILED       /**< see the reason */
@@ -66,8 +69,8 @@ enum jp_navigator_reason {
     JP_NAVIGATOR_BLOCKED,   /**< the map changed on the way ahead */
     JP_NAVIGATOR_ASTRAY,    /**< the robot left its course by more than the margin */
     JP_NAVIGATOR_HEMMED_IN, /**< no place near the robot has room for it */
-    JP_NAVIGATOR_MEMORY,    /**< the planner's block is too small for this map and goal, also from the places nearer to
-                                 it that it has led to */
+    JP_NAVIGATOR_MEMORY,    /**< the planner's block is too small for this map and goal, and no way of unit steps leads
+                                 there */
     JP_NAVIGATOR_NO_ROOM,   /**< the course does not fit: JP_COURSE_NO_ROOM */
     JP_NAVIGATOR_TOO_LONG,  /**< more legs than there is memory for */
     JP_NAVIGATOR_VEHICLE,   /**< the robot refused or gave up; `status` says how */
@@ -87,6 +90,15 @@ struct jp_progress {
     struct jp_forecast energy; /**< J in the unit of the vehicle's model, with its deviation */
 };
 
+/** Private: what is looked for. */
+enum jp_navigator_search {
+    JP_NAVIGATOR_ROUTE,        /**< the planner's */
+    JP_NAVIGATOR_WAY,          /**< there was no route in time: a way of unit steps */
+    JP_NAVIGATOR_ROUTE_OR_WAY, /**< there is a way: a route, until the planner has done what it can */
+    JP_NAVIGATOR_PROOF,        /**< there is no such way: that there is none at all */
+    JP_NAVIGATOR_ROUTE_ONLY    /**< there may be one: a route, until the planner has done what it can */
+};
+
 /** Private: what is done while joining. */
 struct jp_navigator_survey {
     uint16_t first; /**< leg of the run */
@@ -101,15 +113,17 @@ struct jp_navigator_internal {
     struct jp_place origin; /**< of odometry, on the map */
     struct jp_goal goal;
     struct jp_navigator_survey survey;
+    struct jp_way_cell start; /**< from which was planned last */
+    struct jp_lattice_way way;
     struct jp_reach reach;
     struct jp_point targets[JP_NAVIGATOR_RUN_MAX]; /**< of the run, as odometry counts */
     uint16_t leg;                                  /**< that is driven or comes next */
     uint16_t run_end;                              /**< leg after the run that is driven */
     uint32_t spent;                                /**< expansions since the search began */
     uint32_t map_seen;                             /**< version of the map when the way ahead was looked at */
-    jp_cost left;                                  /**< estimate from the end of the last partial route to the goal */
-    bool is_partial;                               /**< the course ends before the goal */
-    jp_q16 duration;                               /**< of the course, s */
+    enum jp_navigator_search search;
+    bool has_route;  /**< to the goal, of the planner, from where the robot is */
+    jp_q16 duration; /**< of the course, s */
     struct jp_forecast energy;
     uint8_t turns; /**< on the spot, of this state */
     bool was_told; /**< the vehicle was told to do what the state says */
@@ -124,6 +138,9 @@ struct jp_navigator {
     uint16_t replans;      /**< of this goal, saturating */
     struct jp_navigator_internal internal;
 };
+
+/** Bytes of `way_block` for a map; 0 when its configuration is out of range. Constant time. */
+size_t jp_navigator_way_size(const struct jp_terrain_config *config);
 
 /** Prepares a navigator for a robot whose odometry began at `origin`. JP_ERR_CONFIG: *field names the first member that
  *  is null or out of range. JP_ERR_ARGUMENT: a pointer is null. Constant time. */
@@ -142,8 +159,9 @@ void jp_navigator_stop(struct jp_navigator *navigator);
  *  jp_planner_set_cell(). */
 enum jp_status jp_navigator_set_cell(struct jp_navigator *navigator, int32_t x, int32_t y, enum jp_cell cell);
 
-/** A slice of background work: of the vehicle, and one slice of the planner, one line of the course, or one leg of the
- *  survey; while driving, after a change of the map, a look at the legs ahead. Constant work otherwise. */
+/** A slice of background work: of the vehicle, and one slice of the planner or of what looks for a way, some lines of
+ *  the course, or one leg of the survey; while driving, after a change of the map, a look at the legs ahead. Constant
+ * work otherwise. */
 enum jp_navigator_state jp_navigator_work(struct jp_navigator *navigator);
 
 /** Where the robot is on the map, by its odometry. */

@@ -264,8 +264,9 @@ struct jp_planner_internal {
     struct jp_planner_search resting;  /**< the scout: a small one by the guide, that finds a route while the exact one
                                           is repaired; while it searches, the exact one. No states: there is none */
     bool is_scouting;
-    bool is_splicing; /**< the scout joins what the last check has left of the plan */
-    bool has_guide;   /**< the guide has grown for this goal, from where the robot was then */
+    bool is_splicing;  /**< the scout joins what the last check has left of the plan */
+    bool has_guide;    /**< the guide has grown for this goal, from where the robot was then */
+    bool is_guide_old; /**< it had grown before the present search began */
 
     uint32_t terrain_version;
     uint8_t *block;        /**< all of it */

@@ -24,29 +24,39 @@ static void drop(struct lcm_gateway *gateway, const char *channel, enum lcm_task
     }
 }
 
-typedef enum lcm_task_result read_function(const void *packet, size_t size, struct jp_route_message *route);
-
-static void take_task(struct lcm_gateway *gateway, const lcm_recv_buf_t *packet, const char *channel,
-                      read_function *read)
+static void take(struct lcm_gateway *gateway, const lcm_recv_buf_t *packet, const char *channel,
+                 lcm_operator_take *take_packet)
 {
-    struct jp_route_message route;
-    const enum lcm_task_result result = read(packet->data, packet->data_size, &route);
+    const enum lcm_task_result result = take_packet(&gateway->operator, packet->data, packet->data_size);
 
-    if (result == LCM_TASK_OK) {
-        (void)jp_operator_route(&gateway->commander, route.points, route.length);
-    } else {
+    if (result != LCM_TASK_OK) {
         drop(gateway, channel, result);
     }
 }
 
 static void take_goal(const lcm_recv_buf_t *packet, const char *channel, void *gateway)
 {
-    take_task(gateway, packet, channel, lcm_task_goal);
+    take(gateway, packet, channel, lcm_operator_goal);
 }
 
 static void take_route(const lcm_recv_buf_t *packet, const char *channel, void *gateway)
 {
-    take_task(gateway, packet, channel, lcm_task_route);
+    take(gateway, packet, channel, lcm_operator_route);
+}
+
+static void take_map(const lcm_recv_buf_t *packet, const char *channel, void *gateway)
+{
+    take(gateway, packet, channel, lcm_operator_map);
+}
+
+static void take_cells(const lcm_recv_buf_t *packet, const char *channel, void *gateway)
+{
+    take(gateway, packet, channel, lcm_operator_cells);
+}
+
+static void take_map_goal(const lcm_recv_buf_t *packet, const char *channel, void *gateway)
+{
+    take(gateway, packet, channel, lcm_operator_map_goal);
 }
 
 /** The operator's port: telemetry hears what the operator sends, which the bus does not echo. */
@@ -73,7 +83,7 @@ static void tick(struct lcm_gateway *gateway)
 {
     const struct jp_can_port port = {.context = gateway, .send = send, .state = bus_state};
 
-    jp_operator_tick(&gateway->commander, (uint32_t)(gateway->operator_us / US_PER_MS), &port);
+    lcm_operator_tick(&gateway->operator, (uint32_t)(gateway->operator_us / US_PER_MS), &port);
 }
 
 /* Time. */
@@ -82,7 +92,7 @@ static void forget_robot(struct lcm_gateway *gateway)
 {
     const uint64_t unsent = gateway->telemetry.unsent;
 
-    lcm_telemetry_start(&gateway->telemetry, gateway->lcm, &gateway->commander);
+    lcm_telemetry_start(&gateway->telemetry, gateway->lcm, &gateway->operator);
     gateway->telemetry.unsent = unsent;
 }
 
@@ -119,16 +129,24 @@ static void take_frame(struct lcm_gateway *gateway, const struct jp_can_frame *f
         take_sim_time(gateway, frame);
         return;
     }
-    jp_operator_accept(&gateway->commander, frame);
+    lcm_operator_accept(&gateway->operator, frame);
     lcm_telemetry_accept(&gateway->telemetry, frame, gateway->time_us);
 }
 
 bool lcm_gateway_start(struct lcm_gateway *gateway, const struct jp_can_link *link, lcm_t *lcm)
 {
     *gateway = (struct lcm_gateway){.link = *link, .lcm = lcm};
-    lcm_telemetry_start(&gateway->telemetry, lcm, &gateway->commander);
+    lcm_telemetry_start(&gateway->telemetry, lcm, &gateway->operator);
     return lcm_subscribe(lcm, "JP_GOAL", take_goal, gateway) != NULL &&
-           lcm_subscribe(lcm, "JP_ROUTE", take_route, gateway) != NULL;
+           lcm_subscribe(lcm, "JP_ROUTE", take_route, gateway) != NULL &&
+           lcm_subscribe(lcm, "JP_MAP", take_map, gateway) != NULL &&
+           lcm_subscribe(lcm, "JP_CELLS", take_cells, gateway) != NULL &&
+           lcm_subscribe(lcm, "JP_MAP_GOAL", take_map_goal, gateway) != NULL;
+}
+
+void lcm_gateway_free(struct lcm_gateway *gateway)
+{
+    lcm_operator_free(&gateway->operator);
 }
 
 void lcm_gateway_pass(struct lcm_gateway *gateway, uint64_t wall_us)

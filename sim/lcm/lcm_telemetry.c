@@ -31,9 +31,9 @@ static double radians(int64_t raw, int fraction_bits)
     return RAD_PER_TURN * value(raw, fraction_bits);
 }
 
-void lcm_telemetry_start(struct lcm_telemetry *telemetry, lcm_t *lcm, const struct jp_operator *commander)
+void lcm_telemetry_start(struct lcm_telemetry *telemetry, lcm_t *lcm, const struct lcm_operator *operator)
 {
-    *telemetry = (struct lcm_telemetry){.lcm = lcm, .commander = commander};
+    *telemetry = (struct lcm_telemetry){.lcm = lcm, .operator= operator};
     jp_route_link_start(&telemetry->routes, 1000U);
     jp_operator_link_start(&telemetry->commands, 1000U / JP_CAN_MOTOR_COMMAND_CYCLE_TIME_MS);
 }
@@ -102,15 +102,15 @@ static void put_ecu(const struct ecu_view *view, jp_state_t *state)
 
 static void publish_state(struct lcm_telemetry *telemetry, uint64_t time_us)
 {
-    const char *reason = jp_operator_failure_text(telemetry->commander->failure);
     char text[256];
-    jp_state_t state = {.utime = (int64_t)time_us, .task = (int8_t)telemetry->commander->phase, .task_reason = text};
+    jp_state_t state = {
+        .utime = (int64_t)time_us, .task = (int8_t)lcm_operator_phase(telemetry->operator), .task_reason = text};
     uint8_t message[1024];
 
     if (!take_turn(&telemetry->state_due_us, time_us)) {
         return;
     }
-    (void)snprintf(text, sizeof text, "%s", reason == NULL ? "" : reason);
+    (void)snprintf(text, sizeof text, "%s", lcm_operator_failure_text(telemetry->operator));
     put_motion(&telemetry->view, &state);
     put_motors(telemetry, &state);
     put_ecu(&telemetry->view, &state);

@@ -9,9 +9,9 @@
 #include <jp_segment_t.h>
 #include <lcm/lcm.h>
 
-#include "hal/app/operator.h"
 #include "sim/bus/course_view.h"
 #include "sim/bus/ecu_view.h"
+#include "sim/lcm/lcm_operator.h"
 
 /** Segment numbers are of 8 bits, from 1. */
 #define LCM_SEGMENTS_MAX 255
@@ -21,7 +21,7 @@
 
 struct lcm_telemetry {
     lcm_t *lcm;
-    const struct jp_operator *commander; /**< whose task JP_STATE tells of */
+    const struct lcm_operator *operator; /**< whose task JP_STATE tells of */
     uint64_t unsent;                     /**< messages that LCM did not take */
 
     struct ecu_view view;
@@ -50,7 +50,7 @@ struct lcm_telemetry {
 };
 
 /** Nothing heard yet. What the pointers show must stay. */
-void lcm_telemetry_start(struct lcm_telemetry *telemetry, lcm_t *lcm, const struct jp_operator *commander);
+void lcm_telemetry_start(struct lcm_telemetry *telemetry, lcm_t *lcm, const struct lcm_operator *operator);
 
 /** Takes a frame that was on the bus, from whomever, and publishes what it completes. Times never fall. */
 void lcm_telemetry_accept(struct lcm_telemetry *telemetry, const struct jp_can_frame *frame, uint64_t time_us);

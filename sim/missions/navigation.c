@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "hal/app/navigation.h"
 #include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
 #include "sim/missions/navigation_sight.h"
@@ -16,9 +17,6 @@
 
 /** Expansions of a slice: 1.7 ms of a Cortex-M4 at 168 MHz. */
 #define SLICE 32
-
-/** Expansions after which the robot drives by the best route that is there. */
-#define PATIENCE 20000
 
 /** Slices of background work, looks of the sensor, frames, a second. */
 #define WORK_RATE   500
@@ -38,8 +36,8 @@ struct navigation {
     struct jp_planner planner;
     struct jp_navigator navigator;
     struct jp_course_leg legs[NAVIGATION_LEGS];
-    void *reach;
-    size_t reach_size;
+    void *way;
+    size_t way_size;
     struct clearance_robot body;
     struct clearance_pose start;
     struct clearance_pose before;
@@ -206,7 +204,7 @@ static bool prepare_robot(struct navigation *navigation)
 static bool prepare_navigator(struct navigation *navigation, void *block)
 {
     const struct navigation_task *task = navigation->task;
-    const struct jp_planner_config planner = {task->lattice, JP_COST_PHYSICAL, {JP_EPSILON(1.35), JP_EPSILON_ONE}};
+    const struct jp_planner_config planner = {task->lattice, JP_COST_PHYSICAL, JP_NAVIGATION_EPSILON};
     const struct jp_place origin = navigation_place(&navigation->start);
     const double radius = hypot(navigation->body.length_m, navigation->body.width_m) / 2;
     const struct jp_navigator_config config = {.planner = &navigation->planner,
@@ -216,9 +214,9 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
                                                .legs = navigation->legs,
                                                .legs_max = NAVIGATION_LEGS,
                                                .slice = SLICE,
-                                               .patience = PATIENCE,
-                                               .reach_block = navigation->reach,
-                                               .reach_size = navigation->reach_size};
+                                               .patience = JP_NAVIGATION_PATIENCE,
+                                               .way_block = navigation->way,
+                                               .way_size = navigation->way_size};
     const char *field;
 
     if (jp_planner_init(&navigation->planner, &planner, task->map, block, task->memory, &field) != JP_OK) {
@@ -243,7 +241,7 @@ static void describe(struct navigation *navigation, const struct navigation_task
     navigation->body = navigation_body(task->robot);
     navigation->start = navigation_start(task);
     navigation->before = navigation->start;
-    navigation->reach_size = jp_reach_size(&task->map->config);
+    navigation->way_size = jp_navigator_way_size(&task->map->config);
 }
 
 bool navigation_run(const struct navigation_task *task, struct navigation_result *result)
@@ -254,15 +252,15 @@ bool navigation_run(const struct navigation_task *task, struct navigation_result
 
     if (navigation != NULL) {
         describe(navigation, task, result);
-        navigation->reach = malloc(navigation->reach_size);
+        navigation->way = malloc(navigation->way_size);
     }
-    if (navigation == NULL || navigation->reach == NULL || block == NULL) {
+    if (navigation == NULL || navigation->way == NULL || block == NULL) {
         error_line("--memory %zu: this computer has not that much; give less", task->memory / 1024);
     } else {
         is_done = prepare_robot(navigation) && prepare_navigator(navigation, block) && drive(navigation);
     }
     if (navigation != NULL) {
-        free(navigation->reach);
+        free(navigation->way);
     }
     free(navigation);
     free(block);

@@ -1,4 +1,4 @@
-/* The gateway between LCM and a robot on CAN as a process: goals and routes in, telemetry out. */
+/* The gateway between LCM and a robot on CAN as a process: goals, routes and maps in, telemetry out. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -119,14 +119,23 @@ static int64_t wall_offset_us(void)
     return now.tv_sec * US_PER_S + now.tv_nsec / NS_PER_US - jp_monotonic_us();
 }
 
-static void say_task(const struct jp_operator *commander)
+static void say_what_begins(const struct lcm_operator *operator, const char * what)
 {
-    switch (commander->phase) {
+    if (operator->navigates) {
+        (void)printf("jp-lcm: %s a goal on map %u\n", what, (unsigned)operator->map.id);
+    } else {
+        (void)printf("jp-lcm: %s a route of %u points\n", what, (unsigned)operator->commander.task.length);
+    }
+}
+
+static void say_task(const struct lcm_operator *operator)
+{
+    switch (lcm_operator_phase(operator)) {
     case JP_OPERATOR_STANDING_UP:
-        (void)printf("jp-lcm: standing up for a route of %u points\n", (unsigned)commander->task.length);
+        say_what_begins(operator, "standing up for");
         break;
     case JP_OPERATOR_UPLOADING:
-        (void)printf("jp-lcm: uploading a route of %u points\n", (unsigned)commander->task.length);
+        say_what_begins(operator, "uploading");
         break;
     case JP_OPERATOR_DRIVING:
         (void)printf("jp-lcm: driving\n");
@@ -135,7 +144,7 @@ static void say_task(const struct jp_operator *commander)
         (void)printf("jp-lcm: done\n");
         break;
     case JP_OPERATOR_FAILED:
-        error_line("jp-lcm: %s", jp_operator_failure_text(commander->failure));
+        error_line("jp-lcm: %s", lcm_operator_failure_text(operator));
         break;
     case JP_OPERATOR_IDLE:
     default:
@@ -171,9 +180,9 @@ static void serve(struct lcm_gateway *gateway, const char *bus, int64_t offset_u
 
     while (!stop_signal_came()) {
         pass(gateway, time_us(offset_us));
-        if (gateway->commander.phase != said) {
-            said = gateway->commander.phase;
-            say_task(&gateway->commander);
+        if (lcm_operator_phase(&gateway->operator) != said) {
+            said = lcm_operator_phase(&gateway->operator);
+            say_task(&gateway->operator);
         }
         if (port->state(port->context) != bus_said) {
             bus_said = port->state(port->context);
@@ -188,8 +197,9 @@ static void bid_farewell(struct lcm_gateway *gateway, int64_t offset_us)
     const uint64_t until_us = gateway->operator_us + FAREWELL_US;
     const uint64_t last_us = time_us(offset_us) + PATIENCE_US;
 
-    jp_operator_stop(&gateway->commander);
-    while (gateway->commander.commanding && gateway->operator_us < until_us && time_us(offset_us) < last_us) {
+    lcm_operator_stop(&gateway->operator);
+    while (lcm_operator_is_commanding(&gateway->operator) && gateway->operator_us < until_us &&
+           time_us(offset_us) < last_us) {
         pass(gateway, time_us(offset_us));
     }
 }
@@ -219,6 +229,7 @@ static bool run_on(const struct arguments *arguments, const struct jp_can_link *
     serve(&gateway, arguments->bus, offset_us);
     bid_farewell(&gateway, offset_us);
     print_counts(&gateway);
+    lcm_gateway_free(&gateway);
     lcm_destroy(lcm);
     return true;
 }
@@ -249,8 +260,10 @@ int main(int argc, char **argv)
         {0},
     };
     static const struct argp argp = {
-        options, parse_option, "",  "Carries goals and routes from LCM to a robot on CAN, and its telemetry back.",
-        NULL,    NULL,         NULL};
+        options, parse_option,
+        "",      "Carries goals, routes and maps from LCM to a robot on CAN, and its telemetry back.",
+        NULL,    NULL,
+        NULL};
     struct arguments arguments = {.url = DEFAULT_URL};
 
     command_line_parse(&argp, argc, argv, &arguments);

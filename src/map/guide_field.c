@@ -3,11 +3,17 @@
 
 #include "src/base/block.h"
 #include "src/map/field_unit.h"
+#include "src/map/open_plane.h"
 #include "src/map/terrain_cells.h"
 
 enum {
     LEVEL_PATHS_PER_RANGE = 6, /* range of the values, in costs of a level path across the map */
-    LOOKS_PER_CELL = 16,       /* the wave's step to its next cell takes as long as so many looks at the map */
+    /* What takes how long, in units of work. */
+    PASS = 1,          /* a neighbour that is not nearer */
+    RELAX = 4,         /* one that may be */
+    LOOK = 4,          /* at a cell of the map */
+    LOOK_AT_PLANE = 1, /* at a row of it */
+    WAVE_CELL = 64,    /* the wave's step to its next cell */
     STEP_BITS = 4,
     STEP_MASK = 15,
 };
@@ -73,9 +79,21 @@ void jp_guide_field_start(struct jp_guide_field *field, enum jp_guide_direction 
     field->debt = 0;
     field->shift =
         field_shift(&field->wave, field->lattice, field->kind, &field->terrain->config, LEVEL_PATHS_PER_RANGE);
+    field->open = NULL;
+    field->open_rows = 0;
     const uint32_t step = ((field_level_step(field->lattice, field->kind) * scale) >> field->shift) + 1U;
 
     jp_wavefront_start(&field->wave, field_value(&field->wave, step), target_x / scale, target_y / scale);
+}
+
+size_t jp_guide_field_loan(const struct jp_terrain_config *config)
+{
+    return jp_open_plane_size(config);
+}
+
+void jp_guide_field_lend(struct jp_guide_field *field, void *block)
+{
+    field->open = block;
 }
 
 /** Coordinate of the middle of a coarse cell, cells of the map. */
@@ -100,7 +118,7 @@ static bool is_chain_open(struct jp_guide_field *field, int32_t x, int32_t y, un
     for (unsigned i = 0; i < field->scale; i++) {
         x += jp_move_offsets[direction].dx;
         y += jp_move_offsets[direction].dy;
-        field->debt++;
+        field->debt += LOOK;
         if (!jp_lattice_is_open(field->lattice, field->terrain, x, y)) {
             return false;
         }
@@ -108,17 +126,41 @@ static bool is_chain_open(struct jp_guide_field *field, int32_t x, int32_t y, un
     return true;
 }
 
+/** True when is_chain_open() holds from any cell of a row of a coarse cell. */
+static bool is_any_chain_open(struct jp_guide_field *field, int32_t x, int32_t y, unsigned direction)
+{
+    for (int32_t i = (int32_t)field->scale - 1; i >= 0; i--) {
+        if (is_chain_open(field, x + i, y, direction)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/** The same for all cells of the row at once, where it is known what is open. */
+static bool are_chains_open(struct jp_guide_field *field, int32_t x, int32_t y, unsigned direction)
+{
+    uint32_t chains = (UINT32_C(1) << field->scale) - 1U;
+
+    for (unsigned i = 0; i < field->scale && chains != 0U; i++) {
+        x += jp_move_offsets[direction].dx;
+        y += jp_move_offsets[direction].dy;
+        field->debt += LOOK_AT_PLANE;
+        chains &= jp_open_plane_look(field->open, field->terrain, x, y);
+    }
+    return chains != 0U;
+}
+
 /** True when is_chain_open() holds from any cell of a coarse one. */
 static bool is_step_open(struct jp_guide_field *field, int32_t coarse_x, int32_t coarse_y, unsigned direction)
 {
     const int32_t scale = field->scale;
+    const int32_t x = coarse_x * scale;
 
     /* From the far corner on: the middle of a coarse cell of 2 × 2 is there. */
     for (int32_t y = (coarse_y + 1) * scale - 1; y >= coarse_y * scale; y--) {
-        for (int32_t x = (coarse_x + 1) * scale - 1; x >= coarse_x * scale; x--) {
-            if (is_chain_open(field, x, y, direction)) {
-                return true;
-            }
+        if (field->open != NULL ? are_chains_open(field, x, y, direction) : is_any_chain_open(field, x, y, direction)) {
+            return true;
         }
     }
     return false;
@@ -167,6 +209,7 @@ static void relax_step(struct jp_guide_field *field, const struct jp_guide_cell 
     if (there <= cell->value) {
         return;
     }
+    field->debt += RELAX;
     const unsigned heading = from_root ? away : (away + JP_HEADINGS / 2) % JP_HEADINGS;
     const int32_t rise = elevation_of(field, nx, ny) - cell->elevation;
     const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(heading)],
@@ -216,23 +259,37 @@ static bool advance(struct jp_guide_field *field)
     return step == JP_WAVE_STOPPED;
 }
 
-bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *looks)
+/** Finds out what is open in the next row of the map. */
+static void look_at_row(struct jp_guide_field *field)
 {
-    while (*looks > 0U) {
-        if (field_pays(&field->debt, looks)) {
+    field->debt = LOOK_AT_PLANE * jp_open_plane_make_row(field->open, field->lattice, field->terrain, field->open_rows);
+    field->open_rows++;
+}
+
+static bool has_rows_left(const struct jp_guide_field *field)
+{
+    return field->open != NULL && field->open_rows < field->terrain->config.height;
+}
+
+bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *units)
+{
+    while (*units > 0U) {
+        if (field_pays(&field->debt, units)) {
             continue;
         }
-        field->debt = 1;
         if (field->cell.directions_left > 0U) {
+            field->debt = PASS;
             relax_next(field);
+        } else if (has_rows_left(field)) {
+            look_at_row(field);
         } else if (!jp_wavefront_is_clear(&field->wave)) {
             clear(field);
-            field->debt = LOOKS_PER_CELL;
+            field->debt = WAVE_CELL;
         } else if (advance(field)) {
             field->debt = 0;
             return true;
         } else {
-            field->debt = LOOKS_PER_CELL; /* for a cell, or for looking where there was none */
+            field->debt = WAVE_CELL; /* for a cell, or for looking where there was none */
         }
     }
     return false;

@@ -5,7 +5,7 @@
 #include "src/base/point.h"
 #include "src/map/capsule.h"
 
-/** So many primitives in a row are looked at beyond one that no line leads to. */
+/** So many steps in a row are looked at beyond one that no line leads to. */
 #define MISSES_MAX 8U
 
 /** Of a capsule, cells. */
@@ -59,20 +59,42 @@ static bool is_route(enum jp_answer answer)
     return answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND || answer == JP_ANSWER_PARTIAL;
 }
 
-/** Beyond the primitives that turn where they are. False: there are only such. */
-static bool skip_turns(const struct jp_planner *planner, struct jp_course_place *place)
+/** To the end of the next primitive of the plan that leads elsewhere. False: the others turn where they are. */
+static bool follow_plan(const struct jp_planner *planner, struct jp_course_place *place)
 {
     while (place->step < jp_planner_plan(planner)->step_count) {
-        struct jp_lattice_pose pose = place->pose;
+        const struct jp_lattice_pose before = place->pose;
 
-        (void)jp_planner_step(planner, place->step, &pose);
-        if (pose.x != place->pose.x || pose.y != place->pose.y) {
+        (void)jp_planner_step(planner, place->step, &place->pose);
+        place->step++;
+        if (place->pose.x != before.x || place->pose.y != before.y) {
             return true;
         }
-        place->pose = pose;
-        place->step++;
     }
     return false;
+}
+
+static bool follow_way(const struct jp_lattice_way *way, struct jp_course_place *place)
+{
+    struct jp_way_cell cell = {place->pose.x, place->pose.y};
+    const bool has_next = jp_lattice_way_next(way, &cell);
+
+    place->pose.x = cell.x;
+    place->pose.y = cell.y;
+    return has_next;
+}
+
+/** To the next place of the route. False: it ends here. */
+static bool follow(const struct jp_course_internal *internal, struct jp_course_place *place)
+{
+    return internal->planner != NULL ? follow_plan(internal->planner, place) : follow_way(internal->way, place);
+}
+
+static bool leads_on(const struct jp_course_internal *internal, const struct jp_course_place *place)
+{
+    struct jp_course_place next = *place;
+
+    return follow(internal, &next);
 }
 
 /** From a waypoint on, which is where `place` is. */
@@ -85,7 +107,7 @@ static void begin_leg(struct jp_course *course, const struct jp_point *from, con
     internal->has_best = false;
     internal->misses = 0;
     internal->margin = course->config.margin;
-    if (!skip_turns(internal->planner, &internal->first)) {
+    if (!leads_on(internal, place)) {
         course->answer = JP_COURSE_FOUND;
     }
     internal->candidate = internal->first;
@@ -117,18 +139,12 @@ static void add_leg(struct jp_course *course)
     leg->is_stop = course->answer == JP_COURSE_FOUND;
 }
 
-/** The end of the next primitive; false: there is none, or none is worth a look. */
+/** The end of the next step; false: there is none, or none is worth a look. */
 static bool advance(struct jp_course *course)
 {
     struct jp_course_internal *internal = &course->internal;
-    struct jp_course_place *candidate = &internal->candidate;
 
-    if (internal->misses == MISSES_MAX || !skip_turns(internal->planner, candidate)) {
-        return false;
-    }
-    (void)jp_planner_step(internal->planner, candidate->step, &candidate->pose);
-    candidate->step++;
-    return true;
+    return internal->misses < MISSES_MAX && follow(internal, &internal->candidate);
 }
 
 static void look(struct jp_course *course)
@@ -161,6 +177,15 @@ static void retry(struct jp_course *course)
     }
 }
 
+static void start_at(struct jp_course *course, const struct jp_point *start, const struct jp_lattice_pose *first)
+{
+    course->internal.start = *start;
+    course->count = 0;
+    course->answer = JP_COURSE_JOINING;
+    begin_leg(course, start, &(struct jp_course_place){.pose = *first});
+    look(course);
+}
+
 enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner *planner, const struct jp_point *start)
 {
     if (course == NULL || planner == NULL || start == NULL) {
@@ -173,13 +198,19 @@ enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner
         return JP_ERR_NO_PLAN;
     }
 
-    const struct jp_course_place first = {.pose = plan->start};
+    course->internal = (struct jp_course_internal){.planner = planner};
+    start_at(course, start, &plan->start);
+    return JP_OK;
+}
 
-    course->internal = (struct jp_course_internal){.planner = planner, .start = *start};
-    course->count = 0;
-    course->answer = JP_COURSE_JOINING;
-    begin_leg(course, start, &first);
-    look(course);
+enum jp_status jp_course_start_on_way(struct jp_course *course, const struct jp_lattice_way *way,
+                                      const struct jp_way_cell *from, const struct jp_point *start)
+{
+    if (course == NULL || way == NULL || from == NULL || start == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    course->internal = (struct jp_course_internal){.way = way};
+    start_at(course, start, &(struct jp_lattice_pose){.x = from->x, .y = from->y});
     return JP_OK;
 }
 

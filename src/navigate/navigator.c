@@ -15,6 +15,16 @@
 /** A robot faces a leg whose direction is nearer than this, turn/2³²: half a degree. */
 #define FACING ((int32_t)5965233)
 
+/** What takes about as long as an expansion: looks for a way, cells of a proof; and expansions that take as long
+ *  as a line of a course, and as a leg of a survey. */
+#define WAY_LOOKS       20U
+#define PROOF_CELLS     5U
+#define LINE_EXPANSIONS 5U
+#define LEG_EXPANSIONS  5U
+
+/** A robot that has not begun yet has so many times the patience. */
+#define FIRST_PATIENCE 4U
+
 /** Turns on the spot for one leg; what is left then is left. */
 #define TURNS_MAX 8U
 
@@ -99,6 +109,7 @@ static bool set_start(struct jp_navigator *navigator, const struct jp_place *pla
 
             if (is_on_ring && (ring == 0 || can_reach(navigator, place, &pose)) &&
                 jp_planner_set_start(navigator->config.planner, &pose) == JP_OK) {
+                navigator->internal.start = (struct jp_way_cell){pose.x, pose.y};
                 return true;
             }
         }
@@ -116,18 +127,33 @@ static bool has_map_changed(const struct jp_navigator *navigator)
     return navigator->internal.map_seen != jp_planner_terrain(navigator->config.planner)->version;
 }
 
-/** The planner has found no route to the goal: is there any? */
-static void begin_proof(struct jp_navigator *navigator, const struct jp_place *place)
+/** A slice of the planner. */
+static enum jp_answer think(struct jp_navigator *navigator)
 {
+    struct jp_navigator_internal *internal = &navigator->internal;
+    struct jp_planner *planner = navigator->config.planner;
+    const enum jp_answer answer = jp_planner_work(planner, navigator->config.slice);
+
+    if (answer == JP_ANSWER_STALE) {
+        jp_planner_restart(planner);
+    }
+    internal->has_route = answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND;
+    internal->spent += navigator->config.slice;
+    return answer;
+}
+
+/** The planner has no route to the goal. */
+static void begin_way(struct jp_navigator *navigator)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
     const struct jp_planner *planner = navigator->config.planner;
-    const struct jp_terrain *terrain = jp_planner_terrain(planner);
-    const jp_q16 cell = terrain->config.resolution;
-    const struct jp_goal *goal = &navigator->internal.goal;
-    const enum jp_status status = jp_reach_start(&navigator->internal.reach, jp_planner_lattice(planner), terrain,
-                                                 place->point.x / cell, place->point.y / cell, goal->x, goal->y,
-                                                 navigator->config.reach_block, navigator->config.reach_size);
+    const struct jp_way_cell goal = {internal->goal.x, internal->goal.y};
+    const enum jp_status status =
+        jp_lattice_way_start(&internal->way, jp_planner_lattice(planner), jp_planner_terrain(planner), &internal->start,
+                             &goal, navigator->config.way_block, navigator->config.way_size);
 
     see_map(navigator);
+    internal->search = JP_NAVIGATOR_WAY;
     if (status == JP_OK) {
         enter(navigator, JP_NAVIGATOR_PROVING, navigator->reason);
     } else {
@@ -135,62 +161,122 @@ static void begin_proof(struct jp_navigator *navigator, const struct jp_place *p
     }
 }
 
+static bool is_late(const struct jp_navigator *navigator)
+{
+    return navigator->internal.spent >= navigator->config.patience;
+}
+
+static bool is_late_for_first(const struct jp_navigator *navigator)
+{
+    return navigator->internal.spent / FIRST_PATIENCE >= navigator->config.patience;
+}
+
+/** A robot that has not begun yet waits for what is better than the first route. */
+static bool takes_route(const struct jp_navigator *navigator)
+{
+    const bool is_on_its_way = navigator->replans > 0U;
+
+    return navigator->internal.has_route &&
+           (is_on_its_way || is_late_for_first(navigator) || jp_planner_is_idle(navigator->config.planner));
+}
+
+static bool can_look_for_way(const struct jp_navigator *navigator)
+{
+    return navigator->internal.search == JP_NAVIGATOR_ROUTE && navigator->config.way_block != NULL;
+}
+
+/** The planner has done what it can. */
+static void do_without_route(struct jp_navigator *navigator)
+{
+    if (navigator->internal.search == JP_NAVIGATOR_ROUTE_ONLY) {
+        fail(navigator, JP_NAVIGATOR_MEMORY);
+    } else if (navigator->internal.search == JP_NAVIGATOR_ROUTE || has_map_changed(navigator)) {
+        begin_way(navigator);
+    } else {
+        enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
+    }
+}
+
+static bool begin_search(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    navigator->internal.was_told = true;
+    navigator->internal.spent = 0;
+    navigator->internal.search = JP_NAVIGATOR_ROUTE;
+    return set_start(navigator, place);
+}
+
 static void search(struct jp_navigator *navigator, const struct jp_place *place)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
-    struct jp_planner *planner = navigator->config.planner;
 
-    if (!internal->was_told) {
-        internal->was_told = true;
-        internal->spent = 0;
-        if (!set_start(navigator, place)) {
-            fail(navigator, JP_NAVIGATOR_HEMMED_IN);
-            return;
-        }
+    if (!internal->was_told && !begin_search(navigator, place)) {
+        fail(navigator, JP_NAVIGATOR_HEMMED_IN);
+        return;
     }
-    const enum jp_answer answer = jp_planner_work(planner, navigator->config.slice);
-    const bool is_idle = jp_planner_is_idle(planner);
+    const enum jp_answer answer = think(navigator);
+    const bool is_idle = jp_planner_is_idle(navigator->config.planner);
 
-    internal->spent += navigator->config.slice;
     if (answer == JP_ANSWER_UNREACHABLE) {
         enter(navigator, JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATOR_NO_REASON);
-    } else if (answer == JP_ANSWER_STALE) {
-        jp_planner_restart(planner);
-    } else if ((answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND) &&
-               (is_idle || internal->spent >= navigator->config.patience)) {
-        internal->is_partial = false;
+    } else if (takes_route(navigator)) {
         enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
-    } else if (is_idle) {
-        begin_proof(navigator, place);
+    } else if (!internal->has_route && is_idle) {
+        do_without_route(navigator);
+    } else if (!internal->has_route && is_late(navigator) && can_look_for_way(navigator)) {
+        begin_way(navigator);
     } else {
         /* It goes on searching. */
     }
 }
 
-/** There is a way over the cells: as near to the goal as the planner has found one, if that is nearer than before. */
-static void approach(struct jp_navigator *navigator)
+/* Proving. */
+
+/** No way of unit steps leads to the goal. */
+static void begin_proof(struct jp_navigator *navigator)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
-    const struct jp_plan *plan = jp_planner_plan(navigator->config.planner);
+    const struct jp_planner *planner = navigator->config.planner;
 
-    if (plan->answer == JP_ANSWER_PARTIAL && plan->cost_left < internal->left) {
-        internal->is_partial = true;
-        internal->left = plan->cost_left;
-        enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
-    } else {
-        fail(navigator, JP_NAVIGATOR_MEMORY);
+    /* The block is large enough for a way, and so for the proof. */
+    (void)jp_reach_start(&internal->reach, jp_planner_lattice(planner), jp_planner_terrain(planner), internal->start.x,
+                         internal->start.y, internal->goal.x, internal->goal.y, navigator->config.way_block,
+                         navigator->config.way_size);
+    internal->search = JP_NAVIGATOR_PROOF;
+}
+
+/** The planner goes on where it was. */
+static void resume_search(struct jp_navigator *navigator, enum jp_navigator_search search)
+{
+    enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
+    navigator->internal.search = search;
+    navigator->internal.was_told = true;
+}
+
+/** A robot on its way takes the way; one that has not begun yet waits for something better. */
+static void look_for_way(struct jp_navigator *navigator)
+{
+    switch (jp_lattice_way_work(&navigator->internal.way, (unsigned)navigator->config.slice * WAY_LOOKS)) {
+    case JP_WAY_FOUND:
+        if (navigator->replans > 0U) {
+            enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
+        } else {
+            resume_search(navigator, JP_NAVIGATOR_ROUTE_OR_WAY);
+        }
+        break;
+    case JP_WAY_NONE:
+        begin_proof(navigator);
+        break;
+    default:
+        break;
     }
 }
 
-static void prove(struct jp_navigator *navigator)
+/** Curves may lead where unit steps do not. */
+static void look_for_proof(struct jp_navigator *navigator)
 {
-    if (has_map_changed(navigator)) {
-        enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
-        return;
-    }
-    switch (jp_reach_work(&navigator->internal.reach, navigator->config.slice)) {
+    switch (jp_reach_work(&navigator->internal.reach, (unsigned)navigator->config.slice * PROOF_CELLS)) {
     case JP_REACH_CONNECTED:
-        approach(navigator);
+        resume_search(navigator, JP_NAVIGATOR_ROUTE_ONLY);
         break;
     case JP_REACH_NONE:
         enter(navigator, JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATOR_NO_REASON);
@@ -200,12 +286,26 @@ static void prove(struct jp_navigator *navigator)
     }
 }
 
+static void prove(struct jp_navigator *navigator)
+{
+    if (has_map_changed(navigator)) {
+        enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
+    } else if (navigator->internal.search == JP_NAVIGATOR_WAY) {
+        look_for_way(navigator);
+    } else {
+        look_for_proof(navigator);
+    }
+}
+
 /* Joining. */
 
 static void survey(struct jp_navigator *navigator, const struct jp_place *place)
 {
-    const enum jp_status status = jp_survey_work(navigator, place);
+    enum jp_status status = JP_WORKING;
 
+    for (unsigned i = 0; i <= navigator->config.slice / LEG_EXPANSIONS && status == JP_WORKING; i++) {
+        status = jp_survey_work(navigator, place);
+    }
     if (status == JP_OK) {
         navigator->internal.leg = 0;
         enter(navigator, JP_NAVIGATOR_TURNING, navigator->reason);
@@ -218,6 +318,28 @@ static void survey(struct jp_navigator *navigator, const struct jp_place *place)
     }
 }
 
+static void begin_course(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+
+    if (internal->has_route) {
+        (void)jp_course_start(&internal->course, navigator->config.planner, &place->point);
+    } else {
+        (void)jp_course_start_on_way(&internal->course, &internal->way, &internal->start, &place->point);
+    }
+}
+
+/** Some of its lines. */
+static enum jp_course_answer work_on_course(struct jp_navigator *navigator)
+{
+    enum jp_course_answer answer = JP_COURSE_JOINING;
+
+    for (unsigned i = 0; i <= navigator->config.slice / LINE_EXPANSIONS && answer == JP_COURSE_JOINING; i++) {
+        answer = jp_course_work(&navigator->internal.course);
+    }
+    return answer;
+}
+
 static void join(struct jp_navigator *navigator, const struct jp_place *place)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
@@ -226,13 +348,13 @@ static void join(struct jp_navigator *navigator, const struct jp_place *place)
         internal->was_told = true;
         see_map(navigator);
         jp_survey_start(navigator);
-        (void)jp_course_start(&internal->course, navigator->config.planner, &place->point);
+        begin_course(navigator, place);
     }
     if (has_map_changed(navigator)) {
         enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
         return;
     }
-    switch (jp_course_work(&internal->course)) {
+    switch (work_on_course(navigator)) {
     case JP_COURSE_FOUND:
         if (internal->course.count == 0U) {
             internal->leg = 0;
@@ -302,10 +424,7 @@ static enum jp_navigator_state after_turn(const struct jp_navigator *navigator)
 {
     const struct jp_navigator_internal *internal = &navigator->internal;
 
-    if (internal->leg < internal->course.count) {
-        return JP_NAVIGATOR_DRIVING;
-    }
-    return internal->is_partial ? JP_NAVIGATOR_PLANNING : JP_NAVIGATOR_ARRIVED;
+    return internal->leg < internal->course.count ? JP_NAVIGATOR_DRIVING : JP_NAVIGATOR_ARRIVED;
 }
 
 static void face(struct jp_navigator *navigator, const struct jp_place *place, enum jp_vehicle_phase phase)
@@ -382,15 +501,20 @@ static void drive(struct jp_navigator *navigator, const struct jp_place *place, 
     }
 }
 
-static void brake(struct jp_navigator *navigator, enum jp_vehicle_phase phase)
+/** Plans anew meanwhile; a search that has a route takes it on when the robot stands somewhat farther. */
+static void brake(struct jp_navigator *navigator, const struct jp_place *place, enum jp_vehicle_phase phase)
 {
     const struct jp_vehicle *vehicle = navigator->config.vehicle;
 
     if (!navigator->internal.was_told) {
         navigator->internal.was_told = true;
+        navigator->internal.has_route = false;
         vehicle->stop(vehicle->context);
+        (void)set_start(navigator, place);
     } else if (phase == JP_VEHICLE_STANDING) {
         plan_anew(navigator, navigator->reason);
+    } else if (!navigator->internal.has_route) {
+        (void)think(navigator);
     } else {
         /* It rolls still. */
     }
@@ -422,7 +546,7 @@ static void go_on(struct jp_navigator *navigator, const struct jp_vehicle_view *
         drive(navigator, &place, view->phase);
         break;
     default:
-        brake(navigator, view->phase);
+        brake(navigator, &place, view->phase);
         break;
     }
 }
@@ -458,6 +582,11 @@ enum jp_navigator_state jp_navigator_work(struct jp_navigator *navigator)
 }
 
 /* Requests. */
+
+size_t jp_navigator_way_size(const struct jp_terrain_config *config)
+{
+    return jp_lattice_way_size(config);
+}
 
 static const char *missing(const struct jp_navigator_config *config)
 {
@@ -503,7 +632,6 @@ enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_g
         navigator->replans = 0;
         navigator->status = JP_OK;
         navigator->internal.goal = *goal;
-        navigator->internal.left = JP_COST_MAX;
         enter(navigator, phase == JP_VEHICLE_STANDING ? JP_NAVIGATOR_PLANNING : JP_NAVIGATOR_BRAKING,
               JP_NAVIGATOR_NO_REASON);
     }

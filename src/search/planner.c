@@ -98,6 +98,7 @@ enum jp_answer jp_planner_work(struct jp_planner *planner, unsigned expansions)
 
 void jp_planner_restart(struct jp_planner *planner)
 {
+    planner->internal.has_guide = false;
     jp_start_over(&planner->internal);
 }
 
@@ -117,6 +118,7 @@ enum jp_status jp_planner_set_lattice(struct jp_planner *planner, const struct j
     jp_turn_field_set_lattice(&inner->turn_field, lattice);
     jp_lattice_turns(lattice, inner->config.cost, &inner->turns);
     jp_lattice_straight(lattice, inner->config.cost, &inner->straight);
+    inner->has_guide = false;
     jp_start_over(inner);
     return JP_OK;
 }
@@ -179,6 +181,7 @@ enum jp_status jp_planner_set_goal(struct jp_planner *planner, const struct jp_g
         jp_bound_drop_turns(inner);
         inner->goal = *goal;
         inner->has_goal = true;
+        inner->has_guide = false;
         jp_start_over(inner);
     }
     return status;

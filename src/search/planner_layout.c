@@ -88,6 +88,7 @@ void jp_layout_divide(struct jp_planner_internal *planner, size_t size)
 
     jp_guide_field_init(&planner->guide, config->lattice, config->cost, planner->terrain, &planner->turns, scale,
                         &block[routes]);
+    planner->has_guide = false;
     planner->statistics.guide_bytes = (uint32_t)guide_bytes;
     planner->statistics.field_bytes = 0;
     if (field_bytes <= size / FIELD_SHARE &&

@@ -358,10 +358,18 @@ static void save_forward_memory(struct jp_planner_internal *planner)
     }
 }
 
+/** True when the guide has led a search astray that does not fit: it may be too old. */
+static bool has_old_guide(const struct jp_planner_internal *planner)
+{
+    return planner->is_guide_old && !jp_search_is_exact(planner);
+}
+
 /** The states do not fit. Without a plan: raises ε, which needs fewer states, and at last searches from the robot. */
 static void save_memory(struct jp_planner_internal *planner)
 {
-    if (!jp_rehearsal_awaits_route(planner)) {
+    if (has_old_guide(planner)) {
+        jp_start_guide(planner);
+    } else if (!jp_rehearsal_awaits_route(planner)) {
         improve_from_scratch(planner);
     } else if (planner->search.is_repaired) {
         jp_start_over(planner);
@@ -709,6 +717,7 @@ void jp_phases_note_change(struct jp_planner_internal *planner, int32_t x, int32
     if (may_be_cheaper) {
         planner->least = 0;
         planner->turns_to_goal = 0;
+        planner->has_guide = false;
     }
     if (jp_stage_has_search(planner)) {
         add_change(planner, x, y, may_be_cheaper);

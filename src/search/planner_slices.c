@@ -8,7 +8,7 @@
 /** Units of work that take about as long as one expansion. */
 enum {
     FIELD_CELLS = 2,
-    GUIDE_LOOKS = 40,
+    GUIDE_UNITS = 150,
     TURN_LOOKS = 32,
     CLEARED_SLOTS = 256,
     CHECKED_STEPS = 8,
@@ -39,12 +39,24 @@ bool jp_slice_grow_fields(struct jp_planner_internal *planner, unsigned *budget)
     return grow_energy_field(planner, budget) && (!planner->has_turn_field || jp_slice_grow_turns(planner, budget));
 }
 
+/** The states' memory, where they are cleared when the guide has grown: all but those that rest while the scout
+ * searches.
+ */
+static void lend_states(struct jp_planner_internal *planner)
+{
+    if (!planner->is_scouting && !planner->has_turn_field &&
+        jp_guide_field_loan(&planner->terrain->config) <= planner->states_bytes) {
+        jp_guide_field_lend(&planner->guide, planner->states_block);
+    }
+}
+
 void jp_slice_begin_guide(struct jp_planner_internal *planner)
 {
     const struct jp_lattice_pose *start = &planner->start;
     const struct jp_goal *goal = &planner->goal;
 
-    planner->has_guide = !jp_search_is_forward(planner);
+    planner->has_guide = false;
+    planner->is_guide_old = false;
     if (jp_search_is_forward(planner)) {
         const struct jp_guide_root root = {(uint16_t)goal->x, (uint16_t)goal->y, goal->headings};
         jp_guide_field_start(&planner->guide, JP_GUIDE_TO_ROOT, &root, (uint16_t)start->x, (uint16_t)start->y);
@@ -52,14 +64,16 @@ void jp_slice_begin_guide(struct jp_planner_internal *planner)
         const struct jp_guide_root root = {(uint16_t)start->x, (uint16_t)start->y, (uint16_t)(1U << start->heading)};
         jp_guide_field_start(&planner->guide, JP_GUIDE_FROM_ROOT, &root, (uint16_t)goal->x, (uint16_t)goal->y);
     }
+    lend_states(planner);
 }
 
 bool jp_slice_grow_guide(struct jp_planner_internal *planner, unsigned *budget)
 {
-    unsigned looks = *budget * GUIDE_LOOKS;
-    const bool is_done = jp_guide_field_grow(&planner->guide, &looks);
+    unsigned units = *budget * GUIDE_UNITS;
+    const bool is_done = jp_guide_field_grow(&planner->guide, &units);
 
-    *budget = looks / GUIDE_LOOKS;
+    *budget = units / GUIDE_UNITS;
+    planner->has_guide = is_done && !jp_search_is_forward(planner);
     return is_done;
 }
 

@@ -1,5 +1,6 @@
 #include "src/search/planner_start.h"
 
+#include "src/base/compiler.h"
 #include "src/search/planner_bound.h"
 #include "src/search/planner_fields.h"
 #include "src/search/planner_rehearsal.h"
@@ -7,6 +8,9 @@
 #include "src/search/planner_search.h"
 #include "src/search/planner_slices.h"
 #include "src/search/planner_stage.h"
+
+/** An old guide serves a robot that is no farther from where it began to grow than so many parts of the way. */
+enum { GUIDE_SHARE = 8 };
 
 void jp_start_field(struct jp_planner_internal *planner, enum jp_planner_phase phase)
 {
@@ -20,10 +24,31 @@ void jp_start_guide(struct jp_planner_internal *planner)
     jp_stage_enter(planner, JP_PLANNER_GROW_GUIDE);
 }
 
+static jp_cost estimate(const struct jp_planner_internal *planner, int32_t x, int32_t y, unsigned heading)
+{
+    return jp_guide_field_estimate(&planner->guide, x, y, heading);
+}
+
+static unsigned first_heading(const struct jp_goal *goal)
+{
+    return JP_TRAILING_ZEROS((uint32_t)goal->headings);
+}
+
+/** True when the guide of the search before does for one from where the robot is. It may not know of the last changes
+ *  of the map: it is an estimate, and takes most of the time of a new search. */
+static bool guide_serves(const struct jp_planner_internal *planner)
+{
+    const struct jp_lattice_pose *start = &planner->start;
+    const struct jp_goal *goal = &planner->goal;
+
+    return planner->has_guide && !jp_search_is_forward(planner) &&
+           estimate(planner, start->x, start->y, start->heading) <=
+               estimate(planner, goal->x, goal->y, first_heading(goal)) / (jp_cost)GUIDE_SHARE;
+}
+
 void jp_start_anew(struct jp_planner_internal *planner, enum jp_planner_direction direction)
 {
     jp_scout_dismiss(planner);
-    planner->has_guide = false;
     planner->search.direction = direction;
     planner->is_field_rooted = false;
     if (!jp_rehearsal_is_on(planner)) {
@@ -38,7 +63,11 @@ void jp_start_anew(struct jp_planner_internal *planner, enum jp_planner_directio
     planner->changes.count = 0;
     planner->changes.may_be_cheaper = false;
     if (planner->search.epsilon == JP_EPSILON_ONE && jp_stage_has_field(planner)) {
+        planner->has_guide = false;
         jp_start_field(planner, JP_PLANNER_GROW_FIELD);
+    } else if (guide_serves(planner)) {
+        planner->is_guide_old = true;
+        jp_start_search(planner);
     } else {
         jp_start_guide(planner);
     }

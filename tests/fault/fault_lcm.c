@@ -53,15 +53,15 @@ static uint64_t all_dropped(void)
 static void test_sound_packets_become_the_operators_task(void)
 {
     TEST_ASSERT_TRUE(is_taken("JP_ROUTE", &sound_route));
-    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.commander.phase);
-    TEST_ASSERT_EQUAL_UINT(3, gateway.commander.task.length);
-    TEST_ASSERT_EQUAL_INT32(JP_Q16(10), gateway.commander.task.points[0].x);
-    TEST_ASSERT_EQUAL_INT32(JP_Q16(-511.5), gateway.commander.task.points[1].x);
-    TEST_ASSERT_EQUAL_INT32(JP_Q16(-0.0625), gateway.commander.task.points[2].y);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.operator.commander.phase);
+    TEST_ASSERT_EQUAL_UINT(3, gateway.operator.commander.task.length);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(10), gateway.operator.commander.task.points[0].x);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(-511.5), gateway.operator.commander.task.points[1].x);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(-0.0625), gateway.operator.commander.task.points[2].y);
     TEST_ASSERT_TRUE(is_taken("JP_GOAL", &sound_goal));
-    TEST_ASSERT_EQUAL_UINT(1, gateway.commander.task.length);
-    TEST_ASSERT_EQUAL_INT32(JP_Q16(-3.5), gateway.commander.task.points[0].x);
-    TEST_ASSERT_EQUAL_INT32(JP_Q16(4.75), gateway.commander.task.points[0].y);
+    TEST_ASSERT_EQUAL_UINT(1, gateway.operator.commander.task.length);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(-3.5), gateway.operator.commander.task.points[0].x);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(4.75), gateway.operator.commander.task.points[0].y);
     TEST_ASSERT_EQUAL_UINT64(0, all_dropped());
 }
 
@@ -157,7 +157,7 @@ static void test_counts_that_are_not_those_of_a_route(void)
     check_dropped("JP_ROUTE", &none, LCM_TASK_COUNT);
     check_dropped("JP_ROUTE", &many, LCM_TASK_COUNT);
     TEST_ASSERT_TRUE(is_taken("JP_ROUTE", &most));
-    TEST_ASSERT_EQUAL_UINT(32, gateway.commander.task.length);
+    TEST_ASSERT_EQUAL_UINT(32, gateway.operator.commander.task.length);
 }
 
 static void test_coordinates_at_and_beyond_their_limits(void)
@@ -170,7 +170,7 @@ static void test_coordinates_at_and_beyond_their_limits(void)
     for (size_t i = 0; i < sizeof sound / sizeof sound[0]; i++) {
         packet = route_of(2, 1, sound[i]);
         TEST_ASSERT_TRUE(is_taken("JP_ROUTE", &packet));
-        TEST_ASSERT_EQUAL_INT32((int32_t)rint(sound[i] * 65536), gateway.commander.task.points[1].y);
+        TEST_ASSERT_EQUAL_INT32((int32_t)rint(sound[i] * 65536), gateway.operator.commander.task.points[1].y);
         drain();
     }
     for (size_t i = 0; i < sizeof far / sizeof far[0]; i++) {
@@ -232,9 +232,9 @@ static void test_a_bad_packet_leaves_the_task_alone(void)
     TEST_ASSERT_EQUAL_INT(0, lcm_publish(lcm, "JP_ROUTE", bad.bytes, (unsigned)bad.size));
     lcm_gateway_pass(&gateway, now_us + MS);
     TEST_ASSERT_EQUAL_UINT64(2, all_dropped());
-    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.commander.phase);
-    TEST_ASSERT_EQUAL_UINT(3, gateway.commander.task.length);
-    TEST_ASSERT_EQUAL_INT32(JP_Q16(10), gateway.commander.task.points[0].x);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.operator.commander.phase);
+    TEST_ASSERT_EQUAL_UINT(3, gateway.operator.commander.task.length);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(10), gateway.operator.commander.task.points[0].x);
 }
 
 /** Keeps what the gateway says while `count` bad packets come within a millisecond each. */

@@ -270,7 +270,7 @@ static void test_any_frame_is_borne(void)
     TEST_ASSERT_GREATER_THAN_UINT(100, states);
     TEST_ASSERT_GREATER_THAN_UINT(10, plans);
     TEST_ASSERT_EQUAL_UINT64(0, gateway.telemetry.unsent);
-    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_IDLE, gateway.commander.phase);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_IDLE, gateway.operator.commander.phase);
 }
 
 static void simulate(uint32_t from, uint32_t until)
@@ -306,7 +306,7 @@ static void test_another_simulation_begins_at_0_again_and_the_task_outlasts_it(v
     TEST_ASSERT_EQUAL_UINT(5 + 50, states);
     TEST_ASSERT_EQUAL_INT64(980000, state.utime);
     TEST_ASSERT_EQUAL_INT(0, gateway.telemetry.planned);
-    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.commander.phase);
+    TEST_ASSERT_EQUAL_INT(JP_OPERATOR_STANDING_UP, gateway.operator.commander.phase);
 }
 
 static void test_a_failed_task_is_told_with_its_reason(void)

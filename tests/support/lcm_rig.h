@@ -127,6 +127,7 @@ void setUp(void)
 void tearDown(void)
 {
     forget_messages();
+    lcm_gateway_free(&gateway);
     lcm_destroy(lcm);
 }
 
@@ -143,16 +144,16 @@ static void make_packets(void)
 /** Publishes it and lets the gateway take it. Whether the gateway set to work on a task. */
 static bool is_taken(const char *channel, const struct packet *packet)
 {
-    const uint8_t *sent_already = &gateway.commander.command_counter;
+    const uint8_t *sent_already = &gateway.operator.commander.command_counter;
     const uint8_t before = *sent_already;
 
-    gateway.commander.phase = JP_OPERATOR_IDLE;
-    gateway.commander.commanding = false;
+    gateway.operator.commander.phase = JP_OPERATOR_IDLE;
+    gateway.operator.commander.commanding = false;
     TEST_ASSERT_EQUAL_INT(0, lcm_publish(lcm, channel, packet->bytes, (unsigned)packet->size));
     now_us += MS;
     lcm_gateway_pass(&gateway, now_us);
 
-    const bool taken = gateway.commander.phase != JP_OPERATOR_IDLE;
+    const bool taken = gateway.operator.commander.phase != JP_OPERATOR_IDLE;
 
     /* A task makes itself heard on the bus at once, and nothing else does. */
     TEST_ASSERT_EQUAL_INT(taken, *sent_already != before);

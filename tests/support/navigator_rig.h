@@ -50,7 +50,7 @@ struct fake_vehicle {
 static struct jp_terrain_config map;
 static struct jp_planner planner;
 static uint64_t block[BLOCK_BYTES / sizeof(uint64_t)];
-static uint64_t reach_block[SIDE * SIDE / 32];
+static uint64_t way_block[3 * SIDE * SIDE / 64 + 1];
 static struct jp_course_leg legs[LEGS_MAX];
 static struct fake_vehicle robot;
 static struct jp_vehicle vehicle;
@@ -225,8 +225,8 @@ static inline void rig_reset(void)
                                           .legs = legs,
                                           .legs_max = LEGS_MAX,
                                           .slice = 8,
-                                          .reach_block = reach_block,
-                                          .reach_size = sizeof reach_block};
+                                          .way_block = way_block,
+                                          .way_size = sizeof way_block};
     origin = (struct jp_place){centre(4, 4), 0};
 }
 

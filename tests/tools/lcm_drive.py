@@ -166,26 +166,28 @@ class Motion:
         return state is not None and state.robot_state == DRIVING and state.route_length == 1 and state.speed > 0.1
 
 
-def start_all(stage):
-    """The time of the simulation, in which none has passed yet."""
+def start_all(stage, robot, *listeners):
+    """The time of the simulation, in which none has passed yet. A listener: (name, *command)."""
     plant, gateway = stage.directory / "plant", stage.directory / "gateway"
     log = stage.directory / "drive.lcm"
-    stage.start("jp-plant", BUILD / "bin" / "jp-plant", ROOT / "sim" / "scenarios" / "gao2018_mission.cfg", "--bus",
+    stage.start("jp-plant", BUILD / "bin" / "jp-plant", ROOT / "sim" / "scenarios" / f"{robot}_mission.cfg", "--bus",
                 f"pty:{plant}", "--host", f"--patience={PATIENCE}")
     stage.start("jp-lcm", BUILD / "bin" / "jp-lcm", "--bus", f"pty:{gateway}", "--lcm", URL)
     stage.start("lcm-logger", "lcm-logger", "--quiet", "--force", f"--lcm-url={URL}", log)
-    stage.start("live", sys.executable, "-m", "tools.operate.lcm_report", "--live", URL, stage.directory / "live")
+    for listener in listeners:
+        stage.start(*listener)
     wait_for("pseudo-terminals", lambda: plant.exists() and gateway.exists())
     wait_for("gateway", lambda: stage.said("jp-lcm", "jp-lcm: pty:"))
-    wait_for("listener", lambda: stage.said("live", "listening"))
     wait_for("log", log.exists)
     passing = LcmTime(plant, gateway)
-    stage.start("jp-ecu", BUILD / "bin" / "jp-ecu", "--bus", f"slcan:{passing.new_line()}")
+    stage.start("jp-ecu", BUILD / "bin" / "jp-ecu", "--bus", f"slcan:{passing.new_line()}", "--robot", robot)
     return passing
 
 
 def drive(stage, points):
-    passing = start_all(stage)
+    passing = start_all(stage, "gao2018", ("live", sys.executable, "-m", "tools.operate.lcm_report", "--live", URL,
+                                           stage.directory / "live"))
+    wait_for("listener", lambda: stage.said("live", "listening"))
     link = lcm.LCM(URL)
     send_rubbish(link)
     motion = Motion(link)
@@ -193,7 +195,12 @@ def drive(stage, points):
     passing.run_until("end of the route", lambda: stage.has_ended("live"))
     link.publish("JP_GOAL", goal_message(30, 0))
     passing.run_until("motion towards the goal", motion.is_towards_goal)
-    # The order in which people stop them: the gateway bids the robot farewell while it is still there.
+    return stop_all(stage, passing)
+
+
+def stop_all(stage, passing):
+    """How each has ended. The order in which people stop them: the gateway bids the robot farewell while it is still there.
+    """
     stage.tell_to_stop("jp-lcm")
     passing.run_until("end of jp-lcm", lambda: stage.has_ended("jp-lcm"))
     stage.stop("lcm-logger")
@@ -203,13 +210,15 @@ def drive(stage, points):
     return {name: process.wait(PATIENCE) for name, process in stage.processes.items()}
 
 
-def main():
-    stage = Stage(Path(sys.argv[1]))
+def run(directory, play):
+    """Says in drive.json how the programs that play(stage) starts have ended."""
+    stage = Stage(directory)
     try:
-        codes = drive(stage, [tuple(map(float, point.split(","))) for point in sys.argv[2:]])
+        codes = play(stage)
     finally:
         stage.kill_all()
     (stage.directory / "drive.json").write_text(json.dumps(codes))
 
 
-main()
+if __name__ == "__main__":
+    run(Path(sys.argv[1]), lambda stage: drive(stage, [tuple(map(float, point.split(","))) for point in sys.argv[2:]]))

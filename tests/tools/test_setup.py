@@ -19,7 +19,8 @@ PROGRAMS = {
                 "design.learning", "design.patrol_table", "design.tables_header", "report.navigate_report",
                 "report.plan_report"],
                ["sil", "design"]),
-    "operate": (["design.can_codec", "operate.can_report", "operate.drive", "operate.lcm_report",
+    "operate": (["design.can_codec", "operate.can_report", "operate.drive", "operate.lcm_map",
+                 "operate.lcm_navigate", "operate.lcm_report",
                  "operate.show_frames"], ["sil", "operate"]),
     "campaign": (["campaign.campaign"], ["sil", "campaign"]),
 }

@@ -73,7 +73,9 @@ bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes 
 .PHONY: bench-image
 bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (1 hour)
 	@tools/setup.sh sil operate firmware
-	@$(MAKE) $(PARALLEL) all $(addprefix $(BUILD)/firmware/,courier24/joulepath.elf courier24/emulated.elf bench_planning)
+	@$(MAKE) $(PARALLEL) all $(BUILD)/bench/bench_cuts \
+	    $(addprefix $(BUILD)/firmware/,courier24/joulepath.elf courier24/emulated.elf bench_planning)
+	$(BUILD)/bench/bench_cuts >$(BUILD)/bench/image_cuts.json
 	$(PLANNING_CLOCK) $(BUILD)/firmware/bench_planning >$(BUILD)/bench/image_ticks.json
 	$(PYTHON) -m tools.measure.bench_image
 

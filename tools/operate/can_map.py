@@ -30,6 +30,8 @@ LETTERS = np.array([ground.FREE, ground.OCCUPIED, ground.UNKNOWN])
 WAY = {"color": plots.BLUE, "linewidth": 2.6, "zorder": 4, "path_effects": ground.OUTLINE}
 COURSE = {"color": plots.PURPLE, "linewidth": 1.2, "linestyle": (0, (3, 2)), "zorder": 5}
 CHANGED = "#E8331C"
+GOAL = {"color": plots.PURPLE, "marker": "*", "markersize": 11, "linestyle": "none", "zorder": 6,
+        "path_effects": ground.OUTLINE}
 
 
 class MapReceiver:
@@ -56,6 +58,13 @@ class MapReceiver:
         return self.found is not None
 
 
+def on_map(origin, x, y):
+    """A place of the odometry on the map."""
+    angle = math.radians(origin.heading)
+    return (origin.x + x * math.cos(angle) - y * math.sin(angle),
+            origin.y + x * math.sin(angle) + y * math.cos(angle))
+
+
 @dataclass
 class Drive:
     """On the last map that became whole; times in s, lengths in m from its south-west corner."""
@@ -65,6 +74,7 @@ class Drive:
     changes: list = field(default_factory=list)  # (t, x, y, state)
     states: list = field(default_factory=list)   # (t, state, reason)
     courses: dict = field(default_factory=dict)  # number: {legs after: (x, y)}
+    goals: list = field(default_factory=list)    # (t, x, y, heading in degrees or None), as far as the log tells them
 
 
 class Converter:
@@ -105,11 +115,7 @@ class Converter:
 
     def _pose(self, t, signals):
         if self.maps.found is not None:
-            origin = self.maps.found[1]
-            angle = math.radians(origin.heading)
-            x, y = signals["X"], signals["Y"]
-            self.drive.way.append((t, origin.x + x * math.cos(angle) - y * math.sin(angle),
-                                   origin.y + x * math.sin(angle) + y * math.cos(angle)))
+            self.drive.way.append((t, *on_map(self.maps.found[1], signals["X"], signals["Y"])))
 
     def _energy(self, t, signals):
         self.drive.energy.append((t, signals["Energy"]))
@@ -152,19 +158,21 @@ def draw_changes(axes, shape, size, changes):
 
 def draw(cell_map, drive):
     shown = ground.Map(LETTERS[cell_map.cells], None, cell_map.resolution, (0.0, 0.0, 0.0))
-    figure, (on_map, over_time) = plots.new_figure(ground.WIDTH, ground.map_height(shown) + 3.0, rows=2,
+    figure, (picture, over_time) = plots.new_figure(ground.WIDTH, ground.map_height(shown) + 3.0, rows=2,
                                                    height_ratios=[ground.map_height(shown), 2.4])
-    ground.draw_ground(on_map, shown)
-    draw_changes(on_map, shown.cells.shape, shown.size, drive.changes)
+    ground.draw_ground(picture, shown)
+    draw_changes(picture, shown.cells.shape, shown.size, drive.changes)
     way = np.array(drive.way).reshape(-1, 3)
-    handles = [(on_map.plot(way[:, 1], way[:, 2], **WAY)[0], "way, by odometry")]
+    handles = [(picture.plot(way[:, 1], way[:, 2], **WAY)[0], "way, by odometry")]
     for points in courses_of(drive):
-        line = on_map.plot(*np.array(points).T, marker=".", **COURSE)[0]
+        line = picture.plot(*np.array(points).T, marker=".", **COURSE)[0]
     if drive.courses:
         handles.append((line, f"courses: {len(drive.courses)}"))
+    if drive.goals:
+        handles.append((picture.plot(*np.array([goal[1:3] for goal in drive.goals]).T, **GOAL)[0], "goals"))
     if drive.changes:
-        handles.append((Patch(facecolor=CHANGED), "occupied since, by CellChanges"))
-    ground.finish_map(figure, on_map, shown, handles + ground.legend_entries(shown))
+        handles.append((Patch(facecolor=CHANGED), "occupied since"))
+    ground.finish_map(figure, picture, shown, handles + ground.legend_entries(shown))
     energy, left = np.array(drive.energy).reshape(-1, 2), np.array(drive.left).reshape(-1, 5)
     over_time.plot(energy[:, 0], energy[:, 1] - energy[:1, 1], color=plots.BLUE, label="energy, J")
     over_time.plot(left[:, 0], left[:, 3], color=plots.PURPLE, label="energy left on the course, J")
@@ -177,7 +185,15 @@ def numbers(cell_map, origin, drive):
     height, width = cell_map.cells.shape
     return {"width": width, "height": height, "resolution_m": cell_map.resolution,
             "origin": [origin.x, origin.y, origin.heading], "way": drive.way, "left": drive.left,
-            "changes": drive.changes, "states": drive.states, "courses": courses_of(drive)}
+            "changes": drive.changes, "states": drive.states, "courses": courses_of(drive),
+            "goals": drive.goals}
+
+
+def write(directory, cell_map, origin, drive):
+    write_whole(directory / PICTURE_NAME, plots.png_bytes(draw(cell_map, drive)))
+    write_whole(directory / NUMBERS_NAME, json.dumps(numbers(cell_map, origin, drive)) + "\n")
+    for name in (PICTURE_NAME, NUMBERS_NAME):
+        print(f"wrote {shown_path(directory / name)}")
 
 
 def main():
@@ -185,11 +201,7 @@ def main():
     parser.add_argument("log", metavar="LOG", type=Path, help="of candump, or .asc or .blf")
     parser.add_argument("directory", metavar="DIR", type=Path, help="where the results go")
     options = parser.parse_args()
-    cell_map, origin, drive = convert(options.log)
-    write_whole(options.directory / PICTURE_NAME, plots.png_bytes(draw(cell_map, drive)))
-    write_whole(options.directory / NUMBERS_NAME, json.dumps(numbers(cell_map, origin, drive)) + "\n")
-    for name in (PICTURE_NAME, NUMBERS_NAME):
-        print(f"wrote {shown_path(options.directory / name)}")
+    write(options.directory, *convert(options.log))
     return 0
 
 

@@ -117,7 +117,7 @@ class Listener:
         self._ended = energy.segment
 
 
-def replay(listener, path):
+def replay(take, path):
     try:
         log = lcm.EventLog(str(path), "r")
     except (OSError, ValueError) as error:
@@ -125,7 +125,7 @@ def replay(listener, path):
     events = 0
     for event in log:
         events += 1
-        listener.take(event.channel, event.data)
+        take(event.channel, event.data)
     log.close()
     if events == 0:
         raise ToolError(f"{path}: no events in it; lcm-logger writes such logs")
@@ -149,16 +149,16 @@ def stderr_kept():
             os.close(real)
 
 
-def open_lcm(url, take):
+def open_lcm(url, take, option="--live"):
     """An LCM that hands every message to take(channel, data)."""
     if not url.startswith("udpm://"):
-        raise ToolError(f"--live {url}: must begin with udpm://, such as udpm://239.255.76.67:7667?ttl=0")
+        raise ToolError(f"{option} {url}: must begin with udpm://, such as udpm://239.255.76.67:7667?ttl=0")
     with stderr_kept() as first_line:
         try:
             link = lcm.LCM(url)
             link.subscribe("JP_.*", take)
         except (RuntimeError, OSError, ValueError) as error:
-            raise ToolError(f"--live {url}: {first_line() or error}; is there a multicast route? "
+            raise ToolError(f"{option} {url}: {first_line() or error}; is there a multicast route? "
                             "ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo") from None
     return link
 
@@ -187,7 +187,7 @@ def main():
         parser.error("either a log or --live URL")
     listener = Listener()
     if arguments.live is None:
-        replay(listener, arguments.log)
+        replay(listener.take, arguments.log)
     else:
         with contextlib.suppress(KeyboardInterrupt):
             listen(listener, arguments.live)

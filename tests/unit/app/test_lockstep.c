@@ -287,8 +287,8 @@ static struct jp_navigation_config navigator_config = {.lattice = &jp_lattice_co
                                                        .map_size = sizeof memory[0],
                                                        .planner = memory[1],
                                                        .planner_size = sizeof memory[1],
-                                                       .reach = memory[2],
-                                                       .reach_size = sizeof memory[2],
+                                                       .way = memory[2],
+                                                       .way_size = sizeof memory[2],
                                                        .legs = legs,
                                                        .legs_max = 2};
 

@@ -7,10 +7,10 @@
 #include "tests/support/ecu_rig.h"
 #include "tests/support/map_frames.h"
 
-enum { SIDE = 20, BLOCK_BYTES = 2960, LEGS_MAX = 6, STREAM_MAX = 60 };
+enum { SIDE = 20, BLOCK_BYTES = 2960, LEGS_MAX = 4, STREAM_MAX = 60 };
 
 static uint64_t map_memory[SIDE];
-static uint64_t reach_memory[SIDE];
+static uint64_t way_memory[(3 * ((SIDE * SIDE + 31) / 32) + 1) / 2];
 static uint64_t block[BLOCK_BYTES / 8];
 static struct jp_course_leg legs[LEGS_MAX];
 static struct jp_navigation navigation;
@@ -49,8 +49,8 @@ static void make(void)
                                                      .map_size = sizeof map_memory,
                                                      .planner = block,
                                                      .planner_size = sizeof block,
-                                                     .reach = reach_memory,
-                                                     .reach_size = sizeof reach_memory,
+                                                     .way = way_memory,
+                                                     .way_size = sizeof way_memory,
                                                      .legs = legs,
                                                      .legs_max = LEGS_MAX};
     goal_counter = 0;
@@ -189,8 +189,8 @@ static void test_what_it_cannot_do_without(void)
     expect_refused_config("map");
     navigator_config.planner = NULL;
     expect_refused_config("planner");
-    navigator_config.reach = NULL;
-    expect_refused_config("reach");
+    navigator_config.way = NULL;
+    expect_refused_config("way");
     navigator_config.legs = NULL;
     expect_refused_config("legs");
     navigator_config.legs_max = 0;
@@ -243,7 +243,7 @@ static void test_a_map_for_which_the_planner_has_no_room(void)
 static void test_a_map_for_which_the_flood_has_no_room(void)
 {
     make();
-    navigation.config.reach_size = 8;
+    navigation.config.way_size = 8;
     make_balancing();
     send_map();
     expect_map(JP_MAP_LINK_REJECTED, JP_MAP_REASON_TOO_LARGE);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "tests/support/level_map.h"
+#include "tests/target/random.h"
 #include "unity.h"
 
 enum {
@@ -246,4 +247,55 @@ static void test_odd_sides(void)
         TEST_ASSERT_EQUAL_UINT32(0, estimate(12, 10, 0));
         looks = UINT32_MAX;
     }
+}
+
+/* ---- With a loan ---- */
+
+static uint32_t random_state = 7;
+
+static void block_some(uint32_t share)
+{
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        const bool is_free = target_random(&random_state) % share != 0U;
+
+        TEST_ASSERT_EQUAL_INT(
+            JP_OK, jp_terrain_set_cell(&terrain, i % SIDE, i / SIDE, is_free ? JP_CELL_FREE : JP_CELL_OCCUPIED));
+    }
+}
+
+static void grow_with(void *loan, enum jp_guide_direction direction, unsigned slice)
+{
+    unsigned units = slice;
+
+    jp_guide_field_start(&guide, direction, &west, 12, 12);
+    if (loan != NULL) {
+        jp_guide_field_lend(&guide, loan);
+    }
+    while (!jp_guide_field_grow(&guide, &units)) {
+        units = slice;
+    }
+}
+
+static void test_a_loan_changes_nothing_but_the_time(void)
+{
+    static jp_cost without[SIDE * SIDE];
+    static uint32_t loan[SIDE + 1];
+
+    TEST_ASSERT_EQUAL_UINT32(SIDE * sizeof *loan, jp_guide_field_loan(&map));
+    loan[SIDE] = 0x5A5A5A5AU;
+    for (unsigned i = 0; i < 24; i++) {
+        const enum jp_guide_direction direction = i % 2U == 0U ? JP_GUIDE_FROM_ROOT : JP_GUIDE_TO_ROOT;
+
+        init(1U + i % JP_GUIDE_SCALE_MAX);
+        block_some(8U + 4U * i);
+        grow_with(NULL, direction, 100);
+        for (int32_t cell = 0; cell < SIDE * SIDE; cell++) {
+            without[cell] = estimate(cell % SIDE, cell / SIDE, i % JP_HEADINGS);
+        }
+        grow_with(loan, direction, 1U + i);
+        for (int32_t cell = 0; cell < SIDE * SIDE; cell++) {
+            TEST_ASSERT_EQUAL_UINT32(without[cell], estimate(cell % SIDE, cell / SIDE, i % JP_HEADINGS));
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(0x5A5A5A5AU, loan[SIDE]);
 }

@@ -676,3 +676,87 @@ static void test_a_start_on_another_continent(void)
     init();
     TEST_ASSERT_EQUAL_INT(JP_COURSE_NO_ROOM, join(&far));
 }
+
+/* ---- Along a way of unit steps ---- */
+
+static struct jp_lattice_way way;
+static uint64_t way_block[3 * SIDE * SIDE / 64 + 1];
+
+static enum jp_course_answer join_way(const struct jp_way_cell *from, const struct jp_way_cell *to)
+{
+    const struct jp_point start = centre(from->x, from->y);
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_way_start(&way, lattice, &terrain, from, to, way_block, sizeof way_block));
+    while (jp_lattice_way_work(&way, 100) == JP_WAY_WORKING) {
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_course_start_on_way(&course, &way, from, &start));
+    while (jp_course_work(&course) == JP_COURSE_JOINING) {
+    }
+    return course.answer;
+}
+
+static void test_refuses_a_way(void)
+{
+    const struct jp_way_cell from = {4, 18};
+    const struct jp_point start = centre(4, 18);
+
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_course_start_on_way(NULL, &way, &from, &start));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_course_start_on_way(&course, NULL, &from, &start));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_course_start_on_way(&course, &way, NULL, &start));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_course_start_on_way(&course, &way, &from, NULL));
+}
+
+static void test_a_way_over_free_ground_is_one_line(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_way(&(struct jp_way_cell){4, 18}, &(struct jp_way_cell){19, 5}));
+    TEST_ASSERT_EQUAL_UINT16(1, course.count);
+    TEST_ASSERT_EQUAL_INT32(centre(19, 5).x, legs[0].end.x);
+    TEST_ASSERT_EQUAL_INT32(centre(19, 5).y, legs[0].end.y);
+    TEST_ASSERT_TRUE(legs[0].is_stop);
+}
+
+static void test_a_way_round_a_wall_is_some_clear_lines(void)
+{
+    put_column(GAP_X, 0, 14, JP_CELL_OCCUPIED);
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_way(&(struct jp_way_cell){4, 4}, &(struct jp_way_cell){19, 4}));
+    TEST_ASSERT_GREATER_THAN_UINT16(1, course.count);
+    TEST_ASSERT_LESS_THAN_UINT16(5, course.count);
+    for (uint16_t i = 0; i < course.count; i++) {
+        const struct jp_point begin = jp_course_begin(&course, i);
+        TEST_ASSERT_TRUE(jp_course_is_clear(&course, i, &begin));
+    }
+    TEST_ASSERT_EQUAL_INT32(centre(19, 4).x, legs[course.count - 1U].end.x);
+}
+
+static void test_a_way_that_does_not_leave_its_cell_has_no_legs(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_way(&(struct jp_way_cell){9, 9}, &(struct jp_way_cell){9, 9}));
+    TEST_ASSERT_EQUAL_UINT16(0, course.count);
+}
+
+/* ---- Along part of a route ---- */
+
+static void test_a_partial_route_is_followed_to_its_end(void)
+{
+    put_column(8, 0, 17, JP_CELL_OCCUPIED);
+    put_column(16, 6, SIDE - 1, JP_CELL_OCCUPIED);
+    const struct jp_planner_config greedy = {.lattice = lattice, .cost = JP_COST_PHYSICAL, .epsilon = {JP_EPSILON(4)}};
+    const struct jp_lattice_pose from = {4, 4, 0};
+    const struct jp_point start = centre(4, 4);
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_init(&planner, &greedy, &terrain, block, jp_planner_size(&map), &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &from));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_goal(&planner, &(struct jp_goal){20, 18, JP_ANY_HEADING}));
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_PARTIAL, finish_plan());
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join(&start));
+    const struct jp_lattice_pose *end = &jp_planner_plan(&planner)->end;
+
+    TEST_ASSERT_GREATER_THAN_UINT16(0, course.count);
+    TEST_ASSERT_EQUAL_INT32(centre(end->x, end->y).x, legs[course.count - 1U].end.x);
+}

@@ -230,6 +230,7 @@ static void test_drives_on_when_something_appears_beside_its_way(void)
 
 static void test_says_that_the_goal_cannot_be_reached_any_more(void)
 {
+    config.patience = 100000000;
     begin(18, 4);
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
     (void)jp_navigator_work(&navigator);

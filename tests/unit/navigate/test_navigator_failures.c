@@ -1,7 +1,7 @@
 /* What keeps the navigator from a goal, and what it says of it. */
 #include "tests/support/navigator_rig.h"
 
-enum { GAP = 16 };
+enum { MOVES_MAX = 512 };
 
 void setUp(void)
 {
@@ -143,43 +143,151 @@ static void begin_in(size_t size)
     TEST_ASSERT_EQUAL_INT(JP_OK, go_to(20, 18, JP_ANY_HEADING));
 }
 
-static void test_little_memory_is_enough_in_stages_or_is_said_to_be_too_little(void)
+static void test_little_memory_is_enough(void)
 {
-    unsigned arrived = 0;
-
     for (size_t more = 0; more < 2048; more += 128) {
         rig_reset();
         build_maze();
         begin_in(jp_planner_size(&map) + more);
-        if (work_until(JP_NAVIGATOR_ARRIVED)) {
-            expect_at(20, 18);
-            arrived++;
-        } else {
-            TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_FAILED, navigator.state);
-            TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_MEMORY, navigator.reason);
-        }
+        TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+        expect_at(20, 18);
     }
-    TEST_ASSERT_GREATER_THAN_UINT32(0, arrived);
 }
 
-static void test_no_nearer_place_to_plan_on_from(void)
+static void test_takes_the_way_when_the_planner_has_done_what_it_can(void)
 {
     build_maze();
     begin_in(jp_planner_size(&map));
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
-    /* As if it were as near as that already. */
-    navigator.internal.left = 0;
-    expect_failure(JP_NAVIGATOR_MEMORY);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PLANNING));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    TEST_ASSERT_FALSE(navigator.internal.has_route);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(20, 18);
 }
 
-static void test_no_place_to_plan_on_from(void)
+static void test_a_way_that_is_blocked_before_it_is_taken_is_looked_for_anew(void)
 {
+    unsigned ways = 0;
+
     build_maze();
     begin_in(jp_planner_size(&map));
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
-    /* As if it had not even a partial route. */
-    planner.internal.plan.answer = JP_ANSWER_OUT_OF_BUDGET;
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PLANNING));
+    occupy(22, 22);
+    while (navigator.state != JP_NAVIGATOR_JOINING) {
+        const enum jp_navigator_state before = navigator.state;
+
+        (void)jp_navigator_work(&navigator);
+        ways += before == JP_NAVIGATOR_PLANNING && navigator.state == JP_NAVIGATOR_PROVING ? 1U : 0U;
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, ways);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(20, 18);
+}
+
+/* The planner finds the route, in time or not. */
+static void test_a_better_route_that_is_late_is_taken_all_the_same(void)
+{
+    build_maze();
+    config.patience = 1;
+    begin_in(BLOCK_BYTES);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    TEST_ASSERT_TRUE(navigator.internal.has_route);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(20, 18);
+}
+
+static void block_its_way(void)
+{
+    for (int32_t y = 2; y < 8; y++) {
+        occupy(13, y);
+    }
+}
+
+static void test_on_its_way_it_waits_no_longer_than_its_patience(void)
+{
+    config.patience = 1;
+    config.slice = 1;
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_TURNING));
+    block_its_way();
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PLANNING));
+    TEST_ASSERT_EQUAL_UINT32(1, navigator.replans);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    TEST_ASSERT_FALSE(navigator.internal.has_route);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 4);
+}
+
+static void test_without_memory_for_a_way_it_waits_longer(void)
+{
+    config.patience = 1;
+    config.slice = 1;
+    config.way_block = NULL;
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_TURNING));
+    block_its_way();
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    TEST_ASSERT_TRUE(navigator.internal.has_route);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+}
+
+static void test_plans_while_it_brakes(void)
+{
+    begin(18, 4);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    for (int i = 0; i < 8; i++) {
+        (void)jp_navigator_work(&navigator);
+    }
+    block_its_way();
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_BRAKING));
+    (void)jp_navigator_work(&navigator);
+    robot.braking = 2000;
+    for (int i = 0; i < 1500; i++) {
+        TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_BRAKING, jp_navigator_work(&navigator));
+    }
+    TEST_ASSERT_TRUE(navigator.internal.has_route);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PLANNING));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_JOINING, jp_navigator_work(&navigator));
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 4);
+}
+
+/** Of the lattice's primitives. */
+static unsigned count_moves(const struct jp_lattice *lattice)
+{
+    unsigned count = 0;
+
+    for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        const unsigned end = primitive->first_move + (unsigned)primitive->move_count;
+        count = end > count ? end : count;
+    }
+    return count;
+}
+
+/* As if unit steps led nowhere, and the planner had found nothing. */
+static void test_curves_that_the_planner_has_no_memory_for(void)
+{
+    static uint8_t moves[MOVES_MAX];
+    struct jp_lattice curves = jp_lattice_courier24;
+
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(sizeof moves, count_moves(&curves));
+    for (unsigned i = 0; i < count_moves(&curves); i++) {
+        moves[i] = (uint8_t)((jp_lattice_courier24.moves[i] + 1U) % JP_MOVE_DIRECTIONS);
+    }
+    curves.moves = moves;
+    build_maze();
+    make_planner(jp_planner_size(&map));
+    planner.internal.config.lattice = &curves;
+    const char *field = "";
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_init(&navigator, &config, &origin, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(20, 18, JP_ANY_HEADING));
     expect_failure(JP_NAVIGATOR_MEMORY);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_ROUTE_ONLY, navigator.internal.search);
 }
 
 static void test_proves_in_little_memory_that_there_is_no_way(void)
@@ -207,7 +315,7 @@ static void test_a_way_that_opens_during_the_proof_counts(void)
 static void test_without_memory_for_the_proof_it_is_a_failure(void)
 {
     put_column(12, 0, SIDE - 1, JP_CELL_OCCUPIED);
-    config.reach_block = NULL;
+    config.way_block = NULL;
     begin_in(jp_planner_size(&map));
     expect_failure(JP_NAVIGATOR_MEMORY);
 }

@@ -1,0 +1,301 @@
+/* Ways of unit steps against a relaxation of all cells until nothing changes. */
+#include <joulepath/lattice_way.h>
+#include <joulepath/tables.h>
+#include <stddef.h>
+
+#include "tests/support/level_map.h"
+#include "tests/target/random.h"
+#include "unity.h"
+
+enum { SIDE = 24, SMALL_SIDE = 16, MAPS = 60, WORK_MAX = 4000, FREE_CELL_PERCENT = 96, FAR = 9999 };
+
+static const struct jp_lattice *lattice = &jp_lattice_courier24;
+
+static struct jp_terrain_config map;
+static struct jp_lattice_way way;
+static uint64_t block[3 * SIDE * SIDE / 64 + 1];
+static int16_t steps_to_goal[SIDE][SIDE];
+static uint32_t random_state = 1;
+
+static uint32_t random_below(uint32_t bound)
+{
+    return target_random(&random_state) % bound;
+}
+
+static void make_map(int side, bool has_elevation)
+{
+    map = (struct jp_terrain_config){.width = (uint16_t)side,
+                                     .height = (uint16_t)side,
+                                     .resolution = lattice->resolution,
+                                     .has_elevation = has_elevation};
+    make_level_map(&map);
+}
+
+void setUp(void)
+{
+    lattice = &jp_lattice_courier24;
+    make_map(SIDE, false);
+}
+
+void tearDown(void)
+{
+}
+
+static enum jp_status start(int16_t x, int16_t y, int16_t goal_x, int16_t goal_y)
+{
+    return jp_lattice_way_start(&way, lattice, &terrain, &(struct jp_way_cell){x, y},
+                                &(struct jp_way_cell){goal_x, goal_y}, block, sizeof block);
+}
+
+static enum jp_way_answer answer(unsigned looks)
+{
+    for (unsigned i = 0; i < WORK_MAX; i++) {
+        const enum jp_way_answer now = jp_lattice_way_work(&way, looks);
+        if (now != JP_WAY_WORKING) {
+            return now;
+        }
+    }
+    return JP_WAY_WORKING;
+}
+
+/* ---- The oracle ---- */
+
+static const struct jp_primitive *unit_step(unsigned direction)
+{
+    for (unsigned i = lattice->first_from[direction]; i < lattice->first_from[direction + 1U]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+
+        if (primitive->end == direction && primitive->dx == jp_move_offsets[direction].dx &&
+            primitive->dy == jp_move_offsets[direction].dy) {
+            return primitive;
+        }
+    }
+    return NULL;
+}
+
+static bool can_step(int32_t x, int32_t y, unsigned direction)
+{
+    const struct jp_primitive *step = unit_step(direction);
+
+    return step != NULL && jp_lattice_cost(lattice, JP_COST_PHYSICAL, &terrain, step, x, y) != JP_COST_MAX;
+}
+
+static bool is_passable(int32_t x, int32_t y, unsigned direction)
+{
+    return can_step(x, y, direction) && can_step(x + jp_move_offsets[direction].dx, y + jp_move_offsets[direction].dy,
+                                                 (direction + JP_MOVE_DIRECTIONS / 2U) % JP_MOVE_DIRECTIONS);
+}
+
+static bool relax(int32_t x, int32_t y)
+{
+    bool has_changed = false;
+
+    for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
+        const int32_t u = x + jp_move_offsets[direction].dx;
+        const int32_t v = y + jp_move_offsets[direction].dy;
+
+        if (jp_terrain_contains(&terrain, u, v) && steps_to_goal[v][u] > steps_to_goal[y][x] + 1 &&
+            is_passable(x, y, direction)) {
+            steps_to_goal[v][u] = (int16_t)(steps_to_goal[y][x] + 1);
+            has_changed = true;
+        }
+    }
+    return has_changed;
+}
+
+static void solve(int16_t goal_x, int16_t goal_y)
+{
+    bool has_changed = true;
+
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        steps_to_goal[i / SIDE][i % SIDE] = FAR;
+    }
+    steps_to_goal[goal_y][goal_x] = 0;
+    while (has_changed) {
+        has_changed = false;
+        for (int32_t i = 0; i < map.width * map.height; i++) {
+            if (steps_to_goal[i / map.width][i % map.width] < FAR) {
+                has_changed = relax(i % map.width, i / map.width) || has_changed;
+            }
+        }
+    }
+}
+
+/** Follows the way; each of its steps must be one, and lead nearer. */
+static void expect_way(int16_t x, int16_t y, int16_t goal_x, int16_t goal_y)
+{
+    struct jp_way_cell cell = {x, y};
+    int left = steps_to_goal[y][x];
+
+    while (jp_lattice_way_next(&way, &cell)) {
+        left--;
+        TEST_ASSERT_EQUAL_INT(left, steps_to_goal[cell.y][cell.x]);
+    }
+    TEST_ASSERT_EQUAL_INT(goal_x, cell.x);
+    TEST_ASSERT_EQUAL_INT(goal_y, cell.y);
+    TEST_ASSERT_EQUAL_INT(0, left);
+}
+
+/* ---- Tests ---- */
+
+static void test_size_is_three_bits_a_cell(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(3 * 4 * (SIDE * SIDE / 32), jp_lattice_way_size(&map));
+    map.width = 0;
+    TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_way_size(&map));
+}
+
+static void test_refuses(void)
+{
+    const struct jp_way_cell here = {4, 4};
+    const struct jp_way_cell there = {9, 9};
+    const size_t size = jp_lattice_way_size(&map);
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lattice_way_start(NULL, lattice, &terrain, &here, &there, block, size));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lattice_way_start(&way, NULL, &terrain, &here, &there, block, size));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lattice_way_start(&way, lattice, NULL, &here, &there, block, size));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lattice_way_start(&way, lattice, &terrain, NULL, &there, block, size));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lattice_way_start(&way, lattice, &terrain, &here, NULL, block, size));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lattice_way_start(&way, lattice, &terrain, &here, &there, NULL, size));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY,
+                          jp_lattice_way_start(&way, lattice, &terrain, &here, &there, block, size - 1U));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ALIGNMENT, jp_lattice_way_start(&way, lattice, &terrain, &here, &there,
+                                                                 (uint8_t *)block + 4, sizeof block));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, start(-1, 4, 9, 9));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, start(4, 4, 9, SIDE));
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(4, 4, 9, 9));
+}
+
+static void test_is_there_already(void)
+{
+    struct jp_way_cell cell = {5, 6};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(5, 6, 5, 6));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, jp_lattice_way_work(&way, 1));
+    TEST_ASSERT_FALSE(jp_lattice_way_next(&way, &cell));
+    TEST_ASSERT_EQUAL_INT(5, cell.x);
+}
+
+static void test_nothing_is_known_where_nobody_has_looked(void)
+{
+    struct jp_way_cell cell = {20, 20};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(4, 4, 5, 4));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(8));
+    TEST_ASSERT_FALSE(jp_lattice_way_next(&way, &cell));
+    TEST_ASSERT_EQUAL_INT(20, cell.x);
+}
+
+static void test_no_way_through_a_wall(void)
+{
+    put_column(12, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(4, 4, 19, 4));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_NONE, answer(7));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_NONE, jp_lattice_way_work(&way, 7));
+}
+
+static void test_stays_in_its_block(void)
+{
+    const size_t words = (jp_lattice_way_size(&map) + 7U) / 8U;
+
+    block[words] = UINT64_C(0x5A5A5A5A5A5A5A5A);
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(4, 4, 19, 19));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(1000));
+    TEST_ASSERT_TRUE(block[words] == UINT64_C(0x5A5A5A5A5A5A5A5A));
+}
+
+static void block_some(void)
+{
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        const bool is_free = random_below(100) < FREE_CELL_PERCENT;
+
+        TEST_ASSERT_EQUAL_INT(
+            JP_OK, jp_terrain_set_cell(&terrain, i % SIDE, i / SIDE, is_free ? JP_CELL_FREE : JP_CELL_OCCUPIED));
+    }
+}
+
+static int16_t anywhere(void)
+{
+    return (int16_t)(3U + random_below((uint32_t)map.width - 6U));
+}
+
+static bool expect_as_oracle(unsigned looks)
+{
+    const int16_t x = anywhere();
+    const int16_t y = anywhere();
+    const int16_t goal_x = anywhere();
+    const int16_t goal_y = anywhere();
+
+    solve(goal_x, goal_y);
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(x, y, goal_x, goal_y));
+    if (steps_to_goal[y][x] == FAR) {
+        TEST_ASSERT_EQUAL_INT(JP_WAY_NONE, answer(looks));
+        return false;
+    }
+    TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(looks));
+    expect_way(x, y, goal_x, goal_y);
+    return true;
+}
+
+static void test_as_few_steps_as_there_are(void)
+{
+    unsigned found = 0;
+
+    for (unsigned i = 0; i < MAPS; i++) {
+        block_some();
+        found += expect_as_oracle(1U + random_below(300)) ? 1U : 0U;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(MAPS / 8, found);
+    TEST_ASSERT_LESS_THAN_UINT32(MAPS, found);
+}
+
+/* This lattice sweeps other cells there than back. */
+static void test_on_slopes_and_with_another_lattice(void)
+{
+    unsigned found = 0;
+
+    lattice = &jp_lattice_zhang2018;
+    make_map(SMALL_SIDE, true);
+    for (unsigned i = 0; i < MAPS; i++) {
+        for (int32_t cell = 0; cell < SMALL_SIDE * SMALL_SIDE; cell++) {
+            const jp_elevation height = (jp_elevation)random_below(10 + i * i);
+            TEST_ASSERT_EQUAL_INT(JP_OK,
+                                  jp_terrain_set_elevation(&terrain, cell % SMALL_SIDE, cell / SMALL_SIDE, height));
+        }
+        found += expect_as_oracle(50) ? 1U : 0U;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(MAPS / 8, found);
+    TEST_ASSERT_LESS_THAN_UINT32(MAPS, found);
+}
+
+static void test_without_unit_steps_there_is_no_way(void)
+{
+    struct jp_lattice curves = *lattice;
+    static struct jp_primitive primitives[JP_HEADINGS * 9];
+
+    for (unsigned i = 0; i < sizeof primitives / sizeof *primitives; i++) {
+        primitives[i] = lattice->primitives[i];
+        primitives[i].move_count = (uint8_t)(primitives[i].move_count == 1U ? 2U : primitives[i].move_count);
+    }
+    curves.primitives = primitives;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_way_start(&way, &curves, &terrain, &(struct jp_way_cell){4, 4},
+                                                      &(struct jp_way_cell){9, 9}, block, sizeof block));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_NONE, answer(100));
+}
+
+/* The ends of its front are far apart in memory. */
+static void test_along_a_corridor(void)
+{
+    struct jp_way_cell cell = {12, 20};
+    unsigned steps = 0;
+
+    for (int32_t x = 0; x < SIDE; x++) {
+        put_column(x, 0, SIDE - 1, x < 10 || x > 14 ? JP_CELL_OCCUPIED : JP_CELL_FREE);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(12, 20, 12, 11));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(3));
+    while (jp_lattice_way_next(&way, &cell)) {
+        steps++;
+    }
+    TEST_ASSERT_EQUAL_UINT32(9, steps);
+}
