@@ -2,66 +2,30 @@
 
 #include <math.h>
 
-static double clamp(double value, double low, double high)
-{
-    return fmin(fmax(value, low), high);
-}
-
-static int32_t fixed(double value, double one)
-{
-    return (int32_t)clamp(floor(value * one + 0.5), INT32_MIN, INT32_MAX);
-}
-
-/* A digital sensor's value: noise, full scale, step; each is left out when 0. */
-static double digitise(double value, double noise, double step, double full_scale, struct random *random)
-{
-    double digital = noise > 0.0 ? value + random_gaussian(random, noise) : value;
-    if (full_scale > 0.0) {
-        digital = clamp(digital, -full_scale, full_scale);
-    }
-    return step > 0.0 ? step * floor(digital / step + 0.5) : digital;
-}
-
-/* An ADC's value: `codes` equal steps from `low` to `high`, the last one below `high`. */
-static double convert(double value, double low, double high, int bits)
-{
-    if (bits == 0) {
-        return value;
-    }
-    const double codes = ldexp(1.0, bits);
-    const double step = (high - low) / codes;
-    return low + step * clamp(floor((value - low) / step + 0.5), 0.0, codes - 1.0);
-}
-
-/* Converting through 64 bits wraps at 32 as a counter does. */
-static uint32_t count(double wheel_to_body, int counts_per_turn, uint32_t start)
-{
-    const int64_t counts = (int64_t)floor(wheel_to_body / (2.0 * M_PI) * counts_per_turn);
-    return (uint32_t)counts + start;
-}
+#include "sim/base/digital.h"
 
 static void read_encoders(const struct instruments *instruments, const struct plant *plant, struct jp_sensors *sensors)
 {
     const double mean = plant->state.wheel - plant->state.pitch;
     const double difference = plant->constants.half_track * plant->state.yaw;
     const int counts = instruments->robot->encoder.counts_per_turn;
-    sensors->encoder_left = count(mean - difference, counts, instruments->encoder_start_left);
-    sensors->encoder_right = count(mean + difference, counts, instruments->encoder_start_right);
+    sensors->encoder_left = digital_count(mean - difference, counts, instruments->encoder_start_left);
+    sensors->encoder_right = digital_count(mean + difference, counts, instruments->encoder_start_right);
 }
 
 static jp_q24 gyro(const struct robot_file *robot, double rad_s, struct random *random)
 {
     const double dps = rad_s * 180.0 / M_PI + robot->gyro.bias_dps;
     const double digital =
-        digitise(dps, robot->gyro.noise_rms_dps, robot->gyro.step_dps, robot->gyro.full_scale_dps, random);
-    return fixed(digital / 360.0, JP_Q24_ONE);
+        digital_sense(dps, robot->gyro.noise_rms_dps, robot->gyro.step_dps, robot->gyro.full_scale_dps, random);
+    return digital_fixed(digital / 360.0, JP_Q24_ONE);
 }
 
 static jp_q24 accelerometer(const struct robot_file *robot, double g, struct random *random)
 {
-    return fixed(digitise(g, robot->accelerometer.noise_rms_g, robot->accelerometer.step_g,
-                          robot->accelerometer.full_scale_g, random),
-                 JP_Q24_ONE);
+    return digital_fixed(digital_sense(g, robot->accelerometer.noise_rms_g, robot->accelerometer.step_g,
+                                       robot->accelerometer.full_scale_g, random),
+                         JP_Q24_ONE);
 }
 
 static void read_inertial(const struct robot_file *robot, const struct plant *plant, const struct plant_input *input,
@@ -86,8 +50,8 @@ static void read_inertial(const struct robot_file *robot, const struct plant *pl
 static jp_q16 current(const struct robot_file *robot, double ampere, struct random *random)
 {
     const double full_scale = robot->current_sense.full_scale_a;
-    const double noisy = digitise(ampere, robot->current_sense.noise_rms_a, 0.0, 0.0, random);
-    return fixed(convert(noisy, -full_scale, full_scale, robot->current_sense.bits), JP_Q16_ONE);
+    const double noisy = digital_sense(ampere, robot->current_sense.noise_rms_a, 0.0, 0.0, random);
+    return digital_fixed(digital_convert(noisy, -full_scale, full_scale, robot->current_sense.bits), JP_Q16_ONE);
 }
 
 void instruments_read(const struct instruments *instruments, const struct plant *plant, const struct plant_input *input,
@@ -98,6 +62,6 @@ void instruments_read(const struct instruments *instruments, const struct plant 
     read_inertial(robot, plant, input, random, sensors);
     sensors->current_left = current(robot, plant_current_left(plant, input), random);
     sensors->current_right = current(robot, plant_current_right(plant, input), random);
-    sensors->bus_voltage =
-        fixed(convert(bus_voltage, 0.0, robot->bus_sense.full_scale_v, robot->bus_sense.bits), JP_Q16_ONE);
+    sensors->bus_voltage = digital_fixed(
+        digital_convert(bus_voltage, 0.0, robot->bus_sense.full_scale_v, robot->bus_sense.bits), JP_Q16_ONE);
 }

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "sim/base/digital.h"
+
 /* Offset of each channel; all are 32 bits wide. */
 static const size_t channel_offsets[] = {
     [WORLD_ENCODER_LEFT] = offsetof(struct jp_sensors, encoder_left),
@@ -45,16 +47,6 @@ double world_tick_seconds(const struct world *world)
     return 1.0 / world->robot.control.rate_hz;
 }
 
-static double pwm_duty(const struct world *world, jp_q31 duty)
-{
-    const double exact = duty / 2147483648.0;
-    if (world->robot.pwm.bits == 0) {
-        return exact;
-    }
-    const double steps = (double)(1 << world->robot.pwm.bits);
-    return round(exact * steps) / steps;
-}
-
 /* Bus voltage with both motors' and the electronics' current: V = V0 − R (Σ d·i + Ps/V0), i = (d·V − e)/Rm. */
 static double sagged_voltage(const struct world *world, double duty_left, double duty_right)
 {
@@ -75,8 +67,8 @@ void world_step(struct world *world)
 {
     const bool driven = world->actuation.enabled != 0;
     const bool pushed = world->tick < world->push_until;
-    const double duty_left = driven ? pwm_duty(world, world->actuation.duty_left) : 0.0;
-    const double duty_right = driven ? pwm_duty(world, world->actuation.duty_right) : 0.0;
+    const double duty_left = driven ? digital_duty(world->actuation.duty_left, world->robot.pwm.bits) : 0.0;
+    const double duty_right = driven ? digital_duty(world->actuation.duty_right, world->robot.pwm.bits) : 0.0;
 
     world->bus_voltage = sagged_voltage(world, duty_left, duty_right);
     world->input = (struct plant_input){.voltage_left = duty_left * world->bus_voltage,

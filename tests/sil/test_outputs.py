@@ -172,6 +172,7 @@ def programs(tmp_path):
     gao, patrol = ROBOTS / "gao2018.cfg", ROBOTS / "patrol.cfg"
     return {
         "jp-robot": [gao, "--json", output / "robot.json"], "jp-patrol-config": [patrol], "jp-balance": [gao],
+        "jp-skid": [ROBOTS / "burger.cfg", "--json", output / "skid.json"],
         "jp-trip": [ROBOTS / "courier24.cfg", "--output", output], "jp-mission": [SCENARIO, "--output", output],
         "jp-identify": [gao, "--count=20", "--output", output],
         "jp-plant": [SCENARIO, "--bus=in-process", "--output", output],
@@ -181,8 +182,8 @@ def programs(tmp_path):
     }, output
 
 
-PROGRAMS = ["jp-robot", "jp-balance", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol", "jp-plan",
-            "jp-navigate"]
+PROGRAMS = ["jp-robot", "jp-balance", "jp-skid", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol",
+            "jp-plan", "jp-navigate"]
 
 
 @pytest.mark.parametrize("program", PROGRAMS)

@@ -262,7 +262,9 @@ def write_tiny_robot(directory):
     text = (ROOT / "sim/robots/zhang2018.cfg").read_text(encoding="utf-8")
     for key, value in (("name", '"tiny"'), ("length_m", 0.02), ("width_m", 0.02), ("wheelbase_m", 0.01),
                        ("mass_kg", 0.02), ("radius_m", 0.003), ("torque_constant_nm_per_a", 0.001),
-                       ("resistance_ohm", 5.0), ("gear_ratio", 30.0), ("voltage_v", 12.0), ("distance_j_per_m", 0.6)):
+                       ("resistance_ohm", 5.0), ("gear_ratio", 30.0), ("voltage_v", 12.0), ("distance_j_per_m", 0.6),
+                       ("centre_height_m", 0.002), ("inertia_kg_m2", 1e-7), ("yaw_inertia_kg_m2", 1.3e-6),
+                       ("current_limit_a", 0.2)):
         text = re.sub(rf"{key} = [^;]*;", f"{key} = {value};", text)
     for before, after in (("power_w = 240.0", "power_w = 1.0"), ("power_w = 10.0", "power_w = 0.05"),
                           ("speed_m_s = 1.0", "speed_m_s = 0.2"), ("speed_m_s = 0.5", "speed_m_s = 0.1")):

@@ -1,0 +1,45 @@
+"""jp-skid: constant duties, and where the energy went."""
+import json
+import math
+
+import pytest
+from conftest import ROOT, assert_one_line_error, run
+
+LOST = ("supply_j", "electronics_j", "bridge_j", "copper_j", "gear_j", "slip_along_j", "slip_across_j", "rolling_j",
+        "caster_j", "impact_j", "kinetic_j", "potential_j")
+
+
+def skid(robot, *options):
+    result = run("jp-skid", ROOT / "sim/robots" / f"{robot}.cfg", "--json=-", *options)
+    assert result.returncode == 0, result.stderr
+    return json.loads(result.stdout)
+
+
+@pytest.mark.parametrize("robot", ["zhang2018", "burger"])
+@pytest.mark.parametrize("duties", [(0.8, 0.8), (0.3, -0.3), (-0.2, -0.4), (0, 0)])
+@pytest.mark.parametrize("slope", [0, 5])
+def test_energy_is_where_the_table_says(robot, duties, slope):
+    figures = skid(robot, f"--left={duties[0]}", f"--right={duties[1]}", f"--slope={slope}", "--heading=30")
+    assert sum(figures[key] for key in LOST) == pytest.approx(figures["battery_j"], rel=1e-3)
+    assert abs(figures["residual_j"]) < 1e-3 * figures["battery_j"]
+    assert figures["tipped"] == 0
+
+
+def test_options_mean_what_they_say():
+    straight = skid("zhang2018", "--left=0.5", "--right=0.5", "--seconds=4", "--heading=90")
+    assert straight["x_m"] == pytest.approx(0, abs=1e-9) and straight["y_m"] > 1.5
+    longer = skid("zhang2018", "--left=0.5", "--right=0.5", "--seconds=8", "--heading=90")
+    assert longer["y_m"] - straight["y_m"] == pytest.approx(4 * straight["speed_m_s"], rel=1e-3)
+    left = skid("zhang2018", "--left=-0.3", "--right=0.3")
+    assert left["turn_rate_rad_s"] > 0.1 and left["heading_deg"] > 0
+    uphill = skid("zhang2018", "--left=0.5", "--right=0.5", "--seconds=4", "--slope=10")
+    assert uphill["potential_j"] == pytest.approx(92 * 9.80665 * math.tan(math.radians(10)) * uphill["x_m"], rel=1e-6)
+    assert uphill["battery_j"] > straight["battery_j"]
+
+
+def test_what_is_wrong_is_said_in_a_line():
+    assert_one_line_error(run("jp-skid", ROOT / "sim/robots/patrol.cfg"), "patrol.cfg", "four_wheel robot",
+                          "skid_steer or a differential_drive")
+    assert_one_line_error(run("jp-skid", ROOT / "sim/robots/courier24.cfg"), "courier24.cfg", "balancer robot")
+    for option, text in (("--left", "1.1"), ("--right", "x"), ("--seconds", "0"), ("--slope", "61"), ("--heading", "200")):
+        assert_one_line_error(run("jp-skid", ROOT / "sim/robots/burger.cfg", f"{option}={text}"), "jp-skid", option)
