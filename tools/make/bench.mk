@@ -87,7 +87,7 @@ bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU
 	@tools/setup.sh sil operate firmware
 	@$(MAKE) $(PARALLEL) all $(BUILD)/bench/bench_cuts \
 	    $(addprefix $(BUILD)/firmware/,courier24/joulepath.elf courier24/emulated.elf bench_planning)
-	$(BUILD)/bench/bench_cuts >$(BUILD)/bench/image_cuts.json
+	$(BUILD)/bench/bench_cuts >$(BUILD)/bench/bench_cuts.json
 	$(PLANNING_CLOCK) $(BUILD)/firmware/bench_planning >$(BUILD)/bench/image_ticks.json 2>&1 </dev/null
 	$(PYTHON) -m tools.measure.bench_image
 
@@ -140,8 +140,7 @@ bench-restart: ## measure, in real time, a controller that is killed in mid-driv
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment \
-              skid_energy skid_plant store teb
+PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment store teb
 ARGS.battery          = --count 100000000
 ARGS.fixed            = --count 4294967296
 ARGS.four_wheel       = --count 1000000
@@ -153,8 +152,6 @@ ARGS.planner_memory   = --count 1200
 ARGS.pure_pursuit     = --count 400
 ARGS.scan_match       = --count 40
 ARGS.segment          = --count 10000
-ARGS.skid_energy      = --count 100
-ARGS.skid_plant       = --count 200
 ARGS.store            = --count 10000
 ARGS.teb              = --count 500
 

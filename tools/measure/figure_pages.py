@@ -55,7 +55,7 @@ SECTIONS = (
     Section("Navigator of the firmware's image", "courier24 over the bus, which brings it map, goal and what its sensor sees, "
             "on random maps of 192 × 192 and 40 × 40 cells with boxes that they do not show, in process and with the image "
             "in QEMU; the application alone on the core, whose way is blocked again and again, an instruction taking 8 ns; "
-            "its planner on the scenes cut to its map.", r"image|image_ticks|image_cuts"),
+            "its planner on the scenes cut to its map.", r"image|image_ticks|bench_cuts"),
     Section("Grid planner", "Shortest paths over occupancy grids.", r"bench_grid|grid_planner"),
     Section("Segments of any length", "Predicted against driven energy.", r"bench_horizon|horizon"),
     Section("Learner", "Error of the predicted energy after so many segments.", r"bench_learner"),
