@@ -188,10 +188,10 @@ static bool can_look_for_way(const struct jp_navigator *navigator)
 /** The planner has done what it can. */
 static void do_without_route(struct jp_navigator *navigator)
 {
-    if (navigator->internal.search == JP_NAVIGATOR_ROUTE_ONLY) {
-        fail(navigator, JP_NAVIGATOR_MEMORY);
-    } else if (navigator->internal.search == JP_NAVIGATOR_ROUTE || has_map_changed(navigator)) {
+    if (navigator->internal.search == JP_NAVIGATOR_ROUTE || has_map_changed(navigator)) {
         begin_way(navigator);
+    } else if (navigator->internal.search == JP_NAVIGATOR_ROUTE_ONLY) {
+        fail(navigator, JP_NAVIGATOR_MEMORY);
     } else {
         enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
     }
