@@ -8,9 +8,10 @@
 
 #include "tests/support/options.h"
 #include "tests/support/toy_lattice.h"
+#include "tests/support/way_oracle.h"
 #include "unity.h"
 
-enum { WIDTH = 37, HEIGHT = 21, FAR = 9999, LOOKS_MAX = 100000 };
+enum { WIDTH = 37, HEIGHT = 21, LOOKS_MAX = 100000 };
 
 static struct options options = {.count = 600, .seed = 4711};
 static struct toy_lattice toy;
@@ -18,7 +19,6 @@ static struct jp_terrain terrain;
 static struct jp_lattice_way way;
 static uint64_t map_block[(2 * 2 * HEIGHT * 4 + 2 * WIDTH * HEIGHT + 7) / 8];
 static uint64_t block[3 * (WIDTH * HEIGHT + 31) / 32];
-static int distance[HEIGHT][WIDTH];
 
 void setUp(void)
 {
@@ -68,53 +68,6 @@ static void make_map(void)
     }
 }
 
-static bool can_step(int32_t x, int32_t y, unsigned heading)
-{
-    const struct jp_primitive *step = unit_of(heading);
-
-    return step->end == heading && jp_lattice_cost(&toy.lattice, JP_COST_PHYSICAL, &terrain, step, x, y) != JP_COST_MAX;
-}
-
-static bool is_passable(int32_t x, int32_t y, unsigned heading)
-{
-    return can_step(x, y, heading) && can_step(x + jp_move_offsets[heading].dx, y + jp_move_offsets[heading].dy,
-                                               (heading + JP_HEADINGS / 2U) % JP_HEADINGS);
-}
-
-static bool relax(int32_t x, int32_t y)
-{
-    bool has_changed = false;
-
-    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        const int32_t u = x + jp_move_offsets[heading].dx;
-        const int32_t v = y + jp_move_offsets[heading].dy;
-
-        if (jp_terrain_contains(&terrain, u, v) && distance[v][u] > distance[y][x] + 1 && is_passable(x, y, heading)) {
-            distance[v][u] = distance[y][x] + 1;
-            has_changed = true;
-        }
-    }
-    return has_changed;
-}
-
-static void solve(const struct jp_way_cell *goal)
-{
-    bool has_changed = true;
-
-    for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        distance[i / WIDTH][i % WIDTH] = FAR;
-    }
-    distance[goal->y][goal->x] = 0;
-    while (has_changed) {
-        has_changed = false;
-        for (int32_t i = 0; i < WIDTH * HEIGHT; i++) {
-            if (distance[i / WIDTH][i % WIDTH] < FAR) {
-                has_changed = relax(i % WIDTH, i / WIDTH) || has_changed;
-            }
-        }
-    }
-}
-
 static struct jp_way_cell anywhere(void)
 {
     return (struct jp_way_cell){(int16_t)below(WIDTH), (int16_t)below(HEIGHT)};
@@ -132,17 +85,6 @@ static enum jp_way_answer finish(unsigned slice)
     return JP_WAY_WORKING;
 }
 
-static void expect_way(struct jp_way_cell cell)
-{
-    int left = distance[cell.y][cell.x];
-
-    while (jp_lattice_way_next(&way, &cell)) {
-        left--;
-        TEST_ASSERT_EQUAL_INT(left, distance[cell.y][cell.x]);
-    }
-    TEST_ASSERT_EQUAL_INT(0, left);
-}
-
 static void test_fewest_steps_on_any_map_and_lattice(void)
 {
     unsigned found = 0;
@@ -155,14 +97,14 @@ static void test_fewest_steps_on_any_map_and_lattice(void)
         const struct jp_way_cell start = anywhere();
         const struct jp_way_cell goal = anywhere();
 
-        solve(&goal);
+        way_oracle_solve(&toy.lattice, &terrain, &goal);
         TEST_ASSERT_EQUAL_INT(JP_OK,
                               jp_lattice_way_start(&way, &toy.lattice, &terrain, &start, &goal, block, sizeof block));
-        const bool is_near = distance[start.y][start.x] < FAR;
+        const bool is_near = *way_oracle_at(&terrain, start.x, start.y) < WAY_ORACLE_FAR;
 
         TEST_ASSERT_EQUAL_INT(is_near ? JP_WAY_FOUND : JP_WAY_NONE, finish(1 + below(400)));
         if (is_near) {
-            expect_way(start);
+            way_oracle_expect(&terrain, &way, start);
             found++;
         }
     }

@@ -4,17 +4,17 @@
 #include <stddef.h>
 
 #include "tests/support/level_map.h"
+#include "tests/support/way_oracle.h"
 #include "tests/target/random.h"
 #include "unity.h"
 
-enum { SIDE = 24, SMALL_SIDE = 16, MAPS = 60, WORK_MAX = 4000, FREE_CELL_PERCENT = 96, FAR = 9999 };
+enum { SIDE = 24, SMALL_SIDE = 16, MAPS = 60, WORK_MAX = 4000, FREE_CELL_PERCENT = 96 };
 
 static const struct jp_lattice *lattice = &jp_lattice_courier24;
 
 static struct jp_terrain_config map;
 static struct jp_lattice_way way;
 static uint64_t block[3 * SIDE * SIDE / 64 + 1];
-static int16_t steps_to_goal[SIDE][SIDE];
 static uint32_t random_state = 1;
 
 static uint32_t random_below(uint32_t bound)
@@ -56,84 +56,6 @@ static enum jp_way_answer answer(unsigned looks)
         }
     }
     return JP_WAY_WORKING;
-}
-
-/* ---- The oracle ---- */
-
-static const struct jp_primitive *unit_step(unsigned direction)
-{
-    for (unsigned i = lattice->first_from[direction]; i < lattice->first_from[direction + 1U]; i++) {
-        const struct jp_primitive *primitive = &lattice->primitives[i];
-
-        if (primitive->end == direction && primitive->dx == jp_move_offsets[direction].dx &&
-            primitive->dy == jp_move_offsets[direction].dy) {
-            return primitive;
-        }
-    }
-    return NULL;
-}
-
-static bool can_step(int32_t x, int32_t y, unsigned direction)
-{
-    const struct jp_primitive *step = unit_step(direction);
-
-    return step != NULL && jp_lattice_cost(lattice, JP_COST_PHYSICAL, &terrain, step, x, y) != JP_COST_MAX;
-}
-
-static bool is_passable(int32_t x, int32_t y, unsigned direction)
-{
-    return can_step(x, y, direction) && can_step(x + jp_move_offsets[direction].dx, y + jp_move_offsets[direction].dy,
-                                                 (direction + JP_MOVE_DIRECTIONS / 2U) % JP_MOVE_DIRECTIONS);
-}
-
-static bool relax(int32_t x, int32_t y)
-{
-    bool has_changed = false;
-
-    for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
-        const int32_t u = x + jp_move_offsets[direction].dx;
-        const int32_t v = y + jp_move_offsets[direction].dy;
-
-        if (jp_terrain_contains(&terrain, u, v) && steps_to_goal[v][u] > steps_to_goal[y][x] + 1 &&
-            is_passable(x, y, direction)) {
-            steps_to_goal[v][u] = (int16_t)(steps_to_goal[y][x] + 1);
-            has_changed = true;
-        }
-    }
-    return has_changed;
-}
-
-static void solve(int16_t goal_x, int16_t goal_y)
-{
-    bool has_changed = true;
-
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        steps_to_goal[i / SIDE][i % SIDE] = FAR;
-    }
-    steps_to_goal[goal_y][goal_x] = 0;
-    while (has_changed) {
-        has_changed = false;
-        for (int32_t i = 0; i < map.width * map.height; i++) {
-            if (steps_to_goal[i / map.width][i % map.width] < FAR) {
-                has_changed = relax(i % map.width, i / map.width) || has_changed;
-            }
-        }
-    }
-}
-
-/** Follows the way; each of its steps must be one, and lead nearer. */
-static void expect_way(int16_t x, int16_t y, int16_t goal_x, int16_t goal_y)
-{
-    struct jp_way_cell cell = {x, y};
-    int left = steps_to_goal[y][x];
-
-    while (jp_lattice_way_next(&way, &cell)) {
-        left--;
-        TEST_ASSERT_EQUAL_INT(left, steps_to_goal[cell.y][cell.x]);
-    }
-    TEST_ASSERT_EQUAL_INT(goal_x, cell.x);
-    TEST_ASSERT_EQUAL_INT(goal_y, cell.y);
-    TEST_ASSERT_EQUAL_INT(0, left);
 }
 
 /* ---- Tests ---- */
@@ -226,14 +148,14 @@ static bool expect_as_oracle(unsigned looks)
     const int16_t goal_x = anywhere();
     const int16_t goal_y = anywhere();
 
-    solve(goal_x, goal_y);
+    way_oracle_solve(lattice, &terrain, &(struct jp_way_cell){goal_x, goal_y});
     TEST_ASSERT_EQUAL_INT(JP_OK, start(x, y, goal_x, goal_y));
-    if (steps_to_goal[y][x] == FAR) {
+    if (*way_oracle_at(&terrain, x, y) == WAY_ORACLE_FAR) {
         TEST_ASSERT_EQUAL_INT(JP_WAY_NONE, answer(looks));
         return false;
     }
     TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(looks));
-    expect_way(x, y, goal_x, goal_y);
+    way_oracle_expect(&terrain, &way, (struct jp_way_cell){x, y});
     return true;
 }
 
