@@ -52,7 +52,9 @@ def test_the_robot_arrives_round_the_box(drive):
 
 def test_each_phase_is_told(drive):
     lines = (drive / "navigate.out").read_text().splitlines()
-    assert lines[0].startswith("sent map ") and lines[0].endswith(f"{WIDTH} x {HEIGHT} cells")
+    sent = [line for line in lines if line.startswith("sent map ")]
+    assert len(sent) == 1 and sent[0].endswith(f"{WIDTH} x {HEIGHT} cells"), lines
+    assert set(lines[:lines.index(sent[0])]) <= {"navigator: Idle"}, lines
     for state in ("Planning", "Driving", "Braking", "Arrived"):
         assert any(line.startswith(f"navigator: {state}") for line in lines), lines
     assert lines[-1].startswith("arrived at 3.")
