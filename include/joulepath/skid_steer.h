@@ -73,6 +73,10 @@ enum jp_status jp_skid_steer_torques(const struct jp_skid_steer_config *config, 
 enum jp_status jp_skid_steer_power(const struct jp_skid_steer_config *config, enum jp_cost_kind kind,
                                    const struct jp_motion *motion, jp_q24 grade, jp_q16 *power);
 
+/** The physical power of a `config` that passed its check, as jp_motion_price.power (path_speed.h): 0 where
+ *  jp_skid_steer_power() refuses its arguments. */
+jp_q16 jp_skid_steer_power_of(const void *config, const struct jp_motion *motion, jp_q24 grade);
+
 /**
  * Energy in J of a motion that lasts `duration` s (0…256) and rises by `rise` m.
  * JP_ERR_ARGUMENT: as above; the duration is out of range, or the rise exceeds the horizontal distance.

@@ -177,6 +177,14 @@ enum jp_status jp_skid_steer_power(const struct jp_skid_steer_config *config, en
     return sides.overflow || *power != sum ? JP_ERR_OVERFLOW : JP_OK;
 }
 
+jp_q16 jp_skid_steer_power_of(const void *config, const struct jp_motion *motion, jp_q24 grade)
+{
+    jp_q16 power = 0;
+
+    (void)jp_skid_steer_power(config, JP_COST_PHYSICAL, motion, grade, &power);
+    return power;
+}
+
 /* Grade: rise over distance, both m in Q24; INT32_MAX when the rise exceeds the distance. */
 static int32_t grade_of(jp_q24 rise, int64_t distance)
 {

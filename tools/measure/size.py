@@ -33,6 +33,7 @@ MODULES = {
     "skid steer": r"src/skid_steer/skid_steer",
     "grid planner": r"src/search/grid_\w+",
     "path spline": r"src/trajectory/path_spline",
+    "path of a lattice plan": r"src/trajectory/(clothoid|lattice_path|path_(corner|drive|speed))",
     "four wheels": r"src/four_wheel/four_wheel",
     "pure pursuit": r"src/four_wheel/pure_pursuit",
     "plane": r"src/base/plane",

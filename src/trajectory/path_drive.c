@@ -1,0 +1,248 @@
+#include <joulepath/path_drive.h>
+
+#include <stddef.h>
+
+#include "src/base/config_check.h"
+#include "src/base/integer.h"
+
+#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_path_drive_config, member, low, high)
+
+/** Q40 by Q16. */
+#define FRACTION_BITS 24
+
+/** Shares of a step in Q8. */
+#define SHARE_BITS 8U
+#define SHARE_ONE  ((int32_t)1 << SHARE_BITS)
+
+/** Most that the robot may be turned from the set-point for the law to look at, 2⁻³² turn. */
+#define TURNED_MAX ((int32_t)JP_ANGLE_DEGREES(60))
+
+/** 2π in Q28. */
+#define RADIANS_PER_TURN 1686629713
+
+enum jp_status jp_path_drive_init(struct jp_path_drive *drive, const struct jp_path_drive_config *config,
+                                  const char **field)
+{
+    static const struct jp_config_field fields[] = {
+        FIELD(tick_rate, JP_TICK_RATE_MIN, JP_TICK_RATE_MAX),
+        FIELD(way, JP_Q24(0.01), JP_Q24(8)),
+        FIELD(pace, 0, JP_Q24(64)),
+        FIELD(speed_correction, 0, JP_Q24(8)),
+        FIELD(turn_correction, 0, JP_Q24(8)),
+    };
+
+    if (drive == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+
+    if (status == JP_OK) {
+        drive->internal = (struct jp_path_drive_internal){
+            .config = *config,
+            .period = (int32_t)JP_TICKS_PER_SET_POINT * jp_phase_per_rate(config->tick_rate),
+            .pace_rate = (int32_t)(config->tick_rate / JP_TICKS_PER_SET_POINT),
+            .per_way = jp_q24_divide(JP_Q24_ONE, config->way),
+        };
+    }
+    return status;
+}
+
+/** At the begin of its piece. */
+static void set_begin(struct jp_path_drive_internal *d, const struct jp_point *begin)
+{
+    d->x = (int64_t)begin->x * (1 << FRACTION_BITS);
+    d->y = (int64_t)begin->y * (1 << FRACTION_BITS);
+}
+
+void jp_path_drive_begin(struct jp_path_drive *drive, const struct jp_lattice_path *path)
+{
+    struct jp_path_drive_internal *d = &drive->internal;
+
+    d->path = path;
+    d->piece = 0;
+    d->speed = 0;
+    d->progress = 0;
+    set_begin(d, path->count > 0U ? &path->pieces[0].begin : &path->end.position);
+}
+
+/** Of a step from here on, the share that lies beyond a place on the piece, Q8. */
+static int32_t share_beyond(const struct jp_path_drive_internal *d, jp_q24 place)
+{
+    const jp_q24 way = jp_multiply_shift(d->speed, d->period, 32);
+    const jp_q24 ahead = place - d->progress;
+
+    if (ahead >= way) {
+        return 0;
+    }
+    return ahead <= 0 ? SHARE_ONE : SHARE_ONE - ahead * SHARE_ONE / way;
+}
+
+/** A step of speed and progress on the piece. Returns the change of speed. */
+static jp_q24 step(struct jp_path_drive_internal *d, const struct jp_piece_speed *speed)
+{
+    const jp_q24 most = jp_multiply_shift(speed->acceleration, d->period, 32);
+    const jp_q24 to_cruise = jp_clamp32(speed->cruise - d->speed, -most, most);
+    const jp_q24 to_end = jp_clamp32(speed->end - d->speed, -most, most);
+    const int32_t share = share_beyond(d, speed->brake_from);
+    const jp_q24 change = to_cruise + jp_multiply_shift(to_end - to_cruise, share, SHARE_BITS);
+
+    d->progress += jp_multiply_shift(d->speed + change / 2, d->period, 32);
+    d->speed += change;
+    return change;
+}
+
+/** True when a piece is driven: it ends at its length, or where the robot comes to rest. */
+static bool is_over(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+{
+    return d->progress >= piece->length || (d->speed == 0 && d->progress >= piece->speed.brake_from);
+}
+
+/** Goes on to the next piece, as far as the step has led beyond the end of the last. */
+static void next_piece(struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+{
+    d->progress = piece->speed.end == 0 ? 0 : jp_sub(d->progress, piece->length);
+    d->piece++;
+    if (piece->speed.end == 0) {
+        d->speed = 0;
+    }
+    set_begin(d, d->piece < d->path->count ? &d->path->pieces[d->piece].begin : &d->path->end.position);
+}
+
+static jp_angle heading_at(const struct jp_path_piece *piece, jp_q24 way)
+{
+    return piece->heading + jp_angle_from_radians(jp_piece_turned(piece, way));
+}
+
+/** The curvature there, and how it changes; where it jumps to that of the next piece, evenly. */
+struct bend {
+    jp_q24 bend;
+    jp_q16 rate;
+};
+
+static struct bend bend_at(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+{
+    struct bend at = {jp_piece_bend(piece, d->progress), piece->bend_rate};
+
+    if (d->progress < piece->speed.blend) {
+        at.bend -= jp_multiply_shift(piece->speed.blend_rate, piece->speed.blend - d->progress, 16);
+        at.rate = jp_add(at.rate, piece->speed.blend_rate);
+    }
+    if (d->piece + 1U < d->path->count) {
+        const struct jp_piece_speed *next = &piece[1].speed;
+        const jp_q24 into = d->progress - (piece->length - next->blend);
+
+        if (into > 0) {
+            at.bend += jp_multiply_shift(next->blend_rate, into, 16);
+            at.rate = jp_add(at.rate, next->blend_rate);
+        }
+    }
+    return at;
+}
+
+static void set_curve(struct jp_path_drive_internal *d, const struct jp_path_piece *piece, jp_q24 way,
+                      struct jp_path_set_point *at)
+{
+    const struct bend bend = bend_at(d, piece);
+    const jp_q24 square = jp_q24_multiply(d->speed, d->speed);
+
+    d->x += jp_multiply(at->cosine, way) >> 15;
+    d->y += jp_multiply(at->sine, way) >> 15;
+    at->motion = (struct jp_motion){d->speed, jp_q24_multiply(bend.bend, d->speed)};
+    at->turn_acceleration =
+        jp_add(jp_q24_multiply(bend.bend, at->acceleration), jp_multiply_shift(bend.rate, square, 16));
+}
+
+static void set_turn(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece,
+                     struct jp_path_set_point *at)
+{
+    const bool is_left = piece->kind == JP_PIECE_TURN_LEFT;
+
+    at->motion = (struct jp_motion){0, is_left ? d->speed : -d->speed};
+    at->turn_acceleration = is_left ? at->acceleration : -at->acceleration;
+    at->acceleration = 0;
+}
+
+/** `way`: of the step on this piece. */
+static void set_point_on(struct jp_path_drive_internal *d, const struct jp_path_piece *piece, jp_q24 way,
+                         struct jp_path_set_point *at)
+{
+    const jp_angle middle = heading_at(piece, d->progress - way / 2);
+
+    at->cosine = jp_cos(middle);
+    at->sine = jp_sin(middle);
+    if (piece->kind == JP_PIECE_CURVE) {
+        set_curve(d, piece, way, at);
+    } else {
+        set_turn(d, piece, at);
+    }
+    at->pose.heading = heading_at(piece, d->progress);
+}
+
+/** At rest where the path ends. */
+static void set_end(const struct jp_lattice_path *path, struct jp_path_set_point *at)
+{
+    at->motion = (struct jp_motion){0, 0};
+    at->acceleration = 0;
+    at->turn_acceleration = 0;
+    at->cosine = jp_cos(path->end.heading);
+    at->sine = jp_sin(path->end.heading);
+    at->pose.heading = path->end.heading;
+}
+
+bool jp_path_drive_advance(struct jp_path_drive *drive, struct jp_path_set_point *set_point)
+{
+    struct jp_path_drive_internal *d = &drive->internal;
+
+    if (d->path == NULL || d->piece == d->path->count) {
+        return false;
+    }
+    const struct jp_path_piece *piece = &d->path->pieces[d->piece];
+    const jp_q24 before = d->progress;
+    const jp_q24 change = step(d, &piece->speed);
+    jp_q24 way = d->progress - before;
+
+    set_point->acceleration = jp_saturate32(jp_multiply(change, d->pace_rate));
+    if (is_over(d, piece)) {
+        if (piece->speed.end == 0) {
+            set_point->acceleration = 0;
+        }
+        next_piece(d, piece);
+        way = d->progress;
+    }
+    if (d->piece < d->path->count) {
+        set_point_on(d, &d->path->pieces[d->piece], way, set_point);
+    } else {
+        set_end(d->path, set_point);
+    }
+    set_point->pose.position = (struct jp_point){(jp_q16)(d->x >> FRACTION_BITS), (jp_q16)(d->y >> FRACTION_BITS)};
+    return true;
+}
+
+/** m in Q24 of a sum of products of Q16 and Q31. */
+static jp_q24 metres(int64_t sum)
+{
+    return jp_saturate32(sum >> 22);
+}
+
+void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path_set_point *set_point,
+                         const struct jp_path_pose *pose, struct jp_motion *motion)
+{
+    const struct jp_path_drive_internal *d = &drive->internal;
+    const struct jp_path_drive_config *config = &d->config;
+    const int32_t dx = jp_sub(pose->position.x, set_point->pose.position.x);
+    const int32_t dy = jp_sub(pose->position.y, set_point->pose.position.y);
+    const jp_q24 ahead = metres(jp_multiply(dx, set_point->cosine) / 2 + jp_multiply(dy, set_point->sine) / 2);
+    const jp_q24 left = metres(jp_multiply(dy, set_point->cosine) / 2 - jp_multiply(dx, set_point->sine) / 2);
+    const int32_t turned = jp_clamp32((int32_t)(pose->heading - set_point->pose.heading), -TURNED_MAX, TURNED_MAX);
+    const jp_q24 radians = jp_multiply_shift(turned, RADIANS_PER_TURN, 36);
+    const jp_q24 rate = jp_q24_multiply(set_point->motion.speed, d->per_way); /* 1/s */
+    const jp_q24 aim = jp_clamp32(jp_q24_multiply(left, d->per_way), -JP_Q24_ONE, JP_Q24_ONE);
+    const jp_q24 twice = jp_add(rate, rate);
+    const jp_q24 turn_pace = twice > config->pace ? twice : config->pace;
+    const jp_q24 turn_back = jp_add(jp_q24_multiply(rate, aim), jp_q24_multiply(turn_pace, radians));
+    const jp_q24 back = jp_q24_multiply(config->pace, ahead);
+
+    motion->speed = set_point->motion.speed - jp_clamp32(back, -config->speed_correction, config->speed_correction);
+    motion->turn_rate =
+        set_point->motion.turn_rate - jp_clamp32(turn_back, -config->turn_correction, config->turn_correction);
+}

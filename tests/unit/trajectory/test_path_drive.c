@@ -1,0 +1,365 @@
+/* Set-points along a path, and the law that steers a robot back to them. */
+#include <joulepath/path_drive.h>
+#include <joulepath/path_speed.h>
+
+#include "tests/support/config_check.h"
+#include "unity.h"
+
+enum { PLACES = 4, TICK_RATE = 500, RATE = 250, SET_POINTS_MAX = 20000 };
+
+static const struct jp_path_drive_config usual = {
+    .tick_rate = TICK_RATE,
+    .way = JP_Q24(0.5),
+    .pace = JP_Q24(2),
+    .speed_correction = JP_Q24(0.25),
+    .turn_correction = JP_Q24(0.5),
+};
+static const struct jp_path_limits limits = {
+    .speed = JP_Q24(0.5),
+    .turn_rate = JP_Q24(1),
+    .side_speed = JP_Q24(1),
+    .width = JP_Q24(0.5),
+    .acceleration = JP_Q24(0.5),
+    .turn_acceleration = JP_Q24(2),
+};
+
+static struct jp_path_drive_config config;
+static struct jp_path_drive drive;
+static struct jp_path_piece pieces[PLACES];
+static struct jp_lattice_path path;
+static struct jp_path_cost cost;
+static struct jp_path_set_point at;
+
+static enum jp_status check(const struct jp_path_drive_config *of, const char **field)
+{
+    return jp_path_drive_init(&drive, of, field);
+}
+
+DEFINE_EXPECT_CONFIG_OF(check, usual)
+
+static void init(void)
+{
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_path_drive_init(&drive, &config, &field));
+}
+
+void setUp(void)
+{
+    config = usual;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_path_start(&path, pieces, PLACES));
+    init();
+}
+
+void tearDown(void)
+{
+}
+
+static jp_q16 power(const void *model, const struct jp_motion *motion, jp_q24 grade)
+{
+    (void)model;
+    (void)motion;
+    (void)grade;
+    return JP_Q16(1);
+}
+
+/* After the last piece, which begins at (1, 2) m and looks along x. */
+static void add(enum jp_piece_kind kind, double length, double bend, double bend_rate)
+{
+    struct jp_path_piece *piece = &pieces[path.count];
+
+    *piece = (struct jp_path_piece){
+        .kind = kind, .length = JP_Q24(length), .bend = JP_Q24(bend), .bend_rate = JP_Q16(bend_rate)};
+    if (path.count == 0U) {
+        piece->begin = (struct jp_point){JP_Q16(1), JP_Q16(2)};
+    } else {
+        piece->begin = path.end.position;
+        piece->heading = path.end.heading;
+    }
+    path.end.heading = piece->heading + jp_angle_from_radians(jp_piece_turned(piece, piece->length));
+    path.end.position = piece->begin;
+    path.count++;
+}
+
+/* A straight line along x. */
+static void add_line(double length)
+{
+    add(JP_PIECE_CURVE, length, 0, 0);
+    path.end.position.x += JP_Q16(length);
+}
+
+static void begin(void)
+{
+    const struct jp_motion_price price = {.power = power};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_path_plan_speeds(&path, &limits, &price, &cost));
+    jp_path_drive_begin(&drive, &path);
+}
+
+/* Set-points until a piece is driven. */
+static unsigned drive_piece(uint16_t piece)
+{
+    unsigned count = 0;
+
+    while (count < SET_POINTS_MAX && jp_path_drive_piece(&drive) == piece && jp_path_drive_advance(&drive, &at)) {
+        count++;
+    }
+    return count;
+}
+
+static void skip(unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        TEST_ASSERT_TRUE(jp_path_drive_advance(&drive, &at));
+    }
+}
+
+static void expect_near(double expected, jp_q24 value)
+{
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(expected), value);
+}
+
+static void expect_point(double x, double y)
+{
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(x), at.pose.position.x);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), JP_Q16(y), at.pose.position.y);
+}
+
+static void test_config(void)
+{
+    RANGE("", tick_rate, 100, 10000);
+    RANGE("", way, JP_Q24(0.01), JP_Q24(8));
+    RANGE("", pace, 0, JP_Q24(64));
+    RANGE("", speed_correction, 0, JP_Q24(8));
+    RANGE("", turn_correction, 0, JP_Q24(8));
+}
+
+static void test_init_wants_a_drive(void)
+{
+    const char *field = "";
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_path_drive_init(NULL, &config, &field));
+}
+
+static void test_nothing_to_drive(void)
+{
+    TEST_ASSERT_FALSE(jp_path_drive_advance(&drive, &at));
+    jp_path_drive_begin(&drive, &path);
+    TEST_ASSERT_FALSE(jp_path_drive_advance(&drive, &at));
+}
+
+/* 0.5 m/s² up to 0.5 m/s, 1 s and 0.25 m; 2 s on; down. */
+static void test_straight_line(void)
+{
+    add_line(1.5);
+    begin();
+    skip(RATE / 2);
+    expect_point(1.0625, 2);
+    expect_near(0.25, at.motion.speed);
+    expect_near(0.5, at.acceleration);
+    skip(RATE);
+    expect_point(1.5, 2);
+    expect_near(0.5, at.motion.speed);
+    TEST_ASSERT_EQUAL_INT32(0, at.acceleration);
+    skip(2 * RATE);
+    expect_point(1 + 1.5 - 0.0625, 2);
+    expect_near(0.25, at.motion.speed);
+    expect_near(-0.5, at.acceleration);
+    TEST_ASSERT_UINT32_WITHIN(2, RATE / 2, drive_piece(0));
+    TEST_ASSERT_EQUAL_INT32(path.end.position.x, at.pose.position.x);
+    TEST_ASSERT_EQUAL_INT32(0, at.motion.speed);
+    TEST_ASSERT_EQUAL_INT32(0, at.acceleration);
+    TEST_ASSERT_EQUAL_UINT(1, jp_path_drive_piece(&drive));
+    TEST_ASSERT_FALSE(jp_path_drive_advance(&drive, &at));
+}
+
+static void expect_turn(enum jp_piece_kind kind, int32_t sign)
+{
+    add(kind, 1.5, 0, 0);
+    begin();
+    skip(RATE / 4);
+    expect_point(1, 2);
+    TEST_ASSERT_EQUAL_INT32(0, at.motion.speed);
+    TEST_ASSERT_EQUAL_INT32(0, at.acceleration);
+    expect_near(0.5, sign * at.motion.turn_rate);
+    expect_near(2, sign * at.turn_acceleration);
+    expect_near(0.0625, sign * jp_angle_to_radians(at.pose.heading));
+    TEST_ASSERT_UINT32_WITHIN(2, 2 * RATE - RATE / 4, drive_piece(0));
+    TEST_ASSERT_EQUAL_UINT32(path.end.heading, at.pose.heading);
+    TEST_ASSERT_EQUAL_INT32(0, at.motion.turn_rate);
+    TEST_ASSERT_EQUAL_INT32(0, at.turn_acceleration);
+}
+
+static void test_turn_to_the_left(void)
+{
+    expect_turn(JP_PIECE_TURN_LEFT, 1);
+}
+
+static void test_turn_to_the_right(void)
+{
+    expect_turn(JP_PIECE_TURN_RIGHT, -1);
+}
+
+/* Half a circle of 1 m. */
+static void test_arc(void)
+{
+    add(JP_PIECE_CURVE, 3.1415927, 1, 0);
+    path.end.position = (struct jp_point){JP_Q16(1), JP_Q16(4)};
+    begin();
+    skip(RATE / 2);
+    expect_near(at.motion.speed / 16777216.0, at.motion.turn_rate);
+    expect_near(0.5, at.turn_acceleration);
+    (void)drive_piece(0);
+    expect_point(1, 4);
+}
+
+/* The last set-point before the end is where the curve leads. */
+static void test_curve_leads_to_its_end(void)
+{
+    struct jp_path_set_point before = {.cosine = 0};
+    unsigned count = 0;
+
+    add(JP_PIECE_CURVE, 1.5707963, 1, 0);
+    path.end.position = (struct jp_point){JP_Q16(2), JP_Q16(3)};
+    begin();
+    while (jp_path_drive_piece(&drive) == 0U && count < SET_POINTS_MAX) {
+        before = at;
+        skip(1);
+        count++;
+    }
+    at = before;
+    expect_point(2, 3);
+}
+
+static void test_changing_curvature(void)
+{
+    add(JP_PIECE_CURVE, 2, 0, 0.5);
+    begin();
+    skip(RATE);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), jp_q24_multiply(jp_piece_bend(&pieces[0], JP_Q24(0.25)), JP_Q24(0.5)),
+                             at.motion.turn_rate);
+    skip(RATE / 4);
+    expect_near(0.5 * 0.25, at.turn_acceleration); /* κ' v² */
+}
+
+/* A jump from 0 to 1/m at 0.5 m/s takes 0.25/2 m to either side; in the middle it is 1/2. */
+static void test_jump_of_the_curvature(void)
+{
+    jp_turns_per_s last = 0;
+
+    add_line(2);
+    add(JP_PIECE_CURVE, 2, 1, 0);
+    begin();
+    while (jp_path_drive_piece(&drive) < 2U && jp_path_drive_advance(&drive, &at)) {
+        TEST_ASSERT_INT32_WITHIN(JP_Q24(2.01) / RATE, last, at.motion.turn_rate);
+        last = at.motion.turn_rate;
+        if (at.pose.position.x > JP_Q16(2.999) && at.pose.position.x < JP_Q16(3.001)) {
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.25), at.motion.turn_rate);
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(1), at.turn_acceleration);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(0, at.motion.turn_rate);
+}
+
+/* What a step leads beyond a piece's end it does on the next. */
+static void test_pieces_follow_without_a_gap(void)
+{
+    jp_q16 last = JP_Q16(1);
+
+    add_line(0.7);
+    add_line(0.6);
+    begin();
+    while (jp_path_drive_piece(&drive) < 2U && jp_path_drive_advance(&drive, &at)) {
+        TEST_ASSERT_TRUE(at.pose.position.x >= last);
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.00002), (at.motion.speed / RATE) >> 8, at.pose.position.x - last + 40);
+        last = at.pose.position.x;
+    }
+    TEST_ASSERT_EQUAL_INT32(path.end.position.x, at.pose.position.x);
+}
+
+static void test_turns_follow_lines(void)
+{
+    add_line(0.5);
+    add(JP_PIECE_TURN_LEFT, 0.5, 0, 0);
+    add(JP_PIECE_CURVE, 0.5, 0, 0);
+    begin();
+    (void)drive_piece(0);
+    TEST_ASSERT_EQUAL_INT32(pieces[1].begin.x, at.pose.position.x);
+    TEST_ASSERT_EQUAL_INT32(0, at.motion.speed);
+    (void)drive_piece(1);
+    TEST_ASSERT_EQUAL_UINT32(pieces[2].heading, at.pose.heading);
+    TEST_ASSERT_EQUAL_INT32(0, at.motion.turn_rate);
+    (void)drive_piece(2);
+    TEST_ASSERT_EQUAL_UINT(3, jp_path_drive_piece(&drive));
+}
+
+/* ---- The law ---- */
+
+static struct jp_motion track(double x, double y, double radians)
+{
+    struct jp_path_pose pose = at.pose;
+    struct jp_motion motion;
+
+    pose.position.x += JP_Q16(x);
+    pose.position.y += JP_Q16(y);
+    pose.heading += jp_angle_from_radians(JP_Q24(radians));
+    jp_path_drive_track(&drive, &at, &pose, &motion);
+    return motion;
+}
+
+/* At (1, 2) m along x or y with 0.5 m/s and 0.1 rad/s. */
+static void set_point(bool along_y)
+{
+    at = (struct jp_path_set_point){
+        .pose = {{JP_Q16(1), JP_Q16(2)}, along_y ? JP_ANGLE_DEGREES(90) : 0},
+        .cosine = along_y ? 0 : JP_Q31_MAX,
+        .sine = along_y ? JP_Q31_MAX : 0,
+        .motion = {JP_Q24(0.5), JP_Q24(0.1)},
+    };
+}
+
+static void expect_motion(double speed, double turn_rate, struct jp_motion motion)
+{
+    expect_near(speed, motion.speed);
+    expect_near(turn_rate, motion.turn_rate);
+}
+
+static void test_on_the_path(void)
+{
+    set_point(false);
+    expect_motion(0.5, 0.1, track(0, 0, 0));
+}
+
+/* 2/s of what it is ahead; at 0.5 m/s and 0.5 m 1/s of the side by the way, and 2/s of the turn. */
+static void test_back_to_the_path(void)
+{
+    set_point(false);
+    expect_motion(0.5 - 0.1, 0.1, track(0.05, 0, 0));
+    expect_motion(0.5 + 0.1, 0.1, track(-0.05, 0, 0));
+    expect_motion(0.5, 0.1 - 0.1, track(0, 0.05, 0));
+    expect_motion(0.5, 0.1 + 0.1, track(0, -0.05, 0));
+    expect_motion(0.5, 0.1 - 0.2, track(0, 0, 0.1));
+    expect_motion(0.5, 0.1 + 0.2, track(0, 0, -0.1));
+    set_point(true);
+    expect_motion(0.5 - 0.1, 0.1, track(0, 0.05, 0));
+    expect_motion(0.5, 0.1 - 0.1, track(-0.05, 0, 0));
+}
+
+static void test_corrections_are_bounded(void)
+{
+    set_point(false);
+    expect_motion(0.25, -0.4, track(30, 30, 3));
+    expect_motion(0.75, 0.6, track(-3000, -3000, -3));
+}
+
+/* Faster than `pace`, twice the speed by the way; slower, `pace`. */
+static void test_pace_of_the_heading(void)
+{
+    config.turn_correction = JP_Q24(8);
+    config.way = JP_Q24(0.1);
+    init();
+    set_point(false);
+    expect_motion(0.5, 0.1 - 1, track(0, 0, 0.1));
+    at.motion.speed = 0;
+    expect_motion(0, 0.1 - 0.2, track(0, 0.05, 0.1));
+}
