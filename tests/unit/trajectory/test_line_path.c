@@ -1,0 +1,249 @@
+/* Paths along straight lines: pieces that join, turns on the spot between them, and what is refused. */
+#include <joulepath/line_path.h>
+#include <math.h>
+#include <string.h>
+
+#include "tests/support/random.h"
+#include "unity.h"
+
+#define PLACES  11
+#define TARGETS 5
+
+#define Q16  65536.0
+#define Q24  16777216.0
+#define TURN 4294967296.0
+
+static struct jp_path_piece pieces[PLACES];
+static struct jp_lattice_path path;
+static struct jp_point targets[TARGETS];
+static struct jp_line_route route;
+
+void setUp(void)
+{
+    memset(pieces, 0, sizeof pieces);
+    route = (struct jp_line_route){.targets = targets, .count = 1};
+}
+
+void tearDown(void)
+{
+}
+
+static void set_target(unsigned i, double x, double y)
+{
+    targets[i] = (struct jp_point){(jp_q16)lround(x * Q16), (jp_q16)lround(y * Q16)};
+}
+
+static void make(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, PLACES, &route));
+}
+
+static double radians(jp_angle angle)
+{
+    return (int32_t)angle * (2 * M_PI / TURN);
+}
+
+struct pose {
+    double x;
+    double y;
+    double heading;
+};
+
+/* At a share of a piece, by circles. */
+static struct pose pose_on(const struct jp_path_piece *piece, double share)
+{
+    const double way = share * piece->length / Q24;
+    const double bend = piece->bend / Q24;
+    struct pose pose = {piece->begin.x / Q16, piece->begin.y / Q16, radians(piece->heading)};
+
+    if (piece->kind != JP_PIECE_CURVE) {
+        pose.heading += piece->kind == JP_PIECE_TURN_LEFT ? way : -way;
+    } else {
+        const double half = bend * way / 2;
+        const double chord = half == 0 ? way : way * sin(half) / half;
+        pose.x += chord * cos(pose.heading + half);
+        pose.y += chord * sin(pose.heading + half);
+        pose.heading += bend * way;
+    }
+    return pose;
+}
+
+static void check_meets(const struct pose *end, const struct jp_point *point, jp_angle heading)
+{
+    TEST_ASSERT_TRUE(fabs(end->x - point->x / Q16) < 2e-4);
+    TEST_ASSERT_TRUE(fabs(end->y - point->y / Q16) < 2e-4);
+    TEST_ASSERT_TRUE(fabs(remainder(end->heading - radians(heading), 2 * M_PI)) < 1e-3);
+}
+
+/* Each piece ends where the next one begins, the first begins at the start and the last ends at the last target. */
+static void check_joined(void)
+{
+    TEST_ASSERT_EQUAL_INT32(route.start.x, pieces[0].begin.x);
+    TEST_ASSERT_EQUAL_INT32(route.start.y, pieces[0].begin.y);
+    for (unsigned i = 0; i < path.count; i++) {
+        const struct pose end = pose_on(&pieces[i], 1);
+        const bool is_last = i + 1U == path.count;
+        check_meets(&end, is_last ? &path.end.position : &pieces[i + 1U].begin,
+                    is_last ? path.end.heading : pieces[i + 1U].heading);
+    }
+    TEST_ASSERT_EQUAL_INT32(targets[route.count - 1U].x, path.end.position.x);
+    TEST_ASSERT_EQUAL_INT32(targets[route.count - 1U].y, path.end.position.y);
+}
+
+static double distance_from_line(const struct pose *pose, unsigned line)
+{
+    const struct jp_point *a = line == 0U ? &route.start : &targets[line - 1U];
+    const double dx = (targets[line].x - a->x) / Q16;
+    const double dy = (targets[line].y - a->y) / Q16;
+    const double x = pose->x - a->x / Q16;
+    const double y = pose->y - a->y / Q16;
+    const double share = fmin(fmax((x * dx + y * dy) / (dx * dx + dy * dy), 0), 1);
+
+    return hypot(x - share * dx, y - share * dy);
+}
+
+static double distance_from_lines(const struct pose *pose)
+{
+    double least = INFINITY;
+
+    for (unsigned line = 0; line < route.count; line++) {
+        least = fmin(least, distance_from_line(pose, line));
+    }
+    return least;
+}
+
+static double farthest_from_lines(void)
+{
+    double farthest = 0;
+
+    for (unsigned i = 0; i < path.count; i++) {
+        for (int step = 0; step <= 16; step++) {
+            const struct pose pose = pose_on(&pieces[i], step / 16.0);
+            farthest = fmax(farthest, distance_from_lines(&pose));
+        }
+    }
+    return farthest;
+}
+
+static void test_straight_ahead_is_one_piece(void)
+{
+    set_target(0, 3, 0);
+    make();
+    TEST_ASSERT_EQUAL_UINT(1, path.count);
+    TEST_ASSERT_EQUAL_INT(JP_PIECE_CURVE, pieces[0].kind);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(3), pieces[0].length);
+    TEST_ASSERT_EQUAL_INT32(0, pieces[0].bend);
+    check_joined();
+}
+
+static void test_it_turns_towards_the_first_target(void)
+{
+    set_target(0, 0, -2);
+    make();
+    TEST_ASSERT_EQUAL_UINT(2, path.count);
+    TEST_ASSERT_EQUAL_INT(JP_PIECE_TURN_RIGHT, pieces[0].kind);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(M_PI / 2), pieces[0].length);
+    check_joined();
+    route.heading = JP_ANGLE_DEGREES(-120);
+    make();
+    TEST_ASSERT_EQUAL_INT(JP_PIECE_TURN_LEFT, pieces[0].kind);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(M_PI / 6), pieces[0].length);
+    check_joined();
+}
+
+static void test_a_corner_is_a_turn_on_the_spot(void)
+{
+    route.count = 2;
+    set_target(0, 2, 0);
+    set_target(1, 2, 2);
+    make();
+    TEST_ASSERT_EQUAL_UINT(3, path.count);
+    TEST_ASSERT_EQUAL_INT(JP_PIECE_TURN_LEFT, pieces[1].kind);
+    check_joined();
+    TEST_ASSERT_TRUE(farthest_from_lines() < 1e-4);
+}
+
+static void test_turns_on_the_spot_alone(void)
+{
+    const struct jp_path_pose start = {{JP_Q16(1), JP_Q16(-2)}, JP_ANGLE_DEGREES(170)};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_turn_path(&path, pieces, 1, &start, JP_ANGLE_DEGREES(-100)));
+    TEST_ASSERT_EQUAL_UINT(1, path.count);
+    TEST_ASSERT_EQUAL_INT(JP_PIECE_TURN_LEFT, pieces[0].kind);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(M_PI / 2), pieces[0].length);
+    TEST_ASSERT_EQUAL_INT32(start.position.x, path.end.position.x);
+    TEST_ASSERT_EQUAL_INT32(start.position.y, path.end.position.y);
+    TEST_ASSERT_EQUAL_UINT32(JP_ANGLE_DEGREES(-100), path.end.heading);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_turn_path(&path, pieces, 1, &start, start.heading));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_turn_path(NULL, pieces, 1, &start, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_turn_path(&path, NULL, 1, &start, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_turn_path(&path, pieces, 0, &start, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_turn_path(&path, pieces, 1, NULL, 0));
+}
+
+static void test_what_is_refused(void)
+{
+    struct jp_line_route without = route;
+
+    without.targets = NULL;
+    set_target(0, 1, 0);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_line_path(NULL, pieces, PLACES, &route));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_line_path(&path, NULL, PLACES, &route));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_line_path(&path, pieces, 0, &route));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_line_path(&path, pieces, PLACES, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_line_path(&path, pieces, PLACES, &without));
+    route.count = 0;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_line_path(&path, pieces, PLACES, &route));
+    route.count = 1;
+    set_target(0, 0.0009, 0);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_line_path(&path, pieces, PLACES, &route));
+    set_target(0, 64.001, 0);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_line_path(&path, pieces, PLACES, &route));
+    set_target(0, 64, 0);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, PLACES, &route));
+}
+
+static void test_each_place_that_is_missing(void)
+{
+    route.count = 3;
+    route.heading = JP_ANGLE_DEGREES(90);
+    set_target(0, 2, 0);
+    set_target(1, 2, 2);
+    set_target(2, 1, 2.1);
+    make();
+    TEST_ASSERT_EQUAL_UINT(6, path.count); /* three turns, three lines */
+    for (uint16_t places = 1; places < 6; places++) {
+        TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, jp_line_path(&path, pieces, places, &route));
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, 6, &route));
+}
+
+static void test_random_routes(void)
+{
+    begin_random(2018, 0);
+    for (int i = 0; i < 500; i++) {
+        double x = uniform(-20, 20);
+        double y = uniform(-20, 20);
+        route.start = (struct jp_point){(jp_q16)lround(x * Q16), (jp_q16)lround(y * Q16)};
+        route.heading = random_word();
+        route.count = (uint16_t)(1 + below(TARGETS));
+        for (unsigned k = 0; k < route.count; k++) {
+            const double length = uniform(0.05, 4);
+            const double direction = uniform(-M_PI, M_PI);
+            x += length * cos(direction);
+            y += length * sin(direction);
+            set_target(k, x, y);
+        }
+        make();
+        TEST_ASSERT_TRUE(path.count <= JP_LINE_PATH_PIECES(route.count));
+        check_joined();
+        TEST_ASSERT_TRUE(farthest_from_lines() < 2e-4);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    run_tests();
+    return UNITY_END();
+}
