@@ -22,6 +22,7 @@
 struct run {
     struct bus_navigation *navigation;
     const struct navigation_task *task;
+    double rate_hz; /**< of the ticks */
     struct clearance_robot body;
     struct clearance_pose start;
     struct clearance_pose before;
@@ -36,11 +37,6 @@ struct run {
 static struct clearance_pose pose_of(const struct run *run)
 {
     return navigation_pose(&run->start, &run->navigation->drive.plant.world.plant);
-}
-
-static double rate_of(const struct run *run)
-{
-    return run->task->robot->control.rate_hz;
 }
 
 /* What the ECU tells. */
@@ -160,7 +156,7 @@ static bool pass_tick(struct run *run)
 {
     struct bus_navigation *navigation = run->navigation;
     struct bus_drive *bus = &navigation->drive;
-    const uint32_t ticks = (uint32_t)rate_of(run);
+    const uint32_t ticks = (uint32_t)run->rate_hz;
 
     if (!bus_drive_lockstep(bus)) {
         error_line("the ECU does not answer: is it on the bus, and built with a navigator?");
@@ -169,13 +165,13 @@ static bool pass_tick(struct run *run)
     note_fingerprint(run);
     take_events(run);
     if (navigation->commander.phase == JP_NAVIGATION_SENDING) {
-        navigation->upload_s += 1 / rate_of(run);
+        navigation->upload_s += 1 / run->rate_hz;
     }
     if (navigation->commander.phase == JP_NAVIGATION_DRIVING && !run->has_begun) {
         begin(run);
     }
     if (run->has_begun && (bus->tick - run->begin_tick) % (ticks / SENSOR_RATE) == 0) {
-        navigation->result.seconds = (bus->tick - run->begin_tick) / rate_of(run);
+        navigation->result.seconds = (bus->tick - run->begin_tick) / run->rate_hz;
         look(run);
     }
     return true;
@@ -254,17 +250,18 @@ static uint8_t *encode(const struct run *run, struct jp_map_stream *stream)
 }
 
 bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
-                        const struct jp_can_link *link, unsigned patience)
+                        const struct robot_file *robot, const struct jp_can_link *link, unsigned patience)
 {
-    struct run run = {.navigation = navigation, .task = task, .body = navigation_body(task->robot), .shown = -1};
+    struct run run = {.navigation = navigation, .task = task, .body = navigation_body(robot), .shown = -1};
     const struct jp_map_goal goal = goal_of(task);
     struct jp_map_stream stream;
 
+    run.rate_hz = robot->control.rate_hz;
     run.start = navigation_start(task);
     run.before = run.start;
     *navigation =
         (struct bus_navigation){.fingerprint = FINGERPRINT_START, .result = {.clearance_m = NAVIGATION_CLEARANCE_MAX}};
-    bus_drive_init(&navigation->drive, task->robot, task->seed, link);
+    bus_drive_init(&navigation->drive, robot, task->seed, link);
     navigation->drive.patience = patience;
     navigation->drive.navigation = &navigation->commander;
     uint8_t *bytes = encode(&run, &stream);

@@ -15,9 +15,10 @@ struct bus_navigation {
     size_t stream_bytes;  /**< of it */
 };
 
-/** Drives a task in lockstep; its map is that of the robot, and its memory what the robot has. `link` stays open,
- *  `patience` is of bus_drive.h, s. False after one line on stderr: the robot was not let drive to the end. */
+/** Drives a task in lockstep with a balancer; its map is that of the robot, and its memory what the robot has. `link`
+ * stays open, `patience` is of bus_drive.h, s. False after one line on stderr: the robot was not let drive to the end.
+ */
 bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
-                        const struct jp_can_link *link, unsigned patience);
+                        const struct robot_file *robot, const struct jp_can_link *link, unsigned patience);
 
 #endif

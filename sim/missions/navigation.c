@@ -1,16 +1,13 @@
 #include "sim/missions/navigation.h"
 
-#include <joulepath/balancer_vehicle.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "hal/app/navigation.h"
-#include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
 #include "sim/missions/navigation_sight.h"
 
-#define Q16   65536.0
-#define JOULE 4294967296.0
+#define Q16 65536.0
 
 /** Of the planner's block. */
 #define ALIGNMENT 8
@@ -23,22 +20,15 @@
 #define SENSOR_RATE 20
 #define FRAME_RATE  20
 
-/** The robot stands before it is told where to go, s. */
-#define STAND_SECONDS 2.0
-
 struct navigation {
     const struct navigation_task *task;
+    const struct navigation_robot *robot;
     struct navigation_result *result;
-    struct rig rig;
-    struct jp_pilot pilot;
-    struct jp_balancer_vehicle balancer;
-    struct jp_vehicle vehicle;
     struct jp_planner planner;
     struct jp_navigator navigator;
     struct jp_course_leg legs[NAVIGATION_LEGS];
     void *way;
     size_t way_size;
-    struct clearance_robot body;
     struct clearance_pose start;
     struct clearance_pose before;
     double joules_before;
@@ -48,7 +38,13 @@ struct navigation {
 
 static double joules_of(const struct navigation *navigation)
 {
-    return (double)jp_robot_meter(&navigation->rig.robot)->model / JOULE;
+    return navigation->robot->joules(navigation->robot->self);
+}
+
+/** Of an energy of the vehicle. */
+static double vehicle_joules(const struct navigation *navigation, jp_q16 energy)
+{
+    return ldexp(energy, navigation->robot->unit_exponent - 16);
 }
 
 /* ---- The world ---- */
@@ -56,7 +52,7 @@ static double joules_of(const struct navigation *navigation)
 /** Where the robot truly is. */
 static struct clearance_pose pose_of(const struct navigation *navigation)
 {
-    return navigation_pose(&navigation->start, &navigation->rig.world.plant);
+    return navigation->robot->pose(navigation->robot->self);
 }
 
 /** Tells the navigator what is otherwise than its map says. */
@@ -107,24 +103,22 @@ static void note_forecast(struct navigation *navigation)
     struct jp_progress progress;
 
     if (!navigation->has_forecast && jp_navigator_progress(&navigation->navigator, &progress) == JP_OK) {
-        const struct jp_energy_model *model = navigation->task->entry->energy;
-
         navigation->has_forecast = true;
-        navigation->result->forecast_joules = energy_unit_joules(model, progress.energy.energy);
-        navigation->result->deviation_joules = energy_unit_joules(model, progress.energy.deviation);
+        navigation->result->forecast_joules = vehicle_joules(navigation, progress.energy.energy);
+        navigation->result->deviation_joules = vehicle_joules(navigation, progress.energy.deviation);
     }
 }
 
 static void tick(struct navigation *navigation, uint64_t tick)
 {
-    const uint64_t rate = (uint64_t)navigation->task->robot->control.rate_hz;
+    const uint64_t rate = (uint64_t)navigation->robot->rate_hz;
 
-    rig_tick(&navigation->rig);
+    navigation->robot->tick(navigation->robot->self);
     if (tick % (rate / SENSOR_RATE) == 0) {
         const struct clearance_pose pose = pose_of(navigation);
 
         navigation_look(navigation->task, &pose, navigation->result, tell, navigation);
-        navigation_measure(navigation->task, &navigation->body, &pose, navigation->result);
+        navigation_measure(navigation->task, &navigation->robot->body, &pose, navigation->result);
         navigation->result->length_m += hypot(pose.x - navigation->before.x, pose.y - navigation->before.y);
         navigation->before = pose;
         show(navigation);
@@ -162,7 +156,7 @@ static void conclude(struct navigation *navigation)
 static bool drive(struct navigation *navigation)
 {
     const struct navigation_task *task = navigation->task;
-    const double rate = task->robot->control.rate_hz;
+    const double rate = navigation->robot->rate_hz;
     const enum jp_status status = jp_navigator_go(&navigation->navigator, &task->goal);
 
     if (status != JP_OK) {
@@ -179,38 +173,17 @@ static bool drive(struct navigation *navigation)
 
 /* ---- Preparation ---- */
 
-static bool prepare_robot(struct navigation *navigation)
-{
-    const struct navigation_task *task = navigation->task;
-    const struct jp_pilot_config config = {.model = task->entry->energy, .learning = task->entry->learning};
-    const char *field;
-
-    if (!rig_init(&navigation->rig, task->entry, task->robot, task->seed)) {
-        return false;
-    }
-    rig_release(&navigation->rig, 0);
-    if (jp_pilot_init(&navigation->pilot, &config, &navigation->rig.robot, &field) != JP_OK) {
-        error_line("%s: the energy model is refused: %s; run make identify", task->entry->name, field);
-        return false;
-    }
-    (void)jp_balancer_vehicle_init(&navigation->balancer, &navigation->pilot, &navigation->vehicle);
-    for (int i = 0; i < (int)(STAND_SECONDS * task->robot->control.rate_hz); i++) {
-        rig_tick(&navigation->rig);
-    }
-    navigation->joules_before = joules_of(navigation);
-    return true;
-}
-
 static bool prepare_navigator(struct navigation *navigation, void *block)
 {
     const struct navigation_task *task = navigation->task;
+    const struct navigation_robot *robot = navigation->robot;
     const struct jp_planner_config planner = {task->lattice, JP_COST_PHYSICAL, JP_NAVIGATION_EPSILON};
     const struct jp_place origin = navigation_place(&navigation->start);
-    const double radius = hypot(navigation->body.length_m, navigation->body.width_m) / 2;
+    const double radius = hypot(robot->body.length_m, robot->body.width_m) / 2;
     const struct jp_navigator_config config = {.planner = &navigation->planner,
-                                               .vehicle = &navigation->vehicle,
+                                               .vehicle = &robot->vehicle,
                                                .radius = (jp_q16)lround(radius * Q16),
-                                               .margin = (jp_q16)lround(task->robot->navigation.margin_m / 2 * Q16),
+                                               .margin = (jp_q16)lround(robot->margin_m * Q16),
                                                .legs = navigation->legs,
                                                .legs_max = NAVIGATION_LEGS,
                                                .slice = SLICE,
@@ -225,39 +198,40 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
         return false;
     }
     if (jp_navigator_init(&navigation->navigator, &config, &origin, &field) != JP_OK) {
-        error_line("%s: %s is out of the range of the navigator on this map; take other cells", task->entry->name,
-                   field);
+        error_line("%s: %s is out of the range of the navigator on this map; take other cells", robot->name, field);
         return false;
     }
     return true;
 }
 
 static void describe(struct navigation *navigation, const struct navigation_task *task,
-                     struct navigation_result *result)
+                     const struct navigation_robot *robot, struct navigation_result *result)
 {
     *result = (struct navigation_result){.clearance_m = NAVIGATION_CLEARANCE_MAX};
     navigation->task = task;
     navigation->result = result;
-    navigation->body = navigation_body(task->robot);
+    navigation->robot = robot;
+    navigation->joules_before = joules_of(navigation);
     navigation->start = navigation_start(task);
     navigation->before = navigation->start;
     navigation->way_size = jp_navigator_way_size(&task->map->config);
 }
 
-bool navigation_run(const struct navigation_task *task, struct navigation_result *result)
+bool navigation_run(const struct navigation_task *task, const struct navigation_robot *robot,
+                    struct navigation_result *result)
 {
     struct navigation *navigation = calloc(1, sizeof *navigation);
     void *block = aligned_alloc(ALIGNMENT, (task->memory + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
     bool is_done = false;
 
     if (navigation != NULL) {
-        describe(navigation, task, result);
+        describe(navigation, task, robot, result);
         navigation->way = malloc(navigation->way_size);
     }
     if (navigation == NULL || navigation->way == NULL || block == NULL) {
         error_line("--memory %zu: this computer has not that much; give less", task->memory / 1024);
     } else {
-        is_done = prepare_robot(navigation) && prepare_navigator(navigation, block) && drive(navigation);
+        is_done = prepare_navigator(navigation, block) && drive(navigation);
     }
     if (navigation != NULL) {
         free(navigation->way);

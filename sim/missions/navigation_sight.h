@@ -3,6 +3,8 @@
 #ifndef JOULEPATH_SIM_MISSIONS_NAVIGATION_SIGHT_H
 #define JOULEPATH_SIM_MISSIONS_NAVIGATION_SIGHT_H
 
+#include "sim/balancer/plant.h"
+#include "sim/balancer/robot_constants.h"
 #include "sim/missions/navigation_task.h"
 
 /** Clearances are told up to it, m. */

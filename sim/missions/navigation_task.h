@@ -4,7 +4,6 @@
 
 #include <joulepath/navigator.h>
 
-#include "sim/balancer/rig.h"
 #include "sim/base/clearance.h"
 
 /** A cell that the sensor has seen to be otherwise than the map says. */
@@ -37,8 +36,6 @@ struct navigation_frame {
 };
 
 struct navigation_task {
-    const struct robot_entry *entry;
-    const struct robot_file *robot;
     const struct jp_lattice *lattice;
     struct jp_terrain *map;         /**< that the robot has; it learns what it sees */
     const struct jp_terrain *world; /**< as it is */

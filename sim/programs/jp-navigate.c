@@ -14,7 +14,9 @@
 #include "sim/lattice/lattice_robot.h"
 #include "sim/missions/bus_navigation.h"
 #include "sim/missions/navigation.h"
+#include "sim/missions/navigation_balancer.h"
 #include "sim/missions/navigation_record.h"
+#include "sim/missions/navigation_sight.h"
 #include "sim/missions/navigation_world.h"
 #include "sim/missions/plan_lattice.h"
 
@@ -166,13 +168,13 @@ static json_t *json_result(const struct navigation_result *result)
 }
 
 static json_t *json_summary(const struct arguments *arguments, const struct map_file *map, const char *map_path,
-                            const struct navigation_task *task, const struct navigation_result *result,
-                            const struct navigation_record *record)
+                            const char *robot, const struct navigation_task *task,
+                            const struct navigation_result *result, const struct navigation_record *record)
 {
     const struct jp_lattice_pose goal = {task->goal.x, task->goal.y, 0};
 
-    return json_pack("{s:s, s:{s:s, s:s, s:s}, s:o, s:o, s:f, s:i, s:i, s:I, s:o, s:O, s:O, s:s}", "robot",
-                     task->entry->name, "map", "file", map_path, "name", map->name, "note", map->note, "start",
+    return json_pack("{s:s, s:{s:s, s:s, s:s}, s:o, s:o, s:f, s:i, s:i, s:I, s:o, s:O, s:O, s:s}", "robot", robot,
+                     "map", "file", map_path, "name", map->name, "note", map->note, "start",
                      json_place(map, task->lattice, &task->start), "goal", json_place(map, task->lattice, &goal),
                      "view_m", task->view_m, "hidden_boxes", (int)arguments->boxes, "memory_bytes", (int)task->memory,
                      "seed", (json_int_t)task->seed, "result", json_result(result), "courses", record->courses, "seen",
@@ -223,21 +225,22 @@ static bool open_bus(const struct arguments *arguments, const struct robot_entry
                                                    : bus_open(link, arguments->bus);
 }
 
-static bool drive_on_bus(const struct arguments *arguments, const struct navigation_task *task, FILE *frames,
-                         struct bus_navigation *navigation)
+static bool drive_on_bus(const struct arguments *arguments, const struct lattice_robot *robot,
+                         const struct navigation_task *task, FILE *frames, struct bus_navigation *navigation)
 {
     struct jp_can_link link;
 
-    if (!open_bus(arguments, task->entry, &link)) {
+    if (!open_bus(arguments, rig_find_robot(robot->name), &link)) {
         return false;
     }
     struct can_log log = {.stream = frames,
                           .inner = link,
                           .interface = "can0",
                           .tick = &navigation->drive.tick,
-                          .rate_hz = (uint32_t)task->robot->control.rate_hz};
+                          .rate_hz = (uint32_t)robot->balancer.file.control.rate_hz};
     const struct jp_can_link logged = can_log_link(&log);
-    const bool is_done = bus_navigation_run(navigation, task, frames != NULL ? &logged : &link, arguments->patience);
+    const bool is_done = bus_navigation_run(navigation, task, &robot->balancer.file, frames != NULL ? &logged : &link,
+                                            arguments->patience);
 
     link.close(link.port.context);
     return is_done;
@@ -245,16 +248,29 @@ static bool drive_on_bus(const struct arguments *arguments, const struct navigat
 
 /* ---- Drive ---- */
 
-/* By the navigator itself, or over the bus, with what else is to be told then. */
-static bool run(const struct arguments *arguments, const struct navigation_task *task, FILE *frames,
-                struct navigation_result *result, json_t **bus)
+/* By the navigator itself. */
+static bool drive_alone(const struct lattice_robot *robot, const struct navigation_task *task,
+                        struct navigation_result *result)
+{
+    static struct navigation_balancer balancer;
+    const struct clearance_pose start = navigation_start(task);
+    struct navigation_robot driven;
+
+    return navigation_balancer_init(&balancer, rig_find_robot(robot->name), &robot->balancer.file, &start, task->seed,
+                                    &driven) &&
+           navigation_run(task, &driven, result);
+}
+
+/* By itself, or over the bus, with what else is to be told then. */
+static bool run(const struct arguments *arguments, const struct lattice_robot *robot,
+                const struct navigation_task *task, FILE *frames, struct navigation_result *result, json_t **bus)
 {
     static struct bus_navigation navigation;
 
     if (arguments->bus == NULL) {
-        return navigation_run(task, result);
+        return drive_alone(robot, task, result);
     }
-    if (!drive_on_bus(arguments, task, frames, &navigation)) {
+    if (!drive_on_bus(arguments, robot, task, frames, &navigation)) {
         return false;
     }
     *result = navigation.result;
@@ -265,7 +281,7 @@ static bool run(const struct arguments *arguments, const struct navigation_task 
 
 /* Exit status. */
 static int drive(const struct arguments *arguments, struct map_file *map, const char *map_path,
-                 const struct navigation_task *given)
+                 const struct lattice_robot *robot, const struct navigation_task *given)
 {
     struct navigation_record record;
     struct navigation_result result;
@@ -283,11 +299,11 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
     task.context = &record;
     task.watch = navigation_record_watch;
     task.see = navigation_record_see;
-    bool is_done = run(arguments, &task, frames, &result, &bus);
+    bool is_done = run(arguments, robot, &task, frames, &result, &bus);
 
     navigation_record_end(&record);
     if (is_done) {
-        json_t *summary = json_summary(arguments, map, map_path, &task, &result, &record);
+        json_t *summary = json_summary(arguments, map, map_path, robot->name, &task, &result, &record);
 
         (void)(bus != NULL && json_object_set_new(summary, "bus", bus) == 0);
         is_done = output_json(arguments->common.output, "summary.json", summary);
@@ -317,9 +333,7 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
                                arguments->memory)) {
         return ERROR_EXIT;
     }
-    const struct navigation_task task = {.entry = rig_find_robot(robot->name),
-                                         .robot = &robot->balancer.file,
-                                         .lattice = lattice,
+    const struct navigation_task task = {.lattice = lattice,
                                          .map = &map->terrain,
                                          .world = &world.terrain,
                                          .start = places.start,
@@ -329,7 +343,7 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
                                          .patience = SECONDS_MAX,
                                          .seed = arguments->common.seed};
     char *path = realpath(arguments->map_path, NULL);
-    const int status = drive(arguments, map, path != NULL ? path : arguments->map_path, &task);
+    const int status = drive(arguments, map, path != NULL ? path : arguments->map_path, robot, &task);
 
     free(path);
     navigation_world_free(&world);

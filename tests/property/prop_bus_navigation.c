@@ -37,9 +37,7 @@ static bool drive(const struct dense_map *dense, uint64_t seed, bool has_faults)
                                               {CAN_FAULT_FLIP, CAN_FAULT_OUT, 0.01, 3, 0, UINT64_MAX},
                                               {CAN_FAULT_SWAP, CAN_FAULT_BOTH, 0.01, 0, 0, UINT64_MAX}};
     struct dense_map copy = *dense;
-    const struct navigation_task task = {.entry = robot.entry,
-                                         .robot = &robot.file,
-                                         .lattice = robot.lattice,
+    const struct navigation_task task = {.lattice = robot.lattice,
                                          .map = &copy.map,
                                          .world = &copy.world,
                                          .start = dense->start,
@@ -56,7 +54,7 @@ static bool drive(const struct dense_map *dense, uint64_t seed, bool has_faults)
     }
     const struct jp_can_link around = can_fault_link(&faulty);
 
-    return bus_navigation_run(&navigation, &task, &around, BUS_DRIVE_PATIENCE);
+    return bus_navigation_run(&navigation, &task, &robot.file, &around, BUS_DRIVE_PATIENCE);
 }
 
 static bool is_right(bool is_reachable)

@@ -2,6 +2,8 @@
 
 #include <joulepath/tables.h>
 
+#include "sim/missions/navigation_sight.h"
+
 /** Of a planner that finds every route on these maps, bytes. */
 #define AMPLE ((size_t)32 << 20)
 
@@ -54,6 +56,16 @@ static bool is_as_it_must_be(const struct navigate_trial *trial)
                                : result->state == JP_NAVIGATOR_UNREACHABLE;
 }
 
+static bool drive(const struct navigation_task *task, const struct navigate_robot *robot, struct navigate_trial *trial)
+{
+    const struct clearance_pose start = navigation_start(task);
+    struct navigation_balancer balancer;
+    struct navigation_robot driven;
+
+    return navigation_balancer_init(&balancer, robot->entry, &robot->file, &start, task->seed, &driven) &&
+           navigation_run(task, &driven, &trial->result);
+}
+
 bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robot *robot, uint64_t seed, double view_m,
                         size_t memory)
 {
@@ -62,9 +74,7 @@ bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robo
 
     *trial = (struct navigate_trial){.is_right = false};
     if (is_done) {
-        const struct navigation_task task = {.entry = robot->entry,
-                                             .robot = &robot->file,
-                                             .lattice = robot->lattice,
+        const struct navigation_task task = {.lattice = robot->lattice,
                                              .map = &dense.map,
                                              .world = &dense.world,
                                              .start = dense.start,
@@ -75,7 +85,7 @@ bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robo
                                              .seed = seed};
 
         trial->is_reachable = navigate_is_reachable(robot, &dense.world, &dense.start, &dense.goal);
-        is_done = navigation_run(&task, &trial->result);
+        is_done = drive(&task, robot, trial);
         trial->is_right = !trial->result.is_touched && is_as_it_must_be(trial);
     }
     dense_map_free(&dense);

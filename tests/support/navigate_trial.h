@@ -3,6 +3,7 @@
 #define JOULEPATH_TESTS_SUPPORT_NAVIGATE_TRIAL_H
 
 #include "sim/missions/navigation.h"
+#include "sim/missions/navigation_balancer.h"
 #include "tests/support/dense_map.h"
 
 struct navigate_robot {
