@@ -96,11 +96,14 @@ def from_text(source, text):
     return Robot(source, data)
 
 
-def load_json(path):
+def read_json(path):
     """A robot that jp-robot has printed; - is standard input."""
-    if path == "-":
-        return specification.completed(from_text("standard input", sys.stdin.read()))
-    return specification.completed(from_text(path, read_text(path)))
+    return from_text("standard input", sys.stdin.read()) if path == "-" else from_text(path, read_text(path))
+
+
+def load_json(path):
+    """The same with every setting of a balancer's controller."""
+    return specification.completed(read_json(path))
 
 
 def printed_by(program, path, *options):
@@ -121,8 +124,13 @@ def check_name(path, name):
         raise ToolError(f"{path}: name: is {name!r}, but the file is {Path(path).stem!r}; give both the same name")
 
 
-def load(path, jp_robot=None):
-    """A robot file, checked by jp-robot, with every setting of its controller."""
+def read(path, jp_robot=None):
+    """A robot file, checked by jp-robot."""
     robot = from_text(str(path), printed_by(jp_robot or default_jp_robot(), path, "--json=-"))
     check_name(path, robot.name)
-    return specification.completed(robot)
+    return robot
+
+
+def load(path, jp_robot=None):
+    """The same with every setting of a balancer's controller."""
+    return specification.completed(read(path, jp_robot))
