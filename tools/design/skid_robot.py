@@ -383,8 +383,8 @@ def arguments():
 
 def load_robot(options):
     if options.robot_json:
-        return robot_json.read_json(options.robot_json)
-    return robot_json.read(robot_json.robot_path(options.robot), options.jp_robot)
+        return robot_json.load_skid_steer_json(options.robot_json)
+    return robot_json.load_skid_steer(robot_json.robot_path(options.robot), options.jp_robot)
 
 
 def main():
