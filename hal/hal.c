@@ -10,3 +10,14 @@ void jp_hal_tick(const struct jp_hal *hal, struct jp_robot *robot, enum jp_statu
     *written = hal->write(hal->context, &actuation);
     jp_robot_account(robot);
 }
+
+void jp_hal_skid_tick(const struct jp_hal *hal, struct jp_skid_robot *robot, enum jp_status *written)
+{
+    struct jp_sensors sensors = {0};
+    struct jp_actuation actuation;
+    enum jp_status read = hal->read(hal->context, &sensors);
+
+    jp_skid_robot_control(robot, *written == JP_OK ? read : *written, &sensors, &actuation);
+    *written = hal->write(hal->context, &actuation);
+    jp_skid_robot_account(robot);
+}

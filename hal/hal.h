@@ -7,6 +7,7 @@
 #define JOULEPATH_HAL_H
 
 #include <joulepath/robot.h>
+#include <joulepath/skid_robot.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,6 +29,9 @@ struct jp_hal {
  * `written` is the caller's, JP_OK at the start: a failed write counts as a fault in the next tick.
  */
 void jp_hal_tick(const struct jp_hal *hal, struct jp_robot *robot, enum jp_status *written);
+
+/** The same for a skid-steered or differential-drive robot. */
+void jp_hal_skid_tick(const struct jp_hal *hal, struct jp_skid_robot *robot, enum jp_status *written);
 
 #ifdef __cplusplus
 }

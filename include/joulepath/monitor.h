@@ -11,8 +11,8 @@
 
 #include <stdbool.h>
 
-#include <joulepath/estimator.h>
 #include <joulepath/sensors.h>
+#include <joulepath/status.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,8 +28,13 @@ enum jp_fault {
     JP_FAULT_ENCODER_RIGHT = 1 << 5, /**< the right encoder contradicts the right current */
     JP_FAULT_CURRENT_RANGE = 1 << 6,
     JP_FAULT_BUS_VOLTAGE = 1 << 7,
-    JP_FAULT_HARDWARE = 1 << 8, /**< the HAL reported an error */
-    JP_FAULT_OVERSPEED = 1 << 9 /**< the wheels run away, as when the gyro is wrong */
+    JP_FAULT_HARDWARE = 1 << 8,       /**< the HAL reported an error */
+    JP_FAULT_OVERSPEED = 1 << 9,      /**< the wheels run away, as when the gyro is wrong */
+    JP_FAULT_STALLED_LEFT = 1 << 10,  /**< the left motor takes its greatest current and does not turn */
+    JP_FAULT_STALLED_RIGHT = 1 << 11, /**< the same of the right one */
+    JP_FAULT_WHEEL_IN_AIR = 1 << 12,  /**< a side turns without carrying anything while the other one does */
+    JP_FAULT_WHEELS_SPIN = 1 << 13,   /**< the wheels turn the robot, and the gyro says otherwise */
+    JP_FAULT_SLOPE = 1 << 14          /**< the ground is steeper than the robot may drive */
 };
 
 /** Pitch rate, yaw rate, acceleration along x and z. */

@@ -4,7 +4,7 @@
 
 #include <joulepath/monitor.h>
 
-#define FAULTS_NAME_SIZE 160
+#define FAULTS_NAME_SIZE 256
 
 /** All faults of a fault word, such as "IMU jump, overspeed", or "none"; FAULTS_NAME_SIZE holds any. */
 void faults_name(uint16_t faults, char text[FAULTS_NAME_SIZE]);

@@ -214,7 +214,7 @@ static void set_loads(const struct skid_plant *plant, const struct lie *lie, con
     fit_plane(plant, moments, plane);
     for (int i = 0; i < plant->contact_count; i++) {
         const struct planar_point place = plant->contacts[i].place;
-        load[i] = fmax(plane[0] + plane[1] * place.x + plane[2] * place.y, 0);
+        load[i] = plant->contacts[i].lifted ? 0 : fmax(plane[0] + plane[1] * place.x + plane[2] * place.y, 0);
         sum += load[i];
     }
     for (int i = 0; i < plant->contact_count; i++) {
@@ -326,7 +326,7 @@ static struct drive drive_side(const struct skid_plant *plant, const struct skid
     const double efficiency = model->motor.efficiency;
     const double drag = drag_of(plant, wheels, &rate->sides[side]);
     const double meshing = fabs(torque) * (torque * drag > 0 ? 1 - efficiency : 1 / efficiency - 1);
-    const double gear = meshing + model->motor.friction_nm;
+    const double gear = meshing + model->motor.friction_nm + plant->jam[side];
     const double power = bus_power(plant, voltage, back_emf, current);
 
     rate->sides[side].angle = wheels->rate;

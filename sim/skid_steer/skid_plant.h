@@ -111,6 +111,7 @@ struct skid_contact {
     double damping;
     double relaxation;   /**< κ, 1/m */
     double static_share; /**< of the weight, on level ground at rest */
+    bool lifted;         /**< it carries nothing; the others carry its share */
 };
 
 /** How the robot lies on the ground and what its contacts do, at the end of the last step. */
@@ -136,6 +137,7 @@ struct skid_plant {
     double side_inertia;    /**< wheels and rotor of a side, at the wheels, kg·m² */
     double presliding;      /**< rad */
     double step;            /**< of the integrator, at most, s */
+    double jam[SKID_SIDES]; /**< dry friction of a side beside its own, N·m */
     double start_elevation; /**< of the centre of mass, m */
     struct skid_state state;
     struct skid_attitude attitude;

@@ -6,7 +6,8 @@
 #include "src/balancer/path_error.h"
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
-#include "src/base/integer.h"
+#include "src/base/duty.h"
+#include "src/base/request.h"
 #include "src/energy/energy_terms.h"
 
 /** Checks that all parts have one tick rate and one wheel radius. */
@@ -54,29 +55,6 @@ enum jp_status jp_robot_init(struct jp_robot *robot, const struct jp_robot_confi
     return JP_OK;
 }
 
-/*
- * The background and the tick share single bytes and, guarded by them, `next`. Release and acquire order the rest.
- */
-static inline void post(uint8_t *flag, uint8_t value)
-{
-    JP_STORE_RELEASE(flag, value);
-}
-
-static uint8_t posted(const uint8_t *flag)
-{
-    return JP_LOAD_ACQUIRE(flag);
-}
-
-static bool take(uint8_t *flag)
-{
-    bool was_posted = posted(flag) != 0U;
-
-    if (was_posted) {
-        post(flag, 0);
-    }
-    return was_posted;
-}
-
 static bool motors_run(enum jp_robot_state state)
 {
     return state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
@@ -113,7 +91,7 @@ static JP_INLINE_FOR_SPEED void switch_off(struct jp_robot_internal *robot, enum
     telemetry->command = (struct jp_motion){0, 0};
     telemetry->voltages = (struct jp_voltages){0, 0, false};
     leave_trajectory(robot);
-    post(&robot->next_full, 0);
+    jp_post(&robot->next_full, 0);
 }
 
 static void balance(struct jp_robot_internal *robot)
@@ -125,7 +103,7 @@ static void balance(struct jp_robot_internal *robot)
     telemetry->segment = 0;
     telemetry->segments_ended = 0;
     robot->motor_faults = 0;
-    post(&robot->next_full, 0); /* a segment handed over while the robot switched off */
+    jp_post(&robot->next_full, 0); /* a segment handed over while the robot switched off */
     telemetry->state = JP_ROBOT_BALANCING;
 }
 
@@ -208,7 +186,7 @@ static void begin_segment(struct jp_robot_internal *robot)
         telemetry->command = segment->motion;
         count_segment(robot, segment->ticks);
     }
-    post(&robot->next_full, 0);
+    jp_post(&robot->next_full, 0);
 }
 
 /** Idle, fallen and fault: what leads out of them, and into fault. */
@@ -216,7 +194,7 @@ static void rest(struct jp_robot_internal *robot, uint16_t faults)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
 
-    if (take(&robot->disable_requested) && telemetry->state != JP_ROBOT_IDLE) {
+    if (jp_take(&robot->disable_requested) && telemetry->state != JP_ROBOT_IDLE) {
         /* Failed sensors left a pitch and a position that mean nothing. */
         if (telemetry->state == JP_ROBOT_FAULT) {
             robot->started = false;
@@ -228,10 +206,10 @@ static void rest(struct jp_robot_internal *robot, uint16_t faults)
         telemetry->faults |= faults;
         telemetry->state = JP_ROBOT_FAULT;
     }
-    if (take(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->monitor.started) {
+    if (jp_take(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->monitor.started) {
         balance(robot);
     }
-    (void)take(&robot->stop_requested);
+    (void)jp_take(&robot->stop_requested);
 }
 
 /** Balancing and driving: the reasons to switch off, then the hand-over of segments. */
@@ -242,7 +220,7 @@ static void drive(struct jp_robot_internal *robot, uint16_t sensor_faults)
     jp_q24 pitch = telemetry->motion.pitch;
     jp_q24 limit = robot->config->monitor.tilt_limit;
 
-    if (take(&robot->disable_requested)) {
+    if (jp_take(&robot->disable_requested)) {
         switch_off(robot, JP_ROBOT_IDLE);
         jp_monitor_start(&robot->monitor, &robot->config->monitor);
         return;
@@ -257,14 +235,14 @@ static void drive(struct jp_robot_internal *robot, uint16_t sensor_faults)
         return;
     }
 
-    bool stop = take(&robot->stop_requested);
+    bool stop = jp_take(&robot->stop_requested);
     bool ended = telemetry->state == JP_ROBOT_DRIVING && telemetry->segment_ticks_left == 0U;
     const struct jp_trajectory_leg *leg = ended ? next_leg(robot) : NULL;
 
     robot->segment_ended = ended;
     if (!stop && leg != NULL) {
         begin_leg(robot, leg);
-    } else if (!stop && (ended || telemetry->state == JP_ROBOT_BALANCING) && posted(&robot->next_full) != 0U) {
+    } else if (!stop && (ended || telemetry->state == JP_ROBOT_BALANCING) && jp_posted(&robot->next_full) != 0U) {
         begin_segment(robot);
     } else if (stop || ended) {
         leave_trajectory(robot);
@@ -297,37 +275,6 @@ static void control(struct jp_robot_internal *robot, jp_q16 bus_voltage)
     }
 }
 
-/** The next `bits` of a long division: at most 6 with a divisor below 2²⁶. */
-static inline void divide_on(uint32_t *quotient, uint32_t *remainder, uint32_t divisor, unsigned bits)
-{
-    uint32_t dividend = *remainder << bits;
-
-    *quotient = (*quotient << bits) + dividend / divisor;
-    *remainder = dividend % divisor;
-}
-
-/** voltage/bus_voltage, rounded; |voltage| is at most bus_voltage, and that 1 000 V. */
-static inline jp_q31 duty(jp_q16 voltage, jp_q16 bus_voltage)
-{
-    uint32_t divisor = (uint32_t)bus_voltage;
-    uint32_t remainder = jp_magnitude32(voltage);
-    uint32_t quotient = 0;
-
-    divide_on(&quotient, &remainder, divisor, 6);
-    divide_on(&quotient, &remainder, divisor, 6);
-    divide_on(&quotient, &remainder, divisor, 6);
-    divide_on(&quotient, &remainder, divisor, 6);
-    divide_on(&quotient, &remainder, divisor, 6);
-    divide_on(&quotient, &remainder, divisor, 1);
-    if (remainder >= divisor - remainder) {
-        quotient++;
-    }
-    if (voltage < 0) {
-        return (int32_t)(0U - quotient);
-    }
-    return quotient > (uint32_t)INT32_MAX ? INT32_MAX : (int32_t)quotient;
-}
-
 static void step(struct jp_robot_internal *robot, enum jp_status read, const struct jp_sensors *frame,
                  struct jp_actuation *actuation)
 {
@@ -349,8 +296,8 @@ static void step(struct jp_robot_internal *robot, enum jp_status read, const str
     if (motors_run(telemetry->state)) {
         control(robot, sensors->bus_voltage);
         *actuation = (struct jp_actuation){
-            .duty_left = duty(telemetry->voltages.left, sensors->bus_voltage),
-            .duty_right = duty(telemetry->voltages.right, sensors->bus_voltage),
+            .duty_left = jp_duty(telemetry->voltages.left, sensors->bus_voltage),
+            .duty_right = jp_duty(telemetry->voltages.right, sensors->bus_voltage),
             .enabled = 1,
         };
     } else {
@@ -478,21 +425,21 @@ enum jp_status jp_robot_enable(struct jp_robot *robot)
         !within(robot->internal.telemetry.motion.pitch, robot->internal.config->monitor.tilt_limit)) {
         return JP_ERR_STATE;
     }
-    post(&robot->internal.enable_requested, 1);
+    jp_post(&robot->internal.enable_requested, 1);
     return JP_OK;
 }
 
 void jp_robot_disable(struct jp_robot *robot)
 {
-    post(&robot->internal.next_full, 0);
-    post(&robot->internal.enable_requested, 0);
-    post(&robot->internal.disable_requested, 1);
+    jp_post(&robot->internal.next_full, 0);
+    jp_post(&robot->internal.enable_requested, 0);
+    jp_post(&robot->internal.disable_requested, 1);
 }
 
 void jp_robot_stop(struct jp_robot *robot)
 {
-    post(&robot->internal.next_full, 0);
-    post(&robot->internal.stop_requested, 1);
+    jp_post(&robot->internal.next_full, 0);
+    jp_post(&robot->internal.stop_requested, 1);
 }
 
 static bool can_be_driven(const struct jp_robot_config *config, const struct jp_segment_command *segment)
@@ -508,7 +455,7 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
     if (!motors_run(jp_robot_state_now(robot))) {
         return JP_ERR_STATE;
     }
-    if (posted(&robot->internal.next_full) != 0U) {
+    if (jp_posted(&robot->internal.next_full) != 0U) {
         return JP_ERR_BUSY;
     }
     robot->internal.next = (struct jp_next_segment){
@@ -518,7 +465,7 @@ enum jp_status jp_robot_drive(struct jp_robot *robot, const struct jp_segment_co
                              (uint32_t)JP_Q16_ONE / 2U) >>
                             16),
     };
-    post(&robot->internal.next_full, 1);
+    jp_post(&robot->internal.next_full, 1);
     return JP_OK;
 }
 
@@ -542,11 +489,11 @@ enum jp_status jp_robot_drive_trajectory(struct jp_robot *robot, const struct jp
     if (!motors_run(jp_robot_state_now(robot))) {
         return JP_ERR_STATE;
     }
-    if (posted(&robot->internal.next_full) != 0U) {
+    if (jp_posted(&robot->internal.next_full) != 0U) {
         return JP_ERR_BUSY;
     }
     robot->internal.next = (struct jp_next_segment){.trajectory = trajectory};
-    post(&robot->internal.next_full, 1);
+    jp_post(&robot->internal.next_full, 1);
     return JP_OK;
 }
 

@@ -21,6 +21,13 @@ gains: ## design the controller of ROBOT=name: sim/robots/name.cfg to src/tables
 	$(PYTHON) -m tools.design.gain_design --initial-energy $(ROBOT)
 	@$(DECLARE)
 
+.PHONY: skid-robot
+skid-robot: ## design the controller of the skid-steered or differential-drive ROBOT=name: src/tables/skid_robot_name.c
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	$(PYTHON) -m tools.design.skid_robot $(ROBOT)
+	@$(DECLARE)
+
 .PHONY: horizon
 horizon: ## make the tables of the transients of ROBOT=name: src/tables/horizon_name.c and horizon_name_battery.c
 	@tools/setup.sh design

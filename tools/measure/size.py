@@ -21,7 +21,7 @@ HAL_ROOMS = ("storage", "can", "app")
 
 # By the path of the object; the first that matches holds it.
 MODULES = {
-    "balancer": r"src/(balancer/(robot|robot_read|estimator|lqr|monitor|odometry|path_error|reference)|energy/meter|base/(fixed|config_check))",
+    "balancer": r"src/(balancer/(robot|robot_read|estimator|lqr|odometry|path_error|reference)|energy/meter|base/(fixed|config_check|monitor))",
     "energy": r"src/energy/energy",
     "energy of short segments": r"src/energy/horizon",
     "battery": r"src/energy/battery",
@@ -31,6 +31,7 @@ MODULES = {
     "learner": r"src/learn/(learner(_\w+)?|forecast|normal_quantile)",
     "tariff": r"src/map/tariff",
     "skid steer": r"src/skid_steer/skid_steer",
+    "skid-steered robot": r"src/skid_steer/skid_(robot|robot_read|control|monitor|odometry)",
     "grid planner": r"src/search/grid_\w+",
     "path spline": r"src/trajectory/path_spline",
     "path of a lattice plan": r"src/trajectory/(clothoid|lattice_path|path_(corner|drive|speed))",
@@ -55,6 +56,7 @@ MODULES = {
     "parameters in flash": r"hal/storage/(parameters|store|crc32)",
     "post-mortem": r"hal/storage/(post_mortem|memory_check)",
     "tables of a robot": r"src/tables/(robot|energy)_courier24",
+    "table of a skid-steered robot": r"src/tables/skid_robot_zhang2018",
     "table of short segments": r"src/tables/horizon_courier24",
     "lattice of a robot": r"src/tables/lattice_courier24",
     "tables of a patrol robot": r"src/tables/\w+_patrol",

@@ -2,6 +2,7 @@
 
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
+#include "src/base/in_a_row.h"
 
 /** Rm i fits Q16 volts, V in Q32. */
 #define RESISTIVE_LIMIT ((int64_t)JP_Q16(32767) * JP_Q16_ONE)
@@ -92,28 +93,15 @@ static uint16_t jumps(const struct jp_monitor_config *config, const struct jp_se
     return (uint16_t)faults;
 }
 
-/** Counts ticks in a row; true once there are `limit`. */
-static bool count_in_a_row(uint16_t *ticks, bool condition, uint16_t limit)
-{
-    if (!condition) {
-        *ticks = 0;
-        return false;
-    }
-    if (*ticks < limit) {
-        (*ticks)++;
-    }
-    return *ticks >= limit;
-}
-
 /** True once one channel has repeated itself to the bit for so long. */
 static bool watch_for_frozen_imu(struct jp_monitor *monitor, uint16_t limit, const struct jp_sensors *sensors)
 {
     const struct jp_sensors *before = &monitor->good;
     uint16_t *ticks = monitor->frozen_ticks;
-    bool pitch_rate = count_in_a_row(&ticks[0], sensors->pitch_rate == before->pitch_rate, limit);
-    bool yaw_rate = count_in_a_row(&ticks[1], sensors->yaw_rate == before->yaw_rate, limit);
-    bool accel_x = count_in_a_row(&ticks[2], sensors->accel_x == before->accel_x, limit);
-    bool accel_z = count_in_a_row(&ticks[3], sensors->accel_z == before->accel_z, limit);
+    bool pitch_rate = jp_count_in_a_row(&ticks[0], sensors->pitch_rate == before->pitch_rate, limit);
+    bool yaw_rate = jp_count_in_a_row(&ticks[1], sensors->yaw_rate == before->yaw_rate, limit);
+    bool accel_x = jp_count_in_a_row(&ticks[2], sensors->accel_x == before->accel_x, limit);
+    bool accel_z = jp_count_in_a_row(&ticks[3], sensors->accel_z == before->accel_z, limit);
 
     return pitch_rate || yaw_rate || accel_x || accel_z;
 }
@@ -129,7 +117,7 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
         frozen = config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
     }
 
-    bool confirmed = count_in_a_row(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
+    bool confirmed = jp_count_in_a_row(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
 
     if (suspected == 0U) {
         monitor->good = *sensors;
@@ -163,14 +151,14 @@ uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_c
         beyond(voltage_residual(config, sensors->current_right, voltages->right, jp_add(wheel_rate, turning)), limit);
     unsigned faults = 0;
 
-    if (count_in_a_row(&monitor->residual_ticks[0], left, config->residual_ticks)) {
+    if (jp_count_in_a_row(&monitor->residual_ticks[0], left, config->residual_ticks)) {
         faults |= JP_FAULT_ENCODER_LEFT;
     }
-    if (count_in_a_row(&monitor->residual_ticks[1], right, config->residual_ticks)) {
+    if (jp_count_in_a_row(&monitor->residual_ticks[1], right, config->residual_ticks)) {
         faults |= JP_FAULT_ENCODER_RIGHT;
     }
-    if (count_in_a_row(&monitor->overspeed_ticks, beyond(wheel_rate, config->wheel_rate_limit),
-                       config->confirm_ticks)) {
+    if (jp_count_in_a_row(&monitor->overspeed_ticks, beyond(wheel_rate, config->wheel_rate_limit),
+                          config->confirm_ticks)) {
         faults |= JP_FAULT_OVERSPEED;
     }
     return (uint16_t)faults;

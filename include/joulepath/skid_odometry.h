@@ -1,0 +1,147 @@
+/**
+ * Dead reckoning of skid steer and differential drive from wheel encoders, gyro and accelerometer.
+ *
+ * The ticks between two steps add up encoder counts and gyro angle, without loss. A step takes with the increments Δs
+ * of the mean way of the treads, Δφ of (right − left)/B and Δg of the gyro's angle:
+ *
+ *   gyro      Δg = b Δt + r Δφ + noise: a Kalman filter of two states learns the bias b and r = ρ (1 + γ); the noise
+ *             grows with the way and with the turn, so stands tell b, and turns tell r
+ *   scale     γ = (r/ρ0 − 1) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro, the rest is slip
+ *   tilt      ṗ = ω q − ψ̇, q̇ = −ω p: a Kalman filter of the grade p ahead and q to the left, g, measured p; a turn
+ *             shows q
+ *   slip      a tread creeps under force; forces are those of the specific force (f ahead, q + v ω/g to the left):
+ *             along = Δs − f (κ |Δs| + Kx |Δθ|), across = −(q + v ω/g) (κ |Δs| + Ky |Δθ|)
+ *   past      what is learned of b and γ was true before: the pose moves by its sensitivities to them
+ *   plan view along the mean heading of the step: Δx, Δy of (along cos(pitch), across),
+ *             Δθ = (Δg − b Δt)/(1 + γ) (1 + p²/2 − q²/2)
+ *
+ * A robot whose wheels stand keeps its pose. The pose is that of the middle between the axles.
+ */
+#ifndef JOULEPATH_SKID_ODOMETRY_H
+#define JOULEPATH_SKID_ODOMETRY_H
+
+#include <joulepath/sensors.h>
+#include <joulepath/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** One robot; tools/design/skid_odometry.py makes it from the robot file. */
+struct jp_skid_odometry_config {
+    uint32_t tick_rate;    /**< calls a second; 100…10 000 */
+    uint32_t step_ticks;   /**< ticks of a step; 4…32 */
+    int32_t way_per_count; /**< way of the tread for one count of a side, 2⁻⁴⁰ m; 2¹²…2³⁰ */
+    int32_t turn_per_count; /**< turn of the body for one count of (right − left) without slip, 2⁻⁴⁰ turn; 2¹²…2³⁰ */
+    jp_q24 ratio;                  /**< ρ0, turn of the body over that of the wheels by the robot file; 0.1…1.5 */
+    jp_q24 ratio_deviation;        /**< σρ, standard deviation of ρ about it; 0.0001…0.5 */
+    jp_q24 scale_deviation;        /**< σγ, of the gyro's scale; 0…0.1 */
+    jp_turns_per_s bias_deviation; /**< of the gyro's bias at the start; 2⁻¹⁶…0.1 */
+    uint32_t bias_memory;          /**< s in which the bias wanders by that; 1 000…100 000 000 */
+    jp_turns_per_s gyro_noise;     /**< standard deviation of one reading; 2⁻²⁰…0.1 */
+    jp_q24 way_noise; /**< turn that the wheels do not show in a metre, turn/√m, standard deviation; 2⁻¹⁶…0.1 */
+    jp_q24 turn_noise;        /**< share of a turn by the wheels that varies, over one radian; 0.001…1 */
+    jp_q24 tilt_deviation;    /**< of the grade, g; 0.005…0.5 */
+    jp_q24 tilt_change;       /**< of the grade in a metre, g/√m; 0.001…1 */
+    jp_q24 accel_noise;       /**< of the accelerometer's mean over a step, g; 0.0005…0.1 */
+    jp_q24 creep;             /**< κ, slip of the treads per g of specific force; 0…1 */
+    jp_q24 turn_creep_along;  /**< Kx, way per radian of turn and g; 0…8 m */
+    jp_q24 turn_creep_across; /**< Ky; 0…8 m */
+    jp_q24 caster_drag;       /**< force of the caster on its way over the weight, g; 0…0.2 */
+};
+
+/** What is left to do of a step; private. */
+enum jp_skid_odometry_part { JP_SKID_ADD_UP, JP_SKID_FILTER_HEADING, JP_SKID_CORRECT_POSE, JP_SKID_FILTER_TILT };
+
+/** Where the robot is and how it moves, at the last step; turn_rate at the last tick. */
+struct jp_skid_odometry {
+    int64_t x;                /**< m, Q32.32 */
+    int64_t y;                /**< m, Q32.32 */
+    jp_phase heading;         /**< left turn positive */
+    jp_q24 speed;             /**< along the ground, m/s, mean of the step */
+    jp_turns_per_s turn_rate; /**< without bias, in the plane of the ground */
+    jp_q24 steering_ratio;    /**< ρ as learned */
+    /** Of skid_odometry.c alone. */
+    struct {
+        enum jp_skid_odometry_part next;
+        uint32_t ticks; /* since the last step */
+        uint32_t encoder_left;
+        uint32_t encoder_right;
+        jp_phase yaw_angle; /* of the gyro, since the last step */
+        jp_phase pitch_angle;
+        int32_t accel_sum; /* g, Q24 */
+
+        bool is_moving;
+        int32_t way;        /* of the step, m, Q32 */
+        int32_t way_before; /* of the step before */
+        int32_t wheel_turn; /* of the step, 2⁻³² turn; so the next three */
+        int32_t gyro_turn;
+        int32_t gyro_pitch;
+        int32_t turn;
+        int32_t way_x; /* of the step on the map, m, Q32 */
+        int32_t way_y;
+        jp_q24 force; /* mean specific force ahead, g */
+
+        int32_t bias;       /* of a step, 2⁻⁴⁰ turn */
+        int32_t pitch_bias; /* so */
+        jp_turns_per_s bias_rate;
+        int32_t ratio;     /* r, Q30 */
+        int32_t scale;     /* 1/(1 + γ), Q30 */
+        int32_t bias_bias; /* covariance over the squares of the deviations at the start, Q30 */
+        int32_t bias_ratio;
+        int32_t ratio_ratio;
+
+        int32_t bias_change; /* by the last step */
+        int32_t scale_change;
+        int64_t turned; /* by the gyro since the start, 2⁻³² turn */
+        int64_t steps;  /* in motion, Q16; forgotten slowly */
+        int64_t bias_x; /* how far the pose moves if the bias was another one: m in so many steps, Q16 */
+        int64_t bias_y;
+        int64_t scale_x; /* the same of the scale: m in so many turns, Q24 */
+        int64_t scale_y;
+
+        jp_q24 ahead;        /* p, g */
+        jp_q24 left;         /* q */
+        int32_t ahead_ahead; /* covariance over tilt_deviation², Q30 */
+        int32_t ahead_left;
+        int32_t left_left;
+
+        int32_t phase_per_rate;
+        int32_t mean_share;       /* 1/step_ticks, Q31 */
+        int32_t ratio_weight;     /* deviation of r over that of b in a step, 2⁻³² turn; Q40 */
+        int32_t ratio_reciprocal; /* 1/ρ0, Q24 */
+        int32_t scale_share;      /* σγ²/(σγ² + σρ²), Q30 */
+        int32_t bias_growth;      /* of bias_bias in a step */
+        int64_t gyro_variance;    /* over bias_unit², Q30 */
+        int32_t way_variance;     /* the same of a metre, Q14 */
+        int32_t turn_variance;    /* the same of 2⁻³² turn, Q30 */
+        int32_t accel_variance;   /* over tilt_deviation², Q30 */
+        int32_t tilt_fading;      /* 1/m, Q14 */
+        int32_t acceleration;     /* 1/(Δt² g), 1/m, Q8 */
+        int32_t centripetal;      /* 2π/(Δt² g), 1/(m turn), Q8 */
+        int32_t speed_per_way;    /* 1/Δt, Q16 */
+        int32_t turn_creep_along; /* 2π Kx, m/turn, Q24 */
+        int32_t turn_creep_across;
+    } internal;
+};
+
+/** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
+ *  for ISRs. */
+enum jp_status jp_skid_odometry_check(const struct jp_skid_odometry_config *config, const char **field);
+
+/** Starts at (0, 0) with heading 0. It learns the bias best at rest, so a stand of a second or two should follow.
+ *  Cannot fail. A dozen 64-bit divisions; not for the tick. */
+void jp_skid_odometry_start(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                            const struct jp_sensors *sensors);
+
+/** One tick. Steps are limited to ±0.5 m and ±½ turn, readings of the accelerometer to ±2 g. Cannot fail; constant
+ *  time, at most one 32-bit division: every tick adds up, and the last and the next three take a part of the step each.
+ * For the control ISR. */
+void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                             const struct jp_sensors *sensors);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

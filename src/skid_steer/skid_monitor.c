@@ -1,0 +1,149 @@
+#include <joulepath/skid_monitor.h>
+
+#include "src/base/config_check.h"
+#include "src/base/in_a_row.h"
+#include "src/base/integer.h"
+
+/** 1/g, s²/m. */
+#define G_PER_ACCELERATION JP_Q24(0.10197162129779283)
+
+#define AMPERES_MAX JP_Q16(2047)
+
+#define FIELD(member, low, high) JP_CONFIG_FIELD("wheels.", struct jp_skid_monitor_config, member, low, high)
+
+enum jp_status jp_skid_monitor_check(const struct jp_skid_monitor_config *config, const char **field)
+{
+    static const struct jp_config_field fields[] = {
+        FIELD(upright, 0, JP_Q24_ONE),
+        FIELD(smoothing, 1, INT32_MAX),
+        FIELD(stall_current, 1, INT32_MAX),
+        FIELD(stall_rate, 1, INT32_MAX),
+        FIELD(friction, 0, AMPERES_MAX),
+        FIELD(carried, 1, AMPERES_MAX),
+        FIELD(turn_per_wheel, 1, JP_Q24(8)),
+        FIELD(spin_rate, 1, INT32_MAX),
+        FIELD(slope_calls, 1, UINT16_MAX),
+        FIELD(stall_calls, 1, UINT16_MAX),
+        FIELD(contradicted_calls, 1, UINT16_MAX),
+    };
+
+    return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+}
+
+void jp_skid_monitor_start(struct jp_skid_monitor *monitor, jp_q24 tilt_limit)
+{
+    *monitor = (struct jp_skid_monitor){.steepest = jp_sin((jp_angle)tilt_limit << 8) >> 7};
+}
+
+static int32_t smoothed(int32_t past, int32_t now, jp_q31 share)
+{
+    return jp_add(past, jp_q31_multiply(jp_sub(now, past), share));
+}
+
+/* The ground. */
+
+bool jp_skid_monitor_is_steep(const struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config)
+{
+    return !monitor->started || monitor->rise > monitor->steepest || monitor->rise < -monitor->steepest ||
+           monitor->upright < config->upright;
+}
+
+uint16_t jp_skid_monitor_ground(struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config,
+                                const struct jp_sensors *sensors, jp_q24 acceleration)
+{
+    const jp_q24 rise = jp_sub(sensors->accel_x, jp_q24_multiply(acceleration, G_PER_ACCELERATION));
+
+    monitor->rise = monitor->started ? smoothed(monitor->rise, rise, config->smoothing) : rise;
+    monitor->upright =
+        monitor->started ? smoothed(monitor->upright, sensors->accel_z, config->smoothing) : sensors->accel_z;
+    monitor->started = true;
+
+    const bool steep = jp_skid_monitor_is_steep(monitor, config);
+    const bool fault = jp_count_in_a_row(&monitor->slope_calls, steep, config->slope_calls);
+
+    return fault ? (uint16_t)JP_FAULT_SLOPE : 0U;
+}
+
+/* The wheels. */
+
+static bool is_stalled(const struct jp_skid_monitor_config *config, const struct jp_skid_side *side, jp_q16 current)
+{
+    return jp_magnitude32(current) >= (uint32_t)config->stall_current &&
+           jp_magnitude32(side->rate) < (uint32_t)config->stall_rate;
+}
+
+/** Of a current, what the ground takes when the wheel turns as `reference` says, A. */
+static jp_q16 of_the_ground(const struct jp_skid_monitor_config *config, jp_q16 current, jp_turns_per_s reference)
+{
+    return jp_sub(reference < 0 ? jp_sub(0, current) : current, config->friction);
+}
+
+/** Parts of what the ground should take from the motor, A. */
+struct burden {
+    bool judged;
+    bool free;    /**< less than a quarter of it */
+    bool carries; /**< more than a half of it */
+};
+
+static struct burden burden_of(const struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config,
+                               unsigned side, jp_turns_per_s reference)
+{
+    const jp_q16 expected = of_the_ground(config, monitor->load[side], reference);
+    const jp_q16 taken = of_the_ground(config, monitor->current[side], reference);
+
+    return (struct burden){
+        .judged = reference != 0 && expected >= config->carried,
+        .free = taken<expected / 4, .carries = taken> expected / 2,
+    };
+}
+
+static bool is_in_the_air(const struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config,
+                          const struct jp_skid_control *control)
+{
+    const struct burden left = burden_of(monitor, config, JP_SKID_LEFT, control->sides[JP_SKID_LEFT].reference);
+    const struct burden right = burden_of(monitor, config, JP_SKID_RIGHT, control->sides[JP_SKID_RIGHT].reference);
+
+    return left.judged && right.judged && ((left.free && right.carries) || (left.carries && right.free));
+}
+
+static bool contradicts(const struct jp_skid_monitor_config *config, const struct jp_skid_motion *motion)
+{
+    const struct jp_skid_side *sides = motion->control->sides;
+    const jp_q24 ahead = jp_sub(sides[JP_SKID_RIGHT].rate, sides[JP_SKID_LEFT].rate);
+    const jp_turns_per_s turning = jp_q24_multiply(jp_q24_multiply(ahead, config->turn_per_wheel), motion->steering);
+    const uint32_t size = jp_magnitude32(turning);
+
+    return jp_magnitude32(jp_sub(motion->turn_rate, turning)) > (uint32_t)config->spin_rate + (size - size / 4U);
+}
+
+uint16_t jp_skid_monitor_wheels(struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config,
+                                const struct jp_skid_motion *motion)
+{
+    const struct jp_skid_control *control = motion->control;
+    const struct jp_skid_side *left = &control->sides[JP_SKID_LEFT];
+    const struct jp_skid_side *right = &control->sides[JP_SKID_RIGHT];
+    unsigned faults = 0;
+
+    monitor->load[JP_SKID_LEFT] = smoothed(monitor->load[JP_SKID_LEFT], left->load, config->smoothing);
+    monitor->load[JP_SKID_RIGHT] = smoothed(monitor->load[JP_SKID_RIGHT], right->load, config->smoothing);
+    monitor->current[JP_SKID_LEFT] = smoothed(monitor->current[JP_SKID_LEFT], motion->current_left, config->smoothing);
+    monitor->current[JP_SKID_RIGHT] =
+        smoothed(monitor->current[JP_SKID_RIGHT], motion->current_right, config->smoothing);
+
+    if (jp_count_in_a_row(&monitor->stalled_calls[JP_SKID_LEFT], is_stalled(config, left, motion->current_left),
+                          config->stall_calls)) {
+        faults |= JP_FAULT_STALLED_LEFT;
+    }
+    if (jp_count_in_a_row(&monitor->stalled_calls[JP_SKID_RIGHT], is_stalled(config, right, motion->current_right),
+                          config->stall_calls)) {
+        faults |= JP_FAULT_STALLED_RIGHT;
+    }
+    if (jp_count_in_a_row(&monitor->air_calls, motion->straight && is_in_the_air(monitor, config, control),
+                          config->contradicted_calls)) {
+        faults |= JP_FAULT_WHEEL_IN_AIR;
+    }
+    if (jp_count_in_a_row(&monitor->spin_calls, contradicts(config, motion), config->contradicted_calls)) {
+        faults |= JP_FAULT_WHEELS_SPIN;
+    }
+    return (uint16_t)faults;
+}

@@ -1,0 +1,476 @@
+#include <joulepath/skid_odometry.h>
+
+#include "src/base/compiler.h"
+#include "src/base/config_check.h"
+#include "src/base/integer.h"
+
+#define ONE ((int32_t)1 << 30) /* Q30 */
+
+#define TWO_PI              JP_Q24(6.283185307179586)
+#define RADIANS_INVERSE_Q16 JP_Q16(0.15915494309189535)
+#define TWO_PI_Q16          JP_Q16(6.283185307179586)
+#define GRAVITY             JP_Q16(9.80665)
+#define ACCEL_BITS          26 /* ±2 g */
+
+/* A side that turns by this many counts in a step may be one that stands, between two counts. */
+#define STAND_COUNTS 1
+
+/* What variances of the heading's filter are limited to, Q30, so that the reciprocal of their sum is precise. */
+#define VARIANCE_MIN ((int64_t)1 << 16)
+#define VARIANCE_MAX ((int64_t)1 << 45)
+
+/* The wheels' turn in a step, in deviations, Q16, is limited to ±32. */
+#define WEIGHTED_BITS 22
+
+/* r returns to its prior deviation within 512 turns, because grounds differ: 2³⁰ over 512 · 2³². */
+#define RATIO_GROWTH_SHIFT 11U
+
+/* Least r that is believed, Q30. */
+#define RATIO_MIN (ONE / 16)
+
+/* The bias of the pitch gyro takes 1/64 of what it shows in a step at rest. */
+#define PITCH_SHARE_SHIFT 6U
+
+/* Of steps in motion: those of 2¹⁷ steps ago count 1/e, because the bias wanders. */
+#define STEPS_FADING_SHIFT 17U
+
+#define SCALE_ERROR_MAX (ONE / 4)
+
+#define FIELD(member, low, high) JP_CONFIG_FIELD("skid_odometry.", struct jp_skid_odometry_config, member, low, high)
+
+enum jp_status jp_skid_odometry_check(const struct jp_skid_odometry_config *config, const char **field)
+{
+    static const struct jp_config_field fields[] = {
+        FIELD(tick_rate, JP_TICK_RATE_MIN, JP_TICK_RATE_MAX),
+        FIELD(step_ticks, 4, 32),
+        FIELD(way_per_count, (int32_t)1 << 12, (int32_t)1 << 30),
+        FIELD(turn_per_count, (int32_t)1 << 12, (int32_t)1 << 30),
+        FIELD(ratio, JP_Q24(0.1), JP_Q24(1.5)),
+        FIELD(ratio_deviation, JP_Q24(0.0001), JP_Q24(0.5)),
+        FIELD(scale_deviation, 0, JP_Q24(0.1)),
+        FIELD(bias_deviation, JP_Q24_ONE >> 16, JP_Q24(0.1)),
+        FIELD(bias_memory, 1000, 100000000),
+        FIELD(gyro_noise, JP_Q24_ONE >> 20, JP_Q24(0.1)),
+        FIELD(way_noise, JP_Q24_ONE >> 16, JP_Q24(0.1)),
+        FIELD(turn_noise, JP_Q24(0.001), JP_Q24_ONE),
+        FIELD(tilt_deviation, JP_Q24(0.005), JP_Q24(0.5)),
+        FIELD(tilt_change, JP_Q24(0.001), JP_Q24_ONE),
+        FIELD(accel_noise, JP_Q24(0.0005), JP_Q24(0.1)),
+        FIELD(creep, 0, JP_Q24_ONE),
+        FIELD(turn_creep_along, 0, JP_Q24(8)),
+        FIELD(turn_creep_across, 0, JP_Q24(8)),
+        FIELD(caster_drag, 0, JP_Q24(0.2)),
+    };
+
+    return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+}
+
+/* ---- Start ---- */
+
+static int64_t square(int64_t x)
+{
+    return x * x;
+}
+
+static int64_t within(int64_t x, int64_t low, int64_t high)
+{
+    const int64_t at_least = x < low ? low : x;
+
+    return at_least > high ? high : at_least;
+}
+
+/* x · step / s, rounded down. */
+static int64_t in_a_step(const struct jp_skid_odometry_config *config, int64_t x)
+{
+    return x * (int64_t)config->step_ticks / (int64_t)config->tick_rate;
+}
+
+static void set_heading_filter(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int64_t scale = ((int64_t)config->scale_deviation * config->ratio) >> 24; /* of r, Q24 */
+    const int64_t both = square(config->ratio_deviation) + square(scale);           /* Q48 */
+    const int64_t unit = within(in_a_step(config, (int64_t)config->bias_deviation * 256), 16, INT32_MAX);
+    const int64_t gyro = (int64_t)config->gyro_noise * 16384 / config->bias_deviation; /* Q14 */
+    const int64_t way = (int64_t)config->way_noise * 65536 / unit;                     /* Q8 */
+    const int64_t turn = (int64_t)config->turn_noise * 128 / unit;                     /* over √turn, 2^15.5 */
+    const uint32_t deviation = jp_square_root((uint64_t)both);
+
+    odometry->steering_ratio = config->ratio;
+    odometry->internal.ratio = config->ratio * 64;
+    odometry->internal.scale = ONE;
+    odometry->internal.bias_bias = ONE;
+    odometry->internal.ratio_ratio = ONE;
+    odometry->internal.ratio_weight = jp_saturate32((int64_t)deviation * 65536 / unit);
+    odometry->internal.ratio_reciprocal = jp_divide((int64_t)1 << 48, config->ratio);
+    odometry->internal.scale_share = jp_saturate32((square(scale) << 18) / (both >> 12));
+    odometry->internal.bias_growth = (int32_t)(in_a_step(config, ONE) / (int64_t)config->bias_memory) + 1;
+    odometry->internal.gyro_variance =
+        within(square(gyro) * 4 / (int64_t)config->step_ticks, VARIANCE_MIN, VARIANCE_MAX);
+    odometry->internal.way_variance = jp_saturate32(square(way) >> 2);
+    odometry->internal.turn_variance = jp_saturate32((square(turn) * RADIANS_INVERSE_Q16) >> 16);
+}
+
+static void set_tilt_filter(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int64_t noise = (int64_t)config->accel_noise * 32768 / config->tilt_deviation; /* Q15 */
+    const int64_t change = (int64_t)config->tilt_change * 256 / config->tilt_deviation;  /* Q8 */
+
+    odometry->internal.accel_variance = jp_saturate32(within(square(noise), VARIANCE_MIN, INT32_MAX));
+    odometry->internal.tilt_fading = jp_saturate32(square(change) >> 2);
+    odometry->internal.ahead_ahead = ONE;
+    odometry->internal.left_left = ONE;
+}
+
+static void set_units(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int64_t ticks = (int64_t)config->step_ticks;
+    const int64_t rate = (int64_t)config->tick_rate;
+
+    odometry->internal.phase_per_rate = jp_phase_per_rate(config->tick_rate);
+    odometry->internal.mean_share = jp_divide((int64_t)1 << 31, (int32_t)ticks);
+    odometry->internal.speed_per_way = jp_saturate32(rate * JP_Q16_ONE / ticks);
+    odometry->internal.acceleration = jp_saturate32(square(rate) * JP_Q24_ONE / (square(ticks) * GRAVITY));
+    odometry->internal.centripetal = jp_multiply_shift(odometry->internal.acceleration, TWO_PI, 24);
+    odometry->internal.turn_creep_along = jp_multiply_shift(config->turn_creep_along, TWO_PI, 24);
+    odometry->internal.turn_creep_across = jp_multiply_shift(config->turn_creep_across, TWO_PI, 24);
+}
+
+void jp_skid_odometry_start(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                            const struct jp_sensors *sensors)
+{
+    *odometry = (struct jp_skid_odometry){
+        .internal = {.encoder_left = sensors->encoder_left, .encoder_right = sensors->encoder_right}};
+    odometry->internal.ahead = jp_saturate_bits(sensors->accel_x, ACCEL_BITS);
+    set_heading_filter(odometry, config);
+    set_tilt_filter(odometry, config);
+    set_units(odometry, config);
+}
+
+/* ---- Filters ---- */
+
+/* 1/x = mantissa / 2^(63 − zeros), mantissa of 2¹⁵…2¹⁶. */
+struct reciprocal {
+    int32_t mantissa;
+    unsigned zeros;
+};
+
+/* Of 2¹⁶ <= x < 2⁴⁸, to 2⁻¹⁵. One 32-bit division. */
+static struct reciprocal reciprocal_of(int64_t x)
+{
+    const uint32_t high = (uint32_t)(x >> 16);
+    const unsigned zeros = JP_LEADING_ZEROS(high);
+    const uint32_t mantissa = ((uint32_t)1 << 31) / ((high << zeros) >> 16);
+
+    return (struct reciprocal){(int32_t)mantissa, zeros};
+}
+
+/* x over what the reciprocal is of, both in one format, Q24; |x| < 2⁴⁶. */
+static int32_t share(int64_t x, const struct reciprocal *reciprocal)
+{
+    return jp_saturate32((x * reciprocal->mantissa) >> (39U - reciprocal->zeros));
+}
+
+/* Q30 · Q24; the result is part of a variance. */
+static int32_t reduction(int32_t gain, int64_t covariance)
+{
+    return jp_saturate32((gain * (covariance >> 8)) >> 16);
+}
+
+static int32_t at_least_one(int32_t variance)
+{
+    return variance < 1 ? 1 : variance;
+}
+
+/* The part of r that is the gyro's is taken out of its turn. */
+static void share_ratio(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int32_t change = odometry->internal.ratio - config->ratio * 64;
+    const int32_t relative = jp_multiply_shift(change, odometry->internal.ratio_reciprocal, 24);
+    const int32_t error =
+        jp_clamp32(jp_multiply_shift(relative, odometry->internal.scale_share, 30), -SCALE_ERROR_MAX, SCALE_ERROR_MAX);
+
+    const int32_t scale = ONE - error + jp_multiply_shift(error, error, 30);
+
+    odometry->internal.scale_change = scale - odometry->internal.scale;
+    odometry->internal.scale = scale;
+    odometry->internal.bias_rate = jp_multiply_shift(odometry->internal.bias, odometry->internal.speed_per_way, 32);
+    odometry->steering_ratio = jp_multiply_shift(odometry->internal.ratio, odometry->internal.scale, 36);
+}
+
+/* Of what the wheels show of the turn and of the gyro's noise, over bias_unit², Q30. */
+static int64_t heading_noise(const struct jp_skid_odometry *odometry)
+{
+    const int64_t way = jp_multiply(odometry->internal.way_variance, odometry->internal.way);
+    const int64_t turn = jp_multiply(odometry->internal.turn_variance, odometry->internal.wheel_turn);
+    const int64_t noise = odometry->internal.gyro_variance + (jp_absolute64(way) >> 16) + jp_absolute64(turn);
+
+    return noise > VARIANCE_MAX ? VARIANCE_MAX : noise;
+}
+
+/* Learns bias and ratio from what the gyro shows beside the wheels. */
+static void filter_heading(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int32_t turn = odometry->internal.wheel_turn;
+    const int32_t expected = (odometry->internal.bias >> 8) + jp_multiply_shift(turn, odometry->internal.ratio, 30);
+    const int32_t surprise = jp_sub(odometry->internal.gyro_turn, expected);
+    const int32_t weighted = jp_multiply_shift(turn, odometry->internal.ratio_weight, 24);
+    const int32_t weight = jp_saturate_bits(weighted, WEIGHTED_BITS);
+    const int32_t growth = (int32_t)(jp_magnitude32(turn) >> RATIO_GROWTH_SHIFT);
+
+    odometry->internal.bias_bias = jp_clamp32(odometry->internal.bias_bias + odometry->internal.bias_growth, 1, ONE);
+    odometry->internal.ratio_ratio = jp_clamp32(odometry->internal.ratio_ratio + growth, 1, ONE);
+
+    const int64_t of_bias =
+        odometry->internal.bias_bias + (jp_multiply(odometry->internal.bias_ratio, weight) >> 16); /* Q30 */
+    const int64_t of_ratio =
+        odometry->internal.bias_ratio + (jp_multiply(odometry->internal.ratio_ratio, weight) >> 16);
+    const int64_t variance = of_bias + ((of_ratio * weight) >> 16) + heading_noise(odometry);
+    const struct reciprocal reciprocal = reciprocal_of(within(variance, VARIANCE_MIN, 4 * VARIANCE_MAX));
+    const int32_t to_bias = share(of_bias, &reciprocal);
+    const int32_t to_ratio = share(of_ratio, &reciprocal);
+    const int32_t step = jp_multiply_shift(surprise, odometry->internal.ratio_weight, 24); /* of r, Q16 */
+
+    odometry->internal.bias_bias = at_least_one(jp_sub(odometry->internal.bias_bias, reduction(to_bias, of_bias)));
+    odometry->internal.bias_ratio = jp_sub(odometry->internal.bias_ratio, reduction(to_bias, of_ratio));
+    odometry->internal.ratio_ratio =
+        at_least_one(jp_sub(odometry->internal.ratio_ratio, reduction(to_ratio, of_ratio)));
+    odometry->internal.bias_change = jp_multiply_shift(surprise, to_bias, 16);
+    odometry->internal.bias = jp_add(odometry->internal.bias, odometry->internal.bias_change);
+    odometry->internal.ratio =
+        jp_clamp32(jp_add(odometry->internal.ratio, jp_multiply_shift(step, to_ratio, 10)), RATIO_MIN, INT32_MAX);
+    share_ratio(odometry, config);
+}
+
+/* A stand shows the bias of the pitch gyro. */
+static void rest_pitch(struct jp_skid_odometry *odometry)
+{
+    const int64_t shown = (int64_t)odometry->internal.gyro_pitch * 256;
+
+    odometry->internal.pitch_bias += jp_saturate32((shown - odometry->internal.pitch_bias) >> PITCH_SHARE_SHIFT);
+}
+
+static int32_t within_one(int32_t x, int32_t one)
+{
+    return jp_clamp32(x, -one, one);
+}
+
+/* The grades turn with the robot and are forgotten as the ground goes by. */
+static void predict_tilt(struct jp_skid_odometry *odometry)
+{
+    const int32_t turn = jp_multiply_shift(odometry->internal.turn, TWO_PI, 32); /* rad, Q24 */
+    const int32_t nodding = jp_sub(odometry->internal.gyro_pitch, odometry->internal.pitch_bias >> 8);
+    const int64_t passed = jp_absolute64(jp_multiply(odometry->internal.way, odometry->internal.tilt_fading)) >> 16;
+    const int32_t fading = passed > ONE ? ONE : (int32_t)passed;
+    const jp_q24 ahead = odometry->internal.ahead;
+    const jp_q24 left = odometry->internal.left;
+    const int32_t ahead_ahead = odometry->internal.ahead_ahead;
+    const int32_t ahead_left = odometry->internal.ahead_left;
+    const int32_t left_left = odometry->internal.left_left;
+    const int32_t swing = jp_multiply_shift(turn, ahead_left, 23);
+    const int32_t growth = jp_multiply_shift(ONE - left_left, fading, 30);
+
+    odometry->internal.ahead =
+        jp_sub(jp_add(ahead, jp_multiply_shift(turn, left, 24)), jp_multiply_shift(nodding, TWO_PI, 32));
+    odometry->internal.left = jp_sub(left - jp_multiply_shift(left, fading, 31), jp_multiply_shift(turn, ahead, 24));
+    odometry->internal.ahead_ahead = jp_clamp32(jp_add(ahead_ahead + (fading >> 6), swing), 1, ONE);
+    odometry->internal.left_left = jp_clamp32(jp_sub(left_left + growth, swing), 1, ONE);
+    odometry->internal.ahead_left = within_one(jp_add(ahead_left - jp_multiply_shift(ahead_left, fading, 31),
+                                                      jp_multiply_shift(turn, left_left - ahead_ahead, 24)),
+                                               ONE);
+}
+
+/* Learns the grades from the accelerometer without the robot's own acceleration. */
+static void filter_tilt(struct jp_skid_odometry *odometry)
+{
+    const int32_t change = jp_sub(odometry->internal.way, odometry->internal.way_before);
+    const jp_q24 acceleration = jp_multiply_shift(change, odometry->internal.acceleration, 16);
+
+    if (odometry->internal.is_moving) {
+        predict_tilt(odometry);
+    } else {
+        rest_pitch(odometry);
+    }
+
+    const int32_t ahead_ahead = odometry->internal.ahead_ahead;
+    const int32_t ahead_left = odometry->internal.ahead_left;
+    const jp_q24 surprise = jp_sub(jp_sub(odometry->internal.force, acceleration), odometry->internal.ahead);
+    const struct reciprocal reciprocal = reciprocal_of((int64_t)ahead_ahead + odometry->internal.accel_variance);
+    const int32_t to_ahead = share(ahead_ahead, &reciprocal);
+    const int32_t to_left = share(ahead_left, &reciprocal);
+
+    odometry->internal.ahead =
+        within_one(jp_add(odometry->internal.ahead, jp_multiply_shift(surprise, to_ahead, 24)), JP_Q24_ONE);
+    odometry->internal.left =
+        within_one(jp_add(odometry->internal.left, jp_multiply_shift(surprise, to_left, 24)), JP_Q24_ONE);
+    odometry->internal.ahead_ahead = at_least_one(ahead_ahead - jp_multiply_shift(to_ahead, ahead_ahead, 24));
+    odometry->internal.ahead_left = ahead_left - jp_multiply_shift(to_ahead, ahead_left, 24);
+    odometry->internal.left_left =
+        at_least_one(jp_sub(odometry->internal.left_left, jp_multiply_shift(to_left, ahead_left, 24)));
+}
+
+/* ---- Pose ---- */
+
+/* x · share of Q24. */
+static int32_t part(int32_t x, jp_q24 share_of_it)
+{
+    return jp_multiply_shift(x, share_of_it, 24);
+}
+
+/* |x|, saturated. */
+static int32_t distance(int32_t x)
+{
+    return x < 0 ? jp_sub(0, x) : x;
+}
+
+/* component · way with the component in Q31 and the way in Q32 m. */
+static int64_t along(jp_q31 component, int32_t way)
+{
+    return jp_multiply(component, way) >> 31;
+}
+
+/* m, Q32: 2π · sensitivity · change, whose formats together have `shift` bits more than Q32. */
+static int64_t shifted(int64_t sensitivity, int32_t change, unsigned shift)
+{
+    const int64_t product = jp_multiply(jp_saturate32(sensitivity >> 8), change);
+
+    return (jp_round_shift64(product, shift + 8U) * TWO_PI_Q16) >> 8;
+}
+
+/* What the filter has learned in this step was true before. */
+static void correct_pose(struct jp_skid_odometry *odometry)
+{
+    const int32_t bias = odometry->internal.bias_change;
+    const int32_t scale = odometry->internal.scale_change;
+    const int32_t steps = (int32_t)(odometry->internal.steps >> 16);
+    const int32_t turned = jp_saturate32(odometry->internal.turned >> 8);
+
+    odometry->x += shifted(odometry->internal.bias_x, bias, 16U) + shifted(odometry->internal.scale_x, scale, 14U);
+    odometry->y += shifted(odometry->internal.bias_y, bias, 16U) + shifted(odometry->internal.scale_y, scale, 14U);
+    odometry->heading +=
+        (jp_phase)jp_multiply(turned, scale) * 4U - (jp_phase)jp_multiply(steps, bias) * (jp_phase)JP_Q16_ONE;
+}
+
+/* The pose of the next step depends on bias and scale as the heading does. */
+static void follow_sensitivity(struct jp_skid_odometry *odometry)
+{
+    const int32_t steps = (int32_t)(odometry->internal.steps >> 16);
+    const int32_t turned = jp_saturate32(odometry->internal.turned >> 8); /* turn, Q24 */
+    const int32_t x = odometry->internal.way_x;
+    const int32_t y = odometry->internal.way_y;
+
+    odometry->internal.bias_x += jp_multiply(y, steps) >> 16;
+    odometry->internal.bias_y -= jp_multiply(x, steps) >> 16;
+    odometry->internal.scale_x -= jp_multiply(y, turned) >> 32;
+    odometry->internal.scale_y += jp_multiply(x, turned) >> 32;
+    odometry->internal.steps += 65536 - (odometry->internal.steps >> STEPS_FADING_SHIFT);
+}
+
+static void move(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int32_t way = odometry->internal.way;
+    const int32_t turn = odometry->internal.turn;
+    const jp_q24 half_ahead = jp_multiply_shift(odometry->internal.ahead, odometry->internal.ahead, 25); /* p²/2 */
+    const jp_q24 half_left = jp_multiply_shift(odometry->internal.left, odometry->internal.left, 25);
+    const int32_t heading_turn = jp_add(turn, part(turn, half_ahead - half_left));
+
+    /* The caster is pushed by the wheels. */
+    const jp_q24 drag = way < 0 ? -config->caster_drag : config->caster_drag;
+    const jp_q24 ahead = odometry->internal.force + drag;
+    const int32_t bend = jp_multiply_shift(way, turn, 32);
+    const jp_q24 left = jp_add(odometry->internal.left, jp_multiply_shift(bend, odometry->internal.centripetal, 16));
+    const int32_t rolled = part(distance(way), config->creep);
+    const int32_t turned = distance(turn);
+    const int32_t creep_along = jp_add(rolled, part(turned, odometry->internal.turn_creep_along));
+    const int32_t creep_across = jp_add(rolled, part(turned, odometry->internal.turn_creep_across));
+    const int32_t forward = jp_sub(way, part(creep_along, ahead));
+    const int32_t sideways = jp_sub(0, part(creep_across, left));
+    const int32_t plan = jp_sub(forward, part(forward, half_ahead));
+
+    const jp_angle mean = jp_phase_angle(odometry->heading) + (jp_angle)(heading_turn / 2);
+    const jp_q31 cosine = jp_cos(mean);
+    const jp_q31 sine = jp_sin(mean);
+
+    odometry->internal.way_x = jp_saturate32(along(cosine, plan) - along(sine, sideways));
+    odometry->internal.way_y = jp_saturate32(along(sine, plan) + along(cosine, sideways));
+    odometry->x += odometry->internal.way_x;
+    odometry->y += odometry->internal.way_y;
+    odometry->heading += (jp_phase)((int64_t)heading_turn * ((int64_t)1 << 24));
+    odometry->speed = jp_multiply_shift(forward, odometry->internal.speed_per_way, 24);
+}
+
+static bool stands(int32_t counts)
+{
+    return jp_is_between(counts, -STAND_COUNTS, STAND_COUNTS);
+}
+
+/* What the ticks added up becomes the increments of the step. */
+static void take_increments(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                            const struct jp_sensors *sensors)
+{
+    const int32_t left = (int32_t)(sensors->encoder_left - odometry->internal.encoder_left);
+    const int32_t right = (int32_t)(sensors->encoder_right - odometry->internal.encoder_right);
+
+    odometry->internal.encoder_left = sensors->encoder_left;
+    odometry->internal.encoder_right = sensors->encoder_right;
+    odometry->internal.is_moving = !stands(left) || !stands(right);
+    odometry->internal.way_before = odometry->internal.way;
+    odometry->internal.way = jp_round_shift(jp_multiply(jp_add(left, right), config->way_per_count), 9);
+    odometry->internal.wheel_turn = jp_round_shift(jp_multiply(jp_sub(right, left), config->turn_per_count), 8);
+    odometry->internal.gyro_turn = jp_round_shift((int64_t)odometry->internal.yaw_angle, 24);
+    odometry->internal.gyro_pitch = jp_round_shift((int64_t)odometry->internal.pitch_angle, 24);
+    odometry->internal.force = jp_multiply_shift(odometry->internal.accel_sum, odometry->internal.mean_share, 31);
+    odometry->internal.yaw_angle = 0;
+    odometry->internal.pitch_angle = 0;
+    odometry->internal.accel_sum = 0;
+}
+
+static void take_step(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                      const struct jp_sensors *sensors)
+{
+    take_increments(odometry, config, sensors);
+    if (odometry->internal.is_moving) {
+        const int32_t turned = jp_sub(odometry->internal.gyro_turn, odometry->internal.bias >> 8);
+
+        odometry->internal.turned += turned;
+        odometry->internal.turn = jp_multiply_shift(turned, odometry->internal.scale, 30);
+        move(odometry, config);
+    } else {
+        odometry->internal.way = 0;
+        odometry->internal.wheel_turn = 0;
+        odometry->internal.turn = 0;
+        odometry->internal.way_x = 0;
+        odometry->internal.way_y = 0;
+        odometry->speed = 0;
+    }
+}
+
+void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                             const struct jp_sensors *sensors)
+{
+    const jp_turns_per_s rate = jp_sub(sensors->yaw_rate, odometry->internal.bias_rate);
+
+    odometry->turn_rate = jp_multiply_shift(rate, odometry->internal.scale, 30);
+    odometry->internal.yaw_angle += jp_phase_step(sensors->yaw_rate, odometry->internal.phase_per_rate);
+    odometry->internal.pitch_angle += jp_phase_step(sensors->pitch_rate, odometry->internal.phase_per_rate);
+    odometry->internal.accel_sum += jp_saturate_bits(sensors->accel_x, ACCEL_BITS);
+    odometry->internal.ticks++;
+    if (odometry->internal.ticks == config->step_ticks) {
+        odometry->internal.ticks = 0;
+        take_step(odometry, config, sensors);
+        odometry->internal.next = JP_SKID_FILTER_HEADING;
+    } else if (odometry->internal.next == JP_SKID_FILTER_HEADING) {
+        filter_heading(odometry, config);
+        odometry->internal.next = JP_SKID_CORRECT_POSE;
+    } else if (odometry->internal.next == JP_SKID_CORRECT_POSE) {
+        correct_pose(odometry);
+        if (odometry->internal.is_moving) {
+            follow_sensitivity(odometry);
+        }
+        odometry->internal.next = JP_SKID_FILTER_TILT;
+    } else if (odometry->internal.next == JP_SKID_FILTER_TILT) {
+        filter_tilt(odometry);
+        odometry->internal.next = JP_SKID_ADD_UP;
+    } else {
+        /* The other ticks add up alone. */
+    }
+}

@@ -1,0 +1,61 @@
+/* What others read of a robot from any context: whole copies, and single words. */
+#include <joulepath/skid_robot.h>
+
+#include "src/base/compiler.h"
+
+#define TWO_PI JP_Q24(6.283185307179586)
+
+static void copy_telemetry(const struct jp_skid_robot_internal *robot, struct jp_skid_telemetry *telemetry)
+{
+    const struct jp_skid_odometry *odometry = &robot->odometry;
+
+    telemetry->state = robot->state;
+    telemetry->faults = robot->faults;
+    telemetry->tick = robot->tick;
+    telemetry->x = odometry->x;
+    telemetry->y = odometry->y;
+    telemetry->heading = odometry->heading;
+    telemetry->motion = (struct jp_motion){odometry->speed, jp_q24_multiply(odometry->turn_rate, TWO_PI)};
+    telemetry->reference = robot->reference;
+    telemetry->command = robot->command.motion;
+    telemetry->command_ticks_left = robot->command.ticks;
+    telemetry->voltages = robot->voltages;
+    telemetry->rise = robot->wheels.rise;
+    telemetry->steering_ratio = odometry->steering_ratio;
+    telemetry->energy = robot->meter.battery;
+    telemetry->saturated_ticks = robot->saturated_ticks;
+    telemetry->dropped_frames = robot->monitor.dropped_frames;
+}
+
+/** False: a tick is under way. */
+static bool begin_copy(const struct jp_skid_robot_internal *robot, uint32_t *sequence)
+{
+    *sequence = JP_LOAD_ACQUIRE(&robot->sequence);
+    return (*sequence & 1U) == 0U;
+}
+
+/** False: a tick came between. */
+static bool copy_is_whole(const struct jp_skid_robot_internal *robot, uint32_t sequence)
+{
+    JP_FENCE_ACQUIRE();
+    return JP_LOAD(&robot->sequence) == sequence;
+}
+
+bool jp_skid_robot_telemetry(const struct jp_skid_robot *robot, struct jp_skid_telemetry *telemetry)
+{
+    uint32_t sequence;
+
+    do {
+        if (!begin_copy(&robot->internal, &sequence)) {
+            return false;
+        }
+        copy_telemetry(&robot->internal, telemetry);
+    } while (!copy_is_whole(&robot->internal, sequence));
+    return true;
+}
+
+/* One word is of one tick, whenever it is read. */
+enum jp_skid_robot_state jp_skid_robot_state_now(const struct jp_skid_robot *robot)
+{
+    return JP_LOAD(&robot->internal.state);
+}

@@ -1,0 +1,183 @@
+/* A skid-steered robot whose frames or wheels are at fault: what is held and what is not, and the way out. */
+#include "tests/support/skid_robot_rig.h"
+
+static uint16_t faults(void)
+{
+    return telemetry().faults;
+}
+
+/** Nothing is held any more: when the robot has slowed down the motors are shorted. */
+static void expect_shorted(void)
+{
+    run(RATE / 2);
+    TEST_ASSERT_FALSE(robot.internal.holds);
+    TEST_ASSERT_EQUAL_INT32(0, actuation.duty_left);
+    TEST_ASSERT_EQUAL_INT32(0, actuation.duty_right);
+    TEST_ASSERT_EQUAL_UINT8(1, actuation.enabled);
+}
+
+static void test_a_fault_of_the_bus_shorts_the_motors_and_stays(void)
+{
+    make_fault();
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_BUS_VOLTAGE, faults());
+    expect_shorted();
+    run(100);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_BUS_VOLTAGE, faults());
+    jp_skid_robot_stop(&robot);
+    run(1);
+    expect_state(JP_SKID_ROBOT_FAULT);
+}
+
+static void test_sensors_that_do_not_answer_short_the_motors(void)
+{
+    make_driving();
+    run(100);
+    for (int i = 0; i < 3; i++) {
+        expect_state(JP_SKID_ROBOT_DRIVING);
+        tick_read(JP_ERR_HARDWARE);
+    }
+    expect_state(JP_SKID_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, faults());
+    expect_shorted();
+}
+
+static void test_a_short_dropout_is_bridged(void)
+{
+    make_driving();
+    run(100);
+    tick_read(JP_ERR_HARDWARE);
+    tick_read(JP_ERR_HARDWARE);
+    run(10);
+    expect_state(JP_SKID_ROBOT_DRIVING);
+}
+
+/** The IMU fails, and the wheels brake and hold as if stopped. */
+static void test_an_imu_that_fails_leaves_the_wheels_controlled(void)
+{
+    make_driving();
+    run(RATE / 2);
+    sensors.pitch_rate = INT32_MAX;
+    run(3);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP, faults());
+    TEST_ASSERT_TRUE(robot.internal.holds);
+    TEST_ASSERT_TRUE(telemetry().reference.speed > JP_Q24(0.3));
+    run(RATE / 4);
+    TEST_ASSERT_TRUE(telemetry().reference.speed > 0);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.02), robot.internal.control.sides[JP_SKID_LEFT].reference,
+                             robot.internal.control.sides[JP_SKID_LEFT].rate);
+    run(RATE / 2);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry().reference.speed);
+    TEST_ASSERT_TRUE(robot.internal.holds);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP, faults());
+}
+
+static void test_a_second_fault_ends_the_hold(void)
+{
+    make_driving();
+    sensors.pitch_rate = INT32_MAX;
+    run(3);
+    TEST_ASSERT_TRUE(robot.internal.holds);
+    sensors.bus_voltage = 0;
+    run(1);
+    expect_shorted();
+    sensors.pitch_rate = 0;
+    sensors.bus_voltage = JP_Q16(46);
+    run(10);
+    expect_shorted();
+    expect_state(JP_SKID_ROBOT_FAULT);
+}
+
+static void test_idle_shows_faults_and_holds_nothing(void)
+{
+    run(1);
+    sensors.pitch_rate = INT32_MAX;
+    run(3);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    expect_shorted();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_robot_enable(&robot));
+    jp_skid_robot_disable(&robot); /* the cause is still there */
+    run(1);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_robot_enable(&robot));
+    run(3);
+    expect_state(JP_SKID_ROBOT_FAULT);
+}
+
+static void test_an_enable_that_meets_a_fault_does_nothing(void)
+{
+    run(3);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
+    robot.internal.monitor.implausible_ticks = 2;
+    sensors.bus_voltage = 0;
+    run(1);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    expect_shorted();
+}
+
+static void test_a_stalled_side_stops_both_at_once(void)
+{
+    make_driving();
+    run(RATE / 2);
+    held[JP_SKID_LEFT] = true;
+    run(2 * (uint32_t)config.wheels.stall_calls - 50);
+    expect_state(JP_SKID_ROBOT_DRIVING);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_drive(&robot, &one_second));
+    run(150);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    TEST_ASSERT_TRUE((faults() & JP_FAULT_STALLED_LEFT) != 0);
+    TEST_ASSERT_TRUE(robot.internal.holds);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry().reference.speed);
+    TEST_ASSERT_EQUAL_INT32(0, robot.internal.control.sides[JP_SKID_RIGHT].reference);
+}
+
+static void test_the_slope_stops_it_and_keeps_it(void)
+{
+    make_driving();
+    run(RATE / 2);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_drive(&robot, &one_second));
+    sensors.accel_x = JP_Q24(0.5);
+    run(RATE / 2);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_SLOPE, faults());
+    TEST_ASSERT_TRUE(robot.internal.holds);
+    run(RATE);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry().reference.speed);
+    jp_skid_robot_disable(&robot);
+    run(1);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_robot_enable(&robot));
+    sensors.accel_x = 0;
+    run(RATE);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
+}
+
+static void test_an_encoder_that_contradicts_its_current_shorts_the_motors(void)
+{
+    make_driving();
+    run(10);
+    false_current = JP_Q16(8);
+    run(2 * (uint32_t)config.monitor.residual_ticks + 2);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_LEFT, faults());
+    expect_shorted();
+}
+
+static void test_position_begins_anew_after_a_fault_only(void)
+{
+    make_driving();
+    run(RATE);
+    jp_skid_robot_disable(&robot);
+    run(5);
+    TEST_ASSERT_TRUE(telemetry().x != 0);
+    setUp();
+    make_driving();
+    run(RATE);
+    sensors.bus_voltage = 0;
+    run(3);
+    sensors.bus_voltage = JP_Q16(46);
+    run(RATE / 2);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    jp_skid_robot_disable(&robot);
+    run(5);
+    TEST_ASSERT_TRUE(telemetry().x == 0);
+}
