@@ -17,6 +17,8 @@ struct jp_navigator_body;
 struct jp_patrol_config;
 struct jp_pure_pursuit_config;
 struct jp_robot_config;
+struct jp_skid_energy_model;
+struct jp_skid_learning;
 struct jp_skid_steer_config;
 
 extern const struct jp_energy_model jp_energy_model_courier24;
@@ -40,6 +42,10 @@ extern const struct jp_patrol_config jp_patrol_config_patrol;
 extern const struct jp_pure_pursuit_config jp_pure_pursuit_config_patrol;
 extern const struct jp_robot_config jp_robot_courier24;
 extern const struct jp_robot_config jp_robot_gao2018;
+extern const struct jp_skid_energy_model jp_skid_energy_burger;
+extern const struct jp_skid_energy_model jp_skid_energy_zhang2018;
+extern const struct jp_skid_learning jp_skid_learning_burger;
+extern const struct jp_skid_learning jp_skid_learning_zhang2018;
 extern const struct jp_skid_steer_config jp_skid_steer_zhang2018;
 
 #ifdef __cplusplus
