@@ -86,6 +86,12 @@ struct jp_learned_state {
     uint32_t identity;  /**< of the jp_learning that it belongs to */
 };
 
+/** Whether robot or ground changed. Private. */
+struct jp_learned_watch {
+    int32_t alarm;
+    struct jp_learned_state before_change;
+};
+
 /** Private but for the members with a comment. */
 struct jp_learner {
     const struct jp_learning *learning;
@@ -95,9 +101,8 @@ struct jp_learner {
     uint32_t outliers;             /**< since the start, saturating */
     uint32_t changes;              /**< since the start, saturating */
     enum jp_cause cause;           /**< of the last change */
-    int32_t alarm;
     uint32_t since_change;
-    struct jp_learned_state before_change;
+    struct jp_learned_watch watch;
 };
 
 /** Energy as expected and how sure that is. */

@@ -2,22 +2,9 @@
 
 #include <stddef.h>
 
+#include "src/learn/forecast_sum.h"
 #include "src/learn/learner_expectation.h"
-#include "src/learn/learner_filter.h"
 #include "src/learn/normal_quantile.h"
-
-/** Limits of the sum's gradient and variance, so that neither overflows. */
-#define GRADIENT_MAX ((int64_t)JP_Q16(8192))
-#define VARIANCE_MAX ((uint64_t)1 << 46)
-
-static void add(struct jp_forecast_sum *sum, const struct jp_expectation *expected)
-{
-    sum->energy += expected->energy;
-    for (int j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
-        sum->gradient[j] += expected->sensitivity[j];
-    }
-    sum->variance += jp_square(expected->noise) >> 16;
-}
 
 enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forecast_sum *sum,
                                struct jp_energy_start *start, const struct jp_segment_command *segment)
@@ -39,7 +26,7 @@ enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forec
         return status;
     }
     *start = end;
-    add(sum, &expected);
+    jp_forecast_sum_add(sum, &expected);
     return JP_OK;
 }
 
@@ -55,34 +42,9 @@ enum jp_status jp_forecast_add_leg(const struct jp_learner *learner, struct jp_f
     const enum jp_status status = jp_learner_expect_leg(learner, leg, &expected);
 
     if (status == JP_OK) {
-        add(sum, &expected);
+        jp_forecast_sum_add(sum, &expected);
     }
     return status;
-}
-
-/** Standard deviation of the sum, J. False, and INT32_MAX: it does not fit. */
-static bool deviation_of(const struct jp_learner *learner, const struct jp_forecast_sum *sum, jp_q16 *deviation)
-{
-    int32_t gradient[JP_LEARNING_DIRECTIONS];
-
-    *deviation = INT32_MAX;
-    for (int j = 0; j < JP_LEARNING_DIRECTIONS; j++) {
-        if (sum->gradient[j] < -GRADIENT_MAX || sum->gradient[j] > GRADIENT_MAX) {
-            return false;
-        }
-        gradient[j] = (int32_t)sum->gradient[j];
-    }
-    if (sum->variance > VARIANCE_MAX) {
-        return false;
-    }
-
-    const uint32_t root = jp_square_root((sum->variance << 16) + jp_filter_variance(learner->state.s, gradient));
-
-    if (root > (uint32_t)INT32_MAX) {
-        return false;
-    }
-    *deviation = (jp_q16)root;
-    return true;
 }
 
 enum jp_status jp_forecast_total(const struct jp_learner *learner, const struct jp_forecast_sum *sum,
@@ -92,10 +54,7 @@ enum jp_status jp_forecast_total(const struct jp_learner *learner, const struct 
         return JP_ERR_ARGUMENT;
     }
 
-    const bool is_known = deviation_of(learner, sum, &forecast->deviation);
-
-    forecast->energy = jp_saturate32(sum->energy);
-    return is_known && forecast->energy == sum->energy ? JP_OK : JP_ERR_OVERFLOW;
+    return jp_forecast_sum_total(&learner->state, sum, 0, forecast);
 }
 
 enum jp_status jp_forecast_reserve(const struct jp_forecast *forecast, jp_q16 available, jp_q31 confidence,

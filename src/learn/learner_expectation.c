@@ -46,22 +46,6 @@ static bool expected_energy(const struct jp_learner *learner, const jp_q16 regre
     return narrow(sum, &expected->energy);
 }
 
-static uint64_t variance_of(jp_q16 share, jp_q16 energy)
-{
-    return jp_square(jp_multiply_shift(share, energy, 16));
-}
-
-/** Standard deviation as the learner has found it, of this variance in Q32. */
-static jp_q16 noise_of(const struct jp_learner *learner, uint64_t variance)
-{
-    const uint64_t noise = ((uint64_t)jp_square_root(variance) * (uint32_t)learner->state.noise_scale) >> 16;
-
-    if (noise == 0U) {
-        return 1;
-    }
-    return noise > (uint64_t)INT32_MAX ? INT32_MAX : (jp_q16)noise;
-}
-
 /** `rest`: what no parameter changes; `transient`: the part of it that earlier steps left. */
 static enum jp_status expect(const struct jp_learner *learner, const jp_q16 regressor[JP_ENERGY_PARAMETERS],
                              jp_q16 rest, jp_q16 transient, struct jp_expectation *expected)
@@ -73,9 +57,9 @@ static enum jp_status expect(const struct jp_learner *learner, const jp_q16 regr
 
     const struct jp_learning *learning = learner->learning;
 
-    expected->noise = noise_of(learner, variance_of(learning->noise, JP_Q16_ONE) +
-                                            variance_of(learning->noise_relative, expected->energy) +
-                                            variance_of(learning->noise_transient, transient));
+    expected->noise = jp_learned_noise(&learner->state, jp_variance_of(learning->noise, JP_Q16_ONE) +
+                                                            jp_variance_of(learning->noise_relative, expected->energy) +
+                                                            jp_variance_of(learning->noise_transient, transient));
     expected->spread = JP_Q16_ONE;
     return JP_OK;
 }
@@ -134,9 +118,10 @@ enum jp_status jp_learner_expect_leg(const struct jp_learner *learner, const str
     if (!narrow(sum, &expected->energy) || !fits) {
         return JP_ERR_OVERFLOW;
     }
-    expected->noise = noise_of(learner, variance_of(learning->leg_noise, JP_Q16_ONE) +
-                                            variance_of(learning->leg_noise_relative, expected->energy) +
-                                            variance_of(learning->leg_noise_transient, transients_of(leg)));
+    expected->noise =
+        jp_learned_noise(&learner->state, jp_variance_of(learning->leg_noise, JP_Q16_ONE) +
+                                              jp_variance_of(learning->leg_noise_relative, expected->energy) +
+                                              jp_variance_of(learning->leg_noise_transient, transients_of(leg)));
     expected->spread = learning->leg_spread;
     return JP_OK;
 }

@@ -2,14 +2,7 @@
 #ifndef JOULEPATH_LEARN_LEARNER_EXPECTATION_H
 #define JOULEPATH_LEARN_LEARNER_EXPECTATION_H
 
-#include <joulepath/learner.h>
-
-struct jp_expectation {
-    jp_q16 energy;                              /**< J */
-    jp_q16 sensitivity[JP_LEARNING_DIRECTIONS]; /**< f, J per unit of x */
-    jp_q16 noise;                               /**< standard deviation, J; above 0 */
-    jp_q16 spread;                              /**< by which single ones exceed it */
-};
+#include "src/learn/learned_state.h"
 
 /** Failures as jp_learner_update(). */
 enum jp_status jp_learner_expect(const struct jp_learner *learner, const struct jp_energy_start *start,

@@ -18,6 +18,12 @@ static inline uint64_t jp_square(int32_t x)
     return (uint64_t)square;
 }
 
+/** Variance of a share of an energy, Q32. */
+static inline uint64_t jp_variance_of(jp_q16 share, jp_q16 energy)
+{
+    return jp_square(jp_multiply_shift(share, energy, 16));
+}
+
 typedef int32_t jp_square_root_matrix[JP_LEARNING_DIRECTIONS][JP_LEARNING_DIRECTIONS];
 
 /** A measurement h x + noise of variance 1, before the update. */

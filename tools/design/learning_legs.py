@@ -18,7 +18,7 @@ ROBOTS = 40
 TRANSIENTS = 3  # JP_LEG_TRANSIENTS
 ROUNDS = 4      # of the noise, which weighs the legs that it is found from
 
-# Of src/learn/learner.c and learner_filter.h.
+# Of src/learn/learned_state.c and learner_filter.h.
 SENSITIVITY_MAX = 1000
 OUTLIER_DEVIATIONS = 4
 SPREAD_MAX = 16

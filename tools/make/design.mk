@@ -40,14 +40,29 @@ codec: ## make the C codec of the CAN messages from hal/can/joulepath.dbc
 	@tools/setup.sh operate
 	$(PYTHON) -m tools.design.can_codec
 
+# Of skid steer and differential drive the model is another one.
+SKID_TYPES    := skid_steer differential_drive
+ROBOT_TYPE     = $(shell sed -n 's/^type = "\(.*\)";$$/\1/p' sim/robots/$(ROBOT).cfg)
+
 .PHONY: identify
-identify: ## identify the energy models of ROBOT=name in the simulator: src/tables/energy_name.c and energy_name_battery.c
+identify: ## identify the energy models of ROBOT=name in the simulator: src/tables/energy_name.c, or skid_energy_name.c with what it can learn
+	@$(MAKE) identify_$(if $(filter $(SKID_TYPES),$(ROBOT_TYPE)),skid,balancer)
+	@$(DECLARE)
+
+.PHONY: identify_balancer
+identify_balancer:
 	@tools/setup.sh design
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot $(BUILD)/bin/jp-identify
 	$(BUILD)/bin/jp-identify sim/robots/$(ROBOT).cfg --output $(BUILD)/identify/$(ROBOT)
 	$(PYTHON) -m tools.design.identify $(ROBOT)
 	$(PYTHON) -m tools.design.identify $(ROBOT) --energy battery
-	@$(DECLARE)
+
+.PHONY: identify_skid
+identify_skid:
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-skid-identify
+	$(BUILD)/bin/jp-skid-identify $(ROBOT) --output $(BUILD)/identify/$(ROBOT)
+	$(PYTHON) -m tools.design.skid_identify $(ROBOT)
 
 # LOG: one file or several. MASS and DISTANCE ("file metres") are what was measured beside; WRITE is the corrected file.
 .PHONY: identify-log

@@ -430,7 +430,7 @@ static void test_a_change_keeps_x_and_begins_anew(void)
     TEST_ASSERT_EQUAL_INT(JP_LEARNED_CHANGE, learned);
     TEST_ASSERT_EQUAL_UINT32(2, learner.outliers);
     TEST_ASSERT_EQUAL_UINT32(state.version + 3U, learner.state.version);
-    TEST_ASSERT_EQUAL_UINT32(state.version + 2U, learner.before_change.version);
+    TEST_ASSERT_EQUAL_UINT32(state.version + 2U, learner.watch.before_change.version);
     TEST_ASSERT_TRUE(learner.state.noise_scale >= JP_Q16_ONE);
 }
 

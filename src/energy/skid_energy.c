@@ -1,0 +1,309 @@
+#include <joulepath/skid_energy.h>
+
+#include "src/base/config_check.h"
+#include "src/base/integer.h"
+#include "src/energy/energy_terms.h"
+
+#define DURATION_MAX JP_Q16(256)
+
+#define EFFORT_MAX JP_Q24(2)
+#define FORCE_MAX  JP_Q24(8)
+
+/* So that no product and no sum overflows: work of a side over the weight, m/s in Q24; power by the force over the
+ * weight and power, W in Q16; energy of a piece, Q16. */
+#define WORK_MAX   JP_Q24(32)
+#define GAIN_MAX   ((int64_t)1 << 35)
+#define POWER_MAX  ((int64_t)1 << 38)
+#define ENERGY_MAX ((int64_t)1 << 46)
+
+enum { LEFT, RIGHT, SIDES };
+
+/* What a piece is on its mean; Q24. */
+struct course {
+    int32_t speed;
+    int32_t turn_rate;
+    int32_t grade;
+    int32_t bank;
+    int32_t effort;   /* e */
+    int32_t swinging; /* j α */
+};
+
+/* What the treads do; forces as shares of the weight; Q24. */
+struct treads {
+    int32_t speed[SIDES];
+    int32_t force[SIDES];
+    int64_t turning;         /* t */
+    int64_t turning_by_grip; /* its change by the relative one of the friction */
+    int64_t slip;            /* s, m/s */
+    int64_t slip_by_grip;
+    int32_t level; /* 1/(1 + grade²) */
+};
+
+/* W in Q16. */
+struct effect {
+    int64_t power;
+    int64_t change[JP_SKID_FACTORS];
+};
+
+#define FIELD(member, low, high) JP_CONFIG_FIELD("skid_energy.", struct jp_skid_energy_model, member, low, high)
+
+enum jp_status jp_skid_energy_check(const struct jp_skid_energy_model *model, const char **field)
+{
+    static const struct jp_config_field fields[] = {
+        FIELD(half_track, JP_Q24(0.01), JP_Q24(4)),
+        FIELD(weight, JP_Q16(1), JP_Q16(16384)),
+        FIELD(rolling, 0, JP_Q24(0.5)),
+        FIELD(friction, JP_Q24(0.02), JP_Q24(2)),
+        FIELD(turning, 0, JP_Q24(4)),
+        FIELD(yielding, 0, JP_Q24(16)),
+        FIELD(scrub, 0, JP_Q24(4)),
+        FIELD(easing, 0, JP_Q24(4)),
+        FIELD(bank_easing, 0, JP_Q24(4)),
+        FIELD(tilting, 0, JP_Q24(4)),
+        FIELD(inertia, 0, JP_Q24(8)),
+        FIELD(turn_inertia, 0, JP_Q24(8)),
+        FIELD(driving, JP_Q24(1), JP_Q24(10)),
+        FIELD(braking, 0, JP_Q24(1)),
+        FIELD(copper_driving, 0, JP_Q16(16384)),
+        FIELD(copper_braking, 0, JP_Q16(16384)),
+        FIELD(electronics_power, 0, JP_Q16(1024)),
+        FIELD(unit_exponent, -JP_ENERGY_UNIT_EXPONENT_MAX, JP_ENERGY_UNIT_EXPONENT_MAX),
+    };
+
+    return jp_config_check(model, fields, JP_CONFIG_COUNT(fields), field);
+}
+
+/* ---- Treads ---- */
+
+/* a·b of Q24 numbers whose product fits 64 bits. */
+static int64_t product(int64_t a, int64_t b)
+{
+    return jp_round_shift64(a * b, 24);
+}
+
+static int64_t limited(int64_t x, int64_t limit)
+{
+    if (x < -limit) {
+        return -limit;
+    }
+    return x > limit ? limit : x;
+}
+
+static int32_t sign(int32_t x)
+{
+    return (x > 0) - (x < 0);
+}
+
+static int64_t ratio(int64_t a, int64_t b)
+{
+    return a * JP_Q24_ONE / b;
+}
+
+/* m: how fast the treads roll. */
+static int64_t rolling_speed(const struct jp_skid_energy_model *model, const struct course *course)
+{
+    const int64_t across = product(model->half_track, jp_absolute64(course->turn_rate));
+    const int64_t along = jp_absolute64(course->speed);
+
+    return across > along ? across : along;
+}
+
+/* 1 − r */
+static int64_t eased(const struct jp_skid_energy_model *model, const struct course *course)
+{
+    const int64_t by_effort = product(model->easing, product(course->effort, course->effort));
+    const int64_t by_bank = product(model->bank_easing, product(course->bank, course->bank));
+
+    return limited(ratio(by_effort + by_bank, product(model->friction, model->friction)), JP_Q24_ONE);
+}
+
+static void set_turning(const struct jp_skid_energy_model *model, const struct course *course, struct treads *treads)
+{
+    const int64_t tilting = product(model->tilting, product(course->effort, course->bank));
+
+    treads->turning = tilting + course->swinging;
+    treads->turning_by_grip = 0;
+    if (course->turn_rate != 0) {
+        const int64_t stiffness = product(model->friction, model->yielding);
+        const int64_t turning = jp_absolute64(course->turn_rate);
+        const int64_t resistance = turning + product(stiffness, rolling_speed(model, course)); /* D, at most 2³⁴ */
+        const int64_t grip = product(product(model->turning, model->friction), course->turn_rate);
+        const int64_t level = ratio(grip, resistance);      /* k μ w/D, at most 2²⁷ */
+        const int64_t sliding = ratio(turning, resistance); /* |w|/D */
+        const int64_t gone = eased(model, course);
+        const bool is_left = gone < JP_Q24_ONE;
+        treads->turning += product(level, JP_Q24_ONE - gone);
+        treads->turning_by_grip = is_left ? product(level, product(sliding, JP_Q24_ONE - gone) + 2 * gone) : 0;
+    }
+}
+
+static void set_slip(const struct jp_skid_energy_model *model, const struct course *course, struct treads *treads)
+{
+    const int64_t speed = jp_absolute64(course->speed);
+    const int64_t way = product(product(course->effort, course->effort), model->scrub); /* at most 2²⁸ */
+    const int64_t left = model->friction - jp_absolute64(course->effort);
+    const int64_t least = model->friction / 4;
+    const int64_t grip = left > least ? left : least;
+
+    treads->slip = 0;
+    treads->slip_by_grip = 0;
+    if (speed != 0) {
+        const int64_t turning = jp_absolute64(course->turn_rate) * speed / rolling_speed(model, course);
+        const int64_t rolling = product(product(model->friction, model->yielding), speed); /* at most 2³² */
+        const int64_t by_rolling = ratio(product(way, rolling), 2 * grip);
+        const int64_t change = left > least ? ratio(model->friction, grip) : JP_Q24_ONE;
+        treads->slip = limited(ratio(product(way, turning), 2 * grip) + by_rolling, WORK_MAX);
+        treads->slip_by_grip = limited(by_rolling, WORK_MAX) - product(treads->slip, change);
+    }
+}
+
+static void set_side(const struct jp_skid_energy_model *model, const struct course *course, int side,
+                     struct treads *treads)
+{
+    const int32_t across = (int32_t)product(model->half_track, course->turn_rate);
+    const int32_t speed = side == LEFT ? course->speed - across : course->speed + across;
+    const int32_t straight = sign(speed) * (model->rolling / 2) + course->effort / 2;
+
+    treads->speed[side] = speed;
+    treads->force[side] =
+        (int32_t)limited(side == LEFT ? straight - treads->turning : straight + treads->turning, FORCE_MAX);
+}
+
+static void set_treads(const struct jp_skid_energy_model *model, const struct course *course, struct treads *treads)
+{
+    set_turning(model, course, treads);
+    set_slip(model, course, treads);
+    set_side(model, course, LEFT, treads);
+    set_side(model, course, RIGHT, treads);
+    treads->level = (int32_t)ratio(JP_Q24_ONE, JP_Q24_ONE + product(course->grade, course->grade));
+}
+
+/* ---- Power ---- */
+
+static void add_side(const struct jp_skid_energy_model *model, const struct treads *treads, int side,
+                     struct effect *effect)
+{
+    const int32_t speed = treads->speed[side];
+    const int32_t force = treads->force[side];
+    const int64_t driven = product(force, speed);
+    const int64_t work = limited(driven + treads->slip, WORK_MAX);
+    const int64_t weight = product(work < 0 ? model->braking : model->driving, model->weight); /* x G, at most 2³⁴ */
+    const int32_t windings = driven <= 0 ? model->copper_braking : model->copper_driving;
+    const int64_t per_force = product(windings, product(force, treads->level)); /* at most 2³³ */
+    const int64_t mechanical = product(weight, work);
+    const int64_t copper = product(per_force, force);
+    const int64_t gain = limited(product(weight, speed) + 2 * per_force, GAIN_MAX); /* by a change of the force */
+    const int64_t turning = limited(treads->turning_by_grip, FORCE_MAX);
+
+    effect->power += mechanical + copper;
+    effect->change[JP_SKID_ROLLING] += product(gain, (int64_t)sign(speed) * (model->rolling / 2));
+    effect->change[JP_SKID_FRICTION] +=
+        product(gain, side == LEFT ? -turning : turning) + product(weight, limited(treads->slip_by_grip, WORK_MAX));
+    effect->change[JP_SKID_WEIGHT] += mechanical + 2 * copper;
+}
+
+static void set_effect(const struct jp_skid_energy_model *model, const struct course *course, struct effect *effect)
+{
+    struct treads treads;
+
+    *effect = (struct effect){.power = model->electronics_power};
+    effect->change[JP_SKID_ELECTRONICS] = model->electronics_power;
+    set_treads(model, course, &treads);
+    if (treads.speed[LEFT] != 0 || treads.speed[RIGHT] != 0) {
+        add_side(model, &treads, LEFT, effect);
+        add_side(model, &treads, RIGHT, effect);
+    }
+}
+
+static bool is_rise(jp_q24 rise)
+{
+    return jp_is_between(rise, -JP_Q24_ONE, JP_Q24_ONE);
+}
+
+enum jp_status jp_skid_energy_power(const struct jp_skid_energy_model *model, const struct jp_motion *motion,
+                                    jp_q24 grade, jp_q16 *power)
+{
+    struct effect effect;
+
+    if (model == NULL || motion == NULL || power == NULL || !jp_motion_in_range(motion) || !is_rise(grade)) {
+        return JP_ERR_ARGUMENT;
+    }
+    const struct course course = {
+        .speed = motion->speed, .turn_rate = motion->turn_rate, .grade = grade, .effort = grade};
+
+    set_effect(model, &course, &effect);
+    *power = jp_saturate32(effect.power);
+    return *power == effect.power ? JP_OK : JP_ERR_OVERFLOW;
+}
+
+/* ---- Drives ---- */
+
+/* Change of a speed in a second. */
+static int32_t acceleration(int32_t start, int32_t end, jp_q16 duration)
+{
+    return jp_divide(((int64_t)end - start) * JP_Q16_ONE, duration);
+}
+
+static struct course course_of(const struct jp_skid_energy_model *model, const struct jp_skid_piece *piece)
+{
+    const int32_t ahead = acceleration(piece->start.speed, piece->end.speed, piece->duration);
+    const int32_t around = acceleration(piece->start.turn_rate, piece->end.turn_rate, piece->duration);
+
+    return (struct course){
+        .speed = (piece->start.speed + piece->end.speed) / 2,
+        .turn_rate = (piece->start.turn_rate + piece->end.turn_rate) / 2,
+        .grade = piece->grade,
+        .bank = piece->bank,
+        .effort = (int32_t)limited(piece->grade + product(model->inertia, ahead), EFFORT_MAX),
+        .swinging = (int32_t)limited(product(model->turn_inertia, around), FORCE_MAX),
+    };
+}
+
+/* 2ⁿ J in Q16. */
+static int64_t over_time(const struct jp_skid_energy_model *model, int64_t power, jp_q16 duration)
+{
+    const int32_t shift = 16 + model->unit_exponent;
+
+    return limited(jp_round_shift64(limited(power, POWER_MAX) * duration, (unsigned)shift), ENERGY_MAX);
+}
+
+enum jp_status jp_skid_energy_add(const struct jp_skid_energy_model *model, struct jp_skid_drive *drive,
+                                  const struct jp_skid_piece *piece)
+{
+    struct effect effect;
+
+    if (model == NULL || drive == NULL || piece == NULL || !jp_motion_in_range(&piece->start) ||
+        !jp_motion_in_range(&piece->end) || !is_rise(piece->grade) || !is_rise(piece->bank) ||
+        !jp_is_between(piece->duration, 1, DURATION_MAX)) {
+        return JP_ERR_ARGUMENT;
+    }
+    const struct course course = course_of(model, piece);
+
+    set_effect(model, &course, &effect);
+    drive->energy += over_time(model, effect.power, piece->duration);
+    for (int factor = 0; factor < (int)JP_SKID_FACTORS; factor++) {
+        drive->change[factor] += over_time(model, effect.change[factor], piece->duration);
+    }
+    return JP_OK;
+}
+
+/* ---- Factors ---- */
+
+static jp_q24 scaled(int32_t value, jp_q16 factor, int32_t low, int32_t high)
+{
+    return jp_clamp32(jp_multiply_shift(value, factor, 16), low, high);
+}
+
+void jp_skid_energy_scale(const struct jp_skid_energy_model *model, const jp_q16 factor[JP_SKID_FACTORS],
+                          struct jp_skid_energy_model *result)
+{
+    const jp_q16 square = jp_q16_multiply(factor[JP_SKID_WEIGHT], factor[JP_SKID_WEIGHT]);
+
+    *result = *model;
+    result->rolling = scaled(model->rolling, factor[JP_SKID_ROLLING], 0, JP_Q24(0.5));
+    result->friction = scaled(model->friction, factor[JP_SKID_FRICTION], JP_Q24(0.02), JP_Q24(2));
+    result->weight = scaled(model->weight, factor[JP_SKID_WEIGHT], JP_Q16(1), JP_Q16(16384));
+    result->copper_driving = scaled(model->copper_driving, square, 0, JP_Q16(16384));
+    result->copper_braking = scaled(model->copper_braking, square, 0, JP_Q16(16384));
+    result->electronics_power = scaled(model->electronics_power, factor[JP_SKID_ELECTRONICS], 0, JP_Q16(1024));
+}
