@@ -84,6 +84,10 @@ enum jp_status jp_lattice_path_add(struct jp_lattice_path *path, const struct jp
 enum jp_status jp_lattice_path_of_plan(struct jp_lattice_path *path, const struct jp_planner *planner,
                                        struct jp_path_piece *pieces, uint16_t places);
 
+/** Tells the path, which is on a map, in the frame of a place on it: that of a robot's odometry that began there.
+ * Points saturate. Work: a sine and a cosine, and four multiplications a piece. */
+void jp_lattice_path_in_frame(struct jp_lattice_path *path, const struct jp_path_pose *origin);
+
 /** Curvature of a piece so far from its begin, m; 1/m. Constant time. */
 static inline jp_q24 jp_piece_bend(const struct jp_path_piece *piece, jp_q24 way)
 {

@@ -20,6 +20,7 @@
 #ifndef JOULEPATH_SKID_ODOMETRY_H
 #define JOULEPATH_SKID_ODOMETRY_H
 
+#include <joulepath/point.h>
 #include <joulepath/sensors.h>
 #include <joulepath/status.h>
 
@@ -175,6 +176,11 @@ void jp_skid_odometry_start(struct jp_skid_odometry *odometry, const struct jp_s
  * For the control ISR. */
 void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                              const struct jp_sensors *sensors);
+
+/** Where the robot is now: as the last step has left it, and on since then as it moved in that step. Constant time; for
+ *  the control ISR, after jp_skid_odometry_update(). */
+void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                          struct jp_point *position, jp_angle *heading);
 
 #ifdef __cplusplus
 }

@@ -11,7 +11,8 @@
  *
  * Standing holds the place that the wheels have, on a slope too. Driving follows one command until its time is over or
  * another one replaces it; then the robot brakes and stands. So it moves only as long as commands come: a stream of
- * velocities is a command each, with the longest gap that is allowed as its duration.
+ * velocities is a command each, with the longest gap that is allowed as its duration. A path is one command: the robot
+ * follows it by its odometry to the end.
  *
  * Idle brakes as a command does, by voltage alone, and then shorts the motors: on a slope the robot creeps at
  * R F r²/(2 K²) at most, with F what pulls it down and K in V·s/rad (3 cm/s for zhang2018 on 15°). So does a fault that
@@ -28,6 +29,7 @@
 
 #include <joulepath/energy.h>
 #include <joulepath/meter.h>
+#include <joulepath/path_drive.h>
 #include <joulepath/point.h>
 #include <joulepath/skid_monitor.h>
 #include <joulepath/skid_odometry.h>
@@ -53,6 +55,7 @@ struct jp_skid_robot_config {
     struct jp_skid_monitor_config wheels; /**< a call is every second tick */
     struct jp_meter_config meter;
     struct jp_skid_limits limits;
+    struct jp_path_drive_config path;
     jp_q24 heading_gain; /**< turn rate from the heading that a command has missed, 1/s; 0…16 */
 };
 
@@ -86,8 +89,18 @@ struct jp_skid_telemetry {
     uint32_t dropped_frames;  /**< ticks without a plausible frame, wrapping; from 0 again after a disable */
 };
 
+/** Private: the path that is followed. */
+struct jp_skid_follow {
+    const struct jp_lattice_path *path; /**< or null */
+    struct jp_path_drive drive;
+    struct jp_path_set_point at;
+    struct jp_motion motion; /**< that leads to it */
+    bool is_new;             /**< the set-point is that of the next two ticks */
+};
+
 /** Private: a command as the tick takes it. */
 struct jp_skid_next {
+    const struct jp_lattice_path *path; /**< instead of the motion; or null */
     struct jp_motion motion;
     jp_q24 speed_step; /**< change in a tick, m/s */
     jp_q24 turn_step;  /**< rad/s */
@@ -113,6 +126,7 @@ struct jp_skid_robot_internal {
     uint32_t tick;
 
     struct jp_skid_next command; /**< that is driven; its ticks are those left */
+    struct jp_skid_follow follow;
     struct jp_motion reference;
     jp_q24 acceleration;  /**< of the reference */
     jp_q24 heading_error; /**< that the command has missed, rad */
@@ -176,6 +190,13 @@ void jp_skid_robot_disable(struct jp_skid_robot *robot);
  * would be faster than limits.speed. One 64-bit division for each acceleration that is given; not for ISRs.
  */
 enum jp_status jp_skid_robot_drive(struct jp_skid_robot *robot, const struct jp_skid_command *command);
+
+/**
+ * Follows a path (lattice_path.h) whose speeds are planned, from where the robot stands: there it begins, as odometry
+ * counts. Path and pieces must stay until the robot stands again. JP_ERR_STATE: it does not stand. JP_ERR_ARGUMENT:
+ * null, or without pieces. Constant time.
+ */
+enum jp_status jp_skid_robot_follow(struct jp_skid_robot *robot, const struct jp_lattice_path *path);
 
 /** Brakes with the accelerations of the limits, stands, and forgets what waits, at the next tick. */
 void jp_skid_robot_stop(struct jp_skid_robot *robot);

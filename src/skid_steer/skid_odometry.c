@@ -616,3 +616,19 @@ void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_
         work(odometry, config);
     }
 }
+
+void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                          struct jp_point *position, jp_angle *heading)
+{
+    /* The step that ended in this tick is not in the pose yet. */
+    const uint32_t waiting = odometry->internal.next == JP_SKID_MOVE ? config->step_ticks : 0U;
+    const int32_t ticks = (int32_t)(odometry->internal.ticks + waiting);
+    const int64_t turned = (int64_t)jp_phase_step(odometry->turn_rate, odometry->internal.phase_per_rate) * ticks;
+    const jp_angle middle = jp_phase_angle(odometry->heading + (jp_phase)(turned / 2));
+    const int64_t way = jp_multiply(odometry->internal.forward, odometry->internal.mean_share) * ticks;
+    const int32_t ahead = jp_saturate32(way >> 47); /* m, Q16 */
+
+    position->x = jp_add(jp_saturate32(odometry->x >> 16), jp_multiply_shift(ahead, jp_cos(middle), 31));
+    position->y = jp_add(jp_saturate32(odometry->y >> 16), jp_multiply_shift(ahead, jp_sin(middle), 31));
+    *heading = jp_phase_angle(odometry->heading + (jp_phase)turned);
+}

@@ -7,6 +7,7 @@
 #include "src/base/duty.h"
 #include "src/base/integer.h"
 #include "src/base/request.h"
+#include "src/skid_steer/skid_follow.h"
 
 #define MOTION_MAX   JP_Q24(8)
 #define DURATION_MAX JP_Q16(16384)
@@ -43,7 +44,8 @@ static enum jp_status check_own(const struct jp_skid_robot_config *config, const
     const uint32_t rate = config->control.tick_rate;
     const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 
-    if (status == JP_OK && (config->odometry.tick_rate != rate || config->meter.tick_rate != rate)) {
+    if (status == JP_OK &&
+        (config->odometry.tick_rate != rate || config->meter.tick_rate != rate || config->path.tick_rate != rate)) {
         return jp_config_refuse("control.tick_rate", field);
     }
     return status;
@@ -84,6 +86,9 @@ enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_s
     };
     jp_monitor_start(&robot->internal.monitor, &config->monitor);
     jp_skid_control_start(&robot->internal.control, &config->control, config->odometry.ratio);
+    if (jp_path_drive_init(&robot->internal.follow.drive, &config->path, field) != JP_OK) {
+        return JP_ERR_CONFIG;
+    }
     jp_skid_monitor_start(&robot->internal.wheels, config->monitor.tilt_limit);
     jp_meter_start(&robot->internal.meter, &config->meter);
     return JP_OK;
@@ -100,6 +105,7 @@ static bool motors_run(enum jp_skid_robot_state state)
 static void give_up(struct jp_skid_robot_internal *robot)
 {
     robot->command = robot->braking;
+    jp_skid_follow_end(&robot->follow);
     jp_post(&robot->next_full, 0);
 }
 
@@ -165,6 +171,18 @@ static bool is_at_rest(const struct jp_motion *motion)
     return motion->speed == 0 && motion->turn_rate == 0;
 }
 
+static void begin_command(struct jp_skid_robot_internal *robot)
+{
+    robot->command = robot->next;
+    robot->state = JP_SKID_ROBOT_DRIVING;
+    if (robot->next.path != NULL) {
+        jp_skid_follow_begin(&robot->follow, robot->next.path);
+    } else {
+        jp_skid_follow_end(&robot->follow);
+    }
+    jp_post(&robot->next_full, 0);
+}
+
 /** Standing and driving: the reasons to switch off, then the hand-over of commands. */
 static void drive(struct jp_skid_robot_internal *robot, unsigned faults)
 {
@@ -178,12 +196,14 @@ static void drive(struct jp_skid_robot_internal *robot, unsigned faults)
     }
     if (jp_take(&robot->stop_requested)) {
         robot->command = robot->braking;
+        jp_skid_follow_end(&robot->follow);
     } else if (jp_posted(&robot->next_full) != 0U) {
-        robot->command = robot->next;
-        robot->state = JP_SKID_ROBOT_DRIVING;
-        jp_post(&robot->next_full, 0);
+        begin_command(robot);
     } else {
         /* It goes on with what it does. */
+    }
+    if (jp_skid_follow_is_under_way(&robot->follow)) {
+        return;
     }
     if (robot->command.ticks > 0U) {
         robot->command.ticks--;
@@ -222,8 +242,25 @@ static jp_q24 tread_speed(const struct jp_skid_robot_internal *robot)
     return jp_add(reference->speed, jp_q24_multiply(yielding, robot->wheels.rise));
 }
 
-/** The reference's tick. */
-static void guide(struct jp_skid_robot_internal *robot, struct jp_skid_set_point *set_point)
+/** The reference's tick on a path: its errors are corrected there. */
+static void guide_on_path(struct jp_skid_robot_internal *robot, struct jp_skid_set_point *set_point)
+{
+    const struct jp_skid_follow *follow = &robot->follow;
+
+    robot->reference = follow->motion;
+    robot->acceleration = follow->at.acceleration;
+    robot->heading_error = 0;
+    *set_point = (struct jp_skid_set_point){
+        .speed = tread_speed(robot),
+        .turn_rate = robot->reference.turn_rate,
+        .acceleration = follow->at.acceleration,
+        .turn_acceleration = follow->at.turn_acceleration,
+        .rise = robot->wheels.rise,
+    };
+}
+
+/** The reference's tick to a commanded motion. */
+static void guide_to_command(struct jp_skid_robot_internal *robot, struct jp_skid_set_point *set_point)
 {
     const struct jp_skid_next *command = &robot->command;
     const struct jp_motion before = robot->reference;
@@ -245,6 +282,15 @@ static void guide(struct jp_skid_robot_internal *robot, struct jp_skid_set_point
         .turn_acceleration = (robot->reference.turn_rate - before.turn_rate) * rate,
         .rise = robot->wheels.rise,
     };
+}
+
+static void guide(struct jp_skid_robot_internal *robot, struct jp_skid_set_point *set_point)
+{
+    if (jp_skid_follow_is_under_way(&robot->follow)) {
+        guide_on_path(robot, set_point);
+    } else {
+        guide_to_command(robot, set_point);
+    }
 }
 
 static void set_duties(const struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)
@@ -396,6 +442,7 @@ void jp_skid_robot_account(struct jp_skid_robot *robot)
 
     if (internal->started) {
         jp_skid_odometry_update(&internal->odometry, &internal->config->odometry, &internal->monitor.good);
+        jp_skid_follow_look_ahead(&internal->follow, &internal->odometry, &internal->config->odometry);
         jp_meter_update(&internal->meter, &internal->applied, &internal->monitor.good);
         review(internal);
     } else if (internal->monitor.started) {
@@ -492,6 +539,20 @@ enum jp_status jp_skid_robot_drive(struct jp_skid_robot *robot, const struct jp_
         .turn_step = step_or(command->turn_acceleration, robot->internal.braking.turn_step, tick_rate),
         .ticks = (uint32_t)ticks,
     };
+    jp_post(&robot->internal.next_full, 1);
+    return JP_OK;
+}
+
+enum jp_status jp_skid_robot_follow(struct jp_skid_robot *robot, const struct jp_lattice_path *path)
+{
+    if (robot == NULL || path == NULL || path->count == 0U) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (jp_skid_robot_state_now(robot) != JP_SKID_ROBOT_STANDING) {
+        return JP_ERR_STATE;
+    }
+    jp_post(&robot->internal.next_full, 0);
+    robot->internal.next = (struct jp_skid_next){.path = path};
     jp_post(&robot->internal.next_full, 1);
     return JP_OK;
 }

@@ -5,25 +5,30 @@ const struct jp_skid_robot_config jp_skid_robot_burger = {
     .name = "burger",
     .odometry =
         {
-            .tick_rate = 100U,           /* Hz */
-            .step_ticks = 4U,
-            .way_per_count = 55658781,   /* 5.062137e-05 m */
-            .turn_per_count = 55364813,  /* 5.0354e-05 turn */
-            .ratio = 16740391,           /* 0.997805 */
-            .ratio_deviation = 51326,    /* 0.003059264 */
-            .scale_deviation = 167772,   /* 0.01 */
-            .bias_deviation = 23302,     /* 0.001388889 turn/s */
-            .bias_memory = 1000000U,     /* s */
-            .gyro_noise = 6994,          /* 0.0004168463 turn/s */
-            .way_noise = 80105,          /* 0.004774648 turn/√m */
-            .turn_noise = 171455,        /* 0.0102195 */
-            .tilt_deviation = 1456666,   /* 0.08682409 g */
-            .tilt_change = 1165333,      /* 0.06945927 g/√m */
-            .accel_noise = 60456,        /* 0.003603435 g */
-            .creep = 1960031,            /* 0.1168269 per g */
-            .turn_creep_along = 168855,  /* 0.01006456 m/g */
-            .turn_creep_across = 162896, /* 0.009709371 m/g */
-            .caster_drag = 300333,       /* 0.01790123 g */
+            .tick_rate = 100U,            /* Hz */
+            .step_ticks = 6U,
+            .way_per_count = 55658781,    /* 5.062137e-05 m */
+            .turn_per_count = 55364813,   /* 5.0354e-05 turn */
+            .ratio = 16740391,            /* 0.997805 */
+            .ratio_deviation = 33702,     /* 0.00200878 */
+            .scale_deviation = 167772,    /* 0.01 */
+            .bias_deviation = 23302,      /* 0.001388889 turn/s */
+            .bias_memory = 10000000U,     /* s */
+            .gyro_noise = 6994,           /* 0.0004168463 turn/s */
+            .way_noise = 80105,           /* 0.004774648 turn/√m */
+            .turn_noise = 84991,          /* 0.005065849 */
+            .tilt_deviation = 728333,     /* 0.04341204 g */
+            .tilt_change = 582667,        /* 0.03472964 g/√m */
+            .accel_noise = 55244,         /* 0.00329282 g */
+            .accel_offset = 419430,       /* 0.025 g */
+            .creep = 1960031,             /* 0.1168269 per g */
+            .turn_creep_along = 168855,   /* 0.01006456 m/g */
+            .turn_creep_across = 162896,  /* 0.009709371 m/g */
+            .caster_drag = 300333,        /* 0.01790123 g */
+            .turn_force = 304087,         /* 0.018125 g */
+            .force_per_ampere = 96406027, /* 5.746247 g/A */
+            .efficiency = 9714008,        /* 0.579 */
+            .rolling = 251658,            /* 0.015 */
         },
     .control =
         {
@@ -92,6 +97,14 @@ const struct jp_skid_robot_config jp_skid_robot_burger = {
             .speed = 3019899,              /* 0.18 m/s */
             .acceleration = 6359885,       /* 0.3790787 m/s² */
             .turn_acceleration = 39662034, /* 2.364041 rad/s² */
+        },
+    .path =
+        {
+            .tick_rate = 100U,           /* Hz */
+            .way = 2516582,              /* 0.15 m */
+            .pace = 33554432,            /* 2 1/s */
+            .speed_correction = 629146,  /* 0.0375 m/s */
+            .turn_correction = 16777216, /* 1 rad/s */
         },
     .heading_gain = 33554432, /* 2 1/s */
 };

@@ -149,3 +149,26 @@ enum jp_status jp_lattice_path_of_plan(struct jp_lattice_path *path, const struc
     }
     return status;
 }
+
+/** `sine` and `cosine` are of the origin's heading. */
+static void move_into_frame(struct jp_point *point, jp_angle *heading, const struct jp_path_pose *origin, jp_q31 sine,
+                            jp_q31 cosine)
+{
+    const int32_t dx = jp_sub(point->x, origin->position.x);
+    const int32_t dy = jp_sub(point->y, origin->position.y);
+
+    point->x = jp_add(jp_multiply_shift(dx, cosine, 31), jp_multiply_shift(dy, sine, 31));
+    point->y = jp_sub(jp_multiply_shift(dy, cosine, 31), jp_multiply_shift(dx, sine, 31));
+    *heading -= origin->heading;
+}
+
+void jp_lattice_path_in_frame(struct jp_lattice_path *path, const struct jp_path_pose *origin)
+{
+    const jp_q31 sine = jp_sin(origin->heading);
+    const jp_q31 cosine = jp_cos(origin->heading);
+
+    for (unsigned i = 0; i < path->count; i++) {
+        move_into_frame(&path->pieces[i].begin, &path->pieces[i].heading, origin, sine, cosine);
+    }
+    move_into_frame(&path->end.position, &path->end.heading, origin, sine, cosine);
+}

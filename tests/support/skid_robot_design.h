@@ -238,6 +238,11 @@ static inline struct jp_skid_robot_config skid_robot_design(const struct skid_st
         .limits = {.speed = skid_fixed(model->limits.speed_m_s, 24),
                    .acceleration = skid_fixed(acceleration, 24),
                    .turn_acceleration = skid_fixed(acceleration * steering / model->body.width_m, 24)},
+        .path = {.tick_rate = (uint32_t)model->control.rate_hz,
+                 .way = skid_fixed(model->lattice.speed_m_s, 24),
+                 .pace = skid_fixed(2, 24),
+                 .speed_correction = skid_fixed(model->lattice.speed_m_s / 4, 24),
+                 .turn_correction = skid_fixed(model->lattice.turn_rate_rad_s, 24)},
         .heading_gain = skid_fixed(2, 24),
     };
 }
