@@ -71,9 +71,9 @@ enum jp_status jp_lattice_path_start(struct jp_lattice_path *path, struct jp_pat
 
 /**
  * Adds a primitive of `lattice` from a cell of `terrain`, which tells the side of the cells and what the ground rises.
- * JP_ERR_MEMORY: all places are taken. JP_ERR_INFEASIBLE: its ends do not tell its curve, which turns by more than a
- * half turn on the way, or it is longer, shorter than 1 mm or more bent than a piece may be. JP_ERR_ARGUMENT: a null
- * pointer. The path stays as it was then. Work: at most 60 sines and 60 cosines.
+ * JP_ERR_MEMORY: all places are taken. JP_ERR_INFEASIBLE: its curve leads back or takes a detour, or it is longer,
+ * shorter than 1 mm or more bent than a piece may be. JP_ERR_ARGUMENT: a null pointer. The path stays as it was then.
+ * Work: 42 sines and 42 cosines.
  */
 enum jp_status jp_lattice_path_add(struct jp_lattice_path *path, const struct jp_lattice *lattice,
                                    const struct jp_terrain *terrain, const struct jp_lattice_pose *from,

@@ -7,10 +7,11 @@
  * the set-point, ahead, to the left and turned to the left,
  *
  *   speed     = v − pace ahead
- *   turn rate = w − v/way (left/way) − max(2 v/way, pace) turned
+ *   turn rate = w − max(2 v/way, pace) (turned + left/(2 way))
  *
- * so that an error to the side falls with the way driven, critically damped, by 1/e over about `way`, and the others
- * with time. Both corrections are bounded.
+ * where the last term aims at the path, at most half a radian, and not on the spot. So an error to the side falls with
+ * the way driven, at v above pace way/2 critically damped, by 1/e over about `way`, and the others with time. Both
+ * corrections are bounded.
  *
  * Speeds follow the path, not the clock: where a set-point's time ends within a piece does not matter, so nothing adds
  * up but the rounding of a step, and each piece begins where the path says.

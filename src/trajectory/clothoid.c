@@ -2,7 +2,8 @@
 
 #include "src/base/integer.h"
 
-enum { NODES = 6, ROUNDS = 10 };
+/** No headings are known that take more rounds than five. */
+enum { NODES = 6, ROUNDS = 6 };
 
 #define Q31(x)   ((jp_q31)((x)*2147483648.0 + 0.5))
 #define Q31_ONE  ((int64_t)1 << 31)
@@ -15,13 +16,8 @@ enum { NODES = 6, ROUNDS = 10 };
 /** Headings at the ends that are nothing but rounding, 2⁻³² turn. */
 #define ROUNDING 8
 
-/** What is left of ∫ sin(φ) du when A is found, Q30. */
-#define TOLERANCE 64
-
-/** At least this share of a curve is its chord, and ∫ u(1 − u) cos(φ) du is at least a share of what it is of a
- * straight line, Q30. */
+/** At least this share of a curve is its chord, Q30. */
 #define CHORD_MIN ((int32_t)1 << 28)
-#define SLOPE_MIN ((int32_t)1 << 24)
 
 /** A is at most 4 turns, Q28. */
 #define SHAPE_MAX ((int32_t)1 << 30)
@@ -82,14 +78,12 @@ bool jp_clothoid_fit(int32_t from, int32_t to, struct jp_clothoid *curve)
     int32_t shape = 3 * (to / 16 + from / 16); /* where angles are small */
     struct integrals now = integrate(from, turned, shape);
 
-    for (unsigned round = 1; round < (unsigned)ROUNDS && jp_absolute32(now.across) > TOLERANCE; round++) {
-        if (now.slope < SLOPE_MIN) {
-            return false;
-        }
-        shape = jp_clamp32(jp_add(shape, jp_divide(jp_multiply(now.across, STEPS_PER_RADIAN), now.slope)), -SHAPE_MAX,
-                           SHAPE_MAX);
+    for (unsigned round = 0; round < (unsigned)ROUNDS; round++) {
+        const int32_t step = jp_divide(jp_multiply(now.across, STEPS_PER_RADIAN), now.slope);
+
+        shape = jp_clamp32(jp_add(shape, step), -SHAPE_MAX, SHAPE_MAX);
         now = integrate(from, turned, shape);
     }
     *curve = (struct jp_clothoid){now.along, radians(turned - shape), radians(turned + shape)};
-    return jp_absolute32(now.across) <= TOLERANCE && now.along >= CHORD_MIN;
+    return now.along >= CHORD_MIN;
 }

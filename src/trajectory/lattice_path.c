@@ -64,7 +64,7 @@ static bool set_curve(struct jp_path_piece *piece, const struct jp_primitive *pr
 
     piece->length = jp_divide(jp_saturate32(distance) * ((int64_t)1 << 30), curve.chord_share);
     piece->bend = jp_q24_divide(curve.first, piece->length);
-    piece->bend_rate = jp_q16_divide(jp_q24_divide(curve.last, piece->length) - piece->bend, piece->length);
+    piece->bend_rate = jp_q16_divide(jp_sub(jp_q24_divide(curve.last, piece->length), piece->bend), piece->length);
     return is_curve(piece);
 }
 

@@ -17,6 +17,9 @@
 /** Most that the robot may be turned from the set-point for the law to look at, 2⁻³² turn. */
 #define TURNED_MAX ((int32_t)JP_ANGLE_DEGREES(60))
 
+/** Most that it aims at the path, rad. */
+#define AIM_MAX JP_Q24(0.5)
+
 /** 2π in Q28. */
 #define RADIANS_PER_TURN 1686629713
 
@@ -224,6 +227,12 @@ static jp_q24 metres(int64_t sum)
     return jp_saturate32(sum >> 22);
 }
 
+/** How far it should be turned to the right of the path, rad; on the spot not at all. */
+static jp_q24 aim_at(const struct jp_path_drive_internal *d, jp_q24 left, jp_q24 speed)
+{
+    return speed == 0 ? 0 : jp_clamp32(jp_multiply_shift(left, d->per_way, 25), -AIM_MAX, AIM_MAX);
+}
+
 void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path_set_point *set_point,
                          const struct jp_path_pose *pose, struct jp_motion *motion)
 {
@@ -235,11 +244,9 @@ void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path
     const jp_q24 left = metres(jp_multiply(dy, set_point->cosine) / 2 - jp_multiply(dx, set_point->sine) / 2);
     const int32_t turned = jp_clamp32((int32_t)(pose->heading - set_point->pose.heading), -TURNED_MAX, TURNED_MAX);
     const jp_q24 radians = jp_multiply_shift(turned, RADIANS_PER_TURN, 36);
-    const jp_q24 rate = jp_q24_multiply(set_point->motion.speed, d->per_way); /* 1/s */
-    const jp_q24 aim = jp_clamp32(jp_q24_multiply(left, d->per_way), -JP_Q24_ONE, JP_Q24_ONE);
-    const jp_q24 twice = jp_add(rate, rate);
-    const jp_q24 turn_pace = twice > config->pace ? twice : config->pace;
-    const jp_q24 turn_back = jp_add(jp_q24_multiply(rate, aim), jp_q24_multiply(turn_pace, radians));
+    const jp_q24 rate = jp_q24_multiply(2 * set_point->motion.speed, d->per_way); /* 1/s */
+    const jp_q24 pace = rate > config->pace ? rate : config->pace;
+    const jp_q24 turn_back = jp_q24_multiply(pace, radians + aim_at(d, left, set_point->motion.speed));
     const jp_q24 back = jp_q24_multiply(config->pace, ahead);
 
     motion->speed = set_point->motion.speed - jp_clamp32(back, -config->speed_correction, config->speed_correction);

@@ -220,10 +220,9 @@ static void test_curves_that_no_piece_can_be(void)
     expect_infeasible(JP_Q16(0.002), 3, -1, 15, 0);
 }
 
-/* Back and round: its ends do not tell its curve. */
 static void test_a_primitive_that_leads_back(void)
 {
-    const struct jp_primitive back = {.dx = -1, .move_count = 1};
+    const struct jp_primitive back = {.dx = -2, .dy = 1, .end = 13, .move_count = 1};
 
     TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_lattice_path_add(&path, lattice, &terrain, &west, &back));
 }

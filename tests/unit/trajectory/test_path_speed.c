@@ -334,7 +334,7 @@ static void test_time_beyond_the_format(void)
     model.still = JP_Q16(20000);
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_path_plan_speeds(&path, &config, &price, &cost));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, cost.energy);
-    config.turn_acceleration = JP_Q24(0.01);
+    config.turn_rate = JP_Q24(0.01);
     model.still = 0;
     pieces[0].bend = JP_Q24(100);
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_path_plan_speeds(&path, &config, &price, &cost));
