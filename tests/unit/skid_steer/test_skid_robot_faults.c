@@ -91,7 +91,7 @@ static void test_a_second_fault_ends_the_hold(void)
 
 static void test_idle_shows_faults_and_holds_nothing(void)
 {
-    run(1);
+    wake();
     sensors.pitch_rate = INT32_MAX;
     run(3);
     expect_state(JP_SKID_ROBOT_FAULT);
@@ -100,13 +100,13 @@ static void test_idle_shows_faults_and_holds_nothing(void)
     jp_skid_robot_disable(&robot); /* the cause is still there */
     run(1);
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_robot_enable(&robot));
-    run(3);
+    run(JP_SKID_WAKE_TICKS + 2);
     expect_state(JP_SKID_ROBOT_FAULT);
 }
 
 static void test_an_enable_that_meets_a_fault_does_nothing(void)
 {
-    run(3);
+    wake();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
     robot.internal.monitor.implausible_ticks = 2;
     sensors.bus_voltage = 0;
