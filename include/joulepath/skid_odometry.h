@@ -30,7 +30,7 @@ extern "C" {
 /** One robot; tools/design/skid_odometry.py makes it from the robot file. */
 struct jp_skid_odometry_config {
     uint32_t tick_rate;    /**< calls a second; 100…10 000 */
-    uint32_t step_ticks;   /**< ticks of a step; 4…32 */
+    uint32_t step_ticks;   /**< ticks of a step; 6…32 */
     int32_t way_per_count; /**< way of the tread for one count of a side, 2⁻⁴⁰ m; 2¹²…2³⁰ */
     int32_t turn_per_count; /**< turn of the body for one count of (right − left) without slip, 2⁻⁴⁰ turn; 2¹²…2³⁰ */
     jp_q24 ratio;                  /**< ρ0, turn of the body over that of the wheels by the robot file; 0.1…1.5 */
@@ -44,14 +44,39 @@ struct jp_skid_odometry_config {
     jp_q24 tilt_deviation;    /**< of the grade, g; 0.005…0.5 */
     jp_q24 tilt_change;       /**< of the grade in a metre, g/√m; 0.001…1 */
     jp_q24 accel_noise;       /**< of the accelerometer's mean over a step, g; 0.0005…0.1 */
+    jp_q24 accel_offset;      /**< deviation of its offset, g; 0…0.5 */
     jp_q24 creep;             /**< κ, slip of the treads per g of specific force; 0…1 */
     jp_q24 turn_creep_along;  /**< Kx, way per radian of turn and g; 0…8 m */
     jp_q24 turn_creep_across; /**< Ky; 0…8 m */
     jp_q24 caster_drag;       /**< force of the caster on its way over the weight, g; 0…0.2 */
+    jp_q24 turn_force;        /**< (right − left) of the forces that turn it on the spot over the weight, g; 0…2 */
+    jp_q24 force_per_ampere;  /**< force of a side over the weight without losses, g/A; 0…16 */
+    jp_q24 efficiency;        /**< of the gear; 0.1…1 */
+    jp_q24 rolling;           /**< resistance over load; 0…0.5 */
 };
 
 /** What is left to do of a step; private. */
-enum jp_skid_odometry_part { JP_SKID_ADD_UP, JP_SKID_FILTER_HEADING, JP_SKID_CORRECT_POSE, JP_SKID_FILTER_TILT };
+enum jp_skid_odometry_part {
+    JP_SKID_ADD_UP,
+    JP_SKID_MOVE,
+    JP_SKID_FILTER_HEADING,
+    JP_SKID_CORRECT_POSE,
+    JP_SKID_PREDICT_TILT,
+    JP_SKID_FILTER_TILT
+};
+
+/** Grades, g, and their covariance over tilt_deviation², Q30; private. */
+struct jp_skid_tilt {
+    jp_q24 ahead;  /* p */
+    jp_q24 left;   /* q */
+    jp_q24 offset; /* of the accelerometer */
+    int32_t ahead_ahead;
+    int32_t ahead_left;
+    int32_t ahead_offset;
+    int32_t left_left;
+    int32_t left_offset;
+    int32_t offset_offset;
+};
 
 /** Where the robot is and how it moves, at the last step; turn_rate at the last tick. */
 struct jp_skid_odometry {
@@ -71,10 +96,14 @@ struct jp_skid_odometry {
         jp_phase pitch_angle;
         int32_t accel_sum; /* g, Q24 */
 
+        uint32_t stand_left; /* counts that the wheels have stayed at */
+        uint32_t stand_right;
+        uint32_t stand_steps;
         bool is_moving;
-        int32_t way;        /* of the step, m, Q32 */
-        int32_t way_before; /* of the step before */
-        int32_t wheel_turn; /* of the step, 2⁻³² turn; so the next three */
+        int32_t way;            /* of the step, m, Q32 */
+        int32_t forward;        /* the same of the robot */
+        int32_t forward_before; /* in the step before */
+        int32_t wheel_turn;     /* of the step, 2⁻³² turn; so the next three */
         int32_t gyro_turn;
         int32_t gyro_pitch;
         int32_t turn;
@@ -100,28 +129,35 @@ struct jp_skid_odometry {
         int64_t scale_x; /* the same of the scale: m in so many turns, Q24 */
         int64_t scale_y;
 
-        jp_q24 ahead;        /* p, g */
-        jp_q24 left;         /* q */
-        int32_t ahead_ahead; /* covariance over tilt_deviation², Q30 */
-        int32_t ahead_left;
-        int32_t left_left;
+        struct jp_skid_tilt tilt;
+
+        bool is_skidding;    /* the turn creeps more than the way */
+        int32_t counts_left; /* of the step */
+        int32_t counts_right;
+        jp_q16 current_left;
+        jp_q16 current_right;
+        jp_q24 turn_force; /* as learned */
 
         int32_t phase_per_rate;
+        uint32_t stand_steps_min;
         int32_t mean_share;       /* 1/step_ticks, Q31 */
         int32_t ratio_weight;     /* deviation of r over that of b in a step, 2⁻³² turn; Q40 */
         int32_t ratio_reciprocal; /* 1/ρ0, Q24 */
         int32_t scale_share;      /* σγ²/(σγ² + σρ²), Q30 */
         int32_t bias_growth;      /* of bias_bias in a step */
         int64_t gyro_variance;    /* over bias_unit², Q30 */
+        int64_t count_variance;
         int32_t way_variance;     /* the same of a metre, Q14 */
         int32_t turn_variance;    /* the same of 2⁻³² turn, Q30 */
         int32_t accel_variance;   /* over tilt_deviation², Q30 */
+        int32_t tilt_reciprocal;  /* 1/tilt_deviation, Q15 */
         int32_t tilt_fading;      /* 1/m, Q14 */
         int32_t acceleration;     /* 1/(Δt² g), 1/m, Q8 */
         int32_t centripetal;      /* 2π/(Δt² g), 1/(m turn), Q8 */
         int32_t speed_per_way;    /* 1/Δt, Q16 */
         int32_t turn_creep_along; /* 2π Kx, m/turn, Q24 */
         int32_t turn_creep_across;
+        jp_q24 braking; /* 1/efficiency */
     } internal;
 };
 

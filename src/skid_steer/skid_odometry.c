@@ -12,8 +12,9 @@
 #define GRAVITY             JP_Q16(9.80665)
 #define ACCEL_BITS          26 /* ±2 g */
 
-/* A side that turns by this many counts in a step may be one that stands, between two counts. */
-#define STAND_COUNTS 1
+/* The wheels stand once both sides have stayed within this many counts for a quarter of a second. */
+#define STAND_COUNTS       1
+#define STANDS_IN_A_SECOND 4U
 
 /* What variances of the heading's filter are limited to, Q30, so that the reciprocal of their sum is precise. */
 #define VARIANCE_MIN ((int64_t)1 << 16)
@@ -28,11 +29,20 @@
 /* Least r that is believed, Q30. */
 #define RATIO_MIN (ONE / 16)
 
+/* The grade ahead changes by 1/64 of what the one to the left does, for the pitch gyro tells. */
+#define AHEAD_FADING_SHIFT 6U
+
 /* The bias of the pitch gyro takes 1/64 of what it shows in a step at rest. */
 #define PITCH_SHARE_SHIFT 6U
 
 /* Of steps in motion: those of 2¹⁷ steps ago count 1/e, because the bias wanders. */
 #define STEPS_FADING_SHIFT 17U
+
+/* Of the force that a turn takes: 1/e after 1/3 rad; ground that grips less than the file's by 8 at most. */
+#define GRIP_ONE       4096
+#define GRIP_MEMORY    5
+#define GRIP_MAX       8
+#define GRIP_FORCE_MIN JP_Q24(0.05)
 
 #define SCALE_ERROR_MAX (ONE / 4)
 
@@ -42,7 +52,7 @@ enum jp_status jp_skid_odometry_check(const struct jp_skid_odometry_config *conf
 {
     static const struct jp_config_field fields[] = {
         FIELD(tick_rate, JP_TICK_RATE_MIN, JP_TICK_RATE_MAX),
-        FIELD(step_ticks, 4, 32),
+        FIELD(step_ticks, 6, 32),
         FIELD(way_per_count, (int32_t)1 << 12, (int32_t)1 << 30),
         FIELD(turn_per_count, (int32_t)1 << 12, (int32_t)1 << 30),
         FIELD(ratio, JP_Q24(0.1), JP_Q24(1.5)),
@@ -56,10 +66,15 @@ enum jp_status jp_skid_odometry_check(const struct jp_skid_odometry_config *conf
         FIELD(tilt_deviation, JP_Q24(0.005), JP_Q24(0.5)),
         FIELD(tilt_change, JP_Q24(0.001), JP_Q24_ONE),
         FIELD(accel_noise, JP_Q24(0.0005), JP_Q24(0.1)),
+        FIELD(accel_offset, 0, JP_Q24(0.5)),
         FIELD(creep, 0, JP_Q24_ONE),
         FIELD(turn_creep_along, 0, JP_Q24(8)),
         FIELD(turn_creep_across, 0, JP_Q24(8)),
         FIELD(caster_drag, 0, JP_Q24(0.2)),
+        FIELD(turn_force, 0, JP_Q24(2)),
+        FIELD(force_per_ampere, 0, JP_Q24(16)),
+        FIELD(efficiency, JP_Q24(0.1), JP_Q24_ONE),
+        FIELD(rolling, 0, JP_Q24(0.5)),
     };
 
     return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
@@ -91,6 +106,7 @@ static void set_heading_filter(struct jp_skid_odometry *odometry, const struct j
     const int64_t both = square(config->ratio_deviation) + square(scale);           /* Q48 */
     const int64_t unit = within(in_a_step(config, (int64_t)config->bias_deviation * 256), 16, INT32_MAX);
     const int64_t gyro = (int64_t)config->gyro_noise * 16384 / config->bias_deviation; /* Q14 */
+    const int64_t count = (int64_t)config->turn_per_count * 128 / unit;                /* 2^-32 turn over 2^-32, Q15 */
     const int64_t way = (int64_t)config->way_noise * 65536 / unit;                     /* Q8 */
     const int64_t turn = (int64_t)config->turn_noise * 128 / unit;                     /* over √turn, 2^15.5 */
     const uint32_t deviation = jp_square_root((uint64_t)both);
@@ -106,19 +122,33 @@ static void set_heading_filter(struct jp_skid_odometry *odometry, const struct j
     odometry->internal.bias_growth = (int32_t)(in_a_step(config, ONE) / (int64_t)config->bias_memory) + 1;
     odometry->internal.gyro_variance =
         within(square(gyro) * 4 / (int64_t)config->step_ticks, VARIANCE_MIN, VARIANCE_MAX);
+    odometry->internal.count_variance = within(square(count) / 6, 0, VARIANCE_MAX);
     odometry->internal.way_variance = jp_saturate32(square(way) >> 2);
     odometry->internal.turn_variance = jp_saturate32((square(turn) * RADIANS_INVERSE_Q16) >> 16);
 }
 
 static void set_tilt_filter(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
-    const int64_t noise = (int64_t)config->accel_noise * 32768 / config->tilt_deviation; /* Q15 */
-    const int64_t change = (int64_t)config->tilt_change * 256 / config->tilt_deviation;  /* Q8 */
+    const int64_t noise = (int64_t)config->accel_noise * 32768 / config->tilt_deviation;   /* Q15 */
+    const int64_t offset = (int64_t)config->accel_offset * 32768 / config->tilt_deviation; /* Q15 */
+    const int64_t change = (int64_t)config->tilt_change * 256 / config->tilt_deviation;    /* Q8 */
 
+    odometry->internal.tilt_reciprocal = jp_divide((int64_t)1 << 39, config->tilt_deviation);
     odometry->internal.accel_variance = jp_saturate32(within(square(noise), VARIANCE_MIN, INT32_MAX));
     odometry->internal.tilt_fading = jp_saturate32(square(change) >> 2);
-    odometry->internal.ahead_ahead = ONE;
-    odometry->internal.left_left = ONE;
+    odometry->internal.tilt.ahead_ahead = ONE;
+    odometry->internal.tilt.left_left = ONE;
+    odometry->internal.tilt.offset_offset = jp_saturate32(within(square(offset), 1, ONE));
+}
+
+/* What a turn creeps on ground that grips less than the file's by a factor, Q12. */
+static void set_turn_creep(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                           int32_t factor)
+{
+    const int32_t per_turn = jp_multiply_shift(TWO_PI, factor, 12); /* Q24 */
+
+    odometry->internal.turn_creep_along = jp_multiply_shift(config->turn_creep_along, per_turn, 24);
+    odometry->internal.turn_creep_across = jp_multiply_shift(config->turn_creep_across, per_turn, 24);
 }
 
 static void set_units(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
@@ -127,20 +157,25 @@ static void set_units(struct jp_skid_odometry *odometry, const struct jp_skid_od
     const int64_t rate = (int64_t)config->tick_rate;
 
     odometry->internal.phase_per_rate = jp_phase_per_rate(config->tick_rate);
+    odometry->internal.stand_steps_min = config->tick_rate / (STANDS_IN_A_SECOND * config->step_ticks) + 1U;
     odometry->internal.mean_share = jp_divide((int64_t)1 << 31, (int32_t)ticks);
     odometry->internal.speed_per_way = jp_saturate32(rate * JP_Q16_ONE / ticks);
     odometry->internal.acceleration = jp_saturate32(square(rate) * JP_Q24_ONE / (square(ticks) * GRAVITY));
     odometry->internal.centripetal = jp_multiply_shift(odometry->internal.acceleration, TWO_PI, 24);
-    odometry->internal.turn_creep_along = jp_multiply_shift(config->turn_creep_along, TWO_PI, 24);
-    odometry->internal.turn_creep_across = jp_multiply_shift(config->turn_creep_across, TWO_PI, 24);
+    odometry->internal.turn_force = config->turn_force;
+    odometry->internal.braking = jp_divide((int64_t)1 << 48, config->efficiency);
+    set_turn_creep(odometry, config, GRIP_ONE);
 }
 
 void jp_skid_odometry_start(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                             const struct jp_sensors *sensors)
 {
-    *odometry = (struct jp_skid_odometry){
-        .internal = {.encoder_left = sensors->encoder_left, .encoder_right = sensors->encoder_right}};
-    odometry->internal.ahead = jp_saturate_bits(sensors->accel_x, ACCEL_BITS);
+    *odometry = (struct jp_skid_odometry){.internal = {.encoder_left = sensors->encoder_left,
+                                                       .encoder_right = sensors->encoder_right,
+                                                       .stand_left = sensors->encoder_left,
+                                                       .stand_right = sensors->encoder_right,
+                                                       .stand_steps = UINT32_MAX}};
+    odometry->internal.tilt.ahead = jp_saturate_bits(sensors->accel_x, ACCEL_BITS);
     set_heading_filter(odometry, config);
     set_tilt_filter(odometry, config);
     set_units(odometry, config);
@@ -176,9 +211,21 @@ static int32_t reduction(int32_t gain, int64_t covariance)
     return jp_saturate32((gain * (covariance >> 8)) >> 16);
 }
 
+/* x · share of Q24. */
+static int32_t part(int32_t x, jp_q24 share_of_it)
+{
+    return jp_multiply_shift(x, share_of_it, 24);
+}
+
 static int32_t at_least_one(int32_t variance)
 {
     return variance < 1 ? 1 : variance;
+}
+
+/* |x|, saturated. */
+static int32_t distance(int32_t x)
+{
+    return x < 0 ? jp_sub(0, x) : x;
 }
 
 /* The part of r that is the gyro's is taken out of its turn. */
@@ -202,7 +249,9 @@ static int64_t heading_noise(const struct jp_skid_odometry *odometry)
 {
     const int64_t way = jp_multiply(odometry->internal.way_variance, odometry->internal.way);
     const int64_t turn = jp_multiply(odometry->internal.turn_variance, odometry->internal.wheel_turn);
-    const int64_t noise = odometry->internal.gyro_variance + (jp_absolute64(way) >> 16) + jp_absolute64(turn);
+    const int64_t counting = odometry->internal.is_moving ? odometry->internal.count_variance : 0;
+    const int64_t noise =
+        odometry->internal.gyro_variance + counting + (jp_absolute64(way) >> 16) + jp_absolute64(turn);
 
     return noise > VARIANCE_MAX ? VARIANCE_MAX : noise;
 }
@@ -254,73 +303,111 @@ static int32_t within_one(int32_t x, int32_t one)
     return jp_clamp32(x, -one, one);
 }
 
-/* The grades turn with the robot and are forgotten as the ground goes by. */
-static void predict_tilt(struct jp_skid_odometry *odometry)
+/* x without the share that is forgotten, Q30. */
+static int32_t faded(int32_t x, int32_t fading)
 {
-    const int32_t turn = jp_multiply_shift(odometry->internal.turn, TWO_PI, 32); /* rad, Q24 */
-    const int32_t nodding = jp_sub(odometry->internal.gyro_pitch, odometry->internal.pitch_bias >> 8);
-    const int64_t passed = jp_absolute64(jp_multiply(odometry->internal.way, odometry->internal.tilt_fading)) >> 16;
-    const int32_t fading = passed > ONE ? ONE : (int32_t)passed;
-    const jp_q24 ahead = odometry->internal.ahead;
-    const jp_q24 left = odometry->internal.left;
-    const int32_t ahead_ahead = odometry->internal.ahead_ahead;
-    const int32_t ahead_left = odometry->internal.ahead_left;
-    const int32_t left_left = odometry->internal.left_left;
-    const int32_t swing = jp_multiply_shift(turn, ahead_left, 23);
-    const int32_t growth = jp_multiply_shift(ONE - left_left, fading, 30);
-
-    odometry->internal.ahead =
-        jp_sub(jp_add(ahead, jp_multiply_shift(turn, left, 24)), jp_multiply_shift(nodding, TWO_PI, 32));
-    odometry->internal.left = jp_sub(left - jp_multiply_shift(left, fading, 31), jp_multiply_shift(turn, ahead, 24));
-    odometry->internal.ahead_ahead = jp_clamp32(jp_add(ahead_ahead + (fading >> 6), swing), 1, ONE);
-    odometry->internal.left_left = jp_clamp32(jp_sub(left_left + growth, swing), 1, ONE);
-    odometry->internal.ahead_left = within_one(jp_add(ahead_left - jp_multiply_shift(ahead_left, fading, 31),
-                                                      jp_multiply_shift(turn, left_left - ahead_ahead, 24)),
-                                               ONE);
+    return x - jp_multiply_shift(x, fading, 30);
 }
 
-/* Learns the grades from the accelerometer without the robot's own acceleration. */
+/* The grades turn with the robot. Two shears keep the covariance one, however fast it turns. */
+static void turn_tilt(struct jp_skid_tilt *tilt, int32_t turn)
+{
+    const int32_t half_way = jp_add(tilt->ahead_left, part(tilt->left_left, turn));
+
+    tilt->ahead = jp_add(tilt->ahead, part(tilt->left, turn));
+    tilt->ahead_ahead = jp_add(tilt->ahead_ahead, part(jp_add(tilt->ahead_left, half_way), turn));
+    tilt->ahead_left = half_way;
+    tilt->ahead_offset = jp_add(tilt->ahead_offset, part(tilt->left_offset, turn));
+
+    const int32_t whole_way = jp_sub(tilt->ahead_left, part(tilt->ahead_ahead, turn));
+
+    tilt->left = jp_sub(tilt->left, part(tilt->ahead, turn));
+    tilt->left_left = jp_sub(tilt->left_left, part(jp_add(tilt->ahead_left, whole_way), turn));
+    tilt->ahead_left = whole_way;
+    tilt->left_offset = jp_sub(tilt->left_offset, part(tilt->ahead_offset, turn));
+}
+
+/* The grade to the left is forgotten as the ground goes by. */
+static void fade_tilt(struct jp_skid_tilt *tilt, int32_t fading)
+{
+    tilt->left = faded(tilt->left, fading / 2);
+    tilt->left_left = jp_add(faded(tilt->left_left, fading), fading);
+    tilt->ahead_left = faded(tilt->ahead_left, fading / 2);
+    tilt->left_offset = faded(tilt->left_offset, fading / 2);
+    tilt->ahead_ahead = jp_add(tilt->ahead_ahead, fading >> AHEAD_FADING_SHIFT);
+}
+
+static void predict_tilt(struct jp_skid_odometry *odometry)
+{
+    struct jp_skid_tilt *tilt = &odometry->internal.tilt;
+    const int32_t nodding = jp_sub(odometry->internal.gyro_pitch, odometry->internal.pitch_bias >> 8);
+    const int64_t passed = jp_absolute64(jp_multiply(odometry->internal.way, odometry->internal.tilt_fading)) >> 16;
+
+    turn_tilt(tilt, jp_multiply_shift(odometry->internal.turn, TWO_PI, 32));
+    fade_tilt(tilt, passed > ONE ? ONE : (int32_t)passed);
+    tilt->ahead = jp_sub(tilt->ahead, jp_multiply_shift(nodding, TWO_PI, 32));
+}
+
+/* Learns grades and offset from the accelerometer without the robot's own acceleration. */
 static void filter_tilt(struct jp_skid_odometry *odometry)
 {
-    const int32_t change = jp_sub(odometry->internal.way, odometry->internal.way_before);
+    struct jp_skid_tilt *tilt = &odometry->internal.tilt;
+    const int32_t change = jp_sub(odometry->internal.forward, odometry->internal.forward_before);
     const jp_q24 acceleration = jp_multiply_shift(change, odometry->internal.acceleration, 16);
 
-    if (odometry->internal.is_moving) {
-        predict_tilt(odometry);
-    } else {
-        rest_pitch(odometry);
-    }
+    const jp_q24 expected = jp_add(jp_add(tilt->ahead, tilt->offset), acceleration);
+    const jp_q24 surprise = jp_sub(odometry->internal.force, expected);
+    const int32_t of_ahead = jp_add(tilt->ahead_ahead, tilt->ahead_offset);
+    const int32_t of_left = jp_add(tilt->ahead_left, tilt->left_offset);
+    const int32_t of_offset = jp_add(tilt->offset_offset, tilt->ahead_offset);
+    const int32_t doubt = jp_multiply_shift(acceleration, odometry->internal.tilt_reciprocal, 24); /* Q15 */
+    const int64_t variance =
+        (int64_t)of_ahead + of_offset + odometry->internal.accel_variance + jp_multiply(doubt, doubt) / 4;
+    const struct reciprocal reciprocal = reciprocal_of(within(variance, VARIANCE_MIN, VARIANCE_MAX));
+    const int32_t to_ahead = share(of_ahead, &reciprocal);
+    const int32_t to_left = share(of_left, &reciprocal);
+    const int32_t to_offset = share(of_offset, &reciprocal);
 
-    const int32_t ahead_ahead = odometry->internal.ahead_ahead;
-    const int32_t ahead_left = odometry->internal.ahead_left;
-    const jp_q24 surprise = jp_sub(jp_sub(odometry->internal.force, acceleration), odometry->internal.ahead);
-    const struct reciprocal reciprocal = reciprocal_of((int64_t)ahead_ahead + odometry->internal.accel_variance);
-    const int32_t to_ahead = share(ahead_ahead, &reciprocal);
-    const int32_t to_left = share(ahead_left, &reciprocal);
+    tilt->ahead = within_one(jp_add(tilt->ahead, part(surprise, to_ahead)), JP_Q24_ONE);
+    tilt->left = within_one(jp_add(tilt->left, part(surprise, to_left)), JP_Q24_ONE);
+    tilt->offset = within_one(jp_add(tilt->offset, part(surprise, to_offset)), JP_Q24_ONE);
+    tilt->ahead_ahead = at_least_one(jp_sub(tilt->ahead_ahead, part(of_ahead, to_ahead)));
+    tilt->ahead_left = jp_sub(tilt->ahead_left, part(of_left, to_ahead));
+    tilt->ahead_offset = jp_sub(tilt->ahead_offset, part(of_offset, to_ahead));
+    tilt->left_left = at_least_one(jp_sub(tilt->left_left, part(of_left, to_left)));
+    tilt->left_offset = jp_sub(tilt->left_offset, part(of_offset, to_left));
+    tilt->offset_offset = at_least_one(jp_sub(tilt->offset_offset, part(of_offset, to_offset)));
+}
 
-    odometry->internal.ahead =
-        within_one(jp_add(odometry->internal.ahead, jp_multiply_shift(surprise, to_ahead, 24)), JP_Q24_ONE);
-    odometry->internal.left =
-        within_one(jp_add(odometry->internal.left, jp_multiply_shift(surprise, to_left, 24)), JP_Q24_ONE);
-    odometry->internal.ahead_ahead = at_least_one(ahead_ahead - jp_multiply_shift(to_ahead, ahead_ahead, 24));
-    odometry->internal.ahead_left = ahead_left - jp_multiply_shift(to_ahead, ahead_left, 24);
-    odometry->internal.left_left =
-        at_least_one(jp_sub(odometry->internal.left_left, jp_multiply_shift(to_left, ahead_left, 24)));
+/* Force of a side on the ground over the weight, g: what its motor's current leaves behind gear and rolling. */
+static jp_q24 side_force(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                         jp_q16 current, int32_t counts)
+{
+    const jp_q24 motor = jp_multiply_shift(current, config->force_per_ampere, 16);
+    const bool is_driving = (motor ^ counts) >= 0;
+    const jp_q24 behind_gear = part(motor, is_driving ? config->efficiency : odometry->internal.braking);
+    const jp_q24 rolling = config->rolling / 2;
+
+    return jp_sub(behind_gear, counts < 0 ? -rolling : rolling);
+}
+
+/* What it takes to turn tells how the ground grips, and so how far the robot slips down a slope as it turns. */
+static void learn_grip(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int32_t turn = odometry->internal.turn;
+    const jp_q24 left = side_force(odometry, config, odometry->internal.current_left, odometry->internal.counts_left);
+    const jp_q24 right =
+        side_force(odometry, config, odometry->internal.current_right, odometry->internal.counts_right);
+    const jp_q24 force = turn < 0 ? jp_sub(left, right) : jp_sub(right, left);
+    const int32_t weight = jp_clamp32(distance(turn), 0, ONE / GRIP_MEMORY) * GRIP_MEMORY;
+    const jp_q24 least = config->turn_force / GRIP_MAX;
+
+    odometry->internal.turn_force += jp_multiply_shift(jp_sub(force, odometry->internal.turn_force), weight, 30);
+    odometry->internal.turn_force = jp_clamp32(odometry->internal.turn_force, least, config->turn_force * 2);
+    set_turn_creep(odometry, config, config->turn_force / (odometry->internal.turn_force / GRIP_ONE));
 }
 
 /* ---- Pose ---- */
-
-/* x · share of Q24. */
-static int32_t part(int32_t x, jp_q24 share_of_it)
-{
-    return jp_multiply_shift(x, share_of_it, 24);
-}
-
-/* |x|, saturated. */
-static int32_t distance(int32_t x)
-{
-    return x < 0 ? jp_sub(0, x) : x;
-}
 
 /* component · way with the component in Q31 and the way in Q32 m. */
 static int64_t along(jp_q31 component, int32_t way)
@@ -367,20 +454,22 @@ static void follow_sensitivity(struct jp_skid_odometry *odometry)
 
 static void move(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
+    const struct jp_skid_tilt *tilt = &odometry->internal.tilt;
     const int32_t way = odometry->internal.way;
     const int32_t turn = odometry->internal.turn;
-    const jp_q24 half_ahead = jp_multiply_shift(odometry->internal.ahead, odometry->internal.ahead, 25); /* p²/2 */
-    const jp_q24 half_left = jp_multiply_shift(odometry->internal.left, odometry->internal.left, 25);
+    const jp_q24 half_ahead = jp_multiply_shift(tilt->ahead, tilt->ahead, 25); /* p²/2 */
+    const jp_q24 half_left = jp_multiply_shift(tilt->left, tilt->left, 25);
     const int32_t heading_turn = jp_add(turn, part(turn, half_ahead - half_left));
 
     /* The caster is pushed by the wheels. */
     const jp_q24 drag = way < 0 ? -config->caster_drag : config->caster_drag;
-    const jp_q24 ahead = odometry->internal.force + drag;
+    const jp_q24 ahead = odometry->internal.force - tilt->offset + drag;
     const int32_t bend = jp_multiply_shift(way, turn, 32);
-    const jp_q24 left = jp_add(odometry->internal.left, jp_multiply_shift(bend, odometry->internal.centripetal, 16));
+    const jp_q24 left = jp_add(tilt->left, jp_multiply_shift(bend, odometry->internal.centripetal, 16));
     const int32_t rolled = part(distance(way), config->creep);
     const int32_t turned = distance(turn);
-    const int32_t creep_along = jp_add(rolled, part(turned, odometry->internal.turn_creep_along));
+    const int32_t skidded = part(turned, odometry->internal.turn_creep_along);
+    const int32_t creep_along = jp_add(rolled, skidded);
     const int32_t creep_across = jp_add(rolled, part(turned, odometry->internal.turn_creep_across));
     const int32_t forward = jp_sub(way, part(creep_along, ahead));
     const int32_t sideways = jp_sub(0, part(creep_across, left));
@@ -395,12 +484,28 @@ static void move(struct jp_skid_odometry *odometry, const struct jp_skid_odometr
     odometry->x += odometry->internal.way_x;
     odometry->y += odometry->internal.way_y;
     odometry->heading += (jp_phase)((int64_t)heading_turn * ((int64_t)1 << 24));
+    odometry->internal.forward = forward;
+    odometry->internal.is_skidding = config->turn_force >= GRIP_FORCE_MIN && skidded / 2 > rolled;
     odometry->speed = jp_multiply_shift(forward, odometry->internal.speed_per_way, 24);
 }
 
-static bool stands(int32_t counts)
+static bool stays(uint32_t counts, uint32_t anchor)
 {
-    return jp_is_between(counts, -STAND_COUNTS, STAND_COUNTS);
+    return jp_is_between((int32_t)(counts - anchor), -STAND_COUNTS, STAND_COUNTS);
+}
+
+static void watch_stand(struct jp_skid_odometry *odometry, const struct jp_sensors *sensors)
+{
+    if (!stays(sensors->encoder_left, odometry->internal.stand_left) ||
+        !stays(sensors->encoder_right, odometry->internal.stand_right)) {
+        odometry->internal.stand_left = sensors->encoder_left;
+        odometry->internal.stand_right = sensors->encoder_right;
+        odometry->internal.stand_steps = 0;
+    }
+    odometry->internal.is_moving = odometry->internal.stand_steps < odometry->internal.stand_steps_min;
+    if (odometry->internal.is_moving) {
+        odometry->internal.stand_steps++;
+    }
 }
 
 /* What the ticks added up becomes the increments of the step. */
@@ -412,8 +517,11 @@ static void take_increments(struct jp_skid_odometry *odometry, const struct jp_s
 
     odometry->internal.encoder_left = sensors->encoder_left;
     odometry->internal.encoder_right = sensors->encoder_right;
-    odometry->internal.is_moving = !stands(left) || !stands(right);
-    odometry->internal.way_before = odometry->internal.way;
+    watch_stand(odometry, sensors);
+    odometry->internal.counts_left = left;
+    odometry->internal.counts_right = right;
+    odometry->internal.current_left = sensors->current_left;
+    odometry->internal.current_right = sensors->current_right;
     odometry->internal.way = jp_round_shift(jp_multiply(jp_add(left, right), config->way_per_count), 9);
     odometry->internal.wheel_turn = jp_round_shift(jp_multiply(jp_sub(right, left), config->turn_per_count), 8);
     odometry->internal.gyro_turn = jp_round_shift((int64_t)odometry->internal.yaw_angle, 24);
@@ -424,23 +532,66 @@ static void take_increments(struct jp_skid_odometry *odometry, const struct jp_s
     odometry->internal.accel_sum = 0;
 }
 
+/* Begins a step. */
 static void take_step(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                       const struct jp_sensors *sensors)
 {
     take_increments(odometry, config, sensors);
+    odometry->internal.forward_before = odometry->internal.forward;
     if (odometry->internal.is_moving) {
         const int32_t turned = jp_sub(odometry->internal.gyro_turn, odometry->internal.bias >> 8);
 
         odometry->internal.turned += turned;
         odometry->internal.turn = jp_multiply_shift(turned, odometry->internal.scale, 30);
-        move(odometry, config);
     } else {
         odometry->internal.way = 0;
+        odometry->internal.forward = 0;
         odometry->internal.wheel_turn = 0;
         odometry->internal.turn = 0;
-        odometry->internal.way_x = 0;
-        odometry->internal.way_y = 0;
+        odometry->internal.is_skidding = false;
         odometry->speed = 0;
+    }
+}
+
+/* One part of the step a tick. */
+static void work(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const bool is_moving = odometry->internal.is_moving;
+    const enum jp_skid_odometry_part part_of_step = odometry->internal.next;
+
+    odometry->internal.next = JP_SKID_ADD_UP;
+    switch (part_of_step) {
+    case JP_SKID_MOVE:
+        if (is_moving) {
+            move(odometry, config);
+        }
+        odometry->internal.next = JP_SKID_FILTER_HEADING;
+        break;
+    case JP_SKID_FILTER_HEADING:
+        filter_heading(odometry, config);
+        odometry->internal.next = JP_SKID_CORRECT_POSE;
+        break;
+    case JP_SKID_CORRECT_POSE:
+        correct_pose(odometry);
+        if (is_moving) {
+            follow_sensitivity(odometry);
+        }
+        odometry->internal.next = JP_SKID_PREDICT_TILT;
+        break;
+    case JP_SKID_PREDICT_TILT:
+        if (is_moving) {
+            predict_tilt(odometry);
+        } else {
+            rest_pitch(odometry);
+        }
+        odometry->internal.next = JP_SKID_FILTER_TILT;
+        break;
+    case JP_SKID_FILTER_TILT:
+        filter_tilt(odometry);
+        break;
+    case JP_SKID_ADD_UP:
+    default:
+        break;
     }
 }
 
@@ -456,21 +607,12 @@ void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_
     odometry->internal.ticks++;
     if (odometry->internal.ticks == config->step_ticks) {
         odometry->internal.ticks = 0;
-        take_step(odometry, config, sensors);
-        odometry->internal.next = JP_SKID_FILTER_HEADING;
-    } else if (odometry->internal.next == JP_SKID_FILTER_HEADING) {
-        filter_heading(odometry, config);
-        odometry->internal.next = JP_SKID_CORRECT_POSE;
-    } else if (odometry->internal.next == JP_SKID_CORRECT_POSE) {
-        correct_pose(odometry);
-        if (odometry->internal.is_moving) {
-            follow_sensitivity(odometry);
+        if (odometry->internal.is_skidding) {
+            learn_grip(odometry, config); /* of the step before */
         }
-        odometry->internal.next = JP_SKID_FILTER_TILT;
-    } else if (odometry->internal.next == JP_SKID_FILTER_TILT) {
-        filter_tilt(odometry);
-        odometry->internal.next = JP_SKID_ADD_UP;
+        take_step(odometry, config, sensors);
+        odometry->internal.next = JP_SKID_MOVE;
     } else {
-        /* The other ticks add up alone. */
+        work(odometry, config);
     }
 }

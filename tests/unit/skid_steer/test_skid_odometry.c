@@ -1,0 +1,337 @@
+/* Odometry of skid steer and differential drive: what it learns, what it takes out, and where its limits are. */
+#include <joulepath/skid_odometry.h>
+#include <stddef.h>
+
+#include "tests/support/config_check.h"
+#include "unity.h"
+
+#define METRE  ((int64_t)1 << 32)
+#define DEGREE ((int32_t)(JP_Q24_ONE / 360))
+
+/* Round numbers: 100 ticks and 25 steps a second, 2⁻¹⁶ m and 2⁻¹⁷ turn a count. */
+static const struct jp_skid_odometry_config usual = {
+    .tick_rate = 100,
+    .step_ticks = 4,
+    .way_per_count = (int32_t)1 << 24,
+    .turn_per_count = (int32_t)1 << 23,
+    .ratio = JP_Q24(0.5),
+    .ratio_deviation = JP_Q24(0.1),
+    .scale_deviation = JP_Q24(0.01),
+    .bias_deviation = JP_Q24(0.003),
+    .bias_memory = 1000000,
+    .gyro_noise = JP_Q24(0.0003),
+    .way_noise = JP_Q24(0.005),
+    .turn_noise = JP_Q24(0.03),
+    .tilt_deviation = JP_Q24(0.1),
+    .tilt_change = JP_Q24(0.08),
+    .accel_noise = JP_Q24(0.005),
+    .creep = 0,
+    .turn_creep_along = 0,
+    .turn_creep_across = 0,
+    .caster_drag = 0,
+};
+
+static struct jp_skid_odometry_config config;
+static struct jp_skid_odometry odometry;
+static struct jp_sensors sensors;
+
+void setUp(void)
+{
+    config = usual;
+    sensors = (struct jp_sensors){.encoder_left = UINT32_MAX - 100, .encoder_right = 7, .accel_z = JP_Q24_ONE};
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+}
+
+void tearDown(void)
+{
+}
+
+DEFINE_EXPECT_CONFIG_OF(jp_skid_odometry_check, usual)
+
+/* Steps in which each side moves by so many counts a tick while the gyro reads a rate. */
+static void drive(int32_t steps, int32_t left, int32_t right, jp_turns_per_s rate)
+{
+    sensors.yaw_rate = rate;
+    for (int32_t tick = 0; tick < 4 * steps; tick++) {
+        sensors.encoder_left += (uint32_t)left;
+        sensors.encoder_right += (uint32_t)right;
+        jp_skid_odometry_update(&odometry, &config, &sensors);
+    }
+}
+
+static int32_t heading_degrees_1000(void)
+{
+    return (int32_t)((int64_t)(odometry.heading >> 32) * 360000 / JP_Q24_ONE);
+}
+
+static void test_check_names_each_field(void)
+{
+    expect_config(NULL);
+    RANGE("skid_odometry.", tick_rate, 100, 10000);
+    RANGE("skid_odometry.", step_ticks, 4, 32);
+    RANGE("skid_odometry.", way_per_count, (int32_t)1 << 12, (int32_t)1 << 30);
+    RANGE("skid_odometry.", turn_per_count, (int32_t)1 << 12, (int32_t)1 << 30);
+    RANGE("skid_odometry.", ratio, JP_Q24(0.1), JP_Q24(1.5));
+    RANGE("skid_odometry.", ratio_deviation, JP_Q24(0.0001), JP_Q24(0.5));
+    RANGE("skid_odometry.", scale_deviation, 0, JP_Q24(0.1));
+    RANGE("skid_odometry.", bias_deviation, JP_Q24_ONE >> 16, JP_Q24(0.1));
+    RANGE("skid_odometry.", bias_memory, 1000, 100000000);
+    RANGE("skid_odometry.", gyro_noise, JP_Q24_ONE >> 20, JP_Q24(0.1));
+    RANGE("skid_odometry.", way_noise, JP_Q24_ONE >> 16, JP_Q24(0.1));
+    RANGE("skid_odometry.", turn_noise, JP_Q24(0.001), JP_Q24_ONE);
+    RANGE("skid_odometry.", tilt_deviation, JP_Q24(0.005), JP_Q24(0.5));
+    RANGE("skid_odometry.", tilt_change, JP_Q24(0.001), JP_Q24_ONE);
+    RANGE("skid_odometry.", accel_noise, JP_Q24(0.0005), JP_Q24(0.1));
+    RANGE("skid_odometry.", creep, 0, JP_Q24_ONE);
+    RANGE("skid_odometry.", turn_creep_along, 0, JP_Q24(8));
+    RANGE("skid_odometry.", turn_creep_across, 0, JP_Q24(8));
+    RANGE("skid_odometry.", caster_drag, 0, JP_Q24(0.2));
+}
+
+/* ---- Way ---- */
+
+static void test_straight_ahead_and_back(void)
+{
+    drive(64, 512, 512, 0); /* 2 m, through the wrap of the left encoder */
+    TEST_ASSERT_INT64_WITHIN(64, 2 * METRE, odometry.x);
+    TEST_ASSERT_INT64_WITHIN(64, 0, odometry.y);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.78125), odometry.speed);
+    drive(64, -512, -512, 0);
+    TEST_ASSERT_INT64_WITHIN(128, 0, odometry.x);
+    TEST_ASSERT_EQUAL_INT32(-JP_Q24(0.78125), odometry.speed);
+}
+
+static void test_nothing_happens_between_steps(void)
+{
+    sensors.encoder_left += 1000;
+    sensors.encoder_right += 1000;
+    for (int tick = 0; tick < 3; tick++) {
+        jp_skid_odometry_update(&odometry, &config, &sensors);
+        TEST_ASSERT_EQUAL_INT64(0, odometry.x);
+    }
+    jp_skid_odometry_update(&odometry, &config, &sensors);
+    TEST_ASSERT_EQUAL_INT64(1000 * (METRE >> 16), odometry.x);
+}
+
+static void test_gyro_turns_the_heading(void)
+{
+    drive(25, 256, 512, JP_Q24(0.25)); /* a quarter turn; the wheels agree with ratio 0.5 or not */
+    TEST_ASSERT_INT32_WITHIN(400, 90000, heading_degrees_1000());
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.002), JP_Q24(0.25), odometry.turn_rate);
+}
+
+/* A circle of 1 000 steps, whose wheels turn as the ratio says: 2¹⁷ counts of (right − left) and ratio ½ are half a
+ * turn. */
+static void test_circle_closes(void)
+{
+    drive(512, 436, 564, JP_Q24(0.048828125)); /* 25 · 4 · 128 · 2⁻¹⁷ · ½ turn/s: a turn takes 512 steps */
+    TEST_ASSERT_INT32_WITHIN(30, 0, (int32_t)((int64_t)(odometry.heading << 8) >> 40) * 360 / 65536);
+    TEST_ASSERT_INT64_WITHIN(METRE / 1000, 0, odometry.x);
+    TEST_ASSERT_INT64_WITHIN(METRE / 1000, 0, odometry.y);
+}
+
+static void test_step_is_limited(void)
+{
+    drive(1, 1 << 20, 1 << 20, 0); /* 64 m */
+    TEST_ASSERT_INT64_WITHIN(4, METRE / 2, odometry.x);
+    drive(1, -(1 << 29), -(1 << 29), 0);
+    TEST_ASSERT_INT64_WITHIN(8, 0, odometry.x);
+}
+
+static void test_readings_at_their_ends_do_not_overflow(void)
+{
+    static const int32_t ends[] = {INT32_MIN, INT32_MAX, 0};
+
+    for (int i = 0; i < 200; i++) {
+        sensors.encoder_left += (uint32_t)ends[i % 3];
+        sensors.encoder_right += (uint32_t)ends[i / 3 % 3];
+        sensors.yaw_rate = ends[i / 4 % 3];
+        sensors.pitch_rate = ends[i / 5 % 3];
+        sensors.accel_x = ends[i / 7 % 3];
+        jp_skid_odometry_update(&odometry, &config, &sensors);
+    }
+    TEST_ASSERT_TRUE(odometry.steering_ratio > 0);
+}
+
+/* ---- What is learned ---- */
+
+static void test_stand_keeps_the_pose_and_shows_the_bias(void)
+{
+    drive(25, 300, 400, JP_Q24(0.1));
+
+    const struct jp_skid_odometry before = odometry;
+
+    drive(100, 0, 0, DEGREE);
+    TEST_ASSERT_EQUAL_INT64(before.x, odometry.x);
+    TEST_ASSERT_EQUAL_INT64(before.y, odometry.y);
+    TEST_ASSERT_TRUE(before.heading == odometry.heading);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.speed);
+    TEST_ASSERT_INT32_WITHIN(DEGREE / 100, DEGREE, odometry.internal.bias_rate);
+    TEST_ASSERT_INT32_WITHIN(DEGREE / 100, 0, odometry.turn_rate);
+}
+
+static void test_one_count_to_and_fro_is_a_stand(void)
+{
+    for (int i = 0; i < 8; i++) {
+        drive(1, 0, 0, 0);
+        sensors.encoder_left += i % 2 == 0 ? 1U : UINT32_MAX;
+    }
+    TEST_ASSERT_EQUAL_INT64(0, odometry.x);
+    sensors.encoder_right += 2;
+    drive(1, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT64(METRE >> 16, odometry.x);
+}
+
+/* Straight ways tell the bias too, only less. */
+static void test_straight_way_shows_the_bias_less(void)
+{
+    drive(25, 512, 512, DEGREE);
+    const int32_t by_way = odometry.internal.bias_rate;
+    const int32_t variance = odometry.internal.bias_bias;
+    setUp();
+    drive(25, 0, 0, DEGREE);
+    TEST_ASSERT_TRUE(by_way > DEGREE / 20 && by_way < odometry.internal.bias_rate);
+    TEST_ASSERT_TRUE(odometry.internal.bias_bias < variance / 4);
+}
+
+static void test_turns_show_the_ratio(void)
+{
+    drive(100, 0, 0, 0);
+    drive(100, -512, 512, JP_Q24(0.5)); /* ratio ½ would be 0.390625 turn/s */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.02), JP_Q24(0.64), odometry.steering_ratio);
+    TEST_ASSERT_TRUE(odometry.internal.ratio_ratio < (1 << 30) / 8);
+    drive(100, 512, -512, -JP_Q24(0.5));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.64), odometry.steering_ratio);
+}
+
+/* A ratio that is known leaves the difference to the gyro: its turns are corrected. */
+static void test_known_ratio_corrects_the_scale(void)
+{
+    config.ratio_deviation = JP_Q24(0.0005);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(100, 0, 0, 0);
+    drive(100, -512, 512, JP_Q24(0.39453125)); /* 1 % more than the wheels */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(0.5), odometry.steering_ratio);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(0.390625), odometry.turn_rate);
+}
+
+static void test_scale_that_is_exact_leaves_it_to_the_ratio(void)
+{
+    config.scale_deviation = 0;
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(100, 0, 0, 0);
+    drive(100, -512, 512, JP_Q24(0.39453125));
+    TEST_ASSERT_INT32_WITHIN(2, JP_Q24(0.39453125) - odometry.internal.bias_rate, odometry.turn_rate);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.002), JP_Q24(0.505), odometry.steering_ratio);
+}
+
+/* ---- Slopes ---- */
+
+/* The accelerometer reads the grade that the robot stands on and drives up. */
+static void climb(jp_q24 grade, int32_t steps)
+{
+    sensors.accel_x = grade;
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(steps, 512, 512, 0);
+}
+
+static void test_map_sees_the_cosine_of_the_pitch(void)
+{
+    climb(JP_Q24(0.25), 64);
+    TEST_ASSERT_INT64_WITHIN(METRE / 1000, 2 * METRE * 96875 / 100000, odometry.x); /* √(1 − 1/16) within 0.1 % */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(0.78125), odometry.speed);
+}
+
+static void test_treads_creep_uphill(void)
+{
+    config.creep = JP_Q24(0.1);
+    climb(JP_Q24(0.0625), 64);
+    TEST_ASSERT_INT64_WITHIN(METRE / 1000, 2 * METRE * 99181 / 100000,
+                             odometry.x); /* 0.625 %, and 0.195 % for the map */
+    climb(-JP_Q24(0.0625), 64);
+    TEST_ASSERT_INT64_WITHIN(METRE / 1000, 2 * METRE * 100429 / 100000, odometry.x);
+}
+
+static void test_caster_drags_both_ways(void)
+{
+    config.creep = JP_Q24(0.5);
+    config.caster_drag = JP_Q24(0.02);
+    climb(0, 64);
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, METRE * 198 / 100, odometry.x);
+    drive(64, -512, -512, 0);
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, 0, odometry.x);
+}
+
+/* A turn on the spot on a slope: what is ahead turns, so the grade to the left is seen. */
+static void test_turn_shows_the_grade_to_the_left(void)
+{
+    const jp_q24 grade = JP_Q24(0.1);
+
+    sensors.accel_x = 0;
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    for (int32_t step = 0; step < 50; step++) { /* from across the slope to straight up it */
+        sensors.accel_x = (jp_q24)(((int64_t)grade * jp_sin((jp_angle)step * (1U << 30) / 50U)) >> 31);
+        drive(1, -328, 328, JP_Q24(0.125));
+        if (step == 25) {
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.0707), odometry.internal.left);
+        }
+    }
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.005), grade, odometry.internal.ahead);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), 0, odometry.internal.left);
+}
+
+static void test_robot_slips_down_the_slope_as_it_turns(void)
+{
+    config.turn_creep_along = JP_Q24(0.5);
+    config.turn_creep_across = JP_Q24(1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.left = JP_Q24(0.1);
+    drive(1, -328, 328, JP_Q24(0.125)); /* 0.0314 rad */
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 314 / 100000, odometry.y);
+    setUp();
+    config.turn_creep_along = JP_Q24(0.5);
+    sensors.accel_x = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(1, -328, 328, JP_Q24(0.125));
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 157 / 100000, odometry.x);
+}
+
+static void test_bend_pushes_outwards(void)
+{
+    config.creep = JP_Q24(0.5);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(1, 512, 512, JP_Q24(0.125)); /* 0.78125 m/s · 0.785 rad/s = 0.0626 g */
+    TEST_ASSERT_INT64_WITHIN(METRE / 20000, METRE / 32 * (1571 - 3130) / 100000, odometry.y);
+}
+
+static void test_stand_shows_the_bias_of_the_pitch_gyro(void)
+{
+    sensors.pitch_rate = DEGREE;
+    drive(400, 0, 0, 0);
+    TEST_ASSERT_INT32_WITHIN(20000, (int32_t)((int64_t)DEGREE * 65536 / 25), odometry.internal.pitch_bias);
+    drive(25, 512, 512, 0); /* does not nod */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), 0, odometry.internal.ahead);
+}
+
+/* The grade is not what the robot's own acceleration is. */
+static void test_acceleration_is_no_grade(void)
+{
+    for (int32_t step = 0; step < 20; step++) {
+        sensors.accel_x = step == 0 ? 0 : JP_Q24(0.0797); /* 32 counts a tick more each step: 0.78125 m/s² */
+        drive(1, step * 20, step * 20, 0);
+    }
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.03), odometry.internal.ahead);
+}
+
+/* Standing says nothing of the grade to the left; what is known of it is forgotten on the way. */
+static void test_grade_to_the_left_is_forgotten(void)
+{
+    odometry.internal.left = JP_Q24(0.1);
+    odometry.internal.left_left = 1 << 20;
+    drive(64, 512, 512, 0);
+    TEST_ASSERT_TRUE(odometry.internal.left < JP_Q24(0.06));
+    TEST_ASSERT_TRUE(odometry.internal.left_left > 1 << 28);
+    drive(1, 1 << 20, 1 << 20, 0);
+    drive(1, 1 << 20, 1 << 20, 0);
+    TEST_ASSERT_TRUE(odometry.internal.left_left > (1 << 30) - (1 << 28));
+}
