@@ -133,6 +133,8 @@ struct jp_skid_robot_internal {
     struct jp_skid_control control;
     struct jp_meter meter;
     struct jp_skid_odometry odometry;
+    uint32_t counted[JP_SKID_SIDES];     /**< by the odometry */
+    uint32_t not_counted[JP_SKID_SIDES]; /**< by the encoders before the first frame, and in faults */
 
     struct jp_skid_next next; /**< handed to the tick by `next_full` */
 };
@@ -170,8 +172,8 @@ void jp_skid_robot_tick(struct jp_skid_robot *robot, enum jp_status read, const 
  *  JP_ERR_ARGUMENT: null. */
 enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot);
 
-/** To idle, at the next tick; clears faults and what waits. Enabling again needs a plausible frame after that. After a
- *  fault position and heading begin at the origin. */
+/** To idle, at the next tick; clears faults and what waits. Enabling again needs a plausible frame after that. Position
+ *  and heading go on from where a fault was found: what the robot moved since then is missing. */
 void jp_skid_robot_disable(struct jp_skid_robot *robot);
 
 /**

@@ -84,6 +84,7 @@ enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_s
         .turn_step = step_of(config->limits.turn_acceleration, config->control.tick_rate),
     };
     robot->internal.command = robot->internal.braking;
+    jp_skid_odometry_start(&robot->internal.odometry, &config->odometry, &(struct jp_sensors){0});
     jp_monitor_start(&robot->internal.monitor, &config->monitor);
     jp_skid_control_start(&robot->internal.control, &config->control, config->odometry.ratio);
     jp_skid_monitor_start(&robot->internal.wheels, config->monitor.tilt_limit);
@@ -141,7 +142,7 @@ static void fail(struct jp_skid_robot_internal *robot, unsigned faults)
 
 static void switch_off(struct jp_skid_robot_internal *robot)
 {
-    /* What failed left a position that means nothing. */
+    /* What failed left speeds that mean nothing. */
     if (robot->state == JP_SKID_ROBOT_FAULT) {
         robot->started = false;
     }
@@ -418,10 +419,25 @@ static void begin(struct jp_skid_robot_internal *robot)
 {
     const struct jp_sensors *sensors = &robot->monitor.good;
 
-    jp_skid_odometry_start(&robot->odometry, &robot->config->odometry, sensors);
+    robot->not_counted[JP_SKID_LEFT] = sensors->encoder_left - robot->counted[JP_SKID_LEFT];
+    robot->not_counted[JP_SKID_RIGHT] = sensors->encoder_right - robot->counted[JP_SKID_RIGHT];
     jp_skid_control_count_from(&robot->control, sensors->encoder_left, sensors->encoder_right);
     robot->wake_ticks = JP_SKID_WAKE_TICKS;
     robot->started = true;
+}
+
+/** Not in a fault, whose frames may tell anything. */
+static void reckon(struct jp_skid_robot_internal *robot)
+{
+    struct jp_sensors sensors = robot->monitor.good;
+
+    if (robot->state != JP_SKID_ROBOT_FAULT) {
+        sensors.encoder_left -= robot->not_counted[JP_SKID_LEFT];
+        sensors.encoder_right -= robot->not_counted[JP_SKID_RIGHT];
+        robot->counted[JP_SKID_LEFT] = sensors.encoder_left;
+        robot->counted[JP_SKID_RIGHT] = sensors.encoder_right;
+        jp_skid_odometry_update(&robot->odometry, &robot->config->odometry, &sensors);
+    }
 }
 
 void jp_skid_robot_account(struct jp_skid_robot *robot)
@@ -429,7 +445,7 @@ void jp_skid_robot_account(struct jp_skid_robot *robot)
     struct jp_skid_robot_internal *internal = &robot->internal;
 
     if (internal->started) {
-        jp_skid_odometry_update(&internal->odometry, &internal->config->odometry, &internal->monitor.good);
+        reckon(internal);
         jp_meter_update(&internal->meter, &internal->applied, &internal->monitor.good);
         review(internal);
     } else if (internal->monitor.started) {

@@ -6,24 +6,29 @@ const struct jp_skid_robot_config jp_skid_robot_zhang2018 = {
     .odometry =
         {
             .tick_rate = 500U,             /* Hz */
-            .step_ticks = 5U,
+            .step_ticks = 6U,
             .way_per_count = 7510429,      /* 6.830696e-06 m */
             .turn_per_count = 1707603,     /* 1.553056e-06 turn */
             .ratio = 11109238,             /* 0.6621622 */
-            .ratio_deviation = 203367,     /* 0.01212162 */
+            .ratio_deviation = 56226,      /* 0.003351351 */
             .scale_deviation = 167772,     /* 0.01 */
             .bias_deviation = 23302,       /* 0.001388889 turn/s */
-            .bias_memory = 1000000U,       /* s */
+            .bias_memory = 10000000U,      /* s */
             .gyro_noise = 4665,            /* 0.0002780471 turn/s */
             .way_noise = 80105,            /* 0.004774648 turn/√m */
-            .turn_noise = 734570,          /* 0.04378378 */
-            .tilt_deviation = 2171132,     /* 0.1294095 g */
-            .tilt_change = 1736905,        /* 0.1035276 g/√m */
-            .accel_noise = 78846,          /* 0.004699581 g */
+            .turn_noise = 253925,          /* 0.01513514 */
+            .tilt_deviation = 1085566,     /* 0.06470476 g */
+            .tilt_change = 868453,         /* 0.05176381 g/√m */
+            .accel_noise = 69309,          /* 0.004131125 g */
+            .accel_offset = 335544,        /* 0.02 g */
             .creep = 1386241,              /* 0.08262642 per g */
             .turn_creep_along = 11848034,  /* 0.7061979 m/g */
             .turn_creep_across = 20662859, /* 1.231602 m/g */
             .caster_drag = 0,              /* 0 g */
+            .turn_force = 6127540,         /* 0.3652299 g */
+            .force_per_ampere = 801801,    /* 0.04779106 g/A */
+            .efficiency = 13086228,        /* 0.78 */
+            .rolling = 714592,             /* 0.042593 */
         },
     .control =
         {

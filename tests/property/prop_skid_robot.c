@@ -118,10 +118,16 @@ static double mean_of(const struct errors *errors)
     return errors->count == 0 ? 0 : errors->sum / (double)errors->count;
 }
 
+/* What the figures tell. */
 static struct {
     struct errors speed;     /* of the lattice's speed */
     struct errors turn_rate; /* of the lattice's turn rate */
-} tracking[KINDS];
+    double standing;         /* m in 10 s */
+    double stopping;         /* of the stated distance */
+    double current;          /* of the limit */
+    double named;            /* s */
+    double fault_stop;       /* of the stated distance */
+} found[KINDS];
 
 /* A motion within the lattice's that the robot takes. */
 static void command_any(const struct kind *kind, double seconds, double *speed, double *turn_rate)
@@ -168,15 +174,15 @@ static void follow_one(int which)
                drive.robot.internal.wheels.rise / 16777216.0);
     }
     expect_no_fault();
-    add(&tracking[which].speed, (forward - speed) / kind->model.lattice.speed_m_s);
-    add(&tracking[which].turn_rate, (turning - turn_rate) / kind->model.lattice.turn_rate_rad_s);
+    add(&found[which].speed, (forward - speed) / kind->model.lattice.speed_m_s);
+    add(&found[which].turn_rate, (turning - turn_rate) / kind->model.lattice.turn_rate_rad_s);
 }
 
 static void test_follows_speed_and_turn_rate(void)
 {
     for (int which = 0; which < KINDS; which++) {
-        tracking[which].speed = (struct errors){0};
-        tracking[which].turn_rate = (struct errors){0};
+        found[which].speed = (struct errors){0};
+        found[which].turn_rate = (struct errors){0};
         for (unsigned long run = 0; run < options.count; run++) {
             struct place place;
             make_place(&place, &kinds[which].model, run);
@@ -187,8 +193,10 @@ static void test_follows_speed_and_turn_rate(void)
             TEST_ASSERT_TRUE(drive.greatest_current <= kinds[which].model.motor.current_limit_a);
         }
         printf("%s: off by %.2f %% of the lattice's speed, worst %.2f %%; by %.2f %% of its turn rate, worst %.2f %%\n",
-               kinds[which].config.name, 100 * mean_of(&tracking[which].speed), 100 * tracking[which].speed.worst,
-               100 * mean_of(&tracking[which].turn_rate), 100 * tracking[which].turn_rate.worst);
+               kinds[which].config.name, 100 * mean_of(&found[which].speed), 100 * found[which].speed.worst,
+               100 * mean_of(&found[which].turn_rate), 100 * found[which].turn_rate.worst);
+        check_below(mean_of(&found[which].speed), 0.02, "mean error of the speed");
+        check_below(mean_of(&found[which].turn_rate), 0.02, "mean error of the turn rate");
     }
 }
 
@@ -217,6 +225,7 @@ static void test_stands_on_its_steepest_slope(void)
             worst = fmax(worst, skid_drive_way(&before, &after));
         }
         printf("%s: moves by %.3g mm in 10 s of standing at worst\n", kind->config.name, 1000 * worst);
+        found[which].standing = worst;
         check_below(worst, 0.001, "m in 10 s");
     }
 }
@@ -251,6 +260,7 @@ static void test_stops_within_the_stated_distance(void)
             worst = fmax(worst, skid_drive_way(&before, &after) / stated_distance(kind, speed));
         }
         printf("%s: stops within %.3f of the stated distance at worst\n", kind->config.name, worst);
+        found[which].stopping = worst;
         check_below(worst, 1, "of the stated distance");
     }
 }
@@ -273,6 +283,7 @@ static void test_currents_stay_within_their_limit(void)
             worst = fmax(worst, drive.greatest_current);
         }
         printf("%s: takes %.3g A at most, of %.3g\n", kind->config.name, worst, kind->model.motor.current_limit_a);
+        found[which].current = worst / kind->model.motor.current_limit_a;
         check_below(worst, kind->model.motor.current_limit_a, "A");
     }
 }
@@ -630,6 +641,8 @@ static void test_faults_on_any_ground(void)
         }
         printf("%s: faults on any ground: named within %.3f s, then stands within %.3f of the stated distance\n",
                kind->config.name, worst.seconds, worst.way);
+        found[which].named = worst.seconds;
+        found[which].fault_stop = worst.way;
         check_below(worst.way, 1, "of the stated distance");
     }
 }
@@ -781,8 +794,36 @@ static void test_design_is_that_of_the_tool(void)
     }
 }
 
+static void add_figures(json_t *figures)
+{
+    const char *command = "make figures";
+
+    for (int which = 0; which < KINDS; which++) {
+        const char *name = kinds[which].config.name;
+        figures_add(figures, command, 100 * mean_of(&found[which].speed), "%", no_bar,
+                    "%s in closed loop: mean error of the speed, of lattice.speed_m_s", name);
+        figures_add(figures, command, 100 * found[which].speed.worst, "%", no_bar,
+                    "%s in closed loop: worst error of the speed, of lattice.speed_m_s", name);
+        figures_add(figures, command, 100 * mean_of(&found[which].turn_rate), "%", no_bar,
+                    "%s in closed loop: mean error of the turn rate, of lattice.turn_rate_rad_s", name);
+        figures_add(figures, command, 100 * found[which].turn_rate.worst, "%", no_bar,
+                    "%s in closed loop: worst error of the turn rate, of lattice.turn_rate_rad_s", name);
+        figures_add(figures, command, 1000 * found[which].standing, "mm", at_most(1),
+                    "%s in closed loop: moves in 10 s of standing on its steepest slope", name);
+        figures_add(figures, command, 100 * found[which].stopping, "%", at_most(100),
+                    "%s in closed loop: way to a stand, of the stated one", name);
+        figures_add(figures, command, 100 * found[which].current, "%", at_most(100),
+                    "%s in closed loop: greatest current, of motor.current_limit_a", name);
+        figures_add(figures, command, found[which].named, "s", no_bar,
+                    "%s in closed loop: time until a fault is named, worst of %lu faults on any ground", name,
+                    2 * options.count);
+        figures_add(figures, command, 100 * found[which].fault_stop, "%", at_most(100),
+                    "%s in closed loop: way to a stand after a fault, of the stated one", name);
+    }
+}
+
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, defaults);
-    return RUN_PROPERTY(options, NULL);
+    return RUN_PROPERTY(options, add_figures);
 }
