@@ -46,7 +46,7 @@ struct jp_skid_control_config {
     jp_q24 turning_decrease;   /**< q, rad/m; 0…8 */
     jp_q24 turning_creep;      /**< w0, rad/s; 0.0001…1 */
     jp_q24 braking;            /**< η²; 0…1 */
-    jp_q16 proportional;       /**< kp, V per turn/s; 0, or below 256 */
+    jp_q16 proportional;       /**< kp, V per turn/s; 0…2 047 */
     jp_q16 integral;           /**< ki, V per turn; above 0 */
 };
 

@@ -54,6 +54,9 @@ struct jp_skid_odometry_config {
     jp_q24 force_per_ampere;  /**< force of a side over the weight without losses, g/A; 0…16 */
     jp_q24 efficiency;        /**< of the gear; 0.1…1 */
     jp_q24 rolling;           /**< resistance over load; 0…0.5 */
+    jp_q24 way_deviation;     /**< share of the way by which the wheels are wrong, standard deviation; 0…0.1 */
+    jp_q24 way_drift;         /**< random walk of the position over a metre, m/√m; 0…0.5 */
+    jp_q24 turn_drift;        /**< the same over a radian of turn, m/√rad; 0…0.5 */
 };
 
 /** What is left to do of a step; private. */
@@ -104,6 +107,7 @@ struct jp_skid_odometry {
         int32_t way;            /* of the step, m, Q32 */
         int32_t forward;        /* the same of the robot */
         int32_t forward_before; /* in the step before */
+        int32_t side_way;       /* of a side against the mean, without sign */
         int32_t wheel_turn;     /* of the step, 2⁻³² turn; so the next three */
         int32_t gyro_turn;
         int32_t gyro_pitch;
@@ -123,9 +127,11 @@ struct jp_skid_odometry {
 
         int32_t bias_change; /* by the last step */
         int32_t scale_change;
-        int64_t turned; /* by the gyro since the start, 2⁻³² turn */
-        int64_t steps;  /* in motion, Q16; forgotten slowly */
-        int64_t bias_x; /* how far the pose moves if the bias was another one: m in so many steps, Q16 */
+        int64_t way_total;  /* m, Q16 */
+        int64_t turn_total; /* 2⁻³² turn */
+        int64_t turned;     /* by the gyro since the start, 2⁻³² turn */
+        int64_t steps;      /* in motion, Q16; forgotten slowly */
+        int64_t bias_x;     /* how far the pose moves if the bias was another one: m in so many steps, Q16 */
         int64_t bias_y;
         int64_t scale_x; /* the same of the scale: m in so many turns, Q24 */
         int64_t scale_y;
@@ -142,6 +148,8 @@ struct jp_skid_odometry {
         int32_t phase_per_rate;
         uint32_t stand_steps_min;
         int32_t mean_share;       /* 1/step_ticks, Q31 */
+        int32_t bias_unit;        /* bias_deviation in a step, 2⁻³² turn */
+        int32_t ratio_unit;       /* deviation of r at the start, Q24 */
         int32_t ratio_weight;     /* deviation of r over that of b in a step, 2⁻³² turn; Q40 */
         int32_t ratio_reciprocal; /* 1/ρ0, Q24 */
         int32_t scale_share;      /* σγ²/(σγ² + σρ²), Q30 */
@@ -160,6 +168,22 @@ struct jp_skid_odometry {
         int32_t turn_creep_across;
         jp_q24 braking; /* 1/efficiency */
     } internal;
+};
+
+/** What is known, with standard deviations; of the pose since the start. */
+struct jp_skid_estimate {
+    jp_turns_per_s gyro_bias;
+    jp_turns_per_s gyro_bias_deviation;
+    jp_q24 steering_ratio; /**< ρ */
+    jp_q24 steering_ratio_deviation;
+    jp_q24 slip; /**< share of the way of the treads in the last step that the robot did not go */
+    jp_q24 slip_deviation;
+    jp_q24 grade_ahead; /**< sine of the slope, up is positive */
+    jp_q24 grade_left;
+    jp_q24 heading_deviation; /**< rad */
+    int64_t xx;               /**< covariance of the position, m², Q32.32 */
+    int64_t xy;
+    int64_t yy;
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
@@ -181,6 +205,11 @@ void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_
  *  the control ISR, after jp_skid_odometry_update(). */
 void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                           struct jp_point *position, jp_angle *heading);
+
+/** What it knows now. Six square roots and a 64-bit division; not for the tick, and no tick may come between. Cannot
+ *  fail. */
+void jp_skid_odometry_estimate(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                               struct jp_skid_estimate *estimate);
 
 #ifdef __cplusplus
 }

@@ -18,7 +18,8 @@
  * R F r²/(2 K²) at most, with F what pulls it down and K in V·s/rad (3 cm/s for zhang2018 on 15°). So does a fault that
  * takes wheels, bridges or bus away. A fault that leaves them (IMU, slope, stalled motor, wheel in the air, spinning
  * wheels) brakes under control and then holds the place; a stalled motor stops both sides at once. Bridges that do not
- * answer are off, and the robot rolls.
+ * answer are off, and the robot rolls. After init and after a fault the bridges are off for JP_SKID_WAKE_TICKS, until
+ * the wheels' speed is known from which the robot brakes: a reset may come in motion.
  *
  * jp_skid_robot_disable() leads to idle from every state and is the only way out of fault.
  */
@@ -37,6 +38,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** Ticks from the first frame until the wheels' speed is known. */
+#define JP_SKID_WAKE_TICKS 8
 
 /** What the robot may do. */
 struct jp_skid_limits {
@@ -114,10 +118,11 @@ struct jp_skid_robot_internal {
     uint8_t enable_requested;
     uint8_t stop_requested;
     uint8_t disable_requested;
-    bool started;    /**< a plausible frame was seen */
-    bool holds;      /**< in a fault: the wheels are still controlled */
-    bool controlled; /**< the wheels are */
-    bool reviewed;   /**< they were in the tick before, too */
+    uint8_t wake_ticks; /**< left */
+    bool started;       /**< a plausible frame was seen */
+    bool holds;         /**< in a fault: the wheels are still controlled */
+    bool controlled;    /**< the wheels are */
+    bool reviewed;      /**< they were in the tick before, too */
 
     enum jp_skid_robot_state state;
     uint16_t faults;
@@ -142,6 +147,8 @@ struct jp_skid_robot_internal {
     struct jp_skid_control control;
     struct jp_meter meter;
     struct jp_skid_odometry odometry;
+    uint32_t counted[JP_SKID_SIDES];     /**< by the odometry */
+    uint32_t not_counted[JP_SKID_SIDES]; /**< by the encoders before the first frame, and in faults */
 
     struct jp_skid_next next; /**< handed to the tick by `next_full` */
 };
@@ -175,12 +182,12 @@ void jp_skid_robot_account(struct jp_skid_robot *robot);
 void jp_skid_robot_tick(struct jp_skid_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                         struct jp_actuation *actuation);
 
-/** Idle to standing, at the next tick. JP_ERR_STATE: not idle, no frame yet, or the ground is too steep.
+/** Idle to standing, at the next tick. JP_ERR_STATE: not idle, not awake yet, or the ground is too steep.
  *  JP_ERR_ARGUMENT: null. */
 enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot);
 
-/** To idle, at the next tick; clears faults and what waits. Enabling again needs a plausible frame after that. After a
- *  fault position and heading begin at the origin. */
+/** To idle, at the next tick; clears faults and what waits. Enabling again needs a plausible frame after that. Position
+ *  and heading go on from where a fault was found: what the robot moved since then is missing. */
 void jp_skid_robot_disable(struct jp_skid_robot *robot);
 
 /**

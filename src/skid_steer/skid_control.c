@@ -6,10 +6,9 @@
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
 
-#define AMPERES_MAX    JP_Q16(2047)
-#define VOLTAGE_MAX    JP_Q16(1000)
-#define RATE_VOLTS_MAX (JP_Q16(256) - 1)
-#define PRODUCT_MAX    JP_Q24(1.5)
+#define AMPERES_MAX JP_Q16(2047)
+#define VOLTAGE_MAX JP_Q16(1000)
+#define PRODUCT_MAX JP_Q24(1.5)
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("control.", struct jp_skid_control_config, member, low, high)
 
@@ -27,7 +26,7 @@ enum jp_status jp_skid_control_check(const struct jp_skid_control_config *config
         FIELD(tracking_rate_gain, 1, INT32_MAX),
         FIELD(turns_per_metre, JP_Q24(0.03), JP_Q24(32)),
         FIELD(turns_per_radian, JP_Q24(0.001), JP_Q24(4)),
-        FIELD(back_emf, 1, RATE_VOLTS_MAX),
+        FIELD(back_emf, 1, JP_Q16(256) - 1),
         FIELD(resistance, JP_Q16(0.001), JP_Q16(100)),
         FIELD(current_limit, 1, INT32_MAX),
         FIELD(rolling, 0, AMPERES_MAX),
@@ -39,7 +38,7 @@ enum jp_status jp_skid_control_check(const struct jp_skid_control_config *config
         FIELD(turning_decrease, 0, JP_Q24(8)),
         FIELD(turning_creep, JP_Q24(0.0001), JP_Q24(1)),
         FIELD(braking, 0, JP_Q24_ONE),
-        FIELD(proportional, 0, RATE_VOLTS_MAX),
+        FIELD(proportional, 0, JP_Q16(2047)),
         FIELD(integral, 1, INT32_MAX),
     };
     const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);

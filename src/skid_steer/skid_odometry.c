@@ -44,6 +44,9 @@
 #define GRIP_MAX       8
 #define GRIP_FORCE_MIN JP_Q24(0.05)
 
+/* Of an error of the position, Q16: ±8 192 m. */
+#define ERROR_BITS 30
+
 #define SCALE_ERROR_MAX (ONE / 4)
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("skid_odometry.", struct jp_skid_odometry_config, member, low, high)
@@ -75,6 +78,9 @@ enum jp_status jp_skid_odometry_check(const struct jp_skid_odometry_config *conf
         FIELD(force_per_ampere, 0, JP_Q24(16)),
         FIELD(efficiency, JP_Q24(0.1), JP_Q24_ONE),
         FIELD(rolling, 0, JP_Q24(0.5)),
+        FIELD(way_deviation, 0, JP_Q24(0.1)),
+        FIELD(way_drift, 0, JP_Q24(0.5)),
+        FIELD(turn_drift, 0, JP_Q24(0.5)),
     };
 
     return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
@@ -116,6 +122,8 @@ static void set_heading_filter(struct jp_skid_odometry *odometry, const struct j
     odometry->internal.scale = ONE;
     odometry->internal.bias_bias = ONE;
     odometry->internal.ratio_ratio = ONE;
+    odometry->internal.bias_unit = (int32_t)unit;
+    odometry->internal.ratio_unit = (int32_t)deviation;
     odometry->internal.ratio_weight = jp_saturate32((int64_t)deviation * 65536 / unit);
     odometry->internal.ratio_reciprocal = jp_divide((int64_t)1 << 48, config->ratio);
     odometry->internal.scale_share = jp_saturate32((square(scale) << 18) / (both >> 12));
@@ -452,6 +460,11 @@ static void follow_sensitivity(struct jp_skid_odometry *odometry)
     odometry->internal.steps += 65536 - (odometry->internal.steps >> STEPS_FADING_SHIFT);
 }
 
+static int32_t lesser(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
 static void move(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
     const struct jp_skid_tilt *tilt = &odometry->internal.tilt;
@@ -471,7 +484,10 @@ static void move(struct jp_skid_odometry *odometry, const struct jp_skid_odometr
     const int32_t skidded = part(turned, odometry->internal.turn_creep_along);
     const int32_t creep_along = jp_add(rolled, skidded);
     const int32_t creep_across = jp_add(rolled, part(turned, odometry->internal.turn_creep_across));
-    const int32_t forward = jp_sub(way, part(creep_along, ahead));
+    const int32_t bend_loss =
+        part(part(odometry->internal.turn_force, config->creep), lesser(distance(way), odometry->internal.side_way));
+    const int32_t pushed = jp_sub(way, part(creep_along, ahead));
+    const int32_t forward = way < 0 ? jp_add(pushed, bend_loss) : jp_sub(pushed, bend_loss);
     const int32_t sideways = jp_sub(0, part(creep_across, left));
     const int32_t plan = jp_sub(forward, part(forward, half_ahead));
 
@@ -485,6 +501,8 @@ static void move(struct jp_skid_odometry *odometry, const struct jp_skid_odometr
     odometry->y += odometry->internal.way_y;
     odometry->heading += (jp_phase)((int64_t)heading_turn * ((int64_t)1 << 24));
     odometry->internal.forward = forward;
+    odometry->internal.way_total += distance(way) >> 16;
+    odometry->internal.turn_total += turned;
     odometry->internal.is_skidding = config->turn_force >= GRIP_FORCE_MIN && skidded / 2 > rolled;
     odometry->speed = jp_multiply_shift(forward, odometry->internal.speed_per_way, 24);
 }
@@ -523,6 +541,7 @@ static void take_increments(struct jp_skid_odometry *odometry, const struct jp_s
     odometry->internal.current_left = sensors->current_left;
     odometry->internal.current_right = sensors->current_right;
     odometry->internal.way = jp_round_shift(jp_multiply(jp_add(left, right), config->way_per_count), 9);
+    odometry->internal.side_way = distance(jp_round_shift(jp_multiply(jp_sub(right, left), config->way_per_count), 9));
     odometry->internal.wheel_turn = jp_round_shift(jp_multiply(jp_sub(right, left), config->turn_per_count), 8);
     odometry->internal.gyro_turn = jp_round_shift((int64_t)odometry->internal.yaw_angle, 24);
     odometry->internal.gyro_pitch = jp_round_shift((int64_t)odometry->internal.pitch_angle, 24);
@@ -546,6 +565,7 @@ static void take_step(struct jp_skid_odometry *odometry, const struct jp_skid_od
     } else {
         odometry->internal.way = 0;
         odometry->internal.forward = 0;
+        odometry->internal.side_way = 0;
         odometry->internal.wheel_turn = 0;
         odometry->internal.turn = 0;
         odometry->internal.is_skidding = false;
@@ -631,4 +651,91 @@ void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct 
     position->x = jp_add(jp_saturate32(odometry->x >> 16), jp_multiply_shift(ahead, jp_cos(middle), 31));
     position->y = jp_add(jp_saturate32(odometry->y >> 16), jp_multiply_shift(ahead, jp_sin(middle), 31));
     *heading = jp_phase_angle(odometry->heading + (jp_phase)turned);
+}
+
+/* ---- What is known ---- */
+
+/* √x of Q30. */
+static int32_t root(int32_t x)
+{
+    return (int32_t)jp_square_root((uint64_t)(uint32_t)x << 30);
+}
+
+/* Of γ: σγ² (1 − share (1 − variance of r)), Q24. */
+static jp_q24 scale_deviation(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int32_t known = ONE - lesser(odometry->internal.ratio_ratio, ONE);
+    const int32_t left = ONE - jp_multiply_shift(odometry->internal.scale_share, known, 30);
+
+    return jp_multiply_shift(config->scale_deviation, root(left), 30);
+}
+
+/* Of b in a step, 2⁻⁴⁰ turn. */
+static int32_t bias_deviation(const struct jp_skid_odometry *odometry)
+{
+    return jp_multiply_shift(odometry->internal.bias_unit, root(odometry->internal.bias_bias), 22);
+}
+
+/* Of one cause, m in Q32. */
+static void add_error(struct jp_skid_estimate *estimate, int64_t x, int64_t y)
+{
+    const int32_t x_error = jp_saturate_bits(jp_round_shift(x, 16), ERROR_BITS); /* Q16 */
+    const int32_t y_error = jp_saturate_bits(jp_round_shift(y, 16), ERROR_BITS);
+
+    estimate->xx += jp_multiply(x_error, x_error);
+    estimate->xy += jp_multiply(x_error, y_error);
+    estimate->yy += jp_multiply(y_error, y_error);
+}
+
+/* Variance of a random walk, m², Q32: deviation² · amount in Q16. */
+static int64_t walked(jp_q24 deviation, int64_t amount)
+{
+    return jp_multiply(jp_multiply_shift(deviation, deviation, 24), jp_saturate32(amount)) >> 8;
+}
+
+/* The error that the way is wrong by a share, m, Q32. */
+static int64_t by_way(int64_t position, jp_q24 deviation)
+{
+    return jp_multiply(jp_saturate32(position >> 16), deviation) >> 8;
+}
+
+static void set_pose_deviation(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                               int32_t bias, jp_q24 scale, struct jp_skid_estimate *estimate)
+{
+    const int32_t turns = jp_saturate32(odometry->internal.turn_total >> 16); /* Q16 */
+    const int32_t radians = jp_multiply_shift(turns, TWO_PI, 24);
+    const int64_t noise = walked(config->way_drift, odometry->internal.way_total) + walked(config->turn_drift, radians);
+
+    estimate->xx = noise;
+    estimate->xy = 0;
+    estimate->yy = noise;
+    add_error(estimate, by_way(odometry->x, config->way_deviation), by_way(odometry->y, config->way_deviation));
+    add_error(estimate, shifted(odometry->internal.bias_x, bias, 16U), shifted(odometry->internal.bias_y, bias, 16U));
+    add_error(estimate, shifted(odometry->internal.scale_x, scale * 64, 14U),
+              shifted(odometry->internal.scale_y, scale * 64, 14U));
+}
+
+void jp_skid_odometry_estimate(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                               struct jp_skid_estimate *estimate)
+{
+    const int32_t bias = bias_deviation(odometry);
+    const jp_q24 scale = scale_deviation(odometry, config);
+    const int32_t steps = (int32_t)(odometry->internal.steps >> 16);
+    const int64_t by_bias = jp_multiply(steps, bias) >> 16; /* turn, Q24; so the next */
+    const int64_t by_scale = jp_multiply(jp_saturate32(odometry->internal.turned >> 8), scale) >> 24;
+    const int32_t turned = jp_saturate32((int64_t)jp_square_root((uint64_t)(square(by_bias) + square(by_scale))));
+    const jp_q24 ratio = jp_multiply_shift(odometry->internal.ratio_unit, root(odometry->internal.ratio_ratio), 30);
+    const jp_q24 of_scale = jp_multiply_shift(scale, config->ratio, 24);
+
+    estimate->gyro_bias = odometry->internal.bias_rate;
+    estimate->gyro_bias_deviation = jp_multiply_shift(bias, odometry->internal.speed_per_way, 32);
+    estimate->steering_ratio = odometry->steering_ratio;
+    estimate->steering_ratio_deviation = (jp_q24)jp_square_root((uint64_t)(square(ratio) + square(of_scale)));
+    estimate->slip = jp_divide((int64_t)jp_sub(odometry->internal.way, odometry->internal.forward) * JP_Q24_ONE,
+                               odometry->internal.way);
+    estimate->slip_deviation = config->way_deviation;
+    estimate->grade_ahead = odometry->internal.tilt.ahead;
+    estimate->grade_left = odometry->internal.tilt.left;
+    estimate->heading_deviation = jp_multiply_shift(turned, TWO_PI, 24);
+    set_pose_deviation(odometry, config, bias, scale, estimate);
 }

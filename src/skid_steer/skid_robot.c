@@ -80,10 +80,13 @@ enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_s
         return status;
     }
     *robot = (struct jp_skid_robot){.internal = {.config = config}};
+    robot->internal.wake_ticks = JP_SKID_WAKE_TICKS;
     robot->internal.braking = (struct jp_skid_next){
         .speed_step = step_of(config->limits.acceleration, config->control.tick_rate),
         .turn_step = step_of(config->limits.turn_acceleration, config->control.tick_rate),
     };
+    robot->internal.command = robot->internal.braking;
+    jp_skid_odometry_start(&robot->internal.odometry, &config->odometry, &(struct jp_sensors){0});
     jp_monitor_start(&robot->internal.monitor, &config->monitor);
     jp_skid_control_start(&robot->internal.control, &config->control, config->odometry.ratio);
     if (jp_path_drive_init(&robot->internal.follow.drive, &config->path, field) != JP_OK) {
@@ -92,6 +95,11 @@ enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_s
     jp_skid_monitor_start(&robot->internal.wheels, config->monitor.tilt_limit);
     jp_meter_start(&robot->internal.meter, &config->meter);
     return JP_OK;
+}
+
+static bool is_awake(const struct jp_skid_robot_internal *robot)
+{
+    return robot->started && robot->wake_ticks == 0U;
 }
 
 static bool motors_run(enum jp_skid_robot_state state)
@@ -140,7 +148,7 @@ static void fail(struct jp_skid_robot_internal *robot, unsigned faults)
 
 static void switch_off(struct jp_skid_robot_internal *robot)
 {
-    /* What failed left a position that means nothing. */
+    /* What failed left speeds that mean nothing. */
     if (robot->state == JP_SKID_ROBOT_FAULT) {
         robot->started = false;
     }
@@ -160,7 +168,7 @@ static void rest(struct jp_skid_robot_internal *robot, unsigned faults)
     } else if (faults != 0U) {
         fail(robot, faults);
     }
-    if (jp_take(&robot->enable_requested) && robot->state == JP_SKID_ROBOT_IDLE && robot->started) {
+    if (jp_take(&robot->enable_requested) && robot->state == JP_SKID_ROBOT_IDLE && is_awake(robot)) {
         begin_to_stand(robot);
     }
     (void)jp_take(&robot->stop_requested);
@@ -214,6 +222,11 @@ static void drive(struct jp_skid_robot_internal *robot, unsigned faults)
 }
 
 /* The tick: control. */
+
+static int32_t limited_motion(int32_t rate)
+{
+    return jp_clamp32(rate, -MOTION_MAX, MOTION_MAX);
+}
 
 static jp_q24 approached(jp_q24 from, jp_q24 to, jp_q24 step)
 {
@@ -277,7 +290,7 @@ static void guide_to_command(struct jp_skid_robot_internal *robot, struct jp_ski
     }
     *set_point = (struct jp_skid_set_point){
         .speed = tread_speed(robot),
-        .turn_rate = jp_clamp32(robot->reference.turn_rate + correction, -MOTION_MAX, MOTION_MAX),
+        .turn_rate = limited_motion(robot->reference.turn_rate + correction),
         .acceleration = robot->acceleration,
         .turn_acceleration = (robot->reference.turn_rate - before.turn_rate) * rate,
         .rise = robot->wheels.rise,
@@ -322,6 +335,25 @@ static void slow_down(struct jp_skid_robot_internal *robot, struct jp_actuation 
     set_duties(robot, actuation);
 }
 
+/** Bridges off; in the end the reference is what the wheels do. */
+static void wake(struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)
+{
+    const struct jp_skid_control *control = &robot->control;
+    const jp_turns_per_s left = control->sides[JP_SKID_LEFT].rate / 2;
+    const jp_turns_per_s right = control->sides[JP_SKID_RIGHT].rate / 2;
+
+    robot->wake_ticks--;
+    if (robot->wake_ticks == 0U && robot->started) {
+        robot->bus_voltage = robot->monitor.good.bus_voltage;
+        robot->reference = (struct jp_motion){
+            .speed = limited_motion(jp_q24_divide(left + right, robot->config->control.turns_per_metre)),
+            .turn_rate = limited_motion(jp_q24_divide(right - left, control->spread)),
+        };
+    }
+    robot->voltages = (struct jp_voltages){0, 0, false};
+    *actuation = (struct jp_actuation){.enabled = 0};
+}
+
 /** Both motors shorted. */
 static void short_motors(struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)
 {
@@ -363,6 +395,8 @@ static void step(struct jp_skid_robot_internal *robot, enum jp_status read, cons
     actuation->enabled = 1;
     if (robot->controlled) {
         control(robot, actuation);
+    } else if (robot->wake_ticks > 0U) {
+        wake(robot, actuation);
     } else if (!is_at_rest(&robot->reference)) {
         slow_down(robot, actuation);
     } else {
@@ -431,9 +465,25 @@ static void begin(struct jp_skid_robot_internal *robot)
 {
     const struct jp_sensors *sensors = &robot->monitor.good;
 
-    jp_skid_odometry_start(&robot->odometry, &robot->config->odometry, sensors);
+    robot->not_counted[JP_SKID_LEFT] = sensors->encoder_left - robot->counted[JP_SKID_LEFT];
+    robot->not_counted[JP_SKID_RIGHT] = sensors->encoder_right - robot->counted[JP_SKID_RIGHT];
     jp_skid_control_count_from(&robot->control, sensors->encoder_left, sensors->encoder_right);
+    robot->wake_ticks = JP_SKID_WAKE_TICKS;
     robot->started = true;
+}
+
+/** Not in a fault, whose frames may tell anything. */
+static void reckon(struct jp_skid_robot_internal *robot)
+{
+    struct jp_sensors sensors = robot->monitor.good;
+
+    if (robot->state != JP_SKID_ROBOT_FAULT) {
+        sensors.encoder_left -= robot->not_counted[JP_SKID_LEFT];
+        sensors.encoder_right -= robot->not_counted[JP_SKID_RIGHT];
+        robot->counted[JP_SKID_LEFT] = sensors.encoder_left;
+        robot->counted[JP_SKID_RIGHT] = sensors.encoder_right;
+        jp_skid_odometry_update(&robot->odometry, &robot->config->odometry, &sensors);
+    }
 }
 
 void jp_skid_robot_account(struct jp_skid_robot *robot)
@@ -441,7 +491,7 @@ void jp_skid_robot_account(struct jp_skid_robot *robot)
     struct jp_skid_robot_internal *internal = &robot->internal;
 
     if (internal->started) {
-        jp_skid_odometry_update(&internal->odometry, &internal->config->odometry, &internal->monitor.good);
+        reckon(internal);
         jp_skid_follow_look_ahead(&internal->follow, &internal->odometry, &internal->config->odometry);
         jp_meter_update(&internal->meter, &internal->applied, &internal->monitor.good);
         review(internal);
@@ -472,7 +522,7 @@ enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot)
 
     const struct jp_skid_robot_internal *internal = &robot->internal;
 
-    if (jp_skid_robot_state_now(robot) != JP_SKID_ROBOT_IDLE || !internal->started ||
+    if (jp_skid_robot_state_now(robot) != JP_SKID_ROBOT_IDLE || !is_awake(internal) ||
         jp_skid_monitor_is_steep(&internal->wheels, &internal->config->wheels)) {
         return JP_ERR_STATE;
     }

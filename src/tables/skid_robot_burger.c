@@ -6,7 +6,7 @@ const struct jp_skid_robot_config jp_skid_robot_burger = {
     .odometry =
         {
             .tick_rate = 100U,            /* Hz */
-            .step_ticks = 6U,
+            .step_ticks = 6U,             /* ticks */
             .way_per_count = 55658781,    /* 5.062137e-05 m */
             .turn_per_count = 55364813,   /* 5.0354e-05 turn */
             .ratio = 16740391,            /* 0.997805 */

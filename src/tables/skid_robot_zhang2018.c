@@ -6,7 +6,7 @@ const struct jp_skid_robot_config jp_skid_robot_zhang2018 = {
     .odometry =
         {
             .tick_rate = 500U,             /* Hz */
-            .step_ticks = 6U,
+            .step_ticks = 6U,              /* ticks */
             .way_per_count = 7510429,      /* 6.830696e-06 m */
             .turn_per_count = 1707603,     /* 1.553056e-06 turn */
             .ratio = 11109238,             /* 0.6621622 */

@@ -62,7 +62,7 @@ static void change_sensors(void)
     sensors.encoder_right += (uint32_t)random_within(150);
     sensors.pitch_rate += random_within(JP_Q24(0.005));
     sensors.yaw_rate += random_within(JP_Q24(0.005));
-    sensors.accel_x = random_within(JP_Q24(0.3));
+    sensors.accel_x = random_within(JP_Q24(0.1));
     sensors.accel_z = JP_Q24_ONE + random_within(JP_Q24(0.05));
     sensors.current_left = random_within(JP_Q16(10));
     sensors.current_right = random_within(JP_Q16(10));
@@ -91,15 +91,15 @@ static bool prepare_begin(void)
     read = JP_OK;
     sensors = (struct jp_sensors){.encoder_left = random_bits(), .encoder_right = random_bits()};
     change_sensors();
-    sensors.accel_x = 0;
     return jp_skid_robot_init(&prepared, &config, &field) == JP_OK;
 }
 
+/** While it wakes, and after it. */
 static bool prepare_idle(void)
 {
     const bool is_prepared = prepare_begin();
 
-    for (uint32_t ticks = 1 + random_bits() % 8; ticks > 0; ticks--) {
+    for (uint32_t ticks = 1 + random_bits() % (2 * JP_SKID_WAKE_TICKS); ticks > 0; ticks--) {
         tick();
     }
     return is_prepared;
@@ -110,9 +110,9 @@ static bool prepare_standing(void)
     if (!prepare_begin()) {
         return false;
     }
-    tick();
-    sensors.accel_x = 0;
-    tick();
+    for (int i = 0; i < JP_SKID_WAKE_TICKS + 2; i++) {
+        tick();
+    }
     if (jp_skid_robot_enable(&prepared) != JP_OK) {
         return false;
     }

@@ -61,7 +61,9 @@ static inline void skid_drive_start(struct skid_drive *drive, const struct skid_
     skid_world_init(&drive->world, model, ground, pose, seed);
     drive->simulated = skid_hal_sim(&drive->world);
     drive->hal = (struct jp_hal){.context = drive, .read = skid_drive_read, .write = skid_drive_write};
-    TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, jp_skid_robot_init(&drive->robot, config, &field), field);
+
+    const enum jp_status status = jp_skid_robot_init(&drive->robot, config, &field);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, status, field);
 }
 
 static inline bool skid_drive_is_controlled(const struct skid_drive *drive)

@@ -128,10 +128,10 @@ static inline struct jp_skid_odometry_config skid_odometry_config_of(const struc
         .ratio_deviation = skid_fixed(0.002 * pivot.ratio + 0.006 * slipping, 24),
         .scale_deviation = skid_fixed(model->gyro.scale_error, 24),
         .bias_deviation = skid_fixed(fmax(model->gyro.bias_dps, 0.01) / 360, 24),
-        .bias_memory = 100000000,
+        .bias_memory = 10000000,
         .gyro_noise = skid_fixed(
             fmax(sqrt(pow(model->gyro.noise_rms_dps, 2) + pow(model->gyro.step_dps, 2) / 12), 0.001) / 360, 24),
-        .way_noise = skid_fixed(0.04 / (2 * M_PI), 24),
+        .way_noise = skid_fixed(0.03 / (2 * M_PI), 24),
         .turn_noise = skid_fixed(0.005 + 0.03 * slipping, 24),
         .tilt_deviation = skid_fixed(tilt, 24),
         .tilt_change = skid_fixed(0.8 * tilt, 24),
@@ -147,6 +147,9 @@ static inline struct jp_skid_odometry_config skid_odometry_config_of(const struc
                                        24),
         .efficiency = skid_fixed(model->motor.efficiency, 24),
         .rolling = skid_fixed(model->ground.rolling, 24),
+        .way_deviation = skid_fixed(0.002 + 0.3 * pivot.creep * tilt, 24),
+        .way_drift = skid_fixed(2 * pivot.creep * tilt, 24),
+        .turn_drift = skid_fixed(0.25 * pivot.creep_across * tilt, 24),
     };
 }
 

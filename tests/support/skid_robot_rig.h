@@ -113,9 +113,15 @@ static inline void expect_state(enum jp_skid_robot_state state)
     }
 }
 
+/** From the first frame on. */
+static inline void wake(void)
+{
+    run(JP_SKID_WAKE_TICKS + 2);
+}
+
 static inline void make_standing(void)
 {
-    run(3);
+    wake();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
     run(1);
     expect_state(JP_SKID_ROBOT_STANDING);

@@ -97,7 +97,7 @@ def test_the_slope_that_stops_it_leaves_room_for_the_accelerometer():
 @pytest.mark.parametrize("name, key, value, named", [
     ("zhang2018", "motor__current_limit_a", 3.0, "limits.slope_deg"),
     ("zhang2018", "control__rate_hz", 50, "tick_rate"),
-    ("burger", "limits__slope_deg", 18.0, "limits.slope_deg"),
+    ("burger", "limits__slope_deg", 18.4, "limits.slope_deg"),
 ])
 def test_what_cannot_be_designed_is_refused(name, key, value, named, tmp_path):
     data = json.loads(robot_text(name))

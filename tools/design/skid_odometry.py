@@ -113,7 +113,7 @@ def odometry_group(robot, to):
     step = 2.0**-40
     return c_tables.Group("odometry", [
         to.whole("tick_rate", rate, "Hz", 100, 10000),
-        to.whole("step_ticks", ticks, "", STEP_TICKS_MIN, STEP_TICKS_MAX),
+        to.whole("step_ticks", ticks, "ticks", STEP_TICKS_MIN, STEP_TICKS_MAX),
         to.number("way_per_count", 2 * math.pi * radius / counts, 40, "m", 2**12 * step, 2**30 * step),
         to.number("turn_per_count", radius / (counts * 2 * contacts.half_width), 40, "turn", 2**12 * step, 2**30 * step),
         to.q24("ratio", ratio, "", 0.1, 1.5),

@@ -208,7 +208,7 @@ def control_group(robot, load, to):
         to.q24("turning_decrease", LATERAL_PER_RADIUS / LATERAL_AT_PIVOT / width, "rad/m", 0, 8),
         to.q24("turning_creep", 2 * creep / width, "rad/s", 0.0001, 1),
         to.q24("braking", robot.positive("motor.efficiency")**2, "", 0, 1),
-        to.q16("proportional", proportional * TURN, "V·s/turn", 0, 255),
+        to.q16("proportional", proportional * TURN, "V·s/turn", 0, 2047),
         to.q16("integral", integral * TURN, "V/turn", 2**-16, 32767),
     ])
 

@@ -75,7 +75,7 @@ static void test_checks_every_field_at_its_limits(void)
     RANGE(PATH, turning_decrease, 0, JP_Q24(8));
     RANGE(PATH, turning_creep, JP_Q24(0.0001), JP_Q24(1));
     RANGE(PATH, braking, 0, JP_Q24_ONE);
-    RANGE(PATH, proportional, 0, JP_Q16(256) - 1);
+    RANGE(PATH, proportional, 0, JP_Q16(2047));
     AT_LEAST(PATH, integral, 1);
 }
 

@@ -78,15 +78,15 @@ static void test_enable_only_from_idle(void)
 static void test_enable_is_refused_where_it_is_too_steep(void)
 {
     sensors.accel_x = JP_Q24(0.4);
-    run(1);
+    wake();
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_robot_enable(&robot));
     set_up_rig();
     sensors.accel_x = -JP_Q24(0.4);
-    run(1);
+    wake();
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_robot_enable(&robot));
     set_up_rig();
     sensors.accel_z = JP_Q24(0.8);
-    run(1);
+    wake();
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_robot_enable(&robot));
 }
 
@@ -97,16 +97,16 @@ static void disable(void)
     run(1);
     expect_state(JP_SKID_ROBOT_IDLE);
     TEST_ASSERT_EQUAL_UINT16(0, telemetry().faults);
-    run(10);
+    run(RATE / 5);
     expect_state(JP_SKID_ROBOT_IDLE);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
-    run(50);
+    run(RATE / 2);
     expect_state(JP_SKID_ROBOT_STANDING);
 }
 
 static void test_disable_leads_to_idle_from_every_state(void)
 {
-    run(3);
+    wake();
     disable();
     setUp();
     make_standing();
@@ -144,7 +144,7 @@ static void test_a_disable_at_speed_brakes_gently(void)
 
 static void test_disable_after_enable_wins(void)
 {
-    run(3);
+    wake();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
     jp_skid_robot_disable(&robot);
     run(10);
@@ -154,6 +154,41 @@ static void test_disable_after_enable_wins(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
     run(1);
     expect_state(JP_SKID_ROBOT_STANDING);
+}
+
+/** Bridges are off until the speed is known from which a robot brakes that was reset in motion. */
+static void test_wakes_in_motion_and_brakes(void)
+{
+    make_driving();
+    run(RATE / 2);
+    const jp_q24 speed = telemetry().reference.speed;
+    const uint32_t counts =
+        1 + (uint32_t)(jp_phase_step(robot.internal.control.sides[JP_SKID_LEFT].reference, jp_phase_per_rate(RATE)) /
+                       config.control.wheel_per_count);
+
+    init();
+    for (int i = 0; i < JP_SKID_WAKE_TICKS + 1; i++) {
+        sensors.encoder_left += counts;
+        sensors.encoder_right += counts;
+        jp_skid_robot_tick(&robot, JP_OK, &sensors, &actuation);
+        TEST_ASSERT_EQUAL_UINT8(0, actuation.enabled);
+        TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, i < JP_SKID_WAKE_TICKS ? jp_skid_robot_enable(&robot) : JP_ERR_STATE);
+    }
+    TEST_ASSERT_INT32_WITHIN(speed / 50, speed, telemetry().reference.speed);
+    jp_skid_robot_tick(&robot, JP_OK, &sensors, &actuation);
+    TEST_ASSERT_EQUAL_UINT8(1, actuation.enabled);
+    TEST_ASSERT_TRUE(actuation.duty_left > 0);
+}
+
+static void test_bridges_short_the_motors_of_a_robot_without_frames(void)
+{
+    for (int i = 0; i < JP_SKID_WAKE_TICKS; i++) {
+        tick_read(JP_ERR_HARDWARE);
+        TEST_ASSERT_EQUAL_UINT8(0, actuation.enabled);
+    }
+    tick_read(JP_ERR_HARDWARE);
+    TEST_ASSERT_EQUAL_UINT8(1, actuation.enabled);
+    TEST_ASSERT_EQUAL_INT32(0, actuation.duty_left);
 }
 
 /* Commands */
@@ -284,7 +319,7 @@ static void test_stop_brakes_and_forgets_what_waits(void)
 
 static void test_stop_of_a_robot_that_rests_does_nothing(void)
 {
-    run(1);
+    wake();
     jp_skid_robot_stop(&robot);
     run(2);
     expect_state(JP_SKID_ROBOT_IDLE);
