@@ -100,16 +100,29 @@ static void compare(const struct skid_steer_model *model, unsigned index, double
     missed_after[group] += fabs(price(&tariff.lattice, index, grade) - energy);
 }
 
-/* From the heading along x. */
+/* All moves alike. */
+static bool is_straight(const struct jp_primitive *primitive)
+{
+    const uint8_t *moves = &lattice->moves[primitive->first_move];
+    bool is = primitive->move_count > 0 && primitive->start == primitive->end;
+
+    for (unsigned i = 1; i < primitive->move_count; i++) {
+        is = is && moves[i] == moves[0];
+    }
+    return is;
+}
+
+/* From the heading along x. A bend that turns back has no mean motion to drive. */
 static void compare_all(const struct skid_steer_model *model)
 {
     for (unsigned index = lattice->first_from[0]; index < lattice->first_from[1]; index++) {
         const struct jp_primitive *primitive = &lattice->primitives[index];
-        const bool is_straight = primitive->move_count > 0 && primitive->start == primitive->end;
-        compare(model, index, 0);
-        if (is_straight) {
+        if (is_straight(primitive)) {
+            compare(model, index, 0);
             compare(model, index, 0.1);
             compare(model, index, -0.1);
+        } else if (primitive->start != primitive->end) {
+            compare(model, index, 0);
         }
     }
 }
