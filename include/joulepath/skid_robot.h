@@ -224,6 +224,9 @@ bool jp_skid_robot_telemetry(const struct jp_skid_robot *robot, struct jp_skid_t
 /** What the robot does. */
 enum jp_skid_robot_state jp_skid_robot_state_now(const struct jp_skid_robot *robot);
 
+/** Whether it was told something that no tick has taken up yet. */
+bool jp_skid_robot_has_next(const struct jp_skid_robot *robot);
+
 /** What it was prepared with. */
 static inline const struct jp_skid_robot_config *jp_skid_robot_configuration(const struct jp_skid_robot *robot)
 {

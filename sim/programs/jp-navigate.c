@@ -17,6 +17,7 @@
 #include "sim/missions/navigation_balancer.h"
 #include "sim/missions/navigation_record.h"
 #include "sim/missions/navigation_sight.h"
+#include "sim/missions/navigation_skid.h"
 #include "sim/missions/navigation_world.h"
 #include "sim/missions/plan_lattice.h"
 
@@ -133,8 +134,8 @@ static const struct jp_lattice *prepare(const struct arguments *arguments, const
 {
     const struct jp_lattice *lattice = plan_lattice_find(robot->name);
 
-    if (robot->balancer.model == NULL) {
-        error_line("%s: only a balancer finds its way by itself so far; take courier24", arguments->common.robot);
+    if (robot->balancer.model == NULL && arguments->bus != NULL) {
+        error_line("%s: --bus: only a balancer has an ECU on a bus so far; leave it out", arguments->common.robot);
         return NULL;
     }
     if (lattice == NULL || robot->radius_m == 0) {
@@ -248,17 +249,30 @@ static bool drive_on_bus(const struct arguments *arguments, const struct lattice
 
 /* ---- Drive ---- */
 
+static bool switch_on(const struct lattice_robot *robot, const struct navigation_task *task,
+                      struct navigation_robot *driven)
+{
+    static struct navigation_balancer balancer;
+    static struct navigation_skid skid;
+    const struct clearance_pose start = navigation_start(task);
+
+    if (robot->balancer.model != NULL) {
+        return navigation_balancer_init(&balancer, rig_find_robot(robot->name), &robot->balancer.file, &start,
+                                        task->seed, driven);
+    }
+    const struct skid_robot_entry *entry = skid_robot_find(robot->name);
+
+    return entry != NULL &&
+           navigation_skid_init(&skid, entry, &robot->skid_steer, task->world, &start, task->seed, driven);
+}
+
 /* By the navigator itself. */
 static bool drive_alone(const struct lattice_robot *robot, const struct navigation_task *task,
                         struct navigation_result *result)
 {
-    static struct navigation_balancer balancer;
-    const struct clearance_pose start = navigation_start(task);
     struct navigation_robot driven;
 
-    return navigation_balancer_init(&balancer, rig_find_robot(robot->name), &robot->balancer.file, &start, task->seed,
-                                    &driven) &&
-           navigation_run(task, &driven, result);
+    return switch_on(robot, task, &driven) && navigation_run(task, &driven, result);
 }
 
 /* By itself, or over the bus, with what else is to be told then. */
@@ -374,7 +388,7 @@ int main(int argc, char **argv)
         options,
         parse_option,
         "MAP.json",
-        "A balancer finds its way over a map (tools.design.import_map) to a goal, in closed loop, while it sees boxes "
+        "A robot finds its way over a map (tools.design.import_map) to a goal, in closed loop, while it sees boxes "
         "that the map does not show.\v"
         "Exit status: 0 it arrived and touched nothing; 1 not: the outputs say why; 2 bad input, nothing was written.",
         NULL,

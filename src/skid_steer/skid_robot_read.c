@@ -59,3 +59,8 @@ enum jp_skid_robot_state jp_skid_robot_state_now(const struct jp_skid_robot *rob
 {
     return JP_LOAD(&robot->internal.state);
 }
+
+bool jp_skid_robot_has_next(const struct jp_skid_robot *robot)
+{
+    return JP_LOAD_ACQUIRE(&robot->internal.next_full) != 0U;
+}

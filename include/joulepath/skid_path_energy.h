@@ -1,0 +1,26 @@
+/** What a path whose speeds are planned (path_speed.h) takes of a skid-steered or differential-drive robot, by its
+ *  energy model. */
+#ifndef JOULEPATH_SKID_PATH_ENERGY_H
+#define JOULEPATH_SKID_PATH_ENERGY_H
+
+#include <joulepath/path_speed.h>
+#include <joulepath/skid_energy.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Adds a path to a drive, and what it lasts to *duration, s, saturated. The model must have passed its check. Work:
+ *  three pieces of skid_energy.h, and four divisions of 64 bits, for each piece of the path. Not for ISRs. */
+void jp_skid_path_energy(const struct jp_skid_energy_model *model, const struct jp_lattice_path *path,
+                         struct jp_skid_drive *drive, jp_q16 *duration);
+
+/** Prices of path_speed.h by a model, which must have passed its check and stay; `time`: what a second less is worth,
+ * W, 0…16 384. */
+struct jp_motion_price jp_skid_motion_price(const struct jp_skid_energy_model *model, jp_q16 time);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

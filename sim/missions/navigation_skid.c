@@ -1,0 +1,111 @@
+#include "sim/missions/navigation_skid.h"
+
+#include <math.h>
+
+#include "sim/base/error.h"
+#include "sim/skid_steer/skid_hal_sim.h"
+
+#define Q24   16777216.0
+#define JOULE 4294967296.0
+
+/** Until the first frame was read, and it stands before it is told where to go, s. */
+#define WAKING_SECONDS 0.1
+#define STAND_SECONDS  3.0
+
+static void tick(void *self)
+{
+    struct navigation_skid *skid = self;
+
+    jp_hal_skid_tick(&skid->hal, &skid->controller, &skid->written);
+    skid_world_step(&skid->world);
+}
+
+static struct clearance_pose pose(const void *self)
+{
+    const struct navigation_skid *skid = self;
+    const struct planar_pose pose = skid_plant_pose(&skid->world.plant);
+
+    return (struct clearance_pose){pose.x, pose.y, pose.heading};
+}
+
+static double joules(const void *self)
+{
+    const struct navigation_skid *skid = self;
+
+    return (double)jp_skid_robot_meter(&skid->controller)->battery / JOULE;
+}
+
+static void stand(struct navigation_skid *skid, double seconds)
+{
+    for (int i = 0; i < (int)(seconds * skid->world.plant.model.control.rate_hz); i++) {
+        tick(skid);
+    }
+}
+
+static jp_q24 q24(double value)
+{
+    return (jp_q24)lround(value * Q24);
+}
+
+/** Of a robot that drives by itself: as fast as its lattice, and as its controller can. */
+static struct jp_path_limits limits_of(const struct skid_robot_entry *entry, const struct skid_steer_model *model)
+{
+    return (struct jp_path_limits){.speed = q24(model->lattice.speed_m_s),
+                                   .turn_rate = q24(model->lattice.turn_rate_rad_s),
+                                   .side_speed = entry->config->limits.speed,
+                                   .width = q24(model->body.width_m),
+                                   .acceleration = entry->config->limits.acceleration,
+                                   .turn_acceleration = entry->config->limits.turn_acceleration};
+}
+
+static bool prepare(struct navigation_skid *skid, const struct skid_robot_entry *entry,
+                    const struct skid_steer_model *model, struct navigation_robot *robot)
+{
+    const struct jp_skid_vehicle_config config = {.robot = &skid->controller,
+                                                  .limits = limits_of(entry, model),
+                                                  .learner = &skid->learner,
+                                                  .corner = q24(robot->margin_m)};
+    const char *field = "";
+
+    jp_skid_learner_start(&skid->learner, entry->learning, entry->energy);
+    if (jp_skid_robot_init(&skid->controller, entry->config, &field) != JP_OK ||
+        jp_skid_vehicle_init(&skid->vehicle, &config, &robot->vehicle, &field) != JP_OK) {
+        error_line("%s: the configuration is refused: %s; run make skid-robot ROBOT=%s", entry->name, field,
+                   entry->name);
+        return false;
+    }
+    return true;
+}
+
+bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_entry *entry,
+                          const struct skid_steer_model *model, const struct jp_terrain *terrain,
+                          const struct clearance_pose *start, uint64_t seed, struct navigation_robot *robot)
+{
+    const struct planar_pose place = {start->x, start->y, start->heading};
+    const struct skid_ground level = {NULL, NULL};
+    const struct skid_ground ground = terrain->config.has_elevation ? skid_ground_map(terrain) : level;
+
+    *robot = (struct navigation_robot){
+        .name = entry->name,
+        .rate_hz = model->control.rate_hz,
+        .body = {model->body.length_m + 2 * fabs(model->body.middle_ahead_m), model->body.overall_width_m, 0},
+        .margin_m = model->navigation.margin_m / 2,
+        .unit_exponent = entry->energy->unit_exponent,
+        .self = skid,
+        .tick = tick,
+        .pose = pose,
+        .joules = joules};
+    *skid = (struct navigation_skid){.written = JP_OK};
+    skid_world_init(&skid->world, model, &ground, &place, seed);
+    skid->hal = skid_hal_sim(&skid->world);
+    if (!prepare(skid, entry, model, robot)) {
+        return false;
+    }
+    stand(skid, WAKING_SECONDS);
+    if (jp_skid_robot_enable(&skid->controller) != JP_OK) {
+        error_line("--start: the ground there is too steep for %s; give another place", entry->name);
+        return false;
+    }
+    stand(skid, STAND_SECONDS);
+    return true;
+}

@@ -1,0 +1,27 @@
+/** A skid-steered or differential-drive robot that the navigator drives. */
+#ifndef JOULEPATH_SIM_MISSIONS_NAVIGATION_SKID_H
+#define JOULEPATH_SIM_MISSIONS_NAVIGATION_SKID_H
+
+#include <joulepath/skid_vehicle.h>
+
+#include "hal/hal.h"
+#include "sim/missions/navigation_robot.h"
+#include "sim/skid_steer/skid_robots.h"
+#include "sim/skid_steer/skid_world.h"
+
+struct navigation_skid {
+    struct skid_world world;
+    struct jp_hal hal;
+    struct jp_skid_robot controller;
+    enum jp_status written;
+    struct jp_skid_learner learner;
+    struct jp_skid_vehicle vehicle;
+};
+
+/** Switches on at `start`, on the ground of `terrain`, and lets it stand until it knows its gyro. What the pointers
+ * show and *skid stay in use. False after one line on stderr: a configuration is refused. */
+bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_entry *entry,
+                          const struct skid_steer_model *model, const struct jp_terrain *terrain,
+                          const struct clearance_pose *start, uint64_t seed, struct navigation_robot *robot);
+
+#endif

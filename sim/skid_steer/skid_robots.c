@@ -1,0 +1,28 @@
+#include "sim/skid_steer/skid_robots.h"
+
+#include <joulepath/tables.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "sim/base/error.h"
+
+#define ENTRY(name)                                                                                                    \
+    {                                                                                                                  \
+#name, &jp_skid_robot_##name, &jp_skid_energy_##name, &jp_skid_learning_##name                                 \
+    }
+
+static const struct skid_robot_entry entries[] = {ENTRY(burger), ENTRY(zhang2018)};
+
+const struct skid_robot_entry *skid_robot_find(const char *name)
+{
+    for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++) {
+        if (strcmp(entries[i].name, name) == 0) {
+            return &entries[i];
+        }
+    }
+    error_line(
+        "%s: no tables of this robot are built in; run make skid-robot and make identify with ROBOT=%s, and name "
+        "it in sim/skid_steer/skid_robots.c",
+        name, name);
+    return NULL;
+}

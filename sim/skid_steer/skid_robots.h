@@ -1,0 +1,18 @@
+/** The skid-steered and differential-drive robots whose tables are built in. */
+#ifndef JOULEPATH_SIM_SKID_STEER_SKID_ROBOTS_H
+#define JOULEPATH_SIM_SKID_STEER_SKID_ROBOTS_H
+
+#include <joulepath/skid_learner.h>
+#include <joulepath/skid_robot.h>
+
+struct skid_robot_entry {
+    const char *name;
+    const struct jp_skid_robot_config *config;
+    const struct jp_skid_energy_model *energy;
+    const struct jp_skid_learning *learning;
+};
+
+/** The robot of this name, or NULL after one line on stderr that tells how to make its tables. */
+const struct skid_robot_entry *skid_robot_find(const char *name);
+
+#endif

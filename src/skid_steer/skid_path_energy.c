@@ -1,0 +1,113 @@
+#include <joulepath/skid_path_energy.h>
+
+#include "src/base/integer.h"
+#include "src/trajectory/path_piece.h"
+
+/** Longest part that skid_energy.h takes, s. */
+#define DURATION_MAX JP_Q16(256)
+
+#define PRICE_MAX JP_Q16(16384)
+#define GRADE_MAX JP_Q24_ONE
+
+/** A path as far as it has been added up. */
+struct sum {
+    const struct jp_skid_energy_model *model;
+    struct jp_skid_drive *drive;
+    jp_q16 duration; /* s */
+};
+
+static struct jp_motion motion_on(const struct jp_path_piece *piece, jp_q24 way, jp_q24 speed)
+{
+    if (piece->kind == JP_PIECE_CURVE) {
+        return (struct jp_motion){speed, jp_q24_multiply(jp_piece_bend(piece, way), speed)};
+    }
+    return (struct jp_motion){0, piece->kind == JP_PIECE_TURN_LEFT ? speed : -speed};
+}
+
+static jp_q24 grade_of(const struct jp_path_piece *piece)
+{
+    return piece->kind == JP_PIECE_CURVE ? jp_clamp32(jp_piece_grade(piece), -GRADE_MAX, GRADE_MAX) : 0;
+}
+
+/** Where the robot is on a piece, and how fast: m and m/s, or rad and rad/s. */
+struct place {
+    jp_q24 way;
+    jp_q24 speed;
+};
+
+/** From one place to the next, in which the speed changes evenly. */
+static void add_part(struct sum *sum, const struct jp_path_piece *piece, const struct place *from,
+                     const struct place *to)
+{
+    const jp_q24 mean = from->speed / 2 + to->speed / 2;
+    const jp_q16 lasts = jp_q16_divide(to->way - from->way, mean);
+    const struct jp_skid_piece part = {
+        .start = motion_on(piece, from->way, from->speed),
+        .end = motion_on(piece, to->way, to->speed),
+        .grade = grade_of(piece),
+        .duration = jp_clamp32(lasts, 0, DURATION_MAX),
+    };
+
+    if (to->way > from->way && part.duration > 0) {
+        (void)jp_skid_energy_add(sum->model, sum->drive, &part);
+        sum->duration = jp_add(sum->duration, part.duration);
+    }
+}
+
+/** Where the speed has changed so, from the begin of a change on. */
+static jp_q24 way_of_change(const struct jp_piece_speed *speed, jp_q24 from, jp_q24 to)
+{
+    const int64_t squares = jp_absolute64((int64_t)to * to - (int64_t)from * from);
+
+    return jp_saturate32(squares / speed->acceleration / 2);
+}
+
+static void add_piece(struct sum *sum, const struct jp_path_piece *piece, jp_q24 begin)
+{
+    const struct jp_piece_speed *speed = &piece->speed;
+    const jp_q24 reached = jp_clamp32(way_of_change(speed, begin, speed->cruise), 0, speed->brake_from);
+    const struct place places[] = {
+        {0, begin}, {reached, speed->cruise}, {speed->brake_from, speed->cruise}, {piece->length, speed->end}};
+
+    for (unsigned i = 1; i < sizeof places / sizeof places[0]; i++) {
+        add_part(sum, piece, &places[i - 1U], &places[i]);
+    }
+}
+
+void jp_skid_path_energy(const struct jp_skid_energy_model *model, const struct jp_lattice_path *path,
+                         struct jp_skid_drive *drive, jp_q16 *duration)
+{
+    struct sum sum = {model, drive, *duration};
+    jp_q24 speed = 0;
+
+    for (unsigned i = 0; i < path->count; i++) {
+        add_piece(&sum, &path->pieces[i], speed);
+        speed = path->pieces[i].speed.end;
+    }
+    *duration = sum.duration;
+}
+
+static jp_q16 power_of(const void *model, const struct jp_motion *motion, jp_q24 grade)
+{
+    jp_q16 power = 0;
+
+    (void)jp_skid_energy_power(model, motion, grade, &power);
+    return power;
+}
+
+/** Of the mass that moves along, J·s²/m²: i G/2, driven and braked. */
+static jp_q16 by_square(const struct jp_skid_energy_model *model, jp_q24 share)
+{
+    const jp_q16 half = jp_multiply_shift(model->weight, model->inertia, 25);
+
+    return jp_clamp32(jp_multiply_shift(half, share, 24), 0, PRICE_MAX);
+}
+
+struct jp_motion_price jp_skid_motion_price(const struct jp_skid_energy_model *model, jp_q16 time)
+{
+    return (struct jp_motion_price){.power = power_of,
+                                    .model = model,
+                                    .time = time,
+                                    .gain = by_square(model, model->driving),
+                                    .recovery = by_square(model, model->braking)};
+}
