@@ -8,15 +8,20 @@
 
 #define COMMAND "make bench-navigate"
 
-#define VIEW 2.5 /* m */
+#define VIEW 25 /* cells */
 
 enum { DRIVES = 1000, FIRST_SEED = 900001 };
 
 static const struct {
-    const char *name;
-    size_t memory;
+    const char *robot;
+    const char *label;
+    size_t memory; /* of the planner */
     bool is_ample;
-} blocks[] = {{"4 MiB", (size_t)4 << 20, true}, {"80 KiB", (size_t)80 << 10, false}};
+} cases[] = {
+    {"courier24", "navigator, 1000 dense maps, block of 4 MiB", (size_t)4 << 20, true},
+    {"courier24", "navigator, 1000 dense maps, block of 80 KiB", (size_t)80 << 10, false},
+    {"burger", "navigator of burger, 1000 dense maps, block of 4 MiB", (size_t)4 << 20, true},
+};
 
 struct counts {
     unsigned touched;
@@ -51,23 +56,28 @@ static void count(struct counts *counts, const struct navigate_trial *trial)
     }
 }
 
-static void add(json_t *figures, const char *block, const char *what, double value, const char *unit,
+static void add(json_t *figures, const char *label, const char *what, double value, const char *unit,
                 struct figure_bar bar)
 {
-    figures_add(figures, COMMAND, value, unit, bar, "navigator, %d dense maps, block of %s: %s", (int)DRIVES, block,
-                what);
+    figures_add(figures, COMMAND, value, unit, bar, "navigator, %s: %s", label, what);
 }
 
-static void bench(json_t *figures, const struct navigate_robot *robot, size_t block)
+static void bench(json_t *figures, size_t index)
 {
     static struct counts counts;
-    const char *name = blocks[block].name;
+    static struct navigate_robot robot;
+    const char *name = cases[index].label;
+
+    if (!navigate_robot_load(&robot, cases[index].robot)) {
+        exit(ERROR_EXIT);
+    }
+    const double view = VIEW * round(robot.lattice->resolution / 65.536) / 1000; /* m */
 
     counts = (struct counts){.clearance = 1};
     for (uint64_t i = 0; i < DRIVES; i++) {
         struct navigate_trial trial;
 
-        if (!navigate_trial_run(&trial, robot, FIRST_SEED + i, VIEW, blocks[block].memory)) {
+        if (!navigate_trial_run(&trial, &robot, FIRST_SEED + i, view, cases[index].memory)) {
             error_line("bench_navigate: seed %llu was not driven", (unsigned long long)(FIRST_SEED + i));
             exit(ERROR_EXIT);
         }
@@ -79,7 +89,7 @@ static void bench(json_t *figures, const struct navigate_robot *robot, size_t bl
     add(figures, name, "goals that can be reached and were not, or that cannot and nobody said so", counts.wrong, "",
         equal_to(0));
     add(figures, name, "drives that ended for want of memory", counts.short_of_memory, "",
-        blocks[block].is_ample ? equal_to(0) : no_bar);
+        cases[index].is_ample ? equal_to(0) : no_bar);
     add(figures, name, "arrived", counts.arrived, "", no_bar);
     add(figures, name, "proved unreachable", counts.unreachable, "", no_bar);
     add(figures, name, "planned anew, all drives", counts.replans, "", no_bar);
@@ -92,14 +102,10 @@ static void bench(json_t *figures, const struct navigate_robot *robot, size_t bl
 
 int main(void)
 {
-    static struct navigate_robot robot;
     json_t *figures = json_array();
 
-    if (!navigate_robot_load(&robot)) {
-        return ERROR_EXIT;
-    }
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) {
-        bench(figures, &robot, i);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bench(figures, i);
     }
     figures_print(figures);
     return 0;

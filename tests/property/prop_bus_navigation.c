@@ -128,7 +128,7 @@ static void run_tests(void);
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
-    if (!navigate_robot_load(&robot)) {
+    if (!navigate_robot_load(&robot, "courier24")) {
         return 2;
     }
     return RUN_PROPERTY(options, NULL);

@@ -7,13 +7,14 @@
 #include "tests/support/navigate_trial.h"
 #include "tests/support/options.h"
 
-#define VIEW        2.5 /* m */
-#define SHORT_VIEW  1.0
+#define VIEW        25 /* cells */
+#define SHORT_VIEW  10
 #define AMPLE_BLOCK ((size_t)4 << 20)
 #define SMALL_BLOCK ((size_t)80 << 10)
 
 static struct options options = {.count = 24, .seed = 70001};
-static struct navigate_robot robot;
+static struct navigate_robot courier;
+static struct navigate_robot burger;
 
 void setUp(void)
 {
@@ -30,8 +31,14 @@ static void complain(uint64_t seed, const struct navigate_trial *trial)
                  trial->is_reachable, trial->result.is_touched);
 }
 
-static void expect_right(double view_m)
+static double metres_per_cell(const struct navigate_robot *robot)
 {
+    return round(robot->lattice->resolution / 65.536) / 1000;
+}
+
+static void expect_right(const struct navigate_robot *robot, int view)
+{
+    const double view_m = view * metres_per_cell(robot);
     unsigned arrived = 0;
     unsigned replans = 0;
     unsigned wrong = 0;
@@ -39,7 +46,7 @@ static void expect_right(double view_m)
     for (uint64_t seed = options.seed; seed < options.seed + options.count; seed++) {
         struct navigate_trial trial;
 
-        TEST_ASSERT_TRUE(navigate_trial_run(&trial, &robot, seed, view_m, AMPLE_BLOCK));
+        TEST_ASSERT_TRUE(navigate_trial_run(&trial, robot, seed, view_m, AMPLE_BLOCK));
         arrived += trial.result.state == JP_NAVIGATOR_ARRIVED;
         replans += trial.result.replans;
         if (!trial.is_right) {
@@ -55,12 +62,17 @@ static void expect_right(double view_m)
 
 static void test_arrives_and_touches_nothing(void)
 {
-    expect_right(VIEW);
+    expect_right(&courier, VIEW);
 }
 
 static void test_with_short_sight(void)
 {
-    expect_right(SHORT_VIEW);
+    expect_right(&courier, SHORT_VIEW);
+}
+
+static void test_differential_drive(void)
+{
+    expect_right(&burger, SHORT_VIEW);
 }
 
 static void test_with_little_memory(void)
@@ -70,7 +82,7 @@ static void test_with_little_memory(void)
     for (uint64_t seed = options.seed; seed < options.seed + options.count; seed++) {
         struct navigate_trial trial;
 
-        TEST_ASSERT_TRUE(navigate_trial_run(&trial, &robot, seed, VIEW, SMALL_BLOCK));
+        TEST_ASSERT_TRUE(navigate_trial_run(&trial, &courier, seed, VIEW * metres_per_cell(&courier), SMALL_BLOCK));
         if (!trial.is_right && trial.result.reason != JP_NAVIGATOR_MEMORY) {
             complain(seed, &trial);
             TEST_FAIL_MESSAGE("neither right nor short of memory");
@@ -85,7 +97,8 @@ int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, options);
     UNITY_BEGIN();
-    TEST_ASSERT_TRUE(navigate_robot_load(&robot));
+    TEST_ASSERT_TRUE(navigate_robot_load(&courier, "courier24"));
+    TEST_ASSERT_TRUE(navigate_robot_load(&burger, "burger"));
     run_tests();
     return UNITY_END();
 }

@@ -15,9 +15,13 @@
 /** Simulated s. */
 #define PATIENCE 1800
 
-bool navigate_robot_load(struct navigate_robot *robot)
+bool navigate_robot_load(struct navigate_robot *robot, const char *name)
 {
-    *robot = (struct navigate_robot){.entry = rig_find_robot("courier24"), .lattice = &jp_lattice_courier24};
+    if (strcmp(name, "burger") == 0) {
+        *robot = (struct navigate_robot){.skid = skid_robot_find(name), .lattice = &jp_lattice_burger};
+        return robot->skid != NULL && skid_robot_load("sim/robots/burger.cfg", &robot->model);
+    }
+    *robot = (struct navigate_robot){.entry = rig_find_robot(name), .lattice = &jp_lattice_courier24};
     return robot->entry != NULL && robot_file_load("sim/robots/courier24.cfg", &robot->file);
 }
 
@@ -56,13 +60,25 @@ static bool is_as_it_must_be(const struct navigate_trial *trial)
                                : result->state == JP_NAVIGATOR_UNREACHABLE;
 }
 
-static bool drive(const struct navigation_task *task, const struct navigate_robot *robot, struct navigate_trial *trial)
+static bool drive_balancer(const struct navigation_task *task, const struct navigate_robot *robot,
+                           struct navigate_trial *trial)
 {
     const struct clearance_pose start = navigation_start(task);
     struct navigation_balancer balancer;
     struct navigation_robot driven;
 
     return navigation_balancer_init(&balancer, robot->entry, &robot->file, &start, task->seed, &driven) &&
+           navigation_run(task, &driven, &trial->result);
+}
+
+static bool drive_skid(const struct navigation_task *task, const struct navigate_robot *robot,
+                       struct navigate_trial *trial)
+{
+    const struct clearance_pose start = navigation_start(task);
+    struct navigation_skid skid;
+    struct navigation_robot driven;
+
+    return navigation_skid_init(&skid, robot->skid, &robot->model, task->world, &start, task->seed, &driven) &&
            navigation_run(task, &driven, &trial->result);
 }
 
@@ -85,7 +101,7 @@ bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robo
                                              .seed = seed};
 
         trial->is_reachable = navigate_is_reachable(robot, &dense.world, &dense.start, &dense.goal);
-        is_done = drive(&task, robot, trial);
+        is_done = robot->skid != NULL ? drive_skid(&task, robot, trial) : drive_balancer(&task, robot, trial);
         trial->is_right = !trial->result.is_touched && is_as_it_must_be(trial);
     }
     dense_map_free(&dense);

@@ -4,12 +4,15 @@
 
 #include "sim/missions/navigation.h"
 #include "sim/missions/navigation_balancer.h"
+#include "sim/missions/navigation_skid.h"
 #include "tests/support/dense_map.h"
 
 struct navigate_robot {
-    const struct robot_entry *entry;
     const struct jp_lattice *lattice;
+    const struct robot_entry *entry; /**< of a balancer, or NULL */
     struct robot_file file;
+    const struct skid_robot_entry *skid; /**< of one that its sides steer */
+    struct skid_steer_model model;
 };
 
 struct navigate_trial {
@@ -18,8 +21,8 @@ struct navigate_trial {
     struct navigation_result result;
 };
 
-/** courier24. False after one line on stderr. */
-bool navigate_robot_load(struct navigate_robot *robot);
+/** courier24 or burger. False after one line on stderr. */
+bool navigate_robot_load(struct navigate_robot *robot, const char *name);
 
 /** True when a route leads to the goal in the world; false also without memory. */
 bool navigate_is_reachable(const struct navigate_robot *robot, struct jp_terrain *world,
