@@ -128,15 +128,22 @@ static double meeting(const struct robot *robot, const struct jp_path_piece *las
     if (last->kind != JP_PIECE_CURVE || next->kind != JP_PIECE_CURVE) {
         return 0;
     }
-    return sqrt(q24(robot->limits.turn_acceleration) * room / jump);
+    return sqrt(q24(robot->limits.turn_acceleration) * room / jump / 2);
 }
 
 static double acceleration(const struct robot *robot, const struct jp_path_piece *piece)
 {
-    const double bend = fmax(fabs(bend_at(piece, 0)), fabs(bend_at(piece, 1)));
+    const struct jp_path_piece *last = &walk.path.pieces[walk.path.count - 1];
+    double bend = fmax(fabs(bend_at(piece, 0)), fabs(bend_at(piece, 1)));
 
     if (piece->kind != JP_PIECE_CURVE) {
         return q24(robot->limits.turn_acceleration);
+    }
+    if (piece > walk.path.pieces && piece[-1].kind == JP_PIECE_CURVE) {
+        bend = fmax(bend, fabs(bend_at(piece, 0) - bend_at(&piece[-1], 1)));
+    }
+    if (piece < last && piece[1].kind == JP_PIECE_CURVE) {
+        bend = fmax(bend, fabs(bend_at(&piece[1], 0) - bend_at(piece, 1)));
     }
     return fmin(q24(robot->limits.acceleration), q24(robot->limits.turn_acceleration) / 4 / bend);
 }
