@@ -31,7 +31,7 @@ extern "C" {
 struct jp_skid_steer_config {
     jp_q24 wheel_radius;      /**< r, m; 0.01…1 */
     jp_q24 width;             /**< B, m; 0.05…4 */
-    jp_q24 wheelbase;         /**< l, m; 0.02…4 */
+    jp_q24 wheelbase;         /**< l, m; 0…4; of one axle, a differential drive, 0 */
     jp_q16 weight;            /**< G, N; 1…16 384 */
     jp_q24 rolling;           /**< c; 0…0.5 */
     jp_q24 friction;          /**< μ; 0…2 */

@@ -28,6 +28,7 @@ extern const struct jp_horizon jp_horizon_courier24;
 extern const struct jp_horizon jp_horizon_courier24_battery;
 extern const struct jp_horizon jp_horizon_gao2018;
 extern const struct jp_horizon jp_horizon_gao2018_battery;
+extern const struct jp_lattice jp_lattice_burger;
 extern const struct jp_lattice jp_lattice_courier24;
 extern const struct jp_lattice jp_lattice_gao2018;
 extern const struct jp_lattice jp_lattice_zhang2018;
@@ -35,11 +36,13 @@ extern const struct jp_learning jp_learning_courier24;
 extern const struct jp_learning jp_learning_courier24_battery;
 extern const struct jp_learning jp_learning_gao2018;
 extern const struct jp_learning jp_learning_gao2018_battery;
+extern const struct jp_navigator_body jp_navigation_burger;
 extern const struct jp_navigator_body jp_navigation_courier24;
 extern const struct jp_patrol_config jp_patrol_config_patrol;
 extern const struct jp_pure_pursuit_config jp_pure_pursuit_config_patrol;
 extern const struct jp_robot_config jp_robot_courier24;
 extern const struct jp_robot_config jp_robot_gao2018;
+extern const struct jp_skid_steer_config jp_skid_steer_burger;
 extern const struct jp_skid_steer_config jp_skid_steer_zhang2018;
 
 #ifdef __cplusplus

@@ -42,7 +42,7 @@ static void turn_in_place(const struct lattice *lattice, struct lattice_primitiv
     const double rate = lattice_robot_pivot_rate(lattice->robot, turn);
 
     add(lattice, primitive, &(struct lattice_motion){0, rate, 0, turn / rate});
-    primitive->cost[JP_COST_DISTANCE] = UNITS_PER_METRE * lattice->robot->width_m / 2 * fabs(turn);
+    primitive->cost[JP_COST_DISTANCE] = UNITS_PER_METRE * lattice->robot->track_m / 2 * fabs(turn);
 }
 
 static void follow(const struct lattice *lattice, struct lattice_primitive *primitive, double sharpest)

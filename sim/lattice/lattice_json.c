@@ -95,7 +95,7 @@ static json_t *json_skid_steer(const struct skid_steer_model *model)
 static json_t *json_navigation(const struct lattice_robot *robot)
 {
     return json_pack("{s:f, s:f}", "radius_m", hypot(robot->length_m, robot->width_m) / 2, "margin_m",
-                     robot->balancer.file.navigation.margin_m / 2);
+                     robot->margin_m / 2);
 }
 
 json_t *lattice_to_json(const struct lattice *lattice)

@@ -32,19 +32,33 @@ static double skid_steer_motion_energy(const struct lattice_robot *robot, enum j
     return skid_steer_unlimited_energy(&robot->skid_steer, kind, &steady, motion->duration);
 }
 
+/* One that finds its own way turns wherever it is, and leaves its path by a margin. */
+static void describe_navigation(struct lattice_robot *robot, double cell_m, double margin_m)
+{
+    if (!isnan(cell_m)) {
+        robot->cell_m = cell_m;
+    }
+    if (!isnan(margin_m)) {
+        robot->margin_m = margin_m;
+        robot->radius_m = hypot(robot->length_m, robot->width_m) / 2 + margin_m;
+    }
+}
+
 static void describe_skid_steer(struct lattice_robot *robot)
 {
     const struct skid_steer_model *model = &robot->skid_steer;
 
     robot->name = model->name;
-    robot->length_m = model->body.length_m;
-    robot->width_m = model->body.width_m;
+    robot->length_m = model->body.length_m + 2 * fabs(model->body.middle_ahead_m);
+    robot->width_m = model->body.overall_width_m;
+    robot->track_m = model->body.width_m;
     robot->speed_max = model->lattice.speed_m_s;
     robot->turn_rate_max = model->lattice.turn_rate_rad_s;
     robot->pivot_duration = 0;
     robot->grade_max = tan(model->limits.slope_deg * RADIANS_PER_DEGREE);
     robot->grade_bend = -model->ground.rolling;
     robot->electronics_power = model->electronics.power_w;
+    describe_navigation(robot, model->navigation.cell_m, model->navigation.margin_m);
     robot->energy = skid_steer_motion_energy;
 }
 
@@ -106,19 +120,6 @@ static double cruising_speed(const struct lattice_robot *robot)
     return fmin(efficient, robot->balancer.file.limits.speed_m_s);
 }
 
-/* One that finds its own way turns wherever it is, and leaves its path by a margin. */
-static void describe_navigation(struct lattice_robot *robot)
-{
-    const struct robot_file *file = &robot->balancer.file;
-
-    if (!isnan(file->navigation.cell_m)) {
-        robot->cell_m = file->navigation.cell_m;
-    }
-    if (!isnan(file->navigation.margin_m)) {
-        robot->radius_m = hypot(robot->length_m, robot->width_m) / 2 + file->navigation.margin_m;
-    }
-}
-
 static void describe_balancer(struct lattice_robot *robot)
 {
     const struct robot_file *file = &robot->balancer.file;
@@ -126,19 +127,20 @@ static void describe_balancer(struct lattice_robot *robot)
     robot->name = file->name;
     robot->length_m = fmax(2 * file->wheel.radius_m, file->body.depth_m);
     robot->width_m = file->body.width_m;
+    robot->track_m = file->body.width_m;
     robot->turn_rate_max = fmin(TURN_RATE_MAX, file->limits.turn_rate_rad_s);
     robot->pivot_duration = robot->balancer.model->settling_time / Q16;
     robot->grade_max = tan(SLOPE_MAX_DEG * RADIANS_PER_DEGREE);
     robot->grade_bend = -robot->grade_max;
     robot->electronics_power = energy_unit_joules(robot->balancer.model, robot->balancer.model->electronics_power);
     robot->speed_max = cruising_speed(robot);
-    describe_navigation(robot);
+    describe_navigation(robot, file->navigation.cell_m, file->navigation.margin_m);
     robot->energy = balancer_motion_energy;
 }
 
 static bool load_skid_steer(const char *path, struct lattice_robot *robot)
 {
-    if (!skid_steer_load(path, &robot->skid_steer)) {
+    if (!skid_robot_load(path, &robot->skid_steer)) {
         return false;
     }
     describe_skid_steer(robot);
@@ -164,7 +166,8 @@ bool lattice_robot_load(const char *path, struct lattice_robot *robot)
     static const struct {
         const char *type;
         bool (*load)(const char *path, struct lattice_robot *robot);
-    } kinds[] = {{"skid_steer", load_skid_steer}, {CONFIG_BALANCER, load_balancer}};
+    } kinds[] = {
+        {"skid_steer", load_skid_steer}, {"differential_drive", load_skid_steer}, {CONFIG_BALANCER, load_balancer}};
     char type[CONFIG_NAME_SIZE];
 
     *robot = (struct lattice_robot){.cell_m = CELL};
@@ -176,7 +179,7 @@ bool lattice_robot_load(const char *path, struct lattice_robot *robot)
             return kinds[i].load(path, robot);
         }
     }
-    config_fields_refuse_type(path, type, "skid_steer or a " CONFIG_BALANCER);
+    config_fields_refuse_type(path, type, "skid_steer, a differential_drive or a " CONFIG_BALANCER);
     return false;
 }
 

@@ -17,9 +17,11 @@ struct lattice_motion {
 
 struct lattice_robot {
     const char *name;
-    double length_m;
+    double length_m; /**< of its outline, which lies round the place that is planned for */
     double width_m;
+    double track_m;           /**< between the wheels of its sides */
     double cell_m;            /**< of its maps */
+    double margin_m;          /**< that it keeps round itself where it finds its own way; 0: it does not */
     double radius_m;          /**< of the disc that it needs wherever it is; 0: it needs its rectangle */
     double speed_max;         /**< m/s */
     double turn_rate_max;     /**< rad/s */

@@ -23,9 +23,16 @@
         key, offsetof(struct skid_steer_model, member), 1, CONFIG_FIELD_WHOLE, min, max, unit, false                   \
     }
 
+#define SETTING(key, member, min, max, unit)                                                                           \
+    {                                                                                                                  \
+        key, offsetof(struct skid_steer_model, member), 1, CONFIG_FIELD_REAL, min, max, unit, true                     \
+    }
+
 /* What such a robot can be; what the core's formats hold of it, tools/design/lattice.py checks. */
 #define COMMON_FIELDS                                                                                                  \
     FIELD("body.length_m", body.length_m, 0.001, 100, "m"), FIELD("body.width_m", body.width_m, 0.001, 100, "m"),      \
+        SETTING("body.overall_width_m", body.overall_width_m, 0.001, 100, "m"),                                        \
+        SETTING("body.middle_ahead_m", body.middle_ahead_m, -50, 50, "m"),                                             \
         FIELD("body.mass_kg", body.mass_kg, 0.001, 100000, "kg"),                                                      \
         FIELD("body.centre_height_m", body.centre_height_m, 0, 10, "m"),                                               \
         FIELD("body.centre_ahead_m", body.centre_ahead_m, -50, 50, "m"),                                               \
@@ -71,7 +78,9 @@
         FIELD("limits.slope_deg", limits.slope_deg, 1, 45, "°"),                                                       \
         FIELD("lattice.speed_m_s", lattice.speed_m_s, 0.001, 8, "m/s"),                                                \
         FIELD("lattice.turn_rate_rad_s", lattice.turn_rate_rad_s, 0.01, 8, "rad/s"),                                   \
-        FIELD("lattice.distance_j_per_m", lattice.distance_j_per_m, 0, 1024, "J/m")
+        FIELD("lattice.distance_j_per_m", lattice.distance_j_per_m, 0, 1024, "J/m"),                                   \
+        SETTING("navigation.cell_m", navigation.cell_m, 0.01, 10, "m"),                                                \
+        SETTING("navigation.margin_m", navigation.margin_m, 0.001, 10, "m")
 
 static const struct config_field skid_steer_fields[] = {
     COMMON_FIELDS,
@@ -167,9 +176,25 @@ static bool check_plant(const char *path, const struct skid_steer_model *model)
     return check_stance(path, model);
 }
 
+/* The outline is that of the tracks, and its middle that of the axles, where the file says nothing else. */
+static void complete_outline(struct skid_steer_model *model)
+{
+    if (isnan(model->body.overall_width_m)) {
+        model->body.overall_width_m = model->body.width_m;
+    }
+    if (isnan(model->body.middle_ahead_m)) {
+        model->body.middle_ahead_m = 0;
+    }
+}
+
 static bool load(const char *path, const struct config_kind *kind, struct skid_steer_model *model)
 {
-    return config_fields_load(path, kind, model) && check_together(path, model) && check_plant(path, model);
+    config_fields_leave_out(kind, model);
+    if (!config_fields_load(path, kind, model)) {
+        return false;
+    }
+    complete_outline(model);
+    return check_together(path, model) && check_plant(path, model);
 }
 
 bool skid_steer_load(const char *path, struct skid_steer_model *model)

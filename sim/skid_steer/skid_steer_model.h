@@ -20,6 +20,8 @@ struct skid_steer_model {
     struct {
         double length_m;
         double width_m;         /**< B, between the tracks of the two sides */
+        double overall_width_m; /**< of its outline */
+        double middle_ahead_m;  /**< of its outline, ahead of the middle between the axles */
         double wheelbase_m;     /**< from the first to the last axle; of a differential drive 0 */
         double mass_kg;         /**< with the wheels */
         double centre_height_m; /**< of mass, above the ground */
@@ -103,6 +105,10 @@ struct skid_steer_model {
         double turn_rate_rad_s;
         double distance_j_per_m;
     } lattice;
+    struct {
+        double cell_m;   /**< of its maps; NaN: not given */
+        double margin_m; /**< that it keeps round itself where it finds its own way; NaN: it is not made for that */
+    } navigation;
 };
 
 /** What the ground and the motors do at a speed (m/s), turn rate (rad/s) and grade (rise over run). */

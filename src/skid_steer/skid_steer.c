@@ -34,7 +34,7 @@ enum jp_status jp_skid_steer_check(const struct jp_skid_steer_config *config, co
     static const struct jp_config_field fields[] = {
         FIELD(wheel_radius, JP_Q24(0.01), JP_Q24(1)),
         FIELD(width, JP_Q24(0.05), JP_Q24(4)),
-        FIELD(wheelbase, JP_Q24(0.02), JP_Q24(4)),
+        FIELD(wheelbase, 0, JP_Q24(4)),
         FIELD(weight, JP_Q16(1), JP_Q16(16384)),
         FIELD(rolling, 0, JP_Q24(0.5)),
         FIELD(friction, 0, JP_Q24(2)),

@@ -1,4 +1,5 @@
 """The programs' command lines: one vocabulary of options, one line for what is wrong, strict numbers."""
+import json
 import re
 
 import pytest
@@ -49,6 +50,25 @@ def test_too_few_and_too_many(program, arguments, part):
 def test_a_robot_by_its_name_and_by_its_file():
     assert run("jp-robot", "courier24", cwd=ROOT).stdout == run("jp-robot", COURIER).stdout != ""
     assert_one_line_error(run("jp-robot", "nobody", cwd=ROOT), "sim/robots/nobody.cfg", "No such file")
+
+
+@pytest.mark.parametrize(("name", "type_name", "key", "value"), [
+    ("courier24", "balancer", "wheel.mass_kg", 0.25), ("zhang2018", "skid_steer", "wheel.axles", 2),
+    ("burger", "differential_drive", "caster.ahead_m", -0.081), ("patrol", "four_wheel", "body.track_m", 0.44)])
+def test_robots_of_every_type(name, type_name, key, value):
+    table = run("jp-robot", ROOT / f"sim/robots/{name}.cfg").stdout.splitlines()
+    assert [line.split() for line in table[:2]] == [["name", name], ["type", type_name]]
+    assert [line.split()[1] for line in table if line.startswith(f"{key} ")] == [f"{value:g}"]
+    printed = json.loads(run("jp-robot", ROOT / f"sim/robots/{name}.cfg", "--json=-").stdout)
+    assert (printed["name"], printed["type"]) == (name, type_name)
+    group, member = key.split(".")
+    assert printed[group][member] == value
+
+
+def test_a_robot_of_no_type(tmp_path):
+    path = tmp_path / "boat.cfg"
+    path.write_text('type = "boat"; name = "boat";')
+    assert_one_line_error(run("jp-robot", path), path, "boat robot", "four_wheel")
 
 
 def test_json_beside_the_table(tmp_path):

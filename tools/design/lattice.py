@@ -282,7 +282,7 @@ def skid_steer_table(name, data, command, source):
     members = [
         to.q24("wheel_radius", data["wheel_radius_m"], "m", 0.01, 1),
         to.q24("width", data["width_m"], "m", 0.05, 4),
-        to.q24("wheelbase", data["wheelbase_m"], "m", 0.02, 4),
+        to.q24("wheelbase", data["wheelbase_m"], "m", 0, 4),
         to.q16("weight", data["weight_n"], "N", 1, 16384),
         to.q24("rolling", data["rolling"], "", 0, 0.5),
         to.q24("friction", data["friction"], "", 0, 2),

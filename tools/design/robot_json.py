@@ -10,7 +10,7 @@ from pathlib import Path
 from tools.common import ROOT, ToolError, build_directory, read_text
 from tools.design import specification
 
-# The keys that the tools use; jp-robot knows all of them and their ranges.
+# The keys that the tools use, of robots that have them; jp-robot knows all of them and their ranges.
 GROUPS = ("body", "wheel", "motor", "ground", "electronics", "supply", "encoder", "gyro", "accelerometer",
           "current_sense", "control", "limits")
 
@@ -25,6 +25,9 @@ def robot_path(robot):
     return path if path.suffix == ".cfg" else ROOT / "sim" / "robots" / f"{robot}.cfg"
 
 
+BALANCER, SKID_STEER, DIFFERENTIAL_DRIVE = TYPES = "balancer", "skid_steer", "differential_drive"
+
+
 class Robot:
     """Numbers by "group.key"; complaints name the file and the key."""
 
@@ -32,7 +35,8 @@ class Robot:
         self.source = source
         self._data = data
         self.name = self._checked_name()
-        for group in GROUPS:
+        self.type = data.get("type", BALANCER)
+        for group in GROUPS if self.type in TYPES else ():
             if not isinstance(data.get(group), dict):
                 raise self.error(group, "the group is missing")
 
@@ -96,11 +100,18 @@ def from_text(source, text):
     return Robot(source, data)
 
 
+def balancer(robot):
+    """With every setting of its controller; a robot of another type is refused."""
+    if robot.type != BALANCER:
+        raise ToolError(f"{robot.source}: type: {robot.type} robot; needs a {BALANCER}; give the file of one")
+    return specification.completed(robot)
+
+
 def load_json(path):
-    """A robot that jp-robot has printed; - is standard input."""
+    """A balancer that jp-robot has printed; - is standard input."""
     if path == "-":
-        return specification.completed(from_text("standard input", sys.stdin.read()))
-    return specification.completed(from_text(path, read_text(path)))
+        return balancer(from_text("standard input", sys.stdin.read()))
+    return balancer(from_text(path, read_text(path)))
 
 
 def printed_by(program, path, *options):
@@ -121,8 +132,22 @@ def check_name(path, name):
         raise ToolError(f"{path}: name: is {name!r}, but the file is {Path(path).stem!r}; give both the same name")
 
 
-def load(path, jp_robot=None):
-    """A robot file, checked by jp-robot, with every setting of its controller."""
+def load_any(path, jp_robot=None):
+    """The file of a robot of any type, checked by jp-robot."""
     robot = from_text(str(path), printed_by(jp_robot or default_jp_robot(), path, "--json=-"))
     check_name(path, robot.name)
-    return specification.completed(robot)
+    return robot
+
+
+def load(path, jp_robot=None):
+    """The file of a balancer, with every setting of its controller."""
+    return balancer(load_any(path, jp_robot))
+
+
+def load_skid_steer(path, jp_robot=None):
+    """The file of a robot that its sides steer by their speeds."""
+    robot = load_any(path, jp_robot)
+    if robot.type not in (SKID_STEER, DIFFERENTIAL_DRIVE):
+        raise ToolError(f"{robot.source}: type: {robot.type} robot; needs a {SKID_STEER} or a {DIFFERENTIAL_DRIVE}; "
+                        "give the file of one")
+    return robot

@@ -83,7 +83,7 @@ bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes 
 	$(if $(NAVIGATE_MAPS),$(PYTHON) -m tools.measure.bench_navigate $(NAVIGATE_MAPS))
 
 .PHONY: bench-image
-bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (1 hour)
+bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (35 minutes)
 	@tools/setup.sh sil operate firmware
 	@$(MAKE) $(PARALLEL) all $(BUILD)/bench/bench_cuts \
 	    $(addprefix $(BUILD)/firmware/,courier24/joulepath.elf courier24/emulated.elf bench_planning)

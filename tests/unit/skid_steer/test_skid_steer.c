@@ -71,7 +71,7 @@ static void test_check_names_each_field_at_both_limits(void)
 {
     EXPECT_RANGE(wheel_radius, JP_Q24(0.01), JP_Q24(1));
     EXPECT_RANGE(width, JP_Q24(0.05), JP_Q24(4));
-    EXPECT_RANGE(wheelbase, JP_Q24(0.02), JP_Q24(4));
+    EXPECT_RANGE(wheelbase, 0, JP_Q24(4));
     EXPECT_RANGE(weight, JP_Q16(1), JP_Q16(16384));
     EXPECT_RANGE(rolling, 0, JP_Q24(0.5));
     EXPECT_RANGE(friction, 0, JP_Q24(2));
