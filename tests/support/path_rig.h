@@ -87,27 +87,6 @@ static inline struct jp_path_drive_config path_rig_config(const struct skid_stee
     };
 }
 
-/** The model's constants for the core's formulas. */
-static inline struct jp_skid_steer_config path_rig_constants(const struct skid_steer_model *model)
-{
-    const double constant = model->motor.torque_constant * model->motor.gear_ratio * model->motor.efficiency;
-
-    return (struct jp_skid_steer_config){
-        .wheel_radius = path_rig_q24(model->wheel.radius_m),
-        .width = path_rig_q24(model->body.width_m),
-        .wheelbase = path_rig_q24(model->body.wheelbase_m),
-        .weight = path_rig_q16(model->body.mass_kg * STANDARD_GRAVITY),
-        .rolling = path_rig_q24(model->ground.rolling),
-        .friction = path_rig_q24(model->ground.friction),
-        .torque_per_ampere = path_rig_q16(constant),
-        .resistance = path_rig_q24(model->motor.resistance_ohm),
-        .efficiency = path_rig_q24(model->motor.efficiency),
-        .recuperation = path_rig_q24(model->motor.recuperation),
-        .electronics_power = path_rig_q16(model->electronics.power_w),
-        .distance_energy = path_rig_q16(model->lattice.distance_j_per_m),
-    };
-}
-
 /** Of the formulas of `constants`, and of the moving mass; time has no price. */
 static inline struct jp_motion_price path_rig_price(const struct skid_steer_model *model,
                                                     const struct jp_skid_steer_config *constants)
