@@ -57,12 +57,12 @@ static void drive_path(const struct skid_steer_model *model, const struct task *
                        struct drive *drive)
 {
     const struct jp_motion_price price = path_rig_price(model, &jp_skid_steer_zhang2018);
-    const struct jp_path_limits limits = path_rig_limits(model);
     const struct skid_ground ground = skid_ground_map(task->terrain);
     struct jp_path_cost cost;
     struct path_rig rig;
 
-    if (jp_path_plan_speeds(path, &limits, &price, &cost) != JP_OK || !path_rig_start(&rig, model, &ground, path)) {
+    if (jp_path_plan_speeds(path, &jp_path_limits_zhang2018, &price, &cost) != JP_OK ||
+        !path_rig_start(&rig, model, &jp_path_drive_zhang2018, &ground, path)) {
         fail("a path has no speeds");
     }
     path_rig_drive(&rig);

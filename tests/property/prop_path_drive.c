@@ -33,12 +33,21 @@ static struct robot {
     const char *file;
     const struct jp_lattice *lattice;
     const struct jp_skid_steer_config *constants;
+    const struct jp_path_limits *limits;
+    const struct jp_path_drive_config *steering;
     struct skid_steer_model model;
-    struct jp_path_limits limits;
     struct jp_motion_price price;
 } robots[ROBOTS] = {
-    {.file = "sim/robots/zhang2018.cfg", .lattice = &jp_lattice_zhang2018, .constants = &jp_skid_steer_zhang2018},
-    {.file = "sim/robots/burger.cfg", .lattice = &jp_lattice_burger, .constants = &jp_skid_steer_burger},
+    {.file = "sim/robots/zhang2018.cfg",
+     .lattice = &jp_lattice_zhang2018,
+     .constants = &jp_skid_steer_zhang2018,
+     .limits = &jp_path_limits_zhang2018,
+     .steering = &jp_path_drive_zhang2018},
+    {.file = "sim/robots/burger.cfg",
+     .lattice = &jp_lattice_burger,
+     .constants = &jp_skid_steer_burger,
+     .limits = &jp_path_limits_burger,
+     .steering = &jp_path_drive_burger},
 };
 
 void setUp(void)
@@ -47,7 +56,6 @@ void setUp(void)
     for (int i = 0; i < ROBOTS; i++) {
         struct robot *robot = &robots[i];
         TEST_ASSERT_TRUE(skid_robot_load(robot->file, &robot->model));
-        robot->limits = path_rig_limits(&robot->model);
         robot->price = path_rig_price(&robot->model, robot->constants);
     }
 }
@@ -70,7 +78,7 @@ static void plan(const struct robot *robot, double slope_x, double slope_y, unsi
 {
     random_path_slope(&terrain, q16(robot->lattice->resolution), slope_x, slope_y);
     random_path_walk(&walk, &noise, robot->lattice, &terrain, steps);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_path_plan_speeds(&walk.path, &robot->limits, &robot->price, cost));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_path_plan_speeds(&walk.path, robot->limits, &robot->price, cost));
 }
 
 /* ---- Speeds ---- */
@@ -99,7 +107,7 @@ static double power(const struct robot *robot, const struct jp_path_piece *piece
 
 static double speed_limit(const struct robot *robot, const struct jp_path_piece *piece)
 {
-    const struct jp_path_limits *limits = &robot->limits;
+    const struct jp_path_limits *limits = robot->limits;
     const double bend = fmax(fabs(bend_at(piece, 0)), fabs(bend_at(piece, 1)));
 
     if (piece->kind != JP_PIECE_CURVE) {
@@ -133,7 +141,7 @@ static double meeting(const struct robot *robot, const struct jp_path_piece *las
     if (last->kind != JP_PIECE_CURVE || next->kind != JP_PIECE_CURVE) {
         return 0;
     }
-    return sqrt(q24(robot->limits.turn_acceleration) * room / jump / 2);
+    return sqrt(q24(robot->limits->turn_acceleration) * room / jump / 2);
 }
 
 static double acceleration(const struct robot *robot, const struct jp_path_piece *piece)
@@ -142,7 +150,7 @@ static double acceleration(const struct robot *robot, const struct jp_path_piece
     double bend = fmax(fabs(bend_at(piece, 0)), fabs(bend_at(piece, 1)));
 
     if (piece->kind != JP_PIECE_CURVE) {
-        return q24(robot->limits.turn_acceleration);
+        return q24(robot->limits->turn_acceleration);
     }
     if (piece > walk.path.pieces && piece[-1].kind == JP_PIECE_CURVE) {
         bend = fmax(bend, fabs(bend_at(piece, 0) - bend_at(&piece[-1], 1)));
@@ -150,7 +158,7 @@ static double acceleration(const struct robot *robot, const struct jp_path_piece
     if (piece < last && piece[1].kind == JP_PIECE_CURVE) {
         bend = fmax(bend, fabs(bend_at(&piece[1], 0) - bend_at(piece, 1)));
     }
-    return fmin(q24(robot->limits.acceleration), q24(robot->limits.turn_acceleration) / 4 / bend);
+    return fmin(q24(robot->limits->acceleration), q24(robot->limits->turn_acceleration) / 4 / bend);
 }
 
 /* The speeds at the pieces' ends are the greatest that all limits leave. */
@@ -215,7 +223,7 @@ static void raise(double *most, double value)
 /* Shares of the limits. */
 static void check_set_point(const struct robot *robot, const struct jp_path_set_point *at, struct margins *most)
 {
-    const struct jp_path_limits *limits = &robot->limits;
+    const struct jp_path_limits *limits = robot->limits;
     const double v = q24(at->motion.speed);
     const double w = q24(at->motion.turn_rate);
 
@@ -246,13 +254,14 @@ static void check_step(const struct jp_path_set_point *last, const struct jp_pat
 
 static void drive_set_points(const struct robot *robot, const struct jp_path_cost *cost, struct margins *most)
 {
-    const struct jp_path_drive_config config = path_rig_config(&robot->model);
+    struct jp_path_drive_config config = *robot->steering;
     struct jp_path_set_point last = {.pose = {walk.path.pieces[0].begin, walk.path.pieces[0].heading}};
     struct jp_path_set_point at;
     struct jp_path_drive drive;
     const char *field = "";
     unsigned count = 0;
 
+    config.tick_rate = PATH_RIG_TICK_RATE;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_path_drive_init(&drive, &config, &field));
     jp_path_drive_begin(&drive, &walk.path);
     for (; jp_path_drive_advance(&drive, &at); count++) {
@@ -302,7 +311,7 @@ static void drive_plant(const struct robot *robot, double degrees, double *worst
     struct jp_path_cost cost;
 
     plan(robot, slope.slope_x, slope.slope_y, DRIVEN_STEPS, &cost);
-    TEST_ASSERT_TRUE(path_rig_start(&rig, &robot->model, &ground, &walk.path));
+    TEST_ASSERT_TRUE(path_rig_start(&rig, &robot->model, robot->steering, &ground, &walk.path));
     path_rig_drive(&rig);
     TEST_ASSERT_FALSE(rig.robot.plant.tipped);
     raise(worst, rig.worst_distance);
