@@ -68,10 +68,10 @@ void jp_path_drive_begin(struct jp_path_drive *drive, const struct jp_lattice_pa
     set_begin(d, path->count > 0U ? &path->pieces[0].begin : &path->end.position);
 }
 
-/** Of a step from here on, the share that lies beyond a place on the piece, Q8. */
-static int32_t share_beyond(const struct jp_path_drive_internal *d, jp_q24 place)
+/** Of a step of `period` from here on, the share that lies beyond a place on the piece, Q8. */
+static int32_t share_beyond(const struct jp_path_drive_internal *d, int32_t period, jp_q24 place)
 {
-    const jp_q24 way = jp_multiply_shift(d->speed, d->period, 32);
+    const jp_q24 way = jp_multiply_shift(d->speed, period, 32);
     const jp_q24 ahead = place - d->progress;
 
     if (ahead >= way) {
@@ -80,35 +80,72 @@ static int32_t share_beyond(const struct jp_path_drive_internal *d, jp_q24 place
     return ahead <= 0 ? SHARE_ONE : SHARE_ONE - ahead * SHARE_ONE / way;
 }
 
-/** A step of speed and progress on the piece. Returns the change of speed. */
-static jp_q24 step(struct jp_path_drive_internal *d, const struct jp_piece_speed *speed)
+/** A step of speed, towards `target`, and of progress on the piece. Returns the change of speed. */
+static jp_q24 step_towards(struct jp_path_drive_internal *d, jp_q24 target, jp_q24 acceleration, int32_t period)
 {
-    const jp_q24 most = jp_multiply_shift(speed->acceleration, d->period, 32);
-    const jp_q24 to_cruise = jp_clamp32(speed->cruise - d->speed, -most, most);
-    const jp_q24 to_end = jp_clamp32(speed->end - d->speed, -most, most);
-    const int32_t share = share_beyond(d, speed->brake_from);
-    const jp_q24 change = to_cruise + jp_multiply_shift(to_end - to_cruise, share, SHARE_BITS);
+    const jp_q24 most = jp_multiply_shift(acceleration, period, 32);
+    const jp_q24 change = jp_clamp32(target - d->speed, -most, most);
 
-    d->progress += jp_multiply_shift(d->speed + change / 2, d->period, 32);
+    d->progress += jp_multiply_shift(d->speed + change / 2, period, 32);
     d->speed += change;
     return change;
 }
 
-/** True when a piece is driven: it ends at its length, or where the robot comes to rest. */
-static bool is_over(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+/** A step towards the cruise, and from where it must be left to the end. */
+static jp_q24 step(struct jp_path_drive_internal *d, const struct jp_piece_speed *speed, int32_t period)
 {
-    return d->progress >= piece->length || (d->speed == 0 && d->progress >= piece->speed.brake_from);
+    const int32_t rest = jp_multiply_shift(period, share_beyond(d, period, speed->brake_from), SHARE_BITS);
+    jp_q24 change = 0;
+
+    if (rest < period) {
+        change = step_towards(d, speed->cruise, speed->acceleration, period - rest);
+    }
+    if (rest > 0) {
+        change += step_towards(d, speed->end, speed->acceleration, rest);
+    }
+    return change;
 }
 
-/** Goes on to the next piece, as far as the step has led beyond the end of the last. */
-static void next_piece(struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+/** To the begin of the next piece. */
+static void next_piece(struct jp_path_drive_internal *d)
 {
-    d->progress = piece->speed.end == 0 ? 0 : jp_sub(d->progress, piece->length);
+    d->progress = 0;
     d->piece++;
-    if (piece->speed.end == 0) {
-        d->speed = 0;
-    }
     set_begin(d, d->piece < d->path->count ? &d->path->pieces[d->piece].begin : &d->path->end.position);
+}
+
+/** A step that leads on to the next piece, each part of it by the speeds of its own. */
+static jp_q24 step_over(struct jp_path_drive_internal *d, const struct jp_path_piece *piece, int32_t share)
+{
+    const int32_t rest = jp_multiply_shift(d->period, share, SHARE_BITS);
+    const jp_q24 change = step(d, &piece->speed, d->period - rest);
+
+    next_piece(d);
+    return change + step(d, &piece[1].speed, rest);
+}
+
+/** A step to a stand at the end of the piece. */
+static jp_q24 step_to_stand(struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+{
+    const jp_q24 change = step(d, &piece->speed, d->period);
+
+    if (d->progress >= piece->length || (d->speed == 0 && d->progress >= piece->speed.brake_from)) {
+        d->speed = 0;
+        next_piece(d);
+        return 0;
+    }
+    return change;
+}
+
+/** Returns the change of speed. */
+static jp_q24 step_on(struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+{
+    if (piece->speed.end == 0) {
+        return step_to_stand(d, piece);
+    }
+    const int32_t share = share_beyond(d, d->period, piece->length);
+
+    return share > 0 ? step_over(d, piece, share) : step(d, &piece->speed, d->period);
 }
 
 static jp_angle heading_at(const struct jp_path_piece *piece, jp_q24 way)
@@ -199,19 +236,12 @@ bool jp_path_drive_advance(struct jp_path_drive *drive, struct jp_path_set_point
     if (d->path == NULL || d->piece == d->path->count) {
         return false;
     }
-    const struct jp_path_piece *piece = &d->path->pieces[d->piece];
+    const uint16_t piece = d->piece;
     const jp_q24 before = d->progress;
-    const jp_q24 change = step(d, &piece->speed);
-    jp_q24 way = d->progress - before;
+    const jp_q24 change = step_on(d, &d->path->pieces[piece]);
+    const jp_q24 way = d->piece == piece ? d->progress - before : d->progress;
 
     set_point->acceleration = jp_saturate32(jp_multiply(change, d->pace_rate));
-    if (is_over(d, piece)) {
-        if (piece->speed.end == 0) {
-            set_point->acceleration = 0;
-        }
-        next_piece(d, piece);
-        way = d->progress;
-    }
     if (d->piece < d->path->count) {
         set_point_on(d, &d->path->pieces[d->piece], way, set_point);
     } else {

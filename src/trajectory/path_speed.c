@@ -60,7 +60,8 @@ static jp_q24 sharpest_bend(const struct jp_path_piece *piece)
 /* Limits of a piece. */
 
 /** Of the three parts of a change of the turn rate, κ v̇, κ' v² and that of a jump of κ, the first two have a quarter
- *  each, the last one has half. */
+ *  each, the last one has half: a robot that brakes towards the jump begins to blend at twice the square of the speed.
+ */
 static jp_q24 quarter(const struct jp_path_limits *limits)
 {
     return limits->turn_acceleration / 4;
@@ -89,11 +90,6 @@ static jp_q24 curve_speed_max(const struct jp_path_piece *piece, const struct jp
 static jp_q24 turn_rate_max(const struct jp_path_limits *limits)
 {
     return smaller(limits->turn_rate, jp_q24_divide(jp_add(limits->side_speed, limits->side_speed), limits->width));
-}
-
-static jp_q24 curve_acceleration(const struct jp_path_piece *piece, const struct jp_path_limits *limits)
-{
-    return larger(smaller(limits->acceleration, jp_q24_divide(quarter(limits), sharpest_bend(piece))), 1);
 }
 
 /* Costs of a piece. */
@@ -145,23 +141,44 @@ static jp_q24 cheapest_speed(const struct jp_path_piece *piece, const struct jp_
     return best;
 }
 
-static void set_cruise(struct jp_path_piece *piece, const struct jp_path_limits *limits,
-                       const struct jp_motion_price *price)
-{
-    const bool is_curve = piece->kind == JP_PIECE_CURVE;
-    const jp_q24 limit = is_curve ? curve_speed_max(piece, limits) : turn_rate_max(limits);
-
-    piece->speed = (struct jp_piece_speed){
-        .cruise = cheapest_speed(piece, price, limit),
-        .acceleration = is_curve ? curve_acceleration(piece, limits) : limits->turn_acceleration,
-    };
-}
-
 /* Where two pieces meet. */
 
 static jp_q24 jump_between(const struct jp_path_piece *last, const struct jp_path_piece *next)
 {
     return jp_saturate32((int64_t)next->bend - last_bend(last));
+}
+
+/** By how much the curvature jumps at most at the ends of a piece, or is. */
+static jp_q24 sharpest_change(const struct jp_lattice_path *path, unsigned i)
+{
+    const struct jp_path_piece *piece = &path->pieces[i];
+    jp_q24 most = sharpest_bend(piece);
+
+    if (i > 0U && piece[-1].kind == JP_PIECE_CURVE) {
+        most = larger(most, jp_absolute32(jump_between(&piece[-1], piece)));
+    }
+    if (i + 1U < path->count && piece[1].kind == JP_PIECE_CURVE) {
+        most = larger(most, jp_absolute32(jump_between(piece, &piece[1])));
+    }
+    return most;
+}
+
+static jp_q24 curve_acceleration(const struct jp_lattice_path *path, unsigned i, const struct jp_path_limits *limits)
+{
+    return larger(smaller(limits->acceleration, jp_q24_divide(quarter(limits), sharpest_change(path, i))), 1);
+}
+
+static void set_cruise(struct jp_lattice_path *path, unsigned i, const struct jp_path_limits *limits,
+                       const struct jp_motion_price *price)
+{
+    struct jp_path_piece *piece = &path->pieces[i];
+    const bool is_curve = piece->kind == JP_PIECE_CURVE;
+    const jp_q24 limit = is_curve ? curve_speed_max(piece, limits) : turn_rate_max(limits);
+
+    piece->speed = (struct jp_piece_speed){
+        .cruise = cheapest_speed(piece, price, limit),
+        .acceleration = is_curve ? curve_acceleration(path, i, limits) : limits->turn_acceleration,
+    };
 }
 
 /** The greatest speed at which the jump fits into half of either piece. */
@@ -173,7 +190,7 @@ static jp_q24 meeting_speed(const struct jp_path_piece *last, const struct jp_pa
     }
     const jp_q24 room = smaller(last->length, next->length) / 2;
     const jp_q24 squared =
-        jp_divide((int64_t)limits->turn_acceleration * room, jp_absolute32(jump_between(last, next)));
+        jp_divide((int64_t)limits->turn_acceleration / 2 * room, jp_absolute32(jump_between(last, next)));
 
     return smaller(smaller(last->speed.cruise, next->speed.cruise), root((int64_t)squared * JP_Q24_ONE));
 }
@@ -182,11 +199,11 @@ static jp_q24 meeting_speed(const struct jp_path_piece *last, const struct jp_pa
 static void set_blend(const struct jp_path_piece *last, struct jp_path_piece *next, jp_q24 meeting,
                       const struct jp_path_limits *limits)
 {
-    const jp_q24 jump = jump_between(last, next);
-    const int64_t squared = jp_q24_multiply(meeting, meeting);
+    const int64_t jump = jump_between(last, next);
+    const jp_q24 squared = jp_q24_multiply(meeting, meeting);
 
-    next->speed.blend = jp_divide(jp_absolute64(jump * squared), limits->turn_acceleration);
-    next->speed.blend_rate = next->speed.blend == 0 ? 0 : jp_divide((int64_t)jump * (1 << 15), next->speed.blend);
+    next->speed.blend = jp_divide(jp_absolute64(2 * jump * squared), limits->turn_acceleration);
+    next->speed.blend_rate = next->speed.blend == 0 ? 0 : jp_divide(jump * (1 << 15), next->speed.blend);
 }
 
 /* Passes along the path. */
@@ -291,7 +308,7 @@ enum jp_status jp_path_plan_speeds(struct jp_lattice_path *path, const struct jp
     jp_q24 begin = 0;
 
     for (unsigned i = 0; i < path->count; i++) {
-        set_cruise(&path->pieces[i], limits, price);
+        set_cruise(path, i, limits, price);
     }
     limit_ends(path, limits);
     for (unsigned i = 0; i < path->count; i++) {

@@ -56,14 +56,13 @@ static void plan_path(const struct jp_planner_config *config, const struct task 
 static void drive_path(const struct skid_steer_model *model, const struct task *task, struct jp_lattice_path *path,
                        struct drive *drive)
 {
-    const struct jp_skid_steer_config constants = path_rig_constants(model);
-    const struct jp_motion_price price = path_rig_price(model, &constants);
-    const struct jp_path_limits limits = path_rig_limits(model);
+    const struct jp_motion_price price = path_rig_price(model, &jp_skid_steer_zhang2018);
     const struct skid_ground ground = skid_ground_map(task->terrain);
     struct jp_path_cost cost;
     struct path_rig rig;
 
-    if (jp_path_plan_speeds(path, &limits, &price, &cost) != JP_OK || !path_rig_start(&rig, model, &ground, path)) {
+    if (jp_path_plan_speeds(path, &jp_path_limits_zhang2018, &price, &cost) != JP_OK ||
+        !path_rig_start(&rig, model, &jp_path_drive_zhang2018, &ground, path)) {
         fail("a path has no speeds");
     }
     path_rig_drive(&rig);

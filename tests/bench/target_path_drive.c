@@ -19,21 +19,6 @@ enum { PIECES = 24, SIDE = 8, EVERY = 16, TURN_SHIFT = 6 };
 #define BAR NULL
 #endif
 
-static const struct jp_path_limits limits = {
-    .speed = JP_Q24(0.5),
-    .turn_rate = JP_Q24(0.3926991),
-    .side_speed = JP_Q24(1),
-    .width = JP_Q24(0.7),
-    .acceleration = JP_Q24(1),
-    .turn_acceleration = JP_Q24(2.86),
-};
-static const struct jp_path_drive_config config = {
-    .tick_rate = 500,
-    .way = JP_Q24(0.35),
-    .pace = JP_Q24(2.5),
-    .speed_correction = JP_Q24(0.125),
-    .turn_correction = JP_Q24(0.3926991),
-};
 static const struct jp_motion_price price = {.power = jp_skid_steer_power_of, .model = &jp_skid_steer_zhang2018};
 
 static const struct jp_lattice *const lattice = &jp_lattice_zhang2018;
@@ -69,7 +54,7 @@ static void make_path(void *unused)
 static void plan_speeds(void *unused)
 {
     (void)unused;
-    status = jp_path_plan_speeds(&path, &limits, &price, &cost);
+    status = jp_path_plan_speeds(&path, &jp_path_limits_zhang2018, &price, &cost);
 }
 
 static void step(void *argument)
@@ -122,7 +107,7 @@ int main(void)
     uint32_t worst = 0;
 
     if (jp_terrain_init(&terrain, &map, block, sizeof block, &field) != JP_OK ||
-        jp_path_drive_init(&drive, &config, &field) != JP_OK) {
+        jp_path_drive_init(&drive, &jp_path_drive_zhang2018, &field) != JP_OK) {
         return 1;
     }
     const uint32_t making = target_count_once(make_path, NULL);

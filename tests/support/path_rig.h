@@ -18,11 +18,6 @@
 #define PATH_RIG_Q24   16777216.0
 #define PATH_RIG_ANGLE 4294967296.0
 
-static inline jp_q24 path_rig_q24(double value)
-{
-    return (jp_q24)lrint(value * PATH_RIG_Q24);
-}
-
 static inline jp_q16 path_rig_q16(double value)
 {
     return (jp_q16)lrint(value * PATH_RIG_Q16);
@@ -40,72 +35,6 @@ static inline double path_rig_moving_mass(const struct skid_steer_model *model)
     const double side = model->wheel.axles * model->wheel.inertia_kg_m2 + rotor;
 
     return model->body.mass_kg + 2 * side / (model->wheel.radius_m * model->wheel.radius_m);
-}
-
-/** A quarter of what motors, tyres and the height of the mass leave on the steepest slope: another quarter is for
- *  turning, half for the controller. m/s². */
-static inline double path_rig_acceleration(const struct skid_steer_model *model)
-{
-    const double slope = model->limits.slope_deg * M_PI / 180;
-    const double ratio = model->motor.torque_constant * model->motor.gear_ratio;
-    const double force = 2 * ratio * model->motor.efficiency * model->motor.current_limit_a / model->wheel.radius_m;
-    const double mass = path_rig_moving_mass(model);
-    const double weight = model->body.mass_kg * STANDARD_GRAVITY;
-    const double foremost = fmax(model->body.wheelbase_m / 2, model->caster.ahead_m);
-    const double rearmost = fmin(-model->body.wheelbase_m / 2, model->caster.ahead_m);
-    const double arm = fmin(foremost - model->body.centre_ahead_m, model->body.centre_ahead_m - rearmost);
-    const double by_motors = (force - weight * (sin(slope) + model->ground.rolling)) / mass;
-    const double by_tyres = STANDARD_GRAVITY * (model->ground.friction * cos(slope) - sin(slope));
-    const double by_height = STANDARD_GRAVITY * (arm / model->body.centre_height_m * cos(slope) - sin(slope));
-
-    return fmin(fmin(by_motors, by_tyres), by_height) / 4;
-}
-
-static inline struct jp_path_limits path_rig_limits(const struct skid_steer_model *model)
-{
-    const double acceleration = path_rig_acceleration(model);
-
-    return (struct jp_path_limits){
-        .speed = path_rig_q24(model->lattice.speed_m_s),
-        .turn_rate = path_rig_q24(model->lattice.turn_rate_rad_s),
-        .side_speed = path_rig_q24(model->limits.speed_m_s),
-        .width = path_rig_q24(model->body.width_m),
-        .acceleration = path_rig_q24(acceleration),
-        .turn_acceleration = path_rig_q24(acceleration / (model->body.width_m / 2)),
-    };
-}
-
-/** Returns to the path over what it drives in 0.7 s. */
-static inline struct jp_path_drive_config path_rig_config(const struct skid_steer_model *model)
-{
-    return (struct jp_path_drive_config){
-        .tick_rate = PATH_RIG_TICK_RATE,
-        .way = path_rig_q24(0.7 * model->lattice.speed_m_s),
-        .pace = path_rig_q24(2.5),
-        .speed_correction = path_rig_q24(model->lattice.speed_m_s / 4),
-        .turn_correction = path_rig_q24(model->lattice.turn_rate_rad_s),
-    };
-}
-
-/** The model's constants for the core's formulas. */
-static inline struct jp_skid_steer_config path_rig_constants(const struct skid_steer_model *model)
-{
-    const double constant = model->motor.torque_constant * model->motor.gear_ratio * model->motor.efficiency;
-
-    return (struct jp_skid_steer_config){
-        .wheel_radius = path_rig_q24(model->wheel.radius_m),
-        .width = path_rig_q24(model->body.width_m),
-        .wheelbase = path_rig_q24(model->body.wheelbase_m),
-        .weight = path_rig_q16(model->body.mass_kg * STANDARD_GRAVITY),
-        .rolling = path_rig_q24(model->ground.rolling),
-        .friction = path_rig_q24(model->ground.friction),
-        .torque_per_ampere = path_rig_q16(constant),
-        .resistance = path_rig_q24(model->motor.resistance_ohm),
-        .efficiency = path_rig_q24(model->motor.efficiency),
-        .recuperation = path_rig_q24(model->motor.recuperation),
-        .electronics_power = path_rig_q16(model->electronics.power_w),
-        .distance_energy = path_rig_q16(model->lattice.distance_j_per_m),
-    };
 }
 
 /** Of the formulas of `constants`, and of the moving mass; time has no price. */
@@ -150,16 +79,19 @@ static inline struct jp_path_pose path_rig_pose(const struct path_rig *rig)
                                  (jp_angle)(int64_t)llrint((turns - floor(turns)) * PATH_RIG_ANGLE)};
 }
 
-/** At rest at the begin of a path whose speeds are planned. False: the robot's constants do not suit path_drive.h. */
+/** At rest at the begin of a path whose speeds are planned; `steering` at the rig's own tick rate. False: it does not
+ *  pass its check. */
 static inline bool path_rig_start(struct path_rig *rig, const struct skid_steer_model *model,
-                                  const struct skid_ground *ground, const struct jp_lattice_path *path)
+                                  const struct jp_path_drive_config *steering, const struct skid_ground *ground,
+                                  const struct jp_lattice_path *path)
 {
     const struct jp_path_piece *first = &path->pieces[0];
     const struct planar_pose pose = {first->begin.x / PATH_RIG_Q16, first->begin.y / PATH_RIG_Q16,
                                      path_rig_radians(first->heading)};
-    const struct jp_path_drive_config config = path_rig_config(model);
+    struct jp_path_drive_config config = *steering;
     const char *field = "";
 
+    config.tick_rate = PATH_RIG_TICK_RATE;
     *rig = (struct path_rig){.yaw = 0};
     skid_plant_init(&rig->robot.plant, model, ground, &pose);
     if (jp_path_drive_init(&rig->drive, &config, &field) != JP_OK) {

@@ -86,6 +86,13 @@ lattice: ## make the state lattice of ROBOT=name: src/tables/lattice_name.c; of 
 	$(PYTHON) -m tools.design.lattice $(ROBOT) $(if $(FILE),--import $(FILE) --json $(BUILD)/lattice/$(ROBOT).json)
 	@$(DECLARE)
 
+.PHONY: path
+path: ## make limits and steering of a path of ROBOT=name, which its sides steer: src/tables/path_limits_name.c, path_drive_name.c
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	$(PYTHON) -m tools.design.path_table $(ROBOT)
+	@$(DECLARE)
+
 PATROL_ROBOT = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
 
 .PHONY: patrol-config

@@ -12,7 +12,7 @@ static const struct jp_path_limits limits = {
     .side_speed = JP_Q24(2),
     .width = JP_Q24(0.5),
     .acceleration = JP_Q24(1),
-    .turn_acceleration = JP_Q24(8),
+    .turn_acceleration = JP_Q24(40),
 };
 
 static struct jp_path_piece pieces[PLACES];

@@ -242,7 +242,7 @@ static void test_changing_curvature(void)
     expect_near(0.5 * 0.25, at.turn_acceleration); /* κ' v² */
 }
 
-/* A jump from 0 to 1/m at 0.5 m/s takes 0.25/2 m to either side; in the middle it is 1/2. */
+/* A jump from 0 to 1/m at 0.5 m/s takes 0.25 m to either side; in the middle it is 1/2. */
 static void test_jump_of_the_curvature(void)
 {
     jp_turns_per_s last = 0;
@@ -256,7 +256,7 @@ static void test_jump_of_the_curvature(void)
         if (jp_path_drive_piece(&drive) < 2U && at.pose.position.x > JP_Q16(2.999) &&
             at.pose.position.x < JP_Q16(3.001)) {
             TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.25), at.motion.turn_rate);
-            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(1), at.turn_acceleration);
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.5), at.turn_acceleration);
         }
     }
     TEST_ASSERT_EQUAL_INT32(0, at.motion.turn_rate);

@@ -296,23 +296,23 @@ static void test_pass_from_the_begin(void)
     expect_speed(1, pieces[1].speed.cruise);
 }
 
-/* A jump by 2/m: at 0.5 m/s it takes 2 · 2 · 0.25/4 m about the joint. */
+/* A jump by 2/m: at 0.5 m/s it takes 0.25 m on either side of the joint. */
 static void test_blend_of_a_jump_of_the_curvature(void)
 {
     (void)add(JP_PIECE_CURVE, 2, 2, 0);
     (void)add(JP_PIECE_CURVE, 2, 4, 0);
     plan();
     expect_speed(0.5, pieces[0].speed.end);
-    expect_speed(0.125, pieces[1].speed.blend);
-    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), JP_Q16(8), pieces[1].speed.blend_rate);
+    expect_speed(0.25, pieces[1].speed.blend);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), JP_Q16(4), pieces[1].speed.blend_rate);
     pieces[0].bend = -JP_Q24(2);
     pieces[1].bend = -JP_Q24(4);
     plan();
-    expect_speed(0.125, pieces[1].speed.blend);
-    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), -JP_Q16(8), pieces[1].speed.blend_rate);
+    expect_speed(0.25, pieces[1].speed.blend);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), -JP_Q16(4), pieces[1].speed.blend_rate);
 }
 
-/* Half of 0.1 m: √(4 · 0.05/4) m/s. */
+/* Half of 0.1 m: √(4 · 0.05/(2 · 4)) m/s. */
 static void test_jump_in_little_room(void)
 {
     (void)add(JP_PIECE_CURVE, 2, 0, 0);
@@ -320,7 +320,7 @@ static void test_jump_in_little_room(void)
     config.acceleration = JP_Q24(16);
     config.turn_acceleration = JP_Q24(4);
     plan();
-    expect_speed(0.2236068, pieces[0].speed.end);
+    expect_speed(0.1581139, pieces[0].speed.end);
     expect_speed(0.05, pieces[1].speed.blend);
 }
 
