@@ -62,7 +62,9 @@ static enum jp_status check(const struct jp_skid_robot_config *config, const cha
 /** Of a tick, rounded up; above 0. */
 static jp_q24 step_of(jp_q24 acceleration, uint32_t tick_rate)
 {
-    return (jp_q24)(((uint32_t)acceleration + tick_rate - 1U) / tick_rate);
+    const uint32_t step = ((uint32_t)acceleration + tick_rate - 1U) / tick_rate;
+
+    return (jp_q24)step;
 }
 
 enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_skid_robot_config *config,
@@ -161,6 +163,8 @@ static void rest(struct jp_skid_robot_internal *robot, unsigned faults)
         switch_off(robot);
     } else if (faults != 0U) {
         fail(robot, faults);
+    } else {
+        /* It stays as it is. */
     }
     if (jp_take(&robot->enable_requested) && robot->state == JP_SKID_ROBOT_IDLE && is_awake(robot)) {
         begin_to_stand(robot);
@@ -266,7 +270,7 @@ static void set_duties(const struct jp_skid_robot_internal *robot, struct jp_act
     actuation->duty_right = jp_duty(robot->voltages.right, robot->bus_voltage);
 }
 
-static void control(struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)
+static void control_wheels(struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)
 {
     struct jp_skid_set_point set_point;
 
@@ -348,7 +352,7 @@ static void step(struct jp_skid_robot_internal *robot, enum jp_status read, cons
     robot->controlled = motors_run(robot->state) || robot->holds;
     actuation->enabled = 1;
     if (robot->controlled) {
-        control(robot, actuation);
+        control_wheels(robot, actuation);
     } else if (robot->wake_ticks > 0U) {
         wake(robot, actuation);
     } else if (!is_at_rest(&robot->reference)) {
