@@ -31,6 +31,7 @@ MODULES = {
     "learner": r"src/learn/(learner(_\w+)?|forecast|normal_quantile)",
     "tariff": r"src/map/tariff",
     "skid steer": r"src/skid_steer/skid_steer",
+    "skid odometry": r"src/skid_steer/skid_odometry",
     "grid planner": r"src/search/grid_\w+",
     "path spline": r"src/trajectory/path_spline",
     "four wheels": r"src/four_wheel/four_wheel",
