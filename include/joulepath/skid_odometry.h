@@ -40,12 +40,13 @@ struct jp_skid_odometry_config {
     uint32_t bias_memory;          /**< s in which the bias wanders by that; 1 000…100 000 000 */
     jp_turns_per_s gyro_noise;     /**< standard deviation of one reading; 2⁻²⁰…0.1 */
     jp_q24 way_noise; /**< turn that the wheels do not show in a metre, turn/√m, standard deviation; 2⁻¹⁶…0.1 */
-    jp_q24 turn_noise;        /**< share of a turn by the wheels that varies, over one radian; 0.001…1 */
-    jp_q24 tilt_deviation;    /**< of the grade, g; 0.005…0.5 */
-    jp_q24 tilt_change;       /**< of the grade in a metre, g/√m; 0.001…1 */
-    jp_q24 accel_noise;       /**< of the accelerometer's mean over a step, g; 0.0005…0.1 */
-    jp_q24 accel_offset;      /**< deviation of its offset, g; 0…0.5 */
-    jp_q24 creep;             /**< κ, slip of the treads per g of specific force; 0…1 */
+    jp_q24 turn_noise;     /**< share of a turn by the wheels that varies, over one radian; 0.001…1 */
+    jp_q24 tilt_deviation; /**< of the grade, g; 0.005…0.5 */
+    jp_q24 tilt_change;    /**< of the grade in a metre, g/√m; 0.001…1 */
+    jp_q24 accel_noise;    /**< of the accelerometer's mean over a step, g; 0.0005…0.1 */
+    jp_q24 accel_offset;   /**< deviation of its offset, g; 0…0.5 */
+    jp_q24 ratio_growth;   /**< share by which ρ grows for (m/turn)² that it slips aside as it turns; 0…16 1/m² */
+    jp_q24 creep;          /**< κ, slip of the treads per g of specific force; 0…1 */
     jp_q24 turn_creep_along;  /**< Kx, way per radian of turn and g; 0…8 m */
     jp_q24 turn_creep_across; /**< Ky; 0…8 m */
     jp_q24 caster_drag;       /**< force of the caster on its way over the weight, g; 0…0.2 */
@@ -61,10 +62,10 @@ struct jp_skid_odometry_config {
 /** What is left to do of a step; private. */
 enum jp_skid_odometry_part {
     JP_SKID_ADD_UP,
+    JP_SKID_SLIP,
     JP_SKID_MOVE,
     JP_SKID_FILTER_HEADING,
     JP_SKID_CORRECT_POSE,
-    JP_SKID_PREDICT_TILT,
     JP_SKID_FILTER_TILT
 };
 
@@ -111,7 +112,10 @@ struct jp_skid_odometry {
         int32_t gyro_turn;
         int32_t gyro_pitch;
         int32_t turn;
-        int32_t way_x; /* of the step on the map, m, Q32 */
+        int32_t plan;         /* ahead on the map, m, Q32 */
+        int32_t sideways;     /* to the left, m, Q32 */
+        int32_t heading_turn; /* on the map, 2⁻³² turn */
+        int32_t way_x;        /* of the step on the map, m, Q32 */
         int32_t way_y;
         jp_q24 force; /* mean specific force ahead, g */
 
@@ -137,7 +141,8 @@ struct jp_skid_odometry {
 
         struct jp_skid_tilt tilt;
 
-        bool is_skidding;    /* the turn creeps more than the way */
+        int32_t along_turn; /* slip by force in a turn, m/turn, Q24 */
+        int32_t across_turn;
         int32_t counts_left; /* of the step */
         int32_t counts_right;
         jp_q16 current_left;

@@ -16,6 +16,12 @@
 /* Way of a drive, m, and its bar, share of it. */
 #define WAY       100
 #define ERROR_MAX 0.01
+#define WORST_MAX 0.04
+
+/* Drives whose mean is asked for. */
+#define MANY 20
+
+#define DRIVES_MAX 1000
 
 static const struct options defaults = {.count = 1, .seed = 2018};
 static struct options options;
@@ -34,6 +40,12 @@ void setUp(void)
 
 void tearDown(void)
 {
+}
+
+/* Of Q32. */
+static double metres(int64_t fixed)
+{
+    return (double)fixed / METRE;
 }
 
 static double heading_of(const struct jp_skid_odometry *from)
@@ -68,8 +80,9 @@ static void test_ratio_is_that_of_the_plant(void)
         struct skid_input input = {.duty = {-duty, duty}, .driven = true};
         skid_plant_init(&plant, model, &level, &origin);
         skid_plant_step(&plant, &input, 3);
-        const double wheels = model->wheel.radius_m * (plant.state.sides[SKID_RIGHT].rate -
-                                                       plant.state.sides[SKID_LEFT].rate) / model->body.width_m;
+        const double wheels = model->wheel.radius_m *
+                              (plant.state.sides[SKID_RIGHT].rate - plant.state.sides[SKID_LEFT].rate) /
+                              model->body.width_m;
         check_near(plant.state.turn_rate / wheels, skid_pivot_of(model).ratio, 0.003, "ratio on the spot");
     }
 }
@@ -143,7 +156,7 @@ static void test_pose_is_exact_without_slip(void)
             }
         }
         const double steps = config.step_ticks * tick * model->lattice.speed_m_s; /* it may be a step late */
-        const double error = hypot(odometry.x / METRE - exact.x, odometry.y / METRE - exact.y);
+        const double error = hypot(metres(odometry.x) - exact.x, metres(odometry.y) - exact.y);
         check_below(error, 0.001 * way + steps, "position, m");
         check_below(fabs(remainder(heading_of(&odometry) - exact.heading, 2 * M_PI)),
                     0.002 + model->lattice.turn_rate_rad_s * config.step_ticks * tick, "heading, rad");
@@ -152,13 +165,40 @@ static void test_pose_is_exact_without_slip(void)
 
 /* ---- Random drives ---- */
 
-struct result {
-    double error; /* m */
-    double heading;
-    double way;
+/* What a drive of a robot led to. */
+struct results {
+    const char *name;
+    double error[DRIVES_MAX]; /* share of the way */
+    double heading[DRIVES_MAX];
+    double normalised;    /* sum of squares of the position's error over its covariance: 2 a drive */
+    unsigned long inside; /* drives in the ellipse that holds 95 % */
+    unsigned long count;
 };
 
-static struct result drive(const struct skid_steer_model *file, uint64_t seed)
+static struct results of_zhang = {.name = "zhang2018"};
+static struct results of_burger = {.name = "burger"};
+
+/* χ² of two degrees of freedom, 95 %. */
+#define INSIDE 5.991
+
+static void add_result(struct results *results, double x, double y, double heading, double way)
+{
+    struct jp_skid_estimate estimate;
+
+    jp_skid_odometry_estimate(&odometry, &config, &estimate);
+    const double xx = metres(estimate.xx);
+    const double xy = metres(estimate.xy);
+    const double yy = metres(estimate.yy);
+    const double normalised = (yy * x * x - 2 * xy * x * y + xx * y * y) / (xx * yy - xy * xy);
+
+    results->error[results->count] = hypot(x, y) / way;
+    results->heading[results->count] = fabs(heading);
+    results->normalised += normalised;
+    results->inside += normalised <= INSIDE;
+    results->count++;
+}
+
+static void drive(const struct skid_steer_model *file, uint64_t seed, struct results *results)
 {
     static struct skid_drive trip;
     struct random noise;
@@ -174,12 +214,77 @@ static struct result drive(const struct skid_steer_model *file, uint64_t seed)
     while (trip.way < WAY) {
         skid_drive_tick(&trip, &sensors);
         jp_skid_odometry_update(&odometry, &config, &sensors);
+        TEST_ASSERT_TRUE(odometry.internal.tilt.ahead_ahead > 0 && odometry.internal.tilt.left_left > 0);
     }
     TEST_ASSERT_FALSE(trip.world.plant.tipped);
     const struct planar_pose pose = skid_plant_pose(&trip.world.plant);
-    return (struct result){
-        .error = hypot(odometry.x / METRE - pose.x, odometry.y / METRE - pose.y),
-        .heading = remainder(heading_of(&odometry) - pose.heading, 2 * M_PI),
-        .way = trip.way,
-    };
+    add_result(results, metres(odometry.x) - pose.x, metres(odometry.y) - pose.y,
+               remainder(heading_of(&odometry) - pose.heading, 2 * M_PI), trip.way);
+}
+
+static double part_of(double *values, size_t count, double part)
+{
+    qsort(values, count, sizeof *values, statistics_compare);
+    return values[(size_t)(part * (double)(count - 1) + 0.5)];
+}
+
+static void drive_all(const struct skid_steer_model *file, struct results *results)
+{
+    results->count = 0;
+    results->inside = 0;
+    results->normalised = 0;
+    for (unsigned long run = 0; run < options.count && run < DRIVES_MAX; run++) {
+        drive(file, options.seed + 1000 * run, results);
+    }
+    (void)printf(
+        "%s, %lu drives of %d m: position mean %.3f %%, 95 %% %.3f %%, worst %.3f %% of the way; heading mean %.4f, "
+        "worst %.4f rad; normalised square %.2f of 2, %lu inside the 95 %% ellipse\n",
+        results->name, results->count, WAY, 100 * mean(results->error, results->count),
+        100 * part_of(results->error, results->count, 0.95), 100 * part_of(results->error, results->count, 1),
+        mean(results->heading, results->count), part_of(results->heading, results->count, 1),
+        results->normalised / (double)results->count, results->inside);
+    if (results->count >= MANY) {
+        check_below(mean(results->error, results->count), ERROR_MAX, "position, share of the way, mean");
+    }
+    check_below(part_of(results->error, results->count, 1), WORST_MAX, "position, share of the way, worst");
+}
+
+static void test_random_drives_of_zhang2018(void)
+{
+    drive_all(&zhang, &of_zhang);
+}
+
+static void test_random_drives_of_burger(void)
+{
+    drive_all(&burger, &of_burger);
+}
+
+static void add_figures_of(json_t *figures, struct results *results)
+{
+    const char *command = "make figures";
+
+    figures_add(figures, command, 100 * mean(results->error, results->count), "%", at_most(100 * ERROR_MAX),
+                "%s, position after 100 m by wheels and gyro: error over the way, mean of %lu random drives",
+                results->name, results->count);
+    figures_add(figures, command, 100 * part_of(results->error, results->count, 0.95), "%", no_bar,
+                "%s, position after 100 m by wheels and gyro: error over the way, 95 %% of %lu random drives",
+                results->name, results->count);
+    figures_add(figures, command, 100 * part_of(results->error, results->count, 1), "%", no_bar,
+                "%s, position after 100 m by wheels and gyro: error over the way, worst of %lu random drives",
+                results->name, results->count);
+    figures_add(figures, command, 100 * (double)results->inside / (double)results->count, "%", at_least(93),
+                "%s, position after 100 m by wheels and gyro: inside the stated 95 %% ellipse, of %lu random drives",
+                results->name, results->count);
+}
+
+static void add_figures(json_t *figures)
+{
+    add_figures_of(figures, &of_zhang);
+    add_figures_of(figures, &of_burger);
+}
+
+int main(int argc, char **argv)
+{
+    options = parse_options(argc, argv, defaults);
+    return RUN_PROPERTY(options, add_figures);
 }
