@@ -94,11 +94,6 @@ enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_s
     return JP_OK;
 }
 
-static bool is_awake(const struct jp_skid_robot_internal *robot)
-{
-    return robot->started && robot->wake_ticks == 0U;
-}
-
 static bool motors_run(enum jp_skid_robot_state state)
 {
     return state == JP_SKID_ROBOT_STANDING || state == JP_SKID_ROBOT_DRIVING;
@@ -166,7 +161,7 @@ static void rest(struct jp_skid_robot_internal *robot, unsigned faults)
     } else {
         /* It stays as it is. */
     }
-    if (jp_take(&robot->enable_requested) && robot->state == JP_SKID_ROBOT_IDLE && is_awake(robot)) {
+    if (jp_take(&robot->enable_requested) && robot->state == JP_SKID_ROBOT_IDLE) {
         begin_to_stand(robot);
     }
     (void)jp_take(&robot->stop_requested);
@@ -470,6 +465,11 @@ void jp_skid_robot_tick(struct jp_skid_robot *robot, enum jp_status read, const 
 }
 
 /* The background. */
+
+static bool is_awake(const struct jp_skid_robot_internal *robot)
+{
+    return robot->started && robot->wake_ticks == 0U;
+}
 
 enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot)
 {
