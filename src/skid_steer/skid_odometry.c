@@ -16,6 +16,9 @@
 #define STAND_COUNTS       1
 #define STANDS_IN_A_SECOND 4U
 
+/* Of two numbers of the configuration. */
+#define QUOTIENT_MAX ((int64_t)1 << 24)
+
 /* What variances of the heading's filter are limited to, Q30, so that the reciprocal of their sum is precise. */
 #define VARIANCE_MIN ((int64_t)1 << 16)
 #define VARIANCE_MAX ((int64_t)1 << 45)
@@ -103,6 +106,12 @@ static int64_t within(int64_t x, int64_t low, int64_t high)
     return at_least > high ? high : at_least;
 }
 
+/* x 2^bits / divisor, so limited that its square fits; x >= 0, divisor > 0. */
+static int64_t over(int64_t x, unsigned bits, int64_t divisor)
+{
+    return within(x * ((int64_t)1 << bits) / divisor, 0, QUOTIENT_MAX);
+}
+
 /* x · step / s, rounded down. */
 static int64_t in_a_step(const struct jp_skid_odometry_config *config, int64_t x)
 {
@@ -114,10 +123,10 @@ static void set_heading_filter(struct jp_skid_odometry *odometry, const struct j
     const int64_t scale = ((int64_t)config->scale_deviation * config->ratio) >> 24; /* of r, Q24 */
     const int64_t both = square(config->ratio_deviation) + square(scale);           /* Q48 */
     const int64_t unit = within(in_a_step(config, (int64_t)config->bias_deviation * 256), 16, INT32_MAX);
-    const int64_t gyro = (int64_t)config->gyro_noise * 16384 / config->bias_deviation; /* Q14 */
-    const int64_t count = (int64_t)config->turn_per_count * 128 / unit;                /* 2^-32 turn over 2^-32, Q15 */
-    const int64_t way = (int64_t)config->way_noise * 65536 / unit;                     /* Q8 */
-    const int64_t turn = (int64_t)config->turn_noise * 128 / unit;                     /* over √turn, 2^15.5 */
+    const int64_t gyro = over(config->gyro_noise, 14U, config->bias_deviation);
+    const int64_t count = over(config->turn_per_count, 7U, unit); /* turn_per_count is 2⁸ times as fine as the unit */
+    const int64_t way = over(config->way_noise, 16U, unit);       /* Q8, for the unit is 2⁸ times as fine as Q24 */
+    const int64_t turn = over(config->turn_noise, 7U, unit);      /* 2⁻³¹ turn in Q0 */
     const uint32_t deviation = jp_square_root((uint64_t)both);
 
     odometry->steering_ratio = config->ratio;
@@ -140,9 +149,9 @@ static void set_heading_filter(struct jp_skid_odometry *odometry, const struct j
 
 static void set_tilt_filter(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
-    const int64_t noise = (int64_t)config->accel_noise * 32768 / config->tilt_deviation;   /* Q15 */
-    const int64_t offset = (int64_t)config->accel_offset * 32768 / config->tilt_deviation; /* Q15 */
-    const int64_t change = (int64_t)config->tilt_change * 256 / config->tilt_deviation;    /* Q8 */
+    const int64_t noise = over(config->accel_noise, 15U, config->tilt_deviation);
+    const int64_t offset = over(config->accel_offset, 15U, config->tilt_deviation);
+    const int64_t change = over(config->tilt_change, 8U, config->tilt_deviation);
 
     odometry->internal.tilt_reciprocal = jp_divide((int64_t)1 << 39, config->tilt_deviation);
     odometry->internal.accel_variance = jp_saturate32(within(square(noise), VARIANCE_MIN, INT32_MAX));
@@ -282,7 +291,8 @@ static int32_t wheel_turn(const struct jp_skid_odometry *odometry, const struct 
 static void filter_heading(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
     const int32_t turn = wheel_turn(odometry, config);
-    const int32_t expected = (odometry->internal.bias >> 8) + jp_multiply_shift(turn, odometry->internal.ratio, 30);
+    const int32_t expected =
+        jp_add(odometry->internal.bias >> 8, jp_multiply_shift(turn, odometry->internal.ratio, 30));
     const int32_t surprise = jp_sub(odometry->internal.gyro_turn, expected);
     const int32_t weighted = jp_multiply_shift(turn, odometry->internal.ratio_weight, 24);
     const int32_t weight = jp_saturate_bits(weighted, WEIGHTED_BITS);

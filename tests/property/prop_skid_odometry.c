@@ -1,6 +1,8 @@
 /* Odometry of skid steer and differential drive: against exact kinematics, and on random drives of robots and grounds
  * that nobody has seen. */
+#include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "tests/bench/statistics.h"
 #include "tests/support/check.h"
@@ -160,6 +162,102 @@ static void test_pose_is_exact_without_slip(void)
         check_below(error, 0.001 * way + steps, "position, m");
         check_below(fabs(remainder(heading_of(&odometry) - exact.heading, 2 * M_PI)),
                     0.002 + model->lattice.turn_rate_rad_s * config.step_ticks * tick, "heading, rad");
+    }
+}
+
+/* ---- Any numbers ---- */
+
+struct field {
+    int32_t low;
+    int32_t high;
+    size_t offset;
+};
+
+#define FIELD(member, low, high)                                                                                       \
+    {                                                                                                                  \
+        (low), (high), offsetof(struct jp_skid_odometry_config, member)                                                \
+    }
+
+/* As the header has them. */
+static const struct field fields[] = {
+    FIELD(tick_rate, 100, 10000),
+    FIELD(step_ticks, 6, 32),
+    FIELD(way_per_count, 1 << 12, 1 << 30),
+    FIELD(turn_per_count, 1 << 12, 1 << 30),
+    FIELD(ratio, JP_Q24(0.1), JP_Q24(1.5)),
+    FIELD(ratio_deviation, JP_Q24(0.0001), JP_Q24(0.5)),
+    FIELD(scale_deviation, 0, JP_Q24(0.1)),
+    FIELD(bias_deviation, 256, JP_Q24(0.1)),
+    FIELD(bias_memory, 1000, 100000000),
+    FIELD(gyro_noise, 16, JP_Q24(0.1)),
+    FIELD(way_noise, 256, JP_Q24(0.1)),
+    FIELD(turn_noise, JP_Q24(0.001), JP_Q24(1)),
+    FIELD(tilt_deviation, JP_Q24(0.005), JP_Q24(0.5)),
+    FIELD(tilt_change, JP_Q24(0.001), JP_Q24(1)),
+    FIELD(accel_noise, JP_Q24(0.0005), JP_Q24(0.1)),
+    FIELD(accel_offset, 0, JP_Q24(0.5)),
+    FIELD(ratio_growth, 0, JP_Q24(16)),
+    FIELD(creep, 0, JP_Q24(1)),
+    FIELD(turn_creep_along, 0, JP_Q24(8)),
+    FIELD(turn_creep_across, 0, JP_Q24(8)),
+    FIELD(caster_drag, 0, JP_Q24(0.2)),
+    FIELD(turn_force, 0, JP_Q24(2)),
+    FIELD(force_per_ampere, 0, JP_Q24(16)),
+    FIELD(efficiency, JP_Q24(0.1), JP_Q24(1)),
+    FIELD(rolling, 0, JP_Q24(0.5)),
+    FIELD(way_deviation, 0, JP_Q24(0.1)),
+    FIELD(way_drift, 0, JP_Q24(0.5)),
+    FIELD(turn_drift, 0, JP_Q24(0.5)),
+};
+
+/* Now and then an end of the range, else any number whose size has any order. */
+static int32_t any_between(struct random *noise, int32_t low, int32_t high)
+{
+    const double kind = random_uniform(noise, 0, 4);
+    const double span = (double)high - low;
+
+    if (kind < 2) {
+        return kind < 1 ? low : high;
+    }
+    return low + (int32_t)fmin(span * pow(2, -random_uniform(noise, 0, 24)), span);
+}
+
+static int32_t any_reading(struct random *noise)
+{
+    const double size = pow(2, random_uniform(noise, 0, 31));
+
+    return (int32_t)skid_either(noise, size);
+}
+
+/* The sanitizers watch. */
+static void test_any_numbers_do_not_overflow(void)
+{
+    struct random noise;
+    struct jp_skid_estimate estimate;
+
+    random_init(&noise, options.seed);
+    for (unsigned long run = 0; run < 300 * options.count; run++) {
+        const char *field = "";
+        for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+            const int32_t value = any_between(&noise, fields[i].low, fields[i].high);
+            memcpy((char *)&config + fields[i].offset, &value, sizeof value);
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_odometry_check(&config, &field));
+        sensors = (struct jp_sensors){.accel_x = any_reading(&noise)};
+        jp_skid_odometry_start(&odometry, &config, &sensors);
+        for (int tick = 0; tick < 2000; tick++) {
+            sensors.encoder_left += (uint32_t)any_reading(&noise);
+            sensors.encoder_right += (uint32_t)any_reading(&noise);
+            sensors.yaw_rate = any_reading(&noise);
+            sensors.pitch_rate = any_reading(&noise);
+            sensors.accel_x = any_reading(&noise);
+            sensors.current_left = any_reading(&noise);
+            sensors.current_right = any_reading(&noise);
+            jp_skid_odometry_update(&odometry, &config, &sensors);
+        }
+        jp_skid_odometry_estimate(&odometry, &config, &estimate);
+        TEST_ASSERT_TRUE(estimate.gyro_bias_deviation >= 0 && estimate.steering_ratio_deviation >= 0);
+        TEST_ASSERT_TRUE(estimate.xx >= 0 && estimate.yy >= 0);
     }
 }
 
