@@ -22,7 +22,7 @@ extern "C" {
 #endif
 
 /** Index of what each side has. */
-enum jp_skid_side_index { JP_SKID_LEFT, JP_SKID_RIGHT };
+enum { JP_SKID_LEFT, JP_SKID_RIGHT };
 
 #define JP_SKID_SIDES 2
 

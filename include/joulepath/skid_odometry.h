@@ -1,21 +1,23 @@
 /**
- * Dead reckoning of skid steer and differential drive from wheel encoders, gyro and accelerometer.
+ * Dead reckoning of skid steer and differential drive from wheel encoders, gyro, accelerometer and motor currents.
  *
  * The ticks between two steps add up encoder counts and gyro angle, without loss. A step takes with the increments Δs
  * of the mean way of the treads, Δφ of (right − left)/B and Δg of the gyro's angle:
  *
- *   gyro      Δg = b Δt + r Δφ + noise: a Kalman filter of two states learns the bias b and r = ρ (1 + γ); the noise
- *             grows with the way and with the turn, so stands tell b, and turns tell r
- *   scale     γ = (r/ρ0 − 1) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro, the rest is slip
- *   tilt      ṗ = ω q − ψ̇, q̇ = −ω p: a Kalman filter of the grade p ahead and q to the left, g, measured p; a turn
- *             shows q
- *   slip      a tread creeps under force; forces are those of the specific force (f ahead, q + v ω/g to the left):
- *             along = Δs − f (κ |Δs| + Kx |Δθ|), across = −(q + v ω/g) (κ |Δs| + Ky |Δθ|)
+ *   gyro      Δg = b Δt + r Δφ (1 + growth) + noise: a Kalman filter of two states learns the bias b and r = ρ (1 + γ);
+ *             the noise grows with the way and with the turn, so stands tell b, and turns tell r
+ *   scale     γ = (r/ρ0 − 1) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro; the rest is slip, ρ
+ *   tilt      ṗ = ω q − ψ̇, q̇ = −ω p: a Kalman filter of the grade p ahead and q to the left and of the accelerometer's
+ *             offset. What is measured is p, the pitch gyro tells how it changes, so a turn shows q
+ *   slip      treads creep in proportion to their force, with that of the specific force, f ahead and q + v ω/g left:
+ *             along = Δs − f (κ |Δs| + λ Kx |Δθ|) ∓ κ F min(|Δs|, B |Δφ|/2), across = −(q + v ω/g) (κ |Δs| + λ Ky |Δθ|)
+ *   grip      λ = F0/F: the force F of the sides that turn the robot, by the motors' currents, tells how the ground
+ * grips growth    of the ratio, with the square of what the robot slips aside as it turns plan view along the mean
+ * heading of the step: (along √(1 − p²), across), and the heading turns by Δθ = (Δg − b Δt)/(1 + γ) (1 + p²/2 − q²/2)
  *   past      what is learned of b and γ was true before: the pose moves by its sensitivities to them
- *   plan view along the mean heading of the step: Δx, Δy of (along cos(pitch), across),
- *             Δθ = (Δg − b Δt)/(1 + γ) (1 + p²/2 − q²/2)
  *
- * A robot whose wheels stand keeps its pose. The pose is that of the middle between the axles.
+ * Wheels that stand keep the pose but for that. It is the pose of the middle between the axles, whose position is seen
+ * on the map. The grade comes from accelerometer and gyros alone.
  */
 #ifndef JOULEPATH_SKID_ODOMETRY_H
 #define JOULEPATH_SKID_ODOMETRY_H
@@ -41,12 +43,13 @@ struct jp_skid_odometry_config {
     uint32_t bias_memory;          /**< s in which the bias wanders by that; 1 000…100 000 000 */
     jp_turns_per_s gyro_noise;     /**< standard deviation of one reading; 2⁻²⁰…0.1 */
     jp_q24 way_noise; /**< turn that the wheels do not show in a metre, turn/√m, standard deviation; 2⁻¹⁶…0.1 */
-    jp_q24 turn_noise;        /**< share of a turn by the wheels that varies, over one radian; 0.001…1 */
-    jp_q24 tilt_deviation;    /**< of the grade, g; 0.005…0.5 */
-    jp_q24 tilt_change;       /**< of the grade in a metre, g/√m; 0.001…1 */
-    jp_q24 accel_noise;       /**< of the accelerometer's mean over a step, g; 0.0005…0.1 */
-    jp_q24 accel_offset;      /**< deviation of its offset, g; 0…0.5 */
-    jp_q24 creep;             /**< κ, slip of the treads per g of specific force; 0…1 */
+    jp_q24 turn_noise;     /**< share of a turn by the wheels that varies, over one radian; 0.001…1 */
+    jp_q24 tilt_deviation; /**< of the grade, g; 0.005…0.5 */
+    jp_q24 tilt_change;    /**< of the grade in a metre, g/√m; 0.001…1 */
+    jp_q24 accel_noise;    /**< of the accelerometer's mean over a step, g; 0.0005…0.1 */
+    jp_q24 accel_offset;   /**< deviation of its offset, g; 0…0.5 */
+    jp_q24 ratio_growth;   /**< share by which ρ grows for (m/turn)² that it slips aside as it turns; 0…16 1/m² */
+    jp_q24 creep;          /**< κ, slip of the treads per g of specific force; 0…1 */
     jp_q24 turn_creep_along;  /**< Kx, way per radian of turn and g; 0…8 m */
     jp_q24 turn_creep_across; /**< Ky; 0…8 m */
     jp_q24 caster_drag;       /**< force of the caster on its way over the weight, g; 0…0.2 */
@@ -62,10 +65,10 @@ struct jp_skid_odometry_config {
 /** What is left to do of a step; private. */
 enum jp_skid_odometry_part {
     JP_SKID_ADD_UP,
+    JP_SKID_SLIP,
     JP_SKID_MOVE,
     JP_SKID_FILTER_HEADING,
     JP_SKID_CORRECT_POSE,
-    JP_SKID_PREDICT_TILT,
     JP_SKID_FILTER_TILT
 };
 
@@ -112,7 +115,10 @@ struct jp_skid_odometry {
         int32_t gyro_turn;
         int32_t gyro_pitch;
         int32_t turn;
-        int32_t way_x; /* of the step on the map, m, Q32 */
+        int32_t plan;         /* ahead on the map, m, Q32 */
+        int32_t sideways;     /* to the left, m, Q32 */
+        int32_t heading_turn; /* on the map, 2⁻³² turn */
+        int32_t way_x;        /* of the step on the map, m, Q32 */
         int32_t way_y;
         jp_q24 force; /* mean specific force ahead, g */
 
@@ -138,7 +144,8 @@ struct jp_skid_odometry {
 
         struct jp_skid_tilt tilt;
 
-        bool is_skidding;    /* the turn creeps more than the way */
+        int32_t along_turn; /* slip by force in a turn, m/turn, Q24 */
+        int32_t across_turn;
         int32_t counts_left; /* of the step */
         int32_t counts_right;
         jp_q16 current_left;
@@ -196,7 +203,8 @@ void jp_skid_odometry_start(struct jp_skid_odometry *odometry, const struct jp_s
                             const struct jp_sensors *sensors);
 
 /** One tick. Steps are limited to ±0.5 m and ±½ turn, readings of the accelerometer to ±2 g. Cannot fail; constant
- *  time, at most one 32-bit division: every tick adds up, and the last and the next three take a part of the step each.
+ *  time, at most one 32-bit division: every tick adds up, and the last of a step and the next five take a part of it
+ *  each.
  * For the control ISR. */
 void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                              const struct jp_sensors *sensors);

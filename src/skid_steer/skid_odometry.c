@@ -16,6 +16,9 @@
 #define STAND_COUNTS       1
 #define STANDS_IN_A_SECOND 4U
 
+/* Of two numbers of the configuration. */
+#define QUOTIENT_MAX ((int64_t)1 << 24)
+
 /* What variances of the heading's filter are limited to, Q30, so that the reciprocal of their sum is precise. */
 #define VARIANCE_MIN ((int64_t)1 << 16)
 #define VARIANCE_MAX ((int64_t)1 << 45)
@@ -47,6 +50,8 @@
 /* Of an error of the position, Q16: ±8 192 m. */
 #define ERROR_BITS 30
 
+#define RATIO_GROWTH_MAX JP_Q24(0.0625)
+
 #define SCALE_ERROR_MAX (ONE / 4)
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("skid_odometry.", struct jp_skid_odometry_config, member, low, high)
@@ -70,6 +75,7 @@ enum jp_status jp_skid_odometry_check(const struct jp_skid_odometry_config *conf
         FIELD(tilt_change, JP_Q24(0.001), JP_Q24_ONE),
         FIELD(accel_noise, JP_Q24(0.0005), JP_Q24(0.1)),
         FIELD(accel_offset, 0, JP_Q24(0.5)),
+        FIELD(ratio_growth, 0, JP_Q24(16)),
         FIELD(creep, 0, JP_Q24_ONE),
         FIELD(turn_creep_along, 0, JP_Q24(8)),
         FIELD(turn_creep_across, 0, JP_Q24(8)),
@@ -100,6 +106,12 @@ static int64_t within(int64_t x, int64_t low, int64_t high)
     return at_least > high ? high : at_least;
 }
 
+/* x 2^bits / divisor, so limited that its square fits; x >= 0, divisor > 0. */
+static int64_t over(int64_t x, unsigned bits, int64_t divisor)
+{
+    return within(x * ((int64_t)1 << bits) / divisor, 0, QUOTIENT_MAX);
+}
+
 /* x · step / s, rounded down. */
 static int64_t in_a_step(const struct jp_skid_odometry_config *config, int64_t x)
 {
@@ -111,10 +123,10 @@ static void set_heading_filter(struct jp_skid_odometry *odometry, const struct j
     const int64_t scale = ((int64_t)config->scale_deviation * config->ratio) >> 24; /* of r, Q24 */
     const int64_t both = square(config->ratio_deviation) + square(scale);           /* Q48 */
     const int64_t unit = within(in_a_step(config, (int64_t)config->bias_deviation * 256), 16, INT32_MAX);
-    const int64_t gyro = (int64_t)config->gyro_noise * 16384 / config->bias_deviation; /* Q14 */
-    const int64_t count = (int64_t)config->turn_per_count * 128 / unit;                /* 2^-32 turn over 2^-32, Q15 */
-    const int64_t way = (int64_t)config->way_noise * 65536 / unit;                     /* Q8 */
-    const int64_t turn = (int64_t)config->turn_noise * 128 / unit;                     /* over √turn, 2^15.5 */
+    const int64_t gyro = over(config->gyro_noise, 14U, config->bias_deviation);
+    const int64_t count = over(config->turn_per_count, 7U, unit); /* turn_per_count is 2⁸ times as fine as the unit */
+    const int64_t way = over(config->way_noise, 16U, unit);       /* Q8, for the unit is 2⁸ times as fine as Q24 */
+    const int64_t turn = over(config->turn_noise, 7U, unit);      /* 2⁻³¹ turn in Q0 */
     const uint32_t deviation = jp_square_root((uint64_t)both);
 
     odometry->steering_ratio = config->ratio;
@@ -137,9 +149,9 @@ static void set_heading_filter(struct jp_skid_odometry *odometry, const struct j
 
 static void set_tilt_filter(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
-    const int64_t noise = (int64_t)config->accel_noise * 32768 / config->tilt_deviation;   /* Q15 */
-    const int64_t offset = (int64_t)config->accel_offset * 32768 / config->tilt_deviation; /* Q15 */
-    const int64_t change = (int64_t)config->tilt_change * 256 / config->tilt_deviation;    /* Q8 */
+    const int64_t noise = over(config->accel_noise, 15U, config->tilt_deviation);
+    const int64_t offset = over(config->accel_offset, 15U, config->tilt_deviation);
+    const int64_t change = over(config->tilt_change, 8U, config->tilt_deviation);
 
     odometry->internal.tilt_reciprocal = jp_divide((int64_t)1 << 39, config->tilt_deviation);
     odometry->internal.accel_variance = jp_saturate32(within(square(noise), VARIANCE_MIN, INT32_MAX));
@@ -264,11 +276,23 @@ static int64_t heading_noise(const struct jp_skid_odometry *odometry)
     return noise > VARIANCE_MAX ? VARIANCE_MAX : noise;
 }
 
+/* The turn by the wheels: a robot that is pushed aside skids less, so its ratio grows. */
+static int32_t wheel_turn(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int32_t across = part(odometry->internal.across_turn, odometry->internal.across_turn);
+    const int32_t ahead = part(odometry->internal.along_turn, odometry->internal.along_turn);
+    const int32_t growth =
+        jp_clamp32(part(jp_sub(across, ahead), config->ratio_growth), -RATIO_GROWTH_MAX, RATIO_GROWTH_MAX);
+
+    return jp_add(odometry->internal.wheel_turn, part(odometry->internal.wheel_turn, growth));
+}
+
 /* Learns bias and ratio from what the gyro shows beside the wheels. */
 static void filter_heading(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
-    const int32_t turn = odometry->internal.wheel_turn;
-    const int32_t expected = (odometry->internal.bias >> 8) + jp_multiply_shift(turn, odometry->internal.ratio, 30);
+    const int32_t turn = wheel_turn(odometry, config);
+    const int32_t expected =
+        jp_add(odometry->internal.bias >> 8, jp_multiply_shift(turn, odometry->internal.ratio, 30));
     const int32_t surprise = jp_sub(odometry->internal.gyro_turn, expected);
     const int32_t weighted = jp_multiply_shift(turn, odometry->internal.ratio_weight, 24);
     const int32_t weight = jp_saturate_bits(weighted, WEIGHTED_BITS);
@@ -295,7 +319,6 @@ static void filter_heading(struct jp_skid_odometry *odometry, const struct jp_sk
     odometry->internal.bias = jp_add(odometry->internal.bias, odometry->internal.bias_change);
     odometry->internal.ratio =
         jp_clamp32(jp_add(odometry->internal.ratio, jp_multiply_shift(step, to_ratio, 10)), RATIO_MIN, INT32_MAX);
-    share_ratio(odometry, config);
 }
 
 /* A stand shows the bias of the pitch gyro. */
@@ -457,7 +480,11 @@ static void follow_sensitivity(struct jp_skid_odometry *odometry)
     odometry->internal.bias_y -= jp_multiply(x, steps) >> 16;
     odometry->internal.scale_x -= jp_multiply(y, turned) >> 32;
     odometry->internal.scale_y += jp_multiply(x, turned) >> 32;
-    odometry->internal.steps += 65536 - (odometry->internal.steps >> STEPS_FADING_SHIFT);
+    if (odometry->internal.is_moving) {
+        odometry->internal.steps += JP_Q16_ONE - (odometry->internal.steps >> STEPS_FADING_SHIFT);
+        odometry->internal.way_total += distance(odometry->internal.way) >> 16;
+        odometry->internal.turn_total += distance(odometry->internal.turn);
+    }
 }
 
 static int32_t lesser(int32_t a, int32_t b)
@@ -465,33 +492,42 @@ static int32_t lesser(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-static void move(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+/* How far the robot slips under the forces on its wheels, and what the map sees of the rest. */
+static void slip(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
     const struct jp_skid_tilt *tilt = &odometry->internal.tilt;
     const int32_t way = odometry->internal.way;
     const int32_t turn = odometry->internal.turn;
     const jp_q24 half_ahead = jp_multiply_shift(tilt->ahead, tilt->ahead, 25); /* p²/2 */
     const jp_q24 half_left = jp_multiply_shift(tilt->left, tilt->left, 25);
-    const int32_t heading_turn = jp_add(turn, part(turn, half_ahead - half_left));
-
-    /* The caster is pushed by the wheels. */
     const jp_q24 drag = way < 0 ? -config->caster_drag : config->caster_drag;
-    const jp_q24 ahead = odometry->internal.force - tilt->offset + drag;
-    const int32_t bend = jp_multiply_shift(way, turn, 32);
-    const jp_q24 left = jp_add(tilt->left, jp_multiply_shift(bend, odometry->internal.centripetal, 16));
+    const jp_q24 ahead = odometry->internal.force - tilt->offset + drag; /* of the wheels, so they push the caster */
+    const jp_q24 centripetal = jp_multiply_shift(jp_multiply_shift(way, turn, 32), odometry->internal.centripetal, 16);
+    const jp_q24 left = jp_add(tilt->left, centripetal);
     const int32_t rolled = part(distance(way), config->creep);
     const int32_t turned = distance(turn);
-    const int32_t skidded = part(turned, odometry->internal.turn_creep_along);
-    const int32_t creep_along = jp_add(rolled, skidded);
-    const int32_t creep_across = jp_add(rolled, part(turned, odometry->internal.turn_creep_across));
-    const int32_t bend_loss =
+    const int32_t along_turn = part(odometry->internal.turn_creep_along, ahead);
+    const int32_t across_turn = part(odometry->internal.turn_creep_across, left);
+    const int32_t bend =
         part(part(odometry->internal.turn_force, config->creep), lesser(distance(way), odometry->internal.side_way));
-    const int32_t pushed = jp_sub(way, part(creep_along, ahead));
-    const int32_t forward = way < 0 ? jp_add(pushed, bend_loss) : jp_sub(pushed, bend_loss);
-    const int32_t sideways = jp_sub(0, part(creep_across, left));
-    const int32_t plan = jp_sub(forward, part(forward, half_ahead));
+    const int32_t crept = jp_add(part(rolled, ahead), part(turned, along_turn));
+    const int32_t forward = jp_sub(way, jp_add(crept, way < 0 ? -bend : bend));
 
-    const jp_angle mean = jp_phase_angle(odometry->heading) + (jp_angle)(heading_turn / 2);
+    odometry->internal.along_turn = along_turn;
+    odometry->internal.across_turn = across_turn;
+    odometry->internal.forward = forward;
+    odometry->internal.sideways = jp_sub(0, jp_add(part(rolled, left), part(turned, across_turn)));
+    odometry->internal.plan = jp_sub(forward, part(forward, half_ahead));
+    odometry->internal.heading_turn = jp_add(turn, part(turn, half_ahead - half_left));
+    odometry->speed = jp_multiply_shift(forward, odometry->internal.speed_per_way, 24);
+}
+
+static void move(struct jp_skid_odometry *odometry)
+{
+    const int32_t turn = odometry->internal.heading_turn;
+    const int32_t plan = odometry->internal.plan;
+    const int32_t sideways = odometry->internal.sideways;
+    const jp_angle mean = jp_phase_angle(odometry->heading) + (jp_angle)(turn / 2);
     const jp_q31 cosine = jp_cos(mean);
     const jp_q31 sine = jp_sin(mean);
 
@@ -499,12 +535,16 @@ static void move(struct jp_skid_odometry *odometry, const struct jp_skid_odometr
     odometry->internal.way_y = jp_saturate32(along(sine, plan) + along(cosine, sideways));
     odometry->x += odometry->internal.way_x;
     odometry->y += odometry->internal.way_y;
-    odometry->heading += (jp_phase)((int64_t)heading_turn * ((int64_t)1 << 24));
-    odometry->internal.forward = forward;
-    odometry->internal.way_total += distance(way) >> 16;
-    odometry->internal.turn_total += turned;
-    odometry->internal.is_skidding = config->turn_force >= GRIP_FORCE_MIN && skidded / 2 > rolled;
-    odometry->speed = jp_multiply_shift(forward, odometry->internal.speed_per_way, 24);
+    odometry->heading += (jp_phase)((int64_t)turn * ((int64_t)1 << 24));
+    predict_tilt(odometry);
+}
+
+/* Whether the robot slipped by turning rather than by its way, so that the motors' currents tell of the ground. */
+static bool is_skidding(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const int32_t turned = part(distance(odometry->internal.turn), odometry->internal.turn_creep_along);
+
+    return config->turn_force >= GRIP_FORCE_MIN && turned / 2 > part(distance(odometry->internal.way), config->creep);
 }
 
 static bool stays(uint32_t counts, uint32_t anchor)
@@ -564,11 +604,9 @@ static void take_step(struct jp_skid_odometry *odometry, const struct jp_skid_od
         odometry->internal.turn = jp_multiply_shift(turned, odometry->internal.scale, 30);
     } else {
         odometry->internal.way = 0;
-        odometry->internal.forward = 0;
         odometry->internal.side_way = 0;
         odometry->internal.wheel_turn = 0;
         odometry->internal.turn = 0;
-        odometry->internal.is_skidding = false;
         odometry->speed = 0;
     }
 }
@@ -576,14 +614,19 @@ static void take_step(struct jp_skid_odometry *odometry, const struct jp_skid_od
 /* One part of the step a tick. */
 static void work(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
-    const bool is_moving = odometry->internal.is_moving;
     const enum jp_skid_odometry_part part_of_step = odometry->internal.next;
 
     odometry->internal.next = JP_SKID_ADD_UP;
     switch (part_of_step) {
+    case JP_SKID_SLIP:
+        slip(odometry, config);
+        odometry->internal.next = JP_SKID_MOVE;
+        break;
     case JP_SKID_MOVE:
-        if (is_moving) {
-            move(odometry, config);
+        if (odometry->internal.is_moving) {
+            move(odometry);
+        } else {
+            rest_pitch(odometry);
         }
         odometry->internal.next = JP_SKID_FILTER_HEADING;
         break;
@@ -592,18 +635,9 @@ static void work(struct jp_skid_odometry *odometry, const struct jp_skid_odometr
         odometry->internal.next = JP_SKID_CORRECT_POSE;
         break;
     case JP_SKID_CORRECT_POSE:
+        share_ratio(odometry, config);
         correct_pose(odometry);
-        if (is_moving) {
-            follow_sensitivity(odometry);
-        }
-        odometry->internal.next = JP_SKID_PREDICT_TILT;
-        break;
-    case JP_SKID_PREDICT_TILT:
-        if (is_moving) {
-            predict_tilt(odometry);
-        } else {
-            rest_pitch(odometry);
-        }
+        follow_sensitivity(odometry);
         odometry->internal.next = JP_SKID_FILTER_TILT;
         break;
     case JP_SKID_FILTER_TILT:
@@ -627,11 +661,11 @@ void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_
     odometry->internal.ticks++;
     if (odometry->internal.ticks == config->step_ticks) {
         odometry->internal.ticks = 0;
-        if (odometry->internal.is_skidding) {
+        if (is_skidding(odometry, config)) {
             learn_grip(odometry, config); /* of the step before */
         }
         take_step(odometry, config, sensors);
-        odometry->internal.next = JP_SKID_MOVE;
+        odometry->internal.next = JP_SKID_SLIP;
     } else {
         work(odometry, config);
     }

@@ -64,7 +64,9 @@ static enum jp_status check(const struct jp_skid_robot_config *config, const cha
 /** Of a tick, rounded up; above 0. */
 static jp_q24 step_of(jp_q24 acceleration, uint32_t tick_rate)
 {
-    return (jp_q24)(((uint32_t)acceleration + tick_rate - 1U) / tick_rate);
+    const uint32_t step = ((uint32_t)acceleration + tick_rate - 1U) / tick_rate;
+
+    return (jp_q24)step;
 }
 
 enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_skid_robot_config *config,
@@ -95,11 +97,6 @@ enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_s
     jp_skid_monitor_start(&robot->internal.wheels, config->monitor.tilt_limit);
     jp_meter_start(&robot->internal.meter, &config->meter);
     return JP_OK;
-}
-
-static bool is_awake(const struct jp_skid_robot_internal *robot)
-{
-    return robot->started && robot->wake_ticks == 0U;
 }
 
 static bool motors_run(enum jp_skid_robot_state state)
@@ -167,8 +164,10 @@ static void rest(struct jp_skid_robot_internal *robot, unsigned faults)
         switch_off(robot);
     } else if (faults != 0U) {
         fail(robot, faults);
+    } else {
+        /* It stays as it is. */
     }
-    if (jp_take(&robot->enable_requested) && robot->state == JP_SKID_ROBOT_IDLE && is_awake(robot)) {
+    if (jp_take(&robot->enable_requested) && robot->state == JP_SKID_ROBOT_IDLE) {
         begin_to_stand(robot);
     }
     (void)jp_take(&robot->stop_requested);
@@ -312,7 +311,7 @@ static void set_duties(const struct jp_skid_robot_internal *robot, struct jp_act
     actuation->duty_right = jp_duty(robot->voltages.right, robot->bus_voltage);
 }
 
-static void control(struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)
+static void control_wheels(struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)
 {
     struct jp_skid_set_point set_point;
 
@@ -394,7 +393,7 @@ static void step(struct jp_skid_robot_internal *robot, enum jp_status read, cons
     robot->controlled = motors_run(robot->state) || robot->holds;
     actuation->enabled = 1;
     if (robot->controlled) {
-        control(robot, actuation);
+        control_wheels(robot, actuation);
     } else if (robot->wake_ticks > 0U) {
         wake(robot, actuation);
     } else if (!is_at_rest(&robot->reference)) {
@@ -513,6 +512,11 @@ void jp_skid_robot_tick(struct jp_skid_robot *robot, enum jp_status read, const 
 }
 
 /* The background. */
+
+static bool is_awake(const struct jp_skid_robot_internal *robot)
+{
+    return robot->started && robot->wake_ticks == 0U;
+}
 
 enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot)
 {

@@ -122,9 +122,9 @@ static void print_figure(const char *name, uint32_t instructions, uint32_t bar)
 
 int main(void)
 {
-    static const char *const names[] = {" that moves the pose",    " that filters the heading",
-                                        " that corrects the pose", " that predicts the tilt",
-                                        " that filters the tilt",  " that takes a step"};
+    static const char *const names[] = {" that finds the slip",      " that moves the pose",
+                                        " that filters the heading", " that corrects the pose",
+                                        " that filters the tilt",    " that takes a step"};
     uint32_t longest = 0;
 
     jp_skid_odometry_start(&before, &config, &sensors);

@@ -15,6 +15,7 @@ struct skid_pivot {
     double creep_across;
     double creep;       /* slip on a straight way per g */
     double caster_drag; /* g */
+    double growth;      /* of the ratio, share for (m/turn)² of slip aside */
     double force;       /* (right − left) of the sides that turn it, g */
 };
 
@@ -22,7 +23,9 @@ struct skid_pivot_sums {
     double moment;     /* of the slip along less those that brake the turn, over weight */
     double hold_along; /* growth of the force with slip, over weight */
     double hold_across;
-    double force; /* along, of both sides */
+    double force;      /* along, of both sides */
+    double slip;       /* m/s */
+    double saturation; /* share of the tread's yield that is sliding */
 };
 
 /* Share of the weight on an axle, at `x` ahead of the middle. */
@@ -50,7 +53,7 @@ static inline struct skid_pivot_sums skid_pivot_sums(const struct skid_steer_mod
 {
     const double half = model->body.width_m / 2;
     const double relaxation = 1.2 / model->tyre.contact_length_m / model->tyre.stiffness_per_m;
-    struct skid_pivot_sums sums = {-skid_caster_drag(model) * fabs(model->caster.ahead_m), 0, 0, 0};
+    struct skid_pivot_sums sums = {.moment = -skid_caster_drag(model) * fabs(model->caster.ahead_m)};
 
     for (int axle = 0; axle < model->wheel.axles; axle++) {
         const double x =
@@ -60,6 +63,8 @@ static inline struct skid_pivot_sums skid_pivot_sums(const struct skid_steer_mod
         const double yield = size / model->ground.friction + relaxation * (half + slip);
         const double fall = 1 / (model->ground.friction * size * yield * yield);
         sums.moment += share * (half * slip - x * x) / yield;
+        sums.slip += share * size;
+        sums.saturation += share * size / model->ground.friction / yield;
         sums.force += share * slip / yield;
         sums.hold_along += share * (1 / yield - slip * slip * fall);
         sums.hold_across += share * (1 / yield - x * x * fall);
@@ -90,6 +95,7 @@ static inline struct skid_pivot skid_pivot_of(const struct skid_steer_model *mod
         .creep_across = 1 / sums.hold_across,
         .creep = 1.2 / model->tyre.contact_length_m / model->tyre.stiffness_per_m / on_wheels,
         .caster_drag = skid_caster_drag(model),
+        .growth = high / (half + high) * pow(sums.saturation / on_wheels / (2 * M_PI * sums.slip / on_wheels), 2),
         .force = sums.force,
     };
 }
@@ -125,18 +131,19 @@ static inline struct jp_skid_odometry_config skid_odometry_config_of(const struc
         .way_per_count = skid_fixed(2 * M_PI * model->wheel.radius_m / counts, 40),
         .turn_per_count = skid_fixed(model->wheel.radius_m / (counts * model->body.width_m), 40),
         .ratio = skid_fixed(pivot.ratio, 24),
-        .ratio_deviation = skid_fixed(0.002 * pivot.ratio + 0.006 * slipping, 24),
+        .ratio_deviation = skid_fixed(0.002 * pivot.ratio + 0.003 * slipping, 24),
         .scale_deviation = skid_fixed(model->gyro.scale_error, 24),
         .bias_deviation = skid_fixed(fmax(model->gyro.bias_dps, 0.01) / 360, 24),
         .bias_memory = 10000000,
         .gyro_noise = skid_fixed(
             fmax(sqrt(pow(model->gyro.noise_rms_dps, 2) + pow(model->gyro.step_dps, 2) / 12), 0.001) / 360, 24),
         .way_noise = skid_fixed(0.03 / (2 * M_PI), 24),
-        .turn_noise = skid_fixed(0.005 + 0.03 * slipping, 24),
+        .turn_noise = skid_fixed(0.005 + 0.02 * slipping, 24),
         .tilt_deviation = skid_fixed(tilt, 24),
         .tilt_change = skid_fixed(0.8 * tilt, 24),
         .accel_noise = skid_fixed(skid_accel_noise(model, step_ticks, step_ticks / rate), 24),
         .accel_offset = skid_fixed(model->accelerometer.bias_g, 24),
+        .ratio_growth = skid_fixed(pivot.growth, 24),
         .creep = skid_fixed(pivot.creep, 24),
         .turn_creep_along = skid_fixed(pivot.creep_along, 24),
         .turn_creep_across = skid_fixed(pivot.creep_across, 24),

@@ -16,11 +16,11 @@ STEP_TICKS_MIN, STEP_TICKS_MAX = 6, 32
 
 # How far the ratio may be from the model's: share of the turn, of track and radius, and share of what slip takes of it.
 TRACK_DEVIATION = 0.002
-SLIP_DEVIATION = 0.006
+SLIP_DEVIATION = 0.003
 # What the wheels do not show of the heading: rad/√m of way by slopes; share of a turn, and of what slip takes of it.
 WAY_NOISE = 0.03
 TURN_NOISE = 0.005
-SLIP_NOISE = 0.03
+SLIP_NOISE = 0.02
 # A gyro's bias wanders by its deviation in so many seconds.
 BIAS_MEMORY = 10_000_000
 # Grades: a quarter of the largest, and another one after so many metres.
@@ -31,6 +31,25 @@ ACCEL_NOISE = 0.003
 # Of ideal sensors: °/s.
 BIAS_MIN = 0.01
 GYRO_NOISE_MIN = 0.001
+
+
+# Of the position: share of the way by wheels' radii and by treads that are softer or harder; random walks by grades to the
+# left that only turns show, over a metre and over a radian.
+WAY_DEVIATION = 0.002
+CREEP_SHARE = 0.3
+WAY_DRIFT = 2.0
+TURN_DRIFT = 0.25
+
+
+@dataclass(frozen=True)
+class Pivot:
+    """A steady turn on the spot at 1 rad/s; forces over the weight."""
+    moment: float      # of the treads that drive it less what brakes it, m
+    force: float       # (right − left) of the sides
+    along: float       # growth of the force with slip, s/m
+    across: float
+    slip: float        # mean over the treads, m/s
+    saturation: float  # share of the treads' yield that is sliding
 
 
 @dataclass(frozen=True)
@@ -44,26 +63,28 @@ class Tyres:
     caster_drag: float
     caster_arm: float
 
-    def sums(self, slip):
-        """At 1 rad/s with treads that slip by `slip` m/s along: moment, force of the sides, and growth of the forces along
-        and across."""
-        moment, sides, along, across = -self.caster_drag * self.caster_arm, 0.0, 0.0, 0.0
+    def turn(self, slip):
+        """With treads that slip by `slip` m/s along."""
+        moment, force, along, across, slips, sliding = -self.caster_drag * self.caster_arm, 0.0, 0.0, 0.0, 0.0, 0.0
         for x, share in zip(self.places, self.shares):
             size = math.hypot(slip, x) + 1e-12
-            force = size / self.friction + self.relaxation * (self.half_width + slip)
-            fall = 1 / (self.friction * size * force**2)
-            moment += share * (self.half_width * slip - x**2) / force
-            sides += share * slip / force
-            along += share * (1 / force - slip**2 * fall)
-            across += share * (1 / force - x**2 * fall)
-        return moment, sides, along, across
+            softness = size / self.friction + self.relaxation * (self.half_width + slip)
+            fall = 1 / (self.friction * size * softness**2)
+            moment += share * (self.half_width * slip - x**2) / softness
+            force += share * slip / softness
+            along += share * (1 / softness - slip**2 * fall)
+            across += share * (1 / softness - x**2 * fall)
+            slips += share * size
+            sliding += share * size / self.friction / softness
+        weight = sum(self.shares)
+        return Pivot(moment, force, along, across, slips / weight, sliding / weight)
 
     def pivot_slip(self):
         """m/s along, at 1 rad/s."""
         low, high = 0.0, 100 * self.half_width
         for _ in range(60):
             middle = (low + high) / 2
-            if self.sums(middle)[0] < 0:
+            if self.turn(middle).moment < 0:
                 low = middle
             else:
                 high = middle
@@ -103,8 +124,10 @@ def odometry_group(robot, to):
     """The member `odometry` of a robot's configuration; `to`: its c_tables.Converter."""
     contacts = tyres(robot)
     slip = contacts.pivot_slip()
-    _, sides, along, across = contacts.sums(slip)
-    ratio = contacts.half_width / (contacts.half_width + slip)
+    pivot = contacts.turn(slip)
+    skidding = slip / (contacts.half_width + slip)  # share of the wheels' turn
+    ratio = 1 - skidding
+    creep = contacts.relaxation / sum(contacts.shares)
     rate = robot.positive("control.rate_hz")
     ticks = min(max(math.floor(rate / STEPS_PER_SECOND + 0.5), STEP_TICKS_MIN), STEP_TICKS_MAX)
     radius, counts = robot.positive("wheel.radius_m"), robot.positive("encoder.counts_per_turn")
@@ -117,23 +140,27 @@ def odometry_group(robot, to):
         to.number("way_per_count", 2 * math.pi * radius / counts, 40, "m", 2**12 * step, 2**30 * step),
         to.number("turn_per_count", radius / (counts * 2 * contacts.half_width), 40, "turn", 2**12 * step, 2**30 * step),
         to.q24("ratio", ratio, "", 0.1, 1.5),
-        to.q24("ratio_deviation", TRACK_DEVIATION * ratio + SLIP_DEVIATION * (1 - ratio), "", 0.0001, 0.5),
+        to.q24("ratio_deviation", TRACK_DEVIATION * ratio + SLIP_DEVIATION * skidding, "", 0.0001, 0.5),
         to.q24("scale_deviation", robot.number("gyro.scale_error"), "", 0, 0.1),
         to.q24("bias_deviation", max(robot.number("gyro.bias_dps"), BIAS_MIN) / 360, "turn/s", 2**-16, 0.1),
         to.whole("bias_memory", BIAS_MEMORY, "s", 1000, 100_000_000),
         to.q24("gyro_noise", max(gyro_noise, GYRO_NOISE_MIN) / 360, "turn/s", 2**-20, 0.1),
         to.q24("way_noise", WAY_NOISE / (2 * math.pi), "turn/√m", 2**-16, 0.1),
-        to.q24("turn_noise", TURN_NOISE + SLIP_NOISE * (1 - ratio), "", 0.001, 1),
+        to.q24("turn_noise", TURN_NOISE + SLIP_NOISE * skidding, "", 0.001, 1),
         to.q24("tilt_deviation", tilt, "g", 0.005, 0.5),
         to.q24("tilt_change", tilt * math.sqrt(2 / TILT_LENGTH), "g/√m", 0.001, 1),
         to.q24("accel_noise", accel_noise(robot, ticks, ticks / rate), "g", 0.0005, 0.1),
         to.q24("accel_offset", robot.number("accelerometer.bias_g"), "g", 0, 0.5),
-        to.q24("creep", contacts.relaxation / (sum(contacts.shares) if contacts.caster_arm else 1), "per g", 0, 1),
-        to.q24("turn_creep_along", 1 / along, "m/g", 0, 8),
-        to.q24("turn_creep_across", 1 / across, "m/g", 0, 8),
+        to.q24("ratio_growth", skidding * (pivot.saturation / (2 * math.pi * pivot.slip))**2, "1/m²", 0, 16),
+        to.q24("creep", creep, "per g", 0, 1),
+        to.q24("turn_creep_along", 1 / pivot.along, "m/g", 0, 8),
+        to.q24("turn_creep_across", 1 / pivot.across, "m/g", 0, 8),
         to.q24("caster_drag", contacts.caster_drag, "g", 0, 0.2),
-        to.q24("turn_force", sides, "g", 0, 2),
+        to.q24("turn_force", pivot.force, "g", 0, 2),
         to.q24("force_per_ampere", force_per_ampere(robot), "g/A", 0, 16),
         to.q24("efficiency", robot.positive("motor.efficiency"), "", 0.1, 1),
         to.q24("rolling", robot.number("ground.rolling"), "", 0, 0.5),
+        to.q24("way_deviation", WAY_DEVIATION + CREEP_SHARE * creep * tilt, "", 0, 0.1),
+        to.q24("way_drift", WAY_DRIFT * creep * tilt, "m/√m", 0, 0.5),
+        to.q24("turn_drift", TURN_DRIFT / pivot.across * tilt, "m/√rad", 0, 0.5),
     ])

@@ -259,6 +259,20 @@ static void test_drives_for_the_duration_then_brakes_and_stands(void)
     TEST_ASSERT_EQUAL_INT32(0, telemetry().command.speed);
 }
 
+static void test_turns_on_the_spot_then_brakes_and_stands(void)
+{
+    make_standing();
+    TEST_ASSERT_EQUAL_INT(JP_OK, drive(0, JP_Q24(0.3), JP_Q16(1)));
+    run(RATE);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.3), telemetry().motion.turn_rate);
+    run(10);
+    expect_state(JP_SKID_ROBOT_DRIVING);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry().reference.speed);
+    TEST_ASSERT_TRUE(telemetry().reference.turn_rate > 0);
+    run(RATE / 2);
+    expect_state(JP_SKID_ROBOT_STANDING);
+}
+
 static void test_speeds_up_with_the_limit_or_as_asked(void)
 {
     struct jp_skid_command slow = one_second;
