@@ -104,9 +104,9 @@ const struct jp_skid_robot_config jp_skid_robot_burger = {
         },
     .path =
         {
-            .tick_rate = 100U,           /* Hz */
-            .way = 2516582,              /* 0.15 m */
-            .pace = 33554432,            /* 2 1/s */
+            .tick_rate = 100U,           /* 1/s */
+            .way = 1761608,              /* 0.105 m */
+            .pace = 41943040,            /* 2.5 1/s */
             .speed_correction = 629146,  /* 0.0375 m/s */
             .turn_correction = 16777216, /* 1 rad/s */
         },

@@ -104,9 +104,9 @@ const struct jp_skid_robot_config jp_skid_robot_zhang2018 = {
         },
     .path =
         {
-            .tick_rate = 500U,           /* Hz */
-            .way = 8388608,              /* 0.5 m */
-            .pace = 33554432,            /* 2 1/s */
+            .tick_rate = 500U,           /* 1/s */
+            .way = 5872026,              /* 0.35 m */
+            .pace = 41943040,            /* 2.5 1/s */
             .speed_correction = 2097152, /* 0.125 m/s */
             .turn_correction = 6588397,  /* 0.3926991 rad/s */
         },

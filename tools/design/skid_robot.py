@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tools.common import ROOT, ArgumentParser, print_aligned, run, shown_path, write_whole
-from tools.design import c_tables, estimator_gains, robot_json, skid_odometry
+from tools.design import c_tables, estimator_gains, path_table, robot_json, skid_odometry
 
 TURN = 2 * math.pi
 GRAVITY = 9.80665
@@ -25,10 +25,8 @@ BANDWIDTH_SHARE = 1 / 20
 TRACKING_NOISE = 0.01
 TRACKING_TICKS = 2.0
 TRACKING_LOOPS = 4.0
-# The heading that a command has missed, and what a path has, come back so fast, 1/s: far slower than the sides.
+# The heading that a command has missed comes back so fast, 1/s: far slower than the sides.
 HEADING_GAIN = 2.0
-# Of lattice.speed_m_s.
-PATH_SPEED_CORRECTION = 0.25
 
 # Of what grip, tipping over or the current permit on the steepest slope.
 ACCELERATION_SHARE = 0.25
@@ -335,18 +333,6 @@ def limits_group(robot, load, steering, to):
     ])
 
 
-def path_group(robot, to):
-    """Errors to the side come back by 1/e over the way that takes as long as two time constants of the heading."""
-    speed = robot.positive("lattice.speed_m_s")
-    return c_tables.Group("path", [
-        to.whole("tick_rate", robot.positive("control.rate_hz"), "Hz", 100, 10000),
-        to.q24("way", 2 * speed / HEADING_GAIN, "m", 0.01, 8),
-        to.q24("pace", HEADING_GAIN, "1/s", 0, 64),
-        to.q24("speed_correction", PATH_SPEED_CORRECTION * speed, "m/s", 0, 8),
-        to.q24("turn_correction", robot.positive("lattice.turn_rate_rad_s"), "rad/s", 0, 8),
-    ])
-
-
 def robot_table(robot):
     """The C table of struct jp_skid_robot_config."""
     to = c_tables.Converter(robot.source)
@@ -360,7 +346,7 @@ def robot_table(robot):
         wheels_group(robot, load, to),
         meter_group(robot, to),
         limits_group(robot, load, steering, to),
-        path_group(robot, to),
+        c_tables.Group("path", path_table.drive(robot)),
         to.q24("heading_gain", HEADING_GAIN, "1/s", 0, 16),
     ]
     return c_tables.Table(f"make skid-robot ROBOT={robot.name}", f"sim/robots/{robot.name}.cfg", "",
