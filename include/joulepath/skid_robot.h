@@ -194,7 +194,8 @@ void jp_skid_robot_disable(struct jp_skid_robot *robot);
  * Drives a command from the next tick on; it replaces the one before it.
  * JP_ERR_STATE: neither standing nor driving. JP_ERR_ARGUMENT: null, or a field out of range: |v| and |w| <= 8,
  * accelerations 0 to those of the limits. JP_ERR_INFEASIBLE: with the steering ratio as it is learned now, a tread
- * would be faster than limits.speed. One 64-bit division for each acceleration that is given; not for ISRs.
+ * would be faster than limits.speed. Not within a tick, but between ticks from the control ISR, too: a command without
+ * accelerations in each tick is followed as it is, as far as the limits permit. Two 32-bit divisions.
  */
 enum jp_status jp_skid_robot_drive(struct jp_skid_robot *robot, const struct jp_skid_command *command);
 

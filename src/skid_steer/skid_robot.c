@@ -143,6 +143,15 @@ static void fail(struct jp_skid_robot_internal *robot, unsigned faults)
     }
 }
 
+/** The last good frame stays: what is left of the tick still reads it. */
+static void forget_suspicions(struct jp_skid_robot_internal *robot)
+{
+    const struct jp_sensors good = robot->monitor.good;
+
+    jp_monitor_start(&robot->monitor, &robot->config->monitor);
+    robot->monitor.good = good;
+}
+
 static void switch_off(struct jp_skid_robot_internal *robot)
 {
     /* What failed left speeds that mean nothing. */
@@ -154,7 +163,7 @@ static void switch_off(struct jp_skid_robot_internal *robot)
     robot->found = 0;
     robot->holds = false;
     give_up(robot);
-    jp_monitor_start(&robot->monitor, &robot->config->monitor);
+    forget_suspicions(robot);
 }
 
 /** Idle and fault: what leads out of them, and into fault. */

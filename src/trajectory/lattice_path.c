@@ -47,10 +47,8 @@ static bool is_curve(const struct jp_path_piece *piece)
 }
 
 /** The curve from the begin of a piece over so many cells. False: it is none that a piece can be. */
-static bool set_curve(struct jp_path_piece *piece, const struct jp_primitive *primitive, jp_q16 cell, jp_angle end)
+static bool set_curve(struct jp_path_piece *piece, int32_t dx, int32_t dy, jp_q16 cell, jp_angle end)
 {
-    const int32_t dx = primitive->dx;
-    const int32_t dy = primitive->dy;
     const jp_angle chord = jp_atan2(dy, dx);
     const uint32_t cells = jp_square_root((uint64_t)(dx * dx + dy * dy) << 48); /* Q24 */
     struct jp_clothoid curve;
@@ -116,7 +114,7 @@ enum jp_status jp_lattice_path_add(struct jp_lattice_path *path, const struct jp
 
     if (primitive->move_count == 0U) {
         set_turn(&piece, heading);
-    } else if (!set_curve(&piece, primitive, terrain->config.resolution, heading)) {
+    } else if (!set_curve(&piece, x - from->x, y - from->y, terrain->config.resolution, heading)) {
         return JP_ERR_INFEASIBLE;
     }
 

@@ -1,5 +1,6 @@
 /* Speeds along random paths and their set-points, against limits and costs in double; and the plant driven along them
  * in closed loop, on level ground and on slopes. */
+#include <joulepath/path_corner.h>
 #include <joulepath/tables.h>
 
 #include "tests/support/options.h"
@@ -300,6 +301,65 @@ static void test_set_points_keep_the_limits_and_the_path(void)
         check_below(most.pose, 1e-4, "m off a step");
         check_below(most.duration, 0.01, "s a piece of duration");
     }
+}
+
+/* ---- Corners ---- */
+
+static double cost_of(const struct robot *robot)
+{
+    struct jp_path_cost cost;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_path_plan_speeds(&walk.path, robot->limits, &robot->price, &cost));
+    return q16(cost.energy) + q16(robot->price.time) * q16(cost.duration);
+}
+
+/* The arc leads from the one line to the other and passes the corner no farther off than it may. */
+static void check_arc(const struct jp_path_piece *arc, struct jp_point corner, double clearance)
+{
+    const double length = q24(arc->length);
+    const double bend = q24(arc->bend);
+    const struct planar_pose begin = {q16(arc->begin.x), q16(arc->begin.y), path_rig_radians(arc->heading)};
+    const struct planar_pose along = {sin(bend * length) / bend, (1 - cos(bend * length)) / bend, bend * length};
+    const struct planar_pose half = {sin(bend * length / 2) / bend, (1 - cos(bend * length / 2)) / bend, 0};
+    const struct planar_pose end = planar_compose(&begin, &along);
+    const struct planar_pose middle = planar_compose(&begin, &half);
+
+    check_near(q16(arc[1].begin.x), end.x, 2e-4, "m, x of an arc's end");
+    check_near(q16(arc[1].begin.y), end.y, 2e-4, "m, y of an arc's end");
+    check_near(0, planar_wrap(end.heading - path_rig_radians(arc[1].heading)), 1e-4, "rad at an arc's end");
+    check_below(hypot(middle.x - q16(corner.x), middle.y - q16(corner.y)), clearance + 1e-4, "m inside a corner");
+}
+
+static unsigned round_corners(const struct robot *robot, double clearance)
+{
+    unsigned count = 0;
+
+    for (uint16_t i = 0; i < walk.path.count; i++) {
+        const struct jp_point corner = walk.pieces[i].begin;
+        const double before = cost_of(robot);
+
+        if (jp_path_round_corner(&walk.path, i, (jp_q24)(clearance * PATH_RIG_Q24), robot->limits, &robot->price)) {
+            check_arc(&walk.pieces[i], corner, clearance);
+            check_below(cost_of(robot), before + 0.01, "J with a corner more that is round");
+            count++;
+        }
+    }
+    return count;
+}
+
+static void test_round_corners_cost_less(void)
+{
+    unsigned count = 0;
+
+    for (unsigned long i = 0; i < 10 * options.count; i++) {
+        const struct robot *robot = &robots[i % ROBOTS];
+        struct jp_path_cost cost;
+
+        plan(robot, random_uniform(&noise, -0.1, 0.1), random_uniform(&noise, -0.1, 0.1), STEPS, &cost);
+        count += round_corners(robot, random_uniform(&noise, 0, 0.3));
+    }
+    (void)printf("%u corners are round\n", count);
+    TEST_ASSERT_TRUE(count > 0);
 }
 
 /* ---- Closed loop ---- */

@@ -688,6 +688,74 @@ static void test_a_slope_that_is_too_steep_stops_it(void)
     }
 }
 
+/* ---- Whatever comes ---- */
+
+static int32_t any_word(void)
+{
+    static const int32_t special[] = {0, 1, -1, INT32_MAX, INT32_MIN, JP_Q24_ONE, JP_Q16_ONE};
+
+    return uniform(0, 1) < 0.3 ? special[(size_t)(uniform(0, 1) * 7)] : (int32_t)uniform(-2147483648.0, 2147483647.0);
+}
+
+/* Words of any value in some of its members, so that many frames are plausible but for one. */
+static void spoil(struct jp_sensors *sensors)
+{
+    int32_t *members[] = {&sensors->pitch_rate,   &sensors->yaw_rate,      &sensors->accel_x,    &sensors->accel_z,
+                          &sensors->current_left, &sensors->current_right, &sensors->bus_voltage};
+
+    if (uniform(0, 1) < 0.9) {
+        return;
+    }
+    *members[(size_t)(uniform(0, 1) * 7)] = any_word();
+    if (uniform(0, 1) < 0.3) {
+        sensors->encoder_left += (uint32_t)any_word();
+    }
+    drive.disturbance.read = uniform(0, 1) < 0.2 ? JP_ERR_HARDWARE : JP_OK;
+}
+
+static void request_anything(void)
+{
+    const struct jp_skid_command command = {
+        .motion = {any_word() / 16, any_word() / 16},
+        .acceleration = uniform(0, 1) < 0.5 ? 0 : any_word() / 1000,
+        .turn_acceleration = uniform(0, 1) < 0.5 ? 0 : any_word() / 1000,
+        .duration = any_word(),
+    };
+    const double chance = uniform(0, 5);
+
+    if (chance < 1) {
+        (void)jp_skid_robot_enable(&drive.robot);
+    } else if (chance < 2) {
+        jp_skid_robot_disable(&drive.robot);
+    } else if (chance < 2.2) {
+        jp_skid_robot_stop(&drive.robot);
+    } else {
+        (void)jp_skid_robot_drive(&drive.robot, &command);
+    }
+}
+
+/* Nothing overflows, which the sanitizers watch; what is not under control does not move but for braking. */
+static void test_any_frames_and_requests_are_survived(void)
+{
+    for (unsigned long run = 0; run < options.count; run++) {
+        const struct kind *kind = &kinds[run % KINDS];
+        skid_drive_start(&drive, &kind->model, &kind->config, &level, &origin, run + 1);
+        drive.disturbance.sensors = spoil;
+        for (int i = 0; i < 500; i++) {
+            if (uniform(0, 1) < 0.2) {
+                request_anything();
+            }
+            skid_drive_tick(&drive);
+            const struct jp_skid_robot_internal *inside = &drive.robot.internal;
+            const bool slows = inside->reference.speed != 0 || inside->reference.turn_rate != 0;
+            if (!inside->controlled && !slows && inside->acceleration == 0) {
+                TEST_ASSERT_EQUAL_INT32(0, drive.world.actuation.duty_left);
+                TEST_ASSERT_EQUAL_INT32(0, drive.world.actuation.duty_right);
+            }
+        }
+    }
+}
+
 /* ---- Robots that nobody has seen ---- */
 
 static double factor(double most)

@@ -19,6 +19,7 @@ static struct jp_actuation actuation;
 static jp_phase angles[JP_SKID_SIDES];
 static bool held[JP_SKID_SIDES];
 static jp_q16 false_current;
+static jp_turns_per_s driven_rate; /**< of both sides, by what no motor does; 0: none */
 
 static inline void init(void)
 {
@@ -37,6 +38,7 @@ static inline void set_up_rig(void)
     held[JP_SKID_LEFT] = false;
     held[JP_SKID_RIGHT] = false;
     false_current = 0;
+    driven_rate = 0;
     init();
 }
 
@@ -51,7 +53,9 @@ void tearDown(void)
 
 static inline jp_turns_per_s wheel_rate(int side)
 {
-    return held[side] ? 0 : robot.internal.control.sides[side].reference;
+    const jp_turns_per_s asked = driven_rate != 0 ? driven_rate : robot.internal.control.sides[side].reference;
+
+    return held[side] ? 0 : asked;
 }
 
 static inline uint32_t counts_of(int side)

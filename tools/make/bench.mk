@@ -101,6 +101,13 @@ bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on path
 	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
 	    $(BUILD)/bench/bench_patrol.tables.json
 
+.PHONY: bench-skid-drive
+bench-skid-drive: ## measure what plans of the skid-steered robot take when they are driven over the 20 scenes (4 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_skid_drive
+	@mkdir -p $(BUILD)/bench-skid-drive
+	$(BUILD)/bench/bench_skid_drive --rows $(BUILD)/bench-skid-drive/rows.json >$(BUILD)/bench/bench_skid_drive.json
+
 .PHONY: bench-limit
 bench-limit: ## measure how far above the least energy that exists scenarios and random routes are driven
 	@tools/setup.sh test
@@ -164,6 +171,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
 	@$(MAKE) bench-patrol
+	@$(MAKE) bench-skid-drive
 	@$(MAKE) bench-limit
 	@$(MAKE) bench-robots
 	@$(MAKE) bench-intervals

@@ -119,6 +119,18 @@ static void test_disable_leads_to_idle_from_every_state(void)
     disable();
 }
 
+static void test_position_does_not_jump_when_it_is_disabled(void)
+{
+    make_driving();
+    run(RATE);
+    const int64_t before = telemetry().x;
+
+    jp_skid_robot_disable(&robot);
+    run(40);
+    TEST_ASSERT_TRUE(telemetry().x >= before);
+    TEST_ASSERT_TRUE(telemetry().x - before < (int64_t)1 << 28);
+}
+
 /** As a command brakes: shorted at speed the motors could tip the robot over. */
 static void test_a_disable_at_speed_brakes_gently(void)
 {

@@ -162,6 +162,18 @@ static void test_an_encoder_that_contradicts_its_current_shorts_the_motors(void)
     expect_shorted();
 }
 
+/** Downhill, faster than the motors hold back. */
+static void test_wheels_that_run_away_are_slowed_down_blindly(void)
+{
+    make_driving();
+    run(RATE / 2);
+    driven_rate = config.monitor.wheel_rate_limit + JP_Q24(0.05);
+    run(20);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_OVERSPEED, faults());
+    expect_shorted();
+}
+
 /** What it moves in a fault is not counted. */
 static void test_position_goes_on_after_a_fault(void)
 {
