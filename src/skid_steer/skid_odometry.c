@@ -671,12 +671,19 @@ void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_
     }
 }
 
+/* Ticks that the pose does not know of. */
+static int32_t ticks_since_pose(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+{
+    const enum jp_skid_odometry_part next = odometry->internal.next;
+    const bool step_waits = next == JP_SKID_SLIP || next == JP_SKID_MOVE;
+
+    return (int32_t)(odometry->internal.ticks + (step_waits ? config->step_ticks : 0U));
+}
+
 void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                           struct jp_point *position, jp_angle *heading)
 {
-    /* The step that ended in this tick is not in the pose yet. */
-    const uint32_t waiting = odometry->internal.next == JP_SKID_MOVE ? config->step_ticks : 0U;
-    const int32_t ticks = (int32_t)(odometry->internal.ticks + waiting);
+    const int32_t ticks = odometry->internal.is_moving ? ticks_since_pose(odometry, config) : 0;
     const int64_t turned = (int64_t)jp_phase_step(odometry->turn_rate, odometry->internal.phase_per_rate) * ticks;
     const jp_angle middle = jp_phase_angle(odometry->heading + (jp_phase)(turned / 2));
     const int64_t way = jp_multiply(odometry->internal.forward, odometry->internal.mean_share) * ticks;

@@ -5,7 +5,7 @@
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
 
-#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_path_drive_config, member, low, high)
+#define FIELD(member, low, high) JP_CONFIG_FIELD("path_drive.", struct jp_path_drive_config, member, low, high)
 
 /** Q40 by Q16. */
 #define FRACTION_BITS 24

@@ -266,3 +266,24 @@ static void test_path_of_a_plan_refuses(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lattice_path_of_plan(NULL, &planner, pieces, PLACES));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lattice_path_of_plan(&path, &planner, NULL, PLACES));
 }
+
+/* A frame at (2 m, 1 m) that looks along y. */
+static void test_path_in_the_frame_of_a_place(void)
+{
+    struct jp_path_piece two[2] = {{.begin = {JP_Q16(2), JP_Q16(1)}, .heading = JP_ANGLE_DEGREES(90)},
+                                   {.begin = {JP_Q16(2), JP_Q16(4)}, .heading = JP_ANGLE_DEGREES(45)}};
+    struct jp_lattice_path moved = {
+        .pieces = two, .places = 2, .count = 2, .end = {{JP_Q16(1), JP_Q16(4)}, JP_ANGLE_DEGREES(-90)}};
+    const struct jp_path_pose origin = {{JP_Q16(2), JP_Q16(1)}, JP_ANGLE_DEGREES(90)};
+
+    jp_lattice_path_in_frame(&moved, &origin);
+    TEST_ASSERT_INT32_WITHIN(4, 0, two[0].begin.x);
+    TEST_ASSERT_INT32_WITHIN(4, 0, two[0].begin.y);
+    TEST_ASSERT_EQUAL_UINT32(0, two[0].heading);
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q16(3), two[1].begin.x);
+    TEST_ASSERT_INT32_WITHIN(4, 0, two[1].begin.y);
+    TEST_ASSERT_EQUAL_UINT32(JP_ANGLE_DEGREES(-45), two[1].heading);
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q16(3), moved.end.position.x);
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q16(1), moved.end.position.y);
+    TEST_ASSERT_EQUAL_UINT32(JP_ANGLE_DEGREES(180), moved.end.heading);
+}

@@ -240,10 +240,3 @@ static void test_random_routes(void)
         TEST_ASSERT_TRUE(farthest_from_lines() < 2e-4);
     }
 }
-
-int main(void)
-{
-    UNITY_BEGIN();
-    run_tests();
-    return UNITY_END();
-}

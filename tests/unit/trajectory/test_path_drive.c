@@ -127,11 +127,11 @@ static void expect_point(double x, double y)
 
 static void test_config(void)
 {
-    RANGE("", tick_rate, 100, 10000);
-    RANGE("", way, JP_Q24(0.01), JP_Q24(8));
-    RANGE("", pace, 0, JP_Q24(64));
-    RANGE("", speed_correction, 0, JP_Q24(8));
-    RANGE("", turn_correction, 0, JP_Q24(8));
+    RANGE("path_drive.", tick_rate, 100, 10000);
+    RANGE("path_drive.", way, JP_Q24(0.01), JP_Q24(8));
+    RANGE("path_drive.", pace, 0, JP_Q24(64));
+    RANGE("path_drive.", speed_correction, 0, JP_Q24(8));
+    RANGE("path_drive.", turn_correction, 0, JP_Q24(8));
 }
 
 static void test_init_wants_a_drive(void)

@@ -1,0 +1,123 @@
+/* What a path takes: the sum of its parts by hand, and prices of a model. */
+#include <joulepath/skid_path_energy.h>
+#include <joulepath/tables.h>
+#include <stdlib.h>
+
+#include "unity.h"
+
+#define PIECES 3
+
+static const struct jp_skid_energy_model *const model = &jp_skid_energy_zhang2018;
+
+static struct jp_path_piece pieces[PIECES];
+static struct jp_lattice_path path;
+static struct jp_skid_drive drive;
+static jp_q16 duration;
+
+void setUp(void)
+{
+    path = (struct jp_lattice_path){.pieces = pieces, .places = PIECES, .count = 1};
+    drive = (struct jp_skid_drive){.energy = 0};
+    duration = 0;
+}
+
+void tearDown(void)
+{
+}
+
+static void add(struct jp_skid_drive *sum, jp_q24 from, jp_q24 to, jp_q24 bend, jp_q24 grade, jp_q16 seconds)
+{
+    const struct jp_skid_piece piece = {.start = {from, jp_q24_multiply(from, bend)},
+                                        .end = {to, jp_q24_multiply(to, bend)},
+                                        .grade = grade,
+                                        .duration = seconds};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_energy_add(model, sum, &piece));
+}
+
+static void expect_drive(const struct jp_skid_drive *expected)
+{
+    TEST_ASSERT_TRUE(drive.energy > 0);
+    TEST_ASSERT_TRUE(llabs(drive.energy - expected->energy) < 2000);
+    for (unsigned i = 0; i < JP_SKID_FACTORS; i++) {
+        TEST_ASSERT_TRUE(llabs(drive.change[i] - expected->change[i]) < 2000);
+    }
+}
+
+/* 4 m at 0.5 m/s up 0.1, from a stand to a stand at 0.25 m/s²: 2 s and 0.5 m each to speed up and to brake. */
+static void test_a_line_of_three_parts(void)
+{
+    struct jp_skid_drive expected = {.energy = 0};
+
+    pieces[0] = (struct jp_path_piece){
+        .length = JP_Q24(4),
+        .rise = JP_Q16(0.4),
+        .kind = JP_PIECE_CURVE,
+        .speed = {.cruise = JP_Q24(0.5), .acceleration = JP_Q24(0.25), .brake_from = JP_Q24(3.5)}};
+    jp_skid_path_energy(model, &path, &drive, &duration);
+    TEST_ASSERT_INT32_WITHIN(16, JP_Q16(10), duration);
+    add(&expected, 0, JP_Q24(0.5), 0, JP_Q24(0.1), JP_Q16(2));
+    add(&expected, JP_Q24(0.5), JP_Q24(0.5), 0, JP_Q24(0.1), JP_Q16(6));
+    add(&expected, JP_Q24(0.5), 0, 0, JP_Q24(0.1), JP_Q16(2));
+    expect_drive(&expected);
+}
+
+/* A turn by 2 rad at 0.5 rad/s and 0.5 rad/s², right as left. */
+static void test_turns_on_the_spot(void)
+{
+    struct jp_skid_drive left;
+
+    pieces[0] = (struct jp_path_piece){
+        .length = JP_Q24(2),
+        .rise = JP_Q16(9), /* of no meaning */
+        .kind = JP_PIECE_TURN_LEFT,
+        .speed = {.cruise = JP_Q24(0.5), .acceleration = JP_Q24(0.5), .brake_from = JP_Q24(1.75)}};
+    jp_skid_path_energy(model, &path, &drive, &duration);
+    TEST_ASSERT_INT32_WITHIN(16, JP_Q16(5), duration);
+    left = drive;
+    setUp();
+    pieces[0].kind = JP_PIECE_TURN_RIGHT;
+    jp_skid_path_energy(model, &path, &drive, &duration);
+    expect_drive(&left);
+}
+
+/* Pieces that follow each other hand on their speed; a part without length takes nothing. */
+static void test_an_arc_between_lines(void)
+{
+    struct jp_skid_drive expected = {.energy = 0};
+    const struct jp_piece_speed through = {.cruise = JP_Q24(0.5), .end = JP_Q24(0.5), .acceleration = JP_Q24(0.25)};
+
+    path.count = PIECES;
+    pieces[0] = (struct jp_path_piece){.length = JP_Q24(1), .kind = JP_PIECE_CURVE, .speed = through};
+    pieces[1] =
+        (struct jp_path_piece){.length = JP_Q24(1), .bend = JP_Q24(0.5), .kind = JP_PIECE_CURVE, .speed = through};
+    pieces[2] = (struct jp_path_piece){.length = JP_Q24(1), .kind = JP_PIECE_CURVE, .speed = through};
+    pieces[0].speed.brake_from = JP_Q24(1);
+    pieces[1].speed.brake_from = JP_Q24(1);
+    pieces[2].speed.brake_from = JP_Q24(0.5);
+    pieces[2].speed.end = 0;
+    jp_skid_path_energy(model, &path, &drive, &duration);
+    TEST_ASSERT_INT32_WITHIN(32, JP_Q16(2 + 1 + 2 + 1 + 2), duration);
+    add(&expected, 0, JP_Q24(0.5), 0, 0, JP_Q16(2));
+    add(&expected, JP_Q24(0.5), JP_Q24(0.5), 0, 0, JP_Q16(1));
+    add(&expected, JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5), 0, JP_Q16(2));
+    add(&expected, JP_Q24(0.5), JP_Q24(0.5), 0, 0, JP_Q16(1));
+    add(&expected, JP_Q24(0.5), 0, 0, 0, JP_Q16(2));
+    expect_drive(&expected);
+}
+
+static void test_prices_of_a_model(void)
+{
+    const struct jp_motion_price price = jp_skid_motion_price(model, JP_Q16(3));
+    const struct jp_motion motion = {JP_Q24(0.5), JP_Q24(0.2)};
+    const struct jp_motion fast = {JP_Q24(9), 0};
+    jp_q16 power;
+
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(3), price.time);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_energy_power(model, &motion, JP_Q24(0.1), &power));
+    TEST_ASSERT_EQUAL_INT32(power, price.power(price.model, &motion, JP_Q24(0.1)));
+    TEST_ASSERT_EQUAL_INT32(0, price.power(price.model, &fast, 0));
+    /* 92 kg and what turns with them, over 2, driven and braked. */
+    TEST_ASSERT_TRUE(price.gain > JP_Q16(46) && price.gain < JP_Q16(120));
+    TEST_ASSERT_TRUE(price.recovery >= 0 && price.recovery < price.gain);
+}
