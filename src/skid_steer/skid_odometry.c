@@ -9,7 +9,6 @@
 #define TWO_PI              JP_Q24(6.283185307179586)
 #define RADIANS_INVERSE_Q16 JP_Q16(0.15915494309189535)
 #define TWO_PI_Q16          JP_Q16(6.283185307179586)
-#define GRAVITY             JP_Q16(9.80665)
 #define ACCEL_BITS          26 /* ±2 g */
 
 /* The wheels stand once both sides have stayed within this many counts for a quarter of a second. */
@@ -50,9 +49,9 @@
 /* Of an error of the position, Q16: ±8 192 m. */
 #define ERROR_BITS 30
 
+/* What ratio and scale are corrected by at most. */
 #define RATIO_GROWTH_MAX JP_Q24(0.0625)
-
-#define SCALE_ERROR_MAX (ONE / 4)
+#define SCALE_ERROR_MAX  (ONE / 4)
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("skid_odometry.", struct jp_skid_odometry_config, member, low, high)
 
@@ -115,7 +114,10 @@ static int64_t over(int64_t x, unsigned bits, int64_t divisor)
 /* x · step / s, rounded down. */
 static int64_t in_a_step(const struct jp_skid_odometry_config *config, int64_t x)
 {
-    return x * (int64_t)config->step_ticks / (int64_t)config->tick_rate;
+    const int64_t ticks = (int64_t)config->step_ticks;
+    const int64_t rate = (int64_t)config->tick_rate;
+
+    return x * ticks / rate;
 }
 
 static void set_heading_filter(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
@@ -180,7 +182,7 @@ static void set_units(struct jp_skid_odometry *odometry, const struct jp_skid_od
     odometry->internal.stand_steps_min = config->tick_rate / (STANDS_IN_A_SECOND * config->step_ticks) + 1U;
     odometry->internal.mean_share = jp_divide((int64_t)1 << 31, (int32_t)ticks);
     odometry->internal.speed_per_way = jp_saturate32(rate * JP_Q16_ONE / ticks);
-    odometry->internal.acceleration = jp_saturate32(square(rate) * JP_Q24_ONE / (square(ticks) * GRAVITY));
+    odometry->internal.acceleration = jp_saturate32(square(rate) * JP_Q24_ONE / (square(ticks) * JP_Q16(9.80665)));
     odometry->internal.centripetal = jp_multiply_shift(odometry->internal.acceleration, TWO_PI, 24);
     odometry->internal.turn_force = config->turn_force;
     odometry->internal.braking = jp_divide((int64_t)1 << 48, config->efficiency);
@@ -255,7 +257,6 @@ static void share_ratio(struct jp_skid_odometry *odometry, const struct jp_skid_
     const int32_t relative = jp_multiply_shift(change, odometry->internal.ratio_reciprocal, 24);
     const int32_t error =
         jp_clamp32(jp_multiply_shift(relative, odometry->internal.scale_share, 30), -SCALE_ERROR_MAX, SCALE_ERROR_MAX);
-
     const int32_t scale = ONE - error + jp_multiply_shift(error, error, 30);
 
     odometry->internal.scale_change = scale - odometry->internal.scale;
@@ -296,10 +297,10 @@ static void filter_heading(struct jp_skid_odometry *odometry, const struct jp_sk
     const int32_t surprise = jp_sub(odometry->internal.gyro_turn, expected);
     const int32_t weighted = jp_multiply_shift(turn, odometry->internal.ratio_weight, 24);
     const int32_t weight = jp_saturate_bits(weighted, WEIGHTED_BITS);
-    const int32_t growth = (int32_t)(jp_magnitude32(turn) >> RATIO_GROWTH_SHIFT);
+    const uint32_t growth = jp_magnitude32(turn) >> RATIO_GROWTH_SHIFT;
 
     odometry->internal.bias_bias = jp_clamp32(odometry->internal.bias_bias + odometry->internal.bias_growth, 1, ONE);
-    odometry->internal.ratio_ratio = jp_clamp32(odometry->internal.ratio_ratio + growth, 1, ONE);
+    odometry->internal.ratio_ratio = jp_clamp32(odometry->internal.ratio_ratio + (int32_t)growth, 1, ONE);
 
     const int64_t of_bias =
         odometry->internal.bias_bias + (jp_multiply(odometry->internal.bias_ratio, weight) >> 16); /* Q30 */
@@ -329,9 +330,9 @@ static void rest_pitch(struct jp_skid_odometry *odometry)
     odometry->internal.pitch_bias += jp_saturate32((shown - odometry->internal.pitch_bias) >> PITCH_SHARE_SHIFT);
 }
 
-static int32_t within_one(int32_t x, int32_t one)
+static jp_q24 within_one(jp_q24 x)
 {
-    return jp_clamp32(x, -one, one);
+    return jp_clamp32(x, -JP_Q24_ONE, JP_Q24_ONE);
 }
 
 /* x without the share that is forgotten, Q30. */
@@ -385,7 +386,6 @@ static void filter_tilt(struct jp_skid_odometry *odometry)
     struct jp_skid_tilt *tilt = &odometry->internal.tilt;
     const int32_t change = jp_sub(odometry->internal.forward, odometry->internal.forward_before);
     const jp_q24 acceleration = jp_multiply_shift(change, odometry->internal.acceleration, 16);
-
     const jp_q24 expected = jp_add(jp_add(tilt->ahead, tilt->offset), acceleration);
     const jp_q24 surprise = jp_sub(odometry->internal.force, expected);
     const int32_t of_ahead = jp_add(tilt->ahead_ahead, tilt->ahead_offset);
@@ -399,9 +399,9 @@ static void filter_tilt(struct jp_skid_odometry *odometry)
     const int32_t to_left = share(of_left, &reciprocal);
     const int32_t to_offset = share(of_offset, &reciprocal);
 
-    tilt->ahead = within_one(jp_add(tilt->ahead, part(surprise, to_ahead)), JP_Q24_ONE);
-    tilt->left = within_one(jp_add(tilt->left, part(surprise, to_left)), JP_Q24_ONE);
-    tilt->offset = within_one(jp_add(tilt->offset, part(surprise, to_offset)), JP_Q24_ONE);
+    tilt->ahead = within_one(jp_add(tilt->ahead, part(surprise, to_ahead)));
+    tilt->left = within_one(jp_add(tilt->left, part(surprise, to_left)));
+    tilt->offset = within_one(jp_add(tilt->offset, part(surprise, to_offset)));
     tilt->ahead_ahead = at_least_one(jp_sub(tilt->ahead_ahead, part(of_ahead, to_ahead)));
     tilt->ahead_left = jp_sub(tilt->ahead_left, part(of_left, to_ahead));
     tilt->ahead_offset = jp_sub(tilt->ahead_offset, part(of_offset, to_ahead));
