@@ -50,9 +50,9 @@
 /* Of an error of the position, Q16: ±8 192 m. */
 #define ERROR_BITS 30
 
+/* What ratio and scale are corrected by at most. */
 #define RATIO_GROWTH_MAX JP_Q24(0.0625)
-
-#define SCALE_ERROR_MAX (ONE / 4)
+#define SCALE_ERROR_MAX  (ONE / 4)
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("skid_odometry.", struct jp_skid_odometry_config, member, low, high)
 
@@ -255,7 +255,6 @@ static void share_ratio(struct jp_skid_odometry *odometry, const struct jp_skid_
     const int32_t relative = jp_multiply_shift(change, odometry->internal.ratio_reciprocal, 24);
     const int32_t error =
         jp_clamp32(jp_multiply_shift(relative, odometry->internal.scale_share, 30), -SCALE_ERROR_MAX, SCALE_ERROR_MAX);
-
     const int32_t scale = ONE - error + jp_multiply_shift(error, error, 30);
 
     odometry->internal.scale_change = scale - odometry->internal.scale;
@@ -329,9 +328,9 @@ static void rest_pitch(struct jp_skid_odometry *odometry)
     odometry->internal.pitch_bias += jp_saturate32((shown - odometry->internal.pitch_bias) >> PITCH_SHARE_SHIFT);
 }
 
-static int32_t within_one(int32_t x, int32_t one)
+static jp_q24 within_one(jp_q24 x)
 {
-    return jp_clamp32(x, -one, one);
+    return jp_clamp32(x, -JP_Q24_ONE, JP_Q24_ONE);
 }
 
 /* x without the share that is forgotten, Q30. */
@@ -385,7 +384,6 @@ static void filter_tilt(struct jp_skid_odometry *odometry)
     struct jp_skid_tilt *tilt = &odometry->internal.tilt;
     const int32_t change = jp_sub(odometry->internal.forward, odometry->internal.forward_before);
     const jp_q24 acceleration = jp_multiply_shift(change, odometry->internal.acceleration, 16);
-
     const jp_q24 expected = jp_add(jp_add(tilt->ahead, tilt->offset), acceleration);
     const jp_q24 surprise = jp_sub(odometry->internal.force, expected);
     const int32_t of_ahead = jp_add(tilt->ahead_ahead, tilt->ahead_offset);
@@ -399,9 +397,9 @@ static void filter_tilt(struct jp_skid_odometry *odometry)
     const int32_t to_left = share(of_left, &reciprocal);
     const int32_t to_offset = share(of_offset, &reciprocal);
 
-    tilt->ahead = within_one(jp_add(tilt->ahead, part(surprise, to_ahead)), JP_Q24_ONE);
-    tilt->left = within_one(jp_add(tilt->left, part(surprise, to_left)), JP_Q24_ONE);
-    tilt->offset = within_one(jp_add(tilt->offset, part(surprise, to_offset)), JP_Q24_ONE);
+    tilt->ahead = within_one(jp_add(tilt->ahead, part(surprise, to_ahead)));
+    tilt->left = within_one(jp_add(tilt->left, part(surprise, to_left)));
+    tilt->offset = within_one(jp_add(tilt->offset, part(surprise, to_offset)));
     tilt->ahead_ahead = at_least_one(jp_sub(tilt->ahead_ahead, part(of_ahead, to_ahead)));
     tilt->ahead_left = jp_sub(tilt->ahead_left, part(of_left, to_ahead));
     tilt->ahead_offset = jp_sub(tilt->ahead_offset, part(of_offset, to_ahead));

@@ -294,6 +294,11 @@ static void add_result(struct results *results, double x, double y, double headi
     results->normalised += normalised;
     results->inside += normalised <= INSIDE;
     results->count++;
+    if (options.verbose) {
+        (void)printf("%s: %.3f %% of the way, heading %.4f rad, normalised square %.2f\n", results->name,
+                     100 * hypot(x, y) / way, heading, normalised);
+        (void)fflush(stdout);
+    }
 }
 
 static void drive(const struct skid_steer_model *file, uint64_t seed, struct results *results)
