@@ -64,9 +64,9 @@ static enum jp_status check(const struct jp_skid_robot_config *config, const cha
 /** Of a tick, rounded up; above 0. */
 static jp_q24 step_of(jp_q24 acceleration, uint32_t tick_rate)
 {
-    const uint32_t step = ((uint32_t)acceleration + tick_rate - 1U) / tick_rate;
+    const uint32_t change = ((uint32_t)acceleration + tick_rate - 1U) / tick_rate;
 
-    return (jp_q24)step;
+    return (jp_q24)change;
 }
 
 enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_skid_robot_config *config,
