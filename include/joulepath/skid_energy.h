@@ -59,7 +59,7 @@ struct jp_skid_energy_model {
 };
 
 /** What differs between robots and grounds of a kind. */
-enum jp_skid_factor { JP_SKID_ROLLING, JP_SKID_FRICTION, JP_SKID_WEIGHT, JP_SKID_ELECTRONICS, JP_SKID_FACTORS };
+enum { JP_SKID_ROLLING, JP_SKID_FRICTION, JP_SKID_WEIGHT, JP_SKID_ELECTRONICS, JP_SKID_FACTORS };
 
 /** A piece of a drive; of a steady motion both ends are alike. */
 struct jp_skid_piece {
@@ -93,12 +93,13 @@ enum jp_status jp_skid_energy_power(const struct jp_skid_energy_model *model, co
  * An effort beyond ±2, a force of a side beyond ±8 times the weight, f u + s beyond ±32 m/s, power beyond 4 MW and an
  * energy of a piece beyond 2³⁰ units count as these. At most 65 536 pieces. Work: eight 64-bit divisions.
  * Error against exact arithmetic, where v and w are 0 or from 0.05: at most 3e-5 of the terms' magnitudes, 1e-6 of what
- * the treads would take if their forces were the weight and they 1 m/s faster, 2e-4 W and 2⁻¹⁶ of a unit for each piece.
+ * the treads would take if their forces were the weight and they 1 m/s faster, 2e-4 W and 2⁻¹⁶ of a unit for each
+ * piece.
  */
 enum jp_status jp_skid_energy_add(const struct jp_skid_energy_model *model, struct jp_skid_drive *drive,
                                   const struct jp_skid_piece *piece);
 
-/** The model of a robot that differs by factors, Q16, in the order of enum jp_skid_factor; members are limited to their
+/** The model of a robot that differs by factors, Q16, in the order of JP_SKID_ROLLING…; members are limited to their
  *  ranges. */
 void jp_skid_energy_scale(const struct jp_skid_energy_model *model, const jp_q16 factor[JP_SKID_FACTORS],
                           struct jp_skid_energy_model *scaled);
