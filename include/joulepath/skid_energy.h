@@ -59,7 +59,7 @@ struct jp_skid_energy_model {
 };
 
 /** What differs between robots and grounds of a kind. */
-enum jp_skid_factor { JP_SKID_ROLLING, JP_SKID_FRICTION, JP_SKID_WEIGHT, JP_SKID_ELECTRONICS, JP_SKID_FACTORS };
+enum { JP_SKID_ROLLING, JP_SKID_FRICTION, JP_SKID_WEIGHT, JP_SKID_ELECTRONICS, JP_SKID_FACTORS };
 
 /** A piece of a drive; of a steady motion both ends are alike. */
 struct jp_skid_piece {
@@ -99,7 +99,7 @@ enum jp_status jp_skid_energy_power(const struct jp_skid_energy_model *model, co
 enum jp_status jp_skid_energy_add(const struct jp_skid_energy_model *model, struct jp_skid_drive *drive,
                                   const struct jp_skid_piece *piece);
 
-/** The model of a robot that differs by factors, Q16, in the order of enum jp_skid_factor; members are limited to their
+/** The model of a robot that differs by factors, Q16, in the order of JP_SKID_ROLLING…; members are limited to their
  *  ranges. */
 void jp_skid_energy_scale(const struct jp_skid_energy_model *model, const jp_q16 factor[JP_SKID_FACTORS],
                           struct jp_skid_energy_model *scaled);

@@ -5,7 +5,7 @@
  * Each factor is the power by the learned model over that by the formulas, at the usual motion (v, w) of the lattice:
  *
  *   straight  P(v, 0)                               of level driving
- *   mass      P(v, 0) up a slope less P(v, 0)       of what a rise adds
+ *   mass      P(v, 0) up a grade of 1/8 less P(v, 0)  of what a rise adds
  *   turning   P(0, w) + P(v, w) − P(v, 0)           of turns on the spot and of what bends add
  *
  * Pure and bounded, at most 80 64-bit divisions. Not for ISRs.
@@ -20,9 +20,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** The slope at which prices are compared, rise over run. */
-#define JP_SKID_TARIFF_GRADE JP_Q24(0.125)
 
 /**
  * Factors of `learned`, such as jp_skid_learner.model, on a lattice that `priced` made, both of which passed their

@@ -14,7 +14,7 @@
 #define SETTLE_SECONDS 5.0 /* with the ramp */
 #define CHECK_SECONDS  2.0
 
-#define ROBOT_LEGS 20
+#define ROBOT_LEGS 30
 #define DRIVES_MAX 128
 
 enum { OPTION_ROBOTS = COMMAND_LINE_OWN };
@@ -229,7 +229,6 @@ static bool drive_robot(struct identification *of, struct random *random, size_t
     skid_route_start(&route, &of->model, &ground, &pose);
     for (long number = 0; number < ROBOT_LEGS; number++) {
         const struct skid_leg leg = skid_random_leg(&of->model, random);
-        route.pose = skid_drive_go_on(&drive);
         if (!drive_leg(of, &drive, &route, &leg, run, number)) {
             return false;
         }

@@ -10,7 +10,7 @@
 #define TRIM_RATE     3
 #define ALONG_RATE    1.5
 #define HEADING_RATE  2
-#define ACROSS_RATE   1
+#define ACROSS_RATE   0.4
 
 /* What the way back may add, as a share of limits.speed_m_s. */
 #define BACK_SHARE 0.25

@@ -19,7 +19,7 @@
 enum { LEFT, RIGHT, SIDES };
 
 /* What a piece is on its mean; Q24. */
-struct course {
+struct mean_motion {
     int32_t speed;
     int32_t turn_rate;
     int32_t grade;
@@ -100,55 +100,55 @@ static int64_t ratio(int64_t a, int64_t b)
 }
 
 /* m: how fast the treads roll. */
-static int64_t rolling_speed(const struct jp_skid_energy_model *model, const struct course *course)
+static int64_t rolling_speed(const struct jp_skid_energy_model *model, const struct mean_motion *mean)
 {
-    const int64_t across = product(model->half_track, jp_absolute64(course->turn_rate));
-    const int64_t along = jp_absolute64(course->speed);
+    const int64_t across = product(model->half_track, jp_absolute64(mean->turn_rate));
+    const int64_t along = jp_absolute64(mean->speed);
 
     return across > along ? across : along;
 }
 
 /* 1 − r */
-static int64_t eased(const struct jp_skid_energy_model *model, const struct course *course)
+static int64_t eased(const struct jp_skid_energy_model *model, const struct mean_motion *mean)
 {
-    const int64_t by_effort = product(model->easing, product(course->effort, course->effort));
-    const int64_t by_bank = product(model->bank_easing, product(course->bank, course->bank));
+    const int64_t by_effort = product(model->easing, product(mean->effort, mean->effort));
+    const int64_t by_bank = product(model->bank_easing, product(mean->bank, mean->bank));
 
     return limited(ratio(by_effort + by_bank, product(model->friction, model->friction)), JP_Q24_ONE);
 }
 
-static void set_turning(const struct jp_skid_energy_model *model, const struct course *course, struct treads *treads)
+static void set_turning(const struct jp_skid_energy_model *model, const struct mean_motion *mean, struct treads *treads)
 {
-    const int64_t tilting = product(model->tilting, product(course->effort, course->bank));
+    const int64_t tilting = product(model->tilting, product(mean->effort, mean->bank));
 
-    treads->turning = tilting + course->swinging;
+    treads->turning = tilting + mean->swinging;
     treads->turning_by_grip = 0;
-    if (course->turn_rate != 0) {
+    if (mean->turn_rate != 0) {
         const int64_t stiffness = product(model->friction, model->yielding);
-        const int64_t turning = jp_absolute64(course->turn_rate);
-        const int64_t resistance = turning + product(stiffness, rolling_speed(model, course)); /* D, at most 2³⁴ */
-        const int64_t grip = product(product(model->turning, model->friction), course->turn_rate);
+        const int64_t turning = jp_absolute64(mean->turn_rate);
+        const int64_t resistance = turning + product(stiffness, rolling_speed(model, mean)); /* D, at most 2³⁴ */
+        const int64_t grip = product(product(model->turning, model->friction), mean->turn_rate);
         const int64_t level = ratio(grip, resistance);      /* k μ w/D, at most 2²⁷ */
         const int64_t sliding = ratio(turning, resistance); /* |w|/D */
-        const int64_t gone = eased(model, course);
+        const int64_t gone = eased(model, mean);
         const bool is_left = gone < JP_Q24_ONE;
         treads->turning += product(level, JP_Q24_ONE - gone);
         treads->turning_by_grip = is_left ? product(level, product(sliding, JP_Q24_ONE - gone) + 2 * gone) : 0;
     }
 }
 
-static void set_slip(const struct jp_skid_energy_model *model, const struct course *course, struct treads *treads)
+static void set_slip(const struct jp_skid_energy_model *model, const struct mean_motion *mean, struct treads *treads)
 {
-    const int64_t speed = jp_absolute64(course->speed);
-    const int64_t way = product(product(course->effort, course->effort), model->scrub); /* at most 2²⁸ */
-    const int64_t left = model->friction - jp_absolute64(course->effort);
+    const int64_t speed = jp_absolute64(mean->speed);
+    const int64_t way = product(product(mean->effort, mean->effort), model->scrub); /* at most 2²⁸ */
+    const int64_t left = model->friction - jp_absolute64(mean->effort);
     const int64_t least = model->friction / 4;
     const int64_t grip = left > least ? left : least;
 
     treads->slip = 0;
     treads->slip_by_grip = 0;
     if (speed != 0) {
-        const int64_t turning = jp_absolute64(course->turn_rate) * speed / rolling_speed(model, course);
+        const int64_t turning = jp_absolute64(mean->turn_rate) * speed / rolling_speed(model, mean);
         const int64_t rolling = product(product(model->friction, model->yielding), speed); /* at most 2³² */
         const int64_t by_rolling = ratio(product(way, rolling), 2 * grip);
         const int64_t change = left > least ? ratio(model->friction, grip) : JP_Q24_ONE;
@@ -157,25 +157,25 @@ static void set_slip(const struct jp_skid_energy_model *model, const struct cour
     }
 }
 
-static void set_side(const struct jp_skid_energy_model *model, const struct course *course, int side,
+static void set_side(const struct jp_skid_energy_model *model, const struct mean_motion *mean, int side,
                      struct treads *treads)
 {
-    const int32_t across = (int32_t)product(model->half_track, course->turn_rate);
-    const int32_t speed = side == LEFT ? course->speed - across : course->speed + across;
-    const int32_t straight = sign(speed) * (model->rolling / 2) + course->effort / 2;
+    const int32_t across = (int32_t)product(model->half_track, mean->turn_rate);
+    const int32_t speed = side == LEFT ? mean->speed - across : mean->speed + across;
+    const int32_t straight = sign(speed) * (model->rolling / 2) + mean->effort / 2;
 
     treads->speed[side] = speed;
     treads->force[side] =
         (int32_t)limited(side == LEFT ? straight - treads->turning : straight + treads->turning, FORCE_MAX);
 }
 
-static void set_treads(const struct jp_skid_energy_model *model, const struct course *course, struct treads *treads)
+static void set_treads(const struct jp_skid_energy_model *model, const struct mean_motion *mean, struct treads *treads)
 {
-    set_turning(model, course, treads);
-    set_slip(model, course, treads);
-    set_side(model, course, LEFT, treads);
-    set_side(model, course, RIGHT, treads);
-    treads->level = (int32_t)ratio(JP_Q24_ONE, JP_Q24_ONE + product(course->grade, course->grade));
+    set_turning(model, mean, treads);
+    set_slip(model, mean, treads);
+    set_side(model, mean, LEFT, treads);
+    set_side(model, mean, RIGHT, treads);
+    treads->level = (int32_t)ratio(JP_Q24_ONE, JP_Q24_ONE + product(mean->grade, mean->grade));
 }
 
 /* ---- Power ---- */
@@ -202,13 +202,13 @@ static void add_side(const struct jp_skid_energy_model *model, const struct trea
     effect->change[JP_SKID_WEIGHT] += mechanical + 2 * copper;
 }
 
-static void set_effect(const struct jp_skid_energy_model *model, const struct course *course, struct effect *effect)
+static void set_effect(const struct jp_skid_energy_model *model, const struct mean_motion *mean, struct effect *effect)
 {
     struct treads treads;
 
     *effect = (struct effect){.power = model->electronics_power};
     effect->change[JP_SKID_ELECTRONICS] = model->electronics_power;
-    set_treads(model, course, &treads);
+    set_treads(model, mean, &treads);
     if (treads.speed[LEFT] != 0 || treads.speed[RIGHT] != 0) {
         add_side(model, &treads, LEFT, effect);
         add_side(model, &treads, RIGHT, effect);
@@ -228,10 +228,10 @@ enum jp_status jp_skid_energy_power(const struct jp_skid_energy_model *model, co
     if (model == NULL || motion == NULL || power == NULL || !jp_motion_in_range(motion) || !is_rise(grade)) {
         return JP_ERR_ARGUMENT;
     }
-    const struct course course = {
+    const struct mean_motion mean = {
         .speed = motion->speed, .turn_rate = motion->turn_rate, .grade = grade, .effort = grade};
 
-    set_effect(model, &course, &effect);
+    set_effect(model, &mean, &effect);
     *power = jp_saturate32(effect.power);
     return *power == effect.power ? JP_OK : JP_ERR_OVERFLOW;
 }
@@ -244,12 +244,12 @@ static int32_t acceleration(int32_t start, int32_t end, jp_q16 duration)
     return jp_divide(((int64_t)end - start) * JP_Q16_ONE, duration);
 }
 
-static struct course course_of(const struct jp_skid_energy_model *model, const struct jp_skid_piece *piece)
+static struct mean_motion mean_of(const struct jp_skid_energy_model *model, const struct jp_skid_piece *piece)
 {
     const int32_t ahead = acceleration(piece->start.speed, piece->end.speed, piece->duration);
     const int32_t around = acceleration(piece->start.turn_rate, piece->end.turn_rate, piece->duration);
 
-    return (struct course){
+    return (struct mean_motion){
         .speed = (piece->start.speed + piece->end.speed) / 2,
         .turn_rate = (piece->start.turn_rate + piece->end.turn_rate) / 2,
         .grade = piece->grade,
@@ -277,9 +277,9 @@ enum jp_status jp_skid_energy_add(const struct jp_skid_energy_model *model, stru
         !jp_is_between(piece->duration, 1, DURATION_MAX)) {
         return JP_ERR_ARGUMENT;
     }
-    const struct course course = course_of(model, piece);
+    const struct mean_motion mean = mean_of(model, piece);
 
-    set_effect(model, &course, &effect);
+    set_effect(model, &mean, &effect);
     drive->energy += over_time(model, effect.power, piece->duration);
     for (int factor = 0; factor < (int)JP_SKID_FACTORS; factor++) {
         drive->change[factor] += over_time(model, effect.change[factor], piece->duration);
@@ -289,21 +289,21 @@ enum jp_status jp_skid_energy_add(const struct jp_skid_energy_model *model, stru
 
 /* ---- Factors ---- */
 
-static jp_q24 scaled(int32_t value, jp_q16 factor, int32_t low, int32_t high)
+static int32_t times(int32_t value, jp_q16 factor, int32_t low, int32_t high)
 {
     return jp_clamp32(jp_multiply_shift(value, factor, 16), low, high);
 }
 
 void jp_skid_energy_scale(const struct jp_skid_energy_model *model, const jp_q16 factor[JP_SKID_FACTORS],
-                          struct jp_skid_energy_model *result)
+                          struct jp_skid_energy_model *scaled)
 {
     const jp_q16 square = jp_q16_multiply(factor[JP_SKID_WEIGHT], factor[JP_SKID_WEIGHT]);
 
-    *result = *model;
-    result->rolling = scaled(model->rolling, factor[JP_SKID_ROLLING], 0, JP_Q24(0.5));
-    result->friction = scaled(model->friction, factor[JP_SKID_FRICTION], JP_Q24(0.02), JP_Q24(2));
-    result->weight = scaled(model->weight, factor[JP_SKID_WEIGHT], JP_Q16(1), JP_Q16(16384));
-    result->copper_driving = scaled(model->copper_driving, square, 0, JP_Q16(16384));
-    result->copper_braking = scaled(model->copper_braking, square, 0, JP_Q16(16384));
-    result->electronics_power = scaled(model->electronics_power, factor[JP_SKID_ELECTRONICS], 0, JP_Q16(1024));
+    *scaled = *model;
+    scaled->rolling = times(model->rolling, factor[JP_SKID_ROLLING], 0, JP_Q24(0.5));
+    scaled->friction = times(model->friction, factor[JP_SKID_FRICTION], JP_Q24(0.02), JP_Q24(2));
+    scaled->weight = times(model->weight, factor[JP_SKID_WEIGHT], JP_Q16(1), JP_Q16(16384));
+    scaled->copper_driving = times(model->copper_driving, square, 0, JP_Q16(16384));
+    scaled->copper_braking = times(model->copper_braking, square, 0, JP_Q16(16384));
+    scaled->electronics_power = times(model->electronics_power, factor[JP_SKID_ELECTRONICS], 0, JP_Q16(1024));
 }

@@ -1,51 +1,43 @@
 #include <joulepath/skid_tariff.h>
 #include <stddef.h>
 
-/* Powers that prices are made of, W in Q16. */
-struct powers {
-    jp_q16 straight;
-    jp_q16 uphill;
-    jp_q16 on_the_spot;
-    jp_q16 in_a_bend;
-};
-
 /* What the factors compare. */
-enum { KINDS = 4 };
+enum { STRAIGHT, UPHILL, ON_THE_SPOT, IN_A_BEND, KINDS };
 
-struct probe {
-    struct jp_motion motion;
-    jp_q24 grade;
-    jp_q16 *power;
+/* Powers of one model, W in Q16; of the learned one if there is one. */
+struct pricing {
+    const struct jp_skid_steer_config *priced;
+    const struct jp_skid_energy_model *learned;
+    jp_q16 power[KINDS];
 };
 
-static enum jp_status probe_all(const struct jp_skid_steer_config *priced, const struct jp_skid_energy_model *learned,
-                                const struct jp_motion *usual, struct powers *powers)
+static enum jp_status find_powers(struct pricing *pricing, const struct jp_motion *usual)
 {
-    const struct probe probes[KINDS] = {
-        {{usual->speed, 0}, 0, &powers->straight},
-        {{usual->speed, 0}, JP_SKID_TARIFF_GRADE, &powers->uphill},
-        {{0, usual->turn_rate}, 0, &powers->on_the_spot},
-        {*usual, 0, &powers->in_a_bend},
+    const struct jp_motion motions[KINDS] = {
+        [STRAIGHT] = {usual->speed, 0},
+        [UPHILL] = {usual->speed, 0},
+        [ON_THE_SPOT] = {0, usual->turn_rate},
+        [IN_A_BEND] = {usual->speed, usual->turn_rate},
     };
     enum jp_status status = JP_OK;
 
     for (int i = 0; i < (int)KINDS && status == JP_OK; i++) {
-        const struct probe *probe = &probes[i];
-        status = learned != NULL
-                     ? jp_skid_energy_power(learned, &probe->motion, probe->grade, probe->power)
-                     : jp_skid_steer_power(priced, JP_COST_PHYSICAL, &probe->motion, probe->grade, probe->power);
+        const jp_q24 grade = i == (int)UPHILL ? JP_Q24(0.125) : 0;
+        status = pricing->learned != NULL
+                     ? jp_skid_energy_power(pricing->learned, &motions[i], grade, &pricing->power[i])
+                     : jp_skid_steer_power(pricing->priced, JP_COST_PHYSICAL, &motions[i], grade, &pricing->power[i]);
     }
     return status;
 }
 
-static int64_t turning(const struct powers *powers)
+static int64_t turning(const struct pricing *pricing)
 {
-    return (int64_t)powers->on_the_spot + powers->in_a_bend - powers->straight;
+    return (int64_t)pricing->power[ON_THE_SPOT] + pricing->power[IN_A_BEND] - pricing->power[STRAIGHT];
 }
 
-static int64_t climbing(const struct powers *powers)
+static int64_t climbing(const struct pricing *pricing)
 {
-    return (int64_t)powers->uphill - powers->straight;
+    return (int64_t)pricing->power[UPHILL] - pricing->power[STRAIGHT];
 }
 
 static jp_q16 factor(int64_t learned, int64_t priced)
@@ -59,25 +51,25 @@ enum jp_status jp_skid_tariff_factors(const struct jp_skid_steer_config *priced,
                                       const struct jp_skid_energy_model *learned, const struct jp_motion *usual,
                                       uint32_t version, struct jp_tariff_factors *factors)
 {
-    struct powers before;
-    struct powers now;
+    struct pricing before = {.priced = priced};
+    struct pricing now = {.learned = learned};
 
     if (priced == NULL || learned == NULL || usual == NULL || factors == NULL || usual->speed <= 0 ||
         usual->turn_rate <= 0) {
         return JP_ERR_ARGUMENT;
     }
 
-    enum jp_status status = probe_all(priced, NULL, usual, &before);
+    enum jp_status status = find_powers(&before, usual);
 
     if (status == JP_OK) {
-        status = probe_all(priced, learned, usual, &now);
+        status = find_powers(&now, usual);
     }
     if (status != JP_OK) {
         return status;
     }
     *factors = (struct jp_tariff_factors){
         .version = version,
-        .straight = factor(now.straight, before.straight),
+        .straight = factor(now.power[STRAIGHT], before.power[STRAIGHT]),
         .turning = factor(turning(&now), turning(&before)),
         .mass = factor(climbing(&now), climbing(&before)),
     };

@@ -2,7 +2,7 @@
  * The identified energy models and what is learned with them against the plants of skid steer and differential drive:
  * random motions on slopes that no identification has seen, and plans of robots and on grounds that nobody has seen.
  *
- * prop_skid_identified [--count N] [--seed S] [--json FILE]
+ * prop_skid_identified [--count N] [--seed S] [--json FILE] [--verbose]
  * --count is the number of motions of each robot; a tenth of it are the robots. bench_skid_energy drives 500.
  */
 #include <joulepath/tables.h>
@@ -10,6 +10,7 @@
 #include <stdio.h>
 
 #include "tests/support/check.h"
+#include "tests/support/decimal.h"
 #include "tests/support/options.h"
 #include "tests/support/skid_trial.h"
 
@@ -110,6 +111,19 @@ static void test_unseen_motions_of_burger(void)
 
 /* ---- Plans ---- */
 
+static void show(const struct skid_trial *trial)
+{
+    const struct skid_variation *is = &trial->variation;
+
+    (void)printf(
+        "rolling %.3f is %.3f, friction %.3f is %.3f, weight %.3f is %.3f, electronics %.3f is %.3f, resistance "
+        "%.3f: %+.2f %% before, %+.2f %% after (%+.2f deviations), %.2f m astray, %u changes\n",
+        q16(trial->factor[JP_SKID_ROLLING]), is->rolling, q16(trial->factor[JP_SKID_FRICTION]), is->friction,
+        q16(trial->factor[JP_SKID_WEIGHT]), is->mass, q16(trial->factor[JP_SKID_ELECTRONICS]), is->electronics,
+        is->resistance, 100 * trial->untaught.error, 100 * trial->taught.error, trial->taught.error_deviations,
+        trial->astray, (unsigned)trial->changes);
+}
+
 static void check_plans(const struct skid_kind *kind)
 {
     const unsigned long robots = options.count / 10 + 1;
@@ -121,6 +135,9 @@ static void check_plans(const struct skid_kind *kind)
         struct skid_trial trial;
         skid_trial_make(kind, options.seed * 1000 + i, &trial);
         TEST_ASSERT_TRUE(trial.is_sound);
+        if (options.verbose) {
+            show(&trial);
+        }
         before += fabs(trial.untaught.error) / (double)robots;
         after += fabs(trial.taught.error) / (double)robots;
         inside += fabs(trial.taught.error_deviations) <= SKID_TRIAL_INTERVAL;

@@ -83,9 +83,6 @@ static inline void skid_trial_learn(struct skid_trial_run *run, struct random *r
 {
     const struct skid_leg leg = skid_random_leg(&run->kind->model, random);
     struct skid_piece pieces[SKID_LEG_PIECES_MAX];
-
-    run->route.pose = skid_drive_go_on(&run->drive);
-
     const size_t count = skid_route_add(&run->route, &leg, pieces);
     const struct jp_skid_drive expected = skid_trial_expected(run, &run->learner.model, pieces, count);
     const jp_q16 measured = skid_trial_units(run->kind, skid_trial_drive(run, pieces, count));
@@ -125,7 +122,6 @@ static inline void skid_trial_plan(struct skid_trial_run *run, struct random *ra
     double driven = 0;
 
     jp_skid_learner_start(&untaught, run->kind->learning, run->kind->energy);
-    run->route.pose = skid_drive_go_on(&run->drive);
     for (int number = 0; number < SKID_TRIAL_LEGS; number++) {
         const struct skid_leg leg = skid_random_leg(&run->kind->model, random);
         struct skid_piece pieces[SKID_LEG_PIECES_MAX];

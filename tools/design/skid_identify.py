@@ -47,6 +47,10 @@ ERROR_MAX = 0.1
 # weight 0.9 to 1.3, electronics 0.8 to 1.2.
 RANGES = ((0.7, 1.5), (0.6, 1.2), (0.9, 1.3), (0.8, 1.2))
 
+LESSONS = 20             # legs of a robot that it learns from
+NOISE_START = (1, 0.01)  # J, and share of the energy, of a leg
+ROUNDS = 3               # of the noise, which weighs the legs that it is found from
+
 MEMORY = 64  # legs after which a measurement counts 1/e
 
 FORMAT_MAX = 32768
@@ -175,16 +179,22 @@ def deviations():
     return np.array([math.sqrt(((high - 1)**3 - (low - 1)**3) / (3 * (high - low))) for low, high in RANGES])
 
 
-def fit_factors(model, pieces, deviation):
-    """Factors of a robot by its legs and by what is usual, and the uncertainty of their coordinates."""
+def deviation_of(noise, energies):
+    """Of legs about the model, J; noise: J, and share of the energy."""
+    return np.hypot(noise[0], noise[1] * energies)
+
+
+def fit_factors(model, pieces, deviation, noise):
+    """Coordinates x of a robot by its legs and by what is usual, and their covariance; factors are 1 + deviation x."""
     measured = pieces.by_group(pieces.energy)
-    weights = weights_of(measured) / 0.01
+    sigma = deviation_of(noise, measured)
 
     def errors(x):
         predicted = pieces.by_group(skid_model.energies(model.scaled(1 + deviation * x), pieces))
-        return np.concatenate([(predicted - measured) * weights, x])
+        return np.concatenate([(predicted - measured) / sigma, x])
 
-    return 1 + deviation * optimize.least_squares(errors, np.zeros(skid_model.FACTORS)).x
+    found = optimize.least_squares(errors, np.zeros(skid_model.FACTORS))
+    return found.x, np.linalg.inv(found.jac.T @ found.jac)
 
 
 def fit_noise(totals, squares):
@@ -200,28 +210,48 @@ def fit_noise(totals, squares):
     return np.exp(found.x / 2)
 
 
+@dataclass(frozen=True)
+class Route:
+    """What a robot that has learned drives, of its legs."""
+    measured: np.ndarray
+    missed: np.ndarray
+    untaught: float   # what the built-in model misses of the whole
+    gradient: np.ndarray  # of the whole, by x
+    covariance: np.ndarray
+
+    def variance(self, noise):
+        """As it is forecast, without what all legs have alike."""
+        return np.sum(deviation_of(noise, self.measured)**2) + self.gradient @ self.covariance @ self.gradient
+
+
+def drive_route(model, lesson, rest, deviation, noise):
+    x, covariance = fit_factors(model, lesson, deviation, noise)
+
+    def energies(coordinates):
+        return rest.by_group(skid_model.energies(model.scaled(1 + deviation * coordinates), rest))
+
+    measured, step = rest.by_group(rest.energy), 1e-3
+    gradient = [(energies(x + step * unit).sum() - energies(x - step * unit).sum()) / (2 * step)
+                for unit in np.eye(skid_model.FACTORS)]
+    return Route(measured, energies(x) - measured, (energies(0 * x) - measured).sum(), np.array(gradient), covariance)
+
+
 def learn(model, path):
-    """Each robot learns from half of its legs; what is left on the others is noise."""
+    """Robots learn from their first legs; what is left on the others is noise."""
     run_, phase, pieces = read_table(path)
-    deviation = deviations()
-    residuals, totals, untaught, taught, routes = [], [], [], [], []
-    for robot in np.unique(run_):
-        lesson = pieces.chosen((run_ == robot) & (phase % 2 == 0))
-        rest = pieces.chosen((run_ == robot) & (phase % 2 == 1))
-        learned = model.scaled(fit_factors(model, lesson, deviation))
-        measured = rest.by_group(rest.energy)
-        missed = rest.by_group(skid_model.energies(learned, rest)) - measured
-        residuals.append(missed)
-        totals.append(measured)
-        routes.append(missed.sum() / measured.sum())
-        before = rest.by_group(skid_model.energies(model, rest)) - measured
-        untaught.append(abs(before.sum()) / measured.sum())
-        taught.append(abs(missed.sum()) / measured.sum())
-    totals, residuals = np.array(totals), np.array(residuals)
-    noise, relative = fit_noise(totals.ravel(), residuals.ravel()**2)
-    alone = (noise**2 + (relative * totals)**2).sum(axis=1) / totals.sum(axis=1)**2
-    common = math.sqrt(max(np.mean(np.array(routes)**2 - alone), 0))
-    return Learning(deviation, float(noise), float(relative), common, np.array(untaught), np.array(taught))
+    deviation, noise = deviations(), NOISE_START
+    robots = [(pieces.chosen((run_ == robot) & (phase < LESSONS)), pieces.chosen((run_ == robot) & (phase >= LESSONS)))
+              for robot in np.unique(run_)]
+    for _ in range(ROUNDS):
+        routes = [drive_route(model, lesson, rest, deviation, noise) for lesson, rest in robots]
+        noise = fit_noise(np.concatenate([route.measured for route in routes]),
+                          np.concatenate([route.missed for route in routes])**2)
+    totals = np.array([route.measured.sum() for route in routes])
+    missed = np.array([route.missed.sum() for route in routes]) / totals
+    foretold = np.array([route.variance(noise) for route in routes]) / totals**2
+    common = math.sqrt(max(np.mean(missed**2 - foretold), 0))
+    return Learning(deviation, float(noise[0]), float(noise[1]), common,
+                    np.array([route.untaught for route in routes]) / totals, missed)
 
 
 # ---- Tables ----------------------------------------------------------------------------------------------------------
@@ -278,7 +308,7 @@ def learning_table(name, learning, exponent, numbers):
     ]
     members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))
     note = (f"Over {int(numbers['robots'])} robots routes of 10 legs take {percent(learning.untaught)} % more or less than "
-            f"the model says, {percent(learning.taught)} % after\n * as many legs.")
+            f"the model says, {percent(learning.taught)} % after\n * {LESSONS} legs.")
     return c_tables.Table(f"make identify ROBOT={name}", f"sim/robots/{name}.cfg", note, "joulepath/skid_learner.h",
                           "jp_skid_learning", f"jp_skid_learning_{name}", members)
 
@@ -296,8 +326,8 @@ def show(result, learning):
     print_aligned([("errors, %", "mean", "worst"),
                    ("designed drives", percent(result.fit), f"{100 * np.abs(result.fit).max():.3g}"),
                    ("random motions", percent(result.check), f"{100 * np.abs(result.check).max():.3g}"),
-                   ("routes of other robots, untaught", percent(learning.untaught), f"{100 * learning.untaught.max():.3g}"),
-                   ("the same, taught", percent(learning.taught), f"{100 * learning.taught.max():.3g}")])
+                   ("routes of other robots, untaught", percent(learning.untaught), f"{100 * np.abs(learning.untaught).max():.3g}"),
+                   ("the same, taught", percent(learning.taught), f"{100 * np.abs(learning.taught).max():.3g}")])
     print(f"noise of a leg {learning.noise:.3g} J and {100 * learning.noise_relative:.3g} %, of a route "
           f"{100 * learning.noise_common:.3g} %")
 

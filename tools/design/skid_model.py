@@ -3,7 +3,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-ROLLING, FRICTION, WEIGHT, ELECTRONICS = range(4)  # enum jp_skid_factor
+ROLLING, FRICTION, WEIGHT, ELECTRONICS = range(4)  # JP_SKID_ROLLING and so on
 FACTORS = 4
 
 

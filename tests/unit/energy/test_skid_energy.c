@@ -369,7 +369,7 @@ static void test_a_ground_without_grip_stays_in_its_formats(void)
 
 /* ---- Factors ---- */
 
-static int64_t energy_scaled(enum jp_skid_factor number, jp_q16 value)
+static int64_t energy_scaled(int number, jp_q16 value)
 {
     jp_q16 factor[JP_SKID_FACTORS] = {JP_Q16_ONE, JP_Q16_ONE, JP_Q16_ONE, JP_Q16_ONE};
     struct jp_skid_energy_model scaled;
@@ -387,8 +387,8 @@ static void expect_changes(void)
     drive = (struct jp_skid_drive){0};
     add();
     for (int factor = 0; factor < (int)JP_SKID_FACTORS; factor++) {
-        const int64_t above = energy_scaled((enum jp_skid_factor)factor, JP_Q16_ONE + JP_Q16_ONE / 64);
-        const int64_t below = energy_scaled((enum jp_skid_factor)factor, JP_Q16_ONE - JP_Q16_ONE / 64);
+        const int64_t above = energy_scaled(factor, JP_Q16_ONE + JP_Q16_ONE / 64);
+        const int64_t below = energy_scaled(factor, JP_Q16_ONE - JP_Q16_ONE / 64);
         TEST_ASSERT_INT32_WITHIN(JP_Q16(0.2), (int32_t)((above - below) * 32), (int32_t)drive.change[factor]);
     }
 }
