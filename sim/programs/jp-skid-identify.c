@@ -50,10 +50,10 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
     switch (key) {
     case 'n':
-        arguments->count = (size_t)command_line_whole(state, "--count", argument, 20, 100000);
+        arguments->count = (size_t)command_line_whole(state, "--count", argument, 1, 100000);
         return 0;
     case OPTION_ROBOTS:
-        arguments->robots = (size_t)command_line_whole(state, "--robots", argument, 10, 100000);
+        arguments->robots = (size_t)command_line_whole(state, "--robots", argument, 1, 100000);
         return 0;
     case ARGP_KEY_ARG:
         command_line_take_robot(state, argument, &arguments->common);

@@ -76,7 +76,7 @@ enum jp_status jp_skid_energy_check(const struct jp_skid_energy_model *model, co
 /* ---- Treads ---- */
 
 /* a·b of Q24 numbers whose product fits 64 bits. */
-static int64_t product(int64_t a, int64_t b)
+static int64_t q24_product(int64_t a, int64_t b)
 {
     return jp_round_shift64(a * b, 24);
 }
@@ -102,7 +102,7 @@ static int64_t ratio(int64_t a, int64_t b)
 /* m: how fast the treads roll. */
 static int64_t rolling_speed(const struct jp_skid_energy_model *model, const struct mean_motion *mean)
 {
-    const int64_t across = product(model->half_track, jp_absolute64(mean->turn_rate));
+    const int64_t across = q24_product(model->half_track, jp_absolute64(mean->turn_rate));
     const int64_t along = jp_absolute64(mean->speed);
 
     return across > along ? across : along;
@@ -111,36 +111,36 @@ static int64_t rolling_speed(const struct jp_skid_energy_model *model, const str
 /* 1 − r */
 static int64_t eased(const struct jp_skid_energy_model *model, const struct mean_motion *mean)
 {
-    const int64_t by_effort = product(model->easing, product(mean->effort, mean->effort));
-    const int64_t by_bank = product(model->bank_easing, product(mean->bank, mean->bank));
+    const int64_t by_effort = q24_product(model->easing, q24_product(mean->effort, mean->effort));
+    const int64_t by_bank = q24_product(model->bank_easing, q24_product(mean->bank, mean->bank));
 
-    return limited(ratio(by_effort + by_bank, product(model->friction, model->friction)), JP_Q24_ONE);
+    return limited(ratio(by_effort + by_bank, q24_product(model->friction, model->friction)), JP_Q24_ONE);
 }
 
 static void set_turning(const struct jp_skid_energy_model *model, const struct mean_motion *mean, struct treads *treads)
 {
-    const int64_t tilting = product(model->tilting, product(mean->effort, mean->bank));
+    const int64_t tilting = q24_product(model->tilting, q24_product(mean->effort, mean->bank));
 
     treads->turning = tilting + mean->swinging;
     treads->turning_by_grip = 0;
     if (mean->turn_rate != 0) {
-        const int64_t stiffness = product(model->friction, model->yielding);
+        const int64_t stiffness = q24_product(model->friction, model->yielding);
         const int64_t turning = jp_absolute64(mean->turn_rate);
-        const int64_t resistance = turning + product(stiffness, rolling_speed(model, mean)); /* D, at most 2³⁴ */
-        const int64_t grip = product(product(model->turning, model->friction), mean->turn_rate);
+        const int64_t resistance = turning + q24_product(stiffness, rolling_speed(model, mean)); /* D, at most 2³⁴ */
+        const int64_t grip = q24_product(q24_product(model->turning, model->friction), mean->turn_rate);
         const int64_t level = ratio(grip, resistance);      /* k μ w/D, at most 2²⁷ */
         const int64_t sliding = ratio(turning, resistance); /* |w|/D */
         const int64_t gone = eased(model, mean);
         const bool is_left = gone < JP_Q24_ONE;
-        treads->turning += product(level, JP_Q24_ONE - gone);
-        treads->turning_by_grip = is_left ? product(level, product(sliding, JP_Q24_ONE - gone) + 2 * gone) : 0;
+        treads->turning += q24_product(level, JP_Q24_ONE - gone);
+        treads->turning_by_grip = is_left ? q24_product(level, q24_product(sliding, JP_Q24_ONE - gone) + 2 * gone) : 0;
     }
 }
 
 static void set_slip(const struct jp_skid_energy_model *model, const struct mean_motion *mean, struct treads *treads)
 {
     const int64_t speed = jp_absolute64(mean->speed);
-    const int64_t way = product(product(mean->effort, mean->effort), model->scrub); /* at most 2²⁸ */
+    const int64_t way = q24_product(q24_product(mean->effort, mean->effort), model->scrub); /* at most 2²⁸ */
     const int64_t left = model->friction - jp_absolute64(mean->effort);
     const int64_t least = model->friction / 4;
     const int64_t grip = left > least ? left : least;
@@ -149,18 +149,18 @@ static void set_slip(const struct jp_skid_energy_model *model, const struct mean
     treads->slip_by_grip = 0;
     if (speed != 0) {
         const int64_t turning = jp_absolute64(mean->turn_rate) * speed / rolling_speed(model, mean);
-        const int64_t rolling = product(product(model->friction, model->yielding), speed); /* at most 2³² */
-        const int64_t by_rolling = ratio(product(way, rolling), 2 * grip);
+        const int64_t rolling = q24_product(q24_product(model->friction, model->yielding), speed); /* at most 2³² */
+        const int64_t by_rolling = ratio(q24_product(way, rolling), 2 * grip);
         const int64_t change = left > least ? ratio(model->friction, grip) : JP_Q24_ONE;
-        treads->slip = limited(ratio(product(way, turning), 2 * grip) + by_rolling, WORK_MAX);
-        treads->slip_by_grip = limited(by_rolling, WORK_MAX) - product(treads->slip, change);
+        treads->slip = limited(ratio(q24_product(way, turning), 2 * grip) + by_rolling, WORK_MAX);
+        treads->slip_by_grip = limited(by_rolling, WORK_MAX) - q24_product(treads->slip, change);
     }
 }
 
 static void set_side(const struct jp_skid_energy_model *model, const struct mean_motion *mean, int side,
                      struct treads *treads)
 {
-    const int32_t across = (int32_t)product(model->half_track, mean->turn_rate);
+    const int32_t across = (int32_t)q24_product(model->half_track, mean->turn_rate);
     const int32_t speed = side == LEFT ? mean->speed - across : mean->speed + across;
     const int32_t straight = sign(speed) * (model->rolling / 2) + mean->effort / 2;
 
@@ -175,7 +175,7 @@ static void set_treads(const struct jp_skid_energy_model *model, const struct me
     set_slip(model, mean, treads);
     set_side(model, mean, LEFT, treads);
     set_side(model, mean, RIGHT, treads);
-    treads->level = (int32_t)ratio(JP_Q24_ONE, JP_Q24_ONE + product(mean->grade, mean->grade));
+    treads->level = (int32_t)ratio(JP_Q24_ONE, JP_Q24_ONE + q24_product(mean->grade, mean->grade));
 }
 
 /* ---- Power ---- */
@@ -185,20 +185,21 @@ static void add_side(const struct jp_skid_energy_model *model, const struct trea
 {
     const int32_t speed = treads->speed[side];
     const int32_t force = treads->force[side];
-    const int64_t driven = product(force, speed);
+    const int64_t driven = q24_product(force, speed);
     const int64_t work = limited(driven + treads->slip, WORK_MAX);
-    const int64_t weight = product(work < 0 ? model->braking : model->driving, model->weight); /* x G, at most 2³⁴ */
+    const int64_t weight =
+        q24_product(work < 0 ? model->braking : model->driving, model->weight); /* x G, at most 2³⁴ */
     const int32_t windings = driven <= 0 ? model->copper_braking : model->copper_driving;
-    const int64_t per_force = product(windings, product(force, treads->level)); /* at most 2³³ */
-    const int64_t mechanical = product(weight, work);
-    const int64_t copper = product(per_force, force);
-    const int64_t gain = limited(product(weight, speed) + 2 * per_force, GAIN_MAX); /* by a change of the force */
+    const int64_t per_force = q24_product(windings, q24_product(force, treads->level)); /* at most 2³³ */
+    const int64_t mechanical = q24_product(weight, work);
+    const int64_t copper = q24_product(per_force, force);
+    const int64_t gain = limited(q24_product(weight, speed) + 2 * per_force, GAIN_MAX); /* by a change of the force */
     const int64_t turning = limited(treads->turning_by_grip, FORCE_MAX);
 
     effect->power += mechanical + copper;
-    effect->change[JP_SKID_ROLLING] += product(gain, (int64_t)sign(speed) * (model->rolling / 2));
-    effect->change[JP_SKID_FRICTION] +=
-        product(gain, side == LEFT ? -turning : turning) + product(weight, limited(treads->slip_by_grip, WORK_MAX));
+    effect->change[JP_SKID_ROLLING] += q24_product(gain, (int64_t)sign(speed) * (model->rolling / 2));
+    effect->change[JP_SKID_FRICTION] += q24_product(gain, side == LEFT ? -turning : turning) +
+                                        q24_product(weight, limited(treads->slip_by_grip, WORK_MAX));
     effect->change[JP_SKID_WEIGHT] += mechanical + 2 * copper;
 }
 
@@ -254,8 +255,8 @@ static struct mean_motion mean_of(const struct jp_skid_energy_model *model, cons
         .turn_rate = (piece->start.turn_rate + piece->end.turn_rate) / 2,
         .grade = piece->grade,
         .bank = piece->bank,
-        .effort = (int32_t)limited(piece->grade + product(model->inertia, ahead), EFFORT_MAX),
-        .swinging = (int32_t)limited(product(model->turn_inertia, around), FORCE_MAX),
+        .effort = (int32_t)limited(piece->grade + q24_product(model->inertia, ahead), EFFORT_MAX),
+        .swinging = (int32_t)limited(q24_product(model->turn_inertia, around), FORCE_MAX),
     };
 }
 

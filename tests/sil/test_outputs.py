@@ -173,6 +173,7 @@ def programs(tmp_path):
     return {
         "jp-robot": [gao, "--json", output / "robot.json"], "jp-patrol-config": [patrol], "jp-balance": [gao],
         "jp-skid": [ROBOTS / "burger.cfg", "--json", output / "skid.json"],
+        "jp-skid-identify": [ROBOTS / "burger.cfg", "--count=1", "--robots=1", "--output", output],
         "jp-trip": [ROBOTS / "courier24.cfg", "--output", output], "jp-mission": [SCENARIO, "--output", output],
         "jp-identify": [gao, "--count=20", "--output", output],
         "jp-plant": [SCENARIO, "--bus=in-process", "--output", output],
@@ -182,7 +183,7 @@ def programs(tmp_path):
     }, output
 
 
-PROGRAMS = ["jp-robot", "jp-balance", "jp-skid", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol",
+PROGRAMS = ["jp-robot", "jp-balance", "jp-skid", "jp-skid-identify", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol",
             "jp-plan", "jp-navigate"]
 
 

@@ -1,4 +1,5 @@
-"""jp-skid: constant duties, and where the energy went."""
+"""jp-skid: constant duties, and where the energy went; jp-skid-identify: what its drives take."""
+import csv
 import json
 import math
 
@@ -43,3 +44,42 @@ def test_what_is_wrong_is_said_in_a_line():
     assert_one_line_error(run("jp-skid", ROOT / "sim/robots/courier24.cfg"), "courier24.cfg", "balancer robot")
     for option, text in (("--left", "1.1"), ("--right", "x"), ("--seconds", "0"), ("--slope", "61"), ("--heading", "200")):
         assert_one_line_error(run("jp-skid", ROOT / "sim/robots/burger.cfg", f"{option}={text}"), "jp-skid", option)
+
+
+# ---- jp-skid-identify ------------------------------------------------------------------------------------------------
+
+def identify(robot, directory, *options):
+    result = run("jp-skid-identify", ROOT / "sim/robots" / f"{robot}.cfg", "--output", directory, "--count=2", "--robots=1",
+                 *options)
+    assert result.returncode == 0, result.stderr
+    return json.loads((directory / "experiments.json").read_text())
+
+
+def rows(path):
+    with path.open(newline="") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def test_drives_are_chains_of_pieces(tmp_path):
+    about = identify("burger", tmp_path)
+    experiments, robots = rows(tmp_path / "experiments.csv"), rows(tmp_path / "robots.csv")
+    assert about["robot"] == "burger" and {row["run"] for row in experiments} == set(range(int(about["design"]) + 2))
+    assert {row["phase"] for row in robots} == set(range(30))
+    for before, after in zip(robots, robots[1:]):
+        assert (before["v1_m_s"], before["w1_rad_s"]) == (after["v0_m_s"], after["w0_rad_s"])
+    for row in experiments + robots:
+        assert abs(row["v0_m_s"]) <= 0.18 and math.hypot(row["grade"], row["bank"]) <= math.tan(math.radians(10)) + 1e-9
+        assert row["seconds"] == 0.2 and row["energy_j"] > 0.5 * 7.5 * 0.2 * 0.8
+
+
+def test_a_seed_repeats_its_drives(tmp_path):
+    for name, seed in (("first", 5), ("again", 5), ("other", 6)):
+        identify("burger", tmp_path / name, f"--seed={seed}")
+    first, again, other = ((tmp_path / name / "robots.csv").read_bytes() for name in ("first", "again", "other"))
+    assert first == again != other
+
+
+def test_what_the_identification_refuses(tmp_path):
+    assert_one_line_error(run("jp-skid-identify", ROOT / "sim/robots/patrol.cfg", "--output", tmp_path), "four_wheel robot")
+    for option in ("--count=0", "--robots=0", "--robots=x"):
+        assert_one_line_error(run("jp-skid-identify", ROOT / "sim/robots/burger.cfg", option), option.partition("=")[0])
