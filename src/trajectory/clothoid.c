@@ -5,7 +5,6 @@
 /** No headings are known that take more rounds than five. */
 enum { NODES = 6, ROUNDS = 6 };
 
-#define Q31(x)   ((jp_q31)((x)*2147483648.0 + 0.5))
 #define Q31_ONE  ((int64_t)1 << 31)
 #define Q30_HALF ((int32_t)1 << 29)
 
@@ -22,16 +21,6 @@ enum { NODES = 6, ROUNDS = 6 };
 /** A is at most 4 turns, Q28. */
 #define SHAPE_MAX ((int32_t)1 << 30)
 
-/** Gauss–Legendre: where φ is taken, and with what weight. */
-static const struct node {
-    jp_q31 at;
-    jp_q31 weight;
-} nodes[NODES] = {
-    {Q31(0.0337652428984240), Q31(0.0856622461895852)}, {Q31(0.1693953067668677), Q31(0.1803807865240693)},
-    {Q31(0.3806904069584016), Q31(0.2339569672863455)}, {Q31(0.6193095930415984), Q31(0.2339569672863455)},
-    {Q31(0.8306046932331323), Q31(0.1803807865240693)}, {Q31(0.9662347571015760), Q31(0.0856622461895852)},
-};
-
 /** Integrals over the curve, Q30. */
 struct integrals {
     int32_t across; /**< of sin(φ) */
@@ -42,6 +31,12 @@ struct integrals {
 /** `turned` and `shape`: δ and A, turn in Q28. */
 static struct integrals integrate(int32_t from, int32_t turned, int32_t shape)
 {
+    /* Gauss–Legendre of six points: where φ is taken, and with what weight, Q31. */
+    static const struct {
+        jp_q31 at;
+        jp_q31 weight;
+    } nodes[NODES] = {{72510307, 183958273},   {363773651, 387364789},  {817526424, 502418762},
+                      {1329957224, 502418762}, {1783709997, 387364789}, {2074973341, 183958273}};
     int64_t across = 0;
     int64_t along = 0;
     int64_t slope = 0;

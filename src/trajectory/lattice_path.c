@@ -11,7 +11,7 @@
 
 /** Grades of straight lines that become one piece, rise over run: a power of the motors that follows the grade bends by
  *  little between them. */
-#define GRADE_SPREAD JP_Q24(0.03125)
+#define GRADE_SPREAD_MAX JP_Q24(0.03125)
 
 enum jp_status jp_lattice_path_start(struct jp_lattice_path *path, struct jp_path_piece *pieces, uint16_t places)
 {
@@ -29,6 +29,7 @@ static struct jp_point centre_of(const struct jp_terrain *terrain, int32_t x, in
     return (struct jp_point){(jp_q16)(((int64_t)2 * x + 1) * cell / 2), (jp_q16)(((int64_t)2 * y + 1) * cell / 2)};
 }
 
+/** Turns by less than half a turn. */
 static void set_turn(struct jp_path_piece *piece, jp_angle end)
 {
     const int32_t turn = (int32_t)(end - piece->heading);
@@ -66,6 +67,15 @@ static bool set_curve(struct jp_path_piece *piece, int32_t dx, int32_t dy, jp_q1
     return is_curve(piece);
 }
 
+static bool set_piece(struct jp_path_piece *piece, const struct jp_primitive *primitive, jp_q16 cell, jp_angle end)
+{
+    if (primitive->move_count == 0U) {
+        set_turn(piece, end);
+        return true;
+    }
+    return set_curve(piece, primitive->dx, primitive->dy, cell, end);
+}
+
 /** True when a piece goes on as the one before it. */
 static bool goes_on(const struct jp_path_piece *last, const struct jp_path_piece *piece)
 {
@@ -76,7 +86,7 @@ static bool goes_on(const struct jp_path_piece *last, const struct jp_path_piece
         return true;
     }
     return jp_piece_is_straight(last) && jp_piece_is_straight(piece) &&
-           jp_absolute64((int64_t)jp_piece_grade(last) - jp_piece_grade(piece)) <= GRADE_SPREAD;
+           jp_absolute64((int64_t)jp_piece_grade(last) - jp_piece_grade(piece)) <= GRADE_SPREAD_MAX;
 }
 
 static enum jp_status append(struct jp_lattice_path *path, const struct jp_path_piece *piece)
@@ -112,12 +122,9 @@ enum jp_status jp_lattice_path_add(struct jp_lattice_path *path, const struct jp
         .rise = ((int32_t)jp_terrain_elevation(terrain, x, y) - jp_terrain_elevation(terrain, from->x, from->y)) *
                 RISE_STEP};
 
-    if (primitive->move_count == 0U) {
-        set_turn(&piece, heading);
-    } else if (!set_curve(&piece, x - from->x, y - from->y, terrain->config.resolution, heading)) {
+    if (!set_piece(&piece, primitive, terrain->config.resolution, heading)) {
         return JP_ERR_INFEASIBLE;
     }
-
     const enum jp_status status = append(path, &piece);
 
     if (status == JP_OK) {

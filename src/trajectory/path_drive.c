@@ -43,7 +43,7 @@ enum jp_status jp_path_drive_init(struct jp_path_drive *drive, const struct jp_p
         drive->internal = (struct jp_path_drive_internal){
             .config = *config,
             .period = (int32_t)JP_TICKS_PER_SET_POINT * jp_phase_per_rate(config->tick_rate),
-            .pace_rate = (int32_t)(config->tick_rate / JP_TICKS_PER_SET_POINT),
+            .pace_rate = (int32_t)config->tick_rate / (int32_t)JP_TICKS_PER_SET_POINT,
             .per_way = jp_q24_divide(JP_Q24_ONE, config->way),
         };
     }
@@ -129,7 +129,7 @@ static jp_q24 step_to_stand(struct jp_path_drive_internal *d, const struct jp_pa
 {
     const jp_q24 change = step(d, &piece->speed, d->period);
 
-    if (d->progress >= piece->length || (d->speed == 0 && d->progress >= piece->speed.brake_from)) {
+    if (d->progress >= piece->length || d->speed == 0) {
         d->speed = 0;
         next_piece(d);
         return 0;

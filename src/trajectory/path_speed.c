@@ -12,6 +12,9 @@
 /** Slowest that a piece is driven, m/s or rad/s. */
 #define SPEED_MIN JP_Q24(0.001)
 
+/** Least acceleration along a curve, of which a set-point at any rate sees something, m/s². */
+#define ACCELERATION_MIN JP_Q24(0.001)
+
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_path_limits, member, low, high)
 
 enum jp_status jp_path_limits_check(const struct jp_path_limits *limits, const char **field)
@@ -165,7 +168,8 @@ static jp_q24 sharpest_change(const struct jp_lattice_path *path, unsigned i)
 
 static jp_q24 curve_acceleration(const struct jp_lattice_path *path, unsigned i, const struct jp_path_limits *limits)
 {
-    return larger(smaller(limits->acceleration, jp_q24_divide(quarter(limits), sharpest_change(path, i))), 1);
+    return larger(smaller(limits->acceleration, jp_q24_divide(quarter(limits), sharpest_change(path, i))),
+                  ACCELERATION_MIN);
 }
 
 static void set_cruise(struct jp_lattice_path *path, unsigned i, const struct jp_path_limits *limits,
@@ -253,12 +257,12 @@ static void set_brake(struct jp_path_piece *piece, jp_q24 begin)
 
 /* What it takes. */
 
-struct sum {
+struct path_sum {
     int64_t duration; /* s in Q16 */
     int64_t energy;   /* J in Q16 */
 };
 
-static void add_part(struct sum *sum, const struct jp_path_piece *piece, const struct jp_motion_price *price,
+static void add_part(struct path_sum *sum, const struct jp_path_piece *piece, const struct jp_motion_price *price,
                      jp_q24 speed, jp_q16 duration)
 {
     sum->duration += duration;
@@ -271,7 +275,7 @@ static int64_t by_square(jp_q16 price, int64_t change)
     return jp_multiply(price, (int32_t)(change >> 24)) >> 24;
 }
 
-static void add_cost(struct sum *sum, const struct jp_path_piece *piece, const struct jp_motion_price *price,
+static void add_cost(struct path_sum *sum, const struct jp_path_piece *piece, const struct jp_motion_price *price,
                      jp_q24 begin)
 {
     const struct jp_piece_speed *speed = &piece->speed;
@@ -304,7 +308,7 @@ enum jp_status jp_path_plan_speeds(struct jp_lattice_path *path, const struct jp
     if (path->count == 0U) {
         return JP_ERR_NO_PLAN;
     }
-    struct sum sum = {0, 0};
+    struct path_sum sum = {0, 0};
     jp_q24 begin = 0;
 
     for (unsigned i = 0; i < path->count; i++) {

@@ -158,6 +158,15 @@ static void test_power_downhill(void)
     TEST_ASSERT_INT32_WITHIN(TOLERANCE, JP_Q16(20), power_of(JP_COST_PHYSICAL, motion(1, 0), -0.2));
 }
 
+static void test_power_as_a_price(void)
+{
+    const struct jp_motion straight = motion(1, 0);
+    const struct jp_motion fast = {JP_Q24(8) + 1, 0};
+    TEST_ASSERT_EQUAL_INT32(power_of(JP_COST_PHYSICAL, straight, 0.1),
+                            jp_skid_steer_power_of(&round_numbers, &straight, JP_Q24(0.1)));
+    TEST_ASSERT_EQUAL_INT32(0, jp_skid_steer_power_of(&round_numbers, &fast, 0));
+}
+
 /* In a wide turn the inner side brakes: −26.28866 N at 1.9 m/s, 126.28866 N at 2.1 m/s outside. */
 static void test_power_with_a_braking_side(void)
 {
