@@ -9,7 +9,6 @@
 #define TWO_PI              JP_Q24(6.283185307179586)
 #define RADIANS_INVERSE_Q16 JP_Q16(0.15915494309189535)
 #define TWO_PI_Q16          JP_Q16(6.283185307179586)
-#define GRAVITY             JP_Q16(9.80665)
 #define ACCEL_BITS          26 /* ±2 g */
 
 /* The wheels stand once both sides have stayed within this many counts for a quarter of a second. */
@@ -115,7 +114,10 @@ static int64_t over(int64_t x, unsigned bits, int64_t divisor)
 /* x · step / s, rounded down. */
 static int64_t in_a_step(const struct jp_skid_odometry_config *config, int64_t x)
 {
-    return x * (int64_t)config->step_ticks / (int64_t)config->tick_rate;
+    const int64_t ticks = (int64_t)config->step_ticks;
+    const int64_t rate = (int64_t)config->tick_rate;
+
+    return x * ticks / rate;
 }
 
 static void set_heading_filter(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
@@ -180,7 +182,7 @@ static void set_units(struct jp_skid_odometry *odometry, const struct jp_skid_od
     odometry->internal.stand_steps_min = config->tick_rate / (STANDS_IN_A_SECOND * config->step_ticks) + 1U;
     odometry->internal.mean_share = jp_divide((int64_t)1 << 31, (int32_t)ticks);
     odometry->internal.speed_per_way = jp_saturate32(rate * JP_Q16_ONE / ticks);
-    odometry->internal.acceleration = jp_saturate32(square(rate) * JP_Q24_ONE / (square(ticks) * GRAVITY));
+    odometry->internal.acceleration = jp_saturate32(square(rate) * JP_Q24_ONE / (square(ticks) * JP_Q16(9.80665)));
     odometry->internal.centripetal = jp_multiply_shift(odometry->internal.acceleration, TWO_PI, 24);
     odometry->internal.turn_force = config->turn_force;
     odometry->internal.braking = jp_divide((int64_t)1 << 48, config->efficiency);
@@ -295,10 +297,10 @@ static void filter_heading(struct jp_skid_odometry *odometry, const struct jp_sk
     const int32_t surprise = jp_sub(odometry->internal.gyro_turn, expected);
     const int32_t weighted = jp_multiply_shift(turn, odometry->internal.ratio_weight, 24);
     const int32_t weight = jp_saturate_bits(weighted, WEIGHTED_BITS);
-    const int32_t growth = (int32_t)(jp_magnitude32(turn) >> RATIO_GROWTH_SHIFT);
+    const uint32_t growth = jp_magnitude32(turn) >> RATIO_GROWTH_SHIFT;
 
     odometry->internal.bias_bias = jp_clamp32(odometry->internal.bias_bias + odometry->internal.bias_growth, 1, ONE);
-    odometry->internal.ratio_ratio = jp_clamp32(odometry->internal.ratio_ratio + growth, 1, ONE);
+    odometry->internal.ratio_ratio = jp_clamp32(odometry->internal.ratio_ratio + (int32_t)growth, 1, ONE);
 
     const int64_t of_bias =
         odometry->internal.bias_bias + (jp_multiply(odometry->internal.bias_ratio, weight) >> 16); /* Q30 */

@@ -377,6 +377,17 @@ static void test_grade_to_the_left_is_forgotten(void)
     TEST_ASSERT_TRUE(odometry.internal.tilt.left_left > (1 << 30) - (1 << 28));
 }
 
+static void test_grade_is_forgotten_at_once_where_it_changes_much(void)
+{
+    config.tilt_change = JP_Q24(1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.left = JP_Q24(0.1);
+    odometry.internal.tilt.left_left = 1 << 20;
+    drive(1, 1024, 1024, 0);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.05), odometry.internal.tilt.left);
+    TEST_ASSERT_EQUAL_INT32(1 << 30, odometry.internal.tilt.left_left);
+}
+
 /* ---- Grip ---- */
 
 /* A turn on the spot that takes a current of each side; 0.4 g by the file. */
