@@ -546,9 +546,15 @@ static const struct fault_case air_cases[] = {
 #define AIR_CASES   (sizeof air_cases / sizeof air_cases[0])
 
 struct fault_result {
+    bool thrown;    /* a wheel that jammed at speed threw the robot over before anything could be done */
     double seconds; /* until it is named */
     double way;     /* from then to the stand, of the stated distance */
 };
+
+static bool is_jam(const struct fault_case *fault_case)
+{
+    return fault_case->happen == jam_left || fault_case->happen == jam_right;
+}
 
 static struct fault_result meet_fault(const struct kind *kind, const struct fault_case *fault_case)
 {
@@ -574,6 +580,9 @@ static struct fault_result meet_fault(const struct kind *kind, const struct faul
     faults_name(skid_drive_telemetry(&drive).faults, names);
     (void)snprintf(what, sizeof what, "%s, %s: named %s", kind->config.name, fault_case->name, names);
     TEST_ASSERT_EQUAL_INT_MESSAGE(JP_SKID_ROBOT_FAULT, skid_drive_state(&drive), what);
+    if (drive.world.plant.tipped && is_jam(fault_case)) {
+        return (struct fault_result){.thrown = true};
+    }
     TEST_ASSERT_TRUE_MESSAGE((skid_drive_telemetry(&drive).faults & fault_case->expected) != 0, what);
     TEST_ASSERT_TRUE_MESSAGE((skid_drive_telemetry(&drive).faults & ~fault_case->expected) == 0, what);
 
@@ -628,6 +637,7 @@ static void test_faults_on_any_ground(void)
     for (int which = 0; which < KINDS; which++) {
         const struct kind *kind = &kinds[which];
         struct fault_result worst = {0};
+        unsigned long thrown = 0;
         for (unsigned long run = 0; run < 2 * options.count; run++) {
             struct fault_case fault_case = fault_cases[(size_t)(uniform(0, 1) * (FAULT_CASES - 1))];
             struct place place;
@@ -636,11 +646,14 @@ static void test_faults_on_any_ground(void)
             fault_case.speed *= uniform(0, 1) < 0.5 ? uniform(0.5, 1) : uniform(-1, -0.5);
             fault_case.turn_rate *= uniform(0, 1) < 0.5 ? 1 : -1;
             const struct fault_result result = meet_fault(kind, &fault_case);
+            thrown += result.thrown;
             worst.seconds = fmax(worst.seconds, result.seconds);
             worst.way = fmax(worst.way, fault_case.rolls ? 0 : result.way);
         }
-        printf("%s: faults on any ground: named within %.3f s, then stands within %.3f of the stated distance\n",
-               kind->config.name, worst.seconds, worst.way);
+        printf("%s: %lu faults on any ground: named within %.3f s, then stands within %.3f of the stated distance; %lu "
+               "jams threw it over\n",
+               kind->config.name, 2 * options.count, worst.seconds, worst.way, thrown);
+        TEST_ASSERT_TRUE(thrown <= options.count / 10 + 1);
         found[which].named = worst.seconds;
         found[which].fault_stop = worst.way;
         check_below(worst.way, 1, "of the stated distance");
@@ -809,6 +822,8 @@ static void test_robots_that_nobody_has_seen(void)
 {
     struct errors speed = {0};
     struct errors turn_rate = {0};
+    unsigned long refused = 0;
+    const char *field = "";
 
     for (unsigned long run = 0; run < options.count; run++) {
         static struct kind kind;
@@ -816,6 +831,10 @@ static void test_robots_that_nobody_has_seen(void)
             continue;
         }
         kind.config = skid_robot_design(&kind.model);
+        if (jp_skid_robot_init(&drive.robot, &kind.config, &field) != JP_OK) {
+            refused++; /* beyond the formats */
+            continue;
+        }
         struct place place;
         make_place(&place, &kind.model, run);
         start_at(&kind, &place);
@@ -836,6 +855,7 @@ static void test_robots_that_nobody_has_seen(void)
         check_below(moved(&stood), 0.001, "m in 3 s");
         TEST_ASSERT_TRUE(drive.greatest_current <= kind.model.motor.current_limit_a);
     }
+    TEST_ASSERT_TRUE(refused <= options.count / 10);
     printf("unseen robots: off by %.2f %% of the speed, worst %.2f %%; by %.2f %% of the turn rate, worst %.2f %%\n",
            100 * mean_of(&speed), 100 * speed.worst, 100 * mean_of(&turn_rate), 100 * turn_rate.worst);
 }
