@@ -12,9 +12,9 @@ const struct jp_skid_learning jp_skid_learning_zhang2018 = {
             10011, /* 0.1527525 of the weight */
             7567,  /* 0.1154701 of the electronics */
         },
-    .noise_relative = 2050,  /* 0.03128169 of the energy */
-    .noise = 29152,          /* 7.1171 J */
-    .spread = 87553,         /* 1.335953 of single legs beyond their noise */
-    .memory = 64U,           /* legs */
-    .identity = 3202357505U, /* of the numbers above */
+    .noise_relative = 2050, /* 0.03128169 of the energy */
+    .noise = 29152,         /* 7.1171 J */
+    .spread = 121198,       /* 1.84934 of single legs beyond their noise */
+    .memory = 64U,          /* legs */
+    .identity = 201389378U, /* of the numbers above */
 };

@@ -49,6 +49,9 @@ RANGES = ((0.7, 1.5), (0.6, 1.2), (0.9, 1.3), (0.8, 1.2))
 
 LESSONS = 20             # legs of a robot that it learns from
 NOISE_START = (1, 0.01)  # J, and share of the energy, of a leg
+# Single legs are as far from the model as a normal distribution whose share SURE is within that of theirs: the slides of a
+# steep slope must not pass for another ground.
+SURE, SURE_DEVIATIONS = 0.99, 2.576
 ROUNDS = 3               # of the noise, which weighs the legs that it is found from
 
 MEMORY = 64  # legs after which a measurement counts 1/e
@@ -255,8 +258,10 @@ def learn(model, path):
     scale = 1.0
     for _ in range(ROUNDS):
         scale *= surprise(scale)
+    noise = tuple(scale * np.array(noise))
+    alone = np.concatenate([np.abs(route.missed) / deviation_of(noise, route.measured) for route in routes])
     totals = np.array([route.measured.sum() for route in routes])
-    return Learning(deviation, float(scale * noise[0]), float(scale * noise[1]), max(1 / scale, 1.0),
+    return Learning(deviation, float(noise[0]), float(noise[1]), max(float(np.quantile(alone, SURE)) / SURE_DEVIATIONS, 1.0),
                     np.array([route.untaught for route in routes]) / totals,
                     np.array([route.missed.sum() for route in routes]) / totals)
 
