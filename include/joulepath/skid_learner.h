@@ -34,9 +34,11 @@ struct jp_skid_learning {
     jp_q16 deviation[JP_SKID_FACTORS]; /**< d: standard deviations of the factors about 1; above 0, at most 1 */
     jp_q16 noise_relative;             /**< standard deviation of a leg's energy about the model: share of it, 0…1, */
     jp_q16 noise;                      /**< and J; above 0, at most 1 024. The two are independent. */
-    jp_q16 noise_common; /**< what all legs of a route have too much or too little alike, share of its energy; 0…1 */
-    uint32_t memory;     /**< legs after which a measurement counts 1/e; 8…1 024 */
-    uint32_t identity;   /**< of the numbers above, not 0: a state that was learned with others is invalid */
+    /** What one leg takes too much, the next often takes too little, so that single legs are further from the model
+     * than this noise, which makes forecasts of routes: by this factor; 1…16. */
+    jp_q16 spread;
+    uint32_t memory;   /**< legs after which a measurement counts 1/e; 8…1 024 */
+    uint32_t identity; /**< of the numbers above, not 0: a state that was learned with others is invalid */
 };
 
 /** Private but for the members with a comment. */

@@ -54,7 +54,7 @@ enum jp_status jp_forecast_total(const struct jp_learner *learner, const struct 
         return JP_ERR_ARGUMENT;
     }
 
-    return jp_forecast_sum_total(&learner->state, sum, 0, forecast);
+    return jp_forecast_sum_total(&learner->state, sum, forecast);
 }
 
 enum jp_status jp_forecast_reserve(const struct jp_forecast *forecast, jp_q16 available, jp_q31 confidence,

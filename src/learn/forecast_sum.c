@@ -15,10 +15,8 @@ void jp_forecast_sum_add(struct jp_forecast_sum *sum, const struct jp_expectatio
     sum->variance += jp_square(expected->noise) >> 16;
 }
 
-/** Standard deviation of the sum, J; `common`: a variance in Q32, at most 2⁶². False, and INT32_MAX: it does not fit.
- */
-static bool deviation_of(const struct jp_learned_state *state, const struct jp_forecast_sum *sum, uint64_t common,
-                         jp_q16 *deviation)
+/** Standard deviation of the sum, J. False, and INT32_MAX: it does not fit. */
+static bool deviation_of(const struct jp_learned_state *state, const struct jp_forecast_sum *sum, jp_q16 *deviation)
 {
     int32_t gradient[JP_LEARNING_DIRECTIONS];
 
@@ -33,7 +31,7 @@ static bool deviation_of(const struct jp_learned_state *state, const struct jp_f
         return false;
     }
 
-    const uint32_t root = jp_square_root((sum->variance << 16) + jp_filter_variance(state->s, gradient) + common);
+    const uint32_t root = jp_square_root((sum->variance << 16) + jp_filter_variance(state->s, gradient));
 
     if (root > (uint32_t)INT32_MAX) {
         return false;
@@ -43,12 +41,10 @@ static bool deviation_of(const struct jp_learned_state *state, const struct jp_f
 }
 
 enum jp_status jp_forecast_sum_total(const struct jp_learned_state *state, const struct jp_forecast_sum *sum,
-                                     jp_q16 common, struct jp_forecast *forecast)
+                                     struct jp_forecast *forecast)
 {
+    const bool is_known = deviation_of(state, sum, &forecast->deviation);
+
     forecast->energy = jp_saturate32(sum->energy);
-
-    const uint64_t shared = jp_variance_of(common, forecast->energy);
-    const bool is_known = deviation_of(state, sum, shared, &forecast->deviation);
-
     return is_known && forecast->energy == sum->energy ? JP_OK : JP_ERR_OVERFLOW;
 }

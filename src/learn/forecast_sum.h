@@ -6,9 +6,8 @@
 
 void jp_forecast_sum_add(struct jp_forecast_sum *sum, const struct jp_expectation *expected);
 
-/** `common`: standard deviation of what all drives of a sum have too much or too little alike, a share of the energy.
- *  JP_ERR_OVERFLOW as jp_forecast_total(). */
+/** Failures as jp_forecast_total(). */
 enum jp_status jp_forecast_sum_total(const struct jp_learned_state *state, const struct jp_forecast_sum *sum,
-                                     jp_q16 common, struct jp_forecast *forecast);
+                                     struct jp_forecast *forecast);
 
 #endif

@@ -18,7 +18,7 @@ enum jp_status jp_skid_learning_check(const struct jp_skid_learning *learning, c
 {
     static const struct jp_config_field fields[] = {
         FIELD(deviation, 1, JP_Q16_ONE), FIELD(noise_relative, 0, JP_Q16_ONE),
-        FIELD(noise, 1, JP_Q16(1024)),   FIELD(noise_common, 0, JP_Q16_ONE),
+        FIELD(noise, 1, JP_Q16(1024)),   FIELD(spread, JP_Q16_ONE, JP_Q16(16)),
         FIELD(memory, 8, 1024),
     };
     const enum jp_status status = jp_config_check(learning, fields, JP_CONFIG_COUNT(fields), field);
@@ -105,7 +105,7 @@ static bool expect(const struct jp_skid_learner *learner, const struct jp_skid_d
     }
     expected->noise = jp_learned_noise(&learner->state, jp_variance_of(learning->noise, JP_Q16_ONE) +
                                                             jp_variance_of(learning->noise_relative, expected->energy));
-    expected->spread = JP_Q16_ONE;
+    expected->spread = learning->spread;
     return fits;
 }
 
@@ -155,5 +155,5 @@ enum jp_status jp_skid_forecast_total(const struct jp_skid_learner *learner, con
     if (learner == NULL || sum == NULL || forecast == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    return jp_forecast_sum_total(&learner->state, sum, learner->learning->noise_common, forecast);
+    return jp_forecast_sum_total(&learner->state, sum, forecast);
 }

@@ -12,9 +12,9 @@ const struct jp_skid_learning jp_skid_learning_burger = {
             10011, /* 0.1527525 of the weight */
             7567,  /* 0.1154701 of the electronics */
         },
-    .noise_relative = 29,    /* 0.0004373556 of the energy */
-    .noise_common = 0,       /* 0 of the energy of a route */
-    .noise = 866,            /* 0.02641703 J */
-    .memory = 64U,           /* legs */
-    .identity = 1227246047U, /* of the numbers above */
+    .noise_relative = 19,   /* 0.0002912539 of the energy */
+    .noise = 576,           /* 0.01759224 J */
+    .spread = 133284,       /* 2.033748 of single legs beyond their noise */
+    .memory = 64U,          /* legs */
+    .identity = 654890384U, /* of the numbers above */
 };

@@ -12,9 +12,9 @@ const struct jp_skid_learning jp_skid_learning_zhang2018 = {
             10011, /* 0.1527525 of the weight */
             7567,  /* 0.1154701 of the electronics */
         },
-    .noise_relative = 2739,  /* 0.04179086 of the energy */
-    .noise_common = 0,       /* 0 of the energy of a route */
-    .noise = 38945,          /* 9.50811 J */
-    .memory = 64U,           /* legs */
-    .identity = 2338091773U, /* of the numbers above */
+    .noise_relative = 2050, /* 0.03128169 of the energy */
+    .noise = 29152,         /* 7.1171 J */
+    .spread = 121198,       /* 1.84934 of single legs beyond their noise */
+    .memory = 64U,          /* legs */
+    .identity = 201389378U, /* of the numbers above */
 };

@@ -49,6 +49,9 @@ RANGES = ((0.7, 1.5), (0.6, 1.2), (0.9, 1.3), (0.8, 1.2))
 
 LESSONS = 20             # legs of a robot that it learns from
 NOISE_START = (1, 0.01)  # J, and share of the energy, of a leg
+# Single legs are as far from the model as a normal distribution whose share SURE is within that of theirs: the slides of a
+# steep slope must not pass for another ground.
+SURE, SURE_DEVIATIONS = 0.99, 2.576
 ROUNDS = 3               # of the noise, which weighs the legs that it is found from
 
 MEMORY = 64  # legs after which a measurement counts 1/e
@@ -80,7 +83,7 @@ class Learning:
     deviation: np.ndarray
     noise: float           # J
     noise_relative: float
-    noise_common: float
+    spread: float          # of single legs beyond it
     untaught: np.ndarray   # relative errors of each robot's legs, before and after its factors are known
     taught: np.ndarray
 
@@ -220,7 +223,7 @@ class Route:
     covariance: np.ndarray
 
     def variance(self, noise):
-        """As it is forecast, without what all legs have alike."""
+        """As it is forecast."""
         return np.sum(deviation_of(noise, self.measured)**2) + self.gradient @ self.covariance @ self.gradient
 
 
@@ -246,12 +249,21 @@ def learn(model, path):
         routes = [drive_route(model, lesson, rest, deviation, noise) for lesson, rest in robots]
         noise = fit_noise(np.concatenate([route.measured for route in routes]),
                           np.concatenate([route.missed for route in routes])**2)
+    def surprise(scale):
+        """Of routes by what their forecasts say, root mean square, with so much of the noise."""
+        scaled = tuple(scale * np.array(noise))
+        made = [drive_route(model, lesson, rest, deviation, scaled) for lesson, rest in robots]
+        return math.sqrt(np.mean([route.missed.sum()**2 / route.variance(scaled) for route in made]))
+
+    scale = 1.0
+    for _ in range(ROUNDS):
+        scale *= surprise(scale)
+    noise = tuple(scale * np.array(noise))
+    alone = np.concatenate([np.abs(route.missed) / deviation_of(noise, route.measured) for route in routes])
     totals = np.array([route.measured.sum() for route in routes])
-    missed = np.array([route.missed.sum() for route in routes]) / totals
-    foretold = np.array([route.variance(noise) for route in routes]) / totals**2
-    common = math.sqrt(max(np.mean(missed**2 - foretold), 0))
-    return Learning(deviation, float(noise[0]), float(noise[1]), common,
-                    np.array([route.untaught for route in routes]) / totals, missed)
+    return Learning(deviation, float(noise[0]), float(noise[1]), max(float(np.quantile(alone, SURE)) / SURE_DEVIATIONS, 1.0),
+                    np.array([route.untaught for route in routes]) / totals,
+                    np.array([route.missed.sum() for route in routes]) / totals)
 
 
 # ---- Tables ----------------------------------------------------------------------------------------------------------
@@ -302,8 +314,8 @@ def learning_table(name, learning, exponent, numbers):
         c_tables.Array("deviation", [value.value for value in values],
                        [f"{value.comment} of the {value.name}" for value in values]),
         to.q16("noise_relative", learning.noise_relative, "of the energy", 0, 1),
-        to.q16("noise_common", learning.noise_common, "of the energy of a route", 0, 1),
         to.energy("noise", max(learning.noise, 2.0**(exponent - 16)), "J", 2**-16, 1024, exponent),
+        to.q16("spread", learning.spread, "of single legs beyond their noise", 1, 16),
         to.whole("memory", MEMORY, "legs", 8, 1024),
     ]
     members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))
@@ -328,8 +340,8 @@ def show(result, learning):
                    ("random motions", percent(result.check), f"{100 * np.abs(result.check).max():.3g}"),
                    ("routes of other robots, untaught", percent(learning.untaught), f"{100 * np.abs(learning.untaught).max():.3g}"),
                    ("the same, taught", percent(learning.taught), f"{100 * np.abs(learning.taught).max():.3g}")])
-    print(f"noise of a leg {learning.noise:.3g} J and {100 * learning.noise_relative:.3g} %, of a route "
-          f"{100 * learning.noise_common:.3g} %")
+    print(f"noise of a leg {learning.noise:.3g} J and {100 * learning.noise_relative:.3g} %, of single ones "
+          f"{learning.spread:.3g} times that")
 
 
 def arguments():
