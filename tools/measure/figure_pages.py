@@ -80,6 +80,8 @@ SECTIONS = (
     Section("The patrol robot", "", r"bench_patrol"),
     Section("The patrol robot by scene", "Improved band / plain band / pure pursuit. Pursuit has arrived at the goal "
             "whatever its heading. Times and energies are the means of those that arrived.", blocks=("patrol",)),
+    Section("Skid steer, driven", "Plans on the 20 scenes, driven in closed loop over their hills; energies by the plant's "
+            "ledger.", r"bench_skid_drive"),
     Section("Pure pursuit", "", r"bench_pursuit|pure_pursuit"),
     Section("Pure pursuit by speed", "Largest distance from the path (and root mean square), cm; speeds are those of "
             "straight parts. The tightest bends of the scenes' paths are tighter than the robot can drive; from 1.25 "
