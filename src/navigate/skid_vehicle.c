@@ -144,14 +144,12 @@ static enum jp_status turn(void *context, jp_angle heading)
         return JP_ERR_STATE;
     }
 
-    enum jp_status status = jp_turn_path(&run->path, run->pieces, 1, &pose, heading);
+    if (jp_turn_path(&run->path, run->pieces, 1, &pose, heading) != JP_OK) {
+        return JP_OK; /* it has that heading */
+    }
 
-    if (status == JP_ERR_ZERO_LENGTH) {
-        return JP_OK;
-    }
-    if (status == JP_OK) {
-        status = plan_speeds(skid, run, &skid->config.limits);
-    }
+    const enum jp_status status = plan_speeds(skid, run, &skid->config.limits);
+
     return status == JP_OK ? drive(skid) : status;
 }
 

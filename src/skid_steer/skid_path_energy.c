@@ -10,7 +10,7 @@
 #define GRADE_MAX JP_Q24_ONE
 
 /** A path as far as it has been added up. */
-struct sum {
+struct drive_sum {
     const struct jp_skid_energy_model *model;
     struct jp_skid_drive *drive;
     jp_q16 duration; /* s */
@@ -30,14 +30,14 @@ static jp_q24 grade_of(const struct jp_path_piece *piece)
 }
 
 /** Where the robot is on a piece, and how fast: m and m/s, or rad and rad/s. */
-struct place {
+struct speed_mark {
     jp_q24 way;
     jp_q24 speed;
 };
 
 /** From one place to the next, in which the speed changes evenly. */
-static void add_part(struct sum *sum, const struct jp_path_piece *piece, const struct place *from,
-                     const struct place *to)
+static void add_part(struct drive_sum *sum, const struct jp_path_piece *piece, const struct speed_mark *from,
+                     const struct speed_mark *to)
 {
     const jp_q24 mean = from->speed / 2 + to->speed / 2;
     const jp_q16 lasts = jp_q16_divide(to->way - from->way, mean);
@@ -48,7 +48,7 @@ static void add_part(struct sum *sum, const struct jp_path_piece *piece, const s
         .duration = jp_clamp32(lasts, 0, DURATION_MAX),
     };
 
-    if (to->way > from->way && part.duration > 0) {
+    if (part.duration > 0) {
         (void)jp_skid_energy_add(sum->model, sum->drive, &part);
         sum->duration = jp_add(sum->duration, part.duration);
     }
@@ -62,11 +62,11 @@ static jp_q24 way_of_change(const struct jp_piece_speed *speed, jp_q24 from, jp_
     return jp_saturate32(squares / speed->acceleration / 2);
 }
 
-static void add_piece(struct sum *sum, const struct jp_path_piece *piece, jp_q24 begin)
+static void add_piece(struct drive_sum *sum, const struct jp_path_piece *piece, jp_q24 begin)
 {
     const struct jp_piece_speed *speed = &piece->speed;
     const jp_q24 reached = jp_clamp32(way_of_change(speed, begin, speed->cruise), 0, speed->brake_from);
-    const struct place places[] = {
+    const struct speed_mark places[] = {
         {0, begin}, {reached, speed->cruise}, {speed->brake_from, speed->cruise}, {piece->length, speed->end}};
 
     for (unsigned i = 1; i < sizeof places / sizeof places[0]; i++) {
@@ -77,7 +77,7 @@ static void add_piece(struct sum *sum, const struct jp_path_piece *piece, jp_q24
 void jp_skid_path_energy(const struct jp_skid_energy_model *model, const struct jp_lattice_path *path,
                          struct jp_skid_drive *drive, jp_q16 *duration)
 {
-    struct sum sum = {model, drive, *duration};
+    struct drive_sum sum = {model, drive, *duration};
     jp_q24 speed = 0;
 
     for (unsigned i = 0; i < path->count; i++) {

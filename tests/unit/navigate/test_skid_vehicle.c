@@ -199,6 +199,21 @@ static void test_runs_that_cannot_be_driven(void)
     expect_phase(JP_VEHICLE_STANDING);
 }
 
+/* 960 m: its energy exceeds its format. */
+static void test_a_long_run_is_driven_all_the_same(void)
+{
+    static struct jp_point far[JP_SKID_RUN_MAX];
+    const struct jp_vehicle_run task = {.targets = far, .count = JP_SKID_RUN_MAX};
+
+    for (unsigned i = 0; i < JP_SKID_RUN_MAX; i++) {
+        far[i] = (struct jp_point){i % 2U == 0U ? JP_Q16(60) : 0, 0};
+    }
+    prepare(0);
+    make_standing();
+    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.follow(vehicle.context, &task));
+    TEST_ASSERT_TRUE(skid.driven.drive.energy > (int64_t)INT32_MAX);
+}
+
 /* Arcs lie beside both lines of their corner, and turns on the spot on them. */
 static void test_survey_tells_what_room_corners_take(void)
 {
