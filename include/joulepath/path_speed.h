@@ -7,12 +7,13 @@
  *
  * of JP_SPEED_STEPS even steps up to the limits: of speed, turn rate and the speed of the outer side, and of the turn
  * rate's change where the curvature changes. Where it jumps from one piece to the next by Δκ it changes over a way of
- * 2 h = 2 Δκ v²/α about their meeting, half of α being left for the rest; pieces too short for it are met slower. So
+ * 2 h = 4 Δκ v²/α about their meeting, half of α being left for the rest; pieces too short for it are met slower. So
  * the robot leaves the path by hardly more than Δκ h²/6, which path_drive.h steers back.
+ * While it blends towards a sharper piece its outer side may be faster than its limit, by 5 % at most on random paths.
  *
  * Then two passes keep each change of speed within the acceleration, from the begin, where the robot stands, and from
- * the end, where it stops. It stops before and after each turn on the spot. A piece is driven with one acceleration: up
- * or down to its cruise, on, and to its end.
+ * the end, where it stops. It stops before and after each turn on the spot. A piece is driven with one acceleration,
+ * which leaves the turn rate its share: up or down to its cruise, on, and to its end.
  */
 #ifndef JOULEPATH_PATH_SPEED_H
 #define JOULEPATH_PATH_SPEED_H
