@@ -187,7 +187,7 @@ void plan_drive_write(const struct plan_drive *drive, const char *robot_path, FI
     (void)fprintf(stream, " );\n");
 }
 
-struct plan_sums plan_drive_predicted(const struct plan_drive *drive)
+static struct plan_sums predicted_sums(const struct plan_drive *drive)
 {
     struct plan_sums sums = {0};
 
@@ -239,4 +239,19 @@ bool plan_drive_run(const struct map_file *map, const struct lattice_robot *robo
     drive->length = follower.length;
     drive->is_clear = follower.is_clear;
     return true;
+}
+
+struct plan_driven plan_drive_result(const struct plan_drive *drive)
+{
+    const struct mission_leg *total = &drive->mission.total;
+
+    return (struct plan_driven){.places = drive->places,
+                                .place_count = drive->waypoint_count,
+                                .margin_m = drive->margin_m,
+                                .predicted = predicted_sums(drive),
+                                .driven = {total->measured_energy, drive->length, total->duration},
+                                .battery_energy = total->battery_energy,
+                                .end_error = total->end_error,
+                                .is_clear = drive->is_clear,
+                                .is_level = true};
 }

@@ -11,6 +11,26 @@
 #define PLAN_SCENARIO_FILE "scenario.cfg"
 #define PLAN_LOG_FILE      "drive.csv"
 
+/** J, m and s. */
+struct plan_sums {
+    double energy;
+    double length;
+    double time;
+};
+
+/** What became of a route that was driven, by a robot of any kind. */
+struct plan_driven {
+    const struct clearance_pose *places; /**< that it was led to, in the grid's frame; the first is the start */
+    size_t place_count;
+    double margin_m; /**< least that a predicted segment keeps to obstacles */
+    struct plan_sums predicted;
+    struct plan_sums driven;
+    double battery_energy;
+    double end_error; /**< m from the goal */
+    bool is_clear;    /**< it touched no obstacle */
+    bool is_level;    /**< the simulated ground was */
+};
+
 struct plan_drive {
     const struct jp_energy_model *model;
     size_t waypoint_count;
@@ -33,12 +53,7 @@ void plan_drive_write(const struct plan_drive *drive, const char *robot_path, FI
 /** Drives it, with the log of a mission. False after one line on stderr. */
 bool plan_drive_run(const struct map_file *map, const struct lattice_robot *robot, struct plan_drive *drive, FILE *log);
 
-/** Sums over the predicted segments: J, m and s. */
-struct plan_sums {
-    double energy;
-    double length;
-    double time;
-};
-struct plan_sums plan_drive_predicted(const struct plan_drive *drive);
+/** Of the drive that was made. */
+struct plan_driven plan_drive_result(const struct plan_drive *drive);
 
 #endif

@@ -180,24 +180,39 @@ static void print_memory(const struct plan_report *report)
         (double)jp_terrain_size(&report->map->terrain.config) / KIB);
 }
 
+/* The lattice's energy, on the ground that the drive had. */
+static double planned_energy(const struct plan_report *report)
+{
+    const struct plan_route *route = &report->searches[PLAN_ENERGY].route;
+
+    return report->drive->is_level ? route->level_energy : plan_route_end(route)->energy;
+}
+
+/* The simulated ground is level, that of the map is not. */
+static bool leaves_climbs_out(const struct plan_report *report)
+{
+    return report->drive->is_level && report->map->terrain.config.has_elevation;
+}
+
+static void print_sums(const char *label, double length, double energy, double time)
+{
+    (void)printf("%-34s %9.2f %10.1f %9.1f\n", label, length, energy, time);
+}
+
 static void print_drive(const struct plan_report *report)
 {
-    const struct plan_drive *drive = report->drive;
-    const struct plan_route *route = &report->searches[PLAN_ENERGY].route;
-    const struct plan_sums predicted = plan_drive_predicted(drive);
-    const struct mission_leg *driven = &drive->mission.total;
+    const struct plan_driven *drive = report->drive;
+    const struct plan_step *end = plan_route_end(&report->searches[PLAN_ENERGY].route);
 
     (void)printf("\n%-34s %9s %10s %9s\n", "energy-optimal route, driven", "length m", "energy J", "time s");
-    (void)printf("%-34s %9.2f %10.1f %9.1f\n", "planned: lattice, level ground", plan_route_end(route)->length,
-                 route->level_energy, plan_route_end(route)->time);
-    (void)printf("%-34s %9.2f %10.1f %9.1f\n", "predicted: segment optimiser", predicted.length, predicted.energy,
-                 predicted.time);
-    (void)printf("%-34s %9.2f %10.1f %9.1f\n", "driven: simulator, closed loop", drive->length, driven->measured_energy,
-                 driven->duration);
+    print_sums(drive->is_level ? "planned: lattice, level ground" : "planned: lattice", end->length,
+               planned_energy(report), end->time);
+    print_sums("predicted: energy model", drive->predicted.length, drive->predicted.energy, drive->predicted.time);
+    print_sums("driven: simulator, closed loop", drive->driven.length, drive->driven.energy, drive->driven.time);
     (void)printf("%zu segments, margin %.2f m; the driven path %s; %.3f m from the goal at the end\n",
-                 drive->waypoint_count - 1, drive->margin_m,
-                 drive->is_clear ? "touched no obstacle" : "TOUCHED AN OBSTACLE", driven->end_error);
-    if (report->map->terrain.config.has_elevation) {
+                 drive->place_count - 1, drive->margin_m,
+                 drive->is_clear ? "touched no obstacle" : "TOUCHED AN OBSTACLE", drive->end_error);
+    if (leaves_climbs_out(report)) {
         (void)printf("the simulator's ground is level: these energies leave the map's climbs out\n");
     }
 }
@@ -297,36 +312,33 @@ static json_t *json_waypoints(const struct plan_report *report)
 {
     json_t *waypoints = json_array();
 
-    for (size_t i = 0; i < report->drive->waypoint_count; i++) {
+    for (size_t i = 0; i < report->drive->place_count; i++) {
         const struct plan_place place = plan_map_place(report->map, &report->drive->places[i]);
         (void)json_array_append_new(waypoints, json_pack("[f, f]", place.x, place.y));
     }
     return waypoints;
 }
 
-static json_t *json_sums(double length, double energy, double time)
+static json_t *json_sums(const struct plan_sums *sums)
 {
-    return json_pack("{s:f, s:f, s:f}", "length_m", length, "energy_j", energy, "time_s", time);
+    return json_pack("{s:f, s:f, s:f}", "length_m", sums->length, "energy_j", sums->energy, "time_s", sums->time);
 }
 
 static json_t *json_drive(const struct plan_report *report)
 {
-    const struct plan_drive *drive = report->drive;
+    const struct plan_driven *drive = report->drive;
 
     if (drive == NULL) {
         return json_null();
     }
-    const struct plan_route *route = &report->searches[PLAN_ENERGY].route;
-    const struct plan_step *end = plan_route_end(route);
-    const struct plan_sums predicted = plan_drive_predicted(drive);
-    const struct mission_leg *total = &drive->mission.total;
-    return json_pack(
-        "{s:s, s:s, s:o, s:f, s:b, s:f, s:b, s:o, s:o, s:o, s:f}", "scenario", PLAN_SCENARIO_FILE, "log", PLAN_LOG_FILE,
-        "waypoints_m", json_waypoints(report), "margin_m", drive->margin_m, "clear", drive->is_clear, "end_error_m",
-        total->end_error, "level_ground_assumed", report->map->terrain.config.has_elevation, "planned",
-        json_sums(end->length, route->level_energy, end->time), "predicted",
-        json_sums(predicted.length, predicted.energy, predicted.time), "driven",
-        json_sums(drive->length, total->measured_energy, total->duration), "battery_energy_j", total->battery_energy);
+    const struct plan_step *end = plan_route_end(&report->searches[PLAN_ENERGY].route);
+    const struct plan_sums planned = {planned_energy(report), end->length, end->time};
+    return json_pack("{s:s?, s:s, s:o, s:f, s:b, s:f, s:b, s:o, s:o, s:o, s:f}", "scenario",
+                     drive->is_level ? PLAN_SCENARIO_FILE : NULL, "log", PLAN_LOG_FILE, "waypoints_m",
+                     json_waypoints(report), "margin_m", drive->margin_m, "clear", drive->is_clear, "end_error_m",
+                     drive->end_error, "level_ground_assumed", leaves_climbs_out(report), "planned",
+                     json_sums(&planned), "predicted", json_sums(&drive->predicted), "driven",
+                     json_sums(&drive->driven), "battery_energy_j", drive->battery_energy);
 }
 
 json_t *plan_json(const struct plan_report *report)

@@ -19,7 +19,7 @@ struct plan_report {
     struct plan_task task;
     size_t memory; /**< bytes */
     struct plan_search searches[PLAN_AIMS];
-    const struct plan_drive *drive; /**< NULL: a robot that is not driven */
+    const struct plan_driven *drive; /**< NULL: nothing is driven */
 };
 
 extern const char *const plan_route_files[PLAN_AIMS];

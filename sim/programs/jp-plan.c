@@ -1,4 +1,4 @@
-/* Plans a route over a map for least energy and for least distance and compares them; a balancer also drives it. */
+/* Plans a route over a map for least energy and for least distance, compares them, and drives the first. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +10,7 @@
 #include "sim/files/lattice_file.h"
 #include "sim/missions/plan_lattice.h"
 #include "sim/missions/plan_parameters.h"
+#include "sim/missions/plan_skid_drive.h"
 #include "sim/missions/plan_tables.h"
 
 /** Exit code when the outputs were written but the goal was not reached. */
@@ -200,25 +201,59 @@ static bool search_both(const struct arguments *arguments, struct map_file *map,
     return true;
 }
 
-/* Drives the energy-optimal route when the robot is a balancer. *driven is false after one line on stderr. */
-static bool drive(const struct arguments *arguments, const struct lattice_robot *robot, struct plan_report *report,
-                  struct plan_drive *plan_drive, bool *driven)
+/* By a balancer. *driven is false after one line on stderr: it cannot be driven. */
+static bool drive_balancer(const struct arguments *arguments, const struct lattice_robot *robot,
+                           struct plan_report *report, bool *driven)
 {
-    const struct plan_search *search = &report->searches[PLAN_ENERGY];
+    static struct plan_drive drive;
+    static struct plan_driven result;
 
-    if (robot->balancer.model == NULL || !plan_search_arrives(search)) {
-        return true;
-    }
-    if (!plan_drive_prepare(report->map, report->lattice, robot, &search->route, plan_drive)) {
+    if (!plan_drive_prepare(report->map, report->lattice, robot, &report->searches[PLAN_ENERGY].route, &drive)) {
         *driven = false;
         return true;
     }
     FILE *log = output_open(arguments->common.output, PLAN_LOG_FILE);
-    if (log == NULL || !write_scenario(plan_drive, arguments) || !plan_drive_run(report->map, robot, plan_drive, log)) {
+    if (log == NULL || !write_scenario(&drive, arguments) || !plan_drive_run(report->map, robot, &drive, log)) {
         return false;
     }
-    report->drive = plan_drive;
+    result = plan_drive_result(&drive);
+    report->drive = &result;
     return true;
+}
+
+/* By a robot that its sides steer, if it has a controller. *driven as above. */
+static bool drive_skid_steer(const struct arguments *arguments, const struct lattice_robot *robot,
+                             struct plan_report *report, bool *driven)
+{
+    static struct plan_skid_drive drive;
+    const struct skid_robot_entry *entry = skid_robot_built_in(robot->name);
+
+    if (entry == NULL || report->searches[PLAN_ENERGY].route.count < 2) {
+        return true;
+    }
+    if (!plan_skid_drive_prepare(report->map, report->lattice, entry, &robot->skid_steer,
+                                 &report->searches[PLAN_ENERGY].route, &drive)) {
+        *driven = false;
+        return true;
+    }
+    FILE *log = output_open(arguments->common.output, PLAN_LOG_FILE);
+    if (log == NULL) {
+        return false;
+    }
+    plan_skid_drive_run(report->map, &drive, log);
+    report->drive = &drive.driven;
+    return true;
+}
+
+/* Drives the energy-optimal route. *driven is false after one line on stderr. */
+static bool drive(const struct arguments *arguments, const struct lattice_robot *robot, struct plan_report *report,
+                  bool *driven)
+{
+    if (!plan_search_arrives(&report->searches[PLAN_ENERGY])) {
+        return true;
+    }
+    return robot->balancer.model != NULL ? drive_balancer(arguments, robot, report, driven)
+                                         : drive_skid_steer(arguments, robot, report, driven);
 }
 
 static bool arrives(const struct plan_report *report)
@@ -230,13 +265,12 @@ static bool arrives(const struct plan_report *report)
 /* Exit status. */
 static int write_all(const struct arguments *arguments, const struct lattice_robot *robot, struct plan_report *report)
 {
-    static struct plan_drive plan_drive;
     bool driven = true;
 
     if (!output_directory(arguments->common.output)) {
         return ERROR_EXIT;
     }
-    if (!write_routes(report, arguments->common.output) || !drive(arguments, robot, report, &plan_drive, &driven) ||
+    if (!write_routes(report, arguments->common.output) || !drive(arguments, robot, report, &driven) ||
         !output_json(arguments->common.output, "summary.json", plan_json(report))) {
         output_discard();
         return ERROR_EXIT;
@@ -294,7 +328,7 @@ int main(int argc, char **argv)
         parse_option,
         "MAP.json",
         "Plans a route over a map (tools.design.import_map) for least energy and for least distance and compares them; "
-        "a balancer drives the first in the simulator.\v"
+        "the first is driven in the simulator.\v"
         "Exit status: 0 both routes reach the goal; 1 not, or the drive could not be made or touched an obstacle: "
         "the outputs say which; 2 bad input, nothing was written.",
         NULL,

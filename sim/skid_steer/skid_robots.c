@@ -13,16 +13,24 @@
 
 static const struct skid_robot_entry entries[] = {ENTRY(burger), ENTRY(zhang2018)};
 
-const struct skid_robot_entry *skid_robot_find(const char *name)
+const struct skid_robot_entry *skid_robot_built_in(const char *name)
 {
     for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++) {
         if (strcmp(entries[i].name, name) == 0) {
             return &entries[i];
         }
     }
-    error_line(
-        "%s: no tables of this robot are built in; run make skid-robot and make identify with ROBOT=%s, and name "
-        "it in sim/skid_steer/skid_robots.c",
-        name, name);
     return NULL;
+}
+
+const struct skid_robot_entry *skid_robot_find(const char *name)
+{
+    const struct skid_robot_entry *entry = skid_robot_built_in(name);
+
+    if (entry == NULL) {
+        error_line("%s: no tables of this robot are built in; run make skid-robot and make identify with ROBOT=%s, and "
+                   "name it in sim/skid_steer/skid_robots.c",
+                   name, name);
+    }
+    return entry;
 }

@@ -12,7 +12,10 @@ struct skid_robot_entry {
     const struct jp_skid_learning *learning;
 };
 
-/** The robot of this name, or NULL after one line on stderr that tells how to make its tables. */
+/** The robot of this name, or NULL. */
+const struct skid_robot_entry *skid_robot_built_in(const char *name);
+
+/** The same, or NULL after one line on stderr that tells how to make its tables. */
 const struct skid_robot_entry *skid_robot_find(const char *name);
 
 #endif

@@ -2,6 +2,9 @@
  * Instructions of a tick of the skid-steered robot, sensors to duties and all that follows them: the worst over random
  * states and readings, for each thing that a tick can do.
  */
+#include <joulepath/line_path.h>
+#include <joulepath/path_corner.h>
+#include <joulepath/skid_path_energy.h>
 #include <joulepath/skid_robot.h>
 #include <joulepath/tables.h>
 #include <stddef.h>
@@ -20,6 +23,8 @@ enum { TICK_BAR = 0 };
 #endif
 
 static uint32_t random_state = SEED;
+
+static struct jp_lattice_path path;
 
 static struct jp_skid_robot_config config;
 static struct jp_skid_robot prepared;
@@ -151,6 +156,42 @@ static bool prepare_driving(void)
     return true;
 }
 
+/** Turns on the spot, lines, and an arc. */
+static bool plan_path(void)
+{
+    static const struct jp_point targets[] = {{JP_Q16(0.3), JP_Q16(0.1)}, {JP_Q16(0.5), JP_Q16(0.4)}};
+    static struct jp_path_piece pieces[JP_LINE_PATH_PIECES(2)];
+    const struct jp_line_route route = {.targets = targets, .count = 2};
+    const struct jp_motion_price price = jp_skid_motion_price(&jp_skid_energy_zhang2018, 0);
+    struct jp_path_cost cost;
+
+    if (jp_line_path(&path, pieces, (uint16_t)JP_LINE_PATH_PIECES(2), &route) != JP_OK) {
+        return false;
+    }
+    if ((random_bits() & 1U) != 0U) {
+        (void)jp_path_round_corner(&path, 2, JP_Q24(0.1), &jp_path_limits_zhang2018, &price);
+    }
+    return jp_path_plan_speeds(&path, &jp_path_limits_zhang2018, &price, &cost) == JP_OK;
+}
+
+/** At a random place of it, which odometry has left by some centimetres. */
+static bool prepare_following(void)
+{
+    const bool is_standing = prepare_standing();
+
+    /* Its wheels turned as it was switched on. */
+    prepared.internal.reference = (struct jp_motion){0, 0};
+    prepared.internal.state = JP_SKID_ROBOT_STANDING;
+    if (!is_standing || !plan_path() || jp_skid_robot_follow(&prepared, &path) != JP_OK) {
+        return false;
+    }
+    for (uint32_t ticks = 2 + random_bits() % 3000; ticks > 0; ticks--) {
+        tick();
+    }
+    prepared.internal.odometry.x += random_within(JP_Q24(1)) * (int64_t)16;
+    return true;
+}
+
 static bool prepare_stop(void)
 {
     const bool driving = prepare_driving();
@@ -194,7 +235,7 @@ static const struct tick_case tick_cases[] = {
     {"while standing", prepare_standing},   {"that takes a command", prepare_command},
     {"while driving", prepare_driving},     {"that stops", prepare_stop},
     {"that finds a fault", prepare_fault},  {"that finds a stalled side", prepare_stall},
-    {"that switches off", prepare_disable},
+    {"that switches off", prepare_disable}, {"on a path", prepare_following},
 };
 
 #define CASES (sizeof tick_cases / sizeof tick_cases[0])
@@ -256,7 +297,7 @@ int main(void)
     }
     print_figure(", sensors to duties, worst", "", longest.control, 0);
     target_print(",\n");
-    print_figure(", worst of 9 kinds", "", longest.tick, TICK_BAR);
+    print_figure(", worst of 10 kinds", "", longest.tick, TICK_BAR);
     target_print("\n]\n");
     return 0;
 }

@@ -97,8 +97,22 @@ def test_energy_and_distance_over_a_hill(hills, tmp_path):
     comparison = summary["comparison"]
     for key, name in (("energy_percent", "energy_j"), ("length_percent", "length_m"), ("time_percent", "time_s")):
         assert comparison[key] == pytest.approx(100 * (energy[name] / distance[name] - 1), abs=1e-6)
-    assert summary["drive"] is None
-    assert names_in(tmp_path / "out") == FILES
+    assert names_in(tmp_path / "out") == sorted([*FILES, "drive.csv"])
+
+
+def test_the_rover_drives_over_the_hill(hills, tmp_path):
+    summary, table = planned(hills, tmp_path / "out", *TASK)
+    drive, route = summary["drive"], summary["routes"][0]
+    assert drive["scenario"] is None and drive["clear"] is True and drive["level_ground_assumed"] is False
+    assert drive["planned"]["energy_j"] == pytest.approx(route["energy_j"], abs=1e-6)
+    for what in ("predicted", "driven"):
+        assert drive[what]["length_m"] == pytest.approx(route["length_m"], rel=0.1)
+    assert drive["predicted"]["energy_j"] == pytest.approx(drive["driven"]["energy_j"], rel=1 / 3)  # it slides in turns
+    assert drive["waypoints_m"][0] == pytest.approx([2.1, 4.1], abs=1e-2)
+    assert drive["waypoints_m"][-1] == pytest.approx([10.1, 4.1], abs=1e-2)
+    log = rows_of(tmp_path / "out" / drive["log"])
+    assert log[-1]["energy_j"] == pytest.approx(drive["driven"]["energy_j"], rel=0.02)
+    assert "planned: lattice " in table and "leave the map's climbs out" not in table
 
 
 def test_files_add_up_to_the_summary(hills, tmp_path):

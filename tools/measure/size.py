@@ -66,6 +66,8 @@ MODULES = {
 }
 SMALL_ROBOT = ("balancer", "energy", "optimiser")
 SMALL_ROBOT_BAR = 15 * 1024  # B
+SKID_STEER = ("skid-steered robot", "skid steer: energy, learner")
+SKID_STEER_BAR = 12 * 1024  # B
 
 # Their owner provides the memory; without the planner's block.
 STRUCTS = ("jp_robot", "jp_ecu", "jp_planner")
@@ -143,6 +145,7 @@ def measure(folder, modules):
             ram += object_ram
     rows = {f"flash: {module}": flash[module] for module in modules if module in flash}
     rows["flash: balancer + energy + optimiser"] = sum(flash.get(module, 0) for module in SMALL_ROBOT)
+    rows["flash: skid steer, control and energy"] = sum(flash.get(module, 0) for module in SKID_STEER)
     rows["RAM: variables of all modules"] = ram
     for struct, size in struct_sizes(folder / "whole", STRUCTS).items():
         rows[f"RAM: struct {struct}"] = size
@@ -158,7 +161,8 @@ def tabulate(folders, modules):
 
 
 def figures(table):
-    rows = (("flash: balancer + energy + optimiser", SMALL_ROBOT_BAR), ("RAM: struct jp_robot", ROBOT_BAR))
+    rows = (("flash: balancer + energy + optimiser", SMALL_ROBOT_BAR),
+            ("flash: skid steer, control and energy", SKID_STEER_BAR), ("RAM: struct jp_robot", ROBOT_BAR))
     for row, bar in rows:
         if BAR_CORE in table[row]:
             yield core_numbers.figure(f"{BAR_CORE}, -Os: {row}", table[row][BAR_CORE], "B", bar, "make size")
