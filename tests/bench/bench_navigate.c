@@ -59,7 +59,7 @@ static void count(struct counts *counts, const struct navigate_trial *trial)
 static void add(json_t *figures, const char *label, const char *what, double value, const char *unit,
                 struct figure_bar bar)
 {
-    figures_add(figures, COMMAND, value, unit, bar, "navigator, %s: %s", label, what);
+    figures_add(figures, COMMAND, value, unit, bar, "%s: %s", label, what);
 }
 
 static void bench(json_t *figures, size_t index)

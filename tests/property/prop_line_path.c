@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "tests/support/options.h"
 #include "tests/support/random.h"
 #include "unity.h"
 
@@ -12,6 +13,10 @@
 #define Q16  65536.0
 #define Q24  16777216.0
 #define TURN 4294967296.0
+#define PI   3.14159265358979323846
+
+static const struct options defaults = {.count = 500, .seed = 2018};
+static struct options options;
 
 static struct jp_path_piece pieces[PLACES];
 static struct jp_lattice_path path;
@@ -40,7 +45,7 @@ static void make(void)
 
 static double radians(jp_angle angle)
 {
-    return (int32_t)angle * (2 * M_PI / TURN);
+    return (int32_t)angle * (2 * PI / TURN);
 }
 
 struct pose {
@@ -72,7 +77,7 @@ static void check_meets(const struct pose *end, const struct jp_point *point, jp
 {
     TEST_ASSERT_TRUE(fabs(end->x - point->x / Q16) < 2e-4);
     TEST_ASSERT_TRUE(fabs(end->y - point->y / Q16) < 2e-4);
-    TEST_ASSERT_TRUE(fabs(remainder(end->heading - radians(heading), 2 * M_PI)) < 1e-3);
+    TEST_ASSERT_TRUE(fabs(remainder(end->heading - radians(heading), 2 * PI)) < 1e-3);
 }
 
 /* Each piece ends where the next one begins, the first begins at the start and the last ends at the last target. */
@@ -142,12 +147,12 @@ static void test_it_turns_towards_the_first_target(void)
     make();
     TEST_ASSERT_EQUAL_UINT(2, path.count);
     TEST_ASSERT_EQUAL_INT(JP_PIECE_TURN_RIGHT, pieces[0].kind);
-    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(M_PI / 2), pieces[0].length);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(PI / 2), pieces[0].length);
     check_joined();
     route.heading = JP_ANGLE_DEGREES(-120);
     make();
     TEST_ASSERT_EQUAL_INT(JP_PIECE_TURN_LEFT, pieces[0].kind);
-    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(M_PI / 6), pieces[0].length);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(PI / 6), pieces[0].length);
     check_joined();
 }
 
@@ -170,7 +175,7 @@ static void test_turns_on_the_spot_alone(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_turn_path(&path, pieces, 1, &start, JP_ANGLE_DEGREES(-100)));
     TEST_ASSERT_EQUAL_UINT(1, path.count);
     TEST_ASSERT_EQUAL_INT(JP_PIECE_TURN_LEFT, pieces[0].kind);
-    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(M_PI / 2), pieces[0].length);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(PI / 2), pieces[0].length);
     TEST_ASSERT_EQUAL_INT32(start.position.x, path.end.position.x);
     TEST_ASSERT_EQUAL_INT32(start.position.y, path.end.position.y);
     TEST_ASSERT_EQUAL_UINT32(JP_ANGLE_DEGREES(-100), path.end.heading);
@@ -220,8 +225,8 @@ static void test_each_place_that_is_missing(void)
 
 static void test_random_routes(void)
 {
-    begin_random(2018, 0);
-    for (int i = 0; i < 500; i++) {
+    begin_random(options.seed, 0);
+    for (unsigned long i = 0; i < options.count; i++) {
         double x = uniform(-20, 20);
         double y = uniform(-20, 20);
         route.start = (struct jp_point){(jp_q16)lround(x * Q16), (jp_q16)lround(y * Q16)};
@@ -229,7 +234,7 @@ static void test_random_routes(void)
         route.count = (uint16_t)(1 + below(TARGETS));
         for (unsigned k = 0; k < route.count; k++) {
             const double length = uniform(0.05, 4);
-            const double direction = uniform(-M_PI, M_PI);
+            const double direction = uniform(-PI, PI);
             x += length * cos(direction);
             y += length * sin(direction);
             set_target(k, x, y);
@@ -239,4 +244,10 @@ static void test_random_routes(void)
         check_joined();
         TEST_ASSERT_TRUE(farthest_from_lines() < 2e-4);
     }
+}
+
+int main(int argc, char **argv)
+{
+    options = parse_options(argc, argv, defaults);
+    return RUN_PROPERTY(options, NULL);
 }
