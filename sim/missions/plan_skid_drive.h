@@ -18,8 +18,8 @@ struct plan_skid_drive {
     struct plan_driven driven;
 };
 
-/** Turns a route of at least one step into a path and switches the robot on at its begin; *entry and *drive stay in use. False after one
- * line on stderr: it cannot be driven. */
+/** Turns a route of at least one step into a path and switches the robot on at its begin; *entry and *drive stay in
+ * use. False after one line on stderr: it cannot be driven. */
 bool plan_skid_drive_prepare(const struct map_file *map, const struct jp_lattice *lattice,
                              const struct skid_robot_entry *entry, const struct skid_steer_model *model,
                              const struct plan_route *route, struct plan_skid_drive *drive);
