@@ -205,18 +205,18 @@ static bool search_both(const struct arguments *arguments, struct map_file *map,
 static bool drive_balancer(const struct arguments *arguments, const struct lattice_robot *robot,
                            struct plan_report *report, bool *driven)
 {
-    static struct plan_drive drive;
+    static struct plan_drive balancer;
     static struct plan_driven result;
 
-    if (!plan_drive_prepare(report->map, report->lattice, robot, &report->searches[PLAN_ENERGY].route, &drive)) {
+    if (!plan_drive_prepare(report->map, report->lattice, robot, &report->searches[PLAN_ENERGY].route, &balancer)) {
         *driven = false;
         return true;
     }
     FILE *log = output_open(arguments->common.output, PLAN_LOG_FILE);
-    if (log == NULL || !write_scenario(&drive, arguments) || !plan_drive_run(report->map, robot, &drive, log)) {
+    if (log == NULL || !write_scenario(&balancer, arguments) || !plan_drive_run(report->map, robot, &balancer, log)) {
         return false;
     }
-    result = plan_drive_result(&drive);
+    result = plan_drive_result(&balancer);
     report->drive = &result;
     return true;
 }
@@ -225,14 +225,14 @@ static bool drive_balancer(const struct arguments *arguments, const struct latti
 static bool drive_skid_steer(const struct arguments *arguments, const struct lattice_robot *robot,
                              struct plan_report *report, bool *driven)
 {
-    static struct plan_skid_drive drive;
+    static struct plan_skid_drive skid;
     const struct skid_robot_entry *entry = skid_robot_built_in(robot->name);
 
     if (entry == NULL || report->searches[PLAN_ENERGY].route.count < 2) {
         return true;
     }
     if (!plan_skid_drive_prepare(report->map, report->lattice, entry, &robot->skid_steer,
-                                 &report->searches[PLAN_ENERGY].route, &drive)) {
+                                 &report->searches[PLAN_ENERGY].route, &skid)) {
         *driven = false;
         return true;
     }
@@ -240,8 +240,8 @@ static bool drive_skid_steer(const struct arguments *arguments, const struct lat
     if (log == NULL) {
         return false;
     }
-    plan_skid_drive_run(report->map, &drive, log);
-    report->drive = &drive.driven;
+    plan_skid_drive_run(report->map, &skid, log);
+    report->drive = &skid.driven;
     return true;
 }
 
