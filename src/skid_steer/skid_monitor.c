@@ -93,7 +93,8 @@ static struct burden burden_of(const struct jp_skid_monitor *monitor, const stru
 
     return (struct burden){
         .judged = reference != 0 && expected >= config->carried,
-        .free = taken<expected / 4, .carries = taken> expected / 2,
+        .free = (taken < expected / 4),
+        .carries = (taken > expected / 2),
     };
 }
 

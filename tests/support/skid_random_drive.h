@@ -6,7 +6,7 @@
 #include <joulepath/sensors.h>
 #include <math.h>
 
-#include "sim/skid_steer/skid_world.h"
+#include "sim/skid_steer/skid_hal_sim.h"
 #include "tests/support/skid_hills.h"
 
 /** Way between two stands, m, and how long one lasts, s. */
@@ -166,7 +166,7 @@ static inline void skid_drive_tick(struct skid_drive *drive, struct jp_sensors *
     const struct skid_steer_model *model = &drive->world.plant.model;
     const double tick = skid_world_tick_seconds(&drive->world);
     const struct planar_pose before = skid_plant_pose(&drive->world.plant);
-    struct skid_samples samples;
+    const struct jp_hal hal = skid_hal_sim(&drive->world);
 
     if (drive->piece.left <= 0) {
         skid_next_piece(drive);
@@ -179,20 +179,9 @@ static inline void skid_drive_tick(struct skid_drive *drive, struct jp_sensors *
     drive->world.actuation.duty_right = skid_duty(drive, SKID_RIGHT, (drive->speed + across) / model->wheel.radius_m);
     drive->world.actuation.enabled = 1;
     skid_world_step(&drive->world);
-    skid_world_read(&drive->world, &samples);
+    (void)hal.read(hal.context, sensors);
     const struct planar_pose after = skid_plant_pose(&drive->world.plant);
     drive->way += hypot(after.x - before.x, after.y - before.y);
-    *sensors = (struct jp_sensors){
-        .encoder_left = samples.encoder_left,
-        .encoder_right = samples.encoder_right,
-        .pitch_rate = samples.pitch_rate,
-        .yaw_rate = samples.yaw_rate,
-        .accel_x = samples.accel_x,
-        .accel_z = samples.accel_z,
-        .current_left = samples.current_left,
-        .current_right = samples.current_right,
-        .bus_voltage = samples.bus_voltage,
-    };
 }
 
 #endif
