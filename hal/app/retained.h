@@ -12,8 +12,16 @@
 extern "C" {
 #endif
 
+/** Whose snapshot it is. */
+enum jp_retained_kind { JP_RETAINED_BALANCER = 1 };
+
+union jp_retained_snapshot {
+    struct jp_snapshot balancer;
+};
+
 struct jp_retained_slot {
-    struct jp_snapshot snapshot;
+    union jp_retained_snapshot snapshot;
+    uint32_t kind;     /**< enum jp_retained_kind */
     uint32_t sequence; /**< one more in each write, wrapping */
     uint32_t resets;
     uint32_t check; /**< sum of all words before it; see retained.c */
@@ -27,7 +35,8 @@ struct jp_retained {
 const struct jp_retained_slot *jp_retained_newest(const struct jp_retained *retained);
 
 /** Replaces the older slot. For the control ISR. */
-void jp_retained_write(struct jp_retained *retained, const struct jp_snapshot *snapshot, uint32_t resets);
+void jp_retained_write(struct jp_retained *retained, enum jp_retained_kind kind,
+                       const union jp_retained_snapshot *snapshot, uint32_t resets);
 
 #ifdef __cplusplus
 }

@@ -211,9 +211,9 @@ static void decode_numbers(struct jp_parameters *parameters, const uint8_t *byte
 }
 
 /** Whether the record's frame fits. The version comes first: another one has another length. */
-static enum jp_stored frame_of(const struct jp_robot_config *config, const uint8_t *record, uint16_t length)
+static enum jp_stored frame_of(uint32_t identity, const uint8_t *record, uint16_t length)
 {
-    const uint8_t *identity = record + IDENTITY_OFFSET;
+    const uint8_t *owner = record + IDENTITY_OFFSET;
 
     if (length < NUMBERS_OFFSET) {
         return JP_STORED_DAMAGED;
@@ -224,7 +224,7 @@ static enum jp_stored frame_of(const struct jp_robot_config *config, const uint8
     if (length != JP_PARAMETERS_LENGTH) {
         return JP_STORED_DAMAGED;
     }
-    return take(&identity, 4) != jp_robot_identity(config) ? JP_STORED_OTHER_ROBOT : JP_STORED_TAKEN;
+    return take(&owner, 4) != identity ? JP_STORED_OTHER_ROBOT : JP_STORED_TAKEN;
 }
 
 /** What about it does not fit; NULL: nothing. */
@@ -242,16 +242,16 @@ static const char *misfit(enum jp_stored frame)
     }
 }
 
-enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                    const uint8_t *record, uint16_t length, const char **field)
+enum jp_status jp_parameters_decode(struct jp_parameters *parameters, uint32_t identity, const uint8_t *record,
+                                    uint16_t length, const char **field)
 {
     struct jp_parameters found;
     enum jp_status status;
 
-    if (parameters == NULL || config == NULL || record == NULL || field == NULL) {
+    if (parameters == NULL || record == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *field = misfit(frame_of(config, record, length));
+    *field = misfit(frame_of(identity, record, length));
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
@@ -263,8 +263,8 @@ enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const stru
     return status;
 }
 
-enum jp_stored jp_parameters_start(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                   const uint8_t *record, uint16_t length)
+enum jp_stored jp_parameters_start(struct jp_parameters *parameters, uint32_t identity, const uint8_t *record,
+                                   uint16_t length)
 {
     const char *field;
     enum jp_stored frame;
@@ -273,25 +273,25 @@ enum jp_stored jp_parameters_start(struct jp_parameters *parameters, const struc
     if (length == 0U) {
         return JP_STORED_NOTHING;
     }
-    frame = frame_of(config, record, length);
-    if (jp_parameters_decode(parameters, config, record, length, &field) == JP_OK) {
+    frame = frame_of(identity, record, length);
+    if (jp_parameters_decode(parameters, identity, record, length, &field) == JP_OK) {
         return JP_STORED_TAKEN;
     }
     return frame == JP_STORED_TAKEN ? JP_STORED_DAMAGED : frame;
 }
 
-enum jp_status jp_parameters_load(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                  const struct jp_store *store, const char **field)
+enum jp_status jp_parameters_load(struct jp_parameters *parameters, uint32_t identity, const struct jp_store *store,
+                                  const char **field)
 {
     const uint8_t *record = NULL;
     uint16_t length = 0;
     enum jp_status status = jp_store_read(store, &record, &length);
 
-    return status == JP_OK ? jp_parameters_decode(parameters, config, record, length, field) : status;
+    return status == JP_OK ? jp_parameters_decode(parameters, identity, record, length, field) : status;
 }
 
-enum jp_status jp_parameters_save(const struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                  struct jp_store *store, const char **field)
+enum jp_status jp_parameters_save(const struct jp_parameters *parameters, uint32_t identity, struct jp_store *store,
+                                  const char **field)
 {
     uint8_t record[JP_PARAMETERS_LENGTH];
     enum jp_status status = jp_parameters_check(parameters, field);
@@ -299,6 +299,6 @@ enum jp_status jp_parameters_save(const struct jp_parameters *parameters, const 
     if (status != JP_OK) {
         return status;
     }
-    jp_parameters_encode(parameters, jp_robot_identity(config), record);
+    jp_parameters_encode(parameters, identity, record);
     return jp_store_write(store, record, sizeof record);
 }

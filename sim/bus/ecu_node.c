@@ -3,78 +3,92 @@
 #include "sim/base/error.h"
 #include "sim/files/parameters_file.h"
 
-static bool boot(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
-                 const struct jp_can_port *bus, struct jp_retained *retained)
+static enum jp_status learn(struct ecu_node *node, const char **field)
 {
-    struct jp_retained *const record = retained == NULL ? &node->own_record : retained;
-    const char *field = "";
-
-    if (jp_lockstep_start(&node->lockstep, entry->config, model, bus, record, jp_ecu_tick, &field) != JP_OK) {
-        error_line("%s: %s is out of range; run make gains ROBOT=%s", entry->name, field, entry->name);
-        return false;
-    }
-    return true;
-}
-
-static bool learn(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
-                  enum jp_stored stored)
-{
-    const bool of_battery = model == entry->energy_battery;
+    const struct robot_entry *entry = node->entry;
+    const bool of_battery = node->model == entry->energy_battery;
     const struct jp_ecu_learning learning = {
         .learning = of_battery ? entry->learning_battery : entry->learning,
         .of_battery = of_battery,
-        .stored = stored,
+        .stored = node->stored,
         .state = &node->parameters.energy,
     };
-    const char *field = "";
 
-    if (learning.learning == NULL || (!of_battery && model != entry->energy)) {
-        return true;
+    if (learning.learning == NULL || (!of_battery && node->model != entry->energy)) {
+        return JP_OK;
     }
-    if (jp_lockstep_learn(&node->lockstep, &learning, &field) != JP_OK) {
-        error_line("%s: %s is out of range; run make learning ROBOT=%s", entry->name, field, entry->name);
-        return false;
-    }
-    return true;
+    return jp_ecu_balancer_learn(&node->robot, &learning, field);
 }
 
-static bool navigate(struct ecu_node *node, const struct robot_entry *entry)
+static enum jp_status navigate(struct ecu_node *node, struct jp_ecu *ecu, const char **field)
 {
-    const char *field = "";
+    const struct robot_entry *entry = node->entry;
+    struct jp_vehicle vehicle;
 
     if (entry->navigation == NULL || entry->lattice == NULL) {
-        return true;
+        return JP_OK;
     }
     const struct jp_navigation_config config =
         jp_navigation_config_of(entry->lattice, entry->navigation, &node->ground, &node->block);
+    enum jp_status status = jp_balancer_vehicle_init(&node->vehicle, &node->robot.pilot, &vehicle);
 
-    if (jp_lockstep_navigate(&node->lockstep, &node->navigation, &config, &field) != JP_OK) {
-        error_line("%s: %s is out of range; run make lattice ROBOT=%s", entry->name, field, entry->name);
-        return false;
+    if (status == JP_OK) {
+        status = jp_navigation_init(&node->navigation, &config, &vehicle, node->model->unit_exponent, field);
+        jp_ecu_navigate(ecu, &node->navigation);
     }
-    return true;
+    return status;
+}
+
+static enum jp_status boot(void *context, struct jp_ecu *ecu, const struct jp_can_port *port, const char **field)
+{
+    struct ecu_node *node = context;
+    struct jp_ecu_robot robot;
+    enum jp_status status = jp_ecu_balancer_init(&node->robot, node->entry->config, node->model, &robot, field);
+
+    if (status == JP_OK) {
+        status = jp_ecu_init(ecu, &robot, port, node->lockstep.config.retained);
+    }
+    if (status == JP_OK) {
+        status = learn(node, field);
+    }
+    return status == JP_OK ? navigate(node, ecu, field) : status;
 }
 
 /** A place that cannot be written to shows now, not when there is something to keep. */
-static bool open_parameters(struct ecu_node *node, const struct jp_robot_config *config, enum jp_stored *stored)
+static bool open_parameters(struct ecu_node *node)
 {
-    return parameters_file_load(node->path, config, &node->parameters, stored) &&
-           (*stored != JP_STORED_NOTHING || parameters_file_save(node->path, config, &node->parameters));
+    const uint32_t identity = jp_robot_identity(node->entry->config);
+
+    return parameters_file_load(node->path, identity, &node->parameters, &node->stored) &&
+           (node->stored != JP_STORED_NOTHING || parameters_file_save(node->path, identity, &node->parameters));
 }
 
 bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
                    const struct jp_can_port *bus, struct jp_retained *retained, const char *parameters)
 {
-    enum jp_stored stored = JP_STORED_NOTHING;
+    const struct jp_lockstep_config config = {.boot = boot,
+                                              .context = node,
+                                              .tick = jp_ecu_tick,
+                                              .bus = *bus,
+                                              .retained = retained == NULL ? &node->own_record : retained};
+    const char *field = "";
 
+    node->entry = entry;
+    node->model = model;
+    node->stored = JP_STORED_NOTHING;
     node->own_record = (struct jp_retained){0};
     node->path = parameters;
     node->ran = false;
     jp_parameters_default(&node->parameters);
-    if (parameters != NULL && !open_parameters(node, entry->config, &stored)) {
+    if (parameters != NULL && !open_parameters(node)) {
         return false;
     }
-    return boot(node, entry, model, bus, retained) && learn(node, entry, model, stored) && navigate(node, entry);
+    if (jp_lockstep_start(&node->lockstep, &config, &field) != JP_OK) {
+        error_line("%s: %s is out of range; make its tables anew: make robot ROBOT=%s", entry->name, field,
+                   entry->name);
+        return false;
+    }
+    return true;
 }
 
 static bool keep(struct ecu_node *node)
@@ -90,21 +104,16 @@ static bool keep(struct ecu_node *node)
         return true;
     }
     node->parameters = learned;
-    node->lockstep.learning.stored = JP_STORED_TAKEN;
-    return node->path == NULL || parameters_file_save(node->path, node->lockstep.config, &learned);
-}
-
-static enum jp_robot_state state_of(const struct ecu_node *node)
-{
-    return jp_robot_state_now(&node->lockstep.ecu.robot);
+    node->stored = JP_STORED_TAKEN;
+    return node->path == NULL || parameters_file_save(node->path, jp_robot_identity(node->entry->config), &learned);
 }
 
 bool ecu_node_watch(struct ecu_node *node)
 {
-    const enum jp_robot_state state = state_of(node);
-    const bool switched_off = state == JP_ROBOT_IDLE && node->ran;
+    const struct jp_ecu *ecu = &node->lockstep.ecu;
+    const bool switched_off = jp_ecu_state_now(ecu) == JP_ECU_IDLE && node->ran;
 
-    node->ran = state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
+    node->ran = jp_ecu_runs(ecu);
     return !switched_off || keep(node);
 }
 

@@ -2,6 +2,9 @@
 #ifndef JOULEPATH_SIM_BUS_ECU_NODE_H
 #define JOULEPATH_SIM_BUS_ECU_NODE_H
 
+#include <joulepath/balancer_vehicle.h>
+
+#include "hal/app/ecu_balancer.h"
 #include "hal/app/lockstep.h"
 #include "hal/app/navigation_memory.h"
 #include "hal/linux/can_link.h"
@@ -9,8 +12,13 @@
 
 struct ecu_node {
     struct jp_lockstep lockstep;
+    const struct robot_entry *entry;
+    const struct jp_energy_model *model;
+    struct jp_ecu_balancer robot;
+    struct jp_balancer_vehicle vehicle;
     struct jp_retained own_record;   /**< where no other is given */
     struct jp_parameters parameters; /**< what power-off leaves */
+    enum jp_stored stored;           /**< what the last boot found of them */
     const char *path;                /**< of the file that keeps them; NULL: they end with the process */
     struct jp_navigation navigation; /**< where the robot has tables for it */
     struct jp_navigation_ground ground;

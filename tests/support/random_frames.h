@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hal/app/ecu.h"
+#include "tests/support/ecu_start.h"
 #include "tests/support/random.h"
 #include "unity.h"
 
