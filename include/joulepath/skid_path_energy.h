@@ -11,8 +11,8 @@ extern "C" {
 #endif
 
 /** Adds a piece, at whose begin the robot has a speed, m/s, to a drive, and what it lasts to *duration, s, saturated.
- *  The model must have passed its check. Work: three pieces of skid_energy.h, and four divisions of 64 bits. Not for
- *  ISRs. */
+ *  The model must have passed its check. Work: three pieces of skid_energy.h and one more for each 256 s, with a
+ *  division of 64 bits each. Not for ISRs. */
 void jp_skid_piece_energy(const struct jp_skid_energy_model *model, const struct jp_path_piece *piece, jp_q24 begin,
                           struct jp_skid_drive *drive, jp_q16 *duration);
 
