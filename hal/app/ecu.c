@@ -47,7 +47,7 @@ static enum jp_status write_motor_command(void *context, const struct jp_actuati
     struct jp_can_frame frame;
     bool sent;
 
-    ecu->internal.owns_bridges = ecu->internal.owns_bridges || actuation->enabled != 0U;
+    ecu->internal.owns_bridges = ecu->internal.owns_bridges || jp_ecu_runs(ecu);
     if (!ecu->internal.owns_bridges && ecu->internal.conflict_ticks > 0U) {
         return JP_OK;
     }
@@ -181,6 +181,8 @@ static const struct {
     {JP_CAN_BATTERY_STATUS_FRAME_ID, JP_CAN_BATTERY_STATUS_LENGTH, OTHERS},
     {JP_CAN_LEARNED_FRAME_ID, JP_CAN_LEARNED_LENGTH, OWN},
     {JP_CAN_LEARNER_STATUS_FRAME_ID, JP_CAN_LEARNER_STATUS_LENGTH, OWN},
+    {JP_CAN_LEARNED_FACTORS_FRAME_ID, JP_CAN_LEARNED_FACTORS_LENGTH, OWN},
+    {JP_CAN_LEARNED_DEVIATIONS_FRAME_ID, JP_CAN_LEARNED_DEVIATIONS_LENGTH, OWN},
     {JP_CAN_MAP_STATUS_FRAME_ID, JP_CAN_MAP_STATUS_LENGTH, OWN},
     {JP_CAN_NAVIGATION_STATUS_FRAME_ID, JP_CAN_NAVIGATION_STATUS_LENGTH, OWN},
     {JP_CAN_NAVIGATION_PROGRESS_FRAME_ID, JP_CAN_NAVIGATION_PROGRESS_LENGTH, OWN},
@@ -563,6 +565,7 @@ static void pilot(struct jp_ecu *ecu)
         return;
     }
     work(ecu);
+    ecu->internal.robot.kind->note(ecu->internal.robot.self);
     if (ecu->internal.robot.kind->segments_planned(ecu->internal.robot.self) > planned) {
         ecu->internal.robot.kind->segment(ecu->internal.robot.self, begun, &segment);
         hand_over(&ecu->internal.plan, jp_telemetry_segment(&segment, ecu->internal.plan.frames));

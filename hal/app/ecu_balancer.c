@@ -113,11 +113,13 @@ static void tell_progress(const void *self, struct jp_ecu_progress *progress)
                                          .plan = balancer->pilot.status};
 }
 
-static const struct jp_meter *meter(const void *self)
+static void tell_energies(const void *self, jp_energy *spent, jp_energy *drawn)
 {
     const struct jp_ecu_balancer *balancer = self;
+    const struct jp_meter *meter = jp_robot_meter(&balancer->robot);
 
-    return jp_robot_meter(&balancer->robot);
+    *spent = meter->model;
+    *drawn = meter->battery;
 }
 
 static bool take_result(void *self, struct jp_ecu_result *result)
@@ -133,7 +135,7 @@ static bool take_result(void *self, struct jp_ecu_result *result)
     return ended;
 }
 
-static jp_q16 parameter(const void *self, uint8_t index)
+static int32_t parameter(const void *self, uint8_t index)
 {
     const struct jp_energy_model *model = jp_ecu_balancer_model(self);
     const jp_q16 rest[PARAMETERS - JP_ENERGY_TERMS] = {
@@ -205,6 +207,12 @@ static void work(void *self)
     struct jp_ecu_balancer *balancer = self;
 
     (void)jp_pilot_work(&balancer->pilot);
+}
+
+/** What the tick tells of the tick finds. */
+static void note(void *self)
+{
+    (void)self;
 }
 
 static bool is_resting(const void *self)
@@ -301,7 +309,7 @@ static const struct jp_ecu_kind balancer_kind = {
     .snapshot = take_snapshot,
     .motion = tell_motion,
     .progress = tell_progress,
-    .meter = meter,
+    .energies = tell_energies,
     .take_result = take_result,
     .parameter = parameter,
     .state = state,
@@ -311,6 +319,7 @@ static const struct jp_ecu_kind balancer_kind = {
     .follow = follow,
     .stop = stop,
     .work = work,
+    .note = note,
     .is_resting = is_resting,
     .segments_begun = segments_begun,
     .segments_planned = segments_planned,

@@ -29,7 +29,8 @@ enum jp_refusal {
     JP_REFUSAL_NOT_UPRIGHT, /**< leans beyond the tilt limit, or no plausible sample came yet */
     JP_REFUSAL_FALLEN,      /**< Off first */
     JP_REFUSAL_FAULT,       /**< Off first */
-    JP_REFUSAL_CONFLICT     /**< another controller is on the bus */
+    JP_REFUSAL_CONFLICT,    /**< another controller is on the bus */
+    JP_REFUSAL_STEEP        /**< the ground is too steep, or no plausible sample came yet */
 };
 
 /** Pose, Motion, Reference and Motors. */
@@ -105,12 +106,13 @@ struct jp_ecu_kind {
     void (*snapshot)(const void *self, union jp_retained_snapshot *snapshot);
     void (*motion)(const void *self, struct jp_ecu_motion *motion);
     void (*progress)(const void *self, struct jp_ecu_progress *progress);
-    const struct jp_meter *(*meter)(const void *self);
+    /** Since init: as its energy model counts, and out of the battery. */
+    void (*energies)(const void *self, jp_energy *spent, jp_energy *drawn);
     /** True once for each segment that ended. */
     bool (*take_result)(void *self, struct jp_ecu_result *result);
     /** Of the energy model that it plans with; in the unit of that, which the robot's built-in tables tell: so no digit
      *  is lost. */
-    jp_q16 (*parameter)(const void *self, uint8_t index);
+    int32_t (*parameter)(const void *self, uint8_t index);
 
     /* Of the background. */
 
@@ -125,6 +127,8 @@ struct jp_ecu_kind {
     void (*stop)(void *self);
     /** A slice of the work of driving routes. */
     void (*work)(void *self);
+    /** After each slice of work, whoever did it: what the tick is to tell of. */
+    void (*note)(void *self);
     /** No route is left to drive. */
     bool (*is_resting)(const void *self);
     /** Segments begun since the robot last stood; 0: it stands. */

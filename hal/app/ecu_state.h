@@ -44,7 +44,7 @@ struct jp_ecu_internal {
     bool was_bus_off;
     uint16_t conflict_ticks; /**< for which another controller still counts as present */
     bool has_board;          /**< sensors and bridges are the board's own */
-    bool owns_bridges;       /**< has switched them on since the start */
+    bool owns_bridges;       /**< has run its robot since the start */
     uint8_t parameter;       /**< of the energy model, sent next */
     uint8_t schedule_ms;     /**< millisecond of the telemetry's schedule that comes next */
     uint32_t schedule_wait;  /**< until then, 1/1000 tick */

@@ -7,16 +7,18 @@
 #define JOULEPATH_HAL_APP_RETAINED_H
 
 #include <joulepath/robot.h>
+#include <joulepath/skid_robot.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /** Whose snapshot it is. */
-enum jp_retained_kind { JP_RETAINED_BALANCER = 1 };
+enum jp_retained_kind { JP_RETAINED_BALANCER = 1, JP_RETAINED_SKID };
 
 union jp_retained_snapshot {
     struct jp_snapshot balancer;
+    struct jp_skid_snapshot skid;
 };
 
 struct jp_retained_slot {

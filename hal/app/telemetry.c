@@ -19,11 +19,6 @@ static void tell_progress(const struct jp_ecu *ecu, struct jp_ecu_progress *prog
     ecu->internal.robot.kind->progress(ecu->internal.robot.self, progress);
 }
 
-static const struct jp_meter *meter_of(const struct jp_ecu *ecu)
-{
-    return ecu->internal.robot.kind->meter(ecu->internal.robot.self);
-}
-
 static void status(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_can_ecu_status_t signals = {
@@ -171,7 +166,12 @@ static void motors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void energy_spent(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_can_energy_spent_t signals = {.energy = meter_of(ecu)->model};
+    jp_energy spent;
+    jp_energy drawn;
+
+    ecu->internal.robot.kind->energies(ecu->internal.robot.self, &spent, &drawn);
+
+    const struct jp_can_energy_spent_t signals = {.energy = spent};
 
     frame->id = JP_CAN_ENERGY_SPENT_FRAME_ID;
     (void)jp_can_energy_spent_pack(frame->data, &signals, sizeof frame->data);
@@ -179,7 +179,12 @@ static void energy_spent(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 
 static void energy_drawn(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
-    const struct jp_can_energy_drawn_t signals = {.energy = meter_of(ecu)->battery};
+    jp_energy spent;
+    jp_energy drawn;
+
+    ecu->internal.robot.kind->energies(ecu->internal.robot.self, &spent, &drawn);
+
+    const struct jp_can_energy_drawn_t signals = {.energy = drawn};
 
     frame->id = JP_CAN_ENERGY_DRAWN_FRAME_ID;
     (void)jp_can_energy_drawn_pack(frame->data, &signals, sizeof frame->data);

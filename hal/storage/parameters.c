@@ -19,27 +19,45 @@ _Static_assert(JP_PARAMETERS_LENGTH <= JP_STORE_LENGTH_MAX, "the record fits the
 /* ---- The robot they belong to ---- */
 
 /** Where the numbers of a configuration are: all but padding and the name's pointer. */
-static const struct span {
+struct span {
     uint16_t offset;
     uint8_t size;
     uint8_t count;
-} numbers[] = {
-#define NUMBERS(first, count)                                                                                          \
+};
+
+#define NUMBERS(type, first, count)                                                                                    \
     {                                                                                                                  \
-        (uint16_t) offsetof(struct jp_robot_config, first), (uint8_t)sizeof(((struct jp_robot_config *)NULL)->first),  \
-            (count)                                                                                                    \
+        (uint16_t) offsetof(type, first), (uint8_t)sizeof(((type *)NULL)->first), (count)                              \
     }
-    NUMBERS(estimator.tick_rate, 1),
-    NUMBERS(estimator.wheel_per_count, 2),
-    NUMBERS(estimator.tracking_gain, 4),
-    NUMBERS(reference.tick_rate, 5),
-    NUMBERS(lqr.tick_rate, 10),
-    NUMBERS(monitor.tilt_limit, 13),
-    NUMBERS(monitor.confirm_ticks, 3),
-    NUMBERS(meter.tick_rate, 3),
-    NUMBERS(limits.speed, 4),
-    NUMBERS(metres_per_turn, 1),
-#undef NUMBERS
+#define BALANCER(first, count) NUMBERS(struct jp_robot_config, first, count)
+#define SKID(first, count)     NUMBERS(struct jp_skid_robot_config, first, count)
+
+static const struct span balancer_numbers[] = {
+    BALANCER(estimator.tick_rate, 1),
+    BALANCER(estimator.wheel_per_count, 2),
+    BALANCER(estimator.tracking_gain, 4),
+    BALANCER(reference.tick_rate, 5),
+    BALANCER(lqr.tick_rate, 10),
+    BALANCER(monitor.tilt_limit, 13),
+    BALANCER(monitor.confirm_ticks, 3),
+    BALANCER(meter.tick_rate, 3),
+    BALANCER(limits.speed, 4),
+    BALANCER(metres_per_turn, 1),
+};
+
+static const struct span skid_numbers[] = {
+    SKID(odometry.tick_rate, sizeof(struct jp_skid_odometry_config) / sizeof(uint32_t)),
+    SKID(control.tick_rate, 1),
+    SKID(control.wheel_per_count, 1),
+    SKID(control.tracking_gain, 18),
+    SKID(monitor.tilt_limit, 13),
+    SKID(monitor.confirm_ticks, 3),
+    SKID(wheels.upright, 8),
+    SKID(wheels.slope_calls, 3),
+    SKID(meter.tick_rate, 3),
+    SKID(limits.speed, 3),
+    SKID(path.tick_rate, 5),
+    SKID(heading_gain, 1),
 };
 
 /** A number of 2, 4 or 8 bytes in the order of this core. */
@@ -69,9 +87,9 @@ static void put_number(uint8_t *bytes, uint64_t number, unsigned size)
     }
 }
 
-static uint32_t crc_of_span(uint32_t crc, const struct jp_robot_config *config, const struct span *span)
+static uint32_t crc_of_span(uint32_t crc, const uint8_t *config, const struct span *span)
 {
-    const uint8_t *bytes = (const uint8_t *)config + span->offset;
+    const uint8_t *bytes = config + span->offset;
     uint8_t little_endian[sizeof(uint64_t)];
 
     for (unsigned i = 0; i < span->count; i++) {
@@ -81,17 +99,28 @@ static uint32_t crc_of_span(uint32_t crc, const struct jp_robot_config *config, 
     return crc;
 }
 
-uint32_t jp_robot_identity(const struct jp_robot_config *config)
+static uint32_t crc_of(const char *name, const uint8_t *config, const struct span *spans, size_t count)
 {
     uint32_t crc = 0;
 
-    for (const char *letter = config->name; letter != NULL && *letter != '\0'; letter++) {
+    for (const char *letter = name; letter != NULL && *letter != '\0'; letter++) {
         crc = jp_crc32(crc, (const uint8_t *)letter, 1);
     }
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        crc = crc_of_span(crc, config, &numbers[i]);
+    for (size_t i = 0; i < count; i++) {
+        crc = crc_of_span(crc, config, &spans[i]);
     }
     return crc;
+}
+
+uint32_t jp_robot_identity(const struct jp_robot_config *config)
+{
+    return crc_of(config->name, (const uint8_t *)config, balancer_numbers,
+                  sizeof balancer_numbers / sizeof balancer_numbers[0]);
+}
+
+uint32_t jp_skid_robot_identity(const struct jp_skid_robot_config *config)
+{
+    return crc_of(config->name, (const uint8_t *)config, skid_numbers, sizeof skid_numbers / sizeof skid_numbers[0]);
 }
 
 /* ---- Fields ---- */

@@ -9,6 +9,7 @@
 
 #include <joulepath/learner.h>
 #include <joulepath/robot.h>
+#include <joulepath/skid_robot.h>
 
 #include "hal/storage/store.h"
 
@@ -44,6 +45,9 @@ enum jp_stored {
 
 /** CRC-32 over name and all fields of the configuration: the same on every core. About 190 bytes. */
 uint32_t jp_robot_identity(const struct jp_robot_config *config);
+
+/** The same of a skid-steered or differential-drive robot. */
+uint32_t jp_skid_robot_identity(const struct jp_skid_robot_config *config);
 
 /** Nothing learned of energy, no bias, and currents not calibrated. */
 void jp_parameters_default(struct jp_parameters *parameters);

@@ -84,7 +84,7 @@ void learned_line_print(struct learned_line *last, const struct ecu_node *node)
     *last = (struct learned_line){.changes = lessons.changes, .cause = lessons.cause};
     if (lessons.changes > 0U) {
         (void)printf("%.1f s: ", (double)ecu->tick / jp_ecu_tick_rate(ecu));
-        print_cause(&node->robot.pilot.learner);
+        print_cause(&node->balancer.robot.pilot.learner);
         (void)fflush(stdout);
     }
 }

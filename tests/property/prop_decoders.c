@@ -368,7 +368,7 @@ static struct jp_can_frame draw_status(void)
                 frame.data[1] = (uint8_t)(JP_ROUTE_READY + below(3));
             }
             if (!is_route && !one_in(8)) {
-                frame.data[0] = JP_CAN_ECU_STATUS_STATE_BALANCING_CHOICE | JP_MODE_STAND << 3 | JP_OPERATOR_ALIVE << 5;
+                frame.data[0] = JP_CAN_ECU_STATUS_STATE_STANDING_CHOICE | JP_MODE_STAND << 3 | JP_OPERATOR_ALIVE << 5;
             }
         }
     }
