@@ -19,6 +19,7 @@ endef
 BOARD_OBJECTS := $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out $(IMAGE),$(STM32F4)))
 
 $(foreach r,$(ROBOTS),$(eval $(call firmware_rules,$r,balancer)))
+$(foreach r,$(SKID_ROBOTS),$(eval $(call firmware_rules,$r,skid)))
 
 COMMA := ,
 
@@ -37,7 +38,7 @@ endef
 
 .PHONY: firmware
 firmware: ## build the image for the STM32F405 with ROBOT=name (SIDE=cells PLANNER=KiB of its navigator): ELF, bin and map in build/firmware/name
-	$(if $(filter $(ROBOT),$(ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS)))
+	$(if $(filter $(ROBOT),$(ROBOTS) $(SKID_ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS) $(SKID_ROBOTS)))
 	@tools/setup.sh firmware
 	@$(MAKE) $(PARALLEL) $(BUILD)/firmware/$(ROBOT)/joulepath.bin
 	@arm-none-eabi-size $(BUILD)/firmware/$(ROBOT)/joulepath.elf
