@@ -40,9 +40,10 @@ static bool resume(void *self, const union jp_retained_snapshot *snapshot, uint3
 /** As soon as it knows how fast it is it brakes under control, to stand. */
 static void go_on(struct jp_ecu_skid *skid)
 {
-    const bool is_enabled = jp_skid_robot_enable(&skid->robot) == JP_OK;
+    const bool is_idle = jp_skid_robot_state_now(&skid->robot) == JP_SKID_ROBOT_IDLE;
 
-    skid->internal.waking_ticks = is_enabled ? 0 : (uint8_t)(skid->internal.waking_ticks - 1U);
+    skid->internal.waking_ticks = is_idle ? (uint8_t)(skid->internal.waking_ticks - 1U) : 0;
+    (void)jp_skid_robot_enable(&skid->robot);
 }
 
 static void tick(void *self, const struct jp_hal *hal, enum jp_status *written)
