@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "hal/can/jp_can.h"
+#include "sim/base/fingerprint.h"
 #include "sim/skid_steer/skid_hal_sim.h"
 
 #define BATTERY_PERIOD_MS 100U
@@ -31,6 +32,56 @@ double plant_node_rate(const struct plant_node *node)
 uint64_t plant_node_tick(const struct plant_node *node)
 {
     return node->kind == PLANT_SKID ? node->skid.tick : node->world.tick;
+}
+
+static void look_at_balancer(const struct world *world, struct plant_truth *truth)
+{
+    const struct plant *plant = &world->plant;
+
+    *truth = (struct plant_truth){.x = plant->x,
+                                  .y = plant->y,
+                                  .heading = plant->state.yaw,
+                                  .speed = plant->state.wheel_rate * world->robot.wheel.radius_m,
+                                  .turn_rate = plant->state.yaw_rate,
+                                  .pitch = plant->state.pitch,
+                                  .current_left = plant_current_left(plant, &world->input),
+                                  .current_right = plant_current_right(plant, &world->input)};
+}
+
+static void look_at_skid(const struct skid_plant *plant, struct plant_truth *truth)
+{
+    const struct planar_pose pose = skid_plant_pose(plant);
+
+    *truth = (struct plant_truth){.x = pose.x,
+                                  .y = pose.y,
+                                  .heading = pose.heading,
+                                  .speed = plant->state.forward,
+                                  .turn_rate = plant->state.turn_rate,
+                                  .current_left = plant->attitude.current[SKID_LEFT],
+                                  .current_right = plant->attitude.current[SKID_RIGHT]};
+}
+
+void plant_node_look(const struct plant_node *node, struct plant_truth *truth)
+{
+    if (node->kind == PLANT_SKID) {
+        look_at_skid(&node->skid.plant, truth);
+    } else {
+        look_at_balancer(&node->world, truth);
+    }
+}
+
+void plant_node_fingerprint(const struct plant_node *node, uint64_t *fingerprint)
+{
+    const struct plant *plant = &node->world.plant;
+
+    if (node->kind == PLANT_SKID) {
+        fingerprint_add(fingerprint, &node->skid.plant.state, sizeof node->skid.plant.state);
+        return;
+    }
+    fingerprint_add(fingerprint, &plant->x, sizeof plant->x);
+    fingerprint_add(fingerprint, &plant->y, sizeof plant->y);
+    fingerprint_add(fingerprint, &plant->state, sizeof plant->state);
+    fingerprint_add(fingerprint, &plant->ledger, sizeof plant->ledger);
 }
 
 static double clamp(double value, double low, double high)

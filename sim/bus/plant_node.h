@@ -33,6 +33,18 @@ struct plant_node {
     uint64_t silences;        /**< times that the bridges switched off for want of commands */
 };
 
+/** What is so: m, rad, m/s, rad/s, A. */
+struct plant_truth {
+    double x;
+    double y;
+    double heading;
+    double speed;
+    double turn_rate;
+    double pitch; /**< of a balancer, forward positive; else 0 */
+    double current_left;
+    double current_right;
+};
+
 /** Held upright at rest. The robot file is copied. A node must not be moved after it. */
 void plant_node_init(struct plant_node *node, const struct robot_file *robot, uint64_t seed);
 
@@ -44,6 +56,11 @@ void plant_node_init_skid(struct plant_node *node, const struct skid_steer_model
 /** Ticks a second, and those that passed. */
 double plant_node_rate(const struct plant_node *node);
 uint64_t plant_node_tick(const struct plant_node *node);
+
+void plant_node_look(const struct plant_node *node, struct plant_truth *truth);
+
+/** Adds state and ledger to a fingerprint. */
+void plant_node_fingerprint(const struct plant_node *node, uint64_t *fingerprint);
 
 /** Measures and sends the sample of this tick; every 100 ms BatteryStatus too, if the robot's
  *  file knows what the battery holds. */

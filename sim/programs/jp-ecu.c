@@ -230,20 +230,32 @@ static const struct jp_energy_model *model_of(const struct arguments *arguments,
     return arguments->published ? &jp_energy_model_published : rig_energy_model(entry, arguments->energy);
 }
 
+/** A balancer's program or, where the name is not one of those, that of a robot that its sides steer. */
+static bool start(struct ecu_node *node, const struct arguments *arguments, const struct jp_can_port *bus,
+                  struct jp_retained *record)
+{
+    const struct skid_robot_entry *skid = skid_robot_built_in(arguments->robot);
+    const struct robot_entry *entry = skid != NULL ? NULL : rig_find_robot(arguments->robot);
+    const struct jp_energy_model *model = entry == NULL ? NULL : model_of(arguments, entry);
+
+    if (skid != NULL) {
+        return ecu_node_init_skid(node, skid, bus, record, arguments->parameters);
+    }
+    return model != NULL && ecu_node_init(node, entry, model, bus, record, arguments->parameters);
+}
+
 static bool run(const struct arguments *arguments)
 {
     static struct ecu_node node;
-    const struct robot_entry *entry = rig_find_robot(arguments->robot);
-    const struct jp_energy_model *model = entry == NULL ? NULL : model_of(arguments, entry);
     struct jp_retained_file record;
     struct jp_can_link link;
     bool started;
     bool kept = true;
 
-    if (model == NULL || !open_record(arguments, &record) || !bus_open(&link, arguments->bus)) {
+    if (!open_record(arguments, &record) || !bus_open(&link, arguments->bus)) {
         return false;
     }
-    started = ecu_node_init(&node, entry, model, &link.port, record.retained, arguments->parameters);
+    started = start(&node, arguments, &link.port, record.retained);
     if (started) {
         run_on(&node, &link, arguments);
         kept = ecu_node_end(&node);
