@@ -106,11 +106,11 @@ static uint16_t draw_route(struct drive *drive)
 
 static void tick(struct drive *drive)
 {
-    const struct jp_skid_pilot *pilot = &drive->skid.pilot;
+    struct jp_skid_pilot *pilot = &drive->skid.pilot;
     const uint16_t ended = pilot->legs_ended;
 
     drive->robot.tick(drive->robot.self);
-    (void)jp_skid_pilot_work(&drive->skid.pilot);
+    (void)jp_skid_pilot_work(pilot);
     if (pilot->legs_ended > ended) {
         drive->energy += (double)pilot->result.energy / JOULE;
     }
