@@ -15,6 +15,8 @@ static struct jp_path_limits slowed_down(const struct jp_path_limits *limits, ui
 
 static void begin(struct jp_skid_run *run, const struct jp_skid_pilot_config *config, uint8_t slower)
 {
+    run->path.pieces = config->pieces;
+    run->path.places = config->places;
     run->limits = slowed_down(&config->limits, slower);
     run->rounded = 0;
     run->paced = 0;
@@ -25,7 +27,7 @@ enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pil
                                const struct jp_line_route *route, uint8_t slower)
 {
     begin(run, config, slower);
-    return jp_line_path(&run->path, config->pieces, config->places, route);
+    return jp_line_path(&run->path, run->path.pieces, run->path.places, route);
 }
 
 void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
@@ -33,7 +35,7 @@ void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_co
 {
     begin(run, config, 0);
     /* A robot that has the heading turns by no piece. */
-    (void)jp_turn_path(&run->path, config->pieces, config->places, start, heading);
+    (void)jp_turn_path(&run->path, run->path.pieces, run->path.places, start, heading);
 }
 
 /** Pieces from one stand to the next: the robot stands before and after each turn on the spot. */
