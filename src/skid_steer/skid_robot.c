@@ -437,8 +437,7 @@ static uint16_t review_wheels(struct jp_skid_robot_internal *robot)
     const struct jp_sensors *sensors = &robot->monitor.good;
     const struct jp_skid_motion motion = {
         .control = &robot->control,
-        .current_left = sensors->current_left,
-        .current_right = sensors->current_right,
+        .current = {sensors->current_left, sensors->current_right},
         .turn_rate = robot->odometry.turn_rate,
         .steering = robot->odometry.steering_ratio,
         .straight = robot->reference.turn_rate == 0,

@@ -317,7 +317,8 @@ static void drive(const struct skid_steer_model *file, uint64_t seed, struct res
     while (trip.way < WAY) {
         skid_drive_tick(&trip, &sensors);
         jp_skid_odometry_update(&odometry, &config, &sensors);
-        TEST_ASSERT_TRUE(odometry.internal.tilt.ahead_ahead > 0 && odometry.internal.tilt.left_left > 0);
+        TEST_ASSERT_TRUE(odometry.internal.tilt.variance[JP_SKID_TILT_AHEAD] > 0 &&
+                         odometry.internal.tilt.variance[JP_SKID_TILT_LEFT] > 0);
     }
     TEST_ASSERT_FALSE(trip.world.plant.tipped);
     const struct planar_pose pose = skid_plant_pose(&trip.world.plant);
