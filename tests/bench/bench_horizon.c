@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
+#include "sim/base/parallel.h"
 #include "tests/support/chain.h"
 
 #define COMMAND "make figures"

@@ -9,7 +9,7 @@
 
 #include "sim/balancer/variation.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
+#include "sim/base/parallel.h"
 #include "tests/support/chain.h"
 
 enum {

@@ -8,7 +8,7 @@
 
 #include "sim/missions/patrol_mission.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
+#include "sim/base/parallel.h"
 
 #define COMMAND    "make bench-patrol"
 #define ROBOT_PATH "sim/robots/patrol.cfg"

@@ -12,7 +12,7 @@
 #include "sim/four_wheel/patrol_config.h"
 #include "sim/scenes/patrol_scene.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
+#include "sim/base/parallel.h"
 
 #define COMMAND    "make bench-patrol"
 #define ROBOT_PATH "sim/robots/patrol.cfg"

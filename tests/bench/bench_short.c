@@ -6,7 +6,7 @@
 #include "sim/base/random.h"
 #include "sim/missions/mission.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
+#include "sim/base/parallel.h"
 
 #define COMMAND "make figures"
 

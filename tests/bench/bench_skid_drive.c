@@ -4,7 +4,7 @@
 #include <jansson.h>
 
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
+#include "sim/base/parallel.h"
 #include "tests/bench/priced_lattice.h"
 #include "tests/bench/statistics.h"
 #include "tests/support/path_rig.h"
