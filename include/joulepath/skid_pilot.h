@@ -11,8 +11,8 @@
  *      ▲                               │  ▲                     │
  *      └───────── asked, failed ───────┘  └──── follow, turn ───┘
  *
- * A leg leads to a target: a turn on the spot or an arc, where its line has another heading, and the line. Of a rounded
- * corner the arc belongs to the leg that it leads into. A route is planned whole, from where the robot stands, before
+ * A leg leads to a target: a turn on the spot, where its line has another heading, and the line. Where its corners are
+ * rounded it begins and ends in the middle of their arcs. A route is planned whole, from where the robot stands, before
  * it is driven; one that replaces another makes the robot brake to a stand first. Until the pilot rests, nothing else
  * may hand the robot commands or paths: a jp_skid_robot_stop() in the middle of a route, a fault or a disable ends it
  * with JP_ERR_STATE; jp_skid_pilot_stop() always ends it.
@@ -38,8 +38,8 @@
 extern "C" {
 #endif
 
-/** Pieces of path that routes of so many targets take at most. */
-#define JP_SKID_PILOT_PIECES(targets) JP_LINE_PATH_PIECES(targets)
+/** Pieces of path that routes of so many targets take at most: lines, and turns on the spot or arcs in two halves. */
+#define JP_SKID_PILOT_PIECES(targets) (3U * (targets))
 
 /** Steps by which a route can be driven slower, each by a quarter of the speed. */
 #define JP_SKID_PILOT_SLOWER_MAX 8U
@@ -98,6 +98,7 @@ struct jp_skid_run {
     struct jp_path_limits limits;
     uint16_t rounded; /**< pieces that were looked at as corners */
     uint16_t paced;   /**< pieces whose speeds are planned */
+    uint16_t halved;  /**< pieces that were looked at as arcs */
 };
 
 /** Private: the leg that is driven, and how the telemetry was when it began. */
@@ -187,13 +188,19 @@ void jp_skid_pilot_stop(struct jp_skid_pilot *pilot);
 
 /**
  * A slice of background work: at most one jp_skid_learner_update() with the energy of two legs, and the straight lines
- * of a route, one jp_path_round_corner(), the speeds from one stand to the next or the energy of a leg. To be called
- * often while driving: what passes from the end of a leg to the next call is not counted to it. Returns the first
- * failure (the robot then stands, or brakes), else JP_OK. JP_ERR_ARGUMENT: null. JP_ERR_STATE: the robot was stopped,
- * disabled or found a fault. JP_ERR_ZERO_LENGTH: two targets, or the robot and the first one, are less than 1 mm apart.
- * JP_ERR_INFEASIBLE: a line is longer than a piece may be (lattice_path.h).
+ * of a route, one jp_path_round_corner(), the speeds from one stand to the next, the halves of an arc or the energy of
+ * a leg. To be called often while driving: what passes from the end of a leg to the next call is not counted to it.
+ * Returns the first failure (the robot then stands, or brakes), else JP_OK. JP_ERR_ARGUMENT: null. JP_ERR_STATE: the
+ * robot was stopped, disabled or found a fault. JP_ERR_ZERO_LENGTH: two targets, or the robot and the first one, are
+ * less than 1 mm apart. JP_ERR_INFEASIBLE: a line is longer than a piece may be (lattice_path.h).
  */
 enum jp_status jp_skid_pilot_work(struct jp_skid_pilot *pilot);
+
+/** The path of the route, whole while it is driven. Constant time. */
+static inline const struct jp_lattice_path *jp_skid_pilot_path(const struct jp_skid_pilot *pilot)
+{
+    return &pilot->internal.run.path;
+}
 
 #ifdef __cplusplus
 }

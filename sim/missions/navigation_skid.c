@@ -64,7 +64,7 @@ static bool prepare(struct navigation_skid *skid, const struct skid_robot_entry 
     const struct jp_skid_pilot_config config = {.model = entry->energy,
                                                 .learning = entry->learning,
                                                 .limits = limits_of(entry, model),
-                                                .corner = q24(robot->margin_m),
+                                                .corner = isnan(robot->margin_m) ? 0 : q24(robot->margin_m),
                                                 .pieces = skid->pieces,
                                                 .places = sizeof skid->pieces / sizeof skid->pieces[0]};
     const char *field = "";

@@ -295,7 +295,8 @@ static bool run(const struct arguments *arguments)
     struct scenario scenario;
     bool done;
 
-    if (!scenario_load(arguments->scenario, &scenario) || !is_of_points_alone(arguments->scenario, &scenario) ||
+    if (!scenario_load_balancer(arguments->scenario, &scenario) ||
+        !is_of_points_alone(arguments->scenario, &scenario) ||
         !open_surroundings(&surroundings, arguments, &scenario)) {
         return false;
     }

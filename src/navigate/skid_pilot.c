@@ -5,6 +5,7 @@
 
 #include "src/base/config_check.h"
 #include "src/navigate/skid_run.h"
+#include "src/trajectory/path_piece.h"
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_skid_pilot_config, member, low, high)
 
@@ -92,16 +93,13 @@ static void cut_leg(struct jp_skid_pilot *pilot)
 static void describe(struct jp_skid_pilot *pilot, jp_q16 duration)
 {
     const struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
-    const struct jp_path_piece *pieces = pilot->internal.run.path.pieces;
-    const struct jp_path_piece *last = &pieces[watch->leg.end - 1U];
 
-    pilot->leg = (struct jp_skid_pilot_leg){
-        .speed = last->kind == JP_PIECE_CURVE ? last->speed.cruise : 0,
-        .duration = duration,
-        .energy = jp_saturate32(watch->drive.energy),
-    };
+    pilot->leg = (struct jp_skid_pilot_leg){.duration = duration, .energy = jp_saturate32(watch->drive.energy)};
     for (unsigned i = watch->leg.begin; i < watch->leg.end; i++) {
-        pilot->leg.turn = jp_add(pilot->leg.turn, jp_piece_turned(&pieces[i], pieces[i].length));
+        const struct jp_path_piece *piece = &pilot->internal.run.path.pieces[i];
+
+        pilot->leg.turn += jp_piece_turned(piece, piece->length);
+        pilot->leg.speed = jp_piece_is_straight(piece) ? piece->speed.cruise : pilot->leg.speed;
     }
 }
 

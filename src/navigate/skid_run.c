@@ -18,6 +18,7 @@ static void begin(struct jp_skid_run *run, const struct jp_skid_pilot_config *co
     run->limits = slowed_down(&config->limits, slower);
     run->rounded = 0;
     run->paced = 0;
+    run->halved = 0;
 }
 
 enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
@@ -59,6 +60,88 @@ static void plan_to_stand(struct jp_skid_run *run, const struct jp_motion_price 
     run->paced = (uint16_t)(run->paced + count);
 }
 
+/* Arcs in halves, where the legs meet. */
+
+static bool is_arc(const struct jp_path_piece *piece)
+{
+    return piece->kind == JP_PIECE_CURVE && piece->bend != 0;
+}
+
+/** v² in Q48 is so much more after a way. */
+static int64_t change_of_square(jp_q24 acceleration, jp_q24 way)
+{
+    return 2 * (int64_t)acceleration * way;
+}
+
+/** Of the robot after `way` on a piece: on its way to the cruise, or braking. */
+static jp_q24 speed_after(const struct jp_piece_speed *speed, jp_q24 begin, jp_q24 way)
+{
+    const int64_t cruise = (int64_t)speed->cruise * speed->cruise;
+    const int64_t gained = (int64_t)begin * begin + change_of_square(speed->acceleration, way);
+    const int64_t lost = cruise - change_of_square(speed->acceleration, way - speed->brake_from);
+    const int64_t reached = gained < cruise ? gained : cruise;
+
+    return (jp_q24)jp_square_root((uint64_t)(way <= speed->brake_from ? reached : lost));
+}
+
+static struct jp_point middle_of(const struct jp_path_piece *arc, jp_q24 turned)
+{
+    const jp_angle direction = arc->heading + jp_angle_from_radians(turned / 2);
+    const jp_q24 chord = jp_divide(jp_multiply(jp_sin(jp_angle_from_radians(turned / 2)), 1 << 18), arc->bend);
+
+    return (struct jp_point){arc->begin.x + jp_multiply_shift(chord, jp_cos(direction), 39),
+                             arc->begin.y + jp_multiply_shift(chord, jp_sin(direction), 39)};
+}
+
+/** The halves are driven as the arc was. */
+static void halve(struct jp_path_piece halves[2], jp_q24 begin)
+{
+    struct jp_path_piece *first = &halves[0];
+    struct jp_path_piece *second = &halves[1];
+    const jp_q24 way = first->length / 2;
+    const jp_q24 turned = jp_piece_turned(first, way);
+    const jp_q24 speed = speed_after(&first->speed, begin, way);
+    const bool brakes = first->speed.brake_from < way;
+
+    *second = *first;
+    second->begin = middle_of(first, turned);
+    second->heading += jp_angle_from_radians(turned);
+    second->length -= way;
+    second->speed.blend = 0;
+    second->speed.blend_rate = 0;
+    second->speed.brake_from = brakes ? 0 : first->speed.brake_from - way;
+    first->length = way;
+    first->speed.end = speed;
+    if (brakes) {
+        second->speed.cruise = speed;
+    } else {
+        first->speed.cruise = speed;
+        first->speed.brake_from = way;
+    }
+}
+
+/** The next arc, if there is one: the line before it tells how fast it begins. */
+static bool halve_next(struct jp_skid_run *run)
+{
+    struct jp_path_piece *pieces = run->path.pieces;
+
+    while (run->halved < run->path.count && !is_arc(&pieces[run->halved])) {
+        run->halved++;
+    }
+    if (run->halved == run->path.count) {
+        return false;
+    }
+    for (unsigned i = run->path.count; i > run->halved + 1U; i--) {
+        pieces[i] = pieces[i - 1U];
+    }
+    halve(&pieces[run->halved], pieces[run->halved - 1U].speed.end);
+    run->path.count++;
+    run->rounded++;
+    run->paced++;
+    run->halved = (uint16_t)(run->halved + 2U);
+    return true;
+}
+
 bool jp_skid_run_plan(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
                       const struct jp_skid_energy_model *model)
 {
@@ -73,7 +156,7 @@ bool jp_skid_run_plan(struct jp_skid_run *run, const struct jp_skid_pilot_config
         plan_to_stand(run, &price);
         return true;
     }
-    return false;
+    return halve_next(run);
 }
 
 bool jp_skid_run_next_leg(const struct jp_skid_run *run, struct jp_skid_leg *leg)
@@ -86,11 +169,12 @@ bool jp_skid_run_next_leg(const struct jp_skid_run *run, struct jp_skid_leg *leg
     }
     leg->begin = end;
     leg->speed = end == 0U ? 0 : pieces[end - 1U].speed.end;
-    /* A leg ends with its line; a turn on the spot may be all of a path. */
+    /* To its line, if it is not a turn alone, and to the middle of the arc after it. */
     while (end + 1U < run->path.count && !jp_piece_is_straight(&pieces[end])) {
         end++;
     }
-    leg->end = (uint16_t)(end + 1U);
+    end++;
+    leg->end = end < run->path.count && is_arc(&pieces[end]) ? (uint16_t)(end + 1U) : end;
     return true;
 }
 

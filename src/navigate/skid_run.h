@@ -13,8 +13,8 @@ enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pil
 void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
                           const struct jp_path_pose *start, jp_angle heading);
 
-/** A slice of planning what was laid, by the prices of a model: a corner, or the speeds from a stand to the next.
- *  False: all of it was planned. */
+/** A slice of planning what was laid, by the prices of a model: a corner, the speeds from a stand to the next, or the
+ *  halves of an arc. False: all of it was planned. */
 bool jp_skid_run_plan(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
                       const struct jp_skid_energy_model *model);
 

@@ -100,31 +100,28 @@ static enum jp_status survey(void *context, const struct jp_vehicle_run *run, bo
     return status;
 }
 
-/** How far an arc passes inside the corner of the lines that it touches, m. */
+/** How far an arc, of which this is a half, passes inside the corner of the lines that it touches, m. */
 static jp_q16 inside_of(const struct jp_path_piece *arc)
 {
     const jp_q24 turned = jp_absolute32(jp_piece_turned(arc, arc->length));
-    const jp_q31 cosine = jp_cos(jp_angle_from_radians(turned / 2));
+    const jp_q31 cosine = jp_cos(jp_angle_from_radians(turned));
     const jp_q24 radius = jp_q24_divide(JP_Q24_ONE, jp_absolute32(arc->bend));
 
     return jp_divide(jp_multiply(radius, JP_Q31_MAX - cosine), cosine) >> 8;
 }
 
-static jp_q16 inside_at(const struct jp_skid_run *run, unsigned piece)
-{
-    const struct jp_path_piece *corner = &run->path.pieces[piece];
-
-    return piece < run->path.count && corner->bend != 0 ? inside_of(corner) : 0;
-}
-
-/** The most that the robot leaves a leg's line by, at the arc that leads into it or at the one after it; turns on the
- *  spot keep to the lines. */
+/** The most that the robot leaves a leg's line by; turns on the spot keep to it. */
 static jp_q16 aside_of(const struct jp_skid_run *run, const struct jp_skid_leg *leg)
 {
-    const jp_q16 before = inside_at(run, leg->begin);
-    const jp_q16 after = inside_at(run, leg->end);
+    jp_q16 most = 0;
 
-    return before > after ? before : after;
+    for (unsigned i = leg->begin; i < leg->end; i++) {
+        const struct jp_path_piece *piece = &run->path.pieces[i];
+        const jp_q16 inside = piece->bend == 0 ? 0 : inside_of(piece);
+
+        most = inside > most ? inside : most;
+    }
+    return most;
 }
 
 /** What exceeds its format is left out. */
