@@ -66,3 +66,11 @@ bool jp_skid_robot_has_next(const struct jp_skid_robot *robot)
 {
     return JP_LOAD_ACQUIRE(&robot->internal.next_full) != 0U;
 }
+
+jp_q24 jp_skid_robot_pitch(const struct jp_skid_robot *robot)
+{
+    const struct jp_skid_monitor *ground = &robot->internal.wheels;
+    const jp_angle angle = jp_atan2(ground->rise, ground->upright);
+
+    return (jp_q24)-jp_round_shift((int32_t)angle, 8);
+}

@@ -238,7 +238,7 @@ def test_an_ecu_killed_while_driving(host, tmp_path):
             ecus.append(host.start_ecu("--retained", tmp_path / "record"))
     with pytest.raises(RobotError, match=r"the ECU restarted \(restart 1\)"):
         host.drive(*ROUTE, watch=kill_on_the_way)
-    state = host.listen_until(lambda state: state.state == "Balancing" and "Pose" in state.latest)
+    state = host.listen_until(lambda state: state.state == "Standing" and "Pose" in state.latest)
     assert WAY < x_of(state) < ROUTE[0][0]
     host.drive(NEXT)
     assert host.stop()[SILENCES] == 0
@@ -318,7 +318,7 @@ def test_a_second_controller_does_not_disturb_the_first(host):
 def test_a_client_drives_it(host, drive):
     ecu = host.start_ecu()
     drive(host, (0.5, 0.1), (1.0, 0.5))
-    assert x_of(host.listen_until(lambda state: state.state == "Balancing" and x_of(state) > 0)) > 0.8
+    assert x_of(host.listen_until(lambda state: state.state == "Standing" and x_of(state) > 0)) > 0.8
     assert host.stop()["of those, commands that missed their deadline"] == 0
     assert assert_stopped(ecu)["frames with a wrong CRC"] == 0
 

@@ -31,9 +31,9 @@ $(BUILD)/$1/whole: $(BUILD)/$1/tests/target/whole.o $(call support,$1) $(BUILD)/
 endef
 $(foreach v,$(sort $(SPEED_VARIANTS) $(SIZE_VARIANTS)),$(eval $(call whole_rules,$v)))
 
-# The image of the board, whose main.o is apart from the other objects.
+# The image of the board, of whose objects some are apart from the others.
 $(BUILD)/firmware/whole: $(BUILD)/firmware/courier24/joulepath.elf
-	@cp $(<D)/main.ci $(@D)
+	@cp $(<D)/*.ci $(@D)
 	@cp $< $@
 
 # Maps of others, where they are. MovingAI cells become as large as lets the robot through and the map fit.
