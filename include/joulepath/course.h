@@ -103,6 +103,9 @@ enum jp_course_answer jp_course_work(struct jp_course *course);
 /** Where leg `index` begins. */
 struct jp_point jp_course_begin(const struct jp_course *course, unsigned index);
 
+/** Leg `index` begins elsewhere; so the one before it ends there. */
+void jp_course_begin_at(struct jp_course *course, unsigned index, const struct jp_point *begin);
+
 /** True when the disc, with the leg's margin and what the robot leaves it aside, can be moved from `from` to the end of
  *  leg `index` and beyond. Work: the cells round the line, 64 at a time, and a distance for each blocked one among
  * them. */

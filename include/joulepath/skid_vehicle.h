@@ -3,8 +3,7 @@
  * turns on the spot and, where that costs less, arcs round its corners (path_corner.h), at the speeds of least energy
  * and time by its price. What each run takes is measured and learned from (skid_learner.h).
  *
- * The ground is taken to be level where the robot is told to go; what slopes take is learned as rolling resistance.
- * Nothing here is for ISRs.
+ * What lines rise by is part of what they take, as far as the pieces of a run tell it. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_SKID_VEHICLE_H
 #define JOULEPATH_SKID_VEHICLE_H
@@ -23,6 +22,9 @@ extern "C" {
 /** Targets of a run at most. */
 #define JP_SKID_RUN_MAX 16U
 
+/** Pieces of its path: those of level ground, and as many again for what the lines rise by. */
+#define JP_SKID_RUN_PIECES (2U * JP_LINE_PATH_PIECES(JP_SKID_RUN_MAX))
+
 struct jp_skid_vehicle_config {
     struct jp_skid_robot *robot;     /**< prepared */
     struct jp_path_limits limits;    /**< of what it drives by itself */
@@ -33,8 +35,10 @@ struct jp_skid_vehicle_config {
 
 /** Private: a run as a path. */
 struct jp_skid_run {
-    struct jp_path_piece pieces[JP_LINE_PATH_PIECES(JP_SKID_RUN_MAX)];
+    struct jp_path_piece pieces[JP_SKID_RUN_PIECES];
     struct jp_lattice_path path;
+    uint16_t first[JP_SKID_RUN_MAX]; /**< piece of each line */
+    uint16_t count;                  /**< lines */
     struct jp_skid_drive drive; /**< by the model that the learner had then */
     jp_q16 duration;            /**< s */
 };

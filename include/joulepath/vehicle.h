@@ -5,6 +5,7 @@
 #ifndef JOULEPATH_VEHICLE_H
 #define JOULEPATH_VEHICLE_H
 
+#include <joulepath/ground.h>
 #include <joulepath/learner.h>
 #include <joulepath/trajectory.h>
 
@@ -35,6 +36,7 @@ struct jp_vehicle_run {
     const struct jp_point *targets;
     uint16_t count; /**< at least 1 */
     uint8_t slower; /**< than as costs least, by so many steps; 0…JP_VEHICLE_SLOWER_MAX */
+    const struct jp_ground *ground; /**< null: level */
 };
 
 /** A kind of robot. `context` is handed to each function. */

@@ -1,4 +1,4 @@
-/* A balancer finds its way over a map on which not everything is that is in the world. */
+/* A robot finds its way over a map on which not everything is that is in the world. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -132,13 +132,13 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 static const struct jp_lattice *prepare(const struct arguments *arguments, const struct lattice_robot *robot,
                                         const struct map_file *map)
 {
-    const struct jp_lattice *lattice = plan_lattice_find(robot->name);
+    const struct jp_lattice *lattice = plan_lattice_for_navigation(robot->name);
 
     if (robot->balancer.model == NULL && arguments->bus != NULL) {
         error_line("%s: --bus: only a balancer has an ECU on a bus so far; leave it out", arguments->common.robot);
         return NULL;
     }
-    if (lattice == NULL || robot->radius_m == 0) {
+    if (lattice == NULL || robot->turning_radius_m == 0) {
         error_line("%s: no lattice for finding its way; give the robot file a section navigation: { cell_m = 0.1; "
                    "margin_m = 0.06; }; and run make lattice ROBOT=%s",
                    robot->name, robot->name);

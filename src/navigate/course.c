@@ -234,6 +234,15 @@ struct jp_point jp_course_begin(const struct jp_course *course, unsigned index)
     return index == 0U ? course->internal.start : course->config.legs[index - 1U].end;
 }
 
+void jp_course_begin_at(struct jp_course *course, unsigned index, const struct jp_point *begin)
+{
+    if (index == 0U) {
+        course->internal.start = *begin;
+    } else {
+        course->config.legs[index - 1U].end = *begin;
+    }
+}
+
 /** Where the robot gets to that goes beyond the end of a leg. */
 static struct jp_point beyond(const struct jp_course *course, unsigned index)
 {

@@ -117,12 +117,17 @@ static enum jp_status plan_speeds(const struct jp_skid_vehicle *skid, struct jp_
 static enum jp_status plan_run(const struct jp_skid_vehicle *skid, struct jp_skid_run *run,
                                const struct jp_vehicle_run *task)
 {
-    const struct jp_line_route route = {
-        .start = task->start, .heading = task->heading, .targets = task->targets, .count = task->count};
+    const struct jp_line_route route = {.start = task->start,
+                                        .heading = task->heading,
+                                        .targets = task->targets,
+                                        .count = task->count,
+                                        .ground = task->ground,
+                                        .first = run->first};
     const struct jp_path_limits limits = slowed_down(&skid->config.limits, task->slower);
     const enum jp_status status =
-        jp_line_path(&run->path, run->pieces, (uint16_t)JP_LINE_PATH_PIECES(JP_SKID_RUN_MAX), &route);
+        jp_line_path(&run->path, run->pieces, (uint16_t)JP_SKID_RUN_PIECES, &route);
 
+    run->count = task->count;
     return status == JP_OK ? plan_speeds(skid, run, &limits) : status;
 }
 
@@ -165,7 +170,8 @@ static enum jp_status follow(void *context, const struct jp_vehicle_run *task)
                                              .heading = pose.heading,
                                              .targets = task->targets,
                                              .count = task->count,
-                                             .slower = task->slower};
+                                             .slower = task->slower,
+                                             .ground = task->ground};
     const enum jp_status status = plan_run(skid, &skid->driven, &from_here);
 
     return status == JP_OK ? drive(skid) : status;
@@ -204,23 +210,18 @@ static jp_q16 inside_of(const struct jp_path_piece *arc)
     return jp_divide(jp_multiply(radius, JP_Q31_MAX - cosine), cosine) >> 8;
 }
 
-/** The most that the robot leaves line `index` by: arcs are between lines. */
+/** The most that the robot leaves line `index` by: at the corners at its ends, where they are arcs. */
 static jp_q16 aside_of(const struct jp_skid_run *run, unsigned index)
 {
-    unsigned lines = 0; /* before the piece */
     jp_q16 most = 0;
 
-    for (unsigned i = 0; i < run->path.count; i++) {
-        const struct jp_path_piece *piece = &run->path.pieces[i];
+    for (unsigned line = index; line <= index + 1U && line < run->count; line++) {
+        const struct jp_path_piece *piece = &run->path.pieces[run->first[line]];
 
-        if (piece->kind == JP_PIECE_CURVE && piece->bend == 0) {
-            lines++;
-        } else if (piece->kind == JP_PIECE_CURVE && (lines == index || lines == index + 1U)) {
+        if (piece->kind == JP_PIECE_CURVE && piece->bend != 0) {
             const jp_q16 inside = inside_of(piece);
 
             most = inside > most ? inside : most;
-        } else {
-            /* Turns on the spot keep to the lines. */
         }
     }
     return most;
