@@ -43,6 +43,12 @@ struct jp_skid_run {
     jp_q16 duration;            /**< s */
 };
 
+/** Private: what runs take. */
+struct jp_skid_sum {
+    struct jp_forecast_sum energy;
+    jp_q16 duration; /**< s */
+};
+
 /** Private. */
 struct jp_skid_vehicle {
     struct jp_skid_vehicle_config config;
@@ -50,8 +56,9 @@ struct jp_skid_vehicle {
     struct jp_skid_run surveyed;
     uint16_t survey_count; /**< targets of the run that is surveyed */
     uint16_t survey_done;
-    struct jp_forecast_sum before; /**< of the runs that were surveyed */
-    jp_q16 duration_before;        /**< s */
+    struct jp_point survey_start;
+    struct jp_skid_sum before; /**< of the runs before it */
+    struct jp_skid_sum sum;    /**< with it, once it is surveyed */
     jp_energy energy_before;       /**< of the meter when the driven run began */
     bool is_learning;              /**< from the run that is driven */
 };

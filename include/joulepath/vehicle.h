@@ -52,8 +52,8 @@ struct jp_vehicle {
     enum jp_status (*follow)(void *context, const struct jp_vehicle_run *run);
     /** Brakes to a stand. */
     void (*stop)(void *context);
-    /** Begins to survey a run, after those that were surveyed to their ends; `anew`: it is the first. The targets must
-     *  stay until it is. JP_ERR_INFEASIBLE: as survey_leg. */
+    /** Begins to survey a run, after those that were surveyed to their ends; `anew`: it is the first. One that starts
+     *  where the last one did takes its place. The targets must stay until it is surveyed. JP_ERR_INFEASIBLE: as survey_leg. */
     enum jp_status (*survey)(void *context, const struct jp_vehicle_run *run, bool anew);
     /** Surveys the next leg of the run: what ground it takes. JP_ERR_INFEASIBLE: it cannot drive the
      *  run without a stand, nor one of one leg at any pace. JP_ERR_ZERO_LENGTH: a leg is shorter than 1 mm. */

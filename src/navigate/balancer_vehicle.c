@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "src/base/point.h"
+
 /** A stand: the reference is slower than so many m/s and turn/s, and the robot than so many m/s. */
 #define REFERENCE_SPEED_MAX     JP_Q24(0.005)
 #define REFERENCE_TURN_RATE_MAX JP_Q24(0.002)
@@ -182,6 +184,10 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
 
     if (anew) {
         survey->before = (struct jp_balancer_sum){.duration = 0};
+    } else if (!jp_is_same_point(&run->start, &survey->task.start)) {
+        survey->before = survey->sum;
+    } else {
+        /* It takes the place of the last one. */
     }
     survey->sum = survey->before;
     survey->model = *pilot->config.model;
@@ -226,9 +232,6 @@ static enum jp_status survey_leg(void *context, struct jp_leg_extent *extent)
         *extent = jp_trajectory_leg_extent(&config_of(balancer)->trajectory, &survey->leg, survey->heading);
         add_leg(balancer);
         survey->heading = survey->leg.next.heading;
-        if (survey->plan.planned == survey->task.count) {
-            survey->before = survey->sum;
-        }
     }
     return status;
 }
@@ -236,7 +239,7 @@ static enum jp_status survey_leg(void *context, struct jp_leg_extent *extent)
 static void forecast(void *context, jp_q16 *duration, struct jp_forecast *energy)
 {
     const struct jp_balancer_vehicle *balancer = balancer_of(context);
-    const struct jp_balancer_sum *sum = &balancer->survey.before;
+    const struct jp_balancer_sum *sum = &balancer->survey.sum;
 
     *duration = sum->duration;
     *energy = (struct jp_forecast){.energy = jp_saturate32(sum->energy.energy)};

@@ -4,6 +4,7 @@
 
 #include "src/base/point.h"
 #include "src/map/capsule.h"
+#include "src/map/line_cost.h"
 
 /** So many steps in a row are looked at beyond one that no line leads to. */
 #define MISSES_MAX 8U
@@ -59,14 +60,25 @@ static bool is_route(enum jp_answer answer)
     return answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND || answer == JP_ANSWER_PARTIAL;
 }
 
-/** To the end of the next primitive of the plan that leads elsewhere. False: the others turn where they are. */
-static bool follow_plan(const struct jp_planner *planner, struct jp_course_place *place)
+static bool has_hills(const struct jp_course *course)
 {
+    return course->config.terrain->config.has_elevation;
+}
+
+/** To the end of the next primitive of the plan that leads elsewhere. False: the others turn where they are. */
+static bool follow_plan(const struct jp_course *course, struct jp_course_place *place)
+{
+    const struct jp_planner *planner = course->internal.planner;
+
     while (place->step < jp_planner_plan(planner)->step_count) {
         const struct jp_lattice_pose before = place->pose;
+        const struct jp_primitive *primitive = jp_planner_step(planner, place->step, &place->pose);
 
-        (void)jp_planner_step(planner, place->step, &place->pose);
         place->step++;
+        if (has_hills(course)) {
+            place->cost += jp_lattice_energy(course->internal.lattice, JP_COST_PHYSICAL, course->config.terrain,
+                                             primitive, before.x, before.y);
+        }
         if (place->pose.x != before.x || place->pose.y != before.y) {
             return true;
         }
@@ -74,27 +86,33 @@ static bool follow_plan(const struct jp_planner *planner, struct jp_course_place
     return false;
 }
 
-static bool follow_way(const struct jp_lattice_way *way, struct jp_course_place *place)
+static bool follow_way(const struct jp_course *course, struct jp_course_place *place)
 {
+    const struct jp_point before = centre_of(course, &place->pose);
     struct jp_way_cell cell = {place->pose.x, place->pose.y};
-    const bool has_next = jp_lattice_way_next(way, &cell);
+    const bool has_next = jp_lattice_way_next(course->internal.way, &cell);
 
     place->pose.x = cell.x;
     place->pose.y = cell.y;
+    if (has_hills(course)) {
+        const struct jp_point here = centre_of(course, &place->pose);
+
+        place->cost += jp_line_cost(course->internal.lattice, course->config.terrain, &before, &here);
+    }
     return has_next;
 }
 
 /** To the next place of the route. False: it ends here. */
-static bool follow(const struct jp_course_internal *internal, struct jp_course_place *place)
+static bool follow(const struct jp_course *course, struct jp_course_place *place)
 {
-    return internal->planner != NULL ? follow_plan(internal->planner, place) : follow_way(internal->way, place);
+    return course->internal.planner != NULL ? follow_plan(course, place) : follow_way(course, place);
 }
 
-static bool leads_on(const struct jp_course_internal *internal, const struct jp_course_place *place)
+static bool leads_on(const struct jp_course *course, const struct jp_course_place *place)
 {
     struct jp_course_place next = *place;
 
-    return follow(internal, &next);
+    return follow(course, &next);
 }
 
 /** From a waypoint on, which is where `place` is. */
@@ -107,7 +125,7 @@ static void begin_leg(struct jp_course *course, const struct jp_point *from, con
     internal->has_best = false;
     internal->misses = 0;
     internal->margin = course->config.margin;
-    if (!leads_on(internal, place)) {
+    if (!leads_on(course, place)) {
         course->answer = JP_COURSE_FOUND;
     }
     internal->candidate = internal->first;
@@ -144,7 +162,31 @@ static bool advance(struct jp_course *course)
 {
     struct jp_course_internal *internal = &course->internal;
 
-    return internal->misses < MISSES_MAX && follow(internal, &internal->candidate);
+    return internal->misses < MISSES_MAX && follow(course, &internal->candidate);
+}
+
+/** By a line to the candidate, against the route to it. What the robot turns at corners is left out: all that the route
+ *  turns is saved by lines, and they turn hardly more between them. */
+static int64_t saving_to(const struct jp_course *course, const struct jp_point *to)
+{
+    const struct jp_course_internal *internal = &course->internal;
+
+    return internal->candidate.cost - internal->first.cost -
+           jp_line_cost(internal->lattice, course->config.terrain, &internal->from, to);
+}
+
+/** A clear line becomes the best, unless another one saves more. */
+static void take(struct jp_course *course, const struct jp_point *to)
+{
+    struct jp_course_internal *internal = &course->internal;
+    const int64_t saving = has_hills(course) ? saving_to(course, to) : 0;
+
+    if (!internal->has_best || saving >= internal->saving) {
+        internal->best = internal->candidate;
+        internal->saving = saving;
+    }
+    internal->has_best = true;
+    internal->misses = 0;
 }
 
 static void look(struct jp_course *course)
@@ -154,9 +196,7 @@ static void look(struct jp_course *course)
 
     if (jp_distance(&internal->from, &to) > SAME_MAX &&
         is_clear(course, &internal->from, &to, course->config.radius + internal->margin)) {
-        internal->best = internal->candidate;
-        internal->has_best = true;
-        internal->misses = 0;
+        take(course, &to);
     } else {
         internal->misses++;
     }
@@ -198,7 +238,7 @@ enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner
         return JP_ERR_NO_PLAN;
     }
 
-    course->internal = (struct jp_course_internal){.planner = planner};
+    course->internal = (struct jp_course_internal){.planner = planner, .lattice = jp_planner_lattice(planner)};
     start_at(course, start, &plan->start);
     return JP_OK;
 }
@@ -209,7 +249,7 @@ enum jp_status jp_course_start_on_way(struct jp_course *course, const struct jp_
     if (course == NULL || way == NULL || from == NULL || start == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    course->internal = (struct jp_course_internal){.way = way};
+    course->internal = (struct jp_course_internal){.way = way, .lattice = way->lattice};
     start_at(course, start, &(struct jp_lattice_pose){.x = from->x, .y = from->y});
     return JP_OK;
 }

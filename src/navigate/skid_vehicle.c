@@ -4,6 +4,7 @@
 
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
+#include "src/base/point.h"
 
 #define TIME_MAX   JP_Q16(16384)
 #define CORNER_MAX JP_Q24(8)
@@ -192,9 +193,13 @@ static enum jp_status survey(void *context, const struct jp_vehicle_run *task, b
     struct jp_skid_vehicle *skid = skid_of(context);
 
     if (anew) {
-        skid->before = (struct jp_forecast_sum){.energy = 0};
-        skid->duration_before = 0;
+        skid->before = (struct jp_skid_sum){.duration = 0};
+    } else if (!jp_is_same_point(&task->start, &skid->survey_start)) {
+        skid->before = skid->sum;
+    } else {
+        /* It takes the place of the last one. */
     }
+    skid->survey_start = task->start;
     skid->survey_count = task->count;
     skid->survey_done = 0;
     return plan_run(skid, &skid->surveyed, task);
@@ -234,9 +239,10 @@ static enum jp_status survey_leg(void *context, struct jp_leg_extent *extent)
     *extent = (struct jp_leg_extent){.aside = aside_of(&skid->surveyed, skid->survey_done)};
     skid->survey_done++;
     if (skid->survey_done == skid->survey_count) {
-        skid->duration_before = jp_add(skid->duration_before, skid->surveyed.duration);
+        skid->sum = skid->before;
+        skid->sum.duration = jp_add(skid->sum.duration, skid->surveyed.duration);
         /* What exceeds its format is left out. */
-        (void)jp_skid_forecast_add(skid->config.learner, &skid->before, &skid->surveyed.drive);
+        (void)jp_skid_forecast_add(skid->config.learner, &skid->sum.energy, &skid->surveyed.drive);
     }
     return JP_OK;
 }
@@ -245,8 +251,8 @@ static void forecast(void *context, jp_q16 *duration, struct jp_forecast *energy
 {
     const struct jp_skid_vehicle *skid = skid_of(context);
 
-    *duration = skid->duration_before;
-    (void)jp_skid_forecast_total(skid->config.learner, &skid->before, energy);
+    *duration = skid->sum.duration;
+    (void)jp_skid_forecast_total(skid->config.learner, &skid->sum.energy, energy);
 }
 
 static enum jp_status check(const struct jp_skid_vehicle_config *config, const char **field)

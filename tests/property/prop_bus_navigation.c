@@ -72,7 +72,7 @@ static bool drives_right(uint64_t seed, bool has_faults, unsigned *arrived)
 {
     struct dense_map dense;
 
-    TEST_ASSERT_TRUE(dense_map_make(&dense, robot.lattice, seed));
+    TEST_ASSERT_TRUE(dense_map_make(&dense, robot.lattice, robot.hills_deg, seed));
     const bool is_reachable = navigate_is_reachable(&robot, &dense.world, &dense.start, &dense.goal);
     const bool was_driven = drive(&dense, seed, has_faults);
 
