@@ -4,8 +4,8 @@
  * The lattice planner's route leads over cells, and so does a lattice's way. Its steps, primitives or unit steps, are
  * joined to straight lines as long as the map allows: from each waypoint the line goes to the farthest of the next ends
  * of steps to which a disc of `radius` and `margin` can be moved. On a map with elevation it goes to that of them for
- * which it saves most against the route, by the prices of the lattice: of its length, of what it rises by, and of turns
- * on the spot at its ends. The disc is the one in which the robot turns, so that
+ * which it saves most against the route, by the prices of the lattice: of length, of what the ground rises by, and of the
+ * route's turns. The disc is the one in which the robot turns, so that
  * it may turn at every waypoint. Where the route begins too near to obstacles for the margin, the first line does
  * without it.
  *
