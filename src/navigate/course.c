@@ -86,26 +86,20 @@ static bool follow_plan(const struct jp_course *course, struct jp_course_place *
     return false;
 }
 
-static bool follow_way(const struct jp_course *course, struct jp_course_place *place)
+static bool follow_way(const struct jp_lattice_way *way, struct jp_course_place *place)
 {
-    const struct jp_point before = centre_of(course, &place->pose);
     struct jp_way_cell cell = {place->pose.x, place->pose.y};
-    const bool has_next = jp_lattice_way_next(course->internal.way, &cell);
+    const bool has_next = jp_lattice_way_next(way, &cell);
 
     place->pose.x = cell.x;
     place->pose.y = cell.y;
-    if (has_hills(course)) {
-        const struct jp_point here = centre_of(course, &place->pose);
-
-        place->cost += jp_line_cost(course->internal.lattice, course->config.terrain, &before, &here);
-    }
     return has_next;
 }
 
 /** To the next place of the route. False: it ends here. */
 static bool follow(const struct jp_course *course, struct jp_course_place *place)
 {
-    return course->internal.planner != NULL ? follow_plan(course, place) : follow_way(course, place);
+    return course->internal.planner != NULL ? follow_plan(course, place) : follow_way(course->internal.way, place);
 }
 
 static bool leads_on(const struct jp_course *course, const struct jp_course_place *place)
@@ -165,14 +159,14 @@ static bool advance(struct jp_course *course)
     return internal->misses < MISSES_MAX && follow(course, &internal->candidate);
 }
 
-/** By a line to the candidate, against the route to it. What the robot turns at corners is left out: all that the route
- *  turns is saved by lines, and they turn hardly more between them. */
+/** By a line to the candidate, against the route to it; a way has no price. */
 static int64_t saving_to(const struct jp_course *course, const struct jp_point *to)
 {
     const struct jp_course_internal *internal = &course->internal;
+    const jp_cost cost = jp_line_cost(internal->lattice, course->config.terrain, &internal->from, to);
+    const int64_t line = internal->planner != NULL || cost == JP_COST_MAX ? cost : 0U;
 
-    return internal->candidate.cost - internal->first.cost -
-           jp_line_cost(internal->lattice, course->config.terrain, &internal->from, to);
+    return internal->candidate.cost - internal->first.cost - line;
 }
 
 /** A clear line becomes the best, unless another one saves more. */

@@ -38,6 +38,7 @@ static bool drive(const struct dense_map *dense, uint64_t seed, bool has_faults)
                                               {CAN_FAULT_SWAP, CAN_FAULT_BOTH, 0.01, 0, 0, UINT64_MAX}};
     struct dense_map copy = *dense;
     const struct navigation_task task = {.lattice = robot.lattice,
+                                         .solid = &dense->world,
                                          .map = &copy.map,
                                          .world = &copy.world,
                                          .start = dense->start,

@@ -105,6 +105,7 @@ bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robo
         const struct navigation_task task = {.lattice = robot->lattice,
                                              .map = &dense.map,
                                              .world = &dense.world,
+                                             .solid = &dense.world,
                                              .start = dense.start,
                                              .goal = dense.goal,
                                              .view_m = view_m,
