@@ -21,7 +21,6 @@ struct jp_line_route {
     const struct jp_point *targets; /**< none where the line before it begins */
     uint16_t count;                 /**< at least 1 */
     const struct jp_ground *ground; /**< null: level */
-    uint16_t *first;                /**< of `count`: the piece with which each line begins, its turn included; or null */
 };
 
 /** Pieces that a path of so many targets takes on level ground at most, and on other ground at least. */

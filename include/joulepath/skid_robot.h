@@ -85,6 +85,8 @@ struct jp_skid_telemetry {
     struct jp_motion reference; /**< what the controller follows */
     struct jp_motion command;   /**< where the reference goes */
     uint32_t command_ticks_left;
+    uint16_t commands;   /**< that were taken up since init, paths too; wrapping */
+    uint16_t path_piece; /**< of the path that is followed, or was last; the count of its pieces when all are driven */
     struct jp_voltages voltages;
     jp_q24 rise;              /**< sine of the slope ahead */
     jp_q24 steering_ratio;    /**< as learned */
@@ -131,6 +133,7 @@ struct jp_skid_robot_internal {
     uint32_t tick;
 
     struct jp_skid_next command; /**< that is driven; its ticks are those left */
+    uint16_t commands;           /**< taken up */
     struct jp_skid_follow follow;
     struct jp_motion reference;
     jp_q24 acceleration;  /**< of the reference */

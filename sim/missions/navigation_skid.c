@@ -61,20 +61,21 @@ static struct jp_path_limits limits_of(const struct skid_robot_entry *entry, con
 static bool prepare(struct navigation_skid *skid, const struct skid_robot_entry *entry,
                     const struct skid_steer_model *model, struct navigation_robot *robot)
 {
-    const struct jp_skid_vehicle_config config = {.robot = &skid->controller,
-                                                  .limits = limits_of(entry, model),
-                                                  .learner = &skid->learner,
-                                                  .corner = q24(robot->margin_m)};
+    const struct jp_skid_pilot_config config = {.model = entry->energy,
+                                                .learning = entry->learning,
+                                                .limits = limits_of(entry, model),
+                                                .corner = q24(robot->margin_m),
+                                                .pieces = skid->pieces,
+                                                .places = sizeof skid->pieces / sizeof skid->pieces[0]};
     const char *field = "";
 
-    jp_skid_learner_start(&skid->learner, entry->learning, entry->energy);
     if (jp_skid_robot_init(&skid->controller, entry->config, &field) != JP_OK ||
-        jp_skid_vehicle_init(&skid->vehicle, &config, &robot->vehicle, &field) != JP_OK) {
+        jp_skid_pilot_init(&skid->pilot, &config, &skid->controller, &field) != JP_OK) {
         error_line("%s: the configuration is refused: %s; run make skid-robot ROBOT=%s", entry->name, field,
                    entry->name);
         return false;
     }
-    return true;
+    return jp_skid_vehicle_init(&skid->vehicle, &skid->pilot, &robot->vehicle) == JP_OK;
 }
 
 bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_entry *entry,

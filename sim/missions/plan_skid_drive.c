@@ -64,13 +64,13 @@ static void note_places(struct plan_skid_drive *drive)
 
 static void predict(struct plan_skid_drive *drive)
 {
-    const struct jp_skid_energy_model *model = &drive->skid.learner.model;
+    const struct jp_skid_energy_model *model = &drive->skid.pilot.learner.model;
     const struct jp_motion_price price = jp_skid_motion_price(model, 0);
     struct jp_skid_drive energy = {.energy = 0};
     struct jp_path_cost cost;
     jp_q16 duration = 0;
 
-    (void)jp_path_plan_speeds(&drive->path, &drive->skid.vehicle.config.limits, &price, &cost);
+    (void)jp_path_plan_speeds(&drive->path, &drive->skid.pilot.config.limits, &price, &cost);
     jp_skid_path_energy(model, &drive->path, &energy, &duration);
     drive->driven.predicted =
         (struct plan_sums){.energy = ldexp((double)energy.energy, model->unit_exponent - 16), .time = duration / Q16};

@@ -62,29 +62,44 @@ static jp_q24 way_of_change(const struct jp_piece_speed *speed, jp_q24 from, jp_
     return jp_saturate32(squares / speed->acceleration / 2);
 }
 
-static void add_piece(struct drive_sum *sum, const struct jp_path_piece *piece, jp_q24 begin)
+/** At one speed, in parts that are not too long. */
+static void add_cruise(struct drive_sum *sum, const struct jp_path_piece *piece, struct speed_mark from, jp_q24 to)
+{
+    const jp_q24 most = jp_multiply_shift(from.speed, DURATION_MAX, 16);
+    struct speed_mark next = from;
+
+    while (to - next.way > most) {
+        from = next;
+        next.way += most;
+        add_part(sum, piece, &from, &next);
+    }
+    add_part(sum, piece, &next, &(struct speed_mark){to, next.speed});
+}
+
+void jp_skid_piece_energy(const struct jp_skid_energy_model *model, const struct jp_path_piece *piece, jp_q24 begin,
+                          struct jp_skid_drive *drive, jp_q16 *duration)
 {
     const struct jp_piece_speed *speed = &piece->speed;
     const jp_q24 reached = jp_clamp32(way_of_change(speed, begin, speed->cruise), 0, speed->brake_from);
-    const struct speed_mark places[] = {
-        {0, begin}, {reached, speed->cruise}, {speed->brake_from, speed->cruise}, {piece->length, speed->end}};
+    const struct speed_mark cruise = {reached, speed->cruise};
+    const struct speed_mark braking = {speed->brake_from, speed->cruise};
+    struct drive_sum sum = {model, drive, *duration};
 
-    for (unsigned i = 1; i < sizeof places / sizeof places[0]; i++) {
-        add_part(sum, piece, &places[i - 1U], &places[i]);
-    }
+    add_part(&sum, piece, &(struct speed_mark){0, begin}, &cruise);
+    add_cruise(&sum, piece, cruise, braking.way);
+    add_part(&sum, piece, &braking, &(struct speed_mark){piece->length, speed->end});
+    *duration = sum.duration;
 }
 
 void jp_skid_path_energy(const struct jp_skid_energy_model *model, const struct jp_lattice_path *path,
                          struct jp_skid_drive *drive, jp_q16 *duration)
 {
-    struct drive_sum sum = {model, drive, *duration};
     jp_q24 speed = 0;
 
     for (unsigned i = 0; i < path->count; i++) {
-        add_piece(&sum, &path->pieces[i], speed);
+        jp_skid_piece_energy(model, &path->pieces[i], speed, drive, duration);
         speed = path->pieces[i].speed.end;
     }
-    *duration = sum.duration;
 }
 
 static jp_q16 power_of(const void *model, const struct jp_motion *motion, jp_q24 grade)

@@ -190,6 +190,7 @@ static bool is_at_rest(const struct jp_motion *motion)
 static void begin_command(struct jp_skid_robot_internal *robot)
 {
     robot->command = robot->next;
+    robot->commands++;
     robot->state = JP_SKID_ROBOT_DRIVING;
     if (robot->next.path != NULL) {
         jp_skid_follow_begin(&robot->follow, robot->next.path);

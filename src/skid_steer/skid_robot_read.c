@@ -19,6 +19,8 @@ static void copy_telemetry(const struct jp_skid_robot_internal *robot, struct jp
     telemetry->reference = robot->reference;
     telemetry->command = robot->command.motion;
     telemetry->command_ticks_left = robot->command.ticks;
+    telemetry->commands = robot->commands;
+    telemetry->path_piece = jp_path_drive_piece(&robot->follow.drive);
     telemetry->voltages = robot->voltages;
     telemetry->rise = robot->wheels.rise;
     telemetry->steering_ratio = odometry->steering_ratio;

@@ -82,10 +82,11 @@ static enum jp_status append_sections(struct jp_lattice_path *path, const struct
                                             .heading = path->end.heading,
                                             .length = share_of(length, i, line) - share_of(length, i - 1, line),
                                             .rise = elevation - before,
-                                            .kind = JP_PIECE_CURVE};
+                                            .kind = JP_PIECE_CURVE,
+                                            .is_joined = path->count > first};
 
         path->end.position = end;
-        if (path->count > first && jp_piece_rises_alike(&path->pieces[path->count - 1U], &piece)) {
+        if (piece.is_joined && jp_piece_rises_alike(&path->pieces[path->count - 1U], &piece)) {
             jp_piece_lengthen(&path->pieces[path->count - 1U], &piece);
         } else {
             status = append(path, &piece);
@@ -126,9 +127,6 @@ enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *
         const struct jp_point *target = &route->targets[line];
         const struct jp_point *begin = &path->end.position;
 
-        if (route->first != NULL) {
-            route->first[line] = path->count;
-        }
         status = append_turn(path, jp_atan2(jp_sub(target->y, begin->y), jp_sub(target->x, begin->x)));
         if (status == JP_OK) {
             status = append_line(path, target, route->ground, (int32_t)(route->count - line));

@@ -5,9 +5,9 @@
 
 #define SECONDS_MAX 120
 
-static struct jp_skid_learner learner;
+static struct jp_path_piece pieces[JP_SKID_PILOT_PIECES(JP_SKID_RUN_MAX)];
+static struct jp_skid_pilot pilot;
 static struct jp_skid_vehicle skid;
-static struct jp_skid_vehicle_config vehicle_config;
 static struct jp_vehicle vehicle;
 
 /* Two corners to the left. */
@@ -20,12 +20,16 @@ static struct jp_vehicle_run run_of(uint16_t count)
 
 static void prepare(jp_q24 corner)
 {
+    const struct jp_skid_pilot_config pilot_config = {.model = &jp_skid_energy_zhang2018,
+                                                      .learning = &jp_skid_learning_zhang2018,
+                                                      .limits = jp_path_limits_zhang2018,
+                                                      .corner = corner,
+                                                      .pieces = pieces,
+                                                      .places = JP_SKID_PILOT_PIECES(JP_SKID_RUN_MAX)};
     const char *field = "";
 
-    jp_skid_learner_start(&learner, &jp_skid_learning_zhang2018, &jp_skid_energy_zhang2018);
-    vehicle_config = (struct jp_skid_vehicle_config){
-        .robot = &robot, .limits = jp_path_limits_zhang2018, .learner = &learner, .corner = corner};
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_vehicle_init(&skid, &vehicle_config, &vehicle, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_init(&pilot, &pilot_config, &robot, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_vehicle_init(&skid, &pilot, &vehicle));
 }
 
 static struct jp_vehicle_view view(void)
@@ -43,44 +47,31 @@ static void expect_phase(enum jp_vehicle_phase phase)
 
 static void drive_to_the_end(void)
 {
-    int seconds = 0;
+    int ticks = 0;
 
-    while (view().phase == JP_VEHICLE_MOVING && seconds < SECONDS_MAX) {
-        run(RATE);
+    while (view().phase == JP_VEHICLE_MOVING && ticks < SECONDS_MAX * RATE) {
+        run(1);
         TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.work(vehicle.context));
-        seconds++;
+        ticks++;
     }
     expect_phase(JP_VEHICLE_STANDING);
 }
 
+/** What the pilot says when it has planned. */
+static enum jp_status planned(void)
+{
+    while (pilot.phase == JP_SKID_PILOT_PLANNING) {
+        (void)vehicle.work(vehicle.context);
+    }
+    return pilot.status;
+}
+
 static void test_init_refuses(void)
 {
-    const char *field = "";
-    struct jp_skid_vehicle_config tried;
-
     prepare(0);
-    tried = vehicle_config;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(NULL, &tried, &vehicle, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(&skid, NULL, &vehicle, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(&skid, &tried, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(&skid, &tried, &vehicle, NULL));
-    tried.robot = NULL;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(&skid, &tried, &vehicle, &field));
-    tried = vehicle_config;
-    tried.learner = NULL;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(&skid, &tried, &vehicle, &field));
-    tried = vehicle_config;
-    tried.limits.width = 0;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_skid_vehicle_init(&skid, &tried, &vehicle, &field));
-    TEST_ASSERT_EQUAL_STRING("width", field);
-    tried = vehicle_config;
-    tried.time = -1;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_skid_vehicle_init(&skid, &tried, &vehicle, &field));
-    TEST_ASSERT_EQUAL_STRING("time", field);
-    tried = vehicle_config;
-    tried.corner = JP_Q24(8) + 1;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_skid_vehicle_init(&skid, &tried, &vehicle, &field));
-    TEST_ASSERT_EQUAL_STRING("corner", field);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(NULL, &pilot, &vehicle));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(&skid, NULL, &vehicle));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_vehicle_init(&skid, &pilot, NULL));
 }
 
 static void test_phases(void)
@@ -93,12 +84,25 @@ static void test_phases(void)
     run(1);
     expect_phase(JP_VEHICLE_STANDING);
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(30)));
-    expect_phase(JP_VEHICLE_MOVING); /* no tick has taken it up */
+    expect_phase(JP_VEHICLE_MOVING); /* it is not even planned */
     const struct jp_vehicle_run straight = run_of(1);
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, vehicle.follow(vehicle.context, &straight));
+    TEST_ASSERT_EQUAL_INT(JP_OK, planned());
+    expect_phase(JP_VEHICLE_MOVING); /* no tick has taken it up */
     run(1);
     expect_phase(JP_VEHICLE_MOVING);
     drive_to_the_end();
+}
+
+/* Somebody else's drive. */
+static void test_a_robot_that_drives_moves(void)
+{
+    prepare(0);
+    make_standing();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_drive(&robot, &one_second));
+    expect_phase(JP_VEHICLE_MOVING);
+    run(1);
+    expect_phase(JP_VEHICLE_MOVING);
 }
 
 /* Within a tick nothing can be seen, and nothing is driven. */
@@ -124,8 +128,9 @@ static void test_turns_on_the_spot(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(-120)));
     drive_to_the_end();
     TEST_ASSERT_INT32_WITHIN((int32_t)JP_ANGLE_DEGREES(1), 0, (int32_t)(view().heading - JP_ANGLE_DEGREES(-120)));
-    TEST_ASSERT_EQUAL_UINT32(1, learner.state.version);
+    TEST_ASSERT_EQUAL_UINT32(1, pilot.learner.state.version);
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, view().heading));
+    TEST_ASSERT_EQUAL_INT(JP_OK, planned());
     expect_phase(JP_VEHICLE_STANDING); /* it has that heading */
 }
 
@@ -144,14 +149,26 @@ static void test_follows_a_run_round_its_corners(void)
         prepare(rounded == 1 ? JP_Q24(0.2) : 0);
         make_standing();
         TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.follow(vehicle.context, &whole));
-        TEST_ASSERT_EQUAL_UINT(5, skid.driven.path.count);
-        for (unsigned i = 1; i < 5; i += 2) {
-            TEST_ASSERT_EQUAL(rounded == 1, skid.driven.pieces[i].kind == JP_PIECE_CURVE);
-        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, planned());
+        TEST_ASSERT_EQUAL_UINT16(rounded == 1 ? 7 : 5, jp_skid_pilot_path(&pilot)->count);
+        TEST_ASSERT_EQUAL(rounded == 1, pieces[1].kind == JP_PIECE_CURVE);
         drive_to_the_end();
         expect_arrival(&targets[2]);
-        TEST_ASSERT_EQUAL_UINT32(1, learner.state.version);
+        TEST_ASSERT_EQUAL_UINT32(3, pilot.learner.state.version);
     }
+}
+
+static jp_q16 surveyed_seconds(uint16_t legs)
+{
+    struct jp_leg_extent extent;
+    struct jp_forecast energy;
+    jp_q16 duration;
+
+    for (uint16_t leg = 0; leg < legs; leg++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey_leg(vehicle.context, &extent));
+    }
+    vehicle.forecast(vehicle.context, &duration, &energy);
+    return duration;
 }
 
 static void test_slower_runs_take_longer(void)
@@ -161,10 +178,10 @@ static void test_slower_runs_take_longer(void)
 
     prepare(0);
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey(vehicle.context, &slower, true));
-    usual = skid.surveyed.duration;
+    usual = surveyed_seconds(2);
     slower.slower = 4;
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey(vehicle.context, &slower, true));
-    TEST_ASSERT_GREATER_THAN_INT32(usual, skid.surveyed.duration);
+    TEST_ASSERT_GREATER_THAN_INT32(usual, surveyed_seconds(2));
 }
 
 static void test_a_run_that_is_stopped_teaches_nothing(void)
@@ -174,11 +191,11 @@ static void test_a_run_that_is_stopped_teaches_nothing(void)
     prepare(0);
     make_standing();
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.follow(vehicle.context, &whole));
+    TEST_ASSERT_EQUAL_INT(JP_OK, planned());
     run(RATE);
     vehicle.stop(vehicle.context);
     drive_to_the_end();
-    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.work(vehicle.context));
-    TEST_ASSERT_EQUAL_UINT32(0, learner.state.version);
+    TEST_ASSERT_EQUAL_UINT32(0, pilot.learner.state.version);
 }
 
 static void test_runs_that_cannot_be_driven(void)
@@ -189,30 +206,15 @@ static void test_runs_that_cannot_be_driven(void)
 
     prepare(0);
     make_standing();
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, vehicle.follow(vehicle.context, &bad));
+    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.follow(vehicle.context, &bad));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, planned());
     TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, vehicle.survey(vehicle.context, &bad, true));
+    expect_phase(JP_VEHICLE_STANDING);
     bad.targets = &far;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, vehicle.follow(vehicle.context, &bad));
+    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.follow(vehicle.context, &bad));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, planned());
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, vehicle.survey(vehicle.context, &bad, true));
     expect_phase(JP_VEHICLE_STANDING);
-    skid.config.time = -1; /* no price */
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(90)));
-    expect_phase(JP_VEHICLE_STANDING);
-}
-
-/* 960 m: its energy exceeds its format. */
-static void test_a_long_run_is_driven_all_the_same(void)
-{
-    static struct jp_point far[JP_SKID_RUN_MAX];
-    const struct jp_vehicle_run task = {.targets = far, .count = JP_SKID_RUN_MAX};
-
-    for (unsigned i = 0; i < JP_SKID_RUN_MAX; i++) {
-        far[i] = (struct jp_point){i % 2U == 0U ? JP_Q16(60) : 0, 0};
-    }
-    prepare(0);
-    make_standing();
-    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.follow(vehicle.context, &task));
-    const int64_t joules = (skid.driven.drive.energy >> 16) * ((int64_t)1 << jp_skid_energy_zhang2018.unit_exponent);
-    TEST_ASSERT_TRUE(joules > 32767);
 }
 
 /* Arcs lie beside both lines of their corner, and turns on the spot on them. */

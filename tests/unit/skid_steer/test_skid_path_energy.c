@@ -44,6 +44,23 @@ static void expect_drive(const struct jp_skid_drive *expected)
     }
 }
 
+/* 64 m at 0.05 m/s: 1 280 s, more than skid_energy.h takes at once. */
+static void test_a_line_that_takes_long(void)
+{
+    struct jp_skid_drive expected = {.energy = 0};
+
+    pieces[0] = (struct jp_path_piece){
+        .length = JP_Q24(64),
+        .kind = JP_PIECE_CURVE,
+        .speed = {.cruise = JP_Q24(0.05), .acceleration = JP_Q24(0.25), .brake_from = JP_Q24(64) - JP_Q24(0.005)}};
+    jp_skid_path_energy(model, &path, &drive, &duration);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q16(1280.2), duration);
+    for (int i = 0; i < 5; i++) {
+        add(&expected, JP_Q24(0.05), JP_Q24(0.05), 0, 0, JP_Q16(256));
+    }
+    TEST_ASSERT_TRUE(llabs(drive.energy - expected.energy) < expected.energy / 1000);
+}
+
 /* 4 m at 0.5 m/s up 0.1, from a stand to a stand at 0.25 m/s²: 2 s and 0.5 m each to speed up and to brake. */
 static void test_a_line_of_three_parts(void)
 {

@@ -1,0 +1,28 @@
+/** A route of a robot that its sides steer as a path, planned slice by slice, and the legs of it. Private to the core.
+ */
+#ifndef JOULEPATH_NAVIGATE_SKID_RUN_H
+#define JOULEPATH_NAVIGATE_SKID_RUN_H
+
+#include <joulepath/skid_pilot.h>
+
+/** Lays the lines of a route in pieces of memory; failures as jp_line_path(). */
+enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
+                               const struct jp_line_route *route, uint8_t slower);
+
+/** Lays a turn on the spot, or a path without pieces. */
+void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
+                          const struct jp_path_pose *start, jp_angle heading);
+
+/** A slice of planning what was laid, by the prices of a model: a corner, the speeds from a stand to the next, or the
+ *  halves of an arc. False: all of it was planned. */
+bool jp_skid_run_plan(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
+                      const struct jp_skid_energy_model *model);
+
+/** From a leg, all zero before the first one, to the next. False: there is none, and *leg is not written. */
+bool jp_skid_run_next_leg(const struct jp_skid_run *run, struct jp_skid_leg *leg);
+
+/** Adds a leg of a planned run to a drive, and what it lasts to *duration, s. */
+void jp_skid_run_leg_energy(const struct jp_skid_run *run, const struct jp_skid_leg *leg,
+                            const struct jp_skid_energy_model *model, struct jp_skid_drive *drive, jp_q16 *duration);
+
+#endif
