@@ -3,10 +3,11 @@
  *
  * The lattice planner's route leads over cells, and so does a lattice's way. Its steps, primitives or unit steps, are
  * joined to straight lines as long as the map allows: from each waypoint the line goes to the farthest of the next ends
- * of steps to which a disc of `radius` and `margin` can be moved. On a map with elevation a line is not too steep for the
- * lattice, and one of a route leads to where it saves most against the route, by the prices of the lattice: of length, of
- * what the ground rises by, and of the route's turns. The disc is the one in which the robot turns, so that it may turn
- * at every waypoint. Where the route begins too near to obstacles for the margin, the first line does without it.
+ * of steps to which a disc of `radius` and `margin` can be moved. On a map with elevation a line is not too steep for
+ * the lattice, and one of a route leads to where it saves most against the route, by the prices of the lattice: of
+ * length, of what the ground rises by, and of the route's turns. The disc is the one in which the robot turns, so that
+ * it may turn at every waypoint. Where the route begins too near to obstacles for the margin, the first line does
+ * without it.
  *
  * A robot that does not stop at a waypoint leaves the lines on either side, by a length that its trajectory tells
  * (jp_trajectory_leg_extent()): jp_course_is_clear() says whether there is room for that.

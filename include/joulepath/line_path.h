@@ -1,7 +1,7 @@
 /**
  * Path (lattice_path.h) along straight lines from target to target, with a turn on the spot towards the first one and
- * at each corner. path_corner.h rounds corners. On ground that is not level a line is several pieces, each of which rises
- * evenly: as many as there are places for.
+ * at each corner. path_corner.h rounds corners. On ground that is not level a line is several pieces, each of which
+ * rises evenly: as many as there are places for.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */

@@ -162,9 +162,10 @@ enum jp_status jp_skid_pilot_init(struct jp_skid_pilot *pilot, const struct jp_s
                                   struct jp_skid_robot *robot, const char **field);
 
 /**
- * Drives a route, which is copied; its targets and its ground must stay while the pilot plans. Replaces an earlier route: the robot
- * brakes to a stand and goes on from there. JP_ERR_ARGUMENT: null, empty, or slower than can be. JP_ERR_MEMORY: it has
- * more targets than the memory is for. JP_ERR_STATE: neither standing nor driving. Else the earlier route goes on.
+ * Drives a route, which is copied; its targets and its ground must stay while the pilot plans. Replaces an earlier
+ * route: the robot brakes to a stand and goes on from there. JP_ERR_ARGUMENT: null, empty, or slower than can be.
+ * JP_ERR_MEMORY: it has more targets than the memory is for. JP_ERR_STATE: neither standing nor driving. Else the
+ * earlier route goes on.
  */
 enum jp_status jp_skid_pilot_follow(struct jp_skid_pilot *pilot, const struct jp_skid_pilot_route *route);
 

@@ -26,9 +26,10 @@ struct jp_skid_survey {
     struct jp_path_piece pieces[JP_SKID_RUN_PIECES];
     struct jp_point start;
     struct jp_skid_run run;
-    struct jp_skid_leg leg;    /**< the last one that was surveyed */
-    struct jp_skid_sum before; /**< of the runs before */
-    struct jp_skid_sum sum;    /**< with what was surveyed of this one */
+    struct jp_skid_leg leg;         /**< the last one that was surveyed */
+    struct jp_skid_sum before_last; /**< of the runs before */
+    struct jp_skid_sum before;      /**< of those that were surveyed to their ends */
+    struct jp_skid_sum sum;         /**< with what was surveyed of this one */
 };
 
 /** Private. */

@@ -175,8 +175,8 @@ static json_t *json_summary(const struct arguments *arguments, const struct map_
 {
     const struct jp_lattice_pose goal = {task->goal.x, task->goal.y, 0};
 
-    return json_pack("{s:s, s:{s:s, s:s, s:s}, s:f, s:i, s:o, s:o, s:f, s:i, s:i, s:I, s:o, s:O, s:O, s:s}", "robot", robot->name,
-                     "map", "file", map_path, "name", map->name, "note", map->note, "steepest",
+    return json_pack("{s:s, s:{s:s, s:s, s:s}, s:f, s:i, s:o, s:o, s:f, s:i, s:i, s:I, s:o, s:O, s:O, s:s}", "robot",
+                     robot->name, "map", "file", map_path, "name", map->name, "note", map->note, "steepest",
                      robot->grade_max, "steep_cells", (int)world->steep_cells, "start",
                      json_place(map, task->lattice, &task->start), "goal", json_place(map, task->lattice, &goal),
                      "view_m", task->view_m, "hidden_boxes", (int)arguments->boxes, "memory_bytes", (int)task->memory,

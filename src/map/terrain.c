@@ -216,8 +216,8 @@ static bool is_steep(const struct jp_terrain *terrain, int32_t x, int32_t y, jp_
     const int32_t east = x + 1 < terrain->config.width ? x + 1 : x;
     const int32_t south = y > 0 ? y - 1 : y;
     const int32_t north = y + 1 < terrain->config.height ? y + 1 : y;
-    const int64_t across = slope_between(terrain, terrain_elevation(terrain, west, y),
-                                         terrain_elevation(terrain, east, y), east - west);
+    const int64_t across =
+        slope_between(terrain, terrain_elevation(terrain, west, y), terrain_elevation(terrain, east, y), east - west);
     const int64_t up = slope_between(terrain, terrain_elevation(terrain, x, south),
                                      terrain_elevation(terrain, x, north), north - south);
 

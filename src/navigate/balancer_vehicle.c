@@ -184,11 +184,12 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
 
     if (anew) {
         survey->before = (struct jp_balancer_sum){.duration = 0};
-    } else if (!jp_is_same_point(&run->start, &survey->task.start)) {
-        survey->before = survey->sum;
+    } else if (jp_is_same_point(&run->start, &survey->task.start)) {
+        survey->before = survey->before_last;
     } else {
-        /* It takes the place of the last one. */
+        /* It is the next one. */
     }
+    survey->before_last = survey->before;
     survey->sum = survey->before;
     survey->model = *pilot->config.model;
     if (pilot->config.learning != NULL) {
@@ -232,6 +233,9 @@ static enum jp_status survey_leg(void *context, struct jp_leg_extent *extent)
         *extent = jp_trajectory_leg_extent(&config_of(balancer)->trajectory, &survey->leg, survey->heading);
         add_leg(balancer);
         survey->heading = survey->leg.next.heading;
+        if (survey->plan.planned == survey->task.count) {
+            survey->before = survey->sum;
+        }
     }
     return status;
 }
@@ -239,7 +243,7 @@ static enum jp_status survey_leg(void *context, struct jp_leg_extent *extent)
 static void forecast(void *context, jp_q16 *duration, struct jp_forecast *energy)
 {
     const struct jp_balancer_vehicle *balancer = balancer_of(context);
-    const struct jp_balancer_sum *sum = &balancer->survey.sum;
+    const struct jp_balancer_sum *sum = &balancer->survey.before;
 
     *duration = sum->duration;
     *energy = (struct jp_forecast){.energy = jp_saturate32(sum->energy.energy)};

@@ -15,6 +15,9 @@
 /** m. Nearer places are the same: a robot that turns on the spot may get from one to the other. */
 #define SAME_MAX JP_Q16(0.03)
 
+/** Saves a line that cannot be driven. */
+#define TOO_STEEP INT64_MIN
+
 static struct jp_point centre_of(const struct jp_course *course, const struct jp_lattice_pose *pose)
 {
     const jp_q16 cell = course->config.terrain->config.resolution;
@@ -164,23 +167,26 @@ static int64_t saving_to(const struct jp_course *course, const struct jp_point *
 {
     const struct jp_course_internal *internal = &course->internal;
     const jp_cost cost = jp_line_cost(internal->lattice, course->config.terrain, &internal->from, to);
-    const int64_t line = internal->planner != NULL || cost == JP_COST_MAX ? cost : 0U;
 
-    return internal->candidate.cost - internal->first.cost - line;
+    if (cost == JP_COST_MAX) {
+        return TOO_STEEP;
+    }
+    return internal->planner != NULL ? internal->candidate.cost - internal->first.cost - cost : 0;
 }
 
-/** A clear line becomes the best, unless another one saves more. */
+/** A clear line becomes the best, unless another one saves more. One that is too steep is taken for a step of the route
+ *  only, which the lattice allows. */
 static void take(struct jp_course *course, const struct jp_point *to)
 {
     struct jp_course_internal *internal = &course->internal;
     const int64_t saving = has_hills(course) ? saving_to(course, to) : 0;
 
-    if (!internal->has_best || saving >= internal->saving) {
+    internal->misses = (uint8_t)(saving == TOO_STEEP ? internal->misses + 1U : 0U);
+    if (!internal->has_best || (saving > TOO_STEEP && saving >= internal->saving)) {
         internal->best = internal->candidate;
         internal->saving = saving;
+        internal->has_best = true;
     }
-    internal->has_best = true;
-    internal->misses = 0;
 }
 
 static void look(struct jp_course *course)

@@ -89,11 +89,12 @@ static enum jp_status survey(void *context, const struct jp_vehicle_run *run, bo
 
     if (anew) {
         survey->before = (struct jp_skid_sum){.duration = 0};
-    } else if (!jp_is_same_point(&run->start, &survey->start)) {
-        survey->before = survey->sum;
+    } else if (jp_is_same_point(&run->start, &survey->start)) {
+        survey->before = survey->before_last;
     } else {
-        /* It takes the place of the last one. */
+        /* It is the next one. */
     }
+    survey->before_last = survey->before;
     survey->start = run->start;
     config.pieces = survey->pieces;
     config.places = config.places < JP_SKID_RUN_PIECES ? config.places : (uint16_t)JP_SKID_RUN_PIECES;
@@ -153,13 +154,16 @@ static enum jp_status survey_leg(void *context, struct jp_leg_extent *extent)
     (void)jp_skid_run_next_leg(&survey->run, &survey->leg);
     *extent = (struct jp_leg_extent){.aside = aside_of(&survey->run, &survey->leg)};
     add_leg(skid);
+    if (survey->leg.end == survey->run.path.count) {
+        survey->before = survey->sum;
+    }
     return JP_OK;
 }
 
 static void forecast(void *context, jp_q16 *duration, struct jp_forecast *energy)
 {
     const struct jp_skid_vehicle *skid = skid_of(context);
-    const struct jp_skid_sum *sum = &skid->survey.sum;
+    const struct jp_skid_sum *sum = &skid->survey.before;
 
     *duration = sum->duration;
     (void)jp_skid_forecast_total(&skid->pilot->learner, &sum->energy, energy);

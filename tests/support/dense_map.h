@@ -115,8 +115,9 @@ static inline void dense_map_raise(struct random *random, struct jp_terrain *ter
     }
 }
 
-/** The map of a seed: 80 to 192 cells a side, 8 to 20 % of it blocked, 3 to 10 boxes hidden; start and goal are at least
- *  a third of the side apart; `degrees` above 0: on hills up to so steep. False: no memory, or no room for the robot. */
+/** The map of a seed: 80 to 192 cells a side, 8 to 20 % of it blocked, 3 to 10 boxes hidden; start and goal are at
+ * least a third of the side apart; `degrees` above 0: on hills up to so steep. False: no memory, or no room for the
+ * robot. */
 static inline bool dense_map_make(struct dense_map *dense, const struct jp_lattice *lattice, double degrees,
                                   uint64_t seed)
 {
