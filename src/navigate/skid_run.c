@@ -113,10 +113,12 @@ static void halve(struct jp_path_piece halves[2], jp_q24 begin)
     second->begin = middle_of(first, turned);
     second->heading += jp_angle_from_radians(turned);
     second->length -= way;
+    second->rise -= first->rise / 2;
     second->speed.blend = 0;
     second->speed.blend_rate = 0;
     second->speed.brake_from = brakes ? 0 : first->speed.brake_from - way;
     first->length = way;
+    first->rise /= 2;
     first->speed.end = speed;
     if (brakes) {
         second->speed.cruise = speed;

@@ -17,7 +17,7 @@ enum {
     MAPS = 400,
     BUDGET_MAX = 20000, /* expansions, or lines, after which a search hangs */
     PRIMITIVES_MAX = 256,
-    GAP_X = 12,         /* of the wall */
+    GAP_X = 12, /* of the wall */
     GAP_FIRST = 3,
     GAP_LAST = 8 /* the lattice needs five cells */
 };
