@@ -38,7 +38,8 @@ struct navigation_frame {
 struct navigation_task {
     const struct jp_lattice *lattice;
     struct jp_terrain *map;         /**< that the robot has; it learns what it sees */
-    const struct jp_terrain *world; /**< as it is */
+    const struct jp_terrain *world; /**< as it is, with what is too steep for the robot */
+    const struct jp_terrain *solid; /**< what can be touched of it */
     struct jp_lattice_pose start;
     struct jp_goal goal;
     double view_m;   /**< how far the sensor sees, where nothing is in between */

@@ -53,12 +53,14 @@ NAVIGATE.           = $(BUILD)/bin/jp-navigate
 NAVIGATE.in-process = $(BUILD)/bin/jp-navigate --bus in-process --frames
 NAVIGATE.pil        = tools/operate/navigate_in_qemu.sh $(NAVIGATE_ROBOT)
 NAVIGATE_ROBOT = $(if $(filter file,$(origin ROBOT)),courier24,$(ROBOT))
-NAVIGATE_MAP   = $(if $(filter file,$(origin MAP)),sim/scenarios/office.map,$(MAP))
-NAVIGATE_IMPORT = $(if $(filter file,$(origin MAP)),--cell-size 0.2,$(IMPORT))
+# A robot for rough ground finds its way over hills, the others in an office.
+NAVIGATE_HILLS = $(filter zhang2018,$(NAVIGATE_ROBOT))
+NAVIGATE_MAP   = $(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),jacksboro,sim/scenarios/office.map),$(MAP))
+NAVIGATE_IMPORT = $(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),--steep 89,--cell-size 0.2),$(IMPORT))
 NAVIGATE_CELL   = $(shell sed -n 's/^ *cell_m *= *\([0-9.]*\);.*/\1/p' sim/robots/$(NAVIGATE_ROBOT).cfg)
 
 .PHONY: navigate
-navigate: ## let ROBOT=courier24 or burger find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
+navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
 	$(if $(NAVIGATE.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
 	@tools/setup.sh design $(SETUP.$(BUS))
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(NAVIGATE_ROBOT)/emulated.elf)
