@@ -211,7 +211,7 @@ static void log_row(const struct skid_mission *run)
                         .current_left = plant->attitude.current[SKID_LEFT],
                         .current_right = plant->attitude.current[SKID_RIGHT],
                         .energy = run->robot.joules(run->robot.self) - run->start_energy,
-                        .leg = pilot_of((struct skid_mission *)run)->legs_ended,
+                        .leg = run->skid.pilot.legs_ended,
                     });
 }
 
@@ -252,14 +252,14 @@ static bool cannot_go_on(const struct skid_mission *run)
 /** A tick, and a slice of the pilot's work; false when the robot cannot go on. */
 static bool pass_tick(struct skid_mission *run)
 {
-    const struct jp_skid_pilot *pilot = pilot_of(run);
+    struct jp_skid_pilot *pilot = pilot_of(run);
     const uint16_t ended = pilot->legs_ended;
     const uint16_t begun = pilot->legs_begun;
 
     keep_books(run);
     run->robot.tick(run->robot.self);
     run->ticks++;
-    if (jp_skid_pilot_work(pilot_of(run)) != JP_OK) {
+    if (jp_skid_pilot_work(pilot) != JP_OK) {
         return cannot_go_on(run);
     }
     if (pilot->legs_ended > ended) {
