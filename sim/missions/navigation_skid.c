@@ -5,9 +5,8 @@
 #include "sim/base/error.h"
 #include "sim/skid_steer/skid_hal_sim.h"
 
-#define Q24   16777216.0
-#define Q32   4294967296.0
-#define JOULE Q32
+#define Q24 16777216.0
+#define Q32 4294967296.0
 
 /** Until the first frame was read, and it stands before it is told where to go, s. */
 #define WAKING_SECONDS 0.1
@@ -29,11 +28,12 @@ static struct clearance_pose pose(const void *self)
     return (struct clearance_pose){pose.x, pose.y, pose.heading};
 }
 
+/** Out of the battery's cells: of braking, the robot itself meters what its bridges burn as won. */
 static double joules(const void *self)
 {
     const struct navigation_skid *skid = self;
 
-    return (double)jp_skid_robot_meter(&skid->controller)->battery / JOULE;
+    return skid->world.plant.state.ledger.battery;
 }
 
 /** The root of the larger eigenvalue of the covariance. */

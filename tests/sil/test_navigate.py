@@ -69,7 +69,7 @@ def test_a_rover_over_hills_takes_what_it_forecast(tmp_path):
     assert drive["planned_j"] == pytest.approx(drive["forecast_j"], rel=0.2)
     level = over_hills(tmp_path / "level.json", 0)
     navigate(level, tmp_path / "level", "--start=2,4,0", "--goal=14,4", "--hidden=0", robot=ROVER)
-    assert summary_of(tmp_path / "level")["result"]["forecast_j"] < 0.95 * drive["forecast_j"]
+    assert summary_of(tmp_path / "level")["result"]["forecast_j"] < 0.8 * drive["forecast_j"]
 
 
 def test_what_is_too_steep_for_it_a_rover_refuses(tmp_path):

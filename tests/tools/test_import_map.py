@@ -472,7 +472,7 @@ def test_steep_ground_is_occupied(direction):
 
 
 def test_how_steep_it_may_be_is_said(place):
-    flat, gentle, usual = (imported(place / "dem.npz", "--scale", 1, *options)
+    flat, gentle, usual = (imported(place / "dem.npz", "--resolution", 20, "--scale", 1, *options)
                            for options in (["--steep", 89], ["--steep", 10], []))
     occupied = [sum(row.count("#") for row in data["rows"]) for data in (flat, gentle, usual)]
     assert occupied[0] == 0 and occupied[1] > occupied[2] == 0
