@@ -64,9 +64,11 @@ struct navigation_result {
     double clearance_m;  /**< least distance between its rectangle and what is blocked, up to 0.25 m */
     double aside_m;      /**< most that it was beside its leg, beyond what the corners cut */
     double goal_error_m; /**< from the goal cell's centre */
+    double deviation_m;  /**< of its position then, as its odometry tells; 0: it does not */
     double length_m;     /**< driven */
     double seconds;
     double joules;          /**< of the energy that the vehicle's model counts */
+    double planned_joules;  /**< of the first route, by the prices of the lattice; 0: there was none in time */
     double forecast_joules; /**< of the first course */
     double deviation_joules;
 };

@@ -160,12 +160,13 @@ static json_t *json_place(const struct map_file *map, const struct jp_lattice *l
 
 static json_t *json_result(const struct navigation_result *result)
 {
-    return json_pack("{s:s, s:s, s:b, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "state",
+    return json_pack("{s:s, s:s, s:b, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "state",
                      navigation_state_name(result->state), "reason", navigation_reason_name(result->reason), "touched",
                      result->is_touched, "replans", (int)result->replans, "cells_seen", (int)result->seen,
-                     "clearance_m", result->clearance_m, "goal_error_m", result->goal_error_m, "length_m",
-                     result->length_m, "time_s", result->seconds, "energy_j", result->joules, "forecast_j",
-                     result->forecast_joules, "forecast_deviation_j", result->deviation_joules);
+                     "clearance_m", result->clearance_m, "goal_error_m", result->goal_error_m, "deviation_m",
+                     result->deviation_m, "planned_j", result->planned_joules, "length_m", result->length_m, "time_s",
+                     result->seconds, "energy_j", result->joules, "forecast_j", result->forecast_joules,
+                     "forecast_deviation_j", result->deviation_joules);
 }
 
 static json_t *json_summary(const struct arguments *arguments, const struct map_file *map, const char *map_path,
@@ -192,12 +193,18 @@ static void print(const struct navigation_world *world, const struct navigation_
     (void)printf("%-24s %s\n", "touched anything", result->is_touched ? "YES" : "no");
     (void)printf("%-24s %8.3f m\n", "least clearance", result->clearance_m);
     (void)printf("%-24s %8.3f m\n", "from the goal", result->goal_error_m);
+    if (result->deviation_m > 0) {
+        (void)printf("%-24s %8.3f m, standard deviation by its odometry\n", "known to", result->deviation_m);
+    }
     (void)printf("%-24s %8u\n", "cells too steep", world->steep_cells);
     (void)printf("%-24s %8u\n", "cells not on the map", result->seen);
     (void)printf("%-24s %8u\n", "planned anew", result->replans);
     (void)printf("%-24s %8.2f m\n", "driven", result->length_m);
     (void)printf("%-24s %8.1f s\n", "time", result->seconds);
     (void)printf("%-24s %8.1f J\n", "energy", result->joules);
+    if (result->planned_joules > 0) {
+        (void)printf("%-24s %8.1f J\n", "planned, first route", result->planned_joules);
+    }
     (void)printf("%-24s %8.1f J, standard deviation %.1f J\n", "forecast, first course", result->forecast_joules,
                  result->deviation_joules);
 }
