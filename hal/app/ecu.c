@@ -58,7 +58,7 @@ static enum jp_status write_motor_command(void *context, const struct jp_actuati
     } else {
         ecu->internal.unsent = jp_one_more16(ecu->internal.unsent);
     }
-    return ecu->internal.unsent > JP_SAMPLE_HOLD_TICKS ? JP_ERR_HARDWARE : JP_OK;
+    return ecu->internal.unsent > ecu->internal.samples.hold_ticks ? JP_ERR_HARDWARE : JP_OK;
 }
 
 /* Start. */
@@ -90,7 +90,7 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_ecu_robot *robot,
     }
     *ecu = (struct jp_ecu){.internal = {.robot = *robot, .port = *port, .retained = retained}};
     ecu->internal.hal = (struct jp_hal){.context = ecu, .read = read_sample, .write = write_motor_command};
-    jp_sample_link_start(&ecu->internal.samples, robot->monitor);
+    jp_sample_link_start(&ecu->internal.samples, robot->monitor, robot->tick_rate);
     jp_operator_link_start(&ecu->internal.operator_link, robot->tick_rate);
     jp_route_link_start(&ecu->internal.routes, robot->tick_rate);
     record = retained == NULL ? NULL : jp_retained_newest(retained);

@@ -6,7 +6,7 @@
  *   jp_ecu_tick()    at the control rate: sample in, MotorCommand out, telemetry that is due
  *   jp_ecu_work()    from the background loop: commands, routes, maps, planning
  *
- * Up to JP_SAMPLE_HOLD_TICKS without samples or without the bus are ridden out. A reset is too: what the record in
+ * Up to JP_SAMPLE_HOLD_MS without samples or without the bus are ridden out. A reset is too: what the record in
  * retained memory holds is taken up at the first sample, and the robot brakes to a stand.
  */
 #ifndef JOULEPATH_HAL_APP_ECU_H

@@ -60,6 +60,11 @@ enum jp_status jp_firmware_boot(struct jp_ecu *ecu, const struct jp_firmware_sta
     return status;
 }
 
+uint32_t jp_firmware_tick_rate(void)
+{
+    return FIRMWARE_ROBOT.estimator.tick_rate;
+}
+
 uint32_t jp_firmware_identity(void)
 {
     return jp_robot_identity(&FIRMWARE_ROBOT);

@@ -35,6 +35,9 @@ struct jp_firmware_start {
  *  driving. As jp_robot_init(). */
 enum jp_status jp_firmware_boot(struct jp_ecu *ecu, const struct jp_firmware_start *start, const char **field);
 
+/** Of its control interrupt, Hz. */
+uint32_t jp_firmware_tick_rate(void);
+
 /** Of the record of parameters that is the robot's. */
 uint32_t jp_firmware_identity(void);
 

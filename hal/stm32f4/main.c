@@ -21,8 +21,8 @@
 
 #define SERIAL_BAUD 1000000U
 
-/** The slow timer wakes the main loop and notices that no sample comes. */
-#define SLOW_TIMER_HZ 2000U
+/** The slow timer wakes the main loop and notices that no sample comes: so often in a tick. */
+#define SLOW_TIMER_SHARE 2U
 
 /** Without a sample for so long the tick goes on without it, in half periods of the tick. */
 #define SAMPLE_LATE 3U
@@ -142,7 +142,7 @@ static void tick_in_interrupt(struct jp_ecu *ecu)
 
 static void start_slow_timer(uint32_t core_hz)
 {
-    SYSTICK.RVR = core_hz / SLOW_TIMER_HZ - 1U;
+    SYSTICK.RVR = core_hz / (SLOW_TIMER_SHARE * jp_firmware_tick_rate()) - 1U;
     SYSTICK.CVR = 0;
     SYSTICK.CSR = SYSTICK_CLKSOURCE | SYSTICK_TICKINT | SYSTICK_ENABLE;
 }
@@ -282,11 +282,11 @@ static void keep_parameters(void)
     if (!jp_parameters_differ(&learned, &parameters)) {
         return;
     }
-    jp_watchdog_relax(true);
+    jp_watchdog_relax();
     if (jp_parameters_save(&learned, jp_firmware_identity(), &store, &field) == JP_OK) {
         parameters = learned;
     }
-    jp_watchdog_relax(false);
+    jp_watchdog_tighten(jp_firmware_tick_rate());
 }
 
 /** Once each time that the running motors were switched off: after a fault nothing that was learned is trusted. */
@@ -308,7 +308,7 @@ static _Noreturn void run(void)
 {
     uint32_t worked = ticks;
     bool forgiven = false;
-    const uint32_t healthy_ticks = JP_HEALTHY_MS / 1000U * jp_ecu_tick_rate(&node.ecu);
+    const uint32_t healthy_ticks = JP_HEALTHY_MS / 1000U * jp_firmware_tick_rate();
 
     for (;;) {
         take_serial_frames();
@@ -338,11 +338,11 @@ static _Noreturn void stay_off(void)
 int main(void)
 {
     jp_post_mortem_open(&jp_post_mortem, jp_reset_cause(), &reset_report);
-    jp_devices_start(&devices, take_frame, NULL);
+    jp_devices_start(&devices, jp_firmware_tick_rate(), take_frame, NULL);
     jp_serial_start(&serial, jp_clock_frequencies(devices.clock).apb2, SERIAL_BAUD);
     load_parameters();
     jp_supply_watch();
-    jp_watchdog_start();
+    jp_watchdog_start(jp_firmware_tick_rate());
     if (!start_application()) {
         stay_off();
     }

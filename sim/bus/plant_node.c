@@ -168,12 +168,14 @@ bool plant_node_accept(struct plant_node *node, const struct jp_can_frame *frame
 
 static void watch_silence(struct plant_node *node)
 {
+    const uint32_t hold_ticks = (uint32_t)(plant_node_rate(node) * PLANT_HOLD_MS / 1000);
+
     node->silence = node->commanded ? 0 : node->silence + 1;
     node->commanded = false;
-    if (node->silence == PLANT_HOLD_TICKS + 1U && node->actuation.enabled != 0U) {
+    if (node->silence == hold_ticks + 1U && node->actuation.enabled != 0U) {
         node->silences++;
     }
-    if (node->silence > PLANT_HOLD_TICKS) {
+    if (node->silence > hold_ticks) {
         node->actuation = (struct jp_actuation){0};
     }
 }

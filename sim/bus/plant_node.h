@@ -1,6 +1,6 @@
 /**
  * The robot's body as a node on CAN, whatever its kind: samples out, MotorCommand in. The bridges hold their duty while
- * commands fail to come, and switch off after PLANT_HOLD_TICKS. A hand holds a balancer upright until the bridges first
+ * commands fail to come, and switch off after PLANT_HOLD_MS. A hand holds a balancer upright until the bridges first
  * drive.
  */
 #ifndef JOULEPATH_SIM_BUS_PLANT_NODE_H
@@ -10,8 +10,8 @@
 #include "sim/balancer/world.h"
 #include "sim/skid_steer/skid_world.h"
 
-/** Ticks without a valid MotorCommand after which the bridges switch off; as joulepath.dbc says. */
-#define PLANT_HOLD_TICKS 40U
+/** Without a valid MotorCommand for so long the bridges switch off; as joulepath.dbc says. */
+#define PLANT_HOLD_MS 40U
 
 enum plant_kind { PLANT_BALANCER, PLANT_SKID };
 

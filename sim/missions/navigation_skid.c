@@ -93,6 +93,12 @@ static bool prepare(struct navigation_skid *skid, const struct skid_robot_entry 
     return jp_skid_vehicle_init(&skid->vehicle, &skid->pilot, &robot->vehicle) == JP_OK;
 }
 
+struct clearance_robot navigation_skid_body(const struct skid_steer_model *model)
+{
+    return (struct clearance_robot){model->body.length_m + 2 * fabs(model->body.middle_ahead_m),
+                                    model->body.overall_width_m, 0};
+}
+
 bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_entry *entry,
                           const struct skid_steer_model *model, const struct jp_terrain *terrain,
                           const struct clearance_pose *start, uint64_t seed, struct navigation_robot *robot)
@@ -104,7 +110,7 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
     *robot = (struct navigation_robot){
         .name = entry->name,
         .rate_hz = model->control.rate_hz,
-        .body = {model->body.length_m + 2 * fabs(model->body.middle_ahead_m), model->body.overall_width_m, 0},
+        .body = navigation_skid_body(model),
         .margin_m = model->navigation.margin_m / 2,
         .unit_exponent = entry->energy->unit_exponent,
         .self = skid,

@@ -130,6 +130,25 @@ def test_over_a_serial_line_as_in_one_process(programs, tmp_path, robot):
     assert counts["ticks"] > 5000
 
 
+@pytest.mark.parametrize("robot", ["zhang2018", "burger"])
+def test_robots_that_their_sides_steer(programs, tmp_path, robot):
+    """The corner is a turn, and the leg's energy what it takes."""
+    scenario = write_scenario(tmp_path / "short.cfg", (0.6, 0.0), (0.6, 0.3), robot=robot)
+    expected = drive_in_process(scenario, tmp_path / "in-process")
+    plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "serial")
+    ecu = programs.ecu(f"slcan:{line}", "--robot", robot)
+    counts = assert_done(plant).counts
+    assert_same_drive(tmp_path / "serial", expected)
+    assert counts["faults that the ECU reports"] == counts[SILENCES] == 0
+    counts = assert_stopped(ecu)
+    assert [counts[name] for name in NOTHING_WRONG] == [0] * len(NOTHING_WRONG)
+    assert counts["segments learned from"] + counts["segments left out"] == 2
+    for segment in summary(expected)["strategies"][0]["segments"]:
+        assert segment["measured_energy_j"] == segment["battery_energy_j"] > 0
+        assert segment["measured_energy_j"] == pytest.approx(segment["plant_energy_j"], rel=0.1)
+        assert segment["end_error_m"] < 0.4  # inside the corner
+
+
 def test_an_ecu_that_predicts_the_energy_of_the_battery(programs, tmp_path):
     scenario = with_battery_energy(write_scenario(tmp_path / "short.cfg", *ROUTE, robot="courier24"))
     expected = drive_in_process(scenario, tmp_path / "in-process")

@@ -12,7 +12,8 @@
 
 #include "unity.h"
 
-#define RATE 500U /* ticks a second */
+#define RATE       500U /* ticks a second */
+#define HOLD_TICKS ((unsigned)JP_SAMPLE_HOLD_MS * RATE / 1000U)
 
 static struct {
     struct jp_e2e_receiver receiver;

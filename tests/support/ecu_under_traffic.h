@@ -128,7 +128,7 @@ static void check_ranges(const struct jp_ecu *ecu)
     require(routes->received <= JP_ROUTE_LENGTH_MAX && routes->driven.length <= JP_ROUTE_LENGTH_MAX,
             "length of a route");
     require(samples->parts < (1U << JP_SAMPLE_PARTS) && samples->newest < JP_SAMPLE_PACES &&
-                samples->missed <= JP_SAMPLE_HOLD_TICKS && samples->catch_up <= JP_SAMPLE_HOLD_TICKS,
+                samples->missed <= samples->hold_ticks && samples->catch_up <= samples->hold_ticks,
             "state of the samples");
     require(ecu->internal.plan.left <= 3U, "frames of a plan");
     require(ecu->internal.learned.left <= (jp_ecu_learned_state(ecu) != NULL ? 2U : 0U), "frames of what was learned");

@@ -143,6 +143,12 @@ bench-restart: ## measure, in real time, a controller that is killed in mid-driv
 	@mkdir -p $(BUILD)/bench-restart
 	$(BUILD)/bench/bench_restart --rows $(BUILD)/bench-restart/rows.json >$(BUILD)/bench/bench_restart.json
 
+.PHONY: bench-skid-bus
+bench-skid-bus: ## drive 10 000 random missions of robots that their sides steer, over a faulty bus and with what fails (half an hour)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_skid_bus
+	$(BUILD)/bench/bench_skid_bus >$(BUILD)/bench/bench_skid_bus.json
+
 # The maps of others are left out where they are not.
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 

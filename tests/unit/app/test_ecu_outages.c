@@ -1,25 +1,28 @@
 /* The application without samples, on a bus that refuses its frames, and after a reset. */
 #include "tests/support/ecu_rig.h"
 
+/* At 1 kHz. */
+#define HOLD_TICKS JP_SAMPLE_HOLD_MS
+
 /* Outages */
 
 static void test_samples_may_stay_away_for_the_hold_ticks(void)
 {
     make_balancing();
     for (int i = 0; i < 5; i++) {
-        run_without_samples(JP_SAMPLE_HOLD_TICKS);
+        run_without_samples(HOLD_TICKS);
         expect_state(JP_ROBOT_BALANCING);
         run(50);
         expect_state(JP_ROBOT_BALANCING);
     }
-    TEST_ASSERT_EQUAL_UINT16(5U * JP_SAMPLE_HOLD_TICKS, jp_ecu_lost_samples(&ecu));
+    TEST_ASSERT_EQUAL_UINT16(5U * HOLD_TICKS, jp_ecu_lost_samples(&ecu));
     TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&balancer.robot)->faults);
 }
 
 static void test_samples_that_stay_away_longer_are_a_fault(void)
 {
     make_balancing();
-    run_without_samples(JP_SAMPLE_HOLD_TICKS + config.monitor.confirm_ticks - 1U);
+    run_without_samples(HOLD_TICKS + config.monitor.confirm_ticks - 1U);
     expect_state(JP_ROBOT_BALANCING);
     run_without_samples(1);
     expect_state(JP_ROBOT_FAULT);
@@ -60,17 +63,17 @@ static void check_refusals(enum jp_status answer)
     setUp();
     make_balancing();
     bus.answer = answer;
-    run(JP_SAMPLE_HOLD_TICKS);
+    run(HOLD_TICKS);
     bus.answer = JP_OK;
     bus.commands = 0; /* the receiver at the other end begins anew */
     bus.receiver = (struct jp_e2e_receiver){.synchronised = false};
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT16(JP_SAMPLE_HOLD_TICKS, ecu.send_errors);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT16(HOLD_TICKS, ecu.send_errors);
     run(100);
     expect_state(JP_ROBOT_BALANCING);
     TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&balancer.robot)->faults);
 
     bus.answer = answer;
-    run(JP_SAMPLE_HOLD_TICKS + config.monitor.confirm_ticks);
+    run(HOLD_TICKS + config.monitor.confirm_ticks);
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     run(1); /* what was not written shows in the tick after */
     TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, jp_robot_state_now(&balancer.robot));

@@ -295,7 +295,7 @@ static void test_what_is_stored_is_taken_if_it_fits(void)
 static void test_samples_may_stay_away_for_any_number_of_the_hold_ticks(void)
 {
     make_driving();
-    for (unsigned lost = 1; lost <= JP_SAMPLE_HOLD_TICKS; lost++) {
+    for (unsigned lost = 1; lost <= HOLD_TICKS; lost++) {
         run_without_samples(lost);
         TEST_ASSERT_TRUE(jp_ecu_runs(&ecu));
         run(60);
@@ -308,7 +308,7 @@ static void test_samples_may_stay_away_for_any_number_of_the_hold_ticks(void)
 static void test_samples_that_stay_away_longer_are_a_fault(void)
 {
     make_driving();
-    run_without_samples(JP_SAMPLE_HOLD_TICKS + config.monitor.confirm_ticks - 1U);
+    run_without_samples(HOLD_TICKS + config.monitor.confirm_ticks - 1U);
     TEST_ASSERT_TRUE(jp_ecu_runs(&ecu));
     run_without_samples(1);
     expect_state(JP_ECU_FAULT);

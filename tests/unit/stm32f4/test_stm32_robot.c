@@ -125,7 +125,7 @@ void setUp(void)
     command_counter = 0;
     memset(&retained, 0, sizeof retained);
     stm32_fake_reset();
-    jp_devices_start(&devices, ignore_frame, NULL);
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
     start();
 }
 
@@ -225,7 +225,7 @@ static void test_without_an_imu_it_never_stands_up(void)
 {
     stm32_fake_reset();
     fake.imu_absent = true;
-    jp_devices_start(&devices, ignore_frame, NULL);
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
     start();
     TEST_ASSERT_EQUAL_INT(JP_ERR_HARDWARE, devices.imu_status);
     run(10);
@@ -240,7 +240,7 @@ static void test_without_the_zeros_of_the_currents_it_never_stands_up(void)
 {
     stm32_fake_reset();
     fake.readings[0] = 4095;
-    jp_devices_start(&devices, ignore_frame, NULL);
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
     start();
     run(10);
     for (int i = 0; i < 5; i++) {
@@ -282,7 +282,7 @@ static void test_a_reset_ends_in_a_balanced_stand(void)
     stand_up();
     stm32_fake_reset();
     TEST_ASSERT_TRUE(bridges_are_off());
-    jp_devices_start(&devices, ignore_frame, NULL);
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
     devices.encoders.count_left = balancer.robot.internal.estimator.encoder_left;
     devices.encoders.count_right = balancer.robot.internal.estimator.encoder_right;
     start();
