@@ -9,11 +9,14 @@
  *   scale     γ = (r/ρ0 − 1) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro; the rest is slip, ρ
  *   tilt      ṗ = ω q − ψ̇, q̇ = −ω p: a Kalman filter of the grade p ahead and q to the left and of the accelerometer's
  *             offset. What is measured is p, the pitch gyro tells how it changes, so a turn shows q
- *   slip      treads creep in proportion to their force, with that of the specific force, f ahead and q + v ω/g left:
- *             along = Δs − f (κ |Δs| + λ Kx |Δθ|) ∓ κ F min(|Δs|, B |Δφ|/2), across = −(q + v ω/g) (κ |Δs| + λ Ky |Δθ|)
- *   grip      λ = F0/F: the force F of the sides that turn the robot, by the motors' currents, tells how the ground
- * grips growth    of the ratio, with the square of what the robot slips aside as it turns plan view along the mean
- * heading of the step: (along √(1 − p²), across), and the heading turns by Δθ = (Δg − b Δt)/(1 + γ) (1 + p²/2 − q²/2)
+ *   slip      treads creep in proportion to their force, by the specific force, f ahead and l = q + v ω/g left:
+ *             along = Δs − f (κ |Δs| + λ Kx |Δθ|) + l Hx Δθ ∓ κ F min(|Δs|, B |Δφ|/2)
+ *             across = −l κ |Δs| + (±f Hy − l λ Ky) |Δθ|, the latter at most a |Δθ|: between the axles.
+ *             Hx and Hy: load that moves to a side or to an axle moves the point about which it turns
+ *   grip      λ = F0/F: the force F of the sides that turn it, by the motors' currents, tells how the ground grips
+ *   growth    of the ratio, with the square of what the robot slips aside as it turns
+ *   plan      along the mean heading of the step: (along √(1 − p²), across), and the heading turns by
+ *             Δθ = (Δg − b Δt)/(1 + γ) (1 + p²/2 − q²/2)
  *   past      what is learned of b and γ was true before: the pose moves by its sensitivities to them
  *
  * Wheels that stand keep the pose but for that. It is the pose of the middle between the axles, whose position is seen
@@ -22,6 +25,7 @@
 #ifndef JOULEPATH_SKID_ODOMETRY_H
 #define JOULEPATH_SKID_ODOMETRY_H
 
+#include <joulepath/path_drive.h>
 #include <joulepath/point.h>
 #include <joulepath/sensors.h>
 #include <joulepath/skid_sides.h>
@@ -53,6 +57,9 @@ struct jp_skid_odometry_config {
     jp_q24 creep;          /**< κ, slip of the treads per g of specific force; 0…1 */
     jp_q24 turn_creep_along;  /**< Kx, way per radian of turn and g; 0…8 m */
     jp_q24 turn_creep_across; /**< Ky; 0…8 m */
+    jp_q24 turn_shift_along;  /**< Hx, way per radian to the left and g to the left, by the load that moves; 0…8 m */
+    jp_q24 turn_shift_across; /**< Hy, to the left, per radian to the left and g ahead; 0…8 m */
+    jp_q24 turn_slide_most;   /**< a, to the side per radian at most, half the wheelbase; 0…4 m */
     jp_q24 caster_drag;       /**< force of the caster on its way over the weight, g; 0…0.2 */
     jp_q24 turn_force;        /**< (right − left) of the forces that turn it on the spot over the weight, g; 0…2 */
     jp_q24 force_per_ampere;  /**< force of a side over the weight without losses, g/A; 0…16 */
@@ -139,6 +146,9 @@ struct jp_skid_slip {
     jp_q24 turn_force;   /* as learned */
     int32_t creep_along; /* 2π λ Kx, m/turn, Q24 */
     int32_t creep_across;
+    int32_t shift_along; /* 2π Hx, m/turn, Q24 */
+    int32_t shift_across;
+    int32_t most;        /* 2π a, m/turn, Q24 */
     int32_t centripetal; /* 2π/(Δt² g), 1/(m turn), Q8 */
     jp_q24 braking;      /* 1/efficiency */
 };
@@ -223,6 +233,10 @@ void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_
  *  the control ISR, after jp_skid_odometry_update(). */
 void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                           struct jp_point *position, jp_angle *heading);
+
+/** How far the robot slides aside on the slope as it knows it. Constant time; for the control ISR. */
+void jp_skid_odometry_slide(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                            struct jp_path_slide *slide);
 
 /** What it knows now. Six square roots and a 64-bit division; not for the tick, and no tick may come between. Cannot
  *  fail. */

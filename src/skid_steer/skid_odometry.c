@@ -9,6 +9,8 @@
 
 #define ACCEL_BITS 26 /* ±2 g */
 
+#define RADIANS_INVERSE JP_Q24(0.15915494309189535)
+
 /* The wheels stand once both sides have stayed within this many counts for a quarter of a second. */
 #define STAND_COUNTS       1
 #define STANDS_IN_A_SECOND 4U
@@ -38,6 +40,9 @@ enum jp_status jp_skid_odometry_check(const struct jp_skid_odometry_config *conf
         FIELD(creep, 0, JP_Q24_ONE),
         FIELD(turn_creep_along, 0, JP_Q24(8)),
         FIELD(turn_creep_across, 0, JP_Q24(8)),
+        FIELD(turn_shift_along, 0, JP_Q24(8)),
+        FIELD(turn_shift_across, 0, JP_Q24(8)),
+        FIELD(turn_slide_most, 0, JP_Q24(4)),
         FIELD(caster_drag, 0, JP_Q24(0.2)),
         FIELD(turn_force, 0, JP_Q24(2)),
         FIELD(force_per_ampere, 0, JP_Q24(16)),
@@ -278,4 +283,17 @@ void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct 
     position->x = jp_add(jp_saturate32(odometry->x >> 16), jp_multiply_shift(ahead, jp_cos(middle), 31));
     position->y = jp_add(jp_saturate32(odometry->y >> 16), jp_multiply_shift(ahead, jp_sin(middle), 31));
     *heading = jp_phase_angle(odometry->heading + (jp_phase)turned);
+}
+
+void jp_skid_odometry_slide(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                            struct jp_path_slide *slide)
+{
+    const struct jp_skid_tilt *tilt = &odometry->internal.tilt;
+
+    slide->ahead = tilt->state[JP_SKID_TILT_AHEAD];
+    slide->left = tilt->state[JP_SKID_TILT_LEFT];
+    slide->by_turn = jp_skid_part(odometry->internal.slip.creep_across, RADIANS_INVERSE);
+    slide->by_left = config->turn_shift_across;
+    slide->most = config->turn_slide_most;
+    slide->by_way = config->creep;
 }

@@ -21,6 +21,9 @@ void jp_skid_slip_start(struct jp_skid_slip *slip, const struct jp_skid_odometry
 {
     *slip = (struct jp_skid_slip){
         .turn_force = config->turn_force,
+        .shift_along = jp_skid_part(config->turn_shift_along, JP_SKID_TWO_PI),
+        .shift_across = jp_skid_part(config->turn_shift_across, JP_SKID_TWO_PI),
+        .most = jp_skid_part(config->turn_slide_most, JP_SKID_TWO_PI),
         .centripetal = jp_skid_part(acceleration, JP_SKID_TWO_PI),
         .braking = jp_divide((int64_t)1 << 48, config->efficiency),
     };
@@ -41,13 +44,18 @@ void jp_skid_slip_move(struct jp_skid_slip *slip, const struct jp_skid_odometry_
     const int32_t bend =
         jp_skid_part(jp_skid_part(slip->turn_force, config->creep), jp_skid_lesser(jp_skid_size(way), step->side_way));
 
+    const int32_t pushed_ahead = jp_skid_part(step->turn, jp_skid_part(slip->shift_along, left));
+    const int32_t pushed_left = jp_skid_part(slip->shift_across, ahead);
+    const int32_t crept_right = jp_skid_part(slip->creep_across, left);
+    const int32_t turned_left = jp_sub(step->turn < 0 ? -pushed_left : pushed_left, crept_right);
+
     slip->along = jp_skid_part(slip->creep_along, ahead);
-    slip->across = jp_skid_part(slip->creep_across, left);
+    slip->across = jp_clamp32(turned_left, -slip->most, slip->most);
     const int32_t crept = jp_add(jp_skid_part(rolled, ahead), jp_skid_part(turned, slip->along));
 
     step->forward_before = step->forward;
-    step->forward = jp_sub(way, jp_add(crept, way < 0 ? -bend : bend));
-    step->sideways = jp_sub(0, jp_add(jp_skid_part(rolled, left), jp_skid_part(turned, slip->across)));
+    step->forward = jp_sub(jp_add(way, pushed_ahead), jp_add(crept, way < 0 ? -bend : bend));
+    step->sideways = jp_sub(jp_skid_part(turned, slip->across), jp_skid_part(rolled, left));
 }
 
 /* Of a side on the ground over the weight, g: what its motor's current leaves behind gear and rolling. */

@@ -25,6 +25,7 @@ static const struct jp_skid_odometry_config usual = {
     .tilt_deviation = JP_Q24(0.1),
     .tilt_change = JP_Q24(0.08),
     .accel_noise = JP_Q24(0.005),
+    .turn_slide_most = JP_Q24(4),
     .efficiency = JP_Q24(0.5),
     .way_deviation = JP_Q24(0.01),
     .way_drift = JP_Q24(0.01),
@@ -100,6 +101,9 @@ static void test_check_names_each_field(void)
     RANGE("odometry.", creep, 0, JP_Q24_ONE);
     RANGE("odometry.", turn_creep_along, 0, JP_Q24(8));
     RANGE("odometry.", turn_creep_across, 0, JP_Q24(8));
+    RANGE("odometry.", turn_shift_along, 0, JP_Q24(8));
+    RANGE("odometry.", turn_shift_across, 0, JP_Q24(8));
+    RANGE("odometry.", turn_slide_most, 0, JP_Q24(4));
     RANGE("odometry.", caster_drag, 0, JP_Q24(0.2));
     RANGE("odometry.", turn_force, 0, JP_Q24(2));
     RANGE("odometry.", force_per_ampere, 0, JP_Q24(16));
@@ -335,6 +339,55 @@ static void test_robot_slips_down_the_slope_as_it_turns(void)
     jp_skid_odometry_start(&odometry, &config, &sensors);
     drive(1, -164, 164, JP_Q24(0.125));
     TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 157 / 100000, odometry.x);
+}
+
+/* It turns about the axle uphill at most. */
+static void test_slip_in_a_turn_is_limited(void)
+{
+    config.turn_creep_across = JP_Q24(1);
+    config.turn_slide_most = JP_Q24(0.05);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, -164, 164, JP_Q24(0.125)); /* 0.0314 rad */
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 157 / 100000, odometry.y);
+}
+
+/* Load that moves to an axle behind, or to a side, moves what the robot turns about. */
+static void test_load_moves_the_centre_of_a_turn(void)
+{
+    config.turn_shift_across = JP_Q24(0.5);
+    sensors.accel_x = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(1, -164, 164, JP_Q24(0.125));
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, METRE * 157 / 100000, odometry.y);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(1, 164, -164, -JP_Q24(0.125));
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 157 / 100000, odometry.y);
+    setUp();
+    config.turn_shift_along = JP_Q24(0.5);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, -164, 164, JP_Q24(0.125));
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, METRE * 157 / 100000, odometry.x);
+}
+
+static void test_slide_of_the_slope(void)
+{
+    struct jp_path_slide slide;
+
+    config.turn_creep_across = JP_Q24(1);
+    config.turn_shift_across = JP_Q24(0.5);
+    config.creep = JP_Q24(0.1);
+    sensors.accel_x = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.2);
+    jp_skid_odometry_slide(&odometry, &config, &slide);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.1), slide.ahead);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.2), slide.left);
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q24(1), slide.by_turn);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.5), slide.by_left);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(4), slide.most);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.1), slide.by_way);
 }
 
 static void test_bend_pushes_outwards(void)
