@@ -107,17 +107,16 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
     const struct skid_ground level = {NULL, NULL};
     const struct skid_ground ground = terrain->config.has_elevation ? skid_ground_map(terrain) : level;
 
-    *robot = (struct navigation_robot){
-        .name = entry->name,
-        .rate_hz = model->control.rate_hz,
-        .body = navigation_skid_body(model),
-        .margin_m = model->navigation.margin_m / 2,
-        .unit_exponent = entry->energy->unit_exponent,
-        .self = skid,
-        .tick = tick,
-        .pose = pose,
-        .joules = joules,
-        .deviation = deviation};
+    *robot = (struct navigation_robot){.name = entry->name,
+                                       .rate_hz = model->control.rate_hz,
+                                       .body = navigation_skid_body(model),
+                                       .margin_m = model->navigation.margin_m / 2,
+                                       .unit_exponent = entry->energy->unit_exponent,
+                                       .self = skid,
+                                       .tick = tick,
+                                       .pose = pose,
+                                       .joules = joules,
+                                       .deviation = deviation};
     *skid = (struct navigation_skid){.written = JP_OK};
     skid_world_init(&skid->world, model, &ground, &place, seed);
     skid->hal = skid_hal_sim(&skid->world);
