@@ -149,12 +149,12 @@ void mission_set_target(struct mission_leg *leg, struct bezier_point target)
     leg->passed = INFINITY;
 }
 
-void mission_note_passing(struct mission *mission, size_t leg, const struct plant *plant)
+void mission_note_passing(struct mission *mission, size_t leg, struct bezier_point position)
 {
     for (size_t i = leg > 0 ? leg - 1 : 0; i <= leg && leg < mission->leg_count; i++) {
         struct mission_leg *passed = &mission->legs[i];
 
-        passed->passed = fmin(passed->passed, hypot(plant->x - passed->target.x, plant->y - passed->target.y));
+        passed->passed = fmin(passed->passed, hypot(position.x - passed->target.x, position.y - passed->target.y));
     }
 }
 
@@ -461,7 +461,8 @@ static void keep_books(struct drive *drive)
     if (current_leg(drive, telemetry_of(drive).segments_ended) > drive->leg) {
         end_leg(drive);
     }
-    mission_note_passing(drive->mission, drive->leg, &drive->rig.world.plant);
+    mission_note_passing(drive->mission, drive->leg,
+                         (struct bezier_point){drive->rig.world.plant.x, drive->rig.world.plant.y});
     follow_reference(drive);
     if (drive->view.log != NULL && (tick - drive->start_tick) % row_ticks == 0) {
         log_row(drive);

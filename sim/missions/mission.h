@@ -108,7 +108,7 @@ void mission_complain(const struct mission *mission, const struct scenario *scen
  * before and after a leg; the plant's motor energy of the scenario's kind in J, whether the robot is at rest, the sums
  * of the legs and the braking, the clock in seconds. */
 void mission_set_target(struct mission_leg *leg, struct bezier_point target);
-void mission_note_passing(struct mission *mission, size_t leg, const struct plant *plant);
+void mission_note_passing(struct mission *mission, size_t leg, struct bezier_point position);
 double mission_plant_energy(const struct scenario *scenario, const struct plant *plant);
 bool mission_is_at_rest(const struct scenario *scenario, const struct plant *plant);
 void mission_sum_up(struct mission *mission);

@@ -14,10 +14,13 @@ struct navigation_skid {
     struct jp_hal hal;
     struct jp_skid_robot controller;
     enum jp_status written;
-    struct jp_path_piece pieces[JP_SKID_PILOT_PIECES(JP_SKID_RUN_MAX)];
+    struct jp_path_piece pieces[JP_SKID_RUN_PIECES];
     struct jp_skid_pilot pilot;
     struct jp_skid_vehicle vehicle;
 };
+
+/** Its outline. */
+struct clearance_robot navigation_skid_body(const struct skid_steer_model *model);
 
 /** Switches on at `start`, on the ground of `terrain`, and lets it stand until it knows its gyro. What the pointers
  * show and *skid stay in use. False after one line on stderr: a configuration is refused. */
