@@ -24,8 +24,9 @@ struct jp_balancer_survey {
     jp_q24 modes[JP_TRAVEL_MODES];
     jp_angle heading; /**< at the begin of the next leg */
     struct jp_energy_model model;
-    struct jp_balancer_sum before; /**< of the runs before */
-    struct jp_balancer_sum sum;    /**< with what was surveyed of this one */
+    struct jp_balancer_sum before_last; /**< of the runs before */
+    struct jp_balancer_sum before;      /**< of those that were surveyed to their ends */
+    struct jp_balancer_sum sum;         /**< with what was surveyed of this one */
 };
 
 /** Private. */

@@ -3,7 +3,9 @@
  *
  * The lattice planner's route leads over cells, and so does a lattice's way. Its steps, primitives or unit steps, are
  * joined to straight lines as long as the map allows: from each waypoint the line goes to the farthest of the next ends
- * of steps to which a disc of `radius` and `margin` can be moved. The disc is the one in which the robot turns, so that
+ * of steps to which a disc of `radius` and `margin` can be moved. On a map with elevation a line is not too steep for
+ * the lattice, and one of a route leads to where it saves most against the route, by the prices of the lattice: of
+ * length, of what the ground rises by, and of the route's turns. The disc is the one in which the robot turns, so that
  * it may turn at every waypoint. Where the route begins too near to obstacles for the margin, the first line does
  * without it.
  *
@@ -58,17 +60,20 @@ enum jp_course_answer {
 struct jp_course_place {
     struct jp_lattice_pose pose; /**< on a way its heading means nothing */
     unsigned step;               /**< of the plan that begins there */
+    int64_t cost;                /**< of the plan to it, on a map with elevation */
 };
 
 /** Private. */
 struct jp_course_internal {
     const struct jp_planner *planner; /**< whose plan it leads along, or null: along the way */
     const struct jp_lattice_way *way;
+    const struct jp_lattice *lattice; /**< of either */
     struct jp_point start;
     struct jp_point from;         /**< begin of the line that is looked for */
     struct jp_course_place first; /**< place that is left there */
     struct jp_course_place candidate;
     struct jp_course_place best;
+    int64_t saving; /**< by the best line, against the route */
     jp_q16 margin;  /**< of this line */
     uint8_t misses; /**< since the best */
     bool has_best;
@@ -97,11 +102,14 @@ enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner
 enum jp_status jp_course_start_on_way(struct jp_course *course, const struct jp_lattice_way *way,
                                       const struct jp_way_cell *from, const struct jp_point *start);
 
-/** Looks at one more line. Work: jp_course_is_clear(). */
+/** Looks at one more line. Work: jp_course_is_clear(); on a map with elevation also the line, cell by cell. */
 enum jp_course_answer jp_course_work(struct jp_course *course);
 
 /** Where leg `index` begins. */
 struct jp_point jp_course_begin(const struct jp_course *course, unsigned index);
+
+/** Leg `index` begins elsewhere; so the one before it ends there. */
+void jp_course_begin_at(struct jp_course *course, unsigned index, const struct jp_point *begin);
 
 /** True when the disc, with the leg's margin and what the robot leaves it aside, can be moved from `from` to the end of
  *  leg `index` and beyond. Work: the cells round the line, 64 at a time, and a distance for each blocked one among

@@ -50,6 +50,7 @@ struct jp_path_piece {
     jp_q16 bend_rate;      /**< of the curvature by the arc length, 1/m² */
     jp_q16 rise;           /**< of the ground over the whole piece, m */
     enum jp_piece_kind kind;
+    bool is_joined; /**< the line of the piece before goes on in it */
     struct jp_piece_speed speed;
 };
 

@@ -1,12 +1,14 @@
 /**
  * Path (lattice_path.h) along straight lines from target to target, with a turn on the spot towards the first one and
- * at each corner. path_corner.h rounds corners. The ground is taken to be level.
+ * at each corner. path_corner.h rounds corners. On ground that is not level a line is several pieces, each of which
+ * rises evenly: as many as there are places for.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_LINE_PATH_H
 #define JOULEPATH_LINE_PATH_H
 
+#include <joulepath/ground.h>
 #include <joulepath/lattice_path.h>
 
 #ifdef __cplusplus
@@ -18,15 +20,17 @@ struct jp_line_route {
     jp_angle heading;               /**< before the robot turns towards the first target */
     const struct jp_point *targets; /**< none where the line before it begins */
     uint16_t count;                 /**< at least 1 */
+    const struct jp_ground *ground; /**< null: level */
 };
 
-/** Pieces that a path of so many targets takes at most. */
+/** Pieces that a path of so many targets takes on level ground at most, and on other ground at least. */
 #define JP_LINE_PATH_PIECES(targets) (2U * (targets))
 
 /**
  * Makes the path of a route. JP_ERR_ARGUMENT: a pointer is null, there is no target or no place. JP_ERR_ZERO_LENGTH: a
  * line is shorter than 1 mm. JP_ERR_INFEASIBLE: a line is longer than a piece may be. JP_ERR_MEMORY: it takes more
- * pieces than `places`. Work: a square root and an angle for each line.
+ * pieces than `places`. Work: a square root and an angle for each line, and the elevation of a point for each `spacing`
+ * of it.
  */
 enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *pieces, uint16_t places,
                             const struct jp_line_route *route);

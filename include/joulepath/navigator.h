@@ -110,7 +110,9 @@ struct jp_navigator_survey {
 /** Private. */
 struct jp_navigator_internal {
     struct jp_course course;
-    struct jp_place origin; /**< of odometry, on the map */
+    struct jp_place origin;  /**< of odometry, on the map */
+    struct jp_ground ground; /**< as odometry counts */
+    struct jp_point stand;   /**< from which was planned last, m */
     struct jp_goal goal;
     struct jp_navigator_survey survey;
     struct jp_way_cell start; /**< from which was planned last */

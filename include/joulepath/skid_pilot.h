@@ -21,8 +21,8 @@
  * that what passes between a leg's end and that call is counted to the next leg. Of legs that end between two calls
  * nothing is learned.
  *
- * The ground is taken to be level; what slopes take is learned as rolling resistance. Energies in Q16 are in the unit
- * of config.model (energy.h). Nothing here is for ISRs.
+ * What the lines rise by on the ground of a route is part of what they take, as far as the pieces of its path tell it.
+ * Energies in Q16 are in the unit of config.model (energy.h). Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_SKID_PILOT_H
 #define JOULEPATH_SKID_PILOT_H
@@ -38,7 +38,8 @@
 extern "C" {
 #endif
 
-/** Pieces of path that routes of so many targets take at most: lines, and turns on the spot or arcs in two halves. */
+/** Pieces of path that routes of so many targets take on level ground at most: lines, and turns on the spot or arcs in
+ *  two halves. On other ground lines are as many pieces as there is memory for. */
 #define JP_SKID_PILOT_PIECES(targets) (3U * (targets))
 
 /** Steps by which a route can be driven slower, each by a quarter of the speed. */
@@ -59,6 +60,7 @@ struct jp_skid_pilot_route {
     const struct jp_point *targets; /**< m, as odometry counts */
     uint16_t count;                 /**< at least 1 */
     uint8_t slower;                 /**< by so many steps; 0…JP_SKID_PILOT_SLOWER_MAX */
+    const struct jp_ground *ground; /**< null: level */
 };
 
 enum jp_skid_pilot_phase {
@@ -160,9 +162,10 @@ enum jp_status jp_skid_pilot_init(struct jp_skid_pilot *pilot, const struct jp_s
                                   struct jp_skid_robot *robot, const char **field);
 
 /**
- * Drives a route, which is copied; its targets must stay while the pilot plans. Replaces an earlier route: the robot
- * brakes to a stand and goes on from there. JP_ERR_ARGUMENT: null, empty, or slower than can be. JP_ERR_MEMORY: it has
- * more targets than the memory is for. JP_ERR_STATE: neither standing nor driving. Else the earlier route goes on.
+ * Drives a route, which is copied; its targets and its ground must stay while the pilot plans. Replaces an earlier
+ * route: the robot brakes to a stand and goes on from there. JP_ERR_ARGUMENT: null, empty, or slower than can be.
+ * JP_ERR_MEMORY: it has more targets than the memory is for. JP_ERR_STATE: neither standing nor driving. Else the
+ * earlier route goes on.
  */
 enum jp_status jp_skid_pilot_follow(struct jp_skid_pilot *pilot, const struct jp_skid_pilot_route *route);
 

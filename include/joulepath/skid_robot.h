@@ -116,13 +116,16 @@ struct jp_skid_snapshot {
     uint32_t ran; /**< 1: the motors did */
 };
 
+/** What the next tick does of a set-point; private. */
+enum jp_skid_follow_part { JP_SKID_FOLLOW_ADVANCE, JP_SKID_FOLLOW_LOOK_AHEAD, JP_SKID_FOLLOW_TRACK };
+
 /** Private: the path that is followed. */
 struct jp_skid_follow {
     const struct jp_lattice_path *path; /**< or null */
     struct jp_path_drive drive;
     struct jp_path_set_point at;
     struct jp_motion motion; /**< that leads to it */
-    bool is_new;             /**< the set-point is that of the next two ticks */
+    enum jp_skid_follow_part next;
 };
 
 /** Private: a command as the tick takes it. */

@@ -12,6 +12,9 @@ extern "C" {
 /** Targets of a run that is surveyed at most. */
 #define JP_SKID_RUN_MAX 16U
 
+/** Pieces of its path: those of level ground, and as many again for what the lines rise by. */
+#define JP_SKID_RUN_PIECES (2U * JP_SKID_PILOT_PIECES(JP_SKID_RUN_MAX))
+
 /** Private: what runs take. */
 struct jp_skid_sum {
     struct jp_forecast_sum energy;
@@ -20,11 +23,13 @@ struct jp_skid_sum {
 
 /** Private: the run that is surveyed. */
 struct jp_skid_survey {
-    struct jp_path_piece pieces[JP_SKID_PILOT_PIECES(JP_SKID_RUN_MAX)];
+    struct jp_path_piece pieces[JP_SKID_RUN_PIECES];
+    struct jp_point start;
     struct jp_skid_run run;
-    struct jp_skid_leg leg;    /**< the last one that was surveyed */
-    struct jp_skid_sum before; /**< of the runs before */
-    struct jp_skid_sum sum;    /**< with what was surveyed of this one */
+    struct jp_skid_leg leg;         /**< the last one that was surveyed */
+    struct jp_skid_sum before_last; /**< of the runs before */
+    struct jp_skid_sum before;      /**< of those that were surveyed to their ends */
+    struct jp_skid_sum sum;         /**< with what was surveyed of this one */
 };
 
 /** Private. */

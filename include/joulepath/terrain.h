@@ -9,6 +9,7 @@
 #define JOULEPATH_TERRAIN_H
 
 #include <joulepath/fixed.h>
+#include <joulepath/point.h>
 #include <joulepath/status.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -87,6 +88,16 @@ enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_
 
 /** Elevation of a cell; 0 outside the map. Constant time. */
 jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, int32_t y);
+
+/** Elevation of a point, m from the south-west corner of the map: bilinear between the middles of the cells, level
+ * beyond the outermost; m. Constant time. */
+jp_q16 jp_terrain_height(const struct jp_terrain *terrain, const struct jp_point *point);
+
+/** Blocks every free cell whose ground rises by more than `steepest`, rise over run, in any direction: ground on which
+ * the robot tips over or slides. How many it blocked; 0 on a map without elevation. Work: all cells, two divisions
+ * each.
+ */
+uint32_t jp_terrain_block_steep(struct jp_terrain *terrain, jp_q24 steepest);
 
 /** Cost of a cell; 0 outside the map. Constant time. */
 uint8_t jp_terrain_cost(const struct jp_terrain *terrain, int32_t x, int32_t y);

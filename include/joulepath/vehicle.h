@@ -5,6 +5,7 @@
 #ifndef JOULEPATH_VEHICLE_H
 #define JOULEPATH_VEHICLE_H
 
+#include <joulepath/ground.h>
 #include <joulepath/learner.h>
 #include <joulepath/trajectory.h>
 
@@ -33,8 +34,9 @@ struct jp_vehicle_run {
     struct jp_point start;
     jp_angle heading; /**< before the turn */
     const struct jp_point *targets;
-    uint16_t count; /**< at least 1 */
-    uint8_t slower; /**< than as costs least, by so many steps; 0…JP_VEHICLE_SLOWER_MAX */
+    uint16_t count;                 /**< at least 1 */
+    uint8_t slower;                 /**< than as costs least, by so many steps; 0…JP_VEHICLE_SLOWER_MAX */
+    const struct jp_ground *ground; /**< null: level */
 };
 
 /** A kind of robot. `context` is handed to each function. */
@@ -50,8 +52,9 @@ struct jp_vehicle {
     enum jp_status (*follow)(void *context, const struct jp_vehicle_run *run);
     /** Brakes to a stand. */
     void (*stop)(void *context);
-    /** Begins to survey a run, after those that were surveyed to their ends; `anew`: it is the first. The targets must
-     *  stay until it is. JP_ERR_INFEASIBLE: as survey_leg. */
+    /** Begins to survey a run, after those that were surveyed to their ends; `anew`: it is the first. One that starts
+     *  where the last one did takes its place: it is surveyed again. The targets must stay until it is surveyed.
+     * JP_ERR_INFEASIBLE: as survey_leg. */
     enum jp_status (*survey)(void *context, const struct jp_vehicle_run *run, bool anew);
     /** Surveys the next leg of the run: what ground it takes. JP_ERR_INFEASIBLE: it cannot drive the
      *  run without a stand, nor one of one leg at any pace. JP_ERR_ZERO_LENGTH: a leg is shorter than 1 mm. */

@@ -94,8 +94,8 @@ static json_t *json_skid_steer(const struct skid_steer_model *model)
 /* Of the margin that the lattice sweeps, half is what the robot may leave its trajectory by. */
 static json_t *json_navigation(const struct lattice_robot *robot)
 {
-    return json_pack("{s:f, s:f}", "radius_m", hypot(robot->length_m, robot->width_m) / 2, "margin_m",
-                     robot->margin_m / 2);
+    return json_pack("{s:f, s:f, s:b}", "radius_m", hypot(robot->length_m, robot->width_m) / 2, "margin_m",
+                     robot->margin_m / 2, "is_swept", robot->radius_m > 0);
 }
 
 json_t *lattice_to_json(const struct lattice *lattice)
@@ -123,7 +123,7 @@ json_t *lattice_to_json(const struct lattice *lattice)
     if (lattice->robot->skid_steer.body.mass_kg > 0) {
         (void)json_object_set_new(root, "skid_steer", json_skid_steer(&lattice->robot->skid_steer));
     }
-    if (lattice->robot->radius_m > 0) {
+    if (lattice->robot->turning_radius_m > 0) {
         (void)json_object_set_new(root, "navigation", json_navigation(lattice->robot));
     }
     return root;

@@ -40,7 +40,7 @@ static void describe_navigation(struct lattice_robot *robot, double cell_m, doub
     }
     if (!isnan(margin_m)) {
         robot->margin_m = margin_m;
-        robot->radius_m = hypot(robot->length_m, robot->width_m) / 2 + margin_m;
+        robot->turning_radius_m = hypot(robot->length_m, robot->width_m) / 2 + margin_m;
     }
 }
 
@@ -59,6 +59,8 @@ static void describe_skid_steer(struct lattice_robot *robot)
     robot->grade_bend = -model->ground.rolling;
     robot->electronics_power = model->electronics.power_w;
     describe_navigation(robot, model->navigation.cell_m, model->navigation.margin_m);
+    /* Several axles make it long: a plan that is not its own leads through where its rectangle fits. */
+    robot->radius_m = model->wheel.axles > 1 ? 0 : robot->turning_radius_m;
     robot->energy = skid_steer_motion_energy;
 }
 
@@ -135,6 +137,7 @@ static void describe_balancer(struct lattice_robot *robot)
     robot->electronics_power = energy_unit_joules(robot->balancer.model, robot->balancer.model->electronics_power);
     robot->speed_max = cruising_speed(robot);
     describe_navigation(robot, file->navigation.cell_m, file->navigation.margin_m);
+    robot->radius_m = robot->turning_radius_m;
     robot->energy = balancer_motion_energy;
 }
 
@@ -181,6 +184,12 @@ bool lattice_robot_load(const char *path, struct lattice_robot *robot)
     }
     config_fields_refuse_type(path, type, "skid_steer, a differential_drive or a " CONFIG_BALANCER);
     return false;
+}
+
+bool lattice_robot_turns_anywhere(struct lattice_robot *robot)
+{
+    robot->radius_m = robot->turning_radius_m;
+    return robot->radius_m > 0;
 }
 
 double lattice_robot_energy(const struct lattice_robot *robot, const struct lattice_motion *motion)

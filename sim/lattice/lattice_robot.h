@@ -23,6 +23,7 @@ struct lattice_robot {
     double cell_m;            /**< of its maps */
     double margin_m;          /**< that it keeps round itself where it finds its own way; 0: it does not */
     double radius_m;          /**< of the disc that it needs wherever it is; 0: it needs its rectangle */
+    double turning_radius_m;  /**< of that disc where it finds its own way; 0: it does not */
     double speed_max;         /**< m/s */
     double turn_rate_max;     /**< rad/s */
     double pivot_duration;    /**< s, least duration of a turn in place */
@@ -40,6 +41,9 @@ struct lattice_robot {
 
 /** Reads a robot file of either type. On failure prints one line on stderr and returns false. */
 bool lattice_robot_load(const char *path, struct lattice_robot *robot);
+
+/** Of the lattice by which it finds its own way it needs the disc. False: it does not find one. */
+bool lattice_robot_turns_anywhere(struct lattice_robot *robot);
 
 /** J, physical, at least what the electronics draw. */
 double lattice_robot_energy(const struct lattice_robot *robot, const struct lattice_motion *motion);

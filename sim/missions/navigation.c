@@ -98,12 +98,23 @@ static void show(struct navigation *navigation)
     navigation->has_new_course = false;
 }
 
+/** By a route to the goal from where it stands. */
+static double planned_joules(const struct navigation *navigation)
+{
+    const struct jp_plan *plan = jp_planner_plan(&navigation->planner);
+
+    return plan->answer == JP_ANSWER_OPTIMAL || plan->answer == JP_ANSWER_WITHIN_BOUND
+               ? (double)plan->cost / JP_COST_PER_JOULE
+               : 0;
+}
+
 static void note_forecast(struct navigation *navigation)
 {
     struct jp_progress progress;
 
     if (!navigation->has_forecast && jp_navigator_progress(&navigation->navigator, &progress) == JP_OK) {
         navigation->has_forecast = true;
+        navigation->result->planned_joules = planned_joules(navigation);
         navigation->result->forecast_joules = vehicle_joules(navigation, progress.energy.energy);
         navigation->result->deviation_joules = vehicle_joules(navigation, progress.energy.deviation);
     }
@@ -150,6 +161,9 @@ static void conclude(struct navigation *navigation)
     result->joules = joules_of(navigation) - navigation->joules_before;
     result->is_late = !is_over(navigation);
     result->goal_error_m = navigation_goal_error(navigation->task, &pose);
+    if (navigation->robot->deviation != NULL) {
+        result->deviation_m = navigation->robot->deviation(navigation->robot->self);
+    }
     show(navigation);
 }
 

@@ -60,7 +60,7 @@ static bool is_seen(const struct navigation_task *task, const struct clearance_p
         const int u = (int)floor((from->x + dx * i / steps) / cell);
         const int v = (int)floor((from->y + dy * i / steps) / cell);
 
-        if ((u != x || v != y) && jp_terrain_cell(task->world, u, v) == JP_CELL_OCCUPIED) {
+        if ((u != x || v != y) && jp_terrain_cell(task->solid, u, v) == JP_CELL_OCCUPIED) {
             return false;
         }
     }
@@ -104,13 +104,13 @@ void navigation_measure(const struct navigation_task *task, const struct clearan
 {
     struct clearance_robot grown = *body;
 
-    if (!result->is_touched && !clearance_at(task->world, &grown, pose)) {
+    if (!result->is_touched && !clearance_at(task->solid, &grown, pose)) {
         result->is_touched = true;
         result->touched_at = *pose;
         result->clearance_m = 0;
     }
     grown.margin_m = result->clearance_m;
-    while (result->clearance_m > 0 && !clearance_at(task->world, &grown, pose)) {
+    while (result->clearance_m > 0 && !clearance_at(task->solid, &grown, pose)) {
         result->clearance_m = fmax(0, result->clearance_m - CLEARANCE_STEP);
         grown.margin_m = result->clearance_m;
     }

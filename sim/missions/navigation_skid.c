@@ -5,8 +5,8 @@
 #include "sim/base/error.h"
 #include "sim/skid_steer/skid_hal_sim.h"
 
-#define Q24   16777216.0
-#define JOULE 4294967296.0
+#define Q24 16777216.0
+#define Q32 4294967296.0
 
 /** Until the first frame was read, and it stands before it is told where to go, s. */
 #define WAKING_SECONDS 0.1
@@ -28,11 +28,26 @@ static struct clearance_pose pose(const void *self)
     return (struct clearance_pose){pose.x, pose.y, pose.heading};
 }
 
+/** Out of the battery's cells: of braking, the robot itself meters what its bridges burn as won. */
 static double joules(const void *self)
 {
     const struct navigation_skid *skid = self;
 
-    return (double)jp_skid_robot_meter(&skid->controller)->battery / JOULE;
+    return skid->world.plant.state.ledger.battery;
+}
+
+/** The root of the larger eigenvalue of the covariance. */
+static double deviation(const void *self)
+{
+    const struct navigation_skid *skid = self;
+    struct jp_skid_estimate estimate;
+
+    jp_skid_odometry_estimate(jp_skid_robot_odometry(&skid->controller),
+                              &jp_skid_robot_configuration(&skid->controller)->odometry, &estimate);
+    const double mean = ((double)estimate.xx + (double)estimate.yy) / 2;
+    const double half = ((double)estimate.xx - (double)estimate.yy) / 2;
+
+    return sqrt((mean + hypot(half, (double)estimate.xy)) / Q32);
 }
 
 static void stand(struct navigation_skid *skid, double seconds)
@@ -100,7 +115,8 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
                                        .self = skid,
                                        .tick = tick,
                                        .pose = pose,
-                                       .joules = joules};
+                                       .joules = joules,
+                                       .deviation = deviation};
     *skid = (struct navigation_skid){.written = JP_OK};
     skid_world_init(&skid->world, model, &ground, &place, seed);
     skid->hal = skid_hal_sim(&skid->world);

@@ -38,7 +38,8 @@ struct navigation_frame {
 struct navigation_task {
     const struct jp_lattice *lattice;
     struct jp_terrain *map;         /**< that the robot has; it learns what it sees */
-    const struct jp_terrain *world; /**< as it is */
+    const struct jp_terrain *world; /**< as it is, with what is too steep for the robot */
+    const struct jp_terrain *solid; /**< what can be touched of it */
     struct jp_lattice_pose start;
     struct jp_goal goal;
     double view_m;   /**< how far the sensor sees, where nothing is in between */
@@ -63,9 +64,11 @@ struct navigation_result {
     double clearance_m;  /**< least distance between its rectangle and what is blocked, up to 0.25 m */
     double aside_m;      /**< most that it was beside its leg, beyond what the corners cut */
     double goal_error_m; /**< from the goal cell's centre */
+    double deviation_m;  /**< of its position then, as its odometry tells; 0: it does not */
     double length_m;     /**< driven */
     double seconds;
     double joules;          /**< of the energy that the vehicle's model counts */
+    double planned_joules;  /**< of the first route, by the prices of the lattice; 0: there was none in time */
     double forecast_joules; /**< of the first course */
     double deviation_joules;
 };

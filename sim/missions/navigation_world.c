@@ -56,42 +56,55 @@ static void hide(struct jp_terrain *terrain, const struct plan_route *route, con
     }
 }
 
-static bool copy(struct navigation_world *world, const struct jp_terrain *map, const void *block)
+static bool copy(struct jp_terrain *terrain, void **block, const struct map_file *map)
 {
-    const size_t size = jp_terrain_size(&map->config);
+    const struct jp_terrain_config *config = &map->terrain.config;
+    const size_t size = jp_terrain_size(config);
     const char *field;
 
-    world->block = aligned_alloc(8, (size + 7) / 8 * 8);
-    if (world->block == NULL || jp_terrain_init(&world->terrain, &map->config, world->block, size, &field) != JP_OK) {
-        error_line("no memory for a world of %u × %u cells; import a smaller window", map->config.width,
-                   map->config.height);
-        free(world->block);
+    *block = aligned_alloc(8, (size + 7) / 8 * 8);
+    if (*block == NULL || jp_terrain_init(terrain, config, *block, size, &field) != JP_OK) {
+        error_line("no memory for a world of %u × %u cells; import a smaller window", config->width, config->height);
         return false;
     }
-    (void)memcpy(world->block, block, size);
+    (void)memcpy(*block, map->block, size);
     return true;
 }
 
-bool navigation_world_make(struct navigation_world *world, struct map_file *map, const struct jp_lattice *lattice,
+bool navigation_world_init(struct navigation_world *world, struct map_file *map, double steepest)
+{
+    *world = (struct navigation_world){.steepest = (jp_q24)lround(steepest * JP_Q24_ONE)};
+    if (!copy(&world->solid, &world->blocks[0], map)) {
+        navigation_world_free(world);
+        return false;
+    }
+    world->steep_cells = jp_terrain_block_steep(&map->terrain, world->steepest);
+    if (!copy(&world->terrain, &world->blocks[1], map)) {
+        navigation_world_free(world);
+        return false;
+    }
+    return true;
+}
+
+bool navigation_world_hide(struct navigation_world *world, struct map_file *map, const struct jp_lattice *lattice,
                            const struct plan_task *task, unsigned boxes, uint64_t seed, size_t memory)
 {
     struct plan_search search;
 
-    if (!copy(world, &map->terrain, map->block)) {
+    if (boxes == 0) {
+        return true;
+    }
+    if (!plan_search(map, lattice, JP_COST_PHYSICAL, task, memory, &search)) {
         return false;
     }
-    if (boxes > 0) {
-        if (!plan_search(map, lattice, JP_COST_PHYSICAL, task, memory, &search)) {
-            navigation_world_free(world);
-            return false;
-        }
-        hide(&world->terrain, &search.route, task, boxes, seed);
-        plan_route_free(&search.route);
-    }
+    hide(&world->solid, &search.route, task, boxes, seed);
+    hide(&world->terrain, &search.route, task, boxes, seed);
+    plan_route_free(&search.route);
     return true;
 }
 
 void navigation_world_free(struct navigation_world *world)
 {
-    free(world->block);
+    free(world->blocks[0]);
+    free(world->blocks[1]);
 }

@@ -1,9 +1,11 @@
 #include "sim/missions/plan_lattice.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "sim/balancer/robots.h"
 #include "sim/base/error.h"
+#include "sim/files/config_fields.h"
 
 const struct jp_lattice *plan_lattice_find(const char *name)
 {
@@ -13,6 +15,16 @@ const struct jp_lattice *plan_lattice_find(const char *name)
         }
     }
     return NULL;
+}
+
+const struct jp_lattice *plan_lattice_for_navigation(const char *name)
+{
+    char own[CONFIG_NAME_SIZE + sizeof "_navigation"];
+
+    (void)snprintf(own, sizeof own, "%s_navigation", name);
+    const struct jp_lattice *lattice = plan_lattice_find(own);
+
+    return lattice != NULL ? lattice : plan_lattice_find(name);
 }
 
 bool plan_lattice_fits(const char *path, const struct map_file *map, const struct jp_lattice *lattice)

@@ -9,11 +9,12 @@
 #include "sim/lattice/lattice_json.h"
 #include "sim/lattice/lattice_sets.h"
 
-enum { OPTION_PRIMITIVES = COMMAND_LINE_OWN };
+enum { OPTION_PRIMITIVES = COMMAND_LINE_OWN, OPTION_NAVIGATION };
 
 struct arguments {
     struct command_line common;
     const char *primitives;
+    bool navigation;
 };
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -23,6 +24,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     switch (key) {
     case OPTION_PRIMITIVES:
         arguments->primitives = argument;
+        return 0;
+    case OPTION_NAVIGATION:
+        arguments->navigation = true;
         return 0;
     case ARGP_KEY_ARG:
         command_line_take_robot(state, argument, &arguments->common);
@@ -52,12 +56,26 @@ static bool write(const struct arguments *arguments, const struct lattice *latti
            output_json(arguments->common.output, "lattice.json", lattice_to_json(lattice)) && output_commit();
 }
 
+static bool load(const struct arguments *arguments, struct lattice_robot *robot)
+{
+    if (!lattice_robot_load(arguments->common.robot, robot)) {
+        return false;
+    }
+    if (arguments->navigation && !lattice_robot_turns_anywhere(robot)) {
+        error_line("%s: --navigation: it does not find its own way; give its file a section navigation, or leave the "
+                   "option out",
+                   arguments->common.robot);
+        return false;
+    }
+    return true;
+}
+
 static bool make(const struct arguments *arguments)
 {
     static struct lattice_robot robot;
     struct lattice lattice = {.robot = &robot};
 
-    if (!lattice_robot_load(arguments->common.robot, &robot)) {
+    if (!load(arguments, &robot)) {
         return false;
     }
     const bool done = find_primitives(arguments, &lattice) && lattice_cover(&lattice) && lattice_price(&lattice) &&
@@ -72,6 +90,7 @@ int main(int argc, char **argv)
         OPTION_OUTPUT("build/lattice"),
         {"primitives", OPTION_PRIMITIVES, "FILE", 0,
          "price these primitives (tools.design.lattice) instead of choosing some", 0},
+        {"navigation", OPTION_NAVIGATION, NULL, 0, "sweep the disc in which it turns where it finds its own way", 0},
         {0},
     };
     static const struct argp argp = {

@@ -1,4 +1,4 @@
-/* A balancer finds its way over a map on which not everything is that is in the world. */
+/* A robot finds its way over a map on which not everything is that is in the world. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -132,9 +132,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 static const struct jp_lattice *prepare(const struct arguments *arguments, const struct lattice_robot *robot,
                                         const struct map_file *map)
 {
-    const struct jp_lattice *lattice = plan_lattice_find(robot->name);
+    const struct jp_lattice *lattice = plan_lattice_for_navigation(robot->name);
 
-    if (lattice == NULL || robot->radius_m == 0) {
+    if (lattice == NULL || robot->turning_radius_m == 0) {
         error_line("%s: no lattice for finding its way; give the robot file a section navigation: { cell_m = 0.1; "
                    "margin_m = 0.06; }; and run make lattice ROBOT=%s",
                    robot->name, robot->name);
@@ -156,29 +156,32 @@ static json_t *json_place(const struct map_file *map, const struct jp_lattice *l
 
 static json_t *json_result(const struct navigation_result *result)
 {
-    return json_pack("{s:s, s:s, s:b, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "state",
+    return json_pack("{s:s, s:s, s:b, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "state",
                      navigation_state_name(result->state), "reason", navigation_reason_name(result->reason), "touched",
                      result->is_touched, "replans", (int)result->replans, "cells_seen", (int)result->seen,
-                     "clearance_m", result->clearance_m, "goal_error_m", result->goal_error_m, "length_m",
-                     result->length_m, "time_s", result->seconds, "energy_j", result->joules, "forecast_j",
-                     result->forecast_joules, "forecast_deviation_j", result->deviation_joules);
+                     "clearance_m", result->clearance_m, "goal_error_m", result->goal_error_m, "deviation_m",
+                     result->deviation_m, "planned_j", result->planned_joules, "length_m", result->length_m, "time_s",
+                     result->seconds, "energy_j", result->joules, "forecast_j", result->forecast_joules,
+                     "forecast_deviation_j", result->deviation_joules);
 }
 
 static json_t *json_summary(const struct arguments *arguments, const struct map_file *map, const char *map_path,
-                            const char *robot, const struct navigation_task *task,
-                            const struct navigation_result *result, const struct navigation_record *record)
+                            const struct lattice_robot *robot, const struct navigation_task *task,
+                            const struct navigation_world *world, const struct navigation_result *result,
+                            const struct navigation_record *record)
 {
     const struct jp_lattice_pose goal = {task->goal.x, task->goal.y, 0};
 
-    return json_pack("{s:s, s:{s:s, s:s, s:s}, s:o, s:o, s:f, s:i, s:i, s:I, s:o, s:O, s:O, s:s}", "robot", robot,
-                     "map", "file", map_path, "name", map->name, "note", map->note, "start",
+    return json_pack("{s:s, s:{s:s, s:s, s:s}, s:f, s:i, s:o, s:o, s:f, s:i, s:i, s:I, s:o, s:O, s:O, s:s}", "robot",
+                     robot->name, "map", "file", map_path, "name", map->name, "note", map->note, "steepest",
+                     robot->grade_max, "steep_cells", (int)world->steep_cells, "start",
                      json_place(map, task->lattice, &task->start), "goal", json_place(map, task->lattice, &goal),
                      "view_m", task->view_m, "hidden_boxes", (int)arguments->boxes, "memory_bytes", (int)task->memory,
                      "seed", (json_int_t)task->seed, "result", json_result(result), "courses", record->courses, "seen",
                      record->seen, "log", "drive.csv");
 }
 
-static void print(const struct navigation_result *result)
+static void print(const struct navigation_world *world, const struct navigation_result *result)
 {
     (void)printf("%-24s %s%s%s\n", "outcome", navigation_state_name(result->state),
                  result->reason == JP_NAVIGATOR_NO_REASON ? "" : ": ",
@@ -186,11 +189,18 @@ static void print(const struct navigation_result *result)
     (void)printf("%-24s %s\n", "touched anything", result->is_touched ? "YES" : "no");
     (void)printf("%-24s %8.3f m\n", "least clearance", result->clearance_m);
     (void)printf("%-24s %8.3f m\n", "from the goal", result->goal_error_m);
+    if (result->deviation_m > 0) {
+        (void)printf("%-24s %8.3f m, standard deviation by its odometry\n", "known to", result->deviation_m);
+    }
+    (void)printf("%-24s %8u\n", "cells too steep", world->steep_cells);
     (void)printf("%-24s %8u\n", "cells not on the map", result->seen);
     (void)printf("%-24s %8u\n", "planned anew", result->replans);
     (void)printf("%-24s %8.2f m\n", "driven", result->length_m);
     (void)printf("%-24s %8.1f s\n", "time", result->seconds);
     (void)printf("%-24s %8.1f J\n", "energy", result->joules);
+    if (result->planned_joules > 0) {
+        (void)printf("%-24s %8.1f J\n", "planned, first route", result->planned_joules);
+    }
     (void)printf("%-24s %8.1f J, standard deviation %.1f J\n", "forecast, first course", result->forecast_joules,
                  result->deviation_joules);
 }
@@ -306,7 +316,8 @@ static bool run(const struct arguments *arguments, const struct lattice_robot *r
 
 /* Exit status. */
 static int drive(const struct arguments *arguments, struct map_file *map, const char *map_path,
-                 const struct lattice_robot *robot, const struct navigation_task *given)
+                 const struct lattice_robot *robot, const struct navigation_world *world,
+                 const struct navigation_task *given)
 {
     struct navigation_record record;
     struct navigation_result result;
@@ -328,7 +339,7 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
 
     navigation_record_end(&record);
     if (is_done) {
-        json_t *summary = json_summary(arguments, map, map_path, robot->name, &task, &result, &record);
+        json_t *summary = json_summary(arguments, map, map_path, robot, &task, world, &result, &record);
 
         (void)(bus != NULL && json_object_set_new(summary, "bus", bus) == 0);
         is_done = output_json(arguments->common.output, "summary.json", summary);
@@ -338,7 +349,7 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
         output_discard();
         return ERROR_EXIT;
     }
-    print(&result);
+    print(world, &result);
     if (!output_commit()) {
         return ERROR_EXIT;
     }
@@ -351,16 +362,20 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
     struct navigation_world world;
     struct plan_task places;
 
-    if (lattice == NULL ||
-        !(arguments->has_start ? plan_task_set(map, lattice, &arguments->start, &arguments->goal, &places)
+    if (lattice == NULL || !navigation_world_init(&world, map, robot->grade_max)) {
+        return ERROR_EXIT;
+    }
+    if (!(arguments->has_start ? plan_task_set(map, lattice, &arguments->start, &arguments->goal, &places)
                                : plan_task_choose(map, lattice, &places)) ||
-        !navigation_world_make(&world, map, lattice, &places, arguments->boxes, arguments->common.seed,
+        !navigation_world_hide(&world, map, lattice, &places, arguments->boxes, arguments->common.seed,
                                arguments->memory)) {
+        navigation_world_free(&world);
         return ERROR_EXIT;
     }
     const struct navigation_task task = {.lattice = lattice,
                                          .map = &map->terrain,
                                          .world = &world.terrain,
+                                         .solid = &world.solid,
                                          .start = places.start,
                                          .goal = places.goal,
                                          .view_m = arguments->view_m,
@@ -368,7 +383,7 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
                                          .patience = SECONDS_MAX,
                                          .seed = arguments->common.seed};
     char *path = realpath(arguments->map_path, NULL);
-    const int status = drive(arguments, map, path != NULL ? path : arguments->map_path, robot, &task);
+    const int status = drive(arguments, map, path != NULL ? path : arguments->map_path, robot, &world, &task);
 
     free(path);
     navigation_world_free(&world);

@@ -7,6 +7,9 @@
 
 enum { WORD_BITS = 32 };
 
+/** Steeper ground is as steep, rise over run. */
+#define SLOPE_MAX JP_Q24(64)
+
 static size_t words_per_row(const struct jp_terrain_config *config)
 {
     return (config->width + (size_t)WORD_BITS - 1U) / WORD_BITS;
@@ -158,6 +161,82 @@ enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_
 jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
     return (jp_elevation)terrain_elevation(terrain, x, y);
+}
+
+/** Between which two middles of cells of a row or a column a place lies. */
+struct between {
+    int32_t low;
+    int32_t high;
+    int32_t share; /* of the way from the one to the other, Q16 */
+};
+
+static struct between middles(jp_q16 place, jp_q16 cell, int32_t count)
+{
+    const int64_t last = (int64_t)(count - 1) << 16;
+    const int64_t cells = (int64_t)place * 65536 / cell - 32768;
+    const int64_t within = cells < 0 ? 0 : cells;
+    const int32_t at = (int32_t)(within < last ? within : last);
+    const int32_t low = at >> 16;
+
+    return (struct between){low, low + 1 < count ? low + 1 : low, at & 0xFFFF};
+}
+
+/** Along a row, elevation in Q16. */
+static int64_t height_in_row(const struct jp_terrain *terrain, const struct between *across, int32_t y)
+{
+    const int64_t west = terrain_elevation(terrain, across->low, y);
+    const int64_t east = terrain_elevation(terrain, across->high, y);
+
+    return west * 65536 + (east - west) * across->share;
+}
+
+jp_q16 jp_terrain_height(const struct jp_terrain *terrain, const struct jp_point *point)
+{
+    const struct jp_terrain_config *config = &terrain->config;
+    const struct between across = middles(point->x, config->resolution, config->width);
+    const struct between up = middles(point->y, config->resolution, config->height);
+    const int64_t south = height_in_row(terrain, &across, up.low);
+    const int64_t north = height_in_row(terrain, &across, up.high);
+
+    return (jp_q16)((south * 65536 + (north - south) * up.share) / ((int64_t)JP_ELEVATION_ONE * 65536));
+}
+
+/** Rise over run between two cells of a map, `cells` apart. */
+static jp_q24 slope_between(const struct jp_terrain *terrain, int32_t low, int32_t high, int32_t cells)
+{
+    const int64_t rise = (int64_t)(high - low) * (JP_Q16_ONE / JP_ELEVATION_ONE);
+    const int64_t run = (int64_t)cells * terrain->config.resolution;
+
+    return cells == 0 ? 0 : jp_clamp32(jp_saturate32(rise * JP_Q24_ONE / run), -SLOPE_MAX, SLOPE_MAX);
+}
+
+static bool is_steep(const struct jp_terrain *terrain, int32_t x, int32_t y, jp_q24 steepest)
+{
+    const int32_t west = x > 0 ? x - 1 : x;
+    const int32_t east = x + 1 < terrain->config.width ? x + 1 : x;
+    const int32_t south = y > 0 ? y - 1 : y;
+    const int32_t north = y + 1 < terrain->config.height ? y + 1 : y;
+    const int64_t across =
+        slope_between(terrain, terrain_elevation(terrain, west, y), terrain_elevation(terrain, east, y), east - west);
+    const int64_t up = slope_between(terrain, terrain_elevation(terrain, x, south),
+                                     terrain_elevation(terrain, x, north), north - south);
+
+    return across * across + up * up > (int64_t)steepest * steepest;
+}
+
+uint32_t jp_terrain_block_steep(struct jp_terrain *terrain, jp_q24 steepest)
+{
+    uint32_t blocked = 0;
+
+    for (int32_t y = 0; y < terrain->config.height; y++) {
+        for (int32_t x = 0; x < terrain->config.width; x++) {
+            if (jp_terrain_cell(terrain, x, y) == JP_CELL_FREE && is_steep(terrain, x, y, steepest)) {
+                (void)jp_terrain_set_cell(terrain, x, y, JP_CELL_OCCUPIED);
+                blocked++;
+            }
+        }
+    }
+    return blocked;
 }
 
 uint8_t jp_terrain_cost(const struct jp_terrain *terrain, int32_t x, int32_t y)

@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "src/base/point.h"
+
 /** A stand: the reference is slower than so many m/s and turn/s, and the robot than so many m/s. */
 #define REFERENCE_SPEED_MAX     JP_Q24(0.005)
 #define REFERENCE_TURN_RATE_MAX JP_Q24(0.002)
@@ -182,7 +184,12 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
 
     if (anew) {
         survey->before = (struct jp_balancer_sum){.duration = 0};
+    } else if (jp_is_same_point(&run->start, &survey->task.start)) {
+        survey->before = survey->before_last;
+    } else {
+        /* It is the next one. */
     }
+    survey->before_last = survey->before;
     survey->sum = survey->before;
     survey->model = *pilot->config.model;
     if (pilot->config.learning != NULL) {

@@ -4,6 +4,7 @@
 
 #include "src/base/point.h"
 #include "src/map/capsule.h"
+#include "src/map/line_cost.h"
 
 /** So many steps in a row are looked at beyond one that no line leads to. */
 #define MISSES_MAX 8U
@@ -13,6 +14,9 @@
 
 /** m. Nearer places are the same: a robot that turns on the spot may get from one to the other. */
 #define SAME_MAX JP_Q16(0.03)
+
+/** Saves a line that cannot be driven. */
+#define TOO_STEEP INT64_MIN
 
 static struct jp_point centre_of(const struct jp_course *course, const struct jp_lattice_pose *pose)
 {
@@ -59,14 +63,25 @@ static bool is_route(enum jp_answer answer)
     return answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND || answer == JP_ANSWER_PARTIAL;
 }
 
-/** To the end of the next primitive of the plan that leads elsewhere. False: the others turn where they are. */
-static bool follow_plan(const struct jp_planner *planner, struct jp_course_place *place)
+static bool has_hills(const struct jp_course *course)
 {
+    return course->config.terrain->config.has_elevation;
+}
+
+/** To the end of the next primitive of the plan that leads elsewhere. False: the others turn where they are. */
+static bool follow_plan(const struct jp_course *course, struct jp_course_place *place)
+{
+    const struct jp_planner *planner = course->internal.planner;
+
     while (place->step < jp_planner_plan(planner)->step_count) {
         const struct jp_lattice_pose before = place->pose;
+        const struct jp_primitive *primitive = jp_planner_step(planner, place->step, &place->pose);
 
-        (void)jp_planner_step(planner, place->step, &place->pose);
         place->step++;
+        if (has_hills(course)) {
+            place->cost += jp_lattice_energy(course->internal.lattice, JP_COST_PHYSICAL, course->config.terrain,
+                                             primitive, before.x, before.y);
+        }
         if (place->pose.x != before.x || place->pose.y != before.y) {
             return true;
         }
@@ -85,16 +100,16 @@ static bool follow_way(const struct jp_lattice_way *way, struct jp_course_place 
 }
 
 /** To the next place of the route. False: it ends here. */
-static bool follow(const struct jp_course_internal *internal, struct jp_course_place *place)
+static bool follow(const struct jp_course *course, struct jp_course_place *place)
 {
-    return internal->planner != NULL ? follow_plan(internal->planner, place) : follow_way(internal->way, place);
+    return course->internal.planner != NULL ? follow_plan(course, place) : follow_way(course->internal.way, place);
 }
 
-static bool leads_on(const struct jp_course_internal *internal, const struct jp_course_place *place)
+static bool leads_on(const struct jp_course *course, const struct jp_course_place *place)
 {
     struct jp_course_place next = *place;
 
-    return follow(internal, &next);
+    return follow(course, &next);
 }
 
 /** From a waypoint on, which is where `place` is. */
@@ -107,7 +122,7 @@ static void begin_leg(struct jp_course *course, const struct jp_point *from, con
     internal->has_best = false;
     internal->misses = 0;
     internal->margin = course->config.margin;
-    if (!leads_on(internal, place)) {
+    if (!leads_on(course, place)) {
         course->answer = JP_COURSE_FOUND;
     }
     internal->candidate = internal->first;
@@ -144,7 +159,34 @@ static bool advance(struct jp_course *course)
 {
     struct jp_course_internal *internal = &course->internal;
 
-    return internal->misses < MISSES_MAX && follow(internal, &internal->candidate);
+    return internal->misses < MISSES_MAX && follow(course, &internal->candidate);
+}
+
+/** By a line to the candidate, against the route to it; a way has no price. */
+static int64_t saving_to(const struct jp_course *course, const struct jp_point *to)
+{
+    const struct jp_course_internal *internal = &course->internal;
+    const jp_cost cost = jp_line_cost(internal->lattice, course->config.terrain, &internal->from, to);
+
+    if (cost == JP_COST_MAX) {
+        return TOO_STEEP;
+    }
+    return internal->planner != NULL ? internal->candidate.cost - internal->first.cost - cost : 0;
+}
+
+/** A clear line becomes the best, unless another one saves more. One that is too steep is taken for a step of the route
+ *  only, which the lattice allows. */
+static void take(struct jp_course *course, const struct jp_point *to)
+{
+    struct jp_course_internal *internal = &course->internal;
+    const int64_t saving = has_hills(course) ? saving_to(course, to) : 0;
+
+    internal->misses = (uint8_t)(saving == TOO_STEEP ? internal->misses + 1U : 0U);
+    if (!internal->has_best || (saving > TOO_STEEP && saving >= internal->saving)) {
+        internal->best = internal->candidate;
+        internal->saving = saving;
+        internal->has_best = true;
+    }
 }
 
 static void look(struct jp_course *course)
@@ -154,9 +196,7 @@ static void look(struct jp_course *course)
 
     if (jp_distance(&internal->from, &to) > SAME_MAX &&
         is_clear(course, &internal->from, &to, course->config.radius + internal->margin)) {
-        internal->best = internal->candidate;
-        internal->has_best = true;
-        internal->misses = 0;
+        take(course, &to);
     } else {
         internal->misses++;
     }
@@ -198,7 +238,7 @@ enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner
         return JP_ERR_NO_PLAN;
     }
 
-    course->internal = (struct jp_course_internal){.planner = planner};
+    course->internal = (struct jp_course_internal){.planner = planner, .lattice = jp_planner_lattice(planner)};
     start_at(course, start, &plan->start);
     return JP_OK;
 }
@@ -209,7 +249,7 @@ enum jp_status jp_course_start_on_way(struct jp_course *course, const struct jp_
     if (course == NULL || way == NULL || from == NULL || start == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    course->internal = (struct jp_course_internal){.way = way};
+    course->internal = (struct jp_course_internal){.way = way, .lattice = way->lattice};
     start_at(course, start, &(struct jp_lattice_pose){.x = from->x, .y = from->y});
     return JP_OK;
 }
@@ -232,6 +272,15 @@ enum jp_course_answer jp_course_work(struct jp_course *course)
 struct jp_point jp_course_begin(const struct jp_course *course, unsigned index)
 {
     return index == 0U ? course->internal.start : course->config.legs[index - 1U].end;
+}
+
+void jp_course_begin_at(struct jp_course *course, unsigned index, const struct jp_point *begin)
+{
+    if (index == 0U) {
+        course->internal.start = *begin;
+    } else {
+        course->config.legs[index - 1U].end = *begin;
+    }
 }
 
 /** Where the robot gets to that goes beyond the end of a leg. */

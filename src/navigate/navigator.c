@@ -110,6 +110,7 @@ static bool set_start(struct jp_navigator *navigator, const struct jp_place *pla
             if (is_on_ring && (ring == 0 || can_reach(navigator, place, &pose)) &&
                 jp_planner_set_start(navigator->config.planner, &pose) == JP_OK) {
                 navigator->internal.start = (struct jp_way_cell){pose.x, pose.y};
+                navigator->internal.stand = place->point;
                 return true;
             }
         }
@@ -318,14 +319,14 @@ static void survey(struct jp_navigator *navigator, const struct jp_place *place)
     }
 }
 
-static void begin_course(struct jp_navigator *navigator, const struct jp_place *place)
+static void begin_course(struct jp_navigator *navigator)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
 
     if (internal->has_route) {
-        (void)jp_course_start(&internal->course, navigator->config.planner, &place->point);
+        (void)jp_course_start(&internal->course, navigator->config.planner, &internal->stand);
     } else {
-        (void)jp_course_start_on_way(&internal->course, &internal->way, &internal->start, &place->point);
+        (void)jp_course_start_on_way(&internal->course, &internal->way, &internal->start, &internal->stand);
     }
 }
 
@@ -348,7 +349,7 @@ static void join(struct jp_navigator *navigator, const struct jp_place *place)
         internal->was_told = true;
         see_map(navigator);
         jp_survey_start(navigator);
-        begin_course(navigator, place);
+        begin_course(navigator);
     }
     if (has_map_changed(navigator)) {
         enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
@@ -454,16 +455,30 @@ static bool is_astray(const struct jp_navigator *navigator, const struct jp_plac
     return jp_absolute32(jp_frame_along_leg(navigator, leg, &place->point).y) > room;
 }
 
-static void begin_drive(struct jp_navigator *navigator)
+/** A robot that slid aside as it turned drives the leg from where it stands, if there is room. */
+static void bend_course(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const uint16_t leg = navigator->internal.leg;
+
+    if (is_astray(navigator, place) && is_leg_clear(navigator, leg, &place->point)) {
+        jp_course_begin_at(&navigator->internal.course, leg, &place->point);
+    }
+}
+
+static void begin_drive(struct jp_navigator *navigator, const struct jp_place *place)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
     const struct jp_vehicle *vehicle = navigator->config.vehicle;
+
+    bend_course(navigator, place);
     const uint16_t count = jp_survey_write_run(navigator, internal->leg);
 
     internal->was_told = true;
     internal->run_end = (uint16_t)(internal->leg + count);
-    const struct jp_vehicle_run run = {
-        .targets = internal->targets, .count = count, .slower = navigator->config.legs[internal->run_end - 1U].slower};
+    const struct jp_vehicle_run run = {.targets = internal->targets,
+                                       .count = count,
+                                       .slower = navigator->config.legs[internal->run_end - 1U].slower,
+                                       .ground = jp_frame_ground(navigator)};
 
     (void)accepts(navigator, vehicle->follow(vehicle->context, &run));
 }
@@ -483,7 +498,7 @@ static void drive(struct jp_navigator *navigator, const struct jp_place *place, 
     if (!internal->was_told) {
         /* It may sway since it was seen to stand. */
         if (phase == JP_VEHICLE_STANDING) {
-            begin_drive(navigator);
+            begin_drive(navigator, place);
         }
         return;
     }
@@ -616,6 +631,7 @@ enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp
                                             .legs_max = config->legs_max};
 
     *navigator = (struct jp_navigator){.config = *config, .internal = {.origin = *origin}};
+    navigator->internal.ground = jp_frame_make_ground(navigator);
     return jp_course_init(&navigator->internal.course, &course, field);
 }
 

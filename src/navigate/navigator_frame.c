@@ -1,5 +1,7 @@
 #include "src/navigate/navigator_frame.h"
 
+#include <stddef.h>
+
 static struct jp_point rotated(struct jp_point point, jp_angle angle)
 {
     const jp_q31 cosine = jp_cos(angle);
@@ -19,6 +21,11 @@ static struct jp_point difference(struct jp_point a, struct jp_point b)
     return (struct jp_point){jp_sub(a.x, b.x), jp_sub(a.y, b.y)};
 }
 
+static struct jp_point on_map(const struct jp_place *origin, const struct jp_point *point)
+{
+    return sum(origin->point, rotated(*point, origin->heading));
+}
+
 struct jp_vehicle_view jp_frame_look(const struct jp_navigator *navigator)
 {
     struct jp_vehicle_view view = {.phase = JP_VEHICLE_MOVING};
@@ -31,8 +38,7 @@ struct jp_place jp_frame_place(const struct jp_navigator *navigator, const struc
 {
     const struct jp_place *origin = &navigator->internal.origin;
 
-    return (struct jp_place){sum(origin->point, rotated(view->position, origin->heading)),
-                             origin->heading + view->heading};
+    return (struct jp_place){on_map(origin, &view->position), origin->heading + view->heading};
 }
 
 struct jp_point jp_frame_in_odometry(const struct jp_navigator *navigator, const struct jp_point *point)
@@ -40,6 +46,28 @@ struct jp_point jp_frame_in_odometry(const struct jp_navigator *navigator, const
     const struct jp_place *origin = &navigator->internal.origin;
 
     return rotated(difference(*point, origin->point), 0U - origin->heading);
+}
+
+static jp_q16 elevation_at(const void *context, const struct jp_point *point)
+{
+    const struct jp_navigator *navigator = context;
+    const struct jp_point place = on_map(&navigator->internal.origin, point);
+
+    return jp_terrain_height(jp_planner_terrain(navigator->config.planner), &place);
+}
+
+struct jp_ground jp_frame_make_ground(const struct jp_navigator *navigator)
+{
+    const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
+
+    return (struct jp_ground){elevation_at, navigator, terrain->config.resolution};
+}
+
+const struct jp_ground *jp_frame_ground(const struct jp_navigator *navigator)
+{
+    const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
+
+    return terrain->config.has_elevation ? &navigator->internal.ground : NULL;
 }
 
 jp_angle jp_frame_direction(const struct jp_point *from, const struct jp_point *to)

@@ -13,6 +13,12 @@ struct jp_place jp_frame_place(const struct jp_navigator *navigator, const struc
 /** A point of the map as odometry counts. */
 struct jp_point jp_frame_in_odometry(const struct jp_navigator *navigator, const struct jp_point *point);
 
+/** The ground of its map as its odometry counts. */
+struct jp_ground jp_frame_make_ground(const struct jp_navigator *navigator);
+
+/** The same once it was made; null: it is level. */
+const struct jp_ground *jp_frame_ground(const struct jp_navigator *navigator);
+
 /** Of one point from another. */
 jp_angle jp_frame_direction(const struct jp_point *from, const struct jp_point *to);
 

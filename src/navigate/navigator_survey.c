@@ -51,6 +51,7 @@ static enum jp_status begin_run(struct jp_navigator *navigator, const struct jp_
         .targets = navigator->internal.targets,
         .count = survey->count,
         .slower = navigator->config.legs[survey->first + survey->count - 1U].slower,
+        .ground = jp_frame_ground(navigator),
     };
 
     return vehicle->survey(vehicle->context, &run, survey->first == 0U);

@@ -229,8 +229,11 @@ static enum jp_status lay(struct jp_skid_pilot *pilot, const struct jp_skid_tele
         jp_skid_run_lay_turn(&internal->run, &pilot->config, &start, internal->heading);
         return JP_OK;
     }
-    const struct jp_line_route lines = {
-        .start = start.position, .heading = start.heading, .targets = route->targets, .count = route->count};
+    const struct jp_line_route lines = {.start = start.position,
+                                        .heading = start.heading,
+                                        .targets = route->targets,
+                                        .count = route->count,
+                                        .ground = route->ground};
 
     return jp_skid_run_lay(&internal->run, &pilot->config, &lines, route->slower);
 }

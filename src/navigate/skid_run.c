@@ -27,7 +27,13 @@ enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pil
                                const struct jp_line_route *route, uint8_t slower)
 {
     begin(run, config, slower);
-    return jp_line_path(&run->path, run->path.pieces, run->path.places, route);
+
+    /* What arcs in halves may take besides is left free. */
+    const enum jp_status status =
+        jp_line_path(&run->path, config->pieces, (uint16_t)(config->places - route->count), route);
+
+    run->path.places = config->places;
+    return status;
 }
 
 void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
@@ -109,10 +115,12 @@ static void halve(struct jp_path_piece halves[2], jp_q24 begin)
     second->begin = middle_of(first, turned);
     second->heading += jp_angle_from_radians(turned);
     second->length -= way;
+    second->rise -= first->rise / 2;
     second->speed.blend = 0;
     second->speed.blend_rate = 0;
     second->speed.brake_from = brakes ? 0 : first->speed.brake_from - way;
     first->length = way;
+    first->rise /= 2;
     first->speed.end = speed;
     if (brakes) {
         second->speed.cruise = speed;
@@ -176,6 +184,9 @@ bool jp_skid_run_next_leg(const struct jp_skid_run *run, struct jp_skid_leg *leg
         end++;
     }
     end++;
+    while (end < run->path.count && pieces[end].is_joined) {
+        end++;
+    }
     leg->end = end < run->path.count && is_arc(&pieces[end]) ? (uint16_t)(end + 1U) : end;
     return true;
 }

@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "src/base/integer.h"
+#include "src/base/point.h"
 #include "src/navigate/skid_run.h"
 
 static struct jp_skid_vehicle *skid_of(void *context)
@@ -61,7 +62,8 @@ static enum jp_status turn(void *context, jp_angle heading)
 static enum jp_status follow(void *context, const struct jp_vehicle_run *run)
 {
     struct jp_skid_vehicle *skid = skid_of(context);
-    const struct jp_skid_pilot_route route = {.targets = run->targets, .count = run->count, .slower = run->slower};
+    const struct jp_skid_pilot_route route = {
+        .targets = run->targets, .count = run->count, .slower = run->slower, .ground = run->ground};
 
     return stands(skid) ? jp_skid_pilot_follow(skid->pilot, &route) : JP_ERR_STATE;
 }
@@ -78,15 +80,24 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
 {
     struct jp_skid_vehicle *skid = skid_of(context);
     struct jp_skid_survey *survey = &skid->survey;
-    const struct jp_line_route route = {
-        .start = run->start, .heading = run->heading, .targets = run->targets, .count = run->count};
+    const struct jp_line_route route = {.start = run->start,
+                                        .heading = run->heading,
+                                        .targets = run->targets,
+                                        .count = run->count,
+                                        .ground = run->ground};
     struct jp_skid_pilot_config config = skid->pilot->config;
 
     if (anew) {
         survey->before = (struct jp_skid_sum){.duration = 0};
+    } else if (jp_is_same_point(&run->start, &survey->start)) {
+        survey->before = survey->before_last;
+    } else {
+        /* It is the next one. */
     }
+    survey->before_last = survey->before;
+    survey->start = run->start;
     config.pieces = survey->pieces;
-    config.places = (uint16_t)JP_SKID_PILOT_PIECES(JP_SKID_RUN_MAX);
+    config.places = config.places < JP_SKID_RUN_PIECES ? config.places : (uint16_t)JP_SKID_RUN_PIECES;
     survey->sum = survey->before;
     survey->leg = (struct jp_skid_leg){.end = 0};
 

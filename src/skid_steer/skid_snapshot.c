@@ -20,15 +20,15 @@ void jp_skid_robot_snapshot(const struct jp_skid_robot *robot, struct jp_skid_sn
         .way_per_count = internal->config->odometry.way_per_count,
         .encoder_left = internal->monitor.good.encoder_left,
         .encoder_right = internal->monitor.good.encoder_right,
-        .gyro_bias = odometry->internal.bias_rate,
+        .gyro_bias = odometry->bias_rate,
         .steering_ratio = odometry->steering_ratio,
-        .bias = odometry->internal.bias,
-        .pitch_bias = odometry->internal.pitch_bias,
-        .ratio = odometry->internal.ratio,
-        .scale = odometry->internal.scale,
-        .bias_bias = odometry->internal.bias_bias,
-        .bias_ratio = odometry->internal.bias_ratio,
-        .ratio_ratio = odometry->internal.ratio_ratio,
+        .bias = odometry->internal.gyro.bias,
+        .pitch_bias = odometry->internal.tilt.pitch_bias,
+        .ratio = odometry->internal.gyro.ratio,
+        .scale = odometry->internal.gyro.scale,
+        .bias_bias = odometry->internal.gyro.bias_bias,
+        .bias_ratio = odometry->internal.gyro.bias_ratio,
+        .ratio_ratio = odometry->internal.gyro.ratio_ratio,
         .ran = ran ? 1U : 0U,
     };
 }
@@ -76,13 +76,13 @@ bool jp_skid_robot_resume(struct jp_skid_robot *robot, const struct jp_skid_snap
     odometry->y = snapshot->y;
     odometry->heading = snapshot->heading;
     odometry->steering_ratio = snapshot->steering_ratio;
-    odometry->internal.bias_rate = snapshot->gyro_bias;
-    odometry->internal.bias = snapshot->bias;
-    odometry->internal.pitch_bias = snapshot->pitch_bias;
-    odometry->internal.ratio = snapshot->ratio;
-    odometry->internal.scale = snapshot->scale;
-    odometry->internal.bias_bias = snapshot->bias_bias;
-    odometry->internal.bias_ratio = snapshot->bias_ratio;
-    odometry->internal.ratio_ratio = snapshot->ratio_ratio;
+    odometry->bias_rate = snapshot->gyro_bias;
+    odometry->internal.gyro.bias = snapshot->bias;
+    odometry->internal.tilt.pitch_bias = snapshot->pitch_bias;
+    odometry->internal.gyro.ratio = snapshot->ratio;
+    odometry->internal.gyro.scale = snapshot->scale;
+    odometry->internal.gyro.bias_bias = snapshot->bias_bias;
+    odometry->internal.gyro.bias_ratio = snapshot->bias_ratio;
+    odometry->internal.gyro.ratio_ratio = snapshot->ratio_ratio;
     return true;
 }

@@ -9,10 +9,6 @@
 
 #define LENGTH_MIN JP_Q24(0.001)
 
-/** Grades of straight lines that become one piece, rise over run: a power of the motors that follows the grade bends by
- *  little between them. */
-#define GRADE_SPREAD_MAX JP_Q24(0.03125)
-
 enum jp_status jp_lattice_path_start(struct jp_lattice_path *path, struct jp_path_piece *pieces, uint16_t places)
 {
     if (path == NULL || pieces == NULL || places == 0U) {
@@ -85,17 +81,13 @@ static bool goes_on(const struct jp_path_piece *last, const struct jp_path_piece
     if (piece->kind != JP_PIECE_CURVE) {
         return true;
     }
-    return jp_piece_is_straight(last) && jp_piece_is_straight(piece) &&
-           jp_absolute64((int64_t)jp_piece_grade(last) - jp_piece_grade(piece)) <= GRADE_SPREAD_MAX;
+    return jp_piece_is_straight(last) && jp_piece_is_straight(piece) && jp_piece_rises_alike(last, piece);
 }
 
 static enum jp_status append(struct jp_lattice_path *path, const struct jp_path_piece *piece)
 {
     if (path->count > 0U && goes_on(&path->pieces[path->count - 1U], piece)) {
-        struct jp_path_piece *last = &path->pieces[path->count - 1U];
-
-        last->length += piece->length;
-        last->rise += piece->rise;
+        jp_piece_lengthen(&path->pieces[path->count - 1U], piece);
         return JP_OK;
     }
     if (path->count == path->places) {

@@ -4,6 +4,7 @@
 
 #include "src/base/integer.h"
 #include "src/base/point.h"
+#include "src/trajectory/path_piece.h"
 
 /** Shortest line, m. */
 #define LINE_MIN JP_Q16(0.001)
@@ -33,7 +34,69 @@ static enum jp_status append_turn(struct jp_lattice_path *path, jp_angle heading
     return turn == 0 ? JP_OK : append(path, &piece);
 }
 
-static enum jp_status append_line(struct jp_lattice_path *path, const struct jp_point *end)
+/** A line that is to be appended. */
+struct line {
+    struct jp_point begin;
+    struct jp_point end;
+    jp_q16 length;
+    int32_t sections; /* of even length */
+};
+
+/** Of a line, with so many lines left, it included: as many as tell its ground, at most its share of the places. */
+static int32_t sections_of(const struct jp_lattice_path *path, const struct jp_ground *ground, jp_q16 length,
+                           int32_t lines)
+{
+    const int32_t left = (int32_t)path->places - path->count;
+    const int32_t spare = left - 1 - 2 * (lines - 1); /* two for each line after it */
+    const int32_t most = spare > 0 ? 1 + spare / lines : 1;
+    const int32_t needed = ground == NULL ? 1 : 1 + (length - 1) / ground->spacing;
+
+    return needed < most ? needed : most;
+}
+
+static int32_t share_of(int32_t whole, int32_t section, const struct line *line)
+{
+    return (int32_t)((int64_t)whole * section / line->sections);
+}
+
+static jp_q16 elevation_at(const struct jp_ground *ground, const struct jp_point *point)
+{
+    return ground == NULL ? 0 : ground->elevation(ground->context, point);
+}
+
+static enum jp_status append_sections(struct jp_lattice_path *path, const struct line *line,
+                                      const struct jp_ground *ground)
+{
+    const unsigned first = path->count;
+    jp_q16 elevation = elevation_at(ground, &line->begin);
+    enum jp_status status = JP_OK;
+
+    for (int32_t i = 1; status == JP_OK && i <= line->sections; i++) {
+        const struct jp_point end = {line->begin.x + share_of(line->end.x - line->begin.x, i, line),
+                                     line->begin.y + share_of(line->end.y - line->begin.y, i, line)};
+        const jp_q16 before = elevation;
+        const jp_q24 length = line->length * (1 << 8);
+
+        elevation = elevation_at(ground, &end);
+        const struct jp_path_piece piece = {.begin = path->end.position,
+                                            .heading = path->end.heading,
+                                            .length = share_of(length, i, line) - share_of(length, i - 1, line),
+                                            .rise = elevation - before,
+                                            .kind = JP_PIECE_CURVE,
+                                            .is_joined = path->count > first};
+
+        path->end.position = end;
+        if (piece.is_joined && jp_piece_rises_alike(&path->pieces[path->count - 1U], &piece)) {
+            jp_piece_lengthen(&path->pieces[path->count - 1U], &piece);
+        } else {
+            status = append(path, &piece);
+        }
+    }
+    return status;
+}
+
+static enum jp_status append_line(struct jp_lattice_path *path, const struct jp_point *end,
+                                  const struct jp_ground *ground, int32_t lines)
 {
     const jp_q16 length = jp_distance(&path->end.position, end);
 
@@ -43,11 +106,9 @@ static enum jp_status append_line(struct jp_lattice_path *path, const struct jp_
     if (length > LINE_MAX) {
         return JP_ERR_INFEASIBLE;
     }
-    const struct jp_path_piece piece = {
-        .begin = path->end.position, .heading = path->end.heading, .length = length * (1 << 8), .kind = JP_PIECE_CURVE};
+    const struct line line = {path->end.position, *end, length, sections_of(path, ground, length, lines)};
 
-    path->end.position = *end;
-    return append(path, &piece);
+    return append_sections(path, &line, ground);
 }
 
 enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *pieces, uint16_t places,
@@ -68,7 +129,7 @@ enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *
 
         status = append_turn(path, jp_atan2(jp_sub(target->y, begin->y), jp_sub(target->x, begin->x)));
         if (status == JP_OK) {
-            status = append_line(path, target);
+            status = append_line(path, target, route->ground, (int32_t)(route->count - line));
         }
     }
     return status;

@@ -4,6 +4,12 @@
 
 #include <joulepath/lattice_path.h>
 
+#include "src/base/integer.h"
+
+/** Grades of straight lines that become one piece, rise over run: a power of the motors that follows the grade bends by
+ *  little between them. */
+#define JP_PIECE_GRADE_SPREAD JP_Q24(0.03125)
+
 static inline bool jp_piece_is_straight(const struct jp_path_piece *piece)
 {
     return piece->kind == JP_PIECE_CURVE && piece->bend == 0 && piece->bend_rate == 0;
@@ -13,6 +19,18 @@ static inline bool jp_piece_is_straight(const struct jp_path_piece *piece)
 static inline jp_q24 jp_piece_grade(const struct jp_path_piece *piece)
 {
     return jp_divide((int64_t)piece->rise * ((int64_t)1 << 32), piece->length);
+}
+
+static inline bool jp_piece_rises_alike(const struct jp_path_piece *a, const struct jp_path_piece *b)
+{
+    return jp_absolute64((int64_t)jp_piece_grade(a) - jp_piece_grade(b)) <= JP_PIECE_GRADE_SPREAD;
+}
+
+/** `next` becomes a part of the piece before it. */
+static inline void jp_piece_lengthen(struct jp_path_piece *last, const struct jp_path_piece *next)
+{
+    last->length += next->length;
+    last->rise += next->rise;
 }
 
 #endif

@@ -1,6 +1,7 @@
 /* The navigator in closed loop on dense maps with boxes that they do not show: what it touches, whether it arrives
- * where it can and says so where it cannot, and what it takes beside its forecast. Seeds that nobody tuned on. Prints
- * figures as JSON, progress on stderr. */
+ * where it can and says so where it cannot, and what it takes beside its forecast. Seeds that nobody tuned on. Maps as
+ * tests/support/dense_map.h draws them, all robots alike in cells; those of the skid-steered robot lie on hills whose
+ * slopes add up to an angle up to its limit, evenly drawn. Prints figures as JSON, progress on stderr. */
 #include "sim/base/progress.h"
 #include "tests/bench/figures.h"
 #include "tests/bench/statistics.h"
@@ -21,6 +22,7 @@ static const struct {
     {"courier24", "navigator, 1000 dense maps, block of 4 MiB", (size_t)4 << 20, true},
     {"courier24", "navigator, 1000 dense maps, block of 80 KiB", (size_t)80 << 10, false},
     {"burger", "navigator of burger, 1000 dense maps, block of 4 MiB", (size_t)4 << 20, true},
+    {"zhang2018", "navigator of zhang2018, 1000 dense maps on hills, block of 4 MiB", (size_t)4 << 20, true},
 };
 
 struct counts {

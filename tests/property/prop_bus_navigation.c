@@ -38,6 +38,7 @@ static bool drive(const struct dense_map *dense, uint64_t seed, bool has_faults)
                                               {CAN_FAULT_SWAP, CAN_FAULT_BOTH, 0.01, 0, 0, UINT64_MAX}};
     struct dense_map copy = *dense;
     const struct navigation_task task = {.lattice = robot.lattice,
+                                         .solid = &dense->world,
                                          .map = &copy.map,
                                          .world = &copy.world,
                                          .start = dense->start,
@@ -74,7 +75,7 @@ static bool drives_right(uint64_t seed, bool has_faults, unsigned *arrived)
 {
     struct dense_map dense;
 
-    TEST_ASSERT_TRUE(dense_map_make(&dense, robot.lattice, seed));
+    TEST_ASSERT_TRUE(dense_map_make(&dense, robot.lattice, robot.hills_deg, seed));
     const bool is_reachable = navigate_is_reachable(&robot, &dense.world, &dense.start, &dense.goal);
     const bool was_driven = drive(&dense, seed, has_faults);
 

@@ -246,6 +246,118 @@ static void test_random_routes(void)
     }
 }
 
+/* ---- Hills ---- */
+
+#define HILLY_PLACES 40
+
+static struct jp_path_piece hilly[HILLY_PLACES];
+
+/* Waves of 6 m and 9 m, m. */
+static double hills_at(double x, double y)
+{
+    return 0.15 * sin(2 * PI * x / 6) + 0.2 * sin(2 * PI * (x + 2 * y) / 9);
+}
+
+static jp_q16 hills(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    return (jp_q16)lround(hills_at(point->x / Q16, point->y / Q16) * Q16);
+}
+
+static const struct jp_ground ground = {hills, NULL, JP_Q16(0.2)};
+
+static bool is_straight(const struct jp_path_piece *piece)
+{
+    return piece->kind == JP_PIECE_CURVE;
+}
+
+/* Pieces rise as their ground does, and those of a line that follow each other differ. */
+static void check_rises(unsigned places)
+{
+    unsigned lines = 0;
+
+    TEST_ASSERT_TRUE(path.count <= places);
+    for (unsigned i = 0; i < path.count; i++) {
+        const struct jp_path_piece *piece = &hilly[i];
+        const struct pose end = pose_on(piece, 1);
+        const double rise = hills_at(end.x, end.y) - hills_at(piece->begin.x / Q16, piece->begin.y / Q16);
+
+        TEST_ASSERT_TRUE(!is_straight(piece) || fabs(piece->rise / Q16 - rise) < 2e-3);
+        TEST_ASSERT_TRUE(is_straight(piece) || piece->rise == 0);
+        if (piece->is_joined) {
+            TEST_ASSERT_TRUE(i > 0 && is_straight(piece) && is_straight(&hilly[i - 1U]));
+            TEST_ASSERT_EQUAL_UINT32(hilly[i - 1U].heading, piece->heading);
+        }
+        lines += is_straight(piece) && !piece->is_joined;
+    }
+    TEST_ASSERT_EQUAL_UINT(route.count, lines);
+}
+
+static void test_random_routes_over_hills(void)
+{
+    unsigned joined = 0;
+
+    begin_random(options.seed, 1);
+    for (unsigned long i = 0; i < options.count; i++) {
+        const uint16_t places = (uint16_t)(2 * TARGETS + below(HILLY_PLACES - 2 * TARGETS + 1));
+        double x = uniform(-20, 20);
+        double y = uniform(-20, 20);
+        route = (struct jp_line_route){.start = {(jp_q16)lround(x * Q16), (jp_q16)lround(y * Q16)},
+                                       .heading = random_word(),
+                                       .targets = targets,
+                                       .count = (uint16_t)(1 + below(TARGETS)),
+                                       .ground = &ground};
+        for (unsigned k = 0; k < route.count; k++) {
+            x += uniform(0.3, 6);
+            y += uniform(-4, 4);
+            set_target(k, x, y);
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, hilly, places, &route));
+        check_rises(places);
+        for (unsigned k = 0; k < path.count; k++) {
+            joined += hilly[k].is_joined;
+        }
+    }
+    TEST_ASSERT_TRUE(joined > options.count);
+}
+
+/* With places for all of it no piece rises unlike its ground by more than the spread of its grades. */
+static void test_pieces_follow_the_ground(void)
+{
+    route.ground = &ground;
+    set_target(0, 12, 0);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, hilly, HILLY_PLACES, &route));
+    TEST_ASSERT_TRUE(path.count > 8);
+    for (unsigned i = 0; i < path.count; i++) {
+        const struct pose middle = pose_on(&hilly[i], 0.5);
+        const double begin = hills_at(hilly[i].begin.x / Q16, 0);
+
+        TEST_ASSERT_TRUE(fabs(hills_at(middle.x, 0) - begin - hilly[i].rise / Q16 / 2) < 0.05);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, hilly, 1, &route));
+    TEST_ASSERT_EQUAL_UINT(1, path.count);
+}
+
+/* On level ground each line is one piece. */
+static jp_q16 plain(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    (void)point;
+    return JP_Q16(3);
+}
+
+static void test_plains_are_one_piece(void)
+{
+    const struct jp_ground level = {plain, NULL, JP_Q16(0.05)};
+
+    route.ground = &level;
+    set_target(0, 7, 0);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, hilly, HILLY_PLACES, &route));
+    TEST_ASSERT_EQUAL_UINT(1, path.count);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(7), hilly[0].length);
+    TEST_ASSERT_EQUAL_INT32(0, hilly[0].rise);
+}
+
 int main(int argc, char **argv)
 {
     options = parse_options(argc, argv, defaults);

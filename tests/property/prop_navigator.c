@@ -12,9 +12,13 @@
 #define AMPLE_BLOCK ((size_t)4 << 20)
 #define SMALL_BLOCK ((size_t)80 << 10)
 
+/** The bar of a forecast without learning. */
+#define FORECAST_ERROR_MAX 0.1
+
 static struct options options = {.count = 24, .seed = 70001};
 static struct navigate_robot courier;
 static struct navigate_robot burger;
+static struct navigate_robot rover; /* on hills */
 
 void setUp(void)
 {
@@ -77,6 +81,33 @@ static void test_differential_drive(void)
     (void)expect_right(&burger, SHORT_VIEW);
 }
 
+/* By one course; it waits and plans besides. */
+static double forecast_error(const struct navigate_trial *trial)
+{
+    return fabs(trial->result.joules / trial->result.forecast_joules - 1);
+}
+
+/* The forecast knows what the ground rises by: of learning there is none before the first leg. */
+static void test_forecasts_over_hills(void)
+{
+    unsigned drives = 0;
+    double sum = 0;
+
+    for (uint64_t seed = options.seed; seed < options.seed + options.count; seed++) {
+        struct navigate_trial trial;
+
+        TEST_ASSERT_TRUE(navigate_trial_run(&trial, &rover, seed, VIEW * metres_per_cell(&rover), AMPLE_BLOCK));
+        TEST_ASSERT_FALSE(trial.result.is_touched);
+        if (trial.result.state == JP_NAVIGATOR_ARRIVED && trial.result.replans == 0 && trial.result.length_m > 1) {
+            drives++;
+            sum += forecast_error(&trial);
+        }
+    }
+    (void)printf("%u drives by one course over hills: error of the forecast, mean %.2f %%\n", drives,
+                 100 * sum / drives);
+    TEST_ASSERT_TRUE(drives > 0 && sum < FORECAST_ERROR_MAX * drives);
+}
+
 static void test_with_little_memory(void)
 {
     unsigned arrived = 0;
@@ -101,6 +132,7 @@ int main(int argc, char **argv)
     UNITY_BEGIN();
     TEST_ASSERT_TRUE(navigate_robot_load(&courier, "courier24"));
     TEST_ASSERT_TRUE(navigate_robot_load(&burger, "burger"));
+    TEST_ASSERT_TRUE(navigate_robot_load(&rover, "zhang2018"));
     run_tests();
     return UNITY_END();
 }

@@ -1,12 +1,14 @@
 """jp-navigate on a small map: arrives among boxes that the map does not show, says what is unreachable, wrong input."""
 import csv
 import json
+import math
 
 import pytest
 from conftest import ROOT, assert_one_line_error, run
 from test_plan import fill_disk, names_in, room, write_map
 
 BALANCER = ROOT / "sim/robots/courier24.cfg"
+ROVER = ROOT / "sim/robots/zhang2018.cfg"
 CELL = 0.1
 FILES = ["drive.csv", "summary.json"]
 TASK = ["--start=1.5,1.5,0", "--goal=8.55,4.55"]
@@ -46,6 +48,37 @@ def test_arrives_and_touches_nothing(hall, tmp_path):
     assert energies == sorted(energies)
     assert float(rows[-1]["x_m"]) == pytest.approx(8.55, abs=0.1)
     assert float(rows[-1]["y_m"]) == pytest.approx(4.55, abs=0.1)
+
+
+def over_hills(path, height, cliff=0.0):
+    """Waves of 6 m, and a step across the whole map."""
+    elevation = [[round(height * math.sin(x * 0.2 * math.pi / 3) + (cliff if x > 40 else 0), 3) for x in range(80)]
+                 for _ in range(40)]
+    return write_map(path, room(80, 40), elevation=elevation, resolution=0.2)
+
+
+def test_a_rover_over_hills_takes_what_it_forecast(tmp_path):
+    ground = over_hills(tmp_path / "waves.json", 0.15)
+    result = navigate(ground, tmp_path / "out", "--start=2,4,0", "--goal=14,4", "--hidden=0", robot=ROVER)
+    assert (result.returncode, result.stderr) == (0, "")
+    summary = summary_of(tmp_path / "out")
+    drive = summary["result"]
+    assert (drive["state"], drive["touched"], summary["steep_cells"]) == ("arrived", False, 0)
+    assert drive["goal_error_m"] < 0.1 + 4 * drive["deviation_m"]
+    assert drive["energy_j"] == pytest.approx(drive["forecast_j"], rel=0.05)
+    assert drive["planned_j"] == pytest.approx(drive["forecast_j"], rel=0.2)
+    level = over_hills(tmp_path / "level.json", 0)
+    navigate(level, tmp_path / "level", "--start=2,4,0", "--goal=14,4", "--hidden=0", robot=ROVER)
+    assert summary_of(tmp_path / "level")["result"]["forecast_j"] < 0.8 * drive["forecast_j"]
+
+
+def test_what_is_too_steep_for_it_a_rover_refuses(tmp_path):
+    ground = over_hills(tmp_path / "cliff.json", 0.1, cliff=0.5)
+    result = navigate(ground, tmp_path / "out", "--start=2,4,0", "--goal=14,4", "--hidden=0", robot=ROVER)
+    summary = summary_of(tmp_path / "out")
+    assert (result.returncode, summary["result"]["state"]) == (1, "unreachable")
+    assert summary["steep_cells"] == 2 * 40 - 4
+    assert "cells too steep" in result.stdout
 
 
 def test_over_the_bus_it_arrives_too(hall, tmp_path):
@@ -117,8 +150,8 @@ def test_robots_and_maps_that_do_not_fit(hall, tmp_path):
     assert_one_line_error(navigate(coarse, tmp_path / "out", *TASK), "cells of 0.2 m", "--resolution 0.1")
     gao = ROOT / "sim/robots/gao2018.cfg"
     assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, robot=gao), "gao2018", "navigation")
-    rover = ROOT / "sim/robots/zhang2018.cfg"
-    assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, robot=rover), "zhang2018", "navigation")
+    assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, robot=ROVER), "cells of 0.1 m", "--resolution 0.2")
+    assert_one_line_error(navigate(coarse, tmp_path / "out", *TASK, "--bus=in-process", robot=ROVER), "--bus")
 
 
 def test_a_full_disk_leaves_nothing(hall, tmp_path):

@@ -3,10 +3,12 @@
 #define JOULEPATH_TESTS_SUPPORT_DENSE_MAP_H
 
 #include <joulepath/planner.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "sim/base/random.h"
+#include "sim/skid_steer/skid_hills.h"
 
 #define DENSE_MAP_SIDE_MAX 192
 
@@ -99,12 +101,28 @@ static inline bool dense_map_place(struct random *random, const struct jp_lattic
     return false;
 }
 
-/** The map of a seed; 8 to 19 m a side, 8 to 20 % of it blocked, 3 to 10 boxes hidden; start and goal are at least a
- *  third of the side apart. False: no memory, or no room for the robot. */
-static inline bool dense_map_make(struct dense_map *dense, const struct jp_lattice *lattice, uint64_t seed)
+/** Waves whose slopes add up to an angle up to `degrees`, evenly drawn. */
+static inline void dense_map_raise(struct random *random, struct jp_terrain *terrain, double degrees)
+{
+    const double cell = (double)terrain->config.resolution / JP_Q16_ONE;
+    const struct skid_hills hills = skid_random_hills_within(random, degrees);
+
+    for (int32_t y = 0; y < terrain->config.height; y++) {
+        for (int32_t x = 0; x < terrain->config.width; x++) {
+            const struct skid_ground_point point = skid_on_hills(&hills, (x + 0.5) * cell, (y + 0.5) * cell);
+            (void)jp_terrain_set_elevation(terrain, x, y, (jp_elevation)lround(point.elevation * JP_ELEVATION_ONE));
+        }
+    }
+}
+
+/** The map of a seed: 80 to 192 cells a side, 8 to 20 % of it blocked, 3 to 10 boxes hidden; start and goal are at
+ * least a third of the side apart; `degrees` above 0: on hills up to so steep. False: no memory, or no room for the
+ * robot. */
+static inline bool dense_map_make(struct dense_map *dense, const struct jp_lattice *lattice, double degrees,
+                                  uint64_t seed)
 {
     struct random random;
-    struct jp_terrain_config config = {.resolution = lattice->resolution};
+    struct jp_terrain_config config = {.resolution = lattice->resolution, .has_elevation = degrees > 0};
     struct jp_lattice_pose goal;
 
     random_init(&random, seed);
@@ -116,6 +134,9 @@ static inline bool dense_map_make(struct dense_map *dense, const struct jp_latti
         return false;
     }
     dense_map_fill(&random, &dense->map, 0.08 + 0.12 * random_uniform(&random, 0, 1));
+    if (degrees > 0) {
+        dense_map_raise(&random, &dense->map, degrees);
+    }
     do {
         if (!dense_map_place(&random, lattice, &dense->map, &dense->start) ||
             !dense_map_place(&random, lattice, &dense->map, &goal)) {

@@ -6,7 +6,7 @@
 
 #include "unity.h"
 
-enum { LEVEL_MAP_BYTES = 768 }; /* 16 × 16 cells with elevation */
+enum { LEVEL_MAP_BYTES = 1344 }; /* 24 × 24 cells with elevation */
 
 static struct jp_terrain terrain;
 static uint64_t terrain_block[LEVEL_MAP_BYTES / sizeof(uint64_t)];
@@ -28,6 +28,16 @@ static inline void put_column(int32_t x, int32_t first_y, int32_t last_y, enum j
 {
     for (int32_t y = first_y; y <= last_y; y++) {
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, x, y, cell));
+    }
+}
+
+/** Raises cells by a function of their place, in units of jp_elevation. */
+static inline void raise_map(jp_elevation (*elevation)(int32_t x, int32_t y))
+{
+    for (int32_t y = 0; y < terrain.config.height; y++) {
+        for (int32_t x = 0; x < terrain.config.width; x++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, x, y, elevation(x, y)));
+        }
     }
 }
 

@@ -13,6 +13,7 @@ struct navigate_robot {
     struct robot_file file;
     const struct skid_robot_entry *skid; /**< of one that its sides steer */
     struct skid_steer_model model;
+    double hills_deg; /**< of its maps, at most; 0: level */
 };
 
 struct navigate_trial {
@@ -21,7 +22,7 @@ struct navigate_trial {
     struct navigation_result result;
 };
 
-/** courier24 or burger. False after one line on stderr. */
+/** courier24, burger, or zhang2018 on hills up to its limit. False after one line on stderr. */
 bool navigate_robot_load(struct navigate_robot *robot, const char *name);
 
 /** True when a route leads to the goal in the world; false also without memory. */

@@ -29,6 +29,7 @@ struct fake_vehicle {
     jp_angle heading;    /* that it turns to */
     jp_angle turned_by;  /* less than it is told */
     jp_q16 drift;        /* to the left of where it drives, m */
+    jp_q16 slide;        /* to the left of where it looks, when it has turned next, m */
     jp_q16 beyond;       /* that it goes beyond its stands, by a tenth less each step that it is slower, m */
     uint8_t slowest;     /* of the runs that it drove */
     jp_q16 aside;        /* that a leg of a run of several leaves its line by, m */
@@ -44,7 +45,8 @@ struct fake_vehicle {
     enum jp_status survey_status;
     uint16_t surveyed; /* legs of the run */
     struct jp_vehicle_run run;
-    unsigned legs; /* of all runs surveyed to their ends */
+    const struct jp_ground *ground; /* of the run that it drives */
+    unsigned legs;                  /* of all runs surveyed to their ends */
 };
 
 static struct jp_terrain_config map;
@@ -96,6 +98,14 @@ static inline void fake_move(struct fake_vehicle *fake)
     }
 }
 
+static inline void fake_end_turn(struct fake_vehicle *fake)
+{
+    fake->view.heading = fake->heading;
+    fake->view.position.x -= jp_multiply_shift(fake->slide, jp_sin(fake->heading), 31);
+    fake->view.position.y += jp_multiply_shift(fake->slide, jp_cos(fake->heading), 31);
+    fake->slide = 0;
+}
+
 static inline enum jp_status fake_work(void *context)
 {
     struct fake_vehicle *fake = context;
@@ -110,7 +120,9 @@ static inline enum jp_status fake_work(void *context)
         fake_move(fake);
     } else if (fake->turning > 0) {
         fake->turning--;
-        fake->view.heading = fake->turning == 0 ? fake->heading : fake->view.heading;
+        if (fake->turning == 0) {
+            fake_end_turn(fake);
+        }
     } else {
         /* It stands. */
     }
@@ -145,6 +157,7 @@ static inline enum jp_status fake_follow(void *context, const struct jp_vehicle_
             fake->targets[i] = run->targets[i];
         }
         fake->count = run->count;
+        fake->ground = run->ground;
         fake->slowest = run->slower > fake->slowest ? run->slower : fake->slowest;
         fake->next = 0;
         fake->view.phase = JP_VEHICLE_MOVING;

@@ -471,6 +471,15 @@ def test_steep_ground_is_occupied(direction):
     assert steep[2:-2, 2:-2].all()
 
 
+def test_how_steep_it_may_be_is_said(place):
+    flat, gentle, usual = (imported(place / "dem.npz", "--resolution", 20, "--scale", 1, *options)
+                           for options in (["--steep", 89], ["--steep", 10], []))
+    occupied = [sum(row.count("#") for row in data["rows"]) for data in (flat, gentle, usual)]
+    assert occupied[0] == 0 and occupied[1] > occupied[2] == 0
+    assert "steeper than 10°" in gentle["note"] and "steeper than 15°" in usual["note"]
+    assert_one_line_error(run_import(place / "dem.npz", "--steep", 90)[0], "--steep")
+
+
 @pytest.mark.parametrize("part, replacement, culprit", [
     ("ncols 4\n", "", "ncols"), ("nrows 3\n", "", "nrows"), ("cellsize 2\n", "", "cellsize"),
     ("xllcorner 100\n", "", "xllcorner"), ("yllcorner 200.5\n", "", "yllcorner"), ("ncols 4", "ncols 5", "line 7"),

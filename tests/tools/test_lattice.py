@@ -16,6 +16,7 @@ from tools.design import lattice, lattice_import
 JP_LATTICE = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-lattice"
 TABLES = ROOT / "src" / "tables"
 LATTICES = sorted(path.stem.removeprefix("lattice_") for path in TABLES.glob("lattice_*.c"))
+ROBOTS = [name for name in LATTICES if not name.endswith("_navigation")]
 HEADINGS = 16
 ROM_MAX = 32768
 
@@ -37,19 +38,30 @@ def make(*arguments):
     return run_tool("design.lattice", *arguments)
 
 
-@pytest.mark.parametrize("name", LATTICES)
+@pytest.mark.parametrize("name", ROBOTS)
 def test_committed_tables_are_fresh(name, tmp_path):
     result = make(name, "--tables", tmp_path)
     assert result.returncode == 0, result.stderr
     made = sorted(tmp_path.iterdir())
     assert [path.name for path in made] == sorted(path.name for kind in ("lattice", "navigation", "skid_steer")
-                                                  for path in TABLES.glob(f"{kind}_{name}.c"))
+                                                  for end in ("", "_navigation")
+                                                  for path in TABLES.glob(f"{kind}_{name}{end}.c"))
     for path in made:
         assert path.read_bytes() == (TABLES / path.name).read_bytes(), f"run make lattice ROBOT={name}"
 
 
 def test_both_robots_have_a_lattice():
     assert {"gao2018", "zhang2018"} <= set(LATTICES)
+
+
+def test_a_long_robot_that_finds_its_way_has_a_lattice_of_its_rectangle_and_one_of_its_disc():
+    assert {"zhang2018", "zhang2018_navigation", "burger"} <= set(LATTICES) and "burger_navigation" not in LATTICES
+
+
+def test_only_who_finds_its_way_has_a_lattice_for_it(tmp_path):
+    result = subprocess.run([JP_LATTICE, ROOT / "sim/robots/gao2018.cfg", "--navigation", "--output", tmp_path / "out"],
+                            capture_output=True, text=True, check=False)
+    assert_one_line_error(result, "--navigation", "section navigation")
 
 
 @pytest.mark.parametrize("name", LATTICES)

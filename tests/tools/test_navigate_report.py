@@ -38,10 +38,10 @@ def write_drive(folder, elevation=False):
     (folder / "map.json").write_text(json.dumps(map_data(elevation)))
     write_log(folder / "drive.csv")
     result = {"state": "arrived", "reason": "-", "touched": False, "replans": 1, "cells_seen": 4, "clearance_m": 0.035,
-              "goal_error_m": 0.0424, "length_m": 6.25, "time_s": 20.0, "energy_j": 1234.5, "forecast_j": 1010.0,
+              "goal_error_m": 0.0424, "deviation_m": 0.0, "planned_j": 0.0, "length_m": 6.25, "time_s": 20.0, "energy_j": 1234.5, "forecast_j": 1010.0,
               "forecast_deviation_j": 20.0}
     summary = {"robot": "rover", "map": {"file": str(folder / "map.json"), "name": "yard", "note": "a <yard> & more"},
-               "start": START, "goal": GOAL, "view_m": 2.5, "hidden_boxes": 6, "memory_bytes": 1048576, "seed": 3,
+               "steepest": 2.0, "steep_cells": 0, "start": START, "goal": GOAL, "view_m": 2.5, "hidden_boxes": 6, "memory_bytes": 1048576, "seed": 3,
                "result": result, "courses": [FIRST, LATER],
                "seen": [[13, 6, 0.0], [14, 6, 5.5], [13, 7, 5.5], [14, 7, 6.0]], "log": "drive.csv"}
     (folder / "summary.json").write_text(json.dumps(summary))
@@ -152,6 +152,39 @@ def test_picture_shows_ways_ground_and_what_was_seen(tmp_path, elevation):
         assert share(colour) > 0.005, colour
 
 
+@pytest.mark.parametrize("elevation", [True, False])
+def test_ground_that_is_too_steep_is_shown(tmp_path, elevation):
+    write_drive(tmp_path, elevation)
+    change(tmp_path, lambda summary: summary.update(steepest=0.3, steep_cells=100))
+    report(tmp_path)
+    share = shares_of_colours(tmp_path)(navigate_report.STEEP)
+    assert share > 0.05 if elevation else share < 0.01
+
+
+def test_steep_cells_are_free_ones_whose_neighbours_differ(tmp_path):
+    write_drive(tmp_path, True)
+    ground = navigate_report.read_map(tmp_path / "map.json")
+    steep = navigate_report.steep_cells(ground, 0.3)
+    assert steep.any() and not steep[ground.cells != "."].any()
+    for y, x in [(1, 2), (5, 20), (15, 8)]:
+        slopes = [(ground.elevation[y, x + 1] - ground.elevation[y, x - 1]) / 0.4,
+                  (ground.elevation[y + 1, x] - ground.elevation[y - 1, x]) / 0.4]
+        assert steep[y, x] == (math.hypot(*slopes) > 0.3 and ground.cells[y, x] == ".")
+    assert not navigate_report.steep_cells(ground, 2).any()
+
+
+@sketched
+def test_what_was_planned_and_how_well_it_knows_its_place(results):
+    def edit(summary):
+        summary["result"].update(planned_j=987.6, deviation_m=0.317)
+    change(results, edit)
+    assert "0.04\u202fm from the goal, known to 0.32\u202fm<" in report(results)
+    log = navigate_report.read_log(results / "drive.csv")
+    summary = navigate_report.read_summary(results / "summary.json")
+    labels = [label for _, label in navigate_report.legend_of(summary, navigate_report.read_map(results / "map.json"), log)]
+    assert any("planned 988\u202fJ, 1\u202f010 ± 39\u202fJ forecast" in label for label in labels)
+
+
 def test_nothing_seen_and_nothing_planned_anew(results):
     def edit(summary):
         summary.update(seen=[], courses=[FIRST])
@@ -239,6 +272,9 @@ def test_the_least_clearance_is_told_as_it_is_known(results, about, card):
     (lambda s: s.update(goal=["x", 2, 3]), "goal"),
     (lambda s: s.update(seed="lucky"), "seed"),
     (lambda s: s.update(view_m=None), "view_m"),
+    (lambda s: s.pop("steepest"), "steepest"),
+    (lambda s: s.update(steep_cells="many"), "steep_cells"),
+    (lambda s: s["result"].pop("planned_j"), "planned_j"),
     (lambda s: s["result"].pop("energy_j"), "energy_j"),
     (lambda s: s["result"].update(forecast_j="much"), "forecast_j"),
     (lambda s: s["result"].update(clearance_m=math.nan), "clearance_m"),

@@ -10,7 +10,7 @@ The kind of map follows from the source's name:
                kept; its first row is y = 0, the southern one; its start and end are printed as options of jp-plan
   jacksboro    the elevation model that matplotlib carries
 
-Ground steeper than 15 degrees is occupied. Elevations are relative to the middle of their range, which must fit 64 m.
+Ground steeper than 15 degrees, or than --steep says, is occupied. Elevations are relative to the middle of their range, which must fit 64 m.
 Where the land is larger than a robot's map, --scale makes a model of it: lengths and heights shrink alike, so that the
 slopes stay those of the land.
 
@@ -53,7 +53,7 @@ CHARACTERS = np.array([".", "?", "#"])
 
 LATTICE_CELL_M = 0.2
 MODEL_SIDE = 300
-SLOPE_MAX = math.tan(math.radians(15))
+STEEP_DEG = 15
 # Unit steps of the lattice to one side, in columns and rows.
 STEPS = ((1, 0), (2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1))
 
@@ -406,8 +406,8 @@ def resampled_land(path, land, resolution, scale):
     return elevation
 
 
-def steep_cells(elevation, resolution):
-    """True where any unit step from or to a cell is too steep; unknown neighbours do not count."""
+def steep_cells(elevation, resolution, degrees=STEEP_DEG):
+    """True where any unit step from or to a cell is steeper; unknown neighbours do not count."""
     height, width = elevation.shape
     steep = np.zeros(elevation.shape, dtype=bool)
     for dx, dy in STEPS:
@@ -416,7 +416,7 @@ def steep_cells(elevation, resolution):
         here = np.s_[:height - dy, max(0, -dx):width - max(0, dx)]
         there = np.s_[dy:, max(0, dx):width + min(0, dx)]
         rise = np.abs(elevation[there] - elevation[here])
-        over = rise > SLOPE_MAX * resolution * math.hypot(dx, dy)  # false for NaN
+        over = rise > math.tan(math.radians(degrees)) * resolution * math.hypot(dx, dy)  # false for NaN
         steep[here] |= over
         steep[there] |= over
     return steep
@@ -445,8 +445,8 @@ def grid_from_land(path, land, options):
         least = math.ceil((high - low) / (2 * ELEVATION_MAX_M))
         raise ToolError(f"{path}: elevations from {low:g} to {high:g} m do not fit ±32 m; --scale {least} would")
     elevation = np.round((elevation - (low + high) / 2) / scale, 3)
-    cells = np.where(known, np.where(steep_cells(elevation, resolution), OCCUPIED, FREE), UNKNOWN)
-    note = f"{land.note}; heights above {(low + high) / 2:g} m; ground steeper than 15° is occupied"
+    cells = np.where(known, np.where(steep_cells(elevation, resolution, options.steep), OCCUPIED, FREE), UNKNOWN)
+    note = f"{land.note}; heights above {(low + high) / 2:g} m; ground steeper than {options.steep:g}° is occupied"
     if scale != 1:
         note += f"; a model 1:{scale:.4g}, lengths and heights alike, so that slopes stay those of the land"
     origin = (land.origin[0] / scale, land.origin[1] / scale, 0.0)
@@ -577,6 +577,9 @@ def arguments():
                         "any part of it is, or else unknown if any part is. (default: as the source; 0.2 for .npz)")
     parser.add_argument("--cell-size", type=real_number(RESOLUTION_RANGE_M[0], 1e6), metavar="M", default=LATTICE_CELL_M,
                         help="side of a cell of MovingAI, or of SBPL's nav2D (default: %(default)s)")
+    parser.add_argument("--steep", type=real_number(0.1, 89), metavar="DEGREES", default=STEEP_DEG,
+                        help="steeper ground is occupied (default: %(default)s; a robot that finds its way refuses what is "
+                        "too steep for it by itself)")
     parser.add_argument("--scale", type=real_number(RESOLUTION_RANGE_M[0], 1e6), metavar="N",
                         help="elevations become a model 1:N, lengths and heights alike, so that slopes stay (default: "
                         f"1; for .npz what fits {MODEL_SIDE} cells)")

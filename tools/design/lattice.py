@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Make a robot's state lattice with jp-lattice: the tables src/tables/lattice_<robot>.c, or a file for jp-plan.
 
-Of a robot that finds its way it also makes src/tables/navigation_<robot>.c: the disc in which it turns.
+Of a robot that finds its way it also makes src/tables/navigation_<robot>.c: the disc in which it turns. Where the
+lattice sweeps its rectangle it makes one that sweeps the disc, too: lattice_<robot>_navigation.c.
 
 With --import, the primitives come from an SBPL .mprim file or a Nav2 lattice .json file; jp-lattice sweeps and prices
 them for the robot. With --json, jp-plan --lattice plans on the result, without a compiler.
@@ -341,15 +342,26 @@ def imported(robot_path, path):
     return Tables(name, data, shown_path(path)), command, path.name
 
 
-def c_files(directory, robot_path, tables, command, source):
+def navigation_tables(robot_path):
+    """The lattice of the disc in which a robot turns."""
+    return Tables(f"{robot_path.stem}_navigation", run_jp_lattice(robot_path, ["--navigation"]))
+
+
+def lattice_file(directory, tables, command, source):
     tables.check_rom()
-    files = {directory / f"lattice_{tables.name}.c": table_text(tables, command, source)}
+    return {directory / f"lattice_{tables.name}.c": table_text(tables, command, source)}
+
+
+def c_files(directory, robot_path, tables, command, source):
+    files = lattice_file(directory, tables, command, source)
     if "skid_steer" in tables.data and tables.name == robot_path.stem:
         table = skid_steer_table(tables.name, tables.data["skid_steer"], command, source)
         files[directory / f"skid_steer_{tables.name}.c"] = c_tables.render(table)
     if "navigation" in tables.data and tables.name == robot_path.stem:
         table = navigation_table(tables.name, tables.data["navigation"], command, source)
         files[directory / f"navigation_{tables.name}.c"] = c_tables.render(table)
+        if not tables.data["navigation"]["is_swept"]:
+            files |= lattice_file(directory, navigation_tables(robot_path), command, source)
     return files
 
 

@@ -53,18 +53,22 @@ NAVIGATE.           = $(BUILD)/bin/jp-navigate
 NAVIGATE.in-process = $(BUILD)/bin/jp-navigate --bus in-process --frames
 NAVIGATE.pil        = tools/operate/navigate_in_qemu.sh $(NAVIGATE_ROBOT)
 NAVIGATE_ROBOT = $(if $(filter file,$(origin ROBOT)),courier24,$(ROBOT))
-NAVIGATE_MAP   = $(if $(filter file,$(origin MAP)),sim/scenarios/office.map,$(MAP))
-NAVIGATE_IMPORT = $(if $(filter file,$(origin MAP)),--cell-size 0.2,$(IMPORT))
+# A robot for rough ground finds its way over hills, the others in an office. It refuses by itself what is too steep for it.
+NAVIGATE_HILLS = $(filter zhang2018,$(NAVIGATE_ROBOT))
+NAVIGATE_MAP   = $(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),jacksboro,sim/scenarios/office.map),$(MAP))
+NAVIGATE_IMPORT = $(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),--steep 89,--cell-size 0.2),$(IMPORT))
+NAVIGATE_ALONG  = --start=198,186,-135 --goal=143,131.5 # the fault
+NAVIGATE_TASK   = $(if $(strip $(PLAN_TASK)),$(PLAN_TASK),$(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),$(NAVIGATE_ALONG))))
 NAVIGATE_CELL   = $(shell sed -n 's/^ *cell_m *= *\([0-9.]*\);.*/\1/p' sim/robots/$(NAVIGATE_ROBOT).cfg)
 
 .PHONY: navigate
-navigate: ## let ROBOT=courier24 or burger find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
+navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
 	$(if $(NAVIGATE.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
 	@tools/setup.sh design $(SETUP.$(BUS))
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(NAVIGATE_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/navigate
 	$(PYTHON) -m tools.design.import_map $(NAVIGATE_MAP) $(BUILD)/navigate/map.json --resolution $(or $(NAVIGATE_CELL),0.1) $(NAVIGATE_IMPORT)
-	$(NAVIGATE.$(BUS)) $(BUILD)/navigate/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(PLAN_TASK) \
+	$(NAVIGATE.$(BUS)) $(BUILD)/navigate/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(NAVIGATE_TASK) \
 	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
 

@@ -157,7 +157,7 @@ def place_of_label(axes, point):
 
 def legend_entries(ground):
     """(handle, label) of the cells that are not free."""
-    entries = [(Patch(facecolor=OBSTACLE), "obstacle")]
+    entries = [(Patch(facecolor=OBSTACLE), "obstacle")] if (ground.cells == OCCUPIED).any() else []
     if (ground.cells == UNKNOWN).any():
         entries.append((Patch(facecolor=UNKNOWN_FILL, edgecolor=UNKNOWN_HATCH, hatch="////", linewidth=0), "unknown"))
     return entries

@@ -13,16 +13,16 @@ from matplotlib.patches import Patch
 
 from tools.common import ArgumentParser, ToolError, run, shown_path, write_whole
 from tools.report import plots
-from tools.report.ground import (OUTLINE, WIDTH, draw_ground, draw_places, finish_map, legend_entries, map_height,
+from tools.report.ground import (FREE, OUTLINE, WIDTH, draw_ground, draw_places, finish_map, legend_entries, map_height,
                                  read_map)
 from tools.report.results import (format_number, need, need_list, need_numbers, need_points, need_texts, need_vector,
                                   read_columns, read_json, render_page)
 
-SUMMARY_KEYS = ("robot", "map", "start", "goal", "view_m", "hidden_boxes", "memory_bytes", "seed", "result", "courses",
-                "seen", "log")
+SUMMARY_KEYS = ("robot", "map", "steepest", "steep_cells", "start", "goal", "view_m", "hidden_boxes", "memory_bytes",
+                "seed", "result", "courses", "seen", "log")
 RESULT_TEXTS = ("state", "reason")
-RESULT_NUMBERS = ("replans", "cells_seen", "clearance_m", "goal_error_m", "length_m", "time_s", "energy_j",
-                  "forecast_j", "forecast_deviation_j")
+RESULT_NUMBERS = ("replans", "cells_seen", "clearance_m", "goal_error_m", "deviation_m", "length_m", "time_s", "energy_j",
+                  "planned_j", "forecast_j", "forecast_deviation_j")
 LOG_COLUMNS = ("t_s", "x_m", "y_m", "energy_j", "left_m")
 
 ENDS = ("arrived", "unreachable", "failed")
@@ -37,6 +37,7 @@ STATES = {"idle", *ENDS}.union(*(states for _, states, _ in PHASES))
 ON_COURSE = ("turning", "driving", "arrived")
 
 DRIVEN, SEEN, BLOCKED = plots.BLUE, "#E8331C", "#B3122A"
+STEEP = "#A08A78"
 FIRST = {"color": "#E58A00", "linewidth": 1.9, "linestyle": (0, (4, 1.8))}
 FIRST_TEXT = "#8A5200"  # its colour, dark enough to read
 LATER = {"color": plots.PURPLE, "linewidth": 1.1, "linestyle": (0, (3, 2)), "alpha": 0.6}
@@ -59,7 +60,7 @@ def read_summary(path):
     need_texts(path, "summary", summary, ("robot", "log"))
     need_texts(path, "map", summary["map"], ("file", "name"))
     need_texts(path, "map", summary["map"], ("note",), least=0)
-    need_numbers(path, "summary", summary, ("view_m", "hidden_boxes", "memory_bytes", "seed"))
+    need_numbers(path, "summary", summary, ("steepest", "steep_cells", "view_m", "hidden_boxes", "memory_bytes", "seed"))
     need_vector(path, "start", summary["start"], 3)
     need_vector(path, "goal", summary["goal"], 3)
     check_result(path, summary["result"])
@@ -121,6 +122,22 @@ def draw_seen(axes, ground, seen):
     drawn.set_transform(ground.frame() + axes.transData)
 
 
+def steep_cells(ground, steepest):
+    """True where free ground rises by more, rise over run, in any direction: between the neighbours of a cell."""
+    if ground.elevation is None or min(ground.cells.shape) < 2:
+        return np.zeros(ground.cells.shape, dtype=bool)
+    return (np.hypot(*np.gradient(ground.elevation, ground.resolution)) > steepest) & (ground.cells == FREE)
+
+
+def draw_steep(axes, ground, steepest):
+    """Ground on which the robot may not be."""
+    image = np.zeros((*ground.cells.shape, 4))
+    image[steep_cells(ground, steepest)] = to_rgba(STEEP)
+    width, height = ground.size
+    drawn = axes.imshow(image, origin="lower", extent=(0, width, 0, height), interpolation="nearest", zorder=0.5)
+    drawn.set_transform(ground.frame() + axes.transData)
+
+
 def draw_courses(axes, courses):
     """The first course over the later ones, and a numbered mark where each later one begins."""
     for i, course in enumerate(courses):
@@ -149,7 +166,8 @@ def legend_of(summary, ground, log):
     driven = f"driven: {format_number(result['length_m'], 1, 'm')}, {format_number(result['energy_j'], 0, 'J')}"
     entries = [(Line2D([], [], color=DRIVEN, linewidth=3), driven)]
     if courses:
-        first = f"first course: {format_number(course_length(courses[0]), 1, 'm')}, {forecast_text(result)} forecast"
+        planned = f", planned {format_number(result['planned_j'], 0, 'J')}" if result["planned_j"] else ""
+        first = f"first course: {format_number(course_length(courses[0]), 1, 'm')}{planned}, {forecast_text(result)} forecast"
         entries.append((Line2D([], [], **FIRST), first))
     if courses[1:]:
         line = Line2D([], [], marker="o", markerfacecolor="white", **{**ANEW, **LATER, "markersize": 7, "alpha": 1})
@@ -157,6 +175,9 @@ def legend_of(summary, ground, log):
     if stops(log).size:
         entries.append((Line2D([], [], **{**STOPPED, "markersize": 12}), "braked to a stand: blocked ahead"))
     entries += legend_entries(ground)
+    if summary["steep_cells"]:
+        steepest = format_number(np.degrees(np.arctan(summary["steepest"])), 0)
+        entries.append((Patch(facecolor=STEEP), f"too steep for the robot: above {steepest}°"))
     if summary["seen"]:
         entries.append((Patch(facecolor=SEEN), f"seen on the way, not on the map: {len(summary['seen'])} cells"))
     return entries
@@ -164,6 +185,7 @@ def legend_of(summary, ground, log):
 
 def fill_map(figure, axes, summary, ground, log):
     draw_ground(axes, ground)
+    draw_steep(axes, ground, summary["steepest"])
     draw_seen(axes, ground, summary["seen"])
     axes.plot(log["x_m"], log["y_m"], color=DRIVEN, linewidth=3, solid_capstyle="round", zorder=4,
               path_effects=OUTLINE)
@@ -288,6 +310,8 @@ def forecast_text(result):
 def outcome(result):
     """(value, label) of how it ended."""
     left = f"{format_number(result['goal_error_m'], 2, 'm')} from the goal"
+    if result["deviation_m"]:
+        left += f", known to {format_number(result['deviation_m'], 2, 'm')}"
     if result["state"] not in ENDS:
         return "given up", f"while {result['state']}, {left}"
     reason = "" if result["reason"] == NO_REASON else f"{result['reason']}, "

@@ -463,6 +463,94 @@ static void test_unknown_cells_follow_the_configuration(void)
     }
 }
 
+/* ---- Heights and slopes ---- */
+
+/* Of cells of 0.25 m that rise by 1/4 to the east and fall by 1/8 to the north, m. */
+static void make_slope(void)
+{
+    config.width = 8;
+    config.height = 6;
+    config.resolution = JP_Q16(0.25);
+    config.has_elevation = true;
+    start();
+    set_all(JP_CELL_FREE);
+    for (int32_t y = 0; y < 6; y++) {
+        for (int32_t x = 0; x < 8; x++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, x, y, (jp_elevation)(64 * x - 32 * y)));
+        }
+    }
+}
+
+static jp_q16 height_at(jp_q16 x, jp_q16 y)
+{
+    const struct jp_point point = {x, y};
+
+    return jp_terrain_height(&terrain, &point);
+}
+
+static void test_heights_lie_between_those_of_the_cells(void)
+{
+    make_slope();
+    TEST_ASSERT_EQUAL_INT32(0, height_at(JP_Q16(0.125), JP_Q16(0.125)));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(0.25), height_at(JP_Q16(1.125), JP_Q16(0.125)));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(0.25 - 0.0625), height_at(JP_Q16(1.125), JP_Q16(0.625)));
+    TEST_ASSERT_INT32_WITHIN(1, JP_Q16(0.225 - 0.0125), height_at(JP_Q16(1.025), JP_Q16(0.225)));
+}
+
+static void test_heights_beyond_the_middles_of_the_outermost_cells(void)
+{
+    const jp_q16 north_east = JP_Q16(7 * 0.0625 - 5 * 0.03125);
+
+    make_slope();
+    TEST_ASSERT_EQUAL_INT32(0, height_at(JP_Q16(-3), JP_Q16(0.01)));
+    TEST_ASSERT_EQUAL_INT32(north_east, height_at(JP_Q16(1.999), JP_Q16(1.499)));
+    TEST_ASSERT_EQUAL_INT32(north_east, height_at(INT32_MAX, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(0, height_at(INT32_MIN, INT32_MIN));
+}
+
+static void test_level_maps_have_no_height(void)
+{
+    config.has_elevation = false;
+    start();
+    set_all(JP_CELL_FREE);
+    TEST_ASSERT_EQUAL_INT32(0, height_at(JP_Q16(0.3), JP_Q16(0.4)));
+    TEST_ASSERT_EQUAL_UINT32(0, jp_terrain_block_steep(&terrain, 0));
+}
+
+/* Of 1/4 and 1/8 together: 0.2795. */
+static void test_ground_that_is_too_steep_is_blocked(void)
+{
+    make_slope();
+    TEST_ASSERT_EQUAL_UINT32(0, jp_terrain_block_steep(&terrain, JP_Q24(0.28)));
+    TEST_ASSERT_EQUAL_INT(JP_CELL_FREE, jp_terrain_cell(&terrain, 3, 3));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, 2, 2, JP_CELL_UNKNOWN));
+    TEST_ASSERT_EQUAL_UINT32(8 * 6 - 1, jp_terrain_block_steep(&terrain, JP_Q24(0.279)));
+    TEST_ASSERT_EQUAL_INT(JP_CELL_OCCUPIED, jp_terrain_cell(&terrain, 3, 3));
+    TEST_ASSERT_EQUAL_INT(JP_CELL_UNKNOWN, jp_terrain_cell(&terrain, 2, 2));
+    TEST_ASSERT_EQUAL_UINT32(0, jp_terrain_block_steep(&terrain, JP_Q24(0.1)));
+}
+
+/* A step in the middle of level ground; a map of one cell has no slope. */
+static void test_only_the_edges_of_a_step_are_steep(void)
+{
+    make_slope();
+    for (int32_t y = 0; y < 6; y++) {
+        for (int32_t x = 0; x < 8; x++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, x, y, (jp_elevation)(x < 4 ? 0 : 32767)));
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(2 * 6, jp_terrain_block_steep(&terrain, JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT(JP_CELL_OCCUPIED, jp_terrain_cell(&terrain, 3, 0));
+    TEST_ASSERT_EQUAL_INT(JP_CELL_OCCUPIED, jp_terrain_cell(&terrain, 4, 5));
+    config.width = 1;
+    config.height = 1;
+    start();
+    set_all(JP_CELL_FREE);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, 0, 0, 1000));
+    TEST_ASSERT_EQUAL_UINT32(0, jp_terrain_block_steep(&terrain, 0));
+    TEST_ASSERT_INT32_WITHIN(1, JP_Q16(1000.0 / 1024), height_at(JP_Q16(0.1), JP_Q16(7)));
+}
+
 /* ---- Random ---- */
 
 static struct jp_span random_span(void)

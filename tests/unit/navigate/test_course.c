@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "src/map/capsule.h"
+#include "src/map/line_cost.h"
 #include "tests/support/level_map.h"
 #include "tests/target/random.h"
 #include "unity.h"
@@ -15,12 +16,13 @@ enum {
     LEGS_MAX = 16,
     MAPS = 400,
     BUDGET_MAX = 20000, /* expansions, or lines, after which a search hangs */
-    GAP_X = 12,         /* of the wall */
+    PRIMITIVES_MAX = 256,
+    GAP_X = 12, /* of the wall */
     GAP_FIRST = 3,
     GAP_LAST = 8 /* the lattice needs five cells */
 };
 
-static const struct jp_lattice *const lattice = &jp_lattice_courier24;
+static const struct jp_lattice *lattice;
 static const struct jp_lattice_pose west = {4, 18, 0};
 static const struct jp_goal east = {19, 18, JP_ANY_HEADING};
 
@@ -41,6 +43,7 @@ static void make_map(uint16_t width, uint16_t height)
 
 void setUp(void)
 {
+    lattice = &jp_lattice_courier24;
     make_map(SIDE, SIDE);
     memset(legs, 0x5A, sizeof legs);
     config = (struct jp_course_config){
@@ -759,4 +762,131 @@ static void test_a_partial_route_is_followed_to_its_end(void)
 
     TEST_ASSERT_GREATER_THAN_UINT16(0, course.count);
     TEST_ASSERT_EQUAL_INT32(centre(end->x, end->y).x, legs[course.count - 1U].end.x);
+}
+
+/* ---- Over hills ---- */
+
+static const struct jp_way_cell west_cell = {4, 18};
+static const struct jp_way_cell east_cell = {19, 18};
+
+static void make_hills(jp_elevation (*elevation)(int32_t x, int32_t y))
+{
+    map = (struct jp_terrain_config){
+        .width = SIDE, .height = SIDE, .resolution = lattice->resolution, .has_elevation = true};
+    make_level_map(&map);
+    raise_map(elevation);
+}
+
+/* By a quarter, 15 cm high, across the straight way, up to its south end. */
+static jp_elevation ridge(int32_t x, int32_t y)
+{
+    const int32_t off = x < 12 ? 12 - x : x - 12;
+    const int32_t height = off < 6 ? 150 - 25 * off : 0;
+
+    return (jp_elevation)(y > 16 ? height : 0);
+}
+
+/* Of 0.3 m, as far as a robot can pass round it in the south. */
+static jp_elevation cliff(int32_t x, int32_t y)
+{
+    return (jp_elevation)(x >= 11 && x <= 13 && y >= 10 ? 300 : 0);
+}
+
+static int64_t cost_of_course(void)
+{
+    int64_t sum = 0;
+
+    for (unsigned i = 0; i < course.count; i++) {
+        const struct jp_point from = jp_course_begin(&course, i);
+
+        sum += jp_line_cost(lattice, &terrain, &from, &legs[i].end);
+    }
+    return sum;
+}
+
+/* Single steps of the route may. */
+static void expect_no_line_over_the_cliff(void)
+{
+    for (unsigned i = 0; i < course.count; i++) {
+        const struct jp_point from = jp_course_begin(&course, i);
+        const int64_t step = 3 * (int64_t)map.resolution;
+
+        TEST_ASSERT_TRUE(square_of_length(&from, &legs[i].end) < step * step ||
+                         jp_line_cost(lattice, &terrain, &from, &legs[i].end) < JP_COST_MAX);
+    }
+}
+
+static int64_t cost_of_straight_line(void)
+{
+    const struct jp_point from = centre(west.x, west.y);
+    const struct jp_point to = centre(east.x, east.y);
+
+    return jp_line_cost(lattice, &terrain, &from, &to);
+}
+
+/* A robot that turns for hardly anything. */
+static void make_nimble(void)
+{
+    static struct jp_primitive primitives[PRIMITIVES_MAX];
+    static struct jp_lattice nimble;
+
+    nimble = jp_lattice_courier24;
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(PRIMITIVES_MAX, nimble.first_from[JP_HEADINGS]);
+    for (unsigned i = 0; i < nimble.first_from[JP_HEADINGS]; i++) {
+        primitives[i] = nimble.primitives[i];
+        primitives[i].base[JP_COST_PHYSICAL] = 1;
+    }
+    nimble.primitives = primitives;
+    lattice = &nimble;
+}
+
+/* Where the plan goes round a hill lines do not lead over it. */
+static void test_lines_keep_what_the_plan_saves(void)
+{
+    make_nimble();
+    make_hills(ridge);
+    plan_route(&west, &east);
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_from_pose(&west));
+    TEST_ASSERT_GREATER_THAN_UINT16(1, course.count);
+    TEST_ASSERT_TRUE(cost_of_course() < cost_of_straight_line());
+    TEST_ASSERT_EQUAL_INT32(centre(east.x, east.y).x, legs[course.count - 1U].end.x);
+}
+
+/* It has no price: the straight line is taken. */
+static void test_a_way_over_a_hill_is_one_line(void)
+{
+    make_hills(ridge);
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_way(&west_cell, &east_cell));
+    TEST_ASSERT_EQUAL_UINT16(1, course.count);
+}
+
+static void test_lines_do_not_lead_over_what_is_too_steep(void)
+{
+    make_hills(cliff);
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_way(&west_cell, &east_cell));
+    TEST_ASSERT_GREATER_THAN_UINT16(1, course.count);
+    expect_no_line_over_the_cliff();
+    plan_route(&west, &east);
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_from_pose(&west));
+    TEST_ASSERT_GREATER_THAN_UINT16(1, course.count);
+    expect_no_line_over_the_cliff();
+}
+
+static void test_a_leg_begins_elsewhere(void)
+{
+    const struct jp_point first = beside(&west, JP_Q16(0.04), JP_Q16(0.02));
+    const struct jp_point second = beside(&west, JP_Q16(0.6), JP_Q16(0.1));
+    struct jp_point begin;
+
+    build_wall();
+    join_west();
+    jp_course_begin_at(&course, 0, &first);
+    begin = jp_course_begin(&course, 0);
+    expect_point(&first, &begin);
+    jp_course_begin_at(&course, 1, &second);
+    begin = jp_course_begin(&course, 1);
+    expect_point(&second, &begin);
+    expect_point(&second, &legs[0].end);
 }

@@ -439,3 +439,58 @@ static void test_nothing_is_left_at_the_goal(void)
     TEST_ASSERT_EQUAL_INT32(0, progress.length);
     TEST_ASSERT_EQUAL_INT32(0, progress.energy.energy);
 }
+
+/* ---- On slopes ---- */
+
+/* By 10 cm, which is more than its margin. */
+static void test_drives_a_leg_from_where_its_turn_has_left_it(void)
+{
+    begin(4, 18);
+    robot.slide = JP_Q16(0.1);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(4, 18);
+    TEST_ASSERT_EQUAL_UINT16(0, navigator.replans);
+    TEST_ASSERT_EQUAL_UINT32(0, robot.stops);
+}
+
+/* There an obstacle is beside the leg. */
+static void test_plans_anew_where_its_turn_has_left_it_no_room(void)
+{
+    begin(4, 18);
+    put_column(1, 9, 12, JP_CELL_OCCUPIED);
+    robot.slide = JP_Q16(0.1);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_BRAKING));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_ASTRAY, navigator.reason);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(4, 18);
+}
+
+static jp_elevation slope(int32_t x, int32_t y)
+{
+    return (jp_elevation)(10 * x + 5 * y);
+}
+
+/* It asks for it as its odometry counts, which began a quarter turn to the left. */
+static void test_the_vehicle_knows_the_ground(void)
+{
+    const struct jp_point ahead = {JP_Q16(0.4), JP_Q16(-0.3)};
+
+    begin(18, 15);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_NULL(robot.ground);
+    TEST_ASSERT_NULL(robot.run.ground);
+    map.has_elevation = true;
+    make_level_map(&map);
+    raise_map(slope);
+    robot.view.position = (struct jp_point){0, 0};
+    origin.heading = QUARTER_TURN;
+    begin(18, 15);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(18, 15);
+    const struct jp_point place = {origin.point.x - ahead.y, origin.point.y + ahead.x};
+
+    TEST_ASSERT_EQUAL_PTR(robot.run.ground, robot.ground);
+    TEST_ASSERT_INT32_WITHIN(4, jp_terrain_height(&terrain, &place),
+                             robot.ground->elevation(robot.ground->context, &ahead));
+    TEST_ASSERT_EQUAL_INT32(map.resolution, robot.ground->spacing);
+}

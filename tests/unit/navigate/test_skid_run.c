@@ -2,6 +2,7 @@
 #include "src/navigate/skid_run.h"
 
 #include <joulepath/tables.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 #include "unity.h"
@@ -178,4 +179,40 @@ static void test_legs_meet_in_the_middle_of_arcs(void)
     }
     TEST_ASSERT_FALSE(jp_skid_run_next_leg(&run, &leg));
     TEST_ASSERT_EQUAL_UINT16(7, leg.end);
+}
+
+/** A valley, 4 cm deep for each metre from x = 1 m. */
+static jp_q16 valley(const void *context, const struct jp_point *point)
+{
+    const jp_q16 off = point->x - JP_Q16(1);
+
+    (void)context;
+    return (off < 0 ? -off : off) / 25;
+}
+
+/* Lines are several pieces there, and one leg each; halves of arcs find room. */
+static void test_legs_over_a_valley(void)
+{
+    static const struct jp_point targets[] = {{JP_Q16(2), 0}, {JP_Q16(2), JP_Q16(2)}};
+    static const struct jp_ground ground = {valley, NULL, JP_Q16(0.2)};
+    const struct jp_line_route route = {.targets = targets, .count = 2, .ground = &ground};
+    struct jp_skid_leg leg = {.end = 0};
+    unsigned legs = 0;
+    jp_q16 rise = 0;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_run_lay(&run, &config, &route, 0));
+    while (jp_skid_run_plan(&run, &config, config.model)) {
+    }
+    TEST_ASSERT_EQUAL_UINT16(PLACES, run.path.places);
+    TEST_ASSERT_GREATER_THAN_UINT16(4, run.path.count);
+    TEST_ASSERT_TRUE(pieces[1].is_joined);
+    while (jp_skid_run_next_leg(&run, &leg)) {
+        legs++;
+    }
+    TEST_ASSERT_EQUAL_UINT(2, legs);
+    for (unsigned i = 0; i < run.path.count; i++) {
+        rise += pieces[i].rise;
+    }
+    TEST_ASSERT_INT32_WITHIN(run.path.count, 0, rise);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), -(pieces[0].length >> 8) / 25, pieces[0].rise);
 }

@@ -241,9 +241,10 @@ static void test_survey_tells_what_room_corners_take(void)
 
 static void survey(uint16_t legs, bool anew)
 {
-    const struct jp_vehicle_run task = run_of(legs);
+    struct jp_vehicle_run task = run_of(legs);
     struct jp_leg_extent extent;
 
+    task.start.y = anew ? 0 : 1; /* elsewhere */
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey(vehicle.context, &task, anew));
     for (uint16_t leg = 0; leg < legs; leg++) {
         TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey_leg(vehicle.context, &extent));
@@ -261,10 +262,12 @@ static void test_forecasts_add_up_and_begin_anew(void)
     survey(3, true);
     vehicle.forecast(vehicle.context, &once, &one);
     TEST_ASSERT_TRUE(one.energy > JP_Q16(100) && one.deviation > 0 && once > JP_Q16(10));
-    survey(3, false);
-    vehicle.forecast(vehicle.context, &twice, &two);
-    TEST_ASSERT_INT32_WITHIN(16, 2 * one.energy, two.energy);
-    TEST_ASSERT_INT32_WITHIN(2, 2 * once, twice);
+    for (int again = 0; again < 2; again++) {
+        survey(3, false);
+        vehicle.forecast(vehicle.context, &twice, &two);
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.1), 2 * one.energy, two.energy);
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), 2 * once, twice);
+    }
     survey(3, true);
     vehicle.forecast(vehicle.context, &twice, &two);
     TEST_ASSERT_EQUAL_INT32(one.energy, two.energy);

@@ -1,0 +1,36 @@
+#include "src/map/line_cost.h"
+
+#include "src/base/integer.h"
+#include "src/base/point.h"
+
+/** Of a point, in units of jp_elevation. */
+static int32_t elevation_at(const struct jp_terrain *terrain, const struct jp_point *point)
+{
+    return jp_terrain_height(terrain, point) / (JP_Q16_ONE / JP_ELEVATION_ONE);
+}
+
+jp_cost jp_line_cost(const struct jp_lattice *lattice, const struct jp_terrain *terrain, const struct jp_point *from,
+                     const struct jp_point *to)
+{
+    const struct jp_slope_cost *step = &lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS];
+    const jp_q16 cell = terrain->config.resolution;
+    const jp_q16 length = jp_distance(from, to);
+    const int32_t steps = length / cell + 1;
+    const int64_t level = jp_move_cost(step, 0);
+    int64_t cost = level * length / cell;
+    int32_t before = elevation_at(terrain, from);
+
+    for (int32_t i = 1; i <= steps; i++) {
+        const struct jp_point point = {from->x + (int32_t)((int64_t)(to->x - from->x) * i / steps),
+                                       from->y + (int32_t)((int64_t)(to->y - from->y) * i / steps)};
+        const int32_t here = elevation_at(terrain, &point);
+        const jp_cost move = jp_move_cost(step, here - before);
+
+        if (move == JP_COST_MAX) {
+            return JP_COST_MAX;
+        }
+        cost += (int64_t)move - level;
+        before = here;
+    }
+    return cost > 0 ? (jp_cost)cost : 0U;
+}

@@ -1,0 +1,100 @@
+/* What straight lines over a map cost by the prices of a lattice. */
+#include "src/map/line_cost.h"
+
+#include <joulepath/tables.h>
+#include <stdlib.h>
+
+#include "tests/support/level_map.h"
+
+enum { SIDE = 24 };
+
+static const struct jp_lattice *const lattice = &jp_lattice_courier24;
+
+void setUp(void)
+{
+    const struct jp_terrain_config map = {
+        .width = SIDE, .height = SIDE, .resolution = lattice->resolution, .has_elevation = true};
+
+    make_level_map(&map);
+}
+
+void tearDown(void)
+{
+}
+
+static struct jp_point centre(int32_t x, int32_t y)
+{
+    const jp_q16 cell = lattice->resolution;
+
+    return (struct jp_point){(2 * x + 1) * cell / 2, (2 * y + 1) * cell / 2};
+}
+
+static jp_cost cost_of(int32_t x, int32_t y, int32_t to_x, int32_t to_y)
+{
+    const struct jp_point from = centre(x, y);
+    const struct jp_point to = centre(to_x, to_y);
+
+    return jp_line_cost(lattice, &terrain, &from, &to);
+}
+
+static jp_cost cost_of_step(int32_t rise)
+{
+    return jp_move_cost(&lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], rise);
+}
+
+static void test_level_lines_cost_their_length(void)
+{
+    const jp_cost step = cost_of_step(0);
+
+    TEST_ASSERT_EQUAL_UINT32(0, cost_of(5, 5, 5, 5));
+    TEST_ASSERT_UINT32_WITHIN(1, 10 * step, cost_of(2, 3, 12, 3));
+    TEST_ASSERT_UINT32_WITHIN(1, 10 * step, cost_of(2, 13, 2, 3));
+    TEST_ASSERT_UINT32_WITHIN(1, 10 * step, cost_of(2, 3, 8, 11));
+}
+
+/* By 1/10 along x. */
+static jp_elevation slope(int32_t x, int32_t y)
+{
+    (void)y;
+    return (jp_elevation)(10 * x);
+}
+
+static void test_slopes_cost_as_the_steps_of_the_lattice(void)
+{
+    raise_map(slope);
+    /* Eleven steps of ten elevenths of a cell. */
+    TEST_ASSERT_UINT32_WITHIN(11 * 2, 10 * cost_of_step(10), cost_of(2, 3, 12, 3));
+    TEST_ASSERT_UINT32_WITHIN(11 * 2, 10 * cost_of_step(-10), cost_of(12, 3, 2, 3));
+    TEST_ASSERT_GREATER_THAN_UINT32(cost_of(12, 3, 2, 3), cost_of(2, 3, 12, 3));
+    TEST_ASSERT_UINT32_WITHIN(1, 10 * cost_of_step(0), cost_of(5, 3, 5, 13));
+}
+
+static jp_elevation step_up(int32_t x, int32_t y)
+{
+    (void)y;
+    return (jp_elevation)(x < 10 ? 0 : 1024);
+}
+
+static void test_steps_that_are_too_steep(void)
+{
+    raise_map(step_up);
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, cost_of(2, 3, 12, 3));
+    TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, cost_of(12, 3, 2, 3));
+    TEST_ASSERT_LESS_THAN_UINT32(JP_COST_MAX, cost_of(2, 3, 8, 3));
+    TEST_ASSERT_LESS_THAN_UINT32(JP_COST_MAX, cost_of(12, 3, 20, 20));
+}
+
+/* Where what comes back is more than the way takes. */
+static void test_no_line_costs_less_than_nothing(void)
+{
+    static struct jp_lattice free;
+
+    free = *lattice;
+    free.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS] = (struct jp_slope_cost){
+        .climb = {10 * 65536, 65536, 0}, .descend = {10 * 65536, 2 * 65536, 0}, .bend = 0, .rise_max = 20, .floor = 1};
+    raise_map(slope);
+    const struct jp_point from = centre(12, 3);
+    const struct jp_point to = {centre(11, 3).x + lattice->resolution / 2, centre(11, 3).y};
+
+    TEST_ASSERT_EQUAL_UINT32(0, jp_line_cost(&free, &terrain, &from, &to));
+}
