@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "sim/balancer/fault_names.h"
+#include "sim/base/parallel.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 #include "tests/support/skid_bus_trial.h"
 
 #define CAMPAIGN 10000U
