@@ -31,7 +31,6 @@
 #define TURN_MAX         2.6
 
 #define Q16     65536.0
-#define Q24     16777216.0
 #define JOULE   4294967296.0
 #define RADIANS (2 * M_PI / 4294967296.0)
 
@@ -125,13 +124,13 @@ static void draw_route(void)
     }
 }
 
-/* Every other route rounds its corners, within half of the robot's width. */
+/* Every other route rounds its corners, within half of the robot's track. */
 static void follow(unsigned number)
 {
     const struct jp_skid_pilot_route followed = {
         .targets = route.targets, .count = route.count, .slower = (uint8_t)random_below(3)};
 
-    pilot()->config.corner = number % 2 == 0 ? (jp_q24)lround(robot.model.body.overall_width_m / 2 * Q24) : 0;
+    pilot()->config.corner = number % 2 == 0 ? pilot()->config.limits.width / 2 : 0;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_follow(pilot(), &followed));
 }
 
