@@ -469,7 +469,7 @@ static void drive(struct jp_ecu *ecu, enum jp_ecu_state state)
     end_navigation(ecu);
     route = jp_route_link_take(&ecu->internal.routes, ecu->internal.operator_link.route);
     if (route != NULL) {
-        ecu->internal.robot.kind->take_up_lessons(ecu->internal.robot.self);
+        ecu->internal.robot.kind->set_out(ecu->internal.robot.self, false);
         ecu->internal.has_route =
             ecu->internal.robot.kind->follow(ecu->internal.robot.self, route->points, route->length) == JP_OK;
     }
@@ -485,7 +485,7 @@ static void navigate(struct jp_ecu *ecu, enum jp_ecu_state state)
     }
     if (ecu->internal.navigation != NULL &&
         jp_navigation_drive(ecu->internal.navigation, ecu->internal.operator_link.route)) {
-        ecu->internal.robot.kind->take_up_lessons(ecu->internal.robot.self);
+        ecu->internal.robot.kind->set_out(ecu->internal.robot.self, true);
     }
 }
 

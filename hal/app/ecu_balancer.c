@@ -175,9 +175,8 @@ static void disable(void *self)
 }
 
 /** Writes the one of the two models that the tick's telemetry does not read now, and lets it read that from then on. */
-static void take_up_lessons(void *self)
+static void take_up_lessons(struct jp_ecu_balancer *balancer)
 {
-    struct jp_ecu_balancer *balancer = self;
     struct jp_energy_model *models = balancer->internal.models;
     struct jp_energy_model *model = &models[balancer->internal.model == &models[0] ? 1 : 0];
 
@@ -185,6 +184,12 @@ static void take_up_lessons(void *self)
         jp_learner_model(&balancer->pilot.learner, model);
         __atomic_store_n(&balancer->internal.model, model, __ATOMIC_RELEASE);
     }
+}
+
+static void set_out(void *self, bool to_goal)
+{
+    (void)to_goal;
+    take_up_lessons(self);
 }
 
 static enum jp_status follow(void *self, const struct jp_point *targets, uint16_t count)
@@ -315,7 +320,7 @@ static const struct jp_ecu_kind balancer_kind = {
     .state = state,
     .enable = enable,
     .disable = disable,
-    .take_up_lessons = take_up_lessons,
+    .set_out = set_out,
     .follow = follow,
     .stop = stop,
     .work = work,

@@ -120,8 +120,8 @@ struct jp_ecu_kind {
     /** Motors on at the next tick, or why not; it is idle. */
     enum jp_refusal (*enable)(void *self);
     void (*disable)(void *self);
-    /** Plans with what it knows from now on. */
-    void (*take_up_lessons)(void *self);
+    /** A route begins, or the way to a goal on a map: it plans with what it knows from now on. */
+    void (*set_out)(void *self, bool to_goal);
     enum jp_status (*follow)(void *self, const struct jp_point *targets, uint16_t count);
     /** Forgets the route and brakes to a stand. */
     void (*stop)(void *self);

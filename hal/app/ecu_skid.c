@@ -183,14 +183,21 @@ static void disable(void *self)
 }
 
 /** Writes the one of the two models that the tick's telemetry does not read now, and lets it read that from then on. */
-static void take_up_lessons(void *self)
+static void take_up_lessons(struct jp_ecu_skid *skid)
 {
-    struct jp_ecu_skid *skid = self;
     struct jp_skid_energy_model *models = skid->internal.models;
     struct jp_skid_energy_model *model = &models[skid->internal.model == &models[0] ? 1 : 0];
 
     *model = skid->pilot.learner.model;
     __atomic_store_n(&skid->internal.model, model, __ATOMIC_RELEASE);
+}
+
+static void set_out(void *self, bool to_goal)
+{
+    struct jp_ecu_skid *skid = self;
+
+    take_up_lessons(skid);
+    jp_skid_pilot_pass_corners(&skid->pilot, to_goal ? skid->internal.goal_corner : skid->internal.corner);
 }
 
 static enum jp_status follow(void *self, const struct jp_point *targets, uint16_t count)
@@ -356,7 +363,7 @@ static const struct jp_ecu_kind skid_kind = {
     .state = state,
     .enable = enable,
     .disable = disable,
-    .take_up_lessons = take_up_lessons,
+    .set_out = set_out,
     .follow = follow,
     .stop = stop,
     .work = work,
@@ -409,7 +416,8 @@ enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_sk
         (config->stored == JP_STORED_TAKEN && config->state == NULL)) {
         return JP_ERR_ARGUMENT;
     }
-    *skid = (struct jp_ecu_skid){.internal = {.model = config->energy}};
+    *skid = (struct jp_ecu_skid){
+        .internal = {.model = config->energy, .corner = config->corner, .goal_corner = config->goal_corner}};
     status = prepare(skid, config, field);
     if (status == JP_OK) {
         skid->stored = restore(skid, config);

@@ -17,7 +17,8 @@ struct jp_ecu_skid_config {
     const struct jp_skid_energy_model *energy;
     const struct jp_skid_learning *learning;
     const struct jp_path_limits *limits;
-    jp_q24 corner;                        /**< of the pilot: how far inside a corner it may pass, m */
+    jp_q24 corner;                        /**< how far inside a corner of a route it may pass, m; 0…8 */
+    jp_q24 goal_corner;                   /**< the same on the way to a goal on a map: the navigator's margin at most */
     enum jp_stored stored;                /**< what jp_parameters_start() found */
     const struct jp_learned_state *state; /**< taken with JP_STORED_TAKEN, else it may be null; copied */
 };
@@ -37,10 +38,12 @@ struct jp_ecu_skid {
         struct jp_path_piece pieces[JP_SKID_PILOT_PIECES(JP_ROUTE_LENGTH_MAX)];
         const struct jp_skid_energy_model *model; /* that the telemetry tells */
         struct jp_skid_energy_model models[2];    /* one of them, as learned when the last route began */
-        uint8_t waking_ticks;                     /* after a reset in motion, in which it is to be enabled */
-        uint16_t begun;                           /* legs whose ends were noted */
-        uint16_t ended;                           /* legs whose results were handed over */
-        uint32_t end_tick;                        /* of the leg that is driven, as planned */
+        jp_q24 corner;
+        jp_q24 goal_corner;
+        uint8_t waking_ticks; /* after a reset in motion, in which it is to be enabled */
+        uint16_t begun;       /* legs whose ends were noted */
+        uint16_t ended;       /* legs whose results were handed over */
+        uint32_t end_tick;    /* of the leg that is driven, as planned */
         struct jp_ecu_skid_result result;
     } internal;
 };

@@ -9,11 +9,11 @@
 #define FIRMWARE_LESSONS     ROBOT_SYMBOL(jp_skid_learning_, FIRMWARE_ROBOT_NAME)
 #define FIRMWARE_PATH_LIMITS ROBOT_SYMBOL(jp_path_limits_, FIRMWARE_ROBOT_NAME)
 
-/** How far inside a corner it passes, m: a navigator's margin, else half of the width between its tracks. */
+/** How far inside a corner it passes on the way to a goal: the navigator's margin. */
 #ifdef FIRMWARE_NAVIGATES
-#define FIRMWARE_CORNER (FIRMWARE_NAVIGATION.margin * (JP_Q24_ONE / JP_Q16_ONE))
+#define FIRMWARE_GOAL_CORNER (FIRMWARE_NAVIGATION.margin * (JP_Q24_ONE / JP_Q16_ONE))
 #else
-#define FIRMWARE_CORNER (FIRMWARE_PATH_LIMITS.width / 2)
+#define FIRMWARE_GOAL_CORNER 0
 #endif
 
 static struct jp_ecu_skid skid;
@@ -42,7 +42,8 @@ enum jp_status jp_firmware_boot(struct jp_ecu *ecu, const struct jp_firmware_sta
                                               .energy = &FIRMWARE_SKID_ENERGY,
                                               .learning = &FIRMWARE_LESSONS,
                                               .limits = &FIRMWARE_PATH_LIMITS,
-                                              .corner = FIRMWARE_CORNER,
+                                              .corner = FIRMWARE_PATH_LIMITS.width / 2,
+                                              .goal_corner = FIRMWARE_GOAL_CORNER,
                                               .stored = start->stored,
                                               .state = &start->parameters->energy};
     struct jp_ecu_robot robot;

@@ -199,6 +199,12 @@ void jp_skid_pilot_stop(struct jp_skid_pilot *pilot);
  */
 enum jp_status jp_skid_pilot_work(struct jp_skid_pilot *pilot);
 
+/** How far inside a corner the routes that are planned from now on may pass, m; 0…8. Constant time. */
+static inline void jp_skid_pilot_pass_corners(struct jp_skid_pilot *pilot, jp_q24 corner)
+{
+    pilot->config.corner = corner;
+}
+
 /** The path of the route, whole while it is driven. Constant time. */
 static inline const struct jp_lattice_path *jp_skid_pilot_path(const struct jp_skid_pilot *pilot)
 {

@@ -68,12 +68,6 @@ static enum jp_status boot_balancer(void *context, struct jp_ecu *ecu, const str
 
 /* A robot that its sides steer. */
 
-/** How far inside a corner it passes: a navigator's margin, else half of the width between its tracks. */
-static jp_q24 corner_of(const struct skid_robot_entry *entry)
-{
-    return entry->navigation != NULL ? entry->navigation->margin * (JP_Q24_ONE / JP_Q16_ONE) : entry->limits->width / 2;
-}
-
 static enum jp_status navigate_skid(struct ecu_node *node, struct jp_ecu *ecu, const char **field)
 {
     struct ecu_node_skid *skid = &node->skid;
@@ -91,11 +85,14 @@ static enum jp_status boot_skid(void *context, struct jp_ecu *ecu, const struct 
 {
     struct ecu_node *node = context;
     struct ecu_node_skid *skid = &node->skid;
+    const struct jp_navigator_body *body = skid->entry->navigation;
     const struct jp_ecu_skid_config config = {.robot = skid->entry->config,
                                               .energy = skid->entry->energy,
                                               .learning = skid->entry->learning,
                                               .limits = skid->entry->limits,
-                                              .corner = corner_of(skid->entry),
+                                              .corner = skid->entry->limits->width / 2,
+                                              .goal_corner =
+                                                  body == NULL ? 0 : body->margin * (JP_Q24_ONE / JP_Q16_ONE),
                                               .stored = node->stored,
                                               .state = &node->parameters.energy};
     struct jp_ecu_robot robot;

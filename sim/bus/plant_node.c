@@ -200,8 +200,10 @@ static void step_skid(struct plant_node *node)
     const struct skid_ledger *ledger = &node->skid.plant.state.ledger;
     const double before = node->drawn_j;
 
-    node->skid.actuation =
-        world_faults_fail(&node->faults, WORLD_HAL_WRITE, node->skid.tick) ? (struct jp_actuation){0} : node->actuation;
+    node->skid.actuation = node->actuation;
+    if (world_faults_fail(&node->faults, WORLD_HAL_WRITE, node->skid.tick)) {
+        node->skid.actuation = (struct jp_actuation){0};
+    }
     skid_world_step(&node->skid);
     node->drawn_j = ledger->battery - ledger->supply;
     node->power_w = (node->drawn_j - before) / skid_world_tick_seconds(&node->skid);

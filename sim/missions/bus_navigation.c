@@ -260,16 +260,16 @@ static void switch_on(struct run *run, const struct bus_navigation_robot *robot,
     const struct skid_ground level = {NULL, NULL};
     const struct skid_ground ground = world->config.has_elevation ? skid_ground_map(world) : level;
     const struct planar_pose place = {run->start.x, run->start.y, run->start.heading};
-    struct bus_drive *drive = &run->navigation->drive;
+    struct bus_drive *bus = &run->navigation->drive;
 
     if (robot->skid != NULL) {
-        bus_drive_init_skid(drive, robot->skid, &ground, &place, run->task->seed, link);
+        bus_drive_init_skid(bus, robot->skid, &ground, &place, run->task->seed, link);
         run->body = navigation_skid_body(robot->skid);
     } else {
-        bus_drive_init(drive, robot->balancer, run->task->seed, link);
+        bus_drive_init(bus, robot->balancer, run->task->seed, link);
         run->body = navigation_body(robot->balancer);
     }
-    run->rate_hz = plant_node_rate(&drive->plant);
+    run->rate_hz = plant_node_rate(&bus->plant);
 }
 
 bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
