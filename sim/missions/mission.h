@@ -22,7 +22,7 @@ enum mission_strategy {
     /* By itself. */
     MISSION_OPTIMISED_CRUISE, /**< as MISSION_CRUISE, headings and speeds found by jp_trajectory_optimiser_work */
     /* A robot that its sides steer: jp_skid_pilot_follow, learning on the way. */
-    MISSION_ROUNDED,       /**< an arc, within half of the robot's width, where that costs less */
+    MISSION_ROUNDED,       /**< an arc, within half of the robot's track, where that costs less */
     MISSION_TURN_AND_GO,   /**< it stands and turns at each corner */
     MISSION_ROUNDED_AGAIN, /**< as MISSION_ROUNDED, with what that has learned and other noise */
     MISSION_STRATEGIES

@@ -42,6 +42,12 @@ static double joules(const struct skid_mission *run, jp_q16 energy)
     return ldexp(energy / Q16_ONE, run->robot.unit_exponent);
 }
 
+/** By the robot, J. */
+static double metered_energy(const struct skid_mission *run)
+{
+    return (double)jp_skid_robot_meter(&run->skid.controller)->battery / JOULE;
+}
+
 /** Out of the battery's terminals, electronics included, J. */
 static double plant_energy(const struct skid_mission *run)
 {
@@ -52,21 +58,14 @@ static double plant_energy(const struct skid_mission *run)
 
 /* ---- Start ---- */
 
-/** Within half of the robot's width the waypoint of a rounded corner is still under it. */
-static jp_q24 corner_of(const struct skid_mission *run)
-{
-    const bool turns = run->mission->strategy == MISSION_TURN_AND_GO;
-
-    return turns ? 0 : (jp_q24)lround(run->scenario->skid.body.overall_width_m / 2 * Q24_ONE);
-}
-
 static bool prepare_pilot(struct skid_mission *run, const struct mission *driven)
 {
     struct jp_skid_pilot *pilot = pilot_of(run);
     struct jp_skid_pilot_config config = pilot->config;
     const char *field = "";
 
-    config.corner = corner_of(run);
+    /* The waypoint of a rounded corner is still between the robot's tracks. */
+    config.corner = run->mission->strategy == MISSION_TURN_AND_GO ? 0 : config.limits.width / 2;
     config.pieces = run->pieces;
     config.places = sizeof run->pieces / sizeof run->pieces[0];
     if (jp_skid_pilot_init(pilot, &config, &run->skid.controller, &field) != JP_OK) {
@@ -138,7 +137,7 @@ static bool start(struct skid_mission *run, const struct mission *driven)
     (void)jp_path_drive_init(&run->follower, &jp_skid_robot_configuration(&run->skid.controller)->path, &field);
     jp_path_drive_begin(&run->follower, jp_skid_pilot_path(pilot_of(run)));
     run->leg_plant = plant_energy(run);
-    run->start_energy = run->robot.joules(run->robot.self);
+    run->start_energy = metered_energy(run);
     return true;
 }
 
@@ -210,7 +209,7 @@ static void log_row(const struct skid_mission *run)
                         .voltage_right = run->telemetry.voltages.right / Q16_ONE,
                         .current_left = plant->attitude.current[SKID_LEFT],
                         .current_right = plant->attitude.current[SKID_RIGHT],
-                        .energy = run->robot.joules(run->robot.self) - run->start_energy,
+                        .energy = metered_energy(run) - run->start_energy,
                         .leg = run->skid.pilot.legs_ended,
                     });
 }

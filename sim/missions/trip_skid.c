@@ -24,7 +24,6 @@
 #define CONFIDENCE 0.95
 
 #define Q16   65536.0
-#define Q24   16777216.0
 #define JOULE 4294967296.0
 #define ANGLE (2 * M_PI / 4294967296.0)
 
@@ -187,14 +186,13 @@ static void go(struct drive *drive)
 
 /* The whole. */
 
-/* Corners within half of the robot's width, as jp-mission rounds them. */
-static bool prepare_pilot(struct drive *drive, struct jp_skid_pilot *pilot, struct jp_path_piece *pieces,
-                          const struct skid_steer_model *model)
+/* Corners as jp-mission rounds them. */
+static bool prepare_pilot(struct drive *drive, struct jp_skid_pilot *pilot, struct jp_path_piece *pieces)
 {
     struct jp_skid_pilot_config config = drive->skid.pilot.config;
     const char *field = "";
 
-    config.corner = (jp_q24)lround(model->body.overall_width_m / 2 * Q24);
+    config.corner = config.limits.width / 2;
     config.pieces = pieces;
     config.places = JP_SKID_PILOT_PIECES(TRIP_LEARNING_TARGETS);
     if (jp_skid_pilot_init(pilot, &config, &drive->skid.controller, &field) != JP_OK) {
@@ -211,8 +209,8 @@ static bool prepare(struct drive *drive, const struct skid_robot_entry *entry, c
 
     drive->speed = varied->lattice.speed_m_s;
     return navigation_skid_init(&drive->skid, entry, varied, &level, &origin, drive->trip->seed, &drive->robot) &&
-           prepare_pilot(drive, &drive->skid.pilot, drive->pieces, varied) &&
-           prepare_pilot(drive, &drive->unlearned, drive->asked, varied);
+           prepare_pilot(drive, &drive->skid.pilot, drive->pieces) &&
+           prepare_pilot(drive, &drive->unlearned, drive->asked);
 }
 
 static void finish(const struct drive *drive, struct trip_skid *skid)

@@ -64,8 +64,8 @@ def test_a_route_again_is_forecast_more_surely(strategies):
     assert again["deviation_j"] < first["deviation_j"] / 2
 
 
-def test_rounded_corners_take_less_and_keep_the_waypoint_under_the_robot(driven, strategies):
-    width = {"zhang2018": 0.7, "burger": 0.178}[driven[1]["robot"]]
+def test_rounded_corners_take_less_and_keep_the_waypoint_between_the_wheels(driven, strategies):
+    width = {"zhang2018": 0.7, "burger": 0.16}[driven[1]["robot"]]
     rounded, turns = strategies["rounded"], strategies["turn_and_go"]
     assert rounded["total"]["measured_energy_j"] < turns["total"]["measured_energy_j"]
     for strategy, off in ((rounded, width / 2), (turns, 0)):
@@ -84,10 +84,18 @@ def test_sums_targets_and_logs(driven, strategies):
             assert total[key] == pytest.approx(sum(segment[key] for segment in segments))
         header, *rows = (output / strategy["log"]).read_text().splitlines()
         last = dict(zip(header.split(","), map(float, rows[-1].split(",")), strict=True))
-        assert last["t_s"] == pytest.approx(total["duration_s"], abs=0.05)
+        assert last["t_s"] == pytest.approx(total["duration_s"], abs=0.1)
         assert last["energy_j"] == pytest.approx(total["measured_energy_j"], rel=0.01)
         assert abs(last["speed_m_s"]) < 0.05 and last["pitch_deg"] == 0
         assert len(rows) == pytest.approx(total["duration_s"] * 50, rel=0.02)
+
+
+def test_a_corner_of_hardly_any_angle_leads_on_to_the_next_target(tmp_path):
+    scenario = write_scenario(tmp_path / "slight.cfg", (1.5, 0.0), (3.0, 0.0008), (4.5, 0.0), robot="zhang2018")
+    for strategy in drive(tmp_path / "out", scenario)["strategies"]:
+        for segment in strategy["segments"]:
+            assert segment["end_error_m"] < 0.1
+            assert segment["planned_energy_j"] > 80
 
 
 def test_alone_it_drives_as_the_robot_does(tmp_path):
@@ -129,11 +137,9 @@ def test_a_line_that_is_too_long_says_how_long_it_may_be(tmp_path):
     assert_one_line_error(run("jp-mission", scenario, "--output", tmp_path / "out"), "short", "at most 64 m")
 
 
-@pytest.mark.parametrize("program", ["jp-front", "jp-plant"])
-def test_programs_for_balancers_say_so(tmp_path, program):
+def test_programs_for_balancers_say_so(tmp_path):
     scenario = short(tmp_path / "short.cfg", "zhang2018")
-    options = ["--bus", f"pty:{tmp_path / 'bus'}"] if program == "jp-plant" else ["--output", tmp_path / "out"]
-    assert_one_line_error(run(program, scenario, *options), "zhang2018 is no balancer", "jp-mission")
+    assert_one_line_error(run("jp-front", scenario, "--output", tmp_path / "out"), "zhang2018 is no balancer", "jp-mission")
 
 
 def test_other_kinds_are_refused(tmp_path):
