@@ -8,8 +8,9 @@
 #include <string.h>
 
 #include "sim/balancer/variation.h"
-#include "tests/bench/figures.h"
 #include "sim/base/parallel.h"
+#include "sim/base/progress.h"
+#include "tests/bench/figures.h"
 #include "tests/support/chain.h"
 
 enum {
