@@ -12,10 +12,10 @@ const struct jp_skid_learning jp_skid_learning_burger = {
             10011, /* 0.1527525 of the weight */
             7567,  /* 0.1154701 of the electronics */
         },
-    .noise = 150,            /* 0.004588273 J */
-    .noise_relative = 4,     /* 6.188858e-05 of the energy */
-    .noise_slopes = 6328,    /* 0.0965636 of the work of slopes */
-    .spread = 65536,         /* 1 of single legs beyond their noise */
-    .memory = 64U,           /* legs */
-    .identity = 1106538341U, /* of the numbers above */
+    .noise = 152,           /* 0.004632166 J */
+    .noise_relative = 4,    /* 6.248061e-05 of the energy */
+    .noise_slopes = 6389,   /* 0.09748735 of the work of slopes */
+    .spread = 82327,        /* 1.256212 of single legs beyond their noise */
+    .memory = 64U,          /* legs */
+    .identity = 947007203U, /* of the numbers above */
 };

@@ -27,6 +27,9 @@ NOISE_START = (1, 0.01, 0.01)
 ROUNDS = 3
 LEAST_PART = 1e-6  # of the noise, J and shares
 INSIDE, INSIDE_DEVIATIONS = 0.95, 1.959964
+# Single legs are as far from the model as a normal distribution whose share SURE is within that of theirs: the slides of a
+# steep slope must not pass for another ground.
+SURE, SURE_DEVIATIONS = 0.99, 2.575829
 
 
 def deviations():
@@ -209,7 +212,8 @@ def learn(model, legs):
         plans = [plan(model, noise, legs, part) for part in range(PLANS)]
         of_plans, of_legs = surprises(plans, noise)
         scale = float(np.quantile(np.abs(of_plans), INSIDE)) / INSIDE_DEVIATIONS
-        noise = Noise(scale * noise.parts, max(math.sqrt(np.mean(of_legs**2)) / scale, 1.0))
+        spread = float(np.quantile(np.abs(of_legs), SURE)) / SURE_DEVIATIONS
+        noise = Noise(scale * noise.parts, max(spread / scale, 1.0))
     plans = [plan(model, noise, legs, part) for part in range(PLANS)]
     before = legs.energies(model, np.ones((legs.shape[0], skid_model.FACTORS))).sum(axis=1) / legs.measured.sum(axis=1) - 1
     return Learning(deviations(), noise, before, np.concatenate([made.errors() for made in plans]),
