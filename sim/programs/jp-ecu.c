@@ -238,6 +238,10 @@ static bool start(struct ecu_node *node, const struct arguments *arguments, cons
     const struct robot_entry *entry = skid != NULL ? NULL : rig_find_robot(arguments->robot);
     const struct jp_energy_model *model = entry == NULL ? NULL : model_of(arguments, entry);
 
+    if (skid != NULL && arguments->published) {
+        error_line("--model published is of gao2018, not of %s; leave it out", arguments->robot);
+        return false;
+    }
     if (skid != NULL) {
         return ecu_node_init_skid(node, skid, bus, record, arguments->parameters);
     }

@@ -240,7 +240,13 @@ static bool start_ecu(const struct lattice_robot *robot, struct jp_can_link *lin
     }
     const struct skid_robot_entry *entry = skid_robot_find(robot->name);
 
-    return entry != NULL && local_ecu_start_skid(&ecu, entry, link);
+    if (entry == NULL || entry->navigation == NULL) {
+        error_line("%s: --bus: its ECU has no navigator; leave it out, or give the robot file a section navigation and "
+                   "run make lattice ROBOT=%s",
+                   robot->name, robot->name);
+        return false;
+    }
+    return local_ecu_start_skid(&ecu, entry, link);
 }
 
 static bool drive_on_bus(const struct arguments *arguments, const struct lattice_robot *robot,

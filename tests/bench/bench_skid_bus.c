@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "sim/balancer/fault_names.h"
+#include "sim/base/parallel.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 #include "tests/support/skid_bus_trial.h"
 
 #define CAMPAIGN 10000U
@@ -122,7 +122,7 @@ static size_t count_end(const struct campaign *campaign, enum skid_bus_end end)
 
 static void print_figures(const struct campaign *campaign)
 {
-    static const char command[] = "build/bench/bench_skid_bus";
+    static const char command[] = "make bench-skid-bus";
     json_t *figures = json_array();
     double stop = 0;
     size_t thrown = 0;

@@ -97,6 +97,16 @@ def test_over_the_bus_it_arrives_too(hall, tmp_path):
     assert summary["bus"]["fingerprint"] in result.stdout
 
 
+def test_a_robot_that_its_sides_steer_arrives_over_the_bus(tmp_path):
+    hall = write_map(tmp_path / "hall.json", room(100, 80, [(48, 36, 4, 44)]), resolution=0.05)
+    result = navigate(hall, tmp_path / "out", "--start=1,1,90", "--goal=4,3", "--hidden=2", "--view=1", "--seed=3",
+                      "--bus=in-process", robot=ROOT / "sim/robots/burger.cfg")
+    assert (result.returncode, result.stderr) == (0, "")
+    drive = summary_of(tmp_path / "out")["result"]
+    assert (drive["state"], drive["touched"]) == ("arrived", False)
+    assert drive["goal_error_m"] < 0.1
+
+
 def test_over_the_bus_it_says_what_is_refused_or_unreachable(tmp_path):
     closed = write_map(tmp_path / "closed.json", room(100, 60, [(45, 0, 2, 60)]), resolution=CELL)
     result = navigate(closed, tmp_path / "out", *TASK, "--hidden=0", "--bus=in-process")

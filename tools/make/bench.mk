@@ -184,6 +184,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-intervals
 	@$(MAKE) bench-logs
 	@$(MAKE) bench-restart
+	@$(MAKE) bench-skid-bus
 	@$(MAKE) bench-image
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
