@@ -1,7 +1,6 @@
 #include "hal/app/ecu.h"
 
 #include <joulepath/count.h>
-#include <string.h>
 
 #include "hal/app/telemetry.h"
 #include "hal/can/jp_can.h"
@@ -9,12 +8,8 @@
 /** Without a frame of another controller for so long it is gone, ms. */
 #define CONFLICT_MS 500U
 
-/** Frames that announce a planned segment. */
-#define PLAN_FRAMES 3U
-
-/** A report of what was learned is so many frames, and is sent at least so often, s⁻¹. */
-#define LEARNED_FRAMES 2U
-#define LEARNED_RATE   1U
+/** What was learned is reported at least so often, s⁻¹. */
+#define LEARNED_RATE 1U
 
 static void count8(uint8_t *count)
 {
@@ -23,10 +18,10 @@ static void count8(uint8_t *count)
 
 static uint32_t tick_rate(const struct jp_ecu *ecu)
 {
-    return jp_robot_configuration(&ecu->robot)->estimator.tick_rate;
+    return ecu->internal.robot.tick_rate;
 }
 
-/* The board, as jp_hal_tick() sees it. */
+/* The board, as the robot's tick sees it. */
 
 static void send(struct jp_ecu *ecu, const struct jp_can_frame *frame, bool *sent)
 {
@@ -39,7 +34,7 @@ static void send(struct jp_ecu *ecu, const struct jp_can_frame *frame, bool *sen
 static enum jp_status read_sample(void *context, struct jp_sensors *sensors)
 {
     struct jp_ecu *ecu = context;
-    const struct jp_sensors *good = jp_robot_good_frame(&ecu->robot);
+    const struct jp_sensors *good = ecu->internal.robot.kind->good_frame(ecu->internal.robot.self);
 
     return jp_sample_link_read(&ecu->internal.samples, good != NULL ? good : &ecu->internal.samples.sample, sensors);
 }
@@ -52,7 +47,7 @@ static enum jp_status write_motor_command(void *context, const struct jp_actuati
     struct jp_can_frame frame;
     bool sent;
 
-    ecu->internal.owns_bridges = ecu->internal.owns_bridges || actuation->enabled != 0U;
+    ecu->internal.owns_bridges = ecu->internal.owns_bridges || jp_ecu_runs(ecu);
     if (!ecu->internal.owns_bridges && ecu->internal.conflict_ticks > 0U) {
         return JP_OK;
     }
@@ -63,68 +58,41 @@ static enum jp_status write_motor_command(void *context, const struct jp_actuati
     } else {
         ecu->internal.unsent = jp_one_more16(ecu->internal.unsent);
     }
-    return ecu->internal.unsent > JP_SAMPLE_HOLD_TICKS ? JP_ERR_HARDWARE : JP_OK;
+    return ecu->internal.unsent > ecu->internal.samples.hold_ticks ? JP_ERR_HARDWARE : JP_OK;
 }
 
 /* Start. */
 
-static bool within(int64_t value, int64_t limit)
-{
-    return value >= -limit && value <= limit;
-}
-
-/** Whether the motors ran, and the record can be this robot's: its check alone may also be right by chance, or because
- *  another firmware wrote it. */
-static bool can_go_on(const struct jp_robot_config *config, const struct jp_snapshot *snapshot)
-{
-    const struct jp_estimator *estimator = &snapshot->estimator;
-    const struct jp_odometry *odometry = &snapshot->odometry;
-    uint8_t balancing;
-
-    /* A bool must not be read before it is known to be one. */
-    memcpy(&balancing, &snapshot->balancing, sizeof balancing);
-    return balancing == 1U && estimator->phase_per_rate == jp_phase_per_rate(config->estimator.tick_rate) &&
-           within(estimator->gyro_bias, (int64_t)JP_PHASE_TURN) && within(odometry->x, INT64_MAX / 2) &&
-           within(odometry->y, INT64_MAX / 2) && odometry->metres_per_turn == config->metres_per_turn;
-}
-
 /** After a reset in motion nobody has commanded anything yet: the robot stands and waits. */
 static void resume(struct jp_ecu *ecu, const struct jp_retained_slot *record)
 {
+    uint32_t encoder_left;
+    uint32_t encoder_right;
+
     ecu->resets = record->resets + 1U;
-    if (!can_go_on(jp_robot_configuration(&ecu->robot), &record->snapshot)) {
+    if (record->kind != (uint32_t)ecu->internal.robot.kind->snapshots ||
+        !ecu->internal.robot.kind->resume(ecu->internal.robot.self, &record->snapshot, &encoder_left, &encoder_right)) {
         return;
     }
-    jp_robot_resume(&ecu->robot, &record->snapshot);
     /* A sample holds only the low bits of the counts; they go on from those of the record. */
-    jp_sample_link_resume(&ecu->internal.samples, record->snapshot.estimator.encoder_left,
-                          record->snapshot.estimator.encoder_right);
+    jp_sample_link_resume(&ecu->internal.samples, encoder_left, encoder_right);
     ecu->internal.operator_link.mode = JP_MODE_STAND;
     ecu->internal.operator_link.state = JP_OPERATOR_LOST;
 }
 
-enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_robot_config *config,
-                           const struct jp_energy_model *model, const struct jp_can_port *port,
-                           struct jp_retained *retained, const char **field)
+enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_ecu_robot *robot, const struct jp_can_port *port,
+                           struct jp_retained *retained)
 {
     const struct jp_retained_slot *record;
-    enum jp_status status;
 
-    if (ecu == NULL || model == NULL || port == NULL) {
+    if (ecu == NULL || robot == NULL || port == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *ecu = (struct jp_ecu){.internal = {.port = *port, .retained = retained, .model = model}};
-    status = jp_robot_init(&ecu->robot, config, field);
-    if (status == JP_OK) {
-        status = jp_pilot_init(&ecu->pilot, &(struct jp_pilot_config){.model = model}, &ecu->robot, field);
-    }
-    if (status != JP_OK) {
-        return status;
-    }
+    *ecu = (struct jp_ecu){.internal = {.robot = *robot, .port = *port, .retained = retained}};
     ecu->internal.hal = (struct jp_hal){.context = ecu, .read = read_sample, .write = write_motor_command};
-    jp_sample_link_start(&ecu->internal.samples, &config->monitor);
-    jp_operator_link_start(&ecu->internal.operator_link, config->estimator.tick_rate);
-    jp_route_link_start(&ecu->internal.routes, config->estimator.tick_rate);
+    jp_sample_link_start(&ecu->internal.samples, robot->monitor, robot->tick_rate);
+    jp_operator_link_start(&ecu->internal.operator_link, robot->tick_rate);
+    jp_route_link_start(&ecu->internal.routes, robot->tick_rate);
     record = retained == NULL ? NULL : jp_retained_newest(retained);
     if (record != NULL) {
         resume(ecu, record);
@@ -143,49 +111,6 @@ void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *repor
     ecu->internal.reset_report = report;
 }
 
-/** jp_parameters_start() has checked the stored state, but not whether it was learned with these tables. */
-static enum jp_stored restore(struct jp_ecu *ecu, const struct jp_ecu_learning *learning)
-{
-    const char *field;
-
-    if (learning->stored != JP_STORED_TAKEN) {
-        return learning->stored;
-    }
-    if (jp_learner_restore(&ecu->pilot.learner, learning->state, &field) == JP_OK) {
-        return JP_STORED_TAKEN;
-    }
-    return learning->state->identity == 0U ? JP_STORED_NOTHING : JP_STORED_OTHER_TABLES;
-}
-
-/** Writes the one of the two models that the tick's telemetry does not read now, and lets it read that from then on. */
-static void tell_learned_model(struct jp_ecu *ecu)
-{
-    struct jp_energy_model *model = &ecu->internal.models[ecu->internal.model == &ecu->internal.models[0] ? 1 : 0];
-
-    jp_learner_model(&ecu->pilot.learner, model);
-    __atomic_store_n(&ecu->internal.model, model, __ATOMIC_RELEASE);
-}
-
-enum jp_status jp_ecu_learn(struct jp_ecu *ecu, const struct jp_ecu_learning *learning, const char **field)
-{
-    if (ecu == NULL || learning == NULL || learning->learning == NULL ||
-        (learning->stored == JP_STORED_TAKEN && learning->state == NULL)) {
-        return JP_ERR_ARGUMENT;
-    }
-
-    const struct jp_pilot_config config = {.model = ecu->internal.model,
-                                           .learning = learning->learning,
-                                           .meter = learning->of_battery ? JP_PILOT_BATTERY : JP_PILOT_MOTORS};
-    const enum jp_status status = jp_pilot_init(&ecu->pilot, &config, &ecu->robot, field);
-
-    if (status == JP_OK) {
-        ecu->stored = restore(ecu, learning);
-        tell_learned_model(ecu);
-        ecu->learns = true;
-    }
-    return status;
-}
-
 void jp_ecu_navigate(struct jp_ecu *ecu, struct jp_navigation *navigation)
 {
     ecu->internal.navigation = navigation;
@@ -193,7 +118,27 @@ void jp_ecu_navigate(struct jp_ecu *ecu, struct jp_navigation *navigation)
 
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu)
 {
-    return ecu->learns ? &ecu->pilot.learner.state : NULL;
+    return ecu->internal.robot.kind->learned_state(ecu->internal.robot.self);
+}
+
+void jp_ecu_lessons(const struct jp_ecu *ecu, struct jp_ecu_lessons *lessons)
+{
+    ecu->internal.robot.kind->lessons(ecu->internal.robot.self, lessons);
+}
+
+enum jp_ecu_state jp_ecu_state_now(const struct jp_ecu *ecu)
+{
+    return ecu->internal.robot.kind->state(ecu->internal.robot.self);
+}
+
+static bool runs(enum jp_ecu_state state)
+{
+    return state == JP_ECU_STANDING || state == JP_ECU_DRIVING;
+}
+
+bool jp_ecu_runs(const struct jp_ecu *ecu)
+{
+    return runs(jp_ecu_state_now(ecu));
 }
 
 /* Frames that arrive. */
@@ -236,6 +181,8 @@ static const struct {
     {JP_CAN_BATTERY_STATUS_FRAME_ID, JP_CAN_BATTERY_STATUS_LENGTH, OTHERS},
     {JP_CAN_LEARNED_FRAME_ID, JP_CAN_LEARNED_LENGTH, OWN},
     {JP_CAN_LEARNER_STATUS_FRAME_ID, JP_CAN_LEARNER_STATUS_LENGTH, OWN},
+    {JP_CAN_LEARNED_FACTORS_FRAME_ID, JP_CAN_LEARNED_FACTORS_LENGTH, OWN},
+    {JP_CAN_LEARNED_DEVIATIONS_FRAME_ID, JP_CAN_LEARNED_DEVIATIONS_LENGTH, OWN},
     {JP_CAN_MAP_STATUS_FRAME_ID, JP_CAN_MAP_STATUS_LENGTH, OWN},
     {JP_CAN_NAVIGATION_STATUS_FRAME_ID, JP_CAN_NAVIGATION_STATUS_LENGTH, OWN},
     {JP_CAN_NAVIGATION_PROGRESS_FRAME_ID, JP_CAN_NAVIGATION_PROGRESS_LENGTH, OWN},
@@ -335,11 +282,11 @@ static void watch_bus(struct jp_ecu *ecu)
 
 static void retain(struct jp_ecu *ecu)
 {
-    struct jp_snapshot snapshot;
+    union jp_retained_snapshot snapshot;
 
     if (ecu->internal.retained != NULL) {
-        jp_robot_snapshot(&ecu->robot, &snapshot);
-        jp_retained_write(ecu->internal.retained, &snapshot, ecu->resets);
+        ecu->internal.robot.kind->snapshot(ecu->internal.robot.self, &snapshot);
+        jp_retained_write(ecu->internal.retained, ecu->internal.robot.kind->snapshots, &snapshot, ecu->resets);
     }
 }
 
@@ -359,7 +306,7 @@ void jp_ecu_tick(struct jp_ecu *ecu)
     watch_bus(ecu);
     /* Before the first sample there is nothing to control, and that is no fault. */
     if (ecu->internal.has_board || ecu->internal.samples.started) {
-        jp_hal_tick(&ecu->internal.hal, &ecu->robot, &ecu->internal.written);
+        ecu->internal.robot.kind->tick(ecu->internal.robot.self, &ecu->internal.hal, &ecu->internal.written);
         retain(ecu);
     }
     send_telemetry(ecu);
@@ -456,7 +403,7 @@ static void end_navigation(struct jp_ecu *ecu)
 
 static void end_route(struct jp_ecu *ecu, enum jp_route_reason reason)
 {
-    jp_pilot_stop(&ecu->pilot);
+    ecu->internal.robot.kind->stop(ecu->internal.robot.self);
     ecu->internal.has_route = false;
     jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, reason);
 }
@@ -473,26 +420,26 @@ static void switch_off(struct jp_ecu *ecu)
 {
     end_navigation(ecu);
     end_route(ecu, JP_REASON_SWITCHED_OFF);
-    jp_robot_disable(&ecu->robot);
+    ecu->internal.robot.kind->disable(ecu->internal.robot.self);
 }
 
 /** Motors on, or why not. */
-static enum jp_refusal stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
+static enum jp_refusal stand_up(struct jp_ecu *ecu, enum jp_ecu_state state)
 {
-    if (state == JP_ROBOT_FALLEN) {
+    if (state == JP_ECU_FALLEN) {
         return JP_REFUSAL_FALLEN;
     }
-    if (state == JP_ROBOT_FAULT) {
+    if (state == JP_ECU_FAULT) {
         return JP_REFUSAL_FAULT;
     }
     if (ecu->internal.conflict_ticks > 0U) {
         return JP_REFUSAL_CONFLICT;
     }
-    return jp_robot_enable(&ecu->robot) == JP_OK ? JP_REFUSAL_NONE : JP_REFUSAL_NOT_UPRIGHT;
+    return ecu->internal.robot.kind->enable(ecu->internal.robot.self);
 }
 
 /** Each command is refused anew. */
-static void try_to_stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
+static void try_to_stand_up(struct jp_ecu *ecu, enum jp_ecu_state state)
 {
     const enum jp_refusal refusal = stand_up(ecu, state);
 
@@ -502,50 +449,47 @@ static void try_to_stand_up(struct jp_ecu *ecu, enum jp_robot_state state)
     }
 }
 
-static void stand(struct jp_ecu *ecu, enum jp_robot_state state)
+static void stand(struct jp_ecu *ecu, enum jp_ecu_state state)
 {
     jp_route_link_forget_goal(&ecu->internal.routes);
-    if (state == JP_ROBOT_DRIVING || ecu->internal.has_route || is_navigating(ecu)) {
+    if (state == JP_ECU_DRIVING || ecu->internal.has_route || is_navigating(ecu)) {
         stop(ecu);
-    } else if (state != JP_ROBOT_BALANCING && ecu->internal.operator_link.state == JP_OPERATOR_ALIVE) {
+    } else if (state != JP_ECU_STANDING && ecu->internal.operator_link.state == JP_OPERATOR_ALIVE) {
         try_to_stand_up(ecu, state);
     }
 }
 
-static void drive(struct jp_ecu *ecu, enum jp_robot_state state)
+static void drive(struct jp_ecu *ecu, enum jp_ecu_state state)
 {
     const struct jp_route_message *route;
 
-    if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
+    if (!runs(state)) {
         return;
     }
     end_navigation(ecu);
     route = jp_route_link_take(&ecu->internal.routes, ecu->internal.operator_link.route);
     if (route != NULL) {
-        if (ecu->learns) {
-            tell_learned_model(ecu);
-        }
-        const struct jp_pilot_route to_drive = {.targets = route->points, .count = route->length, .end = JP_PILOT_PASS};
-
-        ecu->internal.has_route = jp_pilot_follow(&ecu->pilot, &to_drive) == JP_OK;
+        ecu->internal.robot.kind->take_up_lessons(ecu->internal.robot.self);
+        ecu->internal.has_route =
+            ecu->internal.robot.kind->follow(ecu->internal.robot.self, route->points, route->length) == JP_OK;
     }
 }
 
-static void navigate(struct jp_ecu *ecu, enum jp_robot_state state)
+static void navigate(struct jp_ecu *ecu, enum jp_ecu_state state)
 {
-    if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
+    if (!runs(state)) {
         return;
     }
     if (ecu->internal.has_route) {
         end_route(ecu, JP_REASON_COMMAND);
     }
     if (ecu->internal.navigation != NULL &&
-        jp_navigation_drive(ecu->internal.navigation, ecu->internal.operator_link.route) && ecu->learns) {
-        tell_learned_model(ecu);
+        jp_navigation_drive(ecu->internal.navigation, ecu->internal.operator_link.route)) {
+        ecu->internal.robot.kind->take_up_lessons(ecu->internal.robot.self);
     }
 }
 
-static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
+static void obey(struct jp_ecu *ecu, enum jp_ecu_state state)
 {
     switch (ecu->internal.operator_link.mode) {
     case JP_MODE_STAND:
@@ -567,16 +511,22 @@ static void obey(struct jp_ecu *ecu, enum jp_robot_state state)
     }
 }
 
+static enum jp_status plan_of(const struct jp_ecu *ecu)
+{
+    struct jp_ecu_progress progress;
+
+    ecu->internal.robot.kind->progress(ecu->internal.robot.self, &progress);
+    return progress.plan;
+}
+
 /** Notices that the route has ended. */
 static void watch_route(struct jp_ecu *ecu)
 {
-    const enum jp_robot_state state = jp_robot_state_now(&ecu->robot);
-
-    if (state != JP_ROBOT_BALANCING && state != JP_ROBOT_DRIVING) {
+    if (!jp_ecu_runs(ecu)) {
         ecu->internal.has_route = false;
         jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
-    } else if (ecu->internal.has_route && ecu->pilot.phase == JP_PILOT_RESTING) {
-        const bool is_done = ecu->pilot.status == JP_OK;
+    } else if (ecu->internal.has_route && ecu->internal.robot.kind->is_resting(ecu->internal.robot.self)) {
+        const bool is_done = plan_of(ecu) == JP_OK;
 
         ecu->internal.has_route = false;
         jp_route_link_end(&ecu->internal.routes, is_done ? JP_ROUTE_DONE : JP_ROUTE_STOPPED,
@@ -590,73 +540,80 @@ static void work(struct jp_ecu *ecu)
     struct jp_navigation *navigation = ecu->internal.navigation;
 
     if (navigation == NULL || !jp_navigation_work(navigation, ecu->internal.worked_tick, tick_rate(ecu))) {
-        (void)jp_pilot_work(&ecu->pilot);
+        ecu->internal.robot.kind->work(ecu->internal.robot.self);
     }
 }
 
-/** Drives on, and announces each leg that was planned. */
-static void pilot(struct jp_ecu *ecu, const struct jp_telemetry *telemetry)
+static bool was_sent(const struct jp_ecu_report *report)
 {
-    const uint16_t planned = ecu->pilot.targets_planned;
+    return __atomic_load_n(&report->left, __ATOMIC_ACQUIRE) == 0U;
+}
 
-    if (__atomic_load_n(&ecu->internal.plan.frames_left, __ATOMIC_ACQUIRE) != 0U) {
+static void hand_over(struct jp_ecu_report *report, unsigned frames)
+{
+    __atomic_store_n(&report->left, (uint8_t)frames, __ATOMIC_RELEASE);
+}
+
+/** Drives on, and announces each segment that was planned. */
+static void pilot(struct jp_ecu *ecu)
+{
+    const uint16_t planned = ecu->internal.robot.kind->segments_planned(ecu->internal.robot.self);
+    const uint16_t begun = ecu->internal.robot.kind->segments_begun(ecu->internal.robot.self);
+    struct jp_ecu_segment segment;
+
+    if (!was_sent(&ecu->internal.plan)) {
         return;
     }
     work(ecu);
-    if (ecu->pilot.targets_planned > planned) {
-        const uint16_t begun = telemetry->state == JP_ROBOT_DRIVING ? telemetry->segment : 0;
-
-        ecu->internal.plan.segment = (uint8_t)(begun < UINT8_MAX ? begun + 1U : UINT8_MAX);
-        __atomic_store_n(&ecu->internal.plan.frames_left, (uint8_t)PLAN_FRAMES, __ATOMIC_RELEASE);
+    ecu->internal.robot.kind->note(ecu->internal.robot.self);
+    if (ecu->internal.robot.kind->segments_planned(ecu->internal.robot.self) > planned) {
+        ecu->internal.robot.kind->segment(ecu->internal.robot.self, begun, &segment);
+        hand_over(&ecu->internal.plan, jp_telemetry_segment(&segment, ecu->internal.plan.frames));
     }
 }
 
-static void report_learned(struct jp_ecu *ecu)
+static void report_learned(struct jp_ecu *ecu, const struct jp_ecu_lessons *lessons)
 {
-    const struct jp_learner *learner = &ecu->pilot.learner;
-    struct jp_ecu_learned *learned = &ecu->internal.learned;
+    struct jp_ecu_report *report = &ecu->internal.learned;
+    struct jp_can_frame own[JP_ECU_LEARNED_FRAMES];
+    const unsigned count = ecu->internal.robot.kind->tell_learned(ecu->internal.robot.self, own);
 
-    jp_learner_causes(learner, &learned->friction, &learned->payload);
-    jp_learner_cause_deviations(learner, &learned->friction_deviation, &learned->payload_deviation);
-    learned->version = learner->state.version;
-    learned->changes = learner->changes;
-    learned->outliers = learner->outliers;
-    learned->left_out = ecu->pilot.legs_left_out;
-    learned->cause = learner->cause;
-    learned->evidence = ecu->pilot.evidence;
-    __atomic_store_n(&learned->frames_left, (uint8_t)LEARNED_FRAMES, __ATOMIC_RELEASE);
+    jp_telemetry_lessons(lessons, &report->frames[0]);
+    for (unsigned i = 0; i < count; i++) {
+        report->frames[count - i] = own[i];
+    }
+    hand_over(report, count + 1U);
 }
 
-/** Reports what was learned when a leg has ended, and at LEARNED_RATE. */
+/** Reports what was learned when a segment has ended, and at LEARNED_RATE. */
 static void tell_learned(struct jp_ecu *ecu)
 {
-    const uint32_t legs = ecu->pilot.legs_learned_from + ecu->pilot.legs_left_out;
+    struct jp_ecu_lessons lessons;
 
-    if (legs == ecu->internal.segments_told &&
+    jp_ecu_lessons(ecu, &lessons);
+
+    const uint32_t segments = lessons.learned_from + lessons.left_out;
+
+    if (segments == ecu->internal.segments_told &&
         ecu->internal.worked_tick - ecu->internal.told_tick < tick_rate(ecu) / LEARNED_RATE) {
         return;
     }
-    if (__atomic_load_n(&ecu->internal.learned.frames_left, __ATOMIC_ACQUIRE) == 0U) {
-        report_learned(ecu);
-        ecu->internal.segments_told = legs;
+    if (was_sent(&ecu->internal.learned)) {
+        report_learned(ecu, &lessons);
+        ecu->internal.segments_told = segments;
         ecu->internal.told_tick = ecu->internal.worked_tick;
     }
 }
 
 void jp_ecu_work(struct jp_ecu *ecu)
 {
-    struct jp_telemetry telemetry;
-
     ecu->internal.told_to_stand = false;
     take_commands(ecu);
     pass_time(ecu);
-    if (!jp_robot_telemetry(&ecu->robot, &telemetry)) {
-        return;
-    }
-    obey(ecu, telemetry.state);
-    pilot(ecu, &telemetry);
+    obey(ecu, jp_ecu_state_now(ecu));
+    pilot(ecu);
     watch_route(ecu);
-    if (ecu->learns) {
+    if (jp_ecu_learned_state(ecu) != NULL) {
         tell_learned(ecu);
     }
 }

@@ -6,77 +6,32 @@ static enum jp_status send(void *context, const struct jp_can_frame *frame)
 {
     struct jp_lockstep *lockstep = context;
 
-    return lockstep->bus_off ? JP_ERR_HARDWARE : lockstep->bus.send(lockstep->bus.context, frame);
+    return lockstep->bus_off ? JP_ERR_HARDWARE : lockstep->config.bus.send(lockstep->config.bus.context, frame);
 }
 
 static enum jp_can_state state(void *context)
 {
     struct jp_lockstep *lockstep = context;
 
-    return lockstep->bus_off ? JP_CAN_BUS_OFF : lockstep->bus.state(lockstep->bus.context);
+    return lockstep->bus_off ? JP_CAN_BUS_OFF : lockstep->config.bus.state(lockstep->config.bus.context);
 }
 
 static enum jp_status boot(struct jp_lockstep *lockstep, const char **field)
 {
     const struct jp_can_port port = {.context = lockstep, .send = send, .state = state};
 
-    return jp_ecu_init(&lockstep->ecu, lockstep->config, lockstep->model, &port, lockstep->retained, field);
+    return lockstep->config.boot(lockstep->config.context, &lockstep->ecu, &port, field);
 }
 
-enum jp_status jp_lockstep_start(struct jp_lockstep *lockstep, const struct jp_robot_config *config,
-                                 const struct jp_energy_model *model, const struct jp_can_port *bus,
-                                 struct jp_retained *retained, void (*tick)(struct jp_ecu *ecu), const char **field)
-{
-    if (lockstep == NULL || bus == NULL || retained == NULL || tick == NULL) {
-        return JP_ERR_ARGUMENT;
-    }
-    *lockstep = (struct jp_lockstep){
-        .config = config, .model = model, .bus = *bus, .retained = retained, .tick = tick, .running = true};
-    return boot(lockstep, field);
-}
-
-enum jp_status jp_lockstep_learn(struct jp_lockstep *lockstep, const struct jp_ecu_learning *learning,
+enum jp_status jp_lockstep_start(struct jp_lockstep *lockstep, const struct jp_lockstep_config *config,
                                  const char **field)
 {
-    if (lockstep == NULL) {
+    if (lockstep == NULL || config == NULL || config->boot == NULL || config->tick == NULL ||
+        config->retained == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-
-    const enum jp_status status = jp_ecu_learn(&lockstep->ecu, learning, field);
-
-    if (status == JP_OK) {
-        lockstep->learning = *learning;
-    }
-    return status;
-}
-
-enum jp_status jp_lockstep_navigate(struct jp_lockstep *lockstep, struct jp_navigation *navigation,
-                                    const struct jp_navigation_config *config, const char **field)
-{
-    if (lockstep == NULL) {
-        return JP_ERR_ARGUMENT;
-    }
-
-    const enum jp_status status = jp_navigation_init(navigation, config, &lockstep->ecu.pilot, field);
-
-    if (status == JP_OK) {
-        lockstep->navigation = navigation;
-        lockstep->navigation_config = *config;
-        jp_ecu_navigate(&lockstep->ecu, navigation);
-    }
-    return status;
-}
-
-/** As at the first start, whose configurations were accepted, so that this one succeeds. */
-static void boot_again(struct jp_lockstep *lockstep)
-{
-    const char *field;
-
-    (void)boot(lockstep, &field);
-    (void)jp_ecu_learn(&lockstep->ecu, &lockstep->learning, &field);
-    if (lockstep->navigation != NULL) {
-        (void)jp_lockstep_navigate(lockstep, lockstep->navigation, &lockstep->navigation_config, &field);
-    }
+    *lockstep = (struct jp_lockstep){.config = *config, .running = true};
+    return boot(lockstep, field);
 }
 
 static void answer(struct jp_lockstep *lockstep, uint32_t tick)
@@ -85,24 +40,25 @@ static void answer(struct jp_lockstep *lockstep, uint32_t tick)
     const struct jp_can_sim_done_t signals = {.tick = tick};
 
     (void)jp_can_sim_done_pack(frame.data, &signals, sizeof frame.data);
-    (void)lockstep->bus.send(lockstep->bus.context, &frame);
+    (void)lockstep->config.bus.send(lockstep->config.bus.context, &frame);
 }
 
 static void take_time(struct jp_lockstep *lockstep, const struct jp_can_sim_time_t *time)
 {
     const bool was_running = lockstep->running;
+    const char *field;
 
     lockstep->bus_off = time->bus_off != 0U;
     lockstep->running = time->power != 0U && time->reset == 0U;
     if (time->power == 0U) {
-        *lockstep->retained = (struct jp_retained){0};
+        *lockstep->config.retained = (struct jp_retained){0};
     }
     if (lockstep->running && !was_running) {
-        boot_again(lockstep);
+        (void)boot(lockstep, &field);
     }
     if (lockstep->running) {
         jp_ecu_work(&lockstep->ecu);
-        lockstep->tick(&lockstep->ecu);
+        lockstep->config.tick(&lockstep->ecu);
     }
 }
 

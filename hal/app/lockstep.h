@@ -15,37 +15,30 @@
 extern "C" {
 #endif
 
+struct jp_lockstep_config {
+    /** Prepares the robot, and the application on this port, with all that it has: at every boot. JP_OK, or *field
+     * names what is out of range; it succeeds again once it has succeeded. */
+    enum jp_status (*boot)(void *context, struct jp_ecu *ecu, const struct jp_can_port *port, const char **field);
+    void *context;
+    void (*tick)(struct jp_ecu *ecu); /**< runs jp_ecu_tick(), on a target in the control interrupt */
+    struct jp_can_port bus;
+    struct jp_retained *retained;
+};
+
 struct jp_lockstep {
     struct jp_ecu ecu;
-    const struct jp_robot_config *config;
-    const struct jp_energy_model *model;
-    struct jp_can_port bus; /**< as it is */
-    struct jp_retained *retained;
-    struct jp_ecu_learning learning;
-    struct jp_navigation *navigation; /**< NULL: none */
-    struct jp_navigation_config navigation_config;
-    void (*tick)(struct jp_ecu *ecu); /**< runs jp_ecu_tick(), on a target in the control interrupt */
-    bool running;                     /**< has power and is not held in reset */
+    struct jp_lockstep_config config;
+    bool running; /**< has power and is not held in reset */
     bool bus_off;
     bool answered; /**< last_tick holds */
     uint32_t last_tick;
     bool other_answers; /**< another ECU has answered the last tick */
 };
 
-/** Boots. What the pointers show must stay, and *lockstep must not be moved after it. As jp_ecu_init(). */
-enum jp_status jp_lockstep_start(struct jp_lockstep *lockstep, const struct jp_robot_config *config,
-                                 const struct jp_energy_model *model, const struct jp_can_port *bus,
-                                 struct jp_retained *retained, void (*tick)(struct jp_ecu *ecu), const char **field);
-
-/** At every boot the ECU begins to learn, from the state that stands there then. Right after jp_lockstep_start(); as
- *  jp_ecu_learn(), but that the state must stay, too. */
-enum jp_status jp_lockstep_learn(struct jp_lockstep *lockstep, const struct jp_ecu_learning *learning,
+/** Boots. *config is copied; what it shows must stay, and *lockstep must not be moved after it. JP_ERR_ARGUMENT: a
+ *  pointer is null. Else as the boot. */
+enum jp_status jp_lockstep_start(struct jp_lockstep *lockstep, const struct jp_lockstep_config *config,
                                  const char **field);
-
-/** At every boot the ECU has this navigator, without a map. Right after jp_lockstep_start(), and jp_lockstep_learn() if
- *  it learns; as jp_navigation_init(). What the pointers show must stay. */
-enum jp_status jp_lockstep_navigate(struct jp_lockstep *lockstep, struct jp_navigation *navigation,
-                                    const struct jp_navigation_config *config, const char **field);
 
 /**
  * Takes a frame. SimTime runs a tick, which SimDone ends: background work, then control. Beside another ECU that

@@ -1,6 +1,7 @@
 #include "hal/app/navigation.h"
 
 #include <joulepath/count.h>
+#include <joulepath/meter.h>
 #include <stddef.h>
 
 #include "hal/can/jp_can.h"
@@ -52,9 +53,9 @@ static const char *missing(const struct jp_navigation_config *config)
 }
 
 enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct jp_navigation_config *config,
-                                  struct jp_pilot *pilot, const char **field)
+                                  const struct jp_vehicle *vehicle, int32_t unit_exponent, const char **field)
 {
-    if (navigation == NULL || config == NULL || pilot == NULL || field == NULL) {
+    if (navigation == NULL || config == NULL || vehicle == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
     *field = missing(config);
@@ -64,9 +65,9 @@ enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct
     const struct jp_map_room room = {
         .block = config->map, .size = config->map_size, .resolution = config->lattice->resolution};
 
-    *navigation = (struct jp_navigation){.config = *config, .pilot = pilot};
+    *navigation = (struct jp_navigation){.config = *config, .vehicle = *vehicle, .unit_exponent = unit_exponent};
     jp_map_link_start(&navigation->maps, &room);
-    return jp_balancer_vehicle_init(&navigation->balancer, pilot, &navigation->vehicle);
+    return JP_OK;
 }
 
 /** For a map that has just become whole. */
@@ -314,10 +315,10 @@ static void tell_state(const struct jp_navigation *navigation, uint16_t legs, st
     (void)jp_can_navigation_status_pack(frame->data, &signals, sizeof frame->data);
 }
 
-/** In J, of a value in the unit of the pilot's model. */
+/** In J, of a value in the vehicle's unit. */
 static jp_q16 joules(const struct jp_navigation *navigation, jp_q16 energy)
 {
-    return jp_energy_to_q16(jp_energy_from_q16(energy, navigation->pilot->config.model->unit_exponent), 0);
+    return jp_energy_to_q16(jp_energy_from_q16(energy, navigation->unit_exponent), 0);
 }
 
 static void tell_progress(const struct jp_navigation *navigation, struct jp_can_frame *frame)

@@ -13,7 +13,7 @@
 #ifndef JOULEPATH_HAL_APP_NAVIGATION_H
 #define JOULEPATH_HAL_APP_NAVIGATION_H
 
-#include <joulepath/balancer_vehicle.h>
+#include <joulepath/navigator.h>
 #include <joulepath/navigator_body.h>
 
 #include "hal/can/map_link.h"
@@ -68,12 +68,11 @@ enum jp_goal_answer {
 /** The members but `maps` and `navigator` are private, and those may only be read. */
 struct jp_navigation {
     struct jp_navigation_config config;
-    struct jp_pilot *pilot;
     struct jp_map_link maps;
     struct jp_navigator navigator; /**< holds once there is a map */
     struct jp_planner planner;
-    struct jp_balancer_vehicle balancer;
     struct jp_vehicle vehicle;
+    int32_t unit_exponent;
     bool is_prepared; /* for the map */
     struct jp_map_goal goal;
     enum jp_goal_answer answer;
@@ -84,10 +83,11 @@ struct jp_navigation {
     uint8_t frames_left; /* to be sent by the tick; the background writes them while it is 0 */
 };
 
-/** Prepares a navigator without a map for the robot of a pilot. What the pointers show must stay. JP_ERR_CONFIG: *field
- *  names the first member of the configuration that is null or out of range. JP_ERR_ARGUMENT: a pointer is null. */
+/** Prepares a navigator without a map for a vehicle, whose energies are in 2^unit_exponent J (energy.h). What the
+ *  pointers show must stay, but for *vehicle. JP_ERR_CONFIG: *field names the first member of the configuration that is
+ *  null or out of range. JP_ERR_ARGUMENT: a pointer is null. */
 enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct jp_navigation_config *config,
-                                  struct jp_pilot *pilot, const char **field);
+                                  const struct jp_vehicle *vehicle, int32_t unit_exponent, const char **field);
 
 /** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length. Work: cells that change, each as
  * jp_navigator_set_cell(). */

@@ -213,7 +213,7 @@ static void hear_ecu(struct jp_navigation_operator *self)
     } else if (self->ecu.state == JP_CAN_ECU_STATUS_STATE_FAULT_CHOICE) {
         fail(self, JP_NAVIGATION_FAULT);
     } else if (self->phase == JP_NAVIGATION_STANDING_UP && is_heard(self) && is_obeyed(self) &&
-               self->ecu.state == JP_CAN_ECU_STATUS_STATE_BALANCING_CHOICE) {
+               self->ecu.state == JP_CAN_ECU_STATUS_STATE_STANDING_CHOICE) {
         send_map(self);
     }
 }

@@ -29,7 +29,8 @@ const struct jp_retained_slot *jp_retained_newest(const struct jp_retained *reta
     return (int32_t)(a->sequence - b->sequence) > 0 ? a : b;
 }
 
-void jp_retained_write(struct jp_retained *retained, const struct jp_snapshot *snapshot, uint32_t resets)
+void jp_retained_write(struct jp_retained *retained, enum jp_retained_kind kind,
+                       const union jp_retained_snapshot *snapshot, uint32_t resets)
 {
     const struct jp_retained_slot *newest = jp_retained_newest(retained);
     struct jp_retained_slot *slot = newest == &retained->slots[0] ? &retained->slots[1] : &retained->slots[0];
@@ -38,6 +39,7 @@ void jp_retained_write(struct jp_retained *retained, const struct jp_snapshot *s
     /* The sum goes over the padding too, so that must be written. */
     memset(slot, 0, sizeof *slot);
     slot->snapshot = *snapshot;
+    slot->kind = (uint32_t)kind;
     slot->sequence = sequence;
     slot->resets = resets;
     slot->check = check_of(slot);

@@ -7,13 +7,23 @@
 #define JOULEPATH_HAL_APP_RETAINED_H
 
 #include <joulepath/robot.h>
+#include <joulepath/skid_robot.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+/** Whose snapshot it is. */
+enum jp_retained_kind { JP_RETAINED_BALANCER = 1, JP_RETAINED_SKID };
+
+union jp_retained_snapshot {
+    struct jp_snapshot balancer;
+    struct jp_skid_snapshot skid;
+};
+
 struct jp_retained_slot {
-    struct jp_snapshot snapshot;
+    union jp_retained_snapshot snapshot;
+    uint32_t kind;     /**< enum jp_retained_kind */
     uint32_t sequence; /**< one more in each write, wrapping */
     uint32_t resets;
     uint32_t check; /**< sum of all words before it; see retained.c */
@@ -27,7 +37,8 @@ struct jp_retained {
 const struct jp_retained_slot *jp_retained_newest(const struct jp_retained *retained);
 
 /** Replaces the older slot. For the control ISR. */
-void jp_retained_write(struct jp_retained *retained, const struct jp_snapshot *snapshot, uint32_t resets);
+void jp_retained_write(struct jp_retained *retained, enum jp_retained_kind kind,
+                       const union jp_retained_snapshot *snapshot, uint32_t resets);
 
 #ifdef __cplusplus
 }

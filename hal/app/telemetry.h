@@ -17,6 +17,10 @@ extern "C" {
 /** Fills in the frames that are due in this tick and returns their number. Constant time; for the control ISR. */
 unsigned jp_telemetry_due(struct jp_ecu *ecu, struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX]);
 
+/** Reports of the background: SegmentMotion, SegmentShape and SegmentForecast; LearnerStatus. */
+unsigned jp_telemetry_segment(const struct jp_ecu_segment *segment, struct jp_can_frame frames[JP_ECU_REPORT_FRAMES]);
+void jp_telemetry_lessons(const struct jp_ecu_lessons *lessons, struct jp_can_frame *frame);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1914,12 +1914,12 @@ bool jp_can_ecu_losses_send_errors_is_in_phys_range(double value)
 
 bool jp_can_ecu_losses_stand_refusal_is_in_range(uint8_t value)
 {
-    return (value <= 4u);
+    return (value <= 5u);
 }
 
 bool jp_can_ecu_losses_stand_refusal_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 4.0));
+    return ((value >= 0.0) && (value <= 5.0));
 }
 
 int jp_can_route_status_pack(
@@ -4140,6 +4140,208 @@ bool jp_can_course_leg_y_is_in_range(uint16_t value)
 bool jp_can_course_leg_y_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 511.9921875));
+}
+
+int jp_can_learned_factors_pack(
+    uint8_t *dst_p,
+    const struct jp_can_learned_factors_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u16(src_p->rolling, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->rolling, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u16(src_p->friction, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->friction, 8u, 0xffu);
+    dst_p[4] |= pack_left_shift_u16(src_p->weight, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(src_p->weight, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u16(src_p->electronics, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(src_p->electronics, 8u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_learned_factors_unpack(
+    struct jp_can_learned_factors_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->rolling = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->rolling |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->friction = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->friction |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->weight = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    dst_p->weight |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->electronics = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
+    dst_p->electronics |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_learned_factors_init(struct jp_can_learned_factors_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_learned_factors_t));
+
+    return 0;
+}
+
+bool jp_can_learned_factors_rolling_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_factors_rolling_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_learned_factors_friction_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_factors_friction_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_learned_factors_weight_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_factors_weight_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_learned_factors_electronics_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_factors_electronics_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+int jp_can_learned_deviations_pack(
+    uint8_t *dst_p,
+    const struct jp_can_learned_deviations_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u16(src_p->rolling, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->rolling, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u16(src_p->friction, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->friction, 8u, 0xffu);
+    dst_p[4] |= pack_left_shift_u16(src_p->weight, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(src_p->weight, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u16(src_p->electronics, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(src_p->electronics, 8u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_learned_deviations_unpack(
+    struct jp_can_learned_deviations_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->rolling = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->rolling |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->friction = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->friction |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->weight = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    dst_p->weight |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->electronics = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
+    dst_p->electronics |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_learned_deviations_init(struct jp_can_learned_deviations_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_learned_deviations_t));
+
+    return 0;
+}
+
+bool jp_can_learned_deviations_rolling_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_deviations_rolling_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_learned_deviations_friction_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_deviations_friction_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_learned_deviations_weight_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_deviations_weight_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_learned_deviations_electronics_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_learned_deviations_electronics_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
 }
 
 int jp_can_sim_time_pack(

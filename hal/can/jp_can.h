@@ -81,6 +81,8 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_FRAME_ID (0x195u)
 #define JP_CAN_NAVIGATION_PROGRESS_FRAME_ID (0x196u)
 #define JP_CAN_COURSE_LEG_FRAME_ID (0x197u)
+#define JP_CAN_LEARNED_FACTORS_FRAME_ID (0x198u)
+#define JP_CAN_LEARNED_DEVIATIONS_FRAME_ID (0x199u)
 #define JP_CAN_SIM_TIME_FRAME_ID (0x7f0u)
 #define JP_CAN_SIM_DONE_FRAME_ID (0x7f1u)
 
@@ -121,6 +123,8 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_LENGTH (8u)
 #define JP_CAN_NAVIGATION_PROGRESS_LENGTH (8u)
 #define JP_CAN_COURSE_LEG_LENGTH (8u)
+#define JP_CAN_LEARNED_FACTORS_LENGTH (8u)
+#define JP_CAN_LEARNED_DEVIATIONS_LENGTH (8u)
 #define JP_CAN_SIM_TIME_LENGTH (8u)
 #define JP_CAN_SIM_DONE_LENGTH (4u)
 
@@ -161,6 +165,8 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_IS_EXTENDED (0)
 #define JP_CAN_NAVIGATION_PROGRESS_IS_EXTENDED (0)
 #define JP_CAN_COURSE_LEG_IS_EXTENDED (0)
+#define JP_CAN_LEARNED_FACTORS_IS_EXTENDED (0)
+#define JP_CAN_LEARNED_DEVIATIONS_IS_EXTENDED (0)
 #define JP_CAN_SIM_TIME_IS_EXTENDED (0)
 #define JP_CAN_SIM_DONE_IS_EXTENDED (0)
 
@@ -191,6 +197,8 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_CYCLE_TIME_MS (100u)
 #define JP_CAN_NAVIGATION_PROGRESS_CYCLE_TIME_MS (100u)
 #define JP_CAN_COURSE_LEG_CYCLE_TIME_MS (25u)
+#define JP_CAN_LEARNED_FACTORS_CYCLE_TIME_MS (1000u)
+#define JP_CAN_LEARNED_DEVIATIONS_CYCLE_TIME_MS (1000u)
 
 /* Signal choices. */
 #define JP_CAN_OPERATOR_COMMAND_MODE_OFF_CHOICE (0u)
@@ -199,7 +207,7 @@ extern "C" {
 #define JP_CAN_OPERATOR_COMMAND_MODE_NAVIGATE_CHOICE (3u)
 
 #define JP_CAN_ECU_STATUS_STATE_IDLE_CHOICE (0u)
-#define JP_CAN_ECU_STATUS_STATE_BALANCING_CHOICE (1u)
+#define JP_CAN_ECU_STATUS_STATE_STANDING_CHOICE (1u)
 #define JP_CAN_ECU_STATUS_STATE_DRIVING_CHOICE (2u)
 #define JP_CAN_ECU_STATUS_STATE_FALLEN_CHOICE (3u)
 #define JP_CAN_ECU_STATUS_STATE_FAULT_CHOICE (4u)
@@ -218,6 +226,7 @@ extern "C" {
 #define JP_CAN_ECU_LOSSES_STAND_REFUSAL_FALLEN_CHOICE (2u)
 #define JP_CAN_ECU_LOSSES_STAND_REFUSAL_FAULT_CHOICE (3u)
 #define JP_CAN_ECU_LOSSES_STAND_REFUSAL_OTHER_CONTROLLER_CHOICE (4u)
+#define JP_CAN_ECU_LOSSES_STAND_REFUSAL_TOO_STEEP_CHOICE (5u)
 
 #define JP_CAN_ROUTE_STATUS_STATE_NONE_CHOICE (0u)
 #define JP_CAN_ROUTE_STATUS_STATE_RECEIVING_CHOICE (1u)
@@ -342,6 +351,8 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_NAME "NavigationStatus"
 #define JP_CAN_NAVIGATION_PROGRESS_NAME "NavigationProgress"
 #define JP_CAN_COURSE_LEG_NAME "CourseLeg"
+#define JP_CAN_LEARNED_FACTORS_NAME "LearnedFactors"
+#define JP_CAN_LEARNED_DEVIATIONS_NAME "LearnedDeviations"
 #define JP_CAN_SIM_TIME_NAME "SimTime"
 #define JP_CAN_SIM_DONE_NAME "SimDone"
 
@@ -507,6 +518,14 @@ extern "C" {
 #define JP_CAN_COURSE_LEG_IS_STOP_NAME "IsStop"
 #define JP_CAN_COURSE_LEG_X_NAME "X"
 #define JP_CAN_COURSE_LEG_Y_NAME "Y"
+#define JP_CAN_LEARNED_FACTORS_ROLLING_NAME "Rolling"
+#define JP_CAN_LEARNED_FACTORS_FRICTION_NAME "Friction"
+#define JP_CAN_LEARNED_FACTORS_WEIGHT_NAME "Weight"
+#define JP_CAN_LEARNED_FACTORS_ELECTRONICS_NAME "Electronics"
+#define JP_CAN_LEARNED_DEVIATIONS_ROLLING_NAME "Rolling"
+#define JP_CAN_LEARNED_DEVIATIONS_FRICTION_NAME "Friction"
+#define JP_CAN_LEARNED_DEVIATIONS_WEIGHT_NAME "Weight"
+#define JP_CAN_LEARNED_DEVIATIONS_ELECTRONICS_NAME "Electronics"
 #define JP_CAN_SIM_TIME_TICK_NAME "Tick"
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
 #define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
@@ -540,7 +559,7 @@ struct jp_can_motor_command_t {
     uint8_t counter;
 
     /**
-     * 1: the bridges drive; 0: the motors coast.
+     * 1: the bridges drive, and short the motors where the duty is 0; 0: the motors coast.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1
@@ -712,7 +731,7 @@ struct jp_can_current_sensors_t {
 /**
  * Signals in message OperatorCommand.
  *
- * What the robot shall do, again and again. Without a valid one for 500 ms a driving robot brakes to a balanced stand and drives again only after a valid Stand.
+ * What the robot shall do, again and again. Without a valid one for 500 ms a driving robot brakes to a stand and drives again only after a valid Stand.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1146,7 +1165,7 @@ struct jp_can_map_goal_t {
  */
 struct jp_can_ecu_status_t {
     /**
-     * State of the robot.
+     * State of the robot. The motors run in Standing, in which a balancer balances, and in Driving. Only a balancer falls.
      *
      * Range: 0..4 (0..4 -)
      * Scale: 1
@@ -1223,7 +1242,7 @@ struct jp_can_ecu_status_t {
  */
 struct jp_can_ecu_errors_t {
     /**
-     * Bits of enum jp_fault: 1 IMU range, 2 IMU jump, 4 IMU frozen, 8 encoder jump, 16 left encoder, 32 right encoder, 64 current range, 128 bus voltage, 256 no samples, 512 overspeed.
+     * Bits of enum jp_fault: 1 IMU range, 2 IMU jump, 4 IMU frozen, 8 encoder jump, 16 left encoder, 32 right encoder, 64 current range, 128 bus voltage, 256 no samples, 512 overspeed, 1024 left motor stalled, 2048 right motor stalled, 4096 wheel in the air, 8192 wheels spin, 16384 slope.
      *
      * Range: 0..65535 (0..65535 -)
      * Scale: 1
@@ -1327,9 +1346,9 @@ struct jp_can_ecu_losses_t {
     uint16_t send_errors;
 
     /**
-     * Why the last Stand did not switch the motors on. Fallen and Fault end with Off.
+     * Why the last Stand did not switch the motors on. Fallen and Fault end with Off. NotUpright and TooSteep also mean that no plausible sample has come yet.
      *
-     * Range: 0..4 (0..4 -)
+     * Range: 0..5 (0..5 -)
      * Scale: 1
      * Offset: 0
      */
@@ -1352,7 +1371,7 @@ struct jp_can_route_status_t {
     uint8_t route_id;
 
     /**
-     * Done: the last segment has ended, and the robot passes the last waypoint in motion. It then rolls on, for courier24 up to 0.3 m, and comes back to a balanced stand within 7 s; EnergySpent and EnergyDrawn count that, SegmentResult does not.
+     * Done: the last segment has ended. A balancer passes the last waypoint in motion. It then rolls on, for courier24 up to 0.3 m, and comes back to a balanced stand within 7 s; EnergySpent and EnergyDrawn count that, SegmentResult does not. A robot that its sides steer stands there.
      *
      * Range: 0..6 (0..6 -)
      * Scale: 1
@@ -1470,7 +1489,7 @@ struct jp_can_motion_t {
     int16_t yaw_rate;
 
     /**
-     * Forward is positive.
+     * Of the body, forward is positive. Of a robot that does not balance: of the ground on which it stands, by the specific force; uphill is negative.
      *
      * Range: -32768..32767 (-0.5..0.49998 turn)
      * Scale: 1.52587890625e-05
@@ -1509,6 +1528,8 @@ struct jp_can_reference_t {
     int16_t yaw_rate;
 
     /**
+     * Of a robot that its sides steer: as measured.
+     *
      * Range: -32768..32767 (-0.5..0.49998 turn)
      * Scale: 1.52587890625e-05
      * Offset: 0
@@ -1516,6 +1537,8 @@ struct jp_can_reference_t {
     int16_t heading;
 
     /**
+     * As planned.
+     *
      * Range: 0..65535 (0..1023.98438 s)
      * Scale: 0.015625
      * Offset: 0
@@ -1560,7 +1583,7 @@ struct jp_can_motors_t {
  */
 struct jp_can_energy_spent_t {
     /**
-     * Motors' losses and electronics since the last restart, as the energy model counts.
+     * Since the last restart, as the energy model counts: of a balancer the motors' losses and the electronics; of a robot that its sides steer what left the battery.
      *
      * Range: -9223372036854775808..9223372036854775808 (-2147483648..2147483648.0 J)
      * Scale: 2.3283064365386963e-10
@@ -1588,7 +1611,7 @@ struct jp_can_energy_drawn_t {
 /**
  * Signals in message SegmentMotion.
  *
- * Sent when a segment has been planned, with SegmentShape and SegmentForecast.
+ * Sent when a segment has been planned, with SegmentShape and SegmentForecast; by a robot that its sides steer, whose routes are planned whole, when it begins.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1715,7 +1738,7 @@ struct jp_can_segment_result_t {
 /**
  * Signals in message EnergyParameter.
  *
- * The energy model in use, one parameter after the other: a1 to a13, b1, b2, electronics power, settling time, volts per speed, volts per turn rate, motor resistance.
+ * The energy model in use, one parameter after the other. Of a balancer 20: a1 to a13, b1, b2, electronics power, settling time, volts per speed, volts per turn rate, motor resistance. Of a robot that its sides steer the 18 numbers of struct jp_skid_energy_model in their order.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1739,7 +1762,7 @@ struct jp_can_energy_parameter_t {
     uint8_t count;
 
     /**
-     * Unit as in joulepath/energy.h.
+     * Unit as in joulepath/energy.h. Of a robot that its sides steer the number as joulepath/skid_energy.h has it: where that is Q8.24, 256 times as much.
      *
      * Range: -2147483648..2147483647 (-32768..32767.99998 -)
      * Scale: 1.52587890625e-05
@@ -1864,7 +1887,7 @@ struct jp_can_crash_report_t {
 /**
  * Signals in message Learned.
  *
- * What driving has taught, where the ECU learns: sent with LearnerStatus when a segment has ended, and every second.
+ * What driving has taught, where the ECU of a balancer learns: sent with LearnerStatus when a segment has ended, and every second.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1909,7 +1932,7 @@ struct jp_can_learned_t {
 /**
  * Signals in message LearnerStatus.
  *
- * Follows Learned. Counts since the last restart stop at their maximum.
+ * Follows Learned, or LearnedDeviations. Counts since the last restart stop at their maximum.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1951,7 +1974,7 @@ struct jp_can_learner_status_t {
     uint8_t left_out;
 
     /**
-     * Of the last change. None: no change, or fewer than 10 segments were learned from since.
+     * Of the last change. None: no change, or fewer than 10 segments were learned from since, or it is a robot that its sides steer.
      *
      * Range: 0..3 (0..3 -)
      * Scale: 1
@@ -2216,6 +2239,84 @@ struct jp_can_course_leg_t {
      * Offset: 0
      */
     uint16_t y;
+};
+
+/**
+ * Signals in message LearnedFactors.
+ *
+ * What driving has taught a robot that its sides steer: factors of the robot file's. Sent with LearnedDeviations and LearnerStatus when a segment has ended, and every second.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_learned_factors_t {
+    /**
+     * Rolling resistance, gears and bearings, over the weight.
+     *
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t rolling;
+
+    /**
+     * Of the ground.
+     *
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t friction;
+
+    /**
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t weight;
+
+    /**
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t electronics;
+};
+
+/**
+ * Signals in message LearnedDeviations.
+ *
+ * Standard deviations of LearnedFactors, which it follows.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_learned_deviations_t {
+    /**
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t rolling;
+
+    /**
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t friction;
+
+    /**
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t weight;
+
+    /**
+     * Range: 0..65535 (0..15.99976 -)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t electronics;
 };
 
 /**
@@ -7150,6 +7251,256 @@ bool jp_can_course_leg_y_is_in_range(uint16_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_course_leg_y_is_in_phys_range(double value);
+
+/**
+ * Pack message LearnedFactors.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_learned_factors_pack(
+    uint8_t *dst_p,
+    const struct jp_can_learned_factors_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message LearnedFactors.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_learned_factors_unpack(
+    struct jp_can_learned_factors_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from LearnedFactors.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_learned_factors_init(struct jp_can_learned_factors_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_factors_rolling_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_factors_rolling_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_factors_friction_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_factors_friction_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_factors_weight_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_factors_weight_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_factors_electronics_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_factors_electronics_is_in_phys_range(double value);
+
+/**
+ * Pack message LearnedDeviations.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_learned_deviations_pack(
+    uint8_t *dst_p,
+    const struct jp_can_learned_deviations_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message LearnedDeviations.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_learned_deviations_unpack(
+    struct jp_can_learned_deviations_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from LearnedDeviations.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_learned_deviations_init(struct jp_can_learned_deviations_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_deviations_rolling_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_deviations_rolling_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_deviations_friction_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_deviations_friction_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_deviations_weight_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_deviations_weight_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_deviations_electronics_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_learned_deviations_electronics_is_in_phys_range(double value);
 
 /**
  * Pack message SimTime.

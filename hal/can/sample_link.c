@@ -8,9 +8,9 @@
  *  carries would be completed to a count that is a whole wrap off. */
 #define BASE_DISTANCE ((int32_t)1 << (JP_SAMPLE_COUNT_BITS - 3U))
 
-void jp_sample_link_start(struct jp_sample_link *link, const struct jp_monitor_config *limits)
+void jp_sample_link_start(struct jp_sample_link *link, const struct jp_monitor_config *limits, uint32_t tick_rate)
 {
-    *link = (struct jp_sample_link){.limits = limits};
+    *link = (struct jp_sample_link){.limits = limits, .hold_ticks = jp_sample_hold_ticks(tick_rate)};
 }
 
 void jp_sample_link_resume(struct jp_sample_link *link, uint32_t encoder_left, uint32_t encoder_right)
@@ -153,7 +153,7 @@ static void read_fresh(struct jp_sample_link *link, const struct jp_sensors *goo
 static bool bridge(struct jp_sample_link *link, const struct jp_sensors *good, struct jp_sensors *sensors)
 {
     link->lost = jp_one_more16(link->lost);
-    if (link->missed >= JP_SAMPLE_HOLD_TICKS) {
+    if (link->missed >= link->hold_ticks) {
         return false;
     }
     link->missed++;

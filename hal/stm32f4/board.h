@@ -55,9 +55,8 @@
 /** Crystal; a multiple of 2 MHz. */
 #define BOARD_CRYSTAL_HZ 8000000U
 
-/** Of the bridges, and how many periods apart the samples are. */
-#define BOARD_PWM_HZ             20000U
-#define BOARD_PERIODS_PER_SAMPLE 20U
+/** Of the bridges. */
+#define BOARD_PWM_HZ 20000U
 
 /** Both switches of a half bridge off: longer than the MOSFETs take to switch off. */
 #define BOARD_DEAD_TIME_NS 300U

@@ -98,15 +98,17 @@ static inline void set_duties(const struct jp_bridges *bridges, jp_q31 left, jp_
 }
 
 /** TIM3 counts the periods of TIM1, by its fourth channel, which is high at the top of the counter. */
-static void start_samples(uint16_t period)
+static void start_samples(uint16_t period, uint32_t tick_rate)
 {
+    const uint32_t periods = BOARD_PWM_HZ / tick_rate;
+
     TIM1.CCR4 = period - 1U;
     TIM1.CCMR2 = TIM_CCMR2_OC4M(OCM_PWM_2);
     TIM1.CR2 = TIM_CR2_MMS(MMS_OC4REF);
 
     TIM3.PSC = 0;
-    TIM3.ARR = BOARD_PERIODS_PER_SAMPLE - 1U;
-    TIM3.CCR4 = BOARD_PERIODS_PER_SAMPLE - 1U;
+    TIM3.ARR = periods - 1U;
+    TIM3.CCR4 = periods - 1U;
     TIM3.CCMR2 = TIM_CCMR2_OC4M(OCM_PWM_2);
     TIM3.CCER = TIM_CCER_CC4E;
     TIM3.EGR = TIM_EGR_UG;
@@ -124,7 +126,7 @@ static void start_in_phase(void)
     TIM1.CR1 = RUNNING;
 }
 
-void jp_bridges_start(struct jp_bridges *bridges, uint32_t timer_hz)
+void jp_bridges_start(struct jp_bridges *bridges, uint32_t timer_hz, uint32_t tick_rate)
 {
     const uint32_t period = timer_hz / (2U * BOARD_PWM_HZ);
     const uint8_t dead_time = jp_bridges_dead_time(counts_in(BOARD_DEAD_TIME_NS, timer_hz));
@@ -137,7 +139,7 @@ void jp_bridges_start(struct jp_bridges *bridges, uint32_t timer_hz)
     configure_motor(&TIM8, bridges->period, dead_time);
     start_in_phase();
     set_duties(bridges, 0, 0);
-    start_samples(bridges->period);
+    start_samples(bridges->period, tick_rate);
     connect_pins();
 }
 

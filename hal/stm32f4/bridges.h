@@ -26,10 +26,10 @@ struct jp_bridges {
 };
 
 /**
- * Starts both timers with outputs off, and TIM3, which triggers the ADC once in BOARD_PERIODS_PER_SAMPLE periods.
- * `timer_hz` is that of TIM1: 16 or 168 MHz. Once after a reset. Not for ISRs.
+ * Starts both timers with outputs off, and TIM3, which triggers the ADC tick_rate times a second, a divisor of
+ * BOARD_PWM_HZ from 100 on. `timer_hz` is that of TIM1: 16 or 168 MHz. Once after a reset. Not for ISRs.
  */
-void jp_bridges_start(struct jp_bridges *bridges, uint32_t timer_hz);
+void jp_bridges_start(struct jp_bridges *bridges, uint32_t timer_hz, uint32_t tick_rate);
 
 /**
  * Applies both duties at once, within 25 µs; |duty| beyond limit/period (0.955 at 168 MHz) is limited to it,

@@ -13,16 +13,16 @@ static bool is_strapped(void)
     return !jp_pin_is_high(BOARD_STRAP);
 }
 
-static void start_own(struct jp_devices *devices, const struct jp_clock_hz *hz)
+static void start_own(struct jp_devices *devices, const struct jp_clock_hz *hz, uint32_t tick_rate)
 {
-    jp_bridges_start(&devices->bridges, hz->apb2_timers);
+    jp_bridges_start(&devices->bridges, hz->apb2_timers, tick_rate);
     jp_encoders_start(&devices->encoders);
     devices->analog_status = jp_analog_start(&devices->analog);
     devices->imu_status = jp_imu_start(&devices->imu);
     jp_analog_run();
 }
 
-void jp_devices_start(struct jp_devices *devices, jp_can_receiver receive, void *context)
+void jp_devices_start(struct jp_devices *devices, uint32_t tick_rate, jp_can_receiver receive, void *context)
 {
     struct jp_clock_hz hz;
 
@@ -34,7 +34,7 @@ void jp_devices_start(struct jp_devices *devices, jp_can_receiver receive, void 
     /* The other clocks are too inexact for the bus: it would be disturbed. */
     devices->has_can = devices->clock == JP_CLOCK_CRYSTAL && jp_can_controller_start(&devices->can, receive, context);
     if (!devices->on_bus) {
-        start_own(devices, &hz);
+        start_own(devices, &hz, tick_rate);
     }
 }
 

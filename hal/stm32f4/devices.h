@@ -36,7 +36,7 @@ struct jp_devices {
  * bridges (off), encoders, ADC and inertial sensor. Samples come from now on, but not on_bus. What failed is in
  * *devices, which must stay, in memory that DMA reaches. At most 0.5 s. Not for ISRs.
  */
-void jp_devices_start(struct jp_devices *devices, jp_can_receiver receive, void *context);
+void jp_devices_start(struct jp_devices *devices, uint32_t tick_rate, jp_can_receiver receive, void *context);
 
 /** True: the inertial sensor is absent, no transfer will end, and the tick is due now. Constant time. */
 bool jp_devices_on_sample(struct jp_devices *devices);

@@ -8,7 +8,6 @@
  * sensors and bridges are simulated there too: on CAN in real time, on the serial line in lockstep.
  */
 #include "hal/app/lockstep.h"
-#include "hal/app/navigation_memory.h"
 #include "hal/stm32f4/cortex_m.h"
 #include "hal/stm32f4/devices.h"
 #include "hal/stm32f4/fault.h"
@@ -22,8 +21,8 @@
 
 #define SERIAL_BAUD 1000000U
 
-/** The slow timer wakes the main loop and notices that no sample comes. */
-#define SLOW_TIMER_HZ 2000U
+/** The slow timer wakes the main loop and notices that no sample comes: so often in a tick. */
+#define SLOW_TIMER_SHARE 2U
 
 /** Without a sample for so long the tick goes on without it, in half periods of the tick. */
 #define SAMPLE_LATE 3U
@@ -143,7 +142,7 @@ static void tick_in_interrupt(struct jp_ecu *ecu)
 
 static void start_slow_timer(uint32_t core_hz)
 {
-    SYSTICK.RVR = core_hz / SLOW_TIMER_HZ - 1U;
+    SYSTICK.RVR = core_hz / (SLOW_TIMER_SHARE * jp_firmware_tick_rate()) - 1U;
     SYSTICK.CVR = 0;
     SYSTICK.CSR = SYSTICK_CLKSOURCE | SYSTICK_TICKINT | SYSTICK_ENABLE;
 }
@@ -151,12 +150,8 @@ static void start_slow_timer(uint32_t core_hz)
 /** What the timers counted during the reset is lost; they go on from the counts of the record. */
 static void resume_encoders(void)
 {
-    const struct jp_retained_slot *record = jp_retained_newest(&retained);
-
-    if (record != NULL) {
-        devices.encoders.count_left = record->snapshot.estimator.encoder_left;
-        devices.encoders.count_right = record->snapshot.estimator.encoder_right;
-    }
+    devices.encoders.count_left = jp_ecu_first_count_left(&node.ecu);
+    devices.encoders.count_right = jp_ecu_first_count_right(&node.ecu);
 }
 
 static void load_parameters(void)
@@ -167,7 +162,7 @@ static void load_parameters(void)
     flash = jp_flash_interface();
     (void)jp_store_open(&store, &flash);
     (void)jp_store_read(&store, &record, &length);
-    stored = jp_parameters_start(&parameters, &FIRMWARE_ROBOT, record, length);
+    stored = jp_parameters_start(&parameters, jp_firmware_identity(), record, length);
 }
 
 /** The time runs from when the clock has started; waiting for a crystal that does not come takes too long, too. */
@@ -181,53 +176,42 @@ static bool may_go_on(void)
     return reset_report.may_go_on && (has_simulated_body() || was_short_start());
 }
 
-/** Tables that are refused do not keep the robot from driving. */
-static void start_learning(void)
+static enum jp_status boot(void *context, struct jp_ecu *ecu, const struct jp_can_port *port, const char **field)
 {
-#ifdef FIRMWARE_LEARNS
-    const struct jp_ecu_learning learning = {
-        .learning = &FIRMWARE_LEARNING, .stored = stored, .state = &parameters.energy};
-    const char *field;
+    struct jp_firmware_start start = {.port = port, .retained = &retained, .parameters = &parameters, .stored = stored};
 
-    (void)jp_lockstep_learn(&node, &learning, &field);
-#endif
-}
-
-/** As start_learning(). */
-static void start_navigating(void)
-{
+    (void)context;
 #ifdef FIRMWARE_NAVIGATES
     const struct jp_navigation_config config =
         jp_navigation_config_of(&FIRMWARE_LATTICE, &FIRMWARE_NAVIGATION, &ground, &planner_block);
-    const char *field;
 
-    (void)jp_lockstep_navigate(&node, &navigation, &config, &field);
+    start.navigation = &navigation;
+    start.navigation_config = &config;
 #endif
+    return jp_firmware_boot(ecu, &start, field);
 }
 
 static bool start_application(void)
 {
     const char *field;
-    struct jp_can_port port = jp_can_controller_port(&devices.can);
+    struct jp_lockstep_config config = {
+        .boot = boot, .tick = tick_in_interrupt, .bus = jp_can_controller_port(&devices.can), .retained = &retained};
 
     if (!devices.has_can) {
-        jp_serial_port(&serial, &port);
+        jp_serial_port(&serial, &config.bus);
     }
     if (!may_go_on()) {
         retained = (struct jp_retained){0};
     }
-    if (jp_lockstep_start(&node, &FIRMWARE_ROBOT, &FIRMWARE_ENERGY_MODEL, &port, &retained, tick_in_interrupt,
-                          &field) != JP_OK) {
+    if (jp_lockstep_start(&node, &config, &field) != JP_OK) {
         return false;
     }
-    start_learning();
-    start_navigating();
     if (!has_simulated_body()) {
         const struct jp_hal hal = jp_devices_hal(&devices);
 
         resume_encoders();
         jp_ecu_use_board(&node.ecu, &hal);
-        jp_robot_know_gyro_bias(&node.ecu.robot, parameters.gyro_bias);
+        jp_firmware_know_gyro_bias(parameters.gyro_bias);
     }
     return true;
 }
@@ -283,7 +267,7 @@ static void take_serial_frames(void)
 }
 
 /** What was learned. A write may stop the core for half a second: motors off. */
-static void keep_parameters(const struct jp_telemetry *telemetry)
+static void keep_parameters(void)
 {
     const struct jp_learned_state *energy = jp_ecu_learned_state(&node.ecu);
     struct jp_parameters learned = parameters;
@@ -292,32 +276,31 @@ static void keep_parameters(const struct jp_telemetry *telemetry)
     if (energy != NULL) {
         learned.energy = *energy;
     }
-    learned.gyro_bias = telemetry->gyro_bias;
+    learned.gyro_bias = jp_firmware_gyro_bias();
     learned.current_zero_left = devices.analog.zero_left;
     learned.current_zero_right = devices.analog.zero_right;
     if (!jp_parameters_differ(&learned, &parameters)) {
         return;
     }
-    jp_watchdog_relax(true);
-    if (jp_parameters_save(&learned, &FIRMWARE_ROBOT, &store, &field) == JP_OK) {
+    jp_watchdog_relax();
+    if (jp_parameters_save(&learned, jp_firmware_identity(), &store, &field) == JP_OK) {
         parameters = learned;
     }
-    jp_watchdog_relax(false);
+    jp_watchdog_tighten(jp_firmware_tick_rate());
 }
 
 /** Once each time that the running motors were switched off: after a fault nothing that was learned is trusted. */
 static void watch_for_rest(void)
 {
     static bool ran;
-    struct jp_telemetry telemetry;
 
-    if (has_simulated_body() || !jp_robot_telemetry(&node.ecu.robot, &telemetry)) {
+    if (has_simulated_body()) {
         return;
     }
-    if (telemetry.state == JP_ROBOT_IDLE && ran) {
-        keep_parameters(&telemetry);
+    if (jp_ecu_state_now(&node.ecu) == JP_ECU_IDLE && ran) {
+        keep_parameters();
     }
-    ran = telemetry.state == JP_ROBOT_BALANCING || telemetry.state == JP_ROBOT_DRIVING;
+    ran = jp_ecu_runs(&node.ecu);
 }
 
 /** The watchdog is fed only when the tick came and the work was done. */
@@ -325,7 +308,7 @@ static _Noreturn void run(void)
 {
     uint32_t worked = ticks;
     bool forgiven = false;
-    const uint32_t healthy_ticks = JP_HEALTHY_MS / 1000U * FIRMWARE_ROBOT.estimator.tick_rate;
+    const uint32_t healthy_ticks = JP_HEALTHY_MS / 1000U * jp_firmware_tick_rate();
 
     for (;;) {
         take_serial_frames();
@@ -355,11 +338,11 @@ static _Noreturn void stay_off(void)
 int main(void)
 {
     jp_post_mortem_open(&jp_post_mortem, jp_reset_cause(), &reset_report);
-    jp_devices_start(&devices, take_frame, NULL);
+    jp_devices_start(&devices, jp_firmware_tick_rate(), take_frame, NULL);
     jp_serial_start(&serial, jp_clock_frequencies(devices.clock).apb2, SERIAL_BAUD);
     load_parameters();
     jp_supply_watch();
-    jp_watchdog_start();
+    jp_watchdog_start(jp_firmware_tick_rate());
     if (!start_application()) {
         stay_off();
     }

@@ -45,11 +45,10 @@ static void set_time(uint32_t prescaler_code, uint32_t divider, uint32_t millise
     IWDG.RLR = OSCILLATOR_HZ / divider * milliseconds / 1000U;
 }
 
-void jp_watchdog_start(void)
+void jp_watchdog_start(uint32_t tick_rate)
 {
     IWDG.KR = KEY_START;
-    jp_watchdog_relax(false);
-    jp_watchdog_feed();
+    jp_watchdog_tighten(tick_rate);
 }
 
 void jp_watchdog_feed(void)
@@ -57,13 +56,15 @@ void jp_watchdog_feed(void)
     IWDG.KR = KEY_FEED;
 }
 
-void jp_watchdog_relax(bool erasing)
+void jp_watchdog_relax(void)
 {
-    if (erasing) {
-        set_time(PRESCALER_64, 64, 2U * JP_WATCHDOG_ERASE_MS);
-    } else {
-        set_time(PRESCALER_4, 4, JP_WATCHDOG_MS);
-    }
+    set_time(PRESCALER_64, 64, 2U * JP_WATCHDOG_ERASE_MS);
+    jp_watchdog_feed();
+}
+
+void jp_watchdog_tighten(uint32_t tick_rate)
+{
+    set_time(PRESCALER_4, 4, JP_WATCHDOG_TICKS * 1000U / tick_rate);
     jp_watchdog_feed();
 }
 

@@ -19,27 +19,45 @@ _Static_assert(JP_PARAMETERS_LENGTH <= JP_STORE_LENGTH_MAX, "the record fits the
 /* ---- The robot they belong to ---- */
 
 /** Where the numbers of a configuration are: all but padding and the name's pointer. */
-static const struct span {
+struct span {
     uint16_t offset;
     uint8_t size;
     uint8_t count;
-} numbers[] = {
-#define NUMBERS(first, count)                                                                                          \
+};
+
+#define NUMBERS(type, first, count)                                                                                    \
     {                                                                                                                  \
-        (uint16_t) offsetof(struct jp_robot_config, first), (uint8_t)sizeof(((struct jp_robot_config *)NULL)->first),  \
-            (count)                                                                                                    \
+        (uint16_t) offsetof(type, first), (uint8_t)sizeof(((type *)NULL)->first), (count)                              \
     }
-    NUMBERS(estimator.tick_rate, 1),
-    NUMBERS(estimator.wheel_per_count, 2),
-    NUMBERS(estimator.tracking_gain, 4),
-    NUMBERS(reference.tick_rate, 5),
-    NUMBERS(lqr.tick_rate, 10),
-    NUMBERS(monitor.tilt_limit, 13),
-    NUMBERS(monitor.confirm_ticks, 3),
-    NUMBERS(meter.tick_rate, 3),
-    NUMBERS(limits.speed, 4),
-    NUMBERS(metres_per_turn, 1),
-#undef NUMBERS
+#define BALANCER(first, count) NUMBERS(struct jp_robot_config, first, count)
+#define SKID(first, count)     NUMBERS(struct jp_skid_robot_config, first, count)
+
+static const struct span balancer_numbers[] = {
+    BALANCER(estimator.tick_rate, 1),
+    BALANCER(estimator.wheel_per_count, 2),
+    BALANCER(estimator.tracking_gain, 4),
+    BALANCER(reference.tick_rate, 5),
+    BALANCER(lqr.tick_rate, 10),
+    BALANCER(monitor.tilt_limit, 13),
+    BALANCER(monitor.confirm_ticks, 3),
+    BALANCER(meter.tick_rate, 3),
+    BALANCER(limits.speed, 4),
+    BALANCER(metres_per_turn, 1),
+};
+
+static const struct span skid_numbers[] = {
+    SKID(odometry.tick_rate, sizeof(struct jp_skid_odometry_config) / sizeof(uint32_t)),
+    SKID(control.tick_rate, 1),
+    SKID(control.wheel_per_count, 1),
+    SKID(control.tracking_gain, 18),
+    SKID(monitor.tilt_limit, 13),
+    SKID(monitor.confirm_ticks, 3),
+    SKID(wheels.upright, 8),
+    SKID(wheels.slope_calls, 3),
+    SKID(meter.tick_rate, 3),
+    SKID(limits.speed, 3),
+    SKID(path.tick_rate, 5),
+    SKID(heading_gain, 1),
 };
 
 /** A number of 2, 4 or 8 bytes in the order of this core. */
@@ -69,9 +87,9 @@ static void put_number(uint8_t *bytes, uint64_t number, unsigned size)
     }
 }
 
-static uint32_t crc_of_span(uint32_t crc, const struct jp_robot_config *config, const struct span *span)
+static uint32_t crc_of_span(uint32_t crc, const uint8_t *config, const struct span *span)
 {
-    const uint8_t *bytes = (const uint8_t *)config + span->offset;
+    const uint8_t *bytes = config + span->offset;
     uint8_t little_endian[sizeof(uint64_t)];
 
     for (unsigned i = 0; i < span->count; i++) {
@@ -81,17 +99,28 @@ static uint32_t crc_of_span(uint32_t crc, const struct jp_robot_config *config, 
     return crc;
 }
 
-uint32_t jp_robot_identity(const struct jp_robot_config *config)
+static uint32_t crc_of(const char *name, const uint8_t *config, const struct span *spans, size_t count)
 {
     uint32_t crc = 0;
 
-    for (const char *letter = config->name; letter != NULL && *letter != '\0'; letter++) {
+    for (const char *letter = name; letter != NULL && *letter != '\0'; letter++) {
         crc = jp_crc32(crc, (const uint8_t *)letter, 1);
     }
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        crc = crc_of_span(crc, config, &numbers[i]);
+    for (size_t i = 0; i < count; i++) {
+        crc = crc_of_span(crc, config, &spans[i]);
     }
     return crc;
+}
+
+uint32_t jp_robot_identity(const struct jp_robot_config *config)
+{
+    return crc_of(config->name, (const uint8_t *)config, balancer_numbers,
+                  sizeof balancer_numbers / sizeof balancer_numbers[0]);
+}
+
+uint32_t jp_skid_robot_identity(const struct jp_skid_robot_config *config)
+{
+    return crc_of(config->name, (const uint8_t *)config, skid_numbers, sizeof skid_numbers / sizeof skid_numbers[0]);
 }
 
 /* ---- Fields ---- */
@@ -211,9 +240,9 @@ static void decode_numbers(struct jp_parameters *parameters, const uint8_t *byte
 }
 
 /** Whether the record's frame fits. The version comes first: another one has another length. */
-static enum jp_stored frame_of(const struct jp_robot_config *config, const uint8_t *record, uint16_t length)
+static enum jp_stored frame_of(uint32_t identity, const uint8_t *record, uint16_t length)
 {
-    const uint8_t *identity = record + IDENTITY_OFFSET;
+    const uint8_t *owner = record + IDENTITY_OFFSET;
 
     if (length < NUMBERS_OFFSET) {
         return JP_STORED_DAMAGED;
@@ -224,7 +253,7 @@ static enum jp_stored frame_of(const struct jp_robot_config *config, const uint8
     if (length != JP_PARAMETERS_LENGTH) {
         return JP_STORED_DAMAGED;
     }
-    return take(&identity, 4) != jp_robot_identity(config) ? JP_STORED_OTHER_ROBOT : JP_STORED_TAKEN;
+    return take(&owner, 4) != identity ? JP_STORED_OTHER_ROBOT : JP_STORED_TAKEN;
 }
 
 /** What about it does not fit; NULL: nothing. */
@@ -242,16 +271,16 @@ static const char *misfit(enum jp_stored frame)
     }
 }
 
-enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                    const uint8_t *record, uint16_t length, const char **field)
+enum jp_status jp_parameters_decode(struct jp_parameters *parameters, uint32_t identity, const uint8_t *record,
+                                    uint16_t length, const char **field)
 {
     struct jp_parameters found;
     enum jp_status status;
 
-    if (parameters == NULL || config == NULL || record == NULL || field == NULL) {
+    if (parameters == NULL || record == NULL || field == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *field = misfit(frame_of(config, record, length));
+    *field = misfit(frame_of(identity, record, length));
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
@@ -263,8 +292,8 @@ enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const stru
     return status;
 }
 
-enum jp_stored jp_parameters_start(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                   const uint8_t *record, uint16_t length)
+enum jp_stored jp_parameters_start(struct jp_parameters *parameters, uint32_t identity, const uint8_t *record,
+                                   uint16_t length)
 {
     const char *field;
     enum jp_stored frame;
@@ -273,25 +302,25 @@ enum jp_stored jp_parameters_start(struct jp_parameters *parameters, const struc
     if (length == 0U) {
         return JP_STORED_NOTHING;
     }
-    frame = frame_of(config, record, length);
-    if (jp_parameters_decode(parameters, config, record, length, &field) == JP_OK) {
+    frame = frame_of(identity, record, length);
+    if (jp_parameters_decode(parameters, identity, record, length, &field) == JP_OK) {
         return JP_STORED_TAKEN;
     }
     return frame == JP_STORED_TAKEN ? JP_STORED_DAMAGED : frame;
 }
 
-enum jp_status jp_parameters_load(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                  const struct jp_store *store, const char **field)
+enum jp_status jp_parameters_load(struct jp_parameters *parameters, uint32_t identity, const struct jp_store *store,
+                                  const char **field)
 {
     const uint8_t *record = NULL;
     uint16_t length = 0;
     enum jp_status status = jp_store_read(store, &record, &length);
 
-    return status == JP_OK ? jp_parameters_decode(parameters, config, record, length, field) : status;
+    return status == JP_OK ? jp_parameters_decode(parameters, identity, record, length, field) : status;
 }
 
-enum jp_status jp_parameters_save(const struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                  struct jp_store *store, const char **field)
+enum jp_status jp_parameters_save(const struct jp_parameters *parameters, uint32_t identity, struct jp_store *store,
+                                  const char **field)
 {
     uint8_t record[JP_PARAMETERS_LENGTH];
     enum jp_status status = jp_parameters_check(parameters, field);
@@ -299,6 +328,6 @@ enum jp_status jp_parameters_save(const struct jp_parameters *parameters, const 
     if (status != JP_OK) {
         return status;
     }
-    jp_parameters_encode(parameters, jp_robot_identity(config), record);
+    jp_parameters_encode(parameters, identity, record);
     return jp_store_write(store, record, sizeof record);
 }

@@ -1,7 +1,7 @@
 /**
  * What a robot learns and calibrates, kept over power-off: a record of fixed bytes, little-endian, in a store.
  *
- * It belongs to one robot under one controller: jp_robot_identity() of the configuration is in it. All calls are for
+ * It belongs to one robot under one controller, whose identity is in it: jp_robot_identity(). All calls are for
  * the background loop.
  */
 #ifndef JOULEPATH_HAL_STORAGE_PARAMETERS_H
@@ -9,6 +9,7 @@
 
 #include <joulepath/learner.h>
 #include <joulepath/robot.h>
+#include <joulepath/skid_robot.h>
 
 #include "hal/storage/store.h"
 
@@ -45,6 +46,9 @@ enum jp_stored {
 /** CRC-32 over name and all fields of the configuration: the same on every core. About 190 bytes. */
 uint32_t jp_robot_identity(const struct jp_robot_config *config);
 
+/** The same of a skid-steered or differential-drive robot. */
+uint32_t jp_skid_robot_identity(const struct jp_skid_robot_config *config);
+
 /** Nothing learned of energy, no bias, and currents not calibrated. */
 void jp_parameters_default(struct jp_parameters *parameters);
 
@@ -66,21 +70,21 @@ void jp_parameters_encode(const struct jp_parameters *parameters, uint32_t ident
  * The parameters of a record. *parameters is written on JP_OK only. JP_ERR_CONFIG: *field says what does not fit:
  * "version" (another format), "length", "robot" (of another robot or controller), or the first field out of range.
  */
-enum jp_status jp_parameters_decode(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                    const uint8_t *record, uint16_t length, const char **field);
+enum jp_status jp_parameters_decode(struct jp_parameters *parameters, uint32_t identity, const uint8_t *record,
+                                    uint16_t length, const char **field);
 
 /** The parameters to start with: those of the record, or defaults if they do not fit or `length` is 0, and which of
- *  them. Whether the tables are others jp_ecu_learn() finds. */
-enum jp_stored jp_parameters_start(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                   const uint8_t *record, uint16_t length);
+ *  them. Whether the tables are others the learner finds. */
+enum jp_stored jp_parameters_start(struct jp_parameters *parameters, uint32_t identity, const uint8_t *record,
+                                   uint16_t length);
 
 /** Those of an open store. As jp_parameters_decode(), and JP_ERR_EMPTY: nothing is stored. */
-enum jp_status jp_parameters_load(struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                  const struct jp_store *store, const char **field);
+enum jp_status jp_parameters_load(struct jp_parameters *parameters, uint32_t identity, const struct jp_store *store,
+                                  const char **field);
 
 /** Checks and stores them. As jp_parameters_check() and jp_store_write(). */
-enum jp_status jp_parameters_save(const struct jp_parameters *parameters, const struct jp_robot_config *config,
-                                  struct jp_store *store, const char **field);
+enum jp_status jp_parameters_save(const struct jp_parameters *parameters, uint32_t identity, struct jp_store *store,
+                                  const char **field);
 
 #ifdef __cplusplus
 }

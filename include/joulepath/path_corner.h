@@ -4,7 +4,7 @@
  *
  * An arc of radius R that joins the two lines touches them R tan(θ/2) before and after the corner, and passes it at a
  * distance of R (1/cos(θ/2) − 1), which is the clearance that it needs inside the corner. Of each line half may go, so
- * that its other end has as much.
+ * that its other end has as much, and goes at least 1 cm; R is at most 100 m.
  */
 #ifndef JOULEPATH_PATH_CORNER_H
 #define JOULEPATH_PATH_CORNER_H

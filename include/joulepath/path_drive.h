@@ -1,17 +1,23 @@
 /**
  * A path that is driven: set-points in time, and the law that steers the robot back to them.
  *
- * Every JP_TICKS_PER_SET_POINT ticks jp_path_drive_advance() gives pose, speed and turn rate of the next set-point with
- * their derivatives, and jp_path_drive_track() what a robot at a measured pose has to do (Kanayama, Kimura, Miyazaki
- * and Noguchi, A stable tracking control method, ICRA 1990, linearised). With the errors of the robot in the frame of
- * the set-point, ahead, to the left and turned to the left,
+ * Every JP_TICKS_PER_PATH_POINT ticks jp_path_drive_advance() gives pose, speed and turn rate of the next set-point
+ * with their derivatives, and jp_path_drive_track() what a robot at a measured pose has to do (Kanayama, Kimura,
+ * Miyazaki and Noguchi, A stable tracking control method, ICRA 1990, linearised). With the errors of the robot in the
+ * frame of the set-point, ahead, to the left and turned to the left,
  *
  *   speed     = v − pace ahead
- *   turn rate = w − max(2 v/way, pace) (turned + left/(2 way))
+ *   turn rate = w − max(2 v/way, pace) (turned + (left + slide/2)/(2 way))
  *
- * where the last term aims at the path, at most half a radian, and not on the spot. So an error to the side falls with
- * the way driven, at v above pace way/2 critically damped, by 1/e over about `way`, and the others with time. Both
- * corrections are bounded.
+ * where the last term aims at the path, at most half a radian: on the spot the more the less is left to turn up to one
+ * radian, and in a last turn not at all. So an error to the side falls with the way driven, at v above pace way/2
+ * critically damped, by 1/e over about `way`, and the others with time. Both corrections are bounded.
+ *
+ * Tyres that scrub hold a robot on a slope only while their slip points uphill, so where it turns it slides aside, up
+ * to half its wheelbase a radian, whatever its sides do (skid_odometry.h). `slide` is what it will slide to the left on
+ * the next two ways, with the turns there: half of it is made up for before, and half after. A slope that is steadily
+ * aside is met with a heading that is as steadily off, and a turn on the spot ends in the heading that the way after it
+ * wants, because each turn more would slide, too.
  *
  * Speeds follow the path, not the clock: where a set-point's time ends within a piece does not matter, so nothing adds
  * up but the rounding of a step, and each piece begins where the path says.
@@ -26,6 +32,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** Ticks of a set-point: one each for the next one, for what is ahead, and for the way back to it. */
+#define JP_TICKS_PER_PATH_POINT 3
 
 struct jp_path_drive_config {
     uint32_t tick_rate;               /**< of the robot, 1/s; 100…10 000 */
@@ -45,6 +54,23 @@ struct jp_path_set_point {
     jp_q24 turn_acceleration; /**< ẇ, rad/s² */
 };
 
+/** How the robot slides where the ground slopes, what its wheels do not show. By a grade of 1 to the left, m to the
+ *  right; by_left by a grade of 1 ahead, to the left. */
+struct jp_path_slide {
+    jp_q24 ahead;   /**< grade, uphill above 0; ±1 */
+    jp_q24 left;    /**< the same to the left */
+    jp_q24 by_turn; /**< by the radian that it turns, either way, m; 0…64 */
+    jp_q24 by_left; /**< by the radian that it turns to the left, m; 0…8 */
+    jp_q24 most;    /**< of what a radian makes it slide, m: it turns between its axles; 0…4 */
+    jp_q24 by_way;  /**< by the metre, either way; 0…1 */
+};
+
+/** What is driven from a place on; private. */
+struct jp_path_stretch {
+    jp_q24 turn; /**< to the left, rad */
+    jp_q24 way;  /**< m */
+};
+
 /** Private. */
 struct jp_path_drive_internal {
     struct jp_path_drive_config config;
@@ -57,6 +83,11 @@ struct jp_path_drive_internal {
     jp_q24 speed;      /**< m/s, or rad/s of a turn on the spot */
     jp_q24 progress;   /**< on the piece, m or rad */
     uint16_t piece;
+    uint16_t looked_at; /**< pieces that look_ahead() has been over, from that of its begin on */
+    uint16_t looked_from;
+    struct jp_path_stretch seen; /**< of them */
+    jp_q24 slides;               /**< there, to the left, m */
+    jp_q24 slide_ahead;          /**< when it was last at its end */
 };
 
 /** The members are private. */
@@ -76,6 +107,10 @@ void jp_path_drive_begin(struct jp_path_drive *drive, const struct jp_lattice_pa
 /** The next set-point; false: the path is driven, or there is none, and *set_point is not written. The last one is at
  *  rest at the path's end. Constant time; for the control ISR. */
 bool jp_path_drive_advance(struct jp_path_drive *drive, struct jp_path_set_point *set_point);
+
+/** Looks at one more of the next three pieces, within twice `way`, for what the robot will slide there; once for each
+ *  set-point. Constant time; for the control ISR. */
+void jp_path_drive_look_ahead(struct jp_path_drive *drive, const struct jp_path_slide *slide);
 
 /** The motion that leads a robot at a measured pose to the set-point. Constant time; for the control ISR. */
 void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path_set_point *set_point,

@@ -15,16 +15,12 @@
 #define JOULEPATH_SKID_CONTROL_H
 
 #include <joulepath/sensors.h>
+#include <joulepath/skid_sides.h>
 #include <joulepath/status.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** Index of what each side has. */
-enum { JP_SKID_LEFT, JP_SKID_RIGHT };
-
-#define JP_SKID_SIDES 2
 
 /** Constants of one robot; made by tools/design/skid_robot.py. Currents are those of a side's motor. */
 struct jp_skid_control_config {

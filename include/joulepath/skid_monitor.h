@@ -50,11 +50,10 @@ struct jp_skid_monitor {
 /** What the wheels and the body do. */
 struct jp_skid_motion {
     const struct jp_skid_control *control; /**< after its update */
-    jp_q16 current_left;                   /**< A */
-    jp_q16 current_right;
-    jp_turns_per_s turn_rate; /**< of the body by the gyro, turn/s */
-    jp_q24 steering;          /**< χ, skid_control.h */
-    bool straight;            /**< it shall not turn */
+    jp_q16 current[JP_SKID_SIDES];         /**< A */
+    jp_turns_per_s turn_rate;              /**< of the body by the gyro, turn/s */
+    jp_q24 steering;                       /**< χ, skid_control.h */
+    bool straight;                         /**< it shall not turn */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not

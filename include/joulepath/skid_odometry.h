@@ -9,11 +9,14 @@
  *   scale     γ = (r/ρ0 − 1) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro; the rest is slip, ρ
  *   tilt      ṗ = ω q − ψ̇, q̇ = −ω p: a Kalman filter of the grade p ahead and q to the left and of the accelerometer's
  *             offset. What is measured is p, the pitch gyro tells how it changes, so a turn shows q
- *   slip      treads creep in proportion to their force, with that of the specific force, f ahead and q + v ω/g left:
- *             along = Δs − f (κ |Δs| + λ Kx |Δθ|) ∓ κ F min(|Δs|, B |Δφ|/2), across = −(q + v ω/g) (κ |Δs| + λ Ky |Δθ|)
- *   grip      λ = F0/F: the force F of the sides that turn the robot, by the motors' currents, tells how the ground
- * grips growth    of the ratio, with the square of what the robot slips aside as it turns plan view along the mean
- * heading of the step: (along √(1 − p²), across), and the heading turns by Δθ = (Δg − b Δt)/(1 + γ) (1 + p²/2 − q²/2)
+ *   slip      treads creep in proportion to their force, by the specific force, f ahead and l = q + v ω/g left:
+ *             along = Δs − f (κ |Δs| + λ Kx |Δθ|) + l Hx Δθ ∓ κ F min(|Δs|, B |Δφ|/2)
+ *             across = −l κ |Δs| + (±f Hy − l λ Ky) |Δθ|, the latter at most a |Δθ|: between the axles.
+ *             Hx and Hy: load that moves to a side or to an axle moves the point about which it turns
+ *   grip      λ = F0/F: the force F of the sides that turn it, by the motors' currents, tells how the ground grips
+ *   growth    of the ratio, with the square of what the robot slips aside as it turns
+ *   plan      along the mean heading of the step: (along √(1 − p²), across), and the heading turns by
+ *             Δθ = (Δg − b Δt)/(1 + γ) (1 + p²/2 − q²/2)
  *   past      what is learned of b and γ was true before: the pose moves by its sensitivities to them
  *
  * Wheels that stand keep the pose but for that. It is the pose of the middle between the axles, whose position is seen
@@ -22,8 +25,10 @@
 #ifndef JOULEPATH_SKID_ODOMETRY_H
 #define JOULEPATH_SKID_ODOMETRY_H
 
+#include <joulepath/path_drive.h>
 #include <joulepath/point.h>
 #include <joulepath/sensors.h>
+#include <joulepath/skid_sides.h>
 #include <joulepath/status.h>
 
 #ifdef __cplusplus
@@ -52,6 +57,9 @@ struct jp_skid_odometry_config {
     jp_q24 creep;          /**< κ, slip of the treads per g of specific force; 0…1 */
     jp_q24 turn_creep_along;  /**< Kx, way per radian of turn and g; 0…8 m */
     jp_q24 turn_creep_across; /**< Ky; 0…8 m */
+    jp_q24 turn_shift_along;  /**< Hx, way per radian to the left and g to the left, by the load that moves; 0…8 m */
+    jp_q24 turn_shift_across; /**< Hy, to the left, per radian to the left and g ahead; 0…8 m */
+    jp_q24 turn_slide_most;   /**< a, to the side per radian at most, half the wheelbase; 0…4 m */
     jp_q24 caster_drag;       /**< force of the caster on its way over the weight, g; 0…0.2 */
     jp_q24 turn_force;        /**< (right − left) of the forces that turn it on the spot over the weight, g; 0…2 */
     jp_q24 force_per_ampere;  /**< force of a side over the weight without losses, g/A; 0…16 */
@@ -72,17 +80,89 @@ enum jp_skid_odometry_part {
     JP_SKID_FILTER_TILT
 };
 
-/** Grades, g, and their covariance over tilt_deviation², Q30; private. */
+/** Increments of a step; private. */
+struct jp_skid_step {
+    int32_t way;        /* of the treads, m, Q32 */
+    int32_t side_way;   /* of a side against the mean, without sign */
+    int32_t wheel_turn; /* 2⁻³² turn; so the next three */
+    int32_t gyro_turn;
+    int32_t gyro_pitch;
+    int32_t turn; /* of the gyro, corrected */
+    jp_q24 force; /* mean specific force ahead, g */
+    int32_t counts[JP_SKID_SIDES];
+    jp_q16 current[JP_SKID_SIDES];
+    int32_t forward;        /* of the robot, m, Q32 */
+    int32_t forward_before; /* in the step before */
+    int32_t sideways;       /* to the left */
+    int32_t plan;           /* forward on the map, m, Q32 */
+    int32_t heading_turn;   /* on the map, 2⁻³² turn */
+    int32_t way_x;          /* on the map, m, Q32 */
+    int32_t way_y;
+};
+
+/** Filter of the gyro's bias and of r; private. */
+struct jp_skid_gyro {
+    int32_t bias;      /* of a step, 2⁻⁴⁰ turn */
+    int32_t ratio;     /* r, Q30 */
+    int32_t scale;     /* 1/(1 + γ), Q30 */
+    int32_t bias_bias; /* covariance over the squares of the deviations at the start, Q30 */
+    int32_t bias_ratio;
+    int32_t ratio_ratio;
+    int32_t bias_change; /* by the last step */
+    int32_t scale_change;
+
+    int32_t bias_unit;        /* bias_deviation in a step, 2⁻³² turn */
+    int32_t ratio_unit;       /* deviation of r at the start, Q24 */
+    int32_t ratio_weight;     /* deviation of r over that of b in a step, 2⁻³² turn; Q40 */
+    int32_t ratio_reciprocal; /* 1/ρ0, Q24 */
+    int32_t scale_share;      /* σγ²/(σγ² + σρ²), Q30 */
+    int32_t bias_growth;      /* of bias_bias in a step */
+    int32_t way_variance;     /* of a metre over bias_unit², Q14 */
+    int32_t turn_variance;    /* the same of 2⁻³² turn, Q30 */
+    int64_t gyro_variance;    /* the same of a reading, Q30 */
+    int64_t count_variance;   /* and of a count */
+};
+
+/** What the filter of the tilt knows. */
+enum { JP_SKID_TILT_AHEAD, JP_SKID_TILT_LEFT, JP_SKID_TILT_OFFSET, JP_SKID_TILT_STATES };
+
+/** Filter of the grades and of the accelerometer's offset; private. */
 struct jp_skid_tilt {
-    jp_q24 ahead;  /* p */
-    jp_q24 left;   /* q */
-    jp_q24 offset; /* of the accelerometer */
-    int32_t ahead_ahead;
-    int32_t ahead_left;
-    int32_t ahead_offset;
-    int32_t left_left;
-    int32_t left_offset;
-    int32_t offset_offset;
+    jp_q24 state[JP_SKID_TILT_STATES];              /* g */
+    int32_t variance[JP_SKID_TILT_STATES];          /* over tilt_deviation², Q30 */
+    int32_t offset_covariance[JP_SKID_TILT_OFFSET]; /* of the grades with the offset */
+    int32_t grade_covariance;
+    int32_t pitch_bias;     /* of a step, 2⁻⁴⁰ turn */
+    int32_t accel_variance; /* over tilt_deviation², Q30 */
+    int32_t reciprocal;     /* 1/tilt_deviation, Q15 */
+    int32_t fading;         /* 1/m, Q14 */
+    int32_t acceleration;   /* 1/(Δt² g), 1/m, Q8 */
+};
+
+/** Slip by force; private. */
+struct jp_skid_slip {
+    int32_t along; /* of the last step in its turn, m/turn, Q24 */
+    int32_t across;
+    jp_q24 turn_force;   /* as learned */
+    int32_t creep_along; /* 2π λ Kx, m/turn, Q24 */
+    int32_t creep_across;
+    int32_t shift_along; /* 2π Hx, m/turn, Q24 */
+    int32_t shift_across;
+    int32_t most;        /* 2π a, m/turn, Q24 */
+    int32_t centripetal; /* 2π/(Δt² g), 1/(m turn), Q8 */
+    jp_q24 braking;      /* 1/efficiency */
+};
+
+/** What was driven, and how far the pose moves if bias or scale was another one; private. */
+struct jp_skid_past {
+    int32_t way;    /* m, Q16 */
+    int32_t turn;   /* of either sign, turn, Q16 */
+    int32_t turned; /* by the gyro since the start, turn, Q24 */
+    int32_t steps;  /* in motion, Q8; forgotten slowly */
+    int32_t bias_x; /* m in so many steps, Q8 */
+    int32_t bias_y;
+    int32_t scale_x; /* m in so many turns, Q16 */
+    int32_t scale_y;
 };
 
 /** Where the robot is and how it moves, at the last step; turn_rate at the last tick. */
@@ -93,87 +173,27 @@ struct jp_skid_odometry {
     jp_q24 speed;             /**< along the ground, m/s, mean of the step */
     jp_turns_per_s turn_rate; /**< without bias, in the plane of the ground */
     jp_q24 steering_ratio;    /**< ρ as learned */
-    /** Of skid_odometry.c alone. */
+    jp_turns_per_s bias_rate; /**< of the gyro, as learned */
+    /** Private. */
     struct {
         enum jp_skid_odometry_part next;
-        uint32_t ticks; /* since the last step */
-        uint32_t encoder_left;
-        uint32_t encoder_right;
+        uint32_t ticks;     /* since the last step */
         jp_phase yaw_angle; /* of the gyro, since the last step */
         jp_phase pitch_angle;
         int32_t accel_sum; /* g, Q24 */
-
-        uint32_t stand_left; /* counts that the wheels have stayed at */
-        uint32_t stand_right;
-        uint32_t stand_steps;
         bool is_moving;
-        int32_t way;            /* of the step, m, Q32 */
-        int32_t forward;        /* the same of the robot */
-        int32_t forward_before; /* in the step before */
-        int32_t side_way;       /* of a side against the mean, without sign */
-        int32_t wheel_turn;     /* of the step, 2⁻³² turn; so the next three */
-        int32_t gyro_turn;
-        int32_t gyro_pitch;
-        int32_t turn;
-        int32_t plan;         /* ahead on the map, m, Q32 */
-        int32_t sideways;     /* to the left, m, Q32 */
-        int32_t heading_turn; /* on the map, 2⁻³² turn */
-        int32_t way_x;        /* of the step on the map, m, Q32 */
-        int32_t way_y;
-        jp_q24 force; /* mean specific force ahead, g */
-
-        int32_t bias;       /* of a step, 2⁻⁴⁰ turn */
-        int32_t pitch_bias; /* so */
-        jp_turns_per_s bias_rate;
-        int32_t ratio;     /* r, Q30 */
-        int32_t scale;     /* 1/(1 + γ), Q30 */
-        int32_t bias_bias; /* covariance over the squares of the deviations at the start, Q30 */
-        int32_t bias_ratio;
-        int32_t ratio_ratio;
-
-        int32_t bias_change; /* by the last step */
-        int32_t scale_change;
-        int64_t way_total;  /* m, Q16 */
-        int64_t turn_total; /* 2⁻³² turn */
-        int64_t turned;     /* by the gyro since the start, 2⁻³² turn */
-        int64_t steps;      /* in motion, Q16; forgotten slowly */
-        int64_t bias_x;     /* how far the pose moves if the bias was another one: m in so many steps, Q16 */
-        int64_t bias_y;
-        int64_t scale_x; /* the same of the scale: m in so many turns, Q24 */
-        int64_t scale_y;
-
-        struct jp_skid_tilt tilt;
-
-        int32_t along_turn; /* slip by force in a turn, m/turn, Q24 */
-        int32_t across_turn;
-        int32_t counts_left; /* of the step */
-        int32_t counts_right;
-        jp_q16 current_left;
-        jp_q16 current_right;
-        jp_q24 turn_force; /* as learned */
-
-        int32_t phase_per_rate;
+        uint32_t stand_steps;
         uint32_t stand_steps_min;
-        int32_t mean_share;       /* 1/step_ticks, Q31 */
-        int32_t bias_unit;        /* bias_deviation in a step, 2⁻³² turn */
-        int32_t ratio_unit;       /* deviation of r at the start, Q24 */
-        int32_t ratio_weight;     /* deviation of r over that of b in a step, 2⁻³² turn; Q40 */
-        int32_t ratio_reciprocal; /* 1/ρ0, Q24 */
-        int32_t scale_share;      /* σγ²/(σγ² + σρ²), Q30 */
-        int32_t bias_growth;      /* of bias_bias in a step */
-        int64_t gyro_variance;    /* over bias_unit², Q30 */
-        int64_t count_variance;
-        int32_t way_variance;     /* the same of a metre, Q14 */
-        int32_t turn_variance;    /* the same of 2⁻³² turn, Q30 */
-        int32_t accel_variance;   /* over tilt_deviation², Q30 */
-        int32_t tilt_reciprocal;  /* 1/tilt_deviation, Q15 */
-        int32_t tilt_fading;      /* 1/m, Q14 */
-        int32_t acceleration;     /* 1/(Δt² g), 1/m, Q8 */
-        int32_t centripetal;      /* 2π/(Δt² g), 1/(m turn), Q8 */
-        int32_t speed_per_way;    /* 1/Δt, Q16 */
-        int32_t turn_creep_along; /* 2π Kx, m/turn, Q24 */
-        int32_t turn_creep_across;
-        jp_q24 braking; /* 1/efficiency */
+        int32_t phase_per_rate;
+        int32_t mean_share;              /* 1/step_ticks, Q31 */
+        int32_t speed_per_way;           /* 1/Δt, Q16 */
+        uint32_t encoder[JP_SKID_SIDES]; /* at the last step */
+        uint32_t stand[JP_SKID_SIDES];   /* counts that the wheels have stayed at */
+        struct jp_skid_step step;
+        struct jp_skid_gyro gyro;
+        struct jp_skid_tilt tilt;
+        struct jp_skid_slip slip;
+        struct jp_skid_past past;
     } internal;
 };
 
@@ -213,6 +233,10 @@ void jp_skid_odometry_update(struct jp_skid_odometry *odometry, const struct jp_
  *  the control ISR, after jp_skid_odometry_update(). */
 void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                           struct jp_point *position, jp_angle *heading);
+
+/** How far the robot slides aside on the slope as it knows it. Constant time; for the control ISR. */
+void jp_skid_odometry_slide(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                            struct jp_path_slide *slide);
 
 /** What it knows now. Six square roots and a 64-bit division; not for the tick, and no tick may come between. Cannot
  *  fail. */

@@ -95,13 +95,37 @@ struct jp_skid_telemetry {
     uint32_t dropped_frames;  /**< ticks without a plausible frame, wrapping; from 0 again after a disable */
 };
 
+/** What a reset of the controller must not lose. */
+struct jp_skid_snapshot {
+    int64_t x; /**< by odometry, m, Q32.32 */
+    int64_t y;
+    jp_phase heading;
+    uint32_t tick_rate; /**< whose it is */
+    int32_t way_per_count;
+    uint32_t encoder_left; /**< of the last plausible frame */
+    uint32_t encoder_right;
+    jp_turns_per_s gyro_bias;
+    jp_q24 steering_ratio;
+    int32_t bias; /**< as the odometry's filters have it, and so the rest */
+    int32_t pitch_bias;
+    int32_t ratio;
+    int32_t scale;
+    int32_t bias_bias;
+    int32_t bias_ratio;
+    int32_t ratio_ratio;
+    uint32_t ran; /**< 1: the motors did */
+};
+
+/** What the next tick does of a set-point; private. */
+enum jp_skid_follow_part { JP_SKID_FOLLOW_ADVANCE, JP_SKID_FOLLOW_LOOK_AHEAD, JP_SKID_FOLLOW_TRACK };
+
 /** Private: the path that is followed. */
 struct jp_skid_follow {
     const struct jp_lattice_path *path; /**< or null */
     struct jp_path_drive drive;
     struct jp_path_set_point at;
     struct jp_motion motion; /**< that leads to it */
-    bool is_new;             /**< the set-point is that of the next two ticks */
+    enum jp_skid_follow_part next;
 };
 
 /** Private: a command as the tick takes it. */
@@ -185,6 +209,17 @@ void jp_skid_robot_account(struct jp_skid_robot *robot);
 void jp_skid_robot_tick(struct jp_skid_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                         struct jp_actuation *actuation);
 
+/** Writes what jp_skid_robot_resume() needs; after any tick and in its context. Constant time. */
+void jp_skid_robot_snapshot(const struct jp_skid_robot *robot, struct jp_skid_snapshot *snapshot);
+
+/**
+ * Between jp_skid_robot_init() and the first tick, after a reset in motion: position, heading and what was learned go
+ * on from the snapshot, but for what the robot moved in between. The robot is idle: it finds out how fast it is and
+ * brakes; enabled, it stands then. False, and nothing changed: the motors did not run, or a number cannot be this
+ * robot's.
+ */
+bool jp_skid_robot_resume(struct jp_skid_robot *robot, const struct jp_skid_snapshot *snapshot);
+
 /** Idle to standing, at the next tick. JP_ERR_STATE: not idle, not awake yet, or the ground is too steep.
  *  JP_ERR_ARGUMENT: null. */
 enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot);
@@ -243,6 +278,15 @@ static inline const struct jp_skid_robot_config *jp_skid_robot_configuration(con
 static inline const struct jp_skid_odometry *jp_skid_robot_odometry(const struct jp_skid_robot *robot)
 {
     return &robot->internal.odometry;
+}
+
+/** Pitch of the body by the ground that it stands on, turn; forward is positive, so uphill negative. One atan2. */
+jp_q24 jp_skid_robot_pitch(const struct jp_skid_robot *robot);
+
+/** The last plausible frame; NULL: none came since init or a disable. */
+static inline const struct jp_sensors *jp_skid_robot_good_frame(const struct jp_skid_robot *robot)
+{
+    return robot->internal.monitor.started ? &robot->internal.monitor.good : NULL;
 }
 
 /** What was spent since init. */

@@ -1,22 +1,8 @@
 #include "sim/balancer/world.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "sim/base/digital.h"
-
-/* Offset of each channel; all are 32 bits wide. */
-static const size_t channel_offsets[] = {
-    [WORLD_ENCODER_LEFT] = offsetof(struct jp_sensors, encoder_left),
-    [WORLD_ENCODER_RIGHT] = offsetof(struct jp_sensors, encoder_right),
-    [WORLD_PITCH_RATE] = offsetof(struct jp_sensors, pitch_rate),
-    [WORLD_YAW_RATE] = offsetof(struct jp_sensors, yaw_rate),
-    [WORLD_ACCEL_X] = offsetof(struct jp_sensors, accel_x),
-    [WORLD_ACCEL_Z] = offsetof(struct jp_sensors, accel_z),
-    [WORLD_CURRENT_LEFT] = offsetof(struct jp_sensors, current_left),
-    [WORLD_CURRENT_RIGHT] = offsetof(struct jp_sensors, current_right),
-    [WORLD_BUS_VOLTAGE] = offsetof(struct jp_sensors, bus_voltage),
-};
 
 void world_init(struct world *world, const struct robot_file *robot, uint64_t seed)
 {
@@ -80,54 +66,9 @@ void world_step(struct world *world)
     world->tick++;
 }
 
-static bool is_active(const struct world_fault *fault, uint64_t tick)
-{
-    return tick >= fault->from && (fault->until == 0 || tick < fault->until);
-}
-
 static bool is_failing(const struct world *world, enum world_channel channel)
 {
-    for (size_t i = 0; i < world->fault_count; i++) {
-        if (world->faults[i].channel == channel && is_active(&world->faults[i], world->tick)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static uint32_t faulty_value(const struct world_fault *fault, uint32_t measured, uint32_t last)
-{
-    switch (fault->kind) {
-    case WORLD_FROZEN:
-        return last;
-    case WORLD_STUCK:
-        return (uint32_t)fault->value;
-    case WORLD_SCALED:
-        return (uint32_t)jp_multiply_shift((int32_t)measured, fault->value, 16);
-    default:
-        break;
-    }
-    if (fault->channel == WORLD_ENCODER_LEFT || fault->channel == WORLD_ENCODER_RIGHT) {
-        return measured + (uint32_t)fault->value;
-    }
-    return (uint32_t)jp_saturate32((int64_t)(int32_t)measured + fault->value);
-}
-
-static void apply_faults(struct world *world, const struct jp_sensors *last, struct jp_sensors *sensors)
-{
-    for (size_t i = 0; i < world->fault_count; i++) {
-        const struct world_fault *fault = &world->faults[i];
-        if (fault->channel > WORLD_BUS_VOLTAGE || !is_active(fault, world->tick)) {
-            continue;
-        }
-        const size_t offset = channel_offsets[fault->channel];
-        uint32_t value;
-        uint32_t last_value;
-        memcpy(&value, (const char *)sensors + offset, sizeof value);
-        memcpy(&last_value, (const char *)last + offset, sizeof last_value);
-        value = faulty_value(fault, value, last_value);
-        memcpy((char *)sensors + offset, &value, sizeof value);
-    }
+    return world_faults_fail(&world->faults, channel, world->tick);
 }
 
 bool world_read(struct world *world, struct jp_sensors *sensors)
@@ -136,9 +77,7 @@ bool world_read(struct world *world, struct jp_sensors *sensors)
         return false;
     }
     instruments_read(&world->instruments, &world->plant, &world->input, world->bus_voltage, &world->random, sensors);
-    const struct jp_sensors last = world->last_read;
-    apply_faults(world, &last, sensors);
-    world->last_read = *sensors;
+    world_faults_apply(&world->faults, world->tick, sensors);
     return true;
 }
 
@@ -161,9 +100,5 @@ void world_push(struct world *world, double force_n, double yaw_torque_nm, uint6
 
 bool world_add_fault(struct world *world, const struct world_fault *fault)
 {
-    if (world->fault_count == WORLD_FAULTS_MAX) {
-        return false;
-    }
-    world->faults[world->fault_count++] = *fault;
-    return true;
+    return world_faults_add(&world->faults, fault);
 }

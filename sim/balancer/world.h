@@ -8,38 +8,7 @@
 #define JOULEPATH_SIM_BALANCER_WORLD_H
 
 #include "sim/balancer/instruments.h"
-
-#define WORLD_FAULTS_MAX 8
-
-enum world_channel {
-    WORLD_ENCODER_LEFT,
-    WORLD_ENCODER_RIGHT,
-    WORLD_PITCH_RATE,
-    WORLD_YAW_RATE,
-    WORLD_ACCEL_X,
-    WORLD_ACCEL_Z,
-    WORLD_CURRENT_LEFT,
-    WORLD_CURRENT_RIGHT,
-    WORLD_BUS_VOLTAGE,
-    WORLD_HAL_READ, /**< the HAL's read fails, whatever the kind */
-    WORLD_HAL_WRITE /**< the HAL's write fails, whatever the kind, and switches the bridges off */
-};
-
-enum world_fault_kind {
-    WORLD_FROZEN, /**< keeps the value of the last read before the fault */
-    WORLD_JUMPED, /**< `value` is added: counters wrap, the others saturate */
-    WORLD_SCALED, /**< reads `value`, Q16, times what is measured, saturated; no counter */
-    WORLD_STUCK   /**< reads `value` */
-};
-
-/** What goes wrong with one channel in the ticks from…until − 1. */
-struct world_fault {
-    enum world_channel channel;
-    enum world_fault_kind kind;
-    int32_t value;  /**< in the channel's format of sensors.h, but where its kind says else */
-    uint64_t from;  /**< tick */
-    uint64_t until; /**< tick; 0: for ever */
-};
+#include "sim/base/world_fault.h"
 
 struct world {
     struct robot_file robot;
@@ -53,9 +22,7 @@ struct world {
     double push_n; /**< acts until push_until */
     double yaw_torque_nm;
     uint64_t push_until; /**< tick */
-    struct world_fault faults[WORLD_FAULTS_MAX];
-    size_t fault_count;
-    struct jp_sensors last_read;
+    struct world_faults faults;
 };
 
 /** Upright, at rest, bridges off, no faults, tick 0. The robot file is copied. */

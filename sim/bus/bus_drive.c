@@ -12,9 +12,17 @@ void bus_drive_init(struct bus_drive *drive, const struct robot_file *robot, uin
     plant_node_init(&drive->plant, robot, seed);
 }
 
+void bus_drive_init_skid(struct bus_drive *drive, const struct skid_steer_model *model,
+                         const struct skid_ground *ground, const struct planar_pose *pose, uint64_t seed,
+                         const struct jp_can_link *link)
+{
+    *drive = (struct bus_drive){.link = *link, .patience = BUS_DRIVE_PATIENCE};
+    plant_node_init_skid(&drive->plant, model, ground, pose, seed);
+}
+
 static uint32_t time_ms(const struct bus_drive *drive)
 {
-    return (uint32_t)((uint64_t)drive->tick * 1000U / (uint64_t)drive->plant.world.robot.control.rate_hz);
+    return (uint32_t)((uint64_t)drive->tick * 1000U / (uint64_t)plant_node_rate(&drive->plant));
 }
 
 static void operator_hears(struct bus_drive *drive, const struct jp_can_frame *frame)

@@ -41,6 +41,11 @@ struct bus_drive {
 void bus_drive_init(struct bus_drive *drive, const struct robot_file *robot, uint64_t seed,
                     const struct jp_can_link *link);
 
+/** The same with a robot that its sides steer, at rest at a pose. What `ground` points to stays in use. */
+void bus_drive_init_skid(struct bus_drive *drive, const struct skid_steer_model *model,
+                         const struct skid_ground *ground, const struct planar_pose *pose, uint64_t seed,
+                         const struct jp_can_link *link);
+
 /** One tick in lockstep; false when the ECU did not answer for so long as the drive has patience. */
 bool bus_drive_lockstep(struct bus_drive *drive);
 

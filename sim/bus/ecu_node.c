@@ -3,78 +3,173 @@
 #include "sim/base/error.h"
 #include "sim/files/parameters_file.h"
 
-static bool boot(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
-                 const struct jp_can_port *bus, struct jp_retained *retained)
-{
-    struct jp_retained *const record = retained == NULL ? &node->own_record : retained;
-    const char *field = "";
+/* A balancer. */
 
-    if (jp_lockstep_start(&node->lockstep, entry->config, model, bus, record, jp_ecu_tick, &field) != JP_OK) {
-        error_line("%s: %s is out of range; run make gains ROBOT=%s", entry->name, field, entry->name);
-        return false;
-    }
-    return true;
-}
-
-static bool learn(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
-                  enum jp_stored stored)
+static enum jp_status learn(struct ecu_node *node, const char **field)
 {
-    const bool of_battery = model == entry->energy_battery;
+    struct ecu_node_balancer *balancer = &node->balancer;
+    const struct robot_entry *entry = balancer->entry;
+    const bool of_battery = balancer->model == entry->energy_battery;
     const struct jp_ecu_learning learning = {
         .learning = of_battery ? entry->learning_battery : entry->learning,
         .of_battery = of_battery,
-        .stored = stored,
+        .stored = node->stored,
         .state = &node->parameters.energy,
     };
-    const char *field = "";
 
-    if (learning.learning == NULL || (!of_battery && model != entry->energy)) {
-        return true;
+    if (learning.learning == NULL || (!of_battery && balancer->model != entry->energy)) {
+        return JP_OK;
     }
-    if (jp_lockstep_learn(&node->lockstep, &learning, &field) != JP_OK) {
-        error_line("%s: %s is out of range; run make learning ROBOT=%s", entry->name, field, entry->name);
-        return false;
-    }
-    return true;
+    return jp_ecu_balancer_learn(&balancer->robot, &learning, field);
 }
 
-static bool navigate(struct ecu_node *node, const struct robot_entry *entry)
+/** It navigates where there are tables for that. */
+static enum jp_status navigate(struct ecu_node *node, struct jp_ecu *ecu, const struct jp_lattice *lattice,
+                               const struct jp_navigator_body *body, const struct jp_vehicle *vehicle,
+                               int32_t unit_exponent, const char **field)
 {
-    const char *field = "";
+    const struct jp_navigation_config config = jp_navigation_config_of(lattice, body, &node->ground, &node->block);
+    const enum jp_status status = jp_navigation_init(&node->navigation, &config, vehicle, unit_exponent, field);
+
+    jp_ecu_navigate(ecu, &node->navigation);
+    return status;
+}
+
+static enum jp_status navigate_balancer(struct ecu_node *node, struct jp_ecu *ecu, const char **field)
+{
+    struct ecu_node_balancer *balancer = &node->balancer;
+    const struct robot_entry *entry = balancer->entry;
+    struct jp_vehicle vehicle;
 
     if (entry->navigation == NULL || entry->lattice == NULL) {
-        return true;
+        return JP_OK;
     }
-    const struct jp_navigation_config config =
-        jp_navigation_config_of(entry->lattice, entry->navigation, &node->ground, &node->block);
+    (void)jp_balancer_vehicle_init(&balancer->vehicle, &balancer->robot.pilot, &vehicle);
+    return navigate(node, ecu, entry->lattice, entry->navigation, &vehicle, balancer->model->unit_exponent, field);
+}
 
-    if (jp_lockstep_navigate(&node->lockstep, &node->navigation, &config, &field) != JP_OK) {
-        error_line("%s: %s is out of range; run make lattice ROBOT=%s", entry->name, field, entry->name);
+static enum jp_status boot_balancer(void *context, struct jp_ecu *ecu, const struct jp_can_port *port,
+                                    const char **field)
+{
+    struct ecu_node *node = context;
+    struct ecu_node_balancer *balancer = &node->balancer;
+    struct jp_ecu_robot robot;
+    enum jp_status status =
+        jp_ecu_balancer_init(&balancer->robot, balancer->entry->config, balancer->model, &robot, field);
+
+    if (status == JP_OK) {
+        status = jp_ecu_init(ecu, &robot, port, node->lockstep.config.retained);
+    }
+    if (status == JP_OK) {
+        status = learn(node, field);
+    }
+    return status == JP_OK ? navigate_balancer(node, ecu, field) : status;
+}
+
+/* A robot that its sides steer. */
+
+/** How far inside a corner it passes: a navigator's margin, else half of the width between its tracks. */
+static jp_q24 corner_of(const struct skid_robot_entry *entry)
+{
+    return entry->navigation != NULL ? entry->navigation->margin * (JP_Q24_ONE / JP_Q16_ONE) : entry->limits->width / 2;
+}
+
+static enum jp_status navigate_skid(struct ecu_node *node, struct jp_ecu *ecu, const char **field)
+{
+    struct ecu_node_skid *skid = &node->skid;
+    const struct skid_robot_entry *entry = skid->entry;
+    struct jp_vehicle vehicle;
+
+    if (entry->navigation == NULL) {
+        return JP_OK;
+    }
+    (void)jp_skid_vehicle_init(&skid->vehicle, &skid->robot.pilot, &vehicle);
+    return navigate(node, ecu, entry->lattice, entry->navigation, &vehicle, entry->energy->unit_exponent, field);
+}
+
+static enum jp_status boot_skid(void *context, struct jp_ecu *ecu, const struct jp_can_port *port, const char **field)
+{
+    struct ecu_node *node = context;
+    struct ecu_node_skid *skid = &node->skid;
+    const struct jp_ecu_skid_config config = {.robot = skid->entry->config,
+                                              .energy = skid->entry->energy,
+                                              .learning = skid->entry->learning,
+                                              .limits = skid->entry->limits,
+                                              .corner = corner_of(skid->entry),
+                                              .stored = node->stored,
+                                              .state = &node->parameters.energy};
+    struct jp_ecu_robot robot;
+    enum jp_status status = jp_ecu_skid_init(&skid->robot, &config, &robot, field);
+
+    if (status == JP_OK) {
+        status = jp_ecu_init(ecu, &robot, port, node->lockstep.config.retained);
+    }
+    return status == JP_OK ? navigate_skid(node, ecu, field) : status;
+}
+
+/* Of either kind. */
+
+/** A place that cannot be written to shows now, not when there is something to keep. */
+static bool open_parameters(struct ecu_node *node)
+{
+    return parameters_file_load(node->path, node->identity, &node->parameters, &node->stored) &&
+           (node->stored != JP_STORED_NOTHING || parameters_file_save(node->path, node->identity, &node->parameters));
+}
+
+static bool start(struct ecu_node *node, const struct jp_lockstep_config *config, const char *parameters)
+{
+    const char *field = "";
+
+    node->stored = JP_STORED_NOTHING;
+    node->path = parameters;
+    node->ran = false;
+    jp_parameters_default(&node->parameters);
+    if (parameters != NULL && !open_parameters(node)) {
+        return false;
+    }
+    if (jp_lockstep_start(&node->lockstep, config, &field) != JP_OK) {
+        error_line("%s: %s is out of range; make its tables anew: make robot ROBOT=%s", node->name, field, node->name);
         return false;
     }
     return true;
 }
 
-/** A place that cannot be written to shows now, not when there is something to keep. */
-static bool open_parameters(struct ecu_node *node, const struct jp_robot_config *config, enum jp_stored *stored)
+static struct jp_lockstep_config lockstep_of(struct ecu_node *node, const struct jp_can_port *bus,
+                                             struct jp_retained *retained)
 {
-    return parameters_file_load(node->path, config, &node->parameters, stored) &&
-           (*stored != JP_STORED_NOTHING || parameters_file_save(node->path, config, &node->parameters));
+    node->own_record = (struct jp_retained){0};
+    return (struct jp_lockstep_config){.boot = node->skid.entry != NULL ? boot_skid : boot_balancer,
+                                       .context = node,
+                                       .tick = jp_ecu_tick,
+                                       .bus = *bus,
+                                       .retained = retained == NULL ? &node->own_record : retained};
 }
 
 bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
                    const struct jp_can_port *bus, struct jp_retained *retained, const char *parameters)
 {
-    enum jp_stored stored = JP_STORED_NOTHING;
+    node->name = entry->name;
+    node->identity = jp_robot_identity(entry->config);
+    node->balancer.entry = entry;
+    node->balancer.model = model;
+    node->skid.entry = NULL;
 
-    node->own_record = (struct jp_retained){0};
-    node->path = parameters;
-    node->ran = false;
-    jp_parameters_default(&node->parameters);
-    if (parameters != NULL && !open_parameters(node, entry->config, &stored)) {
-        return false;
-    }
-    return boot(node, entry, model, bus, retained) && learn(node, entry, model, stored) && navigate(node, entry);
+    const struct jp_lockstep_config config = lockstep_of(node, bus, retained);
+
+    return start(node, &config, parameters);
+}
+
+bool ecu_node_init_skid(struct ecu_node *node, const struct skid_robot_entry *entry, const struct jp_can_port *bus,
+                        struct jp_retained *retained, const char *parameters)
+{
+    node->name = entry->name;
+    node->identity = jp_skid_robot_identity(entry->config);
+    node->balancer.entry = NULL;
+    node->skid.entry = entry;
+
+    const struct jp_lockstep_config config = lockstep_of(node, bus, retained);
+
+    return start(node, &config, parameters);
 }
 
 static bool keep(struct ecu_node *node)
@@ -90,21 +185,16 @@ static bool keep(struct ecu_node *node)
         return true;
     }
     node->parameters = learned;
-    node->lockstep.learning.stored = JP_STORED_TAKEN;
-    return node->path == NULL || parameters_file_save(node->path, node->lockstep.config, &learned);
-}
-
-static enum jp_robot_state state_of(const struct ecu_node *node)
-{
-    return jp_robot_state_now(&node->lockstep.ecu.robot);
+    node->stored = JP_STORED_TAKEN;
+    return node->path == NULL || parameters_file_save(node->path, node->identity, &learned);
 }
 
 bool ecu_node_watch(struct ecu_node *node)
 {
-    const enum jp_robot_state state = state_of(node);
-    const bool switched_off = state == JP_ROBOT_IDLE && node->ran;
+    const struct jp_ecu *ecu = &node->lockstep.ecu;
+    const bool switched_off = jp_ecu_state_now(ecu) == JP_ECU_IDLE && node->ran;
 
-    node->ran = state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
+    node->ran = jp_ecu_runs(ecu);
     return !switched_off || keep(node);
 }
 

@@ -2,17 +2,43 @@
 #ifndef JOULEPATH_SIM_BUS_ECU_NODE_H
 #define JOULEPATH_SIM_BUS_ECU_NODE_H
 
+#include <joulepath/balancer_vehicle.h>
+#include <joulepath/skid_vehicle.h>
+
+#include "hal/app/ecu_balancer.h"
+#include "hal/app/ecu_skid.h"
 #include "hal/app/lockstep.h"
 #include "hal/app/navigation_memory.h"
 #include "hal/linux/can_link.h"
 #include "sim/balancer/robots.h"
+#include "sim/skid_steer/skid_robots.h"
+
+/** A balancer as an ECU has it. */
+struct ecu_node_balancer {
+    const struct robot_entry *entry;
+    const struct jp_energy_model *model;
+    struct jp_ecu_balancer robot;
+    struct jp_balancer_vehicle vehicle;
+};
+
+/** The same of a robot that its sides steer. */
+struct ecu_node_skid {
+    const struct skid_robot_entry *entry;
+    struct jp_ecu_skid robot;
+    struct jp_skid_vehicle vehicle;
+};
 
 struct ecu_node {
     struct jp_lockstep lockstep;
-    struct jp_retained own_record;   /**< where no other is given */
-    struct jp_parameters parameters; /**< what power-off leaves */
-    const char *path;                /**< of the file that keeps them; NULL: they end with the process */
-    struct jp_navigation navigation; /**< where the robot has tables for it */
+    const char *name;                  /**< of the robot */
+    uint32_t identity;                 /**< of its parameters */
+    struct ecu_node_balancer balancer; /**< it is this where there is an entry, */
+    struct ecu_node_skid skid;         /**< or this */
+    struct jp_retained own_record;     /**< where no other is given */
+    struct jp_parameters parameters;   /**< what power-off leaves */
+    enum jp_stored stored;             /**< what the last boot found of them */
+    const char *path;                  /**< of the file that keeps them; NULL: they end with the process */
+    struct jp_navigation navigation;   /**< where the robot has tables for it */
     struct jp_navigation_ground ground;
     struct jp_navigation_block block;
     bool ran; /**< the motors did at the last look */
@@ -26,6 +52,10 @@ struct ecu_node {
  */
 bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const struct jp_energy_model *model,
                    const struct jp_can_port *bus, struct jp_retained *retained, const char *parameters);
+
+/** The same of a robot that its sides steer, which always learns. */
+bool ecu_node_init_skid(struct ecu_node *node, const struct skid_robot_entry *entry, const struct jp_can_port *bus,
+                        struct jp_retained *retained, const char *parameters);
 
 /** After every tick: when the motors were switched off and there was no fault, what was learned is kept. False after
  * one line on stderr. */

@@ -27,16 +27,20 @@ static const char *misfit(enum jp_stored stored)
     }
 }
 
-void learned_line_start(const struct jp_ecu *ecu, const char *path)
+void learned_line_start(const struct ecu_node *node, const char *path)
 {
-    if (!ecu->learns) {
+    const struct jp_ecu *ecu = &node->lockstep.ecu;
+    struct jp_ecu_lessons lessons;
+
+    jp_ecu_lessons(ecu, &lessons);
+    if (jp_ecu_learned_state(ecu) == NULL) {
         (void)printf("%s: not used: there are no tables to learn with for this robot and model\n", path);
-    } else if (ecu->stored == JP_STORED_NOTHING) {
+    } else if (lessons.stored == JP_STORED_NOTHING) {
         (void)printf("%s: nothing learned yet\n", path);
-    } else if (ecu->stored == JP_STORED_TAKEN) {
-        (void)printf("%s: learned from %" PRIu32 " segments\n", path, ecu->pilot.learner.state.version);
+    } else if (lessons.stored == JP_STORED_TAKEN) {
+        (void)printf("%s: learned from %" PRIu32 " segments\n", path, lessons.version);
     } else {
-        (void)printf("%s: not used: %s; the built-in model serves\n", path, misfit(ecu->stored));
+        (void)printf("%s: not used: %s; the built-in model serves\n", path, misfit(lessons.stored));
     }
 }
 
@@ -68,17 +72,19 @@ static void print_cause(const struct jp_learner *learner)
     }
 }
 
-void learned_line_print(struct learned_line *last, const struct jp_ecu *ecu)
+void learned_line_print(struct learned_line *last, const struct ecu_node *node)
 {
-    const struct jp_learner *learner = &ecu->pilot.learner;
+    const struct jp_ecu *ecu = &node->lockstep.ecu;
+    struct jp_ecu_lessons lessons;
 
-    if (learner->changes == last->changes && learner->cause == last->cause) {
+    jp_ecu_lessons(ecu, &lessons);
+    if (lessons.changes == last->changes && lessons.cause == last->cause) {
         return;
     }
-    *last = (struct learned_line){.changes = learner->changes, .cause = learner->cause};
-    if (learner->changes > 0U) {
-        (void)printf("%.1f s: ", (double)ecu->tick / jp_robot_configuration(&ecu->robot)->estimator.tick_rate);
-        print_cause(learner);
+    *last = (struct learned_line){.changes = lessons.changes, .cause = lessons.cause};
+    if (lessons.changes > 0U) {
+        (void)printf("%.1f s: ", (double)ecu->tick / jp_ecu_tick_rate(ecu));
+        print_cause(&node->balancer.robot.pilot.learner);
         (void)fflush(stdout);
     }
 }

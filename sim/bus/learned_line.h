@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_SIM_BUS_LEARNED_LINE_H
 #define JOULEPATH_SIM_BUS_LEARNED_LINE_H
 
-#include "hal/app/ecu.h"
+#include "sim/bus/ecu_node.h"
 
 /** What was printed last; all zero at first. */
 struct learned_line {
@@ -11,9 +11,9 @@ struct learned_line {
 };
 
 /** What a start found of stored parameters, after the name of their file. */
-void learned_line_start(const struct jp_ecu *ecu, const char *path);
+void learned_line_start(const struct ecu_node *node, const char *path);
 
 /** Prints a line on stdout if there is a new change or a cause of it. */
-void learned_line_print(struct learned_line *last, const struct jp_ecu *ecu);
+void learned_line_print(struct learned_line *last, const struct ecu_node *node);
 
 #endif

@@ -11,11 +11,10 @@ static void work(void *context)
     }
 }
 
-bool local_ecu_start(struct local_ecu *ecu, const struct robot_entry *entry, const struct jp_energy_model *model,
-                     struct jp_can_link *link)
+/** Its own end of the bus; *link is the other one. */
+static struct jp_can_link attach(struct local_ecu *ecu, struct jp_can_link *link)
 {
     struct can_bus_end *other;
-    struct jp_can_link own;
 
     can_bus_init(&ecu->bus);
     other = can_bus_attach(&ecu->bus);
@@ -23,6 +22,20 @@ bool local_ecu_start(struct local_ecu *ecu, const struct robot_entry *entry, con
     other->others = work;
     other->context = ecu;
     *link = can_bus_link(other);
-    own = can_bus_link(ecu->end);
+    return can_bus_link(ecu->end);
+}
+
+bool local_ecu_start(struct local_ecu *ecu, const struct robot_entry *entry, const struct jp_energy_model *model,
+                     struct jp_can_link *link)
+{
+    const struct jp_can_link own = attach(ecu, link);
+
     return ecu_node_init(&ecu->node, entry, model, &own.port, NULL, NULL);
+}
+
+bool local_ecu_start_skid(struct local_ecu *ecu, const struct skid_robot_entry *entry, struct jp_can_link *link)
+{
+    const struct jp_can_link own = attach(ecu, link);
+
+    return ecu_node_init_skid(&ecu->node, entry, &own.port, NULL, NULL);
 }

@@ -16,4 +16,7 @@ struct local_ecu {
 bool local_ecu_start(struct local_ecu *ecu, const struct robot_entry *entry, const struct jp_energy_model *model,
                      struct jp_can_link *link);
 
+/** The same of a robot that its sides steer. */
+bool local_ecu_start_skid(struct local_ecu *ecu, const struct skid_robot_entry *entry, struct jp_can_link *link);
+
 #endif

@@ -3,29 +3,90 @@
 #include <math.h>
 
 #include "hal/can/jp_can.h"
+#include "sim/base/fingerprint.h"
+#include "sim/skid_steer/skid_hal_sim.h"
 
 #define BATTERY_PERIOD_MS 100U
 #define SECONDS_AN_HOUR   3600.0
 
 void plant_node_init(struct plant_node *node, const struct robot_file *robot, uint64_t seed)
 {
-    *node = (struct plant_node){.sample_counter = 0};
+    *node = (struct plant_node){.kind = PLANT_BALANCER};
     world_init(&node->world, robot, seed);
     plant_hold(&node->world.plant, 0);
+    node->power_w = robot->electronics.power_w;
+}
+
+void plant_node_init_skid(struct plant_node *node, const struct skid_steer_model *model,
+                          const struct skid_ground *ground, const struct planar_pose *pose, uint64_t seed)
+{
+    *node = (struct plant_node){.kind = PLANT_SKID};
+    skid_world_init(&node->skid, model, ground, pose, seed);
+}
+
+double plant_node_rate(const struct plant_node *node)
+{
+    return node->kind == PLANT_SKID ? node->skid.plant.model.control.rate_hz : node->world.robot.control.rate_hz;
+}
+
+uint64_t plant_node_tick(const struct plant_node *node)
+{
+    return node->kind == PLANT_SKID ? node->skid.tick : node->world.tick;
+}
+
+static void look_at_balancer(const struct world *world, struct plant_truth *truth)
+{
+    const struct plant *plant = &world->plant;
+
+    *truth = (struct plant_truth){.x = plant->x,
+                                  .y = plant->y,
+                                  .heading = plant->state.yaw,
+                                  .speed = plant->state.wheel_rate * world->robot.wheel.radius_m,
+                                  .turn_rate = plant->state.yaw_rate,
+                                  .pitch = plant->state.pitch,
+                                  .current_left = plant_current_left(plant, &world->input),
+                                  .current_right = plant_current_right(plant, &world->input)};
+}
+
+static void look_at_skid(const struct skid_plant *plant, struct plant_truth *truth)
+{
+    const struct planar_pose pose = skid_plant_pose(plant);
+
+    *truth = (struct plant_truth){.x = pose.x,
+                                  .y = pose.y,
+                                  .heading = pose.heading,
+                                  .speed = plant->state.forward,
+                                  .turn_rate = plant->state.turn_rate,
+                                  .current_left = plant->attitude.current[SKID_LEFT],
+                                  .current_right = plant->attitude.current[SKID_RIGHT]};
+}
+
+void plant_node_look(const struct plant_node *node, struct plant_truth *truth)
+{
+    if (node->kind == PLANT_SKID) {
+        look_at_skid(&node->skid.plant, truth);
+    } else {
+        look_at_balancer(&node->world, truth);
+    }
+}
+
+void plant_node_fingerprint(const struct plant_node *node, uint64_t *fingerprint)
+{
+    const struct plant *plant = &node->world.plant;
+
+    if (node->kind == PLANT_SKID) {
+        fingerprint_add(fingerprint, &node->skid.plant.state, sizeof node->skid.plant.state);
+        return;
+    }
+    fingerprint_add(fingerprint, &plant->x, sizeof plant->x);
+    fingerprint_add(fingerprint, &plant->y, sizeof plant->y);
+    fingerprint_add(fingerprint, &plant->state, sizeof plant->state);
+    fingerprint_add(fingerprint, &plant->ledger, sizeof plant->ledger);
 }
 
 static double clamp(double value, double low, double high)
 {
     return fmin(fmax(value, low), high);
-}
-
-double plant_node_power(const struct plant_node *node)
-{
-    const struct world *world = &node->world;
-    const struct plant_input *input = &world->input;
-
-    return input->voltage_left * plant_current_left(&world->plant, input) +
-           input->voltage_right * plant_current_right(&world->plant, input) + world->robot.electronics.power_w;
 }
 
 static void send_battery(const struct plant_node *node, const struct jp_can_port *port)
@@ -35,7 +96,7 @@ static void send_battery(const struct plant_node *node, const struct jp_can_port
     const double left = clamp(capacity - node->drawn_j / SECONDS_AN_HOUR, 0, capacity);
     const struct jp_can_battery_status_t signals = {
         .voltage = (uint16_t)lround(clamp(world->bus_voltage * 0x1p7, 0, UINT16_MAX)),
-        .current = (int16_t)lround(clamp(plant_node_power(node) / world->bus_voltage * 0x1p8, INT16_MIN, INT16_MAX)),
+        .current = (int16_t)lround(clamp(node->power_w / world->bus_voltage * 0x1p8, INT16_MIN, INT16_MAX)),
         .state_of_charge = (uint16_t)lround(left / capacity * 0x1p15),
         .energy_left = (uint16_t)lround(clamp(left * 0x1p6, 0, UINT16_MAX)),
     };
@@ -45,19 +106,36 @@ static void send_battery(const struct plant_node *node, const struct jp_can_port
     (void)port->send(port->context, &frame);
 }
 
+static bool read_skid(struct plant_node *node, struct jp_sensors *sensors)
+{
+    const struct jp_hal hal = skid_hal_sim(&node->skid);
+
+    if (world_faults_fail(&node->faults, WORLD_HAL_READ, node->skid.tick)) {
+        return false;
+    }
+    (void)hal.read(hal.context, sensors);
+    world_faults_apply(&node->faults, node->skid.tick, sensors);
+    return true;
+}
+
+static bool read_sensors(struct plant_node *node, struct jp_sensors *sensors)
+{
+    return node->kind == PLANT_SKID ? read_skid(node, sensors) : world_read(&node->world, sensors);
+}
+
 void plant_node_sense(struct plant_node *node, const struct jp_can_port *port)
 {
-    const uint64_t battery_ticks = (uint64_t)node->world.robot.control.rate_hz * BATTERY_PERIOD_MS / 1000U;
+    const uint64_t battery_ticks = (uint64_t)plant_node_rate(node) * BATTERY_PERIOD_MS / 1000U;
     struct jp_can_frame frames[JP_SAMPLE_PARTS];
     struct jp_sensors sensors;
 
-    if (world_read(&node->world, &sensors)) {
+    if (read_sensors(node, &sensors)) {
         jp_message_from_sensors(frames, &node->sample_counter, &sensors);
         for (unsigned i = 0; i < JP_SAMPLE_PARTS; i++) {
             (void)port->send(port->context, &frames[i]);
         }
     }
-    if (node->world.tick % battery_ticks == 0) {
+    if (node->kind == PLANT_BALANCER && node->world.tick % battery_ticks == 0) {
         send_battery(node, port);
     }
 }
@@ -90,25 +168,51 @@ bool plant_node_accept(struct plant_node *node, const struct jp_can_frame *frame
 
 static void watch_silence(struct plant_node *node)
 {
+    const uint32_t hold_ticks = (uint32_t)(plant_node_rate(node) * PLANT_HOLD_MS / 1000);
+
     node->silence = node->commanded ? 0 : node->silence + 1;
     node->commanded = false;
-    if (node->silence == PLANT_HOLD_TICKS + 1U && node->actuation.enabled != 0U) {
+    if (node->silence == hold_ticks + 1U && node->actuation.enabled != 0U) {
         node->silences++;
     }
-    if (node->silence > PLANT_HOLD_TICKS) {
+    if (node->silence > hold_ticks) {
         node->actuation = (struct jp_actuation){0};
     }
 }
 
-void plant_node_step(struct plant_node *node)
+static void step_balancer(struct plant_node *node)
 {
     struct world *world = &node->world;
+    const struct plant_input *input = &world->input;
 
-    watch_silence(node);
     (void)world_write(world, &node->actuation);
     if (world->plant.held && node->actuation.enabled != 0U) {
         plant_release(&world->plant);
     }
     world_step(world);
-    node->drawn_j += plant_node_power(node) * world_tick_seconds(world);
+    node->power_w = input->voltage_left * plant_current_left(&world->plant, input) +
+                    input->voltage_right * plant_current_right(&world->plant, input) + world->robot.electronics.power_w;
+    node->drawn_j += node->power_w * world_tick_seconds(world);
+}
+
+static void step_skid(struct plant_node *node)
+{
+    const struct skid_ledger *ledger = &node->skid.plant.state.ledger;
+    const double before = node->drawn_j;
+
+    node->skid.actuation =
+        world_faults_fail(&node->faults, WORLD_HAL_WRITE, node->skid.tick) ? (struct jp_actuation){0} : node->actuation;
+    skid_world_step(&node->skid);
+    node->drawn_j = ledger->battery - ledger->supply;
+    node->power_w = (node->drawn_j - before) / skid_world_tick_seconds(&node->skid);
+}
+
+void plant_node_step(struct plant_node *node)
+{
+    watch_silence(node);
+    if (node->kind == PLANT_SKID) {
+        step_skid(node);
+    } else {
+        step_balancer(node);
+    }
 }

@@ -14,8 +14,7 @@ static bool refused(const char *path, const char *what)
     return false;
 }
 
-bool parameters_file_load(const char *path, const struct jp_robot_config *config, struct jp_parameters *parameters,
-                          enum jp_stored *stored)
+bool parameters_file_load(const char *path, uint32_t identity, struct jp_parameters *parameters, enum jp_stored *stored)
 {
     uint8_t record[JP_STORE_LENGTH_MAX];
     FILE *stream = fopen(path, "rb");
@@ -33,7 +32,7 @@ bool parameters_file_load(const char *path, const struct jp_robot_config *config
         }
         (void)fclose(stream);
     }
-    *stored = jp_parameters_start(parameters, config, record, (uint16_t)length);
+    *stored = jp_parameters_start(parameters, identity, record, (uint16_t)length);
     return true;
 }
 
@@ -49,8 +48,7 @@ static bool write_record(const char *path, const uint8_t *record, size_t length)
     return fclose(stream) == 0 && whole;
 }
 
-bool parameters_file_save(const char *path, const struct jp_robot_config *config,
-                          const struct jp_parameters *parameters)
+bool parameters_file_save(const char *path, uint32_t identity, const struct jp_parameters *parameters)
 {
     uint8_t record[JP_PARAMETERS_LENGTH];
     char temporary[PATH_MAX];
@@ -60,7 +58,7 @@ bool parameters_file_save(const char *path, const struct jp_robot_config *config
         errno = ENAMETOOLONG;
         return refused(path, "write this file");
     }
-    jp_parameters_encode(parameters, jp_robot_identity(config), record);
+    jp_parameters_encode(parameters, identity, record);
     if (!write_record(temporary, record, sizeof record) || rename(temporary, path) != 0) {
         (void)refused(path, "write this file");
         (void)remove(temporary);

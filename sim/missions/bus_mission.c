@@ -36,32 +36,54 @@ struct run {
     struct bezier_point reference; /**< where the reference is, m */
 };
 
-static const struct plant *plant_of(const struct run *run)
+static struct plant_truth truth_of(const struct run *run)
 {
-    return &run->result->drive.plant.world.plant;
+    struct plant_truth truth;
+
+    plant_node_look(&run->result->drive.plant, &truth);
+    return truth;
+}
+
+static struct bezier_point position_of(const struct plant_truth *truth)
+{
+    return (struct bezier_point){truth->x, truth->y};
+}
+
+static bool is_balancer(const struct run *run)
+{
+    return run->scenario->kind == SCENARIO_BALANCER;
 }
 
 static uint64_t tick_of(const struct run *run)
 {
-    return run->result->drive.plant.world.tick;
+    return plant_node_tick(&run->result->drive.plant);
+}
+
+static double rate_of(const struct run *run)
+{
+    return plant_node_rate(&run->result->drive.plant);
 }
 
 static double seconds(const struct run *run, uint64_t ticks)
 {
-    return (double)ticks * world_tick_seconds(&run->result->drive.plant.world);
+    return (double)ticks / rate_of(run);
+}
+
+/** Of the scenario's kind, J; a balancer's without its electronics. */
+static double plant_energy(const struct run *run)
+{
+    const struct plant_node *node = &run->result->drive.plant;
+
+    return is_balancer(run) ? mission_plant_energy(run->scenario, &node->world.plant) : node->drawn_j;
 }
 
 /* The fingerprint. */
 
 static void note_fingerprint(struct run *run)
 {
-    const struct plant *plant = plant_of(run);
     const struct ecu_view *view = &run->result->drive.view;
 
-    fingerprint_add(&run->result->fingerprint, &plant->x, sizeof plant->x);
-    fingerprint_add(&run->result->fingerprint, &plant->y, sizeof plant->y);
-    fingerprint_add(&run->result->fingerprint, &plant->state, sizeof plant->state);
-    fingerprint_add(&run->result->fingerprint, &plant->ledger, sizeof plant->ledger);
+    plant_node_fingerprint(&run->result->drive.plant, &run->result->fingerprint);
     fingerprint_add(&run->result->fingerprint, &view->spent.energy, sizeof view->spent.energy);
     fingerprint_add(&run->result->fingerprint, &view->drawn.energy, sizeof view->drawn.energy);
 }
@@ -72,7 +94,7 @@ static void follow_reference(struct run *run)
 {
     const struct jp_can_reference_t *reference = &run->result->drive.view.reference;
     const double heading = reference->heading / ANGLE16_ONE * 2 * M_PI;
-    const double rolled = reference->speed / Q12_ONE * world_tick_seconds(&run->result->drive.plant.world);
+    const double rolled = reference->speed / Q12_ONE / rate_of(run);
 
     run->reference.x += rolled * cos(heading);
     run->reference.y += rolled * sin(heading);
@@ -93,27 +115,24 @@ static double measured(const struct run *run)
 
 static void log_row(const struct run *run)
 {
-    const struct plant *plant = plant_of(run);
-    const struct plant_node *node = &run->result->drive.plant;
-    const struct plant_input *input = &node->world.input;
     const struct ecu_view *view = &run->result->drive.view;
-    const double radius = run->scenario->robot.wheel.radius_m;
+    const struct plant_truth truth = truth_of(run);
 
     mission_log_row(run->view.log, run->scenario,
                     &(struct mission_row){
                         .time = seconds(run, tick_of(run) - run->start_tick),
-                        .position = {plant->x, plant->y},
+                        .position = position_of(&truth),
                         .reference = run->reference,
-                        .heading = plant->state.yaw,
-                        .speed = plant->state.wheel_rate * radius,
-                        .turn_rate = plant->state.yaw_rate,
+                        .heading = truth.heading,
+                        .speed = truth.speed,
+                        .turn_rate = truth.turn_rate,
                         .reference_speed = view->reference.speed / Q12_ONE,
                         .reference_turn_rate = view->reference.yaw_rate / Q12_ONE * 2 * M_PI,
-                        .pitch_deg = plant->state.pitch * DEGREES,
+                        .pitch_deg = truth.pitch * DEGREES,
                         .voltage_left = view->motors.voltage_left / 128.0,
                         .voltage_right = view->motors.voltage_right / 128.0,
-                        .current_left = plant_current_left(plant, input),
-                        .current_right = plant_current_right(plant, input),
+                        .current_left = truth.current_left,
+                        .current_right = truth.current_right,
                         .energy = measured(run),
                         .leg = run->leg,
                     });
@@ -124,16 +143,18 @@ static void log_row(const struct run *run)
 static void begin_leg(struct run *run)
 {
     run->leg_tick = tick_of(run);
-    run->leg_plant = mission_plant_energy(run->scenario, plant_of(run));
+    run->leg_plant = plant_energy(run);
 }
 
 /** The first segment begins in the tick that announces it; the plant has stepped on since. */
 static void begin(struct run *run)
 {
+    const struct plant_truth truth = truth_of(run);
+
     run->under_way = true;
     run->start_spent = run->result->drive.view.spent.energy;
     run->start_drawn = run->result->drive.view.drawn.energy;
-    run->reference = (struct bezier_point){plant_of(run)->x, plant_of(run)->y};
+    run->reference = position_of(&truth);
     begin_leg(run);
     run->leg_tick--;
     run->start_tick = run->leg_tick;
@@ -161,14 +182,14 @@ static void note_plan(struct run *run)
 /** It ended with the tick before: the plant has stepped once since. */
 static void close_leg(struct run *run, struct mission_leg *leg)
 {
-    const struct plant *plant = plant_of(run);
+    const struct plant_truth truth = truth_of(run);
 
     leg->duration = seconds(run, tick_of(run) - 1 - run->leg_tick);
-    leg->plant_energy = mission_plant_energy(run->scenario, plant) - run->leg_plant +
-                        run->scenario->robot.electronics.power_w * leg->duration;
-    leg->end = (struct bezier_point){plant->x, plant->y};
-    leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
-    leg->end_speed = plant->state.wheel_rate * run->scenario->robot.wheel.radius_m;
+    leg->plant_energy = plant_energy(run) - run->leg_plant +
+                        (is_balancer(run) ? run->scenario->robot.electronics.power_w * leg->duration : 0);
+    leg->end = position_of(&truth);
+    leg->end_error = hypot(truth.x - leg->target.x, truth.y - leg->target.y);
+    leg->end_speed = truth.speed;
     begin_leg(run);
     run->leg_tick--;
 }
@@ -209,7 +230,7 @@ static void end_braking(struct run *run)
 static void keep_books(struct run *run)
 {
     struct ecu_view *view = &run->result->drive.view;
-    const uint64_t row_ticks = (uint64_t)(run->scenario->robot.control.rate_hz / MISSION_LOG_RATE);
+    const uint64_t row_ticks = (uint64_t)(rate_of(run) / MISSION_LOG_RATE);
 
     if (view->segment_begins && !run->under_way) {
         begin(run);
@@ -225,15 +246,16 @@ static void keep_books(struct run *run)
     if (!run->under_way) {
         return;
     }
-    mission_note_passing(&run->result->mission, run->leg, plant_of(run));
+
+    const struct plant_truth truth = truth_of(run);
+
+    mission_note_passing(&run->result->mission, run->leg, position_of(&truth));
     follow_reference(run);
     if (run->view.log != NULL && (tick_of(run) - run->start_tick) % row_ticks == 0) {
         log_row(run);
     }
     if (run->view.watch != NULL) {
-        const struct plant *plant = plant_of(run);
-
-        run->view.watch(run->view.context, (struct bezier_point){plant->x, plant->y}, plant->state.yaw);
+        run->view.watch(run->view.context, position_of(&truth), truth.heading);
     }
 }
 
@@ -242,7 +264,7 @@ static void keep_books(struct run *run)
 static void start_clock(struct run *run)
 {
     if (run->timing.pace != BUS_MISSION_LOCKSTEP) {
-        jp_periodic_start(&run->timer, NANOSECONDS / (uint32_t)run->scenario->robot.control.rate_hz);
+        jp_periodic_start(&run->timer, NANOSECONDS / (uint32_t)rate_of(run));
     }
 }
 
@@ -278,12 +300,24 @@ static void note_clock(struct run *run)
 
 /* The whole. */
 
+enum mission_strategy bus_mission_strategy(const struct scenario *scenario)
+{
+    return scenario->kind == SCENARIO_BALANCER ? MISSION_CRUISE : MISSION_ROUNDED;
+}
+
 static void prepare(struct run *run, const struct jp_can_link *link)
 {
+    static const struct skid_ground level = {NULL, NULL};
+    static const struct planar_pose origin = {0, 0, 0};
     struct bus_mission *result = run->result;
 
-    *result = (struct bus_mission){.fingerprint = FINGERPRINT_START, .mission = {.strategy = MISSION_CRUISE}};
-    bus_drive_init(&result->drive, &run->scenario->robot, run->scenario->seed, link);
+    *result = (struct bus_mission){.fingerprint = FINGERPRINT_START,
+                                   .mission = {.strategy = bus_mission_strategy(run->scenario)}};
+    if (is_balancer(run)) {
+        bus_drive_init(&result->drive, &run->scenario->robot, run->scenario->seed, link);
+    } else {
+        bus_drive_init_skid(&result->drive, &run->scenario->skid, &level, &origin, run->scenario->seed, link);
+    }
     result->drive.patience = run->timing.patience;
     result->mission.leg_count = run->scenario->waypoint_count - 1;
     for (size_t i = 0; i < result->mission.leg_count; i++) {
@@ -358,14 +392,15 @@ static bool is_upright(const struct run *run)
 /** Until the robot has been at rest for a while. */
 static bool brake(struct run *run)
 {
-    const uint64_t ticks_needed = (uint64_t)(MISSION_REST_SECONDS * run->scenario->robot.control.rate_hz);
+    const uint64_t ticks_needed = (uint64_t)(MISSION_REST_SECONDS * rate_of(run));
     uint64_t ticks_of_rest = 0;
 
     while (ticks_of_rest < ticks_needed) {
         if (!pass_tick(run) || !is_upright(run)) {
             return false;
         }
-        ticks_of_rest = mission_is_at_rest(run->scenario, plant_of(run)) ? ticks_of_rest + 1 : 0;
+        ticks_of_rest =
+            mission_is_at_rest(run->scenario, &run->result->drive.plant.world.plant) ? ticks_of_rest + 1 : 0;
         if (seconds(run, tick_of(run) - run->leg_tick) > MISSION_BRAKING_SECONDS_MAX) {
             error_line("after the last leg: the robot does not come to a stand within %g s; correct control.weights of "
                        "the robot file, or leave out end = \"stand\"",
@@ -398,7 +433,8 @@ static bool drive_route(struct run *run)
             progress_show(run->view.progress, percent_done(run), 100);
         }
     }
-    return !run->scenario->to_stand || brake(run);
+    /* A robot that its sides steer has ended its last leg where it stands. */
+    return !is_balancer(run) || !run->scenario->to_stand || brake(run);
 }
 
 bool bus_mission_run(struct bus_mission *result, const struct scenario *scenario, const struct jp_can_link *link,

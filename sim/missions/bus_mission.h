@@ -28,6 +28,9 @@ struct bus_mission {
     uint64_t missed_periods;  /**< real time: ticks that the plant's own timer missed */
 };
 
+/** By which the ECU drives. */
+enum mission_strategy bus_mission_strategy(const struct scenario *scenario);
+
 /**
  * Drives the scenario's route and fills in *result. `link` stays open. `view` may be NULL. Prints one line on stderr
  * and returns false when the route was not driven to its end.

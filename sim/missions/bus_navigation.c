@@ -7,6 +7,7 @@
 #include "sim/base/fingerprint.h"
 #include "sim/bus/course_view.h"
 #include "sim/missions/navigation_sight.h"
+#include "sim/missions/navigation_skid.h"
 
 /** Looks of the sensor, a second. */
 #define SENSOR_RATE 20
@@ -34,9 +35,17 @@ struct run {
     int64_t begin_energy;
 };
 
+/** A robot that its sides steer is where it is on the map; a balancer where it was switched on, and on from there. */
 static struct clearance_pose pose_of(const struct run *run)
 {
-    return navigation_pose(&run->start, &run->navigation->drive.plant.world.plant);
+    const struct plant_node *node = &run->navigation->drive.plant;
+    struct plant_truth truth;
+
+    if (node->kind == PLANT_BALANCER) {
+        return navigation_pose(&run->start, &node->world.plant);
+    }
+    plant_node_look(node, &truth);
+    return (struct clearance_pose){truth.x, truth.y, truth.heading};
 }
 
 /* What the ECU tells. */
@@ -141,14 +150,10 @@ static void begin(struct run *run)
 
 static void note_fingerprint(struct run *run)
 {
-    const struct plant *plant = &run->navigation->drive.plant.world.plant;
     const struct ecu_view *view = &run->navigation->drive.view;
     uint64_t *fingerprint = &run->navigation->fingerprint;
 
-    fingerprint_add(fingerprint, &plant->x, sizeof plant->x);
-    fingerprint_add(fingerprint, &plant->y, sizeof plant->y);
-    fingerprint_add(fingerprint, &plant->state, sizeof plant->state);
-    fingerprint_add(fingerprint, &plant->ledger, sizeof plant->ledger);
+    plant_node_fingerprint(&run->navigation->drive.plant, fingerprint);
     fingerprint_add(fingerprint, &view->spent.energy, sizeof view->spent.energy);
 }
 
@@ -249,19 +254,36 @@ static uint8_t *encode(const struct run *run, struct jp_map_stream *stream)
     return bytes;
 }
 
-bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
-                        const struct robot_file *robot, const struct jp_can_link *link, unsigned patience)
+static void switch_on(struct run *run, const struct bus_navigation_robot *robot, const struct jp_can_link *link)
 {
-    struct run run = {.navigation = navigation, .task = task, .body = navigation_body(robot), .shown = -1};
+    const struct jp_terrain *world = run->task->world;
+    const struct skid_ground level = {NULL, NULL};
+    const struct skid_ground ground = world->config.has_elevation ? skid_ground_map(world) : level;
+    const struct planar_pose place = {run->start.x, run->start.y, run->start.heading};
+    struct bus_drive *drive = &run->navigation->drive;
+
+    if (robot->skid != NULL) {
+        bus_drive_init_skid(drive, robot->skid, &ground, &place, run->task->seed, link);
+        run->body = navigation_skid_body(robot->skid);
+    } else {
+        bus_drive_init(drive, robot->balancer, run->task->seed, link);
+        run->body = navigation_body(robot->balancer);
+    }
+    run->rate_hz = plant_node_rate(&drive->plant);
+}
+
+bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
+                        const struct bus_navigation_robot *robot, const struct jp_can_link *link, unsigned patience)
+{
+    struct run run = {.navigation = navigation, .task = task, .shown = -1};
     const struct jp_map_goal goal = goal_of(task);
     struct jp_map_stream stream;
 
-    run.rate_hz = robot->control.rate_hz;
     run.start = navigation_start(task);
     run.before = run.start;
     *navigation =
         (struct bus_navigation){.fingerprint = FINGERPRINT_START, .result = {.clearance_m = NAVIGATION_CLEARANCE_MAX}};
-    bus_drive_init(&navigation->drive, robot, task->seed, link);
+    switch_on(&run, robot, link);
     navigation->drive.patience = patience;
     navigation->drive.navigation = &navigation->commander;
     uint8_t *bytes = encode(&run, &stream);

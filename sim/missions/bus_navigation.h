@@ -15,10 +15,15 @@ struct bus_navigation {
     size_t stream_bytes;  /**< of it */
 };
 
-/** Drives a task in lockstep with a balancer; its map is that of the robot, and its memory what the robot has. `link`
- * stays open, `patience` is of bus_drive.h, s. False after one line on stderr: the robot was not let drive to the end.
- */
+/** The body of one of these kinds; the other is NULL. */
+struct bus_navigation_robot {
+    const struct robot_file *balancer;
+    const struct skid_steer_model *skid;
+};
+
+/** Drives a task in lockstep; its map is that of the robot, and its memory what the robot has. `link` stays open,
+ * `patience` is of bus_drive.h, s. False after one line on stderr: the robot was not let drive to the end. */
 bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,
-                        const struct robot_file *robot, const struct jp_can_link *link, unsigned patience);
+                        const struct bus_navigation_robot *robot, const struct jp_can_link *link, unsigned patience);
 
 #endif

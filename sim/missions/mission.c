@@ -51,13 +51,12 @@ struct drive {
     struct mission_view view;
 };
 
-/** The strategy cannot drive the route, for this reason; false, for the caller to return. */
-__attribute__((format(printf, 2, 3))) static bool cannot(const struct drive *drive, const char *format, ...)
+bool mission_cannot(struct mission *mission, const char *format, ...)
 {
     va_list arguments;
 
     va_start(arguments, format);
-    (void)vsnprintf(drive->mission->impossible, MISSION_REASON_SIZE, format, arguments);
+    (void)vsnprintf(mission->impossible, MISSION_REASON_SIZE, format, arguments);
     va_end(arguments);
     return false;
 }
@@ -150,12 +149,12 @@ void mission_set_target(struct mission_leg *leg, struct bezier_point target)
     leg->passed = INFINITY;
 }
 
-void mission_note_passing(struct mission *mission, size_t leg, const struct plant *plant)
+void mission_note_passing(struct mission *mission, size_t leg, struct bezier_point position)
 {
     for (size_t i = leg > 0 ? leg - 1 : 0; i <= leg && leg < mission->leg_count; i++) {
         struct mission_leg *passed = &mission->legs[i];
 
-        passed->passed = fmin(passed->passed, hypot(plant->x - passed->target.x, plant->y - passed->target.y));
+        passed->passed = fmin(passed->passed, hypot(position.x - passed->target.x, position.y - passed->target.y));
     }
 }
 
@@ -227,15 +226,15 @@ static bool prepare_straight(struct drive *drive, const struct mission *like)
     double durations[BEZIER_WAYPOINTS_MAX];
 
     if (like->impossible[0] != '\0') {
-        return cannot(drive,
-                      "there are no times to take: the strategy that it is compared with cannot drive the route");
+        return mission_cannot(
+            drive->mission, "there are no times to take: the strategy that it is compared with cannot drive the route");
     }
     for (size_t i = 0; i < like->leg_count; i++) {
         durations[i] = like->legs[i].duration;
     }
     if (!script_straight(&drive->script, drive->scenario->waypoints, drive->scenario->waypoint_count, durations,
                          yaw_bandwidth > 0 ? 2 / yaw_bandwidth : 0)) {
-        return cannot(drive, NO_MEMORY);
+        return mission_cannot(drive->mission, NO_MEMORY);
     }
     script_keep_limit(&drive->script, jp_robot_configuration(&drive->rig.robot)->limits.speed);
     predict_script(drive);
@@ -248,10 +247,10 @@ static bool prepare_bezier(struct drive *drive, enum bezier_scope scope)
 
     if (!bezier_optimise(&path, &drive->scenario->robot, drive->scenario->energy, drive->scenario->waypoints,
                          drive->scenario->waypoint_count, scope)) {
-        return cannot(drive, "the optimiser of its curves fails; move the waypoints apart");
+        return mission_cannot(drive->mission, "the optimiser of its curves fails; move the waypoints apart");
     }
     if (!script_bezier(&drive->script, &path)) {
-        return cannot(drive, NO_MEMORY);
+        return mission_cannot(drive->mission, NO_MEMORY);
     }
     script_keep_limit(&drive->script, jp_robot_configuration(&drive->rig.robot)->limits.speed);
     return true;
@@ -259,9 +258,9 @@ static bool prepare_bezier(struct drive *drive, enum bezier_scope scope)
 
 static bool cannot_be_planned(const struct drive *drive, size_t leg, enum jp_status status)
 {
-    return cannot(drive,
-                  "waypoints[%zu]: cannot be planned (status %d); move it, or widen the limits of the robot file",
-                  leg + 1, (int)status);
+    return mission_cannot(
+        drive->mission, "waypoints[%zu]: cannot be planned (status %d); move it, or widen the limits of the robot file",
+        leg + 1, (int)status);
 }
 
 static bool prepare_pilot(struct drive *drive, const struct robot_entry *entry)
@@ -307,10 +306,11 @@ static bool prepare_within(struct drive *drive)
     const double energy = energy_unit_joules(drive->model, forecast->energy);
 
     if (status == JP_ERR_INFEASIBLE && forecast->energy < INT32_MAX) {
-        return scenario->within_seconds > 0 ? cannot(drive, "within_seconds = %g: the robot needs %.1f s; raise it",
-                                                     scenario->within_seconds, tenths_up(forecast->seconds / Q16_ONE))
-                                            : cannot(drive, "within_joules = %g: the robot needs %.1f J; raise it",
-                                                     scenario->within_joules, tenths_up(energy));
+        return scenario->within_seconds > 0
+                   ? mission_cannot(drive->mission, "within_seconds = %g: the robot needs %.1f s; raise it",
+                                    scenario->within_seconds, tenths_up(forecast->seconds / Q16_ONE))
+                   : mission_cannot(drive->mission, "within_joules = %g: the robot needs %.1f J; raise it",
+                                    scenario->within_joules, tenths_up(energy));
     }
     if (status != JP_OK) {
         return cannot_be_planned(drive, 0, status);
@@ -325,11 +325,12 @@ static bool prepare_optimised(struct drive *drive, const struct robot_entry *ent
         cruise_plan_optimise(&drive->cruise, drive->scenario, jp_robot_configuration(&drive->rig.robot), drive->model);
 
     if (has_budget(drive)) {
-        return cannot(drive, "it keeps no budget; leave within_seconds and within_joules out");
+        return mission_cannot(drive->mission, "it keeps no budget; leave within_seconds and within_joules out");
     }
     if (status != JP_OK) {
-        return cannot(drive, "no headings and speeds are found for its waypoints (status %d); move them apart",
-                      (int)status);
+        return mission_cannot(drive->mission,
+                              "no headings and speeds are found for its waypoints (status %d); move them apart",
+                              (int)status);
     }
     return prepare_pilot(drive, entry);
 }
@@ -383,8 +384,9 @@ static bool feed(struct drive *drive)
         drive->step++;
     }
     if (status == JP_ERR_ARGUMENT) {
-        return cannot(drive, "leg %zu: the path bends or hurries more than the robot takes; move the waypoints apart",
-                      drive->leg + 1);
+        return mission_cannot(drive->mission,
+                              "leg %zu: the path bends or hurries more than the robot takes; move the waypoints apart",
+                              drive->leg + 1);
     }
     return true;
 }
@@ -432,16 +434,18 @@ static bool still_stands(const struct drive *drive)
     const struct jp_telemetry telemetry = telemetry_of(drive);
 
     if (telemetry.state == JP_ROBOT_FALLEN) {
-        return cannot(drive, "leg %zu: the robot fell; correct the control group of the robot file", drive->leg + 1);
+        return mission_cannot(drive->mission, "leg %zu: the robot fell; correct the control group of the robot file",
+                              drive->leg + 1);
     }
     if (telemetry.state == JP_ROBOT_FAULT) {
         char faults[FAULTS_NAME_SIZE];
 
         faults_name(telemetry.faults, faults);
-        return cannot(drive,
-                      "leg %zu: the robot stopped with the fault: %s; correct its sensors or lower limits in the robot "
-                      "file",
-                      drive->leg + 1, faults);
+        return mission_cannot(
+            drive->mission,
+            "leg %zu: the robot stopped with the fault: %s; correct its sensors or lower limits in the robot "
+            "file",
+            drive->leg + 1, faults);
     }
     return true;
 }
@@ -457,7 +461,8 @@ static void keep_books(struct drive *drive)
     if (current_leg(drive, telemetry_of(drive).segments_ended) > drive->leg) {
         end_leg(drive);
     }
-    mission_note_passing(drive->mission, drive->leg, &drive->rig.world.plant);
+    mission_note_passing(drive->mission, drive->leg,
+                         (struct bezier_point){drive->rig.world.plant.x, drive->rig.world.plant.y});
     follow_reference(drive);
     if (drive->view.log != NULL && (tick - drive->start_tick) % row_ticks == 0) {
         log_row(drive);
@@ -512,10 +517,11 @@ static bool brake(struct drive *drive)
         }
         rest = mission_is_at_rest(drive->scenario, &drive->rig.world.plant) ? rest + 1 / rate : 0;
         if (seconds(drive, drive->rig.world.tick - drive->leg_tick) > MISSION_BRAKING_SECONDS_MAX) {
-            return cannot(drive,
-                          "the robot does not come to a stand within %g s; correct control.weights of the robot "
-                          "file, or leave out end = \"stand\"",
-                          MISSION_BRAKING_SECONDS_MAX);
+            return mission_cannot(
+                drive->mission,
+                "the robot does not come to a stand within %g s; correct control.weights of the robot "
+                "file, or leave out end = \"stand\"",
+                MISSION_BRAKING_SECONDS_MAX);
         }
     }
     close_leg(drive, braking);

@@ -4,6 +4,8 @@
 
 #include <stdio.h>
 
+#include <joulepath/learner.h>
+
 #include "sim/balancer/rig.h"
 #include "sim/missions/scenario.h"
 
@@ -18,11 +20,17 @@ enum mission_strategy {
     MISSION_STRAIGHT_CRUISE, /**< straight chords, with the times of MISSION_CRUISE */
     MISSION_BEZIER_ROUTE,    /**< energy-optimised cubic Bézier curves */
     /* By itself. */
-    MISSION_OPTIMISED_CRUISE /**< as MISSION_CRUISE, headings and speeds found by jp_trajectory_optimiser_work */
+    MISSION_OPTIMISED_CRUISE, /**< as MISSION_CRUISE, headings and speeds found by jp_trajectory_optimiser_work */
+    /* A robot that its sides steer: jp_skid_pilot_follow, learning on the way. */
+    MISSION_ROUNDED,       /**< an arc, within half of the robot's track, where that costs less */
+    MISSION_TURN_AND_GO,   /**< it stands and turns at each corner */
+    MISSION_ROUNDED_AGAIN, /**< as MISSION_ROUNDED, with what that has learned and other noise */
+    MISSION_STRATEGIES
 };
 
-/** Those that are compared. */
-#define MISSION_STRATEGIES 6
+/** Those of a kind that are compared. */
+#define MISSION_BALANCER_COMPARED 6
+#define MISSION_SKID_COMPARED     3
 
 /** One leg from waypoint to waypoint. */
 struct mission_leg {
@@ -67,6 +75,7 @@ struct mission {
     uint64_t ticks;
     uint64_t saturated_ticks;
     double wall_seconds;
+    struct jp_learned_state learned; /**< at its end, by a robot that its sides steer */
 };
 
 /** Who looks on; members that are NULL do not. */
@@ -89,6 +98,9 @@ const struct jp_energy_model *mission_model(const struct scenario *scenario, con
 bool mission_run(struct mission *mission, enum mission_strategy strategy, const struct scenario *scenario,
                  const struct mission *driven, const struct mission_view *view);
 
+/** For those who drive: the strategy cannot drive the route, for this reason; false, for the caller to return. */
+__attribute__((format(printf, 2, 3))) bool mission_cannot(struct mission *mission, const char *format, ...);
+
 /** Says in one line on stderr why the strategy cannot drive the route, if that is so. */
 void mission_complain(const struct mission *mission, const struct scenario *scenario);
 
@@ -96,7 +108,7 @@ void mission_complain(const struct mission *mission, const struct scenario *scen
  * before and after a leg; the plant's motor energy of the scenario's kind in J, whether the robot is at rest, the sums
  * of the legs and the braking, the clock in seconds. */
 void mission_set_target(struct mission_leg *leg, struct bezier_point target);
-void mission_note_passing(struct mission *mission, size_t leg, const struct plant *plant);
+void mission_note_passing(struct mission *mission, size_t leg, struct bezier_point position);
 double mission_plant_energy(const struct scenario *scenario, const struct plant *plant);
 bool mission_is_at_rest(const struct scenario *scenario, const struct plant *plant);
 void mission_sum_up(struct mission *mission);

@@ -9,15 +9,14 @@ void mission_log_header(FILE *log)
 
 static double power(const struct scenario *scenario, const struct mission_row *row)
 {
-    const struct robot_file *robot = &scenario->robot;
+    const double electronics = scenario_robot(scenario).electronics_power_w;
 
     if (scenario->energy == ENERGY_BATTERY) {
-        return row->voltage_left * row->current_left + row->voltage_right * row->current_right +
-               robot->electronics.power_w;
+        return row->voltage_left * row->current_left + row->voltage_right * row->current_right + electronics;
     }
     return (row->voltage_left * row->voltage_left + row->voltage_right * row->voltage_right) /
-               robot->motor.resistance_ohm +
-           robot->electronics.power_w;
+               scenario->robot.motor.resistance_ohm +
+           electronics;
 }
 
 void mission_log_row(FILE *log, const struct scenario *scenario, const struct mission_row *row)

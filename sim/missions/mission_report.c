@@ -18,6 +18,9 @@ static const struct {
                                  "log_straight_cruise.csv"},
     [MISSION_BEZIER_ROUTE] = {"bezier_route", "Bézier, whole route at once", "log_bezier_route.csv"},
     [MISSION_OPTIMISED_CRUISE] = {"optimised_cruise", "cruise and transients, optimised", "log_optimised_cruise.csv"},
+    [MISSION_ROUNDED] = {"rounded", "corners rounded where it saves", "log_rounded.csv"},
+    [MISSION_TURN_AND_GO] = {"turn_and_go", "turns on the spot", "log_turn_and_go.csv"},
+    [MISSION_ROUNDED_AGAIN] = {"rounded_again", "rounded again, with what was learned", "log_rounded_again.csv"},
 };
 
 const char *mission_name(enum mission_strategy strategy)
@@ -197,7 +200,8 @@ json_t *mission_json(const struct scenario *scenario, const struct mission *miss
     json_t *waypoints = json_array();
     json_t *driven = json_array();
     const struct mission *basis = basis_of(missions, count);
-    double simulated = (double)basis->ticks / scenario->robot.control.rate_hz;
+    const struct scenario_robot robot = scenario_robot(scenario);
+    double simulated = (double)basis->ticks / robot.rate_hz;
 
     for (size_t i = 0; i < scenario->waypoint_count; i++) {
         (void)json_array_append_new(waypoints, json_point(scenario->waypoints[i]));
@@ -205,10 +209,9 @@ json_t *mission_json(const struct scenario *scenario, const struct mission *miss
     for (size_t i = 0; i < count; i++) {
         (void)json_array_append_new(driven, json_mission(&missions[i], basis));
     }
-    return json_pack("{s:s, s:s, s:s, s:s, s:I, s:o, s:o, s:{s:I, s:f, s:f}}", "robot", scenario->robot.name,
-                     "scenario", scenario->name, "energy_model",
-                     scenario->model == SCENARIO_PUBLISHED ? "published" : "identified", "energy",
-                     energy_kind_name(scenario->energy), "seed", (json_int_t)scenario->seed, "waypoints_m", waypoints,
-                     "strategies", driven, "simulation", "ticks", (json_int_t)basis->ticks, "wall_s",
+    return json_pack("{s:s, s:s, s:s, s:s, s:I, s:o, s:o, s:{s:I, s:f, s:f}}", "robot", robot.name, "scenario",
+                     scenario->name, "energy_model", scenario->model == SCENARIO_PUBLISHED ? "published" : "identified",
+                     "energy", energy_kind_name(scenario->energy), "seed", (json_int_t)scenario->seed, "waypoints_m",
+                     waypoints, "strategies", driven, "simulation", "ticks", (json_int_t)basis->ticks, "wall_s",
                      basis->wall_seconds, "real_time_factor", simulated / basis->wall_seconds);
 }

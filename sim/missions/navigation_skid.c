@@ -79,7 +79,7 @@ static bool prepare(struct navigation_skid *skid, const struct skid_robot_entry 
     const struct jp_skid_pilot_config config = {.model = entry->energy,
                                                 .learning = entry->learning,
                                                 .limits = limits_of(entry, model),
-                                                .corner = q24(robot->margin_m),
+                                                .corner = isnan(robot->margin_m) ? 0 : q24(robot->margin_m),
                                                 .pieces = skid->pieces,
                                                 .places = sizeof skid->pieces / sizeof skid->pieces[0]};
     const char *field = "";
@@ -93,6 +93,12 @@ static bool prepare(struct navigation_skid *skid, const struct skid_robot_entry 
     return jp_skid_vehicle_init(&skid->vehicle, &skid->pilot, &robot->vehicle) == JP_OK;
 }
 
+struct clearance_robot navigation_skid_body(const struct skid_steer_model *model)
+{
+    return (struct clearance_robot){model->body.length_m + 2 * fabs(model->body.middle_ahead_m),
+                                    model->body.overall_width_m, 0};
+}
+
 bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_entry *entry,
                           const struct skid_steer_model *model, const struct jp_terrain *terrain,
                           const struct clearance_pose *start, uint64_t seed, struct navigation_robot *robot)
@@ -101,17 +107,16 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
     const struct skid_ground level = {NULL, NULL};
     const struct skid_ground ground = terrain->config.has_elevation ? skid_ground_map(terrain) : level;
 
-    *robot = (struct navigation_robot){
-        .name = entry->name,
-        .rate_hz = model->control.rate_hz,
-        .body = {model->body.length_m + 2 * fabs(model->body.middle_ahead_m), model->body.overall_width_m, 0},
-        .margin_m = model->navigation.margin_m / 2,
-        .unit_exponent = entry->energy->unit_exponent,
-        .self = skid,
-        .tick = tick,
-        .pose = pose,
-        .joules = joules,
-        .deviation = deviation};
+    *robot = (struct navigation_robot){.name = entry->name,
+                                       .rate_hz = model->control.rate_hz,
+                                       .body = navigation_skid_body(model),
+                                       .margin_m = model->navigation.margin_m / 2,
+                                       .unit_exponent = entry->energy->unit_exponent,
+                                       .self = skid,
+                                       .tick = tick,
+                                       .pose = pose,
+                                       .joules = joules,
+                                       .deviation = deviation};
     *skid = (struct navigation_skid){.written = JP_OK};
     skid_world_init(&skid->world, model, &ground, &place, seed);
     skid->hal = skid_hal_sim(&skid->world);

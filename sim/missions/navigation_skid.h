@@ -19,6 +19,9 @@ struct navigation_skid {
     struct jp_skid_vehicle vehicle;
 };
 
+/** Its outline. */
+struct clearance_robot navigation_skid_body(const struct skid_steer_model *model);
+
 /** Switches on at `start`, on the ground of `terrain`, and lets it stand until it knows its gyro. What the pointers
  * show and *skid stay in use. False after one line on stderr: a configuration is refused. */
 bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_entry *entry,

@@ -52,6 +52,24 @@ static const struct config_field fields[] = {
 
 static const struct config_kind kind = {NULL, 0, fields, sizeof fields / sizeof fields[0]};
 
+static bool load_robot_of_a_kind(const char *path, struct scenario *scenario)
+{
+    char type[CONFIG_NAME_SIZE];
+
+    if (!config_fields_type(path, type)) {
+        return false;
+    }
+    if (strcmp(type, CONFIG_BALANCER) == 0) {
+        return robot_file_load(path, &scenario->robot);
+    }
+    if (strcmp(type, skid_steer_kind.type) == 0 || strcmp(type, differential_drive_kind.type) == 0) {
+        scenario->kind = SCENARIO_SKID;
+        return skid_robot_load(path, &scenario->skid);
+    }
+    config_fields_refuse_type(path, type, "balancer, a skid_steer or a differential_drive");
+    return false;
+}
+
 /** The robot's path is relative to the scenario's folder. */
 static bool load_robot(const char *path, const char *robot, struct scenario *scenario)
 {
@@ -61,7 +79,7 @@ static bool load_robot(const char *path, const char *robot, struct scenario *sce
     (void)snprintf(folder, sizeof folder, "%s", path);
     (void)snprintf(robot_path, sizeof robot_path, "%s%s%s", robot[0] == '/' ? "" : dirname(folder),
                    robot[0] == '/' ? "" : "/", robot);
-    return robot_file_load(robot_path, &scenario->robot);
+    return load_robot_of_a_kind(robot_path, scenario);
 }
 
 static bool set_model(const char *path, const char *model, struct scenario *scenario)
@@ -77,6 +95,10 @@ static bool set_model(const char *path, const char *model, struct scenario *scen
 
 static bool set_end(const char *path, const char *end, struct scenario *scenario)
 {
+    if (end[0] == '\0') {
+        scenario->to_stand = scenario->kind == SCENARIO_SKID;
+        return true;
+    }
     if (strcmp(end, "segment") != 0 && strcmp(end, "stand") != 0) {
         error_line("%s: end = \"%s\": must be \"segment\" or \"stand\"; correct the value", path, end);
         return false;
@@ -87,6 +109,10 @@ static bool set_end(const char *path, const char *end, struct scenario *scenario
 
 static bool set_energy(const char *path, const char *energy, struct scenario *scenario)
 {
+    if (energy[0] == '\0') {
+        scenario->energy = scenario->kind == SCENARIO_SKID ? ENERGY_BATTERY : ENERGY_MOTOR;
+        return true;
+    }
     if (!energy_kind_parse(energy, &scenario->energy)) {
         error_line("%s: energy = \"%s\": must be \"motor\" or \"battery\"; correct the value", path, energy);
         return false;
@@ -202,14 +228,40 @@ static bool load_waypoints(const char *path, const config_t *config, struct scen
     return true;
 }
 
+/** What only balancers do. */
+static bool suits_kind(const char *path, const struct scenario *scenario)
+{
+    const char *wrong = NULL;
+
+    if (scenario->kind == SCENARIO_BALANCER) {
+        return true;
+    }
+    if (scenario->model == SCENARIO_PUBLISHED) {
+        wrong = "energy_model = \"published\"";
+    } else if (scenario->energy != ENERGY_BATTERY) {
+        wrong = "energy = \"motor\"";
+    } else if (!scenario->to_stand) {
+        wrong = "end = \"segment\"";
+    } else if (scenario->within_seconds > 0 || scenario->within_joules > 0) {
+        wrong = "a budget";
+    }
+    for (size_t i = 0; wrong == NULL && i < scenario->waypoint_count; i++) {
+        wrong = scenario->passages[i].given == 0 ? NULL : "a heading at a waypoint";
+    }
+    if (wrong != NULL) {
+        error_line("%s: %s is for balancers, and %s is none; leave it out", path, wrong, scenario->skid.name);
+    }
+    return wrong == NULL;
+}
+
 static bool load(const char *path, config_t *config, struct scenario *scenario)
 {
-    struct texts texts = {.energy = "motor", .end = "segment"};
+    struct texts texts = {.within_seconds = 0};
 
     if (!config_file_parse(path, config) || !config_fields_read(path, config, &kind, &texts) ||
         !load_robot(path, texts.robot, scenario) || !set_model(path, texts.model, scenario) ||
         !set_energy(path, texts.energy, scenario) || !set_end(path, texts.end, scenario) ||
-        !set_budget(path, &texts, scenario) || !load_waypoints(path, config, scenario)) {
+        !set_budget(path, &texts, scenario) || !load_waypoints(path, config, scenario) || !suits_kind(path, scenario)) {
         return false;
     }
     memcpy(scenario->name, texts.name, sizeof scenario->name);
@@ -228,4 +280,27 @@ bool scenario_load(const char *path, struct scenario *scenario)
 
     config_destroy(&config);
     return loaded;
+}
+
+bool scenario_load_balancer(const char *path, struct scenario *scenario)
+{
+    if (!scenario_load(path, scenario)) {
+        return false;
+    }
+    if (scenario->kind != SCENARIO_BALANCER) {
+        error_line("%s: %s is no balancer, which this program is for; drive it with jp-mission", path,
+                   scenario->skid.name);
+        return false;
+    }
+    return true;
+}
+
+struct scenario_robot scenario_robot(const struct scenario *scenario)
+{
+    const struct robot_file *balancer = &scenario->robot;
+    const struct skid_steer_model *skid = &scenario->skid;
+
+    return scenario->kind == SCENARIO_SKID
+               ? (struct scenario_robot){skid->name, skid->control.rate_hz, skid->electronics.power_w}
+               : (struct scenario_robot){balancer->name, balancer->control.rate_hz, balancer->electronics.power_w};
 }

@@ -75,7 +75,7 @@ static void disturb(struct drive *drive)
     if (drive->trip->fault == TRIP_FAULT_PUSHES && draw_event(drive, PUSH_SECONDS)) {
         world_push(world, random_uniform(&drive->disturbance, -PUSH_N, PUSH_N), 0, PUSH_TICKS);
     } else if (drive->trip->fault == TRIP_FAULT_DROPPED_SAMPLES && draw_event(drive, DROP_SECONDS)) {
-        world->fault_count = 0;
+        world->faults.count = 0;
         (void)world_add_fault(
             world, &(struct world_fault){.channel = WORLD_HAL_READ, .from = world->tick, .until = world->tick + 1});
     }

@@ -100,7 +100,7 @@ static void tell_bus(struct told *told, const struct jp_can_link *link)
 /** After a tick: what it learned is told, and kept when the motors went off. */
 static void look(struct ecu_node *node, struct told *told)
 {
-    learned_line_print(&told->line, &node->lockstep.ecu);
+    learned_line_print(&told->line, node);
     (void)ecu_node_watch(node);
 }
 
@@ -142,7 +142,7 @@ static bool accept_in_real_time(struct jp_ecu *ecu, const struct jp_can_link *li
 static void run_real_time(struct ecu_node *node, const struct jp_can_link *link, struct told *told)
 {
     struct jp_ecu *const ecu = &node->lockstep.ecu;
-    const int64_t period_us = 1000000 / node->lockstep.config->estimator.tick_rate;
+    const int64_t period_us = 1000000 / jp_ecu_tick_rate(ecu);
     int64_t last_us = jp_monotonic_us();
 
     while (!stop_signal_came()) {
@@ -164,6 +164,10 @@ static void run_real_time(struct ecu_node *node, const struct jp_can_link *link,
 
 static void print_counts(const struct jp_ecu *ecu)
 {
+    struct jp_ecu_lessons lessons;
+
+    jp_ecu_lessons(ecu, &lessons);
+
     const struct {
         const char *what;
         uint32_t count;
@@ -180,8 +184,8 @@ static void print_counts(const struct jp_ecu *ecu)
         {"commands rejected", (uint32_t)ecu->sample_counts.rejected + ecu->operator_counts.rejected},
         {"operator timeouts", ecu->operator_timeouts},
         {"bus-offs", ecu->bus_offs},
-        {"segments learned from", ecu->pilot.legs_learned_from},
-        {"segments left out", ecu->pilot.legs_left_out},
+        {"segments learned from", lessons.learned_from},
+        {"segments left out", lessons.left_out},
     };
 
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -209,7 +213,7 @@ static void run_on(struct ecu_node *node, const struct jp_can_link *link, const 
     (void)printf("jp-ecu: robot %s on %s, %s\n", arguments->robot, arguments->bus,
                  arguments->real_time ? "real time" : "lockstep");
     if (arguments->parameters != NULL) {
-        learned_line_start(&node->lockstep.ecu, arguments->parameters);
+        learned_line_start(node, arguments->parameters);
     }
     (void)fflush(stdout);
     if (arguments->real_time) {
@@ -226,20 +230,32 @@ static const struct jp_energy_model *model_of(const struct arguments *arguments,
     return arguments->published ? &jp_energy_model_published : rig_energy_model(entry, arguments->energy);
 }
 
+/** A balancer's program or, where the name is not one of those, that of a robot that its sides steer. */
+static bool start(struct ecu_node *node, const struct arguments *arguments, const struct jp_can_port *bus,
+                  struct jp_retained *record)
+{
+    const struct skid_robot_entry *skid = skid_robot_built_in(arguments->robot);
+    const struct robot_entry *entry = skid != NULL ? NULL : rig_find_robot(arguments->robot);
+    const struct jp_energy_model *model = entry == NULL ? NULL : model_of(arguments, entry);
+
+    if (skid != NULL) {
+        return ecu_node_init_skid(node, skid, bus, record, arguments->parameters);
+    }
+    return model != NULL && ecu_node_init(node, entry, model, bus, record, arguments->parameters);
+}
+
 static bool run(const struct arguments *arguments)
 {
     static struct ecu_node node;
-    const struct robot_entry *entry = rig_find_robot(arguments->robot);
-    const struct jp_energy_model *model = entry == NULL ? NULL : model_of(arguments, entry);
     struct jp_retained_file record;
     struct jp_can_link link;
     bool started;
     bool kept = true;
 
-    if (model == NULL || !open_record(arguments, &record) || !bus_open(&link, arguments->bus)) {
+    if (!open_record(arguments, &record) || !bus_open(&link, arguments->bus)) {
         return false;
     }
-    started = ecu_node_init(&node, entry, model, &link.port, record.retained, arguments->parameters);
+    started = start(&node, arguments, &link.port, record.retained);
     if (started) {
         run_on(&node, &link, arguments);
         kept = ecu_node_end(&node);

@@ -11,7 +11,7 @@ static bool run(const struct scenario_arguments *arguments)
     static struct front front;
     struct scenario scenario;
 
-    if (!scenario_load(arguments->path, &scenario) || !output_directory(arguments->common.output) ||
+    if (!scenario_load_balancer(arguments->path, &scenario) || !output_directory(arguments->common.output) ||
         !front_make(&front, &scenario)) {
         return false;
     }

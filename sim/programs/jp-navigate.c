@@ -134,10 +134,6 @@ static const struct jp_lattice *prepare(const struct arguments *arguments, const
 {
     const struct jp_lattice *lattice = plan_lattice_for_navigation(robot->name);
 
-    if (robot->balancer.model == NULL && arguments->bus != NULL) {
-        error_line("%s: --bus: only a balancer has an ECU on a bus so far; leave it out", arguments->common.robot);
-        return NULL;
-    }
     if (lattice == NULL || robot->turning_radius_m == 0) {
         error_line("%s: no lattice for finding its way; give the robot file a section navigation: { cell_m = 0.1; "
                    "margin_m = 0.06; }; and run make lattice ROBOT=%s",
@@ -228,30 +224,45 @@ static void print_bus(const struct bus_navigation *navigation)
 
 /* ---- Bus ---- */
 
-static bool open_bus(const struct arguments *arguments, const struct robot_entry *entry, struct jp_can_link *link)
+static bool is_balancer(const struct lattice_robot *robot)
+{
+    return robot->balancer.model != NULL;
+}
+
+static bool start_ecu(const struct lattice_robot *robot, struct jp_can_link *link)
 {
     static struct local_ecu ecu;
 
-    return strcmp(arguments->bus, IN_PROCESS) == 0 ? local_ecu_start(&ecu, entry, entry->energy, link)
-                                                   : bus_open(link, arguments->bus);
+    if (is_balancer(robot)) {
+        const struct robot_entry *entry = rig_find_robot(robot->name);
+
+        return entry != NULL && local_ecu_start(&ecu, entry, entry->energy, link);
+    }
+    const struct skid_robot_entry *entry = skid_robot_find(robot->name);
+
+    return entry != NULL && local_ecu_start_skid(&ecu, entry, link);
 }
 
 static bool drive_on_bus(const struct arguments *arguments, const struct lattice_robot *robot,
                          const struct navigation_task *task, FILE *frames, struct bus_navigation *navigation)
 {
+    const struct bus_navigation_robot body = {.balancer = is_balancer(robot) ? &robot->balancer.file : NULL,
+                                              .skid = is_balancer(robot) ? NULL : &robot->skid_steer};
+    const bool is_local = strcmp(arguments->bus, IN_PROCESS) == 0;
     struct jp_can_link link;
 
-    if (!open_bus(arguments, rig_find_robot(robot->name), &link)) {
+    if (is_local ? !start_ecu(robot, &link) : !bus_open(&link, arguments->bus)) {
         return false;
     }
     struct can_log log = {.stream = frames,
                           .inner = link,
                           .interface = "can0",
                           .tick = &navigation->drive.tick,
-                          .rate_hz = (uint32_t)robot->balancer.file.control.rate_hz};
+                          .rate_hz = (uint32_t)(is_balancer(robot) ? robot->balancer.file.control.rate_hz
+                                                                   : robot->skid_steer.control.rate_hz)};
     const struct jp_can_link logged = can_log_link(&log);
-    const bool is_done = bus_navigation_run(navigation, task, &robot->balancer.file, frames != NULL ? &logged : &link,
-                                            arguments->patience);
+    const bool is_done =
+        bus_navigation_run(navigation, task, &body, frames != NULL ? &logged : &link, arguments->patience);
 
     link.close(link.port.context);
     return is_done;

@@ -120,12 +120,25 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 /* The bus. */
 
-static bool start_ecu(struct surroundings *surroundings, const struct scenario *scenario)
+static bool start_balancer(struct surroundings *surroundings, const struct scenario *scenario)
 {
     const struct robot_entry *entry = rig_find_robot(scenario->robot.name);
     const struct jp_energy_model *model = entry == NULL ? NULL : mission_model(scenario, entry);
 
     return model != NULL && local_ecu_start(&surroundings->ecu, entry, model, &surroundings->link);
+}
+
+static bool start_skid(struct surroundings *surroundings, const struct scenario *scenario)
+{
+    const struct skid_robot_entry *entry = skid_robot_find(scenario->skid.name);
+
+    return entry != NULL && local_ecu_start_skid(&surroundings->ecu, entry, &surroundings->link);
+}
+
+static bool start_ecu(struct surroundings *surroundings, const struct scenario *scenario)
+{
+    return scenario->kind == SCENARIO_SKID ? start_skid(surroundings, scenario)
+                                           : start_balancer(surroundings, scenario);
 }
 
 static bool open_links(struct surroundings *surroundings, const struct arguments *arguments)
@@ -203,13 +216,13 @@ struct files {
     FILE *frames; /**< NULL when they are not wanted */
 };
 
-static bool open_files(struct files *files, const struct arguments *arguments)
+static bool open_files(struct files *files, const struct arguments *arguments, const struct scenario *scenario)
 {
     files->frames = NULL;
     if (!output_directory(arguments->common.output)) {
         return false;
     }
-    files->log = output_open(arguments->common.output, mission_log_name(MISSION_CRUISE));
+    files->log = output_open(arguments->common.output, mission_log_name(bus_mission_strategy(scenario)));
     if (files->log != NULL && arguments->frames) {
         files->frames = output_open(arguments->common.output, FRAMES_NAME);
     }
@@ -219,12 +232,12 @@ static bool open_files(struct files *files, const struct arguments *arguments)
 static bool drive_route(struct bus_mission *result, const struct arguments *arguments, const struct scenario *scenario,
                         const struct jp_can_link *link, const struct files *files)
 {
-    const struct mission_view view = {.log = files->log, .progress = mission_name(MISSION_CRUISE)};
+    const struct mission_view view = {.log = files->log, .progress = mission_name(bus_mission_strategy(scenario))};
     struct can_log log = {.stream = files->frames,
                           .inner = *link,
                           .interface = "can0",
                           .tick = &result->drive.tick,
-                          .rate_hz = (uint32_t)scenario->robot.control.rate_hz};
+                          .rate_hz = (uint32_t)scenario_robot(scenario).rate_hz};
 
     if (!arguments->frames) {
         return bus_mission_run(result, scenario, link, arguments->timing, &view);
@@ -254,7 +267,7 @@ static bool drive_scenario(const struct arguments *arguments, const struct scena
 {
     struct files files;
 
-    if (!open_files(&files, arguments) || !drive_and_say(arguments, scenario, &surroundings->link, &files)) {
+    if (!open_files(&files, arguments, scenario) || !drive_and_say(arguments, scenario, &surroundings->link, &files)) {
         output_discard();
         return false;
     }
@@ -299,8 +312,8 @@ static bool run(const struct arguments *arguments)
         !open_surroundings(&surroundings, arguments, &scenario)) {
         return false;
     }
-    (void)printf("jp-plant: %s, robot %s on %s, %s\n", scenario.name, scenario.robot.name, arguments->buses[0],
-                 pace_names[arguments->timing.pace]);
+    (void)printf("jp-plant: %s, robot %s on %s, %s\n", scenario.name, scenario_robot(&scenario).name,
+                 arguments->buses[0], pace_names[arguments->timing.pace]);
     (void)fflush(stdout);
     if (arguments->timing.pace == BUS_MISSION_REAL_TIME) {
         (void)real_time_claim();

@@ -6,7 +6,7 @@
 #include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
-#include "sim/base/progress.h"
+#include "sim/base/parallel.h"
 #include "sim/skid_steer/skid_drive.h"
 #include "sim/skid_steer/skid_hills.h"
 
@@ -15,7 +15,9 @@
 #define CHECK_SECONDS  2.0
 
 #define ROBOT_LEGS 30
-#define DRIVES_MAX 128
+
+#define DESIGNED_MAX 128
+#define COUNT_MAX    100000
 
 enum { OPTION_ROBOTS = COMMAND_LINE_OWN };
 
@@ -39,9 +41,32 @@ struct motion {
 struct identification {
     const struct arguments *arguments;
     struct skid_steer_model model;
-    struct motion drives[DRIVES_MAX];
-    size_t drive_count;
+    struct motion motions[DESIGNED_MAX + COUNT_MAX]; /* first the designed ones */
+    size_t designed;
+};
+
+/* What becomes of a run. */
+struct result {
+    char *rows;
+    size_t size;
+    bool is_sound;
+};
+
+/* A run. */
+struct run {
+    const struct identification *of;
+    size_t number;
+    struct skid_drive drive;
+    struct skid_route route;
     FILE *stream;
+};
+
+/* Runs of one kind. */
+struct runs {
+    const struct identification *of;
+    void (*drive)(struct run *run);
+    struct result *results;
+    size_t count;
 };
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -50,10 +75,10 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
     switch (key) {
     case 'n':
-        arguments->count = (size_t)command_line_whole(state, "--count", argument, 1, 100000);
+        arguments->count = (size_t)command_line_whole(state, "--count", argument, 1, COUNT_MAX);
         return 0;
     case OPTION_ROBOTS:
-        arguments->robots = (size_t)command_line_whole(state, "--robots", argument, 1, 100000);
+        arguments->robots = (size_t)command_line_whole(state, "--robots", argument, 1, COUNT_MAX);
         return 0;
     case ARGP_KEY_ARG:
         command_line_take_robot(state, argument, &arguments->common);
@@ -73,14 +98,14 @@ static struct motion bend(const struct identification *of, double radius, double
     const double half = skid_half_track(&of->model);
     const double rate = share * skid_tread_speed_max(&of->model) / (half * (radius + 1));
 
-    return (struct motion){.speed = rate * radius * half, .turn_rate = of->drive_count % 2 == 0 ? rate : -rate};
+    return (struct motion){.speed = rate * radius * half, .turn_rate = of->designed % 2 == 0 ? rate : -rate};
 }
 
 static void add(struct identification *of, struct motion motion, double slope_deg, double slope_heading)
 {
     motion.slope_deg = slope_deg;
     motion.slope_heading = slope_heading;
-    of->drives[of->drive_count++] = motion;
+    of->motions[of->designed++] = motion;
 }
 
 static void add_straights(struct identification *of)
@@ -118,138 +143,147 @@ static void add_bends_on_slopes(struct identification *of)
     }
 }
 
-static struct motion random_motion(const struct identification *of, struct random *random)
+static void add_random(struct identification *of)
 {
-    const struct skid_leg leg = skid_random_leg(&of->model, random);
-    const double slope = random_uniform(random, 0, of->model.limits.slope_deg);
+    struct random random;
 
-    return (struct motion){leg.speed, leg.turn_rate, slope, random_uniform(random, -M_PI, M_PI)};
+    random_init(&random, of->arguments->common.seed);
+    for (size_t i = 0; i < of->arguments->count; i++) {
+        const struct skid_leg leg = skid_random_leg(&of->model, &random);
+        const double slope = random_uniform(&random, 0, of->model.limits.slope_deg);
+        const double heading = random_uniform(&random, -M_PI, M_PI);
+        of->motions[of->designed + i] = (struct motion){leg.speed, leg.turn_rate, slope, heading};
+    }
 }
 
 /* ---- Drives ---- */
 
 static const char *const header = "run,phase,v0_m_s,w0_rad_s,v1_m_s,w1_rad_s,grade,bank,seconds,energy_j\n";
 
-static bool drive_pieces(struct identification *of, struct skid_drive *drive, const struct skid_piece *pieces,
-                         size_t count, size_t run, long phase)
+static void start(struct run *run, const struct skid_steer_model *model, const struct skid_ground *ground,
+                  const struct planar_pose *pose)
 {
-    for (size_t i = 0; i < count; i++) {
-        const struct skid_piece *piece = &pieces[i];
-        const double before = skid_drive_energy(drive);
-
-        skid_drive_piece(drive, piece);
-        if (phase >= 0) {
-            (void)fprintf(of->stream, "%zu,%ld,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.3f,%.9f\n", run, phase,
-                          piece->start.speed, piece->start.turn_rate, piece->end.speed, piece->end.turn_rate,
-                          piece->start.grade, piece->bank, piece->seconds, skid_drive_energy(drive) - before);
-        }
-    }
-    if (drive->world.plant.tipped) {
-        error_line("%s: the robot tipped over in drive %zu; correct limits, or what is in body", of->model.name, run);
-        return false;
-    }
-    return true;
+    skid_drive_start(&run->drive, model, ground, pose, 1);
+    skid_route_start(&run->route, &run->of->model, ground, pose);
 }
 
-/* One leg; phase −1: not recorded. */
-static bool drive_leg(struct identification *of, struct skid_drive *drive, struct skid_route *route,
-                      const struct skid_leg *leg, size_t run, long phase)
+/* Phase −1: not recorded. */
+static void drive_piece(struct run *run, const struct skid_piece *piece, long phase)
+{
+    const double before = skid_drive_energy(&run->drive);
+
+    skid_drive_piece(&run->drive, piece);
+    if (phase >= 0) {
+        (void)fprintf(run->stream, "%zu,%ld,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.3f,%.9f\n", run->number, phase,
+                      piece->start.speed, piece->start.turn_rate, piece->end.speed, piece->end.turn_rate,
+                      piece->start.grade, piece->bank, piece->seconds, skid_drive_energy(&run->drive) - before);
+    }
+}
+
+static void drive_leg(struct run *run, const struct skid_leg *leg, long phase)
 {
     struct skid_piece pieces[SKID_LEG_PIECES_MAX];
-    const size_t count = skid_route_add(route, leg, pieces);
+    const size_t count = skid_route_add(&run->route, leg, pieces);
 
-    return drive_pieces(of, drive, pieces, count, run, phase);
+    for (size_t i = 0; i < count; i++) {
+        drive_piece(run, &pieces[i], phase);
+    }
 }
 
-static bool drive_design(struct identification *of, size_t run)
+static void drive_motion(struct run *run)
 {
-    const struct motion *motion = &of->drives[run];
+    const struct identification *of = run->of;
+    const struct motion *motion = &of->motions[run->number];
     const struct skid_slope slope = skid_slope_towards(motion->slope_deg, motion->slope_heading);
     const struct skid_ground ground = skid_ground_slope(&slope);
     const struct planar_pose pose = {0, 0, 0};
-    const struct skid_leg ramp = {motion->speed, motion->turn_rate, 0};
-    const struct skid_leg hold = {motion->speed, motion->turn_rate, HOLD_SECONDS};
-    const struct skid_leg stop = {0, 0, 0};
-    struct skid_drive drive;
-    struct skid_route route;
+    struct skid_leg leg = {motion->speed, motion->turn_rate, 0};
 
-    skid_drive_start(&drive, &of->model, &ground, &pose, 1);
-    skid_route_start(&route, &of->model, &ground, &pose);
-    return drive_leg(of, &drive, &route, &ramp, run, PHASE_UP) &&
-           drive_leg(of, &drive, &route, &hold, run, PHASE_HOLD) &&
-           drive_leg(of, &drive, &route, &stop, run, PHASE_DOWN);
+    start(run, &of->model, &ground, &pose);
+    if (run->number < of->designed) {
+        drive_leg(run, &leg, PHASE_UP);
+        leg.seconds = HOLD_SECONDS;
+        drive_leg(run, &leg, PHASE_HOLD);
+        drive_leg(run, &(struct skid_leg){0, 0, 0}, PHASE_DOWN);
+    } else {
+        leg.seconds = SETTLE_SECONDS;
+        drive_leg(run, &leg, -1);
+        leg.seconds = CHECK_SECONDS;
+        drive_leg(run, &leg, PHASE_CHECK);
+    }
 }
 
-static bool drive_check(struct identification *of, struct random *random, size_t run)
+/* A robot like it, of a stream of its own. */
+static void drive_robot(struct run *run)
 {
-    const struct motion motion = random_motion(of, random);
-    const struct skid_slope slope = skid_slope_towards(motion.slope_deg, motion.slope_heading);
-    const struct skid_ground ground = skid_ground_slope(&slope);
-    const struct planar_pose pose = {0, 0, 0};
-    const struct skid_leg settle = {motion.speed, motion.turn_rate, SETTLE_SECONDS};
-    const struct skid_leg hold = {motion.speed, motion.turn_rate, CHECK_SECONDS};
-    struct skid_drive drive;
-    struct skid_route route;
-
-    skid_drive_start(&drive, &of->model, &ground, &pose, 1);
-    skid_route_start(&route, &of->model, &ground, &pose);
-    return drive_leg(of, &drive, &route, &settle, run, -1) && drive_leg(of, &drive, &route, &hold, run, PHASE_CHECK);
-}
-
-static bool drive_experiments(struct identification *of)
-{
-    const size_t all = of->drive_count + of->arguments->count;
+    const struct identification *of = run->of;
     struct random random;
 
-    random_init(&random, of->arguments->common.seed);
-    (void)fputs(header, of->stream);
-    for (size_t run = 0; run < all; run++) {
-        if (!(run < of->drive_count ? drive_design(of, run) : drive_check(of, &random, run))) {
-            return false;
-        }
-        progress_show("experiments", run + 1, all);
-    }
-    progress_end();
-    return true;
-}
+    random_init(&random, of->arguments->common.seed + 1 + run->number);
 
-/* ---- Robots like it ---- */
-
-static bool drive_robot(struct identification *of, struct random *random, size_t run)
-{
-    const struct skid_variation variation = skid_random_variation(random);
+    const struct skid_variation variation = skid_random_variation(&random);
     const struct skid_steer_model varied = skid_varied(&of->model, &variation);
-    const struct skid_hills hills = skid_random_hills_within(random, of->model.limits.slope_deg);
+    const struct skid_hills hills = skid_random_hills_within(&random, of->model.limits.slope_deg);
     const struct skid_ground ground = skid_ground_hills(&hills);
-    const struct planar_pose pose = {0, 0, random_uniform(random, -M_PI, M_PI)};
-    struct skid_drive drive;
-    struct skid_route route;
+    const struct planar_pose pose = {0, 0, random_uniform(&random, -M_PI, M_PI)};
 
-    skid_drive_start(&drive, &varied, &ground, &pose, 1);
-    skid_route_start(&route, &of->model, &ground, &pose);
+    start(run, &varied, &ground, &pose);
     for (long number = 0; number < ROBOT_LEGS; number++) {
-        const struct skid_leg leg = skid_random_leg(&of->model, random);
-        if (!drive_leg(of, &drive, &route, &leg, run, number)) {
+        const struct skid_leg leg = skid_random_leg(&of->model, &random);
+        drive_leg(run, &leg, number);
+    }
+}
+
+/* ---- Runs on all cores ---- */
+
+static void make_run(void *context, size_t index)
+{
+    const struct runs *runs = context;
+    struct result *result = &runs->results[index];
+    struct run run = {.of = runs->of, .number = index, .stream = open_memstream(&result->rows, &result->size)};
+
+    if (run.stream == NULL) {
+        return;
+    }
+    runs->drive(&run);
+    if (run.drive.world.plant.tipped) {
+        error_line("%s: the robot tipped over in drive %zu; correct limits, or what is in body", run.of->model.name,
+                   index);
+    }
+    result->is_sound = fclose(run.stream) == 0 && !run.drive.world.plant.tipped;
+}
+
+/* In the order of the runs. */
+static bool write_rows(const struct runs *runs, FILE *stream)
+{
+    (void)fputs(header, stream);
+    for (size_t i = 0; i < runs->count; i++) {
+        if (!runs->results[i].is_sound) {
             return false;
         }
+        (void)fwrite(runs->results[i].rows, 1, runs->results[i].size, stream);
     }
     return true;
 }
 
-static bool drive_robots(struct identification *of)
+static bool write_runs(const struct identification *of, const char *name, void (*drive)(struct run *run), size_t count)
 {
-    struct random random;
+    FILE *stream = output_open(of->arguments->common.output, name);
+    struct runs runs = {of, drive, calloc(count, sizeof *runs.results), count};
 
-    random_init(&random, of->arguments->common.seed + 1);
-    (void)fputs(header, of->stream);
-    for (size_t run = 0; run < of->arguments->robots; run++) {
-        if (!drive_robot(of, &random, run)) {
-            return false;
-        }
-        progress_show("robots", run + 1, of->arguments->robots);
+    if (stream == NULL || runs.results == NULL) {
+        free(runs.results);
+        return false;
     }
-    progress_end();
-    return true;
+    in_parallel(name, make_run, &runs, count);
+
+    const bool is_written = write_rows(&runs, stream);
+
+    for (size_t i = 0; i < count; i++) {
+        free(runs.results[i].rows);
+    }
+    free(runs.results);
+    return is_written;
 }
 
 /* ---- Files ---- */
@@ -280,7 +314,7 @@ static json_t *about(const struct identification *of)
 
     skid_plant_init(&plant, model, &level, &pose);
     return json_pack("{s:s, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "robot", model->name,
-                     "seed", (json_int_t)of->arguments->common.seed, "design", (json_int_t)of->drive_count, "check",
+                     "seed", (json_int_t)of->arguments->common.seed, "design", (json_int_t)of->designed, "check",
                      (json_int_t)of->arguments->count, "robots", (json_int_t)of->arguments->robots, "width_m",
                      model->body.width_m, "half_track_m", skid_half_track(model), "weight_n",
                      model->body.mass_kg * STANDARD_GRAVITY, "friction", model->ground.friction, "felt_mass_kg",
@@ -289,28 +323,25 @@ static json_t *about(const struct identification *of)
                      model->motor.resistance_ohm * pow(model->wheel.radius_m / per_ampere, 2));
 }
 
-static bool write_table(struct identification *of, const char *name, bool (*drive)(struct identification *))
-{
-    of->stream = output_open(of->arguments->common.output, name);
-    return of->stream != NULL && drive(of);
-}
-
 static bool identify(const struct arguments *arguments)
 {
-    struct identification of = {.arguments = arguments};
+    static struct identification of;
 
+    of.arguments = arguments;
     if (!skid_robot_load(arguments->common.robot, &of.model) || !output_directory(arguments->common.output)) {
         return false;
     }
     add_straights(&of);
     add_bends(&of);
     add_bends_on_slopes(&of);
-    if (!write_table(&of, "experiments.csv", drive_experiments) || !write_table(&of, "robots.csv", drive_robots) ||
+    add_random(&of);
+    if (!write_runs(&of, "experiments.csv", drive_motion, of.designed + arguments->count) ||
+        !write_runs(&of, "robots.csv", drive_robot, arguments->robots) ||
         !output_json(arguments->common.output, "experiments.json", about(&of))) {
         output_discard();
         return false;
     }
-    (void)printf("%zu designed drives, %zu random ones, %zu robots of %d legs\n", of.drive_count, arguments->count,
+    (void)printf("%zu designed drives, %zu random ones, %zu robots of %d legs\n", of.designed, arguments->count,
                  arguments->robots, ROBOT_LEGS);
     return output_commit();
 }

@@ -9,7 +9,7 @@
 #include "sim/base/output.h"
 #include "sim/base/progress.h"
 #include "sim/missions/leg_drive.h"
-#include "sim/missions/trip.h"
+#include "sim/missions/trip_skid.h"
 
 /* Of the interval that the measured energy shall fall in with 95 %. */
 #define INTERVAL_DEVIATIONS 1.96
@@ -71,27 +71,25 @@ static json_t *json_variation(const struct variation *variation)
     return object;
 }
 
-static json_t *json_trip(const struct trip *trip, const char *robot)
+/* `variation` and `learned`: what the robot is, and what it has learned of that; taken over. */
+static json_t *json_trip(const struct trip *trip, const char *robot, json_t *variation, json_t *learned)
 {
     const double error = trip->measured - trip->predicted;
     const double limit = INTERVAL_DEVIATIONS * trip->deviation;
 
     return json_pack("{s:I, s:s, s:o, s:s?, s:s?, s:s, s:i, s:f, s:f, s:f, s:f, s:b, s:f, s:{s:b, s:b, s:b},"
-                     " s:{s:f, s:f}, s:f, s:i}",
-                     "seed", (json_int_t)trip->seed, "robot", robot, "variation", json_variation(&trip->variation),
-                     "fault", faults[trip->fault], "change", changes[trip->change], "outcome", outcomes[trip->outcome],
+                     " s:o, s:f, s:i}",
+                     "seed", (json_int_t)trip->seed, "robot", robot, "variation", variation, "fault",
+                     faults[trip->fault], "change", changes[trip->change], "outcome", outcomes[trip->outcome],
                      "segments", (int)trip->segments, "seconds", trip->seconds, "predicted_j", trip->predicted, "std_j",
                      trip->deviation, "measured_j", trip->measured, "inside", error >= -limit && error <= limit,
                      "prior_predicted_j", trip->unlearned, "reserve", "asked", trip->available > 0, "answer",
-                     trip->answer, "true", trip->measured <= trip->available, "learned", "ground_friction",
-                     trip->ground, "payload_kg", trip->payload, "charge_used", trip->charge, "outliers",
-                     (int)trip->outliers);
+                     trip->answer, "true", trip->measured <= trip->available, "learned", learned, "charge_used",
+                     trip->charge, "outliers", (int)trip->outliers);
 }
 
-static bool print_trip(const struct trip *trip, const char *robot)
+static bool print_trip(json_t *object)
 {
-    json_t *object = json_trip(trip, robot);
-
     (void)json_dumpf(object, stdout, JSON_COMPACT | JSON_REAL_PRECISION(9));
     (void)puts("");
     json_decref(object);
@@ -169,7 +167,9 @@ static bool run_trips(const struct arguments *arguments, const struct robot_entr
 
     for (size_t i = 0; i < arguments->count; i++) {
         if (!trip_run(&trip, entry, file, arguments->common.seed + i, arguments->disturbed) ||
-            !print_trip(&trip, file->name)) {
+            !print_trip(
+                json_trip(&trip, file->name, json_variation(&trip.variation),
+                          json_pack("{s:f, s:f}", "ground_friction", trip.ground, "payload_kg", trip.payload)))) {
             return false;
         }
         progress_show("missions", i + 1, arguments->count);
@@ -178,7 +178,55 @@ static bool run_trips(const struct arguments *arguments, const struct robot_entr
     return arguments->common.output == NULL || write_parameters(arguments->common.output, &trip, file);
 }
 
-static bool run(const struct arguments *arguments)
+/* Of a robot that its sides steer. */
+
+static json_t *json_skid_trip(const struct trip_skid *skid, const char *robot)
+{
+    const struct skid_variation *variation = &skid->variation;
+    const double *factor = skid->factor;
+
+    return json_trip(
+        &skid->trip, robot,
+        json_pack("{s:f, s:f, s:f, s:f, s:f}", "rolling", variation->rolling, "friction", variation->friction, "mass",
+                  variation->mass, "electronics", variation->electronics, "resistance", variation->resistance),
+        json_pack("{s:f, s:f, s:f, s:f}", "rolling", factor[JP_SKID_ROLLING], "friction", factor[JP_SKID_FRICTION],
+                  "mass", factor[JP_SKID_WEIGHT], "electronics", factor[JP_SKID_ELECTRONICS]));
+}
+
+static bool run_skid_trips(const struct arguments *arguments, const struct skid_robot_entry *entry,
+                           const struct skid_steer_model *model)
+{
+    static struct trip_skid skid;
+
+    for (size_t i = 0; i < arguments->count; i++) {
+        if (!trip_skid_run(&skid, entry, model, arguments->common.seed + i) ||
+            !print_trip(json_skid_trip(&skid, model->name))) {
+            return false;
+        }
+        progress_show("missions", i + 1, arguments->count);
+    }
+    progress_end();
+    return true;
+}
+
+static bool run_skid(const struct arguments *arguments)
+{
+    struct skid_steer_model model;
+
+    if (arguments->disturbed || arguments->legs || arguments->common.output != NULL) {
+        error_line("--faults, --legs, --output: are for balancers; leave them out");
+        return false;
+    }
+    if (!skid_robot_load(arguments->common.robot, &model)) {
+        return false;
+    }
+
+    const struct skid_robot_entry *entry = skid_robot_find(model.name);
+
+    return entry != NULL && run_skid_trips(arguments, entry, &model);
+}
+
+static bool run_balancer(const struct arguments *arguments)
 {
     struct robot_file file;
 
@@ -189,6 +237,16 @@ static bool run(const struct arguments *arguments)
     const struct robot_entry *entry = rig_find_robot(file.name);
 
     return entry != NULL && (arguments->legs ? run_legs(arguments, entry, &file) : run_trips(arguments, entry, &file));
+}
+
+static bool run(const struct arguments *arguments)
+{
+    char type[CONFIG_NAME_SIZE];
+
+    if (!config_fields_type(arguments->common.robot, type)) {
+        return false;
+    }
+    return strcmp(type, CONFIG_BALANCER) == 0 ? run_balancer(arguments) : run_skid(arguments);
 }
 
 int main(int argc, char **argv)

@@ -12,6 +12,9 @@
 #define HEADING_RATE  2
 #define ACROSS_RATE   0.4
 
+/* The integrator's longest step, s: here no side jams, and nothing is faster than skid_plant_rate(). */
+#define STEP 0.0005
+
 /* What the way back may add, as a share of limits.speed_m_s. */
 #define BACK_SHARE 0.25
 
@@ -25,6 +28,7 @@ void skid_drive_start(struct skid_drive *drive, const struct skid_steer_model *m
 {
     *drive = (struct skid_drive){.reference = *pose, .last = *pose};
     skid_world_init(&drive->world, model, ground, pose, seed);
+    drive->world.plant.step = fmin(STEP, SKID_STEP_RATE_MAX / skid_plant_rate(model));
 }
 
 /* The motion that leads back to the reference. What turns on the spot slides down a slope, and is led back as it drives

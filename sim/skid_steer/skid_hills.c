@@ -8,12 +8,11 @@ struct skid_ground_point skid_on_hills(const void *context, double x, double y)
     struct skid_ground_point point = {0, 0, 0};
 
     for (int i = 0; i < SKID_HILLS; i++) {
-        const double ahead = hills->number[i] * cos(hills->turn[i]);
-        const double across = hills->number[i] * sin(hills->turn[i]);
-        const double phase = ahead * x + across * y;
+        const double phase = hills->along_x[i] * x + hills->along_y[i] * y;
+        const double rise = hills->height[i] * cos(phase);
         point.elevation += hills->height[i] * sin(phase);
-        point.slope_x += hills->height[i] * ahead * cos(phase);
-        point.slope_y += hills->height[i] * across * cos(phase);
+        point.slope_x += rise * hills->along_x[i];
+        point.slope_y += rise * hills->along_y[i];
     }
     return point;
 }
@@ -23,9 +22,11 @@ struct skid_hills skid_random_hills(struct random *random, double steepest)
     struct skid_hills hills;
 
     for (int i = 0; i < SKID_HILLS; i++) {
-        hills.number[i] = 2 * M_PI / random_uniform(random, 4, 12);
-        hills.turn[i] = random_uniform(random, -M_PI, M_PI);
-        hills.height[i] = random_uniform(random, 0, steepest / SKID_HILLS) / hills.number[i];
+        const double number = 2 * M_PI / random_uniform(random, 4, 12);
+        const double turn = random_uniform(random, -M_PI, M_PI);
+        hills.along_x[i] = number * cos(turn);
+        hills.along_y[i] = number * sin(turn);
+        hills.height[i] = random_uniform(random, 0, steepest / SKID_HILLS) / number;
     }
     return hills;
 }
@@ -37,7 +38,7 @@ struct skid_hills skid_random_hills_within(struct random *random, double degrees
     double sum = 0;
 
     for (int i = 0; i < SKID_HILLS; i++) {
-        sum += hills.height[i] * hills.number[i];
+        sum += hills.height[i] * hypot(hills.along_x[i], hills.along_y[i]);
     }
     for (int i = 0; i < SKID_HILLS; i++) {
         hills.height[i] *= steepest / sum;

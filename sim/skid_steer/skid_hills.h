@@ -10,8 +10,8 @@
 /** Waves of 4 to 12 m. */
 struct skid_hills {
     double height[SKID_HILLS];
-    double number[SKID_HILLS]; /**< rad/m */
-    double turn[SKID_HILLS];
+    double along_x[SKID_HILLS]; /**< rad/m */
+    double along_y[SKID_HILLS];
 };
 
 /** `steepest`: the slope that they cannot exceed. */

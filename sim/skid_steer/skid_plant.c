@@ -1,7 +1,5 @@
 #include "sim/skid_steer/skid_plant.h"
 
-#include <string.h>
-
 /* Of the relaxation of a tread that rolls, over the length of its contact: steady slip, uniform load. */
 #define RELAXATION 1.2
 
@@ -49,6 +47,12 @@ struct supply {
 static double square(double a)
 {
     return a * a;
+}
+
+/* As hypot(), of what is far from the ends of its format. */
+static double length(double a, double b)
+{
+    return sqrt(a * a + b * b);
 }
 
 /* ---- Geometry ---- */
@@ -255,7 +259,7 @@ static void add_contact(const struct skid_plant *plant, const struct skid_state 
     const double tread_speed = is_driven ? plant->model.wheel.radius_m * state->sides[contact->side].rate : 0;
     const double along = state->forward - state->turn_rate * contact->place.y - tread_speed;
     const double across = state->left + state->turn_rate * contact->place.x;
-    const double slip = hypot(along, across);
+    const double slip = length(along, across);
     const double fading =
         contact->stiffness * slip / contact->friction + contact->relaxation * fabs(tread_speed); /* 1/s */
     const double damping = contact->damping / (1 + contact->damping * fading / (2 * contact->stiffness));
@@ -263,7 +267,7 @@ static void add_contact(const struct skid_plant *plant, const struct skid_state 
     rate->treads[index] = (struct skid_tread){along - fading * tread->along, across - fading * tread->across};
     double x = -load * (contact->stiffness * tread->along + damping * rate->treads[index].along);
     double y = -load * (contact->stiffness * tread->across + damping * rate->treads[index].across);
-    const double excess = hypot(x, y) / (contact->friction * load + 1e-12);
+    const double excess = length(x, y) / (contact->friction * load + 1e-12);
     if (excess > 1) {
         x /= excess;
         y /= excess;
@@ -383,14 +387,13 @@ static void set_body_rates(const struct skid_plant *plant, const struct footing 
 }
 
 /* The rates of the state; what can be seen of it goes to *attitude. */
-static void derivative(const struct skid_plant *plant, const struct skid_state *state, const struct skid_input *input,
-                       struct skid_state *rate, struct skid_attitude *attitude)
+static void derivative(const struct skid_plant *plant, const struct skid_state *state, const struct footing *footing,
+                       const struct skid_input *input, struct skid_state *rate, struct skid_attitude *attitude)
 {
-    const struct footing footing = footing_at(plant, state);
     struct wrench sum = {.ahead = 0};
 
     rate->ledger = (struct skid_ledger){.electronics = plant->model.electronics.power_w};
-    set_loads(plant, &footing.lie, state, attitude->load);
+    set_loads(plant, &footing->lie, state, attitude->load);
     for (int i = 0; i < plant->contact_count; i++) {
         add_contact(plant, state, i, attitude->load[i], rate, &sum);
     }
@@ -403,10 +406,10 @@ static void derivative(const struct skid_plant *plant, const struct skid_state *
     const struct supply supply = supply_of(&plant->model, power);
     rate->ledger.battery = plant->model.supply.voltage_v * supply.current;
     rate->ledger.supply = square(supply.current) * plant->model.supply.resistance_ohm;
-    set_pose_rates(&footing.lie, state, rate);
-    set_body_rates(plant, &footing, state, &sum, rate);
-    attitude->rise_ahead = footing.lie.ahead;
-    attitude->rise_across = footing.lie.across;
+    set_pose_rates(&footing->lie, state, rate);
+    set_body_rates(plant, footing, state, &sum, rate);
+    attitude->rise_ahead = footing->lie.ahead;
+    attitude->rise_across = footing->lie.across;
     attitude->force_ahead = sum.ahead / plant->model.body.mass_kg;
     attitude->force_left = sum.left / plant->model.body.mass_kg;
     attitude->bus_voltage = supply.voltage;
@@ -414,20 +417,21 @@ static void derivative(const struct skid_plant *plant, const struct skid_state *
 
 /* ---- Integration ---- */
 
-/* *end = *start + h·*rate, as far as the contacts go. */
-static void advance(const struct skid_plant *plant, const struct skid_state *start, const struct skid_state *rate,
-                    double h, struct skid_state *end)
-{
+/* A state as the numbers that it consists of. */
+union numbers {
+    struct skid_state state;
     double values[sizeof(struct skid_state) / sizeof(double)];
-    double rates[sizeof(struct skid_state) / sizeof(double)];
+};
+
+/* *end = *start + h·*rate, as far as the contacts go. */
+static void advance(const struct skid_plant *plant, const union numbers *start, const union numbers *rate, double h,
+                    union numbers *end)
+{
     const size_t size = offsetof(struct skid_state, treads) + (size_t)plant->contact_count * sizeof(struct skid_tread);
 
-    memcpy(values, start, size);
-    memcpy(rates, rate, size);
     for (size_t i = 0; i < size / sizeof(double); i++) {
-        values[i] += h * rates[i];
+        end->values[i] = start->values[i] + h * rate->values[i];
     }
-    memcpy(end, values, size);
 }
 
 static void set_normal(const struct skid_state *state, struct skid_attitude *seen)
@@ -462,28 +466,33 @@ static void set_tilt_rates(const struct skid_attitude *before, const struct skid
     seen->pitch_rate = dot(change, ahead);
 }
 
+/* The two states in the middle of a step are on the same ground but for the square of its length. */
 static void integrate(struct skid_plant *plant, const struct skid_input *input, double h)
 {
-    const struct skid_state start = plant->state;
+    const union numbers start = {.state = plant->state};
     struct skid_attitude seen = plant->attitude;
-    struct skid_state middle;
-    struct skid_state k1;
-    struct skid_state k2;
-    struct skid_state k3;
-    struct skid_state k4;
+    struct footing footing = footing_at(plant, &start.state);
+    union numbers at = start;
+    union numbers k1;
+    union numbers k2;
+    union numbers k3;
+    union numbers k4;
 
-    derivative(plant, &start, input, &k1, &seen);
-    advance(plant, &start, &k1, h / 2, &middle);
-    derivative(plant, &middle, input, &k2, &seen);
-    advance(plant, &start, &k2, h / 2, &middle);
-    derivative(plant, &middle, input, &k3, &seen);
-    advance(plant, &start, &k3, h, &middle);
-    derivative(plant, &middle, input, &k4, &seen);
+    derivative(plant, &start.state, &footing, input, &k1.state, &seen);
+    advance(plant, &start, &k1, h / 2, &at);
+    footing = footing_at(plant, &at.state);
+    derivative(plant, &at.state, &footing, input, &k2.state, &seen);
+    advance(plant, &start, &k2, h / 2, &at);
+    derivative(plant, &at.state, &footing, input, &k3.state, &seen);
+    advance(plant, &start, &k3, h, &at);
+    footing = footing_at(plant, &at.state);
+    derivative(plant, &at.state, &footing, input, &k4.state, &seen);
 
-    advance(plant, &plant->state, &k1, h / 6, &plant->state);
-    advance(plant, &plant->state, &k2, h / 3, &plant->state);
-    advance(plant, &plant->state, &k3, h / 3, &plant->state);
-    advance(plant, &plant->state, &k4, h / 6, &plant->state);
+    advance(plant, &start, &k1, h / 6, &at);
+    advance(plant, &at, &k2, h / 3, &at);
+    advance(plant, &at, &k3, h / 3, &at);
+    advance(plant, &at, &k4, h / 6, &at);
+    plant->state = at.state;
     set_normal(&plant->state, &seen);
     set_tilt_rates(&plant->attitude, &plant->state, h, &seen);
     plant->attitude = seen;

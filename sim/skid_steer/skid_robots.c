@@ -6,12 +6,13 @@
 
 #include "sim/base/error.h"
 
-#define ENTRY(name)                                                                                                    \
+#define ENTRY(name, navigates)                                                                                         \
     {                                                                                                                  \
-#name, &jp_skid_robot_##name, &jp_skid_energy_##name, &jp_skid_learning_##name                                 \
+#name, &jp_skid_robot_##name, &jp_skid_energy_##name, &jp_skid_learning_##name, &jp_path_limits_##name,        \
+            &jp_lattice_##name, navigates                                                                              \
     }
 
-static const struct skid_robot_entry entries[] = {ENTRY(burger), ENTRY(zhang2018)};
+static const struct skid_robot_entry entries[] = {ENTRY(burger, &jp_navigation_burger), ENTRY(zhang2018, NULL)};
 
 const struct skid_robot_entry *skid_robot_built_in(const char *name)
 {

@@ -2,6 +2,9 @@
 #ifndef JOULEPATH_SIM_SKID_STEER_SKID_ROBOTS_H
 #define JOULEPATH_SIM_SKID_STEER_SKID_ROBOTS_H
 
+#include <joulepath/lattice.h>
+#include <joulepath/navigator_body.h>
+#include <joulepath/path_speed.h>
 #include <joulepath/skid_learner.h>
 #include <joulepath/skid_robot.h>
 
@@ -10,6 +13,9 @@ struct skid_robot_entry {
     const struct jp_skid_robot_config *config;
     const struct jp_skid_energy_model *energy;
     const struct jp_skid_learning *learning;
+    const struct jp_path_limits *limits;
+    const struct jp_lattice *lattice;
+    const struct jp_navigator_body *navigation; /**< NULL: it is not made for that */
 };
 
 /** The robot of this name, or NULL. */

@@ -8,6 +8,7 @@
 #include "src/base/config_check.h"
 #include "src/base/duty.h"
 #include "src/base/request.h"
+#include "src/base/sequence.h"
 #include "src/energy/energy_terms.h"
 
 /** Checks that all parts have one tick rate and one wheel radius. */
@@ -308,8 +309,7 @@ static void step(struct jp_robot_internal *robot, enum jp_status read, const str
 void jp_robot_control(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                       struct jp_actuation *actuation)
 {
-    JP_STORE(&robot->internal.sequence, robot->internal.sequence + 1U);
-    JP_FENCE_RELEASE();
+    jp_sequence_begin(&robot->internal.sequence);
     step(&robot->internal, read, sensors, actuation);
 }
 
@@ -378,7 +378,7 @@ void jp_robot_account(struct jp_robot *robot)
     robot->internal.applied = telemetry->voltages;
     robot->internal.motors_ran = motors_run(telemetry->state);
     telemetry->tick++;
-    JP_STORE_RELEASE(&robot->internal.sequence, robot->internal.sequence + 1U);
+    jp_sequence_end(&robot->internal.sequence);
 }
 
 void jp_robot_tick(struct jp_robot *robot, enum jp_status read, const struct jp_sensors *sensors,

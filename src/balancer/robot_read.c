@@ -2,6 +2,7 @@
 #include <joulepath/robot.h>
 
 #include "src/base/compiler.h"
+#include "src/base/sequence.h"
 
 static bool motors_run(enum jp_robot_state state)
 {
@@ -40,41 +41,27 @@ static void copy_telemetry(const struct jp_robot_internal *robot, struct jp_tele
     telemetry->dropped_frames = robot->monitor.dropped_frames;
 }
 
-/** False: a tick is under way. */
-static bool begin_copy(const struct jp_robot_internal *robot, uint32_t *sequence)
-{
-    *sequence = JP_LOAD_ACQUIRE(&robot->sequence);
-    return (*sequence & 1U) == 0U;
-}
-
-/** False: a tick came between. */
-static bool copy_is_whole(const struct jp_robot_internal *robot, uint32_t sequence)
-{
-    JP_FENCE_ACQUIRE();
-    return JP_LOAD(&robot->sequence) == sequence;
-}
-
 bool jp_robot_telemetry(const struct jp_robot *robot, struct jp_telemetry *telemetry)
 {
-    uint32_t sequence;
+    uint32_t begun;
 
     do {
-        if (!begin_copy(&robot->internal, &sequence)) {
+        if (!jp_sequence_begin_copy(&robot->internal.sequence, &begun)) {
             return false;
         }
         copy_telemetry(&robot->internal, telemetry);
-    } while (!copy_is_whole(&robot->internal, sequence));
+    } while (!jp_sequence_is_whole(&robot->internal.sequence, begun));
     return true;
 }
 
 bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sample)
 {
     const struct jp_sensors *sensors = &robot->internal.monitor.good;
-    uint32_t sequence;
+    uint32_t begun;
     bool usable;
 
     do {
-        if (!begin_copy(&robot->internal, &sequence)) {
+        if (!jp_sequence_begin_copy(&robot->internal.sequence, &begun)) {
             return false;
         }
         usable = motors_run(robot->internal.telemetry.state) && robot->internal.monitor.implausible_ticks == 0U;
@@ -85,7 +72,7 @@ bool jp_robot_motors(const struct jp_robot *robot, struct jp_motor_sample *sampl
             .current_left = sensors->current_left,
             .current_right = sensors->current_right,
         };
-    } while (!copy_is_whole(&robot->internal, sequence));
+    } while (!jp_sequence_is_whole(&robot->internal.sequence, begun));
     return usable;
 }
 

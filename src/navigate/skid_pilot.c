@@ -14,7 +14,6 @@ static enum jp_status check_own(const struct jp_skid_pilot_config *config, const
     static const struct jp_config_field fields[] = {
         FIELD(time, 0, JP_Q16(16384)),
         FIELD(corner, 0, JP_Q24(8)),
-        FIELD(places, (int32_t)JP_SKID_PILOT_PIECES(1U), UINT16_MAX),
     };
 
     if (config->model == NULL) {
@@ -23,8 +22,11 @@ static enum jp_status check_own(const struct jp_skid_pilot_config *config, const
     if (config->learning == NULL) {
         return jp_config_refuse("learning", field);
     }
-    return config->pieces == NULL ? jp_config_refuse("pieces", field)
-                                  : jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
+    if (config->pieces == NULL) {
+        return jp_config_refuse("pieces", field);
+    }
+    return config->places < JP_SKID_PILOT_PIECES(1U) ? jp_config_refuse("places", field)
+                                                     : jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 }
 
 static enum jp_status check(const struct jp_skid_pilot_config *config, const char **field)

@@ -15,6 +15,8 @@ static struct jp_path_limits slowed_down(const struct jp_path_limits *limits, ui
 
 static void begin(struct jp_skid_run *run, const struct jp_skid_pilot_config *config, uint8_t slower)
 {
+    run->path.pieces = config->pieces;
+    run->path.places = config->places;
     run->limits = slowed_down(&config->limits, slower);
     run->rounded = 0;
     run->paced = 0;
@@ -39,7 +41,7 @@ void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_co
 {
     begin(run, config, 0);
     /* A robot that has the heading turns by no piece. */
-    (void)jp_turn_path(&run->path, config->pieces, config->places, start, heading);
+    (void)jp_turn_path(&run->path, run->path.pieces, run->path.places, start, heading);
 }
 
 /** Pieces from one stand to the next: the robot stands before and after each turn on the spot. */

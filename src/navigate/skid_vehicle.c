@@ -76,7 +76,7 @@ static void stop(void *context)
 /* The survey. */
 
 /** As the pilot plans it. */
-static enum jp_status survey(void *context, const struct jp_vehicle_run *run, bool anew)
+static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run, bool anew)
 {
     struct jp_skid_vehicle *skid = skid_of(context);
     struct jp_skid_survey *survey = &skid->survey;
@@ -182,7 +182,7 @@ enum jp_status jp_skid_vehicle_init(struct jp_skid_vehicle *skid, struct jp_skid
                                    .turn = turn,
                                    .follow = follow,
                                    .stop = stop,
-                                   .survey = survey,
+                                   .survey = survey_run,
                                    .survey_leg = survey_leg,
                                    .forecast = forecast};
     return JP_OK;

@@ -144,37 +144,39 @@ static jp_q16 turning_load(const struct jp_skid_control_config *config, const st
     return set_point->turn_rate < 0 ? -load : load;
 }
 
-static JP_INLINE_FOR_SPEED void set_load(struct jp_skid_side *side, const struct jp_skid_control_config *config,
-                                         jp_q16 rolling_slope, jp_q16 pushing)
+/** What a side should do. The wheel is expected to go along: its rate is off by what it does not, and lags behind no
+ *  acceleration. */
+static JP_INLINE_FOR_SPEED void follow_side(struct jp_skid_side *side, const struct jp_skid_control_config *config,
+                                            jp_q16 rolling_slope, jp_turns_per_s reference, jp_q16 pushing)
 {
     const jp_q16 rolling =
-        jp_clamp32(jp_multiply_shift(side->reference, rolling_slope, 24), -config->rolling, config->rolling);
+        jp_clamp32(jp_multiply_shift(reference, rolling_slope, 24), -config->rolling, config->rolling);
     const jp_q16 load = jp_add(pushing, rolling);
-    const bool drives = (load > 0 && side->reference > 0) || (load < 0 && side->reference < 0);
+    const bool drives = (load > 0 && reference > 0) || (load < 0 && reference < 0);
 
+    side->rate = jp_add(side->rate, jp_sub(reference, side->reference));
+    side->reference = reference;
     side->load = drives ? load : jp_multiply_shift(load, config->braking, 24);
 }
 
-static void set_loads(struct jp_skid_control *control, const struct jp_skid_control_config *config,
-                      const struct jp_skid_set_point *set_point)
+/** References and loads of both sides. */
+static void follow(struct jp_skid_control *control, const struct jp_skid_control_config *config,
+                   const struct jp_skid_set_point *set_point)
 {
+    const jp_turns_per_s ahead = jp_q24_multiply(set_point->speed, config->turns_per_metre);
+    const jp_turns_per_s across = jp_q24_multiply(set_point->turn_rate, control->spread);
     const jp_q16 common = jp_add(jp_multiply_shift(config->acceleration, set_point->acceleration, 24),
                                  jp_multiply_shift(config->climbing, set_point->rise, 24));
     const jp_q16 difference = jp_add(jp_multiply_shift(config->turn_acceleration, set_point->turn_acceleration, 24),
                                      turning_load(config, set_point));
 
-    set_load(&control->sides[JP_SKID_LEFT], config, control->rolling_slope, jp_sub(common, difference));
-    set_load(&control->sides[JP_SKID_RIGHT], config, control->rolling_slope, jp_add(common, difference));
+    follow_side(&control->sides[JP_SKID_LEFT], config, control->rolling_slope, jp_sub(ahead, across),
+                jp_sub(common, difference));
+    follow_side(&control->sides[JP_SKID_RIGHT], config, control->rolling_slope, jp_add(ahead, across),
+                jp_add(common, difference));
 }
 
 /* Voltages. */
-
-/** The wheel is expected to go along: its rate is off by what it does not, and lags behind no acceleration. */
-static JP_INLINE_FOR_SPEED void set_reference(struct jp_skid_side *side, jp_turns_per_s reference)
-{
-    side->rate = jp_add(side->rate, jp_sub(reference, side->reference));
-    side->reference = reference;
-}
 
 /** As far behind as the integral may be. */
 static JP_INLINE_FOR_SPEED jp_phase limited_behind(jp_phase behind, jp_q24 limit)
@@ -206,18 +208,6 @@ static JP_INLINE_FOR_SPEED bool set_voltage(struct jp_skid_side *side, const str
     }
     *voltage = given;
     return wanted != given;
-}
-
-/** References and loads of both sides. */
-static void follow(struct jp_skid_control *control, const struct jp_skid_control_config *config,
-                   const struct jp_skid_set_point *set_point)
-{
-    const jp_turns_per_s ahead = jp_q24_multiply(set_point->speed, config->turns_per_metre);
-    const jp_turns_per_s across = jp_q24_multiply(set_point->turn_rate, control->spread);
-
-    set_reference(&control->sides[JP_SKID_LEFT], jp_sub(ahead, across));
-    set_reference(&control->sides[JP_SKID_RIGHT], jp_add(ahead, across));
-    set_loads(control, config, set_point);
 }
 
 void jp_skid_control_update(struct jp_skid_control *control, const struct jp_skid_control_config *config,

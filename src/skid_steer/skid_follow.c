@@ -7,7 +7,7 @@ void jp_skid_follow_begin(struct jp_skid_follow *follow, const struct jp_lattice
     follow->motion = (struct jp_motion){0, 0};
     follow->at.acceleration = 0;
     follow->at.turn_acceleration = 0;
-    follow->is_new = false;
+    follow->next = JP_SKID_FOLLOW_ADVANCE;
 }
 
 void jp_skid_follow_end(struct jp_skid_follow *follow)
@@ -15,21 +15,51 @@ void jp_skid_follow_end(struct jp_skid_follow *follow)
     follow->path = NULL;
 }
 
-void jp_skid_follow_look_ahead(struct jp_skid_follow *follow, const struct jp_skid_odometry *odometry,
-                               const struct jp_skid_odometry_config *config)
+static void advance(struct jp_skid_follow *follow)
+{
+    if (jp_path_drive_advance(&follow->drive, &follow->at)) {
+        follow->next = JP_SKID_FOLLOW_LOOK_AHEAD;
+    } else {
+        follow->path = NULL;
+    }
+}
+
+static void look_ahead(struct jp_skid_follow *follow, const struct jp_skid_odometry *odometry,
+                       const struct jp_skid_odometry_config *config)
+{
+    struct jp_path_slide slide;
+
+    jp_skid_odometry_slide(odometry, config, &slide);
+    jp_path_drive_look_ahead(&follow->drive, &slide);
+    follow->next = JP_SKID_FOLLOW_TRACK;
+}
+
+static void track(struct jp_skid_follow *follow, const struct jp_skid_odometry *odometry,
+                  const struct jp_skid_odometry_config *config)
+{
+    struct jp_path_pose pose;
+
+    jp_skid_odometry_now(odometry, config, &pose.position, &pose.heading);
+    jp_path_drive_track(&follow->drive, &follow->at, &pose, &follow->motion);
+    follow->next = JP_SKID_FOLLOW_ADVANCE;
+}
+
+void jp_skid_follow_work(struct jp_skid_follow *follow, const struct jp_skid_odometry *odometry,
+                         const struct jp_skid_odometry_config *config)
 {
     if (follow->path == NULL) {
         return;
     }
-    if (follow->is_new) {
-        struct jp_path_pose pose;
-
-        jp_skid_odometry_now(odometry, config, &pose.position, &pose.heading);
-        jp_path_drive_track(&follow->drive, &follow->at, &pose, &follow->motion);
-        follow->is_new = false;
-    } else if (jp_path_drive_advance(&follow->drive, &follow->at)) {
-        follow->is_new = true;
-    } else {
-        follow->path = NULL;
+    switch (follow->next) {
+    case JP_SKID_FOLLOW_LOOK_AHEAD:
+        look_ahead(follow, odometry, config);
+        break;
+    case JP_SKID_FOLLOW_TRACK:
+        track(follow, odometry, config);
+        break;
+    case JP_SKID_FOLLOW_ADVANCE:
+    default:
+        advance(follow);
+        break;
     }
 }

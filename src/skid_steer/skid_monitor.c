@@ -117,27 +117,27 @@ static bool contradicts(const struct jp_skid_monitor_config *config, const struc
     return jp_magnitude32(jp_sub(motion->turn_rate, turning)) > (uint32_t)config->spin_rate + (size - size / 4U);
 }
 
+/** Of one side: its fault, or none. */
+static unsigned stall_of(struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config,
+                         const struct jp_skid_motion *motion, unsigned side)
+{
+    const bool stalled = is_stalled(config, &motion->control->sides[side], motion->current[side]);
+    const unsigned fault =
+        side == (unsigned)JP_SKID_LEFT ? (unsigned)JP_FAULT_STALLED_LEFT : (unsigned)JP_FAULT_STALLED_RIGHT;
+
+    return jp_count_in_a_row(&monitor->stalled_calls[side], stalled, config->stall_calls) ? fault : 0U;
+}
+
 uint16_t jp_skid_monitor_wheels(struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config,
                                 const struct jp_skid_motion *motion)
 {
     const struct jp_skid_control *control = motion->control;
-    const struct jp_skid_side *left = &control->sides[JP_SKID_LEFT];
-    const struct jp_skid_side *right = &control->sides[JP_SKID_RIGHT];
     unsigned faults = 0;
 
-    monitor->load[JP_SKID_LEFT] = smoothed(monitor->load[JP_SKID_LEFT], left->load, config->smoothing);
-    monitor->load[JP_SKID_RIGHT] = smoothed(monitor->load[JP_SKID_RIGHT], right->load, config->smoothing);
-    monitor->current[JP_SKID_LEFT] = smoothed(monitor->current[JP_SKID_LEFT], motion->current_left, config->smoothing);
-    monitor->current[JP_SKID_RIGHT] =
-        smoothed(monitor->current[JP_SKID_RIGHT], motion->current_right, config->smoothing);
-
-    if (jp_count_in_a_row(&monitor->stalled_calls[JP_SKID_LEFT], is_stalled(config, left, motion->current_left),
-                          config->stall_calls)) {
-        faults |= JP_FAULT_STALLED_LEFT;
-    }
-    if (jp_count_in_a_row(&monitor->stalled_calls[JP_SKID_RIGHT], is_stalled(config, right, motion->current_right),
-                          config->stall_calls)) {
-        faults |= JP_FAULT_STALLED_RIGHT;
+    for (unsigned side = 0; side < (unsigned)JP_SKID_SIDES; side++) {
+        monitor->load[side] = smoothed(monitor->load[side], control->sides[side].load, config->smoothing);
+        monitor->current[side] = smoothed(monitor->current[side], motion->current[side], config->smoothing);
+        faults |= stall_of(monitor, config, motion, side);
     }
     if (jp_count_in_a_row(&monitor->air_calls, motion->straight && is_in_the_air(monitor, config, control),
                           config->contradicted_calls)) {

@@ -7,6 +7,7 @@
 #include "src/base/duty.h"
 #include "src/base/integer.h"
 #include "src/base/request.h"
+#include "src/base/sequence.h"
 #include "src/skid_steer/skid_follow.h"
 
 #define MOTION_MAX   JP_Q24(8)
@@ -416,8 +417,7 @@ static void step(struct jp_skid_robot_internal *robot, enum jp_status read, cons
 void jp_skid_robot_control(struct jp_skid_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                            struct jp_actuation *actuation)
 {
-    JP_STORE(&robot->internal.sequence, robot->internal.sequence + 1U);
-    JP_FENCE_RELEASE();
+    jp_sequence_begin(&robot->internal.sequence);
     step(&robot->internal, read, sensors, actuation);
 }
 
@@ -438,8 +438,7 @@ static uint16_t review_wheels(struct jp_skid_robot_internal *robot)
     const struct jp_sensors *sensors = &robot->monitor.good;
     const struct jp_skid_motion motion = {
         .control = &robot->control,
-        .current_left = sensors->current_left,
-        .current_right = sensors->current_right,
+        .current = {sensors->current_left, sensors->current_right},
         .turn_rate = robot->odometry.turn_rate,
         .steering = robot->odometry.steering_ratio,
         .straight = robot->reference.turn_rate == 0,
@@ -457,11 +456,11 @@ static void review(struct jp_skid_robot_internal *robot)
     if ((robot->tick & 1U) == 0U) {
         /* Currents of a frame that was dropped tell nothing of the voltages. */
         found = under_control && robot->monitor.implausible_ticks == 0U ? review_motors(robot) : 0U;
+        jp_skid_control_steer(&robot->control, &robot->config->control, robot->odometry.steering_ratio);
     } else {
         const uint16_t steep =
             jp_skid_monitor_ground(&robot->wheels, &robot->config->wheels, &robot->monitor.good, robot->acceleration);
 
-        jp_skid_control_steer(&robot->control, &robot->config->control, robot->odometry.steering_ratio);
         if (under_control && motors_run(robot->state)) {
             found = (unsigned)steep | (unsigned)review_wheels(robot);
         }
@@ -501,7 +500,7 @@ void jp_skid_robot_account(struct jp_skid_robot *robot)
 
     if (internal->started) {
         reckon(internal);
-        jp_skid_follow_look_ahead(&internal->follow, &internal->odometry, &internal->config->odometry);
+        jp_skid_follow_work(&internal->follow, &internal->odometry, &internal->config->odometry);
         jp_meter_update(&internal->meter, &internal->applied, &internal->monitor.good);
         review(internal);
     } else if (internal->monitor.started) {
@@ -511,7 +510,7 @@ void jp_skid_robot_account(struct jp_skid_robot *robot)
     }
     internal->applied = internal->voltages;
     internal->tick++;
-    JP_STORE_RELEASE(&internal->sequence, internal->sequence + 1U);
+    jp_sequence_end(&internal->sequence);
 }
 
 void jp_skid_robot_tick(struct jp_skid_robot *robot, enum jp_status read, const struct jp_sensors *sensors,

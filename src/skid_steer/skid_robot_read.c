@@ -2,6 +2,7 @@
 #include <joulepath/skid_robot.h>
 
 #include "src/base/compiler.h"
+#include "src/base/sequence.h"
 
 #define TWO_PI JP_Q24(6.283185307179586)
 
@@ -29,30 +30,16 @@ static void copy_telemetry(const struct jp_skid_robot_internal *robot, struct jp
     telemetry->dropped_frames = robot->monitor.dropped_frames;
 }
 
-/** False: a tick is under way. */
-static bool begin_copy(const struct jp_skid_robot_internal *robot, uint32_t *sequence)
-{
-    *sequence = JP_LOAD_ACQUIRE(&robot->sequence);
-    return (*sequence & 1U) == 0U;
-}
-
-/** False: a tick came between. */
-static bool copy_is_whole(const struct jp_skid_robot_internal *robot, uint32_t sequence)
-{
-    JP_FENCE_ACQUIRE();
-    return JP_LOAD(&robot->sequence) == sequence;
-}
-
 bool jp_skid_robot_telemetry(const struct jp_skid_robot *robot, struct jp_skid_telemetry *telemetry)
 {
-    uint32_t sequence;
+    uint32_t begun;
 
     do {
-        if (!begin_copy(&robot->internal, &sequence)) {
+        if (!jp_sequence_begin_copy(&robot->internal.sequence, &begun)) {
             return false;
         }
         copy_telemetry(&robot->internal, telemetry);
-    } while (!copy_is_whole(&robot->internal, sequence));
+    } while (!jp_sequence_is_whole(&robot->internal.sequence, begun));
     return true;
 }
 
@@ -65,4 +52,12 @@ enum jp_skid_robot_state jp_skid_robot_state_now(const struct jp_skid_robot *rob
 bool jp_skid_robot_has_next(const struct jp_skid_robot *robot)
 {
     return JP_LOAD_ACQUIRE(&robot->internal.next_full) != 0U;
+}
+
+jp_q24 jp_skid_robot_pitch(const struct jp_skid_robot *robot)
+{
+    const struct jp_skid_monitor *ground = &robot->internal.wheels;
+    const jp_angle angle = jp_atan2(ground->rise, ground->upright);
+
+    return (jp_q24)-jp_round_shift((int32_t)angle, 8);
 }

@@ -4,22 +4,22 @@
 #include <joulepath/skid_energy.h>
 
 const struct jp_skid_energy_model jp_skid_energy_burger = {
-    .half_track = 1320529,       /* 0.07870969 m */
+    .half_track = 1320474,       /* 0.07870635 m */
     .weight = 642689,            /* 9.80665 N */
-    .rolling = 2344216,          /* 0.1397261 */
+    .rolling = 2344238,          /* 0.1397275 */
     .friction = 13421773,        /* 0.8 */
-    .turning = 63962,            /* 0.003812429 */
-    .yielding = 155787477,       /* 9.285657 1/m */
-    .scrub = 793695,             /* 0.04730794 m */
-    .easing = 2,                 /* 1.160391e-07 */
-    .bank_easing = 1,            /* 5.988567e-08 */
+    .turning = 64132,            /* 0.003822595 */
+    .yielding = 156048532,       /* 9.301217 1/m */
+    .scrub = 792808,             /* 0.04725503 m */
+    .easing = 2040,              /* 0.0001215878 */
+    .bank_easing = 0,            /* 0 */
     .tilting = 0,                /* 0 */
     .inertia = 12273497,         /* 0.7315574 s²/m */
     .turn_inertia = 449667,      /* 0.02680223 s² */
-    .driving = 31282738,         /* 1.864596 */
-    .braking = 9212220,          /* 0.5490911 */
-    .copper_driving = 60130,     /* 0.9175074 W */
-    .copper_braking = 217977,    /* 3.326072 W */
+    .driving = 31282052,         /* 1.864556 */
+    .braking = 9220734,          /* 0.5495986 */
+    .copper_driving = 60130,     /* 0.9175125 W */
+    .copper_braking = 218202,    /* 3.329496 W */
     .electronics_power = 491471, /* 7.499258 W */
     .unit_exponent = 1,          /* energies are in units of 2 J */
 };

@@ -4,22 +4,22 @@
 #include <joulepath/skid_energy.h>
 
 const struct jp_skid_energy_model jp_skid_energy_zhang2018 = {
-    .half_track = 8813417,       /* 0.5253206 m */
+    .half_track = 8813423,       /* 0.525321 m */
     .weight = 59127353,          /* 902.2118 N */
-    .rolling = 698673,           /* 0.04164415 */
+    .rolling = 698675,           /* 0.04164427 */
     .friction = 11576279,        /* 0.69 */
-    .turning = 4783067,          /* 0.285093 */
-    .yielding = 4432996,         /* 0.2642271 1/m */
-    .scrub = 5477015,            /* 0.3264555 m */
-    .easing = 31681192,          /* 1.888346 */
-    .bank_easing = 33724393,     /* 2.01013 */
-    .tilting = 10343477,         /* 0.6165193 */
+    .turning = 4783065,          /* 0.2850929 */
+    .yielding = 4432996,         /* 0.2642272 1/m */
+    .scrub = 5477002,            /* 0.3264547 m */
+    .easing = 31681379,          /* 1.888357 */
+    .bank_easing = 33724337,     /* 2.010127 */
+    .tilting = 10343565,         /* 0.6165245 */
     .inertia = 2423608,          /* 0.1444583 s²/m */
     .turn_inertia = 549355,      /* 0.0327441 s² */
-    .driving = 21714760,         /* 1.294301 */
-    .braking = 3922713,          /* 0.2338119 */
-    .copper_driving = 36708512,  /* 560.1274 W */
-    .copper_braking = 11880409,  /* 181.2807 W */
-    .electronics_power = 662128, /* 10.10328 W */
+    .driving = 21714759,         /* 1.294301 */
+    .braking = 3922716,          /* 0.2338121 */
+    .copper_driving = 36708491,  /* 560.1271 W */
+    .copper_braking = 11880458,  /* 181.2814 W */
+    .electronics_power = 662128, /* 10.10326 W */
     .unit_exponent = 4,          /* energies are in units of 16 J */
 };

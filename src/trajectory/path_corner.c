@@ -11,6 +11,10 @@ enum { LINE_BEFORE, CORNER, LINE_AFTER, PIECES };
 
 /** Of an arc that a piece can be, m. */
 #define RADIUS_MIN JP_Q24(0.0101)
+#define RADIUS_MAX JP_Q24(100)
+
+/** Of each line an arc takes so much at least, m: it is no shorter than what the robot drives in a few set-points. */
+#define TANGENT_MIN JP_Q24(0.01)
 
 static bool is_corner(const struct jp_lattice_path *path, uint16_t turn)
 {
@@ -25,6 +29,17 @@ struct half_turn {
     jp_q31 cosine;
 };
 
+static jp_q24 smaller(jp_q24 a, jp_q24 b)
+{
+    return a < b ? a : b;
+}
+
+/** Where an arc of this radius touches the lines, m before and after the corner. */
+static jp_q24 tangent_of(jp_q24 radius, const struct half_turn *half)
+{
+    return jp_divide(jp_multiply(radius, half->sine), half->cosine);
+}
+
 /** Where the arcs touch the lines, at most, m before and after the corner. */
 static jp_q24 tangent_max(const struct jp_path_piece *corner, const struct half_turn *half, jp_q24 clearance)
 {
@@ -34,7 +49,7 @@ static jp_q24 tangent_max(const struct jp_path_piece *corner, const struct half_
     const jp_q24 by_clearance = jp_divide(jp_multiply(clearance, half->sine), bow);
     const jp_q24 room = before < after ? before : after;
 
-    return by_clearance < room ? by_clearance : room;
+    return smaller(smaller(by_clearance, tangent_of(RADIUS_MAX, half)), room);
 }
 
 static struct jp_point ahead_of(const struct jp_point *point, jp_angle heading, jp_q24 way)
@@ -102,7 +117,8 @@ bool jp_path_round_corner(struct jp_lattice_path *path, uint16_t turn, jp_q24 cl
     const jp_angle angle = jp_angle_from_radians(lines[CORNER].length / 2);
     const struct half_turn half = {jp_sin(angle), jp_cos(angle)};
     const jp_q24 most = tangent_max(&lines[CORNER], &half, clearance);
-    const jp_q24 tangent_min = jp_divide(jp_multiply(RADIUS_MIN, half.sine), half.cosine);
+    const jp_q24 by_radius = tangent_of(RADIUS_MIN, &half);
+    const jp_q24 tangent_min = by_radius > TANGENT_MIN ? by_radius : TANGENT_MIN;
     struct jp_path_piece pieces[PIECES];
     jp_q24 best = 0;
 

@@ -20,6 +20,9 @@
 /** Most that it aims at the path, rad. */
 #define AIM_MAX JP_Q24(0.5)
 
+/** Pieces that are looked at for what the robot will slide. */
+#define PIECES_AHEAD 3U
+
 /** 2π in Q28. */
 #define RADIANS_PER_TURN 1686629713
 
@@ -42,8 +45,8 @@ enum jp_status jp_path_drive_init(struct jp_path_drive *drive, const struct jp_p
     if (status == JP_OK) {
         drive->internal = (struct jp_path_drive_internal){
             .config = *config,
-            .period = (int32_t)JP_TICKS_PER_SET_POINT * jp_phase_per_rate(config->tick_rate),
-            .pace_rate = (int32_t)config->tick_rate / (int32_t)JP_TICKS_PER_SET_POINT,
+            .period = (int32_t)JP_TICKS_PER_PATH_POINT * jp_phase_per_rate(config->tick_rate),
+            .pace_rate = (int32_t)config->tick_rate / (int32_t)JP_TICKS_PER_PATH_POINT,
             .per_way = jp_q24_divide(JP_Q24_ONE, config->way),
         };
     }
@@ -65,6 +68,8 @@ void jp_path_drive_begin(struct jp_path_drive *drive, const struct jp_lattice_pa
     d->piece = 0;
     d->speed = 0;
     d->progress = 0;
+    d->looked_at = 0;
+    d->slide_ahead = 0;
     set_begin(d, path->count > 0U ? &path->pieces[0].begin : &path->end.position);
 }
 
@@ -251,16 +256,94 @@ bool jp_path_drive_advance(struct jp_path_drive *drive, struct jp_path_set_point
     return true;
 }
 
+/* What the robot will slide. */
+
+/** Of a piece; of a curve at most `longest`. */
+static struct jp_path_stretch stretch_of(const struct jp_path_piece *piece, jp_q24 from, jp_q24 longest)
+{
+    const jp_q24 rest = piece->length - from;
+
+    if (piece->kind != JP_PIECE_CURVE) {
+        return (struct jp_path_stretch){piece->kind == JP_PIECE_TURN_LEFT ? rest : -rest, 0};
+    }
+    const jp_q24 way = rest < longest ? rest : longest;
+
+    return (struct jp_path_stretch){jp_q24_multiply(jp_piece_bend(piece, jp_add(from, way / 2)), way), way};
+}
+
+/** How far it slides to the left on a stretch that begins `turned` to the left of where the grades are given. */
+static jp_q24 slide_on(const struct jp_path_slide *slide, const struct jp_path_stretch *stretch, jp_q24 turned)
+{
+    const jp_q24 middle = jp_add(turned, stretch->turn / 2);
+    const jp_q24 ahead = jp_add(slide->ahead, jp_q24_multiply(slide->left, middle));
+    const jp_q24 left = jp_sub(slide->left, jp_q24_multiply(slide->ahead, middle));
+    const jp_q24 pushed = jp_q24_multiply(slide->by_left, ahead);
+    const jp_q24 by_turn = jp_sub(stretch->turn < 0 ? -pushed : pushed, jp_q24_multiply(slide->by_turn, left));
+
+    return jp_sub(
+        jp_q24_multiply(jp_clamp32(by_turn, -slide->most, slide->most), (jp_q24)jp_magnitude32(stretch->turn)),
+        jp_q24_multiply(jp_q24_multiply(slide->by_way, left), stretch->way));
+}
+
+static bool is_looked_over(const struct jp_path_drive_internal *d)
+{
+    return d->looked_at == PIECES_AHEAD || d->looked_from + d->looked_at >= d->path->count ||
+           d->seen.way >= 2 * d->config.way;
+}
+
+void jp_path_drive_look_ahead(struct jp_path_drive *drive, const struct jp_path_slide *slide)
+{
+    struct jp_path_drive_internal *d = &drive->internal;
+    const bool begins = d->looked_at == 0U;
+
+    if (begins) {
+        d->looked_from = d->piece;
+        d->seen = (struct jp_path_stretch){0, 0};
+        d->slides = 0;
+    }
+    if (!is_looked_over(d)) {
+        const struct jp_path_stretch next = stretch_of(&d->path->pieces[d->looked_from + d->looked_at],
+                                                       begins ? d->progress : 0, 2 * d->config.way - d->seen.way);
+
+        d->slides = jp_add(d->slides, slide_on(slide, &next, d->seen.turn));
+        d->seen.turn = jp_add(d->seen.turn, next.turn);
+        d->seen.way += next.way;
+        d->looked_at++;
+    }
+    if (is_looked_over(d)) {
+        d->slide_ahead = d->slides;
+        d->looked_at = 0;
+    }
+}
+
+/* The way back. */
+
+/** What is left of a turn on the spot, rad; without one, nothing. */
+static jp_q24 rest_of_turn(const struct jp_path_drive_internal *d)
+{
+    if (d->piece == d->path->count || d->path->pieces[d->piece].kind == JP_PIECE_CURVE) {
+        return 0;
+    }
+    return d->path->pieces[d->piece].length - d->progress;
+}
+
+/** How far it should be turned to the right of the path, rad: more and more towards the end of a turn on the spot, and
+ *  not at the path's end. */
+static jp_q24 aim_at(const struct jp_path_drive_internal *d, jp_q24 left)
+{
+    const jp_q24 rest = rest_of_turn(d);
+    const jp_q24 aim = jp_clamp32(jp_multiply_shift(left, d->per_way, 25), -AIM_MAX, AIM_MAX);
+
+    if (rest == 0) {
+        return d->piece == d->path->count ? 0 : aim;
+    }
+    return rest >= JP_Q24_ONE || d->piece + 1U == d->path->count ? 0 : jp_q24_multiply(aim, JP_Q24_ONE - rest);
+}
+
 /** m in Q24 of a sum of products of Q16 and Q31. */
 static jp_q24 metres(int64_t sum)
 {
     return jp_saturate32(sum >> 22);
-}
-
-/** How far it should be turned to the right of the path, rad; on the spot not at all. */
-static jp_q24 aim_at(const struct jp_path_drive_internal *d, jp_q24 left, jp_q24 speed)
-{
-    return speed == 0 ? 0 : jp_clamp32(jp_multiply_shift(left, d->per_way, 25), -AIM_MAX, AIM_MAX);
 }
 
 void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path_set_point *set_point,
@@ -276,7 +359,8 @@ void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path
     const jp_q24 radians = jp_multiply_shift(turned, RADIANS_PER_TURN, 36);
     const jp_q24 rate = jp_q24_multiply(2 * set_point->motion.speed, d->per_way); /* 1/s */
     const jp_q24 pace = rate > config->pace ? rate : config->pace;
-    const jp_q24 turn_back = jp_q24_multiply(pace, radians + aim_at(d, left, set_point->motion.speed));
+    const jp_q24 between = jp_add(left, d->slide_ahead / 2);
+    const jp_q24 turn_back = jp_q24_multiply(pace, radians + aim_at(d, between));
     const jp_q24 back = jp_q24_multiply(config->pace, ahead);
 
     motion->speed = set_point->motion.speed - jp_clamp32(back, -config->speed_correction, config->speed_correction);

@@ -12,8 +12,8 @@
 
 #include "hal/linux/can_open.h"
 #include "sim/balancer/rig.h"
+#include "sim/base/parallel.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 #include "tests/support/bus_trial.h"
 
 #define ROBOT_NAME "courier24"

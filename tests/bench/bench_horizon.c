@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "sim/base/parallel.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 #include "tests/support/chain.h"
 
 #define COMMAND "make figures"

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "sim/balancer/variation.h"
+#include "sim/base/parallel.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 #include "tests/support/chain.h"
 
 enum {

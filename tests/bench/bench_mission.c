@@ -5,9 +5,9 @@
 #include <stdlib.h>
 
 #include "sim/balancer/experiment.h"
+#include "sim/base/parallel.h"
 #include "sim/missions/mission.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 #include "tests/support/trial.h"
 
 /* The paper's search by hand: arc angles, rad, and durations, s. */

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/base/parallel.h"
 #include "sim/missions/patrol_mission.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 
 #define COMMAND    "make bench-patrol"
 #define ROBOT_PATH "sim/robots/patrol.cfg"

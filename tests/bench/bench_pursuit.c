@@ -7,12 +7,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "sim/base/parallel.h"
 #include "sim/four_wheel/four_wheel_plant.h"
 #include "sim/four_wheel/laser.h"
 #include "sim/four_wheel/patrol_config.h"
 #include "sim/scenes/patrol_scene.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 
 #define COMMAND    "make bench-patrol"
 #define ROBOT_PATH "sim/robots/patrol.cfg"

@@ -182,7 +182,7 @@ static bool watch(struct run *run)
 
         tick(run);
         if (commanded) {
-            steady = steady && silence <= PLANT_HOLD_TICKS;
+            steady = steady && silence <= PLANT_HOLD_MS;
         } else {
             commanded = silence == 0U && trial->outage_ms > 1U; /* the last commands of the old one come at once */
             trial->outage_ms = silence > trial->outage_ms ? silence : trial->outage_ms;
@@ -273,7 +273,7 @@ struct tally {
 
 static void add(struct tally *tally, const struct trial *trial)
 {
-    const bool is_short = trial->outage_ms <= PLANT_HOLD_TICKS;
+    const bool is_short = trial->outage_ms <= PLANT_HOLD_MS;
 
     tally->outages[tally->count++] = trial->outage_ms;
     tally->short_outages += is_short;
@@ -323,7 +323,7 @@ static json_t *figures_of(void)
     figures_add(figures, COMMAND, greatest(prompt.outages, prompt.count), "ms", no_bar,
                 "ECU killed in mid-drive, real time: without commands when it is started again at once, longest");
     figures_add(figures, COMMAND, all.short_outages, "", no_bar,
-                "ECU killed in mid-drive, real time: outages of at most %u ms", PLANT_HOLD_TICKS);
+                "ECU killed in mid-drive, real time: outages of at most %u ms", PLANT_HOLD_MS);
     figures_add(figures, COMMAND, short_falls, "", equal_to(0),
                 "ECU killed in mid-drive, real time: of these, robots that do not stand");
     figures_add(figures, COMMAND, all.long_ends[UNSAFE], "", equal_to(0),

@@ -3,10 +3,10 @@
  * JSON, progress on stderr. */
 #include <math.h>
 
+#include "sim/base/parallel.h"
 #include "sim/base/random.h"
 #include "sim/missions/mission.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 
 #define COMMAND "make figures"
 

@@ -3,8 +3,8 @@
  * curve of the prices and every drive. */
 #include <jansson.h>
 
+#include "sim/base/parallel.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 #include "tests/bench/priced_lattice.h"
 #include "tests/bench/statistics.h"
 #include "tests/support/path_rig.h"

@@ -447,7 +447,7 @@ int main(void)
     uint32_t longest = 0;
 
     stm32_fake_reset();
-    jp_devices_start(&devices, ignore_frame, NULL);
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
     hal = jp_devices_hal(&devices);
     for (size_t i = 0; i < CASES; i++) {
         if (!measure(&tick_cases[i], &worst[i])) {

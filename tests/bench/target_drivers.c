@@ -97,7 +97,7 @@ int main(void)
     uint32_t read, write;
 
     stm32_fake_reset();
-    jp_devices_start(&devices, receive, NULL);
+    jp_devices_start(&devices, 1000, receive, NULL);
     hal = jp_devices_hal(&devices);
     read = worst_read();
     write = worst_write();

@@ -51,6 +51,9 @@ static void make_path(void *unused)
     }
 }
 
+/* On a slope to the left. */
+static const struct jp_path_slide slide = {0, JP_Q24(0.2), JP_Q24(1.2), JP_Q24(0.7), JP_Q24(0.25), JP_Q24(0.08)};
+
 static void plan_speeds(void *unused)
 {
     (void)unused;
@@ -63,6 +66,7 @@ static void step(void *argument)
 
     *copy = drive;
     (void)jp_path_drive_advance(copy, &at);
+    jp_path_drive_look_ahead(copy, &slide);
     jp_path_drive_track(copy, &at, &pose, &motion);
 }
 

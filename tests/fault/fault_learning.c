@@ -165,7 +165,7 @@ static void inject(const struct injection *injection)
 {
     struct world *world = &scene.rig.world;
 
-    world->fault_count = 0;
+    world->faults.count = 0;
     if (injection == NULL) {
         return;
     }

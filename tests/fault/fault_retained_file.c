@@ -33,9 +33,9 @@ static void open_file(void)
 
 static void write_record(uint32_t resets)
 {
-    const struct jp_snapshot snapshot = {.balancing = true};
+    const union jp_retained_snapshot snapshot = {.balancer = {.balancing = true}};
 
-    jp_retained_write(file.retained, &snapshot, resets);
+    jp_retained_write(file.retained, JP_RETAINED_BALANCER, &snapshot, resets);
 }
 
 static void check_newest(uint32_t resets)
@@ -44,7 +44,7 @@ static void check_newest(uint32_t resets)
 
     TEST_ASSERT_NOT_NULL(newest);
     TEST_ASSERT_EQUAL_UINT32(resets, newest->resets);
-    TEST_ASSERT_TRUE(newest->snapshot.balancing);
+    TEST_ASSERT_TRUE(newest->snapshot.balancer.balancing);
 }
 
 static void check_refused(const char *name, const char *culprit)

@@ -9,6 +9,7 @@
 #define main firmware_main
 #include <joulepath/tables.h>
 
+#include "hal/stm32f4/firmware_balancer.c"
 #include "hal/stm32f4/main.c"
 #undef main
 
@@ -226,7 +227,7 @@ static void test_the_watchdog_is_fed_after_a_tick_only(void)
 static void test_it_stands_up_when_told(void)
 {
     run_firmware(sample_and_command_stand, 400);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&node.ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
 }
 
@@ -237,7 +238,7 @@ static void test_a_watchdog_reset_goes_on_to_a_balanced_stand(void)
     run_firmware(sample, 2);
     TEST_ASSERT_EQUAL_INT(JP_RESET_WATCHDOG, reset_report.cause);
     TEST_ASSERT_EQUAL_UINT32(1, reset_report.crashes);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&node.ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
 }
 
@@ -271,7 +272,7 @@ static void test_a_start_without_the_crystal_does_not_go_on(void)
     reset_by(RCC_CSR_SFTRSTF);
     fake.crystal = FAKE_NEVER;
     run_firmware(sample, 2);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&node.ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_FALSE(bridges_are_on());
 }
 
@@ -300,7 +301,7 @@ static void convert_and_command_off(void)
 {
     ADC1.SR = ADC_SR_JEOC;
     ADC_IRQHandler();
-    if (jp_robot_state_now(&node.ecu.robot) == JP_ROBOT_FAULT && sleeps % 100U == 50U) {
+    if (jp_robot_state_now(&balancer.robot) == JP_ROBOT_FAULT && sleeps % 100U == 50U) {
         command(JP_MODE_OFF);
     }
 }
@@ -325,7 +326,7 @@ static void learn(void)
     run_firmware(sample_and_command_stand, 400);
     flash.program = program_memory;
     flash.erase = erase_memory;
-    node.ecu.robot.internal.estimator.gyro_bias = LEARNED_BIAS;
+    balancer.robot.internal.estimator.gyro_bias = LEARNED_BIAS;
 }
 
 static int64_t stored_bias(void)
@@ -334,14 +335,14 @@ static int64_t stored_bias(void)
     const char *field;
 
     (void)jp_store_open(&store, &flash);
-    return jp_parameters_load(&found, &FIRMWARE_ROBOT, &store, &field) == JP_OK ? found.gyro_bias : 0;
+    return jp_parameters_load(&found, jp_firmware_identity(), &store, &field) == JP_OK ? found.gyro_bias : 0;
 }
 
 static void test_what_was_learned_is_kept_when_it_is_switched_off(void)
 {
     learn();
     go_on(sample_and_command_off, 400);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&node.ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(stored_bias() > LEARNED_BIAS * 9 / 10 && stored_bias() < LEARNED_BIAS * 11 / 10);
 }
 
@@ -353,7 +354,7 @@ static struct jp_learned_state stored_energy(void)
 
     (void)jp_store_open(&store, &flash);
     (void)jp_store_read(&store, &record, &length);
-    (void)jp_parameters_start(&found, &FIRMWARE_ROBOT, record, length);
+    (void)jp_parameters_start(&found, jp_firmware_identity(), record, length);
     return found.energy;
 }
 
@@ -362,17 +363,17 @@ static void test_what_was_learned_of_energy_is_there_after_a_restart(void)
     struct jp_learned_state kept;
 
     learn();
-    TEST_ASSERT_EQUAL_INT(JP_STORED_NOTHING, node.ecu.stored);
-    node.ecu.pilot.learner.state.x[1] = JP_Q24(0.75);
-    node.ecu.pilot.learner.state.version = 12;
-    kept = node.ecu.pilot.learner.state;
+    TEST_ASSERT_EQUAL_INT(JP_STORED_NOTHING, balancer.stored);
+    balancer.pilot.learner.state.x[1] = JP_Q24(0.75);
+    balancer.pilot.learner.state.version = 12;
+    kept = balancer.pilot.learner.state;
     go_on(sample, 50);
     TEST_ASSERT_EQUAL_UINT32(0, stored_energy().version); /* the motors run */
     go_on(sample_and_command_off, 400);
     TEST_ASSERT_EQUAL_UINT32(12, stored_energy().version);
     power_on();
     run_firmware(sample, 3);
-    TEST_ASSERT_EQUAL_INT(JP_STORED_TAKEN, node.ecu.stored);
+    TEST_ASSERT_EQUAL_INT(JP_STORED_TAKEN, balancer.stored);
     TEST_ASSERT_EQUAL_MEMORY(&kept, jp_ecu_learned_state(&node.ecu), sizeof kept);
 }
 
@@ -388,16 +389,16 @@ static void test_what_another_robot_learned_is_refused_and_the_built_in_model_se
     jp_parameters_default(&others);
     others.energy.identity = FIRMWARE_LEARNING.identity;
     others.energy.x[0] = JP_Q24(1);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_save(&others, &jp_robot_gao2018, &store, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_save(&others, jp_robot_identity(&jp_robot_gao2018), &store, &field));
     run_firmware(sample, 3);
-    TEST_ASSERT_EQUAL_INT(JP_STORED_OTHER_ROBOT, node.ecu.stored);
-    TEST_ASSERT_EQUAL_MEMORY(&FIRMWARE_ENERGY_MODEL, jp_ecu_model(&node.ecu), sizeof(struct jp_energy_model));
+    TEST_ASSERT_EQUAL_INT(JP_STORED_OTHER_ROBOT, balancer.stored);
+    TEST_ASSERT_EQUAL_MEMORY(&FIRMWARE_ENERGY_MODEL, jp_ecu_balancer_model(&balancer), sizeof(struct jp_energy_model));
 }
 
 static void test_nothing_is_kept_after_a_fault(void)
 {
     learn();
-    node.ecu.pilot.learner.state.version = 12;
+    balancer.pilot.learner.state.version = 12;
     go_on(convert_and_command_off, 600);
     TEST_ASSERT_EQUAL_INT64(0, stored_bias());
     TEST_ASSERT_EQUAL_UINT32(0, stored_energy().version);
@@ -506,6 +507,6 @@ static void test_without_can_the_operator_is_on_the_line(void)
 {
     fake.can_join = FAKE_NEVER;
     run_firmware(order_by_line, 400);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&node.ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
 }

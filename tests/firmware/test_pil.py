@@ -17,11 +17,12 @@ def fixture_programs(tmp_path):
         yield programs
 
 
-def test_the_image_drives_as_the_program_does(programs, tmp_path):
-    """The robot whose controller uses all of its parts."""
-    scenario = write_scenario(tmp_path / "short.cfg", *ROUTE, robot="courier24")
+@pytest.mark.parametrize("robot", ["courier24", "zhang2018", "burger"])
+def test_the_image_drives_as_the_program_does(programs, tmp_path, robot):
+    """The balancer whose controller uses all of its parts, and both that their sides steer."""
+    scenario = write_scenario(tmp_path / "short.cfg", *ROUTE, robot=robot)
     expected = drive_in_process(scenario, tmp_path / "in-process")
-    with Emulator(tmp_path, "courier24") as emulator:
+    with Emulator(tmp_path, robot) as emulator:
         plant = programs.plant(scenario, "--bus", f"slcan:{emulator.line}", "--output", tmp_path / "pil", "--frames")
         assert_done(plant)
     assert_same_drive(expected, tmp_path / "pil")
@@ -46,7 +47,7 @@ def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path):
 @pytest.mark.parametrize(("robot", "model", "says"), [
     ("gao2018", 'identified";\nenergy = "battery', 'energy = "battery", but the image has the model of the motors'),
     ("gao2018", "published", 'energy_model = "published", but the image has the identified one'),
-    ("zhang2018", "identified", "is not there; run make firmware ROBOT=zhang2018"),
+    ("hoverbot", "identified", "is not there; run make firmware ROBOT=hoverbot"),
 ])
 def test_a_scenario_that_the_image_cannot_drive_is_refused(tmp_path, robot, model, says):
     scenario = write_scenario(tmp_path / "short.cfg", *ROUTE, robot=robot)

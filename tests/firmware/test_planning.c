@@ -8,11 +8,11 @@
  */
 #include <joulepath/tables.h>
 
-#include "hal/app/ecu.h"
 #include "hal/app/navigation_memory.h"
 #include "hal/stm32f4/cortex_m.h"
 #include "hal/stm32f4/fault.h"
 #include "hal/stm32f4/timer.h"
+#include "tests/support/ecu_start.h"
 #include "tests/support/map_frames.h"
 #include "tests/target/figure.h"
 #include "tests/target/target.h"
@@ -54,6 +54,7 @@ extern const uint8_t planning_ticks[];
 #define BESIDE __attribute__((section(".ccm")))
 
 static struct jp_ecu ecu;
+static struct jp_ecu_balancer balancer;
 static struct jp_navigation navigation;
 static struct jp_navigation_block block;
 BESIDE static struct jp_navigation_ground ground;
@@ -100,7 +101,7 @@ void jp_bridges_off(void)
 
 static enum jp_status read_board(void *context, struct jp_sensors *sensors)
 {
-    const struct jp_voltages *voltages = &jp_robot_last_tick(&ecu.robot)->voltages;
+    const struct jp_voltages *voltages = &jp_robot_last_tick(&balancer.robot)->voltages;
 
     (void)context;
     random_state = random_state * 1664525U + 1013904223U;
@@ -269,9 +270,9 @@ static bool start(void)
         jp_navigation_config_of(&jp_lattice_courier24, &jp_navigation_courier24, &ground, &block);
     const char *field;
 
-    if (jp_ecu_init(&ecu, &jp_robot_courier24, &jp_energy_model_courier24, &port, NULL, &field) != JP_OK ||
-        jp_ecu_learn(&ecu, &learning, &field) != JP_OK ||
-        jp_navigation_init(&navigation, &config, &ecu.pilot, &field) != JP_OK) {
+    if (ecu_start(&ecu, &balancer, &jp_robot_courier24, &jp_energy_model_courier24, &port, NULL, &field) != JP_OK ||
+        jp_ecu_balancer_learn(&balancer, &learning, &field) != JP_OK ||
+        navigation_start(&navigation, &config, &balancer.pilot, &field) != JP_OK) {
         return false;
     }
     jp_ecu_use_board(&ecu, &board);
@@ -299,10 +300,10 @@ static bool prepare(void)
             next = navigation.maps.frames;
         }
     }
-    while (ticks < 20000U && jp_robot_state_now(&ecu.robot) != JP_ROBOT_BALANCING) {
+    while (ticks < 20000U && jp_robot_state_now(&balancer.robot) != JP_ROBOT_BALANCING) {
         work();
     }
-    return navigation.is_prepared && jp_robot_state_now(&ecu.robot) == JP_ROBOT_BALANCING;
+    return navigation.is_prepared && jp_robot_state_now(&balancer.robot) == JP_ROBOT_BALANCING;
 }
 
 /** As a sensor would, not round the robot. */

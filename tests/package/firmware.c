@@ -3,6 +3,7 @@
 #include <joulepath/tables.h>
 
 #include "hal/app/ecu.h"
+#include "hal/app/ecu_balancer.h"
 #include "hal/hal.h"
 
 static uint8_t switched_on;
@@ -42,12 +43,15 @@ int main(void)
     static const struct jp_can_port port = {NULL, send_nothing, always_on};
     static struct jp_robot robot;
     static struct jp_ecu ecu;
+    static struct jp_ecu_balancer balancer;
+    struct jp_ecu_robot of_ecu;
     struct jp_telemetry telemetry;
     enum jp_status written = JP_OK;
     const char *field = "";
 
     if (jp_robot_init(&robot, &jp_robot_courier24, &field) != JP_OK ||
-        jp_ecu_init(&ecu, &jp_robot_courier24, &jp_energy_model_courier24, &port, NULL, &field) != JP_OK) {
+        jp_ecu_balancer_init(&balancer, &jp_robot_courier24, &jp_energy_model_courier24, &of_ecu, &field) != JP_OK ||
+        jp_ecu_init(&ecu, &of_ecu, &port, NULL) != JP_OK) {
         return 1;
     }
     for (int i = 0; i < 1000; i++) {

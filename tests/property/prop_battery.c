@@ -302,7 +302,7 @@ static void drive(struct rig *rig, struct jp_battery *battery, double *exact)
         *exact += plant_charge(&rig->world, before);
         if (tick % UPDATE_TICKS == UPDATE_TICKS - 1) {
             TEST_ASSERT_EQUAL_UINT8(0, jp_battery_update(battery, &lithium, jp_robot_meter(&rig->robot)->battery,
-                                                         rig->world.last_read.bus_voltage));
+                                                         rig->world.faults.last_read.bus_voltage));
         }
     }
 }

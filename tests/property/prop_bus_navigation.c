@@ -55,7 +55,9 @@ static bool drive(const struct dense_map *dense, uint64_t seed, bool has_faults)
     }
     const struct jp_can_link around = can_fault_link(&faulty);
 
-    return bus_navigation_run(&navigation, &task, &robot.file, &around, BUS_DRIVE_PATIENCE);
+    const struct bus_navigation_robot body = {.balancer = &robot.file};
+
+    return bus_navigation_run(&navigation, &task, &body, &around, BUS_DRIVE_PATIENCE);
 }
 
 static bool is_right(bool is_reachable)

@@ -105,12 +105,13 @@ static void draw_sound_record(struct jp_retained_slot *slot)
     const uint8_t balancing = (uint8_t)below(2);
 
     randomise(slot, sizeof *slot);
-    slot->snapshot.estimator.phase_per_rate = jp_phase_per_rate(rate);
-    slot->snapshot.estimator.gyro_bias >>= 20;
-    slot->snapshot.odometry.metres_per_turn = config->metres_per_turn;
-    slot->snapshot.odometry.x >>= 16;
-    slot->snapshot.odometry.y >>= 16;
-    memcpy(&slot->snapshot.balancing, &balancing, sizeof balancing);
+    slot->snapshot.balancer.estimator.phase_per_rate = jp_phase_per_rate(rate);
+    slot->snapshot.balancer.estimator.gyro_bias >>= 20;
+    slot->snapshot.balancer.odometry.metres_per_turn = config->metres_per_turn;
+    slot->snapshot.balancer.odometry.x >>= 16;
+    slot->snapshot.balancer.odometry.y >>= 16;
+    memcpy(&slot->snapshot.balancer.balancing, &balancing, sizeof balancing);
+    slot->kind = JP_RETAINED_BALANCER;
 }
 
 /** Memory whose check is right: of this robot, or but for eight bytes, or just any. */
@@ -149,13 +150,14 @@ static void test_retained_record(void)
         const struct jp_retained_slot *record = jp_retained_newest(&self->retained);
 
         TEST_ASSERT_TRUE(record == &self->retained.slots[0] || record == &self->retained.slots[1]);
-        TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_init(ecu, robot->config, robot->energy, &port, &self->retained, &field));
+        TEST_ASSERT_EQUAL_INT(
+            JP_OK, ecu_start(ecu, &self->balancer, robot->config, robot->energy, &port, &self->retained, &field));
         TEST_ASSERT_EQUAL_UINT32(record->resets + 1U, ecu->resets);
-        resumed += ecu->robot.internal.resuming ? 1U : 0U;
-        self->oracle.mode = ecu->robot.internal.resuming ? JP_MODE_STAND : JP_MODE_OFF;
+        resumed += self->balancer.robot.internal.resuming ? 1U : 0U;
+        self->oracle.mode = self->balancer.robot.internal.resuming ? JP_MODE_STAND : JP_MODE_OFF;
         for (unsigned tick = 0; tick < RECORD_TICKS; tick++) {
             for (unsigned part = 0; part < JP_SAMPLE_PARTS; part++) {
-                const struct jp_can_frame frame = next_sample_part(&self->traffic, ecu);
+                const struct jp_can_frame frame = next_sample_part(&self->traffic, &self->balancer.robot);
 
                 (void)jp_ecu_accept(ecu, &frame);
             }
@@ -366,7 +368,7 @@ static struct jp_can_frame draw_status(void)
                 frame.data[1] = (uint8_t)(JP_ROUTE_READY + below(3));
             }
             if (!is_route && !one_in(8)) {
-                frame.data[0] = JP_CAN_ECU_STATUS_STATE_BALANCING_CHOICE | JP_MODE_STAND << 3 | JP_OPERATOR_ALIVE << 5;
+                frame.data[0] = JP_CAN_ECU_STATUS_STATE_STANDING_CHOICE | JP_MODE_STAND << 3 | JP_OPERATOR_ALIVE << 5;
             }
         }
     }

@@ -10,13 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/app/ecu.h"
 #include "hal/app/operator.h"
 #include "sim/balancer/rig.h"
 #include "sim/balancer/robot_file.h"
 #include "sim/bus/can_bus.h"
 #include "sim/bus/plant_node.h"
 #include "tests/support/can_fault.h"
+#include "tests/support/ecu_start.h"
 #include "tests/support/options.h"
 #include "unity.h"
 
@@ -43,6 +43,7 @@ struct stage {
     struct jp_can_link operator_link;
     struct plant_node plant;
     struct jp_ecu ecu;
+    struct jp_ecu_balancer balancer;
     struct jp_operator commander;
     struct random random;
     uint64_t tick;
@@ -80,8 +81,8 @@ static void start(unsigned long long stage_seed)
     can_fault_link_init(&stage.faults, &link, stage_seed);
     stage.operator_link = can_fault_link(&stage.faults);
     plant_node_init(&stage.plant, &robot_file, stage_seed);
-    TEST_ASSERT_EQUAL_INT(JP_OK,
-                          jp_ecu_init(&stage.ecu, entry->config, entry->energy, &stage.ecu_link.port, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, ecu_start(&stage.ecu, &stage.balancer, entry->config, entry->energy,
+                                           &stage.ecu_link.port, NULL, &field));
 }
 
 /** Two or more seconds of driving each, so that a later route often comes while the one before is driven. */
@@ -172,13 +173,13 @@ static bool is_given(const struct jp_route_message *route, const struct given *g
 /** The robot drives nothing but the routes that were given, and never an older one again. */
 static void check_driven(void)
 {
-    const struct jp_robot *robot = &stage.ecu.robot;
+    const struct jp_robot *robot = &stage.balancer.robot;
     size_t now = 0;
 
     if (jp_robot_state_now(robot) != JP_ROBOT_DRIVING) {
         return;
     }
-    TEST_ASSERT_EQUAL_PTR(stage.ecu.internal.routes.driven.points, stage.ecu.pilot.internal.route.targets);
+    TEST_ASSERT_EQUAL_PTR(stage.ecu.internal.routes.driven.points, stage.balancer.pilot.internal.route.targets);
     for (size_t r = 0; r < stage.given_now; r++) {
         now = is_given(&stage.ecu.internal.routes.driven, &stage.given[r]) ? r + 1 : now;
     }
@@ -286,7 +287,7 @@ static void test_an_operator_that_dies_leaves_the_robot_standing(void)
             run_tick();
         }
         TEST_ASSERT_EQUAL_INT(JP_OPERATOR_FAILED, stage.commander.phase);
-        TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&stage.ecu.robot));
+        TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&stage.balancer.robot));
         TEST_ASSERT_TRUE(fabs(stage.plant.world.plant.state.wheel_rate) < 0.01);
     }
 }

@@ -244,7 +244,7 @@ static struct planar_pose planar(const struct jp_path_pose *pose)
 /* Each set-point is one step of its motion from the last, but for what a blend of the curvature leaves the path. */
 static void check_step(const struct jp_path_set_point *last, const struct jp_path_set_point *at, struct margins *most)
 {
-    const double seconds = (double)JP_TICKS_PER_SET_POINT / PATH_RIG_TICK_RATE;
+    const double seconds = (double)JP_TICKS_PER_PATH_POINT / PATH_RIG_TICK_RATE;
     const double v = (q24(last->motion.speed) + q24(at->motion.speed)) / 2;
     const struct planar_pose from = planar(&last->pose);
     const struct planar_pose to = planar(&at->pose);
@@ -270,7 +270,7 @@ static void drive_set_points(const struct robot *robot, const struct jp_path_cos
         check_step(&last, &at, most);
         last = at;
     }
-    const double seconds = (double)count * JP_TICKS_PER_SET_POINT / PATH_RIG_TICK_RATE;
+    const double seconds = (double)count * JP_TICKS_PER_PATH_POINT / PATH_RIG_TICK_RATE;
     raise(&most->duration, fabs(seconds - q16(cost->duration)) / walk.path.count);
     TEST_ASSERT_EQUAL_INT32(walk.path.end.position.x, last.pose.position.x);
     TEST_ASSERT_EQUAL_INT32(walk.path.end.position.y, last.pose.position.y);

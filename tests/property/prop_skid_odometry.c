@@ -200,6 +200,9 @@ static const struct field fields[] = {
     FIELD(creep, 0, JP_Q24(1)),
     FIELD(turn_creep_along, 0, JP_Q24(8)),
     FIELD(turn_creep_across, 0, JP_Q24(8)),
+    FIELD(turn_shift_along, 0, JP_Q24(8)),
+    FIELD(turn_shift_across, 0, JP_Q24(8)),
+    FIELD(turn_slide_most, 0, JP_Q24(4)),
     FIELD(caster_drag, 0, JP_Q24(0.2)),
     FIELD(turn_force, 0, JP_Q24(2)),
     FIELD(force_per_ampere, 0, JP_Q24(16)),
@@ -317,7 +320,8 @@ static void drive(const struct skid_steer_model *file, uint64_t seed, struct res
     while (trip.way < WAY) {
         skid_drive_tick(&trip, &sensors);
         jp_skid_odometry_update(&odometry, &config, &sensors);
-        TEST_ASSERT_TRUE(odometry.internal.tilt.ahead_ahead > 0 && odometry.internal.tilt.left_left > 0);
+        TEST_ASSERT_TRUE(odometry.internal.tilt.variance[JP_SKID_TILT_AHEAD] > 0 &&
+                         odometry.internal.tilt.variance[JP_SKID_TILT_LEFT] > 0);
     }
     TEST_ASSERT_FALSE(trip.world.plant.tipped);
     const struct planar_pose pose = skid_plant_pose(&trip.world.plant);

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "tests/bench/parallel.h"
+#include "sim/base/parallel.h"
 #include "tests/bench/statistics.h"
 #include "tests/support/check.h"
 #include "tests/support/decimal.h"

@@ -771,7 +771,7 @@ static void test_tilt_rates_are_those_of_the_ground(void)
         skid_plant_step(&plant, &spin, TICK);
         check_below(hypot(plant.attitude.roll_rate, plant.attitude.pitch_rate), 1e-6, "rad/s on a plane");
     }
-    const struct skid_hills wave = {.height = {0.2}, .number = {1}, .turn = {0}};
+    const struct skid_hills wave = {.height = {0.2}, .along_x = {1}};
     const struct skid_ground ground = {skid_on_hills, &wave};
     const struct skid_input ahead = duties(0.5, 0.5);
     double turned = 0;
@@ -790,7 +790,7 @@ static void test_tilt_rates_are_those_of_the_ground(void)
 /* A drive over hills with bends, jumps of the duties and slip. */
 static void drive_with_step(double step)
 {
-    static const struct skid_hills hills = {.height = {0.1, 0.05}, .number = {0.8, 1.3}, .turn = {0.3, 1.7}};
+    static const struct skid_hills hills = {.height = {0.1, 0.05}, .along_x = {0.76, -0.17}, .along_y = {0.24, 1.29}};
     const struct skid_ground ground = {skid_on_hills, &hills};
 
     skid_plant_init(&plant, &zhang, &ground, &skid_origin);

@@ -271,7 +271,7 @@ static void test_gyro_reads_the_turn_rate_with_its_scale(void)
 /* The integral of exact gyros over hills is the heading about the body's normal, and the pitch. */
 static void test_gyro_and_accelerometer_follow_hills(void)
 {
-    const struct skid_hills wave = {.height = {0.2}, .number = {1}, .turn = {0}};
+    const struct skid_hills wave = {.height = {0.2}, .along_x = {1}};
     const struct skid_ground ground = {skid_on_hills, &wave};
     const struct skid_steer_model model = exact(&zhang);
     double pitch = 0;

@@ -105,8 +105,8 @@ static void drive_rig(const struct robot_entry *entry, const struct robot_file *
         }
         rig_tick(&rig);
         trace->voltages[tick] = jp_robot_last_tick(&rig.robot)->voltages;
-        trace->sign_changes += (rig.world.last_read.encoder_left ^ before) >> 31;
-        before = rig.world.last_read.encoder_left;
+        trace->sign_changes += (rig.world.faults.last_read.encoder_left ^ before) >> 31;
+        before = rig.world.faults.last_read.encoder_left;
     }
     jp_robot_telemetry(&rig.robot, &trace->last);
     TEST_ASSERT_EQUAL_UINT16(2, trace->last.segments_ended);

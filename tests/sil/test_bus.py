@@ -130,6 +130,25 @@ def test_over_a_serial_line_as_in_one_process(programs, tmp_path, robot):
     assert counts["ticks"] > 5000
 
 
+@pytest.mark.parametrize("robot", ["zhang2018", "burger"])
+def test_robots_that_their_sides_steer(programs, tmp_path, robot):
+    """The corner is a turn, and the leg's energy what it takes."""
+    scenario = write_scenario(tmp_path / "short.cfg", (0.6, 0.0), (0.6, 0.3), robot=robot)
+    expected = drive_in_process(scenario, tmp_path / "in-process")
+    plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "serial")
+    ecu = programs.ecu(f"slcan:{line}", "--robot", robot)
+    counts = assert_done(plant).counts
+    assert_same_drive(tmp_path / "serial", expected)
+    assert counts["faults that the ECU reports"] == counts[SILENCES] == 0
+    counts = assert_stopped(ecu)
+    assert [counts[name] for name in NOTHING_WRONG] == [0] * len(NOTHING_WRONG)
+    assert counts["segments learned from"] + counts["segments left out"] == 2
+    for segment in summary(expected)["strategies"][0]["segments"]:
+        assert segment["measured_energy_j"] == segment["battery_energy_j"] > 0
+        assert segment["measured_energy_j"] == pytest.approx(segment["plant_energy_j"], rel=0.1)
+        assert segment["end_error_m"] < 0.4  # inside the corner
+
+
 def test_an_ecu_that_predicts_the_energy_of_the_battery(programs, tmp_path):
     scenario = with_battery_energy(write_scenario(tmp_path / "short.cfg", *ROUTE, robot="courier24"))
     expected = drive_in_process(scenario, tmp_path / "in-process")
@@ -238,7 +257,7 @@ def test_an_ecu_killed_while_driving(host, tmp_path):
             ecus.append(host.start_ecu("--retained", tmp_path / "record"))
     with pytest.raises(RobotError, match=r"the ECU restarted \(restart 1\)"):
         host.drive(*ROUTE, watch=kill_on_the_way)
-    state = host.listen_until(lambda state: state.state == "Balancing" and "Pose" in state.latest)
+    state = host.listen_until(lambda state: state.state == "Standing" and "Pose" in state.latest)
     assert WAY < x_of(state) < ROUTE[0][0]
     host.drive(NEXT)
     assert host.stop()[SILENCES] == 0
@@ -318,7 +337,7 @@ def test_a_second_controller_does_not_disturb_the_first(host):
 def test_a_client_drives_it(host, drive):
     ecu = host.start_ecu()
     drive(host, (0.5, 0.1), (1.0, 0.5))
-    assert x_of(host.listen_until(lambda state: state.state == "Balancing" and x_of(state) > 0)) > 0.8
+    assert x_of(host.listen_until(lambda state: state.state == "Standing" and x_of(state) > 0)) > 0.8
     assert host.stop()["of those, commands that missed their deadline"] == 0
     assert assert_stopped(ecu)["frames with a wrong CRC"] == 0
 

@@ -59,7 +59,7 @@ class Robot:
     def drive(self, points):
         """What went wrong, or None."""
         # One that has lost its last operator balances, but needs a Stand of the new one.
-        stands = self.wait("EcuStatus", "State", ["Balancing"], 20)
+        stands = self.wait("EcuStatus", "State", ["Standing"], 20)
         if not stands or not self.wait("EcuStatus", "OperatorState", ["Alive"], 20):
             return "the robot does not stand up"
         for _ in range(3):  # a frame may be lost

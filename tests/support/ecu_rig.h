@@ -5,7 +5,7 @@
 #include <joulepath/tables.h>
 #include <string.h>
 
-#include "hal/app/ecu.h"
+#include "tests/support/ecu_start.h"
 
 #include "hal/app/telemetry.h"
 #include "tests/support/commands.h"
@@ -28,6 +28,7 @@ struct bus {
 static struct bus bus;
 static struct jp_robot_config config;
 static struct jp_ecu ecu;
+static struct jp_ecu_balancer balancer;
 static struct jp_retained retained;
 static struct jp_sensors sensors;
 static uint8_t sample_counter;
@@ -70,7 +71,8 @@ static inline void init(void)
 {
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_init(&ecu, &config, &jp_energy_model_courier24, &port, &retained, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK,
+                          ecu_start(&ecu, &balancer, &config, &jp_energy_model_courier24, &port, &retained, &field));
 }
 
 static inline void start(uint32_t tick_rate)
@@ -104,7 +106,7 @@ void tearDown(void)
 /** Of a robot whose wheels are held, with the currents that belong to its voltages. */
 static inline bool give_sample(void)
 {
-    const struct jp_voltages *voltages = &jp_robot_last_tick(&ecu.robot)->voltages;
+    const struct jp_voltages *voltages = &jp_robot_last_tick(&balancer.robot)->voltages;
     struct jp_can_frame frames[JP_SAMPLE_PARTS];
     bool complete = false;
 
@@ -176,7 +178,7 @@ static inline void expect_state(enum jp_robot_state state)
 {
     const bool on = state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
 
-    TEST_ASSERT_EQUAL_INT(state, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(state, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_EQUAL_UINT8(on ? 1 : 0, bus.actuation.enabled);
 }
 

@@ -75,11 +75,11 @@ static jp_q16 motor_current(const struct jp_monitor_config *motor, jp_q16 voltag
     return (jp_q16)(fmin(fmax(amperes, -7), 7) * 0x1p16);
 }
 
-static void move_and_measure(struct traffic *traffic, const struct jp_ecu *ecu, struct jp_sensors *sensors)
+static void move_and_measure(struct traffic *traffic, const struct jp_robot *robot, struct jp_sensors *sensors)
 {
-    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
-    const struct jp_reference *reference = jp_robot_reference(&ecu->robot);
-    const struct jp_robot_config *config = jp_robot_configuration(&ecu->robot);
+    const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(robot);
+    const struct jp_reference *reference = jp_robot_reference(robot);
+    const struct jp_robot_config *config = jp_robot_configuration(robot);
     const double second = 1.0 / config->estimator.tick_rate;
     double wheel = 0;
     double yaw = 0;
@@ -117,12 +117,12 @@ static void spoil_sensors(struct jp_sensors *sensors)
     memcpy(bytes + sizeof any * below(sizeof *sensors / sizeof any), &any, sizeof any);
 }
 
-static struct jp_can_frame next_sample_part(struct traffic *traffic, const struct jp_ecu *ecu)
+static struct jp_can_frame next_sample_part(struct traffic *traffic, const struct jp_robot *robot)
 {
     struct jp_sensors sensors;
 
     if (traffic->part == 0U) {
-        move_and_measure(traffic, ecu, &sensors);
+        move_and_measure(traffic, robot, &sensors);
         if (one_in(traffic->spoilt_one_in)) {
             spoil_sensors(&sensors);
         }
@@ -135,11 +135,11 @@ static struct jp_can_frame next_sample_part(struct traffic *traffic, const struc
     return frame;
 }
 
-static struct jp_can_frame next_command(struct traffic *traffic, const struct jp_ecu *ecu)
+static struct jp_can_frame next_command(struct traffic *traffic, const struct jp_robot *robot)
 {
     struct jp_can_frame frame = {.id = 0x100, .length = 4};
 
-    if (one_in(jp_robot_state_now(&ecu->robot) == JP_ROBOT_DRIVING ? 5000 : 20)) {
+    if (one_in(jp_robot_state_now(robot) == JP_ROBOT_DRIVING ? 5000 : 20)) {
         traffic->mode = one_in(2) ? JP_MODE_DRIVE : (enum jp_operator_mode)below(4);
     }
     if (one_in(1000)) {
@@ -160,32 +160,32 @@ static void put_point(struct jp_can_frame *frame, const struct jp_point *point)
     memcpy(frame->data, &bits, sizeof frame->data);
 }
 
-static struct jp_point random_point(const struct jp_ecu *ecu)
+static struct jp_point random_point(const struct jp_robot *robot)
 {
-    const struct jp_point here = jp_robot_position(&ecu->robot);
+    const struct jp_point here = jp_robot_position(robot);
     const int32_t near = one_in(8) ? JP_Q16(500) : JP_Q16(0.2);
 
     return (struct jp_point){jp_clamp32(here.x + around(near), -JP_Q16(512), JP_Q16(511)),
                              jp_clamp32(here.y + around(near), -JP_Q16(512), JP_Q16(511))};
 }
 
-static void draw_route(struct traffic *traffic, const struct jp_ecu *ecu)
+static void draw_route(struct traffic *traffic, const struct jp_robot *robot)
 {
     static const uint8_t lengths[] = {0, 1, 2, 3, 4, JP_ROUTE_LENGTH_MAX, JP_ROUTE_LENGTH_MAX + 1, UINT8_MAX};
 
     traffic->route.id = (uint8_t)below(256);
     traffic->route.length = one_in(4) ? lengths[below(sizeof lengths)] : (uint8_t)(1U + below(8));
     for (unsigned i = 0; i < JP_ROUTE_LENGTH_MAX; i++) {
-        traffic->route.points[i] = random_point(ecu);
+        traffic->route.points[i] = random_point(robot);
     }
 }
 
-static struct jp_can_frame next_offer(struct traffic *traffic, const struct jp_ecu *ecu)
+static struct jp_can_frame next_offer(struct traffic *traffic, const struct jp_robot *robot)
 {
     struct jp_can_frame frame = {.id = 0x101, .length = 8};
     uint32_t crc;
 
-    draw_route(traffic, ecu);
+    draw_route(traffic, robot);
     crc = traffic->route.length > JP_ROUTE_LENGTH_MAX || one_in(16) ? (uint32_t)random_bits()
                                                                     : oracle_crc32(&traffic->route);
     frame.data[2] = traffic->route.id;
@@ -195,17 +195,17 @@ static struct jp_can_frame next_offer(struct traffic *traffic, const struct jp_e
     return frame;
 }
 
-static struct jp_can_frame next_route_frame(struct traffic *traffic, const struct jp_ecu *ecu)
+static struct jp_can_frame next_route_frame(struct traffic *traffic, const struct jp_robot *robot)
 {
     struct jp_can_frame frame = {.id = 0x102, .length = 8};
 
     if (traffic->sent == 0U) {
         traffic->sent = 1;
-        return next_offer(traffic, ecu);
+        return next_offer(traffic, robot);
     }
     if (traffic->sent > JP_ROUTE_LENGTH_MAX || traffic->sent > traffic->route.length) {
         traffic->sent = one_in(2000) ? 0 : traffic->sent;
-        return next_sample_part(traffic, ecu);
+        return next_sample_part(traffic, robot);
     }
     put_point(&frame, &traffic->route.points[traffic->sent - 1U]);
     jp_e2e_protect(&traffic->waypoint_counter, JP_DATA_ID_WAYPOINT, frame.data, frame.length);
@@ -216,10 +216,10 @@ static struct jp_can_frame next_route_frame(struct traffic *traffic, const struc
     return frame;
 }
 
-static struct jp_can_frame next_goal(struct traffic *traffic, const struct jp_ecu *ecu)
+static struct jp_can_frame next_goal(struct traffic *traffic, const struct jp_robot *robot)
 {
     struct jp_can_frame frame = {.id = 0x103, .length = 8};
-    const struct jp_point goal = random_point(ecu);
+    const struct jp_point goal = random_point(robot);
 
     put_point(&frame, &goal);
     jp_e2e_protect(&traffic->goal_counter, JP_DATA_ID_GOAL, frame.data, frame.length);
@@ -243,17 +243,17 @@ static enum source draw_source(const struct traffic *traffic)
     return (enum source)source;
 }
 
-static struct jp_can_frame draw_frame(struct traffic *traffic, const struct jp_ecu *ecu)
+static struct jp_can_frame draw_frame(struct traffic *traffic, const struct jp_robot *robot)
 {
     switch (draw_source(traffic)) {
     case SAMPLES:
-        return next_sample_part(traffic, ecu);
+        return next_sample_part(traffic, robot);
     case COMMANDS:
-        return next_command(traffic, ecu);
+        return next_command(traffic, robot);
     case ROUTES:
-        return next_route_frame(traffic, ecu);
+        return next_route_frame(traffic, robot);
     case GOALS:
-        return next_goal(traffic, ecu);
+        return next_goal(traffic, robot);
     case FOREIGN:
     case SOURCES:
     default:
@@ -261,7 +261,7 @@ static struct jp_can_frame draw_frame(struct traffic *traffic, const struct jp_e
     }
 }
 
-static struct jp_can_frame next_frame(struct traffic *traffic, const struct jp_ecu *ecu)
+static struct jp_can_frame next_frame(struct traffic *traffic, const struct jp_robot *robot)
 {
     struct jp_can_frame frame;
 
@@ -269,7 +269,7 @@ static struct jp_can_frame next_frame(struct traffic *traffic, const struct jp_e
         return traffic->last;
     }
     do {
-        frame = draw_frame(traffic, ecu);
+        frame = draw_frame(traffic, robot);
     } while (one_in(traffic->lost_one_in));
     if (one_in(traffic->spoilt_one_in)) {
         spoil(&frame);

@@ -12,6 +12,7 @@ static const struct robot_entry *robot;
 
 struct controller {
     struct jp_ecu ecu;
+    struct jp_ecu_balancer balancer;
     struct jp_retained retained;
     struct traffic traffic;
     struct command_oracle oracle;
@@ -37,18 +38,13 @@ static struct {
     unsigned long learned; /**< or left out: segments */
 } seen;
 
-static bool is_running(const struct jp_ecu *ecu)
-{
-    return jp_robot_state_now(&ecu->robot) == JP_ROBOT_BALANCING || jp_robot_state_now(&ecu->robot) == JP_ROBOT_DRIVING;
-}
-
 static void check_motor_command(const struct controller *self, const struct jp_can_frame *frame)
 {
     const uint64_t duties = oracle_bits(frame, 14, 50);
     const bool enabled = oracle_bits(frame, 12, 1) != 0U;
 
     require(frame->data[0] == oracle_crc8(frame->data, 8, JP_DATA_ID_MOTOR_COMMAND), "CRC of MotorCommand");
-    require(enabled == is_running(&self->ecu), "the motors run in balancing and driving, and in no other state");
+    require(enabled == jp_ecu_runs(&self->ecu), "the motors run in balancing and driving, and in no other state");
     require(enabled || duties == 0U, "duties of bridges that are off");
 }
 
@@ -124,7 +120,7 @@ static void check_ranges(const struct jp_ecu *ecu)
     const struct jp_sample_link *samples = &ecu->internal.samples;
 
     require(ecu->internal.queue_head < JP_ECU_QUEUE && ecu->internal.queue_tail < JP_ECU_QUEUE, "place in the queue");
-    require(jp_robot_state_now(&ecu->robot) <= JP_ROBOT_FAULT, "state of the robot");
+    require(jp_ecu_state_now(ecu) <= JP_ECU_FAULT, "state of the robot");
     require(operator_link->state <= JP_OPERATOR_LOST && operator_link->mode <= JP_MODE_NAVIGATE &&
                 operator_link->heard <= JP_MODE_NAVIGATE && operator_link->confirmations <= JP_OPERATOR_CONFIRMATIONS,
             "state of the operator");
@@ -132,20 +128,20 @@ static void check_ranges(const struct jp_ecu *ecu)
     require(routes->received <= JP_ROUTE_LENGTH_MAX && routes->driven.length <= JP_ROUTE_LENGTH_MAX,
             "length of a route");
     require(samples->parts < (1U << JP_SAMPLE_PARTS) && samples->newest < JP_SAMPLE_PACES &&
-                samples->missed <= JP_SAMPLE_HOLD_TICKS && samples->catch_up <= JP_SAMPLE_HOLD_TICKS,
+                samples->missed <= samples->hold_ticks && samples->catch_up <= samples->hold_ticks,
             "state of the samples");
-    require(ecu->internal.plan.frames_left <= 3U, "frames of a plan");
-    require(ecu->internal.learned.frames_left <= (ecu->learns ? 2U : 0U), "frames of what was learned");
+    require(ecu->internal.plan.left <= 3U, "frames of a plan");
+    require(ecu->internal.learned.left <= (jp_ecu_learned_state(ecu) != NULL ? 2U : 0U), "frames of what was learned");
 }
 
 /** Whatever came, it can be stored, and the robot can plan with it. */
-static void check_learned(const struct jp_ecu *ecu)
+static void check_learned(const struct controller *self)
 {
-    const struct jp_learned_state *state = jp_ecu_learned_state(ecu);
+    const struct jp_learned_state *state = jp_ecu_learned_state(&self->ecu);
     const char *field;
 
     require(state == NULL || jp_learned_state_check(state, &field) == JP_OK, "what was learned is out of range");
-    require(jp_energy_model_check(jp_ecu_model(ecu), &field) == JP_OK,
+    require(jp_energy_model_check(jp_ecu_balancer_model(&self->balancer), &field) == JP_OK,
             "the model that is planned with is out of range");
 }
 
@@ -181,18 +177,19 @@ static void check_view(const struct ecu_view *view)
 static void run_tick(struct controller *self)
 {
     struct jp_ecu *ecu = &self->ecu;
-    const bool ran = is_running(ecu);
-    const bool drove = jp_robot_state_now(&ecu->robot) == JP_ROBOT_DRIVING;
-    const bool resuming = ecu->robot.internal.resuming;
-    const uint16_t ended = jp_robot_last_tick(&ecu->robot)->segments_ended;
+    const struct jp_robot *moved = &self->balancer.robot;
+    const bool ran = jp_ecu_runs(ecu);
+    const bool drove = jp_robot_state_now(moved) == JP_ROBOT_DRIVING;
+    const bool resuming = moved->internal.resuming;
+    const uint16_t ended = jp_robot_last_tick(moved)->segments_ended;
 
     self->sent = 0;
     jp_ecu_tick(ecu);
     seen.ticks++;
     require(self->sent <= 1U + JP_TELEMETRY_FRAMES_MAX, "frames in a tick");
-    if (is_running(ecu)) {
-        const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(&ecu->robot);
-        const jp_q16 most = ecu->robot.internal.monitor.good.bus_voltage;
+    if (jp_ecu_runs(ecu)) {
+        const struct jp_tick_telemetry *telemetry = jp_robot_last_tick(moved);
+        const jp_q16 most = moved->internal.monitor.good.bus_voltage;
 
         require(telemetry->voltages.left <= most && telemetry->voltages.left >= -most &&
                     telemetry->voltages.right <= most && telemetry->voltages.right >= -most,
@@ -202,9 +199,9 @@ static void run_tick(struct controller *self)
                 "a robot that drives off without a Drive");
         seen.enabled += ran || resuming ? 0U : 1U;
         seen.resumed += resuming && !ran ? 1U : 0U;
-        seen.segments += jp_robot_last_tick(&ecu->robot)->segments_ended > ended ? 1U : 0U;
+        seen.segments += jp_robot_last_tick(moved)->segments_ended > ended ? 1U : 0U;
     }
-    seen.stopped += ran && jp_robot_state_now(&ecu->robot) >= JP_ROBOT_FALLEN ? 1U : 0U;
+    seen.stopped += ran && jp_robot_state_now(moved) >= JP_ROBOT_FALLEN ? 1U : 0U;
     check_view(&self->view);
 }
 
@@ -217,7 +214,7 @@ static bool same_route(const struct jp_route_message *a, const struct jp_route_m
 /** The route that is driven is the last one that was offered whole, and commanded; or was so when it was begun. */
 static void check_route(struct controller *self)
 {
-    const struct jp_pilot *pilot = &self->ecu.pilot;
+    const struct jp_pilot *pilot = &self->balancer.pilot;
     const struct jp_route_message *driven = &self->ecu.internal.routes.driven;
 
     require(pilot->phase == JP_PILOT_RESTING ||
@@ -249,11 +246,11 @@ static void run_work(struct controller *self)
     require(ecu->internal.operator_link.mode == self->oracle.mode, "another mode is obeyed than was commanded");
     seen.lost_operators += alive && ecu->internal.operator_link.state == JP_OPERATOR_LOST ? 1U : 0U;
     check_route(self);
-    if (ecu->pilot.legs_learned_from + ecu->pilot.legs_left_out > self->segments) {
+    if (self->balancer.pilot.legs_learned_from + self->balancer.pilot.legs_left_out > self->segments) {
         seen.learned++;
-        check_learned(ecu);
+        check_learned(self);
     }
-    self->segments = ecu->pilot.legs_learned_from + ecu->pilot.legs_left_out;
+    self->segments = self->balancer.pilot.legs_learned_from + self->balancer.pilot.legs_left_out;
 }
 
 static void execute(struct controller *self)
@@ -264,7 +261,7 @@ static void execute(struct controller *self)
         draw_rates(&self->traffic);
     }
 
-    const struct jp_can_frame frame = next_frame(&self->traffic, ecu);
+    const struct jp_can_frame frame = next_frame(&self->traffic, &self->balancer.robot);
     const struct counters before = counters_of(ecu);
     const bool complete = jp_ecu_accept(ecu, &frame);
 
@@ -299,8 +296,8 @@ static void begin_to_learn(struct controller *self)
     for (unsigned i = 0; i < JP_LEARNING_DIRECTIONS; i++) {
         state.x[i] = (jp_q24)below(2U * (uint32_t)JP_LEARNED_MAX + 1U) - JP_LEARNED_MAX;
     }
-    require(jp_ecu_learn(&self->ecu, &learning, &field) == JP_OK, "tables");
-    check_learned(&self->ecu);
+    require(jp_ecu_balancer_learn(&self->balancer, &learning, &field) == JP_OK, "tables");
+    check_learned(self);
 }
 
 /** A reset: what RAM held is gone but for the record, from which the robot may go on. */
@@ -320,12 +317,14 @@ static void begin_episode(struct controller *self)
     self->bad_bus_one_in = bad_buses[below(sizeof bad_buses / sizeof bad_buses[0])];
     self->work_one_in = works[below(sizeof works / sizeof works[0])];
     traffic_begin(&self->traffic);
-    require(jp_ecu_init(&self->ecu, robot->config, robot->energy, &port, &self->retained, &field) == JP_OK, "init");
+    require(ecu_start(&self->ecu, &self->balancer, robot->config, robot->energy, &port, &self->retained, &field) ==
+                JP_OK,
+            "init");
     if (!one_in(4)) {
         begin_to_learn(self);
     }
     self->segments = 0;
-    self->oracle.mode = self->ecu.robot.internal.resuming ? JP_MODE_STAND : JP_MODE_OFF;
+    self->oracle.mode = self->balancer.robot.internal.resuming ? JP_MODE_STAND : JP_MODE_OFF;
 }
 
 #endif

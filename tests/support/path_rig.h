@@ -7,6 +7,7 @@
 #include <joulepath/path_speed.h>
 #include <joulepath/skid_steer.h>
 
+#include "tests/support/skid_odometry_config.h"
 #include "tests/support/skid_rig.h"
 
 #define PATH_RIG_TICK_RATE 500
@@ -21,6 +22,11 @@
 static inline jp_q16 path_rig_q16(double value)
 {
     return (jp_q16)lrint(value * PATH_RIG_Q16);
+}
+
+static inline jp_q24 path_rig_q24(double value)
+{
+    return (jp_q24)lrint(value * PATH_RIG_Q24);
 }
 
 static inline double path_rig_radians(jp_angle angle)
@@ -63,6 +69,7 @@ struct path_rig {
     struct jp_path_drive drive;
     struct jp_path_set_point at;
     struct jp_motion command;
+    struct skid_pivot pivot;
     double yaw; /* added to the turn rate that the sides are given, rad/s */
     struct path_rig_error worst;
     double worst_distance; /* of robot and set-point, m */
@@ -92,7 +99,7 @@ static inline bool path_rig_start(struct path_rig *rig, const struct skid_steer_
     const char *field = "";
 
     config.tick_rate = PATH_RIG_TICK_RATE;
-    *rig = (struct path_rig){.yaw = 0};
+    *rig = (struct path_rig){.pivot = skid_pivot_of(model)};
     skid_plant_init(&rig->robot.plant, model, ground, &pose);
     if (jp_path_drive_init(&rig->drive, &config, &field) != JP_OK) {
         return false;
@@ -130,6 +137,21 @@ static inline void path_rig_drive_sides(struct path_rig *rig)
     rig->seconds += SKID_RIG_TICK;
 }
 
+/** By the tyres' model and how the plant lies on its slope. */
+static inline struct jp_path_slide path_rig_slide(const struct path_rig *rig)
+{
+    const struct skid_attitude *attitude = &rig->robot.plant.attitude;
+    const double across = attitude->rise_across * attitude->normal[2];
+    const double ahead = attitude->rise_ahead * attitude->normal[2];
+
+    return (struct jp_path_slide){path_rig_q24(ahead),
+                                  path_rig_q24(across),
+                                  path_rig_q24(rig->pivot.creep_across),
+                                  path_rig_q24(rig->pivot.shift_across),
+                                  path_rig_q24(rig->pivot.slide_most),
+                                  path_rig_q24(rig->pivot.creep)};
+}
+
 /** A set-point's time; false: the path is driven. */
 static inline bool path_rig_step(struct path_rig *rig)
 {
@@ -138,8 +160,10 @@ static inline bool path_rig_step(struct path_rig *rig)
     }
     const struct jp_path_pose pose = path_rig_pose(rig);
 
+    const struct jp_path_slide slide = path_rig_slide(rig);
+    jp_path_drive_look_ahead(&rig->drive, &slide);
     jp_path_drive_track(&rig->drive, &rig->at, &pose, &rig->command);
-    for (unsigned tick = 0; tick < JP_TICKS_PER_SET_POINT; tick++) {
+    for (unsigned tick = 0; tick < JP_TICKS_PER_PATH_POINT; tick++) {
         path_rig_drive_sides(rig);
     }
     path_rig_measure(rig);

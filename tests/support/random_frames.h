@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hal/app/ecu.h"
+#include "tests/support/ecu_start.h"
 #include "tests/support/random.h"
 #include "unity.h"
 
@@ -70,6 +70,8 @@ static const struct message {
     {0x195, 8, FROM_ECU, 0},
     {0x196, 8, FROM_ECU, 0},
     {0x197, 8, FROM_ECU, 0},
+    {0x198, 8, FROM_ECU, 0},
+    {0x199, 8, FROM_ECU, 0},
 };
 #define MESSAGES (sizeof messages / sizeof messages[0])
 

@@ -13,10 +13,12 @@ struct skid_pivot {
     double ratio;       /* turn of the body over that of the wheels */
     double creep_along; /* m per radian and g */
     double creep_across;
-    double creep;       /* slip on a straight way per g */
-    double caster_drag; /* g */
-    double growth;      /* of the ratio, share for (m/turn)² of slip aside */
-    double force;       /* (right − left) of the sides that turn it, g */
+    double shift_along;  /* m per radian to the left and g to the left */
+    double shift_across; /* the same by g ahead */
+    double creep;        /* slip on a straight way per g */
+    double caster_drag;  /* g */
+    double growth;       /* of the ratio, share for (m/turn)² of slip aside */
+    double force;        /* (right − left) of the sides that turn it, g */
 };
 
 struct skid_pivot_sums {
@@ -24,23 +26,29 @@ struct skid_pivot_sums {
     double hold_along; /* growth of the force with slip, over weight */
     double hold_across;
     double force;      /* along, of both sides */
+    double push;       /* of a tread's force across, by the load that moves behind and its distance */
     double slip;       /* m/s */
     double saturation; /* share of the tread's yield that is sliding */
 };
 
-/* Share of the weight on an axle, at `x` ahead of the middle. */
-static inline double skid_axle_share(const struct skid_steer_model *model, double x)
+static inline double skid_axle_squares(const struct skid_steer_model *model)
 {
     double squares = 0;
 
-    if (model->caster.ahead_m != 0) {
-        return 1 - model->body.centre_ahead_m / model->caster.ahead_m;
-    }
     for (int axle = 0; axle < model->wheel.axles; axle++) {
         const double place = model->body.wheelbase_m * ((double)axle / (model->wheel.axles - 1) - 0.5);
         squares += place * place;
     }
-    return 1.0 / model->wheel.axles + model->body.centre_ahead_m * x / squares;
+    return squares;
+}
+
+/* Share of the weight on an axle, at `x` ahead of the middle. */
+static inline double skid_axle_share(const struct skid_steer_model *model, double x)
+{
+    if (model->caster.ahead_m != 0) {
+        return 1 - model->body.centre_ahead_m / model->caster.ahead_m;
+    }
+    return 1.0 / model->wheel.axles + model->body.centre_ahead_m * x / skid_axle_squares(model);
 }
 
 static inline double skid_caster_drag(const struct skid_steer_model *model)
@@ -67,6 +75,7 @@ static inline struct skid_pivot_sums skid_pivot_sums(const struct skid_steer_mod
         sums.saturation += share * size / model->ground.friction / yield;
         sums.force += share * slip / yield;
         sums.hold_along += share * (1 / yield - slip * slip * fall);
+        sums.push += model->wheel.axles == 1 ? 0 : x * x / skid_axle_squares(model) / yield;
         sums.hold_across += share * (1 / yield - x * x * fall);
     }
     return sums;
@@ -93,6 +102,9 @@ static inline struct skid_pivot skid_pivot_of(const struct skid_steer_model *mod
         .ratio = half / (half + high),
         .creep_along = 1 / sums.hold_along,
         .creep_across = 1 / sums.hold_across,
+        .slide_most = model->wheel.axles == 1 ? 1 / sums.hold_across : model->body.wheelbase_m / 2,
+        .shift_along = model->body.centre_height_m * sums.force / half / sums.hold_along,
+        .shift_across = model->body.centre_height_m * sums.push / sums.hold_across,
         .creep = 1.2 / model->tyre.contact_length_m / model->tyre.stiffness_per_m / on_wheels,
         .caster_drag = skid_caster_drag(model),
         .growth = high / (half + high) * pow(sums.saturation / on_wheels / (2 * M_PI * sums.slip / on_wheels), 2),
@@ -147,6 +159,9 @@ static inline struct jp_skid_odometry_config skid_odometry_config_of(const struc
         .creep = skid_fixed(pivot.creep, 24),
         .turn_creep_along = skid_fixed(pivot.creep_along, 24),
         .turn_creep_across = skid_fixed(pivot.creep_across, 24),
+        .turn_shift_along = skid_fixed(pivot.shift_along, 24),
+        .turn_shift_across = skid_fixed(pivot.shift_across, 24),
+        .turn_slide_most = skid_fixed(pivot.slide_most, 24),
         .caster_drag = skid_fixed(pivot.caster_drag, 24),
         .turn_force = skid_fixed(pivot.force, 24),
         .force_per_ampere = skid_fixed(model->motor.torque_constant * model->motor.gear_ratio /

@@ -13,17 +13,10 @@
 #define SKID_STAND_EVERY 20
 #define SKID_STAND       2
 
-/** Hills, prepared for many questions: height and wave number of each. */
-struct skid_waves {
-    double height[SKID_HILLS];
-    double along_x[SKID_HILLS]; /* rad/m */
-    double along_y[SKID_HILLS];
-};
-
 /** A robot on its way. */
 struct skid_drive {
     struct random noise;
-    struct skid_waves waves;
+    struct skid_hills hills;
     struct skid_ground ground;
     struct skid_world world;
     double ratio; /* steering ratio that the driver assumes */
@@ -40,34 +33,6 @@ struct skid_drive {
     double way;        /* on the map, m */
     double next_stand; /* way at which it comes */
 };
-
-static inline struct skid_waves skid_waves_of(const struct skid_hills *hills)
-{
-    struct skid_waves waves;
-
-    for (int i = 0; i < SKID_HILLS; i++) {
-        waves.height[i] = hills->height[i];
-        waves.along_x[i] = hills->number[i] * cos(hills->turn[i]);
-        waves.along_y[i] = hills->number[i] * sin(hills->turn[i]);
-    }
-    return waves;
-}
-
-/** As skid_on_hills(). */
-static inline struct skid_ground_point skid_on_waves(const void *context, double x, double y)
-{
-    const struct skid_waves *waves = context;
-    struct skid_ground_point point = {0, 0, 0};
-
-    for (int i = 0; i < SKID_HILLS; i++) {
-        const double phase = waves->along_x[i] * x + waves->along_y[i] * y;
-        const double rise = waves->height[i] * cos(phase);
-        point.elevation += waves->height[i] * sin(phase);
-        point.slope_x += rise * waves->along_x[i];
-        point.slope_y += rise * waves->along_y[i];
-    }
-    return point;
-}
 
 static inline double skid_either(struct random *noise, double size)
 {
@@ -134,9 +99,8 @@ static inline void skid_drive_start(struct skid_drive *drive, const struct skid_
         .turn_acceleration = model->lattice.turn_rate_rad_s / 0.7,
     };
     random_init(&drive->noise, seed);
-    const struct skid_hills hills = skid_random_hills(&drive->noise, tan(steepest * M_PI / 180));
-    drive->waves = skid_waves_of(&hills);
-    drive->ground = (struct skid_ground){skid_on_waves, &drive->waves};
+    drive->hills = skid_random_hills(&drive->noise, tan(steepest * M_PI / 180));
+    drive->ground = skid_ground_hills(&drive->hills);
     skid_world_init(&drive->world, model, &drive->ground, &origin, seed);
     skid_next_piece(drive);
 }

@@ -126,9 +126,9 @@ class FakeEcu:
     def _stand(self):
         self.mode, self.operator = "Stand", "Alive"
         if self.state == "Idle" and self.trouble != "stays down":
-            self.state = "Balancing"
+            self.state = "Standing"
         elif self.state == "Driving":
-            self.state, self.route_state, self.reason = "Balancing", "Stopped", "Command"
+            self.state, self.route_state, self.reason = "Standing", "Stopped", "Command"
 
     def _confirm(self, mode, route):
         self.mode = mode
@@ -199,7 +199,7 @@ class FakeEcu:
         if self._steps // 2 < len(states):
             self.navigator = states[self._steps // 2]
         else:
-            (self.navigator, self.navigator_reason), self.state = end, "Balancing"
+            (self.navigator, self.navigator_reason), self.state = end, "Standing"
         if self.trouble == "other goal":
             self.goal = {**self.goal, "GoalId": 99}
         elif self.trouble == "loses operator":
@@ -226,7 +226,7 @@ class FakeEcu:
         if self.trouble is not None:
             self._go_wrong()
         elif self.ended == len(self.driven):
-            self.state, self.route_state = "Balancing", "Done"
+            self.state, self.route_state = "Standing", "Done"
         else:
             self._next_segment()
 
@@ -235,13 +235,13 @@ class FakeEcu:
         if self.trouble == "falls":
             self.state, self.route_state, self.reason = "Fallen", "Stopped", "Switched off"
         elif self.trouble == "restarts":
-            self.state, self.resets, self.route_state = "Balancing", 1, "None"
+            self.state, self.resets, self.route_state = "Standing", 1, "None"
         elif self.trouble == "conflict":
             self.conflicts = 1
         elif self.trouble == "loses operator":
             self.operator = "Lost"
         elif self.trouble == "stops":
-            self.state, self.route_state, self.reason = "Balancing", "Stopped", "Plan"
+            self.state, self.route_state, self.reason = "Standing", "Stopped", "Plan"
         elif self.trouble == "goes silent":
             self.trouble = "silent"
         elif self.trouble == "other operator":

@@ -67,7 +67,8 @@ def _strategy(name):
     planned = sum(s["planned_energy_j"] for s in segments) if name == "optimal" else None
     return {"name": name, "title": TITLES[name], "log": f"log_{name}.csv",
             "forecast": FORECAST if name == "cruise" else None, "segments": segments,
-            "total": {"planned_energy_j": planned, "measured_energy_j": total, "battery_energy_j": total * 0.83,
+            "total": {"planned_energy_j": planned, "measured_energy_j": total, "plant_energy_j": total + 0.04,
+                      "battery_energy_j": total * 0.83,
                       "duration_s": sum(TIMES[name]), "relative_percent": 100 * total / sum(ENERGIES["optimal"])}}
 
 

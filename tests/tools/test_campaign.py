@@ -290,7 +290,7 @@ def limited_at_seed_5(command, *, timeout, **options):
     ("die 6", ["died of SIGSEGV"]),
     ("hang 6", ["took longer than 2 s"]),
     ("print 6 nonsense", ["line 2 is no JSON: 'nonsense'"]),
-    ("print 6 {}", ["line 2: variation.ground_friction is missing"]),
+    ("print 6 {}", ["line 2: variation is missing"]),
 ])
 def test_a_batch_that_fails_twice_is_named_and_the_rest_is_kept(campaign, order, words, monkeypatch):
     campaign.orders(order)
@@ -508,7 +508,8 @@ def test_every_key_is_needed_and_of_its_kind(key):
 
 @pytest.mark.parametrize("key, value", [
     ("measured_j", float("nan")), ("std_j", float("inf")), ("measured_j", True), ("seed", 1.0), ("seed", -1),
-    ("inside", 1), ("robot", None), ("outcome", "won"), ("variation", 3),
+    ("inside", 1), ("robot", None), ("outcome", "won"), ("variation", 3), ("variation", {}),
+    ("learned", {"payload_kg": None}),
 ])
 def test_values_that_are_almost_right(key, value):
     with pytest.raises(RuntimeError, match=key.split(".", maxsplit=1)[0]):

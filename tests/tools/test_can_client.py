@@ -10,7 +10,7 @@ import pytest
 from can_drive import sample
 from fake_ecu import DATA_IDS, DATABASE, FakeEcu, crc_8h2f, is_protected, telemetry
 
-from tools.common import ToolError
+from tools.common import ROOT, ToolError
 from tools.operate import can_messages
 from tools.operate.can_client import Operator, RobotError, check_waypoints, open_bus, route_crc
 
@@ -118,8 +118,10 @@ def test_any_bytes_can_be_decoded():
 def test_fault_names_are_those_of_the_firmware():
     assert can_messages.fault_names(0) == []
     assert can_messages.fault_names(1 + 16 + 512) == ["IMU range", "left encoder", "overspeed"]
-    assert can_messages.fault_names(8 + 0x4000) == ["encoder jump", "bits 0x4000"]
-    assert sorted(can_messages.fault_bits()) == [1 << bit for bit in range(10)]
+    assert can_messages.fault_names(8 + 0x4000 + 0x8000) == ["encoder jump", "slope", "bits 0x8000"]
+    header = (ROOT / "include/joulepath/monitor.h").read_text()
+    bits = [1 << int(shift) for shift in re.findall(r"JP_FAULT_\w+ = 1 << (\d+)", header)]
+    assert sorted(can_messages.fault_bits()) == bits
 
 
 # ---- waypoints -----------------------------------------------------------------------------------------------------

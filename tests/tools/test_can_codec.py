@@ -76,6 +76,29 @@ def test_data_ids_are_those_of_the_firmware():
     assert len(set(in_firmware.values())) == len(in_firmware)
 
 
+# Where the firmware enumerates what a signal tells, and names that differ there.
+ENUMERATIONS = [
+    ("EcuStatus", "State", "hal/app/ecu_robot.h", "jp_ecu_state", "JP_ECU_", {}),
+    ("EcuLosses", "StandRefusal", "hal/app/ecu_robot.h", "jp_refusal", "JP_REFUSAL_",
+     {"CONFLICT": "OtherController", "STEEP": "TooSteep"}),
+    ("LearnerStatus", "Cause", "include/joulepath/learner.h", "jp_cause", "JP_CAUSE_", {}),
+    ("LearnerStatus", "Evidence", "include/joulepath/evidence.h", "jp_evidence", "JP_EVIDENCE_", {}),
+    ("LearnerStatus", "Stored", "hal/storage/parameters.h", "jp_stored", "JP_STORED_", {}),
+    ("NavigationStatus", "Answer", "hal/app/navigation.h", "jp_goal_answer", "JP_GOAL_", {}),
+]
+
+
+@pytest.mark.parametrize("message, signal, header, enumeration, prefix, others", ENUMERATIONS,
+                         ids=lambda part: part if isinstance(part, str) else "")
+def test_enumerations_are_those_of_the_firmware(message, signal, header, enumeration, prefix, others):
+    body = re.search(rf"enum {enumeration} {{(.*?)}};", (ROOT / header).read_text(), re.DOTALL)[1]
+    names = re.findall(rf"\b{prefix}(\w+)", re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL))
+    choices = DATABASE.get_message_by_name(message).get_signal_by_name(signal).choices
+    assert [str(choices[value]) for value in sorted(choices)] == [
+        others.get(name, name.title().replace("_", "")) for name in names]
+    assert sorted(choices) == list(range(len(names)))
+
+
 def test_protected_messages_begin_with_crc_and_counter():
     """Those, and no others, have them; only such frames command anything."""
     for message in DATABASE.messages:

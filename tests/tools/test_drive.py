@@ -124,7 +124,7 @@ def test_a_route_is_driven_and_told_in_lines(robot):
     assert result.returncode == 0, result.stderr
     assert robot.ecu.driven == [(65536, 131072), (-229376, 16384)] and robot.ecu.violations == []
     lines = result.stdout.splitlines()
-    assert "state: Balancing, operator Alive" in lines
+    assert "state: Standing, operator Alive" in lines
     assert "segment 1: predicted 10.00 J" in lines
     assert sum(line.startswith("segment 2: predicted 10.00 J, used 10.50 J; spent") for line in lines) == 1
     assert "battery 75.0 %, 72.50 Wh, 24.5 V" in result.stdout
@@ -172,7 +172,7 @@ def test_ctrl_c_brakes_to_a_stand(robot, monkeypatch):
     result = robot("--route", "1,2 3,4")
     assert result.returncode == 1
     assert result.stderr.splitlines()[-1].endswith("stopped by Ctrl-C; the robot stands")
-    assert robot.ecu.state == "Balancing" and robot.ecu.reason == "Command"
+    assert robot.ecu.state == "Standing" and robot.ecu.reason == "Command"
     assert robot.outcome["arrived"] is False
 
 

@@ -98,8 +98,10 @@ def test_without_a_forecast_none_is_shown(mission):
 def test_every_strategy_of_the_simulator_has_a_colour_and_style_of_its_own():
     report = (ROOT / "sim/missions/mission_report.c").read_text()
     names = re.findall(r'\[MISSION_\w+\] = \{"(\w+)"', report)
-    assert len(names) >= 6 and set(COLOURS) == set(STYLES) == set(names)
-    assert len(set(COLOURS.values())) == len(names)
+    balancers, skid = names[:names.index("rounded")], names[names.index("rounded"):]
+    assert len(balancers) >= 6 and len(skid) >= 3 and set(COLOURS) == set(STYLES) == set(names)
+    for kind in (balancers, skid):
+        assert len({COLOURS[name] for name in kind}) == len(kind)
 
 
 @sketched
@@ -108,6 +110,18 @@ def test_equal_data_give_equal_bytes(mission):
     first = (mission / "report.html").read_bytes()
     assert run_tool("report.report", mission).returncode == 0
     assert (mission / "report.html").read_bytes() == first
+
+
+@sketched
+def test_a_robot_that_does_not_balance_has_no_pitch(mission):
+    path = mission / "log_optimal.csv"
+    header, *rows = path.read_text().splitlines()
+    place = header.split(",").index("pitch_deg")
+    level = [",".join("0" if i == place else cell for i, cell in enumerate(row.split(","))) for row in rows]
+    path.write_text("\n".join([header, *level]) + "\n")
+    assert run_tool("report.report", mission).returncode == 0
+    headings = re.findall(r"<h2>(.*?)</h2>", (mission / "report.html").read_text())
+    assert headings == [section for section in SECTIONS if section != "Pitch"]
 
 
 @sketched

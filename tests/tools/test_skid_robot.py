@@ -5,7 +5,7 @@ import math
 import pytest
 from conftest import JP_ROBOT, ROOT, assert_one_line_error, robot_text, run_tool
 
-from tools.design import robot_json, skid_robot
+from tools.design import robot_json, skid_loads, skid_robot
 
 SKID_ROBOTS = sorted(path.stem.removeprefix("skid_robot_") for path in (ROOT / "src/tables").glob("skid_robot_*.c"))
 
@@ -20,7 +20,7 @@ def robot_of(name, **changes):
 
 
 def loads_of(robot):
-    return skid_robot.loads(robot, skid_robot.steering_ratio(robot))
+    return skid_loads.loads(robot, skid_loads.steering_ratio(robot))
 
 
 def test_the_tables_are_those_of_zhang2018_and_burger():
@@ -41,30 +41,11 @@ def test_json_on_standard_input_gives_the_same_table(tmp_path):
     assert (tmp_path / "skid_robot_burger.c").read_bytes() == (ROOT / "src/tables/skid_robot_burger.c").read_bytes()
 
 
-def test_loads_are_those_of_the_paper():
-    """Eq. 3 and 5 on zhang2018: rolling c G r/2, climbing G r/2, turning M r/B, each over K_T g η."""
-    load = loads_of(robot_of("zhang2018"))
-    per_newton = 0.136 / (0.024 * 244.3333845 * 0.78)
-    weight = 92 * 9.80665
-    assert load.rolling == pytest.approx(0.042593001 * weight / 2 * per_newton)
-    assert load.climbing == pytest.approx(weight / 2 * per_newton)
-    assert load.turning == pytest.approx(0.69 * weight * 0.5 / 4 / 0.925 / 0.7 * per_newton)
-    assert load.friction == 0
-
-
-def test_a_caster_takes_its_share_of_rolling():
-    burger = robot_of("burger")
-    free = robot_of("burger", caster__rolling=0.015)
-    assert loads_of(free).rolling == pytest.approx(0.015 * 9.80665 / 2 * skid_robot.loads(free, 1).per_force)
-    assert loads_of(burger).rolling > loads_of(free).rolling
-    assert loads_of(burger).turning == 0
-
-
 @pytest.mark.parametrize("name", SKID_ROBOTS)
 def test_loop_of_a_side_has_its_poles(name):
     """s² τ + (1 + kp) s + ki of kp, ki over K: both at the bandwidth, or, without a proportional gain, one there."""
     robot = robot_of(name)
-    load, constant = loads_of(robot), skid_robot.back_emf(robot)
+    load, constant = loads_of(robot), skid_loads.back_emf(robot)
     proportional, integral = skid_robot.loop_gains(robot, load)
     time = load.inertia * robot.number("motor.resistance_ohm") / constant**2
     bandwidth = min(25, robot.number("control.rate_hz") / 20)
@@ -75,16 +56,6 @@ def test_loop_of_a_side_has_its_poles(name):
     assert (proportional > 0) == (2 * bandwidth * time > 1)
     if proportional > 0:
         assert 2 * time * -bandwidth + 1 + proportional / constant == pytest.approx(0, abs=1e-9)
-
-
-def test_braking_never_tips_the_robot_over():
-    burger = robot_of("burger")
-    slope = math.radians(10)
-    # Its centre stands 29 mm behind the axle, 87 mm high.
-    assert skid_robot.tipping_acceleration(burger, slope) == pytest.approx(
-        9.80665 * (0.029 / 0.087 * math.cos(slope) - math.sin(slope)))
-    assert skid_robot.acceleration_limit(burger, loads_of(burger)) == pytest.approx(
-        skid_robot.tipping_acceleration(burger, slope) / 4)
 
 
 def test_the_slope_that_stops_it_leaves_room_for_the_accelerometer():

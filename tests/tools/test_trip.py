@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, assert_one_line_error
 
+from tools.campaign import campaign_task
+
 BIN = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin"
 ROBOTS = ROOT / "sim/robots"
 COURIER = ROBOTS / "courier24.cfg"
@@ -100,6 +102,36 @@ def test_a_robot_without_tables_is_refused(tmp_path):
     path.write_text(COURIER.read_text().replace('"courier24"', '"other"'))
     assert_one_line_error(trip(robot=path), "other")
     assert_one_line_error(trip(robot=tmp_path / "missing.cfg"), "missing.cfg")
+
+
+@pytest.fixture(scope="module")
+def skid():
+    return missions("--seed", 2, "--count", 2, robot=ROBOTS / "zhang2018.cfg")
+
+
+def test_robots_that_their_sides_steer_do_the_same(skid):
+    assert [mission["seed"] for mission in skid] == [2, 3]
+    for mission in skid:
+        campaign_task.check_mission(mission)
+        assert set(mission) == KEYS and mission["outcome"] == "done" and mission["reserve"]["asked"]
+        assert set(mission["variation"]) - {"resistance"} == set(mission["learned"])
+        error = abs(mission["measured_j"] - mission["predicted_j"])
+        assert mission["inside"] == (error <= 1.96 * mission["std_j"])
+        assert mission["predicted_j"] == pytest.approx(mission["measured_j"], rel=0.05)
+        assert abs(mission["measured_j"] - mission["prior_predicted_j"]) > error
+
+
+def test_the_same_seed_of_a_robot_that_its_sides_steer_is_the_same_mission(skid):
+    assert missions("--seed", 3, robot=ROBOTS / "zhang2018.cfg") == [skid[1]]
+
+
+@pytest.mark.parametrize("option", ["--faults", "--legs", "--output=x"])
+def test_what_is_for_balancers_is_refused(option):
+    assert_one_line_error(trip(option, robot=ROBOTS / "burger.cfg"), "are for balancers")
+
+
+def test_other_kinds_are_refused():
+    assert_one_line_error(trip(robot=ROBOTS / "patrol.cfg"), "four_wheel robot")
 
 
 def test_a_line_for_each_leg():

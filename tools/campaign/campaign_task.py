@@ -13,9 +13,8 @@ from pathlib import Path
 OUTCOMES = ("done", "fell", "stopped")
 
 # Keys of a mission by their kinds; a dotted one is inside an object.
-NUMBERS = ("variation.ground_friction", "variation.payload_kg", "variation.motor_resistance",
-           "variation.motor_friction", "variation.capacity", "seconds", "predicted_j", "std_j", "measured_j",
-           "prior_predicted_j", "learned.ground_friction", "learned.payload_kg", "charge_used")
+FACTORS = ("variation", "learned")  # what the robot is, and what it has learned of that: each kind has its own
+NUMBERS = ("seconds", "predicted_j", "std_j", "measured_j", "prior_predicted_j", "charge_used")
 COUNTS = ("seed", "segments")
 BOOLEANS = ("inside", "reserve.asked", "reserve.answer", "reserve.true")
 NAMES = ("robot",)
@@ -32,7 +31,12 @@ def is_count(value):
     return isinstance(value, int) and not isinstance(value, bool) and value >= 0
 
 
+def is_factors(value):
+    return isinstance(value, dict) and value and all(map(is_number, value.values()))
+
+
 KINDS = (
+    (FACTORS, is_factors, "numbers with names"),
     (NUMBERS, is_number, "a number"),
     (COUNTS, is_count, "a whole number from 0"),
     (BOOLEANS, lambda value: isinstance(value, bool), "true or false"),

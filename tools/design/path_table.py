@@ -3,17 +3,10 @@
 
 Writes src/tables/path_limits_<robot>.c and path_drive_<robot>.c. Exit status 2: bad input; nothing was written.
 """
-import math
 from pathlib import Path
 
 from tools.common import ROOT, ArgumentParser, ToolError, run, shown_path, write_whole
-from tools.design import c_tables, robot_json
-
-GRAVITY = 9.80665  # m/s²
-
-# Of what motors, tyres and the height of the mass leave on the steepest slope: a quarter for speed, a quarter for
-# turning, and half for the controller.
-SHARE = 0.25
+from tools.design import c_tables, robot_json, skid_loads
 
 # The robot returns to its path over what it drives in this time, and within it along the path, s.
 RETURN_TIME = 0.7
@@ -23,36 +16,10 @@ PACE_TIME = 0.4
 SPEED_CORRECTION = 0.25
 
 
-def moving_mass(robot):
-    """With wheels and rotors, kg."""
-    rotor = robot.number("motor.rotor_inertia_kg_m2") * robot.number("motor.gear_ratio")**2
-    side = robot.given("wheel.axles", 1) * robot.number("wheel.inertia_kg_m2") + rotor
-    return robot.number("body.mass_kg") + 2 * side / robot.number("wheel.radius_m")**2
-
-
-def acceleration_left(robot):
-    """What motors, tyres and the height of the mass leave on the steepest slope, m/s²."""
-    slope = math.radians(robot.number("limits.slope_deg"))
-    weight = robot.number("body.mass_kg") * GRAVITY
-    force = (2 * robot.number("motor.torque_constant_nm_per_a") * robot.number("motor.gear_ratio")
-             * robot.number("motor.efficiency") * robot.number("motor.current_limit_a") / robot.number("wheel.radius_m"))
-    caster = robot.given("caster.ahead_m", 0)
-    half = robot.given("body.wheelbase_m", 0) / 2
-    middle = robot.number("body.centre_ahead_m")
-    arm = min(max(half, caster) - middle, middle - min(-half, caster))
-    by_motors = (force - weight * (math.sin(slope) + robot.number("ground.rolling"))) / moving_mass(robot)
-    by_tyres = GRAVITY * (robot.number("ground.friction") * math.cos(slope) - math.sin(slope))
-    by_height = GRAVITY * (arm / robot.number("body.centre_height_m") * math.cos(slope) - math.sin(slope))
-    least = min(by_motors, by_tyres, by_height)
-    if least <= 0:
-        raise robot.error("limits.slope_deg", "leaves nothing of motors, tyres or stability to speed up with")
-    return least
-
-
 def limits(robot):
     """Members of struct jp_path_limits."""
     to = c_tables.Converter(f"path limits of {robot.name}")
-    acceleration = SHARE * acceleration_left(robot)
+    acceleration = skid_loads.acceleration_limit(robot, skid_loads.loads(robot, skid_loads.steering_ratio(robot)))
     width = robot.number("body.width_m")
     return [
         to.q24("speed", robot.number("lattice.speed_m_s"), "m/s", 0.01, 8),

@@ -48,6 +48,8 @@ class Pivot:
     force: float       # (right − left) of the sides
     along: float       # growth of the force with slip, s/m
     across: float
+    push_along: float   # by the moment that moves load to the right side, 1/m
+    push_left: float    # by that which moves load to the axles behind, 1/m
     slip: float        # mean over the treads, m/s
     saturation: float  # share of the treads' yield that is sliding
 
@@ -66,6 +68,7 @@ class Tyres:
     def turn(self, slip):
         """With treads that slip by `slip` m/s along."""
         moment, force, along, across, slips, sliding = -self.caster_drag * self.caster_arm, 0.0, 0.0, 0.0, 0.0, 0.0
+        squares, push = sum(x**2 for x in self.places), 0.0
         for x, share in zip(self.places, self.shares):
             size = math.hypot(slip, x) + 1e-12
             softness = size / self.friction + self.relaxation * (self.half_width + slip)
@@ -76,8 +79,9 @@ class Tyres:
             across += share * (1 / softness - x**2 * fall)
             slips += share * size
             sliding += share * size / self.friction / softness
+            push += x**2 / squares / softness if squares > 0 else 0.0
         weight = sum(self.shares)
-        return Pivot(moment, force, along, across, slips / weight, sliding / weight)
+        return Pivot(moment, force, along, across, force / self.half_width, push, slips / weight, sliding / weight)
 
     def pivot_slip(self):
         """m/s along, at 1 rad/s."""
@@ -132,6 +136,7 @@ def odometry_group(robot, to):
     ticks = min(max(math.floor(rate / STEPS_PER_SECOND + 0.5), STEP_TICKS_MIN), STEP_TICKS_MAX)
     radius, counts = robot.positive("wheel.radius_m"), robot.positive("encoder.counts_per_turn")
     gyro_noise = math.hypot(robot.number("gyro.noise_rms_dps"), robot.number("gyro.step_dps") / math.sqrt(12))
+    height = robot.number("body.centre_height_m")
     tilt = TILT_SHARE * math.sin(math.radians(robot.positive("limits.slope_deg")))
     step = 2.0**-40
     return c_tables.Group("odometry", [
@@ -155,6 +160,9 @@ def odometry_group(robot, to):
         to.q24("creep", creep, "per g", 0, 1),
         to.q24("turn_creep_along", 1 / pivot.along, "m/g", 0, 8),
         to.q24("turn_creep_across", 1 / pivot.across, "m/g", 0, 8),
+        to.q24("turn_shift_along", height * pivot.push_along / pivot.along, "m/g", 0, 8),
+        to.q24("turn_shift_across", height * pivot.push_left / pivot.across, "m/g", 0, 8),
+        to.q24("turn_slide_most", max(contacts.places) or 1 / pivot.across, "m", 0, 4),
         to.q24("caster_drag", contacts.caster_drag, "g", 0, 0.2),
         to.q24("turn_force", pivot.force, "g", 0, 2),
         to.q24("force_per_ampere", force_per_ampere(robot), "g/A", 0, 16),

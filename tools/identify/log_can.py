@@ -15,7 +15,7 @@ from tools.operate.can_messages import GROUPS, data_ids, database
 from tools.operate.can_report import read_frames
 
 BINARY = (".asc", ".blf")
-DRIVES = ("Balancing", "Driving")  # states in which the motors are on
+DRIVES = ("Standing", "Driving")  # states in which the motors are on
 COUNTER_VALUES = 16
 
 # `(1436509052.249713) can0 044#2A36` and `(1436509052.249713)  can0  044   [2]  2A 36`.

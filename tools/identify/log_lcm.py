@@ -10,7 +10,7 @@ from tools.identify.samples import Log, Segment, spans_where
 from tools.operate.lcm_report import US_PER_S, load_types
 
 SYNC = bytes.fromhex("eda1da01")  # with which each event begins
-STATES_ON = (1, 2)                # Balancing, Driving
+STATES_ON = (1, 2)                # Standing, Driving
 
 # s: JP_STATE goes out with Motors, and hal/app/telemetry.c sends Motion and Reference so much before.
 AGES = dict.fromkeys(("speed", "turn_rate", "pitch", "pitch_rate"), 0.008) | dict.fromkeys(

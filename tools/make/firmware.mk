@@ -1,21 +1,25 @@
 # The image for the STM32F405. Its navigator has room for a map of SIDE × SIDE cells and for PLANNER KiB of the planner;
 # hal/app/navigation_memory.h says how much without them. What does not fit the linker refuses.
 
+# firmware_rules ROBOT KIND
 define firmware_rules
-$(BUILD)/firmware/$1/main.o: hal/stm32f4/main.c tools/make/variants.mk $(SETTINGS)
+$(BUILD)/firmware/$1/%.o: hal/stm32f4/%.c tools/make/variants.mk $(SETTINGS)
 	@mkdir -p $$(@D)
 	$$(call SAY,CC $$@)
 	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 $(if $(filter learning_$1,$(PILOT_TABLES)),-DFIRMWARE_LEARNS) $(if $(wildcard src/tables/navigation_$1.c),-DFIRMWARE_NAVIGATES) -c $$< -o $$@
 
-$(BUILD)/firmware/$1/joulepath.elf $(BUILD)/firmware/$1/emulated.elf: $(BUILD)/firmware/$1/main.o \
-                                    $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out %/main.c,$(STM32F4))) \
-                                    $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
+$(BUILD)/firmware/$1/joulepath.elf $(BUILD)/firmware/$1/emulated.elf: $(addprefix $(BUILD)/firmware/$1/,main.o firmware_$2.o) \
+                                    $(BOARD_OBJECTS) $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
 	$$(call link_firmware,$$(if $$(filter %emulated.elf,$$@),$$(EMULATED_CCM),$$(CCM)))
 
 $(BUILD)/firmware/$1/joulepath.bin: $(BUILD)/firmware/$1/joulepath.elf
 	$$Qarm-none-eabi-objcopy -O binary $$< $$@
 endef
-$(foreach r,$(ROBOTS),$(eval $(call firmware_rules,$r)))
+# What is the same in every image.
+BOARD_OBJECTS := $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out $(IMAGE),$(STM32F4)))
+
+$(foreach r,$(ROBOTS),$(eval $(call firmware_rules,$r,balancer)))
+$(foreach r,$(SKID_ROBOTS),$(eval $(call firmware_rules,$r,skid)))
 
 COMMA := ,
 
@@ -34,7 +38,7 @@ endef
 
 .PHONY: firmware
 firmware: ## build the image for the STM32F405 with ROBOT=name (SIDE=cells PLANNER=KiB of its navigator): ELF, bin and map in build/firmware/name
-	$(if $(filter $(ROBOT),$(ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS)))
+	$(if $(filter $(ROBOT),$(ROBOTS) $(SKID_ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS) $(SKID_ROBOTS)))
 	@tools/setup.sh firmware
 	@$(MAKE) $(PARALLEL) $(BUILD)/firmware/$(ROBOT)/joulepath.bin
 	@arm-none-eabi-size $(BUILD)/firmware/$(ROBOT)/joulepath.elf

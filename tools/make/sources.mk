@@ -6,8 +6,10 @@ FLOAT          := $(wildcard $(SINGLE))
 CORE           := $(filter-out $(FLOAT),$(wildcard src/*/*.c))
 CAN            := $(wildcard hal/*.c hal/storage/*.c hal/can/*.c hal/app/*.c)
 STM32F4        := $(wildcard hal/stm32f4/*.c)
+# Of the image of a robot.
+IMAGE          := $(addprefix hal/stm32f4/,main.c firmware_balancer.c firmware_skid.c)
 # What needs nothing of the core but registers, which a test can stand in for.
-DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c cortex_m.c fault.c main.c),$(STM32F4))
+DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c cortex_m.c fault.c) $(IMAGE),$(STM32F4))
 SIM            := $(filter-out sim/programs/%,$(wildcard sim/*/*.c)) $(wildcard hal/linux/*.c)
 SUPPORT        := $(filter-out %/stm32_fake.c,$(wildcard tests/support/*.c))
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
@@ -22,6 +24,8 @@ LCM_HEADERS    := $(LCM_TYPES:%=$(BUILD)/lcm/%.h)
 # A robot is built in when both of its tables are there.
 NAMES          := $(patsubst src/tables/robot_%.c,%,$(wildcard src/tables/robot_*.c))
 ROBOTS         := $(foreach n,$(NAMES),$(if $(wildcard src/tables/energy_$n.c),$n))
+# One that its sides steer: when its controller, energy and path limits are.
+SKID_ROBOTS    := $(foreach n,$(patsubst src/tables/skid_robot_%.c,%,$(wildcard src/tables/skid_robot_*.c)),$(if $(wildcard src/tables/skid_energy_$n.c),$(if $(wildcard src/tables/path_limits_$n.c),$n)))
 PILOT_TABLES   := $(patsubst src/tables/%.c,%,$(wildcard src/tables/horizon_*.c src/tables/learning_*.c))
 
 FLOAT_TESTS    := $(foreach s,$(SINGLE),$(wildcard $(patsubst src/%,tests/unit/%,$(dir $s))test_$(notdir $s)))

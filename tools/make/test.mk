@@ -158,7 +158,7 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
-$(LOGS)/pytest/firmware.xml: $(ROBOTS:%=$(BUILD)/firmware/%/emulated.elf) $(BUILD)/firmware/courier24/joulepath.elf
+$(LOGS)/pytest/firmware.xml: $(patsubst %,$(BUILD)/firmware/%/emulated.elf,$(ROBOTS) $(SKID_ROBOTS)) $(BUILD)/firmware/courier24/joulepath.elf
 
 # The fault handler alone, whose crashes the image could not tell of.
 $(BUILD)/firmware/test_faults: $(addprefix $(BUILD)/firmware/,tests/firmware/test_faults.o tests/target/console.o \

@@ -278,7 +278,7 @@ class Operator(Listener):
     def _stands(self):
         self._check_upright()
         status = [self.state.get("EcuStatus", signal) for signal in ("State", "Mode", "OperatorState")]
-        return status == ["Balancing", "Stand", "Alive"]  # one that lost its operator stands too, but obeys no Drive
+        return status == ["Standing", "Stand", "Alive"]  # one that lost its operator stands too, but obeys no Drive
 
     def _check_upright(self):
         if self.state.state in DOWN:

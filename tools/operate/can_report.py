@@ -113,7 +113,7 @@ class Converter:
             "Reference": self._reference, "Motors": self._motors, "EnergySpent": self._energy_spent,
             "SegmentMotion": self._segment_motion, "SegmentShape": self._segment_shape,
             "SegmentForecast": self._segment_forecast, "SegmentResult": self._segment_result,
-            "Learned": self._learned, "LearnerStatus": self._learner_status}
+            "Learned": self._learned, "LearnedFactors": self._learned, "LearnerStatus": self._learner_status}
 
     def take(self, frame):
         message = message_of(frame)

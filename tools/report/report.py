@@ -25,15 +25,17 @@ FORECAST_KEYS = ("energy_j", "deviation_j")
 SEGMENT_KEYS = ("index", "target_m", "planned_energy_j", "measured_energy_j", "plant_energy_j", "battery_energy_j",
                 "duration_s", "speed_m_s", "turn_rate_rad_s", "turn_deg", "arc_rad", "end_m", "end_error_m",
                 "error_percent")
-TOTAL_KEYS = ("planned_energy_j", "measured_energy_j", "battery_energy_j", "duration_s", "relative_percent")
+TOTAL_KEYS = ("planned_energy_j", "measured_energy_j", "plant_energy_j", "battery_energy_j", "duration_s",
+              "relative_percent")
 NULLABLE = ("planned_energy_j", "error_percent", "relative_percent", "speed_m_s", "turn_rate_rad_s", "turn_deg",
             "arc_rad", "plant_energy_j", "battery_energy_j", "end_error_m")
 
-# What drives the route as a whole has the style of its counterpart, driven segment by segment.
+# By kinds of robots, which share colours. What drives a balancer's route as a whole has the style of its counterpart, driven segment by segment.
 COLOURS = {"optimal": plots.BLUE, "straight": plots.ORANGE, "bezier": plots.GREEN, "cruise": plots.RED,
-           "straight_cruise": plots.AMBER, "bezier_route": plots.PURPLE, "optimised_cruise": plots.INK}
+           "straight_cruise": plots.AMBER, "bezier_route": plots.PURPLE, "optimised_cruise": plots.INK,
+           "rounded": plots.BLUE, "turn_and_go": plots.ORANGE, "rounded_again": plots.GREEN}
 STYLES = {"optimal": "-", "straight": "--", "bezier": "-.", "cruise": "-", "straight_cruise": "--", "bezier_route": "-.",
-          "optimised_cruise": "--"}
+          "optimised_cruise": "--", "rounded": "-", "turn_and_go": "--", "rounded_again": ":"}
 
 WIDE = (9.2, 3.4)
 
@@ -276,12 +278,13 @@ def figures(strategies, waypoints):
         ("Path", "Driven paths and waypoints; inset: the sharpest corner.", draw_path(strategies, waypoints)),
         ("Energy", "Cumulated energy of each strategy, electronics included.", draw_energy(strategies)),
         ("Speed and turn rate", f"{title}. Dotted lines: a new segment.", draw_motion(log)),
-        ("Pitch", f"{title}. Forward is positive.", draw_pitch(log)),
         ("Motors", f"{title}.", draw_motors(log)),
         ("Power", f"{title}, electronics included.", draw_power(log)),
         ("Coordinate error", f"{title}. Where the robot is, less where the reference is.",
          draw_coordinate_error(log)),
     ]
+    if log["pitch_deg"].any():  # else its robot does not balance
+        drawn.insert(3, ("Pitch", f"{title}. Forward is positive.", draw_pitch(log)))
     return [(name, caption, plots.inline_png(figure, dpi=130)) for name, caption, figure in drawn]
 
 
@@ -348,6 +351,8 @@ def table4(summary):
     rows.append(("planned energy, J", [format_number(t["planned_energy_j"]) for t in totals]))
     if any(s["forecast"] for s in strategies):
         rows.append(("forecast before the start, J", [_forecast_cell(s["forecast"]) for s in strategies]))
+    if any(t["plant_energy_j"] is not None for t in totals):
+        rows.append(("energy by the plant's ledger, J", [format_number(t["plant_energy_j"]) for t in totals]))
     rows.append(("battery energy, J", [format_number(t["battery_energy_j"]) for t in totals]))
     rows.append(("driving time, s", [format_number(t["duration_s"]) for t in totals]))
     rows.append(("relative energy, %", [format_number(t["relative_percent"]) for t in totals]))

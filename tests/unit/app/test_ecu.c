@@ -8,13 +8,16 @@ static void test_init_refuses_what_jp_robot_init_does(void)
     const struct jp_energy_model *model = &jp_energy_model_courier24;
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_init(NULL, &config, model, &port, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_init(&ecu, NULL, model, &port, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_init(&ecu, &config, NULL, &port, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_init(&ecu, &config, model, NULL, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_init(&ecu, &config, model, &port, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, ecu_start(&ecu, NULL, &config, model, &port, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, ecu_start(&ecu, &balancer, NULL, model, &port, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, ecu_start(&ecu, &balancer, &config, NULL, &port, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, ecu_start(&ecu, &balancer, &config, model, &port, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_balancer_init(&balancer, &config, model, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, ecu_start(NULL, &balancer, &config, model, &port, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, ecu_start(&ecu, &balancer, &config, model, NULL, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_ecu_init(&ecu, NULL, &port, NULL));
     config.monitor.tilt_limit = 0;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_ecu_init(&ecu, &config, model, &port, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, ecu_start(&ecu, &balancer, &config, model, &port, NULL, &field));
     TEST_ASSERT_EQUAL_STRING("monitor.tilt_limit", field);
 }
 
@@ -24,7 +27,7 @@ static void test_before_the_first_sample_it_only_reports(void)
     TEST_ASSERT_EQUAL_UINT(0, bus.commands);
     TEST_ASSERT_EQUAL_UINT16(10, bus.counts[0]);
     TEST_ASSERT_EQUAL_UINT16(50, bus.counts[4]);
-    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&balancer.robot)->faults);
     TEST_ASSERT_EQUAL_UINT16(0, jp_ecu_lost_samples(&ecu));
     TEST_ASSERT_NULL(jp_retained_newest(&retained));
 }
@@ -42,7 +45,7 @@ static void test_works_without_retained_memory(void)
 {
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_init(&ecu, &config, &jp_energy_model_courier24, &port, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, ecu_start(&ecu, &balancer, &config, &jp_energy_model_courier24, &port, NULL, &field));
     make_balancing();
     TEST_ASSERT_EQUAL_UINT32(0, ecu.resets);
 }
@@ -57,7 +60,7 @@ static void test_from_idle_over_a_route_to_its_end(void)
     }
     expect_route(JP_ROUTE_DONE, JP_REASON_NONE);
     expect_state(JP_ROBOT_BALANCING);
-    TEST_ASSERT_EQUAL_UINT16(2, jp_robot_last_tick(&ecu.robot)->segments_ended);
+    TEST_ASSERT_EQUAL_UINT16(2, jp_robot_last_tick(&balancer.robot)->segments_ended);
     for (unsigned kind = 0xA; kind <= 0xD; kind++) { /* plan and result of each segment */
         TEST_ASSERT_EQUAL_UINT16(2, bus.counts[kind]);
         TEST_ASSERT_EQUAL_UINT8(2, bus.last[kind][0]);
@@ -68,7 +71,7 @@ static void test_from_idle_over_a_route_to_its_end(void)
     expect_state(JP_ROBOT_BALANCING);
     hold(JP_MODE_OFF, 0, 3);
     expect_state(JP_ROBOT_IDLE);
-    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&balancer.robot)->faults);
     TEST_ASSERT_LESS_OR_EQUAL_UINT(4, bus.most_in_a_tick);
 }
 
@@ -122,7 +125,7 @@ static void test_off_switches_off_from_driving(void)
 static void test_a_fall_ends_the_route(void)
 {
     make_driving();
-    ecu.robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
+    balancer.robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     run(2);
     expect_state(JP_ROBOT_FALLEN);
     expect_route(JP_ROUTE_STOPPED, JP_REASON_SWITCHED_OFF);
@@ -130,11 +133,11 @@ static void test_a_fall_ends_the_route(void)
     expect_state(JP_ROBOT_FALLEN);
     expect_refused(3, JP_REFUSAL_FALLEN);
     hold(JP_MODE_OFF, 0, 3);
-    ecu.robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
+    balancer.robot.internal.estimator.pitch = JP_PHASE_TURN / 8;
     hold(JP_MODE_STAND, 0, 1);
     expect_state(JP_ROBOT_IDLE);
     expect_refused(4, JP_REFUSAL_NOT_UPRIGHT);
-    ecu.robot.internal.estimator.pitch = 0;
+    balancer.robot.internal.estimator.pitch = 0;
     hold(JP_MODE_STAND, 0, 2);
     expect_state(JP_ROBOT_BALANCING);
     expect_refused(4, JP_REFUSAL_NONE);
@@ -196,12 +199,12 @@ static void test_a_route_that_cannot_be_planned_stops_with_the_reason(void)
 static void test_a_late_plan_is_not_the_end_of_the_route(void)
 {
     make_driving();
-    for (int i = 0; i < 10000 && jp_robot_state_now(&ecu.robot) == JP_ROBOT_DRIVING; i++) {
+    for (int i = 0; i < 10000 && jp_robot_state_now(&balancer.robot) == JP_ROBOT_DRIVING; i++) {
         (void)give_sample(); /* the background is busy */
         tick();
     }
     expect_state(JP_ROBOT_BALANCING);
-    TEST_ASSERT_EQUAL_UINT16(1, jp_robot_last_tick(&ecu.robot)->segments_ended);
+    TEST_ASSERT_EQUAL_UINT16(1, jp_robot_last_tick(&balancer.robot)->segments_ended);
     ecu.internal.worked_tick = ecu.tick; /* not so long that the operator counts as lost */
     jp_ecu_work(&ecu);
     expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
@@ -252,7 +255,7 @@ static void test_a_lost_operator_does_not_switch_an_idle_robot_on(void)
     make_balancing();
     run(600);
     expect_operator(JP_OPERATOR_LOST, JP_MODE_STAND);
-    jp_robot_disable(&ecu.robot);
+    jp_robot_disable(&balancer.robot);
     run(100);
     expect_state(JP_ROBOT_IDLE);
 }

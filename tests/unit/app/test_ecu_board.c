@@ -1,7 +1,7 @@
 /* The application with sensors and bridges of its own board: commands come from the bus, motion does not. */
 #include <joulepath/tables.h>
 
-#include "hal/app/ecu.h"
+#include "tests/support/ecu_start.h"
 
 #include "hal/can/jp_can.h"
 #include "tests/support/commands.h"
@@ -20,6 +20,7 @@ static struct board {
 
 static struct jp_robot_config config;
 static struct jp_ecu ecu;
+static struct jp_ecu_balancer balancer;
 static struct jp_retained retained;
 static unsigned motor_commands;
 static uint8_t command_counter;
@@ -27,7 +28,7 @@ static uint8_t command_counter;
 static enum jp_status read_board(void *context, struct jp_sensors *sensors)
 {
     struct board *from = context;
-    const struct jp_voltages *voltages = &jp_robot_last_tick(&ecu.robot)->voltages;
+    const struct jp_voltages *voltages = &jp_robot_last_tick(&balancer.robot)->voltages;
 
     from->reads++;
     from->sensors.current_left = jp_q16_divide(voltages->left, config.monitor.motor_resistance);
@@ -64,7 +65,8 @@ static void boot(void)
     static const struct jp_hal hal = {&board, read_board, write_board};
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_init(&ecu, &config, &jp_energy_model_courier24, &port, &retained, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK,
+                          ecu_start(&ecu, &balancer, &config, &jp_energy_model_courier24, &port, &retained, &field));
     jp_ecu_use_board(&ecu, &hal);
 }
 
@@ -109,7 +111,7 @@ static void stand_up(void)
 
 static void expect(enum jp_robot_state state, uint8_t enabled)
 {
-    TEST_ASSERT_EQUAL_INT(state, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(state, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_EQUAL_UINT8(enabled, board.actuation.enabled);
 }
 
@@ -149,8 +151,8 @@ static void test_samples_on_the_bus_mean_nothing(void)
         (void)jp_ecu_accept(&ecu, &frames[part]);
     }
     run(1);
-    TEST_ASSERT_EQUAL_UINT32(0, ecu.robot.internal.monitor.good.encoder_left);
-    TEST_ASSERT_EQUAL_INT32(0, ecu.robot.internal.monitor.good.pitch_rate);
+    TEST_ASSERT_EQUAL_UINT32(0, balancer.robot.internal.monitor.good.encoder_left);
+    TEST_ASSERT_EQUAL_INT32(0, balancer.robot.internal.monitor.good.pitch_rate);
 }
 
 static void test_sensors_that_do_not_answer_switch_off(void)
@@ -159,7 +161,7 @@ static void test_sensors_that_do_not_answer_switch_off(void)
     board.read = JP_ERR_HARDWARE;
     run(config.monitor.confirm_ticks);
     expect(JP_ROBOT_FAULT, 0);
-    TEST_ASSERT_BITS(JP_FAULT_HARDWARE, JP_FAULT_HARDWARE, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_BITS(JP_FAULT_HARDWARE, JP_FAULT_HARDWARE, jp_robot_last_tick(&balancer.robot)->faults);
 }
 
 static void test_bridges_that_do_not_answer_switch_off(void)

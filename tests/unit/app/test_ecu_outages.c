@@ -1,29 +1,32 @@
 /* The application without samples, on a bus that refuses its frames, and after a reset. */
 #include "tests/support/ecu_rig.h"
 
+/* At 1 kHz. */
+#define HOLD_TICKS JP_SAMPLE_HOLD_MS
+
 /* Outages */
 
 static void test_samples_may_stay_away_for_the_hold_ticks(void)
 {
     make_balancing();
     for (int i = 0; i < 5; i++) {
-        run_without_samples(JP_SAMPLE_HOLD_TICKS);
+        run_without_samples(HOLD_TICKS);
         expect_state(JP_ROBOT_BALANCING);
         run(50);
         expect_state(JP_ROBOT_BALANCING);
     }
-    TEST_ASSERT_EQUAL_UINT16(5U * JP_SAMPLE_HOLD_TICKS, jp_ecu_lost_samples(&ecu));
-    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_EQUAL_UINT16(5U * HOLD_TICKS, jp_ecu_lost_samples(&ecu));
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&balancer.robot)->faults);
 }
 
 static void test_samples_that_stay_away_longer_are_a_fault(void)
 {
     make_balancing();
-    run_without_samples(JP_SAMPLE_HOLD_TICKS + config.monitor.confirm_ticks - 1U);
+    run_without_samples(HOLD_TICKS + config.monitor.confirm_ticks - 1U);
     expect_state(JP_ROBOT_BALANCING);
     run_without_samples(1);
     expect_state(JP_ROBOT_FAULT);
-    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, jp_robot_last_tick(&balancer.robot)->faults);
     hold(JP_MODE_STAND, 0, 3);
     expect_state(JP_ROBOT_FAULT);
     hold(JP_MODE_OFF, 0, 3);
@@ -44,15 +47,15 @@ static void test_samples_that_come_back_after_off_are_taken_as_they_are(void)
         command(JP_MODE_OFF, 0);
         run_without_samples(100);
     }
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&balancer.robot));
     sensors.encoder_left += 5000;
     run(1);
-    TEST_ASSERT_EQUAL_UINT32(105000, ecu.robot.internal.estimator.encoder_left);
-    TEST_ASSERT_EQUAL_UINT32(90000, ecu.robot.internal.estimator.encoder_right);
+    TEST_ASSERT_EQUAL_UINT32(105000, balancer.robot.internal.estimator.encoder_left);
+    TEST_ASSERT_EQUAL_UINT32(90000, balancer.robot.internal.estimator.encoder_right);
     run(100);
     expect_state(JP_ROBOT_IDLE);
-    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
-    TEST_ASSERT_EQUAL_INT32(0, jp_robot_last_tick(&ecu.robot)->motion.wheel_rate);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&balancer.robot)->faults);
+    TEST_ASSERT_EQUAL_INT32(0, jp_robot_last_tick(&balancer.robot)->motion.wheel_rate);
 }
 
 static void check_refusals(enum jp_status answer)
@@ -60,21 +63,21 @@ static void check_refusals(enum jp_status answer)
     setUp();
     make_balancing();
     bus.answer = answer;
-    run(JP_SAMPLE_HOLD_TICKS);
+    run(HOLD_TICKS);
     bus.answer = JP_OK;
     bus.commands = 0; /* the receiver at the other end begins anew */
     bus.receiver = (struct jp_e2e_receiver){.synchronised = false};
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT16(JP_SAMPLE_HOLD_TICKS, ecu.send_errors);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT16(HOLD_TICKS, ecu.send_errors);
     run(100);
     expect_state(JP_ROBOT_BALANCING);
-    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_EQUAL_HEX16(0, jp_robot_last_tick(&balancer.robot)->faults);
 
     bus.answer = answer;
-    run(JP_SAMPLE_HOLD_TICKS + config.monitor.confirm_ticks);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
+    run(HOLD_TICKS + config.monitor.confirm_ticks);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     run(1); /* what was not written shows in the tick after */
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, jp_robot_state_now(&ecu.robot));
-    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, jp_robot_state_now(&balancer.robot));
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, jp_robot_last_tick(&balancer.robot)->faults);
 }
 
 static void test_the_bus_may_refuse_frames_for_the_hold_ticks_and_longer_is_a_fault(void)
@@ -125,7 +128,7 @@ static void test_a_reset_in_motion_balances_from_the_first_sample_on(void)
     struct jp_point position;
 
     make_driving();
-    position = jp_robot_position(&ecu.robot);
+    position = jp_robot_position(&balancer.robot);
     reset();
     TEST_ASSERT_EQUAL_UINT32(1, ecu.resets);
     expect_operator(JP_OPERATOR_LOST, JP_MODE_STAND);
@@ -134,10 +137,10 @@ static void test_a_reset_in_motion_balances_from_the_first_sample_on(void)
     (void)give_sample();
     TEST_ASSERT_TRUE(give_sample());
     tick();
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_EQUAL_UINT(1, bus.commands);
-    TEST_ASSERT_INT32_WITHIN(8, position.x, jp_robot_position(&ecu.robot).x);
-    TEST_ASSERT_INT32_WITHIN(8, position.y, jp_robot_position(&ecu.robot).y);
+    TEST_ASSERT_INT32_WITHIN(8, position.x, jp_robot_position(&balancer.robot).x);
+    TEST_ASSERT_INT32_WITHIN(8, position.y, jp_robot_position(&balancer.robot).y);
     run(1000);
     expect_state(JP_ROBOT_BALANCING);
     expect_operator(JP_OPERATOR_LOST, JP_MODE_STAND);
@@ -203,18 +206,18 @@ static void test_after_loss_of_power_nothing_goes_on(void)
 /* Writes what the robot would, but for one thing, and resets; true when the controller goes on from it. */
 static bool goes_on_from(void (*change)(struct jp_snapshot *))
 {
-    static struct jp_snapshot snapshot;
+    static union jp_retained_snapshot snapshot;
     bool balancing;
 
     setUp();
     make_balancing();
-    jp_robot_snapshot(&ecu.robot, &snapshot);
-    change(&snapshot);
-    jp_retained_write(&retained, &snapshot, 4);
+    jp_robot_snapshot(&balancer.robot, &snapshot.balancer);
+    change(&snapshot.balancer);
+    jp_retained_write(&retained, JP_RETAINED_BALANCER, &snapshot, 4);
     reset();
     TEST_ASSERT_EQUAL_UINT32(5, ecu.resets);
     run(3);
-    balancing = jp_robot_state_now(&ecu.robot) == JP_ROBOT_BALANCING;
+    balancing = jp_robot_state_now(&balancer.robot) == JP_ROBOT_BALANCING;
     expect_operator(balancing ? JP_OPERATOR_LOST : JP_OPERATOR_NONE, balancing ? JP_MODE_STAND : JP_MODE_OFF);
     expect_state(balancing ? JP_ROBOT_BALANCING : JP_ROBOT_IDLE);
     return balancing;
@@ -269,11 +272,11 @@ static void test_a_reset_keeps_pose_beyond_the_range_of_a_sample(void)
     jp_sample_link_resume(&ecu.internal.samples, far, 0);
     sensors.encoder_left = far;
     make_balancing();
-    TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.internal.estimator.encoder_left);
-    jp_robot_telemetry(&ecu.robot, &before);
+    TEST_ASSERT_EQUAL_UINT32(far, balancer.robot.internal.estimator.encoder_left);
+    jp_robot_telemetry(&balancer.robot, &before);
     reset();
     run(3);
-    TEST_ASSERT_EQUAL_UINT32(far, ecu.robot.internal.estimator.encoder_left);
-    TEST_ASSERT_EQUAL_INT32(before.position.x, jp_robot_position(&ecu.robot).x);
-    TEST_ASSERT_EQUAL_UINT64(before.motion.yaw, jp_robot_last_tick(&ecu.robot)->motion.yaw);
+    TEST_ASSERT_EQUAL_UINT32(far, balancer.robot.internal.estimator.encoder_left);
+    TEST_ASSERT_EQUAL_INT32(before.position.x, jp_robot_position(&balancer.robot).x);
+    TEST_ASSERT_EQUAL_UINT64(before.motion.yaw, jp_robot_last_tick(&balancer.robot)->motion.yaw);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "hal/can/jp_can.h"
+#include "tests/support/ecu_start.h"
 #include "tests/support/map_frames.h"
 #include "unity.h"
 
@@ -41,20 +42,41 @@ static enum jp_can_state always_on(void *context)
     return JP_CAN_ON;
 }
 
-static const struct jp_can_port port = {NULL, send, always_on};
-
 static void tick(struct jp_ecu *ecu)
 {
     ticks++;
     jp_ecu_tick(ecu);
 }
 
+/* What a boot does besides: the tests set it. */
+static const struct jp_ecu_learning *learning;
+static struct jp_navigation *navigator;
+static struct jp_navigation_config navigator_config;
+
+static enum jp_status boot(void *context, struct jp_ecu *ecu, const struct jp_can_port *to, const char **field)
+{
+    enum jp_status status =
+        ecu_start(ecu, context, &jp_robot_courier24, &jp_energy_model_courier24, to, &retained, field);
+
+    if (status == JP_OK && learning != NULL) {
+        status = jp_ecu_balancer_learn(context, learning, field);
+    }
+    if (status == JP_OK && navigator != NULL) {
+        status = navigation_start(navigator, &navigator_config, &((struct jp_ecu_balancer *)context)->pilot, field);
+        jp_ecu_navigate(ecu, navigator);
+    }
+    return status;
+}
+
+static struct jp_ecu_balancer balancer;
+static const struct jp_lockstep_config config = {
+    .boot = boot, .context = &balancer, .tick = tick, .bus = {NULL, send, always_on}, .retained = &retained};
+
 static void start(void)
 {
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lockstep_start(&lockstep, &jp_robot_courier24, &jp_energy_model_courier24, &port,
-                                                   &retained, tick, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lockstep_start(&lockstep, &config, &field));
 }
 
 static bool give_sample(void);
@@ -67,6 +89,8 @@ void setUp(void)
     motor_commands = 0;
     frames = 0;
     sample_counter = 0;
+    learning = NULL;
+    navigator = NULL;
     start();
     /* The first one only begins the sequence. */
     (void)give_sample();
@@ -105,19 +129,32 @@ static bool give_sample(void)
     return complete;
 }
 
-static void test_start_refuses_null(void)
+static void expect_refused(struct jp_lockstep_config refused)
 {
     const char *field;
-    const struct jp_robot_config *config = &jp_robot_courier24;
-    const struct jp_energy_model *model = &jp_energy_model_courier24;
 
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(NULL, config, model, &port, &retained, tick, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(&lockstep, config, model, NULL, &retained, tick, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(&lockstep, config, model, &port, NULL, tick, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(&lockstep, config, model, &port, &retained, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(&lockstep, NULL, model, &port, &retained, tick, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_learn(NULL, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_learn(&lockstep, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(&lockstep, &refused, &field));
+}
+
+static void test_start_refuses_null(void)
+{
+    struct jp_lockstep_config refused = config;
+    const char *field;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(NULL, &config, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(&lockstep, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_start(&lockstep, &config, NULL));
+    refused.boot = NULL;
+    expect_refused(refused);
+    refused = config;
+    refused.tick = NULL;
+    expect_refused(refused);
+    refused = config;
+    refused.retained = NULL;
+    expect_refused(refused);
+    refused = config;
+    refused.context = NULL;
+    expect_refused(refused); /* by the boot */
 }
 
 static void test_each_time_runs_one_tick_and_is_answered_after_it(void)
@@ -187,35 +224,32 @@ static void test_without_power_the_record_is_lost(void)
 /* What was learned and not stored is lost with the power. */
 static void test_after_each_boot_it_learns_on_from_what_is_stored(void)
 {
-    const char *field = "";
     struct jp_learned_state state;
-    struct jp_ecu_learning learning = {.learning = &jp_learning_courier24, .stored = JP_STORED_TAKEN, .state = &state};
+    const struct jp_ecu_learning stored = {
+        .learning = &jp_learning_courier24, .stored = JP_STORED_TAKEN, .state = &state};
 
     jp_learned_state_start(&state, jp_learning_courier24.identity);
     state.version = 5;
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lockstep_learn(&lockstep, &learning, &field));
-    lockstep.ecu.pilot.learner.state.version = 8;
+    learning = &stored;
+    start();
+    balancer.pilot.learner.state.version = 8;
     state.version = 7;
     pass(1, 0, 0, 0);
     pass(2, 1, 0, 0);
     TEST_ASSERT_EQUAL_UINT32(7, jp_ecu_learned_state(&lockstep.ecu)->version);
-    TEST_ASSERT_NOT_EQUAL(&jp_energy_model_courier24, jp_ecu_model(&lockstep.ecu));
+    TEST_ASSERT_NOT_EQUAL(&jp_energy_model_courier24, jp_ecu_balancer_model(&balancer));
 }
 
-static void test_tables_that_are_refused_are_not_tried_again(void)
+static void test_what_the_boot_refuses_is_named(void)
 {
-    const char *field = "";
     struct jp_learning bad = jp_learning_courier24;
-    const struct jp_ecu_learning learning = {.learning = &bad};
+    const struct jp_ecu_learning refused = {.learning = &bad};
+    const char *field = "";
 
     bad.memory = 0;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_lockstep_learn(&lockstep, &learning, &field));
+    learning = &refused;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_lockstep_start(&lockstep, &config, &field));
     TEST_ASSERT_EQUAL_STRING("learning.memory", field);
-    bad.memory = 64;
-    pass(1, 0, 0, 0);
-    pass(2, 1, 0, 0);
-    TEST_ASSERT_NULL(jp_ecu_learned_state(&lockstep.ecu));
-    TEST_ASSERT_EQUAL_PTR(&jp_energy_model_courier24, jp_ecu_model(&lockstep.ecu));
 }
 
 static void test_off_the_bus_nothing_arrives_and_nothing_leaves_but_the_answer(void)
@@ -281,38 +315,26 @@ static void test_in_real_time_the_simulators_time_changes_nothing(void)
 static struct jp_navigation navigation;
 static uint64_t memory[3][8];
 static struct jp_course_leg legs[2];
-static struct jp_navigation_config navigator_config = {.lattice = &jp_lattice_courier24,
-                                                       .body = &jp_navigation_courier24,
-                                                       .map = memory[0],
-                                                       .map_size = sizeof memory[0],
-                                                       .planner = memory[1],
-                                                       .planner_size = sizeof memory[1],
-                                                       .way = memory[2],
-                                                       .way_size = sizeof memory[2],
-                                                       .legs = legs,
-                                                       .legs_max = 2};
-
-static void test_a_navigator_is_refused_as_it_is_elsewhere(void)
-{
-    struct jp_navigation_config broken = navigator_config;
-    const char *field = "";
-
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_navigate(NULL, &navigation, &navigator_config, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_lockstep_navigate(&lockstep, NULL, &navigator_config, &field));
-    broken.body = NULL;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_lockstep_navigate(&lockstep, &navigation, &broken, &field));
-    TEST_ASSERT_EQUAL_STRING("body", field);
-    TEST_ASSERT_NULL(lockstep.ecu.internal.navigation);
-}
+static const struct jp_navigation_config sound_navigator = {.lattice = &jp_lattice_courier24,
+                                                            .body = &jp_navigation_courier24,
+                                                            .map = memory[0],
+                                                            .map_size = sizeof memory[0],
+                                                            .planner = memory[1],
+                                                            .planner_size = sizeof memory[1],
+                                                            .way = memory[2],
+                                                            .way_size = sizeof memory[2],
+                                                            .legs = legs,
+                                                            .legs_max = 2};
 
 static void test_it_navigates_again_after_each_boot_and_has_no_map(void)
 {
     static const uint8_t stream[30] = {1, 0, 1, 0};
     struct sent_map sent = {.bytes = stream, .length = sizeof stream, .id = 3};
     const struct jp_can_frame offer = map_offer(&sent);
-    const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lockstep_navigate(&lockstep, &navigation, &navigator_config, &field));
+    navigator = &navigation;
+    navigator_config = sound_navigator;
+    start();
     pass(0, 1, 0, 0);
     (void)jp_lockstep_accept(&lockstep, &offer);
     pass(1, 1, 0, 0);

@@ -56,7 +56,7 @@ static void make(void)
     goal_counter = 0;
     change_counter = 0;
     make_stream(false);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigation_init(&navigation, &navigator_config, &ecu.pilot, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, navigation_start(&navigation, &navigator_config, &balancer.pilot, &field));
     TEST_ASSERT_NULL(field);
     jp_ecu_navigate(&ecu, &navigation);
 }
@@ -167,7 +167,7 @@ static void expect_refused_config(const char *member)
 {
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_navigation_init(&navigation, &navigator_config, &ecu.pilot, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, navigation_start(&navigation, &navigator_config, &balancer.pilot, &field));
     TEST_ASSERT_EQUAL_STRING(member, field);
     make();
 }
@@ -177,10 +177,10 @@ static void test_what_it_cannot_do_without(void)
     const char *field;
 
     make();
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigation_init(NULL, &navigator_config, &ecu.pilot, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigation_init(&navigation, NULL, &ecu.pilot, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigation_init(&navigation, &navigator_config, NULL, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_navigation_init(&navigation, &navigator_config, &ecu.pilot, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, navigation_start(NULL, &navigator_config, &balancer.pilot, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, navigation_start(&navigation, NULL, &balancer.pilot, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, navigation_start(&navigation, &navigator_config, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, navigation_start(&navigation, &navigator_config, &balancer.pilot, NULL));
     navigator_config.lattice = NULL;
     expect_refused_config("lattice");
     navigator_config.body = NULL;
@@ -288,7 +288,7 @@ static void test_a_route_is_driven_while_a_map_arrives(void)
     send_map();
     expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
     TEST_ASSERT_EQUAL_INT(JP_MAP_LINK_READY, navigation.maps.state);
-    TEST_ASSERT_EQUAL_INT(JP_PILOT_DRIVING, ecu.pilot.phase);
+    TEST_ASSERT_EQUAL_INT(JP_PILOT_DRIVING, balancer.pilot.phase);
 }
 
 /* Goals. */
@@ -546,7 +546,7 @@ static void test_a_route_replaces_it(void)
     hold(JP_MODE_DRIVE, 9, 3);
     expect_route(JP_ROUTE_DRIVING, JP_REASON_NONE);
     expect_navigator(JP_NAVIGATOR_IDLE, JP_NAVIGATOR_TOLD);
-    TEST_ASSERT_NOT_EQUAL_INT(JP_PILOT_RESTING, ecu.pilot.phase);
+    TEST_ASSERT_NOT_EQUAL_INT(JP_PILOT_RESTING, balancer.pilot.phase);
 }
 
 static void test_drive_ends_it_also_without_a_route(void)
@@ -566,7 +566,7 @@ static void test_navigate_ends_a_route_also_without_a_goal(void)
     make_driving();
     hold(JP_MODE_NAVIGATE, 7, 3);
     expect_route(JP_ROUTE_STOPPED, JP_REASON_COMMAND);
-    TEST_ASSERT_EQUAL_INT(JP_PILOT_RESTING, ecu.pilot.phase);
+    TEST_ASSERT_EQUAL_INT(JP_PILOT_RESTING, balancer.pilot.phase);
     expect_navigator(JP_NAVIGATOR_IDLE, JP_NAVIGATOR_NO_REASON);
 }
 

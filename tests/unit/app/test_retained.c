@@ -12,7 +12,7 @@
 
 static struct jp_retained retained;
 static struct jp_retained torn;
-static struct jp_snapshot snapshot;
+static union jp_retained_snapshot snapshot;
 
 void setUp(void)
 {
@@ -27,13 +27,13 @@ void tearDown(void)
 /* A record that is told by its resets; every field of the snapshot differs from that of another one. */
 static void write(uint32_t resets)
 {
-    snapshot.estimator.encoder_left = resets * 40503U;
-    snapshot.estimator.encoder_right = resets * 2654435761U;
-    snapshot.estimator.wheel_encoder = resets * 0x123456789ABCDU;
-    snapshot.estimator.pitch = ~(jp_phase)resets;
-    snapshot.odometry.x = -(int64_t)resets;
-    snapshot.balancing = (resets & 1U) != 0U;
-    jp_retained_write(&retained, &snapshot, resets);
+    snapshot.balancer.estimator.encoder_left = resets * 40503U;
+    snapshot.balancer.estimator.encoder_right = resets * 2654435761U;
+    snapshot.balancer.estimator.wheel_encoder = resets * 0x123456789ABCDU;
+    snapshot.balancer.estimator.pitch = ~(jp_phase)resets;
+    snapshot.balancer.odometry.x = -(int64_t)resets;
+    snapshot.balancer.balancing = (resets & 1U) != 0U;
+    jp_retained_write(&retained, JP_RETAINED_BALANCER, &snapshot, resets);
 }
 
 static void expect(uint32_t resets)
@@ -42,10 +42,10 @@ static void expect(uint32_t resets)
 
     TEST_ASSERT_NOT_NULL(newest);
     TEST_ASSERT_EQUAL_UINT32(resets, newest->resets);
-    TEST_ASSERT_EQUAL_UINT32(resets * 40503U, newest->snapshot.estimator.encoder_left);
-    TEST_ASSERT_EQUAL_UINT64(~(jp_phase)resets, newest->snapshot.estimator.pitch);
-    TEST_ASSERT_EQUAL_INT64(-(int64_t)resets, newest->snapshot.odometry.x);
-    TEST_ASSERT_EQUAL_INT((resets & 1U) != 0U, newest->snapshot.balancing);
+    TEST_ASSERT_EQUAL_UINT32(resets * 40503U, newest->snapshot.balancer.estimator.encoder_left);
+    TEST_ASSERT_EQUAL_UINT64(~(jp_phase)resets, newest->snapshot.balancer.estimator.pitch);
+    TEST_ASSERT_EQUAL_INT64(-(int64_t)resets, newest->snapshot.balancer.odometry.x);
+    TEST_ASSERT_EQUAL_INT((resets & 1U) != 0U, newest->snapshot.balancer.balancing);
 }
 
 static void test_the_last_record_written_is_the_newest(void)

@@ -2,8 +2,8 @@
 #include <joulepath/tables.h>
 #include <string.h>
 
-#include "hal/app/ecu.h"
 #include "hal/app/telemetry.h"
+#include "tests/support/ecu_start.h"
 
 #include "hal/can/jp_can.h"
 
@@ -11,8 +11,9 @@
 
 static struct jp_robot_config config;
 static struct jp_ecu ecu;
+static struct jp_ecu_balancer balancer;
 static struct jp_can_frame frames[JP_TELEMETRY_FRAMES_MAX];
-static struct jp_tick_telemetry *const telemetry = &ecu.robot.internal.telemetry;
+static struct jp_tick_telemetry *const telemetry = &balancer.robot.internal.telemetry;
 
 static enum jp_status swallow(void *context, const struct jp_can_frame *frame)
 {
@@ -46,7 +47,7 @@ static void start(uint32_t tick_rate)
     config.lqr.tick_rate = tick_rate;
     config.meter.tick_rate = tick_rate;
     config.trajectory.tick_rate = tick_rate;
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_init(&ecu, &config, &jp_energy_model_courier24, &port, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, ecu_start(&ecu, &balancer, &config, &jp_energy_model_courier24, &port, NULL, &field));
 }
 
 void setUp(void)
@@ -134,7 +135,7 @@ static void test_route_status_shows_the_driven_route(void)
     ecu.internal.routes.received = 2;
     ecu.internal.routes.state = JP_ROUTE_STOPPED;
     ecu.internal.routes.reason = JP_REASON_PLAN;
-    ecu.pilot.status = JP_ERR_ZERO_LENGTH;
+    balancer.pilot.status = JP_ERR_ZERO_LENGTH;
     telemetry->segment = 1;
     telemetry->segments_ended = 1;
     EXPECT_FRAME(0x183, 0x07, 0x46, 0x02, 0x03, 0x01, 0x01, 0xFC, 0x00);
@@ -168,12 +169,12 @@ static void test_route_status_shows_the_offered_route_until_it_is_driven(void)
 
 static void test_pose(void)
 {
-    ecu.robot.internal.odometry.x = -70000 * ((int64_t)1 << 16);
-    ecu.robot.internal.odometry.y = INT64_MAX;
+    balancer.robot.internal.odometry.x = -70000 * ((int64_t)1 << 16);
+    balancer.robot.internal.odometry.y = INT64_MAX;
     telemetry->motion.yaw = 7 * JP_PHASE_TURN - JP_PHASE_TURN / 4;
     EXPECT_FRAME(0x184, 0x90, 0xEE, 0xFE, 0xFF, 0xFF, 0xFF, 0x07, 0xC0);
-    ecu.robot.internal.odometry.x = INT64_MIN;
-    ecu.robot.internal.odometry.y = 0;
+    balancer.robot.internal.odometry.x = INT64_MIN;
+    balancer.robot.internal.odometry.y = 0;
     telemetry->motion.yaw = 0;
     EXPECT_FRAME(0x184, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x00);
 }
@@ -189,9 +190,9 @@ static void test_motion(void)
 
 static void test_reference(void)
 {
-    ecu.robot.internal.reference.wheel.rate = JP_Q24(0.5);
-    ecu.robot.internal.reference.yaw.rate = INT32_MIN;
-    ecu.robot.internal.reference.yaw.angle = JP_PHASE_TURN / 4;
+    balancer.robot.internal.reference.wheel.rate = JP_Q24(0.5);
+    balancer.robot.internal.reference.yaw.rate = INT32_MIN;
+    balancer.robot.internal.reference.yaw.angle = JP_PHASE_TURN / 4;
     telemetry->segment_ticks_left = 1500;
     EXPECT_FRAME(0x186, 0x00, 0x08, 0x00, 0x80, 0x00, 0x40, 0x60, 0x00);
     telemetry->segment_ticks_left = UINT32_MAX;
@@ -208,8 +209,8 @@ static void test_motors(void)
 
 static void test_energies(void)
 {
-    ecu.robot.internal.meter.model = 0x0123456789ABCDEF;
-    ecu.robot.internal.meter.battery = -2;
+    balancer.robot.internal.meter.model = 0x0123456789ABCDEF;
+    balancer.robot.internal.meter.battery = -2;
     EXPECT_FRAME(0x188, 0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01);
     EXPECT_FRAME(0x189, 0xFE, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF);
 }
@@ -239,10 +240,15 @@ static void test_the_energy_model_is_sent_one_parameter_after_the_other(void)
     }
 }
 
-static void announce(uint8_t segment)
+static void announce(uint16_t segment)
 {
-    ecu.internal.plan = (struct jp_ecu_plan){.frames_left = 3, .segment = segment};
-    ecu.pilot.leg = (struct jp_pilot_leg){JP_Q24(8), -JP_Q24(3.14), JP_Q16(0.25), -JP_Q16(3)};
+    const struct jp_ecu_kind *kind = ecu.internal.robot.kind;
+    struct jp_ecu_segment planned;
+
+    balancer.pilot.leg = (struct jp_pilot_leg){JP_Q24(8), -JP_Q24(3.14), JP_Q16(0.25), -JP_Q16(3)};
+    kind->segment(&balancer, (uint16_t)(segment - 1U), &planned);
+    TEST_ASSERT_EQUAL_UINT(3, jp_telemetry_segment(&planned, ecu.internal.plan.frames));
+    ecu.internal.plan.left = 3;
 }
 
 static void test_the_last_reset_is_reported_where_it_is_known(void)
@@ -270,14 +276,15 @@ static void test_no_reset_is_reported_where_none_is_known(void)
 
 static void test_a_plan_is_announced_once_in_three_frames(void)
 {
-    announce(255);
+    announce(300);
     EXPECT_FRAME(0x18A, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x00, 0x00, 0x80);
-    TEST_ASSERT_EQUAL_UINT8(2, ecu.internal.plan.frames_left);
-    ecu.internal.plan.segment = 2;
+    TEST_ASSERT_EQUAL_UINT8(2, ecu.internal.plan.left);
+    announce(2);
+    ecu.internal.plan.left = 2;
     EXPECT_FRAME(0x18B, 0x02, 0xF6, 0x28, 0xDC, 0x0C, 0x00, 0x04, 0x00);
-    TEST_ASSERT_EQUAL_UINT8(1, ecu.internal.plan.frames_left);
+    TEST_ASSERT_EQUAL_UINT8(1, ecu.internal.plan.left);
     EXPECT_FRAME(0x18C, 0x02, 0x00, 0x00, 0x00, 0x00, 0x00, 0xFD, 0xFF);
-    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.plan.frames_left);
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.plan.left);
     for (unsigned tick = 0; tick < 100; tick++) {
         TEST_ASSERT_LESS_OR_EQUAL_UINT(1, jp_telemetry_due(&ecu, frames));
     }
@@ -288,16 +295,18 @@ static void test_a_forecast_is_sent_in_joules(void)
 {
     struct jp_energy_model model = jp_energy_model_courier24;
 
-    ecu.pilot.config.model = &model;
+    balancer.pilot.config.model = &model;
     model.unit_exponent = 2;
     announce(255);
-    ecu.internal.plan.frames_left = 1;
+    ecu.internal.plan.left = 1;
     EXPECT_FRAME(0x18C, 0xFF, 0x00, 0x00, 0x00, 0x00, 0x00, 0xF4, 0xFF); /* −12 J */
     model.unit_exponent = -1;
-    ecu.internal.plan.frames_left = 1;
+    announce(255);
+    ecu.internal.plan.left = 1;
     EXPECT_FRAME(0x18C, 0xFF, 0x00, 0x00, 0x00, 0x00, 0x80, 0xFE, 0xFF); /* −1.5 J */
     model.unit_exponent = 15;
-    ecu.internal.plan.frames_left = 1;
+    announce(255);
+    ecu.internal.plan.left = 1;
     EXPECT_FRAME(0x18C, 0xFF, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x80);
 }
 
@@ -422,54 +431,53 @@ static void test_a_plan_and_a_result_join_the_fullest_tick(void)
     TEST_ASSERT_EQUAL_UINT(JP_TELEMETRY_FRAMES_MAX, most);
 }
 
-/* What was learned: rounded, and limited to what a signal holds. */
-static void expect_learned(const uint8_t causes[8], const uint8_t status[8])
+/* What was learned: limited to what a signal holds. */
+static void expect_lessons(const struct jp_ecu_lessons *lessons, const uint8_t expected[8])
+{
+    struct jp_can_frame frame;
+
+    jp_telemetry_lessons(lessons, &frame);
+    TEST_ASSERT_EQUAL_HEX32(0x193, frame.id);
+    TEST_ASSERT_EQUAL_UINT8(8, frame.length);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, frame.data, 8);
+}
+
+static void test_what_was_learned_is_limited(void)
+{
+    expect_lessons(&(struct jp_ecu_lessons){.version = 0x1234,
+                                            .changes = 3,
+                                            .outliers = 4,
+                                            .left_out = 5,
+                                            .cause = JP_CAUSE_PAYLOAD,
+                                            .evidence = JP_EVIDENCE_CURRENT,
+                                            .stored = JP_STORED_OTHER_TABLES},
+                   (const uint8_t[]){0x34, 0x12, 3, 4, 5, 0x96, 0, 0});
+    expect_lessons(&(struct jp_ecu_lessons){.version = 0x10000,
+                                            .changes = 256,
+                                            .outliers = UINT32_MAX,
+                                            .left_out = 255,
+                                            .cause = JP_CAUSE_OTHER,
+                                            .stored = JP_STORED_DAMAGED},
+                   (const uint8_t[]){0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xA3, 0, 0});
+}
+
+static void test_a_report_is_told_once_the_last_frame_first(void)
 {
     unsigned seen = 0;
 
-    ecu.internal.learned.frames_left = 2;
+    ecu.internal.learned = (struct jp_ecu_report){.frames = {{.id = 0x193}, {.id = 0x192}}, .left = 2};
     for (uint16_t tick = 0; tick < 10; tick++) {
         const unsigned count = jp_telemetry_due(&ecu, frames);
 
         for (unsigned i = 0; i < count; i++) {
             if (frames[i].id == 0x192U || frames[i].id == 0x193U) {
                 TEST_ASSERT_EQUAL_HEX32(0x192U + seen, frames[i].id);
-                TEST_ASSERT_EQUAL_HEX8_ARRAY(seen == 0U ? causes : status, frames[i].data, 8);
                 seen++;
             }
         }
     }
     TEST_ASSERT_EQUAL_UINT(2, seen);
-    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.learned.frames_left);
-}
-
-static void test_what_was_learned_is_told_once_in_two_frames(void)
-{
-    ecu.stored = JP_STORED_OTHER_TABLES;
-    ecu.internal.learned = (struct jp_ecu_learned){.friction = JP_Q16(1.5),
-                                                   .friction_deviation = JP_Q16(0.0625) + 8,
-                                                   .payload = -JP_Q16(2.5),
-                                                   .payload_deviation = JP_Q16(0.5),
-                                                   .version = 0x1234,
-                                                   .changes = 3,
-                                                   .outliers = 4,
-                                                   .left_out = 5,
-                                                   .cause = JP_CAUSE_PAYLOAD,
-                                                   .evidence = JP_EVIDENCE_CURRENT};
-    expect_learned((const uint8_t[]){0x00, 0x18, 0x01, 0x01, 0xC0, 0xFE, 0x40, 0x00},
-                   (const uint8_t[]){0x34, 0x12, 3, 4, 5, 0x96, 0, 0});
-    ecu.stored = JP_STORED_DAMAGED;
-    ecu.internal.learned = (struct jp_ecu_learned){.friction = INT32_MAX,
-                                                   .friction_deviation = JP_Q16(16),
-                                                   .payload = INT32_MIN,
-                                                   .payload_deviation = INT32_MAX,
-                                                   .version = 0x10000,
-                                                   .changes = 256,
-                                                   .outliers = UINT32_MAX,
-                                                   .left_out = 255,
-                                                   .cause = JP_CAUSE_OTHER};
-    expect_learned((const uint8_t[]){0xFF, 0xFF, 0xFF, 0xFF, 0x00, 0x80, 0xFF, 0xFF},
-                   (const uint8_t[]){0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xA3, 0, 0});
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.internal.learned.left);
 }
 
 /* A plan is told first, so that no tick holds more frames than without learning. */
@@ -478,14 +486,14 @@ static void test_what_was_learned_waits_for_a_plan(void)
     unsigned most = 0;
 
     announce(1);
-    ecu.internal.learned.frames_left = 2;
+    ecu.internal.learned.left = 2;
     for (uint16_t tick = 0; tick < 3; tick++) {
         const unsigned count = jp_telemetry_due(&ecu, frames);
 
         most = count > most ? count : most;
-        TEST_ASSERT_EQUAL_UINT8(2, ecu.internal.learned.frames_left);
+        TEST_ASSERT_EQUAL_UINT8(2, ecu.internal.learned.left);
     }
     TEST_ASSERT_LESS_OR_EQUAL_UINT(2, most);
     (void)jp_telemetry_due(&ecu, frames);
-    TEST_ASSERT_EQUAL_UINT8(1, ecu.internal.learned.frames_left);
+    TEST_ASSERT_EQUAL_UINT8(1, ecu.internal.learned.left);
 }

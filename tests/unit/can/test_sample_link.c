@@ -8,6 +8,9 @@
 /* What is plausible in a tick; half of it is taken to catch up. */
 static const struct jp_monitor_config limits = {.encoder_jump = 400, .gyro_jump = 2000};
 
+/* At 1 kHz. */
+#define HOLD_TICKS JP_SAMPLE_HOLD_MS
+
 static struct jp_sample_link link;
 static struct jp_can_frame frames[JP_SAMPLE_PARTS];
 static struct jp_sensors sensors;
@@ -17,7 +20,7 @@ static uint8_t counter;
 
 void setUp(void)
 {
-    jp_sample_link_start(&link, &limits);
+    jp_sample_link_start(&link, &limits, 1000);
     sensors = (struct jp_sensors){.accel_z = JP_Q24_ONE, .bus_voltage = JP_Q16(24)};
     good = sensors;
     counter = 0;
@@ -231,14 +234,14 @@ static void test_readings_are_held_for_just_so_many_ticks(void)
     begin();
     sample(0, 0);
     last = got;
-    for (unsigned i = 0; i < JP_SAMPLE_HOLD_TICKS; i++) {
+    for (unsigned i = 0; i < HOLD_TICKS; i++) {
         TEST_ASSERT_EQUAL_INT(JP_OK, take());
         TEST_ASSERT_EQUAL_MEMORY(&last, &got, sizeof got);
         TEST_ASSERT_EQUAL_UINT16(i + 1U, link.lost);
     }
     expect_nothing();
     expect_nothing();
-    TEST_ASSERT_EQUAL_UINT16(JP_SAMPLE_HOLD_TICKS + 2U, link.lost);
+    TEST_ASSERT_EQUAL_UINT16(HOLD_TICKS + 2U, link.lost);
     sample(0, 0);
     TEST_ASSERT_EQUAL_INT(JP_OK, take()); /* holds anew */
 }
@@ -271,7 +274,7 @@ static void test_held_counts_go_on_as_before(void)
     roll(40, 0U - 30U);
     left = got.encoder_left;
     right = got.encoder_right;
-    for (uint32_t i = 1; i <= JP_SAMPLE_HOLD_TICKS; i++) {
+    for (uint32_t i = 1; i <= HOLD_TICKS; i++) {
         expect_read(JP_OK, left + 40U * i, right - 30U * i);
     }
     expect_nothing();
@@ -346,11 +349,11 @@ static void hold(unsigned ticks)
 static void test_after_a_gap_nothing_jumps_farther_than_half_of_what_is_plausible(void)
 {
     begin();
-    hold(JP_SAMPLE_HOLD_TICKS);
+    hold(HOLD_TICKS);
     sensors.pitch_rate = 10500;
     sensors.yaw_rate = -9 * 4096;
     measure(1100, 0U - 900U);
-    for (unsigned i = 0; i < JP_SAMPLE_HOLD_TICKS; i++) {
+    for (unsigned i = 0; i < HOLD_TICKS; i++) {
         const struct jp_sensors before = got;
 
         TEST_ASSERT_EQUAL_INT(JP_E2E_OK, give_all());
@@ -413,10 +416,10 @@ static void test_counts_of_fast_wheels_go_on_after_a_gap(void)
 
     begin();
     roll(fast, 0U - fast);
-    hold(JP_SAMPLE_HOLD_TICKS);
-    sensors.encoder_left += fast * JP_SAMPLE_HOLD_TICKS;
-    sensors.encoder_right -= fast * JP_SAMPLE_HOLD_TICKS;
-    for (unsigned i = 0; i < JP_SAMPLE_HOLD_TICKS; i++) {
+    hold(HOLD_TICKS);
+    sensors.encoder_left += fast * HOLD_TICKS;
+    sensors.encoder_right -= fast * HOLD_TICKS;
+    for (unsigned i = 0; i < HOLD_TICKS; i++) {
         measure(fast, 0U - fast);
         TEST_ASSERT_EQUAL_INT(JP_E2E_OK, give_all());
         TEST_ASSERT_EQUAL_INT(JP_OK, take());

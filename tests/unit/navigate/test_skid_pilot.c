@@ -224,8 +224,9 @@ static void test_legs_are_told_as_they_end(void)
         TEST_ASSERT_EQUAL_UINT32(leg, pilot.legs_learned_from);
         TEST_ASSERT_EQUAL_INT(JP_EVIDENCE_GOOD, pilot.evidence);
     }
-    /* The last tick came after the call. */
+    /* The last tick came after the call; it takes less than a joule. */
     TEST_ASSERT_EQUAL_UINT32(telemetry().tick - 1U, tick);
+    TEST_ASSERT_TRUE(before <= telemetry().energy && telemetry().energy - before < (jp_energy)1 << 32);
     drive_to_rest();
     expect_phase(JP_SKID_PILOT_RESTING, JP_OK);
     TEST_ASSERT_EQUAL_UINT32(0, pilot.legs_left_out);

@@ -138,20 +138,20 @@ static void test_wheels_at_rest_are_no_fault(void)
 
 static void test_a_stalled_side_is_named(void)
 {
-    motion.current_left = config.stall_current;
+    motion.current[JP_SKID_LEFT] = config.stall_current;
     TEST_ASSERT_EQUAL_HEX16(0, watch(config.stall_calls - 1U));
     TEST_ASSERT_EQUAL_HEX16(JP_FAULT_STALLED_LEFT, watch(1));
-    motion.current_left = 0;
-    motion.current_right = -config.stall_current;
+    motion.current[JP_SKID_LEFT] = 0;
+    motion.current[JP_SKID_RIGHT] = -config.stall_current;
     TEST_ASSERT_EQUAL_HEX16(0, watch(config.stall_calls - 1U));
     TEST_ASSERT_EQUAL_HEX16(JP_FAULT_STALLED_RIGHT, watch(1));
 }
 
 static void test_a_side_that_turns_or_takes_less_is_not_stalled(void)
 {
-    motion.current_left = config.stall_current - 1;
+    motion.current[JP_SKID_LEFT] = config.stall_current - 1;
     TEST_ASSERT_EQUAL_HEX16(0, watch(2U * config.stall_calls));
-    motion.current_left = config.stall_current;
+    motion.current[JP_SKID_LEFT] = config.stall_current;
     control.sides[JP_SKID_LEFT].rate = config.stall_rate;
     control.sides[JP_SKID_RIGHT].rate = config.stall_rate;
     TEST_ASSERT_EQUAL_HEX16(0, watch(2U * config.stall_calls));
@@ -167,8 +167,8 @@ static void carry(jp_q16 left, jp_q16 right, bool backwards)
         control.sides[side].rate = sign * JP_Q24(0.5);
         control.sides[side].load = sign * JP_Q16(1);
     }
-    motion.current_left = sign * left;
-    motion.current_right = sign * right;
+    motion.current[JP_SKID_LEFT] = sign * left;
+    motion.current[JP_SKID_RIGHT] = sign * right;
 }
 
 static void test_a_side_in_the_air_is_named(void)

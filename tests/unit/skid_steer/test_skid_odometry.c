@@ -25,6 +25,7 @@ static const struct jp_skid_odometry_config usual = {
     .tilt_deviation = JP_Q24(0.1),
     .tilt_change = JP_Q24(0.08),
     .accel_noise = JP_Q24(0.005),
+    .turn_slide_most = JP_Q24(4),
     .efficiency = JP_Q24(0.5),
     .way_deviation = JP_Q24(0.01),
     .way_drift = JP_Q24(0.01),
@@ -80,34 +81,37 @@ static int32_t heading_degrees_1000(void)
 static void test_check_names_each_field(void)
 {
     expect_config(NULL);
-    RANGE("skid_odometry.", tick_rate, 100, 10000);
-    RANGE("skid_odometry.", step_ticks, 6, 32);
-    RANGE("skid_odometry.", way_per_count, (int32_t)1 << 12, (int32_t)1 << 30);
-    RANGE("skid_odometry.", turn_per_count, (int32_t)1 << 12, (int32_t)1 << 30);
-    RANGE("skid_odometry.", ratio, JP_Q24(0.1), JP_Q24(1.5));
-    RANGE("skid_odometry.", ratio_deviation, JP_Q24(0.0001), JP_Q24(0.5));
-    RANGE("skid_odometry.", scale_deviation, 0, JP_Q24(0.1));
-    RANGE("skid_odometry.", bias_deviation, JP_Q24_ONE >> 16, JP_Q24(0.1));
-    RANGE("skid_odometry.", bias_memory, 1000, 100000000);
-    RANGE("skid_odometry.", gyro_noise, JP_Q24_ONE >> 20, JP_Q24(0.1));
-    RANGE("skid_odometry.", way_noise, JP_Q24_ONE >> 16, JP_Q24(0.1));
-    RANGE("skid_odometry.", turn_noise, JP_Q24(0.001), JP_Q24_ONE);
-    RANGE("skid_odometry.", tilt_deviation, JP_Q24(0.005), JP_Q24(0.5));
-    RANGE("skid_odometry.", tilt_change, JP_Q24(0.001), JP_Q24_ONE);
-    RANGE("skid_odometry.", accel_noise, JP_Q24(0.0005), JP_Q24(0.1));
-    RANGE("skid_odometry.", accel_offset, 0, JP_Q24(0.5));
-    RANGE("skid_odometry.", ratio_growth, 0, JP_Q24(16));
-    RANGE("skid_odometry.", creep, 0, JP_Q24_ONE);
-    RANGE("skid_odometry.", turn_creep_along, 0, JP_Q24(8));
-    RANGE("skid_odometry.", turn_creep_across, 0, JP_Q24(8));
-    RANGE("skid_odometry.", caster_drag, 0, JP_Q24(0.2));
-    RANGE("skid_odometry.", turn_force, 0, JP_Q24(2));
-    RANGE("skid_odometry.", force_per_ampere, 0, JP_Q24(16));
-    RANGE("skid_odometry.", efficiency, JP_Q24(0.1), JP_Q24_ONE);
-    RANGE("skid_odometry.", rolling, 0, JP_Q24(0.5));
-    RANGE("skid_odometry.", way_deviation, 0, JP_Q24(0.1));
-    RANGE("skid_odometry.", way_drift, 0, JP_Q24(0.5));
-    RANGE("skid_odometry.", turn_drift, 0, JP_Q24(0.5));
+    RANGE("odometry.", tick_rate, 100, 10000);
+    RANGE("odometry.", step_ticks, 6, 32);
+    RANGE("odometry.", way_per_count, (int32_t)1 << 12, (int32_t)1 << 30);
+    RANGE("odometry.", turn_per_count, (int32_t)1 << 12, (int32_t)1 << 30);
+    RANGE("odometry.", ratio, JP_Q24(0.1), JP_Q24(1.5));
+    RANGE("odometry.", ratio_deviation, JP_Q24(0.0001), JP_Q24(0.5));
+    RANGE("odometry.", scale_deviation, 0, JP_Q24(0.1));
+    RANGE("odometry.", bias_deviation, JP_Q24_ONE >> 16, JP_Q24(0.1));
+    RANGE("odometry.", bias_memory, 1000, 100000000);
+    RANGE("odometry.", gyro_noise, JP_Q24_ONE >> 20, JP_Q24(0.1));
+    RANGE("odometry.", way_noise, JP_Q24_ONE >> 16, JP_Q24(0.1));
+    RANGE("odometry.", turn_noise, JP_Q24(0.001), JP_Q24_ONE);
+    RANGE("odometry.", tilt_deviation, JP_Q24(0.005), JP_Q24(0.5));
+    RANGE("odometry.", tilt_change, JP_Q24(0.001), JP_Q24_ONE);
+    RANGE("odometry.", accel_noise, JP_Q24(0.0005), JP_Q24(0.1));
+    RANGE("odometry.", accel_offset, 0, JP_Q24(0.5));
+    RANGE("odometry.", ratio_growth, 0, JP_Q24(16));
+    RANGE("odometry.", creep, 0, JP_Q24_ONE);
+    RANGE("odometry.", turn_creep_along, 0, JP_Q24(8));
+    RANGE("odometry.", turn_creep_across, 0, JP_Q24(8));
+    RANGE("odometry.", turn_shift_along, 0, JP_Q24(8));
+    RANGE("odometry.", turn_shift_across, 0, JP_Q24(8));
+    RANGE("odometry.", turn_slide_most, 0, JP_Q24(4));
+    RANGE("odometry.", caster_drag, 0, JP_Q24(0.2));
+    RANGE("odometry.", turn_force, 0, JP_Q24(2));
+    RANGE("odometry.", force_per_ampere, 0, JP_Q24(16));
+    RANGE("odometry.", efficiency, JP_Q24(0.1), JP_Q24_ONE);
+    RANGE("odometry.", rolling, 0, JP_Q24(0.5));
+    RANGE("odometry.", way_deviation, 0, JP_Q24(0.1));
+    RANGE("odometry.", way_drift, 0, JP_Q24(0.5));
+    RANGE("odometry.", turn_drift, 0, JP_Q24(0.5));
 }
 
 /* ---- Way ---- */
@@ -193,7 +197,7 @@ static void test_stand_keeps_the_pose_and_shows_the_bias(void)
     TEST_ASSERT_INT64_WITHIN(METRE / 1000, before.y, odometry.y);
     TEST_ASSERT_INT64_WITHIN((int64_t)JP_PHASE_TURN / 10000, (int64_t)before.heading, (int64_t)odometry.heading);
     TEST_ASSERT_EQUAL_INT32(0, odometry.speed);
-    TEST_ASSERT_INT32_WITHIN(DEGREE / 100, DEGREE, odometry.internal.bias_rate);
+    TEST_ASSERT_INT32_WITHIN(DEGREE / 100, DEGREE, odometry.bias_rate);
     TEST_ASSERT_INT32_WITHIN(DEGREE / 100, 0, odometry.turn_rate);
 }
 
@@ -226,12 +230,12 @@ static void test_one_count_to_and_fro_is_a_stand(void)
 static void test_straight_way_shows_the_bias_less(void)
 {
     drive(25, 256, 256, DEGREE);
-    const int32_t by_way = odometry.internal.bias_rate;
-    const int32_t variance = odometry.internal.bias_bias;
+    const int32_t by_way = odometry.bias_rate;
+    const int32_t variance = odometry.internal.gyro.bias_bias;
     setUp();
     drive(25, 0, 0, DEGREE);
-    TEST_ASSERT_TRUE(by_way > DEGREE / 20 && by_way < odometry.internal.bias_rate);
-    TEST_ASSERT_TRUE(odometry.internal.bias_bias < variance / 4);
+    TEST_ASSERT_TRUE(by_way > DEGREE / 20 && by_way < odometry.bias_rate);
+    TEST_ASSERT_TRUE(odometry.internal.gyro.bias_bias < variance / 4);
 }
 
 static void test_turns_show_the_ratio(void)
@@ -239,7 +243,7 @@ static void test_turns_show_the_ratio(void)
     drive(100, 0, 0, 0);
     drive(100, -256, 256, JP_Q24(0.5)); /* ratio ½ would be 0.390625 turn/s */
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.02), JP_Q24(0.64), odometry.steering_ratio);
-    TEST_ASSERT_TRUE(odometry.internal.ratio_ratio < (1 << 30) / 8);
+    TEST_ASSERT_TRUE(odometry.internal.gyro.ratio_ratio < (1 << 30) / 8);
     drive(100, 256, -256, -JP_Q24(0.5));
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.64), odometry.steering_ratio);
 }
@@ -262,7 +266,7 @@ static void test_scale_that_is_exact_leaves_it_to_the_ratio(void)
     jp_skid_odometry_start(&odometry, &config, &sensors);
     drive(100, 0, 0, 0);
     drive(100, -256, 256, JP_Q24(0.39453125));
-    TEST_ASSERT_INT32_WITHIN(2, JP_Q24(0.39453125) - odometry.internal.bias_rate, odometry.turn_rate);
+    TEST_ASSERT_INT32_WITHIN(2, JP_Q24(0.39453125) - odometry.bias_rate, odometry.turn_rate);
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.002), JP_Q24(0.505), odometry.steering_ratio);
 }
 
@@ -314,11 +318,11 @@ static void test_turn_shows_the_grade_to_the_left(void)
         sensors.accel_x = (jp_q24)(((int64_t)grade * jp_sin((jp_angle)step * ((1U << 30) / 50U))) >> 31);
         drive(1, -82, 82, JP_Q24(0.125));
         if (step == 25) {
-            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.0707), odometry.internal.tilt.left);
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.0707), odometry.internal.tilt.state[JP_SKID_TILT_LEFT]);
         }
     }
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.005), grade, odometry.internal.tilt.ahead);
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), 0, odometry.internal.tilt.left);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.005), grade, odometry.internal.tilt.state[JP_SKID_TILT_AHEAD]);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), 0, odometry.internal.tilt.state[JP_SKID_TILT_LEFT]);
 }
 
 static void test_robot_slips_down_the_slope_as_it_turns(void)
@@ -326,7 +330,7 @@ static void test_robot_slips_down_the_slope_as_it_turns(void)
     config.turn_creep_along = JP_Q24(0.5);
     config.turn_creep_across = JP_Q24(1);
     jp_skid_odometry_start(&odometry, &config, &sensors);
-    odometry.internal.tilt.left = JP_Q24(0.1);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
     drive(1, -164, 164, JP_Q24(0.125)); /* 0.0314 rad */
     TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 314 / 100000, odometry.y);
     setUp();
@@ -335,6 +339,55 @@ static void test_robot_slips_down_the_slope_as_it_turns(void)
     jp_skid_odometry_start(&odometry, &config, &sensors);
     drive(1, -164, 164, JP_Q24(0.125));
     TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 157 / 100000, odometry.x);
+}
+
+/* It turns about the axle uphill at most. */
+static void test_slip_in_a_turn_is_limited(void)
+{
+    config.turn_creep_across = JP_Q24(1);
+    config.turn_slide_most = JP_Q24(0.05);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, -164, 164, JP_Q24(0.125)); /* 0.0314 rad */
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 157 / 100000, odometry.y);
+}
+
+/* Load that moves to an axle behind, or to a side, moves what the robot turns about. */
+static void test_load_moves_the_centre_of_a_turn(void)
+{
+    config.turn_shift_across = JP_Q24(0.5);
+    sensors.accel_x = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(1, -164, 164, JP_Q24(0.125));
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, METRE * 157 / 100000, odometry.y);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(1, 164, -164, -JP_Q24(0.125));
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 157 / 100000, odometry.y);
+    setUp();
+    config.turn_shift_along = JP_Q24(0.5);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, -164, 164, JP_Q24(0.125));
+    TEST_ASSERT_INT64_WITHIN(METRE / 10000, METRE * 157 / 100000, odometry.x);
+}
+
+static void test_slide_of_the_slope(void)
+{
+    struct jp_path_slide slide;
+
+    config.turn_creep_across = JP_Q24(1);
+    config.turn_shift_across = JP_Q24(0.5);
+    config.creep = JP_Q24(0.1);
+    sensors.accel_x = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.2);
+    jp_skid_odometry_slide(&odometry, &config, &slide);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.1), slide.ahead);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.2), slide.left);
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q24(1), slide.by_turn);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.5), slide.by_left);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(4), slide.most);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.1), slide.by_way);
 }
 
 static void test_bend_pushes_outwards(void)
@@ -349,9 +402,9 @@ static void test_stand_shows_the_bias_of_the_pitch_gyro(void)
 {
     sensors.pitch_rate = DEGREE;
     drive(400, 0, 0, 0);
-    TEST_ASSERT_INT32_WITHIN(300000, (int32_t)((int64_t)DEGREE * 65536 / 25), odometry.internal.pitch_bias);
+    TEST_ASSERT_INT32_WITHIN(300000, (int32_t)((int64_t)DEGREE * 65536 / 25), odometry.internal.tilt.pitch_bias);
     drive(25, 256, 256, 0); /* does not nod */
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), 0, odometry.internal.tilt.ahead);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), 0, odometry.internal.tilt.state[JP_SKID_TILT_AHEAD]);
 }
 
 /* The grade is not what the robot's own acceleration is. */
@@ -361,31 +414,31 @@ static void test_acceleration_is_no_grade(void)
         sensors.accel_x = step == 0 ? 0 : JP_Q24(0.0778); /* 10 counts a tick more each step: 0.763 m/s² */
         drive(1, step * 10, step * 10, 0);
     }
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), 0, odometry.internal.tilt.ahead);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), 0, odometry.internal.tilt.state[JP_SKID_TILT_AHEAD]);
 }
 
 /* Standing says nothing of the grade to the left; what is known of it is forgotten on the way. */
 static void test_grade_to_the_left_is_forgotten(void)
 {
-    odometry.internal.tilt.left = JP_Q24(0.1);
-    odometry.internal.tilt.left_left = 1 << 20;
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    odometry.internal.tilt.variance[JP_SKID_TILT_LEFT] = 1 << 20;
     drive(64, 256, 256, 0);
-    TEST_ASSERT_TRUE(odometry.internal.tilt.left < JP_Q24(0.06));
-    TEST_ASSERT_TRUE(odometry.internal.tilt.left_left > 1 << 28);
+    TEST_ASSERT_TRUE(odometry.internal.tilt.state[JP_SKID_TILT_LEFT] < JP_Q24(0.06));
+    TEST_ASSERT_TRUE(odometry.internal.tilt.variance[JP_SKID_TILT_LEFT] > 1 << 28);
     drive(1, 1 << 20, 1 << 20, 0);
     drive(1, 1 << 20, 1 << 20, 0);
-    TEST_ASSERT_TRUE(odometry.internal.tilt.left_left > (1 << 30) - (1 << 28));
+    TEST_ASSERT_TRUE(odometry.internal.tilt.variance[JP_SKID_TILT_LEFT] > (1 << 30) - (1 << 28));
 }
 
 static void test_grade_is_forgotten_at_once_where_it_changes_much(void)
 {
     config.tilt_change = JP_Q24(1);
     jp_skid_odometry_start(&odometry, &config, &sensors);
-    odometry.internal.tilt.left = JP_Q24(0.1);
-    odometry.internal.tilt.left_left = 1 << 20;
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    odometry.internal.tilt.variance[JP_SKID_TILT_LEFT] = 1 << 20;
     drive(1, 1024, 1024, 0);
-    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.05), odometry.internal.tilt.left);
-    TEST_ASSERT_EQUAL_INT32(1 << 30, odometry.internal.tilt.left_left);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.05), odometry.internal.tilt.state[JP_SKID_TILT_LEFT]);
+    TEST_ASSERT_EQUAL_INT32(1 << 30, odometry.internal.tilt.variance[JP_SKID_TILT_LEFT]);
 }
 
 /* ---- Grip ---- */
@@ -408,16 +461,16 @@ static void skid(jp_q16 current, int32_t steps)
 static void test_currents_of_a_turn_tell_the_grip(void)
 {
     skid(JP_Q16(4.4), 64);
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.4), odometry.internal.turn_force);
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.2), JP_Q24(6.2832), odometry.internal.turn_creep_across);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.4), odometry.internal.slip.turn_force);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.2), JP_Q24(6.2832), odometry.internal.slip.creep_across);
     skid(JP_Q16(2.4), 64);
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.2), odometry.internal.turn_force);
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.6), JP_Q24(12.566), odometry.internal.turn_creep_across);
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.3), JP_Q24(6.2832), odometry.internal.turn_creep_along);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.2), odometry.internal.slip.turn_force);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.6), JP_Q24(12.566), odometry.internal.slip.creep_across);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.3), JP_Q24(6.2832), odometry.internal.slip.creep_along);
     skid(0, 64);
-    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.4) / 8, odometry.internal.turn_force);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.4) / 8, odometry.internal.slip.turn_force);
     skid(JP_Q16(100), 64);
-    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.4) * 2, odometry.internal.turn_force);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.4) * 2, odometry.internal.slip.turn_force);
 }
 
 static void test_turn_to_the_right_tells_the_same(void)
@@ -426,32 +479,32 @@ static void test_turn_to_the_right_tells_the_same(void)
     sensors.current_left = JP_Q16(2.4);
     sensors.current_right = -JP_Q16(2.4);
     drive(64, 82, -82, -JP_Q24(0.125));
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.2), odometry.internal.turn_force);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.2), odometry.internal.slip.turn_force);
 }
 
 /* A side that brakes has its gear's loss added: −1 A are −0.2 g. */
 static void test_side_that_brakes_counts_with_the_loss_of_its_gear(void)
 {
     skid(0, 1);
-    odometry.internal.turn_force = config.turn_force;
+    odometry.internal.slip.turn_force = config.turn_force;
     sensors.current_left = -JP_Q16(1);
     sensors.current_right = JP_Q16(2.8);
     drive(64, 60, 224, JP_Q24(0.125)); /* 0.14 g − (−0.2 g), the rolling resistances are alike */
-    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.34), odometry.internal.turn_force);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.34), odometry.internal.slip.turn_force);
 }
 
 static void test_straight_way_tells_nothing_of_the_grip(void)
 {
     config.creep = JP_Q24(0.1);
     skid(JP_Q16(2.4), 64);
-    const int32_t before = odometry.internal.turn_force;
+    const int32_t before = odometry.internal.slip.turn_force;
     sensors.current_left = 0;
     sensors.current_right = 0;
     drive(1, 256, 256, 0);
-    const int32_t after = odometry.internal.turn_force;
+    const int32_t after = odometry.internal.slip.turn_force;
     drive(16, 256, 256, 0);
     TEST_ASSERT_TRUE(after <= before);
-    TEST_ASSERT_EQUAL_INT32(after, odometry.internal.turn_force);
+    TEST_ASSERT_EQUAL_INT32(after, odometry.internal.slip.turn_force);
 }
 
 /* The outer side carries the same force with more slip. */
@@ -462,12 +515,12 @@ static void test_bend_loses_way(void)
     jp_skid_odometry_start(&odometry, &config, &sensors);
     drive(1, 128, 384, 0); /* sides ± 1/64 m of 1/32 m */
     TEST_ASSERT_INT32_WITHIN((int32_t)(METRE / 100000), (int32_t)(METRE / 32 - METRE / 64 / 20),
-                             odometry.internal.forward);
+                             odometry.internal.step.forward);
     drive(1, -128, -384, 0);
     TEST_ASSERT_INT32_WITHIN((int32_t)(METRE / 100000), -(int32_t)(METRE / 32 - METRE / 64 / 20),
-                             odometry.internal.forward);
+                             odometry.internal.step.forward);
     drive(1, -256, 256, 0);
-    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.forward);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.forward);
 }
 
 /* A robot that is pushed aside in its turns turns further by the same wheels. */
@@ -475,14 +528,14 @@ static void test_ratio_grows_as_the_robot_is_pushed_aside(void)
 {
     config.ratio_growth = JP_Q24(1);
     jp_skid_odometry_start(&odometry, &config, &sensors);
-    odometry.internal.along_turn = 0;
-    odometry.internal.across_turn = JP_Q24(0.2); /* 4 % */
+    odometry.internal.slip.along = 0;
+    odometry.internal.slip.across = JP_Q24(0.2); /* 4 % */
     drive(100, 0, 0, 0);
     config.turn_creep_across = JP_Q24(1);
-    odometry.internal.turn_creep_across = JP_Q24(2);
-    odometry.internal.turn_creep_along = 0;
+    odometry.internal.slip.creep_across = JP_Q24(2);
+    odometry.internal.slip.creep_along = 0;
     for (int step = 0; step < 100; step++) {
-        odometry.internal.tilt.left = JP_Q24(0.1);
+        odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
         drive(1, -256, 256, JP_Q24(0.40625)); /* 4 % more than the ratio says */
     }
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.004), JP_Q24(0.5), odometry.steering_ratio);
@@ -556,13 +609,13 @@ static void test_deviations_saturate(void)
 {
     odometry.x = INT64_MAX;
     odometry.y = INT64_MIN;
-    odometry.internal.bias_x = INT64_MAX;
-    odometry.internal.bias_y = INT64_MIN;
-    odometry.internal.scale_x = INT64_MAX;
-    odometry.internal.turned = INT64_MAX;
-    odometry.internal.turn_total = INT64_MAX;
-    odometry.internal.way_total = INT64_MAX;
-    odometry.internal.steps = (int64_t)1 << 33;
+    odometry.internal.past.bias_x = INT32_MAX;
+    odometry.internal.past.bias_y = INT32_MIN;
+    odometry.internal.past.scale_x = INT32_MAX;
+    odometry.internal.past.turned = INT32_MAX;
+    odometry.internal.past.turn = INT32_MAX;
+    odometry.internal.past.way = INT32_MAX;
+    odometry.internal.past.steps = 1 << 25;
     TEST_ASSERT_TRUE(estimate().xx > 0);
     TEST_ASSERT_TRUE(estimate().yy > 0);
     TEST_ASSERT_TRUE(estimate().heading_deviation > 0);

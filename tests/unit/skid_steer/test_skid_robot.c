@@ -26,7 +26,7 @@ static void test_init_checks_every_part(void)
 
     config = jp_skid_robot_zhang2018;
     expect_config(NULL);
-    FIELD(odometry.step_ticks, 0, "skid_odometry.step_ticks");
+    FIELD(odometry.step_ticks, 0, "odometry.step_ticks");
     FIELD(control.back_emf, 0, "control.back_emf");
     FIELD(monitor.tilt_limit, 0, "monitor.tilt_limit");
     FIELD(monitor.half_track, JP_Q16_ONE - 1, "monitor.half_track");

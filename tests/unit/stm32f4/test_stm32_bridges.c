@@ -16,7 +16,7 @@ static void start(uint32_t hz)
 {
     stm32_fake_reset();
     timer_hz = hz;
-    jp_bridges_start(&bridges, hz);
+    jp_bridges_start(&bridges, hz, 1000);
 }
 
 void setUp(void)
@@ -202,6 +202,18 @@ static void test_samples_come_at_1_khz(void)
     TEST_ASSERT_TRUE(TIM3.CCR4 > 0U && TIM3.CCR4 <= TIM3.ARR);
     TEST_ASSERT_EQUAL_HEX32(TIM_CCER_CC4E, TIM3.CCER);
     CHECK_SET(TIM_CR1_CEN, TIM3.CR1);
+}
+
+static void test_samples_come_at_the_rate_of_the_ticks(void)
+{
+    static const uint32_t rates[] = {100, 500, 1000};
+
+    for (unsigned i = 0; i < sizeof rates / sizeof rates[0]; i++) {
+        stm32_fake_reset();
+        jp_bridges_start(&bridges, 168000000, rates[i]);
+        TEST_ASSERT_EQUAL_UINT32(rates[i], BOARD_PWM_HZ / (TIM3.ARR + 1U));
+        TEST_ASSERT_TRUE(TIM3.CCR4 > 0U && TIM3.CCR4 <= TIM3.ARR);
+    }
 }
 
 static void check_connected(struct jp_pin pin)

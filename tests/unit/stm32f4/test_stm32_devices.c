@@ -26,7 +26,7 @@ static void receive(void *context, const struct jp_can_frame *frame)
 
 static void start(void)
 {
-    jp_devices_start(&devices, receive, &frames);
+    jp_devices_start(&devices, 1000, receive, &frames);
     hal = jp_devices_hal(&devices);
 }
 

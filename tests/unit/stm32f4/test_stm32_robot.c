@@ -2,9 +2,9 @@
  * balanced stand. */
 #include <joulepath/tables.h>
 
-#include "hal/app/ecu.h"
 #include "hal/stm32f4/board.h"
 #include "hal/stm32f4/devices.h"
+#include "tests/support/ecu_start.h"
 
 #include <string.h>
 
@@ -20,6 +20,7 @@ static struct jp_robot_config config;
 static struct jp_devices devices;
 static struct jp_hal hal;
 static struct jp_ecu ecu;
+static struct jp_ecu_balancer balancer;
 static struct jp_retained retained;
 static uint8_t command_counter;
 static uint8_t jitter;
@@ -57,7 +58,7 @@ static uint32_t reading(int32_t counts)
 
 static void convert(void)
 {
-    const struct jp_voltages *voltages = &jp_robot_last_tick(&ecu.robot)->voltages;
+    const struct jp_voltages *voltages = &jp_robot_last_tick(&balancer.robot)->voltages;
 
     ADC1.JDR1 = reading(ZERO + BOARD_CURRENT_SIGN_LEFT * counts_of(voltages->left) + world.current_left_extra);
     ADC1.JDR2 = reading(ZERO + BOARD_CURRENT_SIGN_RIGHT * counts_of(voltages->right));
@@ -111,7 +112,8 @@ static void start(void)
     const struct jp_can_port port = jp_can_controller_port(&devices.can);
     const char *field = "";
 
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_ecu_init(&ecu, &config, &jp_energy_model_courier24, &port, &retained, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK,
+                          ecu_start(&ecu, &balancer, &config, &jp_energy_model_courier24, &port, &retained, &field));
     hal = jp_devices_hal(&devices);
     jp_ecu_use_board(&ecu, &hal);
 }
@@ -123,7 +125,7 @@ void setUp(void)
     command_counter = 0;
     memset(&retained, 0, sizeof retained);
     stm32_fake_reset();
-    jp_devices_start(&devices, ignore_frame, NULL);
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
     start();
 }
 
@@ -154,7 +156,7 @@ static void stand_up(void)
     run(3);
     command(JP_MODE_STAND);
     command(JP_MODE_STAND);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
 }
 
@@ -162,8 +164,8 @@ static void stand_up(void)
 static void expect_off(uint16_t fault, unsigned ticks)
 {
     run(ticks);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, jp_robot_state_now(&ecu.robot));
-    TEST_ASSERT_BITS_HIGH(fault, jp_robot_last_tick(&ecu.robot)->faults);
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_FAULT, jp_robot_state_now(&balancer.robot));
+    TEST_ASSERT_BITS_HIGH(fault, jp_robot_last_tick(&balancer.robot)->faults);
     TEST_ASSERT_TRUE(bridges_are_off());
 }
 
@@ -174,7 +176,7 @@ static void test_it_stands_and_is_switched_off(void)
     for (int i = 0; i < 3; i++) {
         command(JP_MODE_OFF);
     }
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_IDLE, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_off());
 }
 
@@ -190,8 +192,8 @@ static void test_a_stuck_encoder_that_contradicts_the_current_switches_off(void)
 {
     stand_up();
     world.held = false;
-    ecu.robot.internal.reference.wheel.angle += (jp_phase)JP_Q24(0.2) << 32;
-    ecu.robot.internal.reference.wheel.target = ecu.robot.internal.reference.wheel.angle;
+    balancer.robot.internal.reference.wheel.angle += (jp_phase)JP_Q24(0.2) << 32;
+    balancer.robot.internal.reference.wheel.target = balancer.robot.internal.reference.wheel.angle;
     expect_off(JP_FAULT_ENCODER_LEFT | JP_FAULT_ENCODER_RIGHT, 200);
 }
 
@@ -201,7 +203,7 @@ static void test_a_stuck_encoder_at_a_stand_is_no_matter(void)
     for (int i = 0; i < 20; i++) {
         command(JP_MODE_STAND);
     }
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
 }
 
@@ -223,14 +225,14 @@ static void test_without_an_imu_it_never_stands_up(void)
 {
     stm32_fake_reset();
     fake.imu_absent = true;
-    jp_devices_start(&devices, ignore_frame, NULL);
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
     start();
     TEST_ASSERT_EQUAL_INT(JP_ERR_HARDWARE, devices.imu_status);
     run(10);
     for (int i = 0; i < 5; i++) {
         command(JP_MODE_STAND);
     }
-    TEST_ASSERT_NOT_EQUAL(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_NOT_EQUAL(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_off());
 }
 
@@ -238,13 +240,13 @@ static void test_without_the_zeros_of_the_currents_it_never_stands_up(void)
 {
     stm32_fake_reset();
     fake.readings[0] = 4095;
-    jp_devices_start(&devices, ignore_frame, NULL);
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
     start();
     run(10);
     for (int i = 0; i < 5; i++) {
         command(JP_MODE_STAND);
     }
-    TEST_ASSERT_NOT_EQUAL(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_NOT_EQUAL(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_off());
 }
 
@@ -268,7 +270,7 @@ static void test_bus_off_ends_in_a_balanced_stand(void)
     CAN1.ESR = CAN_ESR_BOFF;
     jp_can_controller_on_error(&devices.can);
     run(2000);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_EQUAL_INT(JP_OPERATOR_LOST, ecu.internal.operator_link.state);
     TEST_ASSERT_EQUAL_UINT8(1, ecu.bus_offs);
     TEST_ASSERT_TRUE(bridges_are_on());
@@ -280,12 +282,12 @@ static void test_a_reset_ends_in_a_balanced_stand(void)
     stand_up();
     stm32_fake_reset();
     TEST_ASSERT_TRUE(bridges_are_off());
-    jp_devices_start(&devices, ignore_frame, NULL);
-    devices.encoders.count_left = ecu.robot.internal.estimator.encoder_left;
-    devices.encoders.count_right = ecu.robot.internal.estimator.encoder_right;
+    jp_devices_start(&devices, 1000, ignore_frame, NULL);
+    devices.encoders.count_left = balancer.robot.internal.estimator.encoder_left;
+    devices.encoders.count_right = balancer.robot.internal.estimator.encoder_right;
     start();
     run(1);
-    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&ecu.robot));
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_BALANCING, jp_robot_state_now(&balancer.robot));
     TEST_ASSERT_TRUE(bridges_are_on());
     TEST_ASSERT_EQUAL_UINT32(1, ecu.resets);
 }

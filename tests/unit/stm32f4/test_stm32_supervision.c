@@ -47,9 +47,9 @@ static uint64_t time_us(uint32_t oscillator_hz)
 
 static void test_the_watchdog_is_started_and_fed(void)
 {
-    jp_watchdog_start();
+    jp_watchdog_start(1000);
     TEST_ASSERT_EQUAL_HEX32(0xAAAA, IWDG.KR);
-    TEST_ASSERT_EQUAL_UINT64(1000U * JP_WATCHDOG_MS, time_us(32000));
+    TEST_ASSERT_EQUAL_UINT64(1000U * JP_WATCHDOG_TICKS, time_us(32000));
     IWDG.KR = 0;
     jp_watchdog_feed();
     TEST_ASSERT_EQUAL_HEX32(0xAAAA, IWDG.KR);
@@ -57,20 +57,31 @@ static void test_the_watchdog_is_started_and_fed(void)
 
 static void test_an_unfed_tick_is_noticed_before_the_robot_has_fallen(void)
 {
-    jp_watchdog_start();
+    jp_watchdog_start(1000);
     TEST_ASSERT_TRUE(time_us(17000) < 20000);
     TEST_ASSERT_TRUE(time_us(47000) > 5000);
 }
 
+static void test_slower_ticks_leave_as_many(void)
+{
+    static const uint32_t rates[] = {100, 200, 500};
+
+    for (unsigned i = 0; i < sizeof rates / sizeof rates[0]; i++) {
+        jp_watchdog_start(rates[i]);
+        TEST_ASSERT_TRUE(IWDG.RLR <= 0xFFF);
+        TEST_ASSERT_EQUAL_UINT64(1000000U / rates[i] * JP_WATCHDOG_TICKS, time_us(32000));
+    }
+}
+
 static void test_the_fastest_oscillator_leaves_time_for_an_erase(void)
 {
-    jp_watchdog_start();
-    jp_watchdog_relax(true);
+    jp_watchdog_start(1000);
+    jp_watchdog_relax();
     TEST_ASSERT_TRUE(IWDG.RLR <= 0xFFF);
     TEST_ASSERT_TRUE(time_us(47000) > 1000U * JP_WATCHDOG_ERASE_MS);
     TEST_ASSERT_EQUAL_HEX32(0xAAAA, IWDG.KR);
-    jp_watchdog_relax(false);
-    TEST_ASSERT_EQUAL_UINT64(1000U * JP_WATCHDOG_MS, time_us(32000));
+    jp_watchdog_tighten(1000);
+    TEST_ASSERT_EQUAL_UINT64(1000U * JP_WATCHDOG_TICKS, time_us(32000));
 }
 
 static void test_the_supply_is_watched(void)

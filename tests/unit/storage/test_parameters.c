@@ -44,7 +44,7 @@ static void encode(void)
 
 static enum jp_status decode(uint16_t length)
 {
-    return jp_parameters_decode(&found, &config, record, length, &field);
+    return jp_parameters_decode(&found, jp_robot_identity(&config), record, length, &field);
 }
 
 static void expect_found(void)
@@ -157,7 +157,7 @@ static void expect_start(enum jp_stored stored, uint16_t length)
         jp_parameters_default(&expected);
     }
     memset(&found, 0xA5, sizeof found);
-    TEST_ASSERT_EQUAL_INT(stored, jp_parameters_start(&found, &config, record, length));
+    TEST_ASSERT_EQUAL_INT(stored, jp_parameters_start(&found, jp_robot_identity(&config), record, length));
     TEST_ASSERT_EQUAL_MEMORY(&expected.energy, &found.energy, sizeof expected.energy);
     TEST_ASSERT_EQUAL_INT64(expected.gyro_bias, found.gyro_bias);
     TEST_ASSERT_EQUAL_UINT16(expected.current_zero_left, found.current_zero_left);
@@ -294,10 +294,9 @@ static void test_the_edges_of_the_ranges_are_taken(void)
 static void test_null_is_an_argument(void)
 {
     encode();
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(NULL, &config, record, 1, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(&found, NULL, record, 1, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(&found, &config, NULL, 1, &field));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(&found, &config, record, 1, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(NULL, jp_robot_identity(&config), record, 1, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(&found, jp_robot_identity(&config), NULL, 1, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_decode(&found, jp_robot_identity(&config), record, 1, NULL));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_check(NULL, &field));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_parameters_check(&parameters, NULL));
 }
@@ -343,24 +342,25 @@ static void test_they_live_in_a_store(void)
     nor_start(&nor, 1);
     flash = nor_interface(&nor);
     TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, jp_store_open(&store, &flash));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, jp_parameters_load(&found, &config, &store, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_EMPTY, jp_parameters_load(&found, jp_robot_identity(&config), &store, &field));
     for (int64_t bias = 1; bias < 10; bias++) {
         parameters.gyro_bias = bias;
-        TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_save(&parameters, &config, &store, &field));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_save(&parameters, jp_robot_identity(&config), &store, &field));
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_store_open(&store, &flash));
-        TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_load(&found, &config, &store, &field));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_load(&found, jp_robot_identity(&config), &store, &field));
         expect_found();
     }
 
     const unsigned long steps = nor.steps;
 
     parameters.gyro_bias = INT64_MAX;
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_save(&parameters, &config, &store, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_save(&parameters, jp_robot_identity(&config), &store, &field));
     TEST_ASSERT_EQUAL_STRING("gyro_bias", field);
     TEST_ASSERT_EQUAL_UINT32(steps, nor.steps);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_load(&found, &jp_robot_gao2018, &store, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG,
+                          jp_parameters_load(&found, jp_robot_identity(&jp_robot_gao2018), &store, &field));
     TEST_ASSERT_EQUAL_STRING("robot", field);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_store_write(&store, (const uint8_t *)"other", 5));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_load(&found, &config, &store, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_parameters_load(&found, jp_robot_identity(&config), &store, &field));
     TEST_ASSERT_EQUAL_STRING("length", field);
 }

@@ -192,10 +192,31 @@ static void test_price_out_of_its_range(void)
     expect_unchanged();
 }
 
-/* A nearly straight line needs hardly any clearance. */
-static void test_slight_corner(void)
+/* A nearly straight line needs hardly any clearance; the arc takes as much of it as its radius may be long, 100 m. */
+static void test_slight_corners(void)
 {
-    make_path(JP_PIECE_TURN_LEFT, 0.00002);
-    TEST_ASSERT_TRUE(round_corner(0.001));
+    make_path(JP_PIECE_TURN_LEFT, 0.02);
+    TEST_ASSERT_TRUE(round_corner(0.01));
     expect_near(0.5, pieces[2].length);
+    expect_near(1, pieces[1].length);
+    make_path(JP_PIECE_TURN_RIGHT, 0.002);
+    TEST_ASSERT_TRUE(round_corner(0.01));
+    expect_near(1.9, pieces[0].length);
+    expect_near(0.2, pieces[1].length);
+    expect_near(0.9, pieces[2].length);
+    TEST_ASSERT_INT32_WITHIN(2, JP_Q24(-0.01), pieces[1].bend);
+}
+
+/* What is even straighter has no arc of 1 cm on each line: it would end short of the line after it. */
+static void test_corners_of_hardly_any_angle(void)
+{
+    make_path(JP_PIECE_TURN_LEFT, 0.00019);
+    TEST_ASSERT_FALSE(round_corner(0.35));
+    expect_unchanged();
+    make_path(JP_PIECE_TURN_LEFT, 0.0000002);
+    TEST_ASSERT_FALSE(round_corner(0.35));
+    expect_unchanged();
+    make_path(JP_PIECE_TURN_LEFT, 0.00021);
+    TEST_ASSERT_TRUE(round_corner(0.35));
+    expect_near(0.021, pieces[1].length);
 }

@@ -5,7 +5,7 @@
 #include "tests/support/config_check.h"
 #include "unity.h"
 
-enum { PLACES = 4, TICK_RATE = 500, RATE = 250, SET_POINTS_MAX = 20000 };
+enum { PLACES = 4, TICK_RATE = 750, RATE = 250, SET_POINTS_MAX = 20000 };
 
 static const struct jp_path_drive_config usual = {
     .tick_rate = TICK_RATE,
@@ -308,9 +308,13 @@ static struct jp_motion track(double x, double y, double radians)
     return motion;
 }
 
-/* At (1, 2) m along x or y with 0.5 m/s and 0.1 rad/s. */
+/* On a line, at (1, 2) m along x or y with 0.5 m/s and 0.1 rad/s. */
 static void set_point(bool along_y)
 {
+    if (path.count == 0U) {
+        add_line(4);
+    }
+    begin();
     at = (struct jp_path_set_point){
         .pose = {{JP_Q16(1), JP_Q16(2)}, along_y ? JP_ANGLE_DEGREES(90) : 0},
         .cosine = along_y ? 0 : JP_Q31_MAX,
@@ -353,6 +357,112 @@ static void test_corrections_are_bounded(void)
     expect_motion(0.75, 0.6, track(-3000, -3000, -3));
 }
 
+/* ---- Slopes ---- */
+
+/* A grade of 0.2 to the left: 0.2 m to the right a radian, and 0.02 a metre. */
+static const struct jp_path_slide aside = {
+    .left = JP_Q24(0.2), .by_turn = JP_Q24(1), .most = JP_Q24(4), .by_way = JP_Q24(0.1)};
+
+/* All pieces within twice the way, 1 m. */
+static void look_ahead(const struct jp_path_slide *slide)
+{
+    for (int i = 0; i < 3; i++) {
+        jp_path_drive_look_ahead(&drive, slide);
+    }
+}
+
+/* Half of what it will slide to the right, m, is aimed at, at 2/s over twice 0.5 m. */
+static void expect_slide(double metres, const struct jp_path_slide *slide)
+{
+    look_ahead(slide);
+    at.motion = (struct jp_motion){0, 0};
+    expect_motion(0, metres / 2 * 2, track(0, 0, 0));
+}
+
+static void test_line_across_a_slope(void)
+{
+    add_line(0.6);
+    add_line(0.6);
+    begin();
+    skip(1);
+    expect_slide(0.02, &aside);
+    skip(drive_piece(0) > 0U ? 20 : 0);
+    expect_slide(0.02 * (0.6 - drive.internal.progress / 16777216.0), &aside);
+}
+
+static void test_turn_on_the_spot_ahead(void)
+{
+    add_line(0.5);
+    add(JP_PIECE_TURN_LEFT, 0.5, 0, 0);
+    add(JP_PIECE_TURN_RIGHT, 0.25, 0, 0);
+    add_line(0.5);
+    begin();
+    skip(1);
+    expect_slide(0.01 + 0.1 + 0.05, &aside);
+}
+
+/* Where it will have turned by a radian, the slope is the other one. */
+static void test_slope_turns_with_the_robot(void)
+{
+    const struct jp_path_slide ahead = {.ahead = JP_Q24(0.2), .by_turn = JP_Q24(1), .most = JP_Q24(4)};
+
+    add(JP_PIECE_CURVE, 1, 0.5, 0);
+    begin();
+    skip(1);
+    expect_slide(-0.025, &ahead); /* to the left of where it looks it falls: 0.2 · 0.25 · 0.5 */
+}
+
+/* Load on the axles behind: a turn to the left pushes to the left, to the right to the right. */
+static void test_centre_of_turn_behind_the_middle(void)
+{
+    const struct jp_path_slide ahead = {.ahead = JP_Q24(0.2), .by_left = JP_Q24(1), .most = JP_Q24(0.15)};
+
+    add(JP_PIECE_CURVE, 1, 0.5, 0);
+    begin();
+    skip(1);
+    expect_slide(-0.15 * 0.5, &ahead);
+    setUp();
+    add(JP_PIECE_CURVE, 1, -0.5, 0);
+    begin();
+    skip(1);
+    expect_slide(0.15 * 0.5, &ahead);
+}
+
+/* So far to the left of the set-point, at rest. */
+static struct jp_motion track_left(double metres)
+{
+    at.motion = (struct jp_motion){0, 0};
+    return track(-metres * at.sine / 2147483648.0, metres * at.cosine / 2147483648.0, 0);
+}
+
+/* In a turn it aims at what comes after it, more and more in its last radian. */
+static void test_turn_leads_to_the_way_back(void)
+{
+    add(JP_PIECE_TURN_LEFT, 1.5, 0, 0);
+    add_line(2);
+    begin();
+    skip(1);
+    look_ahead(&aside);
+    expect_motion(0, 0, track_left(0.1));
+    while (drive.internal.progress < JP_Q24(1)) {
+        skip(1);
+    }
+    look_ahead(&(struct jp_path_slide){.by_turn = 0});
+    expect_motion(0, -2 * 0.1 * (drive.internal.progress / 16777216.0 - 0.5), track_left(0.1));
+}
+
+static void test_last_turn_ends_as_the_path_does(void)
+{
+    add(JP_PIECE_TURN_LEFT, 0.5, 0, 0);
+    begin();
+    skip(2);
+    look_ahead(&aside);
+    expect_motion(0, 0, track_left(0.05));
+    (void)drive_piece(0);
+    look_ahead(&aside);
+    expect_motion(0, 0, track_left(0.05));
+}
+
 /* Faster than `pace`, twice the speed by the way; slower, `pace`. */
 static void test_pace_of_the_heading(void)
 {
@@ -362,5 +472,5 @@ static void test_pace_of_the_heading(void)
     set_point(false);
     expect_motion(0.5, 0.1 - 1, track(0, 0, 0.1));
     at.motion.speed = 0;
-    expect_motion(0, 0.1 - 0.2, track(0, 0.05, 0.1));
+    expect_motion(0, 0.1 - 0.2, track(0, 0, 0.1));
 }

@@ -1,18 +1,16 @@
-/** Work for all cores, with a progress bar. */
-#ifndef JOULEPATH_TESTS_BENCH_PARALLEL_H
-#define JOULEPATH_TESTS_BENCH_PARALLEL_H
+#include "sim/base/parallel.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "sim/base/error.h"
 #include "sim/base/progress.h"
 
-enum { PARALLEL_THREADS_MAX = 64 };
+enum { THREADS_MAX = 64 };
 
-struct parallel_work {
+struct work {
     void (*task)(void *context, size_t index);
     void *context;
     size_t count;
@@ -22,9 +20,9 @@ struct parallel_work {
     size_t done;
 };
 
-static void *parallel_work_on(void *argument)
+static void *work_on(void *argument)
 {
-    struct parallel_work *work = argument;
+    struct work *work = argument;
     size_t index = atomic_fetch_add(&work->next, 1);
 
     while (index < work->count) {
@@ -37,25 +35,24 @@ static void *parallel_work_on(void *argument)
     return NULL;
 }
 
-static size_t parallel_threads(void)
+static size_t cores_to_use(void)
 {
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
 
-    return cores < 1 ? 1 : cores > PARALLEL_THREADS_MAX ? PARALLEL_THREADS_MAX : (size_t)cores;
+    return cores < 1 ? 1 : cores > THREADS_MAX ? THREADS_MAX : (size_t)cores;
 }
 
-/** Does task(context, index) for each index below `count`, in any order. */
-static void in_parallel(const char *name, void (*task)(void *context, size_t index), void *context, size_t count)
+void in_parallel(const char *name, void (*task)(void *context, size_t index), void *context, size_t count)
 {
-    struct parallel_work work = {.task = task, .context = context, .count = count, .name = name};
-    const size_t thread_count = parallel_threads();
-    pthread_t threads[PARALLEL_THREADS_MAX];
+    struct work work = {.task = task, .context = context, .count = count, .name = name};
+    const size_t thread_count = cores_to_use();
+    pthread_t threads[THREADS_MAX];
 
     (void)pthread_mutex_init(&work.lock, NULL);
     for (size_t i = 0; i < thread_count; i++) {
-        if (pthread_create(&threads[i], NULL, parallel_work_on, &work) != 0) {
-            (void)fprintf(stderr, "%s: no thread\n", name);
-            exit(1);
+        if (pthread_create(&threads[i], NULL, work_on, &work) != 0) {
+            error_line("%s: no thread can be made", name);
+            exit(ERROR_EXIT);
         }
     }
     for (size_t i = 0; i < thread_count; i++) {
@@ -64,5 +61,3 @@ static void in_parallel(const char *name, void (*task)(void *context, size_t ind
     (void)pthread_mutex_destroy(&work.lock);
     progress_end();
 }
-
-#endif

@@ -1,0 +1,159 @@
+/**
+ * What the application of a controller asks of a robot, whatever its kind: ecu_balancer.h and ecu_skid.h have some. An
+ * image holds the code of the kinds that it prepares.
+ */
+#ifndef JOULEPATH_HAL_APP_ECU_ROBOT_H
+#define JOULEPATH_HAL_APP_ECU_ROBOT_H
+
+#include <joulepath/evidence.h>
+#include <joulepath/learner.h>
+#include <joulepath/meter.h>
+#include <joulepath/monitor.h>
+#include <joulepath/point.h>
+
+#include "hal/app/retained.h"
+#include "hal/can/can.h"
+#include "hal/hal.h"
+#include "hal/storage/parameters.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Values of State in EcuStatus. The motors run in standing and driving. */
+enum jp_ecu_state { JP_ECU_IDLE, JP_ECU_STANDING, JP_ECU_DRIVING, JP_ECU_FALLEN, JP_ECU_FAULT };
+
+/** Why the motors stay off although Stand was commanded: values of StandRefusal in joulepath.dbc. */
+enum jp_refusal {
+    JP_REFUSAL_NONE,
+    JP_REFUSAL_NOT_UPRIGHT, /**< leans beyond the tilt limit, or no plausible sample came yet */
+    JP_REFUSAL_FALLEN,      /**< Off first */
+    JP_REFUSAL_FAULT,       /**< Off first */
+    JP_REFUSAL_CONFLICT,    /**< another controller is on the bus */
+    JP_REFUSAL_STEEP        /**< the ground is too steep, or no plausible sample came yet */
+};
+
+/** Pose, Motion, Reference and Motors. */
+struct jp_ecu_motion {
+    struct jp_point position;
+    jp_phase heading;
+    jp_q24 speed;              /**< m/s */
+    jp_turns_per_s turn_rate;  /**< turn/s */
+    jp_q24 pitch;              /**< of the body, turn; forward is positive */
+    jp_turns_per_s pitch_rate; /**< turn/s */
+    jp_q24 reference_speed;    /**< m/s */
+    jp_turns_per_s reference_turn_rate;
+    jp_phase reference_heading;
+    uint32_t segment_ticks_left;
+    struct jp_voltages voltages;
+    uint32_t saturated_ticks;
+};
+
+/** How far it is. */
+struct jp_ecu_progress {
+    uint16_t faults;         /**< enum jp_fault bits */
+    uint16_t segment;        /**< segments begun since the robot last stood */
+    uint16_t segments_ended; /**< since then */
+    enum jp_status plan;     /**< of the last route */
+};
+
+/** A segment as planned. */
+struct jp_ecu_segment {
+    uint16_t number;    /**< since the robot last stood */
+    jp_q24 speed;       /**< m/s */
+    jp_q24 turn;        /**< from its begin to its end, rad */
+    jp_q16 duration;    /**< s */
+    jp_energy forecast; /**< as EnergySpent counts */
+};
+
+/** What a segment took. */
+struct jp_ecu_result {
+    uint16_t segment; /**< its number since the robot last stood */
+    jp_energy spent;
+    jp_energy drawn;
+};
+
+/** What was learned, but for what kinds have each of their own. */
+struct jp_ecu_lessons {
+    uint32_t version;
+    uint32_t learned_from; /**< segments since the start */
+    uint32_t left_out;     /**< segments */
+    uint32_t changes;
+    uint32_t outliers;
+    enum jp_cause cause;
+    enum jp_evidence evidence;
+    enum jp_stored stored;
+};
+
+/** Frames of a kind's own that tell what was learned, at most. */
+#define JP_ECU_LEARNED_FRAMES 2U
+
+/** `self` of the robot is handed to each function. */
+struct jp_ecu_kind {
+    enum jp_retained_kind snapshots;
+    uint8_t parameters; /**< of its energy model */
+
+    /** Before the first tick: goes on from a snapshot. False, and nothing changed: the motors did not run, or it cannot
+     *  be this robot's. The counts are those of its encoders. */
+    bool (*resume)(void *self, const union jp_retained_snapshot *snapshot, uint32_t *encoder_left,
+                   uint32_t *encoder_right);
+
+    /* Of the tick. Constant time. */
+
+    void (*tick)(void *self, const struct jp_hal *hal, enum jp_status *written);
+    /** The last plausible one, or NULL. */
+    const struct jp_sensors *(*good_frame)(const void *self);
+    void (*snapshot)(const void *self, union jp_retained_snapshot *snapshot);
+    void (*motion)(const void *self, struct jp_ecu_motion *motion);
+    void (*progress)(const void *self, struct jp_ecu_progress *progress);
+    /** Since init: as its energy model counts, and out of the battery. */
+    void (*energies)(const void *self, jp_energy *spent, jp_energy *drawn);
+    /** True once for each segment that ended. */
+    bool (*take_result)(void *self, struct jp_ecu_result *result);
+    /** Of the energy model that it plans with; in the unit of that, which the robot's built-in tables tell: so no digit
+     *  is lost. */
+    int32_t (*parameter)(const void *self, uint8_t index);
+
+    /* Of the background. */
+
+    enum jp_ecu_state (*state)(const void *self);
+    /** Motors on at the next tick, or why not; it is idle. */
+    enum jp_refusal (*enable)(void *self);
+    void (*disable)(void *self);
+    /** Plans with what it knows from now on. */
+    void (*take_up_lessons)(void *self);
+    enum jp_status (*follow)(void *self, const struct jp_point *targets, uint16_t count);
+    /** Forgets the route and brakes to a stand. */
+    void (*stop)(void *self);
+    /** A slice of the work of driving routes. */
+    void (*work)(void *self);
+    /** After each slice of work, whoever did it: what the tick is to tell of. */
+    void (*note)(void *self);
+    /** No route is left to drive. */
+    bool (*is_resting)(const void *self);
+    /** Segments begun since the robot last stood; 0: it stands. */
+    uint16_t (*segments_begun)(const void *self);
+    /** Segments planned of the route that it drives, and the last of them; so many had begun before that was planned.
+     */
+    uint16_t (*segments_planned)(const void *self);
+    void (*segment)(const void *self, uint16_t begun, struct jp_ecu_segment *segment);
+    /** What it has learned, to be stored; NULL: it does not learn. */
+    const struct jp_learned_state *(*learned_state)(const void *self);
+    void (*lessons)(const void *self, struct jp_ecu_lessons *lessons);
+    /** The frames of its kind; returns their number. */
+    uint8_t (*tell_learned)(const void *self, struct jp_can_frame frames[JP_ECU_LEARNED_FRAMES]);
+};
+
+/** A robot that is prepared. */
+struct jp_ecu_robot {
+    const struct jp_ecu_kind *kind;
+    void *self;
+    uint32_t tick_rate;
+    const struct jp_monitor_config *monitor;
+};
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

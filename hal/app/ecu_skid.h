@@ -1,0 +1,57 @@
+/** A skid-steered or differential-drive robot and its pilot, as the application of a controller on CAN drives it. */
+#ifndef JOULEPATH_HAL_APP_ECU_SKID_H
+#define JOULEPATH_HAL_APP_ECU_SKID_H
+
+#include <joulepath/skid_pilot.h>
+
+#include "hal/app/ecu_robot.h"
+#include "hal/can/route_link.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Its tables. What they show must stay. */
+struct jp_ecu_skid_config {
+    const struct jp_skid_robot_config *robot;
+    const struct jp_skid_energy_model *energy;
+    const struct jp_skid_learning *learning;
+    const struct jp_path_limits *limits;
+    jp_q24 corner;                        /**< of the pilot: how far inside a corner it may pass, m */
+    enum jp_stored stored;                /**< what jp_parameters_start() found */
+    const struct jp_learned_state *state; /**< taken with JP_STORED_TAKEN, else it may be null; copied */
+};
+
+/** A leg that has ended, handed from the background to the tick. */
+struct jp_ecu_skid_result {
+    struct jp_ecu_result result;
+    bool is_full;
+};
+
+/** The members but `internal` may be read: the robot as its accessors say, the others from the background. */
+struct jp_ecu_skid {
+    struct jp_skid_robot robot;
+    struct jp_skid_pilot pilot;
+    enum jp_stored stored; /**< what of the stored state is in use, or why not */
+    struct {
+        struct jp_path_piece pieces[JP_SKID_PILOT_PIECES(JP_ROUTE_LENGTH_MAX)];
+        const struct jp_skid_energy_model *model; /* that the telemetry tells */
+        struct jp_skid_energy_model models[2];    /* one of them, as learned when the last route began */
+        uint8_t waking_ticks;                     /* after a reset in motion, in which it is to be enabled */
+        uint16_t begun;                           /* legs whose ends were noted */
+        uint16_t ended;                           /* legs whose results were handed over */
+        uint32_t end_tick;                        /* of the leg that is driven, as planned */
+        struct jp_ecu_skid_result result;
+    } internal;
+};
+
+/** Prepares robot and pilot for jp_ecu_init(). JP_ERR_ARGUMENT, JP_ERR_CONFIG: as jp_skid_robot_init() and
+ *  jp_skid_pilot_init(). Not for ISRs. */
+enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_skid_config *config,
+                                struct jp_ecu_robot *robot, const char **field);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
