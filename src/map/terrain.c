@@ -212,10 +212,12 @@ static jp_q24 slope_between(const struct jp_terrain *terrain, int32_t low, int32
 
 static bool is_steep(const struct jp_terrain *terrain, int32_t x, int32_t y, jp_q24 steepest)
 {
+    const int32_t width = terrain->config.width;
+    const int32_t height = terrain->config.height;
     const int32_t west = x > 0 ? x - 1 : x;
-    const int32_t east = x + 1 < terrain->config.width ? x + 1 : x;
+    const int32_t east = x + 1 < width ? x + 1 : x;
     const int32_t south = y > 0 ? y - 1 : y;
-    const int32_t north = y + 1 < terrain->config.height ? y + 1 : y;
+    const int32_t north = y + 1 < height ? y + 1 : y;
     const int64_t across =
         slope_between(terrain, terrain_elevation(terrain, west, y), terrain_elevation(terrain, east, y), east - west);
     const int64_t up = slope_between(terrain, terrain_elevation(terrain, x, south),

@@ -16,7 +16,7 @@
 #define SAME_MAX JP_Q16(0.03)
 
 /** Saves a line that cannot be driven. */
-#define TOO_STEEP INT64_MIN
+#define TOO_STEEP (-INT64_MAX)
 
 static struct jp_point centre_of(const struct jp_course *course, const struct jp_lattice_pose *pose)
 {

@@ -50,7 +50,7 @@ MODULES = {
     "trajectory by rule": r"src/(trajectory/trajectory(_\w+)?|base/power_of_half)",
     "pilot": r"src/navigate/pilot",
     "pilot of skid steer": r"src/navigate/skid_(pilot|run)",
-    "navigator": r"src/(navigate/(navigator(_\w+)?|course|balancer_vehicle)|map/(capsule|lattice_way|reach))",
+    "navigator": r"src/(navigate/(navigator(_\w+)?|course|balancer_vehicle)|map/(capsule|line_cost|lattice_way|reach))",
     "navigator's skid steer": r"src/navigate/skid_vehicle",
     "end-to-end protection": r"src/base/e2e",
     "waypoints of a route": r"src/(navigate/waypoint\w*|map/clearance)",
