@@ -46,7 +46,7 @@ struct line_sections {
 static int32_t sections_of(const struct jp_lattice_path *path, const struct jp_ground *ground, jp_q16 length,
                            int32_t lines)
 {
-    const int32_t left = (int32_t)path->places - path->count;
+    const int32_t left = (int32_t)path->places - (int32_t)path->count;
     const int32_t spare = left - 1 - 2 * (lines - 1); /* two for each line after it */
     const int32_t most = spare > 0 ? 1 + spare / lines : 1;
     const int32_t needed = ground == NULL ? 1 : 1 + (length - 1) / ground->spacing;
@@ -130,7 +130,7 @@ enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *
 
         status = append_turn(path, jp_atan2(jp_sub(target->y, begin->y), jp_sub(target->x, begin->x)));
         if (status == JP_OK) {
-            status = append_line(path, target, route->ground, (int32_t)(route->count - line));
+            status = append_line(path, target, route->ground, (int32_t)route->count - (int32_t)line);
         }
     }
     return status;
