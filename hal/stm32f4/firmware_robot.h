@@ -12,6 +12,8 @@
 #error "FIRMWARE_ROBOT_NAME is set by the Makefile"
 #endif
 
+/* FIRMWARE_SKID_NAME is the same name, for tools that read the files of both kinds. */
+
 #define ROBOT_JOIN(prefix, name)   prefix##name
 #define ROBOT_SYMBOL(prefix, name) ROBOT_JOIN(prefix, name)
 

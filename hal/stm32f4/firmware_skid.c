@@ -4,10 +4,10 @@
 #include "hal/app/ecu_skid.h"
 #include "hal/stm32f4/firmware_robot.h"
 
-#define FIRMWARE_SKID        ROBOT_SYMBOL(jp_skid_robot_, FIRMWARE_ROBOT_NAME)
-#define FIRMWARE_SKID_ENERGY ROBOT_SYMBOL(jp_skid_energy_, FIRMWARE_ROBOT_NAME)
-#define FIRMWARE_LESSONS     ROBOT_SYMBOL(jp_skid_learning_, FIRMWARE_ROBOT_NAME)
-#define FIRMWARE_PATH_LIMITS ROBOT_SYMBOL(jp_path_limits_, FIRMWARE_ROBOT_NAME)
+#define FIRMWARE_SKID        ROBOT_SYMBOL(jp_skid_robot_, FIRMWARE_SKID_NAME)
+#define FIRMWARE_SKID_ENERGY ROBOT_SYMBOL(jp_skid_energy_, FIRMWARE_SKID_NAME)
+#define FIRMWARE_LESSONS     ROBOT_SYMBOL(jp_skid_learning_, FIRMWARE_SKID_NAME)
+#define FIRMWARE_PATH_LIMITS ROBOT_SYMBOL(jp_path_limits_, FIRMWARE_SKID_NAME)
 
 /** How far inside a corner it passes on the way to a goal: the navigator's margin. */
 #ifdef FIRMWARE_NAVIGATES
