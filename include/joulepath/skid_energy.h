@@ -9,16 +9,17 @@
  *   turning        t = k μ w/D · r + z e bank + j α,  D = |w| + μ q m, m = max(|v|, h |w|),
  *                                                     r = 1 − (a1 e² + a2 bank²)/μ², at least 0
  *   force of sides fl = sign(ul) c/2 + e/2 − t, fr = sign(ur) c/2 + e/2 + t
- *   slip           s = e² p (|w v|/m + μ q |v|)/(2 max(μ − |e|, μ/4)) of each side
+ *   slip           s = e² p (|w| + μ q |v|)/(2 max(μ − |e|, μ/4)) of each side
  *   power          P = Pe + Σ (x G (f u + s) + y f²/(1 + grade²)); standing, Pe
  *
  * Here x is `driving` or `braking` by the sign of f u + s, and y `copper_driving` or `copper_braking` by that of f u; a
  * side that stands is held like one that brakes. The turning
  * moment k μ G B of the seed's formula (skid_steer.h) falls with the turn radius as the treads roll out of their slide:
  * a tread that rolls at m while it slides sideways by the turn gives μ/(1 + μ q m/|w|) of its load (LuGre model, steady
- * slip). The same stiffness lets it slip along under an effort. On a slope the treads slide downhill as well, which
- * leaves less of their friction against the turn (r), and the load that climbing shifts to the rear turns the robot
- * downhill (z).
+ * slip). The same stiffness lets it slip along under an effort, and so does the turn, by which the treads slide anyway:
+ * what turns on the spot slides down a slope and must climb back, which is counted where it turns. On a slope the
+ * treads slide downhill as well, which leaves less of their friction against the turn (r), and the load that climbing
+ * shifts to the rear turns the robot downhill (z).
  *
  * P is linear in Pe, in x, in y, and for given signs the mechanical power is linear in c, e and k. So energies have
  * regressors, their derivatives by the relative change of what differs between robots and grounds of a kind: rolling c,
@@ -74,6 +75,7 @@ struct jp_skid_piece {
 struct jp_skid_drive {
     int64_t energy;                  /**< 2ⁿ J, Q16 */
     int64_t change[JP_SKID_FACTORS]; /**< of the energy by the relative change of each factor, 2ⁿ J, Q16 */
+    int64_t slope_work;              /**< G m (|grade| + |bank|) over time, whether up or down, 2ⁿ J, Q16 */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. */
@@ -91,7 +93,7 @@ enum jp_status jp_skid_energy_power(const struct jp_skid_energy_model *model, co
  * Adds a piece to a drive. The model must have passed its check.
  * JP_ERR_ARGUMENT: a pointer is null, or a member of the piece out of its range; *drive is not written.
  * An effort beyond ±2, a force of a side beyond ±8 times the weight, f u + s beyond ±32 m/s, power beyond 4 MW and an
- * energy of a piece beyond 2³⁰ units count as these. At most 65 536 pieces. Work: eight 64-bit divisions.
+ * energy of a piece beyond 2³⁰ units count as these. At most 65 536 pieces. Work: seven 64-bit divisions.
  * Error against exact arithmetic, where v and w are 0 or from 0.05: at most 3e-5 of the terms' magnitudes, 1e-6 of what
  * the treads would take if their forces were the weight and they 1 m/s faster, 2e-4 W and 2⁻¹⁶ of a unit for each
  * piece.

@@ -11,9 +11,13 @@
  * products of factors are as they are: an extended Kalman filter whose state stands still, in the square-root form of
  * learner.h, with its forgetting, its outliers and its test for changes.
  *
+ * The noise of a leg has three parts: so many joules, a share of its energy, and a share of the work of its slopes, on
+ * which robots slide and are led back.
+ *
  * How to use it: as a leg is driven, or from its plan, add its pieces to a struct jp_skid_drive on learner->model; at
- * its end hand over the drive with what the meter says. A plan's forecast is made of drives on learner->model likewise.
- * Energies in Q16 are in the unit of the built-in model.
+ * its end hand over the drive with what the meter says. A leg ends where the robot drives on, or stands for good: what
+ * turns on the spot on a slope slides down it, and climbs back by what it drives next. A plan's forecast is made of
+ * drives on learner->model likewise. Energies in Q16 are in the unit of the built-in model.
  */
 #ifndef JOULEPATH_SKID_LEARNER_H
 #define JOULEPATH_SKID_LEARNER_H
@@ -32,8 +36,9 @@ extern "C" {
 /** Robots of one kind; made by tools/design/skid_identify.py. */
 struct jp_skid_learning {
     jp_q16 deviation[JP_SKID_FACTORS]; /**< d: standard deviations of the factors about 1; above 0, at most 1 */
-    jp_q16 noise_relative;             /**< standard deviation of a leg's energy about the model: share of it, 0…1, */
-    jp_q16 noise;                      /**< and J; above 0, at most 1 024. The two are independent. */
+    jp_q16 noise;          /**< standard deviation of a leg's energy about the model: J; above 0, ≤ 1 024, */
+    jp_q16 noise_relative; /**< share of the energy, 0…1, */
+    jp_q16 noise_slopes;   /**< and share of the work of slopes, 0…1. The three are independent. */
     /** What one leg takes too much, the next often takes too little, so that single legs are further from the model
      * than this noise, which makes forecasts of routes: by this factor; 1…16. */
     jp_q16 spread;

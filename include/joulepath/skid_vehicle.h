@@ -13,7 +13,7 @@ extern "C" {
 #define JP_SKID_RUN_MAX 16U
 
 /** Pieces of its path: those of level ground, and as many again for what the lines rise by. */
-#define JP_SKID_RUN_PIECES (2U * JP_SKID_PILOT_PIECES(JP_SKID_RUN_MAX))
+#define JP_SKID_RUN_PIECES_MAX (2U * JP_SKID_PILOT_PIECES(JP_SKID_RUN_MAX))
 
 /** Private: what runs take. */
 struct jp_skid_sum {
@@ -23,7 +23,7 @@ struct jp_skid_sum {
 
 /** Private: the run that is surveyed. */
 struct jp_skid_survey {
-    struct jp_path_piece pieces[JP_SKID_RUN_PIECES];
+    struct jp_path_piece pieces[JP_SKID_RUN_PIECES_MAX];
     struct jp_point start;
     struct jp_skid_run run;
     struct jp_skid_leg leg;         /**< the last one that was surveyed */

@@ -14,7 +14,7 @@ struct navigation_skid {
     struct jp_hal hal;
     struct jp_skid_robot controller;
     enum jp_status written;
-    struct jp_path_piece pieces[JP_SKID_RUN_PIECES];
+    struct jp_path_piece pieces[JP_SKID_RUN_PIECES_MAX];
     struct jp_skid_pilot pilot;
     struct jp_skid_vehicle vehicle;
 };

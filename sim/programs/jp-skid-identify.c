@@ -13,6 +13,7 @@
 #define HOLD_SECONDS   5.0
 #define SETTLE_SECONDS 5.0 /* with the ramp */
 #define CHECK_SECONDS  2.0
+#define BACK_SECONDS   6.0 /* for the way back from where a turn on the spot has slid to */
 
 #define ROBOT_LEGS 30
 
@@ -200,7 +201,12 @@ static void drive_motion(struct run *run)
     struct skid_leg leg = {motion->speed, motion->turn_rate, 0};
 
     start(run, &of->model, &ground, &pose);
-    if (run->number < of->designed) {
+    if (run->number < of->designed && motion->speed == 0 && motion->slope_deg != 0) {
+        leg.seconds = HOLD_SECONDS;
+        drive_leg(run, &leg, PHASE_UP);
+        drive_leg(run, &(struct skid_leg){skid_tread_speed_max(&of->model) / 2, 0, BACK_SECONDS}, PHASE_UP);
+        drive_leg(run, &(struct skid_leg){0, 0, 0}, PHASE_DOWN);
+    } else if (run->number < of->designed) {
         drive_leg(run, &leg, PHASE_UP);
         leg.seconds = HOLD_SECONDS;
         drive_leg(run, &leg, PHASE_HOLD);
@@ -350,8 +356,8 @@ int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         OPTION_OUTPUT("build/skid-identify"),
-        {"count", 'n', "N", 0, "random motions (200)", 0},
-        {"robots", OPTION_ROBOTS, "N", 0, "robots with other grounds, payloads and motors (60)", 0},
+        {"count", 'n', "N", 0, "random motions (100)", 0},
+        {"robots", OPTION_ROBOTS, "N", 0, "robots with other grounds, payloads and motors (120)", 0},
         OPTION_SEED("of all that is random"),
         {0},
     };
@@ -363,7 +369,7 @@ int main(int argc, char **argv)
                                      NULL,
                                      NULL,
                                      NULL};
-    struct arguments arguments = {.common = {.output = "build/skid-identify", .seed = 1}, .count = 200, .robots = 60};
+    struct arguments arguments = {.common = {.output = "build/skid-identify", .seed = 1}, .count = 100, .robots = 120};
 
     command_line_parse(&argp, argc, argv, &arguments);
     return identify(&arguments) ? EXIT_SUCCESS : ERROR_EXIT;

@@ -15,9 +15,9 @@ struct jp_reciprocal {
 /** Of 2¹⁶ <= x < 2⁴⁸, to 2⁻¹⁵. One 32-bit division. */
 inline struct jp_reciprocal jp_reciprocal_of(int64_t x)
 {
-    const uint32_t high = (uint32_t)(x >> 16);
-    const unsigned zeros = JP_LEADING_ZEROS(high);
-    const uint32_t mantissa = ((uint32_t)1 << 31) / ((high << zeros) >> 16);
+    const unsigned zeros = JP_LEADING_ZEROS((uint32_t)(x >> 16));
+    const uint32_t divisor = (uint32_t)(((uint64_t)x << zeros) >> 32);
+    const uint32_t mantissa = ((uint32_t)1 << 31) / divisor;
 
     return (struct jp_reciprocal){(int32_t)mantissa, zeros};
 }

@@ -139,22 +139,18 @@ static void set_turning(const struct jp_skid_energy_model *model, const struct m
 
 static void set_slip(const struct jp_skid_energy_model *model, const struct mean_motion *mean, struct treads *treads)
 {
-    const int64_t speed = jp_absolute64(mean->speed);
+    const int64_t stiffness = q24_product(model->friction, model->yielding);
+    const int64_t rolling = q24_product(stiffness, jp_absolute64(mean->speed)); /* at most 2³² */
+    const int64_t turning = jp_absolute64(mean->turn_rate);
     const int64_t way = q24_product(q24_product(mean->effort, mean->effort), model->scrub); /* at most 2²⁸ */
     const int64_t left = model->friction - jp_absolute64(mean->effort);
     const int64_t least = model->friction / 4;
     const int64_t grip = left > least ? left : least;
+    const int64_t change = left > least ? ratio(model->friction, grip) : JP_Q24_ONE;
 
-    treads->slip = 0;
-    treads->slip_by_grip = 0;
-    if (speed != 0) {
-        const int64_t turning = jp_absolute64(mean->turn_rate) * speed / rolling_speed(model, mean);
-        const int64_t rolling = q24_product(q24_product(model->friction, model->yielding), speed); /* at most 2³² */
-        const int64_t by_rolling = ratio(q24_product(way, rolling), 2 * grip);
-        const int64_t change = left > least ? ratio(model->friction, grip) : JP_Q24_ONE;
-        treads->slip = limited(ratio(q24_product(way, turning), 2 * grip) + by_rolling, WORK_MAX);
-        treads->slip_by_grip = limited(by_rolling, WORK_MAX) - q24_product(treads->slip, change);
-    }
+    treads->slip = limited(ratio(q24_product(way, turning + rolling), 2 * grip), WORK_MAX);
+    treads->slip_by_grip =
+        limited(ratio(q24_product(way, rolling), 2 * grip), WORK_MAX) - q24_product(treads->slip, change);
 }
 
 static void set_side(const struct jp_skid_energy_model *model, const struct mean_motion *mean, int side,
@@ -260,6 +256,14 @@ static struct mean_motion mean_of(const struct jp_skid_energy_model *model, cons
     };
 }
 
+/* Of the slope under the robot, whichever way it moves; W in Q16. */
+static int64_t slope_power(const struct jp_skid_energy_model *model, const struct mean_motion *mean)
+{
+    const int64_t per_rise = limited(q24_product(model->weight, rolling_speed(model, mean)), GAIN_MAX);
+
+    return q24_product(per_rise, jp_absolute64(mean->grade) + jp_absolute64(mean->bank));
+}
+
 /* 2ⁿ J in Q16. */
 static int64_t over_time(const struct jp_skid_energy_model *model, int64_t power, jp_q16 duration)
 {
@@ -285,6 +289,7 @@ enum jp_status jp_skid_energy_add(const struct jp_skid_energy_model *model, stru
     for (int factor = 0; factor < (int)JP_SKID_FACTORS; factor++) {
         drive->change[factor] += over_time(model, effect.change[factor], piece->duration);
     }
+    drive->slope_work += over_time(model, slope_power(model, &mean), piece->duration);
     return JP_OK;
 }
 

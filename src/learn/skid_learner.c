@@ -17,9 +17,8 @@ _Static_assert(N == (int)JP_SKID_FACTORS, "each factor is a direction");
 enum jp_status jp_skid_learning_check(const struct jp_skid_learning *learning, const char **field)
 {
     static const struct jp_config_field fields[] = {
-        FIELD(deviation, 1, JP_Q16_ONE), FIELD(noise_relative, 0, JP_Q16_ONE),
-        FIELD(noise, 1, JP_Q16(1024)),   FIELD(spread, JP_Q16_ONE, JP_Q16(16)),
-        FIELD(memory, 8, 1024),
+        FIELD(deviation, 1, JP_Q16_ONE),    FIELD(noise, 1, JP_Q16(1024)),         FIELD(noise_relative, 0, JP_Q16_ONE),
+        FIELD(noise_slopes, 0, JP_Q16_ONE), FIELD(spread, JP_Q16_ONE, JP_Q16(16)), FIELD(memory, 8, 1024),
     };
     const enum jp_status status = jp_config_check(learning, fields, JP_CONFIG_COUNT(fields), field);
 
@@ -94,7 +93,8 @@ static bool expect(const struct jp_skid_learner *learner, const struct jp_skid_d
 {
     const struct jp_skid_learning *learning = learner->learning;
     jp_q16 factor[N];
-    bool fits = narrow(drive->energy, &expected->energy);
+    jp_q16 slope_work = 0;
+    bool fits = narrow(drive->energy, &expected->energy) && narrow(drive->slope_work, &slope_work);
 
     jp_skid_learner_factors(learner, factor);
     for (int j = 0; j < N; j++) {
@@ -104,7 +104,8 @@ static bool expect(const struct jp_skid_learner *learner, const struct jp_skid_d
         expected->sensitivity[j] = jp_divide((int64_t)change * learning->deviation[j], factor[j]);
     }
     expected->noise = jp_learned_noise(&learner->state, jp_variance_of(learning->noise, JP_Q16_ONE) +
-                                                            jp_variance_of(learning->noise_relative, expected->energy));
+                                                            jp_variance_of(learning->noise_relative, expected->energy) +
+                                                            jp_variance_of(learning->noise_slopes, slope_work));
     expected->spread = learning->spread;
     return fits;
 }

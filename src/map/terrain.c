@@ -172,13 +172,13 @@ struct between {
 
 static struct between middles(jp_q16 place, jp_q16 cell, int32_t count)
 {
-    const int64_t last = (int64_t)(count - 1) << 16;
+    const int64_t last = (int64_t)(count - 1) * 65536;
     const int64_t cells = (int64_t)place * 65536 / cell - 32768;
     const int64_t within = cells < 0 ? 0 : cells;
     const int32_t at = (int32_t)(within < last ? within : last);
-    const int32_t low = at >> 16;
+    const int32_t low = at / 65536;
 
-    return (struct between){low, low + 1 < count ? low + 1 : low, at & 0xFFFF};
+    return (struct between){low, low + 1 < count ? low + 1 : low, at % 65536};
 }
 
 /** Along a row, elevation in Q16. */
@@ -212,10 +212,12 @@ static jp_q24 slope_between(const struct jp_terrain *terrain, int32_t low, int32
 
 static bool is_steep(const struct jp_terrain *terrain, int32_t x, int32_t y, jp_q24 steepest)
 {
+    const int32_t width = terrain->config.width;
+    const int32_t height = terrain->config.height;
     const int32_t west = x > 0 ? x - 1 : x;
-    const int32_t east = x + 1 < terrain->config.width ? x + 1 : x;
+    const int32_t east = x + 1 < width ? x + 1 : x;
     const int32_t south = y > 0 ? y - 1 : y;
-    const int32_t north = y + 1 < terrain->config.height ? y + 1 : y;
+    const int32_t north = y + 1 < height ? y + 1 : y;
     const int64_t across =
         slope_between(terrain, terrain_elevation(terrain, west, y), terrain_elevation(terrain, east, y), east - west);
     const int64_t up = slope_between(terrain, terrain_elevation(terrain, x, south),
@@ -226,10 +228,12 @@ static bool is_steep(const struct jp_terrain *terrain, int32_t x, int32_t y, jp_
 
 uint32_t jp_terrain_block_steep(struct jp_terrain *terrain, jp_q24 steepest)
 {
+    const int32_t width = terrain->config.width;
+    const int32_t height = terrain->config.height;
     uint32_t blocked = 0;
 
-    for (int32_t y = 0; y < terrain->config.height; y++) {
-        for (int32_t x = 0; x < terrain->config.width; x++) {
+    for (int32_t y = 0; y < height; y++) {
+        for (int32_t x = 0; x < width; x++) {
             if (jp_terrain_cell(terrain, x, y) == JP_CELL_FREE && is_steep(terrain, x, y, steepest)) {
                 (void)jp_terrain_set_cell(terrain, x, y, JP_CELL_OCCUPIED);
                 blocked++;

@@ -16,7 +16,7 @@
 #define SAME_MAX JP_Q16(0.03)
 
 /** Saves a line that cannot be driven. */
-#define TOO_STEEP INT64_MIN
+#define TOO_STEEP (-INT64_MAX)
 
 static struct jp_point centre_of(const struct jp_course *course, const struct jp_lattice_pose *pose)
 {
@@ -171,7 +171,7 @@ static int64_t saving_to(const struct jp_course *course, const struct jp_point *
     if (cost == JP_COST_MAX) {
         return TOO_STEEP;
     }
-    return internal->planner != NULL ? internal->candidate.cost - internal->first.cost - cost : 0;
+    return internal->planner != NULL ? internal->candidate.cost - internal->first.cost - (int64_t)cost : 0;
 }
 
 /** A clear line becomes the best, unless another one saves more. One that is too steep is taken for a step of the route
@@ -181,7 +181,11 @@ static void take(struct jp_course *course, const struct jp_point *to)
     struct jp_course_internal *internal = &course->internal;
     const int64_t saving = has_hills(course) ? saving_to(course, to) : 0;
 
-    internal->misses = (uint8_t)(saving == TOO_STEEP ? internal->misses + 1U : 0U);
+    if (saving == TOO_STEEP) {
+        internal->misses++;
+    } else {
+        internal->misses = 0;
+    }
     if (!internal->has_best || (saving > TOO_STEEP && saving >= internal->saving)) {
         internal->best = internal->candidate;
         internal->saving = saving;

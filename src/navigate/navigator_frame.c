@@ -48,9 +48,14 @@ struct jp_point jp_frame_in_odometry(const struct jp_navigator *navigator, const
     return rotated(difference(*point, origin->point), 0U - origin->heading);
 }
 
+static const struct jp_navigator *navigator_of(const void *context)
+{
+    return context;
+}
+
 static jp_q16 elevation_at(const void *context, const struct jp_point *point)
 {
-    const struct jp_navigator *navigator = context;
+    const struct jp_navigator *navigator = navigator_of(context);
     const struct jp_point place = on_map(&navigator->internal.origin, point);
 
     return jp_terrain_height(jp_planner_terrain(navigator->config.planner), &place);

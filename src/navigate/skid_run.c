@@ -29,8 +29,8 @@ enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pil
     begin(run, config, slower);
 
     /* What arcs in halves may take besides is left free. */
-    const enum jp_status status =
-        jp_line_path(&run->path, config->pieces, (uint16_t)(config->places - route->count), route);
+    const uint16_t places = (uint16_t)(config->places - route->count);
+    const enum jp_status status = jp_line_path(&run->path, run->path.pieces, places, route);
 
     run->path.places = config->places;
     return status;

@@ -97,7 +97,9 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
     survey->before_last = survey->before;
     survey->start = run->start;
     config.pieces = survey->pieces;
-    config.places = config.places < JP_SKID_RUN_PIECES ? config.places : (uint16_t)JP_SKID_RUN_PIECES;
+    if (config.places > JP_SKID_RUN_PIECES_MAX) {
+        config.places = (uint16_t)JP_SKID_RUN_PIECES_MAX;
+    }
     survey->sum = survey->before;
     survey->leg = (struct jp_skid_leg){.end = 0};
 

@@ -26,7 +26,10 @@
 /* x · step / s, rounded down. */
 static int64_t in_a_step(const struct jp_skid_odometry_config *config, int64_t x)
 {
-    return x * (int64_t)config->step_ticks / (int64_t)config->tick_rate;
+    const int64_t ticks = (int64_t)config->step_ticks;
+    const int64_t rate = (int64_t)config->tick_rate;
+
+    return x * ticks / rate;
 }
 
 void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config)

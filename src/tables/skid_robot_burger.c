@@ -98,6 +98,7 @@ const struct jp_skid_robot_config jp_skid_robot_burger = {
             .tick_rate = 100U,           /* Hz */
             .motor_resistance = 559546,  /* 8.538 Ω */
             .electronics_power = 491520, /* 7.5 W */
+            .burnt = 32768,              /* 0.5 */
         },
     .limits =
         {

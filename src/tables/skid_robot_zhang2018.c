@@ -98,6 +98,7 @@ const struct jp_skid_robot_config jp_skid_robot_zhang2018 = {
             .tick_rate = 500U,           /* Hz */
             .motor_resistance = 48497,   /* 0.74 Ω */
             .electronics_power = 655360, /* 10 W */
+            .burnt = 45875,              /* 0.7 */
         },
     .limits =
         {

@@ -35,18 +35,18 @@ static enum jp_status append_turn(struct jp_lattice_path *path, jp_angle heading
 }
 
 /** A line that is to be appended. */
-struct line {
+struct line_sections {
     struct jp_point begin;
     struct jp_point end;
     jp_q16 length;
-    int32_t sections; /* of even length */
+    int32_t count; /* of even length */
 };
 
 /** Of a line, with so many lines left, it included: as many as tell its ground, at most its share of the places. */
 static int32_t sections_of(const struct jp_lattice_path *path, const struct jp_ground *ground, jp_q16 length,
                            int32_t lines)
 {
-    const int32_t left = (int32_t)path->places - path->count;
+    const int32_t left = (int32_t)path->places - (int32_t)path->count;
     const int32_t spare = left - 1 - 2 * (lines - 1); /* two for each line after it */
     const int32_t most = spare > 0 ? 1 + spare / lines : 1;
     const int32_t needed = ground == NULL ? 1 : 1 + (length - 1) / ground->spacing;
@@ -54,9 +54,9 @@ static int32_t sections_of(const struct jp_lattice_path *path, const struct jp_g
     return needed < most ? needed : most;
 }
 
-static int32_t share_of(int32_t whole, int32_t section, const struct line *line)
+static int32_t share_of(int32_t whole, int32_t section, const struct line_sections *line)
 {
-    return (int32_t)((int64_t)whole * section / line->sections);
+    return (int32_t)((int64_t)whole * section / line->count);
 }
 
 static jp_q16 elevation_at(const struct jp_ground *ground, const struct jp_point *point)
@@ -64,14 +64,14 @@ static jp_q16 elevation_at(const struct jp_ground *ground, const struct jp_point
     return ground == NULL ? 0 : ground->elevation(ground->context, point);
 }
 
-static enum jp_status append_sections(struct jp_lattice_path *path, const struct line *line,
+static enum jp_status append_sections(struct jp_lattice_path *path, const struct line_sections *line,
                                       const struct jp_ground *ground)
 {
     const unsigned first = path->count;
     jp_q16 elevation = elevation_at(ground, &line->begin);
     enum jp_status status = JP_OK;
 
-    for (int32_t i = 1; status == JP_OK && i <= line->sections; i++) {
+    for (int32_t i = 1; status == JP_OK && i <= line->count; i++) {
         const struct jp_point end = {line->begin.x + share_of(line->end.x - line->begin.x, i, line),
                                      line->begin.y + share_of(line->end.y - line->begin.y, i, line)};
         const jp_q16 before = elevation;
@@ -106,7 +106,8 @@ static enum jp_status append_line(struct jp_lattice_path *path, const struct jp_
     if (length > LINE_MAX) {
         return JP_ERR_INFEASIBLE;
     }
-    const struct line line = {path->end.position, *end, length, sections_of(path, ground, length, lines)};
+    const struct line_sections line = {
+        .begin = path->end.position, .end = *end, .length = length, .count = sections_of(path, ground, length, lines)};
 
     return append_sections(path, &line, ground);
 }
@@ -129,7 +130,7 @@ enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *
 
         status = append_turn(path, jp_atan2(jp_sub(target->y, begin->y), jp_sub(target->x, begin->x)));
         if (status == JP_OK) {
-            status = append_line(path, target, route->ground, (int32_t)(route->count - line));
+            status = append_line(path, target, route->ground, (int32_t)route->count - (int32_t)line);
         }
     }
     return status;

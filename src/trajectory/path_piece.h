@@ -8,7 +8,7 @@
 
 /** Grades of straight lines that become one piece, rise over run: a power of the motors that follows the grade bends by
  *  little between them. */
-#define JP_PIECE_GRADE_SPREAD JP_Q24(0.03125)
+#define JP_PIECE_GRADE_SPREAD_MAX JP_Q24(0.03125)
 
 static inline bool jp_piece_is_straight(const struct jp_path_piece *piece)
 {
@@ -23,7 +23,7 @@ static inline jp_q24 jp_piece_grade(const struct jp_path_piece *piece)
 
 static inline bool jp_piece_rises_alike(const struct jp_path_piece *a, const struct jp_path_piece *b)
 {
-    return jp_absolute64((int64_t)jp_piece_grade(a) - jp_piece_grade(b)) <= JP_PIECE_GRADE_SPREAD;
+    return jp_absolute64((int64_t)jp_piece_grade(a) - jp_piece_grade(b)) <= JP_PIECE_GRADE_SPREAD_MAX;
 }
 
 /** `next` becomes a part of the piece before it. */

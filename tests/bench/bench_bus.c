@@ -13,6 +13,7 @@
 #include "hal/linux/can_open.h"
 #include "sim/balancer/rig.h"
 #include "sim/base/parallel.h"
+#include "sim/base/progress.h"
 #include "tests/bench/figures.h"
 #include "tests/support/bus_trial.h"
 

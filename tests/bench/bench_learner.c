@@ -9,6 +9,7 @@
 
 #include "sim/balancer/variation.h"
 #include "sim/base/parallel.h"
+#include "sim/base/progress.h"
 #include "tests/bench/figures.h"
 #include "tests/support/chain.h"
 

@@ -12,8 +12,8 @@
 #define SLOPE_ERROR 0.10
 
 /* A robot that scrubs as it turns slides down a slope meanwhile, whatever its sides do: up to half its wheelbase by the
- * radian, since it turns about the axle uphill. Of the paths here, m. */
-#define SKID_SLOPE_ERROR 0.60
+ * radian, since it turns about the axle uphill. The law halves that; of the paths here, m. */
+#define SKID_SLOPE_ERROR 0.30
 
 /* Of the limits, for what is rounded. */
 #define SPARE 1.002

@@ -376,7 +376,7 @@ static void add_figures_of(json_t *figures, struct results *results)
     figures_add(figures, command, 100 * part_of(results->error, results->count, 0.95), "%", no_bar,
                 "%s, position after 100 m by wheels and gyro: error over the way, 95 %% of %lu random drives",
                 results->name, results->count);
-    figures_add(figures, command, 100 * part_of(results->error, results->count, 1), "%", no_bar,
+    figures_add(figures, command, 100 * part_of(results->error, results->count, 1), "%", at_most(100 * ERROR_MAX),
                 "%s, position after 100 m by wheels and gyro: error over the way, worst of %lu random drives",
                 results->name, results->count);
     figures_add(figures, command, 100 * (double)results->inside / (double)results->count, "%", at_least(93),

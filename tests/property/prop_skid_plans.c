@@ -83,6 +83,21 @@ static double error_of(int kind, bool is_taught, bool is_worst)
     return is_worst ? greatest(errors, robots) : mean(errors, robots);
 }
 
+/* What is left of the error before learning with the best factor for all: how unlike the robots are. */
+static double unlikeness(int kind)
+{
+    double least = INFINITY;
+
+    for (int percent = 50; percent <= 200; percent++) {
+        double sum = 0;
+        for (size_t i = 0; i < robots; i++) {
+            sum += fabs(percent / 100.0 * (1 + trials[kind][i].untaught.error) - 1);
+        }
+        least = fmin(least, sum / (double)robots);
+    }
+    return least;
+}
+
 /* Share of the robots whose plan is inside its interval. */
 static double inside(int kind, bool is_taught)
 {
@@ -104,10 +119,11 @@ static void check_plans(int kind)
         }
     }
     (void)printf(
-        "%s: plans of %zu unseen robots: mean error %.2f %% before, %.3f %% after %d legs, worst %.2f %%, inside "
-        "the 95 %% interval %.1f %% before, %.1f %% after\n",
-        kinds[kind].model.name, robots, 100 * error_of(kind, false, false), 100 * error_of(kind, true, false),
-        SKID_TRIAL_LESSONS, 100 * error_of(kind, true, true), 100 * inside(kind, false), 100 * inside(kind, true));
+        "%s: plans of %zu unseen robots: mean error %.2f %% before, of which the robots are unlike by %.2f %%; %.3f %% "
+        "after %d legs, worst %.2f %%, inside the 95 %% interval %.1f %% before, %.1f %% after\n",
+        kinds[kind].model.name, robots, 100 * error_of(kind, false, false), 100 * unlikeness(kind),
+        100 * error_of(kind, true, false), SKID_TRIAL_LESSONS, 100 * error_of(kind, true, true),
+        100 * inside(kind, false), 100 * inside(kind, true));
     check_below(error_of(kind, false, false), FEW_BEFORE, "plans, mean error before learning");
     check_below(error_of(kind, true, false), FEW_AFTER, "plans, mean error after learning");
     check_below(FEW_INSIDE, inside(kind, true), "plans outside of their intervals");
@@ -130,6 +146,9 @@ static void add_figures(json_t *figures)
         figures_add(figures, "make figures", 100 * error_of(kind, false, false), "%", at_most(BEFORE_BAR),
                     "forecast of a plan, %s, %zu unseen robots and grounds: error before learning, mean", robot,
                     robots);
+        figures_add(figures, "make figures", 100 * unlikeness(kind), "%", no_bar,
+                    "forecast of a plan, %s, %zu unseen robots and grounds: the same with the best factor for all",
+                    robot, robots);
         figures_add(figures, "make figures", 100 * error_of(kind, true, false), "%", at_most(AFTER_BAR),
                     "forecast of a plan, %s, %zu unseen robots and grounds: error after %d legs, mean", robot, robots,
                     SKID_TRIAL_LESSONS);

@@ -9,10 +9,8 @@
 
 #define SLICE 10000
 
-/** From the goal cell's centre: so far from it is a robot that has not arrived, m, besides what it knows its place to:
- * one in 3 000 is four deviations off. */
-#define ARRIVED_MAX    0.1
-#define DEVIATIONS_MAX 4
+/** From the goal cell's centre: so far from it is a robot that has not arrived, m. */
+#define ARRIVED_MAX 0.1
 
 /** Simulated s. */
 #define PATIENCE 1800
@@ -70,9 +68,7 @@ static bool is_as_it_must_be(const struct navigate_trial *trial)
 {
     const struct navigation_result *result = &trial->result;
 
-    const double near = ARRIVED_MAX + DEVIATIONS_MAX * result->deviation_m;
-
-    return trial->is_reachable ? result->state == JP_NAVIGATOR_ARRIVED && result->goal_error_m < near
+    return trial->is_reachable ? result->state == JP_NAVIGATOR_ARRIVED && result->goal_error_m < ARRIVED_MAX
                                : result->state == JP_NAVIGATOR_UNREACHABLE;
 }
 

@@ -52,8 +52,7 @@ static inline struct oracle_energy oracle_energy_of(const struct jp_skid_energy_
     const double level = w == 0 ? 0 : q24(model->turning) * friction * w / (fabs(w) + stiffness * rolling);
     const double turning = level * fmax(1 - eased, 0) + q24(model->tilting) * effort * bank + swinging;
     const double grip = fmax(friction - fabs(effort), friction / 4);
-    const double slip =
-        v == 0 ? 0 : effort * effort * q24(model->scrub) * (fabs(w * v) / rolling + stiffness * fabs(v)) / (2 * grip);
+    const double slip = effort * effort * q24(model->scrub) * (fabs(w) + stiffness * fabs(v)) / (2 * grip);
     struct oracle_energy power = {q16(model->electronics_power), q16(model->electronics_power), 0};
 
     for (int side = -1; side <= 1 && (v != 0 || w != 0); side += 2) {

@@ -15,6 +15,7 @@ struct skid_pivot {
     double creep_across;
     double shift_along;  /* m per radian to the left and g to the left */
     double shift_across; /* the same by g ahead */
+    double slide_most;   /* to the side per radian at most, m */
     double creep;        /* slip on a straight way per g */
     double caster_drag;  /* g */
     double growth;       /* of the ratio, share for (m/turn)² of slip aside */

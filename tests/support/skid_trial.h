@@ -1,4 +1,5 @@
-/** Robots and grounds that a learner of skid_learner.h has not seen: 20 legs to learn from, then a plan of 10. */
+/** Robots and grounds that a learner of skid_learner.h has not seen: 20 motions to learn from, then a plan from where
+ * the robot is, of 10 motions or until the robot drives on: a leg that ends in a turn on the spot is not over. */
 #ifndef JOULEPATH_TESTS_SUPPORT_SKID_TRIAL_H
 #define JOULEPATH_TESTS_SUPPORT_SKID_TRIAL_H
 
@@ -37,6 +38,12 @@ struct skid_trial {
     bool is_sound; /**< it did not tip, and the core refused nothing */
 };
 
+/** A leg that goes on while the robot turns on the spot. */
+struct skid_trial_leg {
+    struct jp_skid_drive expected;
+    double took; /**< J */
+};
+
 /** One run. */
 struct skid_trial_run {
     const struct skid_kind *kind;
@@ -53,18 +60,14 @@ static inline jp_q16 skid_trial_units(const struct skid_kind *kind, double joule
     return jp_energy_to_q16((jp_energy)llround(joules * 4294967296.0), kind->energy->unit_exponent);
 }
 
-/** Of pieces on a model. */
-static inline struct jp_skid_drive skid_trial_expected(struct skid_trial_run *run,
-                                                       const struct jp_skid_energy_model *model,
-                                                       const struct skid_piece *pieces, size_t count)
+/** Adds what pieces take by a model. */
+static inline void skid_trial_expect(struct skid_trial_run *run, const struct jp_skid_energy_model *model,
+                                     const struct skid_piece *pieces, size_t count, struct jp_skid_drive *expected)
 {
-    struct jp_skid_drive expected = {0};
-
     for (size_t i = 0; i < count; i++) {
         const struct jp_skid_piece piece = skid_core_piece(&pieces[i]);
-        run->trial->is_sound = jp_skid_energy_add(model, &expected, &piece) == JP_OK && run->trial->is_sound;
+        run->trial->is_sound = jp_skid_energy_add(model, expected, &piece) == JP_OK && run->trial->is_sound;
     }
-    return expected;
 }
 
 /** J that the pieces took. */
@@ -79,35 +82,52 @@ static inline double skid_trial_drive(struct skid_trial_run *run, const struct s
     return skid_drive_energy(&run->drive) - before;
 }
 
-static inline void skid_trial_learn(struct skid_trial_run *run, struct random *random)
+/** Goes on with a leg until the robot drives on, then learns from it. */
+static inline void skid_trial_learn(struct skid_trial_run *run, struct random *random, struct skid_trial_leg *going_on)
 {
     const struct skid_leg leg = skid_random_leg(&run->kind->model, random);
     struct skid_piece pieces[SKID_LEG_PIECES_MAX];
     const size_t count = skid_route_add(&run->route, &leg, pieces);
-    const struct jp_skid_drive expected = skid_trial_expected(run, &run->learner.model, pieces, count);
-    const jp_q16 measured = skid_trial_units(run->kind, skid_trial_drive(run, pieces, count));
     enum jp_learned learned;
 
-    run->trial->is_sound =
-        jp_skid_learner_update(&run->learner, &expected, measured, &learned) == JP_OK && run->trial->is_sound;
+    skid_trial_expect(run, &run->learner.model, pieces, count, &going_on->expected);
+    going_on->took += skid_trial_drive(run, pieces, count);
+    if (leg.speed != 0) {
+        const jp_q16 measured = skid_trial_units(run->kind, going_on->took);
+        run->trial->is_sound =
+            jp_skid_learner_update(&run->learner, &going_on->expected, measured, &learned) == JP_OK &&
+            run->trial->is_sound;
+        *going_on = (struct skid_trial_leg){.took = 0};
+    }
 }
 
-/** Adds pieces to the forecast of a learner. */
-static inline void skid_trial_foretell(struct skid_trial_run *run, const struct jp_skid_learner *learner,
-                                       struct jp_forecast_sum *sum, const struct skid_piece *pieces, size_t count)
+/** What a learner says beforehand of legs. */
+struct skid_trial_forecast {
+    const struct jp_skid_learner *learner;
+    struct jp_forecast_sum sum;
+    struct jp_skid_drive going_on;
+};
+
+/** Adds pieces to it, as skid_trial_learn() does. */
+static inline void skid_trial_foretell(struct skid_trial_run *run, struct skid_trial_forecast *forecast,
+                                       const struct skid_piece *pieces, size_t count, bool ends)
 {
-    const struct jp_skid_drive expected = skid_trial_expected(run, &learner->model, pieces, count);
-
-    run->trial->is_sound = jp_skid_forecast_add(learner, sum, &expected) == JP_OK && run->trial->is_sound;
+    skid_trial_expect(run, &forecast->learner->model, pieces, count, &forecast->going_on);
+    if (ends) {
+        run->trial->is_sound = jp_skid_forecast_add(forecast->learner, &forecast->sum, &forecast->going_on) == JP_OK &&
+                               run->trial->is_sound;
+        forecast->going_on = (struct jp_skid_drive){.energy = 0};
+    }
 }
 
-static inline struct skid_forecast skid_trial_judge(struct skid_trial_run *run, const struct jp_skid_learner *learner,
-                                                    const struct jp_forecast_sum *sum, double driven)
+static inline struct skid_forecast skid_trial_judge(struct skid_trial_run *run,
+                                                    const struct skid_trial_forecast *foretold, double driven)
 {
     const double unit = ldexp(1.0 / JP_Q16_ONE, run->kind->energy->unit_exponent);
     struct jp_forecast forecast = {0, 1};
 
-    run->trial->is_sound = jp_skid_forecast_total(learner, sum, &forecast) == JP_OK && run->trial->is_sound;
+    run->trial->is_sound =
+        jp_skid_forecast_total(foretold->learner, &foretold->sum, &forecast) == JP_OK && run->trial->is_sound;
 
     const double missed = forecast.energy * unit - driven;
 
@@ -117,21 +137,24 @@ static inline struct skid_forecast skid_trial_judge(struct skid_trial_run *run, 
 static inline void skid_trial_plan(struct skid_trial_run *run, struct random *random)
 {
     struct jp_skid_learner untaught;
-    struct jp_forecast_sum before = {0, {0}, 0};
-    struct jp_forecast_sum after = {0, {0}, 0};
+    struct skid_trial_forecast before = {.learner = &untaught};
+    struct skid_trial_forecast after = {.learner = &run->learner};
     double driven = 0;
+    bool ends = false;
 
     jp_skid_learner_start(&untaught, run->kind->learning, run->kind->energy);
-    for (int number = 0; number < SKID_TRIAL_LEGS; number++) {
+    run->route.pose = skid_drive_go_on(&run->drive);
+    for (int number = 0; number < SKID_TRIAL_LEGS || !ends; number++) {
         const struct skid_leg leg = skid_random_leg(&run->kind->model, random);
         struct skid_piece pieces[SKID_LEG_PIECES_MAX];
         const size_t count = skid_route_add(&run->route, &leg, pieces);
-        skid_trial_foretell(run, &untaught, &before, pieces, count);
-        skid_trial_foretell(run, &run->learner, &after, pieces, count);
+        ends = leg.speed != 0;
+        skid_trial_foretell(run, &before, pieces, count, ends);
+        skid_trial_foretell(run, &after, pieces, count, ends);
         driven += skid_trial_drive(run, pieces, count);
     }
-    run->trial->untaught = skid_trial_judge(run, &untaught, &before, driven);
-    run->trial->taught = skid_trial_judge(run, &run->learner, &after, driven);
+    run->trial->untaught = skid_trial_judge(run, &before, driven);
+    run->trial->taught = skid_trial_judge(run, &after, driven);
 }
 
 /** Draws a robot and its ground; nothing is learned. The run must stay where it is. */
@@ -159,9 +182,11 @@ static inline void skid_trial_make(const struct skid_kind *kind, uint64_t seed, 
     struct skid_trial_run run;
     struct random random;
 
+    struct skid_trial_leg leg = {.took = 0};
+
     skid_trial_start(&run, kind, seed, &random, trial);
     for (int lesson = 0; lesson < SKID_TRIAL_LESSONS; lesson++) {
-        skid_trial_learn(&run, &random);
+        skid_trial_learn(&run, &random, &leg);
     }
     skid_trial_plan(&run, &random);
     jp_skid_learner_factors(&run.learner, trial->factor);

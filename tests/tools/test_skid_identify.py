@@ -1,6 +1,7 @@
-"""tools/design/skid_identify.py: the committed tables are fresh; its model is the core's; what it refuses."""
+"""tools/design/skid_identify.py: the committed tables are fresh; its model and its learner are the core's; what it refuses."""
 import ctypes
 import dataclasses
+import fcntl
 import json
 import os
 import re
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import ROOT, assert_one_line_error, run_tool
 
-from tools.design import skid_identify, skid_model
+from tools.design import skid_identify, skid_learning, skid_model
 
 JP_SKID_IDENTIFY = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-skid-identify"
 TABLES = ROOT / "src" / "tables"
@@ -21,11 +22,29 @@ ROBOTS = sorted(path.stem.removeprefix("skid_energy_") for path in TABLES.glob("
 TOLERANCE = 1e-3
 
 CORE = """
-#include <joulepath/skid_energy.h>
+#include <joulepath/skid_learner.h>
 int64_t energy_of(const struct jp_skid_energy_model *model, const struct jp_skid_piece *piece)
 {
     struct jp_skid_drive drive = {0};
     return jp_skid_energy_add(model, &drive, piece) == JP_OK ? drive.energy : INT64_MIN;
+}
+static struct jp_skid_learner learner;
+void start(const struct jp_skid_learning *learning, const struct jp_skid_energy_model *model)
+{
+    jp_skid_learner_start(&learner, learning, model);
+}
+/* Learns from a leg; energy and deviation of its forecast beforehand. */
+int learn(const struct jp_skid_piece *pieces, int count, int32_t measured, struct jp_forecast *forecast)
+{
+    struct jp_skid_drive drive = {0};
+    struct jp_forecast_sum sum = {0};
+    enum jp_learned learned;
+    for (int i = 0; i < count; i++) {
+        (void)jp_skid_energy_add(&learner.model, &drive, &pieces[i]);
+    }
+    (void)jp_skid_forecast_add(&learner, &sum, &drive);
+    (void)jp_skid_forecast_total(&learner, &sum, forecast);
+    return (int)jp_skid_learner_update(&learner, &drive, measured, &learned);
 }
 """
 
@@ -35,18 +54,37 @@ def integers(text):
     return [int(number) for number in re.findall(r"(-?\d+)U?,\s*/\*", body)]
 
 
-def drive(robot, directory, *options):
-    subprocess.run([JP_SKID_IDENTIFY, ROOT / "sim" / "robots" / f"{robot}.cfg", "--output", directory, *options], check=True, capture_output=True)
+def identify(robot, directory, tables=None):
+    return run_tool("design.skid_identify", robot, "--experiments", directory, "--tables", tables or directory)
 
 
-def identify(robot, directory):
-    return run_tool("design.skid_identify", robot, "--experiments", directory, "--tables", directory)
+@pytest.fixture(scope="session")
+def drives(tmp_path_factory):
+    """Where the drives of a robot are; each robot drives once, whichever processes share the tests."""
+    shared = tmp_path_factory.getbasetemp()
+    shared = shared.parent if "PYTEST_XDIST_WORKER" in os.environ else shared
+
+    def drives_of(robot):
+        directory = shared / f"drives-{robot}"
+        with open(shared / f"drives-{robot}.lock", "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not directory.exists():
+                subprocess.run([JP_SKID_IDENTIFY, ROOT / "sim" / "robots" / f"{robot}.cfg", "--output", directory], check=True,
+                               capture_output=True)
+        return directory
+
+    return drives_of
 
 
-@pytest.fixture(scope="module")
-def few_drives(tmp_path_factory):
-    directory = tmp_path_factory.mktemp("few")
-    drive("zhang2018", directory, "--count", "20", "--robots", "10")
+@pytest.fixture(scope="session")
+def few_drives(drives, tmp_path_factory):
+    """All motions, but few robots."""
+    whole, directory = drives("zhang2018"), tmp_path_factory.mktemp("few")
+    for name in ("experiments.csv", "experiments.json"):
+        (directory / name).write_bytes((whole / name).read_bytes())
+    rows = (whole / "robots.csv").read_text().splitlines(keepends=True)
+    few = skid_identify.FITTED_ROBOTS + 4
+    (directory / "robots.csv").write_text("".join(rows[:1] + [row for row in rows[1:] if int(row.partition(",")[0]) < few]))
     return directory
 
 
@@ -62,9 +100,8 @@ def test_both_kinds_are_identified():
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_committed_tables_are_fresh(robot, tmp_path):
-    drive(robot, tmp_path)
-    result = identify(robot, tmp_path)
+def test_committed_tables_are_fresh(robot, drives, tmp_path):
+    result = identify(robot, drives(robot), tmp_path)
     assert result.returncode == 0, result.stderr
     for kind, numbers in (("energy", slice(None)), ("learning", slice(-1))):  # the identity hangs on every bit
         name = f"skid_{kind}_{robot}.c"
@@ -84,7 +121,8 @@ def core(tmp_path_factory):
     directory = tmp_path_factory.mktemp("core")
     (directory / "core.c").write_text(CORE)
     sources = [ROOT / "src" / name for name in ("energy/skid_energy.c", "energy/energy.c", "base/fixed.c",
-                                                "base/config_check.c")]
+                                                "base/config_check.c", "learn/skid_learner.c", "learn/learned_state.c",
+                                                "learn/learner_filter.c", "learn/forecast_sum.c")]
     subprocess.run(["gcc", "-std=c11", "-shared", "-fPIC", "-O1", "-I", ROOT / "include", "-I", ROOT, directory / "core.c",
                     *sources, "-o", directory / "core.so"], check=True)
     library = ctypes.CDLL(directory / "core.so")
@@ -98,6 +136,31 @@ def core_energy(library, model, piece):
     members = [round(value * 2**bits) for value, bits in zip(piece, (24, 24, 24, 24, 24, 24, 16))]
     energy = library.energy_of((ctypes.c_int32 * 18)(*numbers, 0), (ctypes.c_int32 * 7)(*members))
     return energy / 2**16
+
+
+def test_the_learner_is_the_cores(core, few_drives):
+    """What both say of the legs of a robot before they learn from them."""
+    run, phase, pieces = skid_identify.read_table(few_drives / "robots.csv")
+    numbers = skid_identify.read_numbers(few_drives / "experiments.json", "zhang2018")
+    model, noise = skid_identify.start_of(numbers), skid_learning.Noise(np.array((5, 0.02, 0.05)), 1.5)
+    legs = skid_learning.legs_of(run[run == 0], phase[run == 0], pieces.chosen(run == 0))
+    learner = skid_learning.Learner(model, noise, 1)
+    fixed = [round(getattr(model, name) * 2**(16 if name in Q16 else 24)) for name in FIELDS]
+    learning = [round(value * 2**16) for value in (*skid_learning.deviations(), *noise.parts, noise.spread)]
+    in_c = (ctypes.c_int32 * 18)(*fixed, 0), (ctypes.c_int32 * 10)(*learning, skid_learning.MEMORY, 1)
+    core.start(in_c[1], in_c[0])
+    for leg in range(legs.shape[1]):
+        column = legs.column(leg)
+        one = column.pieces
+        rows = np.array([one.speed[0], one.turn_rate[0], one.speed[1], one.turn_rate[1], one.grade, one.bank, one.seconds])
+        members = np.round(rows.T * 2.0**np.array((24, 24, 24, 24, 24, 24, 16))).astype(np.int32).ravel()
+        forecast = (ctypes.c_int32 * 2)()
+        energy, gradient, variance = learner.expect(column)
+        deviation = np.sqrt(variance[0, 0] + np.sum((gradient[0, 0] @ learner.root[0])**2))
+        measured = round(column.measured[0, 0] * 2**16)
+        assert core.learn((ctypes.c_int32 * len(members))(*members), len(one.seconds), measured, forecast) == 0
+        assert np.array(forecast) / 2**16 == pytest.approx((energy[0, 0], deviation), rel=0.02)
+        learner.update(column, np.array([True]))
 
 
 def random_model(generator):
@@ -157,16 +220,19 @@ def test_a_model_is_found_again(few_drives):
     numbers = skid_identify.read_numbers(few_drives / "experiments.json", "zhang2018")
     start = skid_identify.start_of(numbers)
     model = dataclasses.replace(start, half_track=0.5, rolling=0.05, turning=0.3, yielding=0.4, scrub=0.3, easing=0.8,
-                                bank_easing=1.2, tilting=0.4, driving=1.4,                                braking=0.3, electronics_power=12.0)
-    pieces = synthetic(numbers, model, np.random.default_rng(4))
-    found = skid_identify.fit_model(numbers, (pieces,))
+                                bank_easing=1.2, tilting=0.4, driving=1.4, braking=0.3, electronics_power=12.0)
+    generator = np.random.default_rng(4)
+    usual = synthetic(numbers, model, generator)
+    robots = synthetic(numbers, model.scaled((1.2, 0.9, 1.1, 1)), generator)
+    legs = skid_learning.Legs(robots, np.zeros(300, int), np.arange(300), (1, 300))
+    found = skid_identify.fit_model(numbers, (usual,), legs)
     for name in skid_identify.FITTED:
         assert getattr(found, name) == pytest.approx(getattr(model, name), rel=0.02), name
 
 
 def test_deviations_are_those_of_the_ranges():
     draws = np.random.default_rng(5).uniform(0.7, 1.5, 1000000) - 1
-    assert skid_identify.deviations()[0] == pytest.approx(np.sqrt(np.mean(draws**2)), rel=0.01)
+    assert skid_learning.deviations()[0] == pytest.approx(np.sqrt(np.mean(draws**2)), rel=0.01)
 
 
 # ---- Bad input -------------------------------------------------------------------------------------------------------
@@ -200,6 +266,12 @@ def test_no_rows(copied):
     text = (copied / "robots.csv").read_text()
     (copied / "robots.csv").write_text(text.splitlines()[0] + "\n")
     expect_refusal(copied, "robots.csv", "no drives")
+
+
+def test_too_few_robots(copied):
+    rows = (copied / "robots.csv").read_text().splitlines()
+    (copied / "robots.csv").write_text("\n".join(row for row in rows if row.partition(",")[0] in ("run", "0", "1")) + "\n")
+    expect_refusal(copied, "robots.csv", f"more than {skid_identify.FITTED_ROBOTS}")
 
 
 def test_a_piece_without_duration(copied):

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Identify the energy model of a skid-steered or differential-drive robot from the drives of jp-skid-identify.
 
-The parameters of include/joulepath/skid_energy.h are fitted to the energies of designed motions by least squares of the
-relative errors, none below 0; weight, friction and inertia are those of the robot file. Random motions on slopes that were
-not fitted tell how good the model is.
+The parameters of include/joulepath/skid_energy.h are fitted to the energies of designed motions, and of legs of robots on
+other grounds together with the factors by which these differ, by least squares of the relative errors, none below 0;
+weight, friction and inertia are those of the robot file. Random motions on slopes that were not fitted tell how good the
+model is.
 
-What other grounds, payloads and electronics change are four factors of the model. How far robots with factors of their own
-are still from it is the noise of what the robot learns from.
+Further robots learn their factors as tools/design/skid_learning.py says; what their forecasts miss is the noise that they
+learn with.
 
 Writes src/tables/skid_energy_<robot>.c and skid_learning_<robot>.c. Exit status 1: the model misses random motions by more
 than 10 % on average; 2: bad input. Then nothing was written.
@@ -24,7 +25,7 @@ import numpy as np
 from scipy import optimize
 
 from tools.common import ROOT, ArgumentParser, ToolError, Verdict, print_aligned, read_text, run, shown_path, write_whole
-from tools.design import c_tables, robot_json, skid_model
+from tools.design import c_tables, robot_json, skid_learning, skid_model
 
 COLUMNS = ("run", "phase", "v0_m_s", "w0_rad_s", "v1_m_s", "w1_rad_s", "grade", "bank", "seconds", "energy_j")
 NUMBERS = ("width_m", "half_track_m", "weight_n", "friction", "felt_mass_kg", "felt_inertia_kg_m2", "electronics_w",
@@ -43,18 +44,9 @@ SMALL_SHARE = 0.1
 
 ERROR_MAX = 0.1
 
-# Of the factors about 1, root mean square over what jp-skid-identify draws: rolling 0.7 to 1.5, friction 0.6 to 1.2,
-# weight 0.9 to 1.3, electronics 0.8 to 1.2.
-RANGES = ((0.7, 1.5), (0.6, 1.2), (0.9, 1.3), (0.8, 1.2))
-
-LESSONS = 20             # legs of a robot that it learns from
-NOISE_START = (1, 0.01)  # J, and share of the energy, of a leg
-# Single legs are as far from the model as a normal distribution whose share SURE is within that of theirs: the slides of a
-# steep slope must not pass for another ground.
-SURE, SURE_DEVIATIONS = 0.99, 2.576
-ROUNDS = 3               # of the noise, which weighs the legs that it is found from
-
-MEMORY = 64  # legs after which a measurement counts 1/e
+FITTED_ROBOTS = 20
+USUAL_ERROR = 0.02  # of what a leg takes, for how unlikely the factors of a robot may be
+STEP = 1e-6         # of derivatives
 
 FORMAT_MAX = 32768
 HOUR = 3600
@@ -75,17 +67,6 @@ class Result:
     model: skid_model.Model
     fit: np.ndarray    # relative errors
     check: np.ndarray
-
-
-@dataclass(frozen=True)
-class Learning:
-    """struct jp_skid_learning in SI units."""
-    deviation: np.ndarray
-    noise: float           # J
-    noise_relative: float
-    spread: float          # of single legs beyond it
-    untaught: np.ndarray   # relative errors of each robot's legs, before and after its factors are known
-    taught: np.ndarray
 
 
 def read_numbers(path, name):
@@ -125,13 +106,12 @@ def read_table(path):
 
 # ---- The model -------------------------------------------------------------------------------------------------------
 
-def weights_of(measured):
-    return 1 / np.maximum(measured, SMALL_SHARE * measured.mean())
+def relative(predicted, measured):
+    return (predicted - measured) / np.maximum(measured, SMALL_SHARE * measured.mean())  # of no leg, 0
 
 
 def relative_errors(model, pieces):
-    measured = pieces.by_group(pieces.energy)
-    return (pieces.by_group(skid_model.energies(model, pieces)) - measured) * weights_of(measured)
+    return relative(pieces.by_group(skid_model.energies(model, pieces)), pieces.by_group(pieces.energy))
 
 
 def start_of(numbers):
@@ -150,120 +130,77 @@ def start_of(numbers):
         electronics_power=numbers["electronics_w"])
 
 
-def fit_model(numbers, fitted):
-    """fitted: pieces in groups; each group's energy counts."""
+@dataclass(frozen=True)
+class Fit:
+    """Unknown are the parameters of FITTED, over `scale`, and of each robot the coordinates x of skid_learning.py."""
+    start: skid_model.Model
+    scale: np.ndarray
+    fitted: tuple  # pieces in groups, each of whose energies counts
+    robots: skid_learning.Legs
+
+    def model(self, unknown):
+        return self.start.with_values(FITTED, unknown[:len(FITTED)] * self.scale)
+
+    def of_robots(self, unknown):
+        x = unknown[len(FITTED):].reshape(-1, skid_model.FACTORS)
+        return relative(self.robots.energies(self.model(unknown), skid_learning.factors(x)), self.robots.measured)
+
+    def errors(self, unknown):
+        model = self.model(unknown)
+        return np.concatenate([*(relative_errors(model, pieces) for pieces in self.fitted), self.of_robots(unknown).ravel(),
+                               USUAL_ERROR * unknown[len(FITTED):]])
+
+    def jacobian(self, unknown):
+        """Robots do not depend on each other: one step moves a factor of all of them."""
+        here = self.errors(unknown)
+        columns = np.zeros((here.size, unknown.size))
+        for i in range(len(FITTED)):
+            columns[:, i] = (self.errors(unknown + STEP * np.eye(unknown.size)[i]) - here) / STEP
+        count, legs = self.robots.shape
+        first = here.size - self.robots.measured.size - count * skid_model.FACTORS
+        for factor in range(skid_model.FACTORS):
+            moved = unknown.copy()
+            moved[len(FITTED) + factor::skid_model.FACTORS] += STEP
+            change = (self.of_robots(moved) - self.of_robots(unknown)) / STEP
+            for robot in range(count):
+                column = len(FITTED) + robot * skid_model.FACTORS + factor
+                columns[first + robot * legs:first + (robot + 1) * legs, column] = change[robot]
+                columns[column - unknown.size, column] = USUAL_ERROR
+        return columns
+
+
+def fit_model(numbers, fitted, robots):
     start = start_of(numbers)
     low = np.array([LEAST.get(name, 0) for name in FITTED], float)
     high = np.array([MOST[name] for name in FITTED], float)
     first = np.clip([getattr(start, name) for name in FITTED], low + 1e-6, high - 1e-6)
     scale = np.maximum(first, 1e-3)
-
-    def errors(values):
-        model = start.with_values(FITTED, values * scale)
-        return np.concatenate([relative_errors(model, pieces) for pieces in fitted])
-
-    found = optimize.least_squares(errors, first / scale, bounds=(low / scale, high / scale), xtol=1e-12, ftol=1e-12,
-                                   gtol=1e-12, max_nfev=2000)
-    return start.with_values(FITTED, found.x * scale)
+    fit = Fit(start, scale, fitted, robots)
+    free = np.full(robots.shape[0] * skid_model.FACTORS, np.inf)
+    bounds = (np.concatenate([low / scale, -free]), np.concatenate([high / scale, free]))
+    found = optimize.least_squares(fit.errors, np.concatenate([first / scale, 0 / free]), fit.jacobian, bounds, xtol=1e-10,
+                                   ftol=1e-10, gtol=1e-10, max_nfev=500)
+    return fit.model(found.x)
 
 
-def identify(numbers, path):
+def identify(numbers, path, robots):
     drive, phase, pieces = read_table(path)
     held, check = pieces.chosen(phase == HOLD), pieces.chosen(phase == CHECK)
     whole = dataclasses.replace(pieces, group=drive.astype(int)).chosen(phase != CHECK)
-    model = fit_model(numbers, (held, whole))
+    model = fit_model(numbers, (held, whole), robots)
     return Result(model, relative_errors(model, whole), relative_errors(model, check))
 
 
-# ---- What can be learned ---------------------------------------------------------------------------------------------
-
-def deviations():
-    """Root mean square of the factors about 1."""
-    return np.array([math.sqrt(((high - 1)**3 - (low - 1)**3) / (3 * (high - low))) for low, high in RANGES])
-
-
-def deviation_of(noise, energies):
-    """Of legs about the model, J; noise: J, and share of the energy."""
-    return np.hypot(noise[0], noise[1] * energies)
-
-
-def fit_factors(model, pieces, deviation, noise):
-    """Coordinates x of a robot by its legs and by what is usual, and their covariance; factors are 1 + deviation x."""
-    measured = pieces.by_group(pieces.energy)
-    sigma = deviation_of(noise, measured)
-
-    def errors(x):
-        predicted = pieces.by_group(skid_model.energies(model.scaled(1 + deviation * x), pieces))
-        return np.concatenate([(predicted - measured) / sigma, x])
-
-    found = optimize.least_squares(errors, np.zeros(skid_model.FACTORS))
-    return found.x, np.linalg.inv(found.jac.T @ found.jac)
-
-
-def fit_noise(totals, squares):
-    """Standard deviations: J, and share of the energy; the likeliest of independent ones."""
-    parts = np.column_stack([np.ones(len(squares)), totals**2])
-    start = np.log(squares.mean() / 2 / parts.mean(axis=0))
-
-    def cost(logarithms):
-        variances = parts @ np.exp(logarithms)
-        return np.mean(np.log(variances) + squares / variances)
-
-    found = optimize.minimize(cost, start, method="Nelder-Mead", options={"maxiter": 4000, "xatol": 1e-6, "fatol": 1e-10})
-    return np.exp(found.x / 2)
-
-
-@dataclass(frozen=True)
-class Route:
-    """What a robot that has learned drives, of its legs."""
-    measured: np.ndarray
-    missed: np.ndarray
-    untaught: float   # what the built-in model misses of the whole
-    gradient: np.ndarray  # of the whole, by x
-    covariance: np.ndarray
-
-    def variance(self, noise):
-        """As it is forecast."""
-        return np.sum(deviation_of(noise, self.measured)**2) + self.gradient @ self.covariance @ self.gradient
-
-
-def drive_route(model, lesson, rest, deviation, noise):
-    x, covariance = fit_factors(model, lesson, deviation, noise)
-
-    def energies(coordinates):
-        return rest.by_group(skid_model.energies(model.scaled(1 + deviation * coordinates), rest))
-
-    measured, step = rest.by_group(rest.energy), 1e-3
-    gradient = [(energies(x + step * unit).sum() - energies(x - step * unit).sum()) / (2 * step)
-                for unit in np.eye(skid_model.FACTORS)]
-    return Route(measured, energies(x) - measured, (energies(0 * x) - measured).sum(), np.array(gradient), covariance)
-
-
-def learn(model, path):
-    """Robots learn from their first legs; what is left on the others is noise."""
+def read_robots(path):
+    """Legs of the robots that are fitted, and of the others."""
     run_, phase, pieces = read_table(path)
-    deviation, noise = deviations(), NOISE_START
-    robots = [(pieces.chosen((run_ == robot) & (phase < LESSONS)), pieces.chosen((run_ == robot) & (phase >= LESSONS)))
-              for robot in np.unique(run_)]
-    for _ in range(ROUNDS):
-        routes = [drive_route(model, lesson, rest, deviation, noise) for lesson, rest in robots]
-        noise = fit_noise(np.concatenate([route.measured for route in routes]),
-                          np.concatenate([route.missed for route in routes])**2)
-    def surprise(scale):
-        """Of routes by what their forecasts say, root mean square, with so much of the noise."""
-        scaled = tuple(scale * np.array(noise))
-        made = [drive_route(model, lesson, rest, deviation, scaled) for lesson, rest in robots]
-        return math.sqrt(np.mean([route.missed.sum()**2 / route.variance(scaled) for route in made]))
 
-    scale = 1.0
-    for _ in range(ROUNDS):
-        scale *= surprise(scale)
-    noise = tuple(scale * np.array(noise))
-    alone = np.concatenate([np.abs(route.missed) / deviation_of(noise, route.measured) for route in routes])
-    totals = np.array([route.measured.sum() for route in routes])
-    return Learning(deviation, float(noise[0]), float(noise[1]), max(float(np.quantile(alone, SURE)) / SURE_DEVIATIONS, 1.0),
-                    np.array([route.untaught for route in routes]) / totals,
-                    np.array([route.missed.sum() for route in routes]) / totals)
+    def legs(which):
+        if not which.any():
+            raise ToolError(f"{path}: robots: there must be more than {FITTED_ROBOTS}")
+        return skid_learning.legs_of(run_[which], phase[which], pieces.chosen(which))
+
+    return legs(run_ < FITTED_ROBOTS), legs(run_ >= FITTED_ROBOTS)
 
 
 # ---- Tables ----------------------------------------------------------------------------------------------------------
@@ -309,18 +246,21 @@ def energy_table(name, result, exponent, numbers):
 def learning_table(name, learning, exponent, numbers):
     to = c_tables.Converter(f"learning of {name}")
     factors = ("rolling", "friction", "weight", "electronics")
+    noise, by_energy, by_slopes = learning.noise.parts
     values = [to.q16(factor, value, "", 2**-16, 1) for factor, value in zip(factors, learning.deviation)]
     members = [
         c_tables.Array("deviation", [value.value for value in values],
                        [f"{value.comment} of the {value.name}" for value in values]),
-        to.q16("noise_relative", learning.noise_relative, "of the energy", 0, 1),
-        to.energy("noise", max(learning.noise, 2.0**(exponent - 16)), "J", 2**-16, 1024, exponent),
-        to.q16("spread", learning.spread, "of single legs beyond their noise", 1, 16),
-        to.whole("memory", MEMORY, "legs", 8, 1024),
+        to.energy("noise", max(noise, 2.0**(exponent - 16)), "J", 2**-16, 1024, exponent),
+        to.q16("noise_relative", by_energy, "of the energy", 0, 1),
+        to.q16("noise_slopes", by_slopes, "of the work of slopes", 0, 1),
+        to.q16("spread", learning.noise.spread, "of single legs beyond their noise", 1, 16),
+        to.whole("memory", skid_learning.MEMORY, "legs", 8, 1024),
     ]
     members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))
-    note = (f"Over {int(numbers['robots'])} robots routes of 10 legs take {percent(learning.untaught)} % more or less than "
-            f"the model says, {percent(learning.taught)} % after\n * {LESSONS} legs.")
+    note = (f"Of {int(numbers['robots']) - FITTED_ROBOTS} robots, plans of a third of 30 legs take "
+            f"{percent(learning.untaught)} % more or less than the model says, {percent(learning.taught)} % after\n"
+            f" * learning from the others.")
     return c_tables.Table(f"make identify ROBOT={name}", f"sim/robots/{name}.cfg", note, "joulepath/skid_learner.h",
                           "jp_skid_learning", f"jp_skid_learning_{name}", members)
 
@@ -338,10 +278,11 @@ def show(result, learning):
     print_aligned([("errors, %", "mean", "worst"),
                    ("designed drives", percent(result.fit), f"{100 * np.abs(result.fit).max():.3g}"),
                    ("random motions", percent(result.check), f"{100 * np.abs(result.check).max():.3g}"),
-                   ("routes of other robots, untaught", percent(learning.untaught), f"{100 * np.abs(learning.untaught).max():.3g}"),
+                   ("plans of other robots, untaught", percent(learning.untaught), f"{100 * np.abs(learning.untaught).max():.3g}"),
                    ("the same, taught", percent(learning.taught), f"{100 * np.abs(learning.taught).max():.3g}")])
-    print(f"noise of a leg {learning.noise:.3g} J and {100 * learning.noise_relative:.3g} %, of single ones "
-          f"{learning.spread:.3g} times that")
+    noise, by_energy, by_slopes = learning.noise.parts
+    print(f"noise of a leg {noise:.3g} J, {100 * by_energy:.3g} % of its energy and {100 * by_slopes:.3g} % of the work of its "
+          f"slopes, of single ones {learning.noise.spread:.3g} times that; {100 * learning.inside:.3g} % inside")
 
 
 def arguments():
@@ -359,8 +300,9 @@ def main():
     name = robot_json.robot_path(options.robot).stem
     directory = options.experiments or robot_json.build_directory() / "identify" / name
     numbers = read_numbers(directory / "experiments.json", name)
-    result = identify(numbers, directory / "experiments.csv")
-    learning = learn(result.model, directory / "robots.csv")
+    fitted, others = read_robots(directory / "robots.csv")
+    result = identify(numbers, directory / "experiments.csv", fitted)
+    learning = skid_learning.learn(result.model, others)
     show(result, learning)
     if not np.abs(result.check).mean() <= ERROR_MAX:
         raise Verdict(f"{directory}: the model misses random motions by {percent(result.check)} % on average, at most "

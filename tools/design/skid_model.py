@@ -81,7 +81,7 @@ def energies(model, pieces):
     level = ratio(model.turning * model.friction * w, np.abs(w) + stiffness * rolling)
     turning = level * np.maximum(1 - eased, 0) + model.tilting * effort * pieces.bank + swinging
     grip = np.maximum(model.friction - np.abs(effort), model.friction / 4)
-    slip = effort**2 * model.scrub * (ratio(np.abs(w * v), rolling) + stiffness * np.abs(v)) / (2 * grip)
+    slip = effort**2 * model.scrub * (np.abs(w) + stiffness * np.abs(v)) / (2 * grip)
     power = np.zeros_like(v)
     for side in (-1, 1):
         speed = v + side * across
@@ -91,3 +91,10 @@ def energies(model, pieces):
         power += (np.where(force * speed <= 0, model.copper_braking, model.copper_driving) * force**2 / (1 + pieces.grade**2))
     stands = (v == 0) & (w == 0)
     return (model.electronics_power + np.where(stands, 0, power)) * pieces.seconds
+
+
+def slope_works(model, pieces):
+    """J against the slopes of each piece, without their signs."""
+    v, w = pieces.speed.mean(axis=0), pieces.turn_rate.mean(axis=0)
+    way = np.maximum(np.abs(v), np.abs(model.half_track * w)) * pieces.seconds
+    return model.weight * (np.abs(pieces.grade) + np.abs(pieces.bank)) * way

@@ -229,6 +229,7 @@ def meter_group(robot, to):
         to.whole("tick_rate", robot.positive("control.rate_hz"), "Hz", 100, 10000),
         to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 32767),
         to.q16("electronics_power", robot.positive("electronics.power_w"), "W", 0, 256),
+        to.q16("burnt", 1 - robot.number("motor.recuperation"), "", 0, 1),
     ])
 
 

@@ -82,6 +82,8 @@ SECTIONS = (
             "whatever its heading. Times and energies are the means of those that arrived.", blocks=("patrol",)),
     Section("Skid steer, driven", "Plans on the 20 scenes, driven in closed loop over their hills; energies by the plant's "
             "ledger.", r"bench_skid_drive"),
+    Section("Skid steer by itself", "Robots and grounds that differ from their file: what odometry and control are told "
+            "of them.", r"skid_(energy|odometry|plant|robot)"),
     Section("Pure pursuit", "", r"bench_pursuit|pure_pursuit"),
     Section("Pure pursuit by speed", "Largest distance from the path (and root mean square), cm; speeds are those of "
             "straight parts. The tightest bends of the scenes' paths are tighter than the robot can drive; from 1.25 "

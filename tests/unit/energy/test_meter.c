@@ -52,6 +52,50 @@ static void test_checks_every_field_at_its_limits(void)
     config.tick_rate = 100;
     FIELD(motor_resistance, JP_Q16(0.02) - 1, "meter.motor_resistance");
     RANGE("meter.", electronics_power, 0, JP_Q16(256));
+    RANGE("meter.", burnt, 0, JP_Q16_ONE);
+}
+
+/** What leaves the battery in a second, J, for the left motor of 4 Ω by a bridge that burns this share. */
+static jp_energy spent_with(jp_q16 burnt, jp_q16 voltage, jp_q16 current)
+{
+    config.burnt = burnt;
+    start();
+    for (uint32_t i = 0; i < config.tick_rate; i++) {
+        update(voltage, 0, current, 0);
+    }
+    return meter.battery;
+}
+
+#define EXPECT_POWER(watts, burnt, volts, amperes)                                                                     \
+    TEST_ASSERT_INT64_WITHIN(4096, (int64_t)((watts) * (double)JOULE),                                                 \
+                             spent_with(JP_Q16(burnt), JP_Q16(volts), JP_Q16(amperes)))
+
+static void test_a_bridge_burns_what_its_motor_generates(void)
+{
+    EXPECT_POWER(-6, 0, 6, -1);
+    EXPECT_POWER(-3.5, 0.25, 6, -1); /* its back-EMF of 10 V generates 10 W */
+    EXPECT_POWER(-1, 0.5, 6, -1);
+    EXPECT_POWER(0, 0.75, 6, -1);
+    EXPECT_POWER(0, 1, 6, -1);
+    EXPECT_POWER(-3.5, 0.25, -6, 1);
+}
+
+static void test_a_bridge_burns_nothing_of_what_it_takes(void)
+{
+    EXPECT_POWER(6, 1, 6, 1);
+    EXPECT_POWER(1, 1, 1, 1);   /* held against its motion: 4 V over the windings */
+    EXPECT_POWER(1, 1, -1, -1); /* so backwards */
+    EXPECT_POWER(0, 1, 0, 1);   /* shorted */
+}
+
+static void test_burning_at_the_ends_of_the_range(void)
+{
+    config = (struct jp_meter_config){.tick_rate = 100, .motor_resistance = JP_Q16(8192), .burnt = JP_Q16_ONE};
+    start();
+    update(JP_Q16(1024), JP_Q16(-1024), JP_Q16(-1024), JP_Q16(1024));
+    TEST_ASSERT_EQUAL_INT64(0, meter.battery);
+    update(JP_Q16(1024), JP_Q16(-1024), JP_Q16(1024), JP_Q16(-1024));
+    TEST_ASSERT_INT64_WITHIN(JOULE, 20972 * JOULE, meter.battery);
 }
 
 static void test_both_definitions(void)

@@ -289,6 +289,24 @@ static void test_turning_uphill_takes_more(void)
     expect_energy(JP_Q16(960.4950));
 }
 
+/* On a slope of 0.3 in all, by the faster of driving and turning. */
+static void test_work_of_slopes_counts_both_ways(void)
+{
+    piece.start = piece.end = (struct jp_motion){-JP_Q24_ONE, 0};
+    piece.grade = JP_Q24(0.1);
+    piece.bank = JP_Q24(-0.2);
+    add();
+
+    const int64_t driven = jp_multiply_shift(config.weight, piece.duration, 16) * 3 / 10;
+    TEST_ASSERT_INT32_WITHIN(TOLERANCE, (int32_t)driven, (int32_t)drive.slope_work);
+    piece.start = piece.end = (struct jp_motion){0, JP_Q24(2)};
+    piece.grade = -piece.grade;
+    add();
+
+    const int64_t turned = 2 * jp_multiply_shift(config.half_track, (int32_t)driven, 24);
+    TEST_ASSERT_INT32_WITHIN(2 * TOLERANCE, (int32_t)(driven + turned), (int32_t)drive.slope_work);
+}
+
 static void test_energies_are_in_the_models_unit(void)
 {
     config.unit_exponent = 4;

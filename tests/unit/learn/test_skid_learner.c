@@ -69,8 +69,9 @@ static void test_check_names_each_field_at_both_limits(void)
     FIELD(deviation[3], JP_Q16_ONE + 1, "skid_learning.deviation");
     FIELD(deviation[1], 1, NULL);
     FIELD(deviation[2], JP_Q16_ONE, NULL);
-    RANGE("skid_learning.", noise_relative, 0, JP_Q16_ONE);
     RANGE("skid_learning.", noise, 1, JP_Q16(1024));
+    RANGE("skid_learning.", noise_relative, 0, JP_Q16_ONE);
+    RANGE("skid_learning.", noise_slopes, 0, JP_Q16_ONE);
     RANGE("skid_learning.", spread, JP_Q16_ONE, JP_Q16(16));
     RANGE("skid_learning.", memory, 8, 1024);
     FIELD(identity, 0, "skid_learning.identity");
@@ -302,6 +303,21 @@ static void test_forecasts_get_surer(void)
     TEST_ASSERT_TRUE(after.deviation > 0);
 }
 
+/* 3, 4 and 12 J; x adds nothing. */
+static void test_noise_is_of_three_parts(void)
+{
+    const struct jp_skid_drive drive = {.energy = JP_Q16(80), .slope_work = JP_Q16(120)};
+    struct jp_forecast_sum sum = {0, {0}, 0};
+    struct jp_forecast forecast;
+
+    config.noise = JP_Q16(3);
+    config.noise_relative = JP_Q16(0.05);
+    config.noise_slopes = JP_Q16(0.1);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_forecast_add(&learner, &sum, &drive));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_forecast_total(&learner, &sum, &forecast));
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), JP_Q16(13), forecast.deviation);
+}
+
 static void test_what_does_not_fit_is_an_overflow(void)
 {
     struct jp_skid_drive drive = {.energy = (int64_t)INT32_MAX + 1};
@@ -312,6 +328,8 @@ static void test_what_does_not_fit_is_an_overflow(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_skid_forecast_add(&learner, &sum, &drive));
     drive = (struct jp_skid_drive){.change = {0, 0, (int64_t)INT32_MIN - 1, 0}};
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_skid_learner_update(&learner, &drive, 0, &learned));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_skid_forecast_add(&learner, &sum, &drive));
+    drive = (struct jp_skid_drive){.slope_work = (int64_t)INT32_MAX + 1};
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_skid_forecast_add(&learner, &sum, &drive));
     TEST_ASSERT_TRUE(sum.energy == 0);
     TEST_ASSERT_EQUAL_UINT32(0, learner.state.version);

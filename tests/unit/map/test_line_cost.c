@@ -4,6 +4,7 @@
 #include <joulepath/tables.h>
 #include <stdlib.h>
 
+#define LEVEL_MAP_BYTES 1344 /* 24 × 24 cells with elevation */
 #include "tests/support/level_map.h"
 
 enum { SIDE = 24 };

@@ -1,4 +1,5 @@
 /* The navigator with a robot that does what it is told: drives, corners, changes of the map, and what it tells. */
+#define LEVEL_MAP_BYTES 1344 /* 24 × 24 cells with elevation */
 #include "tests/support/navigator_rig.h"
 
 #include <string.h>
