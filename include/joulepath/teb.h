@@ -111,14 +111,21 @@ struct jp_teb_result {
     uint16_t steps_rejected;
 };
 
-/** Rows of the normal equations: x, y, heading and interval of each pose. */
+/** Of a pose: x, y, heading and interval. */
 #define JP_TEB_BLOCK 4
-#define JP_TEB_ROWS  (JP_TEB_BLOCK * JP_TEB_POSES_MAX)
-#define JP_TEB_BAND  (3 * JP_TEB_BLOCK)
+
+/** Derivatives of one number by the variables of a pose, or a row of a block of the normal equations. */
+struct jp_teb_row {
+    float x;
+    float y;
+    float heading;
+    float interval;
+};
 
 /** Private. */
 struct jp_teb_internal {
-    struct jp_teb_weights roots; /**< square roots of the weights, lengths over the reference interval */
+    struct jp_teb_weights weights; /**< of lengths and turns, where the residual is over the reference interval */
+    float root_nonholonomic;
     struct jp_teb_task task;
     const struct jp_obstacles *obstacles;
     struct jp_teb_neighbours {
@@ -132,12 +139,45 @@ struct jp_teb_internal {
         struct jp_plane_point point;  /**< of the path, nearest to the pose */
         struct jp_plane_point normal; /**< of the path there */
     } feet[JP_TEB_POSES_MAX];
-    struct jp_teb_equations {
-        float normal[JP_TEB_ROWS][JP_TEB_BAND]; /**< row i: columns from that of its block less two blocks */
-        float gradient[JP_TEB_ROWS];
-    } equations;
-    struct jp_teb_pose kept[JP_TEB_POSES_MAX]; /**< before the last step; so kept_equations */
-    struct jp_teb_equations kept_equations;
+    struct jp_teb_terms {
+        struct jp_teb_pose_terms {
+            float xx, yx, yy, heading_x, heading_y, heading_heading;
+            float x, y, heading; /**< gradient */
+        } pose;
+        struct jp_teb_step_terms {
+            struct jp_plane_point along;      /**< derivatives of the length by the step's end */
+            float length_by[2];               /**< and by the headings before and after */
+            struct jp_plane_point side_along; /**< the same of the residual of the non-holonomic motion */
+            float side_by[2];
+            float side;
+            struct jp_teb_way_terms {
+                float way_way, way_interval;
+                float way; /**< gradient */
+            } length, turn;
+            float length_turn, interval_interval;
+            float interval; /**< gradient */
+        } step;
+        struct jp_teb_change_terms {
+            struct jp_teb_way_change_terms {
+                float way_way, way_interval, interval_way; /**< of this step, and of the next */
+            } length, turn;
+            float interval_interval;
+        } change;
+    } terms[2][JP_TEB_POSES_MAX]; /**< of the normal equations, by poses, steps and changes between two steps */
+    uint8_t kept_terms;           /**< which of the two belong to the band before the last step */
+    struct jp_teb_pose kept[JP_TEB_POSES_MAX]; /**< that band */
+    /** The Cholesky factor, whose diagonal is kept as its inverse, and the step. */
+    struct jp_teb_factor {
+        struct jp_teb_row far[JP_TEB_BLOCK - 1]; /**< by the pose two before; nothing ties the interval to it */
+        struct jp_teb_row near[JP_TEB_BLOCK];    /**< by the pose before */
+        struct jp_teb_triangle {
+            float xx;
+            float yx, yy;
+            float heading_x, heading_y, heading_heading;
+            float interval_x, interval_y, interval_heading, interval_interval;
+        } own;
+        struct jp_teb_row step;
+    } factor[JP_TEB_POSES_MAX];
     float damping;
 };
 
