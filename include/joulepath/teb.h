@@ -132,7 +132,9 @@ struct jp_teb_internal {
         struct jp_plane_pose pose;       /**< where they were found */
         float time;                      /**< after which the robot will be there, s */
         float distance[JP_TEB_NEAR_MAX]; /**< from there, ascending */
+        struct jp_plane_pose gradient[JP_TEB_NEAR_MAX];
         uint8_t shape[JP_TEB_NEAR_MAX];
+        uint8_t feature[JP_TEB_NEAR_MAX]; /**< of the shape, nearest when it was last asked */
         uint8_t count;
     } near[JP_TEB_POSES_MAX];
     struct jp_teb_foot {
@@ -179,6 +181,7 @@ struct jp_teb_internal {
         struct jp_teb_row step;
     } factor[JP_TEB_POSES_MAX];
     float damping;
+    uint32_t work; /**< distances of obstacles that were computed in this cycle; overlaps count twice */
 };
 
 /** The members but `internal` may be read. About 26 KiB. */

@@ -4,6 +4,7 @@
 
 #include "src/base/config_float_check.h"
 #include "src/base/plane.h"
+#include "src/local/obstacle_distance.h"
 #include "src/local/teb_band.h"
 #include "src/local/teb_residuals.h"
 #include "src/local/teb_solve.h"
@@ -174,35 +175,44 @@ static bool take_step(struct jp_teb *teb, float *cost)
     return true;
 }
 
+static void take_steps(struct jp_teb *teb, struct jp_teb_result *result)
+{
+    for (unsigned step = 0; step < teb->config.steps && teb->internal.work < JP_TEB_WORK_MAX; step++) {
+        float factor = DAMPING_DOWN;
+
+        result->steps++;
+        if (!take_step(teb, &result->cost)) {
+            result->steps_rejected++;
+            factor = DAMPING_UP;
+        }
+        teb->internal.damping = jp_plane_clamp(teb->internal.damping * factor, DAMPING_MIN, DAMPING_MAX);
+    }
+}
+
 static void optimise(struct jp_teb *teb, struct jp_teb_result *result)
 {
     teb->internal.damping = DAMPING_START;
+    teb->internal.work = 0;
     /* Once: a new pose costs steps until it fits. */
     jp_teb_resize(teb);
     for (unsigned round = 0; round < teb->config.rounds; round++) {
-        jp_teb_associate(teb);
+        jp_teb_find_feet(teb);
+        jp_teb_find_obstacles(teb);
         result->cost = jp_teb_linearise(teb, FLT_MAX);
         keep_band(teb);
-        for (unsigned step = 0; step < teb->config.steps; step++) {
-            result->steps++;
-            if (take_step(teb, &result->cost)) {
-                teb->internal.damping = jp_plane_clamp(teb->internal.damping * DAMPING_DOWN, DAMPING_MIN, DAMPING_MAX);
-            } else {
-                result->steps_rejected++;
-                teb->internal.damping = jp_plane_clamp(teb->internal.damping * DAMPING_UP, DAMPING_MIN, DAMPING_MAX);
-            }
-        }
+        take_steps(teb, result);
     }
 }
 
 /* ---- Result ---- */
 
-static float clearance_at(const struct jp_teb *teb, unsigned i, float time)
+/* Features that were nearest from the last pose are tried first. */
+static float clearance_at(struct jp_teb *teb, unsigned i, float time, uint8_t *features)
 {
     float least = JP_OBSTACLE_NONE;
 
     for (unsigned shape = 0; shape < teb->internal.obstacles->count; shape++) {
-        const float away = jp_teb_distance(teb, i, shape, time, NULL);
+        const float away = jp_teb_distance(teb, i, shape, time, &features[shape], NULL);
 
         least = away < least ? away : least;
     }
@@ -210,13 +220,16 @@ static float clearance_at(const struct jp_teb *teb, unsigned i, float time)
 }
 
 /* Of the band as far as it matters now. */
-static void measure_band(const struct jp_teb *teb, struct jp_teb_result *result)
+static void measure_band(struct jp_teb *teb, struct jp_teb_result *result)
 {
+    uint8_t features[JP_OBSTACLES_MAX];
+
+    (void)memset(features, (int)JP_FEATURE_UNKNOWN, sizeof features);
     result->clearance = JP_OBSTACLE_NONE;
     result->duration = 0.0f;
     for (unsigned i = 0; i < teb->count; i++) {
-        if (result->duration <= FORESIGHT) {
-            const float away = clearance_at(teb, i, result->duration);
+        if (result->duration <= FORESIGHT && result->clearance >= -JP_TEB_OVERLAP_MAX) {
+            const float away = clearance_at(teb, i, result->duration, features);
 
             result->clearance = away < result->clearance ? away : result->clearance;
         }

@@ -9,7 +9,7 @@
 
 /* The sum of the cost, and the terms of the equations that residuals are added to. */
 struct sums {
-    const struct jp_teb *teb;
+    struct jp_teb *teb;
     struct jp_teb_terms *terms;
     float cost;
 };
@@ -27,6 +27,10 @@ struct step {
     float interval;
     float inverse; /* of the interval */
 };
+
+static const struct jp_teb_way_terms no_way;
+static const struct jp_teb_change_terms no_change;
+static const struct jp_teb_pose_terms no_pull;
 
 /* The pull of a residual on what it depends on, before its derivatives. */
 static inline float pull_of(struct sums *sums, float weight, float residual)
@@ -51,13 +55,18 @@ static inline void measure_step(const struct jp_teb_pose *from, const struct jp_
     const float turn = jp_plane_wrap(to->pose.heading - from->pose.heading);
 
     *step = (struct step){{length, length * inverse}, {turn, turn * inverse}, from->interval, inverse};
-    *terms = (struct jp_teb_step_terms){
-        .along = {c, s},
-        .length_by = {0.5f * (from->cosine * dy - from->sine * dx), 0.5f * (to->cosine * dy - to->sine * dx)},
-        .side_along = {-2.0f * root * s, 2.0f * root * c},
-        .side_by = {-root * (from->sine * dy + from->cosine * dx), -root * (to->sine * dy + to->cosine * dx)},
-        .side = 2.0f * root * (c * dy - s * dx),
-    };
+    terms->along = (struct jp_plane_point){c, s};
+    terms->length_by[0] = 0.5f * (from->cosine * dy - from->sine * dx);
+    terms->length_by[1] = 0.5f * (to->cosine * dy - to->sine * dx);
+    terms->side_along = (struct jp_plane_point){-2.0f * root * s, 2.0f * root * c};
+    terms->side_by[0] = -root * (from->sine * dy + from->cosine * dx);
+    terms->side_by[1] = -root * (to->sine * dy + to->cosine * dx);
+    terms->side = 2.0f * root * (c * dy - s * dx);
+    terms->length = no_way;
+    terms->turn = no_way;
+    terms->length_turn = 0.0f;
+    terms->interval_interval = 0.0f;
+    terms->interval = 0.0f;
 }
 
 /* Where sign × the way is above rate × the interval. */
@@ -228,7 +237,7 @@ static void add_step(struct sums *sums, unsigned i, struct step *step)
     const struct jp_teb_pose *const poses = sums->teb->poses;
 
     measure_step(&poses[i], &poses[i + 1U], sums->teb->internal.root_nonholonomic, step, &sums->terms->step);
-    sums->terms->change = (struct jp_teb_change_terms){.interval_interval = 0.0f};
+    sums->terms->change = no_change;
     sums->cost += 0.5f * sums->terms->step.side * sums->terms->step.side;
     add_limits(sums, step);
     add_turn_radius(sums, step);
@@ -267,22 +276,22 @@ static void add_path(struct sums *sums, unsigned i)
              by.x * (pose->x - foot->point.x) + by.y * (pose->y - foot->point.y));
 }
 
+/* Distances are computed anew where the pose has moved since the obstacles were found. */
 static void add_obstacles(struct sums *sums, unsigned i)
 {
-    const struct jp_teb *const teb = sums->teb;
-    const struct jp_teb_neighbours *const near = &teb->internal.near[i];
+    struct jp_teb *const teb = sums->teb;
+    struct jp_teb_neighbours *const near = &teb->internal.near[i];
     const float clearance = teb->config.clearance;
+    const float sweep =
+        near->count > 0U ? jp_teb_sweep(&teb->config.footprint, &near->pose, &teb->poses[i].pose) : 0.0f;
 
-    if (near->count == 0U) {
-        return;
-    }
+    for (unsigned k = 0; k < near->count && near->distance[k] < clearance + sweep; k++) {
+        float distance = near->distance[k];
+        struct jp_plane_pose by = near->gradient[k];
 
-    const float reach = clearance + jp_teb_sweep(&teb->config.footprint, &near->pose, &teb->poses[i].pose);
-
-    for (unsigned k = 0; k < near->count && near->distance[k] < reach; k++) {
-        struct jp_plane_pose by;
-        const float distance = jp_teb_distance(teb, i, near->shape[k], near->time, &by);
-
+        if (sweep > 0.0f) {
+            distance = jp_teb_distance(teb, i, near->shape[k], near->time, &near->feature[k], &by);
+        }
         if (distance < clearance) {
             add_pull(sums, teb->internal.weights.obstacle, &by, distance - clearance);
         }
@@ -312,7 +321,7 @@ static void add_pose(struct sums *sums, unsigned i)
 {
     const struct jp_teb *const teb = sums->teb;
 
-    sums->terms->pose = (struct jp_teb_pose_terms){.x = 0.0f};
+    sums->terms->pose = no_pull;
     if (i > 0U) {
         add_path(sums, i);
         add_obstacles(sums, i);
@@ -333,7 +342,7 @@ float jp_teb_linearise(struct jp_teb *teb, float limit)
     const unsigned last = teb->count - 1U;
     struct step steps[2];
 
-    terms[last].pose = (struct jp_teb_pose_terms){.x = 0.0f};
+    terms[last].pose = no_pull;
     for (unsigned i = 0; i < last && sums.cost < limit; i++) {
         struct step *const step = &steps[i % 2U];
 

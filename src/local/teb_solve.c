@@ -18,21 +18,9 @@ static const struct jp_teb_factor no_factor;
 
 /* ---- Assembly ---- */
 
-/* row of a block += factor × row */
-static inline void add(struct jp_teb_row *to, float factor, const struct jp_teb_row *row)
+static inline struct jp_teb_row scaled(float factor, const struct jp_teb_row *row)
 {
-    to->x += factor * row->x;
-    to->y += factor * row->y;
-    to->heading += factor * row->heading;
-    to->interval += factor * row->interval;
-}
-
-static inline void set(struct jp_teb_row *to, float factor, const struct jp_teb_row *row)
-{
-    to->x = factor * row->x;
-    to->y = factor * row->y;
-    to->heading = factor * row->heading;
-    to->interval = factor * row->interval;
+    return (struct jp_teb_row){factor * row->x, factor * row->y, factor * row->heading, factor * row->interval};
 }
 
 /* By the pose before a step: what the change after it has of the next step's length and turn. */
@@ -60,9 +48,9 @@ static inline void assemble_far(const struct jp_teb_terms *first, const struct j
 {
     const struct carried carried = carry(first);
 
-    set(&far[0], second->along.x, &carried.length);
-    set(&far[1], second->along.y, &carried.length);
-    set(&far[2], second->length_by[1], &carried.length);
+    far[0] = scaled(second->along.x, &carried.length);
+    far[1] = scaled(second->along.y, &carried.length);
+    far[2] = scaled(second->length_by[1], &carried.length);
     far[2].heading += carried.heading_turn;
     far[2].interval += carried.interval_turn;
 }
@@ -97,33 +85,32 @@ static inline struct jp_teb_row interval_row(const struct jp_teb_terms *second)
                                tie * second->step.length_by[0] - change->turn.way_interval, change->interval_interval};
 }
 
-static inline void add_side(const struct jp_teb_step_terms *step, float derivative, struct jp_teb_row *row)
+/* By a variable of the pose: `by` and `by_next` are derivatives of the lengths of the steps before and after it. */
+static inline struct jp_teb_row row_by(float by, const struct jp_teb_row *length, float by_next,
+                                       const struct jp_teb_row *carried, float side_by,
+                                       const struct jp_teb_step_terms *step)
 {
-    row->x -= derivative * step->side_along.x;
-    row->y -= derivative * step->side_along.y;
-    row->heading += derivative * step->side_by[0];
+    return (struct jp_teb_row){by * length->x + by_next * carried->x - side_by * step->side_along.x,
+                               by * length->y + by_next * carried->y - side_by * step->side_along.y,
+                               by * length->heading + by_next * carried->heading + side_by * step->side_by[0],
+                               by * length->interval + by_next * carried->interval};
 }
 
 static inline void assemble_near(const struct jp_teb_terms *first, const struct jp_teb_terms *second,
                                  const struct jp_teb_step_terms *third, struct jp_teb_row *near)
 {
     const struct jp_teb_step_terms *const step = &second->step;
-    const struct carried carried = carry(second);
+    const struct carried next = carry(second);
     const struct jp_teb_row length = length_row(first, step);
+    const struct jp_teb_row turn = turn_row(first, step);
+    const struct jp_teb_row heading =
+        row_by(step->length_by[1], &length, third->length_by[0], &next.length, step->side_by[1], step);
 
-    set(&near[0], step->along.x, &length);
-    set(&near[1], step->along.y, &length);
-    near[2] = turn_row(first, step);
-    add(&near[2], step->length_by[1], &length);
-    add_side(step, step->side_along.x, &near[0]);
-    add_side(step, step->side_along.y, &near[1]);
-    add_side(step, step->side_by[1], &near[2]);
-
-    add(&near[0], -third->along.x, &carried.length);
-    add(&near[1], -third->along.y, &carried.length);
-    add(&near[2], third->length_by[0], &carried.length);
-    near[2].heading -= carried.heading_turn;
-    near[2].interval -= carried.interval_turn;
+    near[0] = row_by(step->along.x, &length, -third->along.x, &next.length, step->side_along.x, step);
+    near[1] = row_by(step->along.y, &length, -third->along.y, &next.length, step->side_along.y, step);
+    near[2] =
+        (struct jp_teb_row){heading.x + turn.x, heading.y + turn.y, heading.heading + turn.heading - next.heading_turn,
+                            heading.interval + turn.interval - next.interval_turn};
     near[3] = interval_row(second);
 }
 
@@ -411,6 +398,15 @@ static inline void divide_transposed(struct jp_teb_row *row, const struct jp_teb
              factor->xx;
 }
 
+/* to −= factor × row */
+static inline void subtract(struct jp_teb_row *to, float factor, const struct jp_teb_row *row)
+{
+    to->x -= factor * row->x;
+    to->y -= factor * row->y;
+    to->heading -= factor * row->heading;
+    to->interval -= factor * row->interval;
+}
+
 static void substitute_backward(struct jp_teb *teb, unsigned pose)
 {
     struct jp_teb_factor *const rows = &teb->internal.factor[pose];
@@ -419,17 +415,17 @@ static void substitute_backward(struct jp_teb *teb, unsigned pose)
     if (pose > 0U) {
         struct jp_teb_row *const step = &teb->internal.factor[pose - 1U].step;
 
-        add(step, -rows->step.x, &rows->near[0]);
-        add(step, -rows->step.y, &rows->near[1]);
-        add(step, -rows->step.heading, &rows->near[2]);
-        add(step, -rows->step.interval, &rows->near[3]);
+        subtract(step, rows->step.x, &rows->near[0]);
+        subtract(step, rows->step.y, &rows->near[1]);
+        subtract(step, rows->step.heading, &rows->near[2]);
+        subtract(step, rows->step.interval, &rows->near[3]);
     }
     if (pose > 1U) {
         struct jp_teb_row *const step = &teb->internal.factor[pose - 2U].step;
 
-        add(step, -rows->step.x, &rows->far[0]);
-        add(step, -rows->step.y, &rows->far[1]);
-        add(step, -rows->step.heading, &rows->far[2]);
+        subtract(step, rows->step.x, &rows->far[0]);
+        subtract(step, rows->step.y, &rows->far[1]);
+        subtract(step, rows->step.heading, &rows->far[2]);
     }
 }
 
