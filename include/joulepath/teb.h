@@ -17,8 +17,11 @@
  * - no reversing: −l/ΔT_ref, where above 0
  * - odometry: first pose against the wheels' prediction and against the laser's measurement
  *
- * The Jacobians are analytic. The normal equations are banded, three blocks of 4 × 4 wide; a fixed number of
- * Levenberg–Marquardt steps, each in O(n), solves them in the object's own memory.
+ * The derivatives are analytic, by the lengths, turns and intervals of the steps; from their few products the normal
+ * equations of the poses are put together, which are banded, three blocks of 4 × 4 wide. A fixed number of
+ * Levenberg–Marquardt steps, each in O(n), solves them in the object's own memory. A cycle whose distances to obstacles
+ * would take too long ends with fewer steps: with 3 rounds of 4 steps and a path of 60 points, none takes more than
+ * 3 million instructions on a Cortex-M7.
  *
  * Single-precision floating point without fused operations: part of libjoulepath_float, for cores with an FPU. The
  * sines are those of fixed.h, cached for each pose. Nothing here is for ISRs.
@@ -184,7 +187,7 @@ struct jp_teb_internal {
     uint32_t work; /**< distances of obstacles that were computed in this cycle; overlaps count twice */
 };
 
-/** The members but `internal` may be read. About 26 KiB. */
+/** The members but `internal` may be read. About 29 KiB. */
 struct jp_teb {
     struct jp_teb_config config;
     struct jp_teb_pose poses[JP_TEB_POSES_MAX];

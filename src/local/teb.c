@@ -195,7 +195,7 @@ static void optimise(struct jp_teb *teb, struct jp_teb_result *result)
     teb->internal.work = 0;
     /* Once: a new pose costs steps until it fits. */
     jp_teb_resize(teb);
-    for (unsigned round = 0; round < teb->config.rounds; round++) {
+    for (unsigned round = 0; round < teb->config.rounds && teb->internal.work < JP_TEB_WORK_MAX; round++) {
         jp_teb_find_feet(teb);
         jp_teb_find_obstacles(teb);
         result->cost = jp_teb_linearise(teb, FLT_MAX);

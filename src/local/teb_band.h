@@ -15,8 +15,8 @@ void jp_teb_resize(struct jp_teb *teb);
 /** Finds the foot of each pose on the path. Work: poses + points of the path. */
 void jp_teb_find_feet(struct jp_teb *teb);
 
-/** Work on obstacles in a cycle, in distances whose nearest feature stays. What it is used up for is left as it was.
- * More than the first round's, which is not shortened, it never is but by one step's. */
+/** Work on obstacles in a cycle, counted in distances whose nearest feature stays. Where it is used up the optimisation
+ *  ends; it is more than the first search takes at most, and is exceeded by one step's at most. */
 #define JP_TEB_WORK_MAX 3600U
 
 /** Finds the obstacles near each pose; where the work is used up, those found before stay. Work: poses × obstacles. */
