@@ -17,7 +17,7 @@ void jp_teb_find_feet(struct jp_teb *teb);
 
 /** Work on obstacles in a cycle, counted in distances whose nearest feature stays. Where it is used up the optimisation
  *  ends; it is more than the first search takes at most, and is exceeded by one step's at most. */
-#define JP_TEB_WORK_MAX 3600U
+#define JP_TEB_WORK_MAX 3100U
 
 /** Finds the obstacles near each pose; where the work is used up, those found before stay. Work: poses × obstacles. */
 void jp_teb_find_obstacles(struct jp_teb *teb);
