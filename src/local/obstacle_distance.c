@@ -11,7 +11,7 @@
 #define TOUCH_SQUARE 1.0e-8f
 
 /* Of features: below, sides by the vertex that they end at; from there on, vertices. */
-#define FIRST_VERTEX JP_OBSTACLE_VERTICES_MAX
+#define FIRST_VERTEX ((unsigned)JP_OBSTACLE_VERTICES_MAX)
 
 /* The points of rectangle and hull nearest to each other. */
 struct nearest {
@@ -25,7 +25,7 @@ struct nearest {
 struct view {
     const struct jp_footprint *footprint;
     const struct jp_plane_pose *pose;
-    struct jp_plane_point direction;
+    const struct jp_plane_point *direction;
     const struct jp_obstacle *shape;
 };
 
@@ -34,8 +34,8 @@ static inline struct jp_plane_point seen(const struct view *view, unsigned verte
     const float dx = view->shape->vertices[vertex].x - view->pose->x;
     const float dy = view->shape->vertices[vertex].y - view->pose->y;
 
-    return (struct jp_plane_point){view->direction.x * dx + view->direction.y * dy,
-                                   view->direction.x * dy - view->direction.y * dx};
+    return (struct jp_plane_point){view->direction->x * dx + view->direction->y * dy,
+                                   view->direction->x * dy - view->direction->y * dx};
 }
 
 /* From a coordinate to the rectangle's −low…high. */
@@ -154,7 +154,7 @@ float jp_obstacle_distance_along(const struct jp_footprint *footprint, const str
                                  struct jp_plane_point direction, const struct jp_obstacle *shape, uint8_t *feature,
                                  struct jp_plane_pose *gradient)
 {
-    const struct view view = {footprint, pose, direction, shape};
+    const struct view view = {footprint, pose, &direction, shape};
     struct nearest nearest = {.square = FLT_MAX, .feature = JP_FEATURE_UNKNOWN};
     struct jp_separation apart;
     const bool is_same =

@@ -11,6 +11,7 @@
 struct sums {
     struct jp_teb *teb;
     struct jp_teb_terms *terms;
+    struct jp_teb_terms *last; /* of the step before */
     float cost;
 };
 
@@ -28,8 +29,6 @@ struct step {
     float inverse; /* of the interval */
 };
 
-static const struct jp_teb_way_terms no_way;
-static const struct jp_teb_change_terms no_change;
 static const struct jp_teb_pose_terms no_pull;
 
 /* The pull of a residual on what it depends on, before its derivatives. */
@@ -46,6 +45,7 @@ static inline float pull_of(struct sums *sums, float weight, float residual)
 static inline void measure_step(const struct jp_teb_pose *from, const struct jp_teb_pose *to, float root,
                                 struct step *step, struct jp_teb_step_terms *terms)
 {
+    static const struct jp_teb_way_terms no_way;
     const float dx = to->pose.x - from->pose.x;
     const float dy = to->pose.y - from->pose.y;
     const float c = 0.5f * (from->cosine + to->cosine);
@@ -171,23 +171,23 @@ struct ends {
 };
 
 /* Acceleration between two steps, over the mean of both intervals. */
-static inline void add_change(struct sums *sums, const struct ends *before, const struct ends *after, float inverse,
-                              float limit, float weight, struct jp_teb_change_terms *terms,
+static inline void add_change(struct sums *sums, struct ends before, struct ends after, float inverse, float limit,
+                              float weight, struct jp_teb_change_terms *terms,
                               struct jp_teb_way_change_terms *way_terms)
 {
-    const float change = (after->way->rate - before->way->rate) * inverse;
+    const float change = (after.way->rate - before.way->rate) * inverse;
     const float excess = beyond(change, limit);
 
     if (excess != 0.0f) {
         const float pull = pull_of(sums, weight, excess);
         const float by_mean = -0.5f * change * inverse;
-        const float by_before = -inverse * before->inverse;
-        const float by_after = inverse * after->inverse;
-        const float by_interval = by_mean - by_before * before->way->rate;
-        const float by_next_interval = by_mean - by_after * after->way->rate;
+        const float by_before = -inverse * before.inverse;
+        const float by_after = inverse * after.inverse;
+        const float by_interval = by_mean - by_before * before.way->rate;
+        const float by_next_interval = by_mean - by_after * after.way->rate;
 
-        add_one(before->terms, before->way_terms, weight, pull, by_before, by_interval);
-        add_one(after->terms, after->way_terms, weight, pull, by_after, by_next_interval);
+        add_one(before.terms, before.way_terms, weight, pull, by_before, by_interval);
+        add_one(after.terms, after.way_terms, weight, pull, by_after, by_next_interval);
         way_terms->way_way += weight * by_before * by_after;
         way_terms->way_interval += weight * by_before * by_next_interval;
         way_terms->interval_way += weight * by_interval * by_after;
@@ -200,7 +200,7 @@ static inline void add_acceleration(struct sums *sums, const struct step *before
 {
     const struct jp_teb_config *const config = &sums->teb->config;
     const struct jp_teb_weights *const weights = &sums->teb->internal.weights;
-    struct jp_teb_terms *const last = sums->terms - 1;
+    struct jp_teb_terms *const last = sums->last;
     struct jp_teb_step_terms *const next = &sums->terms->step;
     const float inverse = 2.0f / (before->interval + after->interval);
     const struct ends lengths[] = {{&before->length, before->inverse, &last->step, &last->step.length},
@@ -208,10 +208,10 @@ static inline void add_acceleration(struct sums *sums, const struct step *before
     const struct ends turns[] = {{&before->turn, before->inverse, &last->step, &last->step.turn},
                                  {&after->turn, after->inverse, next, &next->turn}};
 
-    add_change(sums, &lengths[0], &lengths[1], inverse, config->acceleration, weights->acceleration, &last->change,
+    add_change(sums, lengths[0], lengths[1], inverse, config->acceleration, weights->acceleration, &last->change,
                &last->change.length);
-    add_change(sums, &turns[0], &turns[1], inverse, config->turn_acceleration, weights->turn_acceleration,
-               &last->change, &last->change.turn);
+    add_change(sums, turns[0], turns[1], inverse, config->turn_acceleration, weights->turn_acceleration, &last->change,
+               &last->change.turn);
 }
 
 static void add_start(struct sums *sums, const struct step *step)
@@ -234,6 +234,7 @@ static void add_goal(struct sums *sums, const struct step *step)
 
 static void add_step(struct sums *sums, unsigned i, struct step *step)
 {
+    static const struct jp_teb_change_terms no_change;
     const struct jp_teb_pose *const poses = sums->teb->poses;
 
     measure_step(&poses[i], &poses[i + 1U], sums->teb->internal.root_nonholonomic, step, &sums->terms->step);
@@ -338,7 +339,7 @@ static void add_pose(struct sums *sums, unsigned i)
 float jp_teb_linearise(struct jp_teb *teb, float limit)
 {
     struct jp_teb_terms *const terms = teb->internal.terms[1U - teb->internal.kept_terms];
-    struct sums sums = {teb, terms, 0.0f};
+    struct sums sums = {teb, terms, terms, 0.0f};
     const unsigned last = teb->count - 1U;
     struct step steps[2];
 
@@ -346,6 +347,7 @@ float jp_teb_linearise(struct jp_teb *teb, float limit)
     for (unsigned i = 0; i < last && sums.cost < limit; i++) {
         struct step *const step = &steps[i % 2U];
 
+        sums.last = sums.terms;
         sums.terms = &terms[i];
         add_step(&sums, i, step);
         if (i > 0U) {

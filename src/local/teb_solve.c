@@ -13,12 +13,11 @@
 /* Keeps a variable that nothing acts on where it is. */
 #define DIAGONAL_MIN 1.0e-4f
 
-static const struct jp_teb_terms no_terms;
 static const struct jp_teb_factor no_factor;
 
 /* ---- Assembly ---- */
 
-static inline struct jp_teb_row scaled(float factor, const struct jp_teb_row *row)
+static inline struct jp_teb_row times(float factor, const struct jp_teb_row *row)
 {
     return (struct jp_teb_row){factor * row->x, factor * row->y, factor * row->heading, factor * row->interval};
 }
@@ -48,9 +47,9 @@ static inline void assemble_far(const struct jp_teb_terms *first, const struct j
 {
     const struct carried carried = carry(first);
 
-    far[0] = scaled(second->along.x, &carried.length);
-    far[1] = scaled(second->along.y, &carried.length);
-    far[2] = scaled(second->length_by[1], &carried.length);
+    far[0] = times(second->along.x, &carried.length);
+    far[1] = times(second->along.y, &carried.length);
+    far[2] = times(second->length_by[1], &carried.length);
     far[2].heading += carried.heading_turn;
     far[2].interval += carried.interval_turn;
 }
@@ -244,15 +243,16 @@ static void fix_ends(const struct jp_teb *teb, unsigned pose, struct jp_teb_fact
 
 void jp_teb_assemble(const struct jp_teb *teb, unsigned pose, struct jp_teb_factor *rows)
 {
-    const struct jp_teb_terms *const terms = &teb->internal.terms[teb->internal.kept_terms][pose];
-    const struct jp_teb_terms *const first = pose > 1U ? terms - 2 : &no_terms;
-    const struct jp_teb_terms *const second = pose > 0U ? terms - 1 : &no_terms;
-    const struct jp_teb_step_terms *const third = pose + 1U < teb->count ? &terms->step : &no_terms.step;
+    static const struct jp_teb_terms no_terms;
+    const struct jp_teb_terms *const terms = teb->internal.terms[teb->internal.kept_terms];
+    const struct jp_teb_terms *const first = pose > 1U ? &terms[pose - 2U] : &no_terms;
+    const struct jp_teb_terms *const second = pose > 0U ? &terms[pose - 1U] : &no_terms;
+    const struct jp_teb_step_terms *const third = pose + 1U < teb->count ? &terms[pose].step : &no_terms.step;
 
     assemble_far(first, &second->step, rows->far);
     assemble_near(first, second, third, rows->near);
-    assemble_own(&terms->pose, second, third, &rows->own);
-    assemble_step(&terms->pose, &second->step, third, &rows->step);
+    assemble_own(&terms[pose].pose, second, third, &rows->own);
+    assemble_step(&terms[pose].pose, &second->step, third, &rows->step);
     fix_ends(teb, pose, rows);
 }
 
@@ -280,8 +280,9 @@ static inline void divide(struct jp_teb_row *row, const struct jp_teb_triangle *
 
 static inline void divide_rows(struct jp_teb_row *rows, unsigned count, const struct jp_teb_triangle *factor)
 {
-    const struct jp_teb_triangle own = *factor;
+    struct jp_teb_triangle own;
 
+    own = *factor;
     for (unsigned i = 0; i < count; i++) {
         divide(&rows[i], &own);
     }
@@ -372,8 +373,8 @@ static inline void substitute_forward(struct jp_teb_factor *rows, const struct j
 static bool factor_rows(struct jp_teb *teb, unsigned pose)
 {
     struct jp_teb_factor *const rows = &teb->internal.factor[pose];
-    const struct jp_teb_factor *const far = pose > 1U ? rows - 2 : &no_factor;
-    const struct jp_teb_factor *const near = pose > 0U ? rows - 1 : &no_factor;
+    const struct jp_teb_factor *const far = pose > 1U ? &teb->internal.factor[pose - 2U] : &no_factor;
+    const struct jp_teb_factor *const near = pose > 0U ? &teb->internal.factor[pose - 1U] : &no_factor;
 
     jp_teb_assemble(teb, pose, rows);
     damp(&rows->own, teb->internal.damping);
