@@ -45,7 +45,7 @@ static inline float pull_of(struct sums *sums, float weight, float residual)
 static inline void measure_step(const struct jp_teb_pose *from, const struct jp_teb_pose *to, float root,
                                 struct step *step, struct jp_teb_step_terms *terms)
 {
-    static const struct jp_teb_way_terms no_way;
+    static const struct jp_teb_way_terms no_way = {.way = 0.0f};
     const float dx = to->pose.x - from->pose.x;
     const float dy = to->pose.y - from->pose.y;
     const float c = 0.5f * (from->cosine + to->cosine);
@@ -234,7 +234,7 @@ static void add_goal(struct sums *sums, const struct step *step)
 
 static void add_step(struct sums *sums, unsigned i, struct step *step)
 {
-    static const struct jp_teb_change_terms no_change;
+    static const struct jp_teb_change_terms no_change = {.interval_interval = 0.0f};
     const struct jp_teb_pose *const poses = sums->teb->poses;
 
     measure_step(&poses[i], &poses[i + 1U], sums->teb->internal.root_nonholonomic, step, &sums->terms->step);
