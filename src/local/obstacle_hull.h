@@ -16,7 +16,6 @@ struct jp_hull {
 struct jp_hull_side {
     struct jp_plane_point first;
     struct jp_plane_point edge;
-    float square;        /**< of its length */
     float centre_height; /**< of the robot's origin */
 };
 
@@ -27,13 +26,16 @@ struct jp_separation {
     struct jp_plane_point point;  /**< in the robot's frame, where they touch or would touch */
 };
 
-static inline struct jp_hull_side jp_hull_side(const struct jp_hull *hull, unsigned index)
+static inline struct jp_hull_side jp_hull_side(struct jp_plane_point first, struct jp_plane_point second)
 {
-    const struct jp_plane_point first = hull->vertices[index];
-    const struct jp_plane_point second = hull->vertices[index + 1U < hull->count ? index + 1U : 0U];
     const struct jp_plane_point edge = {second.x - first.x, second.y - first.y};
 
-    return (struct jp_hull_side){first, edge, edge.x * edge.x + edge.y * edge.y, edge.x * first.y - edge.y * first.x};
+    return (struct jp_hull_side){first, edge, edge.x * first.y - edge.y * first.x};
+}
+
+static inline float jp_hull_side_square(const struct jp_hull_side *side)
+{
+    return side->edge.x * side->edge.x + side->edge.y * side->edge.y;
 }
 
 static inline float jp_hull_height(const struct jp_hull_side *side, struct jp_plane_point point)
@@ -49,8 +51,10 @@ static inline struct jp_plane_point jp_hull_lowest_corner(const struct jp_footpr
                                    side->edge.x > 0.0f ? footprint->half_width : -footprint->half_width};
 }
 
-/** Penetration of overlapping shapes: the least translation that separates them, as a distance of 0 or less. The
- *  translation does not pass the robot's origin through the hull, unless the origin is inside. */
-struct jp_separation jp_hull_separate(const struct jp_footprint *footprint, const struct jp_hull *hull);
+/** False when a side of the rectangle separates the two and they do not touch either. Otherwise their penetration, if
+ * no side of the hull separates them: the least translation that does, as a distance of 0 or less. It does not pass the
+ *  robot's origin through the hull, unless the origin is inside. */
+bool jp_hull_overlaps(const struct jp_footprint *footprint, const struct jp_hull *hull, bool is_touching,
+                      struct jp_separation *separation);
 
 #endif

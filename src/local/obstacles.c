@@ -83,9 +83,10 @@ enum jp_status jp_obstacles_add(struct jp_obstacles *obstacles, const struct jp_
     }
 
     const struct jp_plane_pose centre = {obstacles->centre.x, obstacles->centre.y, 0.0f};
+    uint8_t feature = JP_FEATURE_UNKNOWN;
 
     insert(obstacles, shape,
-           jp_obstacle_distance_along(&point, &centre, (struct jp_plane_point){1.0f, 0.0f}, shape, NULL));
+           jp_obstacle_distance_along(&point, &centre, (struct jp_plane_point){1.0f, 0.0f}, shape, &feature, NULL));
     return JP_OK;
 }
 
@@ -106,7 +107,9 @@ float jp_obstacles_distance(const struct jp_obstacles *obstacles, const struct j
             break;
         }
 
-        const float distance = jp_obstacle_distance_along(footprint, pose, direction, &obstacles->shapes[i], NULL);
+        uint8_t feature = JP_FEATURE_UNKNOWN;
+        const float distance =
+            jp_obstacle_distance_along(footprint, pose, direction, &obstacles->shapes[i], &feature, NULL);
 
         nearest = distance < nearest ? distance : nearest;
     }

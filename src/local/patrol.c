@@ -186,7 +186,8 @@ static bool find_step_aside(struct jp_patrol *patrol, const struct jp_plane_spee
 {
     return patrol->config.turns_in_place && jp_patrol_is_standing(speed) &&
            jp_patrol_clearance(patrol, &patrol->pose) > -DOUBT &&
-           jp_patrol_find_step(patrol, patrol->pose.heading, &patrol->internal.step_target);
+           jp_patrol_find_step(patrol, patrol->pose.heading, patrol->config.turn_clearance,
+                               &patrol->internal.step_target);
 }
 
 static void act(struct jp_patrol *patrol, const struct jp_plane_speed *speed)

@@ -41,8 +41,8 @@ static bool may_turn_at_goal(const struct jp_patrol *patrol, const struct jp_pat
     float angle;
 
     return patrol->internal.goal.is_heading_free ||
-           (patrol->config.turns_in_place &&
-            jp_patrol_find_turn(patrol, &there, patrol->internal.goal.pose.heading, &angle));
+           (patrol->config.turns_in_place && jp_patrol_find_turn(patrol, &there, patrol->internal.goal.pose.heading,
+                                                                 patrol->config.turn_clearance, &angle));
 }
 
 /* Where a pose will be when the wheels do what is asked of them now. */

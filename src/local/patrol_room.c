@@ -21,14 +21,15 @@ float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_
            0.5f * patrol->config.scan.tolerance;
 }
 
-bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float angle)
+bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float angle,
+                            float clearance)
 {
     const unsigned steps = (unsigned)(jp_plane_magnitude(angle) / SWEEP_STEP) + 1U;
     const float step = angle / (float)steps;
     struct jp_plane_pose pose = *from;
 
     for (unsigned i = 0; i <= steps; i++) {
-        if (jp_patrol_clearance(patrol, &pose) < patrol->config.turn_clearance) {
+        if (jp_patrol_clearance(patrol, &pose) < clearance) {
             return false;
         }
         pose.heading += step;
@@ -36,24 +37,25 @@ bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plan
     return true;
 }
 
-bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float heading, float *angle)
+bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float heading,
+                         float clearance, float *angle)
 {
     const float shorter = jp_plane_wrap(heading - from->heading);
     const float longer = shorter > 0.0f ? shorter - 2.0f * JP_PLANE_PI : shorter + 2.0f * JP_PLANE_PI;
 
     *angle = shorter;
-    if (jp_patrol_is_turn_free(patrol, from, shorter)) {
+    if (jp_patrol_is_turn_free(patrol, from, shorter, clearance)) {
         return true;
     }
     *angle = longer;
-    return jp_patrol_is_turn_free(patrol, from, longer);
+    return jp_patrol_is_turn_free(patrol, from, longer, clearance);
 }
 
-bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step)
+bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step, float clearance)
 {
     const unsigned parts = (unsigned)(jp_plane_length(step->x, step->y) / WAY_STEP) + 1U;
     const float now = jp_patrol_clearance(patrol, &patrol->pose) - NOISE;
-    const float least = now < patrol->config.turn_clearance ? now : patrol->config.turn_clearance;
+    const float least = now < clearance ? now : clearance;
 
     for (unsigned i = 1; i <= parts; i++) {
         const float share = (float)i / (float)parts;
@@ -76,7 +78,7 @@ static float step_angle(unsigned i)
     return i % 2U == 0U ? angle : -angle;
 }
 
-bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, struct jp_plane_point *target)
+bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, float clearance, struct jp_plane_point *target)
 {
     for (unsigned i = 0; i < STEP_LENGTHS * STEP_ANGLES; i++) {
         const unsigned ring = i / STEP_ANGLES + 1U;
@@ -86,7 +88,8 @@ bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, struct j
         const struct jp_plane_pose there = jp_plane_compose(&patrol->pose, &step);
         float turn;
 
-        if (jp_patrol_is_step_free(patrol, &step) && jp_patrol_find_turn(patrol, &there, heading, &turn)) {
+        if (jp_patrol_is_step_free(patrol, &step, clearance) &&
+            jp_patrol_find_turn(patrol, &there, heading, clearance, &turn)) {
             *target = (struct jp_plane_point){there.x, there.y};
             return true;
         }

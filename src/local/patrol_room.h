@@ -8,17 +8,19 @@
  *  half of its tolerance. */
 float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose);
 
-/** Whether the footprint keeps its clearance while it turns in place by an angle, which has a sign. */
-bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float angle);
+/** Whether the footprint keeps a clearance while it turns in place by an angle, which has a sign. */
+bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float angle,
+                            float clearance);
 
 /** The turn in place to a heading: the shorter way round if it is free, else the longer. False when neither is. */
-bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float heading, float *angle);
+bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float heading,
+                         float clearance, float *angle);
 
-/** Whether the robot can step by `step`, in its own frame, with its heading as it is: it keeps its clearance, or where
+/** Whether the robot can step by `step`, in its own frame, with its heading as it is: it keeps the clearance, or where
  *  it has less now, does not get nearer. */
-bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step);
+bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step, float clearance);
 
 /** The shortest of some steps forward or aside after which the turn to a heading is free. False: none is. */
-bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, struct jp_plane_point *target);
+bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, float clearance, struct jp_plane_point *target);
 
 #endif

@@ -35,14 +35,7 @@ bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol)
 
     patrol->internal.step_target = (struct jp_plane_point){patrol->internal.goal.pose.x, patrol->internal.goal.pose.y};
     return away > STEP_TOLERANCE && away < STEP_REACH && remaining.x > -STEP_TOLERANCE &&
-           jp_patrol_is_step_free(patrol, &step);
-}
-
-/* Where a turn to a heading is free: at the goal itself, if the robot has arrived beside it. */
-static bool find_step(struct jp_patrol *patrol, float heading)
-{
-    return patrol->internal.is_arriving ? jp_patrol_find_step_to_goal(patrol)
-                                        : jp_patrol_find_step(patrol, heading, &patrol->internal.step_target);
+           jp_patrol_is_step_free(patrol, &step, patrol->config.turn_clearance);
 }
 
 bool jp_patrol_trust_path(struct jp_patrol *patrol)
@@ -78,13 +71,31 @@ static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
     jp_patrol_stand(patrol);
 }
 
-void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
+/* The turn on the spot, else after a step to where there is room for it: at the goal, the step to the goal itself. */
+static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
 {
     float angle;
 
-    if (jp_patrol_find_turn(patrol, &patrol->pose, heading, &angle)) {
+    if (jp_patrol_find_turn(patrol, &patrol->pose, heading, clearance, &angle)) {
         begin_turn(patrol, heading, angle);
-    } else if (find_step(patrol, heading)) {
+        return true;
+    }
+    if (!patrol->internal.is_arriving &&
+        jp_patrol_find_step(patrol, heading, clearance, &patrol->internal.step_target)) {
+        jp_patrol_begin_step(patrol);
+        return true;
+    }
+    return false;
+}
+
+/* With the clearance that is wanted where there is a place with it, else with the least. */
+void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
+{
+    if (turn_with(patrol, heading, patrol->config.teb.clearance) ||
+        turn_with(patrol, heading, patrol->config.turn_clearance)) {
+        return;
+    }
+    if (patrol->internal.is_arriving && jp_patrol_find_step_to_goal(patrol)) {
         jp_patrol_begin_step(patrol);
     } else {
         patrol->counts.infeasible++;
@@ -123,7 +134,8 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const float rate_now = jp_plane_magnitude(patrol->internal.command.turn_rate);
     const float ahead = rate_now * (TURN_FORESIGHT + 0.5f * rate_now / config->turn_acceleration) + TURN_MARGIN;
 
-    if (!jp_patrol_is_turn_free(patrol, &patrol->pose, jp_plane_clamp(remaining, -ahead, ahead))) {
+    if (!jp_patrol_is_turn_free(patrol, &patrol->pose, jp_plane_clamp(remaining, -ahead, ahead),
+                                config->turn_clearance)) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
         return;
     }
@@ -150,7 +162,7 @@ void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed
         if (jp_patrol_is_standing(speed)) {
             jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
         }
-    } else if (!jp_patrol_is_step_free(patrol, &remaining)) {
+    } else if (!jp_patrol_is_step_free(patrol, &remaining, patrol->config.turn_clearance)) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
     } else {
         const float stopping = away / (2.0f * patrol->config.period);

@@ -4,6 +4,7 @@
 
 #include "src/base/config_float_check.h"
 #include "src/base/plane.h"
+#include "src/local/obstacle_distance.h"
 #include "src/local/teb_band.h"
 #include "src/local/teb_residuals.h"
 #include "src/local/teb_solve.h"
@@ -79,26 +80,17 @@ static enum jp_status check(const struct jp_teb_config *config, const char **fie
     return status;
 }
 
-static struct jp_teb_weights roots_of(const struct jp_teb_config *config)
+static struct jp_teb_weights weights_of(const struct jp_teb_config *config)
 {
-    const struct jp_teb_weights *const weights = &config->weights;
-    const float per_interval = 1.0f / config->interval;
+    const float per_interval = 1.0f / (config->interval * config->interval);
+    struct jp_teb_weights weights = config->weights;
 
-    return (struct jp_teb_weights){
-        .nonholonomic = jp_plane_square_root(weights->nonholonomic),
-        .speed = jp_plane_square_root(weights->speed) * per_interval,
-        .turn_rate = jp_plane_square_root(weights->turn_rate) * per_interval,
-        .turn_radius = jp_plane_square_root(weights->turn_radius) * per_interval,
-        .acceleration = jp_plane_square_root(weights->acceleration),
-        .turn_acceleration = jp_plane_square_root(weights->turn_acceleration),
-        .obstacle = jp_plane_square_root(weights->obstacle),
-        .path = jp_plane_square_root(weights->path),
-        .time = jp_plane_square_root(weights->time),
-        .slowness = jp_plane_square_root(weights->slowness) / config->speed_max,
-        .no_reversing = jp_plane_square_root(weights->no_reversing) * per_interval,
-        .wheel_odometry = jp_plane_square_root(weights->wheel_odometry),
-        .laser_odometry = jp_plane_square_root(weights->laser_odometry),
-    };
+    weights.speed *= per_interval;
+    weights.turn_rate *= per_interval;
+    weights.turn_radius *= per_interval;
+    weights.no_reversing *= per_interval;
+    weights.slowness *= 1.0f / (config->speed_max * config->speed_max);
+    return weights;
 }
 
 enum jp_status jp_teb_init(struct jp_teb *teb, const struct jp_teb_config *config, const char **field)
@@ -114,7 +106,8 @@ enum jp_status jp_teb_init(struct jp_teb *teb, const struct jp_teb_config *confi
     }
     (void)memset(teb, 0, sizeof *teb);
     teb->config = *config;
-    teb->internal.roots = roots_of(config);
+    teb->internal.weights = weights_of(config);
+    teb->internal.root_nonholonomic = jp_plane_square_root(config->weights.nonholonomic);
     return JP_OK;
 }
 
@@ -129,7 +122,7 @@ void jp_teb_clear(struct jp_teb *teb)
 static bool can_move(const struct jp_teb *teb)
 {
     for (unsigned i = 0; i < teb->count; i++) {
-        if (!jp_plane_is_within(teb->internal.equations.gradient[i * JP_TEB_BLOCK + 2U], STEP_TURN_MAX)) {
+        if (!jp_plane_is_within(teb->internal.factor[i].step.heading, STEP_TURN_MAX)) {
             return false;
         }
     }
@@ -141,31 +134,30 @@ static void move_band(struct jp_teb *teb)
     const float least = INTERVAL_MIN_SHARE * teb->config.interval;
 
     for (unsigned i = 0; i < teb->count; i++) {
-        const float *const step = &teb->internal.equations.gradient[i * JP_TEB_BLOCK];
+        const struct jp_teb_row *const step = &teb->internal.factor[i].step;
         struct jp_teb_pose *const pose = &teb->poses[i];
-        const float interval = pose->interval + step[3];
-        const struct jp_plane_pose to = {pose->pose.x + step[0], pose->pose.y + step[1],
-                                         jp_plane_wrap(pose->pose.heading + step[2])};
+        const float interval = pose->interval + step->interval;
+        const struct jp_plane_pose to = {pose->pose.x + step->x, pose->pose.y + step->y,
+                                         jp_plane_wrap(pose->pose.heading + step->heading)};
 
         jp_teb_set_pose(pose, &to);
         pose->interval = interval < least ? least : interval;
     }
 }
 
+/* The band and its terms, which were summed up last. */
 static void keep_band(struct jp_teb *teb)
 {
     (void)memcpy(teb->internal.kept, teb->poses, teb->count * sizeof teb->poses[0]);
-    teb->internal.kept_equations = teb->internal.equations;
+    teb->internal.kept_terms ^= 1U;
 }
 
 static void put_band_back(struct jp_teb *teb)
 {
     (void)memcpy(teb->poses, teb->internal.kept, teb->count * sizeof teb->poses[0]);
-    teb->internal.equations = teb->internal.kept_equations;
 }
 
-/* One step from the band that is kept with its equations; true when it lowered the cost. A cost that is not a number
- * never does. */
+/* One step from the band that is kept; true when it lowered the cost. A cost that is not a number never does. */
 static bool take_step(struct jp_teb *teb, float *cost)
 {
     float after = *cost;
@@ -183,35 +175,44 @@ static bool take_step(struct jp_teb *teb, float *cost)
     return true;
 }
 
+static void take_steps(struct jp_teb *teb, struct jp_teb_result *result)
+{
+    for (unsigned step = 0; step < teb->config.steps && teb->internal.work < JP_TEB_WORK_MAX; step++) {
+        float factor = DAMPING_DOWN;
+
+        result->steps++;
+        if (!take_step(teb, &result->cost)) {
+            result->steps_rejected++;
+            factor = DAMPING_UP;
+        }
+        teb->internal.damping = jp_plane_clamp(teb->internal.damping * factor, DAMPING_MIN, DAMPING_MAX);
+    }
+}
+
 static void optimise(struct jp_teb *teb, struct jp_teb_result *result)
 {
     teb->internal.damping = DAMPING_START;
+    teb->internal.work = 0;
     /* Once: a new pose costs steps until it fits. */
     jp_teb_resize(teb);
-    for (unsigned round = 0; round < teb->config.rounds; round++) {
-        jp_teb_associate(teb);
+    for (unsigned round = 0; round < teb->config.rounds && teb->internal.work < JP_TEB_WORK_MAX; round++) {
+        jp_teb_find_feet(teb);
+        jp_teb_find_obstacles(teb);
         result->cost = jp_teb_linearise(teb, FLT_MAX);
         keep_band(teb);
-        for (unsigned step = 0; step < teb->config.steps; step++) {
-            result->steps++;
-            if (take_step(teb, &result->cost)) {
-                teb->internal.damping = jp_plane_clamp(teb->internal.damping * DAMPING_DOWN, DAMPING_MIN, DAMPING_MAX);
-            } else {
-                result->steps_rejected++;
-                teb->internal.damping = jp_plane_clamp(teb->internal.damping * DAMPING_UP, DAMPING_MIN, DAMPING_MAX);
-            }
-        }
+        take_steps(teb, result);
     }
 }
 
 /* ---- Result ---- */
 
-static float clearance_at(const struct jp_teb *teb, unsigned i, float time)
+/* Features that were nearest from the last pose are tried first. */
+static float clearance_at(struct jp_teb *teb, unsigned i, float time, uint8_t *features)
 {
     float least = JP_OBSTACLE_NONE;
 
     for (unsigned shape = 0; shape < teb->internal.obstacles->count; shape++) {
-        const float away = jp_teb_distance(teb, i, shape, time, NULL);
+        const float away = jp_teb_distance(teb, i, shape, time, &features[shape], NULL);
 
         least = away < least ? away : least;
     }
@@ -219,13 +220,16 @@ static float clearance_at(const struct jp_teb *teb, unsigned i, float time)
 }
 
 /* Of the band as far as it matters now. */
-static void measure_band(const struct jp_teb *teb, struct jp_teb_result *result)
+static void measure_band(struct jp_teb *teb, struct jp_teb_result *result)
 {
+    uint8_t features[JP_OBSTACLES_MAX];
+
+    (void)memset(features, (int)JP_FEATURE_UNKNOWN, sizeof features);
     result->clearance = JP_OBSTACLE_NONE;
     result->duration = 0.0f;
     for (unsigned i = 0; i < teb->count; i++) {
-        if (result->duration <= FORESIGHT) {
-            const float away = clearance_at(teb, i, result->duration);
+        if (result->duration <= FORESIGHT && result->clearance >= -JP_TEB_OVERLAP_MAX) {
+            const float away = clearance_at(teb, i, result->duration, features);
 
             result->clearance = away < result->clearance ? away : result->clearance;
         }
@@ -246,7 +250,7 @@ static float step_length(const struct jp_teb_pose *from, const struct jp_teb_pos
 static struct jp_plane_speed first_speed(const struct jp_teb *teb)
 {
     const struct jp_teb_pose *const poses = teb->poses;
-    const float reverse = teb->internal.roots.no_reversing > 0.0f ? 0.0f : teb->config.reverse_max;
+    const float reverse = teb->config.weights.no_reversing > 0.0f ? 0.0f : teb->config.reverse_max;
     float length = 0.0f;
     float turn = 0.0f;
     float duration = 0.0f;

@@ -21,6 +21,10 @@
 #define LENGTH_SHARE_MIN 0.1f
 #define LENGTH_SHARE_MAX 2.0f
 
+/* Of a distance whose nearest feature must be searched for, and of an overlap: times that of one where it stays. */
+#define SEARCH_WORK  2U
+#define OVERLAP_WORK 3U
+
 /* Changes of one interval in a pass. */
 #define SPLITS_MAX 3U
 
@@ -312,46 +316,63 @@ float jp_teb_sweep(const struct jp_footprint *footprint, const struct jp_plane_p
     return pose_distance(a, b) + corner * jp_plane_magnitude(jp_plane_wrap(b->heading - a->heading));
 }
 
-float jp_teb_distance(const struct jp_teb *teb, unsigned i, unsigned shape, float time, struct jp_plane_pose *gradient)
+float jp_teb_distance(struct jp_teb *teb, unsigned i, unsigned shape, float time, uint8_t *feature,
+                      struct jp_plane_pose *gradient)
 {
     const struct jp_teb_pose *const pose = &teb->poses[i];
     const struct jp_obstacle *const obstacle = &teb->internal.obstacles->shapes[shape];
     const struct jp_plane_pose meeting = {pose->pose.x - obstacle->velocity.x * time,
                                           pose->pose.y - obstacle->velocity.y * time, pose->pose.heading};
     const float margin = obstacle->margin * jp_plane_clamp(time, 0.0f, MARGIN_TIME);
+    const uint8_t last = *feature;
+    const float distance =
+        jp_obstacle_distance_along(&teb->config.footprint, &meeting, (struct jp_plane_point){pose->cosine, pose->sine},
+                                   obstacle, feature, gradient);
 
-    return jp_obstacle_distance_along(&teb->config.footprint, &meeting,
-                                      (struct jp_plane_point){pose->cosine, pose->sine}, obstacle, gradient) -
-           margin;
+    teb->internal.work += *feature == JP_FEATURE_UNKNOWN ? OVERLAP_WORK : *feature == last ? 1U : SEARCH_WORK;
+    return distance - margin;
 }
 
+/* A shape with its distance from a pose. */
+struct neighbour {
+    float distance;
+    struct jp_plane_pose gradient;
+    uint8_t shape;
+    uint8_t feature;
+};
+
 /* In order; only the nearest few are kept. */
-static void add_neighbour(struct jp_teb_neighbours *near, uint8_t shape, float distance)
+static void add_neighbour(struct jp_teb_neighbours *near, const struct neighbour *neighbour)
 {
     unsigned k = near->count;
 
     if (k < JP_TEB_NEAR_MAX) {
         near->count++;
-    } else if (distance < near->distance[k - 1U]) {
+    } else if (neighbour->distance < near->distance[k - 1U]) {
         k--;
     } else {
         return;
     }
-    for (; k > 0U && near->distance[k - 1U] > distance; k--) {
+    for (; k > 0U && near->distance[k - 1U] > neighbour->distance; k--) {
         near->distance[k] = near->distance[k - 1U];
+        near->gradient[k] = near->gradient[k - 1U];
         near->shape[k] = near->shape[k - 1U];
+        near->feature[k] = near->feature[k - 1U];
     }
-    near->distance[k] = distance;
-    near->shape[k] = shape;
+    near->distance[k] = neighbour->distance;
+    near->gradient[k] = neighbour->gradient;
+    near->shape[k] = neighbour->shape;
+    near->feature[k] = neighbour->feature;
 }
 
-/* Lower bound of the distance of a shape: the exact distance of far shapes need not be computed. */
-struct bound {
-    float least; /* m */
-    float speed; /* of the shape, m/s */
+/* What is known of a shape from the last pose. */
+struct outlook {
+    float least;     /* m; no nearer than this: the exact distance of far shapes need not be computed */
+    float speed;     /* at which it may come nearer while the robot stands, m/s */
+    uint8_t feature; /* nearest */
 };
 
-static void find_obstacles(struct jp_teb *teb, unsigned i, struct bound *bounds)
+static void find_obstacles(struct jp_teb *teb, unsigned i, struct outlook *outlooks)
 {
     const float reach = teb->config.clearance + REACH;
     struct jp_teb_neighbours *const near = &teb->internal.near[i];
@@ -359,31 +380,36 @@ static void find_obstacles(struct jp_teb *teb, unsigned i, struct bound *bounds)
     near->count = 0;
     near->pose = teb->poses[i].pose;
     for (uint8_t shape = 0; shape < teb->internal.obstacles->count; shape++) {
-        float *const least = &bounds[shape].least;
+        struct outlook *const outlook = &outlooks[shape];
 
-        if (*least < reach) {
-            *least = jp_teb_distance(teb, i, shape, near->time, NULL);
-            if (*least < reach) {
-                add_neighbour(near, shape, *least);
+        if (outlook->least < reach) {
+            struct neighbour neighbour = {.shape = shape};
+
+            outlook->least = jp_teb_distance(teb, i, shape, near->time, &outlook->feature, &neighbour.gradient);
+            if (outlook->least < reach) {
+                neighbour.distance = outlook->least;
+                neighbour.feature = outlook->feature;
+                add_neighbour(near, &neighbour);
             }
         }
     }
 }
 
-/* Lowers the bounds: by the distance that the footprint moves, and for moving shapes by theirs too. */
-static void come_nearer(struct bound *bounds, unsigned count, float distance, float time)
+/* By the distance that the footprint moves, and by the way of the shapes. */
+static void come_nearer(struct outlook *outlooks, unsigned count, float distance, float time)
 {
     for (unsigned shape = 0; shape < count; shape++) {
-        bounds[shape].least -= distance + bounds[shape].speed * time;
+        outlooks[shape].least -= distance + outlooks[shape].speed * time;
     }
 }
 
-static void start_bounds(const struct jp_obstacles *obstacles, struct bound *bounds)
+static void start_outlooks(const struct jp_obstacles *obstacles, struct outlook *outlooks)
 {
-    for (unsigned shape = 0; shape < obstacles->count; shape++) {
-        const struct jp_plane_point *const velocity = &obstacles->shapes[shape].velocity;
+    for (unsigned i = 0; i < obstacles->count; i++) {
+        const struct jp_obstacle *const shape = &obstacles->shapes[i];
 
-        bounds[shape] = (struct bound){0.0f, jp_plane_length(velocity->x, velocity->y)};
+        outlooks[i] = (struct outlook){0.0f, jp_plane_length(shape->velocity.x, shape->velocity.y) + shape->margin,
+                                       JP_FEATURE_UNKNOWN};
     }
 }
 
@@ -400,26 +426,33 @@ static void set_foot(struct jp_teb *teb, unsigned i, const struct chord_place *p
     teb->internal.feet[i].normal = (struct jp_plane_point){-dy * inverse, dx * inverse};
 }
 
-void jp_teb_associate(struct jp_teb *teb)
+void jp_teb_find_feet(struct jp_teb *teb)
 {
-    struct bound bounds[JP_OBSTACLES_MAX];
     unsigned point = 0;
 
-    start_bounds(teb->internal.obstacles, bounds);
     for (unsigned i = 0; i < teb->count; i++) {
-        const struct jp_plane_pose *const pose = &teb->poses[i].pose;
-        const struct chord_place place = nearest_place(teb, point, pose);
+        const struct chord_place place = nearest_place(teb, point, &teb->poses[i].pose);
 
         point = place.point;
         set_foot(teb, i, &place);
-        teb->internal.near[i].time = 0.0f;
-        if (i > 0U) {
-            const float interval = teb->poses[i - 1U].interval;
+    }
+}
 
-            teb->internal.near[i].time = teb->internal.near[i - 1U].time + interval;
-            come_nearer(bounds, teb->internal.obstacles->count,
-                        jp_teb_sweep(&teb->config.footprint, &teb->poses[i - 1U].pose, pose), interval);
+void jp_teb_find_obstacles(struct jp_teb *teb)
+{
+    struct outlook outlooks[JP_OBSTACLES_MAX];
+    float time = 0.0f;
+
+    start_outlooks(teb->internal.obstacles, outlooks);
+    for (unsigned i = 0; i < teb->count && teb->internal.work < JP_TEB_WORK_MAX; i++) {
+        teb->internal.near[i].time = time;
+        find_obstacles(teb, i, outlooks);
+        if (i + 1U < teb->count) {
+            const float interval = teb->poses[i].interval;
+
+            time += interval;
+            come_nearer(outlooks, teb->internal.obstacles->count,
+                        jp_teb_sweep(&teb->config.footprint, &teb->poses[i].pose, &teb->poses[i + 1U].pose), interval);
         }
-        find_obstacles(teb, i, bounds);
     }
 }

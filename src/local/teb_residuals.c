@@ -1,326 +1,364 @@
+/*
+ * All residuals but those of a pose alone depend on lengths, turns and intervals of steps. So the sums of the products
+ * of their derivatives are formed by those few variables.
+ */
 #include "src/local/teb_residuals.h"
 
 #include "src/base/plane.h"
 #include "src/local/teb_band.h"
-#include "src/local/teb_solve.h"
 
-/* Variables of one pose, of a step between two and of a change between two steps. */
-enum { X, Y, HEADING, INTERVAL, NEXT_X, NEXT_Y, NEXT_HEADING, STEP_WIDTH, CHANGE_WIDTH = STEP_WIDTH + JP_TEB_BLOCK };
+/* The sum of the cost, and the terms of the equations that residuals are added to. */
+struct sums {
+    struct jp_teb *teb;
+    struct jp_teb_terms *terms;
+    struct jp_teb_terms *last; /* of the step before */
+    float cost;
+};
 
-/* A value of a step and its derivatives by the step's variables. */
-struct valued {
+/* A length or a turn of a step. */
+struct way {
     float value;
-    float derivatives[STEP_WIDTH];
+    float rate; /* over the interval */
 };
 
 /* From a pose to the next. */
 struct step {
-    struct valued length;
-    struct valued turn;
+    struct way length;
+    struct way turn;
     float interval;
+    float inverse; /* of the interval */
 };
 
-/* The sum of the cost and the normal equations that residuals are added to. */
-struct sums {
-    struct jp_teb *teb;
-    float cost;
-    float limit;
-};
+static const struct jp_teb_pose_terms no_pull;
 
-/* A cost that reaches the limit is of no use. */
-static bool is_useful(const struct sums *sums)
+/* The pull of a residual on what it depends on, before its derivatives. */
+static inline float pull_of(struct sums *sums, float weight, float residual)
 {
-    return sums->cost < sums->limit;
-}
+    const float pull = weight * residual;
 
-static void add(struct sums *sums, unsigned first, unsigned width, const float *derivatives, float residual)
-{
-    sums->cost += 0.5f * residual * residual;
-    jp_teb_add_residual(sums->teb, first, width, derivatives, residual);
-}
-
-/* root × (sign × value + offset) where that is above 0; derivatives by the interval are given apart. */
-static void add_excess(struct sums *sums, unsigned first, const struct valued *valued, float sign, float limit,
-                       float limit_by_interval, float root)
-{
-    const float excess = sign * valued->value - limit;
-
-    if (excess > 0.0f && root > 0.0f) {
-        float derivatives[STEP_WIDTH];
-
-        for (unsigned i = 0; i < STEP_WIDTH; i++) {
-            derivatives[i] = root * sign * valued->derivatives[i];
-        }
-        derivatives[INTERVAL] -= root * limit_by_interval;
-        add(sums, first, STEP_WIDTH, derivatives, root * excess);
-    }
+    sums->cost += 0.5f * pull * residual;
+    return pull;
 }
 
 /* ---- A step ---- */
 
-static void measure_step(const struct jp_teb_pose *from, const struct jp_teb_pose *to, struct step *step)
+static inline void measure_step(const struct jp_teb_pose *from, const struct jp_teb_pose *to, float root,
+                                struct step *step, struct jp_teb_step_terms *terms)
 {
+    static const struct jp_teb_way_terms no_way = {.way = 0.0f};
     const float dx = to->pose.x - from->pose.x;
     const float dy = to->pose.y - from->pose.y;
     const float c = 0.5f * (from->cosine + to->cosine);
     const float s = 0.5f * (from->sine + to->sine);
+    const float inverse = 1.0f / from->interval;
+    const float length = c * dx + s * dy;
+    const float turn = jp_plane_wrap(to->pose.heading - from->pose.heading);
 
-    step->interval = from->interval;
-    step->length = (struct valued){
-        c * dx + s * dy,
-        {-c, -s, 0.5f * (from->cosine * dy - from->sine * dx), 0.0f, c, s, 0.5f * (to->cosine * dy - to->sine * dx)}};
-    step->turn = (struct valued){jp_plane_wrap(to->pose.heading - from->pose.heading),
-                                 {0.0f, 0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 1.0f}};
+    *step = (struct step){{length, length * inverse}, {turn, turn * inverse}, from->interval, inverse};
+    terms->along = (struct jp_plane_point){c, s};
+    terms->length_by[0] = 0.5f * (from->cosine * dy - from->sine * dx);
+    terms->length_by[1] = 0.5f * (to->cosine * dy - to->sine * dx);
+    terms->side_along = (struct jp_plane_point){-2.0f * root * s, 2.0f * root * c};
+    terms->side_by[0] = -root * (from->sine * dy + from->cosine * dx);
+    terms->side_by[1] = -root * (to->sine * dy + to->cosine * dx);
+    terms->side = 2.0f * root * (c * dy - s * dx);
+    terms->length = no_way;
+    terms->turn = no_way;
+    terms->length_turn = 0.0f;
+    terms->interval_interval = 0.0f;
+    terms->interval = 0.0f;
 }
 
-static void add_nonholonomic(struct sums *sums, unsigned i)
+/* Where sign × the way is above rate × the interval. */
+static inline void add_limit(struct sums *sums, const struct step *step, float sign, float value, float rate,
+                             float weight, struct jp_teb_way_terms *way)
 {
-    const struct jp_teb_pose *const from = &sums->teb->poses[i];
-    const struct jp_teb_pose *const to = &sums->teb->poses[i + 1U];
-    const float root = sums->teb->internal.roots.nonholonomic;
-    const float dx = root * (to->pose.x - from->pose.x);
-    const float dy = root * (to->pose.y - from->pose.y);
-    const float c = from->cosine + to->cosine;
-    const float s = from->sine + to->sine;
-    const float derivatives[STEP_WIDTH] = {root * s,  -root * c, -from->sine * dy - from->cosine * dx, 0.0f,
-                                           -root * s, root * c,  -to->sine * dy - to->cosine * dx};
+    const float excess = sign * value - rate * step->interval;
 
-    add(sums, i, STEP_WIDTH, derivatives, c * dy - s * dx);
-}
+    if (excess > 0.0f) {
+        struct jp_teb_step_terms *const terms = &sums->terms->step;
+        const float pull = pull_of(sums, weight, excess);
 
-static void add_limits(struct sums *sums, unsigned i, const struct step *step)
-{
-    const struct jp_teb_config *const config = &sums->teb->config;
-    const struct jp_teb_weights *const roots = &sums->teb->internal.roots;
-    const float turn_sign = step->turn.value < 0.0f ? -1.0f : 1.0f;
-
-    add_excess(sums, i, &step->length, 1.0f, config->speed_max * step->interval, config->speed_max, roots->speed);
-    add_excess(sums, i, &step->length, -1.0f, config->reverse_max * step->interval, config->reverse_max, roots->speed);
-    add_excess(sums, i, &step->length, -1.0f, 0.0f, 0.0f, roots->no_reversing);
-    add_excess(sums, i, &step->length, -1.0f, -config->speed_max * step->interval, -config->speed_max, roots->slowness);
-    add_excess(sums, i, &step->turn, turn_sign, config->turn_rate_max * step->interval, config->turn_rate_max,
-               roots->turn_rate);
-}
-
-static void add_turn_radius(struct sums *sums, unsigned i, const struct step *step)
-{
-    const float radius = sums->teb->config.radius_min;
-    const float turn_factor = step->turn.value < 0.0f ? -radius : radius;
-    const float length_sign = step->length.value < 0.0f ? -1.0f : 1.0f;
-    struct valued lack = {.value = turn_factor * step->turn.value - length_sign * step->length.value};
-
-    if (lack.value > 0.0f) {
-        for (unsigned k = 0; k < STEP_WIDTH; k++) {
-            lack.derivatives[k] = turn_factor * step->turn.derivatives[k] - length_sign * step->length.derivatives[k];
-        }
-        add_excess(sums, i, &lack, 1.0f, 0.0f, 0.0f, sums->teb->internal.roots.turn_radius);
+        way->way_way += weight;
+        way->way_interval -= sign * weight * rate;
+        way->way += sign * pull;
+        terms->interval_interval += weight * rate * rate;
+        terms->interval -= rate * pull;
     }
 }
 
-static void add_time(struct sums *sums, unsigned i)
+static inline void add_limits(struct sums *sums, const struct step *step)
 {
-    const float derivatives[JP_TEB_BLOCK] = {[INTERVAL] = sums->teb->internal.roots.time};
+    const struct jp_teb_config *const config = &sums->teb->config;
+    const struct jp_teb_weights *const weights = &sums->teb->internal.weights;
+    const float length = step->length.value;
+    struct jp_teb_way_terms *const by_length = &sums->terms->step.length;
 
-    add(sums, i, JP_TEB_BLOCK, derivatives, sums->teb->internal.roots.time * sums->teb->poses[i].interval);
+    add_limit(sums, step, 1.0f, length, config->speed_max, weights->speed, by_length);
+    add_limit(sums, step, -1.0f, length, config->reverse_max, weights->speed, by_length);
+    add_limit(sums, step, -1.0f, length, 0.0f, weights->no_reversing, by_length);
+    add_limit(sums, step, -1.0f, length, -config->speed_max, weights->slowness, by_length);
+    add_limit(sums, step, step->turn.value < 0.0f ? -1.0f : 1.0f, step->turn.value, config->turn_rate_max,
+              weights->turn_rate, &sums->terms->step.turn);
+}
+
+static inline void add_turn_radius(struct sums *sums, const struct step *step)
+{
+    const float radius = sums->teb->config.radius_min;
+    const float by_turn = step->turn.value < 0.0f ? -radius : radius;
+    const float by_length = step->length.value < 0.0f ? 1.0f : -1.0f;
+    const float lack = by_turn * step->turn.value + by_length * step->length.value;
+
+    if (lack > 0.0f) {
+        struct jp_teb_step_terms *const terms = &sums->terms->step;
+        const float weight = sums->teb->internal.weights.turn_radius;
+        const float pull = pull_of(sums, weight, lack);
+
+        terms->length.way_way += weight;
+        terms->length_turn += weight * by_length * by_turn;
+        terms->turn.way_way += weight * radius * radius;
+        terms->length.way += by_length * pull;
+        terms->turn.way += by_turn * pull;
+    }
+}
+
+static inline void add_time(struct sums *sums, const struct step *step)
+{
+    const float weight = sums->teb->internal.weights.time;
+
+    sums->terms->step.interval_interval += weight;
+    sums->terms->step.interval += pull_of(sums, weight, step->interval);
 }
 
 /* ---- Acceleration ---- */
 
-static void over_interval(const struct valued *way, float interval, struct valued *rate)
+/* A limit of a number by one step's way and interval. */
+static inline void add_one(struct jp_teb_step_terms *terms, struct jp_teb_way_terms *way, float weight, float pull,
+                           float by_way, float by_interval)
 {
-    const float inverse = 1.0f / interval;
+    way->way_way += weight * by_way * by_way;
+    way->way_interval += weight * by_way * by_interval;
+    way->way += pull * by_way;
+    terms->interval_interval += weight * by_interval * by_interval;
+    terms->interval += pull * by_interval;
+}
 
-    rate->value = way->value * inverse;
-    for (unsigned i = 0; i < STEP_WIDTH; i++) {
-        rate->derivatives[i] = way->derivatives[i] * inverse;
-    }
-    rate->derivatives[INTERVAL] = -rate->value * inverse;
+/* How far beyond ±limit. */
+static inline float beyond(float value, float limit)
+{
+    return value > limit ? value - limit : value < -limit ? value + limit : 0.0f;
 }
 
 /* Acceleration at an end of the band, beyond which the rate is `outside`. */
-static void add_end_change(struct sums *sums, unsigned i, const struct valued *way, float interval, float outside,
-                           float limit, float root)
+static void add_end_change(struct sums *sums, const struct step *step, const struct way *way, float outside,
+                           float limit, float weight, struct jp_teb_way_terms *terms)
 {
-    const float inverse = 1.0f / interval;
-    struct valued change;
+    const float change = (way->rate - outside) * step->inverse;
+    const float excess = beyond(change, limit);
 
-    over_interval(way, interval, &change);
-    change.value = (change.value - outside) * inverse;
-    for (unsigned k = 0; k < STEP_WIDTH; k++) {
-        change.derivatives[k] *= inverse;
+    if (excess != 0.0f) {
+        add_one(&sums->terms->step, terms, weight, pull_of(sums, weight, excess), step->inverse * step->inverse,
+                -(way->rate * step->inverse + change) * step->inverse);
     }
-    change.derivatives[INTERVAL] -= change.value * inverse;
-    add_excess(sums, i, &change, change.value < 0.0f ? -1.0f : 1.0f, limit, 0.0f, root);
 }
 
-/* Acceleration between two steps, `way` being their lengths or turns, over the mean of both intervals. */
-static void add_change(struct sums *sums, unsigned i, const struct valued *way, float interval,
-                       const struct valued *next_way, float next_interval, float limit, float root)
+/* What two steps have of a change between them. */
+struct ends {
+    const struct way *way;
+    float inverse; /* of the interval */
+    struct jp_teb_step_terms *terms;
+    struct jp_teb_way_terms *way_terms;
+};
+
+/* Acceleration between two steps, over the mean of both intervals. */
+static inline void add_change(struct sums *sums, struct ends before, struct ends after, float inverse, float limit,
+                              float weight, struct jp_teb_change_terms *terms,
+                              struct jp_teb_way_change_terms *way_terms)
 {
-    const float inverse = 2.0f / (interval + next_interval);
-    const float change = (next_way->value / next_interval - way->value / interval) * inverse;
-    const float sign = change < 0.0f ? -1.0f : 1.0f;
-    const float excess = sign * change - limit;
+    const float change = (after.way->rate - before.way->rate) * inverse;
+    const float excess = beyond(change, limit);
 
-    if (excess > 0.0f && root > 0.0f) {
-        const float factor = root * sign * inverse;
-        float derivatives[CHANGE_WIDTH] = {0};
-        struct valued before;
-        struct valued after;
+    if (excess != 0.0f) {
+        const float pull = pull_of(sums, weight, excess);
+        const float by_mean = -0.5f * change * inverse;
+        const float by_before = -inverse * before.inverse;
+        const float by_after = inverse * after.inverse;
+        const float by_interval = by_mean - by_before * before.way->rate;
+        const float by_next_interval = by_mean - by_after * after.way->rate;
 
-        over_interval(way, interval, &before);
-        over_interval(next_way, next_interval, &after);
-        for (unsigned k = 0; k < STEP_WIDTH; k++) {
-            derivatives[k] -= factor * before.derivatives[k];
-            derivatives[k + JP_TEB_BLOCK] += factor * after.derivatives[k];
-        }
-        derivatives[INTERVAL] -= 0.5f * factor * change;
-        derivatives[INTERVAL + JP_TEB_BLOCK] -= 0.5f * factor * change;
-        add(sums, i, CHANGE_WIDTH, derivatives, root * excess);
+        add_one(before.terms, before.way_terms, weight, pull, by_before, by_interval);
+        add_one(after.terms, after.way_terms, weight, pull, by_after, by_next_interval);
+        way_terms->way_way += weight * by_before * by_after;
+        way_terms->way_interval += weight * by_before * by_next_interval;
+        way_terms->interval_way += weight * by_interval * by_after;
+        terms->interval_interval += weight * by_interval * by_next_interval;
     }
+}
+
+/* Between the last step and the one whose terms are summed up. */
+static inline void add_acceleration(struct sums *sums, const struct step *before, const struct step *after)
+{
+    const struct jp_teb_config *const config = &sums->teb->config;
+    const struct jp_teb_weights *const weights = &sums->teb->internal.weights;
+    struct jp_teb_terms *const last = sums->last;
+    struct jp_teb_step_terms *const next = &sums->terms->step;
+    const float inverse = 2.0f / (before->interval + after->interval);
+    const struct ends lengths[] = {{&before->length, before->inverse, &last->step, &last->step.length},
+                                   {&after->length, after->inverse, next, &next->length}};
+    const struct ends turns[] = {{&before->turn, before->inverse, &last->step, &last->step.turn},
+                                 {&after->turn, after->inverse, next, &next->turn}};
+
+    add_change(sums, lengths[0], lengths[1], inverse, config->acceleration, weights->acceleration, &last->change,
+               &last->change.length);
+    add_change(sums, turns[0], turns[1], inverse, config->turn_acceleration, weights->turn_acceleration, &last->change,
+               &last->change.turn);
 }
 
 static void add_start(struct sums *sums, const struct step *step)
 {
     const struct jp_teb *const teb = sums->teb;
 
-    add_end_change(sums, 0, &step->length, step->interval, teb->internal.task.speed.forward, teb->config.acceleration,
-                   teb->internal.roots.acceleration);
-    add_end_change(sums, 0, &step->turn, step->interval, teb->internal.task.speed.turn_rate,
-                   teb->config.turn_acceleration, teb->internal.roots.turn_acceleration);
+    add_end_change(sums, step, &step->length, teb->internal.task.speed.forward, teb->config.acceleration,
+                   teb->internal.weights.acceleration, &sums->terms->step.length);
+    add_end_change(sums, step, &step->turn, teb->internal.task.speed.turn_rate, teb->config.turn_acceleration,
+                   teb->internal.weights.turn_acceleration, &sums->terms->step.turn);
 }
 
-static void add_goal(struct sums *sums, unsigned i, const struct step *step)
+static void add_goal(struct sums *sums, const struct step *step)
 {
     const struct jp_teb *const teb = sums->teb;
 
-    add_end_change(sums, i, &step->length, step->interval, teb->internal.task.goal_speed, teb->config.acceleration,
-                   teb->internal.roots.acceleration);
+    add_end_change(sums, step, &step->length, teb->internal.task.goal_speed, teb->config.acceleration,
+                   teb->internal.weights.acceleration, &sums->terms->step.length);
 }
 
-static void add_acceleration(struct sums *sums, unsigned i, const struct step *before, const struct step *after)
+static void add_step(struct sums *sums, unsigned i, struct step *step)
 {
-    const struct jp_teb *const teb = sums->teb;
+    static const struct jp_teb_change_terms no_change = {.interval_interval = 0.0f};
+    const struct jp_teb_pose *const poses = sums->teb->poses;
 
-    add_change(sums, i, &before->length, before->interval, &after->length, after->interval, teb->config.acceleration,
-               teb->internal.roots.acceleration);
-    add_change(sums, i, &before->turn, before->interval, &after->turn, after->interval, teb->config.turn_acceleration,
-               teb->internal.roots.turn_acceleration);
-}
-
-static void add_steps(struct sums *sums)
-{
-    const struct jp_teb *const teb = sums->teb;
-    const unsigned last = teb->count - 2U;
-    struct step steps[2];
-
-    for (unsigned i = 0; i <= last && is_useful(sums); i++) {
-        struct step *const step = &steps[i % 2U];
-
-        measure_step(&teb->poses[i], &teb->poses[i + 1U], step);
-        add_nonholonomic(sums, i);
-        add_limits(sums, i, step);
-        add_turn_radius(sums, i, step);
-        add_time(sums, i);
-        if (i > 0U) {
-            add_acceleration(sums, i - 1U, &steps[(i - 1U) % 2U], step);
-        } else {
-            add_start(sums, step);
-        }
-    }
-    if (is_useful(sums)) {
-        add_goal(sums, last, &steps[last % 2U]);
-    }
+    measure_step(&poses[i], &poses[i + 1U], sums->teb->internal.root_nonholonomic, step, &sums->terms->step);
+    sums->terms->change = no_change;
+    sums->cost += 0.5f * sums->terms->step.side * sums->terms->step.side;
+    add_limits(sums, step);
+    add_turn_radius(sums, step);
+    add_time(sums, step);
 }
 
 /* ---- A pose ---- */
+
+/* A residual by the place of the pose alone. */
+static inline void add_pull(struct sums *sums, float weight, const struct jp_plane_pose *by, float residual)
+{
+    struct jp_teb_pose_terms *const terms = &sums->terms->pose;
+    const float pull = pull_of(sums, weight, residual);
+    const float x = weight * by->x;
+    const float y = weight * by->y;
+    const float heading = weight * by->heading;
+
+    terms->xx += x * by->x;
+    terms->yx += x * by->y;
+    terms->yy += y * by->y;
+    terms->heading_x += heading * by->x;
+    terms->heading_y += heading * by->y;
+    terms->heading_heading += heading * by->heading;
+    terms->x += pull * by->x;
+    terms->y += pull * by->y;
+    terms->heading += pull * by->heading;
+}
 
 static void add_path(struct sums *sums, unsigned i)
 {
     const struct jp_teb_foot *const foot = &sums->teb->internal.feet[i];
     const struct jp_plane_pose *const pose = &sums->teb->poses[i].pose;
-    const float root = sums->teb->internal.roots.path;
-    const float derivatives[JP_TEB_BLOCK] = {root * foot->normal.x, root * foot->normal.y, 0.0f, 0.0f};
+    const struct jp_plane_pose by = {foot->normal.x, foot->normal.y, 0.0f};
 
-    add(sums, i, JP_TEB_BLOCK, derivatives,
-        derivatives[X] * (pose->x - foot->point.x) + derivatives[Y] * (pose->y - foot->point.y));
+    add_pull(sums, sums->teb->internal.weights.path, &by,
+             by.x * (pose->x - foot->point.x) + by.y * (pose->y - foot->point.y));
 }
 
+/* Distances are computed anew where the pose has moved since the obstacles were found. */
 static void add_obstacles(struct sums *sums, unsigned i)
 {
-    const struct jp_teb *const teb = sums->teb;
-    const struct jp_teb_neighbours *const near = &teb->internal.near[i];
-    const float reach = teb->config.clearance + jp_teb_sweep(&teb->config.footprint, &near->pose, &teb->poses[i].pose);
-    const float root = teb->internal.roots.obstacle;
+    struct jp_teb *const teb = sums->teb;
+    struct jp_teb_neighbours *const near = &teb->internal.near[i];
+    const float clearance = teb->config.clearance;
+    const float sweep =
+        near->count > 0U ? jp_teb_sweep(&teb->config.footprint, &near->pose, &teb->poses[i].pose) : 0.0f;
 
-    for (unsigned k = 0; k < near->count && near->distance[k] < reach; k++) {
-        struct jp_plane_pose gradient;
-        const float distance = jp_teb_distance(teb, i, near->shape[k], near->time, &gradient);
+    for (unsigned k = 0; k < near->count && near->distance[k] < clearance + sweep; k++) {
+        float distance = near->distance[k];
+        struct jp_plane_pose by = near->gradient[k];
 
-        if (distance < teb->config.clearance) {
-            const float derivatives[JP_TEB_BLOCK] = {-root * gradient.x, -root * gradient.y, -root * gradient.heading,
-                                                     0.0f};
-
-            add(sums, i, JP_TEB_BLOCK, derivatives, root * (teb->config.clearance - distance));
+        if (sweep > 0.0f) {
+            distance = jp_teb_distance(teb, i, near->shape[k], near->time, &near->feature[k], &by);
+        }
+        if (distance < clearance) {
+            add_pull(sums, teb->internal.weights.obstacle, &by, distance - clearance);
         }
     }
 }
 
 /* The first pose against where the robot was seen. */
-static void add_sighting(struct sums *sums, const struct jp_plane_pose *seen, float root)
+static void add_sighting(struct sums *sums, const struct jp_plane_pose *seen, float weight)
 {
     const struct jp_plane_pose *const pose = &sums->teb->poses[0].pose;
-    const float by_x[JP_TEB_BLOCK] = {[X] = root};
-    const float by_y[JP_TEB_BLOCK] = {[Y] = root};
-    const float by_heading[JP_TEB_BLOCK] = {[HEADING] = root};
+    struct jp_teb_pose_terms *const terms = &sums->terms->pose;
 
-    add(sums, 0, JP_TEB_BLOCK, by_x, root * (pose->x - seen->x));
-    add(sums, 0, JP_TEB_BLOCK, by_y, root * (pose->y - seen->y));
-    add(sums, 0, JP_TEB_BLOCK, by_heading, root * jp_plane_wrap(pose->heading - seen->heading));
+    terms->xx += weight;
+    terms->yy += weight;
+    terms->heading_heading += weight;
+    terms->x += pull_of(sums, weight, pose->x - seen->x);
+    terms->y += pull_of(sums, weight, pose->y - seen->y);
+    terms->heading += pull_of(sums, weight, jp_plane_wrap(pose->heading - seen->heading));
 }
 
-static bool has_odometry(const struct jp_teb *teb)
+bool jp_teb_has_odometry(const struct jp_teb *teb)
 {
-    return teb->internal.roots.laser_odometry > 0.0f && teb->internal.task.is_measured;
+    return teb->internal.weights.laser_odometry > 0.0f && teb->internal.task.is_measured;
 }
 
-static float sum_up(struct jp_teb *teb, float limit)
+static void add_pose(struct sums *sums, unsigned i)
 {
-    struct sums sums = {teb, 0.0f, limit};
+    const struct jp_teb *const teb = sums->teb;
 
-    add_steps(&sums);
-    for (unsigned i = 1; i + 1U < teb->count && is_useful(&sums); i++) {
-        add_path(&sums, i);
-        add_obstacles(&sums, i);
-    }
-    if (has_odometry(teb)) {
-        add_sighting(&sums, &teb->internal.task.start, teb->internal.roots.wheel_odometry);
-        add_sighting(&sums, &teb->internal.task.measured, teb->internal.roots.laser_odometry);
-    }
-    return sums.cost;
-}
-
-static void fix_pose(struct jp_teb *teb, unsigned i, bool is_heading_free)
-{
-    jp_teb_fix(teb, i * JP_TEB_BLOCK + X);
-    jp_teb_fix(teb, i * JP_TEB_BLOCK + Y);
-    if (!is_heading_free) {
-        jp_teb_fix(teb, i * JP_TEB_BLOCK + HEADING);
+    sums->terms->pose = no_pull;
+    if (i > 0U) {
+        add_path(sums, i);
+        add_obstacles(sums, i);
+    } else if (jp_teb_has_odometry(teb)) {
+        add_sighting(sums, &teb->internal.task.start, teb->internal.weights.wheel_odometry);
+        add_sighting(sums, &teb->internal.task.measured, teb->internal.weights.laser_odometry);
+    } else {
+        /* The wheels' pose is taken as it is. */
     }
 }
+
+/* ---- The band ---- */
 
 float jp_teb_linearise(struct jp_teb *teb, float limit)
 {
+    struct jp_teb_terms *const terms = teb->internal.terms[1U - teb->internal.kept_terms];
+    struct sums sums = {teb, terms, terms, 0.0f};
     const unsigned last = teb->count - 1U;
+    struct step steps[2];
 
-    jp_teb_clear_equations(teb);
+    terms[last].pose = no_pull;
+    for (unsigned i = 0; i < last && sums.cost < limit; i++) {
+        struct step *const step = &steps[i % 2U];
 
-    const float cost = sum_up(teb, limit);
-
-    if (!has_odometry(teb)) {
-        fix_pose(teb, 0, false);
+        sums.last = sums.terms;
+        sums.terms = &terms[i];
+        add_step(&sums, i, step);
+        if (i > 0U) {
+            add_acceleration(&sums, &steps[(i - 1U) % 2U], step);
+        } else {
+            add_start(&sums, step);
+        }
+        if (i + 1U == last) {
+            add_goal(&sums, step);
+        }
+        add_pose(&sums, i);
     }
-    fix_pose(teb, last, teb->internal.task.is_heading_free);
-    jp_teb_fix(teb, last * JP_TEB_BLOCK + INTERVAL);
-    return cost;
+    return sums.cost;
 }

@@ -4,8 +4,11 @@
 
 #include <joulepath/teb.h>
 
-/** Sums up the normal equations of the band, in which what may not move is fixed. Half the sum of squares of all
- *  residuals; one that is not below `limit` is not complete, nor are the equations then. */
+/** Whether the laser says where the first pose is; otherwise it is where the wheels say. */
+bool jp_teb_has_odometry(const struct jp_teb *teb);
+
+/** Sums up half the squares of all residuals of the band, and the terms of its normal equations that are not kept. A
+ *  sum that is not below `limit` is not complete, nor are the terms then. */
 float jp_teb_linearise(struct jp_teb *teb, float limit);
 
 #endif

@@ -1,20 +1,14 @@
-/** Banded normal equations: sums of residuals and their solution. Private to the TEB. */
+/** Banded normal equations and their solution. Private to the TEB. */
 #ifndef JOULEPATH_LOCAL_TEB_SOLVE_H
 #define JOULEPATH_LOCAL_TEB_SOLVE_H
 
 #include <joulepath/teb.h>
 
-/** All zero, for the rows of `count` poses. */
-void jp_teb_clear_equations(struct jp_teb *teb);
+/** Puts together the rows of a pose, in which what may not move is fixed: N's, and minus the gradient as the step. */
+void jp_teb_assemble(const struct jp_teb *teb, unsigned pose, struct jp_teb_factor *rows);
 
-/** Adds a residual with its derivatives by `width` <= JP_TEB_BAND variables from those of pose `first` on. */
-void jp_teb_add_residual(struct jp_teb *teb, unsigned first, unsigned width, const float *derivatives, float residual);
-
-/** Takes a variable out: its step will be 0. */
-void jp_teb_fix(struct jp_teb *teb, unsigned row);
-
-/** Solves (N + damping diag N) step = −gradient by Cholesky; the step takes the gradient's place. False: N is not
- *  positive definite, in float's precision. Work: rows × JP_TEB_BAND²/2. */
+/** Solves (N + damping diag N) step = −gradient by Cholesky, of the terms that are kept; the steps are in the factor.
+ *  False: N is not positive definite, in float's precision. Work: poses; no more for any terms. */
 bool jp_teb_solve(struct jp_teb *teb);
 
 #endif

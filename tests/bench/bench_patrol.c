@@ -16,6 +16,9 @@
 /* What slip and the controller's noise at a stand explain, m; more is driving backwards. */
 #define BACKWARDS_MIN 0.02
 
+/* What a drive should keep off, m. */
+#define NEAR_M 0.1
+
 enum { FIRST_SEED = 1, DRIVES_MAX = 100 };
 
 /* Where the drives of a group are. */
@@ -100,6 +103,7 @@ struct summary {
     double time;      /* s, mean */
     double energy;    /* J, mean */
     double clearance; /* m, least of all drives */
+    double near;      /* drives that came nearer to something than NEAR_M */
 };
 
 static bool is_backwards(const struct patrol_result *result)
@@ -122,6 +126,7 @@ static struct summary summarise(const struct group *group)
         summary.time += has_arrived ? result->time : 0;
         summary.energy += has_arrived ? result->energy_j : 0;
         summary.clearance = fmin(summary.clearance, result->clearance_min);
+        summary.near += result->clearance_min < NEAR_M;
     }
     summary.time /= summary.arrived;
     summary.energy /= summary.arrived;
@@ -159,6 +164,7 @@ static void add_means(json_t *figures, const struct group *group, const struct s
     add(figures, group, "time, mean", summary->time, "s", no_bar);
     add(figures, group, "energy, mean", summary->energy, "J", no_bar);
     add(figures, group, "least clearance", summary->clearance, "m", no_bar);
+    add(figures, group, "came nearer than 10 cm to something", summary->near, "", no_bar);
 }
 
 static void add_figures(json_t *figures, const struct group *group, const struct summary *summary)

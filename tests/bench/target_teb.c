@@ -1,5 +1,6 @@
 /** Instructions of one jp_teb_plan() of 50 poses among 20 obstacles with the patrol robot's settings, along an aisle of
- *  boxes, between walls of which each pose has four too near, and with boxes all over the way; and the memory for it.
+ *  boxes, between walls of which each pose has four too near, with boxes all over the way, and at the worst input that
+ * a search finds; and the memory for it.
  */
 #include <joulepath/patrol.h>
 #include <joulepath/tables.h>
@@ -7,11 +8,12 @@
 #include "src/base/plane.h"
 #include "tests/target/cycles.h"
 #include "tests/target/figure.h"
+#include "tests/target/random.h"
 
 #define PERIOD  0.1f  /* of a cycle, s */
 #define SPACING 0.22f /* of the path's points, m */
 
-enum { PATH_POINTS = 60, WARM_CYCLES = 20 };
+enum { PATH_POINTS = 60, WARM_CYCLES = 20, DRAWN = 24, CHANGED = 56 };
 
 static struct jp_teb teb;
 static struct jp_obstacles obstacles;
@@ -53,6 +55,25 @@ static void lay_path(float amplitude)
         .path = path,
         .path_count = PATH_POINTS,
     };
+}
+
+static void add_turned_box(struct jp_plane_point centre, float half_length, float half_width, float angle,
+                           struct jp_plane_point velocity)
+{
+    const float c = jp_plane_cosine(angle);
+    const float s = jp_plane_sine(angle);
+    const struct jp_plane_point along = {c * half_length, s * half_length};
+    const struct jp_plane_point across = {-s * half_width, c * half_width};
+    const struct jp_obstacle box = {
+        .vertices = {{centre.x - along.x - across.x, centre.y - along.y - across.y},
+                     {centre.x + along.x - across.x, centre.y + along.y - across.y},
+                     {centre.x + along.x + across.x, centre.y + along.y + across.y},
+                     {centre.x - along.x + across.x, centre.y - along.y + across.y}},
+        .vertex_count = 4,
+        .velocity = velocity,
+    };
+
+    (void)jp_obstacles_add(&obstacles, &box);
 }
 
 static void add_box(float x, float y, float half_length, float half_width)
@@ -147,11 +168,122 @@ static uint32_t count_warm(void)
     return worst;
 }
 
+/* ---- A search for the worst ---- */
+
+/* Each 0…1. */
+struct drawn_box {
+    float along;
+    float aside;
+    float length;
+    float width;
+    float angle;
+    float speed;
+};
+
+/* What is drawn: the bends of the path, the start and the boxes. */
+struct input {
+    float amplitude;
+    float heading;
+    float speed;
+    float turn_rate;
+    struct drawn_box boxes[JP_OBSTACLES_MAX];
+};
+
+enum { NUMBERS = sizeof(struct input) / sizeof(float) };
+
+static uint32_t random_state = 1;
+
+/* 0…1 */
+static float draw(void)
+{
+    return (float)(target_random(&random_state) >> 8) * 0x1p-24f;
+}
+
+static uint32_t draw_below(uint32_t count)
+{
+    return target_random(&random_state) % count;
+}
+
+/* Every second one is a pile: all boxes have the same place beside the way. */
+static void draw_input(struct input *input)
+{
+    float *const numbers = &input->amplitude;
+    const bool is_pile = draw() < 0.5f;
+
+    for (unsigned i = 0; i < NUMBERS; i++) {
+        numbers[i] = draw();
+    }
+    for (unsigned i = 1; i < JP_OBSTACLES_MAX && is_pile; i++) {
+        const float along = input->boxes[i].along;
+
+        input->boxes[i] = input->boxes[0];
+        input->boxes[i].along = along;
+    }
+}
+
+/* Some numbers anew, and now and then a box where another one is. */
+static void change_input(struct input *input)
+{
+    float *const numbers = &input->amplitude;
+
+    for (uint32_t i = draw_below(6); i < 6U; i++) {
+        numbers[draw_below(NUMBERS)] = draw();
+    }
+    if (draw_below(4) == 0U) {
+        input->boxes[draw_below(JP_OBSTACLES_MAX)] = input->boxes[draw_below(JP_OBSTACLES_MAX)];
+    }
+}
+
+static void build_input(const struct input *input)
+{
+    const float amplitude = 0.6f * input->amplitude;
+
+    start_scene(amplitude);
+    task.start.heading = 2.0f * input->heading - 1.0f;
+    task.measured.heading = task.start.heading;
+    task.speed = (struct jp_plane_speed){1.5f * input->speed, 2.0f * input->turn_rate - 1.0f};
+    for (unsigned i = 0; i < JP_OBSTACLES_MAX; i++) {
+        const struct drawn_box *const box = &input->boxes[i];
+        const float x = 1.1f * task.goal.x * box->along;
+        const float speed = box->speed > 0.7f ? 2.0f * (box->speed - 0.85f) : 0.0f;
+
+        add_turned_box((struct jp_plane_point){x, path_height(x, amplitude) + 2.4f * (box->aside - 0.5f)},
+                       0.02f + 4.0f * box->length * box->length, 0.02f + 0.5f * box->width, 3.0f * (box->angle - 0.5f),
+                       (struct jp_plane_point){0.0f, speed});
+    }
+}
+
+/* The worst of some that are drawn, and of changes to the worst so far. */
+static uint32_t search_worst(void)
+{
+    static struct input worst_input;
+    static struct input input;
+    uint32_t worst = 0;
+
+    for (unsigned i = 0; i < DRAWN + CHANGED; i++) {
+        input = worst_input;
+        if (i < DRAWN) {
+            draw_input(&input);
+        } else {
+            change_input(&input);
+        }
+        build_input(&input);
+
+        const uint32_t instructions = count_cold();
+
+        if (instructions > worst) {
+            worst = instructions;
+            worst_input = input;
+        }
+    }
+    return worst;
+}
+
 /* ---- Figures ---- */
 
 static void print_work(const char *name, uint32_t instructions)
 {
-    target_print_figure(name, instructions, "instructions", "5000000");
+    target_print_figure(name, instructions, "instructions", "3000000");
     target_print(",\n");
 }
 
@@ -169,6 +301,7 @@ int main(void)
     print_work("TEB cycle, 50 poses between 20 walls, worst of 20 with the last band", count_warm());
     build_blocked_way();
     print_work("TEB cycle, 50 poses, 20 boxes on the way", count_cold());
+    print_work("TEB cycle, 50 poses, 20 boxes, worst of 80 inputs of a search", search_worst());
     target_print_figure("TEB's working memory, 50 poses, 20 obstacles", (uint32_t)(sizeof teb + sizeof obstacles),
                         "bytes", "32768");
     target_print("\n]\n");

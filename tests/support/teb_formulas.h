@@ -55,63 +55,86 @@ static inline struct exact_step exact_step(const struct exact_pose *a, const str
                                c * dy - s * dx};
 }
 
-static inline double exact_step_cost(const struct jp_teb_config *config, const struct exact_step *step)
+/** A weighted residual; 0 where its limit is kept. */
+struct exact_residual {
+    double weight;
+    double value;
+};
+
+enum { EXACT_RESIDUALS_MAX = 16 * JP_TEB_POSES_MAX };
+
+/** All residuals of a band, whether they act or not, in an order that depends on the number of poses alone. */
+struct exact_residuals {
+    struct exact_residual all[EXACT_RESIDUALS_MAX];
+    unsigned count;
+};
+
+static inline void exact_add(struct exact_residuals *residuals, float weight, double value)
+{
+    residuals->all[residuals->count++] = (struct exact_residual){(double)weight, value};
+}
+
+static inline void exact_add_step(struct exact_residuals *residuals, const struct jp_teb_config *config,
+                                  const struct exact_step *step)
 {
     const struct jp_teb_weights *const weights = &config->weights;
     const double reference = (double)config->interval;
     const double turn = exact_magnitude(step->turn);
-    const double speed = exact_above(step->length, (double)config->speed_max * step->interval) / reference;
-    const double reverse = exact_above(-step->length, (double)config->reverse_max * step->interval) / reference;
-    const double turn_rate = exact_above(turn, (double)config->turn_rate_max * step->interval) / reference;
-    const double slowness =
-        exact_above((double)config->speed_max * step->interval, step->length) / (double)config->speed_max;
-    const double radius = exact_above((double)config->radius_min * turn, exact_magnitude(step->length)) / reference;
+    const double limit = (double)config->speed_max * step->interval;
 
-    return (double)weights->nonholonomic * exact_square(step->side) +
-           (double)weights->speed * (exact_square(speed) + exact_square(reverse)) +
-           (double)weights->turn_rate * exact_square(turn_rate) + (double)weights->turn_radius * exact_square(radius) +
-           (double)weights->time * exact_square(step->interval) + (double)weights->slowness * exact_square(slowness) +
-           (double)weights->no_reversing * exact_square(exact_above(-step->length, 0.0) / reference);
+    exact_add(residuals, weights->nonholonomic, step->side);
+    exact_add(residuals, weights->speed, exact_above(step->length, limit) / reference);
+    exact_add(residuals, weights->speed,
+              exact_above(-step->length, (double)config->reverse_max * step->interval) / reference);
+    exact_add(residuals, weights->no_reversing, exact_above(-step->length, 0.0) / reference);
+    exact_add(residuals, weights->slowness, exact_above(limit, step->length) / (double)config->speed_max);
+    exact_add(residuals, weights->turn_rate,
+              exact_above(turn, (double)config->turn_rate_max * step->interval) / reference);
+    exact_add(residuals, weights->turn_radius,
+              exact_above((double)config->radius_min * turn, exact_magnitude(step->length)) / reference);
+    exact_add(residuals, weights->time, step->interval);
 }
 
-static inline double exact_change_cost(const struct jp_teb_config *config, double forward, double turn, double duration)
+static inline void exact_add_change(struct exact_residuals *residuals, const struct jp_teb_config *config,
+                                    double forward, double turn, double duration)
 {
-    return (double)config->weights.acceleration *
-               exact_square(exact_above(exact_magnitude(forward) / duration, (double)config->acceleration)) +
-           (double)config->weights.turn_acceleration *
-               exact_square(exact_above(exact_magnitude(turn) / duration, (double)config->turn_acceleration));
+    exact_add(residuals, config->weights.acceleration,
+              exact_above(exact_magnitude(forward) / duration, (double)config->acceleration));
+    exact_add(residuals, config->weights.turn_acceleration,
+              exact_above(exact_magnitude(turn) / duration, (double)config->turn_acceleration));
 }
 
-static inline double exact_steps_cost(const struct jp_teb *teb, const struct exact_pose *poses)
+static inline void exact_add_steps(struct exact_residuals *residuals, const struct jp_teb *teb,
+                                   const struct exact_pose *poses)
 {
     const struct jp_teb_config *const config = &teb->config;
     const struct jp_teb_task *const task = &teb->internal.task;
     struct exact_step last = exact_step(&poses[0], &poses[1]);
-    double cost = exact_step_cost(config, &last) +
-                  exact_change_cost(config, last.length / last.interval - (double)task->speed.forward,
-                                    last.turn / last.interval - (double)task->speed.turn_rate, last.interval);
 
+    exact_add_step(residuals, config, &last);
+    exact_add_change(residuals, config, last.length / last.interval - (double)task->speed.forward,
+                     last.turn / last.interval - (double)task->speed.turn_rate, last.interval);
     for (unsigned i = 1; i + 1U < teb->count; i++) {
         const struct exact_step step = exact_step(&poses[i], &poses[i + 1U]);
 
-        cost += exact_step_cost(config, &step) +
-                exact_change_cost(config, step.length / step.interval - last.length / last.interval,
-                                  step.turn / step.interval - last.turn / last.interval,
-                                  (last.interval + step.interval) / 2.0);
+        exact_add_step(residuals, config, &step);
+        exact_add_change(residuals, config, step.length / step.interval - last.length / last.interval,
+                         step.turn / step.interval - last.turn / last.interval, (last.interval + step.interval) / 2.0);
         last = step;
     }
-    return cost + exact_change_cost(config, (double)task->goal_speed - last.length / last.interval, 0.0, last.interval);
+    exact_add_change(residuals, config, (double)task->goal_speed - last.length / last.interval, 0.0, last.interval);
 }
 
 /** Of the pose i alone; obstacles by their distance in single precision. */
-static inline double exact_pose_cost(const struct jp_teb *teb, unsigned i, const struct exact_pose *exact)
+static inline void exact_add_pose(struct exact_residuals *residuals, const struct jp_teb *teb, unsigned i,
+                                  const struct exact_pose *exact)
 {
     const struct jp_teb_config *const config = &teb->config;
     const struct jp_teb_foot *const foot = &teb->internal.feet[i];
-    const double aside = (exact->x - (double)foot->point.x) * (double)foot->normal.x +
-                         (exact->y - (double)foot->point.y) * (double)foot->normal.y;
-    double cost = (double)config->weights.path * exact_square(aside);
 
+    exact_add(residuals, config->weights.path,
+              (exact->x - (double)foot->point.x) * (double)foot->normal.x +
+                  (exact->y - (double)foot->point.y) * (double)foot->normal.y);
     for (unsigned k = 0; k < teb->internal.near[i].count; k++) {
         const struct jp_obstacle *const shape = &teb->internal.obstacles->shapes[teb->internal.near[i].shape[k]];
         const double time = (double)teb->internal.near[i].time;
@@ -120,32 +143,45 @@ static inline double exact_pose_cost(const struct jp_teb *teb, unsigned i, const
                                            (float)(exact->y - time * (double)shape->velocity.y), (float)exact->heading};
         const float distance = jp_obstacle_distance(&config->footprint, &pose, shape, NULL);
 
-        cost +=
-            (double)config->weights.obstacle * exact_square(exact_above((double)config->clearance, (double)distance));
+        exact_add(residuals, config->weights.obstacle, exact_above((double)config->clearance, (double)distance));
     }
-    return cost;
 }
 
-static inline double exact_sighting_cost(const struct exact_pose *pose, const struct jp_plane_pose *seen)
+static inline void exact_add_sighting(struct exact_residuals *residuals, float weight, const struct exact_pose *pose,
+                                      const struct jp_plane_pose *seen)
 {
-    return exact_square(pose->x - (double)seen->x) + exact_square(pose->y - (double)seen->y) +
-           exact_square(exact_wrap(pose->heading - (double)seen->heading));
+    exact_add(residuals, weight, pose->x - (double)seen->x);
+    exact_add(residuals, weight, pose->y - (double)seen->y);
+    exact_add(residuals, weight, exact_wrap(pose->heading - (double)seen->heading));
 }
 
 /** Of a band with as many poses as the TEB's, with its task, feet and neighbours. */
-static inline double exact_cost(const struct jp_teb *teb, const struct exact_pose *poses)
+static inline void exact_residuals(const struct jp_teb *teb, const struct exact_pose *poses,
+                                   struct exact_residuals *residuals)
 {
     const struct jp_teb_weights *const weights = &teb->config.weights;
-    double cost = exact_steps_cost(teb, poses);
 
+    residuals->count = 0;
+    exact_add_steps(residuals, teb, poses);
     for (unsigned i = 1; i + 1U < teb->count; i++) {
-        cost += exact_pose_cost(teb, i, &poses[i]);
+        exact_add_pose(residuals, teb, i, &poses[i]);
     }
     if (weights->laser_odometry > 0.0f && teb->internal.task.is_measured) {
-        cost += (double)weights->wheel_odometry * exact_sighting_cost(&poses[0], &teb->internal.task.start) +
-                (double)weights->laser_odometry * exact_sighting_cost(&poses[0], &teb->internal.task.measured);
+        exact_add_sighting(residuals, weights->wheel_odometry, &poses[0], &teb->internal.task.start);
+        exact_add_sighting(residuals, weights->laser_odometry, &poses[0], &teb->internal.task.measured);
     }
-    return cost / 2.0;
+}
+
+static inline double exact_cost(const struct jp_teb *teb, const struct exact_pose *poses)
+{
+    static struct exact_residuals residuals;
+    double cost = 0.0;
+
+    exact_residuals(teb, poses, &residuals);
+    for (unsigned i = 0; i < residuals.count; i++) {
+        cost += residuals.all[i].weight * exact_square(residuals.all[i].value) / 2.0;
+    }
+    return cost;
 }
 
 #endif

@@ -2,6 +2,7 @@
 #include <joulepath/obstacles.h>
 
 #include "src/base/plane.h"
+#include "src/local/obstacle_distance.h"
 
 #include "tests/support/near.h"
 
@@ -400,6 +401,56 @@ static void test_null_pointers_are_refused(void)
 
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_obstacles_add(NULL, &shape));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_obstacles_add(&obstacles, NULL));
+}
+
+/* ---- The feature that was nearest ---- */
+
+/* On a way past a shape and through it, remembering the feature gives the same distances. */
+static void pass(const struct jp_obstacle *shape)
+{
+    uint8_t feature = JP_FEATURE_UNKNOWN;
+    unsigned changes = 0;
+
+    for (int i = 0; i < 2000; i++) {
+        const struct jp_plane_pose pose = {2.0f * jp_plane_sine(0.011f * (float)i),
+                                           1.5f * jp_plane_sine(0.017f * (float)i), 0.02f * (float)i};
+        const struct jp_plane_point direction = jp_plane_direction(pose.heading);
+        const uint8_t last = feature;
+        struct jp_plane_pose expected;
+        struct jp_plane_pose gradient;
+        const float distance = jp_obstacle_distance(&footprint, &pose, shape, &expected);
+
+        TEST_ASSERT_NEAR(TOLERANCE, distance,
+                         jp_obstacle_distance_along(&footprint, &pose, direction, shape, &feature, &gradient));
+        TEST_ASSERT_NEAR(1e-3f, expected.x, gradient.x);
+        TEST_ASSERT_NEAR(1e-3f, expected.y, gradient.y);
+        TEST_ASSERT_NEAR(1e-3f, expected.heading, gradient.heading);
+        TEST_ASSERT_TRUE((feature == JP_FEATURE_UNKNOWN) == (distance + shape->radius < 1e-4f));
+        changes += feature != last ? 1U : 0U;
+    }
+    printf("changes %u\n", changes);
+    TEST_ASSERT_TRUE(changes > 0U && changes < 400U);
+}
+
+static void test_remembered_features_change_no_distance(void)
+{
+    const struct jp_obstacle shapes[] = {disc(0.3f, 0.4f, 0.0f),
+                                         capsule(-0.6f, 0.4f, 0.5f, -0.2f, 0.05f),
+                                         box(-0.4f, -0.3f, 0.3f, 0.1f),
+                                         {.vertices = {{0.4f, 0.0f}, {0.6f, 0.5f}, {-0.2f, 0.3f}}, .vertex_count = 3}};
+
+    for (unsigned i = 0; i < sizeof shapes / sizeof shapes[0]; i++) {
+        pass(&shapes[i]);
+    }
+}
+
+static void test_touching_is_no_feature(void)
+{
+    const struct jp_obstacle corner = box(0.5f, 0.25f, 1.0f, 1.0f);
+    uint8_t feature = 4; /* the vertex that touches */
+
+    (void)jp_obstacle_distance_along(&footprint, &origin, (struct jp_plane_point){1.0f, 0.0f}, &corner, &feature, NULL);
+    TEST_ASSERT_EQUAL_UINT(JP_FEATURE_UNKNOWN, feature);
 }
 
 /* ---- Bits ---- */

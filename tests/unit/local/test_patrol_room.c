@@ -48,36 +48,36 @@ static void test_clearance(void)
 
 static void test_turn_without_obstacles(void)
 {
-    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 0.0f));
-    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 2.0f * JP_PLANE_PI));
-    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, -2.0f * JP_PLANE_PI));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 0.0f, patrol.config.turn_clearance));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 2.0f * JP_PLANE_PI, patrol.config.turn_clearance));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, -2.0f * JP_PLANE_PI, patrol.config.turn_clearance));
 }
 
 /* The corners reach 0.5 m, the sides 0.3 m. */
 static void test_corner_meets_a_wall_beside(void)
 {
     put_box(-2.0f, 0.4f, 2.0f, 0.5f);
-    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 0.2f));
-    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, -0.2f));
-    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, 0.6f));
-    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, -0.6f));
-    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, 0.2f, patrol.config.turn_clearance));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, -0.2f, patrol.config.turn_clearance));
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, 0.6f, patrol.config.turn_clearance));
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, -0.6f, patrol.config.turn_clearance));
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI, patrol.config.turn_clearance));
 }
 
 static void test_turn_keeps_its_clearance(void)
 {
     put_box(-2.0f, 0.56f, 2.0f, 0.66f);
-    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI, patrol.config.turn_clearance));
     patrol.config.turn_clearance = 0.07f;
-    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI));
+    TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI, patrol.config.turn_clearance));
     patrol.config.turn_clearance = 0.1f;
-    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI));
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, JP_PLANE_PI, patrol.config.turn_clearance));
 }
 
 static void test_turn_that_begins_in_collision_is_not_free(void)
 {
     put_box(0.3f, -0.1f, 0.5f, 0.1f);
-    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, 0.0f));
+    TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, 0.0f, patrol.config.turn_clearance));
 }
 
 /* The oracle: thing by thing, whether a point of the footprint passes it, in steps of a tenth of those of the code. */
@@ -111,9 +111,9 @@ static void test_turns_among_things_all_around(void)
             jp_obstacles_clear(&patrol.obstacles, &(struct jp_plane_point){0.0f, 0.0f});
             TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, &thing));
             if (is_hit) {
-                TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, angle));
+                TEST_ASSERT_FALSE(jp_patrol_is_turn_free(&patrol, &here, angle, patrol.config.turn_clearance));
             } else if (!is_near) {
-                TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, angle));
+                TEST_ASSERT_TRUE(jp_patrol_is_turn_free(&patrol, &here, angle, patrol.config.turn_clearance));
             }
         }
     }
@@ -123,7 +123,7 @@ static void expect_turn(float heading, float expected)
 {
     float angle = 0.0f;
 
-    TEST_ASSERT_TRUE(jp_patrol_find_turn(&patrol, &here, heading, &angle));
+    TEST_ASSERT_TRUE(jp_patrol_find_turn(&patrol, &here, heading, patrol.config.turn_clearance, &angle));
     TEST_ASSERT_NEAR(1e-4f, expected, angle);
 }
 
@@ -146,8 +146,8 @@ static void test_longer_way_round_if_the_shorter_is_not_free(void)
 
     float angle;
 
-    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, 1.6f, &angle));
-    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, -1.6f, &angle));
+    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, 1.6f, patrol.config.turn_clearance, &angle));
+    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, -1.6f, patrol.config.turn_clearance, &angle));
 }
 
 static void test_longer_way_round_to_the_left(void)
@@ -163,7 +163,7 @@ static bool is_step_free(float x, float y)
 {
     const struct jp_plane_pose step = {x, y, 0.0f};
 
-    return jp_patrol_is_step_free(&patrol, &step);
+    return jp_patrol_is_step_free(&patrol, &step, patrol.config.turn_clearance);
 }
 
 static void test_step_in_the_frame_of_the_robot(void)
@@ -194,7 +194,7 @@ static void test_step_keeps_its_clearance(void)
 static bool find_step(float heading, struct jp_plane_point *target)
 {
     *target = (struct jp_plane_point){9.0f, 9.0f};
-    return jp_patrol_find_step(&patrol, heading, target);
+    return jp_patrol_find_step(&patrol, heading, patrol.config.turn_clearance, target);
 }
 
 static void test_shortest_step_ahead_is_taken(void)
@@ -214,13 +214,13 @@ static void test_step_to_where_the_walls_end(void)
 
     put_box(-1.0f, 0.4f, 0.2f, 0.45f);
     put_box(-1.0f, -0.45f, 0.2f, -0.4f);
-    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, 1.5f, &angle));
+    TEST_ASSERT_FALSE(jp_patrol_find_turn(&patrol, &here, 1.5f, patrol.config.turn_clearance, &angle));
     TEST_ASSERT_TRUE(find_step(1.5f, &target));
     TEST_ASSERT_TRUE(target.x > 0.3f && target.x <= 0.76f);
 
     const struct jp_plane_pose there = {target.x, target.y, 0.0f};
 
-    TEST_ASSERT_TRUE(jp_patrol_find_turn(&patrol, &there, 1.5f, &angle));
+    TEST_ASSERT_TRUE(jp_patrol_find_turn(&patrol, &there, 1.5f, patrol.config.turn_clearance, &angle));
 }
 
 static void test_step_aside_from_a_wall(void)

@@ -189,6 +189,34 @@ static void test_command_that_leads_into_something_is_not_given(void)
     rig_expect_stand();
 }
 
+/* Beside a wall that leaves a hand's breadth in a turn; north of it is all the room there is. */
+static void stand_beside_a_wall(void)
+{
+    rig_wall(-3.0f, -0.56f, 3.0f, -0.56f);
+    rig_go(0.0f, 2.0f);
+    rig_cycle();
+}
+
+static void test_robot_steps_to_where_it_can_turn_with_the_clearance_wanted(void)
+{
+    config.teb.clearance = 0.14f;
+    rig_init();
+    stand_beside_a_wall();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_TURNING, 30);
+    TEST_ASSERT_TRUE(robot.y > 0.05f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+}
+
+static void test_robot_turns_with_less_where_no_place_has_more(void)
+{
+    config.teb.clearance = 0.14f;
+    rig_init();
+    rig_wall(-3.0f, 0.56f, 3.0f, 0.56f);
+    stand_beside_a_wall();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+}
+
 static void test_no_room_to_turn_anywhere(void)
 {
     rig_box(-0.45f, -0.35f, 0.45f, 0.35f);

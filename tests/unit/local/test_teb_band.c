@@ -1,6 +1,7 @@
 /* Poses of the band: laid along the path, cut to the next task, more or fewer of them, and what is near them. */
 #include "src/local/teb_band.h"
 
+#include "src/local/obstacle_distance.h"
 #include "tests/support/teb_rig.h"
 
 void setUp(void)
@@ -419,7 +420,9 @@ static void associate(void)
 {
     teb.internal.task = task;
     teb.internal.obstacles = &obstacles;
-    jp_teb_associate(&teb);
+    teb.internal.work = 0;
+    jp_teb_find_feet(&teb);
+    jp_teb_find_obstacles(&teb);
 }
 
 static void test_feet_stand_on_the_path_below_the_poses(void)
@@ -566,6 +569,55 @@ static void test_no_obstacle_near_a_pose_is_missed(void)
                                    teb.internal.near[i].count);
         }
     }
+}
+
+/* An uncertain one grows for a second. */
+static void test_obstacle_that_may_move_comes_into_reach(void)
+{
+    rig_straight(1.2f);
+    rig_disc(0.6f, 0.95f, 0.0f); /* 0.65 m aside */
+    obstacles.shapes[0].margin = 0.5f;
+    fit();
+    associate();
+    for (unsigned i = 0; i < teb.count; i++) {
+        TEST_ASSERT_EQUAL_UINT(teb.internal.near[i].time > 0.55f ? 1 : 0, teb.internal.near[i].count);
+    }
+}
+
+static void test_where_the_work_is_used_up_neighbours_stay(void)
+{
+    lay_standing_band();
+    rig_disc(0.0f, 0.5f, 0.0f);
+    associate();
+    set_pose(1, 0.0f, 0.1f, 0.0f, 0.25f);
+    teb.internal.work = JP_TEB_WORK_MAX;
+    jp_teb_find_obstacles(&teb);
+    TEST_ASSERT_NEAR(1e-5f, 0.2f, teb.internal.near[1].distance[0]);
+    TEST_ASSERT_TRUE(teb.internal.near[1].pose.y == 0.0f);
+    TEST_ASSERT_EQUAL_UINT(JP_TEB_WORK_MAX, teb.internal.work);
+    teb.internal.work = JP_TEB_WORK_MAX - 1U;
+    jp_teb_find_obstacles(&teb);
+    TEST_ASSERT_NEAR(1e-5f, 0.2f, teb.internal.near[1].distance[0]);
+    TEST_ASSERT_TRUE(teb.internal.work >= JP_TEB_WORK_MAX);
+    associate();
+    TEST_ASSERT_NEAR(1e-5f, 0.1f, teb.internal.near[1].distance[0]);
+}
+
+static void test_work_counts_searches_and_overlaps(void)
+{
+    uint8_t feature = JP_FEATURE_UNKNOWN;
+
+    lay_standing_band();
+    rig_disc(0.0f, 0.5f, 0.0f);
+    rig_disc(0.0f, 0.0f, 0.1f);
+    teb.internal.obstacles = &obstacles;
+    teb.internal.work = 0;
+    (void)jp_teb_distance(&teb, 0, 1, 0.0f, &feature, NULL);
+    TEST_ASSERT_EQUAL_UINT(2, teb.internal.work);
+    (void)jp_teb_distance(&teb, 0, 1, 0.0f, &feature, NULL);
+    TEST_ASSERT_EQUAL_UINT(3, teb.internal.work);
+    (void)jp_teb_distance(&teb, 0, 0, 0.0f, &feature, NULL);
+    TEST_ASSERT_EQUAL_UINT(6, teb.internal.work);
 }
 
 /* No distance changes by more than the sweep. */
