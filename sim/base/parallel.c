@@ -1,7 +1,6 @@
 #include "sim/base/parallel.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -14,7 +13,7 @@ struct work {
     void (*task)(void *context, size_t index);
     void *context;
     size_t count;
-    atomic_size_t next;
+    size_t next;
     const char *name;
     pthread_mutex_t lock;
     size_t done;
@@ -23,14 +22,14 @@ struct work {
 static void *work_on(void *argument)
 {
     struct work *work = argument;
-    size_t index = atomic_fetch_add(&work->next, 1);
+    size_t index = __atomic_fetch_add(&work->next, 1, __ATOMIC_RELAXED);
 
     while (index < work->count) {
         work->task(work->context, index);
         (void)pthread_mutex_lock(&work->lock);
         progress_show(work->name, ++work->done, work->count);
         (void)pthread_mutex_unlock(&work->lock);
-        index = atomic_fetch_add(&work->next, 1);
+        index = __atomic_fetch_add(&work->next, 1, __ATOMIC_RELAXED);
     }
     return NULL;
 }

@@ -79,8 +79,8 @@ static bool follow_plan(const struct jp_course *course, struct jp_course_place *
 
         place->step++;
         if (has_hills(course)) {
-            place->cost += jp_lattice_energy(course->internal.lattice, JP_COST_PHYSICAL, course->config.terrain,
-                                             primitive, before.x, before.y);
+            place->cost += (int64_t)jp_lattice_energy(course->internal.lattice, JP_COST_PHYSICAL,
+                                                      course->config.terrain, primitive, before.x, before.y);
         }
         if (place->pose.x != before.x || place->pose.y != before.y) {
             return true;
