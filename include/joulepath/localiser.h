@@ -39,6 +39,9 @@ extern "C" {
 /** Places that a search keeps. */
 #define JP_LOCALISER_PLACES 4
 
+/** A correction by more than this, m and rad, is told of. */
+#define JP_LOCALISER_NEW_PLACE 0.2f
+
 /** Private: nodes that a search has not looked at. */
 #define JP_LOCALISER_NODES 24
 
@@ -174,6 +177,7 @@ struct jp_localiser {
     struct jp_localiser_config config;
     enum jp_localiser_state state;
     enum jp_localiser_reason reason;
+    bool is_new_place;         /**< the last scan found the robot again, or farther away than JP_LOCALISER_NEW_PLACE */
     struct jp_plane_pose pose; /**< of the robot in the map's frame; while LOST as odometry goes on */
     float covariance[3][3];    /**< of x, y, m, and the heading, rad */
     float position_deviation;  /**< in the direction in which it is largest, m */

@@ -284,6 +284,12 @@ static void drop_search(struct jp_localiser *localiser)
 
 static void correct(struct jp_localiser *localiser, struct jp_localiser_fit *fit)
 {
+    const struct jp_plane_pose *const before = &localiser->pose;
+    const float way = jp_plane_length(fit->pose.x - before->x, fit->pose.y - before->y);
+    const float turn = jp_plane_magnitude(jp_plane_wrap(fit->pose.heading - before->heading));
+
+    localiser->is_new_place =
+        localiser->state == JP_LOCALISER_LOST || jp_plane_larger(way, turn) > JP_LOCALISER_NEW_PLACE;
     localiser->pose = fit->pose;
     (void)jp_localiser_invert(fit->information, localiser->covariance);
     report_deviations(localiser);
@@ -473,6 +479,7 @@ enum jp_status jp_localiser_update(struct jp_localiser *localiser, const struct 
     if (localiser == NULL || input == NULL || !is_input_sound(input)) {
         return JP_ERR_ARGUMENT;
     }
+    localiser->is_new_place = false;
     follow_wheels(localiser, &input->wheels);
     look(localiser, input);
     localiser->internal.waited = jp_one_more16(localiser->internal.waited);
