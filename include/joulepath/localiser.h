@@ -43,7 +43,7 @@ extern "C" {
 #define JP_LOCALISER_NEW_PLACE 0.2f
 
 /** Private: nodes that a search has not looked at. */
-#define JP_LOCALISER_NODES 24
+#define JP_LOCALISER_NODES 32
 
 enum jp_localiser_state {
     JP_LOCALISER_TRACKING, /**< the last scan fits the map */
@@ -108,7 +108,7 @@ struct jp_localiser_view {
 
 /** Signed distances of the cells' middles from the nearest edge of a wall, below 0 inside. Private. */
 struct jp_wall_field {
-    int8_t *cells; /* in sixteenths of a cell */
+    int8_t *cells; /* in eighths of a cell */
     int32_t width;
     int32_t height;
     float cell; /* m */
@@ -146,6 +146,7 @@ struct jp_localiser_region {
 struct jp_localiser_search {
     bool is_running;
     struct jp_localiser_region region;
+    float least; /* score from which on places are looked for */
     struct jp_plane_point points[JP_LOCALISER_SEARCH_POINTS];
     float ranges[JP_LOCALISER_SEARCH_POINTS]; /* of the points from the robot */
     struct jp_localiser_cloud cloud;

@@ -12,11 +12,14 @@
 #define SECTORS  512
 #define CHILDREN 8
 
-/* The cell of an end says its distance to half of the cell's diagonal; walls are thick by as much, cells. */
-#define BLUR 1.5f
+/* The cell of an end says its distance to half of the cell's diagonal, and ranges have noise, cells. */
+#define BLUR 1.0f
 
-/* Share of the ends that a place explains, at least; and by how much a second one must be worse. */
-#define SCORE_MIN    0.5f
+/* Share of the ends that a place explains, at least, and by how much a second one must be worse. The map is searched
+ * for places that explain nearly all at first, which few nodes may, then for lesser ones. */
+#define SCORE_FIRST  0.9f
+#define SCORE_STEP   0.15f
+#define SCORE_MIN    0.6f
 #define SCORE_MARGIN 0.1f
 
 /* Places nearer to each other than this, m and rad, are one; a smallest node nearer to one leads to it. */
@@ -188,12 +191,12 @@ static void look_closer(struct jp_localiser_search *search, const struct jp_wall
     struct jp_localiser_place place;
 
     jp_localiser_match(field, &search->cloud, &prior, &fit);
-    if (!fit.has_settled || !is_free(field, map, &fit.pose)) {
+    if (!fit.has_settled || fit.inliers < search->least - SCORE_MARGIN || !is_free(field, map, &fit.pose)) {
         return;
     }
     place.pose = fit.pose;
     place.score = score_of(field, &search->cloud, &fit.pose, noise);
-    if (place.score >= SCORE_MIN) {
+    if (place.score >= search->least) {
         keep(search, &place);
     }
 }
@@ -213,18 +216,25 @@ void jp_localiser_search_begin(struct jp_localiser_search *search, const struct 
         search->ranges[i] = jp_plane_length(point.x, point.y);
     }
     search->region = *region;
+    search->least = SCORE_FIRST;
     search->top = (struct jp_localiser_node){0, 0, 0, 0};
     search->node_count = 0;
     search->place_count = 0;
     search->is_running = true;
 }
 
+/* Score of the best place but the margin: lesser ones are of no interest; 0 without a place. */
+static float rivals_from(const struct jp_localiser_search *search)
+{
+    return search->place_count > 0 ? search->places[0].score - SCORE_MARGIN : 0.0f;
+}
+
 /* Ends that a place must explain to be of interest. */
 static int32_t least_of(const struct jp_localiser_search *search)
 {
-    const float best = search->place_count > 0 ? search->places[0].score - SCORE_MARGIN : 0.0f;
+    const float share = jp_plane_larger(rivals_from(search), search->least);
 
-    return (int32_t)(jp_plane_larger(best, SCORE_MIN) * (float)search->cloud.count);
+    return (int32_t)(share * (float)search->cloud.count);
 }
 
 /* Whether a square of the first level may hold a place. */
@@ -302,6 +312,16 @@ static void look_at(struct jp_localiser_search *search, const struct jp_wall_fie
     }
 }
 
+/* All places from `least` on are known: goes on to lesser ones, unless these cannot be rivals of the best. */
+static bool begin_lesser(struct jp_localiser_search *search)
+{
+    const bool is_done = search->least <= SCORE_MIN || rivals_from(search) >= search->least;
+
+    search->least = jp_plane_larger(search->least - SCORE_STEP, SCORE_MIN);
+    search->top = (struct jp_localiser_node){0, 0, 0, 0};
+    return !is_done;
+}
+
 /* Of the whole map no place can be so much better than the second one that it is alone. */
 static bool is_decided(const struct jp_localiser_search *search)
 {
@@ -319,7 +339,7 @@ unsigned jp_localiser_search_work(struct jp_localiser_search *search, const stru
             look_at(search, field, map, noise);
             search->is_running = !is_decided(search);
         } else {
-            search->is_running = push_top(search, field, map);
+            search->is_running = push_top(search, field, map) || begin_lesser(search);
         }
         looked++;
     }

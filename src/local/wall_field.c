@@ -3,12 +3,12 @@
 #include "src/base/plane.h"
 
 /* Cells from which on a distance is not told apart, and the units of a cell. */
-#define CAP   8
-#define UNITS 16.0f
+#define CAP   16
+#define UNITS 8.0f
 #define MOST  127
 
 /* Off the map, beside its edge. */
-#define OUTSIDE (-8)
+#define OUTSIDE (-4)
 
 /* A ray is in a wall from this depth on, cells, and does not take smaller steps. */
 #define DEPTH    (-0.2f)

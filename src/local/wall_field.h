@@ -5,7 +5,7 @@
 #include <joulepath/localiser.h>
 
 /** Distances are held up to so many cells. */
-#define JP_WALL_FIELD_REACH 7.9f
+#define JP_WALL_FIELD_REACH 15.8f
 
 /** What the field says at a point. */
 struct jp_wall_distance {

@@ -44,8 +44,8 @@ struct drive {
     double wheel_scale;
     double turn_scale;
     double sideways;
-    double length; /* driven, m */
-    double time;   /* s */
+    double length;            /* driven, m */
+    double time;              /* s */
     struct planar_point from; /* where the route begins */
     struct planar_point turns[DRIVE_TURNS_MAX];
     size_t turn_count;
@@ -181,7 +181,7 @@ static inline void drive_put(struct drive *drive)
         drive->pose = (struct planar_pose){drive->from.x, drive->from.y, random_uniform(&drive->random, -M_PI, M_PI)};
         reached = 0;
         for (int i = 0; i < 5; i++) {
-            reached += drive_route_to(drive, drive_place(drive));
+            reached += drive_route_to(drive, drive_place(drive)) && drive_left(drive) >= 1;
         }
     }
 }
