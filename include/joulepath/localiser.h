@@ -36,8 +36,8 @@ extern "C" {
 /** Of them, those that a search uses. */
 #define JP_LOCALISER_SEARCH_POINTS 60
 
-/** Places that a search keeps. */
-#define JP_LOCALISER_PLACES 4
+/** Places that a search keeps: the best, and the best apart from it. */
+#define JP_LOCALISER_PLACES 2
 
 /** A correction by more than this, m and rad, is told of. */
 #define JP_LOCALISER_NEW_PLACE 0.2f
@@ -153,8 +153,7 @@ struct jp_localiser_search {
     struct jp_localiser_node top; /* the next square of the first level */
     struct jp_localiser_node nodes[JP_LOCALISER_NODES];
     int32_t node_count;
-    struct jp_localiser_place places[JP_LOCALISER_PLACES]; /* the best ones, apart from each other */
-    int32_t place_count;
+    struct jp_localiser_place places[JP_LOCALISER_PLACES]; /* score 0: none */
 };
 
 /** Private. */

@@ -186,8 +186,7 @@ static int32_t score_of(const struct attempt *attempt)
 {
     const struct jp_localiser_view *const view = &attempt->view;
 
-    return attempt->fit.has_settled ? (int32_t)view->explained - (int32_t)view->behind - (int32_t)view->beyond
-                                    : -(int32_t)view->beams;
+    return (int32_t)view->explained - (int32_t)view->behind - (int32_t)view->beyond;
 }
 
 /* How far ends of beams may be off by the uncertainty of the pose, m. */
@@ -240,8 +239,7 @@ static bool is_enough(const struct jp_localiser *localiser, const struct attempt
     const float most = attempt->is_searched ? SEARCHED : GOOD;
     const float share = jp_plane_clamp(SHARE_STEP * (wideness_of(localiser) - 1.0f), 0.0f, most);
 
-    return attempt->fit.has_settled && attempt->fit.inliers >= INLIERS_MIN &&
-           (float)score_of(attempt) >= share * (float)attempt->view.beams;
+    return attempt->fit.inliers >= INLIERS_MIN && (float)score_of(attempt) >= share * (float)attempt->view.beams;
 }
 
 /* What the last scan tells of the pose, and whether it may be believed. */
@@ -252,9 +250,10 @@ static enum jp_localiser_reason judge(struct jp_localiser *localiser, struct jp_
     struct attempt best;
 
     (void)memset(&localiser->view, 0, sizeof localiser->view);
-    if (self->cloud.count < POINTS_MIN || !jp_localiser_invert(localiser->covariance, prior.information)) {
+    if (self->cloud.count < POINTS_MIN) {
         return JP_LOCALISER_NO_SCAN;
     }
+    (void)jp_localiser_invert(localiser->covariance, prior.information);
     prior.weak = wideness_of(localiser) > 1.0f ? WEAK : 0.0f;
     match(localiser, &prior, &best);
     *fit = best.fit;
@@ -315,7 +314,7 @@ static bool is_uncertain(const struct jp_localiser *localiser)
 /* Whether next to nothing of a scan is on the map. */
 static bool is_strange(const struct jp_localiser_view *view)
 {
-    return (float)view->explained + (float)view->behind < STRANGE * (float)view->beams;
+    return (float)view->explained - (float)view->behind < STRANGE * (float)view->beams;
 }
 
 static void doubt(struct jp_localiser *localiser, enum jp_localiser_reason reason)

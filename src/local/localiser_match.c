@@ -21,7 +21,6 @@
 
 #define ITERATIONS_MAX 14
 #define STEP_END       5.0e-4f /* m and rad */
-#define STEP_SETTLED   5.0e-3f /* m and rad: larger steps at the end are no fit */
 
 /* An end this near to a wall, standard deviations of its noise, is explained by it; a beam that goes on so far behind
  * one, cells, passed through it. */
@@ -126,22 +125,27 @@ static void sum_up(const struct jp_wall_field *field, const struct jp_localiser_
     }
 }
 
+static void take_out(struct match_sums *sums, const float vector[3], float value)
+{
+    const float along = vector[0] * sums->gradient[0] + vector[1] * sums->gradient[1] + vector[2] * sums->gradient[2];
+
+    for (int j = 0; j < 3; j++) {
+        sums->gradient[j] -= along * vector[j];
+        for (int k = 0; k < 3; k++) {
+            sums->information[j][k] -= value * vector[j] * vector[k];
+        }
+    }
+}
+
 /* Takes out what the ends say in the directions that few of them determine. */
 static void leave_weak(struct match_sums *sums, float weak)
 {
     struct jp_eigen eigen;
 
     jp_eigen_find(sums->information, &eigen);
-    for (int i = 0; i < 3 && eigen.values[i] < weak * sums->most; i++) {
-        const float *const vector = eigen.vectors[i];
-        const float along =
-            vector[0] * sums->gradient[0] + vector[1] * sums->gradient[1] + vector[2] * sums->gradient[2];
-
-        for (int j = 0; j < 3; j++) {
-            sums->gradient[j] -= along * vector[j];
-            for (int k = 0; k < 3; k++) {
-                sums->information[j][k] -= eigen.values[i] * vector[j] * vector[k];
-            }
+    for (int i = 0; i < 3; i++) {
+        if (eigen.values[i] < weak * sums->most) {
+            take_out(sums, eigen.vectors[i], eigen.values[i]);
         }
     }
 }
@@ -216,7 +220,6 @@ void jp_localiser_match(const struct jp_wall_field *field, const struct jp_local
     }
     fit->inliers = sums.inliers / jp_plane_larger((float)cloud->count, 1.0f);
     fit->surprise = surprise_of(prior, &fit->pose);
-    fit->has_settled = is_narrow && size < STEP_SETTLED;
 }
 
 /* ---- What the map says of the beams ---- */

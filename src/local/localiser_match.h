@@ -19,7 +19,6 @@ struct jp_localiser_fit {
     float information[3][3]; /**< of prior and scan together */
     float inliers;           /**< ends of beams on walls, as a share of all */
     float surprise;          /**< square of the way from the prior's pose, in its standard deviations */
-    bool has_settled;
 };
 
 /** The ends of the beams that see something up to range_max, in the robot's frame: every n-th, so that there are

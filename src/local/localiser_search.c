@@ -4,6 +4,7 @@
 
 #include "src/base/plane.h"
 #include "src/local/localiser_match.h"
+#include "src/local/patrol_marks.h"
 #include "src/local/wall_field.h"
 
 /* Levels of the tree; its smallest squares have sides of so many cells, its smallest sectors are so many to a turn. */
@@ -60,7 +61,6 @@ static bool may_explain(const struct jp_localiser_search *search, const struct j
                         const struct middle *middle, int32_t least)
 {
     const struct jp_plane_point direction = jp_plane_direction(middle->pose.heading);
-    const float reach = (JP_WALL_FIELD_REACH - BLUR) * field->cell;
     int32_t misses_left = search->cloud.count - least;
 
     for (int32_t i = 0; i < search->cloud.count && misses_left >= 0; i++) {
@@ -69,7 +69,7 @@ static bool may_explain(const struct jp_localiser_search *search, const struct j
                                            middle->pose.y + direction.y * point.x + direction.x * point.y};
         const float allowed = middle->still + middle->turning * search->ranges[i];
 
-        if (allowed < reach && jp_wall_field_near(field, end) > allowed) {
+        if (jp_wall_field_near(field, end) > allowed) {
             misses_left--;
         }
     }
@@ -127,59 +127,36 @@ static bool are_near(const struct jp_plane_pose *a, const struct jp_plane_pose *
            jp_plane_magnitude(jp_plane_wrap(a->heading - b->heading)) < turn;
 }
 
+/* Whether a node leads to a place that is kept. */
 static bool is_known(const struct jp_localiser_search *search, const struct jp_plane_pose *pose)
 {
-    for (int32_t i = 0; i < search->place_count; i++) {
-        if (are_near(&search->places[i].pose, pose, LEADS, LEADS_TURN)) {
-            return true;
-        }
+    bool is_near = false;
+
+    for (int i = 0; i < JP_LOCALISER_PLACES; i++) {
+        is_near =
+            is_near || (search->places[i].score > 0.0f && are_near(&search->places[i].pose, pose, LEADS, LEADS_TURN));
     }
-    return false;
+    return is_near;
 }
 
-static void remove_place(struct jp_localiser_search *search, int32_t index)
+void jp_localiser_search_keep(struct jp_localiser_search *search, const struct jp_localiser_place *place)
 {
-    search->place_count--;
-    for (int32_t i = index; i < search->place_count; i++) {
-        search->places[i] = search->places[i + 1];
+    struct jp_localiser_place *const places = search->places;
+    const bool is_apart = !are_near(&places[0].pose, &place->pose, APART, APART_TURN);
+
+    if (place->score > places[0].score) {
+        places[1] = is_apart ? places[0] : places[1];
+        places[0] = *place;
+    } else if (is_apart && place->score > places[1].score) {
+        places[1] = *place;
+    } else {
+        /* It is no better than what is known. */
     }
 }
 
-/* In the order of their scores; of those that are one, the best stays. */
-static void keep(struct jp_localiser_search *search, const struct jp_localiser_place *place)
+static bool is_free(const struct jp_terrain *map, const struct jp_plane_pose *pose)
 {
-    int32_t at = 0;
-
-    for (int32_t i = search->place_count - 1; i >= 0; i--) {
-        if (are_near(&search->places[i].pose, &place->pose, APART, APART_TURN)) {
-            if (search->places[i].score >= place->score) {
-                return;
-            }
-            remove_place(search, i);
-        }
-    }
-    while (at < search->place_count && search->places[at].score >= place->score) {
-        at++;
-    }
-    if (at == JP_LOCALISER_PLACES) {
-        return;
-    }
-    if (search->place_count == JP_LOCALISER_PLACES) {
-        search->place_count--;
-    }
-    for (int32_t i = search->place_count; i > at; i--) {
-        search->places[i] = search->places[i - 1];
-    }
-    search->places[at] = *place;
-    search->place_count++;
-}
-
-static bool is_free(const struct jp_wall_field *field, const struct jp_terrain *map, const struct jp_plane_pose *pose)
-{
-    const int32_t x = (int32_t)jp_plane_clamp(pose->x / field->cell, -1.0f, (float)field->width);
-    const int32_t y = (int32_t)jp_plane_clamp(pose->y / field->cell, -1.0f, (float)field->height);
-
-    return pose->x >= 0.0f && pose->y >= 0.0f && jp_terrain_cell(map, x, y) == JP_CELL_FREE;
+    return jp_terrain_cell(map, jp_patrol_cell_at(map, pose->x), jp_patrol_cell_at(map, pose->y)) == JP_CELL_FREE;
 }
 
 /* The place that fits best around a smallest node. */
@@ -191,13 +168,13 @@ static void look_closer(struct jp_localiser_search *search, const struct jp_wall
     struct jp_localiser_place place;
 
     jp_localiser_match(field, &search->cloud, &prior, &fit);
-    if (!fit.has_settled || fit.inliers < search->least - SCORE_MARGIN || !is_free(field, map, &fit.pose)) {
+    if (fit.inliers < search->least - SCORE_MARGIN || !is_free(map, &fit.pose)) {
         return;
     }
     place.pose = fit.pose;
     place.score = score_of(field, &search->cloud, &fit.pose, noise);
     if (place.score >= search->least) {
-        keep(search, &place);
+        jp_localiser_search_keep(search, &place);
     }
 }
 
@@ -219,14 +196,14 @@ void jp_localiser_search_begin(struct jp_localiser_search *search, const struct 
     search->least = SCORE_FIRST;
     search->top = (struct jp_localiser_node){0, 0, 0, 0};
     search->node_count = 0;
-    search->place_count = 0;
+    (void)memset(search->places, 0, sizeof search->places);
     search->is_running = true;
 }
 
-/* Score of the best place but the margin: lesser ones are of no interest; 0 without a place. */
+/* Lesser places than this are no rivals of the best; below 0 without a place. */
 static float rivals_from(const struct jp_localiser_search *search)
 {
-    return search->place_count > 0 ? search->places[0].score - SCORE_MARGIN : 0.0f;
+    return search->places[0].score - SCORE_MARGIN;
 }
 
 /* Ends that a place must explain to be of interest. */
@@ -325,8 +302,7 @@ static bool begin_lesser(struct jp_localiser_search *search)
 /* Of the whole map no place can be so much better than the second one that it is alone. */
 static bool is_decided(const struct jp_localiser_search *search)
 {
-    return search->region.turn >= JP_PLANE_PI && search->place_count > 1 &&
-           search->places[1].score > 1.0f - SCORE_MARGIN;
+    return search->region.turn >= JP_PLANE_PI && search->places[1].score > 1.0f - SCORE_MARGIN;
 }
 
 unsigned jp_localiser_search_work(struct jp_localiser_search *search, const struct jp_wall_field *field,
@@ -348,10 +324,8 @@ unsigned jp_localiser_search_work(struct jp_localiser_search *search, const stru
 
 enum jp_localiser_finding jp_localiser_search_finding(const struct jp_localiser_search *search)
 {
-    if (search->place_count == 0) {
+    if (!(search->places[0].score > 0.0f)) {
         return JP_LOCALISER_NO_PLACE;
     }
-    return search->place_count > 1 && search->places[1].score > search->places[0].score - SCORE_MARGIN
-               ? JP_LOCALISER_MANY_PLACES
-               : JP_LOCALISER_ONE_PLACE;
+    return search->places[1].score > rivals_from(search) ? JP_LOCALISER_MANY_PLACES : JP_LOCALISER_ONE_PLACE;
 }

@@ -83,7 +83,6 @@ static void enter_corridor(void)
     config.range_max = 2.0f;
     rig_init();
     robot = (struct jp_plane_pose){3.0f, 2.9f, 0.0f};
-    rig_start();
 }
 
 static void test_along_a_corridor_the_wheels_tell_and_the_uncertainty_grows(void)
@@ -91,6 +90,7 @@ static void test_along_a_corridor_the_wheels_tell_and_the_uncertainty_grows(void
     float before;
 
     enter_corridor();
+    rig_start();
     before = localiser.position_deviation;
     for (int i = 0; i < 16; i++) {
         rig_drive(0.05f, 0.0f, 1.1f);
@@ -260,8 +260,18 @@ static void test_where_two_places_are_alike_it_stays_lost(void)
     TEST_ASSERT_EQUAL_UINT32(3, localiser.counts.searches);
 }
 
+static void enter_closet(void)
+{
+    rig_map();
+    rig_fill(0, 0, RIG_WIDTH, RIG_HEIGHT, JP_CELL_OCCUPIED);
+    rig_fill(20, 20, 40, 38, JP_CELL_FREE);
+    rig_init();
+    robot = (struct jp_plane_pose){3.0f, 2.8f, 0.0f};
+}
+
 static void test_a_place_that_is_not_on_the_map_is_nowhere(void)
 {
+    enter_closet();
     person = 7.0f;
     rig_look();
     rig_search();
@@ -400,4 +410,85 @@ static void test_wrong_arguments_change_nothing(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_localiser_update(&localiser, &input));
     rig_expect(JP_LOCALISER_TRACKING, JP_LOCALISER_NONE);
     rig_expect_pose(0.03f, 0.02f);
+}
+
+/* ---- How sure it must be ---- */
+
+static void test_from_far_off_a_wide_gate_leads_there(void)
+{
+    const struct jp_plane_pose told = {robot.x + 0.3f, robot.y + 0.3f, robot.heading + 0.2f};
+
+    config.start_distance = 0.3f;
+    config.start_turn = 0.2f;
+    rig_init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_localiser_start(&localiser, &told));
+    rig_look();
+    rig_expect(JP_LOCALISER_TRACKING, JP_LOCALISER_NONE);
+    TEST_ASSERT_TRUE(localiser.is_new_place);
+    rig_expect_pose(0.03f, 0.02f);
+}
+
+static void test_an_uncertain_pose_needs_more_of_the_scan(void)
+{
+    config.start_distance = 0.3f;
+    rig_init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_localiser_start(&localiser, &robot));
+    person = 4.2f;
+    rig_look();
+    rig_expect(JP_LOCALISER_DEGRADED, JP_LOCALISER_UNEXPLAINED);
+    rig_search();
+    person = 1.0f;
+    rig_look();
+    rig_expect(JP_LOCALISER_TRACKING, JP_LOCALISER_NONE);
+}
+
+/* Beams that pass through a wall and end where the map shows none. */
+static void test_a_map_of_another_place_contradicts(void)
+{
+    rig_fill(44, 2, 46, 58, JP_CELL_OCCUPIED);
+    rig_fill(2, 30, 44, 32, JP_CELL_OCCUPIED);
+    rig_init();
+    rig_start();
+    rig_fill(44, 2, 46, 58, JP_CELL_FREE);
+    rig_fill(2, 30, 44, 32, JP_CELL_FREE);
+    rig_fill(50, 2, 60, 9, JP_CELL_FREE);
+    rig_fill(2, 38, 50, 40, JP_CELL_OCCUPIED);
+    rig_fill(52, 2, 54, 40, JP_CELL_OCCUPIED);
+    rig_look();
+    rig_expect(JP_LOCALISER_DEGRADED, JP_LOCALISER_CONTRADICTED);
+    for (int i = 0; i < 4; i++) {
+        rig_look();
+    }
+    TEST_ASSERT_EQUAL_INT(JP_LOCALISER_LOST, localiser.state);
+}
+
+/* Places along the corridor are alike: the one that is searched out serves to begin a match only. */
+static void test_where_along_a_corridor_is_not_searched_out(void)
+{
+    enter_corridor();
+    config.start_distance = 0.4f;
+    rig_init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_localiser_start(&localiser, &robot));
+    person = 7.0f;
+    rig_look();
+    person = 0.0f;
+    rig_look();
+    rig_search();
+    rig_look();
+    rig_expect(JP_LOCALISER_TRACKING, JP_LOCALISER_NONE);
+    TEST_ASSERT_NEAR(0.1f, robot.x, localiser.pose.x);
+    TEST_ASSERT_TRUE(localiser.position_deviation > 0.3f);
+}
+
+static void test_a_place_in_unknown_cells_is_none(void)
+{
+    enter_closet();
+    rig_fill(30, 20, 31, 24, JP_CELL_OCCUPIED);
+    robot = (struct jp_plane_pose){3.05f, 2.85f, 0.3f};
+    rig_scan();
+    rig_fill(28, 26, 33, 31, JP_CELL_UNKNOWN);
+    rig_init();
+    rig_update();
+    rig_search();
+    rig_expect(JP_LOCALISER_LOST, JP_LOCALISER_NOWHERE);
 }
