@@ -24,18 +24,17 @@
 #define BEYOND_MAX  0.15f
 #define THROUGH_MAX 0.5f
 
-/* With this score, of the beams, no other match is tried. */
-#define GOOD 0.7f
-
 /* A pose is sure where the ends of the beams spread over so many standard deviations of their noise. From there on the
- * score must be larger by this for each time that the spread is as large again, up to GOOD, or this after a search. */
+ * score must be larger by this for each time that the spread is as large again, up to this, which is less after a
+ * search. */
 #define SURE_SPREAD 3.0f
 #define SHARE_STEP  0.1f
 
 /* Where the pose is not sure, less than this share of the beams cannot determine a direction. */
 #define WEAK 0.05f
 
-#define SEARCHED 0.5f
+#define UNSEARCHED 0.7f
+#define SEARCHED   0.5f
 
 /* Square of the standard deviations by which a match may be off the prediction. */
 #define SURPRISE_MAX 25.0f
@@ -201,34 +200,22 @@ static float wideness_of(const struct jp_localiser *localiser)
     return spread_of(localiser) / (SURE_SPREAD * noise_of(localiser));
 }
 
-static void try_better(const struct jp_localiser_internal *self, const struct jp_localiser_prior *prior,
-                       struct attempt *best)
-{
-    struct attempt other;
-
-    attempt(self, prior, &other);
-    if (score_of(&other) > score_of(best)) {
-        best->fit = other.fit;
-        best->view = other.view;
-    }
-}
-
-/* From the prediction with a narrow gate; unless that fits well, also with one as wide as the pose is uncertain, and
- * from a place that a search found. A wide gate is not tried first: it takes walls that are near each other for one. */
+/* From the prediction, and from a place that a search found. */
 static void match(struct jp_localiser *localiser, struct jp_localiser_prior *prior, struct attempt *best)
 {
     struct jp_localiser_internal *const self = &localiser->internal;
 
     attempt(self, prior, best);
     best->is_searched = self->has_place;
-    if ((float)score_of(best) < GOOD * (float)best->view.beams) {
-        prior->spread = spread_of(localiser);
-        try_better(self, prior, best);
-    }
     if (self->has_place) {
+        struct attempt other;
+
         prior->start = jp_plane_compose(&self->search.places[0].pose, &self->since);
-        prior->spread = 0.0f;
-        try_better(self, prior, best);
+        attempt(self, prior, &other);
+        if (score_of(&other) > score_of(best)) {
+            best->fit = other.fit;
+            best->view = other.view;
+        }
         self->has_place = false;
     }
 }
@@ -236,7 +223,7 @@ static void match(struct jp_localiser *localiser, struct jp_localiser_prior *pri
 /* The more uncertain the pose, the more of the beams the map must explain. */
 static bool is_enough(const struct jp_localiser *localiser, const struct attempt *attempt)
 {
-    const float most = attempt->is_searched ? SEARCHED : GOOD;
+    const float most = attempt->is_searched ? SEARCHED : UNSEARCHED;
     const float share = jp_plane_clamp(SHARE_STEP * (wideness_of(localiser) - 1.0f), 0.0f, most);
 
     return attempt->fit.inliers >= INLIERS_MIN && (float)score_of(attempt) >= share * (float)attempt->view.beams;
