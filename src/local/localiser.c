@@ -34,7 +34,7 @@
 #define WEAK 0.05f
 
 #define UNSEARCHED 0.7f
-#define SEARCHED   0.5f
+#define SEARCHED   0.45f
 
 /* Square of the standard deviations by which a match may be off the prediction. */
 #define SURPRISE_MAX 25.0f

@@ -23,6 +23,9 @@
 #define SCORE_MIN    0.6f
 #define SCORE_MARGIN 0.1f
 
+/* Likewise in a part of the map, where less may be mistaken for it. */
+#define SCORE_MIN_NEAR 0.45f
+
 /* Places nearer to each other than this, m and rad, are one; a smallest node nearer to one leads to it. */
 #define APART      0.5f
 #define APART_TURN 0.35f
@@ -289,12 +292,18 @@ static void look_at(struct jp_localiser_search *search, const struct jp_wall_fie
     }
 }
 
+static bool is_whole_map(const struct jp_localiser_search *search)
+{
+    return search->region.turn >= JP_PLANE_PI;
+}
+
 /* All places from `least` on are known: goes on to lesser ones, unless these cannot be rivals of the best. */
 static bool begin_lesser(struct jp_localiser_search *search)
 {
-    const bool is_done = search->least <= SCORE_MIN || rivals_from(search) >= search->least;
+    const float least = is_whole_map(search) ? SCORE_MIN : SCORE_MIN_NEAR;
+    const bool is_done = search->least <= least || rivals_from(search) >= search->least;
 
-    search->least = jp_plane_larger(search->least - SCORE_STEP, SCORE_MIN);
+    search->least = jp_plane_larger(search->least - SCORE_STEP, least);
     search->top = (struct jp_localiser_node){0, 0, 0, 0};
     return !is_done;
 }
@@ -302,7 +311,7 @@ static bool begin_lesser(struct jp_localiser_search *search)
 /* Of the whole map no place can be so much better than the second one that it is alone. */
 static bool is_decided(const struct jp_localiser_search *search)
 {
-    return search->region.turn >= JP_PLANE_PI && search->places[1].score > 1.0f - SCORE_MARGIN;
+    return is_whole_map(search) && search->places[1].score > 1.0f - SCORE_MARGIN;
 }
 
 unsigned jp_localiser_search_work(struct jp_localiser_search *search, const struct jp_wall_field *field,
