@@ -1,5 +1,7 @@
 #include "src/local/localiser_matrix.h"
 
+#include <string.h>
+
 #include "src/base/plane.h"
 
 /* Cholesky's factor, with the inverse of its diagonal. */
@@ -34,8 +36,9 @@ static void invert_factor(float factor[3][3])
 
 bool jp_localiser_invert(float matrix[3][3], float inverse[3][3])
 {
-    float factor[3][3] = {{0.0f}};
+    float factor[3][3];
 
+    (void)memset(factor, 0, sizeof factor);
     if (!factorise(matrix, factor)) {
         return false;
     }

@@ -5,7 +5,7 @@ enum jp_status jp_patrol_locate(struct jp_localiser *localiser, struct jp_patrol
     enum jp_status status = JP_ERR_ARGUMENT;
 
     if (localiser != NULL && input != NULL) {
-        const struct jp_localiser_input seen = {input->wheels, input->scan, input->sensor};
+        const struct jp_localiser_input seen = {.wheels = input->wheels, .scan = input->scan, .sensor = input->sensor};
 
         status = jp_localiser_update(localiser, &seen);
         input->is_lost = status != JP_OK || localiser->state == JP_LOCALISER_LOST;
