@@ -39,6 +39,9 @@ extern "C" {
 /** Places that a search keeps: the best, and the best apart from it. */
 #define JP_LOCALISER_PLACES 2
 
+/** Wheels that tell of more than this since the last update, m and rad, are not believed: the pose stays. */
+#define JP_LOCALISER_MOTION_MAX 0.5f
+
 /** A correction by more than this, m and rad, is told of. */
 #define JP_LOCALISER_NEW_PLACE 0.2f
 
@@ -163,6 +166,7 @@ struct jp_localiser_internal {
     struct jp_localiser_search search;
     struct jp_plane_pose wheels;
     bool has_wheels;
+    bool has_jumped;            /* the wheels did, since the last scan that fitted */
     float reach;                /* root mean square of the ends' distances, m */
     uint8_t doubts;             /* scans in a row that contradict the map or the odometry */
     uint8_t unexplained;        /* scans of which next to nothing is on the map, since the last fit */

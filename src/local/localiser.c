@@ -144,6 +144,28 @@ static void predict(struct jp_localiser *localiser, const struct jp_plane_pose *
     report_deviations(localiser);
 }
 
+/* Nothing moves so far in a cycle: the robot may be anywhere on that way. */
+static void distrust(struct jp_localiser *localiser, float way, float turn)
+{
+    widen_position(localiser->covariance, way);
+    localiser->covariance[2][2] = square(jp_plane_square_root(localiser->covariance[2][2]) + turn);
+    localiser->internal.has_jumped = true;
+    report_deviations(localiser);
+}
+
+static void move(struct jp_localiser *localiser, const struct jp_plane_pose *motion)
+{
+    const float way = jp_plane_length(motion->x, motion->y);
+    const float turn = jp_plane_magnitude(motion->heading);
+
+    if (jp_plane_larger(way, turn) > JP_LOCALISER_MOTION_MAX) {
+        distrust(localiser, way, turn);
+    } else {
+        predict(localiser, motion);
+        localiser->internal.since = jp_plane_compose(&localiser->internal.since, motion);
+    }
+}
+
 static void follow_wheels(struct jp_localiser *localiser, const struct jp_plane_pose *wheels)
 {
     struct jp_localiser_internal *const self = &localiser->internal;
@@ -151,8 +173,7 @@ static void follow_wheels(struct jp_localiser *localiser, const struct jp_plane_
     if (self->has_wheels) {
         const struct jp_plane_pose motion = jp_plane_relative(&self->wheels, wheels);
 
-        predict(localiser, &motion);
-        self->since = jp_plane_compose(&self->since, &motion);
+        move(localiser, &motion);
     }
     self->wheels = *wheels;
     self->has_wheels = true;
@@ -274,12 +295,13 @@ static void correct(struct jp_localiser *localiser, struct jp_localiser_fit *fit
     const float way = jp_plane_length(fit->pose.x - before->x, fit->pose.y - before->y);
     const float turn = jp_plane_magnitude(jp_plane_wrap(fit->pose.heading - before->heading));
 
-    localiser->is_new_place =
-        localiser->state == JP_LOCALISER_LOST || jp_plane_larger(way, turn) > JP_LOCALISER_NEW_PLACE;
+    localiser->is_new_place = localiser->state == JP_LOCALISER_LOST || localiser->internal.has_jumped ||
+                              jp_plane_larger(way, turn) > JP_LOCALISER_NEW_PLACE;
     localiser->pose = fit->pose;
     (void)jp_localiser_invert(fit->information, localiser->covariance);
     report_deviations(localiser);
     localiser->counts.fits++;
+    localiser->internal.has_jumped = false;
     localiser->internal.doubts = 0;
     localiser->internal.unexplained = 0;
     enter(localiser, JP_LOCALISER_TRACKING, JP_LOCALISER_NONE);

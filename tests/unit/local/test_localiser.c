@@ -251,11 +251,15 @@ static void test_where_two_places_are_alike_it_stays_lost(void)
     rig_look();
     rig_expect(JP_LOCALISER_LOST, JP_LOCALISER_AMBIGUOUS);
     TEST_ASSERT_EQUAL_UINT32(1, localiser.counts.searches);
-    rig_drive(0.6f, 0.0f, 1.0f);
+    rig_drive(0.3f, 0.0f, 1.0f);
+    rig_look();
+    rig_drive(0.3f, 0.0f, 1.0f);
     rig_look();
     TEST_ASSERT_EQUAL_UINT32(2, localiser.counts.searches);
     rig_search();
-    rig_drive(0.0f, 0.6f, 1.0f);
+    rig_drive(0.0f, 0.3f, 1.0f);
+    rig_look();
+    rig_drive(0.0f, 0.3f, 1.0f);
     rig_look();
     TEST_ASSERT_EQUAL_UINT32(3, localiser.counts.searches);
 }
@@ -492,4 +496,16 @@ static void test_a_place_in_unknown_cells_is_none(void)
     rig_update();
     rig_search();
     rig_expect(JP_LOCALISER_LOST, JP_LOCALISER_NOWHERE);
+}
+
+static void test_a_motion_that_cannot_be_is_none(void)
+{
+    rig_start();
+    input.wheels.x += 1.0f;
+    rig_look();
+    rig_expect(JP_LOCALISER_TRACKING, JP_LOCALISER_NONE);
+    rig_expect_pose(0.03f, 0.02f);
+    TEST_ASSERT_TRUE(localiser.is_new_place);
+    rig_look();
+    TEST_ASSERT_FALSE(localiser.is_new_place);
 }
