@@ -19,6 +19,7 @@
 #define JOULEPATH_PATROL_H
 
 #include <joulepath/four_wheel.h>
+#include <joulepath/localiser.h>
 #include <joulepath/movers.h>
 #include <joulepath/teb.h>
 
@@ -76,6 +77,8 @@ struct jp_patrol_input {
     struct jp_plane_speed speed; /**< as the wheels say */
     struct jp_plane_pose laser;  /**< in the map's frame */
     bool has_laser;              /**< false: the match failed or dropped out */
+    bool is_lost;                /**< its place on the map is not known: the robot stands until it is */
+    bool is_new_place;           /**< the laser's pose is to be taken as it is, however far from the last one */
     struct jp_scan scan;         /**< ranges may be null: dropped out */
     struct jp_plane_pose sensor; /**< of the scanner on the robot */
 };
@@ -149,6 +152,10 @@ enum jp_status jp_patrol_set_pose(struct jp_patrol *patrol, const struct jp_plan
  *  path stays then. Constant time. */
 enum jp_status jp_patrol_follow(struct jp_patrol *patrol, const struct jp_point *path, uint16_t count,
                                 const struct jp_patrol_goal *goal);
+
+/** Where the robot is by a localiser: takes the wheels, the scan and its sensor of `input` and sets the other members
+ * of it but the speed. Failures and work are those of jp_localiser_update(); then the robot is lost. */
+enum jp_status jp_patrol_locate(struct jp_localiser *localiser, struct jp_patrol_input *input);
 
 /** Stops soon, on the path: a point of it shortly ahead becomes the goal, with any heading, and the state ARRIVED
  * there. While the robot does not drive, as jp_patrol_hold(). Work: points of the path within the stopping distance. */

@@ -112,6 +112,17 @@ struct four_wheel_file {
         int dropouts;     /**< scans that may be missing, and poses that may jump, in a row */
         double blind_m;   /**< distance driven by wheel odometry alone */
     } patrol;
+
+    /** Where the robot is on the map. */
+    struct {
+        double way_share;           /**< by which wheel odometry errs, standard deviation */
+        double turn_share;          /**< likewise */
+        double deviation_rad_per_m; /**< of its heading, likewise */
+        double start_m;             /**< standard deviation of the pose that it is told at the start */
+        double start_deg;
+        double lost_m; /**< standard deviation beyond which the robot is lost */
+        double lost_deg;
+    } localiser;
     struct {
         double speed_m_s;
         double lookahead_s;

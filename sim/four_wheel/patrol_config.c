@@ -4,6 +4,9 @@
 
 #define RADIANS_PER_DEGREE (M_PI / 180)
 
+/* The localiser takes a laser for no better than this, m. */
+#define NOISE_MIN 0.001
+
 static struct jp_footprint footprint(const struct four_wheel_file *robot)
 {
     const float half_length = (float)(robot->body.length_m / 2);
@@ -100,6 +103,22 @@ struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum 
         config.teb.weights.laser_odometry = 0.0f;
     }
     return config;
+}
+
+struct jp_localiser_config patrol_localiser_config(const struct four_wheel_file *robot, const struct jp_terrain *map)
+{
+    return (struct jp_localiser_config){
+        .map = map,
+        .range_max = (float)robot->laser.range_m,
+        .noise = (float)fmax(robot->laser.noise_m, NOISE_MIN),
+        .wheels = {.distance = (float)robot->localiser.way_share,
+                   .turn = (float)robot->localiser.turn_share,
+                   .deviation = (float)robot->localiser.deviation_rad_per_m},
+        .start_distance = (float)robot->localiser.start_m,
+        .start_turn = (float)(robot->localiser.start_deg * RADIANS_PER_DEGREE),
+        .lost_distance = (float)robot->localiser.lost_m,
+        .lost_turn = (float)(robot->localiser.lost_deg * RADIANS_PER_DEGREE),
+    };
 }
 
 static jp_q24 to_q24(double value)

@@ -21,6 +21,9 @@ enum patrol_method {
 /** For PATROL_PURSUIT as for PATROL_IMPROVED. */
 struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum patrol_method method);
 
+/** `map` is kept. */
+struct jp_localiser_config patrol_localiser_config(const struct four_wheel_file *robot, const struct jp_terrain *map);
+
 struct jp_pure_pursuit_config patrol_pursuit_config(const struct four_wheel_file *robot);
 
 /** A cycle of pure pursuit, from where the robot will be after its latency: jp_pure_pursuit_tick(). */

@@ -1,7 +1,6 @@
 #include "sim/missions/patrol_mission.h"
 
 #include <joulepath/pure_pursuit.h>
-#include <joulepath/scan_match.h>
 #include <stdlib.h>
 
 #include "sim/base/error.h"
@@ -32,9 +31,10 @@ static const struct planar_point slip_pull = {-0.1, 0.15}; /* m/s² */
 #define PURSUED_MIN 0.001
 
 /* Expansions of the planner at a time, and what it has room for. */
-#define SLICE      100000
-#define POINTS_MAX 4096
-#define TURNS_MAX  1024
+#define SLICE        100000
+#define SEARCH_SLICE 20000 /* of the localiser, in a cycle: some 10 M instructions */
+#define POINTS_MAX   4096
+#define TURNS_MAX    1024
 
 const char *const patrol_method_names[PATROL_METHODS] = {"improved", "plain", "pursuit"};
 const char *const patrol_outcome_names[PATROL_OUTCOMES] = {"arrived", "missed the goal", "collided", "gave up",
@@ -50,8 +50,8 @@ struct mission {
     struct four_wheel_plant plant;
     struct laser_config laser;
     struct laser_scan scan;
-    struct jp_scan_matcher matcher;
-    void *matcher_block;
+    struct jp_localiser localiser;
+    void *localiser_block;
     struct random random;
     struct jp_patrol_mission navigator;
     void *block; /* the navigator's */
@@ -59,7 +59,6 @@ struct mission {
     struct jp_wheels wheels; /* asked of the plant */
     struct jp_twist twist;
     struct planar_pose odometry; /* of the wheels */
-    struct planar_pose last_odometry;
     struct jp_plane_speed speed; /* as the wheels say */
     struct jp_pure_pursuit pursuit;
     bool is_pursuing;
@@ -139,30 +138,12 @@ static struct jp_scan scan_of(const struct laser_scan *scan)
     return (struct jp_scan){scan->ranges, (uint16_t)scan->beams, (float)scan->first, (float)scan->step};
 }
 
-/* Takes a scan and matches it; false without a pose to trust. */
-static bool sense(struct mission *m, struct jp_plane_pose *laser_pose)
+static void take_scan(struct mission *m)
 {
     const struct planar_pose mount = scanner_on_robot(m);
     const struct planar_pose scanner = planar_compose(&m->plant.state.pose, &mount);
-    const struct planar_pose motion = planar_between(&m->last_odometry, &m->odometry);
-    const struct planar_pose back = planar_between(&mount, &(struct planar_pose){0, 0, 0});
-    const struct jp_plane_pose guess = to_plane(&motion);
-    struct jp_match_result match;
 
     laser_take(&m->laser, &m->world.map, m->world.shapes, m->world.shape_count, &scanner, &m->random, &m->scan);
-    const struct jp_scan scan = scan_of(&m->scan);
-    const bool has_match = jp_scan_match(&m->matcher, &scan, &guess, &match) == JP_OK && match.match == JP_MATCH_FITS;
-
-    m->last_odometry = m->odometry;
-
-    const struct planar_pose matched = to_planar(&m->matcher.pose);
-    struct planar_pose pose = planar_compose(&matched, &back);
-
-    if (has_laser_jumped(m)) {
-        pose.x += m->task->faults.jump_m;
-    }
-    *laser_pose = to_plane(&pose);
-    return has_match;
 }
 
 static void fill_input(struct mission *m, struct jp_patrol_input *input)
@@ -174,8 +155,13 @@ static void fill_input(struct mission *m, struct jp_patrol_input *input)
     }
     *input = (struct jp_patrol_input){.wheels = to_plane(&m->odometry), .speed = m->speed, .sensor = to_plane(&mount)};
     if (!is_scan_missing(m)) {
-        input->has_laser = sense(m, &input->laser);
+        take_scan(m);
         input->scan = scan_of(&m->scan);
+    }
+    (void)jp_patrol_locate(&m->localiser, input);
+    (void)jp_localiser_work(&m->localiser, SEARCH_SLICE);
+    if (has_laser_jumped(m)) {
+        input->laser.x += (float)m->task->faults.jump_m;
     }
 }
 
@@ -371,15 +357,21 @@ static bool set_up_world(struct mission *m)
     m->laser.dropout = m->task->faults.beam_dropout;
     random_init(&m->random, m->task->seed);
 
-    const struct planar_pose mount = scanner_on_robot(m);
-    const struct planar_pose scanner = planar_compose(&start, &mount);
-    const struct jp_plane_pose first = to_plane(&scanner);
-
     m->odometry = start;
-    m->last_odometry = start;
-    return jp_scan_matcher_init(&m->matcher, LASER_BEAMS_MAX, m->matcher_block,
-                                jp_scan_matcher_size(LASER_BEAMS_MAX)) == JP_OK &&
-           jp_scan_matcher_start(&m->matcher, &first) == JP_OK;
+    return true;
+}
+
+/* False without memory. */
+static bool set_up_localiser(struct mission *m)
+{
+    const struct jp_localiser_config config = patrol_localiser_config(m->task->robot, &m->task->scene->map);
+    const size_t size = jp_localiser_size(&config);
+    const char *field;
+
+    m->localiser_block = malloc(size);
+    return m->localiser_block != NULL &&
+           jp_localiser_init(&m->localiser, &config, m->localiser_block, size, &field) == JP_OK &&
+           jp_localiser_start(&m->localiser, &m->task->scene->start) == JP_OK;
 }
 
 /* By pure pursuit a robot that is at its goal has nothing to pursue. */
@@ -438,15 +430,14 @@ static bool run(struct mission *m)
     const size_t size = jp_patrol_mission_size(&config);
 
     m->block = malloc(size);
-    m->matcher_block = malloc(jp_scan_matcher_size(LASER_BEAMS_MAX));
 
-    const bool has_memory = m->block != NULL && m->matcher_block != NULL && set_up_world(m);
+    const bool has_memory = m->block != NULL && set_up_localiser(m) && set_up_world(m);
 
     if (has_memory && set_up_controller(m, &config, size)) {
         drive(m);
     }
     patrol_world_free(&m->world);
-    free(m->matcher_block);
+    free(m->localiser_block);
     free(m->block);
     return has_memory;
 }

@@ -156,10 +156,10 @@ static bool is_under_way(const struct jp_patrol *patrol)
 }
 
 /* What forbids any motion now. */
-static enum jp_patrol_reason obstruction(const struct jp_patrol *patrol)
+static enum jp_patrol_reason obstruction(const struct jp_patrol *patrol, bool is_lost)
 {
-    if (jp_patrol_uses_laser(patrol) &&
-        (patrol->internal.jumps > patrol->config.dropouts_max || patrol->internal.blind > patrol->config.blind_max)) {
+    if (jp_patrol_uses_laser(patrol) && (is_lost || patrol->internal.jumps > patrol->config.dropouts_max ||
+                                         patrol->internal.blind > patrol->config.blind_max)) {
         return JP_PATROL_LOST;
     }
     if (patrol->internal.scan_gap > patrol->config.dropouts_max) {
@@ -209,9 +209,10 @@ static void act(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
     }
 }
 
-static void go_on(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+static void go_on(struct jp_patrol *patrol, const struct jp_patrol_input *input)
 {
-    const enum jp_patrol_reason reason = obstruction(patrol);
+    const struct jp_plane_speed *const speed = &input->speed;
+    const enum jp_patrol_reason reason = obstruction(patrol, input->is_lost);
 
     if (reason == JP_PATROL_NONE) {
         act(patrol, speed);
@@ -266,7 +267,7 @@ enum jp_status jp_patrol_cycle(struct jp_patrol *patrol, const struct jp_patrol_
     jp_patrol_predict_pose(patrol, input);
     jp_patrol_look(patrol, input);
     if (is_under_way(patrol)) {
-        go_on(patrol, &input->speed);
+        go_on(patrol, input);
         give_command(patrol, twist);
     } else {
         jp_patrol_correct_pose(patrol);

@@ -422,7 +422,7 @@ enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const 
 
 static void mark(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
 {
-    if (input->scan.ranges != NULL) {
+    if (input->scan.ranges != NULL && !input->is_lost) {
         const struct jp_plane_pose scanner = jp_plane_compose(&mission->patrol.pose, &input->sensor);
 
         jp_patrol_mark(mission->config.map, &mission->internal.marked, &input->scan, &scanner);
@@ -476,6 +476,15 @@ static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_
     }
 }
 
+/* From where it has found itself to be, the path leads elsewhere. */
+static void plan_from_new_place(struct jp_patrol_mission *mission)
+{
+    if (mission->state == JP_MISSION_PLANNING || mission->state == JP_MISSION_UNDER_WAY) {
+        jp_patrol_hold(&mission->patrol);
+        plan(mission);
+    }
+}
+
 enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
                                        struct jp_twist *twist)
 {
@@ -487,6 +496,9 @@ enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const 
 
     if (status != JP_OK || mission->state == JP_MISSION_IDLE) {
         return status;
+    }
+    if (input->is_new_place) {
+        plan_from_new_place(mission);
     }
     mission->internal.is_watch_due =
         mission->internal.is_watch_due || mission->patrol.counts.cycles % WATCH_CYCLES == 0U;

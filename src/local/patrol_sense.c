@@ -23,6 +23,9 @@ static void judge_laser(struct jp_patrol *patrol, const struct jp_patrol_input *
     patrol->internal.is_measured = false;
     if (!input->has_laser) {
         patrol->counts.laser_missing++;
+    } else if (input->is_new_place) {
+        (void)jp_patrol_set_pose(patrol, &input->laser);
+        jp_movers_clear(&patrol->movers);
     } else if (is_jump(patrol, &input->laser)) {
         patrol->counts.laser_rejected++;
         patrol->internal.jumps = jp_one_more16(patrol->internal.jumps);

@@ -4,6 +4,7 @@
 
 #include "src/base/block.h"
 #include "src/base/plane.h"
+#include "src/local/eigen.h"
 #include "src/local/scan_runs.h"
 
 /* A line is fitted to the neighbours of a point within this distance, m, and so many spacings of the beams. */
@@ -40,8 +41,6 @@
 #define STEP_END       1.0e-4f /* m and rad */
 #define STEP_DIVERGED  1.0e-2f /* m and rad: larger steps at the end are no fit */
 
-#define JACOBI_SWEEPS 6
-
 #define NO_BEAM (-1)
 
 /* Normal equations of the pairs: information · step = gradient, for x, y and the heading. */
@@ -50,18 +49,13 @@ struct match_equations {
     float gradient[3];
 };
 
-struct eigen {
-    float values[3];
-    float vectors[3][3]; /* vectors[i] belongs to values[i] */
-};
-
 /* The fit of the pairs at a pose. */
 struct fit {
     int32_t pair_count;
     int32_t inliers;
     float residual;
     struct match_equations equations;
-    struct eigen eigen;
+    struct jp_eigen eigen;
 };
 
 static float square(float a)
@@ -347,53 +341,6 @@ static void weigh(const struct jp_scan_matcher_internal *self, float half_weight
     fit->residual = jp_plane_square_root(squares / jp_plane_larger((float)fit->inliers, 1.0f));
 }
 
-/* Turns the axes p and q so that a[p][q] vanishes and a[p][p] is the lesser of both. */
-static void rotate(float a[3][3], float vectors[3][3], int p, int q)
-{
-    const struct jp_plane_point turn = jp_plane_direction(0.5f * jp_plane_bearing(a[q][q] - a[p][p], 2.0f * a[p][q]));
-    const float c = turn.x;
-    const float s = turn.y;
-
-    for (int i = 0; i < 3; i++) {
-        const float ip = a[i][p];
-        const float iq = a[i][q];
-
-        a[i][p] = c * ip - s * iq;
-        a[i][q] = s * ip + c * iq;
-    }
-    for (int i = 0; i < 3; i++) {
-        const float pi = a[p][i];
-        const float qi = a[q][i];
-        const float vp = vectors[p][i];
-        const float vq = vectors[q][i];
-
-        a[p][i] = c * pi - s * qi;
-        a[q][i] = s * pi + c * qi;
-        vectors[p][i] = c * vp - s * vq;
-        vectors[q][i] = s * vp + c * vq;
-    }
-}
-
-/* Jacobi's method; the least value stands first. */
-static void find_eigen(float matrix[3][3], struct eigen *eigen)
-{
-    float a[3][3];
-
-    (void)memcpy(a, matrix, sizeof a);
-    (void)memset(eigen, 0, sizeof *eigen);
-    for (int i = 0; i < 3; i++) {
-        eigen->vectors[i][i] = 1.0f;
-    }
-    for (int sweep = 0; sweep < JACOBI_SWEEPS; sweep++) {
-        rotate(a, eigen->vectors, 0, 1);
-        rotate(a, eigen->vectors, 0, 2);
-        rotate(a, eigen->vectors, 1, 2);
-    }
-    for (int i = 0; i < 3; i++) {
-        eigen->values[i] = a[i][i];
-    }
-}
-
 /* Solves for the step only along the directions that the lines determine. */
 static void solve(const struct fit *fit, float step[3])
 {
@@ -428,7 +375,7 @@ static enum jp_match iterate(struct jp_scan_matcher_internal *self, bool is_far,
             return JP_MATCH_FEW_POINTS;
         }
         weigh(self, is_far ? HALF_WEIGHT_SHARE * distance : HALF_WEIGHT, fit);
-        find_eigen(fit->equations.information, &fit->eigen);
+        jp_eigen_find(fit->equations.information, &fit->eigen);
         solve(fit, step);
         pose->x += step[0];
         pose->y += step[1];

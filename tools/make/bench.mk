@@ -101,6 +101,27 @@ bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on path
 	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
 	    $(BUILD)/bench/bench_patrol.tables.json
 
+# The finest cells of 0.05, 0.1 and 0.2 m of which the map is at most 1024 wide, where a cell of MovingAI is 1 m.
+LOCALISE_MAPS := $(patsubst $(DATA)/%,$(BUILD)/localise-maps/%.json,$(wildcard $(addprefix $(DATA)/,depot.yaml tb3_sandbox.yaml \
+                 warehouse-10-20-10-2-1.map room-64-64-8.map)))
+
+$(BUILD)/localise-maps/warehouse-10-20-10-2-1.map.json: CELL = 0.2
+$(BUILD)/localise-maps/%.json: CELL = 0.1
+
+$(BUILD)/localise-maps/%.map.json: $(DATA)/%.map tools/design/import_map.py
+	@mkdir -p $(@D)
+	$Q$(PYTHON) -m tools.design.import_map $< $@ --cell-size 1 --resolution $(CELL)
+
+$(BUILD)/localise-maps/%.yaml.json: $(DATA)/%.yaml tools/design/import_map.py
+	@mkdir -p $(@D)
+	$Q$(PYTHON) -m tools.design.import_map $< $@ --resolution 0.05
+
+.PHONY: bench-localise
+bench-localise: ## measure localisation on maps of others, beside a particle filter
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_localise $(LOCALISE_MAPS)
+	$(BUILD)/bench/bench_localise $(LOCALISE_MAPS) >$(BUILD)/bench/bench_localise.json
+
 .PHONY: bench-skid-drive
 bench-skid-drive: ## measure what plans of the skid-steered robot take when they are driven over the 20 scenes (4 minutes)
 	@tools/setup.sh test
@@ -178,6 +199,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@rm -f $(BUILD)/bench/*.json
 	@$(MAKE) bench-plan
 	@$(MAKE) bench-patrol
+	@$(MAKE) bench-localise
 	@$(MAKE) bench-skid-drive
 	@$(MAKE) bench-limit
 	@$(MAKE) bench-robots

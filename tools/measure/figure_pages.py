@@ -91,6 +91,9 @@ SECTIONS = (
     Section("Elastic band", "", r"teb"),
     Section("Four wheels", "", r"four_wheel(_plant)?"),
     Section("Laser odometry", "", r"scan_match"),
+    Section("Localisation", "On maps of others, against the true pose: wheels that err by up to 3 %, on slippery ground "
+            "10 %, of the way; four who walk along with the robot and a box every 2 m that the map does not show; 30 % of "
+            "the beams and a second of each half minute without scans.", r"bench_localise"),
     Section("Faulty bus", "Missions on a bus on which frames are lost, late, repeated and corrupt.", r"bench_bus"),
     Section("Bus", "", r"bus|bench_flips|bench_restart|decoders"),
     Section("Parameter store", "", r"store"),

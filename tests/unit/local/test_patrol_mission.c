@@ -510,3 +510,46 @@ static void test_arguments_that_are_refused(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_cycle(&mission, NULL, &twist));
     TEST_ASSERT_EQUAL_INT(JP_MISSION_IDLE, mission.state);
 }
+
+/* ---- A localiser ---- */
+
+/* The robot was carried: it plans from there. */
+static void test_from_a_new_place_it_plans_anew(void)
+{
+    start(4.05f, 4.05f, 0.0f);
+    cycles(3);
+    robot = (struct jp_plane_pose){2.5f, 6.05f, 0.0f};
+    rig_sense();
+    input.is_lost = true;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_WAITING, mission.patrol.state);
+    rig_sense();
+    input.is_lost = false;
+    input.is_new_place = true;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, mission.state);
+    rig_sense();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, mission.state);
+    input.is_new_place = false;
+    work();
+    drive_until(JP_MISSION_ARRIVED);
+    expect_at(4.05f, 4.05f, 0.0f);
+    rig_sense();
+    input.is_new_place = true;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_ARRIVED, mission.state);
+}
+
+/* What it sees while it does not know where it is marks nothing. */
+static void test_a_robot_that_is_lost_marks_nothing(void)
+{
+    start(4.05f, 4.05f, 0.0f);
+    rig_wall(2.5f, 2.0f, 2.5f, 6.0f);
+    for (int i = 0; i < 20; i++) {
+        rig_sense();
+        input.is_lost = true;
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    }
+    TEST_ASSERT_FALSE(is_marked(2.5f));
+}

@@ -177,3 +177,34 @@ static void test_robot_drives_some_way_without_the_laser(void)
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
     TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.waits);
 }
+
+/* ---- A localiser ---- */
+
+static void test_a_robot_that_is_lost_stands(void)
+{
+    rig_go(4.0f, 0.0f);
+    rig_cycles(5);
+    for (int i = 0; i < 3; i++) {
+        rig_sense();
+        input.is_lost = true;
+        input.has_laser = false;
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+        rig_expect(JP_PATROL_WAITING, JP_PATROL_LOST);
+        rig_expect_stand();
+    }
+    input.is_lost = false;
+    rig_cycles(5);
+    rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+}
+
+static void test_a_new_place_is_taken_however_far(void)
+{
+    rig_cycle();
+    rig_sense();
+    input.laser.x += 3.0f;
+    input.is_new_place = true;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_NEAR(1.0e-5f, input.laser.x, patrol.pose.x);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.laser_rejected);
+    input.is_new_place = false;
+}
