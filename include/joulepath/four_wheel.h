@@ -16,8 +16,8 @@
 #ifndef JOULEPATH_FOUR_WHEEL_H
 #define JOULEPATH_FOUR_WHEEL_H
 
-#include <joulepath/fixed.h>
 #include <joulepath/status.h>
+#include <joulepath/twist.h>
 #include <stdbool.h>
 
 #ifdef __cplusplus
@@ -41,13 +41,6 @@ struct jp_four_wheel_config {
     int32_t steering_step; /**< largest change in a tick, 2⁻³² turn; JP_ANGLE_DEGREES(0.05)…JP_ANGLE_DEGREES(120) */
     jp_q24 speed_max;      /**< of a wheel, m/s; 0.01…16 */
     jp_q24 speed_step;     /**< largest change of a wheel's speed in a tick, m/s; JP_WHEEL_HOLD_SPEED…16 m/s */
-};
-
-/** Velocity of the chassis, Q8.24: forward (x) and to the left (y), m/s, and the turn rate, rad/s, counterclockwise. */
-struct jp_twist {
-    jp_q24 x;
-    jp_q24 y;
-    jp_q24 turn_rate;
 };
 
 /** State or set-point of the wheels: angle counterclockwise from straight ahead, 2⁻³² turn, and speed along it, m/s. */

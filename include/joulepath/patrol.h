@@ -9,6 +9,11 @@
  *
  * Where there is no room to turn, the robot is first STEPPING: with its wheels across, straight to a place with room.
  *
+ * With four steered wheels it can also turn while it drives: GLIDING it follows the path at once and turns on the way,
+ * to the path's direction or to the goal's heading; its wheels then lead it askew. Whether it turns first or glides is
+ * chosen by what each takes (struct jp_patrol_price), where the sweep is free; or, by the strategy of the paper that
+ * this behaviour follows, it always turns in place first beyond a fixed angle.
+ *
  * One call of jp_patrol_cycle() a cycle, 5…20 a second, outside interrupts; its twist goes to jp_four_wheel_tick() in
  * the control tick. In HELD, WAITING, ARRIVED and STOPPED the twist is 0: the wheels stop and keep their angles. A path
  * is driven once: WAITING ends by itself, STOPPED only by a new path.
@@ -32,6 +37,7 @@ enum jp_patrol_state {
     JP_PATROL_TURNING,
     JP_PATROL_DRIVING,
     JP_PATROL_STEPPING,
+    JP_PATROL_GLIDING,
     JP_PATROL_WAITING,
     JP_PATROL_ARRIVED,
     JP_PATROL_STOPPED
@@ -49,12 +55,28 @@ enum jp_patrol_reason {
     JP_PATROL_INFEASIBLE    /**< the wheels cannot do what was asked */
 };
 
+/** How the robot turns to its path. */
+enum {
+    JP_PATROL_FIXED_ANGLE, /**< in place, beyond turn_first */
+    JP_PATROL_BY_COST      /**< the cheapest way that is free, beyond turn_first too */
+};
+
+/** What ways to turn differ by. */
+struct jp_patrol_price {
+    float second;   /**< power of the electronics, and what a second less is worth, W; above 0 */
+    float turning;  /**< of turning in place, J/rad; 0 or more */
+    float steering; /**< of steering all wheels at a stand, with the time that it takes, J/rad; 0 or more */
+};
+
 struct jp_patrol_config {
     struct jp_four_wheel_config wheels; /**< of the control tick */
     struct jp_teb_config teb;           /**< weights 0 for odometry and no_reversing: the plain TEB */
     struct jp_scan_config scan;
     struct jp_movers_config movers;
-    bool turns_in_place;      /**< false: the plain TEB, which turns as it drives */
+    bool turns_in_place; /**< false: the plain TEB, which turns as it drives */
+    uint8_t strategy;    /**< JP_PATROL_FIXED_ANGLE or JP_PATROL_BY_COST, where it turns in place */
+    struct jp_patrol_price price;
+    float glide_clearance;    /**< of the footprint from obstacles while it glides, m; 0 or more */
     float turn_first;         /**< heading error beyond which the robot turns in place before it drives, rad: 30° */
     float turn_rate;          /**< in place, rad/s */
     float turn_acceleration;  /**< in place, rad/s² */
@@ -91,6 +113,7 @@ struct jp_patrol_goal {
 struct jp_patrol_counts {
     uint32_t cycles;
     uint32_t turns;      /**< in place, begun */
+    uint32_t glides;     /**< begun */
     uint32_t steps;      /**< to where there is room to turn, begun */
     uint32_t waits;      /**< begun */
     uint32_t infeasible; /**< cycles in which no band or turn could be driven */
@@ -115,7 +138,11 @@ struct jp_patrol_internal {
     float turn_target;
     float turn_remaining; /**< rad; beyond half a turn when it goes round the longer side */
     struct jp_plane_point step_target;
-    bool is_arriving; /**< at the goal: only the standstill and the turn are left */
+    float glide_heading;     /**< at which a glide ends */
+    float glide_least;       /**< clearance that it keeps, m */
+    bool is_setting_off;     /**< the glide began at a stand, at step_target */
+    bool is_gliding_to_goal; /**< it ends at the goal */
+    bool is_arriving;        /**< at the goal: only the standstill and the turn are left */
     uint16_t waited;
     uint16_t free_cycles; /**< in a row with a free path while waiting */
     uint8_t tries;        /**< to drive on after waiting, since the robot last made progress */
@@ -164,8 +191,8 @@ void jp_patrol_pause(struct jp_patrol *patrol);
 /** Stops as fast as the wheels can, with their angles kept, and forgets the path: HELD. Constant time. */
 void jp_patrol_hold(struct jp_patrol *patrol);
 
-/** One cycle. *twist is 0 unless the state is TURNING, DRIVING or STEPPING. JP_ERR_ARGUMENT: a null pointer or a value
- * that is not finite: the twist is 0 and the state STOPPED. */
+/** One cycle. *twist is 0 unless the state is TURNING, DRIVING, STEPPING or GLIDING. JP_ERR_ARGUMENT: a null pointer or
+ * a value that is not finite: the twist is 0 and the state STOPPED. */
 enum jp_status jp_patrol_cycle(struct jp_patrol *patrol, const struct jp_patrol_input *input, struct jp_twist *twist);
 
 #ifdef __cplusplus

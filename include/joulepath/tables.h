@@ -10,6 +10,8 @@ extern "C" {
 #endif
 
 struct jp_energy_model;
+struct jp_factor_learning;
+struct jp_four_wheel_energy_model;
 struct jp_horizon;
 struct jp_lattice;
 struct jp_learning;
@@ -29,6 +31,8 @@ extern const struct jp_energy_model jp_energy_model_courier24_battery;
 extern const struct jp_energy_model jp_energy_model_gao2018;
 extern const struct jp_energy_model jp_energy_model_gao2018_battery;
 extern const struct jp_energy_model jp_energy_model_published;
+extern const struct jp_factor_learning jp_four_wheel_learning_patrol;
+extern const struct jp_four_wheel_energy_model jp_four_wheel_energy_patrol;
 extern const struct jp_horizon jp_horizon_courier24;
 extern const struct jp_horizon jp_horizon_courier24_battery;
 extern const struct jp_horizon jp_horizon_gao2018;

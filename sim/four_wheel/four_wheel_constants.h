@@ -24,9 +24,13 @@ struct four_wheel_file {
     struct {
         double limit_deg; /**< to either side of straight ahead */
         double rate_rad_s;
-        double time_constant_s; /**< of the servo, while its rate is not at the limit */
-        double friction_nm;     /**< of the contact that turns on the spot, a wheel */
-        double radius_min_m;    /**< of turns while driving, of the robot's centre */
+        double time_constant_s;      /**< of the servo, while its rate is not at the limit */
+        double friction_nm;          /**< of the contact that turns on the spot, a wheel */
+        double contact_m;            /**< mean radius of the contact: what rolls this fast while it turns scrubs less */
+        double efficiency;           /**< of the gear */
+        double torque_constant_nm_a; /**< at the steering axis, with the gear's losses */
+        double resistance_ohm;       /**< of the motor */
+        double radius_min_m;         /**< of turns while driving, of the robot's centre */
     } steering;
     struct {
         double speed_m_s;         /**< of a wheel's tread */
@@ -34,6 +38,9 @@ struct four_wheel_file {
         double torque_nm;         /**< at a wheel */
         double time_constant_s;   /**< of the speed servo with the robot's mass, while the torque is not at the limit */
         double friction_nm_s_per_rad; /**< bearings and gear, a wheel */
+        double efficiency;            /**< of the gear */
+        double torque_constant_nm_a;  /**< at the wheel, with the gear's losses */
+        double resistance_ohm;        /**< of the motor with its bridge */
     } drive;
     struct {
         double stiffness_n_s_per_m; /**< force over slip velocity, a wheel */
@@ -41,7 +48,8 @@ struct four_wheel_file {
         double rolling;             /**< rolling resistance over load */
     } tyre;
     struct {
-        double power_w; /**< of computer, laser scanner and servos at rest */
+        double voltage_v; /**< of the battery */
+        double power_w;   /**< of computer, laser scanner and servos at rest */
     } electronics;
     struct {
         double x_m; /**< forward of the centre */
@@ -99,8 +107,10 @@ struct four_wheel_file {
         double from_deg; /**< heading error beyond which the robot turns in place before it drives */
         double rate_rad_s;
         double acceleration_rad_s2;
-        double clearance_m; /**< of the footprint from obstacles, in a turn and in a step */
-        double step_m_s;    /**< with the wheels across, to where there is room to turn */
+        double clearance_m;       /**< of the footprint from obstacles, in a turn and in a step */
+        double glide_clearance_m; /**< of the footprint from obstacles while the robot turns as it drives */
+        double second_w; /**< what a second less is worth beyond its energy, where ways to turn are chosen by cost */
+        double step_m_s; /**< with the wheels across, to where there is room to turn */
     } turning;
     struct {
         double horizon_m; /**< of the path that is planned at a time */

@@ -81,6 +81,28 @@ static double drive_torque(const struct four_wheel_file *robot, const struct fou
     return torque;
 }
 
+/* Of the contact that turns while it rolls, N·m. */
+static double scrub_torque(const struct four_wheel_file *robot, double turning, double rolling)
+{
+    const double scrubbing = robot->steering.contact_m * fabs(turning);
+
+    return scrubbing > 0 ? robot->steering.friction_nm * scrubbing / hypot(scrubbing, rolling) : 0;
+}
+
+/* What a motor whose gear gives `torque` at `speed` takes, by parts; what braking leaves comes back. */
+static void add_motor(double torque, double speed, double efficiency, double constant, double resistance,
+                      struct four_wheel_ledger *rate)
+{
+    const double work = torque * speed;
+    const double shaft = work > 0 ? work / efficiency : work * efficiency;
+    const double current = torque / constant * (work < 0 ? square(efficiency) : 1);
+    const double copper = square(current) * resistance;
+
+    rate->copper += copper;
+    rate->gear += shaft - work;
+    rate->battery += shaft + copper;
+}
+
 /* Rates and powers of one wheel; its contact's force comes back for the body. `ahead`: the heading as a vector. */
 static struct contact wheel_derivative(const struct four_wheel_file *robot, const struct four_wheel_state *state,
                                        struct planar_point ahead, int index, const struct wheel_input *input,
@@ -113,12 +135,18 @@ static struct contact wheel_derivative(const struct four_wheel_file *robot, cons
     const double pull_x = share * (ahead.x * input->pull.x + ahead.y * input->pull.y);
     const double pull_y = share * (ahead.x * input->pull.y - ahead.y * input->pull.x);
 
+    const double scrub = scrub_torque(robot, change->angle, radius * wheel->rate);
+
+    add_motor(torque, wheel->rate, robot->drive.efficiency, robot->drive.torque_constant_nm_a,
+              robot->drive.resistance_ohm, &rate->energy);
+    add_motor(scrub, fabs(change->angle), robot->steering.efficiency, robot->steering.torque_constant_nm_a,
+              robot->steering.resistance_ohm, &rate->energy);
     rate->energy.drive += torque * wheel->rate;
     rate->energy.pull += pull_x * x_rate + pull_y * y_rate;
     rate->energy.slip += stiffness * square(slip);
     rate->energy.rolling += rolling * wheel->rate;
     rate->energy.friction += friction * wheel->rate;
-    rate->energy.steering += robot->steering.friction_nm * fabs(change->angle);
+    rate->energy.steering += scrub * fabs(change->angle);
     return (struct contact){place, {cosine * along - sine * across + pull_x, sine * along + cosine * across + pull_y}};
 }
 
@@ -136,6 +164,8 @@ static struct motion derivative(const struct four_wheel_file *robot, const struc
         force.y += contact.force.y;
         moment += contact.place.x * contact.force.y - contact.place.y * contact.force.x;
     }
+    rate.energy.battery += robot->electronics.power_w;
+    rate.energy.electronics = robot->electronics.power_w;
     rate.state.pose.x = ahead.x * state->forward - ahead.y * state->left;
     rate.state.pose.y = ahead.y * state->forward + ahead.x * state->left;
     rate.state.pose.heading = state->turn_rate;
@@ -278,6 +308,27 @@ void four_wheel_plant_tick(struct four_wheel_plant *plant, const struct jp_wheel
         measure(plant, i, roll[i]);
         plant->slip_max = fmax(plant->slip_max, slip_of(plant, i));
     }
+}
+
+struct four_wheel_patch four_wheel_slope(double rise_x, double rise_y)
+{
+    const double length = sqrt(1 + square(rise_x) + square(rise_y));
+
+    return (struct four_wheel_patch){
+        .low = {-INFINITY, -INFINITY},
+        .high = {INFINITY, INFINITY},
+        .friction = 1,
+        .stiffness_left = 1,
+        .stiffness_right = 1,
+        .pull = {-FOUR_WHEEL_GRAVITY * rise_x / length, -FOUR_WHEEL_GRAVITY * rise_y / length},
+    };
+}
+
+double four_wheel_plant_supply_error(const struct four_wheel_plant *plant)
+{
+    const struct four_wheel_ledger *const l = &plant->ledger;
+
+    return l->battery - (l->electronics + l->copper + l->gear + l->drive + l->steering);
 }
 
 double four_wheel_plant_kinetic_energy(const struct four_wheel_plant *plant)

@@ -3,8 +3,11 @@
  *
  * A rigid body on four wheels, each steered by a servo (first order, limited in rate) and turned by a speed servo
  * (proportional and integral, limited in torque). A contact slides over the ground at its slip velocity; the ground
- * answers against it with `stiffness` times that, at most friction times load. Loads are equal: the ground is level and
- * the robot low. Steering has no inertia; its work is the friction of the contact that turns on the spot.
+ * answers against it with `stiffness` times that, at most friction times load. Loads are equal: slopes are gentle and
+ * the robot low. Steering has no inertia; its work is the friction of the contact that turns on the spot, which falls
+ * as the wheel rolls: torque times s/√(s² + v²) with s the speed of turning at the contact's radius.
+ *
+ * A motor is a resistance behind a gear. Where it brakes, what gear and windings leave goes back into the battery.
  */
 #ifndef JOULEPATH_SIM_FOUR_WHEEL_FOUR_WHEEL_PLANT_H
 #define JOULEPATH_SIM_FOUR_WHEEL_FOUR_WHEEL_PLANT_H
@@ -49,14 +52,23 @@ struct four_wheel_state {
     struct four_wheel_contact wheels[JP_WHEELS];
 };
 
-/** J since the start: drive + pull = slip + rolling + friction + change of the kinetic energy. */
+/**
+ * J since the start:
+ *
+ *   battery      = electronics + copper + gear + drive + steering
+ *   drive + pull = slip + rolling + friction + change of the kinetic energy
+ */
 struct four_wheel_ledger {
-    double drive;    /**< mechanical work of the drive motors; braking gives some back */
-    double pull;     /**< work of sloping patches */
-    double slip;     /**< lost in sliding contacts */
-    double rolling;  /**< lost in rolling */
-    double friction; /**< lost in bearings and gears */
-    double steering; /**< work of the steering motors, lost at once; apart from the balance */
+    double battery;     /**< what it has given: ∫ u i of all motors, and the electronics */
+    double electronics; /**< ∫ their power */
+    double copper;      /**< ∫ i² R, all motors */
+    double gear;        /**< lost in gears, of driving and steering */
+    double drive;       /**< mechanical work at the wheels; braking gives some back */
+    double pull;        /**< work of sloping patches */
+    double slip;        /**< lost in sliding contacts */
+    double rolling;     /**< lost in rolling */
+    double friction;    /**< lost in bearings and gears */
+    double steering;    /**< work against the contacts that turn, lost at once */
 };
 
 struct four_wheel_plant {
@@ -78,6 +90,12 @@ bool four_wheel_plant_add_patch(struct four_wheel_plant *plant, const struct fou
 
 /** One tick of 1/FOUR_WHEEL_RATE_HZ towards these wheel angles and speeds; angles beyond the limit stop there. */
 void four_wheel_plant_tick(struct four_wheel_plant *plant, const struct jp_wheels *targets);
+
+/** A patch without end that rises, m/m, towards x and y, of the robot's own ground else. */
+struct four_wheel_patch four_wheel_slope(double rise_x, double rise_y);
+
+/** What the balance of the motors misses, J. */
+double four_wheel_plant_supply_error(const struct four_wheel_plant *plant);
 
 /** Of body and wheels, J. */
 double four_wheel_plant_kinetic_energy(const struct four_wheel_plant *plant);

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/four_wheel/four_wheel_plant.h"
+
 #define RADIANS_PER_DEGREE (M_PI / 180)
 
 /* The localiser takes a laser for no better than this, m. */
@@ -72,6 +74,23 @@ static struct jp_movers_config movers(const struct four_wheel_file *robot)
     };
 }
 
+static struct jp_patrol_price price(const struct four_wheel_file *robot)
+{
+    const double arm = hypot(robot->body.wheelbase_m, robot->body.track_m) / 2;
+    const double rolling = robot->tyre.rolling * robot->body.mass_kg * FOUR_WHEEL_GRAVITY;
+    const double scrub = robot->steering.friction_nm / robot->steering.torque_constant_nm_a;
+
+    const double second = robot->electronics.power_w + robot->turning.second_w;
+    const double wheel = robot->steering.friction_nm / robot->steering.efficiency +
+                         scrub * scrub * robot->steering.resistance_ohm / robot->steering.rate_rad_s;
+
+    return (struct jp_patrol_price){
+        .second = (float)second,
+        .turning = (float)(rolling * arm / robot->drive.efficiency),
+        .steering = (float)(JP_WHEELS * wheel + second / robot->steering.rate_rad_s),
+    };
+}
+
 struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum patrol_method method)
 {
     struct jp_patrol_config config = {
@@ -80,6 +99,9 @@ struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum 
         .scan = scan(robot),
         .movers = movers(robot),
         .turns_in_place = true,
+        .strategy = method == PATROL_IMPROVED ? JP_PATROL_BY_COST : JP_PATROL_FIXED_ANGLE,
+        .price = price(robot),
+        .glide_clearance = (float)robot->turning.glide_clearance_m,
         .turn_first = (float)(robot->turning.from_deg * RADIANS_PER_DEGREE),
         .turn_rate = (float)robot->turning.rate_rad_s,
         .turn_acceleration = (float)robot->turning.acceleration_rad_s2,

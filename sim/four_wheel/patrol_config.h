@@ -18,7 +18,7 @@ enum patrol_method {
     PATROL_METHODS
 };
 
-/** For PATROL_PURSUIT as for PATROL_IMPROVED. */
+/** For PATROL_PURSUIT as for PATROL_IMPROVED, but that it turns first by a fixed angle. */
 struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum patrol_method method);
 
 /** `map` is kept. */

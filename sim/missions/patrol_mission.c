@@ -42,7 +42,7 @@ const char *const patrol_outcome_names[PATROL_OUTCOMES] = {"arrived", "missed th
 const char *const patrol_reason_names[JP_PATROL_INFEASIBLE + 1] = {
     "", "in collision", "no way", "no scan", "lost", "off the path", "stalled", "wheels infeasible"};
 const char *const patrol_state_names[JP_PATROL_STOPPED + 1] = {"held",    "turning", "driving", "stepping",
-                                                               "waiting", "arrived", "stopped"};
+                                                               "gliding", "waiting", "arrived", "stopped"};
 
 struct mission {
     const struct patrol_task *task;
@@ -65,6 +65,8 @@ struct mission {
     unsigned stopped; /* cycles since it gave up */
     int direction;
     double time;
+    struct patrol_energy energy;
+    size_t legs; /* that have come to their end */
     struct patrol_result *result;
 };
 
@@ -192,6 +194,7 @@ static void drive_ticks(struct mission *m)
         four_wheel_plant_tick(&m->plant, &m->wheels);
         patrol_world_step(&m->world, &m->plant.state.pose, TICK);
         integrate_odometry(m);
+        patrol_energy_tick(&m->energy, &m->plant);
         m->result->length += hypot(m->plant.state.pose.x - x, m->plant.state.pose.y - y);
         m->result->reversed += m->plant.state.forward < -MOTION_SPEED ? -m->plant.state.forward * TICK : 0;
     }
@@ -234,6 +237,72 @@ static void control(struct mission *m)
     }
 }
 
+/* ---- Legs ---- */
+
+static const struct jp_plane_pose *goal_of(const struct mission *m)
+{
+    return m->legs == 0 || m->task->round_count == 0 ? &m->task->scene->goal
+                                                     : &m->task->round[(m->legs - 1) % m->task->round_count];
+}
+
+/* The way to the scene's goal, and those of the round. */
+static size_t leg_index(const struct mission *m)
+{
+    return m->legs == 0 || m->task->round_count == 0 ? 0 : 1 + (m->legs - 1) % m->task->round_count;
+}
+
+static void begin_leg(struct mission *m)
+{
+    const struct jp_patrol_plan leg = {.start = m->navigator.patrol.pose,
+                                       .path = m->navigator.path,
+                                       .path_count = m->navigator.path_count,
+                                       .goal = {*goal_of(m), false},
+                                       .tick_rate = FOUR_WHEEL_RATE_HZ};
+
+    patrol_energy_begin(&m->energy, leg_index(m), &m->navigator.config.patrol, &leg, m->time);
+}
+
+/* Where a mark tells the robot its place. */
+static bool set_pose(struct mission *m)
+{
+    const struct planar_pose mount = scanner_on_robot(m);
+    const struct planar_pose scanner = planar_compose(&m->plant.state.pose, &mount);
+    const struct jp_plane_pose pose = to_plane(&m->plant.state.pose);
+    const struct jp_plane_pose eye = to_plane(&scanner);
+
+    return jp_patrol_set_pose(&m->navigator.patrol, &pose) == JP_OK &&
+           jp_scan_matcher_start(&m->matcher, &eye) == JP_OK;
+}
+
+static bool is_leg_over(const struct mission *m)
+{
+    return m->task->method != PATROL_PURSUIT && m->navigator.state == JP_MISSION_ARRIVED;
+}
+
+static void end_leg(struct mission *m)
+{
+    patrol_energy_end(&m->energy, m->time);
+    if (m->task->legs_learned == 0 || m->legs < m->task->legs_learned) {
+        patrol_energy_learn(&m->energy, leg_index(m));
+    }
+    m->result->leg = m->energy.leg;
+    m->legs++;
+    if (m->task->keep_leg != NULL) {
+        m->task->keep_leg(m->task->context, &m->energy.leg);
+    }
+}
+
+/* False: there is none, or no way. */
+static bool next_leg(struct mission *m)
+{
+    if (m->legs >= m->task->legs_max || !set_pose(m) || jp_patrol_mission_start(&m->navigator, goal_of(m)) != JP_OK ||
+        plan(m) != JP_MISSION_UNDER_WAY) {
+        return false;
+    }
+    begin_leg(m);
+    return true;
+}
+
 /* ---- The end ---- */
 
 static bool is_over(const struct mission *m)
@@ -269,15 +338,16 @@ static enum patrol_outcome outcome_of(const struct mission *m)
     return is_near ? PATROL_ARRIVED : PATROL_MISSED;
 }
 
-/* Of motors and electronics. */
+/* What the battery has given. */
 static double energy_of(const struct mission *m)
 {
-    return m->plant.ledger.drive + m->plant.ledger.steering + m->task->robot->electronics.power_w * m->time;
+    return m->plant.ledger.battery;
 }
 
 static void judge(struct mission *m)
 {
-    const struct planar_pose goal = to_planar(&m->task->scene->goal);
+    const struct planar_pose goal =
+        to_planar(m->legs > 1 ? &m->task->round[(m->legs - 2) % m->task->round_count] : &m->task->scene->goal);
     const struct planar_pose believed = believed_pose(m);
     const struct planar_pose *const pose = &m->plant.state.pose;
     struct patrol_result *const result = m->result;
@@ -349,6 +419,7 @@ static bool set_up_world(struct mission *m)
         (void)patrol_world_add(&m->world, &m->task->scene->movers[i]);
     }
     four_wheel_plant_init(&m->plant, robot, &start);
+    patrol_energy_init(&m->energy, robot);
     if (m->task->faults.slip) {
         make_slippery(&m->plant);
     }
@@ -388,11 +459,16 @@ static bool set_up_pursuit(struct mission *m)
 
 static struct jp_patrol_mission_config navigator_config(const struct patrol_task *task)
 {
-    return (struct jp_patrol_mission_config){.patrol = patrol_config(task->robot, task->method),
-                                             .map = &task->scene->map,
-                                             .turns_before_goal = task->method == PATROL_IMPROVED,
-                                             .points_max = POINTS_MAX,
-                                             .turns_max = TURNS_MAX};
+    struct jp_patrol_mission_config config = {.patrol = patrol_config(task->robot, task->method),
+                                              .map = &task->scene->map,
+                                              .turns_before_goal = task->method == PATROL_IMPROVED,
+                                              .points_max = POINTS_MAX,
+                                              .turns_max = TURNS_MAX};
+
+    if (task->turns_by_fixed_angle) {
+        config.patrol.strategy = (uint8_t)JP_PATROL_FIXED_ANGLE;
+    }
+    return config;
 }
 
 static bool set_up_controller(struct mission *m, const struct jp_patrol_mission_config *config, size_t size)
@@ -414,11 +490,16 @@ static void drive(struct mission *m)
 {
     m->result->path_length = path_length(&m->navigator);
     m->result->planner = m->navigator.counts;
+    begin_leg(m);
     while (!is_over(m)) {
         control(m);
         show(m);
         drive_ticks(m);
         count_directions(m);
+        if (is_leg_over(m)) {
+            end_leg(m);
+            (void)next_leg(m);
+        }
     }
     judge(m);
 }

@@ -8,6 +8,7 @@
 #include <joulepath/patrol_mission.h>
 
 #include "sim/four_wheel/patrol_config.h"
+#include "sim/missions/patrol_energy.h"
 #include "sim/scenes/patrol_scene.h"
 
 extern const char *const patrol_method_names[PATROL_METHODS];
@@ -44,11 +45,20 @@ struct patrol_task {
     const struct four_wheel_file *robot;
     const struct patrol_scene *scene;
     enum patrol_method method;
-    uint64_t seed; /**< of the noise */
+    bool turns_by_fixed_angle; /**< the improved band turns by the paper's rule, not by cost */
+    uint64_t seed;             /**< of the noise */
     struct patrol_faults faults;
+    /** Places that the robot goes round between after the scene's goal, beginning with the first; at each its pose is
+     * set to the true one, as a mark would. None: it stops at the goal. */
+    const struct jp_plane_pose *round;
+    size_t round_count;    /**< at most PATROL_ROUND_MAX */
+    size_t legs_learned;   /**< of which it learns; later ones are only forecast. 0: of all */
+    size_t legs_max;       /**< that are driven, the way to the goal among them; with a round */
     bool survives_touches; /**< otherwise the first one ends the drive */
     /** Called every cycle, may be null. */
     void (*observe)(void *context, const struct patrol_view *view);
+    /** Called at the end of every leg, with what it took; may be null. */
+    void (*keep_leg)(void *context, const struct patrol_leg *leg);
     void *context;
 };
 
@@ -88,6 +98,7 @@ struct patrol_result {
     unsigned replans;
     struct jp_grid_counts planner;
     struct jp_patrol_counts counts;
+    struct patrol_leg leg; /**< the last one that came to its end */
 };
 
 /** Drives to the end. Deterministic for a task. False after one line on stderr: no memory. */

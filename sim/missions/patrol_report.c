@@ -95,6 +95,17 @@ static void print_counts(const struct patrol_run *run)
     }
 }
 
+/* What it said that the way would take, and what its meter says. */
+static void print_energy(const struct patrol_run *run)
+{
+    const struct patrol_leg *leg = &run->result.leg;
+
+    if (leg->driven > 0) {
+        (void)printf("%s: planned %.1f J, forecast %.1f ± %.1f J, metered %.1f J\n", methods[run->method].title,
+                     leg->planned, leg->forecast, leg->deviation, leg->driven);
+    }
+}
+
 static void print_path(const struct patrol_run *run)
 {
     const struct jp_grid_counts *planner = &run->result.planner;
@@ -116,6 +127,9 @@ void patrol_report_print(const struct patrol_report *report)
     }
     for (size_t i = 0; i < report->run_count; i++) {
         print_counts(&report->runs[i]);
+    }
+    for (size_t i = 0; i < report->run_count; i++) {
+        print_energy(&report->runs[i]);
     }
     print_path(&report->runs[0]);
 }
@@ -200,13 +214,20 @@ static json_t *json_counts(const struct patrol_result *result)
                      (json_int_t)result->replans);
 }
 
+static json_t *json_energy(const struct patrol_leg *leg)
+{
+    return json_pack("{s:f, s:f, s:f, s:f}", "planned_j", leg->planned, "forecast_j", leg->forecast, "deviation_j",
+                     leg->deviation, "metered_j", leg->driven);
+}
+
 static json_t *json_run(const struct patrol_run *run)
 {
     const struct patrol_result *result = &run->result;
 
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:f, s:f, s:f, s:f, s:o, s:o, s:O, s:O}",
-                     "name", patrol_method_names[run->method], "title", methods[run->method].title, "log",
-                     methods[run->method].log, "outcome", patrol_outcome_names[result->outcome], "reason",
+    return json_pack("{s:o, s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:f, s:f, s:f, s:f, s:o, s:o, s:O, s:O}",
+                     "energy", json_energy(&result->leg), "name", patrol_method_names[run->method], "title",
+                     methods[run->method].title, "log", methods[run->method].log, "outcome",
+                     patrol_outcome_names[result->outcome], "reason",
                      has_reason(result) ? patrol_reason_names[result->reason] : "", "time_s", result->time, "length_m",
                      result->length, "energy_j", result->energy_j, "reversed_m", result->reversed, "direction_changes",
                      (json_int_t)result->direction_changes, "clearance_min_m", result->clearance_min,

@@ -18,6 +18,7 @@ struct patrol_report {
     const char *map_path; /**< NULL: a scene from a seed */
     uint64_t seed;        /**< of the noise */
     struct patrol_faults faults;
+    bool turns_by_fixed_angle; /**< the improved band, by the paper's rule */
     struct patrol_run runs[PATROL_METHODS];
     size_t run_count;
 };

@@ -23,7 +23,8 @@ enum {
     OPTION_BEAM_DROPOUT,
     OPTION_SCAN_DROPOUT,
     OPTION_JUMP,
-    OPTION_SLIP
+    OPTION_SLIP,
+    OPTION_STRATEGY
 };
 
 struct arguments {
@@ -36,6 +37,7 @@ struct arguments {
     bool has_start;
     bool has_goal;
     struct patrol_faults faults;
+    bool turns_by_fixed_angle;
 };
 
 /* ---- Command line ---- */
@@ -124,6 +126,14 @@ static void parse_jump(struct patrol_faults *faults, const char *text, struct ar
     faults->jump_m = numbers[1];
 }
 
+static void parse_strategy(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    arguments->turns_by_fixed_angle = strcmp(text, "fixed-angle") == 0;
+    if (!arguments->turns_by_fixed_angle && strcmp(text, "by-cost") != 0) {
+        command_line_refuse(state, "--strategy %s: must be by-cost or fixed-angle", text);
+    }
+}
+
 static void check(const struct arguments *arguments, struct argp_state *state)
 {
     const bool has_map = arguments->map_path != NULL;
@@ -166,6 +176,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_SLIP:
         arguments->faults.slip = true;
+        return 0;
+    case OPTION_STRATEGY:
+        parse_strategy(arguments, argument, state);
         return 0;
     case ARGP_KEY_ARG:
         parse_scene(arguments, argument, state);
@@ -227,6 +240,7 @@ static bool drive(struct patrol_report *report, enum patrol_method method, FILE 
     const struct patrol_task task = {.robot = report->robot,
                                      .scene = report->scene,
                                      .method = method,
+                                     .turns_by_fixed_angle = report->turns_by_fixed_angle,
                                      .seed = report->seed,
                                      .faults = report->faults,
                                      .observe = patrol_record_observe,
@@ -281,7 +295,8 @@ static int patrol(const struct arguments *arguments, const struct four_wheel_fil
                                         .scene = &scene,
                                         .map_path = arguments->map_path,
                                         .seed = arguments->common.seed,
-                                        .faults = arguments->faults};
+                                        .faults = arguments->faults,
+                                        .turns_by_fixed_angle = arguments->turns_by_fixed_angle};
         status = drive_and_write(arguments, &report);
     }
     for (size_t i = 0; i < report.run_count; i++) {
@@ -296,6 +311,8 @@ int main(int argc, char **argv)
     static const struct argp_option options[] = {
         OPTION_SEED("of the scene and of the noise"),
         {"method", OPTION_METHOD, "METHOD", 0, "improved, plain, pursuit or all (default)", 0},
+        {"strategy", OPTION_STRATEGY, "STRATEGY", 0,
+         "how the improved band turns to its path: by-cost (default), or by the paper's fixed-angle", 0},
         {"map", OPTION_MAP, "MAP.json", 0, "drive over this map (tools.design.import_map) instead of a scene", 0},
         {"start", OPTION_START, "X,Y,DEG", 0, "on that map, m in its frame", 0},
         {"goal", OPTION_GOAL, "X,Y,DEG", 0, "likewise", 0},

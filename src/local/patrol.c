@@ -5,6 +5,7 @@
 #include "src/base/config_float_check.h"
 #include "src/base/plane.h"
 #include "src/local/patrol_drive.h"
+#include "src/local/patrol_glide.h"
 #include "src/local/patrol_path.h"
 #include "src/local/patrol_room.h"
 #include "src/local/patrol_sense.h"
@@ -22,6 +23,7 @@
 
 #define LEAST      1.0e-3f
 #define VALUE_MAX  1000.0f
+#define PRICE_MAX  1.0e9f
 #define SPEED_MAX  16.0f /* that a twist may have, m/s and rad/s */
 #define CYCLES_MAX 10000.0f
 
@@ -36,6 +38,10 @@ static enum jp_status check(const struct jp_patrol_config *config, const char **
         FIELD(scan.gap, LEAST, VALUE_MAX),
         FIELD(scan.tolerance, LEAST, VALUE_MAX),
         FIELD(scan.beams_min, 1.0f, VALUE_MAX),
+        FIELD(price.second, LEAST, PRICE_MAX),
+        FIELD(price.turning, 0.0f, PRICE_MAX),
+        FIELD(price.steering, 0.0f, PRICE_MAX),
+        FIELD(glide_clearance, 0.0f, VALUE_MAX),
         FIELD(turn_first, LEAST, JP_PLANE_PI),
         FIELD(teb.speed_max, LEAST, SPEED_MAX),
         FIELD(teb.reverse_max, LEAST, SPEED_MAX),
@@ -60,6 +66,9 @@ static enum jp_status check(const struct jp_patrol_config *config, const char **
     };
     const enum jp_status status = jp_config_float_check(config, fields, JP_CONFIG_COUNT(fields), field);
 
+    if (status == JP_OK && config->strategy > (uint8_t)JP_PATROL_BY_COST) {
+        return jp_config_refuse("strategy", field);
+    }
     if (status == JP_OK && config->heading_tolerance > config->turn_first) {
         return jp_config_refuse("heading_tolerance", field);
     }
@@ -152,7 +161,8 @@ void jp_patrol_pause(struct jp_patrol *patrol)
 static bool is_under_way(const struct jp_patrol *patrol)
 {
     return patrol->state == JP_PATROL_TURNING || patrol->state == JP_PATROL_DRIVING ||
-           patrol->state == JP_PATROL_STEPPING || patrol->state == JP_PATROL_WAITING;
+           patrol->state == JP_PATROL_STEPPING || patrol->state == JP_PATROL_GLIDING ||
+           patrol->state == JP_PATROL_WAITING;
 }
 
 /* What forbids any motion now. */
@@ -200,6 +210,10 @@ static void act(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
     case JP_PATROL_STEPPING:
         jp_patrol_correct_pose(patrol);
         jp_patrol_step(patrol, speed);
+        break;
+    case JP_PATROL_GLIDING:
+        jp_patrol_correct_pose(patrol);
+        jp_patrol_glide(patrol);
         break;
     case JP_PATROL_DRIVING:
     case JP_PATROL_WAITING:

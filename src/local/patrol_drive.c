@@ -1,6 +1,7 @@
 #include "src/local/patrol_drive.h"
 
 #include "src/base/plane.h"
+#include "src/local/patrol_glide.h"
 #include "src/local/patrol_path.h"
 #include "src/local/patrol_room.h"
 #include "src/local/patrol_sense.h"
@@ -98,15 +99,14 @@ static bool is_command_free(const struct jp_patrol *patrol, const struct jp_plan
     return true;
 }
 
-/* Fastest forward or backward speed now: speeding up takes a while, and at the goal the robot must stop with half of
- * the deceleration that the band may use, as the wheels lag behind. */
+/* Fastest forward or backward speed now: speeding up takes a while, and at the goal the robot must stop. */
 static float speed_limit(const struct jp_patrol *patrol)
 {
     const float acceleration = patrol->config.teb.acceleration;
     const float rising = jp_plane_magnitude(patrol->internal.command.forward) + acceleration * patrol->config.period;
     const float away =
         jp_plane_length(patrol->internal.goal.pose.x - patrol->pose.x, patrol->internal.goal.pose.y - patrol->pose.y);
-    const float stopping = jp_plane_square_root(acceleration * away);
+    const float stopping = jp_patrol_stopping_speed(&patrol->config, acceleration, away);
 
     return rising < stopping ? rising : stopping;
 }
@@ -156,6 +156,17 @@ static bool must_turn_first(const struct jp_patrol *patrol, const struct jp_patr
            jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading)) > patrol->config.turn_first;
 }
 
+static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *window)
+{
+    if (jp_patrol_find_step_to_goal(patrol)) {
+        jp_patrol_begin_step(patrol);
+        return;
+    }
+    if (!jp_patrol_set_off(patrol, window)) {
+        jp_patrol_turn_to(patrol, window->direction);
+    }
+}
+
 static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     patrol->internal.is_arriving = true;
@@ -189,11 +200,9 @@ void jp_patrol_drive(struct jp_patrol *patrol, const struct jp_plane_speed *spee
         jp_patrol_wait(patrol, JP_PATROL_OFF_PATH);
     } else if (must_turn_first(patrol, &window, speed)) {
         jp_patrol_correct_pose(patrol);
-        if (jp_patrol_find_step_to_goal(patrol)) {
-            jp_patrol_begin_step(patrol);
-        } else {
-            jp_patrol_turn_to(patrol, window.direction);
-        }
+        turn_first(patrol, &window);
+    } else if (jp_patrol_glide_in(patrol, &window)) {
+        jp_patrol_correct_pose(patrol);
     } else if (!plan_band(patrol, &window, speed, &reason)) {
         jp_patrol_wait(patrol, reason);
     } else if (!jp_patrol_trust_path(patrol)) {

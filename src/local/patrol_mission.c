@@ -8,6 +8,7 @@
 #include "src/base/plane.h"
 #include "src/base/point.h"
 #include "src/local/patrol_approach.h"
+#include "src/local/patrol_glide.h"
 #include "src/local/patrol_marks.h"
 
 /* Of a path's points, m. */
@@ -360,6 +361,7 @@ static enum jp_patrol_mission_state state_of(const struct jp_patrol_mission *mis
     case JP_PATROL_TURNING:
     case JP_PATROL_DRIVING:
     case JP_PATROL_STEPPING:
+    case JP_PATROL_GLIDING:
     case JP_PATROL_WAITING:
     default:
         return JP_MISSION_UNDER_WAY;
@@ -385,7 +387,7 @@ static void end_search(struct jp_patrol_mission *mission, enum finding finding)
     struct jp_plane_pose approach;
 
     if (mission->internal.leg == JP_LEG_GOAL && !(finding == FOUND && ends_along(mission)) &&
-        choose_approach(mission, &approach)) {
+        (finding != FOUND || !jp_patrol_can_glide_in(&mission->patrol)) && choose_approach(mission, &approach)) {
         mission->internal.leg = JP_LEG_APPROACH;
         seek(mission, &approach);
     } else {
@@ -437,9 +439,14 @@ static void watch_goal(struct jp_patrol_mission *mission, const struct jp_patrol
     mark(mission, input);
     if (mission->patrol.state == JP_PATROL_DRIVING && mission->internal.leg == JP_LEG_GOAL &&
         distance_to(mission, &mission->internal.goal) > WATCH_DISTANCE && !ends_along(mission) &&
-        choose_approach(mission, &approach)) {
-        jp_patrol_pause(&mission->patrol);
-        mission->internal.leg = JP_LEG_PAUSE;
+        !jp_patrol_can_glide_in(&mission->patrol) && choose_approach(mission, &approach)) {
+        if (mission->config.patrol.strategy == (uint8_t)JP_PATROL_BY_COST) {
+            mission->internal.leg = JP_LEG_APPROACH;
+            seek(mission, &approach);
+        } else {
+            jp_patrol_pause(&mission->patrol);
+            mission->internal.leg = JP_LEG_PAUSE;
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 #include "src/local/patrol_room.h"
 
+#include <stddef.h>
+
 #include "src/base/plane.h"
 
 /* Between the poses that are checked, rad and m. */
@@ -21,6 +23,22 @@ float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_
            0.5f * patrol->config.scan.tolerance;
 }
 
+float jp_patrol_clearance_later(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, float time)
+{
+    float least = JP_OBSTACLE_NONE;
+
+    for (uint8_t i = 0; i < patrol->obstacles.count; i++) {
+        const struct jp_obstacle *const shape = &patrol->obstacles.shapes[i];
+        const struct jp_plane_pose there = {pose->x - time * shape->velocity.x, pose->y - time * shape->velocity.y,
+                                            pose->heading};
+        const float distance =
+            jp_obstacle_distance(&patrol->config.teb.footprint, &there, shape, NULL) - time * shape->margin;
+
+        least = distance < least ? distance : least;
+    }
+    return least + 0.5f * patrol->config.scan.tolerance;
+}
+
 bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float angle,
                             float clearance)
 {
@@ -29,7 +47,9 @@ bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plan
     struct jp_plane_pose pose = *from;
 
     for (unsigned i = 0; i <= steps; i++) {
-        if (jp_patrol_clearance(patrol, &pose) < clearance) {
+        const float time = (float)i * jp_plane_magnitude(step) / patrol->config.turn_rate;
+
+        if (jp_patrol_clearance_later(patrol, &pose, time) < clearance) {
             return false;
         }
         pose.heading += step;

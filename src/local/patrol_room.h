@@ -8,6 +8,9 @@
  *  half of its tolerance. */
 float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose);
 
+/** The same when the robot will be there, so much later, s: what moves goes on, and may be off by its margin. */
+float jp_patrol_clearance_later(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, float time);
+
 /** Whether the footprint keeps a clearance while it turns in place by an angle, which has a sign. */
 bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float angle,
                             float clearance);

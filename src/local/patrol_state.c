@@ -14,7 +14,12 @@ void jp_patrol_enter(struct jp_patrol *patrol, enum jp_patrol_state state, enum 
     patrol->reason = reason;
     switch (state) {
     case JP_PATROL_DRIVING:
+        patrol->internal.sideways = 0.0f;
         return; /* with the command that the band gives */
+    case JP_PATROL_GLIDING:
+        patrol->counts.glides++;
+        jp_teb_clear(&patrol->teb);
+        return; /* as it moves */
     case JP_PATROL_TURNING:
         patrol->counts.turns++;
         jp_teb_clear(&patrol->teb);

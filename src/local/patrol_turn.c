@@ -21,10 +21,23 @@
 #define FREE_CYCLES 3U
 #define TRIES_MAX   8U
 
+float jp_patrol_stopping_speed(const struct jp_patrol_config *config, float deceleration, float distance)
+{
+    const float delay = config->latency + 0.5f * config->period;
+
+    return deceleration * (jp_plane_square_root(delay * delay + 2.0f * distance / deceleration) - delay);
+}
+
 bool jp_patrol_is_standing(const struct jp_plane_speed *speed)
 {
     return jp_plane_magnitude(speed->forward) < STANDSTILL_SPEED &&
            jp_plane_magnitude(speed->turn_rate) < STANDSTILL_TURN_RATE;
+}
+
+/* Of a step whose way is known, m. */
+static float step_clearance(const struct jp_patrol_config *config)
+{
+    return config->strategy == (uint8_t)JP_PATROL_BY_COST ? 0.5f * config->glide_clearance : config->turn_clearance;
 }
 
 bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol)
@@ -34,8 +47,9 @@ bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol)
     const float away = jp_plane_length(remaining.x, remaining.y);
 
     patrol->internal.step_target = (struct jp_plane_point){patrol->internal.goal.pose.x, patrol->internal.goal.pose.y};
-    return away > STEP_TOLERANCE && away < STEP_REACH && remaining.x > -STEP_TOLERANCE &&
-           jp_patrol_is_step_free(patrol, &step, patrol->config.turn_clearance);
+    return away > STEP_TOLERANCE && away < STEP_REACH &&
+           (patrol->config.strategy == (uint8_t)JP_PATROL_BY_COST || remaining.x > -STEP_TOLERANCE) &&
+           jp_patrol_is_step_free(patrol, &step, step_clearance(&patrol->config));
 }
 
 bool jp_patrol_trust_path(struct jp_patrol *patrol)
@@ -140,8 +154,7 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
         return;
     }
 
-    /* Half of the deceleration leaves room for the wheels' lag. */
-    const float stopping = jp_plane_square_root(config->turn_acceleration * angle);
+    const float stopping = jp_patrol_stopping_speed(config, config->turn_acceleration, angle);
     const float rising =
         jp_plane_magnitude(patrol->internal.command.turn_rate) + config->turn_acceleration * config->period;
     const float slower = stopping < config->turn_rate ? stopping : config->turn_rate;
@@ -162,7 +175,7 @@ void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed
         if (jp_patrol_is_standing(speed)) {
             jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
         }
-    } else if (!jp_patrol_is_step_free(patrol, &remaining, patrol->config.turn_clearance)) {
+    } else if (!jp_patrol_is_step_free(patrol, &remaining, step_clearance(&patrol->config))) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
     } else {
         const float stopping = away / (2.0f * patrol->config.period);

@@ -4,6 +4,10 @@
 
 #include <joulepath/patrol.h>
 
+/** Fastest from which the robot stops within a distance at a deceleration, m and m/s² or rad and rad/s²: what is asked
+ *  of the wheels acts after the latency, and the next of it a period later. */
+float jp_patrol_stopping_speed(const struct jp_patrol_config *config, float deceleration, float distance);
+
 bool jp_patrol_is_standing(const struct jp_plane_speed *speed);
 
 /** Counts a cycle in which the path is free. True when it has been free for long enough to go on. */

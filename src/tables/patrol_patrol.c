@@ -62,6 +62,14 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
             .margin = 0.35f,   /* m */
         },
     .turns_in_place = true,
+    .strategy = 1U,
+    .price =
+        {
+            .second = 35.0f,       /* W */
+            .turning = 2.7564402f, /* J/rad */
+            .steering = 21.0f,     /* J/rad */
+        },
+    .glide_clearance = 0.12f,         /* m */
     .turn_first = 0.5235988f,         /* rad */
     .turn_rate = 1.0f,                /* rad/s */
     .turn_acceleration = 1.5f,        /* rad/s² */

@@ -15,6 +15,7 @@
 
 #define TICK           (1.0 / FOUR_WHEEL_RATE_HZ)
 #define ENERGY_ERROR   1e-4 /* of what the ledger turned over */
+#define SUPPLY_ERROR   1e-9 /* of what the battery gave */
 #define TURN_2_32      4294967296.0
 #define NORMAL_SLIP    0.01 /* of the speed, in gentle driving on firm ground */
 #define DRY_FRICTION_N 0.8  /* of the shipped robot */
@@ -30,6 +31,7 @@ static struct four_wheel_file robot;
 static struct four_wheel_plant plant;
 static struct random noise;
 static double worst_energy_error;
+static double worst_supply_error;
 
 void setUp(void)
 {
@@ -148,11 +150,16 @@ static void test_ledger_closes(void)
             four_wheel_plant_tick(&plant, &wheels);
             TEST_ASSERT_TRUE_MESSAGE(plant.ledger.slip >= before.slip && plant.ledger.rolling >= before.rolling &&
                                          plant.ledger.friction >= before.friction &&
-                                         plant.ledger.steering >= before.steering,
+                                         plant.ledger.steering >= before.steering &&
+                                         plant.ledger.copper >= before.copper && plant.ledger.gear >= before.gear &&
+                                         plant.ledger.electronics > before.electronics,
                                      "losses must not come back");
         }
         worst_energy_error = fmax(worst_energy_error, energy_error(start));
+        worst_supply_error =
+            fmax(worst_supply_error, fabs(four_wheel_plant_supply_error(&plant)) / plant.ledger.battery);
         check_below(energy_error(start), ENERGY_ERROR, "energy lost or won, of the turnover");
+        check_below(worst_supply_error, SUPPLY_ERROR, "energy lost or won in the motors, of what the battery gave");
         check_below(hypot(plant.state.forward, plant.state.left), 3, "speed, m/s");
     }
 }
@@ -235,6 +242,75 @@ static void test_steady_drive_pays_the_resistances(void)
     const double rolling = 0.015 * 45 * FOUR_WHEEL_GRAVITY;
     const double bearings = 4 * 0.01 / (0.1 * 0.1);
     check_near(rolling + bearings, (plant.ledger.drive - before) / (plant.state.pose.x - x), 0.02, "N");
+}
+
+/* Force at each wheel at a steady speed, N; `rise` adds a share of the weight. */
+static double wheel_force(double rise)
+{
+    const double weight = 45 * FOUR_WHEEL_GRAVITY;
+
+    return (0.015 + rise / sqrt(1 + rise * rise)) * weight / 4 + 0.01 / (0.1 * 0.1);
+}
+
+/* Power of the battery at 1 m/s on a slope, W. */
+static double steady_power(double rise)
+{
+    const struct twist twist = {1, 0, 0};
+    const struct four_wheel_patch slope = four_wheel_slope(rise, 0);
+    static const struct planar_pose origin = {0, 0, 0};
+
+    four_wheel_plant_init(&plant, &robot, &origin);
+    TEST_ASSERT_TRUE(four_wheel_plant_add_patch(&plant, &slope));
+    drive(&twist, 5);
+    const double before = plant.ledger.battery;
+    const struct jp_wheels wheels = wheels_of(&twist);
+    for (int tick = 0; tick < 200; tick++) {
+        four_wheel_plant_tick(&plant, &wheels);
+    }
+    return (plant.ledger.battery - before) / 2;
+}
+
+/* Gear of 0.8, 1 N·m/A at the wheel, 0.5 Ω, electronics of 25 W. */
+static void test_motors_pay_for_gear_and_windings(void)
+{
+    const double level = wheel_force(0);
+    const double up = wheel_force(0.1);
+
+    check_near(25 + 4 * (level / 0.8 + 0.5 * pow(level * 0.1, 2)), steady_power(0), 0.05, "W");
+    check_near(25 + 4 * (up / 0.8 + 0.5 * pow(up * 0.1, 2)), steady_power(0.1), 0.5, "W uphill");
+}
+
+/* Downhill the gear's and the windings' losses are what does not come back. */
+static void test_a_slope_gives_back(void)
+{
+    const double down = wheel_force(-0.1);
+
+    check_near(25 + 4 * (down * 0.8 + 0.5 * pow(down * 0.1 * 0.64, 2)), steady_power(-0.1), 0.5, "W downhill");
+}
+
+static double steering_work(double speed)
+{
+    static const struct planar_pose origin = {0, 0, 0};
+    struct jp_wheels targets = {{0}, {0}};
+
+    four_wheel_plant_init(&plant, &robot, &origin);
+    drive(&(struct twist){speed, 0, 0}, 4);
+    const double before = plant.ledger.steering;
+    for (int i = 0; i < JP_WHEELS; i++) {
+        targets.angle[i] = turns(0.5);
+        targets.speed[i] = (jp_q24)(speed * JP_Q24_ONE);
+    }
+    for (int tick = 0; tick < 50; tick++) {
+        four_wheel_plant_tick(&plant, &targets);
+    }
+    return plant.ledger.steering - before;
+}
+
+/* The wheels turn at 3 rad/s, 1 cm off the contact's middle. */
+static void test_wheels_that_roll_steer_for_less(void)
+{
+    check_near(4 * 0.5, steering_work(0), 0.01, "J at a stand");
+    check_below(steering_work(0.5), 4 * 0.5 * 0.03 / hypot(0.03, 0.5), "J at 0.5 m/s");
 }
 
 static void test_steering_keeps_its_rate_and_limit(void)
@@ -439,6 +515,10 @@ static void add_figures(json_t *figures)
 {
     figures_add(figures, "make figures", worst_energy_error, "", at_most(ENERGY_ERROR),
                 "four-wheel plant: energy that its ledger misses, of the turnover, worst of %lu drives", options.count);
+    figures_add(
+        figures, "make figures", worst_supply_error, "", at_most(SUPPLY_ERROR),
+        "four-wheel plant: energy that the motors' ledger misses, of what the battery gave, worst of %lu drives",
+        options.count);
 }
 
 int main(int argc, char **argv)

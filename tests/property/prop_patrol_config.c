@@ -127,6 +127,7 @@ static const struct link patrol_links[] = {
     {"movers.speed_min", "movers.speed_min_m_s", 1},
     {"movers.speed_max", "movers.speed_max_m_s", 1},
     {"movers.margin", "movers.margin_m", 1},
+    {"glide_clearance", "turning.glide_clearance_m", 1},
     {"turn_first", "turning.from_deg", 1 / DEGREES},
     {"turn_rate", "turning.rate_rad_s", 1},
     {"turn_acceleration", "turning.acceleration_rad_s2", 1},
@@ -248,14 +249,24 @@ static void test_each_number_arrives_to_the_last_bit_of_its_format(void)
     }
 }
 
-/* What is left is turns_in_place, period and the curvature. */
+/* What is left is turns_in_place, the strategy, three prices, period and the curvature. */
 static void test_every_member_comes_from_somewhere(void)
 {
-    TEST_ASSERT_EQUAL_UINT(patrol_member_count, LENGTH(patrol_links) + 2);
+    TEST_ASSERT_EQUAL_UINT(patrol_member_count, LENGTH(patrol_links) + 6);
     TEST_ASSERT_EQUAL_UINT(patrol_pursuit_member_count, LENGTH(pursuit_links) + 1);
 }
 
 /* ---- Methods ---- */
+
+/* Of the shipped robot: 25 W and 10 W; wheels 0.333 m off the centre; 1 N·m of scrub through a gear of 0.5 and 1 Ω. */
+static void test_prices_are_what_the_file_says(void)
+{
+    const struct jp_patrol_price price = patrol_config(&robot, PATROL_IMPROVED).price;
+
+    TEST_ASSERT_TRUE(fabs((double)price.second - 35) < 1e-5);
+    TEST_ASSERT_TRUE(fabs((double)price.turning - 0.015 * 45 * 9.81 * 0.33302 / 0.8) < 1e-3);
+    TEST_ASSERT_TRUE(fabs((double)price.steering - (4 * (2 + 1.0 / 3) + 35.0 / 3)) < 1e-3);
+}
 
 static void test_the_plain_method_leaves_out_four_things(void)
 {
@@ -265,6 +276,7 @@ static void test_the_plain_method_leaves_out_four_things(void)
     TEST_ASSERT_TRUE(expected.teb.weights.no_reversing > 0 && expected.teb.weights.wheel_odometry > 0 &&
                      expected.teb.weights.laser_odometry > 0);
     expected.turns_in_place = false;
+    expected.strategy = (uint8_t)JP_PATROL_FIXED_ANGLE;
     expected.teb.weights.no_reversing = 0;
     expected.teb.weights.wheel_odometry = 0;
     expected.teb.weights.laser_odometry = 0;
@@ -273,9 +285,10 @@ static void test_the_plain_method_leaves_out_four_things(void)
 
 static void test_pure_pursuit_comes_with_the_improved_method(void)
 {
-    const struct jp_patrol_config improved = patrol_config(&robot, PATROL_IMPROVED);
+    struct jp_patrol_config improved = patrol_config(&robot, PATROL_IMPROVED);
     const struct jp_patrol_config pursuit = patrol_config(&robot, PATROL_PURSUIT);
 
+    improved.strategy = (uint8_t)JP_PATROL_FIXED_ANGLE;
     check_equal(&improved, &pursuit, patrol_members, patrol_member_count);
 }
 

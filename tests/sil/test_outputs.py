@@ -174,6 +174,7 @@ def programs(tmp_path):
         "jp-robot": [gao, "--json", output / "robot.json"], "jp-patrol-config": [patrol], "jp-balance": [gao],
         "jp-skid": [ROBOTS / "burger.cfg", "--json", output / "skid.json"],
         "jp-skid-identify": [ROBOTS / "burger.cfg", "--count=1", "--robots=1", "--output", output],
+        "jp-four-wheel-identify": [patrol, "--count=1", "--robots=1", "--output", output],
         "jp-trip": [ROBOTS / "courier24.cfg", "--output", output], "jp-mission": [SCENARIO, "--output", output],
         "jp-identify": [gao, "--count=20", "--output", output],
         "jp-plant": [SCENARIO, "--bus=in-process", "--output", output],
@@ -183,7 +184,7 @@ def programs(tmp_path):
     }, output
 
 
-PROGRAMS = ["jp-robot", "jp-balance", "jp-skid", "jp-skid-identify", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol",
+PROGRAMS = ["jp-robot", "jp-balance", "jp-skid", "jp-skid-identify", "jp-four-wheel-identify", "jp-patrol-config", "jp-trip", "jp-mission", "jp-identify", "jp-plant", "jp-patrol",
             "jp-plan", "jp-navigate"]
 
 

@@ -342,7 +342,7 @@ def test_on_slippery_ground_the_laser_knows_where_the_robot_is(tmp_path):
     ["corridor", "--seed=99999999999999999999"], ["corridor", "--method=best"], ["corridor", "--method="],
     ["corridor", "--beam-dropout=1.1"], ["corridor", "--beam-dropout=-0.1"], ["corridor", "--beam-dropout=nan"],
     ["corridor", "--scan-dropout=3"], ["corridor", "--scan-dropout=3,2"], ["corridor", "--scan-dropout=-1,2"],
-    ["corridor", "--jump=3"], ["corridor", "--jump=-1,2"], ["corridor", "--jump=1,2,3"], ["corridor", "--nonsense"]])
+    ["corridor", "--strategy=best"], ["corridor", "--jump=3"], ["corridor", "--jump=-1,2"], ["corridor", "--jump=1,2,3"], ["corridor", "--nonsense"]])
 def test_wrong_command_lines(arguments, tmp_path):
     result = patrol(tmp_path / "out", *arguments)
     assert result.returncode == 2

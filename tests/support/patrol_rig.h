@@ -58,6 +58,8 @@ static inline struct jp_patrol_config rig_config(void)
         .scan = {.range_max = 5.0f, .gap = 0.4f, .tolerance = 0.04f, .beams_min = 2},
         .movers = {.extent = 0.9f, .speed_min = 0.3f, .speed_max = 2.0f, .margin = 0.2f},
         .turns_in_place = true,
+        .price = {.second = 35.0f, .turning = 3.0f, .steering = 20.0f},
+        .glide_clearance = 0.1f,
         .turn_first = 0.5f,
         .turn_rate = 1.0f,
         .turn_acceleration = 1.5f,

@@ -45,8 +45,8 @@ SKID_TYPES    := skid_steer differential_drive
 ROBOT_TYPE     = $(shell sed -n 's/^type = "\(.*\)";$$/\1/p' sim/robots/$(ROBOT).cfg)
 
 .PHONY: identify
-identify: ## identify the energy models of ROBOT=name in the simulator: src/tables/energy_name.c, or skid_energy_name.c with what it can learn
-	@$(MAKE) identify_$(if $(filter $(SKID_TYPES),$(ROBOT_TYPE)),skid,balancer)
+identify: ## identify the energy models of ROBOT=name in the simulator: src/tables/energy_name.c, or skid_energy_name.c or four_wheel_energy_name.c with what it can learn
+	@$(MAKE) identify_$(if $(filter $(SKID_TYPES),$(ROBOT_TYPE)),skid,$(if $(filter four_wheel,$(ROBOT_TYPE)),four_wheel,balancer))
 	@$(DECLARE)
 
 .PHONY: identify_balancer
@@ -63,6 +63,13 @@ identify_skid:
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-skid-identify
 	$(BUILD)/bin/jp-skid-identify $(ROBOT) --output $(BUILD)/identify/$(ROBOT)
 	$(PYTHON) -m tools.design.skid_identify $(ROBOT)
+
+.PHONY: identify_four_wheel
+identify_four_wheel:
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-four-wheel-identify
+	$(BUILD)/bin/jp-four-wheel-identify $(ROBOT) --output $(BUILD)/identify/$(ROBOT)
+	$(PYTHON) -m tools.design.four_wheel_identify $(ROBOT)
 
 # LOG: one file or several. MASS and DISTANCE ("file metres") are what was measured beside; WRITE is the corrected file.
 .PHONY: identify-log

@@ -65,6 +65,10 @@ static void test_limits_of_each_field(void)
     check_limits(&config.teb.speed_max, least, 16.0f, "teb.speed_max");
     check_limits(&config.teb.reverse_max, least, 16.0f, "teb.reverse_max");
     check_limits(&config.teb.turn_rate_max, least, 16.0f, "teb.turn_rate_max");
+    check_limits(&config.price.second, least, 1.0e9f, "price.second");
+    check_limits(&config.price.turning, 0.0f, 1.0e9f, "price.turning");
+    check_limits(&config.price.steering, 0.0f, 1.0e9f, "price.steering");
+    check_limits(&config.glide_clearance, 0.0f, most, "glide_clearance");
     config.heading_tolerance = least;
     check_limits(&config.turn_first, least, JP_PLANE_PI, "turn_first");
     check_limits(&config.turn_rate, least, 16.0f, "turn_rate");
@@ -83,6 +87,14 @@ static void test_limits_of_each_field(void)
     check_limits(&config.movers.speed_min, least, most, "movers.speed_min");
     check_limits(&config.movers.speed_max, config.movers.speed_min, most, "movers.speed_max");
     check_limits(&config.movers.margin, 0.0f, most, "movers.margin");
+}
+
+static void test_only_known_strategies(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    expect_config(JP_OK, NULL);
+    config.strategy = (uint8_t)JP_PATROL_BY_COST + 1U;
+    expect_config(JP_ERR_CONFIG, "strategy");
 }
 
 static void test_limits_of_counts(void)

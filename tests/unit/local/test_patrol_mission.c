@@ -238,6 +238,31 @@ static void test_what_the_scanner_sees_at_the_goal_changes_the_path(void)
     expect_at(5.05f, 4.05f, 0.0f);
 }
 
+static void test_a_goal_that_is_glided_into(void)
+{
+    mission_config.patrol.strategy = (uint8_t)JP_PATROL_BY_COST;
+    init();
+    start(5.05f, 4.05f, 1.0f);
+    drive_until(JP_MISSION_ARRIVED);
+    TEST_ASSERT_EQUAL_INT(JP_LEG_GOAL, mission.internal.leg);
+    TEST_ASSERT_EQUAL_UINT32(0, mission.patrol.counts.turns);
+    expect_at(5.05f, 4.05f, 1.0f);
+}
+
+/* By cost it would rather glide in; when it sees that this is not free, it does not stop to plan anew. */
+static void test_a_glide_into_the_goal_that_is_seen_not_to_be_free(void)
+{
+    mission_config.patrol.strategy = (uint8_t)JP_PATROL_BY_COST;
+    put_beside_goal(true);
+    robot = (struct jp_plane_pose){5.05f, 7.05f, -1.5f};
+    init();
+    start(5.05f, 4.05f, -0.35f);
+    TEST_ASSERT_EQUAL_INT(JP_LEG_GOAL, mission.internal.leg);
+    drive_until_leg(JP_LEG_APPROACH);
+    drive_until(JP_MISSION_ARRIVED);
+    expect_at(5.05f, 4.05f, -0.35f);
+}
+
 static void test_a_hold_by_others_ends_a_pause_too(void)
 {
     begin_to_pause();

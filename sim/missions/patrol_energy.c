@@ -1,0 +1,107 @@
+#include "sim/missions/patrol_energy.h"
+
+#include <joulepath/tables.h>
+#include <math.h>
+#include <string.h>
+
+#include "sim/base/digital.h"
+#include "sim/four_wheel/four_wheel_file.h"
+
+#define PIECE_TICKS 20
+
+/* The sensor of the current, A. */
+#define CURRENT_STEP 0.005
+
+void patrol_energy_init(struct patrol_energy *energy, const struct four_wheel_file *robot)
+{
+    const struct jp_four_wheel_trip_config trip = {four_wheel_config(robot), FOUR_WHEEL_RATE_HZ, PIECE_TICKS};
+    const char *field;
+
+    *energy = (struct patrol_energy){.built_in = NULL};
+    if (strcmp(robot->name, "patrol") == 0) {
+        energy->built_in = &jp_four_wheel_energy_patrol;
+        jp_four_wheel_learner_start(&energy->learner, &jp_four_wheel_learning_patrol, energy->built_in);
+    }
+    (void)jp_four_wheel_trip_init(&energy->trip, &trip, &field);
+    (void)jp_bus_meter_start(&energy->meter, FOUR_WHEEL_RATE_HZ);
+}
+
+static double joules(const struct patrol_energy *energy, int64_t q16)
+{
+    return ldexp((double)q16, energy->built_in->unit_exponent - 16);
+}
+
+static double metered(const struct patrol_energy *energy)
+{
+    return ldexp((double)energy->meter.energy, -32);
+}
+
+static double planned_on(const struct patrol_energy *energy, const struct jp_four_wheel_energy_model *model,
+                         const struct jp_patrol_config *config, const struct jp_patrol_plan *plan)
+{
+    struct jp_four_wheel_drive drive = {0};
+    float duration = 0;
+
+    (void)jp_patrol_plan_energy(config, model, plan, &drive, &duration);
+    return joules(energy, drive.energy);
+}
+
+void patrol_energy_begin(struct patrol_energy *energy, size_t index, const struct jp_patrol_config *config,
+                         const struct jp_patrol_plan *plan, double time)
+{
+    if (energy->built_in == NULL) {
+        return;
+    }
+    const float all = jp_patrol_pace_factor(&energy->pace, 1);
+    const struct jp_patrol_pace *const pace = &energy->paces[index];
+    const double share = (double)jp_patrol_pace_deviation(pace->legs > 1 ? pace : &energy->pace);
+
+    energy->modelled = planned_on(energy, &energy->learner.model, config, plan);
+    energy->leg = (struct patrol_leg){.planned = planned_on(energy, energy->built_in, config, plan)};
+    energy->leg.forecast = energy->modelled * (double)jp_patrol_pace_factor(pace, all);
+    energy->leg.deviation = share * energy->leg.forecast;
+    energy->driven = (struct jp_four_wheel_drive){0};
+    energy->at_start = metered(energy);
+    energy->time_start = time;
+}
+
+void patrol_energy_tick(struct patrol_energy *energy, const struct four_wheel_plant *plant)
+{
+    const double volts = plant->robot->electronics.voltage_v;
+    const double amperes = (plant->ledger.battery - energy->last_battery) * FOUR_WHEEL_RATE_HZ / volts;
+    struct jp_four_wheel_piece piece;
+
+    energy->last_battery = plant->ledger.battery;
+    jp_bus_meter_update(&energy->meter, digital_fixed(volts, JP_Q16_ONE),
+                        digital_fixed(rint(amperes / CURRENT_STEP) * CURRENT_STEP, JP_Q16_ONE));
+    if (jp_four_wheel_trip_tick(&energy->trip, &plant->measured, 0, 0, &piece) && energy->built_in != NULL) {
+        (void)jp_four_wheel_energy_add(&energy->learner.model, &energy->driven, &piece);
+    }
+}
+
+void patrol_energy_end(struct patrol_energy *energy, double time)
+{
+    struct jp_four_wheel_piece piece;
+
+    energy->leg.driven = metered(energy) - energy->at_start;
+    energy->leg.seconds = time - energy->time_start;
+    if (jp_four_wheel_trip_end(&energy->trip, &piece) && energy->built_in != NULL) {
+        (void)jp_four_wheel_energy_add(&energy->learner.model, &energy->driven, &piece);
+    }
+}
+
+void patrol_energy_learn(struct patrol_energy *energy, size_t index)
+{
+    if (energy->built_in == NULL) {
+        return;
+    }
+    struct jp_patrol_pace *const pace = &energy->paces[index];
+    const float all = jp_patrol_pace_factor(&energy->pace, 1);
+    const jp_energy taken = (jp_energy)ldexp(energy->leg.driven, 32);
+    enum jp_learned learned;
+
+    jp_patrol_pace_learn(pace, all, (float)energy->modelled, (float)energy->leg.driven);
+    jp_patrol_pace_learn(&energy->pace, 1, (float)energy->modelled, (float)energy->leg.driven);
+    (void)jp_four_wheel_learner_update(&energy->learner, &energy->driven,
+                                       jp_energy_to_q16(taken, energy->built_in->unit_exponent), &learned);
+}

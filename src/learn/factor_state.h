@@ -1,0 +1,19 @@
+/** What learners of factors share (factor_learning.h). Private to the core. */
+#ifndef JOULEPATH_LEARN_FACTOR_STATE_H
+#define JOULEPATH_LEARN_FACTOR_STATE_H
+
+#include <joulepath/factor_learning.h>
+
+#include "src/learn/learned_state.h"
+
+/** The factors as learned, and their standard deviations. */
+void jp_factors(const struct jp_factor_learning *learning, const struct jp_learned_state *state,
+                jp_q16 factor[JP_LEARNING_DIRECTIONS]);
+void jp_factor_deviations(const struct jp_factor_learning *learning, const struct jp_learned_state *state,
+                          jp_q16 deviation[JP_LEARNING_DIRECTIONS]);
+
+/** What is expected of a drive of this energy and its changes by the factors. False: a number exceeds its format. */
+bool jp_factor_expect(const struct jp_factor_learning *learning, const struct jp_learned_state *state, int64_t energy,
+                      const int64_t change[JP_LEARNING_DIRECTIONS], struct jp_expectation *expected);
+
+#endif

@@ -1,0 +1,236 @@
+#include <joulepath/patrol_forecast.h>
+#include <stddef.h>
+
+#include "src/base/plane.h"
+#include "src/local/patrol_glide.h"
+#include "src/local/patrol_path.h"
+
+/* Shorter pieces of a path have no direction, m. */
+#define SHORT 0.005f
+
+/* The path this far ahead gives the direction to set off in, m. */
+#define AHEAD 0.5f
+
+/* Legs that the prior counts as, and after which one counts 1/e; what a first leg may miss. */
+#define PRIOR_LEGS  1.0f
+#define MEMORY      8.0f
+#define FIRST_ERROR 0.2f
+
+/* A leg that is farther from its forecast than so many deviations counts as if it were so far: somebody was in the
+ * way. */
+#define GATE 2.0f
+
+#define TURN_PER_UNIT (2.0f * JP_PLANE_PI / 4294967296.0f)
+
+/* A leg that is summed up. */
+struct planned_leg {
+    const struct jp_patrol_config *config;
+    const struct jp_four_wheel_energy_model *model;
+    const struct jp_patrol_plan *plan;
+    struct jp_four_wheel_drive drive;
+    float duration;
+    float speed; /* now */
+};
+
+static float smaller(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static jp_q24 to_q24(float value)
+{
+    return (jp_q24)(jp_plane_clamp(value, -8.0f, 8.0f) * (float)JP_Q24_ONE);
+}
+
+static jp_q16 to_q16(float value)
+{
+    return (jp_q16)(smaller(value, 255.0f) * (float)JP_Q16_ONE);
+}
+
+static void add(struct planned_leg *leg, float start, float end, float turn_rate, float travel, float seconds)
+{
+    const struct jp_four_wheel_piece piece = {
+        .start = {to_q24(start), 0, to_q24(turn_rate)},
+        .end = {to_q24(end), 0, to_q24(turn_rate)},
+        .travel = to_q16(travel),
+        .duration = to_q16(seconds),
+    };
+
+    if (jp_four_wheel_energy_add(leg->model, &leg->drive, &piece) == JP_OK) {
+        leg->duration += seconds;
+    }
+}
+
+/* All wheels by an angle, at a stand. */
+static void steer(struct planned_leg *leg, float angle)
+{
+    const float rate = (float)leg->config->wheels.steering_step * TURN_PER_UNIT * (float)leg->plan->tick_rate;
+
+    add(leg, 0.0f, 0.0f, 0.0f, (float)JP_WHEELS * angle, angle / rate);
+}
+
+/* In place by an angle of 0 or more, at its mean rate. */
+static void turn(struct planned_leg *leg, float angle)
+{
+    const struct jp_patrol_config *const config = leg->config;
+    const float in_place = jp_plane_bearing((float)config->wheels.track, (float)config->wheels.wheelbase);
+    const float seconds = angle / config->turn_rate + config->turn_rate / config->turn_acceleration;
+
+    if (angle > 0.0f) {
+        steer(leg, in_place);
+        add(leg, 0.0f, 0.0f, angle / seconds, 0.0f, seconds);
+        steer(leg, in_place);
+    }
+}
+
+/* Part of a turn that is left when the robot glides. */
+static float in_place_part(const struct planned_leg *leg, float angle)
+{
+    const float part = leg->config->strategy == (uint8_t)JP_PATROL_BY_COST ? jp_patrol_askew_max(leg->config) : 0.0f;
+
+    return angle > part ? angle - part : 0.0f;
+}
+
+static struct jp_plane_point point_of(const struct jp_patrol_plan *plan, unsigned i)
+{
+    return jp_patrol_path_point(&plan->path[i]);
+}
+
+static float direction_ahead(const struct jp_patrol_plan *plan)
+{
+    const struct jp_plane_point start = point_of(plan, 0);
+    uint16_t i = 1;
+
+    while (i + 1U < plan->path_count &&
+           jp_plane_length(point_of(plan, i).x - start.x, point_of(plan, i).y - start.y) < AHEAD) {
+        i++;
+    }
+    return jp_plane_bearing(point_of(plan, i).x - start.x, point_of(plan, i).y - start.y);
+}
+
+static void set_off(struct planned_leg *leg)
+{
+    const struct jp_patrol_plan *const plan = leg->plan;
+    const float off = jp_plane_magnitude(jp_plane_wrap(direction_ahead(plan) - plan->start.heading));
+
+    if (leg->config->turns_in_place && off > leg->config->turn_first) {
+        const float first = in_place_part(leg, off);
+
+        turn(leg, first);
+        steer(leg, leg->config->strategy == (uint8_t)JP_PATROL_BY_COST ? off - first : 0.0f);
+    }
+}
+
+static float path_length(const struct jp_patrol_plan *plan)
+{
+    float length = 0.0f;
+
+    for (uint16_t i = 1; i < plan->path_count; i++) {
+        length += jp_plane_length(point_of(plan, i).x - point_of(plan, i - 1U).x,
+                                  point_of(plan, i).y - point_of(plan, i - 1U).y);
+    }
+    return length;
+}
+
+/* A piece of the path by its length, its turn and what is left after it. */
+static void drive_piece(struct planned_leg *leg, float length, float turned, float left)
+{
+    const struct jp_teb_config *const teb = &leg->config->teb;
+    const float acceleration = teb->acceleration;
+    const float bend = jp_plane_magnitude(turned) / length;
+    const float bent = bend > teb->turn_rate_max / teb->speed_max ? teb->turn_rate_max / bend : teb->speed_max;
+    const float risen = jp_plane_square_root(leg->speed * leg->speed + 2.0f * acceleration * length);
+    const float stopping = jp_plane_square_root(2.0f * acceleration * left);
+    const float next = smaller(smaller(risen, stopping), bent);
+    const float peak = jp_plane_square_root(acceleration * length); /* of a piece from stand to stand */
+    const float ends = 0.5f * (leg->speed + next);
+    const float mean = jp_plane_larger(ends, 0.5f * peak);
+
+    add(leg, leg->speed + mean - ends, next + mean - ends, turned * mean / length, 0.0f, length / mean);
+    leg->speed = next;
+}
+
+/* Direction of the path at its end. */
+static float drive(struct planned_leg *leg)
+{
+    const struct jp_patrol_plan *const plan = leg->plan;
+    float left = path_length(plan);
+    float heading = direction_ahead(plan);
+    struct jp_plane_point from = point_of(plan, 0);
+
+    for (uint16_t i = 1; i < plan->path_count; i++) {
+        const struct jp_plane_point to = point_of(plan, i);
+        const float length = jp_plane_length(to.x - from.x, to.y - from.y);
+
+        if (length > SHORT) {
+            const float direction = jp_plane_bearing(to.x - from.x, to.y - from.y);
+
+            left -= length;
+            drive_piece(leg, length, i > 1U ? jp_plane_wrap(direction - heading) : 0.0f, left > 0.0f ? left : 0.0f);
+            heading = direction;
+            from = to;
+        }
+    }
+    return heading;
+}
+
+static void arrive(struct planned_leg *leg, float heading)
+{
+    const struct jp_patrol_goal *const goal = &leg->plan->goal;
+
+    if (!goal->is_heading_free && leg->config->turns_in_place) {
+        const float off = jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - heading));
+
+        turn(leg, off > leg->config->heading_tolerance ? in_place_part(leg, off) : 0.0f);
+    }
+}
+
+enum jp_status jp_patrol_plan_energy(const struct jp_patrol_config *config,
+                                     const struct jp_four_wheel_energy_model *model, const struct jp_patrol_plan *plan,
+                                     struct jp_four_wheel_drive *drive_sum, float *duration)
+{
+    if (config == NULL || model == NULL || plan == NULL || drive_sum == NULL || duration == NULL ||
+        plan->path == NULL || plan->path_count < 2U || plan->tick_rate == 0U) {
+        return JP_ERR_ARGUMENT;
+    }
+    struct planned_leg leg = {.config = config, .model = model, .plan = plan, .drive = *drive_sum};
+
+    set_off(&leg);
+    arrive(&leg, drive(&leg));
+    *drive_sum = leg.drive;
+    *duration += leg.duration;
+    return JP_OK;
+}
+
+/* ---- Pace ---- */
+
+float jp_patrol_pace_factor(const struct jp_patrol_pace *pace, float prior)
+{
+    const float legs = smaller((float)pace->legs, MEMORY);
+
+    if (pace->legs == 0U) {
+        return prior;
+    }
+    return (pace->driven / pace->planned * legs + PRIOR_LEGS * prior) / (legs + PRIOR_LEGS);
+}
+
+float jp_patrol_pace_deviation(const struct jp_patrol_pace *pace)
+{
+    const float legs = smaller((float)pace->legs, MEMORY);
+
+    return jp_plane_square_root((pace->square * legs + PRIOR_LEGS * FIRST_ERROR * FIRST_ERROR) / (legs + PRIOR_LEGS));
+}
+
+void jp_patrol_pace_learn(struct jp_patrol_pace *pace, float prior, float planned, float driven)
+{
+    const float expected = planned * jp_patrol_pace_factor(pace, prior);
+    const float most = GATE * jp_patrol_pace_deviation(pace);
+    const float missed = jp_plane_clamp(driven / expected - 1.0f, -most, most);
+    const float legs = smaller((float)pace->legs, MEMORY - 1.0f);
+    const float kept = 1.0f - 1.0f / MEMORY;
+
+    pace->square += (missed * missed - pace->square) / (legs + 1.0f);
+    pace->planned = kept * pace->planned + planned;
+    pace->driven = kept * pace->driven + expected * (1.0f + missed);
+    pace->legs = pace->legs < UINT32_MAX ? pace->legs + 1U : pace->legs;
+}

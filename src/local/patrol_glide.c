@@ -1,0 +1,495 @@
+#include "src/local/patrol_glide.h"
+
+#include "src/base/plane.h"
+#include "src/local/patrol_room.h"
+#include "src/local/patrol_state.h"
+#include "src/local/patrol_turn.h"
+
+/* The robot steers to what is this far ahead on its path, m. */
+#define AIM_DISTANCE 0.35f
+
+/* Of clearances between scans, m: a glide that has less than it should does not get nearer;
+ * into a goal it keeps the latter, m. */
+#define NOISE         0.01f
+#define CLEARANCE_MIN 0.03f
+
+/* Between the poses that are checked, m, and how far a glide is looked ahead at its beginning. */
+#define STEP_LENGTH 0.1f
+#define STEPS_MAX   25U
+
+/* A glide along the path ends within this of its direction, rad. */
+#define ALONG 0.17f
+
+/* Wheels keep this from their steering limit, rad: they follow behind what is asked. */
+#define STEERING_MARGIN 0.1f
+
+/* A wheel's axis is led askew by so much at the start and at the end of a glide at most, rad: from there the rest of
+ * the turn takes little way. */
+#define ASKEW_MARGIN 0.15f
+
+/* A wheel that may be steered either way keeps its way within this, rad. */
+#define ALIKE_MARGIN 0.04f
+
+/* A glide into a goal begins at this distance, and so much farther for each radian, m; nearer, it turns less. */
+#define IN_DISTANCE         0.3f
+#define IN_PER_RADIAN       0.9f
+#define IN_PER_RADIAN_LEAST 0.6f
+
+/* Tangent of the angle by which a wheel is steered in a cycle at most, half of what would make it stop for it, and
+ * the least part of a change that is asked for at once. */
+#define STEERED_MAX 0.27f
+#define SHARE_MIN   0.1f
+
+/* A glide from a stand begins straight on, until it has come so far, m: the wheels are steered alike meanwhile. */
+#define SET_OFF_DISTANCE 0.015f
+#define SET_OFF_SPEED    0.1f
+
+/* It turns faster at first, so that it comes to the goal with its heading. */
+#define EARLIER 1.3f
+
+#define TURN_PER_UNIT (2.0f * JP_PLANE_PI / 4294967296.0f)
+#define Q24           (1.0f / (float)JP_Q24_ONE)
+
+/* ---- Geometry ---- */
+
+static float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static float smaller(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+/* Of a wheel from the centre, m. */
+static float arm_of(const struct jp_patrol *patrol)
+{
+    const struct jp_four_wheel_config *const wheels = &patrol->config.wheels;
+
+    return 0.5f * jp_plane_length((float)wheels->wheelbase * Q24, (float)wheels->track * Q24);
+}
+
+/* Angle between heading and way that the wheels can take without a turn, rad. */
+static float askew_limit(const struct jp_patrol_config *config)
+{
+    return (float)config->wheels.steering_limit * TURN_PER_UNIT - STEERING_MARGIN;
+}
+
+/* From beyond it, a wheel would rather be steered the other way round, and roll backwards. */
+float jp_patrol_askew_max(const struct jp_patrol_config *config)
+{
+    const float limit = askew_limit(config);
+
+    return smaller(limit - ASKEW_MARGIN, JP_PLANE_PI - limit - STEERING_MARGIN - ALIKE_MARGIN);
+}
+
+/* What the robot may turn in a metre of its way, rad: as long as no wheel comes to its limit. */
+static float turn_per_metre(const struct jp_patrol *patrol, float askew)
+{
+    const float left = smaller(askew_limit(&patrol->config) - jp_plane_magnitude(askew), 0.5f * JP_PLANE_PI);
+
+    return jp_plane_sine(larger(left, 0.0f)) / arm_of(patrol);
+}
+
+static struct jp_plane_point point_at(const struct jp_patrol *patrol, uint16_t i)
+{
+    if (i + 1U < patrol->internal.path_count) {
+        return jp_patrol_path_point(&patrol->internal.path[i]);
+    }
+    return (struct jp_plane_point){patrol->internal.goal.pose.x, patrol->internal.goal.pose.y};
+}
+
+/* Direction from a pose to the path ahead; *next moves on along it. */
+static float direction_from(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, uint16_t *next)
+{
+    struct jp_plane_point aim = point_at(patrol, *next);
+
+    while (*next + 1U < patrol->internal.path_count &&
+           jp_plane_length(aim.x - pose->x, aim.y - pose->y) < AIM_DISTANCE) {
+        (*next)++;
+        aim = point_at(patrol, *next);
+    }
+    return jp_plane_bearing(aim.x - pose->x, aim.y - pose->y);
+}
+
+static float goal_distance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose)
+{
+    return jp_plane_length(patrol->internal.goal.pose.x - pose->x, patrol->internal.goal.pose.y - pose->y);
+}
+
+/* ---- Ahead ---- */
+
+/* A glide as it is foreseen. */
+struct glide {
+    struct jp_plane_pose pose;
+    float clearance; /* that is kept, m */
+    uint16_t next;
+    float heading; /* at its end, where it leads to the goal */
+    bool is_to_goal;
+    bool is_begun;
+    float speed; /* m/s */
+};
+
+static float turn_of(const struct jp_patrol *patrol, const struct glide *glide, float askew, float step)
+{
+    const float remaining = glide->is_to_goal ? jp_plane_wrap(glide->heading - glide->pose.heading) : askew;
+    const float away = larger(goal_distance(patrol, &glide->pose), step);
+    const float due = glide->is_to_goal ? EARLIER * remaining * step / away : remaining;
+    const float most = step * smaller(turn_per_metre(patrol, askew), patrol->config.turn_rate / glide->speed);
+
+    return jp_plane_clamp(due, -most, most);
+}
+
+/* Whether the way is free for `steps`, or until the glide ends. */
+static bool is_free(const struct jp_patrol *patrol, struct glide glide, unsigned steps)
+{
+    for (unsigned i = 1; i <= steps; i++) {
+        const float direction = direction_from(patrol, &glide.pose, &glide.next);
+        const float askew = jp_plane_wrap(direction - glide.pose.heading);
+        const float step = smaller(STEP_LENGTH, goal_distance(patrol, &glide.pose));
+        const struct jp_plane_point way = jp_plane_direction(direction);
+
+        if (jp_plane_magnitude(askew) > askew_limit(&patrol->config)) {
+            return glide.is_begun;
+        }
+        if (step < 0.5f * STEP_LENGTH || (!glide.is_to_goal && jp_plane_magnitude(askew) < ALONG)) {
+            return true;
+        }
+        glide.pose.heading += turn_of(patrol, &glide, askew, step);
+        glide.pose.x += step * way.x;
+        glide.pose.y += step * way.y;
+        if (jp_patrol_clearance_later(patrol, &glide.pose, (float)i * STEP_LENGTH / glide.speed) < glide.clearance) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static struct glide glide_from(const struct jp_patrol *patrol, const struct jp_plane_pose *pose)
+{
+    const bool is_begun = patrol->state == JP_PATROL_GLIDING;
+    const float now = jp_patrol_clearance(patrol, &patrol->pose) - NOISE;
+
+    return (struct glide){.pose = *pose,
+                          .clearance =
+                              is_begun ? patrol->internal.glide_least : smaller(patrol->config.glide_clearance, now),
+                          .next = patrol->internal.path_next,
+                          .heading = patrol->internal.glide_heading,
+                          .is_to_goal = patrol->internal.is_gliding_to_goal,
+                          .is_begun = is_begun,
+                          .speed = patrol->config.teb.speed_max};
+}
+
+static void begin(struct jp_patrol *patrol, const struct glide *glide, bool is_standing)
+{
+    if (!jp_patrol_trust_path(patrol)) {
+        jp_patrol_stand(patrol);
+        return;
+    }
+    patrol->internal.glide_heading = glide->heading;
+    patrol->internal.glide_least = glide->clearance;
+    patrol->internal.is_setting_off = is_standing;
+    patrol->internal.step_target = (struct jp_plane_point){patrol->pose.x, patrol->pose.y};
+    patrol->internal.is_gliding_to_goal = glide->is_to_goal;
+    jp_patrol_enter(patrol, JP_PATROL_GLIDING, JP_PATROL_NONE);
+    jp_patrol_glide(patrol);
+}
+
+/* ---- Choice ---- */
+
+/* Turning in place by an angle, with the wheels steered to it and back, J. */
+static float turn_cost(const struct jp_patrol *patrol, float angle)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const float in_place = jp_plane_bearing((float)config->wheels.track, (float)config->wheels.wheelbase);
+    const float seconds = angle / config->turn_rate + config->turn_rate / config->turn_acceleration;
+
+    return 2.0f * in_place * config->price.steering + angle * config->price.turning + seconds * config->price.second;
+}
+
+/* Steering to a glide that begins askew by an angle, J; it turns on its way. */
+static float glide_cost(const struct jp_patrol *patrol, float askew)
+{
+    return askew * patrol->config.price.steering;
+}
+
+/* The part of an angle that a glide can take, with its sign. */
+static float askew_part(const struct jp_patrol *patrol, float angle)
+{
+    const float most = jp_patrol_askew_max(&patrol->config);
+
+    return jp_plane_clamp(angle, -most, most);
+}
+
+/* The glide into the goal, if it is near enough: from a pose, along a direction. */
+static bool leads_in(const struct jp_patrol *patrol, const struct jp_patrol_window *window, float direction,
+                     struct glide *glide)
+{
+    const struct jp_patrol_goal *const goal = &patrol->internal.goal;
+    const float away = goal_distance(patrol, &glide->pose);
+    const float turned = askew_part(patrol, jp_plane_wrap(goal->pose.heading - direction));
+    const float turn = jp_plane_wrap(direction + turned - glide->pose.heading);
+    const float most = away / IN_PER_RADIAN_LEAST;
+
+    glide->heading = jp_plane_wrap(glide->pose.heading + jp_plane_clamp(turn, -most, most));
+    glide->is_to_goal =
+        window->is_goal && !goal->is_heading_free && away < IN_DISTANCE + IN_PER_RADIAN * jp_plane_magnitude(turn);
+    return glide->is_to_goal;
+}
+
+bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *window)
+{
+    const float askew = jp_plane_wrap(window->direction - patrol->pose.heading);
+    const float reached = askew_part(patrol, askew);
+    const bool is_reached = jp_plane_magnitude(askew - reached) < patrol->config.heading_tolerance;
+    const float part = is_reached ? askew : reached;
+    const float first = jp_plane_magnitude(askew - part);
+    struct glide glide = glide_from(patrol, &patrol->pose);
+
+    if (patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST ||
+        (is_reached ? 0.0f : turn_cost(patrol, first)) + glide_cost(patrol, jp_plane_magnitude(part)) >=
+            turn_cost(patrol, jp_plane_magnitude(askew))) {
+        return false;
+    }
+    glide.pose.heading = jp_plane_wrap(window->direction - part);
+    (void)leads_in(patrol, window, window->direction, &glide);
+    if (!is_free(patrol, glide, STEPS_MAX)) {
+        return false;
+    }
+    if (is_reached) {
+        begin(patrol, &glide, true);
+        return true;
+    }
+    jp_patrol_turn_to(patrol, glide.pose.heading);
+    return true;
+}
+
+bool jp_patrol_glide_in(struct jp_patrol *patrol, const struct jp_patrol_window *window)
+{
+    struct glide glide = glide_from(patrol, &patrol->pose);
+
+    if (!patrol->config.turns_in_place || patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST ||
+        !leads_in(patrol, window, window->direction, &glide)) {
+        return false;
+    }
+    const struct jp_plane_pose end = {patrol->internal.goal.pose.x, patrol->internal.goal.pose.y, glide.heading};
+
+    glide.clearance = smaller(glide.clearance, jp_patrol_clearance(patrol, &end) - NOISE);
+    if (glide.clearance < CLEARANCE_MIN || !is_free(patrol, glide, STEPS_MAX)) {
+        return false;
+    }
+    begin(patrol, &glide, false);
+    return true;
+}
+
+bool jp_patrol_can_glide_in(const struct jp_patrol *patrol)
+{
+    uint16_t i = (uint16_t)(patrol->internal.path_count - 1U);
+    struct jp_plane_pose at = patrol->internal.goal.pose;
+    struct glide glide = glide_from(patrol, &patrol->pose);
+
+    if (patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST) {
+        return false;
+    }
+    while (i > patrol->internal.path_next && goal_distance(patrol, &at) < IN_DISTANCE + IN_PER_RADIAN) {
+        const struct jp_plane_point point = point_at(patrol, --i);
+
+        at.x = point.x;
+        at.y = point.y;
+    }
+    glide.next = i;
+    at.heading = direction_from(patrol, &at, &glide.next);
+    glide.pose = at;
+    glide.clearance = patrol->config.glide_clearance;
+    glide.heading = patrol->internal.goal.pose.heading;
+    glide.is_to_goal = true;
+
+    const float turn = jp_plane_magnitude(jp_plane_wrap(glide.heading - at.heading));
+
+    return turn < jp_patrol_askew_max(&patrol->config) && IN_PER_RADIAN_LEAST * turn <= goal_distance(patrol, &at) &&
+           is_free(patrol, glide, STEPS_MAX);
+}
+
+/* ---- A cycle ---- */
+
+/* Fastest now, so that the robot can stop at the goal, and come to it turned. */
+static float speed_of(const struct jp_patrol *patrol, float now, float away, float remaining)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const float rising = now + config->teb.acceleration * config->period;
+    const float stopping = jp_patrol_stopping_speed(config, config->teb.acceleration, away);
+    const float turning = patrol->internal.is_gliding_to_goal && jp_plane_magnitude(remaining) > ALONG
+                              ? config->turn_rate * away / jp_plane_magnitude(remaining)
+                              : config->teb.speed_max;
+
+    return smaller(smaller(rising, stopping), smaller(config->teb.speed_max, turning));
+}
+
+/* Where the robot will be when the wheels do what is asked of them now. */
+static struct jp_plane_pose after_latency(const struct jp_patrol *patrol)
+{
+    const float latency = patrol->config.latency;
+    const struct jp_plane_pose way = {latency * patrol->internal.command.forward, latency * patrol->internal.sideways,
+                                      latency * patrol->internal.command.turn_rate};
+
+    return jp_plane_compose(&patrol->pose, &way);
+}
+
+/* From now until the robot slows down, s: what is decided in the next cycle acts after the latency, and the wheels
+ * lag behind. */
+static float delay(const struct jp_patrol *patrol)
+{
+    return patrol->config.latency + 2.0f * patrol->config.period;
+}
+
+/* Whether the wheels are still steered for the glide, at a stand. */
+static bool is_setting_off(const struct jp_patrol *patrol)
+{
+    const struct jp_plane_point *const from = &patrol->internal.step_target;
+
+    return patrol->internal.is_setting_off &&
+           jp_plane_length(patrol->pose.x - from->x, patrol->pose.y - from->y) < SET_OFF_DISTANCE;
+}
+
+/* Velocity of the chassis in its own frame. */
+struct chassis_motion {
+    float forward;
+    float left;
+    float turn_rate;
+};
+
+static struct chassis_motion commanded(const struct jp_patrol *patrol)
+{
+    return (struct chassis_motion){patrol->internal.command.forward, patrol->internal.sideways,
+                                   patrol->internal.command.turn_rate};
+}
+
+static struct chassis_motion between(const struct chassis_motion *from, const struct chassis_motion *to, float share)
+{
+    return (struct chassis_motion){from->forward + share * (to->forward - from->forward),
+                                   from->left + share * (to->left - from->left),
+                                   from->turn_rate + share * (to->turn_rate - from->turn_rate)};
+}
+
+/* Velocity of a wheel's contact. */
+static struct jp_plane_point contact(const struct jp_patrol *patrol, const struct chassis_motion *motion,
+                                     unsigned wheel)
+{
+    const float x = (wheel < (unsigned)JP_REAR_LEFT ? 0.5f : -0.5f) * (float)patrol->config.wheels.wheelbase * Q24;
+    const float y = (wheel % 2U == 0U ? 0.5f : -0.5f) * (float)patrol->config.wheels.track * Q24;
+
+    return (struct jp_plane_point){motion->forward - motion->turn_rate * y, motion->left + motion->turn_rate * x};
+}
+
+/* Whether no wheel is asked to turn so far at once that it would have to stop for it. */
+static bool can_steer(const struct jp_patrol *patrol, const struct chassis_motion *from,
+                      const struct chassis_motion *to)
+{
+    for (unsigned wheel = 0; wheel < (unsigned)JP_WHEELS; wheel++) {
+        const struct jp_plane_point a = contact(patrol, from, wheel);
+        const struct jp_plane_point b = contact(patrol, to, wheel);
+
+        if (jp_plane_magnitude(a.x * b.y - a.y * b.x) > STEERED_MAX * (a.x * b.x + a.y * b.y)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* As near to a motion as the wheels can follow in a cycle; at a stand they are steered first. */
+static struct chassis_motion steered(const struct jp_patrol *patrol, const struct chassis_motion *wanted)
+{
+    const struct chassis_motion now = commanded(patrol);
+    struct chassis_motion next = *wanted;
+    float share = 1.0f;
+
+    while (share > SHARE_MIN && !can_steer(patrol, &now, &next)) {
+        share *= 0.5f;
+        next = between(&now, wanted, share);
+    }
+    return next;
+}
+
+/* Whether the robot can stop from a motion, with its wheels at the angles that they have then. */
+static bool can_stop(const struct jp_patrol *patrol, const struct chassis_motion *motion, float clearance)
+{
+    const float speed = jp_plane_length(motion->forward, motion->left);
+    const float seconds = 0.5f * speed / patrol->config.teb.acceleration + delay(patrol);
+    const unsigned steps = (unsigned)(seconds * speed / STEP_LENGTH) + 1U;
+    const float step = seconds / (float)steps;
+    const struct jp_plane_pose part = {step * motion->forward, step * motion->left, step * motion->turn_rate};
+    struct jp_plane_pose pose = patrol->pose;
+
+    for (unsigned i = 1; i <= steps; i++) {
+        pose = jp_plane_compose(&pose, &part);
+        if (jp_patrol_clearance_later(patrol, &pose, 2.0f * step * (float)i) < 0.5f * clearance) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool move(struct jp_patrol *patrol, const struct glide *glide, float direction, float speed)
+{
+    const float askew = jp_plane_wrap(direction - glide->pose.heading);
+    const float away = goal_distance(patrol, &glide->pose);
+    const float remaining = glide->is_to_goal ? jp_plane_wrap(glide->heading - glide->pose.heading) : askew;
+    const float early = EARLIER * jp_plane_magnitude(remaining) * speed / larger(away, STEP_LENGTH);
+    const float stopping =
+        jp_patrol_stopping_speed(&patrol->config, patrol->config.turn_acceleration, jp_plane_magnitude(remaining));
+    const float due = glide->is_to_goal ? smaller(early, stopping) : stopping;
+    const float most = smaller(due, smaller(speed * turn_per_metre(patrol, askew), patrol->config.turn_rate));
+    const float change = patrol->config.turn_acceleration * patrol->config.period;
+    const float before = patrol->internal.command.turn_rate;
+    const struct chassis_motion wanted = {
+        speed * jp_plane_cosine(askew), speed * jp_plane_sine(askew),
+        jp_plane_clamp(remaining < 0.0f ? -most : most, before - change, before + change)};
+    const struct chassis_motion next = steered(patrol, &wanted);
+
+    patrol->internal.command = (struct jp_plane_speed){next.forward, next.turn_rate};
+    patrol->internal.sideways = next.left;
+    return can_stop(patrol, &next, glide->clearance);
+}
+
+void jp_patrol_glide(struct jp_patrol *patrol)
+{
+    const struct jp_plane_pose pose = after_latency(patrol);
+    const float now = jp_plane_length(patrol->internal.command.forward, patrol->internal.sideways);
+    struct glide glide = glide_from(patrol, &pose);
+    uint16_t next;
+
+    if (jp_patrol_advance(patrol)) {
+        patrol->internal.unmoved = 0;
+        patrol->internal.tries = 0;
+    }
+    next = patrol->internal.path_next;
+
+    const float direction = direction_from(patrol, &pose, &next);
+    const float askew = jp_plane_wrap(direction - pose.heading);
+    const float away = goal_distance(patrol, &patrol->pose);
+    const float remaining = jp_plane_wrap(glide.heading - pose.heading);
+    const float stop = now * (0.5f * now / patrol->config.teb.acceleration + delay(patrol));
+
+    if (3.0f * away < patrol->config.position_tolerance ||
+        (!glide.is_to_goal && jp_plane_magnitude(askew) < ALONG &&
+         jp_plane_magnitude(patrol->internal.command.turn_rate) * arm_of(patrol) <= 0.5f * STEERED_MAX * now)) {
+        jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
+        patrol->internal.command.forward = now;
+        return;
+    }
+    if (jp_plane_magnitude(askew) > askew_limit(&patrol->config) + STEERING_MARGIN) {
+        jp_patrol_stand(patrol);
+        jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
+        return;
+    }
+    if (is_setting_off(patrol)) {
+        patrol->internal.command = (struct jp_plane_speed){SET_OFF_SPEED * jp_plane_cosine(askew), 0.0f};
+        patrol->internal.sideways = SET_OFF_SPEED * jp_plane_sine(askew);
+        return;
+    }
+    if (!is_free(patrol, glide, (unsigned)(stop / STEP_LENGTH) + 2U) ||
+        !move(patrol, &glide, direction, speed_of(patrol, now, away, remaining))) {
+        jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
+    }
+}

@@ -1,0 +1,23 @@
+/** Turning while the robot drives, its wheels askew. Private to the patrol. */
+#ifndef JOULEPATH_LOCAL_PATROL_GLIDE_H
+#define JOULEPATH_LOCAL_PATROL_GLIDE_H
+
+#include "src/local/patrol_path.h"
+
+/** At a stand whose path leads off by more than turn_first: begins what is cheapest of a glide along the path, and of
+ *  a turn in place to where such a glide can begin. False: to turn in place all the way is, or nothing else is free. */
+bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *window);
+
+/** Near a goal that wants another heading: begins the glide into it. False: it is too early, or not free. */
+bool jp_patrol_glide_in(struct jp_patrol *patrol, const struct jp_patrol_window *window);
+
+/** Largest angle between heading and way at which a glide begins or ends, rad. */
+float jp_patrol_askew_max(const struct jp_patrol_config *config);
+
+/** Whether, by what scans have shown, such a glide from the path's end leads to the goal's heading. */
+bool jp_patrol_can_glide_in(const struct jp_patrol *patrol);
+
+/** A cycle of the state GLIDING. */
+void jp_patrol_glide(struct jp_patrol *patrol);
+
+#endif

@@ -1,0 +1,264 @@
+/* What a leg is planned to take, and how much more legs take than that. */
+#include <joulepath/patrol_forecast.h>
+#include <stddef.h>
+
+#include "tests/support/patrol_rig.h"
+
+/* 25 W standing, 100 W a wheel's metre a second of 1000 N; steering 1 J/rad. */
+static const struct jp_four_wheel_energy_model model = {
+    .wheelbase = JP_Q24(0.5),
+    .track = JP_Q24(0.44),
+    .weight = JP_Q16(1000),
+    .rolling = JP_Q24(0.01),
+    .inertia = 0,
+    .driving = JP_Q24_ONE,
+    .braking = JP_Q24_ONE,
+    .steering = JP_Q16_ONE,
+    .contact = JP_Q24(0.01),
+    .electronics_power = JP_Q16(25),
+};
+
+static struct jp_four_wheel_drive drive;
+static float duration;
+
+static void expect_within(float tolerance, float expected, float actual)
+{
+    TEST_ASSERT_TRUE(jp_plane_magnitude(actual - expected) <= tolerance);
+}
+
+void setUp(void)
+{
+    rig_reset();
+    config.teb.speed_max = 1.0f;
+    config.teb.acceleration = 0.5f;
+    drive = (struct jp_four_wheel_drive){0};
+    duration = 0.0f;
+}
+
+void tearDown(void)
+{
+}
+
+static struct jp_patrol_plan plan_to(float x, float y, float heading, bool is_heading_free)
+{
+    path_count = 0;
+    rig_straight(0.0f, 0.0f, x, y);
+    return (struct jp_patrol_plan){.start = {0.0f, 0.0f, 0.0f},
+                                   .path = path,
+                                   .path_count = path_count,
+                                   .goal = {{x, y, heading}, is_heading_free},
+                                   .tick_rate = 100};
+}
+
+static void expect_leg(const struct jp_patrol_plan *plan, float seconds, float joules)
+{
+    drive = (struct jp_four_wheel_drive){0};
+    duration = 0.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, plan, &drive, &duration));
+    expect_within(0.02f * seconds + 0.01f, seconds, duration);
+    expect_within(0.03f * joules + 0.1f, joules, (float)drive.energy / 65536.0f);
+}
+
+/* 2 s up, 2 m at 1 m/s, 2 s down; 10 N over 4 m. */
+static void test_a_straight_leg(void)
+{
+    const struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 0.0f, true);
+
+    expect_leg(&plan, 6.0f, 6.0f * 25.0f + 40.0f);
+}
+
+static void test_legs_add_up(void)
+{
+    const struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 0.0f, true);
+
+    expect_leg(&plan, 6.0f, 190.0f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    expect_within(0.2f, 12.0f, duration);
+}
+
+/* Half a turn at 1 rad/s with a ramp of 2/3 s; the wheels by 48.7° before and after, at 200°/s. */
+static void test_turning_first(void)
+{
+    const struct jp_patrol_plan plan = plan_to(-4.0f, 0.0f, 0.0f, true);
+    const float steering = 2.0f * 0.8491f;
+    const float seconds = 3.1416f + 0.667f + steering / 3.4907f;
+
+    expect_leg(&plan, 6.0f + seconds, 190.0f + seconds * 25.0f + 4.0f * steering + 3.1416f * 0.333f * 10.0f);
+}
+
+/* A quarter is glided but for what a glide cannot. */
+static void test_gliding_takes_less_than_turning_first(void)
+{
+    const struct jp_patrol_plan plan = plan_to(0.0f, 4.0f, 0.0f, false);
+    struct jp_four_wheel_drive first = {0};
+    float seconds = 0.0f;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &first, &seconds));
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    TEST_ASSERT_TRUE(duration < seconds);
+    TEST_ASSERT_TRUE(drive.energy < first.energy);
+}
+
+/* All of it. */
+static void test_a_small_turn_is_glided(void)
+{
+    const struct jp_patrol_plan plan = plan_to(3.0f, 3.0f, 0.7854f, false);
+    const float seconds = 2.0f + 4.2426f + 0.7854f / 3.4907f;
+
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    expect_leg(&plan, seconds, seconds * 25.0f + 42.4f + 4.0f * 0.7854f);
+}
+
+/* In one piece, from stand to stand. */
+static void test_a_path_of_two_points(void)
+{
+    struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 0.0f, true);
+
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(0.5f, 0.0f);
+    plan.path_count = path_count;
+    expect_leg(&plan, 2.0f, 55.0f);
+}
+
+static void test_a_small_angle_is_driven(void)
+{
+    const struct jp_patrol_plan plan = plan_to(4.0f, 1.0f, 0.245f, false);
+
+    expect_leg(&plan, 6.12f, 6.12f * 25.0f + 41.2f);
+}
+
+static void test_turning_to_the_goal(void)
+{
+    const struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 3.1416f, false);
+    const float steering = 2.0f * 0.8491f;
+    const float seconds = 3.1416f + 0.667f + steering / 3.4907f;
+
+    expect_leg(&plan, 6.0f + seconds, 190.0f + seconds * 25.0f + 4.0f * steering + 3.1416f * 0.333f * 10.0f);
+    config.turns_in_place = false;
+    expect_leg(&plan, 6.0f, 190.0f);
+}
+
+/* Of 1 m radius at 0.5 rad/s: half as fast. */
+static void test_bends_are_driven_slower(void)
+{
+    struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 0.0f, true);
+
+    config.teb.turn_rate_max = 0.5f;
+    path_count = 0;
+    for (int i = 0; i <= 31; i++) {
+        const float angle = 0.1f * (float)i;
+        rig_point(jp_plane_sine(angle), 1.0f - jp_plane_cosine(angle));
+    }
+    plan.path_count = path_count;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    expect_within(0.6f, 7.0f, duration);
+}
+
+static void test_a_leg_on_the_spot(void)
+{
+    struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 0.0f, true);
+
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(0.0f, 0.0f);
+    plan.path_count = path_count;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    expect_within(1e-6f, 0.0f, duration);
+}
+
+/* A turn so slow that it exceeds a piece's format. */
+static void test_a_piece_that_does_not_fit_is_limited(void)
+{
+    struct jp_patrol_plan plan = plan_to(0.0f, 4.0f, 0.0f, true);
+
+    config.turn_rate = 0.001f;
+    config.turn_acceleration = 1000.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    expect_within(3.0f * 25.0f, 262.0f * 25.0f, (float)drive.energy / 65536.0f);
+}
+
+/* Steered so far that no piece can hold it. */
+static void test_a_piece_out_of_range_is_left_out(void)
+{
+    struct jp_patrol_plan plan = plan_to(0.0f, 4.0f, 0.0f, true);
+
+    plan.tick_rate = 1U << 30;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    TEST_ASSERT_TRUE(duration > 6.0f);
+}
+
+static void test_bad_arguments(void)
+{
+    struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 0.0f, true);
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(NULL, &model, &plan, &drive, &duration));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(&config, NULL, &plan, &drive, &duration));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(&config, &model, NULL, &drive, &duration));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(&config, &model, &plan, NULL, &duration));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(&config, &model, &plan, &drive, NULL));
+    plan.path_count = 1;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    plan = plan_to(4.0f, 0.0f, 0.0f, true);
+    plan.path = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    plan = plan_to(4.0f, 0.0f, 0.0f, true);
+    plan.tick_rate = 0;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+}
+
+/* ---- Pace ---- */
+
+static void test_nothing_is_known_at_first(void)
+{
+    const struct jp_patrol_pace pace = {0};
+
+    expect_within(1e-6f, 1.2f, jp_patrol_pace_factor(&pace, 1.2f));
+    expect_within(1e-6f, 0.2f, jp_patrol_pace_deviation(&pace));
+}
+
+static void test_a_factor_is_learned(void)
+{
+    struct jp_patrol_pace pace = {0};
+
+    for (int i = 0; i < 60; i++) {
+        jp_patrol_pace_learn(&pace, 1.0f, 100.0f, 125.0f);
+    }
+    expect_within(0.04f, 1.25f, jp_patrol_pace_factor(&pace, 1.0f));
+    TEST_ASSERT_TRUE(jp_patrol_pace_deviation(&pace) < 0.1f);
+    TEST_ASSERT_EQUAL_UINT32(60, pace.legs);
+}
+
+static void test_legs_count_by_their_energy(void)
+{
+    struct jp_patrol_pace pace = {0};
+
+    for (int i = 0; i < 100; i++) {
+        jp_patrol_pace_learn(&pace, 1.0f, i % 2 == 0 ? 300.0f : 100.0f, i % 2 == 0 ? 300.0f : 120.0f);
+    }
+    expect_within(0.03f, 1.05f, jp_patrol_pace_factor(&pace, 1.0f));
+    expect_within(0.05f, 0.11f, jp_patrol_pace_deviation(&pace));
+}
+
+/* Somebody was in the way. */
+static void test_a_leg_far_off_counts_little(void)
+{
+    struct jp_patrol_pace pace = {0};
+
+    for (int i = 0; i < 20; i++) {
+        jp_patrol_pace_learn(&pace, 1.0f, 100.0f, 101.0f);
+    }
+    jp_patrol_pace_learn(&pace, 1.0f, 100.0f, 1000.0f);
+    expect_within(0.03f, 1.03f, jp_patrol_pace_factor(&pace, 1.0f));
+    jp_patrol_pace_learn(&pace, 1.0f, 100.0f, 1.0f);
+    expect_within(0.03f, 1.01f, jp_patrol_pace_factor(&pace, 1.0f));
+}
+
+static void test_the_count_saturates(void)
+{
+    struct jp_patrol_pace pace = {.planned = 1.0f, .driven = 1.0f, .legs = UINT32_MAX};
+
+    jp_patrol_pace_learn(&pace, 1.0f, 1.0f, 1.0f);
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, pace.legs);
+}

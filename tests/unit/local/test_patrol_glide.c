@@ -1,0 +1,319 @@
+/* Turning while the robot drives: when it pays, when it is free, and how it ends. */
+#include "src/local/patrol_glide.h"
+
+#include "src/local/patrol_path.h"
+#include "src/local/patrol_room.h"
+#include "src/local/patrol_state.h"
+#include "tests/support/patrol_rig.h"
+
+static void expect_within(float tolerance, float expected, float actual)
+{
+    TEST_ASSERT_TRUE(jp_plane_magnitude(actual - expected) <= tolerance);
+}
+
+void setUp(void)
+{
+    rig_reset();
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+}
+
+void tearDown(void)
+{
+}
+
+static void expect_pose(float x, float y, float heading)
+{
+    expect_within(config.position_tolerance, x, robot.x);
+    expect_within(config.position_tolerance, y, robot.y);
+    expect_within(config.heading_tolerance + 0.01f, 0.0f, jp_plane_wrap(robot.heading - heading));
+}
+
+/* ---- Setting off ---- */
+
+static void test_robot_glides_to_a_path_at_its_side(void)
+{
+    rig_go(1.0f, 2.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(twist.y > 0);
+    TEST_ASSERT_EQUAL_INT32(0, twist.turn_rate);
+    (void)rig_until(JP_PATROL_DRIVING, 60);
+    expect_within(0.25f, 1.19f, robot.heading);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.glides);
+}
+
+static void test_to_the_right_as_to_the_left(void)
+{
+    rig_go(1.0f, -2.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(twist.y < 0);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+}
+
+/* As far as a glide can take over. */
+static void test_robot_turns_part_of_a_great_angle(void)
+{
+    rig_go(-2.5f, 0.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_GLIDING, 60);
+    expect_within(0.1f, 2.944f - jp_patrol_askew_max(&config), robot.heading);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.turns);
+}
+
+static void test_the_papers_rule_turns_first(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_FIXED_ANGLE;
+    rig_init();
+    rig_go(1.0f, 2.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.glides);
+}
+
+/* Where steering costs more than turning, what a glide saves of the turn is not worth it. */
+static void test_the_cheaper_way_is_taken(void)
+{
+    config.price = (struct jp_patrol_price){.second = 1.0f, .turning = 0.0f, .steering = 100.0f};
+    rig_init();
+    rig_go(-2.5f, 0.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_DRIVING, 60);
+    expect_within(0.1f, 2.944f, robot.heading);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.glides);
+}
+
+/* A wall in the way of the corners that hang out, but not of the robot that has turned. */
+static void test_robot_turns_where_a_glide_is_not_free(void)
+{
+    rig_wall(0.5f, 0.95f, 0.5f, 3.0f);
+    rig_wall(-0.5f, 0.95f, -0.5f, 3.0f);
+    rig_go(0.0f, 2.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+}
+
+static void test_less_room_than_wanted_is_not_made_less(void)
+{
+    rig_wall(-2.0f, -0.35f, 2.0f, -0.35f);
+    rig_go(1.0f, 2.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+}
+
+static void test_what_comes_into_a_glide_stops_it(void)
+{
+    rig_go(1.0f, 2.5f);
+    rig_cycles(12);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    rig_wall(-2.0f, robot.y + 0.75f, 3.0f, robot.y + 0.75f);
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    rig_expect_stand();
+    wall_count = 0;
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+}
+
+/* Three free cycles in a row. */
+static void test_a_glide_begins_when_the_path_is_to_be_trusted(void)
+{
+    rig_go(1.0f, 2.5f);
+    rig_cycles(12);
+    rig_wall(-2.0f, robot.y + 0.75f, 3.0f, robot.y + 0.75f);
+    rig_cycle();
+    robot.heading = 0.0f;
+    patrol.pose = robot;
+    wall_count = 0;
+    rig_cycles(2);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    rig_expect_stand();
+    rig_cycle();
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+}
+
+/* Pushed round, so that no wheel can be steered to the way. */
+static void test_what_turns_the_robot_away_ends_the_glide(void)
+{
+    rig_go(1.0f, 2.5f);
+    rig_cycles(8);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    robot.heading -= 1.2f;
+    patrol.pose = robot;
+    rig_cycle();
+    rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+    rig_expect_stand();
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+}
+
+static void test_a_pause_holds_a_glide(void)
+{
+    rig_go(1.0f, 2.5f);
+    rig_cycles(8);
+    jp_patrol_pause(&patrol);
+    rig_expect(JP_PATROL_HELD, JP_PATROL_NONE);
+}
+
+/* ---- Into the goal ---- */
+
+static void test_robot_comes_to_the_goal_turned(void)
+{
+    rig_go_to_heading(4.0f, 0.0f, 1.0f);
+    (void)rig_until(JP_PATROL_GLIDING, RIG_LONG);
+    TEST_ASSERT_TRUE(robot.x > 2.0f && robot.x < 3.5f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    expect_pose(4.0f, 0.0f, 1.0f);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+}
+
+static void test_what_a_glide_cannot_turn_is_turned_in_place(void)
+{
+    rig_go_to_heading(4.0f, 0.0f, -3.0f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    expect_pose(4.0f, 0.0f, -3.0f);
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.turns);
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.glides);
+}
+
+/* From a stand in one glide: along and round. */
+static void test_a_short_way_is_one_glide(void)
+{
+    rig_go_to_heading(0.5f, 0.7f, 0.9f);
+    rig_cycle();
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(patrol.internal.is_gliding_to_goal);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    expect_pose(0.5f, 0.7f, 0.9f);
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.glides);
+}
+
+static void test_a_goal_of_any_heading_is_driven_to(void)
+{
+    rig_go(3.0f, 0.0f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.glides);
+}
+
+static void test_a_plain_band_does_not_glide(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    rig_go_to_heading(3.0f, 0.0f, 0.0f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.glides);
+}
+
+/* Beside a wall there is no room for the corners. */
+static void test_a_glide_into_a_goal_must_be_free(void)
+{
+    struct jp_patrol_window window;
+
+    rig_wall(0.5f, 0.42f, 5.0f, 0.42f);
+    robot.x = 2.5f;
+    rig_init();
+    rig_go_to_heading(3.0f, 0.0f, 0.8f);
+    rig_cycle();
+    jp_patrol_look_ahead(&patrol, config.horizon, &window);
+    TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
+    rig_wall(2.9f, -0.5f, 2.9f, 0.5f);
+    rig_go_to_heading(3.5f, 0.0f, 0.0f);
+    rig_cycle();
+    jp_patrol_look_ahead(&patrol, config.horizon, &window);
+    TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
+}
+
+static void test_a_goal_behind_is_stepped_to(void)
+{
+    rig_go_to_heading(-0.2f, 0.05f, 0.0f);
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    expect_pose(-0.2f, 0.05f, 0.0f);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+}
+
+/* With what its wheels would do if it stopped now it would touch a wall beside its way. */
+static void test_a_glide_that_cannot_stop_stops(void)
+{
+    rig_wall(-2.0f, 1.2f, 3.0f, 1.2f);
+    rig_go(2.5f, 0.0f);
+    rig_cycles(3);
+    jp_patrol_stand(&patrol);
+    patrol.internal.glide_least = 3.0f;
+    patrol.internal.command = (struct jp_plane_speed){0.5f, 0.9f};
+    jp_patrol_enter(&patrol, JP_PATROL_GLIDING, JP_PATROL_NONE);
+    jp_patrol_glide(&patrol);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
+/* A wheel that hardly moves would have to turn far at once. */
+static void test_wheels_change_little_in_a_cycle(void)
+{
+    const float y = 0.22f;
+    const float x = 0.25f;
+
+    rig_go(0.5f, 2.5f);
+    rig_cycles(8);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    patrol.internal.command = (struct jp_plane_speed){y + 0.0005f, 1.0f};
+    patrol.internal.sideways = -x;
+    patrol.internal.is_setting_off = false;
+    jp_patrol_glide(&patrol);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(patrol.internal.command.turn_rate > 0.8f);
+}
+
+/* ---- What is foreseen ---- */
+
+static void test_a_glide_from_the_path_is_foreseen(void)
+{
+    rig_go_to_heading(4.0f, 0.0f, 1.0f);
+    TEST_ASSERT_TRUE(jp_patrol_can_glide_in(&patrol));
+    rig_go_to_heading(4.0f, 0.0f, 2.5f);
+    TEST_ASSERT_FALSE(jp_patrol_can_glide_in(&patrol));
+    rig_go_to_heading(0.3f, 0.0f, 0.3f);
+    TEST_ASSERT_TRUE(jp_patrol_can_glide_in(&patrol));
+    rig_go_to_heading(0.3f, 0.0f, 0.9f);
+    TEST_ASSERT_FALSE(jp_patrol_can_glide_in(&patrol));
+    rig_wall(1.0f, 0.45f, 5.0f, 0.45f);
+    rig_go_to_heading(2.0f, 0.0f, 1.0f);
+    rig_sense();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_FALSE(jp_patrol_can_glide_in(&patrol));
+    patrol.config.strategy = (uint8_t)JP_PATROL_FIXED_ANGLE;
+    TEST_ASSERT_FALSE(jp_patrol_can_glide_in(&patrol));
+}
+
+/* A path that turns back on itself leads wheels beyond their limit. */
+static void test_a_path_that_turns_back_is_not_glided_along(void)
+{
+    rig_straight(0.0f, 0.0f, 0.2f, 0.55f);
+    rig_straight(0.2f, 0.4f, -1.5f, -1.5f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(-1.5f, -1.5f, 0.0f, true));
+    rig_cycle();
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.glides);
+}
+
+static void test_clearance_of_what_moves(void)
+{
+    const struct jp_plane_point centre = {0.0f, 0.0f};
+    struct jp_obstacle shape = {.vertices = {{3.0f, 0.0f}}, .vertex_count = 1, .radius = 0.5f, .margin = 0.1f};
+
+    jp_obstacles_clear(&patrol.obstacles, &centre);
+    TEST_ASSERT_TRUE(jp_patrol_clearance_later(&patrol, &robot, 1.0f) > 1.0e6f);
+    shape.velocity = (struct jp_plane_point){-0.5f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, &shape));
+    expect_within(0.01f, 3.0f - 0.5f - 0.4f + 0.02f, jp_patrol_clearance_later(&patrol, &robot, 0.0f));
+    expect_within(0.01f, 3.0f - 1.0f - 0.5f - 0.4f - 0.2f + 0.02f, jp_patrol_clearance_later(&patrol, &robot, 2.0f));
+    shape = (struct jp_obstacle){.vertices = {{0.0f, 9.0f}}, .vertex_count = 1};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, &shape));
+    expect_within(0.01f, 3.0f - 0.5f - 0.4f + 0.02f, jp_patrol_clearance_later(&patrol, &robot, 0.0f));
+}
