@@ -265,13 +265,10 @@ static void begin_leg(struct mission *m)
 /* Where a mark tells the robot its place. */
 static bool set_pose(struct mission *m)
 {
-    const struct planar_pose mount = scanner_on_robot(m);
-    const struct planar_pose scanner = planar_compose(&m->plant.state.pose, &mount);
     const struct jp_plane_pose pose = to_plane(&m->plant.state.pose);
-    const struct jp_plane_pose eye = to_plane(&scanner);
 
     return jp_patrol_set_pose(&m->navigator.patrol, &pose) == JP_OK &&
-           jp_scan_matcher_start(&m->matcher, &eye) == JP_OK;
+           jp_localiser_start(&m->localiser, &pose) == JP_OK;
 }
 
 static bool is_leg_over(const struct mission *m)

@@ -23,5 +23,5 @@ void jp_bus_meter_update(struct jp_bus_meter *meter, jp_q16 voltage, jp_q16 curr
 {
     const jp_q16 power = jp_q16_multiply(voltage, current);
 
-    meter->energy += jp_round_shift64((int64_t)power * meter->tick, 16);
+    meter->energy += jp_round_shift64((int64_t)power * (int64_t)meter->tick, 16);
 }

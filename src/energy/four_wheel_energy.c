@@ -27,7 +27,7 @@ struct mean_twist {
 };
 
 /* W in Q16, and of steering 2ⁿ J. */
-struct effect {
+struct four_wheel_effect {
     int64_t power;
     int64_t change[JP_FOUR_WHEEL_FACTORS];
 };
@@ -128,7 +128,7 @@ static void set_mean(const struct jp_four_wheel_energy_model *model, const struc
 /* ---- Power ---- */
 
 static void add_wheel(const struct jp_four_wheel_energy_model *model, int64_t speed, int64_t pushed,
-                      struct effect *effect)
+                      struct four_wheel_effect *effect)
 {
     const int64_t drag = q24_product(model->drag, speed);
     const int64_t force = limited(model->rolling / (int64_t)WHEELS + drag + pushed, FORCE_MAX);
@@ -143,9 +143,9 @@ static void add_wheel(const struct jp_four_wheel_energy_model *model, int64_t sp
 }
 
 static void set_effect(const struct jp_four_wheel_energy_model *model, const struct mean_twist *motion,
-                       struct effect *effect)
+                       struct four_wheel_effect *effect)
 {
-    *effect = (struct effect){.power = model->electronics_power};
+    *effect = (struct four_wheel_effect){.power = model->electronics_power};
     effect->change[JP_FOUR_WHEEL_ELECTRONICS] = model->electronics_power;
     if (motion->rolling > 0) {
         const int64_t pushed = limited(motion->effort * JP_Q24_ONE / (motion->rolling * (int64_t)WHEELS), FORCE_MAX);
@@ -197,7 +197,7 @@ static bool is_rise(jp_q24 rise)
 enum jp_status jp_four_wheel_energy_add(const struct jp_four_wheel_energy_model *model,
                                         struct jp_four_wheel_drive *drive, const struct jp_four_wheel_piece *piece)
 {
-    struct effect effect;
+    struct four_wheel_effect effect;
 
     if (model == NULL || drive == NULL || piece == NULL || !is_twist(&piece->start) || !is_twist(&piece->end) ||
         !is_rise(piece->grade) || !is_rise(piece->bank) || !jp_is_between(piece->travel, 0, TRAVEL_MAX) ||

@@ -78,14 +78,14 @@ static struct jp_plane_point turned(struct jp_plane_point direction, struct jp_p
 }
 
 /* Sums over the ends: information · step = gradient. */
-struct match_sums {
+struct localiser_sums {
     float information[3][3];
     float gradient[3];
     float inliers;
     float most; /* information that all of the ends would be in one direction */
 };
 
-static void add_end(struct match_sums *sums, const struct jp_wall_distance *wall, struct jp_plane_point arm,
+static void add_end(struct localiser_sums *sums, const struct jp_wall_distance *wall, struct jp_plane_point arm,
                     float weight)
 {
     const float row[3] = {wall->gradient.x, wall->gradient.y, wall->gradient.y * arm.x - wall->gradient.x * arm.y};
@@ -100,7 +100,7 @@ static void add_end(struct match_sums *sums, const struct jp_wall_distance *wall
 
 /* Geman and McClure's weights, whose width is `scale`. */
 static void sum_up(const struct jp_wall_field *field, const struct jp_localiser_cloud *cloud,
-                   const struct jp_plane_pose *pose, float scale, float noise, struct match_sums *sums)
+                   const struct jp_plane_pose *pose, float scale, float noise, struct localiser_sums *sums)
 {
     const struct jp_plane_point direction = jp_plane_direction(pose->heading);
     const struct jp_plane_point sensor = turned(direction, cloud->sensor);
@@ -125,7 +125,7 @@ static void sum_up(const struct jp_wall_field *field, const struct jp_localiser_
     }
 }
 
-static void take_out(struct match_sums *sums, const float vector[3], float value)
+static void take_out(struct localiser_sums *sums, const float vector[3], float value)
 {
     const float along = vector[0] * sums->gradient[0] + vector[1] * sums->gradient[1] + vector[2] * sums->gradient[2];
 
@@ -138,7 +138,7 @@ static void take_out(struct match_sums *sums, const float vector[3], float value
 }
 
 /* Takes out what the ends say in the directions that few of them determine. */
-static void leave_weak(struct match_sums *sums, float weak)
+static void leave_weak(struct localiser_sums *sums, float weak)
 {
     struct jp_eigen eigen;
 
@@ -158,7 +158,7 @@ static void away_from(const struct jp_plane_pose *prior, const struct jp_plane_p
 }
 
 /* A step towards the most probable pose; its length, m or rad, or one that has no end without a solution. */
-static float step(const struct jp_localiser_prior *prior, struct match_sums *sums, struct jp_localiser_fit *fit)
+static float step(const struct jp_localiser_prior *prior, struct localiser_sums *sums, struct jp_localiser_fit *fit)
 {
     struct jp_localiser_prior known = *prior;
     float covariance[3][3];
@@ -202,7 +202,7 @@ void jp_localiser_match(const struct jp_wall_field *field, const struct jp_local
     float scale = jp_plane_larger(prior->spread, narrowest);
     float size = FLT_MAX;
     bool is_narrow = false;
-    struct match_sums sums;
+    struct localiser_sums sums;
 
     (void)memset(fit, 0, sizeof *fit);
     fit->pose = prior->start;

@@ -41,13 +41,14 @@ static int32_t width_of(int32_t level)
 }
 
 /* The pose in the middle, and how far an end is from there at most: `still` and `turning` times its range. */
-struct middle {
+struct node_middle {
     struct jp_plane_pose pose;
     float still;
     float turning;
 };
 
-static void find_middle(const struct jp_wall_field *field, const struct jp_localiser_node *node, struct middle *middle)
+static void find_middle(const struct jp_wall_field *field, const struct jp_localiser_node *node,
+                        struct node_middle *middle)
 {
     const float half = 0.5f * (float)width_of(node->level);
     const float side = field->cell * (float)SIDE;
@@ -61,7 +62,7 @@ static void find_middle(const struct jp_wall_field *field, const struct jp_local
 
 /* Whether at least `least` of the ends may be at walls. */
 static bool may_explain(const struct jp_localiser_search *search, const struct jp_wall_field *field,
-                        const struct middle *middle, int32_t least)
+                        const struct node_middle *middle, int32_t least)
 {
     const struct jp_plane_point direction = jp_plane_direction(middle->pose.heading);
     int32_t misses_left = search->cloud.count - least;
@@ -164,7 +165,7 @@ static bool is_free(const struct jp_terrain *map, const struct jp_plane_pose *po
 
 /* The place that fits best around a smallest node. */
 static void look_closer(struct jp_localiser_search *search, const struct jp_wall_field *field,
-                        const struct jp_terrain *map, const struct middle *middle, float noise)
+                        const struct jp_terrain *map, const struct node_middle *middle, float noise)
 {
     const struct jp_localiser_prior prior = {.start = middle->pose, .spread = middle->still, .noise = noise};
     struct jp_localiser_fit fit;
@@ -222,7 +223,7 @@ static bool is_square_open(const struct jp_localiser_search *search, const struc
                            const struct jp_terrain *map, const struct jp_localiser_node *square)
 {
     const struct jp_localiser_region *const region = &search->region;
-    struct middle middle;
+    struct node_middle middle;
 
     find_middle(field, square, &middle);
     return jp_plane_magnitude(middle.pose.x - region->centre.x) < region->distance + middle.still &&
@@ -233,7 +234,7 @@ static bool is_square_open(const struct jp_localiser_search *search, const struc
 static bool is_sector_open(const struct jp_localiser_search *search, const struct jp_wall_field *field,
                            const struct jp_localiser_node *node)
 {
-    struct middle middle;
+    struct node_middle middle;
 
     find_middle(field, node, &middle);
     return jp_plane_magnitude(jp_plane_wrap(middle.pose.heading - search->region.centre.heading)) <
@@ -274,7 +275,7 @@ static bool push_top(struct jp_localiser_search *search, const struct jp_wall_fi
 static void look_at(struct jp_localiser_search *search, const struct jp_wall_field *field, const struct jp_terrain *map,
                     float noise)
 {
-    struct middle middle;
+    struct node_middle middle;
 
     search->node_count--;
 

@@ -44,7 +44,9 @@ static jp_q24 to_q24(float value)
 
 static jp_q16 to_q16(float value)
 {
-    return (jp_q16)(smaller(value, 255.0f) * (float)JP_Q16_ONE);
+    const float scaled = smaller(value, 255.0f) * (float)JP_Q16_ONE;
+
+    return (jp_q16)scaled;
 }
 
 static void add(struct planned_leg *leg, float start, float end, float turn_rate, float travel, float seconds)

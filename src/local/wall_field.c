@@ -148,23 +148,30 @@ float jp_wall_field_near(const struct jp_wall_field *field, struct jp_plane_poin
     return jp_plane_magnitude(cell_at(field, point)) * field->cell;
 }
 
+/** A step along a ray. False: it has come to a wall or to its end. */
+static bool step_along(const struct jp_wall_field *field, struct jp_plane_point from, struct jp_plane_point along,
+                       float range_max, float *way)
+{
+    const struct jp_plane_point point = {from.x + *way * along.x, from.y + *way * along.y};
+    struct jp_wall_distance wall;
+
+    (void)jp_wall_field_find(field, point, &wall);
+
+    const float depth = wall.distance / field->cell;
+
+    if (depth < DEPTH) {
+        return false;
+    }
+    *way += field->cell * jp_plane_larger(depth - CORNER, STEP_MIN);
+    return *way < range_max;
+}
+
 float jp_wall_field_ray(const struct jp_wall_field *field, struct jp_plane_point from, struct jp_plane_point along,
                         float range_max)
 {
     float way = 0.0f;
 
-    while (way < range_max) {
-        const struct jp_plane_point point = {from.x + way * along.x, from.y + way * along.y};
-        struct jp_wall_distance wall;
-
-        (void)jp_wall_field_find(field, point, &wall);
-
-        const float depth = wall.distance / field->cell;
-
-        if (depth < DEPTH) {
-            return way;
-        }
-        way += field->cell * jp_plane_larger(depth - CORNER, STEP_MIN);
+    while (step_along(field, from, along, range_max, &way)) {
     }
-    return range_max;
+    return way < range_max ? way : range_max;
 }

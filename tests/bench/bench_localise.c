@@ -7,9 +7,9 @@
 #include <time.h>
 
 #include "sim/base/command_line.h"
+#include "sim/base/parallel.h"
 #include "sim/files/map_file.h"
 #include "tests/bench/figures.h"
-#include "tests/bench/parallel.h"
 #include "tests/bench/particle_filter.h"
 #include "tests/bench/statistics.h"
 

@@ -36,6 +36,7 @@ MODULES = {
     "grid planner": r"src/search/grid_\w+",
     "path spline": r"src/trajectory/path_spline",
     "path of a lattice plan": r"src/trajectory/(clothoid|lattice_path|line_path|path_(corner|drive|speed))",
+    "four wheels: energy, learner": r"src/(energy/(four_wheel_energy|bus_meter)|learn/(four_wheel_learner|factor_learning)|four_wheel/four_wheel_trip)",
     "four wheels": r"src/four_wheel/four_wheel",
     "pure pursuit": r"src/four_wheel/pure_pursuit",
     "plane": r"src/base/plane",
