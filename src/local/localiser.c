@@ -435,8 +435,7 @@ static void end_search(struct jp_localiser *localiser)
     const enum jp_localiser_finding finding = jp_localiser_search_finding(&localiser->internal.search);
     const bool is_lost = localiser->state == JP_LOCALISER_LOST;
 
-    localiser->internal.has_place =
-        finding == JP_LOCALISER_ONE_PLACE || (finding == JP_LOCALISER_MANY_PLACES && !is_lost);
+    localiser->internal.has_place = finding == JP_LOCALISER_ONE_PLACE;
     if (is_lost && finding != JP_LOCALISER_ONE_PLACE) {
         enter(localiser, JP_LOCALISER_LOST,
               finding == JP_LOCALISER_MANY_PLACES ? JP_LOCALISER_AMBIGUOUS : JP_LOCALISER_NOWHERE);

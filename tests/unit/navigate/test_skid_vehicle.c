@@ -184,6 +184,22 @@ static void test_slower_runs_take_longer(void)
     TEST_ASSERT_GREATER_THAN_INT32(usual, surveyed_seconds(2));
 }
 
+/* A pilot for longer routes than runs of the navigator: what surveys them has room for those. */
+static void test_surveys_keep_to_their_own_room(void)
+{
+    const struct jp_vehicle_run usual = run_of(2);
+    jp_q16 seconds;
+
+    prepare(0);
+    make_standing();
+    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey(vehicle.context, &usual, true));
+    seconds = surveyed_seconds(2);
+    pilot.config.places = JP_SKID_RUN_PIECES_MAX + 1U;
+    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey(vehicle.context, &usual, true));
+    TEST_ASSERT_EQUAL_INT32(seconds, surveyed_seconds(2));
+    TEST_ASSERT_EQUAL_UINT16(JP_SKID_RUN_PIECES_MAX, skid.survey.run.path.places);
+}
+
 static void test_a_run_that_is_stopped_teaches_nothing(void)
 {
     const struct jp_vehicle_run whole = run_of(3);
