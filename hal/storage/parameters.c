@@ -40,7 +40,7 @@ static const struct span balancer_numbers[] = {
     BALANCER(lqr.tick_rate, 10),
     BALANCER(monitor.tilt_limit, 13),
     BALANCER(monitor.confirm_ticks, 3),
-    BALANCER(meter.tick_rate, 4),
+    BALANCER(meter.tick_rate, 3),
     BALANCER(limits.speed, 4),
     BALANCER(metres_per_turn, 1),
 };
@@ -54,8 +54,9 @@ static const struct span skid_numbers[] = {
     SKID(monitor.confirm_ticks, 3),
     SKID(wheels.upright, 8),
     SKID(wheels.slope_calls, 3),
-    SKID(meter.tick_rate, 4),
+    SKID(meter.tick_rate, 3),
     SKID(limits.speed, 3),
+    SKID(burnt, 1),
     SKID(path.tick_rate, 5),
     SKID(heading_gain, 1),
 };

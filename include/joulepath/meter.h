@@ -3,9 +3,6 @@
  *
  *   model   = ∫ (ul² + ur²)/Rm + Ps dt   (paper eq. 10 and 18)
  *   battery = ∫ ul il + ur ir + Ps dt    (what leaves the battery; negative power is recuperation)
- *
- * A bridge may burn a share of what its motor generates, (Rm i − u) i, where that is above 0: then less of its power
- * goes back to the battery, but no more leaves it than the motor takes.
  */
 #ifndef JOULEPATH_METER_H
 #define JOULEPATH_METER_H
@@ -24,7 +21,6 @@ struct jp_meter_config {
     uint32_t tick_rate;       /**< calls a second; 100…10 000 */
     jp_q16 motor_resistance;  /**< Rm, Ω; at least 0.01, Rm · tick_rate 2…81 920 000 Ω/s */
     jp_q16 electronics_power; /**< Ps, W; 0…256 */
-    jp_q16 burnt;             /**< share of what a motor generates that its bridge burns; 0…1 */
 };
 
 struct jp_meter {
@@ -35,8 +31,6 @@ struct jp_meter {
     uint32_t shift;             /**< above 0 for a great Rm · tick_rate, so that tick_per_ohm keeps its digits */
     uint32_t half;              /**< of 2^shift, rounded down */
     uint32_t tick;              /**< 1/tick_rate, 2⁻³² s */
-    uint32_t burnt;             /**< share, 2⁻³² */
-    jp_q16 motor_resistance;    /**< Ω */
 };
 
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null. Not
@@ -47,9 +41,21 @@ enum jp_status jp_meter_check(const struct jp_meter_config *config, const char *
 void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config);
 
 /** One tick at these motor voltages and at the currents of `sensors`. |u| <= 1 024 V, |i| <= 1 024 A.
- *  Each sum is within 1e-6 of the exact one, or 3e-6 W; with burnt above 0 that of the battery within 1e-5 V times the
- *  currents besides. Constant time for motors that drive and for those that brake; for the control ISR. */
+ *  Each sum is within 1e-6 of the exact one, or 3e-6 W. Constant time; for the control ISR. */
 void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages, const struct jp_sensors *sensors);
+
+/** The same for `battery` alone. */
+void jp_meter_update_battery(struct jp_meter *meter, const struct jp_voltages *voltages,
+                             const struct jp_sensors *sensors);
+
+/**
+ * Bridges that burn a share of what their motors generate, (Rm i − u) i: less goes back to the battery, but none leaves
+ * it for a motor that brakes. Adds what was burnt in two ticks to `battery`, after an update with the same;
+ * within 1e-4 of it, or 1e-4 W. `share`: 0…1. Constant time for motors that drive and for those that brake; for the
+ * control ISR.
+ */
+void jp_meter_burn(struct jp_meter *meter, jp_q16 motor_resistance, jp_q16 share, const struct jp_voltages *voltages,
+                   const struct jp_sensors *sensors);
 
 /** Energy in the unit of a model, 2^unit_exponent J with ±JP_ENERGY_UNIT_EXPONENT_MAX (energy.h), as Q16.16, rounded
  * and saturated; 0: in J. Constant time; any context. */

@@ -58,6 +58,7 @@ struct jp_skid_robot_config {
                                            every second tick */
     struct jp_skid_monitor_config wheels; /**< a call is every second tick */
     struct jp_meter_config meter;
+    jp_q16 burnt; /**< share of what a motor generates that its bridge burns; 0…1 */
     struct jp_skid_limits limits;
     struct jp_path_drive_config path;
     jp_q24 heading_gain; /**< turn rate from the heading that a command has missed, 1/s; 0…16 */

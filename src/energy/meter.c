@@ -18,7 +18,6 @@ enum jp_status jp_meter_check(const struct jp_meter_config *config, const char *
         FIELD(tick_rate, JP_TICK_RATE_MIN, JP_TICK_RATE_MAX),
         FIELD(motor_resistance, JP_Q16(0.01), INT32_MAX),
         FIELD(electronics_power, 0, JP_Q16(256)),
-        FIELD(burnt, 0, JP_Q16_ONE),
     };
     const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 
@@ -56,31 +55,7 @@ void jp_meter_start(struct jp_meter *meter, const struct jp_meter_config *config
         .half = (1U << shift) >> 1,
         .tick_per_ohm = (uint32_t)divided((int64_t)1 << (48U + shift), resistance_rate),
         .tick = (uint32_t)divided((int64_t)1 << 32, rate),
-        .burnt = config->burnt == JP_Q16_ONE ? UINT32_MAX : (uint32_t)config->burnt << 16,
-        .motor_resistance = config->motor_resistance,
     };
-}
-
-/** What a motor takes of the battery, W in Q32. */
-static int64_t power_of(const struct jp_meter *meter, jp_q16 voltage, jp_q16 current)
-{
-    const int64_t power = jp_multiply(voltage, current);
-
-    if (meter->burnt == 0U) {
-        return power;
-    }
-
-    const jp_q16 drop = jp_round_shift(jp_multiply(meter->motor_resistance, current), 16);
-    const int64_t generated = ((int64_t)drop - voltage) * current;
-    const int64_t most = power > 0 ? power : 0;
-
-    if (generated <= 0) {
-        return power;
-    }
-
-    const int64_t left = power + multiply_q32(generated, meter->burnt);
-
-    return left < most ? left : most;
 }
 
 void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages, const struct jp_sensors *sensors)
@@ -88,7 +63,7 @@ void jp_meter_update(struct jp_meter *meter, const struct jp_voltages *voltages,
     jp_q16 left = voltages->left;
     jp_q16 right = voltages->right;
     int64_t squares = jp_multiply(left, left) + jp_multiply(right, right);
-    int64_t power = power_of(meter, left, sensors->current_left) + power_of(meter, right, sensors->current_right);
+    int64_t power = jp_multiply(left, sensors->current_left) + jp_multiply(right, sensors->current_right);
 
     meter->model +=
         ((multiply_q32(squares, meter->tick_per_ohm) + meter->half) >> meter->shift) + meter->electronics_tick;

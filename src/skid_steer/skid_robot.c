@@ -39,6 +39,7 @@ static enum jp_status check_own(const struct jp_skid_robot_config *config, const
         FIELD(limits.speed, 1, MOTION_MAX),
         FIELD(limits.acceleration, JP_Q24(0.01), JP_Q24(64)),
         FIELD(limits.turn_acceleration, JP_Q24(0.01), JP_Q24(64)),
+        FIELD(burnt, 0, JP_Q16_ONE),
         FIELD(heading_gain, 0, JP_Q24(16)),
         FIELD(monitor.half_track, JP_Q16_ONE, JP_Q16_ONE),
     };
@@ -454,6 +455,8 @@ static void review(struct jp_skid_robot_internal *robot)
     unsigned found = 0;
 
     if ((robot->tick & 1U) == 0U) {
+        jp_meter_burn(&robot->meter, robot->config->meter.motor_resistance, robot->config->burnt, &robot->applied,
+                      &robot->monitor.good);
         /* Currents of a frame that was dropped tell nothing of the voltages. */
         found = under_control && robot->monitor.implausible_ticks == 0U ? review_motors(robot) : 0U;
         jp_skid_control_steer(&robot->control, &robot->config->control, robot->odometry.steering_ratio);
@@ -501,7 +504,7 @@ void jp_skid_robot_account(struct jp_skid_robot *robot)
     if (internal->started) {
         reckon(internal);
         jp_skid_follow_work(&internal->follow, &internal->odometry, &internal->config->odometry);
-        jp_meter_update(&internal->meter, &internal->applied, &internal->monitor.good);
+        jp_meter_update_battery(&internal->meter, &internal->applied, &internal->monitor.good);
         review(internal);
     } else if (internal->monitor.started) {
         begin(internal);

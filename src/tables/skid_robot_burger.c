@@ -98,7 +98,6 @@ const struct jp_skid_robot_config jp_skid_robot_burger = {
             .tick_rate = 100U,           /* Hz */
             .motor_resistance = 559546,  /* 8.538 Ω */
             .electronics_power = 491520, /* 7.5 W */
-            .burnt = 32768,              /* 0.5 */
         },
     .limits =
         {
@@ -114,5 +113,6 @@ const struct jp_skid_robot_config jp_skid_robot_burger = {
             .speed_correction = 629146,  /* 0.0375 m/s */
             .turn_correction = 16777216, /* 1 rad/s */
         },
+    .burnt = 32768,           /* 0.5 */
     .heading_gain = 33554432, /* 2 1/s */
 };

@@ -98,7 +98,6 @@ const struct jp_skid_robot_config jp_skid_robot_zhang2018 = {
             .tick_rate = 500U,           /* Hz */
             .motor_resistance = 48497,   /* 0.74 Ω */
             .electronics_power = 655360, /* 10 W */
-            .burnt = 45875,              /* 0.7 */
         },
     .limits =
         {
@@ -114,5 +113,6 @@ const struct jp_skid_robot_config jp_skid_robot_zhang2018 = {
             .speed_correction = 2097152, /* 0.125 m/s */
             .turn_correction = 6588397,  /* 0.3926991 rad/s */
         },
+    .burnt = 45875,           /* 0.7 */
     .heading_gain = 33554432, /* 2 1/s */
 };

@@ -4,7 +4,6 @@
  * prop_lqr [--count N] [--seed S]
  * --count states of the controller for each robot.
  */
-#include <joulepath/skid_robot.h>
 #include <joulepath/tables.h>
 
 #include "tests/support/lqr_oracle.h"
@@ -266,14 +265,6 @@ static void test_odometry(void)
 
 /* Meter */
 
-/** What leaves the battery, W, by meter.h. */
-static double delivered_by(const struct jp_meter_config *config, double u, double i)
-{
-    const double generated = fmax((lqr_volts(config->motor_resistance) * i - u) * i, 0);
-
-    return fmin(u * i + lqr_volts(config->burnt) * generated, fmax(u * i, 0));
-}
-
 static void test_meter_of(const struct jp_meter_config *config, const char *name, double volts, double bound)
 {
     struct jp_meter meter;
@@ -290,8 +281,7 @@ static void test_meter_of(const struct jp_meter_config *config, const char *name
         const double u[2] = {lqr_volts(voltages.left), lqr_volts(voltages.right)};
         const double power = lqr_volts(config->electronics_power);
         const double motors = (u[0] * u[0] + u[1] * u[1]) / lqr_volts(config->motor_resistance);
-        const double delivered = delivered_by(config, u[0], lqr_volts(sensors.current_left)) +
-                                 delivered_by(config, u[1], lqr_volts(sensors.current_right));
+        const double delivered = u[0] * lqr_volts(sensors.current_left) + u[1] * lqr_volts(sensors.current_right);
 
         jp_meter_update(&meter, &voltages, &sensors);
         model += (motors + power) / config->tick_rate;
@@ -316,8 +306,6 @@ static void test_meter(void)
     test_meter_of(&jp_robot_courier24.meter, "courier24: meter at small voltages", 0.01, 1e-6);
     test_meter_of(&low, "10 mOhm at 10 kHz: meter", 0.05, 1e-6);
     test_meter_of(&high, "8 kOhm at 10 kHz: meter", 1000, 1e-6);
-    test_meter_of(&jp_skid_robot_zhang2018.meter, "zhang2018, whose bridges burn: meter", 24, 1e-6);
-    test_meter_of(&jp_skid_robot_burger.meter, "burger, whose bridges burn: meter", 12, 1e-6);
 }
 
 int main(int argc, char **argv)

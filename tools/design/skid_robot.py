@@ -229,7 +229,6 @@ def meter_group(robot, to):
         to.whole("tick_rate", robot.positive("control.rate_hz"), "Hz", 100, 10000),
         to.q16("motor_resistance", robot.positive("motor.resistance_ohm"), "Ω", 0.01, 32767),
         to.q16("electronics_power", robot.positive("electronics.power_w"), "W", 0, 256),
-        to.q16("burnt", 1 - robot.number("motor.recuperation"), "", 0, 1),
     ])
 
 
@@ -257,6 +256,7 @@ def robot_table(robot):
         meter_group(robot, to),
         limits_group(robot, load, steering, to),
         c_tables.Group("path", path_table.drive(robot)),
+        to.q16("burnt", 1 - robot.number("motor.recuperation"), "", 0, 1),
         to.q24("heading_gain", HEADING_GAIN, "1/s", 0, 16),
     ]
     return c_tables.Table(f"make skid-robot ROBOT={robot.name}", f"sim/robots/{robot.name}.cfg", "",

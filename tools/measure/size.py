@@ -32,7 +32,7 @@ MODULES = {
     "learner": r"src/learn/(learner(_\w+)?|learned_state|forecast(_sum)?|normal_quantile)",
     "tariff": r"src/map/tariff",
     "skid steer": r"src/skid_steer/skid_steer",
-    "skid-steered robot": r"src/(skid_steer/skid_(robot|robot_read|snapshot|control|monitor|odometry|gyro|tilt|slip|past|estimate|arithmetic|follow)|base/reciprocal)",
+    "skid-steered robot": r"src/(skid_steer/skid_(robot|robot_read|snapshot|control|monitor|odometry|gyro|tilt|slip|past|estimate|arithmetic|follow)|energy/meter_battery|base/reciprocal)",
     "grid planner": r"src/search/grid_\w+",
     "path spline": r"src/trajectory/path_spline",
     "path of a lattice plan": r"src/trajectory/(clothoid|lattice_path|line_path|path_(corner|drive|speed))",
