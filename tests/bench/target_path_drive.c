@@ -99,7 +99,7 @@ static bool count_steps(uint32_t *mean, uint32_t *worst)
         pose.position.x += (jp_q16)(target_random(&random_state) >> 20);
         pose.heading += (jp_angle)((int32_t)target_random(&random_state) >> TURN_SHIFT);
     }
-    *mean = count == 0U ? 0U : sum / count / JP_TICKS_PER_SET_POINT;
+    *mean = count == 0U ? 0U : sum / count / JP_TICKS_PER_PATH_POINT;
     return count != 0U;
 }
 
@@ -122,7 +122,7 @@ int main(void)
         return 1;
     }
     target_print("[\n");
-    target_print_figure("path of a lattice plan: set-point and law, a tick of two, mean", mean, "instructions", BAR);
+    target_print_figure("path of a lattice plan: set-point and law, a tick of three, mean", mean, "instructions", BAR);
     target_print(",\n");
     target_print_figure("path of a lattice plan: set-point and law, in the tick that does it, worst", worst,
                         "instructions", NULL);
