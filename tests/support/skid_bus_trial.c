@@ -261,21 +261,32 @@ static void lift(struct skid_plant *plant, int side)
     }
 }
 
+static bool has_been_lifted(const struct run *run)
+{
+    for (size_t i = 0; i < run->trial->fault_count; i++) {
+        if (run->trial->faults[i].kind == SKID_BUS_AIR && run->drive->tick > run->trial->faults[i].from) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /** Both sides in the air would be a robot that was lifted. */
 static void break_the_body(struct run *run)
 {
-    bool is_lifted = false;
+    bool is_lifted = has_been_lifted(run);
 
     for (size_t i = 0; i < run->trial->fault_count; i++) {
         const struct skid_bus_fault *fault = &run->trial->faults[i];
+        const bool is_due = run->drive->tick == fault->from;
 
-        if (fault->kind == SKID_BUS_STALL && run->drive->tick == fault->from) {
+        if (fault->kind == SKID_BUS_STALL && is_due) {
             jam(&run->drive->plant.skid.plant, fault->side);
         }
-        if (fault->kind == SKID_BUS_AIR && run->drive->tick == fault->from && !is_lifted) {
+        if (fault->kind == SKID_BUS_AIR && is_due && !is_lifted) {
             lift(&run->drive->plant.skid.plant, fault->side);
+            is_lifted = true;
         }
-        is_lifted = is_lifted || (fault->kind == SKID_BUS_AIR && run->drive->tick >= fault->from);
     }
 }
 

@@ -94,7 +94,7 @@ SECTIONS = (
     Section("Localisation", "On maps of others, against the true pose: wheels that err by up to 3 %, on slippery ground "
             "10 %, of the way; four who walk along with the robot and a box every 2 m that the map does not show; 30 % of "
             "the beams and a second of each half minute without scans.", r"bench_localise"),
-    Section("Faulty bus", "Missions on a bus on which frames are lost, late, repeated and corrupt.", r"bench_bus"),
+    Section("Faulty bus", "Missions on a bus on which frames are lost, late, repeated and corrupt.", r"bench_(skid_)?bus"),
     Section("Bus", "", r"bus|bench_flips|bench_restart|decoders"),
     Section("Parameter store", "", r"store"),
     Section("Fixed point", "Every input, or random ones where there are too many.", r"fixed"),
