@@ -121,7 +121,7 @@ const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu)
     return ecu->internal.robot.kind->learned_state(ecu->internal.robot.self);
 }
 
-void jp_ecu_lessons(const struct jp_ecu *ecu, struct jp_ecu_lessons *lessons)
+void jp_ecu_read_lessons(const struct jp_ecu *ecu, struct jp_ecu_lessons *lessons)
 {
     ecu->internal.robot.kind->lessons(ecu->internal.robot.self, lessons);
 }
@@ -590,7 +590,7 @@ static void tell_learned(struct jp_ecu *ecu)
 {
     struct jp_ecu_lessons lessons;
 
-    jp_ecu_lessons(ecu, &lessons);
+    jp_ecu_read_lessons(ecu, &lessons);
 
     const uint32_t segments = lessons.learned_from + lessons.left_out;
 

@@ -41,7 +41,7 @@ void jp_ecu_navigate(struct jp_ecu *ecu, struct jp_navigation *navigation);
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu);
 
 /** Of a robot that learns, as LearnerStatus tells it. For the background. */
-void jp_ecu_lessons(const struct jp_ecu *ecu, struct jp_ecu_lessons *lessons);
+void jp_ecu_read_lessons(const struct jp_ecu *ecu, struct jp_ecu_lessons *lessons);
 
 /** What the robot does; from any context. */
 enum jp_ecu_state jp_ecu_state_now(const struct jp_ecu *ecu);

@@ -32,7 +32,7 @@ void learned_line_start(const struct ecu_node *node, const char *path)
     const struct jp_ecu *ecu = &node->lockstep.ecu;
     struct jp_ecu_lessons lessons;
 
-    jp_ecu_lessons(ecu, &lessons);
+    jp_ecu_read_lessons(ecu, &lessons);
     if (jp_ecu_learned_state(ecu) == NULL) {
         (void)printf("%s: not used: there are no tables to learn with for this robot and model\n", path);
     } else if (lessons.stored == JP_STORED_NOTHING) {
@@ -77,7 +77,7 @@ void learned_line_print(struct learned_line *last, const struct ecu_node *node)
     const struct jp_ecu *ecu = &node->lockstep.ecu;
     struct jp_ecu_lessons lessons;
 
-    jp_ecu_lessons(ecu, &lessons);
+    jp_ecu_read_lessons(ecu, &lessons);
     if (lessons.changes == last->changes && lessons.cause == last->cause) {
         return;
     }

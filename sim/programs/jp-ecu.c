@@ -166,7 +166,7 @@ static void print_counts(const struct jp_ecu *ecu)
 {
     struct jp_ecu_lessons lessons;
 
-    jp_ecu_lessons(ecu, &lessons);
+    jp_ecu_read_lessons(ecu, &lessons);
 
     const struct {
         const char *what;

@@ -28,8 +28,8 @@ def room(width=60, height=40, walls=()):
 
 
 def hill(width, height):
-    """1.5 m high between start and goal, so that the way round it saves energy."""
-    return [[round(1.5 * math.exp(-((x - width / 2)**2 + (height / 2 - y)**2) / 150), 3) for x in range(width)]
+    """1.2 m high between start and goal, so that the way round it saves energy."""
+    return [[round(1.2 * math.exp(-((x - width / 2)**2 + (height / 2 - y)**2) / 150), 3) for x in range(width)]
             for y in range(height)]
 
 

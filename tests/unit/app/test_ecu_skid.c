@@ -267,7 +267,7 @@ static void expect_stored(enum jp_stored stored)
     struct jp_ecu_lessons lessons;
 
     init();
-    jp_ecu_lessons(&ecu, &lessons);
+    jp_ecu_read_lessons(&ecu, &lessons);
     TEST_ASSERT_EQUAL_INT(stored, lessons.stored);
 }
 
