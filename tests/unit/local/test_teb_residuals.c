@@ -274,7 +274,9 @@ static double larger(double a, double b)
 
 static void assert_near(double expected, float actual, double size)
 {
-    TEST_ASSERT_NEAR((float)(TOLERANCE * (size + 0.05)), (float)expected, actual);
+    const double scale = size + 0.05;
+
+    TEST_ASSERT_NEAR((float)TOLERANCE, (float)(expected / scale), (float)((double)actual / scale));
     compared++;
 }
 
