@@ -11,6 +11,14 @@
  * turning costs on top. So the moves alone give a lower bound of the cost between two cells, the bases alone one of the
  * cost between two headings, and the sum of both is a lower bound too: energy_field.h uses it.
  *
+ * On a map with classes of ground (terrain.h) the physical cost has besides, for what class k takes more,
+ *
+ *   Σ (straight_a + straight_b)/2 · move(direction, 0) + turning · base
+ *
+ * over its moves from a cell of class a to one of class b, with the largest `turning` of all cells of the primitive:
+ * a ground that resists more takes so much more on slopes, too. These shares are at least 0; each product is rounded
+ * down, and a move or a base with what it takes more is at most 65 535. So the lower bounds hold.
+ *
  * On a map with costs of cells each move is multiplied by the larger factor of its two cells and `base` by the largest
  * of all cells of the primitive, rounded down. Factors are at least 1, so the lower bounds hold on every map.
  *
@@ -87,6 +95,15 @@ struct jp_cells {
     uint16_t span_count;
 };
 
+/** What a class of ground takes more than the prices of the lattice: shares in 1/JP_GROUND_ONE, at most
+ * JP_GROUND_SHARE_MAX. */
+struct jp_ground_price {
+    uint16_t straight; /**< of driving on level ground */
+    uint16_t turning;  /**< of what turning costs on top */
+};
+#define JP_GROUND_ONE       256U
+#define JP_GROUND_SHARE_MAX (16U * JP_GROUND_ONE)
+
 struct jp_lattice {
     const char *name;
     jp_q16 resolution;                      /**< m, equal to that of the map */
@@ -101,6 +118,7 @@ struct jp_lattice {
     struct jp_cells reach[JP_HEADINGS];     /**< cells that any primitive from a heading sweeps */
     struct jp_cells core;                   /**< cells that every primitive sweeps round every cell of its moves */
     struct jp_slope_cost move_costs[JP_COST_KINDS][JP_MOVE_KINDS];
+    struct jp_ground_price ground[JP_GROUND_CLASSES]; /**< by class; 0 in tables */
     uint32_t version; /**< of the parameters that the costs follow (tariff.h); 0: those of the tables */
 };
 

@@ -13,6 +13,9 @@
  * lattice.h promises of a lattice that passes its check holds for its copy. Equal parameters give equal costs, bit for
  * bit. The costs `paper` and `distance` are as before.
  *
+ * On a map that tells grounds apart each class has factors of its own: the lattice is charged by the least of them,
+ * and each class by what it takes more (lattice.h).
+ *
  * A planner takes the copy at jp_planner_init() or jp_planner_set_lattice(). It must not use a copy that is being
  * written: a robot that keeps learning has two and writes them in turn. Nothing here is for ISRs.
  */
@@ -60,6 +63,14 @@ struct jp_tariff {
  */
 enum jp_status jp_tariff_by_factors(struct jp_tariff *tariff, const struct jp_lattice *lattice,
                                     const struct jp_tariff_factors *factors, const char **field);
+
+/**
+ * The same by factors of the first `classes` classes of ground, which the map has: `straight` and `turning` of each,
+ * and the version and the mass of class 0. Classes beyond them cost as class 0. JP_ERR_ARGUMENT also: `classes` is not
+ * 1…JP_GROUND_CLASSES. JP_ERR_CONFIG: *field names the first factor out of range of the first class that has one.
+ */
+enum jp_status jp_tariff_by_grounds(struct jp_tariff *tariff, const struct jp_lattice *lattice,
+                                    const struct jp_tariff_factors *factors, unsigned classes, const char **field);
 
 /** The same by two models. JP_ERR_CONFIG also names what is wrong in a model, and "straight" where they differ by more
  *  than a factor may. The cruising speed is that of the fastest primitive. Work: also a division a primitive. */

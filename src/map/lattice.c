@@ -1,5 +1,6 @@
 #include <joulepath/lattice.h>
 
+#include "src/map/ground_share.h"
 #include "src/map/terrain_cells.h"
 
 const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS] = {
@@ -72,33 +73,58 @@ static uint32_t larger(uint32_t a, uint32_t b)
     return a > b ? a : b;
 }
 
+/** What a cell adds to what is driven over it. */
+struct cell_charge {
+    uint32_t cost;
+    uint32_t straight;
+    uint32_t turning;
+};
+
+static struct cell_charge charge_of(const struct jp_lattice *lattice, enum jp_cost_kind kind,
+                                    const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    const struct jp_ground_price *price = &lattice->ground[terrain_class(terrain, x, y)];
+    const uint32_t is_physical = kind == JP_COST_PHYSICAL ? 1U : 0U;
+
+    return (struct cell_charge){terrain_cost(terrain, x, y), price->straight * is_physical,
+                                price->turning * is_physical};
+}
+
 static jp_cost charged_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind,
                               const struct jp_terrain *terrain, const struct jp_primitive *primitive, int32_t x,
                               int32_t y)
 {
     const uint8_t *move = &lattice->moves[primitive->first_move];
     const uint8_t *end = &move[primitive->move_count];
-    uint32_t largest = terrain_cost(terrain, x, y);
+    struct cell_charge here = charge_of(lattice, kind, terrain, x, y);
+    uint32_t largest = here.cost;
+    uint32_t turning = here.turning;
     jp_cost sum = 0;
 
     for (; move != end; move++) {
+        const struct jp_slope_cost *costs = &lattice->move_costs[kind][jp_move_kind_of(*move)];
         const int32_t elevation = terrain_elevation(terrain, x, y);
-        const uint32_t before = terrain_cost(terrain, x, y);
+        const struct cell_charge before = here;
         x += jp_move_offsets[*move].dx;
         y += jp_move_offsets[*move].dy;
-        const uint32_t dearer = larger(before, terrain_cost(terrain, x, y));
+        here = charge_of(lattice, kind, terrain, x, y);
+        const uint32_t dearer = larger(before.cost, here.cost);
         const int32_t rise = terrain_elevation(terrain, x, y) - elevation;
-        const jp_cost cost = jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(*move)], rise);
+        const jp_cost cost =
+            ground_with_share(jp_move_cost(costs, rise), jp_move_cost(costs, 0), before.straight + here.straight);
         sum = jp_cost_add(sum, times_factor(terrain, cost, dearer));
         largest = larger(largest, dearer);
+        turning = larger(turning, here.turning);
     }
-    return jp_cost_add(sum, times_factor(terrain, primitive->base[kind], largest));
+    const uint16_t base = primitive->base[kind];
+
+    return jp_cost_add(sum, times_factor(terrain, ground_with_share(base, base, 2U * turning), largest));
 }
 
 jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
                           const struct jp_primitive *primitive, int32_t x, int32_t y)
 {
-    if (terrain->costs != NULL) {
+    if (terrain->costs != NULL || terrain->classes != NULL) {
         return charged_energy(lattice, kind, terrain, primitive, x, y);
     }
     const uint8_t *moves = &lattice->moves[primitive->first_move];
@@ -209,6 +235,16 @@ static bool are_move_costs(const struct jp_lattice *lattice)
             if (!jp_slope_cost_is_valid(&lattice->move_costs[kind][move])) {
                 return false;
             }
+        }
+    }
+    return true;
+}
+
+static bool are_ground_prices(const struct jp_lattice *lattice)
+{
+    for (unsigned i = 0; i < JP_GROUND_CLASSES; i++) {
+        if (lattice->ground[i].straight > JP_GROUND_SHARE_MAX || lattice->ground[i].turning > JP_GROUND_SHARE_MAX) {
+            return false;
         }
     }
     return true;
@@ -339,6 +375,7 @@ enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **f
              : lattice->by_end == NULL || !are_ends(lattice)       ? "by_end"
              : lattice->spans == NULL || !are_spans(lattice)       ? "spans"
              : !are_move_costs(lattice)                            ? "move_costs"
+             : !are_ground_prices(lattice)                         ? "ground"
                                                                    : NULL;
     return *field == NULL ? JP_OK : JP_ERR_CONFIG;
 }

@@ -2,11 +2,23 @@
 
 #include "src/base/integer.h"
 #include "src/base/point.h"
+#include "src/map/terrain_cells.h"
 
 /** Of a point, in units of jp_elevation. */
 static int32_t elevation_at(const struct jp_terrain *terrain, const struct jp_point *point)
 {
     return jp_terrain_height(terrain, point) / (JP_Q16_ONE / JP_ELEVATION_ONE);
+}
+
+/** What the ground at a point takes more, in 1/JP_GROUND_ONE. */
+static int64_t share_at(const struct jp_lattice *lattice, const struct jp_terrain *terrain,
+                        const struct jp_point *point)
+{
+    const jp_q16 cell = terrain->config.resolution;
+
+    return terrain->classes == NULL
+               ? 0
+               : lattice->ground[terrain_class(terrain, point->x / cell, point->y / cell)].straight;
 }
 
 jp_cost jp_line_cost(const struct jp_lattice *lattice, const struct jp_terrain *terrain, const struct jp_point *from,
@@ -18,6 +30,7 @@ jp_cost jp_line_cost(const struct jp_lattice *lattice, const struct jp_terrain *
     const int32_t steps = length / cell + 1;
     const int64_t level = jp_move_cost(step, 0);
     int64_t cost = level * length / cell;
+    int64_t shares = 0;
     int32_t before = elevation_at(terrain, from);
 
     for (int32_t i = 1; i <= steps; i++) {
@@ -30,7 +43,9 @@ jp_cost jp_line_cost(const struct jp_lattice *lattice, const struct jp_terrain *
             return JP_COST_MAX;
         }
         cost += (int64_t)move - level;
+        shares += share_at(lattice, terrain, &point);
         before = here;
     }
+    cost += level * length / cell * shares / ((int64_t)steps * JP_GROUND_ONE);
     return cost > 0 ? (jp_cost)cost : 0U;
 }

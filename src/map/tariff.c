@@ -207,10 +207,62 @@ enum jp_status jp_tariff_by_factors(struct jp_tariff *tariff, const struct jp_la
         return JP_ERR_ARGUMENT;
     }
     const struct prices prices = {.straight = factors->straight, .mass = factors->mass, .turning = factors->turning};
-
     const enum jp_status status = check(&prices, field);
 
     return status == JP_OK ? charge(tariff, lattice, &prices, factors->version) : status;
+}
+
+static jp_q16 lesser(jp_q16 a, jp_q16 b)
+{
+    return a < b ? a : b;
+}
+
+/** What a factor is more than the least one, in 1/JP_GROUND_ONE, rounded down. */
+static uint16_t share_of(jp_q16 factor, jp_q16 least)
+{
+    return (uint16_t)(((int64_t)factor - least) * (int64_t)JP_GROUND_ONE / least);
+}
+
+static void price_grounds(struct jp_lattice *lattice, const struct jp_tariff_factors *factors, unsigned classes,
+                          const struct jp_tariff_factors *least)
+{
+    for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
+        const struct jp_tariff_factors *of = &factors[k < classes ? k : 0U];
+
+        lattice->ground[k].straight = share_of(of->straight, least->straight);
+        lattice->ground[k].turning = share_of(of->turning, least->turning);
+    }
+}
+
+static enum jp_status check_factors(const struct jp_tariff_factors *factors, const char **field)
+{
+    const struct prices prices = {.straight = factors->straight, .mass = factors->mass, .turning = factors->turning};
+
+    return check(&prices, field);
+}
+
+enum jp_status jp_tariff_by_grounds(struct jp_tariff *tariff, const struct jp_lattice *lattice,
+                                    const struct jp_tariff_factors *factors, unsigned classes, const char **field)
+{
+    if (tariff == NULL || lattice == NULL || factors == NULL || field == NULL || classes < 1U ||
+        classes > JP_GROUND_CLASSES) {
+        return JP_ERR_ARGUMENT;
+    }
+    struct jp_tariff_factors least = factors[0];
+    enum jp_status status = JP_OK;
+
+    for (unsigned k = 0; k < classes && status == JP_OK; k++) {
+        status = check_factors(&factors[k], field);
+        least.straight = lesser(least.straight, factors[k].straight);
+        least.turning = lesser(least.turning, factors[k].turning);
+    }
+    if (status == JP_OK) {
+        status = jp_tariff_by_factors(tariff, lattice, &least, field);
+    }
+    if (status == JP_OK) {
+        price_grounds(&tariff->lattice, factors, classes, &least);
+    }
+    return status;
 }
 
 /** Of the fastest primitive, which drives straight; m²/s² in Q16. */

@@ -25,15 +25,20 @@ static enum jp_status check_own(const struct jp_skid_pilot_config *config, const
     if (config->pieces == NULL) {
         return jp_config_refuse("pieces", field);
     }
+    if (config->grounds != NULL && config->ground_learning == NULL) {
+        return jp_config_refuse("ground_learning", field);
+    }
     return config->places < JP_SKID_PILOT_PIECES(1U) ? jp_config_refuse("places", field)
                                                      : jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 }
 
 static enum jp_status check(const struct jp_skid_pilot_config *config, const char **field)
 {
-    const bool parts_fit = check_own(config, field) == JP_OK && jp_skid_energy_check(config->model, field) == JP_OK &&
-                           jp_skid_learning_check(config->learning, field) == JP_OK &&
-                           jp_path_limits_check(&config->limits, field) == JP_OK;
+    const bool parts_fit =
+        check_own(config, field) == JP_OK && jp_skid_energy_check(config->model, field) == JP_OK &&
+        jp_skid_learning_check(config->learning, field) == JP_OK &&
+        jp_path_limits_check(&config->limits, field) == JP_OK &&
+        (config->grounds == NULL || jp_factor_learning_check(config->ground_learning, field) == JP_OK);
 
     return parts_fit ? JP_OK : JP_ERR_CONFIG;
 }
@@ -51,7 +56,15 @@ enum jp_status jp_skid_pilot_init(struct jp_skid_pilot *pilot, const struct jp_s
         *pilot = (struct jp_skid_pilot){.config = *config, .internal = {.robot = robot}};
         jp_skid_learner_start(&pilot->learner, config->learning, config->model);
     }
+    if (status == JP_OK && config->grounds != NULL) {
+        jp_skid_grounds_start(config->grounds, config->ground_learning, &pilot->learner);
+    }
     return status;
+}
+
+static struct jp_skid_knowledge known_to(const struct jp_skid_pilot *pilot)
+{
+    return (struct jp_skid_knowledge){&pilot->learner, pilot->config.grounds};
 }
 
 /** The phase changes here alone. */
@@ -96,7 +109,10 @@ static void describe(struct jp_skid_pilot *pilot, jp_q16 duration)
 {
     const struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
 
-    pilot->leg = (struct jp_skid_pilot_leg){.duration = duration, .energy = jp_saturate32(watch->drive.energy)};
+    struct jp_skid_drive total;
+
+    jp_skid_ground_drive_total(&watch->drive, &total);
+    pilot->leg = (struct jp_skid_pilot_leg){.duration = duration, .energy = jp_saturate32(total.energy)};
     for (unsigned i = watch->leg.begin; i < watch->leg.end; i++) {
         const struct jp_path_piece *piece = &pilot->internal.run.path.pieces[i];
 
@@ -109,6 +125,7 @@ static void begin_leg(struct jp_skid_pilot *pilot, const struct jp_skid_leg *leg
                       const struct jp_skid_telemetry *telemetry, bool is_mixed)
 {
     struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
+    const struct jp_skid_knowledge known = known_to(pilot);
     jp_q16 duration = 0;
 
     *watch = (struct jp_skid_pilot_watch){.leg = *leg,
@@ -117,7 +134,7 @@ static void begin_leg(struct jp_skid_pilot *pilot, const struct jp_skid_leg *leg
                                           .tick = telemetry->tick,
                                           .dropped_frames = telemetry->dropped_frames,
                                           .saturated_ticks = telemetry->saturated_ticks};
-    jp_skid_run_leg_energy(&pilot->internal.run, leg, &pilot->learner.model, &watch->drive, &duration);
+    jp_skid_run_leg_energy(&pilot->internal.run, leg, &known, &watch->drive, &duration);
     pilot->legs_begun++;
     describe(pilot, duration);
 }
@@ -144,7 +161,8 @@ static void learn(struct jp_skid_pilot *pilot, enum jp_evidence evidence)
     const jp_q16 measured = jp_energy_to_q16(pilot->result.energy, pilot->config.model->unit_exponent);
 
     if (evidence == JP_EVIDENCE_GOOD &&
-        jp_skid_learner_update(&pilot->learner, &pilot->internal.watch.drive, measured, &pilot->learned) == JP_OK) {
+        jp_skid_grounds_update(pilot->config.grounds, &pilot->learner, &pilot->internal.watch.drive, measured,
+                               &pilot->learned) == JP_OK) {
         pilot->evidence = evidence;
         pilot->legs_learned_from = jp_one_more32(pilot->legs_learned_from);
     } else {
@@ -222,11 +240,11 @@ static enum jp_status lay(struct jp_skid_pilot *pilot, const struct jp_skid_tele
     const struct jp_path_pose start = pose_of(telemetry);
 
     internal->is_laid = true;
-    internal->sum = (struct jp_forecast_sum){.energy = 0};
+    internal->sum = (struct jp_skid_ground_sum){.robot = {.energy = 0}};
     internal->forecast_status = JP_OK;
     internal->surveyed = (struct jp_skid_leg){.end = 0};
     if (route->count == 0U) {
-        jp_skid_run_lay_turn(&internal->run, &pilot->config, &start, internal->heading);
+        jp_skid_run_lay_turn(&internal->run, &pilot->config, &start, internal->heading, route->ground);
         return JP_OK;
     }
     const struct jp_line_route lines = {.start = start.position,
@@ -242,10 +260,11 @@ static enum jp_status lay(struct jp_skid_pilot *pilot, const struct jp_skid_tele
 static void survey_leg(struct jp_skid_pilot *pilot)
 {
     struct jp_skid_pilot_internal *internal = &pilot->internal;
-    struct jp_skid_drive drive = {.energy = 0};
+    const struct jp_skid_knowledge known = known_to(pilot);
+    struct jp_skid_ground_drive drive = {.on = {{.energy = 0}}};
 
-    jp_skid_run_leg_energy(&internal->run, &internal->surveyed, &pilot->learner.model, &drive, &pilot->duration);
-    if (jp_skid_forecast_add(&pilot->learner, &internal->sum, &drive) != JP_OK) {
+    jp_skid_run_leg_energy(&internal->run, &internal->surveyed, &known, &drive, &pilot->duration);
+    if (jp_skid_grounds_forecast_add(&pilot->learner, &internal->sum, &drive) != JP_OK) {
         internal->forecast_status = JP_ERR_OVERFLOW;
     }
     pilot->legs_surveyed++;
@@ -269,7 +288,8 @@ static enum jp_status hand_over(struct jp_skid_pilot *pilot, const struct jp_ski
 static enum jp_status finish_survey(struct jp_skid_pilot *pilot, const struct jp_skid_telemetry *telemetry)
 {
     struct jp_skid_pilot_internal *internal = &pilot->internal;
-    const enum jp_status total = jp_skid_forecast_total(&pilot->learner, &internal->sum, &internal->forecast);
+    const enum jp_status total =
+        jp_skid_grounds_forecast_total(pilot->config.grounds, &pilot->learner, &internal->sum, &internal->forecast);
 
     internal->forecast_status = total == JP_OK ? internal->forecast_status : total;
     if (internal->is_question) {
@@ -372,7 +392,7 @@ enum jp_status jp_skid_pilot_follow(struct jp_skid_pilot *pilot, const struct jp
     return status;
 }
 
-enum jp_status jp_skid_pilot_turn(struct jp_skid_pilot *pilot, jp_angle heading)
+enum jp_status jp_skid_pilot_turn(struct jp_skid_pilot *pilot, jp_angle heading, const struct jp_ground *ground)
 {
     if (pilot == NULL) {
         return JP_ERR_ARGUMENT;
@@ -382,7 +402,7 @@ enum jp_status jp_skid_pilot_turn(struct jp_skid_pilot *pilot, jp_angle heading)
     }
     jp_skid_robot_stop(pilot->internal.robot);
     pilot->internal.heading = heading;
-    accept(pilot, &(struct jp_skid_pilot_route){.count = 0}, false);
+    accept(pilot, &(struct jp_skid_pilot_route){.count = 0, .ground = ground}, false);
     return JP_OK;
 }
 

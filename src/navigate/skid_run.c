@@ -37,11 +37,11 @@ enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pil
 }
 
 void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
-                          const struct jp_path_pose *start, jp_angle heading)
+                          const struct jp_path_pose *start, jp_angle heading, const struct jp_ground *ground)
 {
     begin(run, config, 0);
     /* A robot that has the heading turns by no piece. */
-    (void)jp_turn_path(&run->path, run->path.pieces, run->path.places, start, heading);
+    (void)jp_turn_path(&run->path, run->path.pieces, run->path.places, start, heading, ground);
 }
 
 /** Pieces from one stand to the next: the robot stands before and after each turn on the spot. */
@@ -192,14 +192,16 @@ bool jp_skid_run_next_leg(const struct jp_skid_run *run, struct jp_skid_leg *leg
 }
 
 void jp_skid_run_leg_energy(const struct jp_skid_run *run, const struct jp_skid_leg *leg,
-                            const struct jp_skid_energy_model *model, struct jp_skid_drive *drive, jp_q16 *duration)
+                            const struct jp_skid_knowledge *known, struct jp_skid_ground_drive *drive, jp_q16 *duration)
 {
     jp_q24 speed = leg->speed;
 
     for (unsigned i = leg->begin; i < leg->end; i++) {
         const struct jp_path_piece *piece = &run->path.pieces[i];
+        const uint8_t ground = piece->ground < JP_GROUND_CLASSES ? piece->ground : 0U;
 
-        jp_skid_piece_energy(model, piece, speed, drive, duration);
+        jp_skid_piece_energy(jp_skid_grounds_model(known->grounds, known->robot, ground), piece, speed,
+                             &drive->on[ground], duration);
         speed = piece->speed.end;
     }
 }

@@ -11,7 +11,7 @@ enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pil
 
 /** Lays a turn on the spot, or a path without pieces. */
 void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
-                          const struct jp_path_pose *start, jp_angle heading);
+                          const struct jp_path_pose *start, jp_angle heading, const struct jp_ground *ground);
 
 /** A slice of planning what was laid, by the prices of a model: a corner, the speeds from a stand to the next, or the
  *  halves of an arc. False: all of it was planned. */
@@ -21,8 +21,15 @@ bool jp_skid_run_plan(struct jp_skid_run *run, const struct jp_skid_pilot_config
 /** From a leg, all zero before the first one, to the next. False: there is none, and *leg is not written. */
 bool jp_skid_run_next_leg(const struct jp_skid_run *run, struct jp_skid_leg *leg);
 
+/** What is known of the robot, and of grounds, or null. */
+struct jp_skid_knowledge {
+    const struct jp_skid_learner *robot;
+    const struct jp_skid_grounds *grounds;
+};
+
 /** Adds a leg of a planned run to a drive, and what it lasts to *duration, s. */
 void jp_skid_run_leg_energy(const struct jp_skid_run *run, const struct jp_skid_leg *leg,
-                            const struct jp_skid_energy_model *model, struct jp_skid_drive *drive, jp_q16 *duration);
+                            const struct jp_skid_knowledge *known, struct jp_skid_ground_drive *drive,
+                            jp_q16 *duration);
 
 #endif

@@ -79,9 +79,9 @@ static bool goes_on(const struct jp_path_piece *last, const struct jp_path_piece
         return false;
     }
     if (piece->kind != JP_PIECE_CURVE) {
-        return true;
+        return last->ground == piece->ground;
     }
-    return jp_piece_is_straight(last) && jp_piece_is_straight(piece) && jp_piece_rises_alike(last, piece);
+    return jp_piece_is_straight(last) && jp_piece_is_straight(piece) && jp_piece_lies_alike(last, piece);
 }
 
 static enum jp_status append(struct jp_lattice_path *path, const struct jp_path_piece *piece)
@@ -112,7 +112,8 @@ enum jp_status jp_lattice_path_add(struct jp_lattice_path *path, const struct jp
         .begin = centre_of(terrain, from->x, from->y),
         .heading = lattice->heading[from->heading],
         .rise = ((int32_t)jp_terrain_elevation(terrain, x, y) - jp_terrain_elevation(terrain, from->x, from->y)) *
-                RISE_STEP};
+                RISE_STEP,
+        .ground = jp_terrain_class(terrain, (from->x + x) / 2, (from->y + y) / 2)};
 
     if (!set_piece(&piece, primitive, terrain->config.resolution, heading)) {
         return JP_ERR_INFEASIBLE;

@@ -21,13 +21,25 @@ static enum jp_status append(struct jp_lattice_path *path, const struct jp_path_
     return JP_OK;
 }
 
+/** Halfway between two points. */
+static struct jp_point middle_of(const struct jp_point *a, const struct jp_point *b)
+{
+    return (struct jp_point){(jp_q16)(((int64_t)a->x + b->x) / 2), (jp_q16)(((int64_t)a->y + b->y) / 2)};
+}
+
+static uint8_t class_at(const struct jp_ground *ground, const struct jp_point *point)
+{
+    return ground == NULL || ground->class_at == NULL ? 0U : ground->class_at(ground->context, point);
+}
+
 /** Where the path has come to; none where it has that heading. */
-static enum jp_status append_turn(struct jp_lattice_path *path, jp_angle heading)
+static enum jp_status append_turn(struct jp_lattice_path *path, jp_angle heading, const struct jp_ground *ground)
 {
     const jp_q24 turn = jp_angle_to_radians(heading - path->end.heading);
     const struct jp_path_piece piece = {.begin = path->end.position,
                                         .heading = path->end.heading,
                                         .length = jp_absolute32(turn),
+                                        .ground = class_at(ground, &path->end.position),
                                         .kind = turn < 0 ? JP_PIECE_TURN_RIGHT : JP_PIECE_TURN_LEFT};
 
     path->end.heading = heading;
@@ -74,6 +86,7 @@ static enum jp_status append_sections(struct jp_lattice_path *path, const struct
     for (int32_t i = 1; status == JP_OK && i <= line->count; i++) {
         const struct jp_point end = {line->begin.x + share_of(line->end.x - line->begin.x, i, line),
                                      line->begin.y + share_of(line->end.y - line->begin.y, i, line)};
+        const struct jp_point middle = middle_of(&path->end.position, &end);
         const jp_q16 before = elevation;
         const jp_q24 length = line->length * (1 << 8);
 
@@ -82,11 +95,12 @@ static enum jp_status append_sections(struct jp_lattice_path *path, const struct
                                             .heading = path->end.heading,
                                             .length = share_of(length, i, line) - share_of(length, i - 1, line),
                                             .rise = elevation - before,
+                                            .ground = class_at(ground, &middle),
                                             .kind = JP_PIECE_CURVE,
                                             .is_joined = path->count > first};
 
         path->end.position = end;
-        if (piece.is_joined && jp_piece_rises_alike(&path->pieces[path->count - 1U], &piece)) {
+        if (piece.is_joined && jp_piece_lies_alike(&path->pieces[path->count - 1U], &piece)) {
             jp_piece_lengthen(&path->pieces[path->count - 1U], &piece);
         } else {
             status = append(path, &piece);
@@ -128,7 +142,7 @@ enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *
         const struct jp_point *target = &route->targets[line];
         const struct jp_point *begin = &path->end.position;
 
-        status = append_turn(path, jp_atan2(jp_sub(target->y, begin->y), jp_sub(target->x, begin->x)));
+        status = append_turn(path, jp_atan2(jp_sub(target->y, begin->y), jp_sub(target->x, begin->x)), route->ground);
         if (status == JP_OK) {
             status = append_line(path, target, route->ground, (int32_t)route->count - (int32_t)line);
         }
@@ -137,7 +151,7 @@ enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *
 }
 
 enum jp_status jp_turn_path(struct jp_lattice_path *path, struct jp_path_piece *pieces, uint16_t places,
-                            const struct jp_path_pose *start, jp_angle heading)
+                            const struct jp_path_pose *start, jp_angle heading, const struct jp_ground *ground)
 {
     if (start == NULL) {
         return JP_ERR_ARGUMENT;
@@ -147,7 +161,7 @@ enum jp_status jp_turn_path(struct jp_lattice_path *path, struct jp_path_piece *
 
     if (status == JP_OK) {
         path->end = *start;
-        status = append_turn(path, heading);
+        status = append_turn(path, heading, ground);
     }
     if (status == JP_OK && path->count == 0U) {
         status = JP_ERR_ZERO_LENGTH;

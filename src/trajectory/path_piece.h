@@ -21,9 +21,11 @@ static inline jp_q24 jp_piece_grade(const struct jp_path_piece *piece)
     return jp_divide((int64_t)piece->rise * ((int64_t)1 << 32), piece->length);
 }
 
-static inline bool jp_piece_rises_alike(const struct jp_path_piece *a, const struct jp_path_piece *b)
+/** On one ground that rises alike. */
+static inline bool jp_piece_lies_alike(const struct jp_path_piece *a, const struct jp_path_piece *b)
 {
-    return jp_absolute64((int64_t)jp_piece_grade(a) - jp_piece_grade(b)) <= JP_PIECE_GRADE_SPREAD_MAX;
+    return a->ground == b->ground &&
+           jp_absolute64((int64_t)jp_piece_grade(a) - jp_piece_grade(b)) <= JP_PIECE_GRADE_SPREAD_MAX;
 }
 
 /** `next` becomes a part of the piece before it. */

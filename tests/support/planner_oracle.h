@@ -28,6 +28,7 @@ struct oracle_map {
     bool is_blocked[ORACLE_CELLS];
     int elevation[ORACLE_CELLS];
     int cell_cost[ORACLE_CELLS];
+    int ground[ORACLE_CELLS]; /* class */
     int cost_shift;
 };
 
@@ -56,6 +57,7 @@ static inline void oracle_map_clear(struct oracle_map *map, int width, int heigh
     map->height = height;
     memset(map->elevation, 0, sizeof map->elevation);
     memset(map->cell_cost, 0, sizeof map->cell_cost);
+    memset(map->ground, 0, sizeof map->ground);
     map->cost_shift = 0;
     memset(map->is_blocked, 1, sizeof map->is_blocked);
 }
@@ -91,6 +93,19 @@ static inline double oracle_move_cost(const struct jp_slope_cost *cost, int rise
     return fmax(floor((double)exact / 65536.0), cost->floor);
 }
 
+/** What the ground of a cell takes more than the lattice's prices, in 1/256. */
+static inline struct jp_ground_price oracle_ground(const struct oracle *oracle, const struct oracle_map *map, int cell)
+{
+    static const struct jp_ground_price none = {0, 0};
+
+    return oracle->kind == JP_COST_PHYSICAL ? oracle->lattice->ground[map->ground[cell]] : none;
+}
+
+static inline double oracle_with_share(double cost, double of, double share)
+{
+    return isinf(cost) ? cost : fmin(cost + floor(of * share), UINT16_MAX);
+}
+
 /** A cost on a cell, or a step on the dearer of two. */
 static inline double oracle_charged(const struct oracle_map *map, double cost, int cell_cost)
 {
@@ -119,16 +134,23 @@ static inline double oracle_edge(const struct oracle *oracle, const struct oracl
     }
     double cost = 0;
     int largest = map->cell_cost[cell];
+    int turning = oracle_ground(oracle, map, cell).turning;
     for (int i = 0; i < p->move_count; i++) {
         const int direction = oracle->lattice->moves[p->first_move + i];
         const int next = cell + steps[direction][1] * ORACLE_STRIDE + steps[direction][0];
-        const double move = oracle_move_cost(&oracle->lattice->move_costs[oracle->kind][kinds[direction]],
-                                             map->elevation[next] - map->elevation[cell]);
+        const struct jp_slope_cost *costs = &oracle->lattice->move_costs[oracle->kind][kinds[direction]];
+        const double share = (oracle_ground(oracle, map, cell).straight + oracle_ground(oracle, map, next).straight) /
+                             2.0 / JP_GROUND_ONE;
+        const double move = oracle_with_share(oracle_move_cost(costs, map->elevation[next] - map->elevation[cell]),
+                                              oracle_move_cost(costs, 0), share);
         cost += oracle_charged(map, move, oracle_larger(map->cell_cost[cell], map->cell_cost[next]));
+        turning = oracle_larger(turning, oracle_ground(oracle, map, next).turning);
         largest = oracle_larger(largest, map->cell_cost[next]);
         cell = next;
     }
-    return cost + oracle_charged(map, p->base[oracle->kind], largest);
+    const double base = p->base[oracle->kind];
+
+    return cost + oracle_charged(map, oracle_with_share(base, base, turning / (double)JP_GROUND_ONE), largest);
 }
 
 static inline void oracle_expand(struct oracle *oracle, const struct oracle_map *map, struct heap *heap, int state)

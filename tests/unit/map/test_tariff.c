@@ -523,3 +523,72 @@ static void test_bases_that_do_not_fit(void)
     factors.turning = JP_Q16(2);
     expect_overflow();
 }
+
+/* ---- Grounds ---- */
+
+static void set_grounds(struct jp_tariff_factors of[JP_GROUND_CLASSES])
+{
+    for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
+        of[k] = factors;
+    }
+}
+
+static void test_the_cheapest_ground_sets_the_prices_of_the_lattice(void)
+{
+    struct jp_tariff_factors of[JP_GROUND_CLASSES];
+    struct jp_tariff cheapest = {.primitives = copied, .primitives_max = PRIMITIVES_MAX};
+    const char *field = "";
+
+    set_grounds(of);
+    of[1].straight = JP_Q16(0.5);
+    of[2].turning = JP_Q16(0.25);
+    of[3].straight = JP_Q16(4);
+    of[3].turning = JP_Q16(1.5);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, balancer, of, JP_GROUND_CLASSES, &field));
+    expect_sound(balancer);
+    factors.straight = JP_Q16(0.5);
+    factors.turning = JP_Q16(0.25);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_factors(&cheapest, balancer, &factors, &field));
+    TEST_ASSERT_EQUAL_MEMORY(copied, primitives, balancer->first_from[JP_HEADINGS] * sizeof copied[0]);
+    TEST_ASSERT_EQUAL_MEMORY(&cheapest.lattice.move_costs, &tariff.lattice.move_costs,
+                             sizeof tariff.lattice.move_costs);
+    TEST_ASSERT_EQUAL_UINT16(JP_GROUND_ONE, tariff.lattice.ground[0].straight); /* twice as much */
+    TEST_ASSERT_EQUAL_UINT16(3U * JP_GROUND_ONE, tariff.lattice.ground[0].turning);
+    TEST_ASSERT_EQUAL_UINT16(0, tariff.lattice.ground[1].straight);
+    TEST_ASSERT_EQUAL_UINT16(0, tariff.lattice.ground[2].turning);
+    TEST_ASSERT_EQUAL_UINT16(7U * JP_GROUND_ONE, tariff.lattice.ground[3].straight);
+    TEST_ASSERT_EQUAL_UINT16(5U * JP_GROUND_ONE, tariff.lattice.ground[3].turning);
+}
+
+static void test_grounds_that_the_map_does_not_have_are_as_class_0(void)
+{
+    struct jp_tariff_factors of[JP_GROUND_CLASSES];
+    const char *field = "";
+
+    set_grounds(of);
+    of[1].straight = JP_Q16(0.25);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, balancer, of, 1, &field));
+    TEST_ASSERT_EQUAL_MEMORY(&balancer->ground, &tariff.lattice.ground, sizeof tariff.lattice.ground);
+    TEST_ASSERT_EQUAL_MEMORY(balancer->primitives, primitives,
+                             balancer->first_from[JP_HEADINGS] * sizeof primitives[0]);
+}
+
+static void test_prices_of_grounds_that_are_refused(void)
+{
+    struct jp_tariff_factors of[JP_GROUND_CLASSES];
+    const char *field = "";
+
+    set_grounds(of);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(NULL, balancer, of, 1, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, NULL, of, 1, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, balancer, NULL, 1, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, balancer, of, 1, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, balancer, of, 0, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, balancer, of, JP_GROUND_CLASSES + 1U, &field));
+    of[1].turning = JP_TARIFF_FACTOR_MAX + 1;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_tariff_by_grounds(&tariff, balancer, of, 2, &field));
+    TEST_ASSERT_EQUAL_STRING("turning", field);
+    of[1].turning = JP_Q16_ONE;
+    tariff.primitives_max = 1;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, jp_tariff_by_grounds(&tariff, balancer, of, 2, &field));
+}
