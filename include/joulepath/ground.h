@@ -21,6 +21,7 @@ struct jp_ground {
     uint8_t (*class_at)(const void *context, const struct jp_point *point);
     const void *context; /**< handed to it */
     jp_q16 spacing;      /**< between points that tell what lies between them, m; above 0 */
+    jp_q16 margin;       /**< which the robot may be aside of where it is taken to be, m; 0…2 */
 };
 
 #ifdef __cplusplus

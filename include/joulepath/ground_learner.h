@@ -10,7 +10,8 @@
  * where `deviation` is that of the leg's forecast by the robot's learner. So a leg over several classes teaches each of
  * them as a joint filter would that knew nothing of what they have in common; what they have in common then is left
  * out. Where all legs cross the same classes in the same shares, their factors make up for each other, and are surer of
- * themselves than they may be. Whatever the robot's kind, the caller tells the energy of a leg as learned so far, and its changes.
+ * themselves than they may be. Whatever the robot's kind, the caller tells the energy of a leg as learned so far, and
+ * its changes.
  *
  * All memory is the caller's. Nothing here is for ISRs.
  */

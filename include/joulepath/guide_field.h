@@ -41,7 +41,6 @@ struct jp_guide_cell {
     int32_t y;
     uint32_t value;
     int32_t elevation;
-    uint32_t share; /**< what its ground takes more, in 1/JP_GROUND_ONE */
     uint8_t directions_left;
 };
 

@@ -50,8 +50,10 @@ struct jp_path_piece {
     jp_q16 bend_rate;      /**< of the curvature by the arc length, 1/m² */
     jp_q16 rise;           /**< of the ground over the whole piece, m */
     enum jp_piece_kind kind;
-    uint8_t ground; /**< class of the ground (ground.h) */
-    bool is_joined; /**< the line of the piece before goes on in it */
+    uint8_t ground_left;  /**< class of the ground (ground.h) under the wheels of the left side, */
+    uint8_t ground_right; /**< and of the right one */
+    bool is_at_edge;      /**< within the ground's margin the wheels of a side are on another class */
+    bool is_joined;       /**< the line of the piece before goes on in it */
     struct jp_piece_speed speed;
 };
 

@@ -2,8 +2,9 @@
  * What a skid-steered or differential-drive robot knows of the grounds that a map tells apart: an energy model of each
  * class, by what its own learner knows of the robot (skid_learner.h) and ground_learner.h of the ground.
  *
- * A leg on class 0 alone teaches the robot's learner, one that crosses others teaches those. Energies in Q16 are in the
- * unit of the models. Nothing here is for ISRs.
+ * A leg on class 0 alone teaches the robot's learner, one that crosses others teaches those; one of which more than
+ * 1/16 is where the wheels may as well be on another class teaches nothing. Energies in Q16 are in the unit of the
+ * models. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_SKID_GROUNDS_H
 #define JOULEPATH_SKID_GROUNDS_H
@@ -24,6 +25,7 @@ struct jp_skid_grounds {
 /** A drive by the ground on which its parts are; all zero at first. */
 struct jp_skid_ground_drive {
     struct jp_skid_drive on[JP_GROUND_CLASSES];
+    int64_t at_edges; /**< of the energy, what is taken where the wheels may be on another class, 2ⁿ J, Q16 */
 };
 
 /** Sum of forecasts; all zero at first. Private. */
@@ -40,9 +42,12 @@ void jp_skid_grounds_start(struct jp_skid_grounds *grounds, const struct jp_fact
 /** Makes the models anew: after either learner was restored, or learned elsewhere. Work: a scaled model a class. */
 void jp_skid_grounds_follow(struct jp_skid_grounds *grounds, const struct jp_skid_learner *robot);
 
-/** The model of a class; where nothing is known of grounds, null, that of the robot. Constant time. */
+/** The model of a class; of class 0, and where nothing is known of grounds, null, that of the robot. Constant time. */
 const struct jp_skid_energy_model *jp_skid_grounds_model(const struct jp_skid_grounds *grounds,
                                                          const struct jp_skid_learner *robot, uint8_t ground);
+
+/** Adds a share of a drive to another one: 1/parts. */
+void jp_skid_drive_add(struct jp_skid_drive *sum, const struct jp_skid_drive *drive, int64_t parts);
 
 /** The whole of a drive. */
 void jp_skid_ground_drive_total(const struct jp_skid_ground_drive *drive, struct jp_skid_drive *total);

@@ -19,7 +19,7 @@
  *
  * A leg's energy is counted from the call of jp_skid_pilot_work() that sees it begin to the one that sees it end, so
  * that what passes between a leg's end and that call is counted to the next leg. Of legs that end between two calls
- * nothing is learned.
+ * nothing is learned. On a map that tells grounds apart what is learned from is not legs but their parts on one ground.
  *
  * What the lines rise by on the ground of a route is part of what they take, as far as the pieces of its path tell it.
  * Energies in Q16 are in the unit of config.model (energy.h). Nothing here is for ISRs.
@@ -106,10 +106,13 @@ struct jp_skid_run {
     uint16_t halved;  /**< pieces that were looked at as arcs */
 };
 
-/** Private: the leg that is driven, and how the telemetry was when it began. */
+/** Private: the leg that is driven; the part of it that is learned from, and how the telemetry was when it began. */
 struct jp_skid_pilot_watch {
     struct jp_skid_leg leg;
-    struct jp_skid_ground_drive drive; /**< as learned when it began */
+    jp_energy leg_energy; /**< when it began */
+    uint32_t leg_tick;
+    struct jp_skid_leg part;           /**< of the leg, on one ground; without grounds, all of it */
+    struct jp_skid_ground_drive drive; /**< of the part, as learned when it began */
     bool is_mixed;                     /**< it was over when it was seen to begin */
     jp_energy energy;
     uint32_t tick;
@@ -140,7 +143,7 @@ struct jp_skid_pilot {
     struct jp_skid_pilot_config config;
     struct jp_skid_learner learner;     /**< what is known; its state is worth storing */
     enum jp_learned learned;            /**< what became of the last leg, once legs_learned_from > 0 */
-    uint32_t legs_learned_from;         /**< legs that the learner took, outliers too; saturating */
+    uint32_t legs_learned_from;         /**< legs, or their parts, that a learner took, outliers too; saturating */
     uint32_t legs_left_out;             /**< legs that ended otherwise, or were cut short; saturating */
     enum jp_evidence evidence;          /**< of the last leg; JP_EVIDENCE_INCOMPLETE: it was cut short, or its energy
                                              cannot be told from that of another one */

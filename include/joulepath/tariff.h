@@ -64,13 +64,20 @@ struct jp_tariff {
 enum jp_status jp_tariff_by_factors(struct jp_tariff *tariff, const struct jp_lattice *lattice,
                                     const struct jp_tariff_factors *factors, const char **field);
 
+/** What grounds take. */
+struct jp_tariff_grounds {
+    const struct jp_tariff_factors *factors; /**< by class; all but the first one's version and mass are not read */
+    uint8_t classes;   /**< that the map has, 1…JP_GROUND_CLASSES; those beyond them cost as class 0 */
+    jp_q16 half_track; /**< of the robot's wheels, m; 0…JP_Q16(4): 0: all are in the middle */
+};
+
 /**
- * The same by factors of the first `classes` classes of ground, which the map has: `straight` and `turning` of each,
- * and the version and the mass of class 0. Classes beyond them cost as class 0. JP_ERR_ARGUMENT also: `classes` is not
- * 1…JP_GROUND_CLASSES. JP_ERR_CONFIG: *field names the first factor out of range of the first class that has one.
+ * The same by factors of the classes of ground. JP_ERR_CONFIG also names "classes", "half_track", or the first factor
+ * out of range of the first class that has one. Wheels are taken to be no further from the middle than the cells that
+ * every primitive sweeps. Work: also 32 sines for each cell of half_track.
  */
 enum jp_status jp_tariff_by_grounds(struct jp_tariff *tariff, const struct jp_lattice *lattice,
-                                    const struct jp_tariff_factors *factors, unsigned classes, const char **field);
+                                    const struct jp_tariff_grounds *grounds, const char **field);
 
 /** The same by two models. JP_ERR_CONFIG also names what is wrong in a model, and "straight" where they differ by more
  *  than a factor may. The cruising speed is that of the fastest primitive. Work: also a division a primitive. */

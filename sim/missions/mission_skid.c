@@ -86,7 +86,7 @@ static bool prepare(struct skid_mission *run, const struct mission *driven)
     const struct clearance_pose origin = {0, 0, 0};
 
     return entry != NULL &&
-           navigation_skid_init(&run->skid, entry, &scenario->skid, &level, &origin, scenario->seed + again,
+           navigation_skid_init(&run->skid, entry, &scenario->skid, &level, NULL, &origin, scenario->seed + again,
                                 &run->robot) &&
            prepare_pilot(run, driven);
 }

@@ -154,7 +154,8 @@ bool plan_skid_drive_prepare(const struct map_file *map, const struct jp_lattice
         return false;
     }
     note_places(drive);
-    if (!navigation_skid_init(&drive->skid, entry, model, &map->terrain, &drive->places[0], SEED, &drive->robot)) {
+    if (!navigation_skid_init(&drive->skid, entry, model, &map->terrain, NULL, &drive->places[0], SEED,
+                              &drive->robot)) {
         return false;
     }
     predict(drive);

@@ -2,6 +2,9 @@
 
 #include <stddef.h>
 
+/** Nothing is learned of a leg of which more than one of so many joules is taken at edges. */
+#define EDGES_MAX 16
+
 void jp_skid_grounds_follow(struct jp_skid_grounds *grounds, const struct jp_skid_learner *robot)
 {
     for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
@@ -25,25 +28,25 @@ void jp_skid_grounds_start(struct jp_skid_grounds *grounds, const struct jp_fact
 const struct jp_skid_energy_model *jp_skid_grounds_model(const struct jp_skid_grounds *grounds,
                                                          const struct jp_skid_learner *robot, uint8_t ground)
 {
-    return grounds == NULL || ground >= JP_GROUND_CLASSES ? &robot->model : &grounds->models[ground];
+    return grounds == NULL || ground == 0U || ground >= JP_GROUND_CLASSES ? &robot->model : &grounds->models[ground];
 }
 
 /* ---- Drives ---- */
 
-static void add_drive(struct jp_skid_drive *sum, const struct jp_skid_drive *drive)
+void jp_skid_drive_add(struct jp_skid_drive *sum, const struct jp_skid_drive *drive, int64_t parts)
 {
-    sum->energy += drive->energy;
+    sum->energy += drive->energy / parts;
     for (int j = 0; j < (int)JP_SKID_FACTORS; j++) {
-        sum->change[j] += drive->change[j];
+        sum->change[j] += drive->change[j] / parts;
     }
-    sum->slope_work += drive->slope_work;
+    sum->slope_work += drive->slope_work / parts;
 }
 
 void jp_skid_ground_drive_total(const struct jp_skid_ground_drive *drive, struct jp_skid_drive *total)
 {
     *total = drive->on[0];
     for (unsigned k = 1; k < JP_GROUND_CLASSES; k++) {
-        add_drive(total, &drive->on[k]);
+        jp_skid_drive_add(total, &drive->on[k], 1);
     }
 }
 
@@ -94,10 +97,12 @@ enum jp_status jp_skid_grounds_update(struct jp_skid_grounds *grounds, struct jp
         return JP_ERR_ARGUMENT;
     }
     struct jp_skid_drive total;
-    enum jp_status status;
+    enum jp_status status = JP_OK;
 
     jp_skid_ground_drive_total(drive, &total);
-    if (grounds != NULL && crosses_others(drive)) {
+    if (grounds != NULL && drive->at_edges * EDGES_MAX > total.energy) {
+        *learned = JP_LEARNED_NOTHING;
+    } else if (grounds != NULL && crosses_others(drive)) {
         status = learn_grounds(grounds, robot, drive, measured, learned);
     } else {
         status = jp_skid_learner_update(robot, &total, measured, learned);

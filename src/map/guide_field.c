@@ -3,7 +3,6 @@
 
 #include "src/base/block.h"
 #include "src/map/field_unit.h"
-#include "src/map/ground_share.h"
 #include "src/map/open_plane.h"
 #include "src/map/terrain_cells.h"
 
@@ -113,20 +112,6 @@ static int32_t elevation_of(const struct jp_guide_field *field, int32_t x, int32
                              middle(y, field->scale, config->height));
 }
 
-/** What the ground of a coarse cell takes more, in 1/JP_GROUND_ONE. */
-static uint32_t share_of(const struct jp_guide_field *field, int32_t x, int32_t y)
-{
-    const struct jp_terrain *terrain = field->terrain;
-
-    if (terrain->classes == NULL || field->kind != JP_COST_PHYSICAL) {
-        return 0;
-    }
-    return field->lattice
-        ->ground[terrain_class(terrain, middle(x, field->scale, terrain->config.width),
-                               middle(y, field->scale, terrain->config.height))]
-        .straight;
-}
-
 /** True when the robot can make `scale` steps in a row from a cell of the map. */
 static bool is_chain_open(struct jp_guide_field *field, int32_t x, int32_t y, unsigned direction)
 {
@@ -227,9 +212,8 @@ static void relax_step(struct jp_guide_field *field, const struct jp_guide_cell 
     field->debt += RELAX;
     const unsigned heading = from_root ? away : (away + JP_HEADINGS / 2) % JP_HEADINGS;
     const int32_t rise = elevation_of(field, nx, ny) - cell->elevation;
-    const struct jp_slope_cost *costs = &field->lattice->move_costs[field->kind][jp_move_kind_of(heading)];
-    const jp_cost step = ground_with_share(jp_move_cost(costs, (from_root ? rise : -rise) / (int32_t)field->scale),
-                                           jp_move_cost(costs, 0), cell->share + share_of(field, nx, ny));
+    const jp_cost step = jp_move_cost(&field->lattice->move_costs[field->kind][jp_move_kind_of(heading)],
+                                      (from_root ? rise : -rise) / (int32_t)field->scale);
     const uint32_t sum =
         cell->value + ((step * field->scale + turn_at(field, cell->x, cell->y, heading)) >> field->shift);
     const uint32_t value = field_value(&field->wave, sum);
@@ -269,11 +253,7 @@ static bool advance(struct jp_guide_field *field)
     const enum jp_wave_step step = jp_wavefront_next(&field->wave, &cells, &x, &y);
 
     if (step == JP_WAVE_CELL) {
-        field->cell = (struct jp_guide_cell){x,
-                                             y,
-                                             jp_wavefront_value(&field->wave, x, y),
-                                             elevation_of(field, x, y),
-                                             share_of(field, x, y),
+        field->cell = (struct jp_guide_cell){x, y, jp_wavefront_value(&field->wave, x, y), elevation_of(field, x, y),
                                              JP_MOVE_DIRECTIONS};
     }
     return step == JP_WAVE_STOPPED;

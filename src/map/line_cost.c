@@ -10,15 +10,36 @@ static int32_t elevation_at(const struct jp_terrain *terrain, const struct jp_po
     return jp_terrain_height(terrain, point) / (JP_Q16_ONE / JP_ELEVATION_ONE);
 }
 
-/** What the ground at a point takes more, in 1/JP_GROUND_ONE. */
-static int64_t share_at(const struct jp_lattice *lattice, const struct jp_terrain *terrain,
-                        const struct jp_point *point)
+/** What the ground at a place takes more, in 1/JP_GROUND_ONE. */
+static int64_t share_at(const struct jp_lattice *lattice, const struct jp_terrain *terrain, jp_q16 x, jp_q16 y)
 {
     const jp_q16 cell = terrain->config.resolution;
 
-    return terrain->classes == NULL
-               ? 0
-               : lattice->ground[terrain_class(terrain, point->x / cell, point->y / cell)].straight;
+    return lattice->ground[terrain_class(terrain, x / cell, y / cell)].straight;
+}
+
+/** From the middle of a robot that drives along the line to its left wheels, m. */
+static struct jp_point side_along(const struct jp_lattice *lattice, const struct jp_point *from,
+                                  const struct jp_point *to, jp_q16 length)
+{
+    if (length == 0) {
+        return (struct jp_point){0, 0};
+    }
+    return (struct jp_point){(jp_q16)(-(int64_t)(to->y - from->y) * lattice->half_track / length),
+                             (jp_q16)((int64_t)(to->x - from->x) * lattice->half_track / length)};
+}
+
+/** What a cell of the line takes more by the ground under the wheels of both sides, rounded down as that of a move. */
+static int64_t more_at(const struct jp_lattice *lattice, const struct jp_terrain *terrain, const struct jp_point *point,
+                       const struct jp_point *side, int64_t level)
+{
+    if (terrain->classes == NULL) {
+        return 0;
+    }
+    return level *
+           (share_at(lattice, terrain, point->x + side->x, point->y + side->y) +
+            share_at(lattice, terrain, point->x - side->x, point->y - side->y)) /
+           (2 * (int64_t)JP_GROUND_ONE);
 }
 
 jp_cost jp_line_cost(const struct jp_lattice *lattice, const struct jp_terrain *terrain, const struct jp_point *from,
@@ -30,7 +51,8 @@ jp_cost jp_line_cost(const struct jp_lattice *lattice, const struct jp_terrain *
     const int32_t steps = length / cell + 1;
     const int64_t level = jp_move_cost(step, 0);
     int64_t cost = level * length / cell;
-    int64_t shares = 0;
+    const struct jp_point side = side_along(lattice, from, to, length);
+    int64_t more = 0;
     int32_t before = elevation_at(terrain, from);
 
     for (int32_t i = 1; i <= steps; i++) {
@@ -43,9 +65,9 @@ jp_cost jp_line_cost(const struct jp_lattice *lattice, const struct jp_terrain *
             return JP_COST_MAX;
         }
         cost += (int64_t)move - level;
-        shares += share_at(lattice, terrain, &point);
+        more += more_at(lattice, terrain, &point, &side, level);
         before = here;
     }
-    cost += level * length / cell * shares / ((int64_t)steps * JP_GROUND_ONE);
+    cost += more * length / cell / steps;
     return cost > 0 ? (jp_cost)cost : 0U;
 }

@@ -75,7 +75,11 @@ struct jp_ground jp_frame_make_ground(const struct jp_navigator *navigator)
 {
     const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
 
-    return (struct jp_ground){elevation_at, class_at, navigator, terrain->config.resolution};
+    return (struct jp_ground){.elevation = elevation_at,
+                              .class_at = class_at,
+                              .context = navigator,
+                              .spacing = terrain->config.resolution,
+                              .margin = navigator->config.margin};
 }
 
 const struct jp_ground *jp_frame_ground(const struct jp_navigator *navigator)

@@ -37,11 +37,11 @@ enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pil
 }
 
 void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
-                          const struct jp_path_pose *start, jp_angle heading, const struct jp_ground *ground)
+                          const struct jp_line_route *route, jp_angle heading)
 {
     begin(run, config, 0);
     /* A robot that has the heading turns by no piece. */
-    (void)jp_turn_path(&run->path, run->path.pieces, run->path.places, start, heading, ground);
+    (void)jp_turn_path(&run->path, run->path.pieces, run->path.places, route, heading);
 }
 
 /** Pieces from one stand to the next: the robot stands before and after each turn on the spot. */
@@ -191,6 +191,48 @@ bool jp_skid_run_next_leg(const struct jp_skid_run *run, struct jp_skid_leg *leg
     return true;
 }
 
+uint16_t jp_skid_run_end_of_ground(const struct jp_skid_run *run, const struct jp_skid_leg *leg)
+{
+    const struct jp_path_piece *pieces = run->path.pieces;
+    uint16_t end = (uint16_t)(leg->begin + 1U);
+
+    while (end < leg->end && jp_piece_is_on_the_same(&pieces[end - 1U], &pieces[end])) {
+        end++;
+    }
+    return end;
+}
+
+/** By the model of a class of ground. */
+static uint8_t add_by_class(const struct jp_skid_knowledge *known, const struct jp_path_piece *piece, uint8_t ground,
+                            jp_q24 speed, struct jp_skid_drive *drive, jp_q16 *duration)
+{
+    const uint8_t known_class = ground < JP_GROUND_CLASSES ? ground : 0U;
+
+    jp_skid_piece_energy(jp_skid_grounds_model(known->grounds, known->robot, known_class), piece, speed, drive,
+                         duration);
+    return known_class;
+}
+
+static void add_piece(const struct jp_skid_knowledge *known, const struct jp_path_piece *piece, jp_q24 speed,
+                      struct jp_skid_ground_drive *drive, jp_q16 *duration)
+{
+    struct jp_skid_drive left = {.energy = 0};
+    jp_q16 again = 0;
+    const uint8_t on = add_by_class(known, piece, piece->ground_left, speed, &left, duration);
+
+    drive->at_edges += piece->is_at_edge ? left.energy : 0;
+    if (piece->ground_left == piece->ground_right) {
+        jp_skid_drive_add(&drive->on[on], &left, 1);
+    } else {
+        struct jp_skid_drive right = {.energy = 0};
+        const uint8_t other = add_by_class(known, piece, piece->ground_right, speed, &right, &again);
+
+        /* Each side is on its own. */
+        jp_skid_drive_add(&drive->on[on], &left, 2);
+        jp_skid_drive_add(&drive->on[other], &right, 2);
+    }
+}
+
 void jp_skid_run_leg_energy(const struct jp_skid_run *run, const struct jp_skid_leg *leg,
                             const struct jp_skid_knowledge *known, struct jp_skid_ground_drive *drive, jp_q16 *duration)
 {
@@ -198,10 +240,8 @@ void jp_skid_run_leg_energy(const struct jp_skid_run *run, const struct jp_skid_
 
     for (unsigned i = leg->begin; i < leg->end; i++) {
         const struct jp_path_piece *piece = &run->path.pieces[i];
-        const uint8_t ground = piece->ground < JP_GROUND_CLASSES ? piece->ground : 0U;
 
-        jp_skid_piece_energy(jp_skid_grounds_model(known->grounds, known->robot, ground), piece, speed,
-                             &drive->on[ground], duration);
+        add_piece(known, piece, speed, drive, duration);
         speed = piece->speed.end;
     }
 }

@@ -84,7 +84,8 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
                                         .heading = run->heading,
                                         .targets = run->targets,
                                         .count = run->count,
-                                        .ground = run->ground};
+                                        .ground = run->ground,
+                                        .half_track = jp_skid_run_half_track(&skid->pilot->config)};
     struct jp_skid_pilot_config config = skid->pilot->config;
 
     if (anew) {

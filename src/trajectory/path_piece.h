@@ -21,10 +21,15 @@ static inline jp_q24 jp_piece_grade(const struct jp_path_piece *piece)
     return jp_divide((int64_t)piece->rise * ((int64_t)1 << 32), piece->length);
 }
 
-/** On one ground that rises alike. */
+static inline bool jp_piece_is_on_the_same(const struct jp_path_piece *a, const struct jp_path_piece *b)
+{
+    return a->ground_left == b->ground_left && a->ground_right == b->ground_right && a->is_at_edge == b->is_at_edge;
+}
+
+/** On the same ground, that rises alike. */
 static inline bool jp_piece_lies_alike(const struct jp_path_piece *a, const struct jp_path_piece *b)
 {
-    return a->ground == b->ground &&
+    return jp_piece_is_on_the_same(a, b) &&
            jp_absolute64((int64_t)jp_piece_grade(a) - jp_piece_grade(b)) <= JP_PIECE_GRADE_SPREAD_MAX;
 }
 

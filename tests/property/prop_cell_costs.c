@@ -75,7 +75,10 @@ static void price_grounds(void)
         for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
             factors[k] = (struct jp_tariff_factors){1, random_factor(), random_factor(), JP_Q16_ONE};
         }
-        status = jp_tariff_by_grounds(tariff, built_in, factors, 1 + below(JP_GROUND_CLASSES), &field);
+        const struct jp_tariff_grounds grounds = {factors, (uint8_t)(1 + below(JP_GROUND_CLASSES)),
+                                                  (jp_q16)below((uint32_t)(4 * built_in->resolution))};
+
+        status = jp_tariff_by_grounds(tariff, built_in, &grounds, &field);
     } while (status == JP_ERR_OVERFLOW);
     TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, status, field);
     TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, jp_lattice_check(&tariff->lattice, &field), field);
@@ -106,6 +109,7 @@ static void make_map(void)
     oracle_map_clear(&map, SIDE, SIDE);
     oracle_init(&oracle, lattice, kind);
     map.cost_shift = config.cost_shift;
+    map.has_classes = config.has_classes;
     for (int32_t i = 0; i < SIDE * SIDE; i++) {
         const int32_t x = i % SIDE;
         const int32_t y = i / SIDE;

@@ -90,7 +90,7 @@ static bool drive_skid(const struct navigation_task *task, const struct navigate
     struct navigation_skid skid;
     struct navigation_robot driven;
 
-    return navigation_skid_init(&skid, robot->skid, &robot->model, task->world, &start, task->seed, &driven) &&
+    return navigation_skid_init(&skid, robot->skid, &robot->model, task->world, NULL, &start, task->seed, &driven) &&
            navigation_run(task, &driven, &trial->result);
 }
 

@@ -315,7 +315,7 @@ static uint8_t class_at(const void *context, const struct jp_point *point)
     return class_of_all;
 }
 
-static const struct jp_ground classed = {level_at, class_at, NULL, JP_Q16(0.5)};
+static const struct jp_ground classed = {level_at, class_at, NULL, JP_Q16(0.5), 0};
 static struct jp_skid_grounds known_grounds;
 
 static void set_up_grounds(void)

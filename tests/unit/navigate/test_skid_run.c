@@ -194,7 +194,7 @@ static jp_q16 valley(const void *context, const struct jp_point *point)
 static void test_legs_over_a_valley(void)
 {
     static const struct jp_point targets[] = {{JP_Q16(2), 0}, {JP_Q16(2), JP_Q16(2)}};
-    static const struct jp_ground ground = {valley, NULL, NULL, JP_Q16(0.2)};
+    static const struct jp_ground ground = {valley, NULL, NULL, JP_Q16(0.2), 0};
     const struct jp_line_route route = {.targets = targets, .count = 2, .ground = &ground};
     struct jp_skid_leg leg = {.end = 0};
     unsigned legs = 0;
@@ -238,7 +238,7 @@ static uint8_t mud_at(const void *context, const struct jp_point *point)
 static void test_a_leg_by_the_ground_of_its_pieces(void)
 {
     static const struct jp_point target = {JP_Q16(2), 0};
-    static const struct jp_ground ground = {level_at, mud_at, NULL, JP_Q16(0.1)};
+    static const struct jp_ground ground = {level_at, mud_at, NULL, JP_Q16(0.1), 0};
     const struct jp_line_route route = {.targets = &target, .count = 1, .ground = &ground};
     struct jp_skid_learner robot;
     struct jp_skid_grounds grounds;
