@@ -72,6 +72,24 @@ navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file STA
 	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
 
+# A yard whose mud takes 2.5 times the rolling resistance, or a map of others with IMPORT, START and GOAL. GROUNDS holds
+# options of jp-grounds, such as --trips 10.
+GROUNDS_MAP    = $(if $(filter file,$(origin MAP)),sim/scenarios/yard.map,$(MAP))
+GROUNDS_IMPORT = $(if $(filter file,$(origin MAP)),--grounds asphalt=1$(comma)1 mud=2.5$(comma)0.8 grass=1.4$(comma)0.9,$(IMPORT))
+GROUNDS_TASK   = $(if $(strip $(PLAN_TASK)),$(PLAN_TASK),$(if $(filter file,$(origin MAP)),--start=4$(comma)11$(comma)0 --goal=36$(comma)11))
+GROUNDS_ROBOT  = $(if $(filter file,$(origin ROBOT)),zhang2018,$(ROBOT))
+comma          = ,
+
+.PHONY: grounds
+grounds: ## let ROBOT=zhang2018 or burger go again and again over a map of several grounds (MAP=file START=x,y,deg GOAL=x,y SEED=1 GROUNDS=options), and learn what they take; picture in build/grounds
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-grounds
+	@rm -rf $(BUILD)/grounds
+	$(PYTHON) -m tools.design.import_map $(GROUNDS_MAP) $(BUILD)/grounds/map.json --resolution 0.2 $(GROUNDS_IMPORT)
+	$(BUILD)/bin/jp-grounds $(BUILD)/grounds/map.json --robot sim/robots/$(GROUNDS_ROBOT).cfg $(GROUNDS_TASK) --seed $(SEED) \
+	    $(GROUNDS) --output $(BUILD)/grounds; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.grounds_picture $(BUILD)/grounds && exit $$status
+
 # A scene from a seed, or a map of others with START and GOAL.
 SCENE      ?= beside-obstacle
 SEED       ?= 1
