@@ -38,3 +38,19 @@ $(WASM)/page_robots.o: $(WASM)/page_robots.c
 $(WASM)/joulepath.wasm: $(patsubst %.c,$(WASM)/%.o,$(PAGE_C) $(PAGE_SIM) $(CORE) $(FLOAT)) $(WASM)/robots.o $(WASM)/page_robots.o
 	$(call SAY,LD $@)
 	$Q$(COMPILER.wasm) $(FLAGS.wasm) $(MODULE) $^ -o $@
+
+# In a script, because a page that is opened from a disk may not read other files.
+$(PAGE)/core.wasm.js: $(WASM)/joulepath.wasm
+	@mkdir -p $(@D)
+	$Q{ printf 'const coreWasm = "'; base64 -w 0 $<; printf '";\n'; } >$@
+
+$(PAGE)/%: sim/page/web/%
+	@mkdir -p $(@D)
+	@cp $< $@
+
+PAGE_FILES = $(WEB:sim/page/web/%=$(PAGE)/%) $(PAGE)/core.wasm.js
+
+.PHONY: page
+page: ## make the page in the browser: open build/page/index.html, or put build/page anywhere on the web
+	@tools/setup.sh page
+	@$(MAKE) $(PARALLEL) $(PAGE_FILES)
