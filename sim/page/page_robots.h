@@ -17,4 +17,8 @@ extern const size_t page_skid_robot_count;
 extern const struct four_wheel_file *const page_patrol_robots[];
 extern const size_t page_patrol_robot_count;
 
+/* In the same order: the steepest ground on which each may be, rise over run (lattice_robot.h). */
+extern const double page_balancer_grades[];
+extern const double page_skid_robot_grades[];
+
 #endif

@@ -7,6 +7,7 @@
 #include "sim/balancer/robot_file.h"
 #include "sim/base/error.h"
 #include "sim/four_wheel/four_wheel_file.h"
+#include "sim/lattice/lattice_robot.h"
 #include "sim/skid_steer/skid_steer_model.h"
 
 enum kind { BALANCER, SKID_STEER, FOUR_WHEEL, KINDS };
@@ -75,6 +76,24 @@ static void write_list(enum kind kind, const enum kind *of, int count)
     (void)printf("NULL};\nconst size_t %s_count = %d;\n", kinds[kind].list, members);
 }
 
+/* False after an error. */
+static bool write_grades(enum kind kind, const enum kind *of, char **paths, int count)
+{
+    static struct lattice_robot described;
+
+    (void)printf("const double %s_grades[] = {", kinds[kind].list);
+    for (int i = 0; i < count; i++) {
+        if (of[i] == kind) {
+            if (!lattice_robot_load(paths[i], &described)) {
+                return false;
+            }
+            (void)printf("%a, ", described.grade_max);
+        }
+    }
+    (void)printf("0};\n");
+    return true;
+}
+
 #define ROBOTS_MAX 32
 
 int main(int argc, char **argv)
@@ -96,5 +115,6 @@ int main(int argc, char **argv)
     for (enum kind kind = 0; kind < KINDS; kind++) {
         write_list(kind, of, count);
     }
-    return EXIT_SUCCESS;
+    return write_grades(BALANCER, of, &argv[1], count) && write_grades(SKID_STEER, of, &argv[1], count) ? EXIT_SUCCESS
+                                                                                                         : ERROR_EXIT;
 }

@@ -9,7 +9,10 @@ PAGE_ROBOTS := $(addprefix sim/robots/,gao2018.cfg courier24.cfg zhang2018.cfg b
 PAGE_SIM  := $(addprefix sim/,$(addsuffix .c, \
              base/clearance base/digital base/error base/fingerprint base/random base/world_fault \
              balancer/energy_unit balancer/fault_names balancer/hal_sim balancer/instruments balancer/plant balancer/rig \
-             balancer/world missions/cruise_plan)) hal/hal.c
+             balancer/world missions/cruise_plan missions/navigation_balancer missions/navigation_sight missions/navigation_skid \
+             missions/navigation_task missions/plan_lattice skid_steer/skid_ground skid_steer/skid_hal_sim \
+             skid_steer/skid_instruments skid_steer/skid_plant skid_steer/skid_robots skid_steer/skid_steer_model \
+             skid_steer/skid_world)) hal/hal.c
 
 COMPILER.wasm = clang --target=wasm32-wasi
 FLAGS.wasm    = $(HOST) -O2
