@@ -35,7 +35,7 @@ class BalancerScene {
 
   /* ---- Panel ---- */
 
-  build(panel) {
+  build(panel, below) {
     this.places = new Places(this.waypoints, (i) => `waypoint ${i + 1}`, () => this.change());
     this.table = make("table", { id: "legs" });
     this.push = slider("Push", "push", 1, 40, 1, 8, "N");
@@ -51,7 +51,8 @@ class BalancerScene {
       make("p", { className: "hint" }, "Drag a waypoint on the map, or type. A change while it drives holds from the next waypoint on.")),
       section("Disturb it", this.push.element, make("div", { className: "row" },
         button("Push back", "push-back", () => this.shove(-1)), button("Push forward", "push-forward", () => this.shove(1)),
-        make("span", { className: "hint" }, "for 0.2 s at its centre of mass")), this.side),
+        make("span", { className: "hint" }, "for 0.2 s at its centre of mass")), this.side));
+    below.replaceChildren(
       section("Joules against time", this.front,
         make("p", { className: "hint" }, "Blue: what the route takes at each cruise, foretold from where it starts. Orange: this drive.")),
       section("Legs", this.table));
@@ -118,7 +119,6 @@ class BalancerScene {
     } else {
       this.foretell();
     }
-    this.onchange?.();
   }
 
   /** So many seconds. */

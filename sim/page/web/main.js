@@ -61,7 +61,7 @@ class Page {
       tab.tabIndex = tab.dataset.scene === name ? 0 : -1;
     });
     element("scene").setAttribute("aria-labelledby", `tab-${name}`);
-    this.scene.build(element("panel"));
+    this.scene.build(element("panel"), element("below"));
     this.plane.setAttribute("aria-label", this.scene.labels.help);
     this.scene.reset();
   }

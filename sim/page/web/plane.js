@@ -3,6 +3,11 @@
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
+/** Red, green and blue, 0…255. */
+function colourOf(name) {
+  return [1, 3, 5].map((at) => parseInt(css(name).slice(at, at + 2), 16));
+}
+
 /** A round step of which about `count` fit into a range. */
 function roundStep(range, count) {
   const raw = range / count;
@@ -138,7 +143,7 @@ class Chart {
   draw(series) {
     const { context, width, height } = prepareCanvas(this.canvas);
     const points = series.flatMap((one) => one.points);
-    const most = (index) => Math.max(1e-9, ...points.map((point) => point[index])) * 1.06;
+    const most = (index) => (points.length > 0 ? Math.max(1e-9, ...points.map((point) => point[index])) * 1.06 : 1);
     const frame = { left: 52, right: width - 10, top: 22, bottom: height - 36 };
     const x = (value) => frame.left + ((frame.right - frame.left) * value) / most(0);
     const y = (value) => frame.bottom - ((frame.bottom - frame.top) * value) / most(1);

@@ -79,7 +79,7 @@ class Places {
     };
     const remove = button("×", "", () => { this.places.splice(index, 1); this.show(); this.onchange(); },
       { "aria-label": `remove ${this.names(index)}`, disabled: this.places.length < 2 });
-    return make("li", {}, make("span", {}, `${index + 1}`), field("x"), field("y"), make("span", {}, "m"), remove);
+    return make("li", {}, make("span", {}, `${index + 1}`), "x", field("x"), "y", field("y"), "m", remove);
   }
 }
 
@@ -100,4 +100,9 @@ function interval(energy, deviation) {
     return "–";
   }
   return `${shown(energy)} J <small>± ${shown(1.96 * deviation)} J (95 %)</small>`;
+}
+
+/** Of a battery whose capacity no file tells. */
+function drawn(joules, volts) {
+  return `${shown(joules / 3600, 2)} Wh drawn <small>at ${shown(volts)} V</small>`;
 }
