@@ -10,7 +10,8 @@ PAGE_SIM  := $(addprefix sim/,$(addsuffix .c, \
              base/clearance base/digital base/error base/fingerprint base/random base/world_fault \
              balancer/energy_unit balancer/fault_names balancer/hal_sim balancer/instruments balancer/plant balancer/rig \
              balancer/world missions/cruise_plan missions/navigation_balancer missions/navigation_sight missions/navigation_skid \
-             missions/navigation_task missions/plan_lattice skid_steer/skid_ground skid_steer/skid_hal_sim \
+             four_wheel/four_wheel_plant four_wheel/laser four_wheel/patrol_config four_wheel/patrol_members four_wheel/solid_map four_wheel/four_wheel_drive four_wheel/four_wheel_file \
+             missions/navigation_task missions/patrol_energy missions/patrol_mission missions/plan_lattice scenes/patrol_draft scenes/patrol_scene scenes/patrol_world skid_steer/skid_ground skid_steer/skid_hal_sim \
              skid_steer/skid_instruments skid_steer/skid_plant skid_steer/skid_robots skid_steer/skid_steer_model \
              skid_steer/skid_world)) hal/hal.c
 
