@@ -20,7 +20,7 @@
 #define ANGLE    (2 * M_PI / 4294967296.0)
 
 /* An energy of which nothing is known yet. */
-#define UNKNOWN NAN
+#define UNKNOWN ((double)NAN)
 
 #define VIEW(X)                                                                                                        \
     X(time_s)                                                                                                          \

@@ -8,7 +8,7 @@
 #ifdef __wasm__
 #define PAGE_EXPORT(name) __attribute__((export_name(#name)))
 #else
-#define PAGE_EXPORT(name)
+#define PAGE_EXPORT(name) __attribute__((visibility("default")))
 #endif
 
 /* Of a list VIEW(X) that says X(name) for each number of a view. */

@@ -21,7 +21,7 @@
 #define CELLS_MAX  1048576
 #define POINTS_MAX 4096
 
-#define UNKNOWN NAN
+#define UNKNOWN ((double)NAN)
 
 #define VIEW(X)                                                                                                        \
     X(time_s)                                                                                                          \

@@ -28,7 +28,7 @@
 #define STEPS_MAX 8192
 
 /* What is not known yet. */
-#define UNKNOWN NAN
+#define UNKNOWN ((double)NAN)
 
 #define VIEW(X)                                                                                                        \
     X(time_s)                                                                                                          \

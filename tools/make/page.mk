@@ -58,3 +58,40 @@ PAGE_FILES = $(WEB:sim/page/web/%=$(PAGE)/%) $(PAGE)/core.wasm.js
 page: ## make the page in the browser: open build/page/index.html, or put build/page anywhere on the web
 	@tools/setup.sh page
 	@$(MAKE) $(PARALLEL) $(PAGE_FILES)
+
+# ---- The same for this machine, to compare bits with -----------------------------------------------------------------
+
+# musl's mathematics, which wasi-libc has, too: the simulator's sines are then the same.
+MUSL       ?= $(firstword $(wildcard /usr/lib/$(shell uname -m)-linux-musl/libc.a))
+MUSL_MATH   = ^(__)?(sin|cos|sincos|tan|asin|acos|atan|atan2|hypot|log|log1p|exp|expm1|pow|fmod|remainder|remquo|sqrt|cbrt|sinh|cosh|tanh|floor|ceil|trunc|round|rint|nearbyint|lround|llround|lrint|llrint|scalbn|ldexp|frexp|modf|fabs|copysign|fmin|fmax|fdim|rem_pio2|rem_pio2_large|math_[a-z]*|sindf|cosdf|tandf|expo2|exp_data|exp2f_data|log_data|logf_data|pow_data|powf_data|sqrt_data|invtrigl)f?\.lo$$
+NATIVE     := $(BUILD)/page-native
+
+COMPILER.page-native = $(CC)
+FLAGS.page-native    = $(HOST) -O2 -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
+
+$(NATIVE)/%.o: %.c tools/make/variants.mk $(SETTINGS)
+	$(call compile,page-native)
+
+$(patsubst %.c,$(NATIVE)/%.o,$(FLOAT)): MODULE_FLAGS = $(FLAGS_FLOAT)
+
+$(NATIVE)/%.o: $(BUILD)/%.c
+	@mkdir -p $(@D)
+	$Q$(COMPILER.page-native) $(COMMON) $(FLAGS.page-native) -c $< -o $@
+
+$(NATIVE)/page_robots.o: $(WASM)/page_robots.c
+	@mkdir -p $(@D)
+	$Q$(COMPILER.page-native) $(COMMON) $(FLAGS.page-native) -c $< -o $@
+
+$(NATIVE)/musl-math.a: $(MUSL)
+	@rm -rf $(@D)/musl && mkdir -p $(@D)/musl
+	$Qcd $(@D)/musl && ar x $< $$(ar t $< | grep -E '$(MUSL_MATH)') && ar qcs ../$(@F) *.lo
+
+PAGE_NATIVE = $(patsubst %.c,$(NATIVE)/%.o,$(PAGE_C) $(PAGE_SIM) $(CORE) $(FLOAT)) $(NATIVE)/robots.o $(NATIVE)/page_robots.o
+
+$(NATIVE)/libpage-musl.so: $(PAGE_NATIVE) $(NATIVE)/musl-math.a
+	$(call SAY,LD $@)
+	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined $^ -lm -o $@
+
+$(NATIVE)/libpage.so: $(PAGE_NATIVE)
+	$(call SAY,LD $@)
+	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined $^ -lm -o $@
