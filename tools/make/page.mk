@@ -90,8 +90,8 @@ PAGE_NATIVE = $(patsubst %.c,$(NATIVE)/%.o,$(PAGE_C) $(PAGE_SIM) $(CORE) $(FLOAT
 
 $(NATIVE)/libpage-musl.so: $(PAGE_NATIVE) $(NATIVE)/musl-math.a
 	$(call SAY,LD $@)
-	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined $^ -lm -o $@
+	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined -Wl,-Bsymbolic $^ -lm -o $@
 
 $(NATIVE)/libpage.so: $(PAGE_NATIVE)
 	$(call SAY,LD $@)
-	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined $^ -lm -o $@
+	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined -Wl,-Bsymbolic $^ -lm -o $@
