@@ -126,6 +126,9 @@ class Page {
         gauge.innerHTML = text;
       }
     }
+    if (performance.getEntriesByName("first frame").length === 0) {
+      performance.mark("first frame");
+    }
     requestAnimationFrame((next) => this.frame(next));
   }
 }

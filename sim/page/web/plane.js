@@ -151,6 +151,7 @@ class Chart {
     for (const one of series) {
       context.strokeStyle = context.fillStyle = one.colour;
       context.lineWidth = 2;
+      context.setLineDash(one.dash ?? []);
       context.beginPath();
       for (const [u, v] of one.points) {
         if (one.dots) {
@@ -161,6 +162,7 @@ class Chart {
         }
       }
       one.dots ? context.fill() : context.stroke();
+      context.setLineDash([]);
     }
   }
 

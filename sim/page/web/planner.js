@@ -118,7 +118,7 @@ class PlannerScene {
       section("Robot and memory",
         choice("Robot", "robot", this.robots.map((name, i) => [i, name]), this.robot, (value) => { this.robot = Number(value); this.reset(); }),
         choice("Planner's block", "memory", [4, 8, 16, 64, 256, 1024, 4096].map((kib) => [kib, `${kib} KiB`]), this.memory, (value) => { this.memory = Number(value); this.reset(); })),
-      section("Search", this.table));
+      section("Search", this.table, make("p", { className: "hint" }, "Blue: the planner's route. Green: the course that the robot makes of it. Orange: where it was. Grey: the route before the last change.")));
     below.replaceChildren(
       section("Joules of the best route against the search", this.chart.canvas),
       section("The same on the command line", make("pre", { id: "command" }), make("p", { className: "hint" }, "With the map that Save the map gives you, before anything is changed on the way.")));
@@ -300,7 +300,9 @@ class PlannerScene {
   }
 
   release() {
-    if (this.isLandChanged) {
+    if (this.last && (this.tool === "wall" || this.tool === "erase") && this.status === 0 && this.view.state > 7) {
+      this.setGoal(this.goal); // a way that was none may be one now
+    } else if (this.isLandChanged) {
       this.isLandChanged = false;
       this.reset();
     } else if (this.last && this.tool === "goal") {
@@ -352,8 +354,8 @@ class PlannerScene {
   setGoal(cell) {
     this.goal = cell;
     if (this.status !== 0 || this.core.exports.planner_is_over()) {
-      if (this.view.state === 7 && this.core.exports.planner_goal(cell.x, cell.y) === 0) {
-        this.say("On to the next goal.");
+      if (this.view.state >= 7 && this.core.exports.planner_goal(cell.x, cell.y) === 0) {
+        this.say("It searches its way.");
       } else {
         this.reset();
       }
@@ -451,7 +453,7 @@ class PlannerScene {
   drawTables() {
     const view = this.view;
     const kib = (bytes) => `${shown(bytes / 1024)} KiB`;
-    const answer = view.answer === 2 && Number.isFinite(view.plan_bound) ? `within ${shown(view.plan_bound, 2)} of the optimum` : ANSWERS[view.answer] ?? "–";
+    const answer = view.state === 8 ? "none: proved" : view.answer === 2 && Number.isFinite(view.plan_bound) ? `within ${shown(view.plan_bound, 2)} of the optimum` : ANSWERS[view.answer] ?? "–";
     const rows = [
       ["robot", this.core.text(this.core.exports.planner_state_name())],
       ["route", answer],

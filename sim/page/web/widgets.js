@@ -39,8 +39,8 @@ function slider(label, id, least, most, step, value, unit, onchange) {
 
 /** A list of places with a number field for each coordinate. */
 class Places {
-  constructor(places, names, onchange) {
-    Object.assign(this, { places, names, onchange });
+  constructor(places, names, onchange, keepsAll = false) {
+    Object.assign(this, { places, names, onchange, keepsAll });
     this.element = make("ol", { className: "places" });
     this.show();
   }
@@ -79,7 +79,7 @@ class Places {
     };
     const remove = button("×", "", () => { this.places.splice(index, 1); this.show(); this.onchange(); },
       { "aria-label": `remove ${this.names(index)}`, disabled: this.places.length < 2 });
-    return make("li", {}, make("span", {}, `${index + 1}`), "x", field("x"), "y", field("y"), "m", remove);
+    return make("li", {}, make("span", {}, `${index + 1}`), "x", field("x"), "y", field("y"), "m", ...(this.keepsAll ? [] : [remove]));
   }
 }
 
@@ -91,7 +91,7 @@ function fillTable(table, head, rows) {
 
 /** A number with as many digits as people read; a dash for what is not known. */
 function shown(value, digits = 1) {
-  return Number.isFinite(value) ? value.toFixed(digits) : "–";
+  return Number.isFinite(value) ? value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1") : "–";
 }
 
 /** An expectation with the interval of 95 %. */
