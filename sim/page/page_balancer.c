@@ -133,29 +133,29 @@ PAGE_EXPORT(balancer_robot_name) const char *balancer_robot_name(unsigned robot)
 }
 
 /** Upright at the origin, looking along x; it balances. The noise of its sensors is of the seed. */
-PAGE_EXPORT(balancer_reset) bool balancer_reset(unsigned robot, double seed)
+PAGE_EXPORT(balancer_reset) unsigned balancer_reset(unsigned robot, double seed)
 {
     memset(&page, 0, sizeof page);
     page.file = page_balancers[robot];
     page.entry = rig_find_robot(page.file->name);
     page.model = page.entry == NULL ? NULL : rig_energy_model(page.entry, ENERGY_BATTERY);
     if (page.model == NULL || !rig_init(&page.rig, page.entry, page.file, (uint64_t)seed) || !prepare_pilot()) {
-        return false;
+        return 0;
     }
     rig_release(&page.rig, 0);
-    return true;
+    return 1;
 }
 
 /* ---- Routes ---- */
 
 /** One more waypoint of the next route, m; false: there are too many. */
-PAGE_EXPORT(balancer_add) bool balancer_add(double x, double y)
+PAGE_EXPORT(balancer_add) unsigned balancer_add(double x, double y)
 {
     if (page.scenario.waypoint_count >= BEZIER_WAYPOINTS_MAX - 1) {
-        return false;
+        return 0;
     }
     page.scenario.waypoints[page.scenario.waypoint_count++] = (struct bezier_point){x, y};
-    return true;
+    return 1;
 }
 
 static void begin_route(void)

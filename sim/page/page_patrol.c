@@ -199,21 +199,21 @@ static bool is_kept_free(double x, double y)
 
 /** Somebody who stands there; before patrol_begin(). False: there is no room for more, or it is too near to start or
  *  goal. */
-PAGE_EXPORT(patrol_add_person) bool patrol_add_person(double x, double y)
+PAGE_EXPORT(patrol_add_person) unsigned patrol_add_person(double x, double y)
 {
     if (page.scene.mover_count >= PATROL_OBSTACLES_MAX || is_kept_free(x, y)) {
-        return false;
+        return 0;
     }
     page.scene.movers[page.scene.mover_count++] =
         (struct patrol_obstacle){.shape = {.kind = PLANAR_DISC, .radius = PERSON_RADIUS},
                                  .waypoints = {{x, y}},
                                  .waypoint_count = 1,
                                  .speed = PERSON_SPEED};
-    return true;
+    return 1;
 }
 
 /** Begins the drive; the noise is of the seed. False: no memory. */
-PAGE_EXPORT(patrol_begin) bool patrol_begin(double seed)
+PAGE_EXPORT(patrol_begin) unsigned patrol_begin(double seed)
 {
     page.task = (struct patrol_task){.robot = robot(),
                                      .scene = &page.scene,

@@ -377,17 +377,17 @@ static void note_change(void)
 
 /** A wall comes or goes, also while the robot drives: the navigator looks whether its way is still clear, the planner
  *  repairs. Ground that is too steep stays so. */
-PAGE_EXPORT(planner_wall) void planner_wall(int x, int y, bool is_wall)
+PAGE_EXPORT(planner_wall) void planner_wall(int x, int y, unsigned is_wall)
 {
     uint8_t *mark = &page.marks[(unsigned)y * page.width + (unsigned)x];
 
     if (x < 0 || y < 0 || x >= (int)page.width || y >= (int)page.height || *mark == MARK_STEEP ||
-        (*mark == MARK_WALL) == is_wall) {
+        (*mark == MARK_WALL) == (is_wall != 0)) {
         return;
     }
-    *mark = is_wall ? MARK_WALL : MARK_FREE;
+    *mark = is_wall != 0 ? MARK_WALL : MARK_FREE;
     if (page.is_ready) {
-        const enum jp_cell cell = is_wall ? JP_CELL_OCCUPIED : JP_CELL_FREE;
+        const enum jp_cell cell = is_wall != 0 ? JP_CELL_OCCUPIED : JP_CELL_FREE;
 
         note_change();
         (void)jp_terrain_set_cell(&page.solid, x, y, cell);
@@ -425,7 +425,7 @@ static void work(void)
     }
 }
 
-PAGE_EXPORT(planner_is_over) bool planner_is_over(void)
+PAGE_EXPORT(planner_is_over) unsigned planner_is_over(void)
 {
     return !page.is_ready || page.navigator.state >= JP_NAVIGATOR_ARRIVED;
 }

@@ -18,14 +18,18 @@ def browser():
     browser.close()
 
 
-@pytest.fixture
-def page(browser):
-    """Opened anew, paused; no test may leave an error behind."""
+def open_page(browser):
     browser.errors.clear()
     browser.resize(1280, 900)
     browser.open("about:blank")
     browser.open(INDEX)
     browser.wait("!!window.page && page.time > 0")
+
+
+@pytest.fixture
+def page(browser):
+    """Opened anew; no test may leave an error behind."""
+    open_page(browser)
     yield browser
     assert browser.errors == []
 
@@ -77,10 +81,14 @@ class Wasm:
                 return [name, cell.getBigUint64(0).toString(16).padStart(16, "0")]; }})); }})()""")
 
 
-@pytest.fixture
-def wasm(page):
-    page.click("#pause")
-    return Wasm(page)
+@pytest.fixture(scope="module")
+def wasm():
+    """The module alone: its page stands still."""
+    browser = Browser()
+    open_page(browser)
+    browser.click("#pause")
+    yield Wasm(browser)
+    browser.close()
 
 
 def loaded(name):
