@@ -4,22 +4,22 @@
 #include <joulepath/skid_energy.h>
 
 const struct jp_skid_energy_model jp_skid_energy_burger = {
-    .half_track = 1317353,       /* 0.07852035 m */
+    .half_track = 1317224,       /* 0.07851264 m */
     .weight = 642689,            /* 9.80665 N */
-    .rolling = 2296401,          /* 0.1368762 */
+    .rolling = 2296310,          /* 0.1368708 */
     .friction = 13421773,        /* 0.8 */
-    .turning = 59515,            /* 0.003547362 */
-    .yielding = 225842384,       /* 13.46126 1/m */
-    .scrub = 412462,             /* 0.02458467 m */
-    .easing = 67108852,          /* 3.999999 */
-    .bank_easing = 67108857,     /* 4 */
-    .tilting = 6341482,          /* 0.3779818 */
+    .turning = 59370,            /* 0.003538704 */
+    .yielding = 223653019,       /* 13.33076 1/m */
+    .scrub = 416817,             /* 0.02484423 m */
+    .easing = 67108864,          /* 4 */
+    .bank_easing = 67108864,     /* 4 */
+    .tilting = 6332827,          /* 0.3774659 */
     .inertia = 12273497,         /* 0.7315574 s²/m */
     .turn_inertia = 449667,      /* 0.02680223 s² */
-    .driving = 32153110,         /* 1.916475 */
-    .braking = 7647159,          /* 0.4558062 */
-    .copper_driving = 52496,     /* 0.8010198 W */
-    .copper_braking = 132783,    /* 2.026115 W */
+    .driving = 32154774,         /* 1.916574 */
+    .braking = 7637806,          /* 0.4552487 */
+    .copper_driving = 52442,     /* 0.8002067 W */
+    .copper_braking = 131370,    /* 2.004553 W */
     .electronics_power = 491631, /* 7.501692 W */
     .unit_exponent = 1,          /* energies are in units of 2 J */
 };

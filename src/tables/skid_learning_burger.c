@@ -5,17 +5,20 @@
 #include <joulepath/skid_learner.h>
 
 const struct jp_skid_learning jp_skid_learning_burger = {
-    .deviation =
+    .factors =
         {
-            16493, /* 0.2516611 of the rolling */
-            13107, /* 0.2 of the friction */
-            10011, /* 0.1527525 of the weight */
-            7567,  /* 0.1154701 of the electronics */
+            .deviation =
+                {
+                    16493, /* 0.2516611 of the rolling */
+                    13107, /* 0.2 of the friction */
+                    10011, /* 0.1527525 of the weight */
+                    7567,  /* 0.1154701 of the electronics */
+                },
+            .noise_relative = 4,     /* 6.25499e-05 of the energy */
+            .noise = 152,            /* 0.004634243 J */
+            .spread = 82277,         /* 1.255443 of single legs beyond their noise */
+            .memory = 64U,           /* legs */
+            .identity = 2367455662U, /* of the numbers above */
         },
-    .noise = 152,           /* 0.004632166 J */
-    .noise_relative = 4,    /* 6.248061e-05 of the energy */
-    .noise_slopes = 6389,   /* 0.09748735 of the work of slopes */
-    .spread = 82327,        /* 1.256212 of single legs beyond their noise */
-    .memory = 64U,          /* legs */
-    .identity = 947007203U, /* of the numbers above */
+    .noise_slopes = 6392, /* 0.0975338 of the work of slopes */
 };

@@ -5,17 +5,20 @@
 #include <joulepath/skid_learner.h>
 
 const struct jp_skid_learning jp_skid_learning_zhang2018 = {
-    .deviation =
+    .factors =
         {
-            16493, /* 0.2516611 of the rolling */
-            13107, /* 0.2 of the friction */
-            10011, /* 0.1527525 of the weight */
-            7567,  /* 0.1154701 of the electronics */
+            .deviation =
+                {
+                    16493, /* 0.2516611 of the rolling */
+                    13107, /* 0.2 of the friction */
+                    10011, /* 0.1527525 of the weight */
+                    7567,  /* 0.1154701 of the electronics */
+                },
+            .noise_relative = 860,   /* 0.01312655 of the energy */
+            .noise = 17574,          /* 4.290511 J */
+            .spread = 98557,         /* 1.503864 of single legs beyond their noise */
+            .memory = 64U,           /* legs */
+            .identity = 2057924150U, /* of the numbers above */
         },
-    .noise = 17574,         /* 4.290508 J */
-    .noise_relative = 860,  /* 0.01312656 of the energy */
-    .noise_slopes = 4914,   /* 0.07498344 of the work of slopes */
-    .spread = 98557,        /* 1.503863 of single legs beyond their noise */
-    .memory = 64U,          /* legs */
-    .identity = 981964317U, /* of the numbers above */
+    .noise_slopes = 4914, /* 0.07498342 of the work of slopes */
 };

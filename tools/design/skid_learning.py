@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 from scipy import optimize
 
-from tools.design import skid_model
+from tools.design import identification, skid_model
+from tools.design.identification import MEMORY, SURE, SURE_DEVIATIONS
 
 # Of the factors about 1, root mean square over what jp-skid-identify draws: rolling 0.7 to 1.5, friction 0.6 to 1.2,
 # weight 0.9 to 1.3, electronics 0.8 to 1.2.
@@ -18,7 +19,6 @@ RANGES = ((0.7, 1.5), (0.6, 1.2), (0.9, 1.3), (0.8, 1.2))
 FACTOR_MIN, FACTOR_MAX = 0.25, 4
 STEP = 1e-5  # of derivatives by x
 
-MEMORY = 64  # legs after which a measurement counts 1/e
 OUTLIER_DEVIATIONS = 4
 SCALE_MEMORY, SCALE_MIN, SCALE_MAX = 128, 0.25, 8
 
@@ -27,21 +27,20 @@ NOISE_START = (1, 0.01, 0.01)
 ROUNDS = 3
 LEAST_PART = 1e-6  # of the noise, J and shares
 INSIDE, INSIDE_DEVIATIONS = 0.95, 1.959964
-# Single legs are as far from the model as a normal distribution whose share SURE is within that of theirs: the slides of a
-# steep slope must not pass for another ground.
-SURE, SURE_DEVIATIONS = 0.99, 2.575829
 
 
 def deviations():
-    """Root mean square of the factors about 1."""
-    return np.array([math.sqrt(((high - 1)**3 - (low - 1)**3) / (3 * (high - low))) for low, high in RANGES])
+    return identification.deviations(RANGES)
 
 
 @dataclass(frozen=True)
 class Learning:
     """struct jp_skid_learning in SI units."""
     deviation: np.ndarray
-    noise: "Noise"
+    noise: float           # J
+    noise_relative: float
+    noise_slopes: float
+    spread: float
     untaught: np.ndarray  # relative errors of plans, before and after learning
     taught: np.ndarray
     inside: float         # share of plans inside their intervals
@@ -216,5 +215,5 @@ def learn(model, legs):
         noise = Noise(scale * noise.parts, max(spread / scale, 1.0))
     plans = [plan(model, noise, legs, part) for part in range(PLANS)]
     before = legs.energies(model, np.ones((legs.shape[0], skid_model.FACTORS))).sum(axis=1) / legs.measured.sum(axis=1) - 1
-    return Learning(deviations(), noise, before, np.concatenate([made.errors() for made in plans]),
+    return Learning(deviations(), *map(float, noise.parts), noise.spread, before, np.concatenate([made.errors() for made in plans]),
                     float(np.mean(np.abs(surprises(plans, noise)[0]) <= INSIDE_DEVIATIONS)))
