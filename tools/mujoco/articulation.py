@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from tools.design import robot_json
+from tools.mujoco.ground import GRAVITY
 
 TIMESTEP = 0.0005  # s, the longest
 
@@ -15,8 +16,13 @@ TYRE_FRICTION = 0.8
 # The tyre bears on a point: its width only shows.
 TYRE_WIDTH = 0.3  # of its radius
 
-# Contacts as stiff as the step allows: tyres sink in by a part of a millimetre, and spring back within milliseconds.
-CONTACT = 'solref="0.004 1" solimp="0.95 0.99 0.0005" condim="3" priority="1"'
+# Rubber: how far a tyre sinks in under its load where the file does not say how long its contact is, and how its bounce is
+# damped.
+SINKING = 0.01  # of the radius
+DAMPING = 0.3   # of critical
+
+# MuJoCo's impedance: contacts obey the spring of the tyre and no stiffer one.
+IMPEDANCE = 0.5
 
 # Rigid stops of the gears' play.
 STOP = 'solreflimit="0.001 1" solimplimit="0.98 0.999 0.0001"'
@@ -35,6 +41,7 @@ class Wheel:
     mass: float
     spin: float    # inertia about its axle, kg m²
     friction: float
+    sinking: float  # under the robot's weight, m
 
 
 @dataclass(frozen=True)
@@ -77,7 +84,7 @@ def _balancer(robot):
     radius, wheel = number("wheel.radius_m"), number("wheel.mass_kg")
     # As the equations of motion: M L²/3 is a box of twice the centre's height.
     inertia = (mass * (width ** 2 + 4 * height ** 2) / 12, mass * height ** 2 / 3, mass * (width ** 2 + depth ** 2) / 12)
-    wheels = tuple(Wheel(side, 0.0, y, radius, wheel, wheel * radius ** 2 / 2, TYRE_FRICTION)
+    wheels = tuple(Wheel(side, 0.0, y, radius, wheel, wheel * radius ** 2 / 2, TYRE_FRICTION, SINKING * radius)
                    for side, y in enumerate((width / 2, -width / 2)))
     return Robot(Chassis(mass, (0.0, 0.0, height), inertia, (depth, width * 0.8, 2 * height)), wheels,
                  number("motor.gear_ratio") ** 2 * number("motor.rotor_inertia_kg_m2"), None)
@@ -91,7 +98,8 @@ def _skid(robot):
     places = [base * (i / (axles - 1) - 0.5) if axles > 1 else 0.0 for i in range(axles)]
     wheel = 2 * spin / radius ** 2  # a disc with the inertia of the file
     half = number("body.width_m") / 2
-    wheels = tuple(Wheel(side, x, y, radius, wheel, spin, number("ground.friction"))
+    sinking = radius - math.sqrt(radius ** 2 - number("tyre.contact_length_m") ** 2 / 4)
+    wheels = tuple(Wheel(side, x, y, radius, wheel, spin, number("ground.friction"), sinking)
                    for x in places for side, y in enumerate((half, -half)))
     caster = None
     if robot.is_given("caster.ahead_m"):
@@ -123,6 +131,13 @@ def _numbers(values):
     return " ".join(f"{value:.9g}" for value in values)
 
 
+def _contact(sinking):
+    """Of a tyre that sinks in so far where it bears its share of the weight."""
+    square = (1 - IMPEDANCE) * GRAVITY / sinking  # of the bounce's frequency
+    return (f'solref="{_numbers((-square, -2 * DAMPING * math.sqrt(square)))}" solimp="{IMPEDANCE} {IMPEDANCE} 0.001" '
+            f'condim="3" priority="1"')
+
+
 def _wheel(index, wheel, rotor, backlash):
     """Rotor and gear on a hinge of the body, the wheel on a second one with the gears' play."""
     cross = wheel.mass * wheel.radius ** 2 / 4
@@ -130,7 +145,7 @@ def _wheel(index, wheel, rotor, backlash):
         f'<joint name="play{index}" type="hinge" axis="0 1 0" limited="true" '
         f'range="{_numbers((-backlash / 2, backlash / 2))}" {STOP}/>')
     solid = (f'{play}<inertial pos="0 0 0" mass="{wheel.mass:.9g}" diaginertia="{_numbers((cross, wheel.spin, cross))}"/>'
-             f'<geom name="tyre{index}" type="sphere" size="{wheel.radius:.9g}" friction="{wheel.friction} 0 0" {CONTACT} '
+             f'<geom name="tyre{index}" type="sphere" size="{wheel.radius:.9g}" friction="{wheel.friction} 0 0" {_contact(wheel.sinking)} '
              f'rgba="0 0 0 0" group="3"/>'
              f'<geom type="cylinder" size="{_numbers((wheel.radius, TYRE_WIDTH * wheel.radius / 2))}" euler="1.5707963 0 0" '
              f'contype="0" conaffinity="0" rgba=".12 .12 .13 1"/>'
@@ -144,10 +159,10 @@ def _wheel(index, wheel, rotor, backlash):
             f'diaginertia="{_numbers((LEAST_INERTIA,) * 3)}"/><body name="wheel{index}">{solid}</body></body>')
 
 
-def _caster(caster, radius):
+def _caster(caster, radius, sinking):
     ball = radius / 2
     return (f'<geom name="caster" type="sphere" size="{ball:.9g}" pos="{_numbers((caster.x, 0, ball - radius))}" '
-            f'friction="{caster.friction} 0 0" {CONTACT} mass="0" rgba=".6 .6 .6 1"/>')
+            f'friction="{caster.friction} 0 0" {_contact(sinking)} mass="0" rgba=".6 .6 .6 1"/>')
 
 
 def _chains(wheels):
@@ -177,7 +192,7 @@ def model_xml(robot, ground, backlash, accelerometer_height):
 <body name="body"><freejoint/>
 <inertial pos="{_numbers(chassis.centre)}" mass="{chassis.mass:.9g}" diaginertia="{_numbers(chassis.inertia)}"/>
 <geom type="box" size="{_numbers(box)}" pos="{_numbers(chassis.centre)}" contype="0" conaffinity="0" rgba=".15 .4 .7 1"/>
-<site name="board" pos="0 0 {accelerometer_height:.9g}"/>{wheels}{_caster(robot.caster, robot.radius) if robot.caster else ""}
+<site name="board" pos="0 0 {accelerometer_height:.9g}"/>{wheels}{_caster(robot.caster, robot.radius, robot.wheels[0].sinking) if robot.caster else ""}
 </body></worldbody>
 <equality>{"".join(_chains(robot.wheels))}</equality>
 <sensor><gyro site="board"/><accelerometer site="board"/></sensor>

@@ -51,7 +51,7 @@ class World:
         self.model.opt.timestep = 1 / self.rate / self._substeps
         self._find_parts()
         self._load_body(conditions.payload)
-        self._duties, self._driven, self.held = [0.0, 0.0], False, True
+        self._duties, self._driven, self.held = [0.0, 0.0], False, self.balances
         self._push = (0.0, 0.0, 0)
         self.contact = {"normal": 0.0, "slip": 0.0, "gear": 0.0, "stops": 0.0}
         self.pushed = 0.0
@@ -121,7 +121,7 @@ class World:
         """Duties from −1 to 1 of the bus voltage."""
         self._driven = bool(enabled)
         self._duties = [duty(left, self._bits), duty(right, self._bits)] if enabled else [0.0, 0.0]
-        self.held = self.held and self.balances and not enabled
+        self.held = self.held and not enabled
 
     def push(self, newton, turning, ticks):
         """A force at the body's centre of mass along its heading, and a torque to the left, N·m."""
