@@ -3,7 +3,7 @@
 What the robot's file leaves out and a solid body needs is said where it stands: here and nowhere else.
 """
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tools.design import robot_json
 from tools.mujoco.ground import GRAVITY
@@ -24,6 +24,11 @@ DAMPING = 0.3   # of critical
 # MuJoCo's impedance: contacts obey the spring of the tyre and no stiffer one.
 IMPEDANCE = 0.5
 
+# Of friction that does not creep: as fast as the step allows.
+STICKING = (-1.0, -IMPEDANCE / TIMESTEP / 2)
+
+RELAXATION = 1.2  # of a tread that rolls, over the length of its contact
+
 # Rigid stops of the gears' play.
 STOP = 'solreflimit="0.001 1" solimplimit="0.98 0.999 0.0001"'
 
@@ -42,6 +47,7 @@ class Wheel:
     spin: float    # inertia about its axle, kg m²
     friction: float
     sinking: float  # under the robot's weight, m
+    slip_stiffness: float | None  # force over load for each unit of slip of a rolling tyre; None: it does not creep
 
 
 @dataclass(frozen=True)
@@ -72,9 +78,12 @@ class Robot:
         return self.wheels[0].radius
 
 
-def articulated(robot):
-    """Of a robot file."""
-    return _balancer(robot) if robot.type == robot_json.BALANCER else _skid(robot)
+def articulated(robot, sinking=None):
+    """Of a robot file; `sinking` instead of what its tyres do."""
+    parts = _balancer(robot) if robot.type == robot_json.BALANCER else _skid(robot)
+    if sinking is None:
+        return parts
+    return replace(parts, wheels=tuple(replace(wheel, sinking=sinking) for wheel in parts.wheels))
 
 
 def _balancer(robot):
@@ -84,7 +93,7 @@ def _balancer(robot):
     radius, wheel = number("wheel.radius_m"), number("wheel.mass_kg")
     # As the equations of motion: M L²/3 is a box of twice the centre's height.
     inertia = (mass * (width ** 2 + 4 * height ** 2) / 12, mass * height ** 2 / 3, mass * (width ** 2 + depth ** 2) / 12)
-    wheels = tuple(Wheel(side, 0.0, y, radius, wheel, wheel * radius ** 2 / 2, TYRE_FRICTION, SINKING * radius)
+    wheels = tuple(Wheel(side, 0.0, y, radius, wheel, wheel * radius ** 2 / 2, TYRE_FRICTION, SINKING * radius, None)
                    for side, y in enumerate((width / 2, -width / 2)))
     return Robot(Chassis(mass, (0.0, 0.0, height), inertia, (depth, width * 0.8, 2 * height)), wheels,
                  number("motor.gear_ratio") ** 2 * number("motor.rotor_inertia_kg_m2"), None)
@@ -98,8 +107,10 @@ def _skid(robot):
     places = [base * (i / (axles - 1) - 0.5) if axles > 1 else 0.0 for i in range(axles)]
     wheel = 2 * spin / radius ** 2  # a disc with the inertia of the file
     half = number("body.width_m") / 2
+    # Of the LuGre tyre whose constants the file has, at small slip.
+    slip = number("tyre.stiffness_per_m") * number("tyre.contact_length_m") / RELAXATION
     sinking = radius - math.sqrt(radius ** 2 - number("tyre.contact_length_m") ** 2 / 4)
-    wheels = tuple(Wheel(side, x, y, radius, wheel, spin, number("ground.friction"), sinking)
+    wheels = tuple(Wheel(side, x, y, radius, wheel, spin, number("ground.friction"), sinking, slip)
                    for x in places for side, y in enumerate((half, -half)))
     caster = None
     if robot.is_given("caster.ahead_m"):
@@ -131,11 +142,22 @@ def _numbers(values):
     return " ".join(f"{value:.9g}" for value in values)
 
 
-def _contact(sinking):
+def _spring(sinking):
     """Of a tyre that sinks in so far where it bears its share of the weight."""
     square = (1 - IMPEDANCE) * GRAVITY / sinking  # of the bounce's frequency
-    return (f'solref="{_numbers((-square, -2 * DAMPING * math.sqrt(square)))}" solimp="{IMPEDANCE} {IMPEDANCE} 0.001" '
-            f'condim="3" priority="1"')
+    return f'solref="{_numbers((-square, -2 * DAMPING * math.sqrt(square)))}" solimp="{IMPEDANCE} {IMPEDANCE} 0.001"'
+
+
+def _pairs(robot, ground):
+    """What may touch what: each tyre, tyre by tyre, then the caster, with each part of the ground."""
+    bearers = [(f"tyre{i}", wheel.friction) for i, wheel in enumerate(robot.wheels)]
+    if robot.caster is not None:
+        bearers.append(("caster", robot.caster.friction))
+    spring = _spring(robot.wheels[0].sinking)
+    for name, friction in bearers:
+        for part in ground.names():
+            yield (f'<pair geom1="{part}" geom2="{name}" condim="3" friction="{friction} {friction} 0 0 0" {spring} '
+                   f'solreffriction="{_numbers(STICKING)}"/>')
 
 
 def _wheel(index, wheel, rotor, backlash):
@@ -145,8 +167,8 @@ def _wheel(index, wheel, rotor, backlash):
         f'<joint name="play{index}" type="hinge" axis="0 1 0" limited="true" '
         f'range="{_numbers((-backlash / 2, backlash / 2))}" {STOP}/>')
     solid = (f'{play}<inertial pos="0 0 0" mass="{wheel.mass:.9g}" diaginertia="{_numbers((cross, wheel.spin, cross))}"/>'
-             f'<geom name="tyre{index}" type="sphere" size="{wheel.radius:.9g}" friction="{wheel.friction} 0 0" {_contact(wheel.sinking)} '
-             f'rgba="0 0 0 0" group="3"/>'
+             f'<geom name="tyre{index}" type="sphere" size="{wheel.radius:.9g}" '
+             f'contype="0" conaffinity="0" rgba="0 0 0 0" group="3"/>'
              f'<geom type="cylinder" size="{_numbers((wheel.radius, TYRE_WIDTH * wheel.radius / 2))}" euler="1.5707963 0 0" '
              f'contype="0" conaffinity="0" rgba=".12 .12 .13 1"/>'
              f'<geom type="box" size="{_numbers((wheel.radius * 0.85, TYRE_WIDTH * wheel.radius / 2 * 1.02, wheel.radius * 0.1))}" '
@@ -159,10 +181,10 @@ def _wheel(index, wheel, rotor, backlash):
             f'diaginertia="{_numbers((LEAST_INERTIA,) * 3)}"/><body name="wheel{index}">{solid}</body></body>')
 
 
-def _caster(caster, radius, sinking):
+def _caster(caster, radius):
     ball = radius / 2
     return (f'<geom name="caster" type="sphere" size="{ball:.9g}" pos="{_numbers((caster.x, 0, ball - radius))}" '
-            f'friction="{caster.friction} 0 0" {_contact(sinking)} mass="0" rgba=".6 .6 .6 1"/>')
+            f'contype="0" conaffinity="0" mass="0" rgba=".6 .6 .6 1"/>')
 
 
 def _chains(wheels):
@@ -192,8 +214,9 @@ def model_xml(robot, ground, backlash, accelerometer_height):
 <body name="body"><freejoint/>
 <inertial pos="{_numbers(chassis.centre)}" mass="{chassis.mass:.9g}" diaginertia="{_numbers(chassis.inertia)}"/>
 <geom type="box" size="{_numbers(box)}" pos="{_numbers(chassis.centre)}" contype="0" conaffinity="0" rgba=".15 .4 .7 1"/>
-<site name="board" pos="0 0 {accelerometer_height:.9g}"/>{wheels}{_caster(robot.caster, robot.radius, robot.wheels[0].sinking) if robot.caster else ""}
+<site name="board" pos="0 0 {accelerometer_height:.9g}"/>{wheels}{_caster(robot.caster, robot.radius) if robot.caster else ""}
 </body></worldbody>
+<contact>{"".join(_pairs(robot, ground))}</contact>
 <equality>{"".join(_chains(robot.wheels))}</equality>
 <sensor><gyro site="board"/><accelerometer site="board"/></sensor>
 </mujoco>"""

@@ -49,9 +49,14 @@ class Ground:
     def friction_at(self, x, y, otherwise):
         return min((patch.friction for patch in self.patches if patch.covers(x, y)), default=otherwise)
 
+    def names(self):
+        """Of its parts."""
+        return ["ground", *(f"step{i}" for i in range(len(self.steps)))]
+
     def geoms(self):
         """As elements of the model."""
-        yield '<geom name="ground" type="plane" size="200 200 1" material="floor"/>'
-        for step in self.steps:
-            yield (f'<geom type="box" size="{STEP_LENGTH / 2} {STEP_WIDTH / 2} {step.height / 2}" '
-                   f'pos="{step.x + STEP_LENGTH / 2} 0 {step.height / 2}" rgba=".55 .42 .3 1"/>')
+        yield ('<geom name="ground" type="plane" size="200 200 1" material="floor" contype="0" conaffinity="0"/>')
+        for i, step in enumerate(self.steps):
+            yield (f'<geom name="step{i}" type="box" size="{STEP_LENGTH / 2} {STEP_WIDTH / 2} {step.height / 2}" '
+                   f'pos="{step.x + STEP_LENGTH / 2} 0 {step.height / 2}" contype="0" conaffinity="0" '
+                   f'rgba=".55 .42 .3 1"/>')

@@ -92,11 +92,18 @@ class Line:
         return frames
 
 
-class Lockstep:
-    """A world and its ECU. `log` is called with seconds, id and bytes of every frame."""
+def framed(seconds, id, data):
+    return can.Message(timestamp=seconds, arbitration_id=id, data=data, is_extended_id=False)
 
-    def __init__(self, world, line, log=None, each_tick=None):
-        self.world, self._line, self._log, self._each_tick = world, line, log, each_tick
+
+class Lockstep:
+    """A world and its ECU. `log` is called with seconds, id and bytes of every frame, `each_tick` after each tick,
+    `listen` with
+    what an operator sends or hears, and the last sample before it, as frames of python-can."""
+
+    def __init__(self, world, line, log=None, each_tick=None, listen=None):
+        self.world, self._line, self._log, self._each_tick, self._listen = world, line, log, each_tick, listen
+        self._last_sample = []
         self._wheels, self._balance, self._currents = map(Message, (*GROUPS["CurrentSensors"], "CurrentSensors"))
         self._command, self._time, self._done = map(Message, ("MotorCommand", "SimTime", "SimDone"))
         self._counter, self._silence = 0, 0
@@ -108,6 +115,8 @@ class Lockstep:
 
     def send(self, frame, timeout=None):
         self._outbox.append((frame.arbitration_id, bytes(frame.data)))
+        if self._listen is not None:
+            self._listen(framed(self.seconds, *self._outbox[-1]))
 
     def recv(self, timeout=None):
         end = self.seconds + (timeout or 0)
@@ -127,7 +136,8 @@ class Lockstep:
             self._exchange([], POWER_OFF)
             self._began = True
         frames, self._outbox = self._outbox, []
-        self._exchange(frames + self._sample(), self.world.tick & 0x7FFFFFFF)
+        self._last_sample = self._sample()
+        self._exchange(frames + self._last_sample, self.world.tick & 0x7FFFFFFF)
         self._watch_silence()
         self.world.step()
         if self._each_tick is not None:
@@ -170,8 +180,16 @@ class Lockstep:
             elif id == self._done.id:
                 done = done or self._done.unpack(data)["Tick"] == tick
             elif id in self._heard:
-                self._inbox.append(can.Message(arbitration_id=id, data=data, is_extended_id=False))
+                self._hear(id, data)
         return done
+
+    def _hear(self, id, data):
+        frame = framed(self.seconds, id, data)
+        self._inbox.append(frame)
+        if self._listen is not None:
+            for part in self._last_sample:
+                self._listen(framed(self.seconds, *part))
+            self._listen(frame)
 
     def _obey(self, data):
         if len(data) == self._command.length and e2e_p02_check(data, self._command.ids, length=len(data)):

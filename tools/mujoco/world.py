@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from tools.design import robot_json
-from tools.mujoco.articulation import TIMESTEP, articulated, model_xml
+from tools.mujoco.articulation import IMPEDANCE, STICKING, TIMESTEP, articulated, model_xml
 from tools.mujoco.drives import SIDES, BalancerDrive, SkidDrive
 from tools.mujoco.ground import Ground
 from tools.mujoco.instruments import Instruments, duty
@@ -28,6 +28,7 @@ class Conditions:
     backlash: float = 0.0  # of the gears at the wheel, rad
     delay: int = 0         # ticks of the inertial sensors
     payload: float = 0.0   # kg at the body's centre of mass
+    sinking: float | None = None  # of the tyres, m, instead of what the robot's file says
     seed: int = 1
 
 
@@ -40,13 +41,14 @@ class World:
         self.balances = robot.type == robot_json.BALANCER
         self.rate = robot.number("control.rate_hz")
         self.conditions, self.tick, self.fallen = conditions, 0, False
-        self._robot = articulated(robot)
-        self.model = mujoco.MjModel.from_xml_string(
-            model_xml(self._robot, conditions.ground, conditions.backlash, robot.given("accelerometer.height_m", 0.0)))
+        self._robot = articulated(robot, conditions.sinking)
+        self.xml = model_xml(self._robot, conditions.ground, conditions.backlash,
+                             robot.given("accelerometer.height_m", 0.0))
+        self.model = mujoco.MjModel.from_xml_string(self.xml)
         self.data = mujoco.MjData(self.model)
         self.drive = (BalancerDrive if self.balances else SkidDrive)(robot)
         self._instruments = Instruments(robot, conditions.seed, conditions.delay)
-        self._bits = int(robot.given("pwm.bits", 0)) if not robot.is_given("pwm.bits") else int(robot.number("pwm.bits"))
+        self._bits = int(robot.number("pwm.bits"))
         self._substeps = math.ceil(1 / self.rate / TIMESTEP - 1e-9)
         self.model.opt.timestep = 1 / self.rate / self._substeps
         self._find_parts()
@@ -77,6 +79,7 @@ class World:
         self._spins = [[dof] + ([self._play[i]] if self._play[i] is not None else []) for i, dof in zip(first, first_wheel)]
         self._has_joints = bool(self.conditions.backlash) or not self.balances
         self._loads = [0.0] * len(wheels)
+        self._softness = [0.0] * len(wheels)  # of their friction
         self._axes = self.data.xmat[self._body].reshape(3, 3)  # of the body, by column, in the world
         self._power = np.zeros(self.ROWS_MAX)
         self._is_pushed = False
@@ -132,6 +135,7 @@ class World:
         if self._start is None and not self.held:
             self._start = self.mechanical
         self._set_push()
+        self._set_grip()
         for _ in range(self._substeps):
             self._substep()
         self.tick += 1
@@ -142,7 +146,6 @@ class World:
         if self.held:
             self._drive_balancer([0.0, 0.0], [0.0, 0.0], seconds)
             return
-        self._set_friction()
         before = data.qvel.copy()
         speeds = before.tolist()
         rates = [speeds[dof] for dof in self._motor_dofs]
@@ -177,15 +180,26 @@ class World:
             wheel = self._wheel_of.get(geom)
             if address >= 0 and wheel is not None:
                 now[wheel] += float(forces[address])
+                self._softness[wheel] = float(data.efc_R[address + 1])
         self._loads = [old + share * (new - old) for old, new in zip(self._loads, now)]
 
-    def _set_friction(self):
-        """Of each tyre, by the patch on which it is."""
-        if not self.conditions.ground.patches:
-            return
-        for geom, body, wheel in zip(self._tyres, self._wheel_bodies, self._robot.wheels):
-            x, y, _ = self.data.xpos[body]
-            self.model.geom_friction[geom, 0] = self.conditions.ground.friction_at(x, y, wheel.friction)
+    def _set_grip(self):
+        """Of each tyre: friction by the patch on which it is; how fast it creeps by how fast it rolls."""
+        patches, parts = self.conditions.ground.patches, len(self.conditions.ground.names())
+        for i, wheel in enumerate(self._robot.wheels):
+            pairs = slice(i * parts, (i + 1) * parts)
+            if patches:
+                x, y, _ = self.data.xpos[self._wheel_bodies[i]]
+                self.model.pair_friction[pairs, 0:2] = self.conditions.ground.friction_at(x, y, wheel.friction)
+            if wheel.slip_stiffness is not None:
+                self.model.pair_solreffriction[pairs, 1] = -IMPEDANCE * self._creep_rate(i, wheel)
+
+    def _creep_rate(self, index, wheel):
+        """MuJoCo's friction is force = rate/R · slip below the cone; the tyre's is load · stiffness · slip/speed."""
+        speed = abs(self.data.qvel[self._wheel_dofs[index]]) * wheel.radius
+        fastest = -STICKING[1] / IMPEDANCE
+        wanted = self._softness[index] * self._loads[index] * wheel.slip_stiffness
+        return fastest if wanted >= fastest * speed else wanted / speed
 
     def _set_push(self):
         """Of this tick."""
