@@ -61,6 +61,7 @@ struct jp_monitor_config {
 
 struct jp_monitor {
     struct jp_sensors good; /**< last plausible frame, the one to use, once started */
+    uint16_t suspected;     /**< enum jp_fault bits of the last frame, confirmed or not; not frozen */
     uint16_t implausible_ticks;
     uint16_t frozen_ticks[JP_IMU_CHANNELS];
     uint16_t residual_ticks[2];

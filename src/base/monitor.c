@@ -117,6 +117,8 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
         frozen = config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
     }
 
+    monitor->suspected = (uint16_t)suspected;
+
     bool confirmed = jp_count_in_a_row(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
 
     if (suspected == 0U) {

@@ -21,7 +21,7 @@ PROGRAMS = {
                ["sil", "design"]),
     "operate": (["design.can_codec", "operate.can_report", "operate.drive", "operate.lcm_map",
                  "operate.lcm_navigate", "operate.lcm_report",
-                 "operate.show_frames"], ["sil", "operate"]),
+                 "operate.show_frames", "report.foxglove_log"], ["sil", "operate"]),
     "campaign": (["campaign.campaign"], ["sil", "campaign"]),
 }
 # Needed by what is imported.

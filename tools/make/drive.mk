@@ -72,6 +72,13 @@ navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file STA
 	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
 
+RESULTS ?= $(BUILD)/sil
+
+.PHONY: foxglove
+foxglove: ## make a log for Foxglove and PlotJuggler of RESULTS=build/sil, plan, navigate or patrol, and a layout
+	@tools/setup.sh operate
+	$(PYTHON) -m tools.report.foxglove_log $(RESULTS)
+
 # A scene from a seed, or a map of others with START and GOAL.
 SCENE      ?= beside-obstacle
 SEED       ?= 1

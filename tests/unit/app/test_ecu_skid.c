@@ -318,6 +318,35 @@ static void test_samples_that_stay_away_longer_are_a_fault(void)
     expect_rest();
 }
 
+static void stand_without_samples(unsigned commands)
+{
+    for (unsigned i = 0; i < commands; i++) {
+        command(JP_MODE_STAND, 0);
+        run_without_samples(RATE / 10U);
+    }
+}
+
+/* Sensors on the bus have a second to start. */
+static void test_sensors_that_never_come_are_a_fault_once_it_shall_stand(void)
+{
+    run_without_samples(2U * RATE);
+    expect_state(JP_ECU_IDLE);
+    TEST_ASSERT_EQUAL_HEX16(0, faults());
+    init();
+    stand_without_samples(9);
+    expect_state(JP_ECU_IDLE);
+    stand_without_samples(3);
+    expect_state(JP_ECU_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, faults());
+    stand_without_samples(1);
+    expect_refused(12, JP_REFUSAL_FAULT); /* the first command only begins the sequence */
+    run(10);
+    expect_state(JP_ECU_FAULT);
+    hold(JP_MODE_OFF, 0, 4);
+    hold(JP_MODE_STAND, 0, 4);
+    expect_state(JP_ECU_STANDING);
+}
+
 /* A reset */
 
 static void reset(void)
@@ -384,6 +413,29 @@ static void test_a_reset_in_idle_stays_idle(void)
     run(100);
     expect_state(JP_ECU_IDLE);
     expect_operator(JP_OPERATOR_NONE, JP_MODE_OFF);
+}
+
+/* It is as good a pose as it was in the fault. */
+static void test_a_reset_in_a_fault_keeps_the_pose(void)
+{
+    struct jp_skid_odometry before;
+
+    make_driving();
+    run(RATE);
+    sensors.bus_voltage = 0;
+    run(RATE);
+    expect_state(JP_ECU_FAULT);
+    before = *jp_skid_robot_odometry(&skid.robot);
+    TEST_ASSERT_TRUE(before.x > 0);
+    sensors.bus_voltage = JP_Q16(46);
+    reset();
+    run(RATE);
+    expect_state(JP_ECU_IDLE);
+    expect_operator(JP_OPERATOR_NONE, JP_MODE_OFF);
+    TEST_ASSERT_EQUAL_INT64(before.x, jp_skid_robot_odometry(&skid.robot)->x);
+    TEST_ASSERT_EQUAL_INT64(before.y, jp_skid_robot_odometry(&skid.robot)->y);
+    TEST_ASSERT_EQUAL_UINT64(before.heading, jp_skid_robot_odometry(&skid.robot)->heading);
+    TEST_ASSERT_EQUAL_INT32(before.steering_ratio, jp_skid_robot_odometry(&skid.robot)->steering_ratio);
 }
 
 static void test_after_a_reset_off_is_obeyed_at_once(void)
@@ -456,10 +508,15 @@ static void motors_off(struct jp_skid_snapshot *snapshot)
     snapshot->ran = 0;
 }
 
+static void neither_on_nor_off(struct jp_skid_snapshot *snapshot)
+{
+    snapshot->ran = 2;
+}
+
 static void test_a_record_goes_on_only_if_it_can_be_this_robots(void)
 {
-    static void (*const changes[])(struct jp_skid_snapshot *) = {other_wheels, other_tick_rate, wild_bias, wild_x,
-                                                                 wild_y,       no_variance,     motors_off};
+    static void (*const changes[])(struct jp_skid_snapshot *) = {
+        other_wheels, other_tick_rate, wild_bias, wild_x, wild_y, no_variance, motors_off, neither_on_nor_off};
 
     TEST_ASSERT_TRUE(goes_on_from(nothing, JP_RETAINED_SKID));
     TEST_ASSERT_FALSE(goes_on_from(nothing, JP_RETAINED_BALANCER));

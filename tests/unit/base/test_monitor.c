@@ -46,6 +46,7 @@ static void see_good(void)
     sensors = good;
     TEST_ASSERT_EQUAL_UINT16(0, check(JP_OK));
     TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
+    TEST_ASSERT_EQUAL_HEX16(0, monitor.suspected);
 }
 
 DEFINE_EXPECT_CONFIG(monitor)
@@ -91,6 +92,7 @@ static void expect_fault(uint16_t fault)
 
     for (int tick = 1; tick <= 5; tick++) {
         TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : fault, check(JP_OK));
+        TEST_ASSERT_EQUAL_HEX16(fault, monitor.suspected);
         TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
     }
     see_good();
