@@ -4,6 +4,8 @@
 #   design    what makes tables and imports maps
 #   operate   what speaks with a robot over CAN or LCM
 #   campaign  what runs missions on all cores or a cluster
+#   python    what builds the Python package
+#   mujoco    design, operate, and the other physics in which robots are driven (tools/mujoco)
 #   firmware  the Arm tool chain and its emulator
 #   vcan      operate, the CAN tools and, where this kernel has no vcan, one to emulate (tools/operate/with_vcan.sh)
 #   test      all of them, the second compiler, the checkers and the RISC-V tool chain (the default)
@@ -18,7 +20,9 @@ cd "$(dirname "$0")/.."
 sil_packages=(build-essential libccd-dev libconfig-dev libjansson-dev liblcm-dev libnlopt-dev pkg-config python3-venv)
 vcan_packages=(can-utils iproute2 util-linux)
 emulator_packages=(busybox-static qemu-system-x86 xz-utils)
+python_packages=(cmake)
 firmware_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
+mujoco_packages=(libegl1 libgl1-mesa-dri)
 test_packages=(gcc-multilib clang cmake cppcheck gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
 bench_packages=(libigraph-dev libompl-dev)
 
@@ -173,6 +177,7 @@ missing_python() {
 
 missing_programs() {
     local tool tools=(gcc ar pkg-config)
+    ! wants python || tools+=(cmake)
     ! wants firmware || tools+=(arm-none-eabi-gcc qemu-system-arm)
     ! wants test || tools+=(g++ clang cmake cppcheck riscv64-unknown-elf-gcc qemu-system-riscv32)
     for tool in "${tools[@]}"; do
@@ -224,21 +229,25 @@ scopes=()
 for argument in "$@"; do
     case $argument in
     --yes) yes=1 ;;
-    sil | design | operate | campaign | firmware | vcan | test | bench) scopes+=("$argument") ;;
-    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|firmware|vcan|test|bench]..." ;;
+    sil | design | operate | campaign | python | mujoco | firmware | vcan | test | bench) scopes+=("$argument") ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|python|mujoco|firmware|vcan|test|bench]..." ;;
     esac
 done
 [ ${#scopes[@]} -gt 0 ] || scopes=(test)
 
 packages=("${sil_packages[@]}")
 requirements=(sil)
+! wants python || packages+=("${python_packages[@]}")
 ! wants firmware || packages+=("${firmware_packages[@]}")
 ! wants vcan || packages+=("${vcan_packages[@]}")
+! wants mujoco || packages+=("${mujoco_packages[@]}")
 ! wants test || packages+=("${test_packages[@]}")
 ! asks bench || packages+=("${bench_packages[@]}")
-! wants design || requirements+=(design)
-! wants operate vcan || requirements+=(operate)
+! wants design mujoco || requirements+=(design)
+! wants operate vcan mujoco || requirements+=(operate)
 ! wants campaign || requirements+=(campaign)
+! wants python || requirements+=(python)
+! wants mujoco || requirements+=(mujoco)
 ! wants test || requirements+=(test)
 if [ "${JP_SETUP:-}" = skip ]; then
     report_missing

@@ -157,12 +157,8 @@ static void expect(const struct jp_ground_learner *learner, const struct jp_fore
     for (int j = 0; j < (int)JP_GROUND_FACTORS; j++) {
         by_factor[j] = change->by_factor[ground][j];
     }
-    (void)jp_factor_expect(learner->learning, &learner->states[ground], expected->energy, by_factor, leg);
-
-    const uint64_t variance = jp_square(leg->noise) + jp_square(expected->deviation) + others;
-    const uint32_t noise = jp_square_root(variance);
-
-    leg->noise = noise < (uint32_t)INT32_MAX ? (jp_q16)noise : INT32_MAX;
+    (void)jp_factor_expect(learner->learning, &learner->states[ground], expected->energy, by_factor,
+                           jp_square(expected->deviation) + others, leg);
 }
 
 static void count(struct jp_ground_learner *learner, enum jp_learned learned)

@@ -1,0 +1,97 @@
+# A page in the browser: the same C, compiled to WebAssembly.
+
+PAGE      := $(BUILD)/page
+WASM      := $(BUILD)/wasm
+WEB       := $(wildcard sim/page/web/*)
+PAGE_C    := $(filter-out sim/page/robot_bytes.c,$(wildcard sim/page/*.c))
+PAGE_ROBOTS := $(addprefix sim/robots/,gao2018.cfg courier24.cfg zhang2018.cfg burger.cfg patrol.cfg)
+# Of the simulator what reads no files and draws on nothing but C's library.
+PAGE_SIM  := $(addprefix sim/,$(addsuffix .c, \
+             base/clearance base/digital base/error base/fingerprint base/random base/world_fault \
+             balancer/energy_unit balancer/fault_names balancer/hal_sim balancer/instruments balancer/plant balancer/rig \
+             balancer/world missions/cruise_plan missions/navigation_balancer missions/navigation_sight missions/navigation_skid \
+             four_wheel/four_wheel_plant four_wheel/laser four_wheel/patrol_config four_wheel/patrol_members four_wheel/solid_map four_wheel/four_wheel_drive four_wheel/four_wheel_file \
+             missions/navigation_task missions/patrol_energy missions/patrol_mission missions/plan_lattice scenes/patrol_draft scenes/patrol_scene scenes/patrol_world skid_steer/skid_ground skid_steer/skid_hal_sim \
+             skid_steer/skid_instruments skid_steer/skid_plant skid_steer/skid_robots skid_steer/skid_steer_model \
+             skid_steer/skid_world)) hal/hal.c
+
+COMPILER.wasm = clang --target=wasm32-wasi
+FLAGS.wasm    = $(HOST) -O2
+MODULE        = -mexec-model=reactor -Wl,--gc-sections -Wl,--strip-all -Wl,-z,stack-size=1048576
+
+$(WASM)/%.o: %.c tools/make/variants.mk $(SETTINGS)
+	$(call compile,wasm)
+
+$(patsubst %.c,$(WASM)/%.o,$(FLOAT)): MODULE_FLAGS = $(FLAGS_FLOAT)
+
+$(WASM)/robots.o: $(BUILD)/robots.c
+	@mkdir -p $(@D)
+	$Q$(COMPILER.wasm) $(COMMON) $(FLAGS.wasm) -c $< -o $@
+
+# The robots' constants, as C.
+$(BUILD)/host/robot_bytes: $(BUILD)/host/sim/page/robot_bytes.o $(call host_libraries,host)
+	$(call link_host,host)
+
+$(WASM)/page_robots.c: $(BUILD)/host/robot_bytes $(PAGE_ROBOTS)
+	@mkdir -p $(@D)
+	$Q$< $(PAGE_ROBOTS) >$@
+
+$(WASM)/page_robots.o: $(WASM)/page_robots.c
+	$Q$(COMPILER.wasm) $(COMMON) $(FLAGS.wasm) -c $< -o $@
+
+$(WASM)/joulepath.wasm: $(patsubst %.c,$(WASM)/%.o,$(PAGE_C) $(PAGE_SIM) $(CORE) $(FLOAT)) $(WASM)/robots.o $(WASM)/page_robots.o
+	$(call SAY,LD $@)
+	$Q$(COMPILER.wasm) $(FLAGS.wasm) $(MODULE) $^ -o $@
+
+# In a script, because a page that is opened from a disk may not read other files.
+$(PAGE)/core.wasm.js: $(WASM)/joulepath.wasm
+	@mkdir -p $(@D)
+	$Q{ printf 'const coreWasm = "'; base64 -w 0 $<; printf '";\n'; } >$@
+
+$(PAGE)/%: sim/page/web/%
+	@mkdir -p $(@D)
+	@cp $< $@
+
+PAGE_FILES = $(WEB:sim/page/web/%=$(PAGE)/%) $(PAGE)/core.wasm.js
+
+.PHONY: page
+page: ## make the page in the browser: open build/page/index.html, or put build/page anywhere on the web
+	@tools/setup.sh page
+	@$(MAKE) $(PARALLEL) $(PAGE_FILES)
+
+# ---- The same for this machine, to compare bits with -----------------------------------------------------------------
+
+# musl's mathematics, which wasi-libc has, too: the simulator's sines are then the same.
+MUSL       ?= $(firstword $(wildcard /usr/lib/$(shell uname -m)-linux-musl/libc.a))
+MUSL_MATH   = ^(__)?(sin|cos|sincos|tan|asin|acos|atan|atan2|hypot|log|log1p|exp|expm1|pow|fmod|remainder|remquo|sqrt|cbrt|sinh|cosh|tanh|floor|ceil|trunc|round|rint|nearbyint|lround|llround|lrint|llrint|scalbn|ldexp|frexp|modf|fabs|copysign|fmin|fmax|fdim|rem_pio2|rem_pio2_large|math_[a-z]*|sindf|cosdf|tandf|expo2|exp_data|exp2f_data|log_data|logf_data|pow_data|powf_data|sqrt_data|invtrigl)f?\.lo$$
+NATIVE     := $(BUILD)/page-native
+
+COMPILER.page-native = $(CC)
+FLAGS.page-native    = $(HOST) -O2 -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
+
+$(NATIVE)/%.o: %.c tools/make/variants.mk $(SETTINGS)
+	$(call compile,page-native)
+
+$(patsubst %.c,$(NATIVE)/%.o,$(FLOAT)): MODULE_FLAGS = $(FLAGS_FLOAT)
+
+$(NATIVE)/%.o: $(BUILD)/%.c
+	@mkdir -p $(@D)
+	$Q$(COMPILER.page-native) $(COMMON) $(FLAGS.page-native) -c $< -o $@
+
+$(NATIVE)/page_robots.o: $(WASM)/page_robots.c
+	@mkdir -p $(@D)
+	$Q$(COMPILER.page-native) $(COMMON) $(FLAGS.page-native) -c $< -o $@
+
+$(NATIVE)/musl-math.a: $(MUSL)
+	@rm -rf $(@D)/musl && mkdir -p $(@D)/musl
+	$Qcd $(@D)/musl && ar x $< $$(ar t $< | grep -E '$(MUSL_MATH)') && ar qcs ../$(@F) *.lo
+
+PAGE_NATIVE = $(patsubst %.c,$(NATIVE)/%.o,$(PAGE_C) $(PAGE_SIM) $(CORE) $(FLOAT)) $(NATIVE)/robots.o $(NATIVE)/page_robots.o
+
+$(NATIVE)/libpage-musl.so: $(PAGE_NATIVE) $(NATIVE)/musl-math.a
+	$(call SAY,LD $@)
+	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined -Wl,-Bsymbolic $^ -lm -o $@
+
+$(NATIVE)/libpage.so: $(PAGE_NATIVE)
+	$(call SAY,LD $@)
+	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined -Wl,-Bsymbolic $^ -lm -o $@
