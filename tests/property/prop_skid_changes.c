@@ -3,7 +3,7 @@
  * much, another ground in mid-mission. Each robot but for that is as its file says.
  *
  * prop_skid_changes [--count N] [--seed S] [--json FILE] [--verbose]
- * --count is the number of robots of each kind and change, at most 1 000; the bars of the figures are those of 100.
+ * --count is the number of robots of each kind and change, at most 1 000; the bars of the figures are those of 25.
  */
 #include <joulepath/tables.h>
 #include <math.h>
