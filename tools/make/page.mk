@@ -97,3 +97,10 @@ $(NATIVE)/libpage.so: $(PAGE_NATIVE)
 	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined -Wl,-Bsymbolic $^ -lm -o $@
 
 PAGE_LIBRARIES := $(NATIVE)/libpage.so $(NATIVE)/libpage-musl.so
+
+.PHONY: bench-page
+bench-page: ## measure the page: size, first frame, speed, bits; and make its picture
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(PAGE_FILES) $(PAGE_LIBRARIES)
+	$(PYTHON) tests/page/bench_page.py
+	$(PYTHON) tests/page/picture.py sim/page/page.png
