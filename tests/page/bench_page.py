@@ -79,7 +79,7 @@ def main():
         figure("11 drives: numbers other than those of this machine with the same mathematics", unequal, "", ("==", 0)),
         figure("11 drives: energy against this machine's own mathematics, largest difference", 100 * max(differences), "%", ("<=", 0.1)),
     ]
-    path = BUILD / "bench/bench_page.json"
+    path = BUILD / "bench/page.json"
     path.parent.mkdir(exist_ok=True)
     path.write_text(json.dumps(figures, indent=2, ensure_ascii=False) + "\n")
     for one in figures:
