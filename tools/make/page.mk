@@ -4,7 +4,8 @@ PAGE      := $(BUILD)/page
 WASM      := $(BUILD)/wasm
 WEB       := $(wildcard sim/page/web/*)
 PAGE_C    := $(filter-out sim/page/robot_bytes.c,$(wildcard sim/page/*.c))
-PAGE_ROBOTS := $(addprefix sim/robots/,gao2018.cfg courier24.cfg zhang2018.cfg burger.cfg patrol.cfg)
+# Those that are built in.
+PAGE_ROBOTS := $(patsubst %,sim/robots/%.cfg,$(ROBOTS) $(SKID_ROBOTS) $(patsubst src/tables/patrol_%.c,%,$(wildcard src/tables/patrol_*.c)))
 # Of the simulator what the scenes stand on. What reads files in it is not linked: nobody calls it.
 PAGE_SIM  := $(addprefix sim/,$(addsuffix .c, \
              $(addprefix base/,clearance digital error fingerprint random world_fault) \
@@ -32,7 +33,7 @@ $(WASM)/robots.o: $(BUILD)/robots.c
 $(BUILD)/host/robot_bytes: $(BUILD)/host/sim/page/robot_bytes.o $(call host_libraries,host)
 	$(call link_host,host)
 
-$(WASM)/page_robots.c: $(BUILD)/host/robot_bytes $(PAGE_ROBOTS)
+$(WASM)/page_robots.c: $(BUILD)/host/robot_bytes $(PAGE_ROBOTS) $(BUILD)/robots.c tools/make/page.mk
 	@mkdir -p $(@D)
 	$Q$< $(PAGE_ROBOTS) >$@
 

@@ -19,7 +19,7 @@ class PlannerScene {
     this.width = 80;
     this.height = 56;
     this.robots = Array.from({ length: core.exports.planner_robots() }, (_, i) => core.text(core.exports.planner_robot_name(i)));
-    this.robot = 0;
+    this.robot = Math.max(0, this.robots.indexOf("zhang2018")); // made for hills
     this.memory = 1024;
     this.seed = 1;
     this.tool = "wall";
