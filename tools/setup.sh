@@ -6,6 +6,7 @@
 #   campaign  what runs missions on all cores or a cluster
 #   python    what builds the Python package
 #   page      what compiles the page in the browser
+#   mujoco    design, operate, and the other physics in which robots are driven (tools/mujoco)
 #   firmware  the Arm tool chain and its emulator
 #   vcan      operate, the CAN tools and, where this kernel has no vcan, one to emulate (tools/operate/with_vcan.sh)
 #   test      all of them, the second compiler, the checkers and the RISC-V tool chain (the default)
@@ -23,6 +24,7 @@ emulator_packages=(busybox-static qemu-system-x86 xz-utils)
 python_packages=(cmake)
 page_packages=(clang lld wasi-libc)
 firmware_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
+mujoco_packages=(libegl1 libgl1-mesa-dri)
 test_packages=(gcc-multilib clang cmake cppcheck musl-dev gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
 bench_packages=(libigraph-dev libompl-dev)
 
@@ -254,8 +256,8 @@ scopes=()
 for argument in "$@"; do
     case $argument in
     --yes) yes=1 ;;
-    sil | design | operate | campaign | python | page | firmware | vcan | test | bench) scopes+=("$argument") ;;
-    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|python|page|firmware|vcan|test|bench]..." ;;
+    sil | design | operate | campaign | python | page | mujoco | firmware | vcan | test | bench) scopes+=("$argument") ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|python|page|mujoco|firmware|vcan|test|bench]..." ;;
     esac
 done
 [ ${#scopes[@]} -gt 0 ] || scopes=(test)
@@ -266,12 +268,14 @@ requirements=(sil)
 ! wants page || packages+=("${page_packages[@]}")
 ! wants firmware || packages+=("${firmware_packages[@]}")
 ! wants vcan || packages+=("${vcan_packages[@]}")
+! wants mujoco || packages+=("${mujoco_packages[@]}")
 ! wants test || packages+=("${test_packages[@]}")
 ! asks bench || packages+=("${bench_packages[@]}")
-! wants design || requirements+=(design)
-! wants operate vcan || requirements+=(operate)
+! wants design mujoco || requirements+=(design)
+! wants operate vcan mujoco || requirements+=(operate)
 ! wants campaign || requirements+=(campaign)
 ! wants python || requirements+=(python)
+! wants mujoco || requirements+=(mujoco)
 ! wants test || requirements+=(test)
 if [ "${JP_SETUP:-}" = skip ]; then
     report_missing

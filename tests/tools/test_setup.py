@@ -9,7 +9,7 @@ import sys
 import pytest
 from conftest import ROOT, assert_one_line_error
 
-LISTS = ("sil", "design", "operate", "campaign", "python", "test")
+LISTS = ("sil", "design", "operate", "campaign", "python", "mujoco", "test")
 LINE = re.compile(r"([a-z0-9-]+)==([0-9.]+)(?:  # (?:(program) )?([\w-]+))?")
 
 # What the targets of each list's scope run, and the lists that they have.
@@ -23,6 +23,7 @@ PROGRAMS = {
                  "operate.lcm_navigate", "operate.lcm_report",
                  "operate.show_frames", "report.foxglove_log"], ["sil", "operate"]),
     "campaign": (["campaign.campaign"], ["sil", "campaign"]),
+    "mujoco": (["mujoco.mission", "mujoco.film"], ["sil", "design", "operate", "mujoco"]),
 }
 # Needed by what is imported.
 INDIRECT = {"serial": "can.interfaces.slcan"}
@@ -127,7 +128,8 @@ def list_path(name):
 @pytest.mark.parametrize("scopes, lists", [
     (["sil"], ["sil"]), (["firmware"], ["sil"]), (["design"], ["sil", "design"]), (["vcan"], ["sil", "operate"]),
     (["sil", "operate", "firmware"], ["sil", "operate"]), (["campaign"], ["sil", "campaign"]),
-    (["python"], ["sil", "python"]), (["page"], ["sil"]), (["test"], LISTS),
+    (["python"], ["sil", "python"]), (["page"], ["sil"]),
+    (["mujoco"], ["sil", "design", "operate", "mujoco"]), (["test"], LISTS),
     ([], LISTS)])
 def test_a_scope_installs_its_lists(machine, scopes, lists):
     assert machine.installed(*scopes) == [VENV, *map(list_path, lists)]
@@ -138,7 +140,7 @@ def test_a_larger_scope_adds_to_what_is_there(machine):
     (machine.folder / ".venv/by-hand").touch()
     assert machine.installed("design") == [list_path("design")]
     assert machine.installed("sil", "design") == []
-    assert machine.installed("test") == [list_path(name) for name in ("operate", "campaign", "python", "test")]
+    assert machine.installed("test") == [list_path(name) for name in ("operate", "campaign", "python", "mujoco", "test")]
     assert (machine.folder / ".venv/by-hand").exists()
 
 

@@ -229,7 +229,7 @@ def test_a_model_is_found_again(few_drives):
     generator = np.random.default_rng(4)
     usual = synthetic(numbers, model, generator)
     robots = synthetic(numbers, model.scaled((1.2, 0.9, 1.1, 1)), generator)
-    legs = skid_learning.Legs(robots, np.zeros(300, int), np.arange(300), (1, 300))
+    legs = skid_learning.Legs(robots, np.zeros(300, int), np.arange(300), np.zeros(300, int), (1, 300))
     found = skid_identify.fit_model(numbers, (usual,), legs)
     for name in skid_identify.FITTED:
         assert getattr(found, name) == pytest.approx(getattr(model, name), rel=0.02), name

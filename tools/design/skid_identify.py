@@ -166,9 +166,8 @@ def learning_table(name, learning, exponent, numbers):
     factors = identification.factor_members(to, ("rolling", "friction", "weight", "electronics"), learning, exponent)
     slopes = to.q16("noise_slopes", learning.noise_slopes, "of the work of slopes", 0, 1)
     members = [c_tables.Group("factors", [*factors, identification.identity_of([*factors, slopes])]), slopes]
-    note = (f"Of {int(numbers['robots']) - FITTED_ROBOTS} robots, plans of a third of 30 legs take "
-            f"{percent(learning.untaught)} % more or less than the model says, {percent(learning.taught)} % after\n"
-            f" * learning from the others.")
+    note = (f"Of {int(numbers['robots']) - FITTED_ROBOTS} robots, routes take {percent(learning.untaught)} % more or less "
+            f"than the model says, {percent(learning.taught)} % after\n * learning from two others.")
     return c_tables.Table(f"make identify ROBOT={name}", f"sim/robots/{name}.cfg", note, "joulepath/skid_learner.h",
                           "jp_skid_learning", f"jp_skid_learning_{name}", members)
 

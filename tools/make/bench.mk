@@ -92,11 +92,12 @@ bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU
 	$(PYTHON) -m tools.measure.bench_image
 
 .PHONY: bench-patrol
-bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on paths
+bench-patrol: ## measure the patrol robot on its scenes, beside path following, and pure pursuit on paths
 	@tools/setup.sh test
-	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol $(BUILD)/bench/bench_pursuit
+	@$(MAKE) $(PARALLEL) $(addprefix $(BUILD)/bench/,bench_patrol bench_joules bench_pursuit)
 	@mkdir -p $(BUILD)/bench-patrol
 	$(BUILD)/bench/bench_patrol --rows $(BUILD)/bench-patrol/scenes.json >$(BUILD)/bench/bench_patrol.json
+	$(BUILD)/bench/bench_joules >$(BUILD)/bench/bench_joules.json
 	$(BUILD)/bench/bench_pursuit --rows $(BUILD)/bench-patrol/courses.json >$(BUILD)/bench/bench_pursuit.json
 	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
 	    $(BUILD)/bench/bench_patrol.tables.json

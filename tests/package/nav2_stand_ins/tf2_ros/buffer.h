@@ -1,0 +1,6 @@
+#pragma once
+
+namespace tf2_ros
+{
+class Buffer {};
+}  // namespace tf2_ros
