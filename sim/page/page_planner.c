@@ -100,7 +100,7 @@ static struct {
     struct jp_progress progress; /* of the last course, when it began */
     bool has_progress;
     bool had_joined;
-    uint32_t first_expansions; /* when the first search came to rest */
+    uint32_t first_expansions;  /* when the first search came to rest */
     uint32_t change_expansions; /* at the last change of the map */
     bool has_changed;
     double points[STEPS_MAX][2];
@@ -232,8 +232,8 @@ static void block_steep(double steepest)
 {
     (void)jp_terrain_block_steep(&page.map, (jp_q24)lround(steepest * JP_Q24_ONE));
     for (unsigned i = 0; i < page.width * page.height; i++) {
-        const bool is_blocked = jp_terrain_cell(&page.map, (int32_t)(i % page.width), (int32_t)(i / page.width)) ==
-                                JP_CELL_OCCUPIED;
+        const bool is_blocked =
+            jp_terrain_cell(&page.map, (int32_t)(i % page.width), (int32_t)(i / page.width)) == JP_CELL_OCCUPIED;
 
         if (page.marks[i] != MARK_WALL) {
             page.marks[i] = is_blocked ? MARK_STEEP : MARK_FREE;
@@ -408,7 +408,8 @@ static void look(void)
 
 static void note_forecast(void)
 {
-    const bool has_joined = page.navigator.state == JP_NAVIGATOR_TURNING || page.navigator.state == JP_NAVIGATOR_DRIVING;
+    const bool has_joined =
+        page.navigator.state == JP_NAVIGATOR_TURNING || page.navigator.state == JP_NAVIGATOR_DRIVING;
 
     if (has_joined && !page.had_joined && jp_navigator_progress(&page.navigator, &page.progress) == JP_OK) {
         page.has_progress = true;
