@@ -199,7 +199,8 @@ PAGE_EXPORT(balancer_follow) int balancer_follow(void)
     }
     page.scenario.waypoint_count = 0;
 
-    const struct jp_pilot_route route = {.targets = page.targets[other], .count = (uint16_t)count, .end = JP_PILOT_STAND};
+    const struct jp_pilot_route route = {
+        .targets = page.targets[other], .count = (uint16_t)count, .end = JP_PILOT_STAND};
     const enum jp_status status = jp_pilot_follow(&page.pilot, &route);
 
     if (status == JP_OK) {
@@ -314,8 +315,8 @@ static void note_plan(void)
         page.legs[planned - 1].planned_j = energy_unit_joules(page.model, page.pilot.leg.energy);
     }
     if (!page.has_forecast) {
-        page.has_forecast = page.pilot.phase == JP_PILOT_DRIVING &&
-                            jp_pilot_answer(&page.pilot, &page.forecast) == JP_OK;
+        page.has_forecast =
+            page.pilot.phase == JP_PILOT_DRIVING && jp_pilot_answer(&page.pilot, &page.forecast) == JP_OK;
     }
 }
 

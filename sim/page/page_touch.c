@@ -1,6 +1,6 @@
-/* The one question that the simulator asks libccd (patrol_world.c), for the page, which has no libccd: whether two upright
- * prisms touch. They overlap in height, so it is one of the plane: whether the difference of the two holds the origin,
- * by the algorithm of Gilbert, Johnson and Keerthi. */
+/* The one question that the simulator asks libccd (patrol_world.c), for the page, which has no libccd: whether two
+ * upright prisms touch. They overlap in height, so it is one of the plane: whether the difference of the two holds the
+ * origin, by the algorithm of Gilbert, Johnson and Keerthi. */
 #include <ccd/ccd.h>
 #include <stdbool.h>
 #include <stddef.h>

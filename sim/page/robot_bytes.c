@@ -116,5 +116,5 @@ int main(int argc, char **argv)
         write_list(kind, of, count);
     }
     return write_grades(BALANCER, of, &argv[1], count) && write_grades(SKID_STEER, of, &argv[1], count) ? EXIT_SUCCESS
-                                                                                                         : ERROR_EXIT;
+                                                                                                        : ERROR_EXIT;
 }

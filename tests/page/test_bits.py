@@ -16,8 +16,9 @@ from conftest import BUILD, ROOT
 LIBM = 1e-3  # of an energy, a time or a length that is driven: some thousand times what was seen
 
 ROUTE = [(4.0, 0.0), (7.0, 3.0), (4.0, 6.0), (0.0, 4.0)]
-BALANCERS = ["gao2018", "courier24"]
-NAVIGATORS = ["zhang2018", "burger", "courier24"]
+# In the order of the module.
+BALANCERS = ["courier24", "gao2018"]
+NAVIGATORS = ["burger", "zhang2018", "courier24"]
 SCENES = ["beside-obstacle", "l-passage", "corridor", "doorway", "pedestrian", "warehouse"]
 WIDTH, HEIGHT = 80, 56
 
@@ -112,8 +113,8 @@ def test_a_balancer_takes_what_jp_mission_says(wasm, with_host_libm, tmp_path, r
 # ---- The planner ----
 
 
-def draw(called, robot, hills):
-    """Two walls, and where it is asked for a ridge between them that the robot climbs."""
+def draw(called, robot):
+    """Two walls."""
     side = called.call("planner_new", robot, WIDTH, HEIGHT)
     for y in range(36):
         called.call("planner_wall", 26, y, 1)
@@ -123,7 +124,7 @@ def draw(called, robot, hills):
 
 
 def ridge():
-    """2⁻¹⁰ m."""
+    """Between them, 2⁻¹⁰ m."""
     return [max(0, 8 - abs(x - 41)) * 6 for _ in range(HEIGHT) for x in range(WIDTH)]
 
 
@@ -137,8 +138,8 @@ def set_ridge(wasm, native):
 @pytest.mark.parametrize("robot", range(3), ids=NAVIGATORS)
 def test_a_plan_a_repair_and_a_drive_are_the_same_bit_by_bit(wasm, native, robot):
     for called in (wasm, native):
-        draw(called, robot, robot == 0)
-    if robot == 0:
+        draw(called, robot)
+    if NAVIGATORS[robot] == "zhang2018":
         set_ridge(wasm, native)
     assert both(wasm, native, "planner_begin", 8, 8, 1, 70, 46, 256, 1.0) == 0
     ticks = both(wasm, native, "planner_ticks_a_second")
@@ -167,13 +168,16 @@ def test_the_command_that_the_page_shows_drives_the_same(page, tmp_path, robot):
     assert command[:2] == ["build/bin/jp-navigate", "map.json"]
     run_program("jp-navigate", tmp_path / "map.json", *command[2:], "--output", tmp_path)
     result = json.loads((tmp_path / "summary.json").read_text())["result"]
+    first = page.ask("""(() => { const known = () => Number.isFinite(page.core.view('planner').forecast_j);
+        while (!known() && page.core.exports.planner_run(1) === 1) {}
+        return page.core.view('planner'); })()""")
     page.ask("page.core.exports.planner_run(1000000), 0")
     view = page.ask("page.core.view('planner')")
     assert page.ask("page.core.text(page.core.exports.planner_state_name())") == result["state"] == "arrived"
     assert view["replans"] == result["replans"]
-    assert_as_printed(view["forecast_j"], result["forecast_j"])
-    assert_as_printed(view["deviation_j"], result["forecast_deviation_j"])
-    assert_as_printed(view["plan_j"], result["planned_j"])
+    assert_as_printed(first["forecast_j"], result["forecast_j"])
+    assert_as_printed(first["deviation_j"], result["forecast_deviation_j"])
+    assert_as_printed(first["plan_j"], result["planned_j"])
     assert view["driven_j"] == pytest.approx(result["energy_j"], rel=LIBM)
     assert view["driven_m"] == pytest.approx(result["length_m"], rel=LIBM)
 

@@ -87,8 +87,10 @@ class Machine:
         self.command("dpkg-query", "printf installed")
         self.command("unshare", "exit 0")
         self.command("clang", f"echo {folder}/clang")
-        (folder / "clang/lib/any").mkdir(parents=True)
-        (folder / "clang/lib/any/libclang_rt.asan.a").touch()
+        for library in ("any/libclang_rt.asan.a", "wasi/libclang_rt.builtins-wasm32.a"):
+            (folder / "clang/lib" / library).parent.mkdir(parents=True)
+            (folder / "clang/lib" / library).touch()
+        self.command("chromium", "exit 0")
         self.command("python3", f'echo "$@" >>{self.log}; [ "$2" != venv ] || {{ mkdir -p .venv/bin; '
                                 f'cp {self.commands}/pip .venv/bin/python; }}')
         self.command("pip", f'echo "${{@: -1}}" >>{self.log}')
@@ -126,7 +128,7 @@ def list_path(name):
 @pytest.mark.parametrize("scopes, lists", [
     (["sil"], ["sil"]), (["firmware"], ["sil"]), (["design"], ["sil", "design"]), (["vcan"], ["sil", "operate"]),
     (["sil", "operate", "firmware"], ["sil", "operate"]), (["campaign"], ["sil", "campaign"]),
-    (["python"], ["sil", "python"]),
+    (["python"], ["sil", "python"]), (["page"], ["sil"]),
     (["mujoco"], ["sil", "design", "operate", "mujoco"]), (["test"], LISTS),
     ([], LISTS)])
 def test_a_scope_installs_its_lists(machine, scopes, lists):

@@ -4,16 +4,17 @@ PAGE      := $(BUILD)/page
 WASM      := $(BUILD)/wasm
 WEB       := $(wildcard sim/page/web/*)
 PAGE_C    := $(filter-out sim/page/robot_bytes.c,$(wildcard sim/page/*.c))
-PAGE_ROBOTS := $(addprefix sim/robots/,gao2018.cfg courier24.cfg zhang2018.cfg burger.cfg patrol.cfg)
-# Of the simulator what reads no files and draws on nothing but C's library.
+# Those that are built in.
+PAGE_ROBOTS := $(patsubst %,sim/robots/%.cfg,$(ROBOTS) $(SKID_ROBOTS) $(patsubst src/tables/patrol_%.c,%,$(wildcard src/tables/patrol_*.c)))
+# Of the simulator what the scenes stand on. What reads files in it is not linked: nobody calls it.
 PAGE_SIM  := $(addprefix sim/,$(addsuffix .c, \
-             base/clearance base/digital base/error base/fingerprint base/random base/world_fault \
-             balancer/energy_unit balancer/fault_names balancer/hal_sim balancer/instruments balancer/plant balancer/rig \
-             balancer/world missions/cruise_plan missions/navigation_balancer missions/navigation_sight missions/navigation_skid \
-             four_wheel/four_wheel_plant four_wheel/laser four_wheel/patrol_config four_wheel/patrol_members four_wheel/solid_map four_wheel/four_wheel_drive four_wheel/four_wheel_file \
-             missions/navigation_task missions/patrol_energy missions/patrol_mission missions/plan_lattice scenes/patrol_draft scenes/patrol_scene scenes/patrol_world skid_steer/skid_ground skid_steer/skid_hal_sim \
-             skid_steer/skid_instruments skid_steer/skid_plant skid_steer/skid_robots skid_steer/skid_steer_model \
-             skid_steer/skid_world)) hal/hal.c
+             $(addprefix base/,clearance digital error fingerprint random world_fault) \
+             $(addprefix balancer/,energy_unit fault_names hal_sim instruments plant rig world) \
+             $(addprefix skid_steer/,skid_ground skid_hal_sim skid_instruments skid_plant skid_robots skid_steer_model skid_world) \
+             $(addprefix four_wheel/,four_wheel_file four_wheel_plant laser patrol_config solid_map) \
+             $(addprefix scenes/,patrol_draft patrol_scene patrol_world) \
+             $(addprefix missions/,cruise_plan navigation_balancer navigation_sight navigation_skid navigation_task patrol_energy \
+                 patrol_mission plan_lattice))) hal/hal.c
 
 COMPILER.wasm = clang --target=wasm32-wasi
 FLAGS.wasm    = $(HOST) -O2
@@ -32,7 +33,7 @@ $(WASM)/robots.o: $(BUILD)/robots.c
 $(BUILD)/host/robot_bytes: $(BUILD)/host/sim/page/robot_bytes.o $(call host_libraries,host)
 	$(call link_host,host)
 
-$(WASM)/page_robots.c: $(BUILD)/host/robot_bytes $(PAGE_ROBOTS)
+$(WASM)/page_robots.c: $(BUILD)/host/robot_bytes $(PAGE_ROBOTS) $(BUILD)/robots.c tools/make/page.mk
 	@mkdir -p $(@D)
 	$Q$< $(PAGE_ROBOTS) >$@
 
@@ -52,7 +53,7 @@ $(PAGE)/%: sim/page/web/%
 	@mkdir -p $(@D)
 	@cp $< $@
 
-PAGE_FILES = $(WEB:sim/page/web/%=$(PAGE)/%) $(PAGE)/core.wasm.js
+PAGE_FILES := $(WEB:sim/page/web/%=$(PAGE)/%) $(PAGE)/core.wasm.js
 
 .PHONY: page
 page: ## make the page in the browser: open build/page/index.html, or put build/page anywhere on the web
@@ -95,3 +96,12 @@ $(NATIVE)/libpage-musl.so: $(PAGE_NATIVE) $(NATIVE)/musl-math.a
 $(NATIVE)/libpage.so: $(PAGE_NATIVE)
 	$(call SAY,LD $@)
 	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined -Wl,-Bsymbolic $^ -lm -o $@
+
+PAGE_LIBRARIES := $(NATIVE)/libpage.so $(NATIVE)/libpage-musl.so
+
+.PHONY: bench-page
+bench-page: ## measure the page: size, first frame, speed, bits; and make its picture
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(PAGE_FILES) $(PAGE_LIBRARIES)
+	$(PYTHON) tests/page/bench_page.py
+	$(PYTHON) tests/page/picture.py sim/page/page.png

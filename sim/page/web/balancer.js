@@ -7,11 +7,11 @@ class BalancerScene {
   constructor(core, canvas, say) {
     Object.assign(this, { core, say });
     this.plane = new Plane(canvas);
-    this.robot = 0;
     this.seed = 1;
     this.waypoints = [{ x: 4, y: 0 }, { x: 7, y: 3 }, { x: 4, y: 6 }, { x: 0, y: 4 }];
     this.robots = Array.from({ length: core.exports.balancer_robots() },
       (_, i) => core.text(core.exports.balancer_robot_name(i)));
+    this.robot = Math.max(0, this.robots.indexOf("gao2018"));
   }
 
   /** Parts of a link. */

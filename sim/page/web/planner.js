@@ -19,8 +19,8 @@ class PlannerScene {
     this.width = 80;
     this.height = 56;
     this.robots = Array.from({ length: core.exports.planner_robots() }, (_, i) => core.text(core.exports.planner_robot_name(i)));
-    this.robot = 0;
-    this.memory = 256;
+    this.robot = Math.max(0, this.robots.indexOf("zhang2018")); // made for hills
+    this.memory = 1024;
     this.seed = 1;
     this.tool = "wall";
     this.start = { x: 8, y: 8 };
@@ -216,6 +216,7 @@ class PlannerScene {
     this.walls.set(new Uint8Array(this.core.exports.memory.buffer, this.core.exports.planner_marks(), this.walls.length));
     this.route = this.points(this.core.exports.planner_route());
     this.course = this.points(this.core.exports.planner_course());
+    this.isStale = this.route.some(({ x, y }) => this.walls[Math.floor(y / this.cell) * this.width + Math.floor(x / this.cell)] !== FREE);
   }
 
   points(count) {
@@ -388,7 +389,7 @@ class PlannerScene {
     this.drawGround(context);
     this.plane.grid();
     this.plane.line(this.old, css("faint"), 2, [2, 4]);
-    this.plane.line(this.route, css("plan"), 2);
+    this.plane.line(this.route, css(this.isStale ? "faint" : "plan"), 2, this.isStale ? [2, 4] : []);
     this.plane.line(this.course, css("goal"), 2, [7, 4]);
     this.plane.line(this.trail, css("driven"), 2.5);
     const middle = ({ x, y }) => ({ x: (x + 0.5) * this.cell, y: (y + 0.5) * this.cell });
@@ -453,7 +454,7 @@ class PlannerScene {
   drawTables() {
     const view = this.view;
     const kib = (bytes) => `${shown(bytes / 1024)} KiB`;
-    const answer = view.state === 8 ? "none: proved" : view.answer === 2 && Number.isFinite(view.plan_bound) ? `within ${shown(view.plan_bound, 2)} of the optimum` : ANSWERS[view.answer] ?? "–";
+    const answer = view.state === 8 ? "none: proved" : this.isStale ? "the last one is blocked" : view.answer === 2 && Number.isFinite(view.plan_bound) ? `within ${shown(view.plan_bound, 2)} of the optimum` : ANSWERS[view.answer] ?? "–";
     const rows = [
       ["robot", this.core.text(this.core.exports.planner_state_name())],
       ["route", answer],

@@ -99,7 +99,7 @@ function interval(energy, deviation) {
   if (!Number.isFinite(energy)) {
     return "–";
   }
-  return `${shown(energy)} J <small>± ${shown(1.96 * deviation)} J (95 %)</small>`;
+  return `${shown(energy)} J <small>±\u00a0${shown(1.96 * deviation)}\u00a0J (95\u00a0%)</small>`;
 }
 
 /** Of a battery whose capacity no file tells. */
