@@ -239,6 +239,8 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	cp $(BUILD)/navigate/navigate.png sim/scenarios/office_navigate.png
 	$(MAKE) navigate ROBOT=zhang2018 SEED=1
 	cp $(BUILD)/navigate/navigate.png sim/scenarios/jacksboro_navigate.png
+	$(MAKE) grounds SEED=1
+	cp $(BUILD)/grounds/grounds.png sim/scenarios/yard_grounds.png
 	$(MAKE) campaign ROBOT=courier24 SEED=1 MISSIONS=1000 CAMPAIGN='--fresh --bench $(BUILD)/bench/campaign.json'
 	cp $(BUILD)/campaign/courier24/campaign.png sim/scenarios/courier24_campaign.png
 	$(PYTHON) -m tools.measure.figures; status=$$?; \
