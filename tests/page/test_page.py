@@ -99,6 +99,19 @@ def test_a_waypoint_that_is_dragged_while_it_drives_is_driven_to(page):
     assert end == pytest.approx([0, 0], abs=0.05)
 
 
+def test_a_route_is_driven_within_a_time_or_says_what_it_takes(page):
+    page.ask("document.querySelector('#within').value = 3, 0")
+    page.click("#drive-within")
+    needed = float(re.fullmatch(r"It takes ([0-9.]+) s at least.", message(page))[1])
+    page.ask(f"document.querySelector('#within').value = {needed + 1}, 0")
+    page.choose("#speed", "50")
+    page.click("#drive-within")
+    page.wait("document.querySelector('#message').textContent.startsWith('There:')", 20)
+    view = page.ask("page.scene.view")
+    assert view["driven_s"] <= needed + 1.1
+    assert view["driven_j"] == pytest.approx(gauge(page, "forecast"), rel=0.05)
+
+
 def test_a_push_is_balanced_and_a_hard_one_is_not(page):
     page.click("#push-forward")
     page.wait("Math.abs(page.scene.view.pitch_rad) > 0.005")
