@@ -95,7 +95,7 @@ class BalancerScene {
     const numbers = this.core.doubles(this.core.exports.balancer_front_points(), 3 * count);
     this.points = Array.from({ length: count }, (_, i) => [numbers[3 * i + 1], numbers[3 * i + 2]]);
     if (count > 0 && document.activeElement !== this.within) {
-      this.within.value = Math.ceil((this.points[0][0] + this.points[count - 1][0]) / 2);
+      this.within.value = Math.ceil(1.05 * this.points[count - 1][0]); // of the fastest
     }
   }
 
