@@ -219,7 +219,7 @@ static void keep_books(struct skid_mission *run)
 {
     const uint64_t row_ticks = (uint64_t)fmax(run->robot.rate_hz / MISSION_LOG_RATE, 1);
 
-    if (run->ticks % JP_TICKS_PER_SET_POINT == 0) {
+    if (run->ticks % JP_TICKS_PER_PATH_POINT == 0) {
         (void)jp_path_drive_advance(&run->follower, &run->reference);
     }
     (void)jp_skid_robot_telemetry(&run->skid.controller, &run->telemetry);

@@ -2,5 +2,7 @@
 
 namespace tf2_ros
 {
-class Buffer {};
-}  // namespace tf2_ros
+class Buffer
+{
+};
+} // namespace tf2_ros
