@@ -329,3 +329,14 @@ def test_a_phone_shows_it_without_scrolling_sideways(page, scene):
     assert page.ask("document.scrollingElement.scrollWidth") <= 360
     small = page.ask("""[...document.querySelectorAll('button, select')].filter((e) => e.getBoundingClientRect().height < 36).map((e) => e.id)""")
     assert small == []
+
+
+def test_a_finger_moves_a_waypoint_and_draws_a_wall(page):
+    page.resize(390, 844, 2, phone=True)
+    page.touch_drag(on_screen(page, 7, 3), on_screen(page, 6, 2))
+    assert page.ask("page.scene.waypoints[1]") == pytest.approx({"x": 6, "y": 2}, abs=0.15)
+    page.click("#tab-planner")
+    frames(page)
+    cell = page.ask("page.scene.cell")
+    page.touch_drag(on_screen(page, 10.5 * cell, 40.5 * cell), on_screen(page, 20.5 * cell, 50.5 * cell))
+    assert page.ask("page.scene.walls[45 * page.scene.width + 15]") == 1
