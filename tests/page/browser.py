@@ -127,6 +127,15 @@ class Browser:
             self.mouse("mouseMoved", *at, buttons=1)
         self.mouse("mouseReleased", *end, clickCount=1)
 
+    def touch_drag(self, begin, end, steps=4):
+        """With a finger."""
+        self.send("Emulation.setTouchEmulationEnabled", enabled=True)
+        points = [[a + (b - a) * i / steps for a, b in zip(begin, end)] for i in range(steps + 1)]
+        for i, (x, y) in enumerate(points):
+            self.send("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart", touchPoints=[{"x": x, "y": y}])
+        self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.send("Emulation.setTouchEmulationEnabled", enabled=False)
+
     def press(self, key, code=0, text=""):
         self.send("Input.dispatchKeyEvent", type="keyDown", key=key, windowsVirtualKeyCode=code, text=text)
         self.send("Input.dispatchKeyEvent", type="keyUp", key=key, windowsVirtualKeyCode=code)

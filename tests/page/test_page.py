@@ -99,6 +99,19 @@ def test_a_waypoint_that_is_dragged_while_it_drives_is_driven_to(page):
     assert end == pytest.approx([0, 0], abs=0.05)
 
 
+def test_a_route_is_driven_within_a_time_or_says_what_it_takes(page):
+    page.ask("document.querySelector('#within').value = 3, 0")
+    page.click("#drive-within")
+    needed = float(re.fullmatch(r"It takes ([0-9.]+) s at least.", message(page))[1])
+    page.ask(f"document.querySelector('#within').value = {needed + 1}, 0")
+    page.choose("#speed", "50")
+    page.click("#drive-within")
+    page.wait("document.querySelector('#message').textContent.startsWith('There:')", 20)
+    view = page.ask("page.scene.view")
+    assert view["driven_s"] <= needed + 1.1
+    assert view["driven_j"] == pytest.approx(gauge(page, "forecast"), rel=0.05)
+
+
 def test_a_push_is_balanced_and_a_hard_one_is_not(page):
     page.click("#push-forward")
     page.wait("Math.abs(page.scene.view.pitch_rad) > 0.005")
@@ -316,3 +329,14 @@ def test_a_phone_shows_it_without_scrolling_sideways(page, scene):
     assert page.ask("document.scrollingElement.scrollWidth") <= 360
     small = page.ask("""[...document.querySelectorAll('button, select')].filter((e) => e.getBoundingClientRect().height < 36).map((e) => e.id)""")
     assert small == []
+
+
+def test_a_finger_moves_a_waypoint_and_draws_a_wall(page):
+    page.resize(390, 844, 2, phone=True)
+    page.touch_drag(on_screen(page, 7, 3), on_screen(page, 6, 2))
+    assert page.ask("page.scene.waypoints[1]") == pytest.approx({"x": 6, "y": 2}, abs=0.15)
+    page.click("#tab-planner")
+    frames(page)
+    cell = page.ask("page.scene.cell")
+    page.touch_drag(on_screen(page, 10.5 * cell, 40.5 * cell), on_screen(page, 20.5 * cell, 50.5 * cell))
+    assert page.ask("page.scene.walls[45 * page.scene.width + 15]") == 1
