@@ -32,7 +32,7 @@ class Drive:
         self.track = []
         self._robot, self._options, self._ecu_log = robot, options, ecu_log
         self._line = Line()
-        self.bus = Lockstep(self.world, self._line, log, self._each_tick, listen)
+        self.bus = Lockstep(self.world, self._line, log, self._each_tick, listen, lambda: self._ecu.error())
         self.operator = Operator(self.bus, robot.name, watch, lambda: self.bus.seconds)
         self._period = max(round(TRACK_PERIOD * self.world.rate), 1)
 
