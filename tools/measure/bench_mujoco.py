@@ -38,7 +38,7 @@ PAYLOAD = 0.2       # of the body
 PUSH_SECONDS = 0.05
 
 SEGMENTS, LEARNED = 26, 20  # of a route that learns, and those before it has learned
-WORLDS = 4                  # with such routes, of each robot
+WORLDS = 2                  # with such routes, of each robot
 SEGMENT_SECONDS = (4.0, 6.0)
 TURN = 80.0                 # ° from a segment to the next at most, and limits.turn_deg
 
@@ -162,7 +162,7 @@ class Forecasts:
         self.courses, self._meter, self._now = [], meter, None
 
     def __call__(self, state):
-        if self._now is None and state.get("NavigationStatus", "HasCourse") and "NavigationProgress" in state.latest:
+        if self._now is None and state.get("NavigationProgress", "Energy"):  # 0 before there is a course
             self._now = (state.get("NavigationProgress", "Energy"), state.get("NavigationProgress", "Deviation"),
                          state.get(self._meter, "Energy"))
 
@@ -171,6 +171,9 @@ class Forecasts:
         self._now = None
 
     def end(self, state):
+        """Of a course; a goal where the robot was has none."""
+        if self._now is None:
+            return
         energy, deviation, before = self._now
         self.courses.append((energy, deviation, state.get(self._meter, "Energy") - before))
 
