@@ -20,7 +20,7 @@ from tools.common import ROOT, ArgumentParser, print_aligned, run, shown_path, w
 from tools.design import robot_json
 from tools.mujoco.drive import Drive, load_robot
 from tools.mujoco.ground import Ground, Patch, Step
-from tools.mujoco.world import Conditions
+from tools.mujoco.world import Conditions, World
 from tools.operate import map_stream
 from tools.operate.can_client import RobotError
 
@@ -299,6 +299,44 @@ TERMS = ("electronics", "copper", "conversion", "gear", "gear dry", "rolling", "
          "bridge", "supply", "mechanical")
 
 
+# Terms of a ledger in our world (jp-skid) and in MuJoCo.
+BOTH_WORLDS = (("cells", ("battery",), ("cells",)), ("supply and electronics", ("supply", "electronics"), ("supply", "electronics")),
+               ("windings", ("copper",), ("copper",)), ("bridges", ("bridge",), ("bridge",)),
+               ("gears and rolling", ("gear", "rolling"), ("gear dry",)),
+               ("tyres and caster", ("slip_along", "slip_across", "caster"), ("slip contact", "normal contact")))
+DUTIES = {"straight on": (0.3, 0.3), "bend": (0.3, 0.2), "on the spot": (0.3, -0.3)}
+DUTY_SECONDS = 5
+
+
+def our_ledger(name, left, right):
+    return json.loads(robot_json.printed_by(robot_json.build_directory() / "bin/jp-skid", name, f"--left={left}",
+                                            f"--right={right}", f"--seconds={DUTY_SECONDS}", "--json=-"))
+
+
+def their_ledger(name, left, right):
+    world = World(load_robot(name), Conditions())
+    for _ in range(round(DUTY_SECONDS * world.rate)):
+        world.command(True, left, right)
+        world.step()
+    return world.ledger()
+
+
+def joules_of(ledger, terms):
+    return sum(ledger.get(f"{term}_j", ledger.get(term, 0.0)) for term in terms)
+
+
+def print_worlds():
+    """Where the two worlds differ, term by term, at the same duties."""
+    table = [["J", "duties", *(name for name, _, _ in BOTH_WORLDS)]]
+    for name in ROBOTS:
+        if load_robot(name).type == robot_json.BALANCER:
+            continue
+        for case, duties in DUTIES.items():
+            for world, ledger, column in (("ours", our_ledger(name, *duties), 1), ("MuJoCo", their_ledger(name, *duties), 2)):
+                table.append([f"{name}, {world}", case, *(f"{joules_of(ledger, terms[column]):.2f}" for terms in BOTH_WORLDS)])
+    print_aligned(table)
+
+
 def print_rows(rows):
     table = [["robot", "kind", "case", "s", "pitch °", "miss m", "worst error %", "open %", "failure"]]
     for row in rows:
@@ -330,6 +368,8 @@ def main():
     with ProcessPoolExecutor(options.jobs) as pool:
         rows = list(pool.map(do, chosen))
     print_rows(rows)
+    print()
+    print_worlds()
     build = robot_json.build_directory()
     (build / "bench-mujoco").mkdir(parents=True, exist_ok=True)
     write_whole(build / "bench-mujoco/rows.json", json.dumps(rows, indent=1) + "\n")

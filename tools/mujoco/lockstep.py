@@ -3,9 +3,11 @@
 The bus is an SLCAN adapter on a pseudo-terminal, made here. An operator uses it as a bus of python-can: while it waits
 for frames, simulated time passes.
 """
+import ctypes
 import os
 import pty
 import select
+import signal
 import subprocess
 import tty
 from collections import deque
@@ -21,6 +23,7 @@ ASK_AGAIN = 0.5    # s
 HOLD = 0.040       # s that the bridges hold their duty without commands, as joulepath.dbc says
 POWER_OFF = 0xFFFFFFFF  # the tick before the first: the ECU begins afresh
 BUFFER = 1 << 16
+PR_SET_PDEATHSIG = 1  # of Linux
 
 
 class Message:
@@ -214,6 +217,11 @@ class Lockstep:
                 self._log(self.seconds, id, data)
 
 
+def end_with_parent():
+    """A program that outlives a drive would speak on the next terminal of the same name."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
 class Ecu:
     """The controller's program on a line, until the block ends."""
 
@@ -230,7 +238,8 @@ class Ecu:
 
     def __enter__(self):
         with open(self._output, "wb") as output:
-            self._process = subprocess.Popen(self._arguments, stdout=output, stderr=subprocess.STDOUT)
+            self._process = subprocess.Popen(self._arguments, stdout=output, stderr=subprocess.STDOUT,
+                                             preexec_fn=end_with_parent)
         return self
 
     def __exit__(self, *_):
