@@ -75,6 +75,13 @@ bench-maps: ## measure the planner on MAPS="a.json…" (tools/design/import_map.
 	@mkdir -p $(BUILD)/bench-plan
 	$(BUILD)/bench/bench_maps --rows $(BUILD)/bench-plan/maps.json $(LATTICES:%=--lattice %) $(MAPS) >$(BUILD)/bench/bench_maps.json
 
+.PHONY: bench-mujoco
+bench-mujoco: ## drive the robots in MuJoCo: missions, slopes, steps, poor parts, pushes, forecasts that learn (30 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) all
+	@mkdir -p $(BUILD)/bench
+	$(PYTHON) -m tools.measure.bench_mujoco
+
 .PHONY: bench-navigate
 bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes that they do not show, twice, and on maps of others (6 minutes)
 	@tools/setup.sh test
@@ -206,6 +213,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-robots
 	@$(MAKE) bench-intervals
 	@$(MAKE) bench-logs
+	@$(MAKE) bench-mujoco
 	@$(MAKE) bench-restart
 	@$(MAKE) bench-skid-bus
 	@$(MAKE) bench-image
