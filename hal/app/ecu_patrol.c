@@ -224,7 +224,7 @@ static bool take_result(void *self, struct jp_ecu_result *result)
 static int32_t parameter(const void *self, uint8_t index)
 {
     const struct jp_ecu_patrol *patrol = self;
-    const struct jp_four_wheel_energy_model *model = patrol->internal.config.pilot->energy;
+    const struct jp_four_wheel_energy_model *model = patrol->internal.tables.energy;
     const int32_t numbers[PARAMETERS] = {
         model->wheelbase,      model->track,          model->weight,       model->rolling, model->drag,
         model->cornering,      model->inertia,        model->turn_inertia, model->driving, model->braking,
@@ -378,7 +378,7 @@ static void tell_segment(const void *self, uint16_t begun, struct jp_ecu_segment
 
     (void)begun;
     *segment = (struct jp_ecu_segment){.number = patrol->pilot.ledger.begun,
-                                       .speed = fixed(patrol->internal.config.pilot->patrol->teb.speed_max, 0x1p24f),
+                                       .speed = fixed(patrol->internal.tables.patrol->teb.speed_max, 0x1p24f),
                                        .duration = fixed(forecast->duration, 0x1p16f),
                                        .forecast = jp_energy_from_q16(fixed(forecast->energy, 0x1p16f), 0)};
 }
@@ -497,8 +497,8 @@ static enum jp_status prepare_way(void *self, struct jp_terrain *map, const stru
     const struct jp_plane_pose pose = pose_of(origin);
     const char *field;
 
-    return jp_patrol_pilot_take_map(&patrol->pilot, map, &pose, patrol->internal.config.block,
-                                    patrol->internal.config.size, &field);
+    return jp_patrol_pilot_take_map(&patrol->pilot, map, &pose, patrol->internal.block,
+                                    patrol->internal.size, &field);
 }
 
 static void forget_way(void *self)
@@ -709,11 +709,12 @@ enum jp_status jp_ecu_patrol_init(struct jp_ecu_patrol *patrol, const struct jp_
         config->block == NULL || (config->stored == JP_STORED_TAKEN && config->state == NULL)) {
         return JP_ERR_ARGUMENT;
     }
-    *patrol = (struct jp_ecu_patrol){.internal = {.config = *config}};
+    *patrol = (struct jp_ecu_patrol){.internal = {.block = config->block, .size = config->size}};
     status = prepare(patrol, config, field);
     if (status != JP_OK) {
         return status;
     }
+    patrol->internal.tables = *config->pilot;
     patrol->stored = restore(patrol, config);
     patrol->internal.hal =
         (struct jp_four_wheel_hal){.context = patrol, .read = read_wheels, .write = write_wheels, .scan = take_scan};

@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/** Its tables, and the memory for what is made of a map. What they show must stay. */
+/** Its tables, and the memory for what is made of a map. What they show must stay, but for *pilot and *state. */
 struct jp_ecu_patrol_config {
     const struct jp_four_wheel_robot_config *robot;
     const struct jp_patrol_pilot_config *pilot;
@@ -49,7 +49,9 @@ struct jp_ecu_patrol {
     struct jp_patrol_pilot pilot;
     enum jp_stored stored; /**< what of the stored state is in use, or why not */
     struct {
-        struct jp_ecu_patrol_config config;
+        struct jp_patrol_pilot_config tables;
+        void *block;
+        size_t size;
         struct jp_four_wheel_hal hal;
         bool has_board;
         struct jp_ecu_bus bus;

@@ -3,7 +3,7 @@
 # Objects are made again when the compiler, Unity or the navigator's sizes of the last build were others.
 SETTINGS := $(BUILD)/settings
 $(SETTINGS): FORCE
-	@mkdir -p $(@D) && echo '$(CC) $(UNITY) $(SIDE) $(PLANNER)' | cmp -s - $@ || echo '$(CC) $(UNITY) $(SIDE) $(PLANNER)' >$@
+	@mkdir -p $(@D) && echo '$(CC) $(UNITY) $(SIDE) $(PLANNER) $(CELLS)' | cmp -s - $@ || echo '$(CC) $(UNITY) $(SIDE) $(PLANNER) $(CELLS)' >$@
 
 # A library is made again when a source joined or left it.
 MEMBERS := $(BUILD)/members

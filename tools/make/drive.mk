@@ -75,17 +75,24 @@ navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file STA
 # A scene from a seed, or a map of others with START and GOAL.
 SCENE      ?= beside-obstacle
 SEED       ?= 1
+# By itself by several methods; or over BUS=in-process: map, goal and what it sees go to the firmware's application in
+# frames; pil: to the image in QEMU.
+PATROL.           = $(BUILD)/bin/jp-patrol
+PATROL.in-process = $(BUILD)/bin/jp-patrol --bus in-process
+PATROL.pil        = tools/operate/patrol_in_qemu.sh $(PATROL_ROBOT)
+PATROL_ROBOT      = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
 PATROL_MAP  = $(if $(filter file,$(origin MAP)),,$(MAP))
 
 .PHONY: patrol
-patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg); report in build/patrol
-	@tools/setup.sh sil $(if $(PATROL_MAP),design)
-	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol
+patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg), by itself or over BUS=in-process or pil; report in build/patrol
+	$(if $(PATROL.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
+	@tools/setup.sh sil $(if $(PATROL_MAP),design) $(SETUP.$(BUS))
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(PATROL_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/patrol
 	$(if $(PATROL_MAP),$(PYTHON) -m tools.design.import_map $(MAP) $(BUILD)/patrol/map.json --resolution 0.05 $(IMPORT))
-	$(BUILD)/bin/jp-patrol $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK),$(SCENE)) --seed=$(SEED) \
+	$(PATROL.$(BUS)) $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK),$(SCENE)) --seed=$(SEED) \
 	    --output $(BUILD)/patrol; status=$$?; \
-	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol && exit $$status
+	    [ $$status -le 1 ] && $(if $(BUS),true,$(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol) && exit $$status
 
 # The courier unless another one is asked for. CAMPAIGN holds options of tools.campaign.campaign, such as
 # --faults or --fresh.

@@ -6,6 +6,7 @@ FLOAT          := $(wildcard $(SINGLE))
 CORE           := $(filter-out $(FLOAT),$(wildcard src/*/*.c))
 CAN            := $(wildcard hal/*.c hal/storage/*.c hal/can/*.c hal/app/*.c)
 STM32F4        := $(wildcard hal/stm32f4/*.c)
+MPS2           := $(wildcard hal/mps2/*.c)
 # Of the image of a robot.
 IMAGE          := $(addprefix hal/stm32f4/,main.c firmware_balancer.c firmware_skid.c)
 # What needs nothing of the core but registers, which a test can stand in for.
@@ -26,6 +27,8 @@ NAMES          := $(patsubst src/tables/robot_%.c,%,$(wildcard src/tables/robot_
 ROBOTS         := $(foreach n,$(NAMES),$(if $(wildcard src/tables/energy_$n.c),$n))
 # One that its sides steer: when its controller, energy and path limits are.
 SKID_ROBOTS    := $(foreach n,$(patsubst src/tables/skid_robot_%.c,%,$(wildcard src/tables/skid_robot_*.c)),$(if $(wildcard src/tables/skid_energy_$n.c),$(if $(wildcard src/tables/path_limits_$n.c),$n)))
+# One with four steered wheels: when its control tick and energy are.
+PATROL_ROBOTS  := $(foreach n,$(patsubst src/tables/four_wheel_robot_%.c,%,$(wildcard src/tables/four_wheel_robot_*.c)),$(if $(wildcard src/tables/four_wheel_energy_$n.c),$n))
 PILOT_TABLES   := $(patsubst src/tables/%.c,%,$(wildcard src/tables/horizon_*.c src/tables/learning_*.c))
 
 FLOAT_TESTS    := $(foreach s,$(SINGLE),$(wildcard $(patsubst src/%,tests/unit/%,$(dir $s))test_$(notdir $s)))
