@@ -50,11 +50,12 @@ struct jp_patrol_pilot {
     struct {
         struct jp_patrol_pilot_config config;
         struct jp_four_wheel_robot *robot;
-        struct jp_plane_pose origin; /* of odometry on the map */
-        const float *ranges;         /* of a scan that was not used yet, or null */
-        struct jp_plane_pose wheels; /* where they were when it was taken */
-        uint32_t cycle_tick;         /* of the last cycle */
-        uint32_t cycle_ticks;        /* from one to the next without a scan */
+        struct jp_plane_pose origin;            /* of odometry on the map */
+        struct jp_four_wheel_odometry odometry; /* as last seen */
+        const float *ranges;                    /* of a scan that was not used yet, or null */
+        struct jp_plane_pose wheels;            /* where they were when it was taken */
+        uint32_t cycle_tick;                    /* of the last cycle */
+        uint32_t cycle_ticks;                   /* from one to the next without a scan */
         struct jp_plane_pose goals[JP_PATROL_PILOT_GOALS];
         uint16_t goal_count;
         uint16_t goal_next;

@@ -289,7 +289,7 @@ static void lead_wheels(struct jp_four_wheel_robot_internal *robot)
     enum jp_steering steering;
 
     (void)jp_four_wheel_tick(&robot->config->wheels, &robot->shown.reference, &robot->shown.wheels, &steering);
-    if (steering == JP_STEERING_STANDSTILL && !is_rest(&robot->shown.reference)) {
+    if (steering == JP_STEERING_STANDSTILL) {
         robot->shown.standstills = jp_one_more32(robot->shown.standstills);
     }
     if (is_running(robot->shown.state)) {

@@ -101,7 +101,7 @@ size_t jp_patrol_pilot_size(const struct jp_patrol_pilot *pilot, const struct jp
     const size_t mission = mission_size(pilot, map);
     const size_t localiser = jp_localiser_size(&config);
 
-    return mission == 0U || localiser == 0U ? 0U : mission + localiser;
+    return mission == 0U ? 0U : mission + localiser;
 }
 
 static struct jp_plane_pose plane_pose(const struct jp_four_wheel_odometry *odometry)
@@ -110,18 +110,6 @@ static struct jp_plane_pose plane_pose(const struct jp_four_wheel_odometry *odom
 
     return (struct jp_plane_pose){(float)odometry->x * 0x1p-32f, (float)odometry->y * 0x1p-32f,
                                   (float)heading * (JP_PLANE_PI * 0x1p-31f)};
-}
-
-static bool read(const struct jp_patrol_pilot *pilot, struct jp_four_wheel_telemetry *telemetry)
-{
-    return jp_four_wheel_robot_telemetry(pilot->internal.robot, telemetry);
-}
-
-/** Until a copy is whole: ticks are far apart. */
-static void wait_for(const struct jp_patrol_pilot *pilot, struct jp_four_wheel_telemetry *telemetry)
-{
-    while (!read(pilot, telemetry)) {
-    }
 }
 
 static enum jp_status prepare(struct jp_patrol_pilot *pilot, const struct jp_terrain *map, void *block, size_t size,
@@ -141,16 +129,11 @@ static enum jp_status prepare(struct jp_patrol_pilot *pilot, const struct jp_ter
 /** Where the robot has come to since. */
 static enum jp_status place(struct jp_patrol_pilot *pilot)
 {
-    struct jp_four_wheel_telemetry telemetry;
-    struct jp_plane_pose wheels;
-    struct jp_plane_pose now;
+    const struct jp_plane_pose wheels = plane_pose(&pilot->internal.odometry);
+    const struct jp_plane_pose now = jp_plane_compose(&pilot->internal.origin, &wheels);
 
-    wait_for(pilot, &telemetry);
-    wheels = plane_pose(&telemetry.odometry);
-    now = jp_plane_compose(&pilot->internal.origin, &wheels);
-    pilot->internal.cycle_tick = telemetry.tick;
-    return jp_patrol_set_pose(&pilot->mission.patrol, &now) == JP_OK ? jp_localiser_start(&pilot->localiser, &now)
-                                                                     : JP_ERR_ARGUMENT;
+    (void)jp_patrol_set_pose(&pilot->mission.patrol, &now);
+    return jp_localiser_start(&pilot->localiser, &now);
 }
 
 enum jp_status jp_patrol_pilot_take_map(struct jp_patrol_pilot *pilot, const struct jp_terrain *map,
@@ -444,7 +427,11 @@ void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
     struct jp_four_wheel_telemetry telemetry;
 
     take_stretches(pilot);
-    if (!pilot->has_map || !read(pilot, &telemetry)) {
+    if (!jp_four_wheel_robot_telemetry(pilot->internal.robot, &telemetry)) {
+        return;
+    }
+    pilot->internal.odometry = telemetry.odometry;
+    if (!pilot->has_map) {
         return;
     }
     if (!has_drives(pilot) && jp_patrol_pilot_is_under_way(pilot)) {
@@ -517,7 +504,7 @@ enum jp_status jp_patrol_pilot_progress(const struct jp_patrol_pilot *pilot, flo
     float whole;
     float share;
 
-    if (!jp_patrol_pilot_is_under_way(pilot) || !pilot->internal.is_planned || mission->path_count == 0U) {
+    if (!jp_patrol_pilot_is_under_way(pilot) || !pilot->internal.is_planned) {
         return JP_ERR_NO_PLAN;
     }
     whole = length_from(mission, 0);

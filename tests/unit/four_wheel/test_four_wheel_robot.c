@@ -170,6 +170,9 @@ static void test_it_is_idle_and_off_until_it_is_enabled(void)
 
 static void test_a_disable_takes_back_an_enable(void)
 {
+    jp_four_wheel_robot_disable(&robot);
+    tick(JP_ERR_HARDWARE);
+    TEST_ASSERT_NULL(jp_four_wheel_robot_good_frame(&robot));
     tick(JP_OK);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_enable(&robot));
     jp_four_wheel_robot_disable(&robot);
