@@ -530,6 +530,9 @@ static void drive(struct jp_ecu *ecu, enum jp_ecu_state state)
         ecu->internal.robot.kind->set_out(ecu->internal.robot.self, false);
         ecu->internal.has_route =
             ecu->internal.robot.kind->follow(ecu->internal.robot.self, route->points, route->length) == JP_OK;
+        if (!ecu->internal.has_route) {
+            jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
+        }
     }
 }
 

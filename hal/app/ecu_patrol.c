@@ -36,15 +36,25 @@ static enum jp_status write_wheels(void *context, const struct jp_four_wheel_act
     return patrol->internal.bus.command(patrol->internal.bus.context, frames, JP_WHEELS);
 }
 
+static float metres(uint16_t raw)
+{
+    return raw == JP_SCAN_RANGE_DROPPED ? -1.0f : (float)raw / (float)JP_SCAN_RANGE_ONE;
+}
+
 static bool take_scan(void *context, float *ranges)
 {
     struct jp_ecu_patrol *patrol = context;
+    uint16_t raw[JP_SCAN_LINK_BEAMS];
 
     if (!jp_scan_link_waits(&patrol->internal.scans)) {
         return false;
     }
     patrol->internal.scan_used = patrol->internal.scan_whole; /* which stays as long as the scan waits */
-    return jp_scan_link_take(&patrol->internal.scans, ranges);
+    (void)jp_scan_link_take(&patrol->internal.scans, raw);
+    for (uint16_t i = 0; i < patrol->internal.tables.scanner->beams; i++) {
+        ranges[i] = metres(raw[i]);
+    }
+    return true;
 }
 
 static void attach(void *self, const struct jp_ecu_bus *bus)
@@ -323,6 +333,7 @@ static enum jp_status follow(void *self, const struct jp_point *targets, uint16_
 {
     struct jp_ecu_patrol *patrol = self;
 
+    patrol->internal.is_to_goal = false;
     patrol->internal.plan = jp_patrol_pilot_follow(&patrol->pilot, targets, count);
     return patrol->internal.plan;
 }
@@ -497,8 +508,7 @@ static enum jp_status prepare_way(void *self, struct jp_terrain *map, const stru
     const struct jp_plane_pose pose = pose_of(origin);
     const char *field;
 
-    return jp_patrol_pilot_take_map(&patrol->pilot, map, &pose, patrol->internal.block,
-                                    patrol->internal.size, &field);
+    return jp_patrol_pilot_take_map(&patrol->pilot, map, &pose, patrol->internal.block, patrol->internal.size, &field);
 }
 
 static void forget_way(void *self)
@@ -508,11 +518,12 @@ static void forget_way(void *self)
     jp_patrol_pilot_forget_map(&patrol->pilot);
 }
 
+/** Not on a route of waypoints. */
 static bool is_under_way(const void *self)
 {
     const struct jp_ecu_patrol *patrol = self;
 
-    return jp_patrol_pilot_is_under_way(&patrol->pilot);
+    return patrol->internal.is_to_goal && jp_patrol_pilot_is_under_way(&patrol->pilot);
 }
 
 /** Its own scanner sees what the map does not show. */
@@ -548,6 +559,7 @@ static enum jp_status go(void *self, const struct jp_map_goal *goal)
     const struct jp_plane_pose pose = goal_pose(patrol, goal);
 
     patrol->internal.plan = jp_patrol_pilot_go(&patrol->pilot, &pose);
+    patrol->internal.is_to_goal = patrol->internal.plan == JP_OK || patrol->internal.is_to_goal;
     return patrol->internal.plan;
 }
 

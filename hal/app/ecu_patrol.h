@@ -64,7 +64,8 @@ struct jp_ecu_patrol {
         struct jp_four_wheel_odometry scan_used;
         float ranges[JP_SCAN_LINK_BEAMS];
         enum jp_status plan;
-        uint16_t ended; /* legs whose results were handed over */
+        bool is_to_goal; /* what it drives to is a goal on the map, else a route */
+        uint16_t ended;  /* legs whose results were handed over */
         struct jp_ecu_patrol_result result;
         struct jp_ecu_patrol_view views[2];
         uint8_t view; /* 1 + that which may be told; 0: there is no map */

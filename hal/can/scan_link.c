@@ -87,12 +87,7 @@ enum jp_e2e_result jp_scan_link_accept_end(struct jp_scan_link *link, const stru
     return JP_E2E_OK;
 }
 
-static float metres(uint16_t raw)
-{
-    return raw == JP_SCAN_RANGE_DROPPED ? -1.0f : (float)raw / (float)JP_SCAN_RANGE_ONE;
-}
-
-bool jp_scan_link_take(struct jp_scan_link *link, float *ranges)
+bool jp_scan_link_take(struct jp_scan_link *link, uint16_t *ranges)
 {
     const uint8_t waiting = __atomic_load_n(&link->waiting, __ATOMIC_ACQUIRE);
 
@@ -100,7 +95,7 @@ bool jp_scan_link_take(struct jp_scan_link *link, float *ranges)
         return false;
     }
     for (uint16_t i = 0; i < link->beams; i++) {
-        ranges[i] = metres(link->ranges[waiting - 1U][i]);
+        ranges[i] = link->ranges[waiting - 1U][i];
     }
     __atomic_store_n(&link->waiting, 0, __ATOMIC_RELEASE);
     return true;
@@ -108,18 +103,7 @@ bool jp_scan_link_take(struct jp_scan_link *link, float *ranges)
 
 /* The scanner's side. */
 
-/** What is too far for the signal was not seen. */
-static uint16_t raw_of(float range)
-{
-    const float scaled = range * (float)JP_SCAN_RANGE_ONE + 0.5f;
-
-    if (!(range >= 0.0f)) {
-        return JP_SCAN_RANGE_DROPPED;
-    }
-    return scaled < (float)JP_SCAN_RANGE_DROPPED ? (uint16_t)scaled : (uint16_t)JP_SCAN_RANGE_NOTHING;
-}
-
-static void pack_ranges(struct jp_scan_counters *counters, const float *ranges, uint16_t beams, unsigned index,
+static void pack_ranges(struct jp_scan_counters *counters, const uint16_t *ranges, uint16_t beams, unsigned index,
                         struct jp_can_frame *frame)
 {
     uint16_t raw[JP_SCAN_RANGES];
@@ -127,7 +111,7 @@ static void pack_ranges(struct jp_scan_counters *counters, const float *ranges, 
     for (unsigned i = 0; i < JP_SCAN_RANGES; i++) {
         const unsigned beam = index * JP_SCAN_RANGES + i;
 
-        raw[i] = beam < beams ? raw_of(ranges[beam]) : (uint16_t)JP_SCAN_RANGE_NOTHING;
+        raw[i] = beam < beams ? ranges[beam] : (uint16_t)JP_SCAN_RANGE_NOTHING;
     }
     const struct jp_can_scan_ranges_t signals = {
         .index = (uint8_t)index, .range0 = raw[0], .range1 = raw[1], .range2 = raw[2], .range3 = raw[3]};
@@ -137,7 +121,7 @@ static void pack_ranges(struct jp_scan_counters *counters, const float *ranges, 
     counters->crc = jp_crc32(counters->crc, &frame->data[1], JP_CAN_LENGTH_MAX - 1U);
 }
 
-void jp_scan_pack(struct jp_scan_counters *counters, const float *ranges, uint16_t beams, unsigned index,
+void jp_scan_pack(struct jp_scan_counters *counters, const uint16_t *ranges, uint16_t beams, unsigned index,
                   struct jp_can_frame *frame)
 {
     const struct jp_can_scan_begin_t head = {.beams = beams};

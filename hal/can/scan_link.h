@@ -60,22 +60,21 @@ static inline bool jp_scan_link_waits(const struct jp_scan_link *link)
     return __atomic_load_n(&link->waiting, __ATOMIC_ACQUIRE) != 0U;
 }
 
-/** A scan that waits, as struct jp_scan has its ranges, of the robot's beams; false: there is none. For the background.
- *  Single precision. */
-bool jp_scan_link_take(struct jp_scan_link *link, float *ranges);
+/** A scan that waits, raw, of the robot's beams; false: there is none. For the background. */
+bool jp_scan_link_take(struct jp_scan_link *link, uint16_t *ranges);
 
 /* The scanner's side. */
 
 /** Frames of a scan of so many beams. */
 #define JP_SCAN_FRAMES(beams) (2U + ((beams) + JP_SCAN_RANGES - 1U) / JP_SCAN_RANGES)
 
-/** Frame `index` of JP_SCAN_FRAMES() of a scan, whose CRC goes on in *crc. */
+/** Frame `index` of JP_SCAN_FRAMES() of a scan of raw ranges; they are made in their order. */
 struct jp_scan_counters {
     uint8_t begin;
     uint8_t end;
     uint32_t crc;
 };
-void jp_scan_pack(struct jp_scan_counters *counters, const float *ranges, uint16_t beams, unsigned index,
+void jp_scan_pack(struct jp_scan_counters *counters, const uint16_t *ranges, uint16_t beams, unsigned index,
                   struct jp_can_frame *frame);
 
 #ifdef __cplusplus

@@ -61,6 +61,17 @@ static void send_sample(struct patrol_body *body, const struct jp_can_port *port
     }
 }
 
+/* What is too far for the signal was not seen. */
+static uint16_t raw_of(float range)
+{
+    const double raw = rint((double)range * JP_SCAN_RANGE_ONE);
+
+    if (range < 0) {
+        return JP_SCAN_RANGE_DROPPED;
+    }
+    return raw < JP_SCAN_RANGE_DROPPED ? (uint16_t)raw : JP_SCAN_RANGE_NOTHING;
+}
+
 static void take_scan(struct patrol_body *body)
 {
     const struct planar_pose mount = {body->robot->laser.x_m, body->robot->laser.y_m, 0};
@@ -68,6 +79,9 @@ static void take_scan(struct patrol_body *body)
 
     laser_take(&body->laser, &body->world.map, body->world.shapes, body->world.shape_count, &scanner, &body->random,
                &body->scan);
+    for (int i = 0; i < body->scan.beams; i++) {
+        body->ranges[i] = raw_of(body->scan.ranges[i]);
+    }
     body->scan_next = 0;
 }
 
@@ -77,7 +91,7 @@ static void send_scan(struct patrol_body *body, const struct jp_can_port *port)
     struct jp_can_frame frame;
 
     for (unsigned sent = 0; sent < PATROL_BODY_SCAN_FRAMES && body->scan_next < JP_SCAN_FRAMES(beams); sent++) {
-        jp_scan_pack(&body->scan_counters, body->scan.ranges, beams, body->scan_next, &frame);
+        jp_scan_pack(&body->scan_counters, body->ranges, beams, body->scan_next, &frame);
         body->scan_next++;
         (void)port->send(port->context, &frame);
     }

@@ -20,6 +20,7 @@ struct patrol_body {
     struct four_wheel_plant plant;
     struct laser_config laser;
     struct laser_scan scan;
+    uint16_t ranges[JP_SCAN_LINK_BEAMS]; /**< of it, raw */
     struct random random;
     bool is_world_moving; /**< else who walks waits */
     uint64_t tick;

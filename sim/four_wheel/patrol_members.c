@@ -96,8 +96,8 @@ const size_t patrol_pursuit_member_count = sizeof patrol_pursuit_members / sizeo
 
 const struct patrol_member patrol_localiser_members[] = {
     LOCALISER(beams_max, PATROL_WHOLE, "1"),      LOCALISER(range_max, PATROL_FLOAT, "m"),
-    LOCALISER(noise, PATROL_FLOAT, "m"),          LOCALISER(wheels.distance, PATROL_FLOAT, "1"),
-    LOCALISER(wheels.turn, PATROL_FLOAT, "1"),    LOCALISER(wheels.deviation, PATROL_FLOAT, "rad/m"),
+    LOCALISER(noise, PATROL_FLOAT, "m"),          LOCALISER(wheels.distance, PATROL_FLOAT, "m/m"),
+    LOCALISER(wheels.turn, PATROL_FLOAT, "rad/rad"),    LOCALISER(wheels.deviation, PATROL_FLOAT, "rad/m"),
     LOCALISER(start_distance, PATROL_FLOAT, "m"), LOCALISER(start_turn, PATROL_FLOAT, "rad"),
     LOCALISER(lost_distance, PATROL_FLOAT, "m"),  LOCALISER(lost_turn, PATROL_FLOAT, "rad"),
 };

@@ -7,8 +7,8 @@ const struct jp_localiser_config jp_localiser_config_patrol = {
     .noise = 0.01f,    /* m */
     .wheels =
         {
-            .distance = 0.1f,
-            .turn = 0.1f,
+            .distance = 0.1f,   /* m/m */
+            .turn = 0.1f,       /* rad/rad */
             .deviation = 0.02f, /* rad/m */
         },
     .start_distance = 0.1f,    /* m */
