@@ -61,6 +61,9 @@ struct jp_patrol_pilot {
         uint16_t goal_next;
         bool is_planned; /* the leg was begun in the ledger */
         bool is_ended;   /* it arrived; the stretch that ends it is still to come */
+        struct jp_plane_pose survey_start;
+        struct jp_patrol_leg_forecast survey;
+        enum jp_status survey_status;
     } internal;
 };
 
@@ -90,6 +93,15 @@ enum jp_status jp_patrol_pilot_go(struct jp_patrol_pilot *pilot, const struct jp
 /** Goes to points one after the other, as odometry counts them, and arrives at each along the line from the one before.
  *  Failures as jp_patrol_pilot_go(), for the first that has one; JP_ERR_ARGUMENT: not 1…JP_PATROL_PILOT_GOALS. */
 enum jp_status jp_patrol_pilot_follow(struct jp_patrol_pilot *pilot, const struct jp_point *points, uint16_t count);
+
+/** Looks for the way from a pose on the map to another one, of a robot that has no goal, to foretell what it takes: the
+ *  robot stands meanwhile. Failures as jp_patrol_pilot_go(), but of the drives; JP_ERR_STATE: it has a goal. */
+enum jp_status jp_patrol_pilot_survey(struct jp_patrol_pilot *pilot, const struct jp_plane_pose *from,
+                                      const struct jp_plane_pose *to);
+
+/** Of the last survey. JP_WORKING: call jp_patrol_pilot_work(). JP_ERR_NO_PLAN: no way was found, or nothing was asked.
+ *  *forecast is written with JP_OK. */
+enum jp_status jp_patrol_pilot_surveyed(const struct jp_patrol_pilot *pilot, struct jp_patrol_leg_forecast *forecast);
 
 /** Whether the robot's footprint is free on the map at a pose. Work: the cells under it. */
 bool jp_patrol_pilot_can_stand(const struct jp_patrol_pilot *pilot, const struct jp_plane_pose *pose);

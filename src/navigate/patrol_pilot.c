@@ -62,6 +62,7 @@ enum jp_status jp_patrol_pilot_init(struct jp_patrol_pilot *pilot, const struct 
 
     if (status == JP_OK) {
         jp_patrol_ledger_start(&pilot->ledger, config->learning, config->energy);
+        pilot->internal.survey_status = JP_ERR_NO_PLAN;
         pilot->internal.cycle_ticks = ticks_of(pilot, LATEST);
     }
     return status;
@@ -213,9 +214,25 @@ static void start_next(struct jp_patrol_pilot *pilot)
     (void)jp_patrol_mission_start(&pilot->mission, &pilot->internal.goals[pilot->internal.goal_next]);
 }
 
+/** The robot is where it was. */
+static void end_survey(struct jp_patrol_pilot *pilot, enum jp_status status)
+{
+    pilot->internal.survey_status = status;
+    jp_patrol_mission_stop(&pilot->mission);
+    (void)jp_patrol_set_pose(&pilot->mission.patrol, &pilot->localiser.pose);
+}
+
+static void forget_survey(struct jp_patrol_pilot *pilot)
+{
+    if (pilot->internal.survey_status == JP_WORKING) {
+        end_survey(pilot, JP_ERR_NO_PLAN);
+    }
+}
+
 /** To goals that were judged. */
 static void set_out(struct jp_patrol_pilot *pilot, const struct jp_plane_pose *goals, uint16_t count)
 {
+    forget_survey(pilot);
     for (uint16_t i = 0; i < count; i++) {
         pilot->internal.goals[i] = goals[i];
     }
@@ -294,6 +311,43 @@ enum jp_status jp_patrol_pilot_follow(struct jp_patrol_pilot *pilot, const struc
     return status;
 }
 
+/* Surveys. */
+
+enum jp_status jp_patrol_pilot_survey(struct jp_patrol_pilot *pilot, const struct jp_plane_pose *from,
+                                      const struct jp_plane_pose *to)
+{
+    enum jp_status status;
+
+    if (pilot == NULL || from == NULL || to == NULL || !jp_plane_is_pose(from)) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!pilot->has_map) {
+        return JP_ERR_NO_PLAN;
+    }
+    if (jp_patrol_pilot_is_under_way(pilot)) {
+        return JP_ERR_STATE;
+    }
+    status = judge(pilot, to);
+    if (status == JP_OK) {
+        pilot->internal.survey_start = *from;
+        pilot->internal.goals[0] = *to;
+        pilot->internal.goal_next = 0;
+        pilot->internal.goal_count = 0;
+        pilot->internal.survey_status = JP_WORKING;
+        (void)jp_patrol_set_pose(&pilot->mission.patrol, from);
+        (void)jp_patrol_mission_start(&pilot->mission, to);
+    }
+    return status;
+}
+
+enum jp_status jp_patrol_pilot_surveyed(const struct jp_patrol_pilot *pilot, struct jp_patrol_leg_forecast *forecast)
+{
+    if (pilot->internal.survey_status == JP_OK) {
+        *forecast = pilot->internal.survey;
+    }
+    return pilot->internal.survey_status;
+}
+
 /* Commands. */
 
 static void tell(const struct jp_patrol_pilot *pilot, const struct jp_twist *twist)
@@ -311,6 +365,7 @@ void jp_patrol_pilot_stop(struct jp_patrol_pilot *pilot)
     pilot->internal.goal_count = 0;
     pilot->internal.goal_next = 0;
     if (pilot->has_map) {
+        forget_survey(pilot);
         jp_patrol_mission_stop(&pilot->mission);
     }
     tell(pilot, &rest);
@@ -422,6 +477,24 @@ static bool is_due(const struct jp_patrol_pilot *pilot, const struct jp_four_whe
     return passed >= (pilot->internal.ranges != NULL ? ticks_of(pilot, EARLIEST) : pilot->internal.cycle_ticks);
 }
 
+/** A slice of it; the robot stands. */
+static void survey(struct jp_patrol_pilot *pilot)
+{
+    const enum jp_patrol_mission_state state = jp_patrol_mission_work(&pilot->mission, JP_PATROL_PILOT_EXPANSIONS);
+    struct jp_patrol_plan plan;
+    enum jp_status status;
+
+    if (state == JP_MISSION_PLANNING) {
+        return;
+    }
+    plan = plan_of(pilot);
+    plan.start = pilot->internal.survey_start;
+    status = state == JP_MISSION_UNDER_WAY ? jp_patrol_ledger_foretell(&pilot->ledger, pilot->internal.config.patrol,
+                                                                       &plan, &pilot->internal.survey)
+                                           : JP_ERR_NO_PLAN;
+    end_survey(pilot, status);
+}
+
 void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
 {
     struct jp_four_wheel_telemetry telemetry;
@@ -432,6 +505,10 @@ void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
     }
     pilot->internal.odometry = telemetry.odometry;
     if (!pilot->has_map) {
+        return;
+    }
+    if (pilot->internal.survey_status == JP_WORKING) {
+        survey(pilot);
         return;
     }
     if (!has_drives(pilot) && jp_patrol_pilot_is_under_way(pilot)) {
