@@ -44,17 +44,23 @@ static uint32_t count_of(const struct patrol_body *body, int wheel)
     return (uint32_t)(int64_t)floor(turns * body->robot->encoder.wheel_counts_per_turn);
 }
 
+void patrol_body_read(const struct patrol_body *body, struct jp_four_wheel_sensors *sensors)
+{
+    *sensors =
+        (struct jp_four_wheel_sensors){.bus_voltage = digital_fixed(body->robot->electronics.voltage_v, JP_Q16_ONE),
+                                       .bus_current = digital_fixed(body->current, JP_Q16_ONE)};
+    for (int i = 0; i < JP_WHEELS; i++) {
+        sensors->count[i] = count_of(body, i);
+        sensors->angle[i] = body->plant.measured.angle[i];
+    }
+}
+
 static void send_sample(struct patrol_body *body, const struct jp_can_port *port)
 {
-    struct jp_four_wheel_sensors sensors = {.bus_voltage =
-                                                digital_fixed(body->robot->electronics.voltage_v, JP_Q16_ONE),
-                                            .bus_current = digital_fixed(body->current, JP_Q16_ONE)};
+    struct jp_four_wheel_sensors sensors;
     struct jp_can_frame frames[JP_WHEEL_SAMPLE_FRAMES];
 
-    for (int i = 0; i < JP_WHEELS; i++) {
-        sensors.count[i] = count_of(body, i);
-        sensors.angle[i] = body->plant.measured.angle[i];
-    }
+    patrol_body_read(body, &sensors);
     jp_wheel_sample_pack(frames, &body->sample_counter, &sensors);
     for (unsigned i = 0; i < JP_WHEEL_SAMPLE_FRAMES; i++) {
         (void)port->send(port->context, &frames[i]);

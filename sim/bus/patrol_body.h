@@ -39,6 +39,9 @@ bool patrol_body_init(struct patrol_body *body, const struct four_wheel_file *ro
 
 void patrol_body_free(struct patrol_body *body);
 
+/** What the sensors of wheels and supply measure in this tick. */
+void patrol_body_read(const struct patrol_body *body, struct jp_four_wheel_sensors *sensors);
+
 /** Sends the sample of this tick, and frames of a scan. */
 void patrol_body_sense(struct patrol_body *body, const struct jp_can_port *port);
 

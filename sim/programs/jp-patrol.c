@@ -10,6 +10,7 @@
 #include "sim/bus/bus_open.h"
 #include "sim/bus/can_log.h"
 #include "sim/bus/local_ecu.h"
+#include "sim/missions/patrol_boxes.h"
 #include "sim/missions/patrol_bus.h"
 #include "sim/missions/patrol_report.h"
 
@@ -22,6 +23,8 @@
 #define DEGREES (180 / M_PI)
 #define ALL     PATROL_METHODS
 
+#define BOXES_MAX 1000
+
 enum {
     OPTION_METHOD = COMMAND_LINE_OWN,
     OPTION_MAP,
@@ -32,7 +35,8 @@ enum {
     OPTION_JUMP,
     OPTION_SLIP,
     OPTION_STRATEGY,
-    OPTION_PATIENCE
+    OPTION_PATIENCE,
+    OPTION_BOXES
 };
 
 struct arguments {
@@ -48,6 +52,7 @@ struct arguments {
     bool turns_by_fixed_angle;
     const char *bus; /* NULL: no ECU, but the core itself */
     unsigned patience;
+    unsigned boxes; /* that the map does not show */
 };
 
 /* ---- Command line ---- */
@@ -154,6 +159,16 @@ static void parse_patience(struct arguments *arguments, const char *text, struct
     arguments->patience = (unsigned)seconds;
 }
 
+static void parse_boxes(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    double boxes = 0;
+
+    if (!read_numbers(text, &boxes, 1) || boxes < 0 || boxes > BOXES_MAX || boxes != floor(boxes)) {
+        command_line_refuse(state, "--hidden %s: must be a whole number from 0 to %d", text, BOXES_MAX);
+    }
+    arguments->boxes = (unsigned)boxes;
+}
+
 static bool has_faults(const struct arguments *arguments)
 {
     const struct patrol_faults *faults = &arguments->faults;
@@ -181,6 +196,9 @@ static void check(const struct arguments *arguments, struct argp_state *state)
     }
     if (arguments->has_start != has_map || arguments->has_goal != has_map) {
         command_line_refuse(state, "--map, --start and --goal belong together");
+    }
+    if (arguments->boxes > 0 && !has_map) {
+        command_line_refuse(state, "--hidden: a scene has its own things; give it with --map");
     }
     if (arguments->bus != NULL) {
         check_bus(arguments, state);
@@ -226,6 +244,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_PATIENCE:
         parse_patience(arguments, argument, state);
+        return 0;
+    case OPTION_BOXES:
+        parse_boxes(arguments, argument, state);
         return 0;
     case ARGP_KEY_ARG:
         parse_scene(arguments, argument, state);
@@ -276,7 +297,9 @@ static bool find_scene(const struct arguments *arguments, const struct four_whee
         return true;
     }
     return patrol_scene_load(arguments->map_path, &arguments->start, &arguments->goal, scene) &&
-           is_place_free(scene, robot, "--start", &scene->start) && is_place_free(scene, robot, "--goal", &scene->goal);
+           is_place_free(scene, robot, "--start", &scene->start) &&
+           is_place_free(scene, robot, "--goal", &scene->goal) &&
+           (arguments->boxes == 0 || patrol_boxes_hide(scene, robot, arguments->boxes, arguments->common.seed));
 }
 
 /* ---- Drives ---- */
@@ -458,6 +481,7 @@ int main(int argc, char **argv)
          "the robot's ECU gets map and goal, sees and drives in frames: " IN_PROCESS
          ", can:INTERFACE, slcan:DEVICE or pty:NAME, in lockstep",
          0},
+        {"hidden", OPTION_BOXES, "N", 0, "on --map: boxes on the way that the map does not show (0)", 0},
         {"patience", OPTION_PATIENCE, "SECONDS", 0, "wait so long for an ECU (10)", 0},
         {"slip", OPTION_SLIP, NULL, 0, "the ground is slippery and falls off to one side", 0},
         OPTION_OUTPUT("build/patrol"),
