@@ -11,10 +11,10 @@
 #include "hal/app/lockstep.h"
 #include "hal/app/patrol_memory.h"
 #include "hal/mps2/mps2_an500.h"
-#include "hal/mps2/serial.h"
+#include "hal/mps2/uart.h"
 
-#ifndef FIRMWARE_ROBOT_NAME
-#error "FIRMWARE_ROBOT_NAME is set by the Makefile"
+#ifndef FIRMWARE_PATROL_NAME
+#error "FIRMWARE_PATROL_NAME is set by the Makefile"
 #endif
 
 #define ROBOT_JOIN(prefix, name)   prefix##name
@@ -34,18 +34,18 @@ static struct jp_patrol_block block;
 __attribute__((section(".noinit"))) static struct jp_retained retained;
 
 static const struct jp_patrol_pilot_config tables = {
-    .patrol = &ROBOT_SYMBOL(jp_patrol_config_, FIRMWARE_ROBOT_NAME),
-    .localiser = &ROBOT_SYMBOL(jp_localiser_config_, FIRMWARE_ROBOT_NAME),
-    .scanner = &ROBOT_SYMBOL(jp_patrol_scanner_, FIRMWARE_ROBOT_NAME),
-    .energy = &ROBOT_SYMBOL(jp_four_wheel_energy_, FIRMWARE_ROBOT_NAME),
-    .learning = &ROBOT_SYMBOL(jp_four_wheel_learning_, FIRMWARE_ROBOT_NAME),
+    .patrol = &ROBOT_SYMBOL(jp_patrol_config_, FIRMWARE_PATROL_NAME),
+    .localiser = &ROBOT_SYMBOL(jp_localiser_config_, FIRMWARE_PATROL_NAME),
+    .scanner = &ROBOT_SYMBOL(jp_patrol_scanner_, FIRMWARE_PATROL_NAME),
+    .energy = &ROBOT_SYMBOL(jp_four_wheel_energy_, FIRMWARE_PATROL_NAME),
+    .learning = &ROBOT_SYMBOL(jp_four_wheel_learning_, FIRMWARE_PATROL_NAME),
     .points_max = JP_PATROL_POINTS_MAX,
     .turns_max = JP_PATROL_TURNS_MAX,
 };
 
 static enum jp_status boot(void *context, struct jp_ecu *ecu, const struct jp_can_port *port, const char **field)
 {
-    const struct jp_ecu_patrol_config config = {.robot = &ROBOT_SYMBOL(jp_four_wheel_robot_, FIRMWARE_ROBOT_NAME),
+    const struct jp_ecu_patrol_config config = {.robot = &ROBOT_SYMBOL(jp_four_wheel_robot_, FIRMWARE_PATROL_NAME),
                                                 .pilot = &tables,
                                                 .block = block.words,
                                                 .size = sizeof block.words,
@@ -78,16 +78,16 @@ void PendSV_Handler(void)
 static void tick_in_interrupt(struct jp_ecu *ecu)
 {
     (void)ecu;
-    SCB.ICSR = ICSR_PENDSVSET;
+    MPS2_SCB.ICSR = MPS2_ICSR_PENDSVSET;
     __asm__ volatile("dsb\nisb" ::: "memory");
 }
 
 static void sleep(void)
 {
-    const bool is_quiet = jp_serial_flush();
+    const bool is_quiet = jp_uart_flush();
 
     __asm__ volatile("cpsid i" ::: "memory");
-    if (is_quiet && !jp_serial_has_input()) {
+    if (is_quiet && !jp_uart_has_input()) {
         __asm__ volatile("wfi" ::: "memory");
     }
     __asm__ volatile("cpsie i" ::: "memory");
@@ -96,18 +96,18 @@ static void sleep(void)
 int main(void)
 {
     const struct jp_lockstep_config config = {
-        .boot = boot, .tick = tick_in_interrupt, .bus = jp_serial_port(), .retained = &retained};
+        .boot = boot, .tick = tick_in_interrupt, .bus = jp_uart_port(), .retained = &retained};
     struct jp_can_frame frame;
     const char *field;
 
-    SCB.SHPR[SHPR_PENDSV] = PRIORITY_CONTROL;
+    MPS2_SCB.SHPR[SHPR_PENDSV] = PRIORITY_CONTROL;
     NVIC_IPR[UART0_RX_IRQn] = PRIORITY_SERIAL;
-    jp_serial_start(SERIAL_BAUD);
+    jp_uart_start(SERIAL_BAUD);
     /* A robot whose configuration is refused does nothing: the drives have got no set-points. */
     while (jp_lockstep_start(&node, &config, &field) != JP_OK) {
     }
     for (;;) {
-        while (jp_serial_receive(&frame)) {
+        while (jp_uart_receive(&frame)) {
             (void)jp_lockstep_accept(&node, &frame);
         }
         sleep();

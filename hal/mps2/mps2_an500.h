@@ -22,7 +22,7 @@ struct cmsdk_uart {
 #define UART_INT_RX        (1U << 1)
 
 /** System control block. */
-struct cortex_scb {
+struct mps2_scb {
     uint32_t CPUID;
     uint32_t ICSR;
     uint32_t VTOR;
@@ -32,13 +32,13 @@ struct cortex_scb {
     uint8_t SHPR[12]; /**< priorities of the system exceptions 4 to 15 */
 };
 
-#define ICSR_PENDSVSET    (1U << 28)
-#define AIRCR_VECTKEY     (0x5FAU << 16)
-#define AIRCR_SYSRESETREQ (1U << 2)
-#define SHPR_PENDSV       10U
+#define MPS2_ICSR_PENDSVSET    (1U << 28)
+#define MPS2_AIRCR_VECTKEY     (0x5FAU << 16)
+#define MPS2_AIRCR_SYSRESETREQ (1U << 2)
+#define SHPR_PENDSV            10U
 
 extern volatile struct cmsdk_uart UART0;
-extern volatile struct cortex_scb SCB;
+extern volatile struct mps2_scb MPS2_SCB;
 extern volatile uint32_t CPACR;
 extern volatile uint32_t NVIC_ISER0;
 extern volatile uint8_t NVIC_IPR[32];

@@ -16,7 +16,7 @@ static size_t length(const uint8_t *start, const uint8_t *end)
 
 static _Noreturn void reset(void)
 {
-    SCB.AIRCR = AIRCR_VECTKEY | AIRCR_SYSRESETREQ;
+    MPS2_SCB.AIRCR = MPS2_AIRCR_VECTKEY | MPS2_AIRCR_SYSRESETREQ;
     for (;;) {
     }
 }

@@ -95,11 +95,16 @@ const struct patrol_member patrol_pursuit_members[] = {
 const size_t patrol_pursuit_member_count = sizeof patrol_pursuit_members / sizeof patrol_pursuit_members[0];
 
 const struct patrol_member patrol_localiser_members[] = {
-    LOCALISER(beams_max, PATROL_WHOLE, "1"),      LOCALISER(range_max, PATROL_FLOAT, "m"),
-    LOCALISER(noise, PATROL_FLOAT, "m"),          LOCALISER(wheels.distance, PATROL_FLOAT, "m/m"),
-    LOCALISER(wheels.turn, PATROL_FLOAT, "rad/rad"),    LOCALISER(wheels.deviation, PATROL_FLOAT, "rad/m"),
-    LOCALISER(start_distance, PATROL_FLOAT, "m"), LOCALISER(start_turn, PATROL_FLOAT, "rad"),
-    LOCALISER(lost_distance, PATROL_FLOAT, "m"),  LOCALISER(lost_turn, PATROL_FLOAT, "rad"),
+    LOCALISER(beams_max, PATROL_WHOLE, "1"),
+    LOCALISER(range_max, PATROL_FLOAT, "m"),
+    LOCALISER(noise, PATROL_FLOAT, "m"),
+    LOCALISER(wheels.distance, PATROL_FLOAT, "m/m"),
+    LOCALISER(wheels.turn, PATROL_FLOAT, "rad/rad"),
+    LOCALISER(wheels.deviation, PATROL_FLOAT, "rad/m"),
+    LOCALISER(start_distance, PATROL_FLOAT, "m"),
+    LOCALISER(start_turn, PATROL_FLOAT, "rad"),
+    LOCALISER(lost_distance, PATROL_FLOAT, "m"),
+    LOCALISER(lost_turn, PATROL_FLOAT, "rad"),
 };
 
 const size_t patrol_localiser_member_count = sizeof patrol_localiser_members / sizeof patrol_localiser_members[0];

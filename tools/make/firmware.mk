@@ -27,7 +27,7 @@ define patrol_firmware_rules
 $(BUILD)/firmware/$1/%.o: hal/mps2/%.c tools/make/variants.mk $(SETTINGS)
 	@mkdir -p $$(@D)
 	$$(call SAY,CC $$@)
-	$$Q$(COMPILER.firmware-m7) $(COMMON) $(FLAGS.firmware-m7) -DFIRMWARE_ROBOT_NAME=$1 -c $$< -o $$@
+	$$Q$(COMPILER.firmware-m7) $(COMMON) $(FLAGS.firmware-m7) -DFIRMWARE_PATROL_NAME=$1 -c $$< -o $$@
 
 $(BUILD)/firmware/$1/joulepath.elf $(BUILD)/firmware/$1/emulated.elf: $(MPS2:hal/mps2/%.c=$(BUILD)/firmware/$1/%.o) \
                                     $(addprefix $(BUILD)/firmware-m7/,libcan_float.a libcan.a libjoulepath_float.a libjoulepath.a) hal/mps2/mps2_an500.ld

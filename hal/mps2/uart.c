@@ -1,4 +1,4 @@
-#include "hal/mps2/serial.h"
+#include "hal/mps2/uart.h"
 
 #include <stddef.h>
 
@@ -24,7 +24,7 @@ static uint16_t after(uint16_t index, uint32_t size)
     return (uint16_t)((index + 1U) & (size - 1U));
 }
 
-void jp_serial_start(uint32_t baud)
+void jp_uart_start(uint32_t baud)
 {
     UART0.BAUDDIV = CORE_HZ / baud;
     UART0.CTRL = UART_CTRL_TX | UART_CTRL_RX | UART_CTRL_RX_IRQ;
@@ -48,7 +48,7 @@ void UART0_RX_Handler(void)
     }
 }
 
-bool jp_serial_has_input(void)
+bool jp_uart_has_input(void)
 {
     return serial.input_tail != __atomic_load_n(&serial.input_head, __ATOMIC_ACQUIRE);
 }
@@ -83,9 +83,9 @@ static void answer(const char *text)
     (void)put(text, length);
 }
 
-bool jp_serial_receive(struct jp_can_frame *frame)
+bool jp_uart_receive(struct jp_can_frame *frame)
 {
-    while (jp_serial_has_input()) {
+    while (jp_uart_has_input()) {
         const uint8_t byte = serial.input[serial.input_tail];
         const char *text;
         bool is_frame;
@@ -101,7 +101,7 @@ bool jp_serial_receive(struct jp_can_frame *frame)
     return false;
 }
 
-bool jp_serial_flush(void)
+bool jp_uart_flush(void)
 {
     while (serial.output_tail != __atomic_load_n(&serial.output_head, __ATOMIC_ACQUIRE)) {
         if ((UART0.STATE & UART_STATE_TX_FULL) != 0U) {
@@ -134,7 +134,7 @@ static enum jp_can_state state(void *context)
     return serial.slcan.open ? JP_CAN_ON : JP_CAN_DOWN;
 }
 
-struct jp_can_port jp_serial_port(void)
+struct jp_can_port jp_uart_port(void)
 {
     return (struct jp_can_port){.context = NULL, .send = send, .state = state};
 }
