@@ -3,7 +3,7 @@
  *
  * Cases, stated before they were measured: the warehouse of seeds 3001 on; four places drawn evenly where a robot that
  * turns has 0.1 m to spare on map and ground; stays of 5…30 s; a robot drawn by four_wheel_random_variation(); a
- * battery of 12 kJ, of which 200 J shall be left; half an hour each. */
+ * battery of 12 kJ, of which 200 J shall be left; a quarter of an hour each. */
 #include <joulepath/patrol_round.h>
 #include <math.h>
 #include <stdlib.h>

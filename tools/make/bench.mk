@@ -102,7 +102,7 @@ bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on path
 	    $(BUILD)/bench/bench_patrol.tables.json
 
 .PHONY: bench-patrol-round
-bench-patrol-round: ## measure hours of patrol on a battery: six simulated hours among people (ten minutes)
+bench-patrol-round: ## measure hours of patrol on a battery: three simulated hours among people (five minutes)
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_round
 	$(BUILD)/bench/bench_patrol_round --rows $(BUILD)/bench/patrol_round_rows.json >$(BUILD)/bench/bench_patrol_round.json
