@@ -6,8 +6,8 @@
  *                     │            │
  *                     └────────────┴──────▶ GIVEN_UP
  *
- * Paths are the any-angle planner's (grid_planner.h) with the widest clearance of a few, smoothed (path_spline.h). What
- * the scanner sees is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns at a
+ * Paths are the any-angle planner's (grid_planner.h) with the widest clearance of a few, smoothed (path_spline.h); as
+ * far as there is room, twice the standard deviation of the robot's position comes on top of it. What the scanner sees is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns at a
  * place before it and drives straight in; when scans show this only during the drive, it stops and plans again. A
  * patrol that waits or has stopped because its path is blocked gets another path after a while, up to six times. A
  * robot that was lost and has found itself gets one from there.
@@ -62,7 +62,7 @@ struct jp_patrol_mission_internal {
     void *scratch;
     enum jp_patrol_leg leg;
     bool is_searching; /**< the grid planner is at work */
-    uint8_t margin;    /**< of the clearances to try */
+    uint8_t trial;     /**< of the clearances to try */
     struct jp_plane_pose target;
     uint16_t waited; /**< cycles without a free path */
     bool is_watch_due;

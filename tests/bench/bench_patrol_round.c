@@ -20,7 +20,7 @@
 #define COMMAND "make bench-patrol-round"
 
 #define FIRST_SEED 3001U
-#define HOURS      0.5
+#define HOURS      0.25
 #define BATTERY    12000.0 /* J */
 #define CHARGING   50.0    /* J a tick: 5 kW, so that the time goes into driving */
 #define RESERVE    200.0

@@ -92,11 +92,12 @@ bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU
 	$(PYTHON) -m tools.measure.bench_image
 
 .PHONY: bench-patrol
-bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on paths
+bench-patrol: ## measure the patrol robot on its scenes, beside path following, and pure pursuit on paths
 	@tools/setup.sh test
-	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol $(BUILD)/bench/bench_pursuit
+	@$(MAKE) $(PARALLEL) $(addprefix $(BUILD)/bench/,bench_patrol bench_joules bench_pursuit)
 	@mkdir -p $(BUILD)/bench-patrol
 	$(BUILD)/bench/bench_patrol --rows $(BUILD)/bench-patrol/scenes.json >$(BUILD)/bench/bench_patrol.json
+	$(BUILD)/bench/bench_joules >$(BUILD)/bench/bench_joules.json
 	$(BUILD)/bench/bench_pursuit --rows $(BUILD)/bench-patrol/courses.json >$(BUILD)/bench/bench_pursuit.json
 	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
 	    $(BUILD)/bench/bench_patrol.tables.json
@@ -180,7 +181,7 @@ bench-skid-bus: ## drive 10 000 random missions of robots that their sides steer
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_energy skid_odometry skid_plant skid_robot store teb
+PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
 ARGS.battery          = --count 100000000
 ARGS.fixed            = --count 4294967296
 ARGS.four_wheel       = --count 1000000
@@ -192,7 +193,9 @@ ARGS.planner_memory   = --count 1200
 ARGS.pure_pursuit     = --count 400
 ARGS.scan_match       = --count 40
 ARGS.segment          = --count 10000
+ARGS.skid_changes     = --count 25 --seed 20261126
 ARGS.skid_odometry    = --count 20
+ARGS.skid_plans       = --count 500 --seed 20261126
 ARGS.store            = --count 10000
 ARGS.teb              = --count 500
 
@@ -214,6 +217,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-restart
 	@$(MAKE) bench-skid-bus
 	@$(MAKE) bench-image
+	@$(MAKE) bench-page
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
 	@$(MAKE) size stack cycles test-targets

@@ -240,17 +240,31 @@ static void test_a_goal_behind_is_stepped_to(void)
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
 }
 
-/* With what its wheels would do if it stopped now it would touch a wall beside its way. */
-static void test_a_glide_that_cannot_stop_stops(void)
+/* With a wall beside its way. */
+static void glide_beside_wall(float y, float speed, float turn_rate)
 {
-    rig_wall(-2.0f, 1.2f, 3.0f, 1.2f);
+    rig_wall(-2.0f, y, 3.0f, y);
     rig_go(2.5f, 0.0f);
     rig_cycles(3);
     jp_patrol_stand(&patrol);
-    patrol.internal.glide_least = 3.0f;
-    patrol.internal.command = (struct jp_plane_speed){0.5f, 0.9f};
+    patrol.internal.command = (struct jp_plane_speed){speed, turn_rate};
     jp_patrol_enter(&patrol, JP_PATROL_GLIDING, JP_PATROL_NONE);
     jp_patrol_glide(&patrol);
+}
+
+/* If it stopped at that speed it would come nearer to the wall than it should. */
+static void test_a_glide_that_cannot_stop_well_slows_down(void)
+{
+    patrol.internal.glide_least = 3.0f;
+    glide_beside_wall(1.2f, 0.5f, 0.9f);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(jp_plane_length(patrol.internal.command.forward, patrol.internal.sideways) < 0.5f);
+}
+
+/* It would touch the wall. */
+static void test_a_glide_that_cannot_stop_stops(void)
+{
+    glide_beside_wall(0.5f, 0.8f, 1.5f);
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
 }
 
