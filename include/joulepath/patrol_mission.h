@@ -94,6 +94,9 @@ enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const s
  * of range; then nothing changes. */
 enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const struct jp_plane_pose *goal);
 
+/** Stops as fast as the wheels can and forgets the goal: IDLE. Constant time. */
+void jp_patrol_mission_stop(struct jp_patrol_mission *mission);
+
 /** Continues planning: for at most so many expansions (grid_planner.h), or for one smoothing of a path (path_spline.h)
  * or one search for a place to turn, which reads 36 times the cells under the robot for each of up to 21 places. */
 enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions);

@@ -432,6 +432,12 @@ enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const 
     return JP_OK;
 }
 
+void jp_patrol_mission_stop(struct jp_patrol_mission *mission)
+{
+    jp_patrol_hold(&mission->patrol);
+    mission->state = JP_MISSION_IDLE;
+}
+
 /* ---- A cycle ---- */
 
 static void mark(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)

@@ -109,6 +109,12 @@ bench-patrol: ## measure the patrol robot on its scenes, beside path following, 
 	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
 	    $(BUILD)/bench/bench_patrol.tables.json
 
+.PHONY: bench-patrol-round
+bench-patrol-round: ## measure hours of patrol on a battery: three simulated hours among people (five minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_round
+	$(BUILD)/bench/bench_patrol_round --rows $(BUILD)/bench/patrol_round_rows.json >$(BUILD)/bench/bench_patrol_round.json
+
 # The finest cells of 0.05, 0.1 and 0.2 m of which the map is at most 1024 wide, where a cell of MovingAI is 1 m.
 LOCALISE_MAPS := $(patsubst $(DATA)/%,$(BUILD)/localise-maps/%.json,$(wildcard $(addprefix $(DATA)/,depot.yaml tb3_sandbox.yaml \
                  warehouse-10-20-10-2-1.map room-64-64-8.map)))
