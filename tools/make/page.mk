@@ -5,7 +5,7 @@ WASM      := $(BUILD)/wasm
 WEB       := $(wildcard sim/page/web/*)
 PAGE_C    := $(filter-out sim/page/robot_bytes.c,$(wildcard sim/page/*.c))
 # Those that are built in.
-PAGE_ROBOTS := $(patsubst %,sim/robots/%.cfg,$(ROBOTS) $(SKID_ROBOTS) $(patsubst src/tables/patrol_%.c,%,$(wildcard src/tables/patrol_*.c)))
+PAGE_ROBOTS := $(wildcard $(patsubst %,sim/robots/%.cfg,$(ROBOTS) $(SKID_ROBOTS) $(patsubst src/tables/patrol_%.c,%,$(wildcard src/tables/patrol_*.c))))
 # Of the simulator what the scenes stand on. What reads files in it is not linked: nobody calls it.
 PAGE_SIM  := $(addprefix sim/,$(addsuffix .c, \
              $(addprefix base/,clearance digital error fingerprint random world_fault) \
