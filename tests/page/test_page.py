@@ -4,7 +4,7 @@ import re
 import time
 
 import pytest
-from conftest import BUILD, INDEX
+from conftest import BUILD, open_page
 
 SIZE_MAX = 700_000      # bytes over the wire, compressed
 FIRST_FRAME_MAX = 2.0   # s
@@ -40,23 +40,21 @@ def test_the_page_is_small():
     assert sum(len(gzip.compress(path.read_bytes(), 9, mtime=0)) for path in files) <= SIZE_MAX
 
 
-def test_the_first_frame_comes_soon(page):
-    """The best of three: others work on this machine, too."""
-    took = []
-    for _ in range(3):
-        took.append(page.ask("performance.getEntriesByName('first frame')[0].startTime"))
-        page.open("about:blank")
-        page.open(INDEX)
-        page.wait("!!window.page && page.time > 0")
-    assert min(took) <= 1000 * FIRST_FRAME_MAX
+def test_the_first_frame_takes_the_processor_little_time(browser):
+    """By the clock `make bench-page` measures it: here others work on the machine, too."""
+    browser.open("about:blank")
+    before = browser.busy()
+    open_page(browser)
+    browser.wait("performance.getEntriesByName('first frame').length === 1")
+    assert 0 < browser.busy() - before <= FIRST_FRAME_MAX
 
 
 def test_the_balancer_is_simulated_much_faster_than_real_time(page):
     page.click("#pause")
     page.click("#drive")
-    milliseconds = page.ask("""(() => { const begin = performance.now(); page.core.exports.balancer_run(20000);
-        return performance.now() - begin; })()""")
-    assert 20000 / milliseconds >= REAL_TIME_LEAST
+    before = page.busy()
+    page.ask("page.core.exports.balancer_run(20000)")
+    assert 20 / (page.busy() - before) >= REAL_TIME_LEAST
 
 
 def test_it_asks_nothing_of_the_network(page):
