@@ -66,14 +66,6 @@ static inline uint32_t jp_ecu_first_count_right(const struct jp_ecu *ecu)
     return ecu->internal.samples.right.base;
 }
 
-/** Ticks without a sample since the first one, saturating; from any context. */
-static inline uint16_t jp_ecu_lost_samples(const struct jp_ecu *ecu)
-{
-    const struct jp_ecu_robot *robot = &ecu->internal.robot;
-
-    return robot->kind->lost_samples != NULL ? robot->kind->lost_samples(robot->self) : ecu->internal.samples.lost;
-}
-
 /** Takes one frame. Returns true when a sample is complete, so that the tick may begin. Constant time. */
 bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame);
 

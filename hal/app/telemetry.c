@@ -1,6 +1,5 @@
 #include "hal/app/telemetry.h"
 
-#include "hal/app/ecu.h"
 #include "hal/app/signals.h"
 #include "hal/can/jp_can.h"
 

@@ -89,7 +89,7 @@ static unsigned fault_of_side(int wheel, enum jp_fault left, enum jp_fault right
 {
     const bool is_left = wheel == (int)JP_FRONT_LEFT || wheel == (int)JP_REAR_LEFT;
 
-    return (unsigned)(is_left ? left : right);
+    return is_left ? (unsigned)left : (unsigned)right;
 }
 
 static unsigned angle_faults(const struct jp_four_wheel_robot_internal *robot,

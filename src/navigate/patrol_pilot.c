@@ -45,8 +45,9 @@ static enum jp_status check(struct jp_patrol_pilot *pilot, const struct jp_patro
 static uint32_t ticks_of(const struct jp_patrol_pilot *pilot, float share)
 {
     const float rate = (float)jp_four_wheel_robot_configuration(pilot->internal.robot)->tick_rate;
+    const float ticks = share * pilot->internal.config.patrol->period * rate + 0.5f;
 
-    return (uint32_t)(share * pilot->internal.config.patrol->period * rate + 0.5f);
+    return (uint32_t)ticks;
 }
 
 enum jp_status jp_patrol_pilot_init(struct jp_patrol_pilot *pilot, const struct jp_patrol_pilot_config *config,
@@ -350,7 +351,7 @@ enum jp_status jp_patrol_pilot_surveyed(const struct jp_patrol_pilot *pilot, str
 
 /* Commands. */
 
-static void tell(const struct jp_patrol_pilot *pilot, const struct jp_twist *twist)
+static void tell(struct jp_patrol_pilot *pilot, const struct jp_twist *twist)
 {
     /* Of a robot whose drives have just been switched off nothing is asked any more. */
     (void)jp_four_wheel_robot_drive(pilot->internal.robot, twist);

@@ -112,12 +112,18 @@ static enum jp_status ask(struct jp_patrol_round *round, uint16_t stop, unsigned
                                    : jp_patrol_pilot_survey(pilot, there, &config->charger);
 }
 
+static struct jp_patrol_leg_forecast *forecast_of(struct jp_patrol_round *round, uint16_t stop, unsigned way)
+{
+    if (way == (unsigned)OUT) {
+        return &round->internal.out[stop];
+    }
+    return way == (unsigned)ONWARD ? &round->internal.onward[stop] : &round->internal.home[stop];
+}
+
 static void survey(struct jp_patrol_round *round)
 {
     const uint16_t stop = (uint16_t)(round->internal.surveyed / (unsigned)WAYS);
     const unsigned way = round->internal.surveyed % (unsigned)WAYS;
-    struct jp_patrol_leg_forecast *const ways[WAYS] = {round->internal.out, round->internal.onward,
-                                                       round->internal.home};
     enum jp_status status;
 
     if (!round->internal.is_asked) {
@@ -128,7 +134,7 @@ static void survey(struct jp_patrol_round *round)
         }
         return;
     }
-    status = jp_patrol_pilot_surveyed(round->internal.pilot, &ways[way][stop]);
+    status = jp_patrol_pilot_surveyed(round->internal.pilot, forecast_of(round, stop, way));
     if (status == JP_OK) {
         round->internal.is_asked = false;
         round->internal.surveyed++;
