@@ -299,7 +299,7 @@ static void test_samples_may_stay_away_for_any_number_of_the_hold_ticks(void)
         run_without_samples(lost);
         TEST_ASSERT_TRUE(jp_ecu_runs(&ecu));
         run(60);
-        command(ecu.internal.operator_link.mode, 7);
+        command((uint8_t)ecu.internal.operator_link.mode, 7);
         TEST_ASSERT_TRUE(jp_ecu_runs(&ecu));
     }
     TEST_ASSERT_EQUAL_HEX16(0, faults());
