@@ -11,6 +11,15 @@
  * turning costs on top. So the moves alone give a lower bound of the cost between two cells, the bases alone one of the
  * cost between two headings, and the sum of both is a lower bound too: energy_field.h uses it.
  *
+ * On a map with classes of ground (terrain.h) the physical cost has besides, for what class k takes more,
+ *
+ *   Σ straight · move(direction, 0) + turning · base
+ *
+ * over its moves, with the mean `straight` of the ground under the wheels of both sides at both ends of a move, and the
+ * largest mean `turning` under both sides at the cells of the primitive: a ground that resists more takes so much more
+ * on slopes, too. These shares are at least 0; each product is rounded down, and a move or a base with what it takes
+ * more is at most 65 535. So the lower bounds hold.
+ *
  * On a map with costs of cells each move is multiplied by the larger factor of its two cells and `base` by the largest
  * of all cells of the primitive, rounded down. Factors are at least 1, so the lower bounds hold on every map.
  *
@@ -87,6 +96,21 @@ struct jp_cells {
     uint16_t span_count;
 };
 
+/** From one cell to another. */
+struct jp_cell_offset {
+    int8_t dx;
+    int8_t dy;
+};
+
+/** What a class of ground takes more than the prices of the lattice: shares in 1/JP_GROUND_ONE, at most
+ * JP_GROUND_SHARE_MAX. */
+struct jp_ground_price {
+    uint16_t straight; /**< of driving on level ground */
+    uint16_t turning;  /**< of what turning costs on top */
+};
+#define JP_GROUND_ONE       256U
+#define JP_GROUND_SHARE_MAX (16U * JP_GROUND_ONE)
+
 struct jp_lattice {
     const char *name;
     jp_q16 resolution;                      /**< m, equal to that of the map */
@@ -101,6 +125,10 @@ struct jp_lattice {
     struct jp_cells reach[JP_HEADINGS];     /**< cells that any primitive from a heading sweeps */
     struct jp_cells core;                   /**< cells that every primitive sweeps round every cell of its moves */
     struct jp_slope_cost move_costs[JP_COST_KINDS][JP_MOVE_KINDS];
+    struct jp_ground_price ground[JP_GROUND_CLASSES]; /**< by class; 0 in tables */
+    struct jp_cell_offset sides[JP_MOVE_DIRECTIONS]; /**< from the robot's cell to that of its left wheels; those of the
+                                                          right ones are opposite. Of the core. 0 in tables */
+    jp_q16 half_track;                               /**< of the wheels, m; 0 in tables */
     uint32_t version; /**< of the parameters that the costs follow (tariff.h); 0: those of the tables */
 };
 
@@ -109,11 +137,7 @@ struct jp_turns {
     uint16_t cost[JP_HEADINGS][JP_HEADINGS]; /**< [from][to]; UINT16_MAX: no primitives lead there */
 };
 
-/** Cells that a unit step leads along: (1, 0), (2, 1), (1, 1), (1, 2), (0, 1), … round the circle. */
-struct jp_cell_offset {
-    int8_t dx;
-    int8_t dy;
-};
+/** Of each direction: (1, 0), (2, 1), (1, 1), (1, 2), (0, 1), … round the circle. */
 extern const struct jp_cell_offset jp_move_offsets[JP_MOVE_DIRECTIONS];
 
 /** Kind of the unit step in a direction, 0…JP_MOVE_DIRECTIONS − 1. */
@@ -179,6 +203,9 @@ jp_cost jp_lattice_cost(const struct jp_lattice *lattice, enum jp_cost_kind kind
 /** True when the robot can stand on cell (x, y) at a heading. Work: the spans of its footprint. */
 bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y,
                           unsigned heading);
+
+/** True when every primitive sweeps the cell (dx, dy) off every cell of its moves. Work: the spans of `core`. */
+bool jp_lattice_core_holds(const struct jp_lattice *lattice, int32_t dx, int32_t dy);
 
 /** False: the robot cannot be on cell (x, y) at any heading. True: it may be at some. Work: the spans of `core`. */
 bool jp_lattice_is_open(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y);

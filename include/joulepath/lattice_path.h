@@ -10,7 +10,7 @@
  *   length = chord / ∫₀¹ cos(φ(u)) du,  curvature = (δ − A)/length at its begin, (δ + A)/length at its end
  *
  * Each piece begins exactly at the centre of a cell, in a heading of the lattice. Straight lines that follow each other
- * become one piece where the ground rises alike, and so do turns on the spot in one direction.
+ * become one piece where the ground is of one class and rises alike, and so do turns on the spot in one direction.
  *
  * The path is the caller's memory; path_speed.h plans its speeds, path_drive.h drives it. Nothing here is for ISRs.
  */
@@ -50,7 +50,10 @@ struct jp_path_piece {
     jp_q16 bend_rate;      /**< of the curvature by the arc length, 1/m² */
     jp_q16 rise;           /**< of the ground over the whole piece, m */
     enum jp_piece_kind kind;
-    bool is_joined; /**< the line of the piece before goes on in it */
+    uint8_t ground_left;  /**< class of the ground (ground.h) under the wheels of the left side, */
+    uint8_t ground_right; /**< and of the right one */
+    bool is_at_edge;      /**< within the ground's margin the wheels of a side are on another class */
+    bool is_joined;       /**< the line of the piece before goes on in it */
     struct jp_piece_speed speed;
 };
 

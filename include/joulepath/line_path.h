@@ -1,7 +1,7 @@
 /**
  * Path (lattice_path.h) along straight lines from target to target, with a turn on the spot towards the first one and
- * at each corner. path_corner.h rounds corners. On ground that is not level a line is several pieces, each of which
- * rises evenly: as many as there are places for.
+ * at each corner. path_corner.h rounds corners. On ground that is not level, or of several classes, a line is several
+ * pieces, each of which rises evenly on one class: as many as there are places for.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */
@@ -21,6 +21,7 @@ struct jp_line_route {
     const struct jp_point *targets; /**< none where the line before it begins */
     uint16_t count;                 /**< at least 1 */
     const struct jp_ground *ground; /**< null: level */
+    jp_q16 half_track;              /**< of the wheels on it, m; 0…2 */
 };
 
 /** Pieces that a path of so many targets takes on level ground at most, and on other ground at least. */
@@ -35,10 +36,10 @@ struct jp_line_route {
 enum jp_status jp_line_path(struct jp_lattice_path *path, struct jp_path_piece *pieces, uint16_t places,
                             const struct jp_line_route *route);
 
-/** The path of a turn on the spot. JP_ERR_ARGUMENT: a pointer is null, or there is no place. JP_ERR_ZERO_LENGTH: it has
- *  that heading. Constant time. */
+/** The path of a turn on the spot, where a route without targets starts. JP_ERR_ARGUMENT: a pointer is null, or there
+ * is no place. JP_ERR_ZERO_LENGTH: it has that heading. Constant time. */
 enum jp_status jp_turn_path(struct jp_lattice_path *path, struct jp_path_piece *pieces, uint16_t places,
-                            const struct jp_path_pose *start, jp_angle heading);
+                            const struct jp_line_route *route, jp_angle heading);
 
 #ifdef __cplusplus
 }

@@ -2,8 +2,10 @@
  * Moving objects around the robot: small objects that stand free in successive scans are tracked, and their velocities
  * are given to the shapes of the obstacles (obstacles.h), so that the elastic band keeps off their predicted places.
  *
- * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see. An
- * alpha-beta filter tracks its centre. Part of libjoulepath_float; nothing here is for ISRs.
+ * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see.
+ * Alpha-beta filters track its centre and both of its ends. What the robot passes shows another side: then one end
+ * moves along it and the other stays, while both ends of an object that moves go its way. Part of libjoulepath_float;
+ * nothing here is for ISRs.
  */
 #ifndef JOULEPATH_MOVERS_H
 #define JOULEPATH_MOVERS_H
@@ -23,9 +25,16 @@ struct jp_movers_config {
     float margin;    /**< error of a predicted place after one second, m; 0…JP_OBSTACLE_MARGIN_MAX */
 };
 
+/** A point that is tracked. */
+struct jp_mover_point {
+    struct jp_plane_point place;
+    struct jp_plane_point velocity; /**< m/s */
+};
+
 struct jp_mover {
     struct jp_plane_point centre;
     struct jp_plane_point velocity; /**< m/s */
+    struct jp_mover_point ends[2];  /**< of what is seen of it, counter-clockwise from the scanner */
     float radius;                   /**< of what was seen of it, m */
     uint8_t sightings;              /**< since it was first seen; saturates */
     uint8_t misses;                 /**< in a row */

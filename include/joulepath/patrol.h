@@ -99,6 +99,7 @@ struct jp_patrol_input {
     struct jp_plane_speed speed; /**< as the wheels say */
     struct jp_plane_pose laser;  /**< in the map's frame */
     bool has_laser;              /**< false: the match failed or dropped out */
+    float deviation;             /**< standard deviation of the position on the map, m; 0 or more */
     bool is_lost;                /**< its place on the map is not known: the robot stands until it is */
     bool is_new_place;           /**< the laser's pose is to be taken as it is, however far from the last one */
     struct jp_scan scan;         /**< ranges may be null: dropped out */
@@ -133,6 +134,7 @@ struct jp_patrol_internal {
     bool has_wheels;
     bool is_measured;           /**< the laser's pose of this cycle is to be trusted */
     struct jp_plane_pose laser; /**< that pose */
+    float deviation;            /**< of the position on the map, m */
     struct jp_plane_speed command;
     float sideways; /**< of the command: a step to the left, m/s */
     float turn_target;

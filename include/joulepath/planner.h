@@ -19,8 +19,8 @@
  * the robot towards the goal and gives the route to the nearest state that it has found: a partial plan.
  *
  * A robot that drives has new starts: jp_planner_set_start(). Changes of the map go through jp_planner_set_cell(),
- * jp_planner_set_elevation() and jp_planner_set_cost(). The map and the lattice must outlive the planner. Nothing here
- * is for ISRs.
+ * jp_planner_set_elevation(), jp_planner_set_cost() and jp_planner_set_class(). The map and the lattice must outlive
+ * the planner. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_PLANNER_H
 #define JOULEPATH_PLANNER_H
@@ -338,6 +338,9 @@ enum jp_status jp_planner_set_elevation(struct jp_planner *planner, int32_t x, i
 
 /** The same for the cost of a cell. As jp_terrain_set_cost(). */
 enum jp_status jp_planner_set_cost(struct jp_planner *planner, int32_t x, int32_t y, uint8_t cost);
+
+/** The same for the class of a cell's ground. As jp_terrain_set_class(). */
+enum jp_status jp_planner_set_class(struct jp_planner *planner, int32_t x, int32_t y, uint8_t ground);
 
 /** Forgets the search, not the plan, and begins anew with the map as it is. Work: the fields are cleared; the states
  *  are, in one of the slices of work that follow. */

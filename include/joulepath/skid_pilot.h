@@ -1,8 +1,8 @@
 /**
  * Drives a skid-steered or differential-drive robot through targets with the least energy: plans the route as a path of
  * straight lines, turns on the spot and, where that costs less, arcs round its corners (path_corner.h), at the speeds
- * of least energy and time by its price (path_speed.h); learns from what each leg took (skid_learner.h), and forecasts
- * the energy of a route with its uncertainty.
+ * of least energy and time by its price (path_speed.h); learns from what each leg took (skid_learner.h), on a map that
+ * tells grounds apart also of these (skid_grounds.h), and forecasts the energy of a route with its uncertainty.
  *
  *   jp_skid_pilot_work()  from the background loop, between the ticks of jp_skid_robot_tick(): a slice of work a call
  *
@@ -19,7 +19,7 @@
  *
  * A leg's energy is counted from the call of jp_skid_pilot_work() that sees it begin to the one that sees it end, so
  * that what passes between a leg's end and that call is counted to the next leg. Of legs that end between two calls
- * nothing is learned.
+ * nothing is learned. On a map that tells grounds apart what is learned from is not legs but their parts on one ground.
  *
  * What the lines rise by on the ground of a route is part of what they take, as far as the pieces of its path tell it.
  * Energies in Q16 are in the unit of config.model (energy.h). Nothing here is for ISRs.
@@ -30,7 +30,7 @@
 #include <joulepath/evidence.h>
 #include <joulepath/line_path.h>
 #include <joulepath/path_corner.h>
-#include <joulepath/skid_learner.h>
+#include <joulepath/skid_grounds.h>
 #include <joulepath/skid_path_energy.h>
 #include <joulepath/skid_robot.h>
 
@@ -48,11 +48,14 @@ extern "C" {
 struct jp_skid_pilot_config {
     const struct jp_skid_energy_model *model; /**< built in */
     const struct jp_skid_learning *learning;
-    struct jp_path_limits limits; /**< of what it drives by itself */
-    jp_q16 time;                  /**< what a second less is worth, W; 0…16 384 */
-    jp_q24 corner;                /**< how far inside a corner it may pass, m; 0…8; 0: it turns on the spot */
-    struct jp_path_piece *pieces; /**< memory of the route */
-    uint16_t places;              /**< in it: JP_SKID_PILOT_PIECES() of the most targets; at least that of 1 */
+    struct jp_path_limits limits;    /**< of what it drives by itself */
+    jp_q16 time;                     /**< what a second less is worth, W; 0…16 384 */
+    jp_q24 corner;                   /**< how far inside a corner it may pass, m; 0…8; 0: it turns on the spot */
+    struct jp_path_piece *pieces;    /**< memory of the route */
+    uint16_t places;                 /**< in it: JP_SKID_PILOT_PIECES() of the most targets; at least that of 1 */
+    struct jp_skid_grounds *grounds; /**< what is known of grounds that maps tell apart, started by
+                                        jp_skid_pilot_init(); null: all ground is alike */
+    const struct jp_factor_learning *ground_learning; /**< such as &jp_ground_learning; not read without grounds */
 };
 
 /** Where to go, to a stand at the last target. */
@@ -103,11 +106,14 @@ struct jp_skid_run {
     uint16_t halved;  /**< pieces that were looked at as arcs */
 };
 
-/** Private: the leg that is driven, and how the telemetry was when it began. */
+/** Private: the leg that is driven; the part of it that is learned from, and how the telemetry was when it began. */
 struct jp_skid_pilot_watch {
     struct jp_skid_leg leg;
-    struct jp_skid_drive drive; /**< on learner.model */
-    bool is_mixed;              /**< it was over when it was seen to begin */
+    jp_energy leg_energy; /**< when it began */
+    uint32_t leg_tick;
+    struct jp_skid_leg part;           /**< of the leg, on one ground; without grounds, all of it */
+    struct jp_skid_ground_drive drive; /**< of the part, as learned when it began */
+    bool is_mixed;                     /**< it was over when it was seen to begin */
     jp_energy energy;
     uint32_t tick;
     uint32_t dropped_frames;
@@ -125,7 +131,7 @@ struct jp_skid_pilot_internal {
     bool is_laid;     /**< its path is laid */
     struct jp_skid_run run;
     struct jp_skid_leg surveyed; /**< the last leg that was */
-    struct jp_forecast_sum sum;
+    struct jp_skid_ground_sum sum;
     enum jp_status forecast_status;
     struct jp_forecast forecast;
     uint16_t commands_before; /**< telemetry.commands before the robot takes the path up */
@@ -137,7 +143,7 @@ struct jp_skid_pilot {
     struct jp_skid_pilot_config config;
     struct jp_skid_learner learner;     /**< what is known; its state is worth storing */
     enum jp_learned learned;            /**< what became of the last leg, once legs_learned_from > 0 */
-    uint32_t legs_learned_from;         /**< legs that the learner took, outliers too; saturating */
+    uint32_t legs_learned_from;         /**< legs, or their parts, that a learner took, outliers too; saturating */
     uint32_t legs_left_out;             /**< legs that ended otherwise, or were cut short; saturating */
     enum jp_evidence evidence;          /**< of the last leg; JP_EVIDENCE_INCOMPLETE: it was cut short, or its energy
                                              cannot be told from that of another one */
@@ -169,9 +175,9 @@ enum jp_status jp_skid_pilot_init(struct jp_skid_pilot *pilot, const struct jp_s
  */
 enum jp_status jp_skid_pilot_follow(struct jp_skid_pilot *pilot, const struct jp_skid_pilot_route *route);
 
-/** Turns on the spot to a heading, as a route of one leg, or of none where the robot has that heading. JP_ERR_STATE as
- *  jp_skid_pilot_follow(). JP_ERR_ARGUMENT: null. */
-enum jp_status jp_skid_pilot_turn(struct jp_skid_pilot *pilot, jp_angle heading);
+/** Turns on the spot to a heading, as a route of one leg, or of none where the robot has that heading, on ground that
+ *  may be null. JP_ERR_STATE as jp_skid_pilot_follow(). JP_ERR_ARGUMENT: `pilot` is null. */
+enum jp_status jp_skid_pilot_turn(struct jp_skid_pilot *pilot, jp_angle heading, const struct jp_ground *ground);
 
 /**
  * Plans a route from where the robot stands, without driving. JP_ERR_STATE: it is not standing, or follows a

@@ -17,7 +17,7 @@ extern "C" {
 
 /** Private: what runs take. */
 struct jp_skid_sum {
-    struct jp_forecast_sum energy;
+    struct jp_skid_ground_sum energy;
     jp_q16 duration; /**< s */
 };
 

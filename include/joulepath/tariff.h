@@ -13,6 +13,9 @@
  * lattice.h promises of a lattice that passes its check holds for its copy. Equal parameters give equal costs, bit for
  * bit. The costs `paper` and `distance` are as before.
  *
+ * On a map that tells grounds apart each class has factors of its own: the lattice is charged by the least of them,
+ * and each class by what it takes more (lattice.h).
+ *
  * A planner takes the copy at jp_planner_init() or jp_planner_set_lattice(). It must not use a copy that is being
  * written: a robot that keeps learning has two and writes them in turn. Nothing here is for ISRs.
  */
@@ -60,6 +63,21 @@ struct jp_tariff {
  */
 enum jp_status jp_tariff_by_factors(struct jp_tariff *tariff, const struct jp_lattice *lattice,
                                     const struct jp_tariff_factors *factors, const char **field);
+
+/** What grounds take. */
+struct jp_tariff_grounds {
+    const struct jp_tariff_factors *factors; /**< by class; all but the first one's version and mass are not read */
+    uint8_t classes;   /**< that the map has, 1…JP_GROUND_CLASSES; those beyond them cost as class 0 */
+    jp_q16 half_track; /**< of the robot's wheels, m; 0…JP_Q16(4): 0: all are in the middle */
+};
+
+/**
+ * The same by factors of the classes of ground. JP_ERR_CONFIG also names "classes", "half_track", or the first factor
+ * out of range of the first class that has one. Wheels are taken to be no further from the middle than the cells that
+ * every primitive sweeps. Work: also 32 sines for each cell of half_track.
+ */
+enum jp_status jp_tariff_by_grounds(struct jp_tariff *tariff, const struct jp_lattice *lattice,
+                                    const struct jp_tariff_grounds *grounds, const char **field);
 
 /** The same by two models. JP_ERR_CONFIG also names what is wrong in a model, and "straight" where they differ by more
  *  than a factor may. The cruising speed is that of the fastest primitive. Work: also a division a primitive. */

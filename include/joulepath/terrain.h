@@ -1,14 +1,16 @@
 /**
- * Map of the ground: occupied, free and unknown cells, their elevation, and what driving on them costs.
+ * Map of the ground: occupied, free and unknown cells, their elevation, of which class of ground they are, and what
+ * driving on them costs.
  *
  * Cell (x, y) covers [x, x + 1) × [y, y + 1) cells of `resolution`; x points east, y north. All memory is one block of
- * the caller: two bits a cell, two bytes with elevation, one with costs (300 × 300 cells: 24 000 B, 180 000 B, 90 000
- * B). Nothing here is for ISRs unless they alone use the map.
+ * the caller: two bits a cell, two bytes with elevation, one with costs, two bits with classes (300 × 300 cells: 24 000
+ * B, 180 000 B, 90 000 B, 22 500 B). Nothing here is for ISRs unless they alone use the map.
  */
 #ifndef JOULEPATH_TERRAIN_H
 #define JOULEPATH_TERRAIN_H
 
 #include <joulepath/fixed.h>
+#include <joulepath/ground.h>
 #include <joulepath/point.h>
 #include <joulepath/status.h>
 #include <stdbool.h>
@@ -38,6 +40,7 @@ struct jp_terrain_config {
     bool unknown_is_free; /**< whether the robot may drive over unknown cells */
     bool has_costs;       /**< without them every cell costs alike */
     uint8_t cost_shift;   /**< a cell's factor is 1 + cost/2^cost_shift; 0…JP_CELL_COST_SHIFT_MAX */
+    bool has_classes;     /**< without them all ground is of class 0 */
 };
 
 /** The members are private; read them with the calls below. */
@@ -49,6 +52,7 @@ struct jp_terrain {
     uint32_t *unknown;
     jp_elevation *elevation; /**< null: level */
     uint8_t *costs;          /**< null: 0 everywhere */
+    uint8_t *classes;        /**< two bits a cell; null: 0 everywhere */
 };
 
 /** A row of neighbouring cells relative to a cell: (first, y)…(last, y). */
@@ -62,7 +66,7 @@ struct jp_span {
 size_t jp_terrain_size(const struct jp_terrain_config *config);
 
 /**
- * An empty map: every cell unknown, at elevation 0, of cost 0. `block` stays with the map.
+ * An empty map: every cell unknown, at elevation 0, of cost 0 and class 0. `block` stays with the map.
  * JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_MEMORY: `size` is below jp_terrain_size().
  * JP_ERR_ALIGNMENT: `block` is not aligned to 8 bytes. JP_ERR_ARGUMENT: a pointer is null. Work: all cells.
  */
@@ -83,6 +87,10 @@ enum jp_status jp_terrain_set_elevation(struct jp_terrain *terrain, int32_t x, i
  *  JP_ERR_STATE: the map has no costs. Constant time. */
 enum jp_status jp_terrain_set_cost(struct jp_terrain *terrain, int32_t x, int32_t y, uint8_t cost);
 
+/** Sets the class of a cell's ground, by whose prices lattice.h charges what drives over it. JP_ERR_ARGUMENT: not below
+ *  JP_GROUND_CLASSES. JP_ERR_OUTSIDE: it is not on the map. JP_ERR_STATE: the map has no classes. Constant time. */
+enum jp_status jp_terrain_set_class(struct jp_terrain *terrain, int32_t x, int32_t y, uint8_t ground);
+
 /** State of a cell; outside the map everything is occupied. Constant time. */
 enum jp_cell jp_terrain_cell(const struct jp_terrain *terrain, int32_t x, int32_t y);
 
@@ -101,6 +109,9 @@ uint32_t jp_terrain_block_steep(struct jp_terrain *terrain, jp_q24 steepest);
 
 /** Cost of a cell; 0 outside the map. Constant time. */
 uint8_t jp_terrain_cost(const struct jp_terrain *terrain, int32_t x, int32_t y);
+
+/** Class of a cell's ground; 0 outside the map. Constant time. */
+uint8_t jp_terrain_class(const struct jp_terrain *terrain, int32_t x, int32_t y);
 
 /** True when the robot may be on every cell of the spans, placed with their origin on (x, y). Cells outside the map are
  *  blocked. Work: one or two words of the map a span. */

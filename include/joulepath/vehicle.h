@@ -45,8 +45,9 @@ struct jp_vehicle {
     void (*look)(void *context, struct jp_vehicle_view *view);
     /** A slice of its own background work. Fails when what it was told cannot be done; it then stands, or will. */
     enum jp_status (*work)(void *context);
-    /** Turns on the spot; a large turn may take several calls, each from a stand. JP_ERR_STATE: it is not standing. */
-    enum jp_status (*turn)(void *context, jp_angle heading);
+    /** Turns on the spot, on ground that may be null; a large turn may take several calls, each from a stand.
+     *  JP_ERR_STATE: it is not standing. */
+    enum jp_status (*turn)(void *context, jp_angle heading, const struct jp_ground *ground);
     /** Drives a run, towards whose first target it looks; start and heading are as it stands. The targets must stay.
      *  JP_ERR_STATE: it is not standing. */
     enum jp_status (*follow)(void *context, const struct jp_vehicle_run *run);

@@ -15,6 +15,11 @@
 #define RESOLUTION_MIN_M 0.001
 #define RESOLUTION_MAX_M 1000.0
 
+/* Of a ground, against that of the robot file. */
+#define GROUND_LEAST  0.0625
+#define ROLLING_MOST  16.0
+#define FRICTION_MOST 1.0
+
 /* What a file holds; the strings and arrays belong to its JSON. */
 struct map_text {
     const char *format;
@@ -28,12 +33,15 @@ struct map_text {
     json_t *elevations; /* NULL: level */
     json_t *costs;      /* NULL: none */
     json_int_t cost_shift;
+    json_t *classes; /* NULL: all ground is alike */
+    json_t *grounds; /* NULL: what they are like is not said */
 };
 
 static bool check_keys(const char *path, json_t *root)
 {
-    static const char *const keys[] = {"format", "name", "width",       "height", "resolution_m", "origin_m",
-                                       "note",   "rows", "elevation_m", "cost",   "cost_shift"};
+    static const char *const keys[] = {"format",     "name",  "width",  "height",      "resolution_m",
+                                       "origin_m",   "note",  "rows",   "elevation_m", "cost",
+                                       "cost_shift", "class", "grounds"};
     const char *key;
     json_t *value;
     if (!json_is_object(root)) {
@@ -75,8 +83,11 @@ static bool unpack(const char *path, json_t *root, const char *key, const char *
 
 static bool unpack_all(const char *path, json_t *root, struct map_text *text)
 {
-    *text = (struct map_text){
-        .note = "", .elevations = json_object_get(root, "elevation_m"), .costs = json_object_get(root, "cost")};
+    *text = (struct map_text){.note = "",
+                              .elevations = json_object_get(root, "elevation_m"),
+                              .costs = json_object_get(root, "cost"),
+                              .classes = json_object_get(root, "class"),
+                              .grounds = json_object_get(root, "grounds")};
     return check_keys(path, root) && unpack(path, root, "format", "s", &text->format) &&
            unpack(path, root, "name", "s", &text->name) && unpack(path, root, "width", "I", &text->width) &&
            unpack(path, root, "height", "I", &text->height) &&
@@ -133,7 +144,8 @@ static bool check_text(const char *path, const struct map_text *text)
     return check_side(path, "width", text->width) && check_side(path, "height", text->height) &&
            check_rows(path, "rows", text->rows, text->height) &&
            (text->elevations == NULL || check_rows(path, "elevation_m", text->elevations, text->height)) &&
-           (text->costs == NULL || check_rows(path, "cost", text->costs, text->height));
+           (text->costs == NULL || check_rows(path, "cost", text->costs, text->height)) &&
+           (text->classes == NULL || check_rows(path, "class", text->classes, text->height));
 }
 
 /* The file's rows go from north to south. */
@@ -220,12 +232,89 @@ static bool set_costs(const char *path, const struct map_text *text, size_t row,
     return true;
 }
 
+static bool set_classes(const char *path, const struct map_text *text, size_t row, struct jp_terrain *terrain)
+{
+    const json_t *value = json_array_get(text->classes, row);
+    if (!json_is_string(value) || json_string_length(value) != (size_t)text->width) {
+        error_line("%s: class: row %zu is no text of %" JSON_INTEGER_FORMAT " digits, the width; " IMPORT, path,
+                   row + 1, text->width);
+        return false;
+    }
+    const char *digits = json_string_value(value);
+    for (int32_t x = 0; x < text->width; x++) {
+        const int ground = digits[x] - '0';
+        if (ground < 0 || ground >= (int)JP_GROUND_CLASSES) {
+            error_line("%s: class: row %zu, cell %d: not a digit from 0 to %u; " IMPORT, path, row + 1, (int)x + 1,
+                       JP_GROUND_CLASSES - 1);
+            return false;
+        }
+        (void)jp_terrain_set_class(terrain, x, y_of(text, row), (uint8_t)ground);
+    }
+    return true;
+}
+
+static bool check_ground(const char *path, const struct map_ground *ground, const char *name)
+{
+    if (strlen(name) >= MAP_FILE_NAME_SIZE) {
+        error_line("%s: grounds: a name takes at most %d characters; shorten it", path, MAP_FILE_NAME_SIZE - 1);
+        return false;
+    }
+    if (!(ground->rolling >= GROUND_LEAST && ground->rolling <= ROLLING_MOST)) {
+        error_line("%s: grounds: %s: rolling: %g is not in %g…%g times that of the robot file", path, name,
+                   ground->rolling, GROUND_LEAST, ROLLING_MOST);
+        return false;
+    }
+    if (!(ground->friction >= GROUND_LEAST && ground->friction <= FRICTION_MOST)) {
+        error_line("%s: grounds: %s: friction: %g is not in %g…%g times that of the robot file", path, name,
+                   ground->friction, GROUND_LEAST, FRICTION_MOST);
+        return false;
+    }
+    return true;
+}
+
+static bool set_ground(const char *path, json_t *value, struct map_ground *ground)
+{
+    const char *name = "";
+    json_error_t error;
+    if (json_unpack_ex(value, &error, JSON_STRICT, "{s:s, s:F, s:F}", "name", &name, "rolling", &ground->rolling,
+                       "friction", &ground->friction) != 0) {
+        error_line("%s: grounds: %s; give each class {\"name\", \"rolling\", \"friction\"}", path, error.text);
+        return false;
+    }
+    if (!check_ground(path, ground, name)) {
+        return false;
+    }
+    (void)snprintf(ground->name, sizeof ground->name, "%s", name);
+    return true;
+}
+
+static bool set_grounds(const char *path, const struct map_text *text, struct map_file *map)
+{
+    for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
+        map->grounds[k] = (struct map_ground){.rolling = 1, .friction = 1};
+    }
+    if (text->grounds == NULL) {
+        return true;
+    }
+    if (text->classes == NULL || !json_is_array(text->grounds) || json_array_size(text->grounds) > JP_GROUND_CLASSES) {
+        error_line("%s: grounds: is no list of at most %u grounds beside a key class", path, JP_GROUND_CLASSES);
+        return false;
+    }
+    for (size_t k = 0; k < json_array_size(text->grounds); k++) {
+        if (!set_ground(path, json_array_get(text->grounds, k), &map->grounds[k])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool fill(const char *path, const struct map_text *text, struct jp_terrain *terrain)
 {
     for (size_t row = 0; row < (size_t)text->height; row++) {
         if (!set_row(path, text, row, terrain) ||
             (text->elevations != NULL && !set_elevations(path, text, row, terrain)) ||
-            (text->costs != NULL && !set_costs(path, text, row, terrain))) {
+            (text->costs != NULL && !set_costs(path, text, row, terrain)) ||
+            (text->classes != NULL && !set_classes(path, text, row, terrain))) {
             return false;
         }
     }
@@ -239,7 +328,8 @@ static bool make_terrain(const char *path, const struct map_text *text, struct m
                                              .resolution = (jp_q16)lround(text->resolution_m * JP_Q16_ONE),
                                              .has_elevation = text->elevations != NULL,
                                              .has_costs = text->costs != NULL,
-                                             .cost_shift = (uint8_t)text->cost_shift};
+                                             .cost_shift = (uint8_t)text->cost_shift,
+                                             .has_classes = text->classes != NULL};
     const size_t size = jp_terrain_size(&config);
     const char *field;
     map->block = malloc(size);
@@ -257,7 +347,7 @@ static bool build(const char *path, json_t *root, struct map_file *map)
     if (!unpack_all(path, root, &text) || !check_text(path, &text) || !make_terrain(path, &text, map)) {
         return false;
     }
-    if (!fill(path, &text, &map->terrain)) {
+    if (!fill(path, &text, &map->terrain) || !set_grounds(path, &text, map)) {
         map_file_free(map);
         return false;
     }

@@ -74,14 +74,16 @@ static struct jp_path_limits limits_of(const struct skid_robot_entry *entry, con
 }
 
 static bool prepare(struct navigation_skid *skid, const struct skid_robot_entry *entry,
-                    const struct skid_steer_model *model, struct navigation_robot *robot)
+                    const struct skid_steer_model *model, bool tells_grounds_apart, struct navigation_robot *robot)
 {
     const struct jp_skid_pilot_config config = {.model = entry->energy,
                                                 .learning = entry->learning,
                                                 .limits = limits_of(entry, model),
                                                 .corner = isnan(robot->margin_m) ? 0 : q24(robot->margin_m),
                                                 .pieces = skid->pieces,
-                                                .places = sizeof skid->pieces / sizeof skid->pieces[0]};
+                                                .places = sizeof skid->pieces / sizeof skid->pieces[0],
+                                                .grounds = tells_grounds_apart ? &skid->grounds : NULL,
+                                                .ground_learning = &jp_ground_learning};
     const char *field = "";
 
     if (jp_skid_robot_init(&skid->controller, entry->config, &field) != JP_OK ||
@@ -99,9 +101,20 @@ struct clearance_robot navigation_skid_body(const struct skid_steer_model *model
                                     model->body.overall_width_m, 0};
 }
 
+struct skid_surface navigation_skid_surface(const struct jp_terrain *map, const struct map_ground *grounds,
+                                            struct skid_classes *classes)
+{
+    classes->map = map;
+    for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
+        classes->grip[k] = (struct skid_grip){grounds[k].rolling, grounds[k].friction};
+    }
+    return skid_surface_map(classes);
+}
+
 bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_entry *entry,
                           const struct skid_steer_model *model, const struct jp_terrain *terrain,
-                          const struct clearance_pose *start, uint64_t seed, struct navigation_robot *robot)
+                          const struct skid_surface *surface, const struct clearance_pose *start, uint64_t seed,
+                          struct navigation_robot *robot)
 {
     const struct planar_pose place = {start->x, start->y, start->heading};
     const struct skid_ground level = {NULL, NULL};
@@ -119,8 +132,11 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
                                        .deviation = deviation};
     *skid = (struct navigation_skid){.written = JP_OK};
     skid_world_init(&skid->world, model, &ground, &place, seed);
+    if (surface != NULL) {
+        skid_plant_lay(&skid->world.plant, surface);
+    }
     skid->hal = skid_hal_sim(&skid->world);
-    if (!prepare(skid, entry, model, robot)) {
+    if (!prepare(skid, entry, model, surface != NULL, robot)) {
         return false;
     }
     stand(skid, WAKING_SECONDS);

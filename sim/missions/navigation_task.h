@@ -5,6 +5,7 @@
 #include <joulepath/navigator.h>
 
 #include "sim/base/clearance.h"
+#include "sim/files/map_file.h"
 
 /** A cell that the sensor has seen to be otherwise than the map says. */
 struct navigation_sight {
@@ -37,9 +38,10 @@ struct navigation_frame {
 
 struct navigation_task {
     const struct jp_lattice *lattice;
-    struct jp_terrain *map;         /**< that the robot has; it learns what it sees */
-    const struct jp_terrain *world; /**< as it is, with what is too steep for the robot */
-    const struct jp_terrain *solid; /**< what can be touched of it */
+    struct jp_terrain *map;           /**< that the robot has; it learns what it sees */
+    const struct jp_terrain *world;   /**< as it is, with what is too steep for the robot */
+    const struct jp_terrain *solid;   /**< what can be touched of it */
+    const struct map_ground *grounds; /**< what the classes of the world are like; NULL: as the robot file says */
     struct jp_lattice_pose start;
     struct jp_goal goal;
     double view_m;   /**< how far the sensor sees, where nothing is in between */

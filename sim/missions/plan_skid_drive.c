@@ -154,7 +154,8 @@ bool plan_skid_drive_prepare(const struct map_file *map, const struct jp_lattice
         return false;
     }
     note_places(drive);
-    if (!navigation_skid_init(&drive->skid, entry, model, &map->terrain, &drive->places[0], SEED, &drive->robot)) {
+    if (!navigation_skid_init(&drive->skid, entry, model, &map->terrain, NULL, &drive->places[0], SEED,
+                              &drive->robot)) {
         return false;
     }
     predict(drive);
@@ -163,6 +164,6 @@ bool plan_skid_drive_prepare(const struct map_file *map, const struct jp_lattice
 
 void plan_skid_drive_run(const struct map_file *map, struct plan_skid_drive *drive, FILE *log)
 {
-    (void)fprintf(log, "time_s,x_m,y_m,heading_rad,energy_j\n");
+    (void)fprintf(log, "t_s,x_m,y_m,heading_rad,energy_j\n");
     follow(&map->terrain, drive, log);
 }

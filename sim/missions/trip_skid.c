@@ -208,7 +208,7 @@ static bool prepare(struct drive *drive, const struct skid_robot_entry *entry, c
     const struct clearance_pose origin = {0, 0, 0};
 
     drive->speed = varied->lattice.speed_m_s;
-    return navigation_skid_init(&drive->skid, entry, varied, &level, &origin, drive->trip->seed, &drive->robot) &&
+    return navigation_skid_init(&drive->skid, entry, varied, &level, NULL, &origin, drive->trip->seed, &drive->robot) &&
            prepare_pilot(drive, &drive->skid.pilot, drive->pieces) &&
            prepare_pilot(drive, &drive->unlearned, drive->asked);
 }

@@ -287,10 +287,13 @@ static bool switch_on(const struct lattice_robot *robot, const struct navigation
         return navigation_balancer_init(&balancer, rig_find_robot(robot->name), &robot->balancer.file, &start,
                                         task->seed, driven);
     }
+    static struct skid_classes classes;
     const struct skid_robot_entry *entry = skid_robot_find(robot->name);
+    const struct skid_surface surface = navigation_skid_surface(task->world, task->grounds, &classes);
 
     return entry != NULL &&
-           navigation_skid_init(&skid, entry, &robot->skid_steer, task->world, &start, task->seed, driven);
+           navigation_skid_init(&skid, entry, &robot->skid_steer, task->world,
+                                task->world->config.has_classes ? &surface : NULL, &start, task->seed, driven);
 }
 
 /* By the navigator itself. */
@@ -382,6 +385,7 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
                                          .map = &map->terrain,
                                          .world = &world.terrain,
                                          .solid = &world.solid,
+                                         .grounds = map->grounds,
                                          .start = places.start,
                                          .goal = places.goal,
                                          .view_m = arguments->view_m,

@@ -75,3 +75,22 @@ struct skid_ground skid_ground_map(const struct jp_terrain *map)
 {
     return (struct skid_ground){on_map, map};
 }
+
+static struct skid_grip on_class(const void *context, double x, double y)
+{
+    const struct skid_classes *classes = context;
+    const double side = classes->map->config.resolution / Q16;
+
+    return classes->grip[jp_terrain_class(classes->map, (int32_t)floor(x / side), (int32_t)floor(y / side))];
+}
+
+struct skid_surface skid_surface_map(const struct skid_classes *classes)
+{
+    struct skid_surface surface = {on_class, classes, classes->grip[0]};
+
+    for (unsigned k = 1; k < JP_GROUND_CLASSES; k++) {
+        surface.most.rolling = fmax(surface.most.rolling, classes->grip[k].rolling);
+        surface.most.friction = fmin(surface.most.friction, classes->grip[k].friction);
+    }
+    return surface;
+}

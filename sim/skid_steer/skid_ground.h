@@ -1,4 +1,5 @@
-/** Ground that a wheeled robot drives on: level, a slope, or a map with elevation. */
+/** Ground that a wheeled robot drives on: level, a slope, or a map with elevation; and what it is like: as the robot
+ * file says, or otherwise by its class on a map. */
 #ifndef JOULEPATH_SIM_SKID_STEER_SKID_GROUND_H
 #define JOULEPATH_SIM_SKID_STEER_SKID_GROUND_H
 
@@ -16,6 +17,28 @@ struct skid_ground {
     struct skid_ground_point (*at)(const void *context, double x, double y);
     const void *context;
 };
+
+/** What ground is like against that of a robot file; both above 0. */
+struct skid_grip {
+    double rolling;  /**< resistance, times as much */
+    double friction; /**< times as much */
+};
+
+/** What the plant asks for the ground under each wheel. NULL for `at`: as the robot file says. */
+struct skid_surface {
+    struct skid_grip (*at)(const void *context, double x, double y);
+    const void *context;
+    struct skid_grip most; /**< the most rolling resistance of any place, and the least friction */
+};
+
+/** The classes of ground of a map. */
+struct skid_classes {
+    const struct jp_terrain *map;
+    struct skid_grip grip[JP_GROUND_CLASSES];
+};
+
+/** The surface of a map; *classes and what it points to stay in use. Off the map it is of class 0. */
+struct skid_surface skid_surface_map(const struct skid_classes *classes);
 
 /** A plane that rises along x and y. */
 struct skid_slope {

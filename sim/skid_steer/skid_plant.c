@@ -27,9 +27,9 @@ struct footing {
 struct wrench {
     double ahead; /* N */
     double left;
-    double turn;                /* N·m */
-    double braking[SKID_SIDES]; /* N, of the ground on the treads of a side */
-    double load[SKID_SIDES];
+    double turn;                  /* N·m */
+    double braking[SKID_SIDES];   /* N, of the ground on the treads of a side */
+    double resisting[SKID_SIDES]; /* its load, by the resistance of the ground */
 };
 
 /* What the motor of a side does. */
@@ -72,6 +72,7 @@ static struct skid_contact wheel_contact(const struct skid_steer_model *model, i
         .place = {axle_place(model, axle) - model->body.centre_ahead_m, side == SKID_LEFT ? half : -half},
         .side = side,
         .friction = model->ground.friction,
+        .resistance = 1,
         .stiffness = model->tyre.stiffness_per_m,
         .damping = model->tyre.damping_s_per_m,
         .relaxation = RELAXATION / model->tyre.contact_length_m,
@@ -85,6 +86,7 @@ static struct skid_contact caster_contact(const struct skid_steer_model *model)
         .place = {model->caster.ahead_m - model->body.centre_ahead_m, 0},
         .side = SKID_SIDES,
         .friction = model->caster.rolling,
+        .resistance = 1,
         .stiffness = model->tyre.stiffness_per_m * model->caster.rolling / model->ground.friction,
     };
 }
@@ -278,7 +280,7 @@ static void add_contact(const struct skid_plant *plant, const struct skid_state 
     sum->turn += contact->place.x * y - contact->place.y * x;
     if (is_driven) {
         sum->braking[contact->side] += x;
-        sum->load[contact->side] += load;
+        sum->resisting[contact->side] += load * contact->resistance;
         rate->ledger.slip_along -= x * along;
         rate->ledger.slip_across -= y * across;
     } else {
@@ -326,7 +328,7 @@ static struct drive drive_side(const struct skid_plant *plant, const struct skid
     const double torque = constant * current;
 
     const double radius = model->wheel.radius_m;
-    const double rolling = model->ground.rolling * sum->load[side] * radius;
+    const double rolling = model->ground.rolling * sum->resisting[side] * radius;
     const double efficiency = model->motor.efficiency;
     const double drag = drag_of(plant, wheels, &rate->sides[side]);
     const double meshing = fabs(torque) * (torque * drag > 0 ? 1 - efficiency : 1 / efficiency - 1);
@@ -466,6 +468,23 @@ static void set_tilt_rates(const struct skid_attitude *before, const struct skid
     seen->pitch_rate = dot(change, ahead);
 }
 
+/* What each contact is on. */
+static void touch_surface(struct skid_plant *plant)
+{
+    const struct skid_steer_model *model = &plant->model;
+    const struct planar_pose centre = {plant->state.x, plant->state.y, plant->state.heading};
+
+    for (int i = 0; i < plant->contact_count; i++) {
+        struct skid_contact *contact = &plant->contacts[i];
+        const struct planar_point place = planar_place(&centre, contact->place);
+        const struct skid_grip grip = plant->surface.at(plant->surface.context, place.x, place.y);
+
+        contact->resistance = grip.rolling;
+        contact->friction =
+            contact->side < SKID_SIDES ? model->ground.friction * grip.friction : model->caster.rolling * grip.rolling;
+    }
+}
+
 /* The two states in the middle of a step are on the same ground but for the square of its length. */
 static void integrate(struct skid_plant *plant, const struct skid_input *input, double h)
 {
@@ -536,6 +555,9 @@ void skid_plant_step(struct skid_plant *plant, const struct skid_input *input, d
             lie_still(plant, h);
             continue;
         }
+        if (plant->surface.at != NULL) {
+            touch_surface(plant);
+        }
         integrate(plant, input, h);
         const struct lie lie = lie_of(plant->attitude.rise_ahead, plant->attitude.rise_across);
         if (tips(plant, &lie)) {
@@ -592,6 +614,17 @@ double skid_plant_rate(const struct skid_steer_model *model)
     const double turning = 2 / SKID_PRESLIDING_TIME;
 
     return fmax(fmax(sliding, turning), fmax(tread_rate(model), fmax(drag_rate(model), motor)));
+}
+
+void skid_plant_lay(struct skid_plant *plant, const struct skid_surface *surface)
+{
+    struct skid_steer_model hardest = plant->model;
+
+    hardest.ground.rolling *= surface->most.rolling;
+    hardest.ground.friction *= surface->most.friction;
+    plant->surface = *surface;
+    plant->step = fmin(plant->step, SKID_STEP_RATE_MAX / skid_plant_rate(&hardest));
+    touch_surface(plant);
 }
 
 void skid_plant_init(struct skid_plant *plant, const struct skid_steer_model *model, const struct skid_ground *ground,

@@ -107,6 +107,7 @@ struct skid_contact {
     struct planar_point place; /**< from the centre of mass, m */
     int side;                  /**< SKID_SIDES: none, it is the caster */
     double friction;
+    double resistance; /**< of its ground to rolling, against the robot file's */
     double stiffness;
     double damping;
     double relaxation;   /**< κ, 1/m */
@@ -131,6 +132,7 @@ struct skid_attitude {
 struct skid_plant {
     struct skid_steer_model model;
     struct skid_ground ground;
+    struct skid_surface surface;
     struct skid_contact contacts[SKID_CONTACTS_MAX];
     int contact_count;
     double loads[3][3];     /**< inverse of the moments of the contacts' places */
@@ -148,6 +150,9 @@ struct skid_plant {
  *  to stays in use. */
 void skid_plant_init(struct skid_plant *plant, const struct skid_steer_model *model, const struct skid_ground *ground,
                      const struct planar_pose *pose);
+
+/** Lays a surface on the ground, what its pointer shows stays in use. What a wheel is on changes between the steps. */
+void skid_plant_lay(struct skid_plant *plant, const struct skid_surface *surface);
 
 /** Runge–Kutta steps (4th order) of equal length, plant->step at most; the ledger is integrated with the state. */
 void skid_plant_step(struct skid_plant *plant, const struct skid_input *input, double seconds);

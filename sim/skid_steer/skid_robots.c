@@ -9,7 +9,7 @@
 #define ENTRY(name, navigates)                                                                                         \
     {                                                                                                                  \
 #name, &jp_skid_robot_##name, &jp_skid_energy_##name, &jp_skid_learning_##name, &jp_path_limits_##name,        \
-            &jp_lattice_##name, navigates                                                                              \
+            &jp_lattice_##name, &jp_skid_steer_##name, navigates                                                       \
     }
 
 static const struct skid_robot_entry entries[] = {ENTRY(burger, &jp_navigation_burger), ENTRY(zhang2018, NULL)};

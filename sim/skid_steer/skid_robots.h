@@ -7,6 +7,7 @@
 #include <joulepath/path_speed.h>
 #include <joulepath/skid_learner.h>
 #include <joulepath/skid_robot.h>
+#include <joulepath/skid_steer.h>
 
 struct skid_robot_entry {
     const char *name;
@@ -15,6 +16,7 @@ struct skid_robot_entry {
     const struct jp_skid_learning *learning;
     const struct jp_path_limits *limits;
     const struct jp_lattice *lattice;
+    const struct jp_skid_steer_config *priced;  /**< by whose formulas its lattices are priced */
     const struct jp_navigator_body *navigation; /**< NULL: it is not made for that */
 };
 

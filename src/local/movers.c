@@ -24,6 +24,7 @@
 /* An object in this scan. */
 struct thing {
     struct jp_plane_point centre;
+    struct jp_plane_point ends[2];
     float radius;
 };
 
@@ -53,19 +54,28 @@ static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run
         return false;
     }
     thing->centre = (struct jp_plane_point){0.5f * (begin.x + end.x), 0.5f * (begin.y + end.y)};
+    thing->ends[0] = begin;
+    thing->ends[1] = end;
     thing->radius = 0.5f * jp_plane_square_root(square);
     return true;
 }
 
 /* ---- Tracks ---- */
 
+static void move_on(struct jp_plane_point *place, const struct jp_plane_point *velocity, float period)
+{
+    place->x += period * velocity->x;
+    place->y += period * velocity->y;
+}
+
 static void predict(struct jp_movers *movers, float period)
 {
     for (unsigned i = 0; i < movers->count; i++) {
         struct jp_mover *const mover = &movers->movers[i];
 
-        mover->centre.x += period * mover->velocity.x;
-        mover->centre.y += period * mover->velocity.y;
+        move_on(&mover->centre, &mover->velocity, period);
+        move_on(&mover->ends[0].place, &mover->ends[0].velocity, period);
+        move_on(&mover->ends[1].place, &mover->ends[1].velocity, period);
         mover->misses++;
     }
 }
@@ -96,16 +106,25 @@ static struct jp_plane_point limited(struct jp_plane_point velocity, float speed
     return (struct jp_plane_point){share * velocity.x, share * velocity.y};
 }
 
+static void filter(struct jp_plane_point *place, struct jp_plane_point *velocity, struct jp_plane_point seen,
+                   float period, float speed_max)
+{
+    const float dx = seen.x - place->x;
+    const float dy = seen.y - place->y;
+
+    place->x += POSITION_GAIN * dx;
+    place->y += POSITION_GAIN * dy;
+    velocity->x += SPEED_GAIN * dx / period;
+    velocity->y += SPEED_GAIN * dy / period;
+    *velocity = limited(*velocity, speed_max);
+}
+
 static void correct(struct jp_mover *mover, const struct thing *thing, float period, float speed_max)
 {
-    const float dx = thing->centre.x - mover->centre.x;
-    const float dy = thing->centre.y - mover->centre.y;
-
-    mover->centre.x += POSITION_GAIN * dx;
-    mover->centre.y += POSITION_GAIN * dy;
-    mover->velocity.x += SPEED_GAIN * dx / period;
-    mover->velocity.y += SPEED_GAIN * dy / period;
-    mover->velocity = limited(mover->velocity, speed_max);
+    filter(&mover->centre, &mover->velocity, thing->centre, period, speed_max);
+    for (unsigned i = 0; i < 2U; i++) {
+        filter(&mover->ends[i].place, &mover->ends[i].velocity, thing->ends[i], period, speed_max);
+    }
     mover->radius = thing->radius;
     mover->misses = 0;
     if (mover->sightings < UINT8_MAX) {
@@ -120,7 +139,12 @@ static void follow(struct jp_movers *movers, const struct thing *thing, float pe
     if (mover != NULL) {
         correct(mover, thing, period, speed_max);
     } else if (movers->count < JP_MOVERS_MAX) {
-        movers->movers[movers->count] = (struct jp_mover){thing->centre, {0.0f, 0.0f}, thing->radius, 1, 0};
+        movers->movers[movers->count] = (struct jp_mover){
+            .centre = thing->centre,
+            .ends = {{.place = thing->ends[0]}, {.place = thing->ends[1]}},
+            .radius = thing->radius,
+            .sightings = 1,
+        };
         movers->count++;
     }
 }
@@ -172,9 +196,20 @@ enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers
     return JP_OK;
 }
 
+/* Whether an end goes the way of the centre. */
+static bool goes_along(const struct jp_mover *mover, unsigned end, float speed, float speed_min)
+{
+    const struct jp_plane_point *const velocity = &mover->ends[end].velocity;
+
+    return velocity->x * mover->velocity.x + velocity->y * mover->velocity.y > speed_min * speed;
+}
+
 static bool is_moving(const struct jp_mover *mover, float speed_min)
 {
-    return mover->sightings >= SIGHTINGS_MIN && jp_plane_length(mover->velocity.x, mover->velocity.y) > speed_min;
+    const float speed = jp_plane_length(mover->velocity.x, mover->velocity.y);
+
+    return mover->sightings >= SIGHTINGS_MIN && speed > speed_min && goes_along(mover, 0, speed, speed_min) &&
+           goes_along(mover, 1, speed, speed_min);
 }
 
 /* Gives the mover's velocity to a shape that lies within it; the walls beside it are longer. */

@@ -263,7 +263,8 @@ static void give_command(struct jp_patrol *patrol, struct jp_twist *twist)
 static bool is_input_sound(const struct jp_patrol_input *input)
 {
     return jp_plane_is_pose(&input->wheels) && (!input->has_laser || jp_plane_is_pose(&input->laser)) &&
-           jp_plane_is_pose(&input->sensor) && jp_plane_is_between(input->speed.forward, -VALUE_MAX, VALUE_MAX) &&
+           jp_plane_is_pose(&input->sensor) && jp_plane_is_between(input->deviation, 0.0f, VALUE_MAX) &&
+           jp_plane_is_between(input->speed.forward, -VALUE_MAX, VALUE_MAX) &&
            jp_plane_is_between(input->speed.turn_rate, -VALUE_MAX, VALUE_MAX);
 }
 

@@ -141,8 +141,8 @@ static float turn_of(const struct jp_patrol *patrol, const struct glide *glide, 
     return jp_plane_clamp(due, -most, most);
 }
 
-/* Whether the way is free for `steps`, or until the glide ends. */
-static bool is_free(const struct jp_patrol *patrol, struct glide glide, unsigned steps)
+/* Of `steps` ahead, those before the first that is not free; all where the glide ends before. */
+static unsigned free_steps(const struct jp_patrol *patrol, struct glide glide, unsigned steps)
 {
     for (unsigned i = 1; i <= steps; i++) {
         const float direction = direction_from(patrol, &glide.pose, &glide.next);
@@ -151,19 +151,24 @@ static bool is_free(const struct jp_patrol *patrol, struct glide glide, unsigned
         const struct jp_plane_point way = jp_plane_direction(direction);
 
         if (jp_plane_magnitude(askew) > askew_limit(&patrol->config)) {
-            return glide.is_begun;
+            return glide.is_begun ? steps : i - 1U;
         }
         if (step < 0.5f * STEP_LENGTH || (!glide.is_to_goal && jp_plane_magnitude(askew) < ALONG)) {
-            return true;
+            return steps;
         }
         glide.pose.heading += turn_of(patrol, &glide, askew, step);
         glide.pose.x += step * way.x;
         glide.pose.y += step * way.y;
         if (jp_patrol_clearance_later(patrol, &glide.pose, (float)i * STEP_LENGTH / glide.speed) < glide.clearance) {
-            return false;
+            return i - 1U;
         }
     }
-    return true;
+    return steps;
+}
+
+static bool is_free(const struct jp_patrol *patrol, const struct glide *glide)
+{
+    return free_steps(patrol, *glide, STEPS_MAX) == STEPS_MAX;
 }
 
 static struct glide glide_from(const struct jp_patrol *patrol, const struct jp_plane_pose *pose)
@@ -188,7 +193,7 @@ static void begin(struct jp_patrol *patrol, const struct glide *glide, bool is_s
         return;
     }
     patrol->internal.glide_heading = glide->heading;
-    patrol->internal.glide_least = glide->clearance;
+    patrol->internal.glide_least = glide->clearance - NOISE;
     patrol->internal.is_setting_off = is_standing;
     patrol->internal.step_target = (struct jp_plane_point){patrol->pose.x, patrol->pose.y};
     patrol->internal.is_gliding_to_goal = glide->is_to_goal;
@@ -254,7 +259,7 @@ bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *
     }
     glide.pose.heading = jp_plane_wrap(window->direction - part);
     (void)leads_in(patrol, window, window->direction, &glide);
-    if (!is_free(patrol, glide, STEPS_MAX)) {
+    if (!is_free(patrol, &glide)) {
         return false;
     }
     if (is_reached) {
@@ -276,7 +281,7 @@ bool jp_patrol_glide_in(struct jp_patrol *patrol, const struct jp_patrol_window 
     const struct jp_plane_pose end = {patrol->internal.goal.pose.x, patrol->internal.goal.pose.y, glide.heading};
 
     glide.clearance = smaller(glide.clearance, jp_patrol_clearance(patrol, &end) - NOISE);
-    if (glide.clearance < CLEARANCE_MIN || !is_free(patrol, glide, STEPS_MAX)) {
+    if (glide.clearance < CLEARANCE_MIN || !is_free(patrol, &glide)) {
         return false;
     }
     begin(patrol, &glide, false);
@@ -308,7 +313,7 @@ bool jp_patrol_can_glide_in(const struct jp_patrol *patrol)
     const float turn = jp_plane_magnitude(jp_plane_wrap(glide.heading - at.heading));
 
     return turn < jp_patrol_askew_max(&patrol->config) && IN_PER_RADIAN_LEAST * turn <= goal_distance(patrol, &at) &&
-           is_free(patrol, glide, STEPS_MAX);
+           is_free(patrol, &glide);
 }
 
 /* ---- A cycle ---- */
@@ -411,7 +416,7 @@ static struct chassis_motion steered(const struct jp_patrol *patrol, const struc
     return next;
 }
 
-/* Whether the robot can stop from a motion, with its wheels at the angles that they have then. */
+/* Whether the robot can stop from a motion with a clearance, its wheels at the angles that they have then. */
 static bool can_stop(const struct jp_patrol *patrol, const struct chassis_motion *motion, float clearance)
 {
     const float speed = jp_plane_length(motion->forward, motion->left);
@@ -423,14 +428,16 @@ static bool can_stop(const struct jp_patrol *patrol, const struct chassis_motion
 
     for (unsigned i = 1; i <= steps; i++) {
         pose = jp_plane_compose(&pose, &part);
-        if (jp_patrol_clearance_later(patrol, &pose, 2.0f * step * (float)i) < 0.5f * clearance) {
+        if (jp_patrol_clearance_later(patrol, &pose, 2.0f * step * (float)i) < clearance) {
             return false;
         }
     }
     return true;
 }
 
-static bool move(struct jp_patrol *patrol, const struct glide *glide, float direction, float speed)
+/* Along the glide at a speed, as far as the wheels follow. */
+static struct chassis_motion motion_at(const struct jp_patrol *patrol, const struct glide *glide, float direction,
+                                       float speed)
 {
     const float askew = jp_plane_wrap(direction - glide->pose.heading);
     const float away = goal_distance(patrol, &glide->pose);
@@ -445,11 +452,35 @@ static bool move(struct jp_patrol *patrol, const struct glide *glide, float dire
     const struct chassis_motion wanted = {
         speed * jp_plane_cosine(askew), speed * jp_plane_sine(askew),
         jp_plane_clamp(remaining < 0.0f ? -most : most, before - change, before + change)};
-    const struct chassis_motion next = steered(patrol, &wanted);
 
+    return steered(patrol, &wanted);
+}
+
+/* As fast as is wanted where the robot can stop from there, else slower along the glide, which is free as far as it
+ * takes to stop. False: not even that. */
+static bool move(struct jp_patrol *patrol, const struct glide *glide, float direction, float wanted)
+{
+    const float now = jp_plane_length(patrol->internal.command.forward, patrol->internal.sideways);
+    const float stop = now * (0.5f * now / patrol->config.teb.acceleration + delay(patrol));
+    const unsigned least = (unsigned)(stop / STEP_LENGTH) + 1U;
+    const unsigned ahead = least + 2U;
+    const unsigned free = free_steps(patrol, *glide, ahead);
+    struct chassis_motion next = motion_at(patrol, glide, direction, wanted);
+
+    if (free < ahead || !can_stop(patrol, &next, 0.5f * glide->clearance)) {
+        const float slower = now - patrol->config.teb.acceleration * patrol->config.period;
+
+        if (free < least || slower <= 0.0f) {
+            return false;
+        }
+        next = motion_at(patrol, glide, direction, slower);
+        if (!can_stop(patrol, &next, 0.0f)) {
+            return false;
+        }
+    }
     patrol->internal.command = (struct jp_plane_speed){next.forward, next.turn_rate};
     patrol->internal.sideways = next.left;
-    return can_stop(patrol, &next, glide->clearance);
+    return true;
 }
 
 void jp_patrol_glide(struct jp_patrol *patrol)
@@ -469,7 +500,6 @@ void jp_patrol_glide(struct jp_patrol *patrol)
     const float askew = jp_plane_wrap(direction - pose.heading);
     const float away = goal_distance(patrol, &patrol->pose);
     const float remaining = jp_plane_wrap(glide.heading - pose.heading);
-    const float stop = now * (0.5f * now / patrol->config.teb.acceleration + delay(patrol));
 
     if (3.0f * away < patrol->config.position_tolerance ||
         (!glide.is_to_goal && jp_plane_magnitude(askew) < ALONG &&
@@ -488,8 +518,7 @@ void jp_patrol_glide(struct jp_patrol *patrol)
         patrol->internal.sideways = SET_OFF_SPEED * jp_plane_sine(askew);
         return;
     }
-    if (!is_free(patrol, glide, (unsigned)(stop / STEP_LENGTH) + 2U) ||
-        !move(patrol, &glide, direction, speed_of(patrol, now, away, remaining))) {
+    if (!move(patrol, &glide, direction, speed_of(patrol, now, away, remaining))) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
     }
 }

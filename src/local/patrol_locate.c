@@ -11,6 +11,7 @@ enum jp_status jp_patrol_locate(struct jp_localiser *localiser, struct jp_patrol
         input->is_lost = status != JP_OK || localiser->state == JP_LOCALISER_LOST;
         input->has_laser = !input->is_lost;
         input->laser = localiser->pose;
+        input->deviation = localiser->position_deviation;
         input->is_new_place = input->has_laser && localiser->is_new_place;
     }
     return status;

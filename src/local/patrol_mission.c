@@ -41,6 +41,10 @@
 static const float margins[] = {0.15f, 0.10f, 0.05f, 0.02f};
 #define MARGINS (sizeof margins / sizeof margins[0])
 
+/* All of them are first wider by so many standard deviations of the position, where that is more than so much, m. */
+#define DEVIATIONS    2.0f
+#define DEVIATION_MIN 0.01f
+
 /* ---- Memory ---- */
 
 /* Where the parts of the block begin. */
@@ -237,9 +241,16 @@ static struct jp_grid_cell cell_of(const struct jp_patrol_mission *mission, cons
                                  (int16_t)jp_patrol_cell_at(&mission->internal.marked, pose->y)};
 }
 
+static float margin_of(const struct jp_patrol_mission *mission)
+{
+    const float more = mission->internal.trial < MARGINS ? DEVIATIONS * mission->patrol.internal.deviation : 0.0f;
+
+    return margins[mission->internal.trial % MARGINS] + more;
+}
+
 static bool begin_search(struct jp_patrol_mission *mission)
 {
-    const struct jp_grid_planner_config config = grid_config(&mission->config, margins[mission->internal.margin]);
+    const struct jp_grid_planner_config config = grid_config(&mission->config, margin_of(mission));
     const struct jp_grid_cell start = cell_of(mission, &mission->patrol.pose);
     const struct jp_grid_cell goal = cell_of(mission, &mission->internal.target);
     const char *field;
@@ -273,7 +284,8 @@ static enum finding as_finding(bool is_followed)
     return is_followed ? FOUND : NOT_FOUND;
 }
 
-/* Searches a path to the target, with ever smaller clearances. */
+/* Searches a path to the target, with ever smaller clearances. What scans show is seen from where the robot is, what
+ * only the map shows is off by as much as its position. */
 static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
 {
     uint16_t count;
@@ -294,8 +306,8 @@ static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
             return as_finding(follow(mission, &mission->internal.target, count));
         }
     }
-    mission->internal.margin++;
-    return mission->internal.margin < MARGINS ? PENDING : NOT_FOUND;
+    mission->internal.trial++;
+    return mission->internal.trial < 2U * MARGINS ? PENDING : NOT_FOUND;
 }
 
 const struct jp_point *jp_patrol_mission_grid_path(const struct jp_patrol_mission *mission, size_t *count)
@@ -308,7 +320,7 @@ const struct jp_point *jp_patrol_mission_grid_path(const struct jp_patrol_missio
 static void seek(struct jp_patrol_mission *mission, const struct jp_plane_pose *target)
 {
     mission->internal.target = *target;
-    mission->internal.margin = 0;
+    mission->internal.trial = mission->patrol.internal.deviation > DEVIATION_MIN ? 0U : (uint8_t)MARGINS;
     mission->internal.is_searching = false;
     mission->state = JP_MISSION_PLANNING;
 }
@@ -420,6 +432,12 @@ enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const 
     return JP_OK;
 }
 
+void jp_patrol_mission_stop(struct jp_patrol_mission *mission)
+{
+    jp_patrol_hold(&mission->patrol);
+    mission->state = JP_MISSION_IDLE;
+}
+
 /* ---- A cycle ---- */
 
 static void mark(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
@@ -483,9 +501,11 @@ static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_
     }
 }
 
-/* From where it has found itself to be, the path leads elsewhere. */
+/* From where it has found itself to be, the path leads elsewhere, and what was marked from another place is not there.
+ */
 static void plan_from_new_place(struct jp_patrol_mission *mission)
 {
+    copy_map(mission);
     if (mission->state == JP_MISSION_PLANNING || mission->state == JP_MISSION_UNDER_WAY) {
         jp_patrol_hold(&mission->patrol);
         plan(mission);

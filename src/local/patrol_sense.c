@@ -47,6 +47,7 @@ void jp_patrol_predict_pose(struct jp_patrol *patrol, const struct jp_patrol_inp
     }
     patrol->internal.wheels = input->wheels;
     patrol->internal.has_wheels = true;
+    patrol->internal.deviation = input->deviation;
     if (jp_patrol_uses_laser(patrol)) {
         judge_laser(patrol, input);
     }

@@ -72,6 +72,38 @@ static uint32_t larger(uint32_t a, uint32_t b)
     return a > b ? a : b;
 }
 
+/** A cost of 16 bits, or JP_COST_MAX, with a share of another one of 16 bits, in 1/(4 JP_GROUND_ONE): at most 65 535,
+ *  or JP_COST_MAX. */
+static jp_cost with_share(jp_cost cost, jp_cost of, uint32_t share)
+{
+    const uint32_t sum = cost + (of * share) / (4U * JP_GROUND_ONE);
+
+    if (cost == JP_COST_MAX) {
+        return cost;
+    }
+    return sum < (uint32_t)UINT16_MAX ? sum : (uint32_t)UINT16_MAX;
+}
+
+/** What the ground takes more under the wheels of both sides of a robot on a cell that looks along a direction: the sum
+ *  of both, in 1/JP_GROUND_ONE. */
+struct ground_charge {
+    uint32_t straight;
+    uint32_t turning;
+};
+
+static struct ground_charge charge_of(const struct jp_lattice *lattice, enum jp_cost_kind kind,
+                                      const struct jp_terrain *terrain, int32_t x, int32_t y, unsigned direction)
+{
+    const struct jp_cell_offset side = lattice->sides[direction];
+    const struct jp_ground_price *left = &lattice->ground[terrain_class(terrain, x + side.dx, y + side.dy)];
+    const struct jp_ground_price *right = &lattice->ground[terrain_class(terrain, x - side.dx, y - side.dy)];
+
+    if (terrain->classes == NULL || kind != JP_COST_PHYSICAL) {
+        return (struct ground_charge){0, 0};
+    }
+    return (struct ground_charge){(uint32_t)left->straight + right->straight, (uint32_t)left->turning + right->turning};
+}
+
 static jp_cost charged_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind,
                               const struct jp_terrain *terrain, const struct jp_primitive *primitive, int32_t x,
                               int32_t y)
@@ -79,26 +111,33 @@ static jp_cost charged_energy(const struct jp_lattice *lattice, enum jp_cost_kin
     const uint8_t *move = &lattice->moves[primitive->first_move];
     const uint8_t *end = &move[primitive->move_count];
     uint32_t largest = terrain_cost(terrain, x, y);
+    uint32_t turning = charge_of(lattice, kind, terrain, x, y, primitive->start).turning;
     jp_cost sum = 0;
 
     for (; move != end; move++) {
+        const struct jp_slope_cost *costs = &lattice->move_costs[kind][jp_move_kind_of(*move)];
         const int32_t elevation = terrain_elevation(terrain, x, y);
         const uint32_t before = terrain_cost(terrain, x, y);
+        const uint32_t begin = charge_of(lattice, kind, terrain, x, y, *move).straight;
         x += jp_move_offsets[*move].dx;
         y += jp_move_offsets[*move].dy;
+        const struct ground_charge here = charge_of(lattice, kind, terrain, x, y, *move);
         const uint32_t dearer = larger(before, terrain_cost(terrain, x, y));
         const int32_t rise = terrain_elevation(terrain, x, y) - elevation;
-        const jp_cost cost = jp_move_cost(&lattice->move_costs[kind][jp_move_kind_of(*move)], rise);
+        const jp_cost cost = with_share(jp_move_cost(costs, rise), jp_move_cost(costs, 0), begin + here.straight);
         sum = jp_cost_add(sum, times_factor(terrain, cost, dearer));
         largest = larger(largest, dearer);
+        turning = larger(turning, here.turning);
     }
-    return jp_cost_add(sum, times_factor(terrain, primitive->base[kind], largest));
+    const uint16_t base = primitive->base[kind];
+
+    return jp_cost_add(sum, times_factor(terrain, with_share(base, base, 2U * turning), largest));
 }
 
 jp_cost jp_lattice_energy(const struct jp_lattice *lattice, enum jp_cost_kind kind, const struct jp_terrain *terrain,
                           const struct jp_primitive *primitive, int32_t x, int32_t y)
 {
-    if (terrain->costs != NULL) {
+    if (terrain->costs != NULL || terrain->classes != NULL) {
         return charged_energy(lattice, kind, terrain, primitive, x, y);
     }
     const uint8_t *moves = &lattice->moves[primitive->first_move];
@@ -168,6 +207,17 @@ bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terr
     return is_clear(lattice, terrain, lattice->footprint[heading], x, y);
 }
 
+bool jp_lattice_core_holds(const struct jp_lattice *lattice, int32_t dx, int32_t dy)
+{
+    for (unsigned i = 0; i < lattice->core.span_count; i++) {
+        const struct jp_span *span = &lattice->spans[lattice->core.first_span + i];
+        if (span->y == dy && span->first <= dx && span->last >= dx) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool jp_lattice_is_open(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
     return is_clear(lattice, terrain, lattice->core, x, y);
@@ -209,6 +259,28 @@ static bool are_move_costs(const struct jp_lattice *lattice)
             if (!jp_slope_cost_is_valid(&lattice->move_costs[kind][move])) {
                 return false;
             }
+        }
+    }
+    return true;
+}
+
+static bool are_ground_prices(const struct jp_lattice *lattice)
+{
+    for (unsigned i = 0; i < JP_GROUND_CLASSES; i++) {
+        if (lattice->ground[i].straight > JP_GROUND_SHARE_MAX || lattice->ground[i].turning > JP_GROUND_SHARE_MAX) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/** Their cells are swept, so that changes of their classes count. */
+static bool are_sides(const struct jp_lattice *lattice)
+{
+    for (unsigned i = 0; i < (unsigned)JP_MOVE_DIRECTIONS; i++) {
+        if (!jp_lattice_core_holds(lattice, lattice->sides[i].dx, lattice->sides[i].dy) ||
+            !jp_lattice_core_holds(lattice, -lattice->sides[i].dx, -lattice->sides[i].dy)) {
+            return false;
         }
     }
     return true;
@@ -339,6 +411,8 @@ enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **f
              : lattice->by_end == NULL || !are_ends(lattice)       ? "by_end"
              : lattice->spans == NULL || !are_spans(lattice)       ? "spans"
              : !are_move_costs(lattice)                            ? "move_costs"
+             : !are_ground_prices(lattice)                         ? "ground"
+             : !are_sides(lattice)                                 ? "sides"
                                                                    : NULL;
     return *field == NULL ? JP_OK : JP_ERR_CONFIG;
 }

@@ -207,10 +207,112 @@ enum jp_status jp_tariff_by_factors(struct jp_tariff *tariff, const struct jp_la
         return JP_ERR_ARGUMENT;
     }
     const struct prices prices = {.straight = factors->straight, .mass = factors->mass, .turning = factors->turning};
-
     const enum jp_status status = check(&prices, field);
 
     return status == JP_OK ? charge(tariff, lattice, &prices, factors->version) : status;
+}
+
+static jp_q16 lesser(jp_q16 a, jp_q16 b)
+{
+    return a < b ? a : b;
+}
+
+/** What a factor is more than the least one, in 1/JP_GROUND_ONE, rounded down. */
+static uint16_t share_of(jp_q16 factor, jp_q16 least)
+{
+    return (uint16_t)(((int64_t)factor - least) * (int64_t)JP_GROUND_ONE / least);
+}
+
+static void price_grounds(struct jp_lattice *lattice, const struct jp_tariff_grounds *grounds,
+                          const struct jp_tariff_factors *least)
+{
+    for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
+        const struct jp_tariff_factors *of = &grounds->factors[k < grounds->classes ? k : 0U];
+
+        lattice->ground[k].straight = share_of(of->straight, least->straight);
+        lattice->ground[k].turning = share_of(of->turning, least->turning);
+    }
+}
+
+/** How many cells it is to that in which the way ends along an axis, m, from the middle of a cell. */
+static int8_t cells_of(const struct jp_lattice *lattice, jp_q16 way, jp_q31 share)
+{
+    return (int8_t)jp_clamp32(jp_divide(jp_multiply_shift(way, share, 31), lattice->resolution), -INT8_MAX, INT8_MAX);
+}
+
+static bool is_side(const struct jp_lattice *lattice, struct jp_cell_offset side)
+{
+    return jp_lattice_core_holds(lattice, side.dx, side.dy) && jp_lattice_core_holds(lattice, -side.dx, -side.dy);
+}
+
+/** Where the left wheels are, as far as all primitives sweep it. */
+static struct jp_cell_offset side_along(const struct jp_lattice *lattice, unsigned direction, jp_q16 half_track)
+{
+    const jp_angle across = lattice->heading[direction] + JP_ANGLE_DEGREES(90);
+    struct jp_cell_offset side;
+
+    do {
+        side = (struct jp_cell_offset){cells_of(lattice, half_track, jp_cos(across)),
+                                       cells_of(lattice, half_track, jp_sin(across))};
+        half_track -= lattice->resolution;
+    } while (half_track >= 0 && !is_side(lattice, side));
+    return is_side(lattice, side) ? side : (struct jp_cell_offset){0, 0};
+}
+
+static void place_wheels(struct jp_lattice *lattice, jp_q16 half_track)
+{
+    lattice->half_track = half_track;
+    for (unsigned i = 0; i < (unsigned)JP_MOVE_DIRECTIONS; i++) {
+        lattice->sides[i] = side_along(lattice, i, half_track);
+    }
+}
+
+static enum jp_status check_factors(const struct jp_tariff_factors *factors, const char **field)
+{
+    const struct prices prices = {.straight = factors->straight, .mass = factors->mass, .turning = factors->turning};
+
+    return check(&prices, field);
+}
+
+static enum jp_status check_grounds(const struct jp_tariff_grounds *grounds, const char **field)
+{
+    enum jp_status status = JP_OK;
+
+    if (grounds->classes < 1U || grounds->classes > JP_GROUND_CLASSES) {
+        return jp_config_refuse("classes", field);
+    }
+    if (grounds->half_track < 0 || grounds->half_track > JP_Q16(4)) {
+        return jp_config_refuse("half_track", field);
+    }
+    for (unsigned k = 0; k < grounds->classes && status == JP_OK; k++) {
+        status = check_factors(&grounds->factors[k], field);
+    }
+    return status;
+}
+
+enum jp_status jp_tariff_by_grounds(struct jp_tariff *tariff, const struct jp_lattice *lattice,
+                                    const struct jp_tariff_grounds *grounds, const char **field)
+{
+    if (tariff == NULL || lattice == NULL || grounds == NULL || grounds->factors == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    enum jp_status status = check_grounds(grounds, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    struct jp_tariff_factors least = grounds->factors[0];
+
+    for (unsigned k = 1; k < grounds->classes; k++) {
+        least.straight = lesser(least.straight, grounds->factors[k].straight);
+        least.turning = lesser(least.turning, grounds->factors[k].turning);
+    }
+    status = jp_tariff_by_factors(tariff, lattice, &least, field);
+    if (status == JP_OK) {
+        price_grounds(&tariff->lattice, grounds, &least);
+        place_wheels(&tariff->lattice, grounds->half_track);
+    }
+    return status;
 }
 
 /** Of the fastest primitive, which drives straight; m²/s² in Q16. */

@@ -7,6 +7,10 @@
 
 enum { WORD_BITS = 32 };
 
+#define CELLS_PER_CLASS_BYTE 4U
+
+_Static_assert(JP_GROUND_CLASSES == 4U, "a class has two bits");
+
 /** Steeper ground is as steep, rise over run. */
 #define SLOPE_MAX JP_Q24(64)
 
@@ -34,6 +38,16 @@ static enum jp_status check(const struct jp_terrain_config *config, const char *
     return jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 }
 
+static size_t elevation_bytes(const struct jp_terrain_config *config, size_t cells)
+{
+    return config->has_elevation ? cells * sizeof(jp_elevation) : 0U;
+}
+
+static size_t class_bytes(size_t cells)
+{
+    return (cells + CELLS_PER_CLASS_BYTE - 1U) / CELLS_PER_CLASS_BYTE;
+}
+
 size_t jp_terrain_size(const struct jp_terrain_config *config)
 {
     const char *field;
@@ -42,9 +56,9 @@ size_t jp_terrain_size(const struct jp_terrain_config *config)
         return 0;
     }
     const size_t cells = (size_t)config->width * config->height;
-    const size_t elevations = config->has_elevation ? cells * sizeof(jp_elevation) : 0U;
 
-    return 2U * plane_words(config) * sizeof(uint32_t) + elevations + (config->has_costs ? cells : 0U);
+    return 2U * plane_words(config) * sizeof(uint32_t) + elevation_bytes(config, cells) +
+           (config->has_costs ? cells : 0U) + (config->has_classes ? class_bytes(cells) : 0U);
 }
 
 enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terrain_config *config, void *block,
@@ -71,7 +85,9 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
     terrain->unknown = &terrain->blocked[words];
     uint8_t *rest = (uint8_t *)(void *)&terrain->unknown[words];
     terrain->elevation = config->has_elevation ? (jp_elevation *)(void *)rest : NULL;
-    terrain->costs = config->has_costs ? &rest[config->has_elevation ? cells * sizeof(jp_elevation) : 0U] : NULL;
+    rest = &rest[elevation_bytes(config, cells)];
+    terrain->costs = config->has_costs ? rest : NULL;
+    terrain->classes = config->has_classes ? &rest[config->has_costs ? cells : 0U] : NULL;
     (void)memset(terrain->blocked, config->unknown_is_free ? 0 : 0xFF, words * sizeof(uint32_t));
     (void)memset(terrain->unknown, 0xFF, words * sizeof(uint32_t));
     if (terrain->elevation != NULL) {
@@ -79,6 +95,9 @@ enum jp_status jp_terrain_init(struct jp_terrain *terrain, const struct jp_terra
     }
     if (terrain->costs != NULL) {
         (void)memset(terrain->costs, 0, cells);
+    }
+    if (terrain->classes != NULL) {
+        (void)memset(terrain->classes, 0, class_bytes(cells));
     }
     return JP_OK;
 }
@@ -142,6 +161,26 @@ enum jp_status jp_terrain_set_cost(struct jp_terrain *terrain, int32_t x, int32_
         return JP_ERR_OUTSIDE;
     }
     terrain->costs[(size_t)y * terrain->config.width + (size_t)x] = cost;
+    terrain->version++;
+    return JP_OK;
+}
+
+enum jp_status jp_terrain_set_class(struct jp_terrain *terrain, int32_t x, int32_t y, uint8_t ground)
+{
+    if (ground >= JP_GROUND_CLASSES) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (terrain->classes == NULL) {
+        return JP_ERR_STATE;
+    }
+    if (!terrain_contains(terrain, x, y)) {
+        return JP_ERR_OUTSIDE;
+    }
+    const size_t cell = (size_t)y * terrain->config.width + (size_t)x;
+    const unsigned shift = 2U * (unsigned)(cell % CELLS_PER_CLASS_BYTE);
+    uint8_t *byte = &terrain->classes[cell / CELLS_PER_CLASS_BYTE];
+
+    *byte = (uint8_t)((*byte & ~(3U << shift)) | ((uint32_t)ground << shift));
     terrain->version++;
     return JP_OK;
 }
@@ -246,6 +285,11 @@ uint32_t jp_terrain_block_steep(struct jp_terrain *terrain, jp_q24 steepest)
 uint8_t jp_terrain_cost(const struct jp_terrain *terrain, int32_t x, int32_t y)
 {
     return terrain_cost(terrain, x, y);
+}
+
+uint8_t jp_terrain_class(const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    return terrain_class(terrain, x, y);
 }
 
 static bool is_row_clear(const uint32_t *row, uint32_t first, uint32_t last)

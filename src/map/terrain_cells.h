@@ -28,4 +28,14 @@ static inline uint8_t terrain_cost(const struct jp_terrain *terrain, int32_t x, 
     return terrain->costs[(size_t)y * terrain->config.width + (size_t)x];
 }
 
+/** As jp_terrain_class(). */
+static inline uint8_t terrain_class(const struct jp_terrain *terrain, int32_t x, int32_t y)
+{
+    if (terrain->classes == NULL || !terrain_contains(terrain, x, y)) {
+        return 0;
+    }
+    const size_t cell = (size_t)y * terrain->config.width + (size_t)x;
+    return (uint8_t)(((uint32_t)terrain->classes[cell / 4U] >> (2U * (cell % 4U))) & 3U);
+}
+
 #endif

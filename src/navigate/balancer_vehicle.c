@@ -89,8 +89,10 @@ static jp_q16 turn_duration(const struct jp_balancer_vehicle *balancer)
     return shaped > JP_SEGMENT_DURATION_MIN ? shaped : JP_SEGMENT_DURATION_MIN;
 }
 
-static enum jp_status turn(void *context, jp_angle heading)
+static enum jp_status turn(void *context, jp_angle heading, const struct jp_ground *ground)
 {
+    (void)ground;
+
     struct jp_balancer_vehicle *balancer = balancer_of(context);
     const jp_q24 limit = config_of(balancer)->limits.turn;
     struct jp_telemetry telemetry;

@@ -63,9 +63,12 @@ static bool is_route(enum jp_answer answer)
     return answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND || answer == JP_ANSWER_PARTIAL;
 }
 
-static bool has_hills(const struct jp_course *course)
+/** Not all lines of a length cost alike. */
+static bool has_prices(const struct jp_course *course)
 {
-    return course->config.terrain->config.has_elevation;
+    const struct jp_terrain_config *ground = &course->config.terrain->config;
+
+    return ground->has_elevation || ground->has_classes;
 }
 
 /** To the end of the next primitive of the plan that leads elsewhere. False: the others turn where they are. */
@@ -78,7 +81,7 @@ static bool follow_plan(const struct jp_course *course, struct jp_course_place *
         const struct jp_primitive *primitive = jp_planner_step(planner, place->step, &place->pose);
 
         place->step++;
-        if (has_hills(course)) {
+        if (has_prices(course)) {
             place->cost += (int64_t)jp_lattice_energy(course->internal.lattice, JP_COST_PHYSICAL,
                                                       course->config.terrain, primitive, before.x, before.y);
         }
@@ -179,7 +182,7 @@ static int64_t saving_to(const struct jp_course *course, const struct jp_point *
 static void take(struct jp_course *course, const struct jp_point *to)
 {
     struct jp_course_internal *internal = &course->internal;
-    const int64_t saving = has_hills(course) ? saving_to(course, to) : 0;
+    const int64_t saving = has_prices(course) ? saving_to(course, to) : 0;
 
     if (saving == TOO_STEEP) {
         internal->misses++;

@@ -443,7 +443,8 @@ static void face(struct jp_navigator *navigator, const struct jp_place *place, e
         enter(navigator, after_turn(navigator), JP_NAVIGATOR_NO_REASON);
     } else {
         internal->turns++;
-        (void)accepts(navigator, vehicle->turn(vehicle->context, heading - internal->origin.heading));
+        (void)accepts(navigator,
+                      vehicle->turn(vehicle->context, heading - internal->origin.heading, jp_frame_ground(navigator)));
     }
 }
 

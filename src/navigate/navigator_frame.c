@@ -61,18 +61,32 @@ static jp_q16 elevation_at(const void *context, const struct jp_point *point)
     return jp_terrain_height(jp_planner_terrain(navigator->config.planner), &place);
 }
 
+static uint8_t class_at(const void *context, const struct jp_point *point)
+{
+    const struct jp_navigator *navigator = navigator_of(context);
+    const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
+    const struct jp_point place = on_map(&navigator->internal.origin, point);
+    const jp_q16 cell = terrain->config.resolution;
+
+    return jp_terrain_class(terrain, place.x / cell, place.y / cell);
+}
+
 struct jp_ground jp_frame_make_ground(const struct jp_navigator *navigator)
 {
     const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
 
-    return (struct jp_ground){elevation_at, navigator, terrain->config.resolution};
+    return (struct jp_ground){.elevation = elevation_at,
+                              .class_at = class_at,
+                              .context = navigator,
+                              .spacing = terrain->config.resolution,
+                              .margin = navigator->config.margin};
 }
 
 const struct jp_ground *jp_frame_ground(const struct jp_navigator *navigator)
 {
     const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
 
-    return terrain->config.has_elevation ? &navigator->internal.ground : NULL;
+    return terrain->config.has_elevation || terrain->config.has_classes ? &navigator->internal.ground : NULL;
 }
 
 jp_angle jp_frame_direction(const struct jp_point *from, const struct jp_point *to)

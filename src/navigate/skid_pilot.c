@@ -25,15 +25,20 @@ static enum jp_status check_own(const struct jp_skid_pilot_config *config, const
     if (config->pieces == NULL) {
         return jp_config_refuse("pieces", field);
     }
+    if (config->grounds != NULL && config->ground_learning == NULL) {
+        return jp_config_refuse("ground_learning", field);
+    }
     return config->places < JP_SKID_PILOT_PIECES(1U) ? jp_config_refuse("places", field)
                                                      : jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 }
 
 static enum jp_status check(const struct jp_skid_pilot_config *config, const char **field)
 {
-    const bool parts_fit = check_own(config, field) == JP_OK && jp_skid_energy_check(config->model, field) == JP_OK &&
-                           jp_skid_learning_check(config->learning, field) == JP_OK &&
-                           jp_path_limits_check(&config->limits, field) == JP_OK;
+    const bool parts_fit =
+        check_own(config, field) == JP_OK && jp_skid_energy_check(config->model, field) == JP_OK &&
+        jp_skid_learning_check(config->learning, field) == JP_OK &&
+        jp_path_limits_check(&config->limits, field) == JP_OK &&
+        (config->grounds == NULL || jp_factor_learning_check(config->ground_learning, field) == JP_OK);
 
     return parts_fit ? JP_OK : JP_ERR_CONFIG;
 }
@@ -51,7 +56,15 @@ enum jp_status jp_skid_pilot_init(struct jp_skid_pilot *pilot, const struct jp_s
         *pilot = (struct jp_skid_pilot){.config = *config, .internal = {.robot = robot}};
         jp_skid_learner_start(&pilot->learner, config->learning, config->model);
     }
+    if (status == JP_OK && config->grounds != NULL) {
+        jp_skid_grounds_start(config->grounds, config->ground_learning, &pilot->learner);
+    }
     return status;
+}
+
+static struct jp_skid_knowledge known_to(const struct jp_skid_pilot *pilot)
+{
+    return (struct jp_skid_knowledge){&pilot->learner, pilot->config.grounds};
 }
 
 /** The phase changes here alone. */
@@ -92,11 +105,17 @@ static void cut_leg(struct jp_skid_pilot *pilot)
 }
 
 /** What is told of the leg that begins. */
-static void describe(struct jp_skid_pilot *pilot, jp_q16 duration)
+static void describe(struct jp_skid_pilot *pilot)
 {
     const struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
+    const struct jp_skid_knowledge known = known_to(pilot);
+    struct jp_skid_ground_drive drive = {.at_edges = 0};
+    struct jp_skid_drive total;
+    jp_q16 duration = 0;
 
-    pilot->leg = (struct jp_skid_pilot_leg){.duration = duration, .energy = jp_saturate32(watch->drive.energy)};
+    jp_skid_run_leg_energy(&pilot->internal.run, &watch->leg, &known, &drive, &duration);
+    jp_skid_ground_drive_total(&drive, &total);
+    pilot->leg = (struct jp_skid_pilot_leg){.duration = duration, .energy = jp_saturate32(total.energy)};
     for (unsigned i = watch->leg.begin; i < watch->leg.end; i++) {
         const struct jp_path_piece *piece = &pilot->internal.run.path.pieces[i];
 
@@ -105,21 +124,57 @@ static void describe(struct jp_skid_pilot *pilot, jp_q16 duration)
     }
 }
 
+/** The part of a leg from its begin that is learned from alone. */
+static struct jp_skid_leg part_of(const struct jp_skid_pilot *pilot, const struct jp_skid_leg *leg)
+{
+    struct jp_skid_leg part = *leg;
+
+    if (pilot->config.grounds != NULL) {
+        part.end = jp_skid_run_end_of_ground(&pilot->internal.run, leg);
+    }
+    return part;
+}
+
+/** What is left of the leg after the part that is watched. */
+static struct jp_skid_leg rest_of_leg(const struct jp_skid_pilot *pilot)
+{
+    const struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
+
+    return (struct jp_skid_leg){.begin = watch->part.end,
+                                .end = watch->leg.end,
+                                .speed = pilot->internal.run.path.pieces[watch->part.end - 1U].speed.end};
+}
+
+static void begin_part(struct jp_skid_pilot *pilot, const struct jp_skid_leg *part,
+                       const struct jp_skid_telemetry *telemetry, bool is_mixed)
+{
+    struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
+    const struct jp_skid_knowledge known = known_to(pilot);
+    jp_q16 duration = 0;
+
+    watch->part = *part;
+    watch->drive = (struct jp_skid_ground_drive){.at_edges = 0};
+    watch->is_mixed = is_mixed;
+    watch->energy = telemetry->energy;
+    watch->tick = telemetry->tick;
+    watch->dropped_frames = telemetry->dropped_frames;
+    watch->saturated_ticks = telemetry->saturated_ticks;
+    watch->battery_flags = 0;
+    jp_skid_run_leg_energy(&pilot->internal.run, part, &known, &watch->drive, &duration);
+}
+
 static void begin_leg(struct jp_skid_pilot *pilot, const struct jp_skid_leg *leg,
                       const struct jp_skid_telemetry *telemetry, bool is_mixed)
 {
     struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
-    jp_q16 duration = 0;
+    const struct jp_skid_leg part = part_of(pilot, leg);
 
-    *watch = (struct jp_skid_pilot_watch){.leg = *leg,
-                                          .is_mixed = is_mixed,
-                                          .energy = telemetry->energy,
-                                          .tick = telemetry->tick,
-                                          .dropped_frames = telemetry->dropped_frames,
-                                          .saturated_ticks = telemetry->saturated_ticks};
-    jp_skid_run_leg_energy(&pilot->internal.run, leg, &pilot->learner.model, &watch->drive, &duration);
+    watch->leg = *leg;
+    watch->leg_energy = telemetry->energy;
+    watch->leg_tick = telemetry->tick;
+    begin_part(pilot, &part, telemetry, is_mixed);
     pilot->legs_begun++;
-    describe(pilot, duration);
+    describe(pilot);
 }
 
 static enum jp_evidence evidence_of(const struct jp_skid_pilot_watch *watch, const struct jp_skid_telemetry *telemetry)
@@ -138,13 +193,15 @@ static enum jp_evidence evidence_of(const struct jp_skid_pilot_watch *watch, con
     return watch->battery_flags == 0U ? JP_EVIDENCE_GOOD : JP_EVIDENCE_BATTERY;
 }
 
-/** What exceeds its format teaches nothing. */
-static void learn(struct jp_skid_pilot *pilot, enum jp_evidence evidence)
+/** From the part that is over. What exceeds its format teaches nothing. */
+static void learn(struct jp_skid_pilot *pilot, const struct jp_skid_telemetry *telemetry)
 {
-    const jp_q16 measured = jp_energy_to_q16(pilot->result.energy, pilot->config.model->unit_exponent);
+    const struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
+    const enum jp_evidence evidence = evidence_of(watch, telemetry);
+    const jp_q16 measured = jp_energy_to_q16(telemetry->energy - watch->energy, pilot->config.model->unit_exponent);
 
-    if (evidence == JP_EVIDENCE_GOOD &&
-        jp_skid_learner_update(&pilot->learner, &pilot->internal.watch.drive, measured, &pilot->learned) == JP_OK) {
+    if (evidence == JP_EVIDENCE_GOOD && jp_skid_grounds_update(pilot->config.grounds, &pilot->learner, &watch->drive,
+                                                               measured, &pilot->learned) == JP_OK) {
         pilot->evidence = evidence;
         pilot->legs_learned_from = jp_one_more32(pilot->legs_learned_from);
     } else {
@@ -157,9 +214,27 @@ static void end_leg(struct jp_skid_pilot *pilot, const struct jp_skid_telemetry 
     const struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
 
     pilot->legs_ended++;
-    pilot->result = (struct jp_skid_pilot_result){
-        .leg = pilot->legs_ended, .energy = telemetry->energy - watch->energy, .ticks = telemetry->tick - watch->tick};
-    learn(pilot, evidence_of(watch, telemetry));
+    pilot->result = (struct jp_skid_pilot_result){.leg = pilot->legs_ended,
+                                                  .energy = telemetry->energy - watch->leg_energy,
+                                                  .ticks = telemetry->tick - watch->leg_tick};
+    learn(pilot, telemetry);
+}
+
+/** Parts that end before their leg does: of one that ends in a call after another one, what they took cannot be told
+ *  apart. */
+static void watch_parts(struct jp_skid_pilot *pilot, const struct jp_skid_telemetry *telemetry)
+{
+    struct jp_skid_pilot_watch *watch = &pilot->internal.watch;
+
+    while (watch->part.end < watch->leg.end && telemetry->path_piece >= watch->part.end) {
+        const struct jp_skid_leg rest_of = rest_of_leg(pilot);
+        const struct jp_skid_leg next = part_of(pilot, &rest_of);
+        const bool is_over = telemetry->path_piece >= next.end;
+
+        watch->is_mixed = watch->is_mixed || is_over;
+        learn(pilot, telemetry);
+        begin_part(pilot, &next, telemetry, is_over);
+    }
 }
 
 /** One leg ends in a call; where the next one has ended, too, what they took cannot be told apart. */
@@ -169,7 +244,11 @@ static void watch_leg(struct jp_skid_pilot *pilot, const struct jp_skid_telemetr
     struct jp_skid_leg next = watch->leg;
 
     watch->battery_flags |= pilot->battery_flags;
-    if (pilot->legs_begun == pilot->legs_ended || telemetry->path_piece < watch->leg.end) {
+    if (pilot->legs_begun == pilot->legs_ended) {
+        return;
+    }
+    watch_parts(pilot, telemetry);
+    if (telemetry->path_piece < watch->leg.end) {
         return;
     }
     const bool goes_on = jp_skid_run_next_leg(&pilot->internal.run, &next);
@@ -222,19 +301,20 @@ static enum jp_status lay(struct jp_skid_pilot *pilot, const struct jp_skid_tele
     const struct jp_path_pose start = pose_of(telemetry);
 
     internal->is_laid = true;
-    internal->sum = (struct jp_forecast_sum){.energy = 0};
+    internal->sum = (struct jp_skid_ground_sum){.robot = {.energy = 0}};
     internal->forecast_status = JP_OK;
     internal->surveyed = (struct jp_skid_leg){.end = 0};
-    if (route->count == 0U) {
-        jp_skid_run_lay_turn(&internal->run, &pilot->config, &start, internal->heading);
-        return JP_OK;
-    }
     const struct jp_line_route lines = {.start = start.position,
                                         .heading = start.heading,
                                         .targets = route->targets,
                                         .count = route->count,
-                                        .ground = route->ground};
+                                        .ground = route->ground,
+                                        .half_track = jp_skid_run_half_track(&pilot->config)};
 
+    if (route->count == 0U) {
+        jp_skid_run_lay_turn(&internal->run, &pilot->config, &lines, internal->heading);
+        return JP_OK;
+    }
     return jp_skid_run_lay(&internal->run, &pilot->config, &lines, route->slower);
 }
 
@@ -242,10 +322,11 @@ static enum jp_status lay(struct jp_skid_pilot *pilot, const struct jp_skid_tele
 static void survey_leg(struct jp_skid_pilot *pilot)
 {
     struct jp_skid_pilot_internal *internal = &pilot->internal;
-    struct jp_skid_drive drive = {.energy = 0};
+    const struct jp_skid_knowledge known = known_to(pilot);
+    struct jp_skid_ground_drive drive = {.on = {{.energy = 0}}};
 
-    jp_skid_run_leg_energy(&internal->run, &internal->surveyed, &pilot->learner.model, &drive, &pilot->duration);
-    if (jp_skid_forecast_add(&pilot->learner, &internal->sum, &drive) != JP_OK) {
+    jp_skid_run_leg_energy(&internal->run, &internal->surveyed, &known, &drive, &pilot->duration);
+    if (jp_skid_grounds_forecast_add(&pilot->learner, &internal->sum, &drive) != JP_OK) {
         internal->forecast_status = JP_ERR_OVERFLOW;
     }
     pilot->legs_surveyed++;
@@ -269,7 +350,8 @@ static enum jp_status hand_over(struct jp_skid_pilot *pilot, const struct jp_ski
 static enum jp_status finish_survey(struct jp_skid_pilot *pilot, const struct jp_skid_telemetry *telemetry)
 {
     struct jp_skid_pilot_internal *internal = &pilot->internal;
-    const enum jp_status total = jp_skid_forecast_total(&pilot->learner, &internal->sum, &internal->forecast);
+    const enum jp_status total =
+        jp_skid_grounds_forecast_total(pilot->config.grounds, &pilot->learner, &internal->sum, &internal->forecast);
 
     internal->forecast_status = total == JP_OK ? internal->forecast_status : total;
     if (internal->is_question) {
@@ -372,7 +454,7 @@ enum jp_status jp_skid_pilot_follow(struct jp_skid_pilot *pilot, const struct jp
     return status;
 }
 
-enum jp_status jp_skid_pilot_turn(struct jp_skid_pilot *pilot, jp_angle heading)
+enum jp_status jp_skid_pilot_turn(struct jp_skid_pilot *pilot, jp_angle heading, const struct jp_ground *ground)
 {
     if (pilot == NULL) {
         return JP_ERR_ARGUMENT;
@@ -382,7 +464,7 @@ enum jp_status jp_skid_pilot_turn(struct jp_skid_pilot *pilot, jp_angle heading)
     }
     jp_skid_robot_stop(pilot->internal.robot);
     pilot->internal.heading = heading;
-    accept(pilot, &(struct jp_skid_pilot_route){.count = 0}, false);
+    accept(pilot, &(struct jp_skid_pilot_route){.count = 0, .ground = ground}, false);
     return JP_OK;
 }
 

@@ -1,5 +1,7 @@
 #include "src/navigate/skid_run.h"
 
+#include <stddef.h>
+
 #include "src/trajectory/path_piece.h"
 
 /** Each step of being slower takes a quarter of the speed. */
@@ -37,11 +39,11 @@ enum jp_status jp_skid_run_lay(struct jp_skid_run *run, const struct jp_skid_pil
 }
 
 void jp_skid_run_lay_turn(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
-                          const struct jp_path_pose *start, jp_angle heading)
+                          const struct jp_line_route *route, jp_angle heading)
 {
     begin(run, config, 0);
     /* A robot that has the heading turns by no piece. */
-    (void)jp_turn_path(&run->path, run->path.pieces, run->path.places, start, heading);
+    (void)jp_turn_path(&run->path, run->path.pieces, run->path.places, route, heading);
 }
 
 /** Pieces from one stand to the next: the robot stands before and after each turn on the spot. */
@@ -75,23 +77,6 @@ static bool is_arc(const struct jp_path_piece *piece)
     return piece->kind == JP_PIECE_CURVE && piece->bend != 0;
 }
 
-/** v² in Q48 is so much more after a way. */
-static int64_t change_of_square(jp_q24 acceleration, jp_q24 way)
-{
-    return 2 * (int64_t)acceleration * way;
-}
-
-/** Of the robot after `way` on a piece: on its way to the cruise, or braking. */
-static jp_q24 speed_after(const struct jp_piece_speed *speed, jp_q24 begin, jp_q24 way)
-{
-    const int64_t cruise = (int64_t)speed->cruise * speed->cruise;
-    const int64_t gained = (int64_t)begin * begin + change_of_square(speed->acceleration, way);
-    const int64_t lost = cruise - change_of_square(speed->acceleration, way - speed->brake_from);
-    const int64_t reached = gained < cruise ? gained : cruise;
-
-    return (jp_q24)jp_square_root((uint64_t)(way <= speed->brake_from ? reached : lost));
-}
-
 static struct jp_point middle_of(const struct jp_path_piece *arc, jp_q24 turned)
 {
     const jp_angle direction = arc->heading + jp_angle_from_radians(turned / 2);
@@ -108,7 +93,7 @@ static void halve(struct jp_path_piece halves[2], jp_q24 begin)
     struct jp_path_piece *second = &halves[1];
     const jp_q24 way = first->length / 2;
     const jp_q24 turned = jp_piece_turned(first, way);
-    const jp_q24 speed = speed_after(&first->speed, begin, way);
+    const jp_q24 speed = jp_piece_speed_after(&first->speed, begin, way);
     const bool brakes = first->speed.brake_from < way;
 
     *second = *first;
@@ -191,15 +176,61 @@ bool jp_skid_run_next_leg(const struct jp_skid_run *run, struct jp_skid_leg *leg
     return true;
 }
 
+uint16_t jp_skid_run_end_of_ground(const struct jp_skid_run *run, const struct jp_skid_leg *leg)
+{
+    const struct jp_path_piece *pieces = run->path.pieces;
+    uint16_t end = (uint16_t)(leg->begin + 1U);
+
+    while (end < leg->end && jp_piece_is_on_the_same(&pieces[end - 1U], &pieces[end])) {
+        end++;
+    }
+    return end;
+}
+
+/** By the model of a class of ground. */
+static uint8_t add_by_class(const struct jp_skid_knowledge *known, uint8_t ground, const struct jp_path_piece *piece,
+                            const struct jp_path_piece *next, jp_q24 speed, struct jp_skid_drive *drive,
+                            jp_q16 *duration)
+{
+    const uint8_t known_class = ground < JP_GROUND_CLASSES ? ground : 0U;
+
+    jp_skid_piece_energy(jp_skid_grounds_model(known->grounds, known->robot, known_class), piece, next, speed, drive,
+                         duration);
+    return known_class;
+}
+
+static void add_piece(const struct jp_skid_knowledge *known, const struct jp_path_piece *piece,
+                      const struct jp_path_piece *next, jp_q24 speed, struct jp_skid_ground_drive *drive,
+                      jp_q16 *duration)
+{
+    struct jp_skid_drive left = {.energy = 0};
+    jp_q16 again = 0;
+    const uint8_t on = add_by_class(known, piece->ground_left, piece, next, speed, &left, duration);
+
+    drive->at_edges += piece->is_at_edge ? left.energy : 0;
+    if (piece->ground_left == piece->ground_right) {
+        jp_skid_drive_add(&drive->on[on], &left, 1);
+    } else {
+        struct jp_skid_drive right = {.energy = 0};
+        const uint8_t other = add_by_class(known, piece->ground_right, piece, next, speed, &right, &again);
+
+        /* Each side is on its own. */
+        jp_skid_drive_add(&drive->on[on], &left, 2);
+        jp_skid_drive_add(&drive->on[other], &right, 2);
+    }
+}
+
 void jp_skid_run_leg_energy(const struct jp_skid_run *run, const struct jp_skid_leg *leg,
-                            const struct jp_skid_energy_model *model, struct jp_skid_drive *drive, jp_q16 *duration)
+                            const struct jp_skid_knowledge *known, struct jp_skid_ground_drive *drive, jp_q16 *duration)
 {
     jp_q24 speed = leg->speed;
 
     for (unsigned i = leg->begin; i < leg->end; i++) {
         const struct jp_path_piece *piece = &run->path.pieces[i];
 
-        jp_skid_piece_energy(model, piece, speed, drive, duration);
+        const struct jp_path_piece *next = i + 1U < run->path.count ? &piece[1] : NULL;
+
+        add_piece(known, piece, next, speed, drive, duration);
         speed = piece->speed.end;
     }
 }

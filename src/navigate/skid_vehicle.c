@@ -52,11 +52,11 @@ static bool stands(struct jp_skid_vehicle *skid)
     return view.phase == JP_VEHICLE_STANDING;
 }
 
-static enum jp_status turn(void *context, jp_angle heading)
+static enum jp_status turn(void *context, jp_angle heading, const struct jp_ground *ground)
 {
     struct jp_skid_vehicle *skid = skid_of(context);
 
-    return stands(skid) ? jp_skid_pilot_turn(skid->pilot, heading) : JP_ERR_STATE;
+    return stands(skid) ? jp_skid_pilot_turn(skid->pilot, heading, ground) : JP_ERR_STATE;
 }
 
 static enum jp_status follow(void *context, const struct jp_vehicle_run *run)
@@ -84,7 +84,8 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
                                         .heading = run->heading,
                                         .targets = run->targets,
                                         .count = run->count,
-                                        .ground = run->ground};
+                                        .ground = run->ground,
+                                        .half_track = jp_skid_run_half_track(&skid->pilot->config)};
     struct jp_skid_pilot_config config = skid->pilot->config;
 
     if (anew) {
@@ -142,10 +143,11 @@ static void add_leg(struct jp_skid_vehicle *skid)
 {
     struct jp_skid_survey *survey = &skid->survey;
     const struct jp_skid_learner *learner = &skid->pilot->learner;
-    struct jp_skid_drive drive = {.energy = 0};
+    const struct jp_skid_knowledge known = {learner, skid->pilot->config.grounds};
+    struct jp_skid_ground_drive drive = {.on = {{.energy = 0}}};
 
-    jp_skid_run_leg_energy(&survey->run, &survey->leg, &learner->model, &drive, &survey->sum.duration);
-    (void)jp_skid_forecast_add(learner, &survey->sum.energy, &drive);
+    jp_skid_run_leg_energy(&survey->run, &survey->leg, &known, &drive, &survey->sum.duration);
+    (void)jp_skid_grounds_forecast_add(learner, &survey->sum.energy, &drive);
 }
 
 static enum jp_status survey_leg(void *context, struct jp_leg_extent *extent)
@@ -168,7 +170,7 @@ static void forecast(void *context, jp_q16 *duration, struct jp_forecast *energy
     const struct jp_skid_sum *sum = &skid->survey.before;
 
     *duration = sum->duration;
-    (void)jp_skid_forecast_total(&skid->pilot->learner, &sum->energy, energy);
+    (void)jp_skid_grounds_forecast_total(skid->pilot->config.grounds, &skid->pilot->learner, &sum->energy, energy);
 }
 
 enum jp_status jp_skid_vehicle_init(struct jp_skid_vehicle *skid, struct jp_skid_pilot *pilot,

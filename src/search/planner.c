@@ -238,6 +238,31 @@ enum jp_status jp_planner_set_cost(struct jp_planner *planner, int32_t x, int32_
     return JP_OK;
 }
 
+/** True when one class of ground may take less than another. */
+static bool may_be_cheaper(const struct jp_lattice *lattice, uint8_t ground, uint8_t than)
+{
+    const struct jp_ground_price *a = &lattice->ground[ground];
+    const struct jp_ground_price *b = &lattice->ground[than];
+
+    return a->straight < b->straight || a->turning < b->turning;
+}
+
+enum jp_status jp_planner_set_class(struct jp_planner *planner, int32_t x, int32_t y, uint8_t ground)
+{
+    struct jp_planner_internal *inner = &planner->internal;
+    const uint8_t old = jp_terrain_class(inner->terrain, x, y);
+    const enum jp_status status = jp_terrain_set_class(inner->terrain, x, y, ground);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    inner->terrain_version++;
+    if (ground != old) {
+        jp_phases_note_change(inner, x, y, may_be_cheaper(inner->config.lattice, ground, old));
+    }
+    return JP_OK;
+}
+
 /* ---- What is known ---- */
 
 bool jp_planner_is_idle(const struct jp_planner *planner)

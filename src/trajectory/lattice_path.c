@@ -79,9 +79,9 @@ static bool goes_on(const struct jp_path_piece *last, const struct jp_path_piece
         return false;
     }
     if (piece->kind != JP_PIECE_CURVE) {
-        return true;
+        return jp_piece_is_on_the_same(last, piece);
     }
-    return jp_piece_is_straight(last) && jp_piece_is_straight(piece) && jp_piece_rises_alike(last, piece);
+    return jp_piece_is_straight(last) && jp_piece_is_straight(piece) && jp_piece_lies_alike(last, piece);
 }
 
 static enum jp_status append(struct jp_lattice_path *path, const struct jp_path_piece *piece)
@@ -98,6 +98,16 @@ static enum jp_status append(struct jp_lattice_path *path, const struct jp_path_
     return JP_OK;
 }
 
+/** Of the ground under the wheels of a side, 1: left, halfway on a primitive. */
+static uint8_t class_beside(const struct jp_terrain *terrain, const struct jp_lattice *lattice,
+                            const struct jp_lattice_pose *from, const struct jp_primitive *primitive, int32_t side)
+{
+    const struct jp_cell_offset left = lattice->sides[primitive->start];
+
+    return jp_terrain_class(terrain, from->x + primitive->dx / 2 + side * left.dx,
+                            from->y + primitive->dy / 2 + side * left.dy);
+}
+
 enum jp_status jp_lattice_path_add(struct jp_lattice_path *path, const struct jp_lattice *lattice,
                                    const struct jp_terrain *terrain, const struct jp_lattice_pose *from,
                                    const struct jp_primitive *primitive)
@@ -112,7 +122,9 @@ enum jp_status jp_lattice_path_add(struct jp_lattice_path *path, const struct jp
         .begin = centre_of(terrain, from->x, from->y),
         .heading = lattice->heading[from->heading],
         .rise = ((int32_t)jp_terrain_elevation(terrain, x, y) - jp_terrain_elevation(terrain, from->x, from->y)) *
-                RISE_STEP};
+                RISE_STEP,
+        .ground_left = class_beside(terrain, lattice, from, primitive, 1),
+        .ground_right = class_beside(terrain, lattice, from, primitive, -1)};
 
     if (!set_piece(&piece, primitive, terrain->config.resolution, heading)) {
         return JP_ERR_INFEASIBLE;

@@ -4,6 +4,7 @@
 
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
+#include "src/trajectory/path_piece.h"
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("path_drive.", struct jp_path_drive_config, member, low, high)
 
@@ -165,36 +166,17 @@ static jp_angle heading_at(const struct jp_path_piece *piece, jp_q24 way)
     return piece->heading + jp_angle_from_radians(jp_piece_turned(piece, way));
 }
 
-/** The curvature there, and how it changes; where it jumps to that of the next piece, evenly. */
-struct bend {
-    jp_q24 bend;
-    jp_q16 rate;
-};
-
-static struct bend bend_at(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+static struct jp_path_bend bend_at(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
 {
-    struct bend at = {jp_piece_bend(piece, d->progress), piece->bend_rate};
+    const bool goes_on = d->piece + 1U < d->path->count;
 
-    if (d->progress < piece->speed.blend) {
-        at.bend -= jp_multiply_shift(piece->speed.blend_rate, piece->speed.blend - d->progress, 16);
-        at.rate = jp_add(at.rate, piece->speed.blend_rate);
-    }
-    if (d->piece + 1U < d->path->count) {
-        const struct jp_piece_speed *next = &piece[1].speed;
-        const jp_q24 into = d->progress - (piece->length - next->blend);
-
-        if (into > 0) {
-            at.bend += jp_multiply_shift(next->blend_rate, into, 16);
-            at.rate = jp_add(at.rate, next->blend_rate);
-        }
-    }
-    return at;
+    return jp_piece_bend_at(piece, goes_on ? &piece[1] : NULL, d->progress);
 }
 
 static void set_curve(struct jp_path_drive_internal *d, const struct jp_path_piece *piece, jp_q24 way,
                       struct jp_path_set_point *at)
 {
-    const struct bend bend = bend_at(d, piece);
+    const struct jp_path_bend bend = bend_at(d, piece);
     const jp_q24 square = jp_q24_multiply(d->speed, d->speed);
 
     d->x += jp_multiply(at->cosine, way) >> 15;

@@ -170,6 +170,62 @@ static void test_wrong_costs(void)
     check_with("\"note\": \"by hand\"", "\"cost\": []", "cost_shift: the key is missing");
 }
 
+/* The sound file with classes of ground, and what they are like, or "" ; the northern row first. */
+static void write_classes(const char *classes, const char *grounds)
+{
+    char text[TEXT_MAX];
+    (void)snprintf(text, sizeof text, "%.*s,\n\"class\": %s%s%s}\n", (int)strlen(sound) - 2, sound, classes,
+                   grounds[0] != '\0' ? ", \"grounds\": " : "", grounds);
+    write_file(text, strlen(text));
+}
+
+static void test_classes_of_ground(void)
+{
+    static const int classes[3][4] = {{3, 2, 1, 0}, {0, 0, 0, 0}, {0, 1, 2, 3}};
+
+    write_classes("[\"0123\", \"0000\", \"3210\"]", "[{\"name\": \"asphalt\", \"rolling\": 1, \"friction\": 1}, "
+                                                    "{\"name\": \"mud\", \"rolling\": 2.5, \"friction\": 0.5}]");
+    TEST_ASSERT_TRUE_MESSAGE(load(path), errors);
+    for (int i = 0; i < 12; i++) {
+        TEST_ASSERT_EQUAL_INT(classes[i / 4][i % 4], jp_terrain_class(&map.terrain, i % 4, i / 4));
+    }
+    TEST_ASSERT_EQUAL_STRING("mud", map.grounds[1].name);
+    TEST_ASSERT_TRUE(map.grounds[1].rolling == 2.5 && map.grounds[1].friction == 0.5);
+    TEST_ASSERT_TRUE(map.grounds[3].rolling == 1 && map.grounds[3].friction == 1);
+    map_file_free(&map);
+    write_classes("[\"0123\", \"0000\", \"3210\"]", "");
+    TEST_ASSERT_TRUE_MESSAGE(load(path), errors);
+    TEST_ASSERT_TRUE(map.grounds[1].rolling == 1 && map.grounds[1].name[0] == '\0');
+    map_file_free(&map);
+}
+
+static void test_wrong_classes(void)
+{
+    static const struct {
+        const char *classes;
+        const char *grounds;
+        const char *culprit;
+    } wrong[] = {
+        {"7", "", "class: is no list of 3"},
+        {"[\"0000\", \"0000\"]", "", "class: is no list of 3"},
+        {"[\"0000\", \"000\", \"0000\"]", "", "class: row 2"},
+        {"[\"0000\", 0, \"0000\"]", "", "class: row 2"},
+        {"[\"0000\", \"0000\", \"0004\"]", "", "class: row 3, cell 4"},
+        {"[\"0000\", \"0000\", \"/000\"]", "", "class: row 3, cell 1"},
+        {"[\"0000\", \"0000\", \"0000\"]", "7", "grounds: is no list of at most 4"},
+        {"[\"0000\", \"0000\", \"0000\"]", "[{\"name\": \"mud\"}]", "grounds: "},
+        {"[\"0000\", \"0000\", \"0000\"]", "[{\"name\": \"mud\", \"rolling\": 0, \"friction\": 1}]", "mud: rolling: 0"},
+        {"[\"0000\", \"0000\", \"0000\"]", "[{\"name\": \"mud\", \"rolling\": 1, \"friction\": 1.5}]",
+         "mud: friction: 1.5"},
+    };
+
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        write_classes(wrong[i].classes, wrong[i].grounds);
+        check_refused(path, wrong[i].culprit);
+    }
+    check_with("\"note\": \"by hand\"", "\"grounds\": []", "grounds: is no list of at most 4");
+}
+
 static void test_resolution_at_its_limits(void)
 {
     check_loads_with("0.2", "0.001");

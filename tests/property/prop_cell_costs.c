@@ -1,11 +1,12 @@
 /*
- * The planner on maps whose cells have costs, against Dijkstra in double precision: random lattices, random edits of
- * costs, cells and elevations while it searches.
+ * The planner on maps whose cells have costs and classes of ground, against Dijkstra in double precision: random
+ * lattices, random edits of costs, classes, cells, elevations and prices of grounds while it searches.
  *
  * prop_cell_costs [--count N] [--seed S]
  * --count is the number of edits.
  */
 #include <joulepath/tables.h>
+#include <joulepath/tariff.h>
 
 #include "tests/support/options.h"
 #include "tests/support/planner_oracle.h"
@@ -19,11 +20,16 @@ enum {
     ROUGHNESS = 30,
     DEAR_MAX = 40, /* of a factor, so that no route exceeds JP_COST_MAX */
     BLOCK = 1 << 19,
-    TRIES = 1000
+    TRIES = 1000,
+    PRIMITIVES_MAX = 256
 };
 
 static struct toy_lattice toy;
-static const struct jp_lattice *lattice;
+static const struct jp_lattice *built_in;
+static const struct jp_lattice *lattice; /* of its prices, or of a tariff */
+static struct jp_primitive primitives[2][PRIMITIVES_MAX];
+static struct jp_tariff tariffs[2];
+static unsigned next_tariff;
 static enum jp_cost_kind kind;
 static struct jp_terrain terrain;
 static uint64_t terrain_block[1024];
@@ -39,14 +45,45 @@ static void pick_lattice(void)
 {
     switch (below(3)) {
     case 0:
-        lattice = &jp_lattice_gao2018;
+        built_in = &jp_lattice_gao2018;
         break;
     default:
         toy_lattice_make(&toy, JP_Q16(0.2));
-        lattice = &toy.lattice;
+        built_in = &toy.lattice;
         break;
     }
-    kind = (enum jp_cost_kind)below(JP_COST_KINDS);
+    lattice = built_in;
+    kind = one_in(2) ? JP_COST_PHYSICAL : (enum jp_cost_kind)below(JP_COST_KINDS);
+}
+
+static jp_q16 random_factor(void)
+{
+    return JP_TARIFF_FACTOR_MIN + (jp_q16)below(JP_TARIFF_FACTOR_MAX - JP_TARIFF_FACTOR_MIN + 1);
+}
+
+/* Of each class. Factors that the lattice has no costs for are drawn again. */
+static void price_grounds(void)
+{
+    struct jp_tariff *tariff = &tariffs[next_tariff];
+    struct jp_tariff_factors factors[JP_GROUND_CLASSES];
+    const char *field = "";
+    enum jp_status status;
+
+    tariff->primitives = primitives[next_tariff];
+    tariff->primitives_max = PRIMITIVES_MAX;
+    do {
+        for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
+            factors[k] = (struct jp_tariff_factors){1, random_factor(), random_factor(), JP_Q16_ONE};
+        }
+        const struct jp_tariff_grounds grounds = {factors, (uint8_t)(1 + below(JP_GROUND_CLASSES)),
+                                                  (jp_q16)below((uint32_t)(4 * built_in->resolution))};
+
+        status = jp_tariff_by_grounds(tariff, built_in, &grounds, &field);
+    } while (status == JP_ERR_OVERFLOW);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, status, field);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, jp_lattice_check(&tariff->lattice, &field), field);
+    lattice = &tariff->lattice;
+    next_tariff = 1 - next_tariff;
 }
 
 static int random_cost(void)
@@ -62,7 +99,8 @@ static void make_map(void)
                                              .height = SIDE,
                                              .resolution = lattice->resolution,
                                              .has_elevation = one_in(2),
-                                             .has_costs = true,
+                                             .has_costs = one_in(2),
+                                             .has_classes = one_in(2),
                                              .cost_shift = (uint8_t)below(JP_CELL_COST_SHIFT_MAX + 1)};
     const char *field = "";
 
@@ -71,16 +109,19 @@ static void make_map(void)
     oracle_map_clear(&map, SIDE, SIDE);
     oracle_init(&oracle, lattice, kind);
     map.cost_shift = config.cost_shift;
+    map.has_classes = config.has_classes;
     for (int32_t i = 0; i < SIDE * SIDE; i++) {
         const int32_t x = i % SIDE;
         const int32_t y = i / SIDE;
         const int cell = oracle_cell(x, y);
         map.is_blocked[cell] = below(100) < BLOCKED_PERCENT;
-        map.cell_cost[cell] = random_cost();
+        map.cell_cost[cell] = config.has_costs ? random_cost() : 0;
+        map.ground[cell] = config.has_classes ? (int)below(JP_GROUND_CLASSES) : 0;
         map.elevation[cell] = config.has_elevation ? (int)below(ROUGHNESS) : 0;
         (void)jp_terrain_set_cell(&terrain, x, y, map.is_blocked[cell] ? JP_CELL_OCCUPIED : JP_CELL_FREE);
         (void)jp_terrain_set_elevation(&terrain, x, y, (jp_elevation)map.elevation[cell]);
-        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cost(&terrain, x, y, (uint8_t)map.cell_cost[cell]));
+        (void)jp_terrain_set_cost(&terrain, x, y, (uint8_t)map.cell_cost[cell]);
+        (void)jp_terrain_set_class(&terrain, x, y, (uint8_t)map.ground[cell]);
     }
 }
 
@@ -109,6 +150,10 @@ static void begin(void)
     do {
         pick_lattice();
         make_map();
+        if (terrain.config.has_classes) {
+            price_grounds();
+            oracle_init(&oracle, lattice, kind);
+        }
         const struct jp_planner_config config = {lattice, kind, {JP_EPSILON(2), JP_EPSILON_ONE}};
         TEST_ASSERT_EQUAL_INT_MESSAGE(JP_OK, jp_planner_init(&planner, &config, &terrain, block, sizeof block, &field),
                                       field);
@@ -128,7 +173,14 @@ static void edit(void)
     } else if (terrain.config.has_elevation && one_in(6)) {
         map.elevation[cell] = (int)below(ROUGHNESS);
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_elevation(&planner, x, y, (jp_elevation)map.elevation[cell]));
-    } else {
+    } else if (terrain.config.has_classes && one_in(20)) {
+        price_grounds();
+        oracle_init(&oracle, lattice, kind);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_lattice(&planner, lattice));
+    } else if (terrain.config.has_classes && one_in(2)) {
+        map.ground[cell] = (int)below(JP_GROUND_CLASSES);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_class(&planner, x, y, (uint8_t)map.ground[cell]));
+    } else if (terrain.config.has_costs) {
         map.cell_cost[cell] = random_cost();
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_cost(&planner, x, y, (uint8_t)map.cell_cost[cell]));
     }
@@ -199,10 +251,15 @@ static void test_costs_that_cannot_be_set(void)
     const char *field = "";
 
     begin_random(options.seed, 2);
-    begin();
+    do {
+        begin();
+    } while (!terrain.config.has_costs || !terrain.config.has_classes);
     TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_planner_set_cost(&planner, SIDE, 0, 1));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_planner_set_class(&planner, 0, -1, 1));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_planner_set_class(&planner, 0, 0, JP_GROUND_CLASSES));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&terrain, &plain, terrain_block, sizeof terrain_block, &field));
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_planner_set_cost(&planner, 0, 0, 1));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_planner_set_class(&planner, 0, 0, 1));
 }
 
 static void add_figures(json_t *figures)

@@ -170,14 +170,14 @@ static void test_a_corner_is_a_turn_on_the_spot(void)
 
 static void test_turns_on_the_spot_alone(void)
 {
-    const struct jp_path_pose start = {{JP_Q16(1), JP_Q16(-2)}, JP_ANGLE_DEGREES(170)};
+    const struct jp_line_route start = {.start = {JP_Q16(1), JP_Q16(-2)}, .heading = JP_ANGLE_DEGREES(170)};
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_turn_path(&path, pieces, 1, &start, JP_ANGLE_DEGREES(-100)));
     TEST_ASSERT_EQUAL_UINT(1, path.count);
     TEST_ASSERT_EQUAL_INT(JP_PIECE_TURN_LEFT, pieces[0].kind);
     TEST_ASSERT_INT32_WITHIN(64, JP_Q24(PI / 2), pieces[0].length);
-    TEST_ASSERT_EQUAL_INT32(start.position.x, path.end.position.x);
-    TEST_ASSERT_EQUAL_INT32(start.position.y, path.end.position.y);
+    TEST_ASSERT_EQUAL_INT32(start.start.x, path.end.position.x);
+    TEST_ASSERT_EQUAL_INT32(start.start.y, path.end.position.y);
     TEST_ASSERT_EQUAL_UINT32(JP_ANGLE_DEGREES(-100), path.end.heading);
     TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_turn_path(&path, pieces, 1, &start, start.heading));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_turn_path(NULL, pieces, 1, &start, 0));
@@ -264,7 +264,7 @@ static jp_q16 hills(const void *context, const struct jp_point *point)
     return (jp_q16)lround(hills_at(point->x / Q16, point->y / Q16) * Q16);
 }
 
-static const struct jp_ground ground = {hills, NULL, JP_Q16(0.2)};
+static const struct jp_ground ground = {hills, NULL, NULL, JP_Q16(0.2), 0};
 
 static bool is_straight(const struct jp_path_piece *piece)
 {
@@ -348,7 +348,7 @@ static jp_q16 plain(const void *context, const struct jp_point *point)
 
 static void test_plains_are_one_piece(void)
 {
-    const struct jp_ground level = {plain, NULL, JP_Q16(0.05)};
+    const struct jp_ground level = {plain, NULL, NULL, JP_Q16(0.05), 0};
 
     route.ground = &level;
     set_target(0, 7, 0);
@@ -356,6 +356,58 @@ static void test_plains_are_one_piece(void)
     TEST_ASSERT_EQUAL_UINT(1, path.count);
     TEST_ASSERT_EQUAL_INT32(JP_Q24(7), hilly[0].length);
     TEST_ASSERT_EQUAL_INT32(0, hilly[0].rise);
+}
+
+/* Mud from 2 to 3 m. */
+static uint8_t mud_at(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    return point->x >= JP_Q16(2) && point->x < JP_Q16(3) ? 1 : 0;
+}
+
+static void test_lines_are_divided_where_the_ground_is_another(void)
+{
+    const struct jp_ground muddy = {plain, mud_at, NULL, JP_Q16(0.1), 0};
+    static const uint8_t grounds[] = {0, 1, 0};
+    static const jp_q24 lengths[] = {JP_Q24(2), JP_Q24(1), JP_Q24(4)};
+    const struct jp_line_route in_mud = {.start = {JP_Q16(2.5), 0}, .ground = &muddy};
+
+    route.ground = &muddy;
+    set_target(0, 7, 0);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, hilly, HILLY_PLACES, &route));
+    TEST_ASSERT_EQUAL_UINT(3, path.count);
+    for (unsigned i = 0; i < path.count; i++) {
+        TEST_ASSERT_EQUAL_UINT8(grounds[i], hilly[i].ground_left);
+        TEST_ASSERT_EQUAL_UINT8(grounds[i], hilly[i].ground_right);
+        TEST_ASSERT_INT32_WITHIN(JP_Q24(0.2), lengths[i], hilly[i].length);
+        TEST_ASSERT_EQUAL_INT(i > 0, hilly[i].is_joined);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_turn_path(&path, hilly, 1, &in_mud, JP_ANGLE_DEGREES(30)));
+    TEST_ASSERT_EQUAL_UINT8(1, hilly[0].ground_left);
+}
+
+/* To the left of the x axis. */
+static uint8_t class_to_the_left(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    return point->y > 0 ? 3 : 0;
+}
+
+static void test_the_wheels_of_each_side_are_on_their_own_ground(void)
+{
+    const struct jp_ground edge = {plain, class_to_the_left, NULL, JP_Q16(0.5), 0};
+    const struct jp_line_route there = {.heading = JP_ANGLE_DEGREES(180), .ground = &edge, .half_track = JP_Q16(0.3)};
+
+    route.ground = &edge;
+    route.half_track = JP_Q16(0.3);
+    set_target(0, 7, 0);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, hilly, HILLY_PLACES, &route));
+    TEST_ASSERT_EQUAL_UINT(1, path.count);
+    TEST_ASSERT_EQUAL_UINT8(3, hilly[0].ground_left);
+    TEST_ASSERT_EQUAL_UINT8(0, hilly[0].ground_right);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_turn_path(&path, hilly, 1, &there, 0));
+    TEST_ASSERT_EQUAL_UINT8(0, hilly[0].ground_left);
+    TEST_ASSERT_EQUAL_UINT8(3, hilly[0].ground_right);
 }
 
 int main(int argc, char **argv)

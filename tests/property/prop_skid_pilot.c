@@ -90,8 +90,8 @@ static void begin(int index)
 
     (void)snprintf(path, sizeof path, "sim/robots/%s.cfg", names[index]);
     TEST_ASSERT_TRUE(skid_robot_load(path, &robot.model));
-    TEST_ASSERT_TRUE(navigation_skid_init(&robot.skid, skid_robot_find(names[index]), &robot.model, &level, &origin,
-                                          options.seed, &robot.shown));
+    TEST_ASSERT_TRUE(navigation_skid_init(&robot.skid, skid_robot_find(names[index]), &robot.model, &level, NULL,
+                                          &origin, options.seed, &robot.shown));
 }
 
 /* ---- Routes ---- */

@@ -369,7 +369,7 @@ static void test_hal_failures(void)
         world_step(&world);
         TEST_ASSERT_TRUE(world.input.driven == (tick != 2));
     }
-    while (world.fault_count < WORLD_FAULTS_MAX) {
+    while (world.faults.count < WORLD_FAULTS_MAX) {
         TEST_ASSERT_TRUE(world_add_fault(&world, &read));
     }
     TEST_ASSERT_FALSE(world_add_fault(&world, &read));

@@ -39,7 +39,7 @@ def test_no_whole_number(program, option, text):
 @pytest.mark.parametrize(("program", "arguments", "part"), [
     ("jp-mission", ["a", "b"], "one scenario"), ("jp-front", ["a", "b"], "one scenario"), ("jp-plant", ["a", "b"], "one scenario"),
     ("jp-plan", ["a", "b"], "one map"), ("jp-trip", ["a", "b"], "one robot"), ("jp-robot", ["a", "b"], "one robot"),
-    ("jp-mission", [], "a scenario"), ("jp-front", [], "a scenario"), ("jp-plan", [], "a map"), ("jp-navigate", [], "a map"), ("jp-navigate", ["a", "b"], "one map"), ("jp-trip", [], "a robot"), ("jp-lattice", [], "a robot"),
+    ("jp-mission", [], "a scenario"), ("jp-front", [], "a scenario"), ("jp-plan", [], "a map"), ("jp-grounds", [], "a map"), ("jp-grounds", ["a", "b"], "one map"), ("jp-navigate", [], "a map"), ("jp-navigate", ["a", "b"], "one map"), ("jp-trip", [], "a robot"), ("jp-lattice", [], "a robot"),
     ("jp-identify", [], "a robot"), ("jp-balance", [], "a robot"), ("jp-robot", [], "a robot"), ("jp-skid", [], "a robot"), ("jp-skid", ["a", "b"], "one robot"), ("jp-skid-identify", [], "a robot"), ("jp-skid-identify", ["a", "b"], "one robot"), ("jp-four-wheel-identify", [], "a robot"), ("jp-four-wheel-identify", ["a", "b"], "one robot"),
     ("jp-patrol-config", [], "a robot"),
     ("jp-patrol", [], "a scene"), ("jp-plant", [], "--bus"), ("jp-ecu", [], "--bus"),

@@ -67,7 +67,7 @@ static inline void expect_refusal(void)
 {
     const uint16_t planned = pilot.targets_planned;
 
-    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(30)));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(30), NULL));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_STATE, follow_run(aside, 2));
     TEST_ASSERT_EQUAL_UINT16(planned, pilot.targets_planned);
 }

@@ -64,12 +64,15 @@ bool navigate_is_reachable(const struct navigate_robot *robot, struct jp_terrain
     return answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND;
 }
 
+/** A robot that stands at the goal has shown that it can be reached, also where no route from cell to cell leads there:
+ *  its lines need not pass through the middles of cells. */
 static bool is_as_it_must_be(const struct navigate_trial *trial)
 {
     const struct navigation_result *result = &trial->result;
 
-    return trial->is_reachable ? result->state == JP_NAVIGATOR_ARRIVED && result->goal_error_m < ARRIVED_MAX
-                               : result->state == JP_NAVIGATOR_UNREACHABLE;
+    return result->state == JP_NAVIGATOR_ARRIVED
+               ? result->goal_error_m < ARRIVED_MAX
+               : !trial->is_reachable && result->state == JP_NAVIGATOR_UNREACHABLE;
 }
 
 static bool drive_balancer(const struct navigation_task *task, const struct navigate_robot *robot,
@@ -90,7 +93,7 @@ static bool drive_skid(const struct navigation_task *task, const struct navigate
     struct navigation_skid skid;
     struct navigation_robot driven;
 
-    return navigation_skid_init(&skid, robot->skid, &robot->model, task->world, &start, task->seed, &driven) &&
+    return navigation_skid_init(&skid, robot->skid, &robot->model, task->world, NULL, &start, task->seed, &driven) &&
            navigation_run(task, &driven, &trial->result);
 }
 

@@ -45,8 +45,9 @@ struct fake_vehicle {
     enum jp_status survey_status;
     uint16_t surveyed; /* legs of the run */
     struct jp_vehicle_run run;
-    const struct jp_ground *ground; /* of the run that it drives */
-    unsigned legs;                  /* of all runs surveyed to their ends */
+    const struct jp_ground *ground;      /* of the run that it drives */
+    const struct jp_ground *turn_ground; /* on which it turned last */
+    unsigned legs;                       /* of all runs surveyed to their ends */
 };
 
 static struct jp_terrain_config map;
@@ -131,10 +132,11 @@ static inline enum jp_status fake_work(void *context)
     return fake->work_status;
 }
 
-static inline enum jp_status fake_turn(void *context, jp_angle heading)
+static inline enum jp_status fake_turn(void *context, jp_angle heading, const struct jp_ground *ground)
 {
     struct fake_vehicle *fake = context;
 
+    fake->turn_ground = ground;
     fake->turns++;
     if (fake->turn_status == JP_OK) {
         TEST_ASSERT_EQUAL_INT(JP_VEHICLE_STANDING, fake->view.phase);

@@ -28,6 +28,8 @@ struct oracle_map {
     bool is_blocked[ORACLE_CELLS];
     int elevation[ORACLE_CELLS];
     int cell_cost[ORACLE_CELLS];
+    int ground[ORACLE_CELLS]; /* class */
+    bool has_classes;
     int cost_shift;
 };
 
@@ -56,6 +58,8 @@ static inline void oracle_map_clear(struct oracle_map *map, int width, int heigh
     map->height = height;
     memset(map->elevation, 0, sizeof map->elevation);
     memset(map->cell_cost, 0, sizeof map->cell_cost);
+    memset(map->ground, 0, sizeof map->ground);
+    map->has_classes = false;
     map->cost_shift = 0;
     memset(map->is_blocked, 1, sizeof map->is_blocked);
 }
@@ -91,6 +95,29 @@ static inline double oracle_move_cost(const struct jp_slope_cost *cost, int rise
     return fmax(floor((double)exact / 65536.0), cost->floor);
 }
 
+/** What the ground takes more under the wheels of both sides on a cell, the mean; 1: as much again. */
+struct oracle_ground {
+    double straight;
+    double turning;
+};
+
+static inline struct oracle_ground oracle_ground(const struct oracle *oracle, const struct oracle_map *map, int cell,
+                                                 unsigned direction)
+{
+    const struct jp_cell_offset left = oracle->lattice->sides[direction];
+    const int off = left.dy * ORACLE_STRIDE + left.dx;
+    const struct jp_ground_price *a = &oracle->lattice->ground[map->ground[cell + off]];
+    const struct jp_ground_price *b = &oracle->lattice->ground[map->ground[cell - off]];
+    const double unit = oracle->kind == JP_COST_PHYSICAL && map->has_classes ? 2.0 * JP_GROUND_ONE : INFINITY;
+
+    return (struct oracle_ground){(a->straight + b->straight) / unit, (a->turning + b->turning) / unit};
+}
+
+static inline double oracle_with_share(double cost, double of, double share)
+{
+    return isinf(cost) ? cost : fmin(cost + floor(of * share), UINT16_MAX);
+}
+
 /** A cost on a cell, or a step on the dearer of two. */
 static inline double oracle_charged(const struct oracle_map *map, double cost, int cell_cost)
 {
@@ -119,16 +146,24 @@ static inline double oracle_edge(const struct oracle *oracle, const struct oracl
     }
     double cost = 0;
     int largest = map->cell_cost[cell];
+    double turning = oracle_ground(oracle, map, cell, p->start).turning;
     for (int i = 0; i < p->move_count; i++) {
         const int direction = oracle->lattice->moves[p->first_move + i];
         const int next = cell + steps[direction][1] * ORACLE_STRIDE + steps[direction][0];
-        const double move = oracle_move_cost(&oracle->lattice->move_costs[oracle->kind][kinds[direction]],
-                                             map->elevation[next] - map->elevation[cell]);
+        const struct jp_slope_cost *costs = &oracle->lattice->move_costs[oracle->kind][kinds[direction]];
+        const struct oracle_ground begin = oracle_ground(oracle, map, cell, (unsigned)direction);
+        const struct oracle_ground end = oracle_ground(oracle, map, next, (unsigned)direction);
+        const double share = (begin.straight + end.straight) / 2;
+        const double move = oracle_with_share(oracle_move_cost(costs, map->elevation[next] - map->elevation[cell]),
+                                              oracle_move_cost(costs, 0), share);
         cost += oracle_charged(map, move, oracle_larger(map->cell_cost[cell], map->cell_cost[next]));
+        turning = fmax(turning, end.turning);
         largest = oracle_larger(largest, map->cell_cost[next]);
         cell = next;
     }
-    return cost + oracle_charged(map, p->base[oracle->kind], largest);
+    const double base = p->base[oracle->kind];
+
+    return cost + oracle_charged(map, oracle_with_share(base, base, turning), largest);
 }
 
 static inline void oracle_expand(struct oracle *oracle, const struct oracle_map *map, struct heap *heap, int state)

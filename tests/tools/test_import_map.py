@@ -308,6 +308,22 @@ def test_moving_ai(place):
     assert imported(place / "grid.map", "--cell-size", "0.5")["resolution_m"] == 0.5
 
 
+def test_moving_ai_tells_grounds_apart(place):
+    data = imported(place / "grid.map", "--grounds", "asphalt=1,1", "mud=2.5,0.8")
+    assert data["class"] == ["02100", "00000", "00000"]
+    assert data["grounds"] == [{"name": "asphalt", "rolling": 1.0, "friction": 1.0},
+                               {"name": "mud", "rolling": 2.5, "friction": 0.8}]
+    assert "grounds" not in imported(place / "grid.map")
+    assert imported(place / "grid.map", "--window", "1", "0", "4", "2")["class"] == ["2100", "0000"]
+    (place / "grid.map").write_text(MOVING_AI.replace(".GS@.", "...@."))
+    assert "class" not in imported(place / "grid.map")
+
+
+@pytest.mark.parametrize("ground, culprit", [("mud", "NAME=ROLLING,FRICTION"), ("mud=2,3", "3"), ("mud=0,1", "0")])
+def test_grounds_that_are_refused(place, ground, culprit):
+    assert_one_line_error(run_tool("design.import_map", place / "grid.map", place / "out.json", "--grounds", ground), culprit)
+
+
 def test_moving_ai_split_into_the_lattices_cells(place):
     data = imported(place / "grid.map", "--cell-size", "1", "--resolution", "0.2")
     assert (data["width"], data["height"]) == (25, 15)

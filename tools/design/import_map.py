@@ -5,7 +5,7 @@ The kind of map follows from the source's name:
   .yaml, .yml  ROS map_server, mode trinary, with its PGM or PNG image beside it
   .asc         ESRI ASCII grid of elevations, m; NODATA (-9999 if it names none) is unknown ground
   .npz         elevations, m, with dx, dy, ymin, ymax in degrees as in matplotlib's jacksboro_fault_dem.npz
-  .map         MovingAI grid: . G S are free, @ O T W are occupied
+  .map         MovingAI grid: . G S are free, @ O T W are occupied; S is ground of class 1, G of class 2
   .cfg         SBPL environment, nav2D or (x, y, theta): cells from obsthresh on are occupied, the costs of others are
                kept; its first row is y = 0, the southern one; its start and end are printed as options of jp-plan
   jacksboro    the elevation model that matplotlib carries
@@ -17,7 +17,9 @@ slopes stay those of the land.
 The file: {"format": "joulepath-map-1", "name", "width", "height" (cells), "resolution_m", "origin_m": [x, y, yaw] of
 the south-west corner, "note", "rows": one text a row of cells, the northern row first (. free, # occupied, ?
 unknown), "elevation_m": likewise, absent where the ground is level, "cost": likewise, 0…255, absent without costs,
-"cost_shift": with costs, 0…8: driving over a cell costs 1 + cost/2^cost_shift times as much}.
+"cost_shift": with costs, 0…8: driving over a cell costs 1 + cost/2^cost_shift times as much, "class": likewise a text of
+digits 0…3, absent where all ground is of class 0, "grounds": of each class, from 0 on, what it is like in the simulator,
+absent where all are alike: {"name", "rolling", "friction": times as much as the robot file says}}.
 Exit status 2: bad input; nothing was written.
 """
 import argparse
@@ -75,6 +77,7 @@ class Grid:
     origin: tuple = (0.0, 0.0, 0.0)  # of the south-west corner: m, m, rad
     elevation: np.ndarray | None = None  # m
     cost: np.ndarray | None = None  # whole numbers; driving over a cell costs 1 + cost times as much
+    classes: np.ndarray | None = None  # of the ground
     task: str = ""  # options of jp-plan
 
 
@@ -194,6 +197,7 @@ def read_ros(path, options):
 # ---- MovingAI ----
 
 MOVING_AI = {**dict.fromkeys(".GS", FREE), **dict.fromkeys("@OTW", OCCUPIED)}
+MOVING_AI_CLASSES = {"S": 1, "G": 2}
 
 
 def read_moving_ai(path, options):
@@ -219,6 +223,7 @@ def read_moving_ai(path, options):
     if len(rows) != height:
         raise ToolError(f"{path}: {len(rows)} rows, but height is {height}")
     cells = np.empty((height, width), dtype=int)
+    classes = np.zeros((height, width), dtype=int)
     for y, row in enumerate(rows):
         if len(row) != width:
             raise ToolError(f"{path}: line {index + 2 + y}: {len(row)} cells, but width is {width}")
@@ -226,7 +231,9 @@ def read_moving_ai(path, options):
             wrong = sorted(set(row) - MOVING_AI.keys())[0]
             raise ToolError(f"{path}: line {index + 2 + y}: {printable(wrong)!r} is no MovingAI cell")
         cells[y] = [MOVING_AI[c] for c in row]
-    return Grid(cells, options.cell_size, f"MovingAI map {path.name}, {options.cell_size:g} m a cell")
+        classes[y] = [MOVING_AI_CLASSES.get(c, 0) for c in row]
+    return Grid(cells, options.cell_size, f"MovingAI map {path.name}, {options.cell_size:g} m a cell",
+                classes=classes if classes.any() else None)
 
 
 # ---- SBPL ----
@@ -523,11 +530,13 @@ def read_grid(path, window, options):
         source.origin = moved(source.origin, source.cells.shape, (source.resolution,) * 2, window)
         source.cells = cut(path, source.cells, window)
         source.cost = None if source.cost is None else cut(path, source.cost, window)
+        source.classes = None if source.classes is None else cut(path, source.classes, window)
         source.note += f", window {' '.join(map(str, window))}"
     if options.resolution:
         ratio = options.resolution / source.resolution
         source.cells = resampled_cells(path, source.cells, ratio, UNKNOWN)
         source.cost = None if source.cost is None else resampled_cells(path, source.cost, ratio, 0)
+        source.classes = None if source.classes is None else resampled_cells(path, source.classes, ratio, 0)
         source.resolution = options.resolution
     check_side(path, source.cells.shape[1], source.cells.shape[0])
     return source
@@ -537,7 +546,7 @@ def map_name(path):
     return re.sub(r"[^A-Za-z0-9._-]+", "-", path.stem)[:63]
 
 
-def map_json(name, grid):
+def map_json(name, grid, grounds=None):
     """The file's text, with one row of the map a line."""
     height, width = grid.cells.shape
     head = {"format": FORMAT, "name": name, "width": width, "height": height, "resolution_m": grid.resolution,
@@ -548,6 +557,10 @@ def map_json(name, grid):
     if grid.cost is not None:
         head["cost_shift"] = 0
         lists["cost"] = grid.cost.tolist()
+    if grid.classes is not None:
+        lists["class"] = ["".join(map(str, row)) for row in grid.classes.tolist()]
+        if grounds:
+            head["grounds"] = grounds
     parts = [f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in head.items()]
     parts += [f"{json.dumps(key)}: [\n" + ",\n".join(map(json.dumps, rows)) + "\n]" for key, rows in lists.items()]
     return "{" + ",\n".join(parts) + "}\n"
@@ -562,6 +575,14 @@ def print_result(name, grid):
     print(grid.note)
     if grid.task:
         print(f"its task for jp-plan: {grid.task}")
+
+
+def ground(text):
+    """One of --grounds."""
+    match = re.fullmatch(r"([^=]+)=([0-9.]+),([0-9.]+)", text)
+    if match is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=ROLLING,FRICTION")
+    return {"name": match[1], "rolling": real_number(0.0625, 16)(match[2]), "friction": real_number(0.0625, 1)(match[3])}
 
 
 def arguments():
@@ -583,6 +604,9 @@ def arguments():
     parser.add_argument("--scale", type=real_number(RESOLUTION_RANGE_M[0], 1e6), metavar="N",
                         help="elevations become a model 1:N, lengths and heights alike, so that slopes stay (default: "
                         f"1; for .npz what fits {MODEL_SIDE} cells)")
+    parser.add_argument("--grounds", type=ground, nargs="+", metavar="NAME=ROLLING,FRICTION",
+                        help="what classes 0, 1, … are like in the simulator, times as much as the robot file says, as "
+                        "mud=3,0.7")
     return parser.parse_args()
 
 
@@ -595,7 +619,9 @@ def main():
         window = window or JACKSBORO_WINDOW
     grid = read_grid(path, window, options)
     name = map_name(path)
-    write_whole(options.output, map_json(name, grid))
+    if options.grounds and grid.classes is None:
+        raise ToolError(f"{path}: --grounds: the map tells no grounds apart")
+    write_whole(options.output, map_json(name, grid, options.grounds))
     print_result(name, grid)
     print(f"wrote {shown_path(options.output)}")
     return 0

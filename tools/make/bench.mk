@@ -75,6 +75,13 @@ bench-maps: ## measure the planner on MAPS="a.json…" (tools/design/import_map.
 	@mkdir -p $(BUILD)/bench-plan
 	$(BUILD)/bench/bench_maps --rows $(BUILD)/bench-plan/maps.json $(LATTICES:%=--lattice %) $(MAPS) >$(BUILD)/bench/bench_maps.json
 
+.PHONY: bench-mujoco
+bench-mujoco: ## drive the robots in MuJoCo: missions, slopes, steps, poor parts, pushes, forecasts that learn (30 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) all
+	@mkdir -p $(BUILD)/bench
+	$(PYTHON) -m tools.measure.bench_mujoco
+
 .PHONY: bench-navigate
 bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes that they do not show, twice, and on maps of others (6 minutes)
 	@tools/setup.sh test
@@ -92,14 +99,21 @@ bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU
 	$(PYTHON) -m tools.measure.bench_image
 
 .PHONY: bench-patrol
-bench-patrol: ## measure the patrol robot on its scenes and pure pursuit on paths
+bench-patrol: ## measure the patrol robot on its scenes, beside path following, and pure pursuit on paths
 	@tools/setup.sh test
-	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol $(BUILD)/bench/bench_pursuit
+	@$(MAKE) $(PARALLEL) $(addprefix $(BUILD)/bench/,bench_patrol bench_joules bench_pursuit)
 	@mkdir -p $(BUILD)/bench-patrol
 	$(BUILD)/bench/bench_patrol --rows $(BUILD)/bench-patrol/scenes.json >$(BUILD)/bench/bench_patrol.json
+	$(BUILD)/bench/bench_joules >$(BUILD)/bench/bench_joules.json
 	$(BUILD)/bench/bench_pursuit --rows $(BUILD)/bench-patrol/courses.json >$(BUILD)/bench/bench_pursuit.json
 	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
 	    $(BUILD)/bench/bench_patrol.tables.json
+
+.PHONY: bench-patrol-round
+bench-patrol-round: ## measure hours of patrol on a battery: three simulated hours among people (five minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_round
+	$(BUILD)/bench/bench_patrol_round --rows $(BUILD)/bench/patrol_round_rows.json >$(BUILD)/bench/bench_patrol_round.json
 
 # The finest cells of 0.05, 0.1 and 0.2 m of which the map is at most 1024 wide, where a cell of MovingAI is 1 m.
 LOCALISE_MAPS := $(patsubst $(DATA)/%,$(BUILD)/localise-maps/%.json,$(wildcard $(addprefix $(DATA)/,depot.yaml tb3_sandbox.yaml \
@@ -205,9 +219,11 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-robots
 	@$(MAKE) bench-intervals
 	@$(MAKE) bench-logs
+	@$(MAKE) bench-mujoco
 	@$(MAKE) bench-restart
 	@$(MAKE) bench-skid-bus
 	@$(MAKE) bench-image
+	@$(MAKE) bench-page
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
 	@$(MAKE) size stack cycles test-targets
@@ -235,6 +251,8 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	cp $(BUILD)/navigate/navigate.png sim/scenarios/office_navigate.png
 	$(MAKE) navigate ROBOT=zhang2018 SEED=1
 	cp $(BUILD)/navigate/navigate.png sim/scenarios/jacksboro_navigate.png
+	$(MAKE) grounds SEED=1
+	cp $(BUILD)/grounds/grounds.png sim/scenarios/yard_grounds.png
 	$(MAKE) campaign ROBOT=courier24 SEED=1 MISSIONS=1000 CAMPAIGN='--fresh --bench $(BUILD)/bench/campaign.json'
 	cp $(BUILD)/campaign/courier24/campaign.png sim/scenarios/courier24_campaign.png
 	$(PYTHON) -m tools.measure.figures; status=$$?; \

@@ -1,26 +1,34 @@
 # Look at it: missions, plans, patrols and campaigns in the simulator.
 
 # BUS=vcan or slcan: controller and robot are two programs on a bus; pil: the controller is the image in QEMU.
-DRIVE.      = $(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
-DRIVE.slcan = tools/operate/bus_mission.sh slcan $(SCENARIO) $(BUILD)/sil
-DRIVE.pil   = tools/operate/bus_mission.sh pil $(SCENARIO) $(BUILD)/sil
-DRIVE.vcan  = tools/operate/with_vcan.sh -- tools/operate/bus_mission.sh vcan $(SCENARIO) $(BUILD)/sil
-BUS        ?=
+DRIVE.       = $(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
+DRIVE.slcan  = tools/operate/bus_mission.sh slcan $(SCENARIO) $(BUILD)/sil
+DRIVE.pil    = tools/operate/bus_mission.sh pil $(SCENARIO) $(BUILD)/sil
+DRIVE.vcan   = tools/operate/with_vcan.sh -- tools/operate/bus_mission.sh vcan $(SCENARIO) $(BUILD)/sil
+BUS          ?=
 
-SETUP.slcan = operate
-SETUP.vcan  = vcan
-SETUP.pil   = operate firmware
+# WORLD=mujoco: another physics in the place of jp-plant, on a bus of its own; CONDITIONS are options of tools.mujoco.mission.
+WORLD        ?=
+CONDITIONS   ?=
+DRIVE.mujoco = $(PYTHON) -m tools.mujoco.mission $(SCENARIO) --output $(BUILD)/sil $(CONDITIONS)
+
+SETUP.slcan  = operate
+SETUP.vcan   = vcan
+SETUP.pil    = operate firmware
+SETUP.mujoco = mujoco
 SCENARIO_ROBOT = $(shell sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p' $(SCENARIO))
 
 .PHONY: sil
-sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan, slcan or pil; report in build/sil
+sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan, slcan or pil, or in WORLD=mujoco; report in build/sil
+	$(if $(filter-out mujoco,$(WORLD)),$(error WORLD=$(WORLD): must be mujoco, or left out))
+	$(if $(and $(WORLD),$(BUS)),$(error WORLD=$(WORLD) has a bus of its own; leave BUS out))
 	$(if $(DRIVE.$(BUS)),,$(error BUS=$(BUS): must be vcan, slcan or pil))
-	@tools/setup.sh sil $(SETUP.$(BUS))
+	@tools/setup.sh sil $(SETUP.$(or $(WORLD),$(BUS)))
 	@$(MAKE) $(PARALLEL) all $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(SCENARIO_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/sil
-	$(DRIVE.$(BUS))
+	$(DRIVE.$(or $(WORLD),$(BUS)))
 	$(PYTHON) -m tools.report.report $(BUILD)/sil
-	$(if $(BUS),$(PYTHON) -m tools.operate.show_frames $(BUILD)/sil/frames.log)
+	$(if $(WORLD)$(BUS),$(PYTHON) -m tools.operate.show_frames $(BUILD)/sil/frames.log)
 
 .PHONY: front
 front: ## energy over time of a route (SCENARIO=file): foretold, driven, the least that exists; picture in build/front
@@ -62,7 +70,17 @@ NAVIGATE_TASK   = $(if $(strip $(PLAN_TASK)),$(PLAN_TASK),$(if $(filter file,$(o
 NAVIGATE_CELL   = $(shell sed -n 's/^ *cell_m *= *\([0-9.]*\);.*/\1/p' sim/robots/$(NAVIGATE_ROBOT).cfg)
 
 .PHONY: navigate
-navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
+ifneq ($(filter $(ROBOT),$(PATROL_ROBOTS)),)
+# It has a laser of its own, and no lattice.
+NAVIGATE_PATROL_MAP   = $(if $(filter file,$(origin MAP)),$(DATA)/depot.yaml,$(MAP))
+NAVIGATE_PATROL_START = 3,3,0
+NAVIGATE_PATROL_GOAL  = 25,12,90
+NAVIGATE_PATROL_BOXES = --hidden=6
+navigate:
+	@$(MAKE) $(PARALLEL) patrol MAP=$(NAVIGATE_PATROL_MAP) START=$(or $(START),$(NAVIGATE_PATROL_START)) \
+	    GOAL=$(or $(GOAL),$(NAVIGATE_PATROL_GOAL)) NAVIGATE=$(or $(NAVIGATE),$(NAVIGATE_PATROL_BOXES))
+else
+navigate: ## let ROBOT=courier24, burger, zhang2018 or patrol find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
 	$(if $(NAVIGATE.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
 	@tools/setup.sh design $(SETUP.$(BUS))
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(NAVIGATE_ROBOT)/emulated.elf)
@@ -71,21 +89,54 @@ navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file STA
 	$(NAVIGATE.$(BUS)) $(BUILD)/navigate/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(NAVIGATE_TASK) \
 	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
+endif
+
+# A yard whose mud takes 2.5 times the rolling resistance, or a map of others with IMPORT, START and GOAL. GROUNDS holds
+# options of jp-grounds, such as --trips 10.
+GROUNDS_MAP    = $(if $(filter file,$(origin MAP)),sim/scenarios/yard.map,$(MAP))
+GROUNDS_IMPORT = $(if $(filter file,$(origin MAP)),--grounds asphalt=1$(comma)1 mud=2.5$(comma)0.8 grass=1.4$(comma)0.9,$(IMPORT))
+GROUNDS_TASK   = $(if $(strip $(PLAN_TASK)),$(PLAN_TASK),$(if $(filter file,$(origin MAP)),--start=4$(comma)11$(comma)0 --goal=36$(comma)11))
+GROUNDS_ROBOT  = $(if $(filter file,$(origin ROBOT)),zhang2018,$(ROBOT))
+comma          = ,
+
+.PHONY: grounds
+grounds: ## let ROBOT=zhang2018 or burger go again and again over a map of several grounds (MAP=file START=x,y,deg GOAL=x,y SEED=1 GROUNDS=options), and learn what they take; picture in build/grounds
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-grounds
+	@rm -rf $(BUILD)/grounds
+	$(PYTHON) -m tools.design.import_map $(GROUNDS_MAP) $(BUILD)/grounds/map.json --resolution 0.2 $(GROUNDS_IMPORT)
+	$(BUILD)/bin/jp-grounds $(BUILD)/grounds/map.json --robot sim/robots/$(GROUNDS_ROBOT).cfg $(GROUNDS_TASK) --seed $(SEED) \
+	    $(GROUNDS) --output $(BUILD)/grounds; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.grounds_picture $(BUILD)/grounds && exit $$status
+
+RESULTS ?= $(BUILD)/sil
+
+.PHONY: foxglove
+foxglove: ## make a log for Foxglove and PlotJuggler of RESULTS=build/sil, plan, navigate or patrol, and a layout
+	@tools/setup.sh operate
+	$(PYTHON) -m tools.report.foxglove_log $(RESULTS)
 
 # A scene from a seed, or a map of others with START and GOAL.
 SCENE      ?= beside-obstacle
 SEED       ?= 1
+# By itself by several methods; or over BUS=in-process: map, goal and what it sees go to the firmware's application in
+# frames; pil: to the image in QEMU.
+PATROL.           = $(BUILD)/bin/jp-patrol
+PATROL.in-process = $(BUILD)/bin/jp-patrol --bus in-process
+PATROL.pil        = tools/operate/patrol_in_qemu.sh $(PATROL_ROBOT)
+PATROL_ROBOT      = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
 PATROL_MAP  = $(if $(filter file,$(origin MAP)),,$(MAP))
 
 .PHONY: patrol
-patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg); report in build/patrol
-	@tools/setup.sh sil $(if $(PATROL_MAP),design)
-	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol
+patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg), by itself or over BUS=in-process or pil; report in build/patrol
+	$(if $(PATROL.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
+	@tools/setup.sh sil $(if $(PATROL_MAP),design) $(SETUP.$(BUS))
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(PATROL_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/patrol
 	$(if $(PATROL_MAP),$(PYTHON) -m tools.design.import_map $(MAP) $(BUILD)/patrol/map.json --resolution 0.05 $(IMPORT))
-	$(BUILD)/bin/jp-patrol $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK),$(SCENE)) --seed=$(SEED) \
+	$(PATROL.$(BUS)) $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK) $(NAVIGATE),$(SCENE)) --seed=$(SEED) \
 	    --output $(BUILD)/patrol; status=$$?; \
-	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol && exit $$status
+	    [ $$status -le 1 ] && $(if $(BUS),true,$(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol) && exit $$status
 
 # The courier unless another one is asked for. CAMPAIGN holds options of tools.campaign.campaign, such as
 # --faults or --fresh.

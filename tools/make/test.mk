@@ -14,9 +14,11 @@ names = $(or $(notdir $(basename $1)),no_tests)
 # logs VARIANTS FILES: one for each test on each variant.
 logs  = $(foreach v,$1,$(patsubst %,$(LOGS)/$v/%.log,$(call names,$2)))
 
-SUITES         := vcan sil tools package firmware gates property fault bits unit target
+SUITES         := vcan sil python page tools package firmware gates property fault bits unit target
 LOGS.vcan      := $(LOGS)/pytest/vcan.xml $(LOGS)/pytest/vcan_results.xml
 LOGS.sil       := $(LOGS)/pytest/sil.xml
+LOGS.python    := $(LOGS)/pytest/python.xml
+LOGS.page      := $(LOGS)/pytest/page.xml
 LOGS.tools     := $(LOGS)/pytest/tools.xml
 LOGS.package   := $(LOGS)/pytest/package.xml
 LOGS.firmware  := $(LOGS)/firmware/test_faults.log $(LOGS)/firmware/test_planning.log $(LOGS)/host-gcc/test_main.log $(LOGS)/cortex-m4/test_main.log $(LOGS)/pytest/firmware.xml
@@ -141,6 +143,10 @@ $(LOGS)/pytest/%.xml: $(PROGRAMS)
 	$(call SAY,RUN pytest tests/$*)
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -n $(JOBS) -p no:cacheprovider --junitxml=$@ tests/$*
 
+$(LOGS)/pytest/python.xml: $(PYTHON_SITE)/joulepath/__init__.py
+
+$(LOGS)/pytest/page.xml: $(PAGE_FILES) $(PAGE_LIBRARIES)
+
 # What the examples of the READMEs are linked with.
 $(LOGS)/pytest/tools.xml: $(foreach v,host cortex-m4,$(BUILD)/$v/libcan.a $(call float_library,$v) $(BUILD)/$v/libjoulepath.a)
 
@@ -158,7 +164,7 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
-$(LOGS)/pytest/firmware.xml: $(patsubst %,$(BUILD)/firmware/%/emulated.elf,$(ROBOTS) $(SKID_ROBOTS)) $(BUILD)/firmware/courier24/joulepath.elf
+$(LOGS)/pytest/firmware.xml: $(patsubst %,$(BUILD)/firmware/%/emulated.elf,$(ROBOTS) $(SKID_ROBOTS) $(PATROL_ROBOTS)) $(BUILD)/firmware/courier24/joulepath.elf
 
 # The fault handler alone, whose crashes the image could not tell of.
 $(BUILD)/firmware/test_faults: $(addprefix $(BUILD)/firmware/,tests/firmware/test_faults.o tests/target/console.o \
@@ -202,7 +208,7 @@ GATE_VARIANTS  := $(UNIT_CORES) $(GROWTH_VARIANTS)
 GATE_LIBRARIES := $(foreach v,$(sort $(GATE_VARIANTS)),$(BUILD)/$v/libjoulepath.a $(call float_library,$v) $(BUILD)/$v/libcan.a)
 # Of the programs on the whole application the one that learns links the most.
 GATE_IMAGES    := $(UNIT_CORES:%=$(BUILD)/%/test_ecu_learning)
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_SKID_NAME=burger -DFIRMWARE_LEARNS -DFIRMWARE_NAVIGATES
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_SKID_NAME=burger -DFIRMWARE_PATROL_NAME=patrol -DFIRMWARE_LEARNS -DFIRMWARE_NAVIGATES
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)
@@ -225,7 +231,7 @@ COVERAGE_PROPERTIES := prop_cell_costs prop_far_sweep prop_lattice_way prop_line
 COVERAGE_TESTS      := $(call unit_programs,host-coverage) $(COVERAGE_PROPERTIES:%=$(BUILD)/host-coverage/%)
 
 $(BUILD)/host-coverage/prop_%: $(BUILD)/host-coverage/tests/property/prop_%.o $(UNITY_SOURCE:%=$(BUILD)/host-coverage/unity.o) \
-                               $(BUILD)/host/libsupport.a $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a \
+                               $(BUILD)/host/libsupport.a $(BUILD)/host/libsim.a $(BUILD)/host/libcan_float.a $(BUILD)/host/libcan.a \
                                $(BUILD)/host-coverage/libjoulepath_float.a $(BUILD)/host-coverage/libjoulepath.a
 	$(call link_host,host-coverage)
 

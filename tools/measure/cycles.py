@@ -26,6 +26,7 @@ ROWS = {
     "jp_four_wheel_tick": r"four wheels: tick",
     "jp_pure_pursuit_tick": r"pure pursuit: tick",
     "jp_teb_plan, 50 poses, 20 obstacles": r"TEB cycle",
+    "jp_localiser_update, 360 beams": r"localiser, scan",
 }
 
 

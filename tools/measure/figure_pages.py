@@ -56,6 +56,8 @@ SECTIONS = (
             "on random maps of 192 × 192 and 40 × 40 cells with boxes that they do not show, in process and with the image "
             "in QEMU; the application alone on the core, whose way is blocked again and again, an instruction taking 8 ns; "
             "its planner on the scenes cut to its map.", r"image|image_ticks|bench_cuts"),
+    Section("The page in the browser", "In Chromium without a window; drives to their ends, beside the same C compiled for this "
+            "machine.", r"page"),
     Section("Grid planner", "Shortest paths over occupancy grids.", r"bench_grid|grid_planner"),
     Section("Segments of any length", "Predicted against driven energy.", r"bench_horizon|horizon"),
     Section("Learner", "Error of the predicted energy after so many segments.", r"bench_learner"),
@@ -77,7 +79,7 @@ SECTIONS = (
     Section("Energy models", "", r"identify(_battery)?"),
     Section("Battery", "", r"battery"),
     Section("Controller", "", r"bench_controller"),
-    Section("The patrol robot", "", r"bench_patrol|patrol_energy"),
+    Section("The patrol robot", "", r"bench_(patrol|joules)|patrol_energy"),
     Section("The patrol robot by scene", "Improved band / plain band / pure pursuit. Pursuit has arrived at the goal "
             "whatever its heading. Times and energies are the means of those that arrived.", blocks=("patrol",)),
     Section("Skid steer, driven", "Plans on the 20 scenes, driven in closed loop over their hills; energies by the plant's "

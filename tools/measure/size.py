@@ -23,7 +23,7 @@ HAL_ROOMS = ("storage", "can", "app")
 MODULES = {
     "balancer": r"src/(balancer/(robot|robot_read|estimator|lqr|odometry|path_error|reference)|energy/meter|base/(fixed|config_check|monitor))",
     "energy": r"src/energy/energy",
-    "skid steer: energy, learner": r"src/(energy/skid_energy|learn/skid_learner|skid_steer/skid_(tariff|path_energy))",
+    "skid steer: energy, learner": r"src/(energy/skid_energy|learn/(skid_learner|skid_grounds|ground_learner)|skid_steer/skid_(tariff|path_energy))",
     "energy of short segments": r"src/energy/horizon",
     "battery": r"src/energy/battery",
     "evidence": r"src/balancer/(current_check|evidence)",

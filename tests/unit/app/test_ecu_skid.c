@@ -241,7 +241,8 @@ static void test_what_was_learned_is_told_every_second(void)
     TEST_ASSERT_EQUAL_INT(0, jp_can_learned_deviations_unpack(&deviations, bus.last[0x19], JP_CAN_LENGTH_MAX));
     TEST_ASSERT_EQUAL_UINT16(4096, factors.rolling);
     TEST_ASSERT_EQUAL_UINT16(4096, factors.electronics);
-    TEST_ASSERT_UINT16_WITHIN(1, jp_skid_learning_zhang2018.deviation[JP_SKID_FRICTION] >> 4, deviations.friction);
+    TEST_ASSERT_UINT16_WITHIN(1, jp_skid_learning_zhang2018.factors.deviation[JP_SKID_FRICTION] >> 4,
+                              deviations.friction);
     TEST_ASSERT_EQUAL_UINT16(0, bus.counts[0x12]); /* a balancer's */
 }
 
@@ -275,7 +276,7 @@ static void test_what_is_stored_is_taken_if_it_fits(void)
 {
     struct jp_learned_state state;
 
-    jp_learned_state_start(&state, jp_skid_learning_zhang2018.identity);
+    jp_learned_state_start(&state, jp_skid_learning_zhang2018.factors.identity);
     state.version = 9;
     tables.state = &state;
     tables.stored = JP_STORED_TAKEN;

@@ -1,6 +1,8 @@
 /* Discs that a synthetic scanner sees: which of them are tracked, how well, and which shapes get their velocity. */
 #include <joulepath/movers.h>
 
+#include <string.h>
+
 #include "src/base/plane.h"
 
 #include "tests/support/near.h"
@@ -13,7 +15,7 @@
 #define PLACE_ERROR 0.12f /* m */
 #define SPEED_ERROR 0.15f /* m/s */
 
-enum { BEAMS = 720, DISCS_MAX = 12, SETTLED = 25, SIGHTINGS_MIN = 5, MISSES_MAX = 5 };
+enum { BEAMS = 720, DISCS_MAX = 12, SIDES = 4, SETTLED = 25, SIGHTINGS_MIN = 5, MISSES_MAX = 5 };
 
 struct disc {
     struct jp_plane_point centre;
@@ -31,6 +33,8 @@ static struct jp_obstacles obstacles;
 static struct jp_plane_pose sensor;
 static struct disc discs[DISCS_MAX];
 static unsigned disc_count;
+static struct jp_plane_point corners[SIDES]; /* of a box */
+static bool has_box;
 
 /* A whole turn around a sensor on an empty plane; the scan begins and ends behind it. */
 void setUp(void)
@@ -40,6 +44,7 @@ void setUp(void)
     config = (struct jp_movers_config){.extent = 0.9f, .speed_min = 0.3f, .speed_max = 2.0f, .margin = 0.35f};
     sensor = origin;
     disc_count = 0;
+    has_box = false;
     jp_movers_clear(&movers);
 }
 
@@ -66,6 +71,35 @@ static float range_of_disc(const struct disc *disc, struct jp_plane_point beam)
     return along > 0.0f && square > 0.0f ? along - jp_plane_square_root(square) : 0.0f;
 }
 
+static void put_box(float x, float y, float side)
+{
+    const struct jp_plane_point at[SIDES] = {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
+
+    memcpy(corners, at, sizeof corners);
+    has_box = true;
+}
+
+/* 0: beside it. */
+static float range_of_side(unsigned side, struct jp_plane_point beam)
+{
+    const struct jp_plane_point from = corners[side];
+    const struct jp_plane_point to = corners[(side + 1U) % SIDES];
+    const struct jp_plane_point way = {to.x - from.x, to.y - from.y};
+    const struct jp_plane_point there = {from.x - sensor.x, from.y - sensor.y};
+    const float cross = beam.x * way.y - beam.y * way.x;
+    const float along = (there.x * way.y - there.y * way.x) / cross;
+    const float share = (there.x * beam.y - there.y * beam.x) / cross;
+
+    return along > 0.0f && share >= 0.0f && share <= 1.0f ? along : 0.0f;
+}
+
+static void see(float range, float *nearest)
+{
+    if (range > 0.0f && !(*nearest > 0.0f && *nearest < range)) {
+        *nearest = range;
+    }
+}
+
 static void take_scan(void)
 {
     for (unsigned i = 0; i < scan.count; i++) {
@@ -74,11 +108,10 @@ static void take_scan(void)
 
         ranges[i] = 0.0f;
         for (unsigned k = 0; k < disc_count; k++) {
-            const float range = range_of_disc(&discs[k], beam);
-
-            if (range > 0.0f && !(ranges[i] > 0.0f && ranges[i] < range)) {
-                ranges[i] = range;
-            }
+            see(range_of_disc(&discs[k], beam), &ranges[i]);
+        }
+        for (unsigned k = 0; has_box && k < SIDES; k++) {
+            see(range_of_side(k, beam), &ranges[i]);
         }
     }
 }
@@ -488,10 +521,53 @@ static void test_standing_pillar_seen_on_the_way_is_not_marked(void)
     }
 }
 
+/* Passing it at 1 m/s, its next side comes into sight: the middle of what is seen of it moves. */
+static void test_standing_box_whose_next_side_comes_into_sight_is_not_marked(void)
+{
+    bool has_shifted = false;
+
+    put_box(0.0f, 0.9f, 0.6f);
+    sensor = (struct jp_plane_pose){-2.5f, 0.0f, 0.0f};
+    for (unsigned i = 0; i < 50U; i++) {
+        look();
+        for (unsigned k = 0; k < movers.count; k++) {
+            const struct jp_mover *const mover = &movers.movers[k];
+
+            has_shifted = has_shifted || (mover->sightings >= SIGHTINGS_MIN &&
+                                          jp_plane_length(mover->velocity.x, mover->velocity.y) > config.speed_min);
+        }
+        see_shapes();
+        TEST_ASSERT_TRUE(obstacles.count > 0);
+        TEST_ASSERT_EQUAL_UINT(0, marked());
+        sensor.x += PERIOD;
+    }
+    TEST_ASSERT_TRUE(has_shifted);
+}
+
+/* The same box, pushed along, from a sensor that stands. */
+static void test_a_box_that_moves_is_marked(void)
+{
+    unsigned scans = 0;
+
+    for (unsigned i = 0; i < 30U; i++) {
+        put_box(-1.5f + PERIOD * (float)i, 1.5f, 0.5f);
+        look();
+        see_shapes();
+        scans += i >= SETTLED && marked() == obstacles.count ? 1U : 0U;
+    }
+    TEST_ASSERT_EQUAL_UINT(30U - SETTLED, scans);
+}
+
 /* A walker at a place, to be put beside shapes that no scan made. */
 static void put_walker(void)
 {
-    movers.movers[0] = (struct jp_mover){{2.0f, 1.0f}, {0.0f, 1.0f}, 0.2f, SIGHTINGS_MIN, 0};
+    movers.movers[0] = (struct jp_mover){
+        .centre = {2.0f, 1.0f},
+        .velocity = {0.0f, 1.0f},
+        .ends = {{{2.0f, 0.8f}, {0.0f, 1.0f}}, {{2.0f, 1.2f}, {0.0f, 1.0f}}},
+        .radius = 0.2f,
+        .sightings = SIGHTINGS_MIN,
+    };
     movers.count = 1;
 }
 
@@ -515,6 +591,18 @@ static void test_shapes_beside_a_walker_stand(void)
     TEST_ASSERT_FALSE(is_marked_between(beyond, beyond, 1));
     TEST_ASSERT_TRUE(is_marked_between((struct jp_plane_point){2.3f, 0.8f}, (struct jp_plane_point){2.3f, 1.2f}, 2));
     TEST_ASSERT_FALSE(is_marked_between((struct jp_plane_point){2.4f, 0.8f}, (struct jp_plane_point){2.4f, 1.2f}, 2));
+}
+
+/* Whichever end it is. */
+static void test_what_stays_with_one_end_stands(void)
+{
+    const struct jp_plane_point within = {2.3f, 1.0f};
+
+    for (unsigned end = 0; end < 2U; end++) {
+        put_walker();
+        movers.movers[0].ends[end].velocity.y = 0.2f;
+        TEST_ASSERT_FALSE(is_marked_between(within, within, 1));
+    }
 }
 
 static void test_wall_that_a_walker_passes_stands(void)

@@ -428,7 +428,6 @@ static void pass(const struct jp_obstacle *shape)
         TEST_ASSERT_TRUE((feature == JP_FEATURE_UNKNOWN) == (distance + shape->radius < 1e-4f));
         changes += feature != last ? 1U : 0U;
     }
-    printf("changes %u\n", changes);
     TEST_ASSERT_TRUE(changes > 0U && changes < 400U);
 }
 

@@ -240,7 +240,7 @@ static void test_values_that_are_not_finite_stop_the_robot(void)
 {
     float *const values[] = {&input.wheels.x,        &input.wheels.y, &input.wheels.heading, &input.speed.forward,
                              &input.speed.turn_rate, &input.laser.x,  &input.laser.y,        &input.laser.heading,
-                             &input.sensor.x,        &input.sensor.y, &input.sensor.heading};
+                             &input.sensor.x,        &input.sensor.y, &input.sensor.heading, &input.deviation};
 
     for (unsigned i = 0; i < sizeof values / sizeof values[0]; i++) {
         check_bad_value(values[i], not_a_number);

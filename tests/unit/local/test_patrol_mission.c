@@ -367,6 +367,58 @@ static void test_a_missing_scan_marks_nothing(void)
     TEST_ASSERT_TRUE(is_marked(4.0f));
 }
 
+/* ---- How sure the place is ---- */
+
+/* A wall with a gap of a metre on the straight way, and room round its northern end, if wanted. */
+static void put_wall_with_gap(bool has_end)
+{
+    occupy(3.0f, 0.0f, 3.2f, 3.5f);
+    occupy(3.0f, 4.5f, 3.2f, has_end ? 6.0f : 8.0f);
+    init();
+}
+
+static float highest_of_path(void)
+{
+    float highest = 0.0f;
+
+    for (unsigned i = 0; i < mission.path_count; i++) {
+        const float y = (float)mission.path[i].y / (float)JP_Q16_ONE;
+
+        highest = y > highest ? y : highest;
+    }
+    return highest;
+}
+
+static void plan_when_sure_to(float deviation)
+{
+    rig_sense();
+    input.deviation = deviation;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    start(5.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+}
+
+static void test_a_robot_that_knows_its_place_takes_the_gap(void)
+{
+    put_wall_with_gap(true);
+    plan_when_sure_to(0.003f);
+    TEST_ASSERT_TRUE(highest_of_path() < 4.5f);
+}
+
+static void test_a_robot_that_is_not_sure_goes_round(void)
+{
+    put_wall_with_gap(true);
+    plan_when_sure_to(0.15f);
+    TEST_ASSERT_TRUE(highest_of_path() > 6.0f);
+}
+
+static void test_where_there_is_no_other_way_it_takes_the_gap(void)
+{
+    put_wall_with_gap(false);
+    plan_when_sure_to(0.15f);
+    TEST_ASSERT_TRUE(highest_of_path() < 4.5f);
+}
+
 /* ---- No path ---- */
 
 static void expect_no_path(float x, float y)
@@ -564,6 +616,20 @@ static void test_from_a_new_place_it_plans_anew(void)
     input.is_new_place = true;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
     TEST_ASSERT_EQUAL_INT(JP_MISSION_ARRIVED, mission.state);
+}
+
+/* They were made from where it was not. */
+static void test_from_a_new_place_marks_are_forgotten(void)
+{
+    start(6.05f, 4.05f, 0.0f);
+    rig_wall(2.9f, 2.0f, 2.9f, 6.0f);
+    cycles(6);
+    TEST_ASSERT_TRUE(is_marked(2.9f));
+    wall_count = 0;
+    rig_sense();
+    input.is_new_place = true;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    TEST_ASSERT_FALSE(is_marked(2.9f));
 }
 
 /* What it sees while it does not know where it is marks nothing. */

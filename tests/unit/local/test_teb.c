@@ -694,7 +694,6 @@ static void test_work_on_obstacles_is_bounded(void)
     config.steps = 16;
     init();
     TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
-    printf("steps %u work %u\n", result.steps, teb.internal.work);
     TEST_ASSERT_TRUE(result.steps > 0U && result.steps < 16U);
     TEST_ASSERT_TRUE(teb.internal.work < JP_TEB_WORK_MAX + 4U * 3U * JP_TEB_POSES_MAX);
 }

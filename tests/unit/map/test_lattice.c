@@ -193,6 +193,23 @@ static void test_check_of_a_reach_that_is_too_narrow(void)
     }
 }
 
+/* What no primitive sweeps. */
+static void test_check_of_the_cells_of_the_wheels(void)
+{
+    copy.sides[0].dx = INT8_MAX;
+    expect_bad("sides");
+    copy.sides[JP_MOVE_DIRECTIONS - 1U].dy = -INT8_MAX;
+    expect_bad("sides");
+}
+
+static void test_check_of_prices_of_grounds(void)
+{
+    copy.ground[0].straight = JP_GROUND_SHARE_MAX + 1U;
+    expect_bad("ground");
+    copy.ground[JP_GROUND_CLASSES - 1U].turning = JP_GROUND_SHARE_MAX + 1U;
+    expect_bad("ground");
+}
+
 static void test_check_of_move_costs(void)
 {
     struct jp_slope_cost *cost = &copy.move_costs[JP_COST_PAPER][JP_MOVE_DIAGONAL];

@@ -4,19 +4,29 @@
 #include <joulepath/tables.h>
 #include <stdlib.h>
 
-#define LEVEL_MAP_BYTES 1344 /* 24 × 24 cells with elevation */
+#define LEVEL_MAP_BYTES 1488 /* 24 × 24 cells with elevation and classes */
 #include "tests/support/level_map.h"
 
 enum { SIDE = 24 };
 
-static const struct jp_lattice *const lattice = &jp_lattice_courier24;
+static struct jp_lattice prices;
+static const struct jp_lattice *const lattice = &prices;
+
+static void make_map(bool has_classes)
+{
+    const struct jp_terrain_config map = {.width = SIDE,
+                                          .height = SIDE,
+                                          .resolution = prices.resolution,
+                                          .has_elevation = true,
+                                          .has_classes = has_classes};
+
+    make_level_map(&map);
+}
 
 void setUp(void)
 {
-    const struct jp_terrain_config map = {
-        .width = SIDE, .height = SIDE, .resolution = lattice->resolution, .has_elevation = true};
-
-    make_level_map(&map);
+    prices = jp_lattice_courier24;
+    make_map(true);
 }
 
 void tearDown(void)
@@ -68,6 +78,25 @@ static void test_slopes_cost_as_the_steps_of_the_lattice(void)
     TEST_ASSERT_UINT32_WITHIN(11 * 2, 10 * cost_of_step(-10), cost_of(12, 3, 2, 3));
     TEST_ASSERT_GREATER_THAN_UINT32(cost_of(12, 3, 2, 3), cost_of(2, 3, 12, 3));
     TEST_ASSERT_UINT32_WITHIN(1, 10 * cost_of_step(0), cost_of(5, 3, 5, 13));
+}
+
+/* Half of the way leads over ground that takes twice as much. */
+static void test_lines_cost_by_the_ground_that_they_cross(void)
+{
+    const jp_cost step = cost_of_step(0);
+
+    prices.ground[2].straight = JP_GROUND_ONE;
+    for (int32_t y = 0; y < SIDE; y++) {
+        for (int32_t x = 7; x < SIDE; x++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, x, y, 2));
+        }
+    }
+    TEST_ASSERT_UINT32_WITHIN(step, 15 * step + step / 2, cost_of(2, 3, 12, 3));
+    TEST_ASSERT_UINT32_WITHIN(1, 20 * step, cost_of(10, 3, 20, 3));
+    TEST_ASSERT_UINT32_WITHIN(1, 4 * step, cost_of(2, 3, 6, 3));
+    make_map(false);
+    prices.ground[0].straight = JP_GROUND_ONE; /* is not of this map */
+    TEST_ASSERT_UINT32_WITHIN(1, 10 * step, cost_of(10, 3, 20, 3));
 }
 
 static jp_elevation step_up(int32_t x, int32_t y)

@@ -523,3 +523,125 @@ static void test_bases_that_do_not_fit(void)
     factors.turning = JP_Q16(2);
     expect_overflow();
 }
+
+/* ---- Grounds ---- */
+
+static struct jp_tariff_factors of[JP_GROUND_CLASSES];
+static struct jp_tariff_grounds grounds;
+
+static void set_grounds(void)
+{
+    for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
+        of[k] = factors;
+    }
+    grounds = (struct jp_tariff_grounds){of, JP_GROUND_CLASSES, 0};
+}
+
+static void test_the_cheapest_ground_sets_the_prices_of_the_lattice(void)
+{
+    struct jp_tariff cheapest = {.primitives = copied, .primitives_max = PRIMITIVES_MAX};
+    const char *field = "";
+
+    set_grounds();
+    of[1].straight = JP_Q16(0.5);
+    of[2].turning = JP_Q16(0.25);
+    of[3].straight = JP_Q16(4);
+    of[3].turning = JP_Q16(1.5);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, balancer, &grounds, &field));
+    expect_sound(balancer);
+    factors.straight = JP_Q16(0.5);
+    factors.turning = JP_Q16(0.25);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_factors(&cheapest, balancer, &factors, &field));
+    TEST_ASSERT_EQUAL_MEMORY(copied, primitives, balancer->first_from[JP_HEADINGS] * sizeof copied[0]);
+    TEST_ASSERT_EQUAL_MEMORY(&cheapest.lattice.move_costs, &tariff.lattice.move_costs,
+                             sizeof tariff.lattice.move_costs);
+    TEST_ASSERT_EQUAL_UINT16(JP_GROUND_ONE, tariff.lattice.ground[0].straight); /* twice as much */
+    TEST_ASSERT_EQUAL_UINT16(3U * JP_GROUND_ONE, tariff.lattice.ground[0].turning);
+    TEST_ASSERT_EQUAL_UINT16(0, tariff.lattice.ground[1].straight);
+    TEST_ASSERT_EQUAL_UINT16(0, tariff.lattice.ground[2].turning);
+    TEST_ASSERT_EQUAL_UINT16(7U * JP_GROUND_ONE, tariff.lattice.ground[3].straight);
+    TEST_ASSERT_EQUAL_UINT16(5U * JP_GROUND_ONE, tariff.lattice.ground[3].turning);
+}
+
+static void test_grounds_that_the_map_does_not_have_are_as_class_0(void)
+{
+    const char *field = "";
+
+    set_grounds();
+    of[1].straight = JP_Q16(0.25);
+    grounds.classes = 1;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, balancer, &grounds, &field));
+    TEST_ASSERT_EQUAL_MEMORY(&balancer->ground, &tariff.lattice.ground, sizeof tariff.lattice.ground);
+    TEST_ASSERT_EQUAL_MEMORY(&balancer->sides, &tariff.lattice.sides, sizeof tariff.lattice.sides);
+    TEST_ASSERT_EQUAL_MEMORY(balancer->primitives, primitives,
+                             balancer->first_from[JP_HEADINGS] * sizeof primitives[0]);
+}
+
+/* Across the heading, and no further than what each primitive sweeps. */
+static void test_where_the_wheels_are(void)
+{
+    const char *field = "";
+
+    set_grounds();
+    grounds.half_track = JP_Q16(0.35);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, &jp_lattice_zhang2018_navigation, &grounds, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(0.35), tariff.lattice.half_track);
+    TEST_ASSERT_EQUAL_INT(0, tariff.lattice.sides[0].dx);
+    TEST_ASSERT_EQUAL_INT(2, tariff.lattice.sides[0].dy);
+    TEST_ASSERT_EQUAL_INT(-1, tariff.lattice.sides[2].dx);
+    TEST_ASSERT_EQUAL_INT(1, tariff.lattice.sides[2].dy);
+    TEST_ASSERT_EQUAL_INT(-2, tariff.lattice.sides[4].dx);
+    TEST_ASSERT_EQUAL_INT(0, tariff.lattice.sides[4].dy);
+    grounds.half_track = JP_Q16(4);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, &jp_lattice_zhang2018_navigation, &grounds, &field));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_check(&tariff.lattice, &field));
+    TEST_ASSERT_GREATER_THAN_INT(1, tariff.lattice.sides[0].dy);
+    TEST_ASSERT_LESS_THAN_INT(20, tariff.lattice.sides[0].dy);
+}
+
+static void test_prices_of_grounds_that_are_refused(void)
+{
+    const char *field = "";
+
+    set_grounds();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(NULL, balancer, &grounds, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, NULL, &grounds, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, balancer, NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, balancer, &grounds, NULL));
+    grounds.factors = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_tariff_by_grounds(&tariff, balancer, &grounds, &field));
+    set_grounds();
+    of[1].turning = JP_TARIFF_FACTOR_MAX + 1;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_tariff_by_grounds(&tariff, balancer, &grounds, &field));
+    TEST_ASSERT_EQUAL_STRING("turning", field);
+    set_grounds();
+    tariff.primitives_max = 1;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, jp_tariff_by_grounds(&tariff, balancer, &grounds, &field));
+}
+
+static void test_limits_of_grounds(void)
+{
+    static const struct {
+        uint8_t classes;
+        jp_q16 half_track;
+        const char *field; /* NULL: it is taken */
+    } limits[] = {{0, 0, "classes"},
+                  {1, 0, NULL},
+                  {JP_GROUND_CLASSES, JP_Q16(4), NULL},
+                  {JP_GROUND_CLASSES + 1U, 0, "classes"},
+                  {1, -1, "half_track"},
+                  {1, JP_Q16(4) + 1, "half_track"}};
+
+    set_grounds();
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
+        const char *field = NULL;
+
+        grounds.classes = limits[i].classes;
+        grounds.half_track = limits[i].half_track;
+        TEST_ASSERT_EQUAL_INT(limits[i].field == NULL ? JP_OK : JP_ERR_CONFIG,
+                              jp_tariff_by_grounds(&tariff, balancer, &grounds, &field));
+        if (limits[i].field != NULL) {
+            TEST_ASSERT_EQUAL_STRING(limits[i].field, field);
+        }
+    }
+}

@@ -167,7 +167,7 @@ static void test_init_checks_every_field_at_its_limits(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, init(&field)); /* no field is out of range */
 }
 
-static void test_size_is_two_bits_a_cell_in_words_two_bytes_an_elevation_and_one_a_cost(void)
+static void test_size_is_two_bits_a_cell_in_words_two_bytes_an_elevation_one_a_cost_and_two_bits_a_class(void)
 {
     static const struct {
         uint16_t width;
@@ -188,7 +188,10 @@ static void test_size_is_two_bits_a_cell_in_words_two_bytes_an_elevation_and_one
         TEST_ASSERT_EQUAL_UINT32(sizes[i].planes + 3 * count, jp_terrain_size(&config));
         config.has_elevation = false;
         TEST_ASSERT_EQUAL_UINT32(sizes[i].planes + count, jp_terrain_size(&config));
+        config.has_classes = true;
+        TEST_ASSERT_EQUAL_UINT32(sizes[i].planes + count + (count + 3U) / 4U, jp_terrain_size(&config));
         config.has_costs = false;
+        config.has_classes = false;
     }
     TEST_ASSERT_EQUAL_UINT32(0, jp_terrain_size(NULL));
 }
@@ -370,6 +373,53 @@ static void test_costs_stay_apart_from_elevations(void)
         TEST_ASSERT_EQUAL_UINT32(elevation != 0 ? 40 : 20, terrain.version);
         TEST_ASSERT_EQUAL_INT(0x5A, bytes[jp_terrain_size(&config)]);
     }
+}
+
+/* Four cells share a byte, also with those of the next row. */
+static void test_classes_stay_apart_from_costs_and_from_each_other(void)
+{
+    static const bool has_costs[2] = {false, true};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        config = (struct jp_terrain_config){
+            .width = 5, .height = 3, .resolution = JP_Q16(0.2), .has_costs = has_costs[i], .has_classes = true};
+        start();
+        for (int32_t cell = 0; cell < 15; cell++) {
+            TEST_ASSERT_EQUAL_INT(0, jp_terrain_class(&terrain, cell % 5, cell / 5));
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, cell % 5, cell / 5, (uint8_t)(cell % 4)));
+            (void)jp_terrain_set_cost(&terrain, cell % 5, cell / 5, UINT8_MAX);
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, 2, 1, 0));
+        for (int32_t cell = 0; cell < 15; cell++) {
+            TEST_ASSERT_EQUAL_INT(cell == 7 ? 0 : cell % 4, jp_terrain_class(&terrain, cell % 5, cell / 5));
+            TEST_ASSERT_EQUAL_INT(has_costs[i] ? UINT8_MAX : 0, jp_terrain_cost(&terrain, cell % 5, cell / 5));
+        }
+    }
+}
+
+static void test_a_class_is_a_change_of_the_map(void)
+{
+    config.has_classes = true;
+    start();
+
+    const uint32_t before = terrain.version;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, 0, 0, JP_GROUND_CLASSES - 1U));
+    TEST_ASSERT_EQUAL_UINT32(before + 1U, terrain.version);
+}
+
+static void test_classes_that_cannot_be_set(void)
+{
+    config.has_classes = true;
+    start();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_terrain_set_class(&terrain, 0, 0, JP_GROUND_CLASSES));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_terrain_set_class(&terrain, -1, 0, 1));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_terrain_set_class(&terrain, 0, config.height, 1));
+    TEST_ASSERT_EQUAL_INT(0, jp_terrain_class(&terrain, -1, 0));
+    config.has_classes = false;
+    start();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_terrain_set_class(&terrain, 0, 0, 1));
+    TEST_ASSERT_EQUAL_INT(0, jp_terrain_class(&terrain, 0, 0));
 }
 
 static void test_costs_that_cannot_be_set(void)

@@ -68,7 +68,7 @@ static void test_a_turn(void)
 
     begin_balancing();
     for (size_t i = 0; i < sizeof headings / sizeof headings[0]; i++) {
-        TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, headings[i]));
+        TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, headings[i], NULL));
         expect_phase(JP_VEHICLE_MOVING);
         expect_refusal();
         tick();
@@ -86,7 +86,7 @@ static void test_a_turn_of_a_robot_that_was_pushed_round(void)
 {
     begin_balancing();
     robot.internal.telemetry.motion.yaw = JP_PHASE_TURN / 72;
-    TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(60)));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(60), NULL));
     (void)live_until_stand();
     expect_heading(JP_ANGLE_DEGREES(60));
 }
@@ -100,7 +100,7 @@ static unsigned turn_in_parts(jp_angle heading)
     while ((uint32_t)(look().heading - heading + DEGREE) > 2U * DEGREE && calls < 9U) {
         const jp_angle before = look().heading;
 
-        TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, heading));
+        TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, heading, NULL));
         (void)live_until_stand();
         TEST_ASSERT_INT32_WITHIN((int32_t)(most + DEGREE), 0, (int32_t)(look().heading - before));
         calls++;
@@ -121,7 +121,7 @@ static uint32_t ticks_of_turn(jp_q16 bandwidth)
 {
     robot_config.reference.yaw_bandwidth = bandwidth;
     begin_balancing();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(30)));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(30), NULL));
     tick();
     return telemetry().segment_ticks_left;
 }
@@ -167,7 +167,7 @@ static void test_a_turn_that_has_not_settled(void)
 static void test_a_run(void)
 {
     begin_balancing();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, jp_atan2(aside[0].y, aside[0].x)));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, jp_atan2(aside[0].y, aside[0].x), NULL));
     (void)live_until_stand();
     TEST_ASSERT_EQUAL_INT32(JP_OK, follow_run(aside, 2));
     expect_phase(JP_VEHICLE_MOVING);
@@ -231,7 +231,7 @@ static void test_stop_ends_a_run(void)
 static void test_stop_ends_a_turn(void)
 {
     begin_balancing();
-    TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(60)));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(60), NULL));
     vehicle.stop(vehicle.context);
     tick();
     expect_phase(JP_VEHICLE_STANDING);

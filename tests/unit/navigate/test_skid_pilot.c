@@ -18,7 +18,7 @@ static void test_bad_arguments(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_follow(NULL, &route));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_follow(&pilot, NULL));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_ask(NULL, &route));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_turn(NULL, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_turn(NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_work(NULL));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_answer(NULL, &forecast));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_answer(&pilot, NULL));
@@ -53,8 +53,8 @@ static void test_fields_out_of_range(void)
     expect_bad_field("width");
     model.weight = 0;
     expect_bad_field("skid_energy.weight");
-    learning.identity = 0;
-    expect_bad_field("skid_learning.identity");
+    learning.factors.identity = 0;
+    expect_bad_field("learning.identity");
 }
 
 /* ---- Requests ---- */
@@ -101,7 +101,7 @@ static void test_motors_that_are_off(void)
     run(1);
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_pilot_follow(&pilot, &route));
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_pilot_ask(&pilot, &route));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_pilot_turn(&pilot, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_pilot_turn(&pilot, 0, NULL));
     expect_phase(JP_SKID_PILOT_RESTING, JP_OK);
 }
 
@@ -195,7 +195,7 @@ static void test_legs_add_up_to_the_path(void)
         for (uint16_t leg = 0; leg < SQUARE; leg++) {
             drive_legs(leg, 1);
             TEST_ASSERT_EQUAL_UINT16(leg + 1U, pilot.legs_begun);
-            energy += pilot.internal.watch.drive.energy;
+            energy += pilot.internal.watch.drive.on[0].energy;
             TEST_ASSERT_TRUE(pilot.leg.speed > 0 && pilot.leg.duration > 0 && pilot.leg.energy > 0);
             TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), turns[rounded][leg], pilot.leg.turn);
         }
@@ -276,7 +276,7 @@ static void test_a_route_that_is_driven_between_two_calls(void)
 static void test_it_turns_on_the_spot(void)
 {
     set_up_pilot();
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_turn(&pilot, JP_ANGLE_DEGREES(-120)));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_turn(&pilot, JP_ANGLE_DEGREES(-120), NULL));
     (void)plan();
     TEST_ASSERT_EQUAL_INT32(0, pilot.leg.speed);
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(-2.0944), pilot.leg.turn);
@@ -291,10 +291,114 @@ static void test_it_turns_on_the_spot(void)
 static void test_a_heading_that_it_has(void)
 {
     set_up_pilot();
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_turn(&pilot, jp_phase_angle(telemetry().heading)));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_turn(&pilot, jp_phase_angle(telemetry().heading), NULL));
     (void)plan();
     expect_phase(JP_SKID_PILOT_RESTING, JP_OK);
     TEST_ASSERT_EQUAL_UINT16(0, pilot.legs_begun);
+}
+
+/* ---- Grounds ---- */
+
+static uint8_t class_of_all = 0;
+
+static jp_q16 level_at(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    (void)point;
+    return 0;
+}
+
+static uint8_t class_at(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    (void)point;
+    return class_of_all;
+}
+
+static const struct jp_ground classed = {level_at, class_at, NULL, JP_Q16(0.5), 0};
+static struct jp_skid_grounds known_grounds;
+
+static void set_up_grounds(void)
+{
+    set_up_pilot();
+    pilot_config.grounds = &known_grounds;
+    pilot_config.ground_learning = &jp_ground_learning;
+    init_pilot();
+}
+
+static void drive_square_on(uint8_t ground)
+{
+    struct jp_skid_pilot_route route = route_of(square, SQUARE);
+
+    class_of_all = ground;
+    route.ground = &classed;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_follow(&pilot, &route));
+    drive_to_rest();
+    expect_phase(JP_SKID_PILOT_RESTING, JP_OK);
+}
+
+static void test_legs_teach_the_class_of_their_ground(void)
+{
+    set_up_grounds();
+    drive_square_on(1);
+    TEST_ASSERT_EQUAL_UINT32(SQUARE, pilot.legs_learned_from);
+    TEST_ASSERT_EQUAL_UINT32(0, pilot.learner.state.version);
+    TEST_ASSERT_EQUAL_UINT32(SQUARE, known_grounds.learner.states[1].version);
+    TEST_ASSERT_EQUAL_UINT32(0, known_grounds.learner.states[2].version);
+    TEST_ASSERT_NOT_EQUAL(known_grounds.models[1].rolling, known_grounds.models[2].rolling);
+    class_of_all = 2;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_turn(&pilot, JP_ANGLE_DEGREES(200), &classed));
+    drive_to_rest();
+    TEST_ASSERT_EQUAL_UINT32(1, known_grounds.learner.states[2].version);
+}
+
+/* As without grounds. */
+static void test_legs_on_class_0_teach_the_robot(void)
+{
+    struct jp_learned_state learned;
+
+    set_up_pilot();
+    drive_square_on(3);
+    learned = pilot.learner.state;
+    set_up_rig();
+    set_up_grounds();
+    drive_square_on(0);
+    TEST_ASSERT_EQUAL_UINT32(SQUARE, pilot.learner.state.version);
+    TEST_ASSERT_EQUAL_MEMORY(&learned, &pilot.learner.state, sizeof learned);
+    TEST_ASSERT_EQUAL_MEMORY(&pilot.learner.model, &known_grounds.models[3], sizeof pilot.learner.model);
+}
+
+static void test_forecasts_are_by_the_class_of_the_ground(void)
+{
+    struct jp_skid_pilot_route route = route_of(square, SQUARE);
+    struct jp_forecast on_class[2];
+
+    set_up_grounds();
+    route.ground = &classed;
+    for (uint8_t k = 0; k < 2U; k++) {
+        known_grounds.models[1].rolling = 3 * known_grounds.models[0].rolling;
+        class_of_all = k;
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_ask(&pilot, &route));
+        (void)plan();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_answer(&pilot, &on_class[k]));
+    }
+    TEST_ASSERT_GREATER_THAN_INT32(on_class[0].energy / 5 * 6, on_class[1].energy);
+    TEST_ASSERT_GREATER_THAN_INT32(3 * on_class[0].deviation, on_class[1].deviation);
+}
+
+static void test_learning_of_grounds_that_is_refused(void)
+{
+    struct jp_factor_learning wrong = jp_ground_learning;
+    const char *field = "";
+
+    set_up_grounds();
+    wrong.memory = 0;
+    pilot_config.ground_learning = &wrong;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_skid_pilot_init(&pilot, &pilot_config, &robot, &field));
+    TEST_ASSERT_EQUAL_STRING("learning.memory", field);
+    pilot_config.ground_learning = NULL;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_skid_pilot_init(&pilot, &pilot_config, &robot, &field));
+    TEST_ASSERT_EQUAL_STRING("ground_learning", field);
 }
 
 /* ---- Questions ---- */

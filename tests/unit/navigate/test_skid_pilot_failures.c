@@ -183,7 +183,7 @@ static void test_a_route_replaces_another(void)
 static void test_a_turn_replaces_a_route(void)
 {
     be_on_the_way();
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_turn(&pilot, JP_ANGLE_DEGREES(180)));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_turn(&pilot, JP_ANGLE_DEGREES(180), NULL));
     drive_to_rest();
     expect_phase(JP_SKID_PILOT_RESTING, JP_OK);
     TEST_ASSERT_INT32_WITHIN((int32_t)JP_ANGLE_DEGREES(1), 0,
@@ -255,6 +255,6 @@ static void test_evidence(void)
 static void test_a_leg_whose_energy_has_no_format(void)
 {
     begin_a_leg();
-    pilot.internal.watch.drive.energy = (int64_t)1 << 40;
+    pilot.internal.watch.drive.on[0].energy = (int64_t)1 << 40;
     expect_left_out(JP_EVIDENCE_GOOD);
 }

@@ -194,7 +194,7 @@ static jp_q16 valley(const void *context, const struct jp_point *point)
 static void test_legs_over_a_valley(void)
 {
     static const struct jp_point targets[] = {{JP_Q16(2), 0}, {JP_Q16(2), JP_Q16(2)}};
-    static const struct jp_ground ground = {valley, NULL, JP_Q16(0.2)};
+    static const struct jp_ground ground = {valley, NULL, NULL, JP_Q16(0.2), 0};
     const struct jp_line_route route = {.targets = targets, .count = 2, .ground = &ground};
     struct jp_skid_leg leg = {.end = 0};
     unsigned legs = 0;
@@ -215,4 +215,51 @@ static void test_legs_over_a_valley(void)
     }
     TEST_ASSERT_INT32_WITHIN(run.path.count, 0, rise);
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), -(pieces[0].length >> 8) / 25, pieces[0].rise);
+}
+
+/* ---- Grounds ---- */
+
+static jp_q16 level_at(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    (void)point;
+    return 0;
+}
+
+/* Beyond 1 m; of a class that the robot does not know beyond 1.8 m. */
+static uint8_t mud_at(const void *context, const struct jp_point *point)
+{
+    const uint8_t mud = point->x > JP_Q16(1) ? 2 : 0;
+
+    (void)context;
+    return point->x > JP_Q16(1.8) ? (uint8_t)JP_GROUND_CLASSES : mud;
+}
+
+static void test_a_leg_by_the_ground_of_its_pieces(void)
+{
+    static const struct jp_point target = {JP_Q16(2), 0};
+    static const struct jp_ground ground = {level_at, mud_at, NULL, JP_Q16(0.1), 0};
+    const struct jp_line_route route = {.targets = &target, .count = 1, .ground = &ground};
+    struct jp_skid_learner robot;
+    struct jp_skid_grounds grounds;
+    const struct jp_skid_knowledge alike = {&robot, NULL};
+    const struct jp_skid_knowledge known = {&robot, &grounds};
+    struct jp_skid_ground_drive drive = {.on = {{.energy = 0}}};
+    struct jp_skid_ground_drive other = drive;
+    struct jp_skid_leg leg = {.end = 0};
+    jp_q16 duration = 0;
+
+    jp_skid_learner_start(&robot, &jp_skid_learning_zhang2018, config.model);
+    jp_skid_grounds_start(&grounds, &jp_ground_learning, &robot);
+    grounds.models[2].rolling = 2 * robot.model.rolling;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_run_lay(&run, &config, &route, 0));
+    while (jp_skid_run_plan(&run, &config, config.model)) {
+    }
+    TEST_ASSERT_TRUE(jp_skid_run_next_leg(&run, &leg));
+    jp_skid_run_leg_energy(&run, &leg, &alike, &drive, &duration);
+    jp_skid_run_leg_energy(&run, &leg, &known, &other, &duration);
+    TEST_ASSERT_TRUE(drive.on[0].energy > 0 && drive.on[2].energy > 0);
+    TEST_ASSERT_TRUE(drive.on[1].energy == 0 && drive.on[3].energy == 0);
+    TEST_ASSERT_TRUE(other.on[0].energy == drive.on[0].energy);
+    TEST_ASSERT_TRUE(other.on[2].energy > drive.on[2].energy + drive.on[2].energy / 4);
 }

@@ -79,11 +79,11 @@ static void test_phases(void)
     prepare(0);
     wake();
     expect_phase(JP_VEHICLE_OFF);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, vehicle.turn(vehicle.context, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, vehicle.turn(vehicle.context, 0, NULL));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
     run(1);
     expect_phase(JP_VEHICLE_STANDING);
-    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(30)));
+    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(30), NULL));
     expect_phase(JP_VEHICLE_MOVING); /* it is not even planned */
     const struct jp_vehicle_run straight = run_of(1);
     TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, vehicle.follow(vehicle.context, &straight));
@@ -116,7 +116,7 @@ static void test_within_a_tick(void)
     vehicle.look(vehicle.context, &seen);
     TEST_ASSERT_EQUAL_INT(JP_VEHICLE_OFF, seen.phase);
     TEST_ASSERT_EQUAL_UINT32(3, seen.heading);
-    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, vehicle.turn(vehicle.context, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, vehicle.turn(vehicle.context, 0, NULL));
     jp_skid_robot_account(&robot);
     expect_phase(JP_VEHICLE_STANDING);
 }
@@ -125,11 +125,11 @@ static void test_turns_on_the_spot(void)
 {
     prepare(0);
     make_standing();
-    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(-120)));
+    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(-120), NULL));
     drive_to_the_end();
     TEST_ASSERT_INT32_WITHIN((int32_t)JP_ANGLE_DEGREES(1), 0, (int32_t)(view().heading - JP_ANGLE_DEGREES(-120)));
     TEST_ASSERT_EQUAL_UINT32(1, pilot.learner.state.version);
-    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, view().heading));
+    TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, view().heading, NULL));
     TEST_ASSERT_EQUAL_INT(JP_OK, planned());
     expect_phase(JP_VEHICLE_STANDING); /* it has that heading */
 }

@@ -1,0 +1,216 @@
+/* What the patrol takes beside plain path following: energy and time of the improved band over those of pure pursuit on
+ * the same scenes, where pure pursuit arrives, and in which states the patrol takes them. The figures are of seeds that
+ * no part of the robot was designed on. Prints figures as JSON; a table of states on stderr.
+ *
+ * bench_joules [--seed FIRST] [--count N]
+ * --count is the number of drives a scene. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "sim/base/parallel.h"
+#include "sim/missions/patrol_mission.h"
+#include "tests/bench/figures.h"
+
+#define COMMAND    "make bench-patrol"
+#define ROBOT_PATH "sim/robots/patrol.cfg"
+
+/* Of the mean over all drives. */
+#define ENERGY_BAR 1.10
+#define TIME_BAR   1.15
+
+enum { DRIVES_MAX = 400, STATES = JP_PATROL_STOPPED + 1 };
+
+/* How a drive went, and what each state of it took. */
+struct drive {
+    struct patrol_result result;
+    double seconds[STATES];
+    double joules[STATES];
+    double time; /* of the last cycle */
+    double energy;
+};
+
+struct pair {
+    struct drive band;
+    struct drive pursuit;
+};
+
+struct campaign {
+    struct four_wheel_file robot;
+    struct pair pairs[PATROL_SCENES][DRIVES_MAX];
+};
+
+struct options {
+    uint64_t seed;
+    size_t count;
+};
+
+static struct options options = {.seed = 1101, .count = DRIVES_MAX};
+
+/* ---- Driving ---- */
+
+static void note(void *context, const struct patrol_view *view)
+{
+    struct drive *drive = context;
+
+    drive->seconds[view->state] += view->time - drive->time;
+    drive->joules[view->state] += view->energy_j - drive->energy;
+    drive->time = view->time;
+    drive->energy = view->energy_j;
+}
+
+static void run(const struct four_wheel_file *robot, const struct patrol_scene *scene, enum patrol_method method,
+                uint64_t seed, struct drive *drive)
+{
+    const struct patrol_task task = {.robot = robot,
+                                     .scene = scene,
+                                     .method = method,
+                                     .seed = seed,
+                                     .faults = {.jump_at = -1},
+                                     .observe = note,
+                                     .context = drive};
+
+    if (!patrol_mission_run(&task, &drive->result)) {
+        abort();
+    }
+}
+
+static void drive_index(void *context, size_t index)
+{
+    struct campaign *campaign = context;
+    const enum patrol_scene_kind kind = (enum patrol_scene_kind)(index % PATROL_SCENES);
+    const size_t number = index / PATROL_SCENES;
+    struct pair *pair = &campaign->pairs[kind][number];
+    struct patrol_scene scene;
+
+    patrol_scene_make(kind, options.seed + number, &scene);
+    run(&campaign->robot, &scene, PATROL_PURSUIT, options.seed + number, &pair->pursuit);
+    if (pair->pursuit.result.outcome == PATROL_ARRIVED) {
+        run(&campaign->robot, &scene, PATROL_IMPROVED, options.seed + number, &pair->band);
+    }
+    patrol_scene_free(&scene);
+}
+
+/* ---- What came of them ---- */
+
+/* Sums over the drives in which pursuit arrived, and the band too. */
+struct summary {
+    double pairs;
+    double failed; /* in which only pursuit arrived */
+    double energy; /* of the ratios */
+    double time;
+    double length;
+    double pursuit_seconds;
+    double pursuit_joules;
+    double seconds[STATES];
+    double joules[STATES];
+};
+
+static void add_pair(struct summary *summary, const struct pair *pair)
+{
+    const struct patrol_result *const band = &pair->band.result;
+    const struct patrol_result *const pursuit = &pair->pursuit.result;
+
+    if (pursuit->outcome != PATROL_ARRIVED) {
+        return;
+    }
+    if (band->outcome != PATROL_ARRIVED) {
+        summary->failed++;
+        return;
+    }
+    summary->pairs++;
+    summary->energy += band->energy_j / pursuit->energy_j;
+    summary->time += band->time / pursuit->time;
+    summary->length += band->length / pursuit->length;
+    summary->pursuit_seconds += pursuit->time;
+    summary->pursuit_joules += pursuit->energy_j;
+    for (size_t i = 0; i < STATES; i++) {
+        summary->seconds[i] += pair->band.seconds[i];
+        summary->joules[i] += pair->band.joules[i];
+    }
+}
+
+static void print_summary(const char *name, const struct summary *summary)
+{
+    const double pairs = summary->pairs;
+
+    (void)fprintf(stderr, "%s: %.0f pairs, %.0f failed; energy %.3f, time %.3f, way %.3f; pursuit %.2f s %.1f J\n",
+                  name, pairs, summary->failed, summary->energy / pairs, summary->time / pairs, summary->length / pairs,
+                  summary->pursuit_seconds / pairs, summary->pursuit_joules / pairs);
+    for (size_t i = 0; i < STATES; i++) {
+        if (summary->seconds[i] > 0) {
+            (void)fprintf(stderr, "    %-9s %6.2f s %7.1f J\n", patrol_state_names[i], summary->seconds[i] / pairs,
+                          summary->joules[i] / pairs);
+        }
+    }
+}
+
+static void add_figures(json_t *figures, const char *name, const struct summary *summary, bool has_bars)
+{
+    const double pairs = summary->pairs;
+
+    if (pairs + summary->failed > 0) {
+        figures_add(figures, COMMAND, summary->failed, "", has_bars ? equal_to(0) : no_bar,
+                    "patrol robot beside path following, %s, %zu drives a scene: following arrived and it did not",
+                    name, options.count);
+    }
+    if (pairs > 0) {
+        figures_add(figures, COMMAND, summary->energy / pairs, "×", has_bars ? at_most(ENERGY_BAR) : no_bar,
+                    "patrol robot beside path following, %s, %zu drives a scene: energy, mean", name, options.count);
+        figures_add(figures, COMMAND, summary->time / pairs, "×", has_bars ? at_most(TIME_BAR) : no_bar,
+                    "patrol robot beside path following, %s, %zu drives a scene: time, mean", name, options.count);
+    }
+}
+
+/* ---- Program ---- */
+
+static error_t parse_option(int key, char *argument, struct argp_state *state)
+{
+    char *end;
+
+    if (key != 's' && key != 'n') {
+        return ARGP_ERR_UNKNOWN;
+    }
+    const unsigned long value = strtoul(argument, &end, 10);
+
+    if (*end != '\0' || (key == 'n' && (value < 1 || value > DRIVES_MAX))) {
+        argp_error(state, "%s: no number of its range", argument);
+    }
+    if (key == 's') {
+        options.seed = value;
+    } else {
+        options.count = value;
+    }
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option known[] = {
+        {"seed", 's', "FIRST", 0, "first seed", 0}, {"count", 'n', "N", 0, "drives a scene, at most 400", 0}, {0}};
+    static const struct argp parser = {known, parse_option, NULL, "Measures the patrol beside path following.",
+                                       NULL,  NULL,         NULL};
+    static struct campaign campaign;
+    struct summary all = {0};
+    json_t *figures = json_array();
+
+    argp_err_exit_status = ERROR_EXIT;
+    (void)argp_parse(&parser, argc, argv, 0, NULL, NULL);
+    if (!four_wheel_file_load(ROBOT_PATH, &campaign.robot)) {
+        return ERROR_EXIT;
+    }
+    in_parallel("patrol beside path following", drive_index, &campaign, options.count * PATROL_SCENES);
+    for (size_t kind = 0; kind < PATROL_SCENES; kind++) {
+        struct summary summary = {0};
+
+        for (size_t i = 0; i < options.count; i++) {
+            add_pair(&summary, &campaign.pairs[kind][i]);
+            add_pair(&all, &campaign.pairs[kind][i]);
+        }
+        print_summary(patrol_scene_names[kind], &summary);
+        add_figures(figures, patrol_scene_names[kind], &summary, false);
+    }
+    print_summary("all scenes", &all);
+    add_figures(figures, "all scenes", &all, true);
+    figures_print(figures);
+    return 0;
+}
