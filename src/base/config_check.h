@@ -16,11 +16,14 @@ struct jp_config_field {
     uint16_t bytes;
 };
 
-/** An entry of the table: a member of `type`, whose name follows `path`. */
-#define JP_CONFIG_FIELD(path, type, member, least, most)                                                               \
+/** An entry of the table: a member of `type`. */
+#define JP_CONFIG_FIELD_NAMED(name, type, member, least, most)                                                         \
     {                                                                                                                  \
-        path #member, (least), (most), (uint16_t)offsetof(type, member), (uint16_t)sizeof(((type *)NULL)->member)      \
+        name, (least), (most), (uint16_t)offsetof(type, member), (uint16_t)sizeof(((type *)NULL)->member)              \
     }
+
+/** Its name follows `path`. */
+#define JP_CONFIG_FIELD(path, type, member, least, most) JP_CONFIG_FIELD_NAMED(path #member, type, member, least, most)
 
 #define JP_CONFIG_COUNT(fields) (sizeof(fields) / sizeof(fields)[0])
 

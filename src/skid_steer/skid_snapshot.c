@@ -33,7 +33,8 @@ void jp_skid_robot_snapshot(const struct jp_skid_robot *robot, struct jp_skid_sn
     };
 }
 
-#define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_skid_snapshot, member, low, high)
+/** Nobody is told which one is wrong. */
+#define FIELD(member, low, high) JP_CONFIG_FIELD_NAMED(NULL, struct jp_skid_snapshot, member, low, high)
 
 static bool is_sound(const struct jp_skid_snapshot *snapshot)
 {
