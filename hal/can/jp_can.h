@@ -466,7 +466,7 @@ extern "C" {
 #define JP_CAN_WHEEL_FEEDBACK_CRC_NAME "Crc"
 #define JP_CAN_WHEEL_FEEDBACK_COUNTER_NAME "Counter"
 #define JP_CAN_WHEEL_FEEDBACK_WHEEL_NAME "Wheel"
-#define JP_CAN_WHEEL_FEEDBACK_COUNT_NAME "Count"
+#define JP_CAN_WHEEL_FEEDBACK_WHEEL_COUNT_NAME "WheelCount"
 #define JP_CAN_WHEEL_FEEDBACK_ANGLE_NAME "Angle"
 #define JP_CAN_SUPPLY_SENSORS_CRC_NAME "Crc"
 #define JP_CAN_SUPPLY_SENSORS_COUNTER_NAME "Counter"
@@ -740,7 +740,7 @@ struct jp_can_wheel_target_t {
     uint8_t wheel;
 
     /**
-     * 1: the drive follows angle and speed; 0: it is off, the wheel coasts and keeps its angle.
+     * 1: the drive follows angle and speed; 0: it is off, the wheel is braked and keeps its angle.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1
@@ -951,7 +951,7 @@ struct jp_can_wheel_feedback_t {
      * Scale: 1
      * Offset: 0
      */
-    uint32_t count;
+    uint32_t wheel_count;
 
     /**
      * Of steering, counterclockwise from straight ahead.
@@ -3695,7 +3695,7 @@ bool jp_can_wheel_feedback_wheel_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_wheel_feedback_count_is_in_range(uint32_t value);
+bool jp_can_wheel_feedback_wheel_count_is_in_range(uint32_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3708,7 +3708,7 @@ bool jp_can_wheel_feedback_count_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_wheel_feedback_count_is_in_phys_range(double value);
+bool jp_can_wheel_feedback_wheel_count_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.
