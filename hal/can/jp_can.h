@@ -2162,7 +2162,7 @@ struct jp_can_energy_parameter_t {
     uint8_t count;
 
     /**
-     * Unit as in joulepath/energy.h. Of a robot that its sides steer the number as joulepath/skid_energy.h has it: where that is Q8.24, 256 times as much.
+     * Unit as in joulepath/energy.h. Of a robot that its sides steer the number as joulepath/skid_energy.h has it: where that is Q8.24, 256 times as much. Of four steered wheels likewise joulepath/four_wheel_energy.h, 16 numbers.
      *
      * Range: -2147483648..2147483647 (-32768..32767.99998 -)
      * Scale: 1.52587890625e-05
@@ -2644,7 +2644,7 @@ struct jp_can_course_leg_t {
 /**
  * Signals in message LearnedFactors.
  *
- * What driving has taught a robot that its sides steer: factors of the robot file's. Sent with LearnedDeviations and LearnerStatus when a segment has ended, and every second.
+ * What driving has taught a robot that its sides steer, or one with four steered wheels: factors of the robot file's. Sent with LearnedDeviations and LearnerStatus when a segment has ended, and every second.
  *
  * All signal values are as on the CAN bus.
  */
@@ -2659,7 +2659,7 @@ struct jp_can_learned_factors_t {
     uint16_t rolling;
 
     /**
-     * Of the ground.
+     * Of the ground; of four steered wheels what steering takes.
      *
      * Range: 0..65535 (0..15.99976 -)
      * Scale: 0.000244140625
