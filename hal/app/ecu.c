@@ -268,7 +268,9 @@ static bool take_own(struct jp_ecu *ecu, const struct jp_can_frame *frame)
     bool is_sample = false;
 
     if (robot->kind->accept != NULL) {
-        count_result(&ecu->sample_counts, robot->kind->accept(robot->self, frame, &is_sample));
+        const enum jp_e2e_result result = robot->kind->accept(robot->self, frame, &is_sample);
+
+        count_result(&ecu->sample_counts, result);
     }
     return is_sample;
 }

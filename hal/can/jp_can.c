@@ -777,10 +777,10 @@ int jp_can_wheel_feedback_pack(
     dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
     dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
     dst_p[1] |= pack_left_shift_u8(src_p->wheel, 4u, 0x30u);
-    dst_p[1] |= pack_left_shift_u32(src_p->count, 6u, 0xc0u);
-    dst_p[2] |= pack_right_shift_u32(src_p->count, 2u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->count, 10u, 0xffu);
-    dst_p[4] |= pack_right_shift_u32(src_p->count, 18u, 0x3fu);
+    dst_p[1] |= pack_left_shift_u32(src_p->wheel_count, 6u, 0xc0u);
+    dst_p[2] |= pack_right_shift_u32(src_p->wheel_count, 2u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->wheel_count, 10u, 0xffu);
+    dst_p[4] |= pack_right_shift_u32(src_p->wheel_count, 18u, 0x3fu);
     angle = (uint32_t)src_p->angle;
     dst_p[4] |= pack_left_shift_u32(angle, 6u, 0xc0u);
     dst_p[5] |= pack_right_shift_u32(angle, 2u, 0xffu);
@@ -804,10 +804,10 @@ int jp_can_wheel_feedback_unpack(
     dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
     dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
     dst_p->wheel = unpack_right_shift_u8(src_p[1], 4u, 0x30u);
-    dst_p->count = unpack_right_shift_u32(src_p[1], 6u, 0xc0u);
-    dst_p->count |= unpack_left_shift_u32(src_p[2], 2u, 0xffu);
-    dst_p->count |= unpack_left_shift_u32(src_p[3], 10u, 0xffu);
-    dst_p->count |= unpack_left_shift_u32(src_p[4], 18u, 0x3fu);
+    dst_p->wheel_count = unpack_right_shift_u32(src_p[1], 6u, 0xc0u);
+    dst_p->wheel_count |= unpack_left_shift_u32(src_p[2], 2u, 0xffu);
+    dst_p->wheel_count |= unpack_left_shift_u32(src_p[3], 10u, 0xffu);
+    dst_p->wheel_count |= unpack_left_shift_u32(src_p[4], 18u, 0x3fu);
     angle = unpack_right_shift_u32(src_p[4], 6u, 0xc0u);
     angle |= unpack_left_shift_u32(src_p[5], 2u, 0xffu);
     angle |= unpack_left_shift_u32(src_p[6], 10u, 0xffu);
@@ -863,12 +863,12 @@ bool jp_can_wheel_feedback_wheel_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 3.0));
 }
 
-bool jp_can_wheel_feedback_count_is_in_range(uint32_t value)
+bool jp_can_wheel_feedback_wheel_count_is_in_range(uint32_t value)
 {
     return (value <= 16777215u);
 }
 
-bool jp_can_wheel_feedback_count_is_in_phys_range(double value)
+bool jp_can_wheel_feedback_wheel_count_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 16777215.0));
 }

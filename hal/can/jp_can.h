@@ -466,7 +466,7 @@ extern "C" {
 #define JP_CAN_WHEEL_FEEDBACK_CRC_NAME "Crc"
 #define JP_CAN_WHEEL_FEEDBACK_COUNTER_NAME "Counter"
 #define JP_CAN_WHEEL_FEEDBACK_WHEEL_NAME "Wheel"
-#define JP_CAN_WHEEL_FEEDBACK_COUNT_NAME "Count"
+#define JP_CAN_WHEEL_FEEDBACK_WHEEL_COUNT_NAME "WheelCount"
 #define JP_CAN_WHEEL_FEEDBACK_ANGLE_NAME "Angle"
 #define JP_CAN_SUPPLY_SENSORS_CRC_NAME "Crc"
 #define JP_CAN_SUPPLY_SENSORS_COUNTER_NAME "Counter"
@@ -740,7 +740,7 @@ struct jp_can_wheel_target_t {
     uint8_t wheel;
 
     /**
-     * 1: the drive follows angle and speed; 0: it is off, the wheel coasts and keeps its angle.
+     * 1: the drive follows angle and speed; 0: it is off, the wheel is braked and keeps its angle.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1
@@ -951,7 +951,7 @@ struct jp_can_wheel_feedback_t {
      * Scale: 1
      * Offset: 0
      */
-    uint32_t count;
+    uint32_t wheel_count;
 
     /**
      * Of steering, counterclockwise from straight ahead.
@@ -2162,7 +2162,7 @@ struct jp_can_energy_parameter_t {
     uint8_t count;
 
     /**
-     * Unit as in joulepath/energy.h. Of a robot that its sides steer the number as joulepath/skid_energy.h has it: where that is Q8.24, 256 times as much.
+     * Unit as in joulepath/energy.h. Of a robot that its sides steer the number as joulepath/skid_energy.h has it: where that is Q8.24, 256 times as much. Of four steered wheels likewise joulepath/four_wheel_energy.h, 16 numbers.
      *
      * Range: -2147483648..2147483647 (-32768..32767.99998 -)
      * Scale: 1.52587890625e-05
@@ -2644,7 +2644,7 @@ struct jp_can_course_leg_t {
 /**
  * Signals in message LearnedFactors.
  *
- * What driving has taught a robot that its sides steer: factors of the robot file's. Sent with LearnedDeviations and LearnerStatus when a segment has ended, and every second.
+ * What driving has taught a robot that its sides steer, or one with four steered wheels: factors of the robot file's. Sent with LearnedDeviations and LearnerStatus when a segment has ended, and every second.
  *
  * All signal values are as on the CAN bus.
  */
@@ -2659,7 +2659,7 @@ struct jp_can_learned_factors_t {
     uint16_t rolling;
 
     /**
-     * Of the ground.
+     * Of the ground; of four steered wheels what steering takes.
      *
      * Range: 0..65535 (0..15.99976 -)
      * Scale: 0.000244140625
@@ -3695,7 +3695,7 @@ bool jp_can_wheel_feedback_wheel_is_in_phys_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_wheel_feedback_count_is_in_range(uint32_t value);
+bool jp_can_wheel_feedback_wheel_count_is_in_range(uint32_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3708,7 +3708,7 @@ bool jp_can_wheel_feedback_count_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool jp_can_wheel_feedback_count_is_in_phys_range(double value);
+bool jp_can_wheel_feedback_wheel_count_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.

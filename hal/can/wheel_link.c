@@ -98,7 +98,7 @@ static void pack_wheel(struct jp_can_frame *frame, unsigned wheel, uint8_t count
                        const struct jp_four_wheel_sensors *sensors)
 {
     const struct jp_can_wheel_feedback_t signals = {.wheel = (uint8_t)wheel,
-                                                    .count = sensors->count[wheel] & COUNT_MASK,
+                                                    .wheel_count = sensors->count[wheel] & COUNT_MASK,
                                                     .angle = to_signal(sensors->angle[wheel], ANGLE_SHIFT, 24)};
 
     *frame = (struct jp_can_frame){.id = JP_CAN_WHEEL_FEEDBACK_FRAME_ID, .length = JP_CAN_WHEEL_FEEDBACK_LENGTH};
@@ -140,7 +140,7 @@ static enum jp_e2e_result accept_wheel(struct jp_wheel_link *link, const struct 
     result = jp_e2e_check(&link->group.receivers[signals.wheel], JP_DATA_ID_WHEEL_FEEDBACK, frame->data, frame->length);
     if (result == JP_E2E_OK) {
         note_part(&link->group, signals.wheel, signals.counter);
-        link->parts.count[signals.wheel] = full_count(link->parts.count[signals.wheel], signals.count);
+        link->parts.count[signals.wheel] = full_count(link->parts.count[signals.wheel], signals.wheel_count);
         link->parts.angle[signals.wheel] = from_signal(signals.angle, ANGLE_SHIFT);
     }
     return result;

@@ -135,7 +135,7 @@ def test_table_shows_every_member_in_its_unit():
     assert lines[0] == "patrol" and "pure_pursuit" in lines
     shown = [line.split() for line in lines if line.startswith(" ")]
     assert [(key, unit) for key, _, unit in shown] == [
-        (member["key"], member["unit"]) for part in ("patrol", "pure_pursuit") for member in data[part]]
+        (member["key"], member["unit"]) for part in patrol_table.PARTS for member in data[part]]
     values = {key: float(value) for key, value, _ in shown}
     assert values["wheels.wheelbase"] == 0.5
     assert values["wheels.steering_limit"] == pytest.approx(100 / 360, rel=1e-5)
