@@ -6,6 +6,7 @@
 #ifndef JOULEPATH_HAL_H
 #define JOULEPATH_HAL_H
 
+#include <joulepath/four_wheel_robot.h>
 #include <joulepath/robot.h>
 #include <joulepath/skid_robot.h>
 
@@ -24,6 +25,24 @@ struct jp_hal {
     enum jp_status (*write)(void *context, const struct jp_actuation *actuation);
 };
 
+/** The same of a robot with four steered and driven wheels, whose drives follow angles and speeds by themselves, and
+ * its laser scanner. */
+struct jp_four_wheel_hal {
+    void *context; /**< handed to each function */
+
+    /** As of struct jp_hal. */
+    enum jp_status (*read)(void *context, struct jp_four_wheel_sensors *sensors);
+
+    /** Applies the set-points of all wheels at once; `enabled` 0 switches the drives off. JP_ERR_HARDWARE: they are
+     * off.
+     */
+    enum jp_status (*write)(void *context, const struct jp_four_wheel_actuation *actuation);
+
+    /** From the background: a whole scan that has come since the last call, of the scanner's beams, in m; 0: nothing
+     *  was seen, below 0: the beam dropped out. False: none has come. */
+    bool (*scan)(void *context, float *ranges);
+};
+
 /**
  * What the control interrupt does: reads the sensors, ticks the robot, drives the bridges.
  * `written` is the caller's, JP_OK at the start: a failed write counts as a fault in the next tick.
@@ -32,6 +51,10 @@ void jp_hal_tick(const struct jp_hal *hal, struct jp_robot *robot, enum jp_statu
 
 /** The same for a skid-steered or differential-drive robot. */
 void jp_hal_skid_tick(const struct jp_hal *hal, struct jp_skid_robot *robot, enum jp_status *written);
+
+/** The same for a robot with four steered wheels. */
+void jp_hal_four_wheel_tick(const struct jp_four_wheel_hal *hal, struct jp_four_wheel_robot *robot,
+                            enum jp_status *written);
 
 #ifdef __cplusplus
 }

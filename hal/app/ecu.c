@@ -44,24 +44,46 @@ static enum jp_status read_sample(void *context, struct jp_sensors *sensors)
 
 /** The bridges hold their duty for as long as the samples are held, so a short silence is no failure. Those that
  * another controller drives are left to it: the bridges take a command of either. */
-static enum jp_status write_motor_command(void *context, const struct jp_actuation *actuation)
+static bool may_command(struct jp_ecu *ecu)
 {
-    struct jp_ecu *ecu = context;
-    struct jp_can_frame frame;
+    ecu->internal.owns_bridges = ecu->internal.owns_bridges || jp_ecu_runs(ecu);
+    return ecu->internal.owns_bridges || ecu->internal.conflict_ticks == 0U;
+}
+
+static enum jp_status command(struct jp_ecu *ecu, const struct jp_can_frame *frames, unsigned count)
+{
+    bool are_sent = true;
     bool sent;
 
-    ecu->internal.owns_bridges = ecu->internal.owns_bridges || jp_ecu_runs(ecu);
-    if (!ecu->internal.owns_bridges && ecu->internal.conflict_ticks > 0U) {
-        return JP_OK;
+    for (unsigned i = 0; i < count; i++) {
+        send(ecu, &frames[i], &sent);
+        are_sent = are_sent && sent;
     }
-    jp_message_from_actuation(&frame, &ecu->internal.motor_counter, actuation);
-    send(ecu, &frame, &sent);
-    if (sent) {
+    if (are_sent) {
         ecu->internal.unsent = 0;
     } else {
         ecu->internal.unsent = jp_one_more16(ecu->internal.unsent);
     }
     return ecu->internal.unsent > ecu->internal.samples.hold_ticks ? JP_ERR_HARDWARE : JP_OK;
+}
+
+static enum jp_status write_motor_command(void *context, const struct jp_actuation *actuation)
+{
+    struct jp_ecu *ecu = context;
+    struct jp_can_frame frame;
+
+    if (!may_command(ecu)) {
+        return JP_OK;
+    }
+    jp_message_from_actuation(&frame, &ecu->internal.motor_counter, actuation);
+    return command(ecu, &frame, 1);
+}
+
+static enum jp_status write_frames(void *context, const struct jp_can_frame *frames, unsigned count)
+{
+    struct jp_ecu *ecu = context;
+
+    return may_command(ecu) ? command(ecu, frames, count) : JP_OK;
 }
 
 /* Start. */
@@ -96,6 +118,11 @@ enum jp_status jp_ecu_init(struct jp_ecu *ecu, const struct jp_ecu_robot *robot,
     jp_sample_link_start(&ecu->internal.samples, robot->monitor, robot->tick_rate);
     jp_operator_link_start(&ecu->internal.operator_link, robot->tick_rate);
     jp_route_link_start(&ecu->internal.routes, robot->tick_rate);
+    if (robot->kind->attach != NULL) {
+        const struct jp_ecu_bus bus = {.context = ecu, .command = write_frames};
+
+        robot->kind->attach(robot->self, &bus);
+    }
     record = retained == NULL ? NULL : jp_retained_newest(retained);
     if (record != NULL) {
         resume(ecu, record);
@@ -150,12 +177,18 @@ bool jp_ecu_runs(const struct jp_ecu *ecu)
 static const struct {
     uint32_t id;
     uint8_t length;
-    enum { SAMPLE_WHEELS, SAMPLE_BALANCE, SAMPLE_CURRENTS, OPERATOR, OWN, OTHERS } kind;
+    enum { SAMPLE_WHEELS, SAMPLE_BALANCE, SAMPLE_CURRENTS, OF_KIND, OPERATOR, OWN, OTHERS } kind;
 } known[] = {
     {JP_CAN_MOTOR_COMMAND_FRAME_ID, JP_CAN_MOTOR_COMMAND_LENGTH, OWN},
     {JP_CAN_WHEEL_SENSORS_FRAME_ID, JP_CAN_WHEEL_SENSORS_LENGTH, SAMPLE_WHEELS},
     {JP_CAN_BALANCE_SENSORS_FRAME_ID, JP_CAN_BALANCE_SENSORS_LENGTH, SAMPLE_BALANCE},
     {JP_CAN_CURRENT_SENSORS_FRAME_ID, JP_CAN_CURRENT_SENSORS_LENGTH, SAMPLE_CURRENTS},
+    {JP_CAN_WHEEL_TARGET_FRAME_ID, JP_CAN_WHEEL_TARGET_LENGTH, OWN},
+    {JP_CAN_WHEEL_FEEDBACK_FRAME_ID, JP_CAN_WHEEL_FEEDBACK_LENGTH, OF_KIND},
+    {JP_CAN_SUPPLY_SENSORS_FRAME_ID, JP_CAN_SUPPLY_SENSORS_LENGTH, OF_KIND},
+    {JP_CAN_SCAN_BEGIN_FRAME_ID, JP_CAN_SCAN_BEGIN_LENGTH, OF_KIND},
+    {JP_CAN_SCAN_RANGES_FRAME_ID, JP_CAN_SCAN_RANGES_LENGTH, OF_KIND},
+    {JP_CAN_SCAN_END_FRAME_ID, JP_CAN_SCAN_END_LENGTH, OF_KIND},
     {JP_CAN_OPERATOR_COMMAND_FRAME_ID, JP_CAN_OPERATOR_COMMAND_LENGTH, OPERATOR},
     {JP_CAN_ROUTE_OFFER_FRAME_ID, JP_CAN_ROUTE_OFFER_LENGTH, OPERATOR},
     {JP_CAN_WAYPOINT_FRAME_ID, JP_CAN_WAYPOINT_LENGTH, OPERATOR},
@@ -190,6 +223,8 @@ static const struct {
     {JP_CAN_NAVIGATION_STATUS_FRAME_ID, JP_CAN_NAVIGATION_STATUS_LENGTH, OWN},
     {JP_CAN_NAVIGATION_PROGRESS_FRAME_ID, JP_CAN_NAVIGATION_PROGRESS_LENGTH, OWN},
     {JP_CAN_COURSE_LEG_FRAME_ID, JP_CAN_COURSE_LEG_LENGTH, OWN},
+    {JP_CAN_MAP_POSE_FRAME_ID, JP_CAN_MAP_POSE_LENGTH, OWN},
+    {JP_CAN_PATROL_STATUS_FRAME_ID, JP_CAN_PATROL_STATUS_LENGTH, OWN},
 };
 #define KNOWN (sizeof known / sizeof known[0])
 
@@ -226,11 +261,26 @@ static void take_sample_part(struct jp_ecu *ecu, enum jp_sample_part part, const
     count_result(&ecu->sample_counts, jp_sample_link_accept(&ecu->internal.samples, part, frame));
 }
 
-static void accept_known(struct jp_ecu *ecu, size_t index, const struct jp_can_frame *frame)
+/** Of a kind that has sensors of its own. True when a sample is complete. */
+static bool take_own(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 {
+    const struct jp_ecu_robot *robot = &ecu->internal.robot;
+    bool is_sample = false;
+
+    if (robot->kind->accept != NULL) {
+        count_result(&ecu->sample_counts, robot->kind->accept(robot->self, frame, &is_sample));
+    }
+    return is_sample;
+}
+
+/** True when a sample is complete. */
+static bool accept_known(struct jp_ecu *ecu, size_t index, const struct jp_can_frame *frame)
+{
+    const bool was_fresh = ecu->internal.samples.fresh;
+
     if (frame->length != known[index].length) {
         count8(&ecu->sample_counts.malformed);
-        return;
+        return false;
     }
     switch (known[index].kind) {
     case SAMPLE_WHEELS:
@@ -242,6 +292,8 @@ static void accept_known(struct jp_ecu *ecu, size_t index, const struct jp_can_f
     case SAMPLE_CURRENTS:
         take_sample_part(ecu, JP_SAMPLE_CURRENTS, frame);
         break;
+    case OF_KIND:
+        return take_own(ecu, frame);
     case OPERATOR:
         enqueue(ecu, frame);
         break;
@@ -252,16 +304,14 @@ static void accept_known(struct jp_ecu *ecu, size_t index, const struct jp_can_f
     default:
         break;
     }
+    return !was_fresh && ecu->internal.samples.fresh;
 }
 
 bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 {
-    const bool was_fresh = ecu->internal.samples.fresh;
-
     for (size_t i = 0; i < KNOWN; i++) {
         if (known[i].id == frame->id) {
-            accept_known(ecu, i, frame);
-            return !was_fresh && ecu->internal.samples.fresh;
+            return accept_known(ecu, i, frame);
         }
     }
     ecu->unknown_frames = jp_one_more16(ecu->unknown_frames);
@@ -304,11 +354,19 @@ static void send_telemetry(struct jp_ecu *ecu)
     }
 }
 
+static bool has_samples(const struct jp_ecu *ecu)
+{
+    const struct jp_ecu_robot *robot = &ecu->internal.robot;
+
+    return ecu->internal.has_board ||
+           (robot->kind->has_started != NULL ? robot->kind->has_started(robot->self) : ecu->internal.samples.started);
+}
+
 void jp_ecu_tick(struct jp_ecu *ecu)
 {
     watch_bus(ecu);
     /* Before the first sample there is nothing to control, and that is no fault until it shall stand. */
-    if (ecu->internal.has_board || ecu->internal.samples.started || ecu->internal.lacks_samples) {
+    if (has_samples(ecu) || ecu->internal.lacks_samples) {
         ecu->internal.robot.kind->tick(ecu->internal.robot.self, &ecu->internal.hal, &ecu->internal.written);
         retain(ecu);
     }
@@ -477,6 +535,9 @@ static void drive(struct jp_ecu *ecu, enum jp_ecu_state state)
         ecu->internal.robot.kind->set_out(ecu->internal.robot.self, false);
         ecu->internal.has_route =
             ecu->internal.robot.kind->follow(ecu->internal.robot.self, route->points, route->length) == JP_OK;
+        if (!ecu->internal.has_route) {
+            jp_route_link_end(&ecu->internal.routes, JP_ROUTE_STOPPED, JP_REASON_PLAN);
+        }
     }
 }
 

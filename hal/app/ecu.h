@@ -66,16 +66,11 @@ static inline uint32_t jp_ecu_first_count_right(const struct jp_ecu *ecu)
     return ecu->internal.samples.right.base;
 }
 
-/** Ticks without a sample since the first one, saturating; from any context. */
-static inline uint16_t jp_ecu_lost_samples(const struct jp_ecu *ecu)
-{
-    return ecu->internal.samples.lost;
-}
-
 /** Takes one frame. Returns true when a sample is complete, so that the tick may begin. Constant time. */
 bool jp_ecu_accept(struct jp_ecu *ecu, const struct jp_can_frame *frame);
 
-/** One control tick. Constant time; at most 1 + JP_TELEMETRY_FRAMES_MAX frames are sent. For the control ISR. */
+/** One control tick. Constant time; at most those of one command, and JP_TELEMETRY_FRAMES_MAX, are sent. For the
+ * control ISR. */
 void jp_ecu_tick(struct jp_ecu *ecu);
 
 /** One slice of background work. At most JP_ECU_QUEUE frames, and one slice of the pilot's or of jp_navigation_work().

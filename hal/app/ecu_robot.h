@@ -1,10 +1,12 @@
 /**
- * What the application of a controller asks of a robot, whatever its kind: ecu_balancer.h and ecu_skid.h have some. An
+ * What the application of a controller asks of a robot, whatever its kind: ecu_balancer.h, ecu_skid.h and
+ * ecu_patrol.h have some. An
  * image holds the code of the kinds that it prepares.
  */
 #ifndef JOULEPATH_HAL_APP_ECU_ROBOT_H
 #define JOULEPATH_HAL_APP_ECU_ROBOT_H
 
+#include <joulepath/e2e.h>
 #include <joulepath/evidence.h>
 #include <joulepath/learner.h>
 #include <joulepath/meter.h>
@@ -85,6 +87,18 @@ struct jp_ecu_lessons {
     enum jp_stored stored;
 };
 
+/** The bus, for a kind whose sensors and drives are not those of struct jp_hal. */
+struct jp_ecu_bus {
+    void *context;
+    /** Hands set-points to the drives, which hold them for a while: JP_ERR_HARDWARE: they have got none for too long.
+     */
+    enum jp_status (*command)(void *context, const struct jp_can_frame *frames, unsigned count);
+};
+
+/** Frames of a kind's own that tell of its state, each JP_ECU_OWN_MS. */
+#define JP_ECU_OWN_FRAMES 2U
+#define JP_ECU_OWN_MS     100U
+
 /** Frames of a kind's own that tell what was learned, at most. */
 #define JP_ECU_LEARNED_FRAMES 2U
 
@@ -97,6 +111,19 @@ struct jp_ecu_kind {
      *  counts are those of its encoders. */
     bool (*resume)(void *self, const union jp_retained_snapshot *snapshot, uint32_t *encoder_left,
                    uint32_t *encoder_right);
+
+    /* Of a kind whose sensors and drives are not those of struct jp_hal; else null. */
+
+    /** At the start. */
+    void (*attach)(void *self, const struct jp_ecu_bus *bus);
+    /** Takes a frame of its sensors, in the receive interrupt; *is_sample: a sample is complete. */
+    enum jp_e2e_result (*accept)(void *self, const struct jp_can_frame *frame, bool *is_sample);
+    /** There has been a sample. */
+    bool (*has_started)(const void *self);
+    /** Ticks without a sample since then, saturating. */
+    uint16_t (*lost_samples)(const void *self);
+    /** Of JP_ECU_OWN_FRAMES; false: there is nothing to tell. In the tick. */
+    bool (*tell_own)(const void *self, uint8_t index, struct jp_can_frame *frame);
 
     /* Of the tick. Constant time. */
 
@@ -149,7 +176,7 @@ struct jp_ecu_robot {
     const struct jp_ecu_kind *kind;
     void *self;
     uint32_t tick_rate;
-    const struct jp_monitor_config *monitor;
+    const struct jp_monitor_config *monitor; /**< NULL with sensors of its own */
 };
 
 #ifdef __cplusplus

@@ -89,4 +89,12 @@ struct jp_ecu {
     struct jp_ecu_internal internal;
 };
 
+/** Ticks without a sample since the first one, saturating; from any context. */
+static inline uint16_t jp_ecu_lost_samples(const struct jp_ecu *ecu)
+{
+    const struct jp_ecu_robot *robot = &ecu->internal.robot;
+
+    return robot->kind->lost_samples != NULL ? robot->kind->lost_samples(robot->self) : ecu->internal.samples.lost;
+}
+
 #endif

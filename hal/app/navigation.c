@@ -14,20 +14,136 @@
 
 #define DEVIATION_MAX ((1 << 14) - 1)
 
-/** Of a navigator that is not under way. */
-static bool is_at_rest(enum jp_navigator_state state)
-{
-    return state == JP_NAVIGATOR_IDLE || state >= JP_NAVIGATOR_ARRIVED;
-}
-
 bool jp_navigation_is_under_way(const struct jp_navigation *navigation)
 {
-    return navigation->is_prepared && !is_at_rest(navigation->navigator.state);
+    return navigation->is_prepared && navigation->finder.is_under_way(navigation->finder.self);
 }
 
 static const struct jp_terrain *map_of(const struct jp_navigation *navigation)
 {
     return &navigation->maps.decoder.terrain;
+}
+
+/* The navigator on a lattice finds the way. */
+
+static enum jp_status prepare_navigator(void *self, struct jp_terrain *map, const struct jp_place *origin)
+{
+    struct jp_navigation *navigation = self;
+    const struct jp_navigation_config *config = &navigation->config;
+    const struct jp_planner_config planner = {
+        .lattice = config->lattice, .cost = JP_COST_PHYSICAL, .epsilon = JP_NAVIGATION_EPSILON};
+    const struct jp_navigator_config navigator = {.planner = &navigation->planner,
+                                                  .vehicle = &navigation->vehicle,
+                                                  .radius = config->body->radius,
+                                                  .margin = config->body->margin,
+                                                  .legs = config->legs,
+                                                  .legs_max = config->legs_max,
+                                                  .slice = JP_NAVIGATION_SLICE,
+                                                  .patience = JP_NAVIGATION_PATIENCE,
+                                                  .way_block = config->way,
+                                                  .way_size = config->way_size};
+    const char *field;
+    enum jp_status status = jp_navigator_way_size(&map->config) > config->way_size ? JP_ERR_MEMORY : JP_OK;
+
+    if (status == JP_OK) {
+        status = jp_planner_init(&navigation->planner, &planner, map, config->planner, config->planner_size, &field);
+    }
+    if (status == JP_OK) {
+        status = jp_navigator_init(&navigation->navigator, &navigator, origin, &field);
+    }
+    return status;
+}
+
+static void forget_navigator(void *self)
+{
+    struct jp_navigation *navigation = self;
+
+    navigation->navigator = (struct jp_navigator){.state = JP_NAVIGATOR_IDLE};
+}
+
+static bool is_navigator_under_way(const void *self)
+{
+    const struct jp_navigation *navigation = self;
+    const enum jp_navigator_state state = navigation->navigator.state;
+
+    return state != JP_NAVIGATOR_IDLE && state < JP_NAVIGATOR_ARRIVED;
+}
+
+static void let_navigator_see(void *self, int32_t x, int32_t y, enum jp_cell cell)
+{
+    struct jp_navigation *navigation = self;
+
+    /* What is off the map is of no account. */
+    (void)jp_navigator_set_cell(&navigation->navigator, x, y, cell);
+}
+
+/** Of the lattice's headings, that nearest to one, or all. */
+static uint16_t headings_of(const struct jp_navigation *navigation, const struct jp_map_goal *goal)
+{
+    uint32_t least = UINT32_MAX;
+    uint16_t nearest = JP_ANY_HEADING;
+
+    for (unsigned i = 0; i < JP_HEADINGS && goal->has_heading; i++) {
+        const int32_t off = (int32_t)(navigation->config.lattice->heading[i] - goal->heading);
+        const uint32_t magnitude = off < 0 ? 0U - (uint32_t)off : (uint32_t)off;
+
+        if (magnitude < least) {
+            least = magnitude;
+            nearest = (uint16_t)(1U << i);
+        }
+    }
+    return nearest;
+}
+
+static bool can_stand_there(const void *self, const struct jp_map_goal *goal)
+{
+    const struct jp_navigation *navigation = self;
+    const uint16_t headings = headings_of(navigation, goal);
+
+    for (unsigned i = 0; i < JP_HEADINGS; i++) {
+        if ((((uint32_t)headings >> i) & 1U) != 0U &&
+            jp_lattice_can_stand(navigation->config.lattice, map_of(navigation), goal->x, goal->y, (uint8_t)i)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static enum jp_status send_navigator(void *self, const struct jp_map_goal *goal)
+{
+    struct jp_navigation *navigation = self;
+    const struct jp_goal place = {
+        .x = (int16_t)goal->x, .y = (int16_t)goal->y, .headings = headings_of(navigation, goal)};
+
+    return jp_navigator_go(&navigation->navigator, &place);
+}
+
+static void stop_navigator(void *self)
+{
+    struct jp_navigation *navigation = self;
+
+    jp_navigator_stop(&navigation->navigator);
+}
+
+static bool work_of_navigator(void *self)
+{
+    struct jp_navigation *navigation = self;
+    const enum jp_navigator_state before = navigation->navigator.state;
+
+    return jp_navigator_work(&navigation->navigator) == JP_NAVIGATOR_TURNING && before == JP_NAVIGATOR_JOINING;
+}
+
+static void tell_of_navigator(const void *self, struct jp_way_report *report)
+{
+    const struct jp_navigation *navigation = self;
+    const struct jp_navigator *navigator = &navigation->navigator;
+
+    *report = (struct jp_way_report){.state = navigator->state,
+                                     .reason = navigator->reason,
+                                     .status = navigator->status,
+                                     .replans = navigator->replans};
+    report->legs = jp_navigator_legs(navigator, &report->leg_count);
+    (void)jp_navigator_progress(navigator, &report->progress);
 }
 
 /* Start. */
@@ -52,6 +168,12 @@ static const char *missing(const struct jp_navigation_config *config)
     return config->legs == NULL || config->legs_max == 0U ? "legs" : NULL;
 }
 
+static void start(struct jp_navigation *navigation, const struct jp_wayfinder *finder, const struct jp_map_room *room)
+{
+    *navigation = (struct jp_navigation){.finder = *finder};
+    jp_map_link_start(&navigation->maps, room);
+}
+
 enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct jp_navigation_config *config,
                                   const struct jp_vehicle *vehicle, int32_t unit_exponent, const char **field)
 {
@@ -65,46 +187,41 @@ enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct
     const struct jp_map_room room = {
         .block = config->map, .size = config->map_size, .resolution = config->lattice->resolution};
 
-    *navigation = (struct jp_navigation){.config = *config, .vehicle = *vehicle, .unit_exponent = unit_exponent};
-    jp_map_link_start(&navigation->maps, &room);
+    const struct jp_wayfinder finder = {.self = navigation,
+                                        .prepare = prepare_navigator,
+                                        .forget = forget_navigator,
+                                        .is_under_way = is_navigator_under_way,
+                                        .see = let_navigator_see,
+                                        .can_stand = can_stand_there,
+                                        .go = send_navigator,
+                                        .stop = stop_navigator,
+                                        .work = work_of_navigator,
+                                        .tell = tell_of_navigator};
+
+    start(navigation, &finder, &room);
+    navigation->config = *config;
+    navigation->vehicle = *vehicle;
+    navigation->unit_exponent = unit_exponent;
     return JP_OK;
 }
 
-/** For a map that has just become whole. */
-static enum jp_status prepare(struct jp_navigation *navigation)
+enum jp_status jp_navigation_init_with(struct jp_navigation *navigation, const struct jp_wayfinder *finder,
+                                       const struct jp_map_room *room)
 {
-    const struct jp_navigation_config *config = &navigation->config;
-    const struct jp_planner_config planner = {
-        .lattice = config->lattice, .cost = JP_COST_PHYSICAL, .epsilon = JP_NAVIGATION_EPSILON};
-    const struct jp_navigator_config navigator = {.planner = &navigation->planner,
-                                                  .vehicle = &navigation->vehicle,
-                                                  .radius = config->body->radius,
-                                                  .margin = config->body->margin,
-                                                  .legs = config->legs,
-                                                  .legs_max = config->legs_max,
-                                                  .slice = JP_NAVIGATION_SLICE,
-                                                  .patience = JP_NAVIGATION_PATIENCE,
-                                                  .way_block = config->way,
-                                                  .way_size = config->way_size};
-    const char *field;
-    enum jp_status status =
-        jp_navigator_way_size(&map_of(navigation)->config) > config->way_size ? JP_ERR_MEMORY : JP_OK;
-
-    if (status == JP_OK) {
-        status = jp_planner_init(&navigation->planner, &planner, &navigation->maps.decoder.terrain, config->planner,
-                                 config->planner_size, &field);
+    if (navigation == NULL || finder == NULL || room == NULL) {
+        return JP_ERR_ARGUMENT;
     }
-    if (status == JP_OK) {
-        status = jp_navigator_init(&navigation->navigator, &navigator, &navigation->maps.decoder.origin, &field);
-    }
-    return status;
+    start(navigation, finder, room);
+    return JP_OK;
 }
+
+/* The map. */
 
 /** The goal was on the map that has gone. */
 static void forget_map(struct jp_navigation *navigation)
 {
     navigation->is_prepared = false;
-    navigation->navigator = (struct jp_navigator){.state = JP_NAVIGATOR_IDLE};
+    navigation->finder.forget(navigation->finder.self);
     navigation->goal = (struct jp_map_goal){.id = 0};
     navigation->answer = JP_GOAL_NONE;
 }
@@ -117,7 +234,10 @@ static void follow_map(struct jp_navigation *navigation)
     if (!is_ready && navigation->is_prepared) {
         forget_map(navigation);
     } else if (is_ready && !navigation->is_prepared) {
-        navigation->is_prepared = prepare(navigation) == JP_OK;
+        struct jp_map_decoder *map = &navigation->maps.decoder;
+
+        navigation->is_prepared =
+            navigation->finder.prepare(navigation->finder.self, &map->terrain, &map->origin) == JP_OK;
         if (!navigation->is_prepared) {
             jp_map_link_reject(&navigation->maps, JP_MAP_REASON_TOO_LARGE);
         }
@@ -144,8 +264,7 @@ static void change(struct jp_navigation *navigation, const struct jp_cell_change
         const int32_t x = (int32_t)(changes->x + i);
 
         if (cell != JP_CELL_UNCHANGED && jp_terrain_cell(map_of(navigation), x, changes->y) != (enum jp_cell)cell) {
-            /* What is off the map is of no account. */
-            (void)jp_navigator_set_cell(&navigation->navigator, x, changes->y, (enum jp_cell)cell);
+            navigation->finder.see(navigation->finder.self, x, changes->y, (enum jp_cell)cell);
         }
     }
 }
@@ -161,39 +280,6 @@ static enum jp_e2e_result accept_cells(struct jp_navigation *navigation, const s
     return result;
 }
 
-/** Of the lattice's headings, that nearest to one, or all. */
-static uint16_t headings_of(const struct jp_navigation *navigation)
-{
-    const struct jp_map_goal *goal = &navigation->goal;
-    uint32_t least = UINT32_MAX;
-    uint16_t nearest = JP_ANY_HEADING;
-
-    for (unsigned i = 0; i < JP_HEADINGS && goal->has_heading; i++) {
-        const int32_t off = (int32_t)(navigation->config.lattice->heading[i] - goal->heading);
-        const uint32_t magnitude = off < 0 ? 0U - (uint32_t)off : (uint32_t)off;
-
-        if (magnitude < least) {
-            least = magnitude;
-            nearest = (uint16_t)(1U << i);
-        }
-    }
-    return nearest;
-}
-
-static bool can_stand_there(const struct jp_navigation *navigation)
-{
-    const struct jp_map_goal *goal = &navigation->goal;
-    const uint16_t headings = headings_of(navigation);
-
-    for (unsigned i = 0; i < JP_HEADINGS; i++) {
-        if ((((uint32_t)headings >> i) & 1U) != 0U &&
-            jp_lattice_can_stand(navigation->config.lattice, map_of(navigation), goal->x, goal->y, (uint8_t)i)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static enum jp_goal_answer answer_to_goal(const struct jp_navigation *navigation)
 {
     const struct jp_map_goal *goal = &navigation->goal;
@@ -207,7 +293,7 @@ static enum jp_goal_answer answer_to_goal(const struct jp_navigation *navigation
     if (!jp_terrain_contains(map_of(navigation), goal->x, goal->y)) {
         return JP_GOAL_OUTSIDE;
     }
-    return can_stand_there(navigation) ? JP_GOAL_TAKEN : JP_GOAL_BLOCKED;
+    return navigation->finder.can_stand(navigation->finder.self, goal) ? JP_GOAL_TAKEN : JP_GOAL_BLOCKED;
 }
 
 static enum jp_e2e_result accept_goal(struct jp_navigation *navigation, const struct jp_can_frame *frame)
@@ -242,13 +328,10 @@ enum jp_e2e_result jp_navigation_accept(struct jp_navigation *navigation, const 
 
 bool jp_navigation_drive(struct jp_navigation *navigation, uint8_t goal)
 {
-    const struct jp_goal place = {
-        .x = (int16_t)navigation->goal.x, .y = (int16_t)navigation->goal.y, .headings = headings_of(navigation)};
-
     if (navigation->answer != JP_GOAL_TAKEN || goal != navigation->goal.id) {
         return false;
     }
-    const enum jp_status status = jp_navigator_go(&navigation->navigator, &place);
+    const enum jp_status status = navigation->finder.go(navigation->finder.self, &navigation->goal);
 
     if (status == JP_OK) {
         navigation->answer = JP_GOAL_DRIVEN;
@@ -263,7 +346,7 @@ bool jp_navigation_drive(struct jp_navigation *navigation, uint8_t goal)
 void jp_navigation_stop(struct jp_navigation *navigation)
 {
     if (jp_navigation_is_under_way(navigation)) {
-        jp_navigator_stop(&navigation->navigator);
+        navigation->finder.stop(navigation->finder.self);
     }
 }
 
@@ -298,18 +381,18 @@ static uint8_t count8(uint32_t value)
     return (uint8_t)(value > UINT8_MAX ? UINT8_MAX : value);
 }
 
-static void tell_state(const struct jp_navigation *navigation, uint16_t legs, struct jp_can_frame *frame)
+static void tell_state(const struct jp_navigation *navigation, const struct jp_way_report *way,
+                       struct jp_can_frame *frame)
 {
-    const struct jp_navigator *navigator = &navigation->navigator;
     const struct jp_can_navigation_status_t signals = {.goal_id = navigation->goal.id,
-                                                       .state = (uint8_t)navigator->state,
-                                                       .reason = (uint8_t)navigator->reason,
+                                                       .state = (uint8_t)way->state,
+                                                       .reason = (uint8_t)way->reason,
                                                        .answer = (uint8_t)navigation->answer,
-                                                       .has_course = legs > 0U,
-                                                       .vehicle_status = (int8_t)navigator->status,
-                                                       .replans = count8(navigator->replans),
+                                                       .has_course = way->leg_count > 0U,
+                                                       .vehicle_status = (int8_t)way->status,
+                                                       .replans = count8(way->replans),
                                                        .course = navigation->course,
-                                                       .legs_left = count8(legs)};
+                                                       .legs_left = count8(way->leg_count)};
 
     begin(frame, JP_CAN_NAVIGATION_STATUS_FRAME_ID);
     (void)jp_can_navigation_status_pack(frame->data, &signals, sizeof frame->data);
@@ -321,18 +404,14 @@ static jp_q16 joules(const struct jp_navigation *navigation, jp_q16 energy)
     return jp_energy_to_q16(jp_energy_from_q16(energy, navigation->unit_exponent), 0);
 }
 
-static void tell_progress(const struct jp_navigation *navigation, struct jp_can_frame *frame)
+static void tell_progress(const struct jp_navigation *navigation, const struct jp_progress *progress,
+                          struct jp_can_frame *frame)
 {
-    struct jp_progress progress = {.length = 0};
-
-    if (navigation->is_prepared) {
-        (void)jp_navigator_progress(&navigation->navigator, &progress);
-    }
     const struct jp_can_navigation_progress_t signals = {
-        .distance = (uint16_t)signal_of(progress.length, LENGTH_SHIFT, UINT16_MAX),
-        .duration = (uint16_t)signal_of(progress.duration, DURATION_SHIFT, UINT16_MAX),
-        .energy = signal_of(joules(navigation, progress.energy.energy), ENERGY_SHIFT, INT32_MAX),
-        .deviation = (uint16_t)signal_of(joules(navigation, progress.energy.deviation), ENERGY_SHIFT, DEVIATION_MAX)};
+        .distance = (uint16_t)signal_of(progress->length, LENGTH_SHIFT, UINT16_MAX),
+        .duration = (uint16_t)signal_of(progress->duration, DURATION_SHIFT, UINT16_MAX),
+        .energy = signal_of(joules(navigation, progress->energy.energy), ENERGY_SHIFT, INT32_MAX),
+        .deviation = (uint16_t)signal_of(joules(navigation, progress->energy.deviation), ENERGY_SHIFT, DEVIATION_MAX)};
 
     begin(frame, JP_CAN_NAVIGATION_PROGRESS_FRAME_ID);
     (void)jp_can_navigation_progress_pack(frame->data, &signals, sizeof frame->data);
@@ -369,16 +448,15 @@ static uint8_t tell_legs(struct jp_navigation *navigation, const struct jp_cours
 
 static void report(struct jp_navigation *navigation)
 {
-    const struct jp_course_leg *legs = NULL;
-    uint16_t count = 0;
+    struct jp_way_report way = {.state = JP_NAVIGATOR_IDLE};
 
     if (navigation->is_prepared) {
-        legs = jp_navigator_legs(&navigation->navigator, &count);
+        navigation->finder.tell(navigation->finder.self, &way);
     }
-    const uint8_t told = tell_legs(navigation, legs, count8(count), navigation->frames);
+    const uint8_t told = tell_legs(navigation, way.legs, count8(way.leg_count), navigation->frames);
 
-    tell_progress(navigation, &navigation->frames[told]);
-    tell_state(navigation, count, &navigation->frames[told + 1U]);
+    tell_progress(navigation, &way.progress, &navigation->frames[told]);
+    tell_state(navigation, &way, &navigation->frames[told + 1U]);
     tell_map(navigation, &navigation->frames[told + 2U]);
     __atomic_store_n(&navigation->frames_left, (uint8_t)(told + 3U), __ATOMIC_RELEASE);
 }
@@ -399,9 +477,7 @@ bool jp_navigation_take_frame(struct jp_navigation *navigation, struct jp_can_fr
 
 static void navigate(struct jp_navigation *navigation)
 {
-    const enum jp_navigator_state before = navigation->navigator.state;
-
-    if (jp_navigator_work(&navigation->navigator) == JP_NAVIGATOR_TURNING && before == JP_NAVIGATOR_JOINING) {
+    if (navigation->finder.work(navigation->finder.self)) {
         navigation->course++;
         navigation->leg_told = 0;
     }

@@ -65,11 +65,47 @@ enum jp_goal_answer {
     JP_GOAL_DRIVEN   /**< was given to the navigator, whose state says what becomes of it */
 };
 
+/** What is told of the way to a goal. */
+struct jp_way_report {
+    enum jp_navigator_state state;
+    enum jp_navigator_reason reason;
+    enum jp_status status; /**< of the robot, where it is the reason */
+    uint16_t replans;
+    struct jp_progress progress;      /**< what is left; all 0 without a way */
+    const struct jp_course_leg *legs; /**< that are left, from the one that is driven */
+    uint16_t leg_count;               /**< 0: there is no course */
+};
+
+/** What finds the way on a map and has it driven: the navigator on a lattice (navigator.h), or what a kind of robot has
+ *  of its own, such as ecu_patrol.h. `self` is handed to each function. */
+struct jp_wayfinder {
+    void *self;
+    /** For a map that has just become whole, and where on it the robot was switched on; both stay. */
+    enum jp_status (*prepare)(void *self, struct jp_terrain *map, const struct jp_place *origin);
+    /** The map goes. */
+    void (*forget)(void *self);
+
+    /* These with a map. */
+
+    bool (*is_under_way)(const void *self);
+    /** What another sensor sees on a cell. */
+    void (*see)(void *self, int32_t x, int32_t y, enum jp_cell cell);
+    /** Whether the robot can stand at a goal that is on the map. */
+    bool (*can_stand)(const void *self, const struct jp_map_goal *goal);
+    /** JP_ERR_STATE: not yet; other failures: it cannot be driven to. */
+    enum jp_status (*go)(void *self, const struct jp_map_goal *goal);
+    void (*stop)(void *self);
+    /** A slice; true: there is a new course. */
+    bool (*work)(void *self);
+    void (*tell)(const void *self, struct jp_way_report *report);
+};
+
 /** The members but `maps` and `navigator` are private, and those may only be read. */
 struct jp_navigation {
+    struct jp_wayfinder finder;
     struct jp_navigation_config config;
     struct jp_map_link maps;
-    struct jp_navigator navigator; /**< holds once there is a map */
+    struct jp_navigator navigator; /**< holds once there is a map, where it finds the way */
     struct jp_planner planner;
     struct jp_vehicle vehicle;
     int32_t unit_exponent;
@@ -88,6 +124,11 @@ struct jp_navigation {
  *  null or out of range. JP_ERR_ARGUMENT: a pointer is null. */
 enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct jp_navigation_config *config,
                                   const struct jp_vehicle *vehicle, int32_t unit_exponent, const char **field);
+
+/** The same with another wayfinder, whose energies are in J; of maps in this room. JP_ERR_ARGUMENT: a pointer is null.
+ */
+enum jp_status jp_navigation_init_with(struct jp_navigation *navigation, const struct jp_wayfinder *finder,
+                                       const struct jp_map_room *room);
 
 /** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length. Work: cells that change, each as
  * jp_navigator_set_cell(). */

@@ -6,6 +6,7 @@
 #ifndef JOULEPATH_HAL_APP_RETAINED_H
 #define JOULEPATH_HAL_APP_RETAINED_H
 
+#include <joulepath/four_wheel_robot.h>
 #include <joulepath/robot.h>
 #include <joulepath/skid_robot.h>
 
@@ -14,11 +15,12 @@ extern "C" {
 #endif
 
 /** Whose snapshot it is. */
-enum jp_retained_kind { JP_RETAINED_BALANCER = 1, JP_RETAINED_SKID };
+enum jp_retained_kind { JP_RETAINED_BALANCER = 1, JP_RETAINED_SKID, JP_RETAINED_FOUR_WHEEL };
 
 union jp_retained_snapshot {
     struct jp_snapshot balancer;
     struct jp_skid_snapshot skid;
+    struct jp_four_wheel_snapshot four_wheel;
 };
 
 struct jp_retained_slot {

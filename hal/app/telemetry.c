@@ -61,7 +61,7 @@ static void errors(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 static void losses(const struct jp_ecu *ecu, struct jp_can_frame *frame)
 {
     const struct jp_can_ecu_losses_t signals = {
-        .lost_samples = ecu->internal.samples.lost,
+        .lost_samples = jp_ecu_lost_samples(ecu),
         .unknown_frames = ecu->unknown_frames,
         .rejected = jp_signal_count8((uint32_t)ecu->sample_counts.rejected + ecu->operator_counts.rejected),
         .send_errors = ecu->send_errors,
@@ -225,7 +225,27 @@ static void crash_report(const struct jp_ecu *ecu, struct jp_can_frame *frame)
     (void)jp_can_crash_report_pack(frame->data, &signals, sizeof frame->data);
 }
 
-#define SCHEDULE_MS 100U
+/** Of a kind's own; without a length there is nothing to tell. */
+static void own(const struct jp_ecu *ecu, uint8_t index, struct jp_can_frame *frame)
+{
+    const struct jp_ecu_robot *robot = &ecu->internal.robot;
+
+    if (robot->kind->tell_own == NULL || !robot->kind->tell_own(robot->self, index, frame)) {
+        frame->length = 0;
+    }
+}
+
+static void own_first(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    own(ecu, 0, frame);
+}
+
+static void own_second(const struct jp_ecu *ecu, struct jp_can_frame *frame)
+{
+    own(ecu, 1, frame);
+}
+
+#define SCHEDULE_MS JP_ECU_OWN_MS
 
 /** When each cyclic message is sent, ms; no two in the same millisecond. Periods divide SCHEDULE_MS. */
 static const struct cyclic {
@@ -247,6 +267,8 @@ static const struct cyclic {
     {energy_parameter, 100, 7, false},
     {reset_report, 100, 27, true},
     {crash_report, 100, 47, true},
+    {own_first, SCHEDULE_MS, 67, false},
+    {own_second, SCHEDULE_MS, 87, false},
 };
 
 static bool is_due(const struct jp_ecu *ecu, const struct cyclic *cyclic)
@@ -271,7 +293,7 @@ static bool take_millisecond(struct jp_ecu *ecu, struct jp_can_frame *frame)
                 ecu->internal.parameter =
                     (uint8_t)((ecu->internal.parameter + 1U) % ecu->internal.robot.kind->parameters);
             }
-            return true;
+            return frame->length > 0U;
         }
     }
     return false;

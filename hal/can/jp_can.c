@@ -276,6 +276,149 @@ bool jp_can_motor_command_duty_right_is_in_phys_range(double value)
     return ((value >= -1.0) && (value <= 0.9999999403953552));
 }
 
+int jp_can_wheel_target_pack(
+    uint8_t *dst_p,
+    const struct jp_can_wheel_target_t *src_p,
+    size_t size)
+{
+    uint32_t angle;
+    uint32_t speed;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->wheel, 4u, 0x30u);
+    dst_p[1] |= pack_left_shift_u8(src_p->enabled, 6u, 0x40u);
+    angle = (uint32_t)src_p->angle;
+    dst_p[1] |= pack_left_shift_u32(angle, 7u, 0x80u);
+    dst_p[2] |= pack_right_shift_u32(angle, 1u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(angle, 9u, 0xffu);
+    dst_p[4] |= pack_right_shift_u32(angle, 17u, 0x7fu);
+    speed = (uint32_t)src_p->speed;
+    dst_p[4] |= pack_left_shift_u32(speed, 7u, 0x80u);
+    dst_p[5] |= pack_right_shift_u32(speed, 1u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(speed, 9u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(speed, 17u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_wheel_target_unpack(
+    struct jp_can_wheel_target_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t angle;
+    uint32_t speed;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->wheel = unpack_right_shift_u8(src_p[1], 4u, 0x30u);
+    dst_p->enabled = unpack_right_shift_u8(src_p[1], 6u, 0x40u);
+    angle = unpack_right_shift_u32(src_p[1], 7u, 0x80u);
+    angle |= unpack_left_shift_u32(src_p[2], 1u, 0xffu);
+    angle |= unpack_left_shift_u32(src_p[3], 9u, 0xffu);
+    angle |= unpack_left_shift_u32(src_p[4], 17u, 0x7fu);
+
+    if ((angle & (1u << 23)) != 0u) {
+        angle |= 0xff000000u;
+    }
+
+    dst_p->angle = (int32_t)angle;
+    speed = unpack_right_shift_u32(src_p[4], 7u, 0x80u);
+    speed |= unpack_left_shift_u32(src_p[5], 1u, 0xffu);
+    speed |= unpack_left_shift_u32(src_p[6], 9u, 0xffu);
+    speed |= unpack_left_shift_u32(src_p[7], 17u, 0xffu);
+
+    if ((speed & (1u << 24)) != 0u) {
+        speed |= 0xfe000000u;
+    }
+
+    dst_p->speed = (int32_t)speed;
+
+    return (0);
+}
+
+int jp_can_wheel_target_init(struct jp_can_wheel_target_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_wheel_target_t));
+
+    return 0;
+}
+
+bool jp_can_wheel_target_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_wheel_target_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_wheel_target_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_wheel_target_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_wheel_target_wheel_is_in_range(uint8_t value)
+{
+    return (value <= 3u);
+}
+
+bool jp_can_wheel_target_wheel_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+bool jp_can_wheel_target_enabled_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
+}
+
+bool jp_can_wheel_target_enabled_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+bool jp_can_wheel_target_angle_is_in_range(int32_t value)
+{
+    return ((value >= -8388608) && (value <= 8388607));
+}
+
+bool jp_can_wheel_target_angle_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.4999999403953552));
+}
+
+bool jp_can_wheel_target_speed_is_in_range(int32_t value)
+{
+    return ((value >= -16777216) && (value <= 16777215));
+}
+
+bool jp_can_wheel_target_speed_is_in_phys_range(double value)
+{
+    return ((value >= -16.0) && (value <= 15.999999046325684));
+}
+
 int jp_can_wheel_sensors_pack(
     uint8_t *dst_p,
     const struct jp_can_wheel_sensors_t *src_p,
@@ -616,6 +759,505 @@ bool jp_can_current_sensors_yaw_rate_is_in_range(int16_t value)
 bool jp_can_current_sensors_yaw_rate_is_in_phys_range(double value)
 {
     return ((value >= -8.0) && (value <= 7.999755859375));
+}
+
+int jp_can_wheel_feedback_pack(
+    uint8_t *dst_p,
+    const struct jp_can_wheel_feedback_t *src_p,
+    size_t size)
+{
+    uint32_t angle;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->wheel, 4u, 0x30u);
+    dst_p[1] |= pack_left_shift_u32(src_p->count, 6u, 0xc0u);
+    dst_p[2] |= pack_right_shift_u32(src_p->count, 2u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->count, 10u, 0xffu);
+    dst_p[4] |= pack_right_shift_u32(src_p->count, 18u, 0x3fu);
+    angle = (uint32_t)src_p->angle;
+    dst_p[4] |= pack_left_shift_u32(angle, 6u, 0xc0u);
+    dst_p[5] |= pack_right_shift_u32(angle, 2u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(angle, 10u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(angle, 18u, 0x3fu);
+
+    return (8);
+}
+
+int jp_can_wheel_feedback_unpack(
+    struct jp_can_wheel_feedback_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t angle;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->wheel = unpack_right_shift_u8(src_p[1], 4u, 0x30u);
+    dst_p->count = unpack_right_shift_u32(src_p[1], 6u, 0xc0u);
+    dst_p->count |= unpack_left_shift_u32(src_p[2], 2u, 0xffu);
+    dst_p->count |= unpack_left_shift_u32(src_p[3], 10u, 0xffu);
+    dst_p->count |= unpack_left_shift_u32(src_p[4], 18u, 0x3fu);
+    angle = unpack_right_shift_u32(src_p[4], 6u, 0xc0u);
+    angle |= unpack_left_shift_u32(src_p[5], 2u, 0xffu);
+    angle |= unpack_left_shift_u32(src_p[6], 10u, 0xffu);
+    angle |= unpack_left_shift_u32(src_p[7], 18u, 0x3fu);
+
+    if ((angle & (1u << 23)) != 0u) {
+        angle |= 0xff000000u;
+    }
+
+    dst_p->angle = (int32_t)angle;
+
+    return (0);
+}
+
+int jp_can_wheel_feedback_init(struct jp_can_wheel_feedback_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_wheel_feedback_t));
+
+    return 0;
+}
+
+bool jp_can_wheel_feedback_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_wheel_feedback_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_wheel_feedback_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_wheel_feedback_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_wheel_feedback_wheel_is_in_range(uint8_t value)
+{
+    return (value <= 3u);
+}
+
+bool jp_can_wheel_feedback_wheel_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+bool jp_can_wheel_feedback_count_is_in_range(uint32_t value)
+{
+    return (value <= 16777215u);
+}
+
+bool jp_can_wheel_feedback_count_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 16777215.0));
+}
+
+bool jp_can_wheel_feedback_angle_is_in_range(int32_t value)
+{
+    return ((value >= -8388608) && (value <= 8388607));
+}
+
+bool jp_can_wheel_feedback_angle_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.4999999403953552));
+}
+
+int jp_can_supply_sensors_pack(
+    uint8_t *dst_p,
+    const struct jp_can_supply_sensors_t *src_p,
+    size_t size)
+{
+    uint32_t bus_current;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[2] |= pack_left_shift_u16(src_p->bus_voltage, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->bus_voltage, 8u, 0xffu);
+    bus_current = (uint32_t)src_p->bus_current;
+    dst_p[4] |= pack_left_shift_u32(bus_current, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(bus_current, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(bus_current, 16u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_supply_sensors_unpack(
+    struct jp_can_supply_sensors_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t bus_current;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->bus_voltage = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->bus_voltage |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    bus_current = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    bus_current |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    bus_current |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+
+    if ((bus_current & (1u << 23)) != 0u) {
+        bus_current |= 0xff000000u;
+    }
+
+    dst_p->bus_current = (int32_t)bus_current;
+
+    return (0);
+}
+
+int jp_can_supply_sensors_init(struct jp_can_supply_sensors_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_supply_sensors_t));
+
+    return 0;
+}
+
+bool jp_can_supply_sensors_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_supply_sensors_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_supply_sensors_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_supply_sensors_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_supply_sensors_bus_voltage_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_supply_sensors_bus_voltage_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 511.9921875));
+}
+
+bool jp_can_supply_sensors_bus_current_is_in_range(int32_t value)
+{
+    return ((value >= -8388608) && (value <= 8388607));
+}
+
+bool jp_can_supply_sensors_bus_current_is_in_phys_range(double value)
+{
+    return ((value >= -8192.0) && (value <= 8191.9990234375));
+}
+
+int jp_can_scan_begin_pack(
+    uint8_t *dst_p,
+    const struct jp_can_scan_begin_t *src_p,
+    size_t size)
+{
+    if (size < 4u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 4);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[2] |= pack_left_shift_u16(src_p->beams, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->beams, 8u, 0x0fu);
+
+    return (4);
+}
+
+int jp_can_scan_begin_unpack(
+    struct jp_can_scan_begin_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 4u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->beams = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->beams |= unpack_left_shift_u16(src_p[3], 8u, 0x0fu);
+
+    return (0);
+}
+
+int jp_can_scan_begin_init(struct jp_can_scan_begin_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_scan_begin_t));
+
+    return 0;
+}
+
+bool jp_can_scan_begin_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_scan_begin_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_scan_begin_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_scan_begin_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_scan_begin_beams_is_in_range(uint16_t value)
+{
+    return ((value >= 2u) && (value <= 1024u));
+}
+
+bool jp_can_scan_begin_beams_is_in_phys_range(double value)
+{
+    return ((value >= 2.0) && (value <= 1024.0));
+}
+
+int jp_can_scan_ranges_pack(
+    uint8_t *dst_p,
+    const struct jp_can_scan_ranges_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->index, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u16(src_p->range0, 0u, 0xffu);
+    dst_p[2] |= pack_right_shift_u16(src_p->range0, 8u, 0x3fu);
+    dst_p[2] |= pack_left_shift_u16(src_p->range1, 6u, 0xc0u);
+    dst_p[3] |= pack_right_shift_u16(src_p->range1, 2u, 0xffu);
+    dst_p[4] |= pack_right_shift_u16(src_p->range1, 10u, 0x0fu);
+    dst_p[4] |= pack_left_shift_u16(src_p->range2, 4u, 0xf0u);
+    dst_p[5] |= pack_right_shift_u16(src_p->range2, 4u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->range2, 12u, 0x03u);
+    dst_p[6] |= pack_left_shift_u16(src_p->range3, 2u, 0xfcu);
+    dst_p[7] |= pack_right_shift_u16(src_p->range3, 6u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_scan_ranges_unpack(
+    struct jp_can_scan_ranges_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->index = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->range0 = unpack_right_shift_u16(src_p[1], 0u, 0xffu);
+    dst_p->range0 |= unpack_left_shift_u16(src_p[2], 8u, 0x3fu);
+    dst_p->range1 = unpack_right_shift_u16(src_p[2], 6u, 0xc0u);
+    dst_p->range1 |= unpack_left_shift_u16(src_p[3], 2u, 0xffu);
+    dst_p->range1 |= unpack_left_shift_u16(src_p[4], 10u, 0x0fu);
+    dst_p->range2 = unpack_right_shift_u16(src_p[4], 4u, 0xf0u);
+    dst_p->range2 |= unpack_left_shift_u16(src_p[5], 4u, 0xffu);
+    dst_p->range2 |= unpack_left_shift_u16(src_p[6], 12u, 0x03u);
+    dst_p->range3 = unpack_right_shift_u16(src_p[6], 2u, 0xfcu);
+    dst_p->range3 |= unpack_left_shift_u16(src_p[7], 6u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_scan_ranges_init(struct jp_can_scan_ranges_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_scan_ranges_t));
+
+    return 0;
+}
+
+bool jp_can_scan_ranges_index_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_scan_ranges_index_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_scan_ranges_range0_is_in_range(uint16_t value)
+{
+    return (value <= 16383u);
+}
+
+bool jp_can_scan_ranges_range0_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 31.998046875));
+}
+
+bool jp_can_scan_ranges_range1_is_in_range(uint16_t value)
+{
+    return (value <= 16383u);
+}
+
+bool jp_can_scan_ranges_range1_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 31.998046875));
+}
+
+bool jp_can_scan_ranges_range2_is_in_range(uint16_t value)
+{
+    return (value <= 16383u);
+}
+
+bool jp_can_scan_ranges_range2_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 31.998046875));
+}
+
+bool jp_can_scan_ranges_range3_is_in_range(uint16_t value)
+{
+    return (value <= 16383u);
+}
+
+bool jp_can_scan_ranges_range3_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 31.998046875));
+}
+
+int jp_can_scan_end_pack(
+    uint8_t *dst_p,
+    const struct jp_can_scan_end_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[4] |= pack_left_shift_u32(src_p->ranges_crc, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->ranges_crc, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->ranges_crc, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->ranges_crc, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_scan_end_unpack(
+    struct jp_can_scan_end_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->ranges_crc = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->ranges_crc |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->ranges_crc |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->ranges_crc |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_scan_end_init(struct jp_can_scan_end_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_scan_end_t));
+
+    return 0;
+}
+
+bool jp_can_scan_end_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_scan_end_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_scan_end_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_scan_end_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_scan_end_ranges_crc_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_scan_end_ranges_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
 int jp_can_operator_command_pack(
@@ -4340,6 +4982,248 @@ bool jp_can_learned_deviations_electronics_is_in_range(uint16_t value)
 }
 
 bool jp_can_learned_deviations_electronics_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+int jp_can_map_pose_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_pose_t *src_p,
+    size_t size)
+{
+    uint16_t heading;
+    uint32_t x;
+    uint32_t y;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    x = (uint32_t)src_p->x;
+    dst_p[0] |= pack_left_shift_u32(x, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(x, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(x, 16u, 0xffu);
+    y = (uint32_t)src_p->y;
+    dst_p[3] |= pack_left_shift_u32(y, 0u, 0xffu);
+    dst_p[4] |= pack_right_shift_u32(y, 8u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(y, 16u, 0xffu);
+    heading = (uint16_t)src_p->heading;
+    dst_p[6] |= pack_left_shift_u16(heading, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(heading, 8u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_map_pose_unpack(
+    struct jp_can_map_pose_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint16_t heading;
+    uint32_t x;
+    uint32_t y;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    x = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    x |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    x |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+
+    if ((x & (1u << 23)) != 0u) {
+        x |= 0xff000000u;
+    }
+
+    dst_p->x = (int32_t)x;
+    y = unpack_right_shift_u32(src_p[3], 0u, 0xffu);
+    y |= unpack_left_shift_u32(src_p[4], 8u, 0xffu);
+    y |= unpack_left_shift_u32(src_p[5], 16u, 0xffu);
+
+    if ((y & (1u << 23)) != 0u) {
+        y |= 0xff000000u;
+    }
+
+    dst_p->y = (int32_t)y;
+    heading = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
+    heading |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
+    dst_p->heading = (int16_t)heading;
+
+    return (0);
+}
+
+int jp_can_map_pose_init(struct jp_can_map_pose_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_map_pose_t));
+
+    return 0;
+}
+
+bool jp_can_map_pose_x_is_in_range(int32_t value)
+{
+    return ((value >= -8388608) && (value <= 8388607));
+}
+
+bool jp_can_map_pose_x_is_in_phys_range(double value)
+{
+    return ((value >= -1024.0) && (value <= 1023.9998779296875));
+}
+
+bool jp_can_map_pose_y_is_in_range(int32_t value)
+{
+    return ((value >= -8388608) && (value <= 8388607));
+}
+
+bool jp_can_map_pose_y_is_in_phys_range(double value)
+{
+    return ((value >= -1024.0) && (value <= 1023.9998779296875));
+}
+
+bool jp_can_map_pose_heading_is_in_range(int16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_map_pose_heading_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.4999847412109375));
+}
+
+int jp_can_patrol_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_patrol_status_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->patrol_state, 0u, 0x0fu);
+    dst_p[0] |= pack_left_shift_u8(src_p->patrol_reason, 4u, 0xf0u);
+    dst_p[1] |= pack_left_shift_u8(src_p->localiser_state, 0u, 0x03u);
+    dst_p[1] |= pack_left_shift_u8(src_p->localiser_reason, 2u, 0x3cu);
+    dst_p[2] |= pack_left_shift_u16(src_p->lost_scans, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->lost_scans, 8u, 0xffu);
+    dst_p[4] |= pack_left_shift_u16(src_p->position_deviation, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(src_p->position_deviation, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u16(src_p->heading_deviation, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(src_p->heading_deviation, 8u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_patrol_status_unpack(
+    struct jp_can_patrol_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->patrol_state = unpack_right_shift_u8(src_p[0], 0u, 0x0fu);
+    dst_p->patrol_reason = unpack_right_shift_u8(src_p[0], 4u, 0xf0u);
+    dst_p->localiser_state = unpack_right_shift_u8(src_p[1], 0u, 0x03u);
+    dst_p->localiser_reason = unpack_right_shift_u8(src_p[1], 2u, 0x3cu);
+    dst_p->lost_scans = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->lost_scans |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->position_deviation = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    dst_p->position_deviation |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->heading_deviation = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
+    dst_p->heading_deviation |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_patrol_status_init(struct jp_can_patrol_status_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_patrol_status_t));
+
+    return 0;
+}
+
+bool jp_can_patrol_status_patrol_state_is_in_range(uint8_t value)
+{
+    return (value <= 7u);
+}
+
+bool jp_can_patrol_status_patrol_state_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 7.0));
+}
+
+bool jp_can_patrol_status_patrol_reason_is_in_range(uint8_t value)
+{
+    return (value <= 7u);
+}
+
+bool jp_can_patrol_status_patrol_reason_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 7.0));
+}
+
+bool jp_can_patrol_status_localiser_state_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool jp_can_patrol_status_localiser_state_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+bool jp_can_patrol_status_localiser_reason_is_in_range(uint8_t value)
+{
+    return (value <= 8u);
+}
+
+bool jp_can_patrol_status_localiser_reason_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 8.0));
+}
+
+bool jp_can_patrol_status_lost_scans_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_patrol_status_lost_scans_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+bool jp_can_patrol_status_position_deviation_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_patrol_status_position_deviation_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+bool jp_can_patrol_status_heading_deviation_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_patrol_status_heading_deviation_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 15.999755859375));
 }

@@ -46,9 +46,15 @@ extern "C" {
 
 /* Frame ids. */
 #define JP_CAN_MOTOR_COMMAND_FRAME_ID (0x10u)
+#define JP_CAN_WHEEL_TARGET_FRAME_ID (0x11u)
 #define JP_CAN_WHEEL_SENSORS_FRAME_ID (0x20u)
 #define JP_CAN_BALANCE_SENSORS_FRAME_ID (0x21u)
 #define JP_CAN_CURRENT_SENSORS_FRAME_ID (0x22u)
+#define JP_CAN_WHEEL_FEEDBACK_FRAME_ID (0x23u)
+#define JP_CAN_SUPPLY_SENSORS_FRAME_ID (0x24u)
+#define JP_CAN_SCAN_BEGIN_FRAME_ID (0x30u)
+#define JP_CAN_SCAN_RANGES_FRAME_ID (0x31u)
+#define JP_CAN_SCAN_END_FRAME_ID (0x32u)
 #define JP_CAN_OPERATOR_COMMAND_FRAME_ID (0x100u)
 #define JP_CAN_ROUTE_OFFER_FRAME_ID (0x101u)
 #define JP_CAN_WAYPOINT_FRAME_ID (0x102u)
@@ -83,14 +89,22 @@ extern "C" {
 #define JP_CAN_COURSE_LEG_FRAME_ID (0x197u)
 #define JP_CAN_LEARNED_FACTORS_FRAME_ID (0x198u)
 #define JP_CAN_LEARNED_DEVIATIONS_FRAME_ID (0x199u)
+#define JP_CAN_MAP_POSE_FRAME_ID (0x19au)
+#define JP_CAN_PATROL_STATUS_FRAME_ID (0x19bu)
 #define JP_CAN_SIM_TIME_FRAME_ID (0x7f0u)
 #define JP_CAN_SIM_DONE_FRAME_ID (0x7f1u)
 
 /* Frame lengths in bytes. */
 #define JP_CAN_MOTOR_COMMAND_LENGTH (8u)
+#define JP_CAN_WHEEL_TARGET_LENGTH (8u)
 #define JP_CAN_WHEEL_SENSORS_LENGTH (8u)
 #define JP_CAN_BALANCE_SENSORS_LENGTH (8u)
 #define JP_CAN_CURRENT_SENSORS_LENGTH (8u)
+#define JP_CAN_WHEEL_FEEDBACK_LENGTH (8u)
+#define JP_CAN_SUPPLY_SENSORS_LENGTH (8u)
+#define JP_CAN_SCAN_BEGIN_LENGTH (4u)
+#define JP_CAN_SCAN_RANGES_LENGTH (8u)
+#define JP_CAN_SCAN_END_LENGTH (8u)
 #define JP_CAN_OPERATOR_COMMAND_LENGTH (4u)
 #define JP_CAN_ROUTE_OFFER_LENGTH (8u)
 #define JP_CAN_WAYPOINT_LENGTH (8u)
@@ -125,14 +139,22 @@ extern "C" {
 #define JP_CAN_COURSE_LEG_LENGTH (8u)
 #define JP_CAN_LEARNED_FACTORS_LENGTH (8u)
 #define JP_CAN_LEARNED_DEVIATIONS_LENGTH (8u)
+#define JP_CAN_MAP_POSE_LENGTH (8u)
+#define JP_CAN_PATROL_STATUS_LENGTH (8u)
 #define JP_CAN_SIM_TIME_LENGTH (8u)
 #define JP_CAN_SIM_DONE_LENGTH (4u)
 
 /* Extended or standard frame types. */
 #define JP_CAN_MOTOR_COMMAND_IS_EXTENDED (0)
+#define JP_CAN_WHEEL_TARGET_IS_EXTENDED (0)
 #define JP_CAN_WHEEL_SENSORS_IS_EXTENDED (0)
 #define JP_CAN_BALANCE_SENSORS_IS_EXTENDED (0)
 #define JP_CAN_CURRENT_SENSORS_IS_EXTENDED (0)
+#define JP_CAN_WHEEL_FEEDBACK_IS_EXTENDED (0)
+#define JP_CAN_SUPPLY_SENSORS_IS_EXTENDED (0)
+#define JP_CAN_SCAN_BEGIN_IS_EXTENDED (0)
+#define JP_CAN_SCAN_RANGES_IS_EXTENDED (0)
+#define JP_CAN_SCAN_END_IS_EXTENDED (0)
 #define JP_CAN_OPERATOR_COMMAND_IS_EXTENDED (0)
 #define JP_CAN_ROUTE_OFFER_IS_EXTENDED (0)
 #define JP_CAN_WAYPOINT_IS_EXTENDED (0)
@@ -167,14 +189,22 @@ extern "C" {
 #define JP_CAN_COURSE_LEG_IS_EXTENDED (0)
 #define JP_CAN_LEARNED_FACTORS_IS_EXTENDED (0)
 #define JP_CAN_LEARNED_DEVIATIONS_IS_EXTENDED (0)
+#define JP_CAN_MAP_POSE_IS_EXTENDED (0)
+#define JP_CAN_PATROL_STATUS_IS_EXTENDED (0)
 #define JP_CAN_SIM_TIME_IS_EXTENDED (0)
 #define JP_CAN_SIM_DONE_IS_EXTENDED (0)
 
 /* Frame cycle times in milliseconds. */
 #define JP_CAN_MOTOR_COMMAND_CYCLE_TIME_MS (1u)
+#define JP_CAN_WHEEL_TARGET_CYCLE_TIME_MS (2u)
 #define JP_CAN_WHEEL_SENSORS_CYCLE_TIME_MS (1u)
 #define JP_CAN_BALANCE_SENSORS_CYCLE_TIME_MS (1u)
 #define JP_CAN_CURRENT_SENSORS_CYCLE_TIME_MS (1u)
+#define JP_CAN_WHEEL_FEEDBACK_CYCLE_TIME_MS (2u)
+#define JP_CAN_SUPPLY_SENSORS_CYCLE_TIME_MS (10u)
+#define JP_CAN_SCAN_BEGIN_CYCLE_TIME_MS (100u)
+#define JP_CAN_SCAN_RANGES_CYCLE_TIME_MS (1u)
+#define JP_CAN_SCAN_END_CYCLE_TIME_MS (100u)
 #define JP_CAN_OPERATOR_COMMAND_CYCLE_TIME_MS (100u)
 #define JP_CAN_GOAL_CYCLE_TIME_MS (100u)
 #define JP_CAN_ECU_STATUS_CYCLE_TIME_MS (100u)
@@ -199,8 +229,20 @@ extern "C" {
 #define JP_CAN_COURSE_LEG_CYCLE_TIME_MS (25u)
 #define JP_CAN_LEARNED_FACTORS_CYCLE_TIME_MS (1000u)
 #define JP_CAN_LEARNED_DEVIATIONS_CYCLE_TIME_MS (1000u)
+#define JP_CAN_MAP_POSE_CYCLE_TIME_MS (100u)
+#define JP_CAN_PATROL_STATUS_CYCLE_TIME_MS (100u)
 
 /* Signal choices. */
+#define JP_CAN_WHEEL_TARGET_WHEEL_FRONT_LEFT_CHOICE (0u)
+#define JP_CAN_WHEEL_TARGET_WHEEL_FRONT_RIGHT_CHOICE (1u)
+#define JP_CAN_WHEEL_TARGET_WHEEL_REAR_LEFT_CHOICE (2u)
+#define JP_CAN_WHEEL_TARGET_WHEEL_REAR_RIGHT_CHOICE (3u)
+
+#define JP_CAN_WHEEL_FEEDBACK_WHEEL_FRONT_LEFT_CHOICE (0u)
+#define JP_CAN_WHEEL_FEEDBACK_WHEEL_FRONT_RIGHT_CHOICE (1u)
+#define JP_CAN_WHEEL_FEEDBACK_WHEEL_REAR_LEFT_CHOICE (2u)
+#define JP_CAN_WHEEL_FEEDBACK_WHEEL_REAR_RIGHT_CHOICE (3u)
+
 #define JP_CAN_OPERATOR_COMMAND_MODE_OFF_CHOICE (0u)
 #define JP_CAN_OPERATOR_COMMAND_MODE_STAND_CHOICE (1u)
 #define JP_CAN_OPERATOR_COMMAND_MODE_DRIVE_CHOICE (2u)
@@ -314,11 +356,49 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_ANSWER_BLOCKED_CHOICE (5u)
 #define JP_CAN_NAVIGATION_STATUS_ANSWER_DRIVEN_CHOICE (6u)
 
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_HELD_CHOICE (0u)
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_TURNING_CHOICE (1u)
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_DRIVING_CHOICE (2u)
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_STEPPING_CHOICE (3u)
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_GLIDING_CHOICE (4u)
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_WAITING_CHOICE (5u)
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_ARRIVED_CHOICE (6u)
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_STOPPED_CHOICE (7u)
+
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_NONE_CHOICE (0u)
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_IN_COLLISION_CHOICE (1u)
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_BLOCKED_CHOICE (2u)
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_NO_SCAN_CHOICE (3u)
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_LOST_CHOICE (4u)
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_OFF_PATH_CHOICE (5u)
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_STALLED_CHOICE (6u)
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_INFEASIBLE_CHOICE (7u)
+
+#define JP_CAN_PATROL_STATUS_LOCALISER_STATE_TRACKING_CHOICE (0u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_STATE_DEGRADED_CHOICE (1u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_STATE_LOST_CHOICE (2u)
+
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_NONE_CHOICE (0u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_NO_SCAN_CHOICE (1u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_UNEXPLAINED_CHOICE (2u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_CONTRADICTED_CHOICE (3u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_JUMPED_CHOICE (4u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_UNCERTAIN_CHOICE (5u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_SEARCHING_CHOICE (6u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_AMBIGUOUS_CHOICE (7u)
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_NOWHERE_CHOICE (8u)
+
 /* Frame Names. */
 #define JP_CAN_MOTOR_COMMAND_NAME "MotorCommand"
+#define JP_CAN_WHEEL_TARGET_NAME "WheelTarget"
 #define JP_CAN_WHEEL_SENSORS_NAME "WheelSensors"
 #define JP_CAN_BALANCE_SENSORS_NAME "BalanceSensors"
 #define JP_CAN_CURRENT_SENSORS_NAME "CurrentSensors"
+#define JP_CAN_WHEEL_FEEDBACK_NAME "WheelFeedback"
+#define JP_CAN_SUPPLY_SENSORS_NAME "SupplySensors"
+#define JP_CAN_SCAN_BEGIN_NAME "ScanBegin"
+#define JP_CAN_SCAN_RANGES_NAME "ScanRanges"
+#define JP_CAN_SCAN_END_NAME "ScanEnd"
 #define JP_CAN_OPERATOR_COMMAND_NAME "OperatorCommand"
 #define JP_CAN_ROUTE_OFFER_NAME "RouteOffer"
 #define JP_CAN_WAYPOINT_NAME "Waypoint"
@@ -353,6 +433,8 @@ extern "C" {
 #define JP_CAN_COURSE_LEG_NAME "CourseLeg"
 #define JP_CAN_LEARNED_FACTORS_NAME "LearnedFactors"
 #define JP_CAN_LEARNED_DEVIATIONS_NAME "LearnedDeviations"
+#define JP_CAN_MAP_POSE_NAME "MapPose"
+#define JP_CAN_PATROL_STATUS_NAME "PatrolStatus"
 #define JP_CAN_SIM_TIME_NAME "SimTime"
 #define JP_CAN_SIM_DONE_NAME "SimDone"
 
@@ -362,6 +444,12 @@ extern "C" {
 #define JP_CAN_MOTOR_COMMAND_ENABLED_NAME "Enabled"
 #define JP_CAN_MOTOR_COMMAND_DUTY_LEFT_NAME "DutyLeft"
 #define JP_CAN_MOTOR_COMMAND_DUTY_RIGHT_NAME "DutyRight"
+#define JP_CAN_WHEEL_TARGET_CRC_NAME "Crc"
+#define JP_CAN_WHEEL_TARGET_COUNTER_NAME "Counter"
+#define JP_CAN_WHEEL_TARGET_WHEEL_NAME "Wheel"
+#define JP_CAN_WHEEL_TARGET_ENABLED_NAME "Enabled"
+#define JP_CAN_WHEEL_TARGET_ANGLE_NAME "Angle"
+#define JP_CAN_WHEEL_TARGET_SPEED_NAME "Speed"
 #define JP_CAN_WHEEL_SENSORS_SAMPLE_COUNTER_NAME "SampleCounter"
 #define JP_CAN_WHEEL_SENSORS_ENCODER_LEFT_NAME "EncoderLeft"
 #define JP_CAN_WHEEL_SENSORS_ENCODER_RIGHT_NAME "EncoderRight"
@@ -375,6 +463,26 @@ extern "C" {
 #define JP_CAN_CURRENT_SENSORS_CURRENT_LEFT_NAME "CurrentLeft"
 #define JP_CAN_CURRENT_SENSORS_CURRENT_RIGHT_NAME "CurrentRight"
 #define JP_CAN_CURRENT_SENSORS_YAW_RATE_NAME "YawRate"
+#define JP_CAN_WHEEL_FEEDBACK_CRC_NAME "Crc"
+#define JP_CAN_WHEEL_FEEDBACK_COUNTER_NAME "Counter"
+#define JP_CAN_WHEEL_FEEDBACK_WHEEL_NAME "Wheel"
+#define JP_CAN_WHEEL_FEEDBACK_COUNT_NAME "Count"
+#define JP_CAN_WHEEL_FEEDBACK_ANGLE_NAME "Angle"
+#define JP_CAN_SUPPLY_SENSORS_CRC_NAME "Crc"
+#define JP_CAN_SUPPLY_SENSORS_COUNTER_NAME "Counter"
+#define JP_CAN_SUPPLY_SENSORS_BUS_VOLTAGE_NAME "BusVoltage"
+#define JP_CAN_SUPPLY_SENSORS_BUS_CURRENT_NAME "BusCurrent"
+#define JP_CAN_SCAN_BEGIN_CRC_NAME "Crc"
+#define JP_CAN_SCAN_BEGIN_COUNTER_NAME "Counter"
+#define JP_CAN_SCAN_BEGIN_BEAMS_NAME "Beams"
+#define JP_CAN_SCAN_RANGES_INDEX_NAME "Index"
+#define JP_CAN_SCAN_RANGES_RANGE0_NAME "Range0"
+#define JP_CAN_SCAN_RANGES_RANGE1_NAME "Range1"
+#define JP_CAN_SCAN_RANGES_RANGE2_NAME "Range2"
+#define JP_CAN_SCAN_RANGES_RANGE3_NAME "Range3"
+#define JP_CAN_SCAN_END_CRC_NAME "Crc"
+#define JP_CAN_SCAN_END_COUNTER_NAME "Counter"
+#define JP_CAN_SCAN_END_RANGES_CRC_NAME "RangesCrc"
 #define JP_CAN_OPERATOR_COMMAND_CRC_NAME "Crc"
 #define JP_CAN_OPERATOR_COMMAND_COUNTER_NAME "Counter"
 #define JP_CAN_OPERATOR_COMMAND_MODE_NAME "Mode"
@@ -526,6 +634,16 @@ extern "C" {
 #define JP_CAN_LEARNED_DEVIATIONS_FRICTION_NAME "Friction"
 #define JP_CAN_LEARNED_DEVIATIONS_WEIGHT_NAME "Weight"
 #define JP_CAN_LEARNED_DEVIATIONS_ELECTRONICS_NAME "Electronics"
+#define JP_CAN_MAP_POSE_X_NAME "X"
+#define JP_CAN_MAP_POSE_Y_NAME "Y"
+#define JP_CAN_MAP_POSE_HEADING_NAME "Heading"
+#define JP_CAN_PATROL_STATUS_PATROL_STATE_NAME "PatrolState"
+#define JP_CAN_PATROL_STATUS_PATROL_REASON_NAME "PatrolReason"
+#define JP_CAN_PATROL_STATUS_LOCALISER_STATE_NAME "LocaliserState"
+#define JP_CAN_PATROL_STATUS_LOCALISER_REASON_NAME "LocaliserReason"
+#define JP_CAN_PATROL_STATUS_LOST_SCANS_NAME "LostScans"
+#define JP_CAN_PATROL_STATUS_POSITION_DEVIATION_NAME "PositionDeviation"
+#define JP_CAN_PATROL_STATUS_HEADING_DEVIATION_NAME "HeadingDeviation"
 #define JP_CAN_SIM_TIME_TICK_NAME "Tick"
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
 #define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
@@ -584,6 +702,69 @@ struct jp_can_motor_command_t {
      * Offset: 0
      */
     int32_t duty_right;
+};
+
+/**
+ * Signals in message WheelTarget.
+ *
+ * What a wheel of a robot with four steered wheels shall do; four with the same Counter belong together. Without a valid one for 40 ms its drive switches off.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_wheel_target_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Which one; each has a counter of its own, and all count alike.
+     *
+     * Range: 0..3 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t wheel;
+
+    /**
+     * 1: the drive follows angle and speed; 0: it is off, the wheel coasts and keeps its angle.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t enabled;
+
+    /**
+     * Of steering, counterclockwise from straight ahead.
+     *
+     * Range: -8388608..8388607 (-0.5..0.5 turn)
+     * Scale: 5.960464477539063e-08
+     * Offset: 0
+     */
+    int32_t angle;
+
+    /**
+     * Of the tread along the wheel.
+     *
+     * Range: -16777216..16777215 (-16..16.0 m/s)
+     * Scale: 9.5367431640625e-07
+     * Offset: 0
+     */
+    int32_t speed;
 };
 
 /**
@@ -726,6 +907,225 @@ struct jp_can_current_sensors_t {
      * Offset: 0
      */
     int16_t yaw_rate;
+};
+
+/**
+ * Signals in message WheelFeedback.
+ *
+ * What a wheel of a robot with four steered wheels does. Four, in the order of Wheel, and a SupplySensors with the same Counter are a sample.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_wheel_feedback_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Which one; each has a counter of its own, and all count alike.
+     *
+     * Range: 0..3 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t wheel;
+
+    /**
+     * Low 24 bits of the wrapping count of its encoder; rises when the wheel rolls ahead.
+     *
+     * Range: 0..16777215 (0..16777215 count)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t count;
+
+    /**
+     * Of steering, counterclockwise from straight ahead.
+     *
+     * Range: -8388608..8388607 (-0.5..0.5 turn)
+     * Scale: 5.960464477539063e-08
+     * Offset: 0
+     */
+    int32_t angle;
+};
+
+/**
+ * Signals in message SupplySensors.
+ *
+ * Last part of a sample of a robot with four steered wheels.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_supply_sensors_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Mean since the sample before.
+     *
+     * Range: 0..65535 (0..511.99219 V)
+     * Scale: 0.0078125
+     * Offset: 0
+     */
+    uint16_t bus_voltage;
+
+    /**
+     * Mean since the sample before; out of the battery is positive.
+     *
+     * Range: -8388608..8388607 (-8192..8191.99902 A)
+     * Scale: 0.0009765625
+     * Offset: 0
+     */
+    int32_t bus_current;
+};
+
+/**
+ * Signals in message ScanBegin.
+ *
+ * The laser scanner begins a scan: sent in the tick whose sample shows where the wheels were then. ScanRanges and ScanEnd follow. Only where no scanner is on the controller's board.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_scan_begin_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Of the scan, counterclockwise; the robot's file says from where on.
+     *
+     * Range: 2..1024 (2..1024 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t beams;
+};
+
+/**
+ * Signals in message ScanRanges.
+ *
+ * Four ranges of a scan, one frame after the other. One that is missing ends the scan.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_scan_ranges_t {
+    /**
+     * From 0; beams 4 Index to 4 Index + 3. Ranges beyond the last beam are 0.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t index;
+
+    /**
+     * 0: the beam saw nothing; the greatest value: it dropped out.
+     *
+     * Range: 0..16383 (0..31.99805 m)
+     * Scale: 0.001953125
+     * Offset: 0
+     */
+    uint16_t range0;
+
+    /**
+     * Range: 0..16383 (0..31.99805 m)
+     * Scale: 0.001953125
+     * Offset: 0
+     */
+    uint16_t range1;
+
+    /**
+     * Range: 0..16383 (0..31.99805 m)
+     * Scale: 0.001953125
+     * Offset: 0
+     */
+    uint16_t range2;
+
+    /**
+     * Range: 0..16383 (0..31.99805 m)
+     * Scale: 0.001953125
+     * Offset: 0
+     */
+    uint16_t range3;
+};
+
+/**
+ * Signals in message ScanEnd.
+ *
+ * The scan is whole.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_scan_end_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * CRC-32 (zlib) of the data of all ScanRanges, byte 1 to 7 of each.
+     *
+     * Range: 0..4294967295 (0..4294967295 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t ranges_crc;
 };
 
 /**
@@ -2320,6 +2720,100 @@ struct jp_can_learned_deviations_t {
 };
 
 /**
+ * Signals in message MapPose.
+ *
+ * Where a robot that localises itself is on its map, from the map's south-west corner. Sent with PatrolStatus where it has a map.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_map_pose_t {
+    /**
+     * Range: -8388608..8388607 (-1024..1023.99988 m)
+     * Scale: 0.0001220703125
+     * Offset: 0
+     */
+    int32_t x;
+
+    /**
+     * Range: -8388608..8388607 (-1024..1023.99988 m)
+     * Scale: 0.0001220703125
+     * Offset: 0
+     */
+    int32_t y;
+
+    /**
+     * Range: -32768..32767 (-0.5..0.49998 turn)
+     * Scale: 1.52587890625e-05
+     * Offset: 0
+     */
+    int16_t heading;
+};
+
+/**
+ * Signals in message PatrolStatus.
+ *
+ * What a robot with a laser scanner does on its way, and how well it knows where it is.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_patrol_status_t {
+    /**
+     * Range: 0..7 (0..7 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t patrol_state;
+
+    /**
+     * Range: 0..7 (0..7 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t patrol_reason;
+
+    /**
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t localiser_state;
+
+    /**
+     * Range: 0..8 (0..8 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t localiser_reason;
+
+    /**
+     * Scans that were not whole, up to 65535.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t lost_scans;
+
+    /**
+     * Standard deviation in the direction in which it is largest.
+     *
+     * Range: 0..65535 (0..15.99976 m)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t position_deviation;
+
+    /**
+     * Standard deviation.
+     *
+     * Range: 0..65535 (0..15.99976 rad)
+     * Scale: 0.000244140625
+     * Offset: 0
+     */
+    uint16_t heading_deviation;
+};
+
+/**
  * Signals in message SimTime.
  *
  * Lockstep simulation only: the tick begins; what it needs was sent before. Sent again when SimDone fails to come.
@@ -2524,6 +3018,175 @@ bool jp_can_motor_command_duty_right_is_in_range(int32_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_motor_command_duty_right_is_in_phys_range(double value);
+
+/**
+ * Pack message WheelTarget.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_wheel_target_pack(
+    uint8_t *dst_p,
+    const struct jp_can_wheel_target_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message WheelTarget.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_wheel_target_unpack(
+    struct jp_can_wheel_target_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from WheelTarget.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_wheel_target_init(struct jp_can_wheel_target_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_wheel_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_wheel_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_enabled_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_enabled_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_angle_is_in_range(int32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_angle_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_speed_is_in_range(int32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_target_speed_is_in_phys_range(double value);
 
 /**
  * Pack message WheelSensors.
@@ -2921,6 +3584,631 @@ bool jp_can_current_sensors_yaw_rate_is_in_range(int16_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_current_sensors_yaw_rate_is_in_phys_range(double value);
+
+/**
+ * Pack message WheelFeedback.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_wheel_feedback_pack(
+    uint8_t *dst_p,
+    const struct jp_can_wheel_feedback_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message WheelFeedback.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_wheel_feedback_unpack(
+    struct jp_can_wheel_feedback_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from WheelFeedback.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_wheel_feedback_init(struct jp_can_wheel_feedback_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_wheel_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_wheel_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_count_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_count_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_angle_is_in_range(int32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_wheel_feedback_angle_is_in_phys_range(double value);
+
+/**
+ * Pack message SupplySensors.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_supply_sensors_pack(
+    uint8_t *dst_p,
+    const struct jp_can_supply_sensors_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message SupplySensors.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_supply_sensors_unpack(
+    struct jp_can_supply_sensors_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from SupplySensors.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_supply_sensors_init(struct jp_can_supply_sensors_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_supply_sensors_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_supply_sensors_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_supply_sensors_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_supply_sensors_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_supply_sensors_bus_voltage_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_supply_sensors_bus_voltage_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_supply_sensors_bus_current_is_in_range(int32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_supply_sensors_bus_current_is_in_phys_range(double value);
+
+/**
+ * Pack message ScanBegin.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_scan_begin_pack(
+    uint8_t *dst_p,
+    const struct jp_can_scan_begin_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message ScanBegin.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_scan_begin_unpack(
+    struct jp_can_scan_begin_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from ScanBegin.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_scan_begin_init(struct jp_can_scan_begin_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_begin_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_begin_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_begin_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_begin_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_begin_beams_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_begin_beams_is_in_phys_range(double value);
+
+/**
+ * Pack message ScanRanges.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_scan_ranges_pack(
+    uint8_t *dst_p,
+    const struct jp_can_scan_ranges_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message ScanRanges.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_scan_ranges_unpack(
+    struct jp_can_scan_ranges_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from ScanRanges.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_scan_ranges_init(struct jp_can_scan_ranges_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_index_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_index_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_range0_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_range0_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_range1_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_range1_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_range2_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_range2_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_range3_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_ranges_range3_is_in_phys_range(double value);
+
+/**
+ * Pack message ScanEnd.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_scan_end_pack(
+    uint8_t *dst_p,
+    const struct jp_can_scan_end_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message ScanEnd.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_scan_end_unpack(
+    struct jp_can_scan_end_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from ScanEnd.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_scan_end_init(struct jp_can_scan_end_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_end_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_end_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_end_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_end_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_end_ranges_crc_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_scan_end_ranges_crc_is_in_phys_range(double value);
 
 /**
  * Pack message OperatorCommand.
@@ -7501,6 +8789,300 @@ bool jp_can_learned_deviations_electronics_is_in_range(uint16_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_learned_deviations_electronics_is_in_phys_range(double value);
+
+/**
+ * Pack message MapPose.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_map_pose_pack(
+    uint8_t *dst_p,
+    const struct jp_can_map_pose_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message MapPose.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_map_pose_unpack(
+    struct jp_can_map_pose_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from MapPose.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_map_pose_init(struct jp_can_map_pose_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_pose_x_is_in_range(int32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_pose_x_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_pose_y_is_in_range(int32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_pose_y_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_pose_heading_is_in_range(int16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_map_pose_heading_is_in_phys_range(double value);
+
+/**
+ * Pack message PatrolStatus.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_patrol_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_patrol_status_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message PatrolStatus.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_patrol_status_unpack(
+    struct jp_can_patrol_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from PatrolStatus.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_patrol_status_init(struct jp_can_patrol_status_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_patrol_state_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_patrol_state_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_patrol_reason_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_patrol_reason_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_localiser_state_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_localiser_state_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_localiser_reason_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_localiser_reason_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_lost_scans_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_lost_scans_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_position_deviation_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_position_deviation_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_heading_deviation_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_patrol_status_heading_deviation_is_in_phys_range(double value);
 
 /**
  * Pack message SimTime.

@@ -27,7 +27,12 @@ enum jp_data_id {
     JP_DATA_ID_MAP_OFFER = 0x41,
     JP_DATA_ID_MAP_DATA = 0x44,
     JP_DATA_ID_CELL_CHANGES = 0x43,
-    JP_DATA_ID_MAP_GOAL = 0x4E
+    JP_DATA_ID_MAP_GOAL = 0x4E,
+    JP_DATA_ID_WHEEL_TARGET = 0x54,
+    JP_DATA_ID_WHEEL_FEEDBACK = 0x46,
+    JP_DATA_ID_SUPPLY_SENSORS = 0x55,
+    JP_DATA_ID_SCAN_BEGIN = 0x42,
+    JP_DATA_ID_SCAN_END = 0x45
 };
 
 /** Frames of a sample, in the order in which they are sent. */

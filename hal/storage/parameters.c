@@ -29,8 +29,9 @@ struct span {
     {                                                                                                                  \
         (uint16_t) offsetof(type, first), (uint8_t)sizeof(((type *)NULL)->first), (count)                              \
     }
-#define BALANCER(first, count) NUMBERS(struct jp_robot_config, first, count)
-#define SKID(first, count)     NUMBERS(struct jp_skid_robot_config, first, count)
+#define BALANCER(first, count)   NUMBERS(struct jp_robot_config, first, count)
+#define SKID(first, count)       NUMBERS(struct jp_skid_robot_config, first, count)
+#define FOUR_WHEEL(first, count) NUMBERS(struct jp_four_wheel_robot_config, first, count)
 
 static const struct span balancer_numbers[] = {
     BALANCER(estimator.tick_rate, 1),
@@ -59,6 +60,15 @@ static const struct span skid_numbers[] = {
     SKID(burnt, 1),
     SKID(path.tick_rate, 5),
     SKID(heading_gain, 1),
+};
+
+static const struct span four_wheel_numbers[] = {
+    FOUR_WHEEL(wheels.wheelbase, sizeof(struct jp_four_wheel_config) / sizeof(uint32_t)),
+    FOUR_WHEEL(tick_rate, 1),
+    FOUR_WHEEL(count_speed, 1),
+    FOUR_WHEEL(piece_ticks, 2),
+    FOUR_WHEEL(limits.count_jump, 6),
+    FOUR_WHEEL(limits.lag_ticks, 2),
 };
 
 /** A number of 2, 4 or 8 bytes in the order of this core. */
@@ -122,6 +132,12 @@ uint32_t jp_robot_identity(const struct jp_robot_config *config)
 uint32_t jp_skid_robot_identity(const struct jp_skid_robot_config *config)
 {
     return crc_of(config->name, (const uint8_t *)config, skid_numbers, sizeof skid_numbers / sizeof skid_numbers[0]);
+}
+
+uint32_t jp_four_wheel_robot_identity(const struct jp_four_wheel_robot_config *config)
+{
+    return crc_of(NULL, (const uint8_t *)config, four_wheel_numbers,
+                  sizeof four_wheel_numbers / sizeof four_wheel_numbers[0]);
 }
 
 /* ---- Fields ---- */

@@ -7,6 +7,7 @@
 #ifndef JOULEPATH_HAL_STORAGE_PARAMETERS_H
 #define JOULEPATH_HAL_STORAGE_PARAMETERS_H
 
+#include <joulepath/four_wheel_robot.h>
 #include <joulepath/learner.h>
 #include <joulepath/robot.h>
 #include <joulepath/skid_robot.h>
@@ -48,6 +49,9 @@ uint32_t jp_robot_identity(const struct jp_robot_config *config);
 
 /** The same of a skid-steered or differential-drive robot. */
 uint32_t jp_skid_robot_identity(const struct jp_skid_robot_config *config);
+
+/** The same of a robot with four steered wheels. */
+uint32_t jp_four_wheel_robot_identity(const struct jp_four_wheel_robot_config *config);
 
 /** Nothing learned of energy, no bias, and currents not calibrated. */
 void jp_parameters_default(struct jp_parameters *parameters);

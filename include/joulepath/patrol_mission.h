@@ -7,10 +7,11 @@
  *                     └────────────┴──────▶ GIVEN_UP
  *
  * Paths are the any-angle planner's (grid_planner.h) with the widest clearance of a few, smoothed (path_spline.h); as
- * far as there is room, twice the standard deviation of the robot's position comes on top of it. What the scanner sees is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns at a
- * place before it and drives straight in; when scans show this only during the drive, it stops and plans again. A
- * patrol that waits or has stopped because its path is blocked gets another path after a while, up to six times. A
- * robot that was lost and has found itself gets one from there.
+ * far as there is room, twice the standard deviation of the robot's position comes on top of it. What the scanner sees
+ * is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns at a place before it and
+ * drives straight in; when scans show this only during the drive, it stops and plans again. A patrol that waits or has
+ * stopped because its path is blocked gets another path after a while, up to six times. A robot that was lost and has
+ * found itself gets one from there, over the map as it was given: marks were made elsewhere.
  *
  * One call of jp_patrol_mission_cycle() in place of jp_patrol_cycle(), and in the time between them
  * jp_patrol_mission_work() while the state is PLANNING. Not for ISRs. Single-precision floating point: part of
@@ -94,12 +95,15 @@ enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const s
  * of range; then nothing changes. */
 enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const struct jp_plane_pose *goal);
 
+/** Stops as fast as the wheels can and forgets the goal: IDLE. Constant time. */
+void jp_patrol_mission_stop(struct jp_patrol_mission *mission);
+
 /** Continues planning: for at most so many expansions (grid_planner.h), or for one smoothing of a path (path_spline.h)
  * or one search for a place to turn, which reads 36 times the cells under the robot for each of up to 21 places. */
 enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions);
 
 /** One cycle of the patrol, and the replanning that it requires. Failures are those of jp_patrol_cycle(). Every fifth
- *  cycle also marks the cells along all beams. */
+ *  cycle also marks the cells along all beams; one that finds a new place copies the map. */
 enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
                                        struct jp_twist *twist);
 

@@ -20,6 +20,12 @@ void bus_drive_init_skid(struct bus_drive *drive, const struct skid_steer_model 
     plant_node_init_skid(&drive->plant, model, ground, pose, seed);
 }
 
+void bus_drive_init_patrol(struct bus_drive *drive, struct patrol_body *body, const struct jp_can_link *link)
+{
+    *drive = (struct bus_drive){.link = *link, .patience = BUS_DRIVE_PATIENCE};
+    plant_node_init_patrol(&drive->plant, body);
+}
+
 static uint32_t time_ms(const struct bus_drive *drive)
 {
     return (uint32_t)((uint64_t)drive->tick * 1000U / (uint64_t)plant_node_rate(&drive->plant));

@@ -46,6 +46,9 @@ void bus_drive_init_skid(struct bus_drive *drive, const struct skid_steer_model 
                          const struct skid_ground *ground, const struct planar_pose *pose, uint64_t seed,
                          const struct jp_can_link *link);
 
+/** The same with a robot with four steered wheels, whose body stays in use. */
+void bus_drive_init_patrol(struct bus_drive *drive, struct patrol_body *body, const struct jp_can_link *link);
+
 /** One tick in lockstep; false when the ECU did not answer for so long as the drive has patience. */
 bool bus_drive_lockstep(struct bus_drive *drive);
 

@@ -104,7 +104,42 @@ static enum jp_status boot_skid(void *context, struct jp_ecu *ecu, const struct 
     return status == JP_OK ? navigate_skid(node, ecu, field) : status;
 }
 
-/* Of either kind. */
+/* A robot with four steered wheels. */
+
+static enum jp_status boot_patrol(void *context, struct jp_ecu *ecu, const struct jp_can_port *port, const char **field)
+{
+    struct ecu_node *node = context;
+    struct ecu_node_patrol *patrol = &node->patrol;
+    const struct jp_map_room room = jp_patrol_map_room(&patrol->map);
+    const struct jp_patrol_pilot_config pilot = {.patrol = patrol->entry->patrol,
+                                                 .localiser = patrol->entry->localiser,
+                                                 .scanner = patrol->entry->scanner,
+                                                 .energy = patrol->entry->energy,
+                                                 .learning = patrol->entry->learning,
+                                                 .points_max = JP_PATROL_POINTS_MAX,
+                                                 .turns_max = JP_PATROL_TURNS_MAX};
+    const struct jp_ecu_patrol_config config = {.robot = patrol->entry->config,
+                                                .pilot = &pilot,
+                                                .block = patrol->block.words,
+                                                .size = sizeof patrol->block.words,
+                                                .stored = node->stored,
+                                                .state = &node->parameters.energy};
+    struct jp_ecu_robot robot;
+    enum jp_status status = jp_ecu_patrol_init(&patrol->robot, &config, &robot, field);
+
+    if (status == JP_OK) {
+        status = jp_ecu_init(ecu, &robot, port, node->lockstep.config.retained);
+    }
+    if (status == JP_OK) {
+        const struct jp_wayfinder finder = jp_ecu_patrol_wayfinder(&patrol->robot);
+
+        status = jp_navigation_init_with(&node->navigation, &finder, &room);
+        jp_ecu_navigate(ecu, &node->navigation);
+    }
+    return status;
+}
+
+/* Of any kind. */
 
 /** A place that cannot be written to shows now, not when there is something to keep. */
 static bool open_parameters(struct ecu_node *node)
@@ -135,7 +170,9 @@ static struct jp_lockstep_config lockstep_of(struct ecu_node *node, const struct
                                              struct jp_retained *retained)
 {
     node->own_record = (struct jp_retained){0};
-    return (struct jp_lockstep_config){.boot = node->skid.entry != NULL ? boot_skid : boot_balancer,
+    return (struct jp_lockstep_config){.boot = node->patrol.entry != NULL ? boot_patrol
+                                               : node->skid.entry != NULL ? boot_skid
+                                                                          : boot_balancer,
                                        .context = node,
                                        .tick = jp_ecu_tick,
                                        .bus = *bus,
@@ -150,6 +187,7 @@ bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const
     node->balancer.entry = entry;
     node->balancer.model = model;
     node->skid.entry = NULL;
+    node->patrol.entry = NULL;
 
     const struct jp_lockstep_config config = lockstep_of(node, bus, retained);
 
@@ -163,6 +201,21 @@ bool ecu_node_init_skid(struct ecu_node *node, const struct skid_robot_entry *en
     node->identity = jp_skid_robot_identity(entry->config);
     node->balancer.entry = NULL;
     node->skid.entry = entry;
+    node->patrol.entry = NULL;
+
+    const struct jp_lockstep_config config = lockstep_of(node, bus, retained);
+
+    return start(node, &config, parameters);
+}
+
+bool ecu_node_init_patrol(struct ecu_node *node, const struct patrol_robot_entry *entry, const struct jp_can_port *bus,
+                          struct jp_retained *retained, const char *parameters)
+{
+    node->name = entry->name;
+    node->identity = jp_four_wheel_robot_identity(entry->config);
+    node->balancer.entry = NULL;
+    node->skid.entry = NULL;
+    node->patrol.entry = entry;
 
     const struct jp_lockstep_config config = lockstep_of(node, bus, retained);
 

@@ -9,8 +9,10 @@
 #include "hal/app/ecu_skid.h"
 #include "hal/app/lockstep.h"
 #include "hal/app/navigation_memory.h"
+#include "hal/app/patrol_memory.h"
 #include "hal/linux/can_link.h"
 #include "sim/balancer/robots.h"
+#include "sim/four_wheel/patrol_robots.h"
 #include "sim/skid_steer/skid_robots.h"
 
 /** A balancer as an ECU has it. */
@@ -28,12 +30,21 @@ struct ecu_node_skid {
     struct jp_skid_vehicle vehicle;
 };
 
+/** The same of a robot with four steered wheels. */
+struct ecu_node_patrol {
+    const struct patrol_robot_entry *entry;
+    struct jp_ecu_patrol robot;
+    struct jp_patrol_map map;
+    struct jp_patrol_block block;
+};
+
 struct ecu_node {
     struct jp_lockstep lockstep;
     const char *name;                  /**< of the robot */
     uint32_t identity;                 /**< of its parameters */
     struct ecu_node_balancer balancer; /**< it is this where there is an entry, */
-    struct ecu_node_skid skid;         /**< or this */
+    struct ecu_node_skid skid;         /**< or this, */
+    struct ecu_node_patrol patrol;     /**< or this */
     struct jp_retained own_record;     /**< where no other is given */
     struct jp_parameters parameters;   /**< what power-off leaves */
     enum jp_stored stored;             /**< what the last boot found of them */
@@ -56,6 +67,10 @@ bool ecu_node_init(struct ecu_node *node, const struct robot_entry *entry, const
 /** The same of a robot that its sides steer, which always learns. */
 bool ecu_node_init_skid(struct ecu_node *node, const struct skid_robot_entry *entry, const struct jp_can_port *bus,
                         struct jp_retained *retained, const char *parameters);
+
+/** The same of a robot with four steered wheels. */
+bool ecu_node_init_patrol(struct ecu_node *node, const struct patrol_robot_entry *entry, const struct jp_can_port *bus,
+                          struct jp_retained *retained, const char *parameters);
 
 /** After every tick: when the motors were switched off and there was no fault, what was learned is kept. False after
  * one line on stderr. */

@@ -44,6 +44,7 @@ void learned_line_start(const struct ecu_node *node, const char *path)
     }
 }
 
+/** A balancer's ground and payload, which its learner tells apart. */
 static void print_cause(const struct jp_learner *learner)
 {
     jp_q16 friction;
@@ -53,14 +54,21 @@ static void print_cause(const struct jp_learner *learner)
 
     jp_learner_causes(learner, &friction, &payload);
     jp_learner_cause_deviations(learner, &friction_deviation, &payload_deviation);
-    switch (learner->cause) {
-    case JP_CAUSE_GROUND:
+    if (learner->cause == JP_CAUSE_GROUND) {
         (void)printf("surface changed, friction %.2f ± %.2f of the robot file's\n", value(friction),
                      value(friction_deviation));
-        break;
-    case JP_CAUSE_PAYLOAD:
+    } else {
         (void)printf("payload changed, %+.2f ± %.2f kg of the robot file's\n", value(payload),
                      value(payload_deviation));
+    }
+}
+
+static void print_change(const struct ecu_node *node, enum jp_cause cause)
+{
+    switch (cause) {
+    case JP_CAUSE_GROUND:
+    case JP_CAUSE_PAYLOAD:
+        print_cause(&node->balancer.robot.pilot.learner);
         break;
     case JP_CAUSE_OTHER:
         (void)printf("robot changed, neither surface nor payload\n");
@@ -84,7 +92,7 @@ void learned_line_print(struct learned_line *last, const struct ecu_node *node)
     *last = (struct learned_line){.changes = lessons.changes, .cause = lessons.cause};
     if (lessons.changes > 0U) {
         (void)printf("%.1f s: ", (double)ecu->tick / jp_ecu_tick_rate(ecu));
-        print_cause(&node->balancer.robot.pilot.learner);
+        print_change(node, lessons.cause);
         (void)fflush(stdout);
     }
 }

@@ -39,3 +39,10 @@ bool local_ecu_start_skid(struct local_ecu *ecu, const struct skid_robot_entry *
 
     return ecu_node_init_skid(&ecu->node, entry, &own.port, NULL, NULL);
 }
+
+bool local_ecu_start_patrol(struct local_ecu *ecu, const struct patrol_robot_entry *entry, struct jp_can_link *link)
+{
+    const struct jp_can_link own = attach(ecu, link);
+
+    return ecu_node_init_patrol(&ecu->node, entry, &own.port, NULL, NULL);
+}

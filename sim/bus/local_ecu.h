@@ -19,4 +19,7 @@ bool local_ecu_start(struct local_ecu *ecu, const struct robot_entry *entry, con
 /** The same of a robot that its sides steer. */
 bool local_ecu_start_skid(struct local_ecu *ecu, const struct skid_robot_entry *entry, struct jp_can_link *link);
 
+/** The same of a robot with four steered wheels. */
+bool local_ecu_start_patrol(struct local_ecu *ecu, const struct patrol_robot_entry *entry, struct jp_can_link *link);
+
 #endif

@@ -24,13 +24,24 @@ void plant_node_init_skid(struct plant_node *node, const struct skid_steer_model
     skid_world_init(&node->skid, model, ground, pose, seed);
 }
 
+void plant_node_init_patrol(struct plant_node *node, struct patrol_body *body)
+{
+    *node = (struct plant_node){.kind = PLANT_PATROL, .patrol = body};
+}
+
 double plant_node_rate(const struct plant_node *node)
 {
+    if (node->kind == PLANT_PATROL) {
+        return FOUR_WHEEL_RATE_HZ;
+    }
     return node->kind == PLANT_SKID ? node->skid.plant.model.control.rate_hz : node->world.robot.control.rate_hz;
 }
 
 uint64_t plant_node_tick(const struct plant_node *node)
 {
+    if (node->kind == PLANT_PATROL) {
+        return node->patrol->tick;
+    }
     return node->kind == PLANT_SKID ? node->skid.tick : node->world.tick;
 }
 
@@ -61,9 +72,22 @@ static void look_at_skid(const struct skid_plant *plant, struct plant_truth *tru
                                   .current_right = plant->attitude.current[SKID_RIGHT]};
 }
 
+static void look_at_patrol(const struct four_wheel_plant *plant, struct plant_truth *truth)
+{
+    const struct four_wheel_state *state = &plant->state;
+
+    *truth = (struct plant_truth){.x = state->pose.x,
+                                  .y = state->pose.y,
+                                  .heading = state->pose.heading,
+                                  .speed = state->forward,
+                                  .turn_rate = state->turn_rate};
+}
+
 void plant_node_look(const struct plant_node *node, struct plant_truth *truth)
 {
-    if (node->kind == PLANT_SKID) {
+    if (node->kind == PLANT_PATROL) {
+        look_at_patrol(&node->patrol->plant, truth);
+    } else if (node->kind == PLANT_SKID) {
         look_at_skid(&node->skid.plant, truth);
     } else {
         look_at_balancer(&node->world, truth);
@@ -74,6 +98,10 @@ void plant_node_fingerprint(const struct plant_node *node, uint64_t *fingerprint
 {
     const struct plant *plant = &node->world.plant;
 
+    if (node->kind == PLANT_PATROL) {
+        fingerprint_add(fingerprint, &node->patrol->plant.state, sizeof node->patrol->plant.state);
+        return;
+    }
     if (node->kind == PLANT_SKID) {
         fingerprint_add(fingerprint, &node->skid.plant.state, sizeof node->skid.plant.state);
         return;
@@ -129,6 +157,10 @@ void plant_node_sense(struct plant_node *node, const struct jp_can_port *port)
     struct jp_can_frame frames[JP_SAMPLE_PARTS];
     struct jp_sensors sensors;
 
+    if (node->kind == PLANT_PATROL) {
+        patrol_body_sense(node->patrol, port);
+        return;
+    }
     if (read_sensors(node, &sensors)) {
         jp_message_from_sensors(frames, &node->sample_counter, &sensors);
         for (unsigned i = 0; i < JP_SAMPLE_PARTS; i++) {
@@ -140,19 +172,40 @@ void plant_node_sense(struct plant_node *node, const struct jp_can_port *port)
     }
 }
 
+static enum jp_e2e_result accept_motors(struct plant_node *node, const struct jp_can_frame *frame, bool *is_whole)
+{
+    const enum jp_e2e_result result = jp_message_to_actuation(&node->receiver, frame, &node->actuation);
+
+    *is_whole = result == JP_E2E_OK;
+    return result;
+}
+
+static enum jp_e2e_result accept_wheels(struct plant_node *node, const struct jp_can_frame *frame, bool *is_whole)
+{
+    const enum jp_e2e_result result = patrol_body_accept(node->patrol, frame, is_whole);
+
+    if (*is_whole) {
+        node->actuation.enabled = node->patrol->actuation.enabled;
+    }
+    return result;
+}
+
 bool plant_node_accept(struct plant_node *node, const struct jp_can_frame *frame)
 {
-    if (frame->id != JP_CAN_MOTOR_COMMAND_FRAME_ID) {
+    const bool has_wheels = node->kind == PLANT_PATROL;
+    bool is_whole;
+
+    if (frame->id != (has_wheels ? JP_CAN_WHEEL_TARGET_FRAME_ID : JP_CAN_MOTOR_COMMAND_FRAME_ID)) {
         return false;
     }
-    if (frame->length != JP_CAN_MOTOR_COMMAND_LENGTH) {
+    if (frame->length != (has_wheels ? JP_CAN_WHEEL_TARGET_LENGTH : JP_CAN_MOTOR_COMMAND_LENGTH)) {
         node->malformed++;
         return false;
     }
-    switch (jp_message_to_actuation(&node->receiver, frame, &node->actuation)) {
+    switch (has_wheels ? accept_wheels(node, frame, &is_whole) : accept_motors(node, frame, &is_whole)) {
     case JP_E2E_OK:
-        node->commanded = true;
-        return true;
+        node->commanded = node->commanded || is_whole;
+        return is_whole;
     case JP_E2E_CRC:
         node->crc_errors++;
         return false;
@@ -209,10 +262,22 @@ static void step_skid(struct plant_node *node)
     node->power_w = (node->drawn_j - before) / skid_world_tick_seconds(&node->skid);
 }
 
+static void step_patrol(struct plant_node *node)
+{
+    const double before = node->drawn_j;
+
+    node->patrol->actuation.enabled = node->actuation.enabled;
+    patrol_body_step(node->patrol);
+    node->drawn_j = node->patrol->plant.ledger.battery;
+    node->power_w = (node->drawn_j - before) * FOUR_WHEEL_RATE_HZ;
+}
+
 void plant_node_step(struct plant_node *node)
 {
     watch_silence(node);
-    if (node->kind == PLANT_SKID) {
+    if (node->kind == PLANT_PATROL) {
+        step_patrol(node);
+    } else if (node->kind == PLANT_SKID) {
         step_skid(node);
     } else {
         step_balancer(node);

@@ -1,5 +1,6 @@
 /**
- * The robot's body as a node on CAN, whatever its kind: samples out, MotorCommand in. The bridges hold their duty while
+ * The robot's body as a node on CAN, whatever its kind: samples out, MotorCommand or
+ * WheelTarget in. The bridges hold their duty while
  * commands fail to come, and switch off after PLANT_HOLD_MS. A hand holds a balancer upright until the bridges first
  * drive.
  */
@@ -8,17 +9,19 @@
 
 #include "hal/can/messages.h"
 #include "sim/balancer/world.h"
+#include "sim/bus/patrol_body.h"
 #include "sim/skid_steer/skid_world.h"
 
 /** Without a valid MotorCommand for so long the bridges switch off; as joulepath.dbc says. */
 #define PLANT_HOLD_MS 40U
 
-enum plant_kind { PLANT_BALANCER, PLANT_SKID };
+enum plant_kind { PLANT_BALANCER, PLANT_SKID, PLANT_PATROL };
 
 struct plant_node {
     enum plant_kind kind;
     struct world world;         /**< a balancer's, */
     struct skid_world skid;     /**< or that of a robot that its sides steer, */
+    struct patrol_body *patrol; /**< or the body of one with four steered wheels, */
     struct world_faults faults; /**< and of its sensors and bridges */
     struct jp_e2e_receiver receiver;
     struct jp_actuation actuation; /**< of the last valid command */
@@ -53,6 +56,9 @@ void plant_node_init(struct plant_node *node, const struct robot_file *robot, ui
 void plant_node_init_skid(struct plant_node *node, const struct skid_steer_model *model,
                           const struct skid_ground *ground, const struct planar_pose *pose, uint64_t seed);
 
+/** The same of a robot with four steered wheels, whose body stays in use. */
+void plant_node_init_patrol(struct plant_node *node, struct patrol_body *body);
+
 /** Ticks a second, and those that passed. */
 double plant_node_rate(const struct plant_node *node);
 uint64_t plant_node_tick(const struct plant_node *node);
@@ -66,7 +72,7 @@ void plant_node_fingerprint(const struct plant_node *node, uint64_t *fingerprint
  *  file knows what the battery holds. */
 void plant_node_sense(struct plant_node *node, const struct jp_can_port *port);
 
-/** Takes a frame; true when it was a valid MotorCommand. Frames of others are ignored. */
+/** Takes a frame; true when it completed a valid command. Frames of others are ignored. */
 bool plant_node_accept(struct plant_node *node, const struct jp_can_frame *frame);
 
 /** One tick of physics under the last valid command. */

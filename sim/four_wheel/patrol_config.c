@@ -2,12 +2,31 @@
 
 #include <math.h>
 
+#include "sim/four_wheel/four_wheel_drive.h"
 #include "sim/four_wheel/four_wheel_plant.h"
+#include "sim/four_wheel/laser.h"
 
 #define RADIANS_PER_DEGREE (M_PI / 180)
 
 /* The localiser takes a laser for no better than this, m. */
 #define NOISE_MIN 0.001
+
+/* What the control tick takes for plausible: so many times what the drives can do; shares of the battery's voltage. */
+#define BEYOND        2
+#define VOLTAGE_LEAST 0.75
+#define VOLTAGE_MOST  1.25
+
+/* A drive that is so far behind for so long has failed: a share of the greatest speed, several times what its time
+ * constant leaves. */
+#define SPEED_LAG     0.25
+#define ANGLE_LAG_DEG 20.0
+#define LAG_SECONDS   0.5
+
+/* Samples may fail to come for so long; as JP_SAMPLE_HOLD_MS. */
+#define HOLD_MS 40
+
+/* A twist lasts for so many cycles. */
+#define TWIST_CYCLES 3
 
 static struct jp_footprint footprint(const struct four_wheel_file *robot)
 {
@@ -131,6 +150,7 @@ struct jp_localiser_config patrol_localiser_config(const struct four_wheel_file 
 {
     return (struct jp_localiser_config){
         .map = map,
+        .beams_max = (uint16_t)robot->laser.beams,
         .range_max = (float)robot->laser.range_m,
         .noise = (float)fmax(robot->laser.noise_m, NOISE_MIN),
         .wheels = {.distance = (float)robot->localiser.way_share,
@@ -140,6 +160,58 @@ struct jp_localiser_config patrol_localiser_config(const struct four_wheel_file 
         .start_turn = (float)(robot->localiser.start_deg * RADIANS_PER_DEGREE),
         .lost_distance = (float)robot->localiser.lost_m,
         .lost_turn = (float)(robot->localiser.lost_deg * RADIANS_PER_DEGREE),
+    };
+}
+
+struct jp_patrol_scanner patrol_scanner(const struct four_wheel_file *robot)
+{
+    const struct laser_config laser =
+        laser_config_of(robot->laser.beams, robot->laser.field_deg * RADIANS_PER_DEGREE, robot->laser.range_m, 0);
+
+    return (struct jp_patrol_scanner){.beams = (uint16_t)laser.beams,
+                                      .first_angle = (float)laser.first,
+                                      .angle_step = (float)laser.step,
+                                      .place = {(float)robot->laser.x_m, (float)robot->laser.y_m, 0.0f}};
+}
+
+/* A. */
+static double greatest_current(const struct four_wheel_file *robot)
+{
+    const double rate = robot->drive.speed_m_s / robot->wheel.radius_m;
+    const double winding = robot->drive.torque_nm / robot->drive.torque_constant_nm_a;
+    const double wheel =
+        robot->drive.torque_nm * rate / robot->drive.efficiency + winding * winding * robot->drive.resistance_ohm;
+
+    return (robot->electronics.power_w + JP_WHEELS * wheel) / robot->electronics.voltage_v;
+}
+
+static struct jp_four_wheel_limits robot_limits(const struct four_wheel_file *robot, double count_m)
+{
+    const double volts = robot->electronics.voltage_v;
+
+    return (struct jp_four_wheel_limits){
+        .count_jump = (uint32_t)ceil(BEYOND * robot->drive.speed_m_s / FOUR_WHEEL_RATE_HZ / count_m),
+        .current = (jp_q16)lround(BEYOND * greatest_current(robot) * JP_Q16_ONE),
+        .voltage_min = (jp_q16)lround(VOLTAGE_LEAST * volts * JP_Q16_ONE),
+        .voltage_max = (jp_q16)lround(VOLTAGE_MOST * volts * JP_Q16_ONE),
+        .speed_lag = (jp_q24)lround(SPEED_LAG * robot->drive.speed_m_s * JP_Q24_ONE),
+        .angle_lag = (int32_t)JP_ANGLE_DEGREES(ANGLE_LAG_DEG),
+        .lag_ticks = (uint16_t)(LAG_SECONDS * FOUR_WHEEL_RATE_HZ),
+        .confirm_ticks = FOUR_WHEEL_RATE_HZ * HOLD_MS / 1000,
+    };
+}
+
+struct jp_four_wheel_robot_config patrol_robot_config(const struct four_wheel_file *robot)
+{
+    const double count_m = 2 * M_PI * robot->wheel.radius_m / robot->encoder.wheel_counts_per_turn;
+
+    return (struct jp_four_wheel_robot_config){
+        .wheels = four_wheel_config(robot),
+        .tick_rate = FOUR_WHEEL_RATE_HZ,
+        .count_speed = (int32_t)lround(count_m * FOUR_WHEEL_RATE_HZ * 0x1p32),
+        .piece_ticks = FOUR_WHEEL_PIECE_TICKS,
+        .twist_ticks = TWIST_CYCLES * FOUR_WHEEL_RATE_HZ / PATROL_CYCLE_HZ,
+        .limits = robot_limits(robot, count_m),
     };
 }
 

@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_SIM_FOUR_WHEEL_PATROL_CONFIG_H
 #define JOULEPATH_SIM_FOUR_WHEEL_PATROL_CONFIG_H
 
-#include <joulepath/patrol.h>
+#include <joulepath/patrol_pilot.h>
 #include <joulepath/pure_pursuit.h>
 
 #include "sim/base/planar.h"
@@ -23,6 +23,11 @@ struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum 
 
 /** `map` is kept. */
 struct jp_localiser_config patrol_localiser_config(const struct four_wheel_file *robot, const struct jp_terrain *map);
+
+struct jp_patrol_scanner patrol_scanner(const struct four_wheel_file *robot);
+
+/** Of its control tick. */
+struct jp_four_wheel_robot_config patrol_robot_config(const struct four_wheel_file *robot);
 
 struct jp_pure_pursuit_config patrol_pursuit_config(const struct four_wheel_file *robot);
 

@@ -1,20 +1,23 @@
 #include "sim/four_wheel/patrol_members.h"
 
-#include <joulepath/patrol.h>
+#include <joulepath/patrol_pilot.h>
 #include <joulepath/pure_pursuit.h>
 #include <stdbool.h>
 #include <string.h>
 
-#define TURN_2_32 4294967296.0
+#define TWO_32 4294967296.0
 
 #define MEMBER(type, member, format, unit)                                                                             \
     {                                                                                                                  \
 #member, offsetof(struct type, member), sizeof(((struct type *)0)->member), format, unit                       \
     }
-#define PATROL(member, format, unit)  MEMBER(jp_patrol_config, member, format, unit)
-#define PURSUIT(member, format, unit) MEMBER(jp_pure_pursuit_config, member, format, unit)
+#define PATROL(member, format, unit)    MEMBER(jp_patrol_config, member, format, unit)
+#define PURSUIT(member, format, unit)   MEMBER(jp_pure_pursuit_config, member, format, unit)
+#define LOCALISER(member, format, unit) MEMBER(jp_localiser_config, member, format, unit)
+#define SCANNER(member, format, unit)   MEMBER(jp_patrol_scanner, member, format, unit)
+#define ROBOT(member, format, unit)     MEMBER(jp_four_wheel_robot_config, member, format, unit)
 
-const char *const patrol_format_names[PATROL_FORMATS] = {"float", "q24", "angle", "whole", "flag"};
+const char *const patrol_format_names[PATROL_FORMATS] = {"float", "q16", "q24", "q32", "angle", "whole", "flag"};
 
 const struct patrol_member patrol_members[] = {
     PATROL(wheels.wheelbase, PATROL_Q24, "m"),
@@ -91,6 +94,52 @@ const struct patrol_member patrol_pursuit_members[] = {
 
 const size_t patrol_pursuit_member_count = sizeof patrol_pursuit_members / sizeof patrol_pursuit_members[0];
 
+const struct patrol_member patrol_localiser_members[] = {
+    LOCALISER(beams_max, PATROL_WHOLE, "1"),
+    LOCALISER(range_max, PATROL_FLOAT, "m"),
+    LOCALISER(noise, PATROL_FLOAT, "m"),
+    LOCALISER(wheels.distance, PATROL_FLOAT, "m/m"),
+    LOCALISER(wheels.turn, PATROL_FLOAT, "rad/rad"),
+    LOCALISER(wheels.deviation, PATROL_FLOAT, "rad/m"),
+    LOCALISER(start_distance, PATROL_FLOAT, "m"),
+    LOCALISER(start_turn, PATROL_FLOAT, "rad"),
+    LOCALISER(lost_distance, PATROL_FLOAT, "m"),
+    LOCALISER(lost_turn, PATROL_FLOAT, "rad"),
+};
+
+const size_t patrol_localiser_member_count = sizeof patrol_localiser_members / sizeof patrol_localiser_members[0];
+
+const struct patrol_member patrol_scanner_members[] = {
+    SCANNER(beams, PATROL_WHOLE, "1"),        SCANNER(first_angle, PATROL_FLOAT, "rad"),
+    SCANNER(angle_step, PATROL_FLOAT, "rad"), SCANNER(place.x, PATROL_FLOAT, "m"),
+    SCANNER(place.y, PATROL_FLOAT, "m"),      SCANNER(place.heading, PATROL_FLOAT, "rad"),
+};
+
+const size_t patrol_scanner_member_count = sizeof patrol_scanner_members / sizeof patrol_scanner_members[0];
+
+const struct patrol_member patrol_robot_members[] = {
+    ROBOT(wheels.wheelbase, PATROL_Q24, "m"),
+    ROBOT(wheels.track, PATROL_Q24, "m"),
+    ROBOT(wheels.steering_limit, PATROL_ANGLE, "turn"),
+    ROBOT(wheels.steering_step, PATROL_ANGLE, "turn"),
+    ROBOT(wheels.speed_max, PATROL_Q24, "m/s"),
+    ROBOT(wheels.speed_step, PATROL_Q24, "m/s"),
+    ROBOT(tick_rate, PATROL_WHOLE, "1/s"),
+    ROBOT(count_speed, PATROL_Q32, "m/s"),
+    ROBOT(piece_ticks, PATROL_WHOLE, "ticks"),
+    ROBOT(twist_ticks, PATROL_WHOLE, "ticks"),
+    ROBOT(limits.count_jump, PATROL_WHOLE, "counts"),
+    ROBOT(limits.current, PATROL_Q16, "A"),
+    ROBOT(limits.voltage_min, PATROL_Q16, "V"),
+    ROBOT(limits.voltage_max, PATROL_Q16, "V"),
+    ROBOT(limits.speed_lag, PATROL_Q24, "m/s"),
+    ROBOT(limits.angle_lag, PATROL_ANGLE, "turn"),
+    ROBOT(limits.lag_ticks, PATROL_WHOLE, "ticks"),
+    ROBOT(limits.confirm_ticks, PATROL_WHOLE, "ticks"),
+};
+
+const size_t patrol_robot_member_count = sizeof patrol_robot_members / sizeof patrol_robot_members[0];
+
 static double float_at(const char *place)
 {
     float value;
@@ -110,11 +159,16 @@ static double integer_at(const char *place)
 static double whole_at(const char *place, size_t size)
 {
     uint8_t byte;
-    uint16_t word;
+    uint16_t half;
+    uint32_t word;
 
     memcpy(&byte, place, sizeof byte);
     if (size == sizeof byte) {
         return byte;
+    }
+    memcpy(&half, place, sizeof half);
+    if (size == sizeof half) {
+        return half;
     }
     memcpy(&word, place, sizeof word);
     return word;
@@ -135,7 +189,9 @@ double patrol_member_value(const void *config, const struct patrol_member *membe
     switch (member->format) {
     case PATROL_FLOAT:
         return float_at(place);
+    case PATROL_Q16:
     case PATROL_Q24:
+    case PATROL_Q32:
     case PATROL_ANGLE:
         return integer_at(place);
     case PATROL_WHOLE:
@@ -150,10 +206,13 @@ double patrol_member_quantity(const void *config, const struct patrol_member *me
     const double value = patrol_member_value(config, member);
 
     switch (member->format) {
+    case PATROL_Q16:
+        return value / JP_Q16_ONE;
     case PATROL_Q24:
         return value / JP_Q24_ONE;
+    case PATROL_Q32:
     case PATROL_ANGLE:
-        return value / TURN_2_32;
+        return value / TWO_32;
     default:
         return value;
     }

@@ -7,9 +7,11 @@
 
 enum patrol_format {
     PATROL_FLOAT,
+    PATROL_Q16,
     PATROL_Q24,
+    PATROL_Q32,   /**< int32_t, 2⁻³² of the unit */
     PATROL_ANGLE, /**< int32_t, 2⁻³² turn */
-    PATROL_WHOLE, /**< uint8_t or uint16_t */
+    PATROL_WHOLE, /**< uint8_t, uint16_t or uint32_t */
     PATROL_FLAG,
     PATROL_FORMATS
 };
@@ -32,6 +34,15 @@ extern const size_t patrol_member_count;
 /** Of struct jp_pure_pursuit_config, in its order. */
 extern const struct patrol_member patrol_pursuit_members[];
 extern const size_t patrol_pursuit_member_count;
+
+/** Of struct jp_localiser_config, in its order, but for the map; of struct jp_patrol_scanner; and of struct
+ * jp_four_wheel_robot_config. */
+extern const struct patrol_member patrol_localiser_members[];
+extern const size_t patrol_localiser_member_count;
+extern const struct patrol_member patrol_scanner_members[];
+extern const size_t patrol_scanner_member_count;
+extern const struct patrol_member patrol_robot_members[];
+extern const size_t patrol_robot_member_count;
 
 /** As it is stored; exact. */
 double patrol_member_value(const void *config, const struct patrol_member *member);

@@ -1,11 +1,10 @@
 #include "sim/missions/patrol_energy.h"
 
-#include <joulepath/tables.h>
 #include <math.h>
-#include <string.h>
 
 #include "sim/base/digital.h"
 #include "sim/four_wheel/four_wheel_file.h"
+#include "sim/four_wheel/patrol_robots.h"
 
 #define PIECE_TICKS 20
 
@@ -17,10 +16,12 @@ void patrol_energy_init(struct patrol_energy *energy, const struct four_wheel_fi
     const struct jp_four_wheel_trip_config trip = {four_wheel_config(robot), FOUR_WHEEL_RATE_HZ, PIECE_TICKS};
     const char *field;
 
+    const struct patrol_robot_entry *entry = patrol_robot_built_in(robot->name);
+
     *energy = (struct patrol_energy){.built_in = NULL};
-    if (strcmp(robot->name, "patrol") == 0) {
-        energy->built_in = &jp_four_wheel_energy_patrol;
-        jp_four_wheel_learner_start(&energy->learner, &jp_four_wheel_learning_patrol, energy->built_in);
+    if (entry != NULL) {
+        energy->built_in = entry->energy;
+        jp_four_wheel_learner_start(&energy->learner, entry->learning, entry->energy);
     }
     (void)jp_four_wheel_trip_init(&energy->trip, &trip, &field);
     (void)jp_bus_meter_start(&energy->meter, FOUR_WHEEL_RATE_HZ);

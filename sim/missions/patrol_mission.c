@@ -131,6 +131,16 @@ static bool do_wheels_jump(const struct patrol_mission *m)
     return m->task->faults.jump_at >= 0 && since >= 0 && since < PERIOD;
 }
 
+/* In one cycle, with all wheels off the ground. */
+static void carry(struct patrol_mission *m)
+{
+    const double since = m->time - m->task->faults.carried_at;
+
+    if (m->task->faults.carried_at > 0 && since >= 0 && since < PERIOD) {
+        m->plant.state.pose = to_planar(&m->task->faults.carried_to);
+    }
+}
+
 static bool is_scan_missing(const struct patrol_mission *m)
 {
     return m->time >= m->task->faults.scan_dropout_from && m->time < m->task->faults.scan_dropout_until;
@@ -226,6 +236,7 @@ static void control(struct patrol_mission *m)
 {
     struct jp_patrol_input input;
 
+    carry(m);
     fill_input(m, &input);
     if (m->task->method != PATROL_PURSUIT) {
         (void)jp_patrol_mission_cycle(&m->navigator, &input, &m->twist);
@@ -332,6 +343,9 @@ static enum patrol_outcome outcome_of(const struct patrol_mission *m)
     }
     if (m->time >= m->task->scene->limit_s) {
         return PATROL_LATE;
+    }
+    if (m->task->method != PATROL_PURSUIT && m->navigator.state == JP_MISSION_GIVEN_UP) {
+        return PATROL_NO_PATH;
     }
     return is_near ? PATROL_ARRIVED : PATROL_MISSED;
 }

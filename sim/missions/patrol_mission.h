@@ -37,6 +37,8 @@ struct patrol_faults {
     double jump_until; /**< 0: for ever */
     double jump_m;
     double wheels_jump_m; /**< at jump_at the pose of the wheels jumps by so much */
+    double carried_at;    /**< somebody carries the robot to `carried_to`, s; 0: nobody does */
+    struct jp_plane_pose carried_to;
     bool slip; /**< slippery ground that falls off to one side: wheel odometry errs by some per cent of the distance */
 };
 

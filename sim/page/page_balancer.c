@@ -85,7 +85,8 @@ static struct {
     struct leg legs[BEZIER_WAYPOINTS_MAX];
     uint64_t leg_tick;
     jp_energy leg_energy;
-    struct cruise_plan cruise;
+    struct cruise_plan cruise; /* of the front */
+    struct cruise_plan within; /* that is driven, within a time */
     struct scenario scenario;
     struct front front;
     double front_points[FRONT_FORECASTS][3];
@@ -268,6 +269,42 @@ static bool forecast_at(jp_q24 cruise, double point[3])
     return is_planned;
 }
 
+/** From a stand, the waypoints that were added within so many seconds, for the least energy, to a stand; as jp-mission
+ *  does it. A status of the library; JP_ERR_INFEASIBLE: too little time, and balancer_within_needs() says how much it
+ *  takes. */
+PAGE_EXPORT(balancer_drive_within) int balancer_drive_within(double seconds)
+{
+    enum jp_status status = JP_ERR_STATE;
+
+    see_waypoints();
+    page.scenario.within_seconds = seconds;
+    if (page.pilot.phase == JP_PILOT_RESTING && jp_robot_state_now(&page.rig.robot) == JP_ROBOT_BALANCING) {
+        status = cruise_plan_within(&page.within, &page.scenario, page.entry->config, page.model);
+    }
+    if (status == JP_OK) {
+        status = jp_robot_drive_trajectory(&page.rig.robot, &page.within.trajectory);
+    }
+    if (status == JP_OK) {
+        page.count = page.scenario.waypoint_count - 1;
+        page.segments_before = 0;
+        begin_route();
+    }
+    page.scenario.waypoint_count = 0;
+    return (int)status;
+}
+
+/** What the last balancer_drive_within() takes at least, s. */
+PAGE_EXPORT(balancer_within_needs) double balancer_within_needs(void)
+{
+    return page.within.forecast.seconds / Q16_ONE;
+}
+
+/** What it is foretold to take, J: of the model alone, which says no interval. */
+PAGE_EXPORT(balancer_within_forecast) double balancer_within_forecast(void)
+{
+    return energy_unit_joules(page.model, page.within.forecast.energy);
+}
+
 /** What the waypoints that were added take from here, at cruises from half of the cheapest up to the robot's limit: so
  *  many points. They are forgotten then. Of the built-in model, as jp-front. */
 PAGE_EXPORT(balancer_front) unsigned balancer_front(void)
@@ -423,7 +460,7 @@ static void view_route(const struct jp_telemetry *telemetry)
         seconds += page.legs[i].seconds;
     }
     page.view[VIEW_is_planning] = page.pilot.phase == JP_PILOT_PLANNING;
-    page.view[VIEW_is_driving] = page.pilot.phase == JP_PILOT_DRIVING;
+    page.view[VIEW_is_driving] = page.pilot.phase == JP_PILOT_DRIVING || telemetry->state == JP_ROBOT_DRIVING;
     page.view[VIEW_status] = page.status;
     page.view[VIEW_leg] = (double)page.leg;
     page.view[VIEW_leg_count] = (double)page.count;

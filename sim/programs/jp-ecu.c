@@ -230,20 +230,25 @@ static const struct jp_energy_model *model_of(const struct arguments *arguments,
     return arguments->published ? &jp_energy_model_published : rig_energy_model(entry, arguments->energy);
 }
 
-/** A balancer's program or, where the name is not one of those, that of a robot that its sides steer. */
+/** A balancer's program or, where the name is not one of those, that of another kind of robot. */
 static bool start(struct ecu_node *node, const struct arguments *arguments, const struct jp_can_port *bus,
                   struct jp_retained *record)
 {
     const struct skid_robot_entry *skid = skid_robot_built_in(arguments->robot);
-    const struct robot_entry *entry = skid != NULL ? NULL : rig_find_robot(arguments->robot);
+    const struct patrol_robot_entry *patrol = patrol_robot_built_in(arguments->robot);
+    const bool is_balancer = skid == NULL && patrol == NULL;
+    const struct robot_entry *entry = is_balancer ? rig_find_robot(arguments->robot) : NULL;
     const struct jp_energy_model *model = entry == NULL ? NULL : model_of(arguments, entry);
 
-    if (skid != NULL && arguments->published) {
+    if (!is_balancer && arguments->published) {
         error_line("--model published is of gao2018, not of %s; leave it out", arguments->robot);
         return false;
     }
     if (skid != NULL) {
         return ecu_node_init_skid(node, skid, bus, record, arguments->parameters);
+    }
+    if (patrol != NULL) {
+        return ecu_node_init_patrol(node, patrol, bus, record, arguments->parameters);
     }
     return model != NULL && ecu_node_init(node, entry, model, bus, record, arguments->parameters);
 }

@@ -89,9 +89,15 @@ static bool print(const struct four_wheel_file *robot, const char *json_path)
 {
     const struct jp_patrol_config patrol = patrol_config(robot, PATROL_IMPROVED);
     const struct jp_pure_pursuit_config pursuit = patrol_pursuit_config(robot);
+    const struct jp_localiser_config localiser = patrol_localiser_config(robot, NULL);
+    const struct jp_patrol_scanner scanner = patrol_scanner(robot);
+    const struct jp_four_wheel_robot_config tick = patrol_robot_config(robot);
     const struct part parts[] = {
         {"patrol", &patrol, patrol_members, patrol_member_count},
         {"pure_pursuit", &pursuit, patrol_pursuit_members, patrol_pursuit_member_count},
+        {"patrol_localiser", &localiser, patrol_localiser_members, patrol_localiser_member_count},
+        {"patrol_scanner", &scanner, patrol_scanner_members, patrol_scanner_member_count},
+        {"four_wheel_robot", &tick, patrol_robot_members, patrol_robot_member_count},
     };
     const size_t count = sizeof parts / sizeof parts[0];
 
@@ -117,7 +123,7 @@ int main(int argc, char **argv)
                                      parse_option,
                                      "ROBOT",
                                      "Checks a patrol robot's file and prints what its controller is set to: the "
-                                     "members of jp_patrol_config and jp_pure_pursuit_config with their units.",
+                                     "members of its C tables with their units.",
                                      NULL,
                                      NULL,
                                      NULL};

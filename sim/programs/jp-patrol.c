@@ -7,13 +7,23 @@
 #include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
+#include "sim/bus/bus_open.h"
+#include "sim/bus/can_log.h"
+#include "sim/bus/local_ecu.h"
+#include "sim/missions/patrol_boxes.h"
+#include "sim/missions/patrol_bus.h"
 #include "sim/missions/patrol_report.h"
 
 /** Exit code when the outputs were written but the robot did not arrive. */
 #define NOT_ARRIVED_EXIT 1
 
+#define IN_PROCESS  "in-process"
+#define FRAMES_NAME "frames.log"
+
 #define DEGREES (180 / M_PI)
 #define ALL     PATROL_METHODS
+
+#define BOXES_MAX 1000
 
 enum {
     OPTION_METHOD = COMMAND_LINE_OWN,
@@ -24,7 +34,9 @@ enum {
     OPTION_SCAN_DROPOUT,
     OPTION_JUMP,
     OPTION_SLIP,
-    OPTION_STRATEGY
+    OPTION_STRATEGY,
+    OPTION_PATIENCE,
+    OPTION_BOXES
 };
 
 struct arguments {
@@ -38,6 +50,9 @@ struct arguments {
     bool has_goal;
     struct patrol_faults faults;
     bool turns_by_fixed_angle;
+    const char *bus; /* NULL: no ECU, but the core itself */
+    unsigned patience;
+    unsigned boxes; /* that the map does not show */
 };
 
 /* ---- Command line ---- */
@@ -134,6 +149,44 @@ static void parse_strategy(struct arguments *arguments, const char *text, struct
     }
 }
 
+static void parse_patience(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    double seconds = 0;
+
+    if (!read_numbers(text, &seconds, 1) || seconds < 1 || seconds > 3600) {
+        command_line_refuse(state, "--patience %s: must be 1 to 3600 s", text);
+    }
+    arguments->patience = (unsigned)seconds;
+}
+
+static void parse_boxes(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    double boxes = 0;
+
+    if (!read_numbers(text, &boxes, 1) || boxes < 0 || boxes > BOXES_MAX || boxes != floor(boxes)) {
+        command_line_refuse(state, "--hidden %s: must be a whole number from 0 to %d", text, BOXES_MAX);
+    }
+    arguments->boxes = (unsigned)boxes;
+}
+
+static bool has_faults(const struct arguments *arguments)
+{
+    const struct patrol_faults *faults = &arguments->faults;
+
+    return faults->slip || faults->beam_dropout > 0 || faults->scan_dropout_until > 0 || faults->jump_at >= 0;
+}
+
+static void check_bus(const struct arguments *arguments, struct argp_state *state)
+{
+    if (arguments->method != ALL && arguments->method != PATROL_IMPROVED) {
+        command_line_refuse(state, "--method %s: the ECU drives by the improved band; leave it out with --bus",
+                            patrol_method_names[arguments->method]);
+    }
+    if (has_faults(arguments) || arguments->turns_by_fixed_angle) {
+        command_line_refuse(state, "--bus takes neither faults nor another strategy; leave them out");
+    }
+}
+
 static void check(const struct arguments *arguments, struct argp_state *state)
 {
     const bool has_map = arguments->map_path != NULL;
@@ -143,6 +196,12 @@ static void check(const struct arguments *arguments, struct argp_state *state)
     }
     if (arguments->has_start != has_map || arguments->has_goal != has_map) {
         command_line_refuse(state, "--map, --start and --goal belong together");
+    }
+    if (arguments->boxes > 0 && !has_map) {
+        command_line_refuse(state, "--hidden: a scene has its own things; give it with --map");
+    }
+    if (arguments->bus != NULL) {
+        check_bus(arguments, state);
     }
 }
 
@@ -179,6 +238,15 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_STRATEGY:
         parse_strategy(arguments, argument, state);
+        return 0;
+    case 'b':
+        arguments->bus = argument;
+        return 0;
+    case OPTION_PATIENCE:
+        parse_patience(arguments, argument, state);
+        return 0;
+    case OPTION_BOXES:
+        parse_boxes(arguments, argument, state);
         return 0;
     case ARGP_KEY_ARG:
         parse_scene(arguments, argument, state);
@@ -229,7 +297,9 @@ static bool find_scene(const struct arguments *arguments, const struct four_whee
         return true;
     }
     return patrol_scene_load(arguments->map_path, &arguments->start, &arguments->goal, scene) &&
-           is_place_free(scene, robot, "--start", &scene->start) && is_place_free(scene, robot, "--goal", &scene->goal);
+           is_place_free(scene, robot, "--start", &scene->start) &&
+           is_place_free(scene, robot, "--goal", &scene->goal) &&
+           (arguments->boxes == 0 || patrol_boxes_hide(scene, robot, arguments->boxes, arguments->common.seed));
 }
 
 /* ---- Drives ---- */
@@ -284,6 +354,93 @@ static int drive_and_write(const struct arguments *arguments, struct patrol_repo
     return report->runs[0].result.outcome == PATROL_ARRIVED ? EXIT_SUCCESS : NOT_ARRIVED_EXIT;
 }
 
+/* ---- Over a bus ---- */
+
+static bool open_link(const struct arguments *arguments, const struct four_wheel_file *robot, struct jp_can_link *link)
+{
+    static struct local_ecu ecu;
+
+    if (strcmp(arguments->bus, IN_PROCESS) != 0) {
+        return bus_open(link, arguments->bus);
+    }
+    const struct patrol_robot_entry *entry = patrol_robot_find(robot->name);
+
+    return entry != NULL && local_ecu_start_patrol(&ecu, entry, link);
+}
+
+static json_t *json_of(const struct patrol_bus *bus, const struct patrol_scene *scene, uint64_t seed)
+{
+    const struct patrol_result *result = &bus->result;
+    char fingerprint[20];
+
+    (void)snprintf(fingerprint, sizeof fingerprint, "%016llx", (unsigned long long)bus->fingerprint);
+    return json_pack("{s:s, s:I, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f, s:f, s:f, s:f, s:I, s:s}",
+                     "scene", scene->name, "seed", (json_int_t)seed, "outcome", patrol_outcome_names[result->outcome],
+                     "reason", patrol_reason_names[result->reason], "time_s", result->time, "length_m", result->length,
+                     "energy_j", result->energy_j, "clearance_min_m", result->clearance_min, "position_error_m",
+                     result->position_error, "heading_error_deg", result->heading_error * DEGREES, "odometry_error_m",
+                     result->odometry_error, "replans", (json_int_t)result->replans, "map_bytes",
+                     (json_int_t)bus->stream_bytes, "upload_s", bus->upload_s, "forecast_j", bus->forecast_j,
+                     "deviation_j", bus->deviation_j, "metered_j", bus->metered_j, "commands_late",
+                     (json_int_t)bus->drive.late, "fingerprint", fingerprint);
+}
+
+static void print_bus(const struct patrol_bus *bus, const struct patrol_scene *scene)
+{
+    const struct patrol_result *result = &bus->result;
+
+    (void)printf("%-24s %s\n", scene->name, patrol_outcome_names[result->outcome]);
+    (void)printf("%-24s %8.1f s\n", "time", result->time);
+    (void)printf("%-24s %8.2f m, nearest %.2f m to anything\n", "driven", result->length, result->clearance_min);
+    (void)printf("%-24s %8.0f J, foretold %.0f J, metered %.0f J\n", "energy", result->energy_j, bus->forecast_j,
+                 bus->metered_j);
+    (void)printf("%-24s %8.3f m and %.1f deg off\n", "goal", result->position_error, result->heading_error * DEGREES);
+    (void)printf("%-24s %8zu bytes in %.1f s\n", "map over the bus", bus->stream_bytes, bus->upload_s);
+    (void)printf("%-24s %016llx\n", "fingerprint", (unsigned long long)bus->fingerprint);
+}
+
+static bool write_bus(const struct arguments *arguments, const struct patrol_bus *bus, const struct patrol_scene *scene)
+{
+    return output_json(arguments->common.output, "summary.json", json_of(bus, scene, arguments->common.seed)) &&
+           output_commit();
+}
+
+/* Exit status. */
+static int drive_on_link(const struct arguments *arguments, const struct four_wheel_file *robot,
+                         const struct patrol_scene *scene, const struct jp_can_link *link)
+{
+    static struct patrol_bus bus;
+    FILE *frames =
+        output_directory(arguments->common.output) ? output_open(arguments->common.output, FRAMES_NAME) : NULL;
+    struct can_log log = {
+        .stream = frames, .inner = *link, .interface = "can0", .tick = &bus.drive.tick, .rate_hz = FOUR_WHEEL_RATE_HZ};
+    const struct jp_can_link logged = can_log_link(&log);
+
+    if (frames == NULL || !patrol_bus_run(&bus, robot, scene, arguments->common.seed, &logged, arguments->patience)) {
+        output_discard();
+        return ERROR_EXIT;
+    }
+    print_bus(&bus, scene);
+    if (!write_bus(arguments, &bus, scene)) {
+        return ERROR_EXIT;
+    }
+    return bus.result.outcome == PATROL_ARRIVED ? EXIT_SUCCESS : NOT_ARRIVED_EXIT;
+}
+
+static int patrol_on_bus(const struct arguments *arguments, const struct four_wheel_file *robot)
+{
+    struct patrol_scene scene = {.block = NULL};
+    struct jp_can_link link;
+    int status = ERROR_EXIT;
+
+    if (find_scene(arguments, robot, &scene) && open_link(arguments, robot, &link)) {
+        status = drive_on_link(arguments, robot, &scene, &link);
+        link.close(link.port.context);
+    }
+    patrol_scene_free(&scene);
+    return status;
+}
+
 static int patrol(const struct arguments *arguments, const struct four_wheel_file *robot)
 {
     static struct patrol_report report;
@@ -320,6 +477,12 @@ int main(int argc, char **argv)
         {"beam-dropout", OPTION_BEAM_DROPOUT, "SHARE", 0, "this share of the laser's beams drops out", 0},
         {"scan-dropout", OPTION_SCAN_DROPOUT, "FROM,UNTIL", 0, "no scans in this time, s", 0},
         {"jump", OPTION_JUMP, "AT,METRES", 0, "the laser's pose jumps so far at this time, s", 0},
+        {"bus", 'b', "BUS", 0,
+         "the robot's ECU gets map and goal, sees and drives in frames: " IN_PROCESS
+         ", can:INTERFACE, slcan:DEVICE or pty:NAME, in lockstep",
+         0},
+        {"hidden", OPTION_BOXES, "N", 0, "on --map: boxes on the way that the map does not show (0)", 0},
+        {"patience", OPTION_PATIENCE, "SECONDS", 0, "wait so long for an ECU (10)", 0},
         {"slip", OPTION_SLIP, NULL, 0, "the ground is slippery and falls off to one side", 0},
         OPTION_OUTPUT("build/patrol"),
         {0},
@@ -339,8 +502,12 @@ int main(int argc, char **argv)
     struct arguments arguments = {.kind = PATROL_SCENES,
                                   .common = {.output = "build/patrol", .robot = "sim/robots/patrol.cfg", .seed = 1},
                                   .method = ALL,
-                                  .faults.jump_at = -1};
+                                  .faults.jump_at = -1,
+                                  .patience = BUS_DRIVE_PATIENCE};
 
     command_line_parse(&argp, argc, argv, &arguments);
-    return four_wheel_file_load(arguments.common.robot, &robot) ? patrol(&arguments, &robot) : ERROR_EXIT;
+    if (!four_wheel_file_load(arguments.common.robot, &robot)) {
+        return ERROR_EXIT;
+    }
+    return arguments.bus != NULL ? patrol_on_bus(&arguments, &robot) : patrol(&arguments, &robot);
 }

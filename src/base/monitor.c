@@ -146,13 +146,14 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
                             const struct jp_sensors *sensors)
 {
     unsigned suspected = read == JP_OK ? ranges(config, sensors) : (unsigned)JP_FAULT_HARDWARE;
+    const unsigned explained = JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP; /* by an impact */
     bool frozen = false;
 
     if (read == JP_OK && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
         if (is_shaken(monitor, config->residual_ticks, feels_impact(config, &monitor->good, sensors)) &&
             !gyro_beyond(config, sensors)) {
-            suspected &= ~(unsigned)(JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP);
+            suspected &= ~explained;
         }
         frozen = config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
     }

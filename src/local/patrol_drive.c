@@ -19,6 +19,12 @@ static float goal_heading_error(const struct jp_patrol *patrol)
                : jp_plane_magnitude(jp_plane_wrap(patrol->internal.goal.pose.heading - patrol->pose.heading));
 }
 
+static float goal_distance(const struct jp_patrol *patrol)
+{
+    return jp_plane_length(patrol->internal.goal.pose.x - patrol->pose.x,
+                           patrol->internal.goal.pose.y - patrol->pose.y);
+}
+
 /* True within a third of the tolerance of the goal, or within the tolerance once the goal is passed or the robot
  * stands. From then on the robot first comes to a stand. */
 static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
@@ -104,9 +110,7 @@ static float speed_limit(const struct jp_patrol *patrol)
 {
     const float acceleration = patrol->config.teb.acceleration;
     const float rising = jp_plane_magnitude(patrol->internal.command.forward) + acceleration * patrol->config.period;
-    const float away =
-        jp_plane_length(patrol->internal.goal.pose.x - patrol->pose.x, patrol->internal.goal.pose.y - patrol->pose.y);
-    const float stopping = jp_patrol_stopping_speed(&patrol->config, acceleration, away);
+    const float stopping = jp_patrol_stopping_speed(&patrol->config, acceleration, goal_distance(patrol));
 
     return rising < stopping ? rising : stopping;
 }
@@ -174,10 +178,12 @@ static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
     if (!jp_patrol_is_standing(speed)) {
         return;
     }
-    if (goal_heading_error(patrol) <= patrol->config.heading_tolerance) {
-        jp_patrol_enter(patrol, JP_PATROL_ARRIVED, JP_PATROL_NONE);
-    } else {
+    if (goal_heading_error(patrol) > patrol->config.heading_tolerance) {
         jp_patrol_turn_to(patrol, patrol->internal.goal.pose.heading);
+    } else if (goal_distance(patrol) > patrol->config.position_tolerance && jp_patrol_find_step_to_goal(patrol)) {
+        jp_patrol_begin_step(patrol);
+    } else {
+        jp_patrol_enter(patrol, JP_PATROL_ARRIVED, JP_PATROL_NONE);
     }
 }
 

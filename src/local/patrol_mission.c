@@ -432,6 +432,12 @@ enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const 
     return JP_OK;
 }
 
+void jp_patrol_mission_stop(struct jp_patrol_mission *mission)
+{
+    jp_patrol_hold(&mission->patrol);
+    mission->state = JP_MISSION_IDLE;
+}
+
 /* ---- A cycle ---- */
 
 static void mark(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
@@ -495,9 +501,11 @@ static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_
     }
 }
 
-/* From where it has found itself to be, the path leads elsewhere. */
+/* From where it has found itself to be, the path leads elsewhere, and what was marked from another place is not there.
+ */
 static void plan_from_new_place(struct jp_patrol_mission *mission)
 {
+    copy_map(mission);
     if (mission->state == JP_MISSION_PLANNING || mission->state == JP_MISSION_UNDER_WAY) {
         jp_patrol_hold(&mission->patrol);
         plan(mission);

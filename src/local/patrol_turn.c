@@ -130,7 +130,7 @@ static float update_turn(struct jp_patrol *patrol)
 static void end_turn(struct jp_patrol *patrol)
 {
     jp_patrol_stand(patrol);
-    jp_patrol_enter(patrol, patrol->internal.is_arriving ? JP_PATROL_ARRIVED : JP_PATROL_DRIVING, JP_PATROL_NONE);
+    jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
 }
 
 void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed)

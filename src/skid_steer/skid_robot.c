@@ -264,30 +264,31 @@ static jp_q24 climb(const struct jp_skid_robot_internal *robot)
 }
 
 /** Speed of the treads, which creep as the slope pulls (skid_odometry.h). */
-static jp_q24 tread_speed(const struct jp_skid_robot_internal *robot)
+static jp_q24 tread_speed(const struct jp_skid_robot_internal *robot, jp_q24 rise)
 {
     const struct jp_skid_odometry_config *config = &robot->config->odometry;
     const struct jp_motion *reference = &robot->reference;
     const jp_q24 yielding = jp_add(jp_q24_multiply(jp_absolute32(reference->speed), config->creep),
                                    jp_q24_multiply(jp_absolute32(reference->turn_rate), config->turn_creep_along));
 
-    return jp_add(reference->speed, jp_q24_multiply(yielding, climb(robot)));
+    return jp_add(reference->speed, jp_q24_multiply(yielding, rise));
 }
 
 /** The reference's tick on a path: its errors are corrected there. */
 static void guide_on_path(struct jp_skid_robot_internal *robot, struct jp_skid_set_point *set_point)
 {
     const struct jp_skid_follow *follow = &robot->follow;
+    const jp_q24 rise = climb(robot);
 
     robot->reference = follow->motion;
     robot->acceleration = follow->at.acceleration;
     robot->heading_error = 0;
     *set_point = (struct jp_skid_set_point){
-        .speed = tread_speed(robot),
+        .speed = tread_speed(robot, rise),
         .turn_rate = robot->reference.turn_rate,
         .acceleration = follow->at.acceleration,
         .turn_acceleration = follow->at.turn_acceleration,
-        .rise = climb(robot),
+        .rise = rise,
     };
 }
 
@@ -297,6 +298,7 @@ static void guide_to_command(struct jp_skid_robot_internal *robot, struct jp_ski
     const struct jp_skid_next *command = &robot->command;
     const struct jp_motion before = robot->reference;
     const int32_t rate = (int32_t)robot->config->control.tick_rate;
+    const jp_q24 rise = climb(robot);
     jp_radians_per_s correction = 0;
 
     robot->reference.speed = approached(before.speed, command->motion.speed, command->speed_step);
@@ -308,11 +310,11 @@ static void guide_to_command(struct jp_skid_robot_internal *robot, struct jp_ski
         robot->heading_error = 0;
     }
     *set_point = (struct jp_skid_set_point){
-        .speed = tread_speed(robot),
+        .speed = tread_speed(robot, rise),
         .turn_rate = limited_motion(robot->reference.turn_rate + correction),
         .acceleration = robot->acceleration,
         .turn_acceleration = (robot->reference.turn_rate - before.turn_rate) * rate,
-        .rise = climb(robot),
+        .rise = rise,
     };
 }
 
@@ -390,7 +392,7 @@ static void measure(struct jp_skid_robot_internal *robot, const struct jp_sensor
         return;
     }
     /* The monitor drops the whole frame: wheels that turn would seem to stand. */
-    if ((robot->monitor.suspected & WHEEL_SUSPICIONS) == 0U) {
+    if (robot->monitor.suspected != 0U && (robot->monitor.suspected & WHEEL_SUSPICIONS) == 0U) {
         good->encoder_left = frame->encoder_left;
         good->encoder_right = frame->encoder_right;
     }

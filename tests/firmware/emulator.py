@@ -86,12 +86,12 @@ class Debugger:
 
 
 class Emulator(Program):
-    """The image for a robot on QEMU's STM32F405, running; `line` is its USART1."""
+    """The image for a robot on a board of QEMU, an STM32F405 unless another is named; `line` is its first UART."""
 
-    def __init__(self, folder, robot, *, debug=False):
+    def __init__(self, folder, robot, *, machine="netduinoplus2", debug=False):
         self._stub, self._robot = folder / "stub", robot
         options = ["-gdb", f"unix:{self._stub},server=on,wait=off"] if debug else []
-        super().__init__(folder, "qemu", ["qemu-system-arm", "-M", "netduinoplus2", "-nographic", "-monitor", "none",
+        super().__init__(folder, "qemu", ["qemu-system-arm", "-M", machine, "-nographic", "-monitor", "none",
                                           "-serial", "pty", "-kernel", image(robot), *options])
         wait_until(lambda: LINE.search(self.out.read_text()) or not self.running, "the line of QEMU")
         wait_until(lambda: self._stub.exists() or not debug or not self.running, "the stub of QEMU")

@@ -39,6 +39,7 @@ class Browser:
         self.session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
             self.send(f"{domain}.enable")
+        self.send("Performance.enable", timeDomain="threadTicks")
         self.resize(width, height)
 
     def close(self):
@@ -100,6 +101,11 @@ class Browser:
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
+    def busy(self):
+        """Seconds of the processor that the page's thread has taken since it was opened, whatever else this machine does."""
+        metrics = self.send("Performance.getMetrics")["metrics"]
+        return next(metric["value"] for metric in metrics if metric["name"] == "TaskDuration")
+
     def wait(self, condition, seconds=10.0):
         end = time.monotonic() + seconds
         while not self.ask(condition):
@@ -126,6 +132,15 @@ class Browser:
             at = [a + (b - a) * i / steps for a, b in zip(begin, end)]
             self.mouse("mouseMoved", *at, buttons=1)
         self.mouse("mouseReleased", *end, clickCount=1)
+
+    def touch_drag(self, begin, end, steps=4):
+        """With a finger."""
+        self.send("Emulation.setTouchEmulationEnabled", enabled=True)
+        points = [[a + (b - a) * i / steps for a, b in zip(begin, end)] for i in range(steps + 1)]
+        for i, (x, y) in enumerate(points):
+            self.send("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart", touchPoints=[{"x": x, "y": y}])
+        self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.send("Emulation.setTouchEmulationEnabled", enabled=False)
 
     def press(self, key, code=0, text=""):
         self.send("Input.dispatchKeyEvent", type="keyDown", key=key, windowsVirtualKeyCode=code, text=text)

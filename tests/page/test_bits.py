@@ -85,15 +85,23 @@ def test_the_front_is_the_same_bit_by_bit(wasm, native, robot):
     assert there == native.doubles("balancer_front_points", 3 * count)
 
 
+def write_scenario(path, robot, budget=""):
+    points = ", ".join(f"[{x}, {y}]" for x, y in [(0.0, 0.0), *ROUTE])
+    path.write_text(f'name = "page";\nrobot = "{ROOT}/sim/robots/{BALANCERS[robot]}.cfg";\nseed = 1;\nend = "stand";\n'
+                    f'energy_model = "identified";\nenergy = "battery";\nwaypoints = ( {points} );\n{budget}')
+    return path
+
+
+def driven_mission(folder):
+    lists = [value for value in json.loads((folder / "summary.json").read_text()).values() if isinstance(value, list)]
+    return next(value[0] for value in lists if isinstance(value[0], dict) and "segments" in value[0])
+
+
 @pytest.mark.parametrize("robot", range(2), ids=BALANCERS)
 def test_a_balancer_takes_what_jp_mission_says(wasm, with_host_libm, tmp_path, robot):
-    points = ", ".join(f"[{x}, {y}]" for x, y in [(0.0, 0.0), *ROUTE])
-    scenario = tmp_path / "page.cfg"
-    scenario.write_text(f'name = "page";\nrobot = "{ROOT}/sim/robots/{BALANCERS[robot]}.cfg";\nseed = 1;\nend = "stand";\n'
-                        f'energy_model = "identified";\nenergy = "battery";\nwaypoints = ( {points} );\n')
+    scenario = write_scenario(tmp_path / "page.cfg", robot)
     run_program("jp-mission", scenario, "--alone", "--output", tmp_path)
-    mission = next(value for value in json.loads((tmp_path / "summary.json").read_text()).values()
-                   if isinstance(value, list) and isinstance(value[0], dict) and "segments" in value[0])[0]
+    mission = driven_mission(tmp_path)
     for called in (wasm, with_host_libm):
         drive_balancer(called.call, robot)
         called.call("balancer_run", 40000)
@@ -108,6 +116,27 @@ def test_a_balancer_takes_what_jp_mission_says(wasm, with_host_libm, tmp_path, r
         bits({name: here[name] for name in ("forecast_j", "deviation_j")})
     driven = struct.unpack(">d", bytes.fromhex(there["driven_j"]))[0]
     assert driven == pytest.approx(sum(leg["battery_energy_j"] for leg in mission["segments"]), rel=LIBM)
+
+
+@pytest.mark.parametrize("robot, seconds", [(0, 45.0), (1, 22.0)], ids=BALANCERS)
+def test_a_route_within_a_time_takes_what_jp_mission_says(wasm, native, with_host_libm, tmp_path, robot, seconds):
+    """jp-mission plans from the origin, the page from where the robot says that it stands: with the noise of courier24's
+    sensors that is not quite the same."""
+    scenario = write_scenario(tmp_path / "page.cfg", robot, f"within_seconds = {seconds};\n")
+    run_program("jp-mission", scenario, "--alone", "--output", tmp_path)
+    mission = driven_mission(tmp_path)
+    for called in (wasm, native, with_host_libm):
+        called.call("balancer_reset", robot, 1.0)
+        for x, y in ROUTE:
+            called.call("balancer_add", x, y)
+        assert called.call("balancer_drive_within", seconds) == 0
+        called.call("balancer_run", 60000)
+    assert assert_same_bits(wasm, native, "balancer")["leg"] == 4
+    legs = with_host_libm.doubles("balancer_legs", 12)
+    for i, leg in enumerate(mission["segments"]):
+        for value, name in zip(legs[3 * i + 1:3 * i + 3], ("battery_energy_j", "duration_s")):
+            assert value == pytest.approx(leg[name], rel=1e-11 if BALANCERS[robot] == "gao2018" else LIBM)
+    assert sum(legs[2::3]) <= seconds + 0.1
 
 
 # ---- The planner ----

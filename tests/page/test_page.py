@@ -4,7 +4,7 @@ import re
 import time
 
 import pytest
-from conftest import BUILD, INDEX
+from conftest import BUILD, open_page
 
 SIZE_MAX = 700_000      # bytes over the wire, compressed
 FIRST_FRAME_MAX = 2.0   # s
@@ -40,23 +40,21 @@ def test_the_page_is_small():
     assert sum(len(gzip.compress(path.read_bytes(), 9, mtime=0)) for path in files) <= SIZE_MAX
 
 
-def test_the_first_frame_comes_soon(page):
-    """The best of three: others work on this machine, too."""
-    took = []
-    for _ in range(3):
-        took.append(page.ask("performance.getEntriesByName('first frame')[0].startTime"))
-        page.open("about:blank")
-        page.open(INDEX)
-        page.wait("!!window.page && page.time > 0")
-    assert min(took) <= 1000 * FIRST_FRAME_MAX
+def test_the_first_frame_takes_the_processor_little_time(browser):
+    """By the clock `make bench-page` measures it: here others work on the machine, too."""
+    browser.open("about:blank")
+    before = browser.busy()
+    open_page(browser)
+    browser.wait("performance.getEntriesByName('first frame').length === 1")
+    assert 0 < browser.busy() - before <= FIRST_FRAME_MAX
 
 
 def test_the_balancer_is_simulated_much_faster_than_real_time(page):
     page.click("#pause")
     page.click("#drive")
-    milliseconds = page.ask("""(() => { const begin = performance.now(); page.core.exports.balancer_run(20000);
-        return performance.now() - begin; })()""")
-    assert 20000 / milliseconds >= REAL_TIME_LEAST
+    before = page.busy()
+    page.ask("page.core.exports.balancer_run(20000)")
+    assert 20 / (page.busy() - before) >= REAL_TIME_LEAST
 
 
 def test_it_asks_nothing_of_the_network(page):
@@ -97,6 +95,19 @@ def test_a_waypoint_that_is_dragged_while_it_drives_is_driven_to(page):
     page.wait("document.querySelector('#message').textContent.startsWith('There:')", 20)
     end = page.ask("[page.scene.view.x_m - page.scene.waypoints[3].x, page.scene.view.y_m - page.scene.waypoints[3].y]")
     assert end == pytest.approx([0, 0], abs=0.05)
+
+
+def test_a_route_is_driven_within_a_time_or_says_what_it_takes(page):
+    page.ask("document.querySelector('#within').value = 3, 0")
+    page.click("#drive-within")
+    needed = float(re.fullmatch(r"It takes ([0-9.]+) s at least.", message(page))[1])
+    page.ask(f"document.querySelector('#within').value = {needed + 1}, 0")
+    page.choose("#speed", "50")
+    page.click("#drive-within")
+    page.wait("document.querySelector('#message').textContent.startsWith('There:')", 20)
+    view = page.ask("page.scene.view")
+    assert view["driven_s"] <= needed + 1.1
+    assert view["driven_j"] == pytest.approx(gauge(page, "forecast"), rel=0.05)
 
 
 def test_a_push_is_balanced_and_a_hard_one_is_not(page):
@@ -316,3 +327,14 @@ def test_a_phone_shows_it_without_scrolling_sideways(page, scene):
     assert page.ask("document.scrollingElement.scrollWidth") <= 360
     small = page.ask("""[...document.querySelectorAll('button, select')].filter((e) => e.getBoundingClientRect().height < 36).map((e) => e.id)""")
     assert small == []
+
+
+def test_a_finger_moves_a_waypoint_and_draws_a_wall(page):
+    page.resize(390, 844, 2, phone=True)
+    page.touch_drag(on_screen(page, 7, 3), on_screen(page, 6, 2))
+    assert page.ask("page.scene.waypoints[1]") == pytest.approx({"x": 6, "y": 2}, abs=0.15)
+    page.click("#tab-planner")
+    frames(page)
+    cell = page.ask("page.scene.cell")
+    page.touch_drag(on_screen(page, 10.5 * cell, 40.5 * cell), on_screen(page, 20.5 * cell, 50.5 * cell))
+    assert page.ask("page.scene.walls[45 * page.scene.width + 15]") == 1

@@ -12,7 +12,7 @@ from tools.design import patrol_table
 
 PROGRAM = JP_ROBOT.with_name("jp-patrol-config")
 ROBOT = ROOT / "sim" / "robots" / "patrol.cfg"
-TABLES = ("src/tables/patrol_patrol.c", "src/tables/pure_pursuit_patrol.c")
+TABLES = tuple(f"src/tables/{part}_patrol.c" for part in patrol_table.PARTS)
 
 COMPARE = """
 #include <joulepath/patrol.h>

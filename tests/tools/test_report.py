@@ -104,6 +104,28 @@ def test_every_strategy_of_the_simulator_has_a_colour_and_style_of_its_own():
         assert len({COLOURS[name] for name in kind}) == len(kind)
 
 
+WORLD = {"name": "MuJoCo 3", "conditions": "slope 5°", "ledger_j": {"cells": 200.0, "copper": 50.0, "open": -1.0},
+         "film": "film.png", "film_is": "rendered by MuJoCo"}
+
+
+@sketched
+def test_a_drive_in_another_world_shows_its_film_and_ledger(mission):
+    (mission / "film.png").write_bytes(b"film")
+    change(mission, lambda s: s.update(world=WORLD))
+    assert run_tool("report.report", mission).returncode == 0
+    page = (mission / "report.html").read_text()
+    assert "In MuJoCo 3" in page and "slope 5°. The film is rendered by MuJoCo." in page
+    assert cells(page, "copper") == ["50.000", "25.000"] and "ZmlsbQ==" in page
+
+
+@sketched
+def test_a_film_that_is_not_there_is_named(mission):
+    change(mission, lambda s: s.update(world=WORLD))
+    assert_one_line_error(run_tool("report.report", mission), "film.png")
+    change(mission, lambda s: s.update(world={"name": "MuJoCo 3"}))
+    assert_one_line_error(run_tool("report.report", mission), "world", "conditions")
+
+
 @sketched
 def test_equal_data_give_equal_bytes(mission):
     assert run_tool("report.report", mission).returncode == 0

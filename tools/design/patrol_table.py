@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Make the C tables of a patrol robot's controller from its file, with jp-patrol-config.
 
-Writes src/tables/patrol_<robot>.c and pure_pursuit_<robot>.c: the numbers with which the simulator drives, bit by bit.
+Writes src/tables/<part>_<robot>.c for each of its parts: the numbers with which the simulator drives, bit by bit.
 Exit status 2: bad input; nothing was written.
 """
 import itertools
@@ -13,10 +13,21 @@ import numpy as np
 from tools.common import ROOT, ArgumentParser, run, shown_path, write_whole
 from tools.design import c_tables, robot_json
 
+# The header of a table, its struct, and its name but for the robot's.
+PARTS = {
+    "patrol": ("patrol", "jp_patrol_config", "jp_patrol_config"),
+    "pure_pursuit": ("pure_pursuit", "jp_pure_pursuit_config", "jp_pure_pursuit_config"),
+    "patrol_localiser": ("localiser", "jp_localiser_config", "jp_localiser_config"),
+    "patrol_scanner": ("patrol_scanner", "jp_patrol_scanner", "jp_patrol_scanner"),
+    "four_wheel_robot": ("four_wheel_robot", "jp_four_wheel_robot_config", "jp_four_wheel_robot"),
+}
+
 # How a stored value is written, and what it means in its unit.
 FORMATS = {
     "float": (lambda value: float_text(value), None),
+    "q16": (str, 2**-16),
     "q24": (str, 2**-24),
+    "q32": (str, 2**-32),
     "angle": (str, 2**-32),
     "whole": (lambda value: f"{value}U", None),
     "flag": (lambda value: str(value).lower(), None),
@@ -50,14 +61,15 @@ def members_of(data, depth=0):
 
 def table_text(data, part):
     name = data["name"]
+    header, struct, table = PARTS[part]
     return c_tables.render(c_tables.Table(
-        f"make patrol-config ROBOT={name}", f"sim/robots/{name}.cfg", "", f"joulepath/{part}.h", f"jp_{part}_config",
-        f"jp_{part}_config_{name}", members_of(data[part])))
+        f"make patrol-config ROBOT={name}", f"sim/robots/{name}.cfg", "", f"joulepath/{header}.h", struct, f"{table}_{name}",
+        members_of(data[part])))
 
 
 def tables(data, folder):
     """{path: text}"""
-    return {folder / f"{part}_{data['name']}.c": table_text(data, part) for part in ("patrol", "pure_pursuit")}
+    return {folder / f"{part}_{data['name']}.c": table_text(data, part) for part in PARTS}
 
 
 def arguments():

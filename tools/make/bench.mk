@@ -75,6 +75,13 @@ bench-maps: ## measure the planner on MAPS="a.json…" (tools/design/import_map.
 	@mkdir -p $(BUILD)/bench-plan
 	$(BUILD)/bench/bench_maps --rows $(BUILD)/bench-plan/maps.json $(LATTICES:%=--lattice %) $(MAPS) >$(BUILD)/bench/bench_maps.json
 
+.PHONY: bench-mujoco
+bench-mujoco: ## drive the robots in MuJoCo: missions, slopes, steps, poor parts, pushes, forecasts that learn (30 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) all
+	@mkdir -p $(BUILD)/bench
+	$(PYTHON) -m tools.measure.bench_mujoco
+
 .PHONY: bench-navigate
 bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes that they do not show, twice, and on maps of others (6 minutes)
 	@tools/setup.sh test
@@ -101,6 +108,12 @@ bench-patrol: ## measure the patrol robot on its scenes, beside path following, 
 	$(BUILD)/bench/bench_pursuit --rows $(BUILD)/bench-patrol/courses.json >$(BUILD)/bench/bench_pursuit.json
 	$(PYTHON) -m tools.measure.bench_patrol $(BUILD)/bench-patrol/scenes.json $(BUILD)/bench-patrol/courses.json \
 	    $(BUILD)/bench/bench_patrol.tables.json
+
+.PHONY: bench-patrol-round
+bench-patrol-round: ## measure hours of patrol on a battery: three simulated hours among people (five minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_round
+	$(BUILD)/bench/bench_patrol_round --rows $(BUILD)/bench/patrol_round_rows.json >$(BUILD)/bench/bench_patrol_round.json
 
 # The finest cells of 0.05, 0.1 and 0.2 m of which the map is at most 1024 wide, where a cell of MovingAI is 1 m.
 LOCALISE_MAPS := $(patsubst $(DATA)/%,$(BUILD)/localise-maps/%.json,$(wildcard $(addprefix $(DATA)/,depot.yaml tb3_sandbox.yaml \
@@ -175,7 +188,7 @@ bench-skid-bus: ## drive 10 000 random missions of robots that their sides steer
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
+PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_energy skid_odometry skid_plant skid_robot store teb
 ARGS.battery          = --count 100000000
 ARGS.fixed            = --count 4294967296
 ARGS.four_wheel       = --count 1000000
@@ -187,9 +200,7 @@ ARGS.planner_memory   = --count 1200
 ARGS.pure_pursuit     = --count 400
 ARGS.scan_match       = --count 40
 ARGS.segment          = --count 10000
-ARGS.skid_changes     = --count 25 --seed 20261126
 ARGS.skid_odometry    = --count 20
-ARGS.skid_plans       = --count 500 --seed 20261126
 ARGS.store            = --count 10000
 ARGS.teb              = --count 500
 
@@ -208,6 +219,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-robots
 	@$(MAKE) bench-intervals
 	@$(MAKE) bench-logs
+	@$(MAKE) bench-mujoco
 	@$(MAKE) bench-restart
 	@$(MAKE) bench-skid-bus
 	@$(MAKE) bench-image

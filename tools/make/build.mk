@@ -3,12 +3,12 @@
 # Objects are made again when the compiler, Unity or the navigator's sizes of the last build were others.
 SETTINGS := $(BUILD)/settings
 $(SETTINGS): FORCE
-	@mkdir -p $(@D) && echo '$(CC) $(UNITY) $(SIDE) $(PLANNER)' | cmp -s - $@ || echo '$(CC) $(UNITY) $(SIDE) $(PLANNER)' >$@
+	@mkdir -p $(@D) && echo '$(CC) $(UNITY) $(SIDE) $(PLANNER) $(CELLS)' | cmp -s - $@ || echo '$(CC) $(UNITY) $(SIDE) $(PLANNER) $(CELLS)' >$@
 
 # A library is made again when a source joined or left it.
 MEMBERS := $(BUILD)/members
 $(MEMBERS): FORCE
-	@mkdir -p $(@D) && echo '$(CORE) $(FLOAT) $(CAN) $(DRIVERS) $(SIM) $(SUPPORT)' | cmp -s - $@ || echo '$(CORE) $(FLOAT) $(CAN) $(DRIVERS) $(SIM) $(SUPPORT)' >$@
+	@mkdir -p $(@D) && echo '$(CORE) $(FLOAT) $(CAN) $(CAN_FLOAT) $(DRIVERS) $(SIM) $(SUPPORT)' | cmp -s - $@ || echo '$(CORE) $(FLOAT) $(CAN) $(CAN_FLOAT) $(DRIVERS) $(SIM) $(SUPPORT)' >$@
 
 # core_name VARIANT: as people write it.
 core_name = $(patsubst rv%,RV%,$(patsubst cortex-m%,Cortex-M%,$(firstword $(subst -o, ,$1))))
@@ -31,7 +31,7 @@ $(BUILD)/$1/%.o: %.c tools/make/variants.mk $(SETTINGS) $(if $(filter host%,$1),
 $(TESTS:%.c=$(BUILD)/$1/%.o): $(BUILD)/$1/%.o: $(BUILD)/runners/%.c tools/make/variants.mk $(SETTINGS) $(if $(filter host%,$1),| $(LCM_HEADERS))
 	$$(call compile,$1)
 
-$(patsubst %.c,$(BUILD)/$1/%.o,$(FLOAT)): MODULE_FLAGS = $(FLAGS_FLOAT)
+$(patsubst %.c,$(BUILD)/$1/%.o,$(FLOAT) $(CAN_FLOAT)): MODULE_FLAGS = $(FLAGS_FLOAT)
 $(patsubst %.c,$(BUILD)/$1/%.o,$(UNIT_TESTS)): MODULE_FLAGS = $(FLAGS_TESTS)
 $(patsubst %.c,$(BUILD)/$1/%.o,$(FLOAT_TESTS)): MODULE_FLAGS = $(FLAGS_FLOAT) $(FLAGS_TESTS)
 
@@ -42,6 +42,9 @@ $(BUILD)/$1/libjoulepath.a: $(CORE:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 	$$(call archive)
 
 $(BUILD)/$1/libcan.a: $(CAN:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
+	$$(call archive)
+
+$(BUILD)/$1/libcan_float.a: $(CAN_FLOAT:%.c=$(BUILD)/$1/%.o) $(MEMBERS)
 	$$(call archive)
 
 # On fake registers: first, because one of them also stands in for wait.c.

@@ -70,7 +70,17 @@ NAVIGATE_TASK   = $(if $(strip $(PLAN_TASK)),$(PLAN_TASK),$(if $(filter file,$(o
 NAVIGATE_CELL   = $(shell sed -n 's/^ *cell_m *= *\([0-9.]*\);.*/\1/p' sim/robots/$(NAVIGATE_ROBOT).cfg)
 
 .PHONY: navigate
-navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
+ifneq ($(filter $(ROBOT),$(PATROL_ROBOTS)),)
+# It has a laser of its own, and no lattice.
+NAVIGATE_PATROL_MAP   = $(if $(filter file,$(origin MAP)),$(DATA)/depot.yaml,$(MAP))
+NAVIGATE_PATROL_START = 3,3,0
+NAVIGATE_PATROL_GOAL  = 25,12,90
+NAVIGATE_PATROL_BOXES = --hidden=6
+navigate:
+	@$(MAKE) $(PARALLEL) patrol MAP=$(NAVIGATE_PATROL_MAP) START=$(or $(START),$(NAVIGATE_PATROL_START)) \
+	    GOAL=$(or $(GOAL),$(NAVIGATE_PATROL_GOAL)) NAVIGATE=$(or $(NAVIGATE),$(NAVIGATE_PATROL_BOXES))
+else
+navigate: ## let ROBOT=courier24, burger, zhang2018 or patrol find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
 	$(if $(NAVIGATE.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
 	@tools/setup.sh design $(SETUP.$(BUS))
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(NAVIGATE_ROBOT)/emulated.elf)
@@ -79,6 +89,7 @@ navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file STA
 	$(NAVIGATE.$(BUS)) $(BUILD)/navigate/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(NAVIGATE_TASK) \
 	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
+endif
 
 # A yard whose mud takes 2.5 times the rolling resistance, or a map of others with IMPORT, START and GOAL. GROUNDS holds
 # options of jp-grounds, such as --trips 10.
@@ -108,17 +119,24 @@ foxglove: ## make a log for Foxglove and PlotJuggler of RESULTS=build/sil, plan,
 # A scene from a seed, or a map of others with START and GOAL.
 SCENE      ?= beside-obstacle
 SEED       ?= 1
+# By itself by several methods; or over BUS=in-process: map, goal and what it sees go to the firmware's application in
+# frames; pil: to the image in QEMU.
+PATROL.           = $(BUILD)/bin/jp-patrol
+PATROL.in-process = $(BUILD)/bin/jp-patrol --bus in-process
+PATROL.pil        = tools/operate/patrol_in_qemu.sh $(PATROL_ROBOT)
+PATROL_ROBOT      = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
 PATROL_MAP  = $(if $(filter file,$(origin MAP)),,$(MAP))
 
 .PHONY: patrol
-patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg); report in build/patrol
-	@tools/setup.sh sil $(if $(PATROL_MAP),design)
-	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol
+patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg), by itself or over BUS=in-process or pil; report in build/patrol
+	$(if $(PATROL.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
+	@tools/setup.sh sil $(if $(PATROL_MAP),design) $(SETUP.$(BUS))
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(PATROL_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/patrol
 	$(if $(PATROL_MAP),$(PYTHON) -m tools.design.import_map $(MAP) $(BUILD)/patrol/map.json --resolution 0.05 $(IMPORT))
-	$(BUILD)/bin/jp-patrol $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK),$(SCENE)) --seed=$(SEED) \
+	$(PATROL.$(BUS)) $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK) $(NAVIGATE),$(SCENE)) --seed=$(SEED) \
 	    --output $(BUILD)/patrol; status=$$?; \
-	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol && exit $$status
+	    [ $$status -le 1 ] && $(if $(BUS),true,$(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol) && exit $$status
 
 # The courier unless another one is asked for. CAMPAIGN holds options of tools.campaign.campaign, such as
 # --faults or --fresh.

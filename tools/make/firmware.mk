@@ -21,6 +21,26 @@ BOARD_OBJECTS := $(patsubst %.c,$(BUILD)/firmware/%.o,$(filter-out $(IMAGE),$(ST
 $(foreach r,$(ROBOTS),$(eval $(call firmware_rules,$r,balancer)))
 $(foreach r,$(SKID_ROBOTS),$(eval $(call firmware_rules,$r,skid)))
 
+# patrol_firmware_rules ROBOT: the image for the Cortex-M7 of the MPS2 board. Its body is simulated, so that the same
+# image runs on the board and in QEMU.
+define patrol_firmware_rules
+$(BUILD)/firmware/$1/%.o: hal/mps2/%.c tools/make/variants.mk $(SETTINGS)
+	@mkdir -p $$(@D)
+	$$(call SAY,CC $$@)
+	$$Q$(COMPILER.firmware-m7) $(COMMON) $(FLAGS.firmware-m7) -DFIRMWARE_PATROL_NAME=$1 -c $$< -o $$@
+
+$(BUILD)/firmware/$1/joulepath.elf $(BUILD)/firmware/$1/emulated.elf: $(MPS2:hal/mps2/%.c=$(BUILD)/firmware/$1/%.o) \
+                                    $(addprefix $(BUILD)/firmware-m7/,libcan_float.a libcan.a libjoulepath_float.a libjoulepath.a) hal/mps2/mps2_an500.ld
+	@mkdir -p $$(@D)
+	$$(call SAY,LD $$@)
+	$$Q$(COMPILER.firmware-m7) $(FLAGS.firmware-m7) -nostartfiles --specs=nano.specs -Wl,--gc-sections -Wl,--fatal-warnings \
+	    -Wl,-Map=$$@.map -Thal/mps2/mps2_an500.ld $$(filter %.o,$$^) $$(filter %.a,$$^) -o $$@
+
+$(BUILD)/firmware/$1/joulepath.bin: $(BUILD)/firmware/$1/joulepath.elf
+	$$Qarm-none-eabi-objcopy -O binary $$< $$@
+endef
+$(foreach r,$(PATROL_ROBOTS),$(eval $(call patrol_firmware_rules,$r)))
+
 COMMA := ,
 
 # Memory beside the core. QEMU before 8.0 has none, but the board's RAM is longer there by as much.
@@ -37,9 +57,9 @@ define link_firmware
 endef
 
 .PHONY: firmware
-firmware: ## build the image for the STM32F405 with ROBOT=name (SIDE=cells PLANNER=KiB of its navigator): ELF, bin and map in build/firmware/name
-	$(if $(filter $(ROBOT),$(ROBOTS) $(SKID_ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS) $(SKID_ROBOTS)))
+firmware: ## build the image with ROBOT=name, for the STM32F405 (SIDE=cells PLANNER=KiB of its navigator) or, of patrol, a Cortex-M7 (CELLS of its map): ELF, bin and map in build/firmware/name
+	$(if $(filter $(ROBOT),$(ROBOTS) $(SKID_ROBOTS) $(PATROL_ROBOTS)),,$(error ROBOT=$(ROBOT): must be one of $(ROBOTS) $(SKID_ROBOTS) $(PATROL_ROBOTS)))
 	@tools/setup.sh firmware
 	@$(MAKE) $(PARALLEL) $(BUILD)/firmware/$(ROBOT)/joulepath.bin
 	@arm-none-eabi-size $(BUILD)/firmware/$(ROBOT)/joulepath.elf
-	@echo 'flash it: st-flash write $(BUILD)/firmware/$(ROBOT)/joulepath.bin 0x08000000'
+	$(if $(filter $(ROBOT),$(PATROL_ROBOTS)),,@echo 'flash it: st-flash write $(BUILD)/firmware/$(ROBOT)/joulepath.bin 0x08000000')

@@ -5,14 +5,10 @@ WASM      := $(BUILD)/wasm
 WEB       := $(wildcard sim/page/web/*)
 PAGE_C    := $(filter-out sim/page/robot_bytes.c,$(wildcard sim/page/*.c))
 # Those that are built in.
-PAGE_ROBOTS := $(patsubst %,sim/robots/%.cfg,$(ROBOTS) $(SKID_ROBOTS) $(patsubst src/tables/patrol_%.c,%,$(wildcard src/tables/patrol_*.c)))
-# Of the simulator what the scenes stand on. What reads files in it is not linked: nobody calls it.
-PAGE_SIM  := $(addprefix sim/,$(addsuffix .c, \
+PAGE_ROBOTS := $(wildcard $(patsubst %,sim/robots/%.cfg,$(ROBOTS) $(SKID_ROBOTS) $(patsubst src/tables/patrol_%.c,%,$(wildcard src/tables/patrol_*.c))))
+# Of the simulator what the scenes stand on. What nobody calls in it, such as what reads files, is not linked.
+PAGE_SIM  := $(wildcard sim/balancer/*.c sim/skid_steer/*.c sim/four_wheel/*.c sim/scenes/*.c) $(addprefix sim/,$(addsuffix .c, \
              $(addprefix base/,clearance digital error fingerprint random world_fault) \
-             $(addprefix balancer/,energy_unit fault_names hal_sim instruments plant rig world) \
-             $(addprefix skid_steer/,skid_ground skid_hal_sim skid_instruments skid_plant skid_robots skid_steer_model skid_world) \
-             $(addprefix four_wheel/,four_wheel_file four_wheel_plant laser patrol_config solid_map) \
-             $(addprefix scenes/,patrol_draft patrol_scene patrol_world) \
              $(addprefix missions/,cruise_plan navigation_balancer navigation_sight navigation_skid navigation_task patrol_energy \
                  patrol_mission plan_lattice))) hal/hal.c
 

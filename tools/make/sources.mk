@@ -4,8 +4,11 @@
 SINGLE         := $(strip $(file <src/single_precision.txt))
 FLOAT          := $(wildcard $(SINGLE))
 CORE           := $(filter-out $(FLOAT),$(wildcard src/*/*.c))
-CAN            := $(wildcard hal/*.c hal/storage/*.c hal/can/*.c hal/app/*.c)
+# Of the application too.
+CAN_FLOAT      := hal/app/ecu_patrol.c
+CAN            := $(filter-out $(CAN_FLOAT),$(wildcard hal/*.c hal/storage/*.c hal/can/*.c hal/app/*.c))
 STM32F4        := $(wildcard hal/stm32f4/*.c)
+MPS2           := $(wildcard hal/mps2/*.c)
 # Of the image of a robot.
 IMAGE          := $(addprefix hal/stm32f4/,main.c firmware_balancer.c firmware_skid.c)
 # What needs nothing of the core but registers, which a test can stand in for.
@@ -13,7 +16,7 @@ DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c cortex_m.c fau
 SIM            := $(filter-out sim/programs/% sim/page/%,$(wildcard sim/*/*.c)) $(wildcard hal/linux/*.c)
 SUPPORT        := $(filter-out %/stm32_fake.c,$(wildcard tests/support/*.c))
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
-BENCHES        := $(filter-out bench_cuts bench_joules bench_localise bench_plan bench_maps bench_patrol bench_pursuit bench_restart bench_skid_bus bench_skid_drive,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
+BENCHES        := $(filter-out bench_cuts bench_joules bench_localise bench_plan bench_maps bench_patrol bench_patrol_round bench_pursuit bench_restart bench_skid_bus bench_skid_drive,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
 TARGET_BENCHES := $(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c))
 FLOAT_BENCHES  := $(filter target_localiser target_optimiser target_teb,$(TARGET_BENCHES))
 
@@ -26,6 +29,8 @@ NAMES          := $(patsubst src/tables/robot_%.c,%,$(wildcard src/tables/robot_
 ROBOTS         := $(foreach n,$(NAMES),$(if $(wildcard src/tables/energy_$n.c),$n))
 # One that its sides steer: when its controller, energy and path limits are.
 SKID_ROBOTS    := $(foreach n,$(patsubst src/tables/skid_robot_%.c,%,$(wildcard src/tables/skid_robot_*.c)),$(if $(wildcard src/tables/skid_energy_$n.c),$(if $(wildcard src/tables/path_limits_$n.c),$n)))
+# One with four steered wheels: when its control tick and energy are.
+PATROL_ROBOTS  := $(foreach n,$(patsubst src/tables/four_wheel_robot_%.c,%,$(wildcard src/tables/four_wheel_robot_*.c)),$(if $(wildcard src/tables/four_wheel_energy_$n.c),$n))
 PILOT_TABLES   := $(patsubst src/tables/%.c,%,$(wildcard src/tables/horizon_*.c src/tables/learning_*.c))
 
 FLOAT_TESTS    := $(foreach s,$(SINGLE),$(wildcard $(patsubst src/%,tests/unit/%,$(dir $s))test_$(notdir $s)))
@@ -51,6 +56,6 @@ support = $(patsubst %.c,$(BUILD)/$1/%.o,$(TARGET_SUPPORT) \
 float_library = $(if $(filter $1,$(FLOAT_VARIANTS)),$(BUILD)/$1/libjoulepath_float.a)
 
 # host_libraries VARIANT: each before what it stands on.
-host_libraries = $(addprefix $(BUILD)/$1/,libsupport.a libsim.a libcan.a libjoulepath_float.a libjoulepath.a)
+host_libraries = $(addprefix $(BUILD)/$1/,libsupport.a libsim.a libcan_float.a libcan.a libjoulepath_float.a libjoulepath.a)
 
 LIBRARIES = $(shell pkg-config --libs libconfig jansson nlopt ccd) -llcm -lm -lpthread

@@ -164,7 +164,7 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
-$(LOGS)/pytest/firmware.xml: $(patsubst %,$(BUILD)/firmware/%/emulated.elf,$(ROBOTS) $(SKID_ROBOTS)) $(BUILD)/firmware/courier24/joulepath.elf
+$(LOGS)/pytest/firmware.xml: $(patsubst %,$(BUILD)/firmware/%/emulated.elf,$(ROBOTS) $(SKID_ROBOTS) $(PATROL_ROBOTS)) $(BUILD)/firmware/courier24/joulepath.elf
 
 # The fault handler alone, whose crashes the image could not tell of.
 $(BUILD)/firmware/test_faults: $(addprefix $(BUILD)/firmware/,tests/firmware/test_faults.o tests/target/console.o \
@@ -208,7 +208,7 @@ GATE_VARIANTS  := $(UNIT_CORES) $(GROWTH_VARIANTS)
 GATE_LIBRARIES := $(foreach v,$(sort $(GATE_VARIANTS)),$(BUILD)/$v/libjoulepath.a $(call float_library,$v) $(BUILD)/$v/libcan.a)
 # Of the programs on the whole application the one that learns links the most.
 GATE_IMAGES    := $(UNIT_CORES:%=$(BUILD)/%/test_ecu_learning)
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_SKID_NAME=burger -DFIRMWARE_LEARNS -DFIRMWARE_NAVIGATES
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_SKID_NAME=burger -DFIRMWARE_PATROL_NAME=patrol -DFIRMWARE_LEARNS -DFIRMWARE_NAVIGATES
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)
@@ -231,7 +231,7 @@ COVERAGE_PROPERTIES := prop_cell_costs prop_far_sweep prop_lattice_way prop_line
 COVERAGE_TESTS      := $(call unit_programs,host-coverage) $(COVERAGE_PROPERTIES:%=$(BUILD)/host-coverage/%)
 
 $(BUILD)/host-coverage/prop_%: $(BUILD)/host-coverage/tests/property/prop_%.o $(UNITY_SOURCE:%=$(BUILD)/host-coverage/unity.o) \
-                               $(BUILD)/host/libsupport.a $(BUILD)/host/libsim.a $(BUILD)/host/libcan.a \
+                               $(BUILD)/host/libsupport.a $(BUILD)/host/libsim.a $(BUILD)/host/libcan_float.a $(BUILD)/host/libcan.a \
                                $(BUILD)/host-coverage/libjoulepath_float.a $(BUILD)/host-coverage/libjoulepath.a
 	$(call link_host,host-coverage)
 

@@ -9,24 +9,25 @@ import json
 import math
 import os
 import random
+import re
 import statistics
-import sys
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
-from pathlib import Path
 
 import libconf
+import numpy as np
 
-from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, run, shown_path, whole_number, write_whole
+from tools.common import ROOT, ArgumentParser, print_aligned, run, shown_path, whole_number, write_whole
 from tools.design import robot_json
-from tools.mujoco.drive import Drive, Fell, load_robot
+from tools.mujoco.drive import Drive, load_robot
 from tools.mujoco.ground import Ground, Patch, Step
-from tools.mujoco.world import Conditions
+from tools.mujoco.world import Conditions, World
+from tools.operate import map_stream
 from tools.operate.can_client import RobotError
 
 COMMAND = "make bench-mujoco"
 
 ROBOTS = ("courier24", "gao2018", "burger", "zhang2018")  # those that jp-ecu drives
+NAVIGATORS = ("courier24", "burger")                      # and those to a goal on a map
 
 SLOPE = 10.0        # ° of a balancer's; other robots' files say what they drive
 STEP = 0.005        # m
@@ -38,9 +39,13 @@ PAYLOAD = 0.2       # of the body
 PUSH_SECONDS = 0.05
 
 SEGMENTS, LEARNED = 26, 20  # of a route that learns, and those before it has learned
-WORLDS = 4                  # with such routes, of each robot
+WORLDS = 1                  # with such routes, of each robot
 SEGMENT_SECONDS = (4.0, 6.0)
 TURN = 80.0                 # ° from a segment to the next at most, and limits.turn_deg
+
+COURSES, LEARNED_COURSES = 12, 6  # over a map, and those before it has learned
+COURSE_SECONDS = 10.0             # from the middle of the map to its edge
+PUSHES = (0.25, 0.5, 0.75)        # of what the robot takes in our world
 
 # Share of what left the cells that the ledger may miss.
 LEDGER = 0.5
@@ -50,11 +55,7 @@ LEDGER = 0.5
 
 def cruise_speed(robot):
     """What the robot's own missions are driven at, m/s."""
-    return robot.number("limits.speed_m_s") / 2 if robot.type == robot_json.BALANCER else number_of(robot, "lattice")
-
-
-def number_of(robot, group):
-    return float(robot._data[group]["speed_m_s"])
+    return robot.number("limits.speed_m_s") / 2 if robot.type == robot_json.BALANCER else robot.number("lattice.speed_m_s")
 
 
 def radius(robot):
@@ -80,13 +81,15 @@ def conditions(robot):
     hard = HARD * radius(robot)
     patch = (Patch(ahead, 0.0, 2 * radius(robot) + robot.number("body.width_m"), SLIPPERY),)
     poor = poor_parts(robot)
+    # On a step a robot stands steeper than the ground, and its file forbids more than its slope.
+    half = slope if balances else slope / 2
     payload = PAYLOAD * robot.number("body.mass_kg")
     return {"level": Conditions(), "uphill": Conditions(Ground(slope)), "downhill": Conditions(Ground(-slope)),
             "across": Conditions(Ground(across=slope)), "step": Conditions(Ground(steps=step)),
             "step, hard tyres": Conditions(Ground(steps=step), sinking=hard),
             "slippery": Conditions(Ground(patches=patch)), "poor parts": Conditions(**poor),
             "payload": Conditions(payload=payload),
-            "uphill, step, poor parts": Conditions(Ground(slope, steps=step), **poor)}
+            "uphill, step, poor parts": Conditions(Ground(half, steps=step), **poor)}
 
 
 def short_route(robot):
@@ -153,6 +156,55 @@ def drive_route(task):
     return {"kind": kind, "robot": name, "case": case, **result}
 
 
+class Forecasts:
+    """What the navigator foretold of each course, J with its deviation, beside what the ECU's meter counted."""
+
+    def __init__(self, meter):
+        self.courses, self._meter, self._now = [], meter, None
+
+    def __call__(self, state):
+        if self._now is None and state.get("NavigationProgress", "Energy"):  # 0 before there is a course
+            self._now = (state.get("NavigationProgress", "Energy"), state.get("NavigationProgress", "Deviation"),
+                         state.get(self._meter, "Energy"))
+
+    def begin(self, state):
+        state.latest.pop("NavigationProgress", None)
+        self._now = None
+
+    def end(self, state):
+        """Of a course; a goal where the robot was has none."""
+        if self._now is None:
+            return
+        energy, deviation, before = self._now
+        self.courses.append((energy, deviation, state.get(self._meter, "Energy") - before))
+
+
+def navigate(task):
+    """Courses to random goals on an empty map."""
+    kind, name, case, conditions_now, seed, _ = task
+    robot = load_robot(name)
+    cell, draw = robot.number("navigation.cell_m"), random.Random(2000 + seed)
+    count = round(COURSE_SECONDS * cruise_speed(robot) / cell * 2)
+    stream = map_stream.encode(map_stream.CellMap(np.zeros((count, count), dtype=int), cell, map_stream.Place(0, 0)),
+                               map_stream.Place(count * cell / 2, count * cell / 2))
+    forecasts = Forecasts("EnergySpent" if robot.type == robot_json.BALANCER else "EnergyDrawn")
+    failure = None
+    with Drive(robot, conditions_now, watch=forecasts) as drive:
+        try:
+            for _ in range(COURSES):
+                drive.stand()
+                drive.operator.hold(0.5)
+                forecasts.begin(drive.operator.state)
+                goal = {"Column": draw.randrange(count // 8, count - count // 8),
+                        "Row": draw.randrange(count // 8, count - count // 8), "HasHeading": 0, "Heading": 0.0}
+                drive.operator.navigate(stream, goal)
+                forecasts.end(drive.operator.state)
+        except RobotError as error:
+            failure = str(error)
+        result = result_of(drive, failure)
+    return {"kind": kind, "robot": name, "case": case, "courses": forecasts.courses, **result}
+
+
 def push(task):
     """Whether the robot stands again after a push of so many newton seconds, both ways."""
     kind, name, case, conditions_now, impulse, options = task
@@ -166,9 +218,168 @@ def push(task):
                 drive.operator.hold(5.0)
             except RobotError as error:
                 failure = str(error)
-    return {"kind": kind, "robot": name, "case": case, "impulse": impulse, "failure": failure,
-            "fell": failure is not None}
+    return {"kind": kind, "robot": name, "case": case, "impulse": impulse, "failure": failure, "fell": failure is not None}
 
 
 def do(task):
-    return push(task) if task[0] == "push" else drive_route(task)
+    return {"push": push, "navigate": navigate}.get(task[0], drive_route)(task)
+
+
+def our_push(name):
+    """The largest that the robot takes in our world, N·s."""
+    told = robot_json.printed_by(robot_json.build_directory() / "bin/jp-balance", name)
+    return float(re.search(r"takes a push of\s+([0-9.]+) N", told)[1])
+
+
+def tasks():
+    for name in ROBOTS:
+        robot = load_robot(name)
+        yield "mission", name, "reference", Conditions(), reference_route(name), ()
+        for case, conditions_now in conditions(robot).items():
+            yield "case", name, case, conditions_now, short_route(robot), ()
+        if robot.type == robot_json.BALANCER:
+            for share in PUSHES:
+                yield "push", name, f"{share:g} of our world's", Conditions(), share * our_push(name), ()
+        for seed in range(1, WORLDS + 1):
+            yield "learn", name, f"seed {seed}", random_conditions(robot, seed), random_route(robot, seed), ()
+        if name in NAVIGATORS:
+            for seed in range(1, WORLDS + 1):
+                yield "navigate", name, f"seed {seed}", random_conditions(robot, seed), seed, ()
+
+
+# ---- figures -------------------------------------------------------------------------------------------------------
+
+def errors(rows, part):
+    """|forecast − spent| of the segments of routes that learn, %."""
+    return [100 * abs(predicted / spent - 1) for row in rows for predicted, spent in row["segments"][part]
+            if predicted is not None and spent]
+
+
+def figure(name, value, unit="", bound=None):
+    return {"name": f"in MuJoCo, {name}", "value": value, "unit": unit, "bound": bound, "command": COMMAND}
+
+
+def at_most(value):
+    return {"op": "<=", "value": value}
+
+
+def none():
+    return {"op": "==", "value": 0}
+
+
+def drive_figures(rows):
+    missions, cases = ([row for row in rows if row["kind"] == kind] for kind in ("mission", "case"))
+    pushes = [row for row in rows if row["kind"] == "push"]
+    ledgers = [100 * abs(row["ledger"]["open"]) / row["ledger"]["cells"] for row in rows if "ledger" in row]
+    yield figure("reference missions of four robots: not driven", sum(row["failure"] is not None for row in missions), "",
+                 none())
+    yield figure("cases of slopes, steps, slippery ground, poor parts and payloads", len(cases))
+    yield figure("of those, not driven", sum(row["failure"] is not None for row in cases), "", none())
+    yield figure("falls in all drives", sum(row["fell"] for row in rows if row["kind"] != "push"), "", none())
+    yield figure("pushes that our world's robots take, and these do not", sum(row["failure"] is not None for row in pushes),
+                 "", none())
+    yield figure("share of the cells' energy that a ledger misses, most", max(ledgers), "%", at_most(LEDGER))
+
+
+def learning_figures(rows):
+    for name in ROBOTS:
+        own = [row for row in rows if row["robot"] == name and row["kind"] == "learn"]
+        before, after = errors(own, slice(0, 1)), errors(own, slice(LEARNED, None))
+        if before and after:
+            yield figure(f"{name}: forecast of a first segment against spent, mean", statistics.mean(before), "%", at_most(5))
+            yield figure(f"{name}: the same after {LEARNED} segments", statistics.mean(after), "%", at_most(1.5))
+    courses = [course for row in rows if row["kind"] == "navigate" for course in row["courses"][LEARNED_COURSES:]]
+    if courses:
+        inside = [abs(energy - spent) <= 1.96 * deviation for energy, deviation, spent in courses]
+        share = 100 * sum(inside) / len(inside)
+        yield figure("courses over a map, after learning", len(courses))
+        yield figure("of those in the 95 % interval, off 95 % by", abs(share - 95), "points", at_most(2))
+
+
+TERMS = ("electronics", "copper", "conversion", "gear", "gear dry", "rolling", "slip contact", "normal contact", "stops dry",
+         "bridge", "supply", "mechanical")
+
+
+# Terms of a ledger in our world (jp-skid) and in MuJoCo.
+BOTH_WORLDS = (("cells", ("battery",), ("cells",)), ("supply and electronics", ("supply", "electronics"), ("supply", "electronics")),
+               ("windings", ("copper",), ("copper",)), ("bridges", ("bridge",), ("bridge",)),
+               ("gears and rolling", ("gear", "rolling"), ("gear dry",)),
+               ("tyres and caster", ("slip_along", "slip_across", "caster"), ("slip contact", "normal contact")))
+DUTIES = {"straight on": (0.3, 0.3), "bend": (0.3, 0.2), "on the spot": (0.3, -0.3)}
+DUTY_SECONDS = 5
+
+
+def our_ledger(name, left, right):
+    return json.loads(robot_json.printed_by(robot_json.build_directory() / "bin/jp-skid", name, f"--left={left}",
+                                            f"--right={right}", f"--seconds={DUTY_SECONDS}", "--json=-"))
+
+
+def their_ledger(name, left, right):
+    world = World(load_robot(name), Conditions())
+    for _ in range(round(DUTY_SECONDS * world.rate)):
+        world.command(True, left, right)
+        world.step()
+    return world.ledger()
+
+
+def joules_of(ledger, terms):
+    return sum(ledger.get(f"{term}_j", ledger.get(term, 0.0)) for term in terms)
+
+
+def print_worlds():
+    """Where the two worlds differ, term by term, at the same duties."""
+    table = [["J", "duties", *(name for name, _, _ in BOTH_WORLDS)]]
+    for name in ROBOTS:
+        if load_robot(name).type == robot_json.BALANCER:
+            continue
+        for case, duties in DUTIES.items():
+            for world, ledger, column in (("ours", our_ledger(name, *duties), 1), ("MuJoCo", their_ledger(name, *duties), 2)):
+                table.append([f"{name}, {world}", case, *(f"{joules_of(ledger, terms[column]):.2f}" for terms in BOTH_WORLDS)])
+    print_aligned(table)
+
+
+def print_rows(rows):
+    table = [["robot", "kind", "case", "s", "pitch °", "miss m", "worst error %", "open %", "failure"]]
+    for row in rows:
+        if "ledger" not in row:
+            table.append([row["robot"], row["kind"], row["case"], "-", "-", "-", "-", "-", row["failure"] or ""])
+            continue
+        worst = max(errors([row], slice(None)), default=None)
+        table.append([row["robot"], row["kind"], row["case"], f"{row['seconds']:.1f}", f"{row['pitch_deg']:.1f}",
+                      f"{row.get('miss_m', math.nan):.3f}", "-" if worst is None else f"{worst:.2f}",
+                      f"{100 * row['ledger']['open'] / row['ledger']['cells']:.4f}", row["failure"] or ""])
+    print_aligned(table)
+    print()
+    table = [["share of the cells' energy, %", "case", *TERMS]]
+    for row in rows:
+        if row["kind"] in ("mission", "case"):
+            table.append([row["robot"], row["case"], *(f"{100 * row['ledger'].get(term, 0) / row['ledger']['cells']:.2f}"
+                                                       for term in TERMS)])
+    print_aligned(table)
+
+
+def main():
+    parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--kind", choices=("mission", "case", "push", "learn", "navigate"), action="append",
+                        help="only these")
+    parser.add_argument("--robot", choices=ROBOTS, action="append", help="only these")
+    parser.add_argument("--jobs", type=whole_number(1, 256), default=int(os.environ.get("JOBS", 1)))
+    options = parser.parse_args()
+    chosen = [task for task in tasks() if task[0] in (options.kind or task) and task[1] in (options.robot or task)]
+    with ProcessPoolExecutor(options.jobs) as pool:
+        rows = list(pool.map(do, chosen))
+    print_rows(rows)
+    print()
+    print_worlds()
+    build = robot_json.build_directory()
+    (build / "bench-mujoco").mkdir(parents=True, exist_ok=True)
+    write_whole(build / "bench-mujoco/rows.json", json.dumps(rows, indent=1) + "\n")
+    figures = [*drive_figures(rows), *learning_figures(rows)] if not (options.kind or options.robot) else []
+    if figures:
+        write_whole(build / "bench/bench_mujoco.json", json.dumps(figures, indent=1) + "\n")
+        print(f"wrote {shown_path(build / 'bench/bench_mujoco.json')}")
+    return 0
+
+
+if __name__ == "__main__":
+    run(main)

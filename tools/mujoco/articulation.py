@@ -27,6 +27,8 @@ IMPEDANCE = 0.5
 # Of friction that does not creep: as fast as the step allows.
 STICKING = (-1.0, -IMPEDANCE / TIMESTEP / 2)
 
+STIFFEST = 100.0  # friction against the normal force
+
 RELAXATION = 1.2  # of a tread that rolls, over the length of its contact
 
 # Rigid stops of the gears' play.
@@ -142,10 +144,11 @@ def _numbers(values):
     return " ".join(f"{value:.9g}" for value in values)
 
 
-def _spring(sinking):
-    """Of a tyre that sinks in so far where it bears its share of the weight."""
-    square = (1 - IMPEDANCE) * GRAVITY / sinking  # of the bounce's frequency
-    return f'solref="{_numbers((-square, -2 * DAMPING * math.sqrt(square)))}" solimp="{IMPEDANCE} {IMPEDANCE} 0.001"'
+def spring(sinking, load, softness):
+    """solref of a tyre that sinks in so far under its load in N, damped as that load on that spring; `softness` is R of
+    its contact in MuJoCo, 1/kg."""
+    stiffness = IMPEDANCE * softness * load / sinking
+    return -stiffness, -2 * DAMPING * stiffness * math.sqrt(sinking / GRAVITY)
 
 
 def _pairs(robot, ground):
@@ -153,11 +156,10 @@ def _pairs(robot, ground):
     bearers = [(f"tyre{i}", wheel.friction) for i, wheel in enumerate(robot.wheels)]
     if robot.caster is not None:
         bearers.append(("caster", robot.caster.friction))
-    spring = _spring(robot.wheels[0].sinking)
     for name, friction in bearers:
         for part in ground.names():
-            yield (f'<pair geom1="{part}" geom2="{name}" condim="3" friction="{friction} {friction} 0 0 0" {spring} '
-                   f'solreffriction="{_numbers(STICKING)}"/>')
+            yield (f'<pair geom1="{part}" geom2="{name}" condim="3" friction="{friction} {friction} 0 0 0" '
+                   f'solimp="{IMPEDANCE} {IMPEDANCE} 0.001" solreffriction="{_numbers(STICKING)}"/>')
 
 
 def _wheel(index, wheel, rotor, backlash):
@@ -204,7 +206,7 @@ def model_xml(robot, ground, backlash, accelerometer_height):
                             backlash if driven[wheel.side] == i else 0.0) for i, wheel in enumerate(robot.wheels))
     return f"""<mujoco>
 <compiler angle="radian" inertiafromgeom="false"/>
-<option timestep="{TIMESTEP}" gravity="{_numbers(ground.gravity())}" integrator="Euler" cone="elliptic" impratio="100"
+<option timestep="{TIMESTEP}" gravity="{_numbers(ground.gravity())}" integrator="Euler" cone="elliptic" impratio="{STIFFEST}"
  solver="Newton" iterations="30" tolerance="1e-10"><flag energy="enable" eulerdamp="disable"/></option>
 <visual><global offwidth="960" offheight="540"/><map znear="0.01" zfar="100"/></visual>
 <asset><texture name="grid" type="2d" builtin="checker" rgb1=".82 .84 .86" rgb2=".74 .77 .8" width="256" height="256"/>

@@ -24,15 +24,16 @@ def load_robot(robot):
 class Drive:
     """`track` grows while time passes: (s, x, y, heading, pitch, joules out of the cells, positions of the joints)."""
 
-    def __init__(self, robot, conditions=Conditions(), options=(), log=None, listen=None, ecu_log=None):
+    def __init__(self, robot, conditions=Conditions(), options=(), log=None, listen=None, ecu_log=None,
+                 watch=lambda state: None):
         """`options` are the controller's; `log` gets seconds, id and bytes of each frame, `listen` each python-can frame
-        on its way to the operator or from it."""
+        on its way to the operator or from it; `watch` is the operator's."""
         self.world = World(robot, conditions)
         self.track = []
         self._robot, self._options, self._ecu_log = robot, options, ecu_log
         self._line = Line()
-        self.bus = Lockstep(self.world, self._line, log, self._each_tick, listen)
-        self.operator = Operator(self.bus, robot.name, clock=lambda: self.bus.seconds)
+        self.bus = Lockstep(self.world, self._line, log, self._each_tick, listen, lambda: self._ecu.error())
+        self.operator = Operator(self.bus, robot.name, watch, lambda: self.bus.seconds)
         self._period = max(round(TRACK_PERIOD * self.world.rate), 1)
 
     def __enter__(self):

@@ -6,8 +6,6 @@ import math
 
 SIDES = (0, 1)
 
-GRAVITY = 9.81
-
 
 class BalancerDrive:
     """Linear motor and friction, a battery with a resistance; bridges give back what braking generates."""

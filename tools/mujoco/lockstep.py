@@ -3,9 +3,11 @@
 The bus is an SLCAN adapter on a pseudo-terminal, made here. An operator uses it as a bus of python-can: while it waits
 for frames, simulated time passes.
 """
+import ctypes
 import os
 import pty
 import select
+import signal
 import subprocess
 import tty
 from collections import deque
@@ -17,9 +19,11 @@ from tools.common import ToolError
 from tools.operate.can_messages import GROUPS, data_ids, database
 
 PATIENCE = 30.0    # s without an answer of the ECU
+ASK_AGAIN = 0.5    # s
 HOLD = 0.040       # s that the bridges hold their duty without commands, as joulepath.dbc says
 POWER_OFF = 0xFFFFFFFF  # the tick before the first: the ECU begins afresh
 BUFFER = 1 << 16
+PR_SET_PDEATHSIG = 1  # of Linux
 
 
 class Message:
@@ -99,10 +103,12 @@ def framed(seconds, id, data):
 class Lockstep:
     """A world and its ECU. `log` is called with seconds, id and bytes of every frame, `each_tick` after each tick,
     `listen` with
-    what an operator sends or hears, and the last sample before it, as frames of python-can."""
+    what an operator sends or hears, and the last sample before it, as frames of python-can. `trouble` tells why the ECU
+    cannot answer."""
 
-    def __init__(self, world, line, log=None, each_tick=None, listen=None):
+    def __init__(self, world, line, log=None, each_tick=None, listen=None, trouble=lambda: None):
         self.world, self._line, self._log, self._each_tick, self._listen = world, line, log, each_tick, listen
+        self._trouble = trouble
         self._last_sample = []
         self._wheels, self._balance, self._currents = map(Message, (*GROUPS["CurrentSensors"], "CurrentSensors"))
         self._command, self._time, self._done = map(Message, ("MotorCommand", "SimTime", "SimDone"))
@@ -163,13 +169,16 @@ class Lockstep:
         self._line.send(frames)
         waited = 0.0
         while not self._take(tick):
-            waited += 0.5
-            if waited > PATIENCE:
-                raise ToolError(f"no ECU answered for {PATIENCE:g} s; is jp-ecu on the same bus, in lockstep?")
+            waited += ASK_AGAIN
+            reason = self._trouble()
+            if reason is None and waited > PATIENCE:
+                reason = f"no answer for {PATIENCE:g} s"
+            if reason is not None:
+                raise ToolError(f"ECU: {reason}")
 
     def _take(self, tick):
         """What has come; True when the ECU is done with the tick. It may not have been there when it was asked."""
-        frames = self._line.receive(0.5)
+        frames = self._line.receive(ASK_AGAIN)
         if not frames:
             self._line.send([(self._time.id, bytes(self._time.pack({"Tick": tick, "Power": int(tick != POWER_OFF)})))])
         self._note(frames)
@@ -208,8 +217,20 @@ class Lockstep:
                 self._log(self.seconds, id, data)
 
 
+def end_with_parent():
+    """A program that outlives a drive would speak on the next terminal of the same name."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
 class Ecu:
     """The controller's program on a line, until the block ends."""
+
+    def error(self):
+        """Why it has ended, one line; None: it runs."""
+        if self._process.poll() is None:
+            return None
+        lines = self._output.read_text(errors="replace").strip().splitlines()
+        return lines[-1] if self._process.returncode > 0 and lines else f"ended with status {self._process.returncode}"
 
     def __init__(self, program, line, options, output):
         self._arguments = [str(program), "--bus", f"slcan:{line.name}", *options]
@@ -217,7 +238,8 @@ class Ecu:
 
     def __enter__(self):
         with open(self._output, "wb") as output:
-            self._process = subprocess.Popen(self._arguments, stdout=output, stderr=subprocess.STDOUT)
+            self._process = subprocess.Popen(self._arguments, stdout=output, stderr=subprocess.STDOUT,
+                                             preexec_fn=end_with_parent)
         return self
 
     def __exit__(self, *_):

@@ -11,13 +11,14 @@ import mujoco
 import numpy as np
 
 from tools.design import robot_json
-from tools.mujoco.articulation import IMPEDANCE, STICKING, TIMESTEP, articulated, model_xml
+from tools.mujoco.articulation import IMPEDANCE, STICKING, STIFFEST, TIMESTEP, articulated, model_xml, spring
 from tools.mujoco.drives import SIDES, BalancerDrive, SkidDrive
-from tools.mujoco.ground import Ground
+from tools.mujoco.ground import GRAVITY, Ground
 from tools.mujoco.instruments import Instruments, duty
 
 FALLEN = 1.0       # rad of pitch or roll against the vertical
 LOAD_TIME = 0.02   # s in which dry friction follows the loads
+SETTLING_RATE = 20.0  # 1/s, of tyres that creep: what treads of such robots take at their speeds, 7 to 22
 SETTLING = 0.5     # s in which a robot that needs no balance sinks into its tyres
 
 
@@ -94,15 +95,30 @@ class World:
     def _place(self):
         """On its wheels: a balancer upright, another robot as it sinks in."""
         up = self.conditions.ground.up()
-        self.data.qpos[2] = self._robot.radius
+        self.data.qpos[2] = self._robot.radius - self._robot.wheels[0].sinking
         if self.balances:
             pitch = math.atan2(up[0], up[2])
             self.data.qpos[3:7] = (math.cos(pitch / 2), 0, math.sin(pitch / 2), 0)
             mujoco.mj_forward(self.model, self.data)
+            weight = float(self.model.body_subtreemass[0]) * GRAVITY * up[2]
+            self._set_springs([weight / len(self._tyres)] * len(self._tyres))
         else:
+            for _ in range(2):  # the loads, then the springs that are right under them
+                self._settle()
+                self._set_springs(self._loads)
             self._settle()
         self.data.time = 0.0
         self._start = None
+
+    def _set_springs(self, loads):
+        """Of the tyres, each by its load; the caster's is the first tyre's."""
+        parts = len(self.conditions.ground.names())
+        softness = dict(zip((max(pair) for pair in self.data.contact.geom.tolist()),
+                           self.data.efc_R[self.data.contact.efc_address].tolist()))
+        for i, (geom, load) in enumerate(zip(self._tyres, loads)):
+            self.model.pair_solref[i * parts:(i + 1) * parts] = spring(self._robot.wheels[i].sinking, load, softness[geom])
+        self.model.pair_solref[len(self._tyres) * parts:] = self.model.pair_solref[0]
+        mujoco.mj_forward(self.model, self.data)
 
     def _settle(self):
         """With its wheels blocked, so that it stays where it is on a slope."""
@@ -111,6 +127,7 @@ class World:
         self.model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
         for _ in range(int(SETTLING / self.model.opt.timestep)):
             mujoco.mj_step(self.model, self.data)
+            self._follow_loads(self.model.opt.timestep)
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
         for dof in self._wheel_dofs:
             self.model.dof_damping[dof] = 0.0
@@ -176,30 +193,37 @@ class World:
         data, share = self.data, seconds / LOAD_TIME
         now = [0.0] * len(self._loads)
         forces = data.efc_force
-        for address, geom in zip(data.contact.efc_address.tolist(), data.contact.geom[:, 1].tolist()):
-            wheel = self._wheel_of.get(geom)
+        for address, geoms in zip(data.contact.efc_address.tolist(), data.contact.geom.tolist()):
+            wheel = self._wheel_of.get(geoms[0], self._wheel_of.get(geoms[1]))
             if address >= 0 and wheel is not None:
                 now[wheel] += float(forces[address])
-                self._softness[wheel] = float(data.efc_R[address + 1])
+                self._softness[wheel] = float(data.efc_R[address + 1]) * self.model.opt.impratio
         self._loads = [old + share * (new - old) for old, new in zip(self._loads, now)]
 
     def _set_grip(self):
-        """Of each tyre: friction by the patch on which it is; how fast it creeps by how fast it rolls."""
+        """Of each tyre: friction by the patch on which it is; how it creeps by how fast it rolls."""
         patches, parts = self.conditions.ground.patches, len(self.conditions.ground.names())
+        creeps = self._robot.wheels[0].slip_stiffness is not None
+        if creeps:
+            rates = self._creep_rates()
         for i, wheel in enumerate(self._robot.wheels):
             pairs = slice(i * parts, (i + 1) * parts)
             if patches:
                 x, y, _ = self.data.xpos[self._wheel_bodies[i]]
                 self.model.pair_friction[pairs, 0:2] = self.conditions.ground.friction_at(x, y, wheel.friction)
-            if wheel.slip_stiffness is not None:
-                self.model.pair_solreffriction[pairs, 1] = -IMPEDANCE * self._creep_rate(i, wheel)
+            if creeps:
+                self.model.pair_solreffriction[pairs, 1] = -IMPEDANCE * rates[i]
 
-    def _creep_rate(self, index, wheel):
-        """MuJoCo's friction is force = rate/R · slip below the cone; the tyre's is load · stiffness · slip/speed."""
-        speed = abs(self.data.qvel[self._wheel_dofs[index]]) * wheel.radius
-        fastest = -STICKING[1] / IMPEDANCE
-        wanted = self._softness[index] * self._loads[index] * wheel.slip_stiffness
-        return fastest if wanted >= fastest * speed else wanted / speed
+    def _creep_rates(self):
+        """MuJoCo's friction is force = rate/R · slip below the cone, and settles with the rate; the tyre's is load ·
+        stiffness · slip/speed. R is one of all contacts: by it the mean of the tyres settles with SETTLING_RATE."""
+        fastest, option = -STICKING[1] / IMPEDANCE, self.model.opt
+        speeds = [max(abs(float(self.data.qvel[dof])) * wheel.radius, 1e-6)
+                  for dof, wheel in zip(self._wheel_dofs, self._robot.wheels)]
+        wanted = [softness * load * wheel.slip_stiffness / speed for softness, load, wheel, speed in
+                  zip(self._softness, self._loads, self._robot.wheels, speeds)]
+        option.impratio = min(max(sum(wanted) / len(wanted) / SETTLING_RATE, 1.0), STIFFEST)
+        return [min(rate / option.impratio, fastest) for rate in wanted]
 
     def _set_push(self):
         """Of this tick."""

@@ -40,6 +40,7 @@ class BalancerScene {
     this.table = make("table", { id: "legs" });
     this.push = slider("Push", "push", 1, 40, 1, 8, "N");
     this.front = make("canvas", { className: "chart", id: "front", role: "img", "aria-label": "Energy over time of the route: what slower and faster drives take, and this drive" });
+    this.within = make("input", { type: "number", id: "within", min: 1, max: 1000, step: 1, "aria-label": "seconds in which the route shall be driven" });
     this.side = make("canvas", { className: "side", id: "side", role: "img", "aria-label": "The robot from its side" });
     this.chart = new Chart(this.front, "time, s", "energy, J");
     panel.replaceChildren(
@@ -53,7 +54,8 @@ class BalancerScene {
         button("Push back", "push-back", () => this.shove(-1)), button("Push forward", "push-forward", () => this.shove(1)),
         make("span", { className: "hint" }, "for 0.2 s at its centre of mass")), this.side));
     below.replaceChildren(
-      section("Joules against time", this.front,
+      section("Joules against time", this.front, make("div", { className: "row" }, make("label", { className: "row" }, "Within", this.within), "s",
+        button("Drive within", "drive-within", () => this.driveWithin())),
         make("p", { className: "hint" }, "Blue: what the route takes at each cruise, foretold from where it starts. Orange: this drive.")),
       section("Legs", this.table));
   }
@@ -78,6 +80,7 @@ class BalancerScene {
     }
     this.trail = [];
     this.spent = [[0, 0]];
+    this.isWithin = false;
     this.begun = 0; // the first waypoint of the route that is followed
     this.view = this.core.view("balancer");
     this.foretell();
@@ -91,6 +94,9 @@ class BalancerScene {
     const count = this.core.exports.balancer_front();
     const numbers = this.core.doubles(this.core.exports.balancer_front_points(), 3 * count);
     this.points = Array.from({ length: count }, (_, i) => [numbers[3 * i + 1], numbers[3 * i + 2]]);
+    if (count > 0 && document.activeElement !== this.within) {
+      this.within.value = Math.ceil(1.05 * this.points[count - 1][0]); // of the fastest
+    }
   }
 
   remaining() {
@@ -106,6 +112,7 @@ class BalancerScene {
       this.trail = [];
     }
     this.spent = [[0, 0]];
+    this.isWithin = false;
     route.forEach(({ x, y }) => this.core.exports.balancer_add(x, y));
     const status = this.core.exports.balancer_follow();
     this.view = this.core.view("balancer");
@@ -113,8 +120,28 @@ class BalancerScene {
     this.say(status === 0 ? `Under way over ${route.length} waypoints.` : `It cannot follow: ${Core.reason(status)}.`);
   }
 
+  /** As fast as is asked for, and for no more energy than that takes. */
+  driveWithin() {
+    const seconds = this.within.valueAsNumber;
+    this.foretell();
+    this.waypoints.forEach(({ x, y }) => this.core.exports.balancer_add(x, y));
+    const status = Number.isFinite(seconds) ? this.core.exports.balancer_drive_within(seconds) : -1;
+    if (status === -3) {
+      this.say(`It takes ${shown(Math.ceil(10 * this.core.exports.balancer_within_needs()) / 10)} s at least.`);
+    } else if (status !== 0) {
+      this.say(status === -7 ? "It drives: brake first, or wait until it stands." : `It cannot follow: ${Core.reason(status)}.`);
+    } else {
+      this.begun = 0;
+      this.trail = [];
+      this.spent = [[0, 0]];
+      this.over = false;
+      this.isWithin = true;
+      this.say(`Under way within ${shown(seconds)} s, for ${shown(this.core.exports.balancer_within_forecast())} J.`);
+    }
+  }
+
   change() {
-    if (this.view.is_driving) {
+    if (this.view.is_driving && !this.isWithin) {
       this.drive();
     } else {
       this.foretell();
@@ -161,13 +188,18 @@ class BalancerScene {
       this.say(`The route ended: ${Core.reason(view.status)}.`);
     } else if (!this.over && view.leg_count > 0 && view.leg === view.leg_count && !view.is_driving) {
       this.over = true;
-      this.say(`There: ${shown(view.driven_j, 2)} J of ${shown(view.forecast_j, 2)} J foretold.`);
+      this.say(`There: ${shown(view.driven_j, 2)} J of ${shown(this.forecast(), 2)} J foretold.`);
     }
   }
 
+  forecast() {
+    return this.isWithin ? this.core.exports.balancer_within_forecast() : this.view.forecast_j;
+  }
+
   gauges() {
-    const { forecast_j, deviation_j, driven_j, drawn_j, capacity_j, time_s } = this.view;
-    return { forecast: interval(forecast_j, deviation_j), driven: `${shown(driven_j, 2)} J`, battery: battery(drawn_j, capacity_j), time: `${shown(time_s)} s` };
+    const { deviation_j, driven_j, drawn_j, capacity_j, time_s } = this.view;
+    const forecast_j = this.forecast();
+    return { forecast: this.isWithin ? `${shown(forecast_j)} J <small>within a time: no interval</small>` : interval(forecast_j, deviation_j), driven: `${shown(driven_j, 2)} J`, battery: battery(drawn_j, capacity_j), time: `${shown(time_s)} s` };
   }
 
   /* ---- Hands ---- */

@@ -415,3 +415,34 @@ static void test_wheels_that_cannot_do_it_are_not_asked_to(void)
     rig_expect(JP_PATROL_STOPPED, JP_PATROL_INFEASIBLE);
     rig_expect_stand();
 }
+
+/* What comes of it after its turn is beside the goal by more than the tolerance. */
+static void test_a_robot_that_stands_beside_its_goal_steps_to_it(void)
+{
+    rig_go_to_heading(2.0f, 0.0f, 2.5f);
+    while (patrol.state != JP_PATROL_TURNING) {
+        rig_cycle();
+    }
+    robot.x += 0.12f;
+    (void)rig_until(JP_PATROL_STEPPING, RIG_LONG);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.05f, 2.0f, robot.x);
+    TEST_ASSERT_NEAR(config.heading_tolerance, 0.0f, jp_plane_wrap(robot.heading - 2.5f));
+}
+
+/* Where a wall is in the way of that step it stays where it is. */
+static void test_a_step_to_the_goal_that_is_not_free_is_not_taken(void)
+{
+    rig_go_to_heading(2.0f, 0.0f, 2.5f);
+    while (patrol.state != JP_PATROL_TURNING) {
+        rig_cycle();
+    }
+    robot.x += 0.12f;
+    while (!(jp_plane_magnitude(jp_plane_wrap(robot.heading - 2.5f)) < 0.3f)) {
+        rig_cycle();
+    }
+    rig_wall(1.6f, -1.0f, 1.6f, 1.0f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.05f, 2.12f, robot.x);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.steps);
+}

@@ -230,6 +230,23 @@ static void test_a_glide_into_a_goal_must_be_free(void)
     TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
 }
 
+/* The ends of the glide are free; between them a corner would come too near to a post. */
+static void test_a_glide_into_a_goal_must_be_free_on_its_way(void)
+{
+    struct jp_patrol_window window;
+
+    rig_wall(2.98f, 0.41f, 3.06f, 0.41f);
+    robot.x = 2.5f;
+    rig_init();
+    rig_go_to_heading(3.5f, 0.0f, 0.8f);
+    rig_cycle();
+    jp_patrol_look_ahead(&patrol, config.horizon, &window);
+    TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
+    wall_count = 0;
+    rig_cycle();
+    TEST_ASSERT_TRUE(patrol.state == JP_PATROL_GLIDING || jp_patrol_glide_in(&patrol, &window));
+}
+
 static void test_a_goal_behind_is_stepped_to(void)
 {
     rig_go_to_heading(-0.2f, 0.05f, 0.0f);
@@ -265,6 +282,20 @@ static void test_a_glide_that_cannot_stop_well_slows_down(void)
 static void test_a_glide_that_cannot_stop_stops(void)
 {
     glide_beside_wall(0.5f, 0.8f, 1.5f);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
+/* What it would meet is farther than it takes to stop, but it stands already. */
+static void test_a_glide_that_stands_before_a_wall_waits(void)
+{
+    robot.heading = 0.8f;
+    rig_init();
+    rig_wall(0.76f, -2.0f, 0.76f, 2.0f);
+    rig_cycle();
+    rig_go(2.5f, 0.0f);
+    jp_patrol_enter(&patrol, JP_PATROL_GLIDING, JP_PATROL_NONE);
+    jp_patrol_stand(&patrol);
+    jp_patrol_glide(&patrol);
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
 }
 

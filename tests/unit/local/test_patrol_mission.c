@@ -618,6 +618,20 @@ static void test_from_a_new_place_it_plans_anew(void)
     TEST_ASSERT_EQUAL_INT(JP_MISSION_ARRIVED, mission.state);
 }
 
+/* They were made from where it was not. */
+static void test_from_a_new_place_marks_are_forgotten(void)
+{
+    start(6.05f, 4.05f, 0.0f);
+    rig_wall(2.9f, 2.0f, 2.9f, 6.0f);
+    cycles(6);
+    TEST_ASSERT_TRUE(is_marked(2.9f));
+    wall_count = 0;
+    rig_sense();
+    input.is_new_place = true;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    TEST_ASSERT_FALSE(is_marked(2.9f));
+}
+
 /* What it sees while it does not know where it is marks nothing. */
 static void test_a_robot_that_is_lost_marks_nothing(void)
 {

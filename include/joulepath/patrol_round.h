@@ -1,0 +1,102 @@
+/**
+ * Hours of patrol: goes round between places, stays at each for a while, and is back at its charger while the energy in
+ * its battery lasts.
+ *
+ *            surveyed            energy suffices          arrived
+ *   SURVEYING ─────▶ CHARGING ─────────────────▶ LEAVING ─────────▶ DWELLING
+ *       ▲               ▲                          │  ▲                │
+ *       └── set out ────┤                          │  └─── suffices ───┤
+ *                       └──── HOMING ◀─────────────┴──── does not ─────┘
+ *
+ * Before it leaves for a place p the robot takes what it foretells of the way there, of its stay, and of the way from p
+ * to the charger, E ± σ, and goes home instead unless what the battery holds is at least
+ *
+ *   reserve + E + deviations σ
+ *
+ * where the deviations of the parts are added, as legs may err alike: 1.645 deviations are 95 %. So at each place the
+ * way home was foretold to be paid for. On its way it turns home when what is left of the leg and the way home from its
+ * end would no longer be. What each way takes is surveyed on the map before it sets out, and again at each charge, by
+ * then with what was learned.
+ *
+ * Single-precision floating point: part of libjoulepath_float. One context; not for ISRs.
+ */
+#ifndef JOULEPATH_PATROL_ROUND_H
+#define JOULEPATH_PATROL_ROUND_H
+
+#include <joulepath/patrol_pilot.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define JP_PATROL_STOPS_MAX 15U
+
+struct jp_patrol_stop {
+    struct jp_plane_pose pose;
+    float dwell; /**< s; 0…86 400 */
+};
+
+struct jp_patrol_round_config {
+    struct jp_patrol_stop stops[JP_PATROL_STOPS_MAX];
+    uint16_t stop_count;          /**< 1…JP_PATROL_STOPS_MAX */
+    struct jp_plane_pose charger; /**< where it also begins */
+    float full;                   /**< energy of the battery from which on it leaves the charger, J; above 0 */
+    float reserve;                /**< that shall be left at the charger, J; 0 or more */
+    float deviations;             /**< 1.645: 95 %; 0…10 */
+    float standing_power;         /**< of the robot that stays, W; 0 or more */
+};
+
+enum jp_patrol_round_state {
+    JP_ROUND_SURVEYING, /**< at the charger */
+    JP_ROUND_CHARGING,
+    JP_ROUND_LEAVING,  /**< to a place */
+    JP_ROUND_DWELLING, /**< there */
+    JP_ROUND_HOMING,   /**< to the charger */
+    JP_ROUND_FAILED    /**< see the reason */
+};
+
+enum jp_patrol_round_reason {
+    JP_ROUND_NO_REASON,
+    JP_ROUND_NO_WAY,    /**< between two of the places, or from where it is: `stop` says which it was to reach */
+    JP_ROUND_NO_ENERGY, /**< a full battery does not suffice for `stop` and back */
+    JP_ROUND_DRIVES_OFF /**< the drives were switched off under way */
+};
+
+/** The members but `internal` may be read. */
+struct jp_patrol_round {
+    enum jp_patrol_round_state state;
+    enum jp_patrol_round_reason reason;
+    uint16_t stop;    /**< that it goes to or stays at; stop_count: the charger */
+    uint32_t visits;  /**< of places, saturating */
+    uint32_t charges; /**< times that it came home, saturating */
+    uint32_t skipped; /**< places that it gave up and went on to the next, saturating */
+    float least_left; /**< least energy with which it came home, J */
+    struct {
+        struct jp_patrol_round_config config;
+        struct jp_patrol_pilot *pilot;
+        struct jp_patrol_leg_forecast out[JP_PATROL_STOPS_MAX];    /* from the charger */
+        struct jp_patrol_leg_forecast onward[JP_PATROL_STOPS_MAX]; /* from the stop before */
+        struct jp_patrol_leg_forecast home[JP_PATROL_STOPS_MAX];
+        float pace;         /* factor when they were surveyed */
+        uint16_t surveyed;  /* ways */
+        bool is_asked;      /* for the next one */
+        bool is_at_charger; /* else at the stop before */
+        float stayed;       /* s */
+        uint16_t failures;  /* places in a row that were given up */
+    } internal;
+};
+
+/** Prepares a round of a robot at its charger whose pilot has a map. JP_ERR_CONFIG: *field names the first field out of
+ *  range. JP_ERR_ARGUMENT: a pointer is null. The pilot must stay, and is used by nobody else meanwhile. */
+enum jp_status jp_patrol_round_init(struct jp_patrol_round *round, const struct jp_patrol_round_config *config,
+                                    struct jp_patrol_pilot *pilot, const char **field);
+
+/** After each jp_patrol_pilot_work(), `seconds` after the last call: `available`, J, is what the battery holds now.
+ *  Constant time but for jp_patrol_pilot_go() and _survey(). */
+enum jp_patrol_round_state jp_patrol_round_work(struct jp_patrol_round *round, float available, float seconds);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,318 @@
+#include <joulepath/patrol_round.h>
+
+#include <joulepath/count.h>
+
+#include "src/base/config_check.h"
+#include "src/base/plane.h"
+
+#define DWELL_MAX      86400.0f
+#define DEVIATIONS_MAX 10.0f
+
+/* Start. */
+
+static bool is_at_least(float value, float least)
+{
+    return value >= least && value <= FLT_MAX;
+}
+
+static enum jp_status check_stop(const struct jp_patrol_stop *stop, const char **field)
+{
+    if (!jp_plane_is_pose(&stop->pose)) {
+        return jp_config_refuse("stops.pose", field);
+    }
+    return is_at_least(stop->dwell, 0.0f) && stop->dwell <= DWELL_MAX ? JP_OK : jp_config_refuse("stops.dwell", field);
+}
+
+static enum jp_status check_stops(const struct jp_patrol_round_config *config, const char **field)
+{
+    if (config->stop_count == 0U || config->stop_count > JP_PATROL_STOPS_MAX) {
+        return jp_config_refuse("stop_count", field);
+    }
+    for (uint16_t i = 0; i < config->stop_count; i++) {
+        const enum jp_status status = check_stop(&config->stops[i], field);
+
+        if (status != JP_OK) {
+            return status;
+        }
+    }
+    return jp_plane_is_pose(&config->charger) ? JP_OK : jp_config_refuse("charger", field);
+}
+
+static enum jp_status check(const struct jp_patrol_round_config *config, const char **field)
+{
+    const enum jp_status status = check_stops(config, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    if (!is_at_least(config->full, FLT_MIN)) {
+        return jp_config_refuse("full", field);
+    }
+    if (!is_at_least(config->reserve, 0.0f)) {
+        return jp_config_refuse("reserve", field);
+    }
+    if (!is_at_least(config->deviations, 0.0f) || config->deviations > DEVIATIONS_MAX) {
+        return jp_config_refuse("deviations", field);
+    }
+    return is_at_least(config->standing_power, 0.0f) ? JP_OK : jp_config_refuse("standing_power", field);
+}
+
+static void begin_survey(struct jp_patrol_round *round)
+{
+    round->state = JP_ROUND_SURVEYING;
+    round->internal.surveyed = 0;
+    round->internal.is_asked = false;
+    round->internal.is_at_charger = true;
+    round->internal.pace = jp_patrol_pace_factor(&round->internal.pilot->ledger.pace, 1.0f);
+}
+
+enum jp_status jp_patrol_round_init(struct jp_patrol_round *round, const struct jp_patrol_round_config *config,
+                                    struct jp_patrol_pilot *pilot, const char **field)
+{
+    if (round == NULL || config == NULL || pilot == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    const enum jp_status status = check(config, field);
+
+    if (status == JP_OK) {
+        *round = (struct jp_patrol_round){.least_left = FLT_MAX, .internal = {.config = *config, .pilot = pilot}};
+        begin_survey(round);
+    }
+    return status;
+}
+
+static void fail(struct jp_patrol_round *round, enum jp_patrol_round_reason reason)
+{
+    round->state = JP_ROUND_FAILED;
+    round->reason = reason;
+}
+
+/* Surveys: of each stop the way from the charger, from the stop before, and home. */
+
+enum { OUT, ONWARD, HOME, WAYS };
+
+static const struct jp_plane_pose *pose_before(const struct jp_patrol_round *round, uint16_t stop)
+{
+    const struct jp_patrol_round_config *config = &round->internal.config;
+
+    return &config->stops[(stop + config->stop_count - 1U) % config->stop_count].pose;
+}
+
+static enum jp_status ask(struct jp_patrol_round *round, uint16_t stop, unsigned way)
+{
+    const struct jp_patrol_round_config *config = &round->internal.config;
+    const struct jp_plane_pose *there = &config->stops[stop].pose;
+    struct jp_patrol_pilot *pilot = round->internal.pilot;
+
+    round->internal.is_asked = true;
+    if (way == (unsigned)OUT) {
+        return jp_patrol_pilot_survey(pilot, &config->charger, there);
+    }
+    return way == (unsigned)ONWARD ? jp_patrol_pilot_survey(pilot, pose_before(round, stop), there)
+                                   : jp_patrol_pilot_survey(pilot, there, &config->charger);
+}
+
+static struct jp_patrol_leg_forecast *forecast_of(struct jp_patrol_round *round, uint16_t stop, unsigned way)
+{
+    if (way == (unsigned)OUT) {
+        return &round->internal.out[stop];
+    }
+    return way == (unsigned)ONWARD ? &round->internal.onward[stop] : &round->internal.home[stop];
+}
+
+static void survey(struct jp_patrol_round *round)
+{
+    const uint16_t stop = (uint16_t)(round->internal.surveyed / (unsigned)WAYS);
+    const unsigned way = round->internal.surveyed % (unsigned)WAYS;
+    enum jp_status status;
+
+    if (!round->internal.is_asked) {
+        status = ask(round, stop, way);
+        if (status != JP_OK) {
+            round->stop = stop;
+            fail(round, JP_ROUND_NO_WAY);
+        }
+        return;
+    }
+    status = jp_patrol_pilot_surveyed(round->internal.pilot, forecast_of(round, stop, way));
+    if (status == JP_OK) {
+        round->internal.is_asked = false;
+        round->internal.surveyed++;
+        if (round->internal.surveyed == round->internal.config.stop_count * (unsigned)WAYS) {
+            round->state = JP_ROUND_CHARGING;
+        }
+    } else if (status != JP_WORKING) {
+        round->stop = stop;
+        fail(round, JP_ROUND_NO_WAY);
+    } else {
+        /* The pilot works on it. */
+    }
+}
+
+/* Energy. */
+
+/** By what legs have taken beyond their plans since. */
+static float pace_since(const struct jp_patrol_round *round)
+{
+    return jp_patrol_pace_factor(&round->internal.pilot->ledger.pace, 1.0f) / round->internal.pace;
+}
+
+static float bound_of(const struct jp_patrol_round *round, const struct jp_patrol_leg_forecast *forecast)
+{
+    return pace_since(round) * (forecast->energy + round->internal.config.deviations * forecast->deviation);
+}
+
+/** To the stop, there, and home again. */
+static float needed_for(const struct jp_patrol_round *round, uint16_t stop)
+{
+    const struct jp_patrol_round_config *config = &round->internal.config;
+    const struct jp_patrol_leg_forecast *leg =
+        round->internal.is_at_charger ? &round->internal.out[stop] : &round->internal.onward[stop];
+
+    return config->reserve + bound_of(round, leg) + config->standing_power * config->stops[stop].dwell +
+           bound_of(round, &round->internal.home[stop]);
+}
+
+/** On the way to a stop: what is left of it, and home from there. */
+static bool must_turn_back(const struct jp_patrol_round *round, float available)
+{
+    struct jp_patrol_leg_forecast left;
+    float length;
+
+    if (jp_patrol_pilot_progress(round->internal.pilot, &length, &left) != JP_OK) {
+        return false;
+    }
+    return available < round->internal.config.reserve + bound_of(round, &left) +
+                           bound_of(round, &round->internal.home[round->stop]);
+}
+
+/* Legs. */
+
+static void go(struct jp_patrol_round *round, uint16_t stop, enum jp_patrol_round_state state)
+{
+    const struct jp_patrol_round_config *config = &round->internal.config;
+    const struct jp_plane_pose *goal = stop < config->stop_count ? &config->stops[stop].pose : &config->charger;
+
+    round->stop = stop;
+    round->state = state;
+    if (jp_patrol_pilot_go(round->internal.pilot, goal) != JP_OK) {
+        fail(round, JP_ROUND_DRIVES_OFF);
+    }
+}
+
+static void go_home(struct jp_patrol_round *round)
+{
+    go(round, round->internal.config.stop_count, JP_ROUND_HOMING);
+}
+
+static uint16_t next_stop(const struct jp_patrol_round *round)
+{
+    return (uint16_t)((round->stop + 1U) % round->internal.config.stop_count);
+}
+
+/** To this stop if the energy suffices, else home; at the charger the battery is full. */
+static void leave_for(struct jp_patrol_round *round, uint16_t stop, float available)
+{
+    if (available >= needed_for(round, stop)) {
+        go(round, stop, JP_ROUND_LEAVING);
+    } else if (!round->internal.is_at_charger) {
+        go_home(round);
+    } else {
+        round->stop = stop;
+        fail(round, JP_ROUND_NO_ENERGY);
+    }
+}
+
+static void charge(struct jp_patrol_round *round, float available)
+{
+    const uint16_t count = round->internal.config.stop_count;
+
+    if (available >= round->internal.config.full) {
+        leave_for(round, (uint16_t)(round->visits + round->skipped) % count, available);
+    }
+}
+
+static bool has_reached(const struct jp_patrol_round *round)
+{
+    uint16_t of;
+
+    return jp_patrol_pilot_reached(round->internal.pilot, &of) == 1U;
+}
+
+static void arrive(struct jp_patrol_round *round, float available)
+{
+    round->internal.failures = 0;
+    if (round->state == JP_ROUND_LEAVING) {
+        round->internal.is_at_charger = false;
+        round->internal.stayed = 0.0f;
+        round->visits = jp_one_more32(round->visits);
+        round->state = JP_ROUND_DWELLING;
+    } else {
+        round->charges = jp_one_more32(round->charges);
+        round->least_left = jp_plane_smaller(round->least_left, available);
+        begin_survey(round);
+    }
+}
+
+/** A place that cannot be reached now, as somebody stands in the way, is left out; home is tried again. */
+static void pass_over(struct jp_patrol_round *round, float available)
+{
+    const bool is_home = round->state == JP_ROUND_HOMING;
+
+    round->internal.failures++;
+    if (jp_four_wheel_robot_state_now(round->internal.pilot->internal.robot) == JP_FOUR_WHEEL_ROBOT_IDLE) {
+        fail(round, JP_ROUND_DRIVES_OFF);
+    } else if (round->internal.failures > round->internal.config.stop_count) {
+        fail(round, JP_ROUND_NO_WAY);
+    } else if (is_home || available < needed_for(round, next_stop(round))) {
+        go_home(round);
+    } else {
+        round->skipped = jp_one_more32(round->skipped);
+        round->internal.is_at_charger = false;
+        go(round, next_stop(round), JP_ROUND_LEAVING);
+    }
+}
+
+static void drive(struct jp_patrol_round *round, float available)
+{
+    if (jp_patrol_pilot_is_under_way(round->internal.pilot)) {
+        if (round->state == JP_ROUND_LEAVING && must_turn_back(round, available)) {
+            go_home(round);
+        }
+    } else if (has_reached(round)) {
+        arrive(round, available);
+    } else {
+        pass_over(round, available);
+    }
+}
+
+static void dwell(struct jp_patrol_round *round, float available, float seconds)
+{
+    round->internal.stayed += seconds;
+    if (round->internal.stayed >= round->internal.config.stops[round->stop].dwell) {
+        leave_for(round, next_stop(round), available);
+    }
+}
+
+enum jp_patrol_round_state jp_patrol_round_work(struct jp_patrol_round *round, float available, float seconds)
+{
+    switch (round->state) {
+    case JP_ROUND_SURVEYING:
+        survey(round);
+        break;
+    case JP_ROUND_CHARGING:
+        charge(round, available);
+        break;
+    case JP_ROUND_LEAVING:
+    case JP_ROUND_HOMING:
+        drive(round, available);
+        break;
+    case JP_ROUND_DWELLING:
+        dwell(round, available, seconds);
+        break;
+    case JP_ROUND_FAILED:
+    default:
+        break;
+    }
+    return round->state;
+}
