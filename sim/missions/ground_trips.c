@@ -33,14 +33,14 @@ static double true_power(const struct skid_steer_model *model, double speed, dou
 {
     static const struct skid_ground level = {NULL, NULL};
     static const struct planar_pose pose = {0, 0, 0};
-    struct skid_drive drive;
+    struct skid_drive steady;
 
-    skid_drive_start(&drive, model, &level, &pose, 1);
-    drive_steadily(&drive, speed, turn_rate, STEADY_SECONDS);
-    const double before = skid_drive_energy(&drive);
+    skid_drive_start(&steady, model, &level, &pose, 1);
+    drive_steadily(&steady, speed, turn_rate, STEADY_SECONDS);
+    const double before = skid_drive_energy(&steady);
 
-    drive_steadily(&drive, speed, turn_rate, MEASURE_SECONDS);
-    return (skid_drive_energy(&drive) - before) / MEASURE_SECONDS;
+    drive_steadily(&steady, speed, turn_rate, MEASURE_SECONDS);
+    return (skid_drive_energy(&steady) - before) / MEASURE_SECONDS;
 }
 
 void ground_trips_truth(const struct lattice_robot *robot, const struct map_file *map,

@@ -174,7 +174,7 @@ static void count(struct jp_ground_learner *learner, enum jp_learned learned)
 /** By how much one counts before another one. */
 static int rank(enum jp_learned learned)
 {
-    static const int8_t ranks[] = {
+    static const int8_t ranks[4] = {
         [JP_LEARNED] = 1, [JP_LEARNED_NOTHING] = 0, [JP_LEARNED_OUTLIER] = 2, [JP_LEARNED_CHANGE] = 3};
 
     return ranks[learned];

@@ -50,15 +50,12 @@ void jp_skid_ground_drive_total(const struct jp_skid_ground_drive *drive, struct
     }
 }
 
-static struct jp_ground_change change_of(const struct jp_skid_ground_drive *drive)
+static void set_change(struct jp_ground_change *change, const struct jp_skid_ground_drive *drive)
 {
-    struct jp_ground_change change;
-
     for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
-        change.by_factor[k][JP_GROUND_ROLLING] = drive->on[k].change[JP_SKID_ROLLING];
-        change.by_factor[k][JP_GROUND_FRICTION] = drive->on[k].change[JP_SKID_FRICTION];
+        change->by_factor[k][JP_GROUND_ROLLING] = drive->on[k].change[JP_SKID_ROLLING];
+        change->by_factor[k][JP_GROUND_FRICTION] = drive->on[k].change[JP_SKID_FRICTION];
     }
-    return change;
 }
 
 static bool crosses_others(const struct jp_skid_ground_drive *drive)
@@ -77,9 +74,12 @@ static bool crosses_others(const struct jp_skid_ground_drive *drive)
 static enum jp_status learn_grounds(struct jp_skid_grounds *grounds, const struct jp_skid_learner *robot,
                                     const struct jp_skid_ground_drive *drive, jp_q16 measured, enum jp_learned *learned)
 {
-    const struct jp_ground_change change = change_of(drive);
+    struct jp_ground_change change;
     struct jp_skid_ground_sum sum = {.robot = {.energy = 0}};
     struct jp_forecast expected;
+
+    set_change(&change, drive);
+
     enum jp_status status = jp_skid_grounds_forecast_add(robot, &sum, drive);
 
     if (status == JP_OK) {
@@ -121,9 +121,10 @@ enum jp_status jp_skid_grounds_forecast_add(const struct jp_skid_learner *robot,
     if (robot == NULL || sum == NULL || drive == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    const struct jp_ground_change change = change_of(drive);
+    struct jp_ground_change change;
     struct jp_skid_drive total;
 
+    set_change(&change, drive);
     jp_skid_ground_drive_total(drive, &total);
 
     const enum jp_status status = jp_skid_forecast_add(robot, &sum->robot, &total);

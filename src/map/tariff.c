@@ -7,7 +7,8 @@
 
 enum { FRACTION_BITS = 16, MS_PER_S = 1000, MM2_PER_MS_IN_M2_PER_S = 1000 };
 
-#define SPEED_SQUARE_MAX JP_Q16(64)         /* m²/s²: that of jp_motion */
+#define SPEED_SQUARE_MAX JP_Q16(64) /* m²/s²: that of jp_motion */
+#define QUARTER_TURN     ((jp_angle)1 << 30)
 #define TURN_IN_Q24_RAD  INT64_C(105414357) /* 2π */
 
 /** By what the bases are computed. */
@@ -220,7 +221,9 @@ static jp_q16 lesser(jp_q16 a, jp_q16 b)
 /** What a factor is more than the least one, in 1/JP_GROUND_ONE, rounded down. */
 static uint16_t share_of(jp_q16 factor, jp_q16 least)
 {
-    return (uint16_t)(((int64_t)factor - least) * (int64_t)JP_GROUND_ONE / least);
+    const int64_t share = ((int64_t)factor - least) * (int64_t)JP_GROUND_ONE / least;
+
+    return (uint16_t)share;
 }
 
 static void price_grounds(struct jp_lattice *lattice, const struct jp_tariff_grounds *grounds,
@@ -248,7 +251,7 @@ static bool is_side(const struct jp_lattice *lattice, struct jp_cell_offset side
 /** Where the left wheels are, as far as all primitives sweep it. */
 static struct jp_cell_offset side_along(const struct jp_lattice *lattice, unsigned direction, jp_q16 half_track)
 {
-    const jp_angle across = lattice->heading[direction] + JP_ANGLE_DEGREES(90);
+    const jp_angle across = lattice->heading[direction] + QUARTER_TURN;
     struct jp_cell_offset side;
 
     do {

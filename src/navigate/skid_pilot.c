@@ -57,7 +57,7 @@ enum jp_status jp_skid_pilot_init(struct jp_skid_pilot *pilot, const struct jp_s
         jp_skid_learner_start(&pilot->learner, config->learning, config->model);
     }
     if (status == JP_OK && config->grounds != NULL) {
-        jp_skid_grounds_start(config->grounds, config->ground_learning, &pilot->learner);
+        jp_skid_grounds_start(pilot->config.grounds, pilot->config.ground_learning, &pilot->learner);
     }
     return status;
 }
@@ -323,7 +323,7 @@ static void survey_leg(struct jp_skid_pilot *pilot)
 {
     struct jp_skid_pilot_internal *internal = &pilot->internal;
     const struct jp_skid_knowledge known = known_to(pilot);
-    struct jp_skid_ground_drive drive = {.on = {{.energy = 0}}};
+    struct jp_skid_ground_drive drive = {.at_edges = 0};
 
     jp_skid_run_leg_energy(&internal->run, &internal->surveyed, &known, &drive, &pilot->duration);
     if (jp_skid_grounds_forecast_add(&pilot->learner, &internal->sum, &drive) != JP_OK) {

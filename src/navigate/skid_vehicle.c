@@ -144,7 +144,7 @@ static void add_leg(struct jp_skid_vehicle *skid)
     struct jp_skid_survey *survey = &skid->survey;
     const struct jp_skid_learner *learner = &skid->pilot->learner;
     const struct jp_skid_knowledge known = {learner, skid->pilot->config.grounds};
-    struct jp_skid_ground_drive drive = {.on = {{.energy = 0}}};
+    struct jp_skid_ground_drive drive = {.at_edges = 0};
 
     jp_skid_run_leg_energy(&survey->run, &survey->leg, &known, &drive, &survey->sum.duration);
     (void)jp_skid_grounds_forecast_add(learner, &survey->sum.energy, &drive);

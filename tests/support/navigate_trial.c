@@ -70,9 +70,8 @@ static bool is_as_it_must_be(const struct navigate_trial *trial)
 {
     const struct navigation_result *result = &trial->result;
 
-    return result->state == JP_NAVIGATOR_ARRIVED
-               ? result->goal_error_m < ARRIVED_MAX
-               : !trial->is_reachable && result->state == JP_NAVIGATOR_UNREACHABLE;
+    return result->state == JP_NAVIGATOR_ARRIVED ? result->goal_error_m < ARRIVED_MAX
+                                                 : !trial->is_reachable && result->state == JP_NAVIGATOR_UNREACHABLE;
 }
 
 static bool drive_balancer(const struct navigation_task *task, const struct navigate_robot *robot,

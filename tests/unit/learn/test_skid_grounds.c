@@ -140,6 +140,18 @@ static void test_a_leg_over_two_grounds(void)
     expect_factors(2, JP_Q16(2), JP_Q16_ONE, JP_Q16(0.12));
 }
 
+/* Nobody knows on which ground it was. */
+static void test_a_leg_along_an_edge_teaches_nothing(void)
+{
+    drive_on(1, JP_Q16(10));
+    known.at_edges = known.on[1].energy / 15;
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_NOTHING, learn());
+    TEST_ASSERT_EQUAL_UINT32(0, grounds.learner.states[1].version);
+    drive_on(1, JP_Q16(10));
+    known.at_edges = known.on[1].energy / 17;
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn());
+}
+
 /* ---- Forecast ---- */
 
 static void test_forecasts_are_wider_where_the_ground_is_not_known(void)

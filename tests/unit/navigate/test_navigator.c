@@ -494,4 +494,5 @@ static void test_the_vehicle_knows_the_ground(void)
     TEST_ASSERT_INT32_WITHIN(4, jp_terrain_height(&terrain, &place),
                              robot.ground->elevation(robot.ground->context, &ahead));
     TEST_ASSERT_EQUAL_INT32(map.resolution, robot.ground->spacing);
+    TEST_ASSERT_EQUAL_INT(0, robot.ground->class_at(robot.ground->context, &ahead));
 }

@@ -368,6 +368,43 @@ static void test_legs_on_class_0_teach_the_robot(void)
     TEST_ASSERT_EQUAL_MEMORY(&pilot.learner.model, &known_grounds.models[3], sizeof pilot.learner.model);
 }
 
+/* In bands of 0.5 m across the x axis. */
+static uint8_t class_in_bands(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    return point->x > 0 && (point->x / JP_Q16(0.5)) % 2 == 1 ? 1 : 0;
+}
+
+static void drive_over_bands(uint32_t ticks_a_call)
+{
+    static const struct jp_ground bands = {level_at, class_in_bands, NULL, JP_Q16(0.1), 0};
+    struct jp_skid_pilot_route route = route_of(square, 1);
+
+    route.ground = &bands;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_follow(&pilot, &route));
+    drive_legs(1, ticks_a_call);
+}
+
+/* The leg lies on four bands, the turn before it on none of them. */
+static void test_what_is_learned_from_are_the_parts_of_a_leg_on_one_ground(void)
+{
+    set_up_grounds();
+    drive_over_bands(1);
+    TEST_ASSERT_EQUAL_UINT16(1, pilot.legs_ended);
+    TEST_ASSERT_EQUAL_UINT32(4, pilot.legs_learned_from);
+    TEST_ASSERT_EQUAL_UINT32(2, known_grounds.learner.states[1].version);
+    TEST_ASSERT_EQUAL_UINT32(2, pilot.learner.state.version);
+}
+
+static void test_parts_that_end_between_two_calls_teach_nothing(void)
+{
+    set_up_grounds();
+    drive_over_bands(4 * RATE);
+    TEST_ASSERT_EQUAL_UINT16(1, pilot.legs_ended);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, pilot.legs_left_out);
+    TEST_ASSERT_LESS_THAN_UINT32(4, pilot.legs_learned_from);
+}
+
 static void test_forecasts_are_by_the_class_of_the_ground(void)
 {
     struct jp_skid_pilot_route route = route_of(square, SQUARE);

@@ -263,3 +263,40 @@ static void test_a_leg_by_the_ground_of_its_pieces(void)
     TEST_ASSERT_TRUE(other.on[0].energy == drive.on[0].energy);
     TEST_ASSERT_TRUE(other.on[2].energy > drive.on[2].energy + drive.on[2].energy / 4);
 }
+
+/* To the left of the x axis. */
+static uint8_t mud_to_the_left(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    return point->y > 0 ? 1 : 0;
+}
+
+static void test_each_side_is_on_its_own_ground(void)
+{
+    static const struct jp_point target = {JP_Q16(2), 0};
+    static const struct jp_ground ground = {level_at, mud_to_the_left, NULL, JP_Q16(0.5), JP_Q16(0.1)};
+    struct jp_line_route route = {.targets = &target, .count = 1, .ground = &ground, .half_track = JP_Q16(0.3)};
+    struct jp_skid_learner robot;
+    const struct jp_skid_knowledge alike = {&robot, NULL};
+    struct jp_skid_ground_drive drive = {.at_edges = 0};
+    struct jp_skid_leg leg = {.end = 0};
+    jp_q16 duration = 0;
+
+    jp_skid_learner_start(&robot, &jp_skid_learning_zhang2018, config.model);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_run_lay(&run, &config, &route, 0));
+    while (jp_skid_run_plan(&run, &config, config.model)) {
+    }
+    TEST_ASSERT_TRUE(jp_skid_run_next_leg(&run, &leg));
+    jp_skid_run_leg_energy(&run, &leg, &alike, &drive, &duration);
+    TEST_ASSERT_TRUE(drive.on[0].energy > 0 && drive.on[0].energy == drive.on[1].energy && drive.at_edges == 0);
+    /* Within the margin of the edge. */
+    route.half_track = JP_Q16(0.05);
+    drive = (struct jp_skid_ground_drive){.at_edges = 0};
+    leg = (struct jp_skid_leg){.end = 0};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_run_lay(&run, &config, &route, 0));
+    while (jp_skid_run_plan(&run, &config, config.model)) {
+    }
+    TEST_ASSERT_TRUE(jp_skid_run_next_leg(&run, &leg));
+    jp_skid_run_leg_energy(&run, &leg, &alike, &drive, &duration);
+    TEST_ASSERT_TRUE(drive.at_edges > 0);
+}
