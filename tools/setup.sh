@@ -4,6 +4,9 @@
 #   design    what makes tables and imports maps
 #   operate   what speaks with a robot over CAN or LCM
 #   campaign  what runs missions on all cores or a cluster
+#   python    what builds the Python package
+#   page      what compiles the page in the browser
+#   mujoco    design, operate, and the other physics in which robots are driven (tools/mujoco)
 #   firmware  the Arm tool chain and its emulator
 #   vcan      operate, the CAN tools and, where this kernel has no vcan, one to emulate (tools/operate/with_vcan.sh)
 #   test      all of them, the second compiler, the checkers and the RISC-V tool chain (the default)
@@ -18,8 +21,11 @@ cd "$(dirname "$0")/.."
 sil_packages=(build-essential libccd-dev libconfig-dev libjansson-dev liblcm-dev libnlopt-dev pkg-config python3-venv)
 vcan_packages=(can-utils iproute2 util-linux)
 emulator_packages=(busybox-static qemu-system-x86 xz-utils)
+python_packages=(cmake)
+page_packages=(clang lld wasi-libc)
 firmware_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
-test_packages=(gcc-multilib clang cmake cppcheck gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
+mujoco_packages=(libegl1 libgl1-mesa-dri)
+test_packages=(gcc-multilib clang cmake cppcheck musl-dev gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
 bench_packages=(libigraph-dev libompl-dev)
 
 die() {
@@ -38,11 +44,15 @@ missing_packages() {
     done
 }
 
-# clang's run-time library with the sanitizers; its name holds the version of clang, and older releases keep it in
-# libclang-common.
+# Of the package, which names of others hold.
+clang_version() {
+    apt-cache depends clang 2>/dev/null | sed -n 's/.*Depends: clang-\([0-9]*\)$/\1/p' | head -n 1
+}
+
+# clang's run-time library with the sanitizers; older releases keep it in libclang-common.
 clang_runtime() {
     local version
-    version=$(apt-cache depends clang 2>/dev/null | sed -n 's/.*Depends: clang-\([0-9]*\)$/\1/p' | head -n 1)
+    version=$(clang_version)
     [ -n "$version" ] || return 0
     if apt-cache show "libclang-rt-$version-dev" >/dev/null 2>&1; then
         echo "libclang-rt-$version-dev"
@@ -53,6 +63,23 @@ clang_runtime() {
 
 has_clang_runtime() {
     compgen -G "$(clang -print-resource-dir 2>/dev/null)/lib/*/libclang_rt.asan*" >/dev/null
+}
+
+has_wasm_runtime() {
+    compgen -G "$(clang -print-resource-dir 2>/dev/null)/lib/wasi/libclang_rt.builtins-wasm32.a" >/dev/null
+}
+
+has_browser() {
+    command -v chromium || command -v chromium-browser || command -v google-chrome
+} >/dev/null
+
+# Packages whose names differ from release to release.
+missing_by_release() {
+    local browser=chromium
+    ! wants test || has_clang_runtime || clang_runtime
+    ! wants page || has_wasm_runtime || echo "libclang-rt-$(clang_version)-dev-wasm32"
+    apt-cache show "$browser" >/dev/null 2>&1 || browser=chromium-browser
+    ! wants test || has_browser || echo "$browser"
 }
 
 # With a terminal, asks once.
@@ -84,17 +111,16 @@ install_packages() {
     confirm
     as_root apt-get update -q >/dev/null ||
         die "apt-get update failed: check the network and /etc/apt/sources.list"
-    if wants test && ! has_clang_runtime; then
-        set -- "$@" "$(clang_runtime)"
-        echo "setup: and the run-time library of clang: ${*: -1}"
-    fi
+    mapfile -t by_release < <(missing_by_release)
+    [ ${#by_release[@]} -eq 0 ] || echo "setup: and what this release calls: ${by_release[*]}"
+    set -- "$@" "${by_release[@]}"
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" >/dev/null ||
         die "apt-get install failed: $*"
 }
 
 check_packages() {
     mapfile -t missing < <(missing_packages "$@")
-    if wants test && [ ${#missing[@]} -eq 0 ] && ! has_clang_runtime; then
+    if [ ${#missing[@]} -eq 0 ] && [ -n "$(missing_by_release)" ]; then
         missing=(clang)
     fi
     [ ${#missing[@]} -eq 0 ] && return
@@ -173,11 +199,14 @@ missing_python() {
 
 missing_programs() {
     local tool tools=(gcc ar pkg-config)
+    ! wants python || tools+=(cmake)
+    ! wants page || tools+=(clang wasm-ld)
     ! wants firmware || tools+=(arm-none-eabi-gcc qemu-system-arm)
     ! wants test || tools+=(g++ clang cmake cppcheck riscv64-unknown-elf-gcc qemu-system-riscv32)
     for tool in "${tools[@]}"; do
         command -v "$tool" >/dev/null || echo "$tool"
     done
+    ! wants test || has_browser || echo chromium
 }
 
 missing_libraries() {
@@ -190,6 +219,9 @@ missing_libraries() {
     gcc -E -include lcm/lcm.h -x c /dev/null >/dev/null 2>&1 || echo lcm
     ! wants test || riscv64-unknown-elf-gcc --specs=picolibc.specs -E -x c /dev/null >/dev/null 2>&1 ||
         echo "picolibc for RISC-V"
+    ! wants page || clang --target=wasm32-wasi -E -include stdio.h -x c /dev/null >/dev/null 2>&1 || echo wasi-libc
+    ! wants page || has_wasm_runtime || echo "clang's run-time library for wasm32"
+    ! wants test || [ -e "/usr/lib/$(uname -m)-linux-musl/libc.a" ] || echo musl
 }
 
 # For people who manage their own packages.
@@ -224,21 +256,26 @@ scopes=()
 for argument in "$@"; do
     case $argument in
     --yes) yes=1 ;;
-    sil | design | operate | campaign | firmware | vcan | test | bench) scopes+=("$argument") ;;
-    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|firmware|vcan|test|bench]..." ;;
+    sil | design | operate | campaign | python | page | mujoco | firmware | vcan | test | bench) scopes+=("$argument") ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|python|page|mujoco|firmware|vcan|test|bench]..." ;;
     esac
 done
 [ ${#scopes[@]} -gt 0 ] || scopes=(test)
 
 packages=("${sil_packages[@]}")
 requirements=(sil)
+! wants python || packages+=("${python_packages[@]}")
+! wants page || packages+=("${page_packages[@]}")
 ! wants firmware || packages+=("${firmware_packages[@]}")
 ! wants vcan || packages+=("${vcan_packages[@]}")
+! wants mujoco || packages+=("${mujoco_packages[@]}")
 ! wants test || packages+=("${test_packages[@]}")
 ! asks bench || packages+=("${bench_packages[@]}")
-! wants design || requirements+=(design)
-! wants operate vcan || requirements+=(operate)
+! wants design mujoco || requirements+=(design)
+! wants operate vcan mujoco || requirements+=(operate)
 ! wants campaign || requirements+=(campaign)
+! wants python || requirements+=(python)
+! wants mujoco || requirements+=(mujoco)
 ! wants test || requirements+=(test)
 if [ "${JP_SETUP:-}" = skip ]; then
     report_missing

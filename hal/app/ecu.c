@@ -8,6 +8,9 @@
 /** Without a frame of another controller for so long it is gone, ms. */
 #define CONFLICT_MS 500U
 
+/** From the start until sensors on the bus must have come, s. */
+#define SENSORS_START 1U
+
 /** What was learned is reported at least so often, s⁻¹. */
 #define LEARNED_RATE 1U
 
@@ -304,8 +307,8 @@ static void send_telemetry(struct jp_ecu *ecu)
 void jp_ecu_tick(struct jp_ecu *ecu)
 {
     watch_bus(ecu);
-    /* Before the first sample there is nothing to control, and that is no fault. */
-    if (ecu->internal.has_board || ecu->internal.samples.started) {
+    /* Before the first sample there is nothing to control, and that is no fault until it shall stand. */
+    if (ecu->internal.has_board || ecu->internal.samples.started || ecu->internal.lacks_samples) {
         ecu->internal.robot.kind->tick(ecu->internal.robot.self, &ecu->internal.hal, &ecu->internal.written);
         retain(ecu);
     }
@@ -442,6 +445,8 @@ static enum jp_refusal stand_up(struct jp_ecu *ecu, enum jp_ecu_state state)
 static void try_to_stand_up(struct jp_ecu *ecu, enum jp_ecu_state state)
 {
     const enum jp_refusal refusal = stand_up(ecu, state);
+
+    ecu->internal.lacks_samples = ecu->internal.worked_tick >= SENSORS_START * tick_rate(ecu);
 
     ecu->internal.refusal = (uint8_t)refusal;
     if (refusal != JP_REFUSAL_NONE && ecu->internal.told_to_stand) {

@@ -93,8 +93,8 @@ struct jp_ecu_kind {
     enum jp_retained_kind snapshots;
     uint8_t parameters; /**< of its energy model */
 
-    /** Before the first tick: goes on from a snapshot. False, and nothing changed: the motors did not run, or it cannot
-     *  be this robot's. The counts are those of its encoders. */
+    /** Before the first tick: goes on from a snapshot. False: the motors did not run, or it cannot be this robot's. The
+     *  counts are those of its encoders. */
     bool (*resume)(void *self, const union jp_retained_snapshot *snapshot, uint32_t *encoder_left,
                    uint32_t *encoder_right);
 

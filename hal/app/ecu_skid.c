@@ -21,12 +21,13 @@ static const struct jp_skid_robot_config *config_of(const struct jp_ecu_skid *sk
 
 /* After a reset. */
 
+/** Where it was it knows after a fault, too. */
 static bool resume(void *self, const union jp_retained_snapshot *snapshot, uint32_t *encoder_left,
                    uint32_t *encoder_right)
 {
     struct jp_ecu_skid *skid = self;
 
-    if (!jp_skid_robot_resume(&skid->robot, &snapshot->skid)) {
+    if (!jp_skid_robot_resume(&skid->robot, &snapshot->skid) || snapshot->skid.ran == 0U) {
         return false;
     }
     skid->internal.waking_ticks = WAKING_TICKS;

@@ -54,6 +54,7 @@ struct jp_ecu_internal {
     struct jp_route_link routes;
     struct jp_navigation *navigation; /**< NULL: it has none */
     uint8_t refusal;                  /**< enum jp_refusal of the last Stand of a robot whose motors are off */
+    bool lacks_samples;               /**< shall stand, and has waited for the first one long enough */
     bool told_to_stand;               /**< the last valid OperatorCommand since the last work is a Stand */
     bool has_route;                   /**< the robot has the route, or has ended it unnoticed */
     uint32_t worked_tick;             /**< up to which time has passed for it */

@@ -7,7 +7,7 @@
  *
  * with the energy E and its changes by the relative change of each factor, of the model as learned so far: an extended
  * Kalman filter whose state stands still, in the square-root form of learner.h, with its forgetting, its outliers and
- * its test for changes. What the factors are says the robot's kind: four_wheel_learner.h.
+ * its test for changes. What the factors are says the robot's kind: skid_learner.h, four_wheel_learner.h.
  */
 #ifndef JOULEPATH_FACTOR_LEARNING_H
 #define JOULEPATH_FACTOR_LEARNING_H

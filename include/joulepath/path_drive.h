@@ -6,18 +6,25 @@
  * Miyazaki and Noguchi, A stable tracking control method, ICRA 1990, linearised). With the errors of the robot in the
  * frame of the set-point, ahead, to the left and turned to the left,
  *
- *   speed     = v − pace ahead
- *   turn rate = w − max(2 v/way, pace) (turned + (left + slide/2)/(2 way))
+ *   speed     = v − pace (ahead − move)
+ *   turn rate = w − max(2 v/way, pace) (turned + (left + lead)/(2 way))
  *
  * where the last term aims at the path, at most half a radian: on the spot the more the less is left to turn up to one
  * radian, and in a last turn not at all. So an error to the side falls with the way driven, at v above pace way/2
  * critically damped, by 1/e over about `way`, and the others with time. Both corrections are bounded.
  *
  * Tyres that scrub hold a robot on a slope only while their slip points uphill, so where it turns it slides aside, up
- * to half its wheelbase a radian, whatever its sides do (skid_odometry.h). `slide` is what it will slide to the left on
- * the next two ways, with the turns there: half of it is made up for before, and half after. A slope that is steadily
- * aside is met with a heading that is as steadily off, and a turn on the spot ends in the heading that the way after it
- * wants, because each turn more would slide, too.
+ * to a = half its wheelbase a radian, whatever its sides do (skid_odometry.h). `lead` is what is made up for before of
+ * what it will slide to the left on the next two ways: half of it, and half after. A turn on the spot by γ needs less:
+ * while the robot is `move` ahead of its place, on the side where that turns it back to it, it comes back by move a
+ * radian. With e as the most that it is away, before, within and after,
+ *
+ *   lead = e = slide/(2 + 0.65 γ),  |move| = 0.87 min(e, 2 (e − |left|)): |(left, move)| <= e, and 0.65 e in the mean
+ *
+ * e is that of what is left to turn and to slide from where it is. The least that any motion of its sides leaves is,
+ * within 3 % up to half a turn, slide/(2 + π/4 γ): then it is e away all the time. A slope that is steadily aside is
+ * met with a heading that is as steadily off, and a turn on the spot ends in the heading that the way after it wants,
+ * because each turn more would slide, too.
  *
  * Speeds follow the path, not the clock: where a set-point's time ends within a piece does not matter, so nothing adds
  * up but the rounding of a step, and each piece begins where the path says.
@@ -86,8 +93,11 @@ struct jp_path_drive_internal {
     uint16_t looked_at; /**< pieces that look_ahead() has been over, from that of its begin on */
     uint16_t looked_from;
     struct jp_path_stretch seen; /**< of them */
-    jp_q24 slides;               /**< there, to the left, m */
-    jp_q24 slide_ahead;          /**< when it was last at its end */
+    jp_q24 leads;                /**< what is made up for before, of what it slides there to the left, m */
+    jp_q24 lead;                 /**< when it was last at its end */
+    jp_q24 turn_slides;          /**< on what is left of a turn on the spot, to the left, m; 0: it is on none */
+    jp_q24 turn_share;           /**< of the most that this takes it from its place */
+    jp_q24 move;                 /**< ahead of the set-point, m */
 };
 
 /** The members are private. */
@@ -112,8 +122,9 @@ bool jp_path_drive_advance(struct jp_path_drive *drive, struct jp_path_set_point
  *  set-point. Constant time; for the control ISR. */
 void jp_path_drive_look_ahead(struct jp_path_drive *drive, const struct jp_path_slide *slide);
 
-/** The motion that leads a robot at a measured pose to the set-point. Constant time; for the control ISR. */
-void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path_set_point *set_point,
+/** The motion that leads a robot at a measured pose to the set-point; once for each. Constant time; for the control
+ *  ISR. */
+void jp_path_drive_track(struct jp_path_drive *drive, const struct jp_path_set_point *set_point,
                          const struct jp_path_pose *pose, struct jp_motion *motion);
 
 /** The piece that is driven; the count of pieces when all are. */

@@ -1,18 +1,12 @@
 /**
  * Learns the energy model of a skid-steered or differential-drive robot while it drives, from the measured energy of
- * each leg, and states the uncertainty of forecasts.
+ * each leg, and states the uncertainty of forecasts: factor_learning.h with the factors of skid_energy.h: rolling
+ * resistance, friction, weight and electronics. The noise of a leg has a third part: a share of the work of its slopes,
+ * on which robots slide and are led back.
  *
- * Robots and grounds of a kind differ by the factors of skid_energy.h: rolling resistance, friction, weight and
- * electronics. Their prior is 1 with the deviations d of struct jp_skid_learning:
- *
- *   factor = 1 + d x, x ~ N(0, I),    E − E(x) = f Δx + noise,    f = d/factor · change
- *
- * with the energy E and its changes by jp_skid_energy_add() on the model as learned so far. So each step is linear, and
- * products of factors are as they are: an extended Kalman filter whose state stands still, in the square-root form of
- * learner.h, with its forgetting, its outliers and its test for changes.
- *
- * The noise of a leg has three parts: so many joules, a share of its energy, and a share of the work of its slopes, on
- * which robots slide and are led back.
+ * Payload, motors and ground are in these factors. A battery that sags is not: energies are those at its terminals, where
+ * meter.h measures them, and bridges draw the same power at a lower voltage. What the battery's own resistance burns
+ * besides is in none of them.
  *
  * How to use it: as a leg is driven, or from its plan, add its pieces to a struct jp_skid_drive on learner->model; at
  * its end hand over the drive with what the meter says. A leg ends where the robot drives on, or stands for good: what
@@ -22,28 +16,18 @@
 #ifndef JOULEPATH_SKID_LEARNER_H
 #define JOULEPATH_SKID_LEARNER_H
 
-#include <joulepath/learner.h>
+#include <joulepath/factor_learning.h>
 #include <joulepath/skid_energy.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/** Every factor stays within these. */
-#define JP_SKID_FACTOR_MIN JP_Q16(0.25)
-#define JP_SKID_FACTOR_MAX JP_Q16(4)
-
 /** Robots of one kind; made by tools/design/skid_identify.py. */
 struct jp_skid_learning {
-    jp_q16 deviation[JP_SKID_FACTORS]; /**< d: standard deviations of the factors about 1; above 0, at most 1 */
-    jp_q16 noise;          /**< standard deviation of a leg's energy about the model: J; above 0, ≤ 1 024, */
-    jp_q16 noise_relative; /**< share of the energy, 0…1, */
-    jp_q16 noise_slopes;   /**< and share of the work of slopes, 0…1. The three are independent. */
-    /** What one leg takes too much, the next often takes too little, so that single legs are further from the model
-     * than this noise, which makes forecasts of routes: by this factor; 1…16. */
-    jp_q16 spread;
-    uint32_t memory;   /**< legs after which a measurement counts 1/e; 8…1 024 */
-    uint32_t identity; /**< of the numbers above, not 0: a state that was learned with others is invalid */
+    struct jp_factor_learning factors; /**< whose identity is of noise_slopes, too */
+    jp_q16 noise_slopes; /**< standard deviation of a leg's energy about the model: share of the work of its slopes,
+                              0…1; independent of the other two */
 };
 
 /** Private but for the members with a comment. */
@@ -73,13 +57,13 @@ enum jp_status jp_skid_learner_restore(struct jp_skid_learner *learner, const st
  * Learns from a leg that was driven: `drive` on learner->model, and `measured` by jp_energy_to_q16(). Not for ISRs.
  * *learned says what became of it; learner->model follows. JP_ERR_ARGUMENT: a pointer is null. JP_ERR_OVERFLOW: the
  * energy or a change of it exceeds its format. Then nothing is learned and *learned not written. Work: that of
- * jp_learner_update_leg() and four divisions.
+ * jp_learner_update_leg() and five divisions.
  */
 enum jp_status jp_skid_learner_update(struct jp_skid_learner *learner, const struct jp_skid_drive *drive,
                                       jp_q16 measured, enum jp_learned *learned);
 
-/** The factors as learned, and their standard deviations; JP_SKID_FACTOR_MIN…JP_SKID_FACTOR_MAX. Eight
- *  multiplications; four square roots. */
+/** The factors as learned, and their standard deviations; JP_FACTOR_MIN…JP_FACTOR_MAX. Eight multiplications; four
+ *  square roots. */
 void jp_skid_learner_factors(const struct jp_skid_learner *learner, jp_q16 factor[JP_SKID_FACTORS]);
 void jp_skid_learner_deviations(const struct jp_skid_learner *learner, jp_q16 deviation[JP_SKID_FACTORS]);
 

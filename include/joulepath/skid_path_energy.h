@@ -11,10 +11,12 @@ extern "C" {
 #endif
 
 /** Adds a piece, at whose begin the robot has a speed, m/s, to a drive, and what it lasts to *duration, s, saturated.
- *  The model must have passed its check. Work: three pieces of skid_energy.h and one more for each 256 s, with a
- *  division of 64 bits each. Not for ISRs. */
-void jp_skid_piece_energy(const struct jp_skid_energy_model *model, const struct jp_path_piece *piece, jp_q24 begin,
-                          struct jp_skid_drive *drive, jp_q16 *duration);
+ *  `next`: the piece after it, to whose curvature it changes at its end, or null. The model must have passed its check.
+ *  Work: five pieces of skid_energy.h and one more for each 256 s, with a division of 64 bits and a square root each.
+ *  Not for ISRs. */
+void jp_skid_piece_energy(const struct jp_skid_energy_model *model, const struct jp_path_piece *piece,
+                          const struct jp_path_piece *next, jp_q24 begin, struct jp_skid_drive *drive,
+                          jp_q16 *duration);
 
 /** The same of a path, from a stand. */
 void jp_skid_path_energy(const struct jp_skid_energy_model *model, const struct jp_lattice_path *path,

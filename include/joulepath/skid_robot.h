@@ -214,10 +214,9 @@ void jp_skid_robot_tick(struct jp_skid_robot *robot, enum jp_status read, const 
 void jp_skid_robot_snapshot(const struct jp_skid_robot *robot, struct jp_skid_snapshot *snapshot);
 
 /**
- * Between jp_skid_robot_init() and the first tick, after a reset in motion: position, heading and what was learned go
- * on from the snapshot, but for what the robot moved in between. The robot is idle: it finds out how fast it is and
- * brakes; enabled, it stands then. False, and nothing changed: the motors did not run, or a number cannot be this
- * robot's.
+ * Between jp_skid_robot_init() and the first tick, after a reset: position, heading and what was learned go on from the
+ * snapshot, but for what the robot moved in between. The robot is idle: after a reset in motion it finds out how fast
+ * it is and brakes; enabled, it stands then. False, and nothing changed: a number cannot be this robot's.
  */
 bool jp_skid_robot_resume(struct jp_skid_robot *robot, const struct jp_skid_snapshot *snapshot);
 

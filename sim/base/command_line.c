@@ -11,7 +11,9 @@
 #include "sim/base/error.h"
 #include "sim/base/output.h"
 
-#define ROBOT_FOLDER "sim/robots/"
+/** Of the robots that are given by their names; an installed program is told another one by the environment. */
+#define ROBOT_FOLDER             "sim/robots"
+#define ROBOT_FOLDER_ENVIRONMENT "JOULEPATH_ROBOTS"
 
 static void print_version(FILE *stream, struct argp_state *state)
 {
@@ -73,8 +75,10 @@ double command_line_real(const struct argp_state *state, const char *option, con
 static void set_robot(const struct argp_state *state, const char *argument, struct command_line *options)
 {
     const bool is_name = argument[0] != '\0' && strpbrk(argument, "/.") == NULL;
-    const int length = snprintf(options->robot, sizeof options->robot, "%s%s%s", is_name ? ROBOT_FOLDER : "", argument,
-                                is_name ? ".cfg" : "");
+    const char *installed = getenv(ROBOT_FOLDER_ENVIRONMENT);
+    const char *folder = installed != NULL ? installed : ROBOT_FOLDER;
+    const int length = is_name ? snprintf(options->robot, sizeof options->robot, "%s/%s.cfg", folder, argument)
+                               : snprintf(options->robot, sizeof options->robot, "%s", argument);
 
     if (length <= 0 || (size_t)length >= sizeof options->robot) {
         command_line_refuse(state, "robot: must be a path of 1 to %zu characters", sizeof options->robot - 1);

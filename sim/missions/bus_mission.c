@@ -118,24 +118,24 @@ static void log_row(const struct run *run)
     const struct ecu_view *view = &run->result->drive.view;
     const struct plant_truth truth = truth_of(run);
 
-    mission_log_row(run->view.log, run->scenario,
-                    &(struct mission_row){
-                        .time = seconds(run, tick_of(run) - run->start_tick),
-                        .position = position_of(&truth),
-                        .reference = run->reference,
-                        .heading = truth.heading,
-                        .speed = truth.speed,
-                        .turn_rate = truth.turn_rate,
-                        .reference_speed = view->reference.speed / Q12_ONE,
-                        .reference_turn_rate = view->reference.yaw_rate / Q12_ONE * 2 * M_PI,
-                        .pitch_deg = truth.pitch * DEGREES,
-                        .voltage_left = view->motors.voltage_left / 128.0,
-                        .voltage_right = view->motors.voltage_right / 128.0,
-                        .current_left = truth.current_left,
-                        .current_right = truth.current_right,
-                        .energy = measured(run),
-                        .leg = run->leg,
-                    });
+    mission_view_row(&run->view, run->scenario,
+                     &(struct mission_row){
+                         .time = seconds(run, tick_of(run) - run->start_tick),
+                         .position = position_of(&truth),
+                         .reference = run->reference,
+                         .heading = truth.heading,
+                         .speed = truth.speed,
+                         .turn_rate = truth.turn_rate,
+                         .reference_speed = view->reference.speed / Q12_ONE,
+                         .reference_turn_rate = view->reference.yaw_rate / Q12_ONE * 2 * M_PI,
+                         .pitch_deg = truth.pitch * DEGREES,
+                         .voltage_left = view->motors.voltage_left / 128.0,
+                         .voltage_right = view->motors.voltage_right / 128.0,
+                         .current_left = truth.current_left,
+                         .current_right = truth.current_right,
+                         .energy = measured(run),
+                         .leg = run->leg,
+                     });
 }
 
 /* Legs. */
@@ -251,7 +251,7 @@ static void keep_books(struct run *run)
 
     mission_note_passing(&run->result->mission, run->leg, position_of(&truth));
     follow_reference(run);
-    if (run->view.log != NULL && (tick_of(run) - run->start_tick) % row_ticks == 0) {
+    if (mission_view_wants_rows(&run->view) && (tick_of(run) - run->start_tick) % row_ticks == 0) {
         log_row(run);
     }
     if (run->view.watch != NULL) {

@@ -121,24 +121,24 @@ static void log_row(const struct drive *drive)
     for (size_t i = 0; i < drive->leg; i++) {
         energy += drive->mission->legs[i].measured_energy;
     }
-    mission_log_row(drive->view.log, drive->scenario,
-                    &(struct mission_row){
-                        .time = seconds(drive, drive->rig.world.tick - drive->start_tick),
-                        .position = {plant->x, plant->y},
-                        .reference = drive->reference,
-                        .heading = plant->state.yaw,
-                        .speed = plant->state.wheel_rate * radius,
-                        .turn_rate = plant->state.yaw_rate,
-                        .reference_speed = telemetry.reference_wheel_rate * TURN_Q24 * radius,
-                        .reference_turn_rate = telemetry.reference_yaw_rate * TURN_Q24,
-                        .pitch_deg = plant->state.pitch * DEGREES,
-                        .voltage_left = (double)telemetry.voltages.left / Q16_ONE,
-                        .voltage_right = (double)telemetry.voltages.right / Q16_ONE,
-                        .current_left = plant_current_left(plant, input),
-                        .current_right = plant_current_right(plant, input),
-                        .energy = energy,
-                        .leg = drive->leg,
-                    });
+    mission_view_row(&drive->view, drive->scenario,
+                     &(struct mission_row){
+                         .time = seconds(drive, drive->rig.world.tick - drive->start_tick),
+                         .position = {plant->x, plant->y},
+                         .reference = drive->reference,
+                         .heading = plant->state.yaw,
+                         .speed = plant->state.wheel_rate * radius,
+                         .turn_rate = plant->state.yaw_rate,
+                         .reference_speed = telemetry.reference_wheel_rate * TURN_Q24 * radius,
+                         .reference_turn_rate = telemetry.reference_yaw_rate * TURN_Q24,
+                         .pitch_deg = plant->state.pitch * DEGREES,
+                         .voltage_left = (double)telemetry.voltages.left / Q16_ONE,
+                         .voltage_right = (double)telemetry.voltages.right / Q16_ONE,
+                         .current_left = plant_current_left(plant, input),
+                         .current_right = plant_current_right(plant, input),
+                         .energy = energy,
+                         .leg = drive->leg,
+                     });
 }
 
 /* Legs. */
@@ -464,7 +464,7 @@ static void keep_books(struct drive *drive)
     mission_note_passing(drive->mission, drive->leg,
                          (struct bezier_point){drive->rig.world.plant.x, drive->rig.world.plant.y});
     follow_reference(drive);
-    if (drive->view.log != NULL && (tick - drive->start_tick) % row_ticks == 0) {
+    if (mission_view_wants_rows(&drive->view) && (tick - drive->start_tick) % row_ticks == 0) {
         log_row(drive);
     }
     if (drive->view.watch != NULL) {

@@ -7,7 +7,7 @@
 #include <joulepath/learner.h>
 
 #include "sim/balancer/rig.h"
-#include "sim/missions/scenario.h"
+#include "sim/missions/mission_view.h"
 
 enum mission_strategy {
     /* One segment after the other. */
@@ -76,15 +76,6 @@ struct mission {
     uint64_t saturated_ticks;
     double wall_seconds;
     struct jp_learned_state learned; /**< at its end, by a robot that its sides steer */
-};
-
-/** Who looks on; members that are NULL do not. */
-struct mission_view {
-    FILE *log;            /**< takes a row every 1/MISSION_LOG_RATE s */
-    const char *progress; /**< name of the bar */
-    /** Called every tick with where the robot is, m and rad. */
-    void (*watch)(void *context, struct bezier_point position, double heading);
-    void *context;
 };
 
 /** The energy model that the scenario asks for, or NULL after one line on stderr. */

@@ -195,23 +195,23 @@ static void log_row(const struct skid_mission *run)
     const struct clearance_pose pose = run->robot.pose(run->robot.self);
     const struct jp_path_set_point *reference = &run->reference;
 
-    mission_log_row(run->view.log, run->scenario,
-                    &(struct mission_row){
-                        .time = (double)run->ticks / run->robot.rate_hz,
-                        .position = {pose.x, pose.y},
-                        .reference = {reference->pose.position.x / Q16_ONE, reference->pose.position.y / Q16_ONE},
-                        .heading = pose.heading,
-                        .speed = plant->state.forward,
-                        .turn_rate = plant->state.turn_rate,
-                        .reference_speed = reference->motion.speed / Q24_ONE,
-                        .reference_turn_rate = reference->motion.turn_rate / Q24_ONE,
-                        .voltage_left = run->telemetry.voltages.left / Q16_ONE,
-                        .voltage_right = run->telemetry.voltages.right / Q16_ONE,
-                        .current_left = plant->attitude.current[SKID_LEFT],
-                        .current_right = plant->attitude.current[SKID_RIGHT],
-                        .energy = metered_energy(run) - run->start_energy,
-                        .leg = run->skid.pilot.legs_ended,
-                    });
+    mission_view_row(&run->view, run->scenario,
+                     &(struct mission_row){
+                         .time = (double)run->ticks / run->robot.rate_hz,
+                         .position = {pose.x, pose.y},
+                         .reference = {reference->pose.position.x / Q16_ONE, reference->pose.position.y / Q16_ONE},
+                         .heading = pose.heading,
+                         .speed = plant->state.forward,
+                         .turn_rate = plant->state.turn_rate,
+                         .reference_speed = reference->motion.speed / Q24_ONE,
+                         .reference_turn_rate = reference->motion.turn_rate / Q24_ONE,
+                         .voltage_left = run->telemetry.voltages.left / Q16_ONE,
+                         .voltage_right = run->telemetry.voltages.right / Q16_ONE,
+                         .current_left = plant->attitude.current[SKID_LEFT],
+                         .current_right = plant->attitude.current[SKID_RIGHT],
+                         .energy = metered_energy(run) - run->start_energy,
+                         .leg = run->skid.pilot.legs_ended,
+                     });
 }
 
 /** What goes on besides the robot and its pilot. */
@@ -219,12 +219,12 @@ static void keep_books(struct skid_mission *run)
 {
     const uint64_t row_ticks = (uint64_t)fmax(run->robot.rate_hz / MISSION_LOG_RATE, 1);
 
-    if (run->ticks % JP_TICKS_PER_SET_POINT == 0) {
+    if (run->ticks % JP_TICKS_PER_PATH_POINT == 0) {
         (void)jp_path_drive_advance(&run->follower, &run->reference);
     }
     (void)jp_skid_robot_telemetry(&run->skid.controller, &run->telemetry);
     note_passing(run);
-    if (run->view.log != NULL && run->ticks % row_ticks == 0) {
+    if (mission_view_wants_rows(&run->view) && run->ticks % row_ticks == 0) {
         log_row(run);
     }
     if (run->view.watch != NULL) {

@@ -44,7 +44,7 @@ const char *const patrol_reason_names[JP_PATROL_INFEASIBLE + 1] = {
 const char *const patrol_state_names[JP_PATROL_STOPPED + 1] = {"held",    "turning", "driving", "stepping",
                                                                "gliding", "waiting", "arrived", "stopped"};
 
-struct mission {
+struct patrol_mission {
     const struct patrol_task *task;
     struct patrol_world world;
     struct four_wheel_plant plant;
@@ -68,6 +68,7 @@ struct mission {
     struct patrol_energy energy;
     size_t legs; /* that have come to their end */
     struct patrol_result *result;
+    bool is_under_way;
 };
 
 static struct planar_pose to_planar(const struct jp_plane_pose *pose)
@@ -80,7 +81,7 @@ static struct jp_plane_pose to_plane(const struct planar_pose *pose)
     return (struct jp_plane_pose){(float)pose->x, (float)pose->y, (float)pose->heading};
 }
 
-static struct planar_pose believed_pose(const struct mission *m)
+static struct planar_pose believed_pose(const struct patrol_mission *m)
 {
     return to_planar(&m->navigator.patrol.pose);
 }
@@ -100,7 +101,7 @@ static double path_length(const struct jp_patrol_mission *navigator)
 }
 
 /* The world stands still meanwhile. */
-static enum jp_patrol_mission_state plan(struct mission *m)
+static enum jp_patrol_mission_state plan(struct patrol_mission *m)
 {
     while (jp_patrol_mission_work(&m->navigator, SLICE) == JP_MISSION_PLANNING) {
     }
@@ -109,12 +110,12 @@ static enum jp_patrol_mission_state plan(struct mission *m)
 
 /* ---- Sensors ---- */
 
-static struct planar_pose scanner_on_robot(const struct mission *m)
+static struct planar_pose scanner_on_robot(const struct patrol_mission *m)
 {
     return (struct planar_pose){m->task->robot->laser.x_m, m->task->robot->laser.y_m, 0};
 }
 
-static bool has_laser_jumped(const struct mission *m)
+static bool has_laser_jumped(const struct patrol_mission *m)
 {
     const struct patrol_faults *const faults = &m->task->faults;
 
@@ -123,7 +124,7 @@ static bool has_laser_jumped(const struct mission *m)
 }
 
 /* In the one cycle after it. */
-static bool do_wheels_jump(const struct mission *m)
+static bool do_wheels_jump(const struct patrol_mission *m)
 {
     const double since = m->time - m->task->faults.jump_at;
 
@@ -131,7 +132,7 @@ static bool do_wheels_jump(const struct mission *m)
 }
 
 /* In one cycle, with all wheels off the ground. */
-static void carry(struct mission *m)
+static void carry(struct patrol_mission *m)
 {
     const double since = m->time - m->task->faults.carried_at;
 
@@ -140,7 +141,7 @@ static void carry(struct mission *m)
     }
 }
 
-static bool is_scan_missing(const struct mission *m)
+static bool is_scan_missing(const struct patrol_mission *m)
 {
     return m->time >= m->task->faults.scan_dropout_from && m->time < m->task->faults.scan_dropout_until;
 }
@@ -150,7 +151,7 @@ static struct jp_scan scan_of(const struct laser_scan *scan)
     return (struct jp_scan){scan->ranges, (uint16_t)scan->beams, (float)scan->first, (float)scan->step};
 }
 
-static void take_scan(struct mission *m)
+static void take_scan(struct patrol_mission *m)
 {
     const struct planar_pose mount = scanner_on_robot(m);
     const struct planar_pose scanner = planar_compose(&m->plant.state.pose, &mount);
@@ -158,7 +159,7 @@ static void take_scan(struct mission *m)
     laser_take(&m->laser, &m->world.map, m->world.shapes, m->world.shape_count, &scanner, &m->random, &m->scan);
 }
 
-static void fill_input(struct mission *m, struct jp_patrol_input *input)
+static void fill_input(struct patrol_mission *m, struct jp_patrol_input *input)
 {
     const struct planar_pose mount = scanner_on_robot(m);
 
@@ -179,7 +180,7 @@ static void fill_input(struct mission *m, struct jp_patrol_input *input)
 
 /* ---- Control ---- */
 
-static void integrate_odometry(struct mission *m)
+static void integrate_odometry(struct patrol_mission *m)
 {
     struct jp_twist twist;
     jp_q24 slip;
@@ -193,7 +194,7 @@ static void integrate_odometry(struct mission *m)
     m->speed = (struct jp_plane_speed){(float)twist.x / (float)JP_Q24_ONE, (float)twist.turn_rate / (float)JP_Q24_ONE};
 }
 
-static void drive_ticks(struct mission *m)
+static void drive_ticks(struct patrol_mission *m)
 {
     for (int i = 0; i < TICKS; i++) {
         enum jp_steering steering;
@@ -212,7 +213,7 @@ static void drive_ticks(struct mission *m)
     m->stopped = m->navigator.patrol.state == JP_PATROL_STOPPED ? m->stopped + 1 : 0;
 }
 
-static void count_directions(struct mission *m)
+static void count_directions(struct patrol_mission *m)
 {
     const double speed = m->plant.state.forward;
     const int direction = speed > MOTION_SPEED ? 1 : speed < -MOTION_SPEED ? -1 : 0;
@@ -224,14 +225,14 @@ static void count_directions(struct mission *m)
 }
 
 /* The last of the path by pure pursuit; TEB's states tell how it is. */
-static void pursue(struct mission *m)
+static void pursue(struct patrol_mission *m)
 {
     const struct planar_pose pose = believed_pose(m);
 
     m->is_pursuing = patrol_pursue(&m->pursuit, m->task->robot, &pose, &m->speed, &m->twist) == JP_OK;
 }
 
-static void control(struct mission *m)
+static void control(struct patrol_mission *m)
 {
     struct jp_patrol_input input;
 
@@ -250,19 +251,19 @@ static void control(struct mission *m)
 
 /* ---- Legs ---- */
 
-static const struct jp_plane_pose *goal_of(const struct mission *m)
+static const struct jp_plane_pose *goal_of(const struct patrol_mission *m)
 {
     return m->legs == 0 || m->task->round_count == 0 ? &m->task->scene->goal
                                                      : &m->task->round[(m->legs - 1) % m->task->round_count];
 }
 
 /* The way to the scene's goal, and those of the round. */
-static size_t leg_index(const struct mission *m)
+static size_t leg_index(const struct patrol_mission *m)
 {
     return m->legs == 0 || m->task->round_count == 0 ? 0 : 1 + (m->legs - 1) % m->task->round_count;
 }
 
-static void begin_leg(struct mission *m)
+static void begin_leg(struct patrol_mission *m)
 {
     const struct jp_patrol_plan leg = {.start = m->navigator.patrol.pose,
                                        .path = m->navigator.path,
@@ -274,7 +275,7 @@ static void begin_leg(struct mission *m)
 }
 
 /* Where a mark tells the robot its place. */
-static bool set_pose(struct mission *m)
+static bool set_pose(struct patrol_mission *m)
 {
     const struct jp_plane_pose pose = to_plane(&m->plant.state.pose);
 
@@ -282,12 +283,12 @@ static bool set_pose(struct mission *m)
            jp_localiser_start(&m->localiser, &pose) == JP_OK;
 }
 
-static bool is_leg_over(const struct mission *m)
+static bool is_leg_over(const struct patrol_mission *m)
 {
     return m->task->method != PATROL_PURSUIT && m->navigator.state == JP_MISSION_ARRIVED;
 }
 
-static void end_leg(struct mission *m)
+static void end_leg(struct patrol_mission *m)
 {
     patrol_energy_end(&m->energy, m->time);
     if (m->task->legs_learned == 0 || m->legs < m->task->legs_learned) {
@@ -301,7 +302,7 @@ static void end_leg(struct mission *m)
 }
 
 /* False: there is none, or no way. */
-static bool next_leg(struct mission *m)
+static bool next_leg(struct patrol_mission *m)
 {
     if (m->legs >= m->task->legs_max || !set_pose(m) || jp_patrol_mission_start(&m->navigator, goal_of(m)) != JP_OK ||
         plan(m) != JP_MISSION_UNDER_WAY) {
@@ -313,7 +314,7 @@ static bool next_leg(struct mission *m)
 
 /* ---- The end ---- */
 
-static bool is_over(const struct mission *m)
+static bool is_over(const struct patrol_mission *m)
 {
     const bool is_ended_by_touch = m->world.first_touch != PATROL_TOUCH_NONE && !m->task->survives_touches;
 
@@ -329,7 +330,7 @@ static bool is_over(const struct mission *m)
            (m->navigator.state == JP_MISSION_GIVEN_UP && (!has_stopped || m->stopped > AFTERMATH));
 }
 
-static enum patrol_outcome outcome_of(const struct mission *m)
+static enum patrol_outcome outcome_of(const struct patrol_mission *m)
 {
     const bool is_near = m->result->position_error <= TRUE_TOLERANCE &&
                          (m->result->heading_error <= TRUE_TURN_TOLERANCE || m->task->method == PATROL_PURSUIT);
@@ -350,12 +351,12 @@ static enum patrol_outcome outcome_of(const struct mission *m)
 }
 
 /* What the battery has given. */
-static double energy_of(const struct mission *m)
+static double energy_of(const struct patrol_mission *m)
 {
     return m->plant.ledger.battery;
 }
 
-static void judge(struct mission *m)
+static void judge(struct patrol_mission *m)
 {
     const struct planar_pose goal =
         to_planar(m->legs > 1 ? &m->task->round[(m->legs - 2) % m->task->round_count] : &m->task->scene->goal);
@@ -375,7 +376,7 @@ static void judge(struct mission *m)
     result->reason = m->navigator.patrol.reason;
 }
 
-static void show(const struct mission *m)
+static void show(const struct patrol_mission *m)
 {
     if (m->task->observe != NULL) {
         size_t grid_path_count;
@@ -397,6 +398,8 @@ static void show(const struct mission *m)
             .path_count = m->navigator.path_count,
             .clearance = patrol_world_distance(&m->world, PATROL_DISTANCE_MAX),
             .energy_j = energy_of(m),
+            .leg = &m->energy.leg,
+            .scan = &m->scan,
         };
 
         m->task->observe(m->task->context, &view);
@@ -418,7 +421,7 @@ static void make_slippery(struct four_wheel_plant *plant)
 }
 
 /* False without memory. */
-static bool set_up_world(struct mission *m)
+static bool set_up_world(struct patrol_mission *m)
 {
     const struct four_wheel_file *const robot = m->task->robot;
     const struct planar_pose start = to_planar(&m->task->scene->start);
@@ -444,7 +447,7 @@ static bool set_up_world(struct mission *m)
 }
 
 /* False without memory. */
-static bool set_up_localiser(struct mission *m)
+static bool set_up_localiser(struct patrol_mission *m)
 {
     const struct jp_localiser_config config = patrol_localiser_config(m->task->robot, &m->task->scene->map);
     const size_t size = jp_localiser_size(&config);
@@ -457,7 +460,7 @@ static bool set_up_localiser(struct mission *m)
 }
 
 /* By pure pursuit a robot that is at its goal has nothing to pursue. */
-static bool set_up_pursuit(struct mission *m)
+static bool set_up_pursuit(struct patrol_mission *m)
 {
     const struct jp_pure_pursuit_config pursuit = patrol_pursuit_config(m->task->robot);
     const char *field;
@@ -482,7 +485,7 @@ static struct jp_patrol_mission_config navigator_config(const struct patrol_task
     return config;
 }
 
-static bool set_up_controller(struct mission *m, const struct jp_patrol_mission_config *config, size_t size)
+static bool set_up_controller(struct patrol_mission *m, const struct jp_patrol_mission_config *config, size_t size)
 {
     const char *field;
 
@@ -497,57 +500,91 @@ static bool set_up_controller(struct mission *m, const struct jp_patrol_mission_
            set_up_pursuit(m);
 }
 
-static void drive(struct mission *m)
+static void begin(struct patrol_mission *m)
 {
     m->result->path_length = path_length(&m->navigator);
     m->result->planner = m->navigator.counts;
     begin_leg(m);
-    while (!is_over(m)) {
-        control(m);
-        show(m);
-        drive_ticks(m);
-        count_directions(m);
-        if (is_leg_over(m)) {
-            end_leg(m);
-            (void)next_leg(m);
-        }
-    }
-    judge(m);
 }
 
 /* False without memory. */
-static bool run(struct mission *m)
+static bool set_up(struct patrol_mission *m)
 {
     const struct jp_patrol_mission_config config = navigator_config(m->task);
     const size_t size = jp_patrol_mission_size(&config);
 
     m->block = malloc(size);
-
-    const bool has_memory = m->block != NULL && set_up_localiser(m) && set_up_world(m);
-
-    if (has_memory && set_up_controller(m, &config, size)) {
-        drive(m);
+    if (m->block == NULL || !set_up_localiser(m) || !set_up_world(m)) {
+        return false;
     }
-    patrol_world_free(&m->world);
-    free(m->localiser_block);
-    free(m->block);
-    return has_memory;
+    m->is_under_way = set_up_controller(m, &config, size);
+    if (m->is_under_way) {
+        begin(m);
+    }
+    return true;
+}
+
+struct patrol_mission *patrol_mission_begin(const struct patrol_task *task, struct patrol_result *result)
+{
+    struct patrol_mission *const m = calloc(1, sizeof *m);
+
+    *result = (struct patrol_result){.outcome = PATROL_NO_PATH};
+    if (m != NULL) {
+        m->task = task;
+        m->result = result;
+    }
+    if (m == NULL || !set_up(m)) {
+        error_line("%s: no memory for a drive over it; give a smaller map", task->scene->name);
+        patrol_mission_free(m);
+        return NULL;
+    }
+    return m;
+}
+
+bool patrol_mission_step(struct patrol_mission *m)
+{
+    if (!m->is_under_way) {
+        return false;
+    }
+    if (is_over(m)) {
+        judge(m);
+        m->is_under_way = false;
+        return false;
+    }
+    control(m);
+    show(m);
+    drive_ticks(m);
+    count_directions(m);
+    if (is_leg_over(m)) {
+        end_leg(m);
+        (void)next_leg(m);
+    }
+    return true;
+}
+
+struct patrol_world *patrol_mission_world(struct patrol_mission *m)
+{
+    return &m->world;
+}
+
+void patrol_mission_free(struct patrol_mission *m)
+{
+    if (m != NULL) {
+        patrol_world_free(&m->world);
+        free(m->localiser_block);
+        free(m->block);
+    }
+    free(m);
 }
 
 bool patrol_mission_run(const struct patrol_task *task, struct patrol_result *result)
 {
-    struct mission *const m = calloc(1, sizeof *m);
-    bool has_memory = m != NULL;
+    struct patrol_mission *const m = patrol_mission_begin(task, result);
 
-    *result = (struct patrol_result){.outcome = PATROL_NO_PATH};
-    if (has_memory) {
-        m->task = task;
-        m->result = result;
-        has_memory = run(m);
-        free(m);
+    if (m != NULL) {
+        while (patrol_mission_step(m)) {
+        }
     }
-    if (!has_memory) {
-        error_line("%s: no memory for a drive over it; give a smaller map", task->scene->name);
-    }
-    return has_memory;
+    patrol_mission_free(m);
+    return m != NULL;
 }

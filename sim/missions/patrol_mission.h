@@ -7,6 +7,7 @@
 
 #include <joulepath/patrol_mission.h>
 
+#include "sim/four_wheel/laser.h"
 #include "sim/four_wheel/patrol_config.h"
 #include "sim/missions/patrol_energy.h"
 #include "sim/scenes/patrol_scene.h"
@@ -82,6 +83,8 @@ struct patrol_view {
     unsigned replans; /**< so far: both paths are new when it has grown */
     double clearance; /**< of the true shape, m */
     double energy_j;
+    const struct patrol_leg *leg;  /**< that is driven: planned, forecast and deviation are known */
+    const struct laser_scan *scan; /**< the last */
 };
 
 struct patrol_result {
@@ -105,5 +108,21 @@ struct patrol_result {
 
 /** Drives to the end. Deterministic for a task. False after one line on stderr: no memory. */
 bool patrol_mission_run(const struct patrol_task *task, struct patrol_result *result);
+
+/* The same by cycles, for who looks on and interferes. */
+
+struct patrol_mission;
+
+/** Ready for the first cycle; *task and *result stay in use. NULL after one line on stderr: no memory. */
+struct patrol_mission *patrol_mission_begin(const struct patrol_task *task, struct patrol_result *result);
+
+/** A cycle of 1/PATROL_CYCLE_HZ s. False: the drive is over, and *result says how. */
+bool patrol_mission_step(struct patrol_mission *mission);
+
+/** What it moves among. Whose obstacles are changed between cycles must keep their number. */
+struct patrol_world *patrol_mission_world(struct patrol_mission *mission);
+
+/** May be NULL. */
+void patrol_mission_free(struct patrol_mission *mission);
 
 #endif

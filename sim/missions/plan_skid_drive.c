@@ -163,6 +163,6 @@ bool plan_skid_drive_prepare(const struct map_file *map, const struct jp_lattice
 
 void plan_skid_drive_run(const struct map_file *map, struct plan_skid_drive *drive, FILE *log)
 {
-    (void)fprintf(log, "time_s,x_m,y_m,heading_rad,energy_j\n");
+    (void)fprintf(log, "t_s,x_m,y_m,heading_rad,energy_j\n");
     follow(&map->terrain, drive, log);
 }

@@ -15,15 +15,19 @@
 #define CHECK_SECONDS  2.0
 #define BACK_SECONDS   6.0 /* for the way back from where a turn on the spot has slid to */
 
-#define ROBOT_LEGS 30
+#define CORNER_SECONDS 2.0 /* of the lines before and after an arc */
+
+/* Of a robot: routes of so many legs, or until it drives on, each from where it is, as a pilot plans them. */
+#define ROBOT_ROUTES 3
+#define ROUTE_LEGS   10
 
 #define DESIGNED_MAX 128
 #define COUNT_MAX    100000
 
 enum { OPTION_ROBOTS = COMMAND_LINE_OWN };
 
-/* Rows of one phase are summed up before they are fitted. */
-enum { PHASE_UP, PHASE_HOLD, PHASE_DOWN, PHASE_CHECK };
+/* Rows of one phase are summed up before they are fitted. Those of a robot are its legs, after so many a route. */
+enum { PHASE_UP, PHASE_HOLD, PHASE_DOWN, PHASE_CHECK, PHASES_OF_ROUTE = 100 };
 
 struct arguments {
     struct command_line common;
@@ -37,6 +41,7 @@ struct motion {
     double turn_rate;
     double slope_deg;
     double slope_heading;
+    double corner; /* what it turns by between two lines, rad, or 0 */
 };
 
 struct identification {
@@ -131,6 +136,21 @@ static void add_bends(struct identification *of)
     }
 }
 
+/* Corners as a pilot rounds them: arcs at the most that it may. */
+static void add_corners(struct identification *of)
+{
+    static const double radii[] = {1, 1.5, 2.5, 4}; /* in half tracks */
+
+    for (size_t i = 0; i < sizeof radii / sizeof radii[0]; i++) {
+        for (int eighths = 1; eighths <= 2; eighths++) {
+            const double radius = radii[i] * skid_half_track(&of->model);
+            const double rate = fmin(of->model.lattice.turn_rate_rad_s, of->model.lattice.speed_m_s / radius);
+            const struct motion motion = {.speed = rate * radius, .turn_rate = rate, .corner = eighths * M_PI / 4};
+            add(of, motion, 0, 0);
+        }
+    }
+}
+
 static void add_bends_on_slopes(struct identification *of)
 {
     static const double radii[] = {0, 1.5, 4};
@@ -153,7 +173,7 @@ static void add_random(struct identification *of)
         const struct skid_leg leg = skid_random_leg(&of->model, &random);
         const double slope = random_uniform(&random, 0, of->model.limits.slope_deg);
         const double heading = random_uniform(&random, -M_PI, M_PI);
-        of->motions[of->designed + i] = (struct motion){leg.speed, leg.turn_rate, slope, heading};
+        of->motions[of->designed + i] = (struct motion){leg.speed, leg.turn_rate, slope, heading, 0};
     }
 }
 
@@ -191,6 +211,16 @@ static void drive_leg(struct run *run, const struct skid_leg *leg, long phase)
     }
 }
 
+static void drive_corner(struct run *run, const struct motion *motion)
+{
+    const struct skid_leg line = {motion->speed, 0, CORNER_SECONDS};
+
+    drive_leg(run, &line, PHASE_UP);
+    drive_leg(run, &(struct skid_leg){motion->speed, motion->turn_rate, motion->corner / motion->turn_rate}, PHASE_UP);
+    drive_leg(run, &line, PHASE_UP);
+    drive_leg(run, &(struct skid_leg){0, 0, 0}, PHASE_DOWN);
+}
+
 static void drive_motion(struct run *run)
 {
     const struct identification *of = run->of;
@@ -201,7 +231,9 @@ static void drive_motion(struct run *run)
     struct skid_leg leg = {motion->speed, motion->turn_rate, 0};
 
     start(run, &of->model, &ground, &pose);
-    if (run->number < of->designed && motion->speed == 0 && motion->slope_deg != 0) {
+    if (motion->corner != 0) {
+        drive_corner(run, motion);
+    } else if (run->number < of->designed && motion->speed == 0 && motion->slope_deg != 0) {
         leg.seconds = HOLD_SECONDS;
         drive_leg(run, &leg, PHASE_UP);
         drive_leg(run, &(struct skid_leg){skid_tread_speed_max(&of->model) / 2, 0, BACK_SECONDS}, PHASE_UP);
@@ -216,6 +248,18 @@ static void drive_motion(struct run *run)
         drive_leg(run, &leg, -1);
         leg.seconds = CHECK_SECONDS;
         drive_leg(run, &leg, PHASE_CHECK);
+    }
+}
+
+static void drive_route(struct run *run, struct random *random, long phase)
+{
+    bool drives_on = false;
+
+    run->route.pose = skid_drive_go_on(&run->drive);
+    for (long number = 0; number < ROUTE_LEGS || !drives_on; number++) {
+        const struct skid_leg leg = skid_random_leg(&run->of->model, random);
+        drive_leg(run, &leg, phase + number);
+        drives_on = leg.speed != 0;
     }
 }
 
@@ -234,9 +278,8 @@ static void drive_robot(struct run *run)
     const struct planar_pose pose = {0, 0, random_uniform(&random, -M_PI, M_PI)};
 
     start(run, &varied, &ground, &pose);
-    for (long number = 0; number < ROBOT_LEGS; number++) {
-        const struct skid_leg leg = skid_random_leg(&of->model, &random);
-        drive_leg(run, &leg, number);
+    for (long route = 0; route < ROBOT_ROUTES; route++) {
+        drive_route(run, &random, route * PHASES_OF_ROUTE);
     }
 }
 
@@ -339,6 +382,7 @@ static bool identify(const struct arguments *arguments)
     }
     add_straights(&of);
     add_bends(&of);
+    add_corners(&of);
     add_bends_on_slopes(&of);
     add_random(&of);
     if (!write_runs(&of, "experiments.csv", drive_motion, of.designed + arguments->count) ||
@@ -347,8 +391,8 @@ static bool identify(const struct arguments *arguments)
         output_discard();
         return false;
     }
-    (void)printf("%zu designed drives, %zu random ones, %zu robots of %d legs\n", of.designed, arguments->count,
-                 arguments->robots, ROBOT_LEGS);
+    (void)printf("%zu designed drives, %zu random ones, %zu robots of %d routes\n", of.designed, arguments->count,
+                 arguments->robots, ROBOT_ROUTES);
     return output_commit();
 }
 

@@ -56,8 +56,9 @@ static void add_pillars(struct patrol_draft *draft, const struct patrol_area *ro
     }
     for (int i = patrol_draft_between(draft, 0, standing); i > 0; i--) {
         const int side = patrol_draft_between(draft, 5, 10);
-        build(draft, room->x + patrol_draft_between(draft, 0, room->width - side),
-              room->y + patrol_draft_between(draft, 0, room->height - side), side, side);
+        const int y = room->y + patrol_draft_between(draft, 0, room->height - side);
+        const int x = room->x + patrol_draft_between(draft, 0, room->width - side);
+        build(draft, x, y, side, side);
     }
 }
 

@@ -60,12 +60,16 @@ static JP_INLINE_FOR_SPEED bool either_beyond(int32_t a, int32_t b, int32_t limi
     return beyond(a, limit) || beyond(b, limit);
 }
 
+static bool gyro_beyond(const struct jp_monitor_config *config, const struct jp_sensors *sensors)
+{
+    return either_beyond(sensors->pitch_rate, sensors->yaw_rate, config->gyro_limit);
+}
+
 static uint16_t ranges(const struct jp_monitor_config *config, const struct jp_sensors *sensors)
 {
     unsigned faults = 0;
 
-    if (either_beyond(sensors->pitch_rate, sensors->yaw_rate, config->gyro_limit) ||
-        either_beyond(sensors->accel_x, sensors->accel_z, config->accel_limit)) {
+    if (gyro_beyond(config, sensors) || either_beyond(sensors->accel_x, sensors->accel_z, config->accel_limit)) {
         faults |= JP_FAULT_IMU_RANGE;
     }
     if (either_beyond(sensors->current_left, sensors->current_right, config->current_limit)) {
@@ -93,6 +97,29 @@ static uint16_t jumps(const struct jp_monitor_config *config, const struct jp_se
     return (uint16_t)faults;
 }
 
+/** What motors and tyres cannot do within a tick: specific force that changes by more than the weight, or leaves the
+ *  range. */
+static bool feels_impact(const struct jp_monitor_config *config, const struct jp_sensors *before,
+                         const struct jp_sensors *sensors)
+{
+    return either_beyond(jp_sub(sensors->accel_x, before->accel_x), jp_sub(sensors->accel_z, before->accel_z),
+                         JP_Q24_ONE) ||
+           either_beyond(sensors->accel_x, sensors->accel_z, config->accel_limit);
+}
+
+/** True while an impact explains what the IMU says: from the tick after it began, for `residual_ticks`. The next one
+ *  begins after as long without any. */
+static bool is_shaken(struct jp_monitor *monitor, uint16_t limit, bool impact)
+{
+    const bool began_before = monitor->shaken_ticks != 0U;
+
+    if (jp_count_in_a_row(&monitor->calm_ticks, !impact, limit)) {
+        monitor->shaken_ticks = 0;
+        return false;
+    }
+    return !jp_count_in_a_row(&monitor->shaken_ticks, began_before || impact, limit) && began_before;
+}
+
 /** True once one channel has repeated itself to the bit for so long. */
 static bool watch_for_frozen_imu(struct jp_monitor *monitor, uint16_t limit, const struct jp_sensors *sensors)
 {
@@ -106,6 +133,15 @@ static bool watch_for_frozen_imu(struct jp_monitor *monitor, uint16_t limit, con
     return pitch_rate || yaw_rate || accel_x || accel_z;
 }
 
+/** Takes a frame; a specific force that an impact drives out of its range is the range's end. */
+static void take(struct jp_monitor *monitor, jp_q24 limit, const struct jp_sensors *sensors)
+{
+    monitor->good = *sensors;
+    monitor->good.accel_x = jp_clamp32(sensors->accel_x, -limit, limit);
+    monitor->good.accel_z = jp_clamp32(sensors->accel_z, -limit, limit);
+    monitor->started = true;
+}
+
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
                             const struct jp_sensors *sensors)
 {
@@ -114,14 +150,19 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
 
     if (read == JP_OK && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
+        if (is_shaken(monitor, config->residual_ticks, feels_impact(config, &monitor->good, sensors)) &&
+            !gyro_beyond(config, sensors)) {
+            suspected &= ~(unsigned)(JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP);
+        }
         frozen = config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
     }
+
+    monitor->suspected = (uint16_t)suspected;
 
     bool confirmed = jp_count_in_a_row(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
 
     if (suspected == 0U) {
-        monitor->good = *sensors;
-        monitor->started = true;
+        take(monitor, config->accel_limit, sensors);
     } else {
         monitor->dropped_frames++;
     }

@@ -46,7 +46,7 @@ static bool narrow(int64_t value, jp_q16 *narrowed)
 }
 
 bool jp_factor_expect(const struct jp_factor_learning *learning, const struct jp_learned_state *state, int64_t energy,
-                      const int64_t change[N], struct jp_expectation *expected)
+                      const int64_t change[N], uint64_t variance, struct jp_expectation *expected)
 {
     jp_q16 factor[N];
     bool fits = narrow(energy, &expected->energy);
@@ -58,7 +58,7 @@ bool jp_factor_expect(const struct jp_factor_learning *learning, const struct jp
         fits = narrow(change[j], &by_factor) && fits;
         expected->sensitivity[j] = jp_divide((int64_t)by_factor * learning->deviation[j], factor[j]);
     }
-    expected->noise = jp_learned_noise(state, jp_variance_of(learning->noise, JP_Q16_ONE) +
+    expected->noise = jp_learned_noise(state, variance + jp_variance_of(learning->noise, JP_Q16_ONE) +
                                                   jp_variance_of(learning->noise_relative, expected->energy));
     expected->spread = learning->spread;
     return fits;

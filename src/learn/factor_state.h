@@ -12,8 +12,9 @@ void jp_factors(const struct jp_factor_learning *learning, const struct jp_learn
 void jp_factor_deviations(const struct jp_factor_learning *learning, const struct jp_learned_state *state,
                           jp_q16 deviation[JP_LEARNING_DIRECTIONS]);
 
-/** What is expected of a drive of this energy and its changes by the factors. False: a number exceeds its format. */
+/** What is expected of a drive of this energy and its changes by the factors. `variance`: of the noise that the kind
+ *  adds, J² in Q32. False: a number exceeds its format. */
 bool jp_factor_expect(const struct jp_factor_learning *learning, const struct jp_learned_state *state, int64_t energy,
-                      const int64_t change[JP_LEARNING_DIRECTIONS], struct jp_expectation *expected);
+                      const int64_t change[JP_LEARNING_DIRECTIONS], uint64_t variance, struct jp_expectation *expected);
 
 #endif

@@ -53,7 +53,7 @@ void jp_four_wheel_learner_deviations(const struct jp_four_wheel_learner *learne
 static bool expect(const struct jp_four_wheel_learner *learner, const struct jp_four_wheel_drive *drive,
                    struct jp_expectation *expected)
 {
-    return jp_factor_expect(learner->learning, &learner->state, drive->energy, drive->change, expected);
+    return jp_factor_expect(learner->learning, &learner->state, drive->energy, drive->change, 0, expected);
 }
 
 enum jp_status jp_four_wheel_learner_update(struct jp_four_wheel_learner *learner,

@@ -1,5 +1,7 @@
 #include "src/navigate/skid_run.h"
 
+#include <stddef.h>
+
 #include "src/trajectory/path_piece.h"
 
 /** Each step of being slower takes a quarter of the speed. */
@@ -75,23 +77,6 @@ static bool is_arc(const struct jp_path_piece *piece)
     return piece->kind == JP_PIECE_CURVE && piece->bend != 0;
 }
 
-/** v² in Q48 is so much more after a way. */
-static int64_t change_of_square(jp_q24 acceleration, jp_q24 way)
-{
-    return 2 * (int64_t)acceleration * way;
-}
-
-/** Of the robot after `way` on a piece: on its way to the cruise, or braking. */
-static jp_q24 speed_after(const struct jp_piece_speed *speed, jp_q24 begin, jp_q24 way)
-{
-    const int64_t cruise = (int64_t)speed->cruise * speed->cruise;
-    const int64_t gained = (int64_t)begin * begin + change_of_square(speed->acceleration, way);
-    const int64_t lost = cruise - change_of_square(speed->acceleration, way - speed->brake_from);
-    const int64_t reached = gained < cruise ? gained : cruise;
-
-    return (jp_q24)jp_square_root((uint64_t)(way <= speed->brake_from ? reached : lost));
-}
-
 static struct jp_point middle_of(const struct jp_path_piece *arc, jp_q24 turned)
 {
     const jp_angle direction = arc->heading + jp_angle_from_radians(turned / 2);
@@ -108,7 +93,7 @@ static void halve(struct jp_path_piece halves[2], jp_q24 begin)
     struct jp_path_piece *second = &halves[1];
     const jp_q24 way = first->length / 2;
     const jp_q24 turned = jp_piece_turned(first, way);
-    const jp_q24 speed = speed_after(&first->speed, begin, way);
+    const jp_q24 speed = jp_piece_speed_after(&first->speed, begin, way);
     const bool brakes = first->speed.brake_from < way;
 
     *second = *first;
@@ -199,7 +184,9 @@ void jp_skid_run_leg_energy(const struct jp_skid_run *run, const struct jp_skid_
     for (unsigned i = leg->begin; i < leg->end; i++) {
         const struct jp_path_piece *piece = &run->path.pieces[i];
 
-        jp_skid_piece_energy(model, piece, speed, drive, duration);
+        const struct jp_path_piece *next = i + 1U < run->path.count ? &piece[1] : NULL;
+
+        jp_skid_piece_energy(model, piece, next, speed, drive, duration);
         speed = piece->speed.end;
     }
 }

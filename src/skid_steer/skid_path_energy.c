@@ -1,5 +1,7 @@
 #include <joulepath/skid_path_energy.h>
 
+#include <stddef.h>
+
 #include "src/base/integer.h"
 #include "src/trajectory/path_piece.h"
 
@@ -16,18 +18,12 @@ struct drive_sum {
     jp_q16 duration; /* s */
 };
 
-static struct jp_motion motion_on(const struct jp_path_piece *piece, jp_q24 way, jp_q24 speed)
-{
-    if (piece->kind == JP_PIECE_CURVE) {
-        return (struct jp_motion){speed, jp_q24_multiply(jp_piece_bend(piece, way), speed)};
-    }
-    return (struct jp_motion){0, piece->kind == JP_PIECE_TURN_LEFT ? speed : -speed};
-}
-
-static jp_q24 grade_of(const struct jp_path_piece *piece)
-{
-    return piece->kind == JP_PIECE_CURVE ? jp_clamp32(jp_piece_grade(piece), -GRADE_MAX, GRADE_MAX) : 0;
-}
+/** A piece, and the one after it, or null. */
+struct leg_of_path {
+    const struct jp_path_piece *piece;
+    const struct jp_path_piece *next;
+    jp_q24 reached; /* the way after which it cruises: m, or rad */
+};
 
 /** Where the robot is on a piece, and how fast: m and m/s, or rad and rad/s. */
 struct speed_mark {
@@ -35,16 +31,31 @@ struct speed_mark {
     jp_q24 speed;
 };
 
-/** From one place to the next, in which the speed changes evenly. */
-static void add_part(struct drive_sum *sum, const struct jp_path_piece *piece, const struct speed_mark *from,
+static struct jp_motion motion_at(const struct leg_of_path *on, const struct speed_mark *at)
+{
+    if (on->piece->kind == JP_PIECE_CURVE) {
+        const jp_q24 bend = jp_piece_bend_at(on->piece, on->next, at->way).bend;
+
+        return (struct jp_motion){at->speed, jp_q24_multiply(bend, at->speed)};
+    }
+    return (struct jp_motion){0, on->piece->kind == JP_PIECE_TURN_LEFT ? at->speed : -at->speed};
+}
+
+static jp_q24 grade_of(const struct jp_path_piece *piece)
+{
+    return piece->kind == JP_PIECE_CURVE ? jp_clamp32(jp_piece_grade(piece), -GRADE_MAX, GRADE_MAX) : 0;
+}
+
+/** From one place to the next, in which speed and curvature change evenly. */
+static void add_part(struct drive_sum *sum, const struct leg_of_path *on, const struct speed_mark *from,
                      const struct speed_mark *to)
 {
     const jp_q24 mean = from->speed / 2 + to->speed / 2;
     const jp_q16 lasts = jp_q16_divide(to->way - from->way, mean);
     const struct jp_skid_piece part = {
-        .start = motion_on(piece, from->way, from->speed),
-        .end = motion_on(piece, to->way, to->speed),
-        .grade = grade_of(piece),
+        .start = motion_at(on, from),
+        .end = motion_at(on, to),
+        .grade = grade_of(on->piece),
         .duration = jp_clamp32(lasts, 0, DURATION_MAX),
     };
 
@@ -62,32 +73,42 @@ static jp_q24 way_of_change(const struct jp_piece_speed *speed, jp_q24 from, jp_
     return jp_saturate32(squares / speed->acceleration / 2);
 }
 
-/** At one speed, in parts that are not too long. */
-static void add_cruise(struct drive_sum *sum, const struct jp_path_piece *piece, struct speed_mark from, jp_q24 to)
+/** The next of the places where the change of speed or of curvature is another, and the last one. */
+static jp_q24 next_place(const struct leg_of_path *on, const struct speed_mark *from)
 {
-    const jp_q24 most = jp_multiply_shift(from.speed, DURATION_MAX, 16);
-    struct speed_mark next = from;
+    const struct jp_path_piece *piece = on->piece;
+    const jp_q24 places[] = {piece->speed.blend, on->reached, piece->speed.brake_from,
+                             on->next == NULL ? piece->length : piece->length - on->next->speed.blend};
+    jp_q24 nearest = piece->length;
 
-    while (to - next.way > most) {
-        from = next;
-        next.way += most;
-        add_part(sum, piece, &from, &next);
+    for (unsigned i = 0; i < sizeof places / sizeof places[0]; i++) {
+        nearest = places[i] > from->way && places[i] < nearest ? places[i] : nearest;
     }
-    add_part(sum, piece, &next, &(struct speed_mark){to, next.speed});
+    if (from->way >= on->reached && from->way < piece->speed.brake_from) {
+        const jp_q24 most = jp_multiply_shift(from->speed, DURATION_MAX, 16); /* at the cruise */
+
+        nearest = nearest - from->way > most ? from->way + most : nearest;
+    }
+    return nearest;
 }
 
-void jp_skid_piece_energy(const struct jp_skid_energy_model *model, const struct jp_path_piece *piece, jp_q24 begin,
-                          struct jp_skid_drive *drive, jp_q16 *duration)
+void jp_skid_piece_energy(const struct jp_skid_energy_model *model, const struct jp_path_piece *piece,
+                          const struct jp_path_piece *next, jp_q24 begin, struct jp_skid_drive *drive, jp_q16 *duration)
 {
     const struct jp_piece_speed *speed = &piece->speed;
     const jp_q24 reached = jp_clamp32(way_of_change(speed, begin, speed->cruise), 0, speed->brake_from);
-    const struct speed_mark cruise = {reached, speed->cruise};
-    const struct speed_mark braking = {speed->brake_from, speed->cruise};
+    const struct leg_of_path on = {piece, next, reached};
     struct drive_sum sum = {model, drive, *duration};
+    struct speed_mark from = {0, begin};
 
-    add_part(&sum, piece, &(struct speed_mark){0, begin}, &cruise);
-    add_cruise(&sum, piece, cruise, braking.way);
-    add_part(&sum, piece, &braking, &(struct speed_mark){piece->length, speed->end});
+    while (from.way < piece->length) {
+        const jp_q24 way = next_place(&on, &from);
+        const bool is_end = way == piece->length;
+        const struct speed_mark to = {way, is_end ? speed->end : jp_piece_speed_after(speed, begin, way)};
+
+        add_part(&sum, &on, &from, &to);
+        from = to;
+    }
     *duration = sum.duration;
 }
 
@@ -97,7 +118,9 @@ void jp_skid_path_energy(const struct jp_skid_energy_model *model, const struct 
     jp_q24 speed = 0;
 
     for (unsigned i = 0; i < path->count; i++) {
-        jp_skid_piece_energy(model, &path->pieces[i], speed, drive, duration);
+        const struct jp_path_piece *next = i + 1U < path->count ? &path->pieces[i + 1U] : NULL;
+
+        jp_skid_piece_energy(model, &path->pieces[i], next, speed, drive, duration);
         speed = path->pieces[i].speed.end;
     }
 }

@@ -18,8 +18,10 @@
 /** The heading that a command may have missed, rad: beyond it the robot does not make up for it. */
 #define HEADING_ERROR_MAX JP_Q24(0.25)
 
-/** Frames with these faults still tell of the wheels. */
 #define IMU_FAULTS ((unsigned)JP_FAULT_IMU_RANGE | (unsigned)JP_FAULT_IMU_JUMP | (unsigned)JP_FAULT_IMU_FROZEN)
+
+/** Frames of which anything else is suspected still tell of the wheels. */
+#define WHEEL_SUSPICIONS ((unsigned)JP_FAULT_HARDWARE | (unsigned)JP_FAULT_ENCODER_JUMP)
 
 /** The wheels can be controlled all the same. */
 #define HOLDING_FAULTS                                                                                                 \
@@ -255,6 +257,12 @@ static jp_radians_per_s heading_correction(struct jp_skid_robot_internal *robot)
     return jp_q24_multiply(robot->config->heading_gain, robot->heading_error);
 }
 
+/** Sine of the slope ahead, of those that the robot may drive: an accelerometer that fails says anything. */
+static jp_q24 climb(const struct jp_skid_robot_internal *robot)
+{
+    return jp_clamp32(robot->wheels.rise, -robot->wheels.steepest, robot->wheels.steepest);
+}
+
 /** Speed of the treads, which creep as the slope pulls (skid_odometry.h). */
 static jp_q24 tread_speed(const struct jp_skid_robot_internal *robot)
 {
@@ -263,7 +271,7 @@ static jp_q24 tread_speed(const struct jp_skid_robot_internal *robot)
     const jp_q24 yielding = jp_add(jp_q24_multiply(jp_absolute32(reference->speed), config->creep),
                                    jp_q24_multiply(jp_absolute32(reference->turn_rate), config->turn_creep_along));
 
-    return jp_add(reference->speed, jp_q24_multiply(yielding, robot->wheels.rise));
+    return jp_add(reference->speed, jp_q24_multiply(yielding, climb(robot)));
 }
 
 /** The reference's tick on a path: its errors are corrected there. */
@@ -279,7 +287,7 @@ static void guide_on_path(struct jp_skid_robot_internal *robot, struct jp_skid_s
         .turn_rate = robot->reference.turn_rate,
         .acceleration = follow->at.acceleration,
         .turn_acceleration = follow->at.turn_acceleration,
-        .rise = robot->wheels.rise,
+        .rise = climb(robot),
     };
 }
 
@@ -304,7 +312,7 @@ static void guide_to_command(struct jp_skid_robot_internal *robot, struct jp_ski
         .turn_rate = limited_motion(robot->reference.turn_rate + correction),
         .acceleration = robot->acceleration,
         .turn_acceleration = (robot->reference.turn_rate - before.turn_rate) * rate,
-        .rise = robot->wheels.rise,
+        .rise = climb(robot),
     };
 }
 
@@ -374,15 +382,15 @@ static void short_motors(struct jp_skid_robot_internal *robot, struct jp_actuati
     actuation->duty_right = 0;
 }
 
-static void measure(struct jp_skid_robot_internal *robot, unsigned faults, const struct jp_sensors *frame)
+static void measure(struct jp_skid_robot_internal *robot, const struct jp_sensors *frame)
 {
     struct jp_sensors *good = &robot->monitor.good;
 
     if (!robot->started) {
         return;
     }
-    /* The monitor drops the whole frame. */
-    if (faults != 0U && (faults & ~IMU_FAULTS) == 0U) {
+    /* The monitor drops the whole frame: wheels that turn would seem to stand. */
+    if ((robot->monitor.suspected & WHEEL_SUSPICIONS) == 0U) {
         good->encoder_left = frame->encoder_left;
         good->encoder_right = frame->encoder_right;
     }
@@ -395,7 +403,7 @@ static void step(struct jp_skid_robot_internal *robot, enum jp_status read, cons
     const unsigned seen = jp_monitor_sensors(&robot->monitor, &robot->config->monitor, read, frame);
     const unsigned faults = seen | robot->found;
 
-    measure(robot, seen, frame);
+    measure(robot, frame);
     if (motors_run(robot->state)) {
         drive(robot, faults);
     } else {

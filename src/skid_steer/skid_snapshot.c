@@ -60,7 +60,7 @@ static bool is_near(int64_t place)
 
 static bool can_go_on(const struct jp_skid_odometry_config *config, const struct jp_skid_snapshot *snapshot)
 {
-    return snapshot->ran == 1U && snapshot->tick_rate == config->tick_rate &&
+    return snapshot->ran <= 1U && snapshot->tick_rate == config->tick_rate &&
            snapshot->way_per_count == config->way_per_count && is_near(snapshot->x) && is_near(snapshot->y) &&
            is_sound(snapshot);
 }

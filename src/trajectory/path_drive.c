@@ -4,6 +4,7 @@
 
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
+#include "src/trajectory/path_piece.h"
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("path_drive.", struct jp_path_drive_config, member, low, high)
 
@@ -19,6 +20,11 @@
 
 /** Most that it aims at the path, rad. */
 #define AIM_MAX JP_Q24(0.5)
+
+/** Counter-moves within a turn on the spot, of the most that it takes the robot from its place: so far, and by 3/4 of
+ * it in the mean. */
+#define MOVE_MOST JP_Q24(0.87)
+#define MOVE_MEAN JP_Q24(0.65)
 
 /** Pieces that are looked at for what the robot will slide. */
 #define PIECES_AHEAD 3U
@@ -69,7 +75,9 @@ void jp_path_drive_begin(struct jp_path_drive *drive, const struct jp_lattice_pa
     d->speed = 0;
     d->progress = 0;
     d->looked_at = 0;
-    d->slide_ahead = 0;
+    d->lead = 0;
+    d->turn_slides = 0;
+    d->move = 0;
     set_begin(d, path->count > 0U ? &path->pieces[0].begin : &path->end.position);
 }
 
@@ -158,36 +166,17 @@ static jp_angle heading_at(const struct jp_path_piece *piece, jp_q24 way)
     return piece->heading + jp_angle_from_radians(jp_piece_turned(piece, way));
 }
 
-/** The curvature there, and how it changes; where it jumps to that of the next piece, evenly. */
-struct bend {
-    jp_q24 bend;
-    jp_q16 rate;
-};
-
-static struct bend bend_at(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
+static struct jp_path_bend bend_at(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece)
 {
-    struct bend at = {jp_piece_bend(piece, d->progress), piece->bend_rate};
+    const bool goes_on = d->piece + 1U < d->path->count;
 
-    if (d->progress < piece->speed.blend) {
-        at.bend -= jp_multiply_shift(piece->speed.blend_rate, piece->speed.blend - d->progress, 16);
-        at.rate = jp_add(at.rate, piece->speed.blend_rate);
-    }
-    if (d->piece + 1U < d->path->count) {
-        const struct jp_piece_speed *next = &piece[1].speed;
-        const jp_q24 into = d->progress - (piece->length - next->blend);
-
-        if (into > 0) {
-            at.bend += jp_multiply_shift(next->blend_rate, into, 16);
-            at.rate = jp_add(at.rate, next->blend_rate);
-        }
-    }
-    return at;
+    return jp_piece_bend_at(piece, goes_on ? &piece[1] : NULL, d->progress);
 }
 
 static void set_curve(struct jp_path_drive_internal *d, const struct jp_path_piece *piece, jp_q24 way,
                       struct jp_path_set_point *at)
 {
-    const struct bend bend = bend_at(d, piece);
+    const struct jp_path_bend bend = bend_at(d, piece);
     const jp_q24 square = jp_q24_multiply(d->speed, d->speed);
 
     d->x += jp_multiply(at->cosine, way) >> 15;
@@ -285,6 +274,30 @@ static jp_q24 slide_on(const struct jp_path_slide *slide, const struct jp_path_s
         jp_q24_multiply(jp_q24_multiply(slide->by_way, left), stretch->way));
 }
 
+/** 1/(base + MOVE_MEAN turn), for a base of 1 or 2. */
+static jp_q24 share_of_turn(int32_t base, jp_q24 turn)
+{
+    const int32_t whole = jp_add(base * JP_Q24_ONE, jp_q24_multiply(MOVE_MEAN, turn)) >> 14; /* Q10 */
+
+    return (((int32_t)1 << 30) / whole) * 16;
+}
+
+/** What a stretch makes up for before, of what it slides there: half; of a turn on the spot less, for it moves back. */
+static jp_q24 lead_of(const struct jp_path_stretch *stretch, jp_q24 slides)
+{
+    return stretch->way > 0 ? slides / 2
+                            : jp_q24_multiply(slides, share_of_turn(2, (jp_q24)jp_magnitude32(stretch->turn)));
+}
+
+/** The stretch that is driven now. */
+static void note_turn(struct jp_path_drive_internal *d, const struct jp_path_stretch *stretch, jp_q24 slides)
+{
+    if (stretch->way == 0) {
+        d->turn_slides = slides;
+        d->turn_share = share_of_turn(1, (jp_q24)jp_magnitude32(stretch->turn));
+    }
+}
+
 static bool is_looked_over(const struct jp_path_drive_internal *d)
 {
     return d->looked_at == PIECES_AHEAD || d->looked_from + d->looked_at >= d->path->count ||
@@ -299,19 +312,24 @@ void jp_path_drive_look_ahead(struct jp_path_drive *drive, const struct jp_path_
     if (begins) {
         d->looked_from = d->piece;
         d->seen = (struct jp_path_stretch){0, 0};
-        d->slides = 0;
+        d->leads = 0;
+        d->turn_slides = 0;
     }
     if (!is_looked_over(d)) {
         const struct jp_path_stretch next = stretch_of(&d->path->pieces[d->looked_from + d->looked_at],
                                                        begins ? d->progress : 0, 2 * d->config.way - d->seen.way);
+        const jp_q24 slides = slide_on(slide, &next, d->seen.turn);
 
-        d->slides = jp_add(d->slides, slide_on(slide, &next, d->seen.turn));
+        if (begins) {
+            note_turn(d, &next, slides);
+        }
+        d->leads = jp_add(d->leads, lead_of(&next, slides));
         d->seen.turn = jp_add(d->seen.turn, next.turn);
         d->seen.way += next.way;
         d->looked_at++;
     }
     if (is_looked_over(d)) {
-        d->slide_ahead = d->slides;
+        d->lead = d->leads;
         d->looked_at = 0;
     }
 }
@@ -340,16 +358,42 @@ static jp_q24 aim_at(const struct jp_path_drive_internal *d, jp_q24 left)
     return rest >= JP_Q24_ONE || d->piece + 1U == d->path->count ? 0 : jp_q24_multiply(aim, JP_Q24_ONE - rest);
 }
 
+/** How far ahead of its place a turn on the spot shall move it, m: as far as leaves it no farther away than what is
+ * left to slide takes it in any case. */
+static jp_q24 move_in_turn(const struct jp_path_drive_internal *d, jp_radians_per_s turn_rate, jp_q24 left)
+{
+    const bool slides_left = d->turn_slides > 0;
+    const jp_q24 aside = slides_left ? left : jp_sub(0, left);
+    const jp_q24 size = (jp_q24)jp_magnitude32(left);
+    const jp_q24 most = jp_q24_multiply(jp_add(aside, (jp_q24)jp_magnitude32(d->turn_slides)), d->turn_share);
+    const jp_q24 room = jp_sub(most, size) < most / 2 ? 2 * jp_sub(most, size) : most;
+
+    if (d->turn_slides == 0 || room <= 0) {
+        return 0;
+    }
+    const jp_q24 move = jp_q24_multiply(MOVE_MOST, room);
+
+    return slides_left == (turn_rate > 0) ? move : -move;
+}
+
+/** No faster than speeds may be corrected. */
+static void move_on(struct jp_path_drive_internal *d, jp_radians_per_s turn_rate, jp_q24 left)
+{
+    const jp_q24 step = jp_multiply_shift(d->config.speed_correction, d->period, 32);
+
+    d->move = jp_clamp32(move_in_turn(d, turn_rate, left), d->move - step, d->move + step);
+}
+
 /** m in Q24 of a sum of products of Q16 and Q31. */
 static jp_q24 metres(int64_t sum)
 {
     return jp_saturate32(sum >> 22);
 }
 
-void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path_set_point *set_point,
+void jp_path_drive_track(struct jp_path_drive *drive, const struct jp_path_set_point *set_point,
                          const struct jp_path_pose *pose, struct jp_motion *motion)
 {
-    const struct jp_path_drive_internal *d = &drive->internal;
+    struct jp_path_drive_internal *d = &drive->internal;
     const struct jp_path_drive_config *config = &d->config;
     const int32_t dx = jp_sub(pose->position.x, set_point->pose.position.x);
     const int32_t dy = jp_sub(pose->position.y, set_point->pose.position.y);
@@ -359,9 +403,10 @@ void jp_path_drive_track(const struct jp_path_drive *drive, const struct jp_path
     const jp_q24 radians = jp_multiply_shift(turned, RADIANS_PER_TURN, 36);
     const jp_q24 rate = jp_q24_multiply(2 * set_point->motion.speed, d->per_way); /* 1/s */
     const jp_q24 pace = rate > config->pace ? rate : config->pace;
-    const jp_q24 between = jp_add(left, d->slide_ahead / 2);
-    const jp_q24 turn_back = jp_q24_multiply(pace, radians + aim_at(d, between));
-    const jp_q24 back = jp_q24_multiply(config->pace, ahead);
+    const jp_q24 turn_back = jp_q24_multiply(pace, radians + aim_at(d, jp_add(left, d->lead)));
+
+    move_on(d, set_point->motion.turn_rate, left);
+    const jp_q24 back = jp_q24_multiply(config->pace, jp_sub(ahead, d->move));
 
     motion->speed = set_point->motion.speed - jp_clamp32(back, -config->speed_correction, config->speed_correction);
     motion->turn_rate =

@@ -3,6 +3,7 @@
 #define JOULEPATH_TRAJECTORY_PATH_PIECE_H
 
 #include <joulepath/lattice_path.h>
+#include <stddef.h>
 
 #include "src/base/integer.h"
 
@@ -24,6 +25,50 @@ static inline jp_q24 jp_piece_grade(const struct jp_path_piece *piece)
 static inline bool jp_piece_rises_alike(const struct jp_path_piece *a, const struct jp_path_piece *b)
 {
     return jp_absolute64((int64_t)jp_piece_grade(a) - jp_piece_grade(b)) <= JP_PIECE_GRADE_SPREAD_MAX;
+}
+
+/** Curvature, and how it changes. */
+struct jp_path_bend {
+    jp_q24 bend; /**< 1/m */
+    jp_q16 rate; /**< 1/m² */
+};
+
+/** So far on a piece; where it jumps to that of the next piece, which may be null, evenly. */
+static inline struct jp_path_bend jp_piece_bend_at(const struct jp_path_piece *piece, const struct jp_path_piece *next,
+                                                   jp_q24 way)
+{
+    struct jp_path_bend at = {jp_piece_bend(piece, way), piece->bend_rate};
+
+    if (way < piece->speed.blend) {
+        at.bend -= jp_multiply_shift(piece->speed.blend_rate, piece->speed.blend - way, 16);
+        at.rate = jp_add(at.rate, piece->speed.blend_rate);
+    }
+    if (next != NULL) {
+        const jp_q24 into = way - (piece->length - next->speed.blend);
+
+        if (into > 0) {
+            at.bend += jp_multiply_shift(next->speed.blend_rate, into, 16);
+            at.rate = jp_add(at.rate, next->speed.blend_rate);
+        }
+    }
+    return at;
+}
+
+/** v² in Q48 is so much more after a way. */
+static inline int64_t jp_piece_change_of_square(jp_q24 acceleration, jp_q24 way)
+{
+    return 2 * (int64_t)acceleration * way;
+}
+
+/** Of a robot that begins a piece at a speed, after `way` on it: on its way to the cruise, or braking. */
+static inline jp_q24 jp_piece_speed_after(const struct jp_piece_speed *speed, jp_q24 begin, jp_q24 way)
+{
+    const int64_t cruise = (int64_t)speed->cruise * speed->cruise;
+    const int64_t gained = (int64_t)begin * begin + jp_piece_change_of_square(speed->acceleration, way);
+    const int64_t lost = cruise - jp_piece_change_of_square(speed->acceleration, way - speed->brake_from);
+    const int64_t reached = gained < cruise ? gained : cruise;
+
+    return (jp_q24)jp_square_root((uint64_t)(way <= speed->brake_from ? reached : lost));
 }
 
 /** `next` becomes a part of the piece before it. */

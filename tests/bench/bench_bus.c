@@ -85,13 +85,13 @@ static void print_bad(const struct bus_trial *trial)
     (void)fprintf(stderr, "seed %" PRIu64 ": %s, %.1f s, faults %#x:", trial->seed, bus_trial_end_name(trial->end),
                   trial->ticks / 1000.0, trial->robot_faults);
     for (size_t i = 0; i < trial->fault_count; i++) {
-        (void)fprintf(stderr, " %s %" PRIu64 "-%" PRIu64, bus_trial_fault_name(trial->faults[i].kind),
-                      trial->faults[i].from, trial->faults[i].until);
+        (void)fprintf(stderr, " %s %" PRIu64 "-%" PRIu64, bus_fault_name(trial->faults[i].kind), trial->faults[i].from,
+                      trial->faults[i].until);
     }
     (void)fprintf(stderr, "\n");
 }
 
-static bool has(const struct bus_trial *trial, enum bus_trial_fault_kind kind)
+static bool has(const struct bus_trial *trial, enum bus_fault_kind kind)
 {
     for (size_t i = 0; i < trial->fault_count; i++) {
         if (trial->faults[i].kind == kind) {
@@ -101,7 +101,7 @@ static bool has(const struct bus_trial *trial, enum bus_trial_fault_kind kind)
     return false;
 }
 
-static void print_kind(const struct campaign *campaign, enum bus_trial_fault_kind kind)
+static void print_kind(const struct campaign *campaign, enum bus_fault_kind kind)
 {
     size_t alone = 0;
     size_t combined = 0;
@@ -123,16 +123,19 @@ static void print_kind(const struct campaign *campaign, enum bus_trial_fault_kin
             pitch = trial->peak_pitch_deg;
         }
     }
-    (void)fprintf(stderr, "%-16s %8zu %9zu %12zu %8zu %12.1f\n", bus_trial_fault_name(kind), alone, combined, excused,
-                  bad, pitch);
+    if (alone + combined == 0) {
+        return;
+    }
+    (void)fprintf(stderr, "%-16s %8zu %9zu %12zu %8zu %12.1f\n", bus_fault_name(kind), alone, combined, excused, bad,
+                  pitch);
 }
 
 static void print_tables(const struct campaign *campaign)
 {
     (void)fprintf(stderr, "%-16s %8s %9s %12s %8s %12s\n", "fault", "alone", "combined", "sensor fell", "bad",
                   "peak pitch, °");
-    for (int kind = 0; kind < BUS_TRIAL_KINDS; kind++) {
-        print_kind(campaign, (enum bus_trial_fault_kind)kind);
+    for (int kind = 0; kind < BUS_FAULT_KINDS; kind++) {
+        print_kind(campaign, (enum bus_fault_kind)kind);
     }
     for (size_t i = 0; i < campaign->count; i++) {
         if (!is_good(&campaign->trials[i])) {

@@ -56,9 +56,9 @@ static void print_bad(const struct skid_bus_trial *trial)
     for (size_t i = 0; i < trial->fault_count; i++) {
         const struct skid_bus_fault *fault = &trial->faults[i];
 
-        (void)fprintf(stderr, " %s %" PRIu64 "-%" PRId64, skid_bus_fault_name(fault->kind), fault->from,
+        (void)fprintf(stderr, " %s %" PRIu64 "-%" PRId64, bus_fault_name(fault->kind), fault->from,
                       (int64_t)fault->until);
-        if (fault->kind == SKID_BUS_SENSOR) {
+        if (fault->kind == BUS_FAULT_SENSOR) {
             (void)fprintf(stderr, " (channel %d, kind %d, value %d)", fault->sensor.channel, fault->sensor.kind,
                           fault->sensor.value);
         }
@@ -66,7 +66,7 @@ static void print_bad(const struct skid_bus_trial *trial)
     (void)fprintf(stderr, "\n");
 }
 
-static bool has(const struct skid_bus_trial *trial, enum skid_bus_fault_kind kind)
+static bool has(const struct skid_bus_trial *trial, enum bus_fault_kind kind)
 {
     for (size_t i = 0; i < trial->fault_count; i++) {
         if (trial->faults[i].kind == kind) {
@@ -76,7 +76,7 @@ static bool has(const struct skid_bus_trial *trial, enum skid_bus_fault_kind kin
     return false;
 }
 
-static void print_kind(const struct campaign *campaign, enum skid_bus_fault_kind kind)
+static void print_kind(const struct campaign *campaign, enum bus_fault_kind kind)
 {
     size_t ends[SKID_BUS_ENDS] = {0};
     size_t count = 0;
@@ -91,15 +91,18 @@ static void print_kind(const struct campaign *campaign, enum skid_bus_fault_kind
             bad += !is_good(trial);
         }
     }
-    (void)fprintf(stderr, "%-16s %8zu %8zu %8zu %8zu\n", skid_bus_fault_name(kind), count, ends[SKID_BUS_DONE],
+    if (count == 0) {
+        return;
+    }
+    (void)fprintf(stderr, "%-16s %8zu %8zu %8zu %8zu\n", bus_fault_name(kind), count, ends[SKID_BUS_DONE],
                   ends[SKID_BUS_NAMED], bad);
 }
 
 static void print_tables(const struct campaign *campaign)
 {
     (void)fprintf(stderr, "%-16s %8s %8s %8s %8s\n", "fault", "missions", "done", "named", "bad");
-    for (int kind = 0; kind < SKID_BUS_KINDS; kind++) {
-        print_kind(campaign, (enum skid_bus_fault_kind)kind);
+    for (int kind = 0; kind < BUS_FAULT_KINDS; kind++) {
+        print_kind(campaign, (enum bus_fault_kind)kind);
     }
     for (size_t i = 0; i < campaign->count; i++) {
         if (!is_good(&campaign->trials[i])) {

@@ -54,7 +54,6 @@ static void read_sound(size_t kind)
     (void)read_file(kinds[kind].file, sound, sizeof sound);
     if (kinds[kind].kind == &skid_steer_kind) {
         insert("\nbody: {\n", "    overall_width_m = 0.8;\n    middle_ahead_m = 0.05;\n");
-        insert("\n};\n", "\nnavigation: {\n    cell_m = 0.25;\n    margin_m = 0.05;\n};\n");
     }
 }
 
@@ -152,6 +151,14 @@ static void test_an_outline_that_is_left_out(void)
     TEST_ASSERT_TRUE(load(ZHANG));
     check_value(0.7, model.body.overall_width_m, "the tracks'");
     check_value(0, model.body.middle_ahead_m, "the axles'");
+}
+
+static void test_navigation_that_is_left_out(void)
+{
+    char *group = strstr(sound, "\nnavigation: {");
+    TEST_ASSERT_NOT_NULL(group);
+    write_replaced(sound, group, strstr(group, "};") + 2, "\n");
+    TEST_ASSERT_TRUE_MESSAGE(load(path), errors);
     TEST_ASSERT_TRUE(isnan(model.navigation.cell_m) && isnan(model.navigation.margin_m));
 }
 

@@ -32,7 +32,7 @@ static void describe(const struct bus_trial *trial)
     for (size_t i = 0; i < trial->fault_count; i++) {
         const struct bus_trial_fault *fault = &trial->faults[i];
 
-        (void)printf(" %s %" PRIu64 "-%" PRIu64 " %.2f", bus_trial_fault_name(fault->kind), fault->from, fault->until,
+        (void)printf(" %s %" PRIu64 "-%" PRIu64 " %.2f", bus_fault_name(fault->kind), fault->from, fault->until,
                      fault->share);
     }
     (void)printf("\n");

@@ -31,7 +31,7 @@ static void describe(const struct skid_bus_trial *trial)
                  trial->seed, trial->robot->name, skid_bus_end_name(trial->end), trial->ticks, trial->end_error,
                  trial->stop, found);
     for (size_t i = 0; i < trial->fault_count; i++) {
-        (void)printf(" %s %" PRIu64, skid_bus_fault_name(trial->faults[i].kind), trial->faults[i].from);
+        (void)printf(" %s %" PRIu64, bus_fault_name(trial->faults[i].kind), trial->faults[i].from);
     }
     (void)printf("\n");
 }

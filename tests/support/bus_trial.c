@@ -16,8 +16,6 @@
 #define SPAN_MAX    3000.0 /* of a fault that is no outage, ticks */
 #define SILENCE_MIN 600.0  /* longer than the operator's timeout, ticks */
 #define FREEZE_MAX  200.0  /* ticks */
-#define DELAY_MAX   5U     /* ticks */
-#define FLIP_MAX    4U     /* bits; corrupting more is what a stranger's frames do */
 
 #define LIMIT_TICKS    120000U
 #define STAND_TICKS    2000U /* at the end */
@@ -41,26 +39,6 @@ struct run {
     double stood_y;
     uint64_t stood; /**< ticks since the route was done */
 };
-
-const char *bus_trial_fault_name(enum bus_trial_fault_kind kind)
-{
-    static const char *const names[BUS_TRIAL_KINDS] = {
-        [BUS_TRIAL_LOSS] = "loss",
-        [BUS_TRIAL_REPEAT] = "repetition",
-        [BUS_TRIAL_DELAY] = "delay",
-        [BUS_TRIAL_FLIP] = "bit flips",
-        [BUS_TRIAL_SWAP] = "reordering",
-        [BUS_TRIAL_BLACKOUT] = "blackout",
-        [BUS_TRIAL_BUS_OFF] = "bus-off",
-        [BUS_TRIAL_ECU_RESET] = "ECU reset",
-        [BUS_TRIAL_PLANT_PAUSE] = "plant pause",
-        [BUS_TRIAL_SENSOR_FREEZE] = "sensor freeze",
-        [BUS_TRIAL_SILENCE] = "operator silent",
-        [BUS_TRIAL_GARBAGE] = "strange frames",
-    };
-
-    return names[kind];
-}
 
 const char *bus_trial_end_name(enum bus_trial_end end)
 {
@@ -95,21 +73,15 @@ static void draw_targets(struct bus_trial *trial, struct random *random)
     }
 }
 
-static bool is_outage(enum bus_trial_fault_kind kind)
+static double draw_span(enum bus_fault_kind kind, struct random *random)
 {
-    return kind == BUS_TRIAL_BLACKOUT || kind == BUS_TRIAL_BUS_OFF || kind == BUS_TRIAL_ECU_RESET ||
-           kind == BUS_TRIAL_PLANT_PAUSE;
-}
-
-static double draw_span(enum bus_trial_fault_kind kind, struct random *random)
-{
-    if (is_outage(kind)) {
+    if (bus_fault_is_outage(kind)) {
         return floor(random_uniform(random, 1, BUS_TRIAL_OUTAGE_MAX + 1));
     }
-    if (kind == BUS_TRIAL_SENSOR_FREEZE) {
+    if (kind == BUS_FAULT_FREEZE) {
         return random_uniform(random, 1, FREEZE_MAX);
     }
-    return random_uniform(random, kind == BUS_TRIAL_SILENCE ? SILENCE_MIN : 1, SPAN_MAX);
+    return random_uniform(random, kind == BUS_FAULT_SILENCE ? SILENCE_MIN : 1, SPAN_MAX);
 }
 
 /** Outages keep their distance from each other and from other faults, which may be outages of a kind. */
@@ -117,7 +89,7 @@ static bool collides(const struct bus_trial *trial, const struct bus_trial_fault
 {
     for (size_t i = 0; i < trial->fault_count; i++) {
         const struct bus_trial_fault *other = &trial->faults[i];
-        const bool matters = is_outage(fault->kind) || is_outage(other->kind);
+        const bool matters = bus_fault_is_outage(fault->kind) || bus_fault_is_outage(other->kind);
 
         if (matters && fault->from < other->until + BUS_TRIAL_OUTAGE_GAP &&
             other->from < fault->until + BUS_TRIAL_OUTAGE_GAP) {
@@ -127,6 +99,12 @@ static bool collides(const struct bus_trial *trial, const struct bus_trial_fault
     return false;
 }
 
+static const enum bus_fault_kind kinds[] = {
+    BUS_FAULT_LOSS,        BUS_FAULT_REPEAT,   BUS_FAULT_DELAY,   BUS_FAULT_FLIP,
+    BUS_FAULT_SWAP,        BUS_FAULT_BLACKOUT, BUS_FAULT_BUS_OFF, BUS_FAULT_ECU_RESET,
+    BUS_FAULT_PLANT_PAUSE, BUS_FAULT_FREEZE,   BUS_FAULT_SILENCE, BUS_FAULT_STRANGE,
+};
+
 static void draw_fault(struct bus_trial *trial, struct random *random)
 {
     struct bus_trial_fault *fault = &trial->faults[trial->fault_count];
@@ -134,12 +112,11 @@ static void draw_fault(struct bus_trial *trial, struct random *random)
     do {
         const double from = random_uniform(random, FAULTS_FROM, FAULTS_UNTIL);
 
-        fault->kind = (enum bus_trial_fault_kind)random_uniform(random, 0, BUS_TRIAL_KINDS);
+        fault->kind = kinds[(size_t)random_uniform(random, 0, sizeof kinds / sizeof kinds[0])];
         fault->from = (uint64_t)from;
         fault->until = fault->from + (uint64_t)draw_span(fault->kind, random);
     } while (collides(trial, fault));
-    fault->share = random_uniform(random, 0, BUS_TRIAL_SHARE_MAX);
-    fault->strength = fault->kind == BUS_TRIAL_DELAY ? DELAY_MAX : FLIP_MAX;
+    fault->share = random_uniform(random, 0, BUS_FAULT_SHARE_MAX);
     fault->channel = (enum world_channel)random_uniform(random, WORLD_ENCODER_LEFT, WORLD_BUS_VOLTAGE + 1);
     trial->fault_count++;
 }
@@ -163,49 +140,18 @@ void bus_trial_draw(struct bus_trial *trial, uint64_t seed)
 
 /* The faults. */
 
-static void add_link_fault(struct run *run, const struct bus_trial_fault *fault, enum can_fault_kind kind, double share)
-{
-    (void)can_fault_link_add(&run->faulty, &(struct can_fault){.kind = kind,
-                                                               .direction = CAN_FAULT_BOTH,
-                                                               .share = share,
-                                                               .strength = fault->strength,
-                                                               .from = fault->from,
-                                                               .until = fault->until});
-}
-
 static void prepare_fault(struct run *run, const struct bus_trial_fault *fault)
 {
-    switch (fault->kind) {
-    case BUS_TRIAL_LOSS:
-        add_link_fault(run, fault, CAN_FAULT_LOSS, fault->share);
-        break;
-    case BUS_TRIAL_REPEAT:
-        add_link_fault(run, fault, CAN_FAULT_REPEAT, fault->share);
-        break;
-    case BUS_TRIAL_DELAY:
-        add_link_fault(run, fault, CAN_FAULT_DELAY, fault->share);
-        break;
-    case BUS_TRIAL_FLIP:
-        add_link_fault(run, fault, CAN_FAULT_FLIP, fault->share);
-        break;
-    case BUS_TRIAL_SWAP:
-        add_link_fault(run, fault, CAN_FAULT_SWAP, fault->share);
-        break;
-    case BUS_TRIAL_BLACKOUT:
-        add_link_fault(run, fault, CAN_FAULT_LOSS, 1);
-        break;
-    case BUS_TRIAL_SENSOR_FREEZE:
+    bus_fault_add(&run->faulty, fault->kind, fault->share, fault->from, fault->until);
+    if (fault->kind == BUS_FAULT_FREEZE) {
         (void)world_add_fault(&run->drive->plant.world, &(struct world_fault){.channel = fault->channel,
                                                                               .kind = WORLD_FROZEN,
                                                                               .from = fault->from,
                                                                               .until = fault->until});
-        break;
-    default:
-        break;
     }
 }
 
-static bool is_active(const struct run *run, enum bus_trial_fault_kind kind)
+static bool is_active(const struct run *run, enum bus_fault_kind kind)
 {
     for (size_t i = 0; i < run->trial->fault_count; i++) {
         const struct bus_trial_fault *fault = &run->trial->faults[i];
@@ -220,32 +166,11 @@ static bool is_active(const struct run *run, enum bus_trial_fault_kind kind)
 static void set_conditions(struct run *run)
 {
     run->drive->conditions = (struct bus_drive_conditions){
-        .ecu_reset = is_active(run, BUS_TRIAL_ECU_RESET),
-        .ecu_bus_off = is_active(run, BUS_TRIAL_BUS_OFF),
-        .plant_paused = is_active(run, BUS_TRIAL_PLANT_PAUSE),
-        .operator_silent = is_active(run, BUS_TRIAL_SILENCE),
+        .ecu_reset = is_active(run, BUS_FAULT_ECU_RESET),
+        .ecu_bus_off = is_active(run, BUS_FAULT_BUS_OFF),
+        .plant_paused = is_active(run, BUS_FAULT_PLANT_PAUSE),
+        .operator_silent = is_active(run, BUS_FAULT_SILENCE),
     };
-}
-
-/** A stranger's frame: the id mostly one of this bus, now and then a remote or an extended one; anything as content. */
-static void send_garbage(struct run *run)
-{
-    const struct jp_can_port *port = &run->faulty.inner.port;
-    struct jp_can_frame frame = {.length = (uint8_t)random_uniform(&run->random, 0, JP_CAN_LENGTH_MAX + 1)};
-    const double choice = random_uniform(&run->random, 0, 1);
-
-    frame.id = (uint32_t)random_uniform(&run->random, 0, choice < 0.3 ? 0x7F0 : 0x30);
-    frame.id += choice < 0.3 ? 0 : choice < 0.7 ? JP_CAN_OPERATOR_COMMAND_FRAME_ID : 0;
-    frame.id |= choice > 0.95 ? JP_CAN_REMOTE : choice > 0.9 ? JP_CAN_EXTENDED : 0;
-    if (random_uniform(&run->random, 0, 1) < 0.5) {
-        frame.length =
-            frame.id == JP_CAN_OPERATOR_COMMAND_FRAME_ID ? JP_CAN_OPERATOR_COMMAND_LENGTH : JP_CAN_LENGTH_MAX;
-    }
-    for (unsigned i = 0; i < frame.length; i++) {
-        frame.data[i] = (uint8_t)random_uniform(&run->random, 0, 256);
-    }
-    (void)port->send(port->context, &frame);
-    (void)plant_node_accept(&run->drive->plant, &frame);
 }
 
 /* The watch. */
@@ -350,8 +275,8 @@ static bool step(struct run *run)
 {
     set_conditions(run);
     can_fault_link_set_tick(&run->faulty, run->drive->tick);
-    if (is_active(run, BUS_TRIAL_GARBAGE)) {
-        send_garbage(run);
+    if (is_active(run, BUS_FAULT_STRANGE)) {
+        bus_fault_send_strange(&run->faulty, &run->drive->plant, &run->random);
     }
     note_command(run);
     if (!bus_drive_lockstep(run->drive)) {
@@ -426,7 +351,7 @@ static struct bus_trial only_sensors(const struct bus_trial *trial)
 
     rest.fault_count = 0;
     for (size_t i = 0; i < trial->fault_count; i++) {
-        if (trial->faults[i].kind == BUS_TRIAL_SENSOR_FREEZE) {
+        if (trial->faults[i].kind == BUS_FAULT_FREEZE) {
             rest.faults[rest.fault_count++] = trial->faults[i];
         }
     }
@@ -440,7 +365,7 @@ static bool noticed_frozen_sensor(const struct bus_trial *trial)
     bool frozen = false;
 
     for (size_t i = 0; i < trial->fault_count; i++) {
-        frozen = frozen || (trial->faults[i].kind == BUS_TRIAL_SENSOR_FREEZE && trial->faults[i].from < trial->ticks);
+        frozen = frozen || (trial->faults[i].kind == BUS_FAULT_FREEZE && trial->faults[i].from < trial->ticks);
     }
     return frozen && trial->end == BUS_TRIAL_FELL && (trial->robot_faults & noticed) != 0U;
 }

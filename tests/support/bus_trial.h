@@ -2,7 +2,7 @@
  * A short random mission over a bus on which things go wrong, one at a time or several together, as a seed draws them.
  *
  * What the controller promises: outages of at most BUS_TRIAL_OUTAGE_MAX ticks, BUS_TRIAL_OUTAGE_GAP apart, and up to
- * BUS_TRIAL_SHARE_MAX of the frames lost, late, swapped, repeated or corrupt do not make the robot fall. Without
+ * BUS_FAULT_SHARE_MAX of the frames lost, late, swapped, repeated or corrupt do not make the robot fall. Without
  * commands it stands BUS_TRIAL_STOP_MAX seconds later. Whatever comes over the bus, it drives only where the operator
  * sends it, and once the bus is well again it finishes the route.
  */
@@ -11,38 +11,20 @@
 
 #include "sim/balancer/robots.h"
 #include "sim/bus/bus_drive.h"
-#include "tests/support/can_fault.h"
+#include "tests/support/bus_faults.h"
 
 #define BUS_TRIAL_OUTAGE_MAX 40U
 #define BUS_TRIAL_OUTAGE_GAP 500U
-#define BUS_TRIAL_SHARE_MAX  0.15
 #define BUS_TRIAL_STOP_MAX   6.0
 
 #define BUS_TRIAL_FAULTS_MAX  4
 #define BUS_TRIAL_TARGETS_MAX 3
 
-enum bus_trial_fault_kind {
-    BUS_TRIAL_LOSS,
-    BUS_TRIAL_REPEAT,
-    BUS_TRIAL_DELAY,
-    BUS_TRIAL_FLIP,
-    BUS_TRIAL_SWAP,
-    BUS_TRIAL_BLACKOUT, /**< all frames are lost */
-    BUS_TRIAL_BUS_OFF,
-    BUS_TRIAL_ECU_RESET,
-    BUS_TRIAL_PLANT_PAUSE,
-    BUS_TRIAL_SENSOR_FREEZE,
-    BUS_TRIAL_SILENCE, /**< of the operator */
-    BUS_TRIAL_GARBAGE, /**< frames of a stranger: any content, the ids of this bus among others */
-    BUS_TRIAL_KINDS
-};
-
 struct bus_trial_fault {
-    enum bus_trial_fault_kind kind;
+    enum bus_fault_kind kind;
     uint64_t from;  /**< tick */
     uint64_t until; /**< tick, exclusive */
     double share;
-    uint32_t strength;
     enum world_channel channel; /**< that freezes */
 };
 
@@ -75,7 +57,6 @@ struct bus_trial {
     uint64_t fingerprint;
 };
 
-const char *bus_trial_fault_name(enum bus_trial_fault_kind kind);
 const char *bus_trial_end_name(enum bus_trial_end end);
 
 /** Draws the trial of this seed. */

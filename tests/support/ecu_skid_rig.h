@@ -112,9 +112,12 @@ static inline uint32_t counts_of(int side)
     return (uint32_t)((int64_t)angles[side] / (int64_t)config.control.wheel_per_count);
 }
 
-/** (u − K ω)/R. */
+/** (u − K ω)/R; none where the bridges are off. */
 static inline jp_q16 current_of(int side, jp_q16 voltage)
 {
+    if (bus.actuation.enabled == 0U) {
+        return 0;
+    }
     const jp_q16 back_emf =
         jp_multiply_shift(config.control.back_emf, skid.robot.internal.control.sides[side].rate, 24);
 

@@ -18,9 +18,6 @@
 #define LIMIT_SECONDS 120.0
 #define STAND_SECONDS 2.0 /* at the end */
 
-#define SHARE_MAX    0.15
-#define DELAY_MAX    5U /* ticks */
-#define FLIP_MAX     4U /* bits */
 #define ATTEMPTS_MAX 5U
 
 /** What passes between the last frame of a command and the controller's reaction, s: the time-out, and two commands. */
@@ -47,27 +44,6 @@ struct run {
     uint64_t rest;   /**< ticks since the mission has ended */
     unsigned attempts;
 };
-
-const char *skid_bus_fault_name(enum skid_bus_fault_kind kind)
-{
-    static const char *const names[SKID_BUS_KINDS] = {
-        [SKID_BUS_LOSS] = "loss",
-        [SKID_BUS_REPEAT] = "repetition",
-        [SKID_BUS_DELAY] = "delay",
-        [SKID_BUS_FLIP] = "bit flips",
-        [SKID_BUS_SWAP] = "reordering",
-        [SKID_BUS_BLACKOUT] = "blackout",
-        [SKID_BUS_BUS_OFF] = "bus-off",
-        [SKID_BUS_ECU_RESET] = "ECU reset",
-        [SKID_BUS_SILENCE] = "operator silent",
-        [SKID_BUS_GARBAGE] = "strange frames",
-        [SKID_BUS_SENSOR] = "sensor",
-        [SKID_BUS_STALL] = "stalled side",
-        [SKID_BUS_AIR] = "side in the air",
-    };
-
-    return names[kind];
-}
 
 const char *skid_bus_end_name(enum skid_bus_end end)
 {
@@ -109,14 +85,9 @@ static void draw_targets(struct skid_bus_trial *trial, struct random *random)
     }
 }
 
-static bool is_outage(enum skid_bus_fault_kind kind)
+static bool is_failure(enum bus_fault_kind kind)
 {
-    return kind == SKID_BUS_BLACKOUT || kind == SKID_BUS_BUS_OFF || kind == SKID_BUS_ECU_RESET;
-}
-
-static bool is_failure(enum skid_bus_fault_kind kind)
-{
-    return kind == SKID_BUS_SENSOR || kind == SKID_BUS_STALL || kind == SKID_BUS_AIR;
+    return kind == BUS_FAULT_SENSOR || kind == BUS_FAULT_STALL || kind == BUS_FAULT_AIR;
 }
 
 static uint64_t draw_end(const struct skid_bus_fault *fault, double rate, struct random *random)
@@ -124,11 +95,11 @@ static uint64_t draw_end(const struct skid_bus_fault *fault, double rate, struct
     if (is_failure(fault->kind)) {
         return UINT64_MAX;
     }
-    if (is_outage(fault->kind)) {
+    if (bus_fault_is_outage(fault->kind)) {
         return fault->from + (uint64_t)random_uniform(random, 1, rate * SKID_BUS_OUTAGE_MAX / 1000 + 1);
     }
     return fault->from +
-           (uint64_t)(rate * random_uniform(random, fault->kind == SKID_BUS_SILENCE ? SILENCE_MIN : 0, SPAN_MAX)) + 1;
+           (uint64_t)(rate * random_uniform(random, fault->kind == BUS_FAULT_SILENCE ? SILENCE_MIN : 0, SPAN_MAX)) + 1;
 }
 
 /** Outages keep their distance from each other and from other faults, which may be outages of a kind. */
@@ -136,8 +107,8 @@ static bool collides(const struct skid_bus_trial *trial, const struct skid_bus_f
 {
     for (size_t i = 0; i < trial->fault_count; i++) {
         const struct skid_bus_fault *other = &trial->faults[i];
-        const bool matters = (is_outage(fault->kind) && !is_failure(other->kind)) ||
-                             (is_outage(other->kind) && !is_failure(fault->kind));
+        const bool matters = (bus_fault_is_outage(fault->kind) && !is_failure(other->kind)) ||
+                             (bus_fault_is_outage(other->kind) && !is_failure(fault->kind));
 
         if (matters && fault->from < other->until + gap && other->from < fault->until + gap) {
             return true;
@@ -159,18 +130,23 @@ static struct world_fault draw_sensor(const struct skid_bus_fault *fault, struct
                                 .from = fault->from};
 }
 
+static const enum bus_fault_kind kinds[] = {
+    BUS_FAULT_LOSS,     BUS_FAULT_REPEAT,  BUS_FAULT_DELAY,     BUS_FAULT_FLIP,    BUS_FAULT_SWAP,
+    BUS_FAULT_BLACKOUT, BUS_FAULT_BUS_OFF, BUS_FAULT_ECU_RESET, BUS_FAULT_SILENCE, BUS_FAULT_STRANGE,
+    BUS_FAULT_SENSOR,   BUS_FAULT_STALL,   BUS_FAULT_AIR,
+};
+
 static void draw_fault(struct skid_bus_trial *trial, struct random *random)
 {
     const double rate = trial->model->control.rate_hz;
     struct skid_bus_fault *fault = &trial->faults[trial->fault_count];
 
     do {
-        fault->kind = (enum skid_bus_fault_kind)random_uniform(random, 0, SKID_BUS_KINDS);
+        fault->kind = kinds[(size_t)random_uniform(random, 0, sizeof kinds / sizeof kinds[0])];
         fault->from = (uint64_t)(rate * random_uniform(random, FAULTS_FROM, FAULTS_UNTIL));
         fault->until = draw_end(fault, rate, random);
     } while (collides(trial, fault, (uint64_t)(rate * GAP)));
-    fault->share = random_uniform(random, 0, SHARE_MAX);
-    fault->strength = fault->kind == SKID_BUS_DELAY ? DELAY_MAX : FLIP_MAX;
+    fault->share = random_uniform(random, 0, BUS_FAULT_SHARE_MAX);
     fault->side = random_uniform(random, 0, 1) < 0.5 ? SKID_LEFT : SKID_RIGHT;
     fault->sensor = draw_sensor(fault, random);
     trial->fault_count++;
@@ -196,46 +172,15 @@ void skid_bus_trial_draw(struct skid_bus_trial *trial, uint64_t seed, const stru
 
 /* The faults. */
 
-static void add_link_fault(struct run *run, const struct skid_bus_fault *fault, enum can_fault_kind kind, double share)
-{
-    (void)can_fault_link_add(&run->faulty, &(struct can_fault){.kind = kind,
-                                                               .direction = CAN_FAULT_BOTH,
-                                                               .share = share,
-                                                               .strength = fault->strength,
-                                                               .from = fault->from,
-                                                               .until = fault->until});
-}
-
 static void prepare_fault(struct run *run, const struct skid_bus_fault *fault)
 {
-    switch (fault->kind) {
-    case SKID_BUS_LOSS:
-        add_link_fault(run, fault, CAN_FAULT_LOSS, fault->share);
-        break;
-    case SKID_BUS_REPEAT:
-        add_link_fault(run, fault, CAN_FAULT_REPEAT, fault->share);
-        break;
-    case SKID_BUS_DELAY:
-        add_link_fault(run, fault, CAN_FAULT_DELAY, fault->share);
-        break;
-    case SKID_BUS_FLIP:
-        add_link_fault(run, fault, CAN_FAULT_FLIP, fault->share);
-        break;
-    case SKID_BUS_SWAP:
-        add_link_fault(run, fault, CAN_FAULT_SWAP, fault->share);
-        break;
-    case SKID_BUS_BLACKOUT:
-        add_link_fault(run, fault, CAN_FAULT_LOSS, 1);
-        break;
-    case SKID_BUS_SENSOR:
+    bus_fault_add(&run->faulty, fault->kind, fault->share, fault->from, fault->until);
+    if (fault->kind == BUS_FAULT_SENSOR) {
         (void)world_faults_add(&run->drive->plant.faults, &fault->sensor);
-        break;
-    default:
-        break;
     }
 }
 
-static bool is_active(const struct run *run, enum skid_bus_fault_kind kind)
+static bool is_active(const struct run *run, enum bus_fault_kind kind)
 {
     for (size_t i = 0; i < run->trial->fault_count; i++) {
         const struct skid_bus_fault *fault = &run->trial->faults[i];
@@ -264,7 +209,7 @@ static void lift(struct skid_plant *plant, int side)
 static bool has_been_lifted(const struct run *run)
 {
     for (size_t i = 0; i < run->trial->fault_count; i++) {
-        if (run->trial->faults[i].kind == SKID_BUS_AIR && run->drive->tick > run->trial->faults[i].from) {
+        if (run->trial->faults[i].kind == BUS_FAULT_AIR && run->drive->tick > run->trial->faults[i].from) {
             return true;
         }
     }
@@ -280,10 +225,10 @@ static void break_the_body(struct run *run)
         const struct skid_bus_fault *fault = &run->trial->faults[i];
         const bool is_due = run->drive->tick == fault->from;
 
-        if (fault->kind == SKID_BUS_STALL && is_due) {
+        if (fault->kind == BUS_FAULT_STALL && is_due) {
             jam(&run->drive->plant.skid.plant, fault->side);
         }
-        if (fault->kind == SKID_BUS_AIR && is_due && !is_lifted) {
+        if (fault->kind == BUS_FAULT_AIR && is_due && !is_lifted) {
             lift(&run->drive->plant.skid.plant, fault->side);
             is_lifted = true;
         }
@@ -293,36 +238,16 @@ static void break_the_body(struct run *run)
 static void set_conditions(struct run *run)
 {
     run->drive->conditions = (struct bus_drive_conditions){
-        .ecu_reset = is_active(run, SKID_BUS_ECU_RESET),
-        .ecu_bus_off = is_active(run, SKID_BUS_BUS_OFF),
-        .operator_silent = is_active(run, SKID_BUS_SILENCE),
+        .ecu_reset = is_active(run, BUS_FAULT_ECU_RESET),
+        .ecu_bus_off = is_active(run, BUS_FAULT_BUS_OFF),
+        .operator_silent = is_active(run, BUS_FAULT_SILENCE),
     };
     break_the_body(run);
 }
 
-/** A stranger's frame: the id mostly one of this bus; anything as content. */
-static void send_garbage(struct run *run)
-{
-    const struct jp_can_port *port = &run->faulty.inner.port;
-    struct jp_can_frame frame = {.length = (uint8_t)random_uniform(&run->random, 0, JP_CAN_LENGTH_MAX + 1)};
-    const double choice = random_uniform(&run->random, 0, 1);
-
-    frame.id = (uint32_t)random_uniform(&run->random, 0, choice < 0.3 ? 0x7F0 : 0x30);
-    frame.id += choice < 0.3 ? 0 : choice < 0.7 ? JP_CAN_OPERATOR_COMMAND_FRAME_ID : 0;
-    if (random_uniform(&run->random, 0, 1) < 0.5) {
-        frame.length =
-            frame.id == JP_CAN_OPERATOR_COMMAND_FRAME_ID ? JP_CAN_OPERATOR_COMMAND_LENGTH : JP_CAN_LENGTH_MAX;
-    }
-    for (unsigned i = 0; i < frame.length; i++) {
-        frame.data[i] = (uint8_t)random_uniform(&run->random, 0, 256);
-    }
-    (void)port->send(port->context, &frame);
-    (void)plant_node_accept(&run->drive->plant, &frame);
-}
-
 /* The watch. */
 
-static bool has(const struct skid_bus_trial *trial, bool (*is)(enum skid_bus_fault_kind kind), uint64_t before)
+static bool has(const struct skid_bus_trial *trial, bool (*is)(enum bus_fault_kind kind), uint64_t before)
 {
     for (size_t i = 0; i < trial->fault_count; i++) {
         if (is(trial->faults[i].kind) && trial->faults[i].from < before) {
@@ -332,26 +257,26 @@ static bool has(const struct skid_bus_trial *trial, bool (*is)(enum skid_bus_fau
     return false;
 }
 
-static bool is_jam(enum skid_bus_fault_kind kind)
+static bool is_jam(enum bus_fault_kind kind)
 {
-    return kind == SKID_BUS_STALL;
+    return kind == BUS_FAULT_STALL;
 }
 
-static bool is_air(enum skid_bus_fault_kind kind)
+static bool is_air(enum bus_fault_kind kind)
 {
-    return kind == SKID_BUS_AIR;
+    return kind == BUS_FAULT_AIR;
 }
 
-static bool is_sensor(enum skid_bus_fault_kind kind)
+static bool is_sensor(enum bus_fault_kind kind)
 {
-    return kind == SKID_BUS_SENSOR;
+    return kind == BUS_FAULT_SENSOR;
 }
 
 /** It can take more samples in a row than are ridden out: a bus that fails. */
-static bool is_disturbance(enum skid_bus_fault_kind kind)
+static bool is_disturbance(enum bus_fault_kind kind)
 {
-    return kind == SKID_BUS_LOSS || kind == SKID_BUS_DELAY || kind == SKID_BUS_FLIP || kind == SKID_BUS_SWAP ||
-           kind == SKID_BUS_GARBAGE;
+    return kind == BUS_FAULT_LOSS || kind == BUS_FAULT_DELAY || kind == BUS_FAULT_FLIP || kind == BUS_FAULT_SWAP ||
+           kind == BUS_FAULT_STRANGE;
 }
 
 static double distance(const struct planar_pose *a, const struct planar_pose *b)
@@ -500,8 +425,8 @@ static bool step(struct run *run)
 {
     set_conditions(run);
     can_fault_link_set_tick(&run->faulty, run->drive->tick);
-    if (is_active(run, SKID_BUS_GARBAGE)) {
-        send_garbage(run);
+    if (is_active(run, BUS_FAULT_STRANGE)) {
+        bus_fault_send_strange(&run->faulty, &run->drive->plant, &run->random);
     }
     if (!bus_drive_lockstep(run->drive)) {
         run->trial->end = SKID_BUS_NO_ECU;

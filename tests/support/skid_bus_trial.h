@@ -12,7 +12,7 @@
 #include "sim/base/world_fault.h"
 #include "sim/bus/bus_drive.h"
 #include "sim/skid_steer/skid_robots.h"
-#include "tests/support/can_fault.h"
+#include "tests/support/bus_faults.h"
 
 /** An outage of at most so long is ridden out, ms. */
 #define SKID_BUS_OUTAGE_MAX 40U
@@ -20,29 +20,11 @@
 #define SKID_BUS_FAULTS_MAX  4
 #define SKID_BUS_TARGETS_MAX 3
 
-enum skid_bus_fault_kind {
-    SKID_BUS_LOSS,
-    SKID_BUS_REPEAT,
-    SKID_BUS_DELAY,
-    SKID_BUS_FLIP,
-    SKID_BUS_SWAP,
-    SKID_BUS_BLACKOUT, /**< all frames are lost */
-    SKID_BUS_BUS_OFF,
-    SKID_BUS_ECU_RESET,
-    SKID_BUS_SILENCE, /**< of the operator */
-    SKID_BUS_GARBAGE, /**< frames of a stranger */
-    SKID_BUS_SENSOR,  /**< a channel freezes, jumps, or reads something else; for ever */
-    SKID_BUS_STALL,   /**< a side jams, for ever */
-    SKID_BUS_AIR,     /**< a side loses the ground, for ever */
-    SKID_BUS_KINDS
-};
-
 struct skid_bus_fault {
-    enum skid_bus_fault_kind kind;
+    enum bus_fault_kind kind;
     uint64_t from;  /**< tick */
     uint64_t until; /**< tick, exclusive */
     double share;
-    uint32_t strength;
     int side;
     struct world_fault sensor;
 };
@@ -78,7 +60,6 @@ struct skid_bus_trial {
     uint64_t fingerprint;
 };
 
-const char *skid_bus_fault_name(enum skid_bus_fault_kind kind);
 const char *skid_bus_end_name(enum skid_bus_end end);
 
 /** Draws the trial of this seed, for a robot. */

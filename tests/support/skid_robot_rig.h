@@ -39,6 +39,7 @@ static inline void set_up_rig(void)
     held[JP_SKID_RIGHT] = false;
     false_current = 0;
     driven_rate = 0;
+    actuation = (struct jp_actuation){0};
     init();
 }
 
@@ -64,9 +65,12 @@ static inline uint32_t counts_of(int side)
     return (uint32_t)((int64_t)angles[side] / (int64_t)config.control.wheel_per_count);
 }
 
-/** (u − K ω)/R. */
+/** (u − K ω)/R; none where the bridges are off. */
 static inline jp_q16 current_of(int side, jp_q16 voltage)
 {
+    if (actuation.enabled == 0U) {
+        return 0;
+    }
     const jp_q16 back_emf = jp_multiply_shift(config.control.back_emf, robot.internal.control.sides[side].rate, 24);
 
     return jp_q16_divide(voltage - back_emf, config.control.resistance);

@@ -157,23 +157,63 @@ static inline void skid_trial_plan(struct skid_trial_run *run, struct random *ra
     run->trial->taught = skid_trial_judge(run, &after, driven);
 }
 
-/** Draws a robot and its ground; nothing is learned. The run must stay where it is. */
+/** A robot at rest, like the kind but for what `model` says, on ground that is drawn; nothing is learned. The run must
+ *  stay where it is. */
+static inline void skid_trial_start_as(struct skid_trial_run *run, const struct skid_kind *kind,
+                                       const struct skid_steer_model *model, uint64_t seed, struct random *random,
+                                       struct skid_trial *trial)
+{
+    *run = (struct skid_trial_run){.kind = kind, .trial = trial};
+    run->hills = skid_random_hills_within(random, kind->model.limits.slope_deg);
+    run->ground = skid_ground_hills(&run->hills);
+
+    const struct planar_pose pose = {0, 0, random_uniform(random, -M_PI, M_PI)};
+
+    skid_drive_start(&run->drive, model, &run->ground, &pose, seed);
+    skid_route_start(&run->route, &kind->model, &run->ground, &pose);
+    jp_skid_learner_start(&run->learner, kind->learning, kind->energy);
+}
+
+/** Robot or ground become others where it is, at rest; what it has learned stays. */
+static inline void skid_trial_go_on_as(struct skid_trial_run *run, const struct skid_steer_model *model, uint64_t seed)
+{
+    const struct planar_pose pose = skid_plant_pose(&run->drive.world.plant);
+
+    run->trial->is_sound = run->trial->is_sound && !run->drive.world.plant.tipped;
+    skid_drive_start(&run->drive, model, &run->ground, &pose, seed);
+    skid_route_start(&run->route, &run->kind->model, &run->ground, &pose);
+}
+
+/** Draws a robot and its ground. */
 static inline void skid_trial_start(struct skid_trial_run *run, const struct skid_kind *kind, uint64_t seed,
                                     struct random *random, struct skid_trial *trial)
 {
     random_init(random, seed);
     *trial = (struct skid_trial){.is_sound = true};
-    *run = (struct skid_trial_run){.kind = kind, .trial = trial};
     trial->variation = skid_random_variation(random);
-    run->hills = skid_random_hills_within(random, kind->model.limits.slope_deg);
-    run->ground = skid_ground_hills(&run->hills);
 
     const struct skid_steer_model varied = skid_varied(&kind->model, &trial->variation);
-    const struct planar_pose pose = {0, 0, random_uniform(random, -M_PI, M_PI)};
 
-    skid_drive_start(&run->drive, &varied, &run->ground, &pose, seed);
-    skid_route_start(&run->route, &kind->model, &run->ground, &pose);
-    jp_skid_learner_start(&run->learner, kind->learning, kind->energy);
+    skid_trial_start_as(run, kind, &varied, seed, random, trial);
+}
+
+/** Learns from so many motions as a trial does. */
+static inline void skid_trial_lessons(struct skid_trial_run *run, struct random *random)
+{
+    struct skid_trial_leg leg = {.took = 0};
+
+    for (int lesson = 0; lesson < SKID_TRIAL_LESSONS; lesson++) {
+        skid_trial_learn(run, random, &leg);
+    }
+}
+
+/** Foretells and drives a plan; what has become of the trial. */
+static inline void skid_trial_finish(struct skid_trial_run *run, struct random *random)
+{
+    skid_trial_plan(run, random);
+    jp_skid_learner_factors(&run->learner, run->trial->factor);
+    run->trial->changes = run->learner.changes;
+    run->trial->is_sound = run->trial->is_sound && !run->drive.world.plant.tipped;
 }
 
 /** The trial of a seed. */
@@ -182,16 +222,9 @@ static inline void skid_trial_make(const struct skid_kind *kind, uint64_t seed, 
     struct skid_trial_run run;
     struct random random;
 
-    struct skid_trial_leg leg = {.took = 0};
-
     skid_trial_start(&run, kind, seed, &random, trial);
-    for (int lesson = 0; lesson < SKID_TRIAL_LESSONS; lesson++) {
-        skid_trial_learn(&run, &random, &leg);
-    }
-    skid_trial_plan(&run, &random);
-    jp_skid_learner_factors(&run.learner, trial->factor);
-    trial->changes = run.learner.changes;
-    trial->is_sound = trial->is_sound && !run.drive.world.plant.tipped;
+    skid_trial_lessons(&run, &random);
+    skid_trial_finish(&run, &random);
 }
 
 #endif

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import ROOT, assert_one_line_error, run_tool
 
-from tools.design import four_wheel_identify, four_wheel_model
+from tools.design import four_wheel_identify, four_wheel_model, identification
 
 JP_IDENTIFY = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-four-wheel-identify"
 TABLES = ROOT / "src" / "tables"
@@ -104,8 +104,8 @@ def random_model(generator):
 
 def pieces_of(rows):
     x0, y0, w0, x1, y1, w1, grade, bank, travel, seconds = np.array(rows).T
-    return four_wheel_model.Pieces(np.array([x0, x1]), np.array([y0, y1]), np.array([w0, w1]), grade, bank, travel, seconds,
-                                   np.zeros_like(x0), np.arange(len(x0)))
+    return four_wheel_model.Pieces(seconds, np.zeros_like(x0), np.arange(len(x0)), np.array([x0, x1]), np.array([y0, y1]),
+                                   np.array([w0, w1]), grade, bank, travel)
 
 
 def random_rows(generator, count):
@@ -143,7 +143,7 @@ def test_factors_scale_the_model():
 
 
 def test_a_model_is_found_again(few_drives):
-    numbers = four_wheel_identify.read_numbers(few_drives / "experiments.json", "patrol")
+    numbers = identification.read_numbers(few_drives / "experiments.json", "patrol", four_wheel_identify.NUMBERS)
     start = four_wheel_identify.start_of(numbers)
     model = dataclasses.replace(start, rolling=0.03, drag=0.004, driving=1.6, braking=0.5, copper_driving=2000, steering=3,
                                 contact=0.02, electronics_power=40)

@@ -9,7 +9,7 @@ import sys
 import pytest
 from conftest import ROOT, assert_one_line_error
 
-LISTS = ("sil", "design", "operate", "campaign", "test")
+LISTS = ("sil", "design", "operate", "campaign", "python", "mujoco", "test")
 LINE = re.compile(r"([a-z0-9-]+)==([0-9.]+)(?:  # (?:(program) )?([\w-]+))?")
 
 # What the targets of each list's scope run, and the lists that they have.
@@ -21,8 +21,9 @@ PROGRAMS = {
                ["sil", "design"]),
     "operate": (["design.can_codec", "operate.can_report", "operate.drive", "operate.lcm_map",
                  "operate.lcm_navigate", "operate.lcm_report",
-                 "operate.show_frames"], ["sil", "operate"]),
+                 "operate.show_frames", "report.foxglove_log"], ["sil", "operate"]),
     "campaign": (["campaign.campaign"], ["sil", "campaign"]),
+    "mujoco": (["mujoco.mission", "mujoco.film"], ["sil", "design", "operate", "mujoco"]),
 }
 # Needed by what is imported.
 INDIRECT = {"serial": "can.interfaces.slcan"}
@@ -86,8 +87,10 @@ class Machine:
         self.command("dpkg-query", "printf installed")
         self.command("unshare", "exit 0")
         self.command("clang", f"echo {folder}/clang")
-        (folder / "clang/lib/any").mkdir(parents=True)
-        (folder / "clang/lib/any/libclang_rt.asan.a").touch()
+        for library in ("any/libclang_rt.asan.a", "wasi/libclang_rt.builtins-wasm32.a"):
+            (folder / "clang/lib" / library).parent.mkdir(parents=True)
+            (folder / "clang/lib" / library).touch()
+        self.command("chromium", "exit 0")
         self.command("python3", f'echo "$@" >>{self.log}; [ "$2" != venv ] || {{ mkdir -p .venv/bin; '
                                 f'cp {self.commands}/pip .venv/bin/python; }}')
         self.command("pip", f'echo "${{@: -1}}" >>{self.log}')
@@ -124,7 +127,9 @@ def list_path(name):
 
 @pytest.mark.parametrize("scopes, lists", [
     (["sil"], ["sil"]), (["firmware"], ["sil"]), (["design"], ["sil", "design"]), (["vcan"], ["sil", "operate"]),
-    (["sil", "operate", "firmware"], ["sil", "operate"]), (["campaign"], ["sil", "campaign"]), (["test"], LISTS),
+    (["sil", "operate", "firmware"], ["sil", "operate"]), (["campaign"], ["sil", "campaign"]),
+    (["python"], ["sil", "python"]), (["page"], ["sil"]),
+    (["mujoco"], ["sil", "design", "operate", "mujoco"]), (["test"], LISTS),
     ([], LISTS)])
 def test_a_scope_installs_its_lists(machine, scopes, lists):
     assert machine.installed(*scopes) == [VENV, *map(list_path, lists)]
@@ -135,7 +140,7 @@ def test_a_larger_scope_adds_to_what_is_there(machine):
     (machine.folder / ".venv/by-hand").touch()
     assert machine.installed("design") == [list_path("design")]
     assert machine.installed("sil", "design") == []
-    assert machine.installed("test") == [list_path(name) for name in ("operate", "campaign", "test")]
+    assert machine.installed("test") == [list_path(name) for name in ("operate", "campaign", "python", "mujoco", "test")]
     assert (machine.folder / ".venv/by-hand").exists()
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import ROOT, assert_one_line_error, run_tool
 
-from tools.design import skid_identify, skid_learning, skid_model
+from tools.design import identification, skid_identify, skid_learning, skid_model
 
 JP_SKID_IDENTIFY = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / "bin" / "jp-skid-identify"
 TABLES = ROOT / "src" / "tables"
@@ -52,6 +52,10 @@ int learn(const struct jp_skid_piece *pieces, int count, int32_t measured, struc
 def integers(text):
     body = text[text.index("= {"):]
     return [int(number) for number in re.findall(r"(-?\d+)U?,\s*/\*", body)]
+
+
+def numbers_of(directory):
+    return identification.read_numbers(directory / "experiments.json", "zhang2018", skid_identify.NUMBERS)
 
 
 def identify(robot, directory, tables=None):
@@ -121,7 +125,7 @@ def core(tmp_path_factory):
     directory = tmp_path_factory.mktemp("core")
     (directory / "core.c").write_text(CORE)
     sources = [ROOT / "src" / name for name in ("energy/skid_energy.c", "energy/energy.c", "base/fixed.c",
-                                                "base/config_check.c", "learn/skid_learner.c", "learn/learned_state.c",
+                                                "base/config_check.c", "learn/skid_learner.c", "learn/factor_learning.c", "learn/learned_state.c",
                                                 "learn/learner_filter.c", "learn/forecast_sum.c")]
     subprocess.run(["gcc", "-std=c11", "-shared", "-fPIC", "-O1", "-I", ROOT / "include", "-I", ROOT, directory / "core.c",
                     *sources, "-o", directory / "core.so"], check=True)
@@ -141,13 +145,15 @@ def core_energy(library, model, piece):
 def test_the_learner_is_the_cores(core, few_drives):
     """What both say of the legs of a robot before they learn from them."""
     run, phase, pieces = skid_identify.read_table(few_drives / "robots.csv")
-    numbers = skid_identify.read_numbers(few_drives / "experiments.json", "zhang2018")
+    numbers = numbers_of(few_drives)
     model, noise = skid_identify.start_of(numbers), skid_learning.Noise(np.array((5, 0.02, 0.05)), 1.5)
     legs = skid_learning.legs_of(run[run == 0], phase[run == 0], pieces.chosen(run == 0))
     learner = skid_learning.Learner(model, noise, 1)
     fixed = [round(getattr(model, name) * 2**(16 if name in Q16 else 24)) for name in FIELDS]
-    learning = [round(value * 2**16) for value in (*skid_learning.deviations(), *noise.parts, noise.spread)]
-    in_c = (ctypes.c_int32 * 18)(*fixed, 0), (ctypes.c_int32 * 10)(*learning, skid_learning.MEMORY, 1)
+    constant, by_energy, by_slopes = noise.parts
+    factors = [round(value * 2**16) for value in (*skid_learning.deviations(), by_energy, constant, noise.spread)]
+    in_c = ((ctypes.c_int32 * 18)(*fixed, 0),
+            (ctypes.c_int32 * 10)(*factors, identification.MEMORY, 1, round(by_slopes * 2**16)))
     core.start(in_c[1], in_c[0])
     for leg in range(legs.shape[1]):
         column = legs.column(leg)
@@ -175,8 +181,7 @@ def random_model(generator):
 
 def pieces_of(rows):
     v0, w0, v1, w1, grade, bank, seconds = np.array(rows).T
-    return skid_model.Pieces(np.array([v0, v1]), np.array([w0, w1]), grade, bank, seconds, np.zeros_like(v0),
-                             np.arange(len(v0)))
+    return skid_model.Pieces(seconds, np.zeros_like(v0), np.arange(len(v0)), np.array([v0, v1]), np.array([w0, w1]), grade, bank)
 
 
 def test_the_model_is_the_cores(core):
@@ -217,14 +222,14 @@ def synthetic(numbers, model, generator):
 
 
 def test_a_model_is_found_again(few_drives):
-    numbers = skid_identify.read_numbers(few_drives / "experiments.json", "zhang2018")
+    numbers = numbers_of(few_drives)
     start = skid_identify.start_of(numbers)
     model = dataclasses.replace(start, half_track=0.5, rolling=0.05, turning=0.3, yielding=0.4, scrub=0.3, easing=0.8,
                                 bank_easing=1.2, tilting=0.4, driving=1.4, braking=0.3, electronics_power=12.0)
     generator = np.random.default_rng(4)
     usual = synthetic(numbers, model, generator)
     robots = synthetic(numbers, model.scaled((1.2, 0.9, 1.1, 1)), generator)
-    legs = skid_learning.Legs(robots, np.zeros(300, int), np.arange(300), (1, 300))
+    legs = skid_learning.Legs(robots, np.zeros(300, int), np.arange(300), np.zeros(300, int), (1, 300))
     found = skid_identify.fit_model(numbers, (usual,), legs)
     for name in skid_identify.FITTED:
         assert getattr(found, name) == pytest.approx(getattr(model, name), rel=0.02), name

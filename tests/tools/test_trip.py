@@ -118,6 +118,7 @@ def test_robots_that_their_sides_steer_do_the_same(skid):
         error = abs(mission["measured_j"] - mission["predicted_j"])
         assert mission["inside"] == (error <= 1.96 * mission["std_j"])
         assert mission["predicted_j"] == pytest.approx(mission["measured_j"], rel=0.05)
+        assert abs(mission["measured_j"] - mission["prior_predicted_j"]) > error
 
 
 def test_the_same_seed_of_a_robot_that_its_sides_steer_is_the_same_mission(skid):

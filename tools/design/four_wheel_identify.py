@@ -11,28 +11,22 @@ are still from it is the noise of what the robot learns from.
 Writes src/tables/four_wheel_energy_<robot>.c and four_wheel_learning_<robot>.c. Exit status 1: the model misses random
 motions by more than 10 % on average; 2: bad input. Then nothing was written.
 """
-import csv
 import dataclasses
-import io
-import json
-import math
-import zlib
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from scipy import optimize
 
-from tools.common import ROOT, ArgumentParser, ToolError, Verdict, print_aligned, read_text, run, shown_path, write_whole
-from tools.design import c_tables, four_wheel_model, robot_json
+from tools.common import run
+from tools.design import c_tables, four_wheel_model, identification
+from tools.design.identification import SURE, SURE_DEVIATIONS, percent
 
+PROGRAM = "jp-four-wheel-identify"
 COLUMNS = ("run", "phase", "x0_m_s", "y0_m_s", "w0_rad_s", "x1_m_s", "y1_m_s", "w1_rad_s", "grade", "bank", "travel_rad", "seconds",
            "energy_j")
 NUMBERS = ("wheelbase_m", "track_m", "weight_n", "rolling", "drag_s_m", "felt_mass_kg", "felt_inertia_kg_m2", "efficiency", "copper_w",
            "stiffness_n_s_m", "steering_j_rad", "contact_m", "electronics_w", "seed", "design", "check", "robots")
 DESIGN, CHECK = 0, 1  # phases in jp-four-wheel-identify
-PHASES_MAX = 1000
-
 FITTED = ("rolling", "drag", "cornering", "driving", "braking", "copper_driving", "copper_braking", "steering", "contact",
           "electronics_power")
 LEAST = {"driving": 1}
@@ -41,40 +35,12 @@ MOST = {"rolling": 0.5, "drag": 1, "cornering": 1, "driving": 10, "braking": 1, 
 
 FITTED_PIECES = 5  # whose energies are added up: what the servos store comes back in that time
 
-# Errors of what takes less than this share of the mean count by that: downhill all may come back.
-SMALL_SHARE = 0.1
-
-ERROR_MAX = 0.1
-
 # Of the factors about 1, what jp-four-wheel-identify draws: rolling, weight, steering, electronics.
 RANGES = ((0.7, 1.5), (0.9, 1.3), (0.6, 1.4), (0.8, 1.2))
 
 LESSONS = 20             # legs of a robot that it learns from
 NOISE_START = (1, 0.01)  # J, and share of the energy, of a leg
-SURE, SURE_DEVIATIONS = 0.99, 2.576
 ROUNDS = 3               # of the noise, which weighs the legs that it is found from
-
-MEMORY = 64  # legs after which a measurement counts 1/e
-
-FORMAT_MAX = 32768
-HOUR = 3600
-
-
-@dataclass(frozen=True)
-class Numbers:
-    """experiments.json"""
-    robot: str
-    values: dict
-
-    def __getitem__(self, name):
-        return self.values[name]
-
-
-@dataclass(frozen=True)
-class Result:
-    model: four_wheel_model.Model
-    fit: np.ndarray    # relative errors of drives
-    check: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -88,51 +54,19 @@ class Learning:
     taught: np.ndarray
 
 
-def read_numbers(path, name):
-    try:
-        data = json.loads(read_text(path))
-        numbers = Numbers(data["robot"], {key: float(data[key]) for key in NUMBERS})
-    except KeyError as error:
-        raise ToolError(f"{path}: key {error.args[0]} is missing") from None
-    except (ValueError, TypeError) as error:
-        raise ToolError(f"{path}: garbled: {error}") from None
-    if numbers.robot != name:
-        raise ToolError(f"{path}: robot: is {numbers.robot!r}, expected {name!r}")
-    return numbers
-
-
 def read_table(path):
     """(run, phase, pieces whose groups are the phases of the runs)"""
-    reader = csv.reader(io.StringIO(read_text(path)))
-    if tuple(next(reader, ())) != COLUMNS:
-        raise ToolError(f"{path}: line 1: not the columns {', '.join(COLUMNS)}; run jp-four-wheel-identify again")
-    rows = []
-    for row in reader:
-        try:
-            rows.append([float(cell) for cell in row])
-        except ValueError:
-            raise ToolError(f"{path}: line {reader.line_num}: not a number") from None
-        if len(row) != len(COLUMNS) or not all(map(math.isfinite, rows[-1])):
-            raise ToolError(f"{path}: line {reader.line_num}: not {len(COLUMNS)} finite numbers")
-    if not rows:
-        raise ToolError(f"{path}: no drives")
-    run_, phase, x0, y0, w0, x1, y1, w1, grade, bank, travel, seconds, energy = np.array(rows).T
-    if seconds.min() <= 0:
-        raise ToolError(f"{path}: seconds: is {seconds.min():g}, must be above 0")
-    group = np.unique(run_ * PHASES_MAX + phase, return_inverse=True)[1]
-    return run_, phase, four_wheel_model.Pieces(np.array([x0, x1]), np.array([y0, y1]), np.array([w0, w1]), grade, bank, travel,
-                                                seconds, energy, group)
+    (run_, phase, x0, y0, w0, x1, y1, w1, grade, bank, travel, seconds,
+     energy) = identification.read_columns(path, COLUMNS, PROGRAM)
+    group = identification.groups_of(run_, phase)
+    return run_, phase, four_wheel_model.Pieces(seconds, energy, group, np.array([x0, x1]), np.array([y0, y1]), np.array([w0, w1]),
+                                                grade, bank, travel)
 
 
 # ---- The model -------------------------------------------------------------------------------------------------------
 
-def weights_of(measured):
-    return 1 / np.maximum(measured, SMALL_SHARE * measured.mean())
-
-
 def relative_errors(model, pieces):
-    measured = pieces.by_group(pieces.energy)
-    return (pieces.by_group(four_wheel_model.energies(model, pieces)) - measured) * weights_of(measured)
+    return identification.relative_errors(four_wheel_model.energies, model, pieces)
 
 
 def start_of(numbers):
@@ -148,19 +82,12 @@ def start_of(numbers):
 
 def fit_model(numbers, fitted):
     """fitted: pieces in groups; each group's energy counts."""
-    start = start_of(numbers)
-    low = np.array([LEAST.get(name, 0) for name in FITTED], float)
-    high = np.array([MOST[name] for name in FITTED], float)
-    first = np.clip([getattr(start, name) for name in FITTED], low + 1e-9, high - 1e-9)
-    scale = np.maximum(first, 1e-6)
+    parameters = identification.Unknowns(start_of(numbers), FITTED, LEAST, MOST)
 
-    def errors(values):
-        model = start.with_values(FITTED, values * scale)
-        return np.concatenate([relative_errors(model, pieces) for pieces in fitted])
+    def errors(unknown):
+        return np.concatenate([relative_errors(parameters.model(unknown), pieces) for pieces in fitted])
 
-    found = optimize.least_squares(errors, first / scale, bounds=(low / scale, high / scale), xtol=1e-12, ftol=1e-12,
-                                   gtol=1e-12, max_nfev=2000)
-    return start.with_values(FITTED, found.x * scale)
+    return parameters.model(identification.least_squares(errors, parameters))
 
 
 def identify(numbers, path):
@@ -169,14 +96,13 @@ def identify(numbers, path):
     number = np.arange(len(design.group)) // FITTED_PIECES
     short = dataclasses.replace(design, group=np.unique(design.group * len(number) + number, return_inverse=True)[1])
     model = fit_model(numbers, (short, design))
-    return Result(model, relative_errors(model, design), relative_errors(model, check))
+    return identification.Result(model, relative_errors(model, design), relative_errors(model, check))
 
 
 # ---- What can be learned ---------------------------------------------------------------------------------------------
 
 def deviations():
-    """Root mean square of the factors about 1."""
-    return np.array([math.sqrt(((high - 1)**3 - (low - 1)**3) / (3 * (high - low))) for low, high in RANGES])
+    return identification.deviations(RANGES)
 
 
 def deviation_of(noise, energies):
@@ -234,16 +160,6 @@ def learn(model, path):
 
 # ---- Tables ----------------------------------------------------------------------------------------------------------
 
-def unit_exponent(model):
-    """An hour at twice the power of driving as fast as a second's metre on level ground is about the most that fits."""
-    power = model.electronics_power + model.driving * model.weight * model.rolling
-    return round(math.log2(2 * power * HOUR / FORMAT_MAX))
-
-
-def percent(errors):
-    return f"{100 * np.abs(errors).mean():.2g}"
-
-
 def energy_table(name, result, exponent, numbers):
     to, model = c_tables.Converter(f"energy model of {name}"), result.model
     members = [
@@ -262,7 +178,7 @@ def energy_table(name, result, exponent, numbers):
         to.q16("steering", model.steering, "J/rad", 0, 1024),
         to.q24("contact", model.contact, "m", 0, 0.5),
         to.q16("electronics_power", model.electronics_power, "W", 0, 1024),
-        c_tables.Member("unit_exponent", str(exponent), f"energies are in units of {2.0**exponent:g} J"),
+        identification.energy_exponent(exponent),
     ]
     note = (f"Mean error {percent(result.fit)} % of what {int(numbers['design'])} designed drives take, "
             f"{percent(result.check)} % of {int(numbers['check'])} random ones.")
@@ -272,69 +188,27 @@ def energy_table(name, result, exponent, numbers):
 
 def learning_table(name, learning, exponent, numbers):
     to = c_tables.Converter(f"learning of {name}")
-    factors = ("rolling", "weight", "steering", "electronics")
-    values = [to.q16(factor, value, "", 2**-16, 1) for factor, value in zip(factors, learning.deviation)]
-    members = [
-        c_tables.Array("deviation", [value.value for value in values],
-                       [f"{value.comment} of the {value.name}" for value in values]),
-        to.q16("noise_relative", learning.noise_relative, "of the energy", 0, 1),
-        to.energy("noise", max(learning.noise, 2.0**(exponent - 16)), "J", 2**-16, 1024, exponent),
-        to.q16("spread", learning.spread, "of single legs beyond their noise", 1, 16),
-        to.whole("memory", MEMORY, "legs", 8, 1024),
-    ]
-    members.append(c_tables.Member("identity", f"{identity_of(members)}U", "of the numbers above"))
+    members = identification.factor_members(to, ("rolling", "weight", "steering", "electronics"), learning, exponent)
+    members.append(identification.identity_of(members))
     note = (f"Over {int(numbers['robots'])} robots routes of 10 legs take {percent(learning.untaught)} % more or less than "
             f"the model says, {percent(learning.taught)} % after\n * {LESSONS} legs.")
     return c_tables.Table(f"make identify ROBOT={name}", f"sim/robots/{name}.cfg", note, "joulepath/factor_learning.h",
                           "jp_factor_learning", f"jp_four_wheel_learning_{name}", members)
 
 
-def identity_of(members):
-    """A state that was learned with other numbers means nothing with these."""
-    numbers = [value for member in members
-               for value in (member.values if isinstance(member, c_tables.Array) else [member.value])]
-    return zlib.crc32(",".join(numbers).encode()) or 1
-
-
-def show(result, learning):
-    print_aligned([("parameter", "value"), *((name, f"{getattr(result.model, name):.6g}") for name in four_wheel_model.NAMES)])
-    print()
-    print_aligned([("errors, %", "mean", "worst"),
-                   ("designed drives", percent(result.fit), f"{100 * np.abs(result.fit).max():.3g}"),
-                   ("random drives", percent(result.check), f"{100 * np.abs(result.check).max():.3g}"),
-                   ("routes of other robots, untaught", percent(learning.untaught), f"{100 * np.abs(learning.untaught).max():.3g}"),
-                   ("the same, taught", percent(learning.taught), f"{100 * np.abs(learning.taught).max():.3g}")])
-    print(f"noise of a leg {learning.noise:.3g} J and {100 * learning.noise_relative:.3g} %, of single ones "
-          f"{learning.spread:.3g} times that")
-
-
-def arguments():
-    parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("robot", help="robot file, or the name of one in sim/robots")
-    parser.add_argument("--experiments", metavar="DIR", type=Path,
-                        help="output of jp-four-wheel-identify (default: build/identify/<robot>)")
-    parser.add_argument("--tables", metavar="DIR", type=Path, default=ROOT / "src" / "tables",
-                        help="where the C files go (default: src/tables)")
-    return parser.parse_args()
-
-
 def main():
-    options = arguments()
-    name = robot_json.robot_path(options.robot).stem
-    directory = options.experiments or robot_json.build_directory() / "identify" / name
-    numbers = read_numbers(directory / "experiments.json", name)
+    options = identification.arguments(__doc__, PROGRAM)
+    name, directory = identification.input_of(options)
+    numbers = identification.read_numbers(directory / "experiments.json", name, NUMBERS)
     result = identify(numbers, directory / "experiments.csv")
     learning = learn(result.model, directory / "robots.csv")
-    show(result, learning)
-    if not np.abs(result.check).mean() <= ERROR_MAX:
-        raise Verdict(f"{directory}: the model misses random motions by {percent(result.check)} % on average, at most "
-                      f"{100 * ERROR_MAX:g} % is accepted; look at the robot file's drive and steering")
-    exponent = unit_exponent(result.model)
-    for kind, table in (("energy", energy_table(name, result, exponent, numbers)),
-                        ("learning", learning_table(name, learning, exponent, numbers))):
-        path = options.tables / f"four_wheel_{kind}_{name}.c"
-        write_whole(path, c_tables.render(table))
-        print(f"wrote {shown_path(path)}")
+    identification.show(result, learning, four_wheel_model.NAMES)
+    print(f"noise of a leg {learning.noise:.3g} J and {100 * learning.noise_relative:.3g} %, of single ones "
+          f"{learning.spread:.3g} times that")
+    identification.refuse_what_misses(result, directory, "look at the robot file's drive and steering")
+    exponent = identification.unit_exponent(result.model)
+    identification.write_tables(options.tables, {f"four_wheel_energy_{name}": energy_table(name, result, exponent, numbers),
+                                                 f"four_wheel_learning_{name}": learning_table(name, learning, exponent, numbers)})
     return 0
 
 

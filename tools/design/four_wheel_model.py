@@ -3,13 +3,15 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from tools.design.energy_model import Parameters, Pieces as EnergyPieces, ratio
+
 ROLLING, WEIGHT, STEERING, ELECTRONICS = range(4)  # JP_FOUR_WHEEL_ROLLING and so on
 FACTORS = 4
 WHEELS = 4
 
 
 @dataclass(frozen=True)
-class Model:
+class Model(Parameters):
     """struct jp_four_wheel_energy_model in SI units, without the unit of energy."""
     wheelbase: float
     track: float
@@ -27,9 +29,6 @@ class Model:
     contact: float
     electronics_power: float
 
-    def with_values(self, names, values):
-        return replace(self, **dict(zip(names, values)))
-
     def scaled(self, factors):
         """The same of a robot that differs by factors, as jp_four_wheel_energy_scale()."""
         square = factors[WEIGHT]**2
@@ -43,31 +42,13 @@ NAMES = tuple(field.name for field in fields(Model))
 
 
 @dataclass(frozen=True)
-class Pieces:
-    """Arrays, an element a piece; `group` numbers what is summed up."""
+class Pieces(EnergyPieces):
     x: np.ndarray          # at the start and at the end
     y: np.ndarray
     turn_rate: np.ndarray
     grade: np.ndarray
     bank: np.ndarray
     travel: np.ndarray
-    seconds: np.ndarray
-    energy: np.ndarray     # measured, J
-    group: np.ndarray
-
-    def chosen(self, which):
-        """The pieces that are chosen, their groups numbered anew."""
-        group = np.unique(self.group[which], return_inverse=True)[1]
-        return Pieces(self.x[:, which], self.y[:, which], self.turn_rate[:, which], self.grade[which], self.bank[which],
-                      self.travel[which], self.seconds[which], self.energy[which], group)
-
-    def by_group(self, values):
-        return np.bincount(self.group, values)
-
-
-def ratio(a, b):
-    """0 where b is."""
-    return np.divide(a, b, out=np.zeros_like(a), where=b > 0)
 
 
 def energies(model, pieces):

@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 from scipy import optimize
 
-from tools.design import skid_model
+from tools.design import identification, skid_model
+from tools.design.identification import MEMORY, SURE, SURE_DEVIATIONS
 
 # Of the factors about 1, root mean square over what jp-skid-identify draws: rolling 0.7 to 1.5, friction 0.6 to 1.2,
 # weight 0.9 to 1.3, electronics 0.8 to 1.2.
@@ -18,30 +19,28 @@ RANGES = ((0.7, 1.5), (0.6, 1.2), (0.9, 1.3), (0.8, 1.2))
 FACTOR_MIN, FACTOR_MAX = 0.25, 4
 STEP = 1e-5  # of derivatives by x
 
-MEMORY = 64  # legs after which a measurement counts 1/e
 OUTLIER_DEVIATIONS = 4
 SCALE_MEMORY, SCALE_MIN, SCALE_MAX = 128, 0.25, 8
 
-PLANS = 3  # of each robot: each third of its legs, after it learned from the others
+PHASES_OF_ROUTE = 100  # in jp-skid-identify
 NOISE_START = (1, 0.01, 0.01)
 ROUNDS = 3
 LEAST_PART = 1e-6  # of the noise, J and shares
 INSIDE, INSIDE_DEVIATIONS = 0.95, 1.959964
-# Single legs are as far from the model as a normal distribution whose share SURE is within that of theirs: the slides of a
-# steep slope must not pass for another ground.
-SURE, SURE_DEVIATIONS = 0.99, 2.575829
 
 
 def deviations():
-    """Root mean square of the factors about 1."""
-    return np.array([math.sqrt(((high - 1)**3 - (low - 1)**3) / (3 * (high - low))) for low, high in RANGES])
+    return identification.deviations(RANGES)
 
 
 @dataclass(frozen=True)
 class Learning:
     """struct jp_skid_learning in SI units."""
     deviation: np.ndarray
-    noise: "Noise"
+    noise: float           # J
+    noise_relative: float
+    noise_slopes: float
+    spread: float
     untaught: np.ndarray  # relative errors of plans, before and after learning
     taught: np.ndarray
     inside: float         # share of plans inside their intervals
@@ -59,6 +58,7 @@ class Legs:
     pieces: skid_model.Pieces
     robot: np.ndarray  # of each piece
     leg: np.ndarray
+    route: np.ndarray
     shape: tuple
 
     def table(self, values):
@@ -66,11 +66,15 @@ class Legs:
 
     def column(self, leg):
         which = self.leg == leg
-        return Legs(self.pieces.chosen(which), self.robot[which], self.leg[which] - leg, (self.shape[0], 1))
+        return Legs(self.pieces.chosen(which), self.robot[which], self.leg[which] - leg, self.route[which], (self.shape[0], 1))
 
     @cached_property
     def measured(self):
         return self.table(self.pieces.energy)
+
+    def on_route(self, route):
+        """Whether a leg is: a table."""
+        return self.table(self.route == route) > 0
 
     def energies(self, model, of_robots):
         """of_robots: factors, a row a robot."""
@@ -88,7 +92,7 @@ def legs_of(run, phase, pieces):
     ends = is_last | np.append(np.diff(phase) != 0, True) & (pieces.speed[1] != 0)
     leg = np.cumsum(ends) - ends
     leg -= leg[np.searchsorted(robot, robot)]
-    return Legs(pieces, robot, leg, (robot[-1] + 1, int(leg.max()) + 1))
+    return Legs(pieces, robot, leg, phase // PHASES_OF_ROUTE, (robot[-1] + 1, int(leg.max()) + 1))
 
 
 # ---- The learner -----------------------------------------------------------------------------------------------------
@@ -167,14 +171,13 @@ class Plans:
         return single + of_legs, np.where(self.planned, single, 0).sum(axis=1) + of_plans
 
 
-def plan(model, noise, legs, part):
-    """The part of each robot's legs that it drives at last."""
-    exists = legs.measured != 0
-    counts = exists.sum(axis=1)[:, None]
-    planned = exists & (np.arange(legs.shape[1]) * PLANS // counts == part)
+def plan(model, noise, legs, route):
+    """Each robot drives one route after it learned from the others."""
+    planned = legs.on_route(route)
+    lessons = (legs.measured != 0) & ~planned
     learner = Learner(model, noise, legs.shape[0])
     for leg in range(legs.shape[1]):
-        which = (exists & ~planned)[:, leg]
+        which = lessons[:, leg]
         if which.any():
             learner.update(legs.column(leg), which)
     energy, gradient, _ = learner.expect(legs)
@@ -204,17 +207,20 @@ def surprises(plans, noise):
 
 def learn(model, legs):
     """Robots learn, and what their forecasts then miss is the noise that they learn with."""
+    def plans_with(noise):
+        return [plan(model, noise, legs, route) for route in np.unique(legs.route)]
+
     noise = Noise(np.array(NOISE_START, float))
     for _ in range(ROUNDS):
-        plans = [plan(model, noise, legs, part) for part in range(PLANS)]
+        plans = plans_with(noise)
         noise = replace(noise, parts=likeliest(plans, noise))
     for _ in range(ROUNDS):
-        plans = [plan(model, noise, legs, part) for part in range(PLANS)]
+        plans = plans_with(noise)
         of_plans, of_legs = surprises(plans, noise)
         scale = float(np.quantile(np.abs(of_plans), INSIDE)) / INSIDE_DEVIATIONS
         spread = float(np.quantile(np.abs(of_legs), SURE)) / SURE_DEVIATIONS
         noise = Noise(scale * noise.parts, max(spread / scale, 1.0))
-    plans = [plan(model, noise, legs, part) for part in range(PLANS)]
+    plans = plans_with(noise)
     before = legs.energies(model, np.ones((legs.shape[0], skid_model.FACTORS))).sum(axis=1) / legs.measured.sum(axis=1) - 1
-    return Learning(deviations(), noise, before, np.concatenate([made.errors() for made in plans]),
+    return Learning(deviations(), *map(float, noise.parts), noise.spread, before, np.concatenate([made.errors() for made in plans]),
                     float(np.mean(np.abs(surprises(plans, noise)[0]) <= INSIDE_DEVIATIONS)))

@@ -3,12 +3,14 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from tools.design.energy_model import Parameters, Pieces as EnergyPieces, ratio
+
 ROLLING, FRICTION, WEIGHT, ELECTRONICS = range(4)  # JP_SKID_ROLLING and so on
 FACTORS = 4
 
 
 @dataclass(frozen=True)
-class Model:
+class Model(Parameters):
     """struct jp_skid_energy_model in SI units, without the unit of energy."""
     half_track: float
     weight: float
@@ -28,9 +30,6 @@ class Model:
     copper_braking: float
     electronics_power: float
 
-    def with_values(self, names, values):
-        return replace(self, **dict(zip(names, values)))
-
     def scaled(self, factors):
         """The same of a robot that differs by factors, as jp_skid_energy_scale()."""
         square = factors[WEIGHT]**2
@@ -44,29 +43,11 @@ NAMES = tuple(field.name for field in fields(Model))
 
 
 @dataclass(frozen=True)
-class Pieces:
-    """Arrays, an element a piece; `group` numbers what is summed up."""
+class Pieces(EnergyPieces):
     speed: np.ndarray      # at the start and at the end
     turn_rate: np.ndarray
     grade: np.ndarray
     bank: np.ndarray
-    seconds: np.ndarray
-    energy: np.ndarray     # measured, J
-    group: np.ndarray
-
-    def chosen(self, which):
-        """The pieces that are chosen, their groups numbered anew."""
-        group = np.unique(self.group[which], return_inverse=True)[1]
-        return Pieces(self.speed[:, which], self.turn_rate[:, which], self.grade[which], self.bank[which], self.seconds[which],
-                      self.energy[which], group)
-
-    def by_group(self, values):
-        return np.bincount(self.group, values)
-
-
-def ratio(a, b):
-    """0 where b is."""
-    return np.divide(a, b, out=np.zeros_like(a), where=b > 0)
 
 
 def energies(model, pieces):

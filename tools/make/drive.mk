@@ -1,26 +1,34 @@
 # Look at it: missions, plans, patrols and campaigns in the simulator.
 
 # BUS=vcan or slcan: controller and robot are two programs on a bus; pil: the controller is the image in QEMU.
-DRIVE.      = $(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
-DRIVE.slcan = tools/operate/bus_mission.sh slcan $(SCENARIO) $(BUILD)/sil
-DRIVE.pil   = tools/operate/bus_mission.sh pil $(SCENARIO) $(BUILD)/sil
-DRIVE.vcan  = tools/operate/with_vcan.sh -- tools/operate/bus_mission.sh vcan $(SCENARIO) $(BUILD)/sil
-BUS        ?=
+DRIVE.       = $(BUILD)/bin/jp-mission $(SCENARIO) --output $(BUILD)/sil
+DRIVE.slcan  = tools/operate/bus_mission.sh slcan $(SCENARIO) $(BUILD)/sil
+DRIVE.pil    = tools/operate/bus_mission.sh pil $(SCENARIO) $(BUILD)/sil
+DRIVE.vcan   = tools/operate/with_vcan.sh -- tools/operate/bus_mission.sh vcan $(SCENARIO) $(BUILD)/sil
+BUS          ?=
 
-SETUP.slcan = operate
-SETUP.vcan  = vcan
-SETUP.pil   = operate firmware
+# WORLD=mujoco: another physics in the place of jp-plant, on a bus of its own; CONDITIONS are options of tools.mujoco.mission.
+WORLD        ?=
+CONDITIONS   ?=
+DRIVE.mujoco = $(PYTHON) -m tools.mujoco.mission $(SCENARIO) --output $(BUILD)/sil $(CONDITIONS)
+
+SETUP.slcan  = operate
+SETUP.vcan   = vcan
+SETUP.pil    = operate firmware
+SETUP.mujoco = mujoco
 SCENARIO_ROBOT = $(shell sed -n 's/^robot *= *"\(.*\/\)\?\([^"/]*\)\.cfg".*/\2/p' $(SCENARIO))
 
 .PHONY: sil
-sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan, slcan or pil; report in build/sil
+sil: ## drive the paper's mission (or SCENARIO=file) in the simulator, over BUS=vcan, slcan or pil, or in WORLD=mujoco; report in build/sil
+	$(if $(filter-out mujoco,$(WORLD)),$(error WORLD=$(WORLD): must be mujoco, or left out))
+	$(if $(and $(WORLD),$(BUS)),$(error WORLD=$(WORLD) has a bus of its own; leave BUS out))
 	$(if $(DRIVE.$(BUS)),,$(error BUS=$(BUS): must be vcan, slcan or pil))
-	@tools/setup.sh sil $(SETUP.$(BUS))
+	@tools/setup.sh sil $(SETUP.$(or $(WORLD),$(BUS)))
 	@$(MAKE) $(PARALLEL) all $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(SCENARIO_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/sil
-	$(DRIVE.$(BUS))
+	$(DRIVE.$(or $(WORLD),$(BUS)))
 	$(PYTHON) -m tools.report.report $(BUILD)/sil
-	$(if $(BUS),$(PYTHON) -m tools.operate.show_frames $(BUILD)/sil/frames.log)
+	$(if $(WORLD)$(BUS),$(PYTHON) -m tools.operate.show_frames $(BUILD)/sil/frames.log)
 
 .PHONY: front
 front: ## energy over time of a route (SCENARIO=file): foretold, driven, the least that exists; picture in build/front
@@ -71,6 +79,13 @@ navigate: ## let ROBOT=courier24, burger or zhang2018 find its way (MAP=file STA
 	$(NAVIGATE.$(BUS)) $(BUILD)/navigate/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(NAVIGATE_TASK) \
 	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
+
+RESULTS ?= $(BUILD)/sil
+
+.PHONY: foxglove
+foxglove: ## make a log for Foxglove and PlotJuggler of RESULTS=build/sil, plan, navigate or patrol, and a layout
+	@tools/setup.sh operate
+	$(PYTHON) -m tools.report.foxglove_log $(RESULTS)
 
 # A scene from a seed, or a map of others with START and GOAL.
 SCENE      ?= beside-obstacle

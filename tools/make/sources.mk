@@ -10,7 +10,7 @@ STM32F4        := $(wildcard hal/stm32f4/*.c)
 IMAGE          := $(addprefix hal/stm32f4/,main.c firmware_balancer.c firmware_skid.c)
 # What needs nothing of the core but registers, which a test can stand in for.
 DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c cortex_m.c fault.c) $(IMAGE),$(STM32F4))
-SIM            := $(filter-out sim/programs/%,$(wildcard sim/*/*.c)) $(wildcard hal/linux/*.c)
+SIM            := $(filter-out sim/programs/% sim/page/%,$(wildcard sim/*/*.c)) $(wildcard hal/linux/*.c)
 SUPPORT        := $(filter-out %/stm32_fake.c,$(wildcard tests/support/*.c))
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
 BENCHES        := $(filter-out bench_cuts bench_joules bench_localise bench_plan bench_maps bench_patrol bench_pursuit bench_restart bench_skid_bus bench_skid_drive,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))

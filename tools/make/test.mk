@@ -14,9 +14,11 @@ names = $(or $(notdir $(basename $1)),no_tests)
 # logs VARIANTS FILES: one for each test on each variant.
 logs  = $(foreach v,$1,$(patsubst %,$(LOGS)/$v/%.log,$(call names,$2)))
 
-SUITES         := vcan sil tools package firmware gates property fault bits unit target
+SUITES         := vcan sil python page tools package firmware gates property fault bits unit target
 LOGS.vcan      := $(LOGS)/pytest/vcan.xml $(LOGS)/pytest/vcan_results.xml
 LOGS.sil       := $(LOGS)/pytest/sil.xml
+LOGS.python    := $(LOGS)/pytest/python.xml
+LOGS.page      := $(LOGS)/pytest/page.xml
 LOGS.tools     := $(LOGS)/pytest/tools.xml
 LOGS.package   := $(LOGS)/pytest/package.xml
 LOGS.firmware  := $(LOGS)/firmware/test_faults.log $(LOGS)/firmware/test_planning.log $(LOGS)/host-gcc/test_main.log $(LOGS)/cortex-m4/test_main.log $(LOGS)/pytest/firmware.xml
@@ -140,6 +142,10 @@ $(eval $(call host_test_rules,vcan,vcan))
 $(LOGS)/pytest/%.xml: $(PROGRAMS)
 	$(call SAY,RUN pytest tests/$*)
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -n $(JOBS) -p no:cacheprovider --junitxml=$@ tests/$*
+
+$(LOGS)/pytest/python.xml: $(PYTHON_SITE)/joulepath/__init__.py
+
+$(LOGS)/pytest/page.xml: $(PAGE_FILES) $(PAGE_LIBRARIES)
 
 # What the examples of the READMEs are linked with.
 $(LOGS)/pytest/tools.xml: $(foreach v,host cortex-m4,$(BUILD)/$v/libcan.a $(call float_library,$v) $(BUILD)/$v/libjoulepath.a)

@@ -56,6 +56,8 @@ SECTIONS = (
             "on random maps of 192 × 192 and 40 × 40 cells with boxes that they do not show, in process and with the image "
             "in QEMU; the application alone on the core, whose way is blocked again and again, an instruction taking 8 ns; "
             "its planner on the scenes cut to its map.", r"image|image_ticks|bench_cuts"),
+    Section("The page in the browser", "In Chromium without a window; drives to their ends, beside the same C compiled for this "
+            "machine.", r"page"),
     Section("Grid planner", "Shortest paths over occupancy grids.", r"bench_grid|grid_planner"),
     Section("Segments of any length", "Predicted against driven energy.", r"bench_horizon|horizon"),
     Section("Learner", "Error of the predicted energy after so many segments.", r"bench_learner"),
@@ -84,6 +86,8 @@ SECTIONS = (
             "ledger.", r"bench_skid_drive"),
     Section("Skid steer by itself", "Robots and grounds that differ from their file: what odometry and control are told "
             "of them.", r"skid_(energy|odometry|plant|robot)"),
+    Section("Skid steer, forecast", "Plans of ten legs over hills, foretold before and after 20 legs of learning; energies by "
+            "the plant's ledger.", r"skid_(changes|plans)"),
     Section("Pure pursuit", "", r"bench_pursuit|pure_pursuit"),
     Section("Pure pursuit by speed", "Largest distance from the path (and root mean square), cm; speeds are those of "
             "straight parts. The tightest bends of the scenes' paths are tighter than the robot can drive; from 1.25 "

@@ -129,9 +129,11 @@ class MissionRecord:
 
     # ---- results ---------------------------------------------------------------------------------------------------
 
-    def write(self, directory):
-        """Write summary.json and the log. ToolError: no drive, or parts of it are missing; nothing was written."""
+    def write(self, directory, about=None):
+        """Write summary.json, with what else is known `about` the drive by its keys, and the log. ToolError: no drive, or
+        parts of it are missing; nothing was written."""
         summary, log = self.results()
+        summary.update(about or {})
         lines = [",".join(LOG_FORMAT)]
         lines += [",".join(format(value, form) for value, form in zip(row, LOG_FORMAT.values())) for row in log.T]
         write_whole(directory / LOG_NAME, "\n".join(lines) + "\n")

@@ -36,7 +36,11 @@ def png_bytes(figure, dpi=150):
 
 def inline_png(figure, dpi=150):
     """The figure as a data URI; closes it."""
-    return "data:image/png;base64," + base64.b64encode(png_bytes(figure, dpi)).decode("ascii")
+    return data_uri(png_bytes(figure, dpi))
+
+
+def data_uri(png):
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
 
 
 def spans_of(times, holds):

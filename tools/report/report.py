@@ -19,6 +19,7 @@ LOG_COLUMNS = ("t_s", "x_m", "y_m", "ref_x_m", "ref_y_m", "heading_rad", "speed_
                "ref_speed_m_s", "ref_turn_rate_rad_s", "pitch_deg", "u_left_v", "u_right_v", "i_left_a", "i_right_a",
                "power_w", "energy_j", "segment")
 SUMMARY_KEYS = ("robot", "scenario", "energy_model", "energy", "seed", "waypoints_m", "strategies", "simulation")
+WORLD_KEYS = ("name", "conditions", "ledger_j", "film", "film_is")
 STRATEGY_KEYS = ("name", "title", "log")
 DRIVEN_KEYS = ("forecast", "segments", "total")  # of a strategy that can drive the route
 FORECAST_KEYS = ("energy_j", "deviation_j")
@@ -359,11 +360,31 @@ def table4(summary):
     return rows
 
 
-def render(summary, strategies):
+def ledger_rows(summary):
+    """(name, J, share of what left the cells in %) of another world's ledger."""
+    ledger = summary["world"]["ledger_j"]
+    return [(name, format_number(joules, 3), format_number(100 * joules / ledger["cells"], 3))
+            for name, joules in ledger.items()]
+
+
+def render(summary, strategies, film=None):
     waypoints = np.array(summary["waypoints_m"], dtype=float)
     return render_page("report.html.j2", summary=summary, origin=origin(summary), headlines=headlines(summary),
                        planned=planned_strategies(summary), strategies=strategies, table4=table4(summary),
-                       impossible=impossible(summary), figures=figures(strategies, waypoints))
+                       impossible=impossible(summary), figures=figures(strategies, waypoints),
+                       film=film, ledger=ledger_rows(summary) if summary.get("world") else [])
+
+
+def read_film(directory, summary):
+    """As a data URI; None of a drive that has none."""
+    world = summary.get("world")
+    if world is None:
+        return None
+    need(directory / "summary.json", "world", world, WORLD_KEYS)
+    try:
+        return plots.data_uri((directory / world["film"]).read_bytes())
+    except OSError as error:
+        raise ToolError(f"{directory / world['film']}: {error.strerror}") from None
 
 
 def load(directory):
@@ -379,8 +400,9 @@ def main():
     parser.add_argument("directory", metavar="DIR", type=Path, help="holds summary.json and the logs")
     directory = parser.parse_args().directory
     summary, strategies = load(directory)
+    film = read_film(directory, summary)
     path_picture = plots.png_bytes(draw_path(strategies, np.array(summary["waypoints_m"], dtype=float)), dpi=100)
-    for name, content in (("report.html", render(summary, strategies)), ("path.png", path_picture)):
+    for name, content in (("report.html", render(summary, strategies, film)), ("path.png", path_picture)):
         write_whole(directory / name, content)
         print(f"wrote {shown_path(directory / name)}")
     return 0

@@ -241,7 +241,8 @@ static void test_what_was_learned_is_told_every_second(void)
     TEST_ASSERT_EQUAL_INT(0, jp_can_learned_deviations_unpack(&deviations, bus.last[0x19], JP_CAN_LENGTH_MAX));
     TEST_ASSERT_EQUAL_UINT16(4096, factors.rolling);
     TEST_ASSERT_EQUAL_UINT16(4096, factors.electronics);
-    TEST_ASSERT_UINT16_WITHIN(1, jp_skid_learning_zhang2018.deviation[JP_SKID_FRICTION] >> 4, deviations.friction);
+    TEST_ASSERT_UINT16_WITHIN(1, jp_skid_learning_zhang2018.factors.deviation[JP_SKID_FRICTION] >> 4,
+                              deviations.friction);
     TEST_ASSERT_EQUAL_UINT16(0, bus.counts[0x12]); /* a balancer's */
 }
 
@@ -275,7 +276,7 @@ static void test_what_is_stored_is_taken_if_it_fits(void)
 {
     struct jp_learned_state state;
 
-    jp_learned_state_start(&state, jp_skid_learning_zhang2018.identity);
+    jp_learned_state_start(&state, jp_skid_learning_zhang2018.factors.identity);
     state.version = 9;
     tables.state = &state;
     tables.stored = JP_STORED_TAKEN;
@@ -299,7 +300,7 @@ static void test_samples_may_stay_away_for_any_number_of_the_hold_ticks(void)
         run_without_samples(lost);
         TEST_ASSERT_TRUE(jp_ecu_runs(&ecu));
         run(60);
-        command(ecu.internal.operator_link.mode, 7);
+        command((uint8_t)ecu.internal.operator_link.mode, 7);
         TEST_ASSERT_TRUE(jp_ecu_runs(&ecu));
     }
     TEST_ASSERT_EQUAL_HEX16(0, faults());
@@ -315,6 +316,35 @@ static void test_samples_that_stay_away_longer_are_a_fault(void)
     TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, faults());
     run(2U * RATE);
     expect_rest();
+}
+
+static void stand_without_samples(unsigned commands)
+{
+    for (unsigned i = 0; i < commands; i++) {
+        command(JP_MODE_STAND, 0);
+        run_without_samples(RATE / 10U);
+    }
+}
+
+/* Sensors on the bus have a second to start. */
+static void test_sensors_that_never_come_are_a_fault_once_it_shall_stand(void)
+{
+    run_without_samples(2U * RATE);
+    expect_state(JP_ECU_IDLE);
+    TEST_ASSERT_EQUAL_HEX16(0, faults());
+    init();
+    stand_without_samples(9);
+    expect_state(JP_ECU_IDLE);
+    stand_without_samples(3);
+    expect_state(JP_ECU_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, faults());
+    stand_without_samples(1);
+    expect_refused(12, JP_REFUSAL_FAULT); /* the first command only begins the sequence */
+    run(10);
+    expect_state(JP_ECU_FAULT);
+    hold(JP_MODE_OFF, 0, 4);
+    hold(JP_MODE_STAND, 0, 4);
+    expect_state(JP_ECU_STANDING);
 }
 
 /* A reset */
@@ -383,6 +413,29 @@ static void test_a_reset_in_idle_stays_idle(void)
     run(100);
     expect_state(JP_ECU_IDLE);
     expect_operator(JP_OPERATOR_NONE, JP_MODE_OFF);
+}
+
+/* It is as good a pose as it was in the fault. */
+static void test_a_reset_in_a_fault_keeps_the_pose(void)
+{
+    struct jp_skid_odometry before;
+
+    make_driving();
+    run(RATE);
+    sensors.bus_voltage = 0;
+    run(RATE);
+    expect_state(JP_ECU_FAULT);
+    before = *jp_skid_robot_odometry(&skid.robot);
+    TEST_ASSERT_TRUE(before.x > 0);
+    sensors.bus_voltage = JP_Q16(46);
+    reset();
+    run(RATE);
+    expect_state(JP_ECU_IDLE);
+    expect_operator(JP_OPERATOR_NONE, JP_MODE_OFF);
+    TEST_ASSERT_EQUAL_INT64(before.x, jp_skid_robot_odometry(&skid.robot)->x);
+    TEST_ASSERT_EQUAL_INT64(before.y, jp_skid_robot_odometry(&skid.robot)->y);
+    TEST_ASSERT_EQUAL_UINT64(before.heading, jp_skid_robot_odometry(&skid.robot)->heading);
+    TEST_ASSERT_EQUAL_INT32(before.steering_ratio, jp_skid_robot_odometry(&skid.robot)->steering_ratio);
 }
 
 static void test_after_a_reset_off_is_obeyed_at_once(void)
@@ -455,10 +508,15 @@ static void motors_off(struct jp_skid_snapshot *snapshot)
     snapshot->ran = 0;
 }
 
+static void neither_on_nor_off(struct jp_skid_snapshot *snapshot)
+{
+    snapshot->ran = 2;
+}
+
 static void test_a_record_goes_on_only_if_it_can_be_this_robots(void)
 {
-    static void (*const changes[])(struct jp_skid_snapshot *) = {other_wheels, other_tick_rate, wild_bias, wild_x,
-                                                                 wild_y,       no_variance,     motors_off};
+    static void (*const changes[])(struct jp_skid_snapshot *) = {
+        other_wheels, other_tick_rate, wild_bias, wild_x, wild_y, no_variance, motors_off, neither_on_nor_off};
 
     TEST_ASSERT_TRUE(goes_on_from(nothing, JP_RETAINED_SKID));
     TEST_ASSERT_FALSE(goes_on_from(nothing, JP_RETAINED_BALANCER));

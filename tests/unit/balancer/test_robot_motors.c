@@ -93,9 +93,9 @@ static void test_counts_frames_that_fail_or_are_implausible(void)
     for (uint32_t i = 0; i < 10; i++) {
         tick(JP_ERR_HARDWARE);
         tick(JP_OK);
-        sensors.accel_z = INT32_MAX;
+        sensors.pitch_rate = INT32_MAX;
         tick(JP_OK);
-        sensors.accel_z = JP_Q24_ONE;
+        sensors.pitch_rate = 0;
         tick(JP_OK);
         TEST_ASSERT_EQUAL_UINT32(2U * (i + 1U), dropped());
     }

@@ -46,6 +46,7 @@ static void see_good(void)
     sensors = good;
     TEST_ASSERT_EQUAL_UINT16(0, check(JP_OK));
     TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
+    TEST_ASSERT_EQUAL_HEX16(0, monitor.suspected);
 }
 
 DEFINE_EXPECT_CONFIG(monitor)
@@ -91,6 +92,7 @@ static void expect_fault(uint16_t fault)
 
     for (int tick = 1; tick <= 5; tick++) {
         TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : fault, check(JP_OK));
+        TEST_ASSERT_EQUAL_HEX16(fault, monitor.suspected);
         TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
     }
     see_good();
@@ -127,8 +129,6 @@ static void test_ranges(void)
     WITHIN(pitch_rate, config.gyro_limit);
     WITHIN(pitch_rate, -config.gyro_limit);
     WITHIN(yaw_rate, config.gyro_limit);
-    WITHIN(accel_x, config.accel_limit);
-    WITHIN(accel_z, -config.accel_limit);
     WITHIN(current_left, config.current_limit);
     WITHIN(current_right, -config.current_limit);
     WITHIN(bus_voltage, config.voltage_min);
@@ -137,13 +137,130 @@ static void test_ranges(void)
     BEYOND(pitch_rate, -config.gyro_limit - 1, JP_FAULT_IMU_RANGE);
     BEYOND(yaw_rate, config.gyro_limit + 1, JP_FAULT_IMU_RANGE);
     BEYOND(yaw_rate, INT32_MIN, JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP);
-    BEYOND(accel_x, config.accel_limit + 1, JP_FAULT_IMU_RANGE);
-    BEYOND(accel_z, -config.accel_limit - 1, JP_FAULT_IMU_RANGE);
-    BEYOND(accel_z, INT32_MIN, JP_FAULT_IMU_RANGE);
     BEYOND(current_left, config.current_limit + 1, JP_FAULT_CURRENT_RANGE);
     BEYOND(current_right, -config.current_limit - 1, JP_FAULT_CURRENT_RANGE);
     BEYOND(bus_voltage, config.voltage_min - 1, JP_FAULT_BUS_VOLTAGE);
     BEYOND(bus_voltage, config.voltage_max + 1, JP_FAULT_BUS_VOLTAGE);
+    WITHIN(accel_x, config.accel_limit);
+    WITHIN(accel_z, -config.accel_limit);
+}
+
+/** What is taken as good. */
+static void expect_taken(void)
+{
+    TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+    TEST_ASSERT_EQUAL_MEMORY(&sensors, &monitor.good, sizeof sensors);
+}
+
+/** Rates that jump beyond the limit in one tick, and back in the next. */
+static void jump_to_and_fro(int tick)
+{
+    sensors.pitch_rate = good.pitch_rate + (tick % 2 != 0 ? config.gyro_jump + 2 : 0);
+    sensors.yaw_rate = good.yaw_rate - (tick % 2 != 0 ? config.gyro_jump + 2 : 0);
+}
+
+/** An impact begins; its first frame is suspected like any other that jumps. */
+static void feel_impact(jp_q24 accel_x)
+{
+    sensors = good;
+    sensors.accel_x = accel_x;
+    jump_to_and_fro(1);
+    TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+    TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
+}
+
+static void test_an_impact_explains_jumps_for_a_while(void)
+{
+    see_good();
+    feel_impact(good.accel_x + JP_Q24_ONE + 1);
+    for (int tick = 2; tick < config.residual_ticks; tick++) {
+        jump_to_and_fro(tick);
+        expect_taken();
+    }
+    for (int tick = 1; tick <= config.confirm_ticks; tick++) {
+        sensors.pitch_rate = monitor.good.pitch_rate + config.gyro_jump + 2;
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_IMU_JUMP, check(JP_OK));
+    }
+}
+
+static void test_an_impact_explains_forces_out_of_range_for_a_while(void)
+{
+    see_good();
+    feel_impact(good.accel_x - JP_Q24_ONE - 1);
+    sensors.accel_z = INT32_MIN;
+    for (int tick = 2; tick < config.residual_ticks; tick++) {
+        sensors.encoder_left++;
+        TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+        TEST_ASSERT_EQUAL_UINT32(sensors.encoder_left, monitor.good.encoder_left);
+        TEST_ASSERT_EQUAL_INT32(-config.accel_limit, monitor.good.accel_z);
+    }
+    for (int tick = 1; tick <= config.confirm_ticks; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_IMU_RANGE, check(JP_OK));
+    }
+}
+
+static void test_an_impact_explains_no_rate_out_of_range(void)
+{
+    config.gyro_jump = INT32_MAX;
+    see_good();
+    sensors.accel_x = good.accel_x + JP_Q24_ONE + 1;
+    sensors.yaw_rate = -config.gyro_limit - 1;
+    for (int tick = 1; tick <= config.confirm_ticks; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_IMU_RANGE, check(JP_OK));
+    }
+}
+
+static void test_an_accelerometer_that_stays_out_of_range_is_a_fault(void)
+{
+    see_good();
+    sensors.accel_z = config.accel_limit + 1;
+    for (int tick = 1; tick < config.residual_ticks + config.confirm_ticks - 1; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+    }
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_IMU_RANGE, check(JP_OK));
+    sensors.accel_z = -config.accel_limit - 1;
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_IMU_RANGE, check(JP_OK));
+}
+
+static void test_what_the_weight_can_do_is_no_impact(void)
+{
+    see_good();
+    sensors.accel_x = good.accel_x + JP_Q24_ONE;
+    sensors.accel_z = good.accel_z - JP_Q24_ONE;
+    for (int tick = 1; tick <= config.confirm_ticks; tick++) {
+        sensors.pitch_rate = good.pitch_rate + config.gyro_jump + 2;
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_IMU_JUMP, check(JP_OK));
+    }
+}
+
+static void test_an_impact_explains_nothing_but_the_imu(void)
+{
+    see_good();
+    feel_impact(good.accel_x + JP_Q24_ONE + 1);
+    sensors.encoder_left += config.encoder_jump + 1U;
+    sensors.current_left = config.current_limit + 1;
+    for (int tick = 2; tick <= config.confirm_ticks; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_ENCODER_JUMP | JP_FAULT_CURRENT_RANGE,
+                                check(JP_OK));
+    }
+}
+
+/** Of two impacts the second explains nothing unless the first is over. */
+static void test_the_next_impact_comes_after_calm(void)
+{
+    for (int calm = config.residual_ticks - 1; calm <= config.residual_ticks; calm++) {
+        const bool is_over = calm == config.residual_ticks;
+
+        jp_monitor_start(&monitor, &config);
+        see_good();
+        feel_impact(good.accel_x + JP_Q24_ONE + 1);
+        for (int tick = 0; tick < calm; tick++) {
+            see_good();
+        }
+        feel_impact(good.accel_x + JP_Q24_ONE + 1);
+        TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+        TEST_ASSERT_EQUAL_INT(is_over, monitor.good.accel_x == sensors.accel_x);
+    }
 }
 
 static void test_jumps(void)

@@ -53,8 +53,8 @@ static void test_fields_out_of_range(void)
     expect_bad_field("width");
     model.weight = 0;
     expect_bad_field("skid_energy.weight");
-    learning.identity = 0;
-    expect_bad_field("skid_learning.identity");
+    learning.factors.identity = 0;
+    expect_bad_field("learning.identity");
 }
 
 /* ---- Requests ---- */

@@ -1,6 +1,7 @@
 /* What a path takes: the sum of its parts by hand, and prices of a model. */
 #include <joulepath/skid_path_energy.h>
 #include <joulepath/tables.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 #include "unity.h"
@@ -31,6 +32,15 @@ static void add(struct jp_skid_drive *sum, jp_q24 from, jp_q24 to, jp_q24 bend, 
                                         .end = {to, jp_q24_multiply(to, bend)},
                                         .grade = grade,
                                         .duration = seconds};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_energy_add(model, sum, &piece));
+}
+
+/** Half a second at 0.5 m/s. */
+static void add_bend(struct jp_skid_drive *sum, jp_q24 from, jp_q24 to)
+{
+    const struct jp_skid_piece piece = {
+        .start = {JP_Q24(0.5), from / 2}, .end = {JP_Q24(0.5), to / 2}, .duration = JP_Q16(0.5)};
 
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_energy_add(model, sum, &piece));
 }
@@ -121,6 +131,54 @@ static void test_an_arc_between_lines(void)
     add(&expected, JP_Q24(0.5), JP_Q24(0.5), 0, 0, JP_Q16(1));
     add(&expected, JP_Q24(0.5), 0, 0, 0, JP_Q16(2));
     expect_drive(&expected);
+}
+
+/* One arc and its line at 0.5 m/s that bend evenly over 0.25 m on either side of where they meet. */
+static void test_curvature_that_changes_evenly(void)
+{
+    struct jp_skid_drive expected = {.energy = 0};
+    struct jp_piece_speed through = {.cruise = JP_Q24(0.5), .end = JP_Q24(0.5), .acceleration = JP_Q24(0.25)};
+
+    through.brake_from = JP_Q24(1);
+    path.count = 2;
+    pieces[0] = (struct jp_path_piece){.length = JP_Q24(1), .kind = JP_PIECE_CURVE, .speed = through};
+    through.blend = JP_Q24(0.25);
+    through.blend_rate = JP_Q16(1);
+    pieces[1] =
+        (struct jp_path_piece){.length = JP_Q24(1), .bend = JP_Q24(0.5), .kind = JP_PIECE_CURVE, .speed = through};
+    jp_skid_piece_energy(model, &pieces[0], &pieces[1], JP_Q24(0.5), &drive, &duration);
+    jp_skid_piece_energy(model, &pieces[1], NULL, JP_Q24(0.5), &drive, &duration);
+    TEST_ASSERT_INT32_WITHIN(32, JP_Q16(4), duration);
+    add(&expected, JP_Q24(0.5), JP_Q24(0.5), 0, 0, JP_Q16(1.5));
+    add_bend(&expected, 0, JP_Q24(0.25));
+    add_bend(&expected, JP_Q24(0.25), JP_Q24(0.5));
+    add(&expected, JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5), 0, JP_Q16(1.5));
+    expect_drive(&expected);
+}
+
+/* From a stand: it bends while it speeds up, and brakes while it bends back. */
+static void test_speed_and_curvature_that_change_together(void)
+{
+    struct jp_skid_drive whole = {.energy = 0};
+
+    path.count = 2;
+    pieces[0] = (struct jp_path_piece){
+        .length = JP_Q24(1),
+        .bend = JP_Q24(0.5),
+        .kind = JP_PIECE_CURVE,
+        .speed = {
+            .cruise = JP_Q24(0.5), .end = JP_Q24(0.25), .acceleration = JP_Q24(0.25), .brake_from = JP_Q24(0.625)}};
+    pieces[1] = (struct jp_path_piece){
+        .length = JP_Q24(1),
+        .kind = JP_PIECE_CURVE,
+        .speed = {.cruise = JP_Q24(0.25), .end = JP_Q24(0.25), .acceleration = JP_Q24(0.25), .brake_from = JP_Q24(1)}};
+    jp_skid_piece_energy(model, &pieces[0], &pieces[1], 0, &whole, &duration);
+    pieces[1].speed.blend = JP_Q24(0.125);
+    pieces[1].speed.blend_rate = -JP_Q16(2);
+    jp_skid_piece_energy(model, &pieces[0], &pieces[1], 0, &drive, &duration);
+    TEST_ASSERT_INT32_WITHIN(64, 2 * JP_Q16(2 + 0.25 + 1), duration);
+    TEST_ASSERT_TRUE(drive.energy < whole.energy);
+    TEST_ASSERT_TRUE(drive.energy > whole.energy / 2);
 }
 
 static void test_prices_of_a_model(void)

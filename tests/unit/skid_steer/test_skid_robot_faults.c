@@ -1,6 +1,8 @@
 /* A skid-steered robot whose frames or wheels are at fault: what is held and what is not, and the way out. */
 #include "tests/support/skid_robot_rig.h"
 
+#include "src/base/integer.h"
+
 static uint16_t faults(void)
 {
     return telemetry().faults;
@@ -89,6 +91,57 @@ static void test_a_second_fault_ends_the_hold(void)
     expect_state(JP_SKID_ROBOT_FAULT);
 }
 
+/** Beyond what it may drive an accelerometer tells nothing of the ground. */
+static void test_an_accelerometer_that_fails_does_not_drive_it_off(void)
+{
+    const jp_q16 most =
+        jp_multiply_shift(config.control.climbing, jp_sin((jp_angle)config.monitor.tilt_limit << 8), 31);
+
+    for (int sign = -1; sign <= 1; sign += 2) {
+        set_up_rig();
+        make_standing();
+        sensors.accel_x = sign * JP_Q24(3.7);
+        run(RATE);
+        expect_state(JP_SKID_ROBOT_FAULT);
+        TEST_ASSERT_EQUAL_HEX16(JP_FAULT_SLOPE, faults());
+        TEST_ASSERT_TRUE(robot.internal.holds);
+        for (int side = 0; side < JP_SKID_SIDES; side++) {
+            TEST_ASSERT_TRUE(jp_magnitude32(robot.internal.control.sides[side].load) <= (uint32_t)most + 1U);
+        }
+    }
+}
+
+/** What else is wrong with a frame says nothing of its counts. */
+static void test_wheels_are_followed_by_frames_that_are_implausible(void)
+{
+    make_driving();
+    run(RATE / 2);
+    const jp_turns_per_s before = robot.internal.control.sides[JP_SKID_LEFT].rate;
+
+    false_current = JP_Q16(30);
+    run(2);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_CURRENT_RANGE, robot.internal.monitor.suspected);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.02), before, robot.internal.control.sides[JP_SKID_LEFT].rate);
+    TEST_ASSERT_EQUAL_UINT32(sensors.encoder_left, robot.internal.monitor.good.encoder_left);
+    sensors.encoder_left += 2U * config.monitor.encoder_jump;
+    jp_skid_robot_tick(&robot, JP_OK, &sensors, &actuation);
+    TEST_ASSERT_TRUE(sensors.encoder_left != robot.internal.monitor.good.encoder_left);
+}
+
+/** After a reset in motion a sensor fails before the wheels' speed is known: it brakes from that speed all the same. */
+static void test_a_fault_while_it_wakes_leaves_the_speed_known(void)
+{
+    driven_rate = JP_Q24(0.3);
+    run(JP_SKID_WAKE_TICKS - 2);
+    false_current = JP_Q16(30);
+    while (robot.internal.wake_ticks > 0U) {
+        run(1);
+    }
+    driven_rate = 0;
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), jp_q24_divide(JP_Q24(0.3), config.control.turns_per_metre),
+                             telemetry().reference.speed);
+}
+
 static void test_idle_shows_faults_and_holds_nothing(void)
 {
     wake();
@@ -167,8 +220,11 @@ static void test_wheels_that_run_away_are_slowed_down_blindly(void)
 {
     make_driving();
     run(RATE / 2);
-    driven_rate = config.monitor.wheel_rate_limit + JP_Q24(0.05);
-    run(20);
+    driven_rate = robot.internal.control.sides[JP_SKID_LEFT].reference;
+    for (int i = 0; i < RATE && jp_skid_robot_state_now(&robot) == JP_SKID_ROBOT_DRIVING; i++) {
+        driven_rate += driven_rate < config.monitor.wheel_rate_limit + JP_Q24(0.05) ? JP_Q24(0.01) : 0;
+        run(1);
+    }
     expect_state(JP_SKID_ROBOT_FAULT);
     TEST_ASSERT_EQUAL_HEX16(JP_FAULT_OVERSPEED, faults());
     expect_shorted();

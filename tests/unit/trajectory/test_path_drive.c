@@ -371,12 +371,18 @@ static void look_ahead(const struct jp_path_slide *slide)
     }
 }
 
-/* Half of what it will slide to the right, m, is aimed at, at 2/s over twice 0.5 m. */
-static void expect_slide(double metres, const struct jp_path_slide *slide)
+/* What it makes up for before, m to the left, is aimed at, at 2/s over twice 0.5 m. */
+static void expect_lead(double metres, const struct jp_path_slide *slide)
 {
     look_ahead(slide);
     at.motion = (struct jp_motion){0, 0};
-    expect_motion(0, metres / 2 * 2, track(0, 0, 0));
+    expect_motion(0, metres * 2, track(0, 0, 0));
+}
+
+/* Half of what it will slide to the right, m. */
+static void expect_slide(double metres, const struct jp_path_slide *slide)
+{
+    expect_lead(metres / 2, slide);
 }
 
 static void test_line_across_a_slope(void)
@@ -398,8 +404,87 @@ static void test_turn_on_the_spot_ahead(void)
     add_line(0.5);
     begin();
     skip(1);
-    expect_slide(0.01 + 0.1 + 0.05, &aside);
+    expect_lead(0.01 / 2 + 0.1 / (2 + 0.65 * 0.5) + 0.05 / (2 + 0.65 * 0.25), &aside);
 }
+
+/* ---- Within a turn on the spot ---- */
+
+/* At the begin of a turn by a radian, along which it slides 0.2 m to the right. */
+static void turn(enum jp_piece_kind kind)
+{
+    path.count = 0;
+    add(kind, 1, 0, 0);
+    add_line(2);
+    begin();
+    skip(1);
+    look_ahead(&aside);
+    at.pose.heading = 0;
+    at.cosine = JP_Q31_MAX;
+    at.sine = 0;
+}
+
+/* How far ahead of its place it goes in the end, when it stays so far to the right of it, m. */
+static void expect_move(double expected, enum jp_piece_kind kind, double right)
+{
+    turn(kind);
+    for (int i = 0; i < 300; i++) {
+        (void)track(0, -right, 0);
+    }
+    expect_near(expected, drive.internal.move);
+}
+
+/* e is (right + 0.2)/1.65: turning left it slides to the right and so moves back, and turning right ahead. */
+static void test_counter_move(void)
+{
+    static const struct {
+        double right;
+        double move;
+    } cases[] = {
+        {0, 0.87 * 0.1212},
+        {0.08, 0.87 * 0.1697},
+        {0.12, 0.87 * 2 * (0.1939 - 0.12)},
+        {-0.04, 0.87 * 0.0970},
+        {-0.06, 0.87 * 2 * (0.0848 - 0.06)},
+        {-0.08, 0}, /* it comes back by what it slides */
+        {0.5, 0},   /* nothing helps */
+    };
+
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        expect_move(-cases[i].move, JP_PIECE_TURN_LEFT, cases[i].right);
+        expect_move(cases[i].move, JP_PIECE_TURN_RIGHT, cases[i].right);
+    }
+    turn(JP_PIECE_TURN_RIGHT);
+    look_ahead(&(struct jp_path_slide){.left = JP_Q24(-0.2), .by_turn = JP_Q24(1), .most = JP_Q24(4)});
+    for (int i = 0; i < 300; i++) {
+        (void)track(0, -0.04, 0);
+    }
+    expect_near(-0.87 * 0.0970, drive.internal.move);
+    turn(JP_PIECE_TURN_RIGHT);
+    for (int i = 0; i < 300; i++) {
+        (void)track(0, 0, 0);
+    }
+    expect_near(2 * 0.87 * 0.1212, track(0, 0, 0).speed);
+}
+
+/* No faster than speeds may be corrected, and back to 0 where the turn ends. */
+static void test_counter_move_is_slow_and_ends(void)
+{
+    turn(JP_PIECE_TURN_LEFT);
+    const jp_q24 step = drive.internal.config.speed_correction / (jp_q24)(drive.internal.config.tick_rate / 3U);
+
+    for (int i = 1; i < 5; i++) {
+        (void)track(0, 0, 0);
+        TEST_ASSERT_INT32_WITHIN(step / 8, -i * step, drive.internal.move);
+    }
+    (void)drive_piece(0);
+    look_ahead(&aside);
+    for (int i = 0; i < 400; i++) {
+        (void)track(0, 0, 0);
+    }
+    TEST_ASSERT_EQUAL_INT32(0, drive.internal.move);
+}
+
+/* ---- Where it looks ---- */
 
 /* Where it will have turned by a radian, the slope is the other one. */
 static void test_slope_turns_with_the_robot(void)
@@ -443,12 +528,12 @@ static void test_turn_leads_to_the_way_back(void)
     begin();
     skip(1);
     look_ahead(&aside);
-    expect_motion(0, 0, track_left(0.1));
+    expect_near(0, track_left(0.1).turn_rate);
     while (drive.internal.progress < JP_Q24(1)) {
         skip(1);
     }
     look_ahead(&(struct jp_path_slide){.by_turn = 0});
-    expect_motion(0, -2 * 0.1 * (drive.internal.progress / 16777216.0 - 0.5), track_left(0.1));
+    expect_near(-2 * 0.1 * (drive.internal.progress / 16777216.0 - 0.5), track_left(0.1).turn_rate);
 }
 
 static void test_last_turn_ends_as_the_path_does(void)

@@ -1,0 +1,10 @@
+/* Of ESP-IDF. */
+#ifndef ESP_TIMER_H
+#define ESP_TIMER_H
+
+#include <stdint.h>
+
+/* Microseconds since boot. */
+int64_t esp_timer_get_time(void);
+
+#endif
