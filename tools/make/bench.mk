@@ -136,6 +136,12 @@ bench-localise: ## measure localisation on maps of others, beside a particle fil
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_localise $(LOCALISE_MAPS)
 	$(BUILD)/bench/bench_localise $(LOCALISE_MAPS) >$(BUILD)/bench/bench_localise.json
 
+.PHONY: bench-goals
+bench-goals: ## measure the patrol robot to 200 random goals on each map of others, among boxes that it does not show
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_goals $(LOCALISE_MAPS)
+	$(BUILD)/bench/bench_goals $(LOCALISE_MAPS) >$(BUILD)/bench/bench_goals.json
+
 .PHONY: bench-skid-drive
 bench-skid-drive: ## measure what plans of the skid-steered robot take when they are driven over the 20 scenes (4 minutes)
 	@tools/setup.sh test
