@@ -4,9 +4,9 @@
  * resistance, friction, weight and electronics. The noise of a leg has a third part: a share of the work of its slopes,
  * on which robots slide and are led back.
  *
- * Payload, motors and ground are in these factors. A battery that sags is not: energies are those at its terminals, where
- * meter.h measures them, and bridges draw the same power at a lower voltage. What the battery's own resistance burns
- * besides is in none of them.
+ * Payload, motors and ground are in these factors. A battery that sags is not: energies are those at its terminals,
+ * where meter.h measures them, and bridges draw the same power at a lower voltage. What the battery's own resistance
+ * burns besides is in none of them.
  *
  * How to use it: as a leg is driven, or from its plan, add its pieces to a struct jp_skid_drive on learner->model; at
  * its end hand over the drive with what the meter says. A leg ends where the robot drives on, or stands for good: what

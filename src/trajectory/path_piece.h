@@ -73,9 +73,9 @@ static inline jp_q24 jp_piece_speed_after(const struct jp_piece_speed *speed, jp
     const int64_t cruise = (int64_t)speed->cruise * speed->cruise;
     const int64_t gained = (int64_t)begin * begin + jp_piece_change_of_square(speed->acceleration, way);
     const int64_t lost = cruise - jp_piece_change_of_square(speed->acceleration, way - speed->brake_from);
-    const int64_t reached = gained < cruise ? gained : cruise;
+    const int64_t before = gained < cruise ? gained : cruise;
 
-    return (jp_q24)jp_square_root((uint64_t)(way <= speed->brake_from ? reached : lost));
+    return (jp_q24)jp_square_root((uint64_t)(way <= speed->brake_from ? before : lost));
 }
 
 /** `next` becomes a part of the piece before it. */
