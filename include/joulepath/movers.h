@@ -1,11 +1,13 @@
 /**
- * Moving objects around the robot: small objects that stand free in successive scans are tracked, and their velocities
- * are given to the shapes of the obstacles (obstacles.h), so that the elastic band keeps off their predicted places.
+ * Moving objects around the robot: objects that stand free in successive scans are tracked, and their velocities are
+ * given to the shapes of the obstacles (obstacles.h), so that the elastic band keeps off their predicted places.
  *
- * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see.
- * Alpha-beta filters track its centre and both of its ends. What the robot passes shows another side: then one end
- * moves along it and the other stays, while both ends of an object that moves go its way. Part of libjoulepath_float;
- * nothing here is for ISRs.
+ * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see. One
+ * that is partly hidden is told less exactly. A Kalman filter of constant velocity tracks the middle of
+ * what is seen, so that the uncertainty of the velocity is known from the first scans on: an object walks when it is
+ * faster than that explains. Who has walked is remembered as somebody who may walk on, or back, along the same line.
+ *
+ * Part of libjoulepath_float; nothing here is for ISRs.
  */
 #ifndef JOULEPATH_MOVERS_H
 #define JOULEPATH_MOVERS_H
@@ -16,26 +18,28 @@
 extern "C" {
 #endif
 
-#define JP_MOVERS_MAX 8
+#define JP_MOVERS_MAX 24
 
 struct jp_movers_config {
     float extent;    /**< largest diameter of an object that may move, m; above 0 */
+    float range;     /**< objects farther away are not looked for, m; above 0, at most 1 000 */
     float speed_min; /**< slower objects stand: the centre of the visible part may shift so fast, m/s; above 0 */
     float speed_max; /**< nothing moves faster, m/s; speed_min…JP_OBSTACLE_SPEED_MAX */
     float margin;    /**< error of a predicted place after one second, m; 0…JP_OBSTACLE_MARGIN_MAX */
 };
 
-/** A point that is tracked. */
-struct jp_mover_point {
-    struct jp_plane_point place;
-    struct jp_plane_point velocity; /**< m/s */
-};
-
 struct jp_mover {
     struct jp_plane_point centre;
     struct jp_plane_point velocity; /**< m/s */
-    struct jp_mover_point ends[2];  /**< of what is seen of it, counter-clockwise from the scanner */
     float radius;                   /**< of what was seen of it, m */
+    float largest;                  /**< radius so far, m */
+    struct jp_plane_point origin;   /**< where it was first seen */
+    float place_variance;           /**< of the centre along an axis, m² */
+    float covariance;               /**< of centre and velocity along an axis, m²/s */
+    float speed_variance;           /**< of the velocity along an axis, m²/s² */
+    struct jp_plane_point walk;     /**< direction in which it last walked; (0, 0): it has not */
+    float pace;                     /**< fastest that it was seen to walk, m/s */
+    float standing;                 /**< since it last walked, s */
     uint8_t sightings;              /**< since it was first seen; saturates */
     uint8_t misses;                 /**< in a row */
 };
@@ -50,13 +54,16 @@ struct jp_movers {
 void jp_movers_clear(struct jp_movers *movers);
 
 /**
- * Takes the next scan, `period` s (0.001…10) after the last one, from a sensor whose pose is in a fixed frame. Nothing
- * changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out of its range; JP_ERR_UNRELIABLE: as
- * jp_obstacles_add_scan(). Work: beams + runs × JP_MOVERS_MAX.
+ * Takes the next scan, `period` s (0.001…10) after the last one, after more than 0.5 s without what was known, from a
+ * sensor whose pose is in a fixed frame. Nothing changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out
+ * of its range; JP_ERR_UNRELIABLE: as jp_obstacles_add_scan(). Work: beams + runs × JP_MOVERS_MAX.
  */
 enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers_config *config,
                                 const struct jp_scan_config *scan_config, const struct jp_scan *scan,
                                 const struct jp_plane_pose *sensor, float period);
+
+/** Whether it is faster than `speed_min` and than what the scans may err by. Constant time. */
+bool jp_mover_is_walking(const struct jp_mover *mover, const struct jp_movers_config *config);
 
 /** Gives the shapes of tracked movers their velocity and the margin. Work: shapes × JP_MOVERS_MAX. */
 void jp_movers_mark(const struct jp_movers *movers, const struct jp_movers_config *config,

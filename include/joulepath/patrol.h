@@ -14,6 +14,10 @@
  * chosen by what each takes (struct jp_patrol_price), where the sweep is free; or, by the strategy of the paper that
  * this behaviour follows, it always turns in place first beyond a fixed angle.
  *
+ * It yields to people: to who walks, or has walked and may walk on or back. Their places are foreseen, and it goes on
+ * no faster than it can without coming near them (struct jp_patrol_people). Near anything it drives no faster than it
+ * can stop within its clearance.
+ *
  * One call of jp_patrol_cycle() a cycle, 5…20 a second, outside interrupts; its twist goes to jp_four_wheel_tick() in
  * the control tick. In HELD, WAITING, ARRIVED and STOPPED the twist is 0: the wheels stop and keep their angles. A path
  * is driven once: WAITING ends by itself, STOPPED only by a new path.
@@ -68,11 +72,21 @@ struct jp_patrol_price {
     float steering; /**< of steering all wheels at a stand, with the time that it takes, J/rad; 0 or more */
 };
 
+/** How people who walk, or have walked and may walk on, are reckoned with. */
+struct jp_patrol_people {
+    float clearance;    /**< that the robot keeps from where they may be, m; 0 or more */
+    float braking;      /**< at which the robot brakes for them, m/s²; above 0 */
+    float acceleration; /**< at which they start and stop, m/s²; above 0 */
+    float rest;         /**< for which the robot has stood when somebody can reach it, s; 0 or more */
+    float stays;        /**< who has stood for so long stays, s; 0 or more */
+};
+
 struct jp_patrol_config {
     struct jp_four_wheel_config wheels; /**< of the control tick */
     struct jp_teb_config teb;           /**< weights 0 for odometry and no_reversing: the plain TEB */
     struct jp_scan_config scan;
     struct jp_movers_config movers;
+    struct jp_patrol_people people;
     bool turns_in_place; /**< false: the plain TEB, which turns as it drives */
     uint8_t strategy;    /**< JP_PATROL_FIXED_ANGLE or JP_PATROL_BY_COST, where it turns in place */
     struct jp_patrol_price price;
@@ -117,6 +131,7 @@ struct jp_patrol_counts {
     uint32_t glides;     /**< begun */
     uint32_t steps;      /**< to where there is room to turn, begun */
     uint32_t waits;      /**< begun */
+    uint32_t yields;     /**< to people, begun: slowing down or standing for them */
     uint32_t infeasible; /**< cycles in which no band or turn could be driven */
     uint32_t laser_missing;
     uint32_t laser_rejected; /**< jumps */
@@ -151,7 +166,9 @@ struct jp_patrol_internal {
     uint16_t jumps;       /**< of the laser's pose, in a row */
     float blind;          /**< distance since its last good one, m */
     uint16_t scan_gap;
-    uint16_t unmoved; /**< cycles since the robot last made progress */
+    bool is_yielding;      /**< to people */
+    float sideways_before; /**< of the last cycle's command, m/s */
+    uint16_t unmoved;      /**< cycles since the robot last made progress */
 };
 
 /** The members but `internal` may be read. */

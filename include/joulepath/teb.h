@@ -107,7 +107,7 @@ struct jp_teb_pose {
 struct jp_teb_result {
     struct jp_plane_pose start;  /**< the first pose: wheels and laser together */
     struct jp_plane_speed speed; /**< to drive at until the next cycle; 0 unless JP_OK */
-    float clearance;             /**< least distance of the band's footprints from obstacles, m */
+    float clearance;             /**< least distance of the band's footprints from obstacles that stand, m */
     float duration;              /**< s */
     float cost;
     uint16_t steps; /**< taken */
@@ -207,8 +207,8 @@ void jp_teb_clear(struct jp_teb *teb);
  * JP_ERR_ARGUMENT: a null pointer, a value that is not finite, a path too short or a goal speed out of its range.
  * JP_ERR_ZERO_LENGTH: start and goal are less than 1 mm apart.
  * JP_ERR_BLOCKED: the start's footprint overlaps an obstacle by more than JP_TEB_OVERLAP_MAX. JP_ERR_INFEASIBLE: the
- * band's does within the next 1.5 s, or the optimisation gave something that is not finite. After these two the band is
- * forgotten. Work: rounds × steps × poses; counted in tests/bench/FIGURES.md.
+ * band's does within the next 1.5 s, with one that stands, or the optimisation gave something that is not finite. After
+ * these two the band is forgotten. Work: rounds × steps × poses; counted in tests/bench/FIGURES.md.
  */
 enum jp_status jp_teb_plan(struct jp_teb *teb, const struct jp_teb_task *task, const struct jp_obstacles *obstacles,
                            struct jp_teb_result *result);

@@ -72,10 +72,17 @@ struct four_wheel_file {
     } scan;
     struct {
         double extent_m;      /**< of a thing that may move */
+        double range_m;       /**< how far it looks for them */
         double speed_min_m_s; /**< slower things stand */
         double speed_max_m_s; /**< nothing moves faster */
         double margin_m;      /**< how far something may be after a second from where its velocity leads */
     } movers;
+    struct {
+        double clearance_m;       /**< that is kept from who walks or may walk on */
+        double acceleration_m_s2; /**< of people who start and stop */
+        double rest_s;            /**< for which the robot has stood when somebody can reach it */
+        double stays_s;           /**< who has stood for so long stays */
+    } people;
     struct {
         double speed_m_s;
         double reverse_m_s;

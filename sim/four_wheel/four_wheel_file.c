@@ -72,9 +72,14 @@ static const struct config_field fields[] = {
     REAL(scan.tolerance_m, 0.001, 1, "m"),
     WHOLE(scan.beams_min, 1, 100, "1"),
     REAL(movers.extent_m, 0.05, 10, "m"),
+    REAL(movers.range_m, 0.1, 100, "m"),
     REAL(movers.speed_min_m_s, 0.01, 10, "m/s"),
     REAL(movers.speed_max_m_s, 0.01, 10, "m/s"),
     REAL(movers.margin_m, 0, 10, "m"),
+    REAL(people.clearance_m, 0, 10, "m"),
+    REAL(people.acceleration_m_s2, 0.1, 100, "m/s²"),
+    REAL(people.rest_s, 0, 10, "s"),
+    REAL(people.stays_s, 0, 1000, "s"),
     REAL(band.speed_m_s, 0.01, 16, "m/s"),
     REAL(band.reverse_m_s, 0.01, 16, "m/s"),
     REAL(band.turn_rate_rad_s, 0.01, 16, "rad/s"),
@@ -147,6 +152,7 @@ struct bound {
 
 static const struct bound bounds[] = {
     BOUND(scan.range_m, laser.range_m),
+    BOUND(movers.range_m, laser.range_m),
     BOUND(movers.speed_min_m_s, movers.speed_max_m_s),
     BOUND(band.speed_m_s, drive.speed_m_s),
     BOUND(band.reverse_m_s, drive.speed_m_s),

@@ -87,9 +87,21 @@ static struct jp_movers_config movers(const struct four_wheel_file *robot)
 {
     return (struct jp_movers_config){
         .extent = (float)robot->movers.extent_m,
+        .range = (float)robot->movers.range_m,
         .speed_min = (float)robot->movers.speed_min_m_s,
         .speed_max = (float)robot->movers.speed_max_m_s,
         .margin = (float)robot->movers.margin_m,
+    };
+}
+
+static struct jp_patrol_people people(const struct four_wheel_file *robot)
+{
+    return (struct jp_patrol_people){
+        .clearance = (float)robot->people.clearance_m,
+        .braking = (float)robot->drive.acceleration_m_s2,
+        .acceleration = (float)robot->people.acceleration_m_s2,
+        .rest = (float)robot->people.rest_s,
+        .stays = (float)robot->people.stays_s,
     };
 }
 
@@ -117,6 +129,7 @@ struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum 
         .teb = band(robot),
         .scan = scan(robot),
         .movers = movers(robot),
+        .people = people(robot),
         .turns_in_place = true,
         .strategy = method == PATROL_IMPROVED ? JP_PATROL_BY_COST : JP_PATROL_FIXED_ANGLE,
         .price = price(robot),

@@ -367,6 +367,8 @@ static void judge(struct patrol_mission *m)
     result->time = m->time;
     result->energy_j = energy_of(m);
     result->clearance_min = m->world.distance_min;
+    result->person_clearance_min = m->world.person_distance_min;
+    result->contacts = m->world.contacts;
     result->position_error = hypot(pose->x - goal.x, pose->y - goal.y);
     result->heading_error = fabs(planar_wrap(pose->heading - goal.heading));
     result->odometry_error = hypot(pose->x - believed.x, pose->y - believed.y);
@@ -432,6 +434,10 @@ static bool set_up_world(struct patrol_mission *m)
     for (size_t i = 0; i < m->task->scene->mover_count; i++) {
         (void)patrol_world_add(&m->world, &m->task->scene->movers[i]);
     }
+    for (size_t i = 0; i < m->task->scene->people_count; i++) {
+        (void)patrol_world_add_person(&m->world, &m->task->scene->people[i]);
+    }
+    m->world.deceleration = robot->drive.acceleration_m_s2;
     four_wheel_plant_init(&m->plant, robot, &start);
     patrol_energy_init(&m->energy, robot);
     if (m->task->faults.slip) {

@@ -17,7 +17,7 @@ extern const char *const patrol_method_names[PATROL_METHODS];
 enum patrol_outcome {
     PATROL_ARRIVED,  /**< truly at the goal: position and heading within patrol_tolerance */
     PATROL_MISSED,   /**< the robot thinks so, but it is not */
-    PATROL_COLLIDED, /**< the true shapes touched */
+    PATROL_COLLIDED, /**< the true shapes touched; with a person, where it is the robot's doing (contact.h) */
     PATROL_GAVE_UP,  /**< gave up; the reason says why */
     PATROL_LATE,     /**< still on its way at the limit */
     PATROL_NO_PATH,
@@ -93,12 +93,14 @@ struct patrol_result {
     double time;   /**< s */
     double length; /**< driven, m */
     double energy_j;
-    double reversed;            /**< driven backwards, m: more than slip and noise explain counts as reversing */
-    unsigned direction_changes; /**< between forward and backward, and of the turn rate's sign beyond noise */
-    double clearance_min;       /**< of the true shapes, m */
-    double position_error;      /**< from the goal, m */
-    double heading_error;       /**< rad */
-    double odometry_error;      /**< of the pose that the robot believes, at the end, m */
+    double reversed;             /**< driven backwards, m: more than slip and noise explain counts as reversing */
+    unsigned direction_changes;  /**< between forward and backward, and of the turn rate's sign beyond noise */
+    double clearance_min;        /**< of the true shapes from things, m */
+    double person_clearance_min; /**< from people, while the robot's own motion brought it nearer, m */
+    struct patrol_contacts contacts;
+    double position_error; /**< from the goal, m */
+    double heading_error;  /**< rad */
+    double odometry_error; /**< of the pose that the robot believes, at the end, m */
     double path_length;
     unsigned replans;
     struct jp_grid_counts planner;

@@ -71,6 +71,7 @@ void patrol_draft_begin(struct patrol_draft *draft, int width, int height)
     init_terrain(&scene->map, &config, scene->block, size);
     init_terrain(&scene->ground, &config, (char *)scene->block + size, size);
     scene->mover_count = 0;
+    scene->people_count = 0;
     patrol_draft_fill(draft, PATROL_BOTH, &all, JP_CELL_OCCUPIED);
 }
 
@@ -162,6 +163,17 @@ void patrol_draft_add(struct patrol_draft *draft, const struct patrol_obstacle *
 }
 
 /* ---- Promises ---- */
+
+bool patrol_draft_add_person(struct patrol_draft *draft, const struct walker *person)
+{
+    struct patrol_scene *const scene = draft->scene;
+
+    if (scene->people_count == PATROL_PEOPLE_MAX) {
+        return false;
+    }
+    scene->people[scene->people_count++] = *person;
+    return true;
+}
 
 static bool stands(const struct patrol_obstacle *mover)
 {
@@ -352,13 +364,12 @@ static bool leg_is_free(const struct patrol_scene *scene, const struct disc *dis
 
 static bool walks_are_free(const struct patrol_scene *scene)
 {
-    for (size_t i = 0; i < scene->mover_count; i++) {
-        const struct patrol_obstacle *mover = &scene->movers[i];
-        const struct disc disc = make_disc(&scene->ground, planar_reach(&mover->shape));
-        for (size_t leg = 1; leg < mover->waypoint_count; leg++) {
-            if (!leg_is_free(scene, &disc, &mover->waypoints[leg - 1], &mover->waypoints[leg])) {
-                return false;
-            }
+    for (size_t i = 0; i < scene->people_count; i++) {
+        const struct walker *person = &scene->people[i];
+        const struct disc disc = make_disc(&scene->ground, person->radius);
+
+        if (!leg_is_free(scene, &disc, &person->from, &person->to)) {
+            return false;
         }
     }
     return true;

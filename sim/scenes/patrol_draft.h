@@ -42,7 +42,7 @@ bool patrol_draft_once_in(struct patrol_draft *draft, int times);
 /** A side by lot: -1 or 1. */
 int patrol_draft_side(struct patrol_draft *draft);
 
-/** Begins anew with solid ground, a symmetry by lot, and no movers. */
+/** Begins anew with solid ground, a symmetry by lot, and nobody there. */
 void patrol_draft_begin(struct patrol_draft *draft, int width, int height);
 
 /** Sets all cells of an area of the layout. */
@@ -57,6 +57,9 @@ void patrol_draft_hide(struct patrol_draft *draft, const struct planar_shape *sh
 
 /** Adds something that stands or walks on the map. */
 void patrol_draft_add(struct patrol_draft *draft, const struct patrol_obstacle *mover);
+
+/** Adds somebody who walks; false: there are as many as can be. */
+bool patrol_draft_add_person(struct patrol_draft *draft, const struct walker *person);
 
 /** Whether a disc around a pose touches nothing on the ground and nothing that stands there. `radius`, m: 0…0.9. */
 bool patrol_draft_has_room(const struct patrol_draft *draft, const struct jp_plane_pose *pose, double radius);

@@ -22,6 +22,7 @@ const char *const patrol_scene_names[PATROL_SCENES] = {
     [PATROL_DOORWAY] = "doorway",
     [PATROL_PEDESTRIAN] = "pedestrian",
     [PATROL_WAREHOUSE] = "warehouse",
+    [PATROL_PEOPLE] = "people",
 };
 
 /* ---- Rooms ---- */
@@ -312,29 +313,120 @@ static void add_pedestrian(struct patrol_draft *draft, const struct patrol_area 
     const double late = random_uniform(&draft->random, -1.5, 1.5);
     const double starts = distance(start, &middle) / PACE - distance(&from, &middle) / speed + late;
 
-    patrol_draft_add(draft, &(struct patrol_obstacle){
-                                .shape = {.kind = PLANAR_DISC, .radius = PEDESTRIAN_RADIUS},
-                                .waypoints = {{(double)from.x, (double)from.y}, {(double)to.x, (double)to.y}},
-                                .waypoint_count = 2,
-                                .speed = speed,
-                                .starts = fmax(starts, 0),
-                                .end = patrol_draft_once_in(draft, 3) ? PATROL_RETURNS : PATROL_STOPS,
-                            });
+    const struct walker person = {.from = {(double)from.x, (double)from.y},
+                                  .to = {(double)to.x, (double)to.y},
+                                  .radius = PEDESTRIAN_RADIUS,
+                                  .speed = speed,
+                                  .starts = fmax(starts, 0),
+                                  .stays = !patrol_draft_once_in(draft, 3)};
+
+    (void)patrol_draft_add_person(draft, &person);
+}
+
+static void lay_out_hall(struct patrol_draft *draft, struct patrol_area *hall)
+{
+    *hall =
+        (struct patrol_area){WALL, WALL, patrol_draft_between(draft, 200, 250), patrol_draft_between(draft, 110, 150)};
+
+    const struct patrol_area start = {hall->x + START_BORDER, hall->y + 30, 30, hall->height - 60};
+    const struct patrol_area goal = {hall->x + hall->width - 30 - START_BORDER, start.y, 30, start.height};
+
+    patrol_draft_begin(draft, hall->width + 2 * WALL, hall->height + 2 * WALL);
+    carve(draft, hall);
+    add_pillars(draft, hall, 3);
+    draft->scene->start = draw_pose(draft, &start, draw_heading(draft));
+    draft->scene->goal = draw_pose(draft, &goal, draw_heading(draft));
 }
 
 static bool lay_out_pedestrian(struct patrol_draft *draft)
 {
-    const struct patrol_area hall = {WALL, WALL, patrol_draft_between(draft, 200, 250),
-                                     patrol_draft_between(draft, 110, 150)};
-    const struct patrol_area start = {hall.x + START_BORDER, hall.y + 30, 30, hall.height - 60};
-    const struct patrol_area goal = {hall.x + hall.width - 30 - START_BORDER, start.y, 30, start.height};
+    struct patrol_area hall;
 
-    patrol_draft_begin(draft, hall.width + 2 * WALL, hall.height + 2 * WALL);
-    carve(draft, &hall);
-    add_pillars(draft, &hall, 3);
-    draft->scene->start = draw_pose(draft, &start, draw_heading(draft));
-    draft->scene->goal = draw_pose(draft, &goal, draw_heading(draft));
+    lay_out_hall(draft, &hall);
     add_pedestrian(draft, &hall);
+    return true;
+}
+
+/* ---- People ---- */
+
+enum { GROUPS_MAX = 4, GROUP_MAX = 3 };
+
+#define ABREAST     0.6 /* m, of the middles of two who walk together */
+#define BEHIND_MAX  0.3 /* by which one of them is behind the other, m */
+#define WALK_MIN    3.0 /* m */
+#define WALKER_SLOW 0.6 /* m/s */
+#define WALKER_FAST 1.5
+#define WALKING_MIN 1.5 /* between two stops, s */
+#define WALKING_MAX 10.0
+#define RESTING_MAX 5.0 /* s */
+
+/* When somebody stops, for how long, and whether they go back then. */
+static void draw_acts(struct patrol_draft *draft, struct walker *person)
+{
+    double time = person->starts;
+
+    person->act_count = (size_t)patrol_draft_between(draft, 0, WALKER_ACTS_MAX);
+    for (size_t i = 0; i < person->act_count; i++) {
+        time += random_uniform(&draft->random, WALKING_MIN, WALKING_MAX);
+        person->acts[i] = (struct walker_act){
+            .time = time,
+            .rest = patrol_draft_once_in(draft, 3) ? 0 : random_uniform(&draft->random, 0, RESTING_MAX),
+            .turns = patrol_draft_once_in(draft, 2)};
+        time += person->acts[i].rest;
+    }
+}
+
+static struct planar_point draw_place(struct patrol_draft *draft, const struct patrol_area *area)
+{
+    const struct jp_plane_pose place = draw_pose(draft, area, 0);
+
+    return (struct planar_point){(double)place.x, (double)place.y};
+}
+
+/* Those who walk together do the same, side by side. */
+static void add_group(struct patrol_draft *draft, const struct walker *first, int size)
+{
+    const double length = hypot(first->to.x - first->from.x, first->to.y - first->from.y);
+    const struct planar_point along = {(first->to.x - first->from.x) / length, (first->to.y - first->from.y) / length};
+
+    for (int i = 0; i < size; i++) {
+        const double aside = ABREAST * i;
+        const double behind = i > 0 ? random_uniform(&draft->random, 0, BEHIND_MAX) : 0;
+        const struct planar_point shift = {-behind * along.x - aside * along.y, -behind * along.y + aside * along.x};
+        struct walker person = *first;
+
+        person.from = (struct planar_point){first->from.x + shift.x, first->from.y + shift.y};
+        person.to = (struct planar_point){first->to.x + shift.x, first->to.y + shift.y};
+        (void)patrol_draft_add_person(draft, &person);
+    }
+}
+
+/* Between any two places of the hall. */
+static bool draw_walk(struct patrol_draft *draft, const struct patrol_area *hall, struct walker *person)
+{
+    const struct patrol_area inside = inner(hall, 10);
+
+    *person = (struct walker){.from = draw_place(draft, &inside),
+                              .to = draw_place(draft, &inside),
+                              .radius = PEDESTRIAN_RADIUS,
+                              .speed = random_uniform(&draft->random, WALKER_SLOW, WALKER_FAST),
+                              .stays = patrol_draft_once_in(draft, 4)};
+    return hypot(person->to.x - person->from.x, person->to.y - person->from.y) >= WALK_MIN;
+}
+
+static bool lay_out_people(struct patrol_draft *draft)
+{
+    struct patrol_area hall;
+
+    lay_out_hall(draft, &hall);
+    for (int i = patrol_draft_between(draft, 1, GROUPS_MAX); i > 0; i--) {
+        struct walker person;
+
+        while (!draw_walk(draft, &hall, &person)) {
+        }
+        draw_acts(draft, &person);
+        add_group(draft, &person, patrol_draft_once_in(draft, 2) ? 1 : patrol_draft_between(draft, 2, GROUP_MAX));
+    }
     return true;
 }
 
@@ -438,7 +530,14 @@ static const struct {
     [PATROL_DOORWAY] = {lay_out_doorway, 120},
     [PATROL_PEDESTRIAN] = {lay_out_pedestrian, 120},
     [PATROL_WAREHOUSE] = {lay_out_warehouse, 300},
+    [PATROL_PEOPLE] = {lay_out_people, 300},
 };
+
+/* Of its own for each kind and seed. */
+static uint64_t stream_of(enum patrol_scene_kind kind, uint64_t seed)
+{
+    return kind < PATROL_PEOPLE ? seed * PATROL_PEOPLE + kind : ~seed;
+}
 
 void patrol_scene_make(enum patrol_scene_kind kind, uint64_t seed, struct patrol_scene *scene)
 {
@@ -446,7 +545,7 @@ void patrol_scene_make(enum patrol_scene_kind kind, uint64_t seed, struct patrol
 
     *scene = (struct patrol_scene){.kind = kind, .seed = seed, .limit_s = kinds[kind].limit_s};
     (void)snprintf(scene->name, sizeof scene->name, "%s", patrol_scene_names[kind]);
-    random_init(&draft.random, seed * PATROL_SCENES + kind);
+    random_init(&draft.random, stream_of(kind, seed));
     while (!kinds[kind].lay_out(&draft) || !patrol_draft_is_sound(&draft)) {
     }
 }

@@ -14,6 +14,7 @@ enum patrol_scene_kind {
     PATROL_DOORWAY,         /**< two rooms and a door */
     PATROL_PEDESTRIAN,      /**< a person crosses the robot's path */
     PATROL_WAREHOUSE,       /**< aisles between shelves, pallets that the map does not show */
+    PATROL_PEOPLE,          /**< a hall in which people walk, stop and turn round, alone and in groups */
     PATROL_SCENES           /**< the kind of a scene on a map of others */
 };
 
@@ -27,6 +28,8 @@ struct patrol_scene {
     struct jp_terrain ground; /**< what is there */
     struct patrol_obstacle movers[PATROL_OBSTACLES_MAX];
     size_t mover_count;
+    struct walker people[PATROL_PEOPLE_MAX];
+    size_t people_count;
     struct jp_plane_pose start; /**< m and rad from the south-west corner */
     struct jp_plane_pose goal;
     double limit_s; /**< time in which a robot must arrive */

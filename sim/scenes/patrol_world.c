@@ -16,8 +16,10 @@
  * much, none of the others can be nearer. */
 #define FORESIGHT 0.2
 
-/* A walker looks so far ahead, m. */
-#define WALK_AHEAD 0.4
+/* Of the robot's motion that brings it nearer to a person, m/s. */
+#define NEARING 0.02
+
+#define DECELERATION 1.0 /* m/s² */
 
 /* ---- Obstacles ------------------------------------------------------------------------------------------------- */
 
@@ -101,10 +103,26 @@ static double way_between(const struct planar_pose *from, const struct planar_sh
     return hypot(moved.x, moved.y) + planar_reach(shape) * fabs(moved.heading);
 }
 
+static struct planar_shape person_shape(const struct walker *person, const struct walker_state *walk)
+{
+    const struct planar_point at = walker_place(person, walk);
+
+    return (struct planar_shape){.kind = PLANAR_DISC, .pose = {at.x, at.y, 0}, .radius = person->radius};
+}
+
+static void place_people(struct patrol_world *world)
+{
+    for (size_t i = 0; i < world->people_count; i++) {
+        world->shapes[world->shape_count] = person_shape(&world->people[i], &world->walks[i]);
+        world->velocities[world->shape_count] = walker_velocity(&world->people[i], &world->walks[i]);
+        world->shape_count++;
+    }
+}
+
 /* Sets the shapes that are there now. How far any point of one has moved at most, m; infinity when one appeared. */
 static double place_obstacles(struct patrol_world *world)
 {
-    const size_t before = world->shape_count;
+    const size_t before = world->thing_count;
     double way = 0;
 
     world->shape_count = 0;
@@ -117,37 +135,9 @@ static double place_obstacles(struct patrol_world *world)
             world->shape_count++;
         }
     }
-    return world->shape_count == before ? way : INFINITY;
-}
-
-/* Whether a shape that goes on for WALK_AHEAD touches the robot, seen as a disc. */
-static bool is_before_robot(const struct patrol_world *world, const struct planar_shape *shape,
-                            const struct planar_point *velocity)
-{
-    const double speed = hypot(velocity->x, velocity->y);
-    const struct planar_pose ahead = {shape->pose.x + WALK_AHEAD * velocity->x / speed,
-                                      shape->pose.y + WALK_AHEAD * velocity->y / speed, 0};
-    const struct planar_pose there = planar_between(&world->robot.pose, &ahead);
-
-    return hypot(fmax(fabs(there.x) - world->robot.half_length, 0), fmax(fabs(there.y) - world->robot.half_width, 0)) <
-           planar_reach(shape);
-}
-
-/* Nobody walks into the robot: who would, waits. */
-static void let_wait(struct patrol_world *world, double seconds)
-{
-    size_t shape = 0;
-
-    for (size_t i = 0; i < world->obstacle_count; i++) {
-        if (world->time >= world->obstacles[i].appears) {
-            const struct planar_point *const velocity = &world->velocities[shape];
-
-            if ((velocity->x != 0 || velocity->y != 0) && is_before_robot(world, &world->shapes[shape], velocity)) {
-                world->obstacles[i].starts += seconds;
-            }
-            shape++;
-        }
-    }
+    world->thing_count = world->shape_count;
+    place_people(world);
+    return world->thing_count == before ? way : INFINITY;
 }
 
 /* ---- libccd ---------------------------------------------------------------------------------------------------- */
@@ -348,7 +338,7 @@ double patrol_world_distance(const struct patrol_world *world, double limit)
     const struct box robot = box_of(&world->robot);
     double distance = limit;
 
-    for (size_t i = 0; i < world->shape_count; i++) {
+    for (size_t i = 0; i < world->thing_count; i++) {
         distance = fmin(distance, shape_distance(&robot, &world->shapes[i]));
     }
     if (is_open(world, distance)) {
@@ -380,22 +370,43 @@ enum patrol_touch patrol_world_touch(const struct patrol_world *world)
 {
     const struct prism robot = prism_of(&world->robot, ROBOT_HALF_HEIGHT);
 
-    for (size_t i = 0; i < world->shape_count; i++) {
+    for (size_t i = 0; i < world->thing_count; i++) {
         if (touches(&robot, &world->shapes[i])) {
             return PATROL_TOUCH_OBSTACLE;
         }
     }
-    return touches_map(world, &robot) ? PATROL_TOUCH_MAP : PATROL_TOUCH_NONE;
+    if (touches_map(world, &robot)) {
+        return PATROL_TOUCH_MAP;
+    }
+    for (size_t i = world->thing_count; i < world->shape_count; i++) {
+        if (touches(&robot, &world->shapes[i])) {
+            return PATROL_TOUCH_PERSON;
+        }
+    }
+    return PATROL_TOUCH_NONE;
+}
+
+/* With things only. */
+static enum patrol_touch thing_touch(const struct patrol_world *world)
+{
+    const enum patrol_touch touch = patrol_world_touch(world);
+
+    return touch == PATROL_TOUCH_PERSON ? PATROL_TOUCH_NONE : touch;
+}
+
+static void note_first(struct patrol_world *world, enum patrol_touch touch)
+{
+    if (world->first_touch == PATROL_TOUCH_NONE) {
+        world->first_touch = touch;
+        world->first_touch_time = world->time;
+    }
 }
 
 static void note(struct patrol_world *world)
 {
     if (world->touch != PATROL_TOUCH_NONE) {
         world->distance_min = 0;
-        if (world->first_touch == PATROL_TOUCH_NONE) {
-            world->first_touch = world->touch;
-            world->first_touch_time = world->time;
-        }
+        note_first(world, world->touch);
     }
 }
 
@@ -408,7 +419,7 @@ static void look(struct patrol_world *world)
     }
     world->slack = patrol_world_distance(world, world->distance_min + FORESIGHT);
     world->distance_min = fmin(world->distance_min, world->slack);
-    world->touch = world->slack > NEAR ? PATROL_TOUCH_NONE : patrol_world_touch(world);
+    world->touch = world->slack > NEAR ? PATROL_TOUCH_NONE : thing_touch(world);
     note(world);
 }
 
@@ -417,7 +428,9 @@ bool patrol_world_init(struct patrol_world *world, const struct jp_terrain *terr
 {
     *world = (struct patrol_world){
         .robot = {.kind = PLANAR_BOX, .pose = *pose, .half_length = length / 2, .half_width = width / 2},
-        .distance_min = PATROL_DISTANCE_MAX};
+        .distance_min = PATROL_DISTANCE_MAX,
+        .person_distance_min = PATROL_DISTANCE_MAX,
+        .deceleration = DECELERATION};
     return solid_map_init(&world->map, terrain);
 }
 
@@ -436,13 +449,114 @@ bool patrol_world_add(struct patrol_world *world, const struct patrol_obstacle *
     return true;
 }
 
+bool patrol_world_add_person(struct patrol_world *world, const struct walker *person)
+{
+    if (world->people_count == PATROL_PEOPLE_MAX) {
+        return false;
+    }
+    world->people[world->people_count] = *person;
+    walker_begin(person, &world->walks[world->people_count]);
+    world->people_count++;
+    (void)place_obstacles(world);
+    return true;
+}
+
+/* ---- People ---------------------------------------------------------------------------------------------------- */
+
+static void keep_history(struct patrol_world *world)
+{
+    struct contact_moment moment = {.time = world->time, .robot = world->robot.pose};
+
+    for (size_t i = 0; i < world->people_count; i++) {
+        moment.people[i] = walker_place(&world->people[i], &world->walks[i]);
+    }
+    contact_keep(&world->history, &moment);
+}
+
+static void count_collision(struct patrol_world *world, const struct contact_verdict *verdict)
+{
+    world->contacts.collisions++;
+    world->contacts.moved_into += verdict->moved_into;
+    world->contacts.avoidable += verdict->avoidable;
+    note_first(world, PATROL_TOUCH_PERSON);
+}
+
+/* A touch is judged when it begins. While it lasts, only what the robot moves into is. */
+static void judge(struct patrol_world *world, size_t i, const struct walker_state *walk)
+{
+    const struct contact_robot robot = {world->robot.half_length, world->robot.half_width, world->deceleration};
+    const struct contact_person person = {i, world->people[i].radius, walker_velocity(&world->people[i], walk),
+                                          walk->since};
+    const struct contact_verdict verdict = contact_judge(&world->history, &robot, &person);
+    const bool has_begun = world->touched[i] == PATROL_APART;
+
+    world->contacts.touches += has_begun;
+    if (world->touched[i] != PATROL_COLLIDING && (has_begun ? contact_is_collision(&verdict) : verdict.moved_into)) {
+        count_collision(world, &verdict);
+        world->touched[i] = PATROL_COLLIDING;
+    } else if (has_begun) {
+        world->touched[i] = PATROL_TOUCHING;
+    }
+}
+
+static double person_distance(const struct box *robot, const struct planar_shape *person)
+{
+    return point_distance(robot, person->pose.x, person->pose.y) - person->radius;
+}
+
+/* Everybody goes on who can. */
+static void walk(struct patrol_world *world, double seconds)
+{
+    const struct box robot = box_of(&world->robot);
+
+    for (size_t i = 0; i < world->people_count; i++) {
+        struct walker_state *const state = &world->walks[i];
+        const struct walker_state next = walker_next(&world->people[i], state, seconds);
+        const struct planar_shape here = person_shape(&world->people[i], state);
+        const struct planar_shape there = person_shape(&world->people[i], &next);
+        const double before = person_distance(&robot, &here);
+        const double after = person_distance(&robot, &there);
+
+        if (fmin(before, after) <= 0) {
+            judge(world, i, &next);
+        } else if (fmin(before, after) > NEAR) {
+            world->touched[i] = PATROL_APART;
+        } else {
+            /* Somebody who pushes on does not touch it anew. */
+        }
+        *state = after <= 0 && after < before ? walker_blocked(state, seconds) : next;
+    }
+}
+
+/* From where the robot was, among people as they are now: how near it has come by itself. */
+static void look_at_people(struct patrol_world *world, const struct planar_pose *before, double seconds)
+{
+    struct planar_shape was = world->robot;
+
+    was.pose = *before;
+
+    const struct box robot = box_of(&world->robot);
+    const struct box former = box_of(&was);
+
+    for (size_t i = world->thing_count; i < world->shape_count; i++) {
+        const double distance = person_distance(&robot, &world->shapes[i]);
+
+        if (distance < world->person_distance_min &&
+            person_distance(&former, &world->shapes[i]) - distance > NEARING * seconds) {
+            world->person_distance_min = fmax(distance, 0);
+        }
+    }
+}
+
 void patrol_world_step(struct patrol_world *world, const struct planar_pose *pose, double seconds)
 {
     const struct planar_pose from = world->robot.pose;
 
-    let_wait(world, seconds);
     world->time += seconds;
     world->robot.pose = *pose;
+    keep_history(world);
+    walk(world, seconds);
     world->slack -= way_between(&from, &world->robot) + place_obstacles(world);
     look(world);
+    look_at_people(world, &from, seconds);
 }

@@ -3,41 +3,92 @@
 #include "src/base/plane.h"
 #include "src/local/scan_runs.h"
 
-/* Gains of the alpha-beta filter. */
-#define POSITION_GAIN 0.6f
-#define SPEED_GAIN    0.25f
+/* Standard deviation of the middle of what is seen of an object, m: of one that stands free, and of one that is partly
+ * hidden. */
+#define PLACE_ERROR  0.025f
+#define HIDDEN_ERROR 0.2f
+
+/* Of the velocity of an object that was never seen before, m/s, and of its changes, m/s²: people start and stop within
+ * a step. */
+#define SPEED_ERROR  1.0f
+#define ACCELERATION 2.0f
+
+/* A walker is faster than so many standard deviations of its velocity along an axis. */
+#define SIGNIFICANT 2.5f
+
+/* From a beam to the one before it; unsigned numbers wrap. */
+#define BACK 0xFFFFFFFFU
+
+/* Sightings until it can be said to walk. */
+#define SIGHTINGS_MIN 4U
 
 /* Gate of the association: largest distance from the predicted place beyond what speed_max allows, m. */
 #define GATE 0.15f
 
-/* Sightings until a velocity is used, and misses until a track is dropped. */
-#define SIGHTINGS_MIN 5U
-#define MISSES_MAX    5U
+/* An object that appears so near beside somebody who walks goes with them, m. */
+#define TOGETHER 0.5f
+
+/* A radius that changes by so much at once is that of another group, m. */
+#define REGROUPED 0.1f
+
+/* Of its velocity that is kept then. */
+#define REGROUPED_SPEED 0.8f
+
+/* Misses until a track is dropped: of an object, and of somebody who walks. */
+#define MISSES_MAX        5U
+#define WALKER_MISSES_MAX 24U
+
+/* Share by which the direction of a walk follows what is measured. */
+#define WALK_SHARE 0.3f
+
+/* By which a pace falls to what is measured: who slows down may speed up again. */
+#define PACE_SHARE 0.02f
+
+/* What is seen of a thing that stands shifts by less than this share of its radius, and so many m more. */
+#define SIZE_SHARE 0.8f
+#define LEFT       0.1f
+
+/* Misses that one counts as when the beams look through the place. */
+#define GONE 3U
 
 /* The shapes of an object may extend so far beyond its radius, m. */
 #define RIM 0.15f
+
+/* m */
+#define RANGE_MIN 0.001f
+#define RANGE_MAX 1000.0f
 
 /* s */
 #define PERIOD_MIN 0.001f
 #define PERIOD_MAX 10.0f
 
+/* After a longer period nobody is known again, s. */
+#define STALE 0.5f
+
 /* An object in this scan. */
 struct thing {
     struct jp_plane_point centre;
-    struct jp_plane_point ends[2];
     float radius;
+    bool is_free; /* on both sides */
 };
 
 static bool is_config(const struct jp_movers_config *config)
 {
     return config->extent > 0.0f && config->speed_min > 0.0f &&
+           jp_plane_is_between(config->range, RANGE_MIN, RANGE_MAX) &&
            jp_plane_is_between(config->speed_max, config->speed_min, JP_OBSTACLE_SPEED_MAX) &&
            jp_plane_is_between(config->margin, 0.0f, JP_OBSTACLE_MARGIN_MAX);
 }
 
-/* Whether a beam beside a run sees past it: farther away, or nothing. The ends of a scan hide what is beside them. */
-static bool is_past(const struct jp_scan_view *view, unsigned beside, unsigned end)
+/* Whether the next beam beside a run that works, in the direction of a step, sees past it: farther away, or nothing.
+ * The ends of a scan hide what is beside them. */
+static bool is_past(const struct jp_scan_view *view, unsigned end, unsigned step)
 {
+    unsigned beside = end + step;
+
+    while (beside < view->scan->count && !(view->scan->ranges[beside] >= 0.0f)) {
+        beside += step;
+    }
     return beside < view->scan->count &&
            (!jp_scan_is_point(view, beside) || view->scan->ranges[beside] > view->scan->ranges[end]);
 }
@@ -49,33 +100,50 @@ static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run
     const struct jp_plane_point end = jp_scan_point(view, run->last);
     const float square = jp_plane_square_between(begin, end);
 
-    if (run->points < view->config->beams_min || square > extent * extent ||
-        !is_past(view, run->first - 1U, run->first) || !is_past(view, run->last + 1U, run->last)) {
+    const bool is_free[] = {is_past(view, run->first, BACK), is_past(view, run->last, 1U)};
+
+    if (run->points < view->config->beams_min || square > extent * extent || !(is_free[0] || is_free[1])) {
         return false;
     }
     thing->centre = (struct jp_plane_point){0.5f * (begin.x + end.x), 0.5f * (begin.y + end.y)};
-    thing->ends[0] = begin;
-    thing->ends[1] = end;
     thing->radius = 0.5f * jp_plane_square_root(square);
+    thing->is_free = is_free[0] && is_free[1];
     return true;
 }
 
 /* ---- Tracks ---- */
 
-static void move_on(struct jp_plane_point *place, const struct jp_plane_point *velocity, float period)
+static bool has_walked(const struct jp_mover *mover)
 {
-    place->x += period * velocity->x;
-    place->y += period * velocity->y;
+    return mover->pace > 0.0f;
+}
+
+static float speed_of(const struct jp_mover *mover)
+{
+    return jp_plane_length(mover->velocity.x, mover->velocity.y);
+}
+
+bool jp_mover_is_walking(const struct jp_mover *mover, const struct jp_movers_config *config)
+{
+    const float speed = speed_of(mover);
+
+    return speed > config->speed_min && speed * speed > SIGNIFICANT * SIGNIFICANT * mover->speed_variance;
 }
 
 static void predict(struct jp_movers *movers, float period)
 {
+    const float change = ACCELERATION * period;
+
     for (unsigned i = 0; i < movers->count; i++) {
         struct jp_mover *const mover = &movers->movers[i];
 
-        move_on(&mover->centre, &mover->velocity, period);
-        move_on(&mover->ends[0].place, &mover->ends[0].velocity, period);
-        move_on(&mover->ends[1].place, &mover->ends[1].velocity, period);
+        mover->centre.x += period * mover->velocity.x;
+        mover->centre.y += period * mover->velocity.y;
+        mover->place_variance += period * (2.0f * mover->covariance + period * mover->speed_variance) +
+                                 0.25f * period * period * change * change;
+        mover->covariance += period * mover->speed_variance + 0.5f * period * change * change;
+        mover->speed_variance += change * change;
+        mover->standing += period;
         mover->misses++;
     }
 }
@@ -106,46 +174,170 @@ static struct jp_plane_point limited(struct jp_plane_point velocity, float speed
     return (struct jp_plane_point){share * velocity.x, share * velocity.y};
 }
 
-static void filter(struct jp_plane_point *place, struct jp_plane_point *velocity, struct jp_plane_point seen,
-                   float period, float speed_max)
+/* Seen as one with somebody else, or no longer: what is seen of it says nothing of how it moves. */
+static void regroup(struct jp_mover *mover, const struct thing *thing)
 {
-    const float dx = seen.x - place->x;
-    const float dy = seen.y - place->y;
-
-    place->x += POSITION_GAIN * dx;
-    place->y += POSITION_GAIN * dy;
-    velocity->x += SPEED_GAIN * dx / period;
-    velocity->y += SPEED_GAIN * dy / period;
-    *velocity = limited(*velocity, speed_max);
+    mover->origin.x += thing->centre.x - mover->centre.x;
+    mover->origin.y += thing->centre.y - mover->centre.y;
+    mover->centre = thing->centre;
+    mover->largest = jp_plane_larger(thing->radius, mover->largest);
+    mover->velocity.x *= REGROUPED_SPEED;
+    mover->velocity.y *= REGROUPED_SPEED;
+    mover->radius = thing->radius;
+    mover->misses = 0;
 }
 
-static void correct(struct jp_mover *mover, const struct thing *thing, float period, float speed_max)
+static void correct(struct jp_mover *mover, const struct thing *thing, float speed_max)
 {
-    filter(&mover->centre, &mover->velocity, thing->centre, period, speed_max);
-    for (unsigned i = 0; i < 2U; i++) {
-        filter(&mover->ends[i].place, &mover->ends[i].velocity, thing->ends[i], period, speed_max);
+    const float error = thing->is_free ? PLACE_ERROR : HIDDEN_ERROR;
+    const float inverse = 1.0f / (mover->place_variance + error * error);
+    const float place_gain = mover->place_variance * inverse;
+    const float speed_gain = mover->covariance * inverse;
+    const float dx = thing->centre.x - mover->centre.x;
+    const float dy = thing->centre.y - mover->centre.y;
+
+    if (jp_plane_magnitude(thing->radius - mover->radius) > REGROUPED) {
+        regroup(mover, thing);
+        return;
     }
-    mover->radius = thing->radius;
+    mover->centre.x += place_gain * dx;
+    mover->centre.y += place_gain * dy;
+    mover->velocity.x += speed_gain * dx;
+    mover->velocity.y += speed_gain * dy;
+    mover->velocity = limited(mover->velocity, speed_max);
+    mover->speed_variance -= speed_gain * mover->covariance;
+    mover->covariance -= place_gain * mover->covariance;
+    mover->place_variance -= place_gain * mover->place_variance;
+    mover->radius = thing->is_free ? thing->radius : jp_plane_larger(thing->radius, mover->radius);
+    mover->largest = jp_plane_larger(mover->radius, mover->largest);
     mover->misses = 0;
     if (mover->sightings < UINT8_MAX) {
         mover->sightings++;
     }
 }
 
-static void follow(struct jp_movers *movers, const struct thing *thing, float period, float speed_max)
+/* Farther than what is seen of a thing that stands shifts as the robot moves. */
+static bool has_left(const struct jp_mover *mover)
 {
-    struct jp_mover *const mover = match(movers, thing, GATE + period * speed_max);
+    const float reach = SIZE_SHARE * mover->largest + LEFT;
+
+    return jp_plane_square_between(mover->centre, mover->origin) > reach * reach;
+}
+
+/* Remembers how it walks, if it does. */
+static void note_walk(struct jp_mover *mover, const struct jp_movers_config *config)
+{
+    const float speed = speed_of(mover);
+
+    if (mover->sightings >= SIGHTINGS_MIN && jp_mover_is_walking(mover, config) &&
+        (has_walked(mover) || has_left(mover))) {
+        const float share = has_walked(mover) ? WALK_SHARE : 1.0f;
+        const float x = mover->walk.x + share * (mover->velocity.x / speed - mover->walk.x);
+        const float y = mover->walk.y + share * (mover->velocity.y / speed - mover->walk.y);
+        const float length = jp_plane_length(x, y);
+
+        mover->walk = (struct jp_plane_point){x / length, y / length};
+        mover->pace += (speed > mover->pace ? share : PACE_SHARE) * (speed - mover->pace);
+        mover->standing = 0.0f;
+    }
+}
+
+/* Who walks beside a place, in a group that was seen as one; null: nobody. */
+static const struct jp_mover *companion(const struct jp_movers *movers, const struct thing *thing)
+{
+    for (unsigned i = 0; i < movers->count; i++) {
+        const struct jp_mover *const mover = &movers->movers[i];
+        const float reach = mover->radius + thing->radius + TOGETHER;
+
+        if (has_walked(mover) && jp_plane_square_between(mover->centre, thing->centre) < reach * reach) {
+            return mover;
+        }
+    }
+    return NULL;
+}
+
+/* The place of a new track: a free one, else that of the farthest thing that never walked, if it is farther than the
+ * new one; null: there is none. */
+static struct jp_mover *place_for(struct jp_movers *movers, const struct thing *thing, struct jp_plane_point sensor)
+{
+    struct jp_mover *place = NULL;
+    float farthest = jp_plane_square_between(thing->centre, sensor);
+
+    if (movers->count < JP_MOVERS_MAX) {
+        movers->count++;
+        return &movers->movers[movers->count - 1U];
+    }
+    for (unsigned i = 0; i < movers->count; i++) {
+        const float square = jp_plane_square_between(movers->movers[i].centre, sensor);
+
+        if (!has_walked(&movers->movers[i]) && square > farthest) {
+            farthest = square;
+            place = &movers->movers[i];
+        }
+    }
+    return place;
+}
+
+static void begin(struct jp_movers *movers, const struct thing *thing, struct jp_plane_point sensor)
+{
+    const struct jp_mover *const beside = companion(movers, thing);
+    struct jp_mover track = {.speed_variance = SPEED_ERROR * SPEED_ERROR};
+
+    if (beside != NULL) {
+        track = *beside;
+    }
+    track.centre = thing->centre;
+    track.origin = thing->centre;
+    track.radius = thing->radius;
+    track.largest = thing->radius;
+    track.place_variance = PLACE_ERROR * PLACE_ERROR;
+    track.covariance = 0.0f;
+    track.standing = 0.0f;
+    track.sightings = 1;
+    track.misses = 0;
+
+    struct jp_mover *const place = place_for(movers, thing, sensor);
+
+    if (place != NULL) {
+        *place = track;
+    }
+}
+
+static void follow(struct jp_movers *movers, const struct jp_movers_config *config, const struct thing *thing,
+                   struct jp_plane_point sensor, float period)
+{
+    struct jp_mover *const mover = match(movers, thing, GATE + period * config->speed_max);
 
     if (mover != NULL) {
-        correct(mover, thing, period, speed_max);
-    } else if (movers->count < JP_MOVERS_MAX) {
-        movers->movers[movers->count] = (struct jp_mover){
-            .centre = thing->centre,
-            .ends = {{.place = thing->ends[0]}, {.place = thing->ends[1]}},
-            .radius = thing->radius,
-            .sightings = 1,
-        };
-        movers->count++;
+        correct(mover, thing, config->speed_max);
+        note_walk(mover, config);
+    } else {
+        begin(movers, thing, sensor);
+    }
+}
+
+/* Whether a beam looks through the place of an object. */
+static bool is_seen_through(const struct jp_scan_view *view, const struct jp_mover *mover)
+{
+    const float dx = mover->centre.x - view->first.x;
+    const float dy = mover->centre.y - view->first.y;
+    const float angle = jp_plane_wrap(jp_plane_bearing(dx, dy) - view->first.heading);
+    const float turned = angle < 0.0f ? angle + 2.0f * JP_PLANE_PI : angle;
+    const float beam = turned / view->scan->angle_step;
+    const uint32_t index = (uint32_t)beam;
+
+    return index < view->scan->count &&
+           (view->scan->ranges[index] == 0.0f || view->scan->ranges[index] > jp_plane_length(dx, dy) + mover->radius);
+}
+
+static void miss(struct jp_movers *movers, const struct jp_scan_view *view)
+{
+    for (unsigned i = 0; i < movers->count; i++) {
+        struct jp_mover *const mover = &movers->movers[i];
+
+        if (mover->misses > 0U && is_seen_through(view, mover)) {
+            mover->misses = (uint8_t)(mover->misses + GONE - 1U);
+        }
     }
 }
 
@@ -154,8 +346,10 @@ static void forget(struct jp_movers *movers)
     uint8_t kept = 0;
 
     for (unsigned i = 0; i < movers->count; i++) {
-        if (movers->movers[i].misses <= MISSES_MAX) {
-            movers->movers[kept] = movers->movers[i];
+        const struct jp_mover *const mover = &movers->movers[i];
+
+        if (mover->misses <= (has_walked(mover) ? WALKER_MISSES_MAX : MISSES_MAX)) {
+            movers->movers[kept] = *mover;
             kept++;
         }
     }
@@ -177,39 +371,32 @@ enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers
     struct jp_scan_run run;
     struct thing thing;
 
-    if (movers == NULL || config == NULL || !is_config(config) || !(period >= PERIOD_MIN && period <= PERIOD_MAX)) {
+    if (movers == NULL || config == NULL || scan_config == NULL || !is_config(config) ||
+        !(period >= PERIOD_MIN && period <= PERIOD_MAX)) {
         return JP_ERR_ARGUMENT;
     }
 
-    const enum jp_status status = jp_scan_open(&view, scan_config, scan, sensor);
+    struct jp_scan_config far_config = *scan_config;
+
+    far_config.range_max = config->range;
+
+    const enum jp_status status = jp_scan_open(&view, &far_config, scan, sensor);
 
     if (status != JP_OK) {
         return status;
     }
+    if (period > STALE) {
+        jp_movers_clear(movers);
+    }
     predict(movers, period);
     for (unsigned beam = 0; jp_scan_next_run(&view, beam, &run); beam = run.last + 1U) {
         if (find_thing(&view, &run, config->extent, &thing)) {
-            follow(movers, &thing, period, config->speed_max);
+            follow(movers, config, &thing, (struct jp_plane_point){sensor->x, sensor->y}, period);
         }
     }
+    miss(movers, &view);
     forget(movers);
     return JP_OK;
-}
-
-/* Whether an end goes the way of the centre. */
-static bool goes_along(const struct jp_mover *mover, unsigned end, float speed, float speed_min)
-{
-    const struct jp_plane_point *const velocity = &mover->ends[end].velocity;
-
-    return velocity->x * mover->velocity.x + velocity->y * mover->velocity.y > speed_min * speed;
-}
-
-static bool is_moving(const struct jp_mover *mover, float speed_min)
-{
-    const float speed = jp_plane_length(mover->velocity.x, mover->velocity.y);
-
-    return mover->sightings >= SIGHTINGS_MIN && speed > speed_min && goes_along(mover, 0, speed, speed_min) &&
-           goes_along(mover, 1, speed, speed_min);
 }
 
 /* Gives the mover's velocity to a shape that lies within it; the walls beside it are longer. */
@@ -231,7 +418,7 @@ void jp_movers_mark(const struct jp_movers *movers, const struct jp_movers_confi
                     struct jp_obstacles *obstacles)
 {
     for (unsigned i = 0; i < movers->count; i++) {
-        if (is_moving(&movers->movers[i], config->speed_min)) {
+        if (has_walked(&movers->movers[i]) && jp_mover_is_walking(&movers->movers[i], config)) {
             for (unsigned k = 0; k < obstacles->count; k++) {
                 mark(&movers->movers[i], config->margin, &obstacles->shapes[k]);
             }

@@ -11,6 +11,7 @@
 #include "src/local/patrol_sense.h"
 #include "src/local/patrol_state.h"
 #include "src/local/patrol_turn.h"
+#include "src/local/patrol_yield.h"
 
 /* Obstacles may look this much nearer than they are, m. */
 #define DOUBT 0.05f
@@ -58,9 +59,15 @@ static enum jp_status check(const struct jp_patrol_config *config, const char **
         FIELD(jump, LEAST, VALUE_MAX),
         FIELD(blind_max, 0.0f, VALUE_MAX),
         FIELD(movers.extent, LEAST, VALUE_MAX),
+        FIELD(movers.range, LEAST, VALUE_MAX),
         FIELD(movers.speed_min, LEAST, VALUE_MAX),
         FIELD(movers.speed_max, LEAST, VALUE_MAX),
         FIELD(movers.margin, 0.0f, VALUE_MAX),
+        FIELD(people.clearance, 0.0f, VALUE_MAX),
+        FIELD(people.braking, LEAST, VALUE_MAX),
+        FIELD(people.acceleration, LEAST, VALUE_MAX),
+        FIELD(people.rest, 0.0f, VALUE_MAX),
+        FIELD(people.stays, 0.0f, VALUE_MAX),
         FIELD(waits_max, 1.0f, CYCLES_MAX),
         FIELD(dropouts_max, 0.0f, CYCLES_MAX),
     };
@@ -183,8 +190,10 @@ static enum jp_patrol_reason obstruction(const struct jp_patrol *patrol, bool is
 
 static void count_patience(struct jp_patrol *patrol)
 {
-    patrol->internal.unmoved++;
-    if (patrol->state == JP_PATROL_WAITING && ++patrol->internal.waited > patrol->config.waits_max) {
+    /* Who yields gets on when people let it. */
+    patrol->internal.unmoved = (uint16_t)(patrol->internal.unmoved + (patrol->internal.is_yielding ? 0U : 1U));
+    if (patrol->state == JP_PATROL_WAITING && !patrol->internal.is_yielding &&
+        ++patrol->internal.waited > patrol->config.waits_max) {
         jp_patrol_stop(patrol, patrol->reason);
     } else if (patrol->internal.unmoved > STALL_WAITS * patrol->config.waits_max) {
         jp_patrol_stop(patrol, JP_PATROL_STALLED);
@@ -238,6 +247,7 @@ static void go_on(struct jp_patrol *patrol, const struct jp_patrol_input *input)
         jp_patrol_wait(patrol, reason);
     }
     if (is_under_way(patrol)) {
+        jp_patrol_yield(patrol, speed);
         count_patience(patrol);
     }
 }

@@ -12,6 +12,9 @@
 #define TURN_FORESIGHT 0.25f
 #define TURN_MARGIN    0.05f /* rad */
 
+/* Clearances that are tried for a turn, from the one that is wanted to the least. */
+#define TURN_TRIES 5U
+
 /* A step ends this near its target; one to the goal is at most so long, m. */
 #define STEP_TOLERANCE 0.03f
 #define STEP_REACH     0.4f
@@ -61,7 +64,7 @@ bool jp_patrol_trust_path(struct jp_patrol *patrol)
     if (patrol->internal.free_cycles < FREE_CYCLES << patrol->internal.tries) {
         return false;
     }
-    if (patrol->internal.tries < TRIES_MAX) {
+    if (patrol->internal.tries < TRIES_MAX && !patrol->internal.is_yielding) {
         patrol->internal.tries++;
     }
     return true;
@@ -102,12 +105,18 @@ static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
     return false;
 }
 
-/* With the clearance that is wanted where there is a place with it, else with the least. */
+/* With the clearance that is wanted where there is a place with it, else with as much as there is. */
 void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
 {
-    if (turn_with(patrol, heading, patrol->config.teb.clearance) ||
-        turn_with(patrol, heading, patrol->config.turn_clearance)) {
-        return;
+    const float least = patrol->config.turn_clearance;
+    const float more = jp_plane_larger(patrol->config.teb.clearance - least, 0.0f);
+
+    for (unsigned i = 0; i < TURN_TRIES; i++) {
+        const float share = 1.0f - (float)i / (float)(TURN_TRIES - 1U);
+
+        if (turn_with(patrol, heading, least + share * more)) {
+            return;
+        }
     }
     if (patrol->internal.is_arriving && jp_patrol_find_step_to_goal(patrol)) {
         jp_patrol_begin_step(patrol);

@@ -206,15 +206,23 @@ static void optimise(struct jp_teb *teb, struct jp_teb_result *result)
 
 /* ---- Result ---- */
 
-/* Features that were nearest from the last pose are tried first. */
+static bool stands(const struct jp_obstacle *shape)
+{
+    return !(shape->velocity.x < 0.0f || shape->velocity.x > 0.0f || shape->velocity.y < 0.0f ||
+             shape->velocity.y > 0.0f);
+}
+
+/* Of what stands; features that were nearest from the last pose are tried first. */
 static float clearance_at(struct jp_teb *teb, unsigned i, float time, uint8_t *features)
 {
     float least = JP_OBSTACLE_NONE;
 
     for (unsigned shape = 0; shape < teb->internal.obstacles->count; shape++) {
-        const float away = jp_teb_distance(teb, i, shape, time, &features[shape], NULL);
+        if (stands(&teb->internal.obstacles->shapes[shape])) {
+            const float away = jp_teb_distance(teb, i, shape, time, &features[shape], NULL);
 
-        least = away < least ? away : least;
+            least = away < least ? away : least;
+        }
     }
     return least;
 }

@@ -56,10 +56,19 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
         },
     .movers =
         {
-            .extent = 0.9f,    /* m */
+            .extent = 2.0f,    /* m */
+            .range = 8.0f,     /* m */
             .speed_min = 0.3f, /* m/s */
             .speed_max = 2.0f, /* m/s */
             .margin = 0.35f,   /* m */
+        },
+    .people =
+        {
+            .clearance = 0.3f,    /* m */
+            .braking = 1.0f,      /* m/s² */
+            .acceleration = 2.0f, /* m/s² */
+            .rest = 1.0f,         /* s */
+            .stays = 6.0f,        /* s */
         },
     .turns_in_place = true,
     .strategy = 1U,

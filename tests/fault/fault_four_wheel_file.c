@@ -263,6 +263,7 @@ static void test_values_beyond_others(void)
         const char *limit;
     } pairs[] = {
         {"scan.range_m", "8.01", "laser.range_m"},
+        {"movers.range_m", "8.01", "laser.range_m"},
         {"movers.speed_min_m_s", "2.01", "movers.speed_max_m_s"},
         {"band.speed_m_s", "1.51", "drive.speed_m_s"},
         {"band.reverse_m_s", "1.51", "drive.speed_m_s"},

@@ -395,17 +395,25 @@ static double side_of(const struct planar_point *from, const struct planar_point
     return (to->x - from->x) * ((double)pose->y - from->y) - (to->y - from->y) * ((double)pose->x - from->x);
 }
 
-static double distance_from_walk(const struct patrol_obstacle *walker, const struct jp_plane_pose *pose)
+static double distance_from_walk(const struct walker *walker, const struct jp_plane_pose *pose)
 {
     double nearest = INFINITY;
 
     for (int i = 0; i <= 1000; i++) {
-        const struct planar_point *a = &walker->waypoints[0];
-        const struct planar_point *b = &walker->waypoints[1];
+        const struct planar_point *a = &walker->from;
+        const struct planar_point *b = &walker->to;
         nearest = fmin(nearest, hypot(a->x + (b->x - a->x) * i / 1000 - (double)pose->x,
                                       a->y + (b->y - a->y) * i / 1000 - (double)pose->y));
     }
     return nearest;
+}
+
+static void check_walk(const struct walker *walker)
+{
+    check(walker->radius == 0.25, "radius, m", walker->radius);
+    check(distance_from_walk(walker, &scene.start) >= 1.49, "from the start, m",
+          distance_from_walk(walker, &scene.start));
+    check(distance_from_walk(walker, &scene.goal) >= 1.49, "from the goal, m", distance_from_walk(walker, &scene.goal));
 }
 
 static void test_a_pedestrian_crosses_the_way(void)
@@ -414,23 +422,64 @@ static void test_a_pedestrian_crosses_the_way(void)
 
     kind = PATROL_PEDESTRIAN;
     while (next_seed()) {
-        const struct patrol_obstacle *walker = &scene.movers[0];
-        check(scene.mover_count == 1 && walker->waypoint_count == 2, "movers", (double)scene.mover_count);
-        check(walker->shape.kind == PLANAR_DISC && walker->shape.radius == 0.25, "radius, m", walker->shape.radius);
+        const struct walker *walker = &scene.people[0];
+        check(scene.people_count == 1 && scene.mover_count == 0, "people", (double)scene.people_count);
+        check_walk(walker);
         check(walker->speed >= 0.8 && walker->speed <= 1.3, "speed, m/s", walker->speed);
         check(walker->starts >= 0 && walker->starts < 20, "starts, s", walker->starts);
-        check(side_of(&walker->waypoints[0], &walker->waypoints[1], &scene.start) *
-                      side_of(&walker->waypoints[0], &walker->waypoints[1], &scene.goal) <
-                  0,
+        check(side_of(&walker->from, &walker->to, &scene.start) * side_of(&walker->from, &walker->to, &scene.goal) < 0,
               "does not cross; from start to goal, m", start_to_goal());
-        check(distance_from_walk(walker, &scene.start) >= 1.49, "from the start, m",
-              distance_from_walk(walker, &scene.start));
-        check(distance_from_walk(walker, &scene.goal) >= 1.49, "from the goal, m",
-              distance_from_walk(walker, &scene.goal));
-        returning += walker->end == PATROL_RETURNS;
+        returning += !walker->stays;
     }
     TEST_ASSERT_GREATER_THAN(options.count / 10, returning);
     TEST_ASSERT_LESS_THAN(options.count * 2 / 3, returning);
+}
+
+/* Those of a group do the same side by side. */
+static void check_companion(const struct walker *walker, const struct walker *first)
+{
+    check(walker->speed == first->speed && walker->starts == first->starts && walker->act_count == first->act_count &&
+              memcmp(walker->acts, first->acts, sizeof walker->acts) == 0,
+          "does something else than the first of the group, at m/s", walker->speed);
+    check(hypot(walker->from.x - first->from.x, walker->from.y - first->from.y) < 1.3, "from the first, m",
+          hypot(walker->from.x - first->from.x, walker->from.y - first->from.y));
+}
+
+static void test_people_walk_stop_and_turn_alone_and_in_groups(void)
+{
+    unsigned long people = 0;
+    unsigned long companions = 0;
+    unsigned long stops = 0;
+    unsigned long turns = 0;
+
+    kind = PATROL_PEOPLE;
+    while (next_seed()) {
+        check(scene.people_count >= 1 && scene.people_count <= PATROL_PEOPLE_MAX, "people", (double)scene.people_count);
+        for (size_t i = 0; i < scene.people_count; i++) {
+            const struct walker *walker = &scene.people[i];
+            const bool is_companion = i > 0 && walker->speed == scene.people[i - 1].speed;
+
+            check_walk(walker);
+            check(walker->speed >= 0.6 && walker->speed <= 1.5, "speed, m/s", walker->speed);
+            check(hypot(walker->to.x - walker->from.x, walker->to.y - walker->from.y) >= 2.999, "walk, m",
+                  hypot(walker->to.x - walker->from.x, walker->to.y - walker->from.y));
+            for (size_t k = 0; k < walker->act_count; k++) {
+                check(walker->acts[k].time > (k > 0 ? walker->acts[k - 1].time : walker->starts), "acts at s",
+                      walker->acts[k].time);
+                stops += !walker->acts[k].turns;
+                turns += walker->acts[k].turns;
+            }
+            if (is_companion) {
+                check_companion(walker, &scene.people[i - 1]);
+            }
+            people++;
+            companions += is_companion;
+        }
+    }
+    TEST_ASSERT_GREATER_THAN(options.count * 2, people);
+    TEST_ASSERT_GREATER_THAN(people / 10, companions);
+    TEST_ASSERT_GREATER_THAN(people, stops);
+    TEST_ASSERT_GREATER_THAN(people, turns);
 }
 
 /* Pallets bar the shortest way of the map in some scenes and leave a passage in others. */
@@ -499,6 +548,11 @@ static uint64_t hash_of(const struct patrol_scene *of)
     for (size_t i = 0; i < of->mover_count; i++) {
         hash = hash_bytes(hash, of->movers[i].waypoints, sizeof of->movers[i].waypoints);
         hash = hash_bytes(hash, &of->movers[i].starts, sizeof of->movers[i].starts);
+    }
+    for (size_t i = 0; i < of->people_count; i++) {
+        hash = hash_bytes(hash, &of->people[i].from, sizeof of->people[i].from);
+        hash = hash_bytes(hash, &of->people[i].to, sizeof of->people[i].to);
+        hash = hash_bytes(hash, of->people[i].acts, of->people[i].act_count * sizeof of->people[i].acts[0]);
     }
     return hash;
 }

@@ -115,6 +115,13 @@ bench-patrol-round: ## measure hours of patrol on a battery: three simulated hou
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_round
 	$(BUILD)/bench/bench_patrol_round --rows $(BUILD)/bench/patrol_round_rows.json >$(BUILD)/bench/bench_patrol_round.json
 
+# Not among the figures: it takes too long. Another number of drives, from another seed on: DRIVES='300 1'.
+.PHONY: drive-people
+drive-people: ## drive the patrol robot 10 000 times among people who do not look (DRIVES='number first-seed')
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/people_drives
+	$(BUILD)/bench/people_drives $(DRIVES) >$(BUILD)/bench/people_drives.json
+
 # The finest cells of 0.05, 0.1 and 0.2 m of which the map is at most 1024 wide, where a cell of MovingAI is 1 m.
 LOCALISE_MAPS := $(patsubst $(DATA)/%,$(BUILD)/localise-maps/%.json,$(wildcard $(addprefix $(DATA)/,depot.yaml tb3_sandbox.yaml \
                  warehouse-10-20-10-2-1.map room-64-64-8.map)))

@@ -1,0 +1,325 @@
+#include "src/local/patrol_yield.h"
+
+#include "src/base/plane.h"
+#include "src/local/patrol_room.h"
+#include "src/local/patrol_turn.h"
+
+/* What is foreseen, s, and how finely. */
+#define HORIZON 4.0f
+#define STEP    0.25f
+#define STEPS   16U
+
+/* Shares of the highest speed that are tried. */
+static const float shares[] = {1.0f, 0.75f, 0.5f, 0.3f, 0.15f};
+#define SHARES (sizeof shares / sizeof shares[0])
+
+/* From somebody's change of mind until the tracker knows, s. */
+#define NOTICE 0.3f
+
+/* What a distance may err by, m: nearer, the robot may be touched. */
+#define TOUCH 0.08f
+
+/* Of a radius over what is seen of it: beams miss the rims, so that the middle of what is seen lies before its own. */
+#define WHOLE 1.4f
+
+/* Nearer than standing still by this is nearer, m: rounding. */
+#define NEARER 0.002f
+
+/* By which it passes before somebody, s. */
+#define GAP 0.5f
+
+/* Beyond this the uncertainty of a direction grows no further, s. */
+#define SPREAD_TIME 1.0f
+
+/* However near something is, the robot may get away from it, m. */
+#define CLEARANCE_MIN 0.05f
+
+/* Slower than this the robot stands, m/s. */
+#define STANDING 0.05f
+
+/* ---- The robot ---- */
+
+/* What it plans: poses, and the way to each as its outermost point goes, m. */
+struct course {
+    struct jp_plane_pose poses[JP_TEB_POSES_MAX];
+    float way[JP_TEB_POSES_MAX];
+    unsigned count;
+};
+
+static float reach_of(const struct jp_footprint *footprint)
+{
+    return jp_plane_length(jp_plane_larger(footprint->front, footprint->rear), footprint->half_width);
+}
+
+/* Of the outermost point. */
+static float way_between(const struct jp_footprint *footprint, const struct jp_plane_pose *a,
+                         const struct jp_plane_pose *b)
+{
+    const float turn = jp_plane_wrap(b->heading - a->heading);
+
+    return jp_plane_length(b->x - a->x, b->y - a->y) + reach_of(footprint) * jp_plane_magnitude(turn);
+}
+
+static void add_pose(const struct jp_patrol *patrol, struct course *course, const struct jp_plane_pose *pose)
+{
+    const unsigned i = course->count;
+
+    course->way[i] =
+        i > 0U ? course->way[i - 1U] + way_between(&patrol->config.teb.footprint, &course->poses[i - 1U], pose) : 0.0f;
+    course->poses[i] = *pose;
+    course->count++;
+}
+
+/* As the band plans; else as the command leads on. */
+static void lay_out(const struct jp_patrol *patrol, struct course *course)
+{
+    course->count = 0;
+    add_pose(patrol, course, &patrol->pose);
+    if (patrol->state == JP_PATROL_DRIVING) {
+        for (unsigned i = 1; i < patrol->teb.count; i++) {
+            add_pose(patrol, course, &patrol->teb.poses[i].pose);
+        }
+    } else {
+        const struct jp_plane_pose step = {STEP * patrol->internal.command.forward, STEP * patrol->internal.sideways,
+                                           STEP * patrol->internal.command.turn_rate};
+        struct jp_plane_pose pose = patrol->pose;
+
+        for (unsigned i = 0; i < STEPS; i++) {
+            pose = jp_plane_compose(&pose, &step);
+            add_pose(patrol, course, &pose);
+        }
+    }
+}
+
+static struct jp_plane_pose pose_at(const struct course *course, float way)
+{
+    unsigned i = 0;
+
+    while (i + 2U < course->count && course->way[i + 1U] < way) {
+        i++;
+    }
+    if (course->count < 2U) {
+        return course->poses[0];
+    }
+
+    const float length = course->way[i + 1U] - course->way[i];
+    const float share = length > 0.0f ? jp_plane_clamp((way - course->way[i]) / length, 0.0f, 1.0f) : 0.0f;
+    const struct jp_plane_pose *const a = &course->poses[i];
+    const struct jp_plane_pose *const b = &course->poses[i + 1U];
+
+    return (struct jp_plane_pose){a->x + share * (b->x - a->x), a->y + share * (b->y - a->y),
+                                  a->heading + share * jp_plane_wrap(b->heading - a->heading)};
+}
+
+/* How it drives on: from a speed now to another, which it keeps. */
+struct profile {
+    float now;
+    float then;
+    float acceleration;
+    float latency;
+};
+
+static float speed_after(const struct profile *profile, float time)
+{
+    const float changed = profile->acceleration * jp_plane_larger(time - profile->latency, 0.0f);
+
+    return profile->then > profile->now ? jp_plane_smaller(profile->now + changed, profile->then)
+                                        : jp_plane_larger(profile->now - changed, profile->then);
+}
+
+/* ---- People ---- */
+
+static bool is_person(const struct jp_patrol *patrol, const struct jp_mover *mover)
+{
+    return mover->pace > 0.0f && mover->standing < patrol->config.people.stays;
+}
+
+/* From the present place along the walk, after a time in which somebody at a speed stops, turns round and walks back
+ * at their pace, m. */
+static float way_back(float speed, float pace, float acceleration, float time)
+{
+    const float to_stop = speed / acceleration;
+    const float to_pace = pace / acceleration;
+
+    if (time < to_stop) {
+        return speed * time - 0.5f * acceleration * time * time;
+    }
+    const float stopped = 0.5f * speed * to_stop;
+    const float back = time - to_stop;
+
+    return back < to_pace ? stopped - 0.5f * acceleration * back * back
+                          : stopped - 0.5f * pace * to_pace - pace * (back - to_pace);
+}
+
+/* Where somebody may be after a time, along their walk, m: if they turned round as late as the robot could no longer
+ * stop in time, or when they were last seen, and if they go on. */
+static struct jp_obstacle place_of(const struct jp_patrol *patrol, const struct jp_mover *mover, float time, float stop)
+{
+    const struct jp_patrol_people *const people = &patrol->config.people;
+    const float unseen = (float)mover->misses * patrol->config.period;
+    const float measured = jp_plane_length(mover->velocity.x, mover->velocity.y);
+    const bool is_walking = measured > patrol->config.movers.speed_min;
+    const float speed = is_walking ? measured : 0.0f;
+    const struct jp_plane_point along =
+        is_walking ? (struct jp_plane_point){mover->velocity.x / speed, mover->velocity.y / speed} : mover->walk;
+    const float late = jp_plane_smaller(time, stop) + unseen;
+    const float turned = way_back(speed, mover->pace, people->acceleration, late);
+    const float back = speed * (time - late) + turned;
+    const float on = is_walking ? speed * (time + GAP) : -turned;
+    const float deviation = jp_plane_square_root(mover->speed_variance);
+
+    return (struct jp_obstacle){
+        .vertices = {{mover->centre.x + back * along.x, mover->centre.y + back * along.y},
+                     {mover->centre.x + on * along.x, mover->centre.y + on * along.y}},
+        .vertex_count = 2,
+        .radius = WHOLE * mover->radius + deviation * jp_plane_smaller(time, SPREAD_TIME),
+    };
+}
+
+/* ---- Both ---- */
+
+/* What comes of driving on in some way. */
+struct outlook {
+    bool is_free;
+    float nearest; /* distance from where people may be while the robot moves, or has not stood for long, m */
+};
+
+/* From the moment at which the robot is to brake until nobody can touch it but who walks into it, s. */
+static float time_to_rest(const struct jp_patrol *patrol, float speed)
+{
+    return patrol->config.latency + speed / patrol->config.people.braking + patrol->config.people.rest;
+}
+
+/* At a pose after a time, at a speed. */
+static void look_at(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, float time, float speed,
+                    struct outlook *outlook)
+{
+    const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
+    const float stop = NOTICE + time_to_rest(patrol, speed);
+
+    for (unsigned i = 0; i < patrol->movers.count; i++) {
+        if (is_person(patrol, &patrol->movers.movers[i])) {
+            const struct jp_obstacle place = place_of(patrol, &patrol->movers.movers[i], time, stop);
+            const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
+
+            outlook->nearest = jp_plane_smaller(distance, outlook->nearest);
+            if (distance < TOUCH ||
+                (distance < patrol->config.people.clearance &&
+                 distance < jp_obstacle_distance(footprint, &patrol->pose, &place, NULL) - NEARER)) {
+                outlook->is_free = false;
+            }
+        }
+    }
+}
+
+static struct outlook look_along(const struct jp_patrol *patrol, const struct course *course,
+                                 const struct profile *profile, float horizon)
+{
+    struct outlook outlook = {true, JP_OBSTACLE_NONE};
+    float way = 0.0f;
+
+    for (unsigned i = 1; i <= STEPS && STEP * (float)(i - 1U) < horizon; i++) {
+        const float time = STEP * (float)i;
+        const float speed = speed_after(profile, time);
+
+        way += 0.5f * STEP * (speed + speed_after(profile, time - STEP));
+
+        const struct jp_plane_pose pose = pose_at(course, way);
+
+        look_at(patrol, &pose, time, speed, &outlook);
+    }
+    return outlook;
+}
+
+static bool sees_people(const struct jp_patrol *patrol)
+{
+    for (unsigned i = 0; i < patrol->movers.count; i++) {
+        if (is_person(patrol, &patrol->movers.movers[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static float speed_of(const struct jp_patrol *patrol, float forward, float sideways, float turn_rate)
+{
+    return jp_plane_length(forward, sideways) + reach_of(&patrol->config.teb.footprint) * jp_plane_magnitude(turn_rate);
+}
+
+/* How near it comes to people until it has stood for a rest; one that stands already is not asked to do anything. */
+static float nearest_if_braked(const struct jp_patrol *patrol, const struct course *course, float now)
+{
+    const struct profile profile = {now, 0.0f, patrol->config.people.braking, patrol->config.latency};
+
+    return now < STANDING ? JP_OBSTACLE_NONE : look_along(patrol, course, &profile, time_to_rest(patrol, now)).nearest;
+}
+
+/* The highest speed that is safe; where none is, the one at which the robot stays farthest from people. */
+static float safe_speed(const struct jp_patrol *patrol, float now)
+{
+    struct course course;
+    float best = 0.0f;
+
+    lay_out(patrol, &course);
+
+    float nearest = nearest_if_braked(patrol, &course, now);
+
+    for (unsigned i = 0; i < SHARES; i++) {
+        const float speed = patrol->config.teb.speed_max * shares[i];
+        const struct profile profile = {now, speed, patrol->config.teb.acceleration, patrol->config.latency};
+        const struct outlook outlook = look_along(patrol, &course, &profile, HORIZON);
+
+        if (outlook.is_free) {
+            return speed;
+        }
+        if (outlook.nearest > nearest) {
+            nearest = outlook.nearest;
+            best = speed;
+        }
+    }
+    return best;
+}
+
+/* The command slowed down to a speed, with its curve kept. */
+static void slow_down(struct jp_patrol *patrol, float wanted, float speed)
+{
+    const float share = speed / wanted;
+
+    patrol->internal.command.forward *= share;
+    patrol->internal.command.turn_rate *= share;
+    patrol->internal.sideways *= share;
+}
+
+/* The nearer something is, the slower: within its clearance the robot could stop. */
+static void heed_clearance(struct jp_patrol *patrol)
+{
+    const float wanted = jp_plane_length(patrol->internal.command.forward, patrol->internal.sideways);
+    const float clearance = jp_plane_larger(jp_patrol_clearance(patrol, &patrol->pose), CLEARANCE_MIN);
+    const float most = jp_patrol_stopping_speed(&patrol->config, patrol->config.people.braking, clearance);
+
+    if (wanted > most) {
+        slow_down(patrol, wanted, most);
+    }
+}
+
+void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    heed_clearance(patrol);
+
+    const bool was_yielding = patrol->internal.is_yielding;
+    const struct jp_plane_speed *const command = &patrol->internal.command;
+    const float wanted = speed_of(patrol, command->forward, patrol->internal.sideways, command->turn_rate);
+
+    patrol->internal.is_yielding = patrol->state == JP_PATROL_WAITING && sees_people(patrol);
+    if (wanted > 0.0f && sees_people(patrol)) {
+        const float now = speed_of(patrol, speed->forward, patrol->internal.sideways_before, speed->turn_rate);
+        const float safe = safe_speed(patrol, now);
+
+        if (safe < wanted) {
+            slow_down(patrol, wanted, safe);
+            patrol->internal.is_yielding = true;
+            patrol->counts.yields += was_yielding ? 0U : 1U;
+        }
+    }
+    patrol->internal.sideways_before = patrol->internal.sideways;
+}

@@ -1,0 +1,16 @@
+/** Whether, and how fast, the robot goes on among people. Private to libjoulepath_float. */
+#ifndef JOULEPATH_LOCAL_PATROL_YIELD_H
+#define JOULEPATH_LOCAL_PATROL_YIELD_H
+
+#include <joulepath/patrol.h>
+
+/**
+ * Slows the command of this cycle down, with its curve kept, to what is safe in time: among a few speeds it takes the
+ * highest at which the robot keeps its clearance, all along what it plans for some seconds, from where people may be
+ * then: on their lines from where they would be if they turned round, to where they will be a rest later. At none of
+ * them: it brakes. What is no nearer to people than standing still is free.
+ * Work: speeds × instants × people at most, two distances each.
+ */
+void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *speed);
+
+#endif

@@ -1,0 +1,419 @@
+/* How fast the patrol goes on among people: who walks, has walked, stands for long, is hidden, and in which cases it
+ * brakes or had better drive on. */
+#include "src/local/patrol_yield.h"
+
+#include "src/local/patrol_state.h"
+#include "src/local/patrol_turn.h"
+#include "tests/support/patrol_rig.h"
+
+#define RADIUS 0.2f
+#define FAST   0.8f /* the highest speed of the rig's robot, m/s */
+
+/* Of speeds, m/s. */
+#define NEAR 1.0e-4f
+
+static struct jp_plane_speed measured;
+
+/* On an empty plane, at the origin, facing east; it is told to go straight on, and stands. */
+void setUp(void)
+{
+    rig_reset();
+    patrol.state = JP_PATROL_GLIDING;
+    patrol.internal.command = (struct jp_plane_speed){FAST, 0.0f};
+    measured = (struct jp_plane_speed){0.0f, 0.0f};
+}
+
+void tearDown(void)
+{
+}
+
+static struct jp_mover *put(float x, float y)
+{
+    struct jp_mover *const mover = &patrol.movers.movers[patrol.movers.count];
+
+    *mover = (struct jp_mover){
+        .centre = {x, y}, .radius = RADIUS, .place_variance = 1.0e-4f, .speed_variance = 1.0e-4f, .sightings = 10};
+    patrol.movers.count++;
+    return mover;
+}
+
+static struct jp_mover *put_walker(float x, float y, float forward, float left)
+{
+    struct jp_mover *const mover = put(x, y);
+    const float speed = jp_plane_length(forward, left);
+
+    mover->velocity = (struct jp_plane_point){forward, left};
+    mover->walk = (struct jp_plane_point){forward / speed, left / speed};
+    mover->pace = speed;
+    return mover;
+}
+
+/* Who walked so, and stands now. */
+static struct jp_mover *put_stander(float x, float y, float forward, float left)
+{
+    struct jp_mover *const mover = put_walker(x, y, forward, left);
+
+    mover->velocity = (struct jp_plane_point){0.0f, 0.0f};
+    return mover;
+}
+
+static float yielded(void)
+{
+    jp_patrol_yield(&patrol, &measured);
+    return patrol.internal.command.forward;
+}
+
+static void expect_free(void)
+{
+    TEST_ASSERT_NEAR(NEAR, FAST, yielded());
+    TEST_ASSERT_FALSE(patrol.internal.is_yielding);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.yields);
+}
+
+static void expect_stand(void)
+{
+    TEST_ASSERT_NEAR(NEAR, 0.0f, yielded());
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
+}
+
+/* At most the least of the speeds that are tried. */
+static void expect_creep(void)
+{
+    TEST_ASSERT_TRUE(yielded() <= 0.1501f * FAST);
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
+}
+
+static void expect_slower(void)
+{
+    const float speed = yielded();
+
+    TEST_ASSERT_TRUE(speed > 0.0f && speed < FAST);
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
+}
+
+/* ---- Who counts ---- */
+
+static void test_nobody_is_there(void)
+{
+    expect_free();
+}
+
+static void test_what_never_walked_is_a_thing(void)
+{
+    (void)put(0.8f, 0.0f);
+    expect_free();
+}
+
+static void test_who_stands_for_long_stays(void)
+{
+    struct jp_mover *const person = put_stander(1.2f, 0.0f, 0.0f, 1.0f);
+
+    person->standing = config.people.stays + 0.1f;
+    expect_free();
+    person->standing = config.people.stays - 0.1f;
+    expect_stand();
+}
+
+static void test_who_is_far_does_not_matter(void)
+{
+    (void)put_walker(30.0f, 0.0f, 0.0f, 1.0f);
+    (void)put_stander(0.0f, -30.0f, 1.0f, 0.0f);
+    expect_free();
+}
+
+/* ---- In time ---- */
+
+static void test_it_waits_for_who_crosses(void)
+{
+    (void)put_walker(1.5f, -1.5f, 0.0f, 1.0f);
+    expect_creep();
+}
+
+static void test_it_comes_slowly_to_where_somebody_will_have_passed(void)
+{
+    (void)put_walker(2.3f, -1.5f, 0.0f, 1.0f);
+    measured.forward = FAST;
+    expect_slower();
+}
+
+static void test_it_waits_for_who_comes_along_its_way(void)
+{
+    (void)put_walker(3.5f, 0.1f, -1.0f, 0.0f);
+    expect_stand();
+}
+
+static void test_it_passes_who_comes_beside_its_way(void)
+{
+    (void)put_walker(3.5f, 1.5f, -1.0f, 0.0f);
+    expect_free();
+}
+
+/* Who has crossed may turn round: until they are far enough it waits. */
+static void test_it_expects_who_has_passed_to_turn_round(void)
+{
+    struct jp_mover *const person = put_walker(1.2f, 1.0f, 0.0f, 1.0f);
+
+    expect_creep();
+    person->centre.y = 4.0f;
+    patrol.internal.command.forward = FAST;
+    TEST_ASSERT_NEAR(NEAR, FAST, yielded());
+    TEST_ASSERT_FALSE(patrol.internal.is_yielding);
+}
+
+/* On the same line, in either direction. */
+static void test_it_expects_who_stands_to_walk_on_or_back(void)
+{
+    const float directions[] = {-1.0f, 1.0f};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        setUp();
+        (void)put_stander(1.2f, -1.2f, 0.0f, directions[i]);
+        expect_stand();
+    }
+}
+
+static void test_it_passes_who_stands_beside_their_line(void)
+{
+    (void)put_stander(1.2f, -1.2f, 1.0f, 0.0f);
+    expect_free();
+}
+
+/* The slower somebody is known to walk the nearer they may be passed. */
+static void test_pace_says_how_far_somebody_comes(void)
+{
+    (void)put_stander(1.2f, -1.8f, 0.0f, 0.31f);
+    expect_free();
+}
+
+/* Not seen for a second and a half: they may have turned round when they were last seen. */
+static void test_it_expects_who_is_hidden_to_have_turned_round(void)
+{
+    struct jp_mover *const person = put_walker(1.2f, 4.0f, 0.0f, 1.0f);
+
+    person->misses = 15;
+    expect_creep();
+}
+
+/* ---- Which way ---- */
+
+static void test_it_may_leave_who_is_near(void)
+{
+    (void)put_walker(-0.8f, 0.0f, -1.0f, 0.0f);
+    expect_free();
+}
+
+/* Backwards is no better than forward. */
+static void test_it_does_not_drive_back_into_somebody(void)
+{
+    (void)put_walker(-1.5f, 0.0f, 1.0f, 0.0f);
+    patrol.internal.command.forward = -0.3f;
+    TEST_ASSERT_NEAR(NEAR, 0.0f, yielded());
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
+}
+
+static void test_it_does_not_step_into_somebody(void)
+{
+    (void)put_walker(0.0f, 1.6f, 0.0f, -0.8f);
+    patrol.internal.command.forward = 0.0f;
+    patrol.internal.sideways = 0.2f;
+    jp_patrol_yield(&patrol, &measured);
+    TEST_ASSERT_NEAR(NEAR, 0.0f, patrol.internal.sideways);
+    TEST_ASSERT_NEAR(NEAR, 0.0f, patrol.internal.sideways_before);
+}
+
+/* A corner would come nearer. */
+static void test_it_does_not_turn_into_somebody(void)
+{
+    (void)put_walker(0.5f, 1.4f, 0.0f, -0.5f);
+    patrol.internal.command = (struct jp_plane_speed){0.0f, 0.5f};
+    jp_patrol_yield(&patrol, &measured);
+    TEST_ASSERT_NEAR(NEAR, 0.0f, patrol.internal.command.turn_rate);
+}
+
+/* The curve of the command is kept. */
+static void test_slower_is_on_the_same_curve(void)
+{
+    (void)put_walker(2.3f, -1.5f, 0.0f, 1.0f);
+    patrol.internal.command.turn_rate = 0.08f;
+    measured = patrol.internal.command;
+    expect_slower();
+    TEST_ASSERT_NEAR(NEAR, 0.1f * patrol.internal.command.forward, patrol.internal.command.turn_rate);
+}
+
+/* ---- The band ---- */
+
+static void lay_band(const struct jp_plane_pose *poses, unsigned count)
+{
+    patrol.state = JP_PATROL_DRIVING;
+    patrol.teb.count = (uint8_t)count;
+    for (unsigned i = 0; i < count; i++) {
+        patrol.teb.poses[i].pose = poses[i];
+    }
+}
+
+/* The command says straight on, the band turns away from the line of somebody; it may end on the spot. */
+static void test_it_looks_along_the_band(void)
+{
+    const struct jp_plane_pose away[] = {
+        {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.5f}, {0.0f, 1.0f, 1.5f}, {0.0f, 3.0f, 1.5f}};
+    const struct jp_plane_pose on[] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {3.0f, 0.0f, 0.0f}};
+    const struct jp_plane_pose nowhere[] = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
+
+    (void)put_walker(1.8f, -2.0f, 0.0f, 0.7f);
+    lay_band(on, 3);
+    expect_creep();
+    lay_band(away, 5);
+    patrol.counts.yields = 0;
+    patrol.internal.command.forward = FAST;
+    expect_free();
+    lay_band(nowhere, 2);
+    expect_free();
+    lay_band(nowhere, 0);
+    expect_free();
+}
+
+/* ---- When nothing is free ---- */
+
+/* Somebody comes from the side so late that a robot that brakes is reached before it has stood for a second, and one
+ * that drives on is gone. */
+static void test_it_drives_on_where_braking_is_worse(void)
+{
+    struct jp_mover *const person = put_walker(0.3f, 1.75f, 0.0f, -1.4f);
+
+    person->speed_variance = 0.04f;
+    measured.forward = FAST;
+    TEST_ASSERT_TRUE(yielded() > 0.5f * FAST);
+}
+
+/* A thing beside them changes nothing. */
+static void test_things_do_not_count_beside_people(void)
+{
+    (void)put(0.8f, 0.0f);
+    (void)put_walker(30.0f, 0.0f, 0.0f, 1.0f);
+    expect_free();
+}
+
+/* Straight in its way: it brakes. */
+static void test_it_brakes_where_driving_on_is_worse(void)
+{
+    (void)put_walker(1.6f, 0.0f, -1.0f, 0.0f);
+    measured.forward = FAST;
+    expect_stand();
+}
+
+/* One that stands is not asked to get out of the way. */
+static void test_who_walks_into_a_robot_that_stands_finds_it_standing(void)
+{
+    (void)put_walker(0.3f, 1.2f, 0.0f, -1.4f);
+    expect_stand();
+}
+
+/* ---- Counts ---- */
+
+static void test_yields_are_counted_once(void)
+{
+    (void)put_walker(1.5f, -1.5f, 0.0f, 1.0f);
+    expect_creep();
+    patrol.internal.command.forward = FAST;
+    expect_creep();
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.yields);
+    patrol.movers.count = 0;
+    patrol.internal.command.forward = FAST;
+    TEST_ASSERT_NEAR(NEAR, FAST, yielded());
+    (void)put_walker(1.5f, -1.5f, 0.0f, 1.0f);
+    expect_creep();
+    TEST_ASSERT_EQUAL_UINT32(2, patrol.counts.yields);
+}
+
+static void test_who_waits_among_people_yields(void)
+{
+    patrol.state = JP_PATROL_WAITING;
+    patrol.internal.command.forward = 0.0f;
+    jp_patrol_yield(&patrol, &measured);
+    TEST_ASSERT_FALSE(patrol.internal.is_yielding);
+    (void)put_walker(3.0f, 0.0f, 0.0f, 1.0f);
+    jp_patrol_yield(&patrol, &measured);
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
+}
+
+/* Its patience is not used up meanwhile. */
+static void test_patience_is_kept_for_people(void)
+{
+    config.waits_max = 5;
+    rig_init();
+    rig_wall_ahead();
+    rig_go(5.0f, 0.0f);
+    (void)rig_until(JP_PATROL_WAITING, RIG_LONG);
+    for (unsigned i = 0; i < 20U; i++) {
+        patrol.movers.count = 0;
+        (void)put_walker(-4.0f, 0.0f, -1.0f, 0.0f);
+        rig_cycle();
+        TEST_ASSERT_EQUAL_INT(JP_PATROL_WAITING, patrol.state);
+    }
+    patrol.movers.count = 0;
+    jp_movers_clear(&patrol.movers);
+    (void)rig_until(JP_PATROL_STOPPED, 10);
+}
+
+/* Nor do people make it mistrust its path. */
+static void test_tries_are_not_counted_among_people(void)
+{
+    rig_init();
+    rig_go(5.0f, 0.0f);
+    jp_patrol_enter(&patrol, JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    for (unsigned i = 0; i < 5U; i++) {
+        patrol.movers.count = 0;
+        (void)put_walker(-6.0f, 0.0f, -1.0f, 0.0f);
+        rig_cycle();
+    }
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_DRIVING, patrol.state);
+    TEST_ASSERT_EQUAL_UINT(0, patrol.internal.tries);
+    patrol.movers.count = 0;
+    patrol.internal.is_yielding = false;
+    jp_patrol_enter(&patrol, JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    patrol.internal.free_cycles = 10;
+    TEST_ASSERT_TRUE(jp_patrol_trust_path(&patrol));
+    TEST_ASSERT_EQUAL_UINT(1, patrol.internal.tries);
+}
+
+/* ---- Clearance ---- */
+
+static float speed_beside(float clearance)
+{
+    const struct jp_obstacle wall = {
+        .vertices = {{-3.0f, 0.3f + clearance}, {3.0f, 0.3f + clearance}}, .vertex_count = 2, .radius = 0.0f};
+    const struct jp_plane_point here = {0.0f, 0.0f};
+
+    jp_obstacles_clear(&patrol.obstacles, &here);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, &wall));
+    patrol.internal.command = (struct jp_plane_speed){FAST, 0.0f};
+    return yielded();
+}
+
+/* Within its clearance it could stop: v² = 2 a d without a latency, and half a period. */
+static void test_the_nearer_the_slower(void)
+{
+    float last = 0.0f;
+
+    for (unsigned i = 1; i <= 6U; i++) {
+        const float clearance = 0.1f * (float)i;
+        const float speed = speed_beside(clearance);
+        const float way = speed * 0.5f * RIG_PERIOD + 0.5f * speed * speed / config.people.braking;
+
+        TEST_ASSERT_TRUE(speed >= last);
+        TEST_ASSERT_TRUE(way <= clearance + 0.5f * config.scan.tolerance + 1.0e-3f);
+        TEST_ASSERT_TRUE(speed == FAST || way > clearance - 1.0e-3f);
+        last = speed;
+    }
+    TEST_ASSERT_TRUE(last == FAST);
+    TEST_ASSERT_TRUE(speed_beside(0.1f) < 0.6f * FAST);
+}
+
+/* It may get away from what it touches. */
+static void test_at_a_touch_it_creeps(void)
+{
+    const float speed = speed_beside(-0.02f);
+
+    TEST_ASSERT_TRUE(speed > 0.1f && speed < 0.4f);
+    TEST_ASSERT_NEAR(NEAR, speed, speed_beside(0.0f));
+}
