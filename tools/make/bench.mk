@@ -201,7 +201,7 @@ bench-skid-bus: ## drive 10 000 random missions of robots that their sides steer
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_energy skid_odometry skid_plant skid_robot store teb
+PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
 ARGS.battery          = --count 100000000
 ARGS.fixed            = --count 4294967296
 ARGS.four_wheel       = --count 1000000
@@ -213,7 +213,9 @@ ARGS.planner_memory   = --count 1200
 ARGS.pure_pursuit     = --count 400
 ARGS.scan_match       = --count 40
 ARGS.segment          = --count 10000
+ARGS.skid_changes     = --count 25 --seed 20261126
 ARGS.skid_odometry    = --count 20
+ARGS.skid_plans       = --count 500 --seed 20261126
 ARGS.store            = --count 10000
 ARGS.teb              = --count 500
 

@@ -86,6 +86,8 @@ SECTIONS = (
             "ledger.", r"bench_skid_drive"),
     Section("Skid steer by itself", "Robots and grounds that differ from their file: what odometry and control are told "
             "of them.", r"skid_(energy|odometry|plant|robot)"),
+    Section("Skid steer, forecast", "Plans of ten legs over hills, foretold before and after 20 legs of learning; energies by "
+            "the plant's ledger.", r"skid_(changes|plans)"),
     Section("Pure pursuit", "", r"bench_pursuit|pure_pursuit"),
     Section("Pure pursuit by speed", "Largest distance from the path (and root mean square), cm; speeds are those of "
             "straight parts. The tightest bends of the scenes' paths are tighter than the robot can drive; from 1.25 "
