@@ -9,10 +9,6 @@
 #define STEP    0.25f
 #define STEPS   16U
 
-/* Shares of the highest speed that are tried. */
-static const float shares[] = {1.0f, 0.75f, 0.5f, 0.3f, 0.15f};
-#define SHARES (sizeof shares / sizeof shares[0])
-
 /* From somebody's change of mind until the tracker knows, s. */
 #define NOTICE 0.3f
 
@@ -40,7 +36,7 @@ static const float shares[] = {1.0f, 0.75f, 0.5f, 0.3f, 0.15f};
 /* ---- The robot ---- */
 
 /* What it plans: poses, and the way to each as its outermost point goes, m. */
-struct course {
+struct yield_course {
     struct jp_plane_pose poses[JP_TEB_POSES_MAX];
     float way[JP_TEB_POSES_MAX];
     unsigned count;
@@ -60,7 +56,7 @@ static float way_between(const struct jp_footprint *footprint, const struct jp_p
     return jp_plane_length(b->x - a->x, b->y - a->y) + reach_of(footprint) * jp_plane_magnitude(turn);
 }
 
-static void add_pose(const struct jp_patrol *patrol, struct course *course, const struct jp_plane_pose *pose)
+static void add_pose(const struct jp_patrol *patrol, struct yield_course *course, const struct jp_plane_pose *pose)
 {
     const unsigned i = course->count;
 
@@ -71,7 +67,7 @@ static void add_pose(const struct jp_patrol *patrol, struct course *course, cons
 }
 
 /* As the band plans; else as the command leads on. */
-static void lay_out(const struct jp_patrol *patrol, struct course *course)
+static void lay_out(const struct jp_patrol *patrol, struct yield_course *course)
 {
     course->count = 0;
     add_pose(patrol, course, &patrol->pose);
@@ -91,7 +87,7 @@ static void lay_out(const struct jp_patrol *patrol, struct course *course)
     }
 }
 
-static struct jp_plane_pose pose_at(const struct course *course, float way)
+static struct jp_plane_pose pose_at(const struct yield_course *course, float way)
 {
     unsigned i = 0;
 
@@ -153,7 +149,8 @@ static float way_back(float speed, float pace, float acceleration, float time)
 
 /* Where somebody may be after a time, along their walk, m: if they turned round as late as the robot could no longer
  * stop in time, or when they were last seen, and if they go on. */
-static struct jp_obstacle place_of(const struct jp_patrol *patrol, const struct jp_mover *mover, float time, float stop)
+static void find_place(const struct jp_patrol *patrol, const struct jp_mover *mover, float time, float stop,
+                       struct jp_obstacle *place)
 {
     const struct jp_patrol_people *const people = &patrol->config.people;
     const float unseen = (float)mover->misses * patrol->config.period;
@@ -168,18 +165,16 @@ static struct jp_obstacle place_of(const struct jp_patrol *patrol, const struct 
     const float on = is_walking ? speed * (time + GAP) : -turned;
     const float deviation = jp_plane_square_root(mover->speed_variance);
 
-    return (struct jp_obstacle){
-        .vertices = {{mover->centre.x + back * along.x, mover->centre.y + back * along.y},
-                     {mover->centre.x + on * along.x, mover->centre.y + on * along.y}},
-        .vertex_count = 2,
-        .radius = WHOLE * mover->radius + deviation * jp_plane_smaller(time, SPREAD_TIME),
-    };
+    place->vertices[0] = (struct jp_plane_point){mover->centre.x + back * along.x, mover->centre.y + back * along.y};
+    place->vertices[1] = (struct jp_plane_point){mover->centre.x + on * along.x, mover->centre.y + on * along.y};
+    place->vertex_count = 2;
+    place->radius = WHOLE * mover->radius + deviation * jp_plane_smaller(time, SPREAD_TIME);
 }
 
 /* ---- Both ---- */
 
 /* What comes of driving on in some way. */
-struct outlook {
+struct yield_outlook {
     bool is_free;
     float nearest; /* distance from where people may be while the robot moves, or has not stood for long, m */
 };
@@ -192,14 +187,17 @@ static float time_to_rest(const struct jp_patrol *patrol, float speed)
 
 /* At a pose after a time, at a speed. */
 static void look_at(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, float time, float speed,
-                    struct outlook *outlook)
+                    struct yield_outlook *outlook)
 {
     const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
     const float stop = NOTICE + time_to_rest(patrol, speed);
 
     for (unsigned i = 0; i < patrol->movers.count; i++) {
         if (is_person(patrol, &patrol->movers.movers[i])) {
-            const struct jp_obstacle place = place_of(patrol, &patrol->movers.movers[i], time, stop);
+            struct jp_obstacle place;
+
+            find_place(patrol, &patrol->movers.movers[i], time, stop, &place);
+
             const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
 
             outlook->nearest = jp_plane_smaller(distance, outlook->nearest);
@@ -212,10 +210,10 @@ static void look_at(const struct jp_patrol *patrol, const struct jp_plane_pose *
     }
 }
 
-static struct outlook look_along(const struct jp_patrol *patrol, const struct course *course,
-                                 const struct profile *profile, float horizon)
+static struct yield_outlook look_along(const struct jp_patrol *patrol, const struct yield_course *course,
+                                       const struct profile *profile, float horizon)
 {
-    struct outlook outlook = {true, JP_OBSTACLE_NONE};
+    struct yield_outlook outlook = {true, JP_OBSTACLE_NONE};
     float way = 0.0f;
 
     for (unsigned i = 1; i <= STEPS && STEP * (float)(i - 1U) < horizon; i++) {
@@ -247,7 +245,7 @@ static float speed_of(const struct jp_patrol *patrol, float forward, float sidew
 }
 
 /* How near it comes to people until it has stood for a rest; one that stands already is not asked to do anything. */
-static float nearest_if_braked(const struct jp_patrol *patrol, const struct course *course, float now)
+static float nearest_if_braked(const struct jp_patrol *patrol, const struct yield_course *course, float now)
 {
     const struct profile profile = {now, 0.0f, patrol->config.people.braking, patrol->config.latency};
 
@@ -257,17 +255,19 @@ static float nearest_if_braked(const struct jp_patrol *patrol, const struct cour
 /* The highest speed that is safe; where none is, the one at which the robot stays farthest from people. */
 static float safe_speed(const struct jp_patrol *patrol, float now)
 {
-    struct course course;
+    /* Of the highest speed. */
+    static const float shares[] = {1.0f, 0.75f, 0.5f, 0.3f, 0.15f};
+    struct yield_course course;
     float best = 0.0f;
 
     lay_out(patrol, &course);
 
     float nearest = nearest_if_braked(patrol, &course, now);
 
-    for (unsigned i = 0; i < SHARES; i++) {
+    for (unsigned i = 0; i < sizeof shares / sizeof shares[0]; i++) {
         const float speed = patrol->config.teb.speed_max * shares[i];
         const struct profile profile = {now, speed, patrol->config.teb.acceleration, patrol->config.latency};
-        const struct outlook outlook = look_along(patrol, &course, &profile, HORIZON);
+        const struct yield_outlook outlook = look_along(patrol, &course, &profile, HORIZON);
 
         if (outlook.is_free) {
             return speed;
