@@ -152,19 +152,19 @@ enum jp_status jp_four_wheel_robot_init(struct jp_four_wheel_robot *robot,
 /** The part of a tick that the drives wait for. `read` is what the HAL returned: after an error the last good frame
  *  serves until the fault is confirmed. jp_four_wheel_robot_account() must follow before anything else looks at the
  *  robot. Work: jp_four_wheel_tick(). For the control ISR. */
-void jp_four_wheel_robot_control(struct jp_four_wheel_robot *robot, enum jp_status read,
+void jp_four_wheel_robot_control(struct jp_four_wheel_robot *self, enum jp_status read,
                                  const struct jp_four_wheel_sensors *sensors,
                                  struct jp_four_wheel_actuation *actuation);
 
 /** The rest of the tick: odometry, energy and pieces. Work: twice jp_four_wheel_forward(). For the control ISR. */
-void jp_four_wheel_robot_account(struct jp_four_wheel_robot *robot);
+void jp_four_wheel_robot_account(struct jp_four_wheel_robot *self);
 
 /** What jp_four_wheel_robot_resume() needs; after any tick and in its context. Constant time. */
 void jp_four_wheel_robot_snapshot(const struct jp_four_wheel_robot *robot, struct jp_four_wheel_snapshot *snapshot);
 
 /** Between init and the first tick, after a reset in motion: odometry, meter and set-points go on, and the robot brakes
  *  to a stand, enabled. False, and nothing changed: the drives did not run, or it is not this robot's. */
-bool jp_four_wheel_robot_resume(struct jp_four_wheel_robot *robot, const struct jp_four_wheel_snapshot *snapshot);
+bool jp_four_wheel_robot_resume(struct jp_four_wheel_robot *self, const struct jp_four_wheel_snapshot *snapshot);
 
 /** Idle to standing, at the next tick. JP_ERR_STATE: not idle, or no plausible frame came yet. JP_ERR_ARGUMENT: null.
  */

@@ -192,13 +192,18 @@ static enum jp_e2e_result accept_wheels(struct plant_node *node, const struct jp
 
 bool plant_node_accept(struct plant_node *node, const struct jp_can_frame *frame)
 {
+    static const struct {
+        uint32_t id;
+        uint8_t length;
+    } commands[] = {{JP_CAN_MOTOR_COMMAND_FRAME_ID, JP_CAN_MOTOR_COMMAND_LENGTH},
+                    {JP_CAN_WHEEL_TARGET_FRAME_ID, JP_CAN_WHEEL_TARGET_LENGTH}};
     const bool has_wheels = node->kind == PLANT_PATROL;
     bool is_whole;
 
-    if (frame->id != (has_wheels ? JP_CAN_WHEEL_TARGET_FRAME_ID : JP_CAN_MOTOR_COMMAND_FRAME_ID)) {
+    if (frame->id != commands[has_wheels].id) {
         return false;
     }
-    if (frame->length != (has_wheels ? JP_CAN_WHEEL_TARGET_LENGTH : JP_CAN_MOTOR_COMMAND_LENGTH)) {
+    if (frame->length != commands[has_wheels].length) {
         node->malformed++;
         return false;
     }

@@ -204,10 +204,11 @@ static bool is_avoidable(const struct contact_history *history, const struct con
                          const struct contact_person *person)
 {
     const double last = last_of(history)->time;
+    const double first = fmax(person->since, last - CONTACT_HISTORY);
     const struct braked braked = {.history = history, .robot = robot, .person = person};
 
-    for (double time = fmax(person->since, last - CONTACT_HISTORY); time < last; time += TRY_STEP) {
-        if (helps(braked, index_at(history, time))) {
+    for (int i = 0; first + i * TRY_STEP < last; i++) {
+        if (helps(braked, index_at(history, first + i * TRY_STEP))) {
             return true;
         }
     }

@@ -1,6 +1,7 @@
 #include "src/base/plane.h"
 
 /* The copies that are called where the compiler does not write the function in line. */
+extern inline float jp_plane_of_q32(int64_t value);
 extern inline float jp_plane_wrap(float angle);
 extern inline jp_angle jp_plane_angle(float angle);
 extern inline float jp_plane_sine(float angle);

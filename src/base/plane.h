@@ -19,6 +19,12 @@
 #define JP_PLANE_TURN_HIGH 6.28125f
 #define JP_PLANE_TURN_LOW  1.93530718e-3f
 
+/** Of 64 bits in Q32, without the compiler's helper for it: what is below 2⁻³² and whole together. */
+inline float jp_plane_of_q32(int64_t value)
+{
+    return (float)(int32_t)(value >> 32) + (float)(uint32_t)value * 0x1p-32f;
+}
+
 /** An angle of −1 000…1 000 rad within −π…π, to 2⁻²². */
 inline float jp_plane_wrap(float angle)
 {

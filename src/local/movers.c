@@ -96,16 +96,16 @@ static bool is_past(const struct jp_scan_view *view, unsigned end, unsigned step
 static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run *run, float extent,
                        struct thing *thing)
 {
-    const struct jp_plane_point begin = jp_scan_point(view, run->first);
-    const struct jp_plane_point end = jp_scan_point(view, run->last);
-    const float square = jp_plane_square_between(begin, end);
+    const struct jp_plane_point first = jp_scan_point(view, run->first);
+    const struct jp_plane_point last = jp_scan_point(view, run->last);
+    const float square = jp_plane_square_between(first, last);
 
     const bool is_free[] = {is_past(view, run->first, BACK), is_past(view, run->last, 1U)};
 
     if (run->points < view->config->beams_min || square > extent * extent || !(is_free[0] || is_free[1])) {
         return false;
     }
-    thing->centre = (struct jp_plane_point){0.5f * (begin.x + end.x), 0.5f * (begin.y + end.y)};
+    thing->centre = (struct jp_plane_point){0.5f * (first.x + last.x), 0.5f * (first.y + last.y)};
     thing->radius = 0.5f * jp_plane_square_root(square);
     thing->is_free = is_free[0] && is_free[1];
     return true;

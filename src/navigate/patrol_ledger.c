@@ -2,11 +2,11 @@
 
 #include <joulepath/count.h>
 
-#define JOULE 0x1p-32f
+#include "src/base/plane.h"
 
 static float joules(jp_energy energy)
 {
-    return (float)energy * JOULE;
+    return jp_plane_of_q32(energy);
 }
 
 /** In J, of a sum in the model's unit. */

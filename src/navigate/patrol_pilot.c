@@ -110,7 +110,7 @@ static struct jp_plane_pose plane_pose(const struct jp_four_wheel_odometry *odom
 {
     const int32_t heading = (int32_t)jp_phase_angle(odometry->heading);
 
-    return (struct jp_plane_pose){(float)odometry->x * 0x1p-32f, (float)odometry->y * 0x1p-32f,
+    return (struct jp_plane_pose){jp_plane_of_q32(odometry->x), jp_plane_of_q32(odometry->y),
                                   (float)heading * (JP_PLANE_PI * 0x1p-31f)};
 }
 

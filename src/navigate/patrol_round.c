@@ -89,7 +89,9 @@ static void fail(struct jp_patrol_round *round, enum jp_patrol_round_reason reas
 
 /* Surveys: of each stop the way from the charger, from the stop before, and home. */
 
-enum { OUT, ONWARD, HOME, WAYS };
+#define OUT    0U
+#define ONWARD 1U
+#define WAYS   3U
 
 static const struct jp_plane_pose *pose_before(const struct jp_patrol_round *round, uint16_t stop)
 {
@@ -105,25 +107,25 @@ static enum jp_status ask(struct jp_patrol_round *round, uint16_t stop, unsigned
     struct jp_patrol_pilot *pilot = round->internal.pilot;
 
     round->internal.is_asked = true;
-    if (way == (unsigned)OUT) {
+    if (way == OUT) {
         return jp_patrol_pilot_survey(pilot, &config->charger, there);
     }
-    return way == (unsigned)ONWARD ? jp_patrol_pilot_survey(pilot, pose_before(round, stop), there)
-                                   : jp_patrol_pilot_survey(pilot, there, &config->charger);
+    return way == ONWARD ? jp_patrol_pilot_survey(pilot, pose_before(round, stop), there)
+                         : jp_patrol_pilot_survey(pilot, there, &config->charger);
 }
 
 static struct jp_patrol_leg_forecast *forecast_of(struct jp_patrol_round *round, uint16_t stop, unsigned way)
 {
-    if (way == (unsigned)OUT) {
+    if (way == OUT) {
         return &round->internal.out[stop];
     }
-    return way == (unsigned)ONWARD ? &round->internal.onward[stop] : &round->internal.home[stop];
+    return way == ONWARD ? &round->internal.onward[stop] : &round->internal.home[stop];
 }
 
 static void survey(struct jp_patrol_round *round)
 {
-    const uint16_t stop = (uint16_t)(round->internal.surveyed / (unsigned)WAYS);
-    const unsigned way = round->internal.surveyed % (unsigned)WAYS;
+    const uint16_t stop = (uint16_t)(round->internal.surveyed / WAYS);
+    const unsigned way = round->internal.surveyed % WAYS;
     enum jp_status status;
 
     if (!round->internal.is_asked) {
@@ -138,7 +140,7 @@ static void survey(struct jp_patrol_round *round)
     if (status == JP_OK) {
         round->internal.is_asked = false;
         round->internal.surveyed++;
-        if (round->internal.surveyed == round->internal.config.stop_count * (unsigned)WAYS) {
+        if (round->internal.surveyed == round->internal.config.stop_count * WAYS) {
             round->state = JP_ROUND_CHARGING;
         }
     } else if (status != JP_WORKING) {

@@ -23,7 +23,7 @@
 
 /** Counter-moves within a turn on the spot, of the most that it takes the robot from its place: so far, and by 3/4 of
  * it in the mean. */
-#define MOVE_MOST JP_Q24(0.87)
+#define MOVE_MAX  JP_Q24(0.87)
 #define MOVE_MEAN JP_Q24(0.65)
 
 /** Pieces that are looked at for what the robot will slide. */
@@ -371,7 +371,7 @@ static jp_q24 move_in_turn(const struct jp_path_drive_internal *d, jp_radians_pe
     if (d->turn_slides == 0 || room <= 0) {
         return 0;
     }
-    const jp_q24 move = jp_q24_multiply(MOVE_MOST, room);
+    const jp_q24 move = jp_q24_multiply(MOVE_MAX, room);
 
     return slides_left == (turn_rate > 0) ? move : -move;
 }
@@ -379,9 +379,9 @@ static jp_q24 move_in_turn(const struct jp_path_drive_internal *d, jp_radians_pe
 /** No faster than speeds may be corrected. */
 static void move_on(struct jp_path_drive_internal *d, jp_radians_per_s turn_rate, jp_q24 left)
 {
-    const jp_q24 step = jp_multiply_shift(d->config.speed_correction, d->period, 32);
+    const jp_q24 change = jp_multiply_shift(d->config.speed_correction, d->period, 32);
 
-    d->move = jp_clamp32(move_in_turn(d, turn_rate, left), d->move - step, d->move + step);
+    d->move = jp_clamp32(move_in_turn(d, turn_rate, left), d->move - change, d->move + change);
 }
 
 /** m in Q24 of a sum of products of Q16 and Q31. */

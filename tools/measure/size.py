@@ -38,6 +38,7 @@ MODULES = {
     "path of a lattice plan": r"src/trajectory/(clothoid|lattice_path|line_path|path_(corner|drive|speed))",
     "four wheels: energy, learner": r"src/(energy/(four_wheel_energy|bus_meter)|learn/(four_wheel_learner|factor_learning)|four_wheel/four_wheel_trip)",
     "four wheels": r"src/four_wheel/four_wheel",
+    "four-wheeled robot": r"src/(four_wheel/four_wheel_robot(_\w+)?|navigate/patrol_(pilot|ledger|round))",
     "pure pursuit": r"src/four_wheel/pure_pursuit",
     "plane": r"src/base/plane",
     "obstacles": r"src/local/(obstacle\w*|scan_(runs|shapes))",
