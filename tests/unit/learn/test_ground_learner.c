@@ -200,6 +200,20 @@ static void test_legs_over_several_classes_teach_each(void)
     expect_factor(LAST, JP_GROUND_ROLLING, JP_Q16(0.1));
 }
 
+/* They roll nowhere. */
+static void test_turns_on_the_spot_teach_friction_alone(void)
+{
+    truth[1][JP_GROUND_FRICTION] = JP_Q16(1.6);
+    for (unsigned i = 0; i < 40U; i++) {
+        parts[1][JP_GROUND_FRICTION] = draw(JP_Q16(5), JP_Q16(40));
+        expect_leg();
+        (void)learn(true_energy());
+    }
+    expect_factor(1, JP_GROUND_FRICTION, JP_Q16(0.05));
+    expect_factor(1, JP_GROUND_ROLLING, 0);
+    expect_factor(2, JP_GROUND_FRICTION, 0);
+}
+
 static void test_deviations_shrink_where_it_has_been(void)
 {
     jp_q16 been[FACTORS];

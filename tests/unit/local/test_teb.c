@@ -239,6 +239,25 @@ static void test_clearance_is_that_of_the_band(void)
     TEST_ASSERT_NEAR(2e-3f, 0.5f, result.clearance);
 }
 
+/* Whatever drives away is no wall. */
+static void test_clearance_is_that_of_what_stands(void)
+{
+    static const struct jp_plane_point velocities[] = {{-0.1f, 0.0f}, {0.1f, 0.0f}, {0.0f, -0.1f}, {0.0f, 0.1f}};
+
+    for (unsigned i = 0; i < sizeof velocities / sizeof velocities[0]; i++) {
+        const struct jp_obstacle mover = {
+            .vertices = {{0.0f, 0.9f}}, .vertex_count = 1, .radius = 0.1f, .velocity = velocities[i]};
+
+        rig_reset();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&obstacles, &mover));
+        plan_well();
+        TEST_ASSERT_TRUE(result.clearance == JP_OBSTACLE_NONE);
+        rig_disc(0.0f, -1.1f, 0.1f); /* 0.7 m from the footprint, farther than the mover */
+        plan_well();
+        TEST_ASSERT_NEAR(2e-3f, 0.7f, result.clearance);
+    }
+}
+
 static void test_far_end_of_the_band_may_still_be_blocked(void)
 {
     rig_box(4.0f, -2.0f, 4.5f, 2.0f);

@@ -12,7 +12,7 @@ static const struct jp_lattice *const lattices[] = {&jp_lattice_zhang2018, &jp_l
 enum { LATTICES = sizeof lattices / sizeof lattices[0] };
 
 static struct jp_terrain terrain;
-static uint64_t block[SIDE * SIDE];
+static uint64_t block[SIDE * SIDE / 3];
 
 /* A lattice to damage. */
 static struct jp_lattice copy;
@@ -199,6 +199,18 @@ static void test_check_of_the_cells_of_the_wheels(void)
     copy.sides[0].dx = INT8_MAX;
     expect_bad("sides");
     copy.sides[JP_MOVE_DIRECTIONS - 1U].dy = -INT8_MAX;
+    expect_bad("sides");
+}
+
+/* Of a core that is its first row alone, on one side of the robot. */
+static void test_check_of_the_cells_of_wheels_that_are_not_opposite(void)
+{
+    const struct jp_span *row = &copy.spans[copy.core.first_span];
+
+    copy.core.span_count = 1;
+    copy.sides[0] = (struct jp_cell_offset){0, row->y};
+    TEST_ASSERT_TRUE(jp_lattice_core_holds(&copy, 0, row->y));
+    TEST_ASSERT_FALSE(jp_lattice_core_holds(&copy, 0, -row->y));
     expect_bad("sides");
 }
 
@@ -397,6 +409,84 @@ static void test_costs_of_cells_multiply(void)
     (void)jp_terrain_set_cost(&costly, 4, 1, 255); /* not on it */
     TEST_ASSERT_EQUAL_UINT32(step * 271 / 16 + step * 21 / 16 + 7 * 271 / 16,
                              jp_lattice_energy(&line, JP_COST_PHYSICAL, &costly, &way, 1, 1));
+}
+
+/* ---- Grounds ---- */
+
+enum { GRASS = 1, MUD = 3, GROUND_SIDE = 8 };
+
+/* The copy is gao2018's, with wheels a cell aside. Grass takes twice as much, and thrice as much of turning; mud the
+ * most there is. */
+static void make_grounds(void)
+{
+    static const uint8_t two_steps[] = {0, 0};
+    const struct jp_terrain_config config = {
+        .width = GROUND_SIDE, .height = GROUND_SIDE, .resolution = JP_Q16(0.2), .has_classes = true};
+    const char *field = NULL;
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_init(&terrain, &config, block, sizeof block, &field));
+    copy = jp_lattice_gao2018;
+    copy.moves = two_steps;
+    copy.sides[0] = (struct jp_cell_offset){0, 1};
+    copy.ground[GRASS] = (struct jp_ground_price){JP_GROUND_ONE, 2U * JP_GROUND_ONE};
+    copy.ground[MUD] = (struct jp_ground_price){JP_GROUND_SHARE_MAX, JP_GROUND_SHARE_MAX};
+}
+
+static void put_ground(int32_t x, int32_t y, uint8_t ground)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_set_class(&terrain, x, y, ground));
+}
+
+/* From (1, 1) to (3, 1); `base` is what turning costs on top. */
+static jp_cost cost_on_grounds(enum jp_cost_kind kind, uint16_t base)
+{
+    const struct jp_primitive way = {.dx = 2, .base = {base, base, base}, .move_count = 2};
+
+    return jp_lattice_energy(&copy, kind, &terrain, &way, 1, 1);
+}
+
+/* Each move by the mean of both sides at both its ends, the base by the largest mean of all, rounded down. */
+static void test_ground_under_the_wheels_charges_moves_and_turning(void)
+{
+    const uint32_t step = jp_move_cost(&jp_lattice_gao2018.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 0);
+
+    make_grounds();
+    TEST_ASSERT_EQUAL_UINT32(2 * step + 10, cost_on_grounds(JP_COST_PHYSICAL, 10));
+    put_ground(2, 1, MUD); /* between the wheels */
+    TEST_ASSERT_EQUAL_UINT32(2 * step + 10, cost_on_grounds(JP_COST_PHYSICAL, 10));
+    put_ground(3, 2, GRASS); /* left at the end */
+    TEST_ASSERT_EQUAL_UINT32(step + (step + step / 4) + 20, cost_on_grounds(JP_COST_PHYSICAL, 10));
+    put_ground(3, 0, GRASS); /* right, too */
+    TEST_ASSERT_EQUAL_UINT32(step + (step + step / 2) + 30, cost_on_grounds(JP_COST_PHYSICAL, 10));
+    put_ground(1, 0, GRASS); /* right at the begin */
+    TEST_ASSERT_EQUAL_UINT32((step + step / 4) + (step + step / 2) + 30, cost_on_grounds(JP_COST_PHYSICAL, 10));
+    put_ground(2, 2, GRASS); /* left in the middle, for both moves */
+    TEST_ASSERT_EQUAL_UINT32((step + step / 2) + (step + 3 * step / 4) + 30, cost_on_grounds(JP_COST_PHYSICAL, 10));
+}
+
+static void test_ground_charges_no_other_kind_of_cost(void)
+{
+    make_grounds();
+    for (unsigned kind = JP_COST_PAPER; kind < (unsigned)JP_COST_KINDS; kind++) {
+        const jp_cost before = cost_on_grounds((enum jp_cost_kind)kind, 10);
+
+        put_ground(1, 2, GRASS);
+        put_ground(3, 0, MUD);
+        TEST_ASSERT_EQUAL_UINT32(before, cost_on_grounds((enum jp_cost_kind)kind, 10));
+        put_ground(1, 2, 0);
+        put_ground(3, 0, 0);
+    }
+}
+
+static void test_what_ground_takes_more_keeps_its_format(void)
+{
+    const uint32_t step = jp_move_cost(&jp_lattice_gao2018.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 0);
+
+    make_grounds();
+    put_ground(1, 2, MUD);
+    put_ground(1, 0, MUD);
+    TEST_ASSERT_EQUAL_UINT32((step + 8 * step) + step + 17 * 3000, cost_on_grounds(JP_COST_PHYSICAL, 3000));
+    TEST_ASSERT_EQUAL_UINT32((step + 8 * step) + step + UINT16_MAX, cost_on_grounds(JP_COST_PHYSICAL, 4000));
 }
 
 static void test_steep_steps_stay_impassable_on_cells_with_costs(void)

@@ -599,6 +599,27 @@ static void test_where_the_wheels_are(void)
     TEST_ASSERT_LESS_THAN_INT(20, tariff.lattice.sides[0].dy);
 }
 
+/* Both are, or none: what one side alone has cells for is no place of wheels. */
+static void test_wheels_stay_within_a_core_that_is_longer_on_one_side(void)
+{
+    static const struct jp_span lopsided = {0, -3, 1};
+    static const struct jp_span even = {0, -3, 3};
+    const char *field = "";
+
+    set_grounds();
+    grounds.half_track = 3 * copy.resolution;
+    copy.core = (struct jp_cells){0, 1};
+    copy.spans = &even;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, &copy, &grounds, &field));
+    TEST_ASSERT_EQUAL_INT(-3, tariff.lattice.sides[4].dx);
+    TEST_ASSERT_EQUAL_INT(3, tariff.lattice.sides[12].dx);
+    copy.spans = &lopsided;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, &copy, &grounds, &field));
+    TEST_ASSERT_EQUAL_INT(-1, tariff.lattice.sides[4].dx);
+    TEST_ASSERT_EQUAL_INT(1, tariff.lattice.sides[12].dx);
+    TEST_ASSERT_EQUAL_INT(0, tariff.lattice.sides[0].dy); /* it has no cells there */
+}
+
 static void test_prices_of_grounds_that_are_refused(void)
 {
     const char *field = "";

@@ -824,17 +824,18 @@ static int64_t cost_of_straight_line(void)
     return jp_line_cost(lattice, &terrain, &from, &to);
 }
 
+/* Another robot's. */
+static struct jp_lattice other;
+
 /* A robot for which climbing is dear. */
 static void make_heavy(void)
 {
-    static struct jp_lattice heavy;
-
-    heavy = jp_lattice_courier24;
+    other = jp_lattice_courier24;
     for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
-        heavy.move_costs[JP_COST_PHYSICAL][move].climb.linear += 20 * 65536;
-        heavy.move_costs[JP_COST_PHYSICAL][move].bend = 0;
+        other.move_costs[JP_COST_PHYSICAL][move].climb.linear += 20 * 65536;
+        other.move_costs[JP_COST_PHYSICAL][move].bend = 0;
     }
-    lattice = &heavy;
+    lattice = &other;
 }
 
 /* Where the plan goes round a hill lines do not lead over it. */
@@ -868,6 +869,35 @@ static void test_lines_do_not_lead_over_what_is_too_steep(void)
     plan_route(&west, &east);
     TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join_from_pose(&west));
     TEST_ASSERT_GREATER_THAN_UINT16(1, course.count);
+}
+
+/* Level, with mud across the straight way, up to its south end, that takes so much more. */
+static void make_mud(uint16_t price)
+{
+    enum { MUD = 2 };
+
+    other = jp_lattice_courier24;
+    other.ground[MUD] = (struct jp_ground_price){price, price};
+    lattice = &other;
+    map = (struct jp_terrain_config){
+        .width = SIDE, .height = SIDE, .resolution = lattice->resolution, .has_classes = true};
+    make_level_map(&map);
+    for (int32_t y = 14; y < SIDE; y++) {
+        for (int32_t x = 9; x < 15; x++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, x, y, MUD));
+        }
+    }
+}
+
+static void test_lines_do_not_cut_through_the_mud_that_the_plan_avoids(void)
+{
+    make_mud(0);
+    join_west();
+    TEST_ASSERT_EQUAL_UINT16(1, course.count);
+    make_mud(4U * JP_GROUND_ONE);
+    join_west();
+    TEST_ASSERT_GREATER_THAN_UINT16(1, course.count);
+    TEST_ASSERT_TRUE(cost_of_course() < cost_of_straight_line());
 }
 
 static void test_a_leg_begins_elsewhere(void)

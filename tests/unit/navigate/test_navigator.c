@@ -496,3 +496,23 @@ static void test_the_vehicle_knows_the_ground(void)
     TEST_ASSERT_EQUAL_INT32(map.resolution, robot.ground->spacing);
     TEST_ASSERT_EQUAL_INT(0, robot.ground->class_at(robot.ground->context, &ahead));
 }
+
+/* Level, so that only what it is tells it apart. */
+static void test_the_vehicle_knows_the_classes_of_the_ground(void)
+{
+    const struct jp_point ahead = {JP_Q16(0.4), JP_Q16(-0.3)};
+
+    map.has_classes = true;
+    make_level_map(&map);
+    origin.heading = QUARTER_TURN;
+    begin(18, 15);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    const struct jp_point place = {origin.point.x - ahead.y, origin.point.y + ahead.x};
+
+    TEST_ASSERT_NOT_NULL(robot.ground);
+    TEST_ASSERT_EQUAL_PTR(robot.run.ground, robot.ground);
+    TEST_ASSERT_EQUAL_INT(0, robot.ground->class_at(robot.ground->context, &ahead));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, place.x / map.resolution, place.y / map.resolution, 3));
+    TEST_ASSERT_EQUAL_INT(3, robot.ground->class_at(robot.ground->context, &ahead));
+    TEST_ASSERT_EQUAL_INT32(0, robot.ground->elevation(robot.ground->context, &ahead));
+}
