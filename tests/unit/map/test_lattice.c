@@ -208,7 +208,9 @@ static void test_check_of_the_cells_of_wheels_that_are_not_opposite(void)
     const struct jp_span *row = &copy.spans[copy.core.first_span];
 
     copy.core.span_count = 1;
-    copy.sides[0] = (struct jp_cell_offset){0, row->y};
+    for (unsigned i = 0; i < (unsigned)JP_MOVE_DIRECTIONS; i++) {
+        copy.sides[i] = (struct jp_cell_offset){0, row->y};
+    }
     TEST_ASSERT_TRUE(jp_lattice_core_holds(&copy, 0, row->y));
     TEST_ASSERT_FALSE(jp_lattice_core_holds(&copy, 0, -row->y));
     expect_bad("sides");
