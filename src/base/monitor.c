@@ -65,11 +65,16 @@ static bool gyro_beyond(const struct jp_monitor_config *config, const struct jp_
     return either_beyond(sensors->pitch_rate, sensors->yaw_rate, config->gyro_limit);
 }
 
+static bool accel_beyond(const struct jp_monitor_config *config, const struct jp_sensors *sensors)
+{
+    return either_beyond(sensors->accel_x, sensors->accel_z, config->accel_limit);
+}
+
 static uint16_t ranges(const struct jp_monitor_config *config, const struct jp_sensors *sensors)
 {
     unsigned faults = 0;
 
-    if (gyro_beyond(config, sensors) || either_beyond(sensors->accel_x, sensors->accel_z, config->accel_limit)) {
+    if (gyro_beyond(config, sensors) || accel_beyond(config, sensors)) {
         faults |= JP_FAULT_IMU_RANGE;
     }
     if (either_beyond(sensors->current_left, sensors->current_right, config->current_limit)) {
@@ -98,13 +103,13 @@ static uint16_t jumps(const struct jp_monitor_config *config, const struct jp_se
 }
 
 /** What motors and tyres cannot do within a tick: specific force that changes by more than the weight, or leaves the
- *  range. */
+ *  range, which `ranges` then has found. */
 static bool feels_impact(const struct jp_monitor_config *config, const struct jp_sensors *before,
-                         const struct jp_sensors *sensors)
+                         const struct jp_sensors *sensors, unsigned ranges)
 {
     return either_beyond(jp_sub(sensors->accel_x, before->accel_x), jp_sub(sensors->accel_z, before->accel_z),
                          JP_Q24_ONE) ||
-           either_beyond(sensors->accel_x, sensors->accel_z, config->accel_limit);
+           ((ranges & (unsigned)JP_FAULT_IMU_RANGE) != 0U && accel_beyond(config, sensors));
 }
 
 /** True while an impact explains what the IMU says: from the tick after it began, for `residual_ticks`. The next one
@@ -113,11 +118,14 @@ static bool is_shaken(struct jp_monitor *monitor, uint16_t limit, bool impact)
 {
     const bool began_before = monitor->shaken_ticks != 0U;
 
+    if (!began_before && !impact) {
+        return false;
+    }
     if (jp_count_in_a_row(&monitor->calm_ticks, !impact, limit)) {
         monitor->shaken_ticks = 0;
         return false;
     }
-    return !jp_count_in_a_row(&monitor->shaken_ticks, began_before || impact, limit) && began_before;
+    return !jp_count_in_a_row(&monitor->shaken_ticks, true, limit) && began_before;
 }
 
 /** True once one channel has repeated itself to the bit for so long. */
@@ -133,28 +141,32 @@ static bool watch_for_frozen_imu(struct jp_monitor *monitor, uint16_t limit, con
     return pitch_rate || yaw_rate || accel_x || accel_z;
 }
 
-/** Takes a frame; a specific force that an impact drives out of its range is the range's end. */
-static void take(struct jp_monitor *monitor, jp_q24 limit, const struct jp_sensors *sensors)
+/** Whether an impact explains all that is wrong with the IMU; what it drives out of its range is the range's end. */
+static bool is_explained(struct jp_monitor *monitor, const struct jp_monitor_config *config,
+                         const struct jp_sensors *sensors, unsigned suspected)
 {
-    monitor->good = *sensors;
-    monitor->good.accel_x = jp_clamp32(sensors->accel_x, -limit, limit);
-    monitor->good.accel_z = jp_clamp32(sensors->accel_z, -limit, limit);
-    monitor->started = true;
+    const bool impact = feels_impact(config, &monitor->good, sensors, suspected);
+
+    return is_shaken(monitor, config->residual_ticks, impact) && !gyro_beyond(config, sensors);
+}
+
+static void limit_forces(struct jp_sensors *sensors, jp_q24 limit)
+{
+    sensors->accel_x = jp_clamp32(sensors->accel_x, -limit, limit);
+    sensors->accel_z = jp_clamp32(sensors->accel_z, -limit, limit);
 }
 
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
                             const struct jp_sensors *sensors)
 {
     unsigned suspected = read == JP_OK ? ranges(config, sensors) : (unsigned)JP_FAULT_HARDWARE;
-    const unsigned explained = JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP; /* by an impact */
+    bool explained = false;
     bool frozen = false;
 
     if (read == JP_OK && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
-        if (is_shaken(monitor, config->residual_ticks, feels_impact(config, &monitor->good, sensors)) &&
-            !gyro_beyond(config, sensors)) {
-            suspected &= ~explained;
-        }
+        explained = is_explained(monitor, config, sensors, suspected);
+        suspected &= explained ? ~((unsigned)JP_FAULT_IMU_RANGE | (unsigned)JP_FAULT_IMU_JUMP) : ~0U;
         frozen = config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
     }
 
@@ -163,7 +175,11 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
     bool confirmed = jp_count_in_a_row(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
 
     if (suspected == 0U) {
-        take(monitor, config->accel_limit, sensors);
+        monitor->good = *sensors;
+        monitor->started = true;
+        if (explained) {
+            limit_forces(&monitor->good, config->accel_limit);
+        }
     } else {
         monitor->dropped_frames++;
     }
