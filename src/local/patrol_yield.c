@@ -290,14 +290,37 @@ static void slow_down(struct jp_patrol *patrol, float wanted, float speed)
     patrol->internal.sideways *= share;
 }
 
-/* The nearer something is, the slower: within its clearance the robot could stop. */
+/* Where the robot is once it has gone so far as it goes now, m. */
+static struct jp_plane_pose pose_after(const struct jp_patrol *patrol, float wanted, float way)
+{
+    const float time = way / wanted;
+    const struct jp_plane_pose step = {time * patrol->internal.command.forward, time * patrol->internal.sideways,
+                                       time * patrol->internal.command.turn_rate};
+
+    return jp_plane_compose(&patrol->pose, &step);
+}
+
+/* The nearer something is on its way, the slower: it could stop before it came nearer than in a turn on the spot. What
+ * it passes at the same distance does not slow it. */
 static void heed_clearance(struct jp_patrol *patrol)
 {
+    const struct jp_patrol_config *const config = &patrol->config;
     const float wanted = jp_plane_length(patrol->internal.command.forward, patrol->internal.sideways);
-    const float clearance = jp_plane_larger(jp_patrol_clearance(patrol, &patrol->pose), CLEARANCE_MIN);
-    const float most = jp_patrol_stopping_speed(&patrol->config, patrol->config.people.braking, clearance);
 
-    if (wanted > most) {
+    if (wanted <= 0.0f) {
+        return;
+    }
+
+    const float delay = config->latency + 0.5f * config->period;
+    const float way = wanted * (delay + 0.5f * wanted / config->people.braking);
+    const struct jp_plane_pose stopped = pose_after(patrol, wanted, way);
+    const float here = jp_patrol_clearance(patrol, &patrol->pose);
+    const float nearer = here - jp_patrol_clearance(patrol, &stopped);
+    const float room = jp_plane_larger(here - config->turn_clearance, CLEARANCE_MIN);
+
+    if (nearer > room) {
+        const float most = jp_patrol_stopping_speed(config, config->people.braking, way * room / nearer);
+
         slow_down(patrol, wanted, most);
     }
 }

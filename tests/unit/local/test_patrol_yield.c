@@ -378,42 +378,67 @@ static void test_tries_are_not_counted_among_people(void)
 
 /* ---- Clearance ---- */
 
-static float speed_beside(float clearance)
+static float speed_before(const struct jp_obstacle *wall, float forward)
 {
-    const struct jp_obstacle wall = {
-        .vertices = {{-3.0f, 0.3f + clearance}, {3.0f, 0.3f + clearance}}, .vertex_count = 2, .radius = 0.0f};
     const struct jp_plane_point here = {0.0f, 0.0f};
 
     jp_obstacles_clear(&patrol.obstacles, &here);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, &wall));
-    patrol.internal.command = (struct jp_plane_speed){FAST, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, wall));
+    patrol.internal.command = (struct jp_plane_speed){forward, 0.0f};
     return yielded();
 }
 
-/* Within its clearance it could stop: v² = 2 a d without a latency, and half a period. */
+/* Across the way, or along it. */
+static float speed_towards(float clearance)
+{
+    const float x = config.teb.footprint.front + clearance;
+    const struct jp_obstacle wall = {.vertices = {{x, -3.0f}, {x, 3.0f}}, .vertex_count = 2, .radius = 0.0f};
+
+    return speed_before(&wall, FAST);
+}
+
+static float speed_beside(float clearance)
+{
+    const float y = config.teb.footprint.half_width + clearance;
+    const struct jp_obstacle wall = {.vertices = {{-3.0f, y}, {3.0f, y}}, .vertex_count = 2, .radius = 0.0f};
+
+    return speed_before(&wall, FAST);
+}
+
+/* It could stop before it came nearer than in a turn on the spot: v² = 2 a d without a latency, and half a period. */
 static void test_the_nearer_the_slower(void)
 {
     float last = 0.0f;
 
-    for (unsigned i = 1; i <= 6U; i++) {
+    for (unsigned i = 1; i <= 10U; i++) {
         const float clearance = 0.1f * (float)i;
-        const float speed = speed_beside(clearance);
+        const float speed = speed_towards(clearance);
         const float way = speed * 0.5f * RIG_PERIOD + 0.5f * speed * speed / config.people.braking;
+        const float room = clearance - config.turn_clearance;
 
         TEST_ASSERT_TRUE(speed >= last);
-        TEST_ASSERT_TRUE(way <= clearance + 0.5f * config.scan.tolerance + 1.0e-3f);
-        TEST_ASSERT_TRUE(speed == FAST || way > clearance - 1.0e-3f);
+        TEST_ASSERT_TRUE(way <= jp_plane_larger(room, 0.05f) + 0.5f * config.scan.tolerance + 1.0e-3f);
+        TEST_ASSERT_TRUE(speed == FAST || way > room - 1.0e-3f);
         last = speed;
     }
     TEST_ASSERT_TRUE(last == FAST);
-    TEST_ASSERT_TRUE(speed_beside(0.1f) < 0.6f * FAST);
+    TEST_ASSERT_TRUE(speed_towards(0.1f) < 0.6f * FAST);
 }
 
-/* It may get away from what it touches. */
+static void test_what_it_passes_or_leaves_does_not_slow_it(void)
+{
+    const float x = -config.teb.footprint.rear - 0.1f;
+    const struct jp_obstacle behind = {.vertices = {{x, -3.0f}, {x, 3.0f}}, .vertex_count = 2, .radius = 0.0f};
+
+    TEST_ASSERT_TRUE(speed_beside(0.1f) == FAST);
+    TEST_ASSERT_TRUE(speed_before(&behind, FAST) == FAST);
+}
+
+/* It may get away from what it touches, and creep. */
 static void test_at_a_touch_it_creeps(void)
 {
-    const float speed = speed_beside(-0.02f);
+    const float speed = speed_towards(0.0f);
 
     TEST_ASSERT_TRUE(speed > 0.1f && speed < 0.4f);
-    TEST_ASSERT_NEAR(NEAR, speed, speed_beside(0.0f));
+    TEST_ASSERT_NEAR(0.02f, speed, speed_towards(0.03f));
 }
