@@ -79,7 +79,7 @@ SECTIONS = (
     Section("Energy models", "", r"identify(_battery)?"),
     Section("Battery", "", r"battery"),
     Section("Controller", "", r"bench_controller"),
-    Section("The patrol robot", "", r"bench_(patrol|joules|goals)|patrol_energy"),
+    Section("The patrol robot", "", r"bench_(patrol|patrol_round|joules|goals)|patrol_energy"),
     Section("The patrol robot by scene", "Improved band / plain band / pure pursuit. Pursuit has arrived at the goal "
             "whatever its heading. Times and energies are the means of those that arrived.", blocks=("patrol",)),
     Section("Skid steer, driven", "Plans on the 20 scenes, driven in closed loop over their hills; energies by the plant's "
