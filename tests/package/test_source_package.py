@@ -36,7 +36,8 @@ def sources_of(package, place, robots, library="joulepath"):
 
 def test_it_holds_what_firmware_needs_and_no_more(package):
     assert sorted(path.name for path in package.iterdir()) == [
-        "CMakeLists.txt", "LICENSE", "README.md", "hal", "include", "library.json", "src", "zephyr"]
+        "CMakeLists.txt", "LICENSE", "README.md", "examples", "hal", "idf_component.yml", "include", "library.json",
+        "src", "zephyr"]
     folders = {str(path.relative_to(package)) for path in (package / "hal").iterdir() if path.is_dir()}
     assert folders == {"hal/app", "hal/can", "hal/skeleton", "hal/storage"}
     for folder in ("include/joulepath", "src", "hal/app", "hal/can", "hal/storage"):

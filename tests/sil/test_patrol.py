@@ -268,7 +268,7 @@ def test_memory_that_runs_out_at_any_place(tmp_path):
     side = 400
     path = write_map(tmp_path / "hall.json", ["." * side] * side)
     ends = set()
-    for limit in range(384 << 10, 8 << 20, 64 << 10):  # from what starts the program
+    for limit in range(3 << 20, 16 << 20, 128 << 10):  # from what starts the program
         result = patrol(tmp_path / "out", *on_map(path, "4,3,0", "4,3,0"), "--method=improved",
                         preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_DATA, (limit, limit)))
         if result.returncode == 0:

@@ -16,6 +16,7 @@ FIGURES = [figure("x: whole tick", 700), figure("x: whole tick, worst", 900),
            figure("x: current check: update, worst of 5", 4600),
            figure("x: slice of 32 expansions of the planner", 70000), figure("x: TEB cycle, 50 poses", 3000000),
            figure("x: slice of 32 expansions of the grid planner, worst of 9", 80000),
+           figure("x: localiser, scan of 360 beams, worst", 656000),
            figure("x: four wheels: tick, worst", 7500), figure("x: pure pursuit: tick, worst", 27000)]
 
 

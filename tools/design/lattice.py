@@ -29,7 +29,7 @@ MOVES = ("axis", "knight", "diagonal")
 
 ROM_MAX = 32 * 1024
 # Bytes on a 32-bit core: struct jp_primitive, an index, a span, struct jp_lattice.
-PRIMITIVE_SIZE, INDEX_SIZE, SPAN_SIZE, LATTICE_SIZE = 20, 2, 3, 580
+PRIMITIVE_SIZE, INDEX_SIZE, SPAN_SIZE, LATTICE_SIZE = 20, 2, 3, 632
 
 UNITS_PER_JOULE = 16  # JP_COST_PER_JOULE
 STEP_UNITS_MIN = 5  # of a step, below which it is said that rounding shows
