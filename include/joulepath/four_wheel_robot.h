@@ -160,7 +160,7 @@ void jp_four_wheel_robot_control(struct jp_four_wheel_robot *self, enum jp_statu
 void jp_four_wheel_robot_account(struct jp_four_wheel_robot *self);
 
 /** What jp_four_wheel_robot_resume() needs; after any tick and in its context. Constant time. */
-void jp_four_wheel_robot_snapshot(const struct jp_four_wheel_robot *robot, struct jp_four_wheel_snapshot *snapshot);
+void jp_four_wheel_robot_snapshot(const struct jp_four_wheel_robot *self, struct jp_four_wheel_snapshot *snapshot);
 
 /** Between init and the first tick, after a reset in motion: odometry, meter and set-points go on, and the robot brakes
  *  to a stand, enabled. False, and nothing changed: the drives did not run, or it is not this robot's. */

@@ -349,7 +349,7 @@ static void integrate(struct jp_four_wheel_robot_internal *robot, uint16_t ticks
     const int32_t across = jp_divide((int64_t)odometry->twist.y * 256, rate);
 
     odometry->x += (int64_t)ticks * turned(cosine, sine, along, across);
-    odometry->y += (int64_t)ticks * turned(sine, -cosine, along, across);
+    odometry->y += (int64_t)ticks * turned(sine, cosine, along, -across);
     odometry->heading += turn;
 }
 

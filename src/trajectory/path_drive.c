@@ -372,8 +372,9 @@ static jp_q24 move_in_turn(const struct jp_path_drive_internal *d, jp_radians_pe
         return 0;
     }
     const jp_q24 move = jp_q24_multiply(MOVE_MAX, room);
+    const bool turns_left = turn_rate > 0;
 
-    return slides_left == (turn_rate > 0) ? move : -move;
+    return slides_left == turns_left ? move : -move;
 }
 
 /** No faster than speeds may be corrected. */

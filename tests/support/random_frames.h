@@ -35,9 +35,15 @@ static const struct message {
     uint8_t data_id; /**< 0: not protected by itself */
 } messages[] = {
     {0x010, 8, FROM_ECU, JP_DATA_ID_MOTOR_COMMAND},
+    {0x011, 8, FROM_ECU, 0},
     {0x020, 8, TO_ECU, 0},
     {0x021, 8, TO_ECU, 0},
     {0x022, 8, TO_ECU, 0},
+    {0x023, 8, OTHERS, 0}, /* these five to a robot with four steered wheels */
+    {0x024, 8, OTHERS, 0},
+    {0x030, 4, OTHERS, 0},
+    {0x031, 8, OTHERS, 0},
+    {0x032, 8, OTHERS, 0},
     {0x100, 4, OPERATORS, JP_DATA_ID_OPERATOR_COMMAND},
     {0x101, 8, OPERATORS, JP_DATA_ID_ROUTE_OFFER},
     {0x102, 8, OPERATORS, JP_DATA_ID_WAYPOINT},
@@ -72,6 +78,8 @@ static const struct message {
     {0x197, 8, FROM_ECU, 0},
     {0x198, 8, FROM_ECU, 0},
     {0x199, 8, FROM_ECU, 0},
+    {0x19A, 8, FROM_ECU, 0},
+    {0x19B, 8, FROM_ECU, 0},
 };
 #define MESSAGES (sizeof messages / sizeof messages[0])
 

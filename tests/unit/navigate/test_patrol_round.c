@@ -329,6 +329,18 @@ static void test_with_too_little_for_the_next_place_it_goes_home_instead(void)
     pass_until(JP_ROUND_CHARGING);
 }
 
+static void test_with_too_little_after_a_stay_it_goes_home(void)
+{
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_DWELLING);
+    available = 300.0f;
+    config.full = 300.0f;
+    pass_until_not(JP_ROUND_DWELLING);
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+    pass_until(JP_ROUND_CHARGING);
+}
+
 static void test_it_does_not_try_for_ever(void)
 {
     begin();
