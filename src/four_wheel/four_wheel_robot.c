@@ -326,9 +326,10 @@ void jp_four_wheel_robot_control(struct jp_four_wheel_robot *self, enum jp_statu
 
 /* The rest of the tick. */
 
-static int64_t turned(jp_q31 cosine, jp_q31 sine, int32_t along, int32_t across)
+/** Of a motion, what goes along an axis: so much of what goes ahead, less so much of what goes to the left. */
+static int64_t along_axis(jp_q31 of_ahead, jp_q31 of_left, int32_t ahead, int32_t left)
 {
-    return jp_round_shift64(jp_multiply(cosine, along) - jp_multiply(sine, across), 31);
+    return jp_round_shift64(jp_multiply(of_ahead, ahead) - jp_multiply(of_left, left), 31);
 }
 
 /** By the mean twist of so many ticks. */
@@ -345,11 +346,11 @@ static void integrate(struct jp_four_wheel_robot_internal *robot, uint16_t ticks
     const jp_q31 cosine = jp_cos(middle);
     const jp_q31 sine = jp_sin(middle);
     /* Q32 of a tick */
-    const int32_t along = jp_divide((int64_t)odometry->twist.x * 256, rate);
-    const int32_t across = jp_divide((int64_t)odometry->twist.y * 256, rate);
+    const int32_t ahead = jp_divide((int64_t)odometry->twist.x * 256, rate);
+    const int32_t left = jp_divide((int64_t)odometry->twist.y * 256, rate);
 
-    odometry->x += (int64_t)ticks * turned(cosine, sine, along, across);
-    odometry->y += (int64_t)ticks * turned(sine, cosine, along, -across);
+    odometry->x += (int64_t)ticks * along_axis(cosine, sine, ahead, left);
+    odometry->y += (int64_t)ticks * along_axis(sine, cosine, ahead, -left);
     odometry->heading += turn;
 }
 
