@@ -4,22 +4,22 @@
 #include <joulepath/skid_energy.h>
 
 const struct jp_skid_energy_model jp_skid_energy_burger = {
-    .half_track = 1318403,       /* 0.07858293 m */
+    .half_track = 1318340,       /* 0.07857919 m */
     .weight = 642689,            /* 9.80665 N */
-    .rolling = 2289593,          /* 0.1364704 */
+    .rolling = 2289585,          /* 0.1364699 */
     .friction = 13421773,        /* 0.8 */
-    .turning = 61194,            /* 0.003647448 */
-    .yielding = 234710361,       /* 13.98983 1/m */
-    .scrub = 410412,             /* 0.02446247 m */
+    .turning = 61261,            /* 0.00365145 */
+    .yielding = 234370372,       /* 13.96956 1/m */
+    .scrub = 411013,             /* 0.02449828 m */
     .easing = 67108864,          /* 4 */
-    .bank_easing = 67108863,     /* 4 */
+    .bank_easing = 67108862,     /* 4 */
     .tilting = 0,                /* 0 */
     .inertia = 12273497,         /* 0.7315574 s²/m */
     .turn_inertia = 449667,      /* 0.02680223 s² */
-    .driving = 32195230,         /* 1.918985 */
-    .braking = 7281849,          /* 0.434032 */
-    .copper_driving = 50687,     /* 0.7734205 W */
-    .copper_braking = 73922,     /* 1.127956 W */
-    .electronics_power = 491673, /* 7.502327 W */
+    .driving = 32195457,         /* 1.918999 */
+    .braking = 7277978,          /* 0.4338013 */
+    .copper_driving = 50681,     /* 0.7733298 W */
+    .copper_braking = 73549,     /* 1.122267 W */
+    .electronics_power = 491672, /* 7.502326 W */
     .unit_exponent = 1,          /* energies are in units of 2 J */
 };

@@ -18,8 +18,9 @@ JP_SKID_IDENTIFY = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve() / 
 TABLES = ROOT / "src" / "tables"
 ROBOTS = sorted(path.stem.removeprefix("skid_energy_") for path in TABLES.glob("skid_energy_*.c"))
 
-# Another libm may round the simulated robot's sines differently; the fits move by less than this share.
-TOLERANCE = 1e-3
+# The robot drives corners as the tables that it has round them, so that tables made by its own tables move a little:
+# where a corner changes its shape, by half a per cent.
+TOLERANCE = 1e-2
 
 CORE = """
 #include <joulepath/skid_learner.h>
