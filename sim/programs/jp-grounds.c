@@ -3,38 +3,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
 #include "sim/missions/ground_trips.h"
+#include "sim/missions/plan_arguments.h"
 #include "sim/missions/plan_lattice.h"
 #include "sim/skid_steer/skid_robots.h"
 
 /** Exit code when the outputs were written but a trip did not arrive, or touched something. */
 #define NOT_ARRIVED_EXIT 1
 
-#define MEMORY_KIB     1024
-#define MEMORY_KIB_MAX 1048576
-#define TRIPS          6
-#define TRIPS_MAX      1000
+#define MEMORY_KIB 1024
+#define TRIPS      6
+#define TRIPS_MAX  1000
 
 /** Between two points of a track, s. */
 #define TRACK_PERIOD 0.5
 
-enum { OPTION_START = COMMAND_LINE_OWN, OPTION_GOAL, OPTION_MEMORY, OPTION_TRIPS };
+enum { OPTION_TRIPS = PLAN_OPTION_OWN };
 
 enum { KEEPS, KEEPS_NOT, MEMORIES };
 static const char *const memory_names[MEMORIES] = {"kept", "not_kept"};
 
 struct arguments {
-    const char *map_path;
-    struct command_line common;
-    struct plan_place start;
-    struct plan_place goal;
-    bool has_start;
-    bool has_goal;
+    struct plan_arguments plan; /* first: plan_arguments_take() looks at it */
     unsigned trips;
-    size_t memory; /* bytes */
 };
 
 /* Where a robot was on a trip. */
@@ -46,53 +39,16 @@ struct track {
 
 /* ---- Command line ---- */
 
-static void parse_place(const char *option, const char *text, struct plan_place *place, struct argp_state *state)
-{
-    if (!plan_place_parse(text, place)) {
-        command_line_refuse(state, "%s %s: must be X,Y or X,Y,DEGREES", option, text);
-    }
-}
-
-static void check(const struct arguments *arguments, struct argp_state *state)
-{
-    if (arguments->map_path == NULL || arguments->common.robot[0] == '\0') {
-        command_line_refuse(state, "a map and --robot are needed");
-    }
-    if (arguments->has_start != arguments->has_goal) {
-        command_line_refuse(state, "give both --start and --goal, or neither");
-    }
-    if (arguments->has_start && !arguments->start.has_heading) {
-        command_line_refuse(state, "--start: must be X,Y,DEGREES");
-    }
-}
-
 static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case OPTION_START:
-        parse_place("--start", argument, &arguments->start, state);
-        arguments->has_start = true;
-        return 0;
-    case OPTION_GOAL:
-        parse_place("--goal", argument, &arguments->goal, state);
-        arguments->has_goal = true;
-        return 0;
-    case OPTION_MEMORY:
-        arguments->memory = (size_t)command_line_whole(state, "--memory", argument, 1, MEMORY_KIB_MAX) * 1024;
-        return 0;
     case OPTION_TRIPS:
         arguments->trips = (unsigned)command_line_whole(state, "--trips", argument, 1, TRIPS_MAX);
         return 0;
-    case ARGP_KEY_ARG:
-        command_line_take(state, "map", argument, &arguments->map_path);
-        return 0;
-    case ARGP_KEY_END:
-        check(arguments, state);
-        return 0;
     default:
-        return command_line_option(key, argument, state, &arguments->common);
+        return plan_arguments_take(key, argument, state);
     }
 }
 
@@ -102,8 +58,10 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 static bool prepare(const struct arguments *arguments, const struct lattice_robot *robot, const struct map_file *map,
                     struct ground_trips_task *task)
 {
-    *task = (struct ground_trips_task){
-        .robot = robot, .map = map, .lattice = plan_lattice_for_navigation(robot->name), .memory = arguments->memory};
+    *task = (struct ground_trips_task){.robot = robot,
+                                       .map = map,
+                                       .lattice = plan_lattice_for_navigation(robot->name),
+                                       .memory = arguments->plan.memory};
     if (robot->balancer.model != NULL || task->lattice == NULL || skid_robot_built_in(robot->name) == NULL) {
         error_line("%s: it is no robot of skid steer or differential drive with a lattice for finding its way; give "
                    "zhang2018 or burger",
@@ -111,12 +69,11 @@ static bool prepare(const struct arguments *arguments, const struct lattice_robo
         return false;
     }
     if (!map->terrain.config.has_classes) {
-        error_line("%s: tells no grounds apart; give a map with a key class", arguments->map_path);
+        error_line("%s: tells no grounds apart; give a map with a key class", arguments->plan.map_path);
         return false;
     }
-    return plan_lattice_fits(arguments->map_path, map, task->lattice) &&
-           (arguments->has_start ? plan_task_set(map, task->lattice, &arguments->start, &arguments->goal, &task->places)
-                                 : plan_task_choose(map, task->lattice, &task->places));
+    return plan_lattice_fits(arguments->plan.map_path, map, task->lattice) &&
+           plan_arguments_task(&arguments->plan, map, task->lattice, &task->places);
 }
 
 /* ---- Outputs ---- */
@@ -195,7 +152,7 @@ static bool go(const struct arguments *arguments, const struct ground_trips_task
         struct track track = {.map = task->map, .points = json_array()};
         struct ground_trip trip;
 
-        again.seed = arguments->common.seed + i;
+        again.seed = arguments->plan.common.seed + i;
         if (!ground_trip_drive(&again, &memory, keep_point, &track, &trip)) {
             json_decref(track.points);
             return false;
@@ -213,8 +170,8 @@ static int compare(const struct arguments *arguments, const struct ground_trips_
     struct ground_take truth[JP_GROUND_CLASSES];
     json_t *trips[MEMORIES];
     bool all_right = true;
-    bool is_done = output_directory(arguments->common.output);
-    char *path = realpath(arguments->map_path, NULL);
+    bool is_done = output_directory(arguments->plan.common.output);
+    char *path = realpath(arguments->plan.map_path, NULL);
 
     ground_trips_truth(task->robot, task->map, truth);
     (void)printf("trip  classes    outcome       energy J  forecast   on 0, m   on 1, m   on 2, m   on 3, m\n");
@@ -226,15 +183,15 @@ static int compare(const struct arguments *arguments, const struct ground_trips_
         is_done = is_done && go(arguments, &own, memory_names[i], trips[i], &all_right);
     }
     json_t *summary = json_pack("{s:s, s:s, s:I, s:o, s:o, s:o}", "robot", task->robot->name, "map",
-                                path != NULL ? path : arguments->map_path, "seed", (json_int_t)arguments->common.seed,
-                                "grounds", json_grounds(task->map, truth), memory_names[KEEPS], trips[KEEPS],
-                                memory_names[KEEPS_NOT], trips[KEEPS_NOT]);
+                                path != NULL ? path : arguments->plan.map_path, "seed",
+                                (json_int_t)arguments->plan.common.seed, "grounds", json_grounds(task->map, truth),
+                                memory_names[KEEPS], trips[KEEPS], memory_names[KEEPS_NOT], trips[KEEPS_NOT]);
 
     free(path);
     if (!is_done) {
         json_decref(summary);
     }
-    if (!is_done || !output_json(arguments->common.output, "summary.json", summary) || !output_commit()) {
+    if (!is_done || !output_json(arguments->plan.common.output, "summary.json", summary) || !output_commit()) {
         output_discard();
         return ERROR_EXIT;
     }
@@ -245,10 +202,9 @@ int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         OPTION_ROBOT(""),
-        {"start", OPTION_START, "X,Y,DEG", 0, "m in the map's frame; the nearest of 16 headings (default: chosen)", 0},
-        {"goal", OPTION_GOAL, "X,Y[,DEG]", 0, "likewise; any heading unless one is given (default: chosen)", 0},
+        PLAN_OPTION_PLACES,
         {"trips", OPTION_TRIPS, "N", 0, "from start to goal (6)", 0},
-        {"memory", OPTION_MEMORY, "KIB", 0, "the planner's block (default: 1024)", 0},
+        PLAN_OPTION_BLOCK(" (default: 1024)"),
         OPTION_SEED("of the noise of the first trip; one more with each"),
         OPTION_OUTPUT("build/grounds"),
         {0},
@@ -266,12 +222,14 @@ int main(int argc, char **argv)
         NULL};
     static struct lattice_robot robot;
     struct arguments arguments = {
-        .common = {.output = "build/grounds", .seed = 1}, .trips = TRIPS, .memory = (size_t)MEMORY_KIB * 1024};
+        .plan = {.common = {.output = "build/grounds", .seed = 1}, .memory = (size_t)MEMORY_KIB * 1024},
+        .trips = TRIPS,
+    };
     struct ground_trips_task task;
     struct map_file map;
 
     command_line_parse(&argp, argc, argv, &arguments);
-    if (!lattice_robot_load(arguments.common.robot, &robot) || !map_file_load(arguments.map_path, &map)) {
+    if (!lattice_robot_load(arguments.plan.common.robot, &robot) || !map_file_load(arguments.plan.map_path, &map)) {
         return ERROR_EXIT;
     }
     const int status = prepare(&arguments, &robot, &map, &task) ? compare(&arguments, &task) : ERROR_EXIT;

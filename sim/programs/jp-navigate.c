@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
 #include "sim/bus/bus_open.h"
@@ -19,41 +18,27 @@
 #include "sim/missions/navigation_sight.h"
 #include "sim/missions/navigation_skid.h"
 #include "sim/missions/navigation_world.h"
+#include "sim/missions/plan_arguments.h"
 #include "sim/missions/plan_lattice.h"
 
 /** Exit code when the outputs were written but the robot did not arrive, or touched something. */
 #define NOT_ARRIVED_EXIT 1
 
-#define MEMORY_KIB     1024
-#define MEMORY_KIB_MAX 1048576
-#define BOXES          6
-#define BOXES_MAX      1000
-#define VIEW           2.5
-#define SECONDS_MAX    3600
+#define MEMORY_KIB  1024
+#define BOXES       6
+#define BOXES_MAX   1000
+#define VIEW        2.5
+#define SECONDS_MAX 3600
 
 #define IN_PROCESS  "in-process"
 #define FRAMES_NAME "frames.log"
 
-enum {
-    OPTION_START = COMMAND_LINE_OWN,
-    OPTION_GOAL,
-    OPTION_MEMORY,
-    OPTION_BOXES,
-    OPTION_VIEW,
-    OPTION_PATIENCE,
-    OPTION_FRAMES
-};
+enum { OPTION_BOXES = PLAN_OPTION_OWN, OPTION_VIEW, OPTION_PATIENCE, OPTION_FRAMES };
 
 struct arguments {
-    const char *map_path;
-    struct command_line common;
-    struct plan_place start;
-    struct plan_place goal;
-    bool has_start;
-    bool has_goal;
+    struct plan_arguments plan; /* first: plan_arguments_take() looks at it */
     unsigned boxes;
     double view_m;
-    size_t memory;   /* bytes */
     const char *bus; /* NULL: no ECU, but the navigator itself */
     unsigned patience;
     bool frames; /* are logged */
@@ -61,24 +46,8 @@ struct arguments {
 
 /* ---- Command line ---- */
 
-static void parse_place(const char *option, const char *text, struct plan_place *place, struct argp_state *state)
-{
-    if (!plan_place_parse(text, place)) {
-        command_line_refuse(state, "%s %s: must be X,Y or X,Y,DEGREES", option, text);
-    }
-}
-
 static void check(const struct arguments *arguments, struct argp_state *state)
 {
-    if (arguments->map_path == NULL || arguments->common.robot[0] == '\0') {
-        command_line_refuse(state, "a map and --robot are needed");
-    }
-    if (arguments->has_start != arguments->has_goal) {
-        command_line_refuse(state, "give both --start and --goal, or neither");
-    }
-    if (arguments->has_start && !arguments->start.has_heading) {
-        command_line_refuse(state, "--start: must be X,Y,DEGREES");
-    }
     if (arguments->frames && arguments->bus == NULL) {
         command_line_refuse(state, "--frames: there are none without --bus");
     }
@@ -89,17 +58,6 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case OPTION_START:
-        parse_place("--start", argument, &arguments->start, state);
-        arguments->has_start = true;
-        return 0;
-    case OPTION_GOAL:
-        parse_place("--goal", argument, &arguments->goal, state);
-        arguments->has_goal = true;
-        return 0;
-    case OPTION_MEMORY:
-        arguments->memory = (size_t)command_line_whole(state, "--memory", argument, 1, MEMORY_KIB_MAX) * 1024;
-        return 0;
     case OPTION_BOXES:
         arguments->boxes = (unsigned)command_line_whole(state, "--hidden", argument, 0, BOXES_MAX);
         return 0;
@@ -115,14 +73,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case OPTION_FRAMES:
         arguments->frames = true;
         return 0;
-    case ARGP_KEY_ARG:
-        command_line_take(state, "map", argument, &arguments->map_path);
-        return 0;
     case ARGP_KEY_END:
+        (void)plan_arguments_take(key, argument, state);
         check(arguments, state);
         return 0;
     default:
-        return command_line_option(key, argument, state, &arguments->common);
+        return plan_arguments_take(key, argument, state);
     }
 }
 
@@ -140,7 +96,7 @@ static const struct jp_lattice *prepare(const struct arguments *arguments, const
                    robot->name, robot->name);
         return NULL;
     }
-    return plan_lattice_fits(arguments->map_path, map, lattice) ? lattice : NULL;
+    return plan_lattice_fits(arguments->plan.map_path, map, lattice) ? lattice : NULL;
 }
 
 /* ---- Outputs ---- */
@@ -331,8 +287,10 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
     struct navigation_record record;
     struct navigation_result result;
     json_t *bus = NULL;
-    FILE *log = output_directory(arguments->common.output) ? output_open(arguments->common.output, "drive.csv") : NULL;
-    FILE *frames = log != NULL && arguments->frames ? output_open(arguments->common.output, FRAMES_NAME) : NULL;
+    FILE *log = output_directory(arguments->plan.common.output)
+                    ? output_open(arguments->plan.common.output, "drive.csv")
+                    : NULL;
+    FILE *frames = log != NULL && arguments->frames ? output_open(arguments->plan.common.output, FRAMES_NAME) : NULL;
 
     if (log == NULL || (frames == NULL && arguments->frames)) {
         output_discard();
@@ -351,7 +309,7 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
         json_t *summary = json_summary(arguments, map, map_path, robot, &task, world, &result, &record);
 
         (void)(bus != NULL && json_object_set_new(summary, "bus", bus) == 0);
-        is_done = output_json(arguments->common.output, "summary.json", summary);
+        is_done = output_json(arguments->plan.common.output, "summary.json", summary);
     }
     navigation_record_free(&record);
     if (!is_done) {
@@ -374,10 +332,9 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
     if (lattice == NULL || !navigation_world_init(&world, map, robot->grade_max)) {
         return ERROR_EXIT;
     }
-    if (!(arguments->has_start ? plan_task_set(map, lattice, &arguments->start, &arguments->goal, &places)
-                               : plan_task_choose(map, lattice, &places)) ||
-        !navigation_world_hide(&world, map, lattice, &places, arguments->boxes, arguments->common.seed,
-                               arguments->memory)) {
+    if (!plan_arguments_task(&arguments->plan, map, lattice, &places) ||
+        !navigation_world_hide(&world, map, lattice, &places, arguments->boxes, arguments->plan.common.seed,
+                               arguments->plan.memory)) {
         navigation_world_free(&world);
         return ERROR_EXIT;
     }
@@ -389,11 +346,11 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
                                          .start = places.start,
                                          .goal = places.goal,
                                          .view_m = arguments->view_m,
-                                         .memory = arguments->memory,
+                                         .memory = arguments->plan.memory,
                                          .patience = SECONDS_MAX,
-                                         .seed = arguments->common.seed};
-    char *path = realpath(arguments->map_path, NULL);
-    const int status = drive(arguments, map, path != NULL ? path : arguments->map_path, robot, &world, &task);
+                                         .seed = arguments->plan.common.seed};
+    char *path = realpath(arguments->plan.map_path, NULL);
+    const int status = drive(arguments, map, path != NULL ? path : arguments->plan.map_path, robot, &world, &task);
 
     free(path);
     navigation_world_free(&world);
@@ -404,11 +361,10 @@ int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         OPTION_ROBOT(""),
-        {"start", OPTION_START, "X,Y,DEG", 0, "m in the map's frame; the nearest of 16 headings (default: chosen)", 0},
-        {"goal", OPTION_GOAL, "X,Y[,DEG]", 0, "likewise; any heading unless one is given (default: chosen)", 0},
+        PLAN_OPTION_PLACES,
         {"hidden", OPTION_BOXES, "N", 0, "boxes on the way that the map does not show (default: 6)", 0},
         {"view", OPTION_VIEW, "M", 0, "how far the robot sees, m (default: 2.5)", 0},
-        {"memory", OPTION_MEMORY, "KIB", 0, "the planner's block, without --bus (default: 1024)", 0},
+        PLAN_OPTION_BLOCK(", without --bus (default: 1024)"),
         {"bus", 'b', "BUS", 0,
          "map, goal and what it sees go to the robot's ECU in frames: " IN_PROCESS
          ", can:INTERFACE, slcan:DEVICE or pty:NAME, in lockstep",
@@ -431,15 +387,16 @@ int main(int argc, char **argv)
         NULL,
         NULL};
     static struct lattice_robot robot;
-    struct arguments arguments = {.common = {.output = "build/navigate", .seed = 1},
-                                  .boxes = BOXES,
-                                  .view_m = VIEW,
-                                  .memory = (size_t)MEMORY_KIB * 1024,
-                                  .patience = BUS_DRIVE_PATIENCE};
+    struct arguments arguments = {
+        .plan = {.common = {.output = "build/navigate", .seed = 1}, .memory = (size_t)MEMORY_KIB * 1024},
+        .boxes = BOXES,
+        .view_m = VIEW,
+        .patience = BUS_DRIVE_PATIENCE,
+    };
     struct map_file map;
 
     command_line_parse(&argp, argc, argv, &arguments);
-    if (!lattice_robot_load(arguments.common.robot, &robot) || !map_file_load(arguments.map_path, &map)) {
+    if (!lattice_robot_load(arguments.plan.common.robot, &robot) || !map_file_load(arguments.plan.map_path, &map)) {
         return ERROR_EXIT;
     }
     const int status = navigate(&arguments, &map, &robot);

@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "sim/balancer/rig.h"
-#include "sim/base/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output.h"
 #include "sim/files/lattice_file.h"
+#include "sim/missions/plan_arguments.h"
 #include "sim/missions/plan_lattice.h"
 #include "sim/missions/plan_parameters.h"
 #include "sim/missions/plan_skid_drive.h"
@@ -16,32 +16,18 @@
 /** Exit code when the outputs were written but the goal was not reached. */
 #define NOT_REACHED_EXIT 1
 
-#define MEMORY_KIB     8192
-#define MEMORY_KIB_MAX 1048576
+#define MEMORY_KIB 8192
 
-enum { OPTION_START = COMMAND_LINE_OWN, OPTION_GOAL, OPTION_COST, OPTION_MEMORY, OPTION_LATTICE };
+enum { OPTION_COST = PLAN_OPTION_OWN, OPTION_LATTICE };
 
 struct arguments {
-    const char *map_path;
-    struct command_line common;
+    struct plan_arguments plan;  /* first: plan_arguments_take() looks at it */
     const char *lattice_path;    /* NULL: as built in */
     const char *parameters_path; /* NULL: as built in */
-    struct plan_place start;
-    struct plan_place goal;
-    bool has_start;
-    bool has_goal;
     enum jp_cost_kind cost;
-    size_t memory; /* bytes */
 };
 
 /* ---- Command line ---- */
-
-static void parse_place(const char *option, const char *text, struct plan_place *place, struct argp_state *state)
-{
-    if (!plan_place_parse(text, place)) {
-        command_line_refuse(state, "%s %s: must be X,Y or X,Y,DEGREES", option, text);
-    }
-}
 
 static void parse_cost(struct arguments *arguments, const char *text, struct argp_state *state)
 {
@@ -51,22 +37,8 @@ static void parse_cost(struct arguments *arguments, const char *text, struct arg
     arguments->cost = strcmp(text, "paper") == 0 ? JP_COST_PAPER : JP_COST_PHYSICAL;
 }
 
-static void parse_memory(struct arguments *arguments, const char *text, struct argp_state *state)
-{
-    arguments->memory = (size_t)command_line_whole(state, "--memory", text, 1, MEMORY_KIB_MAX) * 1024;
-}
-
 static void check(const struct arguments *arguments, struct argp_state *state)
 {
-    if (arguments->map_path == NULL || arguments->common.robot[0] == '\0') {
-        command_line_refuse(state, "a map and --robot are needed");
-    }
-    if (arguments->has_start != arguments->has_goal) {
-        command_line_refuse(state, "give both --start and --goal, or neither");
-    }
-    if (arguments->has_start && !arguments->start.has_heading) {
-        command_line_refuse(state, "--start: must be X,Y,DEGREES");
-    }
     if (arguments->parameters_path != NULL && arguments->cost != JP_COST_PHYSICAL) {
         command_line_refuse(state, "--parameters: only the physical cost follows what is learned; leave --cost out");
     }
@@ -77,19 +49,8 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     struct arguments *arguments = state->input;
 
     switch (key) {
-    case OPTION_START:
-        parse_place("--start", argument, &arguments->start, state);
-        arguments->has_start = true;
-        return 0;
-    case OPTION_GOAL:
-        parse_place("--goal", argument, &arguments->goal, state);
-        arguments->has_goal = true;
-        return 0;
     case OPTION_COST:
         parse_cost(arguments, argument, state);
-        return 0;
-    case OPTION_MEMORY:
-        parse_memory(arguments, argument, state);
         return 0;
     case OPTION_LATTICE:
         arguments->lattice_path = argument;
@@ -97,14 +58,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case 'p':
         arguments->parameters_path = argument;
         return 0;
-    case ARGP_KEY_ARG:
-        command_line_take(state, "map", argument, &arguments->map_path);
-        return 0;
     case ARGP_KEY_END:
+        (void)plan_arguments_take(key, argument, state);
         check(arguments, state);
         return 0;
     default:
-        return command_line_option(key, argument, state, &arguments->common);
+        return plan_arguments_take(key, argument, state);
     }
 }
 
@@ -145,7 +104,7 @@ static const struct jp_lattice *charged_lattice(const struct arguments *argument
 {
     const struct jp_lattice *lattice = find_lattice(arguments, robot, file);
 
-    if (lattice == NULL || !plan_lattice_fits(arguments->map_path, map, lattice)) {
+    if (lattice == NULL || !plan_lattice_fits(arguments->plan.map_path, map, lattice)) {
         return NULL;
     }
     if (arguments->parameters_path == NULL) {
@@ -157,8 +116,7 @@ static const struct jp_lattice *charged_lattice(const struct arguments *argument
 static bool find_task(const struct arguments *arguments, const struct map_file *map, const struct jp_lattice *lattice,
                       struct plan_task *task)
 {
-    return arguments->has_start ? plan_task_set(map, lattice, &arguments->start, &arguments->goal, task)
-                                : plan_task_choose(map, lattice, task);
+    return plan_arguments_task(&arguments->plan, map, lattice, task);
 }
 
 /* ---- Outputs ---- */
@@ -177,8 +135,8 @@ static bool write_routes(const struct plan_report *report, const char *directory
 
 static bool write_scenario(const struct plan_drive *drive, const struct arguments *arguments)
 {
-    FILE *stream = output_open(arguments->common.output, PLAN_SCENARIO_FILE);
-    char *path = realpath(arguments->common.robot, NULL);
+    FILE *stream = output_open(arguments->plan.common.output, PLAN_SCENARIO_FILE);
+    char *path = realpath(arguments->plan.common.robot, NULL);
 
     if (stream != NULL && path != NULL) {
         plan_drive_write(drive, path, stream);
@@ -212,7 +170,7 @@ static bool drive_balancer(const struct arguments *arguments, const struct latti
         *driven = false;
         return true;
     }
-    FILE *log = output_open(arguments->common.output, PLAN_LOG_FILE);
+    FILE *log = output_open(arguments->plan.common.output, PLAN_LOG_FILE);
     if (log == NULL || !write_scenario(&balancer, arguments) || !plan_drive_run(report->map, robot, &balancer, log)) {
         return false;
     }
@@ -236,7 +194,7 @@ static bool drive_skid_steer(const struct arguments *arguments, const struct lat
         *driven = false;
         return true;
     }
-    FILE *log = output_open(arguments->common.output, PLAN_LOG_FILE);
+    FILE *log = output_open(arguments->plan.common.output, PLAN_LOG_FILE);
     if (log == NULL) {
         return false;
     }
@@ -267,11 +225,11 @@ static int write_all(const struct arguments *arguments, const struct lattice_rob
 {
     bool driven = true;
 
-    if (!output_directory(arguments->common.output)) {
+    if (!output_directory(arguments->plan.common.output)) {
         return ERROR_EXIT;
     }
-    if (!write_routes(report, arguments->common.output) || !drive(arguments, robot, report, &driven) ||
-        !output_json(arguments->common.output, "summary.json", plan_json(report))) {
+    if (!write_routes(report, arguments->plan.common.output) || !drive(arguments, robot, report, &driven) ||
+        !output_json(arguments->plan.common.output, "summary.json", plan_json(report))) {
         output_discard();
         return ERROR_EXIT;
     }
@@ -286,13 +244,13 @@ static int plan(const struct arguments *arguments, struct map_file *map, const s
 {
     struct lattice_file file = {.primitives = NULL};
     struct jp_tariff tariff = {.primitives = NULL};
-    char *map_path = realpath(arguments->map_path, NULL);
+    char *map_path = realpath(arguments->plan.map_path, NULL);
     struct plan_report report = {.map = map,
-                                 .map_path = map_path != NULL ? map_path : arguments->map_path,
+                                 .map_path = map_path != NULL ? map_path : arguments->plan.map_path,
                                  .lattice = charged_lattice(arguments, map, robot, &file, &tariff),
                                  .lattice_path = arguments->lattice_path,
                                  .parameters_path = arguments->parameters_path,
-                                 .memory = arguments->memory};
+                                 .memory = arguments->plan.memory};
     int status = ERROR_EXIT;
 
     if (report.lattice != NULL && find_task(arguments, map, report.lattice, &report.task) &&
@@ -312,11 +270,10 @@ int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         OPTION_ROBOT(""),
-        {"start", OPTION_START, "X,Y,DEG", 0, "m in the map's frame; the nearest of 16 headings (default: chosen)", 0},
-        {"goal", OPTION_GOAL, "X,Y[,DEG]", 0, "likewise; any heading unless one is given (default: chosen)", 0},
+        PLAN_OPTION_PLACES,
         {"cost", OPTION_COST, "KIND", 0, "physical (default) or paper: what the energy-optimal route is charged for",
          0},
-        {"memory", OPTION_MEMORY, "KIB", 0, "the planner's block (default: 8192)", 0},
+        PLAN_OPTION_BLOCK(" (default: 8192)"),
         {"lattice", OPTION_LATTICE, "FILE.json", 0, "a lattice (tools.design.lattice --json) (default: as built in)",
          0},
         {"parameters", 'p', "FILE.json", 0, "what the robot has learned (default: as built in)", 0},
@@ -336,11 +293,13 @@ int main(int argc, char **argv)
         NULL};
     static struct lattice_robot robot;
     struct arguments arguments = {
-        .common = {.output = "build/plan"}, .cost = JP_COST_PHYSICAL, .memory = (size_t)MEMORY_KIB * 1024};
+        .plan = {.common = {.output = "build/plan"}, .memory = (size_t)MEMORY_KIB * 1024},
+        .cost = JP_COST_PHYSICAL,
+    };
     struct map_file map;
 
     command_line_parse(&argp, argc, argv, &arguments);
-    if (!lattice_robot_load(arguments.common.robot, &robot) || !map_file_load(arguments.map_path, &map)) {
+    if (!lattice_robot_load(arguments.plan.common.robot, &robot) || !map_file_load(arguments.plan.map_path, &map)) {
         return ERROR_EXIT;
     }
     const int status = plan(&arguments, &map, &robot);
