@@ -220,14 +220,7 @@ static void tell_energies(const void *self, jp_energy *spent, jp_energy *drawn)
 
 static bool take_result(void *self, struct jp_ecu_result *result)
 {
-    struct jp_ecu_patrol_result *handed_over = &((struct jp_ecu_patrol *)self)->internal.result;
-
-    if (!__atomic_load_n(&handed_over->is_full, __ATOMIC_ACQUIRE)) {
-        return false;
-    }
-    *result = handed_over->result;
-    __atomic_store_n(&handed_over->is_full, false, __ATOMIC_RELEASE);
-    return true;
+    return jp_ecu_result_take(&((struct jp_ecu_patrol *)self)->internal.result, result);
 }
 
 /** Of the built-in model: what is learned of it LearnedFactors tells. */
@@ -451,15 +444,14 @@ static uint8_t tell_learned(const void *self, struct jp_can_frame frames[JP_ECU_
 static void hand_over_result(struct jp_ecu_patrol *patrol)
 {
     const struct jp_patrol_ledger *ledger = &patrol->pilot.ledger;
-    struct jp_ecu_patrol_result *handed_over = &patrol->internal.result;
+    const struct jp_ecu_result result = {
+        .segment = ledger->begun, .spent = ledger->result.energy, .drawn = ledger->result.energy};
 
-    if (ledger->ended == patrol->internal.ended || __atomic_load_n(&handed_over->is_full, __ATOMIC_ACQUIRE)) {
+    if (ledger->ended == patrol->internal.ended || jp_ecu_result_waits(&patrol->internal.result)) {
         return;
     }
     patrol->internal.ended = ledger->ended;
-    handed_over->result = (struct jp_ecu_result){
-        .segment = ledger->begun, .spent = ledger->result.energy, .drawn = ledger->result.energy};
-    __atomic_store_n(&handed_over->is_full, true, __ATOMIC_RELEASE);
+    jp_ecu_result_put(&patrol->internal.result, &result);
 }
 
 static void show_view(struct jp_ecu_patrol *patrol)

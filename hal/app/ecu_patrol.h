@@ -26,12 +26,6 @@ struct jp_ecu_patrol_config {
     const struct jp_learned_state *state; /**< taken with JP_STORED_TAKEN, else it may be null; copied */
 };
 
-/** A leg that has ended, handed from the background to the tick. */
-struct jp_ecu_patrol_result {
-    struct jp_ecu_result result;
-    bool is_full;
-};
-
 /** What the background last knew, for the tick to tell. */
 struct jp_ecu_patrol_view {
     struct jp_plane_pose pose;
@@ -66,7 +60,7 @@ struct jp_ecu_patrol {
         enum jp_status plan;
         bool is_to_goal; /* what it drives to is a goal on the map, else a route */
         uint16_t ended;  /* legs whose results were handed over */
-        struct jp_ecu_patrol_result result;
+        struct jp_ecu_result_box result;
         struct jp_ecu_patrol_view views[2];
         uint8_t view; /* 1 + that which may be told; 0: there is no map */
     } internal;

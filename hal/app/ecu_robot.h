@@ -1,7 +1,6 @@
 /**
- * What the application of a controller asks of a robot, whatever its kind: ecu_balancer.h, ecu_skid.h and
- * ecu_patrol.h have some. An
- * image holds the code of the kinds that it prepares.
+ * What the application of a controller asks of a robot, whatever its kind: ecu_balancer.h, ecu_skid.h and ecu_patrol.h
+ * have some. An image holds the code of the kinds that it prepares.
  */
 #ifndef JOULEPATH_HAL_APP_ECU_ROBOT_H
 #define JOULEPATH_HAL_APP_ECU_ROBOT_H
@@ -74,6 +73,35 @@ struct jp_ecu_result {
     jp_energy spent;
     jp_energy drawn;
 };
+
+/** A result on its way from the background, which puts it there, to the tick, which takes it. All zero at first. */
+struct jp_ecu_result_box {
+    struct jp_ecu_result result;
+    bool is_full;
+};
+
+/** Whether the tick has yet to take the last one; then none may be put. */
+static inline bool jp_ecu_result_waits(const struct jp_ecu_result_box *box)
+{
+    return __atomic_load_n(&box->is_full, __ATOMIC_ACQUIRE);
+}
+
+static inline void jp_ecu_result_put(struct jp_ecu_result_box *box, const struct jp_ecu_result *result)
+{
+    box->result = *result;
+    __atomic_store_n(&box->is_full, true, __ATOMIC_RELEASE);
+}
+
+/** False: there is none. */
+static inline bool jp_ecu_result_take(struct jp_ecu_result_box *box, struct jp_ecu_result *result)
+{
+    if (!jp_ecu_result_waits(box)) {
+        return false;
+    }
+    *result = box->result;
+    __atomic_store_n(&box->is_full, false, __ATOMIC_RELEASE);
+    return true;
+}
 
 /** What was learned, but for what kinds have each of their own. */
 struct jp_ecu_lessons {

@@ -130,14 +130,7 @@ static void tell_energies(const void *self, jp_energy *spent, jp_energy *drawn)
 
 static bool take_result(void *self, struct jp_ecu_result *result)
 {
-    struct jp_ecu_skid_result *handed_over = &((struct jp_ecu_skid *)self)->internal.result;
-
-    if (!__atomic_load_n(&handed_over->is_full, __ATOMIC_ACQUIRE)) {
-        return false;
-    }
-    *result = handed_over->result;
-    __atomic_store_n(&handed_over->is_full, false, __ATOMIC_RELEASE);
-    return true;
+    return jp_ecu_result_take(&((struct jp_ecu_skid *)self)->internal.result, result);
 }
 
 static int32_t parameter(const void *self, uint8_t index)
@@ -321,16 +314,14 @@ static void note_end(struct jp_ecu_skid *skid)
 static void hand_over_result(struct jp_ecu_skid *skid)
 {
     const struct jp_skid_pilot_result *last = &skid->pilot.result;
-    struct jp_ecu_skid_result *handed_over = &skid->internal.result;
+    const struct jp_ecu_result result = {.segment = last->leg, .spent = last->energy, .drawn = last->energy};
 
-    if (__atomic_load_n(&handed_over->is_full, __ATOMIC_ACQUIRE)) {
+    if (jp_ecu_result_waits(&skid->internal.result)) {
         return;
     }
     skid->internal.ended = skid->pilot.legs_ended;
     if (skid->pilot.legs_ended > 0U) {
-        handed_over->result =
-            (struct jp_ecu_result){.segment = last->leg, .spent = last->energy, .drawn = last->energy};
-        __atomic_store_n(&handed_over->is_full, true, __ATOMIC_RELEASE);
+        jp_ecu_result_put(&skid->internal.result, &result);
     }
 }
 

@@ -23,12 +23,6 @@ struct jp_ecu_skid_config {
     const struct jp_learned_state *state; /**< taken with JP_STORED_TAKEN, else it may be null; copied */
 };
 
-/** A leg that has ended, handed from the background to the tick. */
-struct jp_ecu_skid_result {
-    struct jp_ecu_result result;
-    bool is_full;
-};
-
 /** The members but `internal` may be read: the robot as its accessors say, the others from the background. */
 struct jp_ecu_skid {
     struct jp_skid_robot robot;
@@ -44,7 +38,7 @@ struct jp_ecu_skid {
         uint16_t begun;       /* legs whose ends were noted */
         uint16_t ended;       /* legs whose results were handed over */
         uint32_t end_tick;    /* of the leg that is driven, as planned */
-        struct jp_ecu_skid_result result;
+        struct jp_ecu_result_box result;
     } internal;
 };
 

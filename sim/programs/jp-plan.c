@@ -1,5 +1,4 @@
 /* Plans a route over a map for least energy and for least distance, compares them, and drives the first. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
