@@ -51,7 +51,8 @@ int learn(const struct jp_skid_piece *pieces, int count, int32_t measured, struc
 
 
 def integers(text):
-    body = text[text.index("= {"):]
+    """The table's numbers but for its identity, which hangs on every bit of them."""
+    body = re.sub(r"\.identity = .*", "", text[text.index("= {"):])
     return [int(number) for number in re.findall(r"(-?\d+)U?,\s*/\*", body)]
 
 
@@ -108,10 +109,10 @@ def test_both_kinds_are_identified():
 def test_committed_tables_are_fresh(robot, drives, tmp_path):
     result = identify(robot, drives(robot), tmp_path)
     assert result.returncode == 0, result.stderr
-    for kind, numbers in (("energy", slice(None)), ("learning", slice(-1))):  # the identity hangs on every bit
+    for kind in ("energy", "learning"):
         name = f"skid_{kind}_{robot}.c"
-        made = integers((tmp_path / name).read_text(encoding="utf-8"))[numbers]
-        committed = integers((TABLES / name).read_text(encoding="utf-8"))[numbers]
+        made = integers((tmp_path / name).read_text(encoding="utf-8"))
+        committed = integers((TABLES / name).read_text(encoding="utf-8"))
         assert made == pytest.approx(committed, rel=TOLERANCE, abs=2), f"run make identify ROBOT={robot}"
 
 
