@@ -16,6 +16,7 @@
 #ifndef JOULEPATH_BATTERY_H
 #define JOULEPATH_BATTERY_H
 
+#include <joulepath/forecast.h>
 #include <joulepath/meter.h>
 
 #ifdef __cplusplus
@@ -41,6 +42,8 @@ struct jp_battery_config {
     jp_q16 voltage_jump;      /**< a larger change from one update to the next is implausible, V; above 0 */
     jp_q16 charge_efficiency; /**< η; 0.5…1 */
     jp_q31 reserve;           /**< share of the capacity that is not to be used; 0…0.5 */
+    jp_q31 charge_deviation;  /**< standard deviation of a charge that is given, share of the capacity; 0…0.5 */
+    int32_t unit_exponent; /**< n: forecasts are in 2ⁿ J, as the robot's energy model; ±JP_ENERGY_UNIT_EXPONENT_MAX */
 };
 
 /** Bits of what an update found; 0: nothing wrong. */
@@ -102,6 +105,11 @@ jp_q31 jp_battery_level(const struct jp_battery *battery);
 
 /** Usable energy left: (charge − reserve) · voltage_nominal, rounded down; at least 0. Constant time. */
 jp_energy jp_battery_energy_left(const struct jp_battery *battery, const struct jp_battery_config *config);
+
+/** The same with its standard deviation, in 2^unit_exponent J, as jp_forecast_reserve() takes it. JP_ERR_OVERFLOW: one
+ *  of them is above 32 767 of these, and saturated. JP_ERR_ARGUMENT: a pointer is null. Constant time. */
+enum jp_status jp_battery_forecast_left(const struct jp_battery *battery, const struct jp_battery_config *config,
+                                        struct jp_forecast *left);
 
 #ifdef __cplusplus
 }

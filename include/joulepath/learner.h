@@ -19,6 +19,7 @@
 #ifndef JOULEPATH_LEARNER_H
 #define JOULEPATH_LEARNER_H
 
+#include <joulepath/forecast.h>
 #include <joulepath/horizon.h>
 #include <stdbool.h>
 
@@ -103,12 +104,6 @@ struct jp_learner {
     enum jp_cause cause;           /**< of the last change */
     uint32_t since_change;
     struct jp_learned_watch watch;
-};
-
-/** Energy as expected and how sure that is. */
-struct jp_forecast {
-    jp_q16 energy;    /**< J */
-    jp_q16 deviation; /**< standard deviation, J */
 };
 
 /** Sum of forecasts: the uncertainty of the parameters adds up linearly, the noise of the segments in square. All zero

@@ -1,5 +1,8 @@
 #include <joulepath/battery.h>
 
+#include <joulepath/energy.h>
+#include <stdbool.h>
+
 #include "src/base/config_check.h"
 
 #define ENERGY_STEP ((int64_t)JP_BATTERY_ENERGY_STEP << 32)
@@ -17,6 +20,8 @@ enum jp_status jp_battery_check(const struct jp_battery_config *config, const ch
         FIELD(capacity, 60, 262144),
         FIELD(charge_efficiency, JP_Q16(0.5), JP_Q16_ONE),
         FIELD(reserve, 0, (jp_q31)1 << 30),
+        FIELD(charge_deviation, 0, (jp_q31)1 << 30),
+        FIELD(unit_exponent, -JP_ENERGY_UNIT_EXPONENT_MAX, JP_ENERGY_UNIT_EXPONENT_MAX),
         FIELD(voltage_min, JP_Q16_ONE, INT32_MAX),
         FIELD(voltage_max, INT32_MIN, JP_Q16(1000)),
         FIELD(voltage_jump, 1, INT32_MAX),
@@ -177,10 +182,38 @@ jp_q31 jp_battery_level(const struct jp_battery *battery)
     return jp_saturate32((battery->charge >> 1) / (battery->capacity >> 32));
 }
 
+/** Of a charge above 0 at the nominal voltage. */
+static jp_energy energy_of(jp_charge charge, const struct jp_battery_config *config)
+{
+    const int64_t low = (int64_t)(uint16_t)charge * config->voltage_nominal;
+
+    return (charge >> 16) * config->voltage_nominal + (low >> 16);
+}
+
 jp_energy jp_battery_energy_left(const struct jp_battery *battery, const struct jp_battery_config *config)
 {
     const jp_charge usable = battery->charge - battery->reserve;
-    const int64_t low = (int64_t)(uint16_t)usable * config->voltage_nominal;
 
-    return usable < 0 ? 0 : (usable >> 16) * config->voltage_nominal + (low >> 16);
+    return usable < 0 ? 0 : energy_of(usable, config);
+}
+
+/** Returns whether it fits. */
+static bool narrow(jp_energy energy, const struct jp_battery_config *config, jp_q16 *narrowed)
+{
+    *narrowed = jp_energy_to_q16(energy, config->unit_exponent);
+    return *narrowed < INT32_MAX;
+}
+
+enum jp_status jp_battery_forecast_left(const struct jp_battery *battery, const struct jp_battery_config *config,
+                                        struct jp_forecast *left)
+{
+    if (battery == NULL || config == NULL || left == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const jp_charge deviation = (jp_charge)config->capacity * config->charge_deviation * 2;
+    const bool energy_fits = narrow(jp_battery_energy_left(battery, config), config, &left->energy);
+    const bool deviation_fits = narrow(energy_of(deviation, config), config, &left->deviation);
+
+    return energy_fits && deviation_fits ? JP_OK : JP_ERR_OVERFLOW;
 }
