@@ -40,6 +40,19 @@ struct cell_constants {
         double capacity_j_per_kg_k;
         double to_air_w_per_k;
     } heat;
+    /* Standard deviations of single cells from the above: for the filter of the core. */
+    struct {
+        double capacity; /**< share */
+        double capacity_per_root_h;
+        double resistance; /**< share */
+        double resistance_per_root_h;
+        double polarisation; /**< of its resistance, share */
+        double polarisation_per_root_h;
+        double curve_v;
+        double curve_length; /**< share of the charge after which the curve is off by something else */
+        double voltage_v;    /**< of a second's mean */
+        double load_share;   /**< of the voltage that a load drops */
+    } spread;
 };
 
 /** How many cells, and what lies between them and the bus. */
@@ -47,6 +60,7 @@ struct cell_wiring {
     int series;
     int parallel;
     double wiring_ohm; /**< wires and switches */
+    double offset_a;   /**< standard deviation of what the current sensors show without current */
 };
 
 /** In what state a pack begins. */

@@ -35,6 +35,16 @@ static const struct config_field cell_fields[] = {
     REAL("ageing.resistance_per_cycle", ageing.resistance_per_cycle, 0, 0.1, "1"),
     REAL("heat.capacity_j_per_kg_k", heat.capacity_j_per_kg_k, 1, 10000, "J/(kg·K)"),
     REAL("heat.to_air_w_per_k", heat.to_air_w_per_k, 0, 100, "W/K"),
+    REAL("spread.capacity", spread.capacity, 0.001, 0.5, "1"),
+    REAL("spread.capacity_per_root_h", spread.capacity_per_root_h, 0, 1, "1/√h"),
+    REAL("spread.resistance", spread.resistance, 0.001, 1, "1"),
+    REAL("spread.resistance_per_root_h", spread.resistance_per_root_h, 0, 1, "1/√h"),
+    REAL("spread.polarisation", spread.polarisation, 0.001, 1, "1"),
+    REAL("spread.polarisation_per_root_h", spread.polarisation_per_root_h, 0, 1, "1/√h"),
+    REAL("spread.curve_v", spread.curve_v, 0, 0.5, "V"),
+    REAL("spread.curve_length", spread.curve_length, 0.001, 1, "1"),
+    REAL("spread.voltage_v", spread.voltage_v, 0.005, 1, "V"),
+    REAL("spread.load_share", spread.load_share, 0, 1, "1"),
 };
 
 static const struct config_kind cell_kind = {NULL, 0, cell_fields, sizeof cell_fields / sizeof cell_fields[0]};
@@ -84,6 +94,7 @@ static const struct config_field pack_fields[] = {
     {"series", offsetof(struct pack, wiring.series), 1, CONFIG_FIELD_WHOLE, 1, 200, "1", false},
     {"parallel", offsetof(struct pack, wiring.parallel), 1, CONFIG_FIELD_WHOLE, 1, 1000, "1", false},
     {"wiring_ohm", offsetof(struct pack, wiring.wiring_ohm), 1, CONFIG_FIELD_REAL, 0, 100, "Ω", false},
+    {"offset_a", offsetof(struct pack, wiring.offset_a), 1, CONFIG_FIELD_REAL, 0, 100, "A", false},
 };
 
 static const struct config_kind pack_kind = {NULL, 0, pack_fields, sizeof pack_fields / sizeof pack_fields[0]};

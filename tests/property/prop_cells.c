@@ -23,7 +23,7 @@
 
 static struct options options = {.count = 40, .seed = 5};
 static struct cell_constants cell;
-static const struct cell_wiring single = {1, 1, 0};
+static const struct cell_wiring single = {1, 1, 0, 0};
 static const struct cell_condition full = {1, 23, 0};
 static struct cell_pack pack;
 static struct random noise;
@@ -150,7 +150,7 @@ static void test_a_loaded_cell_warms_and_cools(void)
 /* n in series, m in parallel: n times the voltage, m times the charge, one ledger. */
 static void test_a_pack_is_its_cells(void)
 {
-    const struct cell_wiring wiring = {6, 2, 0.03};
+    const struct cell_wiring wiring = {6, 2, 0.03, 0};
     struct cell_pack one = pack;
 
     cell_pack_init(&pack, &cell, &wiring, &full);
