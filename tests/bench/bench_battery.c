@@ -23,7 +23,7 @@
 enum {
     BATTERIES = 120,
     CYCLES = 50,
-    SEED = 20261126,
+    SEED = 20261127,
     RATE = 2,    /* updates a second */
     EVERY = 600, /* seconds from one comparison to the next */
     DAY = 86400, /* s */

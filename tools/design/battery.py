@@ -43,6 +43,12 @@ class Settings:
     def number(self, key):
         return self._number(key, self._values.get(key, ""))
 
+    def count(self, key):
+        value = self.number(key)
+        if value < 1 or value != int(value):
+            raise self.error(key, f"is {value:g}, must be a whole number above 0")
+        return value
+
     def numbers(self, key):
         value = self._values.get(key, "")
         if not value.startswith("["):
@@ -84,7 +90,7 @@ def curve(to, name, values, unit, low, high):
 def members_of(pack, cell, name):
     """Members of struct jp_battery_cells but for the identity."""
     to = c_tables.Converter(f"battery of {name}")
-    series, parallel = pack.number("series"), pack.number("parallel")
+    series, parallel = pack.count("series"), pack.count("parallel")
     charges = cell.numbers("cell.charge")
     if len(charges) != POINTS:
         raise cell.error("cell.charge", f"must be {POINTS} numbers")
