@@ -31,7 +31,7 @@
 #ifndef JOULEPATH_BATTERY_H
 #define JOULEPATH_BATTERY_H
 
-#include <joulepath/forecast.h>
+#include <joulepath/energy.h>
 #include <joulepath/meter.h>
 #include <stdbool.h>
 

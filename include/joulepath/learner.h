@@ -19,7 +19,6 @@
 #ifndef JOULEPATH_LEARNER_H
 #define JOULEPATH_LEARNER_H
 
-#include <joulepath/forecast.h>
 #include <joulepath/horizon.h>
 #include <stdbool.h>
 

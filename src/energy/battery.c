@@ -1,6 +1,5 @@
 #include <joulepath/battery.h>
 
-#include <joulepath/energy.h>
 #include <stdbool.h>
 
 #include "src/base/config_check.h"
