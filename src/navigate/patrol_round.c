@@ -64,6 +64,7 @@ static void begin_survey(struct jp_patrol_round *round)
     round->internal.is_asked = false;
     round->internal.is_at_charger = true;
     round->internal.pace = jp_patrol_pace_factor(&round->internal.pilot->ledger.pace, 1.0f);
+    (void)jp_patrol_pilot_forget_marks(round->internal.pilot);
 }
 
 enum jp_status jp_patrol_round_init(struct jp_patrol_round *round, const struct jp_patrol_round_config *config,
@@ -244,6 +245,7 @@ static bool has_reached(const struct jp_patrol_round *round)
 static void arrive(struct jp_patrol_round *round, float available)
 {
     round->internal.failures = 0;
+    round->reason = JP_ROUND_NO_REASON;
     if (round->state == JP_ROUND_LEAVING) {
         round->internal.is_at_charger = false;
         round->internal.stayed = 0.0f;
@@ -256,16 +258,32 @@ static void arrive(struct jp_patrol_round *round, float available)
     }
 }
 
+static void wait(struct jp_patrol_round *round)
+{
+    round->state = JP_ROUND_WAITING;
+    round->reason = JP_ROUND_NO_WAY;
+    round->internal.stayed = 0.0f;
+}
+
+static void try_again(struct jp_patrol_round *round, float seconds)
+{
+    round->internal.stayed += seconds;
+    if (round->internal.stayed >= JP_ROUND_WAIT) {
+        (void)jp_patrol_pilot_forget_marks(round->internal.pilot);
+        go_home(round);
+    }
+}
+
 /** A place that cannot be reached now, as somebody stands in the way, is left out; home is tried again. */
 static void pass_over(struct jp_patrol_round *round, float available)
 {
     const bool is_home = round->state == JP_ROUND_HOMING;
 
-    round->internal.failures++;
+    round->internal.failures = jp_one_more16(round->internal.failures);
     if (jp_four_wheel_robot_state_now(round->internal.pilot->internal.robot) == JP_FOUR_WHEEL_ROBOT_IDLE) {
         fail(round, JP_ROUND_DRIVES_OFF);
     } else if (round->internal.failures > round->internal.config.stop_count) {
-        fail(round, JP_ROUND_NO_WAY);
+        wait(round);
     } else if (is_home || available < needed_for(round, next_stop(round))) {
         go_home(round);
     } else {
@@ -311,6 +329,9 @@ enum jp_patrol_round_state jp_patrol_round_work(struct jp_patrol_round *round, f
         break;
     case JP_ROUND_DWELLING:
         dwell(round, available, seconds);
+        break;
+    case JP_ROUND_WAITING:
+        try_again(round, seconds);
         break;
     case JP_ROUND_FAILED:
     default:
