@@ -18,8 +18,8 @@
  *
  * where the deviations of the parts are added, as legs may err alike: 1.645 deviations are 95 %. So at each place the
  * way home was foretold to be paid for. On its way it turns home when what is left of the leg and the way home from its
- * end would no longer be. What each way takes is surveyed on the map before it sets out, and again at each charge, by
- * then with what was learned.
+ * end would no longer be; a stay that the way took too much for ends early. What each way takes is surveyed on the map
+ * before it sets out, and again at each charge, by then with what was learned.
  *
  * People may stand in its way. A place that it does not get to is left out; when it gets nowhere any more it waits for
  * JP_ROUND_WAIT seconds, forgets what its scans have marked, and tries to get home, again and again.

@@ -165,6 +165,12 @@ static float bound_of(const struct jp_patrol_round *round, const struct jp_patro
     return pace_since(round) * (forecast->energy + round->internal.config.deviations * forecast->deviation);
 }
 
+/** From the stop. */
+static float needed_home(const struct jp_patrol_round *round, uint16_t stop)
+{
+    return round->internal.config.reserve + bound_of(round, &round->internal.home[stop]);
+}
+
 /** To the stop, there, and home again. */
 static float needed_for(const struct jp_patrol_round *round, uint16_t stop)
 {
@@ -172,8 +178,7 @@ static float needed_for(const struct jp_patrol_round *round, uint16_t stop)
     const struct jp_patrol_leg_forecast *leg =
         round->internal.is_at_charger ? &round->internal.out[stop] : &round->internal.onward[stop];
 
-    return config->reserve + bound_of(round, leg) + config->standing_power * config->stops[stop].dwell +
-           bound_of(round, &round->internal.home[stop]);
+    return bound_of(round, leg) + config->standing_power * config->stops[stop].dwell + needed_home(round, stop);
 }
 
 /** On the way to a stop: what is left of it, and home from there. */
@@ -185,8 +190,7 @@ static bool must_turn_back(const struct jp_patrol_round *round, float available)
     if (jp_patrol_pilot_progress(round->internal.pilot, &length, &left) != JP_OK) {
         return false;
     }
-    return available < round->internal.config.reserve + bound_of(round, &left) +
-                           bound_of(round, &round->internal.home[round->stop]);
+    return available < bound_of(round, &left) + needed_home(round, round->stop);
 }
 
 /* Legs. */
@@ -309,7 +313,9 @@ static void drive(struct jp_patrol_round *round, float available)
 static void dwell(struct jp_patrol_round *round, float available, float seconds)
 {
     round->internal.stayed += seconds;
-    if (round->internal.stayed >= round->internal.config.stops[round->stop].dwell) {
+    if (available < needed_home(round, round->stop)) {
+        go_home(round);
+    } else if (round->internal.stayed >= round->internal.config.stops[round->stop].dwell) {
         leave_for(round, next_stop(round), available);
     }
 }

@@ -341,6 +341,25 @@ static void test_with_too_little_after_a_stay_it_goes_home(void)
     pass_until(JP_ROUND_CHARGING);
 }
 
+static void test_a_stay_ends_early_when_the_way_there_took_too_much(void)
+{
+    config.stops[0].dwell = 60.0f;
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_DWELLING);
+    const uint32_t since = ticks;
+    const float needed =
+        config.reserve + round_trip.internal.home[0].energy + config.deviations * round_trip.internal.home[0].deviation;
+
+    available = needed + 100.0f; /* which standing takes within seconds */
+    pass_until_not(JP_ROUND_DWELLING);
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+    TEST_ASSERT_TRUE(ticks - since < 1500U);
+    TEST_ASSERT_TRUE(available > 0.6f * needed);
+    pass_until(JP_ROUND_SURVEYING);
+    TEST_ASSERT_TRUE(round_trip.least_left >= config.reserve);
+}
+
 static void test_where_it_gets_nowhere_it_waits_and_tries_to_get_home(void)
 {
     begin();
