@@ -13,6 +13,10 @@
 /** An error of so many deviations is not believed, squared. */
 #define UNEXPECTED 25
 
+/** What one pair of R and C leaves out, by the second: a share of the voltage's noise. It keeps the covariance far from
+ *  what rounding does to it. */
+#define POLARISATION_SHARE 64
+
 /** What the numbers are limited to. */
 #define RESISTANCE_LEAST (ONE_Q48 / 4)
 #define SLOWNESS_LEAST   (ONE_Q48 / 16)
@@ -288,6 +292,7 @@ static void predict(struct jp_battery *battery, const struct jp_battery_config *
     mix(filter->covariance, JP_BATTERY_POLARISATION, keep, JP_BATTERY_SLOWNESS, polarised);
     move_along_curve(filter, config, current);
     widen(filter->covariance, JP_BATTERY_CHARGE, cells->charge_walk, HOUR);
+    widen(filter->covariance, JP_BATTERY_POLARISATION, cells->voltage_noise / POLARISATION_SHARE, 1);
     widen(filter->covariance, JP_BATTERY_RESISTANCE, cells->resistance_walk, HOUR);
     widen(filter->covariance, JP_BATTERY_SLOWNESS, cells->slowness_walk, HOUR);
     widen(filter->covariance, JP_BATTERY_CAPACITY, cells->capacity_walk, HOUR);

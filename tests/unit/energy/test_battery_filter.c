@@ -264,6 +264,8 @@ static void test_a_second_with_a_bad_reading_corrects_nothing(void)
     (void)jp_battery_update(&battery, &config, meter, bus_at(15));
     (void)jp_battery_update(&battery, &config, meter, 0);
     TEST_ASSERT_INT64_WITHIN(COULOMB / 10, CAPACITY * COULOMB / 2, battery.charge);
+    (void)second(0, bus_at(15)); /* both are still in doubt */
+    TEST_ASSERT_INT64_WITHIN(COULOMB / 10, CAPACITY * COULOMB / 2, battery.charge);
     TEST_ASSERT_EQUAL_UINT16(0, battery.second.updates);
 }
 
