@@ -20,6 +20,9 @@
 #define SENSOR_RATE 20
 #define FRAME_RATE  20
 
+/** Poses of the way home of a slice. */
+#define HOME_SLICE 500
+
 struct navigation {
     const struct navigation_task *task;
     const struct navigation_robot *robot;
@@ -29,6 +32,10 @@ struct navigation {
     struct jp_course_leg legs[NAVIGATION_LEGS];
     void *way;
     size_t way_size;
+    struct jp_home home;
+    struct jp_course_leg home_legs[NAVIGATION_LEGS];
+    void *home_block;
+    bool was_out; /* on its way to the goal */
     struct clearance_pose start;
     struct clearance_pose before;
     double joules_before;
@@ -64,6 +71,70 @@ static bool tell(void *context, int x, int y, enum jp_cell cell)
     return true;
 }
 
+/* ---- The battery ---- */
+
+static double spent_of(const struct navigation *navigation)
+{
+    return joules_of(navigation) - navigation->joules_before;
+}
+
+static jp_q16 vehicle_energy(const struct navigation *navigation, double joules)
+{
+    return (jp_q16)lround(ldexp(joules, 16 - navigation->robot->unit_exponent));
+}
+
+/** What it has given is metered; what was in it is not known so well. */
+static bool tell_left(void *context, struct jp_forecast *left)
+{
+    const struct navigation *navigation = context;
+    const struct navigation_battery *battery = navigation->task->battery;
+
+    *left = (struct jp_forecast){vehicle_energy(navigation, battery->believed - spent_of(navigation)),
+                                 vehicle_energy(navigation, battery->deviation)};
+    return true;
+}
+
+static double probability_of(const struct navigation *navigation, struct jp_home_answer *answer)
+{
+    return navigation->task->battery != NULL && jp_home_ask(&navigation->home, answer) == JP_OK
+               ? ldexp(answer->probability, -31)
+               : NAN;
+}
+
+/** It has left the goal, or turns back. */
+static void note_turn(struct navigation *navigation)
+{
+    struct jp_home_answer answer;
+
+    navigation->result->joules_at_turn = spent_of(navigation);
+    if (jp_home_ask(&navigation->home, &answer) == JP_OK) {
+        navigation->result->way_joules = vehicle_joules(navigation, answer.way.energy);
+        navigation->result->way_deviation_joules = vehicle_joules(navigation, answer.way.deviation);
+    }
+}
+
+/** The navigator's work and what is beyond it: back from the goal. */
+static enum jp_navigator_state work(struct navigation *navigation)
+{
+    struct navigation_result *result = navigation->result;
+
+    if (navigation->task->battery == NULL) {
+        return jp_navigator_work(&navigation->navigator);
+    }
+    const enum jp_home_state state = jp_home_work(&navigation->home);
+
+    if (navigation->was_out && state != JP_HOME_OUT) {
+        note_turn(navigation);
+    }
+    navigation->was_out = state == JP_HOME_OUT;
+    if (state == JP_HOME_AT_GOAL) {
+        (void)jp_home_return(&navigation->home);
+    }
+    result->is_stranded =
+        result->is_stranded || (state != JP_HOME_HOME && spent_of(navigation) > navigation->task->battery->joules);
+    return navigation->navigator.state;
+}
+
 /* ---- The drive ---- */
 
 static void copy_course(const struct navigation *navigation, struct navigation_course *course)
@@ -79,9 +150,14 @@ static void show(struct navigation *navigation)
 {
     struct jp_progress progress = {.length = 0};
     struct navigation_course course;
+    struct jp_home_answer answer;
+    const double probability = probability_of(navigation, &answer);
 
     copy_course(navigation, &course);
     (void)jp_navigator_progress(&navigation->navigator, &progress);
+    if (navigation->was_out) {
+        navigation->result->least_probability = fmin(navigation->result->least_probability, probability);
+    }
     const struct navigation_frame frame = {.seconds = navigation->result->seconds,
                                            .pose = pose_of(navigation),
                                            .joules = joules_of(navigation) - navigation->joules_before,
@@ -90,6 +166,7 @@ static void show(struct navigation *navigation)
                                            .replans = navigation->navigator.replans,
                                            .left_m = progress.length / Q16,
                                            .left_s = progress.duration / Q16,
+                                           .probability = probability,
                                            .new_course = navigation->has_new_course ? &course : NULL};
 
     if (navigation->task->watch != NULL) {
@@ -136,7 +213,7 @@ static void tick(struct navigation *navigation, uint64_t tick)
     }
     if (rate <= WORK_RATE || tick % (rate / WORK_RATE) == 0) {
         const enum jp_navigator_state before = navigation->navigator.state;
-        const enum jp_navigator_state state = jp_navigator_work(&navigation->navigator);
+        const enum jp_navigator_state state = work(navigation);
 
         navigation->has_new_course =
             navigation->has_new_course || (before == JP_NAVIGATOR_JOINING && state == JP_NAVIGATOR_TURNING);
@@ -146,6 +223,9 @@ static void tick(struct navigation *navigation, uint64_t tick)
 
 static bool is_over(const struct navigation *navigation)
 {
+    if (navigation->task->battery != NULL) {
+        return navigation->home.state >= JP_HOME_HOME || navigation->result->is_stranded;
+    }
     return navigation->navigator.state >= JP_NAVIGATOR_ARRIVED;
 }
 
@@ -158,7 +238,9 @@ static void conclude(struct navigation *navigation)
     result->reason = navigation->navigator.reason;
     result->status = navigation->navigator.status;
     result->replans = navigation->navigator.replans;
-    result->joules = joules_of(navigation) - navigation->joules_before;
+    result->joules = spent_of(navigation);
+    result->home = navigation->home.state;
+    result->has_turned_back = navigation->home.has_turned_back;
     result->is_late = !is_over(navigation);
     result->goal_error_m = navigation_goal_error(navigation->task, &pose);
     if (navigation->robot->deviation != NULL) {
@@ -171,7 +253,8 @@ static bool drive(struct navigation *navigation)
 {
     const struct navigation_task *task = navigation->task;
     const double rate = navigation->robot->rate_hz;
-    const enum jp_status status = jp_navigator_go(&navigation->navigator, &task->goal);
+    const enum jp_status status = task->battery != NULL ? jp_home_go(&navigation->home, &task->goal)
+                                                        : jp_navigator_go(&navigation->navigator, &task->goal);
 
     if (status != JP_OK) {
         error_line("--goal: the robot cannot stand there; give another place");
@@ -186,6 +269,30 @@ static bool drive(struct navigation *navigation)
 }
 
 /* ---- Preparation ---- */
+
+/** Where it begins. */
+static bool prepare_home(struct navigation *navigation)
+{
+    const struct navigation_task *task = navigation->task;
+    const struct jp_home_config config = {.navigator = &navigation->navigator,
+                                          .x = task->start.x,
+                                          .y = task->start.y,
+                                          .confidence = (jp_q31)(task->battery->confidence * 0x1p31),
+                                          .left = tell_left,
+                                          .context = navigation,
+                                          .legs = navigation->home_legs,
+                                          .legs_max = NAVIGATION_LEGS,
+                                          .slice = HOME_SLICE,
+                                          .block = navigation->home_block,
+                                          .size = jp_home_size(&task->map->config)};
+    const char *field = "";
+
+    if (jp_home_init(&navigation->home, &config, &field) != JP_OK) {
+        error_line("--home: %s is refused; begin where the robot can stand", field != NULL ? field : "the place");
+        return false;
+    }
+    return true;
+}
 
 static bool prepare_navigator(struct navigation *navigation, void *block)
 {
@@ -215,13 +322,13 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
         error_line("%s: %s is out of the range of the navigator on this map; take other cells", robot->name, field);
         return false;
     }
-    return true;
+    return task->battery == NULL || prepare_home(navigation);
 }
 
 static void describe(struct navigation *navigation, const struct navigation_task *task,
                      const struct navigation_robot *robot, struct navigation_result *result)
 {
-    *result = (struct navigation_result){.clearance_m = NAVIGATION_CLEARANCE_MAX};
+    *result = (struct navigation_result){.clearance_m = NAVIGATION_CLEARANCE_MAX, .least_probability = 1};
     navigation->task = task;
     navigation->result = result;
     navigation->robot = robot;
@@ -241,14 +348,17 @@ bool navigation_run(const struct navigation_task *task, const struct navigation_
     if (navigation != NULL) {
         describe(navigation, task, robot, result);
         navigation->way = malloc(navigation->way_size);
+        navigation->home_block = task->battery != NULL ? malloc(jp_home_size(&task->map->config)) : NULL;
     }
-    if (navigation == NULL || navigation->way == NULL || block == NULL) {
+    if (navigation == NULL || navigation->way == NULL || block == NULL ||
+        (task->battery != NULL && navigation->home_block == NULL)) {
         error_line("--memory %zu: this computer has not that much; give less", task->memory / 1024);
     } else {
         is_done = prepare_navigator(navigation, block) && drive(navigation);
     }
     if (navigation != NULL) {
         free(navigation->way);
+        free(navigation->home_block);
     }
     free(navigation);
     free(block);

@@ -1,0 +1,381 @@
+#include <joulepath/home.h>
+
+#include <joulepath/count.h>
+#include <stddef.h>
+
+#include "src/base/integer.h"
+#include "src/learn/normal_quantile.h"
+#include "src/navigate/navigator_frame.h"
+#include "src/navigate/navigator_survey.h"
+
+static const struct jp_terrain *terrain_of(const struct jp_home *home)
+{
+    return jp_planner_terrain(home->config.navigator->config.planner);
+}
+
+/* Where the robot is in the field. */
+
+/** Its pose on the field; where it stands nearer to obstacles than the lattice lets it, the pose beside it that is
+ *  nearest to home. */
+static jp_cost pose_here(const struct jp_home *home, const struct jp_place *place, struct jp_lattice_pose *pose)
+{
+    const struct jp_pose_field *field = &home->internal.field;
+    const jp_q16 cell = terrain_of(home)->config.resolution;
+    const uint8_t heading = jp_frame_nearest_heading(field->lattice, JP_ANY_HEADING, place->heading);
+
+    *pose = (struct jp_lattice_pose){(int16_t)(place->point.x / cell), (int16_t)(place->point.y / cell), heading};
+
+    const struct jp_lattice_pose centre = *pose;
+    jp_cost least = jp_pose_field_cost(field, centre.x, centre.y, heading);
+
+    if (least == JP_COST_MAX) {
+        for (int16_t i = 0; i < 9; i++) {
+            const struct jp_lattice_pose beside = {(int16_t)(centre.x + i % 3 - 1), (int16_t)(centre.y + i / 3 - 1),
+                                                   heading};
+            const jp_cost cost = jp_pose_field_cost(field, beside.x, beside.y, heading);
+
+            if (cost < least) {
+                least = cost;
+                *pose = beside;
+            }
+        }
+    }
+    return least;
+}
+
+/* The way home. */
+
+static void grow_anew(struct jp_home *home)
+{
+    home->internal.phase = JP_HOME_GROWS;
+    /* Checked by jp_home_init(). */
+    (void)jp_pose_field_start(&home->internal.field, JP_POSE_FIELD_TO_ROOT, home->config.x, home->config.y,
+                              JP_ANY_HEADING, JP_COST_MAX - 2U);
+}
+
+static void grow(struct jp_home *home)
+{
+    unsigned poses = home->config.slice;
+
+    if (jp_pose_field_grow(&home->internal.field, &poses)) {
+        home->internal.map_seen = home->internal.field.map_version;
+        home->internal.phase = JP_HOME_JOINS;
+        home->internal.survey.internal.course.answer = JP_COURSE_NO_ROUTE;
+    }
+}
+
+static void keep_way(struct jp_home *home, const struct jp_forecast *energy)
+{
+    struct jp_forecast left = {.energy = 0};
+
+    (void)home->config.left(home->config.context, &left);
+    home->ways = jp_one_more32(home->ways);
+    home->internal.way =
+        (struct jp_home_way){.energy = *energy, .cost = home->internal.cost, .left = left.energy, .is_known = true};
+}
+
+static void join_anew(struct jp_home *home)
+{
+    home->internal.phase = JP_HOME_JOINS;
+    home->internal.survey.internal.course.answer = JP_COURSE_NO_ROUTE;
+}
+
+/** From where the robot is. */
+static void begin_course(struct jp_home *home)
+{
+    struct jp_navigator *survey = &home->internal.survey;
+    const struct jp_place place = jp_navigator_place(home->config.navigator);
+    struct jp_lattice_pose pose;
+
+    home->internal.cost = pose_here(home, &place, &pose);
+    survey->internal.stand = place.point;
+    home->internal.heading = place.heading;
+    (void)jp_course_start_on_field(&survey->internal.course, &home->internal.field, &pose, &place.point);
+}
+
+static void join(struct jp_home *home)
+{
+    static const struct jp_forecast nothing = {0, 0};
+    struct jp_navigator *survey = &home->internal.survey;
+    struct jp_course *course = &survey->internal.course;
+
+    if (course->answer != JP_COURSE_JOINING) {
+        begin_course(home);
+    }
+    if (jp_course_work(course) != JP_COURSE_FOUND) {
+        return;
+    }
+    if (course->count == 0U) {
+        keep_way(home, &nothing);
+        join_anew(home);
+    } else {
+        home->internal.phase = JP_HOME_SURVEYS;
+        jp_survey_start(survey);
+    }
+}
+
+static void survey(struct jp_home *home)
+{
+    struct jp_navigator *survey = &home->internal.survey;
+    const struct jp_place from = {survey->internal.stand, home->internal.heading};
+    const enum jp_status status = jp_survey_work(survey, &from);
+
+    if (status == JP_OK) {
+        keep_way(home, &survey->internal.energy);
+    }
+    if (status != JP_WORKING) {
+        join_anew(home);
+    }
+}
+
+static bool is_way_blocked(const struct jp_home *home)
+{
+    const struct jp_course *course = &home->internal.survey.internal.course;
+
+    for (uint16_t i = 0; i < course->count; i++) {
+        const struct jp_point begin = jp_course_begin(course, i);
+
+        if (!jp_course_is_clear(course, i, &begin)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/** What changed may lie off the way home. */
+static void look_at_map(struct jp_home *home)
+{
+    const uint32_t version = terrain_of(home)->version;
+
+    if (home->internal.phase != JP_HOME_GROWS && version != home->internal.map_seen) {
+        home->internal.map_seen = version;
+        if (is_way_blocked(home)) {
+            grow_anew(home);
+        }
+    }
+}
+
+/** The vehicle surveys one thing at a time. */
+static void work_on_way(struct jp_home *home)
+{
+    const bool is_surveyed = home->config.navigator->state == JP_NAVIGATOR_JOINING;
+
+    look_at_map(home);
+    if (home->internal.phase == JP_HOME_GROWS) {
+        grow(home);
+    } else if (home->internal.phase == JP_HOME_JOINS) {
+        join(home);
+    } else if (is_surveyed) {
+        join_anew(home);
+    } else {
+        survey(home);
+    }
+}
+
+/* What is asked. */
+
+/** The last one, as much longer or shorter as the field says; where it says nothing, with all that was spent since. */
+static struct jp_forecast way_now(const struct jp_home *home, const struct jp_forecast *left)
+{
+    const struct jp_home_way *way = &home->internal.way;
+    const struct jp_place place = jp_navigator_place(home->config.navigator);
+    struct jp_lattice_pose pose;
+    const jp_cost cost = pose_here(home, &place, &pose);
+    struct jp_forecast now = way->energy;
+
+    if (cost == JP_COST_MAX || way->cost == 0U || way->cost == JP_COST_MAX) {
+        const jp_q16 spent = jp_sub(way->left, left->energy);
+
+        now.energy = jp_add(now.energy, spent > 0 ? spent : 0);
+    } else {
+        now.energy = jp_saturate32((int64_t)now.energy * cost / (int64_t)way->cost);
+        now.deviation = jp_saturate32((int64_t)now.deviation * cost / (int64_t)way->cost);
+    }
+    return now;
+}
+
+enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer)
+{
+    if (home == NULL || answer == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!home->internal.way.is_known) {
+        return JP_ERR_NO_PLAN;
+    }
+    if (!home->config.left(home->config.context, &answer->left)) {
+        return JP_ERR_EMPTY;
+    }
+    answer->way = way_now(home, &answer->left);
+    return jp_forecast_suffices(&answer->left, &answer->way, &answer->probability);
+}
+
+/* The drive. */
+
+static void fail(struct jp_home *home)
+{
+    home->state = JP_HOME_FAILED;
+}
+
+enum jp_status jp_home_return(struct jp_home *home)
+{
+    if (home == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    const struct jp_goal goal = {.x = home->config.x, .y = home->config.y, .headings = JP_ANY_HEADING};
+    const enum jp_status status = jp_navigator_go_along(home->config.navigator, &goal, &home->internal.field);
+
+    if (status == JP_OK) {
+        home->state = JP_HOME_RETURNING;
+    }
+    return status;
+}
+
+static bool must_return(const struct jp_home *home)
+{
+    struct jp_home_answer answer;
+
+    return home->config.confidence > 0 && jp_home_ask(home, &answer) == JP_OK &&
+           answer.probability < home->config.confidence;
+}
+
+static void turn_back(struct jp_home *home)
+{
+    home->has_turned_back = true;
+    if (jp_home_return(home) != JP_OK) {
+        fail(home);
+    }
+}
+
+static void leave(struct jp_home *home)
+{
+    if (!home->internal.way.is_known) {
+        return;
+    }
+    home->state = JP_HOME_OUT;
+    if (jp_navigator_go(home->config.navigator, &home->internal.goal) != JP_OK) {
+        fail(home);
+    }
+}
+
+static void go_on(struct jp_home *home, enum jp_navigator_state state, enum jp_home_state arrived)
+{
+    if (state == JP_NAVIGATOR_ARRIVED) {
+        home->state = arrived;
+    } else if (state > JP_NAVIGATOR_ARRIVED) {
+        fail(home);
+    } else if (arrived == JP_HOME_AT_GOAL && must_return(home)) {
+        turn_back(home);
+    } else {
+        /* On its way. */
+    }
+}
+
+enum jp_home_state jp_home_work(struct jp_home *home)
+{
+    const enum jp_navigator_state state = jp_navigator_work(home->config.navigator);
+
+    work_on_way(home);
+    switch (home->state) {
+    case JP_HOME_PREPARING:
+        leave(home);
+        break;
+    case JP_HOME_OUT:
+        go_on(home, state, JP_HOME_AT_GOAL);
+        break;
+    case JP_HOME_RETURNING:
+        go_on(home, state, JP_HOME_HOME);
+        break;
+    default:
+        break;
+    }
+    return home->state;
+}
+
+enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal)
+{
+    if (home == NULL || goal == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    home->internal.goal = *goal;
+    home->has_turned_back = false;
+    home->state = JP_HOME_PREPARING;
+    return JP_OK;
+}
+
+/* Preparation. */
+
+size_t jp_home_size(const struct jp_terrain_config *config)
+{
+    return jp_pose_field_size(config);
+}
+
+static const char *wrong_field(const struct jp_home_config *config)
+{
+    if (config->navigator == NULL) {
+        return "navigator";
+    }
+    if (config->confidence != 0 && !jp_is_between(config->confidence, JP_PROBABILITY_MIN, JP_PROBABILITY_MAX)) {
+        return "confidence";
+    }
+    if (config->left == NULL) {
+        return "left";
+    }
+    if (config->legs == NULL) {
+        return "legs";
+    }
+    if (config->legs_max == 0U) {
+        return "legs_max";
+    }
+    return config->slice == 0U ? "slice" : NULL;
+}
+
+/** As the navigator's, with legs of its own. */
+static void prepare_survey(struct jp_home *home)
+{
+    const struct jp_navigator *navigator = home->config.navigator;
+    struct jp_navigator *survey = &home->internal.survey;
+
+    *survey = (struct jp_navigator){.config = navigator->config, .internal = {.origin = navigator->internal.origin}};
+    survey->config.legs = home->config.legs;
+    survey->config.legs_max = home->config.legs_max;
+    survey->internal.ground = jp_frame_make_ground(survey);
+    survey->internal.course = navigator->internal.course;
+    survey->internal.course.config.legs = home->config.legs;
+    survey->internal.course.config.legs_max = home->config.legs_max;
+}
+
+enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *config, const char **field)
+{
+    if (home == NULL || config == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = wrong_field(config);
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    *home = (struct jp_home){.config = *config};
+
+    const struct jp_lattice *lattice = jp_planner_lattice(config->navigator->config.planner);
+    const struct jp_terrain *terrain = terrain_of(home);
+
+    if (!jp_terrain_contains(terrain, config->x, config->y)) {
+        return JP_ERR_OUTSIDE;
+    }
+    if (!jp_lattice_is_open(lattice, terrain, config->x, config->y)) {
+        return JP_ERR_BLOCKED;
+    }
+    const enum jp_status status =
+        jp_pose_field_init(&home->internal.field, lattice, JP_COST_PHYSICAL, terrain, config->block, config->size);
+
+    if (status == JP_OK) {
+        prepare_survey(home);
+        grow_anew(home);
+    }
+    return status;
+}
+
+void jp_home_set_lattice(struct jp_home *home, const struct jp_lattice *lattice)
+{
+    jp_pose_field_set_lattice(&home->internal.field, lattice);
+    grow_anew(home);
+}
