@@ -15,9 +15,11 @@
  *
  *   P(home) = P(left − way >= 0),    left from the battery, way from the learner, each with its deviation
  *
- * by jp_forecast_suffices(). The robot goes on as long as that is at least `confidence` where it is, however far the
- * goal may be, so that what it learns on its way counts. A change of the map that blocks the way home makes the field
- * grow anew; until it has, the way home is the last one and what was spent since.
+ * by jp_forecast_suffices(). Of each course that was driven home learns by which factor it took more than its forecast
+ * said: waits and turns at stands, corrections; and how far courses differ in that. The way home is so much dearer, and
+ * so much less sure (jp_home_factor). The robot goes on as long as that is at least `confidence` where it is, however
+ * far the goal may be, so that what it learns on its way counts. A change of the map that blocks the way home makes the
+ * field grow anew; until it has, the way home is the last one and what was spent since.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */
@@ -64,6 +66,22 @@ struct jp_home_answer {
     jp_q31 probability;      /**< that it suffices, 0.0001…0.9999 */
 };
 
+/** What courses take against their forecasts. Worth storing: a new robot has 1 ± 0.1, and courses that differ by as
+ * much. */
+struct jp_home_factor {
+    jp_q16 mean;      /**< ½…2 */
+    jp_q16 deviation; /**< of what is known of the mean; above 0, up to 0.1 */
+    jp_q16 noise;     /**< deviation of a course; 1/64…1 */
+};
+
+/** Private: the course that is driven. */
+struct jp_home_course {
+    struct jp_forecast whole; /**< as it began */
+    jp_q16 rest;              /**< expected, J */
+    jp_q16 left;              /**< in the battery as it began, J */
+    bool is_driven;
+};
+
 /** Private. */
 enum jp_home_phase { JP_HOME_GROWS, JP_HOME_JOINS, JP_HOME_SURVEYS };
 
@@ -84,6 +102,7 @@ struct jp_home_internal {
     jp_cost cost;     /**< from where the course that is surveyed begins, */
     jp_angle heading; /**< and the robot's heading there */
     uint32_t map_seen;
+    struct jp_home_course course;
     struct jp_goal goal;
 };
 
@@ -91,8 +110,9 @@ struct jp_home_internal {
 struct jp_home {
     struct jp_home_config config;
     enum jp_home_state state;
-    bool has_turned_back; /**< since it was told where to go */
-    uint32_t ways;        /**< home that were surveyed, saturating */
+    bool has_turned_back;         /**< since it was told where to go */
+    uint32_t ways;                /**< home that were surveyed, saturating */
+    struct jp_home_factor factor; /**< the caller may write what was stored after jp_home_init() */
     struct jp_home_internal internal;
 };
 
@@ -123,6 +143,17 @@ enum jp_home_state jp_home_work(struct jp_home *home);
  *  JP_ERR_EMPTY: the battery does not say what is left. JP_ERR_ARGUMENT: a pointer is null. Work: that of
  *  jp_forecast_suffices(). */
 enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer);
+
+/** A new robot's. */
+extern const struct jp_home_factor jp_home_factor_new;
+
+/** Learns from a course that took so much, J above 0, where so much was forecast. A forecast that was not sure teaches
+ *  little. JP_ERR_ARGUMENT: a pointer is null, an energy not above 0, or a deviation negative. Work: six divisions and
+ *  two square roots. */
+enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken, const struct jp_forecast *forecast);
+
+/** What a way takes by that factor. Work: two square roots. */
+struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const struct jp_forecast *forecast);
 
 #ifdef __cplusplus
 }

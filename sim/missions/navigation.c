@@ -39,6 +39,7 @@ struct navigation {
     struct clearance_pose start;
     struct clearance_pose before;
     double joules_before;
+    double given_before;
     bool has_forecast;
     bool has_new_course;
 };
@@ -73,9 +74,16 @@ static bool tell(void *context, int x, int y, enum jp_cell cell)
 
 /* ---- The battery ---- */
 
+static double given_of(const struct navigation *navigation)
+{
+    const struct navigation_robot *robot = navigation->robot;
+
+    return robot->given != NULL ? robot->given(robot->self) : robot->joules(robot->self);
+}
+
 static double spent_of(const struct navigation *navigation)
 {
-    return joules_of(navigation) - navigation->joules_before;
+    return given_of(navigation) - navigation->given_before;
 }
 
 static jp_q16 vehicle_energy(const struct navigation *navigation, double joules)
@@ -238,7 +246,8 @@ static void conclude(struct navigation *navigation)
     result->reason = navigation->navigator.reason;
     result->status = navigation->navigator.status;
     result->replans = navigation->navigator.replans;
-    result->joules = spent_of(navigation);
+    result->joules = joules_of(navigation) - navigation->joules_before;
+    result->given_joules = spent_of(navigation);
     result->home = navigation->home.state;
     result->has_turned_back = navigation->home.has_turned_back;
     result->is_late = !is_over(navigation);
@@ -333,6 +342,7 @@ static void describe(struct navigation *navigation, const struct navigation_task
     navigation->result = result;
     navigation->robot = robot;
     navigation->joules_before = joules_of(navigation);
+    navigation->given_before = given_of(navigation);
     navigation->start = navigation_start(task);
     navigation->before = navigation->start;
     navigation->way_size = jp_navigator_way_size(&task->map->config);

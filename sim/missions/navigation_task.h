@@ -85,6 +85,7 @@ struct navigation_result {
     double forecast_joules; /**< of the first course */
     double deviation_joules;
     enum jp_home_state home; /**< at the end, of a robot with a battery */
+    double given_joules;     /**< by the battery at its terminals */
     bool is_stranded;        /**< the battery was empty before it was home */
     bool has_turned_back;
     double least_probability;    /**< of coming home, on the way out */

@@ -45,6 +45,14 @@ static jp_cost pose_here(const struct jp_home *home, const struct jp_place *plac
 
 /* The way home. */
 
+static jp_q16 left_now(const struct jp_home *home)
+{
+    struct jp_forecast left = {.energy = 0};
+
+    (void)home->config.left(home->config.context, &left);
+    return left.energy;
+}
+
 static void grow_anew(struct jp_home *home)
 {
     home->internal.phase = JP_HOME_GROWS;
@@ -66,12 +74,9 @@ static void grow(struct jp_home *home)
 
 static void keep_way(struct jp_home *home, const struct jp_forecast *energy)
 {
-    struct jp_forecast left = {.energy = 0};
-
-    (void)home->config.left(home->config.context, &left);
     home->ways = jp_one_more32(home->ways);
     home->internal.way =
-        (struct jp_home_way){.energy = *energy, .cost = home->internal.cost, .left = left.energy, .is_known = true};
+        (struct jp_home_way){.energy = *energy, .cost = home->internal.cost, .left = left_now(home), .is_known = true};
 }
 
 static void join_anew(struct jp_home *home)
@@ -172,6 +177,43 @@ static void work_on_way(struct jp_home *home)
     }
 }
 
+/* What courses take. */
+
+/** From most of a course: of less the ends weigh too much. */
+static void end_course(struct jp_home *home)
+{
+    struct jp_home_course *course = &home->internal.course;
+    const jp_q16 driven = jp_sub(course->whole.energy, course->rest);
+
+    course->is_driven = false;
+    if (driven >= course->whole.energy / 2) {
+        const struct jp_forecast forecast = {
+            driven, jp_saturate32((int64_t)course->whole.deviation * driven / course->whole.energy)};
+
+        /* What took nothing teaches nothing. */
+        (void)jp_home_factor_learn(&home->factor, jp_sub(course->left, left_now(home)), &forecast);
+    }
+}
+
+static void watch_course(struct jp_home *home)
+{
+    struct jp_home_course *course = &home->internal.course;
+    struct jp_progress progress;
+    const bool is_driven = jp_navigator_progress(home->config.navigator, &progress) == JP_OK;
+
+    if (course->is_driven && !is_driven) {
+        course->rest = home->config.navigator->state == JP_NAVIGATOR_ARRIVED ? 0 : course->rest;
+        end_course(home);
+    } else if (is_driven && !course->is_driven) {
+        *course = (struct jp_home_course){progress.energy, progress.energy.energy, left_now(home),
+                                          progress.energy.energy > 0};
+    } else if (is_driven) {
+        course->rest = progress.energy.energy;
+    } else {
+        /* It stands. */
+    }
+}
+
 /* What is asked. */
 
 /** The last one, as much longer or shorter as the field says; where it says nothing, with all that was spent since. */
@@ -205,7 +247,9 @@ enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *an
     if (!home->config.left(home->config.context, &answer->left)) {
         return JP_ERR_EMPTY;
     }
-    answer->way = way_now(home, &answer->left);
+    const struct jp_forecast way = way_now(home, &answer->left);
+
+    answer->way = jp_home_factor_way(&home->factor, &way);
     return jp_forecast_suffices(&answer->left, &answer->way, &answer->probability);
 }
 
@@ -274,6 +318,7 @@ enum jp_home_state jp_home_work(struct jp_home *home)
 {
     const enum jp_navigator_state state = jp_navigator_work(home->config.navigator);
 
+    watch_course(home);
     work_on_way(home);
     switch (home->state) {
     case JP_HOME_PREPARING:
@@ -353,7 +398,7 @@ enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *c
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
-    *home = (struct jp_home){.config = *config};
+    *home = (struct jp_home){.config = *config, .factor = jp_home_factor_new};
 
     const struct jp_lattice *lattice = jp_planner_lattice(config->navigator->config.planner);
     const struct jp_terrain *terrain = terrain_of(home);
