@@ -85,7 +85,7 @@ struct jp_home_course {
 /** Private. */
 enum jp_home_phase { JP_HOME_GROWS, JP_HOME_JOINS, JP_HOME_SURVEYS };
 
-/** Private: the last way home that was surveyed. */
+/** Private: a way home that was surveyed. */
 struct jp_home_way {
     struct jp_forecast energy;
     jp_cost cost; /**< by the field */
@@ -98,12 +98,16 @@ struct jp_home_internal {
     struct jp_pose_field field;
     struct jp_navigator survey; /**< that drives nothing: the course home and what it takes */
     enum jp_home_phase phase;
-    struct jp_home_way way;
-    jp_cost cost;     /**< from where the course that is surveyed begins, */
-    jp_angle heading; /**< and the robot's heading there */
+    struct jp_home_way way;   /**< the last one from where the robot was */
+    struct jp_home_way price; /**< the last one that was long enough to tell what others take */
+    jp_cost cost;             /**< from where the course that is surveyed begins, */
+    jp_angle heading;         /**< and the robot's heading there */
     uint32_t map_seen;
     struct jp_home_course course;
     struct jp_goal goal;
+    bool is_from_goal;  /**< the course that is surveyed */
+    bool is_goal_known; /**< what the way home from there takes, or that none is known */
+    bool is_stuck;      /**< no course leads along the field from where the robot is */
 };
 
 /** The members but `internal` may be read. */
@@ -143,6 +147,17 @@ enum jp_home_state jp_home_work(struct jp_home *home);
  *  JP_ERR_EMPTY: the battery does not say what is left. JP_ERR_ARGUMENT: a pointer is null. Work: that of
  *  jp_forecast_suffices(). */
 enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer);
+
+/** What a way of this cost takes, of those of the same lattice: as the last one that was surveyed, which before the
+ * robot leaves is the one home from its goal, with what home has learned of courses. JP_ERR_ARGUMENT: a pointer is
+ * null. JP_ERR_NO_PLAN: none was surveyed yet. Work: two divisions and two square roots. */
+enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, struct jp_forecast *way);
+
+/** The largest cost of a way for which what is left suffices at a confidence, ½…0.9999; 0: none does. Failures as
+ *  jp_home_expect(); JP_ERR_ARGUMENT also: the confidence is out of range. Work: 24 times that of jp_home_expect() and
+ *  jp_forecast_suffices(). */
+enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_forecast *left, jp_q31 confidence,
+                                jp_cost *cost);
 
 /** A new robot's. */
 extern const struct jp_home_factor jp_home_factor_new;

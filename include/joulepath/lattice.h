@@ -132,6 +132,9 @@ struct jp_lattice {
     uint32_t version; /**< of the parameters that the costs follow (tariff.h); 0: those of the tables */
 };
 
+/** A set of headings, a bit for each: all of them. */
+#define JP_ANY_HEADING ((uint16_t)0xFFFF)
+
 /** A state. */
 struct jp_lattice_pose {
     int16_t x; /**< cell */

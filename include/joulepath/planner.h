@@ -57,7 +57,6 @@ struct jp_goal {
     int16_t y;
     uint16_t headings; /**< not 0 */
 };
-#define JP_ANY_HEADING ((uint16_t)0xFFFF)
 
 struct jp_planner_config {
     const struct jp_lattice *lattice; /**< that passed jp_lattice_check(); resolution equal to the map's */

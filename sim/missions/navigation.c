@@ -1,5 +1,6 @@
 #include "sim/missions/navigation.h"
 
+#include <joulepath/return_map.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -121,6 +122,40 @@ static void note_turn(struct navigation *navigation)
     }
 }
 
+/** Of a way out and home by the return map; NaN: there is none, or no memory. */
+static struct jp_forecast round_trip(const struct navigation *navigation)
+{
+    const struct navigation_task *task = navigation->task;
+    const size_t size = jp_return_map_size(&task->map->config);
+    void *block = malloc(size);
+    struct jp_return_map map;
+    struct jp_forecast way = {0, 0};
+
+    if (block != NULL && jp_return_map_init(&map, task->lattice, task->map, block, size) == JP_OK &&
+        jp_return_map_start(&map, &task->start, task->start.x, task->start.y, JP_COST_MAX - 2) == JP_OK) {
+        while (!jp_return_map_work(&map, 100000)) {
+            /* Slice by slice. */
+        }
+        (void)jp_home_expect(&navigation->home, jp_return_map_cost(&map, task->goal.x, task->goal.y), &way);
+    }
+    free(block);
+    return way;
+}
+
+/** It knows what it can before it drives. */
+static void note_leave(struct navigation *navigation)
+{
+    struct navigation_battery *battery = navigation->task->battery;
+
+    if (battery->leave != NULL) {
+        const struct jp_forecast way = round_trip(navigation);
+
+        battery->leave(battery->context, battery, vehicle_joules(navigation, way.energy),
+                       vehicle_joules(navigation, way.deviation));
+    }
+    navigation->result->joules_at_leave = spent_of(navigation);
+}
+
 /** The navigator's work and what is beyond it: back from the goal. */
 static enum jp_navigator_state work(struct navigation *navigation)
 {
@@ -133,6 +168,9 @@ static enum jp_navigator_state work(struct navigation *navigation)
 
     if (navigation->was_out && state != JP_HOME_OUT) {
         note_turn(navigation);
+    }
+    if (!navigation->was_out && state == JP_HOME_OUT) {
+        note_leave(navigation);
     }
     navigation->was_out = state == JP_HOME_OUT;
     if (state == JP_HOME_AT_GOAL) {
@@ -250,6 +288,9 @@ static void conclude(struct navigation *navigation)
     result->given_joules = spent_of(navigation);
     result->home = navigation->home.state;
     result->has_turned_back = navigation->home.has_turned_back;
+    if (navigation->task->battery != NULL && navigation->task->battery->factor != NULL) {
+        *navigation->task->battery->factor = navigation->home.factor;
+    }
     result->is_late = !is_over(navigation);
     result->goal_error_m = navigation_goal_error(navigation->task, &pose);
     if (navigation->robot->deviation != NULL) {
@@ -299,6 +340,9 @@ static bool prepare_home(struct navigation *navigation)
     if (jp_home_init(&navigation->home, &config, &field) != JP_OK) {
         error_line("--home: %s is refused; begin where the robot can stand", field != NULL ? field : "the place");
         return false;
+    }
+    if (task->battery->factor != NULL) {
+        navigation->home.factor = *task->battery->factor;
     }
     return true;
 }

@@ -40,10 +40,15 @@ struct navigation_frame {
 /** What is in the battery of a robot that comes back to where it began: J of the energy that the vehicle's model
  * counts. */
 struct navigation_battery {
-    double joules;     /**< truly */
-    double believed;   /**< by the battery's own estimate, */
-    double deviation;  /**< which states this deviation */
-    double confidence; /**< with which the robot shall come home; below it it turns back; 0: never */
+    double joules;                 /**< truly */
+    double believed;               /**< by the battery's own estimate, */
+    double deviation;              /**< which states this deviation */
+    double confidence;             /**< with which the robot shall come home; below it it turns back; 0: never */
+    struct jp_home_factor *factor; /**< what it has learned of courses, kept; NULL: a new robot's */
+    /** When all is known that can be before it leaves: what the way to the goal and home takes by the return map, J;
+     * NULL: nobody asks. May change what is in the battery. */
+    void (*leave)(void *context, struct navigation_battery *battery, double joules, double deviation);
+    void *context;
 };
 
 struct navigation_task {
@@ -58,7 +63,7 @@ struct navigation_task {
     size_t memory;   /**< of the planner, bytes */
     double patience; /**< simulated seconds after which the drive is given up */
     uint64_t seed;
-    const struct navigation_battery *battery; /**< NULL: it stays at the goal, and its battery lasts */
+    struct navigation_battery *battery; /**< NULL: it stays at the goal, and its battery lasts */
     /** Either may be NULL. */
     void (*watch)(void *context, const struct navigation_frame *frame);
     void (*see)(void *context, const struct navigation_sight *sight);
@@ -89,6 +94,7 @@ struct navigation_result {
     bool is_stranded;        /**< the battery was empty before it was home */
     bool has_turned_back;
     double least_probability;    /**< of coming home, on the way out */
+    double joules_at_leave;      /**< spent when it left */
     double joules_at_turn;       /**< spent when it left the goal or turned back, */
     double way_joules;           /**< and what the way home should take from there, */
     double way_deviation_joules; /**< give or take */

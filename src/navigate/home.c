@@ -8,6 +8,9 @@
 #include "src/navigate/navigator_frame.h"
 #include "src/navigate/navigator_survey.h"
 
+/** Steps on level ground; a way of more tells what others take. */
+#define PRICE_STEPS 10U
+
 static const struct jp_terrain *terrain_of(const struct jp_home *home)
 {
     return jp_planner_terrain(home->config.navigator->config.planner);
@@ -74,9 +77,21 @@ static void grow(struct jp_home *home)
 
 static void keep_way(struct jp_home *home, const struct jp_forecast *energy)
 {
-    home->ways = jp_one_more32(home->ways);
-    home->internal.way =
-        (struct jp_home_way){.energy = *energy, .cost = home->internal.cost, .left = left_now(home), .is_known = true};
+    struct jp_home_internal *internal = &home->internal;
+    const struct jp_slope_cost *step = &internal->field.lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS];
+    const struct jp_home_way way = {
+        .energy = *energy, .cost = internal->cost, .left = left_now(home), .is_known = true};
+
+    if (way.cost != JP_COST_MAX && way.cost > PRICE_STEPS * jp_move_cost(step, 0)) {
+        internal->price = way;
+    }
+    if (internal->is_from_goal) {
+        internal->is_goal_known = true;
+    } else {
+        home->ways = jp_one_more32(home->ways);
+        internal->way = way;
+    }
+    internal->is_from_goal = false;
 }
 
 static void join_anew(struct jp_home *home)
@@ -85,17 +100,43 @@ static void join_anew(struct jp_home *home)
     home->internal.survey.internal.course.answer = JP_COURSE_NO_ROUTE;
 }
 
-/** From where the robot is. */
+/** Where it arrives at the goal, looking away from home. */
+static struct jp_place goal_place(const struct jp_home *home)
+{
+    const struct jp_goal *goal = &home->internal.goal;
+    const jp_q16 cell = terrain_of(home)->config.resolution;
+
+    return (struct jp_place){
+        .point = {goal->x * cell + cell / 2, goal->y * cell + cell / 2},
+        .heading = jp_atan2(goal->y - home->config.y, goal->x - home->config.x),
+    };
+}
+
+/** From where the robot is; before it leaves, from its goal, too. */
 static void begin_course(struct jp_home *home)
 {
     struct jp_navigator *survey = &home->internal.survey;
-    const struct jp_place place = jp_navigator_place(home->config.navigator);
+
+    home->internal.is_from_goal =
+        home->state == JP_HOME_PREPARING && !home->internal.price.is_known && home->internal.way.is_known;
+
+    const struct jp_place place =
+        home->internal.is_from_goal ? goal_place(home) : jp_navigator_place(home->config.navigator);
     struct jp_lattice_pose pose;
 
     home->internal.cost = pose_here(home, &place, &pose);
     survey->internal.stand = place.point;
     home->internal.heading = place.heading;
     (void)jp_course_start_on_field(&survey->internal.course, &home->internal.field, &pose, &place.point);
+}
+
+/** A goal from which no course leads is left to the planner. */
+static void end_join(struct jp_home *home, bool is_stuck)
+{
+    struct jp_home_internal *internal = &home->internal;
+
+    internal->is_goal_known = internal->is_goal_known || (internal->is_from_goal && is_stuck);
+    internal->is_stuck = !internal->is_from_goal && is_stuck;
 }
 
 static void join(struct jp_home *home)
@@ -107,9 +148,13 @@ static void join(struct jp_home *home)
     if (course->answer != JP_COURSE_JOINING) {
         begin_course(home);
     }
-    if (jp_course_work(course) != JP_COURSE_FOUND) {
+    const enum jp_course_answer answer = jp_course_work(course);
+
+    if (answer != JP_COURSE_FOUND) {
+        end_join(home, answer != JP_COURSE_JOINING);
         return;
     }
+    end_join(home, false);
     if (course->count == 0U) {
         keep_way(home, &nothing);
         join_anew(home);
@@ -216,6 +261,12 @@ static void watch_course(struct jp_home *home)
 
 /* What is asked. */
 
+static struct jp_forecast scaled(const struct jp_home_way *way, jp_cost cost)
+{
+    return (struct jp_forecast){jp_saturate32((int64_t)way->energy.energy * cost / (int64_t)way->cost),
+                                jp_saturate32((int64_t)way->energy.deviation * cost / (int64_t)way->cost)};
+}
+
 /** The last one, as much longer or shorter as the field says; where it says nothing, with all that was spent since. */
 static struct jp_forecast way_now(const struct jp_home *home, const struct jp_forecast *left)
 {
@@ -230,10 +281,45 @@ static struct jp_forecast way_now(const struct jp_home *home, const struct jp_fo
 
         now.energy = jp_add(now.energy, spent > 0 ? spent : 0);
     } else {
-        now.energy = jp_saturate32((int64_t)now.energy * cost / (int64_t)way->cost);
-        now.deviation = jp_saturate32((int64_t)now.deviation * cost / (int64_t)way->cost);
+        now = scaled(way, cost);
     }
     return now;
+}
+
+enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, struct jp_forecast *way)
+{
+    if (home == NULL || way == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!home->internal.price.is_known) {
+        return JP_ERR_NO_PLAN;
+    }
+    const struct jp_forecast forecast = scaled(&home->internal.price, cost);
+
+    *way = jp_home_factor_way(&home->factor, &forecast);
+    return JP_OK;
+}
+
+enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_forecast *left, jp_q31 confidence,
+                                jp_cost *cost)
+{
+    if (home == NULL || left == NULL || cost == NULL ||
+        !jp_is_between(confidence, JP_PROBABILITY_MIN, JP_PROBABILITY_MAX)) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!home->internal.price.is_known) {
+        return JP_ERR_NO_PLAN;
+    }
+    *cost = 0;
+    for (jp_cost bit = (JP_COST_MAX + 1U) / 2U; bit > 0U; bit /= 2U) {
+        struct jp_forecast way;
+        jp_q31 probability = 0;
+
+        (void)jp_home_expect(home, *cost + bit, &way);
+        (void)jp_forecast_suffices(left, &way, &probability);
+        *cost += probability >= confidence ? bit : 0U;
+    }
+    return JP_OK;
 }
 
 enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer)
@@ -292,12 +378,15 @@ static void turn_back(struct jp_home *home)
 
 static void leave(struct jp_home *home)
 {
-    if (!home->internal.way.is_known) {
-        return;
-    }
-    home->state = JP_HOME_OUT;
-    if (jp_navigator_go(home->config.navigator, &home->internal.goal) != JP_OK) {
+    if (home->internal.is_stuck) {
         fail(home);
+    } else if (home->internal.way.is_known && home->internal.is_goal_known) {
+        home->state = JP_HOME_OUT;
+        if (jp_navigator_go(home->config.navigator, &home->internal.goal) != JP_OK) {
+            fail(home);
+        }
+    } else {
+        /* It waits. */
     }
 }
 
@@ -342,6 +431,7 @@ enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal)
         return JP_ERR_ARGUMENT;
     }
     home->internal.goal = *goal;
+    home->internal.is_goal_known = false;
     home->has_turned_back = false;
     home->state = JP_HOME_PREPARING;
     return JP_OK;
