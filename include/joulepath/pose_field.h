@@ -3,9 +3,10 @@
  * the root, by unit steps and turns.
  *
  * A robot at a pose drives the straight unit step of its heading, at what the lattice charges for that primitive over
- * the ground (lattice.h), or turns where it is, at the least that primitives take to turn so (jp_lattice_turns()). A
- * route of a lattice may save a little against this where it turns in motion and moves aside at once; it costs more
- * where its curves need more room than there is. Both ways are exact in this sense: uphill is dearer than downhill.
+ * the ground (lattice.h), or turns where it is, at the least that primitives take to turn so (jp_lattice_turns()), 1 or
+ * more. A route of a lattice may save a little against this where it turns in motion and moves aside at once; it costs
+ * more where its curves need more room than there is. Both ways are exact in this sense: uphill is dearer than
+ * downhill.
  *
  * It grows in slices up to a limit; poses beyond it are not reached. The map must not change while it grows; afterwards
  * a change makes it outdated, not invalid. Memory: the caller's block, three bytes and a bit a cell and heading: 4.4

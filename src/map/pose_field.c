@@ -71,9 +71,22 @@ static bool is_single_turn(const struct jp_turns *turns, unsigned from, unsigned
     return true;
 }
 
-static void take_motions(struct jp_pose_field *field)
+/** No turn is for nothing, so that no way goes round in circles. */
+static void take_turns(struct jp_pose_field *field)
 {
     jp_lattice_turns(field->lattice, field->kind, &field->turns);
+    for (unsigned from = 0; from < JP_HEADINGS; from++) {
+        for (unsigned to = 0; to < JP_HEADINGS; to++) {
+            if (field->turns.cost[from][to] == 0U) {
+                field->turns.cost[from][to] = 1;
+            }
+        }
+    }
+}
+
+static void take_motions(struct jp_pose_field *field)
+{
+    take_turns(field);
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
         field->step[heading] = jp_unit_step(field->lattice, heading);
         field->onward[heading] = 0;
