@@ -4,10 +4,11 @@
 
 #include "src/base/integer.h"
 
-#define RATIO_MIN JP_Q16(0.5)
-#define RATIO_MAX JP_Q16(2)
-#define NOISE_MIN JP_Q16(0.015625)
-#define NOISE_MAX JP_Q16_ONE
+#define RATIO_MIN     JP_Q16(0.5)
+#define RATIO_MAX     JP_Q16(2)
+#define NOISE_MIN     JP_Q16(0.015625)
+#define NOISE_MAX     JP_Q16_ONE
+#define DEVIATION_MAX JP_Q16(0.1)
 
 /** The mean is taken to be no better known than by so many courses: robots and their ground change. */
 #define MEMORY 16U
@@ -61,7 +62,7 @@ enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken,
 
     factor->mean = jp_clamp32(factor->mean + jp_saturate32((int64_t)innovation * (known >> 8) / (total >> 8)),
                               RATIO_MIN, RATIO_MAX);
-    factor->deviation = jp_clamp32(root(left > least ? left : least), 1, factor->deviation);
+    factor->deviation = jp_clamp32(root(left > least ? left : least), 1, DEVIATION_MAX);
     factor->noise = jp_clamp32(root(noise + change), NOISE_MIN, NOISE_MAX);
     return JP_OK;
 }
