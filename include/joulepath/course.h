@@ -104,7 +104,8 @@ enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner
 enum jp_status jp_course_start_on_way(struct jp_course *course, const struct jp_lattice_way *way,
                                       const struct jp_way_cell *from, const struct jp_point *start);
 
-/** The same from a pose to the root of a finished field, which must not change until the course is found.
+/** The same from a pose to the root of a finished field, which must not change until the course is found. Where the map
+ *  has changed so that the way ends before the root, there is no room.
  *  JP_ERR_ARGUMENT: a pointer is null. JP_ERR_NO_PLAN: the field did not reach the pose. */
 enum jp_status jp_course_start_on_field(struct jp_course *course, const struct jp_pose_field *field,
                                         const struct jp_lattice_pose *from, const struct jp_point *start);

@@ -134,6 +134,14 @@ static bool leads_on(const struct jp_course *course, const struct jp_course_plac
     return follow(course, &next);
 }
 
+/** The map has changed since the field was made, so that its way ends before the root. */
+static bool is_cut_off(const struct jp_course *course, const struct jp_course_place *place)
+{
+    const struct jp_pose_field *field = course->internal.field;
+
+    return field != NULL && jp_pose_field_cost(field, place->pose.x, place->pose.y, place->pose.heading) != 0U;
+}
+
 /** From a waypoint on, which is where `place` is. */
 static void begin_leg(struct jp_course *course, const struct jp_point *from, const struct jp_course_place *place)
 {
@@ -145,7 +153,7 @@ static void begin_leg(struct jp_course *course, const struct jp_point *from, con
     internal->misses = 0;
     internal->margin = course->config.margin;
     if (!leads_on(course, place)) {
-        course->answer = JP_COURSE_FOUND;
+        course->answer = is_cut_off(course, place) ? JP_COURSE_NO_ROOM : JP_COURSE_FOUND;
     }
     internal->candidate = internal->first;
 }

@@ -118,7 +118,7 @@ static void begin_course(struct jp_home *home)
     struct jp_navigator *survey = &home->internal.survey;
 
     home->internal.is_from_goal =
-        home->state == JP_HOME_PREPARING && !home->internal.price.is_known && home->internal.way.is_known;
+        home->state == JP_HOME_PREPARING && home->internal.way.is_known && !home->internal.is_goal_known;
 
     const struct jp_place place =
         home->internal.is_from_goal ? goal_place(home) : jp_navigator_place(home->config.navigator);
@@ -130,13 +130,17 @@ static void begin_course(struct jp_home *home)
     (void)jp_course_start_on_field(&survey->internal.course, &home->internal.field, &pose, &place.point);
 }
 
-/** A goal from which no course leads is left to the planner. */
+/** A goal from which no course leads is left to the planner; and where the map has changed the field may be wrong. */
 static void end_join(struct jp_home *home, bool is_stuck)
 {
     struct jp_home_internal *internal = &home->internal;
 
     internal->is_goal_known = internal->is_goal_known || (internal->is_from_goal && is_stuck);
     internal->is_stuck = !internal->is_from_goal && is_stuck;
+    if (is_stuck && jp_pose_field_is_outdated(&internal->field)) {
+        internal->is_stuck = false;
+        grow_anew(home);
+    }
 }
 
 static void join(struct jp_home *home)
@@ -201,6 +205,10 @@ static void look_at_map(struct jp_home *home)
         home->internal.map_seen = version;
         if (is_way_blocked(home)) {
             grow_anew(home);
+        } else if (home->internal.phase == JP_HOME_JOINS) {
+            join_anew(home);
+        } else {
+            /* What is surveyed is clear still. */
         }
     }
 }
