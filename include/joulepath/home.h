@@ -102,7 +102,6 @@ struct jp_home_internal {
     struct jp_home_way price; /**< the last one that was long enough to tell what others take */
     jp_cost cost;             /**< from where the course that is surveyed begins, */
     jp_angle heading;         /**< and the robot's heading there */
-    uint32_t map_seen;
     struct jp_home_course course;
     struct jp_goal goal;
     bool is_from_goal;  /**< the course that is surveyed */
@@ -140,7 +139,7 @@ enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal);
 enum jp_status jp_home_return(struct jp_home *home);
 
 /** A slice of background work: jp_navigator_work(), and of the way home some poses of the field, a line of the course
- * or a leg of the survey; after a change of the map, a look at the legs of the way home. */
+ *  or a leg of the survey. */
 enum jp_home_state jp_home_work(struct jp_home *home);
 
 /** Whether what is left brings the robot home from where it is. JP_ERR_NO_PLAN: no way home is known yet.

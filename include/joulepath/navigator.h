@@ -93,6 +93,7 @@ struct jp_progress {
 /** Private: what is looked for. */
 enum jp_navigator_search {
     JP_NAVIGATOR_ROUTE,        /**< the planner's */
+    JP_NAVIGATOR_FIELD,        /**< nothing: the way along the field is known */
     JP_NAVIGATOR_WAY,          /**< there was no route in time: a way of unit steps */
     JP_NAVIGATOR_ROUTE_OR_WAY, /**< there is a way: a route, until the planner has done what it can */
     JP_NAVIGATOR_PROOF,        /**< there is no such way: that there is none at all */

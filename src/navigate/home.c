@@ -69,7 +69,6 @@ static void grow(struct jp_home *home)
     unsigned poses = home->config.slice;
 
     if (jp_pose_field_grow(&home->internal.field, &poses)) {
-        home->internal.map_seen = home->internal.field.map_version;
         home->internal.phase = JP_HOME_JOINS;
         home->internal.survey.internal.course.answer = JP_COURSE_NO_ROUTE;
     }
@@ -82,7 +81,7 @@ static void keep_way(struct jp_home *home, const struct jp_forecast *energy)
     const struct jp_home_way way = {
         .energy = *energy, .cost = internal->cost, .left = left_now(home), .is_known = true};
 
-    if (way.cost != JP_COST_MAX && way.cost > PRICE_STEPS * jp_move_cost(step, 0)) {
+    if (way.cost > PRICE_STEPS * jp_move_cost(step, 0)) {
         internal->price = way;
     }
     if (internal->is_from_goal) {
@@ -117,8 +116,7 @@ static void begin_course(struct jp_home *home)
 {
     struct jp_navigator *survey = &home->internal.survey;
 
-    home->internal.is_from_goal =
-        home->state == JP_HOME_PREPARING && home->internal.way.is_known && !home->internal.is_goal_known;
+    home->internal.is_from_goal = home->state == JP_HOME_PREPARING && home->internal.way.is_known;
 
     const struct jp_place place =
         home->internal.is_from_goal ? goal_place(home) : jp_navigator_place(home->config.navigator);
@@ -182,43 +180,11 @@ static void survey(struct jp_home *home)
     }
 }
 
-static bool is_way_blocked(const struct jp_home *home)
-{
-    const struct jp_course *course = &home->internal.survey.internal.course;
-
-    for (uint16_t i = 0; i < course->count; i++) {
-        const struct jp_point begin = jp_course_begin(course, i);
-
-        if (!jp_course_is_clear(course, i, &begin)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/** What changed may lie off the way home. */
-static void look_at_map(struct jp_home *home)
-{
-    const uint32_t version = terrain_of(home)->version;
-
-    if (home->internal.phase != JP_HOME_GROWS && version != home->internal.map_seen) {
-        home->internal.map_seen = version;
-        if (is_way_blocked(home)) {
-            grow_anew(home);
-        } else if (home->internal.phase == JP_HOME_JOINS) {
-            join_anew(home);
-        } else {
-            /* What is surveyed is clear still. */
-        }
-    }
-}
-
 /** The vehicle surveys one thing at a time. */
 static void work_on_way(struct jp_home *home)
 {
     const bool is_surveyed = home->config.navigator->state == JP_NAVIGATOR_JOINING;
 
-    look_at_map(home);
     if (home->internal.phase == JP_HOME_GROWS) {
         grow(home);
     } else if (home->internal.phase == JP_HOME_JOINS) {
@@ -284,7 +250,7 @@ static struct jp_forecast way_now(const struct jp_home *home, const struct jp_fo
     const jp_cost cost = pose_here(home, &place, &pose);
     struct jp_forecast now = way->energy;
 
-    if (cost == JP_COST_MAX || way->cost == 0U || way->cost == JP_COST_MAX) {
+    if (cost == JP_COST_MAX || way->cost == 0U) {
         const jp_q16 spent = jp_sub(way->left, left->energy);
 
         now.energy = jp_add(now.energy, spent > 0 ? spent : 0);

@@ -218,6 +218,7 @@ static void search(struct jp_navigator *navigator, const struct jp_place *place)
         return;
     }
     if (has_field(navigator, place)) {
+        internal->search = JP_NAVIGATOR_FIELD;
         enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
         return;
     }
@@ -310,7 +311,7 @@ static void prove(struct jp_navigator *navigator)
 /** A field whose lines have no room is of no use. */
 static void fail_to_join(struct jp_navigator *navigator, enum jp_navigator_reason reason)
 {
-    if (navigator->internal.field != NULL) {
+    if (navigator->internal.search == JP_NAVIGATOR_FIELD) {
         navigator->internal.field = NULL;
         enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
     } else {
@@ -337,13 +338,14 @@ static void survey(struct jp_navigator *navigator, const struct jp_place *place)
     }
 }
 
+/** A field that has been started anew since leads nowhere. */
 static void begin_course(struct jp_navigator *navigator, const struct jp_place *place)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
+    const struct jp_lattice_pose pose = start_pose(navigator, place);
 
-    if (has_field(navigator, place)) {
-        const struct jp_lattice_pose pose = start_pose(navigator, place);
-
+    if (internal->search == JP_NAVIGATOR_FIELD) {
+        internal->course.answer = JP_COURSE_NO_ROOM;
         (void)jp_course_start_on_field(&internal->course, internal->field, &pose, &internal->stand);
     } else if (internal->has_route) {
         (void)jp_course_start(&internal->course, navigator->config.planner, &internal->stand);

@@ -322,7 +322,6 @@ static void test_fails_to_turn_back_when_its_motors_are_off(void)
     /* Home was blocked since it left. */
     put_column(4, 3, 5, JP_CELL_OCCUPIED);
     navigator.internal.map_seen = terrain.version;
-    home.internal.map_seen = terrain.version;
     battery.energy = 0;
     work_some(2);
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
@@ -381,6 +380,25 @@ static void test_what_blocks_the_way_home_is_seen(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
     TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
     expect_at(4, 4);
+}
+
+/* The way along the field is cut off, and the field has not grown anew: then it plans. */
+static void test_plans_where_the_field_leads_no_more(void)
+{
+    for (unsigned calls = 0; calls < 2; calls++) {
+        setUp();
+        init_home();
+        go_out(18, 4);
+        TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
+        for (unsigned i = 0; i < calls; i++) {
+            (void)jp_navigator_work(&navigator);
+        }
+        put_column(8, 0, 14, JP_CELL_OCCUPIED);
+        navigator.internal.map_seen = terrain.version;
+        TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
+        expect_at(4, 4);
+    }
 }
 
 static void test_what_is_elsewhere_does_not_matter(void)
