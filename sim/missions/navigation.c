@@ -122,8 +122,33 @@ static void note_turn(struct navigation *navigation)
     }
 }
 
-/** Of a way out and home by the return map; NaN: there is none, or no memory. */
-static struct jp_forecast round_trip(const struct navigation *navigation)
+/** Of a way of this cost, %; −1: there is none. */
+static int8_t percent_of(const struct navigation *navigation, const struct jp_forecast *left, jp_cost cost)
+{
+    struct jp_forecast way;
+    jp_q31 probability = 0;
+
+    if (cost == JP_COST_MAX || jp_home_expect(&navigation->home, cost, &way) != JP_OK) {
+        return -1;
+    }
+    (void)jp_forecast_suffices(left, &way, &probability);
+    return (int8_t)lround(ldexp(probability, -31) * 100);
+}
+
+static void tell_reach(struct navigation *navigation, const struct jp_return_map *map)
+{
+    const struct jp_terrain_config *cells = &navigation->task->map->config;
+    struct jp_forecast left = {0, 0};
+
+    (void)tell_left(navigation, &left);
+    for (int32_t i = 0; i < cells->width * cells->height; i++) {
+        navigation->task->battery->reach[i] =
+            percent_of(navigation, &left, jp_return_map_cost(map, i % cells->width, i / cells->width));
+    }
+}
+
+/** What the way out and home takes by the return map; 0: there is none, or no memory. */
+static struct jp_forecast round_trip(struct navigation *navigation)
 {
     const struct navigation_task *task = navigation->task;
     const size_t size = jp_return_map_size(&task->map->config);
@@ -136,7 +161,14 @@ static struct jp_forecast round_trip(const struct navigation *navigation)
         while (!jp_return_map_work(&map, 100000)) {
             /* Slice by slice. */
         }
-        (void)jp_home_expect(&navigation->home, jp_return_map_cost(&map, task->goal.x, task->goal.y), &way);
+        const jp_cost cost = jp_return_map_cost(&map, task->goal.x, task->goal.y);
+
+        if (cost != JP_COST_MAX) {
+            (void)jp_home_expect(&navigation->home, cost, &way);
+        }
+        if (task->battery->reach != NULL) {
+            tell_reach(navigation, &map);
+        }
     }
     free(block);
     return way;
@@ -147,11 +179,15 @@ static void note_leave(struct navigation *navigation)
 {
     struct navigation_battery *battery = navigation->task->battery;
 
-    if (battery->leave != NULL) {
+    if (battery->leave != NULL || battery->reach != NULL) {
         const struct jp_forecast way = round_trip(navigation);
 
-        battery->leave(battery->context, battery, vehicle_joules(navigation, way.energy),
-                       vehicle_joules(navigation, way.deviation));
+        navigation->result->trip_joules = vehicle_joules(navigation, way.energy);
+        navigation->result->trip_deviation_joules = vehicle_joules(navigation, way.deviation);
+    }
+    if (battery->leave != NULL) {
+        battery->leave(battery->context, battery, navigation->result->trip_joules,
+                       navigation->result->trip_deviation_joules);
     }
     navigation->result->joules_at_leave = spent_of(navigation);
 }

@@ -47,6 +47,11 @@ struct navigation_battery {
     struct jp_home_factor *factor; /**< what it has learned of courses, kept; NULL: a new robot's */
     /** When all is known that can be before it leaves: what the way to the goal and home takes by the return map, J;
      * NULL: nobody asks. May change what is in the battery. */
+    /** Of each cell, row by row from the south, before the robot leaves: how probably it goes there and comes home, %;
+     * −1: no way leads there. NULL: nobody asks. */
+    int8_t *reach;
+    /** When all is known that can be before it leaves: what the way to the goal and home takes by the return map, J;
+     * NULL: nobody asks. May change what is in the battery. */
     void (*leave)(void *context, struct navigation_battery *battery, double joules, double deviation);
     void *context;
 };
@@ -93,7 +98,9 @@ struct navigation_result {
     double given_joules;     /**< by the battery at its terminals */
     bool is_stranded;        /**< the battery was empty before it was home */
     bool has_turned_back;
-    double least_probability;    /**< of coming home, on the way out */
+    double least_probability; /**< of coming home, on the way out */
+    double trip_joules;       /**< out and home by the return map, before it left; 0: nobody asked, or no way */
+    double trip_deviation_joules;
     double joules_at_leave;      /**< spent when it left */
     double joules_at_turn;       /**< spent when it left the goal or turned back, */
     double way_joules;           /**< and what the way home should take from there, */
