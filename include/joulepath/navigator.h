@@ -157,8 +157,9 @@ enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp
 enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_goal *goal);
 
 /** The same to the root of a field that leads to the goal cell (pose_field.h): where the field is finished and reached
- * the robot's pose it need not plan, and leaves at once. Where lines along the field have no room it plans as ever. The
- * field must stay until the goal is reached or another is given. Failures as jp_navigator_go(). */
+ * the robot's pose it need not plan, and leaves once it has stood still for its patience. Where lines along the field
+ * have no room it plans as ever. The field must stay until the goal is reached or another is given. Failures as
+ * jp_navigator_go(). */
 enum jp_status jp_navigator_go_along(struct jp_navigator *navigator, const struct jp_goal *goal,
                                      const struct jp_pose_field *field);
 

@@ -25,6 +25,9 @@
 /** A robot that has not begun yet has so many times the patience. */
 #define FIRST_PATIENCE 4U
 
+/** m. A robot that stays as near to a point stands there. */
+#define STILL_MAX JP_Q16(0.003)
+
 /** Turns on the spot for one leg; what is left then is left. */
 #define TURNS_MAX 8U
 
@@ -209,6 +212,23 @@ static bool begin_search(struct jp_navigator *navigator, const struct jp_place *
     return set_start(navigator, place);
 }
 
+/** Nothing is searched; but a robot that sways may be seen to stand where it turns round: it shall be where it is for
+ * as long as it would wait for a route. */
+static void await_stand(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+
+    internal->spent += navigator->config.slice;
+    if (jp_distance(&place->point, &internal->stand) > STILL_MAX) {
+        internal->was_told = false;
+    } else if (is_late(navigator)) {
+        internal->search = JP_NAVIGATOR_FIELD;
+        enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
+    } else {
+        /* It may sway still. */
+    }
+}
+
 static void search(struct jp_navigator *navigator, const struct jp_place *place)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
@@ -218,8 +238,7 @@ static void search(struct jp_navigator *navigator, const struct jp_place *place)
         return;
     }
     if (has_field(navigator, place)) {
-        internal->search = JP_NAVIGATOR_FIELD;
-        enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
+        await_stand(navigator, place);
         return;
     }
     const enum jp_answer answer = think(navigator);

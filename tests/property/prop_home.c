@@ -382,6 +382,23 @@ static void test_what_blocks_the_way_home_is_seen(void)
     expect_at(4, 4);
 }
 
+/* A robot that is moved while it is thought to stand is awaited. */
+static void test_leaves_when_it_has_stood_still(void)
+{
+    config.patience = 400;
+    init_home();
+    go_out(18, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
+    for (unsigned i = 0; i < 200; i++) {
+        robot.view.position.x += JP_Q16(0.0001);
+        work_some(1);
+        TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_PLANNING, navigator.state);
+    }
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
+    expect_at(4, 4);
+}
+
 /* The way along the field is cut off, and the field has not grown anew: then it plans. */
 static void test_plans_where_the_field_leads_no_more(void)
 {
