@@ -15,11 +15,12 @@
  *
  *   P(home) = P(left − way >= 0),    left from the battery, way from the learner, each with its deviation
  *
- * by jp_forecast_suffices(). Of each course that was driven home learns by which factor it took more than its forecast
- * said: waits and turns at stands, corrections; and how far courses differ in that. The way home is so much dearer, and
- * so much less sure (jp_home_factor). The robot goes on as long as that is at least `confidence` where it is, however
- * far the goal may be, so that what it learns on its way counts. A change of the map that blocks the way home makes the
- * field grow anew; until it has, the way home is the last one and what was spent since.
+ * by jp_forecast_suffices(). Of each drive that arrives home learns by which factor it took more than the forecast of
+ * its first course: planning, waits at stands, ways round what the map did not show; and how far drives differ in that.
+ * The way home is so much dearer, and so much less sure (jp_home_factor). The robot goes on as long as that is at least
+ * `confidence` where it is, however far the goal may be, so that what it learns on its way counts. A change of the map
+ * that blocks the way home makes the field grow anew; until it has, the way home is the last one and what was spent
+ * since.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */
@@ -66,20 +67,19 @@ struct jp_home_answer {
     jp_q31 probability;      /**< that it suffices, 0.0001…0.9999 */
 };
 
-/** What courses take against their forecasts. Worth storing: a new robot has 1 ± 0.1, and courses that differ by as
+/** What drives take against their forecasts. Worth storing: a new robot has 1 ± 0.1, and drives that differ by as
  * much. */
 struct jp_home_factor {
     jp_q16 mean;      /**< ½…2 */
     jp_q16 deviation; /**< of what is known of the mean; above 0, up to 0.1 */
-    jp_q16 noise;     /**< deviation of a course; 1/64…1 */
+    jp_q16 noise;     /**< deviation of a drive; 1/64…1 */
 };
 
-/** Private: the course that is driven. */
-struct jp_home_course {
-    struct jp_forecast whole; /**< as it began */
-    jp_q16 rest;              /**< expected, J */
-    jp_q16 left;              /**< in the battery as it began, J */
-    bool is_driven;
+/** Private: from its begin to the goal, or home. */
+struct jp_home_drive {
+    struct jp_forecast forecast; /**< of its first course */
+    jp_q16 left;                 /**< in the battery as it began, J */
+    bool has_forecast;
 };
 
 /** Private. */
@@ -102,7 +102,7 @@ struct jp_home_internal {
     struct jp_home_way price; /**< the last one that was long enough to tell what others take */
     jp_cost cost;             /**< from where the course that is surveyed begins, */
     jp_angle heading;         /**< and the robot's heading there */
-    struct jp_home_course course;
+    struct jp_home_drive drive;
     struct jp_goal goal;
     bool is_from_goal;  /**< the course that is surveyed */
     bool is_goal_known; /**< what the way home from there takes, or that none is known */
@@ -148,7 +148,7 @@ enum jp_home_state jp_home_work(struct jp_home *home);
 enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer);
 
 /** What a way of this cost takes, of those of the same lattice: as the last one that was surveyed, which before the
- * robot leaves is the one home from its goal, with what home has learned of courses. JP_ERR_ARGUMENT: a pointer is
+ * robot leaves is the one home from its goal, with what home has learned of drives. JP_ERR_ARGUMENT: a pointer is
  * null. JP_ERR_NO_PLAN: none was surveyed yet. Work: two divisions and two square roots. */
 enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, struct jp_forecast *way);
 
@@ -161,7 +161,7 @@ enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_fore
 /** A new robot's. */
 extern const struct jp_home_factor jp_home_factor_new;
 
-/** Learns from a course that took so much, J above 0, where so much was forecast. A forecast that was not sure teaches
+/** Learns from a drive that took so much, J above 0, where so much was forecast. A forecast that was not sure teaches
  *  little. JP_ERR_ARGUMENT: a pointer is null, an energy not above 0, or a deviation negative. Work: six divisions and
  *  two square roots. */
 enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken, const struct jp_forecast *forecast);

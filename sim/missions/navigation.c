@@ -188,6 +188,8 @@ static void note_leave(struct navigation *navigation)
     if (battery->leave != NULL) {
         battery->leave(battery->context, battery, navigation->result->trip_joules,
                        navigation->result->trip_deviation_joules);
+        battery->believed += spent_of(navigation);
+        battery->joules += spent_of(navigation);
     }
     navigation->result->joules_at_leave = spent_of(navigation);
 }

@@ -196,41 +196,30 @@ static void work_on_way(struct jp_home *home)
     }
 }
 
-/* What courses take. */
+/* What drives take. */
 
-/** From most of a course: of less the ends weigh too much. */
-static void end_course(struct jp_home *home)
+static void begin_drive(struct jp_home *home)
 {
-    struct jp_home_course *course = &home->internal.course;
-    const jp_q16 driven = jp_sub(course->whole.energy, course->rest);
+    home->internal.drive = (struct jp_home_drive){.left = left_now(home)};
+}
 
-    course->is_driven = false;
-    if (driven >= course->whole.energy / 2) {
-        const struct jp_forecast forecast = {
-            driven, jp_saturate32((int64_t)course->whole.deviation * driven / course->whole.energy)};
+/** The forecast of its first course counts for the drive, as it did for those who asked before. */
+static void watch_drive(struct jp_home *home)
+{
+    struct jp_home_drive *drive = &home->internal.drive;
+    struct jp_progress progress;
 
-        /* What took nothing teaches nothing. */
-        (void)jp_home_factor_learn(&home->factor, jp_sub(course->left, left_now(home)), &forecast);
+    if (!drive->has_forecast && jp_navigator_progress(home->config.navigator, &progress) == JP_OK) {
+        drive->forecast = progress.energy;
+        drive->has_forecast = true;
     }
 }
 
-static void watch_course(struct jp_home *home)
+static void end_drive(struct jp_home *home)
 {
-    struct jp_home_course *course = &home->internal.course;
-    struct jp_progress progress;
-    const bool is_driven = jp_navigator_progress(home->config.navigator, &progress) == JP_OK;
-
-    if (course->is_driven && !is_driven) {
-        course->rest = home->config.navigator->state == JP_NAVIGATOR_ARRIVED ? 0 : course->rest;
-        end_course(home);
-    } else if (is_driven && !course->is_driven) {
-        *course = (struct jp_home_course){progress.energy, progress.energy.energy, left_now(home),
-                                          progress.energy.energy > 0};
-    } else if (is_driven) {
-        course->rest = progress.energy.energy;
-    } else {
-        /* It stands. */
-    }
+    /* A drive without a course, or that took nothing, teaches nothing. */
+    (void)jp_home_factor_learn(&home->factor, jp_sub(home->internal.drive.left, left_now(home)),
+                               &home->internal.drive.forecast);
 }
 
 /* What is asked. */
@@ -329,6 +318,7 @@ enum jp_status jp_home_return(struct jp_home *home)
     const enum jp_status status = jp_navigator_go_along(home->config.navigator, &goal, &home->internal.field);
 
     if (status == JP_OK) {
+        begin_drive(home);
         home->state = JP_HOME_RETURNING;
     }
     return status;
@@ -356,6 +346,7 @@ static void leave(struct jp_home *home)
         fail(home);
     } else if (home->internal.way.is_known && home->internal.is_goal_known) {
         home->state = JP_HOME_OUT;
+        begin_drive(home);
         if (jp_navigator_go(home->config.navigator, &home->internal.goal) != JP_OK) {
             fail(home);
         }
@@ -367,6 +358,7 @@ static void leave(struct jp_home *home)
 static void go_on(struct jp_home *home, enum jp_navigator_state state, enum jp_home_state arrived)
 {
     if (state == JP_NAVIGATOR_ARRIVED) {
+        end_drive(home);
         home->state = arrived;
     } else if (state > JP_NAVIGATOR_ARRIVED) {
         fail(home);
@@ -381,7 +373,7 @@ enum jp_home_state jp_home_work(struct jp_home *home)
 {
     const enum jp_navigator_state state = jp_navigator_work(home->config.navigator);
 
-    watch_course(home);
+    watch_drive(home);
     work_on_way(home);
     switch (home->state) {
     case JP_HOME_PREPARING:

@@ -10,10 +10,10 @@
 #define NOISE_MAX     JP_Q16_ONE
 #define DEVIATION_MAX JP_Q16(0.1)
 
-/** The mean is taken to be no better known than by so many courses: robots and their ground change. */
+/** The mean is taken to be no better known than by so many drives: robots and their ground change. */
 #define MEMORY 16U
 
-/** Of what a course tells of the noise. */
+/** Of what a drive tells of the noise. */
 #define NOISE_SHARE 4
 
 const struct jp_home_factor jp_home_factor_new = {.mean = JP_Q16_ONE, .deviation = JP_Q16(0.1), .noise = JP_Q16(0.1)};
@@ -72,7 +72,7 @@ struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const
     const jp_q16 share = root(square(factor->deviation) + square(factor->noise));
     const jp_q16 energy = jp_q16_multiply(forecast->energy, factor->mean);
     const jp_q16 of_learner = jp_q16_multiply(forecast->deviation, factor->mean);
-    const jp_q16 of_course = jp_q16_multiply(forecast->energy, share);
+    const jp_q16 of_drives = jp_q16_multiply(forecast->energy, share);
 
-    return (struct jp_forecast){energy, root(square(of_learner) + square(of_course))};
+    return (struct jp_forecast){energy, root(square(of_learner) + square(of_drives))};
 }

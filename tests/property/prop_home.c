@@ -492,7 +492,7 @@ static void test_the_farthest_way_is_as_sure_as_was_asked(void)
     }
 }
 
-static void test_courses_teach_by_which_factor_they_take_more(void)
+static void test_drives_teach_by_which_factor_they_take_more(void)
 {
     battery.a_call = JP_Q16(0.05);
     init_home();

@@ -1,4 +1,4 @@
-/* What home learns of courses: by which factor they take more than their forecasts, and how far they differ. */
+/* What home learns of drives: by which factor they take more than their forecasts, and how far they differ. */
 #include <joulepath/home.h>
 #include <stddef.h>
 
@@ -54,8 +54,8 @@ static void test_nothing_takes_nothing(void)
     TEST_ASSERT_EQUAL_INT32(0, way.deviation);
 }
 
-/* Courses that all take a quarter more: that is the factor, and soon the courses are known not to differ. */
-static void test_learns_a_factor_that_all_courses_have(void)
+/* Drives that all take a quarter more: that is the factor, and soon the drives are known not to differ. */
+static void test_learns_a_factor_that_all_drives_have(void)
 {
     jp_q16 before = factor.noise;
 
@@ -68,7 +68,7 @@ static void test_learns_a_factor_that_all_courses_have(void)
 }
 
 /* Evenly between 0.8 and 1.2: a deviation of 0.4/√12. */
-static void test_learns_how_far_courses_differ(void)
+static void test_learns_how_far_drives_differ(void)
 {
     int64_t sum = 0;
 
@@ -102,7 +102,7 @@ static void expect_in_range(void)
     TEST_ASSERT_TRUE(factor.noise >= JP_Q16(0.015625) && factor.noise <= JP_Q16_ONE);
 }
 
-static void test_stays_in_its_ranges_whatever_courses_take(void)
+static void test_stays_in_its_ranges_whatever_drives_take(void)
 {
     for (unsigned i = 0; i < 3000; i++) {
         const jp_q16 taken =
@@ -118,7 +118,7 @@ static void test_stays_in_its_ranges_whatever_courses_take(void)
     }
 }
 
-static void test_limits_what_no_course_takes(void)
+static void test_limits_what_no_drive_takes(void)
 {
     for (unsigned i = 0; i < 100; i++) {
         learn(JP_Q16(1000), JP_Q16(1), 0);
