@@ -67,7 +67,10 @@ struct jp_home_answer {
     jp_q31 probability;      /**< that it suffices, 0.0001…0.9999 */
 };
 
-/** What drives take against their forecasts. Worth storing: a new robot has 1 ± 0.1, and drives that differ by as
+/** Drives of one question at most. */
+#define JP_HOME_DRIVES_MAX 16U
+
+/** What drives take against their forecasts. Worth storing: a new robot has 1.05 ± 0.1, and drives that differ by as
  * much. */
 struct jp_home_factor {
     jp_q16 mean;      /**< ½…2 */
@@ -150,13 +153,13 @@ enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *an
 /** What a way of this cost takes, of those of the same lattice: as the last one that was surveyed, which before the
  * robot leaves is the one home from its goal, with what home has learned of drives. JP_ERR_ARGUMENT: a pointer is
  * null. JP_ERR_NO_PLAN: none was surveyed yet. Work: two divisions and two square roots. */
-enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, struct jp_forecast *way);
+enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned drives, struct jp_forecast *way);
 
 /** The largest cost of a way for which what is left suffices at a confidence, ½…0.9999; 0: none does. Failures as
  *  jp_home_expect(); JP_ERR_ARGUMENT also: the confidence is out of range. Work: 24 times that of jp_home_expect() and
  *  jp_forecast_suffices(). */
 enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_forecast *left, jp_q31 confidence,
-                                jp_cost *cost);
+                                unsigned drives, jp_cost *cost);
 
 /** A new robot's. */
 extern const struct jp_home_factor jp_home_factor_new;

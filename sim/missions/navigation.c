@@ -21,6 +21,9 @@
 #define SENSOR_RATE 20
 #define FRAME_RATE  20
 
+/** Drives of a trip. */
+#define OUT_AND_HOME 2U
+
 /** Poses of the way home of a slice. */
 #define HOME_SLICE 500
 
@@ -128,7 +131,7 @@ static int8_t percent_of(const struct navigation *navigation, const struct jp_fo
     struct jp_forecast way;
     jp_q31 probability = 0;
 
-    if (cost == JP_COST_MAX || jp_home_expect(&navigation->home, cost, &way) != JP_OK) {
+    if (cost == JP_COST_MAX || jp_home_expect(&navigation->home, cost, OUT_AND_HOME, &way) != JP_OK) {
         return -1;
     }
     (void)jp_forecast_suffices(left, &way, &probability);
@@ -164,7 +167,7 @@ static struct jp_forecast round_trip(struct navigation *navigation)
         const jp_cost cost = jp_return_map_cost(&map, task->goal.x, task->goal.y);
 
         if (cost != JP_COST_MAX) {
-            (void)jp_home_expect(&navigation->home, cost, &way);
+            (void)jp_home_expect(&navigation->home, cost, OUT_AND_HOME, &way);
         }
         if (task->battery->reach != NULL) {
             tell_reach(navigation, &map);

@@ -74,14 +74,18 @@ static void grow(struct jp_home *home)
     }
 }
 
+static jp_cost level_step(const struct jp_home *home)
+{
+    return jp_move_cost(&home->internal.field.lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 0);
+}
+
 static void keep_way(struct jp_home *home, const struct jp_forecast *energy)
 {
     struct jp_home_internal *internal = &home->internal;
-    const struct jp_slope_cost *step = &internal->field.lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS];
     const struct jp_home_way way = {
         .energy = *energy, .cost = internal->cost, .left = left_now(home), .is_known = true};
 
-    if (way.cost > PRICE_STEPS * jp_move_cost(step, 0)) {
+    if (way.cost > PRICE_STEPS * level_step(home)) {
         internal->price = way;
     }
     if (internal->is_from_goal) {
@@ -215,14 +219,12 @@ static void watch_drive(struct jp_home *home)
     }
 }
 
-static void end_drive(struct jp_home *home)
-{
-    /* A drive without a course, or that took nothing, teaches nothing. */
-    (void)jp_home_factor_learn(&home->factor, jp_sub(home->internal.drive.left, left_now(home)),
-                               &home->internal.drive.forecast);
-}
-
 /* What is asked. */
+
+static jp_q16 root_of_squares(jp_q16 a, jp_q16 b)
+{
+    return jp_saturate32((int64_t)jp_square_root((uint64_t)((int64_t)a * a) + (uint64_t)((int64_t)b * b)));
+}
 
 static struct jp_forecast scaled(const struct jp_home_way *way, jp_cost cost)
 {
@@ -249,9 +251,31 @@ static struct jp_forecast way_now(const struct jp_home *home, const struct jp_fo
     return now;
 }
 
-enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, struct jp_forecast *way)
+/** What drives take beside their way: braking, turning round, standing. As much as some steps, give or take as much; of
+ *  how many drives. */
+static jp_q16 begin_energy(const struct jp_home *home, unsigned drives)
 {
-    if (home == NULL || way == NULL) {
+    const struct jp_home_way *price = &home->internal.price;
+
+    return price->is_known ? scaled(price, drives * PRICE_STEPS * level_step(home)).energy : 0;
+}
+
+/** With what home has learned of drives. No way takes nothing. */
+static struct jp_forecast driven(const struct jp_home *home, const struct jp_forecast *forecast, unsigned drives)
+{
+    const jp_q16 begin = begin_energy(home, drives);
+    struct jp_forecast way = jp_home_factor_way(&home->factor, forecast);
+
+    if (way.energy > 0) {
+        way.energy = jp_add(way.energy, begin);
+        way.deviation = root_of_squares(way.deviation, begin);
+    }
+    return way;
+}
+
+enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned drives, struct jp_forecast *way)
+{
+    if (home == NULL || way == NULL || drives > JP_HOME_DRIVES_MAX) {
         return JP_ERR_ARGUMENT;
     }
     if (!home->internal.price.is_known) {
@@ -259,14 +283,14 @@ enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, struct j
     }
     const struct jp_forecast forecast = scaled(&home->internal.price, cost);
 
-    *way = jp_home_factor_way(&home->factor, &forecast);
+    *way = driven(home, &forecast, drives);
     return JP_OK;
 }
 
 enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_forecast *left, jp_q31 confidence,
-                                jp_cost *cost)
+                                unsigned drives, jp_cost *cost)
 {
-    if (home == NULL || left == NULL || cost == NULL ||
+    if (home == NULL || left == NULL || cost == NULL || drives > JP_HOME_DRIVES_MAX ||
         !jp_is_between(confidence, JP_PROBABILITY_MIN, JP_PROBABILITY_MAX)) {
         return JP_ERR_ARGUMENT;
     }
@@ -278,7 +302,7 @@ enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_fore
         struct jp_forecast way;
         jp_q31 probability = 0;
 
-        (void)jp_home_expect(home, *cost + bit, &way);
+        (void)jp_home_expect(home, *cost + bit, drives, &way);
         (void)jp_forecast_suffices(left, &way, &probability);
         *cost += probability >= confidence ? bit : 0U;
     }
@@ -298,11 +322,21 @@ enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *an
     }
     const struct jp_forecast way = way_now(home, &answer->left);
 
-    answer->way = jp_home_factor_way(&home->factor, &way);
+    answer->way = driven(home, &way, 1);
     return jp_forecast_suffices(&answer->left, &answer->way, &answer->probability);
 }
 
 /* The drive. */
+
+static void end_drive(struct jp_home *home)
+{
+    const struct jp_home_drive *drive = &home->internal.drive;
+    const jp_q16 begin = begin_energy(home, 1);
+    const struct jp_forecast forecast = {drive->forecast.energy, root_of_squares(drive->forecast.deviation, begin)};
+
+    /* A drive without a course, or that took nothing, teaches nothing. */
+    (void)jp_home_factor_learn(&home->factor, jp_sub(jp_sub(drive->left, left_now(home)), begin), &forecast);
+}
 
 static void fail(struct jp_home *home)
 {

@@ -16,7 +16,7 @@
 /** Of what a drive tells of the noise. */
 #define NOISE_SHARE 4
 
-const struct jp_home_factor jp_home_factor_new = {.mean = JP_Q16_ONE, .deviation = JP_Q16(0.1), .noise = JP_Q16(0.1)};
+const struct jp_home_factor jp_home_factor_new = {.mean = JP_Q16(1.05), .deviation = JP_Q16(0.1), .noise = JP_Q16(0.1)};
 
 /** Of Q16, in Q32. */
 static int64_t square(jp_q16 x)
