@@ -6,7 +6,7 @@
  *
  *             go               way home known           arrived                home
  *   idle ─────────▶ preparing ────────────────▶ out ─────────────▶ at goal ─────────────▶ returning ─▶ home
- *                                                └── less probable than `confidence` ────────▲
+ *                                                └── less probable than `confidence`, no way ─▲
  *
  * A field of the costs from every pose home (pose_field.h) grows in slices from home. Along it a course is laid from
  * where the robot is, and surveyed as the navigator surveys what it drives: so the forecast of the way home is one of
@@ -57,7 +57,7 @@ enum jp_home_state {
     JP_HOME_AT_GOAL,   /**< has arrived there */
     JP_HOME_RETURNING, /**< on the way home */
     JP_HOME_HOME,      /**< has arrived there */
-    JP_HOME_FAILED     /**< the navigator has failed, or no way leads: see its state and reason */
+    JP_HOME_FAILED     /**< the goal is blocked, the motors are off, or no way leads home: see the navigator */
 };
 
 /** At this moment. */

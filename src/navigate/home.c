@@ -389,15 +389,26 @@ static void leave(struct jp_home *home)
     }
 }
 
-static void go_on(struct jp_home *home, enum jp_navigator_state state, enum jp_home_state arrived)
+/** A goal that cannot be had is no reason to stay out. */
+static void go_out(struct jp_home *home, enum jp_navigator_state state)
 {
     if (state == JP_NAVIGATOR_ARRIVED) {
         end_drive(home);
-        home->state = arrived;
+        home->state = JP_HOME_AT_GOAL;
+    } else if (state > JP_NAVIGATOR_ARRIVED || must_return(home)) {
+        turn_back(home);
+    } else {
+        /* On its way. */
+    }
+}
+
+static void come_home(struct jp_home *home, enum jp_navigator_state state)
+{
+    if (state == JP_NAVIGATOR_ARRIVED) {
+        end_drive(home);
+        home->state = JP_HOME_HOME;
     } else if (state > JP_NAVIGATOR_ARRIVED) {
         fail(home);
-    } else if (arrived == JP_HOME_AT_GOAL && must_return(home)) {
-        turn_back(home);
     } else {
         /* On its way. */
     }
@@ -414,10 +425,10 @@ enum jp_home_state jp_home_work(struct jp_home *home)
         leave(home);
         break;
     case JP_HOME_OUT:
-        go_on(home, state, JP_HOME_AT_GOAL);
+        go_out(home, state);
         break;
     case JP_HOME_RETURNING:
-        go_on(home, state, JP_HOME_HOME);
+        come_home(home, state);
         break;
     default:
         break;

@@ -37,7 +37,7 @@
 #define BORDER_QUANTILE   1.6448536
 #define CONFIDENCE        0.999
 
-enum { ROBOTS = 8, TRIPS = 4 };
+enum { ROBOTS = 12, TRIPS = 4 };
 
 static const char *const kinds[] = {"zhang2018", "burger", "courier24"};
 
@@ -256,6 +256,9 @@ static void at_border(const struct bench *bench, uint64_t seed, const struct tri
     if (!drive_fresh(&bench->robot, seed, trip, 0, knowledge, &result, &drive) || drive.expected <= 0) {
         return;
     }
+    if (result.has_turned_back) {
+        return; /* No way leads there. */
+    }
     if (!has_come_home(&result) && !result.is_stranded) {
         outcome->lost++;
         return;
@@ -290,9 +293,11 @@ static void in_use(const struct bench *bench, uint64_t seed, const struct trip *
     if (result.has_turned_back) {
         struct navigation_result other;
 
-        outcome->turned++;
-        outcome->needless +=
-            drive_fresh(&bench->robot, seed, trip, 0, &before, &other, &drive) && has_come_home(&other);
+        const bool is_driven = drive_fresh(&bench->robot, seed, trip, 0, &before, &other, &drive);
+        const bool has_way = is_driven && !other.has_turned_back;
+
+        outcome->turned += has_way;
+        outcome->needless += has_way && has_come_home(&other);
     }
 }
 

@@ -189,6 +189,25 @@ static void test_refuses_requests(void)
     TEST_ASSERT_EQUAL_INT(JP_HOME_IDLE, jp_home_work(&home));
 }
 
+static void test_a_course_along_a_field_refuses(void)
+{
+    const struct jp_lattice_pose from = {9, 9, 0};
+    const struct jp_lattice_pose blocked = {0, 0, 0};
+    const struct jp_point start = centre(9, 9);
+    struct jp_course *course = &home.internal.survey.internal.course;
+    const struct jp_pose_field *field = &home.internal.field;
+
+    init_home();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_course_start_on_field(NULL, field, &from, &start));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_course_start_on_field(course, NULL, &from, &start));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_course_start_on_field(course, field, NULL, &start));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_course_start_on_field(course, field, &from, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_NO_PLAN, jp_course_start_on_field(course, field, &from, &start));
+    work_some(200);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_course_start_on_field(course, field, &from, &start));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_NO_PLAN, jp_course_start_on_field(course, field, &blocked, &start));
+}
+
 /* ---- Out and home ---- */
 
 static void test_goes_out_and_comes_home_while_enough_is_left(void)
@@ -284,13 +303,29 @@ static void test_a_goal_at_home_is_reached_at_once(void)
 
 /* ---- What fails ---- */
 
-static void test_a_goal_that_cannot_be_reached_fails(void)
+static void test_comes_home_from_a_goal_that_cannot_be_reached(void)
 {
-    put_column(14, 0, SIDE - 1, JP_CELL_OCCUPIED);
     init_home();
     go_out(19, 4);
-    TEST_ASSERT_FALSE(work_home_until(JP_HOME_AT_GOAL));
-    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_UNREACHABLE, navigator.state);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_OUT));
+    while (jp_navigator_place(&navigator).point.x < JP_Q16(0.8)) {
+        work_some(1);
+    }
+    put_column(14, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
+    TEST_ASSERT_TRUE(home.has_turned_back);
+    expect_at(4, 4);
+}
+
+static void test_fails_where_the_way_home_is_blocked_for_good(void)
+{
+    init_home();
+    go_out(19, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    put_column(10, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
+    TEST_ASSERT_FALSE(work_home_until(JP_HOME_HOME));
+    TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
 }
 
 static void test_a_blocked_goal_fails_when_it_leaves(void)
