@@ -3,6 +3,7 @@
 #include "src/base/plane.h"
 #include "src/local/patrol_glide.h"
 #include "src/local/patrol_path.h"
+#include "src/local/patrol_price.h"
 #include "src/local/patrol_room.h"
 #include "src/local/patrol_sense.h"
 #include "src/local/patrol_state.h"
@@ -11,6 +12,9 @@
 /* A command is good when the robot could hold it for so many steps, of so many s. */
 #define COMMAND_STEPS 3U
 #define COMMAND_STEP  0.1f
+
+/* Cycles in which a band that stands may begin to move. */
+#define STILL_CYCLES 5U
 
 static float goal_heading_error(const struct jp_patrol *patrol)
 {
@@ -127,6 +131,16 @@ static struct jp_plane_speed reachable(const struct jp_patrol *patrol, const str
     return (struct jp_plane_speed){wanted->forward * (limit / speed), wanted->turn_rate * (limit / speed)};
 }
 
+/* A robot that stands and whose band would not move it does not get on by waiting for the band. */
+static bool has_band_stalled(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const bool stands =
+        jp_patrol_is_standing(speed) && jp_patrol_is_standing(&patrol->band.speed) && !patrol->internal.is_yielding;
+
+    patrol->internal.still = stands ? (uint16_t)(patrol->internal.still + 1U) : 0U;
+    return patrol->internal.still > STILL_CYCLES;
+}
+
 /* Plans the band and takes its speed. False, with *reason, when there is none to drive. */
 static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *window,
                       const struct jp_plane_speed *speed, enum jp_patrol_reason *reason)
@@ -140,7 +154,7 @@ static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *w
     const enum jp_status status = jp_teb_plan(&patrol->teb, &task, &patrol->obstacles, &patrol->band);
 
     jp_patrol_correct_pose(patrol);
-    if (status == JP_OK) {
+    if (status == JP_OK && !has_band_stalled(patrol, speed)) {
         const struct jp_plane_speed next = reachable(patrol, &patrol->band.speed);
 
         if (is_command_free(patrol, &next)) {
@@ -160,9 +174,25 @@ static bool must_turn_first(const struct jp_patrol *patrol, const struct jp_patr
            jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading)) > patrol->config.turn_first;
 }
 
+/* Of the ways to a goal that is near: a step, which keeps the heading, or a turn, a straight way and what is to be
+ * turned then. */
+static bool is_step_cheapest(const struct jp_patrol *patrol, const struct jp_patrol_window *window)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const struct jp_patrol_goal *const goal = &patrol->internal.goal;
+    const float first = jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading));
+    const float then =
+        goal->is_heading_free ? 0.0f : jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - window->direction));
+    const float away = goal_distance(patrol);
+
+    return config->strategy != (uint8_t)JP_PATROL_BY_COST ||
+           jp_patrol_step_price(config, first, away) + jp_patrol_turn_price(config, goal_heading_error(patrol)) <
+               jp_patrol_straight_price(config, first, away) + jp_patrol_turn_price(config, then);
+}
+
 static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *window)
 {
-    if (jp_patrol_find_step_to_goal(patrol)) {
+    if (jp_patrol_find_step_to_goal(patrol) && is_step_cheapest(patrol, window)) {
         jp_patrol_begin_step(patrol);
         return;
     }

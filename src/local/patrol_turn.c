@@ -15,7 +15,7 @@
 /* Clearances that are tried for a turn, from the one that is wanted to the least. */
 #define TURN_TRIES 5U
 
-/* A step ends this near its target; one to the goal is at most so long, m. */
+/* A step ends this near its target; one to the goal is at most so long where nobody asks what it costs, m. */
 #define STEP_TOLERANCE 0.03f
 #define STEP_REACH     0.4f
 
@@ -50,8 +50,10 @@ bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol)
     const float away = jp_plane_length(remaining.x, remaining.y);
 
     patrol->internal.step_target = (struct jp_plane_point){patrol->internal.goal.pose.x, patrol->internal.goal.pose.y};
-    return away > STEP_TOLERANCE && away < STEP_REACH &&
-           (patrol->config.strategy == (uint8_t)JP_PATROL_BY_COST || remaining.x > -STEP_TOLERANCE) &&
+    return away > STEP_TOLERANCE &&
+           (patrol->config.strategy == (uint8_t)JP_PATROL_BY_COST
+                ? away < patrol->config.horizon
+                : away < STEP_REACH && remaining.x > -STEP_TOLERANCE) &&
            jp_patrol_is_step_free(patrol, &step, step_clearance(&patrol->config));
 }
 

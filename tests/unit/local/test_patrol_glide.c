@@ -223,8 +223,9 @@ static void test_a_glide_into_a_goal_must_be_free(void)
     rig_cycle();
     jp_patrol_look_ahead(&patrol, config.horizon, &window);
     TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
-    rig_wall(2.9f, -0.5f, 2.9f, 0.5f);
-    rig_go_to_heading(3.5f, 0.0f, 0.0f);
+    wall_count = 0;
+    rig_wall(2.95f, -0.5f, 2.95f, 0.5f);
+    rig_go_to_heading(3.0f, 0.0f, 0.8f);
     rig_cycle();
     jp_patrol_look_ahead(&patrol, config.horizon, &window);
     TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
@@ -236,9 +237,9 @@ static void test_a_glide_into_a_goal_must_be_free_on_its_way(void)
     struct jp_patrol_window window;
 
     rig_wall(2.98f, 0.41f, 3.06f, 0.41f);
-    robot.x = 2.5f;
+    robot.x = 2.75f;
     rig_init();
-    rig_go_to_heading(3.5f, 0.0f, 0.8f);
+    rig_go_to_heading(3.5f, 0.0f, 1.2f);
     rig_cycle();
     jp_patrol_look_ahead(&patrol, config.horizon, &window);
     TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
