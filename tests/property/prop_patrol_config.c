@@ -18,6 +18,7 @@
 #include "unity.h"
 
 #define ROBOT   "sim/robots/patrol.cfg"
+#define SPEEDS  200 /* that are tried */
 #define DEGREES (180 / 3.14159265358979323846)
 
 static struct options options = {.count = 2000, .seed = 1};
@@ -92,7 +93,6 @@ static const struct link patrol_links[] = {
     {"wheels.steering_step", "steering.rate_rad_s", DEGREES / 360 / FOUR_WHEEL_RATE_HZ},
     {"wheels.speed_max", "drive.speed_m_s", 1},
     {"wheels.speed_step", "drive.acceleration_m_s2", 1.0 / FOUR_WHEEL_RATE_HZ},
-    {"teb.speed_max", "band.speed_m_s", 1},
     {"teb.reverse_max", "band.reverse_m_s", 1},
     {"teb.turn_rate_max", "band.turn_rate_rad_s", 1},
     {"teb.acceleration", "band.acceleration_m_s2", 1},
@@ -220,6 +220,30 @@ static void check_links(const void *config, const struct patrol_member *members,
     }
 }
 
+/* Of a metre at a steady speed, by the forces on the wheels and the losses of their gears: J, and the price of time. */
+static double metre_cost(double speed)
+{
+    const double drag = 4 * robot.drive.friction_nm_s_per_rad * speed / (robot.wheel.radius_m * robot.wheel.radius_m);
+    const double rolling = robot.tyre.rolling * robot.body.mass_kg * 9.81;
+
+    return (rolling + drag) / robot.drive.efficiency + (robot.electronics.power_w + robot.turning.second_w) / speed;
+}
+
+/* By a search of all speeds that the band may have. The band's weights are those of the same metre. */
+static void check_speed(const struct jp_patrol_config *patrol)
+{
+    const struct jp_teb_weights *const weights = &patrol->teb.weights;
+    const double speed = (double)patrol->teb.speed_max;
+    const double cost = metre_cost(speed);
+    const double by_weights = (double)weights->second / speed + (double)weights->metre + (double)weights->drag * speed;
+
+    TEST_ASSERT_TRUE(speed <= robot.band.speed_m_s * (1 + 1e-6));
+    for (int i = 1; i <= SPEEDS; i++) {
+        TEST_ASSERT_TRUE(cost <= metre_cost(robot.band.speed_m_s * i / SPEEDS) * (1 + 1e-5));
+    }
+    TEST_ASSERT_TRUE(fabs(by_weights - robot.weights.energy_per_j * cost) <= 1e-5 * by_weights);
+}
+
 /* Any number within its range: the conversion of each does not depend on others. */
 static void change_robot(void)
 {
@@ -249,15 +273,17 @@ static void test_each_number_arrives_to_the_last_bit_of_its_format(void)
         check_links(&patrol, patrol_members, patrol_member_count, patrol_links, LENGTH(patrol_links));
         check_links(&pursuit, patrol_pursuit_members, patrol_pursuit_member_count, pursuit_links,
                     LENGTH(pursuit_links));
+        check_speed(&patrol);
         TEST_ASSERT_TRUE(fabs(curvature - 1 / robot.steering.radius_min_m) < 1e-7);
         TEST_ASSERT_TRUE(patrol.turns_in_place && patrol.period == 1.0f / PATROL_CYCLE_HZ);
     }
 }
 
-/* What is left is turns_in_place, the strategy, three prices and as many weights of them, period and the curvature. */
+/* What is left is turns_in_place, the strategy, three prices and as many weights of them, the speed, period and the
+ * curvature. */
 static void test_every_member_comes_from_somewhere(void)
 {
-    TEST_ASSERT_EQUAL_UINT(patrol_member_count, LENGTH(patrol_links) + 9);
+    TEST_ASSERT_EQUAL_UINT(patrol_member_count, LENGTH(patrol_links) + 10);
     TEST_ASSERT_EQUAL_UINT(patrol_pursuit_member_count, LENGTH(pursuit_links) + 1);
 }
 

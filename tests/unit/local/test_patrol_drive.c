@@ -47,6 +47,18 @@ static void test_straight_way(void)
     rig_expect_stand();
 }
 
+/* Beside the robot, where a band that does not drive backwards cannot get. */
+static void test_a_band_that_stands_is_no_way(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    rig_straight(0.0f, 0.0f, 0.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.3f, 0.0f, false));
+    TEST_ASSERT_TRUE(rig_until(JP_PATROL_WAITING, 60) > 5U);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    rig_expect_stand();
+}
+
 static void test_robot_follows_a_bent_path(void)
 {
     rig_straight(0.0f, 0.0f, 2.0f, 0.0f);

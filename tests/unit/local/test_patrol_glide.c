@@ -258,6 +258,20 @@ static void test_a_goal_behind_is_stepped_to(void)
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
 }
 
+/* Two turns would take longer than the slow step; where any heading will do, one does not. */
+static void test_a_goal_behind_is_stepped_to_where_that_costs_less(void)
+{
+    rig_go_to_heading(-0.7f, 0.0f, 0.0f);
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    rig_reset();
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_go(-1.9f, 0.0f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+}
+
 /* With a wall beside its way. */
 static void glide_beside_wall(float y, float speed, float turn_rate)
 {
