@@ -9,9 +9,16 @@
 #include "src/local/patrol_state.h"
 #include "src/local/patrol_turn.h"
 
-/* A command is good when the robot could hold it for so many steps, of so many s. */
+/* A command is good when the robot could hold it for so long at least, s, which is looked at in so many poses, and
+ * every so many m. */
+#define COMMAND_TIME  0.3f
 #define COMMAND_STEPS 3U
-#define COMMAND_STEP  0.1f
+#define WAY_STEP      0.1f
+
+/* Of the speed that the band wants, those that are tried. */
+#define SHARES 5U
+
+#define Q24 (1.0f / (float)JP_Q24_ONE)
 
 /* Cycles in which a band that stands may begin to move. */
 #define STILL_CYCLES 5U
@@ -94,19 +101,52 @@ static struct jp_teb_task task_of(const struct jp_patrol *patrol, const struct j
     return task;
 }
 
-/* True when the robot moves freely at this speed until the next cycle's command can act. */
-static bool is_command_free(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+/* While it brakes the robot keeps its curve, and its centre slows down less than the outermost wheel, m/s². */
+static float braking_on_curve(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
-    const struct jp_plane_pose step = {speed->forward * COMMAND_STEP, 0.0f, speed->turn_rate * COMMAND_STEP};
+    const struct jp_four_wheel_config *const wheels = &patrol->config.wheels;
+    const float forward = jp_plane_magnitude(speed->forward);
+    const float half_turn = 0.5f * jp_plane_magnitude(speed->turn_rate) * Q24;
+    const float outermost =
+        jp_plane_length(forward + half_turn * (float)wheels->track, half_turn * (float)wheels->wheelbase);
+
+    return outermost > 0.0f ? patrol->config.people.braking * forward / outermost : patrol->config.people.braking;
+}
+
+/* True when the robot moves freely until it has stopped from this speed, on its curve. */
+static bool can_stop(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const float forward = jp_plane_magnitude(speed->forward);
+    const float braking = forward > 0.0f ? 0.5f * forward / braking_on_curve(patrol, speed) : 0.0f;
+    const float seconds = jp_plane_larger(COMMAND_TIME, patrol->config.latency + patrol->config.period + braking);
+    const unsigned steps = (unsigned)(seconds * forward / WAY_STEP) + COMMAND_STEPS;
+    const float part = seconds / (float)steps;
+    const struct jp_plane_pose step = {speed->forward * part, 0.0f, speed->turn_rate * part};
     struct jp_plane_pose pose = patrol->pose;
 
-    for (unsigned i = 0; i < COMMAND_STEPS; i++) {
+    for (unsigned i = 0; i < steps; i++) {
         pose = jp_plane_compose(&pose, &step);
         if (jp_patrol_clearance(patrol, &pose) < 0.0f) {
             return false;
         }
     }
     return true;
+}
+
+/* Slows the command down to where the robot could stop. False: it could from none. */
+static bool heed_stop(const struct jp_patrol *patrol, struct jp_plane_speed *speed)
+{
+    const struct jp_plane_speed wanted = *speed;
+
+    for (unsigned i = 0; i < SHARES; i++) {
+        const float share = 1.0f - (float)i / (float)SHARES;
+
+        *speed = (struct jp_plane_speed){share * wanted.forward, share * wanted.turn_rate};
+        if (can_stop(patrol, speed)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* Fastest forward or backward speed now: speeding up takes a while, and at the goal the robot must stop. */
@@ -155,9 +195,9 @@ static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *w
 
     jp_patrol_correct_pose(patrol);
     if (status == JP_OK && !has_band_stalled(patrol, speed)) {
-        const struct jp_plane_speed next = reachable(patrol, &patrol->band.speed);
+        struct jp_plane_speed next = reachable(patrol, &patrol->band.speed);
 
-        if (is_command_free(patrol, &next)) {
+        if (heed_stop(patrol, &next)) {
             patrol->internal.command = next;
             return true;
         }
