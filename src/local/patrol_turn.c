@@ -12,6 +12,9 @@
 #define TURN_FORESIGHT 0.25f
 #define TURN_MARGIN    0.05f /* rad */
 
+/* After a turn to its way the robot drives on, and may be off by so much, rad. */
+#define ROUGHLY 0.07f
+
 /* Clearances that are tried for a turn, from the one that is wanted to the least. */
 #define TURN_TRIES 5U
 
@@ -80,14 +83,26 @@ void jp_patrol_begin_step(struct jp_patrol *patrol)
     jp_patrol_stand(patrol);
 }
 
+/* The wheels are steered at once. */
+static void start_turn(struct jp_patrol *patrol, float angle)
+{
+    const float rate = patrol->config.turn_acceleration * patrol->config.period;
+    const float most = rate < patrol->config.turn_rate ? rate : patrol->config.turn_rate;
+
+    jp_patrol_stand(patrol);
+    patrol->internal.command.turn_rate = angle < 0.0f ? -most : most;
+}
+
 static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
 {
     if (jp_patrol_trust_path(patrol)) {
         patrol->internal.turn_target = heading;
         patrol->internal.turn_remaining = angle;
         jp_patrol_enter(patrol, JP_PATROL_TURNING, JP_PATROL_NONE);
+        start_turn(patrol, angle);
+    } else {
+        jp_patrol_stand(patrol);
     }
-    jp_patrol_stand(patrol);
 }
 
 /* The turn on the spot, else after a step to where there is room for it: at the goal, the step to the goal itself. */
@@ -149,7 +164,8 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const struct jp_patrol_config *const config = &patrol->config;
     const float remaining = update_turn(patrol);
     const float angle = jp_plane_magnitude(remaining);
-    const bool is_there = angle < 0.5f * config->heading_tolerance;
+    const float exactly = 0.5f * config->heading_tolerance;
+    const bool is_there = angle < (patrol->internal.is_arriving ? exactly : jp_plane_larger(exactly, ROUGHLY));
 
     if (is_there && jp_plane_magnitude(speed->turn_rate) < STANDSTILL_TURN_RATE) {
         end_turn(patrol);

@@ -75,8 +75,9 @@ static void test_robot_turns_in_place_before_it_drives(void)
     rig_cycle();
     rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
 
-    float before = 0.0f;
+    float before = jp_plane_magnitude(rig_from_q24(twist.turn_rate));
 
+    TEST_ASSERT_NEAR(1e-5f, config.turn_acceleration * RIG_PERIOD, before);
     while (patrol.state == JP_PATROL_TURNING) {
         rig_cycle();
 
@@ -108,7 +109,8 @@ static void test_robot_turns_at_the_goal(void)
     rig_go_to_heading(1.5f, 0.0f, -2.0f);
     (void)rig_until(JP_PATROL_TURNING, RIG_LONG);
     TEST_ASSERT_NEAR(0.08f, 1.5f, robot.x);
-    rig_expect_stand();
+    TEST_ASSERT_EQUAL_INT32(0, twist.x);
+    TEST_ASSERT_NEAR(1e-5f, -config.turn_acceleration * RIG_PERIOD, rig_from_q24(twist.turn_rate));
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
     TEST_ASSERT_NEAR(0.08f, -2.0f, robot.heading);
     TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.turns);
