@@ -101,7 +101,8 @@ static struct jp_teb_task task_of(const struct jp_patrol *patrol, const struct j
     return task;
 }
 
-/* While it brakes the robot keeps its curve, and its centre slows down less than the outermost wheel, m/s². */
+/* While it brakes the robot keeps its curve, and its centre slows down less than the outermost wheel, m/s²; of a robot
+ * that drives. */
 static float braking_on_curve(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_four_wheel_config *const wheels = &patrol->config.wheels;
@@ -110,7 +111,7 @@ static float braking_on_curve(const struct jp_patrol *patrol, const struct jp_pl
     const float outermost =
         jp_plane_length(forward + half_turn * (float)wheels->track, half_turn * (float)wheels->wheelbase);
 
-    return outermost > 0.0f ? patrol->config.people.braking * forward / outermost : patrol->config.people.braking;
+    return patrol->config.people.braking * forward / outermost;
 }
 
 /* True when the robot moves freely until it has stopped from this speed, on its curve. */

@@ -86,8 +86,8 @@ void jp_patrol_begin_step(struct jp_patrol *patrol)
 /* The wheels are steered at once. */
 static void start_turn(struct jp_patrol *patrol, float angle)
 {
-    const float rate = patrol->config.turn_acceleration * patrol->config.period;
-    const float most = rate < patrol->config.turn_rate ? rate : patrol->config.turn_rate;
+    const float most =
+        jp_plane_smaller(patrol->config.turn_acceleration * patrol->config.period, patrol->config.turn_rate);
 
     jp_patrol_stand(patrol);
     patrol->internal.command.turn_rate = angle < 0.0f ? -most : most;

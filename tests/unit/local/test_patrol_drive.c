@@ -59,6 +59,19 @@ static void test_a_band_that_stands_is_no_way(void)
     rig_expect_stand();
 }
 
+static void test_a_band_that_stands_for_people_is_waited_for(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    rig_straight(0.0f, 0.0f, 0.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.3f, 0.0f, false));
+    for (unsigned i = 0; i < 60U; i++) {
+        patrol.internal.is_yielding = true;
+        rig_cycle();
+        rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+    }
+}
+
 static void test_robot_follows_a_bent_path(void)
 {
     rig_straight(0.0f, 0.0f, 2.0f, 0.0f);

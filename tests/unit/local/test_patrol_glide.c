@@ -248,6 +248,51 @@ static void test_a_glide_into_a_goal_must_be_free_on_its_way(void)
     TEST_ASSERT_TRUE(patrol.state == JP_PATROL_GLIDING || jp_patrol_glide_in(&patrol, &window));
 }
 
+/* Whether a glide in begins now, from a place before the goal (3, 0), at a speed. */
+static bool begins_glide(float x, float heading, float speed)
+{
+    struct jp_patrol_window window;
+
+    rig_reset();
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    robot.x = x;
+    rig_init();
+    rig_go_to_heading(3.0f, 0.0f, heading);
+    rig_cycle();
+    patrol.internal.command.forward = speed;
+    jp_patrol_look_ahead(&patrol, config.horizon, &window);
+    return patrol.state == JP_PATROL_GLIDING || jp_patrol_glide_in(&patrol, &window);
+}
+
+/* A turn that is left at the goal is turned in place, and what a glide takes of it must not slow the robot down. */
+static void test_a_glide_in_begins_when_it_is_due(void)
+{
+    TEST_ASSERT_FALSE(begins_glide(1.5f, 1.0f, 0.8f));
+    TEST_ASSERT_TRUE(begins_glide(2.2f, 1.0f, 0.8f));
+    TEST_ASSERT_TRUE(begins_glide(2.2f, 3.0f, 0.0f));
+    TEST_ASSERT_FALSE(begins_glide(2.9f, 3.0f, 0.0f));
+    /* Faster than it can brake; nearer, it turns less. */
+    TEST_ASSERT_TRUE(begins_glide(2.7f, 0.8f, 0.8f));
+    TEST_ASSERT_TRUE(patrol.internal.glide_heading < 0.6f);
+}
+
+/* A post ahead: beside it the robot may come to the goal askew, but cannot turn there. */
+static void test_what_is_left_of_a_glide_in_must_be_free(void)
+{
+    struct jp_patrol_window window;
+
+    TEST_ASSERT_TRUE(begins_glide(2.2f, 3.0f, 0.0f));
+    rig_reset();
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    robot.x = 2.2f;
+    rig_init();
+    rig_wall(3.47f, -0.1f, 3.47f, 0.1f);
+    rig_go_to_heading(3.0f, 0.0f, 3.0f);
+    rig_cycle();
+    jp_patrol_look_ahead(&patrol, config.horizon, &window);
+    TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
+}
+
 static void test_a_goal_behind_is_stepped_to(void)
 {
     rig_go_to_heading(-0.2f, 0.05f, 0.0f);
