@@ -98,7 +98,7 @@ static const struct config_field fields[] = {
     REAL(weights.turn_acceleration_s4_per_rad2, 0, WEIGHT_MAX, "s⁴/rad²"),
     REAL(weights.obstacle_per_m2, 0, WEIGHT_MAX, "1/m²"),
     REAL(weights.path_per_m2, 0, WEIGHT_MAX, "1/m²"),
-    REAL(weights.energy_per_j, 0, WEIGHT_MAX, "1/J"),
+    REAL(weights.energy_per_j, 0, 1, "1/J"),
     REAL(weights.no_reversing_s2_per_m2, 0, WEIGHT_MAX, "s²/m²"),
     REAL(weights.wheel_odometry_per_m2, 0, WEIGHT_MAX, "1/m²"),
     REAL(weights.laser_odometry_per_m2, 0, WEIGHT_MAX, "1/m²"),
