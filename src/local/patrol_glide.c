@@ -260,19 +260,43 @@ static bool leads_in(const struct jp_patrol *patrol, const struct jp_patrol_wind
     return glide->is_to_goal;
 }
 
+/* What is left of an angle to turn in place, when a glide takes a part of it. */
+static float first_turn(const struct jp_patrol_config *config, float angle, float part)
+{
+    const float rest = jp_plane_magnitude(angle - part);
+
+    return rest < config->heading_tolerance ? 0.0f : rest;
+}
+
+static float set_off_price(const struct jp_patrol_config *config, float angle, float part)
+{
+    const float first = first_turn(config, angle, part);
+
+    return jp_patrol_turn_price(config, first) +
+           jp_patrol_steering_price(config, jp_plane_magnitude(part), first > 0.0f);
+}
+
+/* The part of an angle that a glide takes at least cost: all that it can, or as much as the wheels stand askew after a
+ * turn in place. */
+static float cheapest_part(const struct jp_patrol *patrol, float angle)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const float in_place = jp_patrol_in_place(config);
+    const float most = askew_part(patrol, angle);
+    const float alike = jp_plane_clamp(most, -in_place, in_place);
+
+    return set_off_price(config, angle, alike) < set_off_price(config, angle, most) ? alike : most;
+}
+
 bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *window)
 {
     const struct jp_patrol_config *const config = &patrol->config;
     const float askew = jp_plane_wrap(window->direction - patrol->pose.heading);
-    const float reached = askew_part(patrol, askew);
-    const bool is_reached = jp_plane_magnitude(askew - reached) < config->heading_tolerance;
-    const float part = is_reached ? askew : reached;
-    const float first = is_reached ? 0.0f : jp_plane_magnitude(askew - part);
+    const float part = cheapest_part(patrol, askew);
     struct glide glide = glide_from(patrol, &patrol->pose);
 
     if (config->strategy != (uint8_t)JP_PATROL_BY_COST ||
-        jp_patrol_turn_price(config, first) + jp_patrol_steering_price(config, jp_plane_magnitude(part), !is_reached) >=
-            jp_patrol_turn_price(config, jp_plane_magnitude(askew)) + jp_patrol_steering_price(config, 0.0f, true)) {
+        set_off_price(config, askew, part) >= set_off_price(config, askew, 0.0f)) {
         return false;
     }
     glide.pose.heading = jp_plane_wrap(window->direction - part);
@@ -280,11 +304,12 @@ bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *
     if (!is_free(patrol, &glide)) {
         return false;
     }
-    if (is_reached) {
+    if (first_turn(config, askew, part) > 0.0f) {
+        jp_patrol_turn_to(patrol, glide.pose.heading);
+    } else {
+        glide.pose.heading = patrol->pose.heading;
         begin(patrol, &glide, true);
-        return true;
     }
-    jp_patrol_turn_to(patrol, glide.pose.heading);
     return true;
 }
 

@@ -1,5 +1,6 @@
 /* Turning while the robot drives: when it pays, when it is free, and how it ends. */
 #include "src/local/patrol_glide.h"
+#include "src/local/patrol_price.h"
 
 #include "src/local/patrol_path.h"
 #include "src/local/patrol_room.h"
@@ -78,10 +79,49 @@ static void test_the_papers_rule_turns_first(void)
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.glides);
 }
 
-/* Where steering costs more than turning, what a glide saves of the turn is not worth it. */
+/* A turn in place, then a glide that begins askew. */
+static float set_off_price(float turned, float askew)
+{
+    return jp_patrol_turn_price(&config, turned) + jp_patrol_steering_price(&config, askew, turned > 0.0f);
+}
+
+/* Of all ways to share an angle between the two. */
+static float least_price(float angle)
+{
+    const float most = jp_plane_smaller(angle, jp_patrol_askew_max(&config));
+    float least = set_off_price(angle, 0.0f);
+
+    for (unsigned i = 0; i <= 100U; i++) {
+        const float askew = most * (float)i / 100.0f;
+
+        least = jp_plane_smaller(least, set_off_price(angle - askew, askew));
+    }
+    return least;
+}
+
+static void test_robot_sets_off_as_costs_least(void)
+{
+    for (unsigned i = 7; i <= 36U; i++) {
+        const float angle = JP_PLANE_PI * (float)i / 36.0f;
+
+        setUp();
+        config.price.steering = i % 2U == 0U ? 9.0f : 60.0f;
+        rig_init();
+        rig_go(2.5f * jp_plane_cosine(angle), 2.5f * jp_plane_sine(angle));
+        rig_cycle();
+        TEST_ASSERT_TRUE(patrol.state == JP_PATROL_GLIDING || patrol.state == JP_PATROL_TURNING);
+
+        const float turned =
+            patrol.state == JP_PATROL_TURNING ? jp_plane_magnitude(patrol.internal.turn_remaining) : 0.0f;
+
+        TEST_ASSERT_TRUE(set_off_price(turned, jp_plane_magnitude(angle - turned)) <= least_price(angle) + 1.0f);
+    }
+}
+
+/* Where wheels are steered more slowly than the robot turns, what a glide saves of the turn is not worth it. */
 static void test_the_cheaper_way_is_taken(void)
 {
-    config.price = (struct jp_patrol_price){.second = 1.0f, .turning = 0.0f, .steering = 100.0f};
+    config.steering_rate = 0.1f;
     rig_init();
     rig_go(-2.5f, 0.5f);
     rig_cycle();
