@@ -108,8 +108,9 @@ static float braking_on_curve(const struct jp_patrol *patrol, const struct jp_pl
     const struct jp_four_wheel_config *const wheels = &patrol->config.wheels;
     const float forward = jp_plane_magnitude(speed->forward);
     const float half_turn = 0.5f * jp_plane_magnitude(speed->turn_rate) * Q24;
-    const float outermost =
-        jp_plane_length(forward + half_turn * (float)wheels->track, half_turn * (float)wheels->wheelbase);
+    const float along = half_turn * (float)wheels->track; /* of the outer wheels besides, m/s */
+    const float across = half_turn * (float)wheels->wheelbase;
+    const float outermost = jp_plane_length(forward + along, across);
 
     return patrol->config.people.braking * forward / outermost;
 }
