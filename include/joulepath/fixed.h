@@ -122,6 +122,15 @@ inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift)
     return shift >= 32U ? (int32_t)scaled : jp_saturate32(scaled);
 }
 
+/** x·share / 2^shift of a share of −1 to 1, rounded: 0.5 ulp. It fits, so nothing saturates; −1 of x > INT32_MIN only.
+ */
+inline int32_t jp_share(int32_t x, int32_t share, unsigned shift)
+{
+    int64_t half = (int64_t)1 << (shift - 1);
+
+    return (int32_t)((jp_multiply(x, share) + half) >> shift);
+}
+
 /** Products of equal formats, saturated: 0.5 ulp. jp_q31_multiply(−1, −1) is JP_Q31_MAX. */
 static inline jp_q16 jp_q16_multiply(jp_q16 a, jp_q16 b)
 {

@@ -35,7 +35,7 @@ void jp_skid_tilt_start(struct jp_skid_tilt *tilt, const struct jp_skid_odometry
 /* x without the share that is forgotten, Q30. */
 static int32_t faded(int32_t x, int32_t fading)
 {
-    return x - jp_multiply_shift(x, fading, 30);
+    return x - jp_share(x, fading, 30);
 }
 
 /* A part of one grade goes to the other. */

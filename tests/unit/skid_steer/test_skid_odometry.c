@@ -531,9 +531,8 @@ static void test_ratio_grows_as_the_robot_is_pushed_aside(void)
     odometry.internal.slip.along = 0;
     odometry.internal.slip.across = JP_Q24(0.2); /* 4 % */
     drive(100, 0, 0, 0);
-    config.turn_creep_across = JP_Q24(1);
-    odometry.internal.slip.creep_across = JP_Q24(2);
-    odometry.internal.slip.creep_along = 0;
+    config.turn_creep_across = JP_Q24(0.3183098861837907); /* 2 m/turn */
+    config.turn_creep_along = 0;
     for (int step = 0; step < 100; step++) {
         odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
         drive(1, -256, 256, JP_Q24(0.40625)); /* 4 % more than the ratio says */
