@@ -13,7 +13,6 @@ _Static_assert((int32_t)UINT32_MAX == -1, "conversion to a signed type must wrap
 extern inline int32_t jp_saturate32(int64_t x);
 extern inline int32_t jp_add(int32_t a, int32_t b);
 extern inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift);
-extern inline int32_t jp_share(int32_t x, int32_t share, unsigned shift);
 extern inline int32_t jp_round_shift(int64_t x, unsigned shift);
 
 #if JP_LONG_MULTIPLY

@@ -222,8 +222,8 @@ void jp_skid_control_update(struct jp_skid_control *control, const struct jp_ski
     voltages->saturated = left_limited || right_limited;
 }
 
-static jp_q16 expected_voltage(const struct jp_skid_side *side, const struct jp_skid_control_config *config,
-                               jp_q16 limit)
+static JP_INLINE_FOR_SPEED jp_q16 expected_voltage(const struct jp_skid_side *side,
+                                                   const struct jp_skid_control_config *config, jp_q16 limit)
 {
     const jp_q16 voltage = jp_add(jp_multiply_shift(config->back_emf, side->reference, 24),
                                   jp_q16_multiply(config->resistance, side->load));

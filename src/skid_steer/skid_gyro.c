@@ -1,4 +1,5 @@
 #include "src/skid_steer/skid_gyro.h"
+#include "src/base/compiler.h"
 
 #include "src/base/reciprocal.h"
 #include "src/skid_steer/skid_arithmetic.h"
@@ -74,7 +75,7 @@ static int64_t noise_of(const struct jp_skid_gyro *gyro, const struct jp_skid_st
 }
 
 /* Q30 · Q24; the result is part of a variance. */
-static int32_t reduction(int32_t gain, int64_t covariance)
+static JP_INLINE_FOR_SPEED int32_t reduction(int32_t gain, int64_t covariance)
 {
     return jp_saturate32((gain * (covariance >> 8)) >> 16);
 }

@@ -1,5 +1,6 @@
 #include <joulepath/skid_monitor.h>
 
+#include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/in_a_row.h"
 #include "src/base/integer.h"
@@ -35,7 +36,7 @@ void jp_skid_monitor_start(struct jp_skid_monitor *monitor, jp_q24 tilt_limit)
     *monitor = (struct jp_skid_monitor){.steepest = jp_sin((jp_angle)tilt_limit << 8) >> 7};
 }
 
-static int32_t smoothed(int32_t past, int32_t now, jp_q31 share)
+static JP_INLINE_FOR_SPEED int32_t smoothed(int32_t past, int32_t now, jp_q31 share)
 {
     return jp_add(past, jp_share(jp_sub(now, past), share, 31));
 }

@@ -236,7 +236,7 @@ static void drive(struct jp_skid_robot_internal *robot, unsigned faults)
 
 /* The tick: control. */
 
-static int32_t limited_motion(int32_t rate)
+static JP_INLINE_FOR_SPEED int32_t limited_motion(int32_t rate)
 {
     return jp_clamp32(rate, -MOTION_MAX, MOTION_MAX);
 }

@@ -1,4 +1,5 @@
 #include "src/skid_steer/skid_slip.h"
+#include "src/base/compiler.h"
 
 #include "src/skid_steer/skid_arithmetic.h"
 
@@ -79,8 +80,9 @@ void jp_skid_slip_move(struct jp_skid_slip *slip, const struct jp_skid_odometry_
 }
 
 /* Of a side on the ground over the weight, g: what its motor's current leaves behind gear and rolling. */
-static jp_q24 side_force(const struct jp_skid_slip *slip, const struct jp_skid_odometry_config *config,
-                         const struct jp_skid_step *step, unsigned side)
+static JP_INLINE_FOR_SPEED jp_q24 side_force(const struct jp_skid_slip *slip,
+                                             const struct jp_skid_odometry_config *config,
+                                             const struct jp_skid_step *step, unsigned side)
 {
     const int32_t counts = step->counts[side];
     const jp_q24 motor = jp_multiply_shift(step->current[side], config->force_per_ampere, 16);
