@@ -52,7 +52,7 @@ static void move(struct jp_skid_slip *slip, const struct jp_skid_odometry_config
     const int32_t pushed_ahead = jp_skid_part(step->turn, jp_skid_part(slip->shift_along, left));
     const int32_t pushed_left = jp_skid_part(slip->shift_across, ahead);
     const int32_t crept_right = jp_skid_part(slip->creep_across, left);
-    const int32_t turned_left = jp_sub(step->turn < 0 ? -pushed_left : pushed_left, crept_right);
+    const int32_t turned_left = jp_sub(step->turn < 0 ? jp_sub(0, pushed_left) : pushed_left, crept_right);
 
     slip->along = jp_skid_part(slip->creep_along, ahead);
     slip->across = jp_clamp32(turned_left, -slip->most, slip->most);

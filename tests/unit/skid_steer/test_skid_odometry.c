@@ -523,6 +523,18 @@ static void test_bend_loses_way(void)
     TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.forward);
 }
 
+/* A right turn by a force beyond all numbers: it slides as far to its left as it may. */
+static void test_push_aside_saturates(void)
+{
+    config.turn_shift_across = JP_Q24(8);
+    config.turn_slide_most = JP_Q24(0.5);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_OFFSET] = JP_Q24_ONE;
+    sensors.accel_x = -JP_Q24(2);
+    drive(1, 256, -256, -JP_Q24(0.25));
+    TEST_ASSERT_EQUAL_INT32(odometry.internal.slip.most, odometry.internal.slip.across);
+}
+
 /* A robot that is pushed aside in its turns turns further by the same wheels. */
 static void test_ratio_grows_as_the_robot_is_pushed_aside(void)
 {
