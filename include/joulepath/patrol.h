@@ -11,8 +11,8 @@
  *
  * With four steered wheels it can also turn while it drives: GLIDING it follows the path at once and turns on the way,
  * to the path's direction or to the goal's heading; its wheels then lead it askew. Whether it turns first, glides, or
- * steps to a near goal, sideways or backwards, is chosen by what each takes (struct jp_patrol_price), where the sweep is
- * free; or, by the strategy of the paper that this behaviour follows, it always turns in place first beyond a fixed
+ * steps to a near goal, sideways or backwards, is chosen by what each takes (struct jp_patrol_price), where the sweep
+ * is free; or, by the strategy of the paper that this behaviour follows, it always turns in place first beyond a fixed
  * angle. It drives no faster than it can stop on its curve.
  *
  * It yields to people: to who walks, or has walked and may walk on or back. Their places are foreseen, and it goes on
