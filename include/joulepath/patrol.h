@@ -139,6 +139,16 @@ struct jp_patrol_counts {
     uint32_t shapes_dropped; /**< obstacles that did not fit */
 };
 
+/** Places where people have walked lately that are remembered: those of a dozen who walk to and fro. */
+#define JP_PATROL_TRODDEN_MAX 256U
+
+/** Private. */
+struct jp_patrol_trodden {
+    struct jp_plane_point place;
+    float radius; /**< of who walked there, m; 0: nobody */
+    float age;    /**< s */
+};
+
 /** Private. */
 struct jp_patrol_internal {
     const struct jp_point *path;
@@ -169,6 +179,8 @@ struct jp_patrol_internal {
     bool is_yielding;      /**< to people */
     float sideways_before; /**< of the last cycle's command, m/s */
     uint16_t unmoved;      /**< cycles since the robot last made progress */
+    float yielded;         /**< that it has stood for people, less what it drove since, s */
+    struct jp_patrol_trodden trodden[JP_PATROL_TRODDEN_MAX];
 };
 
 /** The members but `internal` may be read. */

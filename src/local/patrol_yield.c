@@ -325,6 +325,15 @@ static void heed_clearance(struct jp_patrol *patrol)
     }
 }
 
+/* What it drives is worth half as much: who creeps on gains little. */
+static void count_wait(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const float period = patrol->config.period;
+    const bool stands = patrol->internal.is_yielding && jp_patrol_is_standing(speed);
+
+    patrol->internal.yielded = jp_plane_larger(patrol->internal.yielded + (stands ? period : -0.5f * period), 0.0f);
+}
+
 void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     heed_clearance(patrol);
@@ -345,4 +354,5 @@ void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *spee
         }
     }
     patrol->internal.sideways_before = patrol->internal.sideways;
+    count_wait(patrol, speed);
 }
